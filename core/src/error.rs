@@ -1,0 +1,120 @@
+//! What can be wrong with what the caller hands in, said so that it can be found: channel, sample, cause.
+
+use thiserror::Error;
+
+/// Every way in which input to this crate can be refused.
+///
+/// Channels are numbered 1 to 9 as in the paper; samples are counted from 0.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A sample is NaN or infinite.
+    #[error("channel {channel}, sample {sample}: value {value} is not a finite number")]
+    NotFinite {
+        /// Channel, from 1.
+        channel: usize,
+        /// Sample, from 0.
+        sample: usize,
+        /// The offending value.
+        value: f64,
+    },
+    /// A parameter or setting lies outside the range in which it has a meaning.
+    #[error("{name} = {value}: must be {requirement}")]
+    OutOfRange {
+        /// Name of the field, with its unit.
+        name: &'static str,
+        /// The offending value.
+        value: f64,
+        /// What would be accepted.
+        requirement: &'static str,
+    },
+    /// The inertia per mass is one that no rigid body can have.
+    #[error(
+        "inertia per mass has principal moments {principal_m2:?} m^2: a body needs all of them positive and none larger than the sum of the other two"
+    )]
+    ImpossibleInertia {
+        /// Principal moments per mass, ascending, m^2.
+        principal_m2: [f64; 3],
+    },
+    /// Time does not advance by the same step from sample to sample.
+    #[error(
+        "sample {sample}: time stamp {time_s} s follows {previous_s} s, expected a step of {expected_step_s} s"
+    )]
+    IrregularTime {
+        /// Sample, from 0.
+        sample: usize,
+        /// Its time stamp.
+        time_s: f64,
+        /// The time stamp before it.
+        previous_s: f64,
+        /// Step that the sample rate asks for.
+        expected_step_s: f64,
+    },
+    /// The recording is too short for what is asked of it.
+    #[error("{what} needs at least {needed} samples, got {got}")]
+    TooFewSamples {
+        /// The operation.
+        what: &'static str,
+        /// Its minimum.
+        needed: usize,
+        /// What it got.
+        got: usize,
+    },
+    /// Two series that belong together differ in length.
+    #[error("{what}: expected {expected} samples, got {got}")]
+    LengthMismatch {
+        /// Which series.
+        what: &'static str,
+        /// Length of its partner.
+        expected: usize,
+        /// Its own length.
+        got: usize,
+    },
+    /// A channel does not move at all although the sensor does.
+    #[error("channel {channel}: dead, it reads {value_v} V in all {samples} samples")]
+    DeadChannel {
+        /// Channel, from 1.
+        channel: usize,
+        /// What it reads.
+        value_v: f64,
+        /// In how many samples.
+        samples: usize,
+    },
+    /// A channel touches the limit of the converter.
+    #[error("channel {channel}, sample {sample}: clipped at {limit_v} V")]
+    Clipped {
+        /// Channel, from 1.
+        channel: usize,
+        /// First clipped sample, from 0.
+        sample: usize,
+        /// Converter limit.
+        limit_v: f64,
+    },
+    /// The motion does not excite every unknown.
+    #[error(
+        "{what}: the motion leaves {unknowns} unknowns with rank {rank} (condition number {condition:.3e}); nothing is known along {lost_direction:?}"
+    )]
+    RankDeficient {
+        /// The identification step.
+        what: &'static str,
+        /// Number of unknowns.
+        unknowns: usize,
+        /// Numerical rank.
+        rank: usize,
+        /// Condition number of the column-scaled regressor.
+        condition: f64,
+        /// Unit vector, in the unknowns' order (padded with zeros), along which the data say nothing.
+        lost_direction: [f64; 9],
+    },
+    /// An iteration did not settle within its cap.
+    #[error("{what} did not converge in {iterations} iterations")]
+    NotConverged {
+        /// The iteration.
+        what: &'static str,
+        /// Its cap.
+        iterations: usize,
+    },
+}
+
+/// Result of every fallible function of this crate.
+pub type Result<T> = core::result::Result<T, Error>;
