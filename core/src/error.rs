@@ -106,6 +106,12 @@ pub enum Error {
         /// Unit vector, in the unknowns' order (padded with zeros), along which the data say nothing.
         lost_direction: [f64; 9],
     },
+    /// Three limb lengths for which no common end point exists.
+    #[error("node {node}: its three limbs, as long as the forces make them, do not meet")]
+    LimbsDoNotMeet {
+        /// Node of the mass, from 1: limbs 1-3, 4-6, 7-9.
+        node: usize,
+    },
     /// An iteration did not settle within its cap.
     #[error("{what} did not converge in {iterations} iterations")]
     NotConverged {

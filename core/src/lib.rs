@@ -1,9 +1,43 @@
 #![no_std]
-//! placeholder
+//! The mathematics of a parallel six-axis accelerometer: a cubic mass hung in a shell on nine piezo limbs (9-SPS).
+//!
+//! Nine voltages in, six accelerations out, once 25 parameters are identified. After You Jingjing, Li Chenggang and
+//! Wu Hongtao, *Parameter identification of parallel type six-axis accelerometer*, Optics and Precision Engineering
+//! 21(10), 2013; equation numbers are that paper's.
+//!
+//! The modules follow a voltage on its way through the sensor: [`geometry`] and [`parameters`] say what the sensor
+//! is, [`signal`] turns voltages into limb forces, [`pose`] forces into the mass's place in the shell, [`preload`]
+//! adds the static share a piezo hides, [`dynamics`] balances forces, [`integrator`] and [`attitude`] carry the
+//! shell's rate and attitude from sample to sample, and [`decoupler`] is all of that as a stream. [`identify`] runs
+//! the four steps that find the parameters; `preprocess` (feature `alloc`) cleans recordings before either.
+//!
+//! SI units throughout; each name carries its unit and, where it crosses a boundary, its frame: `_ground` {0},
+//! `_shell` {1}, `_mass` {2}. No input or output, no simulator, no std: the decoupler neither allocates nor panics.
 
 #[cfg(feature = "alloc")]
 extern crate alloc;
 
+pub mod attitude;
+pub mod decoupler;
+pub mod dynamics;
 pub mod error;
+pub mod geometry;
+pub mod identify;
+pub mod integrator;
+pub mod parameters;
+pub mod pose;
+pub mod preload;
+#[cfg(feature = "alloc")]
+pub mod preprocess;
+#[cfg(feature = "alloc")]
+pub mod rest_to_rest;
+mod scalar;
+pub mod signal;
 
+pub use decoupler::{Decoupler, Sensor, Settings, SixAxis, StaticResponse};
 pub use error::{Error, Result};
+pub use geometry::{Geometry, LIMBS};
+pub use integrator::Scheme;
+pub use parameters::{InertiaPerMass, Parameters};
+pub use pose::LimbLaw;
+pub use signal::Gains;

@@ -1,2 +1,4 @@
 //! placeholder
-fn main() {}
+fn main() {
+    println!("{}", sixaxis_reference::mjcf::mujoco_version());
+}

@@ -1,0 +1,80 @@
+//! Step 1: the nine zero drifts, as the mean voltage at rest.
+
+use crate::error::{Error, Result};
+use crate::geometry::LIMBS;
+use crate::scalar::sqrt;
+
+/// Batches over which the standard error of the mean is taken: enough for a variance good to a fifth, long enough
+/// each that neighbouring batches are independent when the noise is not white.
+const BATCHES: usize = 32;
+
+/// Zero drift of nine channels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ZeroDrift {
+    /// d_i, V.
+    pub drift_v: [f64; LIMBS],
+    /// Its standard error by batch means, V: holds for noise that is not white, too.
+    pub standard_error_v: [f64; LIMBS],
+    /// Standard deviation of a single sample, V.
+    pub noise_v: [f64; LIMBS],
+    /// Number of samples.
+    pub samples: usize,
+}
+
+/// d_i from a static record: the mean of each channel (the paper: ten minutes, preprocessed).
+///
+/// # Errors
+/// [`Error::TooFewSamples`] below 32 samples, [`Error::NotFinite`].
+pub fn identify(static_voltage_v: &[[f64; LIMBS]]) -> Result<ZeroDrift> {
+    let samples = static_voltage_v.len();
+    if samples < BATCHES {
+        return Err(Error::TooFewSamples {
+            what: "zero drift",
+            needed: BATCHES,
+            got: samples,
+        });
+    }
+    let per_batch = samples / BATCHES;
+    let mut result = ZeroDrift {
+        drift_v: [0.0; LIMBS],
+        standard_error_v: [0.0; LIMBS],
+        noise_v: [0.0; LIMBS],
+        samples,
+    };
+    for channel in 0..LIMBS {
+        for (sample, row) in static_voltage_v.iter().enumerate() {
+            if !row[channel].is_finite() {
+                return Err(Error::NotFinite {
+                    channel: channel + 1,
+                    sample,
+                    value: row[channel],
+                });
+            }
+        }
+        // Counting from the first sample keeps the sum small and its rounding far below the drift.
+        let origin = static_voltage_v[0][channel];
+        let mean_of = |rows: &[[f64; LIMBS]]| {
+            rows.iter().map(|row| row[channel] - origin).sum::<f64>() / rows.len() as f64
+        };
+        let mean = mean_of(static_voltage_v);
+        let squares: f64 = static_voltage_v
+            .iter()
+            .map(|row| {
+                let d = row[channel] - origin - mean;
+                d * d
+            })
+            .sum();
+        let batch_squares: f64 = static_voltage_v
+            .chunks_exact(per_batch)
+            .take(BATCHES)
+            .map(|batch| {
+                let d = mean_of(batch) - mean;
+                d * d
+            })
+            .sum();
+        result.drift_v[channel] = origin + mean;
+        result.noise_v[channel] = sqrt(squares / (samples - 1) as f64);
+        result.standard_error_v[channel] = sqrt(batch_squares / (BATCHES * (BATCHES - 1)) as f64);
+    }
+    Ok(result)
+}

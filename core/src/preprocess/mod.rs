@@ -1,0 +1,3 @@
+//! Cleaning of recordings before identification and decoupling.
+
+pub mod lag;

@@ -1,0 +1,31 @@
+//! The few elementary functions this crate needs, from std on a host and from libm without one.
+
+#[cfg(feature = "std")]
+mod imp {
+    pub fn sqrt(x: f64) -> f64 {
+        x.sqrt()
+    }
+    pub fn sin_cos(x: f64) -> (f64, f64) {
+        x.sin_cos()
+    }
+    #[cfg(feature = "alloc")]
+    pub fn exp(x: f64) -> f64 {
+        x.exp()
+    }
+}
+
+#[cfg(not(feature = "std"))]
+mod imp {
+    pub fn sqrt(x: f64) -> f64 {
+        libm::sqrt(x)
+    }
+    pub fn sin_cos(x: f64) -> (f64, f64) {
+        libm::sincos(x)
+    }
+    #[cfg(feature = "alloc")]
+    pub fn exp(x: f64) -> f64 {
+        libm::exp(x)
+    }
+}
+
+pub(crate) use imp::*;

@@ -1,0 +1,284 @@
+//! The description of a figure: data and words, no drawing.
+//!
+//! Everything is plain and public; the constructors only save typing. Drawing is [`super::plot`]'s.
+
+use serde::Serialize;
+
+/// How an axis maps values to distance.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Scale {
+    /// Equal differences are equal distances.
+    #[default]
+    Linear,
+    /// Equal ratios are equal distances; values that are not positive are not drawn.
+    Log,
+}
+
+/// One axis.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Axis {
+    /// What is plotted, as inline text.
+    pub label: String,
+    /// Its unit, printed in brackets after the label; empty for a pure number.
+    pub unit: String,
+    /// Linear or logarithmic.
+    pub scale: Scale,
+    /// Fixed ends; `None` fits the data and the marks. Data outside are clipped, not moved.
+    pub range: Option<(f64, f64)>,
+}
+
+impl Axis {
+    /// A linear axis that fits its data.
+    pub fn linear(label: impl Into<String>, unit: impl Into<String>) -> Self {
+        Self {
+            label: label.into(),
+            unit: unit.into(),
+            ..Self::default()
+        }
+    }
+
+    /// A logarithmic axis that fits its data.
+    pub fn log(label: impl Into<String>, unit: impl Into<String>) -> Self {
+        Self {
+            scale: Scale::Log,
+            ..Self::linear(label, unit)
+        }
+    }
+
+    /// The same axis with fixed ends.
+    #[must_use]
+    pub fn range(mut self, from: f64, to: f64) -> Self {
+        self.range = Some((from, to));
+        self
+    }
+}
+
+/// How a series is drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// A full line.
+    #[default]
+    Line,
+    /// A broken line, for a theory or a reference.
+    Dashed,
+    /// Markers alone. The marker's shape follows the colour index, so that colour is never the
+    /// only difference.
+    Points,
+    /// Markers joined by a thin line.
+    LinePoints,
+}
+
+/// One curve.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Series {
+    /// Legend text; a series with an empty label has no legend entry.
+    pub label: String,
+    /// Samples in drawing order. A point with a non-finite coordinate (or, on a logarithmic axis,
+    /// a non-positive one) is not drawn and breaks the line.
+    #[serde(skip_serializing)]
+    pub points: Vec<(f64, f64)>,
+    /// How it is drawn.
+    pub kind: Kind,
+    /// Index into the palette, modulo [`super::ink::PALETTE`].
+    pub colour: usize,
+}
+
+impl Series {
+    /// A series of the given kind.
+    pub fn new(
+        label: impl Into<String>,
+        colour: usize,
+        kind: Kind,
+        points: impl IntoIterator<Item = (f64, f64)>,
+    ) -> Self {
+        Self {
+            label: label.into(),
+            points: points.into_iter().collect(),
+            kind,
+            colour,
+        }
+    }
+
+    /// A full line.
+    pub fn line(
+        label: impl Into<String>,
+        colour: usize,
+        points: impl IntoIterator<Item = (f64, f64)>,
+    ) -> Self {
+        Self::new(label, colour, Kind::Line, points)
+    }
+
+    /// A broken line.
+    pub fn dashed(
+        label: impl Into<String>,
+        colour: usize,
+        points: impl IntoIterator<Item = (f64, f64)>,
+    ) -> Self {
+        Self::new(label, colour, Kind::Dashed, points)
+    }
+
+    /// Markers alone.
+    pub fn points(
+        label: impl Into<String>,
+        colour: usize,
+        points: impl IntoIterator<Item = (f64, f64)>,
+    ) -> Self {
+        Self::new(label, colour, Kind::Points, points)
+    }
+
+    /// Markers joined by a thin line.
+    pub fn line_points(
+        label: impl Into<String>,
+        colour: usize,
+        points: impl IntoIterator<Item = (f64, f64)>,
+    ) -> Self {
+        Self::new(label, colour, Kind::LinePoints, points)
+    }
+}
+
+/// A guide on top of the data.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Mark {
+    /// A full-height line at one abscissa.
+    Vertical {
+        /// Where.
+        x: f64,
+        /// Short text at its upper end; may be empty.
+        label: String,
+    },
+    /// A full-width line at one ordinate.
+    Horizontal {
+        /// Where.
+        y: f64,
+        /// Short text above its right end; may be empty.
+        label: String,
+    },
+    /// A slope triangle: from `(x, y)` over `decades` decades of x with `slope` decades of y per
+    /// decade of x. Drawn only if both axes are logarithmic.
+    Slope {
+        /// Abscissa of the triangle's foot.
+        x: f64,
+        /// Ordinate of the triangle's foot.
+        y: f64,
+        /// Decades of y per decade of x.
+        slope: f64,
+        /// Width in decades of x.
+        decades: f64,
+        /// Text beside the upright side, usually the slope itself.
+        label: String,
+    },
+}
+
+impl Mark {
+    /// A full-height line.
+    pub fn vertical(x: f64, label: impl Into<String>) -> Self {
+        Self::Vertical {
+            x,
+            label: label.into(),
+        }
+    }
+
+    /// A full-width line.
+    pub fn horizontal(y: f64, label: impl Into<String>) -> Self {
+        Self::Horizontal {
+            y,
+            label: label.into(),
+        }
+    }
+
+    /// A slope triangle.
+    pub fn slope(x: f64, y: f64, slope: f64, decades: f64, label: impl Into<String>) -> Self {
+        Self::Slope {
+            x,
+            y,
+            slope,
+            decades,
+            label: label.into(),
+        }
+    }
+}
+
+/// A second, lower panel that shares a figure's x axis, usually for the error of what is above.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Panel {
+    /// Its own ordinate.
+    pub y: Axis,
+    /// Its own series.
+    pub series: Vec<Series>,
+    /// Its own guides; vertical marks of the figure are repeated here without their labels.
+    pub marks: Vec<Mark>,
+}
+
+/// One figure.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Figure {
+    /// Anchor, unique on its page: letters, digits and hyphens.
+    pub id: String,
+    /// A short title, printed above.
+    pub title: String,
+    /// What to see in it, inline text printed below; may be empty.
+    pub caption: String,
+    /// Abscissa.
+    pub x: Axis,
+    /// Ordinate.
+    pub y: Axis,
+    /// Curves, drawn in this order.
+    pub series: Vec<Series>,
+    /// Guides.
+    pub marks: Vec<Mark>,
+    /// A lower panel with the same abscissa.
+    pub below: Option<Panel>,
+    /// Take the whole width of the page instead of the width of the text.
+    pub wide: bool,
+}
+
+impl Figure {
+    /// A figure without data yet.
+    pub fn new(id: impl Into<String>, title: impl Into<String>, x: Axis, y: Axis) -> Self {
+        Self {
+            id: id.into(),
+            title: title.into(),
+            x,
+            y,
+            ..Self::default()
+        }
+    }
+
+    /// Sets the caption.
+    #[must_use]
+    pub fn caption(mut self, text: impl Into<String>) -> Self {
+        self.caption = text.into();
+        self
+    }
+
+    /// Adds a curve.
+    #[must_use]
+    pub fn series(mut self, series: Series) -> Self {
+        self.series.push(series);
+        self
+    }
+
+    /// Adds a guide.
+    #[must_use]
+    pub fn mark(mut self, mark: Mark) -> Self {
+        self.marks.push(mark);
+        self
+    }
+
+    /// Adds a lower panel.
+    #[must_use]
+    pub fn below(mut self, panel: Panel) -> Self {
+        self.below = Some(panel);
+        self
+    }
+
+    /// Takes the whole width of the page.
+    #[must_use]
+    pub fn wide(mut self) -> Self {
+        self.wide = true;
+        self
+    }
+}

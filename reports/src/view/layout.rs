@@ -1,0 +1,260 @@
+//! Where everything of a figure stands, before anything is drawn.
+//!
+//! Margins follow from the labels: nothing is clipped, nothing is left wider than it must be.
+
+use super::figure::{Axis, Figure, Kind, Mark, Series};
+use super::markup;
+use super::plot::Size;
+use super::scale::{Span, Ticks};
+use super::trace::{Frame, Point};
+
+/// One drawn field: the figure itself or its lower panel.
+pub struct Field<'a> {
+    /// Ordinate.
+    pub y: &'a Axis,
+    /// Curves.
+    pub series: &'a [Series],
+    /// Guides.
+    pub marks: &'a [Mark],
+    /// The ordinate's ends.
+    pub span: Span,
+    /// The ordinate's ticks.
+    pub ticks: Ticks,
+    /// Where it stands.
+    pub frame: Frame,
+}
+
+/// Everything placed, nothing drawn.
+pub struct Layout<'a> {
+    /// What is drawn.
+    pub figure: &'a Figure,
+    /// On which sheet.
+    pub size: Size,
+    /// The abscissa's ends.
+    pub x_span: Span,
+    /// The abscissa's ticks.
+    pub x_ticks: Ticks,
+    /// The figure itself and its lower panel.
+    pub fields: Vec<Field<'a>>,
+    /// Labels of vertical guides: centre, row counted upwards from the frame, text.
+    pub above: Vec<(f64, usize, &'a str)>,
+}
+
+impl<'a> Layout<'a> {
+    /// Places a figure on a sheet.
+    #[must_use]
+    pub fn of(figure: &'a Figure, size: Size) -> Self {
+        let mut parts = vec![(&figure.y, &figure.series[..], &figure.marks[..])];
+        parts.extend(
+            figure
+                .below
+                .iter()
+                .map(|p| (&p.y, &p.series[..], &p.marks[..])),
+        );
+        let marked = parts.iter().any(|(_, series, _)| {
+            series
+                .iter()
+                .any(|s| matches!(s.kind, Kind::Points | Kind::LinePoints))
+        });
+        let x_values = parts.iter().flat_map(|(_, series, marks)| {
+            let points = series
+                .iter()
+                .flat_map(|s| &s.points)
+                .filter(|p| p.1.is_finite());
+            points
+                .map(|p| p.0)
+                .chain(marks.iter().filter_map(|mark| match mark {
+                    Mark::Vertical { x, .. } => Some(*x),
+                    _ => None,
+                }))
+        });
+        let x_span = Span::fit(&figure.x, x_values, if marked { 0.025 } else { 0.0 });
+        let spans: Vec<Span> = parts
+            .iter()
+            .map(|(y, series, marks)| fit_y(y, series, marks, &x_span))
+            .collect();
+
+        // Margins depend on labels and labels on margins: three rounds settle both.
+        let em = size.font;
+        let (mut right, mut rows) = (0.9 * em, 0);
+        let mut layout = Self {
+            figure,
+            size,
+            x_span,
+            x_ticks: Ticks::default(),
+            fields: Vec::new(),
+            above: Vec::new(),
+        };
+        for _ in 0..3 {
+            let top = 1.9 * em + rows as f64 * 1.25 * em;
+            let bottom = size.height - 3.2 * em;
+            let heights = [(top, bottom), (bottom + 2.1 * em, bottom + size.below)];
+            let ticks: Vec<Ticks> = spans
+                .iter()
+                .zip(heights)
+                .map(|(span, (from, to))| {
+                    span.ticks(|t| spaced(t, to - from, |_| 0.9 * em, 1.0 * em))
+                })
+                .collect();
+            let left = ticks.iter().map(|t| widest(t) * em).fold(0.0, f64::max) + 0.7 * em;
+            let plot_right = size.width - right;
+            layout.x_ticks = x_span.ticks(|t| {
+                spaced(
+                    t,
+                    plot_right - left,
+                    |label| markup::width(label) * em,
+                    1.1 * em,
+                )
+            });
+            layout.fields = parts
+                .iter()
+                .zip(spans.iter().zip(ticks))
+                .zip(heights)
+                .map(
+                    |(((y, series, marks), (span, ticks)), (top, bottom))| Field {
+                        y,
+                        series,
+                        marks,
+                        span: *span,
+                        ticks,
+                        frame: Frame {
+                            left,
+                            top,
+                            right: plot_right,
+                            bottom,
+                        },
+                    },
+                )
+                .collect();
+            let overhang = layout.x_ticks.ticks.iter().filter_map(|t| {
+                let half = markup::width(t.label.as_deref()?) * em / 2.0;
+                Some(half - (1.0 - t.at) * (plot_right - left) + 2.0)
+            });
+            right = overhang.fold(0.9 * em, f64::max);
+            layout.above = layout.labels_above();
+            rows = layout
+                .above
+                .iter()
+                .map(|(_, row, _)| row + 1)
+                .max()
+                .unwrap_or(0);
+        }
+        layout
+    }
+
+    /// Labels of the figure's vertical guides, in as few rows as they need.
+    fn labels_above(&self) -> Vec<(f64, usize, &'a str)> {
+        let (em, frame) = (0.92 * self.size.font, self.fields[0].frame);
+        let mut placed: Vec<(f64, usize, &str, f64)> = Vec::new();
+        for mark in &self.figure.marks {
+            let Mark::Vertical { x, label } = mark else {
+                continue;
+            };
+            let Some(at) = self.x_span.place(*x).filter(|at| (0.0..=1.0).contains(at)) else {
+                continue;
+            };
+            if label.is_empty() {
+                continue;
+            }
+            let half = markup::width(label) * em / 2.0;
+            let centre = (frame.left + at * (frame.right - frame.left)).clamp(
+                half.min(self.size.width / 2.0),
+                (self.size.width - half).max(half),
+            );
+            let row = (0..)
+                .find(|row| {
+                    placed.iter().all(|(other, r, _, other_half)| {
+                        r != row || (other - centre).abs() > half + other_half + 0.8 * em
+                    })
+                })
+                .unwrap_or(0);
+            placed.push((centre, row, label, half));
+        }
+        placed
+            .into_iter()
+            .map(|(centre, row, label, _)| (centre, row, label))
+            .collect()
+    }
+
+    /// How many rows the labels above the frame take.
+    #[must_use]
+    pub fn rows_above(&self) -> usize {
+        self.above
+            .iter()
+            .map(|(_, row, _)| row + 1)
+            .max()
+            .unwrap_or(0)
+    }
+
+    /// Where a value of a field stands on the sheet; `None` if it stands nowhere.
+    #[must_use]
+    pub fn place(&self, field: &Field<'_>, (x, y): (f64, f64)) -> Option<Point> {
+        let f = field.frame;
+        let (x, y) = (self.x_span.place(x)?, field.span.place(y)?);
+        Some((
+            f.left + x * (f.right - f.left),
+            f.bottom - y * (f.bottom - f.top),
+        ))
+    }
+
+    /// Where the samples of a series stand.
+    #[must_use]
+    pub fn placed(&self, field: &Field<'_>, series: &Series) -> Vec<Option<Point>> {
+        series
+            .points
+            .iter()
+            .map(|point| self.place(field, *point))
+            .collect()
+    }
+
+    /// Whether not a single sample has a place.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.fields.iter().all(|field| {
+            field
+                .series
+                .iter()
+                .all(|s| s.points.iter().all(|p| self.place(field, *p).is_none()))
+        })
+    }
+}
+
+fn fit_y(axis: &Axis, series: &[Series], marks: &[Mark], x_span: &Span) -> Span {
+    let visible = |x: f64| {
+        x_span
+            .place(x)
+            .is_some_and(|at| (-1e-9..=1.0 + 1e-9).contains(&at))
+    };
+    let points = series
+        .iter()
+        .flat_map(|s| &s.points)
+        .filter(|p| visible(p.0))
+        .map(|p| p.1);
+    let guides = marks.iter().filter_map(|mark| match mark {
+        Mark::Horizontal { y, .. } => Some(*y),
+        _ => None,
+    });
+    Span::fit(axis, points.chain(guides), 0.06)
+}
+
+/// Whether labels of the given extents keep `gap` between them on an axis of this length.
+fn spaced(ticks: &Ticks, length: f64, extent: impl Fn(&str) -> f64, gap: f64) -> bool {
+    let boxes: Vec<(f64, f64)> = ticks
+        .ticks
+        .iter()
+        .filter_map(|t| Some((t.at * length, extent(t.label.as_deref()?) / 2.0)))
+        .collect();
+    boxes
+        .windows(2)
+        .all(|w| w[1].0 - w[1].1 - w[0].0 - w[0].1 >= gap)
+}
+
+/// Width of the widest label in units of the font size.
+fn widest(ticks: &Ticks) -> f64 {
+    ticks
+        .ticks
+        .iter()
+        .filter_map(|t| t.label.as_deref())
+        .map(markup::width)
+        .fold(0.0, f64::max)
+}

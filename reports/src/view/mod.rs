@@ -1,0 +1,41 @@
+//! The drawing room: plain data in, one self-contained HTML file out.
+//!
+//! Nothing in here measures, simulates or decides. A caller fills a [`Page`], [`render`] turns it
+//! into a page without network access, foreign fonts or required scripts, and
+//! [`write_atomically`] puts it on disk.
+//!
+//! Read the files in this order:
+//!
+//! | file | holds |
+//! |---|---|
+//! | [`page`] | what a page consists of: tiles, sections, tables, ledgers |
+//! | [`figure`] | what a figure consists of: axes, series, marks |
+//! | [`number`] | how a number is printed |
+//! | [`markup`] | the few inline marks a text may contain |
+//! | [`scale`] | where ticks go and how they are labelled |
+//! | [`trace`] | how samples become strokes: gaps, clipping, decimation |
+//! | [`layout`] | where everything of a figure stands |
+//! | [`guide`] | guide lines and a free place for their labels |
+//! | [`ink`] | the pen, and plotters' fixed colours turned into the theme's |
+//! | [`plot`] | a figure as SVG |
+//! | [`write`] | the page as HTML, and the safe way to disk |
+//!
+//! Units, frames and tolerances belong to the caller: labels arrive here as finished text.
+
+pub mod figure;
+pub mod guide;
+pub mod ink;
+pub mod layout;
+pub mod markup;
+pub mod number;
+pub mod page;
+pub mod plot;
+pub mod scale;
+pub mod trace;
+pub mod write;
+
+pub use figure::{Axis, Figure, Kind, Mark, Panel, Scale, Series};
+pub use page::{
+    Align, Block, Cell, Claim, Column, HeadCell, Page, Row, Section, State, Table, Tile, Verdict,
+};
+pub use write::{render, write_atomically};

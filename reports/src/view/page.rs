@@ -1,0 +1,331 @@
+//! The description of a page: what the reader meets, in order.
+//!
+//! All texts are inline text as defined in [`super::markup`]: plain characters plus a few marks,
+//! escaped before they reach the page. There is no way to pass raw HTML.
+
+use super::figure::Figure;
+use serde::Serialize;
+
+/// A judgement that colours a tile or a cell. The page always adds a word or a sign to the colour.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum State {
+    /// No judgement.
+    #[default]
+    Neutral,
+    /// The bar is met.
+    Good,
+    /// Met with reservations.
+    Warn,
+    /// The bar is missed.
+    Bad,
+}
+
+/// One key figure at the top of the page.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Tile {
+    /// What it is, a few words.
+    pub label: String,
+    /// The figure itself, with its unit.
+    pub value: String,
+    /// The bar it is held against, or a remark.
+    pub note: String,
+    /// Whether the bar is met.
+    pub state: State,
+}
+
+impl Tile {
+    /// A tile.
+    pub fn new(
+        label: impl Into<String>,
+        value: impl Into<String>,
+        note: impl Into<String>,
+        state: State,
+    ) -> Self {
+        Self {
+            label: label.into(),
+            value: value.into(),
+            note: note.into(),
+            state,
+        }
+    }
+}
+
+/// A whole page.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Page {
+    /// Headline.
+    pub title: String,
+    /// One sentence under it.
+    pub subtitle: String,
+    /// How the numbers came about: commit, versions, seed, machine. Printed in the footer.
+    pub facts: Vec<(String, String)>,
+    /// Key figures.
+    pub tiles: Vec<Tile>,
+    /// Body.
+    pub sections: Vec<Section>,
+}
+
+/// One section of the body.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Section {
+    /// Anchor, unique on its page: letters, digits and hyphens.
+    pub id: String,
+    /// Heading.
+    pub title: String,
+    /// One paragraph that says what the section shows; may be empty.
+    pub lead: String,
+    /// What follows.
+    pub blocks: Vec<Block>,
+}
+
+impl Section {
+    /// A section without blocks yet.
+    pub fn new(id: impl Into<String>, title: impl Into<String>, lead: impl Into<String>) -> Self {
+        Self {
+            id: id.into(),
+            title: title.into(),
+            lead: lead.into(),
+            blocks: Vec::new(),
+        }
+    }
+
+    /// Adds a block.
+    #[must_use]
+    pub fn block(mut self, block: Block) -> Self {
+        self.blocks.push(block);
+        self
+    }
+}
+
+/// One building block of a section.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "a page holds a few dozen; boxes would only be in the way"
+)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "kind", content = "body", rename_all = "snake_case")]
+pub enum Block {
+    /// A smaller heading.
+    Heading(String),
+    /// Paragraphs; an empty line separates them, lines starting with `- ` make a list.
+    Text(String),
+    /// A table.
+    Table(Table),
+    /// One figure.
+    Figure(Figure),
+    /// Small figures side by side; if all have the same legend, it is printed once.
+    FigureGrid(Vec<Figure>),
+    /// Claims and what became of them.
+    Ledger(Vec<Claim>),
+    /// A remark set apart from the text.
+    Note(String),
+}
+
+/// What became of a claim.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// Holds as printed.
+    Reproduced,
+    /// Holds once a stated error is mended.
+    ReproducedWithCorrection,
+    /// Contradicts something else that is printed.
+    Inconsistent,
+    /// Cannot be checked or does not follow from what is printed.
+    NotReproducible,
+}
+
+impl Verdict {
+    /// All verdicts, best first.
+    pub const ALL: [Self; 4] = [
+        Self::Reproduced,
+        Self::ReproducedWithCorrection,
+        Self::Inconsistent,
+        Self::NotReproducible,
+    ];
+
+    /// The name it is serialised under.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Reproduced => "reproduced",
+            Self::ReproducedWithCorrection => "reproduced_with_correction",
+            Self::Inconsistent => "inconsistent",
+            Self::NotReproducible => "not_reproducible",
+        }
+    }
+
+    /// The words on the page.
+    #[must_use]
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Reproduced => "reproduced",
+            Self::ReproducedWithCorrection => "reproduced with correction",
+            Self::Inconsistent => "inconsistent",
+            Self::NotReproducible => "not reproducible",
+        }
+    }
+}
+
+/// One row of a ledger.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Claim {
+    /// What is claimed, with its place in the source.
+    pub claim: String,
+    /// The printed value.
+    pub printed: String,
+    /// The value found here.
+    pub measured: String,
+    /// What became of it.
+    pub verdict: Verdict,
+    /// Why.
+    pub reason: String,
+}
+
+/// How a column is set.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Align {
+    /// Numbers: right-aligned, figures of equal width.
+    #[default]
+    Number,
+    /// Words: left-aligned.
+    Text,
+    /// Short signs: centred.
+    Centre,
+}
+
+/// One column.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Column {
+    /// Heading.
+    pub label: String,
+    /// Unit, printed small under the heading; empty for none.
+    pub unit: String,
+    /// Alignment of the cells.
+    pub align: Align,
+}
+
+impl Column {
+    /// A column of numbers.
+    pub fn number(label: impl Into<String>, unit: impl Into<String>) -> Self {
+        Self {
+            label: label.into(),
+            unit: unit.into(),
+            align: Align::Number,
+        }
+    }
+
+    /// A column of words.
+    pub fn text(label: impl Into<String>) -> Self {
+        Self {
+            label: label.into(),
+            unit: String::new(),
+            align: Align::Text,
+        }
+    }
+}
+
+/// One cell of a heading row above the columns.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct HeadCell {
+    /// Text; may be empty.
+    pub text: String,
+    /// How many columns it spans.
+    pub span: usize,
+}
+
+impl HeadCell {
+    /// A heading over `span` columns.
+    pub fn new(text: impl Into<String>, span: usize) -> Self {
+        Self {
+            text: text.into(),
+            span,
+        }
+    }
+}
+
+/// One cell.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Cell {
+    /// Text.
+    pub text: String,
+    /// Tooltip, usually the same number with all its digits; empty for none.
+    pub title: String,
+    /// Judgement.
+    pub state: State,
+}
+
+impl Cell {
+    /// The same cell with a tooltip.
+    #[must_use]
+    pub fn title(mut self, title: impl Into<String>) -> Self {
+        self.title = title.into();
+        self
+    }
+
+    /// The same cell with a judgement.
+    #[must_use]
+    pub fn state(mut self, state: State) -> Self {
+        self.state = state;
+        self
+    }
+}
+
+impl<T: Into<String>> From<T> for Cell {
+    fn from(text: T) -> Self {
+        Self {
+            text: text.into(),
+            ..Self::default()
+        }
+    }
+}
+
+/// One row. A row without cells is a heading for the rows below it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Row {
+    /// The first, sticky column.
+    pub header: String,
+    /// The other columns, one cell each.
+    pub cells: Vec<Cell>,
+}
+
+impl Row {
+    /// A row.
+    pub fn new<C: Into<Cell>>(
+        header: impl Into<String>,
+        cells: impl IntoIterator<Item = C>,
+    ) -> Self {
+        Self {
+            header: header.into(),
+            cells: cells.into_iter().map(Into::into).collect(),
+        }
+    }
+
+    /// A heading for the rows below it.
+    pub fn group(header: impl Into<String>) -> Self {
+        Self {
+            header: header.into(),
+            cells: Vec::new(),
+        }
+    }
+}
+
+/// A table.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Table {
+    /// Printed above.
+    pub caption: String,
+    /// Heading of the first, sticky column.
+    pub stub: String,
+    /// Heading rows above the columns. Spans of one row add up to the number of columns; the first
+    /// column is not counted.
+    pub head: Vec<Vec<HeadCell>>,
+    /// The columns after the first.
+    pub columns: Vec<Column>,
+    /// The rows.
+    pub rows: Vec<Row>,
+    /// Printed below; may be empty.
+    pub footnote: String,
+}

@@ -1,0 +1,276 @@
+//! A figure as SVG.
+//!
+//! Each figure can be drawn at several sizes, because a drawing made for a wide page has
+//! unreadable words on a phone: the page holds two and shows the one that fits. Words on axes are
+//! horizontal, the legend stands outside ([`legend`]), labels of vertical guides stand above the
+//! frame and those of horizontal guides where the fewest strokes pass.
+
+use super::figure::{Axis, Figure, Kind, Series};
+use super::guide;
+use super::ink::{Anchor, FINE, Ink, Pen};
+use super::layout::{Field, Layout};
+use super::markup;
+use super::number;
+use super::scale::Span;
+use super::trace::{self, Point};
+use anyhow::Result;
+
+/// A sheet, in page units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Size {
+    /// Name, used in anchors.
+    pub name: &'static str,
+    /// Width.
+    pub width: f64,
+    /// Height of a figure without a lower panel.
+    pub height: f64,
+    /// What a lower panel adds.
+    pub below: f64,
+    /// Size of the words.
+    pub font: f64,
+}
+
+impl Size {
+    /// The width of the text.
+    pub const STANDARD: Self = Self {
+        name: "standard",
+        width: 720.0,
+        height: 400.0,
+        below: 150.0,
+        font: 14.5,
+    };
+    /// The width of the page.
+    pub const WIDE: Self = Self {
+        name: "wide",
+        width: 960.0,
+        height: 420.0,
+        below: 150.0,
+        font: 14.5,
+    };
+    /// A phone, or one of several side by side.
+    pub const COMPACT: Self = Self {
+        name: "compact",
+        width: 360.0,
+        height: 270.0,
+        below: 105.0,
+        font: 13.0,
+    };
+}
+
+/// Draws a figure at the size its description asks for.
+///
+/// # Errors
+/// If the SVG backend fails.
+pub fn to_svg(figure: &Figure) -> Result<String> {
+    to_svg_sized(
+        figure,
+        if figure.wide {
+            Size::WIDE
+        } else {
+            Size::STANDARD
+        },
+    )
+}
+
+/// Draws a figure at a given size.
+///
+/// # Errors
+/// If the SVG backend fails.
+pub fn to_svg_sized(figure: &Figure, size: Size) -> Result<String> {
+    let layout = Layout::of(figure, size);
+    let height = size.height
+        + if figure.below.is_some() {
+            size.below
+        } else {
+            0.0
+        };
+    let body = Pen::sheet(size.width, height, |pen| draw(&layout, pen))?;
+    let id = format!("{}-{}", markup::escape(&figure.id), size.name);
+    Ok(format!(
+        "<svg class=\"plot\" xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" \
+         aria-labelledby=\"{id}-t {id}-d\" viewBox=\"0 0 {:.0} {:.0}\" \
+         style=\"font-family:var(--sans,system-ui,sans-serif)\" stroke-linejoin=\"round\" \
+         stroke-linecap=\"round\">\n<title id=\"{id}-t\">{}</title>\n<desc id=\"{id}-d\">{}</desc>\n\
+         {body}</svg>",
+        size.width * FINE,
+        height * FINE,
+        markup::escape(&markup::plain(&figure.title)),
+        markup::escape(&description(&layout)),
+    ))
+}
+
+/// A legend's sample of a series: 30 by 14 page units.
+///
+/// # Errors
+/// If the SVG backend fails.
+pub fn legend(series: &Series) -> Result<String> {
+    let (width, height) = (30.0, 14.0);
+    let body = Pen::sheet(width, height, |pen| {
+        let middle = height / 2.0;
+        draw_line(pen, series, &[(2.0, middle), (width - 2.0, middle)])?;
+        match series.kind {
+            Kind::Points | Kind::LinePoints => {
+                pen.marker((width / 2.0, middle), series.colour, 4.0)
+            }
+            Kind::Line | Kind::Dashed => Ok(()),
+        }
+    })?;
+    Ok(format!(
+        "<svg class=\"swatch\" aria-hidden=\"true\" viewBox=\"0 0 {:.0} {:.0}\" \
+         stroke-linecap=\"round\">{body}</svg>",
+        width * FINE,
+        height * FINE
+    ))
+}
+
+fn draw_line(pen: &Pen<'_>, series: &Series, points: &[Point]) -> Result<()> {
+    match series.kind {
+        Kind::Line => pen.stroke(points, Ink::Series(series.colour), 1.75),
+        Kind::Dashed => pen.stroke(points, Ink::Dashed(series.colour), 1.75),
+        Kind::LinePoints => pen.stroke(points, Ink::Series(series.colour), 1.25),
+        Kind::Points => Ok(()),
+    }
+}
+
+fn draw(layout: &Layout<'_>, pen: &Pen<'_>) -> Result<()> {
+    let em = layout.size.font;
+    for (i, field) in layout.fields.iter().enumerate() {
+        draw_axes(layout, pen, field, i + 1 == layout.fields.len())?;
+        draw_data(layout, pen, field)?;
+        let rows = if i == 0 { layout.rows_above() } else { 0 };
+        let y = field.frame.top - (1.15 + rows as f64 * 1.25) * em;
+        axis_text(
+            layout,
+            pen,
+            &axis_label(field.y, field.ticks.power),
+            (0.0, y),
+            Anchor::Start,
+        )?;
+    }
+    for (centre, row, label) in &layout.above {
+        let y = layout.fields[0].frame.top - (0.75 + *row as f64 * 1.25) * em;
+        pen.text(label, (*centre, y), Anchor::Middle, 0.92 * em, Ink::Muted)?;
+    }
+    if layout.is_empty() {
+        let f = layout.fields[0].frame;
+        let middle = ((f.left + f.right) / 2.0, (f.top + f.bottom) / 2.0);
+        pen.text("no data", middle, Anchor::Middle, em, Ink::Muted)?;
+    }
+    Ok(())
+}
+
+fn axis_text(
+    layout: &Layout<'_>,
+    pen: &Pen<'_>,
+    text: &str,
+    at: Point,
+    anchor: Anchor,
+) -> Result<()> {
+    let fit = (layout.size.width / markup::width(text).max(1e-9)).min(layout.size.font);
+    pen.text(text, at, anchor, fit, Ink::Text)
+}
+
+fn draw_axes(layout: &Layout<'_>, pen: &Pen<'_>, field: &Field<'_>, lowest: bool) -> Result<()> {
+    let (em, f) = (layout.size.font, field.frame);
+    for tick in &field.ticks.ticks {
+        let y = f.bottom - tick.at * (f.bottom - f.top);
+        match &tick.label {
+            Some(label) => {
+                pen.stroke(&[(f.left, y), (f.right, y)], Ink::Grid, 1.0)?;
+                let at = (f.left - 0.5 * em, y);
+                pen.text(label, at, Anchor::End, em, Ink::Muted)?;
+            }
+            None => pen.stroke(&[(f.left, y), (f.left + 4.0, y)], Ink::Axis, 0.75)?,
+        }
+    }
+    for tick in &layout.x_ticks.ticks {
+        let x = f.left + tick.at * (f.right - f.left);
+        match &tick.label {
+            Some(label) => {
+                pen.stroke(&[(x, f.top), (x, f.bottom)], Ink::Grid, 1.0)?;
+                if lowest {
+                    let at = (x, f.bottom + 1.0 * em);
+                    pen.text(label, at, Anchor::Middle, em, Ink::Muted)?;
+                }
+            }
+            None => pen.stroke(&[(x, f.bottom - 4.0), (x, f.bottom)], Ink::Axis, 0.75)?,
+        }
+    }
+    pen.stroke(
+        &[(f.left, f.top), (f.left, f.bottom), (f.right, f.bottom)],
+        Ink::Axis,
+        1.0,
+    )?;
+    if lowest {
+        let text = axis_label(&layout.figure.x, layout.x_ticks.power);
+        let at = ((f.left + f.right) / 2.0, f.bottom + 2.45 * em);
+        axis_text(layout, pen, &text, at, Anchor::Middle)?;
+    }
+    Ok(())
+}
+
+fn draw_data(layout: &Layout<'_>, pen: &Pen<'_>, field: &Field<'_>) -> Result<()> {
+    guide::lines(layout, pen, field)?;
+    let mut all = Vec::new();
+    for series in field.series {
+        let placed = layout.placed(field, series);
+        if series.kind != Kind::Points {
+            let strokes = trace::strokes(&placed, &field.frame);
+            for stroke in &strokes {
+                draw_line(pen, series, stroke)?;
+            }
+            all.extend(strokes);
+        }
+        if matches!(series.kind, Kind::Points | Kind::LinePoints) {
+            let markers = trace::markers(&placed, &field.frame);
+            let radius = match markers.len() {
+                0..100 => 3.2,
+                100..400 => 2.4,
+                _ => 1.6,
+            };
+            for at in &markers {
+                pen.marker(*at, series.colour, radius)?;
+                all.push(vec![*at]);
+            }
+        }
+    }
+    guide::labels(layout, pen, field, &all)
+}
+
+/// Label, power of ten and unit of an axis.
+fn axis_label(axis: &Axis, power: i32) -> String {
+    let ten = format!("10{}", number::superscript(power));
+    match (axis.unit.is_empty(), power) {
+        (true, 0) => axis.label.clone(),
+        (false, 0) => format!("{} ({})", axis.label, axis.unit),
+        (true, _) => format!("{} (×{ten})", axis.label),
+        (false, _) => format!("{} ({ten} {})", axis.label, axis.unit),
+    }
+}
+
+/// What a reader who cannot see the figure is told.
+fn description(layout: &Layout<'_>) -> String {
+    let axis = |axis: &Axis, span: &Span| {
+        let (from, to) = span.ends();
+        format!(
+            "{} from {} to {}",
+            markup::plain(&axis_label(axis, 0)),
+            number::significant(from, 2),
+            number::significant(to, 2)
+        )
+    };
+    let mut text = format!("Abscissa: {}.", axis(&layout.figure.x, &layout.x_span));
+    for field in &layout.fields {
+        text += &format!(" Ordinate: {}.", axis(field.y, &field.span));
+        let labels: Vec<_> = field
+            .series
+            .iter()
+            .map(|s| markup::plain(&s.label))
+            .filter(|l| !l.is_empty())
+            .collect();
+        if !labels.is_empty() {
+            text += &format!(" Curves: {}.", labels.join("; "));
+        }
+    }
+    text
+}
