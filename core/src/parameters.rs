@@ -96,7 +96,7 @@ impl InertiaPerMass {
             eigen.eigenvalues[1],
             eigen.eigenvalues[2],
         ];
-        p.sort_by(f64::total_cmp);
+        p.sort_unstable_by(f64::total_cmp);
         Ok(p)
     }
 

@@ -12,6 +12,10 @@ mod imp {
     pub fn exp(x: f64) -> f64 {
         x.exp()
     }
+    #[cfg(feature = "alloc")]
+    pub fn tan(x: f64) -> f64 {
+        x.tan()
+    }
 }
 
 #[cfg(not(feature = "std"))]
@@ -25,6 +29,10 @@ mod imp {
     #[cfg(feature = "alloc")]
     pub fn exp(x: f64) -> f64 {
         libm::exp(x)
+    }
+    #[cfg(feature = "alloc")]
+    pub fn tan(x: f64) -> f64 {
+        libm::tan(x)
     }
 }
 

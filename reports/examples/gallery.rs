@@ -283,6 +283,9 @@ fn stiffness() -> Section {
 
 fn motion() -> Section {
     let names = ["a_{x}", "a_{y}", "a_{z}", "α_{x}", "α_{y}", "α_{z}"];
+    let titles = [
+        "along x", "along y", "along z", "about x", "about y", "about z",
+    ];
     let figures = names.iter().enumerate().map(|(axis, name)| {
         let (peak, unit) = if axis < 3 {
             ([74.9, 37.5, 37.5][axis], "m/s²")
@@ -299,7 +302,7 @@ fn motion() -> Section {
         let times = || (0..=20_000).map(|i| f64::from(i) * 5e-5);
         Figure::new(
             format!("fig-motion-{axis}"),
-            format!("${name}$"),
+            titles[axis],
             Axis::linear("time", "s"),
             Axis::linear(format!("${name}$"), unit),
         )
@@ -339,7 +342,7 @@ fn integrators() -> Section {
     )
     .caption("Each scheme falls with its order until rounding, at 10⁻¹³, stops it.")
     .mark(Mark::horizontal(2e-7, "reference-limited below"))
-    .mark(Mark::slope(700.0, 5e-10, -4.0, 0.35, "−4"));
+    .mark(Mark::slope(700.0, 5e-5, -4.0, 0.35, "−4"));
     for (i, (name, factor, order)) in schemes.into_iter().enumerate() {
         figure = figure.series(Series::line_points(
             name,

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 
 /// Whether the data determine what was asked of them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case", tag = "verdict")]
+#[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// They do.
     Determined,
@@ -27,7 +27,7 @@ pub enum Verdict {
 
 /// Why data leave a parameter open.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case", tag = "cause")]
+#[serde(rename_all = "snake_case")]
 pub enum Reason {
     /// The standard error of an unknown is as large as the unknown's scale allows.
     Noise {

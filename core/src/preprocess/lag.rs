@@ -1,11 +1,12 @@
 //! First-order instruments: what they do to a signal, and how to undo it.
 //!
 //! A first-order low-pass (a gyroscope of given bandwidth) or high-pass (a charge amplifier) is simulated exactly for
-//! an input that is linear between samples (first-order hold), and inverted by the very same recursion, so that
-//! compensating a simulated instrument returns its input to rounding.
+//! an input that is linear between samples (first-order hold).
 
 use alloc::vec::Vec;
 
+use super::check_finite;
+use super::differentiate::Differentiator;
 use crate::error::{Error, Result};
 use crate::scalar::exp;
 
@@ -75,26 +76,54 @@ impl FirstOrder {
             self.state
         }
     }
+}
 
-    /// The input that made the instrument show `output` next: inverse of [`Self::step`].
-    pub fn undo_step(&mut self, output: f64) -> f64 {
-        let free = self.pole * self.state + self.weight_before * self.before;
-        let input = if self.high_pass {
-            (output + free) / (1.0 - self.weight_now)
-        } else {
-            (output - free) / self.weight_now
-        };
-        self.state = free + self.weight_now * input;
-        self.before = input;
-        input
-    }
+/// Input of a first-order high-pass from its output, from rest: the very recursion of [`FirstOrder::high_pass`] solved
+/// for the input, so that a simulated amplifier is undone to rounding.
+///
+/// It integrates: an offset left in the record grows as offset times t/tau. Remove drift first.
+///
+/// # Errors
+/// [`Error::OutOfRange`] unless both frequencies are positive and finite, [`Error::NotFinite`].
+pub fn undo_high_pass(record: &[f64], corner_hz: f64, sample_rate_hz: f64) -> Result<Vec<f64>> {
+    check_finite(record)?;
+    let mut filter = FirstOrder::high_pass(corner_hz, sample_rate_hz)?;
+    Ok(record
+        .iter()
+        .map(|&shown| {
+            let free = filter.pole * filter.state + filter.weight_before * filter.before;
+            let input = (shown + free) / (1.0 - filter.weight_now);
+            filter.step(input);
+            input
+        })
+        .collect())
+}
 
-    /// A whole record undone, from rest.
-    ///
-    /// Undoing a low-pass amplifies noise in proportion to frequency: smooth the record before or after. Undoing a
-    /// high-pass integrates, so an offset left in the record grows as offset times t/tau.
-    #[must_use]
-    pub fn undo(mut self, record: &[f64]) -> Vec<f64> {
-        record.iter().map(|&y| self.undo_step(y)).collect()
+/// Input of a first-order low-pass from its output: u = y + tau y'.
+///
+/// The recursion of [`FirstOrder::low_pass`] is not solved for its input as the high-pass is: its zero lies at -1 to
+/// within a third of h/tau, so the inverse would ring at half the sample rate for as long. The slope comes from a
+/// smoothing differentiator instead; noise grows in proportion to frequency all the same, so filter first.
+///
+/// # Errors
+/// [`Error::OutOfRange`] for a corner that is not positive and finite; those of [`Differentiator::derivative`].
+pub fn undo_low_pass(
+    record: &[f64],
+    corner_hz: f64,
+    differentiator: &Differentiator,
+) -> Result<Vec<f64>> {
+    if !(corner_hz.is_finite() && corner_hz > 0.0) {
+        return Err(Error::OutOfRange {
+            name: "corner_hz",
+            value: corner_hz,
+            requirement: "positive and finite",
+        });
     }
+    let time_constant_s = 1.0 / (core::f64::consts::TAU * corner_hz);
+    let slope = differentiator.derivative(record)?;
+    Ok(record
+        .iter()
+        .zip(slope)
+        .map(|(y, dy)| y + time_constant_s * dy)
+        .collect())
 }

@@ -47,7 +47,8 @@ pub fn lines(layout: &Layout<'_>, pen: &Pen<'_>, field: &Field<'_>) -> Result<()
     Ok(())
 }
 
-/// Writes the labels of horizontal guides and slope triangles where the fewest `strokes` pass.
+/// Writes the labels of horizontal guides and slope triangles where the fewest `strokes` and upright
+/// guides pass.
 ///
 /// # Errors
 /// If the SVG backend fails.
@@ -59,6 +60,13 @@ pub fn labels(
 ) -> Result<()> {
     let em = 0.92 * layout.size.font;
     let f = field.frame;
+    let upright: Vec<f64> = (layout.figure.marks.iter().chain(field.marks))
+        .filter_map(|mark| match mark {
+            Mark::Vertical { x, .. } => layout.x_span.place(*x),
+            _ => None,
+        })
+        .map(|at| f.left + at * (f.right - f.left))
+        .collect();
     let mut taken: Vec<Frame> = Vec::new();
     for mark in field.marks {
         let (label, candidates) = match mark {
@@ -101,7 +109,11 @@ pub fn labels(
         };
         let crossed = |b: &Frame| {
             let by_strokes = strokes.iter().filter(|s| crosses(s, b)).count();
-            by_strokes + 10 * taken.iter().filter(|t| overlap(t, b)).count()
+            let by_guides = upright
+                .iter()
+                .filter(|x| b.left < **x && **x < b.right)
+                .count();
+            by_strokes + by_guides + 10 * taken.iter().filter(|t| overlap(t, b)).count()
         };
         let candidates: Vec<Frame> = candidates;
         if label.is_empty() {

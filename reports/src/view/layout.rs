@@ -4,9 +4,50 @@
 
 use super::figure::{Axis, Figure, Kind, Mark, Series};
 use super::markup;
-use super::plot::Size;
 use super::scale::{Span, Ticks};
 use super::trace::{Frame, Point};
+
+/// A sheet, in page units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Size {
+    /// Name, used in anchors.
+    pub name: &'static str,
+    /// Width.
+    pub width: f64,
+    /// Height of a figure without a lower panel.
+    pub height: f64,
+    /// What a lower panel adds.
+    pub below: f64,
+    /// Size of the words.
+    pub font: f64,
+}
+
+impl Size {
+    /// The width of the text.
+    pub const STANDARD: Self = Self {
+        name: "standard",
+        width: 720.0,
+        height: 400.0,
+        below: 150.0,
+        font: 14.5,
+    };
+    /// The width of the page.
+    pub const WIDE: Self = Self {
+        name: "wide",
+        width: 960.0,
+        height: 420.0,
+        below: 150.0,
+        font: 14.5,
+    };
+    /// A phone, or one of several side by side.
+    pub const COMPACT: Self = Self {
+        name: "compact",
+        width: 360.0,
+        height: 280.0,
+        below: 115.0,
+        font: 14.0,
+    };
+}
 
 /// One drawn field: the figure itself or its lower panel.
 pub struct Field<'a> {
@@ -24,6 +65,18 @@ pub struct Field<'a> {
     pub frame: Frame,
 }
 
+/// The label of a vertical guide, above the frame.
+pub struct Above<'a> {
+    /// Where the guide stands.
+    pub x: f64,
+    /// The label's middle: the guide, unless the sheet ends there.
+    pub centre: f64,
+    /// Row, counted upwards from the frame.
+    pub row: usize,
+    /// Text.
+    pub label: &'a str,
+}
+
 /// Everything placed, nothing drawn.
 pub struct Layout<'a> {
     /// What is drawn.
@@ -36,8 +89,8 @@ pub struct Layout<'a> {
     pub x_ticks: Ticks,
     /// The figure itself and its lower panel.
     pub fields: Vec<Field<'a>>,
-    /// Labels of vertical guides: centre, row counted upwards from the frame, text.
-    pub above: Vec<(f64, usize, &'a str)>,
+    /// Labels of vertical guides.
+    pub above: Vec<Above<'a>>,
 }
 
 impl<'a> Layout<'a> {
@@ -88,7 +141,7 @@ impl<'a> Layout<'a> {
         for _ in 0..3 {
             let top = 1.9 * em + rows as f64 * 1.25 * em;
             let bottom = size.height - 3.2 * em;
-            let heights = [(top, bottom), (bottom + 2.1 * em, bottom + size.below)];
+            let heights = [(top, bottom), (bottom + 2.4 * em, bottom + size.below)];
             let ticks: Vec<Ticks> = spans
                 .iter()
                 .zip(heights)
@@ -103,7 +156,7 @@ impl<'a> Layout<'a> {
                     t,
                     plot_right - left,
                     |label| markup::width(label) * em,
-                    1.1 * em,
+                    1.8 * em,
                 )
             });
             layout.fields = parts
@@ -132,20 +185,16 @@ impl<'a> Layout<'a> {
             });
             right = overhang.fold(0.9 * em, f64::max);
             layout.above = layout.labels_above();
-            rows = layout
-                .above
-                .iter()
-                .map(|(_, row, _)| row + 1)
-                .max()
-                .unwrap_or(0);
+            rows = layout.rows_above();
         }
         layout
     }
 
     /// Labels of the figure's vertical guides, in as few rows as they need.
-    fn labels_above(&self) -> Vec<(f64, usize, &'a str)> {
+    fn labels_above(&self) -> Vec<Above<'a>> {
         let (em, frame) = (0.92 * self.size.font, self.fields[0].frame);
-        let mut placed: Vec<(f64, usize, &str, f64)> = Vec::new();
+        let half_of = |label: &str| markup::width(label) * em / 2.0;
+        let mut placed: Vec<Above<'a>> = Vec::new();
         for mark in &self.figure.marks {
             let Mark::Vertical { x, label } = mark else {
                 continue;
@@ -156,24 +205,29 @@ impl<'a> Layout<'a> {
             if label.is_empty() {
                 continue;
             }
-            let half = markup::width(label) * em / 2.0;
-            let centre = (frame.left + at * (frame.right - frame.left)).clamp(
+            let half = half_of(label);
+            let x = frame.left + at * (frame.right - frame.left);
+            let centre = x.clamp(
                 half.min(self.size.width / 2.0),
                 (self.size.width - half).max(half),
             );
-            let row = (0..)
-                .find(|row| {
-                    placed.iter().all(|(other, r, _, other_half)| {
-                        r != row || (other - centre).abs() > half + other_half + 0.8 * em
+            let free = |row: &usize| {
+                placed
+                    .iter()
+                    .filter(|other| other.row == *row)
+                    .all(|other| {
+                        (other.centre - centre).abs() > half + half_of(other.label) + 0.8 * em
                     })
-                })
-                .unwrap_or(0);
-            placed.push((centre, row, label, half));
+            };
+            let row = (0..).find(free).unwrap_or(0);
+            placed.push(Above {
+                x,
+                centre,
+                row,
+                label,
+            });
         }
         placed
-            .into_iter()
-            .map(|(centre, row, label, _)| (centre, row, label))
-            .collect()
     }
 
     /// How many rows the labels above the frame take.
@@ -181,7 +235,7 @@ impl<'a> Layout<'a> {
     pub fn rows_above(&self) -> usize {
         self.above
             .iter()
-            .map(|(_, row, _)| row + 1)
+            .map(|above| above.row + 1)
             .max()
             .unwrap_or(0)
     }
@@ -230,9 +284,12 @@ fn fit_y(axis: &Axis, series: &[Series], marks: &[Mark], x_span: &Span) -> Span 
         .flat_map(|s| &s.points)
         .filter(|p| visible(p.0))
         .map(|p| p.1);
-    let guides = marks.iter().filter_map(|mark| match mark {
-        Mark::Horizontal { y, .. } => Some(*y),
-        _ => None,
+    let guides = marks.iter().flat_map(|mark| match mark {
+        Mark::Horizontal { y, .. } => vec![*y],
+        Mark::Slope {
+            y, slope, decades, ..
+        } => vec![*y, y * 10f64.powf(slope * decades)],
+        Mark::Vertical { .. } => vec![],
     });
     Span::fit(axis, points.chain(guides), 0.06)
 }

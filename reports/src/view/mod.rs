@@ -18,7 +18,7 @@
 //! | [`guide`] | guide lines and a free place for their labels |
 //! | [`ink`] | the pen, and plotters' fixed colours turned into the theme's |
 //! | [`plot`] | a figure as SVG |
-//! | [`write`] | the page as HTML, and the safe way to disk |
+//! | [`mod@write`] | the page as HTML, and the safe way to disk |
 //!
 //! Units, frames and tolerances belong to the caller: labels arrive here as finished text.
 

@@ -8,54 +8,12 @@
 use super::figure::{Axis, Figure, Kind, Series};
 use super::guide;
 use super::ink::{Anchor, FINE, Ink, Pen};
-use super::layout::{Field, Layout};
+use super::layout::{Field, Layout, Size};
 use super::markup;
 use super::number;
 use super::scale::Span;
 use super::trace::{self, Point};
 use anyhow::Result;
-
-/// A sheet, in page units.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Size {
-    /// Name, used in anchors.
-    pub name: &'static str,
-    /// Width.
-    pub width: f64,
-    /// Height of a figure without a lower panel.
-    pub height: f64,
-    /// What a lower panel adds.
-    pub below: f64,
-    /// Size of the words.
-    pub font: f64,
-}
-
-impl Size {
-    /// The width of the text.
-    pub const STANDARD: Self = Self {
-        name: "standard",
-        width: 720.0,
-        height: 400.0,
-        below: 150.0,
-        font: 14.5,
-    };
-    /// The width of the page.
-    pub const WIDE: Self = Self {
-        name: "wide",
-        width: 960.0,
-        height: 420.0,
-        below: 150.0,
-        font: 14.5,
-    };
-    /// A phone, or one of several side by side.
-    pub const COMPACT: Self = Self {
-        name: "compact",
-        width: 360.0,
-        height: 270.0,
-        below: 105.0,
-        font: 13.0,
-    };
-}
 
 /// Draws a figure at the size its description asks for.
 ///
@@ -99,12 +57,19 @@ pub fn to_svg_sized(figure: &Figure, size: Size) -> Result<String> {
     ))
 }
 
-/// A legend's sample of a series: 30 by 14 page units.
+/// A legend's sample of a series: 14 page units high, 14 or 30 wide.
 ///
 /// # Errors
 /// If the SVG backend fails.
 pub fn legend(series: &Series) -> Result<String> {
-    let (width, height) = (30.0, 14.0);
+    let (width, height) = (
+        if series.kind == Kind::Points {
+            14.0
+        } else {
+            30.0
+        },
+        14.0,
+    );
     let body = Pen::sheet(width, height, |pen| {
         let middle = height / 2.0;
         draw_line(pen, series, &[(2.0, middle), (width - 2.0, middle)])?;
@@ -147,9 +112,20 @@ fn draw(layout: &Layout<'_>, pen: &Pen<'_>) -> Result<()> {
             Anchor::Start,
         )?;
     }
-    for (centre, row, label) in &layout.above {
-        let y = layout.fields[0].frame.top - (0.75 + *row as f64 * 1.25) * em;
-        pen.text(label, (*centre, y), Anchor::Middle, 0.92 * em, Ink::Muted)?;
+    let top = layout.fields[0].frame.top;
+    for above in &layout.above {
+        let foot = top - above.row as f64 * 1.25 * em;
+        pen.stroke(&[(above.x, top), (above.x, foot)], Ink::Mark, 1.25)?;
+    }
+    for above in &layout.above {
+        let y = top - (0.75 + above.row as f64 * 1.25) * em;
+        pen.text(
+            above.label,
+            (above.centre, y),
+            Anchor::Middle,
+            0.92 * em,
+            Ink::Muted,
+        )?;
     }
     if layout.is_empty() {
         let f = layout.fields[0].frame;
@@ -273,4 +249,92 @@ fn description(layout: &Layout<'_>) -> String {
         }
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::figure::{Mark, Panel};
+    use super::*;
+
+    fn figure(x: Axis, y: Axis, points: &[(f64, f64)]) -> Figure {
+        Figure::new("f", "t", x, y)
+            .series(Series::line("line", 0, points.iter().copied()))
+            .series(Series::points("points", 1, points.iter().copied()))
+            .mark(Mark::vertical(
+                2.0,
+                "a label far wider than the whole compact sheet could ever be",
+            ))
+            .mark(Mark::horizontal(f64::NAN, "nowhere"))
+            .mark(Mark::slope(1.0, 1.0, 2.0, 1.0, "2"))
+    }
+
+    #[test]
+    fn nothing_is_drawn_off_the_sheet() {
+        let points: Vec<_> = (1..400)
+            .map(|i| (f64::from(i), f64::from(i).sin() * 1e3))
+            .collect();
+        let figure = figure(
+            Axis::linear("x", "s").range(10.0, 20.0),
+            Axis::linear("y", "").range(-1.0, 1.0),
+            &points,
+        );
+        for size in [Size::STANDARD, Size::WIDE, Size::COMPACT] {
+            let svg = to_svg_sized(&figure, size).expect("draws");
+            for list in svg
+                .split("points=\"")
+                .skip(1)
+                .filter_map(|s| s.split('"').next())
+            {
+                for pair in list.split(' ') {
+                    let (x, y) = pair.split_once(',').expect("a pair");
+                    let (x, y): (f64, f64) = (x.parse().expect("x"), y.parse().expect("y"));
+                    assert!((0.0..=size.width * FINE).contains(&x), "{pair}");
+                    assert!((0.0..=size.height * FINE).contains(&y), "{pair}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn hostile_data_are_drawn_or_left_out() {
+        let wild = [
+            f64::NAN,
+            f64::INFINITY,
+            f64::NEG_INFINITY,
+            0.0,
+            -0.0,
+            1e-320,
+            -1e-200,
+            f64::MAX,
+            f64::MIN,
+            1e150,
+            -1e150,
+            1e-150,
+            1.0,
+            1.0 + f64::EPSILON,
+        ];
+        let axes = [Axis::linear("l", ""), Axis::log("g", "")];
+        for (x, y) in axes.iter().flat_map(|x| axes.iter().map(move |y| (x, y))) {
+            for a in wild {
+                for b in wild {
+                    let points = [(a, b), (b, a), (a, a)];
+                    let svg = to_svg(&figure(x.clone(), y.clone(), &points)).expect("draws");
+                    assert!(!svg.contains("NaN") && !svg.contains("inf"), "{a} {b}");
+                }
+            }
+        }
+        let below = Panel {
+            y: Axis::log("e", ""),
+            ..Panel::default()
+        };
+        let empty = Figure::new("f", "t", Axis::log("x", ""), Axis::default()).below(below);
+        assert!(to_svg(&empty).expect("draws").contains("no data"));
+    }
+
+    #[test]
+    fn units_and_powers_of_ten_stand_in_the_label() {
+        assert_eq!(axis_label(&Axis::linear("k", "s⁻²"), 8), "k (10⁸ s⁻²)");
+        assert_eq!(axis_label(&Axis::linear("k", ""), -6), "k (×10⁻⁶)");
+        assert_eq!(axis_label(&Axis::linear("k", ""), 0), "k");
+    }
 }

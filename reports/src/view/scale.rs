@@ -79,7 +79,11 @@ impl Span {
     /// Position of a value on the axis, beyond 0 and 1 if it lies outside; `None` if it has none.
     #[must_use]
     pub fn place(&self, value: f64) -> Option<f64> {
-        let (a, b) = (forward(self.scale, self.from), forward(self.scale, self.to));
+        let inner = |v| match self.scale {
+            Scale::Linear => v,
+            Scale::Log => f64::log10(v),
+        };
+        let (a, b) = (inner(self.from), inner(self.to));
         let at = (forward(self.scale, value) - a) / (b - a);
         at.is_finite().then_some(at)
     }
@@ -171,6 +175,8 @@ impl Span {
 
     fn decades(&self, first: i32, last: i32, stride: i32, parts: &[u32]) -> Ticks {
         let mut ticks = Vec::new();
+        // Minor ticks of many decades would only be a smear.
+        let minor = last - first <= 4;
         // Short axes near one read better with plain numbers than with powers.
         let (lowest, highest) = (self.from.log10() + 1e-9, self.to.log10() - 1e-9);
         let plain = lowest > -2.5 && highest < if last - first > 3 { 4.0 } else { 5.0 };
@@ -179,7 +185,7 @@ impl Span {
             for m in 1..10 {
                 let value = f64::from(m) * 10f64.powi(e);
                 let labelled = on_stride && parts.contains(&m);
-                if !labelled && (stride > 2 || (stride == 2 && m > 1)) {
+                if !labelled && (stride > 2 || (m > 1 && (stride > 1 || !minor))) {
                     continue;
                 }
                 let label = labelled.then(|| match (plain, m, e) {
@@ -204,11 +210,16 @@ impl Ticks {
     }
 }
 
+/// Beyond this (and, on a logarithmic axis, below its reciprocal) nothing is drawn; it keeps all
+/// arithmetic of this file clear of overflow.
+const LARGEST: f64 = 1e150;
+
 fn forward(scale: Scale, value: f64) -> f64 {
     match scale {
-        Scale::Linear => value,
-        Scale::Log if value > 0.0 => value.log10(),
-        Scale::Log => f64::NAN,
+        Scale::Linear if value.abs() < 1.0 / LARGEST => 0.0,
+        Scale::Linear if value.abs() <= LARGEST => value,
+        Scale::Log if (1.0 / LARGEST..=LARGEST).contains(&value) => value.log10(),
+        Scale::Linear | Scale::Log => f64::NAN,
     }
 }
 

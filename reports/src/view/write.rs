@@ -1,9 +1,10 @@
 //! From the page's description to one HTML file, and from there safely to disk.
 
 use super::figure::{Figure, Series};
+use super::layout::Size;
 use super::markup;
 use super::page::{Block, Page, Table, Verdict};
-use super::plot::{self, Size};
+use super::plot;
 use anyhow::{Context, Result, bail, ensure};
 use minijinja::value::Serde;
 use minijinja::{Environment, Value, context};

@@ -1,0 +1,134 @@
+//! Butterworth filters as second-order sections, by the bilinear transform with prewarped corner.
+//!
+//! Sections, not one long fraction: at order 8 and a corner of 5e-4 of the sample rate the coefficients of the
+//! fraction cancel to nothing, those of a section do not.
+
+use alloc::vec::Vec;
+
+use crate::error::{Error, Result};
+use crate::scalar::{sin_cos, tan};
+
+/// Highest order offered.
+pub const MAX_ORDER: usize = 10;
+
+/// One section in direct form II transposed: b over a with a0 = 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Section {
+    /// Numerator.
+    pub b: [f64; 3],
+    /// Denominator a1, a2.
+    pub a: [f64; 2],
+}
+
+impl Section {
+    /// Output of one step; `state` is the section's memory.
+    pub fn step(&self, state: &mut [f64; 2], input: f64) -> f64 {
+        let output = self.b[0] * input + state[0];
+        state[0] = self.b[1] * input - self.a[0] * output + state[1];
+        state[1] = self.b[2] * input - self.a[1] * output;
+        output
+    }
+
+    /// Gain at zero frequency.
+    #[must_use]
+    pub fn static_gain(&self) -> f64 {
+        (self.b[0] + self.b[1] + self.b[2]) / (1.0 + self.a[0] + self.a[1])
+    }
+
+    /// Memory after an endless constant input.
+    #[must_use]
+    pub fn settled(&self, input: f64) -> [f64; 2] {
+        let output = self.static_gain() * input;
+        let second = self.b[2] * input - self.a[1] * output;
+        [self.b[1] * input - self.a[0] * output + second, second]
+    }
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    LowPass,
+    HighPass,
+}
+
+/// Low-pass of the given order with its -3 dB corner at `corner_hz`: the same filter as SciPy's
+/// `butter(order, corner_hz, output="sos", fs=sample_rate_hz)` up to how the gain is shared among sections.
+///
+/// # Errors
+/// [`Error::OutOfRange`] for an order outside 1..=10 or a corner outside (0, half the sample rate).
+pub fn low_pass(order: usize, corner_hz: f64, sample_rate_hz: f64) -> Result<Vec<Section>> {
+    design(Kind::LowPass, order, corner_hz, sample_rate_hz)
+}
+
+/// High-pass of the given order with its -3 dB corner at `corner_hz`.
+///
+/// # Errors
+/// As [`low_pass`].
+pub fn high_pass(order: usize, corner_hz: f64, sample_rate_hz: f64) -> Result<Vec<Section>> {
+    design(Kind::HighPass, order, corner_hz, sample_rate_hz)
+}
+
+fn design(
+    kind: Kind,
+    order: usize,
+    corner_hz: f64,
+    sample_rate_hz: f64,
+) -> Result<Vec<Section>> {
+    if !(1..=MAX_ORDER).contains(&order) {
+        return Err(Error::OutOfRange {
+            name: "order",
+            value: order as f64,
+            requirement: "from 1 to 10",
+        });
+    }
+    if !(sample_rate_hz.is_finite() && sample_rate_hz > 0.0) {
+        return Err(Error::OutOfRange {
+            name: "sample_rate_hz",
+            value: sample_rate_hz,
+            requirement: "positive and finite",
+        });
+    }
+    if !(corner_hz > 0.0 && corner_hz < 0.5 * sample_rate_hz) {
+        return Err(Error::OutOfRange {
+            name: "corner_hz",
+            value: corner_hz,
+            requirement: "above zero and below half the sample rate",
+        });
+    }
+    let k = tan(core::f64::consts::PI * corner_hz / sample_rate_hz);
+    let mut sections = Vec::with_capacity(order.div_ceil(2));
+    for pair in 0..order / 2 {
+        // Poles of the prototype at angles (2 pair + 1) pi / (2 order) from the imaginary axis.
+        let (sine, _) = sin_cos(
+            core::f64::consts::PI * (2 * pair + 1) as f64 / (2 * order) as f64,
+        );
+        let damping = 2.0 * sine * k;
+        let scale = 1.0 / (1.0 + damping + k * k);
+        let b0 = match kind {
+            Kind::LowPass => k * k * scale,
+            Kind::HighPass => scale,
+        };
+        let b1 = match kind {
+            Kind::LowPass => 2.0 * b0,
+            Kind::HighPass => -2.0 * b0,
+        };
+        sections.push(Section {
+            b: [b0, b1, b0],
+            a: [
+                2.0 * (k * k - 1.0) * scale,
+                (1.0 - damping + k * k) * scale,
+            ],
+        });
+    }
+    if order % 2 == 1 {
+        let scale = 1.0 / (1.0 + k);
+        let b = match kind {
+            Kind::LowPass => [k * scale, k * scale, 0.0],
+            Kind::HighPass => [scale, -scale, 0.0],
+        };
+        sections.push(Section {
+            b,
+            a: [(k - 1.0) * scale, 0.0],
+        });
+    }
+    Ok(sections)
+}

@@ -1,0 +1,60 @@
+//! A progress bar with the time left; nothing at all when standard error is not a terminal.
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+/// The command's progress display.
+#[derive(Debug, Default)]
+pub struct Progress {
+    hidden: bool,
+}
+
+impl Progress {
+    /// Shown on a terminal.
+    #[must_use]
+    pub const fn shown() -> Self {
+        Self { hidden: false }
+    }
+
+    /// Never shown.
+    #[must_use]
+    pub const fn hidden() -> Self {
+        Self { hidden: true }
+    }
+
+    /// Starts a stage of `total` units of work.
+    #[must_use]
+    pub fn stage(&self, name: &'static str, total: u64) -> Stage {
+        let bar = if self.hidden {
+            ProgressBar::hidden()
+        } else {
+            // indicatif draws to standard error and falls silent by itself when that is no terminal.
+            ProgressBar::new(total)
+        };
+        if let Ok(style) = ProgressStyle::with_template(
+            "{prefix:>12} [{bar:40}] {percent:>3} %  {elapsed_precise}, {eta} left",
+        ) {
+            bar.set_style(style.progress_chars("=> "));
+        }
+        bar.set_prefix(name);
+        Stage { bar }
+    }
+}
+
+/// One stage; dropping it leaves its line finished.
+#[derive(Debug)]
+pub struct Stage {
+    bar: ProgressBar,
+}
+
+impl Stage {
+    /// Adds finished work. May be called from any thread.
+    pub fn advance(&self, units: u64) {
+        self.bar.inc(units);
+    }
+}
+
+impl Drop for Stage {
+    fn drop(&mut self) {
+        self.bar.finish();
+    }
+}

@@ -1,0 +1,283 @@
+//! The study: plays the paper's campaign on MuJoCo, runs the paper's methods on what a laboratory would see of it,
+//! and holds the outcome against the truth.
+//!
+//! [`plan`] says what is played, [`simulations`] plays it, [`cleaning`] and [`identification`] are the laboratory's
+//! analysis, [`decoupling`], [`searches`], [`orders`] and [`checks`] make the comparisons, [`bars`] judges them, and
+//! [`results`] is all of it as data. Nothing here draws.
+
+pub mod bars;
+pub mod checks;
+pub mod cleaning;
+pub mod decoupling;
+pub mod identification;
+pub mod orders;
+pub mod plan;
+pub mod results;
+pub mod searches;
+pub mod simulations;
+
+use anyhow::{Context, Result};
+use sixaxis_core::{Parameters, Scheme};
+use sixaxis_reference::campaign::Laboratory;
+use sixaxis_reference::mjcf::mujoco_version;
+use sixaxis_reference::paper;
+use sixaxis_reference::recording::SimulatedRun;
+use sixaxis_reference::rig::Mounting;
+
+use crate::progress::Progress;
+use cleaning::Cleaning;
+use decoupling::{Case, SixSeries, decouple, six_series, truth};
+use identification::{FourSteps, Session};
+use plan::{COMPOUND_RATE_HZ, Plan};
+use results::{Compound, History, Identification, ParameterSet, Parameters25, Results};
+use simulations::Simulations;
+
+/// Decimation of a compound run to the 10 kHz at which Tables 4 to 6 are compared.
+const COMPARED_DIVISOR: usize = 2;
+/// Points of a drawn time history.
+const HISTORY_POINTS: usize = 1200;
+
+/// Runs the study.
+///
+/// # Errors
+/// The first simulation, identification or decoupling that refuses, with what it was doing.
+pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
+    let simulations = simulations::simulate(plan, progress)?;
+    let stage = progress.stage("analysis", 9);
+    let truth = paper::identified_parameters();
+    let perfect = Laboratory::noise_free(truth);
+    let laboratory = Laboratory::with_errors(truth, plan.seed);
+
+    let noise_free_session = Session::record(&perfect, &simulations.campaign, Cleaning::NONE)?;
+    let noise_free = noise_free_session.identify().context("noise-free campaign")?;
+    stage.advance(1);
+    let laboratory_session =
+        Session::record(&laboratory, &simulations.campaign, Cleaning::LABORATORY)?;
+    let with_errors = laboratory_session
+        .identify()
+        .context("campaign with laboratory errors")?;
+    drop(laboratory_session);
+    stage.advance(1);
+    let coarse = if simulations.campaign_coarse.is_empty() {
+        None
+    } else {
+        let session = Session::record(&perfect, &simulations.campaign_coarse, Cleaning::NONE)?;
+        Some(session.identify().context("campaign at the doubled step")?)
+    };
+    stage.advance(1);
+
+    let compound = |laboratory: &Laboratory,
+                    found: &FourSteps,
+                    mounting: Mounting,
+                    cleaning: Cleaning|
+     -> Result<Vec<Compound>> {
+        let (full, halved) = match mounting {
+            Mounting::AxisVertical => (&simulations.compound, &simulations.compound_halved),
+            Mounting::AxisLevel => (&simulations.axis_level, &simulations.axis_level_halved),
+        };
+        (0..full.len())
+            .map(|index| {
+                Case {
+                    run: full[index].decimated(COMPARED_DIVISOR),
+                    halved: halved[index].decimated(COMPARED_DIVISOR),
+                    index,
+                    mounting,
+                    laboratory,
+                    cleaning,
+                    close: cleaning != Cleaning::NONE,
+                }
+                .compare(&ways(&truth, found))
+                .with_context(|| format!("compound run at {} Hz", full[index].run.frequency_hz))
+            })
+            .collect()
+    };
+    let compound_noise_free = compound(
+        &perfect,
+        &noise_free,
+        Mounting::AxisVertical,
+        Cleaning::NONE,
+    )?;
+    stage.advance(1);
+    let compound_laboratory = compound(
+        &laboratory,
+        &with_errors,
+        Mounting::AxisVertical,
+        Cleaning::LABORATORY,
+    )?;
+    stage.advance(1);
+    let compound_axis_level =
+        compound(&perfect, &noise_free, Mounting::AxisLevel, Cleaning::NONE)?;
+    stage.advance(1);
+    let searches = searches::study(&noise_free_session, &noise_free, &with_errors, &truth)?;
+    stage.advance(1);
+    let orders = orders::study(
+        simulations
+            .compound_halved
+            .last()
+            .context("no compound run was simulated")?,
+        &truth,
+        &plan.order_divisors(),
+    )?;
+    stage.advance(1);
+    let history = history(&simulations, &perfect, &noise_free, &laboratory, &with_errors)?;
+    let mut results = Results {
+        seed: plan.seed,
+        quick: plan.quick,
+        trials_per_step: plan.trials_per_step(),
+        sixaxis_version: env!("CARGO_PKG_VERSION").to_owned(),
+        mujoco_version: mujoco_version().to_owned(),
+        reference: checks::reference(&simulations)?,
+        noise_free: identification_results(&truth, &noise_free, &noise_free, coarse.as_ref()),
+        laboratory: identification_results(&truth, &with_errors, &noise_free, coarse.as_ref()),
+        instruments: laboratory.instruments,
+        compound_noise_free,
+        compound_laboratory,
+        compound_axis_level,
+        thresholds: checks::sweeps(&simulations),
+        searches,
+        orders,
+        history,
+        defects: checks::defects(&simulations, &truth)?,
+        bars: Vec::new(),
+    };
+    results.bars = bars::judge(&results);
+    stage.advance(1);
+    Ok(results)
+}
+
+/// Parameter sets and schemes with which every compound run is decoupled.
+fn ways(truth: &Parameters, found: &FourSteps) -> Vec<(ParameterSet, Parameters, Scheme)> {
+    let design = paper::design_parameters();
+    let drift_removed = Parameters {
+        zero_drift_v: found.drift.drift_v,
+        ..design
+    };
+    let used = found.used();
+    vec![
+        (ParameterSet::Design, design, Scheme::Heun),
+        (ParameterSet::DesignDriftRemoved, drift_removed, Scheme::Heun),
+        (ParameterSet::Identified, used, Scheme::Heun),
+        (ParameterSet::Identified, used, Scheme::HeunSubstepped),
+        (ParameterSet::Identified, used, Scheme::AdamsMoulton4),
+        (ParameterSet::True, *truth, Scheme::Heun),
+        (ParameterSet::True, *truth, Scheme::HeunSubstepped),
+        (ParameterSet::True, *truth, Scheme::AdamsMoulton4),
+        (
+            ParameterSet::TrueWithoutGravity,
+            *truth,
+            Scheme::AdamsMoulton4,
+        ),
+    ]
+}
+
+fn identification_results(
+    truth: &Parameters,
+    steps: &FourSteps,
+    noise_free: &FourSteps,
+    coarse: Option<&FourSteps>,
+) -> Identification {
+    let not_measured = f64::NAN;
+    Identification {
+        truth: *truth,
+        found: steps.found(),
+        used: steps.used(),
+        reference_error: match coarse.map(FourSteps::found) {
+            None => Parameters25 {
+                zero_drift_v: [not_measured; 9],
+                scale_per_mass_per_kg: [not_measured; 9],
+                inertia_per_mass_m2: [not_measured; 6],
+                stiffness_per_mass_per_s2: not_measured,
+            },
+            Some(coarse) => {
+                let fine = noise_free.found();
+                let difference = |a: [f64; 9], b: [f64; 9]| {
+                    core::array::from_fn(|i| (a[i] - b[i]).abs())
+                };
+                let (a, b) = (
+                    coarse.inertia_per_mass.to_paper_order(),
+                    fine.inertia_per_mass.to_paper_order(),
+                );
+                Parameters25 {
+                    zero_drift_v: difference(coarse.zero_drift_v, fine.zero_drift_v),
+                    scale_per_mass_per_kg: difference(
+                        coarse.scale_per_mass_per_kg,
+                        fine.scale_per_mass_per_kg,
+                    ),
+                    inertia_per_mass_m2: core::array::from_fn(|i| (a[i] - b[i]).abs()),
+                    stiffness_per_mass_per_s2: (coarse.stiffness_per_mass_per_s2
+                        - fine.stiffness_per_mass_per_s2)
+                        .abs(),
+                }
+            }
+        },
+        standard_error: Parameters25 {
+            zero_drift_v: steps.drift.standard_error_v,
+            scale_per_mass_per_kg: steps.scale.estimate.standard_error(),
+            inertia_per_mass_m2: steps.inertia.estimate.standard_error(),
+            stiffness_per_mass_per_s2: not_measured,
+        },
+        scale_condition: steps.scale.estimate.condition,
+        scale_residual_m_s2: steps.scale.estimate.residual_rms,
+        scale_verdict: steps.scale.verdict.clone(),
+        inertia_condition: steps.inertia.estimate.condition,
+        inertia_residual_m2_s2: steps.inertia.estimate.residual_rms,
+        inertia_verdict: steps.inertia.verdict.clone(),
+        stiffness_interpolated_per_s2: steps.stiffness.interpolated_per_s2,
+        stiffness_verdict: steps.stiffness.verdict.clone(),
+    }
+}
+
+/// The 5 Hz run over time: truth, and what both laboratories make of it.
+fn history(
+    simulations: &Simulations,
+    perfect: &Laboratory,
+    noise_free: &FourSteps,
+    laboratory: &Laboratory,
+    with_errors: &FourSteps,
+) -> Result<History> {
+    let index = simulations.compound.len() - 1;
+    let run: SimulatedRun = simulations.compound[index].decimated(COMPARED_DIVISOR);
+    let truth = truth(&run);
+    let ours = |laboratory, found: &FourSteps, cleaning, scheme| -> Result<SixSeries> {
+        let case = Case {
+            run: run.clone(),
+            halved: run.clone(),
+            index,
+            mounting: Mounting::AxisVertical,
+            laboratory,
+            cleaning,
+            close: cleaning != Cleaning::NONE,
+        };
+        let (recording, cleaned) = case.record(&run)?;
+        let parameters = found.used();
+        let voltages = case.voltages(&recording, &cleaned, &parameters, scheme)?;
+        let samples = decouple(&recording, &voltages, &parameters, scheme, true)?;
+        Ok(six_series(&samples))
+    };
+    let exact = ours(perfect, noise_free, Cleaning::NONE, Scheme::HeunSubstepped)?;
+    let noisy = ours(
+        laboratory,
+        with_errors,
+        Cleaning::LABORATORY,
+        Scheme::HeunSubstepped,
+    )?;
+    let stride = truth[0].len().div_ceil(HISTORY_POINTS).max(1);
+    let thin = |series: &SixSeries| -> SixSeries {
+        core::array::from_fn(|i| series[i].iter().copied().step_by(stride).collect())
+    };
+    let difference = |a: &SixSeries| -> SixSeries {
+        core::array::from_fn(|i| a[i].iter().zip(&truth[i]).map(|(x, y)| x - y).collect())
+    };
+    let rate = COMPOUND_RATE_HZ / COMPARED_DIVISOR as f64;
+    Ok(History {
+        frequency_hz: run.run.frequency_hz,
+        time_s: (0..truth[0].len())
+            .step_by(stride)
+            .map(|i| (i + 1) as f64 / rate)
+            .collect(),
+        error_noise_free: thin(&difference(&exact)),
+        error_laboratory: thin(&difference(&noisy)),
+        laboratory: thin(&noisy),
+        truth: thin(&truth),
+    })
+}

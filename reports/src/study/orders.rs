@@ -1,0 +1,79 @@
+//! Error of each scheme against the sample rate, on MuJoCo's 5 Hz compound run.
+
+use anyhow::Result;
+use rayon::prelude::*;
+use sixaxis_core::{Parameters, Scheme};
+use sixaxis_reference::campaign::Laboratory;
+use sixaxis_reference::recording::SimulatedRun;
+
+use super::decoupling::decouple;
+use super::results::Order;
+
+/// Points nearer than this factor to the reference's own error say nothing of the scheme.
+const ABOVE_REFERENCE: f64 = 10.0;
+/// Coarsest step, as a share of the drive's period, at which a scheme's error has taken its asymptotic form.
+const ASYMPTOTIC_RATE_HZ: f64 = 900.0;
+
+/// Largest error of w* over its peak.
+fn rate_error(run: &SimulatedRun, parameters: &Parameters, scheme: Scheme) -> Result<f64> {
+    let recording = Laboratory::noise_free(*parameters).record(run, 0);
+    let samples = decouple(&recording, &recording.voltage_v, parameters, scheme, true)?;
+    let (mut largest, mut peak) = (0.0_f64, 0.0_f64);
+    for sample in &samples {
+        let truth = run.truth[sample.sample as usize].rate_shell_rad_s;
+        largest = largest.max((sample.rate_shell_rad_s - truth).length());
+        peak = peak.max(truth.length());
+    }
+    Ok(largest / peak)
+}
+
+/// Errors of all schemes over the sample rates that the divisors give.
+///
+/// # Errors
+/// Those of the decoupler.
+pub fn study(
+    run: &SimulatedRun,
+    parameters: &Parameters,
+    divisors: &[usize],
+) -> Result<Vec<Order>> {
+    // The best scheme at the highest rate leaves the reference's own error and nothing else to speak of.
+    let reference_error = rate_error(run, parameters, Scheme::AdamsMoulton4)?;
+    Scheme::ALL
+        .into_par_iter()
+        .map(|scheme| {
+            let points = divisors
+                .iter()
+                .map(|&divisor| {
+                    let run = run.decimated(divisor);
+                    Ok((run.sample_rate_hz, rate_error(&run, parameters, scheme)?))
+                })
+                .collect::<Result<Vec<_>>>()?;
+            let fit: Vec<(f64, f64)> = points
+                .iter()
+                .filter(|(rate, error)| {
+                    *rate >= ASYMPTOTIC_RATE_HZ && *error > ABOVE_REFERENCE * reference_error
+                })
+                .map(|(rate, error)| (rate.ln(), error.ln()))
+                .collect();
+            Ok(Order {
+                scheme,
+                theoretical: scheme.order(),
+                points,
+                measured: (fit.len() >= 3).then(|| -slope(&fit)),
+                reference_error,
+            })
+        })
+        .collect()
+}
+
+/// Least-squares slope.
+fn slope(points: &[(f64, f64)]) -> f64 {
+    let n = points.len() as f64;
+    let (mx, my) = points
+        .iter()
+        .fold((0.0, 0.0), |(x, y), p| (x + p.0 / n, y + p.1 / n));
+    let (sxy, sxx) = points.iter().fold((0.0, 0.0), |(sxy, sxx), p| {
+        (sxy + (p.0 - mx) * (p.1 - my), sxx + (p.0 - mx) * (p.0 - mx))
+    });
+    sxy / sxx
+}

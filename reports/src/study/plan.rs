@@ -1,0 +1,53 @@
+//! What the study plays, in full and quick.
+
+use serde::Serialize;
+
+/// Sample rate of the campaign's recordings, Hz.
+pub const CAMPAIGN_RATE_HZ: f64 = 10_000.0;
+/// Steps per sample of the campaign: 25 us, and doubled for the reference's own error.
+pub const CAMPAIGN_STEPS: usize = 4;
+/// Sample rate at which compound runs are simulated, Hz: the highest of the order study.
+pub const COMPOUND_RATE_HZ: f64 = 20_000.0;
+/// Steps per sample of the compound runs: 25 us; halved for the reference's own error.
+pub const COMPOUND_STEPS: usize = 2;
+/// Step of the threshold sweeps, s: stable for the stiffest mode of the design, 6.7 kHz.
+pub const SWEEP_STEP_S: f64 = 5e-5;
+
+/// How much is played.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Plan {
+    /// Seed of the laboratory's errors.
+    pub seed: u64,
+    /// Fewer runs, for a look.
+    pub quick: bool,
+}
+
+impl Plan {
+    /// Trials per identification step: the paper's ten.
+    #[must_use]
+    pub fn trials_per_step(&self) -> usize {
+        if self.quick { 4 } else { 10 }
+    }
+
+    /// Frequencies of the threshold sweeps, Hz.
+    #[must_use]
+    pub fn sweep_frequencies_hz(&self) -> Vec<f64> {
+        if self.quick {
+            vec![1.5, 2.0, 2.4, 3.0, 4.0, 5.0]
+        } else {
+            vec![0.4, 0.6, 0.9, 1.3, 1.6, 2.0, 2.2, 2.4, 2.6, 3.0, 3.5, 4.0, 5.0]
+        }
+    }
+
+    /// Sample rates of the order study as divisors of [`COMPOUND_RATE_HZ`]: 250 Hz to 20 kHz.
+    #[must_use]
+    pub fn order_divisors(&self) -> Vec<usize> {
+        vec![80, 50, 40, 20, 10, 5, 4, 2, 1]
+    }
+
+    /// Whether the simulations that only serve the reference's own error of the identification are played.
+    #[must_use]
+    pub fn checks_campaign_step(&self) -> bool {
+        !self.quick
+    }
+}

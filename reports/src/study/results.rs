@@ -1,0 +1,297 @@
+//! Every number the study produces, as plain data: what `results.json` holds.
+//!
+//! Nothing here depends on the machine, the clock or the number of threads: the same seed gives the same file, bit
+//! for bit. What does is in `run.json`.
+
+use serde::Serialize;
+use sixaxis_core::identify::Verdict;
+use sixaxis_core::{LIMBS, Parameters, Scheme};
+use sixaxis_reference::instruments::Instruments;
+use sixaxis_reference::rig::{Mode, Mounting};
+use sixaxis_reference::threshold::SweepPoint;
+
+/// Names of the six accelerations, in the order of every array of six.
+pub const AXES: [&str; 6] = [
+    "a_x", "a_y", "a_z", "angular x", "angular y", "angular z",
+];
+
+/// The whole study.
+#[derive(Debug, Clone, Serialize)]
+pub struct Results {
+    /// Seed of the laboratory's errors.
+    pub seed: u64,
+    /// Whether fewer runs than the paper's were played.
+    pub quick: bool,
+    /// Trials per identification step.
+    pub trials_per_step: usize,
+    /// Version of this program.
+    pub sixaxis_version: String,
+    /// Version of MuJoCo, as the library reports it.
+    pub mujoco_version: String,
+    /// How good the reference is.
+    pub reference: ReferenceCheck,
+    /// Four steps without errors.
+    pub noise_free: Identification,
+    /// Four steps with the laboratory's errors.
+    pub laboratory: Identification,
+    /// The laboratory's instruments as drawn from their class.
+    pub instruments: Instruments,
+    /// Tables 4 to 6, without errors.
+    pub compound_noise_free: Vec<Compound>,
+    /// Tables 4 to 6, with the laboratory's errors.
+    pub compound_laboratory: Vec<Compound>,
+    /// Tables 4 to 6 with the pinion's axis level, so that gravity turns in the shell: noise-free.
+    pub compound_axis_level: Vec<Compound>,
+    /// Fig. 7.
+    pub thresholds: Vec<Sweep>,
+    /// Fig. 10.
+    pub searches: Vec<Search>,
+    /// Error of each scheme against the sample rate.
+    pub orders: Vec<Order>,
+    /// Time histories of the 5 Hz run.
+    pub history: History,
+    /// What single defects of the signal chain cost.
+    pub defects: Defects,
+    /// The bars of this study.
+    pub bars: Vec<Bar>,
+}
+
+/// The reference against theory and against itself.
+#[derive(Debug, Clone, Serialize)]
+pub struct ReferenceCheck {
+    /// Largest difference of MuJoCo's static elongations and an independent Newton solve, over the largest elongation.
+    pub static_elongation_relative: f64,
+    /// Largest static elongation under gravity, m.
+    pub static_elongation_m: f64,
+    /// Ring-downs of the design sensor and of the identified one.
+    pub modes: Vec<ModeSet>,
+    /// Step of the campaign's simulations, s.
+    pub campaign_step_s: f64,
+    /// Step of the compound runs, s; the halved step stands beside every comparison.
+    pub compound_step_s: f64,
+}
+
+/// Six modes of one sensor.
+#[derive(Debug, Clone, Serialize)]
+pub struct ModeSet {
+    /// Which sensor.
+    pub sensor: String,
+    /// Eigenvalue solution, Hz.
+    pub predicted_hz: [f64; 6],
+    /// MuJoCo's ring-down, Hz.
+    pub measured_hz: [f64; 6],
+}
+
+/// Result of the four steps.
+#[derive(Debug, Clone, Serialize)]
+pub struct Identification {
+    /// The truth, for comparison; no algorithm saw it.
+    pub truth: Parameters,
+    /// What the four steps found; k/m is the grid point of step 4.
+    pub found: Parameters,
+    /// What the decoupler uses: `found`, or the design's k/m where step 4 does not determine it.
+    pub used: Parameters,
+    /// Change of `found` when the simulator's step is halved: the reference's own error, per parameter.
+    pub reference_error: Parameters25,
+    /// Standard errors that the steps report, per parameter (k/m: none).
+    pub standard_error: Parameters25,
+    /// Step 2: condition number of the column-scaled regressor and residual, m/s^2.
+    pub scale_condition: f64,
+    /// See above.
+    pub scale_residual_m_s2: f64,
+    /// Verdict of step 2.
+    pub scale_verdict: Verdict,
+    /// Step 3: condition number and residual, m^2/s^2.
+    pub inertia_condition: f64,
+    /// See above.
+    pub inertia_residual_m2_s2: f64,
+    /// Verdict of step 3.
+    pub inertia_verdict: Verdict,
+    /// Step 4: the minimum between grid points, s^-2.
+    pub stiffness_interpolated_per_s2: f64,
+    /// Verdict of step 4.
+    pub stiffness_verdict: Verdict,
+}
+
+/// One number per parameter, in the paper's order and SI units.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Parameters25 {
+    /// d, V.
+    pub zero_drift_v: [f64; LIMBS],
+    /// s/m, 1/kg.
+    pub scale_per_mass_per_kg: [f64; LIMBS],
+    /// I/m, m^2.
+    pub inertia_per_mass_m2: [f64; 6],
+    /// k/m, s^-2.
+    pub stiffness_per_mass_per_s2: f64,
+}
+
+/// One compound run.
+#[derive(Debug, Clone, Serialize)]
+pub struct Compound {
+    /// Table number in the paper.
+    pub table: u32,
+    /// Drive frequency, Hz.
+    pub frequency_hz: f64,
+    /// How the sensor hangs.
+    pub mounting: Mounting,
+    /// Sample rate of the recording, Hz.
+    pub sample_rate_hz: f64,
+    /// Peak of the truth: m/s^2, rad/s^2.
+    pub peak: [f64; 6],
+    /// Amplitude at the drive frequency at full speed, from the truth: m/s^2, rad/s^2. The table's target.
+    pub amplitude: [f64; 6],
+    /// Comparisons; errors are the largest over the whole run, over that axis' peak.
+    pub comparisons: Vec<Comparison>,
+    /// Change of the truth-to-decoupled difference when the simulator's step is halved, over the peak.
+    pub reference_error: [f64; 6],
+}
+
+/// One way of decoupling a run, held against one standard.
+#[derive(Debug, Clone, Serialize)]
+pub struct Comparison {
+    /// Which parameters.
+    pub parameters: ParameterSet,
+    /// Which scheme.
+    pub scheme: Scheme,
+    /// Against what.
+    pub against: Standard,
+    /// Largest error over the run, over the axis' peak.
+    pub error: [f64; 6],
+    /// Amplitude of the error at the drive frequency at full speed, over the axis' amplitude.
+    pub harmonic_error: [f64; 6],
+}
+
+/// Parameters used to decouple.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ParameterSet {
+    /// The design columns, zero drift included.
+    Design,
+    /// The design columns with the drift of step 1 taken off.
+    DesignDriftRemoved,
+    /// What the four steps found.
+    Identified,
+    /// The truth.
+    True,
+    /// The truth, with gravity neglected in the decoupler.
+    TrueWithoutGravity,
+}
+
+/// What a decoupled signal is held against.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Standard {
+    /// The simulator's state.
+    Truth,
+    /// The standard instruments, as in the paper.
+    Instruments,
+}
+
+/// One sweep of Fig. 7.
+#[derive(Debug, Clone, Serialize)]
+pub struct Sweep {
+    /// Which sensor.
+    pub sensor: String,
+    /// Linear or angular.
+    pub mode: Mode,
+    /// Points, ascending in frequency.
+    pub points: Vec<SweepPoint>,
+    /// Linear theory at the same frequencies.
+    pub theory: Vec<f64>,
+    /// Threshold, m/s^2 or rad/s^2.
+    pub threshold: f64,
+    /// Where the sweep crosses it, Hz.
+    pub crossing_hz: Option<f64>,
+    /// Slope on log axes.
+    pub slope: f64,
+    /// Relative acceleration at 2 Hz and 4 Hz by interpolation on log axes.
+    pub at_2_and_4_hz: [f64; 2],
+}
+
+/// One curve of Fig. 10.
+#[derive(Debug, Clone, Serialize)]
+pub struct Search {
+    /// Which scale factors.
+    pub label: String,
+    /// True for eq. (2) as printed.
+    pub sign_as_printed: bool,
+    /// Relative size of the scale errors put in (root mean square); None where the four steps made them.
+    pub scale_error: Option<f64>,
+    /// (k/m, mean |w*|): s^-2, rad/s.
+    pub curve: Vec<(f64, f64)>,
+    /// Grid point of the minimum, s^-2.
+    pub grid_minimum_per_s2: f64,
+    /// Minimum between grid points, s^-2.
+    pub interpolated_per_s2: f64,
+    /// Whether the curve determines k/m.
+    pub verdict: Verdict,
+}
+
+/// One scheme's errors over sample rates.
+#[derive(Debug, Clone, Serialize)]
+pub struct Order {
+    /// Scheme.
+    pub scheme: Scheme,
+    /// Theoretical order.
+    pub theoretical: u32,
+    /// (sample rate in Hz, largest error of w* over its peak).
+    pub points: Vec<(f64, f64)>,
+    /// Slope over the points above ten times the reference's own error; None with fewer than three.
+    pub measured: Option<f64>,
+    /// The reference's own error of w* over its peak.
+    pub reference_error: f64,
+}
+
+/// Truth and decoupled accelerations over time.
+#[derive(Debug, Clone, Serialize)]
+pub struct History {
+    /// Drive frequency, Hz.
+    pub frequency_hz: f64,
+    /// Time, s.
+    pub time_s: Vec<f64>,
+    /// Truth, m/s^2 and rad/s^2.
+    pub truth: [Vec<f64>; 6],
+    /// Decoupled with the noise-free identification, less the truth.
+    pub error_noise_free: [Vec<f64>; 6],
+    /// Decoupled with the laboratory's identification from its noisy recording.
+    pub laboratory: [Vec<f64>; 6],
+    /// The same less the truth.
+    pub error_laboratory: [Vec<f64>; 6],
+}
+
+/// What single defects cost, everything else perfect.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct Defects {
+    /// Corner of the charge amplifier, Hz.
+    pub amplifier_corner_hz: f64,
+    /// Largest error of the 1 Hz run with an AC-coupled amplifier left alone, over the peak.
+    pub amplifier_left_alone: f64,
+    /// The same with the high-pass undone.
+    pub amplifier_undone: f64,
+    /// Largest error of I/m over its largest entry with the gyroscope's lag left alone in step 3.
+    pub gyroscope_lag_left_alone: f64,
+    /// The same with the lag undone.
+    pub gyroscope_lag_undone: f64,
+    /// Largest error of the 1 Hz run with the axis level when gravity is neglected, over the peak.
+    pub gravity_neglected_1_hz: f64,
+    /// Largest voltage of the printed gyroscope sensitivity at the rig's largest rate, V.
+    pub gyroscope_output_v: f64,
+}
+
+/// A limit and what was measured.
+#[derive(Debug, Clone, Serialize)]
+pub struct Bar {
+    /// What is measured.
+    pub name: String,
+    /// Measured value.
+    pub value: f64,
+    /// Limit.
+    pub limit: f64,
+    /// Unit of both; empty for a ratio.
+    pub unit: String,
+    /// Whether the value is within the limit.
+    pub met: bool,
+    /// Remark.
+    pub note: String,
+}

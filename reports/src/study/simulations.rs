@@ -1,0 +1,256 @@
+//! All of MuJoCo's work, in parallel: every run is independent of every other.
+
+use anyhow::{Context, Result};
+use rayon::prelude::*;
+use sixaxis_core::Parameters;
+use sixaxis_reference::campaign::{self, Role, Trial};
+use sixaxis_reference::paper;
+use sixaxis_reference::recording::SimulatedRun;
+use sixaxis_reference::rig::{Mode, Mounting};
+use sixaxis_reference::ringdown::{self, RingDown};
+use sixaxis_reference::threshold::{self, SweepPoint};
+
+use super::plan::{
+    CAMPAIGN_RATE_HZ, CAMPAIGN_STEPS, COMPOUND_RATE_HZ, COMPOUND_STEPS, Plan, SWEEP_STEP_S,
+};
+use crate::progress::Progress;
+
+/// Everything that was simulated.
+pub struct Simulations {
+    /// Steps 2 to 4 at the campaign's step, in the plan's order.
+    pub campaign: Vec<(Trial, SimulatedRun)>,
+    /// The same at twice the step; empty if not asked for.
+    pub campaign_coarse: Vec<(Trial, SimulatedRun)>,
+    /// Tables 4 to 6 at the compound step.
+    pub compound: Vec<SimulatedRun>,
+    /// The same at half the step.
+    pub compound_halved: Vec<SimulatedRun>,
+    /// Tables 4 to 6 with the axis level.
+    pub axis_level: Vec<SimulatedRun>,
+    /// The same at half the step.
+    pub axis_level_halved: Vec<SimulatedRun>,
+    /// Fig. 7: design linear, design angular, identified linear, identified angular.
+    pub sweeps: [Vec<SweepPoint>; 4],
+    /// Ring-downs of the design sensor and of the identified one.
+    pub ring_downs: [[RingDown; 6]; 2],
+}
+
+/// The four sweeps of Fig. 7 in the order of [`Simulations::sweeps`].
+#[must_use]
+pub fn sweep_kinds() -> [(&'static str, Parameters, Mode); 4] {
+    let design = paper::design_parameters();
+    let identified = paper::identified_parameters();
+    [
+        ("design", design, Mode::Linear),
+        ("design", design, Mode::Angular),
+        ("identified", identified, Mode::Linear),
+        ("identified", identified, Mode::Angular),
+    ]
+}
+
+enum Task {
+    Run {
+        list: List,
+        trial: Trial,
+        rate_hz: f64,
+        steps: usize,
+    },
+    Sweep {
+        kind: usize,
+        frequency_hz: f64,
+    },
+    RingDown {
+        sensor: usize,
+    },
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum List {
+    Campaign,
+    CampaignCoarse,
+    Compound,
+    CompoundHalved,
+    AxisLevel,
+    AxisLevelHalved,
+}
+
+enum Outcome {
+    Run(SimulatedRun),
+    Sweep(SweepPoint),
+    RingDown([RingDown; 6]),
+}
+
+impl Task {
+    /// Runge-Kutta steps, the unit of work.
+    fn steps(&self) -> u64 {
+        match self {
+            Self::Run {
+                trial,
+                rate_hz,
+                steps,
+                ..
+            } => (trial.run.duration_s() * rate_hz) as u64 * *steps as u64,
+            Self::Sweep { frequency_hz, .. } => (1.6 / frequency_hz / SWEEP_STEP_S) as u64,
+            Self::RingDown { .. } => 6 * 2_000,
+        }
+    }
+
+    fn run(&self) -> Result<Outcome> {
+        match self {
+            Self::Run {
+                trial,
+                rate_hz,
+                steps,
+                ..
+            } => {
+                let model = trial.model(&paper::identified_parameters());
+                SimulatedRun::simulate(&model, &trial.run, *rate_hz, *steps)
+                    .map(Outcome::Run)
+                    .with_context(|| {
+                        format!("{:?} run at {} Hz", trial.role, trial.run.frequency_hz)
+                    })
+            }
+            Self::Sweep { kind, frequency_hz } => {
+                let (_, parameters, mode) = sweep_kinds()[*kind];
+                let run = threshold::excitation(mode, *frequency_hz);
+                let trial = Trial {
+                    role: Role::Linear,
+                    run,
+                    mounting: Mounting::AxisVertical,
+                };
+                threshold::measure(&trial.model(&parameters), &run, SWEEP_STEP_S)
+                    .map(Outcome::Sweep)
+                    .with_context(|| format!("threshold sweep at {frequency_hz} Hz"))
+            }
+            Self::RingDown { sensor } => {
+                let parameters = if *sensor == 0 {
+                    paper::design_parameters()
+                } else {
+                    paper::identified_parameters()
+                };
+                let [first, ..] = campaign::compound(Mounting::AxisVertical);
+                ringdown::measure(&first.model(&parameters))
+                    .map(Outcome::RingDown)
+                    .context("ring-down")
+            }
+        }
+    }
+}
+
+fn tasks(plan: &Plan) -> Vec<Task> {
+    let mut tasks = Vec::new();
+    let mut run = |list, trial, rate_hz, steps| {
+        tasks.push(Task::Run {
+            list,
+            trial,
+            rate_hz,
+            steps,
+        });
+    };
+    for trial in campaign::plan(plan.trials_per_step(), Mounting::AxisVertical) {
+        if trial.role == Role::Compound {
+            run(List::Compound, trial, COMPOUND_RATE_HZ, COMPOUND_STEPS);
+            run(
+                List::CompoundHalved,
+                trial,
+                COMPOUND_RATE_HZ,
+                2 * COMPOUND_STEPS,
+            );
+        } else {
+            run(List::Campaign, trial, CAMPAIGN_RATE_HZ, CAMPAIGN_STEPS);
+            if plan.checks_campaign_step() {
+                run(
+                    List::CampaignCoarse,
+                    trial,
+                    CAMPAIGN_RATE_HZ,
+                    CAMPAIGN_STEPS / 2,
+                );
+            }
+        }
+    }
+    for trial in campaign::compound(Mounting::AxisLevel) {
+        run(List::AxisLevel, trial, COMPOUND_RATE_HZ, COMPOUND_STEPS);
+        run(
+            List::AxisLevelHalved,
+            trial,
+            COMPOUND_RATE_HZ,
+            2 * COMPOUND_STEPS,
+        );
+    }
+    for kind in 0..sweep_kinds().len() {
+        for frequency_hz in plan.sweep_frequencies_hz() {
+            tasks.push(Task::Sweep { kind, frequency_hz });
+        }
+    }
+    tasks.extend([Task::RingDown { sensor: 0 }, Task::RingDown { sensor: 1 }]);
+    tasks
+}
+
+/// Simulates everything the plan needs.
+///
+/// # Errors
+/// The first simulation that fails, by name.
+pub fn simulate(plan: &Plan, progress: &Progress) -> Result<Simulations> {
+    let mut tasks = tasks(plan);
+    // Longest first, so that no thread is left alone with a long run at the end.
+    tasks.sort_by_key(|task| core::cmp::Reverse(task.steps()));
+    let stage = progress.stage("MuJoCo", tasks.iter().map(Task::steps).sum());
+    let outcomes = tasks
+        .par_iter()
+        .with_max_len(1)
+        .map(|task| {
+            let outcome = task.run();
+            stage.advance(task.steps());
+            outcome
+        })
+        .collect::<Result<Vec<_>>>()?;
+
+    let mut result = Simulations {
+        campaign: Vec::new(),
+        campaign_coarse: Vec::new(),
+        compound: Vec::new(),
+        compound_halved: Vec::new(),
+        axis_level: Vec::new(),
+        axis_level_halved: Vec::new(),
+        sweeps: Default::default(),
+        ring_downs: [[RingDown {
+            predicted_hz: f64::NAN,
+            measured_hz: f64::NAN,
+        }; 6]; 2],
+    };
+    for (task, outcome) in tasks.iter().zip(outcomes) {
+        match (task, outcome) {
+            (Task::Run { list, trial, .. }, Outcome::Run(run)) => match list {
+                List::Campaign => result.campaign.push((*trial, run)),
+                List::CampaignCoarse => result.campaign_coarse.push((*trial, run)),
+                List::Compound => result.compound.push(run),
+                List::CompoundHalved => result.compound_halved.push(run),
+                List::AxisLevel => result.axis_level.push(run),
+                List::AxisLevelHalved => result.axis_level_halved.push(run),
+            },
+            (Task::Sweep { kind, .. }, Outcome::Sweep(point)) => result.sweeps[*kind].push(point),
+            (Task::RingDown { sensor }, Outcome::RingDown(modes)) => {
+                result.ring_downs[*sensor] = modes;
+            }
+            _ => {}
+        }
+    }
+    // The tasks ran longest first; put them back in the order in which people read.
+    let by_role = |a: &(Trial, SimulatedRun), b: &(Trial, SimulatedRun)| {
+        (a.0.role.cmp(&b.0.role)).then(a.0.run.frequency_hz.total_cmp(&b.0.run.frequency_hz))
+    };
+    result.campaign.sort_by(by_role);
+    result.campaign_coarse.sort_by(by_role);
+    for list in [
+        &mut result.compound,
+        &mut result.compound_halved,
+        &mut result.axis_level,
+        &mut result.axis_level_halved,
+    ] {
+        list.sort_by(|a, b| a.run.frequency_hz.total_cmp(&b.run.frequency_hz));
+    }
+    for sweep in &mut result.sweeps {
+        sweep.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
+    }
+    Ok(result)
+}
