@@ -5,7 +5,7 @@
 
 use glam::{DMat3, DVec3};
 
-use crate::geometry::{DIRECTIONS_SHELL, Geometry, LIMBS, LIMBS_PER_NODE};
+use crate::geometry::{DIRECTIONS_SHELL, Geometry, LIMBS, LIMBS_PER_NODE, NODES};
 use crate::parameters::InertiaPerMass;
 use crate::pose::{Pose, RelativeMotion};
 
@@ -45,6 +45,18 @@ impl LimbWrench {
     pub fn at_rest(geometry: &Geometry, force_per_mass_m_s2: &[f64; LIMBS]) -> Self {
         Self::at_pose(geometry, &Pose::default(), force_per_mass_m_s2)
     }
+}
+
+/// Directions e_i of the limbs at a relative pose, shell axes.
+#[must_use]
+pub fn limb_directions(geometry: &Geometry, pose: &Pose) -> [DVec3; LIMBS] {
+    let nodes: [DVec3; NODES] =
+        core::array::from_fn(|node| pose.node_displacement_shell_m(geometry, node));
+    core::array::from_fn(|limb| {
+        let limb_m =
+            DIRECTIONS_SHELL[limb] * geometry.limb_length_m + nodes[limb / LIMBS_PER_NODE];
+        limb_m / limb_m.length()
+    })
 }
 
 /// Everything in (3) and (8) at one instant except the shell's own rate.

@@ -5,7 +5,7 @@ use rand_pcg::Pcg64;
 use serde::Serialize;
 use sixaxis_core::{Gains, Geometry, LIMBS, Parameters};
 
-use crate::chain::{Chain, amplifier_range};
+use crate::chain::{Chain, amplifier_ranges};
 use crate::instruments::Instruments;
 use crate::mjcf::SensorModel;
 use crate::paper;
@@ -190,7 +190,7 @@ impl Laboratory {
                 .map(|truth| get(truth).dot(direction))
                 .collect()
         };
-        let gains = amplifier_range(
+        let gains = amplifier_ranges(
             &simulated.limb_force_per_mass_m_s2,
             &self.parameters,
             self.chain.full_scale_v,

@@ -122,11 +122,13 @@ impl Chain {
 
 /// Share of the converter's range that the amplifier range is chosen to fill at most.
 const RANGE_HEADROOM: f64 = 0.8;
+/// Full scale of the most sensitive range, N: a channel that senses less is all noise.
+const SMALLEST_RANGE_N: f64 = 1e-2;
 
-/// The amplifier range, N/V on all channels, that fills the converter best: steps of 1, 2 and 5 per decade, as charge
-/// amplifiers have them. Chosen from the largest change of force a trial run showed.
+/// The amplifier range of each channel, N/V, that fills the converter best: steps of 1, 2 and 5 per decade, as charge
+/// amplifiers have them. Chosen from the largest change of force that a trial run showed.
 #[must_use]
-pub fn amplifier_range(
+pub fn amplifier_ranges(
     limb_force_per_mass_m_s2: &[[f64; LIMBS]],
     parameters: &Parameters,
     full_scale_v: f64,
@@ -135,18 +137,19 @@ pub fn amplifier_range(
         .first()
         .copied()
         .unwrap_or([0.0; LIMBS]);
-    let mut largest_n = 0.0_f64;
-    for force in limb_force_per_mass_m_s2 {
-        for i in 0..LIMBS {
-            largest_n =
-                largest_n.max(((force[i] - rest[i]) / parameters.scale_per_mass_per_kg[i]).abs());
-        }
+    Gains {
+        gain_n_per_v: core::array::from_fn(|i| {
+            let largest_n = limb_force_per_mass_m_s2
+                .iter()
+                .map(|force| ((force[i] - rest[i]) / parameters.scale_per_mass_per_kg[i]).abs())
+                .fold(SMALLEST_RANGE_N, f64::max);
+            let needed = largest_n / (RANGE_HEADROOM * full_scale_v);
+            let decade = 10.0_f64.powf(needed.log10().floor());
+            let step = [1.0, 2.0, 5.0]
+                .into_iter()
+                .find(|step| step * decade >= needed)
+                .unwrap_or(10.0);
+            step * decade
+        }),
     }
-    let needed = largest_n / (RANGE_HEADROOM * full_scale_v);
-    let decade = 10.0_f64.powf(needed.max(1e-6).log10().floor());
-    let step = [1.0, 2.0, 5.0, 10.0]
-        .into_iter()
-        .find(|step| step * decade >= needed)
-        .unwrap_or(10.0);
-    Gains::uniform(step * decade)
 }

@@ -81,9 +81,19 @@ impl InertiaIdentification {
             self.samples,
         )?;
         let torque = LimbWrench::at_rest(&self.geometry, force_per_mass_m_s2).torque_shell_m2_s2;
-        let rows = regressor(rate_shell_rad_s, rate_derivative_shell_rad_s2);
+        self.push_torque(torque, rate_shell_rad_s, rate_derivative_shell_rad_s2)
+    }
+
+    /// Adds one sample with its torque per mass given: see [`super::compliance`].
+    pub(super) fn push_torque(
+        &mut self,
+        torque_m2_s2: DVec3,
+        rate_rad_s: DVec3,
+        rate_derivative_rad_s2: DVec3,
+    ) -> Result<()> {
+        let rows = regressor(rate_rad_s, rate_derivative_rad_s2);
         for (axis, row) in rows.into_iter().enumerate() {
-            self.rows.push(row, torque[axis]);
+            self.rows.push(row, torque_m2_s2[axis]);
         }
         self.samples += 1;
         Ok(())

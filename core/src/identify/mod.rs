@@ -4,6 +4,7 @@
 //! it: residual, condition number, covariance, and a verdict when the data cannot determine it. Later steps use the
 //! results of earlier ones.
 
+pub mod compliance;
 pub mod inertia;
 pub mod least_squares;
 pub mod scale;

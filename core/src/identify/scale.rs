@@ -38,10 +38,21 @@ impl ScaleIdentification {
         measured_force_n: &[f64; LIMBS],
         acceleration_shell_m_s2: DVec3,
     ) -> Result<()> {
-        check_finite(measured_force_n, acceleration_shell_m_s2, self.samples)?;
+        self.push_along(measured_force_n, &DIRECTIONS_SHELL, acceleration_shell_m_s2)
+    }
+
+    /// Adds one sample with the limbs along given directions and whatever (3) leaves on its right side: see
+    /// [`super::compliance`].
+    pub(super) fn push_along(
+        &mut self,
+        measured_force_n: &[f64; LIMBS],
+        directions_shell: &[DVec3; LIMBS],
+        right_side_m_s2: DVec3,
+    ) -> Result<()> {
+        check_finite(measured_force_n, right_side_m_s2, self.samples)?;
         for axis in 0..3 {
-            let row = core::array::from_fn(|i| measured_force_n[i] * DIRECTIONS_SHELL[i][axis]);
-            self.rows.push(row, acceleration_shell_m_s2[axis]);
+            let row = core::array::from_fn(|i| measured_force_n[i] * directions_shell[i][axis]);
+            self.rows.push(row, right_side_m_s2[axis]);
         }
         self.samples += 1;
         Ok(())

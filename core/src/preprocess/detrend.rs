@@ -1,9 +1,13 @@
 //! Removing offset and trend.
+//!
+//! Each is a projection: what it leaves, it leaves again. A static record takes [`linear`]; a run from rest to rest
+//! takes [`between_rests`], because the least-squares line of a motion is not zero and would be taken for drift.
 
 use super::{check_finite, check_length};
 use crate::error::Result;
 
-/// Takes the mean off and returns it.
+/// Takes the mean off and returns it. Equals SciPy's `detrend(type="constant")` to 2e-15 of the peak (test
+/// `ref_scipy_detrend`).
 ///
 /// # Errors
 /// [`crate::Error::TooFewSamples`] for an empty series, [`crate::Error::NotFinite`].
@@ -18,7 +22,8 @@ pub fn constant(series: &mut [f64]) -> Result<f64> {
 }
 
 /// Takes the least-squares line off and returns it as (value at the first sample, change per sample). Equals SciPy's
-/// `detrend`.
+/// `detrend` to 4e-15 of the peak (test `ref_scipy_detrend`). Takes the trend of a motion off, too: for those see
+/// [`between_rests`].
 ///
 /// # Errors
 /// [`crate::Error::TooFewSamples`] below two samples, [`crate::Error::NotFinite`].
@@ -40,8 +45,8 @@ pub fn linear(series: &mut [f64]) -> Result<(f64, f64)> {
 }
 
 /// Takes off the line through the means of the first and of the last `rest` samples, which were taken at rest, and
-/// returns it as (value at the first sample, change per sample). What moves in between is not touched by a motion
-/// that is not symmetric, as [`linear`] would be.
+/// returns it as (value at the first sample, change per sample). The motion between the rests has no say in the line,
+/// as it has in [`linear`]. A rest of 0 samples is taken as 1.
 ///
 /// # Errors
 /// [`crate::Error::TooFewSamples`] unless two rests fit, [`crate::Error::NotFinite`].

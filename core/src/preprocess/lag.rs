@@ -2,6 +2,9 @@
 //!
 //! A first-order low-pass (a gyroscope of given bandwidth) or high-pass (a charge amplifier) is simulated exactly for
 //! an input that is linear between samples (first-order hold).
+//!
+//! A signal that is not linear between samples comes out too small by (2 pi f h)^2/12 at frequency f and sample
+//! interval h: 8e-5 at 5 Hz and 1 kHz (test `order_hold`).
 
 use alloc::vec::Vec;
 
@@ -12,11 +15,11 @@ use crate::scalar::exp;
 
 /// A first-order filter, streaming, at rest at first.
 ///
-/// State x follows tau x' = u - x; the low-pass shows x, the high-pass u - x. Over a step h with u linear,
-/// x1 = p x0 + a u0 + b u1 with p = exp(-h/tau), a = (1 - p) tau/h - p, b = 1 - (1 - p) tau/h.
+/// State x follows tau x' = u - x with tau = 1/(2 pi corner); the low-pass shows x, the high-pass u - x. Over a step h
+/// with u linear, x1 = x0 + a (u0 - x0) + b (u1 - x0) with r = h/tau, a = (1 - exp(-r))/r - exp(-r),
+/// b = 1 - (1 - exp(-r))/r. Equals SciPy's `lsim` to 4e-15 of the peak (test `ref_scipy_first_order`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FirstOrder {
-    pole: f64,
     weight_before: f64,
     weight_now: f64,
     high_pass: bool,
@@ -26,30 +29,22 @@ pub struct FirstOrder {
 
 impl FirstOrder {
     fn new(corner_hz: f64, sample_rate_hz: f64, high_pass: bool) -> Result<Self> {
-        for (name, value) in [("corner_hz", corner_hz), ("sample_rate_hz", sample_rate_hz)] {
-            if !(value.is_finite() && value > 0.0) {
-                return Err(Error::OutOfRange {
-                    name,
-                    value,
-                    requirement: "positive and finite",
-                });
-            }
-        }
+        check_positive("corner_hz", corner_hz)?;
+        check_positive("sample_rate_hz", sample_rate_hz)?;
         // h/tau with tau = 1/(2 pi f).
         let ratio = core::f64::consts::TAU * corner_hz / sample_rate_hz;
-        let pole = exp(-ratio);
-        let mean = (1.0 - pole) / ratio;
+        let (weight_before, weight_now) = hold_weights(ratio);
         Ok(Self {
-            pole,
-            weight_before: mean - pole,
-            weight_now: 1.0 - mean,
+            weight_before,
+            weight_now,
             high_pass,
             state: 0.0,
             before: 0.0,
         })
     }
 
-    /// Low-pass with its -3 dB corner at `corner_hz`.
+    /// Low-pass with its -3 dB corner at `corner_hz`. A constant comes through to 1e-16/r of itself:
+    /// where a step of r times the difference no longer moves the state (test `inv_constant_through_a_low_pass`).
     ///
     /// # Errors
     /// [`Error::OutOfRange`] unless both are positive and finite.
@@ -65,10 +60,10 @@ impl FirstOrder {
         Self::new(corner_hz, sample_rate_hz, true)
     }
 
-    /// What the instrument shows of the next input.
+    /// What the instrument shows of the next input. The input before the first is taken as zero.
     pub fn step(&mut self, input: f64) -> f64 {
-        self.state =
-            self.pole * self.state + self.weight_before * self.before + self.weight_now * input;
+        self.state += self.weight_before * (self.before - self.state)
+            + self.weight_now * (input - self.state);
         self.before = input;
         if self.high_pass {
             input - self.state
@@ -79,9 +74,10 @@ impl FirstOrder {
 }
 
 /// Input of a first-order high-pass from its output, from rest: the very recursion of [`FirstOrder::high_pass`] solved
-/// for the input, so that a simulated amplifier is undone to rounding.
+/// for the input, so that a simulated amplifier is undone to rounding, 2e-15 of the peak over 5000 samples (test
+/// `inv_undone_high_pass`).
 ///
-/// It integrates: an offset left in the record grows as offset times t/tau. Remove drift first.
+/// x = y + integral of y over tau: an offset left in the record grows as offset times t/tau. Remove drift first.
 ///
 /// # Errors
 /// [`Error::OutOfRange`] unless both frequencies are positive and finite, [`Error::NotFinite`].
@@ -91,8 +87,8 @@ pub fn undo_high_pass(record: &[f64], corner_hz: f64, sample_rate_hz: f64) -> Re
     Ok(record
         .iter()
         .map(|&shown| {
-            let free = filter.pole * filter.state + filter.weight_before * filter.before;
-            let input = (shown + free) / (1.0 - filter.weight_now);
+            let pulled = filter.weight_before * (filter.before - filter.state);
+            let input = filter.state + (shown + pulled) / (1.0 - filter.weight_now);
             filter.step(input);
             input
         })
@@ -101,9 +97,16 @@ pub fn undo_high_pass(record: &[f64], corner_hz: f64, sample_rate_hz: f64) -> Re
 
 /// Input of a first-order low-pass from its output: u = y + tau y'.
 ///
+/// What is left at frequency f is (1 + i f/corner R) / (1 + i f/corner) with R the differentiator's
+/// [`Differentiator::relative_gain`]: nothing well below its [`Differentiator::bandwidth_hz`], the bare instrument well
+/// above. A gyroscope of 10 Hz at 1 kHz, window 2 x 10 + 1, order 4, comes back within 1.1e-5 of the amplitude up to
+/// 5 Hz, 6e-5 at the ends, where it had lost 11 % and lagged by 27 degrees (test `inv_undone_gyroscope`); its white
+/// noise then weighs 1.8 times as much.
+///
 /// The recursion of [`FirstOrder::low_pass`] is not solved for its input as the high-pass is: its zero lies at -1 to
-/// within a third of h/tau, so the inverse would ring at half the sample rate for as long. The slope comes from a
-/// smoothing differentiator instead; noise grows in proportion to frequency all the same, so filter first.
+/// within a third of h/tau, so the inverse would ring at half the sample rate for as long and raise white noise by
+/// 24^(1/2) (tau/h)^(3/2), 300 times for that gyroscope. Noise grows in proportion to frequency all the same, so filter
+/// first.
 ///
 /// # Errors
 /// [`Error::OutOfRange`] for a corner that is not positive and finite; those of [`Differentiator::derivative`].
@@ -112,13 +115,7 @@ pub fn undo_low_pass(
     corner_hz: f64,
     differentiator: &Differentiator,
 ) -> Result<Vec<f64>> {
-    if !(corner_hz.is_finite() && corner_hz > 0.0) {
-        return Err(Error::OutOfRange {
-            name: "corner_hz",
-            value: corner_hz,
-            requirement: "positive and finite",
-        });
-    }
+    check_positive("corner_hz", corner_hz)?;
     let time_constant_s = 1.0 / (core::f64::consts::TAU * corner_hz);
     let slope = differentiator.derivative(record)?;
     Ok(record
@@ -126,4 +123,35 @@ pub fn undo_low_pass(
         .zip(slope)
         .map(|(y, dy)| y + time_constant_s * dy)
         .collect())
+}
+
+fn check_positive(name: &'static str, value: f64) -> Result<()> {
+    if !(value.is_finite() && value > 0.0) {
+        return Err(Error::OutOfRange {
+            name,
+            value,
+            requirement: "positive and finite",
+        });
+    }
+    Ok(())
+}
+
+/// Weights (a, b) of the input before and the input now, as [`FirstOrder`] defines them.
+fn hold_weights(ratio: f64) -> (f64, f64) {
+    if ratio > 1.0 {
+        let pole = exp(-ratio);
+        let mean = (1.0 - pole) / ratio;
+        return (mean - pole, 1.0 - mean);
+    }
+    // The closed form loses eps/r^2, all digits of a slow instrument; the series loses none.
+    // b = r/2! - r^2/3! + ..., a = r 1/2! - r^2 2/3! + r^3 3/4! - ...
+    // 20 terms: the next is below 1/21!.
+    let (mut weight_before, mut weight_now) = (0.0, 0.0);
+    let mut term = ratio / 2.0;
+    for k in 1..=20 {
+        weight_now += term;
+        weight_before += f64::from(k) * term;
+        term *= -ratio / f64::from(k + 2);
+    }
+    (weight_before, weight_now)
 }

@@ -12,8 +12,13 @@ const SIGMA_PER_MAD: f64 = 1.482_602_218_505_602;
 /// Replaces samples further than `sigmas` deviations from the median of the `2 half_width + 1` samples around them by
 /// that median, and returns their indices. At the ends the window is cut off.
 ///
+/// Judged on the series as it came in, so that one replacement does not excuse the next. Equals the definition by
+/// sorting, sample for sample (test `ref_numpy_hampel`). A straight line is not touched above 1.35 `sigmas`, not even
+/// where the window is cut off (test `inv_straight_line_is_untouched`), and up to `half_width` wild samples in one
+/// window do not hide each other (test `inv_wild_samples_do_not_hide_each_other`).
+///
 /// In a window that is constant but for one sample the deviation is zero and any difference is wild; a series that
-/// carries no noise at all should not be tested.
+/// carries no noise at all, or less than a converter step, should not be tested.
 ///
 /// # Errors
 /// [`Error::OutOfRange`] for a half width of zero or `sigmas` not positive; [`Error::TooFewSamples`] for a series

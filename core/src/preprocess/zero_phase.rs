@@ -19,6 +19,11 @@ pub fn padding(sections: &[Section]) -> usize {
 /// Filters `series` in place without phase. Equals SciPy's `sosfiltfilt` with its defaults: odd extension by
 /// [`padding`] samples, each pass starting in the steady state of its first sample.
 ///
+/// Against SciPy 1e-13 of the peak at ordinary corners (test `ref_scipy_zero_phase`). At order 8 and a corner of 5e-4
+/// of the sample rate rounding shows: 2.3e-12 of the peak from the same filter in 50 digits, SciPy 2.5e-11 (test
+/// `ref_exact_narrow_zero_phase`). The samples within about one period of the corner from either end rest on the
+/// extension, not on the record.
+///
 /// # Errors
 /// [`crate::Error::TooFewSamples`] unless the series is longer than [`padding`], [`crate::Error::NotFinite`].
 pub fn zero_phase(sections: &[Section], series: &mut [f64]) -> Result<()> {

@@ -2,7 +2,7 @@
 
 use sixaxis_core::Scheme;
 
-use super::results::{Bar, Compound, ParameterSet, Results, Standard};
+use super::results::{Bar, Compound, Gravity, ParameterSet, Results, Standard};
 
 /// Judges a study.
 #[must_use]
@@ -79,6 +79,13 @@ pub fn judge(r: &Results) -> Vec<Bar> {
             note,
         );
         bar(
+            &format!("Decoupling, steps 2-4 repeated, {name}"),
+            worst(&r.compound_noise_free, ParameterSet::Repeated, scheme, Standard::Truth),
+            1e-5,
+            "",
+            "the limbs' compliance kept",
+        );
+        bar(
             &format!("Decoupling, true parameters, {name}"),
             beyond_reference(&r.compound_noise_free, scheme),
             1e-6,
@@ -150,7 +157,10 @@ fn cells(
     runs.iter().flat_map(move |run| {
         run.comparisons
             .iter()
-            .filter(move |c| c.parameters == set && c.scheme == scheme && c.against == against)
+            .filter(move |c| {
+                let gravity = c.gravity == Gravity::Kept || set != ParameterSet::True;
+                c.parameters == set && c.scheme == scheme && c.against == against && gravity
+            })
             .flat_map(move |c| c.error.into_iter().zip(run.reference_error))
     })
 }

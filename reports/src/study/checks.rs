@@ -19,7 +19,7 @@ use super::cleaning::Cleaning;
 use super::decoupling::{decouple, largest_error, six_series, truth};
 use super::identification::Session;
 use super::plan::{CAMPAIGN_RATE_HZ, CAMPAIGN_STEPS, COMPOUND_RATE_HZ, COMPOUND_STEPS};
-use super::results::{Defects, ModeSet, ReferenceCheck, Sweep};
+use super::results::{Defects, Gravity, ModeSet, ReferenceCheck, Sweep};
 use super::simulations::{Simulations, sweep_kinds};
 
 /// Corner of the AC-coupled amplifier whose cost is shown, Hz: a tenth of the lowest drive frequency.
@@ -125,7 +125,7 @@ pub fn defects(simulations: &Simulations, parameters: &Parameters) -> Result<Def
         &recording.voltage_v,
         parameters,
         Scheme::AdamsMoulton4,
-        false,
+        Gravity::Neglected,
     )?;
     Ok(Defects {
         amplifier_corner_hz: AMPLIFIER_CORNER_HZ,
@@ -157,7 +157,7 @@ fn amplifier(run: &SimulatedRun, parameters: &Parameters) -> Result<(f64, f64)> 
             voltage,
             parameters,
             Scheme::AdamsMoulton4,
-            true,
+            Gravity::Kept,
         )?;
         Ok(worst(&largest_error(&six_series(&samples), &truth(run))))
     };

@@ -13,7 +13,7 @@ use sixaxis_reference::rig::Mounting;
 
 use super::cleaning::{Cleaned, Cleaning};
 use super::identification::{sensor, settings};
-use super::results::{Comparison, Compound, ParameterSet, Standard};
+use super::results::{Comparison, Compound, Gravity, ParameterSet, Standard};
 
 /// Number of the first compound run in the laboratory's count of runs: its random streams do not depend on how many
 /// trials the steps had.
@@ -64,10 +64,10 @@ pub fn decouple(
     voltage_v: &[[f64; LIMBS]],
     parameters: &Parameters,
     scheme: Scheme,
-    with_gravity: bool,
+    gravity: Gravity,
 ) -> Result<Vec<SixAxis>> {
     let mut settings = settings(recording, scheme);
-    if !with_gravity {
+    if gravity == Gravity::Neglected {
         settings.gravity_ground_m_s2 = DVec3::ZERO;
     }
     let mut decoupler = Decoupler::new(&sensor(recording), parameters, &settings)?;
@@ -136,6 +136,19 @@ fn harmonic_error(ours: &SixSeries, standard: &SixSeries, run: &SimulatedRun) ->
     })
 }
 
+/// One way of decoupling a run.
+#[derive(Debug, Clone, Copy)]
+pub struct Way {
+    /// Which parameters.
+    pub set: ParameterSet,
+    /// Their values.
+    pub parameters: Parameters,
+    /// Which scheme.
+    pub scheme: Scheme,
+    /// Whether gravity is reckoned with.
+    pub gravity: Gravity,
+}
+
 /// One compound run with everything that is decoupled from it.
 pub struct Case<'a> {
     /// The run at the sample rate of the comparison.
@@ -192,27 +205,33 @@ impl Case<'_> {
     ///
     /// # Errors
     /// Those of recording and decoupling.
-    pub fn compare(&self, ways: &[(ParameterSet, Parameters, Scheme)]) -> Result<Compound> {
+    pub fn compare(&self, ways: &[Way]) -> Result<Compound> {
         let truth = truth(&self.run);
         let (recording, cleaned) = self.record(&self.run)?;
         let standards = standards(&cleaned);
         let comparisons = ways
             .par_iter()
-            .map(|(set, parameters, scheme)| {
+            .map(|way| {
                 // Drift that nobody took off is part of what the design columns are shown for.
-                let closable = !matches!(set, ParameterSet::Design);
+                let closable = !matches!(way.set, ParameterSet::Design);
                 let voltages = if closable {
-                    self.voltages(&recording, &cleaned, parameters, *scheme)?
+                    self.voltages(&recording, &cleaned, &way.parameters, way.scheme)?
                 } else {
                     cleaned.voltage_v.clone()
                 };
-                let with_gravity = *set != ParameterSet::TrueWithoutGravity;
-                let samples = decouple(&recording, &voltages, parameters, *scheme, with_gravity)?;
+                let samples = decouple(
+                    &recording,
+                    &voltages,
+                    &way.parameters,
+                    way.scheme,
+                    way.gravity,
+                )?;
                 let ours = six_series(&samples);
                 Ok([(Standard::Truth, &truth), (Standard::Instruments, &standards)].map(
                     |(against, standard)| Comparison {
-                        parameters: *set,
-                        scheme: *scheme,
+                        parameters: way.set,
+                        scheme: way.scheme,
+                        gravity: way.gravity,
                         against,
                         error: largest_error(&ours, standard),
                         harmonic_error: harmonic_error(&ours, standard, &self.run),
@@ -247,7 +266,7 @@ impl Case<'_> {
                 &recording.voltage_v,
                 &perfect.parameters,
                 Scheme::AdamsMoulton4,
-                true,
+                Gravity::Kept,
             )?;
             let (ours, truth) = (six_series(&samples), truth(run));
             let difference = core::array::from_fn(|i| {

@@ -2,6 +2,7 @@
 
 use anyhow::{Context, Result};
 use rayon::prelude::*;
+use sixaxis_core::identify::compliance::CompliantRows;
 use sixaxis_core::identify::inertia::{InertiaEstimate, InertiaIdentification};
 use sixaxis_core::identify::scale::{ScaleIdentification, ScalePerMass};
 use sixaxis_core::identify::stiffness::{self, StiffnessPerMass};
@@ -128,6 +129,56 @@ impl Session {
         })
     }
 
+    /// Repeats steps 2 to 4 with the limbs' compliance kept, starting from what the four steps found.
+    ///
+    /// # Errors
+    /// That of the first step which refuses its data.
+    pub fn repeat(&self, first: &FourSteps) -> Result<FourSteps> {
+        let mut parameters = first.used();
+        let mut scale = ScaleIdentification::default();
+        for (recording, cleaned) in self.of(Role::Linear) {
+            let mut compliant = compliant(recording, &parameters)?;
+            let stride = stride(recording);
+            for voltage in &cleaned.voltage_v {
+                if let Some(now) = compliant.push(voltage)?
+                    && now.sample % stride == 0
+                {
+                    let a = cleaned.linear_ground_m_s2[now.sample];
+                    compliant.push_scale(&mut scale, &now, a)?;
+                }
+            }
+        }
+        let scale = scale.solve().context("step 2, repeated")?;
+        parameters.scale_per_mass_per_kg = scale.estimate.values;
+        let mut inertia = InertiaIdentification::new(Geometry::PAPER);
+        for (recording, cleaned) in self.of(Role::Angular) {
+            let mut compliant = compliant(recording, &parameters)?;
+            let stride = stride(recording);
+            for voltage in &cleaned.voltage_v {
+                if let Some(now) = compliant.push(voltage)?
+                    && now.sample % stride == 0
+                {
+                    compliant.push_inertia(
+                        &mut inertia,
+                        &now,
+                        cleaned.rate_shell_rad_s[now.sample],
+                        cleaned.angular_shell_rad_s2[now.sample],
+                    )?;
+                }
+            }
+        }
+        let inertia = inertia.solve().context("step 3, repeated")?;
+        parameters.inertia_per_mass = inertia.inertia_per_mass;
+        let curve = self.search(&parameters, Scheme::Heun, 1, Sign::Corrected)?;
+        Ok(FourSteps {
+            drift: first.drift,
+            scale,
+            inertia,
+            stiffness: stiffness::judge(&curve)?,
+            curve,
+        })
+    }
+
     fn scale(&self, drift: &ZeroDrift) -> Result<ScalePerMass> {
         let mut step = ScaleIdentification::default();
         for (recording, cleaned) in self.of(Role::Linear) {
@@ -238,8 +289,18 @@ pub fn settings(recording: &Recording, scheme: Scheme) -> Settings {
     }
 }
 
+fn compliant(recording: &Recording, parameters: &Parameters) -> sixaxis_core::Result<CompliantRows> {
+    CompliantRows::new(
+        &sensor(recording),
+        parameters,
+        &settings(recording, Scheme::Heun),
+    )
+}
+
+fn stride(recording: &Recording) -> usize {
+    (recording.sample_rate_hz / recording.frequency_hz / ROWS_PER_CYCLE).max(1.0) as usize
+}
+
 fn rows(recording: &Recording) -> impl Iterator<Item = usize> {
-    let stride =
-        (recording.sample_rate_hz / recording.frequency_hz / ROWS_PER_CYCLE).max(1.0) as usize;
-    (0..recording.voltage_v.len()).step_by(stride)
+    (0..recording.voltage_v.len()).step_by(stride(recording))
 }

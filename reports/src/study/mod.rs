@@ -26,10 +26,10 @@ use sixaxis_reference::rig::Mounting;
 
 use crate::progress::Progress;
 use cleaning::Cleaning;
-use decoupling::{Case, SixSeries, decouple, six_series, truth};
+use decoupling::{Case, SixSeries, Way, decouple, six_series, truth};
 use identification::{FourSteps, Session};
 use plan::{COMPOUND_RATE_HZ, Plan};
-use results::{Compound, History, Identification, ParameterSet, Parameters25, Results};
+use results::{Compound, Gravity, History, Identification, ParameterSet, Parameters25, Results};
 use simulations::Simulations;
 
 /// Decimation of a compound run to the 10 kHz at which Tables 4 to 6 are compared.
@@ -67,7 +67,7 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
     stage.advance(1);
 
     let compound = |laboratory: &Laboratory,
-                    found: &FourSteps,
+                    ways: &[Way],
                     mounting: Mounting,
                     cleaning: Cleaning|
      -> Result<Vec<Compound>> {
@@ -86,27 +86,31 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
                     cleaning,
                     close: cleaning != Cleaning::NONE,
                 }
-                .compare(&ways(&truth, found))
+                .compare(ways)
                 .with_context(|| format!("compound run at {} Hz", full[index].run.frequency_hz))
             })
             .collect()
     };
+    let repeated = noise_free_session
+        .repeat(&noise_free)
+        .context("noise-free campaign, repeated")?;
+    let exact_ways = ways(&truth, &noise_free, Some(&repeated), Gravity::Kept);
     let compound_noise_free = compound(
         &perfect,
-        &noise_free,
+        &exact_ways,
         Mounting::AxisVertical,
         Cleaning::NONE,
     )?;
     stage.advance(1);
     let compound_laboratory = compound(
         &laboratory,
-        &with_errors,
+        &ways(&truth, &with_errors, None, Gravity::Neglected),
         Mounting::AxisVertical,
         Cleaning::LABORATORY,
     )?;
     stage.advance(1);
     let compound_axis_level =
-        compound(&perfect, &noise_free, Mounting::AxisLevel, Cleaning::NONE)?;
+        compound(&perfect, &exact_ways, Mounting::AxisLevel, Cleaning::NONE)?;
     stage.advance(1);
     let searches = searches::study(&noise_free_session, &noise_free, &with_errors, &truth)?;
     stage.advance(1);
@@ -119,7 +123,7 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
         &plan.order_divisors(),
     )?;
     stage.advance(1);
-    let history = history(&simulations, &perfect, &noise_free, &laboratory, &with_errors)?;
+    let history = history(&simulations, &perfect, &repeated, &laboratory, &with_errors)?;
     let mut results = Results {
         seed: plan.seed,
         quick: plan.quick,
@@ -128,6 +132,7 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
         mujoco_version: mujoco_version().to_owned(),
         reference: checks::reference(&simulations)?,
         noise_free: identification_results(&truth, &noise_free, &noise_free, coarse.as_ref()),
+        noise_free_repeated: identification_results(&truth, &repeated, &noise_free, coarse.as_ref()),
         laboratory: identification_results(&truth, &with_errors, &noise_free, coarse.as_ref()),
         instruments: laboratory.instruments,
         compound_noise_free,
@@ -146,28 +151,49 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
 }
 
 /// Parameter sets and schemes with which every compound run is decoupled.
-fn ways(truth: &Parameters, found: &FourSteps) -> Vec<(ParameterSet, Parameters, Scheme)> {
+///
+/// The laboratory knows from its mounting whether gravity turns in the shell; where it does not, it leaves gravity
+/// out, as the paper does: reckoning with it would only let errors of the attitude in.
+fn ways(
+    truth: &Parameters,
+    found: &FourSteps,
+    repeated: Option<&FourSteps>,
+    gravity: Gravity,
+) -> Vec<Way> {
     let design = paper::design_parameters();
     let drift_removed = Parameters {
         zero_drift_v: found.drift.drift_v,
         ..design
     };
-    let used = found.used();
-    vec![
-        (ParameterSet::Design, design, Scheme::Heun),
-        (ParameterSet::DesignDriftRemoved, drift_removed, Scheme::Heun),
-        (ParameterSet::Identified, used, Scheme::Heun),
-        (ParameterSet::Identified, used, Scheme::HeunSubstepped),
-        (ParameterSet::Identified, used, Scheme::AdamsMoulton4),
-        (ParameterSet::True, *truth, Scheme::Heun),
-        (ParameterSet::True, *truth, Scheme::HeunSubstepped),
-        (ParameterSet::True, *truth, Scheme::AdamsMoulton4),
-        (
-            ParameterSet::TrueWithoutGravity,
-            *truth,
-            Scheme::AdamsMoulton4,
-        ),
-    ]
+    let way = |set, parameters, scheme| Way {
+        set,
+        parameters,
+        scheme,
+        gravity,
+    };
+    let mut ways = vec![
+        way(ParameterSet::Design, design, Scheme::Heun),
+        way(ParameterSet::DesignDriftRemoved, drift_removed, Scheme::Heun),
+    ];
+    let mut sets = vec![
+        (ParameterSet::Identified, found.used()),
+        (ParameterSet::True, *truth),
+    ];
+    sets.extend(repeated.map(|r| (ParameterSet::Repeated, r.used())));
+    for (set, parameters) in sets {
+        for scheme in [Scheme::Heun, Scheme::HeunSubstepped, Scheme::AdamsMoulton4] {
+            ways.push(way(set, parameters, scheme));
+        }
+    }
+    if gravity == Gravity::Kept {
+        ways.push(Way {
+            set: ParameterSet::True,
+            parameters: *truth,
+            scheme: Scheme::AdamsMoulton4,
+            gravity: Gravity::Neglected,
+        });
+    }
+    ways
 }
 
 fn identification_results(
@@ -238,7 +264,8 @@ fn history(
     let index = simulations.compound.len() - 1;
     let run: SimulatedRun = simulations.compound[index].decimated(COMPARED_DIVISOR);
     let truth = truth(&run);
-    let ours = |laboratory, found: &FourSteps, cleaning, scheme| -> Result<SixSeries> {
+    let ours = |laboratory, found: &FourSteps, cleaning, gravity| -> Result<SixSeries> {
+        let scheme = Scheme::HeunSubstepped;
         let case = Case {
             run: run.clone(),
             halved: run.clone(),
@@ -251,15 +278,15 @@ fn history(
         let (recording, cleaned) = case.record(&run)?;
         let parameters = found.used();
         let voltages = case.voltages(&recording, &cleaned, &parameters, scheme)?;
-        let samples = decouple(&recording, &voltages, &parameters, scheme, true)?;
+        let samples = decouple(&recording, &voltages, &parameters, scheme, gravity)?;
         Ok(six_series(&samples))
     };
-    let exact = ours(perfect, noise_free, Cleaning::NONE, Scheme::HeunSubstepped)?;
+    let exact = ours(perfect, noise_free, Cleaning::NONE, Gravity::Kept)?;
     let noisy = ours(
         laboratory,
         with_errors,
         Cleaning::LABORATORY,
-        Scheme::HeunSubstepped,
+        Gravity::Neglected,
     )?;
     let stride = truth[0].len().div_ceil(HISTORY_POINTS).max(1);
     let thin = |series: &SixSeries| -> SixSeries {

@@ -7,17 +7,17 @@ use sixaxis_reference::campaign::Laboratory;
 use sixaxis_reference::recording::SimulatedRun;
 
 use super::decoupling::decouple;
-use super::results::Order;
+use super::results::{Gravity, Order};
 
 /// Points nearer than this factor to the reference's own error say nothing of the scheme.
 const ABOVE_REFERENCE: f64 = 10.0;
-/// Coarsest step, as a share of the drive's period, at which a scheme's error has taken its asymptotic form.
-const ASYMPTOTIC_RATE_HZ: f64 = 900.0;
+/// Lowest sample rate at which a scheme's error has taken its asymptotic form: 80 samples a cycle.
+const ASYMPTOTIC_RATE_HZ: f64 = 399.0;
 
 /// Largest error of w* over its peak.
 fn rate_error(run: &SimulatedRun, parameters: &Parameters, scheme: Scheme) -> Result<f64> {
     let recording = Laboratory::noise_free(*parameters).record(run, 0);
-    let samples = decouple(&recording, &recording.voltage_v, parameters, scheme, true)?;
+    let samples = decouple(&recording, &recording.voltage_v, parameters, scheme, Gravity::Kept)?;
     let (mut largest, mut peak) = (0.0_f64, 0.0_f64);
     for sample in &samples {
         let truth = run.truth[sample.sample as usize].rate_shell_rad_s;

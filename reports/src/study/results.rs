@@ -32,6 +32,8 @@ pub struct Results {
     pub reference: ReferenceCheck,
     /// Four steps without errors.
     pub noise_free: Identification,
+    /// The same with steps 2 to 4 repeated, the limbs' compliance kept.
+    pub noise_free_repeated: Identification,
     /// Four steps with the laboratory's errors.
     pub laboratory: Identification,
     /// The laboratory's instruments as drawn from their class.
@@ -154,6 +156,8 @@ pub struct Comparison {
     pub parameters: ParameterSet,
     /// Which scheme.
     pub scheme: Scheme,
+    /// Whether the decoupler reckons with gravity.
+    pub gravity: Gravity,
     /// Against what.
     pub against: Standard,
     /// Largest error over the run, over the axis' peak.
@@ -174,8 +178,18 @@ pub enum ParameterSet {
     Identified,
     /// The truth.
     True,
-    /// The truth, with gravity neglected in the decoupler.
-    TrueWithoutGravity,
+    /// What the four steps found when steps 2 to 4 were repeated with the limbs' compliance kept.
+    Repeated,
+}
+
+/// Whether a decoupler reckons with gravity.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Gravity {
+    /// Static preload restored and gravity turned with the shell.
+    Kept,
+    /// As in the paper's equations once the drift is off: right only while gravity is constant in the shell.
+    Neglected,
 }
 
 /// What a decoupled signal is held against.

@@ -1,0 +1,75 @@
+//! Every number an assertion compares with, and where it comes from.
+//!
+//! Measured on x86-64 Linux; a margin of about ten is for other platforms' sine and tangent.
+
+/// SciPy against ours, ordinary corners, of the peak. Measured 9e-14, where SciPy is 3e-14 from 50 digits.
+pub const ZERO_PHASE: f64 = 1e-12;
+/// SciPy against ours at order 8, corner 5e-4. Reference-limited: SciPy is 2.5e-11 from 50 digits.
+pub const NARROW_AGAINST_SCIPY: f64 = 1e-10;
+/// 50 digits against ours, same filter. Measured 2.3e-12.
+pub const NARROW_AGAINST_EXACT: f64 = 1e-11;
+/// One causal pass against SciPy. Measured 7e-15.
+pub const CAUSAL: f64 = 1e-13;
+/// Gain of a cascade against Butterworth's formula, corners from 5e-4. Measured 3.5e-11, at order 10.
+pub const GAIN: f64 = 4e-10;
+/// Gain in the pass band, where the formula is 1 exactly: ten sections' rounding.
+pub const UNIT_GAIN: f64 = 10.0 * f64::EPSILON;
+/// A constant through a settled filter, of itself. Measured 0; the margin is for a sine that rounds otherwise.
+pub const CONSTANT_KEPT: f64 = 1e-13;
+/// What a filter at rest misses of the first sample of a constant, at least. Order 8 at 5e-4 shows (pi 5e-4)^8 = 4e-23.
+pub const TRANSIENT: f64 = 0.999_999;
+/// Order 8 at a corner of 5e-4, the corner off by 1 %: what the narrow check would see, at least. Measured 2e-3.
+pub const NARROW_CORNER_OFF: f64 = 1e-4;
+
+/// Detrending against SciPy, of the peak. Measured 4e-15.
+pub const DETREND: f64 = 1e-13;
+/// Detrending twice against once, and a line against itself, of the peak before. Measured 2e-16.
+pub const PROJECTION: f64 = 1e-14;
+/// A line under a motion between rests, found again. Measured 5e-16.
+pub const LINE_BETWEEN_RESTS: f64 = 1e-14;
+/// What the least-squares line takes off a one-sided motion instead, of its peak, at least. Measured 0.4.
+pub const LINE_THROUGH_MOTION: f64 = 0.1;
+
+/// Hampel against sorting: the same samples, picked, not computed; the records differ by their sines' last digits.
+pub const HAMPEL: f64 = 8.0 * f64::EPSILON;
+/// Sigmas at which a straight line is still untouched at a cut-off window: 2/1.4826, at four samples a side.
+pub const HAMPEL_LINE_SIGMAS: f64 = 1.35;
+
+/// Savitzky-Golay against SciPy, of the peak. Measured 2e-13. Reference-limited: SciPy solves powers by least squares.
+pub const SAVITZKY_GOLAY: f64 = 2e-12;
+/// Slope weights against fractions, of the largest. Measured 5e-16; SciPy 1.7e-9 at 401 samples.
+pub const SLOPE_WEIGHTS: f64 = 1e-14;
+/// Bandwidth against fractions and Brent's method, relative. Measured 3e-16.
+pub const BANDWIDTH: f64 = 1e-14;
+/// Slope and value of a polynomial up to the order, of the peak. Measured 4e-14.
+pub const POLYNOMIAL: f64 = 1e-12;
+/// The next degree up, which a window of 61 samples out of 90 cannot follow, of the peak, at least.
+/// Measured 0.67 at order 1 to 0.012 at order 6.
+pub const POLYNOMIAL_BEYOND: f64 = 0.005;
+/// A sine through the differentiator at its bandwidth against the root of a half. Measured 2e-14.
+pub const GAIN_BY_SINE: f64 = 1e-12;
+
+/// First-order instruments against SciPy's `lsim`, of the peak. Measured 4e-15.
+pub const FIRST_ORDER: f64 = 1e-13;
+/// High-pass undone after done, of the peak, corners 2e-5 to 1e-1 of the sample rate. Measured 2.2e-15.
+pub const UNDONE: f64 = 2e-14;
+/// The same with the corner taken 1 % wrong, at least: 1 % of (2 pi 0.02 Hz) times the integral over 5 s, about 1.
+pub const UNDONE_CORNER_OFF: f64 = 2e-3;
+/// Low-pass plus high-pass against their input, of the peak: one subtraction and one addition.
+pub const COMPLEMENT: f64 = 2.0 * f64::EPSILON;
+/// Constant through a low-pass with ratio r = h/tau, of itself, times r: where a step r (u - x) no longer moves x.
+pub const LOW_PASS_STALL: f64 = f64::EPSILON;
+/// First-order hold's measured order against 2. Measured 3e-4.
+pub const HOLD_ORDER: f64 = 2e-3;
+/// First-order hold's error over (2 pi f h)^2/12, against 1. Measured 3e-4.
+pub const HOLD_FACTOR: f64 = 2e-3;
+/// Gyroscope of 10 Hz undone at 1 to 5 Hz, of the amplitude, ends included. Measured 6e-5.
+pub const UNDONE_GYROSCOPE: f64 = 1e-4;
+/// The same where no window is cut off. Measured 1.02e-5.
+pub const UNDONE_GYROSCOPE_INTERIOR: f64 = 2e-5;
+/// The same left alone at 1 Hz, at least: f/corner = 0.1, of which the lag alone makes 0.0995.
+pub const GYROSCOPE_LEFT_ALONE: f64 = 0.09;
+/// White noise of an undone gyroscope's record (10 Hz at 1 kHz, 21 samples, order 4) over that before. Measured 1.77.
+pub const UNDONE_NOISE: f64 = 2.0;
+/// The same with five samples, at least: tau/h = 16 times the weights' norm, 0.95.
+pub const UNDONE_NOISE_SHORT: f64 = 10.0;
