@@ -2,11 +2,7 @@
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
-    // The folder beside the build profiles first, so that a target folder can be moved; then where it was built.
-    for depth in ["..", "../.."] {
-        println!("cargo::rustc-link-arg=-Wl,-rpath,$ORIGIN/{depth}/mujoco-3.17.0");
-    }
-    if let Ok(dir) = std::env::var("DEP_SIXAXIS_MUJOCO_LIBRARY_DIR") {
-        println!("cargo::rustc-link-arg=-Wl,-rpath,{dir}");
+    if let Ok(rpath) = std::env::var("DEP_SIXAXIS_MUJOCO_RPATH") {
+        println!("cargo::rustc-link-arg=-Wl,-rpath,{rpath}");
     }
 }

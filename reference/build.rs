@@ -9,16 +9,20 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, exit};
 
+/// The file name that binaries ask the loader for: the library's own name carries its version.
 const LIBRARY: &str = "libmujoco.so.3.17.0";
+const FETCHED_DIR: &str = "mujoco-3.17.0";
 const OWN_LINK_DIR: &str = "link";
 const USER_VARIABLE: &str = "MUJOCO_DYNAMIC_LINK_DIR";
 
-/// Copies the library out of the wheel; argument 1 is the folder of the wheel, 2 the file to write.
+/// Copies the library out of the wheel; argument 1 is the folder of the wheel, 2 the file to write. Cargo is told to
+/// watch that file, and takes one younger than the build script's run for a change: hence the date long gone.
 const UNPACK: &str = "
-import glob, shutil, sys, zipfile
-wheel = zipfile.ZipFile(glob.glob(sys.argv[1] + '/mujoco-*.whl')[0])
+import glob, os, shutil, sys, zipfile
+wheel = zipfile.ZipFile(glob.glob(os.path.join(glob.escape(sys.argv[1]), 'mujoco-*.whl'))[0])
 with wheel.open('mujoco/libmujoco.so.3.17.0') as library, open(sys.argv[2], 'wb') as out:
     shutil.copyfileobj(library, out)
+os.utime(sys.argv[2], (315532800, 315532800))
 ";
 
 fn main() {
@@ -26,15 +30,28 @@ fn main() {
     println!("cargo::rerun-if-changed=mujoco-wheel.txt");
     println!("cargo::rerun-if-env-changed={USER_VARIABLE}");
     let package = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default());
-    let library_dir = match users_own(&package) {
-        Some(dir) => dir,
-        None => fetched(&package),
+    let (dir, rpath) = match users_own(&package) {
+        Some(dir) => {
+            let rpath = dir.display().to_string();
+            (dir, rpath)
+        }
+        None => {
+            let dir = fetched(&package);
+            // Relative to the binary first (in <profile>/, or in <profile>/deps/ and <profile>/examples/), so that a
+            // target folder can be moved; then where it was built.
+            let rpath = format!(
+                "$ORIGIN/../{FETCHED_DIR}:$ORIGIN/../../{FETCHED_DIR}:{}",
+                dir.display()
+            );
+            (dir, rpath)
+        }
     };
-    println!("cargo::rustc-link-search=native={}", library_dir.display());
-    // Where binaries look for the library at run time. Dependents read it as DEP_SIXAXIS_MUJOCO_LIBRARY_DIR and pass
-    // it on, because a link argument reaches only the package whose build script prints it.
-    println!("cargo::metadata=library_dir={}", library_dir.display());
-    println!("cargo::rustc-link-arg=-Wl,-rpath,{}", library_dir.display());
+    println!("cargo::rerun-if-changed={}", dir.join(LIBRARY).display());
+    println!("cargo::rustc-link-search=native={}", dir.display());
+    // A link argument reaches only the package whose build script prints it. Dependents read it as
+    // DEP_SIXAXIS_MUJOCO_RPATH and repeat it for their own binaries.
+    println!("cargo::metadata=rpath={rpath}");
+    println!("cargo::rustc-link-arg=-Wl,-rpath,{rpath}");
 }
 
 /// The folder that the user's own environment names, if it is not this package's.
@@ -45,7 +62,20 @@ fn users_own(package: &Path) -> Option<PathBuf> {
             .ok()
             .is_some_and(|a| Some(a) == fs::canonicalize(b).ok())
     };
-    (!same(&dir, &package.join(OWN_LINK_DIR))).then_some(dir)
+    if same(&dir, &package.join(OWN_LINK_DIR)) {
+        return None;
+    }
+    // Any libmujoco.so links; another version, or none to load, would show only when a binary is run.
+    if !dir.join(LIBRARY).is_file() {
+        stop(
+            &format!(
+                "{USER_VARIABLE} names {}, which holds no {LIBRARY}",
+                dir.display()
+            ),
+            "",
+        );
+    }
+    Some(dir)
 }
 
 /// The library in the target folder, fetched if it is not there yet.
@@ -53,97 +83,103 @@ fn fetched(package: &Path) -> PathBuf {
     let out = PathBuf::from(env::var_os("OUT_DIR").unwrap_or_default());
     // OUT_DIR is <target>/<profile>/build/<package>/out: one library serves all profiles.
     let target = out.ancestors().nth(4).unwrap_or(&out);
-    let dir = target.join("mujoco-3.17.0");
+    let dir = target.join(FETCHED_DIR);
     let library = dir.join(LIBRARY);
     if library.is_file() {
         return dir;
     }
-    let platform = match (
-        env::var("CARGO_CFG_TARGET_OS").as_deref(),
-        env::var("CARGO_CFG_TARGET_ARCH").as_deref(),
-    ) {
-        (Ok("linux"), Ok("x86_64")) => "manylinux_2_28_x86_64",
-        (Ok("linux"), Ok("aarch64")) => "manylinux_2_28_aarch64",
-        (os, arch) => stop(&format!(
-            "no MuJoCo library is pinned for {} on {}",
-            os.unwrap_or("an unknown system"),
-            arch.unwrap_or("an unknown processor")
-        )),
-    };
-    let python = ["python3", "python"]
-        .into_iter()
-        .find(|python| {
-            Command::new(python)
-                .arg("--version")
-                .output()
-                .is_ok_and(|output| output.status.success())
-        })
-        .unwrap_or_else(|| stop("no Python 3 was found (tried python3 and python)"));
-
+    let platform = wheel_platform();
+    let python = python_with_pip();
     let wheels = out.join("wheel");
     run(
         Command::new(python)
-            .args([
-                "-m",
-                "pip",
-                "download",
-                "--quiet",
-                "--disable-pip-version-check",
-            ])
-            .args(["--no-deps", "--only-binary=:all:", "--require-hashes"])
-            .args(["--platform", platform])
+            .args(["-m", "pip", "download", "--quiet"])
+            .args(["--disable-pip-version-check", "--no-deps"])
+            .args(["--only-binary=:all:", "--require-hashes"])
             // One wheel for all, whatever Python the user has: only the library inside is used.
-            .args([
-                "--python-version",
-                "3.11",
-                "--implementation",
-                "cp",
-                "--abi",
-                "cp311",
-            ])
+            .args(["--python-version", "3.11", "--implementation", "cp"])
+            .args(["--abi", "cp311", "--platform", platform])
             .arg("--requirement")
             .arg(package.join("mujoco-wheel.txt"))
             .arg("--dest")
             .arg(&wheels),
-        "pip could not download the pinned wheel (no pip, no network, or a file with another hash)",
+        &format!("`{python} -m pip download` of the wheel pinned in mujoco-wheel.txt failed"),
     );
-    // Written aside and moved into place, so that a build killed half-way leaves no broken library behind.
+    // Written aside and moved into place, so that a build killed half-way leaves no broken library behind, and two at
+    // once do not write into each other's.
     let unfinished = out.join(LIBRARY);
     run(
         Command::new(python)
             .args(["-c", UNPACK])
             .arg(&wheels)
             .arg(&unfinished),
-        "the wheel could not be unpacked",
+        "the downloaded wheel could not be unpacked",
     );
     if let Err(error) = fs::create_dir_all(&dir).and_then(|()| fs::rename(&unfinished, &library)) {
-        stop(&format!(
-            "{} could not be written: {error}",
-            library.display()
-        ));
+        stop(
+            &format!("{} could not be written", library.display()),
+            &error.to_string(),
+        );
     }
     // 26 MB that nobody needs again; not worth failing over.
     let _ = fs::remove_dir_all(&wheels);
     dir
 }
 
-fn run(command: &mut Command, failure: &str) {
-    match command.output() {
-        Ok(output) if output.status.success() => {}
-        Ok(output) => stop(&format!(
-            "{failure}\n\n{}",
-            String::from_utf8_lossy(&output.stderr).trim()
-        )),
-        Err(error) => stop(&format!("{failure}: {error}")),
+/// What pip calls the platform that is built for.
+fn wheel_platform() -> &'static str {
+    let cargo = |name: &str| env::var(format!("CARGO_CFG_TARGET_{name}")).unwrap_or_default();
+    let (os, env, arch) = (cargo("OS"), cargo("ENV"), cargo("ARCH"));
+    match (os.as_str(), env.as_str(), arch.as_str()) {
+        ("linux", "gnu", "x86_64") => "manylinux_2_28_x86_64",
+        ("linux", "gnu", "aarch64") => "manylinux_2_28_aarch64",
+        _ => stop(
+            &format!(
+                "no library is pinned for {os} {env} {arch}, only for linux gnu x86_64 and aarch64"
+            ),
+            "",
+        ),
     }
 }
 
-fn stop(cause: &str) -> ! {
-    eprintln!(
-        "\nsixaxis needs the MuJoCo 3.17.0 library and could not get it: {cause}\n\n\
-         Either make `python3 -m pip download mujoco==3.17.0` work, or point the build at a MuJoCo 3.17.0 that you have:\n\
-         \n    {USER_VARIABLE}=/path/to/mujoco-3.17.0/lib cargo build --release\n\n\
-         (the folder must hold libmujoco.so).\n"
-    );
-    exit(1)
+/// The first Python that has pip: some systems keep the two in separate packages.
+fn python_with_pip() -> &'static str {
+    let mut tried = String::new();
+    for python in ["python3", "python"] {
+        let answer = match Command::new(python)
+            .args(["-m", "pip", "--version"])
+            .output()
+        {
+            Ok(output) if output.status.success() => return python,
+            Ok(output) => String::from_utf8_lossy(&output.stderr).trim().to_owned(),
+            Err(error) => error.to_string(),
+        };
+        tried += &format!("{python} -m pip: {answer}\n");
+    }
+    stop("no Python 3 with pip was found to fetch it with", &tried)
+}
+
+fn run(command: &mut Command, failure: &str) {
+    match command.output() {
+        Ok(output) if output.status.success() => {}
+        Ok(output) => stop(failure, &String::from_utf8_lossy(&output.stderr)),
+        Err(error) => stop(failure, &error.to_string()),
+    }
+}
+
+/// Ends the build. Cargo shows errors reported like this by themselves; a failing exit code would have it print the
+/// whole output of this script around them.
+fn stop(cause: &str, details: &str) -> ! {
+    println!("cargo::error=the MuJoCo 3.17.0 library is missing: {cause}");
+    for line in details.lines().filter(|line| !line.trim().is_empty()) {
+        println!("cargo::error=    {line}");
+    }
+    for line in [
+        "Python 3 with pip and a package index in reach is enough for the build to fetch it. Without, name a MuJoCo",
+        "3.17.0 that you have, by the folder that holds its libmujoco.so and libmujoco.so.3.17.0:",
+    ] {
+        println!("cargo::error={line}");
+    }
+    println!("cargo::error=    {USER_VARIABLE}=/path/to/mujoco-3.17.0/lib cargo build --release");
+    exit(0)
 }

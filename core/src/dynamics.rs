@@ -53,8 +53,7 @@ pub fn limb_directions(geometry: &Geometry, pose: &Pose) -> [DVec3; LIMBS] {
     let nodes: [DVec3; NODES] =
         core::array::from_fn(|node| pose.node_displacement_shell_m(geometry, node));
     core::array::from_fn(|limb| {
-        let limb_m =
-            DIRECTIONS_SHELL[limb] * geometry.limb_length_m + nodes[limb / LIMBS_PER_NODE];
+        let limb_m = DIRECTIONS_SHELL[limb] * geometry.limb_length_m + nodes[limb / LIMBS_PER_NODE];
         limb_m / limb_m.length()
     })
 }

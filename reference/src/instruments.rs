@@ -11,6 +11,9 @@ pub const GYROSCOPE_BANDWIDTH_HZ: f64 = 10.0;
 /// Largest error of either standard instrument: the paper says below 1 %.
 pub const INSTRUMENT_CLASS: f64 = 0.01;
 
+/// Share of the class that a certificate leaves to the gain: linearity and noise have the rest.
+const GAIN_SHARE: f64 = 0.5;
+
 /// Both standard instruments as they are, which the laboratory does not know.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Instruments {
@@ -36,13 +39,16 @@ impl Instruments {
         }
     }
 
-    /// One pair out of the 1 % class: gain errors uniform over the class, 60 dB, gyroscope of 10 Hz.
+    /// One pair out of the 1 % class: gain errors uniform over half of the class, 60 dB, gyroscope of 10 Hz.
     ///
     /// The gain error of an instrument is fixed for a campaign; it is what its calibration certificate bounds.
     pub fn of_class(rng: &mut impl Rng) -> Self {
         let mut gain_error = || {
-            Uniform::new_inclusive(-INSTRUMENT_CLASS, INSTRUMENT_CLASS)
-                .map_or(0.0, |uniform| uniform.sample(rng))
+            Uniform::new_inclusive(
+                -GAIN_SHARE * INSTRUMENT_CLASS,
+                GAIN_SHARE * INSTRUMENT_CLASS,
+            )
+            .map_or(0.0, |uniform| uniform.sample(rng))
         };
         Self {
             accelerometer_gain_error: gain_error(),

@@ -131,8 +131,7 @@ impl CompliantRows {
     ) -> Result<()> {
         let directions = limb_directions(&self.sensor.geometry, &sample.relative.pose);
         let gravity = self.settings.initial_attitude.inverse() * self.settings.gravity_ground_m_s2;
-        let mut right =
-            acceleration_shell_m_s2 + sample.relative.acceleration_shell_m_s2 - gravity;
+        let mut right = acceleration_shell_m_s2 + sample.relative.acceleration_shell_m_s2 - gravity;
         for (direction, preload) in directions.iter().zip(sample.preload_m_s2) {
             right -= *direction * preload;
         }

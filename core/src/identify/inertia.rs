@@ -1,4 +1,10 @@
 //! Step 3: the six inertia/mass entries from pure angular motion: eqs. (15) to (19).
+//!
+//! # The gain of the reference gyroscope
+//! Euler's equation is not indifferent to the scale of the rate: (I/m) w' grows with it once, w x (I/m) w twice. A
+//! gyroscope that reads w/gamma makes (15) read I1 w' + gamma w x I1 w = torque with I1 = gamma I/m, so that gamma can
+//! be found from the same data as the six entries, with no other standard than the clock. Left alone, a gain error of
+//! half a per cent leaves a constant torque that the decoupler integrates twice.
 
 use glam::DVec3;
 
@@ -10,6 +16,10 @@ use crate::dynamics::LimbWrench;
 use crate::error::Result;
 use crate::geometry::{Geometry, LIMBS};
 use crate::parameters::InertiaPerMass;
+use crate::scalar::sqrt;
+
+/// Name of the step in errors.
+const WHAT: &str = "inertia per mass (step 3)";
 
 /// Result of step 3; values I1..I6 in m^2.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,9 +58,26 @@ pub fn euler_torque(inertia: &InertiaPerMass, rate: DVec3, rate_derivative: DVec
 #[derive(Debug, Clone, PartialEq)]
 pub struct InertiaIdentification {
     geometry: Geometry,
-    rows: Accumulator<6>,
+    /// Twelve columns: the part of W linear in the rate's derivative, then the part quadratic in the rate.
+    rows: Accumulator<12>,
     samples: usize,
 }
+
+/// Result of step 3 with the gyroscope's gain as a seventh unknown.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InertiaAndGain {
+    /// The six entries at the true scale of the rate.
+    pub inertia: InertiaEstimate,
+    /// gamma: true rate over reading.
+    pub rate_over_reading: f64,
+    /// Its standard error.
+    pub standard_error: f64,
+}
+
+/// Interval searched for gamma: no instrument worth the name is off by a tenth.
+const GAIN_RANGE: (f64, f64) = (0.9, 1.1);
+/// Golden-section steps: the interval shrinks to 0.2 x 0.618^60 = 6e-14.
+const GAIN_STEPS: usize = 60;
 
 impl InertiaIdentification {
     /// Starts an empty collection.
@@ -91,12 +118,22 @@ impl InertiaIdentification {
         rate_rad_s: DVec3,
         rate_derivative_rad_s2: DVec3,
     ) -> Result<()> {
-        let rows = regressor(rate_rad_s, rate_derivative_rad_s2);
-        for (axis, row) in rows.into_iter().enumerate() {
+        let linear = regressor(DVec3::ZERO, rate_derivative_rad_s2);
+        let quadratic = regressor(rate_rad_s, DVec3::ZERO);
+        for axis in 0..3 {
+            let mut row = [0.0; 12];
+            row[..6].copy_from_slice(&linear[axis]);
+            row[6..].copy_from_slice(&quadratic[axis]);
             self.rows.push(row, torque_m2_s2[axis]);
         }
         self.samples += 1;
         Ok(())
+    }
+
+    /// The problem with six unknowns that a given gamma leaves.
+    fn at_gain(&self, gamma: f64) -> Accumulator<6> {
+        self.rows
+            .combined(|row| core::array::from_fn(|i| row[i] + gamma * row[6 + i]))
     }
 
     /// Solves (18) by the pseudo-inverse (19).
@@ -105,7 +142,53 @@ impl InertiaIdentification {
     /// Those of [`Accumulator::solve`]; [`crate::Error::ImpossibleInertia`] if the solution is a tensor that no body
     /// has.
     pub fn solve(&self) -> Result<InertiaEstimate> {
-        let estimate = self.rows.solve("inertia per mass (step 3)")?;
+        Self::judged(self.at_gain(1.0).solve(WHAT)?)
+    }
+
+    /// Solves for the six entries and the gyroscope's gain.
+    ///
+    /// # Errors
+    /// As [`Self::solve`].
+    pub fn solve_with_gain(&self) -> Result<InertiaAndGain> {
+        let squares = |gamma: f64| -> Result<f64> {
+            let rms = self.at_gain(gamma).solve(WHAT)?.residual_rms;
+            Ok(rms * rms)
+        };
+        let ratio = 0.618_033_988_749_894_9;
+        let (mut low, mut high) = GAIN_RANGE;
+        let mut inner = [high - ratio * (high - low), low + ratio * (high - low)];
+        let mut value = [squares(inner[0])?, squares(inner[1])?];
+        for _ in 0..GAIN_STEPS {
+            if value[0] <= value[1] {
+                high = inner[1];
+                inner = [high - ratio * (high - low), inner[0]];
+                value = [squares(inner[0])?, value[0]];
+            } else {
+                low = inner[0];
+                inner = [inner[1], low + ratio * (high - low)];
+                value = [value[1], squares(inner[1])?];
+            }
+        }
+        let gamma = 0.5 * (low + high);
+        let mut estimate = self.at_gain(gamma).solve(WHAT)?;
+        // Curvature of the profiled sum of squares: var(gamma) = 2 sigma^2 / (d^2 S/d gamma^2), S = rows x mean square.
+        let probe = 1e-3;
+        let middle = estimate.residual_rms * estimate.residual_rms;
+        let curvature =
+            (squares(gamma + probe)? - 2.0 * middle + squares(gamma - probe)?) / (probe * probe);
+        let degrees_of_freedom = (estimate.rows - 6) as f64;
+        let standard_error = sqrt(2.0 * middle / (curvature * degrees_of_freedom));
+        // What was solved for is gamma I/m.
+        estimate.values = estimate.values.map(|v| v / gamma);
+        estimate.covariance /= gamma * gamma;
+        Ok(InertiaAndGain {
+            inertia: Self::judged(estimate)?,
+            rate_over_reading: gamma,
+            standard_error,
+        })
+    }
+
+    fn judged(estimate: Estimate<6>) -> Result<InertiaEstimate> {
         let inertia_per_mass = InertiaPerMass::from_paper_order(estimate.values);
         inertia_per_mass.validate()?;
         let largest = estimate.values.iter().fold(0.0_f64, |a, b| a.max(b.abs()));

@@ -96,6 +96,25 @@ impl<const N: usize> Accumulator<N> {
     pub fn rows(&self) -> usize {
         self.rows
     }
+
+    /// The problem with its N unknowns expressed by M others: `combine` turns a row of N coefficients into one of M.
+    ///
+    /// Works on the triangle, so its cost does not depend on the number of rows, and equals pushing the combined rows
+    /// one by one.
+    #[must_use]
+    pub fn combined<const M: usize>(
+        &self,
+        combine: impl Fn(&[f64; N]) -> [f64; M],
+    ) -> Accumulator<M> {
+        let mut other = Accumulator::default();
+        for i in 0..N {
+            let row = core::array::from_fn(|j| self.triangle[(i, j)]);
+            other.push(combine(&row), self.rotated[i]);
+        }
+        other.residual_squares += self.residual_squares;
+        other.rows = self.rows;
+        other
+    }
 }
 
 impl<const N: usize> Accumulator<N>

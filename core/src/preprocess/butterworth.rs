@@ -1,8 +1,9 @@
 //! Butterworth filters as second-order sections, by the bilinear transform with prewarped corner.
 //!
 //! Sections, not one long fraction: at order 8 and a corner of 5e-4 of the sample rate the coefficients of the
-//! fraction cancel to nothing, those of a section do not. What is left of the cancellation in a section moves its
-//! corner by about 1e-17 (sample rate/corner)^2, relative: 4e-11 at 5e-4, 1e-5 at 1e-6, which is as low as is useful.
+//! fraction cancel to nothing, those of a section do not. What cancels in a section moves its corner by about
+//! 1e-17 (sample rate/corner)^2, relative (test `inv_rounding_moves_the_corner_by_its_square`): 4e-11 at 5e-4, 1e-5 at
+//! 1e-6, the lowest offered.
 
 use alloc::vec::Vec;
 
@@ -11,6 +12,9 @@ use crate::scalar::{sin_cos, sqrt, tan};
 
 /// Highest order offered.
 pub const MAX_ORDER: usize = 10;
+
+/// Lowest corner offered, of the sample rate: a thousandth of it the sections' static gain would be 0/0.
+pub const LOWEST_CORNER: f64 = 1e-6;
 
 /// One section in direct form II transposed: b over a with a0 = 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,7 +62,8 @@ enum Kind {
 /// 5e-4 of the sample rate (test `inv_gain_is_butterworths`). A single pass delays; [`super::zero_phase`] does not.
 ///
 /// # Errors
-/// [`Error::OutOfRange`] for an order outside 1..=10 or a corner outside (0, half the sample rate).
+/// [`Error::OutOfRange`] for an order outside 1..=10, a corner below [`LOWEST_CORNER`] or not below half the
+/// sample rate, a sample rate that is not positive and finite.
 pub fn low_pass(order: usize, corner_hz: f64, sample_rate_hz: f64) -> Result<Vec<Section>> {
     design(Kind::LowPass, order, corner_hz, sample_rate_hz)
 }
@@ -87,11 +92,11 @@ fn design(kind: Kind, order: usize, corner_hz: f64, sample_rate_hz: f64) -> Resu
             requirement: "positive and finite",
         });
     }
-    if !(corner_hz > 0.0 && corner_hz < 0.5 * sample_rate_hz) {
+    if !(corner_hz >= LOWEST_CORNER * sample_rate_hz && corner_hz < 0.5 * sample_rate_hz) {
         return Err(Error::OutOfRange {
             name: "corner_hz",
             value: corner_hz,
-            requirement: "above zero and below half the sample rate",
+            requirement: "from a millionth to below half of the sample rate",
         });
     }
     let k = tan(core::f64::consts::PI * corner_hz / sample_rate_hz);

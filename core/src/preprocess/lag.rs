@@ -43,8 +43,8 @@ impl FirstOrder {
         })
     }
 
-    /// Low-pass with its -3 dB corner at `corner_hz`. A constant comes through to 1e-16/r of itself:
-    /// where a step of r times the difference no longer moves the state (test `inv_constant_through_a_low_pass`).
+    /// Low-pass with its -3 dB corner at `corner_hz`. A constant comes through to 2e-16/r of itself, where
+    /// r times the difference no longer moves the state (test `inv_constant_through_a_low_pass`).
     ///
     /// # Errors
     /// [`Error::OutOfRange`] unless both are positive and finite.

@@ -198,4 +198,22 @@ for name, corner, numerator in [("LAG_LOW_PASS", 10.0, lambda tau: [1.0]), ("LAG
     _, y, _ = signal.lsim((numerator(tau), [tau, 1.0]), u, np.arange(300) / 1000.0, interp=True)
     emit(name, y[::7])
 
+
+
+def exact_first_order(corner_hz, rate_hz, x):
+    """Low-pass under an input linear between samples, from rest, in 50 digits."""
+    mp = mpmath
+    r = 2 * mp.pi * mp.mpf(corner_hz) / mp.mpf(rate_hz)
+    pole, mean = mp.exp(-r), (1 - mp.exp(-r)) / r
+    state, before, y = mp.mpf(0), mp.mpf(0), []
+    for u in (mp.mpf(float(v)) for v in x):
+        state = pole * state + (mean - pole) * before + (1 - mean) * u
+        before = u
+        y.append(float(state))
+    return y
+
+
+emit("LAG_SLOW", exact_first_order(0.001, 1000.0, record(300, 1000.0))[::7])
+emit("LAG_FAST", exact_first_order(400.0, 1000.0, record(300, 1000.0))[::7])
+
 Path(__file__).with_suffix(".rs").write_text("\n".join(OUT) + "\n")

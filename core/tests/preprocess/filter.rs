@@ -171,6 +171,31 @@ fn inv_gain_is_butterworths() -> Result<()> {
 }
 
 #[test]
+fn inv_rounding_moves_the_corner_by_its_square() -> Result<()> {
+    // At its corner any order has gain 2^(-1/2) and there falls by order/2 2^(-1/2) per relative change of frequency.
+    let half_power = core::f64::consts::FRAC_1_SQRT_2;
+    let mut worst = 0.0_f64;
+    for order in [2, 5, 8, 10] {
+        for k in 0..200 {
+            let relative_corner = 1e-6 * 1.05_f64.powi(k).min(5e5);
+            if relative_corner > 0.1 {
+                continue;
+            }
+            let sections = low_pass(order, relative_corner, 1.0)?;
+            let off = (gain(&sections, relative_corner, 1.0) - half_power).abs();
+            let moved = off / (order as f64 / 2.0 * half_power);
+            worst = worst.max(moved * relative_corner * relative_corner);
+        }
+    }
+    check_below(
+        "corner moved, times its square",
+        worst,
+        tolerance::CORNER_MOVED,
+    );
+    Ok(())
+}
+
+#[test]
 fn inv_zero_phase_has_the_gain_squared() -> Result<()> {
     // In the middle of a long sine the ends are forgotten: the filter of order 2 at 50 Hz forgets in 20 ms.
     let (rate_hz, frequency_hz, samples) = (1000.0, 40.0, 2001);

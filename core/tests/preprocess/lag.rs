@@ -40,6 +40,23 @@ fn ref_scipy_first_order() -> Result<()> {
     Ok(())
 }
 
+/// Corners at 1e-6 and 0.4 of the sample rate, where a formula for the weights loses digits or leaves its branch.
+#[test]
+fn ref_exact_slow_and_fast_low_pass() -> Result<()> {
+    for (corner_hz, expected) in [(0.001, golden::LAG_SLOW), (400.0, golden::LAG_FAST)] {
+        let ours = shown(
+            FirstOrder::low_pass(corner_hz, 1000.0)?,
+            &record(300, 1000.0),
+        );
+        check_below(
+            &format!("corner {corner_hz} Hz"),
+            distance(&thinned(&ours, 7), expected),
+            tolerance::FIRST_ORDER,
+        );
+    }
+    Ok(())
+}
+
 #[test]
 fn inv_undone_high_pass() -> Result<()> {
     let input = record(5000, 1000.0);

@@ -21,22 +21,24 @@ pub fn judge(r: &Results) -> Vec<Bar> {
     };
     let n = &r.noise_free;
     let largest = |values: &mut dyn Iterator<Item = f64>| {
-        values.fold(0.0_f64, |a, b| if b.is_nan() { f64::NAN } else { a.max(b.abs()) })
+        values.fold(
+            0.0_f64,
+            |a, b| if b.is_nan() { f64::NAN } else { a.max(b.abs()) },
+        )
     };
     bar(
         "Zero drift, noise-free",
-        largest(
-            &mut (0..9).map(|i| n.found.zero_drift_v[i] - n.truth.zero_drift_v[i]),
-        ),
+        largest(&mut (0..9).map(|i| n.found.zero_drift_v[i] - n.truth.zero_drift_v[i])),
         1e-12,
         "V",
         "largest of nine",
     );
     bar(
         "Scale/mass, noise-free",
-        largest(&mut (0..9).map(|i| {
-            n.found.scale_per_mass_per_kg[i] / n.truth.scale_per_mass_per_kg[i] - 1.0
-        })),
+        largest(
+            &mut (0..9)
+                .map(|i| n.found.scale_per_mass_per_kg[i] / n.truth.scale_per_mass_per_kg[i] - 1.0),
+        ),
         5e-6,
         "",
         "largest of nine, relative; step 2 neglects relative motion",
@@ -66,21 +68,37 @@ pub fn judge(r: &Results) -> Vec<Bar> {
     );
 
     for (scheme, note) in [
-        (Scheme::Heun, "plain Heun at 10 kHz; see the order figure for why it cannot do better"),
-        (Scheme::HeunSubstepped, "Heun in 8 sub-steps per 10 kHz sample"),
+        (
+            Scheme::Heun,
+            "plain Heun at 10 kHz; see the order figure for why it cannot do better",
+        ),
+        (
+            Scheme::HeunSubstepped,
+            "Heun in 8 sub-steps per 10 kHz sample",
+        ),
         (Scheme::AdamsMoulton4, "same samples, two evaluations each"),
     ] {
         let name = scheme.name();
         bar(
             &format!("Decoupling, identified, {name}"),
-            worst(&r.compound_noise_free, ParameterSet::Identified, scheme, Standard::Truth),
+            worst(
+                &r.compound_noise_free,
+                ParameterSet::Identified,
+                scheme,
+                Standard::Truth,
+            ),
             1e-5,
             "",
             note,
         );
         bar(
             &format!("Decoupling, steps 2-4 repeated, {name}"),
-            worst(&r.compound_noise_free, ParameterSet::Repeated, scheme, Standard::Truth),
+            worst(
+                &r.compound_noise_free,
+                ParameterSet::Repeated,
+                scheme,
+                Standard::Truth,
+            ),
             1e-5,
             "",
             "the limbs' compliance kept",
@@ -103,14 +121,24 @@ pub fn judge(r: &Results) -> Vec<Bar> {
     let lab = Scheme::HeunSubstepped;
     bar(
         "Laboratory, against the standard instruments",
-        worst(&r.compound_laboratory, ParameterSet::Identified, lab, Standard::Instruments),
+        worst(
+            &r.compound_laboratory,
+            ParameterSet::Identified,
+            lab,
+            Standard::Instruments,
+        ),
         0.01,
         "",
         "largest of 18 cells over the whole run",
     );
     bar(
         "Laboratory, against truth",
-        worst(&r.compound_laboratory, ParameterSet::Identified, lab, Standard::Truth),
+        worst(
+            &r.compound_laboratory,
+            ParameterSet::Identified,
+            lab,
+            Standard::Truth,
+        ),
         0.013,
         "",
         "the instruments' class, 1 %, plus 0.3 %",
@@ -125,9 +153,7 @@ pub fn judge(r: &Results) -> Vec<Bar> {
     for set in &r.reference.modes {
         bar(
             &format!("MuJoCo's six modes, {} sensor", set.sensor),
-            largest(
-                &mut (0..6).map(|i| set.measured_hz[i] / set.predicted_hz[i] - 1.0),
-            ),
+            largest(&mut (0..6).map(|i| set.measured_hz[i] / set.predicted_hz[i] - 1.0)),
             10e-6,
             "",
             "ring-down against eigenvalues, relative",

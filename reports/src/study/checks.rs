@@ -174,11 +174,7 @@ fn amplifier(run: &SimulatedRun, parameters: &Parameters) -> Result<(f64, f64)> 
 }
 
 /// Error of step 3 with a gyroscope that lags and is perfect otherwise.
-fn lag(
-    campaign: &[(Trial, SimulatedRun)],
-    parameters: &Parameters,
-    undo_lag: bool,
-) -> Result<f64> {
+fn lag(campaign: &[(Trial, SimulatedRun)], parameters: &Parameters, undo_lag: bool) -> Result<f64> {
     let lagging = Laboratory {
         instruments: Instruments {
             signal_to_noise_db: None,
@@ -201,7 +197,11 @@ fn lag(
             undo_lag,
         },
     )?;
-    let found = session.inertia(parameters)?.inertia_per_mass.to_paper_order();
+    let found = session
+        .angular(parameters)?
+        .solve()?
+        .inertia_per_mass
+        .to_paper_order();
     let truth = parameters.inertia_per_mass.to_paper_order();
     let largest = truth.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
     Ok((0..6).fold(0.0_f64, |a, i| a.max((found[i] - truth[i]).abs())) / largest)

@@ -227,16 +227,18 @@ impl Case<'_> {
                     way.gravity,
                 )?;
                 let ours = six_series(&samples);
-                Ok([(Standard::Truth, &truth), (Standard::Instruments, &standards)].map(
-                    |(against, standard)| Comparison {
-                        parameters: way.set,
-                        scheme: way.scheme,
-                        gravity: way.gravity,
-                        against,
-                        error: largest_error(&ours, standard),
-                        harmonic_error: harmonic_error(&ours, standard, &self.run),
-                    },
-                ))
+                Ok([
+                    (Standard::Truth, &truth),
+                    (Standard::Instruments, &standards),
+                ]
+                .map(|(against, standard)| Comparison {
+                    parameters: way.set,
+                    scheme: way.scheme,
+                    gravity: way.gravity,
+                    against,
+                    error: largest_error(&ours, standard),
+                    harmonic_error: harmonic_error(&ours, standard, &self.run),
+                }))
             })
             .collect::<Result<Vec<_>>>()?;
         let amplitude = core::array::from_fn(|i| {

@@ -28,6 +28,8 @@ pub struct FourSteps {
     pub scale: ScalePerMass,
     /// Step 3.
     pub inertia: InertiaEstimate,
+    /// True rate over the gyroscope's reading and its standard error, where step 3 was asked for it.
+    pub rate_over_reading: Option<(f64, f64)>,
     /// Step 4.
     pub stiffness: StiffnessPerMass,
     /// Step 4's curve.
@@ -106,7 +108,7 @@ impl Session {
     ///
     /// # Errors
     /// That of the first step which refuses its data.
-    pub fn identify(&self) -> Result<FourSteps> {
+    pub fn identify(&self, gyroscope: Gyroscope) -> Result<FourSteps> {
         let drift = zero_drift::identify(&self.at_rest.voltage_v).context("step 1")?;
         let scale = self.scale(&drift).context("step 2")?;
         let mut parameters = Parameters {
@@ -114,7 +116,15 @@ impl Session {
             scale_per_mass_per_kg: scale.estimate.values,
             ..paper::design_parameters()
         };
-        let inertia = self.inertia(&parameters).context("step 3")?;
+        let angular = self.angular(&parameters).context("step 3")?;
+        let (inertia, rate_over_reading) = match gyroscope {
+            Gyroscope::Trusted => (angular.solve().context("step 3")?, None),
+            Gyroscope::GainIdentified => {
+                let found = angular.solve_with_gain().context("step 3")?;
+                let gain = (found.rate_over_reading, found.standard_error);
+                (found.inertia, Some(gain))
+            }
+        };
         parameters.inertia_per_mass = inertia.inertia_per_mass;
         let curve = self
             .search(&parameters, Scheme::Heun, 1, Sign::Corrected)
@@ -124,6 +134,7 @@ impl Session {
             drift,
             scale,
             inertia,
+            rate_over_reading,
             stiffness,
             curve,
         })
@@ -174,6 +185,7 @@ impl Session {
             drift: first.drift,
             scale,
             inertia,
+            rate_over_reading: None,
             stiffness: stiffness::judge(&curve)?,
             curve,
         })
@@ -192,11 +204,11 @@ impl Session {
         Ok(step.solve()?)
     }
 
-    /// Step 3 with the given drift and scale factors.
+    /// Step 3's data with the given drift and scale factors.
     ///
     /// # Errors
-    /// Those of the step.
-    pub fn inertia(&self, parameters: &Parameters) -> Result<InertiaEstimate> {
+    /// A sample that is not finite.
+    pub fn angular(&self, parameters: &Parameters) -> Result<InertiaIdentification> {
         let mut step = InertiaIdentification::new(Geometry::PAPER);
         for (recording, cleaned) in self.of(Role::Angular) {
             let chain = SignalChain::new(&recording.gains, parameters);
@@ -208,7 +220,7 @@ impl Session {
                 )?;
             }
         }
-        Ok(step.solve()?)
+        Ok(step)
     }
 
     /// Step 4's curve over the paper's grid, from every `stride`-th sample.
@@ -252,6 +264,15 @@ impl Session {
     }
 }
 
+/// What step 3 believes of the standard gyroscope.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Gyroscope {
+    /// Its gain is right.
+    Trusted,
+    /// Its gain is a seventh unknown.
+    GainIdentified,
+}
+
 /// Sign of eq. (2).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sign {
@@ -289,7 +310,10 @@ pub fn settings(recording: &Recording, scheme: Scheme) -> Settings {
     }
 }
 
-fn compliant(recording: &Recording, parameters: &Parameters) -> sixaxis_core::Result<CompliantRows> {
+fn compliant(
+    recording: &Recording,
+    parameters: &Parameters,
+) -> sixaxis_core::Result<CompliantRows> {
     CompliantRows::new(
         &sensor(recording),
         parameters,

@@ -27,7 +27,7 @@ use sixaxis_reference::rig::Mounting;
 use crate::progress::Progress;
 use cleaning::Cleaning;
 use decoupling::{Case, SixSeries, Way, decouple, six_series, truth};
-use identification::{FourSteps, Session};
+use identification::{FourSteps, Gyroscope, Session};
 use plan::{COMPOUND_RATE_HZ, Plan};
 use results::{Compound, Gravity, History, Identification, ParameterSet, Parameters25, Results};
 use simulations::Simulations;
@@ -49,12 +49,14 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
     let laboratory = Laboratory::with_errors(truth, plan.seed);
 
     let noise_free_session = Session::record(&perfect, &simulations.campaign, Cleaning::NONE)?;
-    let noise_free = noise_free_session.identify().context("noise-free campaign")?;
+    let noise_free = noise_free_session
+        .identify(Gyroscope::Trusted)
+        .context("noise-free campaign")?;
     stage.advance(1);
     let laboratory_session =
         Session::record(&laboratory, &simulations.campaign, Cleaning::LABORATORY)?;
     let with_errors = laboratory_session
-        .identify()
+        .identify(Gyroscope::GainIdentified)
         .context("campaign with laboratory errors")?;
     drop(laboratory_session);
     stage.advance(1);
@@ -62,7 +64,11 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
         None
     } else {
         let session = Session::record(&perfect, &simulations.campaign_coarse, Cleaning::NONE)?;
-        Some(session.identify().context("campaign at the doubled step")?)
+        Some(
+            session
+                .identify(Gyroscope::Trusted)
+                .context("campaign at the doubled step")?,
+        )
     };
     stage.advance(1);
 
@@ -109,8 +115,7 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
         Cleaning::LABORATORY,
     )?;
     stage.advance(1);
-    let compound_axis_level =
-        compound(&perfect, &exact_ways, Mounting::AxisLevel, Cleaning::NONE)?;
+    let compound_axis_level = compound(&perfect, &exact_ways, Mounting::AxisLevel, Cleaning::NONE)?;
     stage.advance(1);
     let searches = searches::study(&noise_free_session, &noise_free, &with_errors, &truth)?;
     stage.advance(1);
@@ -132,7 +137,12 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
         mujoco_version: mujoco_version().to_owned(),
         reference: checks::reference(&simulations)?,
         noise_free: identification_results(&truth, &noise_free, &noise_free, coarse.as_ref()),
-        noise_free_repeated: identification_results(&truth, &repeated, &noise_free, coarse.as_ref()),
+        noise_free_repeated: identification_results(
+            &truth,
+            &repeated,
+            &noise_free,
+            coarse.as_ref(),
+        ),
         laboratory: identification_results(&truth, &with_errors, &noise_free, coarse.as_ref()),
         instruments: laboratory.instruments,
         compound_noise_free,
@@ -173,7 +183,11 @@ fn ways(
     };
     let mut ways = vec![
         way(ParameterSet::Design, design, Scheme::Heun),
-        way(ParameterSet::DesignDriftRemoved, drift_removed, Scheme::Heun),
+        way(
+            ParameterSet::DesignDriftRemoved,
+            drift_removed,
+            Scheme::Heun,
+        ),
     ];
     let mut sets = vec![
         (ParameterSet::Identified, found.used()),
@@ -216,9 +230,8 @@ fn identification_results(
             },
             Some(coarse) => {
                 let fine = noise_free.found();
-                let difference = |a: [f64; 9], b: [f64; 9]| {
-                    core::array::from_fn(|i| (a[i] - b[i]).abs())
-                };
+                let difference =
+                    |a: [f64; 9], b: [f64; 9]| core::array::from_fn(|i| (a[i] - b[i]).abs());
                 let (a, b) = (
                     coarse.inertia_per_mass.to_paper_order(),
                     fine.inertia_per_mass.to_paper_order(),
@@ -248,6 +261,7 @@ fn identification_results(
         inertia_condition: steps.inertia.estimate.condition,
         inertia_residual_m2_s2: steps.inertia.estimate.residual_rms,
         inertia_verdict: steps.inertia.verdict.clone(),
+        rate_over_reading: steps.rate_over_reading,
         stiffness_interpolated_per_s2: steps.stiffness.interpolated_per_s2,
         stiffness_verdict: steps.stiffness.verdict.clone(),
     }

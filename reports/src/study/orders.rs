@@ -17,7 +17,13 @@ const ASYMPTOTIC_RATE_HZ: f64 = 399.0;
 /// Largest error of w* over its peak.
 fn rate_error(run: &SimulatedRun, parameters: &Parameters, scheme: Scheme) -> Result<f64> {
     let recording = Laboratory::noise_free(*parameters).record(run, 0);
-    let samples = decouple(&recording, &recording.voltage_v, parameters, scheme, Gravity::Kept)?;
+    let samples = decouple(
+        &recording,
+        &recording.voltage_v,
+        parameters,
+        scheme,
+        Gravity::Kept,
+    )?;
     let (mut largest, mut peak) = (0.0_f64, 0.0_f64);
     for sample in &samples {
         let truth = run.truth[sample.sample as usize].rate_shell_rad_s;

@@ -11,9 +11,7 @@ use sixaxis_reference::rig::{Mode, Mounting};
 use sixaxis_reference::threshold::SweepPoint;
 
 /// Names of the six accelerations, in the order of every array of six.
-pub const AXES: [&str; 6] = [
-    "a_x", "a_y", "a_z", "angular x", "angular y", "angular z",
-];
+pub const AXES: [&str; 6] = ["a_x", "a_y", "a_z", "angular x", "angular y", "angular z"];
 
 /// The whole study.
 #[derive(Debug, Clone, Serialize)]
@@ -109,6 +107,8 @@ pub struct Identification {
     pub inertia_residual_m2_s2: f64,
     /// Verdict of step 3.
     pub inertia_verdict: Verdict,
+    /// True rate over the gyroscope's reading as step 3 found it, and its standard error.
+    pub rate_over_reading: Option<(f64, f64)>,
     /// Step 4: the minimum between grid points, s^-2.
     pub stiffness_interpolated_per_s2: f64,
     /// Verdict of step 4.

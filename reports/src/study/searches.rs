@@ -65,7 +65,11 @@ fn search(label: String, sign: Sign, scale_error: f64, curve: Vec<(f64, f64)>) -
     Ok(Search {
         label,
         sign_as_printed: sign == Sign::AsPrinted,
-        scale_error: if scale_error.is_nan() { None } else { Some(scale_error) },
+        scale_error: if scale_error.is_nan() {
+            None
+        } else {
+            Some(scale_error)
+        },
         curve,
         grid_minimum_per_s2: judged.grid_minimum_per_s2,
         interpolated_per_s2: judged.interpolated_per_s2,
