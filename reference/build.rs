@@ -69,7 +69,7 @@ fn users_own(package: &Path) -> Option<PathBuf> {
     if !dir.join(LIBRARY).is_file() {
         stop(
             &format!(
-                "{USER_VARIABLE} names {}, which holds no {LIBRARY}",
+                "{USER_VARIABLE} names {}, which holds no {LIBRARY}; unset it to have one fetched",
                 dir.display()
             ),
             "",
@@ -162,7 +162,12 @@ fn python_with_pip() -> &'static str {
 fn run(command: &mut Command, failure: &str) {
     match command.output() {
         Ok(output) if output.status.success() => {}
-        Ok(output) => stop(failure, &String::from_utf8_lossy(&output.stderr)),
+        Ok(output) => {
+            // pip says at every retry what it says at the last.
+            let said = String::from_utf8_lossy(&output.stderr);
+            let last = said.rfind("WARNING: Retrying").unwrap_or(0);
+            stop(failure, &said[last..]);
+        }
         Err(error) => stop(failure, &error.to_string()),
     }
 }

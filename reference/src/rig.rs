@@ -50,7 +50,7 @@ pub struct Run {
     pub rest_s: f64,
     /// Run-up and run-down time in crank periods; each turns the crank by half of it.
     pub ramp_periods: f64,
-    /// Whole turns at full speed.
+    /// Turns at full speed. A run ends where it began if these and `ramp_periods` make whole turns.
     pub steady_periods: f64,
 }
 
@@ -65,16 +65,17 @@ impl Run {
             slider_amplitude_m: SLIDER_AMPLITUDE_M,
             rotation_amplitude_rad: ROTATION_AMPLITUDE_RAD,
             rest_s: 0.05,
-            ramp_periods: 1.0,
-            steady_periods: 1.0,
+            // Half a ramp's length and the steady turns make two whole turns: the slider ends where it began.
+            ramp_periods: 0.5,
+            steady_periods: 1.5,
         }
     }
 
-    /// Start and end of the time at full speed, s.
+    /// Start and end of the whole turns at full speed, s.
     #[must_use]
     pub fn steady_span_s(&self) -> (f64, f64) {
         let start = self.rest_s + self.ramp_periods / self.frequency_hz;
-        (start, start + self.steady_periods / self.frequency_hz)
+        (start, start + self.steady_periods.floor() / self.frequency_hz)
     }
 
     /// Length of the whole run, s.

@@ -34,7 +34,7 @@ pub fn measure(model: &SensorModel, run: &Run, step_s: f64) -> Result<SweepPoint
     let mut simulation = Simulation::new(model, step_s)?;
     let (from, to) = run.steady_span_s();
     let steps = (to / step_s).ceil() as usize;
-    let stride = ((run.steady_periods / run.frequency_hz / step_s) / 512.0).ceil() as usize;
+    let stride = (((to - from) / step_s) / 512.0).ceil() as usize;
     let omega = TAU * run.frequency_hz;
     let mut normal = SMatrix::<f64, 7, 7>::zeros();
     let mut right = SMatrix::<f64, 7, 3>::zeros();
@@ -92,6 +92,7 @@ pub fn excitation(mode: Mode, frequency_hz: f64) -> Run {
     run.slider_amplitude_m *= 2.0;
     run.rest_s = 0.0;
     run.ramp_periods = 0.6;
+    run.steady_periods = 1.0;
     run
 }
 

@@ -18,7 +18,8 @@ use sixaxis_reference::threshold;
 use super::cleaning::Cleaning;
 use super::decoupling::{decouple, largest_error, six_series, truth};
 use super::identification::Session;
-use super::plan::{CAMPAIGN_RATE_HZ, CAMPAIGN_STEPS, COMPOUND_RATE_HZ, COMPOUND_STEPS};
+use super::COMPARED_DIVISOR;
+use super::plan::{CAMPAIGN_RATE_HZ, CAMPAIGN_STEPS, COMPOUND_RATE_HZ, COMPOUND_STEPS, Plan};
 use super::results::{Defects, Gravity, ModeSet, ReferenceCheck, Sweep};
 use super::simulations::{Simulations, sweep_kinds};
 
@@ -31,7 +32,7 @@ const GYROSCOPE_V_PER_DEG_S: f64 = 10e-3;
 ///
 /// # Errors
 /// Those of the simulation and of the equilibrium.
-pub fn reference(simulations: &Simulations) -> Result<ReferenceCheck> {
+pub fn reference(plan: &Plan, simulations: &Simulations) -> Result<ReferenceCheck> {
     let parameters = paper::identified_parameters();
     let [trial, ..] = campaign::compound(Mounting::AxisVertical);
     let model = trial.model(&parameters);
@@ -58,7 +59,7 @@ pub fn reference(simulations: &Simulations) -> Result<ReferenceCheck> {
                 measured_hz: modes.map(|m| m.measured_hz),
             })
             .collect(),
-        campaign_step_s: 1.0 / CAMPAIGN_RATE_HZ / CAMPAIGN_STEPS as f64,
+        campaign_step_s: 1.0 / CAMPAIGN_RATE_HZ / plan.campaign_steps() as f64,
         compound_step_s: 1.0 / COMPOUND_RATE_HZ / COMPOUND_STEPS as f64,
     })
 }
@@ -116,9 +117,9 @@ pub fn sweeps(simulations: &Simulations) -> Vec<Sweep> {
 /// # Errors
 /// Those of identification and decoupling.
 pub fn defects(simulations: &Simulations, parameters: &Parameters) -> Result<Defects> {
-    let slow = simulations.compound[0].decimated(COMPOUND_STEPS);
+    let slow = simulations.compound[0].decimated(COMPARED_DIVISOR);
     let (amplifier_left_alone, amplifier_undone) = amplifier(&slow, parameters)?;
-    let level = simulations.axis_level[0].decimated(COMPOUND_STEPS);
+    let level = simulations.axis_level[0].decimated(COMPARED_DIVISOR);
     let recording = Laboratory::noise_free(*parameters).record(&level, 0);
     let neglected = decouple(
         &recording,
@@ -133,7 +134,8 @@ pub fn defects(simulations: &Simulations, parameters: &Parameters) -> Result<Def
         amplifier_undone,
         gyroscope_lag_left_alone: lag(&simulations.campaign, parameters, false)?,
         gyroscope_lag_undone: lag(&simulations.campaign, parameters, true)?,
-        gravity_neglected_1_hz: worst(&largest_error(&six_series(&neglected), &truth(&level))),
+        gravity_neglected_frequency_hz: level.run.frequency_hz,
+        gravity_neglected: worst(&largest_error(&six_series(&neglected), &truth(&level))),
         gyroscope_output_v: GYROSCOPE_V_PER_DEG_S
             * (ROTATION_AMPLITUDE_RAD * core::f64::consts::TAU * 5.0)
             * (180.0 / PI),
@@ -193,7 +195,7 @@ fn lag(campaign: &[(Trial, SimulatedRun)], parameters: &Parameters, undo_lag: bo
         &lagging,
         &angular,
         Cleaning {
-            low_pass: false,
+            corner: None,
             undo_lag,
         },
     )?;

@@ -11,13 +11,6 @@ use sixaxis_reference::recording::Recording;
 
 /// Order of the low-pass; run forwards and backwards it attenuates like twice that.
 const FILTER_ORDER: usize = 4;
-/// Corner of the low-pass: this many times the crank's frequency plus a constant, Hz.
-///
-/// At 1 to 2 Hz the second harmonic, where w x I w is, loses less than 2e-5, so that step 3 can tell it from the
-/// first; at 5 Hz the gyroscope's noise, which undoing its lag amplifies, stays out. White noise of a 10 kHz recording
-/// falls by a factor of 13 and more.
-const CORNER_OVER_DRIVE: f64 = 4.0;
-const CORNER_BASE_HZ: f64 = 8.0;
 /// Window and order of the differentiator: an error of 2e-9 at 5 Hz and 10 kHz, and no smoothing to speak of below the
 /// low-pass.
 const DIFFERENTIATOR_HALF_WIDTH: usize = 3;
@@ -26,8 +19,9 @@ const DIFFERENTIATOR_ORDER: usize = 4;
 /// How recordings are cleaned.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cleaning {
-    /// Zero-phase low-pass on all channels and instruments.
-    pub low_pass: bool,
+    /// Corner of the zero-phase low-pass on all channels and instruments: so many times the crank's frequency plus a
+    /// constant in Hz. None: no filter.
+    pub corner: Option<(f64, f64)>,
     /// Undo the gyroscope's lag.
     pub undo_lag: bool,
 }
@@ -35,12 +29,19 @@ pub struct Cleaning {
 impl Cleaning {
     /// For recordings without errors: leave them alone.
     pub const NONE: Self = Self {
-        low_pass: false,
+        corner: None,
         undo_lag: false,
     };
-    /// For the laboratory's recordings.
-    pub const LABORATORY: Self = Self {
-        low_pass: true,
+    /// For identification: 12 Hz at 1 Hz. The second harmonic, where w x I w is, loses less than 2e-5, so that step 3
+    /// can tell it from the first.
+    pub const IDENTIFICATION: Self = Self {
+        corner: Some((4.0, 8.0)),
+        undo_lag: true,
+    };
+    /// For comparison with the standards: their second derivative of noise, which undoing the gyroscope's lag
+    /// amplifies, must stay out. The drive loses 7e-6, the same on both sides.
+    pub const COMPARISON: Self = Self {
+        corner: Some((4.4, 0.0)),
         undo_lag: true,
     };
 }
@@ -66,11 +67,11 @@ impl Cleaning {
     /// Those of the stages: too few samples, a sample that is not finite.
     pub fn clean(&self, recording: &Recording) -> Result<Cleaned> {
         let sections: Option<Vec<Section>> = self
-            .low_pass
-            .then(|| {
+            .corner
+            .map(|(over_drive, base_hz)| {
                 butterworth::low_pass(
                     FILTER_ORDER,
-                    CORNER_OVER_DRIVE * recording.frequency_hz + CORNER_BASE_HZ,
+                    over_drive * recording.frequency_hz + base_hz,
                     recording.sample_rate_hz,
                 )
             })

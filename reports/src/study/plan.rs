@@ -26,14 +26,14 @@ impl Plan {
     /// Trials per identification step: the paper's ten.
     #[must_use]
     pub fn trials_per_step(&self) -> usize {
-        if self.quick { 4 } else { 10 }
+        if self.quick { 3 } else { 10 }
     }
 
     /// Frequencies of the threshold sweeps, Hz.
     #[must_use]
     pub fn sweep_frequencies_hz(&self) -> Vec<f64> {
         if self.quick {
-            vec![1.5, 2.0, 2.4, 3.0, 4.0, 5.0]
+            vec![1.8, 2.2, 2.6, 4.0]
         } else {
             vec![
                 0.4, 0.6, 0.9, 1.3, 1.6, 2.0, 2.2, 2.4, 2.6, 3.0, 3.5, 4.0, 5.0,
@@ -45,6 +45,12 @@ impl Plan {
     #[must_use]
     pub fn order_divisors(&self) -> Vec<usize> {
         vec![80, 50, 40, 20, 10, 5, 4, 2, 1]
+    }
+
+    /// Steps per sample of the campaign; quick takes the coarser ones that otherwise serve as the check.
+    #[must_use]
+    pub fn campaign_steps(&self) -> usize {
+        if self.quick { CAMPAIGN_STEPS / 2 } else { CAMPAIGN_STEPS }
     }
 
     /// Whether the simulations that only serve the reference's own error of the identification are played.

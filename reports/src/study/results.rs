@@ -287,8 +287,10 @@ pub struct Defects {
     pub gyroscope_lag_left_alone: f64,
     /// The same with the lag undone.
     pub gyroscope_lag_undone: f64,
-    /// Largest error of the 1 Hz run with the axis level when gravity is neglected, over the peak.
-    pub gravity_neglected_1_hz: f64,
+    /// Slowest compound run played with the axis level, Hz.
+    pub gravity_neglected_frequency_hz: f64,
+    /// Its largest error when gravity is neglected, over the peak.
+    pub gravity_neglected: f64,
     /// Largest voltage of the printed gyroscope sensitivity at the rig's largest rate, V.
     pub gyroscope_output_v: f64,
 }

@@ -157,7 +157,12 @@ fn tasks(plan: &Plan) -> Vec<Task> {
                 2 * COMPOUND_STEPS,
             );
         } else {
-            run(List::Campaign, trial, CAMPAIGN_RATE_HZ, CAMPAIGN_STEPS);
+            run(
+                List::Campaign,
+                trial,
+                CAMPAIGN_RATE_HZ,
+                plan.campaign_steps(),
+            );
             if plan.checks_campaign_step() {
                 run(
                     List::CampaignCoarse,
@@ -169,6 +174,10 @@ fn tasks(plan: &Plan) -> Vec<Task> {
         }
     }
     for trial in campaign::compound(Mounting::AxisLevel) {
+        // The slow run costs as much as the other two five times over; a quick look goes without it.
+        if plan.quick && trial.run.frequency_hz < 2.0 {
+            continue;
+        }
         run(List::AxisLevel, trial, COMPOUND_RATE_HZ, COMPOUND_STEPS);
         run(
             List::AxisLevelHalved,
