@@ -1,29 +1,203 @@
-//! placeholder
-fn main() -> anyhow::Result<()> {
-    let quick = std::env::args().any(|a| a == "--quick");
-    let t = std::time::Instant::now();
-    let r = sixaxis_reports::study::run(
-        &sixaxis_reports::study::plan::Plan {
-            seed: std::env::args()
-                .nth(1)
-                .and_then(|s| s.parse().ok())
-                .unwrap_or(1),
+//! The `sixaxis` command.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Instant;
+
+use anyhow::{Context, Result};
+use clap::{CommandFactory, Parser, Subcommand};
+use serde::Serialize;
+use sixaxis_reports::pages;
+use sixaxis_reports::progress::Progress;
+use sixaxis_reports::study::{self, plan::Plan, results::Results};
+use sixaxis_reports::view::{render, write_atomically};
+
+/// Mathematics of a parallel six-axis accelerometer, verified against MuJoCo.
+#[derive(Parser)]
+#[command(version, after_help = "Start with: sixaxis report")]
+struct Arguments {
+    #[command(subcommand)]
+    command: Option<Task>,
+}
+
+#[derive(Subcommand)]
+enum Task {
+    /// Play the paper's calibration campaign on MuJoCo and write an offline HTML report
+    ///
+    /// Writes report.html, results.json (every number in it; the same seed gives the same file, bit for bit) and
+    /// run.json (machine, duration) to the output folder.
+    Report {
+        /// Folder to write to
+        #[arg(long, value_name = "DIR", default_value = "sixaxis-report")]
+        out: PathBuf,
+        /// Seed of the laboratory's random errors
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+        /// Fewer runs, for a first look
+        #[arg(long)]
+        quick: bool,
+        /// Threads to use; 0 for one per core
+        #[arg(long, value_name = "N", default_value_t = 0)]
+        threads: usize,
+    },
+    /// Write the simulated sensor as MJCF; `python -m mujoco.viewer --mjcf=FILE` opens it
+    Model {
+        /// File to write
+        #[arg(long, value_name = "FILE", default_value = "sixaxis.xml")]
+        out: PathBuf,
+        /// The sensor as designed instead of as identified
+        #[arg(long)]
+        design: bool,
+    },
+}
+
+fn main() -> Result<()> {
+    match Arguments::parse().command {
+        None => Ok(Arguments::command().print_help()?),
+        Some(Task::Report {
+            out,
+            seed,
             quick,
-        },
-        &sixaxis_reports::progress::Progress::shown(),
-    )?;
-    eprintln!("{:?}", t.elapsed());
-    for b in &r.bars {
+            threads,
+        }) => report(&out, &Plan { seed, quick }, threads),
+        Some(Task::Model { out, design }) => model(&out, design),
+    }
+}
+
+/// What depends on where and when: kept out of `results.json`.
+#[derive(Serialize)]
+struct Run {
+    sixaxis_version: String,
+    commit: String,
+    mujoco_version: String,
+    seed: u64,
+    quick: bool,
+    threads: usize,
+    machine: String,
+    duration_s: f64,
+}
+
+impl Run {
+    fn facts(&self) -> Vec<(String, String)> {
+        [
+            ("sixaxis", self.sixaxis_version.clone()),
+            ("commit", self.commit.clone()),
+            ("MuJoCo", self.mujoco_version.clone()),
+            ("seed", self.seed.to_string()),
+            ("campaign", if self.quick { "quick" } else { "full" }.to_owned()),
+            ("threads", self.threads.to_string()),
+            ("machine", self.machine.clone()),
+            ("duration", format!("{:.0} s", self.duration_s)),
+        ]
+        .map(|(name, value)| (name.to_owned(), value))
+        .to_vec()
+    }
+}
+
+fn report(out: &Path, plan: &Plan, threads: usize) -> Result<()> {
+    // Before half a minute of work, not after it.
+    std::fs::create_dir_all(out)
+        .with_context(|| format!("cannot create the output folder {}", out.display()))?;
+    let started = Instant::now();
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .context("cannot start the threads")?;
+    let results = pool.install(|| study::run(plan, &Progress::shown()))?;
+    let run = Run {
+        sixaxis_version: results.sixaxis_version.clone(),
+        commit: commit(),
+        mujoco_version: results.mujoco_version.clone(),
+        seed: plan.seed,
+        quick: plan.quick,
+        threads: pool.current_num_threads(),
+        machine: machine(),
+        duration_s: started.elapsed().as_secs_f64(),
+    };
+    let page = render(&pages::report(&results, run.facts()))?;
+    let html = out.join("report.html");
+    for (path, bytes) in [
+        (out.join("results.json"), serde_json::to_vec_pretty(&Document::new(&results))?),
+        (out.join("run.json"), serde_json::to_vec_pretty(&run)?),
+        (html.clone(), page.into_bytes()),
+    ] {
+        write_atomically(&path, &bytes)
+            .with_context(|| format!("cannot write {}", path.display()))?;
+    }
+    print_summary(&results);
+    println!("\n{}", html.display());
+    Ok(())
+}
+
+/// `results.json`: the numbers and the ledger.
+#[derive(Serialize)]
+struct Document<'a> {
+    #[serde(flatten)]
+    results: &'a Results,
+    claims: Vec<sixaxis_reports::view::Claim>,
+}
+
+impl<'a> Document<'a> {
+    fn new(results: &'a Results) -> Self {
+        Self {
+            results,
+            claims: pages::claims(results),
+        }
+    }
+}
+
+fn print_summary(results: &Results) {
+    println!("{:<52} {:>12} {:>10}", "bar", "measured", "limit");
+    for bar in &results.bars {
         println!(
-            "{} {:<50} {:.3e} <= {:.1e} {} {}",
-            if b.met { "ok  " } else { "MISS" },
-            b.name,
-            b.value,
-            b.limit,
-            b.unit,
-            b.note
+            "{:<52} {:>12.2e} {:>10.1e} {:<2} {}",
+            bar.name,
+            bar.value,
+            bar.limit,
+            bar.unit,
+            if bar.met { "met" } else { "MISSED" }
         );
     }
-    std::fs::write("/tmp/results.json", serde_json::to_string_pretty(&r)?)?;
+}
+
+fn model(out: &Path, design: bool) -> Result<()> {
+    use sixaxis_reference::{campaign, paper, rig::Mounting};
+    let parameters = if design {
+        paper::design_parameters()
+    } else {
+        paper::identified_parameters()
+    };
+    let [trial, ..] = campaign::compound(Mounting::AxisVertical);
+    let step_s = 1.0 / study::plan::CAMPAIGN_RATE_HZ / study::plan::CAMPAIGN_STEPS as f64;
+    let xml = trial.model(&parameters).to_mjcf(step_s);
+    write_atomically(out, xml.as_bytes())
+        .with_context(|| format!("cannot write {}", out.display()))?;
+    println!("{}", out.display());
     Ok(())
+}
+
+/// The commit this was built from, if it was built and run in a checkout.
+fn commit() -> String {
+    Command::new("git")
+        .args(["-C", env!("CARGO_MANIFEST_DIR"), "describe", "--always", "--dirty"])
+        .output()
+        .ok()
+        .filter(|output| output.status.success())
+        .and_then(|output| String::from_utf8(output.stdout).ok())
+        .map_or_else(|| "unknown".to_owned(), |text| text.trim().to_owned())
+}
+
+/// Processor and number of cores, as the system names them.
+fn machine() -> String {
+    let cores = std::thread::available_parallelism().map_or(0, usize::from);
+    let name = std::fs::read_to_string("/proc/cpuinfo")
+        .ok()
+        .and_then(|text| {
+            text.lines()
+                .find(|line| line.starts_with("model name"))
+                .and_then(|line| line.split(':').nth(1))
+                .map(|name| name.trim().to_owned())
+        })
+        .unwrap_or_else(|| std::env::consts::ARCH.to_owned());
+    format!("{name}, {cores} cores, {}", std::env::consts::OS)
 }

@@ -1,0 +1,39 @@
+//! The report: a study's results as a page. What is measured is in [`crate::study`], how it is drawn in
+//! [`crate::view`]; here is decided what a reader meets, in which words and with how many digits.
+
+mod figures;
+mod ledger;
+mod parameters;
+mod summary;
+mod tables;
+
+use crate::study::results::Results;
+use crate::view::Page;
+
+pub use ledger::claims;
+
+/// Lays out the report. `facts` says how the run came about: commit, machine, duration.
+#[must_use]
+pub fn report(results: &Results, facts: Vec<(String, String)>) -> Page {
+    let mut sections = vec![
+        summary::bars(results),
+        parameters::section(results),
+        tables::section(results),
+        figures::thresholds(results),
+        figures::stiffness(results),
+        figures::histories(results),
+        figures::orders(results),
+        summary::reference(results),
+        ledger::section(results),
+    ];
+    sections.retain(|section| !section.blocks.is_empty());
+    Page {
+        title: "Parallel six-axis accelerometer: calibration and decoupling against MuJoCo".to_owned(),
+        subtitle: "Every table and figure of You, Li and Wu, *Parameter identification of parallel type \
+                   six-axis accelerometer* (2013), beside what this project measures on simulated truth."
+            .replace('*', ""),
+        facts,
+        tiles: summary::tiles(results),
+        sections,
+    }
+}
