@@ -65,9 +65,10 @@ impl Run {
             slider_amplitude_m: SLIDER_AMPLITUDE_M,
             rotation_amplitude_rad: ROTATION_AMPLITUDE_RAD,
             rest_s: 0.05,
-            // Half a ramp's length and the steady turns make two whole turns: the slider ends where it began.
-            ramp_periods: 0.5,
-            steady_periods: 1.5,
+            // A whole period to run up keeps the start's spectrum below the laboratory's low-pass; with half a turn in
+            // each ramp the run makes two whole turns, and the slider ends where it began.
+            ramp_periods: 1.0,
+            steady_periods: 1.0,
         }
     }
 
@@ -75,7 +76,10 @@ impl Run {
     #[must_use]
     pub fn steady_span_s(&self) -> (f64, f64) {
         let start = self.rest_s + self.ramp_periods / self.frequency_hz;
-        (start, start + self.steady_periods.floor() / self.frequency_hz)
+        (
+            start,
+            start + self.steady_periods.floor() / self.frequency_hz,
+        )
     }
 
     /// Length of the whole run, s.

@@ -10,6 +10,7 @@ use serde::Serialize;
 use sixaxis_reports::pages;
 use sixaxis_reports::progress::Progress;
 use sixaxis_reports::study::{self, plan::Plan, results::Results};
+use sixaxis_reports::view::plot::to_svg;
 use sixaxis_reports::view::{render, write_atomically};
 
 /// Mathematics of a parallel six-axis accelerometer, verified against MuJoCo.
@@ -24,8 +25,8 @@ struct Arguments {
 enum Task {
     /// Play the paper's calibration campaign on MuJoCo and write an offline HTML report
     ///
-    /// Writes report.html, results.json (every number in it; the same seed gives the same file, bit for bit) and
-    /// run.json (machine, duration) to the output folder.
+    /// Writes report.html, results.json (every number in it; the same seed gives the same file, bit for bit), run.json
+    /// (machine, duration) and figures/*.svg to the output folder.
     Report {
         /// Folder to write to
         #[arg(long, value_name = "DIR", default_value = "sixaxis-report")]
@@ -84,7 +85,10 @@ impl Run {
             ("commit", self.commit.clone()),
             ("MuJoCo", self.mujoco_version.clone()),
             ("seed", self.seed.to_string()),
-            ("campaign", if self.quick { "quick" } else { "full" }.to_owned()),
+            (
+                "campaign",
+                if self.quick { "quick" } else { "full" }.to_owned(),
+            ),
             ("threads", self.threads.to_string()),
             ("machine", self.machine.clone()),
             ("duration", format!("{:.0} s", self.duration_s)),
@@ -117,7 +121,10 @@ fn report(out: &Path, plan: &Plan, threads: usize) -> Result<()> {
     let page = render(&pages::report(&results, run.facts()))?;
     let html = out.join("report.html");
     for (path, bytes) in [
-        (out.join("results.json"), serde_json::to_vec_pretty(&Document::new(&results))?),
+        (
+            out.join("results.json"),
+            serde_json::to_vec_pretty(&Document::new(&results))?,
+        ),
         (out.join("run.json"), serde_json::to_vec_pretty(&run)?),
         (html.clone(), page.into_bytes()),
     ] {
@@ -179,7 +186,13 @@ fn model(out: &Path, design: bool) -> Result<()> {
 /// The commit this was built from, if it was built and run in a checkout.
 fn commit() -> String {
     Command::new("git")
-        .args(["-C", env!("CARGO_MANIFEST_DIR"), "describe", "--always", "--dirty"])
+        .args([
+            "-C",
+            env!("CARGO_MANIFEST_DIR"),
+            "describe",
+            "--always",
+            "--dirty",
+        ])
         .output()
         .ok()
         .filter(|output| output.status.success())

@@ -6,7 +6,7 @@ use sixaxis_reference::paper::THRESHOLD_FREQUENCY_HZ;
 use sixaxis_reference::rig::Mode;
 
 use super::parameters::verdict;
-use crate::study::results::Results;
+use crate::study::results::{Results, Search};
 use crate::view::number::{fixed, scientific};
 use crate::view::{Axis, Block, Column, Figure, Mark, Panel, Row, Section, Series, Table};
 
@@ -48,10 +48,14 @@ pub fn thresholds(r: &Results) -> Section {
         figure
             .mark(Mark::horizontal(0.01, "threshold"))
             .mark(Mark::vertical(printed, format!("paper {printed} Hz")))
-            .mark(Mark::slope(3.0, 1e-3, 4.0, 0.2, "4"))
+            .mark(Mark::slope(1.6, 3e-5, 4.0, 0.25, "4"))
     };
     let rows = r.thresholds.iter().map(|s| {
-        let factor = if s.mode == Mode::Angular { DEG_PER_RAD } else { MM_PER_M };
+        let factor = if s.mode == Mode::Angular {
+            DEG_PER_RAD
+        } else {
+            MM_PER_M
+        };
         let worst = s
             .points
             .iter()
@@ -59,7 +63,15 @@ pub fn thresholds(r: &Results) -> Section {
             .map(|(p, t)| (p.relative_acceleration / t - 1.0).abs())
             .fold(0.0, f64::max);
         Row::new(
-            format!("{}, {}", s.sensor, if s.mode == Mode::Angular { "angular" } else { "linear" }),
+            format!(
+                "{}, {}",
+                s.sensor,
+                if s.mode == Mode::Angular {
+                    "angular"
+                } else {
+                    "linear"
+                }
+            ),
             [
                 s.crossing_hz.map_or("none".to_owned(), |f| fixed(f, 3)),
                 fixed(s.slope, 4),
@@ -109,6 +121,14 @@ pub fn thresholds(r: &Results) -> Section {
     }))
 }
 
+/// What a search curve was made with.
+fn search_label(search: &Search) -> String {
+    match search.scale_error {
+        Some(error) if error > 0.0 => format!("scale factors off by {}", scientific(error, 1)),
+        _ => search.label.clone(),
+    }
+}
+
 /// Fig. 10.
 pub fn stiffness(r: &Results) -> Section {
     let figure = |id: &str, title: &str, as_printed: bool| {
@@ -126,7 +146,7 @@ pub fn stiffness(r: &Results) -> Section {
             .enumerate()
         {
             figure = figure.series(Series::line(
-                search.label.clone(),
+                search_label(search),
                 colour,
                 search.curve.iter().copied(),
             ));
@@ -140,18 +160,28 @@ pub fn stiffness(r: &Results) -> Section {
         Axis::log("mean |w*|", "rad/s"),
     )
     .mark(Mark::vertical(2.0e8, "truth"));
-    for (colour, search) in r.searches.iter().filter(|s| s.scale_error.is_none()).enumerate() {
+    for (colour, search) in r
+        .searches
+        .iter()
+        .filter(|s| s.scale_error.is_none())
+        .enumerate()
+    {
         own = own.series(Series::line(
-            search.label.clone(),
+            search_label(search),
             [0, 3][colour % 2],
             search.curve.iter().copied(),
         ));
     }
     let rows = r.searches.iter().map(|s| {
         Row::new(
-            s.label.clone(),
+            search_label(s),
             [
-                if s.sign_as_printed { "as printed" } else { "corrected" }.to_owned(),
+                if s.sign_as_printed {
+                    "as printed"
+                } else {
+                    "corrected"
+                }
+                .to_owned(),
                 fixed(s.grid_minimum_per_s2 / 1e8, 1),
                 fixed(s.interpolated_per_s2 / 1e8, 4),
                 verdict(&s.verdict),
@@ -163,7 +193,7 @@ pub fn stiffness(r: &Results) -> Section {
         "Fig. 10: the search for k/m",
         "Pure linear motion at 4 to 5 Hz has no rotation; step 4 takes the k/m for which the decoupled rate |w*| is smallest. With \
          compression shortening the limbs and true scale factors the minimum stands exactly on the true grid point. Scale \
-         errors of a millionth fill the valley; the sign printed in eq. (2) has no minimum at all.",
+         errors of a millionth already blur it, of a ten-thousandth drown it; the sign printed in eq. (2) has no minimum at all.",
     )
     .block(Block::FigureGrid(vec![
         figure("fig10-corrected", "Compression shortens", false),
@@ -186,9 +216,22 @@ pub fn stiffness(r: &Results) -> Section {
 
 /// Time histories.
 pub fn histories(r: &Results) -> Section {
-    const NAMES: [&str; 6] = ["a x", "a y", "a z", "angular x", "angular y", "angular z"];
+    const NAMES: [(&str, &str); 6] = [
+        ("a-x", "Linear, x"),
+        ("a-y", "Linear, y"),
+        ("a-z", "Linear, z"),
+        ("angular-x", "Angular, x"),
+        ("angular-y", "Angular, y"),
+        ("angular-z", "Angular, z"),
+    ];
     let h = &r.history;
-    let zip = |y: &[f64]| h.time_s.iter().copied().zip(y.iter().copied()).collect::<Vec<_>>();
+    let zip = |y: &[f64]| {
+        h.time_s
+            .iter()
+            .copied()
+            .zip(y.iter().copied())
+            .collect::<Vec<_>>()
+    };
     let figures = (0..6).map(|i| {
         let unit = if i < 3 { "m/s²" } else { "rad/s²" };
         let peak = h.truth[i].iter().fold(0.0_f64, |a, b| a.max(b.abs()));
@@ -198,18 +241,26 @@ pub fn histories(r: &Results) -> Section {
                 .collect::<Vec<_>>()
         };
         Figure::new(
-            format!("history-{}", NAMES[i].replace(' ', "-")),
-            NAMES[i],
+            format!("history-{}", NAMES[i].0),
+            NAMES[i].1,
             Axis::linear("time", "s"),
             Axis::linear("acceleration", unit),
         )
         .series(Series::line("truth", NEUTRAL, zip(&h.truth[i])))
-        .series(Series::dashed("decoupled, laboratory errors", 3, zip(&h.laboratory[i])))
+        .series(Series::dashed(
+            "decoupled, laboratory errors",
+            3,
+            zip(&h.laboratory[i]),
+        ))
         .below(Panel {
             y: Axis::log("|error| / peak", "").range(1e-9, 1e-1),
             series: vec![
                 Series::line("", 3, zip(&relative(&h.error_laboratory[i]))),
-                Series::line("error, noise-free", 0, zip(&relative(&h.error_noise_free[i]))),
+                Series::line(
+                    "error, noise-free",
+                    0,
+                    zip(&relative(&h.error_noise_free[i])),
+                ),
             ],
             marks: vec![],
         })
@@ -226,7 +277,7 @@ pub fn histories(r: &Results) -> Section {
 /// Order of the schemes.
 pub fn orders(r: &Results) -> Section {
     let mut figure = Figure::new(
-        "orders",
+        "order-of-schemes",
         "Error of the rate against the sample rate",
         Axis::log("sample rate", "Hz"),
         Axis::log("largest error of w* over its peak", ""),

@@ -134,7 +134,8 @@ fn identification(r: &Results) -> Vec<Claim> {
         .find(|s| !s.sign_as_printed && s.scale_error == Some(0.0));
     let largest_scale_error = (0..9)
         .map(|i| {
-            (r.noise_free.found.scale_per_mass_per_kg[i] / r.noise_free.truth.scale_per_mass_per_kg[i]
+            (r.noise_free.found.scale_per_mass_per_kg[i]
+                / r.noise_free.truth.scale_per_mass_per_kg[i]
                 - 1.0)
                 .abs()
         })
@@ -142,7 +143,8 @@ fn identification(r: &Results) -> Vec<Claim> {
     let sign_holds = printed_sign.is_some_and(|s| s.verdict.is_determined());
     let corrected_holds = corrected.is_some_and(|s| {
         s.verdict.is_determined()
-            && (s.grid_minimum_per_s2 / r.noise_free.truth.stiffness_per_mass_per_s2 - 1.0).abs() < 1e-9
+            && (s.grid_minimum_per_s2 / r.noise_free.truth.stiffness_per_mass_per_s2 - 1.0).abs()
+                < 1e-9
     });
     let lost = r
         .searches
@@ -152,7 +154,7 @@ fn identification(r: &Results) -> Vec<Claim> {
         .fold(f64::INFINITY, f64::min);
     vec![
         claim(
-            "Eq. (2): $l_i = L + (f_i/m)/(k/m)$",
+            "Eq. (2): $l$_{i} = $L$ + ($f$_{i}/$m$)/($k$/$m$)",
             "+",
             if sign_holds {
                 "a minimum in step 4"
@@ -296,8 +298,8 @@ fn decoupling(r: &Results) -> Vec<Claim> {
         ),
         claim(
             "Abstract: one order of magnitude better than before",
-            "77.0 % -> 7.479 %",
-            format!("{} -> {}", percent(before, 2), percent(lab, 2)),
+            "77.0 % to 7.479 %",
+            format!("{} to {}", percent(before, 2), percent(lab, 2)),
             if before > 10.0 * lab {
                 Verdict::Reproduced
             } else {

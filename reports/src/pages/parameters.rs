@@ -11,7 +11,8 @@ type Get = fn(&Identification) -> Vec<f64>;
 
 struct Family {
     caption: &'static str,
-    symbol: &'static str,
+    /// Before and after the index.
+    symbol: (&'static str, &'static str),
     unit: &'static str,
     per_si: f64,
     decimals: usize,
@@ -37,7 +38,7 @@ fn families() -> Vec<Family> {
     vec![
         Family {
             caption: "Table 1: zero drift",
-            symbol: "d",
+            symbol: ("$d$", ""),
             unit: "mV",
             per_si: 1e3,
             decimals: 3,
@@ -47,11 +48,11 @@ fn families() -> Vec<Family> {
             reference: |i| i.reference_error.zero_drift_v.to_vec(),
             standard_error: |i| i.standard_error.zero_drift_v.to_vec(),
             relative_to: RelativeTo::Nothing,
-            note: "Ten minutes at rest. Errors in mV.",
+            note: "Ten minutes at rest. Errors in mV, also of the repetition.",
         },
         Family {
             caption: "Table 2: scale factor over mass",
-            symbol: "s/m",
+            symbol: ("$s$", "/$m$"),
             unit: "kg⁻¹",
             per_si: 1.0,
             decimals: 4,
@@ -61,11 +62,11 @@ fn families() -> Vec<Family> {
             reference: |i| i.reference_error.scale_per_mass_per_kg.to_vec(),
             standard_error: |i| i.standard_error.scale_per_mass_per_kg.to_vec(),
             relative_to: RelativeTo::Itself,
-            note: "Errors relative to the value. The laboratory's share one error, the gain of its standard accelerometer.",
+            note: "Errors, also of the repetition, relative to the value. The laboratory's share one error, the gain of its standard accelerometer.",
         },
         Family {
             caption: "Table 3: inertia over mass",
-            symbol: "I/m",
+            symbol: ("$I$", "/$m$"),
             unit: "mm²",
             per_si: 1e6,
             decimals: 4,
@@ -75,7 +76,7 @@ fn families() -> Vec<Family> {
             reference: |i| i.reference_error.inertia_per_mass_m2.to_vec(),
             standard_error: |i| i.standard_error.inertia_per_mass_m2.to_vec(),
             relative_to: RelativeTo::Largest,
-            note: "Errors relative to the largest entry.",
+            note: "Errors, also of the repetition, relative to the largest entry.",
         },
     ]
 }
@@ -92,7 +93,9 @@ pub fn section(r: &Results) -> Section {
     for family in families() {
         section = section.block(Block::Table(table(&family, r)));
     }
-    section.block(Block::Table(stiffness(r))).block(Block::Text(steps(r)))
+    section
+        .block(Block::Table(stiffness(r)))
+        .block(Block::Text(steps(r)))
 }
 
 fn table(family: &Family, r: &Results) -> Table {
@@ -122,14 +125,14 @@ fn table(family: &Family, r: &Results) -> Table {
         Cell::from(if family.relative_to == RelativeTo::Nothing {
             significant(e, 2)
         } else {
-            percent(e, 2)
+            fixed(100.0 * e, 4)
         })
         .title(e.to_string())
     };
     let print = |si: f64| fixed(si * family.per_si, family.decimals);
     let rows = (0..truth.len()).map(|i| {
         Row::new(
-            format!("{}$_{{{}}}", family.symbol_markup(), i + 1),
+            format!("{}_{{{}}}{}", family.symbol.0, i + 1, family.symbol.1),
             vec![
                 Cell::from(print(family.design[i])),
                 Cell::from(print(truth[i])),
@@ -156,11 +159,11 @@ fn table(family: &Family, r: &Results) -> Table {
             Column::number("identified", ""),
             Column::number("four steps", ""),
             Column::number("error", ""),
-            Column::number("repeated: error", ""),
+            Column::number("repeated", ""),
             Column::number("reference", ""),
             Column::number("four steps", ""),
-            Column::number("error", ""),
-            Column::number("standard error", ""),
+            Column::number("error", family.rough_unit()),
+            Column::number("std. error", family.rough_unit()),
         ],
         rows: rows.collect(),
         footnote: family.note.to_owned(),
@@ -168,9 +171,12 @@ fn table(family: &Family, r: &Results) -> Table {
 }
 
 impl Family {
-    /// The symbol without its closing mark, so that an index can follow.
-    fn symbol_markup(&self) -> String {
-        format!("${}", self.symbol)
+    /// Unit of the laboratory's errors.
+    fn rough_unit(&self) -> &'static str {
+        match self.relative_to {
+            RelativeTo::Nothing => "mV",
+            _ => "%",
+        }
     }
 }
 
@@ -190,7 +196,8 @@ fn stiffness(r: &Results) -> Table {
         )
     };
     Table {
-        caption: "Step 4: stiffness over mass (design 3.1, found by the paper and true here 2.0)".to_owned(),
+        caption: "Step 4: stiffness over mass (design 3.1, found by the paper and true here 2.0)"
+            .to_owned(),
         stub: "10⁸ s⁻²".to_owned(),
         columns: vec![
             Column::number("grid minimum", ""),

@@ -61,7 +61,11 @@ pub fn tiles(r: &Results) -> Vec<Tile> {
         ),
         Tile::new(
             "Threshold frequencies",
-            format!("{} / {} Hz", fixed(crossing(Mode::Linear), 2), fixed(crossing(Mode::Angular), 2)),
+            format!(
+                "{} / {} Hz",
+                fixed(crossing(Mode::Linear), 2),
+                fixed(crossing(Mode::Angular), 2)
+            ),
             "linear / angular; the paper reads 2.3 and 2.5 Hz off Fig. 7",
             State::Neutral,
         ),
@@ -80,7 +84,11 @@ pub fn tiles(r: &Results) -> Vec<Tile> {
         ),
         Tile::new(
             "Bars met",
-            format!("{} of {}", r.bars.iter().filter(|b| b.met).count(), r.bars.len()),
+            format!(
+                "{} of {}",
+                r.bars.iter().filter(|b| b.met).count(),
+                r.bars.len()
+            ),
             "each with its measured value below",
             State::Neutral,
         ),

@@ -15,10 +15,10 @@ use sixaxis_reference::rig::{Mode, Mounting, ROTATION_AMPLITUDE_RAD, Run};
 use sixaxis_reference::simulation::Simulation;
 use sixaxis_reference::threshold;
 
+use super::COMPARED_DIVISOR;
 use super::cleaning::Cleaning;
 use super::decoupling::{decouple, largest_error, six_series, truth};
 use super::identification::Session;
-use super::COMPARED_DIVISOR;
 use super::plan::{CAMPAIGN_RATE_HZ, CAMPAIGN_STEPS, COMPOUND_RATE_HZ, COMPOUND_STEPS, Plan};
 use super::results::{Defects, Gravity, ModeSet, ReferenceCheck, Sweep};
 use super::simulations::{Simulations, sweep_kinds};

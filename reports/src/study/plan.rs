@@ -50,7 +50,11 @@ impl Plan {
     /// Steps per sample of the campaign; quick takes the coarser ones that otherwise serve as the check.
     #[must_use]
     pub fn campaign_steps(&self) -> usize {
-        if self.quick { CAMPAIGN_STEPS / 2 } else { CAMPAIGN_STEPS }
+        if self.quick {
+            CAMPAIGN_STEPS / 2
+        } else {
+            CAMPAIGN_STEPS
+        }
     }
 
     /// Whether the simulations that only serve the reference's own error of the identification are played.

@@ -43,11 +43,11 @@ pub fn study(
             }
             let curve = noise_free.search(&parameters, Scheme::Heun, STRIDE, sign)?;
             let label = if scale_error == 0.0 {
-                "true scale factors".to_owned()
+                "true scale factors"
             } else {
-                format!("scale factors off by {scale_error:.0e}")
+                "scale factors in error"
             };
-            searches.push(search(label, sign, scale_error, curve)?);
+            searches.push(search(label, sign, Some(scale_error), curve)?);
         }
     }
     for (label, steps) in [
@@ -55,21 +55,22 @@ pub fn study(
         ("four steps, laboratory errors", laboratory),
     ] {
         let curve = steps.curve.clone();
-        searches.push(search(label.to_owned(), Sign::Corrected, f64::NAN, curve)?);
+        searches.push(search(label, Sign::Corrected, None, curve)?);
     }
     Ok(searches)
 }
 
-fn search(label: String, sign: Sign, scale_error: f64, curve: Vec<(f64, f64)>) -> Result<Search> {
+fn search(
+    label: &str,
+    sign: Sign,
+    scale_error: Option<f64>,
+    curve: Vec<(f64, f64)>,
+) -> Result<Search> {
     let judged = stiffness::judge(&curve)?;
     Ok(Search {
-        label,
+        label: label.to_owned(),
         sign_as_printed: sign == Sign::AsPrinted,
-        scale_error: if scale_error.is_nan() {
-            None
-        } else {
-            Some(scale_error)
-        },
+        scale_error,
         curve,
         grid_minimum_per_s2: judged.grid_minimum_per_s2,
         interpolated_per_s2: judged.interpolated_per_s2,

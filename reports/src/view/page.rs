@@ -66,6 +66,20 @@ pub struct Page {
     pub sections: Vec<Section>,
 }
 
+impl Page {
+    /// All figures of the page, in order.
+    pub fn figures(&self) -> impl Iterator<Item = &Figure> {
+        self.sections
+            .iter()
+            .flat_map(|section| &section.blocks)
+            .flat_map(|block| match block {
+                Block::Figure(figure) => core::slice::from_ref(figure),
+                Block::FigureGrid(figures) => figures.as_slice(),
+                _ => &[],
+            })
+    }
+}
+
 /// One section of the body.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Section {
