@@ -41,3 +41,8 @@ pub use integrator::Scheme;
 pub use parameters::{InertiaPerMass, Parameters};
 pub use pose::LimbLaw;
 pub use signal::Gains;
+
+/// The README's example, compiled and run with the doc tests.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+struct Readme;

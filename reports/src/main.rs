@@ -10,7 +10,7 @@ use serde::Serialize;
 use sixaxis_reports::pages;
 use sixaxis_reports::progress::Progress;
 use sixaxis_reports::study::{self, plan::Plan, results::Results};
-use sixaxis_reports::view::plot::to_svg;
+use sixaxis_reports::view::standalone::standalone;
 use sixaxis_reports::view::{render, write_atomically};
 
 /// Mathematics of a parallel six-axis accelerometer, verified against MuJoCo.
@@ -118,16 +118,26 @@ fn report(out: &Path, plan: &Plan, threads: usize) -> Result<()> {
         machine: machine(),
         duration_s: started.elapsed().as_secs_f64(),
     };
-    let page = render(&pages::report(&results, run.facts()))?;
+    let page = pages::report(&results, run.facts());
     let html = out.join("report.html");
-    for (path, bytes) in [
+    let mut files = vec![
         (
             out.join("results.json"),
             serde_json::to_vec_pretty(&Document::new(&results))?,
         ),
         (out.join("run.json"), serde_json::to_vec_pretty(&run)?),
-        (html.clone(), page.into_bytes()),
-    ] {
+        (html.clone(), render(&page)?.into_bytes()),
+    ];
+    let figures = out.join("figures");
+    std::fs::create_dir_all(&figures)
+        .with_context(|| format!("cannot create {}", figures.display()))?;
+    for figure in page.figures() {
+        files.push((
+            figures.join(&figure.id).with_extension("svg"),
+            standalone(figure)?.into_bytes(),
+        ));
+    }
+    for (path, bytes) in files {
         write_atomically(&path, &bytes)
             .with_context(|| format!("cannot write {}", path.display()))?;
     }

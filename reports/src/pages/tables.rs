@@ -10,12 +10,12 @@ use crate::view::number::{MISSING, fixed, percent, scientific, significant};
 use crate::view::{Block, Cell, Column, HeadCell, Row, Section, State, Table};
 
 const NAMES: [&str; 6] = [
-    "$a$_{x}, g",
-    "$a$_{y}, g",
-    "$a$_{z}, g",
-    "$α$_{x}, °/s²",
-    "$α$_{y}, °/s²",
-    "$α$_{z}, °/s²",
+    "$a$_{x},\u{a0}g",
+    "$a$_{y},\u{a0}g",
+    "$a$_{z},\u{a0}g",
+    "$α$_{x},\u{a0}°/s²",
+    "$α$_{y},\u{a0}°/s²",
+    "$α$_{z},\u{a0}°/s²",
 ];
 
 fn errors(

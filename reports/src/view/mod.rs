@@ -31,6 +31,7 @@ pub mod number;
 pub mod page;
 pub mod plot;
 pub mod scale;
+pub mod standalone;
 pub mod trace;
 pub mod write;
 
