@@ -8,10 +8,10 @@ use crate::dynamics::{Instant, LimbWrench, MassInertia};
 use crate::error::{Error, Result};
 use crate::geometry::{Geometry, LIMBS};
 use crate::integrator::{Integrator, Scheme, Settled};
+use crate::limbs::LimbStream;
 use crate::parameters::Parameters;
-use crate::pose::{LimbLaw, Pose, RelativeMotion};
-use crate::preload::static_preload_m_s2;
-use crate::signal::{Gains, SignalChain};
+use crate::pose::{LimbLaw, RelativeMotion};
+use crate::signal::Gains;
 
 /// What the channels say of a constant load.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -69,7 +69,7 @@ impl Settings {
         }
     }
 
-    fn validate(&self) -> Result<()> {
+    pub(crate) fn validate(&self) -> Result<()> {
         let out_of_range = |name, value, requirement| {
             Err(Error::OutOfRange {
                 name,
@@ -122,56 +122,35 @@ pub type Decoupled = [Option<SixAxis>; 2];
 
 /// Streaming decoupler: no allocation, constant work per sample.
 ///
-/// Rates and accelerations of the mass in the shell are central differences of its pose, so a sample is decoupled
-/// when its successor arrives; the first and the last sample of a stream have no such neighbour and yield nothing.
+/// A sample is decoupled when its successor arrives; the first and the last sample of a stream yield nothing (see
+/// [`crate::limbs`]).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Decoupler {
-    geometry: Geometry,
-    chain: SignalChain,
+    limbs: LimbStream,
     inertia: MassInertia,
-    stiffness_per_mass_per_s2: f64,
-    preload_m_s2: [f64; LIMBS],
-    settings: Settings,
-    step_s: f64,
-    received: u64,
-    /// Pose and force of the two samples before the newest, oldest first.
-    window: [(Pose, [f64; LIMBS]); 2],
     integrator: Integrator,
+    gravity_ground_m_s2: DVec3,
+    initial_attitude: DQuat,
+    step_s: f64,
     last: Option<SixAxis>,
     last_angular_shell: DVec3,
 }
 
 impl Decoupler {
-    /// Prepares a decoupler; every argument is checked here so that the stream need not be.
+    /// Prepares a decoupler.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] or [`Error::ImpossibleInertia`] for arguments that mean nothing,
-    /// [`Error::NotConverged`] if gravity finds no equilibrium.
+    /// Those of [`LimbStream::new`], which checks every argument.
     pub fn new(sensor: &Sensor, parameters: &Parameters, settings: &Settings) -> Result<Self> {
-        sensor.geometry.validate()?;
-        sensor.gains.validate()?;
-        parameters.validate()?;
-        settings.validate()?;
-        let preload_m_s2 = match settings.static_response {
-            StaticResponse::Full => [0.0; LIMBS],
-            StaticResponse::Tared => static_preload_m_s2(
-                &sensor.geometry,
-                parameters.stiffness_per_mass_per_s2,
-                settings.initial_attitude.inverse() * settings.gravity_ground_m_s2,
-            )?,
-        };
+        let limbs = LimbStream::new(sensor, parameters, settings)?;
         let step_s = 1.0 / settings.sample_rate_hz;
         Ok(Self {
-            geometry: sensor.geometry,
-            chain: SignalChain::new(&sensor.gains, parameters),
+            limbs,
             inertia: MassInertia::new(&parameters.inertia_per_mass),
-            stiffness_per_mass_per_s2: parameters.stiffness_per_mass_per_s2,
-            preload_m_s2,
-            settings: *settings,
-            step_s,
-            received: 0,
-            window: [(Pose::default(), [0.0; LIMBS]); 2],
             integrator: Integrator::new(settings.scheme, step_s, settings.initial_rate_shell_rad_s),
+            gravity_ground_m_s2: settings.gravity_ground_m_s2,
+            initial_attitude: settings.initial_attitude,
+            step_s,
             last: None,
             last_angular_shell: DVec3::ZERO,
         })
@@ -180,37 +159,15 @@ impl Decoupler {
     /// Takes the next nine voltages and returns the samples that they complete.
     ///
     /// # Errors
-    /// [`Error::NotFinite`] names channel and sample; [`Error::LimbsDoNotMeet`] for forces that no assembled sensor
-    /// can carry. The decoupler is unchanged by a refused sample.
+    /// Those of [`LimbStream::push`]; the decoupler is unchanged by a refused sample.
     pub fn push(&mut self, voltage_v: &[f64; LIMBS]) -> Result<Decoupled> {
-        for (channel, &value) in voltage_v.iter().enumerate() {
-            if !value.is_finite() {
-                return Err(Error::NotFinite {
-                    channel: channel + 1,
-                    sample: self.received as usize,
-                    value,
-                });
-            }
-        }
-        let dynamic = self.chain.force_per_mass_m_s2(voltage_v);
-        let force: [f64; LIMBS] = core::array::from_fn(|i| dynamic[i] + self.preload_m_s2[i]);
-        let elongation = self
-            .settings
-            .limb_law
-            .elongations_m(&force, self.stiffness_per_mass_per_s2);
-        let pose = Pose::from_elongations(&self.geometry, &elongation)?;
-
-        let [(before, _), (now, now_force)] = self.window;
-        self.window = [self.window[1], (pose, force)];
-        self.received += 1;
-        if self.received < 3 {
+        let Some(now) = self.limbs.push(voltage_v)? else {
             return Ok([None, None]);
-        }
-        let relative = RelativeMotion::from_poses(&before, &now, &pose, self.step_s);
-        let wrench = LimbWrench::at_pose(&self.geometry, &now, &now_force);
-        let settled = self
-            .integrator
-            .push(Instant::new(relative, wrench, &self.inertia));
+        };
+        let pose = &now.relative.pose;
+        let wrench = LimbWrench::at_pose(self.limbs.geometry(), pose, &now.force_per_mass_m_s2);
+        let instant = Instant::new(now.relative, wrench, &self.inertia);
+        let settled = self.integrator.push(instant);
         Ok(settled.map(|settled| settled.map(|s| self.decouple(&s))))
     }
 
@@ -224,7 +181,7 @@ impl Decoupler {
         let rate = settled.rate_shell_rad_s;
         let angular_shell = settled.angular_acceleration_shell_rad_s2;
         let (sample, attitude) = match &self.last {
-            None => (1, self.settings.initial_attitude),
+            None => (1, self.initial_attitude),
             Some(last) => (
                 last.sample + 1,
                 attitude::advance(
@@ -240,7 +197,7 @@ impl Decoupler {
             .specific_force_shell_m_s2(rate, angular_shell);
         let output = SixAxis {
             sample,
-            linear_ground_m_s2: attitude * specific_force + self.settings.gravity_ground_m_s2,
+            linear_ground_m_s2: attitude * specific_force + self.gravity_ground_m_s2,
             angular_ground_rad_s2: attitude * angular_shell,
             rate_shell_rad_s: rate,
             attitude,

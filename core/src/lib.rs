@@ -6,8 +6,8 @@
 //! 21(10), 2013; equation numbers are that paper's.
 //!
 //! The modules follow a voltage on its way through the sensor: [`geometry`] and [`parameters`] say what the sensor
-//! is, [`signal`] turns voltages into limb forces, [`pose`] forces into the mass's place in the shell, [`preload`]
-//! adds the static share a piezo hides, [`dynamics`] balances forces, [`integrator`] and [`attitude`] carry the
+//! is, [`signal`] turns voltages into limb forces, [`preload`] adds the static share a piezo hides, [`pose`] turns
+//! forces into the mass's place in the shell, [`limbs`] is these three as a stream. [`dynamics`] balances forces, [`integrator`] and [`attitude`] carry the
 //! shell's rate and attitude from sample to sample, and [`decoupler`] is all of that as a stream. [`identify`] runs
 //! the four steps that find the parameters; `preprocess` (feature `alloc`) cleans recordings before either.
 //!
@@ -24,6 +24,7 @@ pub mod error;
 pub mod geometry;
 pub mod identify;
 pub mod integrator;
+pub mod limbs;
 pub mod parameters;
 pub mod pose;
 pub mod preload;

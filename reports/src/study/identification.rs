@@ -149,12 +149,12 @@ impl Session {
         let mut scale = ScaleIdentification::default();
         for (recording, cleaned) in self.of(Role::Linear) {
             let mut compliant = compliant(recording, &parameters)?;
-            let stride = stride(recording);
+            let stride = stride(recording) as u64;
             for voltage in &cleaned.voltage_v {
                 if let Some(now) = compliant.push(voltage)?
-                    && now.sample % stride == 0
+                    && now.sample.is_multiple_of(stride)
                 {
-                    let a = cleaned.linear_ground_m_s2[now.sample];
+                    let a = cleaned.linear_ground_m_s2[now.sample as usize];
                     compliant.push_scale(&mut scale, &now, a)?;
                 }
             }
@@ -164,16 +164,16 @@ impl Session {
         let mut inertia = InertiaIdentification::new(Geometry::PAPER);
         for (recording, cleaned) in self.of(Role::Angular) {
             let mut compliant = compliant(recording, &parameters)?;
-            let stride = stride(recording);
+            let stride = stride(recording) as u64;
             for voltage in &cleaned.voltage_v {
                 if let Some(now) = compliant.push(voltage)?
-                    && now.sample % stride == 0
+                    && now.sample.is_multiple_of(stride)
                 {
                     compliant.push_inertia(
                         &mut inertia,
                         &now,
-                        cleaned.rate_shell_rad_s[now.sample],
-                        cleaned.angular_shell_rad_s2[now.sample],
+                        cleaned.rate_shell_rad_s[now.sample as usize],
+                        cleaned.angular_shell_rad_s2[now.sample as usize],
                     )?;
                 }
             }
