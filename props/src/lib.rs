@@ -1,1 +1,8 @@
-//! placeholder
+//! The judges: generators, tolerances and comparisons with which `sixaxis-core` is tested against `sixaxis-reference`.
+//!
+//! The suites themselves are in `tests/`, one file a subject; a test's name begins with the class of its evidence:
+//! `ref_` MuJoCo, `paper_` a printed number, `prop_` any input, `inv_` an invariant, `order_` a rate of convergence.
+
+pub mod compare;
+pub mod strategy;
+pub mod tolerance;

@@ -167,9 +167,12 @@ where
             f64::INFINITY
         };
         if condition.is_nan() || condition >= CONDITION_LIMIT {
+            // Back from scaled columns to the unknowns themselves.
+            let lost: [f64; N] = core::array::from_fn(|j| scale[j] * v_t[(N - 1, j)]);
+            let length = sqrt(lost.iter().map(|x| x * x).sum());
             let mut lost_direction = [0.0; LIMBS];
-            for (j, out) in lost_direction.iter_mut().enumerate().take(N) {
-                *out = v_t[(N - 1, j)];
+            for (out, component) in lost_direction.iter_mut().zip(lost) {
+                *out = component / length;
             }
             return Err(Error::RankDeficient {
                 what,

@@ -1,0 +1,43 @@
+//! Comparisons that print what they saw and never let NaN pass. With `SIXAXIS_RESIDUALS` set they print every residual,
+//! passed or not (`cargo test -- --nocapture`).
+
+use crate::tolerance::{NEGATIVE_CONTROL, Tolerance};
+
+/// Asserts that an error is within its limit.
+///
+/// # Panics
+/// If it is not, or is NaN.
+pub fn within(what: &str, error: f64, tolerance: Tolerance) {
+    if std::env::var_os("SIXAXIS_RESIDUALS").is_some() {
+        eprintln!("residual: {what}: {error:.3e} of {:.3e}", tolerance.limit);
+    }
+    assert!(
+        error <= tolerance.limit,
+        "{what}: error {error:.3e} exceeds {:.3e} ({:?})",
+        tolerance.limit,
+        tolerance.reason
+    );
+}
+
+/// Asserts that a deliberately broken variant fails by a wide margin.
+///
+/// # Panics
+/// If it passes, nearly passes, or is NaN.
+pub fn fails_clearly(what: &str, error: f64, tolerance: Tolerance) {
+    assert!(
+        error >= NEGATIVE_CONTROL * tolerance.limit,
+        "{what}: broken on purpose, yet its error {error:.3e} is not {NEGATIVE_CONTROL} times the limit {:.3e}",
+        tolerance.limit
+    );
+}
+
+/// Largest of a set of numbers; NaN if any is.
+pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    values.into_iter().fold(0.0, |a: f64, b| {
+        if b.is_nan() || a.is_nan() {
+            f64::NAN
+        } else {
+            a.max(b.abs())
+        }
+    })
+}
