@@ -56,10 +56,10 @@ pub const ORDER: Tolerance = new(
     Reason::Measured("0.001 to 0.14: 1 kHz is not yet the limit of Adams-Moulton"),
 );
 /// Pose from elongations and back, over the size of the displacement.
-pub const POSE_ROUND_TRIP: Tolerance = new(
-    1e-12,
-    Reason::Measured("1e-15"),
-);
+pub const POSE_ROUND_TRIP: Tolerance = new(1e-12, Reason::Measured("1e-15"));
+/// Relative rate against a differenced rotation matrix, rad/s, at 0.02 rad and 1.7 rad/s: the square of the step
+/// times the cube of the rate, and the dropped terms phi^3/24.
+pub const RELATIVE_RATE: Tolerance = new(1.7 * 0.02 * 0.02 * 0.02 / 24.0 + 5e-9, Reason::Derived);
 /// Elongations against differences of distances, m: rounding of 25 mm.
 pub const DISTANCE: Tolerance = new(16.0 * 0.0255 * f64::EPSILON, Reason::Derived);
 /// Static preload against J (J^T J)^-1, relative: the sag over the limb length, twice over.
@@ -71,6 +71,10 @@ pub const EXACT_ROWS: Tolerance = new(
     1e-9,
     Reason::Measured("2e-10 over the condition number at the worst"),
 );
+/// Scale factors and inertia from simulated runs with the compliance kept, relative.
+pub const COMPLIANT: Tolerance = new(4e-8, Reason::Measured("9e-9, the reference's own"));
+/// Rate (rad/s) and rotation (rad) at the end of a closed run: three Newton steps.
+pub const CLOSED: Tolerance = new(1e-8, Reason::Measured("1.5e-11"));
 /// The gyroscope's gain from exact rows: the minimum of a parabola is flat over the root of rounding.
 pub const GAIN: Tolerance = new(1e-6, Reason::Derived);
 /// A broken ingredient must exceed the limit of the sound one by this factor.

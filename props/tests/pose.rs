@@ -4,7 +4,7 @@ use glam::DVec3;
 use proptest::prelude::*;
 use sixaxis_core::Geometry;
 use sixaxis_core::geometry::{DIRECTIONS_SHELL, LIMBS, LIMBS_PER_NODE, NODES};
-use sixaxis_core::pose::Pose;
+use sixaxis_core::pose::{Pose, RelativeMotion};
 use sixaxis_core::preload::static_preload_m_s2;
 use sixaxis_props::compare::{fails_clearly, largest, within};
 use sixaxis_props::strategy::{config, vector};
@@ -84,6 +84,29 @@ proptest! {
         let error = (back.position_shell_m - pose.position_shell_m).length()
             + n * (back.rotation_rad - pose.rotation_rad).length();
         within("pose", error / size, tolerance::POSE_ROUND_TRIP);
+    }
+
+    #[test]
+    fn prop_relative_rate_is_that_of_the_rotation_matrix(phi in vector(1e-2), spin in vector(1.0)) {
+        // A rotation vector that moves evenly; its matrix differenced numerically is the truth.
+        let step_s = 1e-4;
+        let pose = |steps: f64| Pose {
+            position_shell_m: DVec3::ZERO,
+            rotation_rad: phi + spin * steps * step_s,
+        };
+        let motion = RelativeMotion::from_poses(&pose(-1.0), &pose(0.0), &pose(1.0), step_s);
+        let slope = (pose(1.0).rotation_matrix() - pose(-1.0).rotation_matrix()) * (0.5 / step_s);
+        let skew = slope * pose(0.0).rotation_matrix().transpose();
+        let rate = DVec3::new(
+            skew.y_axis.z - skew.z_axis.y,
+            skew.z_axis.x - skew.x_axis.z,
+            skew.x_axis.y - skew.y_axis.x,
+        ) * 0.5;
+        within(
+            "relative rate",
+            (motion.rate_shell_rad_s - rate).length(),
+            tolerance::RELATIVE_RATE,
+        );
     }
 
     #[test]
