@@ -9,7 +9,8 @@
 //! is, [`signal`] turns voltages into limb forces, [`preload`] adds the static share a piezo hides, [`pose`] turns
 //! forces into the mass's place in the shell, [`limbs`] is these three as a stream. [`dynamics`] balances forces, [`integrator`] and [`attitude`] carry the
 //! shell's rate and attitude from sample to sample, and [`decoupler`] is all of that as a stream. [`identify`] runs
-//! the four steps that find the parameters; `preprocess` (feature `alloc`) cleans recordings before either.
+//! the four steps that find the parameters. Before either, [`recording`] says whether a recording can be worked with, and
+//! `preprocess` (feature `alloc`) cleans it; `rest_to_rest` takes the trend off a run that ends as it began.
 //!
 //! SI units throughout; each name carries its unit and, where it crosses a boundary, its frame: `_ground` {0},
 //! `_shell` {1}, `_mass` {2}. No input or output, no simulator, no std: the decoupler neither allocates nor panics.
@@ -30,6 +31,7 @@ pub mod pose;
 pub mod preload;
 #[cfg(feature = "alloc")]
 pub mod preprocess;
+pub mod recording;
 #[cfg(feature = "alloc")]
 pub mod rest_to_rest;
 mod scalar;

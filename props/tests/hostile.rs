@@ -4,6 +4,7 @@ use glam::DVec3;
 use proptest::prelude::*;
 use sixaxis_core::decoupler::Decoupler;
 use sixaxis_core::identify::zero_drift;
+use sixaxis_core::recording::{check_channels, check_time_stamps};
 use sixaxis_core::{
     Error, Gains, Geometry, InertiaPerMass, LIMBS, Parameters, Scheme, Sensor, Settings,
 };
@@ -107,4 +108,56 @@ fn prop_empty_and_one_sample_records_are_refused() {
             Err(Error::TooFewSamples { .. })
         ));
     }
+}
+
+#[test]
+fn prop_a_broken_recording_is_refused_by_name() {
+    const LIMIT_V: f64 = 10.0;
+    let sound: Vec<[f64; LIMBS]> = (0..50)
+        .map(|i| core::array::from_fn(|channel| (f64::from(i) * 0.1 + channel as f64).sin()))
+        .collect();
+    assert_eq!(check_channels(&sound, LIMIT_V), Ok(()));
+    let broken = |change: &dyn Fn(&mut [f64; LIMBS], usize)| {
+        let mut rows = sound.clone();
+        for (sample, row) in rows.iter_mut().enumerate() {
+            change(row, sample);
+        }
+        check_channels(&rows, LIMIT_V)
+    };
+    assert!(matches!(
+        broken(&|row, _| row[6] = 0.25),
+        Err(Error::DeadChannel { channel: 7, .. })
+    ));
+    assert!(matches!(
+        broken(&|row, sample| row[2] = if sample == 9 { LIMIT_V } else { row[2] }),
+        Err(Error::Clipped {
+            channel: 3,
+            sample: 9,
+            ..
+        })
+    ));
+    assert!(matches!(
+        broken(&|row, sample| row[0] = if sample == 4 { f64::NAN } else { row[0] }),
+        Err(Error::NotFinite {
+            channel: 1,
+            sample: 4,
+            ..
+        })
+    ));
+    assert!(matches!(
+        check_channels(&sound[..1], LIMIT_V),
+        Err(Error::TooFewSamples { .. })
+    ));
+
+    let even: Vec<f64> = (0..50).map(|i| f64::from(i) * 1e-4).collect();
+    assert_eq!(check_time_stamps(&even, 1e4), Ok(()));
+    for (change, sample) in [(f64::NAN, 20), (even[19], 20), (even[20] + 5e-6, 20)] {
+        let mut uneven = even.clone();
+        uneven[sample] = change;
+        assert!(matches!(
+            check_time_stamps(&uneven, 1e4),
+            Err(Error::IrregularTime { sample: found, .. }) if found == sample
+        ));
+    }
+    assert!(check_time_stamps(&even, f64::NAN).is_err());
 }

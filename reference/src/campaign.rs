@@ -162,6 +162,7 @@ impl Laboratory {
         Recording {
             sample_rate_hz: STATIC_RATE_HZ,
             gains,
+            full_scale_v: self.chain.full_scale_v,
             voltage_v: self.chain.record(
                 &forces,
                 &self.parameters,
@@ -199,6 +200,7 @@ impl Laboratory {
         Recording {
             sample_rate_hz: rate,
             gains,
+            full_scale_v: self.chain.full_scale_v,
             voltage_v: self.chain.record(
                 &simulated.limb_force_per_mass_m_s2,
                 &self.parameters,

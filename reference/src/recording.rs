@@ -15,6 +15,8 @@ pub struct Recording {
     pub sample_rate_hz: f64,
     /// c_i of the amplifier range in use.
     pub gains: Gains,
+    /// Limit of the converter, V.
+    pub full_scale_v: f64,
     /// Nine voltages per sample, V.
     pub voltage_v: Vec<[f64; LIMBS]>,
     /// Standard accelerometer on the slider, along the travel, m/s^2.

@@ -5,6 +5,7 @@ use sixaxis_core::preprocess::butterworth::{self, Section};
 use sixaxis_core::preprocess::differentiate::Differentiator;
 use sixaxis_core::preprocess::lag::undo_low_pass;
 use sixaxis_core::preprocess::zero_phase::zero_phase;
+use sixaxis_core::recording::check_channels;
 use sixaxis_core::{LIMBS, Result};
 use sixaxis_reference::instruments::GYROSCOPE_BANDWIDTH_HZ;
 use sixaxis_reference::recording::Recording;
@@ -64,8 +65,9 @@ impl Cleaning {
     /// on both sides of every equation.
     ///
     /// # Errors
-    /// Those of the stages: too few samples, a sample that is not finite.
+    /// A recording that cannot be worked with: too short, a sample that is not finite, a channel dead or clipped.
     pub fn clean(&self, recording: &Recording) -> Result<Cleaned> {
+        check_channels(&recording.voltage_v, recording.full_scale_v)?;
         let sections: Option<Vec<Section>> = self
             .corner
             .map(|(over_drive, base_hz)| {
