@@ -136,13 +136,10 @@ pub fn crossing_hz(sweep: &[SweepPoint], threshold: f64) -> Option<f64> {
     })
 }
 
-/// Least-squares slope of log relative acceleration over log frequency.
+/// Least-squares slope of log y over log x: the exponent of a power law.
 #[must_use]
-pub fn log_slope(sweep: &[SweepPoint]) -> f64 {
-    let points: Vec<(f64, f64)> = sweep
-        .iter()
-        .map(|p| (p.frequency_hz.ln(), p.relative_acceleration.ln()))
-        .collect();
+pub fn log_slope(points: impl IntoIterator<Item = (f64, f64)>) -> f64 {
+    let points: Vec<(f64, f64)> = points.into_iter().map(|(x, y)| (x.ln(), y.ln())).collect();
     let n = points.len() as f64;
     let (mx, my) = points
         .iter()

@@ -104,7 +104,11 @@ pub fn sweeps(simulations: &Simulations) -> Vec<Sweep> {
                     .collect(),
                 threshold,
                 crossing_hz: threshold::crossing_hz(points, threshold),
-                slope: threshold::log_slope(points),
+                slope: threshold::log_slope(
+                    points
+                        .iter()
+                        .map(|p| (p.frequency_hz, p.relative_acceleration)),
+                ),
                 at_2_and_4_hz: [at(2.0), at(4.0)],
                 points: points.clone(),
             }

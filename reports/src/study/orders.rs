@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use sixaxis_core::{Parameters, Scheme};
 use sixaxis_reference::campaign::Laboratory;
 use sixaxis_reference::recording::SimulatedRun;
+use sixaxis_reference::threshold::log_slope;
 
 use super::decoupling::decouple;
 use super::results::{Gravity, Order};
@@ -59,27 +60,15 @@ pub fn study(
                 .filter(|(rate, error)| {
                     *rate >= ASYMPTOTIC_RATE_HZ && *error > ABOVE_REFERENCE * reference_error
                 })
-                .map(|(rate, error)| (rate.ln(), error.ln()))
+                .copied()
                 .collect();
             Ok(Order {
                 scheme,
                 theoretical: scheme.order(),
                 points,
-                measured: (fit.len() >= 3).then(|| -slope(&fit)),
+                measured: (fit.len() >= 3).then(|| -log_slope(fit)),
                 reference_error,
             })
         })
         .collect()
-}
-
-/// Least-squares slope.
-fn slope(points: &[(f64, f64)]) -> f64 {
-    let n = points.len() as f64;
-    let (mx, my) = points
-        .iter()
-        .fold((0.0, 0.0), |(x, y), p| (x + p.0 / n, y + p.1 / n));
-    let (sxy, sxx) = points.iter().fold((0.0, 0.0), |(sxy, sxx), p| {
-        (sxy + (p.0 - mx) * (p.1 - my), sxx + (p.0 - mx) * (p.0 - mx))
-    });
-    sxy / sxx
 }
