@@ -1,0 +1,97 @@
+//! Steps 2, 3 and 4 on noise-free recordings: rows in, parameters out, and one candidate of the k/m search.
+
+use std::hint::black_box;
+
+use criterion::{Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
+use sixaxis_benches::problem::{InertiaRows, ScaleRows, stiffness_run, true_parameters};
+use sixaxis_benches::{MEASUREMENT_TIME, SAMPLE_SIZE, WARM_UP_TIME, peer, validate};
+use sixaxis_core::identify::stiffness::rate_norm_sum;
+use sixaxis_core::{Parameters, Scheme};
+
+/// Step 2: samples of three pure linear runs at 2 Hz.
+fn scale(criterion: &mut Criterion) {
+    let problem = ScaleRows::play();
+    validate::require(
+        "scale_per_mass/linear_2hz/givens",
+        validate::scale_per_mass(&problem.solve().estimate.values),
+    );
+    validate::require(
+        "scale_per_mass/linear_2hz/nalgebra",
+        validate::scale_per_mass(&peer::scale_per_mass(&problem)),
+    );
+    let mut group = criterion.benchmark_group("scale_per_mass/linear_2hz");
+    group.sampling_mode(SamplingMode::Flat);
+    group.throughput(Throughput::Elements(problem.0.len() as u64));
+    group.bench_function("givens", |bencher| {
+        bencher.iter(|| black_box(&problem).solve());
+    });
+    group.bench_function("nalgebra", |bencher| {
+        bencher.iter(|| peer::scale_per_mass(black_box(&problem)));
+    });
+    group.finish();
+}
+
+/// Step 3: samples of three pure angular runs at 2 Hz.
+fn inertia(criterion: &mut Criterion) {
+    let problem = InertiaRows::play();
+    validate::require(
+        "inertia_per_mass/angular_2hz/givens",
+        validate::inertia_per_mass(&problem.solve().estimate.values),
+    );
+    validate::require(
+        "inertia_per_mass/angular_2hz/nalgebra",
+        validate::inertia_per_mass(&peer::inertia_per_mass(&problem)),
+    );
+    let mut group = criterion.benchmark_group("inertia_per_mass/angular_2hz");
+    group.sampling_mode(SamplingMode::Flat);
+    group.throughput(Throughput::Elements(problem.0.len() as u64));
+    group.bench_function("givens", |bencher| {
+        bencher.iter(|| black_box(&problem).solve());
+    });
+    group.bench_function("nalgebra", |bencher| {
+        bencher.iter(|| peer::inertia_per_mass(black_box(&problem)));
+    });
+    group.finish();
+}
+
+/// Step 4: mean |w*| of one pure linear run at 5 Hz for one candidate.
+fn stiffness(criterion: &mut Criterion) {
+    let problem = stiffness_run();
+    let voltage_v = &problem.recording.voltage_v;
+    let (sensor, settings) = (problem.sensor(), problem.settings(Scheme::Heun));
+    let core = |parameters: &Parameters| {
+        rate_norm_sum(&sensor, parameters, &settings, voltage_v).expect("a recorded run")
+    };
+    let nalgebra = |parameters: &Parameters| peer::rate_norm_sum(&problem, parameters);
+    let decoupled = voltage_v.len() - 2;
+    validate::require(
+        "stiffness_per_mass/one_candidate/heun",
+        validate::stiffness(decoupled, core),
+    );
+    validate::require(
+        "stiffness_per_mass/one_candidate/nalgebra",
+        validate::stiffness(decoupled, nalgebra),
+    );
+    let candidate = true_parameters();
+    let mut group = criterion.benchmark_group("stiffness_per_mass/one_candidate");
+    group.sampling_mode(SamplingMode::Flat);
+    group.throughput(Throughput::Elements(voltage_v.len() as u64));
+    group.bench_function("heun", |bencher| {
+        bencher.iter(|| core(black_box(&candidate)));
+    });
+    group.bench_function("nalgebra", |bencher| {
+        bencher.iter(|| nalgebra(black_box(&candidate)));
+    });
+    group.finish();
+}
+
+criterion_group! {
+    name = identify;
+    config = Criterion::default()
+        .without_plots()
+        .warm_up_time(WARM_UP_TIME)
+        .measurement_time(MEASUREMENT_TIME)
+        .sample_size(SAMPLE_SIZE);
+    targets = scale, inertia, stiffness
+}
+criterion_main!(identify);

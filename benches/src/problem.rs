@@ -1,0 +1,455 @@
+//! The problems: runs of the rig, and one tumble, recorded without noise from MuJoCo, with their truth.
+//!
+//! The sensor is the paper's as identified. Solving for what a problem asks needs only what a laboratory has; the
+//! truth is there for [`crate::validate`].
+
+use std::f64::consts::{PI, TAU};
+
+use glam::{DQuat, DVec3, Vec3Swizzles};
+use mujoco_rs::wrappers::mj_data::MjData;
+use mujoco_rs::wrappers::mj_model::MjModel;
+use sixaxis_core::decoupler::Decoupler;
+use sixaxis_core::dynamics::LimbWrench;
+use sixaxis_core::identify::inertia::{InertiaEstimate, InertiaIdentification};
+use sixaxis_core::identify::scale::{ScaleIdentification, ScalePerMass};
+use sixaxis_core::pose::Pose;
+use sixaxis_core::signal::SignalChain;
+use sixaxis_core::{Geometry, LIMBS, Parameters, Scheme, Sensor, Settings, SixAxis};
+use sixaxis_reference::campaign::{Laboratory, Role, Trial, compound};
+use sixaxis_reference::mjcf::SensorModel;
+use sixaxis_reference::paper;
+use sixaxis_reference::recording::{Recording, SimulatedRun, TrueMotion};
+use sixaxis_reference::rig::{Mode, Mounting, Run};
+use sixaxis_reference::simulation::{Motion, Simulation, Snapshot};
+
+/// Coordinates and degrees of freedom of a free body in MuJoCo.
+const FREE_BODY_COORDINATES: usize = 7;
+const FREE_BODY_DOFS: usize = 6;
+
+/// Step of every simulation, s: half the study's 25 us, at which MuJoCo's own error, 1e-7, would let a fault of that size
+/// pass in the schemes of fourth order. At this step it is 6e-9.
+pub const STEP_S: f64 = 1.25e-5;
+/// Sample rate of recordings that are decoupled, Hz.
+pub const DECOUPLE_RATE_HZ: f64 = 10_000.0;
+/// Sample rate of recordings that parameters are identified from, Hz.
+pub const IDENTIFY_RATE_HZ: f64 = 1_000.0;
+/// Crank frequency of the identification runs, Hz: the upper end of steps 2 and 3.
+pub const SLOW_HZ: f64 = 2.0;
+/// Crank frequency of the run for step 4, Hz: the upper end of that step.
+pub const FAST_HZ: f64 = 5.0;
+/// Directions of the identification runs: what makes them independent.
+pub const DIRECTIONS: [DVec3; 3] = [
+    DVec3::new(1.0, 1.0, 2.0),
+    DVec3::new(1.0, 2.0, 1.0),
+    DVec3::new(2.0, 1.0, 1.0),
+];
+
+/// True parameters of the sensor in every problem.
+#[must_use]
+pub fn true_parameters() -> Parameters {
+    paper::identified_parameters()
+}
+
+/// The trial behind Table 6: compound motion at 5 Hz.
+#[must_use]
+pub fn compound_5_hz() -> Trial {
+    let [_, _, fastest] = compound(Mounting::AxisVertical);
+    fastest
+}
+
+fn trial(role: Role, mode: Mode, frequency_hz: f64, direction: DVec3) -> Trial {
+    Trial {
+        role,
+        run: Run::new(mode, frequency_hz, direction),
+        mounting: Mounting::AxisVertical,
+    }
+}
+
+/// One recorded run with its truth.
+pub struct Recorded {
+    /// What a laboratory has.
+    pub recording: Recording,
+    /// What MuJoCo knows, at the same instants.
+    pub truth: Vec<TrueMotion>,
+}
+
+impl Recorded {
+    /// Plays a trial on MuJoCo with [`STEP_S`] and records it without errors.
+    ///
+    /// # Panics
+    /// If MuJoCo refuses the sensor or diverges.
+    #[must_use]
+    pub fn play(trial: &Trial, sample_rate_hz: f64) -> Self {
+        Self::play_with_step(trial, sample_rate_hz, STEP_S)
+    }
+
+    /// Plays a trial with another step: what the reference's own error is measured with.
+    ///
+    /// # Panics
+    /// If MuJoCo refuses the sensor or diverges.
+    #[must_use]
+    pub fn play_with_step(trial: &Trial, sample_rate_hz: f64, step_s: f64) -> Self {
+        let run = SimulatedRun::simulate(
+            &trial.model(&true_parameters()),
+            &trial.run,
+            sample_rate_hz,
+            (1.0 / (sample_rate_hz * step_s)).round() as usize,
+        )
+        .expect("the simulation of a bench's problem");
+        Self::record(run)
+    }
+
+    /// Plays a [`Tumble`] at [`DECOUPLE_RATE_HZ`].
+    ///
+    /// # Panics
+    /// If MuJoCo refuses the sensor or diverges.
+    #[must_use]
+    pub fn tumble() -> Self {
+        // Only the standard instruments, which nobody reads here, are aligned with the trial's run.
+        let trial = compound_5_hz();
+        let snapshots = sampled(&trial, &Tumble, TUMBLE_S);
+        Self::record(SimulatedRun {
+            run: trial.run,
+            gravity_ground_m_s2: trial
+                .mounting
+                .gravity_ground_m_s2(trial.run.direction_ground),
+            sample_rate_hz: DECOUPLE_RATE_HZ,
+            limb_force_per_mass_m_s2: snapshots
+                .iter()
+                .map(|now| now.limb_force_per_mass_m_s2)
+                .collect(),
+            truth: snapshots
+                .iter()
+                .map(|now| TrueMotion {
+                    linear_ground_m_s2: now.shell_acceleration_ground_m_s2,
+                    angular_ground_rad_s2: now.shell.attitude
+                        * now.shell_angular_acceleration_shell_rad_s2,
+                    rate_shell_rad_s: now.shell.rate_body_rad_s,
+                    attitude: now.shell.attitude,
+                })
+                .collect(),
+        })
+    }
+
+    fn record(run: SimulatedRun) -> Self {
+        Self {
+            recording: Laboratory::noise_free(true_parameters()).record(&run, 0),
+            truth: run.truth,
+        }
+    }
+
+    /// The sensor with the amplifier range of this recording.
+    #[must_use]
+    pub fn sensor(&self) -> Sensor {
+        Sensor {
+            geometry: Geometry::PAPER,
+            gains: self.recording.gains,
+        }
+    }
+
+    /// Settings that go with this recording.
+    #[must_use]
+    pub fn settings(&self, scheme: Scheme) -> Settings {
+        Settings {
+            scheme,
+            gravity_ground_m_s2: self.recording.gravity_ground_m_s2,
+            ..Settings::new(self.recording.sample_rate_hz)
+        }
+    }
+
+    /// A decoupler ready for this recording's first sample, with the true parameters.
+    ///
+    /// # Panics
+    /// If the core refuses the problem.
+    #[must_use]
+    pub fn decoupler(&self, scheme: Scheme) -> Decoupler {
+        Decoupler::new(&self.sensor(), &true_parameters(), &self.settings(scheme))
+            .expect("a decoupler of the true sensor")
+    }
+}
+
+/// Streams a whole recording through a copy of `ready`, sample by sample. What is validated and what is timed.
+///
+/// # Panics
+/// If the decoupler refuses a sample.
+pub fn decouple(ready: &Decoupler, voltage_v: &[[f64; LIMBS]], mut sink: impl FnMut(&SixAxis)) {
+    let mut decoupler = ready.clone();
+    for row in voltage_v {
+        let completed = decoupler.push(row).expect("a sample of a recorded run");
+        completed.iter().flatten().for_each(&mut sink);
+    }
+    decoupler.finish().iter().for_each(sink);
+}
+
+/// One decoupled sample, whoever decoupled it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Answer {
+    /// Index of the voltage sample.
+    pub sample: u64,
+    /// a, ground axes, m/s^2.
+    pub linear_ground_m_s2: DVec3,
+    /// w', ground axes, rad/s^2.
+    pub angular_ground_rad_s2: DVec3,
+    /// w*, shell axes, rad/s.
+    pub rate_shell_rad_s: DVec3,
+    /// R, shell axes to ground axes.
+    pub attitude: DQuat,
+}
+
+impl From<&SixAxis> for Answer {
+    fn from(s: &SixAxis) -> Self {
+        Self {
+            sample: s.sample,
+            linear_ground_m_s2: s.linear_ground_m_s2,
+            angular_ground_rad_s2: s.angular_ground_rad_s2,
+            rate_shell_rad_s: s.rate_shell_rad_s,
+            attitude: s.attitude,
+        }
+    }
+}
+
+/// Limb lengths with the poses that MuJoCo had them at.
+pub struct Poses {
+    /// Nine elongations per sample, m.
+    pub elongation_m: Vec<[f64; LIMBS]>,
+    /// True position of the mass in the shell, m, and its rotation vector, rad.
+    pub truth: Vec<(DVec3, DVec3)>,
+}
+
+impl Poses {
+    /// Plays a trial and keeps lengths and poses at [`DECOUPLE_RATE_HZ`].
+    ///
+    /// # Panics
+    /// If MuJoCo refuses the sensor or diverges.
+    #[must_use]
+    pub fn play(trial: &Trial) -> Self {
+        let snapshots = sampled(trial, &trial.run, trial.run.duration_s());
+        Self {
+            elongation_m: snapshots.iter().map(|now| now.limb_elongation_m).collect(),
+            truth: snapshots.iter().map(Snapshot::relative_pose).collect(),
+        }
+    }
+}
+
+/// Length of a [`Tumble`], s.
+const TUMBLE_S: f64 = 0.4;
+/// Frequencies of its three axes, Hz.
+const TUMBLE_HZ: DVec3 = DVec3::new(3.0, 4.0, 5.0);
+/// Linear and angular amplitude of each axis, m/s^2 and rad/s^2: those of the compound run.
+const TUMBLE_AMPLITUDE: (f64, f64) = (50.0, 800.0);
+
+/// Motion with an axis that turns in the shell. The rig's axis never does, so that no run of it shows the coning term
+/// of the attitude or what a wrong order of rotations does. Swells from rest and is cut off as it dies down.
+pub struct Tumble;
+
+impl Motion for Tumble {
+    fn acceleration(&self, time_s: f64) -> (DVec3, DVec3) {
+        let swell = (PI * time_s / TUMBLE_S).sin().powi(4);
+        let phase = TUMBLE_HZ * (TAU * time_s);
+        let (linear, angular) = TUMBLE_AMPLITUDE;
+        let wave = |phase: DVec3| DVec3::new(phase.x.sin(), phase.y.cos(), phase.z.sin()) * swell;
+        (wave(phase.zxy()) * linear, wave(phase) * angular)
+    }
+}
+
+/// Snapshots at [`DECOUPLE_RATE_HZ`] of a trial's sensor in a motion.
+fn sampled(trial: &Trial, motion: &impl Motion, duration_s: f64) -> Vec<Snapshot> {
+    let steps_per_sample = (1.0 / (DECOUPLE_RATE_HZ * STEP_S)).round() as usize;
+    let steps = (duration_s / STEP_S).round() as usize;
+    let mut simulation = simulation(trial);
+    (0..steps)
+        .map(|step| {
+            simulation.set_time_s(step as f64 * STEP_S);
+            simulation
+                .step(motion)
+                .expect("a step of a bench's problem")
+        })
+        .step_by(steps_per_sample)
+        .collect()
+}
+
+/// The sensor of a trial in MuJoCo, hanging at rest.
+///
+/// # Panics
+/// If MuJoCo refuses the sensor.
+#[must_use]
+pub fn simulation(trial: &Trial) -> Simulation {
+    Simulation::new(&trial.model(&true_parameters()), STEP_S)
+        .expect("the simulation of a bench's problem")
+}
+
+/// Rows of step 2: measured forces, N, and the shell's acceleration, m/s^2.
+pub struct ScaleRows(pub Vec<([f64; LIMBS], DVec3)>);
+
+impl ScaleRows {
+    /// From three pure linear runs at [`SLOW_HZ`].
+    #[must_use]
+    pub fn play() -> Self {
+        let drift = true_parameters().zero_drift_v;
+        let rows = DIRECTIONS.into_iter().flat_map(|direction| {
+            let trial = trial(Role::Linear, Mode::Linear, SLOW_HZ, direction);
+            let Recorded { recording, .. } = Recorded::play(&trial, IDENTIFY_RATE_HZ);
+            let row = |(voltage, &reading): (&[f64; LIMBS], &f64)| {
+                let force = recording.gains.measured_force_n(voltage, &drift);
+                (force, recording.direction_ground * reading)
+            };
+            let samples = recording.voltage_v.iter();
+            samples
+                .zip(&recording.accelerometer_m_s2)
+                .map(row)
+                .collect::<Vec<_>>()
+        });
+        Self(rows.collect())
+    }
+
+    /// Step 2 with the core.
+    ///
+    /// # Panics
+    /// If the core refuses the rows.
+    #[must_use]
+    pub fn solve(&self) -> ScalePerMass {
+        let mut step = ScaleIdentification::default();
+        for (force, acceleration) in &self.0 {
+            step.push(force, *acceleration).expect("a finite row");
+        }
+        step.solve().expect("a scale per mass")
+    }
+}
+
+/// Rows of step 3: limb forces per mass, m/s^2; the shell's rate, rad/s, and its derivative, rad/s^2, shell axes.
+pub struct InertiaRows(pub Vec<([f64; LIMBS], DVec3, DVec3)>);
+
+impl InertiaRows {
+    /// From three pure angular runs at [`SLOW_HZ`]. The rate is the gyroscope's; its derivative is the true one,
+    /// because differentiating a reading is not part of the step.
+    #[must_use]
+    pub fn play() -> Self {
+        let rows = DIRECTIONS.into_iter().flat_map(|direction| {
+            let trial = trial(Role::Angular, Mode::Angular, SLOW_HZ, direction);
+            let Recorded { recording, truth } = Recorded::play(&trial, IDENTIFY_RATE_HZ);
+            let chain = SignalChain::new(&recording.gains, &true_parameters());
+            (0..truth.len())
+                .map(|i| {
+                    (
+                        chain.force_per_mass_m_s2(&recording.voltage_v[i]),
+                        recording.direction_ground * recording.gyroscope_rad_s[i],
+                        truth[i].attitude.inverse() * truth[i].angular_ground_rad_s2,
+                    )
+                })
+                .collect::<Vec<_>>()
+        });
+        Self(rows.collect())
+    }
+
+    /// Step 3 with the core.
+    ///
+    /// # Panics
+    /// If the core refuses the rows.
+    #[must_use]
+    pub fn solve(&self) -> InertiaEstimate {
+        let mut step = InertiaIdentification::new(Geometry::PAPER);
+        for (force, rate, derivative) in &self.0 {
+            step.push(force, *rate, *derivative).expect("a finite row");
+        }
+        step.solve().expect("an inertia per mass")
+    }
+}
+
+/// A pure linear run at [`FAST_HZ`] for step 4, in which the true rate is zero.
+#[must_use]
+pub fn stiffness_run() -> Recorded {
+    let [direction, ..] = DIRECTIONS;
+    let trial = trial(Role::FastLinear, Mode::Linear, FAST_HZ, direction);
+    Recorded::play(&trial, DECOUPLE_RATE_HZ)
+}
+
+/// The true parameters with a candidate k/m.
+#[must_use]
+pub fn candidate(stiffness_per_mass_per_s2: f64) -> Parameters {
+    Parameters {
+        stiffness_per_mass_per_s2,
+        ..true_parameters()
+    }
+}
+
+/// The sensor in MuJoCo by itself, nobody driving the shell: both bodies free, at rest, the mass displaced.
+pub struct FreeSensor {
+    /// MuJoCo's state.
+    pub data: MjData<Box<MjModel>>,
+    model: SensorModel,
+}
+
+/// Displacement of the mass in [`FreeSensor`], m and rad: the size of a fast run's.
+const DISPLACEMENT: (DVec3, DVec3) = (DVec3::new(2e-7, -3e-7, 4e-7), DVec3::new(-5e-6, 1e-5, 7e-6));
+
+impl FreeSensor {
+    /// Loads the sensor of a trial and displaces its mass.
+    ///
+    /// # Panics
+    /// If MuJoCo refuses the sensor.
+    #[must_use]
+    pub fn new(trial: &Trial) -> Self {
+        let model = trial.model(&true_parameters());
+        let compiled =
+            MjModel::from_xml_string(&model.to_mjcf(STEP_S)).expect("MuJoCo's model of the sensor");
+        let mut data = MjData::new(Box::new(compiled));
+        let (position, rotation) = DISPLACEMENT;
+        let q = DQuat::from_scaled_axis(rotation);
+        data.qpos_mut()[FREE_BODY_COORDINATES..]
+            .copy_from_slice(&[position.x, position.y, position.z, q.w, q.x, q.y, q.z]);
+        Self { data, model }
+    }
+
+    /// Linear, m/s^2, and angular acceleration, rad/s^2, of the mass: MuJoCo's beside Newton's and Euler's with the
+    /// core's limb directions. For the state in which it was created, where nothing moves yet.
+    #[must_use]
+    pub fn accelerations(&mut self) -> [(DVec3, DVec3); 2] {
+        self.data.forward();
+        let a = &self.data.qacc()[FREE_BODY_DOFS..];
+        let (position_shell_m, rotation_rad) = DISPLACEMENT;
+        let pose = Pose {
+            position_shell_m,
+            rotation_rad,
+        };
+        let geometry = &self.model.geometry;
+        let force = pose
+            .elongations_m(geometry)
+            .map(|dl| -self.model.stiffness_per_mass_per_s2 * dl);
+        let wrench = LimbWrench::at_pose(geometry, &pose, &force);
+        let torque_mass = pose.rotation_matrix().transpose() * wrench.torque_shell_m2_s2;
+        let inertia = self.model.inertia_per_mass.matrix_mass_m2();
+        [
+            (
+                DVec3::new(a[0], a[1], a[2]),
+                wrench.force_shell_m_s2 + self.model.gravity_ground_m_s2,
+            ),
+            (
+                DVec3::new(a[3], a[4], a[5]),
+                inertia.inverse() * torque_mass,
+            ),
+        ]
+    }
+
+    /// Takes `steps` of MuJoCo's own steps and returns how far the common centre of mass has fallen, m, beside
+    /// g t^2/2: limbs are internal and cannot change it.
+    #[must_use]
+    pub fn fall(&mut self, steps: u32) -> (DVec3, DVec3) {
+        let start = self.centre_of_mass_m();
+        for _ in 0..steps {
+            self.data.step();
+        }
+        let time_s = f64::from(steps) * STEP_S;
+        (
+            self.centre_of_mass_m() - start,
+            self.model.gravity_ground_m_s2 * (0.5 * time_s * time_s),
+        )
+    }
+
+    fn centre_of_mass_m(&self) -> DVec3 {
+        let q = self.data.qpos();
+        let place = |body: usize| DVec3::from_slice(&q[body * FREE_BODY_COORDINATES..]);
+        // World, shell, mass.
+        let masses = self.data.model().body_mass();
+        (place(0) * masses[1] + place(1) * masses[2]) / (masses[1] + masses[2])
+    }
+}

@@ -1,0 +1,239 @@
+//! Holds an answer against MuJoCo's truth before it is timed.
+
+use std::fmt;
+
+use glam::{DQuat, DVec3};
+use sixaxis_core::identify::stiffness::PAPER_GRID_PER_S2;
+use sixaxis_core::{LIMBS, Parameters};
+use sixaxis_reference::recording::TrueMotion;
+
+use crate::limits::{self, Decoupled, Limit};
+use crate::problem::{Answer, candidate, true_parameters};
+
+/// Why an answer is not worth timing.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Refusal {
+    /// Not the samples asked for: one missing, doubled or out of order.
+    Samples {
+        /// What belongs there: a number of samples, or an index.
+        expected: u64,
+        /// What is there.
+        got: u64,
+    },
+    /// An error beyond its limit; NaN is beyond every limit.
+    Error {
+        /// The limit.
+        limit: Limit,
+        /// The error.
+        error: f64,
+    },
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Samples { expected, got } => {
+                write!(
+                    f,
+                    "samples are missing or out of order: {got} where {expected} belongs"
+                )
+            }
+            Self::Error { limit, error } => write!(
+                f,
+                "{} is off by {error:.3e}, allowed is {:.3e}",
+                limit.name,
+                limit.value()
+            ),
+        }
+    }
+}
+
+/// Refuses another number of samples than expected.
+fn count(expected: usize, got: usize) -> Result<(), Refusal> {
+    if got == expected {
+        Ok(())
+    } else {
+        Err(Refusal::Samples {
+            expected: expected as u64,
+            got: got as u64,
+        })
+    }
+}
+
+/// What was compared: each limit with the error found.
+pub type Report = Vec<(Limit, f64)>;
+
+/// Prints what an answer achieved, or ends the bench.
+///
+/// # Panics
+/// If the answer was refused.
+pub fn require(name: &str, outcome: Result<Report, Refusal>) {
+    match outcome {
+        Ok(report) => {
+            for (limit, error) in report {
+                eprintln!(
+                    "{name}: {} {error:.3e} (limit {:.3e})",
+                    limit.name,
+                    limit.value()
+                );
+            }
+        }
+        Err(refusal) => panic!("{name} is not timed, because its answer is wrong: {refusal}"),
+    }
+}
+
+fn judge(report: Report) -> Result<Report, Refusal> {
+    match report.iter().find(|(limit, error)| !limit.allows(*error)) {
+        None => Ok(report),
+        Some(&(limit, error)) => Err(Refusal::Error { limit, error }),
+    }
+}
+
+/// Largest of `errors`; NaN if there is one, or if there are none.
+fn largest(errors: impl Iterator<Item = f64>) -> f64 {
+    errors
+        .reduce(|a, b| if a.is_nan() || a > b { a } else { b })
+        .unwrap_or(f64::NAN)
+}
+
+/// Largest difference of vectors over the largest of the second.
+fn over_peak(pairs: impl Iterator<Item = (DVec3, DVec3)> + Clone) -> f64 {
+    largest(pairs.clone().map(|(ours, truth)| (ours - truth).length()))
+        / largest(pairs.map(|(_, truth)| truth.length()))
+}
+
+/// Angle of the rotation from one attitude to the other, rad, without the cancellation of an arc cosine.
+fn angle_rad(a: DQuat, b: DQuat) -> f64 {
+    2.0 * (a.inverse() * b).xyz().length().min(1.0).asin()
+}
+
+/// A decoupled run: every sample from the second to the last but one, in order, near the truth throughout.
+///
+/// # Errors
+/// A sample missing, doubled or out of order; an error beyond its limit.
+pub fn decoupled(
+    truth: &[TrueMotion],
+    answers: &[Answer],
+    limits: &Decoupled,
+) -> Result<Report, Refusal> {
+    count(truth.len().saturating_sub(2), answers.len())?;
+    if let Some((expected, answer)) = (1..).zip(answers).find(|(at, a)| a.sample != *at) {
+        return Err(Refusal::Samples {
+            expected,
+            got: answer.sample,
+        });
+    }
+    let pairs = answers.iter().zip(&truth[1..]);
+    judge(vec![
+        (
+            limits.linear,
+            over_peak(
+                pairs
+                    .clone()
+                    .map(|(a, t)| (a.linear_ground_m_s2, t.linear_ground_m_s2)),
+            ),
+        ),
+        (
+            limits.angular,
+            over_peak(
+                pairs
+                    .clone()
+                    .map(|(a, t)| (a.angular_ground_rad_s2, t.angular_ground_rad_s2)),
+            ),
+        ),
+        (
+            limits.rate,
+            over_peak(
+                pairs
+                    .clone()
+                    .map(|(a, t)| (a.rate_shell_rad_s, t.rate_shell_rad_s)),
+            ),
+        ),
+        (
+            limits.attitude_rad,
+            largest(pairs.map(|(a, t)| angle_rad(a.attitude, t.attitude))),
+        ),
+    ])
+}
+
+/// Poses of the mass in the shell: position, m, and rotation vector, rad.
+///
+/// # Errors
+/// Another number of poses than of truths; an error beyond its limit.
+pub fn poses(truth: &[(DVec3, DVec3)], answers: &[(DVec3, DVec3)]) -> Result<Report, Refusal> {
+    count(truth.len(), answers.len())?;
+    let pairs = answers.iter().zip(truth);
+    judge(vec![
+        (
+            limits::POSE_POSITION,
+            over_peak(pairs.clone().map(|(a, t)| (a.0, t.0))),
+        ),
+        (
+            limits::POSE_ROTATION,
+            over_peak(pairs.map(|(a, t)| (a.1, t.1))),
+        ),
+    ])
+}
+
+/// The nine s_i/m, 1/kg.
+///
+/// # Errors
+/// An error beyond its limit.
+pub fn scale_per_mass(answer: &[f64; LIMBS]) -> Result<Report, Refusal> {
+    let truth = true_parameters().scale_per_mass_per_kg;
+    judge(vec![(
+        limits::SCALE,
+        largest(answer.iter().zip(truth).map(|(a, t)| ((a - t) / t).abs())),
+    )])
+}
+
+/// The six I/m in the paper's order, m^2.
+///
+/// # Errors
+/// An error beyond its limit.
+pub fn inertia_per_mass(answer: &[f64; 6]) -> Result<Report, Refusal> {
+    let truth = true_parameters().inertia_per_mass.to_paper_order();
+    let size = largest(truth.iter().map(|t| t.abs()));
+    judge(vec![(
+        limits::INERTIA,
+        largest(answer.iter().zip(truth).map(|(a, t)| (a - t).abs() / size)),
+    )])
+}
+
+/// Step 4's objective: small at the true k/m, and large beside it. `rate_norm_sum` gives the sum of |w*|, rad/s, and
+/// the number of samples for given parameters; there must be `samples` of them.
+///
+/// # Errors
+/// Another number of samples; an error beyond its limit.
+pub fn stiffness(
+    samples: usize,
+    rate_norm_sum: impl Fn(&Parameters) -> (f64, usize),
+) -> Result<Report, Refusal> {
+    let (_, _, grid_step) = PAPER_GRID_PER_S2;
+    let truth = true_parameters().stiffness_per_mass_per_s2;
+    let mut means = [0.0; 3];
+    for (mean, k) in means
+        .iter_mut()
+        .zip([truth - grid_step, truth, truth + grid_step])
+    {
+        let (sum, got) = rate_norm_sum(&candidate(k));
+        count(samples, got)?;
+        *mean = sum / got as f64;
+    }
+    let [below, at_truth, above] = means;
+    judge(vec![
+        (limits::STIFFNESS_RATE, at_truth),
+        (
+            limits::STIFFNESS_CONTRAST,
+            largest([at_truth / below, at_truth / above].into_iter()),
+        ),
+    ])
+}
+
+/// Accelerations in m/s^2 or rad/s^2, answer and truth, against a limit over the peak.
+///
+/// # Errors
+/// An error beyond the limit.
+pub fn accelerations(limit: Limit, pairs: &[(DVec3, DVec3)]) -> Result<Report, Refusal> {
+    judge(vec![(limit, over_peak(pairs.iter().copied()))])
+}
