@@ -288,13 +288,9 @@ fn decoupling(r: &Results) -> Vec<Claim> {
             "Abstract: largest error after identification",
             "7.479 %",
             percent(lab, 2),
-            if lab <= 0.07479 {
-                Verdict::Reproduced
-            } else {
-                Verdict::NotReproducible
-            },
-            "with 1 % instruments, a 10 Hz gyroscope and 60 dB channels no cell need be as far off; the paper's own recordings are \
-             not published, so what made its 5 to 7.5 % cannot be told",
+            Verdict::NotReproducible,
+            "the figure itself cannot be rebuilt, because the recordings behind it are not published; a campaign with 1 % \
+             instruments, a 10 Hz gyroscope and 60 dB channels need not be as far off in any cell",
         ),
         claim(
             "Abstract: one order of magnitude better than before",
@@ -321,8 +317,10 @@ fn decoupling(r: &Results) -> Vec<Claim> {
             format!("{} at 10 kHz, true parameters", scientific(plain, 1)),
             Verdict::Reproduced,
             format!(
-                "ample for 7 %. It is second order, so a bar of 10⁻⁶ would need 70 kHz; eight sub-steps per sample reach {} and \
+                "ample for 7 %. It is second order, so a bar of 10⁻⁶ would need {} kHz; eight sub-steps per sample reach {} and \
                  Adams-Moulton the reference's own error",
+                // Of second order: the rate grows with the root of the error.
+                fixed(10.0 * (plain / 1e-6).sqrt(), 0),
                 scientific(substepped, 1)
             ),
         ),

@@ -1,7 +1,7 @@
 //! Every number the study produces, as plain data: what `results.json` holds.
 //!
 //! Nothing here depends on the machine, the clock or the number of threads: the same seed gives the same file, bit
-//! for bit. What does is in `run.json`.
+//! for bit. What does is in `run.json`. A number that was not measured is NaN here and `null` in the file.
 
 use serde::Serialize;
 use sixaxis_core::identify::Verdict;
