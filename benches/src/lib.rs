@@ -20,5 +20,5 @@ use std::time::Duration;
 pub const MEASUREMENT_TIME: Duration = Duration::from_secs(2);
 /// Warm-up time of each bench unless `--warm-up-time` says otherwise.
 pub const WARM_UP_TIME: Duration = Duration::from_millis(500);
-/// Samples that the median of each bench is taken over: the slowest takes 10 ms an iteration.
+/// Samples that the median of each bench is taken over: the slowest takes 6 ms an iteration.
 pub const SAMPLE_SIZE: usize = 50;

@@ -1,16 +1,16 @@
 //! The peer: the paper's equations as one would first write them down with nalgebra.
 //!
-//! Nothing is rearranged for speed or rounding, and nothing is done badly on purpose. Vectors carry the paper's letters.
+//! Nothing is rearranged for speed or rounding, nothing is done badly on purpose. Vectors carry the paper's letters.
 //! Differences from the core that bear on the ratios:
 //!
-//! * The pose comes from Gauss-Newton on the nine lengths, started at the last sample's pose: one iteration while little
-//!   moves, otherwise two. The core has a closed form at each node. `pose/compound_5hz` compares the two alone.
+//! * The pose comes from Gauss-Newton on the nine lengths, started at the last sample's pose: one iteration while
+//!   little moves, otherwise two. The core has a closed form at each node. `pose/compound_5hz` compares the two alone.
 //! * Heun only, and the attitude by the mean rate of a step (second order); the core's attitude is of fourth order.
 //! * Inputs are not checked for NaN; the core's are.
 //! * The static preload of the limbs is the core's: it is found once, before anything is timed.
 //! * Steps 2 and 3 hold the tall matrix of (13) and (18) and take its pseudo-inverse by singular values, as (14) and
-//!   (19) are printed; the core streams rows into a triangle and returns covariance and condition as well. In step 3 that
-//!   triangle has twelve columns, for the gyroscope's gain to be found from, where (18) has six.
+//!   (19) are printed; the core streams rows into a triangle and returns covariance and condition as well. In step 3
+//!   that triangle has twelve columns, for the gyroscope's gain to be found from, where (18) has six.
 
 use glam::{DQuat, DVec3};
 use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, SMatrix, SVector, Vector3};

@@ -26,8 +26,8 @@ use sixaxis_reference::simulation::{Motion, Simulation, Snapshot};
 const FREE_BODY_COORDINATES: usize = 7;
 const FREE_BODY_DOFS: usize = 6;
 
-/// Step of every simulation, s: half the study's 25 us, at which MuJoCo's own error, 1e-7, would let a fault of that size
-/// pass in the schemes of fourth order. At this step it is 6e-9.
+/// Step of every simulation, s: half the study's 25 us, at which MuJoCo's own error, 1e-7, would let a fault of that
+/// size pass in the schemes of fourth order. At this step it is 6e-9.
 pub const STEP_S: f64 = 1.25e-5;
 /// Sample rate of recordings that are decoupled, Hz.
 pub const DECOUPLE_RATE_HZ: f64 = 10_000.0;

@@ -128,7 +128,13 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
         COMPARED_DIVISOR,
     )?;
     stage.advance(1);
-    let searches = searches::study(&noise_free_session, &noise_free, &with_errors, &truth)?;
+    let searches = searches::study(
+        &noise_free_session,
+        &noise_free,
+        &with_errors,
+        &truth,
+        plan.search_stride(),
+    )?;
     stage.advance(1);
     let orders = orders::study(
         simulations

@@ -13,13 +13,10 @@ use super::results::Search;
 /// Root mean square relative errors put on the scale factors.
 pub const SCALE_ERRORS: [f64; 4] = [1e-6, 1e-5, 1e-4, 1e-3];
 
-/// Every fifth sample: 2 kHz is ample for 5 Hz, and the minimum stays on the same grid point as at 10 kHz.
-const STRIDE: usize = 5;
-
 /// Seed of the pattern of scale errors; the pattern is the same at every size, so that the curves tell one story.
 const PATTERN_SEED: u64 = 20131;
 
-/// All curves of the figure.
+/// All curves of the figure, from every `stride`-th sample.
 ///
 /// # Errors
 /// Those of the search.
@@ -28,6 +25,7 @@ pub fn study(
     found: &FourSteps,
     laboratory: &FourSteps,
     truth: &Parameters,
+    stride: usize,
 ) -> Result<Vec<Search>> {
     let mut rng = Pcg64::seed_from_u64(PATTERN_SEED);
     let mut pattern: [f64; 9] = core::array::from_fn(|_| StandardNormal.sample(&mut rng));
@@ -41,7 +39,7 @@ pub fn study(
             for (s, unit) in parameters.scale_per_mass_per_kg.iter_mut().zip(pattern) {
                 *s *= 1.0 + scale_error * unit;
             }
-            let curve = noise_free.search(&parameters, Scheme::Heun, STRIDE, sign)?;
+            let curve = noise_free.search(&parameters, Scheme::Heun, stride, sign)?;
             let label = if scale_error == 0.0 {
                 "true scale factors"
             } else {
