@@ -1,6 +1,7 @@
-//! Comparisons that print what they saw and never let NaN pass. With `SIXAXIS_RESIDUALS` set they print every residual,
-//! passed or not (`cargo test -- --nocapture`).
+//! Comparisons that leave a row of evidence behind and never let NaN pass. With `SIXAXIS_RESIDUALS` set they print every
+//! residual, passed or not (`cargo test -- --nocapture`).
 
+use crate::evidence::Row;
 use crate::tolerance::{NEGATIVE_CONTROL, Tolerance};
 
 /// Asserts that an error is within its limit.
@@ -8,15 +9,7 @@ use crate::tolerance::{NEGATIVE_CONTROL, Tolerance};
 /// # Panics
 /// If it is not, or is NaN.
 pub fn within(what: &str, error: f64, tolerance: Tolerance) {
-    if std::env::var_os("SIXAXIS_RESIDUALS").is_some() {
-        eprintln!("residual: {what}: {error:.3e} of {:.3e}", tolerance.limit);
-    }
-    assert!(
-        error <= tolerance.limit,
-        "{what}: error {error:.3e} exceeds {:.3e} ({:?})",
-        tolerance.limit,
-        tolerance.reason
-    );
+    Row::new(what, error, tolerance.limit).judge(tolerance);
 }
 
 /// Asserts that a deliberately broken variant fails by a wide margin.

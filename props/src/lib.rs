@@ -4,5 +4,8 @@
 //! `ref_` MuJoCo, `paper_` a printed number, `prop_` any input, `inv_` an invariant, `order_` a rate of convergence.
 
 pub mod compare;
+pub mod evidence;
+pub mod manufactured;
+pub mod motions;
 pub mod strategy;
 pub mod tolerance;

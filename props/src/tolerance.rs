@@ -1,5 +1,7 @@
 //! Every limit that a test holds something to, with its reason.
 
+use sixaxis_core::Scheme;
+
 /// Why a limit is what it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Reason {
@@ -16,6 +18,19 @@ pub enum Reason {
 pub struct Tolerance {
     /// Largest error that passes.
     pub limit: f64,
+    /// Why.
+    pub reason: Reason,
+}
+
+/// Limits on the distribution of an error over many cases.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gate {
+    /// On the median.
+    pub median: f64,
+    /// On what 99 % of the cases stay below.
+    pub q99: f64,
+    /// On the largest.
+    pub max: f64,
     /// Why.
     pub reason: Reason,
 }
@@ -77,5 +92,47 @@ pub const COMPLIANT: Tolerance = new(4e-8, Reason::Measured("9e-9, the reference
 pub const CLOSED: Tolerance = new(1e-8, Reason::Measured("1.5e-11"));
 /// The gyroscope's gain from exact rows: the minimum of a parabola is flat over the root of rounding.
 pub const GAIN: Tolerance = new(1e-6, Reason::Derived);
+/// Manufactured motion, in units of what the scheme's order and the central differences leave.
+#[must_use]
+pub const fn manufactured(scheme: Scheme) -> Tolerance {
+    match scheme {
+        Scheme::Euler => new(4.0, Reason::Measured("1.6")),
+        Scheme::Heun => new(0.5, Reason::Measured("0.13")),
+        Scheme::HeunSubstepped => new(0.15, Reason::Measured("0.04")),
+        Scheme::AdamsBashforth2 => new(4.0, Reason::Measured("1.04")),
+        Scheme::AdamsMoulton4 => new(
+            5.0,
+            Reason::Measured("1.4, of which most is the start in mid-motion"),
+        ),
+        Scheme::RungeKutta4 => new(2.0, Reason::Measured("0.7")),
+    }
+}
+/// Three derivations against each other, over full scale.
+pub const FORMULATIONS: Tolerance = new(
+    1e-10,
+    Reason::Measured("1e-11 with the canonical one, 3e-14 without"),
+);
+/// Departure of a converging integration's order from theory, in its asymptotic range.
+pub const CONVERGENCE: Tolerance = new(0.05, Reason::Measured("0.02"));
+/// Departure of a scheme's order over a decade of step from theory, on the full equations.
+pub const FULL_ORDER: Tolerance = new(0.05, Reason::Measured("?"));
+/// Error of Heun in eight sub-steps over that of plain Heun at a coarse step.
+pub const SUBSTEPS: Tolerance = new(0.1, Reason::Measured("?"));
+/// Departure of R R^T from 1 after ten million steps.
+pub const ORTHONORMAL: Tolerance = new(1e-14, Reason::Measured("4e-16"));
+/// Error of random motions in MuJoCo, over full scale.
+pub const RANDOM_MOTION: Gate = Gate {
+    median: 1e-6,
+    q99: 1e-6,
+    max: 1e-5,
+    reason: Reason::Measured("?"),
+};
+/// The same over what is allowed: 1e-6 and the reference's own error.
+pub const RANDOM_MOTION_SHARE: Gate = Gate {
+    median: 1.0,
+    q99: 1.0,
+    max: 1.0,
+    reason: Reason::Derived,
+};
 /// A broken ingredient must exceed the limit of the sound one by this factor.
 pub const NEGATIVE_CONTROL: f64 = 100.0;

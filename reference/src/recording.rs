@@ -6,7 +6,7 @@ use sixaxis_core::{Gains, LIMBS};
 
 use crate::mjcf::SensorModel;
 use crate::rig::Run;
-use crate::simulation::{Simulation, SimulationError};
+use crate::simulation::{Motion, Simulation, SimulationError};
 
 /// What an algorithm may see of one run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -59,22 +59,35 @@ pub struct SimulatedRun {
     pub truth: Vec<TrueMotion>,
 }
 
-impl SimulatedRun {
-    /// Simulates one run with `steps_per_sample` Runge-Kutta steps from sample to sample.
+/// Any motion as the simulator saw it: limb forces and true motion at the sampling instants.
+#[derive(Debug, Clone)]
+pub struct SimulatedMotion {
+    /// Gravity, ground axes, m/s^2.
+    pub gravity_ground_m_s2: DVec3,
+    /// Samples per second.
+    pub sample_rate_hz: f64,
+    /// Whole limb forces per mass, gravity's share included, m/s^2.
+    pub limb_force_per_mass_m_s2: Vec<[f64; LIMBS]>,
+    /// True motion.
+    pub truth: Vec<TrueMotion>,
+}
+
+impl SimulatedMotion {
+    /// Simulates `duration_s` of a motion with `steps_per_sample` Runge-Kutta steps from sample to sample.
     ///
     /// # Errors
     /// Those of [`Simulation`].
     pub fn simulate(
         model: &SensorModel,
-        run: &Run,
+        motion: &impl Motion,
+        duration_s: f64,
         sample_rate_hz: f64,
         steps_per_sample: usize,
     ) -> Result<Self, SimulationError> {
         let step_s = 1.0 / (sample_rate_hz * steps_per_sample as f64);
-        let samples = (run.duration_s() * sample_rate_hz).floor() as usize + 1;
+        let samples = (duration_s * sample_rate_hz).floor() as usize + 1;
         let mut simulation = Simulation::new(model, step_s)?;
         let mut result = Self {
-            run: *run,
             gravity_ground_m_s2: model.gravity_ground_m_s2,
             sample_rate_hz,
             limb_force_per_mass_m_s2: Vec::with_capacity(samples),
@@ -85,7 +98,7 @@ impl SimulatedRun {
                 let step = sample * steps_per_sample + substep;
                 // Counting steps keeps time exact; adding steps up would not.
                 simulation.set_time_s(step as f64 * step_s);
-                let now = simulation.step(run)?;
+                let now = simulation.step(motion)?;
                 if substep == 0 {
                     let attitude = now.shell.attitude;
                     result
@@ -102,6 +115,34 @@ impl SimulatedRun {
             }
         }
         Ok(result)
+    }
+}
+
+impl SimulatedRun {
+    /// Simulates one run with `steps_per_sample` Runge-Kutta steps from sample to sample.
+    ///
+    /// # Errors
+    /// Those of [`Simulation`].
+    pub fn simulate(
+        model: &SensorModel,
+        run: &Run,
+        sample_rate_hz: f64,
+        steps_per_sample: usize,
+    ) -> Result<Self, SimulationError> {
+        let motion = SimulatedMotion::simulate(
+            model,
+            run,
+            run.duration_s(),
+            sample_rate_hz,
+            steps_per_sample,
+        )?;
+        Ok(Self {
+            run: *run,
+            gravity_ground_m_s2: motion.gravity_ground_m_s2,
+            sample_rate_hz: motion.sample_rate_hz,
+            limb_force_per_mass_m_s2: motion.limb_force_per_mass_m_s2,
+            truth: motion.truth,
+        })
     }
 
     /// Every `factor`-th sample.

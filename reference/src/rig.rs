@@ -10,6 +10,7 @@ use glam::DVec3;
 use serde::Serialize;
 
 use crate::simulation::Motion;
+use crate::smooth_step::smooth_step;
 
 /// Slider amplitude that the paper's three printed maxima imply at 5 Hz, m: 9.36 g / (2 pi 5 Hz)^2.
 pub const SLIDER_AMPLITUDE_M: f64 = 0.0930;
@@ -98,12 +99,12 @@ impl Run {
         if t <= 0.0 {
             [0.0; 3]
         } else if t < ramp {
-            let [integral, value, slope] = smooth_step(t / ramp);
+            let [integral, value, slope, _] = smooth_step(t / ramp);
             [rate * ramp * integral, rate * value, rate * slope / ramp]
         } else if t <= ramp + steady {
             [rate * (0.5 * ramp + (t - ramp)), rate, 0.0]
         } else if t < total {
-            let [integral, value, slope] = smooth_step((total - t) / ramp);
+            let [integral, value, slope, _] = smooth_step((total - t) / ramp);
             let whole = rate * (ramp + steady);
             [
                 whole - rate * ramp * integral,
@@ -114,17 +115,6 @@ impl Run {
             [rate * (ramp + steady), 0.0, 0.0]
         }
     }
-}
-
-/// Step from 0 to 1 with four vanishing derivatives at either end: its integral, value and slope at x in \[0, 1\].
-fn smooth_step(x: f64) -> [f64; 3] {
-    let x4 = x * x * x * x;
-    let y = 1.0 - x;
-    [
-        x4 * x * x * (21.0 + x * (-60.0 + x * (67.5 + x * (-35.0 + 7.0 * x)))),
-        x4 * x * (126.0 + x * (-420.0 + x * (540.0 + x * (-315.0 + 70.0 * x)))),
-        630.0 * x4 * y * y * y * y,
-    ]
 }
 
 impl Motion for Run {

@@ -2,10 +2,17 @@
 //!
 //! The shell is a free body. At every stage of every step its generalized force is set to M a_des + bias - passive,
 //! so that it has exactly the wanted acceleration while mass and shell are integrated alike: their difference, 1e-7 m
-//! in a motion of 0.1 m, stays clean. The integrator is the fourth-order Runge-Kutta of MuJoCo's `mj_RungeKutta`,
-//! written out here because the drive must be evaluated at every stage; a test holds the two equal. MuJoCo's default
-//! semi-implicit step would not do: its velocities belong to half steps, and w x I w taken half a step late is an
-//! error of first order in the step, by estimate 1e-4 of the angular acceleration at 5 Hz.
+//! in a motion of 0.1 m, stays clean. MuJoCo's default semi-implicit step would not do: its velocities belong to half
+//! steps, and w x I w taken half a step late is an error of first order in the step, by estimate 1e-4 of the angular
+//! acceleration at 5 Hz.
+//!
+//! # The integrator
+//! Forces, masses and kinematics are MuJoCo's; the Runge-Kutta step around them is written out here, for two reasons.
+//! The drive must be evaluated at every stage. And MuJoCo's own `mj_RungeKutta` averages the angular velocities of the
+//! four stages as if they were all seen from one attitude: exact while the axis stands still, but only of second order
+//! for a body that tumbles (test `order_mujocos_own_step_is_second_for_a_tumbling_body`). Here the stages are carried
+//! back to the attitude at the start of the step by the inverse of the right Jacobian of SO(3) (Munthe-Kaas), which
+//! keeps fourth order. About a fixed axis the two agree to rounding (test `ref_fixed_axis_step_is_mujocos_own`).
 
 use glam::{DQuat, DVec3};
 use mujoco_rs::wrappers::mj_data::MjData;
@@ -176,6 +183,29 @@ impl Simulation {
         }
     }
 
+    /// MuJoCo's forward dynamics of two bodies that nothing but the limbs and gravity acts on.
+    fn forward_free(&mut self) {
+        let data = &mut self.data;
+        data.qfrc_applied_mut().fill(0.0);
+        data.fwd_position();
+        data.fwd_velocity();
+        data.fwd_actuation();
+        data.fwd_acceleration();
+        data.fwd_constraint();
+    }
+
+    /// Sets both bodies moving as one rigid body: velocity of the shell, ground axes, m/s, and rate, shell axes, rad/s.
+    pub fn set_moving(&mut self, velocity_ground_m_s: DVec3, rate_shell_rad_s: DVec3) {
+        let mut state = State::read(&self.data);
+        let rate_ground = state.shell.attitude * rate_shell_rad_s;
+        let arm = state.mass.position_ground_m - state.shell.position_ground_m;
+        state.shell.velocity_ground_m_s = velocity_ground_m_s;
+        state.shell.rate_body_rad_s = rate_shell_rad_s;
+        state.mass.velocity_ground_m_s = velocity_ground_m_s + rate_ground.cross(arm);
+        state.mass.rate_body_rad_s = state.mass.attitude.inverse() * rate_ground;
+        state.write(&mut self.data);
+    }
+
     /// Displaces the mass from where it hangs: shell axes, m and rad (rotation vector). For ring-down experiments.
     pub fn displace_mass(&mut self, displacement_m: DVec3, rotation_rad: DVec3) {
         let mut state = State::read(&self.data);
@@ -238,17 +268,49 @@ impl Simulation {
     /// # Errors
     /// [`SimulationError::Diverged`].
     pub fn step(&mut self, motion: &impl Motion) -> Result<Snapshot, SimulationError> {
+        self.step_under(|simulation, time_s| {
+            let (linear, angular) = motion.acceleration(time_s);
+            simulation.forward(linear, angular);
+        })
+    }
+
+    /// As [`Self::step`], with nothing holding or driving the shell: two free bodies joined by nine limbs.
+    ///
+    /// # Errors
+    /// [`SimulationError::Diverged`].
+    pub fn step_free(&mut self) -> Result<Snapshot, SimulationError> {
+        self.step_under(|simulation, _| simulation.forward_free())
+    }
+
+    /// As [`Self::step_free`], with the step that MuJoCo itself would take (`mj_step`, integrator RK4).
+    ///
+    /// # Errors
+    /// [`SimulationError::Diverged`].
+    pub fn step_as_mujoco(&mut self) -> Result<Snapshot, SimulationError> {
+        self.forward_free();
+        let snapshot = self.read_snapshot();
+        self.data.step();
+        self.time_s += self.step_s;
+        self.check_finite()?;
+        Ok(snapshot)
+    }
+
+    fn step_under(
+        &mut self,
+        mut evaluate: impl FnMut(&mut Self, f64),
+    ) -> Result<Snapshot, SimulationError> {
         let h = self.step_s;
         let start_time = self.time_s;
-        let snapshot = self.snapshot(motion);
+        evaluate(self, start_time);
+        let snapshot = self.read_snapshot();
         let start = State::read(&self.data);
         let a1 = Rates::read(&self.data);
 
         let mut stage = |offset: f64, slope: &Rates| {
+            let moved = slope.rotations(offset);
             start.advanced(slope, offset).write(&mut self.data);
-            let (linear, angular) = motion.acceleration(start_time + offset);
-            self.forward(linear, angular);
-            Rates::read(&self.data)
+            evaluate(self, start_time + offset);
+            Rates::read(&self.data).seen_from_start(moved)
         };
         let a2 = stage(h / 2.0, &a1);
         let a3 = stage(h / 2.0, &a2);
@@ -256,12 +318,20 @@ impl Simulation {
         let mean = Rates::weighted([&a1, &a2, &a3, &a4]);
         start.advanced(&mean, h).write(&mut self.data);
         self.time_s = start_time + h;
-        if !self.data.qpos().iter().sum::<f64>().is_finite() {
-            return Err(SimulationError::Diverged {
-                time_s: self.time_s,
-            });
-        }
+        self.check_finite()?;
         Ok(snapshot)
+    }
+
+    fn check_finite(&self) -> Result<(), SimulationError> {
+        let data = &self.data;
+        let sum: f64 = data.qpos().iter().chain(data.qvel()).sum();
+        if sum.is_finite() {
+            Ok(())
+        } else {
+            Err(SimulationError::Diverged {
+                time_s: self.time_s,
+            })
+        }
     }
 
     /// Sets the clock, so that sample times are exact multiples and not sums of steps.
@@ -349,6 +419,24 @@ impl Rates {
         rates.velocity.copy_from_slice(data.qvel());
         rates.acceleration.copy_from_slice(data.qacc());
         rates
+    }
+
+    /// Rotation vectors of both bodies after turning at these rates for `duration_s`, rad.
+    fn rotations(&self, duration_s: f64) -> [DVec3; 2] {
+        [0, BODY_DOFS].map(|body| DVec3::from_slice(&self.velocity[body + 3..]) * duration_s)
+    }
+
+    /// The same rates as derivatives of the rotation vectors u that lead from the start of the step to here:
+    /// u' = w + u x w/2 + u x (u x w)/12, the right Jacobian's inverse up to the order that a fourth-order step needs.
+    fn seen_from_start(mut self, rotations: [DVec3; 2]) -> Self {
+        for (body, u) in [0, BODY_DOFS].into_iter().zip(rotations) {
+            let w = &mut self.velocity[body + 3..body + BODY_DOFS];
+            let rate = DVec3::from_slice(w);
+            let once = u.cross(rate);
+            let seen = rate + 0.5 * once + u.cross(once) / 12.0;
+            w.copy_from_slice(&seen.to_array());
+        }
+        self
     }
 
     /// Runge-Kutta's mean slope: (k1 + 2 k2 + 2 k3 + k4)/6.

@@ -1,0 +1,248 @@
+//! Random six-axis motions of random sensors, simulated and decoupled: the comparison that the project stands on.
+//!
+//! Half of them keep to the rig's travel and speed, half go far beyond, to 200 Hz and 50 g; all turn about axes that
+//! turn. Each is simulated twice, with a step and with half of it, and what that changes in the comparison is the
+//! reference's own error. The decoupler is given voltages, the true parameters and how the sensor hangs; truth comes
+//! from the simulator's state.
+
+use glam::DVec3;
+use proptest::strategy::{Strategy, ValueTree};
+use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
+use rand_pcg::Pcg64;
+use rayon::prelude::*;
+use sixaxis_core::decoupler::Decoupler;
+use sixaxis_core::{Geometry, Parameters, Scheme, Sensor, Settings, SixAxis, StaticResponse};
+use sixaxis_reference::campaign::MASS_KG;
+use sixaxis_reference::chain::{Chain, Coupling, amplifier_ranges};
+use sixaxis_reference::mjcf::SensorModel;
+use sixaxis_reference::recording::{SimulatedMotion, TrueMotion};
+use sixaxis_reference::tumble::Tumble;
+
+use crate::compare::largest;
+use crate::evidence::Row;
+use crate::strategy;
+use crate::tolerance::Tolerance;
+
+/// Lowest sample rate, Hz, and samples per period of the fastest sine above it.
+const LOWEST_RATE_HZ: f64 = 10_000.0;
+const SAMPLES_PER_PERIOD: f64 = 500.0;
+/// Longest Runge-Kutta step of the coarser simulation, s.
+const LONGEST_STEP_S: f64 = 2.5e-5;
+
+/// Share of full scale that limb damping may move the limb lengths by: the core, like the paper, knows of none.
+const DAMPING_EFFECT: f64 = 2e-8;
+/// Damping that keeps rounding noise out of the modes where motion is slow enough to allow it.
+const LARGEST_DAMPING_RATIO: f64 = 0.02;
+
+/// One random motion of one random sensor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Case {
+    /// True parameters.
+    pub parameters: Parameters,
+    /// Motion of the shell.
+    pub motion: Tumble,
+    /// Gravity, ground axes, m/s^2.
+    pub gravity_ground_m_s2: DVec3,
+    /// What the channels say of a constant load.
+    pub static_response: StaticResponse,
+}
+
+impl Case {
+    /// Number `index` of the cases that `seed` stands for. The same on every machine.
+    ///
+    /// # Panics
+    /// Never: the strategy rejects nothing.
+    #[must_use]
+    pub fn numbered(seed: u64, index: u64) -> Self {
+        let mut bytes = [0; 32];
+        bytes[..8].copy_from_slice(&seed.to_le_bytes());
+        bytes[8..16].copy_from_slice(&index.to_le_bytes());
+        let rng = TestRng::from_seed(RngAlgorithm::ChaCha, &bytes);
+        strategy::case()
+            .new_tree(&mut TestRunner::new_with_rng(Config::default(), rng))
+            .expect("the strategy rejects nothing")
+            .current()
+    }
+
+    /// Samples per second.
+    #[must_use]
+    pub fn sample_rate_hz(&self) -> f64 {
+        (SAMPLES_PER_PERIOD * self.motion.highest_frequency_hz()).max(LOWEST_RATE_HZ)
+    }
+
+    /// The rise and two periods of the fastest sine.
+    #[must_use]
+    pub fn duration_s(&self) -> f64 {
+        self.motion.rise_s + 2.0 / self.motion.highest_frequency_hz()
+    }
+
+    fn model(&self) -> SensorModel {
+        // A damper's share of a limb's force at frequency f is 2 zeta f/f0, and a limb's length weighs (f/f0)^2 in the
+        // accelerations, f0 being the frequency of the mass on one limb.
+        let f0 = self.parameters.stiffness_per_mass_per_s2.sqrt() / core::f64::consts::TAU;
+        let share = self.motion.highest_frequency_hz() / f0;
+        SensorModel {
+            geometry: Geometry::PAPER,
+            mass_kg: MASS_KG,
+            inertia_per_mass: self.parameters.inertia_per_mass,
+            stiffness_per_mass_per_s2: self.parameters.stiffness_per_mass_per_s2,
+            damping_ratio: (DAMPING_EFFECT / (2.0 * share.powi(3))).min(LARGEST_DAMPING_RATIO),
+            gravity_ground_m_s2: self.gravity_ground_m_s2,
+        }
+    }
+
+    /// Simulates with `refinement` times the usual number of steps, records without errors and decouples.
+    ///
+    /// # Panics
+    /// If the simulation or the decoupler refuses.
+    #[must_use]
+    pub fn decoupled(&self, refinement: usize, scheme: Scheme) -> Decoupled {
+        let rate = self.sample_rate_hz();
+        let steps = (1.0 / (rate * LONGEST_STEP_S)).ceil() as usize * refinement;
+        let run =
+            SimulatedMotion::simulate(&self.model(), &self.motion, self.duration_s(), rate, steps)
+                .expect("the simulation of a random motion");
+        let chain = Chain {
+            coupling: match self.static_response {
+                StaticResponse::Tared => Coupling::Tared,
+                StaticResponse::Full => Coupling::Ideal,
+            },
+            full_scale_v: f64::INFINITY,
+            ..Chain::noise_free()
+        };
+        let forces = &run.limb_force_per_mass_m_s2;
+        let gains = amplifier_ranges(forces, &self.parameters, 10.0);
+        // The chain is noise-free: the generator is not asked for anything.
+        let mut unused = Pcg64::new(0, 0);
+        let voltages = chain.record(forces, &self.parameters, &gains, rate, &mut unused);
+        let sensor = Sensor {
+            geometry: Geometry::PAPER,
+            gains,
+        };
+        let settings = Settings {
+            scheme,
+            static_response: self.static_response,
+            gravity_ground_m_s2: self.gravity_ground_m_s2,
+            ..Settings::new(rate)
+        };
+        let mut decoupler = Decoupler::new(&sensor, &self.parameters, &settings)
+            .expect("a random sensor is a sound one");
+        let mut ours = Vec::with_capacity(voltages.len());
+        for row in &voltages {
+            let completed = decoupler.push(row).expect("a simulated sample");
+            ours.extend(completed.into_iter().flatten());
+        }
+        ours.extend(decoupler.finish());
+        Decoupled {
+            ours,
+            truth: run.truth,
+        }
+    }
+
+    /// Seven rows: three axes of linear and of angular acceleration, over the peak of the vector, and the rate.
+    #[must_use]
+    pub fn compare(&self, scheme: Scheme, tolerance: Tolerance) -> Vec<Row> {
+        let [usual, halved] = [1, 2].map(|refinement| self.decoupled(refinement, scheme));
+        let quantities: [(&str, &str, [Get; 2]); 3] = [
+            (
+                "linear acceleration",
+                "m/s^2",
+                [
+                    |d, i| d.ours[i].linear_ground_m_s2,
+                    |d, i| d.truth_of(i).linear_ground_m_s2,
+                ],
+            ),
+            (
+                "angular acceleration",
+                "rad/s^2",
+                [
+                    |d, i| d.ours[i].angular_ground_rad_s2,
+                    |d, i| d.truth_of(i).angular_ground_rad_s2,
+                ],
+            ),
+            (
+                "rate",
+                "rad/s",
+                [
+                    |d, i| d.ours[i].rate_shell_rad_s,
+                    |d, i| d.truth_of(i).rate_shell_rad_s,
+                ],
+            ),
+        ];
+        let mut rows = Vec::new();
+        for (quantity, unit, [ours, truth]) in quantities {
+            let samples = halved.ours.len();
+            let peak = largest((0..samples).map(|i| truth(&halved, i).length()));
+            let error = |d: &Decoupled, i: usize| (ours(d, i) - truth(d, i)) / peak;
+            for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+                let worst = (0..samples)
+                    .max_by(|&a, &b| {
+                        error(&halved, a)[axis]
+                            .abs()
+                            .total_cmp(&error(&halved, b)[axis].abs())
+                    })
+                    .unwrap_or(0);
+                let change =
+                    largest((0..samples).map(|i| error(&usual, i)[axis] - error(&halved, i)[axis]));
+                rows.push(
+                    Row::new(
+                        format!("{quantity}, random motion"),
+                        error(&halved, worst)[axis].abs(),
+                        tolerance.limit,
+                    )
+                    .case(format!(
+                        "{:.1} Hz, {name}",
+                        self.motion.highest_frequency_hz()
+                    ))
+                    .sides(
+                        truth(&halved, worst)[axis],
+                        ours(&halved, worst)[axis],
+                        unit,
+                    )
+                    .beyond(change),
+                );
+            }
+        }
+        rows
+    }
+}
+
+type Get = fn(&Decoupled, usize) -> DVec3;
+
+/// What the decoupler made of a simulated motion, with the truth.
+#[derive(Debug, Clone)]
+pub struct Decoupled {
+    /// Decoupled samples.
+    pub ours: Vec<SixAxis>,
+    /// True motion, sample by sample of the recording.
+    pub truth: Vec<TrueMotion>,
+}
+
+impl Decoupled {
+    fn truth_of(&self, i: usize) -> &TrueMotion {
+        &self.truth[self.ours[i].sample as usize]
+    }
+}
+
+/// The rows of `count` cases in order, computed in parallel; `done` is called after each.
+#[must_use]
+pub fn compare_all(
+    seed: u64,
+    count: u64,
+    scheme: Scheme,
+    tolerance: Tolerance,
+    done: impl Fn() + Sync,
+) -> Vec<Row> {
+    let suite_rows: Vec<Vec<Row>> = (0..count)
+        .into_par_iter()
+        .map(|index| {
+            let mut rows = Case::numbered(seed, index).compare(scheme, tolerance);
+            for row in &mut rows {
+                row.case = format!("motion {index} of seed {seed}, {}", row.case);
+            }
+            done();
+            rows
+        })
+        .collect();
+    suite_rows.into_iter().flatten().collect()
+}
