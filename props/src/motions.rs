@@ -8,14 +8,17 @@
 use glam::DVec3;
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
-use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use sixaxis_core::decoupler::Decoupler;
-use sixaxis_core::{Geometry, Parameters, Scheme, Sensor, Settings, SixAxis, StaticResponse};
+use sixaxis_core::signal::SignalChain;
+use sixaxis_core::{
+    Geometry, LIMBS, Parameters, Scheme, Sensor, Settings, SixAxis, StaticResponse,
+};
 use sixaxis_reference::campaign::MASS_KG;
-use sixaxis_reference::chain::{Chain, Coupling, amplifier_ranges};
+use sixaxis_reference::chain::amplifier_ranges;
 use sixaxis_reference::mjcf::SensorModel;
 use sixaxis_reference::recording::{SimulatedMotion, TrueMotion};
+use sixaxis_reference::simulation::Simulation;
 use sixaxis_reference::tumble::Tumble;
 
 use crate::compare::largest;
@@ -28,6 +31,9 @@ const LOWEST_RATE_HZ: f64 = 10_000.0;
 const SAMPLES_PER_PERIOD: f64 = 500.0;
 /// Longest Runge-Kutta step of the coarser simulation, s.
 const LONGEST_STEP_S: f64 = 2.5e-5;
+
+/// Range of the converter that the amplifiers are set for, V.
+const FULL_SCALE_V: f64 = 10.0;
 
 /// Share of full scale that limb damping may move the limb lengths by: the core, like the paper, knows of none.
 const DAMPING_EFFECT: f64 = 2e-8;
@@ -102,19 +108,21 @@ impl Case {
         let run =
             SimulatedMotion::simulate(&self.model(), &self.motion, self.duration_s(), rate, steps)
                 .expect("the simulation of a random motion");
-        let chain = Chain {
-            coupling: match self.static_response {
-                StaticResponse::Tared => Coupling::Tared,
-                StaticResponse::Full => Coupling::Ideal,
-            },
-            full_scale_v: f64::INFINITY,
-            ..Chain::noise_free()
+        let rest = match self.static_response {
+            StaticResponse::Tared => {
+                Simulation::mean_rest_force_per_mass_m_s2(&self.model(), LONGEST_STEP_S)
+                    .expect("the simulation of a sensor at rest")
+            }
+            StaticResponse::Full => [0.0; LIMBS],
         };
-        let forces = &run.limb_force_per_mass_m_s2;
-        let gains = amplifier_ranges(forces, &self.parameters, 10.0);
-        // The chain is noise-free: the generator is not asked for anything.
-        let mut unused = Pcg64::new(0, 0);
-        let voltages = chain.record(forces, &self.parameters, &gains, rate, &mut unused);
+        let forces: Vec<[f64; LIMBS]> = run
+            .limb_force_per_mass_m_s2
+            .iter()
+            .map(|force| core::array::from_fn(|i| force[i] - rest[i]))
+            .collect();
+        let gains = amplifier_ranges(&forces, &self.parameters, FULL_SCALE_V);
+        let signal = SignalChain::new(&gains, &self.parameters);
+        let voltages = forces.iter().map(|force| signal.voltage_v(force));
         let sensor = Sensor {
             geometry: Geometry::PAPER,
             gains,
@@ -127,9 +135,9 @@ impl Case {
         };
         let mut decoupler = Decoupler::new(&sensor, &self.parameters, &settings)
             .expect("a random sensor is a sound one");
-        let mut ours = Vec::with_capacity(voltages.len());
-        for row in &voltages {
-            let completed = decoupler.push(row).expect("a simulated sample");
+        let mut ours = Vec::with_capacity(forces.len());
+        for row in voltages {
+            let completed = decoupler.push(&row).expect("a simulated sample");
             ours.extend(completed.into_iter().flatten());
         }
         ours.extend(decoupler.finish());

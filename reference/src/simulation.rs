@@ -33,6 +33,10 @@ type Data = MjData<Box<MjModel>>;
 /// Newton steps to static equilibrium; each gains five digits.
 const EQUILIBRIUM_ITERATIONS: usize = 8;
 
+/// Places over which the static limb forces are averaged, and the edge of the cube they fill, m.
+const REST_PLACES: u32 = 400;
+const REST_SPREAD_M: f64 = 1e-3;
+
 /// What can go wrong with a simulation.
 #[derive(Debug, Error)]
 pub enum SimulationError {
@@ -204,6 +208,37 @@ impl Simulation {
         state.mass.velocity_ground_m_s = velocity_ground_m_s + rate_ground.cross(arm);
         state.mass.rate_body_rad_s = state.mass.attitude.inverse() * rate_ground;
         state.write(&mut self.data);
+    }
+
+    /// Static limb forces per mass, m/s^2: the mean over [`REST_PLACES`] places near the origin where the shell may stand.
+    ///
+    /// MuJoCo knows a limb's length to half a unit in its last digit, 2e-18 m, and at rest that error stands still: 1e-9
+    /// m/s^2 of a limb force, a torque that a decoupler integrates twice, 1e-6 of a slow run. From place to place it is
+    /// another, as it is from sample to sample of a moving sensor.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn mean_rest_force_per_mass_m_s2(
+        model: &SensorModel,
+        step_s: f64,
+    ) -> Result<[f64; LIMBS], SimulationError> {
+        let mut simulation = Self::new(model, step_s)?;
+        let start = State::read(&simulation.data);
+        let mut sum = [0.0; LIMBS];
+        for place in 1..=REST_PLACES {
+            // Any set of irrational steps will do.
+            let offset =
+                [2.0_f64, 3.0, 5.0].map(|x| REST_SPREAD_M * (x.sqrt() * f64::from(place)).fract());
+            let mut state = start;
+            state.shell.position_ground_m += DVec3::from_array(offset);
+            state.mass.position_ground_m += DVec3::from_array(offset);
+            state.write(&mut simulation.data);
+            simulation.settle();
+            simulation.forward(DVec3::ZERO, DVec3::ZERO);
+            let force = simulation.read_snapshot().limb_force_per_mass_m_s2;
+            sum = core::array::from_fn(|i| sum[i] + force[i] / f64::from(REST_PLACES));
+        }
+        Ok(sum)
     }
 
     /// Displaces the mass from where it hangs: shell axes, m and rad (rotation vector). For ring-down experiments.
