@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use clap::{CommandFactory, Parser, Subcommand};
 use serde::Serialize;
+use sixaxis_props::evidence;
 use sixaxis_reports::pages;
 use sixaxis_reports::progress::Progress;
 use sixaxis_reports::study::{self, plan::Plan, results::Results};
@@ -26,7 +27,8 @@ enum Task {
     /// Play the paper's calibration campaign on MuJoCo and write an offline HTML report
     ///
     /// Writes report.html, results.json (every number in it; the same seed gives the same file, bit for bit), run.json
-    /// (machine, duration) and figures/*.svg to the output folder.
+    /// (machine, duration), figures/*.svg and, once the tests have been run, evidence.csv (every comparison they made) to
+    /// the output folder.
     Report {
         /// Folder to write to
         #[arg(long, value_name = "DIR", default_value = "sixaxis-report")]
@@ -40,6 +42,9 @@ enum Task {
         /// Threads to use; 0 for one per core
         #[arg(long, value_name = "N", default_value_t = 0)]
         threads: usize,
+        /// Folder of the test suites' rows [default: where the tests of this checkout write]
+        #[arg(long, value_name = "DIR")]
+        evidence: Option<PathBuf>,
     },
     /// Write the simulated sensor as MJCF; `python -m mujoco.viewer --mjcf=FILE` opens it
     Model {
@@ -60,7 +65,8 @@ fn main() -> Result<()> {
             seed,
             quick,
             threads,
-        }) => report(&out, &Plan { seed, quick }, threads),
+            evidence,
+        }) => report(&out, &Plan { seed, quick }, threads, evidence.as_deref()),
         Some(Task::Model { out, design }) => model(&out, design),
     }
 }
@@ -98,8 +104,15 @@ impl Run {
     }
 }
 
-fn report(out: &Path, plan: &Plan, threads: usize) -> Result<()> {
+fn report(out: &Path, plan: &Plan, threads: usize, evidence: Option<&Path>) -> Result<()> {
     // Before half a minute of work, not after it.
+    if let Some(folder) = evidence {
+        ensure!(
+            folder.is_dir(),
+            "{} is no folder of evidence",
+            folder.display()
+        );
+    }
     std::fs::create_dir_all(out)
         .with_context(|| format!("cannot create the output folder {}", out.display()))?;
     let started = Instant::now();
@@ -118,7 +131,12 @@ fn report(out: &Path, plan: &Plan, threads: usize) -> Result<()> {
         machine: machine(),
         duration_s: started.elapsed().as_secs_f64(),
     };
-    let page = pages::report(&results, run.facts());
+    let rows = evidence::read_folder(&evidence.map_or_else(evidence::folder, Path::to_owned));
+    let section = match &rows {
+        Ok(rows) => pages::evidence::section(rows),
+        Err(e) => pages::evidence::unreadable(e),
+    };
+    let page = pages::report(&results, section, run.facts());
     let html = out.join("report.html");
     let mut files = vec![
         (
@@ -128,6 +146,11 @@ fn report(out: &Path, plan: &Plan, threads: usize) -> Result<()> {
         (out.join("run.json"), serde_json::to_vec_pretty(&run)?),
         (html.clone(), render(&page)?.into_bytes()),
     ];
+    if let Ok(rows) = rows
+        && !rows.is_empty()
+    {
+        files.push((out.join("evidence.csv"), evidence::to_csv(&rows)?));
+    }
     let figures = out.join("figures");
     std::fs::create_dir_all(&figures)
         .with_context(|| format!("cannot create {}", figures.display()))?;

@@ -1,6 +1,7 @@
 //! The report: a study's results as a page. What is measured is in [`crate::study`], how it is drawn in
 //! [`crate::view`]; here is decided what a reader meets, in which words and with how many digits.
 
+pub mod evidence;
 mod figures;
 mod ledger;
 mod parameters;
@@ -8,13 +9,14 @@ mod summary;
 mod tables;
 
 use crate::study::results::Results;
-use crate::view::Page;
+use crate::view::{Page, Section};
 
 pub use ledger::claims;
 
-/// Lays out the report. `facts` says how the run came about: commit, machine, duration.
+/// Lays out the report. `evidence` is the section about the test suites, which no study knows of; `facts` says how the
+/// run came about: commit, machine, duration.
 #[must_use]
-pub fn report(results: &Results, facts: Vec<(String, String)>) -> Page {
+pub fn report(results: &Results, evidence: Section, facts: Vec<(String, String)>) -> Page {
     let mut sections = vec![
         summary::bars(results),
         parameters::section(results),
@@ -24,6 +26,7 @@ pub fn report(results: &Results, facts: Vec<(String, String)>) -> Page {
         figures::histories(results),
         figures::orders(results),
         summary::reference(results),
+        evidence,
         ledger::section(results),
     ];
     sections.retain(|section| !section.blocks.is_empty());

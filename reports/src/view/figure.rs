@@ -26,6 +26,9 @@ pub struct Axis {
     pub scale: Scale,
     /// Fixed ends; `None` fits the data and the marks. Data outside are clipped, not moved.
     pub range: Option<(f64, f64)>,
+    /// Names instead of numbers, of an ordinate only: the first stands at 0 and at the top, the next at 1 below it. A
+    /// figure with names is as high as they need; scale and range are not looked at.
+    pub names: Vec<String>,
 }
 
 impl Axis {
@@ -43,6 +46,17 @@ impl Axis {
         Self {
             scale: Scale::Log,
             ..Self::linear(label, unit)
+        }
+    }
+
+    /// An ordinate of names.
+    pub fn names(
+        label: impl Into<String>,
+        names: impl IntoIterator<Item = impl Into<String>>,
+    ) -> Self {
+        Self {
+            names: names.into_iter().map(Into::into).collect(),
+            ..Self::linear(label, "")
         }
     }
 

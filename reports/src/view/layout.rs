@@ -49,6 +49,37 @@ impl Size {
     };
 }
 
+/// Where the names of an ordinate stand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Naming {
+    /// Left of the frame.
+    Beside,
+    /// In the frame, each above its own row: long names would leave no room for the data.
+    Above,
+}
+
+impl Naming {
+    /// Widest share of the sheet that names beside the frame may take.
+    const WIDEST: f64 = 0.42;
+
+    fn of(names: &[String], size: Size) -> Self {
+        let widest = names.iter().map(|n| markup::width(n)).fold(0.0, f64::max);
+        if widest * size.font <= Self::WIDEST * size.width {
+            Self::Beside
+        } else {
+            Self::Above
+        }
+    }
+
+    /// Height of one row in units of the font size.
+    fn pitch(self) -> f64 {
+        match self {
+            Self::Beside => 1.7,
+            Self::Above => 2.6,
+        }
+    }
+}
+
 /// One drawn field: the figure itself or its lower panel.
 pub struct Field<'a> {
     /// Ordinate.
@@ -61,6 +92,8 @@ pub struct Field<'a> {
     pub span: Span,
     /// The ordinate's ticks.
     pub ticks: Ticks,
+    /// Where the ordinate's names stand, if it has names.
+    pub naming: Option<Naming>,
     /// Where it stands.
     pub frame: Frame,
 }
@@ -76,6 +109,9 @@ pub struct Above<'a> {
     /// Text.
     pub label: &'a str,
 }
+
+/// Room under the lowest frame for the abscissa's ticks and label, in units of the font size.
+const BELOW: f64 = 3.2;
 
 /// Everything placed, nothing drawn.
 pub struct Layout<'a> {
@@ -129,7 +165,8 @@ impl<'a> Layout<'a> {
 
         // Margins depend on labels and labels on margins: three rounds settle both.
         let em = size.font;
-        let (mut right, mut rows) = (0.9 * em, 0);
+        let naming = |y: &Axis| (!y.names.is_empty()).then(|| Naming::of(&y.names, size));
+        let (mut first, mut right, mut rows) = (0.0, 0.9 * em, 0);
         let mut layout = Self {
             figure,
             size,
@@ -139,17 +176,30 @@ impl<'a> Layout<'a> {
             above: Vec::new(),
         };
         for _ in 0..3 {
-            let top = 1.9 * em + rows as f64 * 1.25 * em;
-            let bottom = size.height - 3.2 * em;
+            // Above the frame stands the ordinate's label; names need none.
+            let label = if figure.y.names.is_empty() { 1.9 } else { 0.5 };
+            let top = (label + rows as f64 * 1.25) * em;
+            let bottom = match naming(&figure.y) {
+                Some(naming) => top + figure.y.names.len() as f64 * naming.pitch() * em,
+                None => size.height - BELOW * em,
+            };
             let heights = [(top, bottom), (bottom + 2.4 * em, bottom + size.below)];
             let ticks: Vec<Ticks> = spans
                 .iter()
                 .zip(heights)
-                .map(|(span, (from, to))| {
-                    span.ticks(|t| spaced(t, to - from, |_| 0.9 * em, 1.0 * em))
+                .zip(&parts)
+                .map(|((span, (from, to)), (y, _, _))| match naming(y) {
+                    Some(_) => span.named(&y.names),
+                    None => span.ticks(|t| spaced(t, to - from, |_| 0.9 * em, 1.0 * em)),
                 })
                 .collect();
-            let left = ticks.iter().map(|t| widest(t) * em).fold(0.0, f64::max) + 0.7 * em;
+            let left = ticks
+                .iter()
+                .zip(&parts)
+                .filter(|(_, (y, _, _))| naming(y) != Some(Naming::Above))
+                .map(|(t, _)| widest(t) * em)
+                .fold(first, f64::max)
+                + 0.7 * em;
             let plot_right = size.width - right;
             layout.x_ticks = x_span.ticks(|t| {
                 spaced(
@@ -170,6 +220,7 @@ impl<'a> Layout<'a> {
                         marks,
                         span: *span,
                         ticks,
+                        naming: naming(y),
                         frame: Frame {
                             left,
                             top,
@@ -184,10 +235,28 @@ impl<'a> Layout<'a> {
                 Some(half - (1.0 - t.at) * (plot_right - left) + 2.0)
             });
             right = overhang.fold(0.9 * em, f64::max);
+            // Wide labels of the abscissa need room on the left, too, where names leave none. It is never given back:
+            // with it the labels would come and go from round to round.
+            first = layout
+                .x_ticks
+                .ticks
+                .iter()
+                .filter_map(|t| {
+                    let half = markup::width(t.label.as_deref()?) * em / 2.0;
+                    Some(half - t.at * (plot_right - left) - 0.6 * em)
+                })
+                .fold(first, f64::max);
             layout.above = layout.labels_above();
             rows = layout.rows_above();
         }
         layout
+    }
+
+    /// Height of the sheet, lower panel included.
+    #[must_use]
+    pub fn height(&self) -> f64 {
+        let lowest = self.fields.last().map_or(0.0, |field| field.frame.bottom);
+        lowest + BELOW * self.size.font
     }
 
     /// Labels of the figure's vertical guides, in as few rows as they need.
@@ -274,6 +343,9 @@ impl<'a> Layout<'a> {
 }
 
 fn fit_y(axis: &Axis, series: &[Series], marks: &[Mark], x_span: &Span) -> Span {
+    if !axis.names.is_empty() {
+        return Span::of_names(axis.names.len());
+    }
     let visible = |x: f64| {
         x_span
             .place(x)

@@ -8,7 +8,7 @@
 use super::figure::{Axis, Figure, Kind, Series};
 use super::guide;
 use super::ink::{Anchor, FINE, Ink, Pen};
-use super::layout::{Field, Layout, Size};
+use super::layout::{Field, Layout, Naming, Size};
 use super::markup;
 use super::number;
 use super::scale::Span;
@@ -36,12 +36,7 @@ pub fn to_svg(figure: &Figure) -> Result<String> {
 /// If the SVG backend fails.
 pub fn to_svg_sized(figure: &Figure, size: Size) -> Result<String> {
     let layout = Layout::of(figure, size);
-    let height = size.height
-        + if figure.below.is_some() {
-            size.below
-        } else {
-            0.0
-        };
+    let height = layout.height();
     let body = Pen::sheet(size.width, height, |pen| draw(&layout, pen))?;
     let id = format!("{}-{}", markup::escape(&figure.id), size.name);
     Ok(format!(
@@ -102,6 +97,11 @@ fn draw(layout: &Layout<'_>, pen: &Pen<'_>) -> Result<()> {
     for (i, field) in layout.fields.iter().enumerate() {
         draw_axes(layout, pen, field, i + 1 == layout.fields.len())?;
         draw_data(layout, pen, field)?;
+        if field.naming.is_some() {
+            // What the names are, they say themselves.
+            draw_names(layout, pen, field)?;
+            continue;
+        }
         let rows = if i == 0 { layout.rows_above() } else { 0 };
         let y = field.frame.top - (1.15 + rows as f64 * 1.25) * em;
         axis_text(
@@ -153,8 +153,10 @@ fn draw_axes(layout: &Layout<'_>, pen: &Pen<'_>, field: &Field<'_>, lowest: bool
         match &tick.label {
             Some(label) => {
                 pen.stroke(&[(f.left, y), (f.right, y)], Ink::Grid, 1.0)?;
-                let at = (f.left - 0.5 * em, y);
-                pen.text(label, at, Anchor::End, em, Ink::Muted)?;
+                if field.naming.is_none() {
+                    let at = (f.left - 0.5 * em, y);
+                    pen.text(label, at, Anchor::End, em, Ink::Muted)?;
+                }
             }
             None => pen.stroke(&[(f.left, y), (f.left + 4.0, y)], Ink::Axis, 0.75)?,
         }
@@ -181,6 +183,24 @@ fn draw_axes(layout: &Layout<'_>, pen: &Pen<'_>, field: &Field<'_>, lowest: bool
         let text = axis_label(&layout.figure.x, layout.x_ticks.power);
         let at = ((f.left + f.right) / 2.0, f.bottom + 2.45 * em);
         axis_text(layout, pen, &text, at, Anchor::Middle)?;
+    }
+    Ok(())
+}
+
+/// The names of an ordinate. In the frame they come after the guides, whose lines their halo parts.
+fn draw_names(layout: &Layout<'_>, pen: &Pen<'_>, field: &Field<'_>) -> Result<()> {
+    let (em, f) = (layout.size.font, field.frame);
+    for tick in &field.ticks.ticks {
+        let Some(name) = &tick.label else { continue };
+        let y = f.bottom - tick.at * (f.bottom - f.top);
+        if field.naming == Some(Naming::Above) {
+            let room = f.right - f.left - 0.5 * em;
+            let fit = (room / markup::width(name).max(1e-9)).min(0.95 * em);
+            let at = (f.left + 0.4 * em, y - 0.95 * em);
+            pen.text(name, at, Anchor::Start, fit, Ink::Muted)?;
+        } else {
+            pen.text(name, (f.left - 0.5 * em, y), Anchor::End, em, Ink::Muted)?;
+        }
     }
     Ok(())
 }
@@ -237,7 +257,16 @@ fn description(layout: &Layout<'_>) -> String {
     };
     let mut text = format!("Abscissa: {}.", axis(&layout.figure.x, &layout.x_span));
     for field in &layout.fields {
-        text += &format!(" Ordinate: {}.", axis(field.y, &field.span));
+        text += &if field.y.names.is_empty() {
+            format!(" Ordinate: {}.", axis(field.y, &field.span))
+        } else {
+            let names: Vec<_> = field.y.names.iter().map(|n| markup::plain(n)).collect();
+            format!(
+                " One row for each {}: {}.",
+                markup::plain(&field.y.label),
+                names.join("; ")
+            )
+        };
         let labels: Vec<_> = field
             .series
             .iter()
@@ -329,6 +358,35 @@ mod tests {
         };
         let empty = Figure::new("f", "t", Axis::log("x", ""), Axis::default()).below(below);
         assert!(to_svg(&empty).expect("draws").contains("no data"));
+    }
+
+    #[test]
+    fn names_take_the_height_they_need_and_the_abscissa_stays_on_the_sheet() {
+        let height = |count: usize, length: usize, size| {
+            let names = (0..count).map(|i| format!("{i} {}", "name ".repeat(length)));
+            let figure = Figure::new(
+                "f",
+                "t",
+                Axis::log("x", "").range(1e-9, 1e3),
+                Axis::names("n", names),
+            )
+            .series(Series::points("p", 0, (0..count).map(|i| (1.0, i as f64))));
+            let layout = Layout::of(&figure, size);
+            let first = layout.x_ticks.ticks.iter().find_map(|t| {
+                let half = markup::width(t.label.as_deref()?) * size.font / 2.0;
+                let frame = layout.fields[0].frame;
+                Some(frame.left + t.at * (frame.right - frame.left) - half)
+            });
+            assert!(first >= Some(0.0), "{first:?}");
+            let svg = to_svg_sized(&figure, size).expect("draws");
+            assert!((0..count).all(|i| svg.contains(&format!(">{i} name"))));
+            layout.height()
+        };
+        for size in [Size::STANDARD, Size::COMPACT] {
+            assert!(height(30, 1, size) > 3.0 * height(5, 1, size));
+            // Names too long to stand beside the frame stand in it, on rows of their own.
+            assert!(height(30, 12, size) > 1.4 * height(30, 1, size));
+        }
     }
 
     #[test]

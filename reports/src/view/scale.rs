@@ -76,6 +76,27 @@ impl Span {
         }
     }
 
+    /// The axis of `count` names: 0 near its far end, so that on an ordinate the first stands at the top.
+    #[must_use]
+    pub fn of_names(count: usize) -> Self {
+        Self {
+            scale: Scale::Linear,
+            from: count.max(1) as f64 - 0.5,
+            to: -0.5,
+        }
+    }
+
+    /// One tick for each name.
+    #[must_use]
+    pub fn named(&self, names: &[String]) -> Ticks {
+        let ticks = names
+            .iter()
+            .enumerate()
+            .filter_map(|(i, name)| self.tick(i as f64, Some(name.clone())))
+            .collect();
+        Ticks { ticks, power: 0 }
+    }
+
     /// Position of a value on the axis, beyond 0 and 1 if it lies outside; `None` if it has none.
     #[must_use]
     pub fn place(&self, value: f64) -> Option<f64> {
@@ -270,6 +291,17 @@ mod tests {
         assert_eq!(labels(&axis, 8).0, ["0.1", "0.2", "0.5", "1", "2", "5"]);
         let axis = Axis::log("", "").range(250.0, 2e4);
         assert_eq!(labels(&axis, 4).0, ["300", "1000", "3000", "10\u{202f}000"]);
+    }
+
+    #[test]
+    fn names_stand_from_the_top_down() {
+        let span = Span::of_names(4);
+        let ticks = span.named(&["a", "b", "c", "d"].map(str::to_owned)).ticks;
+        assert_eq!(
+            ticks.iter().map(|t| t.at).collect::<Vec<_>>(),
+            [0.875, 0.625, 0.375, 0.125]
+        );
+        assert!(Span::of_names(0).place(0.0).is_some());
     }
 
     #[test]

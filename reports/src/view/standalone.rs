@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use anyhow::Result;
 
 use super::figure::Figure;
-use super::layout::Size;
+use super::layout::{Layout, Size};
 use super::plot::{legend, to_svg};
 
 /// Size of the legend's text, and the room one entry takes at the most, in units of the picture.
@@ -48,8 +48,7 @@ pub fn standalone(figure: &Figure) -> Result<String> {
         x += length;
     }
     let top = y + ROW + 6.0;
-    let height =
-        Size::STANDARD.height + figure.below.as_ref().map_or(0.0, |_| Size::STANDARD.below) + top;
+    let height = Layout::of(figure, Size::STANDARD).height() + top;
     let plot = to_svg(figure)?;
     Ok(format!(
         r##"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" height="{height}" font-family="system-ui, sans-serif">

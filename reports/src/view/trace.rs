@@ -19,18 +19,20 @@ pub struct Frame {
     pub bottom: f64,
 }
 
+/// What rounding may put a point on an edge beyond it, in page units.
+const HAIR: f64 = 1e-6;
+
 impl Frame {
     /// Whether a point lies inside or on the edge (with a hair's tolerance).
     #[must_use]
     pub fn holds(&self, (x, y): Point) -> bool {
-        let hair = 1e-6;
-        x >= self.left - hair
-            && x <= self.right + hair
-            && y >= self.top - hair
-            && y <= self.bottom + hair
+        x >= self.left - HAIR
+            && x <= self.right + HAIR
+            && y >= self.top - HAIR
+            && y <= self.bottom + HAIR
     }
 
-    /// The part of a segment inside the frame (Liang and Barsky).
+    /// The part of a segment inside the frame (Liang and Barsky); one along an edge is inside.
     #[must_use]
     pub fn clip(&self, a: Point, b: Point) -> Option<(Point, Point)> {
         let (dx, dy) = (b.0 - a.0, b.1 - a.1);
@@ -42,7 +44,7 @@ impl Frame {
             (dy, self.bottom - a.1),
         ] {
             if step == 0.0 {
-                if room < 0.0 {
+                if room < -HAIR {
                     return None;
                 }
             } else if step < 0.0 {
@@ -214,6 +216,15 @@ mod tests {
         assert_eq!(found.len(), 2);
         assert_eq!(found[0], [(0.0, 25.0), (50.0, 25.0), (50.0, 50.0)]);
         assert!(found.concat().into_iter().all(|p| FRAME.holds(p)));
+    }
+
+    #[test]
+    fn a_stroke_along_an_edge_is_kept() {
+        for y in [-1e-13, 0.0, 50.0, 50.0 + 1e-13] {
+            let placed = [Some((0.0, 25.0)), Some((40.0, y)), Some((90.0, y))];
+            let last = strokes(&placed, &FRAME).concat().pop();
+            assert_eq!(last, Some((90.0, y)));
+        }
     }
 
     #[test]
