@@ -1,6 +1,8 @@
 //! Comparisons that leave a row of evidence behind and never let NaN pass. With `SIXAXIS_RESIDUALS` set they print every
 //! residual, passed or not (`cargo test -- --nocapture`).
 
+use std::fmt::Debug;
+
 use crate::evidence::Row;
 use crate::tolerance::{NEGATIVE_CONTROL, Tolerance};
 
@@ -33,4 +35,13 @@ pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
             a.max(b.abs())
         }
     })
+}
+
+/// True if no number anywhere in `answer` is NaN or infinite. Read from what `Debug` prints, so that no field, private
+/// or added later, is left out.
+pub fn all_finite(answer: &impl Debug) -> bool {
+    let text = format!("{answer:?}");
+    !text
+        .split(|c: char| !c.is_alphanumeric())
+        .any(|word| word == "NaN" || word == "inf")
 }

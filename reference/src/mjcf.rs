@@ -29,9 +29,10 @@ pub struct SensorModel {
     pub gravity_ground_m_s2: DVec3,
 }
 
-/// Mass and inertia of the shell, kg and kg m^2: its motion is prescribed, so any will do.
-pub(crate) const SHELL_MASS_KG: f64 = 0.5;
-pub(crate) const SHELL_INERTIA_KG_M2: f64 = 1e-3;
+/// Mass of the shell, kg: its motion is prescribed, so any will do.
+pub const SHELL_MASS_KG: f64 = 0.5;
+/// Its inertia about any axis, kg m^2.
+pub const SHELL_INERTIA_KG_M2: f64 = 1e-3;
 
 impl SensorModel {
     /// Damping of one limb over the mass, c/m, 1/s.

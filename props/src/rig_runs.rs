@@ -1,0 +1,133 @@
+//! Short runs of the calibration rig with the paper's sensor or one like it, simulated, recorded and decoupled: what most
+//! suites on MuJoCo begin with.
+
+use glam::DVec3;
+use sixaxis_core::decoupler::Decoupler;
+use sixaxis_core::{Geometry, LIMBS, Parameters, Scheme, Sensor, Settings, SixAxis};
+use sixaxis_reference::campaign::{DAMPING_RATIO, MASS_KG};
+use sixaxis_reference::mjcf::SensorModel;
+use sixaxis_reference::recording::{Recording, SimulatedRun};
+use sixaxis_reference::rig::{Mode, Mounting, Run};
+
+use crate::compare::largest;
+
+/// Sample rate, Hz, and Runge-Kutta steps from sample to sample.
+pub const RATE_HZ: f64 = 10_000.0;
+/// See [`RATE_HZ`].
+pub const STEPS: usize = 4;
+
+/// The simulated sensor with the paper's drawing, hung as the mounting has it.
+#[must_use]
+pub fn model(parameters: &Parameters, direction: DVec3, mounting: Mounting) -> SensorModel {
+    SensorModel {
+        geometry: Geometry::PAPER,
+        mass_kg: MASS_KG,
+        inertia_per_mass: parameters.inertia_per_mass,
+        stiffness_per_mass_per_s2: parameters.stiffness_per_mass_per_s2,
+        damping_ratio: DAMPING_RATIO,
+        gravity_ground_m_s2: mounting.gravity_ground_m_s2(direction),
+    }
+}
+
+/// Half a turn up and half a turn down at 5 Hz: short, and as violent as the rig gets.
+#[must_use]
+pub fn short_run(mode: Mode, direction: DVec3) -> Run {
+    Run {
+        rest_s: 0.005,
+        ramp_periods: 0.5,
+        steady_periods: 0.25,
+        ..Run::new(mode, 5.0, direction)
+    }
+}
+
+/// Simulates [`short_run`].
+///
+/// # Panics
+/// If the simulation refuses.
+#[must_use]
+pub fn simulate(
+    parameters: &Parameters,
+    mode: Mode,
+    direction: DVec3,
+    mounting: Mounting,
+) -> SimulatedRun {
+    let run = short_run(mode, direction);
+    SimulatedRun::simulate(
+        &model(parameters, direction, mounting),
+        &run,
+        RATE_HZ,
+        STEPS,
+    )
+    .expect("a run within the rig's limits simulates")
+}
+
+/// What a laboratory knows of the sensor behind a recording.
+#[must_use]
+pub fn sensor(recording: &Recording) -> Sensor {
+    Sensor {
+        geometry: Geometry::PAPER,
+        gains: recording.gains,
+    }
+}
+
+/// Settings that go with a recording.
+#[must_use]
+pub fn settings(recording: &Recording, scheme: Scheme) -> Settings {
+    Settings {
+        scheme,
+        gravity_ground_m_s2: recording.gravity_ground_m_s2,
+        ..Settings::new(recording.sample_rate_hz)
+    }
+}
+
+/// All decoupled samples of a record.
+///
+/// # Panics
+/// If the decoupler refuses.
+#[must_use]
+pub fn decouple(
+    sensor: &Sensor,
+    parameters: &Parameters,
+    settings: &Settings,
+    voltage_v: &[[f64; LIMBS]],
+) -> Vec<SixAxis> {
+    let mut decoupler =
+        Decoupler::new(sensor, parameters, settings).expect("the parameters are sound");
+    let mut samples = Vec::with_capacity(voltage_v.len());
+    for row in voltage_v {
+        let completed = decoupler.push(row).expect("the samples are finite");
+        samples.extend(completed.into_iter().flatten());
+    }
+    samples.extend(decoupler.finish());
+    samples
+}
+
+/// Largest error of the accelerations over the peak of the vector: linear and angular.
+#[must_use]
+pub fn errors(samples: &[SixAxis], run: &SimulatedRun) -> [f64; 2] {
+    let (mut error, mut peak) = ([0.0; 2], [0.0; 2]);
+    for s in samples {
+        let t = &run.truth[s.sample as usize];
+        for (i, (ours, truth)) in [
+            (s.linear_ground_m_s2, t.linear_ground_m_s2),
+            (s.angular_ground_rad_s2, t.angular_ground_rad_s2),
+        ]
+        .into_iter()
+        .enumerate()
+        {
+            error[i] = largest([error[i], (ours - truth).length()]);
+            peak[i] = largest([peak[i], truth.length()]);
+        }
+    }
+    [error[0] / peak[0], error[1] / peak[1]]
+}
+
+/// Largest error of the rate, rad/s.
+#[must_use]
+pub fn rate_error(samples: &[SixAxis], run: &SimulatedRun) -> f64 {
+    largest(
+        samples
+            .iter()
+            .map(|s| (s.rate_shell_rad_s - run.truth[s.sample as usize].rate_shell_rad_s).length()),
+    )
+}
