@@ -167,5 +167,22 @@ pub const TOLD_APART: f64 = 1e-2;
 pub const SYMMETRY: Tolerance = new(1e-12, Reason::Measured("2.7e-14"));
 /// Outputs in reversed time at 150 samples a period: the scheme's error, twice.
 pub const TIME_REVERSAL: Tolerance = new(2e-5, Reason::Measured("4e-6"));
+/// The four steps as printed, noise-free: drift (V), scale, inertia, stiffness (relative).
+pub const FOUR_STEPS: [Tolerance; 4] = [
+    new(1e-12, Reason::Derived),
+    new(5e-6, Reason::Measured("1.9e-6: relative motion neglected")),
+    new(5e-6, Reason::Measured("7e-7")),
+    new(1e-2, Reason::Measured("1.8e-3: what step 2 neglects")),
+];
+/// Steps 2 to 4 repeated with the compliance kept.
+pub const REPEATED_STEPS: [Tolerance; 4] = [
+    new(1e-12, Reason::Derived),
+    new(2e-8, Reason::Measured("3e-9, the reference's own")),
+    new(1e-8, Reason::Measured("2e-9")),
+    new(
+        2e-4,
+        Reason::Measured("4e-5: a parabola through three grid points"),
+    ),
+];
 /// A broken ingredient must exceed the limit of the sound one by this factor.
 pub const NEGATIVE_CONTROL: f64 = 100.0;
