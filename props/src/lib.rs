@@ -5,9 +5,9 @@
 
 pub mod compare;
 pub mod evidence;
-pub mod hostile;
 pub mod manufactured;
 pub mod motions;
 pub mod rig_runs;
+pub mod statistics;
 pub mod strategy;
 pub mod tolerance;

@@ -184,5 +184,11 @@ pub const REPEATED_STEPS: [Tolerance; 4] = [
         Reason::Measured("4e-5: a parabola through three grid points"),
     ),
 ];
+/// (14) and (19) against a pseudo-inverse of the tall matrix, over the largest value.
+pub const CLOSED_FORM: Tolerance = new(1e-12, Reason::Measured("3e-15"));
+/// Chi-square of predicted against seen errors, in half widths of an interval that chance leaves once in a million.
+pub const CHI_SQUARE: Tolerance = new(1.0, Reason::Derived);
+/// What rounding leaves of a condition number of 1e8, relative.
+pub const NEAR_LIMIT: Tolerance = new(1e-6, Reason::Measured("4e-9"));
 /// A broken ingredient must exceed the limit of the sound one by this factor.
 pub const NEGATIVE_CONTROL: f64 = 100.0;

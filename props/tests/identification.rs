@@ -1,14 +1,12 @@
-//! Least squares and the four steps on exact rows, and what they say when the data cannot answer.
+//! The four steps on exact rows, and what they say when the data cannot answer.
 
 use glam::DVec3;
 use proptest::prelude::*;
 use sixaxis_core::dynamics::LimbWrench;
-use sixaxis_core::geometry::DIRECTIONS_SHELL;
 use sixaxis_core::identify::inertia::{InertiaIdentification, euler_torque, regressor};
-use sixaxis_core::identify::least_squares::Accumulator;
 use sixaxis_core::identify::scale::ScaleIdentification;
 use sixaxis_core::identify::{stiffness, zero_drift};
-use sixaxis_core::{Error, Geometry, InertiaPerMass, LIMBS, Parameters};
+use sixaxis_core::{Geometry, InertiaPerMass, LIMBS, Parameters};
 use sixaxis_props::compare::{largest, within};
 use sixaxis_props::strategy::{config, parameters, vector};
 use sixaxis_props::tolerance;
@@ -104,62 +102,6 @@ proptest! {
         let ours = LimbWrench::at_rest(&Geometry::PAPER, &force).torque_shell_m2_s2;
         within("torque", (ours - printed).length() / (n * largest(force)), tolerance::ROUNDING);
     }
-
-    #[test]
-    fn inv_least_squares_does_not_care_for_the_order_of_rows(
-        rows in prop::collection::vec((prop::array::uniform4(-1.0..1.0_f64), -1.0..1.0_f64), 12..40),
-    ) {
-        let (mut forward, mut backward) = (Accumulator::<4>::default(), Accumulator::<4>::default());
-        for (row, b) in &rows {
-            forward.push(*row, *b);
-        }
-        for (row, b) in rows.iter().rev() {
-            backward.push(*row, *b);
-        }
-        let (a, b) = (forward.solve("rows"), backward.solve("rows reversed"));
-        let (a, b) = (a.expect("random rows"), b.expect("random rows"));
-        let error = largest((0..4).map(|i| a.values[i] - b.values[i]));
-        within("row order", error / a.condition.powi(2), tolerance::ROUNDING);
-        // The residual is orthogonal to every column.
-        let slope = (0..4).map(|j| {
-            rows.iter()
-                .map(|(row, right)| {
-                    let left: f64 = (0..4).map(|k| row[k] * a.values[k]).sum();
-                    (left - right) * row[j]
-                })
-                .sum::<f64>()
-        });
-        within(
-            "normal equations",
-            largest(slope) / (a.condition * rows.len() as f64),
-            tolerance::ROUNDING,
-        );
-    }
-}
-
-#[test]
-fn prop_linear_motion_along_one_axis_is_refused_by_name() {
-    let mut step = ScaleIdentification::default();
-    for i in 1..40 {
-        let a = DVec3::X * f64::from(i);
-        step.push(&forces(a, DVec3::ZERO), a)
-            .expect("rows are finite");
-    }
-    let Err(Error::RankDeficient {
-        rank,
-        lost_direction,
-        ..
-    }) = step.solve()
-    else {
-        panic!("motion along x alone cannot determine nine scale factors");
-    };
-    assert!(rank < LIMBS);
-    // What is lost must be invisible: the forces of that motion times the lost direction give no acceleration.
-    let force = forces(DVec3::X, DVec3::ZERO);
-    let seen = (0..LIMBS).fold(DVec3::ZERO, |sum, i| {
-        sum + DIRECTIONS_SHELL[i] * (force[i] * lost_direction[i])
-    });
-    within("the lost direction", seen.length(), tolerance::EXACT_ROWS);
 }
 
 #[test]
