@@ -14,8 +14,8 @@ use glam::{DQuat, DVec3};
 
 use crate::scalar::{sin_cos, sqrt};
 
-/// Below this half angle the sine quotient takes its series; the dropped term is angle^6/5040.
-const SERIES_HALF_ANGLE_RAD: f64 = 2e-2;
+/// Below this half angle sine and cosine take their series; the first dropped term, angle^6/720, is a tenth of rounding.
+const SERIES_HALF_ANGLE_RAD: f64 = 5e-3;
 
 /// exp of a rotation vector as a unit quaternion.
 #[must_use]
@@ -25,7 +25,7 @@ pub fn exp(rotation_rad: DVec3) -> DQuat {
     let (quotient, cosine) = if x2 < SERIES_HALF_ANGLE_RAD * SERIES_HALF_ANGLE_RAD {
         (
             1.0 - x2 / 6.0 * (1.0 - x2 / 20.0),
-            1.0 - x2 / 2.0 * (1.0 - x2 / 12.0 * (1.0 - x2 / 30.0)),
+            1.0 - x2 / 2.0 * (1.0 - x2 / 12.0),
         )
     } else {
         let x = sqrt(x2);

@@ -184,11 +184,20 @@ pub const REPEATED_STEPS: [Tolerance; 4] = [
         Reason::Measured("4e-5: a parabola through three grid points"),
     ),
 ];
+/// Two ways to one least-squares answer, over the largest value and the square of the condition number.
+pub const LEAST_SQUARES: Tolerance = new(
+    2e-11,
+    Reason::Measured("5e-13: the singular value iteration stops at 1e-15 of the largest entry"),
+);
 /// (14) and (19) against a pseudo-inverse of the tall matrix, over the largest value.
 pub const CLOSED_FORM: Tolerance = new(1e-12, Reason::Measured("3e-15"));
 /// Chi-square of predicted against seen errors, in half widths of an interval that chance leaves once in a million.
 pub const CHI_SQUARE: Tolerance = new(1.0, Reason::Derived);
 /// What rounding leaves of a condition number of 1e8, relative.
 pub const NEAR_LIMIT: Tolerance = new(1e-6, Reason::Measured("4e-9"));
+/// A handful of operations on numbers of one size.
+pub const LAST_DIGITS: Tolerance = new(8.0 * f64::EPSILON, Reason::Derived);
+/// Central differences of a parabola over 1e-5 s, over the size of the derivative: rounding over the step's square.
+pub const DIFFERENCED: Tolerance = new(2e-8, Reason::Measured("3e-9"));
 /// A broken ingredient must exceed the limit of the sound one by this factor.
 pub const NEGATIVE_CONTROL: f64 = 100.0;
