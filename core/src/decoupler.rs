@@ -7,7 +7,7 @@ use crate::attitude;
 use crate::dynamics::{Instant, LimbWrench, MassInertia};
 use crate::error::{Error, Result};
 use crate::geometry::{Geometry, LIMBS};
-use crate::integrator::{Integrator, Scheme, Settled};
+use crate::integrator::{Integrator, Scheme, Settled, SettledPair};
 use crate::limbs::LimbStream;
 use crate::parameters::Parameters;
 use crate::pose::{LimbLaw, RelativeMotion};
@@ -78,15 +78,20 @@ impl Settings {
             })
         };
         let rate = self.sample_rate_hz;
-        if !(rate.is_finite() && rate > 0.0) {
-            return out_of_range("sample_rate_hz", rate, "positive and finite");
+        // Differences are divided by the square of the step.
+        if !(rate > 0.0 && (rate * rate).is_normal()) {
+            return out_of_range(
+                "sample_rate_hz",
+                rate,
+                "positive and finite, and its square, too",
+            );
         }
         for (name, vector) in [
             ("gravity_ground_m_s2", self.gravity_ground_m_s2),
             ("initial_rate_shell_rad_s", self.initial_rate_shell_rad_s),
         ] {
-            if !vector.is_finite() {
-                return out_of_range(name, vector.length(), "finite");
+            if !vector.length().is_finite() {
+                return out_of_range(name, vector.length(), "finite, and its square, too");
             }
         }
         if !self.initial_attitude.is_normalized() {
@@ -132,9 +137,11 @@ pub struct Decoupler {
     gravity_ground_m_s2: DVec3,
     initial_attitude: DQuat,
     step_s: f64,
-    last: Option<SixAxis>,
-    last_angular_shell: DVec3,
+    last: Option<Output>,
 }
+
+/// A decoupled sample with its angular acceleration in shell axes, from which the next attitude follows.
+type Output = (SixAxis, DVec3);
 
 impl Decoupler {
     /// Prepares a decoupler.
@@ -152,42 +159,68 @@ impl Decoupler {
             initial_attitude: settings.initial_attitude,
             step_s,
             last: None,
-            last_angular_shell: DVec3::ZERO,
         })
     }
 
     /// Takes the next nine voltages and returns the samples that they complete.
     ///
     /// # Errors
-    /// Those of [`LimbStream::push`]; the decoupler is unchanged by a refused sample.
+    /// Those of [`LimbStream::push`]; [`Error::Overflow`] if the sample would make an answer that no f64 holds. The
+    /// decoupler is unchanged by a refused sample: a rate that has run away is refused for good.
     pub fn push(&mut self, voltage_v: &[f64; LIMBS]) -> Result<Decoupled> {
-        let Some(now) = self.limbs.push(voltage_v)? else {
+        let (entry, sample) = self.limbs.look(voltage_v)?;
+        let Some(now) = sample else {
+            self.limbs.accept(entry);
             return Ok([None, None]);
         };
         let pose = &now.relative.pose;
         let wrench = LimbWrench::at_pose(self.limbs.geometry(), pose, &now.force_per_mass_m_s2);
         let instant = Instant::new(now.relative, wrench, &self.inertia);
-        let settled = self.integrator.push(instant);
-        Ok(settled.map(|settled| settled.map(|s| self.decouple(&s))))
+        let settled = self.integrator.settle(&instant);
+        let outputs = self.decouple_pair(&settled);
+        // A sample that a pairwise scheme holds back must be sound if the stream ends here.
+        let held = self.integrator.held(&instant, &settled);
+        let held = held.map(|settled| self.decouple(self.last.as_ref(), &settled));
+        if !outputs.iter().flatten().chain(&held).all(is_finite) {
+            return Err(Error::Overflow {
+                what: "decoupling",
+                channel: 0,
+                sample: self.limbs.awaited(),
+            });
+        }
+        self.limbs.accept(entry);
+        self.integrator.accept(instant, &settled);
+        let [first, second] = outputs;
+        self.last = second.or(first).or(self.last);
+        Ok(outputs.map(|output| output.map(|(sample, _)| sample)))
     }
 
     /// Ends the stream and returns the sample that a pairwise scheme may still hold.
     pub fn finish(mut self) -> Option<SixAxis> {
         let settled = self.integrator.finish()?;
-        Some(self.decouple(&settled))
+        Some(self.decouple(self.last.as_ref(), &settled).0)
     }
 
-    fn decouple(&mut self, settled: &Settled) -> SixAxis {
+    #[inline]
+    fn decouple_pair(&self, settled: &SettledPair) -> [Option<Output>; 2] {
+        let [first, second] = settled;
+        let first = first.map(|s| self.decouple(self.last.as_ref(), &s));
+        let second = second.map(|s| self.decouple(first.as_ref(), &s));
+        [first, second]
+    }
+
+    #[inline]
+    fn decouple(&self, last: Option<&Output>, settled: &Settled) -> Output {
         let rate = settled.rate_shell_rad_s;
         let angular_shell = settled.angular_acceleration_shell_rad_s2;
-        let (sample, attitude) = match &self.last {
+        let (sample, attitude) = match last {
             None => (1, self.initial_attitude),
-            Some(last) => (
+            Some((last, last_angular_shell)) => (
                 last.sample + 1,
                 attitude::advance(
                     last.attitude,
                     [last.rate_shell_rad_s, rate],
-                    [self.last_angular_shell, angular_shell],
+                    [*last_angular_shell, angular_shell],
                     self.step_s,
                 ),
             ),
@@ -203,8 +236,14 @@ impl Decoupler {
             attitude,
             relative: settled.instant.relative,
         };
-        self.last = Some(output);
-        self.last_angular_shell = angular_shell;
-        output
+        (output, angular_shell)
     }
+}
+
+fn is_finite((sample, angular_shell): &Output) -> bool {
+    sample.linear_ground_m_s2.is_finite()
+        && sample.angular_ground_rad_s2.is_finite()
+        && sample.rate_shell_rad_s.is_finite()
+        && sample.attitude.is_finite()
+        && angular_shell.is_finite()
 }

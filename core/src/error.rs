@@ -18,6 +18,18 @@ pub enum Error {
         /// The offending value.
         value: f64,
     },
+    /// Finite input, but a result that no f64 holds.
+    #[error(
+        "{what}: channel {channel}, sample {sample}: finite input, but of a size whose result is not a finite number"
+    )]
+    Overflow {
+        /// The operation.
+        what: &'static str,
+        /// Channel, from 1; 0 where it is not one channel's.
+        channel: usize,
+        /// Sample, from 0.
+        sample: usize,
+    },
     /// A parameter or setting lies outside the range in which it has a meaning.
     #[error("{name} = {value}: must be {requirement}")]
     OutOfRange {

@@ -47,7 +47,7 @@ impl Geometry {
         half_edge_m: 21e-3,
     };
 
-    /// Refuses lengths that are not positive and finite.
+    /// Refuses lengths that are not positive and finite, or whose squares overflow or vanish.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] names the field.
@@ -56,11 +56,11 @@ impl Geometry {
             ("limb_length_m", self.limb_length_m),
             ("half_edge_m", self.half_edge_m),
         ] {
-            if !(value.is_finite() && value > 0.0) {
+            if !(value > 0.0 && (value * value).is_normal()) {
                 return Err(Error::OutOfRange {
                     name,
                     value,
-                    requirement: "positive and finite",
+                    requirement: "positive and finite, and its square, too",
                 });
             }
         }

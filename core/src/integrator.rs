@@ -152,27 +152,40 @@ impl Integrator {
 
     /// Takes the next instant, one step after the one before, and returns what it settles.
     pub fn push(&mut self, instant: Instant) -> SettledPair {
-        let Some(last) = self.last else {
-            let settled = Settled::new(instant, self.initial_rate);
-            self.last = Some(settled);
-            return [Some(settled), None];
+        let settled = self.settle(&instant);
+        self.accept(instant, &settled);
+        settled
+    }
+
+    /// What [`Self::push`] would return.
+    #[inline]
+    pub(crate) fn settle(&self, instant: &Instant) -> SettledPair {
+        let Some(last) = &self.last else {
+            return [Some(Settled::new(*instant, self.initial_rate)), None];
         };
         if self.scheme == Scheme::RungeKutta4 {
-            let Some(middle) = self.middle.take() else {
-                self.middle = Some(instant);
-                return [None, None];
+            return match self.middle {
+                None => [None, None],
+                Some(middle) => self.runge_kutta_pair(last, middle, *instant),
             };
-            return self.runge_kutta_pair(&last, middle, instant);
         }
+        [
+            Some(Settled::new(*instant, self.rate_at(last, instant))),
+            None,
+        ]
+    }
+
+    /// w* at `instant`, one step after `last`, by a scheme that goes from sample to sample.
+    fn rate_at(&self, last: &Settled, instant: &Instant) -> DVec3 {
         let h = self.step_s;
         let w = last.rate_shell_rad_s;
         let f0 = last.angular_acceleration_shell_rad_s2;
         let [f1, f2, f3] = self.history;
         let rhs = |rate| instant.angular_acceleration_shell_rad_s2(rate);
-        let rate = match (self.scheme, self.known) {
+        match (self.scheme, self.known) {
             (Scheme::Euler, _) => w + h * f0,
             (Scheme::HeunSubstepped, _) => {
-                heun_substepped(self.before_last, last.instant, instant, w, h)
+                heun_substepped(self.before_last, last.instant, *instant, w, h)
             }
             (Scheme::AdamsBashforth2, 1..) => w + (h / 2.0) * (3.0 * f0 - f1),
             (Scheme::AdamsMoulton4, 1) => {
@@ -189,27 +202,51 @@ impl Integrator {
             }
             // Heun, and the first step of the multi-step schemes.
             _ => w + (h / 2.0) * (f0 + rhs(w + h * f0)),
+        }
+    }
+
+    /// Moves on to what [`Self::settle`] has made of `instant`.
+    #[inline]
+    pub(crate) fn accept(&mut self, instant: Instant, settled: &SettledPair) {
+        let [first, second] = settled;
+        let Some(newest) = second.or(*first) else {
+            self.middle = Some(instant);
+            return;
         };
-        self.before_last = Some(last.instant);
-        self.history = [f0, f1, f2];
-        self.known = (self.known + 1).min(3);
-        let settled = Settled::new(instant, rate);
-        self.last = Some(settled);
-        [Some(settled), None]
+        if let Some(last) = &self.last {
+            let [f1, f2, _] = self.history;
+            self.before_last = Some(last.instant);
+            self.history = [last.angular_acceleration_shell_rad_s2, f1, f2];
+            self.known = (self.known + 1).min(3);
+        }
+        self.middle = None;
+        self.last = Some(newest);
+    }
+
+    /// What [`Self::finish`] would return after `instant`, of which [`Self::settle`] has made `settled`.
+    #[inline]
+    pub(crate) fn held(&self, instant: &Instant, settled: &SettledPair) -> Option<Settled> {
+        let last = self.last.as_ref()?;
+        settled[0].is_none().then(|| self.heun(last, *instant))
     }
 
     /// Settles what a Runge-Kutta pair left open at the end of the stream, by one Heun step.
     pub fn finish(&mut self) -> Option<Settled> {
         let (last, middle) = (self.last?, self.middle.take()?);
-        let w = last.rate_shell_rad_s;
-        let f0 = last.angular_acceleration_shell_rad_s2;
-        let f1 = middle.angular_acceleration_shell_rad_s2(w + self.step_s * f0);
-        let settled = Settled::new(middle, w + (self.step_s / 2.0) * (f0 + f1));
+        let settled = self.heun(&last, middle);
         self.last = Some(settled);
         Some(settled)
     }
 
-    fn runge_kutta_pair(&mut self, last: &Settled, middle: Instant, end: Instant) -> SettledPair {
+    /// One Heun step from `last` to `instant`.
+    fn heun(&self, last: &Settled, instant: Instant) -> Settled {
+        let w = last.rate_shell_rad_s;
+        let f0 = last.angular_acceleration_shell_rad_s2;
+        let f1 = instant.angular_acceleration_shell_rad_s2(w + self.step_s * f0);
+        Settled::new(instant, w + (self.step_s / 2.0) * (f0 + f1))
+    }
+
+    fn runge_kutta_pair(&self, last: &Settled, middle: Instant, end: Instant) -> SettledPair {
         let step = 2.0 * self.step_s;
         let w = last.rate_shell_rad_s;
         let k1 = last.angular_acceleration_shell_rad_s2;
@@ -219,7 +256,6 @@ impl Integrator {
         let end = Settled::new(end, w + (step / 6.0) * (k1 + 2.0 * (k2 + k3) + k4));
         let between = 0.5 * (w + end.rate_shell_rad_s)
             + (step / 8.0) * (k1 - end.angular_acceleration_shell_rad_s2);
-        self.last = Some(end);
         [Some(Settled::new(middle, between)), Some(end)]
     }
 }

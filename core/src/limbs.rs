@@ -26,6 +26,9 @@ pub struct LimbSample {
     pub relative: RelativeMotion,
 }
 
+/// A sample as the window keeps it: the pose and what the channels show of the forces.
+pub(crate) type Entry = (Pose, [f64; LIMBS]);
+
 /// Turns a stream of voltages into limb forces and relative motion: eqs. (11) and (2).
 #[derive(Debug, Clone, PartialEq)]
 pub struct LimbStream {
@@ -37,7 +40,7 @@ pub struct LimbStream {
     step_s: f64,
     received: u64,
     /// The two samples before the newest, oldest first.
-    window: [(Pose, [f64; LIMBS]); 2],
+    window: [Entry; 2],
 }
 
 impl LimbStream {
@@ -51,6 +54,8 @@ impl LimbStream {
         sensor.gains.validate()?;
         parameters.validate()?;
         settings.validate()?;
+        let chain = SignalChain::new(&sensor.gains, parameters);
+        chain.validate()?;
         let stiffness_per_mass_per_s2 = parameters.stiffness_per_mass_per_s2;
         let preload_m_s2 = match settings.static_response {
             StaticResponse::Full => [0.0; LIMBS],
@@ -62,7 +67,7 @@ impl LimbStream {
         };
         Ok(Self {
             geometry: sensor.geometry,
-            chain: SignalChain::new(&sensor.gains, parameters),
+            chain,
             limb_law: settings.limb_law,
             stiffness_per_mass_per_s2,
             preload_m_s2,
@@ -88,13 +93,22 @@ impl LimbStream {
     ///
     /// # Errors
     /// [`Error::NotFinite`] names channel and sample; [`Error::LimbsDoNotMeet`] for forces that no assembled sensor
-    /// can carry. The stream is unchanged by a refused sample.
+    /// can carry; [`Error::Overflow`] if a finite voltage makes a motion that no f64 holds. The stream is unchanged by a
+    /// refused sample.
     pub fn push(&mut self, voltage_v: &[f64; LIMBS]) -> Result<Option<LimbSample>> {
+        let (entry, sample) = self.look(voltage_v)?;
+        self.accept(entry);
+        Ok(sample)
+    }
+
+    /// What [`Self::push`] would return, and the entry that [`Self::accept`] then takes.
+    #[inline]
+    pub(crate) fn look(&self, voltage_v: &[f64; LIMBS]) -> Result<(Entry, Option<LimbSample>)> {
         for (channel, &value) in voltage_v.iter().enumerate() {
             if !value.is_finite() {
                 return Err(Error::NotFinite {
                     channel: channel + 1,
-                    sample: self.received as usize,
+                    sample: self.awaited(),
                     value,
                 });
             }
@@ -102,14 +116,37 @@ impl LimbStream {
         let sensed = self.chain.force_per_mass_m_s2(voltage_v);
         let pose = self.pose(&sensed)?;
         let [(before, _), (now, now_sensed)] = self.window;
-        self.window = [self.window[1], (pose, sensed)];
-        self.received += 1;
-        Ok((self.received >= 3).then(|| LimbSample {
-            sample: self.received - 2,
+        let entry = (pose, sensed);
+        if self.received < 2 {
+            return Ok((entry, None));
+        }
+        let relative = RelativeMotion::from_poses(&before, &now, &pose, self.step_s);
+        if !relative.is_finite() {
+            return Err(Error::Overflow {
+                what: "relative motion",
+                channel: 0,
+                sample: self.awaited(),
+            });
+        }
+        let sample = LimbSample {
+            sample: self.received - 1,
             sensed_m_s2: now_sensed,
             force_per_mass_m_s2: self.whole(&now_sensed),
-            relative: RelativeMotion::from_poses(&before, &now, &pose, self.step_s),
-        }))
+            relative,
+        };
+        Ok((entry, Some(sample)))
+    }
+
+    #[inline]
+    pub(crate) fn accept(&mut self, entry: Entry) {
+        self.window = [self.window[1], entry];
+        self.received += 1;
+    }
+
+    /// Index of the sample that is to come.
+    #[inline]
+    pub(crate) fn awaited(&self) -> usize {
+        self.received as usize
     }
 
     fn whole(&self, sensed_m_s2: &[f64; LIMBS]) -> [f64; LIMBS] {

@@ -68,8 +68,8 @@ impl InertiaPerMass {
     /// Principal moments per mass, ascending, m^2.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for an entry that is not finite, [`Error::NotConverged`] if the eigenvalue iteration
-    /// does not settle.
+    /// [`Error::OutOfRange`] for an entry that is not finite or of a size whose principal moments are not,
+    /// [`Error::NotConverged`] if the eigenvalue iteration does not settle.
     pub fn principal_m2(&self) -> Result<[f64; 3]> {
         const NAMES: [&str; 6] = ["xx_m2", "yy_m2", "zz_m2", "xy_m2", "xz_m2", "yz_m2"];
         for (name, value) in NAMES.into_iter().zip(self.to_paper_order()) {
@@ -97,21 +97,36 @@ impl InertiaPerMass {
             eigen.eigenvalues[2],
         ];
         p.sort_unstable_by(f64::total_cmp);
+        if !p.iter().all(|moment| moment.is_finite()) {
+            return Err(Error::OutOfRange {
+                name: "inertia_per_mass",
+                value: m.iter().fold(0.0, |a, b| a.max(b.abs())),
+                requirement: "of a size whose principal moments are finite",
+            });
+        }
         Ok(p)
     }
 
     /// Refuses a tensor that no rigid body can have.
     ///
     /// # Errors
-    /// As [`Self::principal_m2`], and [`Error::ImpossibleInertia`] when a principal moment is not positive or
-    /// exceeds the sum of the other two.
+    /// As [`Self::principal_m2`], [`Error::ImpossibleInertia`] when a principal moment is not positive or exceeds the
+    /// sum of the other two, and [`Error::OutOfRange`] when the determinant, by which its inverse is divided, overflows or
+    /// vanishes.
     pub fn validate(&self) -> Result<()> {
         let p = self.principal_m2()?;
-        if p[0] > 0.0 && p[2] <= p[0] + p[1] {
-            Ok(())
-        } else {
-            Err(Error::ImpossibleInertia { principal_m2: p })
+        if !(p[0] > 0.0 && p[2] <= p[0] + p[1]) {
+            return Err(Error::ImpossibleInertia { principal_m2: p });
         }
+        let determinant = self.matrix_mass_m2().determinant();
+        if !determinant.is_normal() {
+            return Err(Error::OutOfRange {
+                name: "inertia_per_mass",
+                value: p[2],
+                requirement: "of a size whose cube neither overflows nor vanishes",
+            });
+        }
+        Ok(())
     }
 }
 

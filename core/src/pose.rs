@@ -25,7 +25,7 @@ use crate::scalar::{sin_cos, sqrt};
 
 /// Rotations below this angle take the series of the sine and cosine quotients, rad: its first dropped term is
 /// angle^6/5040, which is below rounding.
-const SERIES_ANGLE_RAD: f64 = 2e-2;
+const SERIES_ANGLE_RAD: f64 = 5e-3;
 
 /// The rotation fit gains about 1/|phi| per iteration: four reach rounding at 1e-4 rad.
 const FIT_ITERATIONS: usize = 24;
@@ -129,7 +129,7 @@ impl Pose {
     ///
     /// # Errors
     /// [`Error::LimbsDoNotMeet`] when no point has the three distances asked for at a node, or an elongation is not
-    /// finite.
+    /// finite; [`Error::NotConverged`] when the rotation that fits the nodes best is not finite.
     pub fn from_elongations(geometry: &Geometry, elongation_m: &[f64; LIMBS]) -> Result<Self> {
         let mut displacement = [DVec3::ZERO; NODES];
         for (node, p) in displacement.iter_mut().enumerate() {
@@ -155,10 +155,17 @@ impl Pose {
                 break;
             }
         }
-        Ok(Self {
+        let pose = Self {
             position_shell_m: mean - rotate_minus_identity(phi, node_mean),
             rotation_rad: phi,
-        })
+        };
+        if !(pose.position_shell_m.is_finite() && phi.is_finite()) {
+            return Err(Error::NotConverged {
+                what: "rotation of the mass",
+                iterations: FIT_ITERATIONS,
+            });
+        }
+        Ok(pose)
     }
 }
 
@@ -205,6 +212,19 @@ pub struct RelativeMotion {
 }
 
 impl RelativeMotion {
+    pub(crate) fn is_finite(&self) -> bool {
+        [
+            self.pose.position_shell_m,
+            self.pose.rotation_rad,
+            self.velocity_shell_m_s,
+            self.rate_shell_rad_s,
+            self.acceleration_shell_m_s2,
+            self.angular_acceleration_shell_rad_s2,
+        ]
+        .iter()
+        .all(|v| v.is_finite())
+    }
+
     /// Central differences of three poses one `step_s` apart: second order in the step.
     ///
     /// The rate of a rotation vector is not yet an angular velocity: w_r = phi' + phi x phi'/2 + ... (left Jacobian of

@@ -24,6 +24,7 @@ const TOLERANCE: f64 = 1e-14;
 /// `gravity_shell_m_s2` is the vector g in shell axes (pointing down). Zero gravity gives zero forces.
 ///
 /// # Errors
+/// [`Error::OutOfRange`] for a geometry, stiffness or gravity without a meaning,
 /// [`Error::NotConverged`] when no equilibrium is found: the limbs are too soft for this gravity.
 pub fn static_preload_m_s2(
     geometry: &Geometry,
@@ -42,6 +43,7 @@ pub fn static_equilibrium(
     stiffness_per_mass_per_s2: f64,
     gravity_shell_m_s2: DVec3,
 ) -> Result<(Pose, [f64; LIMBS])> {
+    validate(geometry, stiffness_per_mass_per_s2, gravity_shell_m_s2)?;
     let arm_scale = geometry.half_edge_m;
     // Rows of J: the wrench of a unit force in each limb. Torques are divided by n to share a unit with forces.
     let rows: [Vector6<f64>; LIMBS] = core::array::from_fn(|limb| {
@@ -94,4 +96,32 @@ pub fn static_equilibrium(
         what: "static equilibrium",
         iterations: ITERATIONS,
     })
+}
+
+fn validate(
+    geometry: &Geometry,
+    stiffness_per_mass_per_s2: f64,
+    gravity_shell_m_s2: DVec3,
+) -> Result<()> {
+    geometry.validate()?;
+    let out_of_range = |name, value, requirement| {
+        Err(Error::OutOfRange {
+            name,
+            value,
+            requirement,
+        })
+    };
+    if !(stiffness_per_mass_per_s2 > 0.0 && stiffness_per_mass_per_s2.is_finite()) {
+        return out_of_range(
+            "stiffness_per_mass_per_s2",
+            stiffness_per_mass_per_s2,
+            "positive and finite",
+        );
+    }
+    // An infinite length would pass for an infinite limit, and any imbalance for an equilibrium.
+    let gravity = gravity_shell_m_s2.length();
+    if !gravity.is_finite() {
+        return out_of_range("gravity_shell_m_s2", gravity, "finite, and its square, too");
+    }
+    Ok(())
 }

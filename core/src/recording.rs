@@ -10,17 +10,28 @@ pub const STEP_TOLERANCE: f64 = 1e-2;
 /// Checks that time stamps advance evenly at the sample rate.
 ///
 /// # Errors
-/// [`Error::OutOfRange`] for a sample rate that is not positive and finite, [`Error::IrregularTime`] at the first stamp
-/// that is not finite, does not increase, or departs from the step by more than [`STEP_TOLERANCE`].
+/// [`Error::OutOfRange`] for a sample rate that is not positive and finite, or so small that its step is not;
+/// [`Error::NotFinite`] (channel 0) for a first stamp that is not finite; [`Error::IrregularTime`] at the first later one
+/// that is not, does not increase, or departs from the step by more than [`STEP_TOLERANCE`].
 pub fn check_time_stamps(time_s: &[f64], sample_rate_hz: f64) -> Result<()> {
-    if !(sample_rate_hz.is_finite() && sample_rate_hz > 0.0) {
+    let expected_step_s = 1.0 / sample_rate_hz;
+    // Against an infinite step any stamp would be regular.
+    if !(sample_rate_hz.is_finite() && sample_rate_hz > 0.0 && expected_step_s.is_finite()) {
         return Err(Error::OutOfRange {
             name: "sample_rate_hz",
             value: sample_rate_hz,
-            requirement: "positive and finite",
+            requirement: "positive and finite, and its step, too",
         });
     }
-    let expected_step_s = 1.0 / sample_rate_hz;
+    if let Some(&value) = time_s.first()
+        && !value.is_finite()
+    {
+        return Err(Error::NotFinite {
+            channel: 0,
+            sample: 0,
+            value,
+        });
+    }
     for (i, pair) in time_s.windows(2).enumerate() {
         let step = pair[1] - pair[0];
         // Written so that NaN is irregular, too.
@@ -42,9 +53,19 @@ pub fn check_time_stamps(time_s: &[f64], sample_rate_hz: f64) -> Result<()> {
 /// `limit_v` is the converter's limit (infinite if it has none), V.
 ///
 /// # Errors
-/// [`Error::TooFewSamples`] below two samples; [`Error::NotFinite`], [`Error::Clipped`] at the first offending sample;
+/// [`Error::OutOfRange`] for a limit that is not positive; [`Error::TooFewSamples`] below two samples;
+/// [`Error::NotFinite`], [`Error::Clipped`] at the first offending sample;
 /// [`Error::DeadChannel`] for a channel that reads one and the same value throughout while another moves.
 pub fn check_channels(voltage_v: &[[f64; LIMBS]], limit_v: f64) -> Result<()> {
+    // Written so that NaN, which nothing reaches, is refused, too.
+    let has_a_limit = limit_v > 0.0;
+    if !has_a_limit {
+        return Err(Error::OutOfRange {
+            name: "limit_v",
+            value: limit_v,
+            requirement: "positive",
+        });
+    }
     let [first, rest @ ..] = voltage_v else {
         return too_few(0);
     };

@@ -60,9 +60,10 @@ pub fn detrend(
         what: "rest-to-rest detrending",
         iterations: ITERATIONS,
     };
+    let start = Decoupler::new(sensor, parameters, settings)?;
     let pattern = torque_pattern(sensor, parameters).ok_or(not_converged.clone())?;
     let end_state = |line: &Vector6<f64>| -> Result<Vector6<f64>> {
-        let mut decoupler = Decoupler::new(sensor, parameters, settings)?;
+        let mut decoupler = start.clone();
         let mut last = None;
         for (sample, row) in voltage_v.iter().enumerate() {
             let corrected = corrected(row, &pattern, line, sample, voltage_v.len());

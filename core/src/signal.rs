@@ -71,6 +71,23 @@ impl SignalChain {
         }
     }
 
+    /// Refuses a gain and a scale factor whose product no f64 holds.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`].
+    pub fn validate(&self) -> Result<()> {
+        for value in self.sensitivity {
+            if !value.is_normal() {
+                return Err(Error::OutOfRange {
+                    name: "scale_per_mass_per_kg x gain_n_per_v",
+                    value,
+                    requirement: "finite and not zero",
+                });
+            }
+        }
+        Ok(())
+    }
+
     /// Limb force per mass f_i/m = (s_i/m) c_i (u_i - d_i), m/s^2, positive in compression: eq. (11).
     #[must_use]
     pub fn force_per_mass_m_s2(&self, voltage_v: &[f64; LIMBS]) -> [f64; LIMBS] {

@@ -5,6 +5,7 @@
 
 pub mod compare;
 pub mod evidence;
+pub mod hostile;
 pub mod manufactured;
 pub mod motions;
 pub mod rig_runs;

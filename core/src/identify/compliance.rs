@@ -72,7 +72,7 @@ impl CompliantRows {
     /// W' = R_r^T (w*' + eps + w* x w_r).
     ///
     /// # Errors
-    /// [`crate::Error::NotFinite`].
+    /// [`crate::Error::NotFinite`], [`crate::Error::Overflow`].
     pub fn push_inertia(
         &self,
         step: &mut InertiaIdentification,

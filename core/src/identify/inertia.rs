@@ -13,7 +13,7 @@ use super::least_squares::{Accumulator, Estimate};
 use super::noise_verdict_relative_to;
 use super::scale::check_finite;
 use crate::dynamics::LimbWrench;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::geometry::{Geometry, LIMBS};
 use crate::parameters::InertiaPerMass;
 use crate::scalar::sqrt;
@@ -95,18 +95,15 @@ impl InertiaIdentification {
     /// serves as well as a full one.
     ///
     /// # Errors
-    /// [`crate::Error::NotFinite`] (channel 0 is the reference).
+    /// [`crate::Error::NotFinite`] (channel 0 is the reference), [`crate::Error::Overflow`] if the square of the rate is
+    /// not.
     pub fn push(
         &mut self,
         force_per_mass_m_s2: &[f64; LIMBS],
         rate_shell_rad_s: DVec3,
         rate_derivative_shell_rad_s2: DVec3,
     ) -> Result<()> {
-        check_finite(
-            force_per_mass_m_s2,
-            rate_shell_rad_s + rate_derivative_shell_rad_s2,
-            self.samples,
-        )?;
+        check_finite(force_per_mass_m_s2, rate_shell_rad_s, self.samples)?;
         let torque = LimbWrench::at_rest(&self.geometry, force_per_mass_m_s2).torque_shell_m2_s2;
         self.push_torque(torque, rate_shell_rad_s, rate_derivative_shell_rad_s2)
     }
@@ -118,8 +115,19 @@ impl InertiaIdentification {
         rate_rad_s: DVec3,
         rate_derivative_rad_s2: DVec3,
     ) -> Result<()> {
+        for reference in [rate_rad_s, rate_derivative_rad_s2] {
+            check_finite(&[0.0; LIMBS], reference, self.samples)?;
+        }
         let linear = regressor(DVec3::ZERO, rate_derivative_rad_s2);
         let quadratic = regressor(rate_rad_s, DVec3::ZERO);
+        let mut entries = quadratic.as_flattened().iter();
+        if !(torque_m2_s2.is_finite() && entries.all(|x| x.is_finite())) {
+            return Err(Error::Overflow {
+                what: WHAT,
+                channel: 0,
+                sample: self.samples,
+            });
+        }
         for axis in 0..3 {
             let mut row = [0.0; 12];
             row[..6].copy_from_slice(&linear[axis]);
@@ -148,7 +156,8 @@ impl InertiaIdentification {
     /// Solves for the six entries and the gyroscope's gain.
     ///
     /// # Errors
-    /// As [`Self::solve`].
+    /// As [`Self::solve`], and [`crate::Error::NotConverged`] where the residual has no minimum in the gain: the motion
+    /// does not tell it.
     pub fn solve_with_gain(&self) -> Result<InertiaAndGain> {
         let squares = |gamma: f64| -> Result<f64> {
             let rms = self.at_gain(gamma).solve(WHAT)?.residual_rms;
@@ -178,6 +187,12 @@ impl InertiaIdentification {
             (squares(gamma + probe)? - 2.0 * middle + squares(gamma - probe)?) / (probe * probe);
         let degrees_of_freedom = (estimate.rows - 6) as f64;
         let standard_error = sqrt(2.0 * middle / (curvature * degrees_of_freedom));
+        if !(curvature > 0.0 && standard_error.is_finite()) {
+            return Err(Error::NotConverged {
+                what: "gain of the gyroscope (step 3)",
+                iterations: GAIN_STEPS,
+            });
+        }
         // What was solved for is gamma I/m.
         estimate.values = estimate.values.map(|v| v / gamma);
         estimate.covariance /= gamma * gamma;

@@ -66,7 +66,7 @@ impl<const N: usize> Default for Accumulator<N> {
 }
 
 impl<const N: usize> Accumulator<N> {
-    /// Adds one equation `row . x = right_side`.
+    /// Adds one equation `row . x = right_side`. One that is not finite is not refused here but by [`Self::solve`].
     pub fn push(&mut self, row: [f64; N], right_side: f64) {
         let mut row = row;
         let mut b = right_side;
@@ -76,7 +76,7 @@ impl<const N: usize> Accumulator<N> {
                 continue;
             }
             let r = self.triangle[(j, j)];
-            let norm = sqrt(r * r + x * x);
+            let norm = hypot(r, x);
             let (c, s) = (r / norm, x / norm);
             for (k, entry) in row.iter_mut().enumerate().skip(j) {
                 let upper = self.triangle[(j, k)];
@@ -126,7 +126,7 @@ where
     ///
     /// # Errors
     /// [`Error::TooFewSamples`] for fewer rows than unknowns plus one, [`Error::OutOfRange`] if a row held NaN or
-    /// infinity, [`Error::RankDeficient`] with the lost direction, [`Error::NotConverged`].
+    /// infinity or is of a size that leaves no finite solution, [`Error::RankDeficient`] with the lost direction, [`Error::NotConverged`].
     pub fn solve(&self, what: &'static str) -> Result<Estimate<N>> {
         if self.rows <= N {
             return Err(Error::TooFewSamples {
@@ -135,15 +135,16 @@ where
                 got: self.rows,
             });
         }
-        let finite = self.triangle.iter().chain(self.rotated.iter()).sum::<f64>();
-        if !(finite + self.residual_squares).is_finite() {
-            return Err(Error::OutOfRange {
-                name: what,
-                value: finite,
-                requirement: "fed with finite rows whose squares do not overflow",
-            });
-        }
         let column_norm: [f64; N] = core::array::from_fn(|j| self.triangle.column(j).norm());
+        let finite = column_norm.iter().chain(self.rotated.iter()).sum::<f64>();
+        let out_of_range = |value| Error::OutOfRange {
+            name: what,
+            value,
+            requirement: "fed with finite rows whose squares neither overflow nor vanish",
+        };
+        if !(finite + self.residual_squares).is_finite() {
+            return Err(out_of_range(finite));
+        }
         // An unknown that nothing excites keeps its zero column; scaling must not turn it into NaN.
         let scale = SVector::from(column_norm.map(|n| if n > 0.0 { 1.0 / n } else { 1.0 }));
         let scaled = self.triangle * SMatrix::<f64, N, N>::from_diagonal(&scale);
@@ -189,12 +190,28 @@ where
         let pseudo = SMatrix::<f64, N, N>::from_diagonal(&scale) * v_t.transpose() * inverse;
         let x = pseudo * (u.transpose() * self.rotated);
         let variance = self.residual_squares / (self.rows - N) as f64;
+        let covariance = pseudo * pseudo.transpose() * variance;
+        let answer = x.iter().chain(covariance.iter()).sum::<f64>();
+        if !answer.is_finite() {
+            return Err(out_of_range(answer));
+        }
         Ok(Estimate {
             values: core::array::from_fn(|i| x[i]),
-            covariance: pseudo * pseudo.transpose() * variance,
+            covariance,
             residual_rms: sqrt(variance),
             condition,
             rows: self.rows,
         })
     }
+}
+
+/// Root of a^2 + b^2, also where the squares overflow or vanish.
+fn hypot(a: f64, b: f64) -> f64 {
+    let squares = a * a + b * b;
+    if squares.is_normal() {
+        return sqrt(squares);
+    }
+    let larger = a.abs().max(b.abs());
+    let (a, b) = (a / larger, b / larger);
+    larger * sqrt(a * a + b * b)
 }

@@ -34,7 +34,8 @@ pub enum Reason {
     Noise {
         /// Unknown, from 1 in the paper's order.
         unknown: usize,
-        /// Standard error over the size of the unknown (for I/m: of the largest entry).
+        /// Standard error over the size of the unknown (for I/m: of the largest entry); the largest f64 for an unknown
+        /// without a size.
         relative_standard_error: f64,
     },
     /// The search ended at an end of the grid: the objective has no minimum inside.
@@ -84,7 +85,8 @@ fn worst<const N: usize>(relative: [f64; N]) -> Verdict {
         Verdict::Undetermined {
             reason: Reason::Noise {
                 unknown: unknown + 1,
-                relative_standard_error: relative[unknown],
+                // Of NaN and a number, `min` takes the number.
+                relative_standard_error: relative[unknown].min(f64::MAX),
             },
         }
     }

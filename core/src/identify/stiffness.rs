@@ -27,7 +27,7 @@ pub fn paper_grid() -> impl Iterator<Item = f64> + Clone {
 /// Sum of |w*| over one trial and the number of samples in it, for one candidate k/m.
 ///
 /// # Errors
-/// Those of [`Decoupler::new`] and [`Decoupler::push`].
+/// Those of [`Decoupler::new`] and [`Decoupler::push`]; [`Error::Overflow`] if a rate or their sum is not finite.
 pub fn rate_norm_sum(
     sensor: &Sensor,
     parameters: &Parameters,
@@ -40,6 +40,13 @@ pub fn rate_norm_sum(
         for sample in decoupler.push(row)?.into_iter().flatten() {
             sum += sample.rate_shell_rad_s.length();
             count += 1;
+            if !sum.is_finite() {
+                return Err(Error::Overflow {
+                    what: "mean rate (step 4)",
+                    channel: 0,
+                    sample: sample.sample as usize,
+                });
+            }
         }
     }
     Ok((sum, count))
@@ -63,7 +70,8 @@ pub struct StiffnessPerMass {
 /// Judges a search curve of (k/m, mean |w*|), ascending in k/m.
 ///
 /// # Errors
-/// [`Error::TooFewSamples`] below three points; [`Error::NotFinite`] (channel 0, sample = grid index).
+/// [`Error::TooFewSamples`] below three points; [`Error::NotFinite`] (channel 0, sample = grid index);
+/// [`Error::OutOfRange`] for a k/m that is not positive, finite and larger than the one before, or a negative |w*|.
 pub fn judge(curve: &[(f64, f64)]) -> Result<StiffnessPerMass> {
     if curve.len() < 3 {
         return Err(Error::TooFewSamples {
@@ -72,15 +80,31 @@ pub fn judge(curve: &[(f64, f64)]) -> Result<StiffnessPerMass> {
             got: curve.len(),
         });
     }
+    let out_of_range = |name, value, requirement| {
+        Err(Error::OutOfRange {
+            name,
+            value,
+            requirement,
+        })
+    };
     let mut best = 0;
     let mut largest = 0.0_f64;
-    for (i, &(_, value)) in curve.iter().enumerate() {
+    let mut previous = 0.0;
+    for (i, &(k, value)) in curve.iter().enumerate() {
+        if !(k > previous && k.is_finite()) {
+            let requirement = "positive, finite and ascending";
+            return out_of_range("stiffness_per_mass_per_s2", k, requirement);
+        }
+        previous = k;
         if !value.is_finite() {
             return Err(Error::NotFinite {
                 channel: 0,
                 sample: i,
                 value,
             });
+        }
+        if value < 0.0 {
+            return out_of_range("mean |w*|", value, "not negative");
         }
         if value < curve[best].1 {
             best = i;
@@ -125,5 +149,8 @@ fn vertex_in_compliance(points: [(f64, f64); 3]) -> Option<f64> {
     let slope12 = (y2 - y1) / (x2 - x1);
     let curvature = (slope12 - slope01) / (x2 - x0);
     let vertex = 0.5 * (x0 + x1) - 0.5 * slope01 / curvature;
-    (curvature > 0.0 && vertex > 0.0).then(|| 1.0 / vertex)
+    // The vertex of points beyond the range of squares is nowhere.
+    (curvature > 0.0 && vertex > 0.0)
+        .then(|| 1.0 / vertex)
+        .filter(|k| k.is_normal())
 }

@@ -24,7 +24,8 @@ pub struct ZeroDrift {
 /// d_i from a static record: the mean of each channel (the paper: ten minutes, preprocessed).
 ///
 /// # Errors
-/// [`Error::TooFewSamples`] below 32 samples, [`Error::NotFinite`].
+/// [`Error::TooFewSamples`] below 32 samples, [`Error::NotFinite`]; [`Error::Overflow`] (sample 0) for a channel whose
+/// values are too large to be squared.
 pub fn identify(static_voltage_v: &[[f64; LIMBS]]) -> Result<ZeroDrift> {
     let samples = static_voltage_v.len();
     if samples < BATCHES {
@@ -75,6 +76,13 @@ pub fn identify(static_voltage_v: &[[f64; LIMBS]]) -> Result<ZeroDrift> {
         result.drift_v[channel] = origin + mean;
         result.noise_v[channel] = sqrt(squares / (samples - 1) as f64);
         result.standard_error_v[channel] = sqrt(batch_squares / (BATCHES * (BATCHES - 1)) as f64);
+        if !(result.drift_v[channel] + squares + batch_squares).is_finite() {
+            return Err(Error::Overflow {
+                what: "zero drift",
+                channel: channel + 1,
+                sample: 0,
+            });
+        }
     }
     Ok(result)
 }

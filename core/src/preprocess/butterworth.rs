@@ -92,14 +92,16 @@ fn design(kind: Kind, order: usize, corner_hz: f64, sample_rate_hz: f64) -> Resu
             requirement: "positive and finite",
         });
     }
-    if !(corner_hz >= LOWEST_CORNER * sample_rate_hz && corner_hz < 0.5 * sample_rate_hz) {
+    // As a share, because neither times the sample rate nor times pi does a corner of any size stay finite.
+    let corner = corner_hz / sample_rate_hz;
+    if !(LOWEST_CORNER..0.5).contains(&corner) {
         return Err(Error::OutOfRange {
             name: "corner_hz",
             value: corner_hz,
             requirement: "from a millionth to below half of the sample rate",
         });
     }
-    let k = tan(core::f64::consts::PI * corner_hz / sample_rate_hz);
+    let k = tan(core::f64::consts::PI * corner);
     let mut sections = Vec::with_capacity(order.div_ceil(2));
     for pair in 0..order / 2 {
         // Poles of the prototype at angles (2 pair + 1) pi / (2 order) from the imaginary axis.
@@ -135,7 +137,7 @@ fn design(kind: Kind, order: usize, corner_hz: f64, sample_rate_hz: f64) -> Resu
 /// Gain of a cascade at a frequency: one pass; [`super::zero_phase`] has its square.
 #[must_use]
 pub fn gain(sections: &[Section], frequency_hz: f64, sample_rate_hz: f64) -> f64 {
-    let (s, c) = sin_cos(core::f64::consts::PI * frequency_hz / sample_rate_hz);
+    let (s, c) = sin_cos(core::f64::consts::PI * (frequency_hz / sample_rate_hz));
     // |c0 z + c1 + c2/z| with z = (c + i s)^2; cos as 1 - 2 s^2 below a quarter of the sample rate and 2 c^2 - 1 above
     // keeps the digits that the sum of the coefficients loses where it all but vanishes.
     let modulus_squared = |c0: f64, c1: f64, c2: f64| {

@@ -3,18 +3,19 @@
 //! Each is a projection: what it leaves, it leaves again. A static record takes [`linear`]; a run from rest to rest
 //! takes [`between_rests`], because the least-squares line of a motion is not zero and would be taken for drift.
 
-use super::{check_finite, check_length};
+use super::{check_answer, check_finite, check_length};
 use crate::error::Result;
 
 /// Takes the mean off and returns it. Equals SciPy's `detrend(type="constant")` to 2e-15 of the peak (test
 /// `ref_scipy_detrend`).
 ///
 /// # Errors
-/// [`crate::Error::TooFewSamples`] for an empty series, [`crate::Error::NotFinite`].
+/// [`crate::Error::TooFewSamples`] for an empty series, [`crate::Error::NotFinite`], [`crate::Error::Overflow`].
 pub fn constant(series: &mut [f64]) -> Result<f64> {
     check_length("detrending", 1, series.len())?;
     check_finite(series)?;
     let mean = mean(series);
+    check_answer("detrending", series.iter().map(|x| x - mean))?;
     for x in series.iter_mut() {
         *x -= mean;
     }
@@ -26,7 +27,7 @@ pub fn constant(series: &mut [f64]) -> Result<f64> {
 /// [`between_rests`].
 ///
 /// # Errors
-/// [`crate::Error::TooFewSamples`] below two samples, [`crate::Error::NotFinite`].
+/// [`crate::Error::TooFewSamples`] below two samples, [`crate::Error::NotFinite`], [`crate::Error::Overflow`].
 pub fn linear(series: &mut [f64]) -> Result<(f64, f64)> {
     check_length("detrending", 2, series.len())?;
     check_finite(series)?;
@@ -40,7 +41,7 @@ pub fn linear(series: &mut [f64]) -> Result<(f64, f64)> {
         .sum::<f64>()
         / (n * (n * n - 1.0) / 12.0);
     let start = mean - slope * middle;
-    subtract_line(series, start, slope);
+    subtract_line(series, start, slope)?;
     Ok((start, slope))
 }
 
@@ -49,9 +50,13 @@ pub fn linear(series: &mut [f64]) -> Result<(f64, f64)> {
 /// as it has in [`linear`]. A rest of 0 samples is taken as 1.
 ///
 /// # Errors
-/// [`crate::Error::TooFewSamples`] unless two rests fit, [`crate::Error::NotFinite`].
+/// [`crate::Error::TooFewSamples`] unless two rests fit, [`crate::Error::NotFinite`], [`crate::Error::Overflow`].
 pub fn between_rests(series: &mut [f64], rest: usize) -> Result<(f64, f64)> {
-    check_length("detrending between rests", 2 * rest.max(1), series.len())?;
+    check_length(
+        "detrending between rests",
+        rest.max(1).saturating_mul(2),
+        series.len(),
+    )?;
     check_finite(series)?;
     let n = series.len();
     let rest = rest.max(1);
@@ -62,14 +67,17 @@ pub fn between_rests(series: &mut [f64], rest: usize) -> Result<(f64, f64)> {
         0.0
     };
     let start = before - slope * (rest - 1) as f64 / 2.0;
-    subtract_line(series, start, slope);
+    subtract_line(series, start, slope)?;
     Ok((start, slope))
 }
 
-fn subtract_line(series: &mut [f64], start: f64, slope: f64) {
+fn subtract_line(series: &mut [f64], start: f64, slope: f64) -> Result<()> {
+    let less_line = |(i, x): (usize, &f64)| x - (start + slope * i as f64);
+    check_answer("detrending", series.iter().enumerate().map(less_line))?;
     for (i, x) in series.iter_mut().enumerate() {
         *x -= start + slope * i as f64;
     }
+    Ok(())
 }
 
 fn mean(series: &[f64]) -> f64 {

@@ -6,12 +6,15 @@
 
 use alloc::vec::Vec;
 
-use super::{check_finite, check_length};
+use super::{check_answer, check_finite, check_length};
 use crate::error::{Error, Result};
 use crate::scalar::{sin_cos, sqrt};
 
 /// Highest polynomial order offered.
 pub const MAX_ORDER: usize = 6;
+
+/// Largest half width offered: minutes of a slow recording, and weights that still fit into memory.
+pub const MAX_HALF_WIDTH: usize = 1 << 16;
 
 /// Coefficients of, or values at one place of, the orthonormal polynomials; zero above the order in use.
 type Basis = [f64; MAX_ORDER + 1];
@@ -35,8 +38,8 @@ impl Differentiator {
     /// 101 and order 5 over 401 samples (test `ref_exact_slope_weights`).
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for an order outside 1..=6, a window not longer than the order, or a sample rate that is
-    /// not positive and finite.
+    /// [`Error::OutOfRange`] for an order outside 1..=6, a window not longer than the order, a half width above
+    /// [`MAX_HALF_WIDTH`], or a sample rate that is not positive and finite (or too small for all digits).
     pub fn new(half_width: usize, order: usize, sample_rate_hz: f64) -> Result<Self> {
         if !(1..=MAX_ORDER).contains(&order) {
             return Err(Error::OutOfRange {
@@ -45,14 +48,14 @@ impl Differentiator {
                 requirement: "from 1 to 6",
             });
         }
-        if 2 * half_width < order {
+        if half_width > MAX_HALF_WIDTH || 2 * half_width < order {
             return Err(Error::OutOfRange {
                 name: "half_width",
                 value: half_width as f64,
-                requirement: "at least half the order",
+                requirement: "at least half the order and at most 65536",
             });
         }
-        if !(sample_rate_hz.is_finite() && sample_rate_hz > 0.0) {
+        if !(sample_rate_hz.is_normal() && sample_rate_hz > 0.0) {
             return Err(Error::OutOfRange {
                 name: "sample_rate_hz",
                 value: sample_rate_hz,
@@ -81,12 +84,13 @@ impl Differentiator {
     /// the ends noise weighs several times as much.
     ///
     /// # Errors
-    /// [`Error::TooFewSamples`] for a series shorter than the window, [`Error::NotFinite`].
+    /// [`Error::TooFewSamples`] for a series shorter than the window, [`Error::NotFinite`], [`Error::Overflow`].
     pub fn derivative(&self, series: &[f64]) -> Result<Vec<f64>> {
         let mut derivative = self.apply(series, &self.middle_slope, &self.slopes)?;
         for slope in &mut derivative {
             *slope *= self.sample_rate_hz;
         }
+        check_answer("differentiator", derivative.iter().copied())?;
         Ok(derivative)
     }
 
@@ -95,7 +99,9 @@ impl Differentiator {
     /// # Errors
     /// As [`Self::derivative`].
     pub fn smoothed(&self, series: &[f64]) -> Result<Vec<f64>> {
-        self.apply(series, &self.middle_value, &self.values)
+        let smoothed = self.apply(series, &self.middle_value, &self.values)?;
+        check_answer("differentiator", smoothed.iter().copied())?;
+        Ok(smoothed)
     }
 
     /// `middle` weighs the samples around an interior one; towards the ends the polynomial of the first or last
@@ -133,7 +139,7 @@ impl Differentiator {
     /// frequency, 0 at half the sample rate.
     #[must_use]
     pub fn relative_gain(&self, frequency_hz: f64) -> f64 {
-        let phase = core::f64::consts::TAU * frequency_hz / self.sample_rate_hz;
+        let phase = core::f64::consts::TAU * (frequency_hz / self.sample_rate_hz);
         if phase == 0.0 {
             return 1.0;
         }

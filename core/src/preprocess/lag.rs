@@ -8,8 +8,8 @@
 
 use alloc::vec::Vec;
 
-use super::check_finite;
 use super::differentiate::Differentiator;
+use super::{check_answer, check_finite};
 use crate::error::{Error, Result};
 use crate::scalar::exp;
 
@@ -80,11 +80,12 @@ impl FirstOrder {
 /// x = y + integral of y over tau: an offset left in the record grows as offset times t/tau. Remove drift first.
 ///
 /// # Errors
-/// [`Error::OutOfRange`] unless both frequencies are positive and finite, [`Error::NotFinite`].
+/// [`Error::OutOfRange`] unless both frequencies are positive and finite, [`Error::NotFinite`]; [`Error::Overflow`] where
+/// the corner lies so far above the sample rate that nothing of the input is left.
 pub fn undo_high_pass(record: &[f64], corner_hz: f64, sample_rate_hz: f64) -> Result<Vec<f64>> {
     check_finite(record)?;
     let mut filter = FirstOrder::high_pass(corner_hz, sample_rate_hz)?;
-    Ok(record
+    let undone: Vec<f64> = record
         .iter()
         .map(|&shown| {
             let pulled = filter.weight_before * (filter.before - filter.state);
@@ -92,7 +93,9 @@ pub fn undo_high_pass(record: &[f64], corner_hz: f64, sample_rate_hz: f64) -> Re
             filter.step(input);
             input
         })
-        .collect())
+        .collect();
+    check_answer("undone high-pass", undone.iter().copied())?;
+    Ok(undone)
 }
 
 /// Input of a first-order low-pass from its output: u = y + tau y'.
@@ -109,7 +112,8 @@ pub fn undo_high_pass(record: &[f64], corner_hz: f64, sample_rate_hz: f64) -> Re
 /// first.
 ///
 /// # Errors
-/// [`Error::OutOfRange`] for a corner that is not positive and finite; those of [`Differentiator::derivative`].
+/// [`Error::OutOfRange`] for a corner that is not positive and finite, [`Error::Overflow`] for one of a size that leaves
+/// nothing finite; those of [`Differentiator::derivative`].
 pub fn undo_low_pass(
     record: &[f64],
     corner_hz: f64,
@@ -118,11 +122,13 @@ pub fn undo_low_pass(
     check_positive("corner_hz", corner_hz)?;
     let time_constant_s = 1.0 / (core::f64::consts::TAU * corner_hz);
     let slope = differentiator.derivative(record)?;
-    Ok(record
+    let undone: Vec<f64> = record
         .iter()
         .zip(slope)
         .map(|(y, dy)| y + time_constant_s * dy)
-        .collect())
+        .collect();
+    check_answer("undone low-pass", undone.iter().copied())?;
+    Ok(undone)
 }
 
 fn check_positive(name: &'static str, value: f64) -> Result<()> {

@@ -6,7 +6,7 @@
 //! instruments [`lag`] compensation and the smoothing differentiator [`differentiate`].
 //!
 //! Each stage works on one series, a `&mut [f64]`, evenly sampled, in any unit. A series does not know whose it is: an
-//! [`Error::NotFinite`] from a stage has channel 0, until [`each_channel`] puts the number in. What knows the sensor
+//! [`Error::NotFinite`] or [`Error::Overflow`] from a stage has channel 0, until [`each_channel`] puts the number in. What knows the sensor
 //! (closing a run from rest to rest) is not here but in [`crate::rest_to_rest`].
 
 use alloc::vec;
@@ -24,7 +24,7 @@ use crate::error::{Error, Result};
 /// Runs a stage over each channel of a recording held as rows of one sample each.
 ///
 /// # Errors
-/// The stage's, with the channel, from 1, in an [`Error::NotFinite`]. The channels before it are done, it and those
+/// The stage's, with the channel, from 1, in an [`Error::NotFinite`] or [`Error::Overflow`]. The channels before it are done, it and those
 /// after it unchanged.
 pub fn each_channel<const N: usize>(
     rows: &mut [[f64; N]],
@@ -40,6 +40,11 @@ pub fn each_channel<const N: usize>(
                 channel: channel + 1,
                 sample,
                 value,
+            },
+            Error::Overflow { what, sample, .. } => Error::Overflow {
+                what,
+                channel: channel + 1,
+                sample,
             },
             other => other,
         })?;
@@ -57,6 +62,18 @@ fn check_finite(series: &[f64]) -> Result<()> {
             channel: 0,
             sample,
             value: series[sample],
+        }),
+    }
+}
+
+/// Refuses what a stage has made of finite samples if it is not finite itself.
+fn check_answer(what: &'static str, answer: impl IntoIterator<Item = f64>) -> Result<()> {
+    match answer.into_iter().position(|x| !x.is_finite()) {
+        None => Ok(()),
+        Some(sample) => Err(Error::Overflow {
+            what,
+            channel: 0,
+            sample,
         }),
     }
 }

@@ -38,10 +38,11 @@ pub fn hampel(series: &mut [f64], half_width: usize, sigmas: f64) -> Result<Vec<
             requirement: "positive and finite",
         });
     }
-    check_length("Hampel test", 2 * half_width + 1, series.len())?;
+    let width = half_width.saturating_mul(2).saturating_add(1);
+    check_length("Hampel test", width, series.len())?;
     check_finite(series)?;
     let original: Vec<f64> = series.to_vec();
-    let mut window = Vec::with_capacity(2 * half_width + 1);
+    let mut window = Vec::with_capacity(width);
     let mut rejected = Vec::new();
     for (i, sample) in series.iter_mut().enumerate() {
         let from = i.saturating_sub(half_width);

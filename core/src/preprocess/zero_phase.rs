@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 
 use super::butterworth::Section;
-use super::{check_finite, check_length};
+use super::{check_answer, check_finite, check_length};
 use crate::error::Result;
 
 /// Samples by which a record is extended at either end: three times the filter's length, SciPy's default.
@@ -25,7 +25,8 @@ pub fn padding(sections: &[Section]) -> usize {
 /// extension, not on the record.
 ///
 /// # Errors
-/// [`crate::Error::TooFewSamples`] unless the series is longer than [`padding`], [`crate::Error::NotFinite`].
+/// [`crate::Error::TooFewSamples`] unless the series is longer than [`padding`], [`crate::Error::NotFinite`];
+/// [`crate::Error::Overflow`] for samples too large, or sections without a static gain or a stable pole.
 pub fn zero_phase(sections: &[Section], series: &mut [f64]) -> Result<()> {
     let pad = padding(sections);
     check_length("zero-phase filter", pad + 1, series.len())?;
@@ -40,6 +41,7 @@ pub fn zero_phase(sections: &[Section], series: &mut [f64]) -> Result<()> {
         pass(sections, &mut extended);
         extended.reverse();
     }
+    check_answer("zero-phase filter", extended[pad..pad + n].iter().copied())?;
     series.copy_from_slice(&extended[pad..pad + n]);
     Ok(())
 }
