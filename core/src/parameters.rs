@@ -111,19 +111,18 @@ impl InertiaPerMass {
     ///
     /// # Errors
     /// As [`Self::principal_m2`], [`Error::ImpossibleInertia`] when a principal moment is not positive or exceeds the
-    /// sum of the other two, and [`Error::OutOfRange`] when the determinant, by which its inverse is divided, overflows or
-    /// vanishes.
+    /// sum of the other two, and [`Error::OutOfRange`] when the determinant overflows or vanishes or the inverse is not finite.
     pub fn validate(&self) -> Result<()> {
         let p = self.principal_m2()?;
         if !(p[0] > 0.0 && p[2] <= p[0] + p[1]) {
             return Err(Error::ImpossibleInertia { principal_m2: p });
         }
-        let determinant = self.matrix_mass_m2().determinant();
-        if !determinant.is_normal() {
+        let tensor = self.matrix_mass_m2();
+        if !(tensor.determinant().is_normal() && tensor.inverse().is_finite()) {
             return Err(Error::OutOfRange {
                 name: "inertia_per_mass",
                 value: p[2],
-                requirement: "of a size whose cube neither overflows nor vanishes",
+                requirement: "of a size whose cube neither overflows nor vanishes and whose inverse is finite",
             });
         }
         Ok(())

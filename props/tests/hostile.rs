@@ -190,6 +190,32 @@ proptest! {
     }
 }
 
+proptest! {
+    #![proptest_config(remembering(1024, SEEDS))]
+
+    /// Three limbs of one length always meet, however long: the one way to a pose, and a motion, of any size.
+    #[test]
+    fn prop_equally_stretched_limbs_move_or_are_refused(
+        volts in prop::collection::vec(0.0..90.0_f64, 3..8),
+        rate_exponent in 0.0..153.0_f64,
+        scheme in prop::sample::select(&Scheme::ALL[..]),
+    ) {
+        let settings = Settings { scheme, ..Settings::new(10.0_f64.powf(rate_exponent)) };
+        let parameters = paper::design_parameters();
+        let mut stream = LimbStream::new(&sensor(), &parameters, &settings).expect("sound");
+        let decoupler = Decoupler::new(&sensor(), &parameters, &settings).expect("sound");
+        let rows: Vec<_> = volts.iter().map(|v| [-(10.0_f64.powf(*v)); LIMBS]).collect();
+        for row in &rows {
+            let before = stream.clone();
+            match stream.push(row) {
+                Ok(sample) => prop_assert!(all_finite(&sample), "{sample:?}"),
+                Err(error) => prop_assert_eq!(&stream, &before, "{} left a trace", error),
+            }
+        }
+        run(decoupler, &rows);
+    }
+}
+
 /// An ordinary start, then a rate that squares itself from step to step: the first answer beyond f64 came out as NaN.
 #[test]
 fn regress_a_runaway_rate_is_an_overflow() {

@@ -2,6 +2,8 @@
 //!
 //! `SIXAXIS_MOTIONS=1000` is the nightly setting; `SIXAXIS_SEED` draws others.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use sixaxis_core::Scheme;
 use sixaxis_props::evidence::{self, Quantiles};
 use sixaxis_props::motions;
@@ -10,6 +12,8 @@ use sixaxis_props::tolerance;
 
 /// Motions of an ordinary run.
 const MOTIONS: u64 = 50;
+/// A line of progress after so many.
+const REPORTED: u64 = 25;
 
 fn motions() -> u64 {
     match std::env::var("SIXAXIS_MOTIONS") {
@@ -22,12 +26,18 @@ fn motions() -> u64 {
 
 #[test]
 fn ref_random_motions_are_decoupled() {
+    let (count, done) = (motions(), AtomicU64::new(0));
     let rows = motions::compare_all(
         seed(),
-        motions(),
+        count,
         Scheme::AdamsMoulton4,
         tolerance::DECOUPLED,
-        || (),
+        || {
+            let done = 1 + done.fetch_add(1, Ordering::Relaxed);
+            if done.is_multiple_of(REPORTED) {
+                eprintln!("{done} of {count} motions");
+            }
+        },
     );
     for row in rows {
         row.recorded();

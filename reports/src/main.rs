@@ -7,7 +7,8 @@ use std::time::Instant;
 use anyhow::{Context, Result, ensure};
 use clap::{CommandFactory, Parser, Subcommand};
 use serde::Serialize;
-use sixaxis_props::evidence;
+use sixaxis_core::Scheme;
+use sixaxis_props::{evidence, motions, tolerance};
 use sixaxis_reports::pages;
 use sixaxis_reports::progress::Progress;
 use sixaxis_reports::study::{self, plan::Plan, results::Results};
@@ -27,8 +28,8 @@ enum Task {
     /// Play the paper's calibration campaign on MuJoCo and write an offline HTML report
     ///
     /// Writes report.html, results.json (every number in it; the same seed gives the same file, bit for bit), run.json
-    /// (machine, duration), figures/*.svg and, once the tests have been run, evidence.csv (every comparison they made) to
-    /// the output folder.
+    /// (machine, duration), figures/*.svg and evidence.csv (random motions and, once the tests have been run, every
+    /// comparison they made) to the output folder.
     Report {
         /// Folder to write to
         #[arg(long, value_name = "DIR", default_value = "sixaxis-report")]
@@ -120,7 +121,17 @@ fn report(out: &Path, plan: &Plan, threads: usize, evidence: Option<&Path>) -> R
         .num_threads(threads)
         .build()
         .context("cannot start the threads")?;
-    let results = pool.install(|| study::run(plan, &Progress::shown()))?;
+    let progress = Progress::shown();
+    let results = pool.install(|| study::run(plan, &progress))?;
+    let motions = plan.random_motions();
+    let stage = progress.stage("motions", motions);
+    let mut rows = pool.install(|| {
+        let scheme = Scheme::AdamsMoulton4;
+        motions::compare_all(plan.seed, motions, scheme, tolerance::DECOUPLED, || {
+            stage.advance(1);
+        })
+    });
+    drop(stage);
     let run = Run {
         sixaxis_version: results.sixaxis_version.clone(),
         commit: commit(),
@@ -131,10 +142,13 @@ fn report(out: &Path, plan: &Plan, threads: usize, evidence: Option<&Path>) -> R
         machine: machine(),
         duration_s: started.elapsed().as_secs_f64(),
     };
-    let rows = evidence::read_folder(&evidence.map_or_else(evidence::folder, Path::to_owned));
-    let section = match &rows {
-        Ok(rows) => pages::evidence::section(rows),
-        Err(e) => pages::evidence::unreadable(e),
+    let folder = evidence.map_or_else(evidence::folder, Path::to_owned);
+    let section = match evidence::read_folder(&folder) {
+        Ok(suites) => {
+            rows.extend(suites);
+            pages::evidence::section(&rows)
+        }
+        Err(e) => pages::evidence::unreadable(&rows, &e),
     };
     let page = pages::report(&results, section, run.facts());
     let html = out.join("report.html");
@@ -146,11 +160,7 @@ fn report(out: &Path, plan: &Plan, threads: usize, evidence: Option<&Path>) -> R
         (out.join("run.json"), serde_json::to_vec_pretty(&run)?),
         (html.clone(), render(&page)?.into_bytes()),
     ];
-    if let Ok(rows) = rows
-        && !rows.is_empty()
-    {
-        files.push((out.join("evidence.csv"), evidence::to_csv(&rows)?));
-    }
+    files.push((out.join("evidence.csv"), evidence::to_csv(&rows)?));
     let figures = out.join("figures");
     std::fs::create_dir_all(&figures)
         .with_context(|| format!("cannot create {}", figures.display()))?;

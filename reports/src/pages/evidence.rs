@@ -38,11 +38,7 @@ const NEUTRAL: usize = 6;
 #[must_use]
 pub fn section(rows: &[Row]) -> Section {
     if rows.is_empty() {
-        return Section::new(ID, TITLE, "").block(Block::Note(
-            "The test suites have not been run here. `cargo test --workspace` fills this section: each comparison leaves a \
-             row, and the next report shows them."
-                .to_owned(),
-        ));
+        return Section::new(ID, TITLE, "").block(suites_not_run());
     }
     let mut suites: BTreeMap<&str, Vec<&Row>> = BTreeMap::new();
     for row in rows {
@@ -63,13 +59,24 @@ pub fn section(rows: &[Row]) -> Section {
             section.blocks.push(Block::Table(table(suite, &quantities)));
         }
     }
+    if rows.iter().all(motions::holds) {
+        section = section.block(suites_not_run());
+    }
     section
 }
 
-/// The section if the rows cannot be read: the report is worth having without them.
+fn suites_not_run() -> Block {
+    Block::Note(
+        "The test suites have not been run here. `cargo test --workspace` fills this section: each comparison leaves a row, \
+         and the next report shows them."
+            .to_owned(),
+    )
+}
+
+/// The section if the rows of the suites cannot be read: the report is worth having without them.
 #[must_use]
-pub fn unreadable(reason: &dyn std::fmt::Display) -> Section {
-    Section::new(ID, TITLE, "").block(Block::Note(format!(
+pub fn unreadable(own: &[Row], reason: &dyn std::fmt::Display) -> Section {
+    section(own).block(Block::Note(format!(
         "The rows of the test suites cannot be read: {reason}. `cargo test --workspace` writes them anew."
     )))
 }

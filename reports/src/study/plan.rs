@@ -64,6 +64,12 @@ impl Plan {
         if self.quick { 10 } else { 5 }
     }
 
+    /// Random six-axis motions that are simulated and decoupled beside the rig's.
+    #[must_use]
+    pub fn random_motions(&self) -> u64 {
+        if self.quick { 3 } else { 16 }
+    }
+
     /// Whether the simulations that only serve the reference's own error of the identification are played.
     #[must_use]
     pub fn checks_campaign_step(&self) -> bool {

@@ -44,7 +44,7 @@ fn without_rows_there_is_a_note() {
     assert!(
         matches!(&section.blocks[..], [Block::Note(text)] if text.contains("cargo test --workspace"))
     );
-    assert!(html(&unreadable(&"line 7: <no row>")).contains("line 7: &lt;no row&gt;"));
+    assert!(html(&unreadable(&[], &"line 7: <no row>")).contains("line 7: &lt;no row&gt;"));
 }
 
 #[test]
