@@ -17,12 +17,17 @@ const STEPS: usize = 32;
 const ORDER_OF_INTEGRATION: f64 = 4.0;
 
 /// Largest difference over the largest value.
-fn apart(a: &[ShellMotion], b: &[ShellMotion], get: fn(&ShellMotion) -> DVec3) -> f64 {
+fn apart(a: &[ShellMotion], b: &[ShellMotion], get: Get) -> f64 {
     let peak = largest(a.iter().map(|t| get(t).length()));
     largest(a.iter().zip(b).map(|(a, b)| (get(a) - get(b)).length())) / peak
 }
 
-const QUANTITIES: [(&str, fn(&ShellMotion) -> DVec3); 3] = [
+/// What is read of a shell's motion.
+type Get = fn(&ShellMotion) -> DVec3;
+/// What is broken in a sensor.
+type Change = fn(&mut Manufactured);
+
+const QUANTITIES: [(&str, Get); 3] = [
     ("linear acceleration", |t| t.linear_ground_m_s2),
     ("angular acceleration", |t| t.angular_ground_rad_s2),
     ("rate", |t| t.rate_shell_rad_s),
@@ -80,7 +85,7 @@ fn prop_a_wrong_ingredient_sets_the_derivations_apart() {
     let sensor = examples::turning();
     let [(_, sound), ..] = all(&sensor, STEPS);
     let rate_hz = sensor.highest_frequency_hz() * SAMPLES_PER_PERIOD;
-    let changes: [(&str, fn(&mut Manufactured)); 4] = [
+    let changes: [(&str, Change); 4] = [
         ("I1 off by a millionth", |s| {
             s.parameters.inertia_per_mass.xx_m2 *= 1.0 + 1e-6
         }),
