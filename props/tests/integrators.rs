@@ -2,6 +2,7 @@
 
 use glam::{DQuat, DVec3};
 use sixaxis_core::decoupler::Decoupler;
+use sixaxis_core::dynamics::Instant;
 use sixaxis_core::integrator::{Integrator, Settled};
 use sixaxis_core::{Geometry, Scheme, Sensor, Settings, attitude};
 use sixaxis_props::compare::{largest, within};
@@ -62,7 +63,7 @@ fn order_of_every_scheme_on_simulated_motion() {
         let [coarse, half] = [8, 4].map(|factor| rate_error(&fine.decimated(factor), scheme));
         let order = (coarse / half).log2();
         within(
-            scheme.name(),
+            &format!("order of {}, simulated motion", scheme.name()),
             (order - f64::from(scheme.order())).abs(),
             tolerance::ORDER,
         );
@@ -150,4 +151,114 @@ fn order_of_every_scheme_on_the_full_equations() {
         substepped / heun,
         tolerance::SUBSTEPS,
     );
+}
+
+/// Coefficients of the textbooks, newest first: Adams and Bashforth's predictors, Adams and Moulton's correctors.
+const BASHFORTH: [&[f64]; 4] = [
+    &[1.0],
+    &[3.0 / 2.0, -1.0 / 2.0],
+    &[23.0 / 12.0, -16.0 / 12.0, 5.0 / 12.0],
+    &[55.0 / 24.0, -59.0 / 24.0, 37.0 / 24.0, -9.0 / 24.0],
+];
+const MOULTON: [&[f64]; 3] = [
+    &[1.0 / 2.0, 1.0 / 2.0],
+    &[5.0 / 12.0, 8.0 / 12.0, -1.0 / 12.0],
+    &[9.0 / 24.0, 19.0 / 24.0, -5.0 / 24.0, 1.0 / 24.0],
+];
+
+/// Rates at every `step_s` by the textbook, with as many points as there are behind, up to `points`.
+fn textbook(instants: &[Instant], step_s: f64, points: usize, corrected: bool) -> Vec<DVec3> {
+    let sum = |weights: &[f64], slopes: &[DVec3]| {
+        let newest_first = slopes.iter().rev();
+        weights
+            .iter()
+            .zip(newest_first)
+            .fold(DVec3::ZERO, |sum, (w, f)| sum + *f * *w)
+    };
+    let mut rates = vec![DVec3::ZERO];
+    let mut slopes = vec![instants[0].angular_acceleration_shell_rad_s2(DVec3::ZERO)];
+    for instant in &instants[1..] {
+        let rate = rates[rates.len() - 1];
+        let behind = slopes.len().min(points);
+        let mut next = rate + sum(BASHFORTH[behind - 1], &slopes) * step_s;
+        // An explicit scheme of several points takes its first step by Heun.
+        if corrected || behind < points {
+            let mut with_next = slopes.clone();
+            with_next.push(instant.angular_acceleration_shell_rad_s2(next));
+            next = rate + sum(MOULTON[behind.min(MOULTON.len()) - 1], &with_next) * step_s;
+        }
+        slopes.push(instant.angular_acceleration_shell_rad_s2(next));
+        rates.push(next);
+    }
+    rates
+}
+
+#[test]
+fn ref_schemes_are_the_textbooks() {
+    const STEP_S: f64 = 1e-3;
+    let sensor = examples::turning();
+    let instants: Vec<Instant> = (0..40)
+        .map(|i| exact_instant(&sensor, f64::from(i) * STEP_S))
+        .collect();
+    for (scheme, points, corrected) in [
+        (Scheme::Euler, 1, false),
+        (Scheme::Heun, 1, true),
+        (Scheme::AdamsBashforth2, 2, false),
+        (Scheme::AdamsMoulton4, 4, true),
+    ] {
+        let wanted = textbook(&instants, STEP_S, points, corrected);
+        let mut integrator = Integrator::new(scheme, STEP_S, DVec3::ZERO);
+        let size = largest(wanted.iter().map(|w| w.length()));
+        for (instant, wanted) in instants.iter().zip(&wanted) {
+            let [settled, none] = integrator.push(*instant);
+            assert!(none.is_none());
+            let ours = settled.expect("one sample settles one").rate_shell_rad_s;
+            within(
+                &format!("{} against the textbook", scheme.name()),
+                (ours - *wanted).length() / size,
+                tolerance::LAST_DIGITS,
+            );
+        }
+    }
+}
+
+/// Runge and Kutta's scheme over a pair, its middle by Hermite's cubic, and Heun for a sample left over.
+#[test]
+fn ref_pairs_are_runge_and_kuttas() {
+    const STEP_S: f64 = 1e-3;
+    let sensor = examples::turning();
+    let [a, b, c, d] = [0.0, 1.0, 2.0, 3.0].map(|i| exact_instant(&sensor, i * STEP_S));
+    let (h, f) = (2.0 * STEP_S, |i: &Instant, w| {
+        i.angular_acceleration_shell_rad_s2(w)
+    });
+    let start = DVec3::new(3.0, -2.0, 1.0);
+    let k1 = f(&a, start);
+    let k2 = f(&b, start + k1 * (h / 2.0));
+    let k3 = f(&b, start + k2 * (h / 2.0));
+    let k4 = f(&c, start + k3 * h);
+    let end = start + (k1 + k2 * 2.0 + k3 * 2.0 + k4) * (h / 6.0);
+    let middle = (start + end) * 0.5 + (k1 - f(&c, end)) * (h / 8.0);
+    let last = end + (f(&c, end) + f(&d, end + f(&c, end) * STEP_S)) * (STEP_S / 2.0);
+    let mut integrator = Integrator::new(Scheme::RungeKutta4, STEP_S, start);
+    let mut ours = Vec::new();
+    for instant in [a, b, c, d] {
+        ours.extend(integrator.push(instant).into_iter().flatten());
+    }
+    ours.extend(integrator.finish());
+    let ours: Vec<DVec3> = ours.iter().map(|s| s.rate_shell_rad_s).collect();
+    assert_eq!(ours.len(), 4);
+    for (ours, wanted) in ours.iter().zip([start, middle, end, last]) {
+        within(
+            "Runge-Kutta over a pair",
+            (*ours - wanted).length() / end.length(),
+            tolerance::LAST_DIGITS,
+        );
+    }
+}
+
+#[test]
+fn inv_every_scheme_has_its_own_name() {
+    let names: std::collections::BTreeSet<_> = Scheme::ALL.iter().map(|s| s.name()).collect();
+    assert_eq!(names.len(), Scheme::ALL.len());
+    assert!(names.iter().any(|name| name.contains("Heun")));
 }

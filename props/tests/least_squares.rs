@@ -543,6 +543,42 @@ fn prop_verdicts_name_the_unknown_that_noise_drowns() {
     }
     let found = step.solve().expect("random motions excite everything");
     assert!(found.verdict.is_determined());
+    // With a torque of pure noise at ten times the size, the worst entry is named by its error over the largest entry.
+    for _ in 0..400 {
+        let noise = random(&mut rng) * 3.0;
+        let (w, dw) = (random(&mut rng) * 20.0, random(&mut rng) * 400.0);
+        let torque = euler_torque(&truth.inertia_per_mass, w, dw) + noise;
+        step.push(&forces(DVec3::ZERO, torque), w, dw)
+            .expect("rows are finite");
+    }
+    match step.solve() {
+        Ok(found) => {
+            let Verdict::Undetermined {
+                reason:
+                    Reason::Noise {
+                        unknown,
+                        relative_standard_error,
+                    },
+            } = found.verdict
+            else {
+                panic!("a drowned tensor is called determined");
+            };
+            let errors = found.estimate.standard_error();
+            let own = errors[unknown - 1] / largest(found.estimate.values);
+            within(
+                "standard error over the largest entry",
+                (relative_standard_error / own - 1.0).abs(),
+                tolerance::ROUNDING,
+            );
+            within(
+                "the worst entry is named",
+                largest(errors) / errors[unknown - 1] - 1.0,
+                tolerance::ROUNDING,
+            );
+        }
+        // Noise may as well leave a tensor that no body has.
+        Err(error) => assert!(matches!(error, Error::ImpossibleInertia { .. })),
+    }
 }
 
 #[test]
