@@ -67,7 +67,7 @@ impl Plan {
     /// Random six-axis motions that are simulated and decoupled beside the rig's.
     #[must_use]
     pub fn random_motions(&self) -> u64 {
-        if self.quick { 3 } else { 16 }
+        if self.quick { 2 } else { 8 }
     }
 
     /// Whether the simulations that only serve the reference's own error of the identification are played.
