@@ -139,7 +139,8 @@ fn allowance(sensor: &Manufactured, truth: &[ShellMotion], scheme: Scheme, rate_
         Scheme::HeunSubstepped => step.powi(2) / 64.0 + step.powi(3),
         Scheme::AdamsMoulton4 | Scheme::RungeKutta4 => step.powi(4),
     };
-    of_scheme + step.powi(2) * softness
+    // Errors add up over the angle travelled, which three periods of the vibration do not bound.
+    of_scheme * (1.0 + turning / vibration) + step.powi(2) * softness
 }
 
 proptest! {
