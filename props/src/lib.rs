@@ -9,6 +9,7 @@ pub mod hostile;
 pub mod manufactured;
 pub mod motions;
 pub mod rig_runs;
+pub mod rigid;
 pub mod statistics;
 pub mod strategy;
 pub mod tolerance;

@@ -1,4 +1,13 @@
-//! Gates for what is random: how far a sum of squares may stray before it is not chance.
+//! Noise, and gates for it: how far a sum of squares may stray before it is not chance.
+
+use glam::DVec3;
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64;
+
+/// Three independent numbers of unit variance.
+pub fn normal(rng: &mut Pcg64) -> DVec3 {
+    DVec3::from_array(core::array::from_fn(|_| StandardNormal.sample(rng)))
+}
 
 /// One false alarm in a million, two-sided: the normal quantile of 1 - 5e-7.
 pub const ONE_IN_A_MILLION: f64 = 4.8916;

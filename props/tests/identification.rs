@@ -8,19 +8,9 @@ use sixaxis_core::identify::scale::ScaleIdentification;
 use sixaxis_core::identify::{stiffness, zero_drift};
 use sixaxis_core::{Geometry, InertiaPerMass, LIMBS, Parameters};
 use sixaxis_props::compare::{largest, within};
+use sixaxis_props::rigid::forces;
 use sixaxis_props::strategy::{config, parameters, vector};
 use sixaxis_props::tolerance;
-use sixaxis_reference::mjcf::limb_jacobian;
-
-/// Limb forces per mass of a rigid sensor: J (J^T J)^-1 [a; torque].
-fn forces(acceleration: DVec3, torque: DVec3) -> [f64; LIMBS] {
-    let jacobian = limb_jacobian(&Geometry::PAPER);
-    let normal = (jacobian.transpose() * jacobian)
-        .try_inverse()
-        .expect("the paper's geometry is regular");
-    let (a, m) = (acceleration, torque);
-    (jacobian * normal * nalgebra::Vector6::new(a.x, a.y, a.z, m.x, m.y, m.z)).into()
-}
 
 fn measured_n(force: &[f64; LIMBS], parameters: &Parameters) -> [f64; LIMBS] {
     core::array::from_fn(|i| force[i] / parameters.scale_per_mass_per_kg[i])
