@@ -85,39 +85,6 @@ impl Instant {
         }
     }
 
-    /// What the limbs would say a fraction `x` in \[0, 1\] of the way from `from` to `to`: the parabola through
-    /// `before`, `from` and `to`, equally spaced, or the line without `before`.
-    ///
-    /// Only what (8) needs is interpolated to that order; the pose is `from`'s.
-    #[must_use]
-    pub fn between(before: Option<&Self>, from: &Self, to: &Self, x: f64) -> Self {
-        // Lagrange weights for nodes -1, 0, 1.
-        let [w_before, w_from, w_to] = match before {
-            Some(_) => [0.5 * x * (x - 1.0), 1.0 - x * x, 0.5 * x * (x + 1.0)],
-            None => [0.0, 1.0 - x, x],
-        };
-        let before = before.unwrap_or(from);
-        let vector =
-            |get: fn(&Self) -> DVec3| get(before) * w_before + get(from) * w_from + get(to) * w_to;
-        let matrix =
-            |get: fn(&Self) -> DMat3| get(before) * w_before + get(from) * w_from + get(to) * w_to;
-        Self {
-            relative: RelativeMotion {
-                rate_shell_rad_s: vector(|i| i.relative.rate_shell_rad_s),
-                angular_acceleration_shell_rad_s2: vector(|i| {
-                    i.relative.angular_acceleration_shell_rad_s2
-                }),
-                ..from.relative
-            },
-            wrench: LimbWrench {
-                torque_shell_m2_s2: vector(|i| i.wrench.torque_shell_m2_s2),
-                ..from.wrench
-            },
-            inertia_shell_m2: matrix(|i| i.inertia_shell_m2),
-            inertia_shell_inverse: matrix(|i| i.inertia_shell_inverse),
-        }
-    }
-
     /// Angular acceleration w*' of the shell in shell axes, rad/s^2: eq. (8).
     #[must_use]
     pub fn angular_acceleration_shell_rad_s2(&self, rate_shell_rad_s: DVec3) -> DVec3 {

@@ -24,7 +24,7 @@ pub mod dynamics;
 pub mod error;
 pub mod geometry;
 pub mod identify;
-pub mod integrator;
+pub mod kernel;
 pub mod limbs;
 pub mod parameters;
 pub mod pose;
@@ -35,14 +35,17 @@ pub mod recording;
 #[cfg(feature = "alloc")]
 pub mod rest_to_rest;
 mod scalar;
+pub mod scheme;
+pub mod settings;
 pub mod signal;
 
-pub use decoupler::{Decoupler, Sensor, Settings, SixAxis, StaticResponse};
+pub use decoupler::{Decoupler, SixAxis};
 pub use error::{Error, Result};
 pub use geometry::{Geometry, LIMBS};
-pub use integrator::Scheme;
 pub use parameters::{InertiaPerMass, Parameters};
 pub use pose::LimbLaw;
+pub use scheme::Scheme;
+pub use settings::{Sensor, Settings, StaticResponse};
 pub use signal::Gains;
 
 /// The README's example, compiled and run with the doc tests.

@@ -12,11 +12,12 @@ use alloc::vec::Vec;
 use glam::DVec3;
 use nalgebra::{Matrix6, SMatrix, SVector, Vector6};
 
-use crate::decoupler::{Decoupler, Sensor, Settings};
+use crate::decoupler::Decoupler;
 use crate::dynamics::MassInertia;
 use crate::error::{Error, Result};
 use crate::geometry::{DIRECTIONS_SHELL, LIMBS, LIMBS_PER_NODE};
 use crate::parameters::Parameters;
+use crate::settings::{Sensor, Settings};
 use crate::signal::SignalChain;
 
 /// Newton steps; the map is close to linear and each gains about three digits.
@@ -67,11 +68,11 @@ pub fn detrend(
         let mut last = None;
         for (sample, row) in voltage_v.iter().enumerate() {
             let corrected = corrected(row, &pattern, line, sample, voltage_v.len());
-            for output in decoupler.push(&corrected)?.into_iter().flatten() {
+            if let Some(output) = decoupler.push(&corrected)? {
                 last = Some(output);
             }
         }
-        let last = decoupler.finish().or(last).ok_or(Error::TooFewSamples {
+        let last = last.ok_or(Error::TooFewSamples {
             what: "rest-to-rest detrending",
             needed: NEEDED,
             got: voltage_v.len(),
