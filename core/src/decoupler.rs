@@ -92,6 +92,16 @@ impl Decoupler<f32> {
 }
 
 impl<T: Scalar> Decoupler<T> {
+    /// Samples taken so far.
+    #[must_use]
+    pub fn received(&self) -> u64 {
+        self.state.received
+    }
+
+    pub(crate) fn scheme(&self) -> Scheme {
+        self.scheme
+    }
+
     fn build(sensor: &Sensor, parameters: &Parameters, settings: &Settings) -> Result<Self> {
         let exact = Constants::new(sensor, parameters, settings)?;
         let constants = exact.rounded();
@@ -154,12 +164,13 @@ impl<T: Scalar> Decoupler<T> {
         let step = self.state.spin.step(self.scheme, &self.constants, torques);
         let motion = self.motion(&after, step.rate, step.derivative);
         let half = half_rotation(&self.state.shell, &motion);
-        let (mut turn, half_angle_squared) = exp(half);
+        let unit = self.state.attitude.to_unit();
+        let (mut turn, half_angle_squared) = exp(half, unit);
         let slow = half_angle_squared <= T::from_f64(HALF_ANGLE_SQUARED_LIMIT);
         if !slow {
-            turn = self.turn_exactly(half, &motion)?;
+            turn = self.turn_exactly(half, unit, &motion)?;
         }
-        let attitude = self.state.attitude.after(turn).normalized();
+        let attitude = self.state.attitude.after(turn);
         self.state.spin.take(self.scheme, step);
         Ok(Some(self.advance(after, motion, attitude)))
     }
@@ -235,7 +246,12 @@ impl<T: Scalar> Decoupler<T> {
     /// A step by more than the polynomials of the rotation hold for, or one that is not a number.
     #[cold]
     #[inline(never)]
-    fn turn_exactly(&self, half: Vec3<T>, motion: &ShellMotion<T>) -> Result<Quaternion<T>> {
+    fn turn_exactly(
+        &self,
+        half: Vec3<T>,
+        scale: T,
+        motion: &ShellMotion<T>,
+    ) -> Result<Quaternion<T>> {
         self.refuse_overflow(motion)?;
         let half = half.map(T::to_f64);
         let q = attitude::exp(2.0 * glam::DVec3::new(half.x, half.y, half.z));
@@ -243,8 +259,8 @@ impl<T: Scalar> Decoupler<T> {
             return Err(self.overflow());
         }
         Ok(Quaternion {
-            w: T::from_f64(q.w),
-            v: vec3(q.x, q.y, q.z).map(T::from_f64),
+            w: T::from_f64(q.w) * scale,
+            v: vec3(q.x, q.y, q.z).map(T::from_f64).times(scale),
         })
     }
 

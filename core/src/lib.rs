@@ -31,6 +31,7 @@ pub mod pose;
 pub mod preload;
 #[cfg(feature = "alloc")]
 pub mod preprocess;
+pub mod record;
 pub mod recording;
 #[cfg(feature = "alloc")]
 pub mod rest_to_rest;

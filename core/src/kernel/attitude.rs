@@ -3,9 +3,9 @@
 use super::real::{Real, Vec3, vec3};
 use super::shell::ShellMotion;
 
-/// Half angle of one step, squared, up to which the polynomials below hold to rounding; a shell that turns by more
-/// than half a radian from one sample to the next cannot be followed by any scheme.
-pub const HALF_ANGLE_SQUARED_LIMIT: f64 = 0.0625;
+/// Half angle of one step, squared, up to which the polynomials below hold to rounding: a tenth of a radian from one
+/// sample to the next, twenty times the rig's fastest at 10 kHz.
+pub const HALF_ANGLE_SQUARED_LIMIT: f64 = 0.0025;
 
 /// A quaternion w + x i + y j + z k.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,36 +26,24 @@ pub fn half_rotation<T: Real>(from: &ShellMotion<T>, to: &ShellMotion<T>) -> Vec
     (from.rate + to.rate).times_plus(c(0.25), small.times(c(1.0 / 24.0)))
 }
 
-/// exp of twice a half rotation, and the half angle squared.
+/// exp of twice a half rotation, both parts times `scale`, and the half angle squared.
 #[inline(always)]
-pub fn exp<T: Real>(half: Vec3<T>) -> (Quaternion<T>, T) {
+pub fn exp<T: Real>(half: Vec3<T>, scale: T) -> (Quaternion<T>, T) {
     let z = half.dot(half);
     let c = |value: f64| z.like(value);
-    // Taylor series of sin(x)/x and cos(x) in z = x^2; the first dropped terms are 1e-17 at the limit.
-    let sinc = [
-        -1.0 / 39_916_800.0,
-        1.0 / 362_880.0,
-        -1.0 / 5_040.0,
-        1.0 / 120.0,
-        -1.0 / 6.0,
-        1.0,
-    ];
-    let cosine = [
-        -1.0 / 3_628_800.0,
-        1.0 / 40_320.0,
-        -1.0 / 720.0,
-        1.0 / 24.0,
-        -0.5,
-        1.0,
-    ];
-    let horner = |p: [f64; 6]| {
-        p[1..]
-            .iter()
-            .fold(c(p[0]), |sum, &p| sum.times_plus(z, c(p)))
-    };
+    // Taylor series of sin(x)/x and cos(x) in z = x^2. At the limit the first dropped terms are 1e-16 and 1e-15; what
+    // the latter does to the angle is smaller by x, and what it does to the length, the next scale makes good.
+    let sinc = z
+        .times_plus(c(-1.0 / 5040.0), c(1.0 / 120.0))
+        .times_plus(z, c(-1.0 / 6.0))
+        .times_plus(z, c(1.0));
+    let cosine = z
+        .times_plus(c(-1.0 / 720.0), c(1.0 / 24.0))
+        .times_plus(z, c(-0.5))
+        .times_plus(z, c(1.0));
     let q = Quaternion {
-        w: horner(cosine),
-        v: half.times(horner(sinc)),
+        w: cosine * scale,
+        v: half.times(sinc * scale),
     };
     (q, z)
 }
@@ -75,16 +63,11 @@ impl<T: Real> Quaternion<T> {
         }
     }
 
-    /// Back to unit length from a rounding away: one step of Newton for the inverse root.
+    /// What takes a quaternion a rounding away from unit length back to it: one step of Newton for the inverse root.
     #[inline(always)]
-    pub fn normalized(self) -> Self {
-        let c = |value: f64| self.w.like(value);
+    pub fn to_unit(self) -> T {
         let squares = self.w.times_plus(self.w, self.v.dot(self.v));
-        let factor = squares.times_plus(c(-0.5), c(1.5));
-        Self {
-            w: self.w * factor,
-            v: self.v.times(factor),
-        }
+        squares.times_plus(self.w.like(-0.5), self.w.like(1.5))
     }
 
     /// `twice_v` is 2 v, worked out once for several vectors: p + 2 v x (w p + v x p).

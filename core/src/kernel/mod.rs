@@ -26,3 +26,4 @@ pub mod placement;
 pub mod real;
 pub mod shell;
 pub mod spin;
+pub mod wide;

@@ -44,8 +44,8 @@ pub const STRAIN_LIMIT: f64 = 1e-4;
 /// What one sample says by itself; the unit of length is L, that of time the sample interval.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Placement<T> {
-    /// r: centre of the mass, shell axes.
-    pub position: Vec3<T>,
+    /// 3 r: centre of the mass, shell axes; the threefold is what the nodes add up to.
+    pub position_thrice: Vec3<T>,
     /// phi: rotation vector of the mass in the shell.
     pub rotation: Vec3<T>,
     /// Resultant of the limb forces over chi, shell axes.
@@ -60,7 +60,7 @@ impl Placement<f64> {
     /// The same place in another number.
     pub(crate) fn map<U>(self, f: impl Fn(f64) -> U) -> Placement<U> {
         Placement {
-            position: self.position.map(&f),
+            position_thrice: self.position_thrice.map(&f),
             rotation: self.rotation.map(&f),
             force: self.force.map(&f),
             torque: self.torque.map(&f),
@@ -73,7 +73,7 @@ impl Placement<f64> {
 #[inline(always)]
 fn node<T: Real>(x: [T; LIMBS_PER_NODE]) -> ([T; 3], [T; 3], T) {
     let half = x[0].like(0.5);
-    let square = x.map(|x| x * x);
+    let square = [x[0] * x[0], x[1] * x[1], x[2] * x[2]];
     let a = square[0] + square[1] + square[2];
     let b = x[0] + x[1] + x[2];
     let cubes = x[0].times_plus(square[0], x[1].times_plus(square[1], x[2] * square[2]));
@@ -138,15 +138,21 @@ pub fn by_series<T: Real>(constants: &Constants<T>, voltage_v: [T; LIMBS]) -> Pl
         curved.z + third_power,
     );
 
-    // r = mean of the nodes - (R_r - 1) t_mean; (R_r - 1) 1 = phi x (1 + phi x 1/2 (1 - ..)).
-    let turned = turn(rotation, vec3(c.like(1.0), c.like(1.0), c.like(1.0)));
-    let position = turned.times_plus(constants.nu, all).times(third);
+    // 3 r = sum of the nodes - 3 (R_r - 1) t_mean = sum of the nodes + nu (R_r - 1) 1.
+    let one = c.like(1.0);
+    let turned = turn(rotation, vec3(one, one, one));
+    let position_thrice = turned.times_plus(constants.nu, all);
 
     // The torque in mass axes: forces turned back, arms as in the drawing.
     let back = vec3(-rotation.x, -rotation.y, -rotation.z);
-    let torque = moment(force.map(|f| f + turn(back, f)));
+    let [f0, f1, f2] = force;
+    let torque = moment([
+        f0 + turn(back, f0),
+        f1 + turn(back, f1),
+        f2 + turn(back, f2),
+    ]);
     Placement {
-        position,
+        position_thrice,
         rotation,
         force: force[0] + force[1] + force[2],
         torque: constants.torque_to_principal(torque),
@@ -215,7 +221,7 @@ pub fn exactly(
     }
     let numbers = |v: DVec3| vec3(v.x, v.y, v.z);
     Ok(Placement {
-        position: numbers(pose.position_shell_m),
+        position_thrice: numbers(3.0 * pose.position_shell_m),
         rotation: numbers(pose.rotation_rad),
         force: numbers(force),
         torque: constants.torque_to_principal(numbers(torque)),

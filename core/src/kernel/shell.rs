@@ -27,8 +27,8 @@ pub struct ShellMotion<T> {
 /// Place of the mass alone: what a neighbour in time needs.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Place<T> {
-    /// r.
-    pub position: Vec3<T>,
+    /// 3 r.
+    pub position_thrice: Vec3<T>,
     /// phi.
     pub rotation: Vec3<T>,
 }
@@ -38,7 +38,7 @@ impl<T: Real> Placement<T> {
     #[inline(always)]
     pub fn place(&self) -> Place<T> {
         Place {
-            position: self.position,
+            position_thrice: self.position_thrice,
             rotation: self.rotation,
         }
     }
@@ -64,6 +64,13 @@ pub fn relative_rate<T: Real>(before: &Place<T>, now: &Place<T>, after: &Place<T
     relative_rotation(before.rotation, now.rotation, after.rotation).0
 }
 
+/// Principal axes of the mass to shell axes.
+#[inline(always)]
+fn shell_axes<T: Real>(constants: &Constants<T>, phi: Vec3<T>, v: Vec3<T>) -> Vec3<T> {
+    let mass = constants.principal_to_mass(v);
+    mass + turn(phi, mass)
+}
+
 /// Motion of the shell at the middle one of three samples.
 #[inline(always)]
 pub fn motion<T: Real>(
@@ -76,21 +83,24 @@ pub fn motion<T: Real>(
 ) -> ShellMotion<T> {
     let phi = now.rotation;
     let (w_r, eps) = relative_rotation(before.rotation, phi, after.rotation);
-    let [w, w_dot] = spin.map(|v| {
-        let mass = constants.principal_to_mass(v);
-        mass + turn(phi, mass)
-    });
+    let [spin, spin_derivative] = spin;
+    let w = shell_axes(constants, phi, spin);
+    let w_dot = shell_axes(constants, phi, spin_derivative);
     let rate = w - w_r;
     let rate_derivative = w_r.cross_plus(rate, w_dot - eps);
 
-    let r = now.position;
-    let twice_velocity = after.position - before.position;
-    let coriolis = rate.cross(rate.cross_plus(r, twice_velocity));
-    let relative = r.times_plus(r.x.like(-2.0), after.position + before.position);
-    let carried = rate_derivative.cross_plus(r, coriolis + relative);
+    // All of this line by line three times, as the position is.
+    let r = now.position_thrice;
+    let twice_velocity = after.position_thrice - before.position_thrice;
+    let relative = r.times_plus(
+        r.x.like(-2.0),
+        after.position_thrice + before.position_thrice,
+    );
+    let coriolis = rate.cross_plus(rate.cross_plus(r, twice_velocity), relative);
+    let carried = rate_derivative.cross_plus(r, coriolis);
     ShellMotion {
         rate,
         rate_derivative,
-        specific_force: force.times(constants.chi) - carried,
+        specific_force: carried.times_plus(r.x.like(-1.0 / 3.0), force.times(constants.chi)),
     }
 }

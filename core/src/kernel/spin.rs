@@ -50,8 +50,9 @@ pub struct Spin<T> {
     known: u8,
     /// Torque at this sample and the one before: interpolation's other points.
     torque: [Vec3<T>; 2],
-    /// The end of a Runge-Kutta pair whose middle has just been reached.
-    end: Option<Vec3<T>>,
+    /// The end of the Runge-Kutta pair whose middle has just been reached: if it has.
+    end: Vec3<T>,
+    at_middle: bool,
 }
 
 /// One step of a scheme, not yet taken.
@@ -62,7 +63,7 @@ pub struct Step<T> {
     /// W' there.
     pub derivative: Vec3<T>,
     torque: Vec3<T>,
-    end: Option<Vec3<T>>,
+    end: Vec3<T>,
 }
 
 impl<T: Real> Spin<T> {
@@ -77,7 +78,8 @@ impl<T: Real> Spin<T> {
             history: [zero; 3],
             known: 0,
             torque: [torque; 2],
-            end: None,
+            end: zero,
+            at_middle: false,
         }
     }
 
@@ -86,7 +88,7 @@ impl<T: Real> Spin<T> {
     pub fn step(&self, scheme: Scheme, constants: &Constants<T>, torques: Torques<T>) -> Step<T> {
         let g = constants.gyroscopic;
         let Torques { now, next } = torques;
-        let mut end = None;
+        let mut end = self.end;
         let w = self.rate;
         let k = self.derivative;
         let [k1, k2, k3] = self.history;
@@ -96,11 +98,11 @@ impl<T: Real> Spin<T> {
             (Scheme::Heun, _) => heun(g, w, k, now),
             (Scheme::Euler, _) => w + k,
             (Scheme::HeunSubstepped, _) => self.substepped(g, now),
-            (Scheme::RungeKutta4, _) => match self.end {
-                Some(end) => end,
-                None => {
+            (Scheme::RungeKutta4, _) => match self.at_middle {
+                true => self.end,
+                false => {
                     let (middle, at_end) = runge_kutta_pair(g, w, k, now, next);
-                    end = Some(at_end);
+                    end = at_end;
                     middle
                 }
             },
@@ -142,7 +144,10 @@ impl<T: Real> Spin<T> {
                 self.torque = [step.torque, self.torque[0]];
                 self.known = 1;
             }
-            Scheme::RungeKutta4 => self.end = step.end,
+            Scheme::RungeKutta4 => {
+                self.end = step.end;
+                self.at_middle = !self.at_middle;
+            }
             Scheme::AdamsBashforth2 | Scheme::AdamsMoulton4 => {
                 let [k1, k2, _] = self.history;
                 self.history = [self.derivative, k1, k2];
