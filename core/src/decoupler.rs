@@ -1,9 +1,12 @@
 //! Nine voltages in, six accelerations out: the whole of the paper's section 2.1 as a stream.
 
-use crate::attitude;
+use glam::DVec3;
+
 use crate::error::{Error, Result};
 use crate::geometry::LIMBS;
-use crate::kernel::attitude::{HALF_ANGLE_SQUARED_LIMIT, Quaternion, exp, half_rotation};
+use crate::kernel::attitude::{
+    HALF_ANGLE_SQUARED_LIMIT, Quaternion, exp, exp_exactly, half_rotation,
+};
 use crate::kernel::constants::Constants;
 use crate::kernel::placement::{self, Placement, STRAIN_LIMIT};
 use crate::kernel::real::{Scalar, Vec3, vec3};
@@ -28,6 +31,20 @@ pub struct SixAxis<T: Scalar = f64> {
     pub attitude: T::Quaternion,
 }
 
+impl<T: Scalar> SixAxis<T> {
+    #[inline(always)]
+    pub(crate) fn new(sample: u64, ground: [Vec3<T>; 3], attitude: Quaternion<T>) -> Self {
+        let [linear, angular, rate] = ground;
+        Self {
+            sample,
+            linear_ground_m_s2: T::vector(linear),
+            angular_ground_rad_s2: T::vector(angular),
+            rate_shell_rad_s: T::vector(rate),
+            attitude: T::quaternion(attitude.w, attitude.v),
+        }
+    }
+}
+
 /// Streaming decoupler: no allocation, no panic, constant work per sample.
 ///
 /// A sample is decoupled when its successor arrives, since the mass's motion in the shell is read from neighbours; the
@@ -47,10 +64,24 @@ pub struct Decoupler<T: Scalar = f64> {
 
 /// What the first decoupled sample begins with.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Start<T> {
+pub(crate) struct Start<T> {
     /// w*, shell axes, rad per sample.
-    rate: Vec3<T>,
-    attitude: Quaternion<T>,
+    pub rate: Vec3<T>,
+    pub attitude: Quaternion<T>,
+}
+
+impl<T: Scalar> Start<T> {
+    pub fn new(settings: &Settings) -> Self {
+        let numbers = |v: DVec3| vec3(v.x, v.y, v.z).map(T::from_f64);
+        let q = settings.initial_attitude;
+        Self {
+            rate: numbers(settings.initial_rate_shell_rad_s / settings.sample_rate_hz),
+            attitude: Quaternion {
+                w: T::from_f64(q.w),
+                v: numbers(q.xyz()),
+            },
+        }
+    }
 }
 
 /// What is carried from sample to sample.
@@ -105,15 +136,7 @@ impl<T: Scalar> Decoupler<T> {
     fn build(sensor: &Sensor, parameters: &Parameters, settings: &Settings) -> Result<Self> {
         let exact = Constants::new(sensor, parameters, settings)?;
         let constants = exact.rounded();
-        let numbers = |v: glam::DVec3| vec3(v.x, v.y, v.z).map(T::from_f64);
-        let q = settings.initial_attitude;
-        let start = Start {
-            rate: numbers(settings.initial_rate_shell_rad_s / settings.sample_rate_hz),
-            attitude: Quaternion {
-                w: T::from_f64(q.w),
-                v: numbers(q.xyz()),
-            },
-        };
+        let start = Start::new(settings);
         let zero = T::default();
         let zeros = vec3(zero, zero, zero);
         Ok(Self {
@@ -122,7 +145,7 @@ impl<T: Scalar> Decoupler<T> {
                 received: 0,
                 before: Place::default(),
                 now: Placement::default(),
-                spin: Spin::start(&constants, zeros, zeros),
+                spin: Spin::start(constants.gyroscopic, zeros, zeros),
                 shell: ShellMotion::default(),
                 attitude: start.attitude,
             },
@@ -161,7 +184,10 @@ impl<T: Scalar> Decoupler<T> {
             now: now.torque,
             next: after.torque,
         };
-        let step = self.state.spin.step(self.scheme, &self.constants, torques);
+        let step = self
+            .state
+            .spin
+            .step(self.scheme, self.constants.gyroscopic, torques);
         let motion = self.motion(&after, step.rate, step.derivative);
         let half = half_rotation(&self.state.shell, &motion);
         let unit = self.state.attitude.to_unit();
@@ -186,7 +212,7 @@ impl<T: Scalar> Decoupler<T> {
         let back = vec3(-phi.x, -phi.y, -phi.z);
         let total = self.start.rate + w_r;
         let rate = constants.mass_to_principal(total + placement::turn(back, total));
-        let spin = Spin::start(constants, rate, now.torque);
+        let spin = Spin::start(constants.gyroscopic, rate, now.torque);
         let motion = self.motion(after, spin.rate, spin.derivative);
         self.refuse_overflow(&motion)?;
         self.state.spin = spin;
@@ -221,14 +247,8 @@ impl<T: Scalar> Decoupler<T> {
         state.now = after;
         state.shell = motion;
         state.attitude = attitude;
-        let [linear, angular, rate] = to_ground(&self.constants, &motion, attitude);
-        SixAxis {
-            sample,
-            linear_ground_m_s2: T::vector(linear),
-            angular_ground_rad_s2: T::vector(angular),
-            rate_shell_rad_s: T::vector(rate),
-            attitude: T::quaternion(attitude.w, attitude.v),
-        }
+        let ground = to_ground(&self.constants, &motion, attitude);
+        SixAxis::new(sample, ground, attitude)
     }
 
     /// A sample beyond the series, or one that is not a number.
@@ -253,15 +273,7 @@ impl<T: Scalar> Decoupler<T> {
         motion: &ShellMotion<T>,
     ) -> Result<Quaternion<T>> {
         self.refuse_overflow(motion)?;
-        let half = half.map(T::to_f64);
-        let q = attitude::exp(2.0 * glam::DVec3::new(half.x, half.y, half.z));
-        if !q.is_finite() {
-            return Err(self.overflow());
-        }
-        Ok(Quaternion {
-            w: T::from_f64(q.w) * scale,
-            v: vec3(q.x, q.y, q.z).map(T::from_f64).times(scale),
-        })
+        exp_exactly(half, scale).ok_or(self.overflow())
     }
 
     fn refuse_overflow(&self, motion: &ShellMotion<T>) -> Result<()> {

@@ -1,7 +1,10 @@
 //! The shell's attitude over any number type: [`crate::attitude`] in units of the sample interval.
 
-use super::real::{Real, Vec3, vec3};
+use glam::DVec3;
+
+use super::real::{Real, Scalar, Vec3, vec3};
 use super::shell::ShellMotion;
+use crate::attitude;
 
 /// Half angle of one step, squared, up to which the polynomials below hold to rounding: a tenth of a radian from one
 /// sample to the next, twenty times the rig's fastest at 10 kHz.
@@ -19,33 +22,41 @@ pub struct Quaternion<T> {
 /// Half of the rotation vector between two samples: quadrature of Hermite and the coning term.
 #[inline(always)]
 pub fn half_rotation<T: Real>(from: &ShellMotion<T>, to: &ShellMotion<T>) -> Vec3<T> {
-    let c = |value: f64| to.rate.x.like(value);
     let small = from
         .rate
         .cross_plus(to.rate, from.rate_derivative - to.rate_derivative);
-    (from.rate + to.rate).times_plus(c(0.25), small.times(c(1.0 / 24.0)))
+    (from.rate + to.rate).times_plus(to.rate.like(0.25), small.times(to.rate.like(1.0 / 24.0)))
 }
 
 /// exp of twice a half rotation, both parts times `scale`, and the half angle squared.
 #[inline(always)]
 pub fn exp<T: Real>(half: Vec3<T>, scale: T) -> (Quaternion<T>, T) {
     let z = half.dot(half);
-    let c = |value: f64| z.like(value);
     // Taylor series of sin(x)/x and cos(x) in z = x^2. At the limit the first dropped terms are 1e-16 and 1e-15; what
     // the latter does to the angle is smaller by x, and what it does to the length, the next scale makes good.
     let sinc = z
-        .times_plus(c(-1.0 / 5040.0), c(1.0 / 120.0))
-        .times_plus(z, c(-1.0 / 6.0))
-        .times_plus(z, c(1.0));
+        .times_plus(z.like(-1.0 / 5040.0), z.like(1.0 / 120.0))
+        .times_plus(z, z.like(-1.0 / 6.0))
+        .times_plus(z, z.like(1.0));
     let cosine = z
-        .times_plus(c(-1.0 / 720.0), c(1.0 / 24.0))
-        .times_plus(z, c(-0.5))
-        .times_plus(z, c(1.0));
+        .times_plus(z.like(-1.0 / 720.0), z.like(1.0 / 24.0))
+        .times_plus(z, z.like(-0.5))
+        .times_plus(z, z.like(1.0));
     let q = Quaternion {
         w: cosine * scale,
         v: half.times(sinc * scale),
     };
     (q, z)
+}
+
+/// The same for a rotation of any size; nothing if it is not a finite number.
+pub fn exp_exactly<T: Scalar>(half: Vec3<T>, scale: T) -> Option<Quaternion<T>> {
+    let half = half.map(T::to_f64);
+    let q = attitude::exp(2.0 * DVec3::new(half.x, half.y, half.z));
+    q.is_finite().then(|| Quaternion {
+        w: T::from_f64(q.w) * scale,
+        v: vec3(q.x, q.y, q.z).map(T::from_f64).times(scale),
+    })
 }
 
 impl<T: Real> Quaternion<T> {

@@ -5,6 +5,7 @@
 use nalgebra::{Matrix3, SymmetricEigen};
 
 use super::real::{Real, Scalar, Vec3, vec3};
+use super::wide::{LANES, Register, Row};
 use crate::error::{Error, Result};
 use crate::geometry::LIMBS;
 use crate::limbs::LimbStream;
@@ -46,6 +47,14 @@ pub struct Constants<T> {
     pub per_s2: T,
     /// L/h^2: linear accelerations, m/s^2.
     pub m_per_s2: T,
+}
+
+impl Constants<Row> {
+    /// One register's part of each.
+    #[inline(always)]
+    pub fn part<R: Register>(&self, proof: R::Proof, part: usize) -> Constants<R> {
+        self.map(|row| R::load(proof, &row, part))
+    }
 }
 
 impl Constants<f64> {
@@ -130,22 +139,26 @@ impl Constants<f64> {
         Ok(())
     }
 
-    /// The same numbers in another type.
-    #[inline(always)]
-    pub fn map<T>(&self, f: impl Fn(f64) -> T) -> Constants<T> {
+    /// Those of eight sensors side by side.
+    #[must_use]
+    pub fn side_by_side(eight: [&Self; LANES]) -> Constants<Row> {
+        let row = |get: &dyn Fn(&Self) -> f64| Row(eight.map(get));
+        let vector = |get: &dyn Fn(&Self) -> Vec3<f64>| {
+            vec3(row(&|c| get(c).x), row(&|c| get(c).y), row(&|c| get(c).z))
+        };
         Constants {
-            strain_per_v: self.strain_per_v.map(&f),
-            strain_at_zero: self.strain_at_zero.map(&f),
-            nu: f(self.nu),
-            inverse_nu: f(self.inverse_nu),
-            chi: f(self.chi),
-            torque: self.torque.map(|row| row.map(&f)),
-            principal: self.principal.map(|row| row.map(&f)),
-            gyroscopic: self.gyroscopic.map(&f),
-            gravity_ground_m_s2: self.gravity_ground_m_s2.map(&f),
-            per_s: f(self.per_s),
-            per_s2: f(self.per_s2),
-            m_per_s2: f(self.m_per_s2),
+            strain_per_v: core::array::from_fn(|i| row(&|c| c.strain_per_v[i])),
+            strain_at_zero: core::array::from_fn(|i| row(&|c| c.strain_at_zero[i])),
+            nu: row(&|c| c.nu),
+            inverse_nu: row(&|c| c.inverse_nu),
+            chi: row(&|c| c.chi),
+            torque: core::array::from_fn(|i| vector(&|c| c.torque[i])),
+            principal: core::array::from_fn(|i| vector(&|c| c.principal[i])),
+            gyroscopic: vector(&|c| c.gyroscopic),
+            gravity_ground_m_s2: vector(&|c| c.gravity_ground_m_s2),
+            per_s: row(&|c| c.per_s),
+            per_s2: row(&|c| c.per_s2),
+            m_per_s2: row(&|c| c.m_per_s2),
         }
     }
 
@@ -154,6 +167,49 @@ impl Constants<f64> {
     pub fn rounded<T: Scalar>(&self) -> Constants<T> {
         self.map(T::from_f64)
     }
+}
+
+impl<T: Copy> Constants<T> {
+    /// The same numbers in another type.
+    #[inline(always)]
+    pub fn map<U>(&self, f: impl Fn(T) -> U) -> Constants<U> {
+        Constants {
+            strain_per_v: nine(&self.strain_per_v, &f),
+            strain_at_zero: nine(&self.strain_at_zero, &f),
+            nu: f(self.nu),
+            inverse_nu: f(self.inverse_nu),
+            chi: f(self.chi),
+            torque: three(&self.torque, &f),
+            principal: three(&self.principal, &f),
+            gyroscopic: self.gyroscopic.map(&f),
+            gravity_ground_m_s2: self.gravity_ground_m_s2.map(&f),
+            per_s: f(self.per_s),
+            per_s2: f(self.per_s2),
+            m_per_s2: f(self.m_per_s2),
+        }
+    }
+}
+
+// Written out: the library's maps of arrays are calls that no vector register survives.
+#[inline(always)]
+fn nine<T: Copy, U>(a: &[T; LIMBS], f: impl Fn(T) -> U) -> [U; LIMBS] {
+    [
+        f(a[0]),
+        f(a[1]),
+        f(a[2]),
+        f(a[3]),
+        f(a[4]),
+        f(a[5]),
+        f(a[6]),
+        f(a[7]),
+        f(a[8]),
+    ]
+}
+
+#[inline(always)]
+fn three<T: Copy, U>(rows: &[Vec3<T>; 3], f: impl Fn(T) -> U) -> [Vec3<U>; 3] {
+    let [a, b, c] = *rows;
+    [a.map(&f), b.map(&f), c.map(&f)]
 }
 
 impl<T: Real> Constants<T> {

@@ -186,26 +186,8 @@ pub fn exactly(
         limb_length_m: 1.0,
         half_edge_m: nu,
     };
-    let x: [f64; LIMBS] = core::array::from_fn(|i| {
-        voltage_v[i] * constants.strain_per_v[i] + constants.strain_at_zero[i]
-    });
-    for (i, (&strain, &value)) in x.iter().zip(voltage_v).enumerate() {
-        let channel = i + 1;
-        if !value.is_finite() {
-            return Err(Error::NotFinite {
-                channel,
-                sample,
-                value,
-            });
-        }
-        if strain.abs() >= OVERSTRAIN {
-            return Err(Error::Overstrained {
-                channel,
-                sample,
-                strain,
-            });
-        }
-    }
+    let x = strains(constants, voltage_v);
+    refuse(constants, voltage_v, sample)?;
     let pose = Pose::from_elongations(&geometry, &x)?;
     let back = pose.rotation_matrix().transpose();
     let mut force = DVec3::ZERO;
@@ -227,4 +209,61 @@ pub fn exactly(
         torque: constants.torque_to_principal(numbers(torque)),
         strain_squares: x.iter().map(|x| x * x).sum(),
     })
+}
+
+fn strains(constants: &Constants<f64>, voltage_v: &[f64; LIMBS]) -> [f64; LIMBS] {
+    core::array::from_fn(|i| voltage_v[i] * constants.strain_per_v[i] + constants.strain_at_zero[i])
+}
+
+/// Refuses voltages that are no numbers and strains that no limb bears. `sample` is for errors.
+///
+/// # Errors
+/// [`Error::NotFinite`], [`Error::Overstrained`].
+pub fn refuse(constants: &Constants<f64>, voltage_v: &[f64; LIMBS], sample: usize) -> Result<()> {
+    let x = strains(constants, voltage_v);
+    for (i, (&strain, &value)) in x.iter().zip(voltage_v).enumerate() {
+        let channel = i + 1;
+        if !value.is_finite() {
+            return Err(Error::NotFinite {
+                channel,
+                sample,
+                value,
+            });
+        }
+        if strain.abs() >= OVERSTRAIN {
+            return Err(Error::Overstrained {
+                channel,
+                sample,
+                strain,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// What one sample says of a mass that stays in its place: forces along the axes at rest.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct RigidLoad<T> {
+    /// Resultant of the limb forces over chi, shell axes.
+    pub force: Vec3<T>,
+    /// Torque of the limb forces over the principal moments, principal axes.
+    pub torque: Vec3<T>,
+    /// Sum of squared strains.
+    pub strain_squares: T,
+}
+
+/// The right sides of (12) and (15).
+#[inline(always)]
+pub fn rigid<T: Real>(constants: &Constants<T>, voltage_v: [T; LIMBS]) -> RigidLoad<T> {
+    let mut x = voltage_v;
+    for i in 0..LIMBS {
+        x[i] = voltage_v[i].times_plus(constants.strain_per_v[i], constants.strain_at_zero[i]);
+    }
+    let force = shell_axes([[x[0], x[1], x[2]], [x[3], x[4], x[5]], [x[6], x[7], x[8]]]);
+    let [a, b, c] = force;
+    RigidLoad {
+        force: a + b + c,
+        torque: constants.torque_to_principal(moment(force)),
+        strain_squares: a.dot(a) + b.dot(b) + c.dot(c),
+    }
 }

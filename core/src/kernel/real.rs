@@ -127,6 +127,12 @@ pub const fn vec3<T>(x: T, y: T, z: T) -> Vec3<T> {
 }
 
 impl<T: Real> Vec3<T> {
+    /// A constant of the components' type: [`Real::like`].
+    #[inline(always)]
+    pub fn like(self, constant: f64) -> T {
+        self.x.like(constant)
+    }
+
     /// All three times a number.
     #[inline(always)]
     pub fn times(self, factor: T) -> Self {
@@ -184,7 +190,9 @@ impl<T: Real> Vec3<T> {
     pub fn sum(self) -> T {
         self.x + self.y + self.z
     }
+}
 
+impl<T> Vec3<T> {
     /// Another number type, component by component.
     #[inline(always)]
     pub fn map<U>(self, mut f: impl FnMut(T) -> U) -> Vec3<U> {

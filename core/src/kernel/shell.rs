@@ -48,10 +48,9 @@ impl<T: Real> Placement<T> {
 /// order in phi; the next term is |phi|^2/6 of them, and they are 3e-4 of w* and w*' at the rig's 5 Hz.
 #[inline(always)]
 fn relative_rotation<T: Real>(before: Vec3<T>, now: Vec3<T>, after: Vec3<T>) -> (Vec3<T>, Vec3<T>) {
-    let c = |value: f64| now.x.like(value);
-    let first = (after - before).times(c(0.5));
-    let second = now.times_plus(c(-2.0), after + before);
-    let half = now.times(c(0.5));
+    let first = (after - before).times(now.like(0.5));
+    let second = now.times_plus(now.like(-2.0), after + before);
+    let half = now.times(now.like(0.5));
     (
         half.cross_plus(first, first),
         half.cross_plus(second, second),

@@ -13,7 +13,6 @@
 //!
 //! The unit of time is the sample interval, so the step is one.
 
-use super::constants::Constants;
 use super::real::{Real, Vec3, vec3};
 use crate::scheme::{HEUN_SUBSTEPS, Scheme};
 
@@ -66,15 +65,52 @@ pub struct Step<T> {
     end: Vec3<T>,
 }
 
+impl<T> Spin<T> {
+    /// Every number in it, always in the same order.
+    #[inline(always)]
+    pub(crate) fn visit(&mut self, f: &mut impl FnMut(&mut T)) {
+        let [k1, k2, k3] = &mut self.history;
+        let [torque, torque_before] = &mut self.torque;
+        let (rate, derivative, end) = (&mut self.rate, &mut self.derivative, &mut self.end);
+        for v in [rate, derivative, k1, k2, k3, torque, torque_before, end] {
+            f(&mut v.x);
+            f(&mut v.y);
+            f(&mut v.z);
+        }
+    }
+
+    /// Takes over how far another one has come.
+    pub(crate) fn keep_count<U>(&mut self, other: &Spin<U>) {
+        self.known = other.known;
+        self.at_middle = other.at_middle;
+    }
+}
+
 impl<T: Real> Spin<T> {
+    /// The same in another number.
+    #[inline(always)]
+    pub fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> Spin<U> {
+        let [k1, k2, k3] = self.history;
+        let [now, before] = self.torque;
+        Spin {
+            rate: self.rate.map(f),
+            derivative: self.derivative.map(f),
+            history: [k1.map(f), k2.map(f), k3.map(f)],
+            known: self.known,
+            torque: [now.map(f), before.map(f)],
+            end: self.end.map(f),
+            at_middle: self.at_middle,
+        }
+    }
+
     /// At a rate and a torque.
     #[inline(always)]
-    pub fn start(constants: &Constants<T>, rate: Vec3<T>, torque: Vec3<T>) -> Self {
+    pub fn start(g: Vec3<T>, rate: Vec3<T>, torque: Vec3<T>) -> Self {
         let zero = rate.x.like(0.0);
         let zero = vec3(zero, zero, zero);
         Self {
             rate,
-            derivative: derivative(constants.gyroscopic, rate, torque),
+            derivative: derivative(g, rate, torque),
             history: [zero; 3],
             known: 0,
             torque: [torque; 2],
@@ -83,17 +119,14 @@ impl<T: Real> Spin<T> {
         }
     }
 
-    /// What a scheme makes of the next sample.
+    /// What a scheme makes of the next sample; `g` is [`super::constants::Constants::gyroscopic`].
     #[inline(always)]
-    pub fn step(&self, scheme: Scheme, constants: &Constants<T>, torques: Torques<T>) -> Step<T> {
-        let g = constants.gyroscopic;
+    pub fn step(&self, scheme: Scheme, g: Vec3<T>, torques: Torques<T>) -> Step<T> {
         let Torques { now, next } = torques;
         let mut end = self.end;
         let w = self.rate;
         let k = self.derivative;
         let [k1, k2, k3] = self.history;
-        let c = |value: f64| w.x.like(value);
-        let at = |rate| derivative(g, rate, now);
         let rate = match (scheme, self.known) {
             (Scheme::Heun, _) => heun(g, w, k, now),
             (Scheme::Euler, _) => w + k,
@@ -106,23 +139,29 @@ impl<T: Real> Spin<T> {
                     middle
                 }
             },
-            (Scheme::AdamsBashforth2, 1..) => k.times_plus(c(1.5), k1.times_plus(c(-0.5), w)),
+            (Scheme::AdamsBashforth2, 1..) => {
+                k.times_plus(w.like(1.5), k1.times_plus(w.like(-0.5), w))
+            }
             (Scheme::AdamsMoulton4, 1) => {
-                let predicted = k.times_plus(c(1.5), k1.times_plus(c(-0.5), w));
-                let known = k.times_plus(c(8.0 / 12.0), k1.times_plus(c(-1.0 / 12.0), w));
-                at(predicted).times_plus(c(5.0 / 12.0), known)
+                let predicted = k.times_plus(w.like(1.5), k1.times_plus(w.like(-0.5), w));
+                let known = k.times_plus(w.like(8.0 / 12.0), k1.times_plus(w.like(-1.0 / 12.0), w));
+                derivative(g, predicted, now).times_plus(w.like(5.0 / 12.0), known)
             }
             (Scheme::AdamsMoulton4, 2) => {
                 let predicted = k.times_plus(
-                    c(23.0 / 12.0),
-                    k1.times_plus(c(-16.0 / 12.0), k2.times_plus(c(5.0 / 12.0), w)),
+                    w.like(23.0 / 12.0),
+                    k1.times_plus(w.like(-16.0 / 12.0), k2.times_plus(w.like(5.0 / 12.0), w)),
                 );
-                self.moulton(at(predicted))
+                self.moulton(derivative(g, predicted, now))
             }
             (Scheme::AdamsMoulton4, 3..) => {
-                let older = k2.times_plus(c(37.0 / 24.0), k3.times_plus(c(-9.0 / 24.0), w));
-                let predicted = k.times_plus(c(55.0 / 24.0), k1.times_plus(c(-59.0 / 24.0), older));
-                self.moulton(at(predicted))
+                let older =
+                    k2.times_plus(w.like(37.0 / 24.0), k3.times_plus(w.like(-9.0 / 24.0), w));
+                let predicted = k.times_plus(
+                    w.like(55.0 / 24.0),
+                    k1.times_plus(w.like(-59.0 / 24.0), older),
+                );
+                self.moulton(derivative(g, predicted, now))
             }
             // The first step of the multi-step schemes.
             (Scheme::AdamsBashforth2 | Scheme::AdamsMoulton4, 0) => heun(g, w, k, now),
@@ -161,16 +200,20 @@ impl<T: Real> Spin<T> {
     /// Adams-Moulton's corrector of fourth order.
     #[inline(always)]
     fn moulton(&self, predicted: Vec3<T>) -> Vec3<T> {
-        let c = |value: f64| predicted.x.like(value);
         let [k1, k2, _] = self.history;
-        let older = k1.times_plus(c(-5.0 / 24.0), k2.times_plus(c(1.0 / 24.0), self.rate));
-        let known = self.derivative.times_plus(c(19.0 / 24.0), older);
-        predicted.times_plus(c(9.0 / 24.0), known)
+        let older = k1.times_plus(
+            predicted.like(-5.0 / 24.0),
+            k2.times_plus(predicted.like(1.0 / 24.0), self.rate),
+        );
+        let known = self
+            .derivative
+            .times_plus(predicted.like(19.0 / 24.0), older);
+        predicted.times_plus(predicted.like(9.0 / 24.0), known)
     }
 
     /// Heun in equal sub-steps, the torque between samples from the parabola through the last three.
+    #[inline(always)]
     fn substepped(&self, g: Vec3<T>, to: Vec3<T>) -> Vec3<T> {
-        let c = |value: f64| to.x.like(value);
         let [from, before] = self.torque;
         let substep = 1.0 / f64::from(HEUN_SUBSTEPS);
         let mut w = self.rate;
@@ -183,10 +226,13 @@ impl<T: Real> Spin<T> {
             } else {
                 [0.0, 1.0 - x, x]
             };
-            let there = to.times_plus(c(y), from.times_plus(c(v), before.times(c(u))));
+            let there = to.times_plus(
+                w.like(y),
+                from.times_plus(w.like(v), before.times(w.like(u))),
+            );
             let k0 = derivative(g, w, torque);
-            let k1 = derivative(g, k0.times_plus(c(substep), w), there);
-            w = (k0 + k1).times_plus(c(0.5 * substep), w);
+            let k1 = derivative(g, k0.times_plus(w.like(substep), w), there);
+            w = (k0 + k1).times_plus(w.like(0.5 * substep), w);
             torque = there;
         }
         w
@@ -209,13 +255,12 @@ fn runge_kutta_pair<T: Real>(
     middle: Vec3<T>,
     end: Vec3<T>,
 ) -> (Vec3<T>, Vec3<T>) {
-    let c = |value: f64| w.x.like(value);
     let k2 = derivative(g, w + k1, middle);
     let k3 = derivative(g, w + k2, middle);
-    let k4 = derivative(g, k3.times_plus(c(2.0), w), end);
-    let inner = (k2 + k3).times_plus(c(2.0), k1 + k4);
-    let at_end = inner.times_plus(c(1.0 / 3.0), w);
+    let k4 = derivative(g, k3.times_plus(w.like(2.0), w), end);
+    let inner = (k2 + k3).times_plus(w.like(2.0), k1 + k4);
+    let at_end = inner.times_plus(w.like(1.0 / 3.0), w);
     let k_end = derivative(g, at_end, end);
-    let between = (k1 - k_end).times_plus(c(0.25), (w + at_end).times(c(0.5)));
+    let between = (k1 - k_end).times_plus(w.like(0.25), (w + at_end).times(w.like(0.5)));
     (between, at_end)
 }

@@ -25,6 +25,8 @@ impl Row {
 pub trait Register: Real {
     /// Proof that the processor has such registers.
     type Proof: Copy;
+    /// One such number by itself, worked on with the same instructions.
+    type Single: Real + From<f64> + Into<f64>;
     /// Numbers in one register.
     const LANES: usize;
     /// Registers in a row.
@@ -36,6 +38,9 @@ pub trait Register: Real {
     fn load(proof: Self::Proof, row: &Row, part: usize) -> Self;
     /// Writes that part.
     fn store(self, row: &mut Row, part: usize);
+    /// Square root.
+    #[must_use]
+    fn root(self) -> Self;
 }
 
 /// As many lanes as one register of this processor holds, found out at run time.
@@ -47,6 +52,10 @@ pub struct Wide<S: Simd> {
 
 impl<S: Simd> Register for Wide<S> {
     type Proof = S;
+    #[cfg(feature = "std")]
+    type Single = Fused;
+    #[cfg(not(feature = "std"))]
+    type Single = f64;
     const LANES: usize = S::F64_LANES;
 
     #[inline(always)]
@@ -71,11 +80,18 @@ impl<S: Simd> Register for Wide<S> {
         let (registers, _) = S::as_mut_simd_f64s(&mut row.0);
         registers[part] = self.value;
     }
+
+    #[inline(always)]
+    fn root(self) -> Self {
+        let value = self.simd.sqrt_f64s(self.value);
+        Self { value, ..self }
+    }
 }
 
 /// Four lanes in whatever registers the program was compiled for; plain numbers where there are none.
 impl Register for f64x4 {
     type Proof = ();
+    type Single = f64;
     const LANES: usize = 4;
 
     #[inline(always)]
@@ -97,6 +113,11 @@ impl Register for f64x4 {
     fn store(self, row: &mut Row, part: usize) {
         let first = part * <Self as Register>::LANES;
         row.0[first..first + <Self as Register>::LANES].copy_from_slice(self.as_array());
+    }
+
+    #[inline(always)]
+    fn root(self) -> Self {
+        self.sqrt()
     }
 }
 
@@ -182,6 +203,20 @@ pub struct Fused(pub f64);
 #[cfg(feature = "std")]
 mod fused {
     use super::{Add, Fused, Mul, Neg, Real, Sub};
+
+    impl From<f64> for Fused {
+        #[inline(always)]
+        fn from(value: f64) -> Self {
+            Self(value)
+        }
+    }
+
+    impl From<Fused> for f64 {
+        #[inline(always)]
+        fn from(value: Fused) -> Self {
+            value.0
+        }
+    }
 
     impl Add for Fused {
         type Output = Self;

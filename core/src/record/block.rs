@@ -12,7 +12,7 @@ use crate::kernel::wide::{LANES, Register, Row};
 use crate::record::Accelerations;
 
 /// Samples of each lane.
-pub const STEPS: usize = 8;
+pub const STEPS: usize = 16;
 /// Samples of a block.
 pub const BLOCK: usize = LANES * STEPS;
 
@@ -195,18 +195,22 @@ impl<R: Register> Block<R> {
     #[inline(always)]
     fn spin(&mut self, decoupler: &Decoupler, state: &mut State<f64>) {
         let scheme = decoupler.scheme();
+        let g = decoupler.constants.gyroscopic.map(R::Single::from);
+        let mut spin = state.spin.map(R::Single::from);
         for lane in 0..LANES {
             for step in 0..STEPS {
                 let torques = Torques {
-                    now: self.torque.get(step, lane),
-                    next: self.torque.get(step + 1, lane),
+                    now: self.torque.get(step, lane).map(R::Single::from),
+                    next: self.torque.get(step + 1, lane).map(R::Single::from),
                 };
-                let next = state.spin.step(scheme, &decoupler.constants, torques);
-                state.spin.take(scheme, next);
-                self.spin_rate.set(step, lane, next.rate);
-                self.spin_derivative.set(step, lane, next.derivative);
+                let next = spin.step(scheme, g, torques);
+                spin.take(scheme, next);
+                self.spin_rate.set(step, lane, next.rate.map(Into::into));
+                self.spin_derivative
+                    .set(step, lane, next.derivative.map(Into::into));
             }
         }
+        state.spin = spin.map(Into::into);
     }
 
     /// The shell's motion at the sample before each: the middle of three.

@@ -39,7 +39,7 @@ pub fn spin(
     };
     let w = start * step_s;
     let w = constants.mass_to_principal(vec3(w.x, w.y, w.z));
-    let mut state = Spin::start(&constants, w, torque(0));
+    let mut state = Spin::start(constants.gyroscopic, w, torque(0));
     let mut result = Vec::with_capacity(steps + 1);
     for step in 0..=steps {
         if step > 0 {
@@ -47,7 +47,7 @@ pub fn spin(
                 now: torque(step),
                 next: torque(step + 1),
             };
-            let next = state.step(scheme, &constants, torques);
+            let next = state.step(scheme, constants.gyroscopic, torques);
             state.take(scheme, next);
         }
         let per_s = 1.0 / step_s;
