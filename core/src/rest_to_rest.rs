@@ -13,7 +13,6 @@ use glam::DVec3;
 use nalgebra::{Matrix6, SMatrix, SVector, Vector6};
 
 use crate::decoupler::Decoupler;
-use crate::dynamics::MassInertia;
 use crate::error::{Error, Result};
 use crate::geometry::{DIRECTIONS_SHELL, LIMBS, LIMBS_PER_NODE};
 use crate::parameters::Parameters;
@@ -140,7 +139,7 @@ fn torque_pattern(sensor: &Sensor, parameters: &Parameters) -> Option<SMatrix<f6
     });
     let inverse = (jacobian.transpose() * jacobian).try_inverse()?;
     let from_wrench = jacobian * inverse;
-    let tensor = MassInertia::new(&parameters.inertia_per_mass).tensor_mass_m2();
+    let tensor = parameters.inertia_per_mass.matrix_mass_m2();
     let chain = SignalChain::new(&sensor.gains, parameters);
     let mut pattern = SMatrix::<f64, LIMBS, 3>::zeros();
     for axis in 0..3 {

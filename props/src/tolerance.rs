@@ -201,3 +201,19 @@ pub const LAST_DIGITS: Tolerance = new(8.0 * f64::EPSILON, Reason::Derived);
 pub const DIFFERENCED: Tolerance = new(2e-8, Reason::Measured("3e-9"));
 /// A broken ingredient must exceed the limit of the sound one by this factor.
 pub const NEGATIVE_CONTROL: f64 = 100.0;
+
+/// Accelerations by another way through the kernel, or by the printed formulas in the same discretisation, over the
+/// peak of the vector, after ten thousand samples.
+pub const PATHS: Tolerance = new(
+    1e-12,
+    Reason::Measured("see the row; rounding that is integrated twice"),
+);
+/// The same for any sensor and motion, which may be slow: forces of a few roundings turn it by as much as a second's
+/// double integral makes of them.
+pub const ANY_PATHS: Tolerance = new(1e-11, Reason::Measured("see the row"));
+/// Dropped terms of the strain series, in units of strain^4.
+pub const STRAIN_SERIES: Tolerance = new(30.0, Reason::Measured("see the row"));
+/// Single precision over a run of the rig, over the peak.
+pub const SINGLE_PRECISION: Tolerance = new(1e-3, Reason::Measured("see the row"));
+/// Sums of |w*| by interpolation in 1/(k/m), over the largest of the curve.
+pub const SEARCH: Tolerance = new(1e-9, Reason::Measured("see the row"));

@@ -4,13 +4,14 @@
 use glam::DVec3;
 use proptest::prelude::*;
 use sixaxis_core::attitude;
-use sixaxis_core::dynamics::{Instant, LimbWrench, MassInertia, limb_directions};
+use sixaxis_core::dynamics::{LimbWrench, limb_directions};
 use sixaxis_core::pose::{Pose, RelativeMotion};
 use sixaxis_core::preload::{static_equilibrium, static_preload_m_s2};
 use sixaxis_core::signal::SignalChain;
 use sixaxis_core::{Error, Gains, Geometry, InertiaPerMass, LIMBS, LimbLaw, Parameters};
 use sixaxis_props::compare::all_finite;
 use sixaxis_props::hostile::{extreme, hostile, remembering, spoiled};
+use sixaxis_props::printed::{Instant, MassInertia};
 use sixaxis_props::strategy::{parameters, vector};
 use sixaxis_reference::paper;
 

@@ -12,8 +12,9 @@
 //! energy gives p = 2 G^T I W. H = W.I W/2 with W = I^-1 G(q) p/2, and since G(q) p = -G(p) q, Hamilton's equations are
 //! as good as symmetric: q' = G(q)^T W/2, p' = G(p)^T W/2 + 2 G(q)^T torque.
 
+use crate::printed::{Instant, MassInertia};
 use glam::{DMat3, DQuat, DVec3};
-use sixaxis_core::dynamics::{Instant, LimbWrench, MassInertia};
+use sixaxis_core::dynamics::LimbWrench;
 use sixaxis_core::pose::{Pose, RelativeMotion};
 
 use super::motion::{Manufactured, Moment};
