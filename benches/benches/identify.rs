@@ -8,50 +8,70 @@ use sixaxis_benches::{MEASUREMENT_TIME, SAMPLE_SIZE, WARM_UP_TIME, peer, validat
 use sixaxis_core::identify::stiffness::rate_norm_sum;
 use sixaxis_core::{Parameters, Scheme};
 
+/// Samples of the long problems: 300,000 rows, ten seconds at 10 kHz.
+const LONG_SAMPLES: usize = 100_000;
+
+/// The rows of a few runs over and over, until there are [`LONG_SAMPLES`] samples.
+fn long<T: Clone>(rows: &[T]) -> Vec<T> {
+    rows.iter().cycle().take(LONG_SAMPLES).cloned().collect()
+}
+
 /// Step 2: samples of three pure linear runs at 2 Hz.
 fn scale(criterion: &mut Criterion) {
-    let problem = ScaleRows::play();
-    validate::require(
-        "scale_per_mass/linear_2hz/givens",
-        validate::scale_per_mass(&problem.solve().estimate.values),
-    );
-    validate::require(
-        "scale_per_mass/linear_2hz/nalgebra",
-        validate::scale_per_mass(&peer::scale_per_mass(&problem)),
-    );
-    let mut group = criterion.benchmark_group("scale_per_mass/linear_2hz");
-    group.sampling_mode(SamplingMode::Flat);
-    group.throughput(Throughput::Elements(problem.0.len() as u64));
-    group.bench_function("givens", |bencher| {
-        bencher.iter(|| black_box(&problem).solve());
-    });
-    group.bench_function("nalgebra", |bencher| {
-        bencher.iter(|| peer::scale_per_mass(black_box(&problem)));
-    });
-    group.finish();
+    let short = ScaleRows::play();
+    let long = ScaleRows(long(&short.0));
+    for (name, problem) in [
+        ("identify/scale/linear_2hz", short),
+        ("identify/scale/300k_rows", long),
+    ] {
+        validate::require(
+            &format!("{name}/householder"),
+            validate::scale_per_mass(&problem.solve().estimate.values),
+        );
+        validate::require(
+            &format!("{name}/nalgebra"),
+            validate::scale_per_mass(&peer::scale_per_mass(&problem)),
+        );
+        let mut group = criterion.benchmark_group(name);
+        group.sampling_mode(SamplingMode::Flat);
+        group.throughput(Throughput::Elements(problem.0.len() as u64));
+        group.bench_function("householder", |bencher| {
+            bencher.iter(|| black_box(&problem).solve());
+        });
+        group.bench_function("nalgebra", |bencher| {
+            bencher.iter(|| peer::scale_per_mass(black_box(&problem)));
+        });
+        group.finish();
+    }
 }
 
 /// Step 3: samples of three pure angular runs at 2 Hz.
 fn inertia(criterion: &mut Criterion) {
-    let problem = InertiaRows::play();
-    validate::require(
-        "inertia_per_mass/angular_2hz/givens",
-        validate::inertia_per_mass(&problem.solve().estimate.values),
-    );
-    validate::require(
-        "inertia_per_mass/angular_2hz/nalgebra",
-        validate::inertia_per_mass(&peer::inertia_per_mass(&problem)),
-    );
-    let mut group = criterion.benchmark_group("inertia_per_mass/angular_2hz");
-    group.sampling_mode(SamplingMode::Flat);
-    group.throughput(Throughput::Elements(problem.0.len() as u64));
-    group.bench_function("givens", |bencher| {
-        bencher.iter(|| black_box(&problem).solve());
-    });
-    group.bench_function("nalgebra", |bencher| {
-        bencher.iter(|| peer::inertia_per_mass(black_box(&problem)));
-    });
-    group.finish();
+    let short = InertiaRows::play();
+    let long = InertiaRows(long(&short.0));
+    for (name, problem) in [
+        ("identify/inertia/angular_2hz", short),
+        ("identify/inertia/300k_rows", long),
+    ] {
+        validate::require(
+            &format!("{name}/householder"),
+            validate::inertia_per_mass(&problem.solve().estimate.values),
+        );
+        validate::require(
+            &format!("{name}/nalgebra"),
+            validate::inertia_per_mass(&peer::inertia_per_mass(&problem)),
+        );
+        let mut group = criterion.benchmark_group(name);
+        group.sampling_mode(SamplingMode::Flat);
+        group.throughput(Throughput::Elements(problem.0.len() as u64));
+        group.bench_function("householder", |bencher| {
+            bencher.iter(|| black_box(&problem).solve());
+        });
+        group.bench_function("nalgebra", |bencher| {
+            bencher.iter(|| peer::inertia_per_mass(black_box(&problem)));
+        });
+        group.finish();
+    }
 }
 
 /// Step 4: mean |w*| of one pure linear run at 5 Hz for one candidate.
@@ -65,15 +85,15 @@ fn stiffness(criterion: &mut Criterion) {
     let nalgebra = |parameters: &Parameters| peer::rate_norm_sum(&problem, parameters);
     let decoupled = voltage_v.len() - 2;
     validate::require(
-        "stiffness_per_mass/one_candidate/heun",
+        "identify/stiffness/one_candidate/heun",
         validate::stiffness(decoupled, core),
     );
     validate::require(
-        "stiffness_per_mass/one_candidate/nalgebra",
+        "identify/stiffness/one_candidate/nalgebra",
         validate::stiffness(decoupled, nalgebra),
     );
     let candidate = true_parameters();
-    let mut group = criterion.benchmark_group("stiffness_per_mass/one_candidate");
+    let mut group = criterion.benchmark_group("identify/stiffness/one_candidate");
     group.sampling_mode(SamplingMode::Flat);
     group.throughput(Throughput::Elements(voltage_v.len() as u64));
     group.bench_function("heun", |bencher| {

@@ -9,10 +9,10 @@
 use glam::DVec3;
 
 use super::Verdict;
+use super::least_squares::factor::Factor;
 use super::least_squares::{Accumulator, Estimate};
 use super::noise_verdict_relative_to;
-use super::scale::check_finite;
-use crate::dynamics::LimbWrench;
+use super::scale::{all_finite, check_finite, check_reference};
 use crate::error::{Error, Result};
 use crate::geometry::{Geometry, LIMBS};
 use crate::parameters::InertiaPerMass;
@@ -32,19 +32,49 @@ pub struct InertiaEstimate {
     pub verdict: Verdict,
 }
 
+/// Terms of Euler's equation that the nine columns hold.
+const TERMS: usize = 9;
+
+/// What the three rows of W are put together from: w*', then the products of w* that w x (I/m) w consists of.
+///
+/// The last three add up to zero, but each has to be there itself: motion about one axis makes one of them exactly
+/// zero, which the sum of the others would not be after rounding.
+#[inline]
+fn terms(rate: DVec3, rate_derivative: DVec3) -> [f64; TERMS] {
+    let (x, y, z) = (rate.x, rate.y, rate.z);
+    let (dx, dy, dz) = (rate_derivative.x, rate_derivative.y, rate_derivative.z);
+    [
+        dx,
+        dy,
+        dz,
+        y * z,
+        x * z,
+        x * y,
+        y * y - z * z,
+        z * z - x * x,
+        x * x - y * y,
+    ]
+}
+
+/// One axis's row of W from the terms, what is quadratic in the rate taken `gamma` times.
+fn row(axis: usize, terms: &[f64; TERMS], gamma: f64) -> [f64; 6] {
+    let [dx, dy, dz, ..] = *terms;
+    let [_, _, _, yz, xz, xy, yy_zz, zz_xx, xx_yy] = terms.map(|term| gamma * term);
+    match axis {
+        0 => [dx, -yz, yz, dy - xz, dz + xy, yy_zz],
+        1 => [xz, dy, -xz, dx + yz, zz_xx, dz - xy],
+        _ => [-xy, xy, dz, xx_yy, dx - yz, dy + xz],
+    }
+}
+
 /// Regressor W of (18) for one sample: three rows of (I/m) w' + w x (I/m) w in the unknowns I1..I6.
 ///
 /// `rate` is w*, rad/s, `rate_derivative` w*', rad/s^2, both in shell axes. W times the six entries equals
 /// [`euler_torque`] of their tensor.
 #[must_use]
 pub fn regressor(rate: DVec3, rate_derivative: DVec3) -> [[f64; 6]; 3] {
-    let (x, y, z) = (rate.x, rate.y, rate.z);
-    let (dx, dy, dz) = (rate_derivative.x, rate_derivative.y, rate_derivative.z);
-    [
-        [dx, -y * z, y * z, dy - x * z, dz + x * y, y * y - z * z],
-        [x * z, dy, -x * z, dx + y * z, z * z - x * x, dz - x * y],
-        [-x * y, x * y, dz, x * x - y * y, dx - y * z, dy + x * z],
-    ]
+    let terms = terms(rate, rate_derivative);
+    core::array::from_fn(|axis| row(axis, &terms, 1.0))
 }
 
 /// Left side of (15): (I/m) w' + w x (I/m) w, m^2/s^2.
@@ -54,12 +84,20 @@ pub fn euler_torque(inertia: &InertiaPerMass, rate: DVec3, rate_derivative: DVec
     tensor * rate_derivative + rate.cross(tensor * rate)
 }
 
+/// sum (f_i/m) t_i x e_i with the limbs at rest, as (19) prints it: of nine limbs three point at the mass's centre, and
+/// the others act in pairs. Equals [`crate::dynamics::LimbWrench::at_rest`] up to rounding.
+fn torque_at_rest(half_edge_m: f64, force_per_mass_m_s2: &[f64; LIMBS]) -> DVec3 {
+    let [_, f2, f3, f4, _, f6, f7, f8, _] = *force_per_mass_m_s2;
+    half_edge_m * DVec3::new(f4 - f2, f3 - f7, f8 - f6)
+}
+
 /// Collects samples of pure angular motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InertiaIdentification {
     geometry: Geometry,
-    /// Twelve columns: the part of W linear in the rate's derivative, then the part quadratic in the rate.
-    rows: Accumulator<12>,
+    /// A sample is one row of [`terms`] with three right sides, its torque: the rows of W hold the same nine numbers in
+    /// three arrangements. Smaller than W itself, and it serves every gain.
+    rows: Factor<TERMS, 3>,
     samples: usize,
 }
 
@@ -85,7 +123,7 @@ impl InertiaIdentification {
     pub fn new(geometry: Geometry) -> Self {
         Self {
             geometry,
-            rows: Accumulator::default(),
+            rows: Factor::default(),
             samples: 0,
         }
     }
@@ -97,6 +135,7 @@ impl InertiaIdentification {
     /// # Errors
     /// [`crate::Error::NotFinite`] (channel 0 is the reference), [`crate::Error::Overflow`] if the square of the rate is
     /// not.
+    #[inline]
     pub fn push(
         &mut self,
         force_per_mass_m_s2: &[f64; LIMBS],
@@ -104,44 +143,38 @@ impl InertiaIdentification {
         rate_derivative_shell_rad_s2: DVec3,
     ) -> Result<()> {
         check_finite(force_per_mass_m_s2, rate_shell_rad_s, self.samples)?;
-        let torque = LimbWrench::at_rest(&self.geometry, force_per_mass_m_s2).torque_shell_m2_s2;
+        let torque = torque_at_rest(self.geometry.half_edge_m, force_per_mass_m_s2);
         self.push_torque(torque, rate_shell_rad_s, rate_derivative_shell_rad_s2)
     }
 
     /// Adds one sample with its torque per mass given: see [`super::compliance`].
+    #[inline]
     pub(super) fn push_torque(
         &mut self,
         torque_m2_s2: DVec3,
         rate_rad_s: DVec3,
         rate_derivative_rad_s2: DVec3,
     ) -> Result<()> {
-        for reference in [rate_rad_s, rate_derivative_rad_s2] {
-            check_finite(&[0.0; LIMBS], reference, self.samples)?;
-        }
-        let linear = regressor(DVec3::ZERO, rate_derivative_rad_s2);
-        let quadratic = regressor(rate_rad_s, DVec3::ZERO);
-        let mut entries = quadratic.as_flattened().iter();
-        if !(torque_m2_s2.is_finite() && entries.all(|x| x.is_finite())) {
+        let terms = terms(rate_rad_s, rate_derivative_rad_s2);
+        // A rate or a derivative that is not finite leaves no set of finite terms.
+        if !(all_finite(&terms) && torque_m2_s2.is_finite()) {
+            for reference in [rate_rad_s, rate_derivative_rad_s2] {
+                check_reference(reference, self.samples)?;
+            }
             return Err(Error::Overflow {
                 what: WHAT,
                 channel: 0,
                 sample: self.samples,
             });
         }
-        for axis in 0..3 {
-            let mut row = [0.0; 12];
-            row[..6].copy_from_slice(&linear[axis]);
-            row[6..].copy_from_slice(&quadratic[axis]);
-            self.rows.push(row, torque_m2_s2[axis]);
-        }
+        self.rows.push(&terms, &torque_m2_s2.to_array());
         self.samples += 1;
         Ok(())
     }
 
     /// The problem with six unknowns that a given gamma leaves.
     fn at_gain(&self, gamma: f64) -> Accumulator<6> {
-        self.rows
-            .combined(|row| core::array::from_fn(|i| row[i] + gamma * row[6 + i]))
+        self.rows.combined(|axis, terms| row(axis, terms, gamma))
     }
 
     /// Solves (18) by the pseudo-inverse (19).

@@ -272,8 +272,9 @@ fn add<R: Register>(proof: R::Proof, sums: &mut Sums, chunk: &[LaneSample]) {
                 );
             }
             let squares = cubic[0] * cubic[0] + cubic[1] * cubic[1] + cubic[2] * cubic[2];
-            // Not a maximum: that would lose NaN.
-            if !(squares <= sums.cubic_squared) {
+            // Written so that NaN stays, as a maximum would not let it.
+            let smaller = squares <= sums.cubic_squared;
+            if !smaller {
                 sums.cubic_squared = squares;
             }
             for (sum, weight) in sums.sums.iter_mut().zip(&sums.weights) {

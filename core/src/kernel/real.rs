@@ -41,17 +41,6 @@ pub trait Scalar: Real + PartialOrd + core::fmt::Debug + Default + 'static {
     fn quaternion(w: Self, v: Vec3<Self>) -> Self::Quaternion;
 }
 
-/// Whether this build's scalar arithmetic has a fused multiply-add of its own; without one, a call of a library
-/// function would take its place.
-macro_rules! fused {
-    () => {
-        cfg!(all(
-            feature = "std",
-            any(target_feature = "fma", target_arch = "aarch64")
-        ))
-    };
-}
-
 macro_rules! scalar {
     ($float:ty, $vector:ty, $quaternion:ty) => {
         impl Real for $float {
@@ -62,20 +51,31 @@ macro_rules! scalar {
 
             #[inline(always)]
             fn times_plus(self, factor: Self, term: Self) -> Self {
-                #[cfg(feature = "std")]
-                if fused!() {
-                    return self.mul_add(factor, term);
-                }
-                self * factor + term
+                // Only where the build's processor has the instruction: elsewhere a library function would be called.
+                #[cfg(all(
+                    feature = "std",
+                    any(target_feature = "fma", target_arch = "aarch64")
+                ))]
+                return self.mul_add(factor, term);
+                #[cfg(not(all(
+                    feature = "std",
+                    any(target_feature = "fma", target_arch = "aarch64")
+                )))]
+                return self * factor + term;
             }
 
             #[inline(always)]
             fn times_from(self, factor: Self, term: Self) -> Self {
-                #[cfg(feature = "std")]
-                if fused!() {
-                    return (-self).mul_add(factor, term);
-                }
-                term - self * factor
+                #[cfg(all(
+                    feature = "std",
+                    any(target_feature = "fma", target_arch = "aarch64")
+                ))]
+                return (-self).mul_add(factor, term);
+                #[cfg(not(all(
+                    feature = "std",
+                    any(target_feature = "fma", target_arch = "aarch64")
+                )))]
+                return term - self * factor;
             }
         }
 

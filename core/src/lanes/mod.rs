@@ -5,6 +5,9 @@
 //! blocks in [`crate::record`] holds here, too: a sample beyond the series sends its chunk through
 //! [`Decoupler::push`], and errors are that one's.
 
+// The largest error says in which direction nothing is known: nine numbers, and no heap to put them on.
+#![allow(clippy::result_large_err)]
+
 mod state;
 
 use ::wide::f64x4;
@@ -130,7 +133,7 @@ fn push_each(
     voltage_v: &[&[[f64; LIMBS]]; LANES],
     sink: &mut impl FnMut(&[LaneSample]),
 ) -> core::result::Result<(), Refused> {
-    for i in 0..voltage_v[0].len() {
+    for (i, _) in voltage_v[0].iter().enumerate() {
         let mut out = [Row::ZERO; 9];
         let mut any = false;
         for (lane, stream) in streams.iter_mut().enumerate() {

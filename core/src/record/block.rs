@@ -146,8 +146,8 @@ impl<R: Register> Block<R> {
         for lane in 0..LANES {
             for step in 0..STEPS {
                 let row = &rows[lane * STEPS + step];
-                for channel in 0..LIMBS {
-                    self.voltage_v[channel][step].0[lane] = row[channel];
+                for (series, value) in self.voltage_v.iter_mut().zip(row) {
+                    series[step].0[lane] = *value;
                 }
             }
         }
