@@ -104,6 +104,22 @@ fn moment<T: Real>(v: [Vec3<T>; NODES]) -> Vec3<T> {
     vec3(a.y - b.z, c.z - a.x, b.x - c.y)
 }
 
+/// sum t_j x R_r^T F_j over nu: the torque in mass axes, where the arms are as in the drawing.
+///
+/// With the forces at the nodes on the x, y and z axis as columns of K, the sum is the axial vector of R_r^T K. To second
+/// order in phi, and y = K phi, that is t + (tr K - phi . t/2) phi - y + phi x y/2, t the axial vector of K.
+#[inline(always)]
+fn turned_back<T: Real>(phi: Vec3<T>, force: [Vec3<T>; NODES]) -> Vec3<T> {
+    let [on_z, on_y, on_x] = force;
+    let half = phi.like(0.5);
+    let t = moment(force);
+    let y = on_z.times_plus(phi.z, on_y.times_plus(phi.y, on_x.times(phi.x)));
+    let trace = on_x.x + on_y.y + on_z.z;
+    let along = half.times_from(phi.dot(t), trace);
+    let less = y.cross_plus(phi.times(half), y);
+    phi.times_plus(along, t) - less
+}
+
 /// Places the mass by the series; good while `strain_squares` is at most the square of [`STRAIN_LIMIT`].
 #[inline(always)]
 pub fn by_series<T: Real>(constants: &Constants<T>, voltage_v: [T; LIMBS]) -> Placement<T> {
@@ -127,30 +143,23 @@ pub fn by_series<T: Real>(constants: &Constants<T>, voltage_v: [T; LIMBS]) -> Pl
     let s = linear.sum();
     let c = s * sixth;
     let c2 = c * c;
-    let stretch = linear.dot(linear) * sixth - (c2 + c2 + c2);
     let third_power = c2 * s;
     let curved = linear
         .ones_cross()
-        .times_plus(c, linear.times_plus(stretch, linear));
-    let rotation = vec3(
+        .times_plus(c, linear.times_plus(c2 * s.like(-3.0), linear));
+    let short = vec3(
         curved.x + third_power,
         curved.y + third_power,
         curved.z + third_power,
     );
+    let rotation = linear.times_plus(linear.dot(linear) * sixth, short);
 
-    // 3 r = sum of the nodes - 3 (R_r - 1) t_mean = sum of the nodes + nu (R_r - 1) 1.
+    // 3 r = sum of the nodes - 3 (R_r - 1) t_mean = sum of the nodes + nu (R_r - 1) 1. The sine's cubic term in R_r - 1
+    // is what the short rotation is short of.
     let one = c.like(1.0);
-    let turned = turn(rotation, vec3(one, one, one));
+    let turned = turn(short, vec3(one, one, one));
     let position_thrice = turned.times_plus(constants.nu, all);
-
-    // The torque in mass axes: forces turned back, arms as in the drawing.
-    let back = vec3(-rotation.x, -rotation.y, -rotation.z);
-    let [f0, f1, f2] = force;
-    let torque = moment([
-        f0 + turn(back, f0),
-        f1 + turn(back, f1),
-        f2 + turn(back, f2),
-    ]);
+    let torque = turned_back(rotation, force);
     Placement {
         position_thrice,
         rotation,
