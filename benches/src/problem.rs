@@ -176,9 +176,8 @@ pub fn decouple(ready: &Decoupler, voltage_v: &[[f64; LIMBS]], mut sink: impl Fn
     let mut decoupler = ready.clone();
     for row in voltage_v {
         let completed = decoupler.push(row).expect("a sample of a recorded run");
-        completed.iter().flatten().for_each(&mut sink);
+        completed.iter().for_each(&mut sink);
     }
-    decoupler.finish().iter().for_each(sink);
 }
 
 /// One decoupled sample, whoever decoupled it.

@@ -1,13 +1,11 @@
-//! Newton and Euler for the mass, solved for the motion of the shell: eqs. (3), (4) and (8).
+//! What nine limb forces come to: the sums in (3), (4) and (8).
 //!
-//! Mass cancels throughout: forces come per mass, m/s^2, torques per mass, m^2/s^2, inertia per mass, m^2.
-//! w* is the shell's angular velocity in shell axes (the paper's auxiliary angular velocity).
+//! Mass cancels throughout: forces come per mass, m/s^2, torques per mass, m^2/s^2.
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 use crate::geometry::{DIRECTIONS_SHELL, Geometry, LIMBS, LIMBS_PER_NODE, NODES};
-use crate::parameters::InertiaPerMass;
-use crate::pose::{Pose, RelativeMotion};
+use crate::pose::Pose;
 
 /// Resultant of the nine limb forces on the mass, per mass, shell axes.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -56,117 +54,4 @@ pub fn limb_directions(geometry: &Geometry, pose: &Pose) -> [DVec3; LIMBS] {
         let limb_m = DIRECTIONS_SHELL[limb] * geometry.limb_length_m + nodes[limb / LIMBS_PER_NODE];
         limb_m / limb_m.length()
     })
-}
-
-/// Everything in (3) and (8) at one instant except the shell's own rate.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Instant {
-    /// Motion of the mass in the shell.
-    pub relative: RelativeMotion,
-    /// Resultant of the limb forces.
-    pub wrench: LimbWrench,
-    /// I* = R_r (I/m) R_r^T, shell axes, m^2.
-    inertia_shell_m2: DMat3,
-    /// Its inverse.
-    inertia_shell_inverse: DMat3,
-}
-
-impl Instant {
-    /// Collects what the limbs say at one instant.
-    #[must_use]
-    pub fn new(relative: RelativeMotion, wrench: LimbWrench, inertia: &MassInertia) -> Self {
-        let rotation = relative.pose.rotation_matrix();
-        let back = rotation.transpose();
-        Self {
-            relative,
-            wrench,
-            inertia_shell_m2: rotation * inertia.tensor_mass_m2 * back,
-            inertia_shell_inverse: rotation * inertia.inverse_mass * back,
-        }
-    }
-
-    /// What the limbs would say a fraction `x` in \[0, 1\] of the way from `from` to `to`: the parabola through
-    /// `before`, `from` and `to`, equally spaced, or the line without `before`.
-    ///
-    /// Only what (8) needs is interpolated to that order; the pose is `from`'s.
-    #[must_use]
-    pub fn between(before: Option<&Self>, from: &Self, to: &Self, x: f64) -> Self {
-        // Lagrange weights for nodes -1, 0, 1.
-        let [w_before, w_from, w_to] = match before {
-            Some(_) => [0.5 * x * (x - 1.0), 1.0 - x * x, 0.5 * x * (x + 1.0)],
-            None => [0.0, 1.0 - x, x],
-        };
-        let before = before.unwrap_or(from);
-        let vector =
-            |get: fn(&Self) -> DVec3| get(before) * w_before + get(from) * w_from + get(to) * w_to;
-        let matrix =
-            |get: fn(&Self) -> DMat3| get(before) * w_before + get(from) * w_from + get(to) * w_to;
-        Self {
-            relative: RelativeMotion {
-                rate_shell_rad_s: vector(|i| i.relative.rate_shell_rad_s),
-                angular_acceleration_shell_rad_s2: vector(|i| {
-                    i.relative.angular_acceleration_shell_rad_s2
-                }),
-                ..from.relative
-            },
-            wrench: LimbWrench {
-                torque_shell_m2_s2: vector(|i| i.wrench.torque_shell_m2_s2),
-                ..from.wrench
-            },
-            inertia_shell_m2: matrix(|i| i.inertia_shell_m2),
-            inertia_shell_inverse: matrix(|i| i.inertia_shell_inverse),
-        }
-    }
-
-    /// Angular acceleration w*' of the shell in shell axes, rad/s^2: eq. (8).
-    #[must_use]
-    pub fn angular_acceleration_shell_rad_s2(&self, rate_shell_rad_s: DVec3) -> DVec3 {
-        let w_r = self.relative.rate_shell_rad_s;
-        let total = rate_shell_rad_s + w_r;
-        self.inertia_shell_inverse
-            * (self.wrench.torque_shell_m2_s2 - total.cross(self.inertia_shell_m2 * total))
-            - self.relative.angular_acceleration_shell_rad_s2
-            - rate_shell_rad_s.cross(w_r)
-    }
-
-    /// R^T (a - g): acceleration of the shell less gravity, in shell axes, m/s^2: eq. (3) turned into {1}.
-    #[must_use]
-    pub fn specific_force_shell_m_s2(
-        &self,
-        rate_shell_rad_s: DVec3,
-        angular_acceleration_shell_rad_s2: DVec3,
-    ) -> DVec3 {
-        let w = rate_shell_rad_s;
-        let r = self.relative.pose.position_shell_m;
-        self.wrench.force_shell_m_s2
-            - self.relative.acceleration_shell_m_s2
-            - angular_acceleration_shell_rad_s2.cross(r)
-            - w.cross(w.cross(r))
-            - 2.0 * w.cross(self.relative.velocity_shell_m_s)
-    }
-}
-
-/// I/m and its inverse in mass axes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MassInertia {
-    tensor_mass_m2: DMat3,
-    inverse_mass: DMat3,
-}
-
-impl MassInertia {
-    /// Inverts a tensor that [`InertiaPerMass::validate`] has accepted.
-    #[must_use]
-    pub fn new(inertia_per_mass: &InertiaPerMass) -> Self {
-        let tensor_mass_m2 = inertia_per_mass.matrix_mass_m2();
-        Self {
-            tensor_mass_m2,
-            inverse_mass: tensor_mass_m2.inverse(),
-        }
-    }
-
-    /// I/m in mass axes, m^2.
-    #[must_use]
-    pub fn tensor_mass_m2(&self) -> DMat3 {
-        self.tensor_mass_m2
-    }
 }

@@ -118,6 +118,18 @@ pub enum Error {
         /// Unit vector, in the unknowns' order (padded with zeros), along which the data say nothing.
         lost_direction: [f64; 9],
     },
+    /// A limb that the forces would stretch or compress by half its length or more.
+    #[error(
+        "channel {channel}, sample {sample}: the limb would change its length by {strain:.3} of it; no limb survives a hundredth"
+    )]
+    Overstrained {
+        /// Channel, from 1.
+        channel: usize,
+        /// Sample, from 0.
+        sample: usize,
+        /// Elongation over length.
+        strain: f64,
+    },
     /// Three limb lengths for which no common end point exists.
     #[error("node {node}: its three limbs, as long as the forces make them, do not meet")]
     LimbsDoNotMeet {

@@ -24,25 +24,32 @@ pub mod dynamics;
 pub mod error;
 pub mod geometry;
 pub mod identify;
-pub mod integrator;
+pub mod kernel;
+pub mod lanes;
 pub mod limbs;
 pub mod parameters;
 pub mod pose;
 pub mod preload;
 #[cfg(feature = "alloc")]
 pub mod preprocess;
+pub mod record;
 pub mod recording;
 #[cfg(feature = "alloc")]
 pub mod rest_to_rest;
+pub mod rigid;
 mod scalar;
+pub mod scheme;
+pub mod settings;
 pub mod signal;
 
-pub use decoupler::{Decoupler, Sensor, Settings, SixAxis, StaticResponse};
+pub use decoupler::{Decoupler, SixAxis};
 pub use error::{Error, Result};
 pub use geometry::{Geometry, LIMBS};
-pub use integrator::Scheme;
 pub use parameters::{InertiaPerMass, Parameters};
 pub use pose::LimbLaw;
+pub use rigid::RigidDecoupler;
+pub use scheme::Scheme;
+pub use settings::{Sensor, Settings, StaticResponse};
 pub use signal::Gains;
 
 /// The README's example, compiled and run with the doc tests.

@@ -3,14 +3,12 @@
 //! Rates and accelerations of the mass in the shell are central differences of its pose, so a sample is complete when
 //! its successor arrives; the first and the last of a stream have no such neighbour and yield nothing.
 
-use glam::DVec3;
-
-use crate::decoupler::{Sensor, Settings, StaticResponse};
 use crate::error::{Error, Result};
 use crate::geometry::{Geometry, LIMBS};
 use crate::parameters::Parameters;
 use crate::pose::{LimbLaw, Pose, RelativeMotion};
 use crate::preload::static_preload_m_s2;
+use crate::settings::{Sensor, Settings, StaticResponse};
 use crate::signal::SignalChain;
 
 /// One complete sample.
@@ -75,6 +73,10 @@ impl LimbStream {
             received: 0,
             window: [(Pose::default(), [0.0; LIMBS]); 2],
         })
+    }
+
+    pub(crate) fn chain(&self) -> &SignalChain {
+        &self.chain
     }
 
     /// The drawing that the stream works with.
@@ -158,13 +160,5 @@ impl LimbStream {
             .limb_law
             .elongations_m(&self.whole(sensed_m_s2), self.stiffness_per_mass_per_s2);
         Pose::from_elongations(&self.geometry, &elongation)
-    }
-}
-
-impl Settings {
-    /// g in shell axes at the first sample, m/s^2.
-    #[must_use]
-    pub fn gravity_shell_m_s2(&self) -> DVec3 {
-        self.initial_attitude.inverse() * self.gravity_ground_m_s2
     }
 }

@@ -170,7 +170,7 @@ impl Pose {
 }
 
 /// Displacement of one node from the elongations of its three limbs, shell axes, m.
-fn node_displacement(
+pub(crate) fn node_displacement(
     geometry: &Geometry,
     elongation_m: &[f64; LIMBS],
     node: usize,

@@ -12,11 +12,11 @@ use alloc::vec::Vec;
 use glam::DVec3;
 use nalgebra::{Matrix6, SMatrix, SVector, Vector6};
 
-use crate::decoupler::{Decoupler, Sensor, Settings};
-use crate::dynamics::MassInertia;
+use crate::decoupler::Decoupler;
 use crate::error::{Error, Result};
 use crate::geometry::{DIRECTIONS_SHELL, LIMBS, LIMBS_PER_NODE};
 use crate::parameters::Parameters;
+use crate::settings::{Sensor, Settings};
 use crate::signal::SignalChain;
 
 /// Newton steps; the map is close to linear and each gains about three digits.
@@ -67,11 +67,11 @@ pub fn detrend(
         let mut last = None;
         for (sample, row) in voltage_v.iter().enumerate() {
             let corrected = corrected(row, &pattern, line, sample, voltage_v.len());
-            for output in decoupler.push(&corrected)?.into_iter().flatten() {
+            if let Some(output) = decoupler.push(&corrected)? {
                 last = Some(output);
             }
         }
-        let last = decoupler.finish().or(last).ok_or(Error::TooFewSamples {
+        let last = last.ok_or(Error::TooFewSamples {
             what: "rest-to-rest detrending",
             needed: NEEDED,
             got: voltage_v.len(),
@@ -139,7 +139,7 @@ fn torque_pattern(sensor: &Sensor, parameters: &Parameters) -> Option<SMatrix<f6
     });
     let inverse = (jacobian.transpose() * jacobian).try_inverse()?;
     let from_wrench = jacobian * inverse;
-    let tensor = MassInertia::new(&parameters.inertia_per_mass).tensor_mass_m2();
+    let tensor = parameters.inertia_per_mass.matrix_mass_m2();
     let chain = SignalChain::new(&sensor.gains, parameters);
     let mut pattern = SMatrix::<f64, LIMBS, 3>::zeros();
     for axis in 0..3 {

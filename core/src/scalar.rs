@@ -13,6 +13,10 @@ mod imp {
         x.exp()
     }
     #[cfg(feature = "alloc")]
+    pub fn cos(x: f64) -> f64 {
+        x.cos()
+    }
+    #[cfg(feature = "alloc")]
     pub fn tan(x: f64) -> f64 {
         x.tan()
     }
@@ -29,6 +33,10 @@ mod imp {
     #[cfg(feature = "alloc")]
     pub fn exp(x: f64) -> f64 {
         libm::exp(x)
+    }
+    #[cfg(feature = "alloc")]
+    pub fn cos(x: f64) -> f64 {
+        libm::cos(x)
     }
     #[cfg(feature = "alloc")]
     pub fn tan(x: f64) -> f64 {

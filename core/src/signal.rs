@@ -88,6 +88,12 @@ impl SignalChain {
         Ok(())
     }
 
+    /// (s_i/m) c_i: change of the limb force per mass with the voltage, m/(s^2 V).
+    #[must_use]
+    pub fn sensitivity_m_s2_per_v(&self) -> &[f64; LIMBS] {
+        &self.sensitivity
+    }
+
     /// Limb force per mass f_i/m = (s_i/m) c_i (u_i - d_i), m/s^2, positive in compression: eq. (11).
     #[must_use]
     pub fn force_per_mass_m_s2(&self, voltage_v: &[f64; LIMBS]) -> [f64; LIMBS] {

@@ -8,6 +8,7 @@ pub mod evidence;
 pub mod hostile;
 pub mod manufactured;
 pub mod motions;
+pub mod printed;
 pub mod rig_runs;
 pub mod rigid;
 pub mod statistics;

@@ -138,9 +138,8 @@ impl Case {
         let mut ours = Vec::with_capacity(forces.len());
         for row in voltages {
             let completed = decoupler.push(&row).expect("a simulated sample");
-            ours.extend(completed.into_iter().flatten());
+            ours.extend(completed);
         }
-        ours.extend(decoupler.finish());
         Decoupled {
             ours,
             truth: run.truth,

@@ -96,9 +96,8 @@ pub fn decouple(
     let mut samples = Vec::with_capacity(voltage_v.len());
     for row in voltage_v {
         let completed = decoupler.push(row).expect("the samples are finite");
-        samples.extend(completed.into_iter().flatten());
+        samples.extend(completed);
     }
-    samples.extend(decoupler.finish());
     samples
 }
 

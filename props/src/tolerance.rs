@@ -201,3 +201,15 @@ pub const LAST_DIGITS: Tolerance = new(8.0 * f64::EPSILON, Reason::Derived);
 pub const DIFFERENCED: Tolerance = new(2e-8, Reason::Measured("3e-9"));
 /// A broken ingredient must exceed the limit of the sound one by this factor.
 pub const NEGATIVE_CONTROL: f64 = 100.0;
+
+/// Accelerations of the rig at 5 Hz against the printed formulas in the same discretisation, over the peak of the vector,
+/// after ten thousand samples.
+pub const PRINTED_FORMULAS: Tolerance = new(1e-12, Reason::Measured("6e-14"));
+/// Accelerations by another way through the kernel, any sensor and motion, over the peak of the vector.
+pub const PATHS: Tolerance = new(1e-12, Reason::Measured("1e-13"));
+/// Dropped terms of the strain series, in units of the fourth power of the strains' root sum of squares.
+pub const STRAIN_SERIES: Tolerance = new(1.0, Reason::Measured("0.4"));
+/// Single precision over a run of the rig at 5 Hz, over the peak.
+pub const SINGLE_PRECISION: Tolerance = new(3e-4, Reason::Measured("7e-5"));
+/// Sums of |w*| by interpolation in 1/(k/m), over the largest of the curve.
+pub const SEARCH: Tolerance = new(1e-9, Reason::Measured("8e-11"));

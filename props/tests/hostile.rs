@@ -3,12 +3,11 @@
 
 use glam::DVec3;
 use proptest::prelude::*;
-use sixaxis_core::decoupler::{Decoupled, Decoupler};
 use sixaxis_core::limbs::LimbStream;
 use sixaxis_core::parameters::STIFFNESS_PER_MASS_RANGE_PER_S2;
 use sixaxis_core::{
-    Error, Gains, Geometry, InertiaPerMass, LIMBS, Parameters, Result, Scheme, Sensor, Settings,
-    StaticResponse,
+    Decoupler, Error, Gains, Geometry, InertiaPerMass, LIMBS, Parameters, Result, Scheme, Sensor,
+    Settings, SixAxis, StaticResponse,
 };
 use sixaxis_props::compare::all_finite;
 use sixaxis_props::hostile::{INERTIA, hostile_setup, record, remembering};
@@ -33,7 +32,7 @@ fn sound_row(sample: usize) -> [f64; LIMBS] {
 }
 
 /// Pushes a row; asserts that what comes back is finite, and that a refusal names its cause and leaves no trace.
-fn push(decoupler: &mut Decoupler, row: &[f64; LIMBS], accepted: usize) -> Result<Decoupled> {
+fn push(decoupler: &mut Decoupler, row: &[f64; LIMBS], accepted: usize) -> Result<Option<SixAxis>> {
     let before = decoupler.clone();
     let answer = decoupler.push(row);
     match &answer {
@@ -61,7 +60,7 @@ fn check_cause(error: &Error, row: &[f64; LIMBS], accepted: usize) {
         Error::LimbsDoNotMeet { node } => {
             assert!((1..=3).contains(&node));
         }
-        Error::Overflow { sample, .. } => {
+        Error::Overflow { sample, .. } | Error::Overstrained { sample, .. } => {
             assert_eq!(sample, accepted, "the wrong sample is named");
         }
         ref other => panic!("unexpected {other}"),
@@ -74,8 +73,6 @@ fn run(mut decoupler: Decoupler, rows: &[[f64; LIMBS]]) {
     for row in rows {
         accepted += usize::from(push(&mut decoupler, row, accepted).is_ok());
     }
-    let last = decoupler.finish();
-    assert!(all_finite(&last), "{last:?}");
 }
 
 proptest! {
@@ -147,7 +144,7 @@ proptest! {
                 accepted += usize::from(answer.is_ok());
             }
         }
-        prop_assert_eq!(disturbed.finish(), undisturbed.finish());
+        prop_assert_eq!(disturbed, undisturbed);
     }
 
     /// A constant torque, from none to one beyond any f64: the rate runs away until the numbers end.
@@ -167,7 +164,6 @@ proptest! {
                 break;
             }
         }
-        prop_assert!(all_finite(&decoupler.finish()));
     }
 
     #[test]
@@ -197,7 +193,7 @@ proptest! {
     #[test]
     fn prop_equally_stretched_limbs_move_or_are_refused(
         volts in prop::collection::vec(0.0..90.0_f64, 3..8),
-        rate_exponent in 0.0..153.0_f64,
+        rate_exponent in 0.0..150.0_f64,
         scheme in prop::sample::select(&Scheme::ALL[..]),
     ) {
         let settings = Settings { scheme, ..Settings::new(10.0_f64.powf(rate_exponent)) };

@@ -4,14 +4,14 @@
 use glam::DVec3;
 use proptest::prelude::*;
 use sixaxis_core::attitude;
-use sixaxis_core::dynamics::{Instant, LimbWrench, MassInertia, limb_directions};
-use sixaxis_core::integrator::Integrator;
+use sixaxis_core::dynamics::{LimbWrench, limb_directions};
 use sixaxis_core::pose::{Pose, RelativeMotion};
 use sixaxis_core::preload::{static_equilibrium, static_preload_m_s2};
 use sixaxis_core::signal::SignalChain;
-use sixaxis_core::{Error, Gains, Geometry, InertiaPerMass, LIMBS, LimbLaw, Parameters, Scheme};
+use sixaxis_core::{Error, Gains, Geometry, InertiaPerMass, LIMBS, LimbLaw, Parameters};
 use sixaxis_props::compare::all_finite;
 use sixaxis_props::hostile::{extreme, hostile, remembering, spoiled};
+use sixaxis_props::printed::{Instant, MassInertia};
 use sixaxis_props::strategy::{parameters, vector};
 use sixaxis_reference::paper;
 
@@ -93,9 +93,8 @@ proptest! {
         let inertia = MassInertia::new(&parameters.inertia_per_mass);
         let wrench = LimbWrench::at_pose(&geometry, pose, &force);
         let instant = Instant::new(motion, wrench, &inertia);
-        let halfway = Instant::between(None, &instant, &instant, 0.5);
-        let angular = halfway.angular_acceleration_shell_rad_s2(turns[0]);
-        prop_assert!(all_finite(&(motion, wrench, instant, halfway, angular)));
+        let angular = instant.angular_acceleration_shell_rad_s2(turns[0]);
+        prop_assert!(all_finite(&(motion, wrench, instant, angular)));
         prop_assert!(all_finite(&instant.specific_force_shell_m_s2(turns[0], angular)));
         prop_assert!(all_finite(&LimbWrench::at_rest(&geometry, &force)));
         prop_assert!(all_finite(&limb_directions(&geometry, pose)));
@@ -109,11 +108,9 @@ proptest! {
     }
 
     #[test]
-    fn prop_sane_signals_and_steps_stay_finite(
+    fn prop_sane_signals_stay_finite(
         parameters in parameters(),
         voltage in prop::array::uniform9(-10.0..10.0_f64),
-        torques in prop::collection::vec(vector(1e-2), 1..8),
-        scheme in prop::sample::select(&Scheme::ALL[..]),
     ) {
         let gains = Gains::uniform(20.0);
         let chain = SignalChain::new(&gains, &parameters);
@@ -121,14 +118,6 @@ proptest! {
         let back = (chain.voltage_v(&force), chain.voltage_change_v(&force));
         prop_assert!(all_finite(&(chain, force, back)));
         prop_assert!(all_finite(&gains.measured_force_n(&voltage, &parameters.zero_drift_v)));
-        let mut integrator = Integrator::new(scheme, 1e-3, DVec3::ZERO);
-        let inertia = MassInertia::new(&parameters.inertia_per_mass);
-        for torque_shell_m2_s2 in torques {
-            let wrench = LimbWrench { torque_shell_m2_s2, ..LimbWrench::default() };
-            let instant = Instant::new(RelativeMotion::default(), wrench, &inertia);
-            prop_assert!(all_finite(&integrator.push(instant)));
-        }
-        prop_assert!(all_finite(&integrator.finish()));
     }
 
     #[test]

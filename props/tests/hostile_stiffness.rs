@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use proptest::prelude::*;
-use sixaxis_core::dynamics::{Instant, LimbWrench, MassInertia};
+use sixaxis_core::dynamics::LimbWrench;
 use sixaxis_core::identify::stiffness;
 use sixaxis_core::pose::RelativeMotion;
 use sixaxis_core::{
@@ -10,6 +10,7 @@ use sixaxis_core::{
 };
 use sixaxis_props::compare::all_finite;
 use sixaxis_props::hostile::{extreme, hostile, hostile_setup, record, remembering};
+use sixaxis_props::printed::{Instant, MassInertia};
 use sixaxis_reference::paper;
 
 const SEEDS: &str = concat!(

@@ -2,14 +2,15 @@
 
 use glam::{DQuat, DVec3};
 use sixaxis_core::decoupler::Decoupler;
-use sixaxis_core::dynamics::Instant;
-use sixaxis_core::integrator::{Integrator, Settled};
 use sixaxis_core::{Geometry, Scheme, Sensor, Settings, attitude};
 use sixaxis_props::compare::{largest, within};
 use sixaxis_props::evidence::Row;
 use sixaxis_props::manufactured::examples;
-use sixaxis_props::manufactured::formulations::{Mass, ShellMotion, exact_instant, solve};
+use sixaxis_props::manufactured::formulations::{
+    Mass, ShellMotion, mass_attitude, mass_rate, shell_from_mass, solve,
+};
 use sixaxis_props::manufactured::motion::Manufactured;
+use sixaxis_props::manufactured::spin::spin;
 use sixaxis_props::tolerance;
 use sixaxis_reference::campaign::{self, Laboratory};
 use sixaxis_reference::paper;
@@ -37,12 +38,7 @@ fn rate_error(run: &SimulatedRun, scheme: Scheme) -> f64 {
         Decoupler::new(&sensor, &parameters, &settings).expect("parameters are sound");
     let mut error = 0.0;
     for row in &recording.voltage_v {
-        for s in decoupler
-            .push(row)
-            .expect("samples are finite")
-            .into_iter()
-            .flatten()
-        {
+        if let Some(s) = decoupler.push(row).expect("samples are finite") {
             let truth = run.truth[s.sample as usize].rate_shell_rad_s;
             error = largest([error, (s.rate_shell_rad_s - truth).length()]);
         }
@@ -83,32 +79,31 @@ fn exact_limb_errors(
     every: usize,
 ) -> [f64; 2] {
     let step_s = FINEST_S * every as f64;
-    let mut integrator = Integrator::new(scheme, step_s, DVec3::ZERO);
-    let mut settled: Vec<Settled> = Vec::new();
-    for i in (0..=FINEST_STEPS).step_by(every) {
-        let instant = exact_instant(sensor, i as f64 * FINEST_S);
-        settled.extend(integrator.push(instant).into_iter().flatten());
-    }
+    let moment = |i: usize| sensor.at(i as f64 * step_s);
+    let start = mass_rate(&moment(0), DVec3::ZERO);
+    let spin = spin(sensor, scheme, step_s, FINEST_STEPS / every, start);
     let mut attitude = DQuat::IDENTITY;
+    let mut last = [DVec3::ZERO; 2];
     let mut errors = [0.0; 2];
-    for (i, pair) in settled.windows(2).enumerate() {
-        attitude = attitude::advance(
-            attitude,
-            [pair[0].rate_shell_rad_s, pair[1].rate_shell_rad_s],
-            [0, 1].map(|k| pair[k].angular_acceleration_shell_rad_s2),
-            step_s,
-        );
-        let (now, t) = (&pair[1], &truth[(i + 1) * every]);
-        let force = now
-            .instant
-            .specific_force_shell_m_s2(now.rate_shell_rad_s, now.angular_acceleration_shell_rad_s2);
-        let acceleration = attitude * force + sensor.gravity_ground_m_s2;
+    for (i, [rate, derivative]) in spin.into_iter().enumerate() {
+        let moment = moment(i);
+        let turn = moment.rotation;
+        let [w_r, eps] = turn.rate();
+        let w = turn.matrix() * rate - w_r;
+        let now = [w, turn.matrix() * derivative + w_r.cross(w) - eps];
+        if i > 0 {
+            attitude = attitude::advance(attitude, [last[0], now[0]], [last[1], now[1]], step_s);
+        }
+        last = now;
+        let mass = mass_attitude(&moment, attitude);
+        let ours = shell_from_mass(sensor, &moment, rate, derivative, mass);
+        let t = &truth[i * every];
         errors = [
+            largest([errors[0], (w - t.rate_shell_rad_s).length()]),
             largest([
-                errors[0],
-                (now.rate_shell_rad_s - t.rate_shell_rad_s).length(),
+                errors[1],
+                (ours.linear_ground_m_s2 - t.linear_ground_m_s2).length(),
             ]),
-            largest([errors[1], (acceleration - t.linear_ground_m_s2).length()]),
         ];
     }
     errors
@@ -166,8 +161,22 @@ const MOULTON: [&[f64]; 3] = [
     &[9.0 / 24.0, 19.0 / 24.0, -5.0 / 24.0, 1.0 / 24.0],
 ];
 
-/// Rates at every `step_s` by the textbook, with as many points as there are behind, up to `points`.
-fn textbook(instants: &[Instant], step_s: f64, points: usize, corrected: bool) -> Vec<DVec3> {
+/// Euler's equation of the mass in its own axes, written down without principal axes: W' at a step.
+struct Slope<'a> {
+    sensor: &'a Manufactured,
+    step_s: f64,
+}
+
+impl Slope<'_> {
+    fn at(&self, step: usize, rate: DVec3) -> DVec3 {
+        let inertia = self.sensor.inertia_mass_m2();
+        let torque = self.sensor.at(step as f64 * self.step_s).torque_mass_m2_s2;
+        inertia.inverse() * (torque - rate.cross(inertia * rate))
+    }
+}
+
+/// Rates at every step by the textbook, with as many points as there are behind, up to `points`.
+fn textbook(slope: &Slope, steps: usize, points: usize, corrected: bool) -> Vec<DVec3> {
     let sum = |weights: &[f64], slopes: &[DVec3]| {
         let newest_first = slopes.iter().rev();
         weights
@@ -175,82 +184,83 @@ fn textbook(instants: &[Instant], step_s: f64, points: usize, corrected: bool) -
             .zip(newest_first)
             .fold(DVec3::ZERO, |sum, (w, f)| sum + *f * *w)
     };
-    let mut rates = vec![DVec3::ZERO];
-    let mut slopes = vec![instants[0].angular_acceleration_shell_rad_s2(DVec3::ZERO)];
-    for instant in &instants[1..] {
+    let mut rates = vec![START];
+    let mut slopes = vec![slope.at(0, START)];
+    for step in 1..=steps {
         let rate = rates[rates.len() - 1];
         let behind = slopes.len().min(points);
-        let mut next = rate + sum(BASHFORTH[behind - 1], &slopes) * step_s;
+        let mut next = rate + sum(BASHFORTH[behind - 1], &slopes) * slope.step_s;
         // An explicit scheme of several points takes its first step by Heun.
         if corrected || behind < points {
             let mut with_next = slopes.clone();
-            with_next.push(instant.angular_acceleration_shell_rad_s2(next));
-            next = rate + sum(MOULTON[behind.min(MOULTON.len()) - 1], &with_next) * step_s;
+            with_next.push(slope.at(step, next));
+            let weights = MOULTON[behind.min(MOULTON.len()) - 1];
+            next = rate + sum(weights, &with_next) * slope.step_s;
         }
-        slopes.push(instant.angular_acceleration_shell_rad_s2(next));
+        slopes.push(slope.at(step, next));
         rates.push(next);
     }
     rates
 }
 
+const STEP_S: f64 = 1e-3;
+/// Rate of the mass at the start, rad/s.
+const START: DVec3 = DVec3::new(3.0, -2.0, 1.0);
+
 #[test]
 fn ref_schemes_are_the_textbooks() {
-    const STEP_S: f64 = 1e-3;
+    const STEPS: usize = 40;
     let sensor = examples::turning();
-    let instants: Vec<Instant> = (0..40)
-        .map(|i| exact_instant(&sensor, f64::from(i) * STEP_S))
-        .collect();
+    let slope = Slope {
+        sensor: &sensor,
+        step_s: STEP_S,
+    };
     for (scheme, points, corrected) in [
         (Scheme::Euler, 1, false),
         (Scheme::Heun, 1, true),
         (Scheme::AdamsBashforth2, 2, false),
         (Scheme::AdamsMoulton4, 4, true),
     ] {
-        let wanted = textbook(&instants, STEP_S, points, corrected);
-        let mut integrator = Integrator::new(scheme, STEP_S, DVec3::ZERO);
+        let wanted = textbook(&slope, STEPS, points, corrected);
+        let ours = spin(&sensor, scheme, STEP_S, STEPS, START);
+        assert_eq!(ours.len(), wanted.len());
         let size = largest(wanted.iter().map(|w| w.length()));
-        for (instant, wanted) in instants.iter().zip(&wanted) {
-            let [settled, none] = integrator.push(*instant);
-            assert!(none.is_none());
-            let ours = settled.expect("one sample settles one").rate_shell_rad_s;
+        for ([ours, _], wanted) in ours.iter().zip(&wanted) {
             within(
                 &format!("{} against the textbook", scheme.name()),
-                (ours - *wanted).length() / size,
+                (*ours - *wanted).length() / size,
                 tolerance::LAST_DIGITS,
             );
         }
     }
 }
 
-/// Runge and Kutta's scheme over a pair, its middle by Hermite's cubic, and Heun for a sample left over.
+/// Runge and Kutta's scheme over a pair, its middle by Hermite's cubic.
 #[test]
 fn ref_pairs_are_runge_and_kuttas() {
-    const STEP_S: f64 = 1e-3;
     let sensor = examples::turning();
-    let [a, b, c, d] = [0.0, 1.0, 2.0, 3.0].map(|i| exact_instant(&sensor, i * STEP_S));
-    let (h, f) = (2.0 * STEP_S, |i: &Instant, w| {
-        i.angular_acceleration_shell_rad_s2(w)
-    });
-    let start = DVec3::new(3.0, -2.0, 1.0);
-    let k1 = f(&a, start);
-    let k2 = f(&b, start + k1 * (h / 2.0));
-    let k3 = f(&b, start + k2 * (h / 2.0));
-    let k4 = f(&c, start + k3 * h);
-    let end = start + (k1 + k2 * 2.0 + k3 * 2.0 + k4) * (h / 6.0);
-    let middle = (start + end) * 0.5 + (k1 - f(&c, end)) * (h / 8.0);
-    let last = end + (f(&c, end) + f(&d, end + f(&c, end) * STEP_S)) * (STEP_S / 2.0);
-    let mut integrator = Integrator::new(Scheme::RungeKutta4, STEP_S, start);
-    let mut ours = Vec::new();
-    for instant in [a, b, c, d] {
-        ours.extend(integrator.push(instant).into_iter().flatten());
+    let slope = Slope {
+        sensor: &sensor,
+        step_s: STEP_S,
+    };
+    let h = 2.0 * STEP_S;
+    let mut wanted = vec![START];
+    for first in [0, 2] {
+        let start = wanted[first];
+        let k1 = slope.at(first, start);
+        let k2 = slope.at(first + 1, start + k1 * (h / 2.0));
+        let k3 = slope.at(first + 1, start + k2 * (h / 2.0));
+        let k4 = slope.at(first + 2, start + k3 * h);
+        let end = start + (k1 + k2 * 2.0 + k3 * 2.0 + k4) * (h / 6.0);
+        wanted.push((start + end) * 0.5 + (k1 - slope.at(first + 2, end)) * (h / 8.0));
+        wanted.push(end);
     }
-    ours.extend(integrator.finish());
-    let ours: Vec<DVec3> = ours.iter().map(|s| s.rate_shell_rad_s).collect();
-    assert_eq!(ours.len(), 4);
-    for (ours, wanted) in ours.iter().zip([start, middle, end, last]) {
+    let ours = spin(&sensor, Scheme::RungeKutta4, STEP_S, 4, START);
+    assert_eq!(ours.len(), wanted.len());
+    for ([ours, _], wanted) in ours.iter().zip(&wanted) {
         within(
             "Runge-Kutta over a pair",
-            (*ours - wanted).length() / end.length(),
+            (*ours - *wanted).length() / START.length(),
             tolerance::LAST_DIGITS,
         );
     }

@@ -45,9 +45,8 @@ fn decouple(
         let moment = sensor.at(sample as f64 / sample_rate_hz);
         let voltage = sensor.voltage_v(&GAIN_N_PER_V, &moment);
         let completed = decoupler.push(&voltage).expect("samples are finite");
-        samples.extend(completed.into_iter().flatten());
+        samples.extend(completed);
     }
-    samples.extend(decoupler.finish());
     samples
 }
 

@@ -8,12 +8,12 @@ use glam::DVec3;
 
 use super::inertia::InertiaIdentification;
 use super::scale::ScaleIdentification;
-use crate::decoupler::{Sensor, Settings};
 use crate::dynamics::limb_directions;
 use crate::error::Result;
 use crate::geometry::{LIMBS, LIMBS_PER_NODE};
 use crate::limbs::{LimbSample, LimbStream};
 use crate::parameters::Parameters;
+use crate::settings::{Sensor, Settings};
 
 /// Turns a recording, sample by sample, into rows of the full equations.
 #[derive(Debug, Clone, PartialEq)]

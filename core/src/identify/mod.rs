@@ -9,6 +9,8 @@ pub mod inertia;
 pub mod least_squares;
 pub mod scale;
 pub mod stiffness;
+#[cfg(feature = "alloc")]
+pub mod stiffness_search;
 pub mod zero_drift;
 
 use serde::{Deserialize, Serialize};

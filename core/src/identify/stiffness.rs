@@ -5,10 +5,11 @@
 //! be as good before the minimum means anything. [`judge`] says when it does not.
 
 use super::{Reason, Verdict};
-use crate::decoupler::{Decoupler, Sensor, Settings};
+use crate::decoupler::Decoupler;
 use crate::error::{Error, Result};
 use crate::geometry::LIMBS;
 use crate::parameters::Parameters;
+use crate::settings::{Sensor, Settings};
 
 /// The paper's grid: from, to, step, s^-2.
 pub const PAPER_GRID_PER_S2: (f64, f64, f64) = (1.0e8, 10.0e8, 0.1e8);
@@ -37,7 +38,7 @@ pub fn rate_norm_sum(
     let mut decoupler = Decoupler::new(sensor, parameters, settings)?;
     let (mut sum, mut count) = (0.0, 0);
     for row in voltage_v {
-        for sample in decoupler.push(row)?.into_iter().flatten() {
+        if let Some(sample) = decoupler.push(row)? {
             sum += sample.rate_shell_rad_s.length();
             count += 1;
             if !sum.is_finite() {

@@ -12,8 +12,9 @@
 //! energy gives p = 2 G^T I W. H = W.I W/2 with W = I^-1 G(q) p/2, and since G(q) p = -G(p) q, Hamilton's equations are
 //! as good as symmetric: q' = G(q)^T W/2, p' = G(p)^T W/2 + 2 G(q)^T torque.
 
+use crate::printed::{Instant, MassInertia};
 use glam::{DMat3, DQuat, DVec3};
-use sixaxis_core::dynamics::{Instant, LimbWrench, MassInertia};
+use sixaxis_core::dynamics::LimbWrench;
 use sixaxis_core::pose::{Pose, RelativeMotion};
 
 use super::motion::{Manufactured, Moment};
@@ -109,12 +110,6 @@ impl Shell {
     }
 }
 
-/// What the limbs say at one instant, exactly: for integrators that are to be judged alone.
-#[must_use]
-pub fn exact_instant(sensor: &Manufactured, time_s: f64) -> Instant {
-    Shell::instant(sensor, &sensor.at(time_s))
-}
-
 impl Formulation for Shell {
     fn start(_: &Manufactured, _: &Moment, attitude: DQuat, rate: DVec3) -> Self {
         Self { rate, attitude }
@@ -149,7 +144,8 @@ impl Formulation for Shell {
 }
 
 /// The shell's motion by kinematics, from rate, angular acceleration (mass axes) and attitude of the mass.
-fn shell_from_mass(
+#[must_use]
+pub fn shell_from_mass(
     sensor: &Manufactured,
     moment: &Moment,
     rate: DVec3,
@@ -174,11 +170,14 @@ fn shell_from_mass(
 }
 
 /// Rate of the mass, in its own axes, that belongs to a rate of the shell.
-fn mass_rate(moment: &Moment, rate_shell: DVec3) -> DVec3 {
+#[must_use]
+pub fn mass_rate(moment: &Moment, rate_shell: DVec3) -> DVec3 {
     moment.rotation.matrix().transpose() * (rate_shell + moment.rotation.rate()[0])
 }
 
-fn mass_attitude(moment: &Moment, attitude: DQuat) -> DQuat {
+/// Attitude of the mass in a shell of the given attitude.
+#[must_use]
+pub fn mass_attitude(moment: &Moment, attitude: DQuat) -> DQuat {
     DQuat::from_mat3(&(DMat3::from_quat(attitude) * moment.rotation.matrix())).normalize()
 }
 

@@ -73,9 +73,8 @@ pub fn decouple(
     let mut decoupler = Decoupler::new(&sensor(recording), parameters, &settings)?;
     let mut samples = Vec::with_capacity(voltage_v.len());
     for row in voltage_v {
-        samples.extend(decoupler.push(row)?.into_iter().flatten());
+        samples.extend(decoupler.push(row)?);
     }
-    samples.extend(decoupler.finish());
     Ok(samples)
 }
 

@@ -6,6 +6,7 @@ use sixaxis_core::identify::compliance::CompliantRows;
 use sixaxis_core::identify::inertia::{InertiaEstimate, InertiaIdentification};
 use sixaxis_core::identify::scale::{ScaleIdentification, ScalePerMass};
 use sixaxis_core::identify::stiffness::{self, StiffnessPerMass};
+use sixaxis_core::identify::stiffness_search::{self, RateNorms, rate_norm_sums};
 use sixaxis_core::identify::zero_drift::{self, ZeroDrift};
 use sixaxis_core::signal::SignalChain;
 use sixaxis_core::{Geometry, LIMBS, Parameters, Scheme, Sensor, Settings};
@@ -244,23 +245,29 @@ impl Session {
                 (sensor(recording), settings, rows)
             })
             .collect();
-        stiffness::paper_grid()
-            .collect::<Vec<f64>>()
-            .into_par_iter()
-            .map(|stiffness_per_mass_per_s2| {
-                let candidate = Parameters {
-                    stiffness_per_mass_per_s2,
-                    ..*parameters
-                };
-                let (mut sum, mut count) = (0.0, 0);
-                for (sensor, settings, rows) in &trials {
-                    let (s, c) = stiffness::rate_norm_sum(sensor, &candidate, settings, rows)?;
-                    sum += s;
-                    count += c;
-                }
-                Ok((stiffness_per_mass_per_s2, sum / f64::from(count as u32)))
+        let grid: Vec<f64> = stiffness::paper_grid().collect();
+        // In pairs, as the search has them side by side; summed in their own order, whatever thread was first.
+        let pairs: Vec<RateNorms> = trials
+            .par_chunks(2)
+            .map(|pair| {
+                let pair: Vec<stiffness_search::Trial> = pair
+                    .iter()
+                    .map(|(sensor, settings, voltage_v)| stiffness_search::Trial {
+                        sensor,
+                        settings,
+                        voltage_v,
+                    })
+                    .collect();
+                rate_norm_sums(parameters, &pair, &grid)
             })
-            .collect()
+            .collect::<sixaxis_core::Result<_>>()?;
+        let samples: usize = pairs.iter().map(|pair| pair.samples).sum();
+        let sum = |candidate: usize| pairs.iter().map(|pair| pair.sums[candidate]).sum::<f64>();
+        Ok(grid
+            .iter()
+            .enumerate()
+            .map(|(i, &k)| (k, sum(i) / samples as f64))
+            .collect())
     }
 }
 

@@ -1,0 +1,256 @@
+//! Everything that a sensor, its parameters and its sample rate put into the formulas, multiplied out once.
+//!
+//! The unit of length is the limb length L, that of time the sample interval h: most factors of the formulas become one.
+
+use nalgebra::{Matrix3, SymmetricEigen};
+
+use super::real::{Real, Scalar, Vec3, vec3};
+use super::wide::{LANES, Register, Row};
+use crate::error::{Error, Result};
+use crate::geometry::LIMBS;
+use crate::limbs::LimbStream;
+use crate::parameters::{InertiaPerMass, Parameters};
+use crate::settings::{Sensor, Settings};
+
+/// Largest relative asymmetry of rounding that the eigenvalue iteration is asked to resolve.
+const EIGEN_TOLERANCE: f64 = 1e-15;
+/// A symmetric 3 x 3 matrix settles in a handful of sweeps; the cap only guards against a hang.
+const EIGEN_ITERATIONS: usize = 100;
+
+/// Size above which constants are refused, with room for what samples do to them.
+const LARGEST: f64 = 1e304;
+
+/// The numbers of the kernel's formulas.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Constants<T> {
+    /// Strain of a limb per volt, (1), (10), (11) and (2) in one.
+    pub strain_per_v: [T; LIMBS],
+    /// Its strain at zero volt: drift, and the preload that a tared channel does not show.
+    pub strain_at_zero: [T; LIMBS],
+    /// n/L.
+    pub nu: T,
+    /// L/n.
+    pub inverse_nu: T,
+    /// chi: force per mass of a limb of unit strain; -(k/m) h^2 where compression shortens.
+    pub chi: T,
+    /// Rows that take a torque over chi nu in mass axes to one over the principal moments in principal axes.
+    pub torque: [Vec3<T>; 3],
+    /// Rows that take principal axes to mass axes.
+    pub principal: [Vec3<T>; 3],
+    /// (I_2 - I_3)/I_1 and its cyclic brothers.
+    pub gyroscopic: Vec3<T>,
+    /// g in ground axes, m/s^2.
+    pub gravity_ground_m_s2: Vec3<T>,
+    /// 1/h: rates, rad/s.
+    pub per_s: T,
+    /// 1/h^2: angular accelerations, rad/s^2.
+    pub per_s2: T,
+    /// L/h^2: linear accelerations, m/s^2.
+    pub m_per_s2: T,
+}
+
+impl Constants<Row> {
+    /// One register's part of each.
+    #[inline(always)]
+    pub fn part<R: Register>(&self, proof: R::Proof, part: usize) -> Constants<R> {
+        self.map(|row| R::load(proof, &row, part))
+    }
+}
+
+impl Constants<f64> {
+    /// Multiplies out; every argument is checked on the way.
+    ///
+    /// # Errors
+    /// Those of [`LimbStream::new`]; [`Error::NotConverged`] if no principal axes are found.
+    pub fn new(sensor: &Sensor, parameters: &Parameters, settings: &Settings) -> Result<Self> {
+        let limbs = LimbStream::new(sensor, parameters, settings)?;
+        let length = sensor.geometry.limb_length_m;
+        let h = 1.0 / settings.sample_rate_hz;
+        let stiffness = parameters.stiffness_per_mass_per_s2;
+        // The sign of (2), and strain per force.
+        let strain_per_force =
+            settings.limb_law.elongations_m(&[1.0; LIMBS], stiffness)[0] / length;
+        let at_rest = limbs.chain().force_per_mass_m_s2(&[0.0; LIMBS]);
+        let per_v = limbs.chain().sensitivity_m_s2_per_v();
+        let nu = sensor.geometry.half_edge_m / length;
+        let chi = h * h / (length * strain_per_force);
+        let (moments, axes) = principal(&parameters.inertia_per_mass)?;
+        let moments = moments.map(|i| i / (length * length));
+        let [i1, i2, i3] = moments;
+        let column = |j: usize| vec3(axes[(0, j)], axes[(1, j)], axes[(2, j)]);
+        let row = |i: usize| vec3(axes[(i, 0)], axes[(i, 1)], axes[(i, 2)]);
+        let g = settings.gravity_ground_m_s2;
+        let constants = Self {
+            strain_per_v: per_v.map(|s| s * strain_per_force),
+            strain_at_zero: core::array::from_fn(|i| {
+                (at_rest[i] + limbs.preload_m_s2()[i]) * strain_per_force
+            }),
+            nu,
+            inverse_nu: 1.0 / nu,
+            chi,
+            torque: core::array::from_fn(|i| column(i).times(chi * nu / moments[i])),
+            principal: core::array::from_fn(row),
+            gyroscopic: vec3((i2 - i3) / i1, (i3 - i1) / i2, (i1 - i2) / i3),
+            gravity_ground_m_s2: vec3(g.x, g.y, g.z),
+            per_s: 1.0 / h,
+            per_s2: 1.0 / (h * h),
+            m_per_s2: length / (h * h),
+        };
+        constants.validate()?;
+        Ok(constants)
+    }
+
+    /// Refuses sizes, each sound by itself, that no f64 can work with together.
+    fn validate(&self) -> Result<()> {
+        let out_of_range = |name, value| {
+            Err(Error::OutOfRange {
+                name,
+                value,
+                requirement: "of sizes whose products neither overflow nor vanish",
+            })
+        };
+        for (&slope, &value) in self.strain_per_v.iter().zip(&self.strain_at_zero) {
+            if !(slope.is_normal() && slope.abs() < LARGEST && value.abs() < LARGEST) {
+                return out_of_range(
+                    "zero_drift_v, scale_per_mass_per_kg, gain_n_per_v and limb_length_m together",
+                    if slope.is_normal() { value } else { slope },
+                );
+            }
+        }
+        let torque = self
+            .torque
+            .map(|row| row.x.abs().max(row.y.abs()).max(row.z.abs()));
+        let others = [
+            self.nu,
+            self.inverse_nu,
+            self.chi,
+            self.per_s2,
+            self.m_per_s2,
+        ];
+        for value in torque.into_iter().chain(others) {
+            let value = value.abs();
+            if !(value.is_normal() && value < LARGEST) {
+                return out_of_range(
+                    "limb_length_m, half_edge_m, sample_rate_hz, gravity_ground_m_s2 and inertia together",
+                    value,
+                );
+            }
+        }
+        Ok(())
+    }
+
+    /// Those of eight sensors side by side.
+    #[must_use]
+    pub fn side_by_side(eight: [&Self; LANES]) -> Constants<Row> {
+        let row = |get: &dyn Fn(&Self) -> f64| Row(eight.map(get));
+        let vector = |get: &dyn Fn(&Self) -> Vec3<f64>| {
+            vec3(row(&|c| get(c).x), row(&|c| get(c).y), row(&|c| get(c).z))
+        };
+        Constants {
+            strain_per_v: core::array::from_fn(|i| row(&|c| c.strain_per_v[i])),
+            strain_at_zero: core::array::from_fn(|i| row(&|c| c.strain_at_zero[i])),
+            nu: row(&|c| c.nu),
+            inverse_nu: row(&|c| c.inverse_nu),
+            chi: row(&|c| c.chi),
+            torque: core::array::from_fn(|i| vector(&|c| c.torque[i])),
+            principal: core::array::from_fn(|i| vector(&|c| c.principal[i])),
+            gyroscopic: vector(&|c| c.gyroscopic),
+            gravity_ground_m_s2: vector(&|c| c.gravity_ground_m_s2),
+            per_s: row(&|c| c.per_s),
+            per_s2: row(&|c| c.per_s2),
+            m_per_s2: row(&|c| c.m_per_s2),
+        }
+    }
+
+    /// The same numbers rounded to another scalar.
+    #[must_use]
+    pub fn rounded<T: Scalar>(&self) -> Constants<T> {
+        self.map(T::from_f64)
+    }
+}
+
+impl<T: Copy> Constants<T> {
+    /// The same numbers in another type.
+    #[inline(always)]
+    pub fn map<U>(&self, f: impl Fn(T) -> U) -> Constants<U> {
+        Constants {
+            strain_per_v: nine(&self.strain_per_v, &f),
+            strain_at_zero: nine(&self.strain_at_zero, &f),
+            nu: f(self.nu),
+            inverse_nu: f(self.inverse_nu),
+            chi: f(self.chi),
+            torque: three(&self.torque, &f),
+            principal: three(&self.principal, &f),
+            gyroscopic: self.gyroscopic.map(&f),
+            gravity_ground_m_s2: self.gravity_ground_m_s2.map(&f),
+            per_s: f(self.per_s),
+            per_s2: f(self.per_s2),
+            m_per_s2: f(self.m_per_s2),
+        }
+    }
+}
+
+// Written out: the library's maps of arrays are calls that no vector register survives.
+#[inline(always)]
+fn nine<T: Copy, U>(a: &[T; LIMBS], f: impl Fn(T) -> U) -> [U; LIMBS] {
+    [
+        f(a[0]),
+        f(a[1]),
+        f(a[2]),
+        f(a[3]),
+        f(a[4]),
+        f(a[5]),
+        f(a[6]),
+        f(a[7]),
+        f(a[8]),
+    ]
+}
+
+#[inline(always)]
+fn three<T: Copy, U>(rows: &[Vec3<T>; 3], f: impl Fn(T) -> U) -> [Vec3<U>; 3] {
+    let [a, b, c] = *rows;
+    [a.map(&f), b.map(&f), c.map(&f)]
+}
+
+impl<T: Real> Constants<T> {
+    /// Torque over chi nu in mass axes to angular acceleration of the mass in principal axes.
+    #[inline(always)]
+    pub fn torque_to_principal(&self, torque: Vec3<T>) -> Vec3<T> {
+        let [a, b, c] = self.torque;
+        vec3(a.dot(torque), b.dot(torque), c.dot(torque))
+    }
+
+    /// Principal axes to mass axes.
+    #[inline(always)]
+    pub fn principal_to_mass(&self, v: Vec3<T>) -> Vec3<T> {
+        let [a, b, c] = self.principal;
+        vec3(a.dot(v), b.dot(v), c.dot(v))
+    }
+
+    /// Mass axes to principal axes.
+    #[inline(always)]
+    pub fn mass_to_principal(&self, v: Vec3<T>) -> Vec3<T> {
+        let [a, b, c] = self.principal;
+        c.times_plus(v.z, b.times_plus(v.y, a.times(v.x)))
+    }
+}
+
+/// Principal moments per mass, m^2, and right-handed principal axes as columns in mass axes.
+fn principal(inertia: &InertiaPerMass) -> Result<([f64; 3], Matrix3<f64>)> {
+    let m = inertia.matrix_mass_m2().to_cols_array();
+    let eigen = SymmetricEigen::try_new(
+        Matrix3::from_column_slice(&m),
+        EIGEN_TOLERANCE,
+        EIGEN_ITERATIONS,
+    )
+    .ok_or(Error::NotConverged {
+        what: "principal axes of inertia",
+        iterations: EIGEN_ITERATIONS,
+    })?;
+    let mut axes = eigen.eigenvectors;
+    // Euler's equations know left from right.
+    if axes.determinant() < 0.0 {
+        axes.column_mut(2).neg_mut();
+    }
+    Ok((eigen.eigenvalues.into(), axes))
+}

@@ -1,0 +1,29 @@
+//! The decoupling equations once, for every number type and every way of running through a recording.
+//!
+//! A sample passes four stages, one file each. Only the second remembers anything but its neighbours:
+//!
+//! | stage | from | to | file |
+//! |---|---|---|---|
+//! | place | nine voltages | where the mass is, what the limbs pull | [`placement`] |
+//! | spin | torque | the mass's own rate, integrated | [`spin`] |
+//! | shell | three placements and the spin | rate, its derivative, specific force of the shell | [`shell`] |
+//! | attitude | two motions of the shell | attitude, by which all is turned to ground axes | [`attitude`] |
+//!
+//! # Why this is the paper's decoupling
+//! (2), (3), (8) and (9) as printed ask for a pose by iteration, a 3 x 3 inverse and the second difference eps inside the
+//! integrated equation. Three substitutions, each exact, remove all that: the sensor's signed axes are written out
+//! (closed form of the pose, [`placement`]), the state is the mass's own rate in principal axes instead of the shell's
+//! ([`spin`]), and lengths and times are counted in limb lengths and sample intervals ([`constants`]). Series in the
+//! strain, 1e-5, replace roots and quotients; their dropped terms are below rounding at the rig's accelerations, and a
+//! sample for which they would not be goes by the closed form.
+//!
+//! The version with none of this, as one would write it down from the paper with nalgebra, is
+//! `sixaxis_reference::oracle`; tests hold the two together.
+
+pub mod attitude;
+pub mod constants;
+pub mod placement;
+pub mod real;
+pub mod shell;
+pub mod spin;
+pub mod wide;

@@ -1,0 +1,278 @@
+//! Nine voltages to the place of the mass and the resultant of the limb forces, in closed form.
+//!
+//! Lengths are in units of the limb length L, so a limb's elongation is its strain x. In (2) the force of a limb is
+//! proportional to its elongation, f = chi x, so the nine strains are all there is to know of a sample.
+//!
+//! # At a node
+//! Three orthonormal limbs meet, and [`crate::pose`] has the node's displacement along limb i:
+//! xi_i = x_i + (x_i^2 - S)/2 with S = sum xi^2. Strains are 1e-5; to their third power
+//!
+//! ```text
+//! S = A (1 - B) + C,    A = sum x^2, B = sum x, C = sum x^3.
+//! ```
+//!
+//! The limb then points along (e_i + p)/(1 + x_i), p the displacement, and the three forces add up along axis i to
+//!
+//! ```text
+//! chi [ x_i (1 + xi_i)/(1 + x_i) + xi_i sum_(k /= i) x_k/(1 + x_k) ]
+//!   = chi [ x_i + x_i (xi_i - x_i) + xi_i sum_(k /= i) (x_k - x_k^2) ] + O(x^4).
+//! ```
+//!
+//! # Of the mass
+//! The rotation that fits three displaced nodes best is linear in the displacements but for what R_r - 1 has beyond the
+//! cross product. Its normal matrix is nu^2 (1 + 1 1^T/3) (nu = n/L), which makes the fixed point explicit: with phi_0
+//! the linear answer, s the sum of its components and c = s/6,
+//!
+//! ```text
+//! phi = phi_0 + c (1 x phi_0) + (|phi_0|^2/6 - 3 c^2) phi_0 + 6 c^3 1 + O(phi^4).
+//! ```
+//!
+//! Everything is right to the third power of the strain, so what is dropped is x^3 of a force: 3e-15 at the rig's 9 g,
+//! 1e-12 at [`STRAIN_LIMIT`]. Above that, [`exactly`] takes over, which drops nothing.
+
+use glam::DVec3;
+
+use super::constants::Constants;
+use super::real::{Real, Vec3, vec3};
+use crate::error::{Error, Result};
+use crate::geometry::{DIRECTIONS_SHELL, Geometry, LIMBS, LIMBS_PER_NODE, NODES};
+use crate::pose::{Pose, node_displacement};
+
+/// Root of the sum of squared strains up to which the series stand for the closed form.
+pub const STRAIN_LIMIT: f64 = 1e-4;
+
+/// What one sample says by itself; the unit of length is L, that of time the sample interval.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Placement<T> {
+    /// 3 r: centre of the mass, shell axes; the threefold is what the nodes add up to.
+    pub position_thrice: Vec3<T>,
+    /// phi: rotation vector of the mass in the shell.
+    pub rotation: Vec3<T>,
+    /// Resultant of the limb forces over chi, shell axes.
+    pub force: Vec3<T>,
+    /// Torque of the limb forces over the principal moments, principal axes.
+    pub torque: Vec3<T>,
+    /// Sum of squared strains.
+    pub strain_squares: T,
+}
+
+impl Placement<f64> {
+    /// The same place in another number.
+    pub(crate) fn map<U>(self, f: impl Fn(f64) -> U) -> Placement<U> {
+        Placement {
+            position_thrice: self.position_thrice.map(&f),
+            rotation: self.rotation.map(&f),
+            force: self.force.map(&f),
+            torque: self.torque.map(&f),
+            strain_squares: f(self.strain_squares),
+        }
+    }
+}
+
+/// Displacements of one node along its three limbs, the forces there over chi, and the sum of squared strains.
+#[inline(always)]
+fn node<T: Real>(x: [T; LIMBS_PER_NODE]) -> ([T; 3], [T; 3], T) {
+    let half = x[0].like(0.5);
+    let square = [x[0] * x[0], x[1] * x[1], x[2] * x[2]];
+    let a = square[0] + square[1] + square[2];
+    let b = x[0] + x[1] + x[2];
+    let cubes = x[0].times_plus(square[0], x[1].times_plus(square[1], x[2] * square[2]));
+    let half_s = half * a.times_from(b, a + cubes);
+    let all = b - a;
+    let mut displacement = x;
+    let mut force = x;
+    for i in 0..LIMBS_PER_NODE {
+        let beyond = half.times_plus(square[i], -half_s);
+        displacement[i] = x[i] + beyond;
+        let others = all - (x[i] - square[i]);
+        force[i] = displacement[i].times_plus(others, x[i].times_plus(beyond, x[i]));
+    }
+    (displacement, force, a)
+}
+
+/// Three numbers along the limbs of each node, as vectors in shell axes: the signed axes of (5).
+#[inline(always)]
+fn shell_axes<T: Real>(along: [[T; 3]; NODES]) -> [Vec3<T>; NODES] {
+    let [[a, b, c], [d, e, f], [g, h, i]] = along;
+    [vec3(-c, -b, a), vec3(-f, e, -d), vec3(i, -h, -g)]
+}
+
+/// sum t_j x v_j over nu for vectors at the three nodes: the signed axes of (6).
+#[inline(always)]
+fn moment<T: Real>(v: [Vec3<T>; NODES]) -> Vec3<T> {
+    let [a, b, c] = v;
+    vec3(a.y - b.z, c.z - a.x, b.x - c.y)
+}
+
+/// sum t_j x R_r^T F_j over nu: the torque in mass axes, where the arms are as in the drawing.
+///
+/// With the forces at the nodes on the x, y and z axis as columns of K, the sum is the axial vector of R_r^T K. To second
+/// order in phi, and y = K phi, that is t + (tr K - phi . t/2) phi - y + phi x y/2, t the axial vector of K.
+#[inline(always)]
+fn turned_back<T: Real>(phi: Vec3<T>, force: [Vec3<T>; NODES]) -> Vec3<T> {
+    let [on_z, on_y, on_x] = force;
+    let half = phi.like(0.5);
+    let t = moment(force);
+    let y = on_z.times_plus(phi.z, on_y.times_plus(phi.y, on_x.times(phi.x)));
+    let trace = on_x.x + on_y.y + on_z.z;
+    let along = half.times_from(phi.dot(t), trace);
+    let less = y.cross_plus(phi.times(half), y);
+    phi.times_plus(along, t) - less
+}
+
+/// Places the mass by the series; good while `strain_squares` is at most the square of [`STRAIN_LIMIT`].
+#[inline(always)]
+pub fn by_series<T: Real>(constants: &Constants<T>, voltage_v: [T; LIMBS]) -> Placement<T> {
+    let mut x = voltage_v;
+    for i in 0..LIMBS {
+        x[i] = voltage_v[i].times_plus(constants.strain_per_v[i], constants.strain_at_zero[i]);
+    }
+    let (d0, f0, a0) = node([x[0], x[1], x[2]]);
+    let (d1, f1, a1) = node([x[3], x[4], x[5]]);
+    let (d2, f2, a2) = node([x[6], x[7], x[8]]);
+    let displacement = shell_axes([d0, d1, d2]);
+    let force = shell_axes([f0, f1, f2]);
+
+    let third = a0.like(1.0 / 3.0);
+    let sixth = a0.like(1.0 / 6.0);
+    let all = displacement[0] + displacement[1] + displacement[2];
+    // About the nodes' mean -nu/3 (1, 1, 1), where the translation drops out.
+    let m = all.ones_cross().times_plus(third, moment(displacement));
+    let mean = m.sum() * sixth;
+    let linear = vec3(m.x - mean, m.y - mean, m.z - mean).times(constants.inverse_nu);
+    let s = linear.sum();
+    let c = s * sixth;
+    let c2 = c * c;
+    let third_power = c2 * s;
+    let curved = linear
+        .ones_cross()
+        .times_plus(c, linear.times_plus(c2 * s.like(-3.0), linear));
+    let short = vec3(
+        curved.x + third_power,
+        curved.y + third_power,
+        curved.z + third_power,
+    );
+    let rotation = linear.times_plus(linear.dot(linear) * sixth, short);
+
+    // 3 r = sum of the nodes - 3 (R_r - 1) t_mean = sum of the nodes + nu (R_r - 1) 1. The sine's cubic term in R_r - 1
+    // is what the short rotation is short of.
+    let one = c.like(1.0);
+    let turned = turn(short, vec3(one, one, one));
+    let position_thrice = turned.times_plus(constants.nu, all);
+    let torque = turned_back(rotation, force);
+    Placement {
+        position_thrice,
+        rotation,
+        force: force[0] + force[1] + force[2],
+        torque: constants.torque_to_principal(torque),
+        strain_squares: a0 + a1 + a2,
+    }
+}
+
+/// (R - 1) v for the rotation vector phi, to its second power: phi x (v + phi x v/2).
+#[inline(always)]
+pub fn turn<T: Real>(phi: Vec3<T>, v: Vec3<T>) -> Vec3<T> {
+    let half = phi.times(v.x.like(0.5));
+    phi.cross(half.cross_plus(v, v))
+}
+
+/// Strain at which a limb is refused: what the formulas make of such limbs no longer means anything.
+pub const OVERSTRAIN: f64 = 0.5;
+
+/// Places the mass without any series. `sample` is for errors.
+///
+/// # Errors
+/// [`Error::NotFinite`] names the channel, [`Error::Overstrained`] one whose limb changes its length by
+/// [`OVERSTRAIN`]; the errors of [`Pose::from_elongations`].
+#[cold]
+pub fn exactly(
+    constants: &Constants<f64>,
+    voltage_v: &[f64; LIMBS],
+    sample: usize,
+) -> Result<Placement<f64>> {
+    let nu = constants.nu;
+    let geometry = Geometry {
+        limb_length_m: 1.0,
+        half_edge_m: nu,
+    };
+    let x = strains(constants, voltage_v);
+    refuse(constants, voltage_v, sample)?;
+    let pose = Pose::from_elongations(&geometry, &x)?;
+    let back = pose.rotation_matrix().transpose();
+    let mut force = DVec3::ZERO;
+    let mut torque = DVec3::ZERO;
+    for n in 0..NODES {
+        let p = node_displacement(&geometry, &x, n)?;
+        let mut at_node = DVec3::ZERO;
+        for limb in n * LIMBS_PER_NODE..(n + 1) * LIMBS_PER_NODE {
+            at_node += (DIRECTIONS_SHELL[limb] + p) * (x[limb] / (1.0 + x[limb]));
+        }
+        force += at_node;
+        torque += geometry.node_mass_m(n).cross(back * at_node) / nu;
+    }
+    let numbers = |v: DVec3| vec3(v.x, v.y, v.z);
+    Ok(Placement {
+        position_thrice: numbers(3.0 * pose.position_shell_m),
+        rotation: numbers(pose.rotation_rad),
+        force: numbers(force),
+        torque: constants.torque_to_principal(numbers(torque)),
+        strain_squares: x.iter().map(|x| x * x).sum(),
+    })
+}
+
+fn strains(constants: &Constants<f64>, voltage_v: &[f64; LIMBS]) -> [f64; LIMBS] {
+    core::array::from_fn(|i| voltage_v[i] * constants.strain_per_v[i] + constants.strain_at_zero[i])
+}
+
+/// Refuses voltages that are no numbers and strains that no limb bears. `sample` is for errors.
+///
+/// # Errors
+/// [`Error::NotFinite`], [`Error::Overstrained`].
+pub fn refuse(constants: &Constants<f64>, voltage_v: &[f64; LIMBS], sample: usize) -> Result<()> {
+    let x = strains(constants, voltage_v);
+    for (i, (&strain, &value)) in x.iter().zip(voltage_v).enumerate() {
+        let channel = i + 1;
+        if !value.is_finite() {
+            return Err(Error::NotFinite {
+                channel,
+                sample,
+                value,
+            });
+        }
+        if strain.abs() >= OVERSTRAIN {
+            return Err(Error::Overstrained {
+                channel,
+                sample,
+                strain,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// What one sample says of a mass that stays in its place: forces along the axes at rest.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct RigidLoad<T> {
+    /// Resultant of the limb forces over chi, shell axes.
+    pub force: Vec3<T>,
+    /// Torque of the limb forces over the principal moments, principal axes.
+    pub torque: Vec3<T>,
+    /// Sum of squared strains.
+    pub strain_squares: T,
+}
+
+/// The right sides of (12) and (15).
+#[inline(always)]
+pub fn rigid<T: Real>(constants: &Constants<T>, voltage_v: [T; LIMBS]) -> RigidLoad<T> {
+    let mut x = voltage_v;
+    for i in 0..LIMBS {
+        x[i] = voltage_v[i].times_plus(constants.strain_per_v[i], constants.strain_at_zero[i]);
+    }
+    let force = shell_axes([[x[0], x[1], x[2]], [x[3], x[4], x[5]], [x[6], x[7], x[8]]]);
+    let [a, b, c] = force;
+    RigidLoad {
+        force: a + b + c,
+        torque: constants.torque_to_principal(moment(force)),
+        strain_squares: a.dot(a) + b.dot(b) + c.dot(c),
+    }
+}

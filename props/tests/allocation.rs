@@ -1,0 +1,92 @@
+//! Nothing is allocated between the first sample and the last, by any path.
+
+use std::array::from_fn;
+use std::hint::black_box;
+
+use allocation_counter::measure;
+use sixaxis_core::identify::inertia::InertiaIdentification;
+use sixaxis_core::identify::scale::ScaleIdentification;
+use sixaxis_core::kernel::wide::LANES;
+use sixaxis_core::lanes::push_lanes;
+use sixaxis_core::{
+    Decoupler, Gains, Geometry, LIMBS, RigidDecoupler, Scheme, Sensor, Settings, StaticResponse,
+};
+use sixaxis_props::manufactured::examples;
+
+const SAMPLES: usize = 1000;
+const RATE_HZ: f64 = 4000.0;
+
+#[test]
+fn inv_decoding_allocates_nothing() {
+    let motion = examples::turning();
+    let gains = Gains::uniform(1.0);
+    let rows: Vec<[f64; LIMBS]> = (0..SAMPLES)
+        .map(|i| motion.voltage_v(&gains.gain_n_per_v, &motion.at(i as f64 / RATE_HZ)))
+        .collect();
+    let sensor = Sensor {
+        geometry: motion.geometry,
+        gains,
+    };
+    for scheme in Scheme::ALL {
+        let settings = Settings {
+            scheme,
+            static_response: StaticResponse::Full,
+            ..Settings::new(RATE_HZ)
+        };
+        let fresh = Decoupler::new(&sensor, &motion.parameters, &settings).expect("sound");
+        let mut rigid = RigidDecoupler::new(&sensor, &motion.parameters, &settings).expect("sound");
+        let (mut stream, mut record, mut portable) = (fresh.clone(), fresh.clone(), fresh.clone());
+        let mut lanes: [Decoupler; LANES] = from_fn(|_| fresh.clone());
+        let mut count = 0;
+        // Finds out once what the processor can do, which may take memory.
+        record
+            .clone()
+            .push_record(&rows[..9], &mut |_| {})
+            .expect("sound");
+        let allocated = measure(|| {
+            for row in &rows {
+                count += usize::from(stream.push(row).expect("sound").is_some());
+                count += usize::from(rigid.push(row).expect("sound").is_some());
+            }
+            let mut sink = |done: &[_]| count += black_box(done).len();
+            record.push_record(&rows, &mut sink).expect("sound");
+            portable
+                .push_record_portable(&rows, &mut sink)
+                .expect("sound");
+            push_lanes(&mut lanes, [&rows[..]; LANES], &mut |done| {
+                count += done.len()
+            })
+            .expect("sound");
+        });
+        assert_eq!(count, 4 * (SAMPLES - 2) + SAMPLES - 1, "samples decoded");
+        assert_eq!(allocated.count_total, 0, "{}", scheme.name());
+    }
+}
+
+#[test]
+fn inv_rows_of_least_squares_allocate_nothing() {
+    let mut scale = ScaleIdentification::default();
+    let mut inertia = InertiaIdentification::new(Geometry::PAPER);
+    let allocated = measure(|| {
+        for i in 0..SAMPLES {
+            let t = i as f64;
+            let force: [f64; LIMBS] = from_fn(|c| ((0.1 + 0.03 * c as f64) * t).sin());
+            let v = glam::DVec3::new(t.sin(), t.cos(), (2.0 * t).sin());
+            scale.push(&force, v).expect("finite");
+            inertia.push(&force, v, v * 3.0).expect("finite");
+        }
+        black_box(scale.solve().expect("rich rows"));
+        // Noise belongs to no body; refusing it allocates nothing either.
+        black_box(inertia.solve().expect_err("no body"));
+    });
+    assert_eq!(allocated.count_total, 0);
+}
+
+/// The counter counts.
+#[test]
+fn regress_an_allocation_is_seen() {
+    let allocated = measure(|| {
+        black_box(vec![0_u8; 10]);
+    });
+    assert_eq!(allocated.count_total, 1);
+}
