@@ -51,8 +51,11 @@ const SAMPLES: usize = 10_000;
 /// Relative and absolute tolerance of Dopri5: its error is then below that of the torque between samples.
 const DOPRI5_TOLERANCE: (f64, f64) = (1e-8, 1e-8);
 
-/// Name of each implementation and how it is made ready for a record.
-const PEERS: &[(&str, fn(&Input) -> Box<dyn Peer>)] = &[
+/// How an implementation is made ready for a record.
+type Ready = fn(&Input) -> Box<dyn Peer>;
+
+/// Every implementation by its name.
+const PEERS: &[(&str, Ready)] = &[
     ("push", push),
     ("nalgebra", nalgebra),
     ("mujoco_inverse", mujoco_inverse),

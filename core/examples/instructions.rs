@@ -1,0 +1,148 @@
+//! One way through the decoupling mathematics, repeated as often as asked: what `.ci/instructions` counts under callgrind.
+//!
+//! `instructions NAME REPEATS` works on [`SAMPLES`] samples REPEATS times; `instructions` alone lists the names.
+//! The difference between two runs is free of start-up, so that it is instructions per sample.
+
+use std::array::from_fn;
+use std::hint::black_box;
+
+use glam::DVec3;
+use sixaxis_core::identify::inertia::InertiaIdentification;
+use sixaxis_core::identify::scale::ScaleIdentification;
+use sixaxis_core::kernel::wide::LANES;
+use sixaxis_core::lanes::push_lanes;
+use sixaxis_core::pose::Pose;
+use sixaxis_core::{
+    Decoupler, Gains, Geometry, InertiaPerMass, LIMBS, Parameters, RigidDecoupler, Scheme, Sensor,
+    Settings,
+};
+
+/// Samples of one repetition: blocks of a record and chunks of lanes come out even after the first three.
+const SAMPLES: usize = 2048 + 3;
+const RATE_HZ: f64 = 1e4;
+
+const SCHEMES: [(&str, Scheme); 6] = [
+    ("euler", Scheme::Euler),
+    ("heun", Scheme::Heun),
+    ("heun_substepped", Scheme::HeunSubstepped),
+    ("ab2", Scheme::AdamsBashforth2),
+    ("am4", Scheme::AdamsMoulton4),
+    ("rk4", Scheme::RungeKutta4),
+];
+
+const SENSOR: Sensor = Sensor {
+    geometry: Geometry::PAPER,
+    gains: Gains::uniform(10.0),
+};
+
+fn parameters() -> Parameters {
+    let i = [191e-6, 236e-6, 327e-6, 0.08e-6, -0.38e-6, 1.58e-6];
+    Parameters {
+        zero_drift_v: [0.01; LIMBS],
+        scale_per_mass_per_kg: [5.0, 3.5, 6.1, 3.2, 4.9, 7.1, 3.7, 3.2, 3.2],
+        inertia_per_mass: InertiaPerMass::from_paper_order(i),
+        stiffness_per_mass_per_s2: 2e8,
+    }
+}
+
+/// Sines of 5 Hz: nobody's motion, but forces of the rig's size.
+fn rows() -> Vec<[f64; LIMBS]> {
+    let phase = |i: usize| core::f64::consts::TAU * 5.0 * i as f64 / RATE_HZ;
+    (0..SAMPLES)
+        .map(|i| from_fn(|c| 0.01 + 0.2 * (phase(i) + c as f64).sin()))
+        .collect()
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [name, repeats] = &arguments[..] else {
+        for (scheme, _) in SCHEMES {
+            println!("push/full/{scheme}\npush/rigid/{scheme}");
+        }
+        for name in [
+            "push/full/heun/f32",
+            "record",
+            "record/portable",
+            "lanes",
+            "pose",
+        ] {
+            println!("{name}");
+        }
+        println!("identify/scale\nidentify/inertia");
+        return Ok(());
+    };
+    let rows = rows();
+    for _ in 0..repeats.parse::<usize>()? {
+        run(name, black_box(&rows))?;
+    }
+    Ok(())
+}
+
+fn run(name: &str, rows: &[[f64; LIMBS]]) -> Result<(), Box<dyn std::error::Error>> {
+    let scheme = name.rsplit('/').next();
+    let scheme = SCHEMES.iter().find(|(s, _)| Some(*s) == scheme);
+    let settings = Settings {
+        scheme: scheme.map_or(Scheme::Heun, |(_, scheme)| *scheme),
+        ..Settings::new(RATE_HZ)
+    };
+    let mut decoupler = Decoupler::new(&SENSOR, &parameters(), &settings)?;
+    match name {
+        "record" => decoupler.push_record(rows, &mut |done| {
+            black_box(done);
+        })?,
+        "record/portable" => decoupler.push_record_portable(rows, &mut |done| {
+            black_box(done);
+        })?,
+        "lanes" => {
+            let mut streams: [Decoupler; LANES] = from_fn(|_| decoupler.clone());
+            push_lanes(&mut streams, [rows; LANES], &mut |done| {
+                black_box(done);
+            })?;
+        }
+        "push/full/heun/f32" => {
+            let mut single = Decoupler::new_f32(&SENSOR, &parameters(), &settings)?;
+            for row in rows {
+                black_box(single.push(black_box(&row.map(|u| u as f32)))?);
+            }
+        }
+        "pose" => {
+            for row in rows {
+                let elongation = row.map(|u| 1e-7 * u);
+                black_box(Pose::from_elongations(
+                    &Geometry::PAPER,
+                    black_box(&elongation),
+                )?);
+            }
+        }
+        "identify/scale" => {
+            let mut step = ScaleIdentification::default();
+            for row in rows {
+                step.push(black_box(row), DVec3::new(row[0], row[3], row[7]))?;
+            }
+            black_box(step);
+        }
+        "identify/inertia" => {
+            let mut step = InertiaIdentification::new(Geometry::PAPER);
+            for row in rows {
+                let v = DVec3::new(row[0], row[3], row[7]);
+                step.push(black_box(row), v, v * 3.0)?;
+            }
+            black_box(step);
+        }
+        name if name.starts_with("push/full/") && scheme.is_some() => {
+            for row in rows {
+                black_box(decoupler.push(black_box(row))?);
+            }
+        }
+        name if name.starts_with("push/rigid/") && scheme.is_some() => {
+            let mut rigid = RigidDecoupler::new(&SENSOR, &parameters(), &settings)?;
+            for row in rows {
+                black_box(rigid.push(black_box(row))?);
+            }
+        }
+        name => {
+            return Err(format!("{name}: no such way; without arguments all are listed").into());
+        }
+    }
+    Ok(())
+}
