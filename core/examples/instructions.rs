@@ -102,7 +102,7 @@ fn run(name: &str, rows: &[[f64; LIMBS]]) -> Result<(), Box<dyn std::error::Erro
         "push/full/heun/f32" => {
             let mut single = Decoupler::new_f32(&SENSOR, &parameters(), &settings)?;
             for row in rows {
-                black_box(single.push(black_box(&row.map(|u| u as f32)))?);
+                black_box(&single.push(black_box(&row.map(|u| u as f32)))?);
             }
         }
         "pose" => {
@@ -131,13 +131,13 @@ fn run(name: &str, rows: &[[f64; LIMBS]]) -> Result<(), Box<dyn std::error::Erro
         }
         name if name.starts_with("push/full/") && scheme.is_some() => {
             for row in rows {
-                black_box(decoupler.push(black_box(row))?);
+                black_box(&decoupler.push(black_box(row))?);
             }
         }
         name if name.starts_with("push/rigid/") && scheme.is_some() => {
             let mut rigid = RigidDecoupler::new(&SENSOR, &parameters(), &settings)?;
             for row in rows {
-                black_box(rigid.push(black_box(row))?);
+                black_box(&rigid.push(black_box(row))?);
             }
         }
         name => {
