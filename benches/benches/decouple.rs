@@ -1,15 +1,27 @@
-//! Nine voltages to six accelerations: a whole compound run at 5 Hz, 10 kHz, one sample at a time.
+//! Nine voltages to six accelerations: a whole compound run at 5 Hz, 10 kHz.
 //!
-//! One group, so that the peer's time stands beside the core's in the same run. See [`peer`] for what else differs.
+//! `decouple/full` and `decouple/rigid` take one sample at a time, `decouple/record` the run as it lies there, and
+//! `decouple/lanes` eight such runs at once; throughput is in samples, of all streams together. The oracle's time stands
+//! beside the core's in the same run; see [`peer`] for what else differs, and `benches/peers` for other tools.
 
+use std::array::from_fn;
 use std::hint::black_box;
 
-use criterion::{Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
-use sixaxis_benches::limits::{Decoupled, PEER_COMPOUND, PEER_TUMBLE};
+use criterion::measurement::WallTime;
+use criterion::{
+    BenchmarkGroup, Criterion, SamplingMode, Throughput, criterion_group, criterion_main,
+};
+use glam::DVec3;
+use sixaxis_benches::limits::{
+    Decoupled, Limit, PEER_COMPOUND, PEER_TUMBLE, RIGID_ANGULAR, RIGID_LINEAR,
+};
 use sixaxis_benches::peer::{self, PeerDecoupler};
 use sixaxis_benches::problem::{self, Answer, DECOUPLE_RATE_HZ, Recorded};
 use sixaxis_benches::{MEASUREMENT_TIME, SAMPLE_SIZE, WARM_UP_TIME, validate};
-use sixaxis_core::Scheme;
+use sixaxis_core::kernel::wide::LANES;
+use sixaxis_core::lanes::push_lanes;
+use sixaxis_core::record::Accelerations;
+use sixaxis_core::{Decoupler, LIMBS, RigidDecoupler, Scheme, SixAxis};
 
 fn name(scheme: Scheme) -> &'static str {
     match scheme {
@@ -40,6 +52,49 @@ fn peer_answers(problem: &Recorded) -> Vec<Answer> {
     answers
 }
 
+/// Holds accelerations of consecutive samples, the first of which is `first`, to the truth.
+fn require_accelerations(
+    name: &str,
+    problem: &Recorded,
+    first: usize,
+    answers: &[Accelerations],
+    limits: [Limit; 2],
+) {
+    let truth = &problem.truth[first..];
+    assert_eq!(answers.len(), truth.len() - 1, "{name}: samples");
+    let [linear, angular]: [Vec<(DVec3, DVec3)>; 2] = [0, 3].map(|half| {
+        let ours = answers
+            .iter()
+            .map(|a| DVec3::from_slice(&a[half..half + 3]));
+        let pairs = ours.zip(truth);
+        pairs
+            .map(|(ours, t)| match half {
+                0 => (ours, t.linear_ground_m_s2),
+                _ => (ours, t.angular_ground_rad_s2),
+            })
+            .collect()
+    });
+    for (limit, pairs) in limits.into_iter().zip([linear, angular]) {
+        validate::require(name, validate::accelerations(limit, &pairs));
+    }
+}
+
+fn six(sample: &SixAxis) -> Accelerations {
+    let (a, w) = (sample.linear_ground_m_s2, sample.angular_ground_rad_s2);
+    [a.x, a.y, a.z, w.x, w.y, w.z]
+}
+
+fn group<'a>(
+    criterion: &'a mut Criterion,
+    name: &str,
+    samples: usize,
+) -> BenchmarkGroup<'a, WallTime> {
+    let mut group = criterion.benchmark_group(name);
+    group.sampling_mode(SamplingMode::Flat);
+    group.throughput(Throughput::Elements(samples as u64));
+    group
+}
+
 fn full(criterion: &mut Criterion) {
     let compound = Recorded::play(&problem::compound_5_hz(), DECOUPLE_RATE_HZ);
     // Not timed: the rig's axis is fixed, and what a turning axis would show must not be wrong unseen.
@@ -65,9 +120,7 @@ fn full(criterion: &mut Criterion) {
     }
 
     let voltage_v = &compound.recording.voltage_v;
-    let mut group = criterion.benchmark_group("decouple/full");
-    group.sampling_mode(SamplingMode::Flat);
-    group.throughput(Throughput::Elements(voltage_v.len() as u64));
+    let mut group = group(criterion, "decouple/full", voltage_v.len());
     for scheme in Scheme::ALL {
         let ready = compound.decoupler(scheme);
         group.bench_function(name(scheme), |bencher| {
@@ -89,6 +142,138 @@ fn full(criterion: &mut Criterion) {
     group.finish();
 }
 
+fn decouple_rigid(
+    ready: &RigidDecoupler,
+    voltage_v: &[[f64; LIMBS]],
+    mut sink: impl FnMut(&SixAxis),
+) {
+    let mut decoupler = ready.clone();
+    for row in voltage_v {
+        let completed = decoupler.push(row).expect("a sample of a recorded run");
+        completed.iter().for_each(&mut sink);
+    }
+}
+
+fn rigid(criterion: &mut Criterion) {
+    let problem = Recorded::play(&problem::compound_5_hz(), DECOUPLE_RATE_HZ);
+    let voltage_v = &problem.recording.voltage_v;
+    let ready = |scheme| {
+        let settings = problem.settings(scheme);
+        RigidDecoupler::new(&problem.sensor(), &problem::true_parameters(), &settings)
+            .expect("a decoupler of the true sensor")
+    };
+    for scheme in Scheme::ALL {
+        let mut answers = Vec::new();
+        decouple_rigid(&ready(scheme), voltage_v, |sample| {
+            answers.push(six(sample))
+        });
+        let limits = match scheme {
+            // Its own error is larger than what it neglects.
+            Scheme::Euler => {
+                let own = Decoupled::compound(scheme);
+                [own.linear, own.angular]
+            }
+            _ => [RIGID_LINEAR, RIGID_ANGULAR],
+        };
+        let name = format!("decouple/rigid/{}", name(scheme));
+        require_accelerations(&name, &problem, 0, &answers, limits);
+    }
+    let mut group = group(criterion, "decouple/rigid", voltage_v.len());
+    for scheme in Scheme::ALL {
+        let ready = ready(scheme);
+        group.bench_function(name(scheme), |bencher| {
+            bencher.iter(|| {
+                decouple_rigid(black_box(&ready), black_box(voltage_v), |sample| {
+                    black_box(sample);
+                });
+            });
+        });
+    }
+    group.finish();
+}
+
+fn record(criterion: &mut Criterion) {
+    let problem = Recorded::play(&problem::compound_5_hz(), DECOUPLE_RATE_HZ);
+    let voltage_v = &problem.recording.voltage_v;
+    let ready = problem.decoupler(Scheme::Heun);
+    let limits = Decoupled::compound(Scheme::Heun);
+    let limits = [limits.linear, limits.angular];
+    let dispatched = |sink: &mut dyn FnMut(&[Accelerations])| {
+        let mut decoupler = black_box(&ready).clone();
+        decoupler.push_record(black_box(voltage_v), &mut |done| sink(done))
+    };
+    let portable = |sink: &mut dyn FnMut(&[Accelerations])| {
+        let mut decoupler = black_box(&ready).clone();
+        decoupler.push_record_portable(black_box(voltage_v), &mut |done| sink(done))
+    };
+    type Path<'a> = &'a dyn Fn(&mut dyn FnMut(&[Accelerations])) -> sixaxis_core::Result<()>;
+    let paths: [(&str, Path); 2] = [("dispatched", &dispatched), ("portable", &portable)];
+    for (name, path) in paths {
+        let mut answers = Vec::new();
+        path(&mut |done| answers.extend_from_slice(done)).expect("a recorded run");
+        let name = format!("decouple/record/{name}");
+        require_accelerations(&name, &problem, 1, &answers, limits);
+    }
+    let mut group = group(criterion, "decouple/record", voltage_v.len());
+    for (name, path) in paths {
+        group.bench_function(name, |bencher| {
+            bencher.iter(|| {
+                path(&mut |done| {
+                    black_box(done);
+                })
+            });
+        });
+    }
+    group.bench_function("push", |bencher| {
+        bencher.iter(|| {
+            problem::decouple(black_box(&ready), black_box(voltage_v), |sample| {
+                black_box(sample);
+            });
+        });
+    });
+    group.finish();
+}
+
+fn lanes(criterion: &mut Criterion) {
+    let problem = Recorded::play(&problem::compound_5_hz(), DECOUPLE_RATE_HZ);
+    let voltage_v = &problem.recording.voltage_v;
+    let ready = problem.decoupler(Scheme::Heun);
+    let rows = [&voltage_v[..]; LANES];
+    let fresh = || -> [Decoupler; LANES] { from_fn(|_| black_box(&ready).clone()) };
+    let mut answers: [Vec<Accelerations>; LANES] = from_fn(|_| Vec::new());
+    push_lanes(&mut fresh(), rows, &mut |done| {
+        for sample in done {
+            for (lane, answers) in answers.iter_mut().enumerate() {
+                answers.push(from_fn(|i| sample[i].0[lane]));
+            }
+        }
+    })
+    .expect("a recorded run");
+    let limits = Decoupled::compound(Scheme::Heun);
+    for answers in &answers {
+        let limits = [limits.linear, limits.angular];
+        require_accelerations("decouple/lanes", &problem, 1, answers, limits);
+    }
+    let mut group = group(criterion, "decouple/lanes", LANES * voltage_v.len());
+    group.bench_function("eight_streams", |bencher| {
+        bencher.iter(|| {
+            push_lanes(&mut fresh(), black_box(rows), &mut |done| {
+                black_box(done);
+            })
+        });
+    });
+    group.bench_function("push_each", |bencher| {
+        bencher.iter(|| {
+            for rows in black_box(rows) {
+                problem::decouple(black_box(&ready), rows, |sample| {
+                    black_box(sample);
+                });
+            }
+        });
+    });
+    group.finish();
+}
+
 criterion_group! {
     name = decouple;
     config = Criterion::default()
@@ -96,6 +281,6 @@ criterion_group! {
         .warm_up_time(WARM_UP_TIME)
         .measurement_time(MEASUREMENT_TIME)
         .sample_size(SAMPLE_SIZE);
-    targets = full
+    targets = full, rigid, record, lanes
 }
 criterion_main!(decouple);

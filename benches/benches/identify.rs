@@ -4,8 +4,9 @@ use std::hint::black_box;
 
 use criterion::{Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
 use sixaxis_benches::problem::{InertiaRows, ScaleRows, stiffness_run, true_parameters};
-use sixaxis_benches::{MEASUREMENT_TIME, SAMPLE_SIZE, WARM_UP_TIME, peer, validate};
-use sixaxis_core::identify::stiffness::rate_norm_sum;
+use sixaxis_benches::{MEASUREMENT_TIME, SAMPLE_SIZE, WARM_UP_TIME, limits, peer, validate};
+use sixaxis_core::identify::stiffness::{paper_grid, rate_norm_sum};
+use sixaxis_core::identify::stiffness_search::{Trial, rate_norm_sums};
 use sixaxis_core::{Parameters, Scheme};
 
 /// Samples of the long problems: 300,000 rows, ten seconds at 10 kHz.
@@ -105,6 +106,63 @@ fn stiffness(criterion: &mut Criterion) {
     group.finish();
 }
 
+/// Step 4's whole curve, 91 candidates: a few decodes and an interpolation beside one decode each.
+fn search(criterion: &mut Criterion) {
+    let problem = stiffness_run();
+    let voltage_v = &problem.recording.voltage_v;
+    let (sensor, settings) = (problem.sensor(), problem.settings(Scheme::Heun));
+    let trial = Trial {
+        sensor: &sensor,
+        settings: &settings,
+        voltage_v,
+    };
+    let (parameters, grid) = (true_parameters(), paper_grid().collect::<Vec<f64>>());
+    // As the search pairs them.
+    let trials = [trial; 2];
+    let interpolated = || {
+        rate_norm_sums(&parameters, &trials, &grid)
+            .expect("a recorded run")
+            .sums
+    };
+    let decoded = || -> Vec<f64> {
+        let sum = |k: &f64| {
+            let mut candidate = parameters;
+            candidate.stiffness_per_mass_per_s2 = *k;
+            let one = |t: &Trial| rate_norm_sum(t.sensor, &candidate, t.settings, t.voltage_v);
+            trials
+                .iter()
+                .map(|t| one(t).expect("a recorded run").0)
+                .sum()
+        };
+        grid.iter().map(sum).collect()
+    };
+    let (ours, theirs) = (interpolated(), decoded());
+    let least = |sums: &[f64]| (0..sums.len()).min_by(|&a, &b| sums[a].total_cmp(&sums[b]));
+    assert_eq!(least(&ours), least(&theirs), "the grid point");
+    let largest = theirs.iter().copied().fold(0.0, f64::max);
+    let pairs = ours.iter().zip(&theirs);
+    let error = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / largest;
+    assert!(
+        limits::SEARCH.allows(error),
+        "{}: {error:e}",
+        limits::SEARCH.name
+    );
+
+    let mut group = criterion.benchmark_group("identify/stiffness/search");
+    group.sampling_mode(SamplingMode::Flat);
+    group.throughput(Throughput::Elements(
+        (grid.len() * trials.len() * voltage_v.len()) as u64,
+    ));
+    group.sample_size(10);
+    group.bench_function("interpolated", |bencher| {
+        bencher.iter(|| black_box(interpolated()));
+    });
+    group.bench_function("decoded", |bencher| {
+        bencher.iter(|| black_box(decoded()));
+    });
+    group.finish();
+}
+
 criterion_group! {
     name = identify;
     config = Criterion::default()
@@ -112,6 +170,6 @@ criterion_group! {
         .warm_up_time(WARM_UP_TIME)
         .measurement_time(MEASUREMENT_TIME)
         .sample_size(SAMPLE_SIZE);
-    targets = scale, inertia, stiffness
+    targets = scale, inertia, stiffness, search
 }
 criterion_main!(identify);

@@ -105,6 +105,11 @@ impl Decoupled {
     }
 }
 
+/// Linear acceleration with rigid limbs on the compound run: what the neglected motion of the mass comes to.
+pub const RIGID_LINEAR: Limit = Limit::of_method("linear acceleration over its peak", 2.94e-4);
+/// Angular acceleration with rigid limbs on that run.
+pub const RIGID_ANGULAR: Limit = Limit::of_method("angular acceleration over its peak", 2.94e-4);
+
 /// The peer on the compound run: Heun as well, so the same errors to four digits, from other formulas.
 pub const PEER_COMPOUND: Decoupled = Decoupled::compound(Scheme::Heun);
 /// The peer on the tumble, where its attitude of second order shows.
@@ -129,6 +134,9 @@ pub const STIFFNESS_RATE: Limit = Limit::of_method("mean rate at the true k/m in
 /// The same over that at the next candidate of the paper's grid, 5 % away: whether it is k/m that is seen.
 pub const STIFFNESS_CONTRAST: Limit =
     Limit::of_method("mean rate at the true k/m over that beside it", 2.63e-4);
+
+/// Step 4's sums by interpolation against a decode each, over the largest.
+pub const SEARCH: Limit = Limit::of_rounding("sums of |w*| over the largest", 8e-11);
 
 /// MuJoCo's acceleration of the driven shell against the rig's law, over its peak.
 pub const DRIVEN: Limit =
