@@ -260,6 +260,7 @@ fn lanes(criterion: &mut Criterion) {
             push_lanes(&mut fresh(), black_box(rows), &mut |done| {
                 black_box(done);
             })
+            .expect("a recorded run");
         });
     });
     group.bench_function("push_each", |bencher| {

@@ -9,9 +9,10 @@ use crate::kernel::attitude::{
 };
 use crate::kernel::constants::Constants;
 use crate::kernel::placement::{self, Placement, STRAIN_LIMIT};
-use crate::kernel::real::{Scalar, Vec3, vec3};
+use crate::kernel::real::{Real, Scalar};
 use crate::kernel::shell::{self, Place, ShellMotion};
 use crate::kernel::spin::{Spin, Torques};
+use crate::kernel::vector::{Vec3, vec3};
 use crate::parameters::Parameters;
 use crate::scheme::Scheme;
 use crate::settings::{Sensor, Settings};
@@ -64,7 +65,7 @@ pub struct Decoupler<T: Scalar = f64> {
 
 /// What the first decoupled sample begins with.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Start<T> {
+pub(crate) struct Start<T: Real> {
     /// w*, shell axes, rad per sample.
     pub rate: Vec3<T>,
     pub attitude: Quaternion<T>,
@@ -72,7 +73,7 @@ pub(crate) struct Start<T> {
 
 impl<T: Scalar> Start<T> {
     pub fn new(settings: &Settings) -> Self {
-        let numbers = |v: DVec3| vec3(v.x, v.y, v.z).map(T::from_f64);
+        let numbers = |v: DVec3| vec3(T::from_f64(v.x), T::from_f64(v.y), T::from_f64(v.z));
         let q = settings.initial_attitude;
         Self {
             rate: numbers(settings.initial_rate_shell_rad_s / settings.sample_rate_hz),
@@ -86,7 +87,7 @@ impl<T: Scalar> Start<T> {
 
 /// What is carried from sample to sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct State<T> {
+pub(crate) struct State<T: Real> {
     /// Samples taken so far.
     pub received: u64,
     /// Place of the mass two samples ago.
@@ -137,8 +138,7 @@ impl<T: Scalar> Decoupler<T> {
         let exact = Constants::new(sensor, parameters, settings)?;
         let constants = exact.rounded();
         let start = Start::new(settings);
-        let zero = T::default();
-        let zeros = vec3(zero, zero, zero);
+        let zeros = Vec3::default();
         Ok(Self {
             constants,
             state: State {
@@ -208,8 +208,7 @@ impl<T: Scalar> Decoupler<T> {
         let now = &self.state.now;
         let w_r = shell::relative_rate(&self.state.before, &now.place(), &after.place());
         // R_r^T (w* + w_r): the rotation the other way round turns back.
-        let phi = now.rotation;
-        let back = vec3(-phi.x, -phi.y, -phi.z);
+        let back = Vec3::default() - now.rotation;
         let total = self.start.rate + w_r;
         let rate = constants.mass_to_principal(total + placement::turn(back, total));
         let spin = Spin::start(constants.gyroscopic, rate, now.torque);
@@ -293,7 +292,7 @@ impl<T: Scalar> Decoupler<T> {
 
 /// a, w' in ground axes and w* in shell axes, SI.
 #[inline(always)]
-pub(crate) fn to_ground<T: crate::kernel::real::Real>(
+pub(crate) fn to_ground<T: Real>(
     constants: &Constants<T>,
     motion: &ShellMotion<T>,
     attitude: Quaternion<T>,

@@ -12,9 +12,10 @@ use crate::kernel::attitude::{
 };
 use crate::kernel::constants::Constants;
 use crate::kernel::placement::{self, OVERSTRAIN, RigidLoad};
-use crate::kernel::real::{Scalar, Vec3, vec3};
+use crate::kernel::real::Scalar;
 use crate::kernel::shell::ShellMotion;
 use crate::kernel::spin::{Spin, Torques};
+use crate::kernel::vector::Vec3;
 use crate::parameters::Parameters;
 use crate::scheme::Scheme;
 use crate::settings::{Sensor, Settings};
@@ -59,8 +60,7 @@ impl<T: Scalar> RigidDecoupler<T> {
     fn build(sensor: &Sensor, parameters: &Parameters, settings: &Settings) -> Result<Self> {
         let constants: Constants<T> = Constants::new(sensor, parameters, settings)?.rounded();
         let start = Start::new(settings);
-        let zero = T::default();
-        let zeros = vec3(zero, zero, zero);
+        let zeros = Vec3::default();
         Ok(Self {
             spin: Spin::start(constants.gyroscopic, zeros, zeros),
             constants,

@@ -9,7 +9,7 @@ use sixaxis_core::identify::stiffness;
 use sixaxis_core::identify::stiffness_search::{Trial, rate_norm_sums};
 use sixaxis_core::kernel::constants::Constants;
 use sixaxis_core::kernel::placement::{self, Placement};
-use sixaxis_core::kernel::real::Vec3;
+use sixaxis_core::kernel::vector::Vec3;
 use sixaxis_core::kernel::wide::LANES;
 use sixaxis_core::lanes::push_lanes;
 use sixaxis_core::record::Accelerations;

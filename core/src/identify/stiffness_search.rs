@@ -17,7 +17,7 @@ use super::stiffness::rate_norm_sum;
 use crate::decoupler::Decoupler;
 use crate::error::Result;
 use crate::geometry::LIMBS;
-use crate::kernel::real::vec3;
+use crate::kernel::vector::{Vec3, vec3};
 use crate::kernel::wide::{LANES, Register, Row, Wide};
 use crate::lanes::{LaneSample, push_lanes};
 use crate::parameters::Parameters;
@@ -251,11 +251,7 @@ fn add<R: Register>(proof: R::Proof, sums: &mut Sums, chunk: &[LaneSample]) {
             }
             sums.samples += 1;
             let first = trial * NODES;
-            let mut nodes = [vec3(
-                R::splat(proof, 0.0),
-                R::splat(proof, 0.0),
-                R::splat(proof, 0.0),
-            ); NODES];
+            let mut nodes = [Vec3::all(R::splat(proof, 0.0)); NODES];
             let mut cubic = [0.0; 3];
             for (n, node) in nodes.iter_mut().enumerate() {
                 let at = |axis: usize| sample[RATE + axis].0[first + n];

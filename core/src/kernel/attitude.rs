@@ -2,8 +2,9 @@
 
 use glam::DVec3;
 
-use super::real::{Real, Scalar, Vec3, vec3};
+use super::real::{Real, Scalar};
 use super::shell::ShellMotion;
+use super::vector::{Vec3, vec3};
 use crate::attitude;
 
 /// Half angle of one step, squared, up to which the polynomials below hold to rounding: a tenth of a radian from one
@@ -12,7 +13,7 @@ pub const HALF_ANGLE_SQUARED_LIMIT: f64 = 0.0025;
 
 /// A quaternion w + x i + y j + z k.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Quaternion<T> {
+pub struct Quaternion<T: Real> {
     /// Real part.
     pub w: T,
     /// Imaginary part.
@@ -51,11 +52,11 @@ pub fn exp<T: Real>(half: Vec3<T>, scale: T) -> (Quaternion<T>, T) {
 
 /// The same for a rotation of any size; nothing if it is not a finite number.
 pub fn exp_exactly<T: Scalar>(half: Vec3<T>, scale: T) -> Option<Quaternion<T>> {
-    let half = half.map(T::to_f64);
-    let q = attitude::exp(2.0 * DVec3::new(half.x, half.y, half.z));
+    let [x, y, z] = half.components().map(T::to_f64);
+    let q = attitude::exp(2.0 * DVec3::new(x, y, z));
     q.is_finite().then(|| Quaternion {
         w: T::from_f64(q.w) * scale,
-        v: vec3(q.x, q.y, q.z).map(T::from_f64).times(scale),
+        v: vec3(T::from_f64(q.x), T::from_f64(q.y), T::from_f64(q.z)).times(scale),
     })
 }
 
@@ -66,10 +67,7 @@ impl<T: Real> Quaternion<T> {
         let (p, q) = (self, other);
         let v = q.v.times_plus(p.w, p.v.times(q.w));
         Self {
-            w: p.v.x.times_from(
-                q.v.x,
-                p.v.y.times_from(q.v.y, p.v.z.times_from(q.v.z, p.w * q.w)),
-            ),
+            w: p.w.times_plus(q.w, -p.v.dot(q.v)),
             v: p.v.cross_plus(q.v, v),
         }
     }
@@ -91,10 +89,6 @@ impl<T: Real> Quaternion<T> {
     /// 2 v.
     #[inline(always)]
     pub fn twice_v(self) -> Vec3<T> {
-        vec3(
-            self.v.x + self.v.x,
-            self.v.y + self.v.y,
-            self.v.z + self.v.z,
-        )
+        self.v + self.v
     }
 }

@@ -4,8 +4,8 @@
 
 use nalgebra::{Matrix3, SymmetricEigen};
 
-use super::real::{Real, Scalar, Vec3, vec3};
-use super::wide::{LANES, Register, Row};
+use super::real::{Real, Scalar};
+use super::vector::{Vec3, vec3};
 use crate::error::{Error, Result};
 use crate::geometry::LIMBS;
 use crate::limbs::LimbStream;
@@ -22,7 +22,7 @@ const LARGEST: f64 = 1e304;
 
 /// The numbers of the kernel's formulas.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Constants<T> {
+pub struct Constants<T: Real> {
     /// Strain of a limb per volt, (1), (10), (11) and (2) in one.
     pub strain_per_v: [T; LIMBS],
     /// Its strain at zero volt: drift, and the preload that a tared channel does not show.
@@ -33,9 +33,9 @@ pub struct Constants<T> {
     pub inverse_nu: T,
     /// chi: force per mass of a limb of unit strain; -(k/m) h^2 where compression shortens.
     pub chi: T,
-    /// Rows that take a torque over chi nu in mass axes to one over the principal moments in principal axes.
+    /// Columns that take a torque over chi nu in mass axes to one over the principal moments in principal axes.
     pub torque: [Vec3<T>; 3],
-    /// Rows that take principal axes to mass axes.
+    /// The principal axes in mass axes: columns that take the former to the latter.
     pub principal: [Vec3<T>; 3],
     /// (I_2 - I_3)/I_1 and its cyclic brothers.
     pub gyroscopic: Vec3<T>,
@@ -47,14 +47,6 @@ pub struct Constants<T> {
     pub per_s2: T,
     /// L/h^2: linear accelerations, m/s^2.
     pub m_per_s2: T,
-}
-
-impl Constants<Row> {
-    /// One register's part of each.
-    #[inline(always)]
-    pub fn part<R: Register>(&self, proof: R::Proof, part: usize) -> Constants<R> {
-        self.map(|row| R::load(proof, &row, part))
-    }
 }
 
 impl Constants<f64> {
@@ -88,8 +80,12 @@ impl Constants<f64> {
             nu,
             inverse_nu: 1.0 / nu,
             chi,
-            torque: core::array::from_fn(|i| column(i).times(chi * nu / moments[i])),
-            principal: core::array::from_fn(row),
+            torque: core::array::from_fn(|i| {
+                let row = row(i).components();
+                let over = |j: usize| row[j] * (chi * nu / moments[j]);
+                vec3(over(0), over(1), over(2))
+            }),
+            principal: core::array::from_fn(column),
             gyroscopic: vec3((i2 - i3) / i1, (i3 - i1) / i2, (i1 - i2) / i3),
             gravity_ground_m_s2: vec3(g.x, g.y, g.z),
             per_s: 1.0 / h,
@@ -117,9 +113,12 @@ impl Constants<f64> {
                 );
             }
         }
-        let torque = self
-            .torque
-            .map(|row| row.x.abs().max(row.y.abs()).max(row.z.abs()));
+        let torque = self.torque.map(|column| {
+            column
+                .components()
+                .iter()
+                .fold(0.0_f64, |m, x| m.max(x.abs()))
+        });
         let others = [
             self.nu,
             self.inverse_nu,
@@ -139,29 +138,6 @@ impl Constants<f64> {
         Ok(())
     }
 
-    /// Those of eight sensors side by side.
-    #[must_use]
-    pub fn side_by_side(eight: [&Self; LANES]) -> Constants<Row> {
-        let row = |get: &dyn Fn(&Self) -> f64| Row(eight.map(get));
-        let vector = |get: &dyn Fn(&Self) -> Vec3<f64>| {
-            vec3(row(&|c| get(c).x), row(&|c| get(c).y), row(&|c| get(c).z))
-        };
-        Constants {
-            strain_per_v: core::array::from_fn(|i| row(&|c| c.strain_per_v[i])),
-            strain_at_zero: core::array::from_fn(|i| row(&|c| c.strain_at_zero[i])),
-            nu: row(&|c| c.nu),
-            inverse_nu: row(&|c| c.inverse_nu),
-            chi: row(&|c| c.chi),
-            torque: core::array::from_fn(|i| vector(&|c| c.torque[i])),
-            principal: core::array::from_fn(|i| vector(&|c| c.principal[i])),
-            gyroscopic: vector(&|c| c.gyroscopic),
-            gravity_ground_m_s2: vector(&|c| c.gravity_ground_m_s2),
-            per_s: row(&|c| c.per_s),
-            per_s2: row(&|c| c.per_s2),
-            m_per_s2: row(&|c| c.m_per_s2),
-        }
-    }
-
     /// The same numbers rounded to another scalar.
     #[must_use]
     pub fn rounded<T: Scalar>(&self) -> Constants<T> {
@@ -169,10 +145,10 @@ impl Constants<f64> {
     }
 }
 
-impl<T: Copy> Constants<T> {
+impl<T: Real> Constants<T> {
     /// The same numbers in another type.
     #[inline(always)]
-    pub fn map<U>(&self, f: impl Fn(T) -> U) -> Constants<U> {
+    pub fn map<U: Real>(&self, f: impl Fn(T) -> U) -> Constants<U> {
         Constants {
             strain_per_v: nine(&self.strain_per_v, &f),
             strain_at_zero: nine(&self.strain_at_zero, &f),
@@ -186,6 +162,57 @@ impl<T: Copy> Constants<T> {
             per_s: f(self.per_s),
             per_s2: f(self.per_s2),
             m_per_s2: f(self.m_per_s2),
+        }
+    }
+
+    /// The same number everywhere.
+    #[inline(always)]
+    pub(crate) fn splat(number: T) -> Self {
+        Self {
+            strain_per_v: [number; LIMBS],
+            strain_at_zero: [number; LIMBS],
+            nu: number,
+            inverse_nu: number,
+            chi: number,
+            torque: [Vec3::all(number); 3],
+            principal: [Vec3::all(number); 3],
+            gyroscopic: Vec3::all(number),
+            gravity_ground_m_s2: Vec3::all(number),
+            per_s: number,
+            per_s2: number,
+            m_per_s2: number,
+        }
+    }
+
+    /// Every number in its place, always in the same order.
+    #[inline(always)]
+    pub(crate) fn visit(&mut self, f: &mut impl FnMut(T) -> T) {
+        for number in self.strain_per_v.iter_mut().chain(&mut self.strain_at_zero) {
+            *number = f(*number);
+        }
+        let [a, b, c] = &mut self.torque;
+        let [d, e, g] = &mut self.principal;
+        for v in [
+            a,
+            b,
+            c,
+            d,
+            e,
+            g,
+            &mut self.gyroscopic,
+            &mut self.gravity_ground_m_s2,
+        ] {
+            v.visit(f);
+        }
+        for number in [
+            &mut self.nu,
+            &mut self.inverse_nu,
+            &mut self.chi,
+            &mut self.per_s,
+            &mut self.per_s2,
+            &mut self.m_per_s2,
+        ] {
+            *number = f(*number);
         }
     }
 }
@@ -207,8 +234,8 @@ fn nine<T: Copy, U>(a: &[T; LIMBS], f: impl Fn(T) -> U) -> [U; LIMBS] {
 }
 
 #[inline(always)]
-fn three<T: Copy, U>(rows: &[Vec3<T>; 3], f: impl Fn(T) -> U) -> [Vec3<U>; 3] {
-    let [a, b, c] = *rows;
+fn three<T: Real, U: Real>(columns: &[Vec3<T>; 3], f: impl Fn(T) -> U) -> [Vec3<U>; 3] {
+    let [a, b, c] = *columns;
     [a.map(&f), b.map(&f), c.map(&f)]
 }
 
@@ -216,23 +243,29 @@ impl<T: Real> Constants<T> {
     /// Torque over chi nu in mass axes to angular acceleration of the mass in principal axes.
     #[inline(always)]
     pub fn torque_to_principal(&self, torque: Vec3<T>) -> Vec3<T> {
-        let [a, b, c] = self.torque;
-        vec3(a.dot(torque), b.dot(torque), c.dot(torque))
+        of_columns(&self.torque, torque)
     }
 
     /// Principal axes to mass axes.
     #[inline(always)]
     pub fn principal_to_mass(&self, v: Vec3<T>) -> Vec3<T> {
-        let [a, b, c] = self.principal;
-        vec3(a.dot(v), b.dot(v), c.dot(v))
+        of_columns(&self.principal, v)
     }
 
     /// Mass axes to principal axes.
     #[inline(always)]
     pub fn mass_to_principal(&self, v: Vec3<T>) -> Vec3<T> {
         let [a, b, c] = self.principal;
-        c.times_plus(v.z, b.times_plus(v.y, a.times(v.x)))
+        vec3(a.dot(v), b.dot(v), c.dot(v))
     }
+}
+
+/// Matrix of three columns times a vector.
+#[inline(always)]
+fn of_columns<T: Real>(columns: &[Vec3<T>; 3], v: Vec3<T>) -> Vec3<T> {
+    let [a, b, c] = *columns;
+    let [x, y, z] = v.components();
+    c.times_plus(z, b.times_plus(y, a.times(x)))
 }
 
 /// Principal moments per mass, m^2, and right-handed principal axes as columns in mass axes.

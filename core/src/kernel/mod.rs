@@ -26,4 +26,7 @@ pub mod placement;
 pub mod real;
 pub mod shell;
 pub mod spin;
+#[cfg(target_feature = "avx")]
+mod together;
+pub mod vector;
 pub mod wide;

@@ -33,7 +33,8 @@
 use glam::DVec3;
 
 use super::constants::Constants;
-use super::real::{Real, Vec3, vec3};
+use super::real::Real;
+use super::vector::{Vec3, vec3};
 use crate::error::{Error, Result};
 use crate::geometry::{DIRECTIONS_SHELL, Geometry, LIMBS, LIMBS_PER_NODE, NODES};
 use crate::pose::{Pose, node_displacement};
@@ -43,7 +44,7 @@ pub const STRAIN_LIMIT: f64 = 1e-4;
 
 /// What one sample says by itself; the unit of length is L, that of time the sample interval.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Placement<T> {
+pub struct Placement<T: Real> {
     /// 3 r: centre of the mass, shell axes; the threefold is what the nodes add up to.
     pub position_thrice: Vec3<T>,
     /// phi: rotation vector of the mass in the shell.
@@ -58,7 +59,7 @@ pub struct Placement<T> {
 
 impl Placement<f64> {
     /// The same place in another number.
-    pub(crate) fn map<U>(self, f: impl Fn(f64) -> U) -> Placement<U> {
+    pub(crate) fn map<U: Real>(self, f: impl Fn(f64) -> U) -> Placement<U> {
         Placement {
             position_thrice: self.position_thrice.map(&f),
             rotation: self.rotation.map(&f),
@@ -97,14 +98,7 @@ fn shell_axes<T: Real>(along: [[T; 3]; NODES]) -> [Vec3<T>; NODES] {
     [vec3(-c, -b, a), vec3(-f, e, -d), vec3(i, -h, -g)]
 }
 
-/// sum t_j x v_j over nu for vectors at the three nodes: the signed axes of (6).
-#[inline(always)]
-fn moment<T: Real>(v: [Vec3<T>; NODES]) -> Vec3<T> {
-    let [a, b, c] = v;
-    vec3(a.y - b.z, c.z - a.x, b.x - c.y)
-}
-
-/// sum t_j x R_r^T F_j over nu: the torque in mass axes, where the arms are as in the drawing.
+/// sum t_j x R_r^T F_j over nu: the torque in mass axes, where the arms are as in (6).
 ///
 /// With the forces at the nodes on the x, y and z axis as columns of K, the sum is the axial vector of R_r^T K. To second
 /// order in phi, and y = K phi, that is t + (tr K - phi . t/2) phi - y + phi x y/2, t the axial vector of K.
@@ -112,9 +106,9 @@ fn moment<T: Real>(v: [Vec3<T>; NODES]) -> Vec3<T> {
 fn turned_back<T: Real>(phi: Vec3<T>, force: [Vec3<T>; NODES]) -> Vec3<T> {
     let [on_z, on_y, on_x] = force;
     let half = phi.like(0.5);
-    let t = moment(force);
-    let y = on_z.times_plus(phi.z, on_y.times_plus(phi.y, on_x.times(phi.x)));
-    let trace = on_x.x + on_y.y + on_z.z;
+    let t = Vec3::moment(force);
+    let y = on_z.times_plus(phi.z(), on_y.times_plus(phi.y(), on_x.times(phi.x())));
+    let trace = on_x.x() + on_y.y() + on_z.z();
     let along = half.times_from(phi.dot(t), trace);
     let less = y.cross_plus(phi.times(half), y);
     phi.times_plus(along, t) - less
@@ -137,9 +131,11 @@ pub fn by_series<T: Real>(constants: &Constants<T>, voltage_v: [T; LIMBS]) -> Pl
     let sixth = a0.like(1.0 / 6.0);
     let all = displacement[0] + displacement[1] + displacement[2];
     // About the nodes' mean -nu/3 (1, 1, 1), where the translation drops out.
-    let m = all.ones_cross().times_plus(third, moment(displacement));
+    let m = all
+        .ones_cross()
+        .times_plus(third, Vec3::moment(displacement));
     let mean = m.sum() * sixth;
-    let linear = vec3(m.x - mean, m.y - mean, m.z - mean).times(constants.inverse_nu);
+    let linear = (m - Vec3::all(mean)).times(constants.inverse_nu);
     let s = linear.sum();
     let c = s * sixth;
     let c2 = c * c;
@@ -147,17 +143,13 @@ pub fn by_series<T: Real>(constants: &Constants<T>, voltage_v: [T; LIMBS]) -> Pl
     let curved = linear
         .ones_cross()
         .times_plus(c, linear.times_plus(c2 * s.like(-3.0), linear));
-    let short = vec3(
-        curved.x + third_power,
-        curved.y + third_power,
-        curved.z + third_power,
-    );
+    let short = curved + Vec3::all(third_power);
     let rotation = linear.times_plus(linear.dot(linear) * sixth, short);
 
     // 3 r = sum of the nodes - 3 (R_r - 1) t_mean = sum of the nodes + nu (R_r - 1) 1. The sine's cubic term in R_r - 1
     // is what the short rotation is short of.
     let one = c.like(1.0);
-    let turned = turn(short, vec3(one, one, one));
+    let turned = turn(short, Vec3::all(one));
     let position_thrice = turned.times_plus(constants.nu, all);
     let torque = turned_back(rotation, force);
     Placement {
@@ -172,7 +164,7 @@ pub fn by_series<T: Real>(constants: &Constants<T>, voltage_v: [T; LIMBS]) -> Pl
 /// (R - 1) v for the rotation vector phi, to its second power: phi x (v + phi x v/2).
 #[inline(always)]
 pub fn turn<T: Real>(phi: Vec3<T>, v: Vec3<T>) -> Vec3<T> {
-    let half = phi.times(v.x.like(0.5));
+    let half = phi.times(v.like(0.5));
     phi.cross(half.cross_plus(v, v))
 }
 
@@ -252,7 +244,7 @@ pub fn refuse(constants: &Constants<f64>, voltage_v: &[f64; LIMBS], sample: usiz
 
 /// What one sample says of a mass that stays in its place: forces along the axes at rest.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct RigidLoad<T> {
+pub struct RigidLoad<T: Real> {
     /// Resultant of the limb forces over chi, shell axes.
     pub force: Vec3<T>,
     /// Torque of the limb forces over the principal moments, principal axes.
@@ -272,7 +264,7 @@ pub fn rigid<T: Real>(constants: &Constants<T>, voltage_v: [T; LIMBS]) -> RigidL
     let [a, b, c] = force;
     RigidLoad {
         force: a + b + c,
-        torque: constants.torque_to_principal(moment(force)),
+        torque: constants.torque_to_principal(Vec3::moment(force)),
         strain_squares: a.dot(a) + b.dot(b) + c.dot(c),
     }
 }

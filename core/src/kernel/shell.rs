@@ -11,11 +11,12 @@
 
 use super::constants::Constants;
 use super::placement::{Placement, turn};
-use super::real::{Real, Vec3};
+use super::real::Real;
+use super::vector::Vec3;
 
 /// Motion of the shell at one sample, shell axes, in units of L and the sample interval.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct ShellMotion<T> {
+pub struct ShellMotion<T: Real> {
     /// w*.
     pub rate: Vec3<T>,
     /// w*'.
@@ -26,7 +27,7 @@ pub struct ShellMotion<T> {
 
 /// Place of the mass alone: what a neighbour in time needs.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Place<T> {
+pub struct Place<T: Real> {
     /// 3 r.
     pub position_thrice: Vec3<T>,
     /// phi.
@@ -91,15 +92,12 @@ pub fn motion<T: Real>(
     // All of this line by line three times, as the position is.
     let r = now.position_thrice;
     let twice_velocity = after.position_thrice - before.position_thrice;
-    let relative = r.times_plus(
-        r.x.like(-2.0),
-        after.position_thrice + before.position_thrice,
-    );
+    let relative = r.times_plus(r.like(-2.0), after.position_thrice + before.position_thrice);
     let coriolis = rate.cross_plus(rate.cross_plus(r, twice_velocity), relative);
     let carried = rate_derivative.cross_plus(r, coriolis);
     ShellMotion {
         rate,
         rate_derivative,
-        specific_force: carried.times_plus(r.x.like(-1.0 / 3.0), force.times(constants.chi)),
+        specific_force: carried.times_plus(r.like(-1.0 / 3.0), force.times(constants.chi)),
     }
 }

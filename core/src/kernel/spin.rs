@@ -13,23 +13,20 @@
 //!
 //! The unit of time is the sample interval, so the step is one.
 
-use super::real::{Real, Vec3, vec3};
+use super::real::Real;
+use super::vector::Vec3;
 use crate::scheme::{HEUN_SUBSTEPS, Scheme};
 
 /// W' for a rate and a torque over the moments, principal axes.
 #[inline(always)]
 pub fn derivative<T: Real>(gyroscopic: Vec3<T>, rate: Vec3<T>, torque: Vec3<T>) -> Vec3<T> {
-    let (g, w) = (gyroscopic, rate);
-    vec3(
-        (g.x * w.y).times_plus(w.z, torque.x),
-        (g.y * w.z).times_plus(w.x, torque.y),
-        (g.z * w.x).times_plus(w.y, torque.z),
-    )
+    let yzx = rate.cycled();
+    gyroscopic.by(yzx).by_plus(yzx.cycled(), torque)
 }
 
 /// Torques at the sample that is to be reached, beside it, and the one after it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Torques<T> {
+pub struct Torques<T: Real> {
     /// At the sample that is to be reached.
     pub now: Vec3<T>,
     /// At the sample after it: known early, since a torque needs no neighbours.
@@ -38,7 +35,7 @@ pub struct Torques<T> {
 
 /// W and what a scheme remembers.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Spin<T> {
+pub struct Spin<T: Real> {
     /// W, principal axes, rad per sample.
     pub rate: Vec3<T>,
     /// W', rad per sample squared.
@@ -56,7 +53,7 @@ pub struct Spin<T> {
 
 /// One step of a scheme, not yet taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Step<T> {
+pub struct Step<T: Real> {
     /// W at the sample reached.
     pub rate: Vec3<T>,
     /// W' there.
@@ -65,22 +62,24 @@ pub struct Step<T> {
     end: Vec3<T>,
 }
 
-impl<T> Spin<T> {
-    /// Every number in it, always in the same order.
+impl<T: Real> Spin<T> {
+    /// Every number in its place, always in the same order.
     #[inline(always)]
-    pub(crate) fn visit(&mut self, f: &mut impl FnMut(&mut T)) {
+    pub(crate) fn visit(&mut self, f: &mut impl FnMut(T) -> T) {
+        self.rate.visit(f);
+        self.derivative.visit(f);
         let [k1, k2, k3] = &mut self.history;
-        let [torque, torque_before] = &mut self.torque;
-        let (rate, derivative, end) = (&mut self.rate, &mut self.derivative, &mut self.end);
-        for v in [rate, derivative, k1, k2, k3, torque, torque_before, end] {
-            f(&mut v.x);
-            f(&mut v.y);
-            f(&mut v.z);
-        }
+        k1.visit(f);
+        k2.visit(f);
+        k3.visit(f);
+        let [torque, before] = &mut self.torque;
+        torque.visit(f);
+        before.visit(f);
+        self.end.visit(f);
     }
 
     /// Takes over how far another one has come.
-    pub(crate) fn keep_count<U>(&mut self, other: &Spin<U>) {
+    pub(crate) fn keep_count<U: Real>(&mut self, other: &Spin<U>) {
         self.known = other.known;
         self.at_middle = other.at_middle;
     }
@@ -89,7 +88,7 @@ impl<T> Spin<T> {
 impl<T: Real> Spin<T> {
     /// The same in another number.
     #[inline(always)]
-    pub fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> Spin<U> {
+    pub fn map<U: Real>(&self, f: impl Fn(T) -> U + Copy) -> Spin<U> {
         let [k1, k2, k3] = self.history;
         let [now, before] = self.torque;
         Spin {
@@ -106,8 +105,7 @@ impl<T: Real> Spin<T> {
     /// At a rate and a torque.
     #[inline(always)]
     pub fn start(g: Vec3<T>, rate: Vec3<T>, torque: Vec3<T>) -> Self {
-        let zero = rate.x.like(0.0);
-        let zero = vec3(zero, zero, zero);
+        let zero = Vec3::all(rate.like(0.0));
         Self {
             rate,
             derivative: derivative(g, rate, torque),
@@ -242,7 +240,7 @@ impl<T: Real> Spin<T> {
 /// Improved Euler: the mean of the slopes at both ends.
 #[inline(always)]
 fn heun<T: Real>(g: Vec3<T>, w: Vec3<T>, k: Vec3<T>, torque: Vec3<T>) -> Vec3<T> {
-    let half = w.x.like(0.5);
+    let half = w.like(0.5);
     derivative(g, w + k, torque).times_plus(half, k.times_plus(half, w))
 }
 

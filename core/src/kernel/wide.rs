@@ -6,6 +6,7 @@ use ::wide::f64x4;
 use pulp::Simd;
 
 use super::real::Real;
+use super::vector::Apart;
 
 /// Numbers that are worked on together, whatever the width of the processor's registers: the layout of every buffer, and
 /// with it every result, is the same on all that fuse multiply and add.
@@ -52,10 +53,8 @@ pub struct Wide<S: Simd> {
 
 impl<S: Simd> Register for Wide<S> {
     type Proof = S;
-    #[cfg(feature = "std")]
-    type Single = Fused;
-    #[cfg(not(feature = "std"))]
-    type Single = f64;
+    // Functions that hold such registers are compiled for a processor that fuses.
+    type Single = Single<true>;
     const LANES: usize = S::F64_LANES;
 
     #[inline(always)]
@@ -91,7 +90,7 @@ impl<S: Simd> Register for Wide<S> {
 /// Four lanes in whatever registers the program was compiled for; plain numbers where there are none.
 impl Register for f64x4 {
     type Proof = ();
-    type Single = f64;
+    type Single = Single<false>;
     const LANES: usize = 4;
 
     #[inline(always)]
@@ -122,6 +121,8 @@ impl Register for f64x4 {
 }
 
 impl Real for f64x4 {
+    type Three = Apart<Self>;
+
     #[inline(always)]
     fn like(self, constant: f64) -> Self {
         Self::splat(constant)
@@ -175,6 +176,8 @@ impl<S: Simd> Neg for Wide<S> {
 }
 
 impl<S: Simd> Real for Wide<S> {
+    type Three = Apart<Self>;
+
     #[inline(always)]
     fn like(self, constant: f64) -> Self {
         Self::splat(self.simd, constant)
@@ -195,75 +198,79 @@ impl<S: Simd> Real for Wide<S> {
     }
 }
 
-/// One number in a function that is compiled for a processor which fuses multiply and add.
-#[cfg(feature = "std")]
+/// One number by itself, kept apart from its neighbours: for the one stage that goes from sample to sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Fused(pub f64);
+pub struct Single<const FUSED: bool>(f64);
 
-#[cfg(feature = "std")]
-mod fused {
-    use super::{Add, Fused, Mul, Neg, Real, Sub};
+impl<const FUSED: bool> From<f64> for Single<FUSED> {
+    #[inline(always)]
+    fn from(value: f64) -> Self {
+        Self(value)
+    }
+}
 
-    impl From<f64> for Fused {
-        #[inline(always)]
-        fn from(value: f64) -> Self {
-            Self(value)
-        }
+impl<const FUSED: bool> From<Single<FUSED>> for f64 {
+    #[inline(always)]
+    fn from(value: Single<FUSED>) -> Self {
+        value.0
+    }
+}
+
+impl<const FUSED: bool> Add for Single<FUSED> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self(self.0 + other.0)
+    }
+}
+
+impl<const FUSED: bool> Sub for Single<FUSED> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self(self.0 - other.0)
+    }
+}
+
+impl<const FUSED: bool> Mul for Single<FUSED> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        Self(self.0 * other.0)
+    }
+}
+
+impl<const FUSED: bool> Neg for Single<FUSED> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(-self.0)
+    }
+}
+
+impl<const FUSED: bool> Real for Single<FUSED> {
+    type Three = Apart<Self>;
+
+    #[inline(always)]
+    fn like(self, constant: f64) -> Self {
+        Self(constant)
     }
 
-    impl From<Fused> for f64 {
-        #[inline(always)]
-        fn from(value: Fused) -> Self {
-            value.0
+    #[inline(always)]
+    fn times_plus(self, factor: Self, term: Self) -> Self {
+        #[cfg(feature = "std")]
+        if FUSED {
+            return Self(self.0.mul_add(factor.0, term.0));
         }
+        Self(self.0.times_plus(factor.0, term.0))
     }
 
-    impl Add for Fused {
-        type Output = Self;
-        #[inline(always)]
-        fn add(self, other: Self) -> Self {
-            Self(self.0 + other.0)
+    #[inline(always)]
+    fn times_from(self, factor: Self, term: Self) -> Self {
+        #[cfg(feature = "std")]
+        if FUSED {
+            return Self((-self.0).mul_add(factor.0, term.0));
         }
-    }
-
-    impl Sub for Fused {
-        type Output = Self;
-        #[inline(always)]
-        fn sub(self, other: Self) -> Self {
-            Self(self.0 - other.0)
-        }
-    }
-
-    impl Mul for Fused {
-        type Output = Self;
-        #[inline(always)]
-        fn mul(self, other: Self) -> Self {
-            Self(self.0 * other.0)
-        }
-    }
-
-    impl Neg for Fused {
-        type Output = Self;
-        #[inline(always)]
-        fn neg(self) -> Self {
-            Self(-self.0)
-        }
-    }
-
-    impl Real for Fused {
-        #[inline(always)]
-        fn like(self, constant: f64) -> Self {
-            Self(constant)
-        }
-
-        #[inline(always)]
-        fn times_plus(self, factor: Self, term: Self) -> Self {
-            Self(self.0.mul_add(factor.0, term.0))
-        }
-
-        #[inline(always)]
-        fn times_from(self, factor: Self, term: Self) -> Self {
-            Self((-self.0).mul_add(factor.0, term.0))
-        }
+        Self(self.0.times_from(factor.0, term.0))
     }
 }

@@ -162,7 +162,8 @@ fn push_each(
 struct Chunk<R: Register> {
     proof: R::Proof,
     scheme: Scheme,
-    constants: [Constants<Row>; 1],
+    /// Each number of eight sensors side by side.
+    constants: [Row; CONSTANTS],
     voltage_v: [[Row; LIMBS]; CHUNK],
     strain_squares: [Row; CHUNK],
     half_angle_squared: [Row; CHUNK],
@@ -175,9 +176,7 @@ impl<R: Register> Chunk<R> {
         Self {
             proof,
             scheme: streams[0].scheme(),
-            constants: [Constants::side_by_side(
-                streams.each_ref().map(|s| &s.constants),
-            )],
+            constants: side_by_side(streams),
             voltage_v: [[Row::ZERO; LIMBS]; CHUNK],
             strain_squares: [Row::ZERO; CHUNK],
             half_angle_squared: [Row::ZERO; CHUNK],
@@ -214,7 +213,9 @@ impl<R: Register> Chunk<R> {
     #[inline(always)]
     fn run(&mut self, lanes: &mut LaneState, part: usize) {
         let proof = self.proof;
-        let constants = self.constants[0].part::<R>(proof, part);
+        let mut constants = Constants::splat(R::splat(proof, 0.0));
+        let mut rows = self.constants.iter();
+        constants.visit(&mut |zero| rows.next().map_or(zero, |row| R::load(proof, row, part)));
         let mut state = lanes.load::<R>(proof, part);
         for step in 0..CHUNK {
             let row = &self.voltage_v[step];
@@ -256,18 +257,36 @@ impl<R: Register> Chunk<R> {
             state.shell = motion;
             let [a, w_dot, w] = to_ground(&constants, &motion, state.attitude);
             let out = &mut self.out[step];
-            a.x.store(&mut out[0], part);
-            a.y.store(&mut out[1], part);
-            a.z.store(&mut out[2], part);
-            w_dot.x.store(&mut out[3], part);
-            w_dot.y.store(&mut out[4], part);
-            w_dot.z.store(&mut out[5], part);
-            w.x.store(&mut out[6], part);
-            w.y.store(&mut out[7], part);
-            w.z.store(&mut out[8], part);
+            a.x().store(&mut out[0], part);
+            a.y().store(&mut out[1], part);
+            a.z().store(&mut out[2], part);
+            w_dot.x().store(&mut out[3], part);
+            w_dot.y().store(&mut out[4], part);
+            w_dot.z().store(&mut out[5], part);
+            w.x().store(&mut out[6], part);
+            w.y().store(&mut out[7], part);
+            w.z().store(&mut out[8], part);
         }
         lanes.store(state, part);
     }
+}
+
+/// Numbers in a sensor's constants.
+const CONSTANTS: usize = 48;
+
+fn side_by_side(streams: &[Decoupler; LANES]) -> [Row; CONSTANTS] {
+    let mut rows = [Row::ZERO; CONSTANTS];
+    for (lane, stream) in streams.iter().enumerate() {
+        let mut constants = stream.constants;
+        let mut numbers = rows.iter_mut();
+        constants.visit(&mut |number| {
+            if let Some(row) = numbers.next() {
+                row.0[lane] = number;
+            }
+            number
+        });
+    }
+    rows
 }
 
 /// Whether every number is; NaN is not.

@@ -3,9 +3,9 @@
 use crate::decoupler::{Decoupler, State};
 use crate::kernel::attitude::Quaternion;
 use crate::kernel::placement::Placement;
-use crate::kernel::real::{Vec3, vec3};
+use crate::kernel::real::Real;
 use crate::kernel::shell::{Place, ShellMotion};
-use crate::kernel::spin::Spin;
+use crate::kernel::vector::Vec3;
 use crate::kernel::wide::{LANES, Register, Row};
 
 /// Numbers in a stream's state.
@@ -24,10 +24,11 @@ impl LaneState {
         for (lane, stream) in streams.iter().enumerate() {
             let mut state = stream.state;
             let mut numbers = rows.iter_mut();
-            visit(&mut state, &mut |number: &mut f64| {
+            visit(&mut state, &mut |number| {
                 if let Some(row) = numbers.next() {
-                    row.0[lane] = *number;
+                    row.0[lane] = number;
                 }
+                number
             });
         }
         Self {
@@ -41,10 +42,8 @@ impl LaneState {
         for (lane, stream) in streams.iter_mut().enumerate() {
             let mut state = self.pattern;
             let mut numbers = self.rows.iter();
-            visit(&mut state, &mut |number: &mut f64| {
-                if let Some(row) = numbers.next() {
-                    *number = row.0[lane];
-                }
+            visit(&mut state, &mut |number| {
+                numbers.next().map_or(number, |row| row.0[lane])
             });
             state.received += taken;
             stream.state = state;
@@ -54,7 +53,7 @@ impl LaneState {
     #[inline(always)]
     pub fn load<R: Register>(&self, proof: R::Proof, part: usize) -> State<R> {
         let zero = R::splat(proof, 0.0);
-        let zeros = vec3(zero, zero, zero);
+        let zeros = Vec3::all(zero);
         let place = Place {
             position_thrice: zeros,
             rotation: zeros,
@@ -77,29 +76,29 @@ impl LaneState {
             },
             attitude: Quaternion { w: zero, v: zeros },
         };
-        let mut next = 0;
-        visit(&mut state, &mut |number: &mut R| {
-            *number = R::load(proof, &self.rows[next], part);
-            next += 1;
+        let mut rows = self.rows.iter();
+        visit(&mut state, &mut |zero| {
+            rows.next().map_or(zero, |row| R::load(proof, row, part))
         });
         state
     }
 
     #[inline(always)]
     pub fn store<R: Register>(&mut self, mut state: State<R>, part: usize) {
-        let mut next = 0;
-        let rows = &mut self.rows;
-        visit(&mut state, &mut |number: &mut R| {
-            number.store(&mut rows[next], part);
-            next += 1;
+        let mut rows = self.rows.iter_mut();
+        visit(&mut state, &mut |number: R| {
+            if let Some(row) = rows.next() {
+                number.store(row, part);
+            }
+            number
         });
         self.pattern.spin.keep_count(&state.spin);
     }
 }
 
-/// Every number of a state, always in the same order.
+/// Every number of a state in its place, always in the same order.
 #[inline(always)]
-fn visit<T: Copy>(state: &mut State<T>, f: &mut impl FnMut(&mut T)) {
+fn visit<T: Real>(state: &mut State<T>, f: &mut impl FnMut(T) -> T) {
     let State {
         received: _,
         before,
@@ -108,24 +107,17 @@ fn visit<T: Copy>(state: &mut State<T>, f: &mut impl FnMut(&mut T)) {
         shell,
         attitude,
     } = state;
-    three(&mut before.position_thrice, f);
-    three(&mut before.rotation, f);
-    three(&mut now.position_thrice, f);
-    three(&mut now.rotation, f);
-    three(&mut now.force, f);
-    three(&mut now.torque, f);
-    f(&mut now.strain_squares);
-    Spin::visit(spin, f);
-    three(&mut shell.rate, f);
-    three(&mut shell.rate_derivative, f);
-    three(&mut shell.specific_force, f);
-    f(&mut attitude.w);
-    three(&mut attitude.v, f);
-}
-
-#[inline(always)]
-fn three<T>(v: &mut Vec3<T>, f: &mut impl FnMut(&mut T)) {
-    f(&mut v.x);
-    f(&mut v.y);
-    f(&mut v.z);
+    before.position_thrice.visit(f);
+    before.rotation.visit(f);
+    now.position_thrice.visit(f);
+    now.rotation.visit(f);
+    now.force.visit(f);
+    now.torque.visit(f);
+    now.strain_squares = f(now.strain_squares);
+    spin.visit(f);
+    shell.rate.visit(f);
+    shell.rate_derivative.visit(f);
+    shell.specific_force.visit(f);
+    attitude.w = f(attitude.w);
+    attitude.v.visit(f);
 }

@@ -5,9 +5,10 @@ use crate::geometry::LIMBS;
 use crate::kernel::attitude::{HALF_ANGLE_SQUARED_LIMIT, Quaternion, exp, half_rotation};
 use crate::kernel::constants::Constants;
 use crate::kernel::placement::{self, STRAIN_LIMIT};
-use crate::kernel::real::{Vec3, vec3};
+use crate::kernel::real::Real;
 use crate::kernel::shell::{self, Place, ShellMotion};
 use crate::kernel::spin::Torques;
+use crate::kernel::vector::{Vec3, vec3};
 use crate::kernel::wide::{LANES, Register, Row};
 use crate::record::Accelerations;
 
@@ -18,12 +19,22 @@ pub const BLOCK: usize = LANES * STEPS;
 
 /// A series of numbers: `GHOSTS` rows of the segments before, then the block's own.
 type Series<const ROWS: usize> = [Row; ROWS];
-type Vectors<const ROWS: usize> = Vec3<Series<ROWS>>;
+/// Three of them: the components of vectors.
+#[derive(Clone, Copy)]
+struct Vectors<const ROWS: usize> {
+    x: Series<ROWS>,
+    y: Series<ROWS>,
+    z: Series<ROWS>,
+}
 
 const ZERO: Series<STEPS> = [Row::ZERO; STEPS];
 
 const fn zeros<const ROWS: usize>() -> Vectors<ROWS> {
-    vec3([Row::ZERO; ROWS], [Row::ZERO; ROWS], [Row::ZERO; ROWS])
+    Vectors {
+        x: [Row::ZERO; ROWS],
+        y: [Row::ZERO; ROWS],
+        z: [Row::ZERO; ROWS],
+    }
 }
 
 impl<const ROWS: usize> Vectors<ROWS> {
@@ -38,25 +49,27 @@ impl<const ROWS: usize> Vectors<ROWS> {
 
     #[inline(always)]
     fn store<R: Register>(&mut self, row: usize, part: usize, v: Vec3<R>) {
-        v.x.store(&mut self.x[row], part);
-        v.y.store(&mut self.y[row], part);
-        v.z.store(&mut self.z[row], part);
+        let [x, y, z] = v.components();
+        x.store(&mut self.x[row], part);
+        y.store(&mut self.y[row], part);
+        z.store(&mut self.z[row], part);
     }
 
     #[inline(always)]
-    fn get(&self, row: usize, lane: usize) -> Vec3<f64> {
+    fn get<T: Real + From<f64>>(&self, row: usize, lane: usize) -> Vec3<T> {
         vec3(
-            self.x[row].0[lane],
-            self.y[row].0[lane],
-            self.z[row].0[lane],
+            self.x[row].0[lane].into(),
+            self.y[row].0[lane].into(),
+            self.z[row].0[lane].into(),
         )
     }
 
     #[inline(always)]
-    fn set(&mut self, row: usize, lane: usize, v: Vec3<f64>) {
-        self.x[row].0[lane] = v.x;
-        self.y[row].0[lane] = v.y;
-        self.z[row].0[lane] = v.z;
+    fn set<T: Real + Into<f64>>(&mut self, row: usize, lane: usize, v: Vec3<T>) {
+        let [x, y, z] = v.components();
+        self.x[row].0[lane] = x.into();
+        self.y[row].0[lane] = y.into();
+        self.z[row].0[lane] = z.into();
     }
 
     /// Fills the ghost rows of each segment from the end of the one before; the first segment's come from `before`,
@@ -199,15 +212,14 @@ impl<R: Register> Block<R> {
         let mut spin = state.spin.map(R::Single::from);
         for lane in 0..LANES {
             for step in 0..STEPS {
-                let torques = Torques {
-                    now: self.torque.get(step, lane).map(R::Single::from),
-                    next: self.torque.get(step + 1, lane).map(R::Single::from),
+                let torques: Torques<R::Single> = Torques {
+                    now: self.torque.get(step, lane),
+                    next: self.torque.get(step + 1, lane),
                 };
                 let next = spin.step(scheme, g, torques);
                 spin.take(scheme, next);
-                self.spin_rate.set(step, lane, next.rate.map(Into::into));
-                self.spin_derivative
-                    .set(step, lane, next.derivative.map(Into::into));
+                self.spin_rate.set(step, lane, next.rate);
+                self.spin_derivative.set(step, lane, next.derivative);
             }
         }
         state.spin = spin.map(Into::into);
@@ -310,7 +322,12 @@ impl<R: Register> Block<R> {
     fn finish(&mut self, state: &mut State<f64>, starts: [Quaternion<f64>; LANES]) {
         let proof = self.proof;
         let of = |get: fn(&Quaternion<f64>) -> f64| Row(starts.each_ref().map(get));
-        let start = [of(|q| q.w), of(|q| q.v.x), of(|q| q.v.y), of(|q| q.v.z)];
+        let start = [
+            of(|q| q.w),
+            of(|q| q.v.x()),
+            of(|q| q.v.y()),
+            of(|q| q.v.z()),
+        ];
         let mut ground = [Row::ZERO; 6];
         for step in 0..STEPS {
             for part in 0..R::PARTS {
@@ -329,12 +346,12 @@ impl<R: Register> Block<R> {
                     specific_force: self.specific_force.load(proof, step, part),
                 };
                 let [a, w_dot, _] = to_ground(&self.constants, &motion, attitude);
-                a.x.store(&mut ground[0], part);
-                a.y.store(&mut ground[1], part);
-                a.z.store(&mut ground[2], part);
-                w_dot.x.store(&mut ground[3], part);
-                w_dot.y.store(&mut ground[4], part);
-                w_dot.z.store(&mut ground[5], part);
+                a.x().store(&mut ground[0], part);
+                a.y().store(&mut ground[1], part);
+                a.z().store(&mut ground[2], part);
+                w_dot.x().store(&mut ground[3], part);
+                w_dot.y().store(&mut ground[4], part);
+                w_dot.z().store(&mut ground[5], part);
             }
             for lane in 0..LANES {
                 let row = &mut self.out[lane * STEPS + step];

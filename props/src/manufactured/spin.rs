@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 use sixaxis_core::kernel::constants::Constants;
-use sixaxis_core::kernel::real::{Vec3, vec3};
 use sixaxis_core::kernel::spin::{Spin, Torques};
+use sixaxis_core::kernel::vector::{Vec3, vec3};
 use sixaxis_core::{Gains, Scheme, Sensor, Settings};
 
 use super::motion::Manufactured;
@@ -35,7 +35,7 @@ pub fn spin(
     };
     let si = |v: Vec3<f64>, scale: f64| {
         let v = constants.principal_to_mass(v);
-        DVec3::new(v.x, v.y, v.z) * scale
+        DVec3::from(v.components()) * scale
     };
     let w = start * step_s;
     let w = constants.mass_to_principal(vec3(w.x, w.y, w.z));
