@@ -6,11 +6,16 @@
 //! 21(10), 2013; equation numbers are that paper's.
 //!
 //! The modules follow a voltage on its way through the sensor: [`geometry`] and [`parameters`] say what the sensor
-//! is, [`signal`] turns voltages into limb forces, [`preload`] adds the static share a piezo hides, [`pose`] turns
-//! forces into the mass's place in the shell, [`limbs`] is these three as a stream. [`dynamics`] balances forces, [`integrator`] and [`attitude`] carry the
-//! shell's rate and attitude from sample to sample, and [`decoupler`] is all of that as a stream. [`identify`] runs
-//! the four steps that find the parameters. Before either, [`recording`] says whether a recording can be worked with, and
-//! `preprocess` (feature `alloc`) cleans it; `rest_to_rest` takes the trend off a run that ends as it began.
+//! is, [`settings`] what else is known; [`signal`] turns voltages into limb forces, [`preload`] adds the static share a
+//! piezo hides, [`pose`] turns forces into the mass's place in the shell, and [`limbs`] is these three as a stream:
+//! the plain formulas, on which [`dynamics`] sums forces and [`identify`] runs the four steps that find the parameters.
+//!
+//! Decoupling itself is [`kernel`]: the same equations once more, arranged so that nothing is computed twice, over any
+//! number type. [`decoupler`] runs them sample by sample, [`record`] along a recording, [`lanes`] along eight at once, and
+//! [`rigid`] without the motion of the mass in the shell; [`scheme`] names the integrators.
+//!
+//! Before either, [`recording`] says whether a recording can be worked with, and `preprocess` (feature `alloc`) cleans
+//! it; `rest_to_rest` takes the trend off a run that ends as it began.
 //!
 //! SI units throughout; each name carries its unit and, where it crosses a boundary, its frame: `_ground` {0},
 //! `_shell` {1}, `_mass` {2}. No input or output, no simulator, no std: the decoupler neither allocates nor panics.
