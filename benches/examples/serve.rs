@@ -2,7 +2,8 @@
 //!
 //! `serve export DIR` plays the compound run at 5 Hz and writes what every peer reads, in whatever language:
 //! `problem.json` (and its numbers as `problem.bin`) and `voltage.bin`; for engines, which do not decode, `states.bin`
-//! and `wrench.bin`; and two answers, `oracle.bin` from [`peer`] and `truth.bin` from MuJoCo. `serve NAME DIR` stays resident and obeys lines on its standard input:
+//! and `wrench.bin`; and two answers, `oracle.bin` from [`peer`] and `truth.bin` from MuJoCo. `serve NAME DIR` stays
+//! resident and obeys lines on its standard input:
 //!
 //! * `answer FILE` decodes once and writes six numbers a sample: linear, then angular acceleration, ground axes;
 //! * `time R` decodes the record R times and prints the mean seconds of one;

@@ -1,4 +1,4 @@
-"""Everything that needs no integration, for the whole record at once: what the vectorised peers share."""
+"""What needs no integration, for the whole record at once: what the vectorised peers share."""
 
 from dataclasses import dataclass
 
@@ -75,6 +75,7 @@ def sense(p: Problem) -> Sensed:
     rotation = exponential(phi)
     e, moment, _ = limbs(p, r, rotation)
     inertia = rotation @ p.inertia @ np.swapaxes(rotation, 1, 2)
+    inverse = np.linalg.inv(inertia)
     return Sensed(
         r=r,
         v=v,
@@ -84,7 +85,7 @@ def sense(p: Problem) -> Sensed:
         force=np.einsum("ni,nij->nj", force, e),
         torque=np.einsum("ni,nij->nj", force, moment),
         inertia=inertia,
-        inverse=np.linalg.inv(inertia),
+        inverse=inverse,
     )
 
 
@@ -100,7 +101,7 @@ def rate_derivative(s: Sensed, w: Array) -> Array:
 
 
 def attitudes(p: Problem, w: Array) -> Array:
-    """(9) by the mean rate of each step; the running product in log2(n) passes instead of n steps."""
+    """(9) by the mean rate of each step; a running product in log2(n) passes, not n steps."""
     turns = np.empty((len(w), 3, 3))
     turns[0] = p.attitude
     turns[1:] = exponential(0.5 * p.h * (w[:-1] + w[1:]))

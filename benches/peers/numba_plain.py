@@ -1,4 +1,7 @@
-"""The paper's equations sample by sample on small arrays, compiled by numba: numpy_loop.py with its loops spelt out."""
+"""The paper's equations sample by sample on small arrays, compiled by numba.
+
+numpy_loop.py with its loops spelt out.
+"""
 
 import numpy as np
 from numba import njit

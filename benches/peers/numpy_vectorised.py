@@ -1,4 +1,4 @@
-"""Kinematics vectorised over the record; only Heun on (8), which cannot be, as a loop over Python floats."""
+"""Kinematics vectorised over the record; Heun on (8), which cannot be, over Python floats."""
 
 import numpy as np
 

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-# Gauss-Newton stops at a step of this size, m (rotations times half an edge), or after so many steps: as in peer.rs.
+# As in peer.rs: Gauss-Newton stops at a step of this size, m (rotations times half an edge), or
+# after so many steps.
 CONVERGED_M = 1e-13
 ITERATIONS = 20
 
@@ -57,7 +58,10 @@ def read(folder: Path) -> Problem:
 
 
 def serve(decode: Callable[[Problem], Array]) -> None:
-    """Obeys requests until "quit". `decode` gives rows of linear and angular acceleration, ground axes."""
+    """Obeys requests until "quit".
+
+    `decode` gives rows of linear, then angular acceleration, ground axes.
+    """
     problem = read(Path(sys.argv[1]))
     for line in sys.stdin:
         request, _, argument = line.strip().partition(" ")

@@ -1,4 +1,4 @@
-"""Kinematics vectorised over the record; (8) by SciPy's solve_ivp (RK45) on cubic splines through the samples."""
+"""Kinematics vectorised over the record; (8) by SciPy's solve_ivp (RK45) on cubic splines."""
 
 import numpy as np
 from scipy.integrate import solve_ivp
