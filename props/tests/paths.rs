@@ -200,7 +200,8 @@ proptest! {
         prop_assume!(norm > 0.1);
         let size = 10.0_f64.powf(log_size) / norm;
         let voltage: [f64; LIMBS] = from_fn(|i| {
-            (size * strain[i] - constants.strain_at_zero[i]) / constants.strain_per_v[i]
+            let at_zero = constants.strain(i, 0.0);
+            (size * strain[i] - at_zero) / (constants.strain(i, 1.0) - at_zero)
         });
         let series = placement::by_series(&constants, voltage);
         let exact = placement::exactly(&constants, &voltage, 0).expect("limbs that meet");

@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, SymmetricEigen};
 use super::real::{Real, Scalar};
 use super::vector::{Vec3, vec3};
 use crate::error::{Error, Result};
-use crate::geometry::LIMBS;
+use crate::geometry::{LIMBS, LIMBS_PER_NODE};
 use crate::limbs::LimbStream;
 use crate::parameters::{InertiaPerMass, Parameters};
 use crate::settings::{Sensor, Settings};
@@ -23,10 +23,10 @@ const LARGEST: f64 = 1e304;
 /// The numbers of the kernel's formulas.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Constants<T: Real> {
-    /// Strain of a limb per volt, (1), (10), (11) and (2) in one.
-    pub strain_per_v: [T; LIMBS],
+    /// Strain of a limb per volt, (1), (10), (11) and (2) in one; the first, second and third limbs of the three nodes.
+    pub strain_per_v: [Vec3<T>; LIMBS_PER_NODE],
     /// Its strain at zero volt: drift, and the preload that a tared channel does not show.
-    pub strain_at_zero: [T; LIMBS],
+    pub strain_at_zero: [Vec3<T>; LIMBS_PER_NODE],
     /// n/L.
     pub nu: T,
     /// L/n.
@@ -73,10 +73,10 @@ impl Constants<f64> {
         let row = |i: usize| vec3(axes[(i, 0)], axes[(i, 1)], axes[(i, 2)]);
         let g = settings.gravity_ground_m_s2;
         let constants = Self {
-            strain_per_v: per_v.map(|s| s * strain_per_force),
-            strain_at_zero: core::array::from_fn(|i| {
+            strain_per_v: limb_by_limb(per_v.map(|s| s * strain_per_force)),
+            strain_at_zero: limb_by_limb(core::array::from_fn(|i| {
                 (at_rest[i] + limbs.preload_m_s2()[i]) * strain_per_force
-            }),
+            })),
             nu,
             inverse_nu: 1.0 / nu,
             chi,
@@ -105,7 +105,10 @@ impl Constants<f64> {
                 requirement: "of sizes whose products neither overflow nor vanish",
             })
         };
-        for (&slope, &value) in self.strain_per_v.iter().zip(&self.strain_at_zero) {
+        let numbers = |rows: [Vec3<f64>; LIMBS_PER_NODE]| rows.map(Vec3::components);
+        let slopes = numbers(self.strain_per_v);
+        let values = numbers(self.strain_at_zero);
+        for (&slope, &value) in slopes.as_flattened().iter().zip(values.as_flattened()) {
             if !(slope.is_normal() && slope.abs() < LARGEST && value.abs() < LARGEST) {
                 return out_of_range(
                     "zero_drift_v, scale_per_mass_per_kg, gain_n_per_v and limb_length_m together",
@@ -150,8 +153,8 @@ impl<T: Real> Constants<T> {
     #[inline(always)]
     pub fn map<U: Real>(&self, f: impl Fn(T) -> U) -> Constants<U> {
         Constants {
-            strain_per_v: nine(&self.strain_per_v, &f),
-            strain_at_zero: nine(&self.strain_at_zero, &f),
+            strain_per_v: three(&self.strain_per_v, &f),
+            strain_at_zero: three(&self.strain_at_zero, &f),
             nu: f(self.nu),
             inverse_nu: f(self.inverse_nu),
             chi: f(self.chi),
@@ -169,8 +172,8 @@ impl<T: Real> Constants<T> {
     #[inline(always)]
     pub(crate) fn splat(number: T) -> Self {
         Self {
-            strain_per_v: [number; LIMBS],
-            strain_at_zero: [number; LIMBS],
+            strain_per_v: [Vec3::all(number); LIMBS_PER_NODE],
+            strain_at_zero: [Vec3::all(number); LIMBS_PER_NODE],
             nu: number,
             inverse_nu: number,
             chi: number,
@@ -187,12 +190,17 @@ impl<T: Real> Constants<T> {
     /// Every number in its place, always in the same order.
     #[inline(always)]
     pub(crate) fn visit(&mut self, f: &mut impl FnMut(T) -> T) {
-        for number in self.strain_per_v.iter_mut().chain(&mut self.strain_at_zero) {
-            *number = f(*number);
-        }
+        let [s, t, u] = &mut self.strain_per_v;
+        let [x, y, z] = &mut self.strain_at_zero;
         let [a, b, c] = &mut self.torque;
         let [d, e, g] = &mut self.principal;
         for v in [
+            s,
+            t,
+            u,
+            x,
+            y,
+            z,
             a,
             b,
             c,
@@ -217,22 +225,14 @@ impl<T: Real> Constants<T> {
     }
 }
 
-// Written out: the library's maps of arrays are calls that no vector register survives.
+/// The first limbs of the three nodes, the second ones, and the third.
 #[inline(always)]
-fn nine<T: Copy, U>(a: &[T; LIMBS], f: impl Fn(T) -> U) -> [U; LIMBS] {
-    [
-        f(a[0]),
-        f(a[1]),
-        f(a[2]),
-        f(a[3]),
-        f(a[4]),
-        f(a[5]),
-        f(a[6]),
-        f(a[7]),
-        f(a[8]),
-    ]
+pub fn limb_by_limb<T: Real>(nine: [T; LIMBS]) -> [Vec3<T>; LIMBS_PER_NODE] {
+    let [a, b, c, d, e, f, g, h, i] = nine;
+    [vec3(a, d, g), vec3(b, e, h), vec3(c, f, i)]
 }
 
+// Written out: the library's maps of arrays are calls that no vector register survives.
 #[inline(always)]
 fn three<T: Real, U: Real>(columns: &[Vec3<T>; 3], f: impl Fn(T) -> U) -> [Vec3<U>; 3] {
     let [a, b, c] = *columns;
@@ -240,6 +240,13 @@ fn three<T: Real, U: Real>(columns: &[Vec3<T>; 3], f: impl Fn(T) -> U) -> [Vec3<
 }
 
 impl<T: Real> Constants<T> {
+    /// Strain of one limb.
+    pub fn strain(&self, limb: usize, voltage_v: T) -> T {
+        let (at, node) = (limb % LIMBS_PER_NODE, limb / LIMBS_PER_NODE);
+        let slope = self.strain_per_v[at].components()[node];
+        voltage_v.times_plus(slope, self.strain_at_zero[at].components()[node])
+    }
+
     /// Torque over chi nu in mass axes to angular acceleration of the mass in principal axes.
     #[inline(always)]
     pub fn torque_to_principal(&self, torque: Vec3<T>) -> Vec3<T> {

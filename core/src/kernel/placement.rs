@@ -32,7 +32,7 @@
 
 use glam::DVec3;
 
-use super::constants::Constants;
+use super::constants::{Constants, limb_by_limb};
 use super::real::Real;
 use super::vector::{Vec3, vec3};
 use crate::error::{Error, Result};
@@ -70,32 +70,56 @@ impl Placement<f64> {
     }
 }
 
-/// Displacements of one node along its three limbs, the forces there over chi, and the sum of squared strains.
+/// Displacements of the nodes along their first, second and third limbs, the forces there over chi, and the sums of
+/// squared strains at each; three nodes at once, from their limbs' strains.
 #[inline(always)]
-fn node<T: Real>(x: [T; LIMBS_PER_NODE]) -> ([T; 3], [T; 3], T) {
-    let half = x[0].like(0.5);
-    let square = [x[0] * x[0], x[1] * x[1], x[2] * x[2]];
+fn nodes<T: Real>(x: [Vec3<T>; LIMBS_PER_NODE]) -> (Limbs<T>, Limbs<T>, Vec3<T>) {
+    let half = Vec3::all(x[0].like(0.5));
+    let square = [x[0].by(x[0]), x[1].by(x[1]), x[2].by(x[2])];
     let a = square[0] + square[1] + square[2];
     let b = x[0] + x[1] + x[2];
-    let cubes = x[0].times_plus(square[0], x[1].times_plus(square[1], x[2] * square[2]));
-    let half_s = half * a.times_from(b, a + cubes);
+    let cubes = x[0].by_plus(square[0], x[1].by_plus(square[1], x[2].by(square[2])));
+    let half_s = half.by(a.by_from(b, a + cubes));
     let all = b - a;
     let mut displacement = x;
     let mut force = x;
     for i in 0..LIMBS_PER_NODE {
-        let beyond = half.times_plus(square[i], -half_s);
+        let beyond = half.by_plus(square[i], Vec3::all(x[0].like(0.0)) - half_s);
         displacement[i] = x[i] + beyond;
         let others = all - (x[i] - square[i]);
-        force[i] = displacement[i].times_plus(others, x[i].times_plus(beyond, x[i]));
+        force[i] = displacement[i].by_plus(others, x[i].by_plus(beyond, x[i]));
     }
     (displacement, force, a)
 }
 
-/// Three numbers along the limbs of each node, as vectors in shell axes: the signed axes of (5).
+/// Numbers of the first, second and third limb, each of three nodes.
+type Limbs<T> = [Vec3<T>; LIMBS_PER_NODE];
+
+/// Numbers along the limbs as vectors in shell axes, one for each node: the signed axes of (5).
 #[inline(always)]
-fn shell_axes<T: Real>(along: [[T; 3]; NODES]) -> [Vec3<T>; NODES] {
-    let [[a, b, c], [d, e, f], [g, h, i]] = along;
-    [vec3(-c, -b, a), vec3(-f, e, -d), vec3(i, -h, -g)]
+fn shell_axes<T: Real>(along: Limbs<T>) -> [Vec3<T>; NODES] {
+    let [first, second, third] = along;
+    let (one, minus) = (first.like(1.0), first.like(-1.0));
+    let z = first.by(vec3(one, minus, minus)).components();
+    let y = second.by(vec3(minus, one, minus)).components();
+    let x = third.by(vec3(minus, minus, one)).components();
+    [
+        vec3(x[0], y[0], z[0]),
+        vec3(x[1], y[1], z[1]),
+        vec3(x[2], y[2], z[2]),
+    ]
+}
+
+/// Strains of the nine limbs.
+#[inline(always)]
+fn limb_strains<T: Real>(constants: &Constants<T>, voltage_v: [T; LIMBS]) -> Limbs<T> {
+    let [u, v, w] = limb_by_limb(voltage_v);
+    let (slope, at_zero) = (&constants.strain_per_v, &constants.strain_at_zero);
+    [
+        u.by_plus(slope[0], at_zero[0]),
+        v.by_plus(slope[1], at_zero[1]),
+        w.by_plus(slope[2], at_zero[2]),
+    ]
 }
 
 /// sum t_j x R_r^T F_j over nu: the torque in mass axes, where the arms are as in (6).
@@ -117,18 +141,13 @@ fn turned_back<T: Real>(phi: Vec3<T>, force: [Vec3<T>; NODES]) -> Vec3<T> {
 /// Places the mass by the series; good while `strain_squares` is at most the square of [`STRAIN_LIMIT`].
 #[inline(always)]
 pub fn by_series<T: Real>(constants: &Constants<T>, voltage_v: [T; LIMBS]) -> Placement<T> {
-    let mut x = voltage_v;
-    for i in 0..LIMBS {
-        x[i] = voltage_v[i].times_plus(constants.strain_per_v[i], constants.strain_at_zero[i]);
-    }
-    let (d0, f0, a0) = node([x[0], x[1], x[2]]);
-    let (d1, f1, a1) = node([x[3], x[4], x[5]]);
-    let (d2, f2, a2) = node([x[6], x[7], x[8]]);
-    let displacement = shell_axes([d0, d1, d2]);
-    let force = shell_axes([f0, f1, f2]);
+    let (displacement, force, squares) = nodes(limb_strains(constants, voltage_v));
+    let displacement = shell_axes(displacement);
+    let force = shell_axes(force);
+    let strain_squares = squares.sum();
 
-    let third = a0.like(1.0 / 3.0);
-    let sixth = a0.like(1.0 / 6.0);
+    let third = squares.like(1.0 / 3.0);
+    let sixth = squares.like(1.0 / 6.0);
     let all = displacement[0] + displacement[1] + displacement[2];
     // About the nodes' mean -nu/3 (1, 1, 1), where the translation drops out.
     let m = all
@@ -157,7 +176,7 @@ pub fn by_series<T: Real>(constants: &Constants<T>, voltage_v: [T; LIMBS]) -> Pl
         rotation,
         force: force[0] + force[1] + force[2],
         torque: constants.torque_to_principal(torque),
-        strain_squares: a0 + a1 + a2,
+        strain_squares,
     }
 }
 
@@ -213,7 +232,7 @@ pub fn exactly(
 }
 
 fn strains(constants: &Constants<f64>, voltage_v: &[f64; LIMBS]) -> [f64; LIMBS] {
-    core::array::from_fn(|i| voltage_v[i] * constants.strain_per_v[i] + constants.strain_at_zero[i])
+    core::array::from_fn(|i| constants.strain(i, voltage_v[i]))
 }
 
 /// Refuses voltages that are no numbers and strains that no limb bears. `sample` is for errors.
@@ -256,11 +275,7 @@ pub struct RigidLoad<T: Real> {
 /// The right sides of (12) and (15).
 #[inline(always)]
 pub fn rigid<T: Real>(constants: &Constants<T>, voltage_v: [T; LIMBS]) -> RigidLoad<T> {
-    let mut x = voltage_v;
-    for i in 0..LIMBS {
-        x[i] = voltage_v[i].times_plus(constants.strain_per_v[i], constants.strain_at_zero[i]);
-    }
-    let force = shell_axes([[x[0], x[1], x[2]], [x[3], x[4], x[5]], [x[6], x[7], x[8]]]);
+    let force = shell_axes(limb_strains(constants, voltage_v));
     let [a, b, c] = force;
     RigidLoad {
         force: a + b + c,

@@ -212,6 +212,12 @@ impl<T: Real> Vec3<T> {
         Self(self.0.by_plus(other.0, term.0))
     }
 
+    /// `term - self * other`, component by component.
+    #[inline(always)]
+    pub fn by_from(self, other: Self, term: Self) -> Self {
+        Self(self.0.by_from(other.0, term.0))
+    }
+
     /// (y, z, x).
     #[inline(always)]
     pub fn cycled(self) -> Self {
