@@ -11,6 +11,7 @@
 //!
 //! Binary files are rows of little-endian f64. An implementation is one line in [`PEERS`].
 
+use std::array::from_fn;
 use std::error::Error;
 use std::fs;
 use std::hint::black_box;
@@ -28,10 +29,12 @@ use sixaxis_benches::problem::{
 };
 use sixaxis_core::dynamics::LimbWrench;
 use sixaxis_core::geometry::DIRECTIONS_SHELL;
+use sixaxis_core::kernel::wide::LANES;
+use sixaxis_core::lanes::{LaneSample, push_lanes};
 use sixaxis_core::pose::Pose;
 use sixaxis_core::preload::static_preload_m_s2;
 use sixaxis_core::signal::SignalChain;
-use sixaxis_core::{Gains, Geometry, LIMBS, Scheme};
+use sixaxis_core::{Decoupler, Gains, Geometry, LIMBS, RigidDecoupler, Scheme};
 use sixaxis_reference::mjcf::{SHELL_INERTIA_KG_M2, SHELL_MASS_KG};
 use sixaxis_reference::recording::{Recording, TrueMotion};
 
@@ -58,6 +61,10 @@ type Ready = fn(&Input) -> Box<dyn Peer>;
 /// Every implementation by its name.
 const PEERS: &[(&str, Ready)] = &[
     ("push", push),
+    ("record", |input| record(input, false)),
+    ("record_portable", |input| record(input, true)),
+    ("lanes", lanes),
+    ("rigid", rigid),
     ("nalgebra", nalgebra),
     ("mujoco_inverse", mujoco_inverse),
     ("mujoco_step", mujoco_step),
@@ -73,6 +80,10 @@ const PEERS: &[(&str, Ready)] = &[
 trait Peer {
     /// What is timed.
     fn decode(&mut self);
+    /// Records decoded at once, each of which counts.
+    fn records(&self) -> u32 {
+        1
+    }
     /// The result of the last [`Self::decode`], as far as it has accelerations; zero where it has none.
     fn rows(&self) -> Vec<Row>;
 }
@@ -114,6 +125,79 @@ fn push(input: &Input) -> Box<dyn Peer> {
         problem::decouple(black_box(&ready), black_box(&voltage_v), |s| {
             rows.push(row(s.linear_ground_m_s2, s.angular_ground_rad_s2));
         });
+    })
+}
+
+fn record(input: &Input, portable: bool) -> Box<dyn Peer> {
+    let ready = input.recorded.decoupler(Scheme::Heun);
+    let voltage_v = input.recorded.recording.voltage_v.clone();
+    Decoder::boxed(voltage_v.len(), move |rows| {
+        let mut decoupler = black_box(&ready).clone();
+        let mut sink = |done: &[Row]| rows.extend_from_slice(done);
+        let voltage_v = black_box(&voltage_v);
+        let done = if portable {
+            decoupler.push_record_portable(voltage_v, &mut sink)
+        } else {
+            decoupler.push_record(voltage_v, &mut sink)
+        };
+        done.expect("a recorded run");
+    })
+}
+
+/// Eight streams of the same record; the rows are the last one's.
+struct Lanes {
+    ready: Decoupler,
+    voltage_v: Vec<[f64; LIMBS]>,
+    samples: Vec<LaneSample>,
+}
+
+impl Peer for Lanes {
+    fn decode(&mut self) {
+        let mut streams: [Decoupler; LANES] = from_fn(|_| black_box(&self.ready).clone());
+        let rows = black_box([&self.voltage_v[..]; LANES]);
+        self.samples.clear();
+        let samples = &mut self.samples;
+        push_lanes(&mut streams, rows, &mut |done| {
+            samples.extend_from_slice(done)
+        })
+        .expect("a recorded run");
+    }
+
+    fn records(&self) -> u32 {
+        LANES as u32
+    }
+
+    fn rows(&self) -> Vec<Row> {
+        let last = |sample: &LaneSample| from_fn(|i| sample[i].0[LANES - 1]);
+        self.samples.iter().map(last).collect()
+    }
+}
+
+fn lanes(input: &Input) -> Box<dyn Peer> {
+    let voltage_v = input.recorded.recording.voltage_v.clone();
+    Box::new(Lanes {
+        ready: input.recorded.decoupler(Scheme::Heun),
+        samples: Vec::with_capacity(voltage_v.len()),
+        voltage_v,
+    })
+}
+
+fn rigid(input: &Input) -> Box<dyn Peer> {
+    let recorded = &input.recorded;
+    let settings = recorded.settings(Scheme::Heun);
+    let ready = RigidDecoupler::new(&recorded.sensor(), &true_parameters(), &settings)
+        .expect("a decoupler of the true sensor");
+    let voltage_v = recorded.recording.voltage_v.clone();
+    Decoder::boxed(voltage_v.len(), move |rows| {
+        let mut decoupler = black_box(&ready).clone();
+        for voltage in black_box(&voltage_v) {
+            if let Some(s) = decoupler.push(voltage).expect("a recorded run") {
+                // The others begin with the second sample.
+                if s.sample > 0 {
+                    rows.push(row(s.linear_ground_m_s2, s.angular_ground_rad_s2));
+                }
+            }
+        }
     })
 }
 
@@ -630,7 +714,10 @@ fn serve(mut peer: Box<dyn Peer>) -> Result<(), Box<dyn Error>> {
                 for _ in 0..repeats {
                     peer.decode();
                 }
-                println!("{:e}", start.elapsed().as_secs_f64() / f64::from(repeats));
+                println!(
+                    "{:e}",
+                    start.elapsed().as_secs_f64() / f64::from(repeats * peer.records())
+                );
             }
             None if line == "quit" => break,
             _ => return Err(format!("no such request: {line}").into()),
