@@ -1,8 +1,8 @@
 //! The curve of step 4 from a few decodes: every candidate's mean |w*| by interpolation.
 //!
 //! A candidate k/m enters through the strains, which are proportional to y = 1/(k/m), and strains enter (3) and (8) as
-//! additions of 1e-5 to what rigid limbs give. So w* at a sample is a power series in y whose terms fall by 1e-5 each:
-//! four decodes fix its cubic, and what is left over is of the size of the last coefficient times 1e-5. That coefficient
+//! additions of 1e-5 to what rigid limbs give. So w* at a sample is a power series in y whose terms fall by 1e-4 or so each:
+//! four decodes fix its cubic, and what is left over is of the size of the last coefficient times 1e-4. That coefficient
 //! is looked at, not trusted: where it is not small, all candidates are decoded one by one.
 //!
 //! The four values of y are Chebyshev's points of the range of candidates. Four candidates of two trials share the eight
@@ -26,9 +26,9 @@ use crate::settings::{Sensor, Settings};
 
 /// Decodes per trial.
 pub const NODES: usize = 4;
-/// Largest cubic coefficient, over the largest |w*|, at which the interpolation stands. The quartic one, which is what
-/// is neglected, is smaller by the strain.
-const CUBIC_LIMIT: f64 = 1e-9;
+/// Largest cubic coefficient, over the largest |w*|, at which the interpolation stands. Coefficients fall by the same factor
+/// from power to power, so the quartic one, which is what is neglected, is its power of 3/2: 3e-11.
+const CUBIC_LIMIT: f64 = 1e-7;
 /// First of the nine numbers of a lane sample that belong to w*.
 const RATE: usize = 6;
 
