@@ -5,6 +5,7 @@ pub mod evidence;
 mod figures;
 mod ledger;
 mod parameters;
+mod speed;
 mod summary;
 mod tables;
 
@@ -27,6 +28,7 @@ pub fn report(results: &Results, evidence: Section, facts: Vec<(String, String)>
         figures::orders(results),
         summary::reference(results),
         evidence,
+        speed::section(),
         ledger::section(results),
     ];
     sections.retain(|section| !section.blocks.is_empty());

@@ -219,6 +219,8 @@ pub struct Column {
     pub unit: String,
     /// Alignment of the cells.
     pub align: Align,
+    /// Set small and grey: there for the sake of completeness.
+    pub quiet: bool,
 }
 
 impl Column {
@@ -228,6 +230,7 @@ impl Column {
             label: label.into(),
             unit: unit.into(),
             align: Align::Number,
+            quiet: false,
         }
     }
 
@@ -237,7 +240,15 @@ impl Column {
             label: label.into(),
             unit: String::new(),
             align: Align::Text,
+            quiet: false,
         }
+    }
+
+    /// The same column, small and grey.
+    #[must_use]
+    pub fn quiet(mut self) -> Self {
+        self.quiet = true;
+        self
     }
 }
 

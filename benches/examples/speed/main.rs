@@ -1,0 +1,124 @@
+//! How the core's time depends on what it is asked: on scheme and sample rate, on the length of a record, on the number of
+//! streams. What the report's section on speed shows.
+//!
+//! `cargo run --release -p sixaxis-benches --example speed` writes `target/speed/speed.json` in a few minutes. With
+//! `--publish` it then merges that with what `benches/peers/run` left in `target/peers` and with the instruction counts
+//! into `benches/results/speed.json`, which the report embeds. `--quick` shows whether it works; its times are rough.
+//!
+//! Nothing is timed before its answer has been held against the truth, or against push, which was. Times
+//! are medians over rounds in which everything that is compared takes its turn, there and back.
+
+mod comparison;
+mod length;
+mod machine;
+mod precision;
+mod streams;
+mod timing;
+
+use std::env;
+use std::error::Error;
+use std::fs;
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use serde_json::Value;
+use sixaxis_core::Scheme;
+
+use length::{LONG_SCHEME, Length, length};
+use machine::{Machine, date_utc, machine, output, workspace};
+use precision::{WorkPrecision, validated, work_precision};
+use streams::{Streams, streams};
+use timing::{FULL, Progress, QUICK};
+
+/// Whole of `target/speed/speed.json`.
+#[derive(Serialize)]
+struct Speed {
+    date_utc: String,
+    commit: String,
+    /// Whether the core was another than that commit's.
+    core_changed_since_commit: bool,
+    quick: bool,
+    rounds: usize,
+    machine: Machine,
+    work_precision: WorkPrecision,
+    length: Length,
+    streams: Streams,
+}
+
+/// Where cargo builds, and where `benches/peers/run` leaves its results.
+fn target() -> PathBuf {
+    workspace().join(env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into()))
+}
+
+/// What the peers took, as `benches/peers/run` left it.
+fn peers() -> Result<Value, Box<dyn Error>> {
+    let path = target().join("peers/results.json");
+    let text = fs::read_to_string(path).map_err(|e| {
+        format!("no target/peers/results.json ({e}); `benches/peers/run` writes it")
+    })?;
+    Ok(serde_json::from_str(&text)?)
+}
+
+/// The counts that `.ci/instructions` holds the core to; null if there are none.
+fn instructions() -> Result<Value, Box<dyn Error>> {
+    match fs::read_to_string(workspace().join("benches/instructions.json")) {
+        Ok(text) => Ok(serde_json::from_str(&text)?),
+        Err(_) => Ok(Value::Null),
+    }
+}
+
+fn write(path: &Path, value: &impl Serialize) -> Result<(), Box<dyn Error>> {
+    fs::create_dir_all(path.parent().unwrap_or(path))?;
+    fs::write(path, serde_json::to_string_pretty(value)? + "\n")?;
+    Ok(())
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let (mut quick, mut publish) = (false, false);
+    for argument in env::args().skip(1) {
+        match &argument[..] {
+            "--quick" => quick = true,
+            "--publish" => publish = true,
+            _ => return Err("arguments are --quick and --publish, both or none".into()),
+        }
+    }
+    // Before minutes of work, not after them.
+    let peers = if publish { peers()? } else { Value::Null };
+    let effort = if quick { &QUICK } else { &FULL };
+    let progress = Progress {
+        shown: std::io::stderr().is_terminal(),
+    };
+    let scheme = Scheme::default();
+    progress.say("simulating the compound run");
+    let recorded = validated(scheme);
+    validated(LONG_SCHEME);
+    // First, while the program's memory is small.
+    let length = length(&recorded, LONG_SCHEME, effort, &progress);
+    let streams = streams(&recorded, scheme, effort, &progress);
+    let core_changed = output("git", &["diff", "--quiet", "HEAD", "--", "core"]).is_none();
+    let speed = Speed {
+        date_utc: date_utc(),
+        commit: output("git", &["rev-parse", "HEAD"]).unwrap_or_else(|| "unknown".to_owned()),
+        core_changed_since_commit: core_changed,
+        quick,
+        rounds: effort.rounds,
+        machine: machine(),
+        work_precision: work_precision(effort, &progress)?,
+        length,
+        streams,
+    };
+    progress.say("");
+    write(&target().join("speed/speed.json"), &speed)?;
+    println!("target/speed/speed.json");
+    if publish {
+        let all = serde_json::json!({
+            "speed": speed,
+            "peers": peers,
+            "instructions": instructions()?,
+        });
+        write(&workspace().join("benches/results/speed.json"), &all)?;
+        println!("benches/results/speed.json");
+    }
+    Ok(())
+}
