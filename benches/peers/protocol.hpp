@@ -1,4 +1,4 @@
-// What the C++ peers share: the exported problem and the line protocol of serve.rs.
+// What the C++ peers share: the exported problem and the line protocol of benches/examples/serve.
 #pragma once
 
 #include <array>

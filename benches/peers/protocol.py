@@ -1,4 +1,4 @@
-"""What the Python peers share: the exported problem and the line protocol of serve.rs."""
+"""What the Python peers share: the exported problem and the line protocol of benches/examples/serve."""
 
 import json
 import sys

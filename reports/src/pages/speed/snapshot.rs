@@ -1,4 +1,4 @@
-//! The measurements that the section on speed shows, as `benches/examples/speed.rs` published them.
+//! The measurements that the section on speed shows, as `benches/examples/speed` published them.
 //!
 //! They are embedded when the report is built: a report times nothing, so that it is the same on every machine.
 

@@ -1,0 +1,117 @@
+//! Those who decode: voltages in, six accelerations out.
+
+use sixaxis_benches::peer;
+use sixaxis_benches::peer::PeerDecoupler;
+use sixaxis_benches::problem;
+use sixaxis_benches::problem::true_parameters;
+use sixaxis_core::Decoupler;
+use sixaxis_core::LIMBS;
+use sixaxis_core::RigidDecoupler;
+use sixaxis_core::Scheme;
+use sixaxis_core::kernel::wide::LANES;
+use sixaxis_core::lanes::LaneSample;
+use sixaxis_core::lanes::push_lanes;
+use std::array::from_fn;
+use std::hint::black_box;
+
+use crate::peer::{Decoder, Input, Peer, Row, row};
+
+pub fn push(input: &Input) -> Box<dyn Peer> {
+    let ready = input.recorded.decoupler(Scheme::Heun);
+    let voltage_v = input.recorded.recording.voltage_v.clone();
+    Decoder::boxed(voltage_v.len(), move |rows| {
+        problem::decouple(black_box(&ready), black_box(&voltage_v), |s| {
+            rows.push(row(s.linear_ground_m_s2, s.angular_ground_rad_s2));
+        });
+    })
+}
+
+pub fn record(input: &Input, portable: bool) -> Box<dyn Peer> {
+    let ready = input.recorded.decoupler(Scheme::Heun);
+    let voltage_v = input.recorded.recording.voltage_v.clone();
+    Decoder::boxed(voltage_v.len(), move |rows| {
+        let mut decoupler = black_box(&ready).clone();
+        let mut sink = |done: &[Row]| rows.extend_from_slice(done);
+        let voltage_v = black_box(&voltage_v);
+        let done = if portable {
+            decoupler.push_record_portable(voltage_v, &mut sink)
+        } else {
+            decoupler.push_record(voltage_v, &mut sink)
+        };
+        done.expect("a recorded run");
+    })
+}
+
+/// Eight streams of the same record; the rows are the last one's.
+pub struct Lanes {
+    pub ready: Decoupler,
+    pub voltage_v: Vec<[f64; LIMBS]>,
+    pub samples: Vec<LaneSample>,
+}
+
+impl Peer for Lanes {
+    fn decode(&mut self) {
+        let mut streams: [Decoupler; LANES] = from_fn(|_| black_box(&self.ready).clone());
+        let rows = black_box([&self.voltage_v[..]; LANES]);
+        self.samples.clear();
+        let samples = &mut self.samples;
+        push_lanes(&mut streams, rows, &mut |done| {
+            samples.extend_from_slice(done)
+        })
+        .expect("a recorded run");
+    }
+
+    fn records(&self) -> u32 {
+        LANES as u32
+    }
+
+    fn rows(&self) -> Vec<Row> {
+        let last = |sample: &LaneSample| from_fn(|i| sample[i].0[LANES - 1]);
+        self.samples.iter().map(last).collect()
+    }
+}
+
+pub fn lanes(input: &Input) -> Box<dyn Peer> {
+    let voltage_v = input.recorded.recording.voltage_v.clone();
+    Box::new(Lanes {
+        ready: input.recorded.decoupler(Scheme::Heun),
+        samples: Vec::with_capacity(voltage_v.len()),
+        voltage_v,
+    })
+}
+
+pub fn rigid(input: &Input) -> Box<dyn Peer> {
+    let recorded = &input.recorded;
+    let settings = recorded.settings(Scheme::Heun);
+    let ready = RigidDecoupler::new(&recorded.sensor(), &true_parameters(), &settings)
+        .expect("a decoupler of the true sensor");
+    let voltage_v = recorded.recording.voltage_v.clone();
+    Decoder::boxed(voltage_v.len(), move |rows| {
+        let mut decoupler = black_box(&ready).clone();
+        for voltage in black_box(&voltage_v) {
+            if let Some(s) = decoupler.push(voltage).expect("a recorded run") {
+                // The others begin with the second sample.
+                if s.sample > 0 {
+                    rows.push(row(s.linear_ground_m_s2, s.angular_ground_rad_s2));
+                }
+            }
+        }
+    })
+}
+
+pub fn nalgebra(input: &Input) -> Box<dyn Peer> {
+    let ready = PeerDecoupler::new(&input.recorded, &true_parameters());
+    let voltage_v = input.recorded.recording.voltage_v.clone();
+    Decoder::boxed(voltage_v.len(), move |rows| {
+        peer::decouple(black_box(&ready), black_box(&voltage_v), |s| {
+            rows.push([
+                s.a.x,
+                s.a.y,
+                s.a.z,
+                s.w_dot_ground.x,
+                s.w_dot_ground.y,
+                s.w_dot_ground.z,
+            ]);
+        });
+    })
+}
