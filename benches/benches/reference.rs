@@ -43,24 +43,24 @@ fn sensor(criterion: &mut Criterion) {
         .unzip();
     for pairs in [linear, angular] {
         validate::require(
-            "reference_step/sensor/driven",
+            "reference/step/driven",
             validate::accelerations(DRIVEN, &pairs),
         );
     }
     let mut forward = FreeSensor::new(&trial);
     for pair in forward.accelerations() {
         validate::require(
-            "reference_step/sensor/mj_forward",
+            "reference/step/mj_forward",
             validate::accelerations(FORWARD, &[pair]),
         );
     }
     let mut free = FreeSensor::new(&trial);
     validate::require(
-        "reference_step/sensor/mj_step",
+        "reference/step/mj_step",
         validate::accelerations(FREE_FALL, &[free.fall(FALL_STEPS)]),
     );
 
-    let mut group = criterion.benchmark_group("reference_step/sensor");
+    let mut group = criterion.benchmark_group("reference/step");
     group.sampling_mode(SamplingMode::Flat);
     group.throughput(Throughput::Elements(1));
     group.bench_function("driven", |bencher| {
