@@ -1,0 +1,141 @@
+//! What a file says of its channels, and how their numbers are handed on.
+
+use std::collections::BTreeMap;
+
+/// One channel of a recording.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Channel {
+    /// Name, unique in its file; a TDMS channel is `group/channel`.
+    pub name: String,
+    /// Unit as the file has it, not interpreted: `V`, `mV`, `m/s^2`, `g`.
+    pub unit: Option<String>,
+    /// Samples, where the file says so before it is read.
+    pub samples: Option<u64>,
+    /// Samples per second, where the file says so for this channel.
+    pub sample_rate_hz: Option<f64>,
+    /// Time of the first sample against the file's start, s.
+    pub start_offset_s: f64,
+}
+
+impl Channel {
+    /// A channel of which only name and unit are known.
+    pub fn new(name: impl Into<String>, unit: Option<&str>) -> Self {
+        Self {
+            name: name.into(),
+            unit: unit.map(str::to_owned),
+            ..Self::default()
+        }
+    }
+
+    /// From a heading such as `u1 [mV]`, `u1 (mV)` or `u1`.
+    #[must_use]
+    pub fn from_heading(heading: &str) -> Self {
+        let heading = heading.trim();
+        for (open, close) in [('[', ']'), ('(', ')')] {
+            if let Some(inside) = heading.strip_suffix(close)
+                && let Some((name, unit)) = inside.rsplit_once(open)
+                && !name.trim().is_empty()
+            {
+                let unit = unit.trim();
+                return Self::new(name.trim(), (!unit.is_empty()).then_some(unit));
+            }
+        }
+        Self::new(heading, None)
+    }
+
+    /// The heading that [`Self::from_heading`] reads.
+    #[must_use]
+    pub fn heading(&self) -> String {
+        match &self.unit {
+            Some(unit) => format!("{} [{unit}]", self.name),
+            None => self.name.clone(),
+        }
+    }
+}
+
+/// Everything a file says before its samples are read.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Layout {
+    /// Format, as a person would name it: `TDMS`, `CSV (semicolon, decimal comma)`.
+    pub format: String,
+    /// The channels, in the file's order.
+    pub channels: Vec<Channel>,
+    /// Which of them holds time stamps, by its name (`time`, `t`, `Zeit` ...).
+    pub time: Option<usize>,
+    /// Properties of the file itself: title, author, comments, start time.
+    pub properties: BTreeMap<String, String>,
+}
+
+impl Layout {
+    /// Index of a channel by name: as written, or else regardless of case if only one fits.
+    #[must_use]
+    pub fn position(&self, name: &str) -> Option<usize> {
+        self.channels
+            .iter()
+            .position(|c| c.name == name)
+            .or_else(|| {
+                let mut fitting = self
+                    .channels
+                    .iter()
+                    .enumerate()
+                    .filter(|(_, c)| c.name.eq_ignore_ascii_case(name));
+                match (fitting.next(), fitting.next()) {
+                    (Some((index, _)), None) => Some(index),
+                    _ => None,
+                }
+            })
+    }
+}
+
+/// Names by which a time column is known.
+const TIME_NAMES: [&str; 7] = [
+    "time",
+    "t",
+    "time_s",
+    "timestamp",
+    "zeit",
+    "seconds",
+    "elapsed",
+];
+
+/// Index of the channel that holds time stamps, by its name.
+#[must_use]
+pub fn time_channel(channels: &[Channel]) -> Option<usize> {
+    channels.iter().position(|c| {
+        let last = c.name.rsplit('/').next().unwrap_or(&c.name);
+        TIME_NAMES
+            .iter()
+            .any(|name| last.eq_ignore_ascii_case(name))
+    })
+}
+
+/// Consecutive samples of the selected channels: one column per channel, all of one length.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Block {
+    /// Columns in the order of the selection.
+    pub columns: Vec<Vec<f64>>,
+}
+
+impl Block {
+    /// An empty block for so many channels.
+    #[must_use]
+    pub fn new(channels: usize) -> Self {
+        Self {
+            columns: vec![Vec::new(); channels],
+        }
+    }
+
+    /// Rows in it.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.columns.first().map_or(0, Vec::len)
+    }
+
+    /// Empties it for so many channels, keeping the memory.
+    pub fn clear(&mut self, channels: usize) {
+        self.columns.resize_with(channels, Vec::new);
+        for column in &mut self.columns {
+            column.clear();
+        }
+    }
+}

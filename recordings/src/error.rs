@@ -1,0 +1,129 @@
+//! What can be wrong with a file, said so that it can be found.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+/// Where in a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// Nowhere in particular.
+    Whole,
+    /// Byte, from 0.
+    Byte(u64),
+    /// Line, from 1.
+    Line(u64),
+    /// Line and column of the table, both from 1.
+    Cell(u64, usize),
+    /// Sample, from 0.
+    Sample(u64),
+}
+
+impl std::fmt::Display for Place {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Whole => Ok(()),
+            Self::Byte(at) => write!(f, ", byte {at}"),
+            Self::Line(line) => write!(f, ", line {line}"),
+            Self::Cell(line, column) => write!(f, ", line {line}, column {column}"),
+            Self::Sample(sample) => write!(f, ", sample {sample}"),
+        }
+    }
+}
+
+/// Every way in which a file can be refused.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The system says no.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// Its name says nothing that is known, nor do its first bytes.
+    #[error(
+        "{}: unknown kind of file; known are .csv, .txt, .tsv (also .gz), .tdms, .parquet, .npy, .npz and .mat",
+        path.display()
+    )]
+    UnknownFormat {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file breaks its format's rules, or ends too early.
+    #[error("{}{place}: {cause}", path.display())]
+    Malformed {
+        /// The file.
+        path: PathBuf,
+        /// Where.
+        place: Place,
+        /// What is wrong.
+        cause: String,
+    },
+    /// A feature of the format that is not read.
+    #[error("{}: {feature} is not supported; {advice}", path.display())]
+    Unsupported {
+        /// The file.
+        path: PathBuf,
+        /// What it uses.
+        feature: String,
+        /// What the user can do.
+        advice: String,
+    },
+    /// A channel that is not there.
+    #[error("{}: no channel {name:?}; it has {available}", path.display())]
+    NoSuchChannel {
+        /// The file.
+        path: PathBuf,
+        /// The name asked for.
+        name: String,
+        /// The names there are.
+        available: String,
+    },
+    /// Channels that are to be read side by side differ in length.
+    #[error("{}: channel {name:?} has {samples} samples, {expected} were expected", path.display())]
+    LengthMismatch {
+        /// The file.
+        path: PathBuf,
+        /// The channel.
+        name: String,
+        /// Its length.
+        samples: u64,
+        /// Length of the first channel selected.
+        expected: u64,
+    },
+}
+
+/// Result of every fallible function of this crate.
+pub type Result<T> = std::result::Result<T, Error>;
+
+impl Error {
+    /// An input or output error with its file.
+    pub fn io(path: &Path, source: io::Error) -> Self {
+        Self::Io {
+            path: path.to_owned(),
+            source,
+        }
+    }
+
+    /// A broken rule with its place.
+    pub fn malformed(path: &Path, place: Place, cause: impl Into<String>) -> Self {
+        Self::Malformed {
+            path: path.to_owned(),
+            place,
+            cause: cause.into(),
+        }
+    }
+
+    /// A feature that is not read, with what the user can do.
+    pub fn unsupported(path: &Path, feature: impl Into<String>, advice: impl Into<String>) -> Self {
+        Self::Unsupported {
+            path: path.to_owned(),
+            feature: feature.into(),
+            advice: advice.into(),
+        }
+    }
+}

@@ -1,0 +1,33 @@
+//! Recordings on disk: named channels in, blocks of numbers out, and the way back.
+//!
+//! Nothing in here knows of a sensor. A file is opened as a [`Source`], says in its [`Layout`] what is in it, and is read in
+//! [`Block`]s of bounded size, so that a recording larger than the memory works. Numbers arrive as f64 in the channel's own
+//! unit, with the scaling that the file prescribes applied; where a scaling is not understood the file is refused, raw
+//! counts are never handed out. What is written goes to a neighbour first ([`draft`]) and replaces the old file whole.
+//!
+//! | file | holds |
+//! |---|---|
+//! | [`channel`] | what a file says of its channels |
+//! | [`source`], [`sink`] | reading and writing, any format |
+//! | [`draft`] | a file that appears whole or not at all |
+//! | [`text`] | CSV and its national variants, gzip |
+//! | [`tdms`] | what LabVIEW writes |
+//! | [`parquet`] | columnar files of pandas, Polars, DuckDB |
+//! | [`numpy`] | NPY and NPZ |
+//! | [`matlab`] | MAT files, version 5 and 7.3 |
+
+pub mod channel;
+pub mod draft;
+pub mod error;
+pub mod matlab;
+pub mod numpy;
+pub mod parquet;
+pub mod sink;
+pub mod source;
+pub mod tdms;
+pub mod text;
+
+pub use channel::{Block, Channel, Layout};
+pub use error::{Error, Result};
+pub use sink::{Sink, create};
+pub use source::{Source, open};
