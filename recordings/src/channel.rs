@@ -1,6 +1,6 @@
 //! What a file says of its channels, and how their numbers are handed on.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// One channel of a recording.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -107,6 +107,32 @@ pub fn time_channel(channels: &[Channel]) -> Option<usize> {
             .iter()
             .any(|name| last.eq_ignore_ascii_case(name))
     })
+}
+
+/// Whether a property of this name is the sample rate of the whole file, Hz.
+#[must_use]
+pub fn is_sample_rate(name: &str) -> bool {
+    ["sample_rate_hz", "fs_hz", "fs"]
+        .iter()
+        .any(|known| name.eq_ignore_ascii_case(known))
+}
+
+/// The second `u` becomes `u_2`, or the next number that is free.
+pub(crate) fn make_unique(channels: &mut [Channel]) {
+    let mut taken: BTreeSet<String> = channels.iter().map(|c| c.name.clone()).collect();
+    let mut seen: BTreeMap<String, usize> = BTreeMap::new();
+    for channel in channels {
+        let count = seen.entry(channel.name.clone()).or_insert(0);
+        *count += 1;
+        while *count > 1 {
+            let name = format!("{}_{count}", channel.name);
+            if taken.insert(name.clone()) {
+                channel.name = name;
+                break;
+            }
+            *count += 1;
+        }
+    }
 }
 
 /// Consecutive samples of the selected channels: one column per channel, all of one length.

@@ -55,7 +55,7 @@ pub fn open(path: &Path) -> Result<Box<dyn Source>> {
     } else if head.starts_with(b"MATLAB") || name.ends_with(".mat") {
         crate::matlab::open(path)
     } else if head.starts_with(b"\x1f\x8b")
-        || [".csv", ".txt", ".tsv", ".dat"]
+        || [".csv", ".txt", ".tsv", ".dat", ".lvm"]
             .iter()
             .any(|extension| name.ends_with(extension))
     {

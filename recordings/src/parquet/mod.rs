@@ -1,0 +1,91 @@
+//! Parquet files, as pandas, Polars and DuckDB write them.
+//!
+//! A flat numeric column is a channel; its name may carry the unit, `u1 [mV]`, or Arrow's metadata of the field under `unit`. A column in which a sample is missing (null,
+//! which is also what pandas makes of NaN) is refused where it is read: a recording has no holes. Time stamps become seconds
+//! since the column's first sample, durations and times of day seconds. Integers beyond 2^53 are rounded to the nearest f64. Text, dates, decimals and nested
+//! columns are no channels; the property [`LEFT_OUT`] names them.
+//!
+//! The file's key-value metadata become its properties. The key `sample_rate_hz` is the rate of all channels,
+//! `sample_rate_hz:NAME` that of one; likewise `start_offset_s`. Files of this crate carry them so.
+//!
+//! Memory: one page and its dictionary per selected channel, besides the block.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `column` | what the schema says of a column, and its numbers as f64 |
+//! | `arrow` | durations and units, where Arrow wrote the file |
+//! | `pages` | pages from the file, sizes checked, zstd |
+//! | `source`, `sink` | reading and writing |
+
+use std::path::Path;
+
+use crate::channel::Layout;
+#[cfg(not(feature = "parquet"))]
+use crate::error::Error;
+use crate::error::Result;
+use crate::sink::Sink;
+use crate::source::Source;
+
+#[cfg(feature = "parquet")]
+mod arrow;
+#[cfg(feature = "parquet")]
+mod column;
+#[cfg(feature = "parquet")]
+mod pages;
+#[cfg(feature = "parquet")]
+mod sink;
+#[cfg(feature = "parquet")]
+mod source;
+
+/// Property that names the columns which are no channels, each with its type.
+pub const LEFT_OUT: &str = "columns left out";
+
+#[cfg(feature = "parquet")]
+const RATE_KEY: &str = "sample_rate_hz";
+#[cfg(feature = "parquet")]
+const OFFSET_KEY: &str = "start_offset_s";
+
+/// Opens a Parquet file.
+///
+/// # Errors
+/// Those of [`Source`]; [`Error::Unsupported`](crate::Error::Unsupported) for an encrypted file or one without a numeric column.
+#[cfg(feature = "parquet")]
+pub fn open(path: &Path) -> Result<Box<dyn Source>> {
+    Ok(Box::new(source::ParquetSource::open(path)?))
+}
+
+/// Starts a Parquet file: one DOUBLE column per channel, snappy.
+///
+/// # Errors
+/// [`Error::Io`](crate::Error::Io); [`Error::Unsupported`](crate::Error::Unsupported) for a layout without channels.
+#[cfg(feature = "parquet")]
+pub fn create(path: &Path, layout: &Layout) -> Result<Box<dyn Sink>> {
+    Ok(Box::new(sink::ParquetSink::create(path, layout)?))
+}
+
+/// Says that Parquet is not built in.
+///
+/// # Errors
+/// [`Error::Unsupported`].
+#[cfg(not(feature = "parquet"))]
+pub fn open(path: &Path) -> Result<Box<dyn Source>> {
+    Err(not_built_in(path))
+}
+
+/// Says that Parquet is not built in.
+///
+/// # Errors
+/// [`Error::Unsupported`].
+#[cfg(not(feature = "parquet"))]
+pub fn create(path: &Path, _layout: &Layout) -> Result<Box<dyn Sink>> {
+    Err(not_built_in(path))
+}
+
+#[cfg(not(feature = "parquet"))]
+fn not_built_in(path: &Path) -> Error {
+    Error::unsupported(
+        path,
+        "Parquet in this build",
+        "build with the feature `parquet`, or use CSV",
+    )
+}

@@ -1,0 +1,358 @@
+//! Reading.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+
+use ::parquet::basic::Compression;
+use ::parquet::column::reader::{ColumnReader, get_column_reader};
+use ::parquet::errors::ParquetError;
+use ::parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader};
+
+use super::arrow;
+use super::column::{Meaning, Trouble, append, meaning};
+use super::pages::page_reader;
+use super::{LEFT_OUT, OFFSET_KEY, RATE_KEY};
+use crate::channel::{Block, Channel, Layout, is_sample_rate, make_unique, time_channel};
+use crate::error::{Error, Place, Result};
+use crate::source::Source;
+
+/// Key-value metadata that describe the columns to one library or another, not the recording to a person.
+const TECHNICAL_KEYS: [&str; 3] = [
+    arrow::KEY,
+    "pandas",
+    "org.apache.spark.sql.parquet.row.metadata",
+];
+
+/// A Parquet file.
+pub(super) struct ParquetSource {
+    path: PathBuf,
+    file: File,
+    metadata: ParquetMetaData,
+    layout: Layout,
+    /// Column of the file and meaning of each channel.
+    columns: Vec<(usize, Meaning)>,
+    selected: Vec<Reading>,
+    /// Row group being read, and how many of its rows have been.
+    group: usize,
+    group_rows_read: u64,
+    /// Rows read in all.
+    rows_read: u64,
+}
+
+/// A selected channel.
+struct Reading {
+    channel: usize,
+    reader: Option<ColumnReader>,
+    first_stamp: Option<i64>,
+}
+
+/// Runs the library, whose panics on hostile files become errors of the file.
+fn guarded<T>(path: &Path, place: Place, work: impl FnOnce() -> T) -> Result<T> {
+    catch_unwind(AssertUnwindSafe(work))
+        .map_err(|_| Error::malformed(path, place, "the Parquet library gave up on it"))
+}
+
+fn refused(path: &Path, place: Place, what: &str, error: &ParquetError) -> Error {
+    let cause = match error {
+        ParquetError::General(text) | ParquetError::EOF(text) => text.clone(),
+        other => other.to_string(),
+    };
+    match error {
+        ParquetError::NYI(_) => Error::unsupported(
+            path,
+            format!("{what}: {cause}"),
+            "write the file with plain or dictionary encoding and snappy",
+        ),
+        _ => Error::malformed(path, place, format!("{what}: {cause}")),
+    }
+}
+
+impl ParquetSource {
+    pub(super) fn open(path: &Path) -> Result<Self> {
+        let io = |source| Error::io(path, source);
+        let file = File::open(path).map_err(io)?;
+        let length = file.metadata().map_err(io)?.len();
+        let metadata = guarded(path, Place::Whole, || {
+            ParquetMetaDataReader::new().parse_and_finish(&file)
+        })?
+        .map_err(|error| refused(path, Place::Byte(length), "footer", &error))?;
+        let (layout, columns) = arrange(path, &metadata)?;
+        let mut source = Self {
+            path: path.to_owned(),
+            file,
+            metadata,
+            selected: Vec::new(),
+            group: 0,
+            group_rows_read: 0,
+            rows_read: 0,
+            columns,
+            layout,
+        };
+        let all: Vec<_> = (0..source.columns.len()).collect();
+        source.select(&all)?;
+        Ok(source)
+    }
+
+    /// Opens the selected channels' chunks of the current row group.
+    fn open_group(&mut self) -> Result<()> {
+        let group = self.metadata.row_group(self.group);
+        for reading in &mut self.selected {
+            let channel = &self.layout.channels[reading.channel];
+            let (column, _) = self.columns[reading.channel];
+            let what = format!("channel {:?}, row group {}", channel.name, self.group);
+            let place = Place::Sample(self.rows_read);
+            let Some(chunk) = group.columns().get(column) else {
+                return Err(Error::malformed(
+                    &self.path,
+                    place,
+                    format!("{what} is missing"),
+                ));
+            };
+            check_codec(&self.path, &channel.name, chunk.compression())?;
+            if chunk.num_values() != group.num_rows() {
+                return Err(Error::malformed(
+                    &self.path,
+                    place,
+                    format!(
+                        "{what} has {} samples, the row group {}",
+                        chunk.num_values(),
+                        group.num_rows()
+                    ),
+                ));
+            }
+            let rows = usize::try_from(group.num_rows()).unwrap_or(usize::MAX);
+            let reader = guarded(&self.path, place, || {
+                page_reader(&self.file, chunk, rows)
+                    .map(|pages| get_column_reader(chunk.column_descr_ptr(), pages))
+            })?
+            .map_err(|error| refused(&self.path, place, &what, &error))?;
+            reading.reader = Some(reader);
+        }
+        Ok(())
+    }
+    /// Appends the next rows of each selected channel.
+    fn fill(&mut self, block: &mut Block, rows: usize) -> Result<()> {
+        for (reading, column) in self.selected.iter_mut().zip(&mut block.columns) {
+            let name = &self.layout.channels[reading.channel].name;
+            let (_, meaning) = self.columns[reading.channel];
+            let place = Place::Sample(self.rows_read);
+            let Some(reader) = &mut reading.reader else {
+                return Err(Error::malformed(
+                    &self.path,
+                    place,
+                    "reading went on after an error; select the channels anew",
+                ));
+            };
+            let first = &mut reading.first_stamp;
+            let read = guarded(&self.path, place, || {
+                append(reader, meaning, first, rows, column)
+            })?;
+            match read {
+                Ok(read) if read == rows => {}
+                Ok(read) => {
+                    return Err(Error::malformed(
+                        &self.path,
+                        Place::Sample(self.rows_read + read as u64),
+                        format!("channel {name:?} ends here, before its row group does"),
+                    ));
+                }
+                Err(Trouble::Null(at)) => {
+                    return Err(Error::malformed(
+                        &self.path,
+                        Place::Sample(self.rows_read + at as u64),
+                        format!(
+                            "channel {name:?} has no value here (null); a recording has no holes, fill it or cut it"
+                        ),
+                    ));
+                }
+                Err(Trouble::Library(error)) => {
+                    return Err(refused(
+                        &self.path,
+                        place,
+                        &format!("channel {name:?}"),
+                        &error,
+                    ));
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Channels and properties, with the column and the meaning of each channel.
+fn arrange(path: &Path, metadata: &ParquetMetaData) -> Result<(Layout, Vec<(usize, Meaning)>)> {
+    let file = metadata.file_metadata();
+    let rows = file.num_rows();
+    let in_groups = metadata.row_groups().iter().try_fold(0i64, |sum, group| {
+        (group.num_rows() >= 0).then_some(())?;
+        sum.checked_add(group.num_rows())
+    });
+    if in_groups != Some(rows) {
+        return Err(Error::malformed(
+            path,
+            Place::Whole,
+            format!("{rows} rows announced, and row groups of another sum"),
+        ));
+    }
+    let mut properties: BTreeMap<String, String> = file
+        .key_value_metadata()
+        .into_iter()
+        .flatten()
+        .filter(|pair| !TECHNICAL_KEYS.contains(&pair.key.as_str()))
+        .map(|pair| (pair.key.clone(), pair.value.clone().unwrap_or_default()))
+        .collect();
+    let described = file
+        .key_value_metadata()
+        .into_iter()
+        .flatten()
+        .find(|pair| pair.key == arrow::KEY)
+        .and_then(|pair| arrow::fields(pair.value.as_deref()?))
+        .unwrap_or_default();
+    let (mut channels, mut columns, mut left_out) = (Vec::<Channel>::new(), Vec::new(), Vec::new());
+    for (index, column) in file.schema_descr().columns().iter().enumerate() {
+        match meaning(column) {
+            Ok(mut meaning) => {
+                let mut channel = Channel::from_heading(column.name());
+                if let Some(field) = described.iter().find(|f| f.name == column.name()) {
+                    channel.unit = channel.unit.or_else(|| field.unit.clone());
+                    if let (Meaning::Plain, Some(rate)) = (meaning, field.duration) {
+                        meaning = Meaning::Span(rate);
+                    }
+                }
+                // Time is converted, whatever the heading calls it.
+                if let Some(unit) = meaning.unit() {
+                    channel.unit = Some(unit.to_owned());
+                }
+                channel.samples = u64::try_from(rows).ok();
+                channels.push(channel);
+                columns.push((index, meaning));
+            }
+            Err(kind) => left_out.push(format!("{} ({kind})", column.path().string())),
+        }
+    }
+    if channels.is_empty() {
+        return Err(Error::unsupported(
+            path,
+            format!("a table without a numeric column ({})", left_out.join(", ")),
+            "store each channel as a column of floats or integers",
+        ));
+    }
+    make_unique(&mut channels);
+    for (key, set) in [
+        (
+            RATE_KEY,
+            (|c, v| c.sample_rate_hz = Some(v)) as fn(&mut Channel, f64),
+        ),
+        (OFFSET_KEY, |c, v| c.start_offset_s = v),
+    ] {
+        let name = properties
+            .keys()
+            .find(|name| *name == key || (key == RATE_KEY && is_sample_rate(name)))
+            .cloned();
+        let of_all = name.and_then(|name| properties.remove(&name));
+        for channel in &mut channels {
+            let own = properties.remove(&format!("{key}:{}", channel.name));
+            let Some(text) = own.as_ref().or(of_all.as_ref()) else {
+                continue;
+            };
+            let number = text.trim().parse::<f64>().ok();
+            match number.filter(|v| v.is_finite() && (key != RATE_KEY || *v > 0.0)) {
+                Some(value) => set(channel, value),
+                None => {
+                    return Err(Error::malformed(
+                        path,
+                        Place::Whole,
+                        format!("the metadata say {key} = {text:?}"),
+                    ));
+                }
+            }
+        }
+    }
+    if !left_out.is_empty() {
+        properties.insert(LEFT_OUT.to_owned(), left_out.join(", "));
+    }
+    let layout = Layout {
+        format: "Parquet".to_owned(),
+        time: time_channel(&channels),
+        channels,
+        properties,
+    };
+    Ok((layout, columns))
+}
+
+fn check_codec(path: &Path, channel: &str, codec: Compression) -> Result<()> {
+    match codec {
+        Compression::BROTLI(_) | Compression::LZO => Err(Error::unsupported(
+            path,
+            format!("channel {channel:?} compressed by {codec}"),
+            "write the file with snappy",
+        )),
+        _ => Ok(()),
+    }
+}
+
+impl Source for ParquetSource {
+    fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    fn select(&mut self, channels: &[usize]) -> Result<()> {
+        if let Some(index) = channels.iter().find(|&&index| index >= self.columns.len()) {
+            let names: Vec<_> = self
+                .layout
+                .channels
+                .iter()
+                .map(|c| c.name.as_str())
+                .collect();
+            return Err(Error::NoSuchChannel {
+                path: self.path.clone(),
+                name: format!("#{index}"),
+                available: names.join(", "),
+            });
+        }
+        self.selected = channels
+            .iter()
+            .map(|&channel| Reading {
+                channel,
+                reader: None,
+                first_stamp: None,
+            })
+            .collect();
+        (self.group, self.group_rows_read, self.rows_read) = (0, 0, 0);
+        Ok(())
+    }
+
+    fn read(&mut self, block: &mut Block, limit: usize) -> Result<usize> {
+        block.clear(self.selected.len());
+        if limit == 0 || self.selected.is_empty() {
+            return Ok(0);
+        }
+        let left = loop {
+            let Some(group) = self.metadata.row_groups().get(self.group) else {
+                return Ok(0);
+            };
+            let rows = u64::try_from(group.num_rows()).unwrap_or(0);
+            if self.group_rows_read < rows {
+                break rows - self.group_rows_read;
+            }
+            self.group += 1;
+            self.group_rows_read = 0;
+        };
+        if self.group_rows_read == 0 {
+            self.open_group()?;
+        }
+        let rows = usize::try_from(left).map_or(limit, |left| left.min(limit));
+        if let Err(error) = self.fill(block, rows) {
+            // Some columns are ahead of others now: none is read any further.
+            for reading in &mut self.selected {
+                reading.reader = None;
+            }
+            return Err(error);
+        }
+        self.group_rows_read += rows as u64;
+        self.rows_read += rows as u64;
+        Ok(rows)
+    }
+}

@@ -1,0 +1,282 @@
+//! Writing.
+
+use std::collections::HashSet;
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use super::object::{join_path, split_path};
+use super::value::Timestamp;
+use crate::channel::{Block, Channel, Layout};
+use crate::draft::Draft;
+use crate::error::{Error, Place, Result};
+use crate::sink::Sink;
+
+/// Rows in a segment, at most.
+const MAX_ROWS: usize = 1 << 16;
+/// Numbers in a segment, at most, where there are many channels.
+const MAX_NUMBERS: usize = 1 << 20;
+/// Group of channels without one.
+const GROUP: &str = "recording";
+
+const VERSION: u32 = 4713;
+const HAS_METADATA: u32 = 1 << 1;
+const NEW_OBJECTS: u32 = 1 << 2;
+const HAS_RAW_DATA: u32 = 1 << 3;
+const NO_RAW_INDEX: u32 = 0xFFFF_FFFF;
+const RAW_INDEX_LENGTH: u32 = 20;
+const I32: u32 = 3;
+const F64: u32 = 10;
+const TEXT: u32 = 0x20;
+const TIME: u32 = 0x44;
+
+/// A TDMS file being written.
+pub struct Writer {
+    path: PathBuf,
+    draft: Draft,
+    file: BufWriter<File>,
+    layout: Layout,
+    /// Group and name of each channel.
+    names: Vec<[String; 2]>,
+    /// Rows of a full segment.
+    full: usize,
+    /// Rows of the segment written last; none before the first.
+    last: Option<usize>,
+    waiting: Vec<Vec<f64>>,
+}
+
+impl Writer {
+    pub fn create(path: &Path, layout: &Layout) -> Result<Self> {
+        let names: Vec<[String; 2]> = layout
+            .channels
+            .iter()
+            .map(|channel| names(&channel.name))
+            .collect();
+        let mut seen = HashSet::new();
+        if let Some([group, name]) = names.iter().find(|names| !seen.insert(*names)) {
+            return Err(Error::unsupported(
+                path,
+                format!("a second channel {name:?} in group {group:?}"),
+                "give the channels different names",
+            ));
+        }
+        let (draft, file) = Draft::create(path)?;
+        let channels = names.len();
+        Ok(Self {
+            path: path.to_owned(),
+            draft,
+            file: BufWriter::new(file),
+            layout: layout.clone(),
+            names,
+            full: (MAX_NUMBERS / channels.max(1)).clamp(1, MAX_ROWS),
+            last: None,
+            waiting: vec![Vec::new(); channels],
+        })
+    }
+
+    /// Writes a segment of what is waiting.
+    fn flush(&mut self) -> io::Result<()> {
+        let rows = self.waiting.first().map_or(0, Vec::len);
+        if rows == 0 && self.last.is_some() {
+            return Ok(());
+        }
+        let metadata = match self.last {
+            // What a segment does not say holds from the one before.
+            Some(last) if last == rows => Vec::new(),
+            last => self.metadata(rows, last.is_none())?,
+        };
+        let data = rows as u64 * self.waiting.len() as u64 * 8;
+        let mut flags = 0;
+        if !metadata.is_empty() {
+            flags |= HAS_METADATA | NEW_OBJECTS;
+        }
+        if data > 0 {
+            flags |= HAS_RAW_DATA;
+        }
+        self.file.write_all(b"TDSm")?;
+        self.file.write_all(&flags.to_le_bytes())?;
+        self.file.write_all(&VERSION.to_le_bytes())?;
+        self.file
+            .write_all(&(metadata.len() as u64 + data).to_le_bytes())?;
+        self.file
+            .write_all(&(metadata.len() as u64).to_le_bytes())?;
+        self.file.write_all(&metadata)?;
+        for column in &mut self.waiting {
+            for value in column.drain(..) {
+                self.file.write_all(&value.to_le_bytes())?;
+            }
+        }
+        self.last = Some(rows);
+        Ok(())
+    }
+
+    /// All objects; their properties too, if they are new.
+    fn metadata(&self, rows: usize, new: bool) -> io::Result<Vec<u8>> {
+        let mut objects = 0_u32;
+        let mut bytes = Vec::new();
+        if new {
+            let texts = self.layout.properties.iter();
+            let properties: Vec<Property> = texts
+                .map(|(name, text)| Property::text(name, text))
+                .collect::<io::Result<_>>()?;
+            object(&mut bytes, &[], None, &properties)?;
+            objects += 1;
+            let mut groups = HashSet::new();
+            for [group, _] in &self.names {
+                if groups.insert(group) {
+                    object(&mut bytes, &[group], None, &[])?;
+                    objects += 1;
+                }
+            }
+        }
+        let start = self
+            .layout
+            .properties
+            .get("wf_start_time")
+            .and_then(|text| Timestamp::parse(text));
+        for ([group, name], channel) in self.names.iter().zip(&self.layout.channels) {
+            let properties = if new {
+                self.properties(channel, rows, start)?
+            } else {
+                Vec::new()
+            };
+            object(&mut bytes, &[group, name], Some(rows), &properties)?;
+            objects += 1;
+        }
+        let mut metadata = objects.to_le_bytes().to_vec();
+        metadata.append(&mut bytes);
+        Ok(metadata)
+    }
+
+    fn properties(
+        &self,
+        channel: &Channel,
+        rows: usize,
+        start: Option<Timestamp>,
+    ) -> io::Result<Vec<Property>> {
+        let mut properties = Vec::new();
+        if let Some(unit) = &channel.unit {
+            properties.push(Property::text("unit_string", unit)?);
+        }
+        if let Some(rate) = channel.sample_rate_hz {
+            if let Some(start) = start {
+                properties.push(Property::new("wf_start_time", TIME, &start.0.to_le_bytes()));
+            }
+            properties.push(Property::new(
+                "wf_increment",
+                F64,
+                &(1.0 / rate).to_le_bytes(),
+            ));
+            properties.push(Property::new(
+                "wf_samples",
+                I32,
+                &(rows as u32).to_le_bytes(),
+            ));
+        }
+        if channel.sample_rate_hz.is_some() || channel.start_offset_s != 0.0 {
+            properties.push(Property::new(
+                "wf_start_offset",
+                F64,
+                &channel.start_offset_s.to_le_bytes(),
+            ));
+        }
+        Ok(properties)
+    }
+}
+
+/// A property as the file has it.
+struct Property(Vec<u8>);
+
+impl Property {
+    fn new(name: &str, kind: u32, value: &[u8]) -> Self {
+        let mut bytes = Vec::new();
+        bytes.extend((name.len() as u32).to_le_bytes());
+        bytes.extend(name.as_bytes());
+        bytes.extend(kind.to_le_bytes());
+        bytes.extend(value);
+        Self(bytes)
+    }
+
+    fn text(name: &str, value: &str) -> io::Result<Self> {
+        let mut bytes = Vec::new();
+        text(&mut bytes, value)?;
+        Ok(Self::new(name, TEXT, &bytes))
+    }
+}
+
+fn text(bytes: &mut Vec<u8>, value: &str) -> io::Result<()> {
+    let length = u32::try_from(value.len()).map_err(|_| io::ErrorKind::InvalidInput)?;
+    bytes.extend(length.to_le_bytes());
+    bytes.extend(value.as_bytes());
+    Ok(())
+}
+
+fn object(
+    bytes: &mut Vec<u8>,
+    names: &[&String],
+    rows: Option<usize>,
+    properties: &[Property],
+) -> io::Result<()> {
+    text(bytes, &join_path(names.iter().map(|name| name.as_str())))?;
+    match rows {
+        None => bytes.extend(NO_RAW_INDEX.to_le_bytes()),
+        Some(rows) => {
+            bytes.extend(RAW_INDEX_LENGTH.to_le_bytes());
+            bytes.extend(F64.to_le_bytes());
+            bytes.extend(1_u32.to_le_bytes());
+            bytes.extend((rows as u64).to_le_bytes());
+        }
+    }
+    bytes.extend((properties.len() as u32).to_le_bytes());
+    for Property(property) in properties {
+        bytes.extend(property);
+    }
+    Ok(())
+}
+
+/// Group and name of a channel.
+fn names(name: &str) -> [String; 2] {
+    if name.starts_with("/'")
+        && let Some(names) = split_path(name)
+        && let Ok(names) = names.try_into()
+    {
+        return names;
+    }
+    let (group, name) = name.split_once('/').unwrap_or((GROUP, name));
+    [group.to_owned(), name.to_owned()]
+}
+
+impl Sink for Writer {
+    /// Besides the errors of [`Sink`]: [`Error::Malformed`] for a block with other channels than the layout's, or with
+    /// columns of different lengths.
+    fn write(&mut self, block: &Block) -> Result<()> {
+        let rows = block.rows();
+        if block.columns.len() != self.waiting.len()
+            || block.columns.iter().any(|column| column.len() != rows)
+        {
+            let cause = "a block to be written does not fit the channels of the file";
+            return Err(Error::malformed(&self.path, Place::Whole, cause));
+        }
+        let mut done = 0;
+        while done < rows {
+            let waiting = self.waiting.first().map_or(0, Vec::len);
+            let end = rows.min(done + (self.full - waiting));
+            for (column, values) in self.waiting.iter_mut().zip(&block.columns) {
+                column.extend(values.iter().take(end).skip(done));
+            }
+            done = end;
+            if self.waiting.first().map_or(0, Vec::len) == self.full {
+                self.flush()
+                    .map_err(|source| Error::io(&self.path, source))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn finish(mut self: Box<Self>) -> Result<()> {
+        self.flush()
+            .and_then(|()| self.file.flush())
+            .map_err(|source| Error::io(&self.path, source))?;
+        self.draft.keep(self.file.get_ref())
+    }
+}

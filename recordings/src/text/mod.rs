@@ -1,0 +1,64 @@
+//! Text: columns of numbers as LabVIEW, MATLAB, pandas, NumPy, R and Excel of any country write them, plain or gzip.
+//!
+//! # What is read
+//! * UTF-8 with or without byte order mark (headings may be Latin-1); lines end with LF, CRLF or CR; blank lines are skipped.
+//! * Lines that begin with `#` or `%` are comments, wherever they stand. Before the numbers, `# key: value` and
+//!   `# key = value` become properties; `sample_rate_hz` (or `fs`, `fs_hz`) is the rate of all channels.
+//! * One line of headings or none (then `column_1` ...), with units in brackets or in a second line of units (`s;V;V`).
+//!   Without a line of headings, a last comment with as many names as there are columns is one (`numpy.savetxt`).
+//! * LabVIEW Measurement files (`.lvm`) with one header and at most one X column.
+//! * gzip by content, of any number of members. A damaged or shortened stream is an error.
+//!
+//! # How the dialect is decided
+//! From the first lines (at most 100, at most 1 MiB). The separator is the one among tab, semicolon, comma and runs of blanks
+//! with which the largest share of the cells are numbers; in a tie the first of this order. A first line `sep=;` (Excel)
+//! decides it outright. If the lines are separated by
+//! * **commas**, the decimal sign is the point, always. `1,5` without another separator is two columns; where the headings
+//!   then count otherwise, the file is refused with advice.
+//! * **anything else**, the decimal sign is the one in the majority of the cells; if these are all whole numbers, the first
+//!   sign met while reading decides. A file that has both is refused at the first cell that does not fit, thus also
+//!   thousands separators (`1.234,5`). `1.234` alone is 1.234, never 1234.
+//!
+//! A first line that is all numbers is a row of numbers, not of headings; names that count up (`,0,1,2` of pandas) are
+//! headings if some other cell of the line is text.
+//!
+//! # What is refused, with line and column
+//! Empty cells (missing values are to be written `nan`), text in a channel that is read (one that is not selected may be
+//! text, such as dates), rows with more or fewer cells than the others, more than 4096 columns, lines over 1 MiB, quotes that
+//! span lines, UTF-16, and anything with zero bytes. `nan` and `inf` are numbers here.
+
+mod detect;
+mod dialect;
+mod head;
+mod lines;
+mod lvm;
+mod sink;
+mod source;
+
+use std::path::Path;
+
+use crate::channel::Layout;
+use crate::error::Result;
+use crate::sink::Sink;
+use crate::source::Source;
+
+/// Most columns of a file.
+const COLUMNS: usize = 4096;
+
+/// Opens a file of text, gzip or not.
+///
+/// # Errors
+/// [`crate::Error::Malformed`], [`crate::Error::Unsupported`], [`crate::Error::Io`].
+pub fn open(path: &Path) -> Result<Box<dyn Source>> {
+    Ok(Box::new(source::TextSource::open(path)?))
+}
+
+/// Starts a file of comma-separated values, compressed if its name ends with `.gz`. Properties and the sample rate, if all
+/// channels have the same, are comments at the top; headings are `name [unit]`; numbers are the shortest that read back the
+/// same.
+///
+/// # Errors
+/// [`crate::Error::Io`]; [`crate::Error::Unsupported`] for no channels or more than 4096.
+pub fn create(path: &Path, layout: &Layout) -> Result<Box<dyn Sink>> {
+    Ok(Box::new(sink::TextSink::create(path, layout)?))
+}

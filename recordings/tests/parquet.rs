@@ -1,0 +1,336 @@
+//! Parquet: files of pyarrow and pandas, our own, and broken ones.
+#![cfg(feature = "parquet")]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use sixaxis_recordings::channel::{Block, Channel, Layout};
+use sixaxis_recordings::error::{Error, Place};
+use sixaxis_recordings::{Source, create, parquet};
+
+fn files() -> PathBuf {
+    match std::env::var_os("SIXAXIS_FOREIGN_FILES") {
+        Some(folder) => PathBuf::from(folder).join("parquet"),
+        None => Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/foreign/files/parquet"),
+    }
+}
+
+fn own(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("parquet");
+    fs::create_dir_all(&folder).unwrap();
+    folder.join(name)
+}
+
+fn read_all(source: &mut dyn Source, limit: usize) -> Result<Vec<Vec<f64>>, Error> {
+    let mut block = Block::default();
+    let mut all = Vec::new();
+    loop {
+        let rows = source.read(&mut block, limit)?;
+        assert!(rows <= limit);
+        all.resize(block.columns.len(), Vec::new());
+        for (whole, piece) in all.iter_mut().zip(&block.columns) {
+            assert_eq!(piece.len(), rows);
+            whole.extend_from_slice(piece);
+        }
+        if rows == 0 {
+            return Ok(all);
+        }
+    }
+}
+
+/// Equal, or both no number.
+fn same(a: f64, b: f64) -> bool {
+    a == b || (a.is_nan() && b.is_nan())
+}
+
+#[track_caller]
+fn assert_same(name: &str, read: &[Vec<f64>], expected: &[Vec<f64>]) {
+    assert_eq!(read.len(), expected.len(), "{name}");
+    for (channel, (read, expected)) in read.iter().zip(expected).enumerate() {
+        assert_eq!(read.len(), expected.len(), "{name}, channel {channel}");
+        for (at, (&r, &e)) in read.iter().zip(expected).enumerate() {
+            assert!(
+                same(r, e),
+                "{name}, channel {channel}, sample {at}: {r} for {e}"
+            );
+        }
+    }
+}
+
+fn expected(path: &Path) -> (Vec<String>, Vec<Vec<f64>>) {
+    let text = fs::read_to_string(path).unwrap();
+    let mut lines = text.lines();
+    let headings: Vec<_> = lines
+        .next()
+        .unwrap()
+        .split(',')
+        .map(str::to_owned)
+        .collect();
+    let mut columns = vec![Vec::new(); headings.len()];
+    for line in lines {
+        for (column, cell) in columns.iter_mut().zip(line.split(',')) {
+            column.push(cell.parse().unwrap());
+        }
+    }
+    (headings, columns)
+}
+
+#[test]
+fn ref_what_pyarrow_reads_is_read() {
+    let mut compared = 0;
+    for entry in fs::read_dir(files()).unwrap() {
+        let table = entry.unwrap().path();
+        if table.extension().is_none_or(|e| e != "csv") {
+            continue;
+        }
+        let path = table.with_extension("parquet");
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        let (headings, columns) = expected(&table);
+        let mut source = parquet::open(&path).unwrap_or_else(|e| panic!("{e}"));
+        let channels = &source.layout().channels;
+        assert_eq!(channels.len(), headings.len(), "{name}");
+        for (channel, heading) in channels.iter().zip(&headings) {
+            let written = Channel::from_heading(heading);
+            assert_eq!(channel.name, written.name, "{name}");
+            if written.unit.is_some() && written.name != "stamp" {
+                assert_eq!(channel.unit, written.unit, "{name}");
+            }
+            assert_eq!(channel.samples, Some(columns[0].len() as u64), "{name}");
+        }
+        for limit in [1, 7, 1000, usize::MAX] {
+            let read = read_all(&mut *source, limit).unwrap_or_else(|e| panic!("{e}"));
+            assert_same(&name, &read, &columns);
+            let all: Vec<_> = (0..columns.len()).collect();
+            source.select(&all).unwrap();
+        }
+        // The last channel alone, then the first twice over.
+        let last = columns.len() - 1;
+        source.select(&[last]).unwrap();
+        let read = read_all(&mut *source, 13).unwrap();
+        assert_same(&name, &read, &columns[last..]);
+        source.select(&[0, last, 0]).unwrap();
+        let read = read_all(&mut *source, 13).unwrap();
+        assert_same(&name, &read[2..], &columns[..1]);
+        compared += 1;
+    }
+    assert!(compared >= 15, "{compared} files compared");
+}
+
+#[test]
+fn what_the_metadata_say_is_in_the_layout() {
+    let source = parquet::open(&files().join("described.parquet")).unwrap();
+    let layout = source.layout();
+    assert_eq!(layout.time, Some(0));
+    assert_eq!(layout.channels[1].heading(), "u1 [mV]");
+    assert_eq!(layout.channels[2].unit.as_deref(), Some("V"));
+    assert_eq!(layout.channels[1].sample_rate_hz, Some(1000.0));
+    assert_eq!(layout.channels[3].sample_rate_hz, Some(500.0));
+    assert_eq!(layout.properties["title"], "Näherung");
+    assert_eq!(layout.properties.len(), 1, "{:?}", layout.properties);
+
+    let source = parquet::open(&files().join("stamps.parquet")).unwrap();
+    assert!(
+        source
+            .layout()
+            .channels
+            .iter()
+            .all(|c| c.unit.as_deref() == Some("s"))
+    );
+
+    let source = parquet::open(&files().join("durations.parquet")).unwrap();
+    let units: Vec<_> = source
+        .layout()
+        .channels
+        .iter()
+        .map(|c| c.unit.as_deref())
+        .collect();
+    assert_eq!(
+        units,
+        [
+            Some("s"),
+            Some("s"),
+            Some("s"),
+            Some("s"),
+            Some("s"),
+            Some("N")
+        ]
+    );
+
+    let source = parquet::open(&files().join("mixed.parquet")).unwrap();
+    let left_out = &source.layout().properties[parquet::LEFT_OUT];
+    for name in ["list", "point.x", "text", "price", "day"] {
+        assert!(left_out.contains(name), "{left_out}");
+    }
+}
+
+#[test]
+fn what_is_not_understood_is_refused_with_advice() {
+    let mut source = parquet::open(&files().join("holes.parquet")).unwrap();
+    match read_all(&mut *source, 7).unwrap_err() {
+        Error::Malformed { place, cause, .. } => {
+            assert_eq!(place, Place::Sample(73));
+            assert!(cause.contains("\"u2\""), "{cause}");
+        }
+        other => panic!("{other}"),
+    }
+    // What was read of the other channel must not come out against the wrong rows.
+    assert!(source.read(&mut Block::default(), 7).is_err());
+    source.select(&[0]).unwrap();
+    assert_eq!(read_all(&mut *source, 7).unwrap()[0].len(), 100);
+
+    let mut source = parquet::open(&files().join("codec_brotli.parquet")).unwrap();
+    match read_all(&mut *source, 7).unwrap_err() {
+        Error::Unsupported {
+            feature, advice, ..
+        } => {
+            assert!(
+                feature.contains("BROTLI") && advice.contains("snappy"),
+                "{feature}; {advice}"
+            );
+        }
+        other => panic!("{other}"),
+    }
+    let text_only = parquet::open(&files().join("no_numbers.parquet"))
+        .err()
+        .unwrap();
+    assert!(
+        matches!(text_only, Error::Unsupported { .. }),
+        "{text_only}"
+    );
+    assert!(matches!(
+        source.select(&[4]).unwrap_err(),
+        Error::NoSuchChannel { .. }
+    ));
+}
+
+fn example() -> (Layout, Vec<Vec<f64>>) {
+    let rows = 140_000;
+    let mut layout = Layout::default();
+    for (name, unit) in [
+        ("u1", Some("mV")),
+        ("odd (name)", Some("m/s^2")),
+        ("n (raw)", None),
+    ] {
+        layout.channels.push(Channel {
+            sample_rate_hz: Some(2560.0),
+            samples: Some(rows as u64),
+            ..Channel::new(name, unit)
+        });
+    }
+    layout.channels[2].start_offset_s = 0.25;
+    layout.properties.insert("author".into(), "Łukasz".into());
+    let mut columns = vec![Vec::new(); 3];
+    for i in 0..rows {
+        columns[0].push((i as f64 * 0.1).sin());
+        columns[1].push(f64::from_bits(
+            (i as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15),
+        ));
+        columns[2].push(i as f64);
+    }
+    columns[0][5] = f64::NAN;
+    columns[0][6] = -0.0;
+    (layout, columns)
+}
+
+fn write(path: &Path, layout: &Layout, columns: &[Vec<f64>], piece: usize) {
+    let mut sink = create(path, layout).unwrap();
+    let rows = columns[0].len();
+    for from in (0..rows).step_by(piece) {
+        let to = rows.min(from + piece);
+        sink.write(&Block {
+            columns: columns.iter().map(|c| c[from..to].to_vec()).collect(),
+        })
+        .unwrap();
+    }
+    sink.finish().unwrap();
+}
+
+#[test]
+fn inv_what_is_written_is_read() {
+    let (layout, columns) = example();
+    let path = own("round.parquet");
+    for piece in [1 << 20, 999] {
+        write(&path, &layout, &columns, piece);
+        let mut source = parquet::open(&path).unwrap();
+        assert_eq!(source.layout().channels, layout.channels);
+        assert_eq!(source.layout().properties, layout.properties);
+        let read = read_all(&mut *source, 10_000).unwrap();
+        for (read, written) in read.iter().zip(&columns) {
+            assert!(
+                read.iter()
+                    .map(|v| v.to_bits())
+                    .eq(written.iter().map(|v| v.to_bits()))
+            );
+        }
+    }
+}
+
+#[test]
+fn a_file_not_finished_leaves_no_trace() {
+    let (layout, columns) = example();
+    let path = own("unfinished/file.parquet");
+    let _ = fs::remove_dir_all(path.parent().unwrap());
+    let mut sink = create(&path, &layout).unwrap();
+    sink.write(&Block {
+        columns: columns.clone(),
+    })
+    .unwrap();
+    let ragged = Block {
+        columns: vec![vec![1.0], vec![], vec![1.0]],
+    };
+    assert!(matches!(sink.write(&ragged).unwrap_err(), Error::Io { .. }));
+    drop(sink);
+    assert_eq!(fs::read_dir(path.parent().unwrap()).unwrap().count(), 0);
+}
+
+/// Reads a broken file to its end. Either is refused, or gives columns of the length that its layout announces.
+fn survive(path: &Path, bytes: &[u8]) {
+    fs::write(path, bytes).unwrap();
+    let Ok(mut source) = parquet::open(path) else {
+        return;
+    };
+    if let Ok(columns) = read_all(&mut *source, 64) {
+        for (column, channel) in columns.iter().zip(&source.layout().channels) {
+            assert_eq!(Some(column.len() as u64), channel.samples);
+        }
+    }
+}
+
+#[test]
+fn broken_files_are_survived() {
+    let path = own("broken.parquet");
+    for name in [
+        "codec_snappy",
+        "codec_zstd",
+        "codec_gzip",
+        "codec_lz4",
+        "pages_v2_zstd",
+        "numbers",
+        "encodings",
+        "stamps",
+    ] {
+        let good = fs::read(files().join(name).with_extension("parquet")).unwrap();
+        for length in (0..good.len()).step_by(1 + good.len() / 200) {
+            survive(&path, &good[..length]);
+        }
+        let mut state = 1u64;
+        let mut random = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) as usize
+        };
+        for _ in 0..600 {
+            let mut bytes = good.clone();
+            for _ in 0..1 + random() % 3 {
+                let at = random() % bytes.len();
+                bytes[at] = match random() % 3 {
+                    0 => bytes[at] ^ (1 << (random() % 8)),
+                    1 => 0xff,
+                    _ => random() as u8,
+                };
+            }
+            survive(&path, &bytes);
+        }
+    }
+}

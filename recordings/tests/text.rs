@@ -1,0 +1,262 @@
+//! Files of text: those of other software, our own, ambiguous ones, damaged ones.
+
+#[path = "foreign/expected.rs"]
+mod expected;
+
+use expected::{bits, check, damage, folder, rows, scratch};
+use sixaxis_recordings::{Block, Channel, Error, Layout, create, open};
+
+#[test]
+fn ref_pandas_numpy_and_lvm_read_agree() {
+    assert!(check("text") >= 25);
+}
+
+/// Opens a text and reads it all.
+fn read(name: &str, text: &[u8]) -> Result<(Layout, Vec<Vec<f64>>), Error> {
+    let path = scratch(&format!("text_{name}")).join("file.csv");
+    std::fs::write(&path, text).unwrap();
+    let mut source = open(&path)?;
+    let columns = rows(source.as_mut(), 3)?;
+    Ok((source.layout().clone(), columns))
+}
+
+#[test]
+fn inv_dialects_are_told_apart() {
+    for (name, text, format, columns) in [
+        (
+            "comma",
+            "1,5\n2,5\n",
+            "CSV (comma)",
+            vec![vec![1.0, 2.0], vec![5.0, 5.0]],
+        ),
+        (
+            "semicolon",
+            "1,5;2\n",
+            "CSV (semicolon, decimal comma)",
+            vec![vec![1.5], vec![2.0]],
+        ),
+        (
+            "blanks",
+            " 1,5  2\n3 4\n",
+            "CSV (blanks, decimal comma)",
+            vec![vec![1.5, 3.0], vec![2.0, 4.0]],
+        ),
+        (
+            "padded",
+            "1, 2\n3, 4\n",
+            "CSV (comma)",
+            vec![vec![1.0, 3.0], vec![2.0, 4.0]],
+        ),
+        (
+            "tab",
+            "1\t2\r\n\r\n3\t4",
+            "CSV (tab)",
+            vec![vec![1.0, 3.0], vec![2.0, 4.0]],
+        ),
+        (
+            "one",
+            "1.5\n-inf\n",
+            "CSV (one column)",
+            vec![vec![1.5, f64::NEG_INFINITY]],
+        ),
+        (
+            "point",
+            "1.234;5\n",
+            "CSV (semicolon)",
+            vec![vec![1.234], vec![5.0]],
+        ),
+        ("names", "a;b\n", "CSV (semicolon)", vec![vec![], vec![]]),
+    ] {
+        let (layout, read) = read(name, text.as_bytes()).unwrap();
+        assert_eq!(layout.format, format);
+        assert_eq!(read, columns, "{name}");
+    }
+    // Whole numbers say nothing of the sign; the first one met does.
+    let mut late = "1;2\n".repeat(200);
+    late += "1,5;2\n";
+    assert_eq!(read("late", late.as_bytes()).unwrap().1[0][200], 1.5);
+    late += "1.5;2\n";
+    let error = read("late", late.as_bytes()).unwrap_err().to_string();
+    assert!(error.contains("line 202, column 1"), "{error}");
+}
+
+#[test]
+fn inv_what_is_not_understood_is_refused_with_its_place() {
+    for (name, text, message) in [
+        ("empty", &b""[..], "no line with numbers"),
+        (
+            "empty_cell",
+            b"a,b\n1,2\n1,\n",
+            "line 3, column 2: an empty cell",
+        ),
+        (
+            "word",
+            b"a,b\n1,2\n3,4\nx,5\n",
+            "line 4, column 1: \"x\" is not a number",
+        ),
+        ("missing", b"a,b\nNA,NA\n1,2\n", "line 2, column 1"),
+        (
+            "first_row",
+            b"1.5,x,2.5\n1,2,3\n4,5,6\n",
+            "line 1, column 2",
+        ),
+        (
+            "ragged",
+            b"a,b\n1,2\n1,2\n1,2\n1,2,3\n",
+            "line 5: 3 columns, 2 were expected",
+        ),
+        ("short", b"1;2\n1;2\n1;2\n1;2\n1\n", "line 5: 1 columns"),
+        (
+            "comma_twice",
+            b"a,b\n1,5,2,5\n2,5,3,5\n",
+            "save the file with semicolons",
+        ),
+        (
+            "thousands",
+            b"a;b\n1.234,5;1\n2.345,5;2\n3,5;1\n",
+            "line 2, column 1",
+        ),
+        ("quoted_comma", b"a,b\n\"1,5\",2\n3,4\n", "line 2, column 1"),
+        (
+            "open_quote",
+            b"a,b\n1,2\n1,2\n1,2\n1,\"2\n",
+            "line 5: a quote",
+        ),
+        ("utf16", b"\xff\xfe1\x00,\x002\x00", "UTF-16"),
+        ("zeros", b"1,2\n\0\0\0\0", "byte 4: a zero byte"),
+        (
+            "rate",
+            b"# sample_rate_hz = fast\n1,2\n",
+            "line 1: sample_rate_hz",
+        ),
+        ("prose", b"Model: A\nDate: B\nSerial: C\n\n1,2\n", "line"),
+    ] {
+        let error = read(name, text).unwrap_err().to_string();
+        assert!(error.contains(message), "{name}: {error}");
+    }
+    let wide = format!("{}1\n", "1,".repeat(4096));
+    let error = read("wide", wide.as_bytes()).unwrap_err().to_string();
+    assert!(error.contains("4097 columns"), "{error}");
+    let endless = vec![b'1'; 3 << 20];
+    assert!(matches!(
+        read("endless", &endless),
+        Err(Error::Malformed { .. })
+    ));
+}
+
+#[test]
+fn inv_text_may_stand_in_a_channel_that_is_not_selected() {
+    let path = scratch("text_dates").join("file.csv");
+    std::fs::write(
+        &path,
+        "when,u\n2024-01-01 10:00:00,1.5\n2024-01-01 10:00:01,2.5\n",
+    )
+    .unwrap();
+    let mut source = open(&path).unwrap();
+    assert!(source.read(&mut Block::default(), 1).is_err());
+    assert!(
+        source.read(&mut Block::default(), 1).is_err(),
+        "not past the row that failed"
+    );
+    source.select(&[1]).unwrap();
+    assert_eq!(rows(source.as_mut(), 10).unwrap(), [[1.5, 2.5]]);
+}
+
+#[test]
+fn inv_names_are_unique() {
+    let (layout, _) = read("names_twice", b"u,u,,u_2,u\n1,2,3,4,5\n").unwrap();
+    let names: Vec<&str> = layout.channels.iter().map(|c| c.name.as_str()).collect();
+    assert_eq!(names, ["u", "u_3", "column_3", "u_2", "u_4"]);
+}
+
+fn awkward() -> (Layout, Block) {
+    let mut layout = Layout::default();
+    for (name, unit) in [
+        ("1", None),
+        ("f (x)", None),
+        ("a,\"b\"; c", Some("m/s^2")),
+        ("# n", None),
+        ("-", Some("°")),
+    ] {
+        let mut channel = Channel::new(name, unit);
+        channel.sample_rate_hz = Some(1000.0 / 3.0);
+        layout.channels.push(channel);
+    }
+    layout
+        .properties
+        .insert("title".into(), "drop: 3 = µ".into());
+    let value = |row: u32, column: u32| {
+        f64::from_bits(0x9e37_79b9_7f4a_7c15_u64.wrapping_mul(u64::from(row * 5 + column + 1)))
+    };
+    let mut block = Block::new(5);
+    for column in 0..5 {
+        block.columns[column as usize] = (0..2000).map(|row| value(row, column)).collect();
+    }
+    block.columns[0][..6].copy_from_slice(&[
+        f64::NAN,
+        f64::INFINITY,
+        f64::NEG_INFINITY,
+        -0.0,
+        5e-324,
+        f64::MAX,
+    ]);
+    (layout, block)
+}
+
+#[test]
+fn inv_what_is_written_reads_back_the_same() {
+    let (layout, block) = awkward();
+    for name in ["file.csv", "file.csv.gz"] {
+        let path = scratch("text_round").join(name);
+        let mut sink = create(&path, &layout).unwrap();
+        sink.write(&block).unwrap();
+        assert!(!path.exists(), "not before it is complete");
+        sink.write(&block).unwrap();
+        assert!(sink.write(&Block::new(2)).is_err());
+        sink.finish().unwrap();
+        let mut source = open(&path).unwrap();
+        let mut read = source.layout().clone();
+        assert_eq!(
+            read.properties.remove("sample_rate_hz").unwrap(),
+            (1000.0_f64 / 3.0).to_string()
+        );
+        assert_eq!(
+            (&read.channels, &read.properties),
+            (&layout.channels, &layout.properties)
+        );
+        let twice: Vec<Vec<f64>> = block
+            .columns
+            .iter()
+            .map(|c| [c.as_slice(), c].concat())
+            .collect();
+        assert_eq!(bits(&rows(source.as_mut(), 333).unwrap()), bits(&twice));
+        // Dropped without an end, a recording leaves the old file and nothing else.
+        create(&path, &layout).unwrap().write(&block).unwrap();
+        assert_eq!(
+            rows(open(&path).unwrap().as_mut(), 9999).unwrap()[0].len(),
+            4000
+        );
+        assert_eq!(
+            std::fs::read_dir(path.parent().unwrap()).unwrap().count(),
+            1
+        );
+    }
+    // No rows at all.
+    let path = scratch("text_no_rows").join("file.csv");
+    create(&path, &layout).unwrap().finish().unwrap();
+    assert_eq!(open(&path).unwrap().layout().channels, layout.channels);
+}
+
+#[test]
+fn inv_damaged_files_end_in_an_error_or_in_numbers() {
+    let bad = scratch("text_damage");
+    for name in ["pandas_german.csv", "units.csv", "comma.lvm", "quoted.csv"] {
+        damage(&folder("text").join(name), &bad.join(name));
+    }
+    // A gzip stream has a checksum: nothing but flips in its header's time and flags may pass.
+    let accepted = damage(
+        &folder("text").join("members.csv.gz"),
+        &bad.join("members.csv.gz"),
+    );
+    assert!(accepted <= 14, "{accepted}");
+}
