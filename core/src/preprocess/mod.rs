@@ -1,9 +1,10 @@
 //! Cleaning of recordings before identification and decoupling: the virtual instrument's preprocessing.
 //!
 //! In the order in which a recording passes through: [`outlier`] rejection, because one wild value bends every later
-//! stage; [`detrend`]ing, because a filter answers an offset with a transient at the ends; the digital filter
-//! ([`butterworth`], run forwards and backwards by [`zero_phase`] or live by [`stream`]); and for the standard
-//! instruments [`lag`] compensation and the smoothing differentiator [`differentiate`].
+//! stage; [`resample`] onto one clock, where the channels were not taken at the same instants; [`detrend`]ing, because
+//! a filter answers an offset with a transient at the ends; the digital filter ([`butterworth`], run forwards and
+//! backwards by [`zero_phase`] or live by [`stream`]); and for the standard instruments [`lag`] compensation and the
+//! smoothing differentiator [`differentiate`]. At any point [`spectrum`] says what of a record is noise.
 //!
 //! Each stage works on one series, a `&mut [f64]`, evenly sampled, in any unit. A series does not know whose it is: an
 //! [`Error::NotFinite`] or [`Error::Overflow`] from a stage has channel 0, until [`each_channel`] puts the number in. What knows the sensor
@@ -16,6 +17,8 @@ pub mod detrend;
 pub mod differentiate;
 pub mod lag;
 pub mod outlier;
+pub mod resample;
+pub mod spectrum;
 pub mod stream;
 pub mod zero_phase;
 

@@ -14,7 +14,7 @@ from pathlib import Path
 import mpmath
 import numpy as np
 import scipy
-from scipy import optimize, signal
+from scipy import fft, interpolate, optimize, signal
 
 mpmath.mp.dps = 50
 SEED = 20130921
@@ -215,5 +215,108 @@ def exact_first_order(corner_hz, rate_hz, x):
 
 emit("LAG_SLOW", exact_first_order(0.001, 1000.0, record(300, 1000.0))[::7])
 emit("LAG_FAST", exact_first_order(400.0, 1000.0, record(300, 1000.0))[::7])
+
+
+def jittered(samples, rate_hz, share):
+    """Time stamps off the even ones by up to `share` of half a step; `jittered` in `resample.rs` is the same."""
+    state, times = SEED + 1, []
+    for k in range(samples):
+        state = (MULTIPLIER * state + INCREMENT) % 2**64
+        times.append((k + share * ((state >> 11) / 2.0**53 - 0.5)) / rate_hz)
+    return np.array(times)
+
+
+def exact_spline(times, values, wanted):
+    """Not-a-knot cubic spline in 50 digits, solved for the slopes at the samples."""
+    mp = mpmath
+    x, y = [mp.mpf(float(v)) for v in times], [mp.mpf(float(v)) for v in values]
+    h = [b - a for a, b in zip(x, x[1:])]
+    d = [(b - a) / s for a, b, s in zip(y, y[1:], h)]
+    n = len(x)
+    lower, own, upper, right = [mp.mpf(0)] * n, [mp.mpf(0)] * n, [mp.mpf(0)] * n, [mp.mpf(0)] * n
+    for i in range(1, n - 1):
+        lower[i], own[i], upper[i] = h[i], 2 * (h[i - 1] + h[i]), h[i - 1]
+        right[i] = 3 * (h[i] * d[i - 1] + h[i - 1] * d[i])
+    first, last = h[0] + h[1], h[-1] + h[-2]
+    own[0], upper[0] = h[1], first
+    right[0] = ((h[0] + 2 * first) * h[1] * d[0] + h[0] ** 2 * d[1]) / first
+    lower[-1], own[-1] = last, h[-2]
+    right[-1] = (h[-1] ** 2 * d[-2] + (2 * last + h[-1]) * h[-2] * d[-1]) / last
+    for i in range(1, n):
+        ratio = lower[i] / own[i - 1]
+        own[i] -= ratio * upper[i - 1]
+        right[i] -= ratio * right[i - 1]
+    m = [mp.mpf(0)] * n
+    m[-1] = right[-1] / own[-1]
+    for i in range(n - 2, -1, -1):
+        m[i] = (right[i] - upper[i] * m[i + 1]) / own[i]
+    answers = []
+    for t in (mp.mpf(float(v)) for v in wanted):
+        i = min(max(k for k in range(n) if x[k] <= t), n - 2)
+        u, s = (t - x[i]) / h[i], h[i]
+        answers.append(
+            float(
+                (1 + 2 * u) * (1 - u) ** 2 * y[i]
+                + u * (1 - u) ** 2 * s * m[i]
+                + u * u * (3 - 2 * u) * y[i + 1]
+                + u * u * (u - 1) * s * m[i + 1]
+            )
+        )
+    return np.array(answers)
+
+
+def spread(times, wanted):
+    """Times from the first to the last stamp, evenly."""
+    return np.array([times[0] + (times[-1] - times[0]) * (k / wanted) for k in range(wanted + 1)])
+
+
+SPLINES = [
+    ("SPLINE_EVEN", np.arange(200) / 1000.0, record(200, 1000.0), 67),
+    ("SPLINE_JITTERED", jittered(200, 1000.0, 0.9), record(200, 1000.0), 67),
+    ("SPLINE_GROWING", np.array([1.5**k for k in range(30)]), record(30, 1000.0), 40),
+    ("SPLINE_SHRINKING", np.array([-(1.5**k) for k in range(30)][::-1]), record(30, 1000.0), 40),
+    ("SPLINE_4", jittered(4, 1000.0, 0.9), record(4, 1000.0), 12),
+    ("SPLINE_5", jittered(5, 1000.0, 0.9), record(5, 1000.0), 12),
+]
+for name, times, values, wanted in SPLINES:
+    y = interpolate.CubicSpline(times, values)(spread(times, wanted))
+    exact = exact_spline(times, values, spread(times, wanted))
+    error = np.max(np.abs(y - exact)) / np.max(np.abs(exact))
+    emit(name, y, f"SciPy is {error:.1e} of the peak from 50 digits.")
+
+for name, samples, segment, rate, stride in [
+    ("WELCH_256", 3000, 256, 1000.0, 3),
+    ("WELCH_64", 100, 64, 250.0, 1),
+    ("WELCH_ONE", 128, 128, 1000.0, 3),
+]:
+    frequencies, density = signal.welch(record(samples, 1000.0), fs=rate, nperseg=segment)
+    emit(name, density[::stride])
+    emit(f"{name}_HZ", frequencies[::stride])
+
+x = record(256, 1000.0)
+exact = [
+    mpmath.fsum(mpmath.mpf(float(v)) * mpmath.expjpi(-mpmath.mpf(2 * ((k * n) % 256)) / 256) for n, v in enumerate(x))
+    for k in range(129)
+]
+error = max(abs(mpmath.mpc(complex(a)) - b) for a, b in zip(fft.rfft(x), exact)) / mpmath.sqrt(
+    mpmath.fsum(abs(b) ** 2 for b in exact)
+)
+emit(
+    "FOURIER_256_EXACT",
+    [part for v in exact[::4] for part in (v.real, v.imag)],
+    f"50 digits; SciPy is {float(error):.1e} of the root of the sum of squares away.",
+)
+emit("FOURIER_4096", [part for v in fft.rfft(record(4096, 1000.0))[::64] for part in (v.real, v.imag)])
+
+
+def noise_floor(x):
+    d = np.diff(x, 3)
+    return np.median(np.abs(d - np.median(d))) / 0.6744897501960817 / np.sqrt(20.0)
+
+
+emit("NOISE_FLOOR", [noise_floor(record(samples, 1000.0)) for samples in (32, 200, 1001, 5000)])
+wild = record(150, 1000.0)
+wild[::10] += 5.0
+emit("NOISE_FLOOR_WILD", [noise_floor(wild)])
 
 Path(__file__).with_suffix(".rs").write_text("\n".join(OUT) + "\n")

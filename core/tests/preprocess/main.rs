@@ -11,6 +11,8 @@ mod golden;
 mod lag;
 mod outlier;
 mod refusals;
+mod resample;
+mod spectrum;
 mod tolerance;
 
 /// A stage with its settings filled in, its answer dropped.

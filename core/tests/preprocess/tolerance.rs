@@ -76,3 +76,82 @@ pub const GYROSCOPE_LEFT_ALONE: f64 = 0.09;
 pub const UNDONE_NOISE: f64 = 2.0;
 /// The same with five samples, at least: tau/h = 16 times the weights' norm, 0.95.
 pub const UNDONE_NOISE_SHORT: f64 = 10.0;
+
+/// Spline against SciPy, even, jittered, steps from 0.5 to 42 000, 4 and 5 samples, of the peak. Measured 1.5e-15: the
+/// records' sines differ by as much, SciPy is 2e-16 from 50 digits.
+pub const SPLINE: f64 = 2e-14;
+/// Two stamps off by a hundredth of a step, of the peak, at least. Measured 1.9e-6, jittered 1.2e-5, others 1e-4.
+pub const SPLINE_STAMP_OFF: f64 = 1e-6;
+/// A sine halfway between samples against the closed form of the cardinal spline. Measured 3.4e-10: rounding, 1e-16,
+/// over an error of 4e-8 and, at half the frequency, the extremum between two samples.
+pub const SPLINE_GAIN: f64 = 1e-8;
+/// The same against the leading term (2 pi f/F)^4/384, over the phase's square, of which the next term is a quarter.
+pub const SPLINE_LEADING_TERM: f64 = 0.3;
+/// Order of that error against 4, down to 1/20 of the sample rate. Measured 2.7e-2 there, falling with the square.
+pub const SPLINE_ORDER: f64 = 3e-2;
+/// The table in `resample.rs`: share of the sample rate, error between samples, error within the first step.
+/// Measured 4.06e-8, 4.39e-7; 2.60e-5, 2.74e-4; 4.47e-4, 4.37e-3.
+pub const SINE_READ: [(f64, f64, f64); 3] = [
+    (0.01, 4.1e-8, 4.5e-7),
+    (0.05, 2.7e-5, 2.8e-4),
+    (0.1, 4.5e-4, 4.5e-3),
+];
+/// Share of that table which is reached, at least.
+pub const TABLE_IS_TIGHT: f64 = 0.9;
+/// Fall of a sample's influence from step to step against 2 + sqrt 3. Measured 4e-16; the other end is 1e-15 away.
+pub const SPLINE_FALL: f64 = 1e-12;
+/// A cubic on jittered samples, of the peak. Measured 3e-16.
+pub const CUBIC_READ: f64 = 1e-14;
+/// A quartic, at least. Measured 2e-6.
+pub const QUARTIC_READ: f64 = 1e-6;
+/// Samples read back at times that were rounded, of the peak: eps times 300 samples times their slope. Measured 4e-15.
+pub const SAMPLE_READ: f64 = 300.0 * f64::EPSILON;
+/// A sine of 1/20 of the sample rate at delays up to 0.08 of a step: below its error halfway. Measured 2.6e-6.
+pub const SPLINE_AT_A_TWENTIETH: f64 = SINE_READ[1].1;
+/// Error of a delay d left alone, of 2 pi f d, at least: (2 pi f d)^2/24 are missing.
+pub const LEFT_ALONE: f64 = 0.99;
+/// Spline of a sum against the sum of splines, of the peak. Measured 4e-16.
+pub const SPLINE_SUM: f64 = 1e-14;
+
+/// Welch's density against SciPy, of the peak. Measured 5e-16.
+pub const WELCH_OF_PEAK: f64 = 1e-14;
+/// Each line of it, of itself. Measured 1.6e-13, on lines 1e-5 of the peak.
+pub const WELCH_OF_ITSELF: f64 = 2e-12;
+/// Frequencies of the lines: one rounding.
+pub const LINE_HZ: f64 = f64::EPSILON;
+/// Segments that begin one sample later, of the peak, at least. Measured 1.3e-3 over 22 segments.
+pub const WELCH_ELSEWHERE: f64 = 5e-4;
+/// Transform against 50 digits and SciPy, of the root of the sum of squares. Measured 1.3e-16; SciPy is 8e-17 away.
+pub const FOURIER: f64 = 2e-15;
+/// Transform against the plain sum up to 2048 samples, likewise. Measured 2.4e-16.
+pub const FOURIER_AGAINST_SUM: f64 = 3e-15;
+/// The same with one sample off by 1e-6, at least. Measured 2.4e-9 at 2048 samples.
+pub const FOURIER_SAMPLE_OFF: f64 = 1e-9;
+/// Sum of the lines against the mean square. Measured 2e-15.
+pub const PARSEVAL: f64 = 2e-14;
+/// A sine on a line and beside it, of the line. Measured 9e-16.
+pub const SINE_ON_A_LINE: f64 = 1e-14;
+/// A sine two lines off and further, of the line: the square of rounding. Measured 1.3e-28.
+pub const SINE_OFF_THE_LINE: f64 = 1e-26;
+/// Level of white noise over 200 000 samples. Measured 4e-3; its standard deviation is sqrt(2/200 000) = 3e-3.
+pub const WHITE_LEVEL: f64 = 0.01;
+/// Scatter of a line over 568 records against 1.03/sqrt(segments). Measured 1e-2; its standard deviation is 3e-2.
+pub const WHITE_SCATTER: f64 = 0.1;
+
+/// Noise floor against NumPy, of itself. Measured 2e-13: third differences of a record of 50 times its noise.
+pub const NOISE_FLOOR: f64 = 2e-12;
+/// Mean of 400 noise floors of 1000 samples against what is told. Measured 3e-3; its standard deviation is 2.4e-3.
+pub const NOISE_BIAS: f64 = 0.01;
+/// Their scatter against 1.5/sqrt(1000). Measured 4e-2; its standard deviation is 3.5e-2.
+pub const NOISE_SCATTER: f64 = 0.1;
+/// Noise floor of a sine against the formula. Measured 1.7e-3, of which 1.6e-3 is 1.05 for 1.0484.
+pub const SINE_AS_NOISE: f64 = 4e-3;
+/// Noise floor of noise and sine over the root of the sum of squares, at least. Measured 0.868 where both are equal.
+pub const NOISE_BESIDE_A_SINE: f64 = 0.86;
+/// What one wild sample in a hundred raises the noise floor to. Measured 1.05.
+pub const NOISE_AMONG_WILD: f64 = 1.06;
+/// The standard deviation instead, at least. Measured 2.7e4.
+pub const DEVIATION_AMONG_WILD: f64 = 1e4;
+/// Noise floor behind a converter, away from the root of noise and rounding squared, in steps: half of the third in
+/// which it is told.
+pub const CONVERTER_STEP: f64 = 1.0 / 6.0;
