@@ -7,7 +7,7 @@
 use core::f64::consts::{PI, TAU};
 
 use glam::DVec3;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::simulation::Motion;
 use crate::smooth_step::smooth_step;
@@ -89,6 +89,26 @@ impl Run {
         2.0 * self.rest_s + (2.0 * self.ramp_periods + self.steady_periods) / self.frequency_hz
     }
 
+    /// Place on the stroke, from -1 to 1, and its first two derivatives: multiplied by the amplitudes, travel and angle.
+    #[must_use]
+    pub fn stroke_share(&self, time_s: f64) -> [f64; 3] {
+        let [phase, rate, slope] = self.crank(time_s);
+        let (sin, cos) = phase.sin_cos();
+        [sin, rate * cos, slope * cos - rate * rate * sin]
+    }
+
+    /// Amplitudes that the mode makes use of: travel, m, and rotation, rad.
+    #[must_use]
+    pub fn amplitudes(&self) -> (f64, f64) {
+        let (travel, rotation) = (self.slider_amplitude_m, self.rotation_amplitude_rad);
+        match self.mode {
+            Mode::Linear => (travel, 0.0),
+            Mode::Angular => (0.0, rotation),
+            Mode::Compound => (travel, rotation),
+            Mode::Rest => (0.0, 0.0),
+        }
+    }
+
     /// Crank angle, rad, and its first two derivatives.
     fn crank(&self, time_s: f64) -> [f64; 3] {
         let rate = TAU * self.frequency_hz;
@@ -119,23 +139,18 @@ impl Run {
 
 impl Motion for Run {
     fn acceleration(&self, time_s: f64) -> (DVec3, DVec3) {
-        let [phase, rate, slope] = self.crank(time_s);
-        let (sin, cos) = phase.sin_cos();
-        let sine_acceleration = slope * cos - rate * rate * sin;
-        let linear = self.direction_ground * (self.slider_amplitude_m * sine_acceleration);
+        let [_, _, acceleration] = self.stroke_share(time_s);
+        let (travel, rotation) = self.amplitudes();
         // The pinion turns about a fixed direction, which is the same in shell and ground axes.
-        let angular = self.direction_ground * (self.rotation_amplitude_rad * sine_acceleration);
-        match self.mode {
-            Mode::Linear => (linear, DVec3::ZERO),
-            Mode::Angular => (DVec3::ZERO, angular),
-            Mode::Compound => (linear, angular),
-            Mode::Rest => (DVec3::ZERO, DVec3::ZERO),
-        }
+        (
+            self.direction_ground * (travel * acceleration),
+            self.direction_ground * (rotation * acceleration),
+        )
     }
 }
 
 /// Gravity in the sensor's axes at rest for a wedge that sets `direction`, m/s^2.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Mounting {
     /// The pinion's axis is vertical: gravity stays constant in the shell. The only mounting for which the paper's

@@ -1,0 +1,137 @@
+//! The preprocessing that a session asks for, stage by stage, on one trial.
+
+use glam::DVec3;
+use sixaxis_core::preprocess::butterworth::{self, Section};
+use sixaxis_core::preprocess::differentiate::Differentiator;
+use sixaxis_core::preprocess::lag::{undo_high_pass, undo_low_pass};
+use sixaxis_core::preprocess::zero_phase::zero_phase;
+use sixaxis_core::preprocess::{detrend, each_channel, outlier};
+use sixaxis_core::{LIMBS, Result};
+
+use crate::session::{Preprocessing, Session};
+use crate::trial::Trial;
+
+/// What is done to a trial.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cleaning {
+    /// The stages.
+    pub stages: Preprocessing,
+    /// Bandwidth of the accelerometer, Hz, if its lag is to be undone.
+    pub accelerometer_bandwidth_hz: Option<f64>,
+    /// Bandwidth of the gyroscope, Hz, if its lag is to be undone.
+    pub gyroscope_bandwidth_hz: Option<f64>,
+}
+
+/// A trial ready for identification and decoupling.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cleaned {
+    /// Nine voltages per sample, V.
+    pub voltage_v: Vec<[f64; LIMBS]>,
+    /// Standard linear acceleration, ground axes, m/s^2.
+    pub linear_ground_m_s2: Vec<DVec3>,
+    /// Standard rate, shell axes, rad/s.
+    pub rate_shell_rad_s: Vec<DVec3>,
+    /// Its derivative, rad/s^2.
+    pub angular_shell_rad_s2: Vec<DVec3>,
+    /// Samples that the outlier test replaced, over all channels.
+    pub outliers: usize,
+}
+
+impl Cleaning {
+    /// What a session asks for.
+    #[must_use]
+    pub fn of(session: &Session) -> Self {
+        Self {
+            stages: session.preprocessing.clone(),
+            accelerometer_bandwidth_hz: session.accelerometer.bandwidth_hz,
+            gyroscope_bandwidth_hz: session.gyroscope.bandwidth_hz,
+        }
+    }
+
+    /// Corner of the low-pass for a trial, Hz.
+    #[must_use]
+    pub fn corner_hz(&self, trial: &Trial) -> Option<f64> {
+        let low_pass = self.stages.low_pass.settings()?;
+        Some(low_pass.times_drive * trial.frequency_hz + low_pass.plus_hz)
+    }
+
+    /// Cleans one trial. Everything passes through the same filters, so that what little they take off is the same on both
+    /// sides of every equation.
+    ///
+    /// # Errors
+    /// Those of the stages: a trial too short for one, a sample that is not finite, settings that cannot be.
+    pub fn clean(&self, trial: &Trial) -> Result<Cleaned> {
+        let sections: Option<Vec<Section>> =
+            match (self.stages.low_pass.settings(), self.corner_hz(trial)) {
+                (Some(low_pass), Some(corner_hz)) => Some(butterworth::low_pass(
+                    low_pass.order,
+                    corner_hz,
+                    trial.sample_rate_hz,
+                )?),
+                _ => None,
+            };
+        let mut outliers = 0;
+        // An instrument's rest is not the limbs': a gyroscope's offset is its own.
+        let mut stages = |series: &mut [f64]| -> Result<()> {
+            if let Some(test) = self.stages.outliers.settings() {
+                outliers += outlier::hampel(series, test.half_width, test.sigmas)?.len();
+            }
+            if let Some(line) = self.stages.detrend.settings() {
+                let rest = (line.rest_s * trial.sample_rate_hz) as usize;
+                let offset = series[..rest.max(1).min(series.len())].iter().sum::<f64>()
+                    / rest.max(1) as f64;
+                detrend::between_rests(series, rest)?;
+                // The drift of step 1 is taken off later; here only the change since the first rest.
+                for x in series.iter_mut() {
+                    *x += offset;
+                }
+            }
+            if let Some(sections) = &sections {
+                zero_phase(sections, series)?;
+            }
+            Ok(())
+        };
+        let mut voltage_v = trial.voltage_v.clone();
+        if let Some(corner_hz) = self.stages.amplifier_high_pass_hz {
+            each_channel(&mut voltage_v, |series| {
+                let rest = series[0];
+                let change: Vec<f64> = series.iter().map(|u| u - rest).collect();
+                for (x, undone) in
+                    series
+                        .iter_mut()
+                        .zip(undo_high_pass(&change, corner_hz, trial.sample_rate_hz)?)
+                {
+                    *x = undone + rest;
+                }
+                Ok(())
+            })?;
+        }
+        each_channel(&mut voltage_v, &mut stages)?;
+        let mut acceleration = trial.accelerometer_m_s2.clone();
+        stages(&mut acceleration)?;
+        let mut rate = trial.gyroscope_rad_s.clone();
+        stages(&mut rate)?;
+        let settings = self.stages.differentiator;
+        let differentiator =
+            Differentiator::new(settings.half_width, settings.order, trial.sample_rate_hz)?;
+        if let Some(bandwidth_hz) = self.accelerometer_bandwidth_hz
+            && bandwidth_hz < 0.5 * trial.sample_rate_hz
+        {
+            acceleration = undo_low_pass(&acceleration, bandwidth_hz, &differentiator)?;
+        }
+        if let Some(bandwidth_hz) = self.gyroscope_bandwidth_hz {
+            rate = undo_low_pass(&rate, bandwidth_hz, &differentiator)?;
+        }
+        let slope = differentiator.derivative(&rate)?;
+        let direction = trial.direction_ground;
+        let along = |series: Vec<f64>| series.into_iter().map(|x| direction * x).collect();
+        Ok(Cleaned {
+            voltage_v,
+            linear_ground_m_s2: along(acceleration),
+            // The pinion turns about a direction that is the same in ground and shell axes.
+            rate_shell_rad_s: along(rate),
+            angular_shell_rad_s2: along(slope),
+            outliers,
+        })
+    }
+}

@@ -1,0 +1,36 @@
+//! From a session's recordings to 25 parameters, their intervals and a verdict.
+//!
+//! What a laboratory has is a folder of recordings and knowledge that is in no recording: which wedge was under the sensor,
+//! which range the amplifier was switched to, what the standard instruments' certificates say. The [`session`] file holds the
+//! latter. From there data flow through the files in this order:
+//!
+//! | file | holds |
+//! |---|---|
+//! | [`session`] | the session file, and what can be wrong with it |
+//! | [`unit`] | units that channels come in |
+//! | [`trial`] | one recording in SI units on one clock |
+//! | [`load`] | trials from files |
+//! | [`cleaning`] | the preprocessing that the session asks for |
+//! | [`steps`] | the four steps, first pass, repeated, on some of the trials |
+//! | [`rigid`] | what nine channels should show of a known motion |
+//! | [`response`] | what each channel did show in each trial |
+//! | [`suspicion`] | what is wrong, named |
+//! | [`interval`] | how well each parameter is known, and what limits it |
+//! | [`verdict`] | all of it judged |
+//! | [`calibration`] | the result as a file |
+
+pub mod calibration;
+pub mod cleaning;
+pub mod error;
+pub mod interval;
+pub mod load;
+pub mod response;
+pub mod rigid;
+pub mod session;
+pub mod steps;
+pub mod suspicion;
+pub mod trial;
+pub mod unit;
+pub mod verdict;
+
+pub use error::{Error, Result};

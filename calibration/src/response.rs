@@ -1,0 +1,196 @@
+//! What each channel shows of each trial's motion, in a few numbers.
+//!
+//! A rig's run moves along one direction d, so everything in it follows one waveform w: the acceleration, or the angular
+//! acceleration where nothing travels. Each channel's force is fitted by
+//!
+//! c u = offset + trend s + x w + z w' + y s w' + v w_rate^2,   s from -1 to 1 over the run
+//!
+//! x is the channel's response; z/x is the time by which the standard instrument lags behind the sensor (w(t + lag) is about
+//! w + lag w'), y/x what that lag grows by in half a run, a clock that runs at another speed; the trend is drift; v belongs to
+//! w x I w. The residual is what none of these explains.
+
+use nalgebra::{DMatrix, DVector};
+use sixaxis_core::LIMBS;
+use sixaxis_core::preprocess::differentiate::Differentiator;
+
+use crate::cleaning::Cleaned;
+use crate::session::Role;
+use crate::steps::stride;
+use crate::trial::Trial;
+
+/// Terms of the fit.
+const TERMS: usize = 6;
+/// Samples next to either end that a filter's extension reaches into are not fitted: this share of the run.
+const MARGIN: f64 = 0.01;
+/// Singular values below this share of the largest are not resolved: a waveform without travel has no w x I w.
+const RESOLVED: f64 = 1e-9;
+
+/// One channel's response to one trial. Forces are measured ones, N.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ChannelResponse {
+    /// Force at the middle of the run without motion, N.
+    pub offset_n: f64,
+    /// Drift from the beginning to the end of the run, N.
+    pub drift_n: f64,
+    /// x: force over the waveform.
+    pub response: f64,
+    /// Standard error of x.
+    pub standard_error: f64,
+    /// z: force over the waveform's derivative, times s.
+    pub lagging: f64,
+    /// y: what z grows by in half a run.
+    pub lagging_growth: f64,
+    /// Root mean square of what is left, N.
+    pub residual_n: f64,
+    /// Root mean square of the force without offset, N.
+    pub signal_n: f64,
+    /// Standard error of the drift, N.
+    pub drift_error_n: f64,
+}
+
+/// All channels' responses to one trial.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Response {
+    /// The nine.
+    pub channels: [ChannelResponse; LIMBS],
+    /// Largest size of the waveform, m/s^2 or rad/s^2.
+    pub peak: f64,
+    /// Largest acceleration, m/s^2.
+    pub peak_linear_m_s2: f64,
+    /// Largest rate, rad/s.
+    pub peak_rate_rad_s: f64,
+    /// Angular acceleration over the waveform: 1 where the waveform is the angular acceleration.
+    pub angular_over_waveform: f64,
+    /// Whether the waveform is the linear acceleration.
+    pub travels: bool,
+    /// Length of the run, s.
+    pub duration_s: f64,
+    /// Frequency of the drive once up to speed, Hz, from the waveform itself.
+    pub frequency_hz: Option<f64>,
+}
+
+/// Measures the responses to one trial. `force_n` is what is to be explained: measured forces less what is known of
+/// gravity. None: too short to be fitted, or nothing moves.
+#[must_use]
+pub fn measure(trial: &Trial, cleaned: &Cleaned, force_n: &[[f64; LIMBS]]) -> Option<Response> {
+    let d = trial.direction_ground;
+    let along = |v: &[glam::DVec3]| -> Vec<f64> { v.iter().map(|x| x.dot(d)).collect() };
+    let linear = along(&cleaned.linear_ground_m_s2);
+    let angular = along(&cleaned.angular_shell_rad_s2);
+    let rate = along(&cleaned.rate_shell_rad_s);
+    let peak_of = |series: &[f64]| series.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+    let travels = trial.role != Role::Angular;
+    let waveform = if travels { &linear } else { &angular };
+    let samples = waveform.len();
+    let differentiator = Differentiator::new(3, 4, trial.sample_rate_hz).ok()?;
+    let derivative = differentiator.derivative(waveform).ok()?;
+    let margin = (MARGIN * samples as f64) as usize;
+    let rows: Vec<usize> = (margin..samples.saturating_sub(margin))
+        .step_by(stride(trial))
+        .collect();
+    if rows.len() < 4 * TERMS || peak_of(waveform) == 0.0 {
+        return None;
+    }
+    let s = |row: usize| 2.0 * row as f64 / (samples - 1) as f64 - 1.0;
+    let turns = match trial.role {
+        Role::Angular => true,
+        Role::Validation => peak_of(&rate) > TURNING_RAD_S,
+        Role::Static | Role::Linear | Role::HighFrequencyLinear => false,
+    };
+    let mut design = DMatrix::from_fn(rows.len(), TERMS, |i, term| {
+        let row = rows[i];
+        match term {
+            0 => 1.0,
+            1 => s(row),
+            2 => waveform[row],
+            3 => derivative[row],
+            4 => s(row) * derivative[row],
+            _ if turns => rate[row] * rate[row],
+            _ => 0.0,
+        }
+    });
+    // Columns of one size, so that one threshold serves all.
+    let sizes: Vec<f64> = (0..TERMS)
+        .map(|term| design.column(term).norm())
+        .map(|norm| if norm > 0.0 { norm } else { 1.0 })
+        .collect();
+    for (term, size) in sizes.iter().enumerate() {
+        design.column_mut(term).unscale_mut(*size);
+    }
+    let svd = design.clone().try_svd(true, true, f64::EPSILON, 1000)?;
+    let (u, v_t) = (svd.u.as_ref()?, svd.v_t.as_ref()?);
+    let cut = RESOLVED * svd.singular_values.max();
+    let inverse: Vec<f64> = svd
+        .singular_values
+        .iter()
+        .map(|s| if *s > cut { 1.0 / s } else { 0.0 })
+        .collect();
+    let variance = |term: usize| -> f64 {
+        (0..TERMS)
+            .map(|k| (v_t[(k, term)] * inverse[k]).powi(2))
+            .sum::<f64>()
+    };
+    let channels = core::array::from_fn(|limb| {
+        let right = DVector::from_iterator(rows.len(), rows.iter().map(|r| force_n[*r][limb]));
+        let mut projected = u.transpose() * &right;
+        for (p, inv) in projected.iter_mut().zip(&inverse) {
+            *p *= inv;
+        }
+        let solution = v_t.transpose() * projected;
+        let residual = &right - &design * &solution;
+        let value = |term: usize| solution[term] / sizes[term];
+        let mean = right.mean();
+        let free = (rows.len() - TERMS) as f64;
+        let noise = (residual.norm_squared() / free).sqrt();
+        let error = |term: usize| noise * variance(term).sqrt() / sizes[term];
+        ChannelResponse {
+            offset_n: value(0),
+            drift_n: 2.0 * value(1),
+            response: value(2),
+            standard_error: error(2),
+            lagging: value(3),
+            lagging_growth: value(4),
+            residual_n: noise,
+            signal_n: (right.map(|x| (x - mean) * (x - mean)).mean()).sqrt(),
+            drift_error_n: 2.0 * error(1),
+        }
+    });
+    let squares: f64 = waveform.iter().map(|w| w * w).sum();
+    let product: f64 = waveform.iter().zip(&angular).map(|(w, a)| w * a).sum();
+    Some(Response {
+        channels,
+        peak: peak_of(waveform),
+        peak_linear_m_s2: peak_of(&linear),
+        peak_rate_rad_s: peak_of(&rate),
+        angular_over_waveform: if turns { product / squares } else { 0.0 },
+        travels,
+        duration_s: samples as f64 / trial.sample_rate_hz,
+        frequency_hz: frequency(waveform, trial.sample_rate_hz),
+    })
+}
+
+/// Rate below which nothing turns: a tenth of a degree a second is a gyroscope's noise.
+const TURNING_RAD_S: f64 = 2e-3;
+
+/// Frequency of a waveform once up to speed: the median of its cycles, of which the run-up and the run-down have one each.
+///
+/// None for less than three whole cycles.
+fn frequency(waveform: &[f64], sample_rate_hz: f64) -> Option<f64> {
+    let peak = waveform.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+    // Upward crossings of zero, each after a dip below a third of the peak, so that noise about zero does not count.
+    let mut crossings = Vec::new();
+    let mut armed = false;
+    for (i, pair) in waveform.windows(2).enumerate() {
+        armed |= pair[0] < -peak / 3.0;
+        if armed && pair[0] < 0.0 && pair[1] >= 0.0 {
+            crossings.push(i as f64 + pair[0] / (pair[0] - pair[1]));
+            armed = false;
+        }
+    }
+    let mut cycles: Vec<f64> = crossings.windows(2).map(|w| w[1] - w[0]).collect();
+    if cycles.len() < 3 {
+        return None;
+    }
+    cycles.sort_unstable_by(f64::total_cmp);
+    Some(sample_rate_hz / cycles[cycles.len() / 2])
+}

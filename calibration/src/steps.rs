@@ -1,0 +1,339 @@
+//! The four steps, one after the other, on a campaign's trials.
+
+use rayon::prelude::*;
+use sixaxis_core::identify::compliance::CompliantRows;
+use sixaxis_core::identify::inertia::{InertiaEstimate, InertiaIdentification};
+use sixaxis_core::identify::scale::{ScaleIdentification, ScalePerMass};
+use sixaxis_core::identify::stiffness::{self, StiffnessPerMass};
+use sixaxis_core::identify::stiffness_search::{self, RateNorms, rate_norm_sums};
+use sixaxis_core::identify::zero_drift::{self, ZeroDrift};
+use sixaxis_core::signal::SignalChain;
+use sixaxis_core::{Geometry, LIMBS, LimbLaw, Parameters, Scheme, Sensor, Settings};
+
+use crate::cleaning::Cleaned;
+use crate::error::{Error, Result};
+use crate::session::Role;
+use crate::trial::Trial;
+
+/// Rows per cycle of the drive that steps 2 and 3 take from a trial. Neighbouring samples of a low-passed record say
+/// nothing new and would make the covariance too small.
+const ROWS_PER_CYCLE: f64 = 40.0;
+
+/// What the four steps found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FourSteps {
+    /// Step 1.
+    pub drift: ZeroDrift,
+    /// Step 2.
+    pub scale: ScalePerMass,
+    /// Step 3.
+    pub inertia: InertiaEstimate,
+    /// True rate over the gyroscope's reading and its standard error, where step 3 was asked for it.
+    pub rate_over_reading: Option<(f64, f64)>,
+    /// Step 4; none if the campaign has no trials for it.
+    pub stiffness: Option<StiffnessPerMass>,
+    /// Step 4's curve: k/m, 1/s^2, and mean |w*|, rad/s.
+    pub curve: Vec<(f64, f64)>,
+    /// k/m of the design.
+    pub design_stiffness_per_mass_per_s2: f64,
+}
+
+impl FourSteps {
+    /// The 25 parameters as found; k/m is the design's if there was no step 4.
+    #[must_use]
+    pub fn found(&self) -> Parameters {
+        Parameters {
+            zero_drift_v: self.drift.drift_v,
+            scale_per_mass_per_kg: self.scale.estimate.values,
+            inertia_per_mass: self.inertia.inertia_per_mass,
+            stiffness_per_mass_per_s2: self
+                .stiffness
+                .as_ref()
+                .map_or(self.design_stiffness_per_mass_per_s2, |s| {
+                    s.grid_minimum_per_s2
+                }),
+        }
+    }
+
+    /// Whether step 4 determines k/m.
+    #[must_use]
+    pub fn stiffness_is_determined(&self) -> bool {
+        self.stiffness
+            .as_ref()
+            .is_some_and(|s| s.verdict.is_determined())
+    }
+
+    /// The 25 parameters to decouple with: where step 4 does not determine k/m, the design's.
+    #[must_use]
+    pub fn used(&self) -> Parameters {
+        let mut used = self.found();
+        if !self.stiffness_is_determined() {
+            used.stiffness_per_mass_per_s2 = self.design_stiffness_per_mass_per_s2;
+        }
+        used
+    }
+}
+
+/// What step 3 believes of the standard gyroscope.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum GyroscopeGain {
+    /// It is right.
+    Trusted,
+    /// It is a seventh unknown.
+    Identified,
+}
+
+/// A campaign as the analysis has it: trials, cleaned.
+#[derive(Debug, Clone)]
+pub struct Campaign {
+    /// The sensor's lengths.
+    pub geometry: Geometry,
+    /// Design values.
+    pub design: Parameters,
+    /// Nine voltages at rest, V.
+    pub static_voltage_v: Vec<[f64; LIMBS]>,
+    /// Trials of all roles but the static one.
+    pub trials: Vec<(Trial, Cleaned)>,
+}
+
+impl Campaign {
+    fn of(&self, role: Role) -> impl Iterator<Item = (&Trial, &Cleaned)> + Clone {
+        self.trials
+            .iter()
+            .filter(move |(trial, _)| trial.role == role)
+            .map(|(trial, cleaned)| (trial, cleaned))
+    }
+
+    /// Runs the four steps.
+    ///
+    /// # Errors
+    /// [`Error::Step`]: the first step which refuses its data.
+    pub fn identify(&self, gyroscope: GyroscopeGain) -> Result<FourSteps> {
+        let drift = zero_drift::identify(&self.static_voltage_v).map_err(at("step 1"))?;
+        let scale = self.scale(&drift, |_| true).map_err(at("step 2"))?;
+        let mut parameters = Parameters {
+            zero_drift_v: drift.drift_v,
+            scale_per_mass_per_kg: scale.estimate.values,
+            ..self.design
+        };
+        let angular = self.angular(&parameters, |_| true).map_err(at("step 3"))?;
+        let (inertia, rate_over_reading) = match gyroscope {
+            GyroscopeGain::Trusted => (angular.solve().map_err(at("step 3"))?, None),
+            GyroscopeGain::Identified => {
+                let found = angular.solve_with_gain().map_err(at("step 3"))?;
+                let gain = (found.rate_over_reading, found.standard_error);
+                (found.inertia, Some(gain))
+            }
+        };
+        parameters.inertia_per_mass = inertia.inertia_per_mass;
+        let (curve, stiffness) = self.step_4(&parameters).map_err(at("step 4"))?;
+        Ok(FourSteps {
+            drift,
+            scale,
+            inertia,
+            rate_over_reading,
+            stiffness,
+            curve,
+            design_stiffness_per_mass_per_s2: self.design.stiffness_per_mass_per_s2,
+        })
+    }
+
+    fn step_4(
+        &self,
+        parameters: &Parameters,
+    ) -> sixaxis_core::Result<(Vec<(f64, f64)>, Option<StiffnessPerMass>)> {
+        if self.of(Role::HighFrequencyLinear).next().is_none() {
+            return Ok((Vec::new(), None));
+        }
+        let curve = self.search(parameters, Scheme::Heun, 1, LimbLaw::CompressionShortens)?;
+        let judged = stiffness::judge(&curve)?;
+        Ok((curve, Some(judged)))
+    }
+
+    /// Repeats steps 2 to 4 with the limbs' compliance kept, starting from what the four steps found.
+    ///
+    /// # Errors
+    /// [`Error::Step`]: the first step which refuses its data.
+    pub fn repeat(&self, first: &FourSteps) -> Result<FourSteps> {
+        let mut parameters = first.used();
+        let scale = self
+            .compliant_scale(&parameters)
+            .map_err(at("step 2, repeated"))?;
+        parameters.scale_per_mass_per_kg = scale.estimate.values;
+        let inertia = self
+            .compliant_inertia(&parameters)
+            .map_err(at("step 3, repeated"))?;
+        parameters.inertia_per_mass = inertia.inertia_per_mass;
+        let (curve, stiffness) = self.step_4(&parameters).map_err(at("step 4, repeated"))?;
+        Ok(FourSteps {
+            drift: first.drift,
+            scale,
+            inertia,
+            rate_over_reading: None,
+            stiffness,
+            curve,
+            design_stiffness_per_mass_per_s2: first.design_stiffness_per_mass_per_s2,
+        })
+    }
+
+    fn compliant_scale(&self, parameters: &Parameters) -> sixaxis_core::Result<ScalePerMass> {
+        let mut scale = ScaleIdentification::default();
+        for (trial, cleaned) in self.of(Role::Linear) {
+            let mut compliant = self.compliant(trial, parameters)?;
+            let stride = stride(trial) as u64;
+            for voltage in &cleaned.voltage_v {
+                if let Some(now) = compliant.push(voltage)?
+                    && now.sample.is_multiple_of(stride)
+                {
+                    let a = cleaned.linear_ground_m_s2[now.sample as usize];
+                    compliant.push_scale(&mut scale, &now, a)?;
+                }
+            }
+        }
+        scale.solve()
+    }
+
+    fn compliant_inertia(&self, parameters: &Parameters) -> sixaxis_core::Result<InertiaEstimate> {
+        let mut inertia = InertiaIdentification::new(self.geometry);
+        for (trial, cleaned) in self.of(Role::Angular) {
+            let mut compliant = self.compliant(trial, parameters)?;
+            let stride = stride(trial) as u64;
+            for voltage in &cleaned.voltage_v {
+                if let Some(now) = compliant.push(voltage)?
+                    && now.sample.is_multiple_of(stride)
+                {
+                    compliant.push_inertia(
+                        &mut inertia,
+                        &now,
+                        cleaned.rate_shell_rad_s[now.sample as usize],
+                        cleaned.angular_shell_rad_s2[now.sample as usize],
+                    )?;
+                }
+            }
+        }
+        inertia.solve()
+    }
+
+    fn compliant(
+        &self,
+        trial: &Trial,
+        parameters: &Parameters,
+    ) -> sixaxis_core::Result<CompliantRows> {
+        CompliantRows::new(
+            &trial.sensor(self.geometry),
+            parameters,
+            &trial.settings(Scheme::Heun),
+        )
+    }
+
+    /// Step 2 on those of its trials, numbered from 0, that `takes` takes.
+    ///
+    /// # Errors
+    /// A sample that is not finite, a motion that does not excite every unknown.
+    pub fn scale(
+        &self,
+        drift: &ZeroDrift,
+        takes: impl Fn(usize) -> bool,
+    ) -> sixaxis_core::Result<ScalePerMass> {
+        let mut step = ScaleIdentification::default();
+        for (index, (trial, cleaned)) in self.of(Role::Linear).enumerate() {
+            if !takes(index) {
+                continue;
+            }
+            for sample in rows(trial) {
+                let force = trial
+                    .gains
+                    .measured_force_n(&cleaned.voltage_v[sample], &drift.drift_v);
+                step.push(&force, cleaned.linear_ground_m_s2[sample])?;
+            }
+        }
+        step.solve()
+    }
+
+    /// Step 3's data with the given drift and scale factors, from those of its trials, numbered from 0, that `takes` takes.
+    ///
+    /// # Errors
+    /// A sample that is not finite.
+    pub fn angular(
+        &self,
+        parameters: &Parameters,
+        takes: impl Fn(usize) -> bool,
+    ) -> sixaxis_core::Result<InertiaIdentification> {
+        let mut step = InertiaIdentification::new(self.geometry);
+        for (index, (trial, cleaned)) in self.of(Role::Angular).enumerate() {
+            if !takes(index) {
+                continue;
+            }
+            let chain = SignalChain::new(&trial.gains, parameters);
+            for sample in rows(trial) {
+                step.push(
+                    &chain.force_per_mass_m_s2(&cleaned.voltage_v[sample]),
+                    cleaned.rate_shell_rad_s[sample],
+                    cleaned.angular_shell_rad_s2[sample],
+                )?;
+            }
+        }
+        Ok(step)
+    }
+
+    /// Step 4's curve over the paper's grid, from every `stride`-th sample.
+    ///
+    /// # Errors
+    /// Those of the decoupler.
+    pub fn search(
+        &self,
+        parameters: &Parameters,
+        scheme: Scheme,
+        stride: usize,
+        limb_law: LimbLaw,
+    ) -> sixaxis_core::Result<Vec<(f64, f64)>> {
+        let trials: Vec<(Sensor, Settings, Vec<[f64; LIMBS]>)> = self
+            .of(Role::HighFrequencyLinear)
+            .map(|(trial, cleaned)| {
+                let mut settings = trial.settings(scheme);
+                settings.sample_rate_hz /= stride as f64;
+                settings.limb_law = limb_law;
+                let rows = cleaned.voltage_v.iter().copied().step_by(stride).collect();
+                (trial.sensor(self.geometry), settings, rows)
+            })
+            .collect();
+        let grid: Vec<f64> = stiffness::paper_grid().collect();
+        // In pairs, as the search has them side by side; summed in their own order, whatever thread was first.
+        let pairs: Vec<RateNorms> = trials
+            .par_chunks(2)
+            .map(|pair| {
+                let pair: Vec<stiffness_search::Trial> = pair
+                    .iter()
+                    .map(|(sensor, settings, voltage_v)| stiffness_search::Trial {
+                        sensor,
+                        settings,
+                        voltage_v,
+                    })
+                    .collect();
+                rate_norm_sums(parameters, &pair, &grid)
+            })
+            .collect::<sixaxis_core::Result<_>>()?;
+        let samples: usize = pairs.iter().map(|pair| pair.samples).sum();
+        let sum = |candidate: usize| pairs.iter().map(|pair| pair.sums[candidate]).sum::<f64>();
+        Ok(grid
+            .iter()
+            .enumerate()
+            .map(|(i, &k)| (k, sum(i) / samples as f64))
+            .collect())
+    }
+}
+
+fn at(step: &'static str) -> impl Fn(sixaxis_core::Error) -> Error {
+    move |source| Error::Step { step, source }
+}
+
+/// Every how many samples steps 2 and 3 take a row from a trial.
+#[must_use]
+pub fn stride(trial: &Trial) -> usize {
+    (trial.sample_rate_hz / trial.frequency_hz / ROWS_PER_CYCLE).max(1.0) as usize
+}
+
+/// The samples of a trial that steps 2 and 3 take.
+pub fn rows(trial: &Trial) -> impl Iterator<Item = usize> {
+    (0..trial.voltage_v.len()).step_by(stride(trial))
+}

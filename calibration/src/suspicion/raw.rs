@@ -1,0 +1,202 @@
+//! What one recording shows by itself.
+
+use sixaxis_core::LIMBS;
+
+use super::{Cause, Finding, Suspect};
+use crate::session::Role;
+use crate::trial::Trial;
+
+/// Equal extreme samples in a row that make a flat top: noise does not repeat itself to the last bit, a converter at its end
+/// does.
+const FLAT_TOP: usize = 4;
+/// Voltages beyond this multiple of the converter's limit did not come from it as volts.
+const BEYOND: f64 = 1.2;
+/// A flat top is no news in a channel that spans no more than so many converter steps.
+const STEPS_SPANNED: f64 = 64.0;
+
+/// Clipped and constant channels.
+pub fn examine(at_rest: Option<&Trial>, suspects: &mut [Suspect<'_>], findings: &mut Vec<Finding>) {
+    beyond_converter(at_rest, suspects, findings);
+    if let Some(rest) = at_rest {
+        for channel in 0..LIMBS {
+            if clipped(rest, channel) == Some(Clipping::AtLimit) {
+                findings.push(clipping(rest, channel, Clipping::AtLimit));
+            }
+        }
+    }
+    for suspect in suspects {
+        for channel in 0..LIMBS {
+            if let Some(how) = clipped(suspect.trial, channel) {
+                findings.push(clipping(suspect.trial, channel, how));
+                suspect.excused[channel] = true;
+            }
+        }
+        for (what, series, moves) in [
+            (
+                "standard accelerometer",
+                &suspect.trial.accelerometer_m_s2,
+                suspect.trial.role != Role::Angular,
+            ),
+            (
+                "standard gyroscope",
+                &suspect.trial.gyroscope_rad_s,
+                suspect.trial.role == Role::Angular,
+            ),
+        ] {
+            let constant = series.iter().all(|x| Some(x) == series.first());
+            if moves && constant {
+                findings.push(Finding {
+                    cause: Cause::Unreadable,
+                    recordings: vec![suspect.trial.name.clone()],
+                    channels: Vec::new(),
+                    evidence: format!(
+                        "the {what} reads {:.4} throughout",
+                        series.first().copied().unwrap_or_default()
+                    ),
+                    advice: format!("check the cable of the {what} and record the trial again"),
+                });
+                suspect.settled = true;
+            }
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Clipping {
+    AtLimit,
+    FlatTop(f64),
+}
+
+fn clipping(trial: &Trial, channel: usize, how: Clipping) -> Finding {
+    let limit = trial.full_scale_v;
+    let beyond = trial
+        .voltage_v
+        .iter()
+        .filter(|row| match how {
+            Clipping::AtLimit => row[channel].abs() >= limit,
+            Clipping::FlatTop(top) => row[channel] == top,
+        })
+        .count();
+    Finding {
+        cause: Cause::ClippedConverter,
+        recordings: vec![trial.name.clone()],
+        channels: vec![channel + 1],
+        evidence: match how {
+            Clipping::AtLimit => format!(
+                "{beyond} of {} samples stand at the converter's limit of {limit} V",
+                trial.voltage_v.len()
+            ),
+            Clipping::FlatTop(top) => {
+                format!(
+                    "flat at {top:.4} V in {beyond} samples, below the limit of {limit} V that the session states"
+                )
+            }
+        },
+        advice: "set the amplifier to its next coarser range and record the trial again".to_owned(),
+    }
+}
+
+/// Values that no converter of the stated range delivers: they are in another unit than the file or the session says.
+fn beyond_converter(
+    at_rest: Option<&Trial>,
+    suspects: &mut [Suspect<'_>],
+    findings: &mut Vec<Finding>,
+) {
+    let largest = |trial: &Trial, channel: usize| {
+        trial
+            .voltage_v
+            .iter()
+            .fold(0.0_f64, |a, row| a.max(row[channel].abs()))
+    };
+    let mut recordings = Vec::new();
+    let mut channels = [false; LIMBS];
+    let mut most = (0.0, 0.0);
+    let mut look = |trial: &Trial| -> [bool; LIMBS] {
+        let peaks: [f64; LIMBS] = core::array::from_fn(|channel| largest(trial, channel));
+        let beyond = peaks.map(|peak| peak > BEYOND * trial.full_scale_v);
+        if beyond.contains(&true) {
+            recordings.push(trial.name.clone());
+            for channel in 0..LIMBS {
+                channels[channel] |= beyond[channel];
+                if peaks[channel] > most.0 {
+                    most = (peaks[channel], trial.full_scale_v);
+                }
+            }
+        }
+        beyond
+    };
+    if let Some(rest) = at_rest {
+        look(rest);
+    }
+    for suspect in suspects.iter_mut() {
+        let beyond = look(suspect.trial);
+        for (excused, beyond) in suspect.excused.iter_mut().zip(beyond) {
+            *excused |= beyond;
+        }
+        // Channels of one recorder share its unit; those that stay within the range by chance are no better.
+        suspect.settled |= beyond.iter().filter(|b| **b).count() > LIMBS / 2;
+    }
+    if recordings.is_empty() {
+        return;
+    }
+    findings.push(Finding {
+        cause: Cause::MillivoltMixUp,
+        recordings: if recordings.len() > suspects.len() / 2 {
+            Vec::new()
+        } else {
+            recordings
+        },
+        channels: if channels.iter().filter(|b| **b).count() > LIMBS / 2 {
+            Vec::new()
+        } else {
+            (1..=LIMBS).filter(|i| channels[i - 1]).collect()
+        },
+        evidence: format!(
+            "voltages up to {:.0} V from a converter that ends at {} V",
+            most.0, most.1
+        ),
+        advice:
+            "the numbers are millivolts: say so in the file's heading or in [channels] limbs_unit"
+                .to_owned(),
+    });
+}
+
+fn clipped(trial: &Trial, channel: usize) -> Option<Clipping> {
+    let (low, high) = trial
+        .voltage_v
+        .iter()
+        .map(|row| row[channel])
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), u| {
+            (l.min(u), h.max(u))
+        });
+    if high.max(-low) > BEYOND * trial.full_scale_v {
+        return None;
+    }
+    let series = || trial.voltage_v.iter().map(|row| row[channel]);
+    if series().any(|u| u.abs() >= trial.full_scale_v) {
+        return Some(Clipping::AtLimit);
+    }
+    if trial.role == Role::Static {
+        return None;
+    }
+    // The converter's step: the smallest difference that occurs between neighbours.
+    let step = trial
+        .voltage_v
+        .windows(2)
+        .map(|pair| (pair[1][channel] - pair[0][channel]).abs())
+        .filter(|d| *d > 0.0)
+        .fold(f64::INFINITY, f64::min);
+    if high - low <= STEPS_SPANNED * step {
+        return None;
+    }
+    for extreme in [low, high] {
+        let mut run = 0;
+        for u in series() {
+            run = if u == extreme { run + 1 } else { 0 };
+            if run >= FLAT_TOP {
+                return Some(Clipping::FlatTop(extreme));
+            }
+        }
+    }
+    None
+}

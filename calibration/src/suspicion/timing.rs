@@ -1,0 +1,146 @@
+//! Lags and clocks: whether sensor, standards and session agree on time.
+
+use core::f64::consts::TAU;
+
+use super::{Cause, Facts, Finding, Suspect, names};
+use crate::response::Response;
+use crate::session::Role;
+
+/// Lag between sensor and standards that is noticed: at 2 Hz, 0.6 % of the signal in quadrature.
+const LAG_S: f64 = 0.5e-3;
+/// Growth of the lag over a run that is noticed, s.
+const GROWTH_S: f64 = 0.5e-3;
+/// Times its standard error that a lag must exceed.
+const SIGNIFICANT: f64 = 6.0;
+/// Departure of the drive's frequency from the session's that is noticed.
+const FREQUENCY: f64 = 0.02;
+
+/// Lag of a trial's standards, s, how much it grows over the run, s, and the lag's standard error.
+fn lag(suspect: &Suspect<'_>, response: &Response) -> (f64, f64, f64) {
+    // All nine channels agree on the lag; each counts by its own signal over its own residual.
+    let (mut along, mut across, mut growth, mut weight, mut precision) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for (channel, excused) in response.channels.iter().zip(&suspect.excused) {
+        if *excused || channel.signal_n == 0.0 {
+            continue;
+        }
+        let w = 1.0 / (channel.signal_n * channel.signal_n);
+        along += w * channel.response * channel.response;
+        across += w * channel.response * channel.lagging;
+        growth += w * channel.response * channel.lagging_growth;
+        weight += w * channel.response.abs();
+        precision += (channel.response / channel.standard_error.max(f64::MIN_POSITIVE)).powi(2);
+    }
+    if weight == 0.0 {
+        return (0.0, 0.0, f64::INFINITY);
+    }
+    let omega = TAU * suspect.trial.frequency_hz;
+    let lag = (omega * across / along).atan() / omega;
+    (lag, 2.0 * growth / along, 1.0 / (omega * precision.sqrt()))
+}
+
+/// Looks at lags and clocks.
+pub fn examine(facts: &Facts<'_>, suspects: &mut [Suspect<'_>], findings: &mut Vec<Finding>) {
+    let mut wrong_rate = Vec::new();
+    let mut late: Vec<(usize, f64, f64)> = Vec::new();
+    let mut angular = 0;
+    for (index, suspect) in suspects.iter().enumerate() {
+        if suspect.settled {
+            continue;
+        }
+        let Some(response) = &suspect.response else {
+            continue;
+        };
+        angular += usize::from(suspect.trial.role == Role::Angular);
+        if let Some(frequency_hz) = response.frequency_hz {
+            let factor = frequency_hz / suspect.trial.frequency_hz;
+            if (factor - 1.0).abs() > FREQUENCY {
+                wrong_rate.push((index, frequency_hz));
+                continue;
+            }
+        }
+        let (lag, growth, error) = lag(suspect, response);
+        let noticed = |value: f64, limit: f64| value.abs() > limit + SIGNIFICANT * error;
+        if noticed(lag, LAG_S) || noticed(growth, GROWTH_S) {
+            late.push((index, lag, growth));
+        }
+    }
+    if let Some((first, seen_hz)) = wrong_rate.first().copied() {
+        findings.push(Finding {
+            cause: Cause::ClockMismatch,
+            recordings: names(wrong_rate.iter().map(|(i, _)| &suspects[*i])),
+            channels: Vec::new(),
+            evidence: format!(
+                "the drive turns at {seen_hz:.3} Hz by the recording's clock, at {:.3} Hz by the session",
+                suspects[first].trial.frequency_hz
+            ),
+            advice: "check sample_rate_hz against the recorder, and frequency_hz against the drive".to_owned(),
+        });
+        for (index, _) in &wrong_rate {
+            suspects[*index].settled = true;
+        }
+    }
+    if late.is_empty() {
+        return;
+    }
+    let all = late.clone();
+    // A compound run lags in part: what turns in it does.
+    let only_turning = late
+        .iter()
+        .all(|(i, ..)| matches!(suspects[*i].trial.role, Role::Angular | Role::Validation));
+    late.retain(|(i, ..)| !only_turning || suspects[*i].trial.role == Role::Angular);
+    if late.is_empty() {
+        late.extend(all);
+    }
+    let mut lags: Vec<f64> = late.iter().map(|(_, lag, _)| *lag).collect();
+    lags.sort_unstable_by(f64::total_cmp);
+    let (least, most) = (lags[0], lags[lags.len() - 1]);
+    let alike = most - least < 0.25 * most.abs() && least > 0.0;
+    if only_turning && late.len() == angular && angular > 1 && alike {
+        let middle = lags[lags.len() / 2];
+        findings.push(Finding {
+            cause: Cause::GyroscopeLag,
+            recordings: Vec::new(),
+            channels: Vec::new(),
+            evidence: format!(
+                "in all {angular} angular trials the gyroscope is {:.1} ms behind the sensor, as a first-order bandwidth of {:.1} Hz would have it{}",
+                1e3 * middle,
+                1.0 / (TAU * middle),
+                if facts.gyroscope_lag_undone {
+                    ", on top of the bandwidth that is being undone"
+                } else {
+                    ""
+                }
+            ),
+            advice: "state the gyroscope's bandwidth_hz as its certificate has it; its lag is then undone".to_owned(),
+        });
+        // What turns cannot be compared before the lag is undone.
+        for suspect in suspects.iter_mut() {
+            suspect.settled |= suspect.trial.role == Role::Validation;
+        }
+    } else {
+        let (worst, lag, growth) = late
+            .iter()
+            .copied()
+            .max_by(|a, b| (a.1.abs() + a.2.abs()).total_cmp(&(b.1.abs() + b.2.abs())))
+            .unwrap_or(late[0]);
+        let duration = suspects[worst]
+            .response
+            .as_ref()
+            .map_or(1.0, |r| r.duration_s);
+        findings.push(Finding {
+            cause: Cause::ClockMismatch,
+            recordings: names(late.iter().map(|(i, ..)| &suspects[*i])),
+            channels: Vec::new(),
+            evidence: format!(
+                "the standards are {:.2} ms behind the sensor in the middle of {}, and that changes by {:.2} ms over its {duration:.1} s",
+                1e3 * lag,
+                suspects[worst].trial.name,
+                1e3 * growth
+            ),
+            advice: "record sensor and standards on one clock, or state reference_start_s and both sample rates".to_owned(),
+        });
+    }
+    for (index, ..) in late {
+        suspects[index].settled = true;
+    }
+}

@@ -1,0 +1,69 @@
+//! Units that channels come in: what a unit's name is worth in SI.
+
+use core::f64::consts::PI;
+
+/// Standard gravity, m/s^2: what `g` means.
+pub const STANDARD_GRAVITY_M_S2: f64 = 9.80665;
+
+/// What a unit measures and its size in SI.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Unit {
+    /// Volts per unit.
+    Voltage(f64),
+    /// m/s^2 per unit.
+    Acceleration(f64),
+    /// rad/s per unit.
+    Rate(f64),
+    /// Seconds per unit.
+    Time(f64),
+}
+
+/// Looks a unit up by the names that recorders use. None: not known.
+#[must_use]
+pub fn named(name: &str) -> Option<Unit> {
+    let squeezed: String = name
+        .chars()
+        .filter(|c| !c.is_whitespace())
+        .map(|c| match c {
+            '²' => '2',
+            'µ' => 'u',
+            other => other,
+        })
+        .filter(|c| *c != '^')
+        .collect();
+    let unit = match squeezed.as_str() {
+        "V" | "Volt" | "Volts" | "volt" | "volts" | "v" => Unit::Voltage(1.0),
+        "mV" | "millivolt" | "millivolts" => Unit::Voltage(1e-3),
+        "uV" => Unit::Voltage(1e-6),
+        "m/s2" | "m*s-2" | "ms-2" | "m.s-2" | "m/s/s" => Unit::Acceleration(1.0),
+        "mm/s2" => Unit::Acceleration(1e-3),
+        "g" | "G" | "gn" => Unit::Acceleration(STANDARD_GRAVITY_M_S2),
+        "mg" => Unit::Acceleration(1e-3 * STANDARD_GRAVITY_M_S2),
+        "rad/s" | "rads-1" | "rad*s-1" => Unit::Rate(1.0),
+        "deg/s" | "°/s" | "dps" | "degs-1" => Unit::Rate(PI / 180.0),
+        "rpm" => Unit::Rate(2.0 * PI / 60.0),
+        "s" | "sec" | "seconds" => Unit::Time(1.0),
+        "ms" => Unit::Time(1e-3),
+        "us" => Unit::Time(1e-6),
+        "ns" => Unit::Time(1e-9),
+        "min" => Unit::Time(60.0),
+        _ => return None,
+    };
+    Some(unit)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spellings() {
+        assert_eq!(named("m/s^2"), Some(Unit::Acceleration(1.0)));
+        assert_eq!(named("m / s²"), Some(Unit::Acceleration(1.0)));
+        assert_eq!(named("mV"), Some(Unit::Voltage(1e-3)));
+        assert_eq!(named("°/s"), Some(Unit::Rate(PI / 180.0)));
+        // A thousandth of a volt and a million of them are one letter apart.
+        assert_eq!(named("MV"), None);
+        assert_eq!(named(""), None);
+    }
+}

@@ -1,0 +1,133 @@
+//! A played session on disk: recordings, session file and, in a folder of its own, the truth.
+
+use std::path::{Path, PathBuf};
+
+use sixaxis_core::LIMBS;
+use sixaxis_recordings::draft::write_atomically;
+use sixaxis_recordings::{Block, Channel, Layout, create};
+
+use super::play::{Played, PlayedSession};
+
+/// Name of the session file.
+pub const SESSION_FILE: &str = "session.toml";
+/// Folder of what the laboratory does not know.
+pub const TRUTH_FOLDER: &str = "truth";
+
+/// Rows of a block.
+const BLOCK: usize = 1 << 16;
+
+/// Writes a session into a folder, recordings with the given extension (`csv`, `csv.gz`, `parquet`, `tdms`, `npy`, `npz`).
+/// The session file comes last: a folder that has one is complete.
+///
+/// # Errors
+/// Those of writing.
+pub fn write(
+    played: &PlayedSession,
+    folder: &Path,
+    extension: &str,
+) -> sixaxis_recordings::Result<PathBuf> {
+    let mut session = played.session.clone();
+    for (recording, entry) in played.recordings.iter().zip(&mut session.recording) {
+        let name = format!("{}.{extension}", entry.file.display());
+        write_recording(recording, &folder.join(&name))?;
+        if !recording.truth.is_empty() {
+            write_truth(recording, &folder.join(TRUTH_FOLDER).join(&name))?;
+        }
+        entry.file = PathBuf::from(name);
+    }
+    let truth = serde_json::to_vec_pretty(&played.truth).unwrap_or_default();
+    write_atomically(&folder.join(TRUTH_FOLDER).join("truth.json"), &truth)?;
+    let path = folder.join(SESSION_FILE);
+    let text = toml::to_string(&session)
+        .map_err(|e| sixaxis_recordings::Error::io(&path, std::io::Error::other(e)))?;
+    write_atomically(&path, text.as_bytes())?;
+    Ok(path)
+}
+
+fn layout(channels: Vec<Channel>, sample_rate_hz: f64) -> Layout {
+    Layout {
+        channels: channels
+            .into_iter()
+            .map(|channel| Channel {
+                sample_rate_hz: Some(sample_rate_hz),
+                ..channel
+            })
+            .collect(),
+        ..Layout::default()
+    }
+}
+
+fn write_recording(recording: &Played, path: &Path) -> sixaxis_recordings::Result<()> {
+    let mut channels: Vec<Channel> = (1..=LIMBS)
+        .map(|limb| Channel::new(format!("u{limb}"), Some("V")))
+        .collect();
+    let moves = !recording.accelerometer_m_s2.is_empty();
+    if moves {
+        channels.push(Channel::new("accelerometer", Some("m/s^2")));
+        channels.push(Channel::new("gyroscope", Some("rad/s")));
+    }
+    let columns = channels.len();
+    let mut sink = create(path, &layout(channels, recording.sample_rate_hz))?;
+    let mut block = Block::new(columns);
+    for start in (0..recording.voltage_v.len()).step_by(BLOCK) {
+        let rows = start..(start + BLOCK).min(recording.voltage_v.len());
+        block.clear(columns);
+        for (limb, column) in block.columns.iter_mut().take(LIMBS).enumerate() {
+            column.extend(
+                recording.voltage_v[rows.clone()]
+                    .iter()
+                    .map(|row| row[limb]),
+            );
+        }
+        if moves {
+            block.columns[LIMBS].extend_from_slice(&recording.accelerometer_m_s2[rows.clone()]);
+            block.columns[LIMBS + 1].extend_from_slice(&recording.gyroscope_rad_s[rows]);
+        }
+        sink.write(&block)?;
+    }
+    sink.finish()
+}
+
+/// Channels of a decoupled or true motion: accelerations in ground axes, rate in shell axes, attitude.
+pub const MOTION_CHANNELS: [(&str, &str); 13] = [
+    ("ax", "m/s^2"),
+    ("ay", "m/s^2"),
+    ("az", "m/s^2"),
+    ("alpha_x", "rad/s^2"),
+    ("alpha_y", "rad/s^2"),
+    ("alpha_z", "rad/s^2"),
+    ("wx", "rad/s"),
+    ("wy", "rad/s"),
+    ("wz", "rad/s"),
+    ("qw", "1"),
+    ("qx", "1"),
+    ("qy", "1"),
+    ("qz", "1"),
+];
+
+fn write_truth(recording: &Played, path: &Path) -> sixaxis_recordings::Result<()> {
+    let channels = MOTION_CHANNELS
+        .map(|(name, unit)| Channel::new(name, Some(unit)))
+        .to_vec();
+    let columns = channels.len();
+    let mut sink = create(path, &layout(channels, recording.sample_rate_hz))?;
+    let mut block = Block::new(columns);
+    for rows in recording.truth.chunks(BLOCK) {
+        block.clear(columns);
+        for truth in rows {
+            let q = truth.attitude;
+            let values = truth
+                .linear_ground_m_s2
+                .to_array()
+                .into_iter()
+                .chain(truth.angular_ground_rad_s2.to_array())
+                .chain(truth.rate_shell_rad_s.to_array())
+                .chain([q.w, q.x, q.y, q.z]);
+            for (column, value) in block.columns.iter_mut().zip(values) {
+                column.push(value);
+            }
+        }
+        sink.write(&block)?;
+    }
+    sink.finish()
+}
