@@ -1,1 +1,175 @@
-//! x
+//! The result as a file: `calibration.json`, what `sixaxis decouple` reads and a laboratory keeps.
+
+use std::path::Path;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sixaxis_core::{Gains, Geometry, InertiaPerMass, LIMBS, Parameters, Sensor};
+use sixaxis_recordings::draft::write_atomically;
+
+use crate::error::{Error, Result};
+use crate::interval::ParameterReport;
+use crate::session::Channels;
+use crate::suspicion::Finding;
+use crate::verdict::Grade;
+
+/// Name and version of the format; a reader refuses another.
+pub const FORMAT: &str = "sixaxis-calibration-1";
+
+/// A calibration.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Calibration {
+    /// [`FORMAT`].
+    pub format: String,
+    /// The judgement.
+    pub verdict: Grade,
+    /// What is wrong.
+    pub findings: Vec<Finding>,
+    /// The sensor.
+    pub sensor: CalibratedSensor,
+    /// The 25 parameters to decouple with.
+    pub parameters: CalibratedParameters,
+    /// How well each is known.
+    pub intervals: Vec<ParameterReport>,
+    /// Covariance of the fits, noise alone.
+    pub covariance: Covariance,
+    /// Channel names and units of the session's recordings.
+    pub channels: Channels,
+    /// Where it comes from.
+    pub provenance: Provenance,
+}
+
+/// What is fixed of the sensor.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CalibratedSensor {
+    /// Serial number or name.
+    pub serial: String,
+    /// L, m.
+    pub limb_length_m: f64,
+    /// n, m.
+    pub half_edge_m: f64,
+    /// Limit of the converter, V.
+    pub full_scale_v: f64,
+    /// c_i of the session's default amplifier ranges, N/V.
+    pub gain_n_per_v: [f64; LIMBS],
+}
+
+/// The 25 parameters, SI.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CalibratedParameters {
+    /// d_i, V.
+    pub zero_drift_v: [f64; LIMBS],
+    /// s_i/m, 1/kg.
+    pub scale_per_mass_per_kg: [f64; LIMBS],
+    /// I1 to I6 over m in the paper's order (xx, yy, zz, xy, xz, yz), m^2.
+    pub inertia_per_mass_m2: [f64; 6],
+    /// k/m, 1/s^2.
+    pub stiffness_per_mass_per_s2: f64,
+}
+
+/// Covariances of the fits.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Covariance {
+    /// Variances of the zero drifts, V^2.
+    pub zero_drift_v2: [f64; LIMBS],
+    /// Of the scale factors, 1/kg^2, row by row.
+    pub scale_per_mass_per_kg2: Vec<Vec<f64>>,
+    /// Of the inertias, m^4, row by row.
+    pub inertia_per_mass_m4: Vec<Vec<f64>>,
+}
+
+/// Where a calibration comes from.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Provenance {
+    /// Version of this program.
+    pub sixaxis_version: String,
+    /// The session file's text, whole.
+    pub session: String,
+    /// Recordings with their sizes, bytes.
+    pub recordings: Vec<(String, u64)>,
+}
+
+impl Calibration {
+    /// Reads a calibration.
+    ///
+    /// # Errors
+    /// [`Error::Recording`] if it cannot be read, [`Error::Session`] with the line if it is no calibration of this format or
+    /// its parameters are no sensor's.
+    pub fn read(path: &Path) -> Result<Self> {
+        let text = std::fs::read_to_string(path)
+            .map_err(|source| sixaxis_recordings::Error::io(path, source))?;
+        let refuse = |line: Option<usize>, key: &str, cause: String| Error::Session {
+            path: path.to_owned(),
+            line,
+            key: key.to_owned(),
+            cause,
+        };
+        let calibration: Self = serde_json::from_str(&text)
+            .map_err(|e| refuse(Some(e.line()), "calibration", e.to_string()))?;
+        if calibration.format != FORMAT {
+            return Err(refuse(
+                None,
+                "format",
+                format!("{:?} is not {FORMAT:?}", calibration.format),
+            ));
+        }
+        calibration
+            .parameters()
+            .validate()
+            .map_err(|e| refuse(None, "parameters", e.to_string()))?;
+        let sensor = calibration.sensor();
+        sensor
+            .geometry
+            .validate()
+            .and_then(|()| sensor.gains.validate())
+            .map_err(|e| refuse(None, "sensor", e.to_string()))?;
+        Ok(calibration)
+    }
+
+    /// Writes it, whole or not at all.
+    ///
+    /// # Errors
+    /// [`Error::Recording`].
+    pub fn write(&self, path: &Path) -> Result<()> {
+        let text = serde_json::to_vec_pretty(self)
+            .map_err(|e| sixaxis_recordings::Error::io(path, std::io::Error::other(e)))?;
+        Ok(write_atomically(path, &text)?)
+    }
+
+    /// The parameters as the mathematics has them.
+    #[must_use]
+    pub fn parameters(&self) -> Parameters {
+        let p = &self.parameters;
+        Parameters {
+            zero_drift_v: p.zero_drift_v,
+            scale_per_mass_per_kg: p.scale_per_mass_per_kg,
+            inertia_per_mass: InertiaPerMass::from_paper_order(p.inertia_per_mass_m2),
+            stiffness_per_mass_per_s2: p.stiffness_per_mass_per_s2,
+        }
+    }
+
+    /// The sensor with the session's default gains.
+    #[must_use]
+    pub fn sensor(&self) -> Sensor {
+        Sensor {
+            geometry: Geometry {
+                limb_length_m: self.sensor.limb_length_m,
+                half_edge_m: self.sensor.half_edge_m,
+            },
+            gains: Gains {
+                gain_n_per_v: self.sensor.gain_n_per_v,
+            },
+        }
+    }
+}
+
+/// The format's JSON schema.
+#[must_use]
+pub fn schema() -> serde_json::Value {
+    schemars::schema_for!(Calibration).to_value()
+}

@@ -1,1 +1,236 @@
-//! x
+//! How well each parameter is known, and what limits it.
+//!
+//! Two things spread an estimate. What differs from sample to sample and from trial to trial, noise, wedges, mounting, shows in
+//! the data: the steps' covariance has the noise, and leaving out one trial after the other (the jackknife) has all of it. What
+//! is the same in all trials does not show: the standards' gain errors, for which the certificates' classes stand. A class is
+//! a limit, not a standard deviation: 95 % of an even spread within it lie within 0.95 of it.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sixaxis_core::{LIMBS, Parameters};
+
+use crate::session::{Role, SessionFile};
+use crate::steps::{Campaign, FourSteps, GyroscopeGain};
+
+/// Half width of the 95 % interval of a normal variable, in standard deviations.
+const NORMAL_95: f64 = 1.959_963_984_540_054;
+/// Half width of the 95 % interval of an even spread, in its half width.
+const EVEN_95: f64 = 0.95;
+
+/// One of the 25 parameters as it is known.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ParameterReport {
+    /// Name as in the paper: `d1`, `s1/m`, `I1/m`, `k/m`.
+    pub name: String,
+    /// Unit of all numbers here.
+    pub unit: String,
+    /// Estimate. For k/m that is not determined, the design's.
+    pub estimate: f64,
+    /// Design value.
+    pub design: f64,
+    /// Half width of the 95 % interval; none where the parameter is not determined.
+    pub half_width_95: Option<f64>,
+    /// Half width that noise alone would give, from the covariance of the fit.
+    pub from_noise: Option<f64>,
+    /// Half width that the differences between trials give; none for fewer than three trials.
+    pub from_trials: Option<f64>,
+    /// Half width that the standards' classes give.
+    pub from_standards: Option<f64>,
+    /// What dominates the interval.
+    pub dominated_by: String,
+    /// Whether the data determine it.
+    pub determined: bool,
+    /// Why not, or how.
+    pub remark: String,
+}
+
+/// Estimates with one trial left out, for each trial of a step in turn.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct LeftOut {
+    /// Scale factors without each linear trial, 1/kg; none where the rest do not determine them.
+    pub scale: Vec<Option<[f64; LIMBS]>>,
+    /// Inertias without each angular trial, m^2.
+    pub inertia: Vec<Option<[f64; 6]>>,
+}
+
+impl LeftOut {
+    /// Fits steps 2 and 3 without one trial after the other.
+    #[must_use]
+    pub fn fit(campaign: &Campaign, steps: &FourSteps, gyroscope: GyroscopeGain) -> Self {
+        let count = |role: Role| {
+            campaign
+                .trials
+                .iter()
+                .filter(|(t, _)| t.role == role)
+                .count()
+        };
+        let scale = (0..count(Role::Linear))
+            .map(|out| {
+                let fitted = campaign.scale(&steps.drift, |index| index != out).ok()?;
+                Some(fitted.estimate.values)
+            })
+            .collect();
+        let parameters = steps.found();
+        let inertia = (0..count(Role::Angular))
+            .map(|out| {
+                let rows = campaign.angular(&parameters, |index| index != out).ok()?;
+                let fitted = match gyroscope {
+                    GyroscopeGain::Trusted => rows.solve().ok()?,
+                    GyroscopeGain::Identified => rows.solve_with_gain().ok()?.inertia,
+                };
+                Some(fitted.estimate.values)
+            })
+            .collect();
+        Self { scale, inertia }
+    }
+}
+
+/// Standard deviation of an estimate by the jackknife: (n-1)/n times the sum of squares about the mean, rooted. None for fewer
+/// than three fits.
+fn jackknife(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let values: Vec<f64> = values.collect();
+    let n = values.len() as f64;
+    if values.len() < 3 {
+        return None;
+    }
+    let mean = values.iter().sum::<f64>() / n;
+    let squares = values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>();
+    Some(((n - 1.0) / n * squares).sqrt())
+}
+
+/// Reports on all 25 parameters.
+#[must_use]
+pub fn report(file: &SessionFile, steps: &FourSteps, left_out: &LeftOut) -> Vec<ParameterReport> {
+    let design = file.design();
+    let used = steps.used();
+    let mut reports = Vec::with_capacity(25);
+    for limb in 0..LIMBS {
+        reports.push(finish(
+            format!("d{}", limb + 1),
+            "V",
+            used.zero_drift_v[limb],
+            design.zero_drift_v[limb],
+            Some(NORMAL_95 * steps.drift.standard_error_v[limb]),
+            None,
+            None,
+        ));
+    }
+    let accelerometer = EVEN_95 * file.session.accelerometer.class_percent / 100.0;
+    let gyroscope = EVEN_95 * file.session.gyroscope.class_percent / 100.0;
+    let errors = steps.scale.estimate.standard_error();
+    for limb in 0..LIMBS {
+        let value = used.scale_per_mass_per_kg[limb];
+        let trials = jackknife(left_out.scale.iter().flatten().map(|s| s[limb]));
+        reports.push(finish(
+            format!("s{}/m", limb + 1),
+            "1/kg",
+            value,
+            design.scale_per_mass_per_kg[limb],
+            Some(NORMAL_95 * errors[limb]),
+            trials.map(|t| NORMAL_95 * t),
+            Some(accelerometer * value.abs()),
+        ));
+    }
+    let errors = steps.inertia.estimate.standard_error();
+    let values = used.inertia_per_mass.to_paper_order();
+    let designs = design.inertia_per_mass.to_paper_order();
+    // Torques carry the accelerometer's gain through s/m, and the gyroscope's where it is trusted.
+    let standards = match steps.rate_over_reading {
+        None => accelerometer.hypot(gyroscope),
+        Some((_, error)) => accelerometer.hypot(NORMAL_95 * error),
+    };
+    for entry in 0..6 {
+        let trials = jackknife(left_out.inertia.iter().flatten().map(|i| i[entry]));
+        reports.push(finish(
+            format!("I{}/m", entry + 1),
+            "m²",
+            values[entry],
+            designs[entry],
+            Some(NORMAL_95 * errors[entry]),
+            trials.map(|t| NORMAL_95 * t),
+            Some(standards * values[entry].abs()),
+        ));
+    }
+    reports.push(stiffness(steps, &used, &design, &reports));
+    reports
+}
+
+fn finish(
+    name: String,
+    unit: &str,
+    estimate: f64,
+    design: f64,
+    from_noise: Option<f64>,
+    from_trials: Option<f64>,
+    from_standards: Option<f64>,
+) -> ParameterReport {
+    // The jackknife sees the noise, too; the larger of both stands for what differs.
+    let differs = from_noise.unwrap_or(0.0).max(from_trials.unwrap_or(0.0));
+    let same = from_standards.unwrap_or(0.0);
+    let dominated_by = if same > differs {
+        "class of the standards"
+    } else if from_trials > from_noise {
+        "differences between trials"
+    } else {
+        "noise"
+    };
+    ParameterReport {
+        name,
+        unit: unit.to_owned(),
+        estimate,
+        design,
+        half_width_95: Some(differs.hypot(same)),
+        from_noise,
+        from_trials,
+        from_standards,
+        dominated_by: dominated_by.to_owned(),
+        determined: true,
+        remark: String::new(),
+    }
+}
+
+/// Relative error of the scale factors at which step 4's minimum begins to mean something: relative motion changes the torques
+/// by about a millionth.
+pub const SCALE_ERROR_FOR_STIFFNESS: f64 = 1e-6;
+
+fn stiffness(
+    steps: &FourSteps,
+    used: &Parameters,
+    design: &Parameters,
+    known: &[ParameterReport],
+) -> ParameterReport {
+    let worst = known[LIMBS..2 * LIMBS]
+        .iter()
+        .filter_map(|p| Some(p.half_width_95? / p.estimate.abs()))
+        .fold(0.0, f64::max);
+    let determined = steps.stiffness_is_determined() && worst <= SCALE_ERROR_FOR_STIFFNESS;
+    let remark = match &steps.stiffness {
+        None => "not determined: there is no trial of role high_frequency_linear; the design's value is used".to_owned(),
+        Some(_) if determined => String::new(),
+        Some(found) if steps.stiffness_is_determined() => format!(
+            "not to be relied on: the search has a minimum at {:.2e} 1/s², but that needs scale factors to {SCALE_ERROR_FOR_STIFFNESS:.0e} and has them to {worst:.0e}",
+            found.grid_minimum_per_s2
+        ),
+        Some(_) => format!(
+            "not determined: needs scale factors to {SCALE_ERROR_FOR_STIFFNESS:.0e}, has {worst:.0e}; the design's value is used, which the decoupled accelerations do not notice at the rig's frequencies"
+        ),
+    };
+    ParameterReport {
+        name: "k/m".to_owned(),
+        unit: "1/s²".to_owned(),
+        estimate: used.stiffness_per_mass_per_s2,
+        design: design.stiffness_per_mass_per_s2,
+        half_width_95: None,
+        from_noise: None,
+        from_trials: None,
+        from_standards: None,
+        dominated_by: if determined {
+            "grid of the search"
+        } else {
+            "errors of the scale factors"
+        }
+        .to_owned(),
+        determined,
+        remark,
+    }
+}

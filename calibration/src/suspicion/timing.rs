@@ -38,6 +38,14 @@ fn lag(suspect: &Suspect<'_>, response: &Response) -> (f64, f64, f64) {
     (lag, 2.0 * growth / along, 1.0 / (omega * precision.sqrt()))
 }
 
+/// Time by which a trial's standards lag behind the sensor, s.
+#[must_use]
+pub fn lag_of(suspect: &Suspect<'_>) -> Option<f64> {
+    let response = suspect.response.as_ref()?;
+    let (lag, _, error) = lag(suspect, response);
+    error.is_finite().then_some(lag)
+}
+
 /// Looks at lags and clocks.
 pub fn examine(facts: &Facts<'_>, suspects: &mut [Suspect<'_>], findings: &mut Vec<Finding>) {
     let mut wrong_rate = Vec::new();

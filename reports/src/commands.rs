@@ -1,0 +1,9 @@
+//! One file for each thing the command can be asked to do. Each says its own arguments; what they have in common is here.
+
+pub mod calibrate;
+pub mod compare;
+pub mod decouple;
+pub mod inspect;
+pub mod model;
+pub mod report;
+pub mod simulate;

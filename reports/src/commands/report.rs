@@ -1,0 +1,217 @@
+//! `sixaxis report`: the paper's campaign on MuJoCo, as an offline HTML page.
+
+use std::path::PathBuf;
+use std::process::{Command, ExitCode};
+use std::time::Instant;
+
+use anyhow::{Context, Result, ensure};
+use serde::Serialize;
+use sixaxis_core::Scheme;
+use sixaxis_props::{evidence, motions, tolerance};
+use sixaxis_reports::pages;
+use sixaxis_reports::progress::Progress;
+use sixaxis_reports::study::{self, plan::Plan, results::Results};
+use sixaxis_reports::view::standalone::standalone;
+use sixaxis_reports::view::{render, write_atomically};
+
+/// What to play and where to write.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Folder to write to
+    #[arg(long, value_name = "DIR", default_value = "sixaxis-report")]
+    out: PathBuf,
+    /// Seed of the laboratory's random errors
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Fewer runs, for a first look
+    #[arg(long)]
+    quick: bool,
+    /// Threads to use; 0 for one per core
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    threads: usize,
+    /// Folder of the test suites' rows [default: where the tests of this checkout write]
+    #[arg(long, value_name = "DIR")]
+    evidence: Option<PathBuf>,
+}
+
+/// What depends on where and when: kept out of `results.json`.
+#[derive(Serialize)]
+struct Run {
+    sixaxis_version: String,
+    commit: String,
+    mujoco_version: String,
+    seed: u64,
+    quick: bool,
+    threads: usize,
+    machine: String,
+    duration_s: f64,
+}
+
+impl Run {
+    fn facts(&self) -> Vec<(String, String)> {
+        [
+            ("sixaxis", self.sixaxis_version.clone()),
+            ("commit", self.commit.clone()),
+            ("MuJoCo", self.mujoco_version.clone()),
+            ("seed", self.seed.to_string()),
+            (
+                "campaign",
+                if self.quick { "quick" } else { "full" }.to_owned(),
+            ),
+            ("threads", self.threads.to_string()),
+            ("machine", self.machine.clone()),
+            ("duration", format!("{:.0} s", self.duration_s)),
+        ]
+        .map(|(name, value)| (name.to_owned(), value))
+        .to_vec()
+    }
+}
+
+/// Plays the campaign and writes the report.
+pub fn run(arguments: &Arguments) -> Result<ExitCode> {
+    let Arguments {
+        out,
+        seed,
+        quick,
+        threads,
+        evidence,
+    } = arguments;
+    let plan = &Plan {
+        seed: *seed,
+        quick: *quick,
+    };
+    // Before half a minute of work, not after it.
+    if let Some(folder) = evidence {
+        ensure!(
+            folder.is_dir(),
+            "{} is no folder of evidence",
+            folder.display()
+        );
+    }
+    std::fs::create_dir_all(out)
+        .with_context(|| format!("cannot create the output folder {}", out.display()))?;
+    let started = Instant::now();
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(*threads)
+        .build()
+        .context("cannot start the threads")?;
+    let progress = Progress::shown();
+    let results = pool.install(|| study::run(plan, &progress))?;
+    let motions = plan.random_motions();
+    let stage = progress.stage("motions", motions);
+    let mut rows = pool.install(|| {
+        let scheme = Scheme::AdamsMoulton4;
+        motions::compare_all(plan.seed, motions, scheme, tolerance::DECOUPLED, || {
+            stage.advance(1);
+        })
+    });
+    drop(stage);
+    let run = Run {
+        sixaxis_version: results.sixaxis_version.clone(),
+        commit: commit(),
+        mujoco_version: results.mujoco_version.clone(),
+        seed: plan.seed,
+        quick: plan.quick,
+        threads: pool.current_num_threads(),
+        machine: machine(),
+        duration_s: started.elapsed().as_secs_f64(),
+    };
+    let folder = evidence.clone().unwrap_or_else(evidence::folder);
+    let section = match evidence::read_folder(&folder) {
+        Ok(suites) => {
+            rows.extend(suites);
+            pages::evidence::section(&rows)
+        }
+        Err(e) => pages::evidence::unreadable(&rows, &e),
+    };
+    let page = pages::report(&results, section, run.facts());
+    let html = out.join("report.html");
+    let mut files = vec![
+        (
+            out.join("results.json"),
+            serde_json::to_vec_pretty(&Document::new(&results))?,
+        ),
+        (out.join("run.json"), serde_json::to_vec_pretty(&run)?),
+        (html.clone(), render(&page)?.into_bytes()),
+    ];
+    files.push((out.join("evidence.csv"), evidence::to_csv(&rows)?));
+    let figures = out.join("figures");
+    std::fs::create_dir_all(&figures)
+        .with_context(|| format!("cannot create {}", figures.display()))?;
+    for figure in page.figures() {
+        files.push((
+            figures.join(&figure.id).with_extension("svg"),
+            standalone(figure)?.into_bytes(),
+        ));
+    }
+    for (path, bytes) in files {
+        write_atomically(&path, &bytes)
+            .with_context(|| format!("cannot write {}", path.display()))?;
+    }
+    print_summary(&results);
+    println!("\n{}", html.display());
+    Ok(ExitCode::SUCCESS)
+}
+
+/// `results.json`: the numbers and the ledger.
+#[derive(Serialize)]
+struct Document<'a> {
+    #[serde(flatten)]
+    results: &'a Results,
+    claims: Vec<sixaxis_reports::view::Claim>,
+}
+
+impl<'a> Document<'a> {
+    fn new(results: &'a Results) -> Self {
+        Self {
+            results,
+            claims: pages::claims(results),
+        }
+    }
+}
+
+fn print_summary(results: &Results) {
+    println!("{:<52} {:>12} {:>10}", "bar", "measured", "limit");
+    for bar in &results.bars {
+        println!(
+            "{:<52} {:>12.2e} {:>10.1e} {:<2} {}",
+            bar.name,
+            bar.value,
+            bar.limit,
+            bar.unit,
+            if bar.met { "met" } else { "MISSED" }
+        );
+    }
+}
+
+/// The commit this was built from, if it was built and run in a checkout.
+fn commit() -> String {
+    Command::new("git")
+        .args([
+            "-C",
+            env!("CARGO_MANIFEST_DIR"),
+            "describe",
+            "--always",
+            "--dirty",
+        ])
+        .output()
+        .ok()
+        .filter(|output| output.status.success())
+        .and_then(|output| String::from_utf8(output.stdout).ok())
+        .map_or_else(|| "unknown".to_owned(), |text| text.trim().to_owned())
+}
+
+/// Processor and number of cores, as the system names them.
+fn machine() -> String {
+    let cores = std::thread::available_parallelism().map_or(0, usize::from);
+    let name = std::fs::read_to_string("/proc/cpuinfo")
+        .ok()
+        .and_then(|text| {
+            text.lines()
+                .find(|line| line.starts_with("model name"))
+                .and_then(|line| line.split(':').nth(1))
+                .map(|name| name.trim().to_owned())
+        })
+        .unwrap_or_else(|| std::env::consts::ARCH.to_owned());
+    format!("{name}, {cores} cores, {}", std::env::consts::OS)
+}
