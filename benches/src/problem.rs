@@ -141,20 +141,13 @@ impl Recorded {
     /// The sensor with the amplifier range of this recording.
     #[must_use]
     pub fn sensor(&self) -> Sensor {
-        Sensor {
-            geometry: Geometry::PAPER,
-            gains: self.recording.gains,
-        }
+        self.recording.sensor()
     }
 
     /// Settings that go with this recording.
     #[must_use]
     pub fn settings(&self, scheme: Scheme) -> Settings {
-        Settings {
-            scheme,
-            gravity_ground_m_s2: self.recording.gravity_ground_m_s2,
-            ..Settings::new(self.recording.sample_rate_hz)
-        }
+        self.recording.settings(scheme)
     }
 
     /// A decoupler ready for this recording's first sample, with the true parameters.

@@ -7,8 +7,8 @@
 //! 1. [`raw`]: what one recording shows by itself: clipped, constant.
 //! 2. [`structure`]: what all trials together show of a channel: silent, exchanged, inverted, under-excited axes.
 //! 3. [`gravity`]: weight that turns in the sensor although the session says it does not.
-//! 4. [`level`]: factors that all trials share: units, sensitivities, gains.
-//! 5. [`timing`]: lags and clocks.
+//! 4. [`timing`]: lags and clocks.
+//! 5. [`level`]: factors that all trials share: units, sensitivities, gains.
 //! 6. [`drift`]: rests that are not where they were.
 //! 7. [`odd_trial`]: trials that do not fit in with the others.
 
@@ -201,11 +201,11 @@ pub fn examine<'a>(
             &mut findings,
         ));
     }
+    timing::examine(facts, &mut suspects, &mut findings);
     if let Some(table) = &table {
         structure::inverted(table, facts, &silent, &mut findings);
         level::examine(table, facts, &silent, &mut suspects, &mut findings);
     }
-    timing::examine(facts, &mut suspects, &mut findings);
     drift::examine(
         at_rest,
         drift.as_ref(),

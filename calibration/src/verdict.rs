@@ -20,7 +20,7 @@ use crate::cleaning::{Cleaned, Cleaning};
 use crate::error::{Error, Result};
 use crate::interval::{LeftOut, ParameterReport, report};
 use crate::load;
-use crate::session::{Role, SessionFile};
+use crate::session::{Limits, Role, SessionFile};
 use crate::steps::{Campaign, FourSteps, GyroscopeGain, rows};
 use crate::suspicion::{Cause, Facts, Finding, examine};
 use crate::trial::Trial;
@@ -115,6 +115,8 @@ pub struct Judgement {
     pub next: Vec<String>,
     /// The four steps, if they could be done.
     pub steps: Option<FourSteps>,
+    /// Why they could not be done: the step and its reason.
+    pub obstacle: Option<String>,
     /// The 25 parameters; empty if the steps could not be done.
     pub parameters: Vec<ParameterReport>,
     /// The trials.
@@ -127,19 +129,13 @@ pub struct Judgement {
     pub calibration: Option<Calibration>,
 }
 
-/// Largest error of a validation run that a good calibration has: the standards' class, their noise and their second derivative.
-const VALIDATION_LIMIT: f64 = 0.03;
-/// Largest hold-out error that a good calibration has.
-const HOLD_OUT_LIMIT: f64 = 0.02;
-/// Largest relative half width of a determined scale factor or principal inertia that a good calibration has.
-const INTERVAL_LIMIT: f64 = 0.05;
 /// Largest coordination residual that a good calibration has: limbs whose stiffnesses differ by so much are not nine of a kind.
-const COORDINATION_LIMIT: f64 = 0.1;
+pub const COORDINATION_LIMIT: f64 = 0.1;
 /// Trials of a step from which leaving one out proves something.
 const TRIALS_WANTED: usize = 6;
 /// Corner of the low-pass for validation runs over the drive's frequency: what is compared there is the gyroscope's second
 /// derivative, and its noise must stay out. The drive loses 7e-6, the same on both sides.
-const VALIDATION_CORNER: f64 = 4.4;
+pub const VALIDATION_CORNER: f64 = 4.4;
 
 /// What the caller is told while it works.
 pub trait Watch: Sync {
@@ -251,6 +247,7 @@ pub fn judge(file: &SessionFile, watch: &dyn Watch) -> Result<Judgement> {
     let mut comparisons = Vec::new();
     let mut calibration = None;
     let mut found = None;
+    let mut obstacle = None;
     match steps {
         Ok(steps) => {
             let left_out = LeftOut::fit(&campaign, &steps, GyroscopeGain::Trusted);
@@ -262,17 +259,27 @@ pub fn judge(file: &SessionFile, watch: &dyn Watch) -> Result<Judgement> {
             watch.part();
             found = Some(steps);
         }
-        Err(error) if findings.is_empty() => findings.push(Finding {
-            cause: Cause::Unexplained,
-            recordings: Vec::new(),
-            channels: Vec::new(),
-            evidence: error.to_string(),
-            advice: "see which trials the step had to go by".to_owned(),
-        }),
-        Err(_) => {}
+        Err(error) => {
+            if findings.is_empty() {
+                findings.push(Finding {
+                    cause: Cause::Unexplained,
+                    recordings: Vec::new(),
+                    channels: Vec::new(),
+                    evidence: error.to_string(),
+                    advice: "see which trials the step had to go by".to_owned(),
+                });
+            }
+            obstacle = Some(error.to_string());
+        }
     }
     findings.sort_by_key(|finding| finding.cause);
-    let reservations = reservations(&campaign, &parameters, &reports, at_rest.is_some());
+    let reservations = reservations(
+        &campaign,
+        &file.session.limits,
+        &parameters,
+        &reports,
+        at_rest.is_some(),
+    );
     let (grade, sentence) = grade(&findings, &reservations, &reports, found.is_some());
     let mut next: Vec<String> = Vec::new();
     for finding in &findings {
@@ -298,6 +305,7 @@ pub fn judge(file: &SessionFile, watch: &dyn Watch) -> Result<Judgement> {
         reservations,
         next,
         steps: found,
+        obstacle,
         parameters,
         trials: reports,
         comparisons,
@@ -559,6 +567,7 @@ fn errors(comparison: &Comparison) -> [f64; 6] {
 /// What would prove a calibration and is missing, or is less than it should be.
 fn reservations(
     campaign: &Campaign,
+    limits: &Limits,
     parameters: &[ParameterReport],
     reports: &[TrialReport],
     has_static: bool,
@@ -594,7 +603,7 @@ fn reservations(
             .any(|start| parameter.name.starts_with(start));
         if let Some(half_width) = parameter.half_width_95
             && judged
-            && half_width > INTERVAL_LIMIT * parameter.estimate.abs()
+            && half_width > limits.interval_percent / 100.0 * parameter.estimate.abs()
         {
             reservations.push(format!(
                 "{} is known to {:.0} % only, which {} dominates: repeat trials that load it",
@@ -606,7 +615,7 @@ fn reservations(
     }
     for report in reports {
         if let Some(error) = report.hold_out
-            && error > HOLD_OUT_LIMIT
+            && error > limits.hold_out_percent / 100.0
         {
             reservations.push(format!(
                 "{}: a fit without it predicts it to {:.1} % only: repeat it",
@@ -628,12 +637,13 @@ fn reservations(
         if let Some(errors) = report.validation {
             let worst = errors.into_iter().fold(0.0, f64::max);
             // Written so that NaN is no pass.
-            let passes = worst <= VALIDATION_LIMIT;
+            let passes = worst <= limits.validation_percent / 100.0;
             if !passes {
                 reservations.push(format!(
-                    "{}: decoupled, it departs from the standards by {:.1} %",
+                    "{}: decoupled, it departs from the standards by {:.1} %, more than the {} % that the session asks for: a wedge that is off by a tenth of a degree does as much",
                     report.name,
-                    100.0 * worst
+                    100.0 * worst,
+                    limits.validation_percent
                 ));
             }
         }

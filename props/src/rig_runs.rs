@@ -3,10 +3,10 @@
 
 use glam::DVec3;
 use sixaxis_core::decoupler::Decoupler;
-use sixaxis_core::{Geometry, LIMBS, Parameters, Scheme, Sensor, Settings, SixAxis};
+use sixaxis_core::{Geometry, LIMBS, Parameters, Sensor, Settings, SixAxis};
 use sixaxis_reference::campaign::{DAMPING_RATIO, MASS_KG};
 use sixaxis_reference::mjcf::SensorModel;
-use sixaxis_reference::recording::{Recording, SimulatedRun};
+use sixaxis_reference::recording::SimulatedRun;
 use sixaxis_reference::rig::{Mode, Mounting, Run};
 
 use crate::compare::largest;
@@ -59,25 +59,6 @@ pub fn simulate(
         STEPS,
     )
     .expect("a run within the rig's limits simulates")
-}
-
-/// What a laboratory knows of the sensor behind a recording.
-#[must_use]
-pub fn sensor(recording: &Recording) -> Sensor {
-    Sensor {
-        geometry: Geometry::PAPER,
-        gains: recording.gains,
-    }
-}
-
-/// Settings that go with a recording.
-#[must_use]
-pub fn settings(recording: &Recording, scheme: Scheme) -> Settings {
-    Settings {
-        scheme,
-        gravity_ground_m_s2: recording.gravity_ground_m_s2,
-        ..Settings::new(recording.sample_rate_hz)
-    }
 }
 
 /// All decoupled samples of a record.

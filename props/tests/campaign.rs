@@ -14,7 +14,7 @@ use sixaxis_core::signal::SignalChain;
 use sixaxis_core::{Geometry, LIMBS, Parameters, Scheme};
 use sixaxis_props::compare::largest;
 use sixaxis_props::evidence::Row;
-use sixaxis_props::rig_runs::{model, sensor, settings};
+use sixaxis_props::rig_runs::model;
 use sixaxis_props::strategy::{config, parameters};
 use sixaxis_props::tolerance::{self, Tolerance};
 use sixaxis_reference::campaign::Laboratory;
@@ -129,7 +129,7 @@ impl Campaign {
         let mut found = *first;
         let mut scale = ScaleIdentification::default();
         for r in &self.linear {
-            let mut rows = CompliantRows::new(&sensor(r), &found, &settings(r, Scheme::Heun))
+            let mut rows = CompliantRows::new(&r.sensor(), &found, &r.settings(Scheme::Heun))
                 .expect("the parameters are sound");
             for voltage in &r.voltage_v {
                 if let Some(now) = rows.push(voltage).expect("samples are finite") {
@@ -146,7 +146,7 @@ impl Campaign {
             .values;
         let mut inertia = InertiaIdentification::new(Geometry::PAPER);
         for r in &self.angular {
-            let mut rows = CompliantRows::new(&sensor(r), &found, &settings(r, Scheme::Heun))
+            let mut rows = CompliantRows::new(&r.sensor(), &found, &r.settings(Scheme::Heun))
                 .expect("the parameters are sound");
             let (rate, slope) = Self::gyroscope(r);
             for voltage in &r.voltage_v {
@@ -172,9 +172,9 @@ impl Campaign {
                 parameters.stiffness_per_mass_per_s2 = candidate;
                 let mean = self.fast.iter().map(|r| {
                     let (sum, count) = stiffness::rate_norm_sum(
-                        &sensor(r),
+                        &r.sensor(),
                         &parameters,
-                        &settings(r, Scheme::Heun),
+                        &r.settings(Scheme::Heun),
                         &r.voltage_v,
                     )
                     .expect("the parameters are sound");

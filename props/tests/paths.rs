@@ -79,9 +79,9 @@ impl Case {
 
     fn of(recording: &Recording, parameters: &Parameters, scheme: Scheme) -> Self {
         Self {
-            sensor: rig_runs::sensor(recording),
+            sensor: recording.sensor(),
             parameters: *parameters,
-            settings: rig_runs::settings(recording, scheme),
+            settings: recording.settings(scheme),
             voltage_v: recording.voltage_v.clone(),
         }
     }

@@ -4,7 +4,7 @@ use glam::DVec3;
 use proptest::prelude::*;
 use sixaxis_core::{LimbLaw, Parameters, Scheme, Settings};
 use sixaxis_props::compare::{fails_clearly, largest, within};
-use sixaxis_props::rig_runs::{decouple, errors, sensor, settings, simulate};
+use sixaxis_props::rig_runs::{decouple, errors, simulate};
 use sixaxis_props::strategy::{config, parameters, vector};
 use sixaxis_props::tolerance;
 use sixaxis_reference::campaign::Laboratory;
@@ -19,10 +19,10 @@ fn decoupling_errors(
     parameters: &Parameters,
     change: impl Fn(&mut Settings),
 ) -> [f64; 2] {
-    let mut settings = settings(recording, Scheme::HeunSubstepped);
+    let mut settings = recording.settings(Scheme::HeunSubstepped);
     change(&mut settings);
     let samples = decouple(
-        &sensor(recording),
+        &recording.sensor(),
         parameters,
         &settings,
         &recording.voltage_v,

@@ -39,7 +39,7 @@ fn ref_the_search_by_interpolation_is_the_search() {
         for count in 1..=directions.len() {
             let setup: Vec<(Sensor, Settings)> = recordings[..count]
                 .iter()
-                .map(|r| (rig_runs::sensor(r), rig_runs::settings(r, Scheme::Heun)))
+                .map(|r| (r.sensor(), r.settings(Scheme::Heun)))
                 .collect();
             let trials: Vec<Trial> = setup
                 .iter()

@@ -11,7 +11,7 @@ use sixaxis_props::compare::{fails_clearly, largest, within};
 use sixaxis_props::manufactured::examples;
 use sixaxis_props::manufactured::formulations::{Mass, ShellMotion, solve};
 use sixaxis_props::manufactured::motion::Manufactured;
-use sixaxis_props::rig_runs::{self, decouple, simulate};
+use sixaxis_props::rig_runs::{decouple, simulate};
 use sixaxis_props::strategy::{config, manufactured};
 use sixaxis_props::tolerance;
 use sixaxis_reference::campaign::Laboratory;
@@ -242,8 +242,8 @@ fn inv_pure_translation_has_no_rate_at_the_true_stiffness_alone() {
     let rate = |stiffness_per_mass_per_s2: f64| {
         let mut candidate = parameters;
         candidate.stiffness_per_mass_per_s2 = stiffness_per_mass_per_s2;
-        let settings = rig_runs::settings(&recording, Scheme::Heun);
-        let sensor = rig_runs::sensor(&recording);
+        let settings = recording.settings(Scheme::Heun);
+        let sensor = recording.sensor();
         let samples = decouple(&sensor, &candidate, &settings, &recording.voltage_v);
         largest(samples.iter().map(|s| s.rate_shell_rad_s.length()))
     };

@@ -2,7 +2,9 @@
 
 use glam::{DQuat, DVec3};
 use serde::Serialize;
-use sixaxis_core::{Gains, LIMBS};
+use sixaxis_calibration::session::Role;
+use sixaxis_calibration::trial::Trial;
+use sixaxis_core::{Gains, Geometry, LIMBS, Scheme, Sensor, Settings};
 
 use crate::mjcf::SensorModel;
 use crate::rig::Run;
@@ -29,6 +31,45 @@ pub struct Recording {
     pub gravity_ground_m_s2: DVec3,
     /// Crank frequency, Hz: read off the motor's drive.
     pub frequency_hz: f64,
+}
+
+impl Recording {
+    /// What a laboratory knows of the sensor behind this recording: the paper's drawing, this amplifier range.
+    #[must_use]
+    pub fn sensor(&self) -> Sensor {
+        Sensor {
+            geometry: Geometry::PAPER,
+            gains: self.gains,
+        }
+    }
+
+    /// Decoupler settings that go with this recording: from rest, tared, with its gravity.
+    #[must_use]
+    pub fn settings(&self, scheme: Scheme) -> Settings {
+        Settings {
+            scheme,
+            gravity_ground_m_s2: self.gravity_ground_m_s2,
+            ..Settings::new(self.sample_rate_hz)
+        }
+    }
+
+    /// As a trial of a session.
+    #[must_use]
+    pub fn trial(&self, role: Role) -> Trial {
+        Trial {
+            name: String::new(),
+            role,
+            sample_rate_hz: self.sample_rate_hz,
+            gains: self.gains,
+            full_scale_v: self.full_scale_v,
+            voltage_v: self.voltage_v.clone(),
+            accelerometer_m_s2: self.accelerometer_m_s2.clone(),
+            gyroscope_rad_s: self.gyroscope_rad_s.clone(),
+            direction_ground: self.direction_ground,
+            gravity_ground_m_s2: self.gravity_ground_m_s2,
+            frequency_hz: self.frequency_hz,
+        }
+    }
 }
 
 /// One sample of the shell's true motion, from the simulator's state.

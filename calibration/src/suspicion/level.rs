@@ -61,7 +61,10 @@ pub fn examine(
     suspects: &mut [Suspect<'_>],
     findings: &mut Vec<Finding>,
 ) {
-    let mut found = false;
+    // A wrong clock makes wrong accelerations.
+    let mut found = findings
+        .iter()
+        .any(|finding| finding.cause == Cause::ClockMismatch);
     found |= against_rig(facts, suspects, findings);
     let design = &facts.design.scale_per_mass_per_kg;
     let ratio: [f64; LIMBS] = core::array::from_fn(|channel| {

@@ -16,16 +16,16 @@ const STEPS_SPANNED: f64 = 64.0;
 
 /// Clipped and constant channels.
 pub fn examine(at_rest: Option<&Trial>, suspects: &mut [Suspect<'_>], findings: &mut Vec<Finding>) {
-    beyond_converter(at_rest, suspects, findings);
+    let beyond = beyond_converter(at_rest, suspects, findings);
     if let Some(rest) = at_rest {
-        for channel in 0..LIMBS {
+        for channel in (0..LIMBS).filter(|channel| !beyond[*channel]) {
             if clipped(rest, channel) == Some(Clipping::AtLimit) {
                 findings.push(clipping(rest, channel, Clipping::AtLimit));
             }
         }
     }
     for suspect in suspects {
-        for channel in 0..LIMBS {
+        for channel in (0..LIMBS).filter(|channel| !beyond[*channel]) {
             if let Some(how) = clipped(suspect.trial, channel) {
                 findings.push(clipping(suspect.trial, channel, how));
                 suspect.excused[channel] = true;
@@ -96,12 +96,13 @@ fn clipping(trial: &Trial, channel: usize, how: Clipping) -> Finding {
     }
 }
 
-/// Values that no converter of the stated range delivers: they are in another unit than the file or the session says.
+/// Values that no converter of the stated range delivers: they are in another unit than the file or the session says. Returns
+/// the channels concerned.
 fn beyond_converter(
     at_rest: Option<&Trial>,
     suspects: &mut [Suspect<'_>],
     findings: &mut Vec<Finding>,
-) {
+) -> [bool; LIMBS] {
     let largest = |trial: &Trial, channel: usize| {
         trial
             .voltage_v
@@ -137,7 +138,7 @@ fn beyond_converter(
         suspect.settled |= beyond.iter().filter(|b| **b).count() > LIMBS / 2;
     }
     if recordings.is_empty() {
-        return;
+        return channels;
     }
     findings.push(Finding {
         cause: Cause::MillivoltMixUp,
@@ -159,6 +160,7 @@ fn beyond_converter(
             "the numbers are millivolts: say so in the file's heading or in [channels] limbs_unit"
                 .to_owned(),
     });
+    channels
 }
 
 fn clipped(trial: &Trial, channel: usize) -> Option<Clipping> {

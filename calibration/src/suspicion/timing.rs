@@ -12,37 +12,42 @@ const LAG_S: f64 = 0.5e-3;
 const GROWTH_S: f64 = 0.5e-3;
 /// Times its standard error that a lag must exceed.
 const SIGNIFICANT: f64 = 6.0;
+/// Relative error below which no response is known: noise-free recordings have no error of their own.
+const ROUNDING: f64 = 1e-9;
 /// Departure of the drive's frequency from the session's that is noticed.
 const FREQUENCY: f64 = 0.02;
 
-/// Lag of a trial's standards, s, how much it grows over the run, s, and the lag's standard error.
-fn lag(suspect: &Suspect<'_>, response: &Response) -> (f64, f64, f64) {
-    // All nine channels agree on the lag; each counts by its own signal over its own residual.
-    let (mut along, mut across, mut growth, mut weight, mut precision) = (0.0, 0.0, 0.0, 0.0, 0.0);
+/// Lag of a trial's standards and how much it grows over the run, s, and the standard errors of both.
+fn lag(suspect: &Suspect<'_>, response: &Response) -> [(f64, f64); 2] {
+    // All nine channels agree on the lag; each counts by how well it is known.
+    let (mut along, mut across, mut growth) = (0.0, 0.0, 0.0);
     for (channel, excused) in response.channels.iter().zip(&suspect.excused) {
-        if *excused || channel.signal_n == 0.0 {
+        if *excused || channel.response == 0.0 {
             continue;
         }
-        let w = 1.0 / (channel.signal_n * channel.signal_n);
-        along += w * channel.response * channel.response;
-        across += w * channel.response * channel.lagging;
-        growth += w * channel.response * channel.lagging_growth;
-        weight += w * channel.response.abs();
-        precision += (channel.response / channel.standard_error.max(f64::MIN_POSITIVE)).powi(2);
+        let error = channel.standard_error.hypot(ROUNDING * channel.response);
+        let weight = 1.0 / (error * error);
+        along += weight * channel.response * channel.response;
+        across += weight * channel.response * channel.lagging;
+        growth += weight * channel.response * channel.lagging_growth;
     }
-    if weight == 0.0 {
-        return (0.0, 0.0, f64::INFINITY);
+    if along == 0.0 {
+        return [(0.0, f64::INFINITY); 2];
     }
     let omega = TAU * suspect.trial.frequency_hz;
-    let lag = (omega * across / along).atan() / omega;
-    (lag, 2.0 * growth / along, 1.0 / (omega * precision.sqrt()))
+    // A sine's derivative is omega times the sine in size, and s has a root mean square of 3^(-1/2).
+    let error = 1.0 / (omega * along.sqrt());
+    [
+        ((omega * across / along).atan() / omega, error),
+        (2.0 * growth / along, 2.0 * 3.0_f64.sqrt() * error),
+    ]
 }
 
 /// Time by which a trial's standards lag behind the sensor, s.
 #[must_use]
 pub fn lag_of(suspect: &Suspect<'_>) -> Option<f64> {
     let response = suspect.response.as_ref()?;
-    let (lag, _, error) = lag(suspect, response);
+    let [(lag, error), _] = lag(suspect, response);
     error.is_finite().then_some(lag)
 }
 
@@ -66,9 +71,10 @@ pub fn examine(facts: &Facts<'_>, suspects: &mut [Suspect<'_>], findings: &mut V
                 continue;
             }
         }
-        let (lag, growth, error) = lag(suspect, response);
-        let noticed = |value: f64, limit: f64| value.abs() > limit + SIGNIFICANT * error;
-        if noticed(lag, LAG_S) || noticed(growth, GROWTH_S) {
+        let [(lag, lag_error), (growth, growth_error)] = lag(suspect, response);
+        if lag.abs() > LAG_S + SIGNIFICANT * lag_error
+            || growth.abs() > GROWTH_S + SIGNIFICANT * growth_error
+        {
             late.push((index, lag, growth));
         }
     }

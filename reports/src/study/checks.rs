@@ -16,9 +16,9 @@ use sixaxis_reference::simulation::Simulation;
 use sixaxis_reference::threshold;
 
 use super::COMPARED_DIVISOR;
-use super::cleaning::Cleaning;
+use super::cleaning::Preset;
 use super::decoupling::{decouple, largest_error, six_series, truth};
-use super::identification::Session;
+use super::identification;
 use super::plan::{CAMPAIGN_RATE_HZ, CAMPAIGN_STEPS, COMPOUND_RATE_HZ, COMPOUND_STEPS, Plan};
 use super::results::{Defects, Gravity, ModeSet, ReferenceCheck, Sweep};
 use super::simulations::{Simulations, sweep_kinds};
@@ -195,16 +195,17 @@ fn lag(campaign: &[(Trial, SimulatedRun)], parameters: &Parameters, undo_lag: bo
         .filter(|(trial, _)| trial.role == Role::Angular)
         .cloned()
         .collect();
-    let session = Session::record(
+    let session = identification::record(
         &lagging,
         &angular,
-        Cleaning {
-            corner: None,
-            undo_lag,
+        if undo_lag {
+            Preset::LagUndone
+        } else {
+            Preset::None
         },
     )?;
     let found = session
-        .angular(parameters)?
+        .angular(parameters, |_| true)?
         .solve()?
         .inertia_per_mass
         .to_paper_order();

@@ -3,6 +3,8 @@
 use anyhow::Result;
 use glam::DVec3;
 use rayon::prelude::*;
+use sixaxis_calibration::cleaning::Cleaned;
+use sixaxis_calibration::session::Role;
 use sixaxis_core::decoupler::Decoupler;
 use sixaxis_core::rest_to_rest;
 use sixaxis_core::{LIMBS, Parameters, Scheme, SixAxis};
@@ -11,8 +13,7 @@ use sixaxis_reference::paper;
 use sixaxis_reference::recording::{Recording, SimulatedRun};
 use sixaxis_reference::rig::Mounting;
 
-use super::cleaning::{Cleaned, Cleaning};
-use super::identification::{sensor, settings};
+use super::cleaning::Preset;
 use super::results::{Comparison, Compound, Gravity, ParameterSet, Standard};
 
 /// Number of the first compound run in the laboratory's count of runs: its random streams do not depend on how many
@@ -66,11 +67,11 @@ pub fn decouple(
     scheme: Scheme,
     gravity: Gravity,
 ) -> Result<Vec<SixAxis>> {
-    let mut settings = settings(recording, scheme);
+    let mut settings = recording.settings(scheme);
     if gravity == Gravity::Neglected {
         settings.gravity_ground_m_s2 = DVec3::ZERO;
     }
-    let mut decoupler = Decoupler::new(&sensor(recording), parameters, &settings)?;
+    let mut decoupler = Decoupler::new(&recording.sensor(), parameters, &settings)?;
     let mut samples = Vec::with_capacity(voltage_v.len());
     for row in voltage_v {
         samples.extend(decoupler.push(row)?);
@@ -161,7 +162,7 @@ pub struct Case<'a> {
     /// The laboratory that records it.
     pub laboratory: &'a Laboratory,
     /// How it is cleaned.
-    pub cleaning: Cleaning,
+    pub cleaning: Preset,
     /// Whether drift is closed from rest to rest.
     pub close: bool,
 }
@@ -173,7 +174,7 @@ impl Case<'_> {
     /// Those of the cleaning.
     pub fn record(&self, run: &SimulatedRun) -> Result<(Recording, Cleaned)> {
         let recording = self.laboratory.record(run, FIRST_RUN + self.index);
-        let cleaned = self.cleaning.clean(&recording)?;
+        let (_, cleaned) = self.cleaning.clean(&recording, Role::Validation)?;
         Ok((recording, cleaned))
     }
 
@@ -191,10 +192,10 @@ impl Case<'_> {
             return Ok(cleaned.voltage_v.clone());
         }
         let (rows, _) = rest_to_rest::detrend(
-            &sensor(recording),
+            &recording.sensor(),
             parameters,
             // Plain Heun finds the line as well as any: its error is a thousandth of the noise's.
-            &settings(recording, Scheme::Heun),
+            &recording.settings(Scheme::Heun),
             &cleaned.voltage_v,
         )?;
         Ok(rows)

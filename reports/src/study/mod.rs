@@ -17,6 +17,7 @@ pub mod searches;
 pub mod simulations;
 
 use anyhow::{Context, Result};
+use sixaxis_calibration::steps::{FourSteps, GyroscopeGain};
 use sixaxis_core::{Parameters, Scheme};
 use sixaxis_reference::campaign::Laboratory;
 use sixaxis_reference::mjcf::mujoco_version;
@@ -25,9 +26,8 @@ use sixaxis_reference::recording::SimulatedRun;
 use sixaxis_reference::rig::Mounting;
 
 use crate::progress::Progress;
-use cleaning::Cleaning;
+use cleaning::Preset;
 use decoupling::{Case, SixSeries, Way, decouple, six_series, truth};
-use identification::{FourSteps, Gyroscope, Session};
 use plan::{COMPOUND_RATE_HZ, Plan};
 use results::{Compound, Gravity, History, Identification, ParameterSet, Parameters25, Results};
 use simulations::Simulations;
@@ -50,25 +50,25 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
     let perfect = Laboratory::noise_free(truth);
     let laboratory = Laboratory::with_errors(truth, plan.seed);
 
-    let noise_free_session = Session::record(&perfect, &simulations.campaign, Cleaning::NONE)?;
+    let noise_free_session = identification::record(&perfect, &simulations.campaign, Preset::None)?;
     let noise_free = noise_free_session
-        .identify(Gyroscope::Trusted)
+        .identify(GyroscopeGain::Trusted)
         .context("noise-free campaign")?;
     stage.advance(1);
     let laboratory_session =
-        Session::record(&laboratory, &simulations.campaign, Cleaning::IDENTIFICATION)?;
+        identification::record(&laboratory, &simulations.campaign, Preset::Identification)?;
     let with_errors = laboratory_session
-        .identify(Gyroscope::GainIdentified)
+        .identify(GyroscopeGain::Identified)
         .context("campaign with laboratory errors")?;
     drop(laboratory_session);
     stage.advance(1);
     let coarse = if simulations.campaign_coarse.is_empty() {
         None
     } else {
-        let session = Session::record(&perfect, &simulations.campaign_coarse, Cleaning::NONE)?;
+        let session = identification::record(&perfect, &simulations.campaign_coarse, Preset::None)?;
         Some(
             session
-                .identify(Gyroscope::Trusted)
+                .identify(GyroscopeGain::Trusted)
                 .context("campaign at the doubled step")?,
         )
     };
@@ -77,7 +77,7 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
     let compound = |laboratory: &Laboratory,
                     ways: &[Way],
                     mounting: Mounting,
-                    cleaning: Cleaning,
+                    cleaning: Preset,
                     divisor: usize|
      -> Result<Vec<Compound>> {
         let (full, halved) = match mounting {
@@ -93,7 +93,7 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
                     mounting,
                     laboratory,
                     cleaning,
-                    close: cleaning != Cleaning::NONE,
+                    close: cleaning != Preset::None,
                 }
                 .compare(ways)
                 .with_context(|| format!("compound run at {} Hz", full[index].run.frequency_hz))
@@ -108,7 +108,7 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
         &perfect,
         &exact_ways,
         Mounting::AxisVertical,
-        Cleaning::NONE,
+        Preset::None,
         COMPARED_DIVISOR,
     )?;
     stage.advance(1);
@@ -116,7 +116,7 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
         &laboratory,
         &ways(&truth, &with_errors, None, Gravity::Neglected),
         Mounting::AxisVertical,
-        Cleaning::COMPARISON,
+        Preset::Comparison,
         LABORATORY_DIVISOR,
     )?;
     stage.advance(1);
@@ -124,7 +124,7 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
         &perfect,
         &exact_ways,
         Mounting::AxisLevel,
-        Cleaning::NONE,
+        Preset::None,
         COMPARED_DIVISOR,
     )?;
     stage.advance(1);
@@ -153,14 +153,14 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
         sixaxis_version: env!("CARGO_PKG_VERSION").to_owned(),
         mujoco_version: mujoco_version().to_owned(),
         reference: checks::reference(plan, &simulations)?,
-        noise_free: identification_results(&truth, &noise_free, &noise_free, coarse.as_ref()),
+        noise_free: identification_results(&truth, &noise_free, &noise_free, coarse.as_ref())?,
         noise_free_repeated: identification_results(
             &truth,
             &repeated,
             &noise_free,
             coarse.as_ref(),
-        ),
-        laboratory: identification_results(&truth, &with_errors, &noise_free, coarse.as_ref()),
+        )?,
+        laboratory: identification_results(&truth, &with_errors, &noise_free, coarse.as_ref())?,
         instruments: laboratory.instruments,
         compound_noise_free,
         compound_laboratory,
@@ -245,9 +245,13 @@ fn identification_results(
     steps: &FourSteps,
     noise_free: &FourSteps,
     coarse: Option<&FourSteps>,
-) -> Identification {
+) -> Result<Identification> {
     let not_measured = f64::NAN;
-    Identification {
+    let stiffness = steps
+        .stiffness
+        .as_ref()
+        .context("a campaign without trials for step 4")?;
+    Ok(Identification {
         truth: *truth,
         found: steps.found(),
         used: steps.used(),
@@ -292,9 +296,9 @@ fn identification_results(
         inertia_residual_m2_s2: steps.inertia.estimate.residual_rms,
         inertia_verdict: steps.inertia.verdict.clone(),
         rate_over_reading: steps.rate_over_reading,
-        stiffness_interpolated_per_s2: steps.stiffness.interpolated_per_s2,
-        stiffness_verdict: steps.stiffness.verdict.clone(),
-    }
+        stiffness_interpolated_per_s2: stiffness.interpolated_per_s2,
+        stiffness_verdict: stiffness.verdict.clone(),
+    })
 }
 
 /// The 5 Hz run over time: truth, and what both laboratories make of it.
@@ -317,7 +321,7 @@ fn history(
             mounting: Mounting::AxisVertical,
             laboratory,
             cleaning,
-            close: cleaning != Cleaning::NONE,
+            close: cleaning != Preset::None,
         };
         let (recording, cleaned) = case.record(&run)?;
         let parameters = found.used();
@@ -325,11 +329,11 @@ fn history(
         let samples = decouple(&recording, &voltages, &parameters, scheme, gravity)?;
         Ok(six_series(&samples))
     };
-    let exact = ours(perfect, noise_free, Cleaning::NONE, Gravity::Kept)?;
+    let exact = ours(perfect, noise_free, Preset::None, Gravity::Kept)?;
     let noisy = ours(
         laboratory,
         with_errors,
-        Cleaning::COMPARISON,
+        Preset::Comparison,
         Gravity::Neglected,
     )?;
     let stride = truth[0].len().div_ceil(HISTORY_POINTS).max(1);

@@ -4,10 +4,10 @@ use anyhow::Result;
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
+use sixaxis_calibration::steps::{Campaign, FourSteps};
 use sixaxis_core::identify::stiffness;
-use sixaxis_core::{Parameters, Scheme};
+use sixaxis_core::{LimbLaw, Parameters, Scheme};
 
-use super::identification::{FourSteps, Session, Sign};
 use super::results::Search;
 
 /// Root mean square relative errors put on the scale factors.
@@ -21,7 +21,7 @@ const PATTERN_SEED: u64 = 20131;
 /// # Errors
 /// Those of the search.
 pub fn study(
-    noise_free: &Session,
+    noise_free: &Campaign,
     found: &FourSteps,
     laboratory: &FourSteps,
     truth: &Parameters,
@@ -33,7 +33,7 @@ pub fn study(
     pattern = pattern.map(|x| x / size);
 
     let mut searches = Vec::new();
-    for sign in [Sign::Corrected, Sign::AsPrinted] {
+    for sign in [LimbLaw::CompressionShortens, LimbLaw::AsPrinted] {
         for scale_error in core::iter::once(0.0).chain(SCALE_ERRORS) {
             let mut parameters = *truth;
             for (s, unit) in parameters.scale_per_mass_per_kg.iter_mut().zip(pattern) {
@@ -53,21 +53,21 @@ pub fn study(
         ("four steps, laboratory errors", laboratory),
     ] {
         let curve = steps.curve.clone();
-        searches.push(search(label, Sign::Corrected, None, curve)?);
+        searches.push(search(label, LimbLaw::CompressionShortens, None, curve)?);
     }
     Ok(searches)
 }
 
 fn search(
     label: &str,
-    sign: Sign,
+    sign: LimbLaw,
     scale_error: Option<f64>,
     curve: Vec<(f64, f64)>,
 ) -> Result<Search> {
     let judged = stiffness::judge(&curve)?;
     Ok(Search {
         label: label.to_owned(),
-        sign_as_printed: sign == Sign::AsPrinted,
+        sign_as_printed: sign == LimbLaw::AsPrinted,
         scale_error,
         curve,
         grid_minimum_per_s2: judged.grid_minimum_per_s2,
