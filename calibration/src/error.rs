@@ -29,7 +29,7 @@ pub enum Error {
         /// The recording.
         file: String,
         /// Channel and sample.
-        source: sixaxis_core::Error,
+        source: Box<sixaxis_core::Error>,
     },
     /// A channel comes in a unit that is not what it measures, or in none.
     #[error("{file}: channel {channel:?}: {cause}")]
@@ -47,7 +47,7 @@ pub enum Error {
         /// Which.
         step: &'static str,
         /// Why.
-        source: sixaxis_core::Error,
+        source: Box<sixaxis_core::Error>,
     },
 }
 

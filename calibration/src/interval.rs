@@ -44,6 +44,11 @@ pub struct ParameterReport {
     pub remark: String,
 }
 
+/// A fit whose condition number grows by this factor when a trial is left out rests on that trial: what is left says nothing.
+const WORSE_CONDITION: f64 = 30.0;
+/// An interval wider than the parameter itself determines nothing, not even its sign.
+const NOTHING_KNOWN: f64 = 1.0;
+
 /// Estimates with one trial left out, for each trial of a step in turn.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct LeftOut {
@@ -67,7 +72,9 @@ impl LeftOut {
         let scale = (0..count(Role::Linear))
             .map(|out| {
                 let fitted = campaign.scale(&steps.drift, |index| index != out).ok()?;
-                Some(fitted.estimate.values)
+                let whole = &steps.scale.estimate;
+                (fitted.estimate.condition < WORSE_CONDITION * whole.condition)
+                    .then_some(fitted.estimate.values)
             })
             .collect();
         let parameters = steps.found();
@@ -78,7 +85,9 @@ impl LeftOut {
                     GyroscopeGain::Trusted => rows.solve().ok()?,
                     GyroscopeGain::Identified => rows.solve_with_gain().ok()?.inertia,
                 };
-                Some(fitted.estimate.values)
+                let whole = &steps.inertia.estimate;
+                (fitted.estimate.condition < WORSE_CONDITION * whole.condition)
+                    .then_some(fitted.estimate.values)
             })
             .collect();
         Self { scale, inertia }
@@ -167,6 +176,12 @@ fn finish(
     // The jackknife sees the noise, too; the larger of both stands for what differs.
     let differs = from_noise.unwrap_or(0.0).max(from_trials.unwrap_or(0.0));
     let same = from_standards.unwrap_or(0.0);
+    let half_width = differs.hypot(same);
+    // A zero drift or a product of inertia may well be zero.
+    let may_vanish = !["s", "I1", "I2", "I3"]
+        .iter()
+        .any(|start| name.starts_with(start));
+    let determined = may_vanish || half_width < NOTHING_KNOWN * estimate.abs();
     let dominated_by = if same > differs {
         "class of the standards"
     } else if from_trials > from_noise {
@@ -179,13 +194,17 @@ fn finish(
         unit: unit.to_owned(),
         estimate,
         design,
-        half_width_95: Some(differs.hypot(same)),
+        half_width_95: Some(half_width),
         from_noise,
         from_trials,
         from_standards,
         dominated_by: dominated_by.to_owned(),
-        determined: true,
-        remark: String::new(),
+        determined,
+        remark: if determined {
+            String::new()
+        } else {
+            "not determined: the trials do not even agree on its sign".to_owned()
+        },
     }
 }
 
@@ -208,11 +227,13 @@ fn stiffness(
         None => "not determined: there is no trial of role high_frequency_linear; the design's value is used".to_owned(),
         Some(_) if determined => String::new(),
         Some(found) if steps.stiffness_is_determined() => format!(
-            "not to be relied on: the search has a minimum at {:.2e} 1/s², but that needs scale factors to {SCALE_ERROR_FOR_STIFFNESS:.0e} and has them to {worst:.0e}",
-            found.grid_minimum_per_s2
+            "not to be relied on: the search has a minimum at {:.2e} 1/s², but that needs scale factors right to one millionth and has them to {:.1} %",
+            found.grid_minimum_per_s2,
+            100.0 * worst
         ),
         Some(_) => format!(
-            "not determined: needs scale factors to {SCALE_ERROR_FOR_STIFFNESS:.0e}, has {worst:.0e}; the design's value is used, which the decoupled accelerations do not notice at the rig's frequencies"
+            "not determined: needs scale factors right to one millionth, has them to {:.1} %; the design's value is used, which the decoupled accelerations do not notice at the rig's frequencies",
+            100.0 * worst
         ),
     };
     ParameterReport {

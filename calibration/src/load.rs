@@ -16,8 +16,8 @@ use crate::unit::{self, STANDARD_GRAVITY_M_S2, Unit};
 /// Samples read at a time.
 pub const BLOCK: usize = 1 << 16;
 
-/// Rows that a static record is averaged down to: enough for a trend and batch means, whatever its length.
-const STATIC_ROWS: u64 = 1 << 16;
+/// Rows that a static record is averaged down to, or twice as many: enough for a trend and batch means, whatever its length.
+const STATIC_ROWS: usize = 1 << 16;
 
 /// Relative difference between two statements of one sample rate that is put down to rounding.
 const RATE_TOLERANCE: f64 = 1e-6;
@@ -189,7 +189,7 @@ impl Reader<'_> {
     fn core_error(&self, source: sixaxis_core::Error) -> Error {
         Error::Trial {
             file: self.entry.file.display().to_string(),
-            source,
+            source: Box::new(source),
         }
     }
 
@@ -312,11 +312,11 @@ impl Reader<'_> {
                 column.drain(..first);
             }
         }
-        if let Some(delays) = self.channels().limbs_delay_us {
-            for (column, delay) in columns.series.iter_mut().zip(delays.each()) {
-                // A channel that was converted late shows the past: bring it forward.
+        if let Some(lags) = self.channels().limbs_lag_us {
+            for (column, lag_us) in columns.series.iter_mut().zip(lags.each()) {
+                // What is filed under t shows t - lag: what t showed is filed under t + lag.
                 let (moved, _) =
-                    delayed(column, -delay * 1e-6, rate).map_err(|e| self.core_error(e))?;
+                    delayed(column, -lag_us * 1e-6, rate).map_err(|e| self.core_error(e))?;
                 *column = moved;
             }
         }
@@ -442,10 +442,9 @@ impl Reader<'_> {
             .map_err(|cause| self.file.refuse(&self.key("sample_rate_hz"), cause))?
             .unwrap_or(1.0);
         source.select(&indices)?;
-        let samples = layout.channels[indices[0]].samples;
-        // Averaged in groups, so that hours of record fit; where the length is not known, as if it were an hour.
-        let group = (samples.unwrap_or((3600.0 * rate) as u64) / STATIC_ROWS).max(1);
-        let mut voltage_v = Vec::new();
+        // Averaged in groups that double as the record goes on, so that hours of it fit, of whatever format.
+        let mut group = 1;
+        let mut voltage_v: Vec<[f64; LIMBS]> = Vec::new();
         let (mut sum, mut in_group, mut read) = ([0.0; LIMBS], 0, 0_usize);
         let mut block = Block::new(LIMBS);
         while source.read(&mut block, BLOCK)? > 0 {
@@ -463,8 +462,15 @@ impl Reader<'_> {
                 }
                 in_group += 1;
                 if in_group == group {
-                    voltage_v.push(sum.map(|s| s / group as f64));
+                    voltage_v.push(sum.map(|s| s / f64::from(group)));
                     (sum, in_group) = ([0.0; LIMBS], 0);
+                }
+                if voltage_v.len() == 2 * STATIC_ROWS {
+                    voltage_v = voltage_v
+                        .chunks_exact(2)
+                        .map(|pair| core::array::from_fn(|i| 0.5 * (pair[0][i] + pair[1][i])))
+                        .collect();
+                    group *= 2;
                 }
             }
             read += block.rows();
@@ -472,7 +478,7 @@ impl Reader<'_> {
         Ok(Trial {
             name: self.entry.file.display().to_string(),
             role: Role::Static,
-            sample_rate_hz: rate / group as f64,
+            sample_rate_hz: rate / f64::from(group),
             gains: self.gains(),
             full_scale_v: self.file.session.sensor.full_scale_v,
             voltage_v,

@@ -181,9 +181,10 @@ pub struct Channels {
     /// Time stamps, if the file has any; left out, a channel called `time` or `t` is taken.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time: Option<String>,
-    /// Delay of each limb's channel against the clock, us: a multiplexed converter's.
+    /// Lag of each limb's channel, us: a sample filed under a time shows the voltage of so much earlier, as behind a filter.
+    /// Negative for a multiplexed converter's later channels, which show what came after.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub limbs_delay_us: Option<PerLimb>,
+    pub limbs_lag_us: Option<PerLimb>,
 }
 
 impl Default for Channels {
@@ -196,7 +197,7 @@ impl Default for Channels {
             gyroscope: "gyroscope".to_owned(),
             gyroscope_unit: None,
             time: None,
-            limbs_delay_us: None,
+            limbs_lag_us: None,
         }
     }
 }

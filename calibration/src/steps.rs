@@ -19,6 +19,9 @@ use crate::trial::Trial;
 /// nothing new and would make the covariance too small.
 const ROWS_PER_CYCLE: f64 = 40.0;
 
+/// Step 4's curve: k/m, 1/s^2, and mean |w*|, rad/s.
+pub type Curve = Vec<(f64, f64)>;
+
 /// What the four steps found.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FourSteps {
@@ -33,7 +36,7 @@ pub struct FourSteps {
     /// Step 4; none if the campaign has no trials for it.
     pub stiffness: Option<StiffnessPerMass>,
     /// Step 4's curve: k/m, 1/s^2, and mean |w*|, rad/s.
-    pub curve: Vec<(f64, f64)>,
+    pub curve: Curve,
     /// k/m of the design.
     pub design_stiffness_per_mass_per_s2: f64,
 }
@@ -141,7 +144,7 @@ impl Campaign {
     fn step_4(
         &self,
         parameters: &Parameters,
-    ) -> sixaxis_core::Result<(Vec<(f64, f64)>, Option<StiffnessPerMass>)> {
+    ) -> sixaxis_core::Result<(Curve, Option<StiffnessPerMass>)> {
         if self.of(Role::HighFrequencyLinear).next().is_none() {
             return Ok((Vec::new(), None));
         }
@@ -286,7 +289,7 @@ impl Campaign {
         scheme: Scheme,
         stride: usize,
         limb_law: LimbLaw,
-    ) -> sixaxis_core::Result<Vec<(f64, f64)>> {
+    ) -> sixaxis_core::Result<Curve> {
         let trials: Vec<(Sensor, Settings, Vec<[f64; LIMBS]>)> = self
             .of(Role::HighFrequencyLinear)
             .map(|(trial, cleaned)| {
@@ -324,7 +327,10 @@ impl Campaign {
 }
 
 fn at(step: &'static str) -> impl Fn(sixaxis_core::Error) -> Error {
-    move |source| Error::Step { step, source }
+    move |source| Error::Step {
+        step,
+        source: Box::new(source),
+    }
 }
 
 /// Every how many samples steps 2 and 3 take a row from a trial.

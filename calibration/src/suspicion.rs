@@ -266,8 +266,8 @@ fn measure(
                 .zip(angles(suspect.cleaned, trial))
             {
                 let weight = turned_gravity_m_s2(gravity, trial.direction_ground, angle);
-                for limb in 0..LIMBS {
-                    force[limb] -= table.mass_over_scale_kg[limb]
+                for (limb, force) in force.iter_mut().enumerate() {
+                    *force -= table.mass_over_scale_kg[limb]
                         * table.shares.linear[table.limb_of[limb]].dot(weight);
                 }
             }

@@ -190,6 +190,16 @@ pub fn judge(file: &SessionFile, watch: &dyn Watch) -> Result<Judgement> {
             }
         }
     }
+    if at_rest.is_none() && findings.is_empty() {
+        findings.push(Finding {
+            cause: Cause::Unreadable,
+            recordings: Vec::new(),
+            channels: Vec::new(),
+            evidence: "the session has no static record, and step 1 needs one".to_owned(),
+            advice: "record the sensor at rest for ten minutes and enter it with role = \"static\""
+                .to_owned(),
+        });
+    }
     let cleaning = Cleaning::of(&file.session);
     watch.stage("cleaning", moving.len());
     let cleaned: Vec<(Trial, sixaxis_core::Result<Cleaned>)> = moving
@@ -266,20 +276,31 @@ pub fn judge(file: &SessionFile, watch: &dyn Watch) -> Result<Judgement> {
                     recordings: Vec::new(),
                     channels: Vec::new(),
                     evidence: error.to_string(),
-                    advice: "see which trials the step had to go by".to_owned(),
+                    advice: "look at the table of trials in the report".to_owned(),
                 });
             }
             obstacle = Some(error.to_string());
         }
     }
+    let open: Vec<&ParameterReport> = parameters
+        .iter()
+        .filter(|p| !p.determined && p.name != "k/m")
+        .collect();
+    if !open.is_empty() && findings.is_empty() {
+        let names: Vec<&str> = open.iter().map(|p| p.name.as_str()).collect();
+        findings.push(Finding {
+            cause: Cause::UnderExcitedAxis,
+            recordings: Vec::new(),
+            channels: Vec::new(),
+            evidence: format!(
+                "the trials leave {} open: their 95 % intervals are wider than the values themselves",
+                names.join(", ")
+            ),
+            advice: "record more trials of steps 2 and 3, on more wedges".to_owned(),
+        });
+    }
     findings.sort_by_key(|finding| finding.cause);
-    let reservations = reservations(
-        &campaign,
-        &file.session.limits,
-        &parameters,
-        &reports,
-        at_rest.is_some(),
-    );
+    let reservations = reservations(&campaign, &file.session.limits, &parameters, &reports);
     let (grade, sentence) = grade(&findings, &reservations, &reports, found.is_some());
     let mut next: Vec<String> = Vec::new();
     for finding in &findings {
@@ -328,7 +349,8 @@ fn place(finding: &Finding) -> String {
     match finding.recordings.as_slice() {
         [] => String::new(),
         [one] => format!("{one}: "),
-        [first, rest @ ..] => format!("{first} and {} more: ", rest.len()),
+        [first, second] => format!("{first} and {second}: "),
+        [first, rest @ ..] => format!("{first} and {} more recordings: ", rest.len()),
     }
 }
 
@@ -570,7 +592,6 @@ fn reservations(
     limits: &Limits,
     parameters: &[ParameterReport],
     reports: &[TrialReport],
-    has_static: bool,
 ) -> Vec<String> {
     let mut reservations = Vec::new();
     let count = |role: Role| {
@@ -580,9 +601,6 @@ fn reservations(
             .filter(|(t, _)| t.role == role)
             .count()
     };
-    if !has_static {
-        reservations.push("record the sensor at rest for ten minutes (role \"static\")".to_owned());
-    }
     for (role, what) in [(Role::Linear, "linear"), (Role::Angular, "angular")] {
         let trials = count(role);
         if trials < TRIALS_WANTED {
@@ -596,42 +614,49 @@ fn reservations(
             "record a compound motion (role \"validation\"): nothing here was held against a run that was not fitted".to_owned(),
         );
     }
-    for parameter in parameters {
-        // A product of inertia may be zero; the moments and the scale factors may not.
-        let judged = ["s", "I1", "I2", "I3"]
-            .iter()
-            .any(|start| parameter.name.starts_with(start));
-        if let Some(half_width) = parameter.half_width_95
-            && judged
-            && half_width > limits.interval_percent / 100.0 * parameter.estimate.abs()
-        {
-            reservations.push(format!(
-                "{} is known to {:.0} % only, which {} dominates: repeat trials that load it",
-                parameter.name,
-                100.0 * half_width / parameter.estimate.abs(),
-                parameter.dominated_by
-            ));
-        }
+    // A product of inertia may be zero; the moments and the scale factors may not.
+    let wide: Vec<(&ParameterReport, f64)> = parameters
+        .iter()
+        .filter(|p| {
+            ["s", "I1", "I2", "I3"]
+                .iter()
+                .any(|start| p.name.starts_with(start))
+        })
+        .filter_map(|p| Some((p, p.half_width_95? / p.estimate.abs())))
+        .filter(|(_, share)| *share > limits.interval_percent / 100.0)
+        .collect();
+    if let Some((worst, share)) = wide.iter().max_by(|a, b| a.1.total_cmp(&b.1)) {
+        let names: Vec<&str> = wide.iter().map(|(p, _)| p.name.as_str()).collect();
+        reservations.push(format!(
+            "{}: known only to ±{:.0} % at worst ({}), mostly because of {}; repeat trials that load them",
+            names.join(", "),
+            100.0 * share,
+            worst.name,
+            worst.dominated_by
+        ));
+    }
+    let uneven: Vec<(&TrialReport, f64)> = reports
+        .iter()
+        .filter_map(|r| Some((r, r.coordination?.into_iter().fold(0.0, f64::max))))
+        .filter(|(_, worst)| *worst > COORDINATION_LIMIT)
+        .collect();
+    if let Some((report, worst)) = uneven.iter().max_by(|a, b| a.1.total_cmp(&b.1)) {
+        reservations.push(format!(
+            "in {} recordings the forces break a coordination equation by up to {:.0} % ({}): the limbs are not equally stiff",
+            uneven.len(),
+            100.0 * worst,
+            report.name
+        ));
     }
     for report in reports {
         if let Some(error) = report.hold_out
             && error > limits.hold_out_percent / 100.0
         {
             reservations.push(format!(
-                "{}: a fit without it predicts it to {:.1} % only: repeat it",
+                "{}: the other trials predict it only to within {:.1} % (the session asks for {} %): repeat it",
                 report.name,
-                100.0 * error
-            ));
-        }
-        if let Some(worst) = report
-            .coordination
-            .map(|c| c.into_iter().fold(0.0, f64::max))
-            && worst > COORDINATION_LIMIT
-        {
-            reservations.push(format!(
-                "{}: the forces break a coordination equation by {:.0} %: the limbs are not equally stiff",
-                report.name,
-                100.0 * worst
+                100.0 * error,
+                limits.hold_out_percent
             ));
         }
         if let Some(errors) = report.validation {
@@ -640,7 +665,7 @@ fn reservations(
             let passes = worst <= limits.validation_percent / 100.0;
             if !passes {
                 reservations.push(format!(
-                    "{}: decoupled, it departs from the standards by {:.1} %, more than the {} % that the session asks for: a wedge that is off by a tenth of a degree does as much",
+                    "{}: decoupled, it departs from the standards by {:.1} % (the session asks for {} %); at low frequency a wedge that is off by a tenth of a degree does as much as 15 %",
                     report.name,
                     100.0 * worst,
                     limits.validation_percent
@@ -658,23 +683,31 @@ fn grade(
     identified: bool,
 ) -> (Grade, String) {
     if let Some(first) = findings.first() {
-        let others = findings.len() - 1;
-        let more = match others {
-            0 => String::new(),
-            1 => ", and one thing more".to_owned(),
-            n => format!(", and {n} things more"),
+        let mut causes: Vec<Cause> = findings.iter().map(|f| f.cause).collect();
+        causes.dedup();
+        let more = match causes.as_slice() {
+            [_, second] => format!("; also: {}", second.words()),
+            [_, second, rest @ ..] => {
+                format!("; also: {} and {} more", second.words(), rest.len())
+            }
+            _ => String::new(),
+        };
+        let mut places: Vec<&str> = findings
+            .iter()
+            .filter(|f| f.cause == first.cause)
+            .flat_map(|f| f.recordings.iter().map(String::as_str))
+            .collect();
+        places.sort_unstable();
+        places.dedup();
+        let place = match places.as_slice() {
+            [] => String::new(),
+            [one] => format!(" in {one}"),
+            [one, two] => format!(" in {one} and {two}"),
+            [one, rest @ ..] => format!(" in {one} and {} more recordings", rest.len()),
         };
         return (
             Grade::Bad,
-            format!(
-                "Not good: {}{}{more}.",
-                first.cause.words(),
-                match first.recordings.as_slice() {
-                    [] => String::new(),
-                    [one] => format!(" in {one}"),
-                    [one, rest @ ..] => format!(" in {one} and {} more", rest.len()),
-                }
-            ),
+            format!("Not good: {}{place}{more}.", first.cause.words()),
         );
     }
     if !identified {
@@ -699,7 +732,10 @@ fn grade(
     } else {
         (
             Grade::Reserved,
-            format!("Good with reservations: {}.", reservations[0]),
+            match reservations.len() {
+                1 => "Good with reservations: one point is open.".to_owned(),
+                n => format!("Good with reservations: {n} points are open."),
+            },
         )
     }
 }

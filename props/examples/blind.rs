@@ -1,128 +1,137 @@
-//! dev
-use rayon::prelude::*;
-use sixaxis_calibration::cleaning::Cleaning;
-use sixaxis_calibration::session::{Role, SessionFile};
-use sixaxis_calibration::suspicion::{Facts, examine};
-use sixaxis_calibration::trial::Trial;
-use sixaxis_core::Gains;
-use sixaxis_reference::session::defect::Kind;
-use sixaxis_reference::session::plan::*;
-use sixaxis_reference::session::play::{Played, play};
+//! Blind trials of the verdict, by the hundred: `cargo run --release -p sixaxis-props --example blind`.
+//!
+//! Prints what became of each kind of defect, every session that was judged wrongly in full, and with `--publish` writes the
+//! table that README and the report show.
 
-fn trial(p: &Played, full: f64) -> Trial {
-    let d = glam::DVec3::from_array(p.entry.direction.unwrap_or([0.0, 0.0, 1.0])).normalize();
-    let down = p
-        .entry
-        .down
-        .map_or(-d, |v| glam::DVec3::from_array(v).normalize());
-    Trial {
-        name: p.entry.file.display().to_string(),
-        role: p.entry.role,
-        sample_rate_hz: p.sample_rate_hz,
-        gains: p.entry.gain_n_per_v.map_or(Gains::uniform(1.0), |g| Gains {
-            gain_n_per_v: g.each(),
-        }),
-        full_scale_v: full,
-        voltage_v: p.voltage_v.clone(),
-        accelerometer_m_s2: p.accelerometer_m_s2.clone(),
-        gyroscope_rad_s: p.gyroscope_rad_s.clone(),
-        direction_ground: d,
-        gravity_ground_m_s2: down * 9.80665,
-        frequency_hz: p.entry.frequency_hz.unwrap_or(0.0),
-    }
+use std::collections::BTreeMap;
+use std::process::ExitCode;
+
+use rayon::prelude::*;
+use serde::Serialize;
+use sixaxis_props::blind::{Outcome, REPORTED_FROM, run};
+use sixaxis_reference::session::plan::Engine;
+
+/// What is published.
+#[derive(Serialize)]
+struct Published {
+    first_seed: u64,
+    sessions: usize,
+    engine: Engine,
+    right_verdict: usize,
+    right_cause: usize,
+    broken_promises: usize,
+    healthy: usize,
+    false_alarms: usize,
+    kinds: BTreeMap<String, Row>,
+    wrong: Vec<Outcome>,
 }
 
-fn main() {
-    let args: Vec<u64> = std::env::args()
-        .skip(1)
-        .filter_map(|a| a.parse().ok())
-        .collect();
-    let (first, count) = (args[0], args[1]);
-    let verbose = args.len() > 2;
-    let rows: Vec<(u64, Option<Kind>, String)> = (first..first + count)
+#[derive(Default, Serialize)]
+struct Row {
+    sessions: usize,
+    right_verdict: usize,
+    right_cause: usize,
+}
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let number = |name: &str, otherwise: u64| {
+        arguments
+            .iter()
+            .position(|a| a == name)
+            .and_then(|i| arguments.get(i + 1))
+            .and_then(|text| text.parse().ok())
+            .unwrap_or(otherwise)
+    };
+    let first = number("--first", REPORTED_FROM);
+    let count = number("--count", 300);
+    let has = |name: &str| arguments.iter().any(|a| a == name);
+    let engine = if has("--mujoco") {
+        Engine::Mujoco
+    } else {
+        Engine::Rigid
+    };
+    let folder = std::env::temp_dir().join(format!("sixaxis-blind-{}", std::process::id()));
+    let outcomes: Result<Vec<Outcome>, String> = (first..first + count)
         .into_par_iter()
-        .map(|seed| {
-            let index = (seed % 15) as usize;
-            let kind = (index < 13).then(|| Kind::ALL[index]);
-            let plan = SessionPlan {
-                seed,
-                sensor: SensorChoice::Random,
-                engine: Engine::Rigid,
-                rig: RigPlan {
-                    wedge_error_deg: 0.1,
-                    ..RigPlan::default()
-                },
-                chain: ChainPlan {
-                    stiffness_spread: 2e-3,
-                    ..ChainPlan::default()
-                },
-                defect: kind.map_or(DefectChoice::None, DefectChoice::Kind),
-                ..SessionPlan::default()
-            };
-            let played = play(&plan).unwrap();
-            let file = SessionFile::parse(
-                std::path::Path::new("session.toml"),
-                toml::to_string(&played.session).unwrap(),
-            )
-            .unwrap();
-            let cleaning = Cleaning::of(&file.session);
-            let full = file.session.sensor.full_scale_v;
-            let rest = trial(&played.recordings[0], full);
-            let trials: Vec<_> = played.recordings[1..]
-                .iter()
-                .map(|p| {
-                    let t = trial(p, full);
-                    let c = cleaning.clean(&t).unwrap();
-                    (t, c)
-                })
-                .collect();
-            assert!(trials.iter().all(|t| t.0.role != Role::Static));
-            let design = file.design();
-            let e = examine(
-                &Facts {
-                    geometry: file.geometry(),
-                    design: &design,
-                    rig: file.session.rig.as_ref(),
-                    gyroscope_lag_undone: file.session.gyroscope.bandwidth_hz.is_some(),
-                },
-                Some(&rest),
-                &trials,
-            );
-            let mut text = String::new();
-            let first = e.findings.first().map(|f| format!("{:?}", f.cause));
-            let want = kind.map(|k| format!("{k:?}"));
-            let ok = first == want;
-            let worst = e
-                .departures
-                .iter()
-                .flatten()
-                .fold(0.0_f64, |a, b| a.max(*b));
-            text += &format!(
-                "{} {seed} want {want:?} got {first:?} n={} worst departure {worst:.4}\n",
-                if ok { "ok " } else { "BAD" },
-                e.findings.len()
-            );
-            if !ok || verbose {
-                text += &format!("     {:?}\n", played.truth.defect);
-                for f in e.findings.iter().take(6) {
-                    text += &format!(
-                        "     {:?} {:?} {:?}: {}\n",
-                        f.cause,
-                        f.recordings.iter().take(4).collect::<Vec<_>>(),
-                        f.channels,
-                        f.evidence
-                    );
-                }
-            }
-            (seed, kind, text)
-        })
+        .map(|seed| run(seed, engine, &folder))
         .collect();
-    let mut bad = 0;
-    for (_, _, text) in &rows {
-        if text.starts_with("BAD") || verbose {
-            print!("{text}");
+    let _ = std::fs::remove_dir(&folder);
+    let outcomes = match outcomes {
+        Ok(outcomes) => outcomes,
+        Err(error) => {
+            eprintln!("error: {error}");
+            return ExitCode::FAILURE;
         }
-        bad += usize::from(text.starts_with("BAD"));
+    };
+    let mut kinds: BTreeMap<String, Row> = BTreeMap::new();
+    for outcome in &outcomes {
+        let name = outcome
+            .kind
+            .map_or_else(|| "healthy".to_owned(), |kind| format!("{kind:?}"));
+        let row = kinds.entry(name).or_default();
+        row.sessions += 1;
+        row.right_verdict += usize::from(outcome.verdict_is_right());
+        row.right_cause += usize::from(outcome.cause_is_right());
     }
-    println!("{bad} bad of {count}");
+    println!(
+        "{:<20} {:>8} {:>14} {:>12}",
+        "defect", "sessions", "right verdict", "right cause"
+    );
+    for (name, row) in &kinds {
+        println!(
+            "{name:<20} {:>8} {:>14} {:>12}",
+            row.sessions, row.right_verdict, row.right_cause
+        );
+    }
+    let wrong: Vec<Outcome> = outcomes
+        .iter()
+        .filter(|o| !o.verdict_is_right() || !o.cause_is_right())
+        .cloned()
+        .collect();
+    for outcome in &wrong {
+        println!(
+            "\nseed {}: {:?} {}\n  {:?}: {}",
+            outcome.seed, outcome.kind, outcome.particulars, outcome.grade, outcome.sentence
+        );
+        for line in outcome.evidence.iter().take(5) {
+            println!("  {line}");
+        }
+    }
+    let tally = |of: fn(&Outcome) -> bool| outcomes.iter().filter(|o| of(o)).count();
+    let published = Published {
+        first_seed: first,
+        sessions: outcomes.len(),
+        engine,
+        right_verdict: tally(Outcome::verdict_is_right),
+        right_cause: tally(Outcome::cause_is_right),
+        broken_promises: tally(Outcome::is_broken_promise),
+        healthy: tally(|o| o.kind.is_none()),
+        false_alarms: tally(Outcome::is_false_alarm),
+        kinds,
+        wrong,
+    };
+    println!(
+        "\n{} sessions from seed {first}: verdict right {} ({:.2} %), cause right {} ({:.2} %), defects called good {}, false alarms {} of {}",
+        published.sessions,
+        published.right_verdict,
+        100.0 * published.right_verdict as f64 / published.sessions as f64,
+        published.right_cause,
+        100.0 * published.right_cause as f64 / published.sessions as f64,
+        published.broken_promises,
+        published.false_alarms,
+        published.healthy,
+    );
+    if has("--publish") {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/results/blind.json");
+        let written = std::fs::create_dir_all(concat!(env!("CARGO_MANIFEST_DIR"), "/results"))
+            .map_err(|e| e.to_string())
+            .and_then(|()| serde_json::to_vec_pretty(&published).map_err(|e| e.to_string()))
+            .and_then(|text| std::fs::write(path, text).map_err(|e| e.to_string()));
+        if let Err(error) = written {
+            eprintln!("error: {path}: {error}");
+            return ExitCode::FAILURE;
+        }
+    }
+    ExitCode::SUCCESS
 }

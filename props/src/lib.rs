@@ -3,6 +3,7 @@
 //! The suites themselves are in `tests/`, one file a subject; a test's name begins with the class of its evidence:
 //! `ref_` MuJoCo, `paper_` a printed number, `prop_` any input, `inv_` an invariant, `order_` a rate of convergence.
 
+pub mod blind;
 pub mod compare;
 pub mod evidence;
 pub mod hostile;

@@ -2,6 +2,7 @@
 
 pub mod calibrate;
 pub mod compare;
+pub mod completions;
 pub mod decouple;
 pub mod inspect;
 pub mod model;

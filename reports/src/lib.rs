@@ -5,6 +5,9 @@
 //! plain data into one self-contained HTML page and knows nothing of sensors, simulators or
 //! campaigns.
 
+pub mod comparison;
+pub mod decoupling;
+pub mod inspection;
 pub mod pages;
 pub mod progress;
 pub mod study;

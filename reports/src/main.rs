@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use clap::{CommandFactory, Parser, Subcommand};
 
 mod commands;
-use commands::{calibrate, compare, decouple, inspect, model, report, simulate};
+use commands::{calibrate, compare, completions, decouple, inspect, model, report, simulate};
 
 /// Mathematics of a parallel six-axis accelerometer, verified against MuJoCo.
 #[derive(Parser)]
@@ -46,6 +46,12 @@ enum Task {
     Compare(compare::Arguments),
     /// Write the simulated sensor as MJCF; `python -m mujoco.viewer --mjcf=FILE` opens it
     Model(model::Arguments),
+    /// Write a shell's completions to standard output
+    ///
+    /// For example: sixaxis completions bash > ~/.local/share/bash-completion/completions/sixaxis
+    Completions(completions::Arguments),
+    /// Write the manual page to standard output: sixaxis man > sixaxis.1
+    Man,
 }
 
 fn main() -> ExitCode {
@@ -61,6 +67,8 @@ fn main() -> ExitCode {
         Some(Task::Decouple(arguments)) => decouple::run(&arguments),
         Some(Task::Compare(arguments)) => compare::run(&arguments),
         Some(Task::Model(arguments)) => model::run(&arguments),
+        Some(Task::Completions(arguments)) => completions::run(&arguments, Arguments::command()),
+        Some(Task::Man) => completions::manual(&Arguments::command()),
     };
     done.unwrap_or_else(|error| {
         eprintln!("error: {error:#}");

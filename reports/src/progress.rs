@@ -1,5 +1,7 @@
 //! A progress bar with the time left; nothing at all when standard error is not a terminal.
 
+use std::borrow::Cow;
+
 use indicatif::{ProgressBar, ProgressStyle};
 
 /// The command's progress display.
@@ -23,7 +25,7 @@ impl Progress {
 
     /// Starts a stage of `total` units of work.
     #[must_use]
-    pub fn stage(&self, name: &'static str, total: u64) -> Stage {
+    pub fn stage(&self, name: impl Into<Cow<'static, str>>, total: u64) -> Stage {
         let bar = if self.hidden {
             ProgressBar::hidden()
         } else {

@@ -7,6 +7,7 @@ use super::odd_trial;
 use super::structure::departure;
 use super::table::Table;
 use super::{Cause, Finding, Suspect};
+use crate::session::Role;
 use crate::trial::Trial;
 
 /// Drift, relative to the largest force of any channel in the trial, that is noticed.
@@ -58,7 +59,8 @@ pub fn examine(
             .channels
             .iter()
             .map(|c| c.response.abs() * response.peak)
-            .fold(0.0, f64::max);
+            .fold(0.0, f64::max)
+            .max(weight_n(suspect, table));
         for channel in 0..LIMBS {
             if suspect.excused[channel] {
                 continue;
@@ -92,6 +94,21 @@ pub fn examine(
             }
         }
     }
+}
+
+/// The largest share that turning weight has in a channel's force, N: taken off, but only as well as the angle is known.
+fn weight_n(suspect: &Suspect<'_>, table: Option<&Table>) -> f64 {
+    let trial = suspect.trial;
+    let (Some(table), true) = (table, trial.role != Role::Linear && trial.gravity_turns()) else {
+        return 0.0;
+    };
+    let weight = trial.gravity_ground_m_s2.length();
+    (0..LIMBS)
+        .map(|i| {
+            let share = table.shares.linear[table.limb_of[i]].length();
+            (table.mass_over_scale_kg[i] * share * weight).abs()
+        })
+        .fold(0.0, f64::max)
 }
 
 /// Level at the beginning of the run and its change until the end, N.

@@ -40,7 +40,7 @@ pub fn examine(
         recordings: names(seen.iter().map(|(suspect, ..)| *suspect)),
         channels: Vec::new(),
         evidence: format!(
-            "during pure rotation the limbs carry a net force that turns as a weight of {:.2} m/s² would, where the session makes one expect {:.2}",
+            "during pure rotation the limbs carry a net force that turns as a weight of {:.2} m/s² would, but by the directions in the session it should be {:.2} m/s²",
             found.length(),
             declared.length()
         ),

@@ -6,7 +6,7 @@ use sixaxis_core::LIMBS;
 
 use super::level::is_thousand;
 use super::structure::departure;
-use super::table::{Table, norm};
+use super::table::Table;
 use super::{Cause, Finding, Suspect};
 use crate::response::Response;
 
@@ -85,7 +85,7 @@ fn explain(
     let counts: Vec<usize> = (0..LIMBS)
         .filter(|i| !suspect.excused[*i] && !table.silent[*i])
         .collect();
-    let size = norm(&expected);
+    let size = table.size(suspect, response, &expected);
     let rest = |of: &dyn Fn(usize) -> f64| -> f64 {
         counts
             .iter()
@@ -185,7 +185,7 @@ fn explain(
         }
     }
     // Another direction.
-    if let Some((direction, left)) = direction(table, suspect, response, &counts, &seen, size)
+    if let Some((direction, left)) = direction(table, response, &counts, &seen, size)
         && left < enough
     {
         let d = suspect.trial.direction_ground;
@@ -234,7 +234,6 @@ fn explain(
 /// The direction, not normalised, that the channels show, and what it leaves.
 fn direction(
     table: &Table,
-    _suspect: &Suspect<'_>,
     response: &Response,
     counts: &[usize],
     seen: &[f64; LIMBS],

@@ -104,7 +104,7 @@ pub fn silent(
             .then_some(seen / expected)
     };
     let mut silent = [false; LIMBS];
-    for channel in 0..LIMBS {
+    for (channel, silent) in silent.iter_mut().enumerate() {
         let mut quiet: Vec<usize> = Vec::new();
         let mut judged = 0;
         for (index, suspect) in suspects.iter().enumerate() {
@@ -126,11 +126,11 @@ pub fn silent(
         if quiet.is_empty() {
             continue;
         }
-        silent[channel] = quiet.len() == judged;
+        *silent = quiet.len() == judged;
         for index in &quiet {
             suspects[*index].excused[channel] = true;
         }
-        let recordings = if silent[channel] {
+        let recordings = if *silent {
             Vec::new()
         } else {
             quiet
@@ -147,7 +147,7 @@ pub fn silent(
                 quiet.len()
             ),
             advice: format!(
-                "check piezo, cable and amplifier of limb {}; the other eight still carry six axes, but not this calibration",
+                "check piezo, cable and amplifier of limb {}, then repeat all trials",
                 channel + 1
             ),
         });
@@ -232,9 +232,9 @@ pub fn inverted(
     silent: &[bool; LIMBS],
     findings: &mut Vec<Finding>,
 ) {
-    for channel in 0..LIMBS {
+    for (channel, silent) in silent.iter().enumerate() {
         let limb = table.limb_of[channel];
-        if !silent[channel]
+        if !silent
             && table.mass_over_scale_kg[channel] * facts.design.scale_per_mass_per_kg[limb] < 0.0
         {
             findings.push(Finding {
@@ -268,7 +268,7 @@ pub fn departure(table: &Table, suspect: &Suspect<'_>) -> Option<f64> {
             seen[i] - expected[i]
         }
     });
-    Some(norm(&difference) / norm(&expected))
+    Some(norm(&difference) / table.size(suspect, response, &expected))
 }
 
 /// The trials of one direction and role, for messages.

@@ -13,6 +13,8 @@ use crate::rigid::Shares;
 const SMALLEST_SHARE: f64 = 0.08;
 /// Departure, relative to a trial's own size, at which an observation loses its weight in the fit of the inertias.
 const ROBUST_DEPARTURE: f64 = 0.02;
+/// Share of the largest singular value from which the inertias are resolved.
+const RESOLVED: f64 = 1e-3;
 /// Rounds of reweighting; weights settle in a handful.
 const ROUNDS: usize = 12;
 
@@ -136,7 +138,9 @@ impl Table {
             let Some(svd) = matrix.try_svd(true, true, f64::EPSILON, 1000) else {
                 return;
             };
-            if !(svd.singular_values.min() > 1e-3 * svd.singular_values.max()) {
+            // Written so that NaN resolves nothing.
+            let resolved = svd.singular_values.min() > RESOLVED * svd.singular_values.max();
+            if !resolved {
                 return;
             }
             let Ok(solution) = svd.solve(&right, 0.0) else {
@@ -205,6 +209,29 @@ impl Table {
         (seen, expected)
     }
 
+    /// Size that a trial's departures are relative to: its expected responses and, where it turns against gravity, the weight
+    /// that was taken off, since what the standards do not know of the angle stays in.
+    #[must_use]
+    pub fn size(&self, suspect: &Suspect<'_>, response: &Response, expected: &[f64; LIMBS]) -> f64 {
+        let trial = suspect.trial;
+        let turning = if response.angular_over_waveform == 0.0 {
+            0.0
+        } else {
+            let weight = trial
+                .gravity_ground_m_s2
+                .reject_from(trial.direction_ground)
+                .length();
+            let shares = self
+                .shares
+                .linear
+                .iter()
+                .map(|p| p.length_squared())
+                .sum::<f64>();
+            weight * shares.sqrt() / response.peak
+        };
+        norm(expected) + turning
+    }
+
     /// Departure of all trials from the table, each relative to its own size and none counting for more than `cap`: what the
     /// right assignment of channels makes smallest.
     #[must_use]
@@ -216,7 +243,7 @@ impl Table {
             })
             .map(|(suspect, response)| {
                 let (seen, expected) = self.compare(suspect, response);
-                let size = norm(&expected);
+                let size = self.size(suspect, response, &expected);
                 (0..LIMBS)
                     .filter(|i| !suspect.excused[*i])
                     .map(|i| ((seen[i] - expected[i]) / size).abs().min(cap))

@@ -54,6 +54,26 @@ impl Kind {
         Self::DriftDuringRun,
         Self::ForeignTrial,
     ];
+
+    /// The word that plans have for it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::DeadLimb => "dead_limb",
+            Self::SwappedChannels => "swapped_channels",
+            Self::InvertedChannel => "inverted_channel",
+            Self::ClippedConverter => "clipped_converter",
+            Self::WrongScaling => "wrong_scaling",
+            Self::MillivoltMixUp => "millivolt_mix_up",
+            Self::GravityNotHandled => "gravity_not_handled",
+            Self::UnderExcitedAxis => "under_excited_axis",
+            Self::LooseWedge => "loose_wedge",
+            Self::ClockMismatch => "clock_mismatch",
+            Self::GyroscopeLag => "gyroscope_lag",
+            Self::DriftDuringRun => "drift_during_run",
+            Self::ForeignTrial => "foreign_trial",
+        }
+    }
 }
 
 /// Where something is wrong: trials are counted from 0 over steps 2, 3, 4 and the compound runs.
@@ -83,7 +103,7 @@ impl Where {
 
 /// One thing wrong. Channels are counted from 0.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Defect {
     /// The channel shows its zero drift and noise.
     DeadLimb {

@@ -1,5 +1,6 @@
 //! What is played: everything the reference can be told, with the paper's values where nothing is said.
 
+use rand::seq::IndexedRandom;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
@@ -10,6 +11,7 @@ use crate::paper;
 use crate::rig::{Mounting, ROTATION_AMPLITUDE_RAD, SLIDER_AMPLITUDE_M};
 
 use super::defect::{Defect, Kind};
+use super::effect::Signals;
 
 /// A simulated session.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -129,8 +131,24 @@ pub struct ChainPlan {
     pub resolution_bits: u32,
     /// Converter limit, V.
     pub full_scale_v: f64,
-    /// Standard deviation of the limbs' stiffnesses about their mean, relative.
+    /// What becomes of the load at rest.
+    pub coupling: CouplingChoice,
+    /// Corner of the charge amplifier's first-order high-pass, Hz, which the session file states; 0 for none.
+    pub amplifier_high_pass_hz: f64,
+    /// Standard deviation of the limbs' stiffnesses about their mean, relative. Only for [`Engine::Rigid`]: the reference's
+    /// MuJoCo model has one stiffness for all limbs.
     pub stiffness_spread: f64,
+}
+
+/// What becomes of the load at rest on its way to the converter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CouplingChoice {
+    /// The change of force since the run began, as a piezo shows it.
+    #[default]
+    Tared,
+    /// The whole force, gravity's share at rest included, as a force cell shows it.
+    Ideal,
 }
 
 impl Default for ChainPlan {
@@ -139,6 +157,8 @@ impl Default for ChainPlan {
             signal_to_noise_db: 60.0,
             resolution_bits: 16,
             full_scale_v: 10.0,
+            coupling: CouplingChoice::Tared,
+            amplifier_high_pass_hz: 0.0,
             stiffness_spread: 0.0,
         }
     }
@@ -173,6 +193,8 @@ pub enum DefectChoice {
     /// Nothing.
     #[default]
     None,
+    /// One of any kind or, as likely, none: drawn with the seed, for a session that is to be judged blind.
+    Random,
     /// One of a kind, its particulars drawn with the seed.
     Kind(Kind),
     /// This one.
@@ -213,6 +235,8 @@ pub fn random_sensor(rng: &mut impl Rng) -> Parameters {
 const SENSOR_STREAM: u128 = 3;
 /// Random stream of the limbs' stiffnesses.
 const STIFFNESS_STREAM: u128 = 4;
+/// Random stream of [`DefectChoice::Random`]; 5 to 7 and from 64 on are the campaign's.
+const KIND_STREAM: u128 = 8;
 
 impl SessionPlan {
     /// The true parameters.
@@ -237,16 +261,37 @@ impl SessionPlan {
         })
     }
 
-    /// The defect, drawn if only its kind is given.
+    /// The defect, drawn if only its kind is given or not even that. Drawn ones are drawn again until they do harm, as
+    /// [`Signals::harmed_by`] has it; what is given exactly is played as it is.
     #[must_use]
     pub fn drawn_defect(&self) -> Option<Defect> {
         match &self.defect {
             DefectChoice::None => None,
-            DefectChoice::Kind(kind) => {
-                let mut rng = Pcg64::seed_from_u64(self.seed ^ 0x0d_efec7);
-                Some(Defect::draw(*kind, self.trials_per_step, &mut rng))
+            DefectChoice::Random => {
+                let mut rng = Pcg64::new(u128::from(self.seed), KIND_STREAM);
+                let kind = Kind::ALL.choose(&mut rng).copied();
+                kind.filter(|_| rng.random_bool(0.5))
+                    .map(|kind| self.harmful(kind))
             }
+            DefectChoice::Kind(kind) => Some(self.harmful(*kind)),
             DefectChoice::Exactly(defect) => Some(defect.clone()),
         }
     }
+
+    fn harmful(&self, kind: Kind) -> Defect {
+        let mut rng = Pcg64::seed_from_u64(self.seed ^ 0x0d_efec7);
+        let signals = Signals::of(self);
+        let mut defect = Defect::draw(kind, self.trials_per_step, &mut rng);
+        // On a rig where nothing does harm, the last one stands.
+        for _ in 0..MOST_DRAWS {
+            if signals.harmed_by(&defect) {
+                break;
+            }
+            defect = Defect::draw(kind, self.trials_per_step, &mut rng);
+        }
+        defect
+    }
 }
+
+/// Draws of a defect's particulars before a harmless one is let pass.
+const MOST_DRAWS: usize = 1000;

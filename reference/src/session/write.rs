@@ -6,18 +6,22 @@ use sixaxis_core::LIMBS;
 use sixaxis_recordings::draft::write_atomically;
 use sixaxis_recordings::{Block, Channel, Layout, create};
 
+use super::plan_file::with_comments;
 use super::play::{Played, PlayedSession};
 
 /// Name of the session file.
 pub const SESSION_FILE: &str = "session.toml";
+/// The plan that was played, in the folder of the truth: plays the same session again.
+pub const PLAN_FILE: &str = "plan.toml";
 /// Folder of what the laboratory does not know.
 pub const TRUTH_FOLDER: &str = "truth";
 
 /// Rows of a block.
 const BLOCK: usize = 1 << 16;
 
-/// Writes a session into a folder, recordings with the given extension (`csv`, `csv.gz`, `parquet`, `tdms`, `npy`, `npz`).
-/// The session file comes last: a folder that has one is complete.
+/// Writes a session into a folder, recordings with the given extension (`csv`, `csv.gz`, `parquet`, `tdms`, `npz`). A session
+/// file that is there already goes first and the new one comes last: a folder that has one is complete, whenever writing was
+/// cut short. Recordings of the same names are replaced, other files stay.
 ///
 /// # Errors
 /// Those of writing.
@@ -26,6 +30,13 @@ pub fn write(
     folder: &Path,
     extension: &str,
 ) -> sixaxis_recordings::Result<PathBuf> {
+    let path = folder.join(SESSION_FILE);
+    match std::fs::remove_file(&path) {
+        Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
+            return Err(sixaxis_recordings::Error::io(&path, e));
+        }
+        _ => {}
+    }
     let mut session = played.session.clone();
     for (recording, entry) in played.recordings.iter().zip(&mut session.recording) {
         let name = format!("{}.{extension}", entry.file.display());
@@ -35,9 +46,14 @@ pub fn write(
         }
         entry.file = PathBuf::from(name);
     }
-    let truth = serde_json::to_vec_pretty(&played.truth).unwrap_or_default();
-    write_atomically(&folder.join(TRUTH_FOLDER).join("truth.json"), &truth)?;
-    let path = folder.join(SESSION_FILE);
+    let truth_path = folder.join(TRUTH_FOLDER).join("truth.json");
+    let truth = serde_json::to_vec_pretty(&played.truth)
+        .map_err(|e| sixaxis_recordings::Error::io(&truth_path, std::io::Error::other(e)))?;
+    write_atomically(&truth_path, &truth)?;
+    write_atomically(
+        &folder.join(TRUTH_FOLDER).join(PLAN_FILE),
+        with_comments(&played.truth.plan).as_bytes(),
+    )?;
     let text = toml::to_string(&session)
         .map_err(|e| sixaxis_recordings::Error::io(&path, std::io::Error::other(e)))?;
     write_atomically(&path, text.as_bytes())?;

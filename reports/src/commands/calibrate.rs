@@ -1,38 +1,352 @@
 //! `sixaxis calibrate`: a session's recordings to 25 parameters, their intervals and a verdict.
 
-use std::path::PathBuf;
+use std::fmt::Write as _;
+use std::io::{ErrorKind, Write as _};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::{Mutex, PoisonError};
 
-use anyhow::{Context, Result};
-use sixaxis_calibration::session::SessionFile;
-use sixaxis_calibration::verdict::{Grade, Unwatched, judge};
+use anyhow::{Context, Result, ensure};
+use clap::ValueEnum;
+use serde::Serialize;
+use sixaxis_calibration::calibration;
+use sixaxis_calibration::session::{self, SessionFile};
+use sixaxis_calibration::suspicion::Finding;
+use sixaxis_calibration::verdict::{Grade, Judgement, Watch, judge};
+use sixaxis_reports::pages;
+use sixaxis_reports::progress::{Progress, Stage};
+use sixaxis_reports::view::{render, write_atomically};
 
 /// Which session and where to write.
 #[derive(clap::Args)]
+#[command(after_help = AFTER_HELP)]
 pub struct Arguments {
     /// Session file
-    session: PathBuf,
-    /// Calibration to write
-    #[arg(long, value_name = "FILE", default_value = "calibration.json")]
-    out: PathBuf,
+    #[arg(required_unless_present = "schema")]
+    session: Option<PathBuf>,
+    /// Calibration to write [default: calibration.json next to the session file]
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Report to write, one HTML file that needs no network [default: calibration.html next to the session file]
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
+    /// Print a summary for scripts instead of the one for people
+    #[arg(long)]
+    json: bool,
+    /// Print nothing but errors, and the summary only with --json
+    #[arg(long, short)]
+    quiet: bool,
+    /// Print the JSON schema of a file format and do nothing else
+    #[arg(long, value_name = "FORMAT", conflicts_with_all = ["session", "out", "report", "json"])]
+    schema: Option<Schema>,
+}
+
+const AFTER_HELP: &str = "\
+Examples:
+  sixaxis calibrate day/session.toml
+  sixaxis calibrate day/session.toml --out sensor-7.json --report sensor-7.html
+  sixaxis calibrate day/session.toml --json --quiet | jq .verdict
+  sixaxis calibrate --schema session > session.schema.json
+
+A calibration that is not good is written all the same, with its verdict and what was found in it; none is written where the
+four steps could not be done.
+
+Exit codes: 0 good; 3 good with reservations; 4 not good; 1 it could not be done, nothing was written; 2 the command line is not
+understood.";
+
+/// A file format with a schema.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Schema {
+    /// The session file; its TOML has the structure of this JSON
+    Session,
+    /// The calibration
+    Calibration,
 }
 
 /// Calibrates and judges.
 pub fn run(arguments: &Arguments) -> Result<ExitCode> {
-    let file = SessionFile::read(&arguments.session)?;
-    let judgement = judge(&file, &Unwatched)?;
+    if let Some(schema) = arguments.schema {
+        let schema = match schema {
+            Schema::Session => session::schema(),
+            Schema::Calibration => calibration::schema(),
+        };
+        print(&format!("{}\n", serde_json::to_string_pretty(&schema)?))?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let path = arguments
+        .session
+        .as_deref()
+        .context("no session file was named")?;
+    let file = SessionFile::read(path)?;
+    let beside = |name: &str| path.with_file_name(name);
+    let targets = Targets {
+        calibration: arguments
+            .out
+            .clone()
+            .unwrap_or_else(|| beside("calibration.json")),
+        report: arguments
+            .report
+            .clone()
+            .unwrap_or_else(|| beside("calibration.html")),
+    };
+    targets.check(&file)?;
+    let progress = if arguments.quiet {
+        Progress::hidden()
+    } else {
+        Progress::shown()
+    };
+    let judgement = {
+        let watched = Watched::new(&progress);
+        judge(&file, &watched)?
+    };
+    let page = render(&pages::calibration::page(&file, &judgement))?;
+    // The calibration last: whoever sees a new one finds its report beside it.
+    write_atomically(&targets.report, page.as_bytes())
+        .with_context(|| format!("cannot write {}", targets.report.display()))?;
     if let Some(calibration) = &judgement.calibration {
         calibration
-            .write(&arguments.out)
-            .with_context(|| format!("cannot write {}", arguments.out.display()))?;
+            .write(&targets.calibration)
+            .with_context(|| format!("cannot write {}", targets.calibration.display()))?;
     }
-    println!("{}", judgement.sentence);
-    for next in &judgement.next {
-        println!("- {next}");
+    if arguments.json {
+        let summary = Summary::new(&judgement, &targets);
+        print(&format!("{}\n", serde_json::to_string_pretty(&summary)?))?;
+    } else if !arguments.quiet {
+        print(&summary(&judgement, &targets))?;
     }
     Ok(ExitCode::from(match judgement.grade {
         Grade::Good => 0,
         Grade::Reserved => 3,
         Grade::Bad => 4,
     }))
+}
+
+/// What is written where.
+struct Targets {
+    calibration: PathBuf,
+    report: PathBuf,
+}
+
+impl Targets {
+    /// Refuses to write one over the other, or over what is read.
+    fn check(&self, file: &SessionFile) -> Result<()> {
+        let same = |a: &Path, b: &Path| {
+            a == b || matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+        };
+        ensure!(
+            !same(&self.calibration, &self.report),
+            "--out and --report are both {}: give them different names",
+            self.report.display()
+        );
+        let read = std::iter::once(file.path.clone()).chain(
+            file.session.recording.iter().flat_map(|entry| {
+                std::iter::once(&entry.file)
+                    .chain(&entry.reference_file)
+                    .map(|name| file.resolve(name))
+                    .collect::<Vec<_>>()
+            }),
+        );
+        for source in read {
+            for target in [&self.calibration, &self.report] {
+                ensure!(
+                    !same(target, &source),
+                    "{} is read in this session and would be written over: name another file",
+                    target.display()
+                );
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The library's stages on the command's progress display.
+struct Watched<'a> {
+    progress: &'a Progress,
+    stage: Mutex<Option<Stage>>,
+}
+
+impl<'a> Watched<'a> {
+    fn new(progress: &'a Progress) -> Self {
+        Self {
+            progress,
+            stage: Mutex::new(None),
+        }
+    }
+}
+
+impl Watch for Watched<'_> {
+    fn stage(&self, name: &str, parts: usize) {
+        let mut stage = self.stage.lock().unwrap_or_else(PoisonError::into_inner);
+        // The old one finishes its line before the new one begins.
+        *stage = None;
+        *stage = Some(self.progress.stage(name.to_owned(), parts as u64));
+    }
+
+    fn part(&self) {
+        let stage = self.stage.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(stage) = stage.as_ref() {
+            stage.advance(1);
+        }
+    }
+}
+
+/// The summary for scripts.
+#[derive(Serialize)]
+struct Summary<'a> {
+    verdict: Grade,
+    sentence: &'a str,
+    findings: &'a [Finding],
+    reservations: &'a [String],
+    next: &'a [String],
+    parameters_determined: usize,
+    parameters: usize,
+    files: Files<'a>,
+}
+
+/// What was written.
+#[derive(Serialize)]
+struct Files<'a> {
+    /// None where the four steps could not be done.
+    calibration: Option<&'a Path>,
+    report: &'a Path,
+}
+
+impl<'a> Summary<'a> {
+    fn new(judgement: &'a Judgement, targets: &'a Targets) -> Self {
+        Self {
+            verdict: judgement.grade,
+            sentence: &judgement.sentence,
+            findings: &judgement.findings,
+            reservations: &judgement.reservations,
+            next: &judgement.next,
+            parameters_determined: determined(judgement),
+            parameters: judgement.parameters.len(),
+            files: Files {
+                calibration: judgement
+                    .calibration
+                    .as_ref()
+                    .map(|_| targets.calibration.as_path()),
+                report: &targets.report,
+            },
+        }
+    }
+}
+
+fn determined(judgement: &Judgement) -> usize {
+    judgement.parameters.iter().filter(|p| p.determined).count()
+}
+
+/// Width that texts are wrapped to.
+const WIDTH: usize = 96;
+
+/// The summary for people.
+fn summary(judgement: &Judgement, targets: &Targets) -> String {
+    let mut out = String::new();
+    wrapped(&mut out, "", "", &judgement.sentence);
+    if !judgement.findings.is_empty() {
+        out += "\nFound\n";
+        for finding in &judgement.findings {
+            let place = pages::calibration::place(finding);
+            wrapped(
+                &mut out,
+                "  - ",
+                "    ",
+                &format!("{}: {place}", finding.cause.words()),
+            );
+            wrapped(&mut out, "    ", "    ", &finding.evidence);
+        }
+    }
+    out += "\nParameters\n";
+    let parameters = &judgement.parameters;
+    if parameters.is_empty() {
+        out += "  none: the four steps could not be done\n";
+    } else {
+        let _ = writeln!(
+            out,
+            "  {} of {} determined",
+            determined(judgement),
+            parameters.len()
+        );
+        for parameter in parameters.iter().filter(|p| !p.determined) {
+            wrapped(
+                &mut out,
+                "  ",
+                "  ",
+                &format!("{}: {}", parameter.name, parameter.remark),
+            );
+        }
+    }
+    let (actions, consequences) = pages::calibration::split(judgement);
+    if !actions.is_empty() {
+        out += "\nNext\n";
+        for next in actions {
+            wrapped(&mut out, "  - ", "    ", next);
+        }
+    }
+    if !consequences.is_empty() {
+        let _ = writeln!(
+            out,
+            "  - calibrate again: {} may come from the above (see the report)",
+            match consequences.len() {
+                1 => "one more point".to_owned(),
+                n => format!("{n} more points"),
+            }
+        );
+    }
+    out += "\nWritten\n";
+    let _ = writeln!(out, "  {}", targets.report.display());
+    match (&judgement.calibration, judgement.grade) {
+        (Some(_), Grade::Good) => {
+            let _ = writeln!(out, "  {}", targets.calibration.display());
+        }
+        (Some(_), grade) => {
+            let _ = writeln!(
+                out,
+                "  {} (its verdict is in it: {})",
+                targets.calibration.display(),
+                grade.word()
+            );
+        }
+        (None, _) if targets.calibration.exists() => {
+            let _ = writeln!(
+                out,
+                "  no calibration; {} is from an earlier run",
+                targets.calibration.display()
+            );
+        }
+        (None, _) => out += "  no calibration\n",
+    }
+    out
+}
+
+/// Adds a text, wrapped, with a first line that begins differently from the others.
+fn wrapped(out: &mut String, first: &str, rest: &str, text: &str) {
+    let mut line = first.to_owned();
+    let mut empty = true;
+    for word in text.split_whitespace() {
+        if !empty && line.chars().count() + 1 + word.chars().count() > WIDTH {
+            out.push_str(&line);
+            out.push('\n');
+            rest.clone_into(&mut line);
+            empty = true;
+        }
+        if !empty {
+            line.push(' ');
+        }
+        line.push_str(word);
+        empty = false;
+    }
+    out.push_str(&line);
+    out.push('\n');
+}
+
+/// Prints; a reader that has gone away, such as `head`, is no error.
+fn print(text: &str) -> Result<()> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(error).context("cannot print the summary")
+        }
+        _ => Ok(()),
+    }
 }

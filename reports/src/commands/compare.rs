@@ -1,14 +1,96 @@
 //! `sixaxis compare`: a result against the truth, or against another result.
 
+use std::path::PathBuf;
 use std::process::ExitCode;
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result};
+use sixaxis_reports::comparison::aligned::Aligned;
+use sixaxis_reports::comparison::measure::{Comparison, compare};
+use sixaxis_reports::comparison::track::Track;
+use sixaxis_reports::pages;
+use sixaxis_reports::view::{render, write_atomically};
 
-/// Not there yet.
+/// What is held against what.
 #[derive(clap::Args)]
-pub struct Arguments {}
+#[command(after_help = AFTER_HELP)]
+pub struct Arguments {
+    /// Decoupled recording
+    result: PathBuf,
+    /// Truth, or another result
+    truth: PathBuf,
+    /// Page to write: table, curves, errors; needs no network
+    #[arg(long, value_name = "FILE", default_value = "compare.html")]
+    out: PathBuf,
+    /// The figures as JSON
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
 
-/// Not there yet.
-pub fn run(_arguments: &Arguments) -> Result<ExitCode> {
-    bail!("not there yet")
+const AFTER_HELP: &str = "\
+Both files have the columns ax, ay, az, alpha_x, alpha_y, alpha_z, as `sixaxis decouple` and the truth folder of
+`sixaxis simulate` have them; wx, wy, wz and qw, qx, qy, qz are compared where both have them. They are laid side by side by
+their `time` column, or else by their start and rate. One rate must be a whole multiple of the other.
+
+Example:
+  sixaxis simulate --out day && sixaxis calibrate day/session.toml
+  sixaxis decouple calibration.json day/compound-03.npz --session day/session.toml --low-pass 30 --close --out run.csv
+  sixaxis compare run.csv day/truth/compound-03.npz";
+
+/// Compares, prints the table, writes the page.
+pub fn run(arguments: &Arguments) -> Result<ExitCode> {
+    let result = Track::open(&arguments.result)?;
+    let truth = Track::open(&arguments.truth)?;
+    let mut aligned = Aligned::new(result, truth)?;
+    let comparison = compare(
+        &mut aligned,
+        arguments.result.display().to_string(),
+        arguments.truth.display().to_string(),
+    )?;
+    let html = render(&pages::comparison::page(&comparison))?;
+    write_atomically(&arguments.out, html.as_bytes())
+        .with_context(|| format!("cannot write {}", arguments.out.display()))?;
+    if let Some(path) = &arguments.json {
+        write_atomically(path, &serde_json::to_vec_pretty(&comparison)?)
+            .with_context(|| format!("cannot write {}", path.display()))?;
+    }
+    print_table(&comparison);
+    println!("\n{}", arguments.out.display());
+    Ok(ExitCode::SUCCESS)
+}
+
+fn print_table(comparison: &Comparison) {
+    println!(
+        "{} common instants from {} s at {} Hz\n",
+        comparison.instants, comparison.start_s, comparison.rate_hz
+    );
+    println!(
+        "{:<8} {:>8} {:>12} {:>12} {:>12}   {:^39}",
+        "", "", "peak of", "largest", "rms of", "error over the peak, %"
+    );
+    println!(
+        "{:<8} {:>8} {:>12} {:>12} {:>12}   {:>9} {:>9} {:>9} {:>9}",
+        "axis", "unit", "the truth", "error", "the error", "50 %", "90 %", "99 %", "largest"
+    );
+    for axis in &comparison.axes {
+        let share = |figure: f64| {
+            axis.percent(figure)
+                .map_or("-".to_owned(), |percent| format!("{percent:.3}"))
+        };
+        let [half, most, nearly_all] = axis.error_quantiles;
+        println!(
+            "{:<8} {:>8} {:>12.5} {:>12.3e} {:>12.3e}   {:>9} {:>9} {:>9} {:>9}",
+            axis.name,
+            axis.unit,
+            axis.peak,
+            axis.largest_error,
+            axis.rms_error,
+            share(half),
+            share(most),
+            share(nearly_all),
+            share(axis.largest_error)
+        );
+    }
+    if let Some(angle) = comparison.largest_attitude_error_deg {
+        println!("\nattitude: at most {angle:.3e} deg apart");
+    }
 }

@@ -1,14 +1,397 @@
 //! `sixaxis decouple`: a recording to six accelerations.
 
+use std::io::{self, BufReader};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::Instant;
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail, ensure};
+use serde::Serialize;
+use sixaxis_calibration::calibration::Calibration;
+use sixaxis_calibration::session::SessionFile;
+use sixaxis_calibration::verdict::Grade;
+use sixaxis_core::{Decoupler, Scheme};
+use sixaxis_recordings::Sink;
+use sixaxis_reports::decoupling::conditioning::{Conditioning, Wishes, causal_delay_s};
+use sixaxis_reports::decoupling::integrator::Integrator;
+use sixaxis_reports::decoupling::live::{End, Live, Printed, is_closed_pipe, refuse};
+use sixaxis_reports::decoupling::motion::{Columns, Decoding};
+use sixaxis_reports::decoupling::pipeline::Busy;
+use sixaxis_reports::decoupling::recording::Recording;
+use sixaxis_reports::decoupling::setup::{Said, Setup};
+use sixaxis_reports::decoupling::trust::doubt;
+use sixaxis_reports::decoupling::{closed, pipeline};
+use sixaxis_reports::pages;
+use sixaxis_reports::progress::Progress;
+use sixaxis_reports::view::{render, write_atomically};
 
-/// Not there yet.
+/// What is decoupled with what.
 #[derive(clap::Args)]
-pub struct Arguments {}
+#[command(after_help = AFTER_HELP)]
+pub struct Arguments {
+    /// Calibration, as `sixaxis calibrate` writes it
+    calibration: PathBuf,
+    /// Recording, any format that is read; - for rows of text on standard input, answered at once
+    recording: PathBuf,
+    /// File to write: .csv, .csv.gz, .parquet, .npz, .npy or .tdms; - for standard output [default: the recording's name with
+    /// -decoupled.csv]
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Session file that has the recording: gains, direction of gravity, channels and rate are taken from it
+    #[arg(long, value_name = "FILE")]
+    session: Option<PathBuf>,
+    /// Gains of this recording's amplifier ranges, N/V: one, or nine with commas
+    #[arg(
+        long,
+        value_name = "N/V",
+        value_delimiter = ',',
+        allow_hyphen_values = true
+    )]
+    gain: Vec<f64>,
+    /// Samples per second, where the file does not say
+    #[arg(long, value_name = "HZ")]
+    rate: Option<f64>,
+    /// Where down is in the sensor's axes at rest, of any length
+    #[arg(
+        long,
+        value_name = "X,Y,Z",
+        value_delimiter = ',',
+        allow_hyphen_values = true
+    )]
+    down: Vec<f64>,
+    /// How the rate is integrated
+    #[arg(long, value_enum, default_value_t = Integrator::HeunSubstepped)]
+    scheme: Integrator,
+    /// Low-pass on the voltages, Hz: Butterworth of order 4, without phase; on a stream forwards only, which delays
+    #[arg(long, value_name = "HZ")]
+    low_pass: Option<f64>,
+    /// The run ends as it began, at rest in the same place: take off the drift that keeps it from closing
+    #[arg(long)]
+    close: bool,
+    /// The six accelerations only, without rates and attitude: about twice as fast
+    #[arg(long)]
+    accelerations: bool,
+    /// Picture of the six accelerations: a page that needs no network
+    #[arg(long, value_name = "FILE")]
+    picture: Option<PathBuf>,
+    /// Decouple with a calibration whose verdict is bad
+    #[arg(long)]
+    force: bool,
+    /// Print a summary as JSON
+    #[arg(long)]
+    json: bool,
+}
 
-/// Not there yet.
-pub fn run(_arguments: &Arguments) -> Result<ExitCode> {
-    bail!("not there yet")
+const AFTER_HELP: &str = "\
+Columns: time in s; ax, ay, az in m/s^2 and alpha_x, alpha_y, alpha_z in rad/s^2, ground axes; wx, wy, wz in rad/s, the sensor's
+axes; qw, qx, qy, qz, the sensor's axes to the ground's. A sample is decoupled from itself and its two neighbours: the first and
+the last have no row, the first row is that of sample 1 (counted from 0), and `time` says which is which.
+
+A recording may be of any length: it passes through in blocks. Only --close holds the whole run in the memory, 2 million
+samples at most. A result appears whole or not at all: it is written to a neighbour named .NAME.PROCESS.part, which takes
+its name at the end. A killed run may leave such a neighbour; it is never read and can be deleted.
+
+A stream has nine numbers a line, or a line of headings first; --rate is needed. Each row goes out when its successor has come
+in. The first line that cannot be read ends it with exit code 1; all rows before it are out by then.
+
+Examples:
+  sixaxis decouple calibration.json run.tdms --gain 0.05 --down 0,0,-1
+  sixaxis decouple calibration.json day/compound-03.npz --session day/session.toml --close --low-pass 30
+  acquire | sixaxis decouple calibration.json - --rate 2000 --gain 0.05 | display";
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Summary {
+    recording: String,
+    calibration: String,
+    verdict: Grade,
+    out: String,
+    samples: u64,
+    rows: u64,
+    first_row_sample: u64,
+    first_row_time_s: Option<f64>,
+    sample_rate_hz: f64,
+    scheme: Scheme,
+    gain_n_per_v: [f64; 9],
+    gravity_ground_m_s2: [f64; 3],
+    low_pass_hz: Option<f64>,
+    clipped_samples: [u64; 9],
+    /// --close: how far the run was from closing.
+    end_rate_before_rad_s: Option<[f64; 3]>,
+    end_rotation_before_rad: Option<[f64; 3]>,
+    duration_s: f64,
+    busy: Option<Busy>,
+    notes: Vec<String>,
+    warnings: Vec<String>,
+}
+
+fn warn(text: &str) {
+    eprintln!("warning: {text}");
+}
+
+/// Decouples.
+pub fn run(arguments: &Arguments) -> Result<ExitCode> {
+    let started = Instant::now();
+    let calibration = Calibration::read(&arguments.calibration)?;
+    let name = arguments.calibration.display().to_string();
+    if let Some(doubt) = doubt(&name, &calibration, arguments.force)? {
+        warn(&doubt);
+    }
+    let session = match &arguments.session {
+        Some(path) => Some(SessionFile::read(path)?),
+        None => None,
+    };
+    let streams = arguments.recording == Path::new("-");
+    let said = Said {
+        gain_n_per_v: arguments.gain.clone(),
+        rate_hz: arguments.rate,
+        down: match arguments.down.as_slice() {
+            [] => None,
+            [x, y, z] => Some([*x, *y, *z]),
+            other => bail!("--down: {} numbers, three were expected", other.len()),
+        },
+    };
+    let recording = (!streams).then_some(arguments.recording.as_path());
+    let mut setup = Setup::new(&calibration, session.as_ref(), recording, &said)?;
+    setup.wishes.low_pass_hz = arguments.low_pass;
+    let columns = if arguments.accelerations {
+        Columns::Accelerations
+    } else {
+        Columns::All
+    };
+    if streams {
+        return stream(arguments, setup, columns);
+    }
+    for note in &setup.notes {
+        eprintln!("note: {note}");
+    }
+    let summary = file(arguments, &calibration, setup, columns, started);
+    let summary = match summary {
+        // Whoever read the rows has seen enough.
+        Err(error) if is_closed_pipe(&error) => return Ok(ExitCode::SUCCESS),
+        other => other?,
+    };
+    for warning in &summary.warnings {
+        warn(warning);
+    }
+    let to_output = summary.out == "-";
+    let text = if arguments.json {
+        serde_json::to_string_pretty(&summary)?
+    } else {
+        summary.out
+    };
+    if arguments.json || !to_output {
+        println!("{text}");
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn default_out(recording: &Path) -> PathBuf {
+    let name = recording.file_name().unwrap_or_default().to_string_lossy();
+    let stem = name.strip_suffix(".gz").unwrap_or(&name);
+    let stem = stem.rsplit_once('.').map_or(stem, |(stem, _)| stem);
+    recording.with_file_name(format!("{stem}-decoupled.csv"))
+}
+
+fn same_file(a: &Path, b: &Path) -> bool {
+    match (a.canonicalize(), b.canonicalize()) {
+        (Ok(a), Ok(b)) => a == b,
+        _ => a == b,
+    }
+}
+
+fn file(
+    arguments: &Arguments,
+    calibration: &Calibration,
+    setup: Setup,
+    columns: Columns,
+    started: Instant,
+) -> Result<Summary> {
+    let out = match &arguments.out {
+        Some(out) => out.clone(),
+        None => default_out(&arguments.recording),
+    };
+    let to_output = out == Path::new("-");
+    ensure!(
+        !(to_output && arguments.json),
+        "--json and --out - would both print to standard output"
+    );
+    for (input, what) in [
+        (&arguments.recording, "recording"),
+        (&arguments.calibration, "calibration"),
+    ] {
+        ensure!(
+            !same_file(&out, input),
+            "--out: {} is the {what} itself",
+            out.display()
+        );
+    }
+    let mut recording = Recording::open(
+        &arguments.recording,
+        &setup.channels,
+        setup.rate_hz,
+        setup.full_scale_v,
+    )?;
+    let rate_hz = recording.sample_rate_hz;
+    let scheme = arguments.scheme.scheme();
+    let settings = setup.settings(rate_hz, scheme);
+    let conditioning = Conditioning::new(&setup.wishes, rate_hz)?;
+    let decoupler = Decoupler::new(&setup.sensor, &setup.parameters, &settings)
+        .with_context(|| format!("{}", arguments.calibration.display()))?;
+    let mut decoding = Decoding::new(decoupler, columns, arguments.picture.is_some());
+    let mut layout = columns.layout(rate_hz);
+    for (key, value) in [
+        ("sixaxis_version", env!("CARGO_PKG_VERSION").to_owned()),
+        ("recording", name_of(&arguments.recording)),
+        ("calibration", name_of(&arguments.calibration)),
+        ("verdict", calibration.verdict.word().to_owned()),
+        ("first_row_sample", "1".to_owned()),
+    ] {
+        layout.properties.insert(key.to_owned(), value);
+    }
+    let sink = || -> Result<Box<dyn Sink>> {
+        if to_output {
+            let printed = Printed::create(io::BufWriter::new(io::stdout()), &layout)?;
+            return Ok(Box::new(printed));
+        }
+        Ok(sixaxis_recordings::create(&out, &layout)?)
+    };
+    let mut trend = None;
+    let mut busy = None;
+    if arguments.close {
+        let mut stamps = Vec::new();
+        let (rows, found) =
+            closed::read(&mut recording, conditioning, &setup, &settings, &mut stamps)?;
+        closed::write(&recording, &rows, &stamps, &mut decoding, sink()?)?;
+        trend = Some(found);
+    } else {
+        let stage = Progress::shown().stage("decoupling", recording.samples.unwrap_or(0));
+        busy = Some(pipeline::run(
+            &mut recording,
+            conditioning,
+            &mut decoding,
+            sink()?,
+            &|samples| stage.advance(samples),
+        )?);
+    }
+    let mut warnings = recording.warnings();
+    if decoding.rows == 0 {
+        warnings.push(format!(
+            "{}: {} samples; a row needs three, the result is empty",
+            arguments.recording.display(),
+            recording.seen.samples
+        ));
+    }
+    let summary = Summary {
+        recording: arguments.recording.display().to_string(),
+        calibration: arguments.calibration.display().to_string(),
+        verdict: calibration.verdict,
+        out: out.display().to_string(),
+        samples: recording.seen.samples,
+        rows: decoding.rows,
+        first_row_sample: 1,
+        first_row_time_s: decoding.first_s,
+        sample_rate_hz: rate_hz,
+        scheme,
+        gain_n_per_v: setup.sensor.gains.gain_n_per_v,
+        gravity_ground_m_s2: setup.gravity_ground_m_s2.to_array(),
+        low_pass_hz: arguments.low_pass,
+        clipped_samples: recording.seen.clipped,
+        end_rate_before_rad_s: trend.map(|t| t.end_rate_before_rad_s.to_array()),
+        end_rotation_before_rad: trend.map(|t| t.end_rotation_before_rad.to_array()),
+        duration_s: started.elapsed().as_secs_f64(),
+        busy,
+        notes: setup.notes,
+        warnings,
+    };
+    if let (Some(path), Some(curves)) = (&arguments.picture, &decoding.picture) {
+        let page = pages::comparison::picture(&summary.recording, curves, facts(&summary));
+        write_atomically(path, render(&page)?.as_bytes())
+            .with_context(|| format!("cannot write {}", path.display()))?;
+    }
+    Ok(summary)
+}
+
+fn name_of(path: &Path) -> String {
+    path.file_name()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned()
+}
+
+fn facts(summary: &Summary) -> Vec<(String, String)> {
+    let mut facts = vec![
+        ("sixaxis", env!("CARGO_PKG_VERSION").to_owned()),
+        ("recording", summary.recording.clone()),
+        ("calibration", summary.calibration.clone()),
+        ("verdict", summary.verdict.word().to_owned()),
+        ("samples", summary.samples.to_string()),
+        ("sample rate", format!("{} Hz", summary.sample_rate_hz)),
+        ("scheme", summary.scheme.name().to_owned()),
+    ];
+    if let Some(corner_hz) = summary.low_pass_hz {
+        facts.push(("low-pass", format!("{corner_hz} Hz, without phase")));
+    }
+    if summary.end_rate_before_rad_s.is_some() {
+        facts.push(("closed", "from rest to rest".to_owned()));
+    }
+    facts
+        .into_iter()
+        .map(|(name, value)| (name.to_owned(), value))
+        .collect()
+}
+
+fn stream(arguments: &Arguments, setup: Setup, columns: Columns) -> Result<ExitCode> {
+    refuse(&[
+        (arguments.close, "--close, which needs the whole run,"),
+        (arguments.picture.is_some(), "--picture"),
+        (
+            arguments.session.is_some(),
+            "--session, which knows recordings by their files,",
+        ),
+        (arguments.json, "--json"),
+        (
+            arguments
+                .out
+                .as_deref()
+                .is_some_and(|out| out != Path::new("-")),
+            "--out",
+        ),
+    ])?;
+    for note in &setup.notes {
+        eprintln!("note: {note}");
+    }
+    let rate_hz = arguments
+        .rate
+        .context("--rate: a stream does not say how fast it is sampled")?;
+    let wishes = Wishes {
+        causal: true,
+        ..setup.wishes
+    };
+    if let Some(corner_hz) = wishes.low_pass_hz {
+        eprintln!(
+            "note: --low-pass goes forwards only on a stream and delays by {:.2e} s; `time` is the sample's, not the motion's",
+            causal_delay_s(corner_hz)
+        );
+    }
+    let settings = setup.settings(rate_hz, arguments.scheme.scheme());
+    let live = Live {
+        conditioning: Conditioning::new(&wishes, rate_hz)?,
+        decoupler: Decoupler::new(&setup.sensor, &setup.parameters, &settings)
+            .with_context(|| format!("{}", arguments.calibration.display()))?,
+        columns,
+        sample_rate_hz: rate_hz,
+        channels: setup.channels,
+        full_scale_v: setup.full_scale_v,
+    };
+    // Lines may be long in coming: nothing may wait in a buffer.
+    let mut input = BufReader::new(io::stdin());
+    let mut output = io::BufWriter::new(io::stdout().lock());
+    match live.run(&mut input, &mut output, &|text| warn(&text))? {
+        End::Input { rows: 0 } => warn("standard input: a row needs three samples, there is none"),
+        End::Input { .. } => {}
+        // The buffer's remains have no reader; dropping it would try once more, and is silent.
+        End::Closed => {}
+    }
+    Ok(ExitCode::SUCCESS)
 }

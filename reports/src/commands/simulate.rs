@@ -1,34 +1,181 @@
 //! `sixaxis simulate`: a campaign as a laboratory would have it: recordings, session file and, apart, the truth.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow, ensure};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use serde::de::DeserializeOwned;
+use serde::de::value::{Error as ValueError, StrDeserializer};
+use sixaxis_reference::session::check::check;
+use sixaxis_reference::session::defect::Kind;
 use sixaxis_reference::session::plan::{DefectChoice, Engine, SensorChoice, SessionPlan};
-use sixaxis_reference::session::{play::play, write::write};
+use sixaxis_reference::session::plan_file;
+use sixaxis_reference::session::play::{PlayError, play_watched, work_ms};
+use sixaxis_reference::session::write::{SESSION_FILE, TRUTH_FOLDER, write};
+use sixaxis_reports::progress::Progress;
 
 /// What to play and where to write.
 #[derive(clap::Args)]
+#[command(after_help = AFTER_HELP)]
 pub struct Arguments {
     /// Folder to write to
     #[arg(long, value_name = "DIR", default_value = "sixaxis-session")]
     out: PathBuf,
-    /// Seed of every random number
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
+    /// Plan to play, TOML; options given here come before what it says
+    #[arg(long, value_name = "FILE")]
+    plan: Option<PathBuf>,
+    /// Print the complete plan, with comments, and play nothing
+    #[arg(long)]
+    print_plan: bool,
+    /// Seed of every random number; the same seed gives the same files, bit for bit [default: 1]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    seed: Option<u64>,
+    /// Format of the recordings; .npy is not among them because it has no channel names
+    #[arg(long, default_value = "csv",
+        value_parser = PossibleValuesParser::new(["csv", "csv.gz", "parquet", "tdms", "npz"]))]
+    format: String,
+    /// The sensor: as the paper identified it, as it was designed, or scattered about the design [default: paper]
+    #[arg(long, value_parser = choice::<SensorChoice>(&["paper", "design", "random"]))]
+    sensor: Option<SensorChoice>,
+    /// What moves it: MuJoCo, which takes 40 s of processor time for the paper's campaign, shared by all cores, or a closed form
+    /// with limbs that do not give way, which takes 0.3 s and agrees to 1e-5 up to 5 Hz [default: mujoco]
+    #[arg(long, value_parser = choice::<Engine>(&["mujoco", "rigid"]))]
+    engine: Option<Engine>,
+    /// What is wrong with the session; `random`: one of these or nothing, and only the truth folder tells [default: none]
+    #[arg(long, value_name = "KIND", value_parser = defect_choice())]
+    defect: Option<DefectChoice>,
+    /// Trials for each of steps 2 to 4 [default: 10]
+    #[arg(long, value_name = "N")]
+    trials: Option<usize>,
+    /// Samples per second of the trials, Hz [default: 2000]
+    #[arg(long, value_name = "HZ")]
+    rate: Option<f64>,
+    /// Replace the session that the folder holds
+    #[arg(long)]
+    force: bool,
+}
+
+const AFTER_HELP: &str = "\
+Examples:
+  sixaxis simulate --out day                                  the paper's campaign
+  sixaxis simulate --out day --sensor random --defect random --engine rigid --seed 7
+                                                              something to be judged blind
+  sixaxis simulate --print-plan > plan.toml                   everything that can be set, to start from
+  sixaxis simulate --plan plan.toml --out day
+
+The folder's truth/ holds what no laboratory knows: true parameters and motions, and what is wrong. session.toml is written
+last: a folder that has one is complete.";
+
+/// One of some words.
+fn choice<T>(words: &[&'static str]) -> impl TypedValueParser<Value = T> + use<T>
+where
+    T: DeserializeOwned + Clone + Send + Sync + 'static,
+{
+    PossibleValuesParser::new(words.iter().copied())
+        .try_map(|word| T::deserialize(StrDeserializer::<ValueError>::new(&word)))
+}
+
+fn defect_choice() -> impl TypedValueParser<Value = DefectChoice> {
+    let words = ["none", "random"]
+        .into_iter()
+        .chain(Kind::ALL.map(Kind::name));
+    PossibleValuesParser::new(words).map(|word| match word.as_str() {
+        "none" => DefectChoice::None,
+        "random" => DefectChoice::Random,
+        _ => Kind::ALL
+            .into_iter()
+            .find(|kind| kind.name() == word)
+            .map_or(DefectChoice::None, DefectChoice::Kind),
+    })
 }
 
 /// Plays and writes a session.
 pub fn run(arguments: &Arguments) -> Result<ExitCode> {
-    let plan = SessionPlan {
-        seed: arguments.seed,
-        sensor: SensorChoice::Random,
-        engine: Engine::Rigid,
-        defect: DefectChoice::None,
-        ..SessionPlan::default()
-    };
-    let played = play(&plan).context("cannot play the session")?;
-    let session = write(&played, &arguments.out, "npz")?;
-    println!("{}", session.display());
+    let plan = plan(arguments)?;
+    if arguments.print_plan {
+        print!("{}", plan_file::with_comments(&plan));
+        return Ok(ExitCode::SUCCESS);
+    }
+    let out = &arguments.out;
+    // Before minutes of work, not after them.
+    ensure!(
+        arguments.force || !out.join(SESSION_FILE).exists(),
+        "{} holds a session already; give another folder, or --force to replace it",
+        out.display()
+    );
+    std::fs::create_dir_all(out)
+        .with_context(|| format!("cannot create the output folder {}", out.display()))?;
+    let stage = Progress::shown().stage("simulating", work_ms(&plan)?);
+    let played = play_watched(&plan, &|ms| stage.advance(ms)).context("cannot play the session")?;
+    drop(stage);
+    let session = write(&played, out, &arguments.format)?;
+    println!(
+        "{}: {} recordings, .{}, and {SESSION_FILE}",
+        out.display(),
+        played.recordings.len(),
+        arguments.format
+    );
+    println!("next: sixaxis calibrate {}", quoted(&session));
+    println!(
+        "{} holds what a laboratory does not know: not to be looked at before the verdict",
+        out.join(TRUTH_FOLDER).display()
+    );
     Ok(ExitCode::SUCCESS)
+}
+
+/// The plan file, if there is one, with the command line's options put in.
+fn plan(arguments: &Arguments) -> Result<SessionPlan> {
+    let mut plan = match &arguments.plan {
+        Some(path) => plan_file::read(path)?,
+        None => SessionPlan::default(),
+    };
+    let in_file = plan.clone();
+    let Arguments {
+        seed,
+        sensor,
+        engine,
+        defect,
+        trials,
+        rate,
+        ..
+    } = arguments;
+    plan.seed = seed.unwrap_or(plan.seed);
+    plan.sensor = sensor.unwrap_or(plan.sensor);
+    plan.engine = engine.unwrap_or(plan.engine);
+    if let Some(defect) = defect {
+        plan.defect = defect.clone();
+    }
+    plan.trials_per_step = trials.unwrap_or(plan.trials_per_step);
+    plan.sample_rate_hz = rate.unwrap_or(plan.sample_rate_hz);
+    match (check(&plan), &arguments.plan) {
+        (Ok(()), _) => Ok(plan),
+        (Err(error), Some(path)) if check(&in_file).is_err() => Err(located(path, error)),
+        (Err(error), _) => Err(error.into()),
+    }
+}
+
+/// A refusal with the file and line that it is about.
+fn located(path: &Path, error: PlayError) -> anyhow::Error {
+    let PlayError::Plan { key, cause } = &error else {
+        return error.into();
+    };
+    // `defect.exactly: factor` stands in the table `defect.exactly`.
+    let line = std::fs::read_to_string(path)
+        .ok()
+        .and_then(|text| plan_file::line_of(&text, key.split(':').next().unwrap_or(key)))
+        .map(|line| format!(", line {line}"))
+        .unwrap_or_default();
+    anyhow!("{}{line}: {key}: {cause}", path.display())
+}
+
+/// A path as a shell takes it.
+fn quoted(path: &Path) -> String {
+    let text = path.display().to_string();
+    let plain = |c: char| c.is_alphanumeric() || "/._-+:=@%,".contains(c);
+    if text.chars().all(plain) {
+        text
+    } else {
+        format!("'{}'", text.replace('\'', r"'\''"))
+    }
 }

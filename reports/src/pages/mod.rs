@@ -1,8 +1,11 @@
 //! The report: a study's results as a page. What is measured is in [`crate::study`], how it is drawn in
 //! [`crate::view`]; here is decided what a reader meets, in which words and with how many digits.
 
+pub mod calibration;
+pub mod comparison;
 pub mod evidence;
 mod figures;
+pub mod inspection;
 mod ledger;
 mod parameters;
 mod speed;

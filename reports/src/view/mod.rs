@@ -37,6 +37,7 @@ pub mod write;
 
 pub use figure::{Axis, Figure, Kind, Mark, Panel, Scale, Series};
 pub use page::{
-    Align, Block, Cell, Claim, Column, HeadCell, Page, Row, Section, State, Table, Tile, Verdict,
+    Align, Block, Cell, Claim, Column, HeadCell, Listing, Page, Row, Section, State, Table, Tile,
+    Verdict,
 };
 pub use write::{render, write_atomically};

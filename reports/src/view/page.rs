@@ -134,6 +134,17 @@ pub enum Block {
     Ledger(Vec<Claim>),
     /// A remark set apart from the text.
     Note(String),
+    /// A text as it stands, folded away.
+    Listing(Listing),
+}
+
+/// A text as it stands, line by line and without inline marks, folded away until it is asked for.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Listing {
+    /// What it is; always shown.
+    pub caption: String,
+    /// The text.
+    pub text: String,
 }
 
 /// What became of a claim.

@@ -60,7 +60,11 @@ pub fn render(page: &Page) -> Result<String> {
                     }
                 }
                 Block::Table(table) => check(table)?,
-                Block::Heading(_) | Block::Text(_) | Block::Ledger(_) | Block::Note(_) => {}
+                Block::Heading(_)
+                | Block::Text(_)
+                | Block::Ledger(_)
+                | Block::Note(_)
+                | Block::Listing(_) => {}
             }
         }
     }

@@ -1,0 +1,116 @@
+//! Two motions, sample beside sample, on the clock of the slower one.
+
+use anyhow::{Result, bail, ensure};
+
+use super::track::{Motion, Track};
+
+/// Departure of a ratio of rates from a whole number, relative, that is put down to rounding.
+const RATIO_TOLERANCE: f64 = 1e-6;
+/// Distance of the samples of one motion from those of the other, in samples of the faster, that is put down to rounding.
+const PHASE_TOLERANCE: f64 = 0.01;
+
+/// A result beside its truth.
+pub struct Aligned {
+    result: Track,
+    truth: Track,
+    /// Samples before the first common instant: result, truth.
+    first: [u64; 2],
+    /// Samples passed over between two common instants: result, truth.
+    skip: [u64; 2],
+    /// Time of the first common instant on the truth's clock, s.
+    pub start_s: f64,
+    /// Common instants per second.
+    pub rate_hz: f64,
+}
+
+impl Aligned {
+    /// Finds the common instants.
+    ///
+    /// # Errors
+    /// Rates that are not whole multiples of each other; clocks whose samples lie between each other's; motions that have no
+    /// instant in common.
+    pub fn new(result: Track, truth: Track) -> Result<Self> {
+        let rates = [result.sample_rate_hz, truth.sample_rate_hz];
+        let fastest = rates[0].max(rates[1]);
+        let ratio = fastest / rates[0].min(rates[1]);
+        let whole = ratio.round();
+        ensure!(
+            (ratio - whole).abs() <= RATIO_TOLERANCE * ratio,
+            "{} has {} Hz, {} has {} Hz: one rate must be a whole multiple of the other; resample one of them",
+            result.path.display(),
+            rates[0],
+            truth.path.display(),
+            rates[1]
+        );
+        let stride = whole as i64;
+        let slow = usize::from(rates[0] == fastest);
+        // The result's start against the truth's, in samples of the faster.
+        let apart = (result.start_s - truth.start_s) * fastest;
+        let distance = apart.round();
+        ensure!(
+            (apart - distance).abs() <= PHASE_TOLERANCE,
+            "{} starts at {} s, {} at {} s: the samples of one lie {:.2} of a sample beside those of the other; resample one of them",
+            result.path.display(),
+            result.start_s,
+            truth.path.display(),
+            truth.start_s,
+            (apart - distance).abs()
+        );
+        // Samples of the faster by which the slower starts after it, or before it.
+        let later = distance as i64 * if slow == 0 { 1 } else { -1 };
+        let passed_by_slow = if later < 0 {
+            (-later + stride - 1) / stride
+        } else {
+            0
+        };
+        let mut first = [0; 2];
+        first[slow] = passed_by_slow as u64;
+        first[1 - slow] = (later + passed_by_slow * stride) as u64;
+        let mut skip = [0; 2];
+        skip[1 - slow] = stride as u64 - 1;
+        let start_s = truth.start_s + first[1] as f64 / truth.sample_rate_hz;
+        let rate_hz = rates[0].min(rates[1]);
+        Ok(Self {
+            result,
+            truth,
+            first,
+            skip,
+            start_s,
+            rate_hz,
+        })
+    }
+
+    /// Whether both have these columns.
+    #[must_use]
+    pub fn has(&self, columns: core::ops::Range<usize>) -> bool {
+        self.result.has(columns.clone()) && self.truth.has(columns)
+    }
+
+    /// Goes through all common instants from the first: time, result, truth. Returns their number.
+    ///
+    /// # Errors
+    /// Those of reading; no instant at all.
+    pub fn each(&mut self, mut see: impl FnMut(f64, &Motion, &Motion)) -> Result<u64> {
+        self.result.rewind()?;
+        self.truth.rewind()?;
+        let mut count = 0;
+        let mut skip = self.first;
+        while let (Some(result), Some(truth)) =
+            (self.result.next(skip[0])?, self.truth.next(skip[1])?)
+        {
+            see(self.start_s + count as f64 / self.rate_hz, &result, &truth);
+            count += 1;
+            skip = self.skip;
+        }
+        if count == 0 {
+            bail!(
+                "{} starts at {} s, {} at {} s: they have no instant in common",
+                self.result.path.display(),
+                self.result.start_s,
+                self.truth.path.display(),
+                self.truth.start_s
+            );
+        }
+        Ok(count)
+    }
+}

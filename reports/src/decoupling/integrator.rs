@@ -1,0 +1,36 @@
+//! Names of the integrators on the command line.
+
+use clap::ValueEnum;
+use sixaxis_core::Scheme;
+
+/// [`Scheme`] as the command line names it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Integrator {
+    /// Explicit, first order
+    Euler,
+    /// Second order, the paper's
+    Heun,
+    /// Heun in eight steps a sample
+    HeunSubstepped,
+    /// Second order, two steps
+    AdamsBashforth2,
+    /// Fourth order
+    AdamsMoulton4,
+    /// Fourth order over pairs of samples
+    RungeKutta4,
+}
+
+impl Integrator {
+    /// The scheme.
+    #[must_use]
+    pub const fn scheme(self) -> Scheme {
+        match self {
+            Self::Euler => Scheme::Euler,
+            Self::Heun => Scheme::Heun,
+            Self::HeunSubstepped => Scheme::HeunSubstepped,
+            Self::AdamsBashforth2 => Scheme::AdamsBashforth2,
+            Self::AdamsMoulton4 => Scheme::AdamsMoulton4,
+            Self::RungeKutta4 => Scheme::RungeKutta4,
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! Voltages to rows of the answer.
+
+use std::collections::VecDeque;
+
+use sixaxis_core::Decoupler;
+use sixaxis_recordings::{Block, Channel, Layout};
+use sixaxis_reference::session::write::MOTION_CHANNELS;
+
+use super::Row;
+use crate::comparison::envelope::Envelope;
+
+/// Which columns are wanted beside the time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Columns {
+    /// Accelerations, rates, attitude.
+    All,
+    /// The six accelerations.
+    Accelerations,
+}
+
+impl Columns {
+    /// Their number, without the time.
+    #[must_use]
+    pub const fn count(self) -> usize {
+        match self {
+            Self::All => MOTION_CHANNELS.len(),
+            Self::Accelerations => 6,
+        }
+    }
+
+    /// The layout of the answer: time, then accelerations in ground axes, rates in shell axes, attitude.
+    #[must_use]
+    pub fn layout(self, sample_rate_hz: f64) -> Layout {
+        let channels = [("time", "s")]
+            .into_iter()
+            .chain(MOTION_CHANNELS.into_iter().take(self.count()))
+            .map(|(name, unit)| Channel {
+                sample_rate_hz: Some(sample_rate_hz),
+                ..Channel::new(name, Some(unit))
+            })
+            .collect();
+        Layout {
+            channels,
+            time: Some(0),
+            ..Layout::default()
+        }
+    }
+}
+
+/// A decoupler with the clock of its recording.
+pub struct Decoding {
+    decoupler: Decoupler,
+    columns: Columns,
+    /// Stamps of the samples that have not been answered.
+    times_s: VecDeque<f64>,
+    /// Rows answered.
+    pub rows: u64,
+    /// Time of the first row, s.
+    pub first_s: Option<f64>,
+    /// What a picture of the six accelerations needs, if one is wanted.
+    pub picture: Option<Box<[Envelope; 6]>>,
+}
+
+impl Decoding {
+    /// Nothing answered yet.
+    #[must_use]
+    pub fn new(decoupler: Decoupler, columns: Columns, picture: bool) -> Self {
+        Self {
+            decoupler,
+            columns,
+            times_s: VecDeque::new(),
+            rows: 0,
+            first_s: None,
+            picture: picture.then(Box::default),
+        }
+    }
+
+    /// Tells the stamps of the next samples, which may be known before these are ready to be decoded.
+    pub fn stamps(&mut self, times_s: &[f64]) {
+        self.times_s.extend(times_s);
+    }
+
+    /// Decodes the next samples and replaces the contents of `block` with the rows they complete.
+    ///
+    /// # Errors
+    /// Those of [`Decoupler::push`]; the rows before the refused sample are in the block.
+    pub fn decode(&mut self, rows: &[Row], block: &mut Block) -> sixaxis_core::Result<()> {
+        block.clear(1 + self.columns.count());
+        let done = match self.columns {
+            Columns::Accelerations => self.accelerations(rows, block),
+            Columns::All => self.all(rows, block),
+        };
+        let answered = block.columns[1].len();
+        if answered > 0 && self.rows == 0 {
+            // The first sample is never answered.
+            self.times_s.pop_front();
+            self.first_s = self.times_s.front().copied();
+        }
+        let waiting = answered.min(self.times_s.len());
+        block.columns[0].extend(self.times_s.drain(..waiting));
+        self.rows += answered as u64;
+        if let Some(picture) = &mut self.picture {
+            let [times_s, columns @ ..] = block.columns.as_slice() else {
+                return done;
+            };
+            for (envelope, column) in picture.iter_mut().zip(columns) {
+                for (time_s, value) in times_s.iter().zip(column) {
+                    envelope.push(*time_s, *value);
+                }
+            }
+        }
+        done
+    }
+
+    fn accelerations(&mut self, rows: &[Row], block: &mut Block) -> sixaxis_core::Result<()> {
+        self.decoupler.push_record(rows, &mut |answers| {
+            for (axis, column) in block.columns.iter_mut().skip(1).enumerate() {
+                column.extend(answers.iter().map(|answer| answer[axis]));
+            }
+        })
+    }
+
+    fn all(&mut self, rows: &[Row], block: &mut Block) -> sixaxis_core::Result<()> {
+        for row in rows {
+            if let Some(motion) = self.decoupler.push(row)? {
+                let (a, alpha) = (motion.linear_ground_m_s2, motion.angular_ground_rad_s2);
+                let (w, q) = (motion.rate_shell_rad_s, motion.attitude);
+                let answer = [
+                    a.x, a.y, a.z, alpha.x, alpha.y, alpha.z, w.x, w.y, w.z, q.w, q.x, q.y, q.z,
+                ];
+                for (column, value) in block.columns.iter_mut().skip(1).zip(answer) {
+                    column.push(value);
+                }
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,231 @@
+//! The answer: plain data. A number that does not exist is null, and `absent` says why.
+//!
+//! Numbers of a channel are in the channel's own unit unless their name says otherwise; samples count from 0.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::clock::Stamps;
+use super::envelope::Envelope;
+use super::pairs::{Correlations, Twins};
+use super::sensor::Sensor;
+
+/// Everything about one file.
+#[derive(Debug, Clone, Serialize)]
+pub struct Inspection {
+    /// The file.
+    pub file: String,
+    /// Its format and dialect, as found.
+    pub format: String,
+    /// What it says of itself.
+    pub properties: BTreeMap<String, String>,
+    /// Channels that go side by side: of one length and one rate.
+    pub groups: Vec<Group>,
+    /// Channels that cannot be read.
+    pub unreadable: Vec<Unreadable>,
+    /// Channels that are one signal.
+    pub twins: Vec<Twins>,
+    /// The nine limbs and the standards, where they can be told.
+    pub sensor: Option<Sensor>,
+    /// What is noticed.
+    pub noticed: Vec<Notice>,
+    /// What else is to be known: no defect, or none that one recording can prove.
+    pub remarks: Vec<String>,
+}
+
+/// A channel that cannot be read.
+#[derive(Debug, Clone, Serialize)]
+pub struct Unreadable {
+    /// Its name.
+    pub channel: String,
+    /// Why.
+    pub cause: String,
+}
+
+/// Who says the sample rate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RateOrigin {
+    /// The file.
+    File,
+    /// The time stamps' mean step without gaps.
+    TimeStamps,
+    /// The session file.
+    Session,
+    /// Nobody.
+    Unknown,
+}
+
+impl RateOrigin {
+    /// In words.
+    #[must_use]
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::File => "says the file",
+            Self::TimeStamps => "from the time stamps",
+            Self::Session => "says the session",
+            Self::Unknown => "unknown",
+        }
+    }
+}
+
+/// Channels of one length and one rate.
+#[derive(Debug, Clone, Serialize)]
+pub struct Group {
+    /// Samples of each channel.
+    pub samples: u64,
+    /// Samples per second.
+    pub sample_rate_hz: Option<f64>,
+    /// Who says so.
+    pub sample_rate_origin: RateOrigin,
+    /// Samples over rate; with time stamps, from the first to the last and one step more, gaps included.
+    pub duration_s: Option<f64>,
+    /// What the time stamps say, if there are any.
+    pub time_stamps: Option<Stamps>,
+    /// The channels but the time stamps.
+    pub channels: Vec<ChannelFacts>,
+    /// How they go together; none for a single channel and for too many.
+    pub correlations: Option<Correlations>,
+}
+
+impl Group {
+    /// Seconds from one sample to the next.
+    #[must_use]
+    pub fn step_s(&self) -> Option<f64> {
+        self.sample_rate_hz.map(|rate| 1.0 / rate)
+    }
+}
+
+/// A channel's unit.
+#[derive(Debug, Clone, Serialize)]
+pub struct UnitFacts {
+    /// As the file has it.
+    pub name: String,
+    /// What it measures, if it is understood.
+    pub measures: Option<&'static str>,
+    /// Its size in V, m/s^2, rad/s or s.
+    pub size_si: Option<f64>,
+}
+
+/// One end of a channel where it stands still.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FlatTop {
+    /// The value.
+    pub value: f64,
+    /// Samples that have it.
+    pub samples: u64,
+    /// Most of them in a row.
+    pub longest_run: u64,
+    /// The first.
+    pub first_sample: u64,
+    /// The value is one at which converters end: 1, 1.25, 2, 2.5 or 5 times a power of ten, or of whole numbers a power of two.
+    pub at_round_limit: bool,
+}
+
+/// A line in the spectrum.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Line {
+    /// Frequency in Hz, or in cycles per sample where no rate is known.
+    pub frequency: f64,
+    /// Amplitude of the sine.
+    pub amplitude: f64,
+}
+
+/// A power spectral density.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Densities {
+    /// Samples of a segment.
+    pub segment: usize,
+    /// Segments averaged.
+    pub segments: u64,
+    /// Segments left out because a value in them is not finite.
+    pub segments_left_out: u64,
+    /// From one line to the next, Hz, or cycles per sample where no rate is known. The first line stands at 0.
+    pub line_distance: f64,
+    /// One-sided densities, unit^2 per Hz or per cycle per sample. Left empty where they are not asked for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub densities: Vec<f64>,
+}
+
+/// Everything about one channel.
+#[derive(Debug, Clone, Serialize)]
+pub struct ChannelFacts {
+    /// Its name.
+    pub name: String,
+    /// Its unit, if the file says one.
+    pub unit: Option<UnitFacts>,
+    /// Time of its first sample against the file's start, s.
+    pub start_offset_s: f64,
+    /// Samples.
+    pub samples: u64,
+    /// Samples that are not a number.
+    pub not_a_number: u64,
+    /// Samples that are infinite.
+    pub infinite: u64,
+    /// The first of either.
+    pub first_not_finite: Option<u64>,
+    /// Smallest finite sample.
+    pub minimum: Option<f64>,
+    /// Largest finite sample.
+    pub maximum: Option<f64>,
+    /// Mean of the finite samples.
+    pub mean: Option<f64>,
+    /// Standard deviation of the finite samples (over their number).
+    pub standard_deviation: Option<f64>,
+    /// Standard deviation of the white noise: median over pieces of 4,096 samples.
+    pub noise_floor: Option<f64>,
+    /// Smallest difference of two samples.
+    pub smallest_step: Option<f64>,
+    /// Bits that the range needs in such steps, where all samples stand on a grid of them.
+    pub bits_used: Option<f64>,
+    /// One value throughout.
+    pub constant: bool,
+    /// Standing still at the smallest value.
+    pub flat_bottom: Option<FlatTop>,
+    /// Standing still at the largest value.
+    pub flat_top: Option<FlatTop>,
+    /// Samples at the converter's limit that the session states, or beyond.
+    pub at_full_scale: Option<u64>,
+    /// Mean of the last tenth less mean of the first.
+    pub drift: Option<f64>,
+    /// The drift is no part of the motion, as far as the scatter within the two tenths tells.
+    pub drift_stands_out: bool,
+    /// Highest line that stands out, lowest lines left aside.
+    pub dominant: Option<Line>,
+    /// Lines of the mains.
+    pub mains: Vec<Line>,
+    /// Welch's spectrum.
+    pub spectrum: Option<Densities>,
+    /// Why a number is null.
+    pub absent: BTreeMap<&'static str, &'static str>,
+    /// History for drawing.
+    #[serde(skip)]
+    pub history: Envelope,
+}
+
+impl ChannelFacts {
+    /// The unit's name; empty for none.
+    #[must_use]
+    pub fn unit_name(&self) -> &str {
+        self.unit.as_ref().map_or("", |unit| unit.name.as_str())
+    }
+
+    /// Samples that are numbers.
+    #[must_use]
+    pub const fn finite(&self) -> u64 {
+        self.samples - self.not_a_number - self.infinite
+    }
+}
+
+/// Something that is noticed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Notice {
+    /// One word for scripts: `clipped`, `constant`, `not_finite`, `drift`, `mains`, `identical`, `opposite`, `gap`,
+    /// `not_advancing`, `jitter`, `rate`, `unreadable`, `empty`.
+    pub kind: &'static str,
+    /// Channels concerned.
+    pub channels: Vec<String>,
+    /// A sentence with its numbers.
+    pub text: String,
+}

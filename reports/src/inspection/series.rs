@@ -1,0 +1,354 @@
+//! One channel's numbers, all in one pass.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use anyhow::Result;
+use sixaxis_calibration::unit::{self, Unit};
+use sixaxis_core::preprocess::spectrum::{MIN_NOISE_SAMPLES, noise_floor};
+use sixaxis_recordings::Channel;
+
+use super::envelope::Envelope;
+use super::extreme::Extreme;
+use super::findings::{ChannelFacts, Densities, UnitFacts};
+use super::pairs::Prints;
+use super::resolution::Steps;
+use super::spectrum::{self, Plan, Welch};
+
+/// Samples of which one noise floor is told.
+const NOISE_PIECE: usize = 4096;
+/// Noise floors kept.
+const NOISE_KEPT: usize = 4096;
+
+/// One channel, sample by sample.
+#[derive(Debug, Clone)]
+pub struct Series {
+    rows: u64,
+    not_a_number: u64,
+    infinite: u64,
+    first_not_finite: Option<u64>,
+    finite: f64,
+    mean: f64,
+    /// Sum of the squared differences from the mean.
+    squares: f64,
+    whole: bool,
+    high: Extreme,
+    low: Extreme,
+    steps: Steps,
+    same: u64,
+    turned: u64,
+    envelope: Envelope,
+    noise: Noise,
+    welch: Option<Welch>,
+    full_scale: f64,
+    at_full_scale: u64,
+}
+
+impl Series {
+    /// Nothing taken yet. `plan` is left out for a recording that is too short for a spectrum; `full_scale` is the converter's
+    /// limit in the channel's unit, infinite if it is not known.
+    #[must_use]
+    pub fn new(plan: Option<&Arc<Plan>>, full_scale: f64) -> Self {
+        Self {
+            rows: 0,
+            not_a_number: 0,
+            infinite: 0,
+            first_not_finite: None,
+            finite: 0.0,
+            mean: 0.0,
+            squares: 0.0,
+            whole: true,
+            high: Extreme::default(),
+            low: Extreme::default(),
+            steps: Steps::default(),
+            same: 0,
+            turned: 0,
+            envelope: Envelope::default(),
+            noise: Noise::default(),
+            welch: plan.map(|plan| Welch::new(Arc::clone(plan))),
+            full_scale,
+            at_full_scale: 0,
+        }
+    }
+
+    /// Takes the next samples.
+    ///
+    /// # Errors
+    /// None that samples could bring about.
+    pub fn extend(&mut self, samples: &[f64]) -> Result<()> {
+        let (mut n, mut sum) = (0.0, 0.0);
+        for &x in samples {
+            let row = self.rows;
+            self.rows += 1;
+            self.same = mix(self.same, x);
+            self.turned = mix(self.turned, -x);
+            if !x.is_finite() {
+                self.first_not_finite.get_or_insert(row);
+                if x.is_nan() {
+                    self.not_a_number += 1;
+                } else {
+                    self.infinite += 1;
+                }
+                continue;
+            }
+            n += 1.0;
+            sum += x;
+            self.whole &= x.fract() == 0.0;
+            self.high.push(x, row);
+            self.low.push(-x, row);
+            self.steps.push(x, row);
+            self.at_full_scale += u64::from(x.abs() >= self.full_scale);
+        }
+        if n > 0.0 {
+            // Chan's rule: the block's own mean and squares, merged.
+            let mean = sum / n;
+            let squares: f64 = samples
+                .iter()
+                .filter(|x| x.is_finite())
+                .map(|x| (x - mean) * (x - mean))
+                .sum();
+            let all = self.finite + n;
+            let apart = mean - self.mean;
+            self.squares += squares + apart * apart * (self.finite / all) * n;
+            self.mean += apart * (n / all);
+            self.finite = all;
+        }
+        self.envelope.extend(samples);
+        self.noise.extend(samples);
+        if let Some(welch) = &mut self.welch {
+            welch.extend(samples)?;
+        }
+        Ok(())
+    }
+
+    /// What tells these samples from another channel's.
+    #[must_use]
+    pub fn prints(&self) -> Prints {
+        Prints {
+            same: self.same,
+            turned: self.turned,
+            moves: self.high.value() > -self.low.value(),
+        }
+    }
+
+    /// The answer, with frequencies in Hz if the rate is known. Densities are kept.
+    #[must_use]
+    pub fn finish(self, channel: &Channel, rate_hz: Option<f64>) -> ChannelFacts {
+        let mut absent = BTreeMap::new();
+        let any = self.finite > 0.0;
+        let nothing = if self.rows == 0 {
+            "no samples"
+        } else {
+            "no finite sample"
+        };
+        let mut number = |name, value: Option<f64>, why| match value {
+            Some(x) if x.is_finite() => Some(x),
+            Some(_) => {
+                absent.insert(name, "too large for a double");
+                None
+            }
+            None => {
+                absent.insert(name, if any { why } else { nothing });
+                None
+            }
+        };
+        let constant = any && self.high.value() == -self.low.value();
+        let minimum = number("minimum", any.then(|| -self.low.value()), "");
+        let maximum = number("maximum", any.then(|| self.high.value()), "");
+        let mean = number("mean", any.then_some(self.mean), "");
+        let deviation = number(
+            "standard_deviation",
+            any.then(|| (self.squares / self.finite).sqrt()),
+            "",
+        );
+        let noise = number(
+            "noise_floor",
+            self.noise.finish(),
+            "fewer than 32 finite samples in a row",
+        );
+        let span = self.high.value() + self.low.value();
+        let resolution = self.steps.finish();
+        let smallest_step = number("smallest_step", resolution.smallest_step, "constant");
+        let bits_used = number(
+            "bits_used",
+            resolution
+                .grid_step()
+                .map(|step| (span / step + 1.0).log2()),
+            if constant {
+                "constant"
+            } else {
+                "the samples stand on no common grid"
+            },
+        );
+        let drift = self.envelope.drift(noise.unwrap_or(0.0));
+        let drift_value = number(
+            "drift",
+            drift.map(|d| d.0),
+            "fewer than 200 samples, or none finite at one end",
+        );
+        let (mut dominant, mut mains, mut densities) = (None, Vec::new(), None);
+        let why_no_spectrum = match &self.welch {
+            None => "fewer than 16 samples",
+            Some(_) if !any => nothing,
+            Some(_) => "no segment without a value that is not finite",
+        };
+        if let Some(welch) = self.welch {
+            let segment = welch.segment();
+            let rate = rate_hz.unwrap_or(1.0);
+            let distance = rate / segment as f64;
+            if let (Some(found), segments, segments_left_out) = welch.finish() {
+                let found: Vec<f64> = found.into_iter().map(|d| d / rate).collect();
+                if !constant {
+                    dominant = spectrum::dominant(&found, distance);
+                    if rate_hz.is_some() {
+                        mains = spectrum::mains(&found, distance);
+                    }
+                }
+                densities = Some(Densities {
+                    segment,
+                    segments,
+                    segments_left_out,
+                    line_distance: distance,
+                    densities: found,
+                });
+            }
+        }
+        if densities.is_none() {
+            absent.insert("spectrum", why_no_spectrum);
+            absent.insert("dominant", why_no_spectrum);
+        } else if dominant.is_none() {
+            absent.insert("dominant", "no line stands out");
+        }
+        ChannelFacts {
+            name: channel.name.clone(),
+            unit: channel.unit.as_deref().map(unit_facts),
+            start_offset_s: channel.start_offset_s,
+            samples: self.rows,
+            not_a_number: self.not_a_number,
+            infinite: self.infinite,
+            first_not_finite: self.first_not_finite,
+            minimum,
+            maximum,
+            mean,
+            standard_deviation: deviation,
+            noise_floor: noise,
+            smallest_step,
+            bits_used,
+            constant,
+            flat_bottom: self.low.flat(span, &resolution, self.whole, -1.0),
+            flat_top: self.high.flat(span, &resolution, self.whole, 1.0),
+            at_full_scale: self.full_scale.is_finite().then_some(self.at_full_scale),
+            drift: drift_value,
+            drift_stands_out: drift.is_some_and(|d| d.1),
+            dominant,
+            mains,
+            spectrum: densities,
+            absent,
+            history: self.envelope,
+        }
+    }
+}
+
+/// Whether a unit's name is understood, and what it is worth.
+#[must_use]
+pub fn unit_facts(name: &str) -> UnitFacts {
+    let known = unit::named(name).map(|unit| match unit {
+        Unit::Voltage(size) => ("voltage", size),
+        Unit::Acceleration(size) => ("acceleration", size),
+        Unit::Rate(size) => ("rate of rotation", size),
+        Unit::Time(size) => ("time", size),
+    });
+    UnitFacts {
+        name: name.to_owned(),
+        measures: known.map(|k| k.0),
+        size_si: known.map(|k| k.1),
+    }
+}
+
+/// A running checksum of samples; the two zeros are one, as are all that are not a number.
+#[inline]
+fn mix(state: u64, x: f64) -> u64 {
+    let bits = if x.is_nan() {
+        u64::MAX
+    } else {
+        (x + 0.0).to_bits()
+    };
+    (state.rotate_left(23) ^ bits).wrapping_mul(0x9e37_79b9_7f4a_7c15)
+}
+
+/// Median of the noise floors of pieces without a gap.
+#[derive(Debug, Clone)]
+struct Noise {
+    piece: Vec<f64>,
+    floors: Vec<f64>,
+    /// Pieces passed over for each that is kept, and still to be passed over.
+    stride: u64,
+    skip: u64,
+}
+
+impl Default for Noise {
+    fn default() -> Self {
+        Self {
+            piece: Vec::new(),
+            floors: Vec::new(),
+            stride: 1,
+            skip: 0,
+        }
+    }
+}
+
+impl Noise {
+    fn extend(&mut self, samples: &[f64]) {
+        for run in samples.split_inclusive(|x| !x.is_finite()) {
+            let (mut finite, broken) = match run.split_last() {
+                Some((last, before)) if !last.is_finite() => (before, true),
+                _ => (run, false),
+            };
+            while !finite.is_empty() {
+                let room = NOISE_PIECE - self.piece.len();
+                let (now, later) = finite.split_at(room.min(finite.len()));
+                self.piece.extend_from_slice(now);
+                finite = later;
+                if self.piece.len() == NOISE_PIECE {
+                    self.tell();
+                }
+            }
+            if broken {
+                // A short piece is better than none.
+                if self.floors.is_empty() {
+                    self.tell();
+                }
+                self.piece.clear();
+            }
+        }
+    }
+
+    fn tell(&mut self) {
+        let due = self.skip == 0;
+        self.skip = if due { self.stride - 1 } else { self.skip - 1 };
+        if due && self.piece.len() >= MIN_NOISE_SAMPLES {
+            // Refused only for differences that overflow.
+            if let Ok(floor) = noise_floor(&self.piece) {
+                self.floors.push(floor);
+            }
+        }
+        if self.floors.len() == NOISE_KEPT {
+            let mut second = false;
+            self.floors.retain(|_| {
+                second = !second;
+                second
+            });
+            self.stride *= 2;
+        }
+        self.piece.clear();
+    }
+
+    fn finish(mut self) -> Option<f64> {
+        if self.floors.is_empty() {
+            self.tell();
+        }
+        let middle = self.floors.len() / 2;
+        (!self.floors.is_empty())
+            .then(|| *self.floors.select_nth_unstable_by(middle, f64::total_cmp).1)
+    }
+}

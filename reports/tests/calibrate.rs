@@ -1,0 +1,208 @@
+//! `sixaxis calibrate` as a laboratory calls it: the binary, on sessions that the reference plays.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use sixaxis_reference::session::defect::Kind;
+use sixaxis_reference::session::plan::{DefectChoice, Engine, SensorChoice, SessionPlan};
+use sixaxis_reference::session::{play::play, write::write};
+
+/// A folder of its own for each test; what an earlier run left is gone.
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("calibrate-{name}"));
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).expect("a folder for the test");
+    folder
+}
+
+/// Plays a session with the rigid engine, which takes a fraction of a second.
+fn session(name: &str, defect: DefectChoice) -> PathBuf {
+    let plan = SessionPlan {
+        seed: 14,
+        sensor: SensorChoice::Random,
+        engine: Engine::Rigid,
+        static_duration_s: 60.0,
+        defect,
+        ..SessionPlan::default()
+    };
+    let played = play(&plan).expect("a session is played");
+    write(&played, &folder(name), "npz").expect("a session is written")
+}
+
+fn calibrate(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_sixaxis"))
+        .arg("calibrate")
+        .args(arguments)
+        .output()
+        .expect("the command starts")
+}
+
+fn code(output: &Output) -> i32 {
+    output.status.code().expect("it was not killed")
+}
+
+fn stdout(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).expect("UTF-8")
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).expect("UTF-8")
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().expect("a path in UTF-8")
+}
+
+/// What a page must be to be opened anywhere.
+fn check_page(path: &Path) -> String {
+    let html = std::fs::read_to_string(path).expect("the report");
+    assert!(html.trim_end().ends_with("</html>"), "the page is cut");
+    assert!(
+        !html.contains(">NaN") && !html.contains("inf "),
+        "a number is missing"
+    );
+    let without_names = html
+        .replace("http://www.w3.org/2000/svg", "")
+        .replace("http-equiv", "");
+    assert!(!without_names.contains("http"), "the page asks the network");
+    html
+}
+
+#[test]
+fn healthy_session_is_good_and_its_files_stand_beside_it() {
+    let session = session("healthy", DefectChoice::None);
+    let output = calibrate(&[text(&session)]);
+    assert_eq!(code(&output), 0, "{}", stdout(&output));
+    let said = stdout(&output);
+    assert!(said.starts_with("Good: "), "{said}");
+    assert!(said.contains("24 of 25 determined"), "{said}");
+    assert!(
+        said.lines()
+            .all(|line| line.starts_with("  /") || line.chars().count() <= 96)
+    );
+    let beside = session.with_file_name("calibration.json");
+    let calibration: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(&beside).expect("a calibration")).expect("JSON");
+    assert_eq!(calibration["verdict"], "good");
+    let html = check_page(&session.with_file_name("calibration.html"));
+    for id in [
+        "next",
+        "parameters",
+        "trials",
+        "validation",
+        "steps",
+        "preprocessing",
+        "rest",
+        "provenance",
+    ] {
+        assert!(html.contains(&format!("<section id=\"{id}\">")), "{id}");
+    }
+    assert!(html.contains("tile good"));
+    assert!(!html.contains("tile bad") && !html.contains("tile warn"));
+}
+
+#[test]
+fn defect_is_not_good_and_nothing_is_green() {
+    let session = session("inverted", DefectChoice::Kind(Kind::InvertedChannel));
+    let folder = session.parent().expect("a folder");
+    let (out, report) = (folder.join("to/c.json"), folder.join("to/r.html"));
+    let output = calibrate(&[
+        text(&session),
+        "--out",
+        text(&out),
+        "--report",
+        text(&report),
+        "--json",
+        "--quiet",
+    ]);
+    assert_eq!(code(&output), 4, "{}", stderr(&output));
+    assert_eq!(stderr(&output), "");
+    let summary: serde_json::Value = serde_json::from_str(&stdout(&output)).expect("JSON");
+    assert_eq!(summary["verdict"], "bad");
+    assert_eq!(summary["findings"][0]["cause"], "inverted_channel");
+    assert!(!summary["next"].as_array().expect("a list").is_empty());
+    assert_eq!(summary["files"]["report"], text(&report));
+    let html = check_page(&report);
+    assert!(html.contains("tile bad") && !html.contains("tile good"));
+    assert!(html.contains("channel inverted"));
+    // A calibration is written if and only if it is named.
+    assert_eq!(
+        summary["files"]["calibration"].as_str(),
+        out.exists().then(|| text(&out))
+    );
+    assert!(!session.with_file_name("calibration.html").exists());
+}
+
+#[test]
+fn recording_that_is_cut_is_a_finding() {
+    let session = session("cut", DefectChoice::None);
+    let cut = session.with_file_name("linear-03.npz");
+    let bytes = std::fs::read(&cut).expect("a recording");
+    std::fs::write(&cut, &bytes[..bytes.len() / 2]).expect("a shorter one");
+    let output = calibrate(&[text(&session)]);
+    assert_eq!(code(&output), 4);
+    assert!(stdout(&output).contains("recording cannot be used: linear-03.npz"));
+    let html = check_page(&session.with_file_name("calibration.html"));
+    assert!(html.contains("recording cannot be used"));
+}
+
+#[test]
+fn quiet_says_nothing_and_the_code_says_it_all() {
+    let session = session("quiet", DefectChoice::None);
+    let output = calibrate(&[text(&session), "--quiet"]);
+    assert_eq!(
+        (code(&output), stdout(&output), stderr(&output)),
+        (0, String::new(), String::new())
+    );
+}
+
+#[test]
+fn what_cannot_be_done_is_an_error_and_writes_nothing() {
+    let folder = folder("errors");
+    let absent = folder.join("session.toml");
+    let output = calibrate(&[text(&absent)]);
+    assert_eq!(code(&output), 1);
+    assert!(
+        stderr(&output).contains("session.toml"),
+        "{}",
+        stderr(&output)
+    );
+    std::fs::write(&absent, "[sensor]\nlimb_length_mm = -1\n").expect("a file");
+    let output = calibrate(&[text(&absent)]);
+    assert_eq!(code(&output), 1);
+    assert_eq!(std::fs::read_dir(&folder).expect("a folder").count(), 1);
+    assert_eq!(code(&calibrate(&[])), 2);
+}
+
+#[test]
+fn what_is_read_is_never_written_over() {
+    let session = session("over", DefectChoice::None);
+    let before = std::fs::read(&session).expect("a session");
+    let recording = session.with_file_name("linear-01.npz");
+    for target in [&session, &recording] {
+        for option in ["--out", "--report"] {
+            let output = calibrate(&[text(&session), option, text(target)]);
+            assert_eq!(code(&output), 1);
+            assert!(
+                stderr(&output).contains("written over"),
+                "{}",
+                stderr(&output)
+            );
+        }
+    }
+    assert_eq!(std::fs::read(&session).expect("a session"), before);
+    let one = session.with_file_name("one");
+    let output = calibrate(&[text(&session), "--out", text(&one), "--report", text(&one)]);
+    assert_eq!(code(&output), 1);
+    assert!(!one.exists());
+}
+
+#[test]
+fn schemas_are_json() {
+    for (format, title) in [("session", "Session"), ("calibration", "Calibration")] {
+        let output = calibrate(&["--schema", format]);
+        assert_eq!(code(&output), 0, "{}", stderr(&output));
+        let schema: serde_json::Value = serde_json::from_str(&stdout(&output)).expect("JSON");
+        assert_eq!(schema["title"], title);
+    }
+}
