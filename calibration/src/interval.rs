@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use sixaxis_core::{LIMBS, Parameters};
 
 use crate::session::{Role, SessionFile};
-use crate::steps::{Campaign, FourSteps, GyroscopeGain};
+use crate::steps::{Campaign, FourSteps, jackknife};
 
 /// Half width of the 95 % interval of a normal variable, in standard deviations.
 const NORMAL_95: f64 = 1.959_963_984_540_054;
@@ -61,7 +61,7 @@ pub struct LeftOut {
 impl LeftOut {
     /// Fits steps 2 and 3 without one trial after the other.
     #[must_use]
-    pub fn fit(campaign: &Campaign, steps: &FourSteps, gyroscope: GyroscopeGain) -> Self {
+    pub fn fit(campaign: &Campaign, steps: &FourSteps) -> Self {
         let count = |role: Role| {
             campaign
                 .trials
@@ -81,10 +81,8 @@ impl LeftOut {
         let inertia = (0..count(Role::Angular))
             .map(|out| {
                 let rows = campaign.angular(&parameters, |index| index != out).ok()?;
-                let fitted = match gyroscope {
-                    GyroscopeGain::Trusted => rows.solve().ok()?,
-                    GyroscopeGain::Identified => rows.solve_with_gain().ok()?.inertia,
-                };
+                let gain = steps.rate_over_reading.map_or(1.0, |gain| gain.0);
+                let fitted = rows.solve_at_gain(gain).ok()?;
                 let whole = &steps.inertia.estimate;
                 (fitted.estimate.condition < WORSE_CONDITION * whole.condition)
                     .then_some(fitted.estimate.values)
@@ -94,17 +92,10 @@ impl LeftOut {
     }
 }
 
-/// Standard deviation of an estimate by the jackknife: (n-1)/n times the sum of squares about the mean, rooted. None for fewer
-/// than three fits.
-fn jackknife(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let values: Vec<f64> = values.collect();
-    let n = values.len() as f64;
-    if values.len() < 3 {
-        return None;
-    }
-    let mean = values.iter().sum::<f64>() / n;
-    let squares = values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>();
-    Some(((n - 1.0) / n * squares).sqrt())
+/// Jackknife of one entry of fits that could be done.
+fn spread<const N: usize>(fits: &[Option<[f64; N]>], entry: usize) -> Option<f64> {
+    let values: Vec<f64> = fits.iter().flatten().map(|fit| fit[entry]).collect();
+    jackknife(&values)
 }
 
 /// Reports on all 25 parameters.
@@ -129,7 +120,7 @@ pub fn report(file: &SessionFile, steps: &FourSteps, left_out: &LeftOut) -> Vec<
     let errors = steps.scale.estimate.standard_error();
     for limb in 0..LIMBS {
         let value = used.scale_per_mass_per_kg[limb];
-        let trials = jackknife(left_out.scale.iter().flatten().map(|s| s[limb]));
+        let trials = spread(&left_out.scale, limb);
         reports.push(finish(
             format!("s{}/m", limb + 1),
             "1/kg",
@@ -149,7 +140,7 @@ pub fn report(file: &SessionFile, steps: &FourSteps, left_out: &LeftOut) -> Vec<
         Some((_, error)) => accelerometer.hypot(NORMAL_95 * error),
     };
     for entry in 0..6 {
-        let trials = jackknife(left_out.inertia.iter().flatten().map(|i| i[entry]));
+        let trials = spread(&left_out.inertia, entry);
         reports.push(finish(
             format!("I{}/m", entry + 1),
             "m²",

@@ -78,12 +78,18 @@ impl FourSteps {
 }
 
 /// What step 3 believes of the standard gyroscope.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum GyroscopeGain {
     /// It is right.
     Trusted,
     /// It is a seventh unknown.
     Identified,
+    /// It is a seventh unknown of which the certificate says something: the angular trials' word and the certificate's, each
+    /// weighed by how well it is known.
+    Certified {
+        /// Largest relative error that the certificate allows.
+        class: f64,
+    },
 }
 
 /// A campaign as the analysis has it: trials, cleaned.
@@ -127,6 +133,11 @@ impl Campaign {
                 let gain = (found.rate_over_reading, found.standard_error);
                 (found.inertia, Some(gain))
             }
+            GyroscopeGain::Certified { class } => {
+                let gain = self.certified_gain(&parameters, &angular, class);
+                let inertia = angular.solve_at_gain(gain.0).map_err(at("step 3"))?;
+                (inertia, Some(gain))
+            }
         };
         parameters.inertia_per_mass = inertia.inertia_per_mass;
         let (curve, stiffness) = self.step_4(&parameters).map_err(at("step 4"))?;
@@ -139,6 +150,33 @@ impl Campaign {
             curve,
             design_stiffness_per_mass_per_s2: self.design.stiffness_per_mass_per_s2,
         })
+    }
+
+    /// True rate over the gyroscope's reading and its standard deviation. What the trials say is as good as they agree when one
+    /// after the other is left out; a class is an even spread, whose standard deviation is its half width over the root of 3.
+    fn certified_gain(
+        &self,
+        parameters: &Parameters,
+        angular: &InertiaIdentification,
+        class: f64,
+    ) -> (f64, f64) {
+        let certified = class / 3.0_f64.sqrt();
+        let trials = self.of(Role::Angular).count();
+        let left_out: Vec<f64> = (0..trials)
+            .filter_map(|out| {
+                let rows = self.angular(parameters, |index| index != out).ok()?;
+                Some(rows.solve_with_gain().ok()?.rate_over_reading)
+            })
+            .collect();
+        match (angular.solve_with_gain(), jackknife(&left_out)) {
+            (Ok(found), Some(spread)) => {
+                let seen = spread.max(found.standard_error);
+                let (a, b) = (1.0 / (certified * certified), 1.0 / (seen * seen));
+                let gain = (a + b * found.rate_over_reading) / (a + b);
+                (gain, 1.0 / (a + b).sqrt())
+            }
+            _ => (1.0, certified),
+        }
     }
 
     fn step_4(
@@ -324,6 +362,19 @@ impl Campaign {
             .map(|(i, &k)| (k, sum(i) / samples as f64))
             .collect())
     }
+}
+
+/// Standard deviation of an estimate by the jackknife: (n-1)/n times the sum of squares about the mean, rooted. None for fewer
+/// than three fits.
+#[must_use]
+pub fn jackknife(values: &[f64]) -> Option<f64> {
+    let n = values.len() as f64;
+    if values.len() < 3 {
+        return None;
+    }
+    let mean = values.iter().sum::<f64>() / n;
+    let squares = values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>();
+    Some(((n - 1.0) / n * squares).sqrt())
 }
 
 fn at(step: &'static str) -> impl Fn(sixaxis_core::Error) -> Error {

@@ -251,7 +251,9 @@ pub fn judge(file: &SessionFile, watch: &dyn Watch) -> Result<Judgement> {
         trials,
     };
     watch.stage("four steps", 3);
-    let steps = campaign.identify(GyroscopeGain::Trusted);
+    let steps = campaign.identify(GyroscopeGain::Certified {
+        class: file.session.gyroscope.class_percent / 100.0,
+    });
     watch.part();
     let mut parameters = Vec::new();
     let mut comparisons = Vec::new();
@@ -260,7 +262,7 @@ pub fn judge(file: &SessionFile, watch: &dyn Watch) -> Result<Judgement> {
     let mut obstacle = None;
     match steps {
         Ok(steps) => {
-            let left_out = LeftOut::fit(&campaign, &steps, GyroscopeGain::Trusted);
+            let left_out = LeftOut::fit(&campaign, &steps);
             watch.part();
             parameters = report(file, &steps, &left_out);
             hold_out(&campaign, &steps, &left_out, &mut reports);
@@ -399,6 +401,7 @@ fn hold_out(
     reports: &mut [TrialReport],
 ) {
     let (mut linear, mut angular) = (0, 0);
+    let gain = steps.rate_over_reading.map_or(1.0, |gain| gain.0);
     for ((trial, cleaned), report) in campaign.trials.iter().zip(reports) {
         let mut parameters = steps.found();
         match trial.role {
@@ -417,7 +420,7 @@ fn hold_out(
                 let Some(inertia) = fitted else { continue };
                 parameters.inertia_per_mass =
                     sixaxis_core::InertiaPerMass::from_paper_order(inertia);
-                let residuals = angular_residuals(campaign, trial, cleaned, &parameters);
+                let residuals = angular_residuals(campaign, trial, cleaned, &parameters, gain);
                 report.hold_out = Some(residuals.0);
                 report.residual_correlation = residuals.1;
             }
@@ -441,12 +444,13 @@ fn linear_residuals(trial: &Trial, cleaned: &Cleaned, p: &Parameters) -> (f64, O
     residuals(&series)
 }
 
-/// Residual of (15) over the torque, and its correlation from row to row.
+/// Residual of (15) over the torque, and its correlation from row to row; `gain` is the true rate over the gyroscope's reading.
 fn angular_residuals(
     campaign: &Campaign,
     trial: &Trial,
     cleaned: &Cleaned,
     p: &Parameters,
+    gain: f64,
 ) -> (f64, Option<f64>) {
     let chain = SignalChain::new(&trial.gains, p);
     let hinges = campaign.geometry.mass_hinges_m();
@@ -458,8 +462,8 @@ fn angular_residuals(
                 .sum();
             let euler = sixaxis_core::identify::inertia::euler_torque(
                 &p.inertia_per_mass,
-                cleaned.rate_shell_rad_s[row],
-                cleaned.angular_shell_rad_s2[row],
+                gain * cleaned.rate_shell_rad_s[row],
+                gain * cleaned.angular_shell_rad_s2[row],
             );
             (torque, euler)
         })

@@ -94,7 +94,7 @@ fn main() -> ExitCode {
             "\nseed {}: {:?} {}\n  {:?}: {}",
             outcome.seed, outcome.kind, outcome.particulars, outcome.grade, outcome.sentence
         );
-        for line in outcome.evidence.iter().take(5) {
+        for line in outcome.evidence.iter().chain(&outcome.reservations).take(5) {
             println!("  {line}");
         }
     }

@@ -75,6 +75,8 @@ pub struct Outcome {
     pub sentence: String,
     /// What it found, in full.
     pub evidence: Vec<String>,
+    /// What it would rather have seen.
+    pub reservations: Vec<String>,
 }
 
 impl Outcome {
@@ -158,6 +160,7 @@ pub fn run(seed: u64, engine: Engine, folder: &Path) -> Result<Outcome, String> 
         grade: judged.grade,
         cause: judged.findings.first().map(|finding| finding.cause),
         sentence: judged.sentence,
+        reservations: judged.reservations,
         evidence: judged
             .findings
             .iter()

@@ -268,7 +268,8 @@ fn unexplained_in_time(
             .sum::<f64>()
             .sqrt()
     };
-    let share = over(|c| c.residual_n) / over(|c| c.signal_n);
+    // Weight was taken off by an angle that is as good as the gyroscope; what is left of it is no news.
+    let share = over(|c| c.residual_n) / (over(|c| c.signal_n) + table.turning_weight_m_s2(suspect));
     (share > RESIDUAL).then(|| Explanation {
         cause: Cause::Unexplained,
         channels: Vec::new(),

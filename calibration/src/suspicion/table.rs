@@ -8,6 +8,7 @@ use sixaxis_core::LIMBS;
 use super::Suspect;
 use crate::response::Response;
 use crate::rigid::Shares;
+use crate::session::Role;
 
 /// Shares below this are no basis for a ratio.
 const SMALLEST_SHARE: f64 = 0.08;
@@ -209,26 +210,26 @@ impl Table {
         (seen, expected)
     }
 
+    /// Forces per mass, all nine together, of the weight that turns in the sensor during a trial, m/s^2.
+    #[must_use]
+    pub fn turning_weight_m_s2(&self, suspect: &Suspect<'_>) -> f64 {
+        let trial = suspect.trial;
+        if matches!(trial.role, Role::Linear | Role::HighFrequencyLinear) {
+            return 0.0;
+        }
+        let weight = trial
+            .gravity_ground_m_s2
+            .reject_from(trial.direction_ground)
+            .length();
+        let shares: f64 = self.shares.linear.iter().map(|p| p.length_squared()).sum();
+        weight * shares.sqrt()
+    }
+
     /// Size that a trial's departures are relative to: its expected responses and, where it turns against gravity, the weight
     /// that was taken off, since what the standards do not know of the angle stays in.
     #[must_use]
     pub fn size(&self, suspect: &Suspect<'_>, response: &Response, expected: &[f64; LIMBS]) -> f64 {
-        let trial = suspect.trial;
-        let turning = if response.angular_over_waveform == 0.0 {
-            0.0
-        } else {
-            let weight = trial
-                .gravity_ground_m_s2
-                .reject_from(trial.direction_ground)
-                .length();
-            let shares = self
-                .shares
-                .linear
-                .iter()
-                .map(|p| p.length_squared())
-                .sum::<f64>();
-            weight * shares.sqrt() / response.peak
-        };
+        let turning = self.turning_weight_m_s2(suspect) / response.peak;
         norm(expected) + turning
     }
 

@@ -186,6 +186,25 @@ impl InertiaIdentification {
         Self::judged(self.at_gain(1.0).solve(WHAT)?)
     }
 
+    /// Solves (18) for a gyroscope of which the true rate is `rate_over_reading` times its reading. Equals [`Self::solve`] at 1.
+    ///
+    /// # Errors
+    /// As [`Self::solve`]; [`crate::Error::OutOfRange`] for a ratio that is not positive and finite.
+    pub fn solve_at_gain(&self, rate_over_reading: f64) -> Result<InertiaEstimate> {
+        if !(rate_over_reading.is_normal() && rate_over_reading > 0.0) {
+            return Err(Error::OutOfRange {
+                name: "rate_over_reading",
+                value: rate_over_reading,
+                requirement: "positive and finite",
+            });
+        }
+        let mut estimate = self.at_gain(rate_over_reading).solve(WHAT)?;
+        // What was solved for is gamma I/m.
+        estimate.values = estimate.values.map(|v| v / rate_over_reading);
+        estimate.covariance /= rate_over_reading * rate_over_reading;
+        Self::judged(estimate)
+    }
+
     /// Solves for the six entries and the gyroscope's gain.
     ///
     /// # Errors
