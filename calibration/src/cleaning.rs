@@ -11,6 +11,9 @@ use sixaxis_core::{LIMBS, Result};
 use crate::session::{Preprocessing, Session};
 use crate::trial::Trial;
 
+/// Highest corner of the low-pass, of the sample rate: at half of it there is no filter.
+const HIGHEST_CORNER: f64 = 0.4;
+
 /// What is done to a trial.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cleaning {
@@ -37,6 +40,13 @@ pub struct Cleaned {
     pub outliers: usize,
 }
 
+/// Samples that the baseline of a high-passed channel is taken from: at rest in any run that begins at rest.
+const BASELINE: usize = 16;
+
+fn mean(series: &[f64]) -> f64 {
+    series.iter().sum::<f64>() / series.len().max(1) as f64
+}
+
 impl Cleaning {
     /// What a session asks for.
     #[must_use]
@@ -52,7 +62,9 @@ impl Cleaning {
     #[must_use]
     pub fn corner_hz(&self, trial: &Trial) -> Option<f64> {
         let low_pass = self.stages.low_pass.settings()?;
-        Some(low_pass.times_drive * trial.frequency_hz + low_pass.plus_hz)
+        // A recording that is sampled slowly has little to lose up there.
+        let highest_hz = HIGHEST_CORNER * trial.sample_rate_hz;
+        Some((low_pass.times_drive * trial.frequency_hz + low_pass.plus_hz).min(highest_hz))
     }
 
     /// Cleans one trial. Everything passes through the same filters, so that what little they take off is the same on both
@@ -71,30 +83,22 @@ impl Cleaning {
                 _ => None,
             };
         let mut outliers = 0;
-        // An instrument's rest is not the limbs': a gyroscope's offset is its own.
-        let mut stages = |series: &mut [f64]| -> Result<()> {
+        let mut rejected = |series: &mut [f64]| -> Result<()> {
             if let Some(test) = self.stages.outliers.settings() {
                 outliers += outlier::hampel(series, test.half_width, test.sigmas)?.len();
-            }
-            if let Some(line) = self.stages.detrend.settings() {
-                let rest = (line.rest_s * trial.sample_rate_hz) as usize;
-                let offset = series[..rest.max(1).min(series.len())].iter().sum::<f64>()
-                    / rest.max(1) as f64;
-                detrend::between_rests(series, rest)?;
-                // The drift of step 1 is taken off later; here only the change since the first rest.
-                for x in series.iter_mut() {
-                    *x += offset;
-                }
-            }
-            if let Some(sections) = &sections {
-                zero_phase(sections, series)?;
             }
             Ok(())
         };
         let mut voltage_v = trial.voltage_v.clone();
+        each_channel(&mut voltage_v, &mut rejected)?;
+        let mut acceleration = trial.accelerometer_m_s2.clone();
+        rejected(&mut acceleration)?;
+        let mut rate = trial.gyroscope_rad_s.clone();
+        rejected(&mut rate)?;
         if let Some(corner_hz) = self.stages.amplifier_high_pass_hz {
             each_channel(&mut voltage_v, |series| {
-                let rest = series[0];
+                // A sum over the whole run follows: what the baseline is off by grows with time.
+                let rest = mean(&series[..BASELINE.min(series.len())]);
                 let change: Vec<f64> = series.iter().map(|u| u - rest).collect();
                 for (x, undone) in
                     series
@@ -106,11 +110,33 @@ impl Cleaning {
                 Ok(())
             })?;
         }
-        each_channel(&mut voltage_v, &mut stages)?;
-        let mut acceleration = trial.accelerometer_m_s2.clone();
-        stages(&mut acceleration)?;
-        let mut rate = trial.gyroscope_rad_s.clone();
-        stages(&mut rate)?;
+        let rest = self
+            .stages
+            .detrend
+            .settings()
+            .map(|line| ((line.rest_s * trial.sample_rate_hz) as usize).max(1));
+        let filtered = |series: &mut [f64]| -> Result<()> {
+            match &sections {
+                Some(sections) => zero_phase(sections, series),
+                None => Ok(()),
+            }
+        };
+        each_channel(&mut voltage_v, |series| {
+            if let Some(rest) = rest {
+                // The drift of step 1 is taken off later; here only the change since the first rest.
+                let level = mean(&series[..rest.min(series.len())]);
+                detrend::between_rests(series, rest)?;
+                series.iter_mut().for_each(|x| *x += level);
+            }
+            filtered(series)
+        })?;
+        for series in [&mut acceleration, &mut rate] {
+            if let Some(rest) = rest {
+                // A standard that shows something at rest shows its own offset.
+                detrend::between_rests(series, rest)?;
+            }
+            filtered(series)?;
+        }
         let settings = self.stages.differentiator;
         let differentiator =
             Differentiator::new(settings.half_width, settings.order, trial.sample_rate_hz)?;

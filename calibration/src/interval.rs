@@ -1,10 +1,11 @@
 //! How well each parameter is known, and what limits it.
 //!
 //! Two things spread an estimate. What differs from sample to sample and from trial to trial, noise, wedges, mounting, shows in
-//! the data: the steps' covariance has the noise, and leaving out one trial after the other (the jackknife) has all of it. What
+//! the data: the steps' covariance has the noise, and leaving out one wedge after the other (the jackknife) has all of it. What
 //! is the same in all trials does not show: the standards' gain errors, for which the certificates' classes stand. A class is
 //! a limit, not a standard deviation: 95 % of an even spread within it lie within 0.95 of it.
 
+use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sixaxis_core::{LIMBS, Parameters};
@@ -49,52 +50,104 @@ const WORSE_CONDITION: f64 = 30.0;
 /// An interval wider than the parameter itself determines nothing, not even its sign.
 const NOTHING_KNOWN: f64 = 1.0;
 
-/// Estimates with one trial left out, for each trial of a step in turn.
+/// Estimates without one wedge after the other: the trials that share a direction share its error, so that they are left out
+/// together. Where the others do not determine the parameters, the trial alone is left out.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct LeftOut {
-    /// Scale factors without each linear trial, 1/kg; none where the rest do not determine them.
+    /// For each linear trial, scale factors that it had no part in, 1/kg; none where nothing is determined without it.
     pub scale: Vec<Option<[f64; LIMBS]>>,
-    /// Inertias without each angular trial, m^2.
+    /// For each angular trial, inertias that it had no part in, m^2.
     pub inertia: Vec<Option<[f64; 6]>>,
+    /// Scale factors without each wedge, or each trial where wedges are too few.
+    scale_spread: Vec<[f64; LIMBS]>,
+    /// Inertias likewise.
+    inertia_spread: Vec<[f64; 6]>,
 }
 
+/// Wedges from which leaving one out after the other is a jackknife.
+const WEDGES_WANTED: usize = 4;
+
 impl LeftOut {
-    /// Fits steps 2 and 3 without one trial after the other.
+    /// Fits steps 2 and 3 without one wedge after the other.
     #[must_use]
     pub fn fit(campaign: &Campaign, steps: &FourSteps) -> Self {
-        let count = |role: Role| {
-            campaign
+        let wedges = |role: Role| -> Vec<usize> {
+            let directions: Vec<DVec3> = campaign
                 .trials
                 .iter()
-                .filter(|(t, _)| t.role == role)
-                .count()
+                .filter(|(trial, _)| trial.role == role)
+                .map(|(trial, _)| trial.direction_ground)
+                .collect();
+            directions
+                .iter()
+                .map(|d| {
+                    let same = |other: &DVec3| (*other - *d).length() < SAME_WEDGE;
+                    directions.iter().position(same).unwrap_or(0)
+                })
+                .collect()
         };
-        let scale = (0..count(Role::Linear))
-            .map(|out| {
-                let fitted = campaign.scale(&steps.drift, |index| index != out).ok()?;
-                let whole = &steps.scale.estimate;
-                (fitted.estimate.condition < WORSE_CONDITION * whole.condition)
-                    .then_some(fitted.estimate.values)
-            })
-            .collect();
         let parameters = steps.found();
-        let inertia = (0..count(Role::Angular))
-            .map(|out| {
-                let rows = campaign.angular(&parameters, |index| index != out).ok()?;
-                let gain = steps.rate_over_reading.map_or(1.0, |gain| gain.0);
-                let fitted = rows.solve_at_gain(gain).ok()?;
-                let whole = &steps.inertia.estimate;
-                (fitted.estimate.condition < WORSE_CONDITION * whole.condition)
-                    .then_some(fitted.estimate.values)
-            })
-            .collect();
-        Self { scale, inertia }
+        let scale_without = |takes: &dyn Fn(usize) -> bool| -> Option<[f64; LIMBS]> {
+            let fitted = campaign.scale(&steps.drift, takes).ok()?;
+            let whole = &steps.scale.estimate;
+            (fitted.estimate.condition < WORSE_CONDITION * whole.condition)
+                .then_some(fitted.estimate.values)
+        };
+        let gain = steps.rate_over_reading.map_or(1.0, |gain| gain.0);
+        let inertia_without = |takes: &dyn Fn(usize) -> bool| -> Option<[f64; 6]> {
+            let rows = campaign.angular(&parameters, takes).ok()?;
+            let fitted = rows.solve_at_gain(gain).ok()?;
+            let whole = &steps.inertia.estimate;
+            (fitted.estimate.condition < WORSE_CONDITION * whole.condition)
+                .then_some(fitted.estimate.values)
+        };
+        let (scale, scale_spread) = leave_out(&wedges(Role::Linear), &scale_without);
+        let (inertia, inertia_spread) = leave_out(&wedges(Role::Angular), &inertia_without);
+        Self {
+            scale,
+            inertia,
+            scale_spread,
+            inertia_spread,
+        }
     }
 }
 
-/// Jackknife of one entry of fits that could be done.
-fn spread<const N: usize>(fits: &[Option<[f64; N]>], entry: usize) -> Option<f64> {
-    let values: Vec<f64> = fits.iter().flatten().map(|fit| fit[entry]).collect();
+/// Distance of two unit vectors below which they are one wedge's.
+const SAME_WEDGE: f64 = 1e-3;
+
+/// For each trial the fit that it had no part in, and the fits to take a jackknife of. `wedges` holds for each trial the first
+/// trial of its direction.
+type Fits<const N: usize> = (Vec<Option<[f64; N]>>, Vec<[f64; N]>);
+
+fn leave_out<const N: usize>(
+    wedges: &[usize],
+    fit: &dyn Fn(&dyn Fn(usize) -> bool) -> Option<[f64; N]>,
+) -> Fits<N> {
+    let alone: Vec<Option<[f64; N]>> = (0..wedges.len())
+        .map(|out| fit(&|index| index != out))
+        .collect();
+    let without_wedge: Vec<Option<[f64; N]>> = (0..wedges.len())
+        .map(|trial| {
+            (wedges[trial] == trial)
+                .then(|| fit(&|index| wedges[index] != trial))
+                .flatten()
+        })
+        .collect();
+    let by_wedge: Vec<[f64; N]> = without_wedge.iter().flatten().copied().collect();
+    let spread = if by_wedge.len() >= WEDGES_WANTED {
+        by_wedge
+    } else {
+        alone.iter().flatten().copied().collect()
+    };
+    let each = (0..wedges.len())
+        .map(|trial| without_wedge[wedges[trial]].or(alone[trial]))
+        .collect();
+    (each, spread)
+}
+
+/// Jackknife of one entry of some fits.
+fn spread<const N: usize>(fits: &[[f64; N]], entry: usize) -> Option<f64> {
+    let values: Vec<f64> = fits.iter().map(|fit| fit[entry]).collect();
     jackknife(&values)
 }
 
@@ -120,7 +173,7 @@ pub fn report(file: &SessionFile, steps: &FourSteps, left_out: &LeftOut) -> Vec<
     let errors = steps.scale.estimate.standard_error();
     for limb in 0..LIMBS {
         let value = used.scale_per_mass_per_kg[limb];
-        let trials = spread(&left_out.scale, limb);
+        let trials = spread(&left_out.scale_spread, limb);
         reports.push(finish(
             format!("s{}/m", limb + 1),
             "1/kg",
@@ -139,8 +192,16 @@ pub fn report(file: &SessionFile, steps: &FourSteps, left_out: &LeftOut) -> Vec<
         None => accelerometer.hypot(gyroscope),
         Some((_, error)) => accelerometer.hypot(NORMAL_95 * error),
     };
+    // What the scale factors differ by, the torques differ by.
+    let scale_differs = (0..LIMBS)
+        .filter_map(|limb| {
+            let value = used.scale_per_mass_per_kg[limb];
+            Some(spread(&left_out.scale_spread, limb)? / value.abs())
+        })
+        .fold(0.0, f64::max);
     for entry in 0..6 {
-        let trials = spread(&left_out.inertia, entry);
+        let trials = spread(&left_out.inertia_spread, entry)
+            .map(|own| own.hypot(scale_differs * values[entry]));
         reports.push(finish(
             format!("I{}/m", entry + 1),
             "m²",

@@ -257,6 +257,14 @@ impl Reader<'_> {
             };
             let mean_rate = steps as f64 / (last - first);
             let rate = *rate.get_or_insert(mean_rate);
+            if (mean_rate / rate - 1.0).abs() > STAMPS_TOLERANCE {
+                return Err(self.file.refuse(
+                    &self.key(rate_key),
+                    format!(
+                        "{rate} Hz, but by its time stamps the recording has {mean_rate:.3} Hz"
+                    ),
+                ));
+            }
             if check_time_stamps(&stamps, rate).is_err() {
                 // Jitter is put right, a gap is not: it would be filled with invention.
                 let largest = stamps.windows(2).map(|w| w[1] - w[0]).fold(0.0, f64::max);
@@ -321,6 +329,17 @@ impl Reader<'_> {
             }
         }
         let samples = columns.series[0].len();
+        if samples < FEWEST_SAMPLES {
+            return Err(self.core_error(sixaxis_core::Error::TooFewSamples {
+                what: if own_reference {
+                    "recording, as far as the reference file covers it,"
+                } else {
+                    "recording"
+                },
+                needed: FEWEST_SAMPLES,
+                got: samples,
+            }));
+        }
         let voltage_v = (0..samples)
             .map(|row| core::array::from_fn(|limb| columns.series[limb][row]))
             .collect();
@@ -491,5 +510,10 @@ impl Reader<'_> {
     }
 }
 
+/// Relative difference between a stated rate and the mean of the time stamps: two clocks of a part in a thousand are two
+/// statements.
+const STAMPS_TOLERANCE: f64 = 1e-3;
+/// Samples below which no run of the rig can be.
+const FEWEST_SAMPLES: usize = 32;
 /// Steps that may be missing between two stamps before it is a gap rather than jitter.
 const GAP_STEPS: f64 = 2.5;

@@ -10,6 +10,8 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use sixaxis_core::preprocess::butterworth;
+use sixaxis_core::preprocess::differentiate::Differentiator;
 use sixaxis_core::{Gains, Geometry, InertiaPerMass, LIMBS, Parameters};
 
 use crate::error::{Error, Result};
@@ -524,6 +526,7 @@ impl SessionFile {
                 ));
             }
         }
+        self.check_stages()?;
         self.check_units("channels", &session.channels)?;
         if session.recording.is_empty() {
             return Err(self.refuse("recording", "no recording at all"));
@@ -532,6 +535,41 @@ impl SessionFile {
             self.check_entry(&format!("recording[{i}]"), entry)?;
         }
         Ok(())
+    }
+
+    fn check_stages(&self) -> Result<()> {
+        let stages = &self.session.preprocessing;
+        let not_negative = |key: &str, value: f64| {
+            if value >= 0.0 && value.is_finite() {
+                Ok(())
+            } else {
+                Err(self.refuse(key, format!("{value}: must be finite and not negative")))
+            }
+        };
+        if let Stage::On(low_pass) = &stages.low_pass {
+            if !(1..=butterworth::MAX_ORDER).contains(&low_pass.order) {
+                let cause = format!("{}: from 1 to {}", low_pass.order, butterworth::MAX_ORDER);
+                return Err(self.refuse("preprocessing.low_pass.order", cause));
+            }
+            not_negative("preprocessing.low_pass.times_drive", low_pass.times_drive)?;
+            not_negative("preprocessing.low_pass.plus_hz", low_pass.plus_hz)?;
+            if low_pass.times_drive + low_pass.plus_hz == 0.0 {
+                return Err(self.refuse(
+                    "preprocessing.low_pass",
+                    "a corner of 0 Hz lets nothing through",
+                ));
+            }
+        }
+        if let Stage::On(detrend) = &stages.detrend {
+            not_negative("preprocessing.detrend.rest_s", detrend.rest_s)?;
+        }
+        if let Stage::On(outliers) = &stages.outliers {
+            not_negative("preprocessing.outliers.sigmas", outliers.sigmas)?;
+        }
+        let settings = stages.differentiator;
+        Differentiator::new(settings.half_width, settings.order, 1.0)
+            .map(|_| ())
+            .map_err(|e| self.refuse("preprocessing.differentiator", e.to_string()))
     }
 
     fn check_entry(&self, key: &str, entry: &Entry) -> Result<()> {

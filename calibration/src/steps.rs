@@ -33,7 +33,9 @@ pub struct FourSteps {
     pub inertia: InertiaEstimate,
     /// True rate over the gyroscope's reading and its standard error, where step 3 was asked for it.
     pub rate_over_reading: Option<(f64, f64)>,
-    /// Step 4; none if the campaign has no trials for it.
+    /// The same by the angular trials alone, with its jackknife's standard deviation, where the certificate was asked, too.
+    pub gyroscope_gain_seen: Option<(f64, f64)>,
+    /// Step 4; none if the campaign has no trials for it, or they cannot be decoupled.
     pub stiffness: Option<StiffnessPerMass>,
     /// Step 4's curve: k/m, 1/s^2, and mean |w*|, rad/s.
     pub curve: Curve,
@@ -126,6 +128,7 @@ impl Campaign {
             ..self.design
         };
         let angular = self.angular(&parameters, |_| true).map_err(at("step 3"))?;
+        let mut gyroscope_gain_seen = None;
         let (inertia, rate_over_reading) = match gyroscope {
             GyroscopeGain::Trusted => (angular.solve().map_err(at("step 3"))?, None),
             GyroscopeGain::Identified => {
@@ -134,7 +137,8 @@ impl Campaign {
                 (found.inertia, Some(gain))
             }
             GyroscopeGain::Certified { class } => {
-                let gain = self.certified_gain(&parameters, &angular, class);
+                let (gain, seen) = self.certified_gain(&parameters, &angular, class);
+                gyroscope_gain_seen = seen;
                 let inertia = angular.solve_at_gain(gain.0).map_err(at("step 3"))?;
                 (inertia, Some(gain))
             }
@@ -146,20 +150,21 @@ impl Campaign {
             scale,
             inertia,
             rate_over_reading,
+            gyroscope_gain_seen,
             stiffness,
             curve,
             design_stiffness_per_mass_per_s2: self.design.stiffness_per_mass_per_s2,
         })
     }
 
-    /// True rate over the gyroscope's reading and its standard deviation. What the trials say is as good as they agree when one
+    /// True rate over the gyroscope's reading and its standard deviation, and the same by the trials alone. What the trials say is as good as they agree when one
     /// after the other is left out; a class is an even spread, whose standard deviation is its half width over the root of 3.
     fn certified_gain(
         &self,
         parameters: &Parameters,
         angular: &InertiaIdentification,
         class: f64,
-    ) -> (f64, f64) {
+    ) -> ((f64, f64), Option<(f64, f64)>) {
         let certified = class / 3.0_f64.sqrt();
         let trials = self.of(Role::Angular).count();
         let left_out: Vec<f64> = (0..trials)
@@ -173,9 +178,12 @@ impl Campaign {
                 let seen = spread.max(found.standard_error);
                 let (a, b) = (1.0 / (certified * certified), 1.0 / (seen * seen));
                 let gain = (a + b * found.rate_over_reading) / (a + b);
-                (gain, 1.0 / (a + b).sqrt())
+                (
+                    (gain, 1.0 / (a + b).sqrt()),
+                    Some((found.rate_over_reading, seen)),
+                )
             }
-            _ => (1.0, certified),
+            _ => ((1.0, certified), None),
         }
     }
 
@@ -211,6 +219,7 @@ impl Campaign {
             scale,
             inertia,
             rate_over_reading: None,
+            gyroscope_gain_seen: None,
             stiffness,
             curve,
             design_stiffness_per_mass_per_s2: first.design_stiffness_per_mass_per_s2,

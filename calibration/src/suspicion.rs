@@ -21,7 +21,6 @@ pub mod structure;
 pub mod table;
 pub mod timing;
 
-use glam::DVec3;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -34,6 +33,9 @@ use crate::rigid::{Shares, turned_gravity_m_s2};
 use crate::session::{Rig, Role};
 use crate::trial::Trial;
 use table::Table;
+
+/// Relative error of an angle that undoing a gyroscope's lag and the low-pass leave.
+const LAG_ANGLE_ERROR: f64 = 3e-3;
 
 /// What can be wrong.
 #[derive(
@@ -121,6 +123,8 @@ pub struct Facts<'a> {
     pub design: &'a Parameters,
     /// What is known of the rig.
     pub rig: Option<&'a Rig>,
+    /// Largest relative error that the gyroscope's certificate allows.
+    pub gyroscope_class: f64,
     /// Whether a gyroscope's lag is being undone.
     pub gyroscope_lag_undone: bool,
 }
@@ -184,14 +188,11 @@ pub fn examine<'a>(
     let silent = structure::silent(&shares, facts, &mut suspects, &mut findings);
     // Scale factors come from the linear trials alone, and gravity's turn needs them before the angular ones can be read.
     let mut table = Table::linear(&shares, &suspects, &silent);
-    let gravity = table
-        .as_ref()
-        .and_then(|table| gravity::examine(table, &mut suspects, &mut findings));
-    measure(
-        &mut suspects,
-        drift.as_ref(),
-        table.as_ref().map(|table| (table, gravity)),
-    );
+    if let Some(table) = &mut table {
+        table.angle_error = facts.gyroscope_class + LAG_ANGLE_ERROR;
+        gravity::examine(table, &mut suspects, &mut findings);
+    }
+    measure(&mut suspects, drift.as_ref(), table.as_ref());
     if let Some(linear) = table {
         table = Some(structure::exchanged(
             linear,
@@ -217,6 +218,10 @@ pub fn examine<'a>(
         Some(table) => odd_trial::examine(table, &mut suspects, &mut findings),
         None => vec![None; suspects.len()],
     };
+    // As large as the recordings themselves, and of no further use.
+    for suspect in &mut suspects {
+        suspect.force_n = Vec::new();
+    }
     findings.sort_by_key(|finding| finding.cause);
     Examination {
         findings,
@@ -236,13 +241,7 @@ fn unfinished<'a>(findings: Vec<Finding>, suspects: Vec<Suspect<'a>>) -> Examina
 }
 
 /// Measures the responses, with gravity's share taken off where scale factors to do it with are known.
-///
-/// `found` is a gravity that turns where the session says that none does, m/s^2 in the ground's axes.
-fn measure(
-    suspects: &mut [Suspect<'_>],
-    drift: Option<&ZeroDrift>,
-    scale: Option<(&Table, Option<DVec3>)>,
-) {
+fn measure(suspects: &mut [Suspect<'_>], drift: Option<&ZeroDrift>, scale: Option<&Table>) {
     suspects.par_iter_mut().for_each(|suspect| {
         let trial = suspect.trial;
         let zero = drift.map_or([0.0; LIMBS], |d| d.drift_v);
@@ -252,14 +251,11 @@ fn measure(
             .iter()
             .map(|row| trial.gains.measured_force_n(row, &zero))
             .collect();
-        if let Some((table, found)) = scale
+        if let Some(table) = scale
             && trial.role != Role::Linear
             && trial.role != Role::HighFrequencyLinear
         {
-            let gravity = match found {
-                Some(gravity) => gravity,
-                None => trial.gravity_ground_m_s2,
-            };
+            let gravity = trial.gravity_ground_m_s2;
             for (force, angle) in suspect
                 .force_n
                 .iter_mut()
@@ -290,7 +286,7 @@ fn angles(cleaned: &Cleaned, trial: &Trial) -> impl Iterator<Item = f64> {
 }
 
 /// The names of some trials.
-fn names<'a>(suspects: impl IntoIterator<Item = &'a Suspect<'a>>) -> Vec<String> {
+fn names<'s, 'a: 's>(suspects: impl IntoIterator<Item = &'s Suspect<'a>>) -> Vec<String> {
     suspects
         .into_iter()
         .map(|suspect| suspect.trial.name.clone())

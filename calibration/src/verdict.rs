@@ -131,6 +131,12 @@ pub struct Judgement {
 
 /// Largest coordination residual that a good calibration has: limbs whose stiffnesses differ by so much are not nine of a kind.
 pub const COORDINATION_LIMIT: f64 = 0.1;
+/// Share of the largest peak that an axis is measured by at least.
+const FLOOR: f64 = 0.1;
+/// A bar that is missed by this factor is no matter of opinion.
+const BEYOND_DOUBT: f64 = 2.0;
+/// Standard errors by which the gyroscope's gain must leave its class to be called wrong.
+const GAIN_SIGNIFICANT: f64 = 5.0;
 /// Trials of a step from which leaving one out proves something.
 const TRIALS_WANTED: usize = 6;
 /// Corner of the low-pass for validation runs over the drive's frequency: what is compared there is the gyroscope's second
@@ -176,10 +182,8 @@ pub fn judge(file: &SessionFile, watch: &dyn Watch) -> Result<Judgement> {
     for (entry, trial) in entries.iter().zip(loaded) {
         match trial {
             Ok(trial) if entry.role == Role::Static && at_rest.is_none() => at_rest = Some(trial),
-            Ok(trial) if entry.role == Role::Static => findings.push(unreadable(
-                &trial.name,
-                "a second static record; the first one is used".to_owned(),
-            )),
+            // The first static record counts; one more at the end of the day does no harm.
+            Ok(_) if entry.role == Role::Static => {}
             Ok(trial) => moving.push(trial),
             Err(error @ Error::Session { .. }) => return Err(error),
             Err(error) => {
@@ -209,7 +213,7 @@ pub fn judge(file: &SessionFile, watch: &dyn Watch) -> Result<Judgement> {
             if trial.role == Role::Validation
                 && let crate::session::Stage::On(low_pass) = &mut own.stages.low_pass
             {
-                low_pass.times_drive = low_pass.times_drive.min(VALIDATION_CORNER);
+                low_pass.times_drive = VALIDATION_CORNER;
                 low_pass.plus_hz = 0.0;
             }
             let cleaned = own.clean(&trial);
@@ -230,6 +234,7 @@ pub fn judge(file: &SessionFile, watch: &dyn Watch) -> Result<Judgement> {
         geometry: file.geometry(),
         design: &design,
         rig: file.session.rig.as_ref(),
+        gyroscope_class: file.session.gyroscope.class_percent / 100.0,
         gyroscope_lag_undone: file.session.gyroscope.bandwidth_hz.is_some(),
     };
     let examination = examine(&facts, at_rest.as_ref(), &trials);
@@ -265,9 +270,10 @@ pub fn judge(file: &SessionFile, watch: &dyn Watch) -> Result<Judgement> {
             let left_out = LeftOut::fit(&campaign, &steps);
             watch.part();
             parameters = report(file, &steps, &left_out);
+            let used = used(&steps, &parameters);
             hold_out(&campaign, &steps, &left_out, &mut reports);
-            coordination(&campaign, &steps, &mut reports);
-            comparisons = validate(&campaign, &steps.used(), &mut reports, &mut findings);
+            coordination(&campaign, &used, &mut reports);
+            comparisons = validate(&campaign, &used, &mut reports, &mut findings);
             watch.part();
             found = Some(steps);
         }
@@ -283,6 +289,10 @@ pub fn judge(file: &SessionFile, watch: &dyn Watch) -> Result<Judgement> {
             }
             obstacle = Some(error.to_string());
         }
+    }
+    if findings.is_empty() {
+        let class = file.session.gyroscope.class_percent / 100.0;
+        findings = failures(&file.session.limits, &reports, found.as_ref(), class);
     }
     let open: Vec<&ParameterReport> = parameters
         .iter()
@@ -302,7 +312,18 @@ pub fn judge(file: &SessionFile, watch: &dyn Watch) -> Result<Judgement> {
         });
     }
     findings.sort_by_key(|finding| finding.cause);
-    let reservations = reservations(&campaign, &file.session.limits, &parameters, &reports);
+    let rig_is_known = file
+        .session
+        .rig
+        .as_ref()
+        .is_some_and(|rig| rig.stroke_mm.is_some() && rig.rotation_amplitude_deg.is_some());
+    let reservations = reservations(
+        &campaign,
+        &file.session.limits,
+        rig_is_known,
+        &parameters,
+        &reports,
+    );
     let (grade, sentence) = grade(&findings, &reservations, &reports, found.is_some());
     let mut next: Vec<String> = Vec::new();
     for finding in &findings {
@@ -335,6 +356,15 @@ pub fn judge(file: &SessionFile, watch: &dyn Watch) -> Result<Judgement> {
         recordings,
         calibration,
     })
+}
+
+/// The parameters to decouple with: k/m is the design's unless its report calls it determined.
+fn used(steps: &FourSteps, parameters: &[ParameterReport]) -> Parameters {
+    let mut used = steps.used();
+    if parameters.iter().any(|p| p.name == "k/m" && !p.determined) {
+        used.stiffness_per_mass_per_s2 = steps.design_stiffness_per_mass_per_s2;
+    }
+    used
 }
 
 fn unreadable(name: &str, evidence: String) -> Finding {
@@ -485,10 +515,9 @@ fn residuals(series: &[(glam::DVec3, glam::DVec3)]) -> (f64, Option<f64>) {
 /// The three coordination equations, which no step uses: equal stiffness asks for them.
 const COORDINATION: [[usize; 4]; 3] = [[0, 1, 3, 4], [0, 2, 6, 8], [4, 5, 7, 8]];
 
-fn coordination(campaign: &Campaign, steps: &FourSteps, reports: &mut [TrialReport]) {
-    let p = steps.used();
+fn coordination(campaign: &Campaign, p: &Parameters, reports: &mut [TrialReport]) {
     for ((trial, cleaned), report) in campaign.trials.iter().zip(reports) {
-        let chain = SignalChain::new(&trial.gains, &p);
+        let chain = SignalChain::new(&trial.gains, p);
         let mut sums = [0.0; 3];
         let mut total = 0.0;
         for row in rows(trial) {
@@ -520,7 +549,7 @@ fn validate(
         }
         match compare(campaign, trial, cleaned, parameters) {
             Ok(comparison) => {
-                report.validation = Some(errors(&comparison));
+                report.validation = Some(errors(&comparison, arm_m(&campaign.design)));
                 comparisons.push(comparison);
             }
             // What made it fail has been found before, or else is news.
@@ -574,26 +603,104 @@ fn compare(
     Ok(comparison)
 }
 
-fn errors(comparison: &Comparison) -> [f64; 6] {
+/// Radius of gyration, m: the arm over which an angular acceleration weighs as much as a linear one.
+fn arm_m(design: &Parameters) -> f64 {
+    let inertia = &design.inertia_per_mass;
+    ((inertia.xx_m2 + inertia.yy_m2 + inertia.zz_m2) / 3.0).sqrt()
+}
+
+/// Largest error of each axis over its peak, or over a tenth of the largest peak of all: an axis that does not move has nothing
+/// else to be measured by.
+fn errors(comparison: &Comparison, arm_m: f64) -> [f64; 6] {
     let mut peak = [0.0_f64; 6];
-    let mut worst = [0.0_f64; 6];
+    let mut off = [0.0_f64; 6];
     for (standard, decoupled) in comparison.standard.iter().zip(&comparison.decoupled) {
         for axis in 0..6 {
-            peak[axis] = peak[axis].max(standard[axis].abs());
-            worst[axis] = worst[axis].max((standard[axis] - decoupled[axis]).abs());
+            peak[axis] = worst(&[peak[axis], standard[axis].abs()]);
+            off[axis] = worst(&[off[axis], (standard[axis] - decoupled[axis]).abs()]);
         }
     }
+    let linear = worst(&peak[..3]);
+    let angular = worst(&peak[3..]);
     core::array::from_fn(|axis| {
-        let group = if axis < 3 { 0..3 } else { 3..6 };
-        let largest = peak[group].iter().fold(0.0_f64, |a, b| a.max(*b));
-        worst[axis] / peak[axis].max(0.1 * largest)
+        let floor = if axis < 3 {
+            linear.max(angular * arm_m)
+        } else {
+            angular.max(linear / arm_m)
+        };
+        off[axis] / peak[axis].max(FLOOR * floor)
     })
+}
+
+/// The largest of some errors; what is not a number is infinitely large.
+fn worst(errors: &[f64]) -> f64 {
+    errors.iter().fold(0.0, |worst: f64, error| {
+        if error.is_nan() {
+            f64::INFINITY
+        } else {
+            worst.max(*error)
+        }
+    })
+}
+
+/// Evidence that fails so badly that no reservation will do.
+fn failures(
+    limits: &Limits,
+    reports: &[TrialReport],
+    steps: Option<&FourSteps>,
+    gyroscope_class: f64,
+) -> Vec<Finding> {
+    let mut failures = Vec::new();
+    for report in reports {
+        let hold_out = report.hold_out.map(|error| worst(&[error]));
+        let validation = report.validation.map(|errors| worst(&errors));
+        for (error, limit, what) in [
+            (
+                hold_out,
+                limits.hold_out_percent,
+                "the other trials predict it only to within",
+            ),
+            (
+                validation,
+                limits.validation_percent,
+                "decoupled, it departs from the standards by",
+            ),
+        ] {
+            if let Some(error) = error
+                && error > BEYOND_DOUBT * limit / 100.0
+            {
+                failures.push(Finding {
+                    cause: Cause::Unexplained,
+                    recordings: vec![report.name.clone()],
+                    channels: Vec::new(),
+                    evidence: format!("{what} {:.1} %, where the session asks for {limit} %", 100.0 * error),
+                    advice: "check wedges, mounting and preprocessing; with a level axis, or a wedge off by a tenth of a degree, the open loop is no better".to_owned(),
+                });
+            }
+        }
+    }
+    if let Some((gain, error)) = steps.and_then(|steps| steps.gyroscope_gain_seen)
+        && (gain - 1.0).abs() > gyroscope_class + GAIN_SIGNIFICANT * error
+    {
+        failures.push(Finding {
+            cause: Cause::WrongScaling,
+            recordings: Vec::new(),
+            channels: Vec::new(),
+            evidence: format!(
+                "by Euler's equation the true rate is {gain:.3} ± {error:.3} times the gyroscope's reading, beyond its class of {:.1} %",
+                100.0 * gyroscope_class
+            ),
+            advice: "check unit and sensitivity of the gyroscope against its certificate".to_owned(),
+        });
+    }
+    failures
 }
 
 /// What would prove a calibration and is missing, or is less than it should be.
 fn reservations(
     campaign: &Campaign,
     limits: &Limits,
+    rig_is_known: bool,
     parameters: &[ParameterReport],
     reports: &[TrialReport],
 ) -> Vec<String> {
@@ -612,6 +719,12 @@ fn reservations(
                 "{trials} {what} trials leave little to test with: record at least {TRIALS_WANTED}, on three wedges or more"
             ));
         }
+    }
+    if !rig_is_known {
+        reservations.push(
+            "state the rig's stroke_mm and rotation_amplitude_deg in [rig]: nothing else checks the scaling of the standards"
+                .to_owned(),
+        );
     }
     if count(Role::Validation) == 0 {
         reservations.push(
@@ -641,7 +754,7 @@ fn reservations(
     }
     let uneven: Vec<(&TrialReport, f64)> = reports
         .iter()
-        .filter_map(|r| Some((r, r.coordination?.into_iter().fold(0.0, f64::max))))
+        .filter_map(|r| Some((r, worst(&r.coordination?))))
         .filter(|(_, worst)| *worst > COORDINATION_LIMIT)
         .collect();
     if let Some((report, worst)) = uneven.iter().max_by(|a, b| a.1.total_cmp(&b.1)) {
@@ -650,6 +763,18 @@ fn reservations(
             uneven.len(),
             100.0 * worst,
             report.name
+        ));
+    }
+    let resting: Vec<&str> = reports
+        .iter()
+        .filter(|r| matches!(r.role, Role::Linear | Role::Angular) && r.hold_out.is_none())
+        .map(|r| r.name.as_str())
+        .collect();
+    let enough = count(Role::Linear).min(count(Role::Angular)) >= TRIALS_WANTED;
+    if !resting.is_empty() && enough && !parameters.is_empty() {
+        reservations.push(format!(
+            "{}: without it a direction is not excited, so that nothing tests it: record another on its wedge",
+            resting.join(", ")
         ));
     }
     for report in reports {
@@ -664,10 +789,8 @@ fn reservations(
             ));
         }
         if let Some(errors) = report.validation {
-            let worst = errors.into_iter().fold(0.0, f64::max);
-            // Written so that NaN is no pass.
-            let passes = worst <= limits.validation_percent / 100.0;
-            if !passes {
+            let worst = worst(&errors);
+            if worst > limits.validation_percent / 100.0 {
                 reservations.push(format!(
                     "{}: decoupled, it departs from the standards by {:.1} % (the session asks for {} %); at low frequency a wedge that is off by a tenth of a degree does as much as 15 %",
                     report.name,
@@ -723,7 +846,7 @@ fn grade(
     let worst = reports
         .iter()
         .filter_map(|r| r.validation)
-        .flatten()
+        .map(|errors| worst(&errors))
         .fold(0.0, f64::max);
     if reservations.is_empty() {
         (
@@ -751,7 +874,7 @@ fn to_file(
     steps: &FourSteps,
     parameters: &[ParameterReport],
 ) -> Calibration {
-    let used = steps.used();
+    let used = used(steps, parameters);
     let matrix = |rows: usize, get: &dyn Fn(usize, usize) -> f64| -> Vec<Vec<f64>> {
         (0..rows)
             .map(|i| (0..rows).map(|j| get(i, j)).collect())

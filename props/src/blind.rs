@@ -17,9 +17,9 @@ use sixaxis_reference::session::play::play;
 use sixaxis_reference::session::write::write;
 
 /// Seeds that thresholds were chosen with.
-pub const TUNING_SEEDS: core::ops::Range<u64> = 1..2000;
+pub const TUNING_SEEDS: core::ops::Range<u64> = 1..101_000;
 /// First of the seeds that are reported.
-pub const REPORTED_FROM: u64 = 100_000;
+pub const REPORTED_FROM: u64 = 200_000;
 /// Formats that sessions are written in, in turn.
 pub const FORMATS: [&str; 4] = ["npz", "parquet", "tdms", "csv"];
 

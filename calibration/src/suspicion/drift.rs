@@ -7,7 +7,7 @@ use super::odd_trial;
 use super::structure::departure;
 use super::table::Table;
 use super::{Cause, Finding, Suspect};
-use crate::session::Role;
+use crate::response::Response;
 use crate::trial::Trial;
 
 /// Drift, relative to the largest force of any channel in the trial, that is noticed.
@@ -16,6 +16,12 @@ const NOTICED: f64 = 4e-3;
 const NOTICED_AT_REST: f64 = 1e-4;
 /// Times its standard error that a drift must exceed.
 const SIGNIFICANT: f64 = 8.0;
+/// Residuals of the fit by which a mean over a short rest may be off.
+const CONTRADICTS: f64 = 4.0;
+/// Share of their peak below which the standards say that nothing moves.
+const AT_REST: f64 = 0.01;
+/// Samples from which a rest is one.
+const FEWEST_AT_REST: usize = 8;
 /// Pieces of a static record whose means are compared.
 const PIECES: usize = 16;
 
@@ -60,24 +66,32 @@ pub fn examine(
             .iter()
             .map(|c| c.response.abs() * response.peak)
             .fold(0.0, f64::max)
-            .max(weight_n(suspect, table));
+            .max(weight_left_n(suspect, response, table) / NOTICED);
         for channel in 0..LIMBS {
             if suspect.excused[channel] {
                 continue;
             }
             let own = &response.channels[channel];
             let gain = suspect.trial.gains.gain_n_per_v[channel];
-            let ends = ends_n(suspect, channel);
             let limit = NOTICED * largest;
+            let ends = ends_n(suspect, channel);
             let by_fit = own.drift_n.abs() > limit + SIGNIFICANT * own.drift_error_n;
-            // Over a few hundredths of a second noise is not averaged out as over the run: the ends only confirm.
-            let by_ends = ends.1.abs() > limit && ends.1 * own.drift_n > 0.0;
-            let by_level = drift.is_some() && fits_in && ends.0.abs() > 2.0 * limit;
+            // In a trial that fits in with the others the fit's word is enough. In one that does not, what looks like drift may be
+            // what makes it odd: then the ends have to say so, too.
+            let by_ends = fits_in
+                || ends
+                    .is_some_and(|(_, change)| change.abs() > limit && change * own.drift_n > 0.0);
+            let by_level = drift.is_some()
+                && fits_in
+                && ends.is_some_and(|(level, _)| {
+                    level.abs() > 2.0 * limit + CONTRADICTS * own.residual_n
+                });
             if (by_fit && by_ends) || by_level {
+                let (level, _) = ends.unwrap_or((0.0, 0.0));
                 let (what, size) = if by_fit && by_ends {
-                    ("during the run", ends.1)
+                    ("during the run", own.drift_n)
                 } else {
-                    ("between the static record and the run", ends.0)
+                    ("between the static record and the run", level)
                 };
                 findings.push(Finding {
                     cause: Cause::DriftDuringRun,
@@ -88,7 +102,8 @@ pub fn examine(
                         1e3 * size / gain,
                         100.0 * size.abs() / largest
                     ),
-                    advice: "warm up and repeat the trial, or switch [preprocessing] detrend on with the rest before and after each run".to_owned(),
+                    advice: "warm up and repeat the trial, and record at rest right before it"
+                        .to_owned(),
                 });
                 suspect.excused[channel] = true;
             }
@@ -96,34 +111,44 @@ pub fn examine(
     }
 }
 
-/// The largest share that turning weight has in a channel's force, N: taken off, but only as well as the angle is known.
-fn weight_n(suspect: &Suspect<'_>, table: Option<&Table>) -> f64 {
-    let trial = suspect.trial;
-    let (Some(table), true) = (table, trial.role != Role::Linear && trial.gravity_turns()) else {
+/// What the error of the angle leaves of turning weight in a channel's force, N.
+fn weight_left_n(suspect: &Suspect<'_>, response: &Response, table: Option<&Table>) -> f64 {
+    let Some(table) = table else {
         return 0.0;
     };
-    let weight = trial.gravity_ground_m_s2.length();
-    (0..LIMBS)
-        .map(|i| {
-            let share = table.shares.linear[table.limb_of[i]].length();
-            (table.mass_over_scale_kg[i] * share * weight).abs()
-        })
-        .fold(0.0, f64::max)
+    let heaviest = (0..LIMBS)
+        .map(|i| table.mass_over_scale_kg[i].abs())
+        .fold(0.0, f64::max);
+    heaviest * table.weight_left_m_s2(suspect, response)
 }
 
-/// Level at the beginning of the run and its change until the end, N.
-fn ends_n(suspect: &Suspect<'_>, channel: usize) -> (f64, f64) {
-    // A hundredth of the run is at rest in any run that begins and ends there.
-    let samples = (suspect.force_n.len() / 100).max(1);
+/// Level at the beginning of the run and its change until the end, N; none for a recording that does not begin and end at rest.
+fn ends_n(suspect: &Suspect<'_>, channel: usize) -> Option<(f64, f64)> {
+    let cleaned = suspect.cleaned;
+    let peak = |series: &[glam::DVec3]| series.iter().map(|v| v.length()).fold(0.0, f64::max);
+    let limits = [
+        AT_REST * peak(&cleaned.linear_ground_m_s2),
+        AT_REST * peak(&cleaned.rate_shell_rad_s),
+    ];
+    let rests = |row: &usize| {
+        cleaned.linear_ground_m_s2[*row].length() <= limits[0]
+            && cleaned.rate_shell_rad_s[*row].length() <= limits[1]
+    };
+    let samples = suspect.force_n.len();
+    let first = (0..samples).take_while(rests).count();
+    let last = (0..samples).rev().take_while(rests).count();
+    if first.min(last) < FEWEST_AT_REST || first == samples {
+        return None;
+    }
     let mean = |rows: &[[f64; LIMBS]]| {
         rows.iter().map(|row| row[channel]).sum::<f64>() / rows.len() as f64
     };
-    let first = mean(&suspect.force_n[..samples]);
-    let last = mean(&suspect.force_n[suspect.force_n.len() - samples..]);
-    (first, last - first)
+    let before = mean(&suspect.force_n[..first]);
+    let after = mean(&suspect.force_n[samples - last..]);
+    Some((before, after - before))
 }
 
-/// Change of a static channel from its first quarter to its last, V, if it is no noise.
+/// Change of a static channel along the line through its pieces' means, V, if it is no noise.
 fn course(rest: &Trial, channel: usize) -> Option<f64> {
     let per_piece = rest.voltage_v.len() / PIECES;
     if per_piece < 2 {

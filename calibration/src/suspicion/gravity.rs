@@ -16,12 +16,8 @@ const NOTICED_M_S2: f64 = 0.5;
 /// Share of the net force that a constant vector in the ground must explain to be gravity.
 const EXPLAINED: f64 = 0.8;
 
-/// Looks for a gravity that the session does not know of. Returns it, m/s^2 in the axes at rest, if it is there.
-pub fn examine(
-    table: &Table,
-    suspects: &mut [Suspect<'_>],
-    findings: &mut Vec<Finding>,
-) -> Option<DVec3> {
+/// Looks for a gravity that the session does not know of. Where it is there, what turns cannot be examined further.
+pub fn examine(table: &Table, suspects: &mut [Suspect<'_>], findings: &mut Vec<Finding>) {
     let mut seen = Vec::new();
     for suspect in suspects.iter().filter(|s| s.trial.role == Role::Angular) {
         if let Some(found) = weight(table, suspect) {
@@ -34,7 +30,9 @@ pub fn examine(
             }
         }
     }
-    let (_, found, declared) = *seen.first()?;
+    let Some((_, found, declared)) = seen.first().copied() else {
+        return;
+    };
     findings.push(Finding {
         cause: Cause::GravityNotHandled,
         recordings: names(seen.iter().map(|(suspect, ..)| *suspect)),
@@ -46,11 +44,9 @@ pub fn examine(
         ),
         advice: "state where down was with `down` of these recordings, or mount the rig with its axis vertical".to_owned(),
     });
-    // Every trial has its own; the angular fits take the session's word where this is not theirs.
     for suspect in suspects.iter_mut() {
         suspect.settled |= matches!(suspect.trial.role, Role::Angular | Role::Validation);
     }
-    None
 }
 
 /// The part of gravity square to the axis, m/s^2, that one trial's net force shows; zero if it shows none. None if the trial

@@ -7,7 +7,7 @@ use core::f64::consts::TAU;
 
 use sixaxis_core::LIMBS;
 
-use super::table::{Table, usable, weighted_median};
+use super::table::{Table, weighted_median};
 use super::{Cause, Facts, Finding, Suspect};
 use crate::session::Role;
 
@@ -236,10 +236,4 @@ fn against_rig(
         }
     }
     found
-}
-
-/// Trials that are left to argue about.
-#[must_use]
-pub fn left(suspects: &[Suspect<'_>]) -> usize {
-    usable(suspects).count()
 }

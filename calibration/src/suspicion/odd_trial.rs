@@ -16,6 +16,8 @@ pub const NOTICED: f64 = 0.01;
 const LEFT: f64 = 0.1;
 /// Angle from which a wedge is called loose, degrees; what is below is its workshop's tolerance.
 const LOOSE_DEG: f64 = 0.7;
+/// Times its standard error that a departure must exceed.
+const SIGNIFICANT: f64 = 6.0;
 /// Share of a trial's signal that its fit may leave unexplained.
 const RESIDUAL: f64 = 0.02;
 
@@ -43,8 +45,8 @@ pub fn examine(
         if suspect.settled {
             continue;
         }
-        let explanation = if *departure > NOTICED {
-            Some(explain(table, suspect, response, *departure))
+        let explanation = if *departure > NOTICED + SIGNIFICANT * noise(table, suspect, response) {
+            explain(table, suspect, response, *departure)
         } else {
             unexplained_in_time(table, suspect, response)
         };
@@ -80,7 +82,7 @@ fn explain(
     suspect: &Suspect<'_>,
     response: &Response,
     departure: f64,
-) -> Explanation {
+) -> Option<Explanation> {
     let (seen, expected) = table.compare(suspect, response);
     let counts: Vec<usize> = (0..LIMBS)
         .filter(|i| !suspect.excused[*i] && !table.silent[*i])
@@ -100,7 +102,7 @@ fn explain(
     let squares: f64 = counts.iter().map(|i| expected[*i] * expected[*i]).sum();
     let common = product / squares;
     if rest(&|i| common * expected[i]) < enough {
-        return Explanation {
+        return Some(Explanation {
             cause: if is_thousand(common) {
                 Cause::MillivoltMixUp
             } else {
@@ -112,7 +114,7 @@ fn explain(
             ),
             advice: "check this recording's gains and units, and the sensitivity of the standard"
                 .to_owned(),
-        };
+        });
     }
     // One channel.
     let worst = counts
@@ -130,15 +132,15 @@ fn explain(
                 Cause::InvertedChannel,
                 "check the channel's polarity in this recording",
             )
-        } else if factor.abs() < 0.03 {
-            (
-                Cause::DeadLimb,
-                "check the channel's cable in this recording",
-            )
         } else if is_thousand(factor) {
             (
                 Cause::MillivoltMixUp,
                 "check the channel's unit in this recording",
+            )
+        } else if factor.abs() < 0.03 {
+            (
+                Cause::DeadLimb,
+                "check the channel's cable in this recording",
             )
         } else {
             (
@@ -146,23 +148,20 @@ fn explain(
                 "check the channel's gain_n_per_v in this recording against the amplifier's panel",
             )
         };
-        return Explanation {
+        return Some(Explanation {
             cause,
             channels: vec![worst + 1],
             evidence: format!(
                 "the channel shows {factor:.4} times what the other trials make one expect, the others agree"
             ),
             advice: advice.to_owned(),
-        };
+        });
     }
     // Two channels exchanged in this recording alone: the gain stays with the amplifier, the limb comes along.
-    let gains = &suspect.trial.gains.gain_n_per_v;
     for (n, a) in counts.iter().copied().enumerate() {
         for b in counts[n + 1..].iter().copied() {
             let h = &table.mass_over_scale_kg;
-            let other = |own: usize, from: usize| {
-                expected[from] * (h[from] / gains[from]) * (gains[own] / h[own])
-            };
+            let other = |own: usize, from: usize| expected[from] * h[from] / h[own];
             let with = |i: usize| {
                 if i == a {
                     other(a, b)
@@ -173,14 +172,14 @@ fn explain(
                 }
             };
             if rest(&with) < enough {
-                return Explanation {
+                return Some(Explanation {
                     cause: Cause::SwappedChannels,
                     channels: vec![a + 1, b + 1],
                     evidence: "exchanged in this recording, the two agree with the other trials"
                         .to_owned(),
                     advice: "check the plugs, or give this recording its own [recording.channels]"
                         .to_owned(),
-                };
+                });
             }
         }
     }
@@ -190,9 +189,12 @@ fn explain(
     {
         let d = suspect.trial.direction_ground;
         let angle = direction.normalize().angle_between(d).to_degrees();
-        if angle > LOOSE_DEG {
+        if angle <= LOOSE_DEG {
+            return None;
+        }
+        {
             let v = direction.normalize();
-            return Explanation {
+            return Some(Explanation {
                 cause: Cause::LooseWedge,
                 channels: Vec::new(),
                 evidence: format!(
@@ -200,7 +202,7 @@ fn explain(
                     v.x, v.y, v.z
                 ),
                 advice: "tighten the wedge and repeat, or check the stated direction".to_owned(),
-            };
+            });
         }
     }
     if counts
@@ -209,7 +211,7 @@ fn explain(
         .count()
         >= 3
     {
-        Explanation {
+        Some(Explanation {
             cause: Cause::ForeignTrial,
             channels: Vec::new(),
             evidence: format!(
@@ -217,9 +219,9 @@ fn explain(
                 100.0 * departure
             ),
             advice: "check that this recording is this sensor's, in this state".to_owned(),
-        }
+        })
     } else {
-        Explanation {
+        Some(Explanation {
             cause: Cause::Unexplained,
             channels: Vec::new(),
             evidence: format!(
@@ -227,8 +229,18 @@ fn explain(
                 100.0 * departure
             ),
             advice: "look at the trial's curves in the report, and repeat it".to_owned(),
-        }
+        })
     }
+}
+
+/// Standard error of a trial's departure.
+fn noise(table: &Table, suspect: &Suspect<'_>, response: &Response) -> f64 {
+    let (_, expected) = table.compare(suspect, response);
+    let squares: f64 = (0..LIMBS)
+        .filter(|i| !suspect.excused[*i] && !table.silent[*i])
+        .map(|i| (response.channels[i].standard_error / table.mass_over_scale_kg[i]).powi(2))
+        .sum();
+    squares.sqrt() / table.size(suspect, response, &expected)
 }
 
 /// The direction, not normalised, that the channels show, and what it leaves.
@@ -269,7 +281,8 @@ fn unexplained_in_time(
             .sqrt()
     };
     // Weight was taken off by an angle that is as good as the gyroscope; what is left of it is no news.
-    let share = over(|c| c.residual_n) / (over(|c| c.signal_n) + table.turning_weight_m_s2(suspect));
+    let known = table.weight_left_m_s2(suspect, response) / RESIDUAL;
+    let share = over(|c| c.residual_n) / (over(|c| c.signal_n) + known);
     (share > RESIDUAL).then(|| Explanation {
         cause: Cause::Unexplained,
         channels: Vec::new(),

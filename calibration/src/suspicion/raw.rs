@@ -11,6 +11,8 @@ use crate::trial::Trial;
 const FLAT_TOP: usize = 4;
 /// Voltages beyond this multiple of the converter's limit did not come from it as volts.
 const BEYOND: f64 = 1.2;
+/// Converter steps by which a top that was merely rounded has fallen as far out again as it is wide, with room for noise.
+const ROUNDED_TOP: f64 = 12.0;
 /// A flat top is no news in a channel that spans no more than so many converter steps.
 const STEPS_SPANNED: f64 = 64.0;
 
@@ -35,7 +37,7 @@ pub fn examine(at_rest: Option<&Trial>, suspects: &mut [Suspect<'_>], findings: 
             (
                 "standard accelerometer",
                 &suspect.trial.accelerometer_m_s2,
-                suspect.trial.role != Role::Angular,
+                matches!(suspect.trial.role, Role::Linear | Role::HighFrequencyLinear),
             ),
             (
                 "standard gyroscope",
@@ -191,14 +193,37 @@ fn clipped(trial: &Trial, channel: usize) -> Option<Clipping> {
     if high - low <= STEPS_SPANNED * step {
         return None;
     }
+    let series: Vec<f64> = series().collect();
     for extreme in [low, high] {
-        let mut run = 0;
-        for u in series() {
-            run = if u == extreme { run + 1 } else { 0 };
-            if run >= FLAT_TOP {
-                return Some(Clipping::FlatTop(extreme));
+        let mut start = None;
+        for (i, u) in series.iter().enumerate() {
+            match (start, *u == extreme) {
+                (None, true) => start = Some(i),
+                (Some(from), false) => {
+                    if is_cut_off(&series, from, i, step) {
+                        return Some(Clipping::FlatTop(extreme));
+                    }
+                    start = None;
+                }
+                _ => {}
             }
         }
     }
     None
+}
+
+/// Whether a run of equal extreme samples was cut off rather than rounded off. The top of a sine that stays within half a
+/// converter step for n samples has fallen by 4.5 steps n samples further out; one that was cut has fallen by many. A run at
+/// either end of the recording is a rest.
+fn is_cut_off(series: &[f64], from: usize, to: usize, step: f64) -> bool {
+    let n = to - from;
+    if n < FLAT_TOP || from == 0 || to == series.len() {
+        return false;
+    }
+    let before = series[from.saturating_sub(n)];
+    let after = series[(to + n - 1).min(series.len() - 1)];
+    let fallen = (before - series[from])
+        .abs()
+        .min((after - series[from]).abs());
+    fallen > ROUNDED_TOP * step
 }

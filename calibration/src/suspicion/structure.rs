@@ -5,13 +5,17 @@ use sixaxis_core::LIMBS;
 use sixaxis_core::preprocess::spectrum::noise_floor;
 
 use super::table::{Table, norm, usable, weighted_median};
-use super::{Cause, Facts, Finding, Suspect, names};
+use super::{Cause, Facts, Finding, Suspect};
 use crate::rigid::Shares;
 use crate::session::Role;
 
 /// A direction that gets less than this share of the best one's excitation is not excited: the errors of what rests on it
 /// are three times as large and more.
 const EXCITED: f64 = 0.1;
+/// A trial with less than this share of the largest peak excites nothing.
+const WEAK: f64 = 0.02;
+/// Sine of the angle below which two directions are one wedge's.
+const SAME_WEDGE: f64 = 0.01;
 /// A channel whose response is below this share of what its neighbours make one expect is silent.
 const SILENT: f64 = 0.03;
 /// A channel that varies by less than so many times its noise from sample to sample shows nothing but noise. A channel that
@@ -40,8 +44,14 @@ pub fn excitation(suspects: &[Suspect<'_>], findings: &mut Vec<Finding>) {
             .collect();
         let largest = trials.iter().map(|t| t.1).fold(0.0, f64::max);
         let mut gram = DMat3::ZERO;
+        // Repeats on one wedge excite no more directions, and a trial needs no more than to stand out from the noise.
+        let mut counted: Vec<DVec3> = Vec::new();
         for (d, peak) in &trials {
-            let v = *d * (peak / largest);
+            if *peak < WEAK * largest || counted.iter().any(|c| c.cross(*d).length() < SAME_WEDGE) {
+                continue;
+            }
+            counted.push(*d);
+            let v = *d;
             gram += DMat3::from_cols(v * v.x, v * v.y, v * v.z);
         }
         let m = nalgebra::Matrix3::from_column_slice(&gram.to_cols_array());
@@ -232,6 +242,22 @@ pub fn inverted(
     silent: &[bool; LIMBS],
     findings: &mut Vec<Finding>,
 ) {
+    let reversed = |channel: usize| {
+        table.mass_over_scale_kg[channel]
+            * facts.design.scale_per_mass_per_kg[table.limb_of[channel]]
+            < 0.0
+    };
+    let judged = silent.iter().filter(|silent| !**silent).count();
+    if (0..LIMBS).filter(|i| !silent[*i] && reversed(*i)).count() == judged {
+        findings.push(Finding {
+            cause: Cause::WrongScaling,
+            recordings: Vec::new(),
+            channels: Vec::new(),
+            evidence: "all scale factors have the other sign than the design's: the standard accelerometer is reversed".to_owned(),
+            advice: "turn the accelerometer's polarity round, or the wedges' directions".to_owned(),
+        });
+        return;
+    }
     for (channel, silent) in silent.iter().enumerate() {
         let limb = table.limb_of[channel];
         if !silent
@@ -269,10 +295,4 @@ pub fn departure(table: &Table, suspect: &Suspect<'_>) -> Option<f64> {
         }
     });
     Some(norm(&difference) / table.size(suspect, response, &expected))
-}
-
-/// The trials of one direction and role, for messages.
-#[must_use]
-pub fn same_wedge(suspects: &[Suspect<'_>], indices: &[usize]) -> Vec<String> {
-    names(indices.iter().map(|i| &suspects[*i]))
 }

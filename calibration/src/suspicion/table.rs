@@ -16,6 +16,8 @@ const SMALLEST_SHARE: f64 = 0.08;
 const ROBUST_DEPARTURE: f64 = 0.02;
 /// Share of the largest singular value from which the inertias are resolved.
 const RESOLVED: f64 = 1e-3;
+/// One over the departure that is noticed.
+const HUNDRED_FOLD: f64 = 100.0;
 /// Rounds of reweighting; weights settle in a handful.
 const ROUNDS: usize = 12;
 
@@ -30,6 +32,8 @@ pub struct Table {
     pub mass_over_scale_kg: [f64; LIMBS],
     /// Inertia per mass, m^2, if angular trials gave one.
     pub inertia_m2: Option<DMat3>,
+    /// Relative error of the angles by which weight is taken off.
+    pub angle_error: f64,
     /// Channels left out.
     pub silent: [bool; LIMBS],
 }
@@ -47,6 +51,7 @@ impl Table {
             limb_of: core::array::from_fn(|i| i),
             mass_over_scale_kg: [0.0; LIMBS],
             inertia_m2: None,
+            angle_error: 0.0,
             silent: *silent,
         };
         table.fit_scale(suspects);
@@ -210,9 +215,10 @@ impl Table {
         (seen, expected)
     }
 
-    /// Forces per mass, all nine together, of the weight that turns in the sensor during a trial, m/s^2.
+    /// What the error of the angle leaves in the forces per mass, all nine together, of the weight that turns in the sensor
+    /// during a trial, m/s^2.
     #[must_use]
-    pub fn turning_weight_m_s2(&self, suspect: &Suspect<'_>) -> f64 {
+    pub fn weight_left_m_s2(&self, suspect: &Suspect<'_>, response: &Response) -> f64 {
         let trial = suspect.trial;
         if matches!(trial.role, Role::Linear | Role::HighFrequencyLinear) {
             return 0.0;
@@ -222,15 +228,17 @@ impl Table {
             .reject_from(trial.direction_ground)
             .length();
         let shares: f64 = self.shares.linear.iter().map(|p| p.length_squared()).sum();
-        weight * shares.sqrt()
+        // The rig's rotation is a sine of the drive's frequency.
+        let angle = response.peak_rate_rad_s / (core::f64::consts::TAU * trial.frequency_hz);
+        weight * shares.sqrt() * self.angle_error * angle
     }
 
-    /// Size that a trial's departures are relative to: its expected responses and, where it turns against gravity, the weight
-    /// that was taken off, since what the standards do not know of the angle stays in.
+    /// Size that a trial's departures are relative to: its expected responses and, where it turns against gravity, a hundred times
+    /// what the error of the angle leaves of the weight, so that as much is not noticed.
     #[must_use]
     pub fn size(&self, suspect: &Suspect<'_>, response: &Response, expected: &[f64; LIMBS]) -> f64 {
-        let turning = self.turning_weight_m_s2(suspect) / response.peak;
-        norm(expected) + turning
+        let turning = self.weight_left_m_s2(suspect, response) / response.peak;
+        norm(expected) + HUNDRED_FOLD * turning
     }
 
     /// Departure of all trials from the table, each relative to its own size and none counting for more than `cap`: what the

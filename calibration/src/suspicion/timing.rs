@@ -110,7 +110,15 @@ pub fn examine(facts: &Facts<'_>, suspects: &mut [Suspect<'_>], findings: &mut V
     let (least, most) = (lags[0], lags[lags.len() - 1]);
     let alike = most - least < 0.25 * most.abs() && least > 0.0;
     if only_turning && late.len() == angular && angular > 1 && alike {
-        let middle = lags[lags.len() / 2];
+        // The time constant of a first-order lag, which a sine shows as a smaller delay.
+        let constants: Vec<f64> = late
+            .iter()
+            .map(|(i, lag, _)| {
+                let omega = TAU * suspects[*i].trial.frequency_hz;
+                (omega * lag).tan() / omega
+            })
+            .collect();
+        let middle = constants.iter().sum::<f64>() / constants.len() as f64;
         findings.push(Finding {
             cause: Cause::GyroscopeLag,
             recordings: Vec::new(),
