@@ -115,14 +115,14 @@ impl LeftOut {
 /// Distance of two unit vectors below which they are one wedge's.
 const SAME_WEDGE: f64 = 1e-3;
 
-/// For each trial the fit that it had no part in, and the fits to take a jackknife of. `wedges` holds for each trial the first
-/// trial of its direction.
+/// For each trial the fit that it had no part in, and the fits to take a jackknife of.
 type Fits<const N: usize> = (Vec<Option<[f64; N]>>, Vec<[f64; N]>);
 
-fn leave_out<const N: usize>(
-    wedges: &[usize],
-    fit: &dyn Fn(&dyn Fn(usize) -> bool) -> Option<[f64; N]>,
-) -> Fits<N> {
+/// A fit of the trials that are taken.
+type Fit<'a, const N: usize> = dyn Fn(&dyn Fn(usize) -> bool) -> Option<[f64; N]> + 'a;
+
+/// `wedges` holds for each trial the first trial of its direction.
+fn leave_out<const N: usize>(wedges: &[usize], fit: &Fit<N>) -> Fits<N> {
     let alone: Vec<Option<[f64; N]>> = (0..wedges.len())
         .map(|out| fit(&|index| index != out))
         .collect();
@@ -171,7 +171,7 @@ pub fn report(file: &SessionFile, steps: &FourSteps, left_out: &LeftOut) -> Vec<
     let accelerometer = EVEN_95 * file.session.accelerometer.class_percent / 100.0;
     let gyroscope = EVEN_95 * file.session.gyroscope.class_percent / 100.0;
     let errors = steps.scale.estimate.standard_error();
-    for limb in 0..LIMBS {
+    for (limb, error) in errors.into_iter().enumerate() {
         let value = used.scale_per_mass_per_kg[limb];
         let trials = spread(&left_out.scale_spread, limb);
         reports.push(finish(
@@ -179,7 +179,7 @@ pub fn report(file: &SessionFile, steps: &FourSteps, left_out: &LeftOut) -> Vec<
             "1/kg",
             value,
             design.scale_per_mass_per_kg[limb],
-            Some(NORMAL_95 * errors[limb]),
+            Some(NORMAL_95 * error),
             trials.map(|t| NORMAL_95 * t),
             Some(accelerometer * value.abs()),
         ));
