@@ -216,15 +216,29 @@ fn file(
         !(to_output && arguments.json),
         "--json and --out - would both print to standard output"
     );
-    for (input, what) in [
-        (&arguments.recording, "recording"),
-        (&arguments.calibration, "calibration"),
-    ] {
+    let mut inputs = vec![
+        (arguments.recording.as_path(), "recording"),
+        (arguments.calibration.as_path(), "calibration"),
+    ];
+    if let Some(session) = &arguments.session {
+        inputs.push((session, "session file"));
+    }
+    let mut outputs = vec![("--out", out.as_path())];
+    if let Some(picture) = &arguments.picture {
         ensure!(
-            !same_file(&out, input),
-            "--out: {} is the {what} itself",
-            out.display()
+            !same_file(&out, picture),
+            "--picture and --out are the same file"
         );
+        outputs.push(("--picture", picture));
+    }
+    for (option, output) in outputs {
+        for (input, what) in &inputs {
+            ensure!(
+                !same_file(output, input),
+                "{option}: {} is the {what} itself",
+                output.display()
+            );
+        }
     }
     let mut recording = Recording::open(
         &arguments.recording,

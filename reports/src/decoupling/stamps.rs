@@ -5,6 +5,11 @@ const GAP_STEPS: f64 = 2.5;
 /// Departure of a step from the even one, relative, from which it counts as uneven.
 const UNEVEN: f64 = sixaxis_core::recording::STEP_TOLERANCE;
 
+/// Stamps after which the mean step is held against the stated one.
+const STEPS_FOR_A_RATE: u64 = 1000;
+/// Relative difference of the two that is put up with: two clocks of a part in a thousand are two statements.
+const RATE_TOLERANCE: f64 = 1e-3;
+
 /// What the stamps have said so far.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Stamps {
@@ -24,7 +29,8 @@ impl Stamps {
     /// Takes the next stamp, s, where samples are `step_s` apart; an infinite step lets anything pass that advances.
     ///
     /// # Errors
-    /// A sentence, to which the caller adds the file: a stamp that is not a finite number or does not advance, and a gap.
+    /// A sentence, to which the caller adds the file: a stamp that is not a finite number or does not advance, a gap, and, after
+    /// a thousand, a mean step that is not the one stated.
     pub fn take(&mut self, stamp_s: f64, step_s: f64) -> Result<(), String> {
         let sample = self.count;
         if !stamp_s.is_finite() {
@@ -57,6 +63,17 @@ impl Stamps {
         }
         self.count += 1;
         self.last_s = stamp_s;
+        // Jitter cancels over a thousand steps; another rate does not.
+        if step_s.is_finite() && self.count == STEPS_FOR_A_RATE {
+            let mean_s = (self.last_s - self.first_s) / (self.count - 1) as f64;
+            if (mean_s / step_s - 1.0).abs() > RATE_TOLERANCE {
+                return Err(format!(
+                    "by its time stamps it has {:.3} samples per second, not {:.3}; state the rate that is right",
+                    1.0 / mean_s,
+                    1.0 / step_s
+                ));
+            }
+        }
         Ok(())
     }
 
@@ -70,6 +87,13 @@ impl Stamps {
 #[cfg(test)]
 mod tests {
     use super::Stamps;
+
+    #[test]
+    fn another_rate_is_refused() {
+        let stamps: Vec<f64> = (0..1200).map(|k| f64::from(k) * 1.002e-3).collect();
+        assert!(all(&stamps, 1e-3).is_err());
+        assert!(all(&stamps, 1.002e-3).is_ok());
+    }
 
     fn all(stamps: &[f64], step_s: f64) -> Result<Stamps, String> {
         let mut seen = Stamps::default();
