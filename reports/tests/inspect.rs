@@ -336,14 +336,14 @@ fn page_is_offline_and_has_every_channel() {
     assert!(!html.contains("src=\"http") && !html.contains("href=\"http"));
 }
 
-/// 9 channels of 6,000,000 samples: `cargo test --release --test inspect -- --ignored --nocapture` prints time and memory.
+/// Nine channels of 1,200,000 samples are 86 MB as numbers; whoever held them all would need more than is allowed.
 #[cfg(target_os = "linux")]
 #[test]
-#[ignore = "writes 400 MB"]
 fn long_recording_in_bounded_memory() {
-    const ROWS: u64 = 6_000_000;
+    const ROWS: u64 = 1_200_000;
+    const ALLOWED_KB: u64 = 80 * 1024;
     let folder = Folder::new("long");
-    let path = folder.path("long.parquet");
+    let path = folder.path("long.tdms");
     let mut layout = Layout {
         channels: (1..=9)
             .map(|k| Channel::new(format!("u{k}"), Some("V")))
@@ -387,5 +387,5 @@ fn long_recording_in_bounded_memory() {
         started.elapsed().as_secs_f64(),
         peak_kb / 1024
     );
-    assert!(peak_kb > 0 && peak_kb < 300 * 1024, "{peak_kb} kB");
+    assert!(peak_kb > 0 && peak_kb < ALLOWED_KB, "{peak_kb} kB");
 }

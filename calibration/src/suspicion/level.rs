@@ -36,8 +36,21 @@ fn factor_in_words(factor: f64) -> String {
     }
 }
 
+/// What a factor is a sign of.
+#[must_use]
+pub fn cause_of(factor: f64) -> Cause {
+    if is_thousand(factor) {
+        Cause::MillivoltMixUp
+    } else {
+        Cause::WrongScaling
+    }
+}
+
 /// What a factor of this size usually is.
-fn usual_reason(factor: f64) -> &'static str {
+fn reason(factor: f64) -> &'static str {
+    if is_thousand(factor) {
+        return "volts and millivolts are that far apart";
+    }
     let near =
         |x: f64| (factor.abs() / x).ln().abs() < 0.08 || (factor.abs() * x).ln().abs() < 0.08;
     if near(9.80665) {
@@ -78,21 +91,13 @@ pub fn examine(
     if !found && !(1.0 / COMMON..=COMMON).contains(&common) {
         found = true;
         findings.push(Finding {
-            cause: if is_thousand(common) {
-                Cause::MillivoltMixUp
-            } else {
-                Cause::WrongScaling
-            },
+            cause: cause_of(common),
             recordings: Vec::new(),
             channels: Vec::new(),
             evidence: format!(
                 "all scale factors come out at {} the design's; {}",
                 factor_in_words(common),
-                if is_thousand(common) {
-                    "volts and millivolts are that far apart"
-                } else {
-                    usual_reason(common)
-                }
+                reason(common)
             ),
             advice: "check the unit of the limbs' channels, gain_n_per_v and the accelerometer's sensitivity".to_owned(),
         });
@@ -104,21 +109,13 @@ pub fn examine(
         }
         found = true;
         findings.push(Finding {
-            cause: if is_thousand(own) {
-                Cause::MillivoltMixUp
-            } else {
-                Cause::WrongScaling
-            },
+            cause: cause_of(own),
             recordings: Vec::new(),
             channels: vec![channel + 1],
             evidence: format!(
                 "its scale factor comes out at {} what the other channels make of the design; {}",
                 factor_in_words(own),
-                if is_thousand(own) {
-                    "volts and millivolts are that far apart"
-                } else {
-                    usual_reason(own)
-                }
+                reason(own)
             ),
             advice: format!("check unit and gain of channel {}", channel + 1),
         });
@@ -132,17 +129,13 @@ pub fn examine(
         let off = trace / expected;
         if (off - 1.0).abs() > INERTIA {
             findings.push(Finding {
-                cause: if is_thousand(off) {
-                    Cause::MillivoltMixUp
-                } else {
-                    Cause::WrongScaling
-                },
+                cause: cause_of(off),
                 recordings: Vec::new(),
                 channels: Vec::new(),
                 evidence: format!(
                     "the inertias come out at {} the design's, which the drawing fixes far better; {}",
                     factor_in_words(off),
-                    usual_reason(off)
+                    reason(off)
                 ),
                 advice: "one of the standards is scaled wrongly: check unit and sensitivity of accelerometer and gyroscope".to_owned(),
             });
@@ -206,11 +199,7 @@ fn against_rig(
         let usual = weighted_median(&mut all).unwrap_or(1.0);
         let everywhere = odd.len() == factors.len();
         findings.push(Finding {
-            cause: if is_thousand(usual) {
-                Cause::MillivoltMixUp
-            } else {
-                Cause::WrongScaling
-            },
+            cause: cause_of(usual),
             recordings: if everywhere {
                 Vec::new()
             } else {
@@ -223,11 +212,7 @@ fn against_rig(
                 "the standard {what} shows {} what the rig's {} and the drive's frequency ask for; {}",
                 factor_in_words(usual),
                 if travels { "stroke" } else { "rotation" },
-                if is_thousand(usual) {
-                    "volts and millivolts are that far apart"
-                } else {
-                    usual_reason(usual)
-                }
+                reason(usual)
             ),
             advice: format!("check unit and sensitivity of the {what} against its certificate"),
         });

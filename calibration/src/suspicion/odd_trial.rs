@@ -4,7 +4,7 @@ use glam::DVec3;
 use nalgebra::{Matrix3, Vector3};
 use sixaxis_core::LIMBS;
 
-use super::level::is_thousand;
+use super::level::{cause_of, is_thousand};
 use super::structure::departure;
 use super::table::Table;
 use super::{Cause, Finding, Suspect};
@@ -103,11 +103,7 @@ fn explain(
     let common = product / squares;
     if rest(&|i| common * expected[i]) < enough {
         return Some(Explanation {
-            cause: if is_thousand(common) {
-                Cause::MillivoltMixUp
-            } else {
-                Cause::WrongScaling
-            },
+            cause: cause_of(common),
             channels: Vec::new(),
             evidence: format!(
                 "all channels are {common:.4} times what the other trials make one expect"

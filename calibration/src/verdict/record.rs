@@ -1,0 +1,65 @@
+//! A judged session as the file that is kept of it.
+
+use std::path::Path;
+
+use sixaxis_core::LIMBS;
+
+use super::{Grade, used};
+use crate::calibration::{
+    CalibratedParameters, CalibratedSensor, Calibration, Covariance, FORMAT, Provenance,
+};
+use crate::interval::ParameterReport;
+use crate::session::SessionFile;
+use crate::steps::FourSteps;
+use crate::suspicion::Finding;
+
+pub(super) fn to_file(
+    file: &SessionFile,
+    grade: Grade,
+    findings: &[Finding],
+    steps: &FourSteps,
+    parameters: &[ParameterReport],
+) -> Calibration {
+    let used = used(steps, parameters);
+    let matrix = |rows: usize, get: &dyn Fn(usize, usize) -> f64| -> Vec<Vec<f64>> {
+        (0..rows)
+            .map(|i| (0..rows).map(|j| get(i, j)).collect())
+            .collect()
+    };
+    let size = |path: &Path| std::fs::metadata(file.resolve(path)).map_or(0, |m| m.len());
+    Calibration {
+        format: FORMAT.to_owned(),
+        verdict: grade,
+        findings: findings.to_vec(),
+        sensor: CalibratedSensor {
+            serial: file.session.sensor.serial.clone(),
+            limb_length_m: file.geometry().limb_length_m,
+            half_edge_m: file.geometry().half_edge_m,
+            full_scale_v: file.session.sensor.full_scale_v,
+            gain_n_per_v: file.session.sensor.gain_n_per_v.each(),
+        },
+        parameters: CalibratedParameters {
+            zero_drift_v: used.zero_drift_v,
+            scale_per_mass_per_kg: used.scale_per_mass_per_kg,
+            inertia_per_mass_m2: used.inertia_per_mass.to_paper_order(),
+            stiffness_per_mass_per_s2: used.stiffness_per_mass_per_s2,
+        },
+        intervals: parameters.to_vec(),
+        covariance: Covariance {
+            zero_drift_v2: steps.drift.standard_error_v.map(|s| s * s),
+            scale_per_mass_per_kg2: matrix(LIMBS, &|i, j| steps.scale.estimate.covariance[(i, j)]),
+            inertia_per_mass_m4: matrix(6, &|i, j| steps.inertia.estimate.covariance[(i, j)]),
+        },
+        channels: file.session.channels.clone(),
+        provenance: Provenance {
+            sixaxis_version: env!("CARGO_PKG_VERSION").to_owned(),
+            session: file.text.clone(),
+            recordings: file
+                .session
+                .recording
+                .iter()
+                .map(|entry| (entry.file.display().to_string(), size(&entry.file)))
+                .collect(),
+        },
+    }
+}
