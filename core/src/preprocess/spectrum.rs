@@ -5,6 +5,7 @@
 
 use alloc::vec::Vec;
 
+use super::outlier::{SIGMA_PER_MAD, median};
 use super::{check_answer, check_finite, check_length, detrend};
 use crate::error::{Error, Result};
 use crate::scalar::{sin_cos, sqrt};
@@ -14,9 +15,6 @@ pub const MIN_SEGMENT: usize = 8;
 
 /// Fewest samples of which a noise floor is told: it scatters by a third then.
 pub const MIN_NOISE_SAMPLES: usize = 32;
-
-/// Standard deviation of a normal variable over its median absolute deviation: 1/quantile(3/4).
-const SIGMA_PER_MAD: f64 = 1.482_602_218_505_602;
 
 /// Power spectral density, one-sided: its sum times the distance of two lines is the mean square about the segments'
 /// means.
@@ -241,16 +239,4 @@ pub fn noise_floor(series: &[f64]) -> Result<f64> {
     let floor = SIGMA_PER_MAD * median(&mut differences) / sqrt(20.0);
     check_answer("noise floor", [floor])?;
     Ok(floor)
-}
-
-/// Median; reorders its argument, which must not be empty.
-fn median(values: &mut [f64]) -> f64 {
-    let n = values.len();
-    let (below, &mut upper, _) = values.select_nth_unstable_by(n / 2, f64::total_cmp);
-    if n % 2 == 1 {
-        return upper;
-    }
-    let lower = below.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    // In halves: the sum of the two may overflow where their mean does not.
-    0.5 * lower + 0.5 * upper
 }
