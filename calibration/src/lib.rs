@@ -15,14 +15,18 @@
 //! | [`rigid`] | what nine channels should show of a known motion |
 //! | [`response`] | what each channel did show in each trial |
 //! | [`suspicion`] | what is wrong, named |
+//! | [`joint`] | all 25 at once, with what the session knows beforehand |
+//! | [`certified`] | a normal error and one that a certificate bounds, together |
 //! | [`interval`] | how well each parameter is known, and what limits it |
 //! | [`verdict`] | all of it judged |
 //! | [`calibration`] | the result as a file |
 
 pub mod calibration;
+pub mod certified;
 pub mod cleaning;
 pub mod error;
 pub mod interval;
+pub mod joint;
 pub mod load;
 pub mod response;
 pub mod rigid;

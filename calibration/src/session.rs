@@ -130,6 +130,10 @@ pub struct Accelerometer {
     pub sensitivity_mv_per_g: Option<f64>,
     /// Largest error that its certificate allows, %.
     pub class_percent: f64,
+    /// Largest error of its sensitivity alone, %, where the certificate says so; every value within is as likely. Left out: the
+    /// class.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gain_percent: Option<f64>,
     /// First-order bandwidth, Hz, whose lag is undone. Left out: it follows at once.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bandwidth_hz: Option<f64>,
@@ -144,6 +148,10 @@ pub struct Gyroscope {
     pub sensitivity_mv_per_deg_s: Option<f64>,
     /// Largest error that its certificate allows, %.
     pub class_percent: f64,
+    /// Largest error of its sensitivity alone, %, where the certificate says so; every value within is as likely. Left out: the
+    /// class.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gain_percent: Option<f64>,
     /// First-order bandwidth, Hz, whose lag is undone. Left out: it follows at once.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bandwidth_hz: Option<f64>,
@@ -159,6 +167,10 @@ pub struct Rig {
     /// Rotation amplitude of the pinion, degrees.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rotation_amplitude_deg: Option<f64>,
+    /// Standard deviation of each of the two angles by which a wedge misses its direction, degrees. Left out: 0.1. The joint
+    /// estimator finds the angles themselves.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wedge_deg: Option<f64>,
 }
 
 /// Names and units of the channels in the files.

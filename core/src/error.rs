@@ -118,6 +118,16 @@ pub enum Error {
         /// Unit vector, in the unknowns' order (padded with zeros), along which the data say nothing.
         lost_direction: [f64; 9],
     },
+    /// The data leave an unknown open.
+    #[error("{what}: the trials leave unknown {unknown} open (condition number {condition:.3e})")]
+    Indeterminate {
+        /// The estimator.
+        what: &'static str,
+        /// The unknown that is least known, from 1: zero drifts, scale factors, inertias, compliance, then instruments and rig.
+        unknown: usize,
+        /// Condition number of the scaled normal matrix.
+        condition: f64,
+    },
     /// A limb that the forces would stretch or compress by half its length or more.
     #[error(
         "channel {channel}, sample {sample}: the limb would change its length by {strain:.3} of it; no limb survives a hundredth"

@@ -12,7 +12,7 @@ pub const GYROSCOPE_BANDWIDTH_HZ: f64 = 10.0;
 pub const INSTRUMENT_CLASS: f64 = 0.01;
 
 /// Share of the class that a certificate leaves to the gain: linearity and noise have the rest.
-const GAIN_SHARE: f64 = 0.5;
+pub const GAIN_SHARE: f64 = 0.5;
 
 /// Both standard instruments as they are, which the laboratory does not know.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

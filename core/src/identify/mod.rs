@@ -6,6 +6,8 @@
 
 pub mod compliance;
 pub mod inertia;
+#[cfg(feature = "alloc")]
+pub mod joint;
 pub mod least_squares;
 pub mod scale;
 pub mod stiffness;

@@ -16,7 +16,7 @@ use super::plan::SessionPlan;
 use super::record::{Recorder, chain, wedge_errors};
 use super::schedule::{Planned, trials};
 use super::session_file::session;
-use crate::instruments::Instruments;
+use crate::instruments::{GAIN_SHARE, Instruments};
 use crate::recording::TrueMotion;
 use crate::rig::Mounting;
 use crate::simulation::SimulationError;
@@ -157,7 +157,7 @@ pub fn play_watched(
 fn instruments(plan: &SessionPlan, defect: Option<&Defect>) -> Instruments {
     let mut rng = Pcg64::new(u128::from(plan.seed), INSTRUMENT_STREAM);
     // Half of the class is the gain's, as in `Instruments::of_class`; linearity and noise have the rest.
-    let half = 0.5 * plan.instruments.class_percent / 100.0;
+    let half = GAIN_SHARE * plan.instruments.class_percent / 100.0;
     let mut gain_error = || half * (2.0 * rng.random::<f64>() - 1.0);
     let bandwidth_hz = match defect {
         Some(Defect::GyroscopeLag { bandwidth_hz }) => *bandwidth_hz,

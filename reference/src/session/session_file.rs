@@ -9,6 +9,7 @@ use sixaxis_core::Geometry;
 use super::defect::Defect;
 use super::plan::SessionPlan;
 use super::play::Played;
+use crate::instruments::GAIN_SHARE;
 use crate::paper;
 
 /// Gain of the static record: the amplifiers' most sensitive range that a trial of the campaign uses matters little there.
@@ -47,16 +48,21 @@ pub(super) fn session(
         accelerometer: Accelerometer {
             sensitivity_mv_per_g: None,
             class_percent: plan.instruments.class_percent,
+            gain_percent: Some(tidy(GAIN_SHARE * plan.instruments.class_percent)),
             bandwidth_hz: None,
         },
         gyroscope: Gyroscope {
             sensitivity_mv_per_deg_s: None,
             class_percent: plan.instruments.class_percent,
+            gain_percent: Some(tidy(GAIN_SHARE * plan.instruments.class_percent)),
             bandwidth_hz: stated_bandwidth,
         },
         rig: Some(Rig {
             stroke_mm: Some(tidy(2e3 * plan.rig.slider_amplitude_m)),
             rotation_amplitude_deg: Some(tidy(plan.rig.rotation_amplitude_rad.to_degrees())),
+            // A tilt evenly spread up to its largest, towards anywhere: each of two angles has a sixth of its square.
+            wedge_deg: (plan.rig.wedge_error_deg > 0.0)
+                .then(|| tidy(plan.rig.wedge_error_deg / 6.0_f64.sqrt())),
         }),
         channels: Channels::default(),
         preprocessing: Preprocessing {

@@ -1,0 +1,226 @@
+//! The joint estimator on a session's trials: what the session file says, handed to the mathematics, and its answer with
+//! intervals.
+
+use rayon::prelude::*;
+use sixaxis_core::identify::joint::estimate::{JointEstimate, PARAMETERS};
+use sixaxis_core::identify::joint::{AtRest, Certificates, Drive, Joint, Known, Record};
+use sixaxis_core::identify::zero_drift::ZeroDrift;
+use sixaxis_core::{LIMBS, Parameters};
+
+use crate::certified::Gain;
+use crate::error::{Error, Result};
+use crate::session::{Role, Session};
+use crate::steps::{Campaign, FourSteps};
+
+/// Standard deviation of a wedge's angles where the session does not say, degrees: a workshop's.
+pub const WEDGE_DEG: f64 = 0.1;
+/// Relative standard deviation of a stated bandwidth or time constant: what a data sheet's typical value means.
+const TIME_CONSTANT: f64 = 0.1;
+/// Standard error by batches over that of white noise above which a static record's noise is not white.
+const NOT_WHITE: f64 = 1.6;
+/// 1/(k/m) whose standard deviation is below this share of it is known; what is below a tenth is a measurement.
+const COMPLIANCE_KNOWN: f64 = 0.1;
+
+/// What the session says before the trials do.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Knowledge {
+    /// Largest relative gain error of the accelerometer.
+    pub accelerometer_gain_limit: f64,
+    /// The mathematics' part.
+    pub certificates: Certificates,
+}
+
+impl Knowledge {
+    /// What a session file says.
+    #[must_use]
+    pub fn of(session: &Session) -> Self {
+        let share = |percent: f64| percent / 100.0;
+        let accelerometer = &session.accelerometer;
+        let gyroscope = &session.gyroscope;
+        let first_order = |hz: f64| 1.0 / (core::f64::consts::TAU * hz);
+        let known = |value: f64| Known {
+            value,
+            deviation: TIME_CONSTANT * value,
+        };
+        let wedge_deg = session
+            .rig
+            .as_ref()
+            .and_then(|rig| rig.wedge_deg)
+            .unwrap_or(WEDGE_DEG);
+        Self {
+            accelerometer_gain_limit: share(
+                accelerometer.gain_percent.unwrap_or(accelerometer.class_percent),
+            ),
+            certificates: Certificates {
+                gyroscope_gain_deviation: share(
+                    gyroscope.gain_percent.unwrap_or(gyroscope.class_percent),
+                ),
+                gyroscope_lag_s: gyroscope.bandwidth_hz.map(|hz| known(first_order(hz))),
+                accelerometer_lag_s: accelerometer.bandwidth_hz.map_or(0.0, first_order),
+                amplifier_corner_rad_s: session
+                    .preprocessing
+                    .amplifier_high_pass_hz
+                    .map(|hz| known(core::f64::consts::TAU * hz)),
+                wedge_deviation_rad: wedge_deg.to_radians(),
+                compliance_s2: None,
+            },
+        }
+    }
+}
+
+/// The joint estimate of the 25 with intervals.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointReport {
+    /// The fit.
+    pub estimate: JointEstimate,
+    /// What is known of the accelerometer's gain.
+    pub gain: Gain,
+    /// The 25: d, V; s/m, 1/kg; I/m, m^2; 1/(k/m), s^2.
+    pub values: [f64; PARAMETERS],
+    /// Their standard deviations, the accelerometer's gain included.
+    pub deviations: [f64; PARAMETERS],
+    /// Ends of their 95 % intervals.
+    pub intervals_95: [(f64, f64); PARAMETERS],
+    /// Whether 1/(k/m) is determined.
+    pub compliance_is_determined: bool,
+}
+
+impl JointReport {
+    /// What the fit comes to.
+    #[must_use]
+    pub fn new(estimate: JointEstimate, accelerometer_gain_limit: f64) -> Self {
+        let gain = Gain {
+            limit: accelerometer_gain_limit,
+            seen: estimate.accelerometer_gain_seen,
+            information: estimate.accelerometer_gain_information,
+        };
+        // The fit took the gain for zero.
+        let at_zero = estimate.values(0.0);
+        let slopes = estimate.slopes();
+        let noise = estimate.deviations();
+        let (mean, spread) = (gain.mean(), gain.deviation());
+        let compliance = estimate.compliance_s2();
+        Self {
+            values: core::array::from_fn(|p| at_zero[p] + mean * slopes[p]),
+            deviations: core::array::from_fn(|p| noise[p].hypot(spread * slopes[p])),
+            intervals_95: core::array::from_fn(|p| {
+                let (low, high) = gain.interval_95(slopes[p], noise[p]);
+                (at_zero[p] + low, at_zero[p] + high)
+            }),
+            compliance_is_determined: compliance.0 > 0.0
+                && compliance.1 < COMPLIANCE_KNOWN * compliance.0,
+            gain,
+            estimate,
+        }
+    }
+
+    /// To decouple with: where 1/(k/m) is open, with the given k/m, 1/s^2.
+    #[must_use]
+    pub fn parameters(&self, otherwise_per_s2: f64) -> Parameters {
+        let (compliance, _) = self.estimate.compliance_s2();
+        let stiffness = if self.compliance_is_determined {
+            1.0 / compliance
+        } else {
+            otherwise_per_s2
+        };
+        self.estimate.parameters(self.gain.mean(), stiffness)
+    }
+}
+
+/// What a static record says of the drift.
+#[must_use]
+pub fn at_rest(drift: &ZeroDrift) -> AtRest {
+    let root = (drift.samples as f64).sqrt();
+    AtRest {
+        drift_v: drift.drift_v,
+        // Thirty-two batches know a standard error to an eighth; white noise's own is known to a thousandth.
+        deviation_v: core::array::from_fn(|i| {
+            let white = drift.noise_v[i] / root;
+            let batches = drift.standard_error_v[i];
+            let least = f64::EPSILON * drift.drift_v[i].abs().max(f64::MIN_POSITIVE.sqrt());
+            if batches > NOT_WHITE * white {
+                batches.max(least)
+            } else {
+                white.max(least)
+            }
+        }),
+    }
+}
+
+/// Fits all linear and angular trials of a campaign at once, starting from the four steps' answer.
+///
+/// # Errors
+/// [`Error::Trial`] names the recording that cannot be used, [`Error::Step`] what the fit refuses.
+pub fn fit(
+    campaign: &Campaign,
+    steps: &FourSteps,
+    knowledge: &Knowledge,
+) -> Result<JointReport> {
+    let refuse = |source| Error::Step {
+        step: "joint estimator",
+        source: Box::new(source),
+    };
+    let mut joint = Joint::new(
+        &campaign.geometry,
+        knowledge.certificates,
+        at_rest(&steps.drift),
+    )
+    .map_err(refuse)?;
+    let records: Vec<(&str, Record)> = campaign
+        .trials
+        .iter()
+        .filter_map(|(trial, _)| {
+            let (drive, standard) = match trial.role {
+                Role::Linear | Role::HighFrequencyLinear => {
+                    (Drive::Linear, &trial.accelerometer_m_s2)
+                }
+                Role::Angular => (Drive::Angular, &trial.gyroscope_rad_s),
+                Role::Static | Role::Validation => return None,
+            };
+            let record = Record {
+                drive,
+                sample_rate_hz: trial.sample_rate_hz,
+                frequency_hz: trial.frequency_hz,
+                gains: &trial.gains,
+                voltage_v: &trial.voltage_v,
+                standard,
+                direction_ground: trial.direction_ground,
+                gravity_ground_m_s2: trial.gravity_ground_m_s2,
+            };
+            Some((trial.name.as_str(), record))
+        })
+        .collect();
+    // Side by side, added in their own order.
+    let prepared: Vec<_> = records
+        .par_iter()
+        .map(|(name, record)| {
+            joint.prepare(record).map_err(|source| Error::Trial {
+                file: (*name).to_owned(),
+                source: Box::new(source),
+            })
+        })
+        .collect::<Result<_>>()?;
+    for trial in prepared {
+        joint.add(trial);
+    }
+    let mut start = steps.used();
+    if start.validate().is_err() {
+        start.stiffness_per_mass_per_s2 = campaign.design.stiffness_per_mass_per_s2;
+    }
+    let estimate = joint.fit(&start).map_err(refuse)?;
+    Ok(JointReport::new(
+        estimate,
+        knowledge.accelerometer_gain_limit,
+    ))
+}
+
+/// Names of the 25.
+#[must_use]
+pub fn names() -> [String; PARAMETERS] {
+    core::array::from_fn(|p| match p {
+        p if p < LIMBS => format!("d{}", p + 1),
+        p if p < 2 * LIMBS => format!("s{}/m", p - LIMBS + 1),
+        p if p < 2 * LIMBS + 6 => format!("I{}/m", p - 2 * LIMBS + 1),
+        _ => "m/k".to_owned(),
+    })
+}

@@ -1,0 +1,149 @@
+//! A record as the lowest harmonics of its own length, in coordinates in which white noise stays white.
+//!
+//! A run that begins and ends at rest in the same place is one period of a smooth periodic signal. Of N samples u_n, spaced h,
+//!
+//! ```text
+//! z_0 = sum u_n / sqrt N,    z_k = sqrt(2/N) sum u_n exp(-i w_k n h),    w_k = 2 pi k/(N h),
+//! ```
+//!
+//! are the coordinates in an orthonormal basis: independent noise of standard deviation sigma in the samples is independent
+//! noise of sigma in z_0 and in the real and imaginary parts of every z_k. A derivative is a multiplication by i w_k, a
+//! first-order instrument one by its frequency response; nothing is filtered and nothing is lost but what lies above the last
+//! harmonic, where only noise is. How much noise that is, Parseval says without a second look at the samples.
+
+use alloc::vec;
+use alloc::vec::Vec;
+
+use nalgebra::{Complex, DVector};
+
+use crate::scalar::{sin_cos, sqrt};
+
+/// Frequencies of one record's harmonics.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Grid {
+    /// N.
+    pub samples: usize,
+    /// h, s.
+    pub step_s: f64,
+    /// K, the last harmonic.
+    pub harmonics: usize,
+}
+
+impl Grid {
+    /// w_k, rad/s.
+    #[must_use]
+    pub fn rate_rad_s(&self, k: usize) -> f64 {
+        core::f64::consts::TAU * k as f64 / (self.samples as f64 * self.step_s)
+    }
+
+    /// Number of real coordinates: the mean, then real and imaginary part of each harmonic.
+    #[must_use]
+    pub fn coordinates(&self) -> usize {
+        2 * self.harmonics + 1
+    }
+
+    /// Real coordinates from z_0 and z_1 to z_K.
+    pub(super) fn vector(&self, mean: f64, z: &[Complex<f64>]) -> DVector<f64> {
+        let mut v = DVector::zeros(self.coordinates());
+        v[0] = mean;
+        for (k, z) in z.iter().enumerate() {
+            v[2 * k + 1] = z.re;
+            v[2 * k + 2] = z.im;
+        }
+        v
+    }
+}
+
+/// Harmonic k (from 1) of real coordinates.
+pub(super) fn harmonic(v: &DVector<f64>, k: usize) -> Complex<f64> {
+    Complex::new(v[2 * k - 1], v[2 * k])
+}
+
+/// Several series of one record, projected.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Projection<const C: usize> {
+    /// Coordinates of each series.
+    pub coordinates: [DVector<f64>; C],
+    /// Mean square of what is left of each series above the last harmonic, per coordinate: the noise's variance.
+    pub variance: [f64; C],
+}
+
+/// Projects the series whose samples `row` gives.
+///
+/// Samples n and N - n have the same cosine and opposite sines: they are added and subtracted first, which halves the work.
+#[must_use]
+pub fn project<const C: usize>(grid: &Grid, row: impl Fn(usize) -> [f64; C]) -> Projection<C> {
+    let n = grid.samples;
+    let half = n / 2;
+    let mut even: Vec<[f64; C]> = Vec::with_capacity(half + 1);
+    let mut odd: Vec<[f64; C]> = Vec::with_capacity(half + 1);
+    // About the first sample, so that a large offset does not swallow the digits of the rest.
+    let origin = row(0);
+    let mut squares = [0.0; C];
+    let mut sums = [0.0; C];
+    for i in 0..=half {
+        let a = change(row(i), &origin);
+        let mirror = (n - i) % n;
+        let (plus, minus) = if mirror == i {
+            (a, [0.0; C])
+        } else {
+            let b = change(row(mirror), &origin);
+            for c in 0..C {
+                squares[c] += b[c] * b[c];
+                sums[c] += b[c];
+            }
+            (
+                core::array::from_fn(|c| a[c] + b[c]),
+                core::array::from_fn(|c| a[c] - b[c]),
+            )
+        };
+        for c in 0..C {
+            squares[c] += a[c] * a[c];
+            sums[c] += a[c];
+        }
+        even.push(plus);
+        odd.push(minus);
+    }
+    let table: Vec<(f64, f64)> = (0..n)
+        .map(|i| sin_cos(core::f64::consts::TAU * i as f64 / n as f64))
+        .collect();
+    let root_n = sqrt(n as f64);
+    let scale = sqrt(2.0 / n as f64);
+    let mut z = vec![[Complex::new(0.0, 0.0); C]; grid.harmonics];
+    for (k, z) in z.iter_mut().enumerate() {
+        let (mut re, mut im) = ([0.0; C], [0.0; C]);
+        let mut phase = 0;
+        for (plus, minus) in even.iter().zip(&odd) {
+            let (sin, cos) = table[phase];
+            for c in 0..C {
+                re[c] += plus[c] * cos;
+                im[c] -= minus[c] * sin;
+            }
+            phase += k + 1;
+            if phase >= n {
+                phase -= n;
+            }
+        }
+        for c in 0..C {
+            z[c] = Complex::new(scale * re[c], scale * im[c]);
+        }
+    }
+    let left = (n - grid.coordinates()) as f64;
+    let variance = core::array::from_fn(|c| {
+        let inside = sums[c] * sums[c] / n as f64
+            + z.iter().map(|z| z[c].norm_sqr()).sum::<f64>();
+        ((squares[c] - inside) / left).max(0.0)
+    });
+    let coordinates = core::array::from_fn(|c| {
+        let own: Vec<Complex<f64>> = z.iter().map(|z| z[c]).collect();
+        grid.vector(sums[c] / root_n + origin[c] * root_n, &own)
+    });
+    Projection {
+        coordinates,
+        variance,
+    }
+}
+
+fn change<const C: usize>(row: [f64; C], origin: &[f64; C]) -> [f64; C] {
+    core::array::from_fn(|c| row[c] - origin[c])
+}

@@ -1,0 +1,265 @@
+//! Gauss-Newton over all trials: common unknowns first, each trial's motion after them.
+
+use alloc::vec;
+use alloc::vec::Vec;
+
+use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
+
+use super::estimate::JointEstimate;
+use super::shares::Shares;
+use super::trial::{Contribution, Trial};
+use super::unknowns::{ACCELEROMETER_GAIN, COMPLIANCE, Unknowns};
+use super::{Known, WHAT};
+use crate::error::{Error, Result};
+use crate::scalar::sqrt;
+
+/// Steps at most; a campaign takes four.
+const ITERATIONS: usize = 30;
+/// A step whose square, measured in the estimate's own covariance, is below this changes nothing that could be told: a
+/// thousandth of a standard deviation.
+const SETTLED: f64 = 1e-6;
+/// Halvings of a step that does not lead down.
+const HALVINGS: usize = 6;
+/// Condition of the normal matrix, scaled to a unit diagonal, at which a direction is lost to rounding.
+const CONDITION_LIMIT: f64 = 1e13;
+
+/// The free unknowns' normal equations.
+struct Normal {
+    free: Vec<usize>,
+    /// Whole information, free or not.
+    information: DMatrix<f64>,
+    descent: DVector<f64>,
+    squares: f64,
+    contributions: Vec<Contribution>,
+}
+
+fn normal(
+    shares: &Shares,
+    trials: &[Trial],
+    unknowns: &Unknowns,
+    priors: &[(usize, Known)],
+) -> Result<Normal> {
+    let common = unknowns.len();
+    let mut information = DMatrix::zeros(common, common);
+    let mut descent = DVector::zeros(common);
+    let mut squares = 0.0;
+    let mut held = vec![false; common];
+    held[ACCELEROMETER_GAIN] = true;
+    let mut contributions = Vec::with_capacity(trials.len());
+    for trial in trials {
+        let part = trial
+            .contribution(unknowns, shares)
+            .ok_or(Error::NotConverged {
+                what: WHAT,
+                iterations: 0,
+            })?;
+        information += &part.information;
+        descent += &part.descent;
+        squares += part.squares;
+        contributions.push(part);
+    }
+    for (unknown, known) in priors {
+        if known.deviation > 0.0 {
+            let weight = 1.0 / (known.deviation * known.deviation);
+            let residual = known.value - unknowns.values[*unknown];
+            information[(*unknown, *unknown)] += weight;
+            descent[*unknown] += weight * residual;
+            squares += weight * residual * residual;
+        } else {
+            held[*unknown] = true;
+        }
+    }
+    if !squares.is_finite() || !information.iter().all(|x| x.is_finite()) {
+        return Err(Error::Overflow {
+            what: WHAT,
+            channel: 0,
+            sample: 0,
+        });
+    }
+    Ok(Normal {
+        free: (0..common).filter(|u| !held[*u]).collect(),
+        information,
+        descent,
+        squares,
+        contributions,
+    })
+}
+
+impl Normal {
+    /// Inverse of the free unknowns' information.
+    fn covariance(&self) -> Result<DMatrix<f64>> {
+        let n = self.free.len();
+        let scale: Vec<f64> = self
+            .free
+            .iter()
+            .map(|u| 1.0 / sqrt(self.information[(*u, *u)]))
+            .collect();
+        if let Some(open) = scale.iter().position(|s| !s.is_finite()) {
+            return Err(self.indeterminate(open, f64::INFINITY));
+        }
+        let scaled = DMatrix::from_fn(n, n, |a, b| {
+            self.information[(self.free[a], self.free[b])] * scale[a] * scale[b]
+        });
+        let eigen = SymmetricEigen::new(scaled.clone());
+        let (mut low, mut high) = (0, 0);
+        for i in 1..n {
+            if eigen.eigenvalues[i] < eigen.eigenvalues[low] {
+                low = i;
+            }
+            if eigen.eigenvalues[i] > eigen.eigenvalues[high] {
+                high = i;
+            }
+        }
+        let condition = eigen.eigenvalues[high] / eigen.eigenvalues[low];
+        let factor = (condition > 0.0 && condition < CONDITION_LIMIT)
+            .then(|| Cholesky::new(scaled))
+            .flatten();
+        let Some(factor) = factor else {
+            let direction = eigen.eigenvectors.column(low);
+            let open = (0..n)
+                .max_by(|a, b| direction[*a].abs().total_cmp(&direction[*b].abs()))
+                .unwrap_or(0);
+            return Err(self.indeterminate(open, condition.abs()));
+        };
+        let inverse = factor.inverse();
+        Ok(DMatrix::from_fn(n, n, |a, b| {
+            inverse[(a, b)] * scale[a] * scale[b]
+        }))
+    }
+
+    fn indeterminate(&self, free: usize, condition: f64) -> Error {
+        Error::Indeterminate {
+            what: WHAT,
+            unknown: self.free[free] + 1,
+            condition,
+        }
+    }
+
+    fn free_descent(&self) -> DVector<f64> {
+        DVector::from_iterator(self.free.len(), self.free.iter().map(|u| self.descent[*u]))
+    }
+
+    /// A vector of all unknowns from one of the free ones.
+    fn whole(&self, part: &DVector<f64>) -> DVector<f64> {
+        let mut whole = DVector::zeros(self.descent.len());
+        for (value, unknown) in part.iter().zip(&self.free) {
+            whole[*unknown] = *value;
+        }
+        whole
+    }
+}
+
+pub(super) fn fit(
+    shares: &Shares,
+    trials: &[Trial],
+    start: Unknowns,
+    priors: &[(usize, Known)],
+) -> Result<JointEstimate> {
+    if trials.is_empty() {
+        return Err(Error::TooFewSamples {
+            what: WHAT,
+            needed: 1,
+            got: 0,
+        });
+    }
+    let mut unknowns = start;
+    let mut trials = trials.to_vec();
+    for trial in &mut trials {
+        trial.start(&unknowns);
+    }
+    let mut now = normal(shares, &trials, &unknowns, priors)?;
+    for iteration in 1..=ITERATIONS {
+        let covariance = now.covariance()?;
+        let toward = now.free_descent();
+        let step = &covariance * &toward;
+        let size = toward.dot(&step);
+        let whole = now.whole(&step);
+        let mut share = 1.0;
+        let mut taken = None;
+        for _ in 0..=HALVINGS {
+            let mut moved = unknowns.clone();
+            moved.values.axpy(share, &whole, 1.0);
+            let mut followed = trials.clone();
+            for (trial, part) in followed.iter_mut().zip(&now.contributions) {
+                trial.follow(part, &whole, share);
+            }
+            if let Ok(next) = normal(shares, &followed, &moved, priors)
+                && (next.squares <= now.squares || size < SETTLED)
+            {
+                taken = Some((moved, followed, next));
+                break;
+            }
+            share *= 0.5;
+        }
+        let Some((moved, followed, next)) = taken else {
+            return Err(Error::NotConverged {
+                what: WHAT,
+                iterations: iteration,
+            });
+        };
+        (unknowns, trials, now) = (moved, followed, next);
+        if size < SETTLED {
+            return finish(&trials, unknowns, &now, priors, iteration);
+        }
+    }
+    Err(Error::NotConverged {
+        what: WHAT,
+        iterations: ITERATIONS,
+    })
+}
+
+fn finish(
+    trials: &[Trial],
+    unknowns: Unknowns,
+    normal: &Normal,
+    priors: &[(usize, Known)],
+    iterations: usize,
+) -> Result<JointEstimate> {
+    let covariance = normal.covariance()?;
+    let gain = ACCELEROMETER_GAIN;
+    let across = DVector::from_iterator(
+        normal.free.len(),
+        normal.free.iter().map(|u| normal.information[(*u, gain)]),
+    );
+    let by_gain = -(&covariance * &across);
+    let whole_information = normal.information[(gain, gain)];
+    let own = whole_information + across.dot(&by_gain);
+    // Below rounding of the difference there is nothing.
+    let gain_information = if own > 1e-9 * whole_information {
+        own
+    } else {
+        0.0
+    };
+    let gain_seen = if gain_information > 0.0 {
+        normal.descent[gain] / gain_information
+    } else {
+        0.0
+    };
+    let mut full = DMatrix::zeros(unknowns.len(), unknowns.len());
+    for (a, row) in normal.free.iter().enumerate() {
+        for (b, column) in normal.free.iter().enumerate() {
+            full[(*row, *column)] = covariance[(a, b)];
+        }
+    }
+    let measured: usize = trials
+        .iter()
+        .map(|t| 10 * t.grid.coordinates() - 1)
+        .sum::<usize>()
+        + priors.iter().filter(|p| p.1.deviation > 0.0).count();
+    let fitted: usize = normal.free.len()
+        + trials
+            .iter()
+            .map(|t| t.latent.len() + if t.amplifier { t.transient.len() } else { 0 })
+            .sum::<usize>();
+    Ok(JointEstimate {
+        compliance_from_elsewhere: priors.iter().any(|p| p.0 == COMPLIANCE),
+        by_accelerometer_gain: normal.whole(&by_gain),
+        accelerometer_gain_seen: gain_seen,
+        accelerometer_gain_information: gain_information,
+        covariance: full,
+        squares: normal.squares,
+        degrees_of_freedom: measured.saturating_sub(fitted),
+        iterations,
+        unknowns,
+    })
+}
