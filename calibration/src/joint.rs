@@ -49,7 +49,9 @@ impl Knowledge {
             .unwrap_or(WEDGE_DEG);
         Self {
             accelerometer_gain_limit: share(
-                accelerometer.gain_percent.unwrap_or(accelerometer.class_percent),
+                accelerometer
+                    .gain_percent
+                    .unwrap_or(accelerometer.class_percent),
             ),
             certificates: Certificates {
                 gyroscope_gain_deviation: share(
@@ -94,18 +96,20 @@ impl JointReport {
             seen: estimate.accelerometer_gain_seen,
             information: estimate.accelerometer_gain_information,
         };
-        // The fit took the gain for zero.
-        let at_zero = estimate.values(0.0);
+        // Intervals are laid off from the fit's own gain.
+        let held = estimate.accelerometer_gain_held();
+        let at_held = estimate.values(held);
         let slopes = estimate.slopes();
         let noise = estimate.deviations();
         let (mean, spread) = (gain.mean(), gain.deviation());
         let compliance = estimate.compliance_s2();
         Self {
-            values: core::array::from_fn(|p| at_zero[p] + mean * slopes[p]),
+            values: estimate.values(mean),
             deviations: core::array::from_fn(|p| noise[p].hypot(spread * slopes[p])),
             intervals_95: core::array::from_fn(|p| {
                 let (low, high) = gain.interval_95(slopes[p], noise[p]);
-                (at_zero[p] + low, at_zero[p] + high)
+                let shift = held * slopes[p];
+                (at_held[p] + low - shift, at_held[p] + high - shift)
             }),
             compliance_is_determined: compliance.0 > 0.0
                 && compliance.1 < COMPLIANCE_KNOWN * compliance.0,
@@ -151,11 +155,7 @@ pub fn at_rest(drift: &ZeroDrift) -> AtRest {
 ///
 /// # Errors
 /// [`Error::Trial`] names the recording that cannot be used, [`Error::Step`] what the fit refuses.
-pub fn fit(
-    campaign: &Campaign,
-    steps: &FourSteps,
-    knowledge: &Knowledge,
-) -> Result<JointReport> {
+pub fn fit(campaign: &Campaign, steps: &FourSteps, knowledge: &Knowledge) -> Result<JointReport> {
     let refuse = |source| Error::Step {
         step: "joint estimator",
         source: Box::new(source),

@@ -2,7 +2,7 @@
 
 use core::f64::consts::PI;
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use rand::RngExt;
 use rand_pcg::Pcg64;
 use sixaxis_calibration::session::{Entry, PerLimb, Role};
@@ -81,7 +81,7 @@ impl Recorder<'_> {
             _ => *self.parameters,
         };
         let run = trial.run(&plan.rig, direction);
-        let mut simulated = self.simulate(&run, &parameters)?;
+        let mut simulated = self.simulate(&run, trial.direction, &parameters)?;
         if let Some(Defect::SwappedChannels {
             channels: [a, b],
             place,
@@ -212,8 +212,20 @@ impl Recorder<'_> {
         }
     }
 
-    fn simulate(&self, run: &Run, parameters: &Parameters) -> Result<SimulatedRun, PlayError> {
-        let gravity_ground_m_s2 = self.mounting.gravity_ground_m_s2(run.direction_ground);
+    fn simulate(
+        &self,
+        run: &Run,
+        stated_direction: DVec3,
+        parameters: &Parameters,
+    ) -> Result<SimulatedRun, PlayError> {
+        let gravity_ground_m_s2 = match self.mounting {
+            Mounting::AxisVertical => self.mounting.gravity_ground_m_s2(run.direction_ground),
+            // A wedge that misses its direction carries the sensor along, and gravity stands in it elsewhere by as much.
+            Mounting::AxisLevel => {
+                DQuat::from_rotation_arc(stated_direction, run.direction_ground)
+                    * self.mounting.gravity_ground_m_s2(stated_direction)
+            }
+        };
         let rate = self.plan.sample_rate_hz;
         match self.plan.engine {
             Engine::Rigid => {

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector, SMatrix};
 
-use super::unknowns::{COMPLIANCE, DRIFT, INERTIA, MASS_PER_SCALE, Unknowns};
+use super::unknowns::{ACCELEROMETER_GAIN, COMPLIANCE, DRIFT, INERTIA, MASS_PER_SCALE, Unknowns};
 use crate::geometry::LIMBS;
 use crate::parameters::Parameters;
 use crate::scalar::sqrt;
@@ -38,13 +38,23 @@ impl JointEstimate {
     /// The 25, the accelerometer's gain taken to be `gain`.
     #[must_use]
     pub fn values(&self, gain: f64) -> [f64; PARAMETERS] {
-        let at = |u: usize, gain: f64| self.unknowns.values[u] + gain * self.by_accelerometer_gain[u];
+        let held = self.accelerometer_gain_held();
+        let at = |u: usize, change: f64| {
+            self.unknowns.values[u] + change * self.by_accelerometer_gain[u]
+        };
+        let change = gain - held;
         core::array::from_fn(|p| match p {
-            p if is_scale(p) => 1.0 / at(p, gain),
+            p if is_scale(p) => 1.0 / at(p, change),
             // What a gain multiplies m/s by, it divides I/m by: exact where nothing but the gain is open.
-            p if is_inertia(p) => at(p, gain / (1.0 + gain)),
-            p => at(p, gain),
+            p if is_inertia(p) => at(p, change * (1.0 + held) / (1.0 + gain)),
+            p => at(p, change),
         })
+    }
+
+    /// Gain of the accelerometer that the fit was made at.
+    #[must_use]
+    pub fn accelerometer_gain_held(&self) -> f64 {
+        self.unknowns.values[ACCELEROMETER_GAIN]
     }
 
     /// Change of the 25 with the accelerometer's gain.
@@ -56,9 +66,7 @@ impl JointEstimate {
     /// Covariance of the 25 with the accelerometer's gain held.
     #[must_use]
     pub fn parameter_covariance(&self) -> SMatrix<f64, PARAMETERS, PARAMETERS> {
-        SMatrix::from_fn(|a, b| {
-            self.reciprocal(a) * self.reciprocal(b) * self.covariance[(a, b)]
-        })
+        SMatrix::from_fn(|a, b| self.reciprocal(a) * self.reciprocal(b) * self.covariance[(a, b)])
     }
 
     /// Their standard deviations.

@@ -130,8 +130,7 @@ pub fn project<const C: usize>(grid: &Grid, row: impl Fn(usize) -> [f64; C]) -> 
     }
     let left = (n - grid.coordinates()) as f64;
     let variance = core::array::from_fn(|c| {
-        let inside = sums[c] * sums[c] / n as f64
-            + z.iter().map(|z| z[c].norm_sqr()).sum::<f64>();
+        let inside = sums[c] * sums[c] / n as f64 + z.iter().map(|z| z[c].norm_sqr()).sum::<f64>();
         ((squares[c] - inside) / left).max(0.0)
     });
     let coordinates = core::array::from_fn(|c| {

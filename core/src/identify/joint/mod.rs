@@ -51,8 +51,8 @@ use self::harmonics::{Grid, project};
 use self::shares::Shares;
 use self::trial::Trial;
 use self::unknowns::{
-    AMPLIFIER_CORNER, COMPLIANCE, DRIFT, GYROSCOPE_GAIN, GYROSCOPE_LAG, INERTIA, MASS_PER_SCALE,
-    Unknowns, WEDGES, Wedge,
+    AMPLIFIER_CORNER, ANGLES, COMPLIANCE, DRIFT, GYROSCOPE_GAIN, GYROSCOPE_LAG, INERTIA,
+    MASS_PER_SCALE, Unknowns, WEDGES, Wedge,
 };
 use crate::error::{Error, Result};
 use crate::geometry::{Geometry, LIMBS};
@@ -90,7 +90,7 @@ pub struct Certificates {
     pub accelerometer_lag_s: f64,
     /// Corner of the charge amplifiers' high-pass, rad/s; none if the channels are tared instead.
     pub amplifier_corner_rad_s: Option<Known>,
-    /// Standard deviation of each of a wedge's two angles, rad; 0 for wedges that are right.
+    /// Standard deviation of each of a wedge's angles, rad; 0 for wedges that are right.
     pub wedge_deviation_rad: f64,
     /// 1/(k/m), s^2, from elsewhere: a tap on the shell.
     pub compliance_s2: Option<Known>,
@@ -284,7 +284,13 @@ impl Joint {
         }
         let mut data = project(&grid, |n| {
             let row = &record.voltage_v[n];
-            core::array::from_fn(|c| if c < LIMBS { row[c] } else { record.standard[n] })
+            core::array::from_fn(|c| {
+                if c < LIMBS {
+                    row[c]
+                } else {
+                    record.standard[n]
+                }
+            })
         });
         for (channel, variance) in data.variance.iter_mut().enumerate() {
             let largest = (0..samples)
@@ -344,12 +350,17 @@ impl Joint {
     /// [`Parameters::validate`] for a start that is no sensor's.
     pub fn fit(&self, start: &Parameters) -> Result<JointEstimate> {
         start.validate()?;
-        let mut values = DVector::zeros(WEDGES + 2 * self.wedges.len());
+        let mut values = DVector::zeros(WEDGES + ANGLES * self.wedges.len());
         for limb in 0..LIMBS {
             values[DRIFT + limb] = self.at_rest.drift_v[limb];
             values[MASS_PER_SCALE + limb] = 1.0 / start.scale_per_mass_per_kg[limb];
         }
-        for (j, i) in start.inertia_per_mass.to_paper_order().into_iter().enumerate() {
+        for (j, i) in start
+            .inertia_per_mass
+            .to_paper_order()
+            .into_iter()
+            .enumerate()
+        {
             values[INERTIA + j] = i;
         }
         values[COMPLIANCE] = 1.0 / start.stiffness_per_mass_per_s2;
@@ -387,7 +398,7 @@ impl Joint {
         priors.push((GYROSCOPE_LAG, c.gyroscope_lag_s.unwrap_or(held)));
         priors.push((AMPLIFIER_CORNER, c.amplifier_corner_rad_s.unwrap_or(held)));
         priors.extend(c.compliance_s2.map(|known| (COMPLIANCE, known)));
-        for angle in 0..2 * self.wedges.len() {
+        for angle in 0..ANGLES * self.wedges.len() {
             let known = Known {
                 value: 0.0,
                 deviation: c.wedge_deviation_rad,

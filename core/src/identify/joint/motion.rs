@@ -111,7 +111,9 @@ pub(super) struct Series {
 
 /// a and -a'' of a linear trial.
 pub(super) fn linear(grid: &Grid, latent: &DVector<f64>) -> [Series; 2] {
-    let one = (1..=grid.harmonics).map(|_| Complex::new(1.0, 0.0)).collect();
+    let one = (1..=grid.harmonics)
+        .map(|_| Complex::new(1.0, 0.0))
+        .collect();
     let squared = (1..=grid.harmonics)
         .map(|k| {
             let w = grid.rate_rad_s(k);
@@ -262,11 +264,10 @@ impl<'a> Fine<'a> {
             {
                 let d = unit * filter;
                 let mut column = matrix.column_mut(2 * (l - 1) + part);
-                column[0] =
-                    core::f64::consts::FRAC_1_SQRT_2 * (at(l as isize).conj() * d).re;
+                column[0] = core::f64::consts::FRAC_1_SQRT_2 * (at(l as isize).conj() * d).re;
                 for k in 1..=harmonics {
-                    let z = (at(k as isize - l as isize) * d + at((k + l) as isize) * d.conj())
-                        * 0.5;
+                    let z =
+                        (at(k as isize - l as isize) * d + at((k + l) as isize) * d.conj()) * 0.5;
                     column[2 * k - 1] = z.re;
                     column[2 * k] = z.im;
                 }

@@ -4,12 +4,11 @@
 //! gives way by -(1/(k/m)) (J^T J)^-1 W, which moves it against the shell and, at first order, adds
 //! -(1/(k/m)) P M (J^T J)^-1 W'' to the forces, M = diag(1, I/m).
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use nalgebra::{Matrix6, SMatrix, Vector6};
 
 use crate::error::{Error, Result};
 use crate::geometry::{DIRECTIONS_SHELL, Geometry, LIMBS};
-use crate::parameters::InertiaPerMass;
 
 /// Shares of the nine limbs.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,13 +66,29 @@ impl Shares {
     }
 
     /// Force per mass of each limb over the compliance and the second derivative, negative, of a linear acceleration along
-    /// `direction`.
+    /// `direction`: a linear function of the inertia tensor, m^2, and of the direction.
     #[must_use]
-    pub fn of_compliance(&self, inertia: &InertiaPerMass, direction: DVec3) -> [f64; LIMBS] {
+    pub fn of_compliance(&self, tensor: DMat3, direction: DVec3) -> [f64; LIMBS] {
+        let [moved, turned] = self.given_way(direction);
+        self.of_wrench(moved, tensor * turned)
+    }
+
+    /// Derivative of [`Self::of_compliance`] by the tensor along `change`.
+    #[must_use]
+    pub fn of_compliance_by_inertia(&self, change: DMat3, direction: DVec3) -> [f64; LIMBS] {
+        let [_, turned] = self.given_way(direction);
+        self.of_wrench(DVec3::ZERO, change * turned)
+    }
+
+    /// Displacement and rotation under a unit acceleration at unit stiffness over mass.
+    fn given_way(&self, direction: DVec3) -> [DVec3; 2] {
         let d = direction;
         let moved = self.flexibility * Vector6::new(d.x, d.y, d.z, 0.0, 0.0, 0.0);
-        let turned = inertia.matrix_mass_m2() * DVec3::new(moved[3], moved[4], moved[5]);
-        let wrench = Vector6::new(moved[0], moved[1], moved[2], turned.x, turned.y, turned.z);
+        [0, 3].map(|from| DVec3::new(moved[from], moved[from + 1], moved[from + 2]))
+    }
+
+    fn of_wrench(&self, force: DVec3, torque: DVec3) -> [f64; LIMBS] {
+        let wrench = Vector6::new(force.x, force.y, force.z, torque.x, torque.y, torque.z);
         (self.matrix * wrench).into()
     }
 }

@@ -20,6 +20,8 @@ const ITERATIONS: usize = 30;
 const SETTLED: f64 = 1e-6;
 /// Halvings of a step that does not lead down.
 const HALVINGS: usize = 6;
+/// Standard deviation of the accelerometer's gain below which the trials have told it.
+const GAIN_TOLD: f64 = 0.05;
 /// Condition of the normal matrix, scaled to a unit diagonal, at which a direction is lost to rounding.
 const CONDITION_LIMIT: f64 = 1e13;
 
@@ -167,8 +169,38 @@ pub(super) fn fit(
     for trial in &mut trials {
         trial.start(&unknowns);
     }
-    let mut now = normal(shares, &trials, &unknowns, priors)?;
-    for iteration in 1..=ITERATIONS {
+    let mut iterations = 0;
+    loop {
+        let settled = settle(shares, &mut trials, &mut unknowns, priors, &mut iterations)?;
+        let estimate = finish(&trials, unknowns.clone(), &settled, priors, iterations)?;
+        // Where gravity turns in the sensor the trials know the accelerometer's gain, and the fit has to be made at it.
+        let held = unknowns.values[ACCELEROMETER_GAIN];
+        let information = estimate.accelerometer_gain_information;
+        let change = estimate.accelerometer_gain_seen - held;
+        if information * GAIN_TOLD * GAIN_TOLD < 1.0 || information * change * change < SETTLED {
+            return Ok(estimate);
+        }
+        unknowns.values[ACCELEROMETER_GAIN] = estimate.accelerometer_gain_seen;
+        if iterations >= ITERATIONS {
+            return Err(Error::NotConverged {
+                what: WHAT,
+                iterations,
+            });
+        }
+    }
+}
+
+/// Gauss-Newton with the accelerometer's gain held.
+fn settle(
+    shares: &Shares,
+    trials: &mut Vec<Trial>,
+    unknowns: &mut Unknowns,
+    priors: &[(usize, Known)],
+    iterations: &mut usize,
+) -> Result<Normal> {
+    let mut now = normal(shares, trials, unknowns, priors)?;
+    while *iterations < ITERATIONS {
+        *iterations += 1;
         let covariance = now.covariance()?;
         let toward = now.free_descent();
         let step = &covariance * &toward;
@@ -192,19 +224,16 @@ pub(super) fn fit(
             share *= 0.5;
         }
         let Some((moved, followed, next)) = taken else {
-            return Err(Error::NotConverged {
-                what: WHAT,
-                iterations: iteration,
-            });
+            break;
         };
-        (unknowns, trials, now) = (moved, followed, next);
+        (*unknowns, *trials, now) = (moved, followed, next);
         if size < SETTLED {
-            return finish(&trials, unknowns, &now, priors, iteration);
+            return Ok(now);
         }
     }
     Err(Error::NotConverged {
         what: WHAT,
-        iterations: ITERATIONS,
+        iterations: *iterations,
     })
 }
 
@@ -230,10 +259,11 @@ fn finish(
     } else {
         0.0
     };
+    let held = unknowns.values[gain];
     let gain_seen = if gain_information > 0.0 {
-        normal.descent[gain] / gain_information
+        held + normal.descent[gain] / gain_information
     } else {
-        0.0
+        held
     };
     let mut full = DMatrix::zeros(unknowns.len(), unknowns.len());
     for (a, row) in normal.free.iter().enumerate() {

@@ -22,10 +22,10 @@ use super::motion::{self, Operator, Series};
 use super::shares::Shares;
 use super::unknowns::{
     ACCELEROMETER_GAIN, AMPLIFIER_CORNER, COMPLIANCE, DRIFT, GYROSCOPE_GAIN, GYROSCOPE_LAG,
-    INERTIA, MASS_PER_SCALE, Unknowns, WEDGES, inertia_entry,
+    INERTIA, MASS_PER_SCALE, Unknowns, inertia_entry,
 };
 use crate::geometry::LIMBS;
-use crate::scalar::{exp, sqrt};
+use crate::scalar::{exp, sin_cos, sqrt};
 use crate::signal::Gains;
 
 /// What the rig does in a trial.
@@ -86,17 +86,24 @@ struct Share {
 impl Trial {
     /// Common unknowns that this trial depends on.
     fn shares(&self, unknowns: &Unknowns, shares: &Shares) -> Vec<Share> {
-        let inertia = unknowns.inertia();
-        let tensor = inertia.matrix_mass_m2();
-        let n = unknowns.direction(self.wedge);
-        let sideways = unknowns.wedges[self.wedge].sideways;
-        let angles = WEDGES + 2 * self.wedge;
+        let tensor = unknowns.inertia().matrix_mass_m2();
+        let (n, sideways) = unknowns.direction(self.wedge);
+        let angles = unknowns.angles(self.wedge);
         let linear = |d: DVec3| core::array::from_fn(|i| shares.of_acceleration(i).dot(d));
         let torque = |m: DVec3| core::array::from_fn(|i| shares.of_torque_per_m(i).dot(m));
         match self.drive {
             Drive::Linear => {
                 let compliance = unknowns.values[COMPLIANCE];
-                let given_way = shares.of_compliance(&inertia, n);
+                let given_way = shares.of_compliance(tensor, n);
+                let mut slopes = vec![(COMPLIANCE, given_way)];
+                slopes.extend((0..6).map(|j| {
+                    let by = shares.of_compliance_by_inertia(inertia_entry(j), n);
+                    (INERTIA + j, by.map(|g| compliance * g))
+                }));
+                slopes.extend((0..2).map(|side| {
+                    let by = shares.of_compliance(tensor, sideways[side]);
+                    (angles + side, by.map(|g| compliance * g))
+                }));
                 vec![
                     Share {
                         value: linear(n),
@@ -106,7 +113,7 @@ impl Trial {
                     },
                     Share {
                         value: given_way.map(|g| compliance * g),
-                        slopes: vec![(COMPLIANCE, given_way)],
+                        slopes,
                     },
                 ]
             }
@@ -137,26 +144,24 @@ impl Trial {
                     },
                 ];
                 if self.gravity_turns {
-                    // The wedge carries the sensor: gravity stands in the sensor as the wedge has it.
-                    let nominal = unknowns.wedges[self.wedge].nominal;
-                    let g = self.gravity_m_s2 + nominal.cross(n).cross(self.gravity_m_s2);
-                    let dg = |b: DVec3| nominal.cross(b).cross(self.gravity_m_s2);
-                    let across = |side: usize| {
-                        let b = sideways[side];
-                        linear(b.cross(g) + n.cross(dg(b)))
-                    };
-                    let within = |side: usize| {
-                        let b = sideways[side];
-                        let d = dg(b);
-                        linear(d - b * n.dot(g) - n * (b.dot(g) + n.dot(d)))
+                    let (g, by) = unknowns.gravity(self.wedge, self.gravity_m_s2);
+                    // About the third angle the direction stays.
+                    let turned = [sideways[0], sideways[1], DVec3::ZERO];
+                    let slopes = |of: &dyn Fn(DVec3, DVec3) -> DVec3| {
+                        turned
+                            .iter()
+                            .zip(by)
+                            .enumerate()
+                            .map(|(angle, (b, dg))| (angles + angle, linear(of(*b, dg))))
+                            .collect()
                     };
                     all.push(Share {
                         value: linear(n.cross(g)),
-                        slopes: (0..2).map(|side| (angles + side, across(side))).collect(),
+                        slopes: slopes(&|b, dg| b.cross(g) + n.cross(dg)),
                     });
                     all.push(Share {
                         value: linear(g - n * n.dot(g)),
-                        slopes: (0..2).map(|side| (angles + side, within(side))).collect(),
+                        slopes: slopes(&|b, dg| dg - b * n.dot(g) - n * (b.dot(g) + n.dot(dg))),
                     });
                 }
                 all
@@ -181,21 +186,27 @@ impl Trial {
         (0.0, h, dh)
     }
 
-    /// E: coordinates of exp(-corner t).
-    fn decay(&self, corner_rad_s: f64) -> DVector<f64> {
+    /// E, the coordinates of exp(-corner t), and its derivative by the corner: sums of geometric series.
+    fn decay(&self, corner_rad_s: f64) -> [DVector<f64>; 2] {
         let grid = &self.grid;
         let samples = grid.samples as f64;
         let per_sample = corner_rad_s * grid.step_s;
-        let whole = 1.0 - exp(-per_sample * samples);
-        let sum = |k: usize| {
-            let (sin, cos) = crate::scalar::sin_cos(grid.rate_rad_s(k) * grid.step_s);
+        let end = exp(-per_sample * samples);
+        let one = Complex::new(1.0, 0.0);
+        let sums = |k: usize| {
+            let (sin, cos) = sin_cos(grid.rate_rad_s(k) * grid.step_s);
             let ratio = Complex::new(cos, -sin) * exp(-per_sample);
-            Complex::new(whole, 0.0) / (Complex::new(1.0, 0.0) - ratio)
+            let rest = one / (one - ratio);
+            let sum = rest * (1.0 - end);
+            let slope = (rest * (samples * end) - sum * ratio * rest) * grid.step_s;
+            [sum, slope]
         };
-        let z: Vec<Complex<f64>> = (1..=grid.harmonics)
-            .map(|k| sum(k) * sqrt(2.0 / samples))
-            .collect();
-        grid.vector(sum(0).re / sqrt(samples), &z)
+        [0, 1].map(|which| {
+            let z: Vec<Complex<f64>> = (1..=grid.harmonics)
+                .map(|k| sums(k)[which] * sqrt(2.0 / samples))
+                .collect();
+            grid.vector(sums(0)[which].re / sqrt(samples), &z)
+        })
     }
 
     fn series(&self) -> Vec<Series> {
@@ -269,9 +280,10 @@ impl Trial {
             for s in &series {
                 parts.push(filter(&s.value, 0.0, &dh));
             }
-            parts.push(self.decay(values[AMPLIFIER_CORNER]));
+            parts.extend(self.decay(values[AMPLIFIER_CORNER]));
         }
-        let decay = parts.len() - 1;
+        // Of the last two, the second is the first one's derivative by the corner.
+        let decay = parts.len().saturating_sub(2);
         let operators: Vec<Operator> = series
             .into_iter()
             .map(|s| s.by_latent.filtered(h_mean, &h))
@@ -322,7 +334,7 @@ impl Trial {
                     .iter()
                     .map(|(s, c)| (by_corner + s - 1, c * gain))
                     .collect::<Vec<_>>();
-                by.shrink_to_fit();
+                by.push((decay + 1, self.transient[limb]));
                 columns.push((AMPLIFIER_CORNER, by));
                 columns.push((common + limb, vec![(decay, 1.0)]));
             }
@@ -344,9 +356,7 @@ impl Trial {
                     information[(*a, *b)] += weight
                         * from_a
                             .iter()
-                            .flat_map(|(s, c)| {
-                                from_b.iter().map(move |(t, d)| (*s, *t, c * d))
-                            })
+                            .flat_map(|(s, c)| from_b.iter().map(move |(t, d)| (*s, *t, c * d)))
                             .map(|(s, t, product)| product * gram[(s, t)])
                             .sum::<f64>();
                 }
@@ -464,5 +474,125 @@ impl Trial {
             .latent
             .solve(&(&back.descent - &back.coupling * &whole));
         self.latent.axpy(share, &change, 1.0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::harmonics::project;
+    use super::super::unknowns::{ANGLES, WEDGES, Wedge};
+    use super::*;
+    use crate::geometry::Geometry;
+
+    /// Central differences over 1e-6 of an unknown's size leave this of the largest derivative.
+    const FINITE_DIFFERENCES: f64 = 1e-5;
+    /// Rounds of the motion's own Gauss-Newton: it settles in three.
+    const ROUNDS: usize = 8;
+
+    fn trial(drive: Drive, gravity_turns: bool, amplifier: bool) -> (Trial, Unknowns) {
+        let grid = Grid {
+            samples: 400,
+            step_s: 2e-3,
+            harmonics: 12,
+        };
+        let wave = |n: usize, c: usize| {
+            let t = n as f64 * grid.step_s;
+            let phase = c as f64;
+            sin_cos(20.0 * t + phase).0 + 0.3 * sin_cos(47.0 * t - phase).1
+        };
+        let data = project(&grid, |n| core::array::from_fn(|c| wave(n, c)));
+        let wedge = Wedge::new(DVec3::new(1.0, 2.0, 1.0).normalize());
+        let mut values = DVector::zeros(WEDGES + ANGLES);
+        for limb in 0..LIMBS {
+            values[DRIFT + limb] = 0.01 * limb as f64;
+            values[MASS_PER_SCALE + limb] = 0.2 + 0.01 * limb as f64;
+        }
+        for (j, i) in [2.4e-4, 2.5e-4, 2.9e-4, 1e-6, -2e-6, 3e-6]
+            .into_iter()
+            .enumerate()
+        {
+            values[INERTIA + j] = i;
+        }
+        values[COMPLIANCE] = 1e-5;
+        values[ACCELEROMETER_GAIN] = 0.01;
+        values[GYROSCOPE_GAIN] = -0.02;
+        values[GYROSCOPE_LAG] = 0.016;
+        values[AMPLIFIER_CORNER] = 0.7;
+        values[WEDGES] = 1e-4;
+        values[WEDGES + 1] = -2e-4;
+        values[WEDGES + 2] = 3e-4;
+        let mut trial = Trial {
+            drive,
+            latent: DVector::zeros(2 * grid.harmonics),
+            data,
+            gains: Gains::uniform(0.5),
+            wedge: 0,
+            gravity_m_s2: DVec3::new(0.0, 3.0, -9.0),
+            gravity_turns,
+            amplifier,
+            accelerometer_lag_s: 1e-3,
+            transient: [0.1; LIMBS],
+            grid,
+        };
+        trial.data.variance = core::array::from_fn(|c| 1e-2 * (1.0 + c as f64));
+        let unknowns = Unknowns {
+            values,
+            wedges: vec![wedge],
+        };
+        trial.start(&unknowns);
+        (trial, unknowns)
+    }
+
+    #[test]
+    fn inv_descent_is_the_gradient() {
+        let shares = Shares::new(&Geometry::PAPER).expect("the paper's drawing");
+        for (drive, turns, amplifier) in [
+            (Drive::Linear, false, false),
+            (Drive::Linear, false, true),
+            (Drive::Angular, false, false),
+            (Drive::Angular, true, false),
+            (Drive::Angular, true, true),
+        ] {
+            let (mut trial, unknowns) = trial(drive, turns, amplifier);
+            let still = DVector::zeros(unknowns.len());
+            for _ in 0..ROUNDS {
+                let part = trial.contribution(&unknowns, &shares).expect("determined");
+                trial.follow(&part, &still, 1.0);
+            }
+            // With the motion at its best, the gradient with the motion held is the whole gradient.
+            let analytic = trial
+                .contribution(&unknowns, &shares)
+                .expect("determined")
+                .descent;
+            let squares = |u: usize, change: f64| {
+                let mut moved = unknowns.clone();
+                moved.values[u] += change;
+                trial
+                    .contribution(&moved, &shares)
+                    .expect("determined")
+                    .squares
+            };
+            for u in 0..unknowns.len() {
+                let size = match u {
+                    u if u < MASS_PER_SCALE => 1.0,
+                    u if u < INERTIA => 0.2,
+                    u if u < COMPLIANCE => 2e-4,
+                    COMPLIANCE => 1e-5,
+                    _ => 0.1,
+                };
+                let h = 1e-4 * size;
+                let numeric = -0.5 * (squares(u, h) - squares(u, -h)) / (2.0 * h);
+                let scale = trial
+                    .contribution(&unknowns, &shares)
+                    .expect("determined")
+                    .squares
+                    / size;
+                assert!(
+                    (numeric - analytic[u]).abs() < FINITE_DIFFERENCES * scale,
+                    "{drive:?} {turns} {amplifier}: unknown {u}: {numeric:e} by differences, {:e}",
+                    analytic[u]
+                );
+            }
+        }
     }
 }

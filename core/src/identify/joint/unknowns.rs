@@ -5,7 +5,7 @@
 
 use alloc::vec::Vec;
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 use nalgebra::DVector;
 
 use crate::geometry::LIMBS;
@@ -27,8 +27,11 @@ pub const GYROSCOPE_GAIN: usize = ACCELEROMETER_GAIN + 1;
 pub const GYROSCOPE_LAG: usize = GYROSCOPE_GAIN + 1;
 /// Corner of the charge amplifiers' high-pass, rad/s: one over their time constant.
 pub const AMPLIFIER_CORNER: usize = GYROSCOPE_LAG + 1;
-/// Two angles for each wedge, rad.
+/// [`ANGLES`] angles for each wedge, rad: two by which it misses its direction, and one about that direction, which only turning
+/// gravity notices.
 pub const WEDGES: usize = AMPLIFIER_CORNER + 1;
+/// Angles of a wedge.
+pub const ANGLES: usize = 3;
 
 /// A wedge: the direction it is meant to set, and two directions square to it along which it may be off.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -77,12 +80,33 @@ impl Unknowns {
         InertiaPerMass::from_paper_order(core::array::from_fn(|j| self.values[INERTIA + j]))
     }
 
-    /// Direction that a wedge truly sets, to first order in its angles, of unit length to second.
+    /// First of a wedge's angles.
     #[must_use]
-    pub fn direction(&self, wedge: usize) -> DVec3 {
+    pub fn angles(&self, wedge: usize) -> usize {
+        WEDGES + ANGLES * wedge
+    }
+
+    /// Direction that a wedge truly sets, and its derivatives by the first two of its angles.
+    #[must_use]
+    pub fn direction(&self, wedge: usize) -> (DVec3, [DVec3; 2]) {
         let Wedge { nominal, sideways } = self.wedges[wedge];
-        let [a, b] = [0, 1].map(|side| self.values[WEDGES + 2 * wedge + side]);
-        (nominal + sideways[0] * a + sideways[1] * b).normalize()
+        let at = self.angles(wedge);
+        let long = nominal + sideways[0] * self.values[at] + sideways[1] * self.values[at + 1];
+        let length = long.length();
+        let n = long / length;
+        (n, sideways.map(|b| (b - n * n.dot(b)) / length))
+    }
+
+    /// Gravity in the sensor on a wedge that carries it along when it misses its direction, and its derivatives by the three
+    /// angles. These are those of small angles.
+    #[must_use]
+    pub fn gravity(&self, wedge: usize, nominal_m_s2: DVec3) -> (DVec3, [DVec3; ANGLES]) {
+        let (n, sideways) = self.direction(wedge);
+        let carried = DQuat::from_rotation_arc(self.wedges[wedge].nominal, n);
+        let about = DQuat::from_axis_angle(n, self.values[self.angles(wedge) + 2]);
+        let g = about * (carried * nominal_m_s2);
+        let by = |b: DVec3| n.cross(b).cross(g);
+        (g, [by(sideways[0]), by(sideways[1]), n.cross(g)])
     }
 }
 
