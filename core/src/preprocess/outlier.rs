@@ -7,7 +7,7 @@ use super::{check_finite, check_length};
 use crate::error::{Error, Result};
 
 /// Standard deviation of a normal variable over its median absolute deviation: 1/quantile(3/4).
-pub(super) const SIGMA_PER_MAD: f64 = 1.482_602_218_505_602;
+pub(crate) const SIGMA_PER_MAD: f64 = 1.482_602_218_505_602;
 
 /// Replaces samples further than `sigmas` deviations from the median of the `2 half_width + 1` samples around them by
 /// that median, and returns their indices. At the ends the window is cut off.
@@ -63,7 +63,7 @@ pub fn hampel(series: &mut [f64], half_width: usize, sigmas: f64) -> Result<Vec<
 }
 
 /// Median; reorders its argument, which must not be empty.
-pub(super) fn median(values: &mut [f64]) -> f64 {
+pub(crate) fn median(values: &mut [f64]) -> f64 {
     let n = values.len();
     let (below, &mut upper, _) = values.select_nth_unstable_by(n / 2, f64::total_cmp);
     if n % 2 == 1 {

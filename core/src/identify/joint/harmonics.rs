@@ -54,6 +54,37 @@ impl Grid {
     }
 }
 
+impl Grid {
+    /// The samples that coordinates stand for.
+    #[must_use]
+    pub fn samples_of(&self, coordinates: &DVector<f64>) -> Vec<f64> {
+        let n = self.samples;
+        let table = turn(n);
+        let (mean, scale) = (coordinates[0] / sqrt(n as f64), sqrt(2.0 / n as f64));
+        let mut samples = vec![mean; n];
+        for k in 1..=self.harmonics {
+            let z = harmonic(coordinates, k) * scale;
+            let mut phase = 0;
+            for u in &mut samples {
+                let (sin, cos) = table[phase];
+                *u += z.re * cos - z.im * sin;
+                phase += k;
+                if phase >= n {
+                    phase -= n;
+                }
+            }
+        }
+        samples
+    }
+}
+
+/// Sine and cosine at every n-th of a turn.
+fn turn(n: usize) -> Vec<(f64, f64)> {
+    (0..n)
+        .map(|i| sin_cos(core::f64::consts::TAU * i as f64 / n as f64))
+        .collect()
+}
+
 /// Harmonic k (from 1) of real coordinates.
 pub(super) fn harmonic(v: &DVector<f64>, k: usize) -> Complex<f64> {
     Complex::new(v[2 * k - 1], v[2 * k])
@@ -104,9 +135,7 @@ pub fn project<const C: usize>(grid: &Grid, row: impl Fn(usize) -> [f64; C]) -> 
         even.push(plus);
         odd.push(minus);
     }
-    let table: Vec<(f64, f64)> = (0..n)
-        .map(|i| sin_cos(core::f64::consts::TAU * i as f64 / n as f64))
-        .collect();
+    let table = turn(n);
     let root_n = sqrt(n as f64);
     let scale = sqrt(2.0 / n as f64);
     let mut z = vec![[Complex::new(0.0, 0.0); C]; grid.harmonics];

@@ -13,8 +13,10 @@
 //! | `motion` | the latent motion and the series that limbs feel |
 //! | [`shares`] | how nine limbs share a load |
 //! | [`unknowns`] | what is estimated |
-//! | `trial` | one trial's normal equations, its motion eliminated |
+//! | `trial` | one trial's data and what the model makes of its motion |
+//! | `normal` | its part in the normal equations, the motion eliminated |
 //! | `solve` | Gauss-Newton over all trials |
+//! | [`robust`] | the same with wild values cut off |
 //! | [`estimate`] | the result |
 //!
 //! # The likelihood
@@ -34,6 +36,8 @@
 pub mod estimate;
 pub mod harmonics;
 mod motion;
+mod normal;
+pub mod robust;
 pub mod shares;
 mod solve;
 mod trial;
@@ -349,6 +353,11 @@ impl Joint {
     /// [`Error::Indeterminate`] names an unknown that the trials leave open; [`Error::NotConverged`]; the errors of
     /// [`Parameters::validate`] for a start that is no sensor's.
     pub fn fit(&self, start: &Parameters) -> Result<JointEstimate> {
+        Ok(self.fit_trials(start)?.0)
+    }
+
+    /// The fit, and the trials with their motions as it has them.
+    fn fit_trials(&self, start: &Parameters) -> Result<(JointEstimate, Vec<Trial>)> {
         start.validate()?;
         let mut values = DVector::zeros(WEDGES + ANGLES * self.wedges.len());
         for limb in 0..LIMBS {

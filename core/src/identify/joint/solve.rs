@@ -6,8 +6,9 @@ use alloc::vec::Vec;
 use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 
 use super::estimate::JointEstimate;
+use super::normal::Contribution;
 use super::shares::Shares;
-use super::trial::{Contribution, Trial};
+use super::trial::Trial;
 use super::unknowns::{ACCELEROMETER_GAIN, COMPLIANCE, Unknowns};
 use super::{Known, WHAT};
 use crate::error::{Error, Result};
@@ -156,7 +157,7 @@ pub(super) fn fit(
     trials: &[Trial],
     start: Unknowns,
     priors: &[(usize, Known)],
-) -> Result<JointEstimate> {
+) -> Result<(JointEstimate, Vec<Trial>)> {
     if trials.is_empty() {
         return Err(Error::TooFewSamples {
             what: WHAT,
@@ -178,7 +179,7 @@ pub(super) fn fit(
         let information = estimate.accelerometer_gain_information;
         let change = estimate.accelerometer_gain_seen - held;
         if information * GAIN_TOLD * GAIN_TOLD < 1.0 || information * change * change < SETTLED {
-            return Ok(estimate);
+            return Ok((estimate, trials));
         }
         unknowns.values[ACCELEROMETER_GAIN] = estimate.accelerometer_gain_seen;
         if iterations >= ITERATIONS {

@@ -1,23 +1,21 @@
-//! One trial's part in the normal equations, its latent motion eliminated.
+//! One trial: its data and what the model makes of its motion.
 //!
-//! With X_s the series as the amplifier passes them on and H the amplifier's response, channel i is
+//! With H the amplifier's response and X_m = H phi_m the series as the amplifier passes them on, channel i is
 //!
 //! ```text
-//! z_i = d_i sqrt(N) e_0 + (m/s_i)/c_i sum_m C_im H phi_m(q) + b_i E + noise,
+//! z_i = d_i sqrt(N) e_0 + (m/s_i)/c_i sum_m C_im X_m(q) + b_i E + noise,
 //! ```
 //!
 //! b_i E being what is left of the amplifier's own transient, and the standard is (1 + gamma) A q + noise, A its lag. The
-//! coefficients C depend on inertia, compliance and wedge. Gauss-Newton's normal matrix is an arrow: the motion of this trial
-//! and its transients touch no other trial, so they are eliminated here (Schur complement) and what remains is a matrix in the
-//! common unknowns alone. Its inverse is the Cramer-Rao bound of the common unknowns with the motion unknown.
+//! coefficients C depend on inertia, compliance and wedge.
 
 use alloc::vec;
 use alloc::vec::Vec;
 
 use glam::DVec3;
-use nalgebra::{Cholesky, Complex, DMatrix, DVector, Dyn};
+use nalgebra::{Complex, DVector};
 
-use super::harmonics::{Grid, Projection};
+use super::harmonics::{Grid, Projection, harmonic};
 use super::motion::{self, Operator, Series};
 use super::shares::Shares;
 use super::unknowns::{
@@ -59,28 +57,35 @@ pub(super) struct Trial {
     pub transient: [f64; LIMBS],
 }
 
-/// What a trial adds to the normal equations, and what it takes to go back to its own unknowns.
-pub(super) struct Contribution {
-    pub information: DMatrix<f64>,
-    /// Minus half the gradient of the sum of squares.
-    pub descent: DVector<f64>,
-    pub squares: f64,
-    back: Back,
+/// A combination of a trial's parts: their places and weights.
+pub(super) type Combination = Vec<(usize, f64)>;
+
+/// Everything that the channels of a trial are combinations of, at the present motion.
+pub(super) struct Parts {
+    /// The drift's part, then the series, then their derivatives by the amplifier's corner, its transient and its derivative.
+    pub all: Vec<DVector<f64>>,
+    /// Derivatives of the series by the motion.
+    pub by_latent: Vec<Operator>,
+    /// Shares of the series.
+    pub shares: Vec<Share>,
 }
 
-struct Back {
-    latent: Cholesky<f64, Dyn>,
-    coupling: DMatrix<f64>,
-    descent: DVector<f64>,
-    transient: Option<(Cholesky<f64, Dyn>, DMatrix<f64>, DVector<f64>)>,
+/// The standard's answer to the motion.
+pub(super) struct Standard {
+    /// Response at each harmonic.
+    pub response: Vec<Complex<f64>>,
+    /// Its derivative by the gyroscope's lag.
+    pub by_lag: Vec<Complex<f64>>,
+    /// Place of the gain.
+    pub gain: usize,
 }
 
 /// A share of a series in a channel and how it depends on the common unknowns.
-struct Share {
+pub(super) struct Share {
     /// C_im for each limb.
-    value: [f64; LIMBS],
+    pub value: [f64; LIMBS],
     /// Derivatives by common unknowns.
-    slopes: Vec<(usize, [f64; LIMBS])>,
+    pub slopes: Vec<(usize, [f64; LIMBS])>,
 }
 
 impl Trial {
@@ -216,25 +221,29 @@ impl Trial {
         }
     }
 
-    /// Response of the standard to the motion, its derivative by the gyroscope's lag, and its gain's place.
-    fn standard(&self, unknowns: &Unknowns) -> (Vec<Complex<f64>>, Vec<Complex<f64>>, usize) {
+    /// The standard's answer to the motion.
+    pub fn standard(&self, unknowns: &Unknowns) -> Standard {
         let (lag, gain) = match self.drive {
             Drive::Linear => (self.accelerometer_lag_s, ACCELEROMETER_GAIN),
             Drive::Angular => (unknowns.values[GYROSCOPE_LAG], GYROSCOPE_GAIN),
         };
-        let (response, slope) = (1..=self.grid.harmonics)
+        let (response, by_lag) = (1..=self.grid.harmonics)
             .map(|k| {
                 let iw = Complex::new(0.0, self.grid.rate_rad_s(k));
                 let follows = Complex::new(1.0, 0.0) / (Complex::new(1.0, 0.0) + iw * lag);
                 (follows, -iw * follows * follows)
             })
             .unzip();
-        (response, slope, gain)
+        Standard {
+            response,
+            by_lag,
+            gain,
+        }
     }
 
     /// Motion as the standard alone shows it.
     pub fn start(&mut self, unknowns: &Unknowns) {
-        let (response, _, gain) = self.standard(unknowns);
+        let Standard { response, gain, .. } = self.standard(unknowns);
         let shown = &self.data.coordinates[LIMBS];
         for (k, r) in response.iter().enumerate() {
             let z = Complex::new(shown[2 * k + 1], shown[2 * k + 2])
@@ -244,355 +253,123 @@ impl Trial {
         }
     }
 
-    /// The trial's part at the present unknowns, common and own.
-    ///
-    /// None if the motion is not determined by the data, which no data with noise leave open.
-    pub fn contribution(&self, unknowns: &Unknowns, shares: &Shares) -> Option<Contribution> {
-        let values = &unknowns.values;
-        let common = values.len();
-        let coordinates = self.grid.coordinates();
-        let count = 2 * self.grid.harmonics;
-        let table = self.shares(unknowns, shares);
-        let (h_mean, h, dh) = self.amplifier(values[AMPLIFIER_CORNER]);
+    /// Number of amplifiers with a transient of their own.
+    pub fn transients(&self) -> usize {
+        if self.amplifier { LIMBS } else { 0 }
+    }
+
+    /// What the channels are combined of at the present motion.
+    pub fn parts(&self, unknowns: &Unknowns, shares: &Shares) -> Parts {
+        let corner = unknowns.values[AMPLIFIER_CORNER];
+        let (h_mean, h, dh) = self.amplifier(corner);
         let series = self.series();
-
-        // Everything that a channel is a combination of.
-        let filter = |v: &DVector<f64>, mean: f64, factors: &[Complex<f64>]| {
-            let mut out = v.clone();
-            out[0] *= mean;
-            for (k, f) in factors.iter().enumerate() {
-                let z = Complex::new(v[2 * k + 1], v[2 * k + 2]) * f;
-                out[2 * k + 1] = z.re;
-                out[2 * k + 2] = z.im;
-            }
-            out
-        };
-        let mut parts: Vec<DVector<f64>> = Vec::new();
-        let mut offset = DVector::zeros(coordinates);
+        let mut offset = DVector::zeros(self.grid.coordinates());
         offset[0] = sqrt(self.grid.samples as f64);
-        parts.push(offset);
-        for s in &series {
-            parts.push(filter(&s.value, h_mean, &h));
-        }
-        let by_corner = parts.len();
-        let transients = if self.amplifier { LIMBS } else { 0 };
+        let mut all = vec![offset];
+        all.extend(series.iter().map(|s| filtered(&s.value, h_mean, &h)));
         if self.amplifier {
-            for s in &series {
-                parts.push(filter(&s.value, 0.0, &dh));
-            }
-            parts.extend(self.decay(values[AMPLIFIER_CORNER]));
+            all.extend(series.iter().map(|s| filtered(&s.value, 0.0, &dh)));
+            all.extend(self.decay(corner));
         }
-        // Of the last two, the second is the first one's derivative by the corner.
-        let decay = parts.len().saturating_sub(2);
-        let operators: Vec<Operator> = series
-            .into_iter()
-            .map(|s| s.by_latent.filtered(h_mean, &h))
-            .collect();
-        let all = parts.len();
-        let gram = DMatrix::from_fn(all, all, |a, b| parts[a].dot(&parts[b]));
-        let seen: Vec<Vec<DVector<f64>>> = operators
+        Parts {
+            all,
+            by_latent: series
+                .into_iter()
+                .map(|s| s.by_latent.filtered(h_mean, &h))
+                .collect(),
+            shares: self.shares(unknowns, shares),
+        }
+    }
+
+    /// A channel's coordinates as the model has them.
+    pub fn prediction(&self, unknowns: &Unknowns, parts: &Parts, limb: usize) -> DVector<f64> {
+        let gain = self.volts_per_force(unknowns, limb);
+        let mut z = &parts.all[0] * unknowns.values[DRIFT + limb];
+        for (part, share) in parts.all[1..].iter().zip(&parts.shares) {
+            z.axpy(gain * share.value[limb], part, 1.0);
+        }
+        if self.amplifier {
+            z.axpy(self.transient[limb], &parts.all[parts.decay()], 1.0);
+        }
+        z
+    }
+
+    /// The standard's coordinates as the model has them; of its mean, which is its own offset, it knows nothing and takes what
+    /// it is.
+    pub fn standard_prediction(&self, unknowns: &Unknowns) -> DVector<f64> {
+        let Standard { response, gain, .. } = self.standard(unknowns);
+        let reading = 1.0 + unknowns.values[gain];
+        let z: Vec<Complex<f64>> = response
             .iter()
-            .map(|o| parts.iter().map(|p| o.transposed_times(p)).collect())
+            .enumerate()
+            .map(|(k, r)| r * Complex::new(self.latent[2 * k], self.latent[2 * k + 1]) * reading)
             .collect();
+        self.grid.vector(self.data.coordinates[LIMBS][0], &z)
+    }
 
-        let mut information = DMatrix::zeros(common + transients, common + transients);
-        let mut descent = DVector::zeros(common + transients);
-        let mut own = DMatrix::zeros(count, count);
-        let mut own_descent = DVector::zeros(count);
-        let mut coupling = DMatrix::zeros(count, common + transients);
-        let mut squares = 0.0;
+    /// (m/s_i)/c_i, V per m/s^2.
+    pub fn volts_per_force(&self, unknowns: &Unknowns, limb: usize) -> f64 {
+        unknowns.values[MASS_PER_SCALE + limb] / self.gains.gain_n_per_v[limb]
+    }
 
-        let mut pairs = DMatrix::<f64>::zeros(operators.len(), operators.len());
-        for limb in 0..LIMBS {
-            let weight = 1.0 / self.data.variance[limb];
-            let per_gain = 1.0 / self.gains.gain_n_per_v[limb];
-            let mass_per_scale = values[MASS_PER_SCALE + limb];
-            let gain = mass_per_scale * per_gain;
-            // Columns: unknown and its combination of parts.
-            let mut columns: Vec<(usize, Vec<(usize, f64)>)> = Vec::new();
-            columns.push((DRIFT + limb, vec![(0, 1.0)]));
-            let shape: Vec<(usize, f64)> = table
+    /// Derivatives of a channel by the common unknowns and, behind them, by its own transient.
+    pub fn columns(
+        &self,
+        unknowns: &Unknowns,
+        parts: &Parts,
+        limb: usize,
+    ) -> Vec<(usize, Combination)> {
+        let per_gain = 1.0 / self.gains.gain_n_per_v[limb];
+        let gain = self.volts_per_force(unknowns, limb);
+        let shape = || {
+            parts
+                .shares
                 .iter()
                 .enumerate()
                 .map(|(m, share)| (1 + m, share.value[limb]))
-                .collect();
-            columns.push((
-                MASS_PER_SCALE + limb,
-                shape.iter().map(|(s, c)| (*s, c * per_gain)).collect(),
-            ));
-            for (m, share) in table.iter().enumerate() {
-                for (unknown, slope) in &share.slopes {
-                    let entry = (1 + m, gain * slope[limb]);
-                    match columns.iter_mut().find(|c| c.0 == *unknown) {
-                        Some(column) => column.1.push(entry),
-                        None => columns.push((*unknown, vec![entry])),
-                    }
-                }
-            }
-            if self.amplifier {
-                let mut by = shape
-                    .iter()
-                    .map(|(s, c)| (by_corner + s - 1, c * gain))
-                    .collect::<Vec<_>>();
-                by.push((decay + 1, self.transient[limb]));
-                columns.push((AMPLIFIER_CORNER, by));
-                columns.push((common + limb, vec![(decay, 1.0)]));
-            }
-            let mut prediction: Vec<(usize, f64)> =
-                shape.iter().map(|(s, c)| (*s, c * gain)).collect();
-            prediction.push((0, values[DRIFT + limb]));
-            if self.amplifier {
-                prediction.push((decay, self.transient[limb]));
-            }
-            let mut residual = self.data.coordinates[limb].clone();
-            for (s, c) in &prediction {
-                residual.axpy(-c, &parts[*s], 1.0);
-            }
-            squares += weight * residual.norm_squared();
-            let toward: Vec<f64> = parts.iter().map(|p| p.dot(&residual)).collect();
-            for (a, from_a) in &columns {
-                descent[*a] += weight * from_a.iter().map(|(s, c)| c * toward[*s]).sum::<f64>();
-                for (b, from_b) in &columns {
-                    information[(*a, *b)] += weight
-                        * from_a
-                            .iter()
-                            .flat_map(|(s, c)| from_b.iter().map(move |(t, d)| (*s, *t, c * d)))
-                            .map(|(s, t, product)| product * gram[(s, t)])
-                            .sum::<f64>();
-                }
-            }
-            for (m, share) in table.iter().enumerate() {
-                let by_latent = gain * share.value[limb];
-                own_descent += operators[m].transposed_times(&residual) * (weight * by_latent);
-                for (a, from_a) in &columns {
-                    let mut column = coupling.column_mut(*a);
-                    for (s, c) in from_a {
-                        column.axpy(weight * by_latent * c, &seen[m][*s], 1.0);
-                    }
-                }
-                for (l, other) in table.iter().enumerate() {
-                    pairs[(m, l)] += weight * by_latent * gain * other.value[limb];
-                }
-            }
-        }
-        for m in 0..operators.len() {
-            for l in m..operators.len() {
-                Operator::add_gram(
-                    &operators[m],
-                    &operators[l],
-                    m == l,
-                    pairs[(m, l)],
-                    &mut own,
-                );
-            }
-        }
-
-        // The standard; its mean is its own offset and says nothing.
-        let (response, lag_slope, gain_place) = self.standard(unknowns);
-        let reading = 1.0 + values[gain_place];
-        let weight = 1.0 / self.data.variance[LIMBS];
-        let shown = &self.data.coordinates[LIMBS];
-        for k in 0..self.grid.harmonics {
-            let q = Complex::new(self.latent[2 * k], self.latent[2 * k + 1]);
-            let residual =
-                Complex::new(shown[2 * k + 1], shown[2 * k + 2]) - response[k] * q * reading;
-            let by_latent = response[k] * reading;
-            squares += weight * residual.norm_sqr();
-            let own_part = weight * by_latent.norm_sqr();
-            let toward = by_latent.conj() * residual * weight;
-            let mut columns = vec![(gain_place, response[k] * q)];
-            if self.drive == Drive::Angular {
-                columns.push((GYROSCOPE_LAG, lag_slope[k] * q * reading));
-            }
-            for part in 0..2 {
-                own[(2 * k + part, 2 * k + part)] += own_part;
-            }
-            own_descent[2 * k] += toward.re;
-            own_descent[2 * k + 1] += toward.im;
-            for (a, slope_a) in &columns {
-                descent[*a] += weight * (slope_a.conj() * residual).re;
-                let coupled = by_latent.conj() * slope_a * weight;
-                coupling[(2 * k, *a)] += coupled.re;
-                coupling[(2 * k + 1, *a)] += coupled.im;
-                for (b, slope_b) in &columns {
-                    information[(*a, *b)] += weight * (slope_a.conj() * slope_b).re;
-                }
-            }
-        }
-
-        let latent = Cholesky::new(own)?;
-        let solved = latent.solve(&coupling);
-        information.gemm_tr(-1.0, &coupling, &solved, 1.0);
-        descent.gemv_tr(-1.0, &solved, &own_descent, 1.0);
-        let transient = if transients == 0 {
-            None
-        } else {
-            let block = information
-                .view((common, common), (transients, transients))
-                .clone_owned();
-            let across = information
-                .view((common, 0), (transients, common))
-                .clone_owned();
-            let down = descent.rows(common, transients).clone_owned();
-            let factor = Cholesky::new(block)?;
-            let solved = factor.solve(&across);
-            let mut head = information.view((0, 0), (common, common)).clone_owned();
-            head.gemm_tr(-1.0, &across, &solved, 1.0);
-            let mut head_descent = descent.rows(0, common).clone_owned();
-            head_descent.gemv_tr(-1.0, &solved, &down, 1.0);
-            information = head;
-            descent = head_descent;
-            Some((factor, across, down))
         };
-        Some(Contribution {
-            information,
-            descent,
-            squares,
-            back: Back {
-                latent,
-                coupling,
-                descent: own_descent,
-                transient,
-            },
-        })
-    }
-
-    /// Moves the trial's own unknowns along with a step of the common ones.
-    pub fn follow(&mut self, contribution: &Contribution, step: &DVector<f64>, share: f64) {
-        let back = &contribution.back;
-        let mut whole = step.clone();
-        if let Some((factor, across, down)) = &back.transient {
-            let own = factor.solve(&(down - across * step));
-            for (b, change) in self.transient.iter_mut().zip(own.iter()) {
-                *b += share * change;
+        let mut columns = vec![
+            (DRIFT + limb, vec![(0, 1.0)]),
+            (
+                MASS_PER_SCALE + limb,
+                shape().map(|(part, c)| (part, c * per_gain)).collect(),
+            ),
+        ];
+        for (m, share) in parts.shares.iter().enumerate() {
+            for (unknown, slope) in &share.slopes {
+                let entry = (1 + m, gain * slope[limb]);
+                match columns.iter_mut().find(|c| c.0 == *unknown) {
+                    Some(column) => column.1.push(entry),
+                    None => columns.push((*unknown, vec![entry])),
+                }
             }
-            let common = step.len();
-            whole = whole.resize_vertically(common + own.len(), 0.0);
-            whole.rows_mut(common, own.len()).copy_from(&own);
         }
-        let change = back
-            .latent
-            .solve(&(&back.descent - &back.coupling * &whole));
-        self.latent.axpy(share, &change, 1.0);
+        if self.amplifier {
+            let series = parts.shares.len();
+            let mut by_corner: Combination =
+                shape().map(|(part, c)| (part + series, c * gain)).collect();
+            by_corner.push((parts.decay() + 1, self.transient[limb]));
+            columns.push((AMPLIFIER_CORNER, by_corner));
+            columns.push((unknowns.len() + limb, vec![(parts.decay(), 1.0)]));
+        }
+        columns
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::super::harmonics::project;
-    use super::super::unknowns::{ANGLES, WEDGES, Wedge};
-    use super::*;
-    use crate::geometry::Geometry;
-
-    /// Central differences over 1e-6 of an unknown's size leave this of the largest derivative.
-    const FINITE_DIFFERENCES: f64 = 1e-5;
-    /// Rounds of the motion's own Gauss-Newton: it settles in three.
-    const ROUNDS: usize = 8;
-
-    fn trial(drive: Drive, gravity_turns: bool, amplifier: bool) -> (Trial, Unknowns) {
-        let grid = Grid {
-            samples: 400,
-            step_s: 2e-3,
-            harmonics: 12,
-        };
-        let wave = |n: usize, c: usize| {
-            let t = n as f64 * grid.step_s;
-            let phase = c as f64;
-            sin_cos(20.0 * t + phase).0 + 0.3 * sin_cos(47.0 * t - phase).1
-        };
-        let data = project(&grid, |n| core::array::from_fn(|c| wave(n, c)));
-        let wedge = Wedge::new(DVec3::new(1.0, 2.0, 1.0).normalize());
-        let mut values = DVector::zeros(WEDGES + ANGLES);
-        for limb in 0..LIMBS {
-            values[DRIFT + limb] = 0.01 * limb as f64;
-            values[MASS_PER_SCALE + limb] = 0.2 + 0.01 * limb as f64;
-        }
-        for (j, i) in [2.4e-4, 2.5e-4, 2.9e-4, 1e-6, -2e-6, 3e-6]
-            .into_iter()
-            .enumerate()
-        {
-            values[INERTIA + j] = i;
-        }
-        values[COMPLIANCE] = 1e-5;
-        values[ACCELEROMETER_GAIN] = 0.01;
-        values[GYROSCOPE_GAIN] = -0.02;
-        values[GYROSCOPE_LAG] = 0.016;
-        values[AMPLIFIER_CORNER] = 0.7;
-        values[WEDGES] = 1e-4;
-        values[WEDGES + 1] = -2e-4;
-        values[WEDGES + 2] = 3e-4;
-        let mut trial = Trial {
-            drive,
-            latent: DVector::zeros(2 * grid.harmonics),
-            data,
-            gains: Gains::uniform(0.5),
-            wedge: 0,
-            gravity_m_s2: DVec3::new(0.0, 3.0, -9.0),
-            gravity_turns,
-            amplifier,
-            accelerometer_lag_s: 1e-3,
-            transient: [0.1; LIMBS],
-            grid,
-        };
-        trial.data.variance = core::array::from_fn(|c| 1e-2 * (1.0 + c as f64));
-        let unknowns = Unknowns {
-            values,
-            wedges: vec![wedge],
-        };
-        trial.start(&unknowns);
-        (trial, unknowns)
+impl Parts {
+    /// Place of the amplifier's transient, before its derivative by the corner.
+    fn decay(&self) -> usize {
+        self.all.len() - 2
     }
+}
 
-    #[test]
-    fn inv_descent_is_the_gradient() {
-        let shares = Shares::new(&Geometry::PAPER).expect("the paper's drawing");
-        for (drive, turns, amplifier) in [
-            (Drive::Linear, false, false),
-            (Drive::Linear, false, true),
-            (Drive::Angular, false, false),
-            (Drive::Angular, true, false),
-            (Drive::Angular, true, true),
-        ] {
-            let (mut trial, unknowns) = trial(drive, turns, amplifier);
-            let still = DVector::zeros(unknowns.len());
-            for _ in 0..ROUNDS {
-                let part = trial.contribution(&unknowns, &shares).expect("determined");
-                trial.follow(&part, &still, 1.0);
-            }
-            // With the motion at its best, the gradient with the motion held is the whole gradient.
-            let analytic = trial
-                .contribution(&unknowns, &shares)
-                .expect("determined")
-                .descent;
-            let squares = |u: usize, change: f64| {
-                let mut moved = unknowns.clone();
-                moved.values[u] += change;
-                trial
-                    .contribution(&moved, &shares)
-                    .expect("determined")
-                    .squares
-            };
-            for u in 0..unknowns.len() {
-                let size = match u {
-                    u if u < MASS_PER_SCALE => 1.0,
-                    u if u < INERTIA => 0.2,
-                    u if u < COMPLIANCE => 2e-4,
-                    COMPLIANCE => 1e-5,
-                    _ => 0.1,
-                };
-                let h = 1e-4 * size;
-                let numeric = -0.5 * (squares(u, h) - squares(u, -h)) / (2.0 * h);
-                let scale = trial
-                    .contribution(&unknowns, &shares)
-                    .expect("determined")
-                    .squares
-                    / size;
-                assert!(
-                    (numeric - analytic[u]).abs() < FINITE_DIFFERENCES * scale,
-                    "{drive:?} {turns} {amplifier}: unknown {u}: {numeric:e} by differences, {:e}",
-                    analytic[u]
-                );
-            }
-        }
+fn filtered(v: &DVector<f64>, mean: f64, factors: &[Complex<f64>]) -> DVector<f64> {
+    let mut out = v.clone();
+    out[0] *= mean;
+    for (k, f) in factors.iter().enumerate() {
+        let z = harmonic(v, k + 1) * f;
+        out[2 * k + 1] = z.re;
+        out[2 * k + 2] = z.im;
     }
+    out
 }

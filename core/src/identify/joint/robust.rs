@@ -1,0 +1,146 @@
+//! The same fit with a loss that wild values cannot bend: Huber's.
+//!
+//! A residual r of deviation sigma counts as r^2 up to `limit` sigma and as a straight line beyond. Its minimum is found with
+//! least squares alone (Huber's pseudo-values): every sample is replaced by the model's value plus its residual, cut off at
+//! `limit` sigma, and the fit repeated until it stands still. Sigma is the residuals' median absolute deviation, which half of
+//! the samples would have to be wild to move. A cut-off sample tells of no more than its sign: where a share w of the samples is
+//! left whole, the estimate's variance is that of the cut residuals over w^2.
+
+use alloc::vec::Vec;
+
+use nalgebra::DVector;
+
+use super::estimate::JointEstimate;
+use super::harmonics::{Projection, project};
+use super::shares::Shares;
+use super::trial::Trial;
+use super::unknowns::Unknowns;
+use super::{Joint, Record, WHAT};
+use crate::error::{Error, Result};
+use crate::geometry::LIMBS;
+use crate::parameters::Parameters;
+use crate::preprocess::outlier::{SIGMA_PER_MAD, median};
+
+/// Cut-off, in deviations, at which normal noise costs 5 % of the variance.
+pub const USUAL_LIMIT: f64 = 1.345;
+/// Repetitions at most; a thousandth of wild values takes five.
+const ROUNDS: usize = 40;
+/// Change of every unknown, in its standard deviations, at which the fit stands still.
+const STILL: f64 = 0.01;
+
+impl Joint {
+    /// As [`Joint::fit`], with every residual beyond `limit` deviations cut off there. `records` are those that were added, in
+    /// their order.
+    ///
+    /// # Errors
+    /// Those of [`Joint::fit`]; [`Error::OutOfRange`] for a limit that is not positive, [`Error::LengthMismatch`] for records
+    /// that are not those of the trials.
+    pub fn fit_robust(
+        &self,
+        start: &Parameters,
+        records: &[Record],
+        limit: f64,
+    ) -> Result<JointEstimate> {
+        if !(limit > 0.0 && limit.is_finite()) {
+            return Err(Error::OutOfRange {
+                name: "limit",
+                value: limit,
+                requirement: "positive and finite",
+            });
+        }
+        let mismatch = |expected, got| {
+            Err(Error::LengthMismatch {
+                what: "records of the joint estimator",
+                expected,
+                got,
+            })
+        };
+        if records.len() != self.trials.len() {
+            return mismatch(self.trials.len(), records.len());
+        }
+        for (trial, record) in self.trials.iter().zip(records) {
+            let samples = trial.grid.samples;
+            if record.voltage_v.len() != samples || record.standard.len() != samples {
+                return mismatch(samples, record.voltage_v.len().min(record.standard.len()));
+            }
+        }
+        let mut joint = self.clone();
+        let (mut estimate, mut fitted) = joint.fit_trials(start)?;
+        for _ in 0..ROUNDS {
+            for ((own, trial), record) in joint.trials.iter_mut().zip(&fitted).zip(records) {
+                own.data = cut_off(trial, record, &estimate.unknowns, &self.shares, limit);
+            }
+            let (next, next_fitted) = joint.fit_trials(start)?;
+            let still = (0..next.unknowns.len()).all(|u| {
+                let change = next.unknowns.values[u] - estimate.unknowns.values[u];
+                change * change <= STILL * STILL * next.covariance[(u, u)]
+            });
+            (estimate, fitted) = (next, next_fitted);
+            if still {
+                return Ok(estimate);
+            }
+        }
+        Err(Error::NotConverged {
+            what: WHAT,
+            iterations: ROUNDS,
+        })
+    }
+}
+
+/// The record's projection with its residuals cut off.
+fn cut_off(
+    trial: &Trial,
+    record: &Record,
+    unknowns: &Unknowns,
+    shares: &Shares,
+    limit: f64,
+) -> Projection<{ LIMBS + 1 }> {
+    let parts = trial.parts(unknowns, shares);
+    let mut whole = [0.0; LIMBS + 1];
+    let values: [Vec<f64>; LIMBS + 1] = core::array::from_fn(|channel| {
+        let coordinates: DVector<f64> = if channel < LIMBS {
+            trial.prediction(unknowns, &parts, channel)
+        } else {
+            trial.standard_prediction(unknowns)
+        };
+        let mut values = trial.grid.samples_of(&coordinates);
+        let mut residuals: Vec<f64> = values
+            .iter()
+            .enumerate()
+            .map(|(n, model)| at(record, channel, n) - model)
+            .collect();
+        let mut sizes: Vec<f64> = residuals.iter().map(|r| r.abs()).collect();
+        let bound = limit * SIGMA_PER_MAD * median(&mut sizes);
+        let mut uncut = 0_usize;
+        for r in &mut residuals {
+            if r.abs() <= bound {
+                uncut += 1;
+            } else {
+                *r = r.clamp(-bound, bound);
+            }
+        }
+        whole[channel] = uncut as f64 / residuals.len() as f64;
+        for (value, residual) in values.iter_mut().zip(residuals) {
+            *value += residual;
+        }
+        values
+    });
+    let mut data = project(&trial.grid, |n| core::array::from_fn(|c| values[c][n]));
+    for ((variance, before), whole) in data
+        .variance
+        .iter_mut()
+        .zip(&trial.data.variance)
+        .zip(whole)
+    {
+        // Half of the samples are within the median at least, so the share is never small. A record without noise keeps its floor.
+        *variance = (*variance / (whole * whole)).max(before * f64::EPSILON);
+    }
+    data
+}
+
+fn at(record: &Record, channel: usize, n: usize) -> f64 {
+    match channel {
+        LIMBS => record.standard[n],
+        limb => record.voltage_v[n][limb],
+    }
+}
