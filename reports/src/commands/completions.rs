@@ -24,7 +24,8 @@ pub fn run(arguments: &Arguments, mut command: Command) -> Result<ExitCode> {
 /// Writes the manual page of a command and of everything it can be asked to do, as roff, to standard output.
 pub fn manual(command: &Command) -> Result<ExitCode> {
     let mut pages = Vec::new();
-    render(command, &mut pages)?;
+    // Its own name is the package's.
+    render(&command.clone().name("sixaxis"), &mut pages)?;
     print(&pages)
 }
 
