@@ -9,6 +9,7 @@
 //! | [`session`] | the session file, and what can be wrong with it |
 //! | [`unit`] | units that channels come in |
 //! | [`trial`] | one recording in SI units on one clock |
+//! | [`averaged`] | a static record of any length |
 //! | [`load`] | trials from files |
 //! | [`cleaning`] | the preprocessing that the session asks for |
 //! | [`steps`] | the four steps, first pass, repeated, on some of the trials |
@@ -21,6 +22,7 @@
 //! | [`verdict`] | all of it judged |
 //! | [`calibration`] | the result as a file |
 
+pub mod averaged;
 pub mod calibration;
 pub mod certified;
 pub mod cleaning;

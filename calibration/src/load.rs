@@ -2,22 +2,19 @@
 
 use std::path::Path;
 
-use glam::DVec3;
+use sixaxis_core::LIMBS;
 use sixaxis_core::preprocess::resample::{CubicSpline, delayed};
 use sixaxis_core::recording::check_time_stamps;
-use sixaxis_core::{Gains, LIMBS};
 use sixaxis_recordings::{Block, Channel, Layout, Source};
 
+use crate::averaged::Averaged;
 use crate::error::{Error, Result};
 use crate::session::{Channels, Entry, Role, SessionFile};
-use crate::trial::Trial;
+use crate::trial::{Readings, Trial};
 use crate::unit::{self, STANDARD_GRAVITY_M_S2, Unit};
 
 /// Samples read at a time.
 pub const BLOCK: usize = 1 << 16;
-
-/// Rows that a static record is averaged down to, or twice as many: enough for a trend and batch means, whatever its length.
-const STATIC_ROWS: usize = 1 << 16;
 
 /// Relative difference between two statements of one sample rate that is put down to rounding.
 const RATE_TOLERANCE: f64 = 1e-6;
@@ -174,16 +171,6 @@ impl Reader<'_> {
 
     fn key(&self, name: &str) -> String {
         format!("recording[{}].{name}", self.index)
-    }
-
-    fn gains(&self) -> Gains {
-        let gains = self
-            .entry
-            .gain_n_per_v
-            .unwrap_or(self.file.session.sensor.gain_n_per_v);
-        Gains {
-            gain_n_per_v: gains.each(),
-        }
     }
 
     fn core_error(&self, source: sixaxis_core::Error) -> Error {
@@ -345,24 +332,13 @@ impl Reader<'_> {
             .collect();
         let gyroscope_rad_s = instruments.pop().unwrap_or_default();
         let accelerometer_m_s2 = instruments.pop().unwrap_or_default();
-        let direction_ground =
-            DVec3::from_array(self.entry.direction.unwrap_or([0.0, 0.0, 1.0])).normalize();
-        let down = self.entry.down.map_or(-direction_ground, |down| {
-            DVec3::from_array(down).normalize()
-        });
-        Ok(Trial {
-            name: self.entry.file.display().to_string(),
-            role: self.entry.role,
+        let readings = Readings {
             sample_rate_hz: rate,
-            gains: self.gains(),
-            full_scale_v: self.file.session.sensor.full_scale_v,
             voltage_v,
             accelerometer_m_s2,
             gyroscope_rad_s,
-            direction_ground,
-            gravity_ground_m_s2: down * STANDARD_GRAVITY_M_S2,
-            frequency_hz: self.entry.frequency_hz.unwrap_or_default(),
-        })
+        };
+        Ok(Trial::of(&self.file.session, self.entry, readings))
     }
 
     /// Indices of the two instruments and what one of their units is worth in SI.
@@ -461,52 +437,26 @@ impl Reader<'_> {
             .map_err(|cause| self.file.refuse(&self.key("sample_rate_hz"), cause))?
             .unwrap_or(1.0);
         source.select(&indices)?;
-        // Averaged in groups that double as the record goes on, so that hours of it fit, of whatever format.
-        let mut group = 1;
-        let mut voltage_v: Vec<[f64; LIMBS]> = Vec::new();
-        let (mut sum, mut in_group, mut read) = ([0.0; LIMBS], 0, 0_usize);
+        let mut averaged = Averaged::default();
+        let mut read = 0;
         let mut block = Block::new(LIMBS);
         while source.read(&mut block, BLOCK)? > 0 {
             for row in 0..block.rows() {
-                for (limb, column) in block.columns.iter().enumerate() {
-                    let value = column[row] * volts[limb];
-                    if !value.is_finite() {
-                        return Err(self.core_error(sixaxis_core::Error::NotFinite {
-                            channel: limb + 1,
-                            sample: read + row,
-                            value,
-                        }));
-                    }
-                    sum[limb] += value;
+                let voltage_v: [f64; LIMBS] =
+                    core::array::from_fn(|limb| block.columns[limb][row] * volts[limb]);
+                if let Some(limb) = voltage_v.iter().position(|u| !u.is_finite()) {
+                    return Err(self.core_error(sixaxis_core::Error::NotFinite {
+                        channel: limb + 1,
+                        sample: read + row,
+                        value: voltage_v[limb],
+                    }));
                 }
-                in_group += 1;
-                if in_group == group {
-                    voltage_v.push(sum.map(|s| s / f64::from(group)));
-                    (sum, in_group) = ([0.0; LIMBS], 0);
-                }
-                if voltage_v.len() == 2 * STATIC_ROWS {
-                    voltage_v = voltage_v
-                        .chunks_exact(2)
-                        .map(|pair| core::array::from_fn(|i| 0.5 * (pair[0][i] + pair[1][i])))
-                        .collect();
-                    group *= 2;
-                }
+                averaged.push(&voltage_v);
             }
             read += block.rows();
         }
-        Ok(Trial {
-            name: self.entry.file.display().to_string(),
-            role: Role::Static,
-            sample_rate_hz: rate / f64::from(group),
-            gains: self.gains(),
-            full_scale_v: self.file.session.sensor.full_scale_v,
-            voltage_v,
-            accelerometer_m_s2: Vec::new(),
-            gyroscope_rad_s: Vec::new(),
-            direction_ground: DVec3::Z,
-            gravity_ground_m_s2: DVec3::ZERO,
-            frequency_hz: 0.0,
-        })
+        let readings = averaged.finish(rate);
+        Ok(Trial::of(&self.file.session, self.entry, readings))
     }
 }
 

@@ -3,7 +3,21 @@
 use glam::DVec3;
 use sixaxis_core::{Gains, Geometry, LIMBS, Scheme, Sensor, Settings};
 
-use crate::session::Role;
+use crate::session::{Entry, Role, Session};
+use crate::unit::STANDARD_GRAVITY_M_S2;
+
+/// What one recording holds, in SI units and on one clock.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Readings {
+    /// Samples per second.
+    pub sample_rate_hz: f64,
+    /// Nine voltages per sample, V.
+    pub voltage_v: Vec<[f64; LIMBS]>,
+    /// Standard accelerometer along the travel, m/s^2; empty for a static record.
+    pub accelerometer_m_s2: Vec<f64>,
+    /// Standard gyroscope about the pinion's axis, rad/s; empty for a static record.
+    pub gyroscope_rad_s: Vec<f64>,
+}
 
 /// What the analysis sees of one recording.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,6 +47,39 @@ pub struct Trial {
 }
 
 impl Trial {
+    /// A recording with what its session says of it, wherever its readings came from.
+    #[must_use]
+    pub fn of(session: &Session, entry: &Entry, readings: Readings) -> Self {
+        let gains = entry.gain_n_per_v.unwrap_or(session.sensor.gain_n_per_v);
+        let (direction_ground, gravity_ground_m_s2, frequency_hz) = match entry.role {
+            Role::Static => (DVec3::Z, DVec3::ZERO, 0.0),
+            _ => {
+                let direction =
+                    DVec3::from_array(entry.direction.unwrap_or([0.0, 0.0, 1.0])).normalize();
+                let down = entry
+                    .down
+                    .map_or(-direction, |down| DVec3::from_array(down).normalize());
+                let frequency_hz = entry.frequency_hz.unwrap_or_default();
+                (direction, down * STANDARD_GRAVITY_M_S2, frequency_hz)
+            }
+        };
+        Self {
+            name: entry.file.display().to_string(),
+            role: entry.role,
+            sample_rate_hz: readings.sample_rate_hz,
+            gains: Gains {
+                gain_n_per_v: gains.each(),
+            },
+            full_scale_v: session.sensor.full_scale_v,
+            voltage_v: readings.voltage_v,
+            accelerometer_m_s2: readings.accelerometer_m_s2,
+            gyroscope_rad_s: readings.gyroscope_rad_s,
+            direction_ground,
+            gravity_ground_m_s2,
+            frequency_hz,
+        }
+    }
+
     /// The sensor as this trial's amplifier ranges make it.
     #[must_use]
     pub fn sensor(&self, geometry: Geometry) -> Sensor {

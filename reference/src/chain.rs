@@ -69,16 +69,19 @@ impl Chain {
     /// What the converter makes of one voltage.
     #[must_use]
     pub fn convert(&self, voltage_v: f64, rng: &mut impl Rng) -> f64 {
-        let mut u = voltage_v;
-        if self.signal_to_noise_db.is_some() {
-            let unit: f64 = StandardNormal.sample(rng);
-            u += self.noise_v() * unit;
+        self.converter().convert(voltage_v, rng)
+    }
+
+    /// The converter by itself, for many voltages.
+    #[must_use]
+    pub fn converter(&self) -> Converter {
+        Converter {
+            noise_v: self.signal_to_noise_db.map(|_| self.noise_v()),
+            step_v: self
+                .resolution_bits
+                .map(|bits| 2.0 * self.full_scale_v / 2.0_f64.powi(bits as i32)),
+            full_scale_v: self.full_scale_v,
         }
-        if let Some(bits) = self.resolution_bits {
-            let step = 2.0 * self.full_scale_v / 2.0_f64.powi(bits as i32);
-            u = (u / step).round() * step;
-        }
-        u.clamp(-self.full_scale_v, self.full_scale_v)
     }
 
     /// The nine voltages of a sensor with the given true parameters under the given whole limb forces.
@@ -91,6 +94,7 @@ impl Chain {
         rng: &mut impl Rng,
     ) -> Vec<[f64; LIMBS]> {
         let signal = SignalChain::new(gains, parameters);
+        let converter = self.converter();
         let rest = limb_force_per_mass_m_s2
             .first()
             .copied()
@@ -114,9 +118,34 @@ impl Chain {
                         filters.as_mut().map_or(change, |f| f[i].step(change))
                     }
                 });
-                signal.voltage_v(&sensed).map(|u| self.convert(u, rng))
+                signal.voltage_v(&sensed).map(|u| converter.convert(u, rng))
             })
             .collect()
+    }
+}
+
+/// A chain's converter with its powers of ten and two worked out once: for each sample they took two fifths of the time that
+/// playing a session without MuJoCo takes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Converter {
+    noise_v: Option<f64>,
+    step_v: Option<f64>,
+    full_scale_v: f64,
+}
+
+impl Converter {
+    /// What it makes of one voltage.
+    #[must_use]
+    pub fn convert(&self, voltage_v: f64, rng: &mut impl Rng) -> f64 {
+        let mut u = voltage_v;
+        if let Some(noise_v) = self.noise_v {
+            let unit: f64 = StandardNormal.sample(rng);
+            u += noise_v * unit;
+        }
+        if let Some(step_v) = self.step_v {
+            u = (u / step_v).round() * step_v;
+        }
+        u.clamp(-self.full_scale_v, self.full_scale_v)
     }
 }
 

@@ -1,6 +1,7 @@
 //! One file for each thing the command can be asked to do. Each says its own arguments; what they have in common is here.
 
 pub mod calibrate;
+pub mod campaign;
 pub mod compare;
 pub mod completions;
 pub mod decouple;

@@ -5,7 +5,9 @@ use std::process::ExitCode;
 use clap::{CommandFactory, Parser, Subcommand};
 
 mod commands;
-use commands::{calibrate, compare, completions, decouple, inspect, model, report, simulate};
+use commands::{
+    calibrate, campaign, compare, completions, decouple, inspect, model, report, simulate,
+};
 
 /// Mathematics of a parallel six-axis accelerometer, verified against MuJoCo.
 #[derive(Parser)]
@@ -22,6 +24,7 @@ Start with:
   sixaxis simulate --out day                     a laboratory's day: recordings and session file
   sixaxis calibrate day/session.toml             25 parameters, their intervals, a verdict
   sixaxis decouple calibration.json run.tdms     six accelerations from nine voltages
+  sixaxis campaign --help                        thousands of calibrations: do the intervals hold?
 
 Exit codes: 0 done, and the verdict is good; 1 it could not be done; 2 the command line says something that is not understood;
 3 done, good with reservations; 4 done, not good.";
@@ -42,6 +45,8 @@ enum Task {
     Calibrate(calibrate::Arguments),
     /// Turn a recording's nine voltages into six accelerations
     Decouple(decouple::Arguments),
+    /// Calibrate by the thousand: seeded sessions in memory, in parallel, in shards, and what they say of the method
+    Campaign(campaign::Arguments),
     /// Hold a decoupled recording against the truth, or against another
     Compare(compare::Arguments),
     /// Write the simulated sensor as MJCF; `python -m mujoco.viewer --mjcf=FILE` opens it
@@ -65,6 +70,7 @@ fn main() -> ExitCode {
         Some(Task::Inspect(arguments)) => inspect::run(&arguments),
         Some(Task::Calibrate(arguments)) => calibrate::run(&arguments),
         Some(Task::Decouple(arguments)) => decouple::run(&arguments),
+        Some(Task::Campaign(arguments)) => campaign::run(&arguments),
         Some(Task::Compare(arguments)) => compare::run(&arguments),
         Some(Task::Model(arguments)) => model::run(&arguments),
         Some(Task::Completions(arguments)) => completions::run(&arguments, Arguments::command()),

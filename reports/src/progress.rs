@@ -26,15 +26,25 @@ impl Progress {
     /// Starts a stage of `total` units of work.
     #[must_use]
     pub fn stage(&self, name: impl Into<Cow<'static, str>>, total: u64) -> Stage {
+        self.bar(name, total, "{percent:>3} %")
+    }
+
+    /// The same for a long run of equal cases, with how many are done of how many, and how fast.
+    #[must_use]
+    pub fn counted(&self, name: impl Into<Cow<'static, str>>, total: u64) -> Stage {
+        self.bar(name, total, "{pos}/{len}, {per_sec}")
+    }
+
+    fn bar(&self, name: impl Into<Cow<'static, str>>, total: u64, share: &str) -> Stage {
         let bar = if self.hidden {
             ProgressBar::hidden()
         } else {
             // indicatif draws to standard error and falls silent by itself when that is no terminal.
             ProgressBar::new(total)
         };
-        if let Ok(style) = ProgressStyle::with_template(
-            "{prefix:>12} [{bar:40}] {percent:>3} %  {elapsed_precise}, {eta} left",
-        ) {
+        if let Ok(style) = ProgressStyle::with_template(&format!(
+            "{{prefix:>12}} [{{bar:40}}] {share}  {{elapsed_precise}}, {{eta}} left"
+        )) {
             bar.set_style(style.progress_chars("=> "));
         }
         bar.set_prefix(name);

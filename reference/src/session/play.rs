@@ -203,7 +203,7 @@ fn at_rest(
     parameters: &Parameters,
     defect: Option<&Defect>,
 ) -> Vec<[f64; LIMBS]> {
-    let chain = chain(plan);
+    let converter = chain(plan).converter();
     let mut rng = Pcg64::new(u128::from(plan.seed), STATIC_STREAM);
     let samples = (plan.static_duration_s * plan.static_rate_hz) as usize;
     let mut drift = parameters.zero_drift_v;
@@ -233,14 +233,14 @@ fn at_rest(
             channel,
             trial: None,
             share,
-        }) => slope[*channel] = share * chain.full_scale_v,
+        }) => slope[*channel] = share * plan.chain.full_scale_v,
         _ => {}
     }
     (0..samples)
         .map(|sample| {
             let share = sample as f64 / samples as f64 - 0.5;
             core::array::from_fn(|limb| {
-                factor[limb] * chain.convert(drift[limb] + slope[limb] * share, &mut rng)
+                factor[limb] * converter.convert(drift[limb] + slope[limb] * share, &mut rng)
             })
         })
         .collect()

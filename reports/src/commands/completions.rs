@@ -24,12 +24,19 @@ pub fn run(arguments: &Arguments, mut command: Command) -> Result<ExitCode> {
 /// Writes the manual page of a command and of everything it can be asked to do, as roff, to standard output.
 pub fn manual(command: &Command) -> Result<ExitCode> {
     let mut pages = Vec::new();
-    clap_mangen::Man::new(command.clone()).render(&mut pages)?;
-    for task in command.get_subcommands() {
-        let named = task.clone().name(format!("sixaxis {}", task.get_name()));
-        clap_mangen::Man::new(named).render(&mut pages)?;
-    }
+    // Its own name is the package's.
+    render(&command.clone().name("sixaxis"), &mut pages)?;
     print(&pages)
+}
+
+/// A page for a command, then one for each of what it can be asked to do.
+fn render(command: &Command, pages: &mut Vec<u8>) -> io::Result<()> {
+    clap_mangen::Man::new(command.clone()).render(pages)?;
+    for task in command.get_subcommands() {
+        let name = format!("{} {}", command.get_name(), task.get_name());
+        render(&task.clone().name(name), pages)?;
+    }
+    Ok(())
 }
 
 fn print(text: &[u8]) -> Result<ExitCode> {

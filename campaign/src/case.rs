@@ -1,0 +1,185 @@
+//! One seeded calibration without files: played, cleaned, four steps, a row.
+//!
+//! Equals what [`sixaxis_calibration::verdict::judge`] makes of the same session on disk, bit for bit, where the files keep
+//! every bit of an f64 (test `inv_a_case_is_what_judge_finds_on_disk`).
+
+use std::path::PathBuf;
+
+use rayon::prelude::*;
+use sixaxis_calibration::averaged::Averaged;
+use sixaxis_calibration::cleaning::{Cleaned, Cleaning};
+use sixaxis_calibration::interval::{LeftOut, report};
+use sixaxis_calibration::session::{Role, Session, SessionFile};
+use sixaxis_calibration::steps::{Campaign, FourSteps, GyroscopeGain};
+use sixaxis_calibration::trial::{Readings, Trial};
+use sixaxis_core::identify::{Reason, Verdict};
+use sixaxis_reference::session::plan::SessionPlan;
+use sixaxis_reference::session::play::{Played, PlayedSession, play};
+
+use crate::parameter::{PARAMETERS, values};
+use crate::row::{Group, Row, Scalar, Status, Text};
+
+/// Plays and calibrates the session of a plan with this seed. What fails is a row, too.
+#[must_use]
+pub fn calibrate(plan: &SessionPlan, seed: u64) -> Row {
+    let plan = SessionPlan {
+        seed,
+        ..plan.clone()
+    };
+    let played = match play(&plan) {
+        Ok(played) => played,
+        Err(error) => {
+            let mut row = Row::new(seed, Status::NotPlayed);
+            row.set_text(Text::Failure, error.to_string());
+            return row;
+        }
+    };
+    let PlayedSession {
+        session,
+        recordings,
+        truth,
+    } = played;
+    let found = identify(&session, recordings);
+    let mut row = Row::new(
+        seed,
+        found
+            .as_ref()
+            .map_or_else(|failure| failure.status, |_| Status::Calibrated),
+    );
+    row.set_group(Group::Truth, values(&truth.parameters).map(Some));
+    row.set_scalar(
+        Scalar::AccelerometerGainError,
+        truth.instruments.accelerometer_gain_error,
+    );
+    row.set_scalar(
+        Scalar::GyroscopeGainError,
+        truth.instruments.gyroscope_gain_error,
+    );
+    if let Some(defect) = &truth.defect {
+        row.set_text(Text::Defect, defect.kind().name());
+    }
+    match found {
+        Ok(found) => found.enter(&mut row),
+        Err(failure) => row.set_text(Text::Failure, failure.cause),
+    }
+    row
+}
+
+/// Why there are no parameters.
+struct Failure {
+    status: Status,
+    cause: String,
+}
+
+/// What the laboratory finds.
+struct Found {
+    steps: FourSteps,
+    half_width_95: [Option<f64>; PARAMETERS],
+}
+
+/// From here on only what a laboratory has.
+fn identify(session: &Session, recordings: Vec<Played>) -> Result<Found, Failure> {
+    let cleaning = Cleaning::of(session);
+    let mut static_voltage_v = Vec::new();
+    let mut moving = Vec::new();
+    for recording in recordings {
+        match recording.entry.role {
+            Role::Static => static_voltage_v = at_rest(&recording),
+            // Held against the standards, never fitted.
+            Role::Validation => {}
+            _ => moving.push(recording),
+        }
+    }
+    let trials = moving
+        .into_par_iter()
+        .map(|recording| {
+            let trial = trial(session, recording);
+            let cleaned = cleaning.clean(&trial).map_err(|error| Failure {
+                status: Status::NotCleaned,
+                cause: format!("{}: {error}", trial.name),
+            })?;
+            Ok((trial, cleaned))
+        })
+        .collect::<Result<Vec<(Trial, Cleaned)>, Failure>>()?;
+    let file = SessionFile {
+        path: PathBuf::new(),
+        text: String::new(),
+        session: session.clone(),
+    };
+    let campaign = Campaign {
+        geometry: file.geometry(),
+        design: file.design(),
+        static_voltage_v,
+        trials,
+    };
+    let class = session.gyroscope.class_percent / 100.0;
+    let steps = campaign
+        .identify(GyroscopeGain::Certified { class })
+        .map_err(|error| Failure {
+            status: Status::NotIdentified,
+            cause: error.to_string(),
+        })?;
+    let reports = report(&file, &steps, &LeftOut::fit(&campaign, &steps));
+    let half_width_95 =
+        core::array::from_fn(|i| reports.get(i).and_then(|report| report.half_width_95));
+    Ok(Found {
+        steps,
+        half_width_95,
+    })
+}
+
+fn at_rest(recording: &Played) -> Vec<[f64; sixaxis_core::LIMBS]> {
+    let mut averaged = Averaged::default();
+    for row in &recording.voltage_v {
+        averaged.push(row);
+    }
+    averaged.finish(recording.sample_rate_hz).voltage_v
+}
+
+fn trial(session: &Session, recording: Played) -> Trial {
+    let readings = Readings {
+        sample_rate_hz: recording.sample_rate_hz,
+        voltage_v: recording.voltage_v,
+        accelerometer_m_s2: recording.accelerometer_m_s2,
+        gyroscope_rad_s: recording.gyroscope_rad_s,
+    };
+    Trial::of(session, &recording.entry, readings)
+}
+
+impl Found {
+    fn enter(&self, row: &mut Row) {
+        let steps = &self.steps;
+        row.set_group(Group::FourSteps, values(&steps.found()).map(Some));
+        let scale = steps.scale.estimate.standard_error();
+        let inertia = steps.inertia.estimate.standard_error();
+        row.set_group(
+            Group::FourStepsStandardError,
+            core::array::from_fn(|i| match i {
+                0..9 => Some(steps.drift.standard_error_v[i]),
+                9..18 => Some(scale[i - 9]),
+                18..24 => Some(inertia[i - 18]),
+                _ => None,
+            }),
+        );
+        row.set_group(Group::StatedHalfWidth, self.half_width_95);
+        if let Some((gain, error)) = steps.rate_over_reading {
+            row.set_scalar(Scalar::RateOverReading, gain);
+            row.set_scalar(Scalar::RateOverReadingStandardError, error);
+        }
+        if let Some(stiffness) = &steps.stiffness {
+            let word = match stiffness.verdict {
+                Verdict::Determined => "determined",
+                Verdict::Undetermined {
+                    reason: Reason::EdgeOfGrid,
+                } => "edge_of_grid",
+                Verdict::Undetermined {
+                    reason: Reason::Flat { .. },
+                } => "flat",
+                Verdict::Undetermined {
+                    reason: Reason::Noise { .. },
+                } => "noise",
+            };
+            row.set_text(Text::Step4, word);
+        }
+    }
+}

@@ -1,0 +1,231 @@
+//! What is kept of one calibration: the schema of the shards.
+
+use crate::parameter::{self, PARAMETERS};
+
+/// A quantity that each of the 25 parameters has one of, in the parameter's unit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(usize)]
+pub enum Group {
+    /// The sensor's own value, which the calibration does not see.
+    Truth,
+    /// Estimate of the four steps. For k/m the minimum of the grid, whatever step 4's verdict.
+    FourSteps,
+    /// Its standard error from the covariance of the fit: noise alone. k/m has none.
+    FourStepsStandardError,
+    /// Half width of the 95 % interval that `sixaxis calibrate` states: noise, differences between trials, standards' classes.
+    StatedHalfWidth,
+    /// Estimate of a joint fit of all parameters.
+    Joint,
+    /// Its standard error.
+    JointStandardError,
+    /// Cramér-Rao bound, as a standard deviation.
+    CramerRao,
+}
+
+impl Group {
+    /// All, in the order of their columns.
+    pub const ALL: [Self; 7] = [
+        Self::Truth,
+        Self::FourSteps,
+        Self::FourStepsStandardError,
+        Self::StatedHalfWidth,
+        Self::Joint,
+        Self::JointStandardError,
+        Self::CramerRao,
+    ];
+
+    /// What its columns' names begin with.
+    #[must_use]
+    pub const fn prefix(self) -> &'static str {
+        match self {
+            Self::Truth => "true",
+            Self::FourSteps => "four_steps",
+            Self::FourStepsStandardError => "four_steps_se",
+            Self::StatedHalfWidth => "half_width_95",
+            Self::Joint => "joint",
+            Self::JointStandardError => "joint_se",
+            Self::CramerRao => "cramer_rao_sd",
+        }
+    }
+}
+
+/// Single numbers of a case.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(usize)]
+pub enum Scalar {
+    /// True relative gain error of the standard accelerometer.
+    AccelerometerGainError,
+    /// True relative gain error of the standard gyroscope.
+    GyroscopeGainError,
+    /// True rate over the gyroscope's reading as step 3 took it.
+    RateOverReading,
+    /// Its standard error.
+    RateOverReadingStandardError,
+}
+
+impl Scalar {
+    /// All, in the order of their columns.
+    pub const ALL: [Self; 4] = [
+        Self::AccelerometerGainError,
+        Self::GyroscopeGainError,
+        Self::RateOverReading,
+        Self::RateOverReadingStandardError,
+    ];
+
+    /// Name of its column.
+    #[must_use]
+    pub const fn column(self) -> &'static str {
+        match self {
+            Self::AccelerometerGainError => "true_accelerometer_gain_error",
+            Self::GyroscopeGainError => "true_gyroscope_gain_error",
+            Self::RateOverReading => "four_steps_rate_over_reading",
+            Self::RateOverReadingStandardError => "four_steps_se_rate_over_reading",
+        }
+    }
+}
+
+/// How far a case got.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Status {
+    /// All four steps were done.
+    Calibrated,
+    /// The plan with this seed cannot be played.
+    NotPlayed,
+    /// A recording cannot be cleaned.
+    NotCleaned,
+    /// One of the four steps refuses its data.
+    NotIdentified,
+}
+
+impl Status {
+    /// All of them.
+    pub const ALL: [Self; 4] = [
+        Self::Calibrated,
+        Self::NotPlayed,
+        Self::NotCleaned,
+        Self::NotIdentified,
+    ];
+
+    /// The word in the column `status`.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Calibrated => "calibrated",
+            Self::NotPlayed => "not_played",
+            Self::NotCleaned => "not_cleaned",
+            Self::NotIdentified => "not_identified",
+        }
+    }
+}
+
+/// Columns of text.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(usize)]
+pub enum Text {
+    /// [`Status::word`].
+    Status,
+    /// Why a case failed.
+    Failure,
+    /// What was wrong with the session, where the plan has defects.
+    Defect,
+    /// Whether step 4 determines k/m: `determined`, or why not: `edge_of_grid`, `flat`, `noise`.
+    Step4,
+}
+
+impl Text {
+    /// All, in the order of their columns.
+    pub const ALL: [Self; 4] = [Self::Status, Self::Failure, Self::Defect, Self::Step4];
+
+    /// Name of its column.
+    #[must_use]
+    pub const fn column(self) -> &'static str {
+        match self {
+            Self::Status => "status",
+            Self::Failure => "failure",
+            Self::Defect => "defect",
+            Self::Step4 => "step_4",
+        }
+    }
+}
+
+/// One of each parameter, where there is one.
+pub type Values = [Option<f64>; PARAMETERS];
+
+/// One case. What took how long is not in it: the same seed gives the same row, bit for bit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    /// The case.
+    pub seed: u64,
+    /// Indexed by [`Text`].
+    pub texts: [Option<String>; Text::ALL.len()],
+    /// Indexed by [`Scalar`].
+    pub scalars: [Option<f64>; Scalar::ALL.len()],
+    /// Indexed by [`Group`].
+    pub groups: [Values; Group::ALL.len()],
+}
+
+impl Row {
+    /// A case of which nothing is known but how far it got.
+    #[must_use]
+    pub fn new(seed: u64, status: Status) -> Self {
+        let mut row = Self::blank(seed);
+        row.set_text(Text::Status, status.word());
+        row
+    }
+
+    /// A case of which nothing is known.
+    pub(crate) fn blank(seed: u64) -> Self {
+        Self {
+            seed,
+            texts: Default::default(),
+            scalars: Default::default(),
+            groups: [[None; PARAMETERS]; Group::ALL.len()],
+        }
+    }
+
+    /// How far it got; none for a word that no version of this program writes.
+    #[must_use]
+    pub fn status(&self) -> Option<Status> {
+        let word = self.text(Text::Status)?;
+        Status::ALL.into_iter().find(|status| status.word() == word)
+    }
+
+    /// A text.
+    #[must_use]
+    pub fn text(&self, text: Text) -> Option<&str> {
+        self.texts[text as usize].as_deref()
+    }
+
+    /// A number.
+    #[must_use]
+    pub const fn scalar(&self, scalar: Scalar) -> Option<f64> {
+        self.scalars[scalar as usize]
+    }
+
+    /// One of each parameter.
+    #[must_use]
+    pub const fn group(&self, group: Group) -> &Values {
+        &self.groups[group as usize]
+    }
+
+    /// Sets a text.
+    pub fn set_text(&mut self, text: Text, value: impl Into<String>) {
+        self.texts[text as usize] = Some(value.into());
+    }
+
+    /// Sets a number.
+    pub fn set_scalar(&mut self, scalar: Scalar, value: f64) {
+        self.scalars[scalar as usize] = Some(value);
+    }
+
+    /// Sets one of each parameter.
+    pub fn set_group(&mut self, group: Group, values: Values) {
+        self.groups[group as usize] = values;
+    }
+}
+
+/// Name of the column of one quantity of one parameter, such as `four_steps_s1_per_kg`.
+#[must_use]
+pub fn column(group: Group, parameter: usize) -> String {
+    format!("{}_{}", group.prefix(), parameter::column(parameter))
+}

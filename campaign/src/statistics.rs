@@ -1,0 +1,229 @@
+//! What a campaign says of the method: is it biased, and is it as good as it says?
+//!
+//! Parts are read in the order of their seeds, wherever they lie and however the cases were split, and sums run from one seed
+//! to the next: the same cases give the same bits. What is held in memory is a few parts.
+
+mod moments;
+
+pub use moments::{Estimator, Share};
+
+use core::ops::Range;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use self::moments::Moments;
+use crate::error::{Error, Result};
+use crate::folder::{self, Named};
+use crate::parameter::{self, PARAMETERS};
+use crate::part::{self, Part, Provenance};
+use crate::row::{Group, Row, Text};
+
+/// Parts that are read side by side.
+const AT_ONCE: usize = 32;
+
+/// A campaign, summed up.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Summary {
+    /// Version of the program that its cases are from.
+    pub version: String,
+    /// First seed that was asked for, and the last.
+    pub first_seed: u64,
+    /// See `first_seed`.
+    pub last_seed: u64,
+    /// Cases that are there.
+    pub cases: u64,
+    /// Cases that are not.
+    pub missing: u64,
+    /// Their seeds, first and last of each run of them.
+    pub missing_seeds: Vec<(u64, u64)>,
+    /// How many cases got how far: [`crate::row::Status`].
+    pub status: BTreeMap<String, u64>,
+    /// How often step 4 said what.
+    pub step_4: BTreeMap<String, u64>,
+    /// The 25 parameters.
+    pub parameters: Vec<ParameterSummary>,
+}
+
+/// One parameter.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ParameterSummary {
+    /// As in the paper: `s1/m`.
+    pub name: String,
+    /// Unit of all numbers here that have one.
+    pub unit: String,
+    /// The four steps.
+    pub four_steps: Estimator,
+    /// A joint fit; none where the parts have none.
+    pub joint: Option<Estimator>,
+}
+
+/// Sums up the parts in some folders.
+///
+/// # Errors
+/// [`Error::NoParts`]; [`Error::Damaged`]; [`Error::Duplicate`] for a case that is in two parts; [`Error::OtherCampaign`] for
+/// parts of different plans or versions; [`Error::File`].
+pub fn summarise(folders: &[PathBuf]) -> Result<Summary> {
+    let parts = in_order(folders)?;
+    let mut sums = Sums::new();
+    let mut campaign: Option<Provenance> = None;
+    let mut asked = Vec::new();
+    for some in parts.chunks(AT_ONCE) {
+        let read: Vec<Result<Part>> = some
+            .par_iter()
+            .map(|named| part::read(&named.path))
+            .collect();
+        for (named, part) in some.iter().zip(read) {
+            let Part { provenance, rows } = part?;
+            if !asked.contains(&provenance.asked) {
+                asked.push(provenance.asked.clone());
+            }
+            match &campaign {
+                Some(first) => folder::same_campaign(&named.path, &provenance, first)?,
+                None => campaign = Some(provenance),
+            }
+            rows.iter().for_each(|row| sums.add(row));
+        }
+    }
+    let Some(campaign) = campaign else {
+        return Err(Error::NoParts {
+            folders: folders.to_vec(),
+        });
+    };
+    let missing = missing(asked.clone(), &parts);
+    Ok(Summary {
+        version: campaign.version,
+        first_seed: asked.iter().map(|seeds| seeds.start).min().unwrap_or(0),
+        last_seed: asked
+            .iter()
+            .map(|seeds| seeds.end.saturating_sub(1))
+            .max()
+            .unwrap_or(0),
+        cases: sums.cases,
+        missing: missing.iter().map(|seeds| seeds.end - seeds.start).sum(),
+        missing_seeds: missing
+            .into_iter()
+            .map(|seeds| (seeds.start, seeds.end - 1))
+            .collect(),
+        parameters: (0..PARAMETERS).map(|i| sums.parameter(i)).collect(),
+        status: sums.status,
+        step_4: sums.step_4,
+    })
+}
+
+/// All parts in the order of their seeds, each seed once.
+fn in_order(folders: &[PathBuf]) -> Result<Vec<Named>> {
+    let mut all = Vec::new();
+    // A folder that is named twice is one folder.
+    let mut seen = Vec::new();
+    for folder in folders {
+        let real = folder
+            .canonicalize()
+            .map_err(|source| sixaxis_recordings::Error::io(folder, source))?;
+        if !seen.contains(&real) {
+            all.extend(folder::parts(folder)?);
+            seen.push(real);
+        }
+    }
+    all.sort();
+    for pair in all.windows(2) {
+        let [one, other] = pair else { continue };
+        if other.first < one.end {
+            return Err(Error::Duplicate {
+                seed: other.first,
+                first: one.path.clone(),
+                second: other.path.clone(),
+            });
+        }
+    }
+    Ok(all)
+}
+
+/// Seeds that were asked for and that no part has.
+fn missing(mut asked: Vec<Range<u64>>, parts: &[Named]) -> Vec<Range<u64>> {
+    asked.sort_by_key(|seeds| (seeds.start, seeds.end));
+    let mut gaps: Vec<Range<u64>> = Vec::new();
+    let mut from = 0;
+    let mut parts = parts.iter().peekable();
+    for wanted in asked {
+        from = from.max(wanted.start);
+        while from < wanted.end {
+            // Parts do not overlap and ascend, and `from` only grows.
+            while parts.next_if(|part| part.end <= from).is_some() {}
+            match parts.peek() {
+                Some(part) if part.first <= from => from = part.end,
+                next => {
+                    let to = next.map_or(wanted.end, |part| part.first.min(wanted.end));
+                    match gaps.last_mut() {
+                        Some(last) if last.end == from => last.end = to,
+                        _ => gaps.push(from..to),
+                    }
+                    from = to;
+                }
+            }
+        }
+    }
+    gaps
+}
+
+/// Everything that is summed from case to case.
+struct Sums {
+    cases: u64,
+    status: BTreeMap<String, u64>,
+    step_4: BTreeMap<String, u64>,
+    four_steps: [Moments; PARAMETERS],
+    joint: [Moments; PARAMETERS],
+}
+
+impl Sums {
+    fn new() -> Self {
+        Self {
+            cases: 0,
+            status: BTreeMap::new(),
+            step_4: BTreeMap::new(),
+            four_steps: [Moments::default(); PARAMETERS],
+            joint: [Moments::default(); PARAMETERS],
+        }
+    }
+
+    fn add(&mut self, row: &Row) {
+        self.cases += 1;
+        let count = |words: &mut BTreeMap<String, u64>, text| {
+            if let Some(word) = row.text(text) {
+                *words.entry(word.to_owned()).or_default() += 1;
+            }
+        };
+        count(&mut self.status, Text::Status);
+        count(&mut self.step_4, Text::Step4);
+        for i in 0..PARAMETERS {
+            let of = |group: Group| row.group(group)[i];
+            if let (Some(truth), Some(estimate)) = (of(Group::Truth), of(Group::FourSteps)) {
+                self.four_steps[i].add(
+                    estimate - truth,
+                    of(Group::FourStepsStandardError),
+                    of(Group::StatedHalfWidth),
+                    of(Group::CramerRao),
+                );
+            }
+            if let (Some(truth), Some(estimate)) = (of(Group::Truth), of(Group::Joint)) {
+                self.joint[i].add(
+                    estimate - truth,
+                    of(Group::JointStandardError),
+                    None,
+                    of(Group::CramerRao),
+                );
+            }
+        }
+    }
+
+    fn parameter(&self, i: usize) -> ParameterSummary {
+        ParameterSummary {
+            name: parameter::name(i),
+            unit: parameter::unit(i).to_owned(),
+            four_steps: self.four_steps[i].summary(self.cases),
+            joint: (self.joint[i].cases() > 0).then(|| self.joint[i].summary(self.cases)),
+        }
+    }
+}

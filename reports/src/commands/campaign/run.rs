@@ -1,0 +1,134 @@
+//! `sixaxis campaign run`: what is left of a shard to be done.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
+
+use anyhow::{Context, Result};
+use sixaxis_campaign::plan::{CampaignPlan, LARGEST_SEED, Shard};
+use sixaxis_campaign::run::{Order, Watch, run as work};
+use sixaxis_reference::session::plan_file;
+use sixaxis_reports::progress::{Progress, Stage};
+
+/// Which cases and where to write.
+#[derive(clap::Args)]
+#[command(after_help = AFTER_HELP)]
+pub struct Arguments {
+    /// Plan of the sessions, TOML, as `sixaxis simulate --print-plan` writes it; its seed does not matter
+    #[arg(long, value_name = "FILE")]
+    plan: PathBuf,
+    /// Seed of the first case; each has its own
+    #[arg(long, value_name = "SEED", default_value_t = 1,
+        value_parser = clap::value_parser!(u64).range(..=LARGEST_SEED))]
+    first_seed: u64,
+    /// Cases of the whole campaign
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    count: u64,
+    /// Do one shard of them, as in 3/16; without, all
+    #[arg(long, value_name = "I/N", default_value_t = Shard::WHOLE, hide_default_value = true)]
+    shard: Shard,
+    /// Folder to write to; shards may share it
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Threads; 0 for one for each core
+    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
+    threads: usize,
+    /// Print nothing but errors
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+const AFTER_HELP: &str = "\
+Examples:
+  sixaxis campaign run --plan plan.toml --count 10000 --out campaign
+  sixaxis campaign run --plan plan.toml --count 1000000 --shard $SLURM_ARRAY_TASK_ID/100 --out campaign
+
+A row holds seed, status, true parameters, estimates, standard errors and what calibrate states; it depends on plan and seed
+alone. Rows come in parts of 64 (cases-FIRST-LAST.parquet), each there whole or not at all. The same command again does what
+is missing and nothing else; a damaged part is named, set aside and done again; a folder of another plan is refused.
+
+Exit codes: 0 all cases are there, those that could not be calibrated with the reason in their rows; 1 it could not be done,
+finished parts stay; 2 the command line is not understood.";
+
+/// Does what is left to be done.
+pub fn run(arguments: &Arguments) -> Result<ExitCode> {
+    let session = plan_file::read(&arguments.plan)?;
+    let plan = CampaignPlan::new(&session, arguments.first_seed, arguments.count)
+        .with_context(|| format!("{} cannot be run", arguments.plan.display()))?;
+    let watched = Watched {
+        progress: if arguments.quiet {
+            Progress::hidden()
+        } else {
+            Progress::shown()
+        },
+        stage: Mutex::new(None),
+    };
+    let started = Instant::now();
+    let done = work(
+        &Order {
+            plan: &plan,
+            shard: arguments.shard,
+            folder: &arguments.out,
+            threads: arguments.threads,
+        },
+        &watched,
+    )?;
+    drop(watched);
+    if arguments.quiet {
+        return Ok(ExitCode::SUCCESS);
+    }
+    let seconds = started.elapsed().as_secs_f64();
+    println!(
+        "{}: {} cases, {} found done, {} done in {seconds:.0} s{}",
+        arguments.out.display(),
+        done.found + done.cases,
+        done.found,
+        done.cases,
+        if done.cases > 0 {
+            format!(", {:.1} a second", done.cases as f64 / seconds)
+        } else {
+            String::new()
+        },
+    );
+    if done.failed > 0 {
+        println!(
+            "{} of them could not be calibrated: columns status and failure say why",
+            done.failed
+        );
+    }
+    println!("next: sixaxis campaign summary {}", arguments.out.display());
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The library's work on the command's progress display.
+struct Watched {
+    progress: Progress,
+    stage: Mutex<Option<Stage>>,
+}
+
+impl Watched {
+    fn stage(&self) -> std::sync::MutexGuard<'_, Option<Stage>> {
+        self.stage.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Watch for Watched {
+    fn begins(&self, cases: u64, _: u64) {
+        *self.stage() = Some(self.progress.counted("calibrating", cases));
+    }
+
+    fn case(&self) {
+        if let Some(stage) = self.stage().as_ref() {
+            stage.advance(1);
+        }
+    }
+
+    fn set_aside(&self, part: &Path, now: &Path, cause: &str) {
+        eprintln!(
+            "warning: {}: {cause}; set aside as {}, its cases are done again",
+            part.display(),
+            now.display()
+        );
+    }
+}
