@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use sixaxis_calibration::averaged::Averaged;
 use sixaxis_calibration::cleaning::{Cleaned, Cleaning};
 use sixaxis_calibration::interval::{LeftOut, report};
+use sixaxis_calibration::joint::{self, JointReport, Knowledge};
 use sixaxis_calibration::session::{Role, Session, SessionFile};
 use sixaxis_calibration::steps::{Campaign, FourSteps, GyroscopeGain};
 use sixaxis_calibration::trial::{Readings, Trial};
@@ -17,7 +18,7 @@ use sixaxis_reference::session::plan::SessionPlan;
 use sixaxis_reference::session::play::{Played, PlayedSession, play};
 
 use crate::parameter::{PARAMETERS, values};
-use crate::row::{Group, Row, Scalar, Status, Text};
+use crate::row::{Group, Row, Scalar, Status, Text, Values};
 
 /// Plays and calibrates the session of a plan with this seed. What fails is a row, too.
 #[must_use]
@@ -59,7 +60,18 @@ pub fn calibrate(plan: &SessionPlan, seed: u64) -> Row {
         row.set_text(Text::Defect, defect.kind().name());
     }
     match found {
-        Ok(found) => found.enter(&mut row),
+        Ok(found) => {
+            found.enter(&mut row);
+            if let Ok(joint) = &found.joint {
+                // The one place where a truth meets an estimate before the statistics: see the group.
+                let gain = truth.instruments.accelerometer_gain_error;
+                let known = joint.estimate.values(gain);
+                row.set_group(
+                    Group::JointGainKnown,
+                    stiffness_last(known, joint.compliance_is_determined),
+                );
+            }
+        }
         Err(failure) => row.set_text(Text::Failure, failure.cause),
     }
     row
@@ -75,6 +87,7 @@ struct Failure {
 struct Found {
     steps: FourSteps,
     half_width_95: [Option<f64>; PARAMETERS],
+    joint: sixaxis_calibration::Result<JointReport>,
 }
 
 /// From here on only what a laboratory has.
@@ -122,9 +135,11 @@ fn identify(session: &Session, recordings: Vec<Played>) -> Result<Found, Failure
     let reports = report(&file, &steps, &LeftOut::fit(&campaign, &steps));
     let half_width_95 =
         core::array::from_fn(|i| reports.get(i).and_then(|report| report.half_width_95));
+    let joint = joint::fit(&campaign, &steps, &Knowledge::of(session));
     Ok(Found {
         steps,
         half_width_95,
+        joint,
     })
 }
 
@@ -162,6 +177,10 @@ impl Found {
             }),
         );
         row.set_group(Group::StatedHalfWidth, self.half_width_95);
+        match &self.joint {
+            Ok(joint) => enter_joint(joint, row),
+            Err(error) => row.set_text(Text::JointFailure, error.to_string()),
+        }
         if let Some((gain, error)) = steps.rate_over_reading {
             row.set_scalar(Scalar::RateOverReading, gain);
             row.set_scalar(Scalar::RateOverReadingStandardError, error);
@@ -182,4 +201,38 @@ impl Found {
             row.set_text(Text::Step4, word);
         }
     }
+}
+
+fn enter_joint(joint: &JointReport, row: &mut Row) {
+    let determined = joint.compliance_is_determined;
+    // A stiffness is one over what the fit has: a small error of one is as large, relatively, of the other, and the ends of an
+    // interval change places.
+    let per_compliance = joint.values[PARAMETERS - 1].powi(-2);
+    let deviations = |mut of: [f64; PARAMETERS]| -> Values {
+        of[PARAMETERS - 1] *= per_compliance;
+        let mut values = of.map(Some);
+        if !determined {
+            values[PARAMETERS - 1] = None;
+        }
+        values
+    };
+    let (mut low, mut high): ([f64; PARAMETERS], [f64; PARAMETERS]) = (
+        joint.intervals_95.map(|ends| ends.0),
+        joint.intervals_95.map(|ends| ends.1),
+    );
+    core::mem::swap(&mut low[PARAMETERS - 1], &mut high[PARAMETERS - 1]);
+    row.set_group(Group::Joint, stiffness_last(joint.values, determined));
+    row.set_group(Group::JointStandardError, deviations(joint.deviations));
+    row.set_group(Group::CramerRao, deviations(joint.estimate.deviations()));
+    row.set_group(Group::JointLow, stiffness_last(low, determined));
+    row.set_group(Group::JointHigh, stiffness_last(high, determined));
+    row.set_scalar(Scalar::JointMisfit, joint.estimate.misfit());
+}
+
+/// The joint fit's 25 with k/m for 1/(k/m), which is none where the fit leaves it open.
+fn stiffness_last(values: [f64; PARAMETERS], determined: bool) -> Values {
+    core::array::from_fn(|i| match i {
+        i if i < PARAMETERS - 1 => Some(values[i]),
+        i => determined.then(|| 1.0 / values[i]),
+    })
 }

@@ -14,23 +14,33 @@ pub enum Group {
     FourStepsStandardError,
     /// Half width of the 95 % interval that `sixaxis calibrate` states: noise, differences between trials, standards' classes.
     StatedHalfWidth,
-    /// Estimate of a joint fit of all parameters.
+    /// Estimate of the joint fit of all parameters; none of k/m where the fit leaves it open.
     Joint,
-    /// Its standard error.
+    /// Its standard deviation, the certificate of the accelerometer included.
     JointStandardError,
-    /// Cramér-Rao bound, as a standard deviation.
+    /// Lower end of its 95 % interval.
+    JointLow,
+    /// Upper end of it.
+    JointHigh,
+    /// What the joint fit finds when it is told the accelerometer's gain, which no trial knows unless gravity turns in the
+    /// sensor: what is left is noise, and the bound is one on noise. For the statistics alone; a laboratory cannot have it.
+    JointGainKnown,
+    /// Cramér-Rao bound with the accelerometer's gain known, as a standard deviation.
     CramerRao,
 }
 
 impl Group {
     /// All, in the order of their columns.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 10] = [
         Self::Truth,
         Self::FourSteps,
         Self::FourStepsStandardError,
         Self::StatedHalfWidth,
         Self::Joint,
         Self::JointStandardError,
+        Self::JointLow,
+        Self::JointHigh,
+        Self::JointGainKnown,
         Self::CramerRao,
     ];
 
@@ -44,6 +54,9 @@ impl Group {
             Self::StatedHalfWidth => "half_width_95",
             Self::Joint => "joint",
             Self::JointStandardError => "joint_se",
+            Self::JointLow => "joint_low_95",
+            Self::JointHigh => "joint_high_95",
+            Self::JointGainKnown => "joint_gain_known",
             Self::CramerRao => "cramer_rao_sd",
         }
     }
@@ -53,6 +66,8 @@ impl Group {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(usize)]
 pub enum Scalar {
+    /// Squared residuals of the joint fit per degree of freedom: 1 where model and noise are right.
+    JointMisfit,
     /// True relative gain error of the standard accelerometer.
     AccelerometerGainError,
     /// True relative gain error of the standard gyroscope.
@@ -65,7 +80,8 @@ pub enum Scalar {
 
 impl Scalar {
     /// All, in the order of their columns.
-    pub const ALL: [Self; 4] = [
+    pub const ALL: [Self; 5] = [
+        Self::JointMisfit,
         Self::AccelerometerGainError,
         Self::GyroscopeGainError,
         Self::RateOverReading,
@@ -76,6 +92,7 @@ impl Scalar {
     #[must_use]
     pub const fn column(self) -> &'static str {
         match self {
+            Self::JointMisfit => "joint_misfit",
             Self::AccelerometerGainError => "true_accelerometer_gain_error",
             Self::GyroscopeGainError => "true_gyroscope_gain_error",
             Self::RateOverReading => "four_steps_rate_over_reading",
@@ -128,13 +145,21 @@ pub enum Text {
     Failure,
     /// What was wrong with the session, where the plan has defects.
     Defect,
+    /// Why there is no joint fit, where the four steps were done.
+    JointFailure,
     /// Whether step 4 determines k/m: `determined`, or why not: `edge_of_grid`, `flat`, `noise`.
     Step4,
 }
 
 impl Text {
     /// All, in the order of their columns.
-    pub const ALL: [Self; 4] = [Self::Status, Self::Failure, Self::Defect, Self::Step4];
+    pub const ALL: [Self; 5] = [
+        Self::Status,
+        Self::Failure,
+        Self::Defect,
+        Self::JointFailure,
+        Self::Step4,
+    ];
 
     /// Name of its column.
     #[must_use]
@@ -143,6 +168,7 @@ impl Text {
             Self::Status => "status",
             Self::Failure => "failure",
             Self::Defect => "defect",
+            Self::JointFailure => "joint_failure",
             Self::Step4 => "step_4",
         }
     }

@@ -56,8 +56,10 @@ pub struct ParameterSummary {
     pub unit: String,
     /// The four steps.
     pub four_steps: Estimator,
-    /// A joint fit; none where the parts have none.
+    /// The joint fit; none where the parts have none.
     pub joint: Option<Estimator>,
+    /// The joint fit told the accelerometer's gain: what it states here is the Cramér-Rao bound.
+    pub joint_gain_known: Option<Estimator>,
 }
 
 /// Sums up the parts in some folders.
@@ -175,6 +177,7 @@ struct Sums {
     step_4: BTreeMap<String, u64>,
     four_steps: [Moments; PARAMETERS],
     joint: [Moments; PARAMETERS],
+    joint_gain_known: [Moments; PARAMETERS],
 }
 
 impl Sums {
@@ -185,6 +188,7 @@ impl Sums {
             step_4: BTreeMap::new(),
             four_steps: [Moments::default(); PARAMETERS],
             joint: [Moments::default(); PARAMETERS],
+            joint_gain_known: [Moments::default(); PARAMETERS],
         }
     }
 
@@ -199,21 +203,22 @@ impl Sums {
         count(&mut self.step_4, Text::Step4);
         for i in 0..PARAMETERS {
             let of = |group: Group| row.group(group)[i];
-            if let (Some(truth), Some(estimate)) = (of(Group::Truth), of(Group::FourSteps)) {
-                self.four_steps[i].add(
-                    estimate - truth,
-                    of(Group::FourStepsStandardError),
-                    of(Group::StatedHalfWidth),
-                    of(Group::CramerRao),
-                );
+            let Some(truth) = of(Group::Truth) else {
+                continue;
+            };
+            if let Some(estimate) = of(Group::FourSteps) {
+                let error = estimate - truth;
+                let inside = of(Group::StatedHalfWidth).map(|half| error.abs() <= half);
+                self.four_steps[i].add(error, of(Group::FourStepsStandardError), inside);
             }
-            if let (Some(truth), Some(estimate)) = (of(Group::Truth), of(Group::Joint)) {
-                self.joint[i].add(
-                    estimate - truth,
-                    of(Group::JointStandardError),
-                    None,
-                    of(Group::CramerRao),
-                );
+            if let Some(estimate) = of(Group::Joint) {
+                let inside = of(Group::JointLow)
+                    .zip(of(Group::JointHigh))
+                    .map(|(low, high)| (low..=high).contains(&truth));
+                self.joint[i].add(estimate - truth, of(Group::JointStandardError), inside);
+            }
+            if let Some(estimate) = of(Group::JointGainKnown) {
+                self.joint_gain_known[i].add(estimate - truth, of(Group::CramerRao), None);
             }
         }
     }
@@ -224,6 +229,8 @@ impl Sums {
             unit: parameter::unit(i).to_owned(),
             four_steps: self.four_steps[i].summary(self.cases),
             joint: (self.joint[i].cases() > 0).then(|| self.joint[i].summary(self.cases)),
+            joint_gain_known: (self.joint_gain_known[i].cases() > 0)
+                .then(|| self.joint_gain_known[i].summary(self.cases)),
         }
     }
 }

@@ -61,6 +61,7 @@ fn prop_honest_intervals_cover_and_dishonest_do_not() {
         assert!(off(bad.four_steps.within_noise_95) > SIGMAS, "{bad:?}");
         let joint = good.joint.as_ref().expect("there is a joint fit");
         assert!(off(joint.within_noise_95) < SIGMAS, "{joint:?}");
+        assert!(off(joint.within_stated_95) < SIGMAS, "{joint:?}");
         let ratio = |e: &sixaxis_campaign::statistics::Estimator| {
             e.attained_over_stated.expect("there are standard errors")
         };
@@ -71,8 +72,8 @@ fn prop_honest_intervals_cover_and_dishonest_do_not() {
             (ratio(&bad.four_steps) - DISHONEST).abs() < DISHONEST * scatter,
             "{bad:?}"
         );
-        let bound = joint.attained_over_cramer_rao.expect("there is a bound");
-        assert!((bound - 1.0).abs() < scatter, "{joint:?}");
+        let bound = good.joint_gain_known.as_ref().expect("there is a bound");
+        assert!((ratio(bound) - 1.0).abs() < scatter, "{bound:?}");
         let bias = good.four_steps.bias_in_sd.expect("there are errors");
         assert!(bias.abs() < SIGMAS / n.sqrt(), "{good:?}");
     }

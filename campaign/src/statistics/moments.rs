@@ -34,10 +34,9 @@ pub struct Estimator {
     pub attained_over_stated: Option<f64>,
     /// Cases whose error lies within 1.96 standard errors: what the covariance of the fit promises, noise alone.
     pub within_noise_95: Option<Share>,
-    /// Cases whose error lies within the interval that `sixaxis calibrate` states.
+    /// Cases whose truth lies within the 95 % interval that is stated with the estimate: noise, differences between trials and
+    /// certificates.
     pub within_stated_95: Option<Share>,
-    /// `attained_sd` over the root mean square Cramér-Rao bound.
-    pub attained_over_cramer_rao: Option<f64>,
 }
 
 /// Count and sum of squares of something stated with an estimate.
@@ -90,7 +89,6 @@ pub(super) struct Moments {
     mean: f64,
     squares: f64,
     standard_error: Stated,
-    cramer_rao: Stated,
     within_noise: Covered,
     within_stated: Covered,
 }
@@ -101,13 +99,7 @@ impl Moments {
     }
 
     /// Adds a case.
-    pub fn add(
-        &mut self,
-        error: f64,
-        standard_error: Option<f64>,
-        half_width_95: Option<f64>,
-        cramer_rao_sd: Option<f64>,
-    ) {
+    pub fn add(&mut self, error: f64, standard_error: Option<f64>, inside_stated_95: Option<bool>) {
         self.cases += 1;
         let from_mean = error - self.mean;
         self.mean += from_mean / self.cases as f64;
@@ -116,11 +108,8 @@ impl Moments {
             self.standard_error.add(stated);
             self.within_noise.add(error.abs() <= NORMAL_95 * stated);
         }
-        if let Some(half_width) = half_width_95 {
-            self.within_stated.add(error.abs() <= half_width);
-        }
-        if let Some(bound) = cramer_rao_sd {
-            self.cramer_rao.add(bound);
+        if let Some(inside) = inside_stated_95 {
+            self.within_stated.add(inside);
         }
     }
 
@@ -138,7 +127,6 @@ impl Moments {
             attained_over_stated: over(self.standard_error.root_mean_square()),
             within_noise_95: self.within_noise.share(),
             within_stated_95: self.within_stated.share(),
-            attained_over_cramer_rao: over(self.cramer_rao.root_mean_square()),
         }
     }
 }

@@ -69,6 +69,9 @@ pub fn provenance(asked: core::ops::Range<u64>) -> Provenance {
     }
 }
 
+/// Half width of the 95 % interval of a normal variable, in standard deviations.
+const NORMAL_95: f64 = 1.959_963_984_540_054;
+
 /// A row whose errors are normal, `honesty` times what it states, and whose joint fit is as good as its bound. Every tenth
 /// case failed.
 pub fn made_up(seed: u64, honesty: f64) -> Row {
@@ -97,10 +100,13 @@ pub fn made_up(seed: u64, honesty: f64) -> Row {
     row.set_group(Group::FourSteps, estimate);
     row.set_group(Group::FourStepsStandardError, stated.map(Some));
     row.set_group(Group::StatedHalfWidth, stated.map(|s| Some(3.0 * s)));
-    row.set_group(
-        Group::Joint,
-        core::array::from_fn(|i| Some(truth[i] + 0.5 * stated[i] * normal())),
-    );
+    let joint: [f64; PARAMETERS] = core::array::from_fn(|i| truth[i] + 0.5 * stated[i] * normal());
+    row.set_group(Group::Joint, joint.map(Some));
+    row.set_group(Group::JointGainKnown, joint.map(Some));
+    let ends =
+        |sign: f64| core::array::from_fn(|i| Some(joint[i] + sign * NORMAL_95 * 0.5 * stated[i]));
+    row.set_group(Group::JointLow, ends(-1.0));
+    row.set_group(Group::JointHigh, ends(1.0));
     row.set_group(Group::JointStandardError, stated.map(|s| Some(0.5 * s)));
     row.set_group(Group::CramerRao, stated.map(|s| Some(0.5 * s)));
     row
