@@ -63,7 +63,7 @@ pub fn hampel(series: &mut [f64], half_width: usize, sigmas: f64) -> Result<Vec<
 }
 
 /// Median; reorders its argument, which must not be empty.
-pub(super) fn median(values: &mut [f64]) -> f64 {
+pub(crate) fn median(values: &mut [f64]) -> f64 {
     let n = values.len();
     let (below, &mut upper, _) = values.select_nth_unstable_by(n / 2, f64::total_cmp);
     if n % 2 == 1 {
