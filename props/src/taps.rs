@@ -6,6 +6,7 @@
 use nalgebra::{DMatrix, DVector, Matrix6, SMatrix, SVector};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
+use serde::Serialize;
 use sixaxis_core::identify::tap::{Setup, Tap, identify};
 use sixaxis_core::signal::SignalChain;
 use sixaxis_core::{Gains, Geometry, InertiaPerMass, LIMBS, Parameters, Sensor};
@@ -365,5 +366,101 @@ pub fn plain_sensor() -> Sensor {
     Sensor {
         geometry: Geometry::PAPER,
         gains: Gains::uniform(1.0),
+    }
+}
+
+/// What became of one tap.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Outcome {
+    /// Seed of the case.
+    pub seed: u64,
+    /// Error of ln k/m.
+    pub error_ln: f64,
+    /// Standard error that the fit states.
+    pub stated_ln: f64,
+    /// Cramér-Rao bound of the samples that it used.
+    pub bound_ln: f64,
+    /// Whether the fit calls k/m determined.
+    pub determined: bool,
+}
+
+impl Outcome {
+    /// Plays, records and identifies one random tap.
+    ///
+    /// # Errors
+    /// The refusal or the failure of the simulation, as text with the seed.
+    pub fn of(seed: u64, damping_ratio: f64, noise_share: f64) -> Result<Self, String> {
+        let at = |error: &dyn core::fmt::Display| format!("seed {seed}: {error}");
+        let case = Case {
+            damping_ratio,
+            ..Case::random(seed)
+        };
+        let recorded = case.record(noise_share).map_err(|e| at(&e))?;
+        let tap = case.identify(&recorded).map_err(|e| at(&e))?;
+        Ok(Self {
+            seed,
+            error_ln: case.error_ln(&tap),
+            stated_ln: tap.standard_error_ln,
+            bound_ln: bound_ln(&case, &recorded, &tap.fitted),
+            determined: tap.verdict.is_determined(),
+        })
+    }
+}
+
+/// Many taps at one damping.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Tally {
+    /// Damping of one limb, of critical under the whole mass.
+    pub damping_ratio: f64,
+    /// Taps.
+    pub taps: usize,
+    /// Taps refused or called undetermined.
+    pub refused: usize,
+    /// Root mean square of the errors of ln k/m.
+    pub rms_error_ln: f64,
+    /// Of the bound of one tap: median and largest.
+    pub median_bound_ln: f64,
+    /// See `median_bound_ln`.
+    pub largest_bound_ln: f64,
+    /// Share of taps whose bound is 1e-3 or less.
+    pub share_within_bar: f64,
+    /// Standard deviation of error over bound.
+    pub deviation_over_bound: f64,
+    /// Mean of error over bound.
+    pub bias_over_bound: f64,
+    /// Share of 95 % intervals that hold the truth.
+    pub coverage_95: f64,
+}
+
+/// Standard deviation of ln k/m that is asked for.
+pub const BAR_LN: f64 = 1e-3;
+/// Half width of the 95 % interval of a normal variable, in standard deviations.
+const NORMAL_95: f64 = 1.959_963_984_540_054;
+
+impl Tally {
+    /// Counts; none of no outcome at all.
+    #[must_use]
+    pub fn of(damping_ratio: f64, taps: usize, outcomes: &[Outcome]) -> Self {
+        let used: Vec<&Outcome> = outcomes.iter().filter(|o| o.determined).collect();
+        let n = used.len() as f64;
+        let mean = |of: &dyn Fn(&Outcome) -> f64| used.iter().map(|o| of(o)).sum::<f64>() / n;
+        let bias_over_bound = mean(&|o| o.error_ln / o.bound_ln);
+        let mut bounds: Vec<f64> = used.iter().map(|o| o.bound_ln).collect();
+        bounds.sort_unstable_by(f64::total_cmp);
+        Self {
+            damping_ratio,
+            taps,
+            refused: taps - used.len(),
+            rms_error_ln: mean(&|o| o.error_ln * o.error_ln).sqrt(),
+            median_bound_ln: bounds.get(bounds.len() / 2).copied().unwrap_or(f64::NAN),
+            largest_bound_ln: bounds.last().copied().unwrap_or(f64::NAN),
+            share_within_bar: mean(&|o| f64::from(u8::from(o.bound_ln <= BAR_LN))),
+            deviation_over_bound: mean(&|o| (o.error_ln / o.bound_ln - bias_over_bound).powi(2))
+                .sqrt(),
+            bias_over_bound,
+            coverage_95: mean(&|o| {
+                f64::from(u8::from(o.error_ln.abs() <= NORMAL_95 * o.stated_ln))
+            }),
+        }
     }
 }

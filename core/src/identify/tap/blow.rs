@@ -5,9 +5,10 @@ use alloc::vec::Vec;
 use crate::geometry::LIMBS;
 use crate::preprocess::outlier::median;
 
-/// From the largest sample to where the contact is over, s: contacts of a hammer's tip last 0.1 to 0.3 ms. Where that is not
+/// From the largest sample to where the contact is over, s: contacts of a hammer's tip last 0.1 to 0.3 ms, and what is struck
+/// shows most in their second half. Where that is not
 /// enough the residuals say so.
-const CONTACT_S: f64 = 0.3e-3;
+const CONTACT_S: f64 = 0.15e-3;
 /// Length over which the decay's size is measured, s.
 const STRETCH_S: f64 = 1e-3;
 /// Size over that of the first stretch from which on nothing more is learned: further on a record holds other things.

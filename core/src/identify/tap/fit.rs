@@ -82,13 +82,21 @@ pub(super) struct Fitted {
     pub cost: f64,
 }
 
-/// Covariance of ln k/m, damping ratio and I/m.
-pub(super) type Shared = SMatrix<f64, SHARED, SHARED>;
+/// How well the shared unknowns are known.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Shared {
+    /// Covariance of ln k/m, damping ratio and I/m.
+    pub covariance: SMatrix<f64, SHARED, SHARED>,
+    /// What of the variance of ln k/m is not the recording's noise but the errors of what is known beforehand. The estimate
+    /// is linear in both, e = P (A^T noise + K errors) with P the covariance and K the information of what is known: this
+    /// is (P K P) of ln k/m.
+    pub from_known_ln2: f64,
+}
 
 struct Step {
     shared: [f64; SHARED],
     gain_ln: [f64; LIMBS],
-    covariance: Shared,
+    shared_covariance: Shared,
 }
 
 /// Inertias of a departure from what is known beforehand, in its standard deviations.
@@ -215,27 +223,38 @@ impl Window<'_> {
             common.push(known, -surprise[k]);
         }
         let estimate = common.solve(WHAT)?;
-        let gain_ln = core::array::from_fn(|limb| {
+        // What a gain is, given the shared unknowns: the offset of its own channel put in.
+        let own = |limb: usize| -> (f64, [f64; COMMON]) {
             let [first, second, ..] = channels[limb].triangle();
-            let left = |row: usize, coefficients: &[f64; ALL]| -> f64 {
-                let shared: f64 = estimate
-                    .values
-                    .iter()
-                    .zip(&coefficients[OWN..])
-                    .map(|(x, r)| x * r)
-                    .sum();
-                channels[limb].rotated()[row][0] - shared
+            let [[b], [offset], ..] = channels[limb].rotated();
+            let share = first[1] / second[1];
+            (
+                (b - share * offset) / first[0],
+                core::array::from_fn(|k| (share * second[OWN + k] - first[OWN + k]) / first[0]),
+            )
+        };
+        let along = estimate.covariance.column(0);
+        let mut from_known_ln2 = (prior.whitening * along.fixed_rows::<6>(2)).norm_squared();
+        let mut gain_ln = [0.0; LIMBS];
+        for (limb, gain_ln) in gain_ln.iter_mut().enumerate() {
+            let (alone, slopes) = own(limb);
+            let with = |shared: &[f64]| -> f64 {
+                slopes.iter().zip(shared).map(|(slope, x)| slope * x).sum()
             };
-            let offset = left(1, second) / second[1];
-            (left(0, first) - first[1] * offset) / first[0]
-        });
+            *gain_ln = alone + with(&estimate.values);
+            let known = with(along.as_slice()) / prior.gain_deviation[limb];
+            from_known_ln2 += known * known;
+        }
         Ok(Step {
             shared: core::array::from_fn(|k| estimate.values[k]),
             gain_ln,
-            covariance: estimate
-                .covariance
-                .fixed_view::<SHARED, SHARED>(0, 0)
-                .into_owned(),
+            shared_covariance: Shared {
+                covariance: estimate
+                    .covariance
+                    .fixed_view::<SHARED, SHARED>(0, 0)
+                    .into_owned(),
+                from_known_ln2,
+            },
         })
     }
 
@@ -245,10 +264,10 @@ impl Window<'_> {
         for _ in 0..ITERATIONS {
             let step = self.step(prior, &now)?;
             let size = (0..SHARED).fold(0.0_f64, |size, k| {
-                size.max(step.shared[k].abs() / sqrt(step.covariance[(k, k)]))
+                size.max(step.shared[k].abs() / sqrt(step.shared_covariance.covariance[(k, k)]))
             });
             if size < SETTLED || step.shared[0].abs() < ROUNDING {
-                return Ok((now, step.covariance));
+                return Ok((now, step.shared_covariance));
             }
             let mut share = 1.0;
             let mut better = None;
@@ -264,7 +283,7 @@ impl Window<'_> {
             }
             let Some(next) = better else {
                 // Not even the smallest step gains: this is the minimum, as far as rounding can tell.
-                return Ok((now, step.covariance));
+                return Ok((now, step.shared_covariance));
             };
             now = next;
         }

@@ -100,6 +100,8 @@ pub struct Tap {
     pub stiffness_per_mass_per_s2: f64,
     /// Standard error of ln k/m.
     pub standard_error_ln: f64,
+    /// What of it another tap evaluated with the same I/m and gains has again: their errors' part.
+    pub standard_error_known_ln: f64,
     /// Damping of one limb as a share of critical under the whole mass: c/m = 2 z sqrt(k/m).
     pub damping_ratio: f64,
     /// I/m, that of step 3 improved by the tap.
@@ -394,14 +396,19 @@ impl Evidence {
 
 fn conclude(
     fitted: &Fitted,
-    covariance: Shared,
+    shared: Shared,
     noise_v: [f64; LIMBS],
     evidence: &Evidence,
     decay: Range<usize>,
 ) -> Tap {
     // Noise that hangs together says less than its variance: at worst, at low frequency, by this much.
     let rho = evidence.correlation.clamp(0.0, 0.99);
-    let covariance = covariance * ((1.0 + rho) / (1.0 - rho));
+    let inflated = (1.0 + rho) / (1.0 - rho);
+    let Shared {
+        covariance,
+        from_known_ln2,
+    } = shared;
+    let covariance = covariance * inflated;
     let standard_error_ln = sqrt(covariance[(0, 0)]);
     let coloured = evidence.matters() && evidence.correlation > COLOURED;
     let verdict = if evidence.still_driven() || coloured {
@@ -417,6 +424,7 @@ fn conclude(
     Tap {
         stiffness_per_mass_per_s2: fitted.unknowns.stiffness_per_mass_per_s2,
         standard_error_ln,
+        standard_error_known_ln: sqrt(from_known_ln2 * inflated).min(standard_error_ln),
         damping_ratio: fitted.unknowns.damping_ratio,
         inertia_per_mass: InertiaPerMass::from_paper_order(fitted.unknowns.inertia_m2),
         covariance,
