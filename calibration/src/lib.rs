@@ -15,6 +15,7 @@
 //! | [`rigid`] | what nine channels should show of a known motion |
 //! | [`response`] | what each channel did show in each trial |
 //! | [`suspicion`] | what is wrong, named |
+//! | [`tap`] | k/m from blows on the shell |
 //! | [`interval`] | how well each parameter is known, and what limits it |
 //! | [`verdict`] | all of it judged |
 //! | [`calibration`] | the result as a file |
@@ -29,6 +30,7 @@ pub mod rigid;
 pub mod session;
 pub mod steps;
 pub mod suspicion;
+pub mod tap;
 pub mod trial;
 pub mod unit;
 pub mod verdict;
