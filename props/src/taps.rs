@@ -9,7 +9,7 @@ use rand_pcg::Pcg64;
 use serde::Serialize;
 use sixaxis_core::identify::tap::{Setup, Tap, identify};
 use sixaxis_core::signal::SignalChain;
-use sixaxis_core::{Gains, Geometry, InertiaPerMass, LIMBS, Parameters, Sensor};
+use sixaxis_core::{Geometry, InertiaPerMass, LIMBS, Parameters, Sensor};
 use sixaxis_reference::campaign::{DAMPING_RATIO, MASS_KG};
 use sixaxis_reference::chain::amplifier_ranges;
 use sixaxis_reference::mjcf::{SensorModel, limb_jacobian};
@@ -358,15 +358,6 @@ pub fn bound_ln(case: &Case, recorded: &Recorded, fitted: &core::ops::Range<usiz
     let triangle = rows.qr().r();
     let inverse = triangle.try_inverse().expect("every unknown shows");
     inverse.row(0).norm() / first
-}
-
-/// Gains of one on every channel, for tests that look at forces.
-#[must_use]
-pub fn plain_sensor() -> Sensor {
-    Sensor {
-        geometry: Geometry::PAPER,
-        gains: Gains::uniform(1.0),
-    }
 }
 
 /// What became of one tap.
