@@ -78,7 +78,8 @@ fn departure_of_derivatives(p: &[f64; SHARED], rng: &mut Pcg64) -> f64 {
             let moved = |by: f64| {
                 let mut p = *p;
                 p[k] += by;
-                let force = states(&p).forces(start).take(STRETCH);
+                let states = states(&p);
+                let force = states.forces(start).take(STRETCH);
                 column(force.map(|f| core::array::from_fn(|i| f[i])))
             };
             let differences = beyond((moved(by) - moved(-by)) / (2.0 * by));
