@@ -15,7 +15,7 @@ use sixaxis_reference::tap::SAMPLE_RATE_HZ;
 
 /// Taps played in MuJoCo, and closed-form ones.
 const PLAYED: u64 = 3;
-const CLOSED_FORM: u64 = 60;
+const CLOSED_FORM: u64 = 40;
 /// Samples of the stretch that derivatives are compared over: 3 ms.
 const STRETCH: usize = 150;
 /// Closed-form recordings: rest before the decay, and all of it.

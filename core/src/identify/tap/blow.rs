@@ -6,8 +6,7 @@ use crate::geometry::LIMBS;
 use crate::preprocess::outlier::median;
 
 /// From the largest sample to where the contact is over, s: contacts of a hammer's tip last 0.1 to 0.3 ms, and what is struck
-/// shows most in their second half. Where that is not
-/// enough the residuals say so.
+/// shows most in their second half. Where that is not enough the residuals say so.
 const CONTACT_S: f64 = 0.15e-3;
 /// Length over which the decay's size is measured, s.
 const STRETCH_S: f64 = 1e-3;

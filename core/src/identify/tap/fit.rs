@@ -99,7 +99,7 @@ struct Step {
     shared_covariance: Shared,
 }
 
-/// Inertias of a departure from what is known beforehand, in its standard deviations.
+/// Departure of I/m from what is known beforehand, in its standard deviations.
 fn surprise(prior: &Prior, inertia_m2: &[f64; 6]) -> Vector6<f64> {
     let departure: [f64; 6] = core::array::from_fn(|k| inertia_m2[k] - prior.inertia_m2[k]);
     prior.whitening * Vector6::from(departure)

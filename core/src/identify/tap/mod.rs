@@ -4,7 +4,8 @@
 //! are mostly translations lie near sqrt(3 k/m) whatever I/m is. A blow of a tenth of a millisecond rings all six, and a
 //! free decay of some milliseconds in nine channels holds their frequencies to a few parts in 1e5 of k/m at 1 % noise.
 //!
-//! [`model`] is the decay and its derivatives, `fit` the least squares, `blow` where the decay begins and how far it is of use.
+//! [`model`] is the decay and its derivatives, `fit` the least squares, `blow` where the decay begins and how far it is of use,
+//! `evidence` what the residuals say of all that.
 //!
 //! # What is assumed
 //! - After the blow the shell is at rest, or moves so evenly that no force shows: the rig holds it. A shell that hangs free is the
@@ -18,6 +19,7 @@
 //! - Only I/m over the square of the half edge counts. The drawing's half edge stands here as it stood in step 3.
 
 mod blow;
+mod evidence;
 mod fit;
 pub mod model;
 
@@ -27,6 +29,7 @@ use alloc::vec::Vec;
 
 use nalgebra::{Matrix6, SMatrix};
 
+use self::evidence::Evidence;
 use self::fit::{Fitted, Prior, Shared, Unknowns, Window};
 pub use self::model::{MODES, RingDown, SHARED};
 use super::{Reason, Verdict, noise_verdict};
@@ -67,12 +70,6 @@ const PUT_OFF: usize = 8;
 const PUT_OFF_S: f64 = 0.25e-3;
 /// Beginning that is compared with the second half, s.
 const BEGINNING_S: f64 = 0.5e-3;
-/// Ratio of variances at which the beginning is no free decay yet: five standard errors of what 25 samples of nine channels say.
-const STILL_DRIVEN: f64 = 1.5;
-/// Neighbouring residuals' correlation that noise, even if an anti-aliasing filter has been at it, does not have.
-const COLOURED: f64 = 0.5;
-/// Residual over signal at the beginning below which no shape of it matters.
-const NEGLIGIBLE: f64 = 3e-3;
 /// Half width of the 95 % interval of a normal variable, in standard deviations.
 const NORMAL_95: f64 = 1.959_963_984_540_054;
 
@@ -343,57 +340,6 @@ fn noise(fitted: &Fitted, samples: usize, peak_v: &[f64; LIMBS]) -> [f64; LIMBS]
     })
 }
 
-/// What the residuals say of the model.
-struct Evidence {
-    /// Variance at the beginning over that of the second half.
-    early_over_late: f64,
-    /// Residual over signal at the beginning.
-    residual_over_signal: f64,
-    /// Correlation of neighbours.
-    correlation: f64,
-}
-
-impl Evidence {
-    fn of(window: &Window, fitted: &Fitted, level_v: &[f64; LIMBS], beginning: usize) -> Self {
-        let residuals = window.residuals_v(fitted);
-        let weighted: Vec<[f64; LIMBS]> = residuals
-            .iter()
-            .map(|row| core::array::from_fn(|i| row[i] / window.noise_v[i]))
-            .collect();
-        let mean = |rows: &[[f64; LIMBS]]| {
-            rows.iter().flatten().map(|r| r * r).sum::<f64>() / rows.len().max(1) as f64
-        };
-        let beginning = beginning.min(weighted.len());
-        let products: f64 = weighted
-            .windows(2)
-            .map(|pair| (0..LIMBS).map(|i| pair[0][i] * pair[1][i]).sum::<f64>())
-            .sum();
-        let squares: f64 = weighted.iter().flatten().map(|r| r * r).sum();
-        let left: f64 = residuals[..beginning].iter().flatten().map(|r| r * r).sum();
-        let signal: f64 = window.voltage_v[..beginning]
-            .iter()
-            .map(|row| {
-                (0..LIMBS)
-                    .map(|i| (row[i] - level_v[i]) * (row[i] - level_v[i]))
-                    .sum::<f64>()
-            })
-            .sum();
-        Self {
-            early_over_late: mean(&weighted[..beginning]) / mean(&weighted[weighted.len() / 2..]),
-            residual_over_signal: sqrt(left / signal),
-            correlation: products / squares,
-        }
-    }
-
-    fn matters(&self) -> bool {
-        self.residual_over_signal > NEGLIGIBLE
-    }
-
-    fn still_driven(&self) -> bool {
-        self.matters() && self.early_over_late > STILL_DRIVEN
-    }
-}
-
 fn conclude(
     fitted: &Fitted,
     shared: Shared,
@@ -410,8 +356,7 @@ fn conclude(
     } = shared;
     let covariance = covariance * inflated;
     let standard_error_ln = sqrt(covariance[(0, 0)]);
-    let coloured = evidence.matters() && evidence.correlation > COLOURED;
-    let verdict = if evidence.still_driven() || coloured {
+    let verdict = if evidence.still_driven() || evidence.coloured() {
         Verdict::Undetermined {
             reason: Reason::Misfit {
                 residual_over_signal: evidence.residual_over_signal,

@@ -28,8 +28,8 @@
 //!   derivative of a function of a symmetric matrix is its divided differences times the entries (Daletskii and Krein), so
 //!
 //! ```text
-//! dp_i = sum_j N_ij ( -(lambda_i + lambda_j)/2 (C\[i,j\] a_j + D\[i,j\] b_j) - p_j/2 )
-//! C\[i,j\] = (C_i - C_j)/(lambda_i - lambda_j),     dC/dlambda where both are equal
+//! dp_i = sum_j N_ij ( -(lambda_i + lambda_j)/2 (C[i,j] a_j + D[i,j] b_j) - p_j/2 )
+//! C[i,j] = (C_i - C_j)/(lambda_i - lambda_j),     dC/dlambda where both are equal
 //! ```
 //!
 //! Derivatives of single modes' frequencies and shapes, which blow up as two frequencies meet, do not occur.
@@ -71,7 +71,7 @@ pub struct RingDown {
     rate_rad_s: [f64; MODES],
 }
 
-/// C and D of each mode at one instant, with their derivatives by s_j and w_j's dependence worked in.
+/// C and D of each mode at one instant.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Instant {
     time_s: f64,
@@ -187,7 +187,7 @@ impl RingDown {
         self.at(time_s).sensitivities(self, initial)
     }
 
-    /// Limb forces of mode `mode`, unit force in it.
+    /// One limb's force of a unit force in each mode.
     pub(super) fn shape(&self, limb: usize) -> &[f64; MODES] {
         &self.shape[limb]
     }
