@@ -12,6 +12,7 @@ use sixaxis_core::{LIMBS, Parameters};
 
 use crate::session::{Role, SessionFile};
 use crate::steps::{Campaign, FourSteps, jackknife};
+use crate::tap::Taps;
 
 /// Half width of the 95 % interval of a normal variable, in standard deviations.
 const NORMAL_95: f64 = 1.959_963_984_540_054;
@@ -35,7 +36,7 @@ pub struct ParameterReport {
     pub from_noise: Option<f64>,
     /// Half width that the differences between trials give; none for fewer than three trials.
     pub from_trials: Option<f64>,
-    /// Half width that the standards' classes give.
+    /// Half width that the standards' classes give; for k/m by taps, errors of I/m and gains.
     pub from_standards: Option<f64>,
     /// What dominates the interval.
     pub dominated_by: String,
@@ -264,6 +265,34 @@ fn finish(
 /// by about a millionth.
 pub const SCALE_ERROR_FOR_STIFFNESS: f64 = 1e-6;
 
+/// What to do where k/m is not determined.
+const TAP_IT: &str = "k/m cannot be had from this campaign: tap the shell, held by the rig, sample at 50 kHz and enter the recording with role = \"tap\"";
+
+/// Puts k/m by taps in the place of what step 4 says of it.
+pub fn put_taps(reports: &mut [ParameterReport], taps: &Taps) {
+    let (Some(found), Some(report)) = (
+        &taps.stiffness,
+        reports.iter_mut().find(|report| report.name == "k/m"),
+    ) else {
+        return;
+    };
+    report.estimate = found.per_mass_per_s2;
+    report.half_width_95 = Some(found.half_width_95);
+    report.from_noise = Some(found.from_noise);
+    report.from_standards = Some(found.from_known);
+    report.dominated_by = if found.from_known > found.from_noise {
+        "what steps 2 and 3 leave"
+    } else {
+        "noise"
+    }
+    .to_owned();
+    report.determined = true;
+    report.remark = match found.taps {
+        1 => "from a tap".to_owned(),
+        n => format!("from {n} taps"),
+    };
+}
+
 fn stiffness(
     steps: &FourSteps,
     used: &Parameters,
@@ -276,15 +305,17 @@ fn stiffness(
         .fold(0.0, f64::max);
     let determined = steps.stiffness_is_determined() && worst <= SCALE_ERROR_FOR_STIFFNESS;
     let remark = match &steps.stiffness {
-        None => "not determined: there is no trial of role high_frequency_linear; the design's value is used".to_owned(),
+        None => format!(
+            "not determined: there is no trial of role high_frequency_linear; the design's value is used. {TAP_IT}"
+        ),
         Some(_) if determined => String::new(),
         Some(found) if steps.stiffness_is_determined() => format!(
-            "not to be relied on: the search has a minimum at {:.2e} 1/s², but that needs scale factors right to one millionth and has them to {:.1} %",
+            "not to be relied on: the search has a minimum at {:.2e} 1/s², but that needs scale factors right to one millionth and has them to {:.1} %. {TAP_IT}",
             found.grid_minimum_per_s2,
             100.0 * worst
         ),
         Some(_) => format!(
-            "not determined: needs scale factors right to one millionth, has them to {:.1} %; the design's value is used, which the decoupled accelerations do not notice at the rig's frequencies",
+            "not determined: needs scale factors right to one millionth, has them to {:.1} %; the design's value is used, which the decoupled accelerations do not notice at the rig's frequencies. {TAP_IT}",
             100.0 * worst
         ),
     };

@@ -11,6 +11,7 @@ use crate::certified::Gain;
 use crate::error::{Error, Result};
 use crate::session::{Role, Session};
 use crate::steps::{Campaign, FourSteps};
+use crate::tap::Taps;
 
 /// Standard deviation of a wedge's angles where the session does not say, degrees: a workshop's.
 pub const WEDGE_DEG: f64 = 0.1;
@@ -18,6 +19,8 @@ pub const WEDGE_DEG: f64 = 0.1;
 const TIME_CONSTANT: f64 = 0.1;
 /// Standard error by batches over that of white noise above which a static record's noise is not white.
 const NOT_WHITE: f64 = 1.6;
+/// Half width of the 95 % interval of a normal variable, in standard deviations.
+const NORMAL_95: f64 = 1.959_963_984_540_054;
 /// 1/(k/m) whose standard deviation is below this share of it is known; what is below a tenth is a measurement.
 const COMPLIANCE_KNOWN: f64 = 0.1;
 
@@ -67,6 +70,20 @@ impl Knowledge {
                 compliance_s2: None,
             },
         }
+    }
+}
+
+impl Knowledge {
+    /// Takes k/m from taps, if they determine it. They were evaluated with steps 2 and 3, whose errors they share with the
+    /// trials; of k/m that is a small part, and the trials say next to nothing of k/m themselves.
+    pub fn take_taps(&mut self, taps: &Taps) {
+        self.certificates.compliance_s2 = taps.stiffness.as_ref().map(|found| {
+            let compliance = 1.0 / found.per_mass_per_s2;
+            Known {
+                value: compliance,
+                deviation: found.half_width_95 / NORMAL_95 * compliance * compliance,
+            }
+        });
     }
 }
 
@@ -175,7 +192,7 @@ pub fn fit(campaign: &Campaign, steps: &FourSteps, knowledge: &Knowledge) -> Res
                     (Drive::Linear, &trial.accelerometer_m_s2)
                 }
                 Role::Angular => (Drive::Angular, &trial.gyroscope_rad_s),
-                Role::Static | Role::Validation => return None,
+                Role::Static | Role::Tap | Role::Validation => return None,
             };
             let record = Record {
                 drive,

@@ -18,6 +18,7 @@
 //! | [`suspicion`] | what is wrong, named |
 //! | [`joint`] | all 25 at once, with what the session knows beforehand |
 //! | [`certified`] | a normal error and one that a certificate bounds, together |
+//! | [`tap`] | k/m from blows on the shell |
 //! | [`interval`] | how well each parameter is known, and what limits it |
 //! | [`verdict`] | all of it judged |
 //! | [`calibration`] | the result as a file |
@@ -35,6 +36,7 @@ pub mod rigid;
 pub mod session;
 pub mod steps;
 pub mod suspicion;
+pub mod tap;
 pub mod trial;
 pub mod unit;
 pub mod verdict;

@@ -286,8 +286,10 @@ impl Reader<'_> {
         let layout = source.layout().clone();
         let (indices, volts) = limbs(&path, &layout, self.channels())?;
         let mut wanted: Vec<(usize, f64)> = indices.into_iter().zip(volts).collect();
-        let own_reference = self.entry.reference_file.is_some();
-        if !own_reference {
+        // A tap has no standards.
+        let struck = self.entry.role == Role::Tap;
+        let own_reference = self.entry.reference_file.is_some() && !struck;
+        if !own_reference && !struck {
             wanted.extend(self.instruments(&path, &layout)?);
         }
         let mut columns = self.columns(
@@ -299,7 +301,9 @@ impl Reader<'_> {
         )?;
         let rate = columns.sample_rate_hz;
         let mut instruments = columns.series.split_off(LIMBS);
-        if let Some(reference) = &self.entry.reference_file {
+        if let Some(reference) = &self.entry.reference_file
+            && own_reference
+        {
             let (read, first, last) = self.foreign_reference(reference, rate, &columns)?;
             instruments = read;
             for column in &mut columns.series {

@@ -82,7 +82,7 @@ pub fn measure(trial: &Trial, cleaned: &Cleaned, force_n: &[[f64; LIMBS]]) -> Op
     let travels = match trial.role {
         Role::Angular => false,
         Role::Validation => peak_of(&linear) > ARM_M * peak_of(&angular),
-        Role::Static | Role::Linear | Role::HighFrequencyLinear => true,
+        Role::Static | Role::Linear | Role::HighFrequencyLinear | Role::Tap => true,
     };
     let waveform = if travels { &linear } else { &angular };
     let samples = waveform.len();
@@ -99,7 +99,7 @@ pub fn measure(trial: &Trial, cleaned: &Cleaned, force_n: &[[f64; LIMBS]]) -> Op
     let turns = match trial.role {
         Role::Angular => true,
         Role::Validation => peak_of(&rate) > TURNING_RAD_S,
-        Role::Static | Role::Linear | Role::HighFrequencyLinear => false,
+        Role::Static | Role::Linear | Role::HighFrequencyLinear | Role::Tap => false,
     };
     let mut design = DMatrix::from_fn(rows.len(), TERMS, |i, term| {
         let row = rows[i];

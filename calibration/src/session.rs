@@ -232,6 +232,8 @@ pub enum Role {
     HighFrequencyLinear,
     /// Any motion of the rig, compound ones above all: held against the standards, never fitted.
     Validation,
+    /// A blow on the shell, held by the rig, at 20 kHz or more: k/m from the modes. No standards, no direction.
+    Tap,
 }
 
 impl Role {
@@ -244,6 +246,7 @@ impl Role {
             Self::Angular => "angular",
             Self::HighFrequencyLinear => "high_frequency_linear",
             Self::Validation => "validation",
+            Self::Tap => "tap",
         }
     }
 }
@@ -256,14 +259,15 @@ pub struct Entry {
     pub file: PathBuf,
     /// What it is for.
     pub role: Role,
-    /// Travel and pinion axis in the sensor's axes at rest, of any length: read off the wedge. Needed but for `static`.
+    /// Travel and pinion axis in the sensor's axes at rest, of any length: read off the wedge. Needed but for `static` and
+    /// `tap`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub direction: Option<[f64; 3]>,
     /// Where down is in the sensor's axes at rest, of any length. Left out: along the rig's axis, so that gravity does not
     /// turn in the sensor.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub down: Option<[f64; 3]>,
-    /// Crank frequency, Hz. Needed but for `static`.
+    /// Crank frequency, Hz. Needed but for `static` and `tap`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frequency_hz: Option<f64>,
     /// Samples per second, where the file does not say.

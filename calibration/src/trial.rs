@@ -34,15 +34,15 @@ pub struct Trial {
     pub full_scale_v: f64,
     /// Nine voltages per sample, V.
     pub voltage_v: Vec<[f64; LIMBS]>,
-    /// Standard accelerometer along the travel, m/s^2; empty for a static record.
+    /// Standard accelerometer along the travel, m/s^2; empty for a static record and a tap.
     pub accelerometer_m_s2: Vec<f64>,
-    /// Standard gyroscope about the pinion's axis, rad/s; empty for a static record.
+    /// Standard gyroscope about the pinion's axis, rad/s; empty for a static record and a tap.
     pub gyroscope_rad_s: Vec<f64>,
     /// Unit vector of travel and axis in the sensor's axes at rest.
     pub direction_ground: DVec3,
     /// Gravity in the sensor's axes at rest, m/s^2.
     pub gravity_ground_m_s2: DVec3,
-    /// Crank frequency, Hz; 0 for a static record.
+    /// Crank frequency, Hz; 0 for a static record and a tap.
     pub frequency_hz: f64,
 }
 

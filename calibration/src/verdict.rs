@@ -2,7 +2,7 @@
 //!
 //! Good is a promise: nothing was found wrong, every parameter that a rig can determine is determined, trials that were left out
 //! of a fit are predicted by it, and runs that were never fitted come out as the standards show them. k/m is no part of it: the
-//! paper's band does not determine it, and what is decoupled there does not notice.
+//! paper's band does not determine it, and what is decoupled there does not notice. A tap that was recorded has to be one, though.
 
 mod evidence;
 mod grading;
@@ -23,11 +23,12 @@ use validation::validate;
 use crate::calibration::Calibration;
 use crate::cleaning::{Cleaned, Cleaning};
 use crate::error::{Error, Result};
-use crate::interval::{LeftOut, ParameterReport, report};
+use crate::interval::{LeftOut, ParameterReport, put_taps, report};
 use crate::load;
 use crate::session::{Role, SessionFile, Stage};
 use crate::steps::{Campaign, FourSteps, GyroscopeGain};
 use crate::suspicion::{Cause, Facts, Finding, examine};
+use crate::tap::Taps;
 use crate::trial::Trial;
 
 /// The judgement in one word.
@@ -124,6 +125,8 @@ pub struct Judgement {
     pub obstacle: Option<String>,
     /// The 25 parameters; empty if the steps could not be done.
     pub parameters: Vec<ParameterReport>,
+    /// The taps.
+    pub taps: Taps,
     /// The trials.
     pub trials: Vec<TrialReport>,
     /// Validation runs in full.
@@ -174,11 +177,13 @@ pub fn judge(file: &SessionFile, watch: &dyn Watch) -> Result<Judgement> {
     let mut findings = Vec::new();
     let mut at_rest = None;
     let mut moving = Vec::new();
+    let mut struck = Vec::new();
     for (entry, trial) in entries.iter().zip(loaded) {
         match trial {
             Ok(trial) if entry.role == Role::Static && at_rest.is_none() => at_rest = Some(trial),
             // The first static record counts; one more at the end of the day does no harm.
             Ok(_) if entry.role == Role::Static => {}
+            Ok(trial) if entry.role == Role::Tap => struck.push(trial),
             Ok(trial) => moving.push(trial),
             Err(error @ Error::Session { .. }) => return Err(error),
             Err(error) => {
@@ -260,11 +265,20 @@ pub fn judge(file: &SessionFile, watch: &dyn Watch) -> Result<Judgement> {
     let mut calibration = None;
     let mut found = None;
     let mut obstacle = None;
+    let mut taps = Taps::default();
     match steps {
         Ok(steps) => {
             let left_out = LeftOut::fit(&campaign, &steps);
             watch.part();
             parameters = report(file, &steps, &left_out);
+            taps = Taps::identify(
+                &struck,
+                campaign.geometry,
+                &steps.used(),
+                &campaign.design,
+                &parameters,
+            );
+            put_taps(&mut parameters, &taps);
             let used = used(&steps, &parameters);
             hold_out(&campaign, &steps, &left_out, &mut reports);
             coordination(&campaign, &used, &mut reports);
@@ -312,13 +326,14 @@ pub fn judge(file: &SessionFile, watch: &dyn Watch) -> Result<Judgement> {
         .rig
         .as_ref()
         .is_some_and(|rig| rig.stroke_mm.is_some() && rig.rotation_amplitude_deg.is_some());
-    let reservations = reservations(
+    let mut reservations = reservations(
         &campaign,
         &file.session.limits,
         rig_is_known,
         &parameters,
         &reports,
     );
+    reservations.extend(taps.remarks.iter().cloned());
     let (grade, sentence) = grade(&findings, &reservations, &reports, found.is_some());
     let mut next: Vec<String> = Vec::new();
     for finding in &findings {
@@ -346,6 +361,7 @@ pub fn judge(file: &SessionFile, watch: &dyn Watch) -> Result<Judgement> {
         steps: found,
         obstacle,
         parameters,
+        taps,
         trials: reports,
         comparisons,
         recordings,
@@ -353,11 +369,15 @@ pub fn judge(file: &SessionFile, watch: &dyn Watch) -> Result<Judgement> {
     })
 }
 
-/// The parameters to decouple with: k/m is the design's unless its report calls it determined.
+/// The parameters to decouple with: k/m is the design's unless its report calls it determined, by taps or by step 4.
 fn used(steps: &FourSteps, parameters: &[ParameterReport]) -> Parameters {
     let mut used = steps.used();
-    if parameters.iter().any(|p| p.name == "k/m" && !p.determined) {
-        used.stiffness_per_mass_per_s2 = steps.design_stiffness_per_mass_per_s2;
+    if let Some(stiffness) = parameters.iter().find(|p| p.name == "k/m") {
+        used.stiffness_per_mass_per_s2 = if stiffness.determined {
+            stiffness.estimate
+        } else {
+            steps.design_stiffness_per_mass_per_s2
+        };
     }
     used
 }

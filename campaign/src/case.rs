@@ -8,10 +8,11 @@ use std::path::PathBuf;
 use rayon::prelude::*;
 use sixaxis_calibration::averaged::Averaged;
 use sixaxis_calibration::cleaning::{Cleaned, Cleaning};
-use sixaxis_calibration::interval::{LeftOut, report};
+use sixaxis_calibration::interval::{LeftOut, put_taps, report};
 use sixaxis_calibration::joint::{self, JointReport, Knowledge};
 use sixaxis_calibration::session::{Role, Session, SessionFile};
 use sixaxis_calibration::steps::{Campaign, FourSteps, GyroscopeGain};
+use sixaxis_calibration::tap::Taps;
 use sixaxis_calibration::trial::{Readings, Trial};
 use sixaxis_core::identify::{Reason, Verdict};
 use sixaxis_reference::session::plan::SessionPlan;
@@ -95,11 +96,13 @@ fn identify(session: &Session, recordings: Vec<Played>) -> Result<Found, Failure
     let cleaning = Cleaning::of(session);
     let mut static_voltage_v = Vec::new();
     let mut moving = Vec::new();
+    let mut struck = Vec::new();
     for recording in recordings {
         match recording.entry.role {
             Role::Static => static_voltage_v = at_rest(&recording),
             // Held against the standards, never fitted.
             Role::Validation => {}
+            Role::Tap => struck.push(trial(session, recording)),
             _ => moving.push(recording),
         }
     }
@@ -132,10 +135,20 @@ fn identify(session: &Session, recordings: Vec<Played>) -> Result<Found, Failure
             status: Status::NotIdentified,
             cause: error.to_string(),
         })?;
-    let reports = report(&file, &steps, &LeftOut::fit(&campaign, &steps));
+    let mut reports = report(&file, &steps, &LeftOut::fit(&campaign, &steps));
+    let taps = Taps::identify(
+        &struck,
+        campaign.geometry,
+        &steps.used(),
+        &campaign.design,
+        &reports,
+    );
+    put_taps(&mut reports, &taps);
     let half_width_95 =
         core::array::from_fn(|i| reports.get(i).and_then(|report| report.half_width_95));
-    let joint = joint::fit(&campaign, &steps, &Knowledge::of(session));
+    let mut knowledge = Knowledge::of(session);
+    knowledge.take_taps(&taps);
+    let joint = joint::fit(&campaign, &steps, &knowledge);
     Ok(Found {
         steps,
         half_width_95,
@@ -197,6 +210,9 @@ impl Found {
                 Verdict::Undetermined {
                     reason: Reason::Noise { .. },
                 } => "noise",
+                Verdict::Undetermined {
+                    reason: Reason::Misfit { .. },
+                } => "misfit",
             };
             row.set_text(Text::Step4, word);
         }

@@ -146,6 +146,27 @@ pub enum Error {
         /// Node of the mass, from 1: limbs 1-3, 4-6, 7-9.
         node: usize,
     },
+    /// What follows the largest sample of a recording is not the free decay of the mass in its shell.
+    #[error(
+        "after its largest sample the recording rings like the sensor's six modes to {:.0} % only: no blow, or a shell that was not held still after it",
+        100.0 * explained
+    )]
+    NoRingDown {
+        /// Share of the variance that six decaying modes explain at best.
+        explained: f64,
+    },
+    /// Too few samples for the highest mode of the sensor.
+    #[error(
+        "sampled at {sample_rate_hz:.0} Hz, the sensor's highest mode at {highest_mode_hz:.0} Hz cannot be followed: at least {needed_hz:.0} Hz"
+    )]
+    SampledTooSlowly {
+        /// Samples per second.
+        sample_rate_hz: f64,
+        /// Highest mode, Hz.
+        highest_mode_hz: f64,
+        /// Smallest sample rate that will do.
+        needed_hz: f64,
+    },
     /// An iteration did not settle within its cap.
     #[error("{what} did not converge in {iterations} iterations")]
     NotConverged {

@@ -14,4 +14,5 @@ pub mod rig_runs;
 pub mod rigid;
 pub mod statistics;
 pub mod strategy;
+pub mod taps;
 pub mod tolerance;

@@ -225,3 +225,27 @@ pub const fn rigid_limbs(frequency_hz: f64, stiffness_per_mass_per_s2: f64) -> T
 }
 /// The rig's motion in closed form against MuJoCo's integration, over the peak.
 pub const RIGID_MOTION: Tolerance = new(1e-12, Reason::Measured("1.4e-13"));
+
+/// Relative differences that a decay's derivatives are compared with: phases of a hundred radians move by 1e-4.
+pub const TAP_DIFFERENCE: f64 = 1e-6;
+/// A decay's derivatives against those differences, over their size, beyond what the modes themselves explain.
+pub const TAP_DERIVATIVES: Tolerance = new(1e-5, Reason::Derived);
+/// A normal variable in its standard deviations: one false alarm in a million.
+pub const TAP_CHANCE: Tolerance = new(crate::statistics::ONE_IN_A_MILLION, Reason::Derived);
+/// Standard error of ln k/m that a tap states against the Cramér-Rao bound: noise that is estimated from 12,000 residuals.
+pub const TAP_STANDARD_ERROR: Tolerance = new(0.1, Reason::Measured("0.02 over eleven taps"));
+/// I/m that a tap is told over the true one, for the control.
+pub const TAP_WRONG_INERTIA: f64 = 1.05;
+/// Its stated over its true error there.
+pub const TAP_BELIEVED: f64 = 0.01;
+/// Standard errors by which k/m must then be wrong: ten intervals' half widths.
+pub const TAP_BEYOND: f64 = 20.0;
+/// A rig's resonance in the control of the verdict: frequency, Hz, and amplitude in the first channel, V.
+pub const TAP_RIG_HZ: f64 = 1100.0;
+/// See [`TAP_RIG_HZ`].
+pub const TAP_RIG_V: f64 = 0.1;
+/// k/m of a session over the half width of its 95 % interval: 2.5 of those are one false alarm in a million.
+pub const TAP_INTERVAL: Tolerance =
+    new(crate::statistics::ONE_IN_A_MILLION / 1.96, Reason::Derived);
+/// Half width of k/m's interval by two taps of a 60 dB chain, with standards of class 1 % and ranges good to half a per cent.
+pub const TAP_HALF_WIDTH: Tolerance = new(2e-2, Reason::Derived);

@@ -11,6 +11,7 @@
 //! | [`schedule`] | the trials that it asks for |
 //! | [`play`] | all of it played |
 //! | `record` | one trial of it |
+//! | `strike` | one tap of it |
 //! | `session_file` | what the laboratory writes down |
 //! | [`mod@write`] | all of it on disk |
 
@@ -23,4 +24,5 @@ pub mod play;
 mod record;
 pub mod schedule;
 mod session_file;
+mod strike;
 pub mod write;

@@ -154,7 +154,7 @@ impl SessionFile {
                 }
             }
         }
-        if entry.role != Role::Static {
+        if !matches!(entry.role, Role::Static | Role::Tap) {
             for (name, missing) in [
                 ("direction", entry.direction.is_none()),
                 ("frequency_hz", entry.frequency_hz.is_none()),

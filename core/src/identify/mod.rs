@@ -2,7 +2,7 @@
 //!
 //! Each step streams its samples into constant memory and returns an estimate together with what is needed to judge
 //! it: residual, condition number, covariance, and a verdict when the data cannot determine it. Later steps use the
-//! results of earlier ones.
+//! results of earlier ones. The paper's band does not determine k/m; `tap` (feature `alloc`) is where it shows.
 
 pub mod compliance;
 pub mod inertia;
@@ -13,6 +13,8 @@ pub mod scale;
 pub mod stiffness;
 #[cfg(feature = "alloc")]
 pub mod stiffness_search;
+#[cfg(feature = "alloc")]
+pub mod tap;
 pub mod zero_drift;
 
 use serde::{Deserialize, Serialize};
@@ -48,6 +50,13 @@ pub enum Reason {
     Flat {
         /// Floor of the objective over its largest value on the grid.
         floor_over_largest: f64,
+    },
+    /// What is left of a fit is neither small nor noise: the data are not what the model is of.
+    Misfit {
+        /// Root mean square of the residual over that of the signal, where the signal is strongest.
+        residual_over_signal: f64,
+        /// Correlation of neighbouring residuals.
+        correlation: f64,
     },
 }
 

@@ -24,6 +24,8 @@ const MOST_BITS: u32 = 52;
 const LARGEST_WEDGE_ERROR_DEG: f64 = 20.0;
 /// Amplitudes of the rig, m and rad, and the converter's limit, V, at most.
 const LARGEST: f64 = 1e3;
+/// Taps, at most.
+const MOST_TAPS: usize = 100;
 /// Periods of a run, and seconds of rest, at most.
 const LONGEST: f64 = 1e6;
 
@@ -117,6 +119,10 @@ fn rig(plan: &SessionPlan) -> Result<(), PlayError> {
         rig.wedge_error_deg,
         0.0..=LARGEST_WEDGE_ERROR_DEG,
     )?;
+    if rig.taps > MOST_TAPS {
+        let cause = format!("{} is more than {MOST_TAPS}", rig.taps);
+        return Err(refuse("rig.taps", cause));
+    }
     // The crank's own run has to come back to where it began.
     let turns = rig.ramp_periods + rig.steady_periods;
     if turns.fract() != 0.0 {

@@ -103,6 +103,8 @@ pub struct RigPlan {
     pub low_band_hz: (f64, f64),
     /// Frequencies of step 4, from and to, Hz.
     pub high_band_hz: (f64, f64),
+    /// Taps on the shell at the end of the day, played in MuJoCo whatever moves the trials.
+    pub taps: usize,
 }
 
 impl Default for RigPlan {
@@ -117,6 +119,7 @@ impl Default for RigPlan {
             wedge_error_deg: 0.0,
             low_band_hz: (1.0, 2.0),
             high_band_hz: (4.0, 5.0),
+            taps: 0,
         }
     }
 }

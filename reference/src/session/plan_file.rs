@@ -193,6 +193,11 @@ fn rig(text: &mut Text, rig: &RigPlan) {
         "high_band_hz",
         &rig.high_band_hz,
     );
+    text.key(
+        "Taps on the shell, from which k/m is found; played in MuJoCo even with engine \"rigid\".",
+        "taps",
+        &rig.taps,
+    );
 }
 
 fn chain(text: &mut Text, chain: &ChainPlan) {

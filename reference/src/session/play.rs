@@ -16,6 +16,7 @@ use super::plan::SessionPlan;
 use super::record::{Recorder, chain, wedge_errors};
 use super::schedule::{Planned, trials};
 use super::session_file::session;
+use super::strike;
 use crate::instruments::{GAIN_SHARE, Instruments};
 use crate::recording::TrueMotion;
 use crate::rig::Mounting;
@@ -50,9 +51,9 @@ pub struct Played {
     pub sample_rate_hz: f64,
     /// Nine voltages per sample, V, true volts times whatever the recorder makes of them.
     pub voltage_v: Vec<[f64; LIMBS]>,
-    /// Accelerometer, m/s^2; empty for the static record.
+    /// Accelerometer, m/s^2; empty for the static record and for taps.
     pub accelerometer_m_s2: Vec<f64>,
-    /// Gyroscope, rad/s; empty for the static record.
+    /// Gyroscope, rad/s; empty for the static record and for taps.
     pub gyroscope_rad_s: Vec<f64>,
     /// The true motion; empty for the static record.
     pub truth: Vec<TrueMotion>,
@@ -96,10 +97,11 @@ pub fn play(plan: &SessionPlan) -> Result<PlayedSession, PlayError> {
 /// [`PlayError::Plan`].
 pub fn work_ms(plan: &SessionPlan) -> Result<u64, PlayError> {
     check(plan)?;
-    Ok(trials(plan, None)
+    let trials: u64 = trials(plan, None)
         .iter()
         .map(|trial| trial_ms(plan, trial))
-        .sum())
+        .sum();
+    Ok(trials + plan.rig.taps as u64 * strike::WORK_MS)
 }
 
 fn trial_ms(plan: &SessionPlan, trial: &Planned) -> u64 {
@@ -142,6 +144,15 @@ pub fn play_watched(
         })
         .collect::<Result<_, PlayError>>()?;
     recordings.extend(played);
+    let struck: Vec<Played> = (0..plan.rig.taps)
+        .into_par_iter()
+        .map(|index| {
+            let played = recorder.strike(index)?;
+            done_ms(strike::WORK_MS);
+            Ok(played)
+        })
+        .collect::<Result<_, PlayError>>()?;
+    recordings.extend(struck);
     Ok(PlayedSession {
         session: session(plan, defect, &recordings),
         recordings,

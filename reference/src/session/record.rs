@@ -241,14 +241,7 @@ impl Recorder<'_> {
                 Ok(sensor.play(run, gravity_ground_m_s2, rate))
             }
             Engine::Mujoco => {
-                let model = SensorModel {
-                    geometry: Geometry::PAPER,
-                    mass_kg: MASS_KG,
-                    inertia_per_mass: parameters.inertia_per_mass,
-                    stiffness_per_mass_per_s2: parameters.stiffness_per_mass_per_s2,
-                    damping_ratio: DAMPING_RATIO,
-                    gravity_ground_m_s2,
-                };
+                let model = model(parameters, gravity_ground_m_s2);
                 let steps = (1.0 / (rate * LONGEST_STEP_S)).ceil() as usize;
                 Ok(SimulatedRun::simulate(&model, run, rate, steps)?)
             }
@@ -256,7 +249,7 @@ impl Recorder<'_> {
     }
 
     /// What defects of the measuring chain make of the voltages and of what is written down of them.
-    fn spoil(
+    pub(super) fn spoil(
         &self,
         index: usize,
         voltage_v: &mut [[f64; LIMBS]],
@@ -334,6 +327,18 @@ impl Recorder<'_> {
             }
             _ => {}
         }
+    }
+}
+
+/// The sensor as MuJoCo has it.
+pub(super) fn model(parameters: &Parameters, gravity_ground_m_s2: DVec3) -> SensorModel {
+    SensorModel {
+        geometry: Geometry::PAPER,
+        mass_kg: MASS_KG,
+        inertia_per_mass: parameters.inertia_per_mass,
+        stiffness_per_mass_per_s2: parameters.stiffness_per_mass_per_s2,
+        damping_ratio: DAMPING_RATIO,
+        gravity_ground_m_s2,
     }
 }
 

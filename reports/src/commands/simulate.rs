@@ -51,6 +51,9 @@ pub struct Arguments {
     /// Samples per second of the trials, Hz [default: 2000]
     #[arg(long, value_name = "HZ")]
     rate: Option<f64>,
+    /// Taps on the shell, from which k/m is found; always played in MuJoCo, half a second of processor time each [default: 0]
+    #[arg(long, value_name = "N")]
+    taps: Option<usize>,
     /// Replace the session that the folder holds
     #[arg(long)]
     force: bool,
@@ -138,6 +141,7 @@ fn plan(arguments: &Arguments) -> Result<SessionPlan> {
         defect,
         trials,
         rate,
+        taps,
         ..
     } = arguments;
     plan.seed = seed.unwrap_or(plan.seed);
@@ -147,6 +151,7 @@ fn plan(arguments: &Arguments) -> Result<SessionPlan> {
         plan.defect = defect.clone();
     }
     plan.trials_per_step = trials.unwrap_or(plan.trials_per_step);
+    plan.rig.taps = taps.unwrap_or(plan.rig.taps);
     plan.sample_rate_hz = rate.unwrap_or(plan.sample_rate_hz);
     match (check(&plan), &arguments.plan) {
         (Ok(()), _) => Ok(plan),

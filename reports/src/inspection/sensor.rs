@@ -117,7 +117,7 @@ impl Expected {
     #[must_use]
     pub fn may_be_still(&self, name: &str) -> bool {
         let (accelerometer, gyroscope) = match self.role {
-            Some(Role::Static) => (true, true),
+            Some(Role::Static | Role::Tap) => (true, true),
             Some(Role::Linear | Role::HighFrequencyLinear) => (false, true),
             Some(Role::Angular) => (true, false),
             Some(Role::Validation) | None => (false, false),

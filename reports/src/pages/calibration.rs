@@ -7,6 +7,7 @@ mod preprocessing;
 mod provenance;
 mod rest;
 mod steps;
+mod taps;
 mod trials;
 mod validation;
 mod words;
@@ -35,6 +36,7 @@ pub fn page(file: &SessionFile, judgement: &Judgement) -> Page {
         trials::section(file, judgement),
         validation::section(file, judgement),
         steps::section(judgement),
+        taps::section(judgement),
         preprocessing::section(file, judgement),
         rest::section(judgement),
         provenance::section(file, judgement),
@@ -155,14 +157,21 @@ fn tiles(limits: &Limits, judgement: &Judgement) -> Vec<Tile> {
             Tile::new(
                 "$k/m$",
                 format!("{} 1/s²", scientific(stiffness.estimate, 3)),
-                "determined by step 4",
+                match stiffness.half_width_95 {
+                    Some(half_width) => format!(
+                        "{}; half width of the 95 % interval {}",
+                        stiffness.remark,
+                        words::share(Some(half_width / stiffness.estimate))
+                    ),
+                    None => "determined by step 4".to_owned(),
+                },
                 State::Neutral,
             )
         } else {
             Tile::new(
                 "$k/m$",
                 "not determined",
-                "its design value is used, which accelerations at the rig's frequencies do not notice",
+                "its design value is used, which accelerations at the rig's frequencies do not notice; a tap on the shell determines it",
                 State::Neutral,
             )
         });

@@ -231,6 +231,13 @@ pub fn verdict(verdict: &Verdict) -> String {
                 "not determined: the smallest rate is {} of the largest on the grid",
                 percent(*floor_over_largest, 2)
             ),
+            Reason::Misfit {
+                residual_over_signal,
+                ..
+            } => format!(
+                "not determined: {} of the signal are neither the model nor noise",
+                percent(*residual_over_signal, 2)
+            ),
         },
     }
 }

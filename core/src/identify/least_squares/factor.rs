@@ -96,6 +96,21 @@ impl<const N: usize, const S: usize> Factor<N, S> {
         self.rows += other.rows;
     }
 
+    /// The system of the last M unknowns, the others taking whatever values suit them best: the lower rows of the triangle, in
+    /// which they do not occur.
+    #[cfg(feature = "alloc")]
+    pub fn last<const M: usize>(&self) -> Accumulator<M> {
+        let settled = self.settled();
+        let first = N - M;
+        let mut other = Factor::<M, 1>::default();
+        for (row, rotated) in settled.triangle.iter().zip(&settled.rotated).skip(first) {
+            other.lay_in(&core::array::from_fn(|k| row[first + k]), &[rotated[0]]);
+        }
+        other.residual_squares = [settled.residual_squares[0]];
+        other.rows = settled.rows - first;
+        Accumulator(other)
+    }
+
     pub fn rows(&self) -> usize {
         self.rows
     }

@@ -90,6 +90,7 @@ fn row(p: &ParameterReport, per_si: f64, limit: f64) -> Row {
         None => (scientific(p.estimate * per_si, 3), MISSING.to_owned()),
     };
     let relative = match p.half_width_95 {
+        Some(half_width) if p.name == "k/m" => share(Some(half_width / p.estimate)).into(),
         Some(half_width) if has_scale(p) => {
             let ratio = half_width / p.estimate.abs();
             let cell = Cell::from(share(Some(ratio)));

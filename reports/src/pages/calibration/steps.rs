@@ -156,17 +156,20 @@ fn explanation(judgement: &Judgement, steps: &FourSteps) -> String {
             MISSING.to_owned()
         }
     );
-    let determined = judgement
-        .parameters
-        .iter()
-        .any(|p| p.name == "k/m" && p.determined);
-    if determined {
+    let stiffness = judgement.parameters.iter().find(|p| p.name == "k/m");
+    let by_taps = judgement.taps.stiffness.is_some();
+    if !by_taps && stiffness.is_some_and(|p| p.determined) {
         return format!("{reached} The dip is deep enough: $k$/$m$ is determined.");
     }
     format!(
         "{reached} The rate that is left comes from errors of the scale factors, which make a rotation of their own out of linear motion. \
          Compliance of the limbs changes the torques by about a millionth, so the scale factors would have to be right to a millionth, \
          too, before the curve says anything about $k$/$m$. No standard instrument is. It does no harm: at the rig's frequencies \
-         decoupled accelerations change by about as little, and the design's value is used."
+         decoupled accelerations change by about as little, and {} is used.",
+        if by_taps {
+            "the value from the taps"
+        } else {
+            "the design's value"
+        }
     )
 }

@@ -53,6 +53,7 @@ pub const fn role(role: Role) -> &'static str {
         Role::Angular => "Angular (step 3)",
         Role::HighFrequencyLinear => "High-frequency linear (step 4)",
         Role::Validation => "Validation (never fitted)",
+        Role::Tap => "Taps (stiffness)",
     }
 }
 

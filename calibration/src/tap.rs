@@ -1,0 +1,213 @@
+//! k/m from the session's taps: each evaluated by itself, then taken together.
+//!
+//! A tap is evaluated with scale factors and I/m of steps 2 and 3 and with what these are off by: noise and differences between
+//! trials, which every entry has of its own, and the standards' class, which all entries of I/m have in common. What the
+//! scale factors have in common a tap does not notice.
+//!
+//! An estimate's error has a part from the recording's noise, which is another in each tap, and one from what is known
+//! beforehand, which is the same in all. Taps are weighed by the former; the latter does not average out.
+
+use nalgebra::{Matrix6, Vector6};
+use sixaxis_core::identify::tap::{self, Setup, Tap};
+use sixaxis_core::{Geometry, LIMBS, Parameters};
+
+use crate::interval::ParameterReport;
+use crate::trial::Trial;
+
+/// Relative standard deviation of an amplifier range's gain about another's: a tap is recorded in other ranges than step 2.
+const RANGE_DEVIATION: f64 = 0.005;
+/// And of I/m at least, over the mean moment: a covariance must not be singular.
+const INERTIA_DEVIATION: f64 = 1e-6;
+/// Half width of the 95 % interval of a normal variable, in standard deviations.
+const NORMAL_95: f64 = 1.959_963_984_540_054;
+/// Standard errors of their difference by which a tap may be off from all taps' mean.
+const DISAGREE: f64 = 4.0;
+
+/// One tap as it came out.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TapReport {
+    /// Its file.
+    pub name: String,
+    /// Samples per second.
+    pub sample_rate_hz: f64,
+    /// Samples.
+    pub samples: usize,
+    /// What it says, or why it says nothing.
+    pub outcome: Result<Tap, String>,
+}
+
+/// k/m from all taps.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stiffness {
+    /// k/m, 1/s^2.
+    pub per_mass_per_s2: f64,
+    /// Half width of the 95 % interval, 1/s^2.
+    pub half_width_95: f64,
+    /// Half width that the recordings' noise alone would give.
+    pub from_noise: f64,
+    /// Half width that errors of I/m and gains alone would give.
+    pub from_known: f64,
+    /// Taps that it is from.
+    pub taps: usize,
+}
+
+/// The taps of a session.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Taps {
+    /// Each.
+    pub reports: Vec<TapReport>,
+    /// All together; none where no tap determines k/m.
+    pub stiffness: Option<Stiffness>,
+    /// What is to be said against them.
+    pub remarks: Vec<String>,
+}
+
+impl Taps {
+    /// Evaluates the taps with the parameters in use, of which `known` says how well they are known; k/m is looked for about
+    /// the design's.
+    #[must_use]
+    pub fn identify(
+        trials: &[Trial],
+        geometry: Geometry,
+        used: &Parameters,
+        design: &Parameters,
+        known: &[ParameterReport],
+    ) -> Self {
+        let parameters = Parameters {
+            stiffness_per_mass_per_s2: design.stiffness_per_mass_per_s2,
+            ..*used
+        };
+        let reports: Vec<TapReport> = trials
+            .iter()
+            .map(|trial| TapReport {
+                name: trial.name.clone(),
+                sample_rate_hz: trial.sample_rate_hz,
+                samples: trial.voltage_v.len(),
+                outcome: evaluate(trial, geometry, &parameters, known),
+            })
+            .collect();
+        let mut remarks: Vec<String> = reports
+            .iter()
+            .filter_map(|report| Some((report, report.outcome.as_ref().err()?)))
+            .map(|(report, cause)| {
+                format!("{}: says nothing of k/m: {cause}; tap again", report.name)
+            })
+            .collect();
+        let used: Vec<(&TapReport, &Tap)> = reports
+            .iter()
+            .filter_map(|report| Some((report, report.outcome.as_ref().ok()?)))
+            .collect();
+        let stiffness = together(&used, &mut remarks);
+        Self {
+            reports,
+            stiffness,
+            remarks,
+        }
+    }
+}
+
+fn evaluate(
+    trial: &Trial,
+    geometry: Geometry,
+    parameters: &Parameters,
+    known: &[ParameterReport],
+) -> Result<Tap, String> {
+    let setup = Setup {
+        sensor: &trial.sensor(geometry),
+        parameters,
+        inertia_covariance_m4: inertia_covariance(parameters, known),
+        gain_deviation: gain_deviation(known),
+        sample_rate_hz: trial.sample_rate_hz,
+        full_scale_v: trial.full_scale_v,
+    };
+    let tap = tap::identify(&setup, &trial.voltage_v).map_err(|e| e.to_string())?;
+    if tap.verdict.is_determined() {
+        Ok(tap)
+    } else if tap.residual_over_signal > tap.standard_error_ln {
+        Err(format!(
+            "what follows the blow is not the decay of six modes, {:.1} % of it is left over; the shell must be held still",
+            100.0 * tap.residual_over_signal
+        ))
+    } else {
+        Err(format!(
+            "its noise leaves k/m uncertain by {:.0} %",
+            100.0 * tap.standard_error_ln
+        ))
+    }
+}
+
+/// What differs from trial to trial, as a standard deviation.
+fn differs(report: &ParameterReport) -> f64 {
+    let noise = report.from_noise.unwrap_or(0.0);
+    report.from_trials.unwrap_or(0.0).max(noise) / NORMAL_95
+}
+
+fn gain_deviation(known: &[ParameterReport]) -> [f64; LIMBS] {
+    core::array::from_fn(|limb| {
+        let own = known
+            .get(LIMBS + limb)
+            .map_or(0.0, |s| differs(s) / s.estimate.abs());
+        RANGE_DEVIATION.hypot(own)
+    })
+}
+
+fn inertia_covariance(parameters: &Parameters, known: &[ParameterReport]) -> Matrix6<f64> {
+    let values = parameters.inertia_per_mass.to_paper_order();
+    let least = INERTIA_DEVIATION * (values[0] + values[1] + values[2]) / 3.0;
+    let of = |k: usize| known.get(2 * LIMBS + k);
+    let own = Vector6::from_fn(|k, _| of(k).map_or(0.0, differs).hypot(least).powi(2));
+    let common = Vector6::from_fn(|k, _| {
+        let standards = of(k).and_then(|i| i.from_standards).unwrap_or(0.0);
+        standards.copysign(values[k]) / NORMAL_95
+    });
+    Matrix6::from_diagonal(&own) + common * common.transpose()
+}
+
+/// Weighs taps by their noise and looks whether they agree.
+fn together(used: &[(&TapReport, &Tap)], remarks: &mut Vec<String>) -> Option<Stiffness> {
+    if used.is_empty() {
+        return None;
+    }
+    let noise2 = |tap: &Tap| {
+        let known = tap.standard_error_known_ln;
+        (tap.standard_error_ln * tap.standard_error_ln - known * known).max(f64::MIN_POSITIVE)
+    };
+    let weights: Vec<f64> = used.iter().map(|(_, tap)| 1.0 / noise2(tap)).collect();
+    let total: f64 = weights.iter().sum();
+    let mean = |of: &dyn Fn(&Tap) -> f64| -> f64 {
+        let sum: f64 = used
+            .iter()
+            .zip(&weights)
+            .map(|((_, tap), w)| w * of(tap))
+            .sum();
+        sum / total
+    };
+    let ln = mean(&|tap| tap.stiffness_per_mass_per_s2.ln());
+    let known = mean(&|tap| tap.standard_error_known_ln);
+    // Taps in different ranges share not quite all of what is known beforehand, so that its part counts here, too.
+    let departure = |tap: &Tap| (tap.stiffness_per_mass_per_s2.ln() - ln) / tap.standard_error_ln;
+    let worst = used
+        .iter()
+        .max_by(|a, b| departure(a.1).abs().total_cmp(&departure(b.1).abs()))?;
+    let disagreement = departure(worst.1).abs();
+    if disagreement > DISAGREE {
+        remarks.push(format!(
+            "{}: its k/m is {:.1} standard errors from that of all {} taps: tap again",
+            worst.0.name,
+            disagreement,
+            used.len()
+        ));
+    }
+    // As far apart as they are, they know no better.
+    let wider = (disagreement / DISAGREE).max(1.0);
+    let per_mass_per_s2 = ln.exp();
+    let from_noise = NORMAL_95 * per_mass_per_s2 * wider / total.sqrt();
+    let from_known = NORMAL_95 * per_mass_per_s2 * wider * known;
+    Some(Stiffness {
+        per_mass_per_s2,
+        half_width_95: from_noise.hypot(from_known),
+        from_noise,
+        from_known,
+        taps: used.len(),
+    })
+}

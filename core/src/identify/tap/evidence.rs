@@ -1,0 +1,71 @@
+//! Whether what a fit leaves over is noise.
+
+use alloc::vec::Vec;
+
+use super::fit::{Fitted, Window};
+use crate::geometry::LIMBS;
+use crate::scalar::sqrt;
+
+/// Ratio of variances at which the beginning is no free decay yet: five standard errors of what 25 samples of nine channels say.
+const STILL_DRIVEN: f64 = 1.5;
+/// Neighbouring residuals' correlation that noise, even if an anti-aliasing filter has been at it, does not have.
+const COLOURED: f64 = 0.5;
+/// Residual over signal at the beginning below which no shape of it matters.
+const NEGLIGIBLE: f64 = 3e-3;
+
+/// What the residuals say of the model.
+pub(super) struct Evidence {
+    /// Variance at the beginning over that of the second half.
+    pub early_over_late: f64,
+    /// Residual over signal at the beginning.
+    pub residual_over_signal: f64,
+    /// Correlation of neighbours.
+    pub correlation: f64,
+}
+
+impl Evidence {
+    pub fn of(window: &Window, fitted: &Fitted, level_v: &[f64; LIMBS], beginning: usize) -> Self {
+        let residuals = window.residuals_v(fitted);
+        let weighted: Vec<[f64; LIMBS]> = residuals
+            .iter()
+            .map(|row| core::array::from_fn(|i| row[i] / window.noise_v[i]))
+            .collect();
+        let mean = |rows: &[[f64; LIMBS]]| {
+            rows.iter().flatten().map(|r| r * r).sum::<f64>() / rows.len().max(1) as f64
+        };
+        let beginning = beginning.min(weighted.len());
+        let products: f64 = weighted
+            .windows(2)
+            .map(|pair| (0..LIMBS).map(|i| pair[0][i] * pair[1][i]).sum::<f64>())
+            .sum();
+        let squares: f64 = weighted.iter().flatten().map(|r| r * r).sum();
+        let left: f64 = residuals[..beginning].iter().flatten().map(|r| r * r).sum();
+        let signal: f64 = window.voltage_v[..beginning]
+            .iter()
+            .map(|row| {
+                (0..LIMBS)
+                    .map(|i| (row[i] - level_v[i]) * (row[i] - level_v[i]))
+                    .sum::<f64>()
+            })
+            .sum();
+        Self {
+            early_over_late: mean(&weighted[..beginning]) / mean(&weighted[weighted.len() / 2..]),
+            residual_over_signal: sqrt(left / signal),
+            correlation: products / squares,
+        }
+    }
+
+    fn matters(&self) -> bool {
+        self.residual_over_signal > NEGLIGIBLE
+    }
+
+    /// The beginning is no free decay yet.
+    pub fn still_driven(&self) -> bool {
+        self.matters() && self.early_over_late > STILL_DRIVEN
+    }
+
+    /// What is left is no noise.
+    pub fn coloured(&self) -> bool {
+        self.matters() && self.correlation > COLOURED
+    }
+}
