@@ -4,11 +4,13 @@
 //! it: residual, condition number, covariance, and a verdict when the data cannot determine it. Later steps use the
 //! results of earlier ones.
 
+pub mod bias;
 pub mod compliance;
 pub mod inertia;
 pub mod least_squares;
 pub mod scale;
 pub mod stiffness;
+pub mod stiffness_bound;
 #[cfg(feature = "alloc")]
 pub mod stiffness_search;
 pub mod zero_drift;
