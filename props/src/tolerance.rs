@@ -225,3 +225,12 @@ pub const fn rigid_limbs(frequency_hz: f64, stiffness_per_mass_per_s2: f64) -> T
 }
 /// The rig's motion in closed form against MuJoCo's integration, over the peak.
 pub const RIGID_MOTION: Tolerance = new(1e-12, Reason::Measured("1.4e-13"));
+/// Derivatives of the frequency response against differences by 1e-5, over the largest: rounding over step and share of the
+/// motion that is relative, and the step's square.
+pub const RESPONSE_DIFFERENCED: Tolerance = new(1e-7, Reason::Measured("1.6e-8"));
+/// Nine forces at 500 Hz against MuJoCo's, whose limbs have 2 % of damping, over the largest.
+pub const SHAKEN: Tolerance = new(2e-5, Reason::Measured("4.3e-6"));
+/// Tilt of limbs to first order against an equilibrium, over load squared and limb length: rounding of tilts of 1e-7.
+pub const TILT: Tolerance = new(1e-6, Reason::Measured("1e-7"));
+/// Errors of step 2 by first-order theory, over the largest.
+pub const FIRST_ORDER: Tolerance = new(2e-3, Reason::Measured("4e-4"));
