@@ -234,3 +234,5 @@ pub const SHAKEN: Tolerance = new(2e-5, Reason::Measured("4.3e-6"));
 pub const TILT: Tolerance = new(1e-6, Reason::Measured("1e-7"));
 /// Errors of step 2 by first-order theory, over the largest.
 pub const FIRST_ORDER: Tolerance = new(2e-3, Reason::Measured("4e-4"));
+/// Cramer-Rao bound from analytic derivatives against one from differences by 1e-5, relative.
+pub const BOUND: Tolerance = new(1e-5, Reason::Derived);
