@@ -23,9 +23,10 @@
 //! Nine channels with white noise of standard deviation sigma in f/m, N samples over whole periods: a trial adds
 //! N / (2 sigma^2) D^T D to the information, where the columns of D are the derivatives above. The inverse's diagonal
 //! bounds every unbiased estimate. The shell's motion counts as known exactly, zero drift costs nothing (it is at
-//! another frequency), there is no damping: reality is worse. What linear theory leaves out besides is that limbs tilt: at 5
-//! Hz and 9 g their tilt, a/(L k/m), changes the signals as much as w^2/(k/m) does, so that there the bound is good to a
-//! factor of two or so; the tilt does not grow with frequency, and from 50 Hz on it is a hundredth.
+//! another frequency), there is no damping: reality is worse. What linear theory leaves out on the other side is the tilt of
+//! loaded limbs, a share a/(L k/m) of the signals, quadratic in the motion: at 5 Hz and 9 g 3.6 times w^2/(k/m), so that the
+//! bound there is no better than an order of magnitude; at one acceleration it falls behind with the square of the
+//! frequency, to a thirtieth at 50 Hz.
 
 use glam::DVec3;
 use nalgebra::{Cholesky, Matrix6, SMatrix, Vector6};

@@ -54,8 +54,8 @@ pub fn blocks(study: &BoundStudy) -> Vec<Block> {
              directions, {} samples a trial, white noise of {} of the largest channel on each. Nine scale factors and six \
              inertias are unknown with k/m, and the shell's motion is known exactly, which no standard grants: reality is worse. \
              Noise goes with the trial's own largest channel, as amplifiers are set, so the rig's limits on amplitude drop out. \
-             Linear theory leaves the tilt of loaded limbs out, at 5 Hz an effect of the same size: there the bound is good to a \
-             factor of two or so.",
+             Linear theory leaves out the tilt of loaded limbs, at 5 Hz an effect a few times as large as this one: there the \
+             bound is an order of magnitude, from 50 Hz on it is more.",
             study.frequencies,
             grouped(study.samples),
             percent(study.noise_over_largest, 1),
