@@ -21,10 +21,10 @@ pub fn block(study: &Identifiability) -> Block {
     };
     Block::Note(format!(
         "**k/m cannot be had from this campaign; tap the shell.** Step 4 loses its minimum when scale factors are off by {} or \
-         zero drifts by {} of full scale, and the instruments are of the 1 % class. Other methods would find little more: from 4 \
-         to 5 Hz the standard deviation of ln(k/m) is bounded by about {} with noise of 1 %, and {} with 60 dB and a shell whose motion \
-         is known exactly. Up to {} it is {} and {}. Decoupling at the rig's frequencies does not miss k/m; whoever needs it \
-         excites the modes.",
+         zero drifts by {} of full scale, and the instruments are of the 1 % class. Other methods would find little more: from \
+         4 to 5 Hz no estimate of ln(k/m) has a standard deviation below about {} with noise of 1 %, or {} with 60 dB, and that \
+         with a shell whose motion is known exactly. Up to {} it is {} and {}. Decoupling at the rig's frequencies does not \
+         miss k/m; whoever needs it excites the modes.",
         scientific(limit(Erring::Scale), 1),
         scientific(limit(Erring::Drift), 1),
         significant(sd(paper), 2),
