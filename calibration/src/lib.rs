@@ -13,6 +13,7 @@
 //! | [`load`] | trials from files |
 //! | [`cleaning`] | the preprocessing that the session asks for |
 //! | [`steps`] | the four steps, first pass, repeated, on some of the trials |
+//! | [`iteration`] | steps 2 to 4 repeated until k/m stands still, or it is clear that it will not |
 //! | [`rigid`] | what nine channels should show of a known motion |
 //! | [`response`] | what each channel did show in each trial |
 //! | [`suspicion`] | what is wrong, named |
@@ -29,6 +30,7 @@ pub mod certified;
 pub mod cleaning;
 pub mod error;
 pub mod interval;
+pub mod iteration;
 pub mod joint;
 pub mod load;
 pub mod response;

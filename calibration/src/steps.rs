@@ -1,7 +1,8 @@
-//! The four steps, one after the other, on a campaign's trials.
+//! The four steps, one after the other, on a campaign's trials. How they are repeated is in [`repeated`].
+
+mod repeated;
 
 use rayon::prelude::*;
-use sixaxis_core::identify::compliance::CompliantRows;
 use sixaxis_core::identify::inertia::{InertiaEstimate, InertiaIdentification};
 use sixaxis_core::identify::scale::{ScaleIdentification, ScalePerMass};
 use sixaxis_core::identify::stiffness::{self, StiffnessPerMass};
@@ -197,83 +198,6 @@ impl Campaign {
         let curve = self.search(parameters, Scheme::Heun, 1, LimbLaw::CompressionShortens)?;
         let judged = stiffness::judge(&curve)?;
         Ok((curve, Some(judged)))
-    }
-
-    /// Repeats steps 2 to 4 with the limbs' compliance kept, starting from what the four steps found.
-    ///
-    /// # Errors
-    /// [`Error::Step`]: the first step which refuses its data.
-    pub fn repeat(&self, first: &FourSteps) -> Result<FourSteps> {
-        let mut parameters = first.used();
-        let scale = self
-            .compliant_scale(&parameters)
-            .map_err(at("step 2, repeated"))?;
-        parameters.scale_per_mass_per_kg = scale.estimate.values;
-        let inertia = self
-            .compliant_inertia(&parameters)
-            .map_err(at("step 3, repeated"))?;
-        parameters.inertia_per_mass = inertia.inertia_per_mass;
-        let (curve, stiffness) = self.step_4(&parameters).map_err(at("step 4, repeated"))?;
-        Ok(FourSteps {
-            drift: first.drift,
-            scale,
-            inertia,
-            rate_over_reading: None,
-            gyroscope_gain_seen: None,
-            stiffness,
-            curve,
-            design_stiffness_per_mass_per_s2: first.design_stiffness_per_mass_per_s2,
-        })
-    }
-
-    fn compliant_scale(&self, parameters: &Parameters) -> sixaxis_core::Result<ScalePerMass> {
-        let mut scale = ScaleIdentification::default();
-        for (trial, cleaned) in self.of(Role::Linear) {
-            let mut compliant = self.compliant(trial, parameters)?;
-            let stride = stride(trial) as u64;
-            for voltage in &cleaned.voltage_v {
-                if let Some(now) = compliant.push(voltage)?
-                    && now.sample.is_multiple_of(stride)
-                {
-                    let a = cleaned.linear_ground_m_s2[now.sample as usize];
-                    compliant.push_scale(&mut scale, &now, a)?;
-                }
-            }
-        }
-        scale.solve()
-    }
-
-    fn compliant_inertia(&self, parameters: &Parameters) -> sixaxis_core::Result<InertiaEstimate> {
-        let mut inertia = InertiaIdentification::new(self.geometry);
-        for (trial, cleaned) in self.of(Role::Angular) {
-            let mut compliant = self.compliant(trial, parameters)?;
-            let stride = stride(trial) as u64;
-            for voltage in &cleaned.voltage_v {
-                if let Some(now) = compliant.push(voltage)?
-                    && now.sample.is_multiple_of(stride)
-                {
-                    compliant.push_inertia(
-                        &mut inertia,
-                        &now,
-                        cleaned.rate_shell_rad_s[now.sample as usize],
-                        cleaned.angular_shell_rad_s2[now.sample as usize],
-                    )?;
-                }
-            }
-        }
-        inertia.solve()
-    }
-
-    fn compliant(
-        &self,
-        trial: &Trial,
-        parameters: &Parameters,
-    ) -> sixaxis_core::Result<CompliantRows> {
-        CompliantRows::new(
-            &trial.sensor(self.geometry),
-            parameters,
-            &trial.settings(Scheme::Heun),
-        )
     }
 
     /// Step 2 on those of its trials, numbered from 0, that `takes` takes.

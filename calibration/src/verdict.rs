@@ -24,6 +24,7 @@ use crate::calibration::Calibration;
 use crate::cleaning::{Cleaned, Cleaning};
 use crate::error::{Error, Result};
 use crate::interval::{LeftOut, ParameterReport, put_taps, report};
+use crate::iteration::{Criterion, Iteration};
 use crate::load;
 use crate::session::{Role, SessionFile, Stage};
 use crate::steps::{Campaign, FourSteps, GyroscopeGain};
@@ -123,6 +124,8 @@ pub struct Judgement {
     pub steps: Option<FourSteps>,
     /// Why they could not be done: the step and its reason.
     pub obstacle: Option<String>,
+    /// Steps 2 to 4 repeated, where that was asked for and the four steps could be done; otherwise why they could not be.
+    pub iteration: Option<core::result::Result<Iteration, String>>,
     /// The 25 parameters; empty if the steps could not be done.
     pub parameters: Vec<ParameterReport>,
     /// The taps.
@@ -164,6 +167,19 @@ impl Watch for Unwatched {
 /// # Errors
 /// [`Error::Session`] only: a session whose own statements cannot be.
 pub fn judge(file: &SessionFile, watch: &dyn Watch) -> Result<Judgement> {
+    judge_repeating(file, None, watch)
+}
+
+/// The same, with steps 2 to 4 repeated besides, as far as `repeat` says. The repetition is shown, not used: grade, parameters
+/// and calibration are those of [`judge`].
+///
+/// # Errors
+/// As [`judge`].
+pub fn judge_repeating(
+    file: &SessionFile,
+    repeat: Option<&Criterion>,
+    watch: &dyn Watch,
+) -> Result<Judgement> {
     let entries = &file.session.recording;
     watch.stage("reading", entries.len());
     let loaded: Vec<Result<Trial>> = (0..entries.len())
@@ -266,6 +282,7 @@ pub fn judge(file: &SessionFile, watch: &dyn Watch) -> Result<Judgement> {
     let mut found = None;
     let mut obstacle = None;
     let mut taps = Taps::default();
+    let mut iteration = None;
     match steps {
         Ok(steps) => {
             let left_out = LeftOut::fit(&campaign, &steps);
@@ -284,6 +301,12 @@ pub fn judge(file: &SessionFile, watch: &dyn Watch) -> Result<Judgement> {
             coordination(&campaign, &used, &mut reports);
             comparisons = validate(&campaign, &used, &mut reports, &mut findings);
             watch.part();
+            if let Some(criterion) = repeat {
+                watch.stage("repeating", 1);
+                let repeated = campaign.repeat_until(&steps, None, criterion);
+                iteration = Some(repeated.map_err(|error| error.to_string()));
+                watch.part();
+            }
             found = Some(steps);
         }
         Err(error) => {
@@ -360,6 +383,7 @@ pub fn judge(file: &SessionFile, watch: &dyn Watch) -> Result<Judgement> {
         next,
         steps: found,
         obstacle,
+        iteration,
         parameters,
         taps,
         trials: reports,

@@ -206,3 +206,23 @@ fn schemas_are_json() {
         assert_eq!(schema["title"], title);
     }
 }
+
+#[test]
+fn repetition_ends_with_a_verdict_on_k_over_m() {
+    let session = session("iterate", DefectChoice::None);
+    let output = calibrate(&[text(&session), "--iterate", "3"]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let said = stdout(&output);
+    assert!(said.contains("Steps 2 to 4, repeated"), "{said}");
+    // Noise leaves step 4 without a minimum, so that the first pass is the last.
+    assert!(said.contains("cannot be had from this campaign"), "{said}");
+    let output = calibrate(&[text(&session), "--iterate", "3", "--json", "--quiet"]);
+    let summary: serde_json::Value = serde_json::from_str(&stdout(&output)).expect("JSON");
+    assert!(
+        summary["iteration"]["end"]["undetermined"].is_object(),
+        "{summary}"
+    );
+    assert!(summary["iteration"]["stiffness_per_mass_per_s2"].is_null());
+    let output = calibrate(&[text(&session), "--iterate", "0"]);
+    assert_eq!(code(&output), 2, "{}", stderr(&output));
+}

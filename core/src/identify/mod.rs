@@ -4,6 +4,7 @@
 //! it: residual, condition number, covariance, and a verdict when the data cannot determine it. Later steps use the
 //! results of earlier ones. The paper's band does not determine k/m; `tap` (feature `alloc`) is where it shows.
 
+pub mod bias;
 pub mod compliance;
 pub mod inertia;
 #[cfg(feature = "alloc")]
@@ -11,6 +12,7 @@ pub mod joint;
 pub mod least_squares;
 pub mod scale;
 pub mod stiffness;
+pub mod stiffness_bound;
 #[cfg(feature = "alloc")]
 pub mod stiffness_search;
 #[cfg(feature = "alloc")]

@@ -1,5 +1,7 @@
 //! `sixaxis calibrate`: a session's recordings to 25 parameters, their intervals and a verdict.
 
+mod repetition;
+
 use std::fmt::Write as _;
 use std::io::{ErrorKind, Write as _};
 use std::path::{Path, PathBuf};
@@ -10,12 +12,15 @@ use anyhow::{Context, Result, ensure};
 use clap::ValueEnum;
 use serde::Serialize;
 use sixaxis_calibration::calibration;
+use sixaxis_calibration::iteration::Criterion;
 use sixaxis_calibration::session::{self, SessionFile};
 use sixaxis_calibration::suspicion::Finding;
-use sixaxis_calibration::verdict::{Grade, Judgement, Watch, judge};
+use sixaxis_calibration::verdict::{Grade, Judgement, Watch, judge_repeating};
 use sixaxis_reports::pages;
 use sixaxis_reports::progress::{Progress, Stage};
 use sixaxis_reports::view::{render, write_atomically};
+
+use repetition::Repetition;
 
 /// Which session and where to write.
 #[derive(clap::Args)]
@@ -30,6 +35,10 @@ pub struct Arguments {
     /// Report to write, one HTML file that needs no network [default: calibration.html next to the session file]
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
+    /// Repeat steps 2 to 4 with the limbs' compliance kept, up to N times, and say whether k/m stands still. Shown only: the
+    /// calibration is that of the four steps
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MOST_PASSES))]
+    iterate: Option<u16>,
     /// Print a summary for scripts instead of the one for people
     #[arg(long)]
     json: bool,
@@ -37,15 +46,19 @@ pub struct Arguments {
     #[arg(long, short)]
     quiet: bool,
     /// Print the JSON schema of a file format and do nothing else
-    #[arg(long, value_name = "FORMAT", conflicts_with_all = ["session", "out", "report", "json"])]
+    #[arg(long, value_name = "FORMAT", conflicts_with_all = ["session", "out", "report", "iterate", "json"])]
     schema: Option<Schema>,
 }
+
+/// A pass takes about as long as the four steps; one that converges needs four.
+const MOST_PASSES: i64 = 1000;
 
 const AFTER_HELP: &str = "\
 Examples:
   sixaxis calibrate day/session.toml
   sixaxis calibrate day/session.toml --out sensor-7.json --report sensor-7.html
   sixaxis calibrate day/session.toml --json --quiet | jq .verdict
+  sixaxis calibrate day/session.toml --iterate 10
   sixaxis calibrate --schema session > session.schema.json
 
 A calibration that is not good is written all the same, with its verdict and what was found in it; none is written where the
@@ -97,7 +110,11 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     };
     let judgement = {
         let watched = Watched::new(&progress);
-        judge(&file, &watched)?
+        let repeat = arguments.iterate.map(|passes| Criterion {
+            passes: usize::from(passes),
+            ..Criterion::default()
+        });
+        judge_repeating(&file, repeat.as_ref(), &watched)?
     };
     let page = render(&pages::calibration::page(&file, &judgement))?;
     // The calibration last: whoever sees a new one finds its report beside it.
@@ -200,6 +217,9 @@ struct Summary<'a> {
     next: &'a [String],
     parameters_determined: usize,
     parameters: usize,
+    /// Where it was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    iteration: Option<Repetition<'a>>,
     files: Files<'a>,
 }
 
@@ -221,6 +241,7 @@ impl<'a> Summary<'a> {
             next: &judgement.next,
             parameters_determined: determined(judgement),
             parameters: judgement.parameters.len(),
+            iteration: judgement.iteration.as_ref().map(Repetition::of),
             files: Files {
                 calibration: judgement
                     .calibration
@@ -275,6 +296,9 @@ fn summary(judgement: &Judgement, targets: &Targets) -> String {
                 &format!("{}: {}", parameter.name, parameter.remark),
             );
         }
+    }
+    if let Some(iteration) = &judgement.iteration {
+        repetition::print(&mut out, iteration);
     }
     let (actions, consequences) = pages::calibration::split(judgement);
     if !actions.is_empty() {

@@ -5,6 +5,7 @@ pub mod calibration;
 pub mod comparison;
 pub mod evidence;
 mod figures;
+mod identifiability;
 pub mod inspection;
 mod ledger;
 mod parameters;
@@ -27,6 +28,7 @@ pub fn report(results: &Results, evidence: Section, facts: Vec<(String, String)>
         tables::section(results),
         figures::thresholds(results),
         figures::stiffness(results),
+        identifiability::section(results),
         figures::histories(results),
         figures::orders(results),
         summary::reference(results),

@@ -2,13 +2,14 @@
 //! and holds the outcome against the truth.
 //!
 //! [`plan`] says what is played, [`simulations`] plays it, [`cleaning`] and [`identification`] are the laboratory's
-//! analysis, [`decoupling`], [`searches`], [`orders`] and [`checks`] make the comparisons, [`bars`] judges them, and
-//! [`results`] is all of it as data. Nothing here draws.
+//! analysis, [`decoupling`], [`searches`], [`identifiability`], [`orders`] and [`checks`] make the comparisons, [`bars`]
+//! judges them, and [`results`] is all of it as data. Nothing here draws.
 
 pub mod bars;
 pub mod checks;
 pub mod cleaning;
 pub mod decoupling;
+pub mod identifiability;
 pub mod identification;
 pub mod orders;
 pub mod plan;
@@ -45,7 +46,7 @@ const HISTORY_POINTS: usize = 1200;
 /// The first simulation, identification or decoupling that refuses, with what it was doing.
 pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
     let simulations = simulations::simulate(plan, progress)?;
-    let stage = progress.stage("analysis", 9);
+    let stage = progress.stage("analysis", 10);
     let truth = paper::identified_parameters();
     let perfect = Laboratory::noise_free(truth);
     let laboratory = Laboratory::with_errors(truth, plan.seed);
@@ -60,6 +61,8 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
     let with_errors = laboratory_session
         .identify(GyroscopeGain::Identified)
         .context("campaign with laboratory errors")?;
+    let iterations_with_errors =
+        identifiability::iteration::with_errors(&laboratory_session, &with_errors, &truth)?;
     drop(laboratory_session);
     stage.advance(1);
     let coarse = if simulations.campaign_coarse.is_empty() {
@@ -136,6 +139,14 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
         plan.search_stride(),
     )?;
     stage.advance(1);
+    let identifiability = identifiability::study(
+        plan,
+        &noise_free_session,
+        &noise_free,
+        iterations_with_errors,
+        &truth,
+    )?;
+    stage.advance(1);
     let orders = orders::study(
         simulations
             .compound_halved
@@ -167,6 +178,7 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
         compound_axis_level,
         thresholds: checks::sweeps(&simulations),
         searches,
+        identifiability,
         orders,
         history,
         defects: checks::defects(&simulations, &truth)?,

@@ -64,6 +64,18 @@ impl Plan {
         if self.quick { 10 } else { 5 }
     }
 
+    /// Sizes of error a decade in the study of what step 4 tolerates.
+    #[must_use]
+    pub fn tolerance_sizes_per_decade(&self) -> i32 {
+        if self.quick { 1 } else { 4 }
+    }
+
+    /// Random draws at each size; odd, so that the median is one of them.
+    #[must_use]
+    pub fn tolerance_draws(&self) -> usize {
+        if self.quick { 5 } else { 25 }
+    }
+
     /// Random six-axis motions that are simulated and decoupled beside the rig's.
     #[must_use]
     pub fn random_motions(&self) -> u64 {

@@ -3,6 +3,9 @@
 //! Nothing here depends on the machine, the clock or the number of threads: the same seed gives the same file, bit
 //! for bit. What does is in `run.json`. A number that was not measured is NaN here and `null` in the file.
 
+pub mod identifiability;
+
+use identifiability::Identifiability;
 use serde::Serialize;
 use sixaxis_core::identify::Verdict;
 use sixaxis_core::{LIMBS, Parameters, Scheme};
@@ -46,6 +49,8 @@ pub struct Results {
     pub thresholds: Vec<Sweep>,
     /// Fig. 10.
     pub searches: Vec<Search>,
+    /// Why step 4 does not determine k/m.
+    pub identifiability: Identifiability,
     /// Error of each scheme against the sample rate.
     pub orders: Vec<Order>,
     /// Time histories of the 5 Hz run.

@@ -1,0 +1,113 @@
+//! One repetition of steps 2 to 4 with the limbs' compliance kept.
+
+use sixaxis_core::identify::compliance::CompliantRows;
+use sixaxis_core::identify::inertia::InertiaIdentification;
+use sixaxis_core::identify::scale::{ScaleIdentification, ScalePerMass};
+use sixaxis_core::{Parameters, Scheme};
+
+use super::{Campaign, FourSteps, at, stride};
+use crate::error::Result;
+use crate::session::Role;
+use crate::trial::Trial;
+
+impl Campaign {
+    /// Repeats steps 2 to 4 with the limbs' compliance kept, starting from what the four steps found.
+    ///
+    /// # Errors
+    /// [`Error::Step`]: the first step which refuses its data.
+    pub fn repeat(&self, first: &FourSteps) -> Result<FourSteps> {
+        self.repeat_from(first, first.used().stiffness_per_mass_per_s2)
+    }
+
+    /// The same with a k/m of the caller's, s^-2. The gyroscope's gain stays what `first` has for it.
+    ///
+    /// # Errors
+    /// As [`Self::repeat`].
+    pub fn repeat_from(
+        &self,
+        first: &FourSteps,
+        stiffness_per_mass_per_s2: f64,
+    ) -> Result<FourSteps> {
+        let mut parameters = Parameters {
+            stiffness_per_mass_per_s2,
+            ..first.found()
+        };
+        let scale = self
+            .compliant_scale(&parameters)
+            .map_err(at("step 2, repeated"))?;
+        parameters.scale_per_mass_per_kg = scale.estimate.values;
+        let rows = self
+            .compliant_inertia(&parameters)
+            .map_err(at("step 3, repeated"))?;
+        let inertia = match first.rate_over_reading {
+            Some((gain, _)) => rows.solve_at_gain(gain),
+            None => rows.solve(),
+        }
+        .map_err(at("step 3, repeated"))?;
+        parameters.inertia_per_mass = inertia.inertia_per_mass;
+        let (curve, stiffness) = self.step_4(&parameters).map_err(at("step 4, repeated"))?;
+        Ok(FourSteps {
+            drift: first.drift,
+            scale,
+            inertia,
+            rate_over_reading: first.rate_over_reading,
+            gyroscope_gain_seen: first.gyroscope_gain_seen,
+            stiffness,
+            curve,
+            design_stiffness_per_mass_per_s2: first.design_stiffness_per_mass_per_s2,
+        })
+    }
+
+    fn compliant_scale(&self, parameters: &Parameters) -> sixaxis_core::Result<ScalePerMass> {
+        let mut scale = ScaleIdentification::default();
+        for (trial, cleaned) in self.of(Role::Linear) {
+            let mut compliant = self.compliant(trial, parameters)?;
+            let stride = stride(trial) as u64;
+            for voltage in &cleaned.voltage_v {
+                if let Some(now) = compliant.push(voltage)?
+                    && now.sample.is_multiple_of(stride)
+                {
+                    let a = cleaned.linear_ground_m_s2[now.sample as usize];
+                    compliant.push_scale(&mut scale, &now, a)?;
+                }
+            }
+        }
+        scale.solve()
+    }
+
+    fn compliant_inertia(
+        &self,
+        parameters: &Parameters,
+    ) -> sixaxis_core::Result<InertiaIdentification> {
+        let mut inertia = InertiaIdentification::new(self.geometry);
+        for (trial, cleaned) in self.of(Role::Angular) {
+            let mut compliant = self.compliant(trial, parameters)?;
+            let stride = stride(trial) as u64;
+            for voltage in &cleaned.voltage_v {
+                if let Some(now) = compliant.push(voltage)?
+                    && now.sample.is_multiple_of(stride)
+                {
+                    compliant.push_inertia(
+                        &mut inertia,
+                        &now,
+                        cleaned.rate_shell_rad_s[now.sample as usize],
+                        cleaned.angular_shell_rad_s2[now.sample as usize],
+                    )?;
+                }
+            }
+        }
+        Ok(inertia)
+    }
+
+    fn compliant(
+        &self,
+        trial: &Trial,
+        parameters: &Parameters,
+    ) -> sixaxis_core::Result<CompliantRows> {
+        CompliantRows::new(
+            &trial.sensor(self.geometry),
+            parameters,
+            &trial.settings(Scheme::Heun),
+        )
+    }
+}
