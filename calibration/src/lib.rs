@@ -15,6 +15,7 @@
 //! | [`rigid`] | what nine channels should show of a known motion |
 //! | [`response`] | what each channel did show in each trial |
 //! | [`suspicion`] | what is wrong, named |
+//! | [`propagation`] | the instruments' errors through the four steps, in closed form |
 //! | [`interval`] | how well each parameter is known, and what limits it |
 //! | [`verdict`] | all of it judged |
 //! | [`calibration`] | the result as a file |
@@ -24,6 +25,7 @@ pub mod cleaning;
 pub mod error;
 pub mod interval;
 pub mod load;
+pub mod propagation;
 pub mod response;
 pub mod rigid;
 pub mod session;

@@ -5,6 +5,7 @@
 //! results of earlier ones.
 
 pub mod compliance;
+pub mod compliance_fit;
 pub mod inertia;
 pub mod least_squares;
 pub mod scale;
