@@ -4,6 +4,8 @@
 //! Steps 2 and 3 and the compound runs are played with limbs that do not give way, in closed form; step 4 in MuJoCo, since it
 //! identifies what gives way. Everything that a draw adds is normal and white: what the propagation claims to know.
 
+pub mod monte_carlo;
+
 use glam::DVec3;
 use nalgebra::SVector;
 use rand_distr::{Distribution, StandardNormal};
@@ -17,7 +19,7 @@ use sixaxis_calibration::trial::Trial;
 use sixaxis_core::identify::zero_drift;
 use sixaxis_core::uncertainty::PARAMETERS;
 use sixaxis_core::{Decoupler, Geometry, LIMBS, Parameters, Scheme, SixAxis};
-use sixaxis_reference::campaign::{self, Laboratory, plan};
+use sixaxis_reference::campaign::{self, Laboratory, STATIC_DURATION_S, STATIC_RATE_HZ, plan};
 use sixaxis_reference::chain::Chain;
 use sixaxis_reference::instruments::{GYROSCOPE_BANDWIDTH_HZ, Instruments};
 use sixaxis_reference::paper;
@@ -45,7 +47,7 @@ pub struct Size {
     pub rate_hz: f64,
     /// Trials of each of steps 2 to 4.
     pub per_step: usize,
-    /// Samples of the static record.
+    /// Samples of the static record, each the mean of so many raw ones that together they are the paper's ten minutes.
     pub static_samples: usize,
 }
 
@@ -60,7 +62,7 @@ pub struct World {
     pub cleaning: Cleaning,
     /// What is uncertain, and by how much.
     pub sources: Sources,
-    /// Noise of one sample of the static record and of the compound runs, V.
+    /// Noise of one sample of the compound runs, V.
     pub noise_v: f64,
     /// The sensor's true parameters: for the player alone.
     truth: Parameters,
@@ -136,7 +138,7 @@ impl World {
             peak / core::f64::consts::SQRT_2 / 10.0_f64.powf(SIGNAL_TO_NOISE_DB / 20.0)
         };
         let sources = Sources {
-            zero_drift_v: [noise_v / (size.static_samples as f64).sqrt(); LIMBS],
+            zero_drift_v: [noise_v / (STATIC_DURATION_S * STATIC_RATE_HZ).sqrt(); LIMBS],
             trials: moving
                 .iter()
                 .map(|(_, trial)| TrialNoise {
@@ -169,6 +171,43 @@ impl World {
             noise_v,
             truth,
             static_samples: size.static_samples,
+        }
+    }
+
+    /// The same laboratory with all its errors a share of what they are: what first order leaves out shrinks with its square.
+    #[must_use]
+    pub fn times(&self, share: f64) -> Self {
+        let all = &self.sources;
+        let sources = Sources {
+            zero_drift_v: all.zero_drift_v.map(|sd| sd * share),
+            trials: all
+                .trials
+                .iter()
+                .map(|noise| TrialNoise {
+                    channels_v: noise.channels_v.map(|sd| sd * share),
+                    accelerometer_m_s2: noise.accelerometer_m_s2 * share,
+                    gyroscope_rad_s: noise.gyroscope_rad_s * share,
+                })
+                .collect(),
+            accelerometer_gain: all.accelerometer_gain * share,
+            gyroscope_gain: all.gyroscope_gain * share,
+            wedge_rad: all.wedge_rad * share,
+        };
+        Self {
+            sources,
+            noise_v: self.noise_v * share,
+            ..self.clone()
+        }
+    }
+
+    /// The laboratory's noise without its standards' gains and its wedges.
+    #[must_use]
+    pub fn noise_alone(&self) -> Sources {
+        Sources {
+            accelerometer_gain: 0.0,
+            gyroscope_gain: 0.0,
+            wedge_rad: 0.0,
+            ..self.sources.clone()
         }
     }
 
@@ -235,7 +274,7 @@ impl World {
         (campaign, compound)
     }
 
-    /// The same sensor's compound run as MuJoCo or rigid limbs made it, decoupled by parameters that somebody identified.
+    /// A compound run decoupled by parameters that somebody identified.
     ///
     /// # Panics
     /// If the decoupler refuses.
