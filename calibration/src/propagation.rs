@@ -84,6 +84,16 @@ impl Sources {
             wedge_rad: 0.0,
         })
     }
+
+    /// Noise of one sample of each channel, V: the median over the trials.
+    #[must_use]
+    pub fn typical_noise_v(&self) -> [f64; LIMBS] {
+        core::array::from_fn(|limb| {
+            let mut noise: Vec<f64> = self.trials.iter().map(|t| t.channels_v[limb]).collect();
+            noise.sort_by(f64::total_cmp);
+            noise.get(noise.len() / 2).copied().unwrap_or(0.0)
+        })
+    }
 }
 
 /// Covariances of the 25 parameters by cause, in the order of [`sixaxis_core::uncertainty::PARAMETERS`].

@@ -25,6 +25,7 @@ use crate::cleaning::{Cleaned, Cleaning};
 use crate::error::{Error, Result};
 use crate::interval::{LeftOut, ParameterReport, report};
 use crate::load;
+use crate::propagation::{Propagated, Sources, propagate};
 use crate::session::{Role, SessionFile, Stage};
 use crate::steps::{Campaign, FourSteps, GyroscopeGain};
 use crate::suspicion::{Cause, Facts, Finding, examine};
@@ -260,11 +261,14 @@ pub fn judge(file: &SessionFile, watch: &dyn Watch) -> Result<Judgement> {
     let mut calibration = None;
     let mut found = None;
     let mut obstacle = None;
+    let mut propagated = None;
     match steps {
         Ok(steps) => {
             let left_out = LeftOut::fit(&campaign, &steps);
             watch.part();
-            parameters = report(file, &steps, &left_out);
+            propagated = propagated_errors(file, &campaign, &cleaning, &steps);
+            let noise = propagated.as_ref().map(|(_, found)| found.noise);
+            parameters = report(file, &steps, &left_out, noise.as_ref());
             let used = used(&steps, &parameters);
             hold_out(&campaign, &steps, &left_out, &mut reports);
             coordination(&campaign, &used, &mut reports);
@@ -329,7 +333,14 @@ pub fn judge(file: &SessionFile, watch: &dyn Watch) -> Result<Judgement> {
     }
     next.extend(reservations.iter().cloned());
     if let Some(steps) = &found {
-        calibration = Some(to_file(file, grade, &findings, steps, &parameters));
+        calibration = Some(to_file(
+            file,
+            grade,
+            &findings,
+            steps,
+            &parameters,
+            propagated.as_ref(),
+        ));
     }
     let mut recordings: Vec<(Trial, Option<Cleaned>)> = campaign
         .trials
@@ -360,6 +371,26 @@ fn used(steps: &FourSteps, parameters: &[ParameterReport]) -> Parameters {
         used.stiffness_per_mass_per_s2 = steps.design_stiffness_per_mass_per_s2;
     }
     used
+}
+
+/// What the instruments' errors come to; none where the recordings do not let it be told.
+fn propagated_errors(
+    file: &SessionFile,
+    campaign: &Campaign,
+    cleaning: &Cleaning,
+    steps: &FourSteps,
+) -> Option<(Sources, Propagated)> {
+    let session = &file.session;
+    let sources = Sources::seen(
+        campaign,
+        steps,
+        session.accelerometer.class_percent / 100.0,
+        session.gyroscope.class_percent / 100.0,
+    )
+    .ok()?;
+    let found = propagate(campaign, cleaning, steps, &sources).ok()?;
+    let finite = found.total().iter().all(|x| x.is_finite());
+    finite.then_some((sources, found))
 }
 
 fn unreadable(name: &str, evidence: String) -> Finding {
