@@ -199,7 +199,8 @@ impl InertiaInfluence {
 /// In pure linear motion w* is zero but for what is wrong with the torques, so that w*' = (I/m)^-1 (discrepancy): along the
 /// run a single integral, which Heun's scheme takes by trapezoids. The compliance that makes the mean square of
 /// w* = p + (x - x_0) q smallest answers by dx = -sum dp . q / sum |q|^2; the integral's transpose turns sum dp . q into a
-/// sum over torques, each weighted by the sum of all later q. At the solution w* is zero, and so the inertia has no say.
+/// sum over torques, each weighted by the sum of all later q. At the solution w* is zero, and so the inertia has no say. Neglected
+/// is that strains are as wrong as the scale factors that they come from: x ds/s, little where x is not known to a few per cent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ComplianceInfluence {
     inverse_inertia: SMatrix<f64, 3, 3>,
