@@ -17,6 +17,7 @@
 
 pub mod influence;
 pub mod parameters;
+mod root;
 pub mod samples;
 
 pub use parameters::{Chain, Covariance, PARAMETERS};
