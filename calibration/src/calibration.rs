@@ -4,6 +4,7 @@ use std::path::Path;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use sixaxis_core::uncertainty::{self, PARAMETERS};
 use sixaxis_core::{Gains, Geometry, InertiaPerMass, LIMBS, Parameters, Sensor};
 use sixaxis_recordings::draft::write_atomically;
 
@@ -80,6 +81,35 @@ pub struct Covariance {
     pub scale_per_mass_per_kg2: Vec<Vec<f64>>,
     /// Of the inertias, m^4, row by row.
     pub inertia_per_mass_m4: Vec<Vec<f64>>,
+    /// Of all 25 together; none in files of before there was one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub propagated: Option<PropagatedCovariance>,
+}
+
+/// Covariance of all 25 parameters, propagated through the four steps: rows and columns d_1 to d_9, V; s_1/m to s_9/m, 1/kg;
+/// I1 to I6 over m, m^2; and m/k, s^2 (the compliance, which step 4's errors are linear in).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PropagatedCovariance {
+    /// Of the noise of the channels and of the standards.
+    pub noise: Vec<Vec<f64>>,
+    /// Of the standards' gains, each an even spread over its class.
+    pub standards: Vec<Vec<f64>>,
+    /// White noise of one sample of each channel, V: the median over the trials.
+    pub channel_noise_v: [f64; LIMBS],
+}
+
+impl PropagatedCovariance {
+    /// Both causes together; none for a table that is not 25 by 25.
+    #[must_use]
+    pub fn total(&self) -> Option<uncertainty::Covariance> {
+        let square = |table: &Vec<Vec<f64>>| {
+            table.len() == PARAMETERS && table.iter().all(|row| row.len() == PARAMETERS)
+        };
+        (square(&self.noise) && square(&self.standards)).then(|| {
+            uncertainty::Covariance::from_fn(|i, j| self.noise[i][j] + self.standards[i][j])
+        })
+    }
 }
 
 /// Where a calibration comes from.

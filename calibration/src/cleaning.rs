@@ -1,5 +1,7 @@
 //! The preprocessing that a session asks for, stage by stage, on one trial.
 
+mod transposed;
+
 use glam::DVec3;
 use sixaxis_core::preprocess::butterworth::{self, Section};
 use sixaxis_core::preprocess::differentiate::Differentiator;
@@ -67,21 +69,40 @@ impl Cleaning {
         Some((low_pass.times_drive * trial.frequency_hz + low_pass.plus_hz).min(highest_hz))
     }
 
+    fn sections(&self, trial: &Trial) -> Result<Option<Vec<Section>>> {
+        match (self.stages.low_pass.settings(), self.corner_hz(trial)) {
+            (Some(low_pass), Some(corner_hz)) => {
+                butterworth::low_pass(low_pass.order, corner_hz, trial.sample_rate_hz).map(Some)
+            }
+            _ => Ok(None),
+        }
+    }
+
+    fn rest_samples(&self, trial: &Trial) -> Option<usize> {
+        self.stages
+            .detrend
+            .settings()
+            .map(|line| ((line.rest_s * trial.sample_rate_hz) as usize).max(1))
+    }
+
+    fn differentiator(&self, trial: &Trial) -> Result<Differentiator> {
+        let settings = self.stages.differentiator;
+        Differentiator::new(settings.half_width, settings.order, trial.sample_rate_hz)
+    }
+
+    /// Bandwidth of an accelerometer whose lag is to be undone and can be seen at this sample rate, Hz.
+    fn undone_accelerometer_hz(&self, trial: &Trial) -> Option<f64> {
+        self.accelerometer_bandwidth_hz
+            .filter(|bandwidth_hz| *bandwidth_hz < 0.5 * trial.sample_rate_hz)
+    }
+
     /// Cleans one trial. Everything passes through the same filters, so that what little they take off is the same on both
     /// sides of every equation.
     ///
     /// # Errors
     /// Those of the stages: a trial too short for one, a sample that is not finite, settings that cannot be.
     pub fn clean(&self, trial: &Trial) -> Result<Cleaned> {
-        let sections: Option<Vec<Section>> =
-            match (self.stages.low_pass.settings(), self.corner_hz(trial)) {
-                (Some(low_pass), Some(corner_hz)) => Some(butterworth::low_pass(
-                    low_pass.order,
-                    corner_hz,
-                    trial.sample_rate_hz,
-                )?),
-                _ => None,
-            };
+        let sections = self.sections(trial)?;
         let mut outliers = 0;
         let mut rejected = |series: &mut [f64]| -> Result<()> {
             if let Some(test) = self.stages.outliers.settings() {
@@ -110,11 +131,7 @@ impl Cleaning {
                 Ok(())
             })?;
         }
-        let rest = self
-            .stages
-            .detrend
-            .settings()
-            .map(|line| ((line.rest_s * trial.sample_rate_hz) as usize).max(1));
+        let rest = self.rest_samples(trial);
         let filtered = |series: &mut [f64]| -> Result<()> {
             match &sections {
                 Some(sections) => zero_phase(sections, series),
@@ -137,12 +154,8 @@ impl Cleaning {
             }
             filtered(series)?;
         }
-        let settings = self.stages.differentiator;
-        let differentiator =
-            Differentiator::new(settings.half_width, settings.order, trial.sample_rate_hz)?;
-        if let Some(bandwidth_hz) = self.accelerometer_bandwidth_hz
-            && bandwidth_hz < 0.5 * trial.sample_rate_hz
-        {
+        let differentiator = self.differentiator(trial)?;
+        if let Some(bandwidth_hz) = self.undone_accelerometer_hz(trial) {
             acceleration = undo_low_pass(&acceleration, bandwidth_hz, &differentiator)?;
         }
         if let Some(bandwidth_hz) = self.gyroscope_bandwidth_hz {

@@ -8,6 +8,8 @@
 use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use sixaxis_core::uncertainty::Covariance;
+use sixaxis_core::uncertainty::parameters::{INERTIA, SCALE};
 use sixaxis_core::{LIMBS, Parameters};
 
 use crate::session::{Role, SessionFile};
@@ -32,7 +34,7 @@ pub struct ParameterReport {
     pub design: f64,
     /// Half width of the 95 % interval; none where the parameter is not determined.
     pub half_width_95: Option<f64>,
-    /// Half width that noise alone would give, from the covariance of the fit.
+    /// Half width that noise alone would give, propagated through the steps.
     pub from_noise: Option<f64>,
     /// Half width that the differences between trials give; none for fewer than three trials.
     pub from_trials: Option<f64>,
@@ -153,8 +155,19 @@ fn spread<const N: usize>(fits: &[[f64; N]], entry: usize) -> Option<f64> {
 }
 
 /// Reports on all 25 parameters.
+///
+/// `noise` is the covariance that noise leaves, propagated through the steps. Without it each fit's own covariance stands for
+/// it, which takes rows of a filtered record for independent and earlier steps for exact.
 #[must_use]
-pub fn report(file: &SessionFile, steps: &FourSteps, left_out: &LeftOut) -> Vec<ParameterReport> {
+pub fn report(
+    file: &SessionFile,
+    steps: &FourSteps,
+    left_out: &LeftOut,
+    noise: Option<&Covariance>,
+) -> Vec<ParameterReport> {
+    let propagated = |place: usize, own: f64| {
+        noise.map_or(own, |covariance| covariance[(place, place)].max(0.0).sqrt())
+    };
     let design = file.design();
     let used = steps.used();
     let mut reports = Vec::with_capacity(25);
@@ -180,7 +193,7 @@ pub fn report(file: &SessionFile, steps: &FourSteps, left_out: &LeftOut) -> Vec<
             "1/kg",
             value,
             design.scale_per_mass_per_kg[limb],
-            Some(NORMAL_95 * error),
+            Some(NORMAL_95 * propagated(SCALE.start + limb, error)),
             trials.map(|t| NORMAL_95 * t),
             Some(accelerometer * value.abs()),
         ));
@@ -208,7 +221,7 @@ pub fn report(file: &SessionFile, steps: &FourSteps, left_out: &LeftOut) -> Vec<
             "m²",
             values[entry],
             designs[entry],
-            Some(NORMAL_95 * errors[entry]),
+            Some(NORMAL_95 * propagated(INERTIA.start + entry, errors[entry])),
             trials.map(|t| NORMAL_95 * t),
             Some(standards * values[entry].abs()),
         ));

@@ -20,6 +20,7 @@
 //! | [`joint`] | all 25 at once, with what the session knows beforehand |
 //! | [`certified`] | a normal error and one that a certificate bounds, together |
 //! | [`tap`] | k/m from blows on the shell |
+//! | [`propagation`] | the instruments' errors through the four steps, in closed form |
 //! | [`interval`] | how well each parameter is known, and what limits it |
 //! | [`verdict`] | all of it judged |
 //! | [`calibration`] | the result as a file |
@@ -33,6 +34,7 @@ pub mod interval;
 pub mod iteration;
 pub mod joint;
 pub mod load;
+pub mod propagation;
 pub mod response;
 pub mod rigid;
 pub mod session;

@@ -3,6 +3,7 @@
 mod repeated;
 
 use rayon::prelude::*;
+use sixaxis_core::identify::compliance_fit::{ComplianceFit, CompliancePerMass};
 use sixaxis_core::identify::inertia::{InertiaEstimate, InertiaIdentification};
 use sixaxis_core::identify::scale::{ScaleIdentification, ScalePerMass};
 use sixaxis_core::identify::stiffness::{self, StiffnessPerMass};
@@ -109,7 +110,7 @@ pub struct Campaign {
 }
 
 impl Campaign {
-    fn of(&self, role: Role) -> impl Iterator<Item = (&Trial, &Cleaned)> + Clone {
+    pub(crate) fn of(&self, role: Role) -> impl Iterator<Item = (&Trial, &Cleaned)> + Clone {
         self.trials
             .iter()
             .filter(move |(trial, _)| trial.role == role)
@@ -248,6 +249,24 @@ impl Campaign {
             }
         }
         Ok(step)
+    }
+
+    /// Step 4 by least squares: the compliance that makes the mean square of w* smallest, from two decodes a trial.
+    ///
+    /// # Errors
+    /// Those of the decoupler; a motion in which w* does not change with the compliance.
+    pub fn compliance(&self, parameters: &Parameters) -> sixaxis_core::Result<CompliancePerMass> {
+        let mut fit = ComplianceFit::default();
+        for (trial, cleaned) in self.of(Role::HighFrequencyLinear) {
+            fit.push_trial(
+                &trial.sensor(self.geometry),
+                parameters,
+                &trial.settings(Scheme::Heun),
+                &cleaned.voltage_v,
+                |_| (),
+            )?;
+        }
+        fit.solve()
     }
 
     /// Step 4's curve over the paper's grid, from every `stride`-th sample.

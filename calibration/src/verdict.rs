@@ -26,6 +26,7 @@ use crate::error::{Error, Result};
 use crate::interval::{LeftOut, ParameterReport, put_taps, report};
 use crate::iteration::{Criterion, Iteration};
 use crate::load;
+use crate::propagation;
 use crate::session::{Role, SessionFile, Stage};
 use crate::steps::{Campaign, FourSteps, GyroscopeGain};
 use crate::suspicion::{Cause, Facts, Finding, examine};
@@ -283,11 +284,14 @@ pub fn judge_repeating(
     let mut obstacle = None;
     let mut taps = Taps::default();
     let mut iteration = None;
+    let mut propagated = None;
     match steps {
         Ok(steps) => {
             let left_out = LeftOut::fit(&campaign, &steps);
             watch.part();
-            parameters = report(file, &steps, &left_out);
+            propagated = propagation::of_session(&file.session, &campaign, &cleaning, &steps);
+            let noise = propagated.as_ref().map(|(_, found)| found.noise);
+            parameters = report(file, &steps, &left_out, noise.as_ref());
             taps = Taps::identify(
                 &struck,
                 campaign.geometry,
@@ -367,7 +371,14 @@ pub fn judge_repeating(
     }
     next.extend(reservations.iter().cloned());
     if let Some(steps) = &found {
-        calibration = Some(to_file(file, grade, &findings, steps, &parameters));
+        calibration = Some(to_file(
+            file,
+            grade,
+            &findings,
+            steps,
+            &parameters,
+            propagated.as_ref(),
+        ));
     }
     let mut recordings: Vec<(Trial, Option<Cleaned>)> = campaign
         .trials

@@ -10,11 +10,13 @@ use sixaxis_calibration::averaged::Averaged;
 use sixaxis_calibration::cleaning::{Cleaned, Cleaning};
 use sixaxis_calibration::interval::{LeftOut, put_taps, report};
 use sixaxis_calibration::joint::{self, JointReport, Knowledge};
+use sixaxis_calibration::propagation;
 use sixaxis_calibration::session::{Role, Session, SessionFile};
 use sixaxis_calibration::steps::{Campaign, FourSteps, GyroscopeGain};
 use sixaxis_calibration::tap::Taps;
 use sixaxis_calibration::trial::{Readings, Trial};
 use sixaxis_core::identify::{Reason, Verdict};
+use sixaxis_core::uncertainty::Covariance;
 use sixaxis_reference::session::plan::SessionPlan;
 use sixaxis_reference::session::play::{Played, PlayedSession, play};
 
@@ -87,6 +89,8 @@ struct Failure {
 /// What the laboratory finds.
 struct Found {
     steps: FourSteps,
+    /// Covariance from noise alone, by the closed form.
+    noise: Option<Covariance>,
     half_width_95: [Option<f64>; PARAMETERS],
     joint: sixaxis_calibration::Result<JointReport>,
 }
@@ -135,7 +139,10 @@ fn identify(session: &Session, recordings: Vec<Played>) -> Result<Found, Failure
             status: Status::NotIdentified,
             cause: error.to_string(),
         })?;
-    let mut reports = report(&file, &steps, &LeftOut::fit(&campaign, &steps));
+    let propagated = propagation::of_session(session, &campaign, &cleaning, &steps);
+    let noise = propagated.map(|(_, found)| found.noise);
+    let left_out = LeftOut::fit(&campaign, &steps);
+    let mut reports = report(&file, &steps, &left_out, noise.as_ref());
     let taps = Taps::identify(
         &struck,
         campaign.geometry,
@@ -151,6 +158,7 @@ fn identify(session: &Session, recordings: Vec<Played>) -> Result<Found, Failure
     let joint = joint::fit(&campaign, &steps, &knowledge);
     Ok(Found {
         steps,
+        noise,
         half_width_95,
         joint,
     })
@@ -178,17 +186,14 @@ impl Found {
     fn enter(&self, row: &mut Row) {
         let steps = &self.steps;
         row.set_group(Group::FourSteps, values(&steps.found()).map(Some));
-        let scale = steps.scale.estimate.standard_error();
-        let inertia = steps.inertia.estimate.standard_error();
-        row.set_group(
-            Group::FourStepsStandardError,
-            core::array::from_fn(|i| match i {
-                0..9 => Some(steps.drift.standard_error_v[i]),
-                9..18 => Some(scale[i - 9]),
-                18..24 => Some(inertia[i - 18]),
-                _ => None,
-            }),
-        );
+        if let Some(noise) = &self.noise {
+            // k/m is no linear function of anything: the closed form has its reciprocal.
+            let deviation = |i: usize| (i < PARAMETERS - 1).then(|| noise[(i, i)].sqrt());
+            row.set_group(
+                Group::FourStepsStandardError,
+                core::array::from_fn(deviation),
+            );
+        }
         row.set_group(Group::StatedHalfWidth, self.half_width_95);
         match &self.joint {
             Ok(joint) => enter_joint(joint, row),

@@ -10,7 +10,7 @@ pub enum Group {
     Truth,
     /// Estimate of the four steps. For k/m the minimum of the grid, whatever step 4's verdict.
     FourSteps,
-    /// Its standard error from the covariance of the fit: noise alone. k/m has none.
+    /// Its standard error from noise alone, carried from the raw samples through all steps in closed form. k/m has none.
     FourStepsStandardError,
     /// Half width of the 95 % interval that `sixaxis calibrate` states: noise, differences between trials, standards' classes.
     StatedHalfWidth,

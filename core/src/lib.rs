@@ -14,6 +14,8 @@
 //! number type. [`decoupler`] runs them sample by sample, [`record`] along a recording, [`lanes`] along eight at once, and
 //! [`rigid`] without the motion of the mass in the shell; [`scheme`] names the integrators.
 //!
+//! [`uncertainty`] says how well the parameters and each decoupled sample are known.
+//!
 //! Before either, [`recording`] says whether a recording can be worked with, and `preprocess` (feature `alloc`) cleans
 //! it; `rest_to_rest` takes the trend off a run that ends as it began.
 //!
@@ -46,6 +48,7 @@ mod scalar;
 pub mod scheme;
 pub mod settings;
 pub mod signal;
+pub mod uncertainty;
 
 pub use decoupler::{Decoupler, SixAxis};
 pub use error::{Error, Result};

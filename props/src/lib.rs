@@ -10,6 +10,7 @@ pub mod hostile;
 pub mod manufactured;
 pub mod motions;
 pub mod printed;
+pub mod propagation;
 pub mod rig_runs;
 pub mod rigid;
 pub mod statistics;

@@ -8,10 +8,12 @@ use sixaxis_core::identify::inertia::InertiaIdentification;
 use sixaxis_core::identify::scale::ScaleIdentification;
 use sixaxis_core::kernel::wide::LANES;
 use sixaxis_core::lanes::push_lanes;
+use sixaxis_core::uncertainty::{ChannelNoise, Covariance, SampleUncertainty};
 use sixaxis_core::{
     Decoupler, Gains, Geometry, LIMBS, RigidDecoupler, Scheme, Sensor, Settings, StaticResponse,
 };
 use sixaxis_props::manufactured::examples;
+use sixaxis_reference::paper;
 
 const SAMPLES: usize = 1000;
 const RATE_HZ: f64 = 4000.0;
@@ -61,6 +63,38 @@ fn inv_decoding_allocates_nothing() {
         assert_eq!(count, 4 * (SAMPLES - 2) + SAMPLES - 1, "samples decoded");
         assert_eq!(allocated.count_total, 0, "{}", scheme.name());
     }
+}
+
+#[test]
+fn inv_uncertainty_of_a_sample_allocates_nothing() {
+    let parameters = paper::identified_parameters();
+    let sensor = Sensor {
+        geometry: Geometry::PAPER,
+        gains: Gains::uniform(1.0),
+    };
+    let mut covariance = Covariance::zeros();
+    for (i, drift) in parameters.zero_drift_v.iter().enumerate() {
+        covariance[(i, i)] = drift * drift;
+    }
+    let noise = ChannelNoise::white(parameters.zero_drift_v.map(f64::abs));
+    let settings = Settings::new(RATE_HZ);
+    let mut decoupler = Decoupler::new(&sensor, &parameters, &settings).expect("sound");
+    let mut stream = SampleUncertainty::new(&sensor, &parameters, &settings, &covariance, &noise)
+        .expect("sound");
+    let mut before = parameters.zero_drift_v;
+    let mut known = 0;
+    let allocated = measure(|| {
+        for _ in 0..SAMPLES {
+            let row = parameters.zero_drift_v;
+            if let Some(sample) = decoupler.push(&row).expect("at rest") {
+                let spread = stream.push(&before, &sample).expect("at rest");
+                known += usize::from(spread.linear_ground_m_s2.min_element() > 0.0);
+            }
+            before = row;
+        }
+    });
+    assert_eq!(known, SAMPLES - 2, "samples with a deviation");
+    assert_eq!(allocated.count_total, 0);
 }
 
 #[test]

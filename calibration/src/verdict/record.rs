@@ -3,12 +3,15 @@
 use std::path::Path;
 
 use sixaxis_core::LIMBS;
+use sixaxis_core::uncertainty::PARAMETERS;
 
 use super::{Grade, used};
 use crate::calibration::{
-    CalibratedParameters, CalibratedSensor, Calibration, Covariance, FORMAT, Provenance,
+    CalibratedParameters, CalibratedSensor, Calibration, Covariance, FORMAT, PropagatedCovariance,
+    Provenance,
 };
 use crate::interval::ParameterReport;
+use crate::propagation::{Propagated, Sources};
 use crate::session::SessionFile;
 use crate::steps::FourSteps;
 use crate::suspicion::Finding;
@@ -19,6 +22,7 @@ pub(super) fn to_file(
     findings: &[Finding],
     steps: &FourSteps,
     parameters: &[ParameterReport],
+    propagated: Option<&(Sources, Propagated)>,
 ) -> Calibration {
     let used = used(steps, parameters);
     let matrix = |rows: usize, get: &dyn Fn(usize, usize) -> f64| -> Vec<Vec<f64>> {
@@ -49,6 +53,11 @@ pub(super) fn to_file(
             zero_drift_v2: steps.drift.standard_error_v.map(|s| s * s),
             scale_per_mass_per_kg2: matrix(LIMBS, &|i, j| steps.scale.estimate.covariance[(i, j)]),
             inertia_per_mass_m4: matrix(6, &|i, j| steps.inertia.estimate.covariance[(i, j)]),
+            propagated: propagated.map(|(sources, propagated)| PropagatedCovariance {
+                noise: matrix(PARAMETERS, &|i, j| propagated.noise[(i, j)]),
+                standards: matrix(PARAMETERS, &|i, j| propagated.standards[(i, j)]),
+                channel_noise_v: sources.typical_noise_v(),
+            }),
         },
         channels: file.session.channels.clone(),
         provenance: Provenance {

@@ -34,6 +34,8 @@ pub struct Estimate<const N: usize> {
     pub values: [f64; N],
     /// Covariance of the unknowns under independent, equal noise on the right side.
     pub covariance: SMatrix<f64, N, N>,
+    /// (A^T A)^-1 of the regressor A: the covariance under unit noise on the right side.
+    pub inverse_normal: SMatrix<f64, N, N>,
     /// Root mean square residual with the degrees of freedom taken off, in the right side's unit.
     pub residual_rms: f64,
     /// Condition number of the regressor with its columns scaled to unit length.
@@ -163,7 +165,8 @@ where
         let pseudo = SMatrix::<f64, N, N>::from_diagonal(&scale) * inverse_of_triangle(&scaled);
         let x = pseudo * rotated;
         let variance = residual_squares / (rows - N) as f64;
-        let covariance = pseudo * pseudo.transpose() * variance;
+        let inverse_normal = pseudo * pseudo.transpose();
+        let covariance = inverse_normal * variance;
         let answer = x.iter().chain(covariance.iter()).sum::<f64>();
         if !answer.is_finite() {
             return Err(out_of_range(answer));
@@ -171,6 +174,7 @@ where
         Ok(Estimate {
             values: core::array::from_fn(|i| x[i]),
             covariance,
+            inverse_normal,
             residual_rms: sqrt(variance),
             condition,
             rows,

@@ -6,6 +6,7 @@
 
 pub mod bias;
 pub mod compliance;
+pub mod compliance_fit;
 pub mod inertia;
 #[cfg(feature = "alloc")]
 pub mod joint;

@@ -22,15 +22,15 @@ type Basis = [f64; MAX_ORDER + 1];
 /// A differentiator: window of `2 half_width + 1` samples, polynomial of the given order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Differentiator {
-    half_width: usize,
-    sample_rate_hz: f64,
+    pub(super) half_width: usize,
+    pub(super) sample_rate_hz: f64,
     /// The basis at each place of the window.
     values: Vec<Basis>,
     /// Its derivative per sample at each place.
     slopes: Vec<Basis>,
     /// Weights of value and slope in the middle of the window.
     middle_value: Vec<f64>,
-    middle_slope: Vec<f64>,
+    pub(super) middle_slope: Vec<f64>,
 }
 
 impl Differentiator {
@@ -122,6 +122,12 @@ impl Differentiator {
             .chain(interior)
             .chain(tail.iter().map(|at| dot(at, &last)))
             .collect())
+    }
+
+    /// Weights of a window's samples in the slope of its polynomial at one place, per sample.
+    pub(super) fn slope_weights(&self, place: usize) -> impl Iterator<Item = f64> {
+        let at = &self.slopes[place];
+        self.values.iter().map(move |values| dot(at, values))
     }
 
     /// Coefficients of the polynomial fitted to one window.

@@ -131,7 +131,7 @@ pub fn undo_low_pass(
     Ok(undone)
 }
 
-fn check_positive(name: &'static str, value: f64) -> Result<()> {
+pub(super) fn check_positive(name: &'static str, value: f64) -> Result<()> {
     if !(value.is_finite() && value > 0.0) {
         return Err(Error::OutOfRange {
             name,

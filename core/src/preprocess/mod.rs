@@ -5,6 +5,7 @@
 //! a filter answers an offset with a transient at the ends; the digital filter ([`butterworth`], run forwards and
 //! backwards by [`zero_phase`] or live by [`stream`]); and for the standard instruments [`lag`] compensation and the
 //! smoothing differentiator [`differentiate`]. At any point [`spectrum`] says what of a record is noise.
+//! [`transposed`] reads the linear stages backwards: what each raw sample weighs in what is computed from the clean ones.
 //!
 //! Each stage works on one series, a `&mut [f64]`, evenly sampled, in any unit. A series does not know whose it is: an
 //! [`Error::NotFinite`] or [`Error::Overflow`] from a stage has channel 0, until [`each_channel`] puts the number in. What knows the sensor
@@ -20,6 +21,7 @@ pub mod outlier;
 pub mod resample;
 pub mod spectrum;
 pub mod stream;
+pub mod transposed;
 pub mod zero_phase;
 
 use crate::error::{Error, Result};

@@ -14,6 +14,7 @@ mod refusals;
 mod resample;
 mod spectrum;
 mod tolerance;
+mod transposed;
 
 /// A stage with its settings filled in, its answer dropped.
 type Stage = fn(&mut [f64]) -> sixaxis_core::Result<()>;

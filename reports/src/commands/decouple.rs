@@ -11,11 +11,11 @@ use sixaxis_calibration::calibration::Calibration;
 use sixaxis_calibration::session::SessionFile;
 use sixaxis_calibration::verdict::Grade;
 use sixaxis_core::{Decoupler, Scheme};
-use sixaxis_recordings::Sink;
+use sixaxis_recordings::{Channel, Sink};
 use sixaxis_reports::decoupling::conditioning::{Conditioning, Wishes, causal_delay_s};
 use sixaxis_reports::decoupling::integrator::Integrator;
 use sixaxis_reports::decoupling::live::{End, Live, Printed, is_closed_pipe, refuse};
-use sixaxis_reports::decoupling::motion::{Columns, Decoding};
+use sixaxis_reports::decoupling::motion::{Columns, DEVIATIONS, Decoding};
 use sixaxis_reports::decoupling::pipeline::Busy;
 use sixaxis_reports::decoupling::recording::Recording;
 use sixaxis_reports::decoupling::setup::{Said, Setup};
@@ -71,6 +71,9 @@ pub struct Arguments {
     /// The six accelerations only, without rates and attitude: about twice as fast
     #[arg(long)]
     accelerations: bool,
+    /// Six more columns: one standard deviation of each acceleration, from the calibration's covariance and the channels' noise
+    #[arg(long, conflicts_with = "close")]
+    uncertainty: bool,
     /// Picture of the six accelerations: a page that needs no network
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
@@ -86,6 +89,10 @@ const AFTER_HELP: &str = "\
 Columns: time in s; ax, ay, az in m/s^2 and alpha_x, alpha_y, alpha_z in rad/s^2, ground axes; wx, wy, wz in rad/s, the sensor's
 axes; qw, qx, qy, qz, the sensor's axes to the ground's. A sample is decoupled from itself and its two neighbours: the first and
 the last have no row, the first row is that of sample 1 (counted from 0), and `time` says which is which.
+
+--uncertainty adds sd_ax to sd_alpha_z, one standard deviation each, to first order: noise of the calibration and of this recording,
+gains of the standards. The attitude is integrated without a reference and its error grows; once it is some hundredths of a
+radian, the deviations are estimates of a size. Wedges are not in them, nor what --close would take off.
 
 A recording may be of any length: it passes through in blocks. Only --close holds the whole run in the memory, 2 million
 samples at most. A result appears whole or not at all: it is written to a neighbour named .NAME.PROCESS.part, which takes
@@ -254,6 +261,15 @@ fn file(
         .with_context(|| format!("{}", arguments.calibration.display()))?;
     let mut decoding = Decoding::new(decoupler, columns, arguments.picture.is_some());
     let mut layout = columns.layout(rate_hz);
+    if arguments.uncertainty {
+        decoding = decoding.with_uncertainty(setup.uncertainty(calibration, &settings)?);
+        layout
+            .channels
+            .extend(DEVIATIONS.map(|(name, unit)| Channel {
+                sample_rate_hz: Some(rate_hz),
+                ..Channel::new(name, Some(unit))
+            }));
+    }
     for (key, value) in [
         ("sixaxis_version", env!("CARGO_PKG_VERSION").to_owned()),
         ("recording", name_of(&arguments.recording)),
@@ -358,6 +374,7 @@ fn facts(summary: &Summary) -> Vec<(String, String)> {
 fn stream(arguments: &Arguments, setup: Setup, columns: Columns) -> Result<ExitCode> {
     refuse(&[
         (arguments.close, "--close, which needs the whole run,"),
+        (arguments.uncertainty, "--uncertainty"),
         (arguments.picture.is_some(), "--picture"),
         (
             arguments.session.is_some(),

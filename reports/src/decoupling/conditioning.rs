@@ -43,6 +43,28 @@ enum LowPass {
     ZeroPhase(Box<ZeroPhase>),
 }
 
+/// Correlation, over the white variance, that the zero-phase low-pass leaves between a sample of noise and itself, its
+/// neighbour and the one after it: that of the filter's answer to a single sample.
+///
+/// # Errors
+/// A corner that the sample rate does not allow.
+pub fn noise_correlation(wishes: &Wishes, sample_rate_hz: f64) -> Result<[f64; 3]> {
+    // Of the corner, after which nothing is left of an order-4 Butterworth.
+    const PERIODS: f64 = 10.0;
+    let Some(corner_hz) = wishes.low_pass_hz else {
+        return Ok([1.0, 0.0, 0.0]);
+    };
+    let sections = butterworth::low_pass(LOW_PASS_ORDER, corner_hz, sample_rate_hz)
+        .map_err(|e| anyhow::anyhow!("--low-pass: {e}"))?;
+    let half = (PERIODS * sample_rate_hz / corner_hz) as usize + 100;
+    let mut answer = vec![0.0; 2 * half + 1];
+    answer[half] = 1.0;
+    sixaxis_core::preprocess::zero_phase::zero_phase(&sections, &mut answer)?;
+    Ok(core::array::from_fn(|lag| {
+        answer.iter().zip(&answer[lag..]).map(|(a, b)| a * b).sum()
+    }))
+}
+
 impl Conditioning {
     /// Prepares the stages.
     ///

@@ -2,7 +2,8 @@
 
 use std::collections::VecDeque;
 
-use sixaxis_core::Decoupler;
+use sixaxis_core::uncertainty::SampleUncertainty;
+use sixaxis_core::{Decoupler, LIMBS};
 use sixaxis_recordings::{Block, Channel, Layout};
 use sixaxis_reference::session::write::MOTION_CHANNELS;
 
@@ -47,10 +48,22 @@ impl Columns {
     }
 }
 
+/// Columns that say how well the accelerations are known, with their units: one standard deviation each.
+pub const DEVIATIONS: [(&str, &str); 6] = [
+    ("sd_ax", "m/s^2"),
+    ("sd_ay", "m/s^2"),
+    ("sd_az", "m/s^2"),
+    ("sd_alpha_x", "rad/s^2"),
+    ("sd_alpha_y", "rad/s^2"),
+    ("sd_alpha_z", "rad/s^2"),
+];
+
 /// A decoupler with the clock of its recording.
 pub struct Decoding {
     decoupler: Decoupler,
     columns: Columns,
+    /// Runs beside the decoupler where it is asked how well each sample is known; the voltages of the last sample.
+    uncertainty: Option<Box<(SampleUncertainty, Row)>>,
     /// Stamps of the samples that have not been answered.
     times_s: VecDeque<f64>,
     /// Rows answered.
@@ -68,11 +81,19 @@ impl Decoding {
         Self {
             decoupler,
             columns,
+            uncertainty: None,
             times_s: VecDeque::new(),
             rows: 0,
             first_s: None,
             picture: picture.then(Box::default),
         }
+    }
+
+    /// Says how well each sample is known, too, in [`DEVIATIONS`].
+    #[must_use]
+    pub fn with_uncertainty(mut self, uncertainty: SampleUncertainty) -> Self {
+        self.uncertainty = Some(Box::new((uncertainty, [0.0; LIMBS])));
+        self
     }
 
     /// Tells the stamps of the next samples, which may be known before these are ready to be decoded.
@@ -85,10 +106,11 @@ impl Decoding {
     /// # Errors
     /// Those of [`Decoupler::push`]; the rows before the refused sample are in the block.
     pub fn decode(&mut self, rows: &[Row], block: &mut Block) -> sixaxis_core::Result<()> {
-        block.clear(1 + self.columns.count());
-        let done = match self.columns {
-            Columns::Accelerations => self.accelerations(rows, block),
-            Columns::All => self.all(rows, block),
+        let deviations = self.uncertainty.as_ref().map_or(0, |_| DEVIATIONS.len());
+        block.clear(1 + self.columns.count() + deviations);
+        let done = match (self.columns, &self.uncertainty) {
+            (Columns::Accelerations, None) => self.accelerations(rows, block),
+            _ => self.all(rows, block),
         };
         let answered = block.columns[1].len();
         if answered > 0 && self.rows == 0 {
@@ -128,9 +150,22 @@ impl Decoding {
                 let answer = [
                     a.x, a.y, a.z, alpha.x, alpha.y, alpha.z, w.x, w.y, w.z, q.w, q.x, q.y, q.z,
                 ];
-                for (column, value) in block.columns.iter_mut().skip(1).zip(answer) {
+                let (answers, deviations) = block.columns[1..].split_at_mut(self.columns.count());
+                if let Some(beside) = &mut self.uncertainty {
+                    let (stream, before) = beside.as_mut();
+                    let spread = stream.push(before, &motion)?;
+                    let (a, alpha) = (spread.linear_ground_m_s2, spread.angular_ground_rad_s2);
+                    let six = [a.x, a.y, a.z, alpha.x, alpha.y, alpha.z];
+                    for (column, value) in deviations.iter_mut().zip(six) {
+                        column.push(value);
+                    }
+                }
+                for (column, value) in answers.iter_mut().zip(answer) {
                     column.push(value);
                 }
+            }
+            if let Some(beside) = &mut self.uncertainty {
+                beside.1 = *row;
             }
         }
         Ok(())

@@ -7,9 +7,10 @@ use glam::DVec3;
 use sixaxis_calibration::calibration::Calibration;
 use sixaxis_calibration::session::{Channels, Entry, Role, Session, SessionFile};
 use sixaxis_calibration::unit::STANDARD_GRAVITY_M_S2;
+use sixaxis_core::uncertainty::{ChannelNoise, SampleUncertainty};
 use sixaxis_core::{Gains, LIMBS, Parameters, Scheme, Sensor, Settings};
 
-use super::conditioning::Wishes;
+use super::conditioning::{self, Wishes};
 
 /// What the user says of the recording; each overrules the session, which overrules the calibration.
 #[derive(Debug, Clone, Default)]
@@ -139,6 +140,36 @@ impl Setup {
             channels,
             notes,
         })
+    }
+
+    /// A stream that says how well samples are known, beside the decoupler with these settings.
+    ///
+    /// # Errors
+    /// A calibration that does not say how well its parameters are known, or says what cannot be; a low-pass that the sample
+    /// rate does not allow.
+    pub fn uncertainty(
+        &self,
+        calibration: &Calibration,
+        settings: &Settings,
+    ) -> Result<SampleUncertainty> {
+        let propagated = calibration.covariance.propagated.as_ref().context(
+            "--uncertainty: the calibration has no covariance of all parameters; calibrate again",
+        )?;
+        let covariance = propagated
+            .total()
+            .context("--uncertainty: the calibration's covariance is not 25 by 25")?;
+        let noise = ChannelNoise {
+            white_v: propagated.channel_noise_v,
+            correlation: conditioning::noise_correlation(&self.wishes, settings.sample_rate_hz)?,
+        };
+        SampleUncertainty::new(
+            &self.sensor,
+            &self.parameters,
+            settings,
+            &covariance,
+            &noise,
+        )
+        .context("--uncertainty")
     }
 
     /// The decoupler's settings at a rate.

@@ -70,7 +70,7 @@ fn word(verdict: &Verdict) -> &'static str {
         Verdict::Undetermined { reason } => match reason {
             Reason::EdgeOfGrid => "an edge of the grid",
             Reason::Flat { .. } => "flat",
-            Reason::Noise { .. } => "noise",
+            Reason::Noise { .. } | Reason::Misfit { .. } => "noise",
         },
     }
 }
