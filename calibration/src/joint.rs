@@ -57,9 +57,10 @@ impl Knowledge {
                     .unwrap_or(accelerometer.class_percent),
             ),
             certificates: Certificates {
+                // The standard deviation of an even spread; the trials know this gain far better as a rule.
                 gyroscope_gain_deviation: share(
                     gyroscope.gain_percent.unwrap_or(gyroscope.class_percent),
-                ),
+                ) / 3.0_f64.sqrt(),
                 gyroscope_lag_s: gyroscope.bandwidth_hz.map(|hz| known(first_order(hz))),
                 accelerometer_lag_s: accelerometer.bandwidth_hz.map_or(0.0, first_order),
                 amplifier_corner_rad_s: session

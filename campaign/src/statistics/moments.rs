@@ -32,6 +32,9 @@ pub struct Estimator {
     pub stated_sd: Option<f64>,
     /// `attained_sd` over `stated_sd`: 1 for an estimate that is as good as it says.
     pub attained_over_stated: Option<f64>,
+    /// Mean of the squared errors, each over its own stated variance: what the ratio of variances is where sensors differ in how
+    /// well they are known. Of normal errors it scatters by root(2/cases).
+    pub variance_over_stated: Option<f64>,
     /// Cases whose error lies within 1.96 standard errors: what the covariance of the fit promises, noise alone.
     pub within_noise_95: Option<Share>,
     /// Cases whose truth lies within the 95 % interval that is stated with the estimate: noise, differences between trials and
@@ -52,8 +55,12 @@ impl Stated {
         self.squares += value * value;
     }
 
+    fn mean_square(self) -> Option<f64> {
+        (self.cases > 0).then(|| self.squares / self.cases as f64)
+    }
+
     fn root_mean_square(self) -> Option<f64> {
-        (self.cases > 0).then(|| (self.squares / self.cases as f64).sqrt())
+        self.mean_square().map(f64::sqrt)
     }
 }
 
@@ -89,6 +96,7 @@ pub(super) struct Moments {
     mean: f64,
     squares: f64,
     standard_error: Stated,
+    standardised: Stated,
     within_noise: Covered,
     within_stated: Covered,
 }
@@ -106,6 +114,9 @@ impl Moments {
         self.squares += from_mean * (error - self.mean);
         if let Some(stated) = standard_error {
             self.standard_error.add(stated);
+            if stated > 0.0 {
+                self.standardised.add(error / stated);
+            }
             self.within_noise.add(error.abs() <= NORMAL_95 * stated);
         }
         if let Some(inside) = inside_stated_95 {
@@ -125,6 +136,7 @@ impl Moments {
             attained_sd: attained,
             stated_sd: self.standard_error.root_mean_square(),
             attained_over_stated: over(self.standard_error.root_mean_square()),
+            variance_over_stated: self.standardised.mean_square(),
             within_noise_95: self.within_noise.share(),
             within_stated_95: self.within_stated.share(),
         }

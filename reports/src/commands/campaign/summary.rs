@@ -27,10 +27,10 @@ Examples:
 
 The same cases give the same numbers, bit for bit, however they were split and in whatever order the folders are named.
 
-Errors are estimate less truth. `sd/stated` is their standard deviation over the root mean square of the standard errors that
-the fits state, which is noise alone; `noise 95 %` is the share of cases within 1.96 of those; `stated 95 %` the share within
+Errors are estimate less truth. `var/stated` is the mean of their squares, each over the variance that its fit states: of the four
+steps noise alone, of the joint fit with the certificate; `noise 95 %` is the share of cases within 1.96 of those; `stated 95 %` the share within
 the interval that is stated, which has wedges and the standards' certificates in it. `gain known` is the joint fit told the gain of
-the accelerometer, which no trial can know: `sd/stated` there is the attained deviation over the Cramér-Rao bound.
+the accelerometer, which no trial can know: `var/stated` there is the attained variance over the Cramér-Rao bound.
 
 Exit codes: 0 all cases that were asked for are there; 3 some are missing, which are listed; 1 it could not be done: damaged
 parts, parts of two campaigns, a case that is there twice; 2 the command line is not understood.";
@@ -117,14 +117,14 @@ fn estimators<'a>(
 ) {
     let _ = writeln!(
         out,
-        "\n{title:<10} {:>5} {:>8} {:>7} {:>15} {:>10} {:>9} {:>15} {:>15}",
-        "unit", "cases", "failed", "bias/sd", "sd", "sd/stated", "noise 95 %", "stated 95 %"
+        "\n{title:<10} {:>5} {:>8} {:>7} {:>15} {:>10} {:>10} {:>15} {:>15}",
+        "unit", "cases", "failed", "bias/sd", "sd", "var/stated", "noise 95 %", "stated 95 %"
     );
     for parameter in &summary.parameters {
         let Some(e) = of(parameter) else { continue };
         let _ = writeln!(
             out,
-            "{:<10} {:>5} {:>8} {:>7} {:>15} {:>10} {:>9} {:>15} {:>15}",
+            "{:<10} {:>5} {:>8} {:>7} {:>15} {:>10} {:>10} {:>15} {:>15}",
             parameter.name,
             parameter.unit,
             e.cases,
@@ -134,7 +134,7 @@ fn estimators<'a>(
                 1.0 / (e.cases as f64).sqrt()
             )),
             e.attained_sd.map_or_else(dash, |sd| format!("{sd:.3e}")),
-            e.attained_over_stated
+            e.variance_over_stated
                 .map_or_else(dash, |ratio| format!("{ratio:.3}")),
             percent(e.within_noise_95),
             percent(e.within_stated_95),
