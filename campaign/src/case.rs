@@ -5,21 +5,18 @@
 
 use std::path::PathBuf;
 
-use rayon::prelude::*;
-use sixaxis_calibration::averaged::Averaged;
-use sixaxis_calibration::cleaning::{Cleaned, Cleaning};
 use sixaxis_calibration::interval::{LeftOut, put_taps, report};
 use sixaxis_calibration::joint::{self, JointReport, Knowledge};
 use sixaxis_calibration::propagation;
-use sixaxis_calibration::session::{Role, Session, SessionFile};
-use sixaxis_calibration::steps::{Campaign, FourSteps, GyroscopeGain};
+use sixaxis_calibration::session::{Session, SessionFile};
+use sixaxis_calibration::steps::{FourSteps, GyroscopeGain};
 use sixaxis_calibration::tap::Taps;
-use sixaxis_calibration::trial::{Readings, Trial};
 use sixaxis_core::identify::{Reason, Verdict};
 use sixaxis_core::uncertainty::Covariance;
 use sixaxis_reference::session::plan::SessionPlan;
 use sixaxis_reference::session::play::{Played, PlayedSession, play};
 
+use crate::collected::{Collected, Failure, collect};
 use crate::parameter::{PARAMETERS, values};
 use crate::row::{Group, Row, Scalar, Status, Text, Values};
 
@@ -80,12 +77,6 @@ pub fn calibrate(plan: &SessionPlan, seed: u64) -> Row {
     row
 }
 
-/// Why there are no parameters.
-struct Failure {
-    status: Status,
-    cause: String,
-}
-
 /// What the laboratory finds.
 struct Found {
     steps: FourSteps,
@@ -97,40 +88,15 @@ struct Found {
 
 /// From here on only what a laboratory has.
 fn identify(session: &Session, recordings: Vec<Played>) -> Result<Found, Failure> {
-    let cleaning = Cleaning::of(session);
-    let mut static_voltage_v = Vec::new();
-    let mut moving = Vec::new();
-    let mut struck = Vec::new();
-    for recording in recordings {
-        match recording.entry.role {
-            Role::Static => static_voltage_v = at_rest(&recording),
-            // Held against the standards, never fitted.
-            Role::Validation => {}
-            Role::Tap => struck.push(trial(session, recording)),
-            _ => moving.push(recording),
-        }
-    }
-    let trials = moving
-        .into_par_iter()
-        .map(|recording| {
-            let trial = trial(session, recording);
-            let cleaned = cleaning.clean(&trial).map_err(|error| Failure {
-                status: Status::NotCleaned,
-                cause: format!("{}: {error}", trial.name),
-            })?;
-            Ok((trial, cleaned))
-        })
-        .collect::<Result<Vec<(Trial, Cleaned)>, Failure>>()?;
+    let Collected {
+        campaign,
+        taps: struck,
+        cleaning,
+    } = collect(session, recordings)?;
     let file = SessionFile {
         path: PathBuf::new(),
         text: String::new(),
         session: session.clone(),
-    };
-    let campaign = Campaign {
-        geometry: file.geometry(),
-        design: file.design(),
-        static_voltage_v,
-        trials,
     };
     let class = session.gyroscope.class_percent / 100.0;
     let steps = campaign
@@ -162,24 +128,6 @@ fn identify(session: &Session, recordings: Vec<Played>) -> Result<Found, Failure
         half_width_95,
         joint,
     })
-}
-
-fn at_rest(recording: &Played) -> Vec<[f64; sixaxis_core::LIMBS]> {
-    let mut averaged = Averaged::default();
-    for row in &recording.voltage_v {
-        averaged.push(row);
-    }
-    averaged.finish(recording.sample_rate_hz).voltage_v
-}
-
-fn trial(session: &Session, recording: Played) -> Trial {
-    let readings = Readings {
-        sample_rate_hz: recording.sample_rate_hz,
-        voltage_v: recording.voltage_v,
-        accelerometer_m_s2: recording.accelerometer_m_s2,
-        gyroscope_rad_s: recording.gyroscope_rad_s,
-    };
-    Trial::of(session, &recording.entry, readings)
 }
 
 impl Found {

@@ -6,6 +6,7 @@
 //! | file | holds |
 //! |---|---|
 //! | [`plan`] | what is varied, which seeds, which shard of them |
+//! | [`collected`] | a played session as the analysis has it |
 //! | [`case`] | one calibration |
 //! | [`parameter`], [`row`] | what is kept of it |
 //! | [`part`] | a few dozen rows in a Parquet file that is there whole or not at all |
@@ -17,6 +18,7 @@
 //! their parts side by side.
 
 pub mod case;
+pub mod collected;
 pub mod error;
 pub mod folder;
 pub mod parameter;

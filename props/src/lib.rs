@@ -7,6 +7,7 @@ pub mod blind;
 pub mod compare;
 pub mod evidence;
 pub mod hostile;
+pub mod joint;
 pub mod manufactured;
 pub mod motions;
 pub mod printed;

@@ -274,3 +274,22 @@ pub const COMPLIANCE_DERIVATIVE: Tolerance = new(0.2, Reason::Measured("6.5e-2")
 pub const CROSS_TERM_LOST: f64 = 0.2;
 /// m/k by least squares from a run without errors, relative.
 pub const COMPLIANCE_FIT: Tolerance = new(1e-4, Reason::Measured("6e-6"));
+
+/// Scale factors and inertias of the joint fit of a campaign without noise on rigid limbs, relative: what lies above the last
+/// harmonic.
+pub const JOINT_NOISE_FREE: Tolerance = new(
+    5e-6,
+    Reason::Measured("1.5e-6, the reference's gyroscope between samples"),
+);
+/// The same in MuJoCo, whose limbs give way: relative motion in angular trials, and limbs that tilt.
+pub const JOINT_MUJOCO: Tolerance = new(5e-5, Reason::Measured("1.5e-5"));
+/// Bias in standard deviations that errors in variables may leave.
+pub const JOINT_BIAS: f64 = 0.1;
+/// Bias in standard deviations that plain least squares must show where the joint fit is said to have none.
+pub const PLAIN_BIAS: f64 = 1.0;
+/// Share of wild samples in a record, and their size over the converter's range.
+pub const WILD_SHARE: f64 = 0.01;
+/// Huber's loss costs 5 % of the variance at its usual limit; wild values cost what they make of the samples near them.
+pub const ROBUST_Z: Tolerance = new(crate::statistics::ONE_IN_A_MILLION, Reason::Derived);
+/// Errors in bounds that plain squares must show under wild samples.
+pub const BENT_Z: f64 = 20.0;

@@ -1,0 +1,98 @@
+//! A played session as the analysis has it: its recordings as trials, cleaned, without a detour by files.
+
+use std::path::PathBuf;
+
+use rayon::prelude::*;
+use sixaxis_calibration::averaged::Averaged;
+use sixaxis_calibration::cleaning::{Cleaned, Cleaning};
+use sixaxis_calibration::session::{Role, Session, SessionFile};
+use sixaxis_calibration::steps::Campaign;
+use sixaxis_calibration::trial::{Readings, Trial};
+use sixaxis_reference::session::play::Played;
+
+use crate::row::Status;
+
+/// What a laboratory has of a session.
+#[derive(Debug, Clone)]
+pub struct Collected {
+    /// Trials of steps 2 to 4, cleaned, and the static record.
+    pub campaign: Campaign,
+    /// Taps.
+    pub taps: Vec<Trial>,
+    /// The cleaning that was done.
+    pub cleaning: Cleaning,
+}
+
+/// Why there are no parameters.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Failure {
+    /// How far the session got.
+    pub status: Status,
+    /// The reason.
+    pub cause: String,
+}
+
+/// Sorts a session's recordings by what they are for and cleans those of steps 2 to 4.
+///
+/// # Errors
+/// The first recording that cannot be cleaned.
+pub fn collect(session: &Session, recordings: Vec<Played>) -> Result<Collected, Failure> {
+    let cleaning = Cleaning::of(session);
+    let mut static_voltage_v = Vec::new();
+    let mut moving = Vec::new();
+    let mut struck = Vec::new();
+    for recording in recordings {
+        match recording.entry.role {
+            Role::Static => static_voltage_v = at_rest(&recording),
+            // Held against the standards, never fitted.
+            Role::Validation => {}
+            Role::Tap => struck.push(trial(session, recording)),
+            _ => moving.push(recording),
+        }
+    }
+    let trials = moving
+        .into_par_iter()
+        .map(|recording| {
+            let trial = trial(session, recording);
+            let cleaned = cleaning.clean(&trial).map_err(|error| Failure {
+                status: Status::NotCleaned,
+                cause: format!("{}: {error}", trial.name),
+            })?;
+            Ok((trial, cleaned))
+        })
+        .collect::<Result<Vec<(Trial, Cleaned)>, Failure>>()?;
+    let file = SessionFile {
+        path: PathBuf::new(),
+        text: String::new(),
+        session: session.clone(),
+    };
+    let campaign = Campaign {
+        geometry: file.geometry(),
+        design: file.design(),
+        static_voltage_v,
+        trials,
+    };
+    Ok(Collected {
+        campaign,
+        taps: struck,
+        cleaning,
+    })
+}
+
+fn at_rest(recording: &Played) -> Vec<[f64; sixaxis_core::LIMBS]> {
+    let mut averaged = Averaged::default();
+    for row in &recording.voltage_v {
+        averaged.push(row);
+    }
+    averaged.finish(recording.sample_rate_hz).voltage_v
+}
+
+fn trial(session: &Session, recording: Played) -> Trial {
+    let readings = Readings {
+        sample_rate_hz: recording.sample_rate_hz,
+        voltage_v: recording.voltage_v,
+        accelerometer_m_s2: recording.accelerometer_m_s2,
+        gyroscope_rad_s: recording.gyroscope_rad_s,
+    };
+    Trial::of(session, &recording.entry, readings)
+}
