@@ -45,6 +45,10 @@ impl Trial {
     ///
     /// None if the motion is not determined by the data, which no data with noise leave open.
     pub fn contribution(&self, unknowns: &Unknowns, shares: &Shares) -> Option<Contribution> {
+        self.arrow(unknowns, shares).eliminate(unknowns.len())
+    }
+
+    fn arrow(&self, unknowns: &Unknowns, shares: &Shares) -> Arrow {
         let common = unknowns.len();
         let transients = self.transients();
         let count = 2 * self.grid.harmonics;
@@ -59,7 +63,7 @@ impl Trial {
         let parts = self.parts(unknowns, shares);
         arrow.add_channels(self, unknowns, &parts);
         arrow.add_standard(self, unknowns);
-        arrow.eliminate(common)
+        arrow
     }
 
     /// Moves the trial's own unknowns along with a step of the common ones.
@@ -242,6 +246,25 @@ mod tests {
     /// Rounds of the motion's own Gauss-Newton: it settles in three.
     const ROUNDS: usize = 8;
 
+    /// Drive, whether gravity turns, whether the amplifiers are high-passes.
+    const CASES: [(Drive, bool, bool); 5] = [
+        (Drive::Linear, false, false),
+        (Drive::Linear, false, true),
+        (Drive::Angular, false, false),
+        (Drive::Angular, true, false),
+        (Drive::Angular, true, true),
+    ];
+
+    fn size_of_unknown(u: usize) -> f64 {
+        match u {
+            u if u < MASS_PER_SCALE => 1.0,
+            u if u < INERTIA => 0.2,
+            u if u < COMPLIANCE => 2e-4,
+            COMPLIANCE => 1e-5,
+            _ => 0.1,
+        }
+    }
+
     fn trial(drive: Drive, gravity_turns: bool, amplifier: bool) -> (Trial, Unknowns) {
         let grid = Grid {
             samples: 400,
@@ -299,13 +322,7 @@ mod tests {
     #[test]
     fn inv_descent_is_the_gradient() {
         let shares = Shares::new(&Geometry::PAPER).expect("the paper's drawing");
-        for (drive, turns, amplifier) in [
-            (Drive::Linear, false, false),
-            (Drive::Linear, false, true),
-            (Drive::Angular, false, false),
-            (Drive::Angular, true, false),
-            (Drive::Angular, true, true),
-        ] {
+        for (drive, turns, amplifier) in CASES {
             let (mut trial, unknowns) = trial(drive, turns, amplifier);
             let still = DVector::zeros(unknowns.len());
             for _ in 0..ROUNDS {
@@ -326,13 +343,7 @@ mod tests {
                     .squares
             };
             for u in 0..unknowns.len() {
-                let size = match u {
-                    u if u < MASS_PER_SCALE => 1.0,
-                    u if u < INERTIA => 0.2,
-                    u if u < COMPLIANCE => 2e-4,
-                    COMPLIANCE => 1e-5,
-                    _ => 0.1,
-                };
+                let size = size_of_unknown(u);
                 let h = 1e-4 * size;
                 let numeric = -0.5 * (squares(u, h) - squares(u, -h)) / (2.0 * h);
                 let scale = trial
@@ -345,6 +356,133 @@ mod tests {
                     "{drive:?} {turns} {amplifier}: unknown {u}: {numeric:e} by differences, {:e}",
                     analytic[u]
                 );
+            }
+        }
+    }
+
+    /// Central differences of a linear function and rounding leave this of a block's largest entry; what is quadratic in the
+    /// residual is not there.
+    const BLOCKS: f64 = 1e-6;
+
+    /// Where the data are what the model predicts, the descents' derivatives are the normal matrix and nothing else.
+    #[test]
+    fn inv_blocks_are_the_descents_derivatives() {
+        let shares = Shares::new(&Geometry::PAPER).expect("the paper's drawing");
+        for (drive, turns, amplifier) in CASES {
+            let (mut trial, mut unknowns) = trial(drive, turns, amplifier);
+            // Gravity's derivatives by the wedge's angles are those of small ones.
+            unknowns.values.rows_mut(WEDGES, ANGLES).fill(0.0);
+            let parts = trial.parts(&unknowns, &shares);
+            for limb in 0..LIMBS {
+                trial.data.coordinates[limb] = trial.prediction(&unknowns, &parts, limb);
+            }
+            trial.data.coordinates[LIMBS] = trial.standard_prediction(&unknowns);
+            let arrow = trial.arrow(&unknowns, &shares);
+            // Entries in the unknowns' own sizes, against the largest of their block: what is next to nothing drowns in rounding.
+            let of_unknown: Vec<f64> = (0..arrow.descent.len()).map(size_of_unknown).collect();
+            let largest = |block: &DMatrix<f64>, sizes: &[f64]| {
+                block
+                    .column_iter()
+                    .zip(sizes)
+                    .map(|(column, size)| column.amax() * size)
+                    .fold(0.0, f64::max)
+            };
+            let of_motion = alloc::vec![trial.latent.amax(); trial.latent.len()];
+            let blocks = [
+                largest(&arrow.coupling, &of_unknown),
+                largest(&arrow.information, &of_unknown),
+                largest(&arrow.own, &of_motion),
+            ];
+            let compare =
+                |block: usize, size: f64, differences: &DVector<f64>, column: DVector<f64>| {
+                    let off = (differences + column).amax() * size;
+                    assert!(
+                        off <= BLOCKS * blocks[block],
+                        "{drive:?} {turns} {amplifier}: block {block}: {off:e} of {:e}",
+                        blocks[block]
+                    );
+                };
+            let size = unknowns.len();
+            for u in 0..size {
+                let h = 1e-5 * size_of_unknown(u);
+                let moved = |by: f64| {
+                    let mut moved = unknowns.clone();
+                    moved.values[u] += by;
+                    trial.arrow(&moved, &shares)
+                };
+                let (up, down) = (moved(h), moved(-h));
+                let by = |a: &DVector<f64>, b: &DVector<f64>| (a - b) / (2.0 * h);
+                let size = size_of_unknown(u);
+                let own = by(&up.own_descent, &down.own_descent);
+                compare(0, size, &own, arrow.coupling.column(u).clone_owned());
+                let common = by(&up.descent, &down.descent);
+                compare(1, size, &common, arrow.information.column(u).clone_owned());
+            }
+            for j in 0..trial.latent.len() {
+                let h = 1e-5 * trial.latent.amax();
+                let moved = |by: f64| {
+                    let mut moved = trial.clone();
+                    moved.latent[j] += by;
+                    moved.arrow(&unknowns, &shares)
+                };
+                let (up, down) = (moved(h), moved(-h));
+                let by = (&up.own_descent - &down.own_descent) / (2.0 * h);
+                compare(2, of_motion[j], &by, arrow.own.column(j).clone_owned());
+            }
+        }
+    }
+
+    /// A step that solves the whole arrow is what elimination and going back come to.
+    #[test]
+    fn inv_elimination_solves_the_arrow() {
+        let shares = Shares::new(&Geometry::PAPER).expect("the paper's drawing");
+        for (drive, turns, amplifier) in CASES {
+            let (trial, unknowns) = trial(drive, turns, amplifier);
+            let arrow = trial.arrow(&unknowns, &shares);
+            let common = unknowns.len();
+            let (outer, inner) = (arrow.descent.len(), arrow.own_descent.len());
+            // A little of everything beforehand, as certificates give it, makes the whole regular.
+            let beforehand = arrow.information.diagonal().rows(0, common).amax();
+            let mut whole = DMatrix::zeros(outer + inner, outer + inner);
+            whole
+                .view_mut((0, 0), (outer, outer))
+                .copy_from(&arrow.information);
+            for u in 0..common {
+                whole[(u, u)] += beforehand;
+            }
+            whole
+                .view_mut((outer, outer), (inner, inner))
+                .copy_from(&arrow.own);
+            whole
+                .view_mut((outer, 0), (inner, outer))
+                .copy_from(&arrow.coupling);
+            whole
+                .view_mut((0, outer), (outer, inner))
+                .copy_from(&arrow.coupling.transpose());
+            let mut descent = DVector::zeros(outer + inner);
+            descent.rows_mut(0, outer).copy_from(&arrow.descent);
+            descent.rows_mut(outer, inner).copy_from(&arrow.own_descent);
+            let step = Cholesky::new(whole).expect("regular").solve(&descent);
+            let part = trial.contribution(&unknowns, &shares).expect("determined");
+            let mut information = part.information.clone();
+            for u in 0..common {
+                information[(u, u)] += beforehand;
+            }
+            let head = Cholesky::new(information)
+                .expect("regular")
+                .solve(&part.descent);
+            let mut moved = trial.clone();
+            moved.follow(&part, &head, 1.0);
+            let close = |a: &DVector<f64>, b: &DVector<f64>| (a - b).amax() <= BLOCKS * b.amax();
+            assert!(close(&head, &step.rows(0, common).clone_owned()));
+            let motion = &moved.latent - &trial.latent;
+            assert!(close(&motion, &step.rows(outer, inner).clone_owned()));
+            if amplifier {
+                let transient = DVector::from_iterator(
+                    LIMBS,
+                    (0..LIMBS).map(|i| moved.transient[i] - trial.transient[i]),
+                );
+                assert!(close(&transient, &step.rows(common, LIMBS).clone_owned()));
             }
         }
     }
