@@ -66,6 +66,8 @@ impl Gain {
     /// Ends of the 95 % interval of a normal error with the given deviation plus `slope` times the gain.
     #[must_use]
     pub fn interval_95(&self, slope: f64, deviation: f64) -> (f64, f64) {
+        // A deviation of nothing is a step, not a quotient of nothing by nothing.
+        let deviation = deviation.max(f64::MIN_POSITIVE.sqrt());
         let nodes: Vec<(f64, f64)> = self
             .nodes()
             .into_iter()

@@ -9,6 +9,7 @@
 
 use nalgebra::{Matrix6, Vector6};
 use sixaxis_core::identify::tap::{self, Setup, Tap};
+use sixaxis_core::identify::{Reason, Verdict};
 use sixaxis_core::{Geometry, LIMBS, Parameters};
 
 use crate::interval::ParameterReport;
@@ -20,6 +21,10 @@ const RANGE_DEVIATION: f64 = 0.005;
 const INERTIA_DEVIATION: f64 = 1e-6;
 /// Half width of the 95 % interval of a normal variable, in standard deviations.
 const NORMAL_95: f64 = 1.959_963_984_540_054;
+/// Noise of a tap, as a variance, over all of its error at least.
+const LEAST_NOISE: f64 = 1e-6;
+/// Share of what is known beforehand that a tap has of its own: half, for gains of ranges of which some differ.
+const OWN_SHARE: f64 = 0.5;
 /// Standard errors of their difference by which a tap may be off from all taps' mean.
 const DISAGREE: f64 = 4.0;
 
@@ -123,7 +128,12 @@ fn evaluate(
     let tap = tap::identify(&setup, &trial.voltage_v).map_err(|e| e.to_string())?;
     if tap.verdict.is_determined() {
         Ok(tap)
-    } else if tap.residual_over_signal > tap.standard_error_ln {
+    } else if matches!(
+        tap.verdict,
+        Verdict::Undetermined {
+            reason: Reason::Misfit { .. }
+        }
+    ) {
         Err(format!(
             "what follows the blow is not the decay of six modes, {:.1} % of it is left over; the shell must be held still",
             100.0 * tap.residual_over_signal
@@ -169,8 +179,9 @@ fn together(used: &[(&TapReport, &Tap)], remarks: &mut Vec<String>) -> Option<St
         return None;
     }
     let noise2 = |tap: &Tap| {
-        let known = tap.standard_error_known_ln;
-        (tap.standard_error_ln * tap.standard_error_ln - known * known).max(f64::MIN_POSITIVE)
+        let (whole, known) = (tap.standard_error_ln, tap.standard_error_known_ln);
+        // What is left when one nearly equals the other is rounding.
+        (whole * whole - known * known).max(LEAST_NOISE * whole * whole)
     };
     let weights: Vec<f64> = used.iter().map(|(_, tap)| 1.0 / noise2(tap)).collect();
     let total: f64 = weights.iter().sum();
@@ -184,8 +195,10 @@ fn together(used: &[(&TapReport, &Tap)], remarks: &mut Vec<String>) -> Option<St
     };
     let ln = mean(&|tap| tap.stiffness_per_mass_per_s2.ln());
     let known = mean(&|tap| tap.standard_error_known_ln);
-    // Taps in different ranges share not quite all of what is known beforehand, so that its part counts here, too.
-    let departure = |tap: &Tap| (tap.stiffness_per_mass_per_s2.ln() - ln) / tap.standard_error_ln;
+    // What the taps have in common cannot set them apart: they are judged by their noise, and by the gains of the ranges they
+    // were recorded in, which are another tap's only in part.
+    let own2 = |tap: &Tap| noise2(tap) + (OWN_SHARE * tap.standard_error_known_ln).powi(2);
+    let departure = |tap: &Tap| (tap.stiffness_per_mass_per_s2.ln() - ln) / own2(tap).sqrt();
     let worst = used
         .iter()
         .max_by(|a, b| departure(a.1).abs().total_cmp(&departure(b.1).abs()))?;
@@ -198,11 +211,13 @@ fn together(used: &[(&TapReport, &Tap)], remarks: &mut Vec<String>) -> Option<St
             used.len()
         ));
     }
-    // As far apart as they are, they know no better.
-    let wider = (disagreement / DISAGREE).max(1.0);
+    // Birge's ratio: as far apart as they are, they know no better.
+    let chi_square: f64 = used.iter().map(|(_, tap)| departure(tap).powi(2)).sum();
+    let freedom = used.len().saturating_sub(1).max(1) as f64;
+    let wider = (chi_square / freedom).max(1.0).sqrt();
     let per_mass_per_s2 = ln.exp();
     let from_noise = NORMAL_95 * per_mass_per_s2 * wider / total.sqrt();
-    let from_known = NORMAL_95 * per_mass_per_s2 * wider * known;
+    let from_known = NORMAL_95 * per_mass_per_s2 * known;
     Some(Stiffness {
         per_mass_per_s2,
         half_width_95: from_noise.hypot(from_known),

@@ -118,6 +118,16 @@ pub enum Error {
         /// Unit vector, in the unknowns' order (padded with zeros), along which the data say nothing.
         lost_direction: [f64; 9],
     },
+    /// A record that is taken for one period of a motion does not end where it began.
+    #[error(
+        "{what}: the record does not end where it began: from its last sample back to its first the standard jumps by {jump_over_step:.1} times its largest step; a trial begins and ends at rest or holds whole turns"
+    )]
+    NotClosed {
+        /// The operation.
+        what: &'static str,
+        /// That jump over the largest difference of neighbouring samples.
+        jump_over_step: f64,
+    },
     /// The data leave an unknown open.
     #[error("{what}: the trials leave unknown {unknown} open (condition number {condition:.3e})")]
     Indeterminate {

@@ -13,8 +13,9 @@ use sixaxis_props::joint::{Fitted, bias_of_scale, small};
 use sixaxis_props::tolerance::{JOINT_BIAS, PLAIN_BIAS};
 use sixaxis_reference::session::plan::SessionPlan;
 
-/// Ratios of signal to noise of the channels, dB.
-const NOISE_DB: [f64; 3] = [60.0, 40.0, 34.0];
+/// Ratios of signal to noise of the channels, dB. At 60 dB plain least squares shows a quarter of a standard deviation only, and the
+/// reference's gyroscope, which takes the rate for straight between samples of 500 Hz, is itself off by a tenth.
+const NOISE_DB: [f64; 2] = [40.0, 34.0];
 /// Sample rates at which the time of a fit is measured, Hz.
 const RATES_HZ: [f64; 2] = [2_000.0, 10_000.0];
 

@@ -1,5 +1,6 @@
 //! Small campaigns for the joint estimator: played, collected, fitted, and held against the truth.
 
+use nalgebra::{SMatrix, SVector};
 use rayon::prelude::*;
 use sixaxis_calibration::joint::{JointReport, Knowledge, fit};
 use sixaxis_calibration::session::{Role, Session};
@@ -93,6 +94,27 @@ impl Fitted {
         let found = estimate.values(self.instruments.accelerometer_gain_error);
         let bound = estimate.deviations();
         core::array::from_fn(|p| (found[p] - self.truth[p]) / bound[p])
+    }
+
+    /// e^T C^-1 e of all errors at once, the accelerometer's gain told, C the covariance that the fit states: of normal errors
+    /// chi-square with 24 degrees of freedom.
+    ///
+    /// # Panics
+    /// For a covariance that is none.
+    #[must_use]
+    pub fn squares_over_covariance(&self) -> f64 {
+        let deviations = self.joint.estimate.deviations();
+        let covariance = self.joint.estimate.parameter_covariance();
+        let correlation =
+            SMatrix::<f64, { PARAMETERS - 1 }, { PARAMETERS - 1 }>::from_fn(|a, b| {
+                covariance[(a, b)] / (deviations[a] * deviations[b])
+            });
+        let z = SVector::from(self.standardised());
+        let solved = correlation
+            .cholesky()
+            .expect("a covariance is positive definite")
+            .solve(&z);
+        z.dot(&solved)
     }
 
     /// Errors of scale factors and inertias, the accelerometer's gain told, over the value and over the mean moment.

@@ -4,6 +4,7 @@
 use rayon::prelude::*;
 use sixaxis_calibration::joint::{Knowledge, at_rest};
 use sixaxis_calibration::session::Role;
+use sixaxis_campaign::parameter::PARAMETERS;
 use sixaxis_core::identify::joint::robust::USUAL_LIMIT;
 use sixaxis_core::identify::joint::{AtRest, Certificates, Drive, Joint, Record};
 use sixaxis_core::{Error, Gains, Geometry, LIMBS, Parameters};
@@ -17,9 +18,9 @@ use sixaxis_reference::rig::Mounting;
 use sixaxis_reference::session::plan::{Engine, SessionPlan};
 
 /// Campaigns over which errors are judged.
-const CASES: u64 = 40;
+const CASES: u64 = 24;
 /// Campaigns for the bias: its mean scatters by one over the root of them.
-const BIAS_CASES: u64 = 64;
+const BIAS_CASES: u64 = 48;
 /// Channels' ratio of signal to noise, dB, at which errors in variables bend plain least squares.
 const NOISY_DB: f64 = 34.0;
 
@@ -79,23 +80,23 @@ fn prop_errors_are_what_the_bound_says() {
             .into_par_iter()
             .map(|seed| fitted(&with(small(seed))))
             .collect();
+        // All errors of a case at once, against their covariance: chi-square with as many degrees of freedom.
+        let unknowns = CASES as usize * (PARAMETERS - 1);
+        let total: f64 = cases.iter().map(Fitted::squares_over_covariance).sum();
+        let departure = chi_square_departure(total, unknowns);
+        assert!(departure <= 1.0, "{name}: {total} of {unknowns}");
+        // Deviations half or twice as large would not pass.
+        for factor in [0.25, 4.0] {
+            assert!(chi_square_departure(factor * total, unknowns) > 1.0);
+        }
         let z: Vec<_> = cases.iter().map(Fitted::standardised).collect();
-        let (means, squares) = moments(&z);
         let n = CASES as f64;
-        for (p, (mean, square)) in means.into_iter().zip(squares).enumerate() {
-            let departure = chi_square_departure(square * n, CASES as usize);
-            assert!(
-                departure <= 1.0,
-                "{name}: parameter {}: variance over bound {square}",
-                p + 1
-            );
+        for (p, mean) in moments(&z).0.into_iter().enumerate() {
             assert!(
                 mean.abs() <= ONE_IN_A_MILLION / n.sqrt(),
                 "{name}: parameter {}: bias {mean} bounds",
                 p + 1
             );
-            // A bound that is half of what it should be would not pass.
-            assert!(chi_square_departure(4.0 * square * n, CASES as usize) > 1.0);
         }
         let misfit = cases.iter().map(|c| c.joint.estimate.misfit()).sum::<f64>() / n;
         let degrees: usize = cases
@@ -184,6 +185,12 @@ fn prop_wild_samples_do_not_bend_the_robust_fit() {
     let robust = joint
         .fit_robust(&start, &records, USUAL_LIMIT)
         .expect("determined");
+    for limit in [0.0, 1e-200, 0.5, f64::NAN] {
+        assert!(matches!(
+            joint.fit_robust(&start, &records, limit),
+            Err(Error::OutOfRange { name: "limit", .. })
+        ));
+    }
     // Against the clean fit's bound: what counts is what the wild values do.
     let bound = case.joint.estimate.deviations();
     let gain = case.instruments.accelerometer_gain_error;
@@ -243,6 +250,14 @@ fn inv_bad_records_are_refused_by_channel_and_sample() {
     made_up(&voltage[..SHORT], &standard[..SHORT], |e| {
         matches!(e, Error::TooFewSamples { .. })
     });
+    made_up(&voltage, &standard, |e| {
+        matches!(e, Error::DeadChannel { .. })
+    });
+    let mut open = standard.clone();
+    for (n, a) in open.iter_mut().enumerate() {
+        *a = n as f64 / SAMPLES as f64;
+    }
+    made_up(&voltage, &open, |e| matches!(e, Error::NotClosed { .. }));
     voltage[37][4] = f64::NAN;
     made_up(&voltage, &standard, |e| {
         matches!(

@@ -22,7 +22,8 @@
 //! # The likelihood
 //! Noise is white and normal, of a variance that each record itself shows above the last harmonic used. The logarithm of the
 //! likelihood is then minus half a sum of squares, minimised by Gauss-Newton from the four steps' answer; the inverse of its
-//! normal matrix, the latent motions eliminated, is the Cramer-Rao bound and the covariance of the estimate.
+//! normal matrix, the latent motions eliminated, is the covariance of the estimate and the Cramer-Rao bound, with what certificates
+//! say counted as measurements.
 //!
 //! # What the data cannot say
 //! With no gravity turning in the sensor nothing but the accelerometer knows what a metre per second squared is: a gain error
@@ -32,6 +33,10 @@
 //! # What is neglected
 //! Relative motion enters linear trials to first order in 1/(k/m) and angular ones not at all: 2e-7 of a force at 2 Hz.
 //! Limbs that tilt add 5e-6 of a force at twice the drive's frequency at 5 Hz.
+//!
+//! Of the rig two things are taken as they are said to be, and are worth more: that an upright axis is plumb, of which a tenth of a
+//! degree turns 0.02 m/s^2 of gravity in the sensor, and that the mass's centre lies on the axis, of which a millimetre is 0.1
+//! m/s^2 at 2 Hz. Either shows in [`estimate::JointEstimate::misfit`].
 
 pub mod estimate;
 pub mod harmonics;
@@ -67,8 +72,10 @@ use crate::signal::Gains;
 const HARMONICS_PER_DRIVE: f64 = 8.0;
 /// Coordinates above the last harmonic that the noise is told from, at least.
 const FEWEST_FOR_NOISE: usize = 64;
-/// Smallest standard deviation of noise over a channel's largest value: what rounding leaves of a record without noise.
+/// Smallest standard deviation of noise over a record's largest value: beyond what rounding leaves of one without noise.
 const LEAST_NOISE: f64 = 1e-10;
+/// Jump from a record's end to its beginning over its largest step.
+const LARGEST_JUMP: f64 = 3.0;
 /// Two unit vectors nearer than this are the same wedge's.
 const SAME_WEDGE: f64 = 1e-3;
 /// Sine of the angle between gravity and axis below which gravity does not turn in the sensor.
@@ -100,8 +107,8 @@ pub struct Certificates {
     pub compliance_s2: Option<Known>,
 }
 
-/// One trial as it was recorded; nothing filtered. It begins and ends at rest in the same place, or holds whole turns of the
-/// drive.
+/// One trial as it was recorded; nothing filtered. It begins and ends at rest in the same place or, if gravity does not turn in it,
+/// holds whole turns of the drive.
 #[derive(Debug, Clone, Copy)]
 pub struct Record<'a> {
     /// What the rig did.
@@ -136,6 +143,25 @@ pub struct AtRest {
 pub struct Prepared {
     nominal: DVec3,
     trial: Trial,
+}
+
+/// Refuses a record that does not close: from its last sample to its first it may step as from any other to the next, with the
+/// noise of two samples more.
+fn check_closed(standard: &[f64]) -> Result<()> {
+    let steps = standard.windows(2).map(|w| (w[1] - w[0]).abs());
+    let largest = steps.fold(f64::MIN_POSITIVE, f64::max);
+    let (Some(first), Some(last)) = (standard.first(), standard.last()) else {
+        return Ok(());
+    };
+    let jump_over_step = (last - first).abs() / largest;
+    if jump_over_step <= LARGEST_JUMP {
+        Ok(())
+    } else {
+        Err(Error::NotClosed {
+            what: WHAT,
+            jump_over_step,
+        })
+    }
 }
 
 /// Collects a campaign's trials.
@@ -218,7 +244,8 @@ impl Joint {
     ///
     /// # Errors
     /// [`Error::NotFinite`] (channel 10 is the standard), [`Error::LengthMismatch`], [`Error::TooFewSamples`] for a record that
-    /// leaves nothing above its last harmonic to tell the noise from, [`Error::OutOfRange`] for a frequency, a gain or a
+    /// leaves nothing above its last harmonic to tell the noise from, [`Error::DeadChannel`] for one of zeros, [`Error::NotClosed`] for one that does not end where it
+    /// began, [`Error::OutOfRange`] for a frequency, a gain or a
     /// direction that means nothing.
     pub fn push(&mut self, record: &Record) -> Result<()> {
         let trial = self.prepare(record)?;
@@ -272,7 +299,8 @@ impl Joint {
             }
         }
         let turns = samples as f64 / record.sample_rate_hz * record.frequency_hz;
-        let harmonics = ((HARMONICS_PER_DRIVE * turns) as usize).max(1);
+        // More than there are samples are too many, however many more.
+        let harmonics = ((HARMONICS_PER_DRIVE * turns).min(samples as f64) as usize).max(1);
         let grid = Grid {
             samples,
             step_s: 1.0 / record.sample_rate_hz,
@@ -286,6 +314,7 @@ impl Joint {
                 got: samples,
             });
         }
+        check_closed(record.standard)?;
         let mut data = project(&grid, |n| {
             let row = &record.voltage_v[n];
             core::array::from_fn(|c| {
@@ -296,15 +325,24 @@ impl Joint {
                 }
             })
         });
+        // A limb may well feel nothing in a trial, all of them may not.
+        let largest =
+            |values: &mut dyn Iterator<Item = f64>| values.fold(0.0_f64, |a, x| a.max(x.abs()));
+        let floors = [
+            largest(&mut record.voltage_v.iter().flatten().copied()),
+            largest(&mut record.standard.iter().copied()),
+        ]
+        .map(|largest| (LEAST_NOISE * largest) * (LEAST_NOISE * largest));
         for (channel, variance) in data.variance.iter_mut().enumerate() {
-            let largest = (0..samples)
-                .map(|n| match channel {
-                    LIMBS => record.standard[n],
-                    limb => record.voltage_v[n][limb],
-                })
-                .fold(f64::MIN_POSITIVE, |a, x| a.max(x.abs()));
-            let least = LEAST_NOISE * largest;
-            *variance = variance.max(least * least);
+            let floor = floors[usize::from(channel == LIMBS)];
+            if floor == 0.0 {
+                return Err(Error::DeadChannel {
+                    channel: channel + 1,
+                    value_v: 0.0,
+                    samples,
+                });
+            }
+            *variance = variance.max(floor);
         }
         let nominal = record.direction_ground.normalize();
         let g = record.gravity_ground_m_s2;

@@ -241,7 +241,7 @@ mod tests {
     use crate::scalar::sin_cos;
     use crate::signal::Gains;
 
-    /// Central differences over 1e-6 of an unknown's size leave this of the largest derivative.
+    /// Central differences over 1e-4 of an unknown's size leave this of the squares over that size.
     const FINITE_DIFFERENCES: f64 = 1e-5;
     /// Rounds of the motion's own Gauss-Newton: it settles in three.
     const ROUNDS: usize = 8;

@@ -23,6 +23,11 @@ use crate::preprocess::outlier::{SIGMA_PER_MAD, median};
 
 /// Cut-off, in deviations, at which normal noise costs 5 % of the variance.
 pub const USUAL_LIMIT: f64 = 1.345;
+/// Share of a record's variance that is noise when every wild value is cut off, at least: values a million deviations off.
+const LEAST_SHARE: f64 = 1e-12;
+/// Least cut-off: a share of 0.68 of normal residuals is left whole there, so that a repetition takes two thirds of what is left
+/// of the way.
+const LEAST_LIMIT: f64 = 1.0;
 /// Repetitions at most; a thousandth of wild values takes five.
 const ROUNDS: usize = 40;
 /// Change of every unknown, in its standard deviations, at which the fit stands still.
@@ -33,7 +38,7 @@ impl Joint {
     /// their order.
     ///
     /// # Errors
-    /// Those of [`Joint::fit`]; [`Error::OutOfRange`] for a limit that is not positive, [`Error::LengthMismatch`] for records
+    /// Those of [`Joint::fit`]; [`Error::OutOfRange`] for a limit below 1, [`Error::LengthMismatch`] for records
     /// that are not those of the trials.
     pub fn fit_robust(
         &self,
@@ -41,11 +46,11 @@ impl Joint {
         records: &[Record],
         limit: f64,
     ) -> Result<JointEstimate> {
-        if !(limit > 0.0 && limit.is_finite()) {
+        if !(limit >= LEAST_LIMIT && limit.is_finite()) {
             return Err(Error::OutOfRange {
                 name: "limit",
                 value: limit,
-                requirement: "positive and finite",
+                requirement: "at least 1 and finite",
             });
         }
         let mismatch = |expected, got| {
@@ -132,8 +137,13 @@ fn cut_off(
         .zip(&trial.data.variance)
         .zip(whole)
     {
-        // Half of the samples are within the median at least, so the share is never small. A record without noise keeps its floor.
-        *variance = (*variance / (whole * whole)).max(before * f64::EPSILON);
+        // At a limit of 1 or more, half of the samples are left whole at least: the median's own half. A record without noise
+        // keeps the floor it was given.
+        *variance = if whole >= 0.5 {
+            (*variance / (whole * whole)).max(LEAST_SHARE * before)
+        } else {
+            *before
+        };
     }
     data
 }
