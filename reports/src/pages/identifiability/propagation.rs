@@ -1,5 +1,6 @@
 //! The closed form of the four steps' errors against campaigns drawn at random.
 
+use super::coverage::place;
 use super::published::{MAKE_PROPAGATION, Propagation, Set};
 use super::table::symbol;
 use crate::view::number::{MISSING, count, fixed, percent};
@@ -31,12 +32,26 @@ pub fn blocks(published: &Propagation) -> Vec<Block> {
         )),
         Block::Figure(figure(published)),
         Block::Table(table(published)),
-        Block::Text(
-            "First order ends where the attitude is lost: decoupling is open loop, and once its attitude is uncertain by some \
-             tenths of a radian the accelerations' errors are no longer linear in the parameters'."
-                .to_owned(),
-        ),
+        Block::Text(format!(
+            "First order ends where the attitude is lost: decoupling is open loop. Up to {} rad of the attitude's own standard \
+             deviation, those of the accelerations are right to {} (rms) in all sets; with an attitude uncertain by a \
+             radian the sine of it is no longer the angle, and the closed form only says that nothing is known.",
+            linear_to_rad(published),
+            percent(BAND, 1),
+        )),
     ]
+}
+
+/// Edge up to which all sets' bands are within the allowed departure, rad.
+fn linear_to_rad(published: &Propagation) -> f64 {
+    let of = |set: &Set| {
+        set.by_attitude
+            .iter()
+            .take_while(|band| band.rms_departure <= BAND)
+            .last()
+            .map_or(0.0, |band| band.below_rad)
+    };
+    published.sets.iter().map(of).fold(f64::INFINITY, f64::min)
 }
 
 fn figure(published: &Propagation) -> Figure {
@@ -60,7 +75,7 @@ fn figure(published: &Propagation) -> Figure {
         figure = figure.series(Series::points(
             set.sources.clone(),
             colour,
-            points.map(|(i, p)| (p.ratio, -(i as f64))),
+            points.map(|(i, p)| (p.ratio, place(i))),
         ));
     }
     figure
@@ -79,8 +94,8 @@ fn table(published: &Propagation) -> Table {
         Row::new(header, published.sets.iter().flat_map(|set| cells(set, i)))
     });
     Table {
-        caption: "Standard deviations of decoupled accelerations, closed form over drawn, less one".to_owned(),
-        stub: "attitude's standard deviation, rad".to_owned(),
+        caption: "Decoupled accelerations: departure of the closed form from the drawn standard deviation".to_owned(),
+        stub: "attitude (1σ), rad".to_owned(),
         head: vec![
             published
                 .sets

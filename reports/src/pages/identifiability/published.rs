@@ -3,6 +3,8 @@
 //! They are embedded when the report is built, so that it is the same wherever it is made. Each comes with the command that makes
 //! it anew.
 
+use std::collections::BTreeMap;
+
 use serde::Deserialize;
 
 const CAMPAIGN: &str = include_str!("../../../../props/results/campaign.json");
@@ -25,6 +27,8 @@ pub struct Campaign {
     pub first_seed: u64,
     pub last_seed: u64,
     pub cases: u64,
+    /// How often step 4 said what.
+    pub step_4: BTreeMap<String, u64>,
     pub parameters: Vec<CampaignParameter>,
 }
 

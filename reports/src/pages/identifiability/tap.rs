@@ -28,7 +28,7 @@ pub fn blocks(taps: &Taps, here: &KnownTap) -> Vec<Block> {
 pub fn one(tap: &KnownTap) -> String {
     match (&tap.found_per_s2, &tap.refused) {
         (Some((found, (low, high))), _) => format!(
-            "One tap on this study's sensor, recorded with the laboratory's chain, gives k/m = ({} ± {}) × 10⁸ s⁻², truth {}.",
+            "One tap on this study's sensor, recorded with the laboratory's chain, gives k/m = ({} ± {}) × 10⁸ s⁻², truth {}.",
             fixed(found / UNIT_PER_S2, 4),
             fixed(0.5 * (high - low) / UNIT_PER_S2, 4),
             fixed(tap.truth_per_s2 / UNIT_PER_S2, 4),
