@@ -10,7 +10,7 @@ mod steps;
 mod taps;
 mod trials;
 mod validation;
-mod words;
+pub mod words;
 
 use sixaxis_calibration::session::{Limits, SessionFile};
 use sixaxis_calibration::verdict::{Grade, Judgement};

@@ -2,24 +2,45 @@
 
 mod bias;
 mod bound;
+mod coverage;
 mod iteration;
+mod propagation;
+mod published;
+mod table;
+mod tap;
+#[cfg(test)]
+mod tests;
 mod tolerance;
 mod verdict;
 
 use crate::study::results::Results;
-use crate::view::Section;
+use crate::view::{Block, Section};
 
 /// The section.
 pub fn section(results: &Results) -> Section {
     let study = &results.identifiability;
     let mut section = Section::new(
         "identifiability",
-        "Identifiability: why step 4 leaves k/m open",
-        "k/m shows itself only in how far the mass moves in the shell, and at 5 Hz that is a few millionths of what the \
-         channels read. Four questions: how good the other parameters would have to be, what any method could know, what the \
-         method's own neglect does, and whether repeating the steps helps.",
+        "Identifiability: what the campaign knows of the 25",
+        "First each parameter with both estimators' intervals, what no estimator could do better than, and whether the intervals \
+         keep their word over a campaign of random sensors. Then why k/m stays open: how good the other parameters would have to \
+         be, what any method could know, what the method's own neglect does, and whether repeating the steps helps.",
     );
+    let campaign = published::campaign();
+    section
+        .blocks
+        .extend(table::blocks(&study.known, campaign.as_ref().ok()));
+    for published in [
+        campaign.map(|c| coverage::blocks(&c)),
+        published::propagation().map(|p| propagation::blocks(&p)),
+    ] {
+        section.blocks.extend(published.unwrap_or_else(unreadable));
+    }
+    section.blocks.push(Block::Heading("Stiffness".to_owned()));
     section.blocks.push(verdict::block(study));
+    section.blocks.extend(
+        published::taps().map_or_else(unreadable, |taps| tap::blocks(&taps, &study.known.tap)),
+    );
     for part in [
         tolerance::blocks(study),
         bound::blocks(&study.bound),
@@ -29,4 +50,10 @@ pub fn section(results: &Results) -> Section {
         section.blocks.extend(part);
     }
     section
+}
+
+fn unreadable(error: serde_json::Error) -> Vec<Block> {
+    vec![Block::Note(format!(
+        "A published result cannot be read: {error}."
+    ))]
 }

@@ -63,6 +63,8 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
         .context("campaign with laboratory errors")?;
     let iterations_with_errors =
         identifiability::iteration::with_errors(&laboratory_session, &with_errors, &truth)?;
+    let known =
+        identifiability::known::study(&laboratory_session, Preset::Identification, &laboratory)?;
     drop(laboratory_session);
     stage.advance(1);
     let coarse = if simulations.campaign_coarse.is_empty() {
@@ -143,6 +145,7 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
         plan,
         &noise_free_session,
         &noise_free,
+        known,
         iterations_with_errors,
         &truth,
     )?;

@@ -49,7 +49,7 @@ pub struct Results {
     pub thresholds: Vec<Sweep>,
     /// Fig. 10.
     pub searches: Vec<Search>,
-    /// Why step 4 does not determine k/m.
+    /// How well each parameter is known, and why step 4 does not determine k/m.
     pub identifiability: Identifiability,
     /// Error of each scheme against the sample rate.
     pub orders: Vec<Order>,

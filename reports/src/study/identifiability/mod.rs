@@ -1,4 +1,6 @@
-//! Why step 4 does not determine k/m, in four numbers: how good the other parameters would have to be ([`tolerance`]), what any
+//! How well the campaign with errors knows each parameter ([`known`]), k/m from a tap beside it ([`tap`]).
+//!
+//! And why step 4 does not determine k/m, in four numbers: how good the other parameters would have to be ([`tolerance`]), what any
 //! method could know ([`bound`]), what step 2's neglect alone does ([`bias`]), and how far repetition gets ([`iteration`]).
 //!
 //! Each is asked twice of step 4: with its runs from rest to rest, as the rig plays them, and with the turns at full speed alone,
@@ -8,6 +10,8 @@
 pub mod bias;
 pub mod bound;
 pub mod iteration;
+pub mod known;
+pub mod tap;
 pub mod tolerance;
 
 use anyhow::Result;
@@ -18,12 +22,12 @@ use sixaxis_core::{LimbLaw, Parameters, Scheme};
 use sixaxis_reference::rig::{Mode, Run};
 
 use super::plan::Plan;
-use super::results::identifiability::{Identifiability, IterationRun, Records};
+use super::results::identifiability::{Identifiability, IterationRun, Known, Records};
 
 /// Both ways to record step 4.
 pub const RECORDS: [Records; 2] = [Records::WholeRuns, Records::EvenTurns];
 
-/// All four, but for the iterations on records with errors, which the caller has.
+/// All of it, but for what needs the records with errors, which the caller has.
 ///
 /// # Errors
 /// Those of search, steps and bound.
@@ -31,10 +35,12 @@ pub fn study(
     plan: &Plan,
     noise_free: &Campaign,
     found: &FourSteps,
+    known: Known,
     with_errors: Vec<IterationRun>,
     truth: &Parameters,
 ) -> Result<Identifiability> {
     let mut study = Identifiability {
+        known,
         tolerances: Vec::new(),
         bound: bound::study(truth)?,
         biases: Vec::new(),

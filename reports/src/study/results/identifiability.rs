@@ -1,12 +1,18 @@
-//! What the campaign can and cannot say of k/m, as data.
+//! What the campaign can and cannot say of its parameters, as data.
+
+mod known;
+
+pub use known::{Interval, Known, KnownParameter, KnownTap};
 
 use serde::Serialize;
 use sixaxis_calibration::iteration::{End, Pass};
 use sixaxis_core::LIMBS;
 
-/// Four answers to the question why step 4 does not determine k/m.
+/// How well the parameters are known, and four answers to the question why step 4 does not determine k/m.
 #[derive(Debug, Clone, Serialize)]
 pub struct Identifiability {
+    /// The 25 from the campaign with errors.
+    pub known: Known,
     /// What errors of the other parameters do to step 4.
     pub tolerances: Vec<Tolerance>,
     /// What any method could know of k/m.
