@@ -3,6 +3,7 @@
 
 use rayon::prelude::*;
 use sixaxis_core::identify::joint::estimate::{JointEstimate, PARAMETERS};
+use sixaxis_core::identify::joint::robust::USUAL_LIMIT;
 use sixaxis_core::identify::joint::{AtRest, Certificates, Drive, Joint, Known, Record};
 use sixaxis_core::identify::zero_drift::ZeroDrift;
 use sixaxis_core::{LIMBS, Parameters};
@@ -23,6 +24,16 @@ const NOT_WHITE: f64 = 1.6;
 const NORMAL_95: f64 = 1.959_963_984_540_054;
 /// 1/(k/m) whose standard deviation is below this share of it is known; what is below a tenth is a measurement.
 const COMPLIANCE_KNOWN: f64 = 0.1;
+
+/// How a residual counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Loss {
+    /// By its square: best where noise is normal.
+    #[default]
+    Squares,
+    /// Huber's, cut off at [`USUAL_LIMIT`] deviations: wild samples cannot bend the fit. It takes several fits' time.
+    Huber,
+}
 
 /// What the session says before the trials do.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -169,11 +180,17 @@ pub fn at_rest(drift: &ZeroDrift) -> AtRest {
     }
 }
 
-/// Fits all linear and angular trials of a campaign at once, starting from the four steps' answer.
+/// Fits all linear and angular trials of a campaign at once, starting from the four steps' answer. The recordings are taken as
+/// they were read, nothing filtered and no sample mended: wild ones are the loss' matter.
 ///
 /// # Errors
 /// [`Error::Trial`] names the recording that cannot be used, [`Error::Step`] what the fit refuses.
-pub fn fit(campaign: &Campaign, steps: &FourSteps, knowledge: &Knowledge) -> Result<JointReport> {
+pub fn fit(
+    campaign: &Campaign,
+    steps: &FourSteps,
+    knowledge: &Knowledge,
+    loss: Loss,
+) -> Result<JointReport> {
     let refuse = |source| Error::Step {
         step: "joint estimator",
         source: Box::new(source),
@@ -225,7 +242,14 @@ pub fn fit(campaign: &Campaign, steps: &FourSteps, knowledge: &Knowledge) -> Res
     if start.validate().is_err() {
         start.stiffness_per_mass_per_s2 = campaign.design.stiffness_per_mass_per_s2;
     }
-    let estimate = joint.fit(&start).map_err(refuse)?;
+    let estimate = match loss {
+        Loss::Squares => joint.fit(&start),
+        Loss::Huber => {
+            let records: Vec<Record> = records.iter().map(|(_, record)| *record).collect();
+            joint.fit_robust(&start, &records, USUAL_LIMIT)
+        }
+    }
+    .map_err(refuse)?;
     Ok(JointReport::new(
         estimate,
         knowledge.accelerometer_gain_limit,

@@ -1,7 +1,7 @@
 //! The joint estimator on campaigns of seeded calibrations.
 use rayon::prelude::*;
 use sixaxis_calibration::cleaning::Cleaning;
-use sixaxis_calibration::joint::{Knowledge, fit, names};
+use sixaxis_calibration::joint::{Knowledge, Loss, fit, names};
 use sixaxis_calibration::session::Role;
 use sixaxis_calibration::steps::{Campaign, GyroscopeGain};
 use sixaxis_calibration::trial::Trial;
@@ -109,7 +109,7 @@ fn main() {
                 .unwrap();
             let t3 = t0.elapsed();
             let knowledge = Knowledge::of(&played.session);
-            let report = fit(&campaign, &steps, &knowledge).unwrap();
+            let report = fit(&campaign, &steps, &knowledge, Loss::Squares).unwrap();
             let t4 = t0.elapsed();
             if seed == 1 {
                 eprintln!(
