@@ -109,8 +109,7 @@ impl JointReport {
         let moved = self.gain.mean() - self.estimate.accelerometer_gain_held();
         (variance > 0.0).then(|| Found {
             value: self.estimate.unknowns.values[unknown] + moved * slope,
-            deviation: (self.misfit.wider() * variance.sqrt())
-                .hypot(self.gain.deviation() * slope),
+            deviation: (self.misfit.wider() * variance.sqrt()).hypot(self.gain.deviation() * slope),
         })
     }
 }

@@ -71,8 +71,7 @@ impl Joint {
             let mut expected = 0.0;
             for ((own, trial), record) in joint.trials.iter_mut().zip(&fitted).zip(records) {
                 let share;
-                (own.data, share) =
-                    cut_off(trial, record, &estimate.unknowns, &self.shares, limit);
+                (own.data, share) = cut_off(trial, record, &estimate.unknowns, &self.shares, limit);
                 expected += share / records.len() as f64;
             }
             let (mut next, next_fitted) = joint.fit_trials(start)?;
