@@ -12,7 +12,7 @@ use crate::error::{Error, Result};
 use crate::interval::ParameterReport;
 use crate::session::Channels;
 use crate::suspicion::Finding;
-use crate::verdict::Grade;
+use crate::verdict::{Estimator, Grade};
 
 /// Name and version of the format; a reader refuses another.
 pub const FORMAT: &str = "sixaxis-calibration-1";
@@ -29,6 +29,9 @@ pub struct Calibration {
     pub findings: Vec<Finding>,
     /// The sensor.
     pub sensor: CalibratedSensor,
+    /// Whose parameters these are; not said of the four steps.
+    #[serde(default, skip_serializing_if = "Estimator::is_default")]
+    pub estimator: Estimator,
     /// The 25 parameters to decouple with.
     pub parameters: CalibratedParameters,
     /// How well each is known.

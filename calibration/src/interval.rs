@@ -243,11 +243,7 @@ fn finish(
     let differs = from_noise.unwrap_or(0.0).max(from_trials.unwrap_or(0.0));
     let same = from_standards.unwrap_or(0.0);
     let half_width = differs.hypot(same);
-    // A zero drift or a product of inertia may well be zero.
-    let may_vanish = !["s", "I1", "I2", "I3"]
-        .iter()
-        .any(|start| name.starts_with(start));
-    let determined = may_vanish || half_width < NOTHING_KNOWN * estimate.abs();
+    let determined = is_determined(&name, estimate, half_width);
     let dominated_by = if same > differs {
         "class of the standards"
     } else if from_trials > from_noise {
@@ -274,12 +270,21 @@ fn finish(
     }
 }
 
+/// Whether an interval leaves anything known of a parameter other than k/m.
+pub(crate) fn is_determined(name: &str, estimate: f64, half_width: f64) -> bool {
+    // A zero drift or a product of inertia may well be zero.
+    let may_vanish = !["s", "I1", "I2", "I3"]
+        .iter()
+        .any(|start| name.starts_with(start));
+    may_vanish || half_width < NOTHING_KNOWN * estimate.abs()
+}
+
 /// Relative error of the scale factors at which step 4's minimum begins to mean something: relative motion changes the torques
 /// by about a millionth.
 pub const SCALE_ERROR_FOR_STIFFNESS: f64 = 1e-6;
 
 /// What to do where k/m is not determined.
-const TAP_IT: &str = "k/m cannot be had from this campaign: tap the shell, held by the rig, sample at 50 kHz and enter the recording with role = \"tap\"";
+pub(crate) const TAP_IT: &str = "k/m cannot be had from this campaign: tap the shell, held by the rig, sample at 50 kHz and enter the recording with role = \"tap\"";
 
 /// Puts k/m by taps in the place of what step 4 says of it.
 pub fn put_taps(reports: &mut [ParameterReport], taps: &Taps) {

@@ -1,8 +1,21 @@
 //! The joint estimator on a session's trials: what the session file says, handed to the mathematics, and its answer with
 //! intervals.
+//!
+//! | file | holds |
+//! |---|---|
+//! | [`misfit`] | what to make of channels that contradict the model |
+//! | [`nuisances`] | what the instruments and wedges turned out to be |
+//! | [`reports`] | the 25 in the form that the four steps report them in |
 
+pub mod misfit;
+pub mod nuisances;
+pub mod reports;
+
+use misfit::Misfit;
+use nalgebra::SMatrix;
 use rayon::prelude::*;
 use sixaxis_core::identify::joint::estimate::{JointEstimate, PARAMETERS};
+use sixaxis_core::identify::joint::robust::USUAL_LIMIT;
 use sixaxis_core::identify::joint::{AtRest, Certificates, Drive, Joint, Known, Record};
 use sixaxis_core::identify::zero_drift::ZeroDrift;
 use sixaxis_core::{LIMBS, Parameters};
@@ -20,9 +33,19 @@ const TIME_CONSTANT: f64 = 0.1;
 /// Standard error by batches over that of white noise above which a static record's noise is not white.
 const NOT_WHITE: f64 = 1.6;
 /// Half width of the 95 % interval of a normal variable, in standard deviations.
-const NORMAL_95: f64 = 1.959_963_984_540_054;
+pub(crate) const NORMAL_95: f64 = 1.959_963_984_540_054;
 /// 1/(k/m) whose standard deviation is below this share of it is known; what is below a tenth is a measurement.
 const COMPLIANCE_KNOWN: f64 = 0.1;
+
+/// How a residual counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Loss {
+    /// By its square: best where noise is normal.
+    #[default]
+    Squares,
+    /// Huber's, cut off at [`USUAL_LIMIT`] deviations: wild samples cannot bend the fit. It takes several fits' time.
+    Huber,
+}
 
 /// What the session says before the trials do.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -103,24 +126,30 @@ pub struct JointReport {
     pub intervals_95: [(f64, f64); PARAMETERS],
     /// Whether 1/(k/m) is determined.
     pub compliance_is_determined: bool,
+    /// Whether the channels agree with the model; where not, all of the above is that much wider.
+    pub misfit: Misfit,
 }
 
 impl JointReport {
     /// What the fit comes to.
     #[must_use]
     pub fn new(estimate: JointEstimate, accelerometer_gain_limit: f64) -> Self {
+        let misfit = Misfit::of(&estimate);
+        let wider = misfit.wider();
         let gain = Gain {
             limit: accelerometer_gain_limit,
             seen: estimate.accelerometer_gain_seen,
-            information: estimate.accelerometer_gain_information,
+            information: estimate.accelerometer_gain_information / (wider * wider),
         };
         // Intervals are laid off from the fit's own gain.
         let held = estimate.accelerometer_gain_held();
         let at_held = estimate.values(held);
         let slopes = estimate.slopes();
-        let noise = estimate.deviations();
+        let widths = widths(&estimate, wider);
+        let own = estimate.deviations();
+        let noise: [f64; PARAMETERS] = core::array::from_fn(|p| widths[p] * own[p]);
         let (mean, spread) = (gain.mean(), gain.deviation());
-        let compliance = estimate.compliance_s2();
+        let compliance = estimate.compliance_s2().0;
         Self {
             values: estimate.values(mean),
             deviations: core::array::from_fn(|p| noise[p].hypot(spread * slopes[p])),
@@ -129,11 +158,27 @@ impl JointReport {
                 let shift = held * slopes[p];
                 (at_held[p] + low - shift, at_held[p] + high - shift)
             }),
-            compliance_is_determined: compliance.0 > 0.0
-                && compliance.1 < COMPLIANCE_KNOWN * compliance.0,
+            compliance_is_determined: compliance > 0.0
+                && noise[PARAMETERS - 1] < COMPLIANCE_KNOWN * compliance,
             gain,
+            misfit,
             estimate,
         }
+    }
+
+    /// Covariance of the 25 without the accelerometer's gain: noise, and whatever the channels disagree by.
+    #[must_use]
+    pub fn noise_covariance(&self) -> SMatrix<f64, PARAMETERS, PARAMETERS> {
+        let widths = widths(&self.estimate, self.misfit.wider());
+        let own = self.estimate.parameter_covariance();
+        SMatrix::from_fn(|a, b| widths[a] * widths[b] * own[(a, b)])
+    }
+
+    /// Covariance of the 25 that the accelerometer's gain alone gives.
+    #[must_use]
+    pub fn gain_covariance(&self) -> SMatrix<f64, PARAMETERS, PARAMETERS> {
+        let (slopes, spread) = (self.estimate.slopes(), self.gain.deviation());
+        SMatrix::from_fn(|a, b| slopes[a] * slopes[b] * spread * spread)
     }
 
     /// To decouple with: where 1/(k/m) is open, with the given k/m, 1/s^2.
@@ -147,6 +192,15 @@ impl JointReport {
         };
         self.estimate.parameters(self.gain.mean(), stiffness)
     }
+}
+
+/// Factors on the fit's own deviations. A compliance that was given is not the trials' to spoil.
+fn widths(estimate: &JointEstimate, wider: f64) -> [f64; PARAMETERS] {
+    let mut widths = [wider; PARAMETERS];
+    if estimate.compliance_from_elsewhere {
+        widths[PARAMETERS - 1] = 1.0;
+    }
+    widths
 }
 
 /// What a static record says of the drift.
@@ -169,11 +223,17 @@ pub fn at_rest(drift: &ZeroDrift) -> AtRest {
     }
 }
 
-/// Fits all linear and angular trials of a campaign at once, starting from the four steps' answer.
+/// Fits all linear and angular trials of a campaign at once, starting from the four steps' answer. The recordings are taken as
+/// they were read, nothing filtered and no sample mended: wild ones are the loss' matter.
 ///
 /// # Errors
 /// [`Error::Trial`] names the recording that cannot be used, [`Error::Step`] what the fit refuses.
-pub fn fit(campaign: &Campaign, steps: &FourSteps, knowledge: &Knowledge) -> Result<JointReport> {
+pub fn fit(
+    campaign: &Campaign,
+    steps: &FourSteps,
+    knowledge: &Knowledge,
+    loss: Loss,
+) -> Result<JointReport> {
     let refuse = |source| Error::Step {
         step: "joint estimator",
         source: Box::new(source),
@@ -225,7 +285,14 @@ pub fn fit(campaign: &Campaign, steps: &FourSteps, knowledge: &Knowledge) -> Res
     if start.validate().is_err() {
         start.stiffness_per_mass_per_s2 = campaign.design.stiffness_per_mass_per_s2;
     }
-    let estimate = joint.fit(&start).map_err(refuse)?;
+    let estimate = match loss {
+        Loss::Squares => joint.fit(&start),
+        Loss::Huber => {
+            let records: Vec<Record> = records.iter().map(|(_, record)| *record).collect();
+            joint.fit_robust(&start, &records, USUAL_LIMIT)
+        }
+    }
+    .map_err(refuse)?;
     Ok(JointReport::new(
         estimate,
         knowledge.accelerometer_gain_limit,

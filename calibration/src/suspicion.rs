@@ -73,6 +73,8 @@ pub enum Cause {
     ForeignTrial,
     /// A trial does not agree with the others, and no cause explains it.
     Unexplained,
+    /// The joint fit was asked for and cannot be done.
+    JointFitRefused,
 }
 
 impl Cause {
@@ -95,6 +97,7 @@ impl Cause {
             Self::LooseWedge => "wedge loose or wrong",
             Self::ForeignTrial => "trial of another sensor",
             Self::Unexplained => "does not fit, cause unknown",
+            Self::JointFitRefused => "joint fit refused",
         }
     }
 }

@@ -6,15 +6,17 @@
 
 mod evidence;
 mod grading;
+mod joint;
 mod record;
 mod validation;
 
 pub use grading::COORDINATION_LIMIT;
+pub use joint::{Choices, Estimator, contradiction};
 
 use evidence::{coordination, hold_out, trial_report};
 use grading::{failures, grade, reservations};
 use rayon::prelude::*;
-use record::to_file;
+use record::{Kept, to_file};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sixaxis_core::Parameters;
@@ -24,7 +26,8 @@ use crate::calibration::Calibration;
 use crate::cleaning::{Cleaned, Cleaning};
 use crate::error::{Error, Result};
 use crate::interval::{LeftOut, ParameterReport, put_taps, report};
-use crate::iteration::{Criterion, Iteration};
+use crate::iteration::Iteration;
+use crate::joint::JointReport;
 use crate::load;
 use crate::propagation;
 use crate::session::{Role, SessionFile, Stage};
@@ -127,8 +130,14 @@ pub struct Judgement {
     pub obstacle: Option<String>,
     /// Steps 2 to 4 repeated, where that was asked for and the four steps could be done; otherwise why they could not be.
     pub iteration: Option<core::result::Result<Iteration, String>>,
-    /// The 25 parameters; empty if the steps could not be done.
+    /// Whose parameters were asked for.
+    pub estimator: Estimator,
+    /// The 25 parameters, by that estimator unless it refused; empty if the steps could not be done.
     pub parameters: Vec<ParameterReport>,
+    /// The same by the four steps, whoever was asked.
+    pub four_steps: Vec<ParameterReport>,
+    /// The joint fit, or why it cannot be; none if the steps could not be done.
+    pub joint: Option<core::result::Result<JointReport, String>>,
     /// The taps.
     pub taps: Taps,
     /// The trials.
@@ -168,17 +177,18 @@ impl Watch for Unwatched {
 /// # Errors
 /// [`Error::Session`] only: a session whose own statements cannot be.
 pub fn judge(file: &SessionFile, watch: &dyn Watch) -> Result<Judgement> {
-    judge_repeating(file, None, watch)
+    judge_choosing(file, &Choices::default(), watch)
 }
 
-/// The same, with steps 2 to 4 repeated besides, as far as `repeat` says. The repetition is shown, not used: grade, parameters
-/// and calibration are those of [`judge`].
+/// The same with choices. A repetition is shown, not used: grade, parameters and calibration are those of [`judge`]. Another
+/// estimator's parameters are what validation runs are decoupled with and what the calibration has; trials are held out by
+/// the four steps either way.
 ///
 /// # Errors
 /// As [`judge`].
-pub fn judge_repeating(
+pub fn judge_choosing(
     file: &SessionFile,
-    repeat: Option<&Criterion>,
+    choices: &Choices,
     watch: &dyn Watch,
 ) -> Result<Judgement> {
     let entries = &file.session.recording;
@@ -272,7 +282,7 @@ pub fn judge_repeating(
             .unwrap_or_default(),
         trials,
     };
-    watch.stage("four steps", 3);
+    watch.stage("four steps", 2);
     let steps = campaign.identify(GyroscopeGain::Certified {
         class: file.session.gyroscope.class_percent / 100.0,
     });
@@ -285,6 +295,9 @@ pub fn judge_repeating(
     let mut taps = Taps::default();
     let mut iteration = None;
     let mut propagated = None;
+    let mut four_steps = Vec::new();
+    let mut fitted = None;
+    let mut kept_parameters = None;
     match steps {
         Ok(steps) => {
             let left_out = LeftOut::fit(&campaign, &steps);
@@ -300,12 +313,26 @@ pub fn judge_repeating(
                 &parameters,
             );
             put_taps(&mut parameters, &taps);
-            let used = used(&steps, &parameters);
+            watch.stage("joint fit", 1);
+            let loss = choices.estimator.loss();
+            let joint = joint::fitted(&file.session, &campaign, &steps, &taps, loss);
+            watch.part();
+            four_steps.clone_from(&parameters);
+            let used = match &joint {
+                Ok(joint) if choices.estimator != Estimator::FourSteps => {
+                    parameters = joint.parameter_reports(&four_steps);
+                    joint::used(joint, &parameters, &campaign.design)
+                }
+                _ => used(&steps, &four_steps),
+            };
+            kept_parameters = Some(used);
+            fitted = Some(joint);
+            watch.stage("holding against the standards", 1);
             hold_out(&campaign, &steps, &left_out, &mut reports);
             coordination(&campaign, &used, &mut reports);
             comparisons = validate(&campaign, &used, &mut reports, &mut findings);
             watch.part();
-            if let Some(criterion) = repeat {
+            if let Some(criterion) = &choices.repeat {
                 watch.stage("repeating", 1);
                 let repeated = campaign.repeat_until(&steps, None, criterion);
                 iteration = Some(repeated.map_err(|error| error.to_string()));
@@ -347,6 +374,11 @@ pub fn judge_repeating(
             advice: "record more trials of steps 2 and 3, on more wedges".to_owned(),
         });
     }
+    let asked = fitted
+        .as_ref()
+        .filter(|_| choices.estimator != Estimator::FourSteps);
+    let refusal = asked.and_then(|joint| joint.as_ref().err());
+    findings.extend(refusal.map(|cause| joint::refused(cause)));
     findings.sort_by_key(|finding| finding.cause);
     let rig_is_known = file
         .session
@@ -361,6 +393,8 @@ pub fn judge_repeating(
         &reports,
     );
     reservations.extend(taps.remarks.iter().cloned());
+    let joint = asked.and_then(|joint| joint.as_ref().ok());
+    reservations.extend(joint.and_then(|joint| contradiction(&joint.misfit)));
     let (grade, sentence) = grade(&findings, &reservations, &reports, found.is_some());
     let mut next: Vec<String> = Vec::new();
     for finding in &findings {
@@ -370,15 +404,20 @@ pub fn judge_repeating(
         }
     }
     next.extend(reservations.iter().cloned());
-    if let Some(steps) = &found {
-        calibration = Some(to_file(
-            file,
+    if let (Some(steps), Some(used), None) = (&found, &kept_parameters, refusal) {
+        let covariance = match joint {
+            Some(joint) => joint::covariance(joint, propagated.as_ref().map(|found| &found.0)),
+            None => record::covariance(steps, propagated.as_ref()),
+        };
+        let kept = Kept {
             grade,
-            &findings,
-            steps,
-            &parameters,
-            propagated.as_ref(),
-        ));
+            findings: &findings,
+            estimator: choices.estimator,
+            used,
+            parameters: &parameters,
+            covariance,
+        };
+        calibration = Some(to_file(file, kept));
     }
     let mut recordings: Vec<(Trial, Option<Cleaned>)> = campaign
         .trials
@@ -395,7 +434,10 @@ pub fn judge_repeating(
         steps: found,
         obstacle,
         iteration,
+        estimator: choices.estimator,
         parameters,
+        four_steps,
+        joint: fitted,
         taps,
         trials: reports,
         comparisons,

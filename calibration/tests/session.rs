@@ -28,6 +28,9 @@ class_percent = 1.0
 class_percent = 1.0
 bandwidth_hz = 10.0
 
+[rig]
+stroke_mm = 186.0
+
 [channels]
 limbs_unit = "V"
 
@@ -108,6 +111,36 @@ fn refusals_name_line_and_key() {
             "class_percent = 1.0\nbandwidth_hz",
         ),
         (
+            "sensitivity_mv_per_g = 200.0",
+            "gain_percent = 1.1",
+            "accelerometer.gain_percent",
+            "sensitivity_mv_per_g",
+        ),
+        (
+            "class_percent = 1.0\nbandwidth_hz",
+            "gain_percent = 0.0\nclass_percent = 1.0\nbandwidth_hz",
+            "gyroscope.gain_percent",
+            "class_percent = 1.0\nbandwidth_hz",
+        ),
+        (
+            "stroke_mm = 186.0",
+            "wedge_deg = -0.1",
+            "rig.wedge_deg",
+            "stroke_mm",
+        ),
+        (
+            "stroke_mm = 186.0",
+            "wedge_deg = 45.0",
+            "rig.wedge_deg",
+            "stroke_mm",
+        ),
+        (
+            "stroke_mm = 186.0",
+            "wedge_deg = nan",
+            "rig.wedge_deg",
+            "stroke_mm",
+        ),
+        (
             "direction = [1, 0, 0]",
             "direction = [0, 0, 0]",
             "recording[1].direction",
@@ -155,6 +188,20 @@ fn refusals_name_line_and_key() {
         assert_eq!(line, line_of(at), "{key}: {cause}");
         assert!(!cause.is_empty());
     }
+}
+
+/// The other side of each limit: what a certificate or a workshop may well say.
+#[test]
+fn parts_of_a_certificate_may_be_all_of_it() {
+    let text = GOOD
+        .replace(
+            "class_percent = 1.0",
+            "class_percent = 1.0\ngain_percent = 1.0",
+        )
+        .replace("stroke_mm = 186.0", "wedge_deg = 0.0");
+    let file = parse(&text).expect("both limits are allowed");
+    let certified = &file.session.accelerometer;
+    assert_eq!(certified.gain_percent, Some(certified.class_percent));
 }
 
 #[test]

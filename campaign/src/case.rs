@@ -6,7 +6,7 @@
 use std::path::PathBuf;
 
 use sixaxis_calibration::interval::{LeftOut, put_taps, report};
-use sixaxis_calibration::joint::{self, JointReport, Knowledge};
+use sixaxis_calibration::joint::{self, JointReport, Knowledge, Loss};
 use sixaxis_calibration::propagation;
 use sixaxis_calibration::session::{Session, SessionFile};
 use sixaxis_calibration::steps::{FourSteps, GyroscopeGain};
@@ -121,7 +121,7 @@ fn identify(session: &Session, recordings: Vec<Played>) -> Result<Found, Failure
         core::array::from_fn(|i| reports.get(i).and_then(|report| report.half_width_95));
     let mut knowledge = Knowledge::of(session);
     knowledge.take_taps(&taps);
-    let joint = joint::fit(&campaign, &steps, &knowledge);
+    let joint = joint::fit(&campaign, &steps, &knowledge, Loss::Squares);
     Ok(Found {
         steps,
         noise,

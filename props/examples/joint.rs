@@ -89,7 +89,12 @@ fn main() -> ExitCode {
         };
         let knowledge = sixaxis_calibration::joint::Knowledge::of(&case.session);
         let start = std::time::Instant::now();
-        let again = sixaxis_calibration::joint::fit(&case.campaign, &case.steps, &knowledge);
+        let again = sixaxis_calibration::joint::fit(
+            &case.campaign,
+            &case.steps,
+            &knowledge,
+            sixaxis_calibration::joint::Loss::Squares,
+        );
         let seconds = start.elapsed().as_secs_f64();
         let steps = again.map_or(0, |report| report.estimate.iterations);
         println!(

@@ -2,7 +2,7 @@
 
 use nalgebra::{SMatrix, SVector};
 use rayon::prelude::*;
-use sixaxis_calibration::joint::{JointReport, Knowledge, fit};
+use sixaxis_calibration::joint::{JointReport, Knowledge, Loss, fit};
 use sixaxis_calibration::session::{Role, Session};
 use sixaxis_calibration::steps::{Campaign, FourSteps, GyroscopeGain};
 use sixaxis_campaign::collected::collect;
@@ -74,8 +74,13 @@ impl Fitted {
         let steps = campaign
             .identify(GyroscopeGain::Certified { class })
             .map_err(|e| e.to_string())?;
-        let joint =
-            fit(&campaign, &steps, &Knowledge::of(&played.session)).map_err(|e| e.to_string())?;
+        let joint = fit(
+            &campaign,
+            &steps,
+            &Knowledge::of(&played.session),
+            Loss::Squares,
+        )
+        .map_err(|e| e.to_string())?;
         Ok(Self {
             session: played.session,
             campaign,

@@ -9,6 +9,9 @@ use super::{Channels, Entry, PerLimb, Role, SessionFile, Stage};
 use crate::error::Result;
 use crate::unit;
 
+/// Angle by which a wedge may be said to miss its direction, degrees: beyond half a right angle it is another axis' wedge.
+const WEDGE_LIMIT_DEG: f64 = 45.0;
+
 impl SessionFile {
     pub(super) fn check(&self) -> Result<()> {
         let session = &self.session;
@@ -69,6 +72,7 @@ impl SessionFile {
                 positive(key, value)?;
             }
         }
+        self.check_what_limits_the_standards()?;
         self.check_gains("sensor.gain_n_per_v", &sensor.gain_n_per_v)?;
         self.geometry()
             .validate()
@@ -104,6 +108,38 @@ impl SessionFile {
         }
         for (i, entry) in session.recording.iter().enumerate() {
             self.check_entry(&format!("recording[{i}]"), entry)?;
+        }
+        Ok(())
+    }
+
+    /// Parts of a certificate lie within the whole; a wedge that is off by as much as it tilts is no wedge.
+    fn check_what_limits_the_standards(&self) -> Result<()> {
+        let (accelerometer, gyroscope) = (&self.session.accelerometer, &self.session.gyroscope);
+        for (key, gain, class) in [
+            (
+                "accelerometer.gain_percent",
+                accelerometer.gain_percent,
+                accelerometer.class_percent,
+            ),
+            (
+                "gyroscope.gain_percent",
+                gyroscope.gain_percent,
+                gyroscope.class_percent,
+            ),
+        ] {
+            let Some(gain) = gain else { continue };
+            if !(gain > 0.0 && gain <= class) {
+                let cause = format!(
+                    "{gain}: must be positive and not above class_percent, {class}, of which it is a part"
+                );
+                return Err(self.refuse(key, cause));
+            }
+        }
+        if let Some(wedge) = self.session.rig.as_ref().and_then(|rig| rig.wedge_deg)
+            && !(0.0..WEDGE_LIMIT_DEG).contains(&wedge)
+        {
+            let cause = format!("{wedge}: must be from 0 to below {WEDGE_LIMIT_DEG}");
+            return Err(self.refuse("rig.wedge_deg", cause));
         }
         Ok(())
     }

@@ -1,5 +1,6 @@
 //! `sixaxis calibrate`: a session's recordings to 25 parameters, their intervals and a verdict.
 
+mod joint;
 mod repetition;
 
 use std::fmt::Write as _;
@@ -8,14 +9,14 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::{Mutex, PoisonError};
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use clap::ValueEnum;
 use serde::Serialize;
 use sixaxis_calibration::calibration;
 use sixaxis_calibration::iteration::Criterion;
 use sixaxis_calibration::session::{self, SessionFile};
 use sixaxis_calibration::suspicion::Finding;
-use sixaxis_calibration::verdict::{Grade, Judgement, Watch, judge_repeating};
+use sixaxis_calibration::verdict::{Choices, Estimator, Grade, Judgement, Watch, judge_choosing};
 use sixaxis_reports::pages;
 use sixaxis_reports::progress::{Progress, Stage};
 use sixaxis_reports::view::{render, write_atomically};
@@ -39,6 +40,13 @@ pub struct Arguments {
     /// calibration is that of the four steps
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MOST_PASSES))]
     iterate: Option<u16>,
+    /// Whose 25 parameters are written: the paper's four steps', or those of all trials at once by maximum likelihood, which
+    /// finds wedges, gyroscope and amplifiers' corner along with them, and takes limbs for equally stiff and noise for white
+    #[arg(long, value_enum, default_value_t = Method::FourSteps)]
+    estimator: Method,
+    /// Keep wild samples from bending the joint fit (Huber's loss); takes several times as long
+    #[arg(long)]
+    robust: bool,
     /// Print a summary for scripts instead of the one for people
     #[arg(long)]
     json: bool,
@@ -46,7 +54,7 @@ pub struct Arguments {
     #[arg(long, short)]
     quiet: bool,
     /// Print the JSON schema of a file format and do nothing else
-    #[arg(long, value_name = "FORMAT", conflicts_with_all = ["session", "out", "report", "iterate", "json"])]
+    #[arg(long, value_name = "FORMAT", conflicts_with_all = ["session", "out", "report", "iterate", "estimator", "robust", "json"])]
     schema: Option<Schema>,
 }
 
@@ -59,13 +67,23 @@ Examples:
   sixaxis calibrate day/session.toml --out sensor-7.json --report sensor-7.html
   sixaxis calibrate day/session.toml --json --quiet | jq .verdict
   sixaxis calibrate day/session.toml --iterate 10
+  sixaxis calibrate day/session.toml --estimator joint --robust
   sixaxis calibrate --schema session > session.schema.json
 
 A calibration that is not good is written all the same, with its verdict and what was found in it; none is written where the
-four steps could not be done.
+four steps, or the joint fit that was asked for, could not be done.
 
 Exit codes: 0 good; 3 good with reservations; 4 not good; 1 it could not be done, nothing was written; 2 the command line is not
 understood.";
+
+/// An estimator by its name on the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Method {
+    /// The paper's four steps, one after the other
+    FourSteps,
+    /// All trials at once
+    Joint,
+}
 
 /// A file format with a schema.
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -86,6 +104,15 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         print(&format!("{}\n", serde_json::to_string_pretty(&schema)?))?;
         return Ok(ExitCode::SUCCESS);
     }
+    let estimator = match (arguments.estimator, arguments.robust) {
+        (Method::FourSteps, false) => Estimator::FourSteps,
+        (Method::Joint, false) => Estimator::Joint,
+        (Method::Joint, true) => Estimator::JointRobust,
+        (Method::FourSteps, true) => bail!(
+            "--robust is a loss of the joint fit: add --estimator joint; the four steps mend wild samples as the session's \
+             preprocessing.outliers says"
+        ),
+    };
     let path = arguments
         .session
         .as_deref()
@@ -114,7 +141,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
             passes: usize::from(passes),
             ..Criterion::default()
         });
-        judge_repeating(&file, repeat.as_ref(), &watched)?
+        judge_choosing(&file, &Choices { repeat, estimator }, &watched)?
     };
     let page = render(&pages::calibration::page(&file, &judgement))?;
     // The calibration last: whoever sees a new one finds its report beside it.
@@ -220,13 +247,16 @@ struct Summary<'a> {
     /// Where it was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     iteration: Option<Repetition<'a>>,
+    estimator: Estimator,
+    /// None where the four steps could not be done, from whose answer it starts.
+    joint: Option<joint::Summary<'a>>,
     files: Files<'a>,
 }
 
 /// What was written.
 #[derive(Serialize)]
 struct Files<'a> {
-    /// None where the four steps could not be done.
+    /// None where the four steps, or the joint fit that was asked for, could not be done.
     calibration: Option<&'a Path>,
     report: &'a Path,
 }
@@ -242,6 +272,8 @@ impl<'a> Summary<'a> {
             parameters_determined: determined(judgement),
             parameters: judgement.parameters.len(),
             iteration: judgement.iteration.as_ref().map(Repetition::of),
+            estimator: judgement.estimator,
+            joint: joint::Summary::of(judgement),
             files: Files {
                 calibration: judgement
                     .calibration
@@ -288,6 +320,7 @@ fn summary(judgement: &Judgement, targets: &Targets) -> String {
             determined(judgement),
             parameters.len()
         );
+        joint::print(&mut out, judgement);
         for parameter in parameters.iter().filter(|p| !p.determined) {
             wrapped(
                 &mut out,

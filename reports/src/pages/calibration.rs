@@ -2,6 +2,7 @@
 //! calibrated needs them; each has a file.
 
 mod findings;
+mod joint;
 mod parameters;
 mod preprocessing;
 mod provenance;
@@ -33,6 +34,7 @@ pub fn page(file: &SessionFile, judgement: &Judgement) -> Page {
     let mut sections = vec![
         findings::section(judgement),
         parameters::section(file, judgement),
+        joint::section(judgement),
         trials::section(file, judgement),
         validation::section(file, judgement),
         steps::section(judgement),

@@ -4,7 +4,8 @@
 //! least squares alone (Huber's pseudo-values): every sample is replaced by the model's value plus its residual, cut off at
 //! `limit` sigma, and the fit repeated until it stands still. Sigma is the residuals' median absolute deviation, which half of
 //! the samples would have to be wild to move. A cut-off sample tells of no more than its sign: where a share w of the samples is
-//! left whole, the estimate's variance is that of the cut residuals over w^2.
+//! left whole, the estimate's variance is that of the cut residuals over w^2. The squares of cut residuals over that are w^2 for
+//! each degree of freedom; they are returned over w^2, so that a misfit of 1 is a fit here, too.
 
 use alloc::vec::Vec;
 
@@ -72,10 +73,14 @@ impl Joint {
         let mut joint = self.clone();
         let (mut estimate, mut fitted) = joint.fit_trials(start)?;
         for _ in 0..ROUNDS {
+            let mut expected = 0.0;
             for ((own, trial), record) in joint.trials.iter_mut().zip(&fitted).zip(records) {
-                own.data = cut_off(trial, record, &estimate.unknowns, &self.shares, limit);
+                let share;
+                (own.data, share) = cut_off(trial, record, &estimate.unknowns, &self.shares, limit);
+                expected += share / records.len() as f64;
             }
-            let (next, next_fitted) = joint.fit_trials(start)?;
+            let (mut next, next_fitted) = joint.fit_trials(start)?;
+            next.squares /= expected;
             let still = (0..next.unknowns.len()).all(|u| {
                 let change = next.unknowns.values[u] - estimate.unknowns.values[u];
                 change * change <= STILL * STILL * next.covariance[(u, u)]
@@ -92,14 +97,14 @@ impl Joint {
     }
 }
 
-/// The record's projection with its residuals cut off.
+/// The record's projection with its residuals cut off, and the mean of w^2 over its channels.
 fn cut_off(
     trial: &Trial,
     record: &Record,
     unknowns: &Unknowns,
     shares: &Shares,
     limit: f64,
-) -> Projection<{ LIMBS + 1 }> {
+) -> (Projection<{ LIMBS + 1 }>, f64) {
     let parts = trial.parts(unknowns, shares);
     let mut whole = [0.0; LIMBS + 1];
     let values: [Vec<f64>; LIMBS + 1] = core::array::from_fn(|channel| {
@@ -145,7 +150,8 @@ fn cut_off(
             *before
         };
     }
-    data
+    let expected = whole.iter().map(|w| w * w).sum::<f64>() / whole.len() as f64;
+    (data, expected)
 }
 
 fn at(record: &Record, channel: usize, n: usize) -> f64 {

@@ -9,7 +9,7 @@ use crate::view::number::{MISSING, fixed, scientific};
 use crate::view::{Axis, Block, Cell, Column, Figure, Mark, Row, Section, Series, State, Table};
 
 /// A kind of parameter: first letter, heading, and the paper's unit over SI.
-const FAMILIES: [(&str, &str, f64); 4] = [
+pub(super) const FAMILIES: [(&str, &str, f64); 4] = [
     ("d", "Zero drift $d$, mV", 1e3),
     ("s", "Scale factor over mass $s$/$m$, 1/kg", 1.0),
     ("I", "Inertia over mass $I$/$m$, mm²", 1e6),

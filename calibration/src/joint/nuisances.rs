@@ -1,0 +1,115 @@
+//! What the instruments and wedges turned out to be: the unknowns of the joint fit beside the 25.
+
+use serde::Serialize;
+use sixaxis_core::identify::joint::unknowns::{
+    AMPLIFIER_CORNER, ANGLES, GYROSCOPE_GAIN, GYROSCOPE_LAG,
+};
+
+use super::JointReport;
+
+/// A value and its standard deviation, in the unit of what it is of.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Found {
+    /// Best guess.
+    pub value: f64,
+    /// Standard deviation; what the certificate said of it is part of what is known.
+    pub deviation: f64,
+}
+
+impl Found {
+    fn times(self, factor: f64) -> Self {
+        Self {
+            value: factor * self.value,
+            deviation: factor * self.deviation,
+        }
+    }
+}
+
+/// A wedge as it was made.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct WedgeFound {
+    /// Unit vector that it is meant to set, sensor axes at rest.
+    pub nominal: [f64; 3],
+    /// Unit vector that it sets.
+    pub direction: [f64; 3],
+    /// Angles by which it misses its direction, two, and about it, degrees; none where the session says that wedges are right.
+    /// The third is told by gravity that turns, and keeps the workshop's deviation without.
+    pub angles_deg: Option<[Found; ANGLES]>,
+}
+
+/// Everything beside the 25.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Nuisances {
+    /// Reading over truth of the standard accelerometer, less one.
+    pub accelerometer_gain: Found,
+    /// Whether the trials say more of that than the certificate.
+    pub accelerometer_gain_is_told: bool,
+    /// Reading over truth of the standard gyroscope, less one.
+    pub gyroscope_gain: Option<Found>,
+    /// Lag of the gyroscope, s; none if it is said to follow at once.
+    pub gyroscope_lag_s: Option<Found>,
+    /// Corner of the charge amplifiers' high-pass, Hz; none if the session states none.
+    pub amplifier_corner_hz: Option<Found>,
+    /// The wedges in the order in which the session first uses them.
+    pub wedges: Vec<WedgeFound>,
+}
+
+/// Share of the certificate's spread below which the trials are what tells.
+const TOLD: f64 = 0.5;
+
+impl JointReport {
+    /// What the fit found beside the 25.
+    #[must_use]
+    pub fn nuisances(&self) -> Nuisances {
+        let unknowns = &self.estimate.unknowns;
+        let wedges = unknowns
+            .wedges
+            .iter()
+            .enumerate()
+            .map(|(index, wedge)| {
+                let at = unknowns.angles(index);
+                let angles: [Option<Found>; ANGLES] =
+                    core::array::from_fn(|j| Some(self.found(at + j)?.times(1.0_f64.to_degrees())));
+                WedgeFound {
+                    nominal: wedge.nominal.to_array(),
+                    direction: unknowns.direction(index).0.to_array(),
+                    angles_deg: match angles {
+                        [Some(a), Some(b), Some(c)] => Some([a, b, c]),
+                        _ => None,
+                    },
+                }
+            })
+            .collect();
+        Nuisances {
+            accelerometer_gain: Found {
+                value: self.gain.mean(),
+                deviation: self.gain.deviation(),
+            },
+            accelerometer_gain_is_told: self.gain_is_told(),
+            gyroscope_gain: self.found(GYROSCOPE_GAIN),
+            gyroscope_lag_s: self.found(GYROSCOPE_LAG),
+            amplifier_corner_hz: self
+                .found(AMPLIFIER_CORNER)
+                .map(|found| found.times(1.0 / core::f64::consts::TAU)),
+            wedges,
+        }
+    }
+
+    /// Whether the trials say more of the accelerometer's gain than its certificate does.
+    #[must_use]
+    pub fn gain_is_told(&self) -> bool {
+        // The deviation of an even spread.
+        self.gain.deviation() < TOLD * self.gain.limit / 3.0_f64.sqrt()
+    }
+
+    /// An unknown at the accelerometer's gain as it is known; none if it was held.
+    fn found(&self, unknown: usize) -> Option<Found> {
+        let variance = self.estimate.covariance[(unknown, unknown)];
+        let slope = self.estimate.by_accelerometer_gain[unknown];
+        let moved = self.gain.mean() - self.estimate.accelerometer_gain_held();
+        (variance > 0.0).then(|| Found {
+            value: self.estimate.unknowns.values[unknown] + moved * slope,
+            deviation: (self.misfit.wider() * variance.sqrt()).hypot(self.gain.deviation() * slope),
+        })
+    }
+}

@@ -1,0 +1,66 @@
+//! What the joint fit adds to the summaries.
+
+use serde::Serialize;
+use sixaxis_calibration::interval::ParameterReport;
+use sixaxis_calibration::joint::nuisances::Nuisances;
+use sixaxis_calibration::verdict::{Estimator, Judgement};
+
+use super::wrapped;
+
+/// For scripts.
+#[derive(Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Summary<'a> {
+    /// It was done.
+    Fitted {
+        /// Squares per degree of freedom: 1 where limbs are equally stiff and noise is white.
+        misfit: f64,
+        /// What noise alone leaves of that at most.
+        misfit_limit: f64,
+        /// Factor by which its intervals have been widened for a misfit.
+        intervals_widened: f64,
+        degrees_of_freedom: usize,
+        parameters: Vec<ParameterReport>,
+        /// What instruments and wedges turned out to be.
+        nuisances: Nuisances,
+    },
+    /// Why not.
+    Refused(&'a str),
+}
+
+impl<'a> Summary<'a> {
+    /// Of a judgement.
+    pub fn of(judgement: &'a Judgement) -> Option<Self> {
+        Some(match judgement.joint.as_ref()? {
+            Ok(joint) => Self::Fitted {
+                misfit: joint.misfit.per_degree,
+                misfit_limit: joint.misfit.limit(),
+                intervals_widened: joint.misfit.wider(),
+                degrees_of_freedom: joint.misfit.degrees_of_freedom,
+                parameters: joint.parameter_reports(&judgement.four_steps),
+                nuisances: joint.nuisances(),
+            },
+            Err(cause) => Self::Refused(cause),
+        })
+    }
+}
+
+/// For people: whose the parameters are, unless they are the four steps'.
+pub fn print(out: &mut String, judgement: &Judgement) {
+    if judgement.estimator == Estimator::FourSteps {
+        return;
+    }
+    let line = match &judgement.joint {
+        Some(Ok(joint)) => format!(
+            "by {}: misfit {:.3}, where noise alone leaves at most {:.3}",
+            judgement.estimator.words(),
+            joint.misfit.per_degree,
+            joint.misfit.limit()
+        ),
+        _ => format!(
+            "by the four steps, and not kept: {} refuses",
+            judgement.estimator.words()
+        ),
+    };
+    wrapped(out, "  ", "  ", &line);
+}
