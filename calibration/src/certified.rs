@@ -19,8 +19,8 @@ pub struct Gain {
 const NODES: usize = 256;
 /// Standard deviations of the data's word beyond which there is nothing to integrate.
 const REACH: f64 = 8.0;
-/// Halvings of the bracket of a quantile.
-const HALVINGS: usize = 60;
+/// Halvings of the bracket of a quantile: to 2^-40 of it.
+const HALVINGS: usize = 40;
 
 impl Gain {
     /// Gains and how likely each is, adding up to 1: an even spread within the limit, weighed by the data.
@@ -63,36 +63,51 @@ impl Gain {
             .sqrt()
     }
 
-    /// Ends of the 95 % interval of a normal error with the given deviation plus `slope` times the gain.
+    /// Standard deviations by which the data contradict the certificate; 0 where the one allows what the other says.
     #[must_use]
-    pub fn interval_95(&self, slope: f64, deviation: f64) -> (f64, f64) {
-        // A deviation of nothing is a step, not a quotient of nothing by nothing.
-        let deviation = deviation.max(f64::MIN_POSITIVE.sqrt());
-        let nodes: Vec<(f64, f64)> = self
+    pub fn contradiction(&self) -> f64 {
+        (self.seen.abs() - self.limit).max(0.0) * self.information.sqrt()
+    }
+
+    /// Ends of the 95 % intervals of quantities that take `values` at a gain and have normal errors with the given deviations
+    /// beside.
+    #[must_use]
+    pub fn intervals_95<const N: usize>(
+        &self,
+        values: impl Fn(f64) -> [f64; N],
+        deviations: &[f64; N],
+    ) -> [(f64, f64); N] {
+        let (shares, at): (Vec<f64>, Vec<[f64; N]>) = self
             .nodes()
             .into_iter()
-            .map(|(gain, share)| (slope * gain, share))
-            .collect();
-        let below = |x: f64| -> f64 {
-            nodes
-                .iter()
-                .map(|(centre, share)| share * normal_below((x - centre) / deviation))
-                .sum()
-        };
-        let reach = slope.abs() * self.limit + REACH * deviation;
-        let quantile = |p: f64| {
-            let (mut low, mut high) = (-reach, reach);
-            for _ in 0..HALVINGS {
-                let middle = 0.5 * (low + high);
-                if below(middle) < p {
-                    low = middle;
-                } else {
-                    high = middle;
+            .map(|(gain, share)| (share, values(gain)))
+            .unzip();
+        core::array::from_fn(|p| {
+            // A deviation of nothing is a step, not a quotient of nothing by nothing.
+            let deviation = deviations[p].max(f64::MIN_POSITIVE.sqrt());
+            let below = |x: f64| -> f64 {
+                shares
+                    .iter()
+                    .zip(&at)
+                    .map(|(share, centre)| share * normal_below((x - centre[p]) / deviation))
+                    .sum()
+            };
+            let lowest = at.iter().fold(f64::INFINITY, |a, v| a.min(v[p]));
+            let highest = at.iter().fold(f64::NEG_INFINITY, |a, v| a.max(v[p]));
+            let quantile = |share: f64| {
+                let (mut low, mut high) = (lowest - REACH * deviation, highest + REACH * deviation);
+                for _ in 0..HALVINGS {
+                    let middle = 0.5 * (low + high);
+                    if below(middle) < share {
+                        low = middle;
+                    } else {
+                        high = middle;
+                    }
                 }
-            }
-            0.5 * (low + high)
-        };
-        (quantile(0.025), quantile(0.975))
+                0.5 * (low + high)
+            };
+            (quantile(0.025), quantile(0.975))
+        })
     }
 }
 
@@ -117,7 +132,7 @@ mod tests {
             seen: 0.0,
             information: 0.0,
         };
-        let (low, high) = gain.interval_95(0.0, 2.0);
+        let [(low, high)] = gain.intervals_95(|_| [0.0], &[2.0]);
         assert!((high - 2.0 * NORMAL_95).abs() < 1e-9);
         assert!((low + 2.0 * NORMAL_95).abs() < 1e-9);
     }
@@ -129,7 +144,7 @@ mod tests {
             seen: 0.0,
             information: 0.0,
         };
-        let (_, high) = gain.interval_95(3.0, 1e-9);
+        let [(_, high)] = gain.intervals_95(|g| [3.0 * g], &[1e-9]);
         assert!((high / (0.95 * 0.03) - 1.0).abs() < QUADRATURE);
     }
 
@@ -141,9 +156,29 @@ mod tests {
             information: 1e10,
         };
         assert!((gain.mean() - 2e-3).abs() < 1e-9);
-        let (low, high) = gain.interval_95(1.0, 1e-5);
+        let [(low, high)] = gain.intervals_95(|g| [g], &[1e-5]);
         let expected = NORMAL_95 * 1e-5 * 2.0_f64.sqrt();
         assert!((high - 2e-3 - expected).abs() < QUADRATURE * expected);
         assert!((low - 2e-3 + expected).abs() < QUADRATURE * expected);
+    }
+
+    #[test]
+    fn inv_bent_quantities_are_followed() {
+        let gain = Gain {
+            limit: 0.1,
+            seen: 0.0,
+            information: 0.0,
+        };
+        // What goes as 1/(1 + gain): the ends of an even spread go where the function takes them.
+        let [(low, high)] = gain.intervals_95(|g| [1.0 / (1.0 + g)], &[1e-9]);
+        assert!((low * 1.095 - 1.0).abs() < 1e-3);
+        assert!((high * 0.905 - 1.0).abs() < 1e-3);
+        assert_eq!(gain.contradiction(), 0.0);
+        let contradicted = Gain {
+            seen: 0.2,
+            information: 1e4,
+            ..gain
+        };
+        assert!((contradicted.contradiction() - 10.0).abs() < 1e-9);
     }
 }

@@ -34,6 +34,8 @@ const TIME_CONSTANT: f64 = 0.1;
 const NOT_WHITE: f64 = 1.6;
 /// Half width of the 95 % interval of a normal variable, in standard deviations.
 pub(crate) const NORMAL_95: f64 = 1.959_963_984_540_054;
+/// Standard deviation of a zero drift from a record without noise, V: below every converter, above every underflow.
+const LEAST_DRIFT_V: f64 = 1e-12;
 /// 1/(k/m) whose standard deviation is below this share of it is known; what is below a tenth is a measurement.
 const COMPLIANCE_KNOWN: f64 = 0.1;
 
@@ -141,9 +143,6 @@ impl JointReport {
             seen: estimate.accelerometer_gain_seen,
             information: estimate.accelerometer_gain_information / (wider * wider),
         };
-        // Intervals are laid off from the fit's own gain.
-        let held = estimate.accelerometer_gain_held();
-        let at_held = estimate.values(held);
         let slopes = estimate.slopes();
         let widths = widths(&estimate, wider);
         let own = estimate.deviations();
@@ -153,11 +152,7 @@ impl JointReport {
         Self {
             values: estimate.values(mean),
             deviations: core::array::from_fn(|p| noise[p].hypot(spread * slopes[p])),
-            intervals_95: core::array::from_fn(|p| {
-                let (low, high) = gain.interval_95(slopes[p], noise[p]);
-                let shift = held * slopes[p];
-                (at_held[p] + low - shift, at_held[p] + high - shift)
-            }),
+            intervals_95: gain.intervals_95(|gain| estimate.values(gain), &noise),
             compliance_is_determined: compliance > 0.0
                 && noise[PARAMETERS - 1] < COMPLIANCE_KNOWN * compliance,
             gain,
@@ -213,7 +208,7 @@ pub fn at_rest(drift: &ZeroDrift) -> AtRest {
         deviation_v: core::array::from_fn(|i| {
             let white = drift.noise_v[i] / root;
             let batches = drift.standard_error_v[i];
-            let least = f64::EPSILON * drift.drift_v[i].abs().max(f64::MIN_POSITIVE.sqrt());
+            let least = LEAST_DRIFT_V.max(f64::EPSILON * drift.drift_v[i].abs());
             if batches > NOT_WHITE * white {
                 batches.max(least)
             } else {

@@ -11,7 +11,7 @@ mod record;
 mod validation;
 
 pub use grading::COORDINATION_LIMIT;
-pub use joint::{Choices, Estimator, contradiction};
+pub use joint::{Choices, Estimator, beyond_certificate, contradiction};
 
 use evidence::{coordination, hold_out, trial_report};
 use grading::{failures, grade, reservations};
@@ -395,6 +395,7 @@ pub fn judge_choosing(
     reservations.extend(taps.remarks.iter().cloned());
     let joint = asked.and_then(|joint| joint.as_ref().ok());
     reservations.extend(joint.and_then(|joint| contradiction(&joint.misfit)));
+    reservations.extend(joint.and_then(|joint| beyond_certificate(&joint.gain)));
     let (grade, sentence) = grade(&findings, &reservations, &reports, found.is_some());
     let mut next: Vec<String> = Vec::new();
     for finding in &findings {

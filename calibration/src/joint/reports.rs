@@ -107,7 +107,9 @@ impl JointReport {
         if spread == 0.0 {
             return 0.0;
         }
-        let (low, high) = self.gain.interval_95(slope, NEXT_TO_NOTHING * spread);
+        let [(low, high)] = self
+            .gain
+            .intervals_95(|gain| [slope * gain], &[NEXT_TO_NOTHING * spread]);
         let middle = slope * self.gain.mean();
         (high - middle).max(middle - low)
     }

@@ -6,6 +6,7 @@ use sixaxis_core::uncertainty::PARAMETERS;
 use sixaxis_core::{LIMBS, Parameters};
 
 use crate::calibration::{Covariance, PropagatedCovariance};
+use crate::certified::Gain;
 use crate::interval::ParameterReport;
 use crate::iteration::Criterion;
 use crate::joint::misfit::Misfit;
@@ -143,6 +144,21 @@ pub fn contradiction(misfit: &Misfit) -> Option<String> {
             misfit.per_degree,
             misfit.limit(),
             misfit.wider()
+        )
+    })
+}
+
+/// Standard deviations by which the trials must contradict a certificate before it is said.
+const BEYOND_CERTIFICATE: f64 = 4.0;
+
+/// What is to be said where gravity, turning in the sensor, contradicts the accelerometer's certificate.
+#[must_use]
+pub fn beyond_certificate(gain: &Gain) -> Option<String> {
+    (gain.contradiction() > BEYOND_CERTIFICATE).then(|| {
+        format!(
+            "by gravity, which turns in the sensor, the accelerometer reads {:+.2} % of its reading too much, and its certificate allows {:.2} %: one of the two is wrong, or the axis is not level",
+            100.0 * gain.seen,
+            100.0 * gain.limit
         )
     })
 }

@@ -6,7 +6,7 @@
 use anyhow::{Context, Result};
 use core::f64::consts::TAU;
 use sixaxis_calibration::certified::Gain;
-use sixaxis_calibration::joint::{self, JointReport, Knowledge, WEDGE_DEG};
+use sixaxis_calibration::joint::{self, JointReport, Knowledge, Loss, WEDGE_DEG};
 use sixaxis_calibration::propagation::{Propagated, Sources, propagate};
 use sixaxis_calibration::steps::{Campaign, GyroscopeGain};
 use sixaxis_core::Parameters;
@@ -38,7 +38,7 @@ pub fn study(campaign: &Campaign, preset: Preset, laboratory: &Laboratory) -> Re
     sources.wedge_rad = WEDGE_DEG.to_radians();
     let propagated = propagate(campaign, &preset.cleaning(), steps, &sources)
         .context("the errors of the campaign, propagated")?;
-    let joint = joint::fit(campaign, steps, &knowledge()).context("joint fit")?;
+    let joint = joint::fit(campaign, steps, &knowledge(), Loss::Squares).context("joint fit")?;
     let compliance_s2 = campaign
         .compliance(&steps.found())
         .context("step 4 by least squares")?
@@ -118,7 +118,7 @@ fn four_steps(
             .max(0.0)
             .sqrt()
             .hypot(gyroscope_gain * by_gyroscope[p]);
-        let (low, high) = gain.interval_95(by_accelerometer[p], of_trials);
+        let [(low, high)] = gain.intervals_95(|gain| [gain * by_accelerometer[p]], &[of_trials]);
         Interval {
             estimate: found[p],
             ends_95: (found[p] + low, found[p] + high),
