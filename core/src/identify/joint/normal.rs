@@ -23,11 +23,14 @@ pub(super) struct Contribution {
     back: Back,
 }
 
+/// Unknowns eliminated from the normal equations: their factored information, what couples them to the rest, their descent.
+type Eliminated = (Cholesky<f64, Dyn>, DMatrix<f64>, DVector<f64>);
+
 struct Back {
     latent: Cholesky<f64, Dyn>,
     coupling: DMatrix<f64>,
     descent: DVector<f64>,
-    transient: Option<(Cholesky<f64, Dyn>, DMatrix<f64>, DVector<f64>)>,
+    transient: Option<Eliminated>,
 }
 
 /// The arrow before elimination: common unknowns and transients, the motion, and what couples them.

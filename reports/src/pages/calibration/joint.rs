@@ -10,6 +10,9 @@ use super::words::{direction, symbol, with_interval};
 use crate::view::number::{MISSING, fixed, percent, scientific};
 use crate::view::{Block, Cell, Column, Row, Section, State, Table};
 
+/// An angle that the fit has moved from 0 by less than this share of its deviation is one that no trial tells.
+const UNMOVED: f64 = 1e-6;
+
 /// The section; empty where the four steps could not be done.
 pub fn section(judgement: &Judgement) -> Section {
     let section = Section::new(
@@ -181,13 +184,18 @@ fn nuisances(joint: &JointReport) -> Table {
             continue;
         };
         let written = [a, b].map(|f| with_interval(f.value, f.deviation));
-        let (spin, spin_deviation) = with_interval(about.value, about.deviation);
+        let spin = if about.value.abs() < UNMOVED * about.deviation {
+            "about itself: nothing tells".to_owned()
+        } else {
+            let (angle, deviation) = with_interval(about.value, about.deviation);
+            format!("about itself {angle}° ± {deviation}°")
+        };
         rows.push(Row::new(
             name,
             [
                 Cell::from(format!("{}°, {}°", written[0].0, written[1].0)),
                 Cell::from(format!("{}°, {}°", written[0].1, written[1].1)),
-                Cell::from(format!("about itself {spin}° ± {spin_deviation}°")),
+                Cell::from(spin),
             ],
         ));
     }
