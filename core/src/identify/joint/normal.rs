@@ -421,7 +421,7 @@ mod tests {
                 let common = by(&up.descent, &down.descent);
                 compare(1, size, &common, arrow.information.column(u).clone_owned());
             }
-            for j in 0..trial.latent.len() {
+            for (j, size) in of_motion.iter().enumerate() {
                 let h = 1e-5 * trial.latent.amax();
                 let moved = |by: f64| {
                     let mut moved = trial.clone();
@@ -430,7 +430,7 @@ mod tests {
                 };
                 let (up, down) = (moved(h), moved(-h));
                 let by = (&up.own_descent - &down.own_descent) / (2.0 * h);
-                compare(2, of_motion[j], &by, arrow.own.column(j).clone_owned());
+                compare(2, *size, &by, arrow.own.column(j).clone_owned());
             }
         }
     }

@@ -16,7 +16,7 @@ use super::harmonics::{Projection, project};
 use super::shares::Shares;
 use super::trial::Trial;
 use super::unknowns::Unknowns;
-use super::{Joint, Record, WHAT};
+use super::{Joint, Record, WHAT, solve};
 use crate::error::{Error, Result};
 use crate::geometry::LIMBS;
 use crate::parameters::Parameters;
@@ -70,16 +70,18 @@ impl Joint {
                 return mismatch(samples, record.voltage_v.len().min(record.standard.len()));
             }
         }
-        let mut joint = self.clone();
-        let (mut estimate, mut fitted) = joint.fit_trials(start)?;
+        let priors = self.priors();
+        let (mut estimate, mut fitted) = self.fit_trials(start)?;
         for _ in 0..ROUNDS {
             let mut expected = 0.0;
-            for ((own, trial), record) in joint.trials.iter_mut().zip(&fitted).zip(records) {
+            for (trial, record) in fitted.iter_mut().zip(records) {
                 let share;
-                (own.data, share) = cut_off(trial, record, &estimate.unknowns, &self.shares, limit);
+                (trial.data, share) =
+                    cut_off(trial, record, &estimate.unknowns, &self.shares, limit);
                 expected += share / records.len() as f64;
             }
-            let (mut next, next_fitted) = joint.fit_trials(start)?;
+            let unknowns = estimate.unknowns.clone();
+            let (mut next, next_fitted) = solve::refit(&self.shares, fitted, unknowns, &priors)?;
             next.squares /= expected;
             let still = (0..next.unknowns.len()).all(|u| {
                 let change = next.unknowns.values[u] - estimate.unknowns.values[u];

@@ -165,11 +165,21 @@ pub(super) fn fit(
             got: 0,
         });
     }
-    let mut unknowns = start;
     let mut trials = trials.to_vec();
     for trial in &mut trials {
-        trial.start(&unknowns);
+        trial.start(&start);
     }
+    refit(shares, trials, start, priors)
+}
+
+/// As [`fit`], with the trials' motions as they stand.
+pub(super) fn refit(
+    shares: &Shares,
+    mut trials: Vec<Trial>,
+    start: Unknowns,
+    priors: &[(usize, Known)],
+) -> Result<(JointEstimate, Vec<Trial>)> {
+    let mut unknowns = start;
     let mut iterations = 0;
     loop {
         let settled = settle(shares, &mut trials, &mut unknowns, priors, &mut iterations)?;
