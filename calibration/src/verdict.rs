@@ -5,17 +5,19 @@
 //! paper's band does not determine it, and what is decoupled there does not notice. A tap that was recorded has to be one, though.
 
 mod evidence;
+mod gathered;
 mod grading;
 mod joint;
 mod record;
 mod validation;
 
+pub use gathered::VALIDATION_CORNER;
 pub use grading::COORDINATION_LIMIT;
 pub use joint::{Choices, Estimator, beyond_certificate, contradiction};
 
 use evidence::{coordination, hold_out, trial_report};
+use gathered::{Gathered, gather};
 use grading::{failures, grade, reservations};
-use rayon::prelude::*;
 use record::{Kept, to_file};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -23,14 +25,13 @@ use sixaxis_core::Parameters;
 use validation::validate;
 
 use crate::calibration::Calibration;
-use crate::cleaning::{Cleaned, Cleaning};
-use crate::error::{Error, Result};
+use crate::cleaning::Cleaned;
+use crate::error::Result;
 use crate::interval::{LeftOut, ParameterReport, put_taps, report};
 use crate::iteration::Iteration;
 use crate::joint::JointReport;
-use crate::load;
 use crate::propagation;
-use crate::session::{Role, SessionFile, Stage};
+use crate::session::{Role, SessionFile};
 use crate::steps::{Campaign, FourSteps, GyroscopeGain};
 use crate::suspicion::{Cause, Facts, Finding, examine};
 use crate::tap::Taps;
@@ -150,10 +151,6 @@ pub struct Judgement {
     pub calibration: Option<Calibration>,
 }
 
-/// Corner of the low-pass for validation runs over the drive's frequency: what is compared there is the gyroscope's second
-/// derivative, and its noise must stay out. The drive loses 7e-6, the same on both sides.
-pub const VALIDATION_CORNER: f64 = 4.4;
-
 /// What the caller is told while it works.
 pub trait Watch: Sync {
     /// A stage begins that has so many parts.
@@ -191,70 +188,13 @@ pub fn judge_choosing(
     choices: &Choices,
     watch: &dyn Watch,
 ) -> Result<Judgement> {
-    let entries = &file.session.recording;
-    watch.stage("reading", entries.len());
-    let loaded: Vec<Result<Trial>> = (0..entries.len())
-        .into_par_iter()
-        .map(|index| {
-            let trial = load::trial(file, index);
-            watch.part();
-            trial
-        })
-        .collect();
-    let mut findings = Vec::new();
-    let mut at_rest = None;
-    let mut moving = Vec::new();
-    let mut struck = Vec::new();
-    for (entry, trial) in entries.iter().zip(loaded) {
-        match trial {
-            Ok(trial) if entry.role == Role::Static && at_rest.is_none() => at_rest = Some(trial),
-            // The first static record counts; one more at the end of the day does no harm.
-            Ok(_) if entry.role == Role::Static => {}
-            Ok(trial) if entry.role == Role::Tap => struck.push(trial),
-            Ok(trial) => moving.push(trial),
-            Err(error @ Error::Session { .. }) => return Err(error),
-            Err(error) => {
-                findings.push(unreadable(
-                    &entry.file.display().to_string(),
-                    error.to_string(),
-                ));
-            }
-        }
-    }
-    if at_rest.is_none() && findings.is_empty() {
-        findings.push(Finding {
-            cause: Cause::Unreadable,
-            recordings: Vec::new(),
-            channels: Vec::new(),
-            evidence: "the session has no static record, and step 1 needs one".to_owned(),
-            advice: "record the sensor at rest for ten minutes and enter it with role = \"static\""
-                .to_owned(),
-        });
-    }
-    let cleaning = Cleaning::of(&file.session);
-    watch.stage("cleaning", moving.len());
-    let cleaned: Vec<(Trial, sixaxis_core::Result<Cleaned>)> = moving
-        .into_par_iter()
-        .map(|trial| {
-            let mut own = cleaning.clone();
-            if trial.role == Role::Validation
-                && let Stage::On(low_pass) = &mut own.stages.low_pass
-            {
-                low_pass.times_drive = VALIDATION_CORNER;
-                low_pass.plus_hz = 0.0;
-            }
-            let cleaned = own.clean(&trial);
-            watch.part();
-            (trial, cleaned)
-        })
-        .collect();
-    let mut trials = Vec::new();
-    for (trial, cleaned) in cleaned {
-        match cleaned {
-            Ok(cleaned) => trials.push((trial, cleaned)),
-            Err(error) => findings.push(unreadable(&trial.name, error.to_string())),
-        }
-    }
+    let Gathered {
+        at_rest,
+        trials,
+        struck,
+        cleaning,
+        mut findings,
+    } = gather(file, watch)?;
     watch.stage("examining", 1);
     let design = file.design();
     let facts = Facts {
@@ -458,16 +398,6 @@ fn used(steps: &FourSteps, parameters: &[ParameterReport]) -> Parameters {
         };
     }
     used
-}
-
-fn unreadable(name: &str, evidence: String) -> Finding {
-    Finding {
-        cause: Cause::Unreadable,
-        recordings: vec![name.to_owned()],
-        channels: Vec::new(),
-        evidence,
-        advice: "mend or replace the recording; `sixaxis inspect` shows what is in it".to_owned(),
-    }
 }
 
 fn place(finding: &Finding) -> String {
