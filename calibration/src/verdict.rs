@@ -172,7 +172,7 @@ impl Watch for Unwatched {
 /// A recording that cannot be used is a finding, not an error: the rest is still worth knowing.
 ///
 /// # Errors
-/// [`Error::Session`] only: a session whose own statements cannot be.
+/// [`crate::Error::Session`] only: a session whose own statements cannot be.
 pub fn judge(file: &SessionFile, watch: &dyn Watch) -> Result<Judgement> {
     judge_choosing(file, &Choices::default(), watch)
 }
