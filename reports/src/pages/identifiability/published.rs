@@ -12,8 +12,7 @@ const PROPAGATION: &str = include_str!("../../../../props/results/propagation.js
 const TAPS: &str = include_str!("../../../../props/results/tap.json");
 
 /// Makes [`campaign`].
-pub const MAKE_CAMPAIGN: &str = "`sixaxis simulate --print-plan --engine rigid --sensor random > plan.toml`, \
-                                 `sixaxis campaign run --plan plan.toml --count N --out campaign`, \
+pub const MAKE_CAMPAIGN: &str = "`sixaxis campaign run --plan props/results/campaign.toml --count 10000 --out campaign`, \
                                  `sixaxis campaign summary campaign --json`";
 /// Makes [`propagation`].
 pub const MAKE_PROPAGATION: &str =
