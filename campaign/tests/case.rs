@@ -56,22 +56,13 @@ fn bits(values: &Values) -> Vec<Option<u64>> {
 
 fn group_on_disk(judgement: &Judgement, group: Group) -> Values {
     let steps = judgement.steps.as_ref().expect("the steps were done");
-    let scale = steps.scale.estimate.standard_error();
-    let inertia = steps.inertia.estimate.standard_error();
     match group {
         Group::FourSteps => values(&steps.found()).map(Some),
         Group::FourStepsStandardError => {
-            let mut all: Values = [None; PARAMETERS];
-            let each = steps
-                .drift
-                .standard_error_v
-                .iter()
-                .chain(&scale)
-                .chain(&inertia);
-            for (entry, value) in all.iter_mut().zip(each) {
-                *entry = Some(*value);
-            }
-            all
+            let calibration = judgement.calibration.as_ref().expect("there is one");
+            let propagated = calibration.covariance.propagated.as_ref();
+            let noise = &propagated.expect("errors are propagated").noise;
+            core::array::from_fn(|i| (i < PARAMETERS - 1).then(|| noise[i][i].sqrt()))
         }
         _ => core::array::from_fn(|i| {
             let report = &judgement.parameters[i];
