@@ -14,7 +14,8 @@ fn the_session_in_readme_is_accepted() {
         .expect("README has a session file");
     let file = SessionFile::parse(Path::new("session.toml"), text.to_owned())
         .unwrap_or_else(|error| panic!("{error}"));
-    assert_eq!(file.session.recording.len(), 2);
+    // At rest, a linear trial and a tap.
+    assert_eq!(file.session.recording.len(), 3);
 }
 
 #[test]
