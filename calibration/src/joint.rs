@@ -25,6 +25,7 @@ use crate::error::{Error, Result};
 use crate::session::{Role, Session};
 use crate::steps::{Campaign, FourSteps};
 use crate::tap::Taps;
+use crate::trial::Trial;
 
 /// Standard deviation of a wedge's angles where the session does not say, degrees: a workshop's.
 pub const WEDGE_DEG: f64 = 0.1;
@@ -218,6 +219,26 @@ pub fn at_rest(drift: &ZeroDrift) -> AtRest {
     }
 }
 
+/// A trial as the joint fit takes it; none for one that it has no use for.
+#[must_use]
+pub fn record(trial: &Trial) -> Option<Record<'_>> {
+    let (drive, standard) = match trial.role {
+        Role::Linear | Role::HighFrequencyLinear => (Drive::Linear, &trial.accelerometer_m_s2),
+        Role::Angular => (Drive::Angular, &trial.gyroscope_rad_s),
+        Role::Static | Role::Tap | Role::Validation => return None,
+    };
+    Some(Record {
+        drive,
+        sample_rate_hz: trial.sample_rate_hz,
+        frequency_hz: trial.frequency_hz,
+        gains: &trial.gains,
+        voltage_v: &trial.voltage_v,
+        standard,
+        direction_ground: trial.direction_ground,
+        gravity_ground_m_s2: trial.gravity_ground_m_s2,
+    })
+}
+
 /// Fits all linear and angular trials of a campaign at once, starting from the four steps' answer. The recordings are taken as
 /// they were read, nothing filtered and no sample mended: wild ones are the loss' matter.
 ///
@@ -242,26 +263,7 @@ pub fn fit(
     let records: Vec<(&str, Record)> = campaign
         .trials
         .iter()
-        .filter_map(|(trial, _)| {
-            let (drive, standard) = match trial.role {
-                Role::Linear | Role::HighFrequencyLinear => {
-                    (Drive::Linear, &trial.accelerometer_m_s2)
-                }
-                Role::Angular => (Drive::Angular, &trial.gyroscope_rad_s),
-                Role::Static | Role::Tap | Role::Validation => return None,
-            };
-            let record = Record {
-                drive,
-                sample_rate_hz: trial.sample_rate_hz,
-                frequency_hz: trial.frequency_hz,
-                gains: &trial.gains,
-                voltage_v: &trial.voltage_v,
-                standard,
-                direction_ground: trial.direction_ground,
-                gravity_ground_m_s2: trial.gravity_ground_m_s2,
-            };
-            Some((trial.name.as_str(), record))
-        })
+        .filter_map(|(trial, _)| Some((trial.name.as_str(), record(trial)?)))
         .collect();
     // Side by side, added in their own order.
     let prepared: Vec<_> = records

@@ -9,6 +9,7 @@ use std::process::ExitCode;
 use rayon::prelude::*;
 use serde::Serialize;
 use sixaxis_props::blind::{Outcome, REPORTED_FROM, run};
+use sixaxis_props::publication::{Arguments, end};
 use sixaxis_reference::session::plan::Engine;
 
 /// What is published.
@@ -34,19 +35,14 @@ struct Row {
 }
 
 fn main() -> ExitCode {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let number = |name: &str, otherwise: u64| {
-        arguments
-            .iter()
-            .position(|a| a == name)
-            .and_then(|i| arguments.get(i + 1))
-            .and_then(|text| text.parse().ok())
-            .unwrap_or(otherwise)
-    };
-    let first = number("--first", REPORTED_FROM);
-    let count = number("--count", 300);
-    let has = |name: &str| arguments.iter().any(|a| a == name);
-    let engine = if has("--mujoco") {
+    end(try_all())
+}
+
+fn try_all() -> Result<(), String> {
+    let arguments = Arguments::given();
+    let first = arguments.number("--first", REPORTED_FROM)?;
+    let count = arguments.number("--count", 300)?;
+    let engine = if arguments.has("--mujoco") {
         Engine::Mujoco
     } else {
         Engine::Rigid
@@ -57,13 +53,7 @@ fn main() -> ExitCode {
         .map(|seed| run(seed, engine, &folder))
         .collect();
     let _ = std::fs::remove_dir(&folder);
-    let outcomes = match outcomes {
-        Ok(outcomes) => outcomes,
-        Err(error) => {
-            eprintln!("error: {error}");
-            return ExitCode::FAILURE;
-        }
-    };
+    let outcomes = outcomes?;
     let mut kinds: BTreeMap<String, Row> = BTreeMap::new();
     for outcome in &outcomes {
         let name = outcome
@@ -122,16 +112,5 @@ fn main() -> ExitCode {
         published.false_alarms,
         published.healthy,
     );
-    if has("--publish") {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/results/blind.json");
-        let written = std::fs::create_dir_all(concat!(env!("CARGO_MANIFEST_DIR"), "/results"))
-            .map_err(|e| e.to_string())
-            .and_then(|()| serde_json::to_vec_pretty(&published).map_err(|e| e.to_string()))
-            .and_then(|text| std::fs::write(path, text).map_err(|e| e.to_string()));
-        if let Err(error) = written {
-            eprintln!("error: {path}: {error}");
-            return ExitCode::FAILURE;
-        }
-    }
-    ExitCode::SUCCESS
+    arguments.publish("blind", &published)
 }

@@ -10,6 +10,7 @@ use std::process::ExitCode;
 
 use serde::Serialize;
 use sixaxis_props::joint::{Fitted, bias_of_scale, small};
+use sixaxis_props::publication::{Arguments, end};
 use sixaxis_props::tolerance::{JOINT_BIAS, PLAIN_BIAS};
 use sixaxis_reference::session::plan::SessionPlan;
 
@@ -37,28 +38,21 @@ struct Published {
     levels: Vec<Level>,
 }
 
-fn option(name: &str) -> Option<u64> {
-    let mut arguments = std::env::args();
-    arguments.find(|a| a == name)?;
-    arguments.next()?.parse().ok()
+fn main() -> ExitCode {
+    end(run())
 }
 
-fn main() -> ExitCode {
-    let first = option("--first").unwrap_or(1);
-    let count = option("--count").unwrap_or(2_000);
+fn run() -> Result<(), String> {
+    let arguments = Arguments::given();
+    let first = arguments.number("--first", 1)?;
+    let count = arguments.number("--count", 1_000)?;
     println!(
         "{count} campaigns a level, seeds from {first}; bias in standard deviations, ± {:.3}",
         1.0 / (count as f64).sqrt()
     );
     let mut levels = Vec::new();
     for noise_db in NOISE_DB {
-        let [plain, joint] = match bias_of_scale(first..first + count, noise_db) {
-            Ok(bias) => bias,
-            Err(cause) => {
-                eprintln!("{cause}");
-                return ExitCode::FAILURE;
-            }
-        };
+        let [plain, joint] = bias_of_scale(first..first + count, noise_db)?;
         println!("{noise_db:.0} dB  plain least squares {plain:+.2?}");
         println!("       joint fit           {joint:+.3?}");
         levels.push(Level {
@@ -84,9 +78,7 @@ fn main() -> ExitCode {
             trials_per_step: 10,
             ..small(first)
         };
-        let Ok(case) = Fitted::of(&plan) else {
-            return ExitCode::FAILURE;
-        };
+        let case = Fitted::of(&plan)?;
         let knowledge = sixaxis_calibration::joint::Knowledge::of(&case.session);
         let start = std::time::Instant::now();
         let again = sixaxis_calibration::joint::fit(
@@ -101,25 +93,11 @@ fn main() -> ExitCode {
             "30 trials at {sample_rate_hz:.0} Hz fitted in {seconds:.2} s, {steps} Gauss-Newton steps"
         );
     }
-    if std::env::args().any(|a| a == "--publish") {
-        let published = Published {
-            first_seed: first,
-            campaigns: count,
-            scatter: 1.0 / (count as f64).sqrt(),
-            levels,
-        };
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/results/joint.json");
-        let text = match serde_json::to_string_pretty(&published) {
-            Ok(text) => text + "\n",
-            Err(error) => {
-                eprintln!("{error}");
-                return ExitCode::FAILURE;
-            }
-        };
-        if let Err(error) = std::fs::write(path, text) {
-            eprintln!("{path}: {error}");
-            return ExitCode::FAILURE;
-        }
-    }
-    ExitCode::SUCCESS
+    let published = Published {
+        first_seed: first,
+        campaigns: count,
+        scatter: 1.0 / (count as f64).sqrt(),
+        levels,
+    };
+    arguments.publish("joint", &published)
 }

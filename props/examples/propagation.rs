@@ -13,6 +13,7 @@ use sixaxis_props::propagation::monte_carlo::{
     AXES, ClosedForm, Tally, correlations, departures, run_departure,
 };
 use sixaxis_props::propagation::{Size, World, calibrate};
+use sixaxis_props::publication::{Arguments, end};
 
 /// What is published.
 #[derive(Serialize)]
@@ -246,18 +247,17 @@ fn set(world: &World, sources: &Sources, what: &'static str, first: u64, draws: 
 }
 
 fn main() -> ExitCode {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let number = |name: &str, otherwise: u64| {
-        arguments
-            .iter()
-            .position(|a| a == name)
-            .and_then(|i| arguments.get(i + 1))
-            .and_then(|text| text.parse().ok())
-            .unwrap_or(otherwise)
-    };
-    let (draws, first) = (number("--draws", 20_000), number("--first", 1));
+    end(run())
+}
+
+fn run() -> Result<(), String> {
+    let arguments = Arguments::given();
+    let (draws, first) = (
+        arguments.number("--draws", 20_000)?,
+        arguments.number("--first", 1)?,
+    );
     let size = Size {
-        rate_hz: number("--rate", 250) as f64,
+        rate_hz: arguments.number("--rate", 250)? as f64,
         per_step: 6,
         static_samples: 256,
     };
@@ -292,15 +292,5 @@ fn main() -> ExitCode {
             ),
         ],
     };
-    if arguments.iter().any(|a| a == "--publish") {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/results/propagation.json");
-        let written = serde_json::to_vec(&published)
-            .map_err(|e| e.to_string())
-            .and_then(|text| std::fs::write(path, text).map_err(|e| e.to_string()));
-        if let Err(error) = written {
-            eprintln!("error: {path}: {error}");
-            return ExitCode::FAILURE;
-        }
-    }
-    ExitCode::SUCCESS
+    arguments.publish("propagation", &published)
 }

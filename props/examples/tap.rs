@@ -6,6 +6,7 @@ use std::process::ExitCode;
 
 use rayon::prelude::*;
 use serde::Serialize;
+use sixaxis_props::publication::{Arguments, end};
 use sixaxis_props::taps::{Case, NOISE_SHARE, Outcome, Tally, bound_ln};
 use sixaxis_reference::campaign::DAMPING_RATIO;
 use sixaxis_reference::tap::{DURATION_S, SAMPLE_RATE_HZ, STEPS_PER_SAMPLE};
@@ -30,27 +31,13 @@ struct Published {
 }
 
 fn main() -> ExitCode {
-    match run() {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    end(run())
 }
 
 fn run() -> Result<(), String> {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let number = |name: &str, otherwise: u64| {
-        arguments
-            .iter()
-            .position(|a| a == name)
-            .and_then(|i| arguments.get(i + 1))
-            .and_then(|text| text.parse().ok())
-            .unwrap_or(otherwise)
-    };
-    let first = number("--first", REPORTED_FROM);
-    let count = number("--count", 500);
+    let arguments = Arguments::given();
+    let first = arguments.number("--first", REPORTED_FROM)?;
+    let count = arguments.number("--count", 500)?;
     println!(
         "seeds {first} to {}, noise {NOISE_SHARE} of the peak",
         first + count - 1
@@ -110,20 +97,15 @@ fn run() -> Result<(), String> {
         );
         tallies.push(t);
     }
-    if arguments.iter().any(|a| a == "--publish") {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/results/tap.json");
-        let published = Published {
-            first_seed: first,
-            noise_over_peak: NOISE_SHARE,
-            sample_rate_hz: SAMPLE_RATE_HZ,
-            duration_s: DURATION_S,
-            reference_error_over_bound,
-            tallies,
-        };
-        let text = serde_json::to_vec_pretty(&published).map_err(|e| e.to_string())?;
-        std::fs::write(path, text).map_err(|e| format!("{path}: {e}"))?;
-    }
-    Ok(())
+    let published = Published {
+        first_seed: first,
+        noise_over_peak: NOISE_SHARE,
+        sample_rate_hz: SAMPLE_RATE_HZ,
+        duration_s: DURATION_S,
+        reference_error_over_bound,
+        tallies,
+    };
+    arguments.publish("tap", &published)
 }
 
 /// Change of ln k/m from the same noise on forces simulated with half the step, over the bound.

@@ -12,6 +12,7 @@ pub mod manufactured;
 pub mod motions;
 pub mod printed;
 pub mod propagation;
+pub mod publication;
 pub mod rig_runs;
 pub mod rigid;
 pub mod statistics;

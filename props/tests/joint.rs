@@ -2,7 +2,7 @@
 //! refuses.
 
 use rayon::prelude::*;
-use sixaxis_calibration::joint::{Knowledge, at_rest};
+use sixaxis_calibration::joint::{Knowledge, at_rest, record};
 use sixaxis_calibration::session::Role;
 use sixaxis_campaign::parameter::PARAMETERS;
 use sixaxis_core::identify::joint::robust::USUAL_LIMIT;
@@ -160,22 +160,7 @@ fn prop_wild_samples_do_not_bend_the_robust_fit() {
         .campaign
         .trials
         .iter()
-        .map(|(trial, _)| {
-            let (drive, standard) = match trial.role {
-                Role::Angular => (Drive::Angular, &trial.gyroscope_rad_s),
-                _ => (Drive::Linear, &trial.accelerometer_m_s2),
-            };
-            Record {
-                drive,
-                sample_rate_hz: trial.sample_rate_hz,
-                frequency_hz: trial.frequency_hz,
-                gains: &trial.gains,
-                voltage_v: &trial.voltage_v,
-                standard,
-                direction_ground: trial.direction_ground,
-                gravity_ground_m_s2: trial.gravity_ground_m_s2,
-            }
-        })
+        .filter_map(|(trial, _)| record(trial))
         .collect();
     for record in &records {
         joint.push(record).expect("a sound record");
@@ -292,16 +277,7 @@ fn prop_one_direction_leaves_unknowns_open() {
     for (trial, _) in &case.campaign.trials {
         if trial.role == Role::Linear && trial.direction_ground.x > 0.99 {
             joint
-                .push(&Record {
-                    drive: Drive::Linear,
-                    sample_rate_hz: trial.sample_rate_hz,
-                    frequency_hz: trial.frequency_hz,
-                    gains: &trial.gains,
-                    voltage_v: &trial.voltage_v,
-                    standard: &trial.accelerometer_m_s2,
-                    direction_ground: trial.direction_ground,
-                    gravity_ground_m_s2: trial.gravity_ground_m_s2,
-                })
+                .push(&record(trial).expect("a linear trial"))
                 .expect("a sound record");
         }
     }
