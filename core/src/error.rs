@@ -2,6 +2,9 @@
 
 use thiserror::Error;
 
+use crate::parity::LimbSet;
+use crate::parity::reconstruction::LostLoad;
+
 /// Every way in which input to this crate can be refused.
 ///
 /// Channels are numbered 1 to 9 as in the paper; samples are counted from 0.
@@ -176,6 +179,14 @@ pub enum Error {
         highest_mode_hz: f64,
         /// Smallest sample rate that will do.
         needed_hz: f64,
+    },
+    /// Limbs that cannot be done without together.
+    #[error("limbs {failed} failed: of {load} the others show nothing")]
+    LostLoad {
+        /// The limbs.
+        failed: LimbSet,
+        /// What loads none but them.
+        load: LostLoad,
     },
     /// An iteration did not settle within its cap.
     #[error("{what} did not converge in {iterations} iterations")]

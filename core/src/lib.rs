@@ -14,6 +14,8 @@
 //! number type. [`decoupler`] runs them sample by sample, [`record`] along a recording, [`lanes`] along eight at once, and
 //! [`rigid`] without the motion of the mass in the shell; [`scheme`] names the integrators.
 //!
+//! [`parity`] is what nine limbs say more than six: the coordination equations, and which limbs can be done without.
+//!
 //! [`uncertainty`] says how well the parameters and each decoupled sample are known.
 //!
 //! Before either, [`recording`] says whether a recording can be worked with, and `preprocess` (feature `alloc`) cleans
@@ -35,6 +37,7 @@ pub mod kernel;
 pub mod lanes;
 pub mod limbs;
 pub mod parameters;
+pub mod parity;
 pub mod pose;
 pub mod preload;
 #[cfg(feature = "alloc")]
@@ -54,6 +57,7 @@ pub use decoupler::{Decoupler, SixAxis};
 pub use error::{Error, Result};
 pub use geometry::{Geometry, LIMBS};
 pub use parameters::{InertiaPerMass, Parameters};
+pub use parity::LimbSet;
 pub use pose::LimbLaw;
 pub use rigid::RigidDecoupler;
 pub use scheme::Scheme;

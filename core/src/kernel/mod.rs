@@ -22,6 +22,7 @@
 
 pub mod attitude;
 pub mod constants;
+pub mod parity;
 pub mod placement;
 pub mod real;
 pub mod shell;

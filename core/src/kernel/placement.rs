@@ -73,7 +73,7 @@ impl Placement<f64> {
 /// Displacements of the nodes along their first, second and third limbs, the forces there over chi, and the sums of
 /// squared strains at each; three nodes at once, from their limbs' strains.
 #[inline(always)]
-fn nodes<T: Real>(x: [Vec3<T>; LIMBS_PER_NODE]) -> (Limbs<T>, Limbs<T>, Vec3<T>) {
+pub(super) fn nodes<T: Real>(x: [Vec3<T>; LIMBS_PER_NODE]) -> (Limbs<T>, Limbs<T>, Vec3<T>) {
     let half = Vec3::all(x[0].like(0.5));
     let square = [x[0].by(x[0]), x[1].by(x[1]), x[2].by(x[2])];
     let a = square[0] + square[1] + square[2];
@@ -93,11 +93,11 @@ fn nodes<T: Real>(x: [Vec3<T>; LIMBS_PER_NODE]) -> (Limbs<T>, Limbs<T>, Vec3<T>)
 }
 
 /// Numbers of the first, second and third limb, each of three nodes.
-type Limbs<T> = [Vec3<T>; LIMBS_PER_NODE];
+pub type Limbs<T> = [Vec3<T>; LIMBS_PER_NODE];
 
 /// Numbers along the limbs as vectors in shell axes, one for each node: the signed axes of (5).
 #[inline(always)]
-fn shell_axes<T: Real>(along: Limbs<T>) -> [Vec3<T>; NODES] {
+pub(super) fn shell_axes<T: Real>(along: Limbs<T>) -> [Vec3<T>; NODES] {
     let [first, second, third] = along;
     let (one, minus) = (first.like(1.0), first.like(-1.0));
     let z = first.by(vec3(one, minus, minus)).components();
@@ -138,6 +138,20 @@ fn turned_back<T: Real>(phi: Vec3<T>, force: [Vec3<T>; NODES]) -> Vec3<T> {
     phi.times_plus(along, t) - less
 }
 
+/// phi_0, the least-squares rotation of three displaced nodes to first order: about the nodes' mean -nu/3 (1, 1, 1), where the
+/// translation drops out.
+#[inline(always)]
+pub(super) fn linear_rotation<T: Real>(displacement: [Vec3<T>; NODES], inverse_nu: T) -> Vec3<T> {
+    let third = inverse_nu.like(1.0 / 3.0);
+    let sixth = inverse_nu.like(1.0 / 6.0);
+    let all = displacement[0] + displacement[1] + displacement[2];
+    let m = all
+        .ones_cross()
+        .times_plus(third, Vec3::moment(displacement));
+    let mean = m.sum() * sixth;
+    (m - Vec3::all(mean)).times(inverse_nu)
+}
+
 /// Places the mass by the series; good while `strain_squares` is at most the square of [`STRAIN_LIMIT`].
 #[inline(always)]
 pub fn by_series<T: Real>(constants: &Constants<T>, voltage_v: [T; LIMBS]) -> Placement<T> {
@@ -146,15 +160,9 @@ pub fn by_series<T: Real>(constants: &Constants<T>, voltage_v: [T; LIMBS]) -> Pl
     let force = shell_axes(force);
     let strain_squares = squares.sum();
 
-    let third = squares.like(1.0 / 3.0);
     let sixth = squares.like(1.0 / 6.0);
     let all = displacement[0] + displacement[1] + displacement[2];
-    // About the nodes' mean -nu/3 (1, 1, 1), where the translation drops out.
-    let m = all
-        .ones_cross()
-        .times_plus(third, Vec3::moment(displacement));
-    let mean = m.sum() * sixth;
-    let linear = (m - Vec3::all(mean)).times(constants.inverse_nu);
+    let linear = linear_rotation(displacement, constants.inverse_nu);
     let s = linear.sum();
     let c = s * sixth;
     let c2 = c * c;

@@ -1,0 +1,249 @@
+//! The strains of failed limbs from those of the others.
+//!
+//! With P = W (W^T W)^-1 W^T, the projector on what no pose can do, the failed strains x_F that leave least of the rows solve
+//! P_FF x_F = -P_FS x_S. Put zero for the failed limbs and let rho be what the rows then leave: x_F = -P_FF^-1 W_F (W^T W)^-1 rho.
+//! With the strains so filled in, sums over nine limbs are least squares over those that are left, since
+//! J^T (x_S; J_F u) = J^T J u for the pose u = (J_S^T J_S)^-1 J_S^T x_S. Nothing else of a decoupler changes.
+//!
+//! P_FF is 1/18 of a matrix of whole numbers, so whether it can be inverted is decided without rounding: of 129 sets of up to
+//! three limbs, 93 can be done without. In the other 36 there are forces in failed limbs alone that cancel in every row; the
+//! load that asks for them is the one of which the others show nothing.
+
+use glam::DVec3;
+
+use super::{GRAM_DENOMINATOR, GRAM_INVERSE, LimbSet, ROWS, SIGNATURES};
+use crate::error::{Error, Result};
+use crate::geometry::{DIRECTIONS_SHELL, LIMBS, LIMBS_PER_NODE, NODE_DIRECTIONS_MASS};
+
+/// Largest number of limbs that can be done without: six accelerations want six channels.
+pub const MOST_FAILED: usize = 3;
+
+/// Strains of failed limbs as combinations of what the parity rows leave when those strains are put to zero.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reconstruction {
+    failed: LimbSet,
+    /// Rows of -P_FF^-1 W_F (W^T W)^-1; zero for limbs that have not failed.
+    weights: [[f64; ROWS]; LIMBS],
+}
+
+/// A load of which no limb but failed ones bears any part: what cannot be measured without them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LostLoad {
+    /// The force, shell axes; in the unit of the limb force.
+    pub force_shell: [i32; 3],
+    /// The torque about the mass's centre over the half edge, shell axes; in the unit of the limb force.
+    pub torque_over_half_edge_shell: [i32; 3],
+}
+
+impl Reconstruction {
+    /// For a set of failed limbs, which may be empty.
+    ///
+    /// # Errors
+    /// [`Error::LostLoad`] where the others do not determine six accelerations; [`Error::OutOfRange`] for more than
+    /// [`MOST_FAILED`].
+    pub fn new(failed: LimbSet) -> Result<Self> {
+        let mut weights = [[0.0; ROWS]; LIMBS];
+        if failed.len() > MOST_FAILED {
+            return Err(Error::OutOfRange {
+                name: "failed limbs",
+                value: failed.len() as f64,
+                requirement: "at most three: six accelerations want six channels",
+            });
+        }
+        let mut limbs = [None; MOST_FAILED];
+        for (place, index) in limbs.iter_mut().zip(failed.indices()) {
+            *place = Some(index);
+        }
+        // 18 P_FF; ones on the diagonal for places that are not taken.
+        let block: [[i32; 3]; 3] = core::array::from_fn(|i| {
+            core::array::from_fn(|j| match (limbs[i], limbs[j]) {
+                (Some(a), Some(b)) => (0..ROWS).map(|k| scaled(a)[k] * SIGNATURES[b][k]).sum(),
+                _ => i32::from(i == j),
+            })
+        });
+        let (adjugate, determinant) = adjugate(&block);
+        if determinant == 0 {
+            return Err(Error::LostLoad {
+                failed,
+                load: lost_load(limbs),
+            });
+        }
+        for (i, limb) in limbs.iter().enumerate() {
+            let Some(limb) = *limb else { continue };
+            weights[limb] = core::array::from_fn(|k| {
+                let sum: i32 = (0..MOST_FAILED)
+                    .filter_map(|j| Some(adjugate[i][j] * scaled(limbs[j]?)[k]))
+                    .sum();
+                -f64::from(sum) / f64::from(determinant)
+            });
+        }
+        Ok(Self { failed, weights })
+    }
+
+    /// The limbs that are done without.
+    #[must_use]
+    pub const fn failed(&self) -> LimbSet {
+        self.failed
+    }
+
+    /// What the three rows' residuals, with zero for the failed strains, are multiplied with and added up to, limb by limb.
+    #[must_use]
+    pub const fn weights(&self) -> &[[f64; ROWS]; LIMBS] {
+        &self.weights
+    }
+}
+
+/// A row of 18 W (W^T W)^-1.
+fn scaled(limb: usize) -> [i32; ROWS] {
+    core::array::from_fn(|k| {
+        (0..ROWS)
+            .map(|l| SIGNATURES[limb][l] * GRAM_INVERSE[l][k])
+            .sum()
+    })
+}
+
+const _: () = assert!(GRAM_DENOMINATOR == 18);
+
+fn adjugate(m: &[[i32; 3]; 3]) -> ([[i32; 3]; 3], i32) {
+    let minor = |i: usize, j: usize| {
+        let (r, s) = ((i + 1) % 3, (i + 2) % 3);
+        let (c, d) = ((j + 1) % 3, (j + 2) % 3);
+        m[r][c] * m[s][d] - m[r][d] * m[s][c]
+    };
+    let adjugate: [[i32; 3]; 3] = core::array::from_fn(|i| core::array::from_fn(|j| minor(j, i)));
+    let determinant = (0..3).map(|j| m[0][j] * minor(0, j)).sum();
+    (adjugate, determinant)
+}
+
+/// The load behind forces of -1, 0 or 1 in failed limbs that cancel in every row; the fewest limbs that do.
+fn lost_load(limbs: [Option<usize>; MOST_FAILED]) -> LostLoad {
+    let mut best = ([0; MOST_FAILED], usize::MAX);
+    for code in 0..27 {
+        let force = [code / 9 - 1, code / 3 % 3 - 1, code % 3 - 1];
+        let used = force.iter().filter(|&&f| f != 0).count();
+        let idle = (0..MOST_FAILED).all(|i| limbs[i].is_some() || force[i] == 0);
+        let cancels = (0..ROWS).all(|row| {
+            let sum: i32 = (0..MOST_FAILED)
+                .filter_map(|i| Some(force[i] * SIGNATURES[limbs[i]?][row]))
+                .sum();
+            sum == 0
+        });
+        if idle && cancels && used > 0 && used < best.1 {
+            best = (force, used);
+        }
+    }
+    let mut load = [DVec3::ZERO; 2];
+    for (limb, force) in limbs.iter().zip(best.0) {
+        let Some(limb) = *limb else { continue };
+        let along = DIRECTIONS_SHELL[limb] * f64::from(force);
+        load[0] += along;
+        load[1] += NODE_DIRECTIONS_MASS[limb / LIMBS_PER_NODE].cross(along);
+    }
+    // Sums of three unit axes: whole numbers.
+    let [force_shell, torque_over_half_edge_shell] = load.map(|v| v.to_array().map(|x| x as i32));
+    LostLoad {
+        force_shell,
+        torque_over_half_edge_shell,
+    }
+}
+
+impl core::fmt::Display for LostLoad {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let turns = self.torque_over_half_edge_shell != [0; 3];
+        if self.force_shell != [0; 3] {
+            write!(f, "a force along {}", Along(self.force_shell))?;
+            if turns {
+                f.write_str(" together with ")?;
+            }
+        }
+        if turns {
+            let about = Along(self.torque_over_half_edge_shell);
+            write!(f, "a torque about {about} over the half edge")?;
+        }
+        Ok(())
+    }
+}
+
+/// Whole multiples of shell axes: "y - z".
+struct Along([i32; 3]);
+
+impl core::fmt::Display for Along {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let mut first = true;
+        for (share, axis) in self.0.into_iter().zip(["x", "y", "z"]) {
+            let sign = match (share.signum(), first) {
+                (0, _) => continue,
+                (1, true) => "",
+                (1, false) => " + ",
+                (_, true) => "-",
+                (_, false) => " - ",
+            };
+            first = false;
+            f.write_str(sign)?;
+            if share.abs() != 1 {
+                write!(f, "{} ", share.abs())?;
+            }
+            f.write_str(axis)?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use std::format;
+
+    use super::*;
+
+    #[test]
+    fn sets_that_can_be_done_without() {
+        let able = |n| {
+            LimbSet::of_size(n)
+                .filter(|&set| Reconstruction::new(set).is_ok())
+                .count()
+        };
+        assert_eq!([0, 1, 2, 3].map(able), [1, 9, 33, 51]);
+    }
+
+    #[test]
+    fn what_is_lost_loads_failed_limbs_only() {
+        for size in 1..=MOST_FAILED {
+            for set in LimbSet::of_size(size) {
+                let Err(Error::LostLoad { failed, load }) = Reconstruction::new(set) else {
+                    continue;
+                };
+                assert_eq!(failed, set);
+                let torque = DVec3::from(load.torque_over_half_edge_shell.map(f64::from));
+                let force = DVec3::from(load.force_shell.map(f64::from));
+                assert!(torque != DVec3::ZERO || force != DVec3::ZERO);
+                // Forces of equally stiff limbs: J (J^T J)^-1 load.
+                let shares = crate::identify::joint::shares::Shares::new(&crate::Geometry {
+                    limb_length_m: 1.0,
+                    half_edge_m: 1.0,
+                })
+                .expect("a cube");
+                for limb in (0..LIMBS).filter(|&limb| !set.contains(limb)) {
+                    let borne = shares.of_acceleration(limb).dot(force)
+                        + shares.of_torque_per_m(limb).dot(torque);
+                    assert!(
+                        borne.abs() < 1e-15,
+                        "{set}: limb {} bears {borne}",
+                        limb + 1
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_lost_load_is_named() {
+        let set = LimbSet::from_numbers([2, 4]).expect("limbs");
+        let error = Reconstruction::new(set).expect_err("twins");
+        assert_eq!(
+            format!("{error}"),
+            "limbs 2 and 4 failed: of a force along y - z together with a torque about 2 x over the half edge the others show nothing"
+        );
+    }
+}
