@@ -1,25 +1,17 @@
 //! `sixaxis campaign` as people run it: killed and resumed, in shards, in folders that are not its own or not whole.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
+
+use crate::program::{Folder, sixaxis, stderr, stdout};
 
 /// Cases of a part.
 const PART: u64 = 64;
 
-/// A folder that is gone when the test is over.
-struct Folder(PathBuf);
-
 impl Folder {
-    fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("sixaxis-cli-{name}-{}", std::process::id()));
-        std::fs::create_dir_all(&path).expect("a temporary folder can be made");
-        std::fs::write(path.join("plan.toml"), PLAN).expect("it can be written");
-        Self(path)
-    }
-
     fn campaign(&self, arguments: &[&str]) -> Output {
-        command(&self.0, arguments)
+        command(self, arguments)
             .output()
             .expect("the command starts")
     }
@@ -42,8 +34,8 @@ impl Folder {
             ]
             .concat(),
         );
-        assert!(done.status.success(), "{}", text(&done.stderr));
-        text(&done.stdout) + &text(&done.stderr)
+        assert!(done.status.success(), "{}", stderr(&done));
+        stdout(&done) + &stderr(&done)
     }
 
     fn summary(&self, folders: &[&str]) -> Output {
@@ -52,7 +44,7 @@ impl Folder {
 
     /// Names and contents of the parts.
     fn parts(&self, out: &str) -> Vec<(String, Vec<u8>)> {
-        let mut parts: Vec<(String, Vec<u8>)> = std::fs::read_dir(self.0.join(out))
+        let mut parts: Vec<(String, Vec<u8>)> = std::fs::read_dir(self.join(out))
             .expect("the folder is there")
             .map(|entry| entry.expect("it can be listed").path())
             .filter(|path| path.extension().is_some_and(|e| e == "parquet"))
@@ -69,24 +61,17 @@ impl Folder {
     }
 }
 
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
+/// A folder with the plan.
+fn prepared(name: &str) -> Folder {
+    let folder = Folder::new(name);
+    folder.write("plan.toml", PLAN);
+    folder
 }
 
 fn command(folder: &Path, arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_sixaxis"));
+    let mut command = sixaxis();
+    command.current_dir(folder).arg("campaign").args(arguments);
     command
-        .current_dir(folder)
-        .arg("campaign")
-        .args(arguments)
-        .stdin(Stdio::null());
-    command
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
 }
 
 /// A session that is played and calibrated in milliseconds.
@@ -101,11 +86,11 @@ static_rate_hz = 10.0
 
 #[test]
 fn inv_a_killed_run_goes_on_to_the_same_bytes() {
-    let folder = Folder::new("campaign-killed");
+    let folder = prepared("campaign-killed");
     let count = 4 * PART;
     folder.run("undisturbed", count, &["--threads", "2"]);
     let mut child = command(
-        &folder.0,
+        &folder,
         &[
             "run",
             "--plan",
@@ -125,7 +110,7 @@ fn inv_a_killed_run_goes_on_to_the_same_bytes() {
     // Once something is finished and before everything is.
     let patience = Instant::now() + Duration::from_secs(120);
     while Instant::now() < patience
-        && (!folder.0.join("killed").exists() || folder.parts("killed").is_empty())
+        && (!folder.join("killed").exists() || folder.parts("killed").is_empty())
     {
         std::thread::sleep(Duration::from_millis(1));
     }
@@ -162,7 +147,7 @@ fn inv_a_killed_run_goes_on_to_the_same_bytes() {
 
 #[test]
 fn inv_shards_in_any_order_are_the_whole_campaign() {
-    let folder = Folder::new("campaign-shards");
+    let folder = prepared("campaign-shards");
     let count = PART + 35;
     folder.run("whole", count, &[]);
     for (out, shard) in [("third", "3/3"), ("first", "1/3"), ("second", "2/3")] {
@@ -171,15 +156,15 @@ fn inv_shards_in_any_order_are_the_whole_campaign() {
         folder.run("shared", count, &["--shard", shard, "--threads", "1"]);
     }
     let whole = folder.summary(&["whole"]);
-    assert_eq!(whole.status.code(), Some(0), "{}", text(&whole.stderr));
+    assert_eq!(whole.status.code(), Some(0), "{}", stderr(&whole));
     for folders in [
         &["first", "second", "third"][..],
         &["second", "third", "first"],
         &["shared"],
     ] {
         let merged = folder.summary(folders);
-        assert_eq!(merged.status.code(), Some(0), "{}", text(&merged.stderr));
-        assert_eq!(text(&merged.stdout), text(&whole.stdout), "{folders:?}");
+        assert_eq!(merged.status.code(), Some(0), "{}", stderr(&merged));
+        assert_eq!(stdout(&merged), stdout(&whole), "{folders:?}");
     }
     let two = folder.summary(&["first", "third"]);
     assert_eq!(two.status.code(), Some(3));
@@ -190,26 +175,26 @@ fn inv_shards_in_any_order_are_the_whole_campaign() {
     );
     let twice = folder.summary(&["shared", "second"]);
     assert_eq!(twice.status.code(), Some(1));
-    let said = text(&twice.stderr);
+    let said = stderr(&twice);
     assert!(said.contains("shared") && said.contains("second"), "{said}");
 }
 
 #[test]
 fn prop_a_folder_of_another_plan_is_refused_with_the_difference() {
-    let folder = Folder::new("campaign-other");
+    let folder = prepared("campaign-other");
     folder.run("out", 3, &[]);
     let before = folder.parts("out");
-    std::fs::write(folder.0.join("plan.toml"), PLAN.replace("200.0", "250.0"))
+    std::fs::write(folder.join("plan.toml"), PLAN.replace("200.0", "250.0"))
         .expect("it can be written");
     let run = ["run", "--plan", "plan.toml", "--count", "3", "--out", "out"];
     let refusals = [folder.campaign(&run), {
         // The parts know it, too.
-        std::fs::remove_file(folder.0.join("out/plan.toml")).expect("it is there");
+        std::fs::remove_file(folder.join("out/plan.toml")).expect("it is there");
         folder.campaign(&run)
     }];
     for refused in refusals {
         assert_eq!(refused.status.code(), Some(1));
-        let said = text(&refused.stderr);
+        let said = stderr(&refused);
         assert!(
             said.contains("sample_rate_hz: 200.0 there, 250.0 here"),
             "{said}"
@@ -220,12 +205,12 @@ fn prop_a_folder_of_another_plan_is_refused_with_the_difference() {
 
 #[test]
 fn prop_a_damaged_part_is_named_set_aside_and_done_again() {
-    let folder = Folder::new("campaign-damaged");
+    let folder = prepared("campaign-damaged");
     let count = PART + 5;
     folder.run("out", count, &[]);
     let whole = folder.parts("out");
     let (first, second) = (&whole[0], &whole[1]);
-    let path = |name: &str| folder.0.join("out").join(name);
+    let path = |name: &str| folder.join("out").join(name);
     std::fs::write(path(&first.0), &first.1[..first.1.len() / 2]).expect("it can be written");
     let mut flipped = second.1.clone();
     // In the values, where the format itself would not notice.
@@ -234,11 +219,7 @@ fn prop_a_damaged_part_is_named_set_aside_and_done_again() {
     std::fs::write(path(&second.0), &flipped).expect("it can be written");
     let refused = folder.summary(&["out"]);
     assert_eq!(refused.status.code(), Some(1));
-    assert!(
-        text(&refused.stderr).contains(&first.0),
-        "{}",
-        text(&refused.stderr)
-    );
+    assert!(stderr(&refused).contains(&first.0), "{}", stderr(&refused));
     let said = folder.run("out", count, &[]);
     for (name, _) in [first, second] {
         assert!(said.contains(name), "{said}");
@@ -249,7 +230,7 @@ fn prop_a_damaged_part_is_named_set_aside_and_done_again() {
 
 #[test]
 fn prop_refusals_say_what_would_be_right() {
-    let folder = Folder::new("campaign-refusals");
+    let folder = prepared("campaign-refusals");
     for (arguments, code, words) in [
         (
             &[
@@ -296,18 +277,18 @@ fn prop_refusals_say_what_would_be_right() {
     ] {
         let refused = folder.campaign(arguments);
         assert_eq!(refused.status.code(), Some(code), "{arguments:?}");
-        let said = text(&refused.stderr);
+        let said = stderr(&refused);
         assert!(said.contains(words), "{said}");
     }
 }
 
 #[test]
 fn prop_the_table_has_all_parameters() {
-    let folder = Folder::new("campaign-table");
+    let folder = prepared("campaign-table");
     folder.run("out", 5, &[]);
     let table = folder.campaign(&["summary", "out"]);
     assert_eq!(table.status.code(), Some(0));
-    let said = text(&table.stdout);
+    let said = stdout(&table);
     assert!(
         said.starts_with("5 cases of seeds 1 to 5: 5 calibrated"),
         "{said}"

@@ -1,48 +1,23 @@
 //! `sixaxis simulate` as people run it.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-/// A folder that is gone when the test is over.
-struct Folder(PathBuf);
+use crate::program::{Folder, sixaxis, stderr, stdout};
 
 impl Folder {
-    fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("sixaxis-cli-{name}-{}", std::process::id()));
-        std::fs::create_dir_all(&path).expect("a temporary folder can be made");
-        Self(path)
-    }
-
-    fn write(&self, name: &str, text: &str) {
-        std::fs::write(self.0.join(name), text).expect("it can be written");
-    }
-
     fn simulate(&self, arguments: &[&str]) -> Output {
-        command(&self.0, arguments)
+        command(self, arguments)
             .output()
             .expect("the command starts")
     }
 }
 
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
-
 fn command(folder: &Path, arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_sixaxis"));
+    let mut command = sixaxis();
+    command.current_dir(folder).arg("simulate").args(arguments);
     command
-        .current_dir(folder)
-        .arg("simulate")
-        .args(arguments)
-        .stdin(Stdio::null());
-    command
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
 }
 
 /// A campaign that takes no time.
@@ -52,8 +27,8 @@ const QUICK: [&str; 6] = ["--engine", "rigid", "--trials", "3", "--rate", "200"]
 fn prop_it_says_what_it_wrote_and_what_comes_next() {
     let folder = Folder::new("next");
     let done = folder.simulate(&[&QUICK[..], &["--out", "a day"]].concat());
-    assert!(done.status.success(), "{}", text(&done.stderr));
-    let said = text(&done.stdout);
+    assert!(done.status.success(), "{}", stderr(&done));
+    let said = stdout(&done);
     assert!(
         said.contains("sixaxis calibrate 'a day/session.toml'"),
         "{said}"
@@ -67,7 +42,7 @@ fn prop_it_says_what_it_wrote_and_what_comes_next() {
         "truth/plan.toml",
     ] {
         assert!(
-            folder.0.join("a day").join(name).exists(),
+            folder.join("a day").join(name).exists(),
             "{name} is missing"
         );
     }
@@ -78,16 +53,12 @@ fn prop_another_session_is_replaced_only_if_told_so() {
     let folder = Folder::new("force");
     let first = [&QUICK[..], &["--out", "day"]].concat();
     assert!(folder.simulate(&first).status.success());
-    let session = folder.0.join("day/session.toml");
+    let session = folder.join("day/session.toml");
     let before = std::fs::read_to_string(&session).expect("it was written");
     let second = [&first[..], &["--seed", "2"]].concat();
     let refused = folder.simulate(&second);
     assert_eq!(refused.status.code(), Some(1));
-    assert!(
-        text(&refused.stderr).contains("--force"),
-        "{}",
-        text(&refused.stderr)
-    );
+    assert!(stderr(&refused).contains("--force"), "{}", stderr(&refused));
     assert_eq!(
         std::fs::read_to_string(&session).ok().as_deref(),
         Some(&*before)
@@ -106,24 +77,24 @@ fn prop_another_session_is_replaced_only_if_told_so() {
 fn prop_a_killed_run_leaves_no_session_file() {
     let folder = Folder::new("killed");
     // MuJoCo is busy with this for most of a minute.
-    let mut child = command(&folder.0, &["--out", "day"])
+    let mut child = command(&folder, &["--out", "day"])
         .stdout(Stdio::null())
         .stderr(Stdio::null())
         .spawn()
         .expect("the command starts");
     let started = Instant::now();
-    while !folder.0.join("day").exists() && started.elapsed() < Duration::from_secs(10) {
+    while !folder.join("day").exists() && started.elapsed() < Duration::from_secs(10) {
         std::thread::sleep(Duration::from_millis(10));
     }
     std::thread::sleep(Duration::from_millis(200));
     child.kill().expect("it is still at work");
     let status = child.wait().expect("it ends");
     assert!(!status.success(), "it was done before it could be killed");
-    assert!(folder.0.join("day").exists());
-    assert!(!folder.0.join("day/session.toml").exists());
+    assert!(folder.join("day").exists());
+    assert!(!folder.join("day/session.toml").exists());
     // What it left is in nobody's way.
     let again = folder.simulate(&[&QUICK[..], &["--out", "day"]].concat());
-    assert!(again.status.success(), "{}", text(&again.stderr));
+    assert!(again.status.success(), "{}", stderr(&again));
 }
 
 #[test]
@@ -132,25 +103,25 @@ fn prop_a_plan_is_printed_played_and_overridden() {
     let printed =
         folder.simulate(&[&QUICK[..], &["--print-plan", "--defect", "dead_limb"]].concat());
     assert!(printed.status.success());
-    folder.write("plan.toml", &text(&printed.stdout));
+    folder.write("plan.toml", stdout(&printed));
     let again = folder.simulate(&["--plan", "plan.toml", "--print-plan"]);
-    assert_eq!(text(&again.stdout), text(&printed.stdout));
+    assert_eq!(stdout(&again), stdout(&printed));
     for (out, more) in [
         ("a", &[][..]),
         ("b", &["--seed", "5", "--defect", "none"][..]),
     ] {
         let done = folder.simulate(&[&["--plan", "plan.toml", "--out", out], more].concat());
-        assert!(done.status.success(), "{}", text(&done.stderr));
+        assert!(done.status.success(), "{}", stderr(&done));
     }
     let truth = |out: &str| {
-        std::fs::read_to_string(folder.0.join(out).join("truth/truth.json")).expect("it is there")
+        std::fs::read_to_string(folder.join(out).join("truth/truth.json")).expect("it is there")
     };
     assert!(truth("a").contains("dead_limb"));
     assert!(truth("b").contains("\"defect\": null"));
     // What is in the truth folder plays the same session again.
     let replayed = folder.simulate(&["--plan", "a/truth/plan.toml", "--out", "c"]);
-    assert!(replayed.status.success(), "{}", text(&replayed.stderr));
-    let recording = |out: &str| std::fs::read(folder.0.join(out).join("linear-01.csv")).ok();
+    assert!(replayed.status.success(), "{}", stderr(&replayed));
+    let recording = |out: &str| std::fs::read(folder.join(out).join("linear-01.csv")).ok();
     assert_eq!(recording("a"), recording("c"));
     assert_ne!(recording("a"), recording("b"));
 }
@@ -176,9 +147,9 @@ fn prop_refusals_name_file_and_line() {
         (&["--defect", "gremlins"][..], 2, "dead_limb"),
     ] {
         let refused = folder.simulate(arguments);
-        let error = text(&refused.stderr);
+        let error = stderr(&refused);
         assert_eq!(refused.status.code(), Some(code), "{arguments:?}: {error}");
         assert!(error.contains(said), "{arguments:?}: {error}");
     }
-    assert!(!folder.0.join("sixaxis-session").exists());
+    assert!(!folder.join("sixaxis-session").exists());
 }

@@ -2,65 +2,22 @@
 
 use std::fmt::Write as _;
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
 
 use serde_json::Value;
 use sixaxis_recordings::{Block, Channel, Layout, create};
+
+use crate::program::{Folder, code, run, sixaxis, stdout, text};
 
 const FOREIGN: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),
     "/../recordings/tests/foreign/files"
 );
 
-fn sixaxis(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_sixaxis"))
-        .args(arguments)
-        .output()
-        .expect("runs")
-}
-
-fn code(output: &Output) -> i32 {
-    output.status.code().expect("no signal ended it")
-}
-
-fn stdout(output: &Output) -> String {
-    String::from_utf8(output.stdout.clone()).expect("UTF-8")
-}
-
-/// A folder of this test's own, gone when it ends.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let path =
-            std::env::temp_dir().join(format!("sixaxis-inspect-{name}-{}", std::process::id()));
-        let _ = fs::remove_dir_all(&path);
-        fs::create_dir_all(&path).expect("makes a folder");
-        Self(path)
-    }
-
-    fn path(&self, name: &str) -> String {
-        self.0.join(name).display().to_string()
-    }
-
-    fn write(&self, name: &str, bytes: impl AsRef<[u8]>) -> String {
-        let path = self.path(name);
-        fs::write(&path, bytes).expect("writes");
-        path
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
-
 fn json(arguments: &[&str]) -> Value {
     let mut all = vec!["inspect", "--json"];
     all.extend(arguments);
-    serde_json::from_slice(&sixaxis(&all).stdout).expect("JSON")
+    serde_json::from_slice(&run(&all).stdout).expect("JSON")
 }
 
 fn kinds(file: &Value) -> Vec<(String, String)> {
@@ -200,7 +157,7 @@ fn every_foreign_file_is_read_or_refused_with_its_name() {
         assert!(!files.is_empty());
         let mut arguments = vec!["inspect", "--json"];
         arguments.extend(files.iter().map(String::as_str));
-        let output = sixaxis(&arguments);
+        let output = run(&arguments);
         assert!(matches!(code(&output), 0 | 1), "{kind}");
         let document: Value = serde_json::from_slice(&output.stdout).expect("JSON");
         let found = document["files"].as_array().expect("a list");
@@ -230,13 +187,13 @@ fn hostile_files_are_refused_and_do_not_stop_the_others() {
         folder.write("empty.csv", ""),
         folder.write("junk.csv", &junk),
         folder.write("junk.bin", &junk),
-        folder.path("missing.csv"),
-        folder.0.display().to_string(),
+        folder.file("missing.csv"),
+        text(&folder).to_owned(),
     ];
     let mut arguments = vec!["inspect"];
     arguments.extend(bad.iter().map(String::as_str));
     arguments.extend([header.as_str(), good.as_str()]);
-    let output = sixaxis(&arguments);
+    let output = run(&arguments);
     assert_eq!(code(&output), 1);
     let text = stdout(&output);
     assert!(text.contains("no samples in u1, u2") && text.contains("1 channel of 1 sample"));
@@ -245,9 +202,9 @@ fn hostile_files_are_refused_and_do_not_stop_the_others() {
     for (line, file) in errors.lines().zip(&bad) {
         assert!(line.starts_with(&format!("error: {file}")), "{line}");
     }
-    assert_eq!(code(&sixaxis(&["inspect", &good])), 0);
+    assert_eq!(code(&run(&["inspect", &good])), 0);
     // A picture never replaces a recording.
-    assert_eq!(code(&sixaxis(&["inspect", &good, "--picture", &good])), 1);
+    assert_eq!(code(&run(&["inspect", &good, "--picture", &good])), 1);
     assert_eq!(fs::read_to_string(&good).expect("reads"), "t,u1\n0,1\n");
 }
 
@@ -260,7 +217,7 @@ fn file_without_permission_is_refused() {
     fs::set_permissions(&file, fs::Permissions::from_mode(0o000)).expect("closes");
     // The superuser reads it all the same.
     if fs::File::open(&file).is_err() {
-        let output = sixaxis(&["inspect", &file]);
+        let output = run(&["inspect", &file]);
         assert_eq!(code(&output), 1);
         assert!(String::from_utf8_lossy(&output.stderr).contains("closed.csv"));
     }
@@ -289,19 +246,19 @@ fn not_a_number_is_null_with_a_reason() {
     assert_eq!(some["first_not_finite"], 137);
     assert!(some["mean"].is_number() && some["noise_floor"].is_number());
     assert_eq!(kinds(found).len(), 2);
-    assert_eq!(code(&sixaxis(&["inspect", &file])), 0);
-    assert_eq!(code(&sixaxis(&["inspect", &file, "--strict"])), 4);
+    assert_eq!(code(&run(&["inspect", &file])), 0);
+    assert_eq!(code(&run(&["inspect", &file, "--strict"])), 4);
 }
 
 #[test]
 fn simulated_session_is_healthy_and_its_sensor_is_found() {
     let folder = Folder::new("session");
-    let day = folder.path("day");
+    let day = folder.file("day");
     let simulate = "simulate --seed 3 --sensor random --engine rigid --format npz --out";
     let mut arguments: Vec<&str> = simulate.split(' ').collect();
     arguments.push(&day);
-    assert_eq!(code(&sixaxis(&arguments)), 0);
-    let session = folder.path("day/session.toml");
+    assert_eq!(code(&run(&arguments)), 0);
+    let session = folder.file("day/session.toml");
     let files: Vec<String> = [
         "static",
         "linear-01",
@@ -310,11 +267,11 @@ fn simulated_session_is_healthy_and_its_sensor_is_found() {
         "compound-02",
     ]
     .iter()
-    .map(|name| folder.path(&format!("day/{name}.npz")))
+    .map(|name| folder.file(&format!("day/{name}.npz")))
     .collect();
     let mut arguments = vec!["inspect", "--strict", "--session", &session];
     arguments.extend(files.iter().map(String::as_str));
-    let output = sixaxis(&arguments);
+    let output = run(&arguments);
     let text = stdout(&output);
     assert_eq!(code(&output), 0, "{text}");
     assert_eq!(text.matches("nothing noticed").count(), files.len());
@@ -326,8 +283,8 @@ fn simulated_session_is_healthy_and_its_sensor_is_found() {
 fn page_is_offline_and_has_every_channel() {
     let folder = Folder::new("page");
     let file = folder.write("defective.csv", defective());
-    let page = folder.path("page.html");
-    assert_eq!(code(&sixaxis(&["inspect", &file, "--picture", &page])), 0);
+    let page = folder.file("page.html");
+    assert_eq!(code(&run(&["inspect", &file, "--picture", &page])), 0);
     let html = fs::read_to_string(&page).expect("written");
     for k in 1..=4 {
         assert!(html.contains(&format!("history-1-1-{k}")), "{k}");
@@ -343,7 +300,7 @@ fn long_recording_in_bounded_memory() {
     const ROWS: u64 = 1_200_000;
     const ALLOWED_KB: u64 = 80 * 1024;
     let folder = Folder::new("long");
-    let path = folder.path("long.tdms");
+    let path = folder.file("long.tdms");
     let mut layout = Layout {
         channels: (1..=9)
             .map(|k| Channel::new(format!("u{k}"), Some("V")))
@@ -368,10 +325,7 @@ fn long_recording_in_bounded_memory() {
     }
     sink.finish().expect("finishes");
     let started = std::time::Instant::now();
-    let mut child = Command::new(env!("CARGO_BIN_EXE_sixaxis"))
-        .args(["inspect", &path])
-        .spawn()
-        .expect("starts");
+    let mut child = sixaxis().args(["inspect", &path]).spawn().expect("starts");
     let mut peak_kb = 0u64;
     while child.try_wait().expect("waits").is_none() {
         let status = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();

@@ -6,7 +6,7 @@ use sixaxis_calibration::session::SessionFile;
 
 #[test]
 fn the_session_in_readme_is_accepted() {
-    let readme = include_str!("../../README.md");
+    let readme = include_str!("../../../README.md");
     let text = readme
         .split("```toml\n")
         .nth(1)
@@ -20,9 +20,9 @@ fn the_session_in_readme_is_accepted() {
 
 #[test]
 fn the_verdicts_in_readme_are_the_published_ones() {
-    let readme = include_str!("../../README.md").replace('\n', " ");
+    let readme = include_str!("../../../README.md").replace('\n', " ");
     let published: serde_json::Value =
-        serde_json::from_str(include_str!("../../props/results/blind.json")).expect("JSON");
+        serde_json::from_str(include_str!("../../../props/results/blind.json")).expect("JSON");
     let number = |key: &str| published[key].as_u64().expect(key);
     for sentence in [
         format!("Of {} sessions", number("sessions")),

@@ -1,22 +1,16 @@
 //! `sixaxis calibrate` as a laboratory calls it: the binary, on sessions that the reference plays.
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
+use std::process::Output;
 
 use sixaxis_reference::session::defect::Kind;
 use sixaxis_reference::session::plan::{DefectChoice, Engine, SensorChoice, SessionPlan};
-use sixaxis_reference::session::{play::play, write::write};
+use sixaxis_reference::session::play::play;
 
-/// A folder of its own for each test; what an earlier run left is gone.
-fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("calibrate-{name}"));
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).expect("a folder for the test");
-    folder
-}
+use crate::program::{Folder, Session, code, run, stderr, stdout, text};
 
 /// Plays a session with the rigid engine, which takes a fraction of a second.
-fn session(name: &str, defect: DefectChoice) -> PathBuf {
+fn session(name: &str, defect: DefectChoice) -> Session {
     let plan = SessionPlan {
         seed: 14,
         sensor: SensorChoice::Random,
@@ -26,31 +20,11 @@ fn session(name: &str, defect: DefectChoice) -> PathBuf {
         ..SessionPlan::default()
     };
     let played = play(&plan).expect("a session is played");
-    write(&played, &folder(name), "npz").expect("a session is written")
+    Session::write(&format!("calibrate-{name}"), &played)
 }
 
 fn calibrate(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_sixaxis"))
-        .arg("calibrate")
-        .args(arguments)
-        .output()
-        .expect("the command starts")
-}
-
-fn code(output: &Output) -> i32 {
-    output.status.code().expect("it was not killed")
-}
-
-fn stdout(output: &Output) -> String {
-    String::from_utf8(output.stdout.clone()).expect("UTF-8")
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).expect("UTF-8")
-}
-
-fn text(path: &Path) -> &str {
-    path.to_str().expect("a path in UTF-8")
+    run(&[&["calibrate"], arguments].concat())
 }
 
 /// What a page must be to be opened anywhere.
@@ -158,7 +132,7 @@ fn quiet_says_nothing_and_the_code_says_it_all() {
 
 #[test]
 fn what_cannot_be_done_is_an_error_and_writes_nothing() {
-    let folder = folder("errors");
+    let folder = Folder::new("calibrate-errors");
     let absent = folder.join("session.toml");
     let output = calibrate(&[text(&absent)]);
     assert_eq!(code(&output), 1);
@@ -170,16 +144,16 @@ fn what_cannot_be_done_is_an_error_and_writes_nothing() {
     std::fs::write(&absent, "[sensor]\nlimb_length_mm = -1\n").expect("a file");
     let output = calibrate(&[text(&absent)]);
     assert_eq!(code(&output), 1);
-    assert_eq!(std::fs::read_dir(&folder).expect("a folder").count(), 1);
+    assert_eq!(std::fs::read_dir(&*folder).expect("a folder").count(), 1);
     assert_eq!(code(&calibrate(&[])), 2);
 }
 
 #[test]
 fn what_is_read_is_never_written_over() {
     let session = session("over", DefectChoice::None);
-    let before = std::fs::read(&session).expect("a session");
+    let before = std::fs::read(&*session).expect("a session");
     let recording = session.with_file_name("linear-01.npz");
-    for target in [&session, &recording] {
+    for target in [&*session, &recording] {
         for option in ["--out", "--report"] {
             let output = calibrate(&[text(&session), option, text(target)]);
             assert_eq!(code(&output), 1);
@@ -190,7 +164,7 @@ fn what_is_read_is_never_written_over() {
             );
         }
     }
-    assert_eq!(std::fs::read(&session).expect("a session"), before);
+    assert_eq!(std::fs::read(&*session).expect("a session"), before);
     let one = session.with_file_name("one");
     let output = calibrate(&[text(&session), "--out", text(&one), "--report", text(&one)]);
     assert_eq!(code(&output), 1);

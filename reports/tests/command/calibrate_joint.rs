@@ -1,7 +1,7 @@
 //! `sixaxis calibrate --estimator joint` on sessions whose truth the test knows and the command does not.
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
+use std::process::Output;
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -10,7 +10,8 @@ use sixaxis_core::Parameters;
 use sixaxis_reference::rig::Mounting;
 use sixaxis_reference::session::plan::{Engine, SensorChoice, SessionPlan};
 use sixaxis_reference::session::play::{PlayedSession, play};
-use sixaxis_reference::session::write::write;
+
+use crate::program::{Session, code, run, stderr, stdout, text};
 
 /// Half widths of 95 % that an estimate may be off by: two are 3.9 standard deviations, which of the 24 parameters of one
 /// session one misses in four hundred sessions.
@@ -39,29 +40,12 @@ fn plan(seed: u64) -> SessionPlan {
     plan
 }
 
-/// Writes a session to a folder of its own; what an earlier run left is gone.
-fn written(name: &str, played: &PlayedSession) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("calibrate-joint-{name}"));
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).expect("a folder for the test");
-    write(played, &folder, "npz").expect("a session is written")
+fn written(name: &str, played: &PlayedSession) -> Session {
+    Session::write(&format!("calibrate-joint-{name}"), played)
 }
 
 fn calibrate(session: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_sixaxis"))
-        .arg("calibrate")
-        .arg(session)
-        .args(arguments)
-        .output()
-        .expect("the command starts")
-}
-
-fn code(output: &Output) -> i32 {
-    output.status.code().expect("it was not killed")
-}
-
-fn stdout(output: &Output) -> String {
-    String::from_utf8(output.stdout.clone()).expect("UTF-8")
+    run(&[&["calibrate", text(session)], arguments].concat())
 }
 
 fn json(bytes: &[u8]) -> Value {
@@ -229,6 +213,6 @@ fn refusals_are_sentences() {
     assert!(page(&session).contains("It cannot be had"));
     let output = calibrate(&session, &["--robust"]);
     assert_eq!(code(&output), 1);
-    let said = String::from_utf8(output.stderr).expect("UTF-8");
+    let said = stderr(&output);
     assert!(said.contains("add --estimator joint"), "{said}");
 }

@@ -1,0 +1,92 @@
+//! `--uncertainty`: a standard deviation beside each acceleration.
+
+use std::path::Path;
+
+use sixaxis_calibration::calibration::Calibration;
+
+use super::session::{ACCELERATIONS, calibration, columns, compound, session};
+use crate::program::{Folder, done, run, stderr, text};
+
+/// Rounding of a few thousand steps.
+const TWICE: f64 = 1e-9;
+
+#[test]
+fn inv_deviations_stand_beside_the_accelerations() {
+    const DEVIATIONS: [&str; 6] = [
+        "sd_ax",
+        "sd_ay",
+        "sd_az",
+        "sd_alpha_x",
+        "sd_alpha_y",
+        "sd_alpha_z",
+    ];
+    let folder = Folder::new("decouple-deviations");
+    let recording = compound();
+    let toml = session().join("session.toml");
+    let decouple = |calibration: &str, name: &str, more: &[&str]| {
+        let out = folder.join(name);
+        let mut arguments = vec![
+            "decouple",
+            calibration,
+            text(&recording),
+            "--session",
+            text(&toml),
+            "--out",
+            text(&out),
+        ];
+        arguments.extend(more);
+        done(&arguments);
+        out
+    };
+    let plain = decouple(&calibration(), "plain.parquet", &[]);
+    let known = decouple(&calibration(), "known.parquet", &["--uncertainty"]);
+    let short = ["--uncertainty", "--accelerations"];
+    let short = decouple(&calibration(), "short.parquet", &short);
+    assert_eq!(
+        columns(&plain, &ACCELERATIONS).0,
+        columns(&known, &ACCELERATIONS).0
+    );
+    let (deviations, _) = columns(&known, &DEVIATIONS);
+    assert_eq!(deviations, columns(&short, &DEVIATIONS).0);
+    let sound = |sd: &f64| sd.is_finite() && *sd > 0.0;
+    assert!(deviations.iter().flatten().all(sound));
+
+    // Noise of a sample is the larger part at first; a filter takes most of it off.
+    let filtered = ["--uncertainty", "--low-pass", "30"];
+    let filtered = decouple(&calibration(), "filtered.parquet", &filtered);
+    let (quiet, _) = columns(&filtered, &DEVIATIONS);
+    for (quiet, noisy) in quiet.iter().zip(&deviations) {
+        assert!(quiet[0] < noisy[0]);
+    }
+
+    // Errors twice as large are known half as well.
+    let path = folder.join("doubled.json");
+    let mut doubled = Calibration::read(Path::new(&calibration())).expect("a calibration");
+    let propagated = doubled.covariance.propagated.as_mut().expect("it is there");
+    for table in [&mut propagated.noise, &mut propagated.standards] {
+        table.iter_mut().flatten().for_each(|x| *x *= 4.0);
+    }
+    propagated
+        .channel_noise_v
+        .iter_mut()
+        .for_each(|x| *x *= 2.0);
+    doubled.write(&path).expect("writes");
+    let twice = decouple(text(&path), "doubled.parquet", &["--uncertainty"]);
+    let (twice, _) = columns(&twice, &DEVIATIONS);
+    let pairs = twice.iter().flatten().zip(deviations.iter().flatten());
+    for (twice, once) in pairs {
+        assert!((twice / once / 2.0 - 1.0).abs() < TWICE, "{twice} {once}");
+    }
+
+    doubled.covariance.propagated = None;
+    doubled.write(&path).expect("writes");
+    let old = run(&[
+        "decouple",
+        text(&path),
+        text(&recording),
+        "--session",
+        text(&toml),
+        "--uncertainty",
+    ]);
+    assert!(stderr(&old).contains("calibrate again"), "{}", stderr(&old));
+}

@@ -1,0 +1,8 @@
+//! `sixaxis decouple` and `sixaxis compare`, on one session that MuJoCo plays once.
+
+mod clocks;
+mod deviations;
+mod refusals;
+mod results;
+mod session;
+mod streams;

@@ -1,0 +1,10 @@
+//! `sixaxis` as people and scripts meet it: the program itself, files and arguments in; files, words and exit codes out.
+
+mod calibrate;
+mod calibrate_joint;
+mod campaign;
+mod decouple;
+mod inspect;
+mod program;
+mod readme;
+mod simulate;
