@@ -118,10 +118,10 @@ fn normal_below(x: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use sixaxis_core::significance::NORMAL_95;
+
     use super::*;
 
-    /// Quantile of the standard normal, 97.5 %.
-    const NORMAL_95: f64 = 1.959_963_984_540_054;
     /// The quadrature's midpoints leave a 256th of the spread's ends.
     const QUADRATURE: f64 = 5e-3;
 

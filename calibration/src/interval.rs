@@ -8,6 +8,7 @@
 use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use sixaxis_core::significance::NORMAL_95;
 use sixaxis_core::uncertainty::Covariance;
 use sixaxis_core::uncertainty::parameters::{INERTIA, SCALE};
 use sixaxis_core::{LIMBS, Parameters};
@@ -16,8 +17,6 @@ use crate::session::{Role, SessionFile};
 use crate::steps::{Campaign, FourSteps, jackknife};
 use crate::tap::Taps;
 
-/// Half width of the 95 % interval of a normal variable, in standard deviations.
-const NORMAL_95: f64 = 1.959_963_984_540_054;
 /// Half width of the 95 % interval of an even spread, in its half width.
 const EVEN_95: f64 = 0.95;
 

@@ -18,6 +18,7 @@ use sixaxis_core::identify::joint::estimate::{JointEstimate, PARAMETERS};
 use sixaxis_core::identify::joint::robust::USUAL_LIMIT;
 use sixaxis_core::identify::joint::{AtRest, Certificates, Drive, Joint, Known, Record};
 use sixaxis_core::identify::zero_drift::ZeroDrift;
+use sixaxis_core::significance::NORMAL_95;
 use sixaxis_core::{LIMBS, Parameters};
 
 use crate::certified::Gain;
@@ -33,8 +34,6 @@ pub const WEDGE_DEG: f64 = 0.1;
 const TIME_CONSTANT: f64 = 0.1;
 /// Standard error by batches over that of white noise above which a static record's noise is not white.
 const NOT_WHITE: f64 = 1.6;
-/// Half width of the 95 % interval of a normal variable, in standard deviations.
-pub(crate) const NORMAL_95: f64 = 1.959_963_984_540_054;
 /// Standard deviation of a zero drift from a record without noise, V: below every converter, above every underflow.
 const LEAST_DRIFT_V: f64 = 1e-12;
 /// 1/(k/m) whose standard deviation is below this share of it is known; what is below a tenth is a measurement.

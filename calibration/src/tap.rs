@@ -10,6 +10,7 @@
 use nalgebra::{Matrix6, Vector6};
 use sixaxis_core::identify::tap::{self, Setup, Tap};
 use sixaxis_core::identify::{Reason, Verdict};
+use sixaxis_core::significance::NORMAL_95;
 use sixaxis_core::{Geometry, LIMBS, Parameters};
 
 use crate::interval::ParameterReport;
@@ -19,8 +20,6 @@ use crate::trial::Trial;
 const RANGE_DEVIATION: f64 = 0.005;
 /// And of I/m at least, over the mean moment: a covariance must not be singular.
 const INERTIA_DEVIATION: f64 = 1e-6;
-/// Half width of the 95 % interval of a normal variable, in standard deviations.
-const NORMAL_95: f64 = 1.959_963_984_540_054;
 /// Noise of a tap, as a variance, over all of its error at least.
 const LEAST_NOISE: f64 = 1e-6;
 /// Share of what is known beforehand that a tap has of its own: half, for gains of ranges of which some differ.

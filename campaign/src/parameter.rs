@@ -2,8 +2,7 @@
 
 use sixaxis_core::{LIMBS, Parameters};
 
-/// How many there are: nine drifts, nine scale factors, six inertias, one stiffness.
-pub const PARAMETERS: usize = 25;
+pub use sixaxis_core::parameters::PARAMETERS;
 
 /// Name of a parameter in SQL, with its unit: `d1_v`, `s1_per_kg`, `i1_m2`, `k_per_s2`; order as in [`values`].
 #[must_use]

@@ -4,6 +4,7 @@
 //! seismic mass; with unloaded limbs both origins sit in the mass's centre and their axes coincide.
 
 use glam::DVec3;
+use nalgebra::SMatrix;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
@@ -87,5 +88,16 @@ impl Geometry {
     pub fn shell_hinges_m(&self) -> [DVec3; LIMBS] {
         let mass = self.mass_hinges_m();
         core::array::from_fn(|limb| mass[limb] - DIRECTIONS_SHELL[limb] * self.limb_length_m)
+    }
+
+    /// J, rows \[e_i^T, (t_i x e_i)^T\]: the force and, in m, the torque about the mass's centre of a unit force in each limb.
+    #[must_use]
+    pub fn limb_jacobian(&self) -> SMatrix<f64, LIMBS, 6> {
+        let hinges = self.mass_hinges_m();
+        SMatrix::from_fn(|limb, column| {
+            let e = DIRECTIONS_SHELL[limb];
+            let moment = hinges[limb].cross(e);
+            [e.x, e.y, e.z, moment.x, moment.y, moment.z][column]
+        })
     }
 }

@@ -51,6 +51,7 @@ mod scalar;
 pub mod scheme;
 pub mod settings;
 pub mod signal;
+pub mod significance;
 pub mod uncertainty;
 
 pub use decoupler::{Decoupler, SixAxis};

@@ -14,7 +14,7 @@ use nalgebra::{Matrix6, SMatrix, SVector, Vector6};
 
 use crate::decoupler::Decoupler;
 use crate::error::{Error, Result};
-use crate::geometry::{DIRECTIONS_SHELL, LIMBS, LIMBS_PER_NODE};
+use crate::geometry::LIMBS;
 use crate::parameters::Parameters;
 use crate::settings::{Sensor, Settings};
 use crate::signal::SignalChain;
@@ -131,12 +131,7 @@ fn corrected(
 /// Voltages whose forces are the smallest that give the shell a unit angular acceleration about each axis and no
 /// linear one.
 fn torque_pattern(sensor: &Sensor, parameters: &Parameters) -> Option<SMatrix<f64, LIMBS, 3>> {
-    let geometry = &sensor.geometry;
-    let jacobian = SMatrix::<f64, LIMBS, 6>::from_fn(|limb, column| {
-        let e = DIRECTIONS_SHELL[limb];
-        let m = geometry.node_mass_m(limb / LIMBS_PER_NODE).cross(e);
-        [e.x, e.y, e.z, m.x, m.y, m.z][column]
-    });
+    let jacobian = sensor.geometry.limb_jacobian();
     let inverse = (jacobian.transpose() * jacobian).try_inverse()?;
     let from_wrench = jacobian * inverse;
     let tensor = parameters.inertia_per_mass.matrix_mass_m2();

@@ -9,6 +9,7 @@ use rand_pcg::Pcg64;
 use serde::Serialize;
 use sixaxis_core::identify::tap::{Setup, Tap, identify};
 use sixaxis_core::signal::SignalChain;
+use sixaxis_core::significance::NORMAL_95;
 use sixaxis_core::{Geometry, InertiaPerMass, LIMBS, Parameters, Sensor};
 use sixaxis_reference::campaign::{DAMPING_RATIO, MASS_KG};
 use sixaxis_reference::chain::amplifier_ranges;
@@ -260,8 +261,6 @@ pub struct Tally {
 
 /// Standard deviation of ln k/m that is asked for.
 pub const BAR_LN: f64 = 1e-3;
-/// Half width of the 95 % interval of a normal variable, in standard deviations.
-const NORMAL_95: f64 = 1.959_963_984_540_054;
 
 impl Tally {
     /// Counts; none of no outcome at all.

@@ -2,8 +2,9 @@
 
 use sixaxis_core::identify::joint::estimate::PARAMETERS;
 
-use super::{JointReport, NORMAL_95};
+use super::JointReport;
 use crate::interval::{ParameterReport, TAP_IT, is_determined};
+use sixaxis_core::significance::NORMAL_95;
 
 /// Deviation, in that of the gain, of an interval that is the gain's alone: the quadrature needs some.
 const NEXT_TO_NOTHING: f64 = 1e-3;

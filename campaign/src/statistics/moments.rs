@@ -1,9 +1,7 @@
 //! Errors of one estimate over many cases, against what the estimate said of itself.
 
 use serde::Serialize;
-
-/// Half width of the 95 % interval of a normal variable, in standard deviations.
-const NORMAL_95: f64 = 1.959_963_984_540_054;
+use sixaxis_core::significance::NORMAL_95;
 
 /// A share of cases.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

@@ -2,6 +2,7 @@
 
 #![allow(dead_code, reason = "each suite uses its own share")]
 
+use sixaxis_core::significance::NORMAL_95;
 use std::path::{Path, PathBuf};
 
 use rand::SeedableRng;
@@ -68,9 +69,6 @@ pub fn provenance(asked: core::ops::Range<u64>) -> Provenance {
         asked,
     }
 }
-
-/// Half width of the 95 % interval of a normal variable, in standard deviations.
-const NORMAL_95: f64 = 1.959_963_984_540_054;
 
 /// A row whose errors are normal, `honesty` times what it states, and whose joint fit is as good as its bound. Every tenth
 /// case failed.

@@ -30,20 +30,17 @@ use glam::DVec3;
 use nalgebra::{Matrix6, SMatrix, Vector6};
 
 use crate::error::{Error, Result};
-use crate::geometry::{DIRECTIONS_SHELL, Geometry, LIMBS, LIMBS_PER_NODE, NODE_DIRECTIONS_MASS};
+use crate::geometry::{DIRECTIONS_SHELL, Geometry, LIMBS, LIMBS_PER_NODE};
 use crate::parameters::InertiaPerMass;
 
 /// Rows (e_i, t_i x e_i / n): the wrench of a unit force in each limb, torques over the half edge.
 pub(super) fn limb_jacobian() -> SMatrix<f64, LIMBS, 6> {
-    SMatrix::from_fn(|limb, column| {
-        let e = DIRECTIONS_SHELL[limb];
-        let arm = NODE_DIRECTIONS_MASS[limb / LIMBS_PER_NODE];
-        if column < 3 {
-            e[column]
-        } else {
-            arm.cross(e)[column - 3]
-        }
-    })
+    // Limbs' lengths do not matter to it.
+    let unit = Geometry {
+        limb_length_m: 1.0,
+        half_edge_m: 1.0,
+    };
+    unit.limb_jacobian()
 }
 
 /// One instant of pure linear motion, in axes that shell and ground share.

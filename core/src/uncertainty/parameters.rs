@@ -12,10 +12,9 @@ use nalgebra::{SMatrix, SVector};
 use crate::geometry::LIMBS;
 use crate::scalar::sqrt;
 
-/// Parameters of the chain: d_1..d_9, V; s_1/m..s_9/m, 1/kg; I1..I6 over m, m^2; and m/k, s^2.
-///
-/// The last is the *compliance* per mass, in which the rates of step 4 are linear, not k/m.
-pub const PARAMETERS: usize = 25;
+/// The last of them is here the *compliance* per mass, s^2, in which the rates of step 4 are linear, not k/m.
+pub use crate::parameters::PARAMETERS;
+
 /// Places of the zero drifts.
 pub const DRIFT: Range<usize> = 0..LIMBS;
 /// Places of the scale factors.

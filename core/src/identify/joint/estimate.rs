@@ -7,8 +7,7 @@ use crate::geometry::LIMBS;
 use crate::parameters::Parameters;
 use crate::scalar::sqrt;
 
-/// The 25 in the paper's order: d, V; s/m, 1/kg; I/m, m^2; and 1/(k/m), s^2.
-pub const PARAMETERS: usize = 25;
+pub use crate::parameters::PARAMETERS;
 
 /// What the fit found.
 #[derive(Debug, Clone, PartialEq)]

@@ -8,7 +8,7 @@ use glam::{DMat3, DVec3};
 use nalgebra::{Matrix6, SMatrix, Vector6};
 
 use crate::error::{Error, Result};
-use crate::geometry::{DIRECTIONS_SHELL, Geometry, LIMBS};
+use crate::geometry::{Geometry, LIMBS};
 
 /// Shares of the nine limbs.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,12 +25,7 @@ impl Shares {
     /// [`Error::OutOfRange`] for lengths that mean nothing.
     pub fn new(geometry: &Geometry) -> Result<Self> {
         geometry.validate()?;
-        let hinges = geometry.mass_hinges_m();
-        let jacobian = SMatrix::<f64, LIMBS, 6>::from_fn(|limb, column| {
-            let e = DIRECTIONS_SHELL[limb];
-            let m = hinges[limb].cross(e);
-            [e.x, e.y, e.z, m.x, m.y, m.z][column]
-        });
+        let jacobian = geometry.limb_jacobian();
         let flexibility =
             (jacobian.transpose() * jacobian)
                 .try_inverse()

@@ -40,6 +40,7 @@ use crate::recording::check_channels;
 use crate::scalar::sqrt;
 use crate::settings::Sensor;
 use crate::signal::SignalChain;
+use crate::significance::NORMAL_95;
 
 /// Name of the step in errors.
 const WHAT: &str = "stiffness per mass (tap)";
@@ -70,8 +71,6 @@ const PUT_OFF: usize = 8;
 const PUT_OFF_S: f64 = 0.25e-3;
 /// Beginning that is compared with the second half, s.
 const BEGINNING_S: f64 = 0.5e-3;
-/// Half width of the 95 % interval of a normal variable, in standard deviations.
-const NORMAL_95: f64 = 1.959_963_984_540_054;
 
 /// What a tap is evaluated with.
 #[derive(Debug, Clone, PartialEq)]

@@ -35,10 +35,10 @@
 //! Derivatives of single modes' frequencies and shapes, which blow up as two frequencies meet, do not occur.
 
 use glam::DVec3;
-use nalgebra::{Matrix6, SMatrix, SymmetricEigen};
+use nalgebra::{Matrix6, SymmetricEigen};
 
 use crate::error::{Error, Result};
-use crate::geometry::{DIRECTIONS_SHELL, Geometry, LIMBS};
+use crate::geometry::{Geometry, LIMBS};
 use crate::parameters::{InertiaPerMass, STIFFNESS_PER_MASS_RANGE_PER_S2};
 use crate::scalar::{exp, sin_cos, sqrt};
 
@@ -104,7 +104,7 @@ impl RingDown {
                 requirement: "between 1e7 and 1e10",
             });
         }
-        let jacobian = jacobian(geometry);
+        let jacobian = geometry.limb_jacobian();
         let mut mass = Matrix6::identity();
         let tensor = inertia_per_mass.matrix_mass_m2();
         for column in 0..3 {
@@ -306,14 +306,4 @@ fn between(u: DVec3, v: DVec3) -> [f64; 6] {
         u.x * v.z + u.z * v.x,
         u.y * v.z + u.z * v.y,
     ]
-}
-
-/// Unit limb wrenches on the mass at rest.
-fn jacobian(geometry: &Geometry) -> SMatrix<f64, LIMBS, 6> {
-    let hinges = geometry.mass_hinges_m();
-    SMatrix::from_fn(|limb, column| {
-        let e = DIRECTIONS_SHELL[limb];
-        let arm = hinges[limb].cross(e);
-        [e.x, e.y, e.z, arm.x, arm.y, arm.z][column]
-    })
 }

@@ -2,13 +2,11 @@
 
 use sixaxis_calibration::tap::TapReport;
 use sixaxis_calibration::verdict::Judgement;
+use sixaxis_core::significance::NORMAL_95;
 
 use super::words::{count, share, unbroken};
 use crate::view::number::{MISSING, fixed, scientific};
 use crate::view::{Block, Cell, Column, Row, Section, Table};
-
-/// Half width of the 95 % interval of a normal variable, in standard deviations.
-const NORMAL_95: f64 = 1.96;
 
 /// The section; empty for a session without taps.
 pub fn section(judgement: &Judgement) -> Section {
