@@ -40,6 +40,39 @@ pub fn short_run(mode: Mode, direction: DVec3) -> Run {
     }
 }
 
+/// Sample rate, Hz, of the runs of a short campaign, and Runge-Kutta steps from sample to sample.
+pub const CAMPAIGN_RATE_HZ: f64 = 2_000.0;
+/// See [`CAMPAIGN_RATE_HZ`].
+pub const CAMPAIGN_STEPS: usize = 20;
+/// Directions that span space, each with something of the others.
+pub const DIRECTIONS: [DVec3; 3] = [
+    DVec3::new(1.0, 0.2, 0.1),
+    DVec3::new(-0.1, 1.0, 0.3),
+    DVec3::new(0.2, -0.2, 1.0),
+];
+
+/// Simulates one trial of a short campaign: half a turn up and half a turn at full speed.
+///
+/// # Panics
+/// If the simulation refuses.
+#[must_use]
+pub fn simulate_trial(
+    parameters: &Parameters,
+    mode: Mode,
+    frequency_hz: f64,
+    direction: DVec3,
+) -> SimulatedRun {
+    let run = Run {
+        rest_s: 0.01,
+        ramp_periods: 0.5,
+        steady_periods: 0.5,
+        ..Run::new(mode, frequency_hz, direction)
+    };
+    let model = model(parameters, direction, Mounting::AxisVertical);
+    SimulatedRun::simulate(&model, &run, CAMPAIGN_RATE_HZ, CAMPAIGN_STEPS)
+        .expect("a run within the rig's limits simulates")
+}
+
 /// Simulates [`short_run`].
 ///
 /// # Panics

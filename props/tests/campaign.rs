@@ -14,21 +14,14 @@ use sixaxis_core::signal::SignalChain;
 use sixaxis_core::{Geometry, LIMBS, Parameters, Scheme};
 use sixaxis_props::compare::largest;
 use sixaxis_props::evidence::Row;
-use sixaxis_props::rig_runs::model;
+use sixaxis_props::rig_runs::{DIRECTIONS, simulate_trial};
 use sixaxis_props::strategy::{config, parameters};
 use sixaxis_props::tolerance::{self, Tolerance};
 use sixaxis_reference::campaign::Laboratory;
 use sixaxis_reference::paper;
-use sixaxis_reference::recording::{Recording, SimulatedRun};
-use sixaxis_reference::rig::{Mode, Mounting, Run};
+use sixaxis_reference::recording::Recording;
+use sixaxis_reference::rig::Mode;
 
-const RATE_HZ: f64 = 2_000.0;
-const STEPS: usize = 20;
-const DIRECTIONS: [DVec3; 3] = [
-    DVec3::new(1.0, 0.2, 0.1),
-    DVec3::new(-0.1, 1.0, 0.3),
-    DVec3::new(0.2, -0.2, 1.0),
-];
 /// Smoothing differentiator for the gyroscope: samples to either side, and order.
 const DIFFERENTIATOR: (usize, usize) = (3, 6);
 /// Repetitions of steps 2 to 4 with the compliance kept.
@@ -47,15 +40,7 @@ impl Campaign {
         let laboratory = Laboratory::noise_free(truth);
         let mut rest = [0.0; LIMBS];
         let mut record = |mode, frequency_hz, direction| {
-            let run = Run {
-                rest_s: 0.01,
-                ramp_periods: 0.5,
-                steady_periods: 0.5,
-                ..Run::new(mode, frequency_hz, direction)
-            };
-            let model = model(&truth, direction, Mounting::AxisVertical);
-            let run = SimulatedRun::simulate(&model, &run, RATE_HZ, STEPS)
-                .expect("a run within the rig's limits simulates");
+            let run = simulate_trial(&truth, mode, frequency_hz, direction);
             rest = run.limb_force_per_mass_m_s2[0];
             laboratory.record(&run, 0)
         };

@@ -2,7 +2,6 @@
 
 use std::sync::OnceLock;
 
-use glam::DVec3;
 use sixaxis_calibration::cleaning::Cleaning;
 use sixaxis_calibration::iteration::{Criterion, End};
 use sixaxis_calibration::session::{Preprocessing, Role, Stage};
@@ -10,20 +9,12 @@ use sixaxis_calibration::steps::{Campaign, FourSteps, GyroscopeGain};
 use sixaxis_core::Geometry;
 use sixaxis_core::identify::Reason;
 use sixaxis_props::compare::within;
-use sixaxis_props::rig_runs::model;
+use sixaxis_props::rig_runs::{DIRECTIONS, simulate_trial};
 use sixaxis_props::tolerance;
 use sixaxis_reference::campaign::Laboratory;
 use sixaxis_reference::paper;
-use sixaxis_reference::recording::SimulatedRun;
-use sixaxis_reference::rig::{Mode, Mounting, Run};
+use sixaxis_reference::rig::Mode;
 
-const RATE_HZ: f64 = 2_000.0;
-const STEPS: usize = 20;
-const DIRECTIONS: [DVec3; 3] = [
-    DVec3::new(1.0, 0.2, 0.1),
-    DVec3::new(-0.1, 1.0, 0.3),
-    DVec3::new(0.2, -0.2, 1.0),
-];
 /// Zero drift that step 1 missed, over full scale: a hundred times what moves k/m by a few per cent.
 const DRIFT_OVER_FULL_SCALE: f64 = 1e-4;
 
@@ -49,15 +40,7 @@ fn played() -> &'static (Campaign, FourSteps) {
             (Role::HighFrequencyLinear, Mode::Linear, 5.0),
         ] {
             for direction in DIRECTIONS {
-                let run = Run {
-                    rest_s: 0.01,
-                    ramp_periods: 0.5,
-                    steady_periods: 0.5,
-                    ..Run::new(mode, frequency_hz, direction)
-                };
-                let model = model(&truth, direction, Mounting::AxisVertical);
-                let run = SimulatedRun::simulate(&model, &run, RATE_HZ, STEPS)
-                    .expect("a run within the rig's limits simulates");
+                let run = simulate_trial(&truth, mode, frequency_hz, direction);
                 rest = run.limb_force_per_mass_m_s2[0];
                 let trial = laboratory.record(&run, 0).trial(role);
                 let cleaned = cleaning.clean(&trial).expect("a sound recording");

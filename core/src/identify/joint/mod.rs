@@ -42,6 +42,7 @@ pub mod estimate;
 pub mod harmonics;
 mod motion;
 mod normal;
+mod record;
 pub mod robust;
 pub mod shares;
 mod solve;
@@ -50,13 +51,12 @@ pub mod unknowns;
 
 use alloc::vec::Vec;
 
-use glam::DVec3;
 use nalgebra::DVector;
 
+pub use self::record::{Prepared, Record};
 pub use self::trial::Drive;
 
 use self::estimate::JointEstimate;
-use self::harmonics::{Grid, project};
 use self::shares::Shares;
 use self::trial::Trial;
 use self::unknowns::{
@@ -66,21 +66,9 @@ use self::unknowns::{
 use crate::error::{Error, Result};
 use crate::geometry::{Geometry, LIMBS};
 use crate::parameters::Parameters;
-use crate::signal::Gains;
 
-/// Last harmonic over the drive's frequency: the run-up of the crank and the squares of the rate lie below.
-const HARMONICS_PER_DRIVE: f64 = 8.0;
-/// Coordinates above the last harmonic that the noise is told from, at least.
-const FEWEST_FOR_NOISE: usize = 64;
-/// Smallest standard deviation of noise over a record's largest value: beyond what rounding leaves of one without noise.
-const LEAST_NOISE: f64 = 1e-10;
-/// Jump from a record's end to its beginning over its largest step.
-const LARGEST_JUMP: f64 = 3.0;
 /// Two unit vectors nearer than this are the same wedge's.
 const SAME_WEDGE: f64 = 1e-3;
-/// Sine of the angle between gravity and axis below which gravity does not turn in the sensor.
-const TURNS: f64 = 1e-6;
-
 /// A value and its standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Known {
@@ -107,28 +95,6 @@ pub struct Certificates {
     pub compliance_s2: Option<Known>,
 }
 
-/// One trial as it was recorded; nothing filtered. It begins and ends at rest in the same place or, if gravity does not turn in it,
-/// holds whole turns of the drive.
-#[derive(Debug, Clone, Copy)]
-pub struct Record<'a> {
-    /// What the rig did.
-    pub drive: Drive,
-    /// Samples per second.
-    pub sample_rate_hz: f64,
-    /// Crank frequency, Hz.
-    pub frequency_hz: f64,
-    /// c_i in use.
-    pub gains: &'a Gains,
-    /// Nine voltages per sample, V.
-    pub voltage_v: &'a [[f64; LIMBS]],
-    /// Accelerometer along the travel, m/s^2, or gyroscope about the axis, rad/s.
-    pub standard: &'a [f64],
-    /// Unit vector of travel and axis in the sensor's axes at rest.
-    pub direction_ground: DVec3,
-    /// Gravity in the sensor's axes at rest, m/s^2.
-    pub gravity_ground_m_s2: DVec3,
-}
-
 /// Zero drifts from a record at rest, V.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AtRest {
@@ -136,32 +102,6 @@ pub struct AtRest {
     pub drift_v: [f64; LIMBS],
     /// Their standard deviations.
     pub deviation_v: [f64; LIMBS],
-}
-
-/// A trial in orthonormal coordinates, on no wedge yet.
-#[derive(Debug, Clone)]
-pub struct Prepared {
-    nominal: DVec3,
-    trial: Trial,
-}
-
-/// Refuses a record that does not close: from its last sample to its first it may step as from any other to the next, with the
-/// noise of two samples more.
-fn check_closed(standard: &[f64]) -> Result<()> {
-    let steps = standard.windows(2).map(|w| (w[1] - w[0]).abs());
-    let largest = steps.fold(f64::MIN_POSITIVE, f64::max);
-    let (Some(first), Some(last)) = (standard.first(), standard.last()) else {
-        return Ok(());
-    };
-    let jump_over_step = (last - first).abs() / largest;
-    if jump_over_step <= LARGEST_JUMP {
-        Ok(())
-    } else {
-        Err(Error::NotClosed {
-            what: WHAT,
-            jump_over_step,
-        })
-    }
 }
 
 /// Collects a campaign's trials.
@@ -258,111 +198,7 @@ impl Joint {
     /// # Errors
     /// Those of [`Self::push`].
     pub fn prepare(&self, record: &Record) -> Result<Prepared> {
-        let samples = record.voltage_v.len();
-        if record.standard.len() != samples {
-            return Err(Error::LengthMismatch {
-                what: "standard",
-                expected: samples,
-                got: record.standard.len(),
-            });
-        }
-        for (name, value) in [
-            ("sample_rate_hz", record.sample_rate_hz),
-            ("frequency_hz", record.frequency_hz),
-            ("direction_ground", record.direction_ground.length()),
-        ] {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(Error::OutOfRange {
-                    name,
-                    value,
-                    requirement: "positive and finite",
-                });
-            }
-        }
-        if !record.gravity_ground_m_s2.is_finite() {
-            return Err(Error::OutOfRange {
-                name: "gravity_ground_m_s2",
-                value: record.gravity_ground_m_s2.length(),
-                requirement: "finite",
-            });
-        }
-        record.gains.validate()?;
-        for (sample, (row, standard)) in record.voltage_v.iter().zip(record.standard).enumerate() {
-            for (channel, value) in row.iter().chain([standard]).enumerate() {
-                if !value.is_finite() {
-                    return Err(Error::NotFinite {
-                        channel: channel + 1,
-                        sample,
-                        value: *value,
-                    });
-                }
-            }
-        }
-        let turns = samples as f64 / record.sample_rate_hz * record.frequency_hz;
-        // More than there are samples are too many, however many more.
-        let harmonics = ((HARMONICS_PER_DRIVE * turns).min(samples as f64) as usize).max(1);
-        let grid = Grid {
-            samples,
-            step_s: 1.0 / record.sample_rate_hz,
-            harmonics,
-        };
-        let needed = grid.coordinates() + FEWEST_FOR_NOISE;
-        if samples < needed {
-            return Err(Error::TooFewSamples {
-                what: WHAT,
-                needed,
-                got: samples,
-            });
-        }
-        check_closed(record.standard)?;
-        let mut data = project(&grid, |n| {
-            let row = &record.voltage_v[n];
-            core::array::from_fn(|c| {
-                if c < LIMBS {
-                    row[c]
-                } else {
-                    record.standard[n]
-                }
-            })
-        });
-        // A limb may well feel nothing in a trial, all of them may not.
-        let largest =
-            |values: &mut dyn Iterator<Item = f64>| values.fold(0.0_f64, |a, x| a.max(x.abs()));
-        let floors = [
-            largest(&mut record.voltage_v.iter().flatten().copied()),
-            largest(&mut record.standard.iter().copied()),
-        ]
-        .map(|largest| (LEAST_NOISE * largest) * (LEAST_NOISE * largest));
-        for (channel, variance) in data.variance.iter_mut().enumerate() {
-            let floor = floors[usize::from(channel == LIMBS)];
-            if floor == 0.0 {
-                return Err(Error::DeadChannel {
-                    channel: channel + 1,
-                    value_v: 0.0,
-                    samples,
-                });
-            }
-            *variance = variance.max(floor);
-        }
-        let nominal = record.direction_ground.normalize();
-        let g = record.gravity_ground_m_s2;
-        Ok(Prepared {
-            nominal,
-            trial: Trial {
-                drive: record.drive,
-                latent: DVector::zeros(2 * harmonics),
-                grid,
-                gains: *record.gains,
-                data,
-                wedge: 0,
-                gravity_m_s2: g,
-                gravity_turns: record.drive == Drive::Angular
-                    && g.cross(nominal).length() > TURNS * g.length(),
-                amplifier: self.certificates.amplifier_corner_rad_s.is_some(),
-                accelerometer_lag_s: self.certificates.accelerometer_lag_s,
-                transient: [0.0; LIMBS],
-            },
-        })
+        record.prepare(&self.certificates)
     }
 
     /// Adds a projected trial.
