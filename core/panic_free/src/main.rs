@@ -10,7 +10,7 @@ use core::hint::black_box;
 use core::panic::PanicInfo;
 use core::ptr::addr_of_mut;
 
-use sixaxis_core::{Decoupler, RigidDecoupler};
+use sixaxis_core::{Decoupler, LimbSet, RigidDecoupler};
 
 unsafe extern "C" {
     fn a_panic_can_be_reached() -> !;
@@ -43,6 +43,11 @@ pub extern "C" fn _start() -> ! {
             black_box(single.push(&row_single)).ok();
             black_box(rigid.push(&row)).ok();
             black_box(rigid_single.push(&row_single)).ok();
+            let failed = black_box(LimbSet::EMPTY);
+            black_box(double.do_without(failed)).ok();
+            black_box(single.do_without(failed)).ok();
+            black_box(rigid.do_without(failed)).ok();
+            black_box(rigid_single.do_without(failed)).ok();
             if cfg!(feature = "panicking") {
                 assert!(black_box(row[0]) == 0.0, "the check must see this");
             }
