@@ -22,6 +22,23 @@ fn panic(_: &PanicInfo) -> ! {
     unsafe { a_panic_can_be_reached() }
 }
 
+/// Copies of whole decouplers are calls of it, and there is no C library to have it from.
+///
+/// # Safety
+/// As in C.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn memcpy(to: *mut u8, from: *const u8, bytes: usize) -> *mut u8 {
+    // SAFETY: the caller's promise.
+    unsafe {
+        core::arch::asm!(
+            "rep movsb",
+            inout("rcx") bytes => _, inout("rdi") to => _, inout("rsi") from => _,
+            options(nostack, preserves_flags)
+        );
+    }
+    to
+}
+
 /// Somebody else has prepared the decouplers and left them here; preparing may refuse, but that is not at stake.
 #[repr(align(64))]
 struct Memory(#[expect(dead_code, reason = "read as what lies there")] [u8; 1 << 16]);
