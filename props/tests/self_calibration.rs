@@ -6,7 +6,7 @@ use glam::DVec3;
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use sixaxis_core::self_calibration::{
-    Accumulator, KnownChange, Limits, PerLimbs, StiffnessTest, drifted,
+    Accumulator, KnownChange, Limits, PerLimbs, ScaleRatios, StiffnessTest, drifted,
 };
 use sixaxis_core::signal::SignalChain;
 use sixaxis_core::{Error, Gains, Geometry, LIMBS, LimbSet, Parameters, Sensor, Settings};
@@ -27,7 +27,9 @@ use sixaxis_reference::smooth_step::smooth_step;
 /// Length of short field recordings, s.
 const SHORT_S: f64 = 2.0;
 /// Recordings over which intervals are judged.
-const CASES: u64 = 300;
+const CASES: u64 = 200;
+/// Noise over the peak at which plain least squares bends ratios by several deviations.
+const HEAVY_NOISE_SHARE: f64 = 0.02;
 /// Rate of false alarms where one is asked for.
 const FALSE_ALARM: f64 = 0.01;
 
@@ -36,6 +38,11 @@ fn prop_ratios_without_noise_are_exact() {
     let first = seed();
     let worst = (first..first + 4).into_par_iter().map(|seed| {
         let mut case = Case::random(seed, SHORT_S);
+        // A common factor would stay, and change the second order by as much.
+        let common = case.true_ln_scale().iter().sum::<f64>() / LIMBS as f64;
+        for scale in &mut case.calibration.scale_per_mass_per_kg {
+            *scale *= common.exp();
+        }
         let voltage_v = case.voltage_v();
         // Once for the second order, which wants the scale factors, once for the ratios.
         for _ in 0..2 {
@@ -46,6 +53,12 @@ fn prop_ratios_without_noise_are_exact() {
                 taken.push(u).expect("sound");
             }
             let found = taken.ratios(&Limits::default()).expect("a rich motion");
+            let flat = taken.moments().to_first_order().ratios(&Limits::default());
+            fails_clearly(
+                "the same without the second order",
+                largest(errors(&flat.expect("a rich motion"), &case.true_ln_ratio())),
+                tolerance::RATIOS_CLOSED_FORM,
+            );
             case.calibration.zero_drift_v = case.truth.zero_drift_v;
             for (scale, ln) in case
                 .calibration
@@ -167,7 +180,7 @@ struct Translation;
 
 impl Motion for Translation {
     fn acceleration(&self, time_s: f64) -> (DVec3, DVec3) {
-        let [_, window, ..] = smooth_step(time_s / 0.5);
+        let [_, window, ..] = smooth_step(time_s / 0.3);
         let sine = |hz: f64| (TAU * hz * time_s).sin();
         let a = DVec3::new(9.0 * sine(2.0), 7.0 * sine(3.0), 8.0 * sine(1.3));
         (window * a, DVec3::ZERO)
@@ -177,7 +190,7 @@ impl Motion for Translation {
 #[test]
 fn ref_pure_translation_leaves_the_twins_open() {
     const TWINS: &str = "limb 2 against limb 4, limb 3 against limb 7, limb 6 against limb 8";
-    let mut run = in_mujoco(&Translation, 3.0, 10);
+    let mut run = in_mujoco(&Translation, 1.5, 10);
     for noise_v in [0.0, 1e-4, 1e-2] {
         let mut rng = Pcg64::new(u128::from(seed()), 22);
         for u in &mut run.voltage_v {
@@ -209,9 +222,8 @@ fn prop_a_single_axis_leaves_more_open() {
     let Err(Error::ScaleRatiosOpen { open }) = case.ratios(&case.noisy_v(NOISE_SHARE)) else {
         panic!("one axis cannot tell eight ratios");
     };
-    // Angular acceleration about one axis and the centrifugal torque square to it: two loads, of which the rows say two things
-    // each at most beside the gauge.
-    assert!(open.len() > 3, "{open}");
+    // Angular acceleration and the centrifugal torque are two loads: six equations for nine unknowns, one of them common.
+    assert!(open.len() >= 2, "{open}");
 }
 
 #[test]
@@ -224,7 +236,7 @@ fn prop_intervals_hold_and_neighbouring_blocks_are_strangers() {
             let found = case.ratios(&case.noisy_v(NOISE_SHARE)).expect("rich");
             let error = errors(&found, &case.true_ln_ratio());
             let none = drifted(
-                &sixaxis_core::self_calibration::ScaleRatios {
+                &ScaleRatios {
                     ln_ratio: error,
                     ..found
                 },
@@ -290,19 +302,67 @@ fn prop_noise_slower_than_a_block_is_seen() {
 }
 
 #[test]
-fn prop_crosstalk_shows_in_the_loop() {
+fn prop_crosstalk_is_seen() {
     let case = Case::random(seed(), 20.0);
-    let mut voltage_v = case.noisy_v(NOISE_SHARE);
-    assert!(case.ratios(&voltage_v).expect("rich").misfit.z().abs() < tolerance::TAP_CHANCE.limit);
-    // Half a per cent of channel 9 on channel 2, in the row of which it has no part.
-    for u in &mut voltage_v {
-        u[1] += tolerance::CROSSTALK * u[8];
-    }
-    let found = case.ratios(&voltage_v).expect("rich");
+    let clean = case.noisy_v(NOISE_SHARE);
+    let with = |from: Option<usize>| {
+        let mut voltage_v = clean.clone();
+        for u in &mut voltage_v {
+            u[1] += from.map_or(0.0, |from| tolerance::CROSSTALK * u[from]);
+        }
+        let found = case.ratios(&voltage_v).expect("rich");
+        (found.misfit.z().abs(), found.lag_one_z())
+    };
+    let sound = with(None);
+    within(
+        "misfit of the loop, in deviations",
+        sound.0,
+        tolerance::TAP_CHANCE,
+    );
+    // Limb 1 shares a row with limb 2, limb 9 does not.
+    let (of_one, of_nine) = (with(Some(0)), with(Some(8)));
     assert!(
-        found.misfit.z().abs() > tolerance::CROSSTALK_Z,
-        "{:?}",
-        found.misfit
+        of_one.0 > tolerance::CROSSTALK_Z,
+        "{of_one:?}, sound {sound:?}"
+    );
+    assert!(
+        of_nine.1 > tolerance::CROSSTALK_Z,
+        "{of_nine:?}, sound {sound:?}"
+    );
+}
+
+#[test]
+fn prop_noise_in_the_regressors_does_not_bend_the_ratios() {
+    let first = seed();
+    let limits = Limits {
+        largest_deviation: 1.0,
+        ..Limits::default()
+    };
+    let squares: Vec<f64> = (first..first + CASES / 2)
+        .into_par_iter()
+        .map(|seed| {
+            let case = Case::random(seed, SHORT_S);
+            let mut taken =
+                Accumulator::new(&case.sensor(), &case.calibration, &case.settings(), 1)
+                    .expect("sound");
+            for u in case.noisy_v(HEAVY_NOISE_SHARE) {
+                taken.push(&u).expect("sound");
+            }
+            let found = taken.ratios(&limits).expect("rich");
+            let error = errors(&found, &case.true_ln_ratio());
+            let z = ScaleRatios {
+                ln_ratio: error,
+                ..found
+            };
+            drifted(&z, &PerLimbs::zeros(), FALSE_ALARM)
+                .expect("a rate")
+                .chi_square_of_none
+        })
+        .collect();
+    within(
+        "errors under heavy noise, sample by sample, over their covariance",
+        chi_square_departure(squares.iter().sum(), 8 * squares.len()),
+        tolerance::CHI_SQUARE,
     );
 }
 
@@ -342,7 +402,7 @@ fn prop_recordings_tared_anew_join() {
     let parts =
         [&voltage_v[..half], &voltage_v[half..]].map(|part| case.moments(part).expect("sound"));
     let joined = parts[0].and(&parts[1]);
-    let z = |found: &sixaxis_core::self_calibration::ScaleRatios| {
+    let z = |found: &ScaleRatios| {
         let error = errors(found, &case.true_ln_ratio());
         largest((0..LIMBS).map(|i| error[i] / found.deviations()[i]))
     };
@@ -354,20 +414,16 @@ fn prop_recordings_tared_anew_join() {
     );
     // As one recording the step of the zero drifts would be taken for a signal.
     let as_one = case.ratios(&voltage_v).expect("rich");
-    fails_clearly(
-        "the same with one zero drift for both",
-        largest(errors(&as_one, &case.true_ln_ratio())),
-        tolerance::Tolerance {
-            limit: largest(found.deviations()) / tolerance::NEGATIVE_CONTROL * 4.0,
-            ..tolerance::TAP_CHANCE
-        },
+    assert!(
+        z(&as_one) > tolerance::COLOURED_Z || as_one.lag_one_z() > tolerance::COLOURED_Z,
+        "one zero drift for both is not seen"
     );
 }
 
 #[test]
 fn prop_a_known_turn_gives_the_ninth() {
     let first = seed();
-    let squares: Vec<f64> = (first..first + 60)
+    let squares: Vec<f64> = (first..first + 40)
         .into_par_iter()
         .map(|seed| {
             let case = Case::random(seed, SHORT_S);
@@ -431,7 +487,7 @@ fn prop_drifted_limbs_are_named() {
         (vec![2, 9], vec![6e-3, -4e-3]),
         (vec![1, 5, 8], vec![5e-3, 5e-3, -7e-3]),
     ] {
-        let mut case = Case::of(first, Pace::Brisk, 60.0, 0.0);
+        let mut case = Case::of(first, Pace::Brisk, 30.0, 0.0);
         for (number, size) in numbers.iter().zip(&sizes) {
             case.calibration.scale_per_mass_per_kg[number - 1] *= f64::exp(-size);
         }
@@ -453,7 +509,7 @@ fn prop_drifted_limbs_are_named() {
         }
     }
     // More than a minority: nobody is named.
-    let mut case = Case::of(first, Pace::Brisk, 60.0, 0.0);
+    let mut case = Case::of(first, Pace::Brisk, 30.0, 0.0);
     for (i, scale) in case
         .calibration
         .scale_per_mass_per_kg

@@ -8,8 +8,9 @@
 //! ```
 //!
 //! N the covariance of y's noise: plain least squares would have y in D and shrink every c_i by noise over signal. Q is what the
-//! residuals themselves show. All sums follow from the second moments. The information is sum D^T Q^-1 D of the true y, its
-//! noise's share subtracted; its inverse without the common factor is the covariance.
+//! residuals themselves show. All sums follow from the second moments. The information A is sum D^T Q^-1 D of the true y, noise's
+//! share subtracted; the sum as it is, B, is the covariance of the gradient. A^-1 B A^-1 without the common factor is the
+//! covariance of the ratios.
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
@@ -27,13 +28,16 @@ const FEWEST_BLOCKS: usize = 32;
 /// Steps with all rows weighted alike, which find the neighbourhood.
 const PLAIN_STEPS: usize = 6;
 /// Cap.
-const STEPS: usize = 60;
+const STEPS: usize = 150;
 /// Step, relative, at which the ratios stand.
-const SETTLED: f64 = 1e-13;
+const SETTLED: f64 = 1e-12;
 /// Steps by rounding of the moments: nothing on any interval.
 const ROUNDING: f64 = 1e-9;
 /// Longest step.
 const LONGEST: f64 = 0.5;
+/// A step over the one before from which only a share of it is taken, and the least share.
+const OVERSHOT: f64 = 0.9;
+const LEAST_SHARE: f64 = 0.25;
 /// Share of a row's own variance that rounding leaves of it, at least.
 const ROUNDING_SHARE: f64 = 64.0 * f64::EPSILON;
 /// Largest asymmetry that the eigenvalue iteration is asked to resolve, and its cap.
@@ -55,6 +59,8 @@ fn coefficient(k: usize) -> (usize, Vector3<f64>) {
 struct Normal {
     gradient: SVector<f64, COEFFICIENTS>,
     information: SMatrix<f64, COEFFICIENTS, COEFFICIENTS>,
+    /// Covariance of the gradient by the nine.
+    gradients: PerLimbs,
     /// Standard deviations of what the rows leave of one block, strain.
     residual: [f64; ROWS],
     /// Mean correlation of neighbouring blocks' residuals.
@@ -75,17 +81,22 @@ pub(super) fn fit(moments: &Moments, limits: &Limits) -> Result<ScaleRatios> {
     }
     let basis = contrasts();
     let mut theta = SVector::<f64, LIMBS>::zeros();
-    let mut last = f64::INFINITY;
+    let (mut last, mut share) = (f64::INFINITY, 1.0);
     for iteration in 0..STEPS {
-        let normal = normal(moments, &theta, iteration >= PLAIN_STEPS)?;
+        let weighted = iteration >= PLAIN_STEPS;
+        let normal = normal(moments, &theta, weighted)?;
         let (values, vectors) = spectrum(&basis, &normal)?;
-        let most = values.max();
-        let gradient =
-            vectors.transpose() * basis.transpose() * normal.gradient.fixed_rows::<LIMBS>(0);
-        let least = LEAST_STEPPED * most;
+        let least = if weighted {
+            limits.least_information(values.max())
+        } else {
+            limits.least_excitation * limits.least_excitation * values.max()
+        };
+        let gradient = basis.transpose() * normal.gradient.fixed_rows::<LIMBS>(0);
+        let along = vectors.transpose() * gradient;
+        // What is not told stays where it is: it would wander.
         let step = SVector::<f64, RATIOS>::from_fn(|k, _| {
-            if values[k] > least {
-                -gradient[k] / values[k]
+            if values[k] >= least {
+                -along[k] / values[k]
             } else {
                 0.0
             }
@@ -95,7 +106,11 @@ pub(super) fn fit(moments: &Moments, limits: &Limits) -> Result<ScaleRatios> {
         if !size.is_finite() {
             break;
         }
-        theta += step * (LONGEST / size).min(1.0);
+        // Weights follow the ratios; where residuals are more than noise they may overshoot.
+        if iteration > PLAIN_STEPS && size > OVERSHOT * last && size > ROUNDING {
+            share = LEAST_SHARE.max(0.5 * share);
+        }
+        theta += step * (LONGEST / size).min(share);
         // Rounding may keep a step from getting any smaller.
         let stands = size < SETTLED || (size < ROUNDING && size >= last);
         if iteration > PLAIN_STEPS && stands {
@@ -103,16 +118,13 @@ pub(super) fn fit(moments: &Moments, limits: &Limits) -> Result<ScaleRatios> {
         }
         last = size;
     }
-    // What is open wanders; then that is the reason to give.
+    // If the motion is too poor, that is the reason to give.
     finish(moments, limits, &theta)?;
     Err(Error::NotConverged {
         what: "scale ratios",
         iterations: STEPS,
     })
 }
-
-/// Information over the largest below which a direction is left alone while the ratios are sought.
-const LEAST_STEPPED: f64 = 1e-12;
 
 fn spectrum(basis: &SMatrix<f64, LIMBS, RATIOS>, normal: &Normal) -> Result<Spectrum> {
     let inner = basis.transpose() * normal.information.fixed_view::<LIMBS, LIMBS>(0, 0) * basis;
@@ -170,20 +182,32 @@ fn normal(moments: &Moments, theta: &SVector<f64, LIMBS>, weighted: bool) -> Res
         let (i, w) = coefficient(k);
         c[i] * w.dot(&(inverse * (mixed.column(i) - left * back[i])))
     });
+    // sum yhat_i yhat_j, and the noise's share of it.
     let product = PerLimbs::from_fn(|i, j| {
-        let own = if i == j { v[i] / (c[i] * c[i]) } else { 0.0 };
         moments.scatter[(i, j)] - back[i].dot(&mixed.column(j)) - back[j].dot(&mixed.column(i))
             + back[i].dot(&(left * back[j]))
-            - degrees * (own - back[i].dot(&(q * back[j])))
     });
-    let information = SMatrix::from_fn(|k, l| {
+    let of_noise = PerLimbs::from_fn(|i, j| {
+        let own = if i == j { v[i] / (c[i] * c[i]) } else { 0.0 };
+        degrees * (own - back[i].dot(&(q * back[j])))
+    });
+    let weight = |k: usize, l: usize| {
         let ((i, w), (j, u)) = (coefficient(k), coefficient(l));
-        c[i] * c[j] * w.dot(&(inverse * u)) * product[(i, j)]
+        (i, j, c[i] * c[j] * w.dot(&(inverse * u)))
+    };
+    let information = SMatrix::from_fn(|k, l| {
+        let (i, j, weight) = weight(k, l);
+        weight * (product[(i, j)] - of_noise[(i, j)])
+    });
+    let gradients = PerLimbs::from_fn(|k, l| {
+        let (i, j, weight) = weight(k, l);
+        weight * product[(i, j)]
     });
     let lagged = rows * moments.lagged * rows.transpose();
     Ok(Normal {
         gradient,
         information,
+        gradients,
         residual: [q[(0, 0)], q[(1, 1)], q[(2, 2)]].map(sqrt),
         lag_one: (inverse * lagged).trace() / (ROWS as f64 * degrees),
     })
@@ -199,8 +223,7 @@ fn finish(moments: &Moments, limits: &Limits, theta: &SVector<f64, LIMBS>) -> Re
     let normal = normal(moments, theta, true)?;
     let (values, vectors) = spectrum(&basis, &normal)?;
     let most = values.max();
-    let least = (most * limits.least_excitation * limits.least_excitation)
-        .max(1.0 / (limits.largest_deviation * limits.largest_deviation));
+    let least = limits.least_information(most);
     // Also true of a comparison with what is not a number.
     let told = |value: f64| value >= least;
     if !values.iter().all(|&value| told(value)) {
@@ -213,10 +236,11 @@ fn finish(moments: &Moments, limits: &Limits, theta: &SVector<f64, LIMBS>) -> Re
     }
     let inner =
         vectors * SMatrix::from_diagonal(&values.map(|value| 1.0 / value)) * vectors.transpose();
-    let covariance = basis * inner * basis.transpose();
+    let inverse = basis * inner * basis.transpose();
+    let covariance = inverse * normal.gradients * inverse;
     // One step of the tenth coefficient, the nine others free to follow.
     let by_loop = normal.information.fixed_view::<LIMBS, 1>(0, LOOP);
-    let followed = covariance * by_loop;
+    let followed = inverse * by_loop;
     let information = normal.information[(LOOP, LOOP)] - (by_loop.transpose() * followed)[(0, 0)];
     let slope = normal.gradient[LOOP]
         - (followed.transpose() * normal.gradient.fixed_rows::<LIMBS>(0))[(0, 0)];

@@ -30,6 +30,12 @@ impl Default for Limits {
 }
 
 impl Limits {
+    /// Information that a combination must have, where the best told one has `most`.
+    pub(super) fn least_information(&self, most: f64) -> f64 {
+        let excited = most * self.least_excitation * self.least_excitation;
+        excited.max(1.0 / (self.largest_deviation * self.largest_deviation))
+    }
+
     pub(super) fn validate(&self) -> Result<()> {
         for (name, value) in [
             ("largest_deviation", self.largest_deviation),
@@ -47,8 +53,9 @@ impl Limits {
     }
 }
 
-/// The one thing that equal ratios cannot explain away: limbs 1, 5 and 9 stand in two rows each, and going round, ratio by
-/// ratio, one comes back to where one began. Crosstalk, nonlinearity and a bent frame need not; unequal stiffness does.
+/// The one thing that ratios cannot explain away: limbs 1, 5 and 9 stand in two rows each, and going round, ratio by ratio, one
+/// comes back to where one began. Crosstalk between limbs of one row and a bent frame need not; limbs of unequal stiffness do.
+/// Crosstalk from another row leaves residuals that follow the motion: see [`ScaleRatios::lag_one_z`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoopMisfit {
     /// ln of what limb 1 is worth in its first row over the second.
