@@ -152,7 +152,7 @@ fn normal(moments: &Moments, theta: &SVector<f64, LIMBS>, weighted: bool) -> Res
     let mixed = rows * moments.scatter;
     let left = mixed * rows.transpose();
     let degrees = degrees_of_freedom(moments);
-    let size = core::array::from_fn(|i| c[i] * moments.strain_per_v[i]);
+    let size = core::array::from_fn(|i| c[i] * c[i] * moments.roughness[i]);
     let rounding: f64 = (0..LIMBS)
         .map(|i| c[i] * c[i] * moments.scatter[(i, i)])
         .sum::<f64>()

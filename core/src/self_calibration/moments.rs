@@ -1,7 +1,7 @@
 //! A recording as means and products of its block means: all that the ratios need, in constant memory.
 //!
 //! Samples are averaged over blocks first. Noise in the regressors then falls with the block's length and its bias with it,
-//! noise that is correlated over less than a block is white again, and a sample costs nine multiplications. Motion faster than
+//! noise that is correlated over less than a block is white again, and a sample costs nine multiplications and, for its second differences, nine more. Motion faster than
 //! a block is lost, which costs information and nothing else: the equations are linear but for their second order, whose
 //! mean is taken at the mean.
 //!
@@ -36,6 +36,9 @@ pub struct Accumulator {
     block: u32,
     filled: u32,
     sum: [f64; LIMBS],
+    /// The last two samples' strains, and the sum of squares of second differences.
+    last: [[f64; LIMBS]; 2],
+    roughness: [f64; LIMBS],
     samples: usize,
     blocks: u64,
     /// First block: what the others are counted from, so that a large offset swallows no digits.
@@ -72,6 +75,8 @@ impl Accumulator {
             block: block.max(1),
             filled: 0,
             sum: [0.0; LIMBS],
+            last: [[0.0; LIMBS]; 2],
+            roughness: [0.0; LIMBS],
             samples: 0,
             blocks: 0,
             origin: Row::zeros(),
@@ -131,6 +136,15 @@ impl Accumulator {
         for (sum, x) in self.sum.iter_mut().zip(strain) {
             *sum += x;
         }
+        if self.samples >= 2 {
+            let [before, last] = &self.last;
+            for (((rough, x), b), a) in self.roughness.iter_mut().zip(strain).zip(last).zip(before)
+            {
+                let bend = (x - b) - (b - a);
+                *rough += bend * bend;
+            }
+        }
+        self.last = [self.last[1], strain];
         self.samples += 1;
         self.filled += 1;
         if self.filled == self.block {
@@ -186,7 +200,7 @@ impl Accumulator {
             lagged: (lagged + lagged.transpose()) * 0.5,
             blocks: self.blocks,
             records: 1,
-            strain_per_v: self.strain_per_v,
+            roughness: self.roughness,
         }
     }
 
@@ -210,8 +224,8 @@ pub struct Moments {
     pub(super) blocks: u64,
     /// Recordings, each with a mean of its own.
     pub(super) records: u64,
-    /// What a volt of each channel is worth: twins are taken to be equally noisy in volts.
-    pub(super) strain_per_v: [f64; LIMBS],
+    /// Sum of squares of the samples' second differences, strain^2: how noisy twins are against each other.
+    pub(super) roughness: [f64; LIMBS],
 }
 
 impl Moments {
@@ -241,7 +255,7 @@ impl Moments {
             lagged: self.lagged + other.lagged,
             blocks: self.blocks + other.blocks,
             records: self.records + other.records,
-            strain_per_v: self.strain_per_v,
+            roughness: core::array::from_fn(|i| self.roughness[i] + other.roughness[i]),
         }
     }
 

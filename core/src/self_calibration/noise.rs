@@ -8,7 +8,8 @@
 //!     |     v5          v9        v5+v9+v6+v8   |
 //! ```
 //!
-//! Six numbers tell v1, v5, v9 and the sum of each pair of twins; twins are taken to be equally noisy in volts.
+//! Six numbers tell v1, v5, v9 and the sum of each pair of twins. That sum is shared as the second differences of the twins'
+//! samples are, in which motion below a hundredth of the sample rate is a millionth: noise of like colour, of whatever size.
 
 use nalgebra::Matrix3;
 
@@ -20,7 +21,8 @@ const SHARED: [(usize, usize, usize); ROWS] = [(0, 0, 1), (4, 0, 2), (8, 1, 2)];
 /// Least share of a row's variance that a channel is taken to have, so that chance makes no variance negative.
 const LEAST_SHARE: f64 = 1e-3;
 
-/// v_i from the covariance of the rows' residuals; `size` is c_i times strain per volt.
+/// v_i from the covariance of the rows' residuals; `size` is c_i^2 times a channel's noise in
+/// any unit, squared.
 pub(super) fn variances(rows: &Matrix3<f64>, size: &[f64; LIMBS]) -> [f64; LIMBS] {
     let mut v = [0.0; LIMBS];
     let mut left = [rows[(0, 0)], rows[(1, 1)], rows[(2, 2)]];
@@ -32,9 +34,14 @@ pub(super) fn variances(rows: &Matrix3<f64>, size: &[f64; LIMBS]) -> [f64; LIMBS
     }
     for (row, [i, j]) in TWINS.into_iter().enumerate() {
         let both = left[row].max(2.0 * LEAST_SHARE * rows[(row, row)]);
-        let (a, b) = (size[i] * size[i], size[j] * size[j]);
-        v[i] = both * a / (a + b);
-        v[j] = both * b / (a + b);
+        let share = size[i] / (size[i] + size[j]);
+        let share = if share.is_finite() {
+            share.clamp(LEAST_SHARE, 1.0 - LEAST_SHARE)
+        } else {
+            0.5
+        };
+        v[i] = both * share;
+        v[j] = both * (1.0 - share);
     }
     v
 }
@@ -55,9 +62,8 @@ mod tests {
 
     #[test]
     fn noise_is_found_from_the_rows() {
-        let size = [1.0, 2.0, 0.5, 2.0, 1.5, 0.7, 0.5, 0.7, 1.1];
-        let v = [1.0, 0.3, 0.2, 0.3, 2.0, 0.4, 0.2, 0.4, 0.6];
-        let found = variances(&of_rows(&v), &size);
+        let v = [1.0, 0.3, 0.2, 0.6, 2.0, 0.4, 0.2, 0.7, 0.6];
+        let found = variances(&of_rows(&v), &v.map(|v| 7.0 * v));
         for (found, v) in found.iter().zip(v) {
             assert!((found - v).abs() < 8.0 * f64::EPSILON, "{found} {v}");
         }
