@@ -4,6 +4,7 @@ use thiserror::Error;
 
 use crate::parity::LimbSet;
 use crate::parity::reconstruction::LostLoad;
+use crate::self_calibration::OpenDirections;
 
 /// Every way in which input to this crate can be refused.
 ///
@@ -187,6 +188,14 @@ pub enum Error {
         failed: LimbSet,
         /// What loads none but them.
         load: LostLoad,
+    },
+    /// A motion too poor to tell all scale ratios.
+    #[error(
+        "scale ratios: the motion leaves open {open}; turn the sensor about more axes, or longer"
+    )]
+    ScaleRatiosOpen {
+        /// What it leaves open.
+        open: OpenDirections,
     },
     /// An iteration did not settle within its cap.
     #[error("{what} did not converge in {iterations} iterations")]

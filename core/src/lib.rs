@@ -15,6 +15,7 @@
 //! [`rigid`] without the motion of the mass in the shell; [`scheme`] names the integrators.
 //!
 //! [`parity`] is what nine limbs say more than six: the coordination equations, and which limbs can be done without.
+//! [`self_calibration`] has eight of nine scale ratios from them, without any reference.
 //!
 //! [`uncertainty`] says how well the parameters and each decoupled sample are known.
 //!
@@ -49,6 +50,7 @@ pub mod rest_to_rest;
 pub mod rigid;
 mod scalar;
 pub mod scheme;
+pub mod self_calibration;
 pub mod settings;
 pub mod signal;
 pub mod significance;

@@ -15,6 +15,7 @@ pub mod propagation;
 pub mod publication;
 pub mod rig_runs;
 pub mod rigid;
+pub mod self_calibration;
 pub mod statistics;
 pub mod strategy;
 pub mod taps;

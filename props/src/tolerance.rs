@@ -293,3 +293,17 @@ pub const WILD_SHARE: f64 = 0.01;
 pub const ROBUST_Z: Tolerance = new(crate::statistics::ONE_IN_A_MILLION, Reason::Derived);
 /// Errors in bounds that plain squares must show under wild samples.
 pub const BENT_Z: f64 = 20.0;
+
+/// ln ratios of scale factors from a tumble in closed form, sample by sample, after one repetition: the third order of the
+/// strains, and rounding.
+pub const RATIOS_CLOSED_FORM: Tolerance = new(1e-11, Reason::Measured("8e-13"));
+/// The same from MuJoCo, in blocks: what the calibration's common factor makes of the second order.
+pub const RATIOS_MUJOCO: Tolerance = new(2e-7, Reason::Measured("4.6e-8"));
+/// Factor by which ratios must be worse without the second order there.
+pub const SECOND_ORDER_SEEN: f64 = 3.0;
+/// Correlation of neighbouring blocks of slow noise, in deviations, at least.
+pub const COLOURED_Z: f64 = 10.0;
+/// Share of one channel that another shows, too, and the misfit that this must make, in deviations.
+pub const CROSSTALK: f64 = 2e-3;
+/// See [`CROSSTALK`].
+pub const CROSSTALK_Z: f64 = 10.0;

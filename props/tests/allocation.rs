@@ -8,11 +8,14 @@ use sixaxis_core::identify::inertia::InertiaIdentification;
 use sixaxis_core::identify::scale::ScaleIdentification;
 use sixaxis_core::kernel::wide::LANES;
 use sixaxis_core::lanes::push_lanes;
+use sixaxis_core::self_calibration::{Accumulator, Limits};
 use sixaxis_core::uncertainty::{ChannelNoise, Covariance, SampleUncertainty};
 use sixaxis_core::{
     Decoupler, Gains, Geometry, LIMBS, RigidDecoupler, Scheme, Sensor, Settings, StaticResponse,
 };
 use sixaxis_props::manufactured::examples;
+use sixaxis_props::self_calibration::Case;
+use sixaxis_props::strategy::seed;
 use sixaxis_reference::paper;
 
 const SAMPLES: usize = 1000;
@@ -63,6 +66,23 @@ fn inv_decoding_allocates_nothing() {
         assert_eq!(count, 4 * (SAMPLES - 2) + SAMPLES - 1, "samples decoded");
         assert_eq!(allocated.count_total, 0, "{}", scheme.name());
     }
+}
+
+#[test]
+fn inv_self_calibration_allocates_nothing() {
+    let case = Case::random(seed(), 1.0);
+    let rows = case.voltage_v();
+    let fresh = Accumulator::of_usual_blocks(&case.sensor(), &case.calibration, &case.settings())
+        .expect("sound");
+    let mut stream = fresh.clone();
+    let allocated = measure(|| {
+        for row in &rows {
+            stream.push(row).expect("sound");
+        }
+        black_box(stream.ratios(&Limits::default())).expect("rich");
+    });
+    assert_eq!(stream.samples(), rows.len());
+    assert_eq!(allocated.count_total, 0);
 }
 
 #[test]

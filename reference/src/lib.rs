@@ -8,6 +8,7 @@
 
 pub mod campaign;
 pub mod chain;
+pub mod field;
 pub mod instruments;
 pub mod mjcf;
 pub mod modes;

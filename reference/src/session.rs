@@ -12,6 +12,7 @@
 //! | [`play`] | all of it played |
 //! | `record` | one trial of it |
 //! | `strike` | one tap of it |
+//! | [`mod@tumble`] | a recording from the field, after it |
 //! | `session_file` | what the laboratory writes down |
 //! | [`mod@write`] | all of it on disk |
 
@@ -25,4 +26,5 @@ mod record;
 pub mod schedule;
 mod session_file;
 mod strike;
+pub mod tumble;
 pub mod write;

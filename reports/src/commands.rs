@@ -8,4 +8,5 @@ pub mod decouple;
 pub mod inspect;
 pub mod model;
 pub mod report;
+pub mod self_calibrate;
 pub mod simulate;

@@ -6,7 +6,8 @@ use clap::{CommandFactory, Parser, Subcommand};
 
 mod commands;
 use commands::{
-    calibrate, campaign, compare, completions, decouple, inspect, model, report, simulate,
+    calibrate, campaign, compare, completions, decouple, inspect, model, report, self_calibrate,
+    simulate,
 };
 
 /// Mathematics of a parallel six-axis accelerometer, verified against MuJoCo.
@@ -45,6 +46,8 @@ enum Task {
     Calibrate(calibrate::Arguments),
     /// Turn a recording's nine voltages into six accelerations
     Decouple(decouple::Arguments),
+    /// Check a calibration in the field, without a standard: which limbs' scale has drifted, from a tumble
+    SelfCalibrate(self_calibrate::Arguments),
     /// Calibrate by the thousand: seeded sessions in memory, in parallel, in shards, and what they say of the method
     Campaign(campaign::Arguments),
     /// Hold a decoupled recording against the truth, or against another
@@ -70,6 +73,7 @@ fn main() -> ExitCode {
         Some(Task::Inspect(arguments)) => inspect::run(&arguments),
         Some(Task::Calibrate(arguments)) => calibrate::run(&arguments),
         Some(Task::Decouple(arguments)) => decouple::run(&arguments),
+        Some(Task::SelfCalibrate(arguments)) => self_calibrate::run(&arguments),
         Some(Task::Campaign(arguments)) => campaign::run(&arguments),
         Some(Task::Compare(arguments)) => compare::run(&arguments),
         Some(Task::Model(arguments)) => model::run(&arguments),

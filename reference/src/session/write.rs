@@ -60,6 +60,22 @@ pub fn write(
     Ok(path)
 }
 
+/// Writes a recording that is no part of the session into the session's folder, and its truth apart: a tumble.
+///
+/// # Errors
+/// Those of writing.
+pub fn write_beside(
+    recording: &Played,
+    folder: &Path,
+    extension: &str,
+) -> sixaxis_recordings::Result<PathBuf> {
+    let name = format!("{}.{extension}", recording.entry.file.display());
+    let path = folder.join(&name);
+    write_recording(recording, &path)?;
+    write_truth(recording, &folder.join(TRUTH_FOLDER).join(&name))?;
+    Ok(path)
+}
+
 fn layout(channels: Vec<Channel>, sample_rate_hz: f64) -> Layout {
     Layout {
         channels: channels

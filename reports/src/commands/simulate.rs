@@ -7,12 +7,14 @@ use anyhow::{Context, Result, anyhow, ensure};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde::de::DeserializeOwned;
 use serde::de::value::{Error as ValueError, StrDeserializer};
+use sixaxis_core::LIMBS;
 use sixaxis_reference::session::check::check;
 use sixaxis_reference::session::defect::Kind;
 use sixaxis_reference::session::plan::{DefectChoice, Engine, SensorChoice, SessionPlan};
 use sixaxis_reference::session::plan_file;
 use sixaxis_reference::session::play::{PlayError, play_watched, work_ms};
-use sixaxis_reference::session::write::{SESSION_FILE, TRUTH_FOLDER, write};
+use sixaxis_reference::session::tumble::tumble;
+use sixaxis_reference::session::write::{SESSION_FILE, TRUTH_FOLDER, write, write_beside};
 use sixaxis_reports::progress::Progress;
 
 /// What to play and where to write.
@@ -54,6 +56,13 @@ pub struct Arguments {
     /// Taps on the shell, from which k/m is found; always played in MuJoCo, half a second of processor time each [default: 0]
     #[arg(long, value_name = "N")]
     taps: Option<usize>,
+    /// A recording from the field, too: the sensor tumbled by hand for so many seconds at 10 kHz, in closed form
+    #[arg(long, value_name = "SECONDS")]
+    tumble: Option<f64>,
+    /// A limb whose scale factor has drifted before the tumble, as in 4=0.3%; several with commas
+    #[arg(long, value_name = "LIMB=PER CENT", value_delimiter = ',', value_parser = drift, requires = "tumble",
+        allow_hyphen_values = true)]
+    drift_limb: Vec<(usize, f64)>,
     /// Replace the session that the folder holds
     #[arg(long)]
     force: bool,
@@ -66,6 +75,7 @@ Examples:
                                                               something to be judged blind
   sixaxis simulate --print-plan > plan.toml                   everything that can be set, to start from
   sixaxis simulate --plan plan.toml --out day
+  sixaxis simulate --out day --tumble 60 --drift-limb 4=0.3%  and a recording from the field, to self-calibrate with
 
 The folder's truth/ holds what no laboratory knows: true parameters and motions, and what is wrong. session.toml is written
 last: a folder that has one is complete.";
@@ -77,6 +87,24 @@ where
 {
     PossibleValuesParser::new(words.iter().copied())
         .try_map(|word| T::deserialize(StrDeserializer::<ValueError>::new(&word)))
+}
+
+/// Limb from 0 and drift, from `4=0.3%`.
+fn drift(text: &str) -> Result<(usize, f64), String> {
+    let wrong = || format!("{text:?} is not LIMB=PER CENT, as in 4=0.3%");
+    let (limb, percent) = text.split_once('=').ok_or_else(wrong)?;
+    let limb: usize = limb.trim().parse().map_err(|_| wrong())?;
+    let percent: f64 = percent
+        .trim()
+        .trim_end_matches('%')
+        .trim()
+        .parse()
+        .map_err(|_| wrong())?;
+    if (1..=LIMBS).contains(&limb) && percent.abs() < 100.0 {
+        Ok((limb - 1, percent / 100.0))
+    } else {
+        Err(format!("{text:?}: limbs are 1 to 9, drifts below 100 %"))
+    }
 }
 
 fn defect_choice() -> impl TypedValueParser<Value = DefectChoice> {
@@ -113,6 +141,10 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let played = play_watched(&plan, &|ms| stage.advance(ms)).context("cannot play the session")?;
     drop(stage);
     let session = write(&played, out, &arguments.format)?;
+    let field = match arguments.tumble {
+        Some(duration_s) => Some(from_the_field(arguments, &plan, duration_s)?),
+        None => None,
+    };
     println!(
         "{}: {} recordings, .{}, and {SESSION_FILE}",
         out.display(),
@@ -120,12 +152,44 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         arguments.format
     );
     println!("next: sixaxis calibrate {}", quoted(&session));
+    if let Some(command) = field {
+        println!("then: {command}");
+    }
     println!(
         "{} holds what a laboratory does not know: not to be looked at before the verdict",
         out.join(TRUTH_FOLDER).display()
     );
     Ok(ExitCode::SUCCESS)
 }
+
+/// Writes a tumble beside the session and says how to check the calibration with it.
+fn from_the_field(arguments: &Arguments, plan: &SessionPlan, duration_s: f64) -> Result<String> {
+    ensure!(
+        (LEAST_TUMBLE_S..=LONGEST_TUMBLE_S).contains(&duration_s),
+        "--tumble: {duration_s} s; give {LEAST_TUMBLE_S} to {LONGEST_TUMBLE_S}"
+    );
+    let mut drift = [0.0; LIMBS];
+    for &(limb, share) in &arguments.drift_limb {
+        drift[limb] = share;
+    }
+    let played = tumble(plan, duration_s, &drift).context("cannot play the tumble")?;
+    let path = write_beside(&played, &arguments.out, &arguments.format)?;
+    let gains: Vec<String> = played
+        .entry
+        .gain_n_per_v
+        .map(|gains| gains.each().iter().map(f64::to_string).collect())
+        .unwrap_or_default();
+    Ok(format!(
+        "sixaxis self-calibrate {} {} --down 0,0,-1 --gain {}",
+        quoted(&arguments.out.join("calibration.json")),
+        quoted(&path),
+        gains.join(",")
+    ))
+}
+
+/// Lengths of a tumble, s: it is held in the memory.
+const LEAST_TUMBLE_S: f64 = 1.0;
+const LONGEST_TUMBLE_S: f64 = 600.0;
 
 /// The plan file, if there is one, with the command line's options put in.
 fn plan(arguments: &Arguments) -> Result<SessionPlan> {

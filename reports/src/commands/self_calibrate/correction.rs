@@ -1,0 +1,70 @@
+//! What a calibration says of its own scale factors, and a calibration with others.
+
+use anyhow::{Result, ensure};
+use sixaxis_calibration::calibration::Calibration;
+use sixaxis_calibration::verdict::Grade;
+use sixaxis_core::LIMBS;
+use sixaxis_core::self_calibration::PerLimbs;
+
+/// Half width of the 95 % interval of a normal variable, in standard deviations.
+const NORMAL_95: f64 = 1.959_963_984_540_054;
+
+/// Covariance of ln s_i/m by noise and by what differs between trials; the standards' gain, which all nine share, drops out.
+///
+/// # Errors
+/// A table that is not nine by nine.
+pub fn covariance_of_ln_scale(calibration: &Calibration) -> Result<PerLimbs> {
+    let table = &calibration.covariance.scale_per_mass_per_kg2;
+    ensure!(
+        table.len() == LIMBS && table.iter().all(|row| row.len() == LIMBS),
+        "the calibration's covariance of the scale factors is not 9 by 9; --calibration-exact does without"
+    );
+    let scale = &calibration.parameters.scale_per_mass_per_kg;
+    let own = calibration.covariance.propagated.as_ref();
+    let mut covariance = PerLimbs::from_fn(|i, j| {
+        let noise = own
+            .and_then(|all| all.noise.get(LIMBS + i)?.get(LIMBS + j).copied())
+            .unwrap_or(table[i][j]);
+        noise / (scale[i] * scale[j])
+    });
+    // Trials differ by more than noise where wedges or mounting do.
+    for (limb, report) in calibration
+        .intervals
+        .iter()
+        .skip(LIMBS)
+        .take(LIMBS)
+        .enumerate()
+    {
+        let trials = report.from_trials.unwrap_or(0.0) / NORMAL_95 / scale[limb];
+        let variance = &mut covariance[(limb, limb)];
+        *variance = variance.max(trials * trials);
+    }
+    Ok(covariance)
+}
+
+/// The calibration with its scale factors changed by these logarithms. It is good with reservations at best: no standard saw it.
+#[must_use]
+pub fn corrected(
+    mut calibration: Calibration,
+    ln_change: &[f64; LIMBS],
+    deviation: &[f64; LIMBS],
+) -> Calibration {
+    for limb in 0..LIMBS {
+        let (ln, deviation) = (ln_change[limb], deviation[limb]);
+        if ln == 0.0 {
+            continue;
+        }
+        let scale = &mut calibration.parameters.scale_per_mass_per_kg[limb];
+        *scale *= ln.exp();
+        if let Some(report) = calibration.intervals.get_mut(LIMBS + limb) {
+            report.estimate = *scale;
+            let own = NORMAL_95 * deviation * scale.abs();
+            report.half_width_95 = report.half_width_95.map(|old| old.hypot(own));
+            "self-calibrated in the field".clone_into(&mut report.remark);
+        }
+    }
+    if calibration.verdict == Grade::Good {
+        calibration.verdict = Grade::Reserved;
+    }
+    calibration
+}

@@ -1,0 +1,179 @@
+//! A recording passed through once: moments of its blocks and, where it is asked for, the means of two rests.
+
+use std::path::Path;
+
+use anyhow::{Result, ensure};
+use sixaxis_core::self_calibration::{Accumulator, Moments};
+use sixaxis_core::{LIMBS, Scheme};
+use sixaxis_reports::decoupling::conditioning::Conditioning;
+use sixaxis_reports::decoupling::explain;
+use sixaxis_reports::decoupling::recording::{Batch, Recording};
+use sixaxis_reports::decoupling::setup::Setup;
+use sixaxis_reports::progress::Progress;
+
+/// A time of rest, s from the recording's beginning.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rest {
+    /// From.
+    pub from_s: f64,
+    /// To.
+    pub to_s: f64,
+}
+
+impl Rest {
+    /// From `FROM-TO`.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let (from, to) = text
+            .split_once('-')
+            .ok_or_else(|| format!("{text:?} is not FROM-TO"))?;
+        let number = |text: &str| {
+            text.trim()
+                .parse::<f64>()
+                .map_err(|_| format!("{text:?} is not a number of seconds"))
+        };
+        let (from_s, to_s) = (number(from)?, number(to)?);
+        if from_s >= 0.0 && to_s > from_s && to_s.is_finite() {
+            Ok(Self { from_s, to_s })
+        } else {
+            Err(format!("{text:?} does not last"))
+        }
+    }
+}
+
+/// Mean voltages of the second rest less those of the first.
+pub struct Change {
+    /// V.
+    pub voltage_v: [f64; LIMBS],
+    /// Standard deviations, V, from means of blocks.
+    pub deviation_v: [f64; LIMBS],
+}
+
+/// What a recording said.
+pub struct Measured {
+    /// Its moments.
+    pub moments: Moments,
+    /// Samples.
+    pub samples: u64,
+    /// Samples per second.
+    pub sample_rate_hz: f64,
+    /// Samples averaged to a block.
+    pub block: u32,
+    /// Between two rests.
+    pub change: Option<Change>,
+    /// What a person should know.
+    pub warnings: Vec<String>,
+}
+
+/// Block means of one rest.
+#[derive(Default)]
+struct Means {
+    block: [f64; LIMBS],
+    filled: u32,
+    blocks: f64,
+    mean: [f64; LIMBS],
+    squares: [f64; LIMBS],
+}
+
+impl Means {
+    fn push(&mut self, row: &[f64; LIMBS], block: u32) {
+        for (sum, u) in self.block.iter_mut().zip(row) {
+            *sum += u;
+        }
+        self.filled += 1;
+        if self.filled == block {
+            self.blocks += 1.0;
+            for i in 0..LIMBS {
+                let x = self.block[i] / f64::from(block);
+                let from_old = x - self.mean[i];
+                self.mean[i] += from_old / self.blocks;
+                self.squares[i] += from_old * (x - self.mean[i]);
+            }
+            self.block = [0.0; LIMBS];
+            self.filled = 0;
+        }
+    }
+
+    /// Variance of the mean.
+    fn variance(&self, limb: usize) -> f64 {
+        self.squares[limb] / (self.blocks - 1.0) / self.blocks
+    }
+}
+
+/// Blocks that a rest must have.
+const FEWEST_BLOCKS: f64 = 8.0;
+
+impl Measured {
+    /// Reads a recording from end to end, conditioned as `sixaxis decouple` does it.
+    pub fn of(path: &Path, setup: &Setup, rests: Option<[Rest; 2]>) -> Result<Self> {
+        let mut recording =
+            Recording::open(path, &setup.channels, setup.rate_hz, setup.full_scale_v)?;
+        let sample_rate_hz = recording.sample_rate_hz;
+        let settings = setup.settings(sample_rate_hz, Scheme::Heun);
+        let mut conditioning = Conditioning::new(&setup.wishes, sample_rate_hz)?;
+        let mut taken = Accumulator::of_usual_blocks(&setup.sensor, &setup.parameters, &settings)?;
+        let (place, names) = (path.display().to_string(), recording.names.clone());
+        let mut means = [Means::default(), Means::default()];
+        let mut take = |rows: &[[f64; LIMBS]]| -> Result<()> {
+            for row in rows {
+                let time_s = taken.samples() as f64 / sample_rate_hz;
+                taken
+                    .push(row)
+                    .map_err(|error| explain(&error, &place, &names))?;
+                for (rest, means) in rests.iter().flatten().zip(&mut means) {
+                    if (rest.from_s..rest.to_s).contains(&time_s) {
+                        means.push(row, taken.block());
+                    }
+                }
+            }
+            Ok(())
+        };
+        let stage = Progress::shown().stage("self-calibrating", recording.samples.unwrap_or(0));
+        let (mut batch, mut rows) = (Batch::default(), Vec::new());
+        while recording.read(&mut batch)? {
+            conditioning.push(&batch.rows, &mut rows);
+            take(&rows)?;
+            rows.clear();
+            stage.advance(batch.rows.len() as u64);
+        }
+        conditioning.finish(&mut rows)?;
+        take(&rows)?;
+        drop(stage);
+        let change = match rests {
+            None => None,
+            Some(rests) => {
+                for (rest, means) in rests.iter().zip(&means) {
+                    ensure!(
+                        means.blocks >= FEWEST_BLOCKS,
+                        "--rests: {}-{} s of {place} holds {} blocks of {} samples; {FEWEST_BLOCKS} are needed",
+                        rest.from_s,
+                        rest.to_s,
+                        means.blocks,
+                        taken.block()
+                    );
+                }
+                let [a, b] = &means;
+                Some(Change {
+                    voltage_v: core::array::from_fn(|i| b.mean[i] - a.mean[i]),
+                    deviation_v: core::array::from_fn(|i| (a.variance(i) + b.variance(i)).sqrt()),
+                })
+            }
+        };
+        let moments = taken.moments();
+        ensure!(
+            moments.blocks() > 0,
+            "{place}: {} samples are less than a block",
+            recording.seen.samples
+        );
+        Ok(Self {
+            moments,
+            samples: recording.seen.samples,
+            sample_rate_hz,
+            block: taken.block(),
+            change,
+            warnings: recording.warnings(),
+        })
+    }
+}

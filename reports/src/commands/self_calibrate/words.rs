@@ -1,0 +1,242 @@
+//! The result, for scripts and for people.
+
+use std::fmt::Write as _;
+
+use anyhow::Result;
+use serde::Serialize;
+use sixaxis_calibration::calibration::Calibration;
+use sixaxis_core::self_calibration::{Drifted, Scales, chi_square};
+use sixaxis_core::{LIMBS, LimbSet};
+
+use super::Arguments;
+use super::measured::Measured;
+
+/// What it comes to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Finding {
+    /// No limb has drifted.
+    Nothing,
+    /// Some have, and are named.
+    Drifted,
+    /// More than can be named have.
+    TooMany,
+    /// The motion leaves ratios open.
+    TooPoor,
+    /// The equations do not fit.
+    Misfit,
+}
+
+/// Limbs that a poor motion does not tell apart.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Open {
+    limbs: Vec<usize>,
+    against: Vec<usize>,
+}
+
+impl From<(LimbSet, LimbSet)> for Open {
+    fn from((up, down): (LimbSet, LimbSet)) -> Self {
+        Self {
+            limbs: up.numbers().collect(),
+            against: down.numbers().collect(),
+        }
+    }
+}
+
+/// One limb.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Limb {
+    limb: usize,
+    drifted: bool,
+    /// Change of its scale factor against the limbs that kept theirs, and half the width of the 95 % interval.
+    change_percent: f64,
+    half_width_95_percent: f64,
+    /// With a known change of acceleration: its change as such.
+    absolute_percent: Option<f64>,
+    absolute_half_width_95_percent: Option<f64>,
+}
+
+/// Everything.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Summary {
+    recording: String,
+    since: Option<String>,
+    calibration: String,
+    serial: String,
+    samples: u64,
+    sample_rate_hz: f64,
+    block_samples: u32,
+    pub finding: Finding,
+    false_alarm: f64,
+    limbs: Vec<Limb>,
+    /// Another set of limbs that would explain the data.
+    rival: Option<Vec<usize>>,
+    chi_square_of_none: Option<f64>,
+    limit_of_none: Option<f64>,
+    common_percent: Option<f64>,
+    common_half_width_95_percent: Option<f64>,
+    pub open: Vec<Open>,
+    pub open_in_words: Option<String>,
+    pub written: Option<String>,
+    pub notes: Vec<String>,
+    pub warnings: Vec<String>,
+}
+
+/// A change of a logarithm in per cent.
+fn percent(ln: f64) -> f64 {
+    1e2 * ln.exp_m1()
+}
+
+impl Summary {
+    /// Before anything is known.
+    pub fn new(arguments: &Arguments, calibration: &Calibration, measured: &Measured) -> Self {
+        Self {
+            recording: arguments.recording.display().to_string(),
+            since: arguments.since.as_ref().map(|p| p.display().to_string()),
+            calibration: arguments.calibration.display().to_string(),
+            serial: calibration.sensor.serial.clone(),
+            samples: measured.samples,
+            sample_rate_hz: measured.sample_rate_hz,
+            block_samples: measured.block,
+            finding: Finding::Nothing,
+            false_alarm: arguments.false_alarm,
+            limbs: Vec::new(),
+            rival: None,
+            chi_square_of_none: None,
+            limit_of_none: None,
+            common_percent: None,
+            common_half_width_95_percent: None,
+            open: Vec::new(),
+            open_in_words: None,
+            written: None,
+            notes: Vec::new(),
+            warnings: measured.warnings.clone(),
+        }
+    }
+
+    /// Who drifted. A misfit stays one.
+    pub fn put(&mut self, said: &Drifted) -> Result<()> {
+        let z = chi_square::normal_half_width(0.95)?;
+        if self.finding == Finding::Nothing {
+            self.finding = match (said.explained, said.limbs.is_empty()) {
+                (true, true) => Finding::Nothing,
+                (true, false) => Finding::Drifted,
+                (false, _) => Finding::TooMany,
+            };
+        }
+        self.limbs = (0..LIMBS)
+            .map(|i| Limb {
+                limb: i + 1,
+                drifted: said.limbs.contains(i),
+                change_percent: percent(said.ln_change[i]),
+                half_width_95_percent: 1e2 * z * said.deviation[i],
+                absolute_percent: None,
+                absolute_half_width_95_percent: None,
+            })
+            .collect();
+        self.rival = said.rival.map(|set| set.numbers().collect());
+        self.chi_square_of_none = Some(said.chi_square_of_none);
+        self.limit_of_none = Some(said.limit_of_none);
+        Ok(())
+    }
+
+    /// All nine.
+    pub fn put_scales(&mut self, scales: &Scales) -> Result<()> {
+        let z = chi_square::normal_half_width(0.95)?;
+        for (i, limb) in self.limbs.iter_mut().enumerate() {
+            limb.absolute_percent = Some(percent(scales.ln_scale[i]));
+            limb.absolute_half_width_95_percent = Some(1e2 * z * scales.deviation[i]);
+        }
+        self.common_percent = Some(percent(scales.ln_common));
+        self.common_half_width_95_percent = Some(1e2 * z * scales.common_deviation);
+        Ok(())
+    }
+
+    /// For people.
+    pub fn text(&self) -> String {
+        let mut out = String::new();
+        let when = match &self.since {
+            Some(since) => format!("since {since}"),
+            None => "since calibration".to_owned(),
+        };
+        let drifted: Vec<&Limb> = self.limbs.iter().filter(|l| l.drifted).collect();
+        let _ = match self.finding {
+            Finding::Nothing => writeln!(out, "No limb has drifted {when}."),
+            Finding::Drifted => drifted.iter().try_for_each(|l| {
+                writeln!(
+                    out,
+                    "Limb {} has drifted by {:+.3} % {when} (interval {:+.3} to {:+.3} %).",
+                    l.limb,
+                    l.change_percent,
+                    l.change_percent - l.half_width_95_percent,
+                    l.change_percent + l.half_width_95_percent
+                )
+            }),
+            Finding::TooMany => writeln!(
+                out,
+                "More than four limbs have changed against each other {when}, or limbs are not equally stiff: nobody can be named."
+            ),
+            Finding::TooPoor => writeln!(
+                out,
+                "The motion is too poor: it leaves open {}. Turn the sensor about more axes, faster or longer.",
+                self.open_in_words.as_deref().unwrap_or("ratios")
+            ),
+            Finding::Misfit => writeln!(
+                out,
+                "The coordination equations do not fit this recording; nothing is said of limbs."
+            ),
+        };
+        if let Some(rival) = &self.rival {
+            let rival: Vec<String> = rival.iter().map(usize::to_string).collect();
+            let _ = writeln!(
+                out,
+                "It may be limb {} instead: a longer recording would tell.",
+                rival.join(" and ")
+            );
+        }
+        if !self.limbs.is_empty() {
+            self.table(&mut out);
+        }
+        if let Some(path) = &self.written {
+            let _ = writeln!(out, "\nWritten\n  {path}");
+        }
+        out
+    }
+
+    fn table(&self, out: &mut String) {
+        let nine = self.common_percent.is_some();
+        let _ = writeln!(
+            out,
+            "\n  limb    change %  +- 95 %{}",
+            if nine { "     all told %  +- 95 %" } else { "" }
+        );
+        for l in &self.limbs {
+            let _ = write!(
+                out,
+                "  {:>4}  {:>+10.4}  {:>7.4}",
+                l.limb, l.change_percent, l.half_width_95_percent
+            );
+            if let (Some(value), Some(half)) =
+                (l.absolute_percent, l.absolute_half_width_95_percent)
+            {
+                let _ = write!(out, "  {value:>+13.4}  {half:>7.4}");
+            }
+            let _ = writeln!(out, "{}", if l.drifted { "  drifted" } else { "" });
+        }
+        let _ = writeln!(
+            out,
+            "  against the limbs that kept their scale; one sensor in {:.0} is wrongly said to have drifted",
+            1.0 / self.false_alarm
+        );
+        if self.since.is_none() {
+            let _ = writeln!(
+                out,
+                "  limbs taken for equally stiff: otherwise their stiffness shows as a change; --since does without"
+            );
+        }
+        if let (Some(common), Some(half)) = (self.common_percent, self.common_half_width_95_percent)
+        {
+            let _ = writeln!(out, "  common factor {common:+.4} % +- {half:.4}");
+        }
+    }
+}
