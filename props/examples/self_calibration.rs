@@ -416,7 +416,7 @@ fn motions(seed: u64) -> Result<Vec<Motion>, String> {
             true,
             Some(true),
         ),
-        ("turning about one axis", false, None),
+        ("turning about one axis, without gravity", false, None),
         (
             "turning about three axes, at one place, without gravity",
             false,
