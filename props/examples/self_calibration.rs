@@ -22,11 +22,12 @@ use sixaxis_reference::field::Pace;
 /// Seeds below were looked at while the fit was written.
 const REPORTED_FROM: u64 = 100_000;
 /// Lengths of records, s, and the share of the draws that each gets.
-const LENGTHS: [(Pace, f64, f64); 6] = [
+const LENGTHS: [(Pace, f64, f64); 7] = [
     (Pace::Brisk, 2.0, 1.0),
     (Pace::Brisk, 6.0, 0.25),
     (Pace::Brisk, 20.0, 0.06),
     (Pace::Brisk, 60.0, 0.04),
+    (Pace::Shaken, 60.0, 0.04),
     (Pace::Calm, 6.0, 0.1),
     (Pace::Calm, 60.0, 0.02),
 ];
@@ -415,7 +416,7 @@ fn motions(seed: u64) -> Result<Vec<Motion>, String> {
             true,
             Some(true),
         ),
-        ("turning about one axis", false, None),
+        ("turning about one axis, without gravity", false, None),
         (
             "turning about three axes, at one place, without gravity",
             false,

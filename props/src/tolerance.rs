@@ -303,7 +303,8 @@ pub const RATIOS_MUJOCO: Tolerance = new(2e-7, Reason::Measured("4.6e-8"));
 pub const SECOND_ORDER_SEEN: f64 = 3.0;
 /// Correlation of neighbouring blocks of slow noise, in deviations, at least.
 pub const COLOURED_Z: f64 = 10.0;
-/// Share of one channel that another shows, too, and the misfit that this must make, in deviations.
-pub const CROSSTALK: f64 = 2e-3;
+/// Share of one channel that another shows, too, and what this must make of the loop's misfit or of the correlation of
+/// neighbouring blocks, in deviations: beyond one false alarm in a million.
+pub const CROSSTALK: f64 = 5e-3;
 /// See [`CROSSTALK`].
-pub const CROSSTALK_Z: f64 = 10.0;
+pub const CROSSTALK_Z: f64 = 5.0;

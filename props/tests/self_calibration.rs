@@ -305,30 +305,35 @@ fn prop_noise_slower_than_a_block_is_seen() {
 fn prop_crosstalk_is_seen() {
     let case = Case::random(seed(), 20.0);
     let clean = case.noisy_v(NOISE_SHARE);
+    // In deviations: misfit of the loop, correlation of neighbouring blocks. None where residuals are so far from noise that the
+    // weights do not settle.
     let with = |from: Option<usize>| {
         let mut voltage_v = clean.clone();
         for u in &mut voltage_v {
             u[1] += from.map_or(0.0, |from| tolerance::CROSSTALK * u[from]);
         }
-        let found = case.ratios(&voltage_v).expect("rich");
-        (found.misfit.z().abs(), found.lag_one_z())
+        match case.ratios(&voltage_v) {
+            Ok(found) => Some((found.misfit.z().abs(), found.lag_one_z())),
+            Err(Error::NotConverged { .. }) => None,
+            Err(error) => panic!("{error}"),
+        }
     };
-    let sound = with(None);
-    within(
-        "misfit of the loop, in deviations",
-        sound.0,
-        tolerance::TAP_CHANCE,
-    );
+    let sound = with(None).expect("a sound sensor");
+    for (what, z) in [
+        ("misfit of the loop", sound.0),
+        ("correlation of blocks", sound.1.abs()),
+    ] {
+        within(what, z, tolerance::TAP_CHANCE);
+    }
     // Limb 1 shares a row with limb 2, limb 9 does not.
-    let (of_one, of_nine) = (with(Some(0)), with(Some(8)));
-    assert!(
-        of_one.0 > tolerance::CROSSTALK_Z,
-        "{of_one:?}, sound {sound:?}"
-    );
-    assert!(
-        of_nine.1 > tolerance::CROSSTALK_Z,
-        "{of_nine:?}, sound {sound:?}"
-    );
+    for from in [0, 8] {
+        let said = with(Some(from));
+        assert!(
+            said.is_none_or(|(misfit, lag)| misfit.max(lag) > tolerance::CROSSTALK_Z),
+            "from limb {}: {said:?}, sound {sound:?}",
+            from + 1
+        );
+    }
 }
 
 #[test]

@@ -31,8 +31,10 @@ const RISE_S: f64 = 0.5;
 pub enum Pace {
     /// As one looks at a thing from all sides: angular accelerations of some 15 rad/s^2.
     Calm,
-    /// As one shakes it: some 50 rad/s^2.
+    /// As one plays with it: some 50 rad/s^2.
     Brisk,
+    /// As one shakes it, to and fro by half a turn: some 150 rad/s^2.
+    Shaken,
 }
 
 impl Pace {
@@ -41,6 +43,7 @@ impl Pace {
         match self {
             Self::Calm => (0.7, 2.0),
             Self::Brisk => (2.0, 6.0),
+            Self::Shaken => (6.0, 18.0),
         }
     }
 }

@@ -16,7 +16,7 @@ use crate::geometry::{LIMBS, LIMBS_PER_NODE};
 use crate::kernel::constants::Constants;
 use crate::kernel::placement::{OVERSTRAIN, refuse};
 use crate::parameters::Parameters;
-use crate::parity::{self, COORDINATION, ROWS};
+use crate::parity::{self, ROWS, SIGNATURES};
 use crate::settings::{Sensor, Settings};
 
 /// Strains and, behind them, what the rows have of second order.
@@ -25,7 +25,9 @@ pub(super) const COLUMNS: usize = LIMBS + ROWS;
 pub const BLOCK_S: f64 = 0.01;
 
 pub(super) type Products = SMatrix<f64, COLUMNS, COLUMNS>;
-type Row = SVector<f64, COLUMNS>;
+/// A block's strains and second orders. Arrays here: the library's products may panic as far as the linker can see.
+type Row = [f64; COLUMNS];
+type Sums = [Row; COLUMNS];
 
 /// Takes a recording sample by sample.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,8 +48,8 @@ pub struct Accumulator {
     /// The block before, from there.
     before: Row,
     mean: Row,
-    scatter: Products,
-    lagged: Products,
+    scatter: Sums,
+    lagged: Sums,
 }
 
 impl Accumulator {
@@ -79,11 +81,11 @@ impl Accumulator {
             roughness: [0.0; LIMBS],
             samples: 0,
             blocks: 0,
-            origin: Row::zeros(),
-            before: Row::zeros(),
-            mean: Row::zeros(),
-            scatter: Products::zeros(),
-            lagged: Products::zeros(),
+            origin: [0.0; COLUMNS],
+            before: [0.0; COLUMNS],
+            mean: [0.0; COLUMNS],
+            scatter: [[0.0; COLUMNS]; COLUMNS],
+            lagged: [[0.0; COLUMNS]; COLUMNS],
         })
     }
 
@@ -163,40 +165,53 @@ impl Accumulator {
         self.sum = [0.0; LIMBS];
         self.filled = 0;
         let left = parity::residual(&strain, self.constants.nu);
-        let mut row = Row::zeros();
-        for (place, x) in row.iter_mut().zip(strain) {
-            *place = x;
+        let mut sums = [0.0; ROWS];
+        for (x, signature) in strain.iter().zip(SIGNATURES) {
+            for (sum, in_row) in sums.iter_mut().zip(signature) {
+                *sum += x * f64::from(in_row);
+            }
         }
-        for ((place, limbs), left) in row.iter_mut().skip(LIMBS).zip(COORDINATION).zip(left) {
-            let [a, b, c, d] = limbs.map(|limb| strain[limb]);
-            *place = a + b + c + d - left;
+        let mut row = [0.0; COLUMNS];
+        let second_order = sums.into_iter().zip(left).map(|(sum, left)| sum - left);
+        for (place, x) in row.iter_mut().zip(strain.into_iter().chain(second_order)) {
+            *place = x;
         }
         if self.blocks == 0 {
             self.origin = row;
         }
         self.blocks += 1;
-        let row = row - self.origin;
-        self.lagged += row * self.before.transpose();
+        let share = 1.0 / self.blocks as f64;
+        let (mut from_old, mut from_new) = ([0.0; COLUMNS], [0.0; COLUMNS]);
+        for (((x, origin), mean), (old, new)) in row
+            .iter_mut()
+            .zip(self.origin)
+            .zip(&mut self.mean)
+            .zip(from_old.iter_mut().zip(&mut from_new))
+        {
+            *x -= origin;
+            *old = *x - *mean;
+            *mean += *old * share;
+            *new = *x - *mean;
+        }
+        add_product(&mut self.scatter, &from_old, &from_new);
+        add_product(&mut self.lagged, &row, &self.before);
         self.before = row;
-        let from_old = row - self.mean;
-        self.mean += from_old / self.blocks as f64;
-        let from_new = row - self.mean;
-        self.scatter += from_old * from_new.transpose();
     }
 
     /// The moments of all whole blocks.
     #[must_use]
     pub fn moments(&self) -> Moments {
         let n = self.blocks as f64;
-        let Self {
-            mean, before: last, ..
-        } = self;
+        let (mean, last) = (SVector::from(self.mean), SVector::from(self.before));
+        let matrix = |sums: &Sums| Products::from_fn(|i, j| sums[i][j]);
+        let scatter = matrix(&self.scatter);
         // sum (row_t - mean)(row_(t-1) - mean)^T; the first row is the origin.
-        let lagged =
-            self.lagged - (mean * n) * mean.transpose() - mean * (mean * n - last).transpose()
-                + mean * mean.transpose() * (n - 1.0);
+        let lagged = matrix(&self.lagged)
+            - (mean * n) * mean.transpose()
+            - mean * (mean * n - last).transpose()
+            + mean * mean.transpose() * (n - 1.0);
         Moments {
-            scatter: (self.scatter + self.scatter.transpose()) * 0.5,
+            scatter: (scatter + scatter.transpose()) * 0.5,
             lagged: (lagged + lagged.transpose()) * 0.5,
             blocks: self.blocks,
             records: 1,
@@ -210,6 +225,14 @@ impl Accumulator {
     /// Those of [`Moments::ratios`].
     pub fn ratios(&self, limits: &Limits) -> Result<ScaleRatios> {
         self.moments().ratios(limits)
+    }
+}
+
+fn add_product(sums: &mut Sums, a: &Row, b: &Row) {
+    for (sums, a) in sums.iter_mut().zip(a) {
+        for (sum, b) in sums.iter_mut().zip(b) {
+            *sum += a * b;
+        }
     }
 }
 

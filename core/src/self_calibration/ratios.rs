@@ -54,8 +54,9 @@ impl Limits {
 }
 
 /// The one thing that ratios cannot explain away: limbs 1, 5 and 9 stand in two rows each, and going round, ratio by ratio, one
-/// comes back to where one began. Crosstalk between limbs of one row and a bent frame need not; limbs of unequal stiffness do.
-/// Crosstalk from another row leaves residuals that follow the motion: see [`ScaleRatios::lag_one_z`].
+/// comes back to where one began. Crosstalk and a bent frame need not; limbs of unequal stiffness do. It is no sure sign: what
+/// does not fit is taken for noise in part. Residuals that follow the motion show in [`ScaleRatios::lag_one_z`], too, and where
+/// they are far beyond noise the fit is refused as not converged.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoopMisfit {
     /// ln of what limb 1 is worth in its first row over the second.

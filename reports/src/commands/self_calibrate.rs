@@ -105,6 +105,9 @@ const MISFIT: f64 = 1e-6;
 /// Correlation of neighbouring blocks in deviations, and as such, from which intervals are said to be too narrow.
 const CORRELATED: (f64, f64) = (5.0, 0.1);
 
+/// Largest ln of a common factor that is believed: half as much again.
+const LARGEST_COMMON: f64 = 0.4;
+
 /// Checks.
 pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     check_paths(arguments)?;
@@ -177,6 +180,11 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
                 length_deviation_m_s2: arguments.known_change_deviation,
             };
             let scales = known.scales(&chain, &now).context("--known-change")?;
+            ensure!(
+                scales.ln_common.abs() < LARGEST_COMMON,
+                "--known-change: between the rests the forces change by {:.2} m/s², not {length_m_s2}; was the sensor at rest there, and turned in between?",
+                length_m_s2 * (-scales.ln_common).exp()
+            );
             summary.put_scales(&scales)?;
             Some(scales)
         }

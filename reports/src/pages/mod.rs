@@ -9,6 +9,7 @@ mod identifiability;
 pub mod inspection;
 mod ledger;
 mod parameters;
+mod self_calibration;
 mod speed;
 mod summary;
 mod tables;
@@ -29,6 +30,7 @@ pub fn report(results: &Results, evidence: Section, facts: Vec<(String, String)>
         figures::thresholds(results),
         figures::stiffness(results),
         identifiability::section(results),
+        self_calibration::section(),
         figures::histories(results),
         figures::orders(results),
         summary::reference(results),

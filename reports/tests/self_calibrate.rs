@@ -1,0 +1,254 @@
+//! `sixaxis self-calibrate` as a user meets it: a recording from the field, a calibration, a sentence.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::OnceLock;
+
+use serde_json::Value;
+use sixaxis_calibration::calibration::Calibration;
+use sixaxis_core::signal::SignalChain;
+use sixaxis_core::{Geometry, LIMBS};
+use sixaxis_recordings::{Block, Channel, Layout, create};
+use sixaxis_reference::field::compliant_forces_m_s2;
+use sixaxis_reference::paper::{GRAVITY_M_S2, identified_parameters};
+
+fn run(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_sixaxis"))
+        .args(arguments)
+        .output()
+        .expect("starts")
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().expect("a path of plain letters")
+}
+
+/// A day in the laboratory and a tumble after it, limb 4 off by 0.3 %: the folder, and the gains of the tumble.
+fn day() -> &'static (PathBuf, String) {
+    static DAY: OnceLock<(PathBuf, String)> = OnceLock::new();
+    DAY.get_or_init(|| {
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("self-calibrate");
+        let _ = std::fs::remove_dir_all(&folder);
+        let simulated = run(&[
+            "simulate",
+            "--out",
+            text(&folder),
+            "--engine",
+            "rigid",
+            "--seed",
+            "5",
+            "--tumble",
+            "20",
+            "--drift-limb",
+            "4=0.3%",
+        ]);
+        assert!(simulated.status.success(), "{simulated:?}");
+        let said = String::from_utf8_lossy(&simulated.stdout).into_owned();
+        let gains = said
+            .lines()
+            .find_map(|line| line.strip_prefix("then: ")?.split("--gain ").nth(1))
+            .expect("says how to go on")
+            .to_owned();
+        let calibrated = run(&["calibrate", text(&folder.join("session.toml")), "--quiet"]);
+        assert!(
+            matches!(calibrated.status.code(), Some(0 | 3)),
+            "{calibrated:?}"
+        );
+        (folder, gains)
+    })
+}
+
+/// Runs on one of the day's recordings.
+fn checked(recording: &Path, more: &[&str]) -> Output {
+    let (folder, gains) = day();
+    let calibration = folder.join("calibration.json");
+    let mut arguments = vec![
+        "self-calibrate",
+        text(&calibration),
+        text(recording),
+        "--down",
+        "0,0,-1",
+        "--gain",
+        gains.as_str(),
+    ];
+    arguments.extend_from_slice(more);
+    run(&arguments)
+}
+
+#[test]
+fn a_drifted_limb_is_named_with_its_interval() {
+    let tumble = day().0.join("tumble.csv");
+    let new = day().0.join("corrected.json");
+    let output = checked(&tumble, &["--json", "--write-calibration", text(&new)]);
+    assert_eq!(output.status.code(), Some(3), "{output:?}");
+    let said: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(said["finding"], "drifted");
+    let limbs = said["limbs"].as_array().expect("nine limbs");
+    for limb in limbs {
+        assert_eq!(limb["drifted"], limb["limb"] == 4);
+    }
+    let change = limbs[3]["change_percent"].as_f64().expect("a number");
+    let half = limbs[3]["half_width_95_percent"]
+        .as_f64()
+        .expect("a number");
+    // Two and a half half widths of 95 % are one in a million; an interval as wide as the drift would say nothing.
+    assert!(
+        (change - 0.3).abs() < 2.5 * half && half < 0.1,
+        "{change} +- {half}"
+    );
+    let people = checked(&tumble, &[]);
+    assert!(
+        String::from_utf8_lossy(&people.stdout).starts_with("Limb 4 has drifted by +0."),
+        "{people:?}"
+    );
+    // With the corrected calibration nothing has drifted.
+    let corrected = Calibration::read(&new).expect("a calibration");
+    let old = Calibration::read(&day().0.join("calibration.json")).expect("a calibration");
+    for limb in 0..LIMBS {
+        let ratio = corrected.parameters.scale_per_mass_per_kg[limb]
+            / old.parameters.scale_per_mass_per_kg[limb];
+        let expected = if limb == 3 { change / 100.0 } else { 0.0 };
+        assert!((ratio - 1.0 - expected).abs() < 1e-12, "limb {}", limb + 1);
+    }
+    let again = run(&[
+        "self-calibrate",
+        text(&new),
+        text(&tumble),
+        "--down",
+        "0,0,-1",
+        "--gain",
+        &day().1,
+    ]);
+    assert_eq!(again.status.code(), Some(0), "{again:?}");
+}
+
+#[test]
+fn the_same_tumble_before_and_after_cancels() {
+    let tumble = day().0.join("tumble.csv");
+    let output = checked(&tumble, &["--since", text(&tumble)]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+}
+
+#[test]
+fn a_motion_too_poor_is_refused_by_name() {
+    let session = day().0.join("session.toml");
+    let calibration = day().0.join("calibration.json");
+    let linear = day().0.join("linear-01.csv");
+    let output = run(&[
+        "self-calibrate",
+        text(&calibration),
+        text(&linear),
+        "--session",
+        text(&session),
+        "--json",
+    ]);
+    assert_eq!(output.status.code(), Some(4), "{output:?}");
+    let said: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(said["finding"], "too_poor");
+    let open = said["open_in_words"].as_str().expect("words");
+    for twins in [
+        "limb 2 against limb 4",
+        "limb 3 against limb 7",
+        "limb 6 against limb 8",
+    ] {
+        assert!(open.contains(twins), "{open}");
+    }
+    assert!(said["limbs"].as_array().is_some_and(Vec::is_empty));
+}
+
+/// The tumble with a second of rest before it and a second turned over after it, all scale factors 1 % larger than calibrated.
+fn turned_over() -> PathBuf {
+    let (folder, gains) = day();
+    let mut parameters = identified_parameters();
+    for scale in &mut parameters.scale_per_mass_per_kg {
+        *scale *= 1.01;
+    }
+    let numbers: Vec<f64> = gains
+        .split(',')
+        .map(|g| g.parse().expect("a gain"))
+        .collect();
+    let gains = sixaxis_core::Gains {
+        gain_n_per_v: numbers.try_into().expect("nine gains"),
+    };
+    let chain = SignalChain::new(&gains, &parameters);
+    let mut rng = rand_pcg::Pcg64::new(7, 7);
+    let field = sixaxis_reference::field::Field::by_hand(
+        &mut rng,
+        sixaxis_reference::field::Pace::Brisk,
+        10.0,
+        10_000.0,
+    );
+    let up = (glam::DVec3::Z * GRAVITY_M_S2, glam::DVec3::ZERO);
+    let down = (-up.0, glam::DVec3::ZERO);
+    let mut loads = vec![up; 10_000];
+    loads.extend(field.play(&parameters).0);
+    loads.extend(vec![down; 10_000]);
+    let forces = compliant_forces_m_s2(
+        &Geometry::PAPER,
+        parameters.stiffness_per_mass_per_s2,
+        &loads,
+    )
+    .expect("limbs that hold");
+    let rest = forces[0];
+    let channels = (1..=LIMBS).map(|i| Channel {
+        sample_rate_hz: Some(10_000.0),
+        ..Channel::new(format!("u{i}"), Some("V"))
+    });
+    let layout = Layout {
+        channels: channels.collect(),
+        ..Layout::default()
+    };
+    let path = folder.join("turned.csv");
+    let mut sink = create(&path, &layout).expect("writes");
+    let mut block = Block::new(LIMBS);
+    block.clear(LIMBS);
+    for force in forces {
+        let u = chain.voltage_v(&core::array::from_fn(|i| force[i] - rest[i]));
+        for (column, u) in block.columns.iter_mut().zip(u) {
+            column.push(u);
+        }
+    }
+    sink.write(&block).expect("writes");
+    sink.finish().expect("writes");
+    path
+}
+
+#[test]
+fn a_known_turn_tells_all_nine() {
+    let path = turned_over();
+    let known = [
+        "--known-change",
+        "19.6133",
+        "--rests",
+        "0-0.9,11.1-12",
+        "--json",
+    ];
+    let output = checked(&path, &known);
+    let said: Value =
+        serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{output:?}"));
+    // The calibration's own error is that of its accelerometer, of class 1 %: half of it either way.
+    let common = said["common_percent"].as_f64().expect("a number");
+    assert!((common - 1.0).abs() < 1.0, "{common}");
+    // Told that it were twice as much, the rests are not believed.
+    let wrong = checked(
+        &path,
+        &["--known-change", "39.2", "--rests", "0-0.9,11.1-12"],
+    );
+    assert_eq!(wrong.status.code(), Some(1), "{wrong:?}");
+    for (rests, status) in [("0-0.9", 1), ("0-0.01,11-12", 1), ("2-1,11-12", 2)] {
+        let refused = checked(&path, &["--known-change", "19.6", "--rests", rests]);
+        assert_eq!(refused.status.code(), Some(status), "{rests}: {refused:?}");
+    }
+}
+
+#[test]
+fn what_is_read_is_not_written_over() {
+    let (folder, _) = day();
+    let tumble = folder.join("tumble.csv");
+    let before = std::fs::metadata(&tumble).expect("is there").len();
+    for option in ["--out", "--write-calibration"] {
+        let refused = checked(&tumble, &[option, text(&tumble)]);
+        assert_eq!(refused.status.code(), Some(1), "{refused:?}");
+    }
+    assert_eq!(std::fs::metadata(&tumble).expect("is there").len(), before);
+}
