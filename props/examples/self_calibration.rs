@@ -9,9 +9,8 @@ use glam::DVec3;
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use serde::Serialize;
-use sixaxis_core::self_calibration::{
-    Accumulator, PerLimbs, ScaleRatios, StiffnessTest, chi_square, drifted,
-};
+use sixaxis_core::self_calibration::{Accumulator, PerLimbs, ScaleRatios, StiffnessTest, drifted};
+use sixaxis_core::significance::NORMAL_95;
 use sixaxis_core::{Error, LIMBS};
 use sixaxis_props::publication::{Arguments, end};
 use sixaxis_props::self_calibration::{
@@ -302,7 +301,7 @@ impl Length {
         if draws.is_empty() {
             return Err(format!("{pace:?}, {duration_s} s: all refused"));
         }
-        let z = chi_square::normal_half_width(0.95).map_err(|e| e.to_string())?;
+        let z = NORMAL_95;
         let all = || {
             draws
                 .iter()
@@ -379,7 +378,7 @@ impl Drift {
     fn of(seeds: std::ops::Range<u64>) -> Result<Self, String> {
         let (limb, change) = DRIFT_OF_LIMB;
         let duration_s = 60.0;
-        let z = chi_square::normal_half_width(0.95).map_err(|e| e.to_string())?;
+        let z = NORMAL_95;
         let draws: Vec<(bool, f64, bool)> = seeds
             .into_par_iter()
             .map(|seed| {

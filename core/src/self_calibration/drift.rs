@@ -10,11 +10,12 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::{PerLimbs, RATIOS, ScaleRatios, chi_square, information_without_common};
+use super::{PerLimbs, RATIOS, ScaleRatios, information_without_common};
 use crate::error::{Error, Result};
 use crate::geometry::LIMBS;
 use crate::parity::LimbSet;
 use crate::scalar::sqrt;
+use crate::significance::chi_square_limit;
 
 /// Limbs that may have drifted at most: fewer than half, so that "the others" are a majority.
 pub const MOST_DRIFTED: usize = 4;
@@ -61,7 +62,7 @@ pub fn drifted(ratios: &ScaleRatios, calibration: &PerLimbs, false_alarm: f64) -
     let of_none = e.dot(&weighted);
     let mut found = (LimbSet::EMPTY, of_none, false, None);
     for size in 0..=MOST_DRIFTED {
-        let limit = chi_square::limit(false_alarm, RATIOS - size)?;
+        let limit = chi_square_limit(false_alarm, RATIOS - size)?;
         let mut best = [(LimbSet::EMPTY, f64::INFINITY); 2];
         for set in LimbSet::of_size(size) {
             let left = of_none - change(&information, &weighted, set).map_or(0.0, |c| c.explained);
@@ -96,7 +97,7 @@ pub fn drifted(ratios: &ScaleRatios, calibration: &PerLimbs, false_alarm: f64) -
         deviation,
         chi_square: left,
         chi_square_of_none: of_none,
-        limit_of_none: chi_square::limit(false_alarm, RATIOS)?,
+        limit_of_none: chi_square_limit(false_alarm, RATIOS)?,
     })
 }
 

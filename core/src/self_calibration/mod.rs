@@ -15,14 +15,12 @@
 //! | [`drift`] | which limbs have drifted since a calibration |
 //! | [`ninth`] | the common factor |
 //! | [`stiffness`] | whether limbs are equally stiff, with ratios from the balance of forces beside those from the rows |
-//! | [`chi_square`] | limits at a stated rate of false alarms |
 //!
 //! # What it rests on
 //! That limbs are equally stiff: where k_i differ, what is found is c_i/k_i, and no residual shows it. That they were so, and are,
 //! at a calibration and since, is enough to tell *changes* of c_i: `drift` needs no equal stiffness beyond the second order.
 //! Zero drifts need not be known; they must stand still, with the noise above a block's length white.
 
-pub mod chi_square;
 pub mod drift;
 mod fit;
 pub mod moments;

@@ -1,11 +1,11 @@
 //! What a recording says of the ratios of nine scale factors.
 
 use super::PerLimbs;
-use super::chi_square::exceeded_by_chance;
 use crate::error::{Error, Result};
 use crate::geometry::LIMBS;
 use crate::parity::ROWS;
 use crate::scalar::sqrt;
+use crate::significance::chi_square_tail;
 
 /// When ratios are taken to be told.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,7 +75,7 @@ impl LoopMisfit {
     /// Probability of as large a misfit by chance.
     #[must_use]
     pub fn chance(&self) -> f64 {
-        exceeded_by_chance(self.z() * self.z(), 1)
+        chi_square_tail(self.z() * self.z(), 1).unwrap_or(0.0)
     }
 }
 

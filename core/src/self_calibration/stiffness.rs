@@ -5,10 +5,11 @@
 
 use nalgebra::SVector;
 
-use super::{PerLimbs, RATIOS, ScaleRatios, chi_square, information_without_common};
+use super::{PerLimbs, RATIOS, ScaleRatios, information_without_common};
 use crate::error::{Error, Result};
 use crate::geometry::LIMBS;
 use crate::scalar::sqrt;
+use crate::significance::{chi_square_limit, chi_square_tail};
 
 /// Result of the test.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,7 +36,7 @@ impl StiffnessTest {
         ratios: &ScaleRatios,
         false_alarm: f64,
     ) -> Result<Self> {
-        let limit = chi_square::limit(false_alarm, RATIOS)?;
+        let limit = chi_square_limit(false_alarm, RATIOS)?;
         for &value in ln_scale {
             if !value.is_finite() {
                 return Err(Error::OutOfRange {
@@ -70,10 +71,10 @@ impl StiffnessTest {
         self.chi_square <= self.limit
     }
 
-    /// Probability of as large a sum of squares for equally stiff limbs.
+    /// Probability of as large a sum of squares for equally stiff limbs; 0 for one that is no number.
     #[must_use]
     pub fn chance(&self) -> f64 {
-        chi_square::exceeded_by_chance(self.chi_square, RATIOS)
+        chi_square_tail(self.chi_square, RATIOS).unwrap_or(0.0)
     }
 
     /// Standard deviations of [`Self::ln_stiffness`].

@@ -5,7 +5,7 @@ use std::io::{self, BufRead, Write};
 use anyhow::{Result, anyhow, bail, ensure};
 use sixaxis_calibration::load;
 use sixaxis_calibration::session::Channels;
-use sixaxis_core::{Decoupler, LIMBS};
+use sixaxis_core::{Decoupler, LIMBS, LimbSet};
 use sixaxis_recordings::channel::{Layout, time_channel};
 use sixaxis_recordings::{Block, Channel};
 
@@ -126,7 +126,9 @@ impl Live {
                     found
                 }
             };
-            let (row, stamp_s) = places.read(&cells).map_err(at_line)?;
+            let (row, stamp_s) = places
+                .read(&cells, self.decoupler.failed())
+                .map_err(at_line)?;
             if row.iter().any(|u| u.abs() >= self.full_scale_v) {
                 clipped += 1;
                 if clipped == 1 {
@@ -222,7 +224,8 @@ impl Live {
 }
 
 impl Places {
-    fn read(&self, cells: &[&str]) -> Result<(Row, Option<f64>), String> {
+    /// Channels of limbs that are done without are not looked at.
+    fn read(&self, cells: &[&str], without: LimbSet) -> Result<(Row, Option<f64>), String> {
         if cells.len() != self.columns {
             return Err(format!(
                 "{} columns, {} were expected",
@@ -242,6 +245,10 @@ impl Places {
         };
         let mut row = self.volts;
         for (limb, value) in row.iter_mut().enumerate() {
+            if without.contains(limb) {
+                *value = 0.0;
+                continue;
+            }
             *value *= number(&self.names[limb], self.limbs[limb])?;
         }
         let stamp_s = match self.time {

@@ -6,7 +6,7 @@ use anyhow::{Result, anyhow, bail};
 use sixaxis_calibration::load;
 use sixaxis_calibration::session::Channels;
 use sixaxis_calibration::unit::{self, Unit};
-use sixaxis_core::LIMBS;
+use sixaxis_core::{LIMBS, LimbSet};
 use sixaxis_recordings::{Block, Layout, Source};
 
 use super::stamps::Stamps;
@@ -24,6 +24,8 @@ pub struct Recording {
     pub names: [String; LIMBS],
     /// What has been seen of it so far.
     pub seen: Seen,
+    /// Limbs whose channels are not looked at.
+    pub without: LimbSet,
     source: Box<dyn Source>,
     /// What one unit of each channel is worth in volts.
     volts: [f64; LIMBS],
@@ -95,6 +97,7 @@ impl Recording {
             samples: first.samples,
             names: indices.map(|index| layout.channels[index].name.clone()),
             seen: Seen::default(),
+            without: LimbSet::EMPTY,
             source,
             volts,
             seconds,
@@ -114,6 +117,9 @@ impl Recording {
         batch.rows.clear();
         batch.rows.resize(count, [0.0; LIMBS]);
         for (limb, column) in self.block.columns.iter().take(LIMBS).enumerate() {
+            if self.without.contains(limb) {
+                continue;
+            }
             let volts = self.volts[limb];
             let mut clipped = 0;
             let mut finite = true;

@@ -7,4 +7,5 @@ mod decouple;
 mod inspect;
 mod program;
 mod readme;
+mod self_calibrate;
 mod simulate;

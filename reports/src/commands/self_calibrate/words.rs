@@ -5,7 +5,8 @@ use std::fmt::Write as _;
 use anyhow::Result;
 use serde::Serialize;
 use sixaxis_calibration::calibration::Calibration;
-use sixaxis_core::self_calibration::{Drifted, Scales, chi_square};
+use sixaxis_core::self_calibration::{Drifted, Scales};
+use sixaxis_core::significance::NORMAL_95;
 use sixaxis_core::{LIMBS, LimbSet};
 
 use super::Arguments;
@@ -116,7 +117,7 @@ impl Summary {
 
     /// Who drifted. A misfit stays one.
     pub fn put(&mut self, said: &Drifted) -> Result<()> {
-        let z = chi_square::normal_half_width(0.95)?;
+        let z = NORMAL_95;
         if self.finding == Finding::Nothing {
             self.finding = match (said.explained, said.limbs.is_empty()) {
                 (true, true) => Finding::Nothing,
@@ -142,7 +143,7 @@ impl Summary {
 
     /// All nine.
     pub fn put_scales(&mut self, scales: &Scales) -> Result<()> {
-        let z = chi_square::normal_half_width(0.95)?;
+        let z = NORMAL_95;
         for (i, limb) in self.limbs.iter_mut().enumerate() {
             limb.absolute_percent = Some(percent(scales.ln_scale[i]));
             limb.absolute_half_width_95_percent = Some(1e2 * z * scales.deviation[i]);

@@ -2,6 +2,7 @@
 
 mod clocks;
 mod deviations;
+mod failed_limbs;
 mod refusals;
 mod results;
 mod session;

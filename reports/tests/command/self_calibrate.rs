@@ -1,7 +1,7 @@
 //! `sixaxis self-calibrate` as a user meets it: a recording from the field, a calibration, a sentence.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 use std::sync::OnceLock;
 
 use serde_json::Value;
@@ -12,23 +12,13 @@ use sixaxis_recordings::{Block, Channel, Layout, create};
 use sixaxis_reference::field::compliant_forces_m_s2;
 use sixaxis_reference::paper::{GRAVITY_M_S2, identified_parameters};
 
-fn run(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_sixaxis"))
-        .args(arguments)
-        .output()
-        .expect("starts")
-}
-
-fn text(path: &Path) -> &str {
-    path.to_str().expect("a path of plain letters")
-}
+use crate::program::{Folder, run, stdout, text};
 
 /// A day in the laboratory and a tumble after it, limb 4 off by 0.3 %: the folder, and the gains of the tumble.
-fn day() -> &'static (PathBuf, String) {
-    static DAY: OnceLock<(PathBuf, String)> = OnceLock::new();
+fn day() -> &'static (Folder, String) {
+    static DAY: OnceLock<(Folder, String)> = OnceLock::new();
     DAY.get_or_init(|| {
-        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("self-calibrate");
-        let _ = std::fs::remove_dir_all(&folder);
+        let folder = Folder::new("self-calibrate");
         let simulated = run(&[
             "simulate",
             "--out",
@@ -43,7 +33,7 @@ fn day() -> &'static (PathBuf, String) {
             "4=0.3%",
         ]);
         assert!(simulated.status.success(), "{simulated:?}");
-        let said = String::from_utf8_lossy(&simulated.stdout).into_owned();
+        let said = stdout(&simulated);
         let gains = said
             .lines()
             .find_map(|line| line.strip_prefix("then: ")?.split("--gain ").nth(1))
@@ -98,7 +88,7 @@ fn a_drifted_limb_is_named_with_its_interval() {
     );
     let people = checked(&tumble, &[]);
     assert!(
-        String::from_utf8_lossy(&people.stdout).starts_with("Limb 4 has drifted by +0."),
+        stdout(&people).starts_with("Limb 4 has drifted by +0."),
         "{people:?}"
     );
     // With the corrected calibration nothing has drifted.

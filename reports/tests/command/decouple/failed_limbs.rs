@@ -1,0 +1,118 @@
+//! `--failed`: what a lost channel says is not looked at, and sets that cannot be done without are refused.
+
+use std::io::Write;
+use std::process::Stdio;
+
+use super::session::{
+    ACCELERATIONS, LIMBS, calibration, columns, compound, session, voltages, write,
+};
+use crate::program::{Folder, code, done, run, sixaxis, stderr, stdout, text};
+
+/// Largest difference from the healthy answer over its peak: the parameters are a laboratory's, which the rows of the healthy
+/// limbs do not fit exactly.
+const WITHIN: f64 = 0.1;
+
+#[test]
+fn ref_a_lost_channel_is_not_missed() {
+    let folder = Folder::new("decouple-failed");
+    let (mut volts, rate_hz) = voltages();
+    // Half of the time nothing, half of the time no number.
+    let lost = &mut volts[4];
+    let half = lost.len() / 2;
+    lost[..half].fill(f64::NAN);
+    lost[half..].fill(7.0);
+    let broken = folder.join("compound-03.npz");
+    write(&broken, &LIMBS, "V", &volts, rate_hz);
+    let toml = session().join("session.toml");
+    let calibration = calibration();
+    let decouple = |recording: &str, name: &str, more: &[&str]| {
+        let out = folder.file(name);
+        let arguments = ["decouple", &calibration, recording, "--out", &out];
+        done(&[&arguments[..], more].concat());
+        columns(out.as_ref(), &ACCELERATIONS).0
+    };
+    let toml = ["--session", text(&toml)];
+    let healthy = decouple(text(&compound()), "healthy.parquet", &toml);
+    let gains = done(
+        &[
+            &["decouple", &calibration, text(&compound()), "--json"],
+            &toml[..],
+            &["--out", &folder.file("json.parquet")],
+        ]
+        .concat(),
+    );
+    let summary: serde_json::Value = serde_json::from_str(&stdout(&gains)).expect("JSON");
+    let list = |key: &str| -> String {
+        let values = summary[key].as_array().expect("numbers");
+        let texts: Vec<String> = values.iter().map(ToString::to_string).collect();
+        texts.join(",")
+    };
+    let (gain, down) = (list("gain_n_per_v"), list("gravity_ground_m_s2"));
+    let settings = ["--gain", &gain, "--down", &down, "--failed", "5"];
+    let without = decouple(text(&broken), "without.parquet", &settings);
+    for (healthy, without) in healthy.iter().zip(&without) {
+        let peak = healthy.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
+        let apart = healthy.iter().zip(without);
+        let apart = apart.fold(0.0_f64, |a, (x, y)| a.max((x - y).abs()));
+        assert!(apart < WITHIN * peak, "{apart} of {peak}");
+    }
+    // With the channel that is lost it cannot be done.
+    let refused = run(&["decouple", &calibration, text(&broken), "--gain", &gain]);
+    assert_eq!(code(&refused), 1);
+    // Another limb's failure does not help.
+    let refused = run(&[
+        "decouple",
+        &calibration,
+        text(&broken),
+        "--gain",
+        &gain,
+        "--failed",
+        "3",
+    ]);
+    assert!(stderr(&refused).contains("\"u5\""), "{}", stderr(&refused));
+}
+
+#[test]
+fn inv_sets_that_cannot_be_done_without_are_refused() {
+    let folder = Folder::new("decouple-failed-refused");
+    let out = folder.file("out.csv");
+    for (failed, said) in [
+        ("2,4", "limbs 2 and 4 failed: of a force along"),
+        ("1,2,3", "limbs 1, 2 and 3 failed"),
+        ("1,2,3,4", "at most three"),
+        ("10", "from 1 to 9"),
+    ] {
+        let refused = run(&[
+            "decouple",
+            &calibration(),
+            text(&compound()),
+            "--failed",
+            failed,
+            "--out",
+            &out,
+        ]);
+        assert_eq!(code(&refused), 1, "{failed}");
+        assert!(stderr(&refused).contains(said), "{}", stderr(&refused));
+        assert!(!folder.join("out.csv").exists());
+    }
+}
+
+#[test]
+fn inv_a_stream_does_not_read_a_lost_channel() {
+    let mut child = sixaxis()
+        .args(["decouple", &calibration(), "-", "--rate", "1000"])
+        .args(["--gain", "0.01", "--failed", "5,9"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("starts");
+    let mut input = child.stdin.take().expect("a pipe");
+    for lost in ["0", "nan", "broken", "-inf"] {
+        writeln!(input, "0,0.1,0,0,{lost},0.1,0,0,{lost}").expect("takes it");
+    }
+    drop(input);
+    let ended = child.wait_with_output().expect("ends");
+    assert_eq!(code(&ended), 0, "{}", stderr(&ended));
+    assert_eq!(stdout(&ended).lines().count(), 3);
+}
