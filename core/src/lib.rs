@@ -16,6 +16,8 @@
 //!
 //! [`parity`] is what nine limbs say more than six: the coordination equations, and which limbs can be done without.
 //!
+//! [`fault`] watches the parity rows: that a limb has failed, which, and how.
+//!
 //! [`uncertainty`] says how well the parameters and each decoupled sample are known.
 //!
 //! Before either, [`recording`] says whether a recording can be worked with, and `preprocess` (feature `alloc`) cleans
@@ -31,6 +33,7 @@ pub mod attitude;
 pub mod decoupler;
 pub mod dynamics;
 pub mod error;
+pub mod fault;
 pub mod geometry;
 pub mod identify;
 pub mod kernel;

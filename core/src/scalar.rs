@@ -8,9 +8,11 @@ mod imp {
     pub fn sin_cos(x: f64) -> (f64, f64) {
         x.sin_cos()
     }
-    #[cfg(feature = "alloc")]
     pub fn exp(x: f64) -> f64 {
         x.exp()
+    }
+    pub fn ln(x: f64) -> f64 {
+        x.ln()
     }
     #[cfg(feature = "alloc")]
     pub fn cos(x: f64) -> f64 {
@@ -30,9 +32,11 @@ mod imp {
     pub fn sin_cos(x: f64) -> (f64, f64) {
         libm::sincos(x)
     }
-    #[cfg(feature = "alloc")]
     pub fn exp(x: f64) -> f64 {
         libm::exp(x)
+    }
+    pub fn ln(x: f64) -> f64 {
+        libm::log(x)
     }
     #[cfg(feature = "alloc")]
     pub fn cos(x: f64) -> f64 {
