@@ -293,3 +293,16 @@ pub const WILD_SHARE: f64 = 0.01;
 pub const ROBUST_Z: Tolerance = new(crate::statistics::ONE_IN_A_MILLION, Reason::Derived);
 /// Errors in bounds that plain squares must show under wild samples.
 pub const BENT_Z: f64 = 20.0;
+
+/// Attained over asked-for rate of false alarms, less one.
+pub const FALSE_ALARMS: Tolerance = new(0.1, Reason::Derived);
+/// Noise over what the detector is told in the control: the energy of 64 samples sees it in every window.
+pub const FALSE_ALARM_NOISE: f64 = 1.3;
+/// Share of failures of five standard deviations whose class is not named.
+pub const NOT_ISOLATED: Tolerance = new(0.01, Reason::Derived);
+/// Share of twins that are named wrongly: odds of a thousand to one, and models that are none.
+pub const TWIN_WRONG: Tolerance = new(0.01, Reason::Derived);
+/// Drawn against theoretical probability of detection, in standard errors.
+pub const DETECTION_Z: Tolerance = new(crate::statistics::ONE_IN_A_MILLION, Reason::Derived);
+/// What the rows keep of a failure that is taken off the wrong twin, over the failure: curvature of strains of 1e-5.
+pub const TWIN_TRACE: Tolerance = new(1e-4, Reason::Derived);

@@ -26,7 +26,10 @@ pub struct History {
     pub samples: u64,
     /// Of each channel.
     pub channels: [Channel; LIMBS],
+    /// Sum of the products of neighbouring sizes of a failure of each class: near the sum of squares where its course is smooth.
+    pub lagged: [f64; CLASSES],
     last: [[f64; LIMBS]; 4],
+    last_size: [f64; CLASSES],
 }
 
 /// Variance of a fourth difference of unit white noise: 1 + 16 + 36 + 16 + 1.
@@ -51,7 +54,11 @@ impl History {
                 channel.rough += fourth * fourth / FOURTH;
             }
         }
+        for ((lagged, now), before) in self.lagged.iter_mut().zip(size).zip(self.last_size) {
+            *lagged += now * before;
+        }
         self.last = [*signal, a, b, c];
+        self.last_size = size;
         self.samples += 1;
     }
 

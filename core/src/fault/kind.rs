@@ -3,8 +3,8 @@
 //! Each kind says something of the failure's course e_t, of which every sample gives a_t = e_t + noise: constant (another
 //! zero), constant and ramp (a zero that moves), in proportion to the channel's own signal (another sensitivity), white
 //! (noise), nothing (it has passed). Each is fitted by least squares, its coefficients cost ln(n)/2 each (Schwarz). Dead and
-//! stuck say nothing of e_t; they say that the channel keeps still, which no working channel does while its limb's load, known
-//! from the others, moves.
+//! stuck say nothing of e_t; they say that the channel is at its zero and has only its noise, and that it has not even that. The
+//! noise that a monitor is told of must therefore be at least the converter's own.
 //!
 //! # Twins
 //! Let e_t be any course. "Limb 2 fails by e_t" and "limb 4 fails by e_t" give the same three rows, since the twins' columns are
@@ -12,7 +12,7 @@
 //! by either. So forces never tell twins apart; what does is knowledge of another kind:
 //!
 //! * the course goes along with one channel's signal and not with the other's (sensitivity);
-//! * one channel keeps still (dead, stuck);
+//! * one channel keeps still (stuck, or dead while the load that the others say moves as no drift does);
 //! * one channel is rough where motion is smooth (noise), or steps (zero).
 //!
 //! A slow drift has none of these. Then the answer is the pair.
@@ -30,9 +30,15 @@ use crate::scalar::{ln, sqrt};
 const KIND: f64 = 4.6;
 /// ln of the odds at which a twin is named: a thousand to one.
 const TWIN: f64 = 6.9;
-/// Standard deviations of a sum of squares within which a channel keeps still, and beyond which it moves.
+/// Standard deviations of a sum of squares within which there is but noise, and beyond which there is more.
 const STILL: f64 = 4.0;
 const MOVES: f64 = 8.0;
+/// Share of its noise that a channel has at most if it is stuck: of 32 samples of noise one in 10^9 has so little.
+const NOISELESS: f64 = 0.25;
+/// Mean square of a signal over its noise's from which a sensitivity can be told.
+const LOUD: f64 = 10.0;
+/// Correlation of neighbouring sizes from which a course is a motion and not noise.
+const SMOOTH_COURSE: f64 = 0.5;
 /// Standard deviations of roughness, and of a step, from which a channel has it, and up to which its twin has not.
 const ROUGH: f64 = 6.0;
 const SMOOTH: f64 = 4.0;
@@ -50,15 +56,17 @@ pub struct Judgement {
     pub kind_ln_odds: f64,
     /// Against the twin.
     pub twin_ln_odds: f64,
+    /// A channel keeps still that may yet turn out dead.
+    open: bool,
 }
 
 impl Judgement {
     /// Whether more samples would hardly change it.
     #[must_use]
     pub fn is_firm(&self) -> bool {
-        let twin =
-            self.limbs.len() == 1 || !matches!(self.kind, Kind::ScaleJump | Kind::NoiseBurst);
-        self.kind_ln_odds > KIND && twin
+        let resolved =
+            self.limbs.len() == 1 || matches!(self.kind, Kind::Offset | Kind::Drift | Kind::Passed);
+        self.kind_ln_odds > KIND && resolved && !self.open
     }
 }
 
@@ -86,23 +94,39 @@ pub fn judge(
     );
     best.offer(Kind::NoiseBurst, super::isolation::gain(energy, n) - cost);
     let twins = members(class);
-    let course = Course {
-        n,
-        sum: mean * sqrt(n),
-        energy,
-    };
+    let spread = sqrt(2.0 * n);
+    let fails = energy > n + MOVES * spread;
+    // What no zero that jumps or drifts and no noise would look like: the load of a dead limb, in motion.
+    let moves = energy - mean * mean - slope * slope > n + MOVES * spread
+        && history.lagged[class] > SMOOTH_COURSE * energy;
     let mut scale = [f64::NEG_INFINITY; 2];
-    let mut still = [false; 2];
+    let mut fell = [None; 2];
+    let mut open = false;
     for (place, limb) in twins.indices().enumerate().take(2) {
-        let (dead, stuck, proportion) = course.of_limb(noise, class, limb, history);
-        if let Some(gain) = proportion {
-            scale[place] = gain - cost;
+        let channel = &history.channels[limb];
+        // Where the signal is little but noise, the failure's size, which has the same noise in it, goes along with it.
+        if channel.square > LOUD * n {
+            let gain = channel.with_size * channel.with_size / channel.square;
+            scale[place] = 0.5 * gain - cost;
             best.offer(Kind::ScaleJump, scale[place]);
         }
+        let own = channel.square - channel.sum * channel.sum / n;
+        let at_zero = channel.square < n + STILL * spread;
+        // A twin at rest is at its zero, too.
+        let told = moves || twins.len() == 1;
+        fell[place] = if !fails {
+            None
+        } else if at_zero && told {
+            Some(Kind::Dead)
+        } else if own < NOISELESS * n {
+            Some(Kind::Stuck)
+        } else {
+            open |= own < n + STILL * spread;
+            None
+        };
         // The course is the limb's load: nothing of it is left to explain.
-        if dead || stuck {
-            still[place] = true;
-            best.offer(if dead { Kind::Dead } else { Kind::Stuck }, 0.5 * energy);
+        if let Some(kind) = fell[place] {
+            best.offer(kind, 0.5 * energy);
         }
     }
     let kind = best.kind;
@@ -111,7 +135,7 @@ pub fn judge(
             let mut pair = twins.indices();
             let limb = [pair.next().unwrap_or(0), pair.next().unwrap_or(0)];
             let favour = match kind {
-                Kind::Dead | Kind::Stuck => match still {
+                Kind::Dead | Kind::Stuck => match fell.map(|f| f == Some(kind)) {
                     [true, false] => f64::INFINITY,
                     [false, true] => f64::NEG_INFINITY,
                     _ => 0.0,
@@ -135,6 +159,7 @@ pub fn judge(
         limbs,
         kind_ln_odds: best.score - best.next,
         twin_ln_odds,
+        open: open && !matches!(kind, Kind::Dead | Kind::Stuck),
     }
 }
 
@@ -146,45 +171,6 @@ fn contrast(size: [f64; 2], has: f64, has_not: f64) -> f64 {
         odds
     } else {
         0.0
-    }
-}
-
-/// A failure's course, in standard deviations of the size that one sample gives.
-struct Course {
-    n: f64,
-    sum: f64,
-    energy: f64,
-}
-
-impl Course {
-    /// Whether the limb is dead, whether it is stuck, and the gain of a course in proportion to its signal.
-    fn of_limb(
-        &self,
-        noise: &RowNoise,
-        class: usize,
-        limb: usize,
-        history: &History,
-    ) -> (bool, bool, Option<f64>) {
-        let n = self.n;
-        let channel = &history.channels[limb];
-        let spread = sqrt(2.0 * n);
-        // The channel's noise stands in the failure's size, too: their covariance for unit variance of both.
-        let shared = noise.length(class) * noise.channel_sd()[limb];
-        let signal = channel.square - n;
-        let product = channel.with_size - n * shared;
-        let proportion = (signal > n).then(|| 0.5 * product * product / signal);
-        let fails = self.energy > n + MOVES * spread;
-        let dead = fails && channel.square < n + STILL * spread;
-        // The load that the other limbs say: signal less failure, in units of the channel's noise.
-        let per_size = 1.0 / shared;
-        let about_mean = |square: f64, a: f64, b: f64| square - a * b / n;
-        let own = about_mean(channel.square, channel.sum, channel.sum);
-        let with = about_mean(channel.with_size, channel.sum, self.sum);
-        let of_size = about_mean(self.energy, self.sum, self.sum);
-        let load = own - 2.0 * per_size * with + per_size * per_size * of_size;
-        let moves = load > (n + MOVES * spread) * (per_size * per_size - 1.0);
-        let stuck = fails && moves && own < n + STILL * spread;
-        (dead, stuck, proportion)
     }
 }
 

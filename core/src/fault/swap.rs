@@ -2,14 +2,15 @@
 //!
 //! With the plugs of channels i and j exchanged, limb i's voltage stands in channel j. Exchanged back, the strains change by
 //! known amounts and the rows by w_i (x_i' - x_i) + w_j (x_j' - x_j): either that makes the rows quiet or the channels are not
-//! swapped. Twins' rows are the same; exchanging twins of one gain and drift leaves no trace in any row.
+//! swapped. Twins' columns are the same: swapped, they show by what their sensitivities and zeros differ in, and not at all if
+//! those are alike.
 
 use super::noise::{RowNoise, dot};
 use crate::geometry::LIMBS;
 use crate::parity::{ROWS, SIGNATURES};
 
-/// Pairs that a swap can be told of: all but the three of twins.
-pub const PAIRS: usize = 33;
+/// Number of pairs.
+pub const PAIRS: usize = LIMBS * (LIMBS - 1) / 2;
 
 /// The pairs, limbs from 0.
 pub const PAIRED: [[usize; 2]; PAIRS] = pairs();
@@ -20,11 +21,8 @@ const fn pairs() -> [[usize; 2]; PAIRS] {
     while i < LIMBS {
         let mut j = i + 1;
         while j < LIMBS {
-            let (a, b) = (SIGNATURES[i], SIGNATURES[j]);
-            if a[0] != b[0] || a[1] != b[1] || a[2] != b[2] {
-                of[count] = [i, j];
-                count += 1;
-            }
+            of[count] = [i, j];
+            count += 1;
             j += 1;
         }
         i += 1;
