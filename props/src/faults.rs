@@ -4,6 +4,7 @@
 //! The motion is closed form: whatever smooth course the mass's pose takes in the shell is that of some motion of the shell, and
 //! the nine elongations of a pose are exact. So the rows are held to second order, and truth needs no simulator.
 
+pub mod dying;
 pub mod null;
 pub mod tally;
 
@@ -137,7 +138,8 @@ impl Scene {
         let watch = Watch {
             false_alarms_per_hour,
             noise_v: self.noise_v,
-            errors: None,
+            scale_sd: [0.0; LIMBS],
+            zero_drift_sd_v: [0.0; LIMBS],
         };
         let settings = Settings::new(SAMPLE_RATE_HZ);
         Monitor::new(&self.sensor, &self.parameters, &settings, &watch).expect("a sound sensor")

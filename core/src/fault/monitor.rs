@@ -56,8 +56,10 @@ pub struct Watch {
     pub false_alarms_per_hour: f64,
     /// Standard deviation of the noise of each channel, V.
     pub noise_v: [f64; LIMBS],
-    /// What calibration leaves, if that is to be allowed for.
-    pub errors: Option<CalibrationErrors>,
+    /// What calibration leaves of each scale factor, one standard deviation, relative; zeros to take it for exact.
+    pub scale_sd: [f64; LIMBS],
+    /// The same of each zero drift, V.
+    pub zero_drift_sd_v: [f64; LIMBS],
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -117,13 +119,24 @@ impl Monitor {
         let noise = RowNoise::from_channels(&core::array::from_fn(|limb| {
             (strain_per_v[limb] * watch.noise_v[limb]).abs()
         }))?;
+        let errors = CalibrationErrors {
+            scale: watch.scale_sd,
+            drift: core::array::from_fn(|limb| {
+                (strain_per_v[limb] * watch.zero_drift_sd_v[limb]).abs()
+            }),
+        };
+        let exact = errors
+            .scale
+            .iter()
+            .chain(&errors.drift)
+            .all(|&sd| sd == 0.0);
         let per_sample = watch.false_alarms_per_hour / 3600.0 / settings.sample_rate_hz;
         Ok(Self {
             strain_per_v,
             strain_at_zero: core::array::from_fn(|limb| of(limb, &constants.strain_at_zero)),
             zero_drift_v: parameters.zero_drift_v,
             nu: constants.nu,
-            detector: Detector::new(noise, per_sample, watch.errors)?,
+            detector: Detector::new(noise, per_sample, (!exact).then_some(errors))?,
             ring: Ring::default(),
             state: State::Watching,
             received: 0,
