@@ -16,7 +16,8 @@
 //!
 //! [`parity`] is what nine limbs say more than six: the coordination equations, and which limbs can be done without.
 //!
-//! [`fault`] watches the parity rows: that a limb has failed, which, and how.
+//! [`fault`] watches the parity rows: that a limb has failed, which, and how; [`fault_tolerant`]
+//! decouples on without it.
 //!
 //! [`uncertainty`] says how well the parameters and each decoupled sample are known.
 //!
@@ -34,6 +35,7 @@ pub mod decoupler;
 pub mod dynamics;
 pub mod error;
 pub mod fault;
+pub mod fault_tolerant;
 pub mod geometry;
 pub mod identify;
 pub mod kernel;
@@ -58,6 +60,7 @@ pub mod uncertainty;
 
 pub use decoupler::{Decoupler, SixAxis};
 pub use error::{Error, Result};
+pub use fault_tolerant::FaultTolerant;
 pub use geometry::{Geometry, LIMBS};
 pub use parameters::{InertiaPerMass, Parameters};
 pub use parity::LimbSet;

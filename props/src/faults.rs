@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use sixaxis_core::fault::{Event, Kind, Monitor, Verdict, Watch};
 use sixaxis_core::pose::Pose;
 use sixaxis_core::signal::SignalChain;
-use sixaxis_core::{Geometry, LIMBS, Parameters, Sensor, Settings};
+use sixaxis_core::{FaultTolerant, Geometry, LIMBS, Parameters, Sensor, Settings};
 use sixaxis_reference::chain::{Chain, amplifier_ranges};
 use sixaxis_reference::session::plan::random_sensor;
 
@@ -135,14 +135,29 @@ impl Scene {
     /// If it refuses a sound sensor.
     #[must_use]
     pub fn monitor(&self, false_alarms_per_hour: f64) -> Monitor {
+        let (watch, settings) = self.watch(false_alarms_per_hour);
+        Monitor::new(&self.sensor, &self.parameters, &settings, &watch).expect("a sound sensor")
+    }
+
+    /// A decoupler with that monitor.
+    ///
+    /// # Panics
+    /// As [`Self::monitor`].
+    #[must_use]
+    pub fn stream(&self, false_alarms_per_hour: f64) -> Box<FaultTolerant> {
+        let (watch, settings) = self.watch(false_alarms_per_hour);
+        let stream = FaultTolerant::new(&self.sensor, &self.parameters, &settings, &watch);
+        Box::new(stream.expect("a sound sensor"))
+    }
+
+    fn watch(&self, false_alarms_per_hour: f64) -> (Watch, Settings) {
         let watch = Watch {
             false_alarms_per_hour,
             noise_v: self.noise_v,
             scale_sd: [0.0; LIMBS],
             zero_drift_sd_v: [0.0; LIMBS],
         };
-        let settings = Settings::new(SAMPLE_RATE_HZ);
-        Monitor::new(&self.sensor, &self.parameters, &settings, &watch).expect("a sound sensor")
+        (watch, Settings::new(SAMPLE_RATE_HZ))
     }
 }
 

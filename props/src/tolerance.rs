@@ -306,3 +306,5 @@ pub const TWIN_WRONG: Tolerance = new(0.01, Reason::Derived);
 pub const DETECTION_Z: Tolerance = new(crate::statistics::ONE_IN_A_MILLION, Reason::Derived);
 /// What the rows keep of a failure that is taken off the wrong twin, over the failure: curvature of strains of 1e-5.
 pub const TWIN_TRACE: Tolerance = new(1e-4, Reason::Derived);
+/// Attitude half a second after a limb died that was then done without, noise 60 dB below full scale, rad.
+pub const SURVIVED_RAD: Tolerance = new(2e-3, Reason::Measured("TO BE MEASURED"));

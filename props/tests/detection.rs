@@ -4,7 +4,7 @@ use sixaxis_core::fault::class::{CLASS_OF, members};
 use sixaxis_core::fault::{Event, Kind};
 use sixaxis_core::parity::{ROWS, residual};
 use sixaxis_core::{Error, Geometry, LIMBS};
-use sixaxis_props::compare::{fails_clearly, largest, within};
+use sixaxis_props::compare::{all_finite, fails_clearly, largest, within};
 use sixaxis_props::faults::null::{curve, false_alarms, noncentral_survival};
 use sixaxis_props::faults::tally::{limb_named, of_classes, play, tally};
 use sixaxis_props::faults::{FALSE_ALARMS_PER_HOUR, Name, Scene};
@@ -109,7 +109,12 @@ fn prop_failures_of_five_sigma_are_isolated() {
         );
         assert!(of_classes(&trials).iter().all(|c| c.isolated.all() > 0));
         if kind == Name::Drift {
-            assert_eq!(counted.twins.right, 0, "nothing tells a drifting twin");
+            let drifting = trials
+                .iter()
+                .filter_map(|(_, outcome)| outcome.identified)
+                .filter(|(v, _)| v.kind == Kind::Drift && v.limbs.len() == 1)
+                .all(|(v, _)| v.limb().is_some_and(|l| members(CLASS_OF[l]).len() == 1));
+            assert!(drifting, "nothing tells a drifting twin");
             assert!(counted.twins.open > 0);
         }
     }
@@ -162,6 +167,29 @@ fn prop_a_value_that_is_no_number_is_a_failed_limb_at_once() {
                 assert_eq!((verdict.kind, verdict.since), (Kind::Unreadable, (50, 50)));
             } else {
                 assert!(event.is_none(), "{bad}, sample {sample}: {event:?}");
+            }
+        }
+        // The stream goes on without it, and without a second; of twins it says that they are lost.
+        let mut stream = scene.stream(FALSE_ALARMS_PER_HOUR);
+        for sample in 0..100 {
+            let mut u = scene.voltage_v(sample);
+            for (limb, from) in [(6, 50), (4, 60), (2, 70)] {
+                if sample >= from {
+                    u[limb] = bad;
+                }
+            }
+            let said = stream.push(&u);
+            if sample < 70 {
+                let said = said.expect("a row");
+                let expected = usize::from(sample >= 50) + usize::from(sample >= 60);
+                assert_eq!(said.without.len(), expected, "{bad}, sample {sample}");
+                assert!(said.answer.is_none_or(|a| all_finite(&a)));
+            } else {
+                let refused = matches!(
+                    said,
+                    Err(Error::NotFinite { .. } | Error::Overstrained { .. })
+                );
+                assert!(refused, "{bad}, sample {sample}: {said:?}");
             }
         }
     }
@@ -222,4 +250,79 @@ fn inv_noncentral_is_central_at_zero() {
         tolerance::ROUNDING,
     );
     assert!(at(1.0) > at(0.0) && at(25.0) > at(1.0));
+}
+
+/// A limb dies in mid-motion: from the verdict on, every answer is bit by bit that of a decoupler that was told to do without the
+/// limb before it died, and rate and attitude are as good as those of a sensor that never failed.
+#[test]
+fn ref_after_the_verdict_no_trace_is_left() {
+    use sixaxis_core::parity::LimbSet;
+    use sixaxis_core::{Decoupler, FaultTolerant};
+    use sixaxis_props::faults::dying::{Played, angle_rad};
+    for limb in [4, 6] {
+        let played = Played::random(seed(), limb).expect("the simulation");
+        let (sensor, parameters) = (&played.sensor, &played.parameters);
+        let stream = || -> Box<FaultTolerant> {
+            let watch = played.watch();
+            Box::new(
+                FaultTolerant::new(sensor, parameters, &played.settings, &watch).expect("sound"),
+            )
+        };
+        let mut watched = stream();
+        let mut answers = Vec::new();
+        let mut switch = None;
+        for (sample, row) in played.failed_v.iter().enumerate() {
+            let said = watched.push(row).expect("a row");
+            switch = switch.or(said.switched.map(|s| (sample, s)));
+            answers.push(said.answer);
+            assert!(said.suspected.is_empty() || said.switched.is_none());
+        }
+        let (when, switch) = switch.expect("it switches");
+        assert_eq!(watched.without(), LimbSet::EMPTY.with(limb));
+        assert!(switch.reaches_onset && switch.from_sample <= played.onset);
+        // Told in time: sound rows until the switch's first, then without the limb.
+        let mut told = stream();
+        for (sample, row) in played.sound_v.iter().enumerate() {
+            if sample as u64 == switch.from_sample {
+                told.do_without(LimbSet::EMPTY.with(limb))
+                    .expect("one limb");
+            }
+            let row = if told.without().is_empty() {
+                row
+            } else {
+                &played.failed_v[sample]
+            };
+            let expected = told.push(row).expect("a row").answer;
+            if sample >= when {
+                assert_eq!(answers[sample], expected, "sample {sample}");
+            }
+        }
+        let mut decoupler = Decoupler::new(sensor, parameters, &played.settings).expect("sound");
+        let (mut sound, mut nine) = (None, None);
+        let mut blind = decoupler.clone();
+        for (sound_row, failed_row) in played.sound_v.iter().zip(&played.failed_v) {
+            sound = decoupler.push(sound_row).expect("a row");
+            nine = blind.push(failed_row).expect("a row");
+        }
+        let last = answers.last().copied().flatten().expect("an answer");
+        let truth = played.truth[last.sample as usize].attitude;
+        let error = |answer: Option<sixaxis_core::SixAxis>| {
+            angle_rad(truth, answer.expect("an answer").attitude)
+        };
+        within(
+            &format!("attitude after limb {} died", limb + 1),
+            error(Some(last)),
+            tolerance::SURVIVED_RAD,
+        );
+        within(
+            "attitude without a failure",
+            error(sound),
+            tolerance::SURVIVED_RAD,
+        );
+        fails_clearly(
+            "attitude with the dead limb",
+            error(nine),
+            tolerance::SURVIVED_RAD,
+        );
+    }
 }

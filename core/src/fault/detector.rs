@@ -191,7 +191,9 @@ impl Detector {
     /// The window of that length as it was filled last or is being filled: what a test looked at.
     pub(super) fn rows_of(&self, test: Test) -> Moments {
         let place = WINDOWS.iter().position(|&n| n == test.samples());
-        place.map_or(Moments::default(), |place| self.windows[place].rows)
+        place
+            .and_then(|place| self.windows.get(place))
+            .map_or(Moments::default(), |window| window.rows)
     }
 
     /// Takes the whitened rows and the strains of a sample and makes the tests that are due.
@@ -214,14 +216,13 @@ impl Detector {
             }
         }
         let mut alarms = Alarms::default();
-        for (place, test) in TESTS.iter().enumerate() {
+        for ((test, &threshold), alarm) in TESTS.iter().zip(&self.thresholds).zip(&mut alarms.0) {
             if !self.is_due(*test) {
                 continue;
             }
             let statistic = self.statistic(*test, z, strain);
-            let threshold = self.thresholds[place];
             if statistic > threshold {
-                alarms.0[place] = Some(Alarm {
+                *alarm = Some(Alarm {
                     sample,
                     test: *test,
                     statistic,
@@ -238,17 +239,18 @@ impl Detector {
     }
 
     fn is_due(&self, test: Test) -> bool {
-        let window = WINDOWS.iter().position(|&n| n == test.samples());
-        window.is_none_or(|w| self.windows[w].rows.samples() == WINDOWS[w])
+        let mut windows = self.windows.iter().zip(WINDOWS);
+        let window = windows.find(|(_, length)| *length == test.samples());
+        window.is_none_or(|(window, length)| window.rows.samples() == length)
     }
 
     fn statistic(&self, test: Test, z: &[f64; ROWS], strain: &[f64; LIMBS]) -> f64 {
-        let Some(window) = WINDOWS.iter().position(|&n| n == test.samples()) else {
+        let mut windows = self.windows.iter().zip(WINDOWS);
+        let Some((window, _)) = windows.find(|(_, length)| *length == test.samples()) else {
             return self.weighted(z, |limb, errors| {
                 square(strain[limb] * errors.scale[limb]) + square(errors.drift[limb])
             });
         };
-        let window = &self.windows[window];
         let n = window.rows.samples() as f64;
         let [mean, slope] = window.rows.mean_and_slope();
         // Coefficients of a limb's strain in the same two shapes.

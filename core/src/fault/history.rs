@@ -48,7 +48,7 @@ impl History {
             let y = signal[limb];
             channel.sum += y;
             channel.square += y * y;
-            channel.with_size += y * size[CLASS_OF[limb]];
+            channel.with_size += y * size.get(CLASS_OF[limb]).copied().unwrap_or(0.0);
             if self.samples >= 4 {
                 let fourth = y - 4.0 * a[limb] + 6.0 * b[limb] - 4.0 * c[limb] + d[limb];
                 channel.rough += fourth * fourth / FOURTH;
@@ -66,10 +66,9 @@ impl History {
     #[must_use]
     pub fn roughness(&self, limb: usize) -> f64 {
         let n = self.samples.saturating_sub(4) as f64;
-        if n > 0.0 {
-            (self.channels[limb].rough - n) / sqrt(ROUGH_SPREAD * n)
-        } else {
-            0.0
+        match self.channels.get(limb) {
+            Some(channel) if n > 0.0 => (channel.rough - n) / sqrt(ROUGH_SPREAD * n),
+            _ => 0.0,
         }
     }
 }

@@ -98,23 +98,25 @@ pub fn judge(
     let fails = energy > n + MOVES * spread;
     // What no zero that jumps or drifts and no noise would look like: the load of a dead limb, in motion.
     let moves = energy - mean * mean - slope * slope > n + MOVES * spread
-        && history.lagged[class] > SMOOTH_COURSE * energy;
+        && history.lagged.get(class).copied().unwrap_or(0.0) > SMOOTH_COURSE * energy;
     let mut scale = [f64::NEG_INFINITY; 2];
     let mut fell = [None; 2];
     let mut open = false;
-    for (place, limb) in twins.indices().enumerate().take(2) {
-        let channel = &history.channels[limb];
+    for ((scale, fell), limb) in scale.iter_mut().zip(&mut fell).zip(twins.indices()) {
+        let Some(channel) = history.channels.get(limb) else {
+            continue;
+        };
         // Where the signal is little but noise, the failure's size, which has the same noise in it, goes along with it.
         if channel.square > LOUD * n {
             let gain = channel.with_size * channel.with_size / channel.square;
-            scale[place] = 0.5 * gain - cost;
-            best.offer(Kind::ScaleJump, scale[place]);
+            *scale = 0.5 * gain - cost;
+            best.offer(Kind::ScaleJump, *scale);
         }
         let own = channel.square - channel.sum * channel.sum / n;
         let at_zero = channel.square < n + STILL * spread;
         // A twin at rest is at its zero, too.
         let told = moves || twins.len() == 1;
-        fell[place] = if !fails {
+        *fell = if !fails {
             None
         } else if at_zero && told {
             Some(Kind::Dead)
@@ -125,7 +127,7 @@ pub fn judge(
             None
         };
         // The course is the limb's load: nothing of it is left to explain.
-        if let Some(kind) = fell[place] {
+        if let Some(kind) = *fell {
             best.offer(kind, 0.5 * energy);
         }
     }
@@ -142,7 +144,11 @@ pub fn judge(
                 },
                 Kind::ScaleJump => scale[0] - scale[1],
                 Kind::NoiseBurst => contrast(limb.map(|l| history.roughness(l)), ROUGH, SMOOTH),
-                Kind::Offset => contrast(limb.map(|l| steps[l]), STEPS, NO_STEP),
+                Kind::Offset => contrast(
+                    limb.map(|l| steps.get(l).copied().unwrap_or(0.0)),
+                    STEPS,
+                    NO_STEP,
+                ),
                 _ => 0.0,
             };
             if favour.abs() > TWIN {

@@ -11,7 +11,7 @@ use super::history::History;
 use super::isolation::{evidence, lead};
 use super::kind::judge;
 use super::moments::Moments;
-use super::noise::RowNoise;
+use super::noise::{RowNoise, dot};
 use super::step::Ring;
 use super::swap::{PAIRED, PAIRS, Swaps};
 use super::verdict::{Kind, Verdict};
@@ -20,7 +20,7 @@ use crate::geometry::{LIMBS, LIMBS_PER_NODE};
 use crate::kernel::constants::Constants;
 use crate::kernel::placement::OVERSTRAIN;
 use crate::parameters::Parameters;
-use crate::parity::{LimbSet, residual};
+use crate::parity::{LimbSet, Reconstruction, residual};
 use crate::settings::{Sensor, Settings};
 
 /// ln of the odds at which a class is named: ten thousand to one.
@@ -149,6 +149,12 @@ impl Monitor {
         &self.detector
     }
 
+    /// Samples taken, unreadable ones among them.
+    #[must_use]
+    pub const fn received(&self) -> u64 {
+        self.received
+    }
+
     /// Strains of nine voltages.
     #[must_use]
     pub fn strains(&self, voltage_v: &[f64; LIMBS]) -> [f64; LIMBS] {
@@ -160,6 +166,38 @@ impl Monitor {
     pub fn whitened(&self, voltage_v: &[f64; LIMBS]) -> [f64; 3] {
         let rows = residual(&self.strains(voltage_v), self.nu);
         self.detector.noise().whiten(&rows)
+    }
+
+    /// Nine voltages with those of failed limbs as the others have them.
+    pub(crate) fn mended(
+        &self,
+        voltage_v: &[f64; LIMBS],
+        without: &Reconstruction,
+        passes: usize,
+    ) -> [f64; LIMBS] {
+        let failed = without.failed();
+        if failed.is_empty() {
+            return *voltage_v;
+        }
+        let mut strain = self.strains(voltage_v);
+        for (limb, strain) in strain.iter_mut().enumerate() {
+            if failed.contains(limb) {
+                *strain = 0.0;
+            }
+        }
+        for _ in 0..passes {
+            let left = residual(&strain, self.nu);
+            for (strain, weights) in strain.iter_mut().zip(without.weights()) {
+                *strain += dot(weights, &left);
+            }
+        }
+        core::array::from_fn(|limb| {
+            if failed.contains(limb) {
+                (strain[limb] - self.strain_at_zero[limb]) / self.strain_per_v[limb]
+            } else {
+                voltage_v[limb]
+            }
+        })
     }
 
     fn strain(&self, limb: usize, voltage_v: f64) -> f64 {
@@ -315,18 +353,17 @@ impl Gathering {
         let since = evidence(noise, &self.rows);
         let mut scores = [0.0; CLASSES + PAIRS];
         // Of the window that alarmed, what channels exchanged back would have left is not known: a pair is as good as the best.
-        let (best_before, _) = lead(&self.before);
-        for class in 0..CLASSES {
-            scores[class] = self.before[class] + since[class];
-        }
-        for (score, pair) in scores[CLASSES..].iter_mut().zip(self.swaps.evidence()) {
-            *score = self.before[best_before] + pair;
+        let best_before = self.before.iter().copied().fold(0.0, f64::max);
+        let classes = self.before.iter().zip(since).map(|(a, b)| a + b);
+        let pairs = self.swaps.evidence().iter().map(|pair| best_before + pair);
+        for (score, value) in scores.iter_mut().zip(classes.chain(pairs)) {
+            *score = value;
         }
         let (best, margin) = lead(&scores);
         let over = self.rows.samples() >= self.last_look();
         if margin > CLASS {
-            if best >= CLASSES {
-                let [i, j] = PAIRED[best - CLASSES];
+            let pair = best.checked_sub(CLASSES).and_then(|pair| PAIRED.get(pair));
+            if let Some(&[i, j]) = pair {
                 let limbs = LimbSet::EMPTY.with(i).with(j);
                 let mut verdict = self.verdict(sample, limbs, Kind::Swapped, margin);
                 verdict.kind_ln_odds = margin;

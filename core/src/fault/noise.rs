@@ -98,21 +98,22 @@ impl RowNoise {
 
     /// Unit vector along which a failure of a class shows in z.
     #[must_use]
-    pub const fn direction(&self, class: usize) -> &[f64; ROWS] {
-        &self.direction[class]
+    pub fn direction(&self, class: usize) -> &[f64; ROWS] {
+        // Without a way to panic: a class that is none is the first.
+        self.direction.get(class).unwrap_or(&self.direction[0])
     }
 
     /// Length in z of a failure of unit strain: the inverse of the standard deviation to which one sample tells its size.
     #[must_use]
-    pub const fn length(&self, class: usize) -> f64 {
-        self.length[class]
+    pub fn length(&self, class: usize) -> f64 {
+        *self.length.get(class).unwrap_or(&self.length[0])
     }
 
     /// Size of a failure of a class, in strain, by generalised least squares from one whitened sample.
     #[inline]
     #[must_use]
     pub fn size(&self, class: usize, z: &[f64; ROWS]) -> f64 {
-        dot(&self.direction[class], z) / self.length[class]
+        dot(self.direction(class), z) / self.length(class)
     }
 
     /// W^T diag(variance) W in whitened units: what further errors of the channels add to the unit matrix.

@@ -41,7 +41,10 @@ impl Ring {
 
     fn at(&self, sample: u64, limb: usize) -> f64 {
         let place = (sample % KEPT as u64) as usize;
-        self.rows.get(place).map_or(0.0, |row| row[limb])
+        self.rows
+            .get(place)
+            .and_then(|row| row.get(limb).copied())
+            .unwrap_or(0.0)
     }
 
     /// The largest step of a channel, in standard deviations, that begins with one of the samples `from` to `to`.
