@@ -12,6 +12,7 @@ use sixaxis_core::uncertainty::{ChannelNoise, Covariance, SampleUncertainty};
 use sixaxis_core::{
     Decoupler, Gains, Geometry, LIMBS, RigidDecoupler, Scheme, Sensor, Settings, StaticResponse,
 };
+use sixaxis_props::faults::{FALSE_ALARMS_PER_HOUR, Scene};
 use sixaxis_props::manufactured::examples;
 use sixaxis_reference::paper;
 
@@ -63,6 +64,25 @@ fn inv_decoding_allocates_nothing() {
         assert_eq!(count, 4 * (SAMPLES - 2) + SAMPLES - 1, "samples decoded");
         assert_eq!(allocated.count_total, 0, "{}", scheme.name());
     }
+}
+
+/// Alarm, isolation, switch and the decoding anew among them.
+#[test]
+fn inv_a_dying_limb_allocates_nothing() {
+    let scene = Scene::random(1, 1.0);
+    let mut stream = scene.stream(FALSE_ALARMS_PER_HOUR);
+    let mut without = 0;
+    let allocated = measure(|| {
+        for sample in 0..SAMPLES as u64 {
+            let mut u = scene.voltage_v(sample);
+            if sample >= 300 {
+                u[4] = scene.parameters.zero_drift_v[4];
+            }
+            without = stream.push(&u).expect("a row").without.len();
+        }
+    });
+    assert_eq!(without, 1);
+    assert_eq!(allocated.count_total, 0);
 }
 
 #[test]

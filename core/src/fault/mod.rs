@@ -13,12 +13,14 @@
 //! | [`swap`] | evidence for each swapped pair |
 //! | [`history`], [`step`] | the course of the failure and of each channel |
 //! | [`kind`] | how, and which of two twins |
+//! | [`gathering`] | what is asked when, until class, kind and limb are known |
 //! | [`verdict`] | what is said of it |
 //! | [`monitor`] | all of it as a stream |
 
 pub mod chi_square;
 pub mod class;
 pub mod detector;
+pub mod gathering;
 pub mod history;
 pub mod isolation;
 pub mod kind;

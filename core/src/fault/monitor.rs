@@ -1,19 +1,14 @@
 //! The stream: nine voltages in, what is wrong out.
 //!
 //! Watching, an alarm of the [`Detector`] begins a gathering: sample by sample each class of limbs and each swapped pair is
-//! scored by the rows since, together with those of the window that alarmed, until one leads by [`CLASS`]; then each doubling of
+//! scored by the rows since, together with those of the window that alarmed, until one leads by [`super::gathering::CLASS`]; then each doubling of
 //! the samples is asked how the limb failed, until that is firm or no samples are left. What nobody leads is dismissed if it
 //! has faded, and said to be beyond one limb if not.
 
-use super::class::{CLASSES, members};
 use super::detector::{Alarm, CalibrationErrors, Detector};
-use super::history::History;
-use super::isolation::{evidence, lead};
-use super::kind::judge;
-use super::moments::Moments;
+use super::gathering::Gathering;
 use super::noise::{RowNoise, dot};
 use super::step::Ring;
-use super::swap::{PAIRED, PAIRS, Swaps};
 use super::verdict::{Kind, Verdict};
 use crate::error::Result;
 use crate::geometry::{LIMBS, LIMBS_PER_NODE};
@@ -23,14 +18,6 @@ use crate::parameters::Parameters;
 use crate::parity::{LimbSet, Reconstruction, residual};
 use crate::settings::{Sensor, Settings};
 
-/// ln of the odds at which a class is named: ten thousand to one.
-pub const CLASS: f64 = 9.2;
-/// Samples after the alarm before a kind is asked for, and until it must be said: the latter at least, and as many windows.
-const FIRST_LOOK: u64 = 32;
-const LAST_LOOK: u64 = 2048;
-const LAST_WINDOWS: u64 = 16;
-/// Samples after the alarm at which the channels' steps about it are looked at: a step wants 32 after it.
-const STEP_LOOK: u64 = FIRST_LOOK;
 /// Samples without any alarm after which a failure is over: two of the longest windows.
 pub const QUIET: u64 = 8192;
 
@@ -60,23 +47,6 @@ pub struct Watch {
     pub scale_sd: [f64; LIMBS],
     /// The same of each zero drift, V.
     pub zero_drift_sd_v: [f64; LIMBS],
-}
-
-#[derive(Debug, Clone, PartialEq)]
-struct Gathering {
-    alarm: Alarm,
-    before: [f64; CLASSES],
-    rows: Moments,
-    history: History,
-    swaps: Swaps,
-    steps: [f64; LIMBS],
-    found: Option<Found>,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Found {
-    class: usize,
-    ln_odds: f64,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -226,40 +196,16 @@ impl Monitor {
                 let mut alarm = self.detector.push(&z, &strain).first()?;
                 alarm.sample = sample;
                 let window = self.detector.rows_of(alarm.test);
-                self.state = State::Gathering(Gathering {
-                    alarm,
-                    before: if window.samples() > 0 {
-                        evidence(&noise, &window)
-                    } else {
-                        let mut one = Moments::default();
-                        one.push(&z);
-                        evidence(&noise, &one)
-                    },
-                    rows: Moments::default(),
-                    history: History::default(),
-                    swaps: Swaps::default(),
-                    steps: [0.0; LIMBS],
-                    found: None,
-                });
+                self.state = State::Gathering(Gathering::new(alarm, &noise, &window, &z));
                 Some(Event::Alarm(alarm))
             }
             State::Gathering(gathering) => {
                 let (slope, zero) = (&self.strain_per_v, &self.strain_at_zero);
-                gathering.rows.push(&z);
-                gathering.history.push(&noise, &z, &signal);
-                if gathering.found.is_none() {
-                    gathering.swaps.push(&noise, &z, &strain, |limb, channel| {
-                        slope[limb] * voltage_v[channel] + zero[limb]
-                    });
-                }
-                if gathering.rows.samples() == STEP_LOOK {
-                    let (from, to) = gathering.since();
-                    // A step within a window may show up to a sample beside it.
-                    gathering.steps = core::array::from_fn(|limb| {
-                        self.ring.largest_step(limb, from.saturating_sub(1), to + 1)
-                    });
-                }
-                let event = gathering.next(&noise, sample);
+                gathering.push(&noise, &z, &signal, &strain, |limb, channel| {
+                    slope[limb] * voltage_v[channel] + zero[limb]
+                });
+                gathering.look_for_steps(&self.ring);
+                let event = gathering.said(&noise, sample);
                 match &event {
                     Some(Event::Dismissed) => {
                         self.detector.restart();
@@ -316,99 +262,5 @@ impl Monitor {
             kind_ln_odds: f64::INFINITY,
             twin_ln_odds: f64::INFINITY,
         }))
-    }
-}
-
-impl Gathering {
-    /// First and last sample that the failure may have begun with, as the test that failed has it.
-    fn since(&self) -> (u64, u64) {
-        let alarm = &self.alarm;
-        (alarm.sample + 1 - alarm.test.samples(), alarm.sample)
-    }
-
-    fn last_look(&self) -> u64 {
-        (LAST_WINDOWS * self.alarm.test.samples()).max(LAST_LOOK)
-    }
-
-    fn verdict(&self, sample: u64, limbs: LimbSet, kind: Kind, class_ln_odds: f64) -> Verdict {
-        Verdict {
-            limbs,
-            kind,
-            since: self.since(),
-            said_at: sample,
-            class_ln_odds,
-            kind_ln_odds: 0.0,
-            twin_ln_odds: if limbs.len() == 1 { f64::INFINITY } else { 0.0 },
-        }
-    }
-
-    fn next(&mut self, noise: &RowNoise, sample: u64) -> Option<Event> {
-        match self.found {
-            None => self.isolate(noise, sample),
-            Some(found) => self.identify(noise, sample, found),
-        }
-    }
-
-    fn isolate(&mut self, noise: &RowNoise, sample: u64) -> Option<Event> {
-        let since = evidence(noise, &self.rows);
-        let mut scores = [0.0; CLASSES + PAIRS];
-        // Of the window that alarmed, what channels exchanged back would have left is not known: a pair is as good as the best.
-        let best_before = self.before.iter().copied().fold(0.0, f64::max);
-        let classes = self.before.iter().zip(since).map(|(a, b)| a + b);
-        let pairs = self.swaps.evidence().iter().map(|pair| best_before + pair);
-        for (score, value) in scores.iter_mut().zip(classes.chain(pairs)) {
-            *score = value;
-        }
-        let (best, margin) = lead(&scores);
-        let over = self.rows.samples() >= self.last_look();
-        if margin > CLASS {
-            let pair = best.checked_sub(CLASSES).and_then(|pair| PAIRED.get(pair));
-            if let Some(&[i, j]) = pair {
-                let limbs = LimbSet::EMPTY.with(i).with(j);
-                let mut verdict = self.verdict(sample, limbs, Kind::Swapped, margin);
-                verdict.kind_ln_odds = margin;
-                return Some(Event::Identified(verdict));
-            }
-            if self.explains(noise, best) {
-                self.found = Some(Found {
-                    class: best,
-                    ln_odds: margin,
-                });
-                let verdict = self.verdict(sample, members(best), Kind::Unknown, margin);
-                return Some(Event::Isolated(verdict));
-            }
-        }
-        if !over {
-            return None;
-        }
-        Some(if since.iter().any(|&score| score > CLASS) {
-            Event::Identified(self.verdict(sample, LimbSet::EMPTY, Kind::Unknown, 0.0))
-        } else {
-            Event::Dismissed
-        })
-    }
-
-    /// Whether what a class leaves of the rows is noise: chi-square of two degrees a sample.
-    fn explains(&self, noise: &RowNoise, class: usize) -> bool {
-        let left = self.rows.energy() - self.rows.energy_along(noise.direction(class));
-        let n = 2.0 * self.rows.samples() as f64;
-        // Five standard deviations, and room for the skewness of few.
-        left < n + 5.0 * crate::scalar::sqrt(2.0 * n) + 20.0
-    }
-
-    fn identify(&self, noise: &RowNoise, sample: u64, found: Found) -> Option<Event> {
-        let n = self.rows.samples();
-        let over = n >= self.last_look();
-        if n < FIRST_LOOK || !(n.is_power_of_two() || over) {
-            return None;
-        }
-        let judged = judge(noise, found.class, &self.rows, &self.history, &self.steps);
-        if !(judged.is_firm() || over) {
-            return None;
-        }
-        let mut verdict = self.verdict(sample, judged.limbs, judged.kind, found.ln_odds);
-        verdict.kind_ln_odds = judged.kind_ln_odds;
-        verdict.twin_ln_odds = judged.twin_ln_odds;
-        Some(Event::Identified(verdict))
     }
 }
