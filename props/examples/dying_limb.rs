@@ -26,6 +26,7 @@ struct Published {
     limb: usize,
     died_at_s: f64,
     isolated_after_samples: u64,
+    switched_after_samples: u64,
     verdict: String,
     threshold: f64,
     time_s: Vec<f64>,
@@ -46,7 +47,7 @@ fn run() -> Result<(), String> {
     let arguments = Arguments::given();
     let first = arguments.number("--first", REPORTED_FROM)?;
     let count = arguments.number("--count", 10)?;
-    let limb = arguments.number("--limb", 5)? as usize;
+    let limb = arguments.number("--limb", 7)? as usize;
     let histories: Vec<Published> = (first..first + count)
         .into_par_iter()
         .map(|seed| history(seed, limb))
@@ -54,10 +55,11 @@ fn run() -> Result<(), String> {
     for h in &histories {
         let last = |values: &[f64]| values.last().copied().unwrap_or(f64::NAN);
         println!(
-            "seed {}: {}, {} samples after; attitude's error at the end, rad: never failed {:.2e}, watched {:.2e}, all nine {:.2e}",
+            "seed {}: {}; class {} and switch {} samples after; attitude's error at the end, rad: never failed {:.3e}, watched {:.3e}, all nine {:.3e}",
             h.seed,
             h.verdict,
             h.isolated_after_samples,
+            h.switched_after_samples,
             last(&h.never_failed_rad),
             last(&h.watched_rad),
             last(&h.nine_rad)
@@ -91,12 +93,13 @@ fn history(seed: u64, limb: usize) -> Result<Published, String> {
         .map_err(|e| at(&e))?,
     );
     let (mut watched, mut squares) = (Vec::new(), Vec::new());
-    let (mut isolated, mut verdict) = (None, String::new());
+    let (mut isolated, mut switched, mut verdict) = (None, None, String::new());
     for (sample, row) in played.failed_v.iter().enumerate() {
         let z = stream.monitor().whitened(row);
         squares.push(z.iter().map(|x| x * x).sum::<f64>());
         let said = stream.push(row).map_err(|e| at(&e))?;
         watched.extend(said.answer);
+        switched = switched.or(said.switched.map(|_| sample as u64));
         match said.event {
             Some(Event::Isolated(_)) => isolated = isolated.or(Some(sample as u64)),
             Some(Event::Identified(v)) => verdict = v.to_string(),
@@ -109,6 +112,7 @@ fn history(seed: u64, limb: usize) -> Result<Published, String> {
         limb,
         died_at_s: DIES_AT_S,
         isolated_after_samples: isolated.ok_or(at(&"never isolated"))? - played.onset,
+        switched_after_samples: switched.ok_or(at(&"never switched"))? - played.onset,
         verdict,
         threshold: stream.monitor().detector().thresholds()[0],
         time_s: Vec::new(),

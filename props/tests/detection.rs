@@ -253,13 +253,14 @@ fn inv_noncentral_is_central_at_zero() {
 }
 
 /// A limb dies in mid-motion: from the verdict on, every answer is bit by bit that of a decoupler that was told to do without the
-/// limb before it died, and rate and attitude are as good as those of a sensor that never failed.
+/// limb before it died, and the attitude is that of a sensor that never failed but for noise.
 #[test]
 fn ref_after_the_verdict_no_trace_is_left() {
     use sixaxis_core::parity::LimbSet;
-    use sixaxis_core::{Decoupler, FaultTolerant};
+    use sixaxis_core::{Decoupler, FaultTolerant, SixAxis};
     use sixaxis_props::faults::dying::{Played, angle_rad};
-    for limb in [4, 6] {
+    // The torque of limbs 1, 5 and 9 is none: only of the others does the attitude depend.
+    for limb in [1, 6] {
         let played = Played::random(seed(), limb).expect("the simulation");
         let (sensor, parameters) = (&played.sensor, &played.parameters);
         let stream = || -> Box<FaultTolerant> {
@@ -304,25 +305,21 @@ fn ref_after_the_verdict_no_trace_is_left() {
             sound = decoupler.push(sound_row).expect("a row");
             nine = blind.push(failed_row).expect("a row");
         }
-        let last = answers.last().copied().flatten().expect("an answer");
-        let truth = played.truth[last.sample as usize].attitude;
-        let error = |answer: Option<sixaxis_core::SixAxis>| {
-            angle_rad(truth, answer.expect("an answer").attitude)
-        };
+        let attitude = |answer: Option<SixAxis>| answer.expect("an answer").attitude;
+        let never = attitude(sound);
+        let apart = |answer: Option<SixAxis>| angle_rad(never, attitude(answer));
+        let last = answers.last().copied().flatten();
         within(
             &format!("attitude after limb {} died", limb + 1),
-            error(Some(last)),
+            apart(last),
             tolerance::SURVIVED_RAD,
         );
+        assert!(apart(nine) > tolerance::DEAD_LIMB_RAD, "{}", apart(nine));
+        let truth = played.truth[last.expect("an answer").sample as usize].attitude;
         within(
-            "attitude without a failure",
-            error(sound),
-            tolerance::SURVIVED_RAD,
-        );
-        fails_clearly(
-            "attitude with the dead limb",
-            error(nine),
-            tolerance::SURVIVED_RAD,
+            &format!("attitude after limb {} died, from the truth", limb + 1),
+            angle_rad(truth, attitude(last)),
+            tolerance::NOISY_ATTITUDE_RAD,
         );
     }
 }
