@@ -10,7 +10,7 @@ use serde::Serialize;
 use sixaxis_calibration::calibration::Calibration;
 use sixaxis_calibration::session::SessionFile;
 use sixaxis_calibration::verdict::Grade;
-use sixaxis_core::{Decoupler, Scheme};
+use sixaxis_core::{Decoupler, Scheme, Settings};
 use sixaxis_recordings::{Channel, Sink};
 use sixaxis_reports::decoupling::conditioning::{Conditioning, Wishes, causal_delay_s};
 use sixaxis_reports::decoupling::integrator::Integrator;
@@ -20,6 +20,7 @@ use sixaxis_reports::decoupling::pipeline::Busy;
 use sixaxis_reports::decoupling::recording::Recording;
 use sixaxis_reports::decoupling::setup::{Said, Setup};
 use sixaxis_reports::decoupling::trust::doubt;
+use sixaxis_reports::decoupling::watching::{Watching, flags};
 use sixaxis_reports::decoupling::{closed, pipeline};
 use sixaxis_reports::pages;
 use sixaxis_reports::progress::Progress;
@@ -74,6 +75,12 @@ pub struct Arguments {
     /// Six more columns: one standard deviation of each acceleration, from the calibration's covariance and the channels' noise
     #[arg(long, conflicts_with = "close")]
     uncertainty: bool,
+    /// Watch the nine channels: name a limb that fails and go on without it. Two more columns say which
+    #[arg(long, conflicts_with_all = ["close", "uncertainty"])]
+    watch: bool,
+    /// Expected number of false alarms of --watch
+    #[arg(long, value_name = "NUMBER", default_value_t = 1.0, requires = "watch")]
+    false_alarms_per_hour: f64,
     /// Picture of the six accelerations: a page that needs no network
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
@@ -93,6 +100,11 @@ the last have no row, the first row is that of sample 1 (counted from 0), and `t
 --uncertainty adds sd_ax to sd_alpha_z, one standard deviation each, to first order: noise of the calibration and of this recording,
 gains of the standards. The attitude is integrated without a reference and its error grows; once it is some hundredths of a
 radian, the deviations are estimates of a size. Wedges are not in them, nor what --close would take off.
+
+--watch holds the three sums of limb forces that are zero in any motion to the noise and the uncertainty that the calibration
+states. A limb that fails is named with how and since when; rate and attitude go on as if it had not been there. `without_limbs`
+and `suspected_limbs` have the limbs' numbers as digits, 0 for none; rows with suspected limbs are not to be trusted. Limbs 2 and
+4, 3 and 7, 6 and 8 show alike: which of the two it is, forces alone do not say.
 
 A recording may be of any length: it passes through in blocks. Only --close holds the whole run in the memory, 2 million
 samples at most. A result appears whole or not at all: it is written to a neighbour named .NAME.PROCESS.part, which takes
@@ -167,7 +179,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         Columns::All
     };
     if streams {
-        return stream(arguments, setup, columns);
+        return stream(arguments, &calibration, setup, columns);
     }
     for note in &setup.notes {
         eprintln!("note: {note}");
@@ -270,6 +282,10 @@ fn file(
                 ..Channel::new(name, Some(unit))
             }));
     }
+    if let Some(watching) = watching(arguments, calibration, &setup, &settings)? {
+        decoding = decoding.with_watching(watching);
+        layout.channels.extend(flags(rate_hz));
+    }
     for (key, value) in [
         ("sixaxis_version", env!("CARGO_PKG_VERSION").to_owned()),
         ("recording", name_of(&arguments.recording)),
@@ -305,6 +321,7 @@ fn file(
         )?);
     }
     let mut warnings = recording.warnings();
+    warnings.extend(decoding.said());
     if decoding.rows == 0 {
         warnings.push(format!(
             "{}: {} samples; a row needs three, the result is empty",
@@ -371,7 +388,31 @@ fn facts(summary: &Summary) -> Vec<(String, String)> {
         .collect()
 }
 
-fn stream(arguments: &Arguments, setup: Setup, columns: Columns) -> Result<ExitCode> {
+fn watching(
+    arguments: &Arguments,
+    calibration: &Calibration,
+    setup: &Setup,
+    settings: &Settings,
+) -> Result<Option<Watching>> {
+    arguments
+        .watch
+        .then(|| {
+            Watching::new(
+                setup,
+                calibration,
+                settings,
+                arguments.false_alarms_per_hour,
+            )
+        })
+        .transpose()
+}
+
+fn stream(
+    arguments: &Arguments,
+    calibration: &Calibration,
+    setup: Setup,
+    columns: Columns,
+) -> Result<ExitCode> {
     refuse(&[
         (arguments.close, "--close, which needs the whole run,"),
         (arguments.uncertainty, "--uncertainty"),
@@ -408,6 +449,7 @@ fn stream(arguments: &Arguments, setup: Setup, columns: Columns) -> Result<ExitC
     let settings = setup.settings(rate_hz, arguments.scheme.scheme());
     let live = Live {
         conditioning: Conditioning::new(&wishes, rate_hz)?,
+        watching: watching(arguments, calibration, &setup, &settings)?,
         decoupler: Decoupler::new(&setup.sensor, &setup.parameters, &settings)
             .with_context(|| format!("{}", arguments.calibration.display()))?,
         columns,
