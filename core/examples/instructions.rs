@@ -13,8 +13,8 @@ use sixaxis_core::kernel::wide::LANES;
 use sixaxis_core::lanes::push_lanes;
 use sixaxis_core::pose::Pose;
 use sixaxis_core::{
-    Decoupler, Gains, Geometry, InertiaPerMass, LIMBS, Parameters, RigidDecoupler, Scheme, Sensor,
-    Settings,
+    Decoupler, Gains, Geometry, InertiaPerMass, LIMBS, LimbSet, Parameters, RigidDecoupler, Scheme,
+    Sensor, Settings,
 };
 
 /// Samples of one repetition: blocks of a record and chunks of lanes come out even after the first three.
@@ -45,6 +45,11 @@ fn parameters() -> Parameters {
     }
 }
 
+/// As many of limbs 1, 6 and 9, which can be done without together and cost the most accuracy.
+fn failed(limbs: usize) -> sixaxis_core::Result<LimbSet> {
+    LimbSet::from_numbers([1, 6, 9].into_iter().take(limbs))
+}
+
 /// Sines of 5 Hz: nobody's motion, but forces of the rig's size.
 fn rows() -> Vec<[f64; LIMBS]> {
     let phase = |i: usize| core::f64::consts::TAU * 5.0 * i as f64 / RATE_HZ;
@@ -61,7 +66,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
         for name in [
             "push/full/heun/f32",
+            "push/full/heun/without/1",
+            "push/full/heun/without/2",
+            "push/full/heun/without/3",
+            "push/rigid/heun/without/3",
+            "switch",
             "record",
+            "record/without/3",
+            "lanes/without/3",
             "record/portable",
             "lanes",
             "pose",
@@ -79,6 +91,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 fn run(name: &str, rows: &[[f64; LIMBS]]) -> Result<(), Box<dyn std::error::Error>> {
+    let (name, without) = match name.split_once("/without/") {
+        None => (name, LimbSet::EMPTY),
+        Some((name, limbs)) => (name, failed(limbs.parse()?)?),
+    };
     let scheme = name.rsplit('/').next();
     let scheme = SCHEMES.iter().find(|(s, _)| Some(*s) == scheme);
     let settings = Settings {
@@ -86,6 +102,7 @@ fn run(name: &str, rows: &[[f64; LIMBS]]) -> Result<(), Box<dyn std::error::Erro
         ..Settings::new(RATE_HZ)
     };
     let mut decoupler = Decoupler::new(&SENSOR, &parameters(), &settings)?;
+    decoupler.do_without(without)?;
     match name {
         "record" => decoupler.push_record(rows, &mut |done| {
             black_box(done);
@@ -104,6 +121,14 @@ fn run(name: &str, rows: &[[f64; LIMBS]]) -> Result<(), Box<dyn std::error::Erro
             for row in rows {
                 black_box(&single.push(black_box(&row.map(|u| u as f32)))?);
             }
+        }
+        "switch" => {
+            // In mid-stream, there and back.
+            decoupler.push_record(&rows[..8], &mut |_| {})?;
+            for i in 0..rows.len() {
+                decoupler.do_without(black_box(failed(3 * (i % 2))?))?;
+            }
+            black_box(decoupler);
         }
         "pose" => {
             for row in rows {
@@ -129,13 +154,14 @@ fn run(name: &str, rows: &[[f64; LIMBS]]) -> Result<(), Box<dyn std::error::Erro
             }
             black_box(step);
         }
-        name if name.starts_with("push/full/") && scheme.is_some() => {
+        name if name.starts_with("push/full/") => {
             for row in rows {
                 black_box(&decoupler.push(black_box(row))?);
             }
         }
-        name if name.starts_with("push/rigid/") && scheme.is_some() => {
+        name if name.starts_with("push/rigid/") => {
             let mut rigid = RigidDecoupler::new(&SENSOR, &parameters(), &settings)?;
+            rigid.do_without(without)?;
             for row in rows {
                 black_box(&rigid.push(black_box(row))?);
             }

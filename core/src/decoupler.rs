@@ -1,5 +1,7 @@
 //! Nine voltages in, six accelerations out: the whole of the paper's section 2.1 as a stream.
 
+mod switch_over;
+
 use glam::DVec3;
 
 use crate::error::{Error, Result};
@@ -8,12 +10,15 @@ use crate::kernel::attitude::{
     HALF_ANGLE_SQUARED_LIMIT, Quaternion, exp, exp_exactly, half_rotation,
 };
 use crate::kernel::constants::Constants;
+use crate::kernel::fill;
+use crate::kernel::heard::Heard;
 use crate::kernel::placement::{self, Placement, STRAIN_LIMIT};
 use crate::kernel::real::{Real, Scalar};
 use crate::kernel::shell::{self, Place, ShellMotion};
 use crate::kernel::spin::{Spin, Torques};
 use crate::kernel::vector::{Vec3, vec3};
 use crate::parameters::Parameters;
+use crate::parity::LimbSet;
 use crate::scheme::Scheme;
 use crate::settings::{Sensor, Settings};
 
@@ -55,11 +60,15 @@ impl<T: Scalar> SixAxis<T> {
 /// displacement of the mass to 1e-7 of itself, and second differences are taken of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Decoupler<T: Scalar = f64> {
+    /// With no strain of limbs that are done without.
     pub(crate) constants: Constants<T>,
+    pub(crate) heard: Heard<T>,
     pub(crate) state: State<T>,
     scheme: Scheme,
     start: Start<T>,
-    /// In full precision, for samples beyond the series.
+    /// The last two rows, at the parity of their samples: to be placed anew when limbs are done without.
+    recent: [[T; LIMBS]; 2],
+    /// Of all limbs and in full precision, for samples beyond the series.
     exact: Constants<f64>,
 }
 
@@ -141,6 +150,7 @@ impl<T: Scalar> Decoupler<T> {
         let zeros = Vec3::default();
         Ok(Self {
             constants,
+            heard: Heard::without(LimbSet::EMPTY)?,
             state: State {
                 received: 0,
                 before: Place::default(),
@@ -151,6 +161,7 @@ impl<T: Scalar> Decoupler<T> {
             },
             scheme: settings.scheme,
             start,
+            recent: [[T::default(); LIMBS]; 2],
             exact,
         })
     }
@@ -161,15 +172,17 @@ impl<T: Scalar> Decoupler<T> {
     /// [`Error::NotFinite`] and [`Error::Overstrained`] name channel and sample; [`Error::LimbsDoNotMeet`] and
     /// [`Error::NotConverged`] for forces that no assembled sensor can carry; [`Error::Overflow`] for a rate whose answer
     /// is not a finite number. The decoupler is unchanged by a refused sample: a rate that has run away is refused for good.
-    #[inline]
+    // Always: left to itself the compiler calls it, and the answer goes by memory.
+    #[inline(always)]
     pub fn push(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<SixAxis<T>>> {
-        let mut after = placement::by_series(&self.constants, *voltage_v);
+        let mut after = self.place(voltage_v);
         // Written so that NaN goes the long way, too, where its channel is named.
         let in_range = after.strain_squares <= T::from_f64(STRAIN_LIMIT * STRAIN_LIMIT);
         if !in_range {
-            after = self.place_exactly(voltage_v)?;
+            after = self.place_exactly(voltage_v, self.state.received)?;
         }
         if self.state.received < 2 {
+            self.remember(voltage_v);
             let state = &mut self.state;
             state.received += 1;
             state.before = state.now.place();
@@ -177,7 +190,7 @@ impl<T: Scalar> Decoupler<T> {
             return Ok(None);
         }
         if self.state.received == 2 {
-            return self.first(&after);
+            return self.first(&after, voltage_v);
         }
         let now = &self.state.now;
         let torques = Torques {
@@ -198,12 +211,44 @@ impl<T: Scalar> Decoupler<T> {
         }
         let attitude = self.state.attitude.after(turn);
         self.state.spin.take(self.scheme, step);
+        self.remember(voltage_v);
         Ok(Some(self.advance(after, motion, attitude)))
+    }
+
+    #[inline(always)]
+    fn place(&self, voltage_v: &[T; LIMBS]) -> Placement<T> {
+        if self.heard.all() {
+            placement::by_series(&self.constants, *voltage_v)
+        } else {
+            let heard = self.heard.voltages(voltage_v);
+            self.heard.fill.by_series(&self.constants, heard)
+        }
+    }
+
+    /// Keeps the row of the sample that is being received.
+    #[inline(always)]
+    fn remember(&mut self, voltage_v: &[T; LIMBS]) {
+        self.recent[(self.state.received & 1) as usize] = *voltage_v;
+    }
+
+    /// Keeps the last two of the rows that came to `received` in one piece.
+    pub(crate) fn remember_last(&mut self, rows: &[[T; LIMBS]]) {
+        for (sample, row) in (0..self.state.received)
+            .rev()
+            .zip(rows.iter().rev())
+            .take(2)
+        {
+            self.recent[(sample & 1) as usize] = *row;
+        }
     }
 
     /// The first decoupled sample, where rate and attitude are given.
     #[cold]
-    fn first(&mut self, after: &Placement<T>) -> Result<Option<SixAxis<T>>> {
+    fn first(
+        &mut self,
+        after: &Placement<T>,
+        voltage_v: &[T; LIMBS],
+    ) -> Result<Option<SixAxis<T>>> {
         let constants = &self.constants;
         let now = &self.state.now;
         let w_r = shell::relative_rate(&self.state.before, &now.place(), &after.place());
@@ -215,6 +260,7 @@ impl<T: Scalar> Decoupler<T> {
         let motion = self.motion(after, spin.rate, spin.derivative);
         self.refuse_overflow(&motion)?;
         self.state.spin = spin;
+        self.remember(voltage_v);
         Ok(Some(self.advance(*after, motion, self.start.attitude)))
     }
 
@@ -253,12 +299,15 @@ impl<T: Scalar> Decoupler<T> {
     /// A sample beyond the series, or one that is not a number.
     #[cold]
     #[inline(never)]
-    fn place_exactly(&self, voltage_v: &[T; LIMBS]) -> Result<Placement<T>> {
-        let placed = placement::exactly(
-            &self.exact,
-            &voltage_v.map(T::to_f64),
-            self.state.received as usize,
-        )?;
+    fn place_exactly(&self, voltage_v: &[T; LIMBS], sample: u64) -> Result<Placement<T>> {
+        let heard = self.heard.exact_voltages(voltage_v);
+        let sample = sample as usize;
+        let placed = if self.heard.all() {
+            placement::exactly(&self.exact, &heard, sample)
+        } else {
+            let without = self.exact.without(self.failed());
+            fill::exactly(&without, &self.heard.reconstruction, &heard, sample)
+        }?;
         Ok(placed.map(T::from_f64))
     }
 

@@ -5,8 +5,7 @@
 //! and decodes the rows since anew, without the limb. What was answered in between stays as it was; what comes after carries no
 //! trace.
 //!
-//! To do without limbs is to put in their place what the others say of them: with the strains of [`Reconstruction`] the nine
-//! are a pose's, and the decoupler's sums over nine limbs are least squares over the others.
+//! How a decoupler does without limbs is [`Decoupler::do_without`].
 //!
 //! Of two twins neither can be done without as long as it is open which has failed, and both together never
 //! ([`crate::parity::reconstruction`]): such answers go on from all nine and are marked.
@@ -16,14 +15,11 @@ use crate::error::Result;
 use crate::fault::{Event, Kind, Monitor, Verdict, Watch};
 use crate::geometry::LIMBS;
 use crate::parameters::Parameters;
-use crate::parity::{LimbSet, Reconstruction};
+use crate::parity::LimbSet;
 use crate::settings::{Sensor, Settings};
 
 /// Rows kept unless said otherwise: the longest window, and as much again.
 pub const ROWS_KEPT: usize = 8192;
-
-/// Times that the rows are made zero by the failed strains: to first order, and twice to the curvature's.
-const PASSES: usize = 3;
 
 /// What has become of one row.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,7 +54,6 @@ pub struct FaultTolerant<const N: usize = ROWS_KEPT> {
     /// As it was, the older first; half of the rows apart.
     before: [Decoupler; 2],
     rows: [[f64; LIMBS]; N],
-    without: Reconstruction,
     suspected: LimbSet,
 }
 
@@ -85,7 +80,6 @@ impl<const N: usize> FaultTolerant<N> {
             before: [decoupler.clone(), decoupler.clone()],
             decoupler,
             rows: [[0.0; LIMBS]; N],
-            without: Reconstruction::new(LimbSet::EMPTY)?,
             suspected: LimbSet::EMPTY,
         })
     }
@@ -98,8 +92,8 @@ impl<const N: usize> FaultTolerant<N> {
 
     /// The limbs that are done without.
     #[must_use]
-    pub const fn without(&self) -> LimbSet {
-        self.without.failed()
+    pub fn without(&self) -> LimbSet {
+        self.decoupler.failed()
     }
 
     /// Takes the next nine voltages.
@@ -127,10 +121,10 @@ impl<const N: usize> FaultTolerant<N> {
                 }
                 Err(_) => {
                     self.suspected = limbs;
-                    self.decode(voltage_v)?
+                    self.decoupler.push(voltage_v)?
                 }
             },
-            None => self.decode(voltage_v)?,
+            None => self.decoupler.push(voltage_v)?,
         };
         Ok(Watched {
             answer,
@@ -144,17 +138,12 @@ impl<const N: usize> FaultTolerant<N> {
     /// Takes limbs back, or gives them up, by the caller's own knowledge, from the next row on.
     ///
     /// # Errors
-    /// Those of [`Reconstruction::new`].
+    /// Those of [`Decoupler::do_without`].
     pub fn do_without(&mut self, limbs: LimbSet) -> Result<()> {
-        self.without = Reconstruction::new(limbs)?;
+        self.decoupler.do_without(limbs)?;
         self.suspected = LimbSet::EMPTY;
         self.before = [self.decoupler.clone(), self.decoupler.clone()];
         Ok(())
-    }
-
-    fn decode(&mut self, voltage_v: &[f64; LIMBS]) -> Result<Option<SixAxis>> {
-        let mended = self.monitor.mended(voltage_v, &self.without, PASSES);
-        self.decoupler.push(&mended)
     }
 
     fn keep(&mut self, sample: u64, voltage_v: &[f64; LIMBS]) {
@@ -227,15 +216,14 @@ impl<const N: usize> FaultTolerant<N> {
             }
         };
         let from_sample = decoupler.received();
-        let without = Reconstruction::new(limbs)?;
+        decoupler.do_without(limbs)?;
         let start = decoupler.clone();
         let mut answer = None;
         for at in from_sample..=sample {
             if let Some(row) = self.rows.get((at % N as u64) as usize) {
-                answer = decoupler.push(&self.monitor.mended(row, &without, PASSES))?;
+                answer = decoupler.push(row)?;
             }
         }
-        self.without = without;
         self.before = [start.clone(), start];
         self.decoupler = decoupler;
         Ok((

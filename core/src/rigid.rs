@@ -11,12 +11,14 @@ use crate::kernel::attitude::{
     HALF_ANGLE_SQUARED_LIMIT, Quaternion, exp, exp_exactly, half_rotation,
 };
 use crate::kernel::constants::Constants;
+use crate::kernel::heard::Heard;
 use crate::kernel::placement::{self, OVERSTRAIN, RigidLoad};
 use crate::kernel::real::Scalar;
 use crate::kernel::shell::ShellMotion;
 use crate::kernel::spin::{Spin, Torques};
 use crate::kernel::vector::Vec3;
 use crate::parameters::Parameters;
+use crate::parity::LimbSet;
 use crate::scheme::Scheme;
 use crate::settings::{Sensor, Settings};
 
@@ -26,7 +28,13 @@ use crate::settings::{Sensor, Settings};
 /// decoupled when its successor arrives; only the last sample of a stream yields nothing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RigidDecoupler<T: Scalar = f64> {
+    /// With no strain of limbs that are done without.
     constants: Constants<T>,
+    heard: Heard<T>,
+    /// Of all limbs.
+    all: Constants<T>,
+    /// The last row: to be worked on anew when limbs are done without.
+    last: [T; LIMBS],
     scheme: Scheme,
     start: Start<T>,
     received: u64,
@@ -64,6 +72,9 @@ impl<T: Scalar> RigidDecoupler<T> {
         Ok(Self {
             spin: Spin::start(constants.gyroscopic, zeros, zeros),
             constants,
+            heard: Heard::without(LimbSet::EMPTY)?,
+            all: constants,
+            last: [T::default(); LIMBS],
             scheme: settings.scheme,
             start,
             received: 0,
@@ -80,13 +91,9 @@ impl<T: Scalar> RigidDecoupler<T> {
     /// answer is not a finite number. The decoupler is unchanged by a refused sample.
     #[inline]
     pub fn push(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<SixAxis<T>>> {
-        let after = placement::rigid(&self.constants, *voltage_v);
-        let in_range = after.strain_squares < T::from_f64(OVERSTRAIN * OVERSTRAIN);
-        if !in_range {
-            self.refuse(voltage_v)?;
-        }
+        let after = self.load(voltage_v, self.received)?;
         if self.received < 2 {
-            return self.first(after);
+            return self.first(after, voltage_v);
         }
         let torques = Torques {
             now: self.now.torque,
@@ -105,7 +112,62 @@ impl<T: Scalar> RigidDecoupler<T> {
         }
         self.spin.take(self.scheme, step);
         let attitude = self.attitude.after(turn);
+        self.last = *voltage_v;
         Ok(Some(self.advance(after, motion, attitude)))
+    }
+
+    /// From now on without these limbs: their channels are not looked at, whatever they say. [`LimbSet::EMPTY`] takes all
+    /// back.
+    ///
+    /// May be called at any time. In mid-stream the last sample, of which nothing has entered the rate yet, is worked on
+    /// anew, so that a channel that failed there leaves no trace. Allocates nothing.
+    ///
+    /// # Errors
+    /// As [`crate::Decoupler::do_without`]; the decoupler is then unchanged.
+    #[cold]
+    #[inline(never)]
+    pub fn do_without(&mut self, failed: LimbSet) -> Result<()> {
+        let mut switched = self.clone();
+        switched.heard = Heard::without(failed)?;
+        switched.constants = self.all.map(T::to_f64).without(failed).rounded();
+        if self.received >= 1 {
+            switched.now = switched.load(&self.last, self.received - 1)?;
+            let torque = switched.now.torque - self.now.torque;
+            let g = switched.constants.gyroscopic;
+            switched.spin.change_next_torque(self.scheme, g, torque);
+        }
+        *self = switched;
+        Ok(())
+    }
+
+    /// [`RigidDecoupler::do_without`] before the first sample.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn without(mut self, failed: LimbSet) -> Result<Self> {
+        self.do_without(failed)?;
+        Ok(self)
+    }
+
+    /// The limbs that are done without.
+    #[must_use]
+    pub fn failed(&self) -> LimbSet {
+        self.heard.failed()
+    }
+
+    #[inline(always)]
+    fn load(&self, voltage_v: &[T; LIMBS], sample: u64) -> Result<RigidLoad<T>> {
+        let load = if self.heard.all() {
+            placement::rigid(&self.constants, *voltage_v)
+        } else {
+            let heard = self.heard.voltages(voltage_v);
+            self.heard.fill.rigid(&self.constants, heard)
+        };
+        let in_range = load.strain_squares < T::from_f64(OVERSTRAIN * OVERSTRAIN);
+        if !in_range {
+            self.refuse(voltage_v, sample)?;
+        }
+        Ok(load)
     }
 
     #[inline(always)]
@@ -118,8 +180,9 @@ impl<T: Scalar> RigidDecoupler<T> {
     }
 
     #[cold]
-    fn first(&mut self, after: RigidLoad<T>) -> Result<Option<SixAxis<T>>> {
+    fn first(&mut self, after: RigidLoad<T>, voltage_v: &[T; LIMBS]) -> Result<Option<SixAxis<T>>> {
         if self.received == 0 {
+            self.last = *voltage_v;
             self.received = 1;
             self.now = after;
             return Ok(None);
@@ -129,6 +192,7 @@ impl<T: Scalar> RigidDecoupler<T> {
         let motion = self.motion(spin.rate, spin.derivative);
         self.refuse_overflow(&motion)?;
         self.spin = spin;
+        self.last = *voltage_v;
         Ok(Some(self.advance(after, motion, self.start.attitude)))
     }
 
@@ -150,13 +214,10 @@ impl<T: Scalar> RigidDecoupler<T> {
 
     #[cold]
     #[inline(never)]
-    fn refuse(&self, voltage_v: &[T; LIMBS]) -> Result<()> {
+    fn refuse(&self, voltage_v: &[T; LIMBS], sample: u64) -> Result<()> {
         let constants = self.constants.map(T::to_f64);
-        placement::refuse(
-            &constants,
-            &voltage_v.map(T::to_f64),
-            self.received as usize,
-        )
+        let heard = self.heard.exact_voltages(voltage_v);
+        placement::refuse(&constants, &heard, sample as usize)
     }
 
     #[cold]

@@ -10,7 +10,8 @@ use sixaxis_core::kernel::wide::LANES;
 use sixaxis_core::lanes::push_lanes;
 use sixaxis_core::uncertainty::{ChannelNoise, Covariance, SampleUncertainty};
 use sixaxis_core::{
-    Decoupler, Gains, Geometry, LIMBS, RigidDecoupler, Scheme, Sensor, Settings, StaticResponse,
+    Decoupler, Gains, Geometry, LIMBS, LimbSet, RigidDecoupler, Scheme, Sensor, Settings,
+    StaticResponse,
 };
 use sixaxis_props::faults::{FALSE_ALARMS_PER_HOUR, Scene};
 use sixaxis_props::manufactured::examples;
@@ -82,6 +83,52 @@ fn inv_a_dying_limb_allocates_nothing() {
         }
     });
     assert_eq!(without, 1);
+    assert_eq!(allocated.count_total, 0);
+}
+
+/// Without limbs, and from one set to another in mid-stream.
+#[test]
+fn inv_switching_over_allocates_nothing() {
+    let motion = examples::turning();
+    let gains = Gains::uniform(1.0);
+    let rows: Vec<[f64; LIMBS]> = (0..SAMPLES)
+        .map(|i| motion.voltage_v(&gains.gain_n_per_v, &motion.at(i as f64 / RATE_HZ)))
+        .collect();
+    let sensor = Sensor {
+        geometry: motion.geometry,
+        gains,
+    };
+    let settings = Settings {
+        static_response: StaticResponse::Full,
+        ..Settings::new(RATE_HZ)
+    };
+    let sets = [&[][..], &[2], &[], &[1, 9], &[1, 6, 9]]
+        .map(|numbers| LimbSet::from_numbers(numbers.iter().copied()).expect("limbs"));
+    let twins = LimbSet::from_numbers([3, 7]).expect("limbs");
+    let mut stream = Decoupler::new(&sensor, &motion.parameters, &settings).expect("sound");
+    let mut rigid = RigidDecoupler::new(&sensor, &motion.parameters, &settings).expect("sound");
+    let mut record = stream.clone();
+    let mut count = 0;
+    // Finds out once what the processor can do, which may take memory.
+    record
+        .clone()
+        .push_record(&rows[..9], &mut |_| {})
+        .expect("sound");
+    let allocated = measure(|| {
+        for (i, row) in rows.iter().enumerate() {
+            stream.do_without(sets[i % 5]).expect("survivable");
+            rigid.do_without(sets[i % 5]).expect("survivable");
+            count += usize::from(stream.push(row).expect("sound").is_some());
+            count += usize::from(rigid.push(row).expect("sound").is_some());
+            count += usize::from(stream.do_without(twins).is_err());
+        }
+        for (piece, set) in rows.chunks(SAMPLES / 5).zip(sets) {
+            record.do_without(set).expect("survivable");
+            let mut sink = |done: &[_]| count += black_box(done).len();
+            record.push_record(piece, &mut sink).expect("sound");
+        }
+    });
+    assert_eq!(count, 2 * (SAMPLES - 2) + SAMPLES - 1 + SAMPLES, "answers");
     assert_eq!(allocated.count_total, 0);
 }
 

@@ -10,7 +10,7 @@ use core::hint::black_box;
 use core::panic::PanicInfo;
 use core::ptr::addr_of_mut;
 
-use sixaxis_core::{Decoupler, RigidDecoupler};
+use sixaxis_core::{Decoupler, LimbSet, RigidDecoupler};
 
 unsafe extern "C" {
     fn a_panic_can_be_reached() -> !;
@@ -20,6 +20,23 @@ unsafe extern "C" {
 fn panic(_: &PanicInfo) -> ! {
     // SAFETY: never linked; see above.
     unsafe { a_panic_can_be_reached() }
+}
+
+/// Copies of whole decouplers are calls of it, and there is no C library to have it from.
+///
+/// # Safety
+/// As in C.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn memcpy(to: *mut u8, from: *const u8, bytes: usize) -> *mut u8 {
+    // SAFETY: the caller's promise.
+    unsafe {
+        core::arch::asm!(
+            "rep movsb",
+            inout("rcx") bytes => _, inout("rdi") to => _, inout("rsi") from => _,
+            options(nostack, preserves_flags)
+        );
+    }
+    to
 }
 
 /// Somebody else has prepared the decouplers and left them here; preparing may refuse, but that is not at stake.
@@ -43,6 +60,11 @@ pub extern "C" fn _start() -> ! {
             black_box(single.push(&row_single)).ok();
             black_box(rigid.push(&row)).ok();
             black_box(rigid_single.push(&row_single)).ok();
+            let failed = black_box(LimbSet::EMPTY);
+            black_box(double.do_without(failed)).ok();
+            black_box(single.do_without(failed)).ok();
+            black_box(rigid.do_without(failed)).ok();
+            black_box(rigid_single.do_without(failed)).ok();
             if cfg!(feature = "panicking") {
                 assert!(black_box(row[0]) == 0.0, "the check must see this");
             }

@@ -7,7 +7,7 @@
 
 use super::detector::{Alarm, CalibrationErrors, Detector};
 use super::gathering::Gathering;
-use super::noise::{RowNoise, dot};
+use super::noise::RowNoise;
 use super::step::Ring;
 use super::verdict::{Kind, Verdict};
 use crate::error::Result;
@@ -15,7 +15,7 @@ use crate::geometry::{LIMBS, LIMBS_PER_NODE};
 use crate::kernel::constants::Constants;
 use crate::kernel::placement::OVERSTRAIN;
 use crate::parameters::Parameters;
-use crate::parity::{LimbSet, Reconstruction, residual};
+use crate::parity::{LimbSet, residual};
 use crate::settings::{Sensor, Settings};
 
 /// Samples without any alarm after which a failure is over: two of the longest windows.
@@ -136,38 +136,6 @@ impl Monitor {
     pub fn whitened(&self, voltage_v: &[f64; LIMBS]) -> [f64; 3] {
         let rows = residual(&self.strains(voltage_v), self.nu);
         self.detector.noise().whiten(&rows)
-    }
-
-    /// Nine voltages with those of failed limbs as the others have them.
-    pub(crate) fn mended(
-        &self,
-        voltage_v: &[f64; LIMBS],
-        without: &Reconstruction,
-        passes: usize,
-    ) -> [f64; LIMBS] {
-        let failed = without.failed();
-        if failed.is_empty() {
-            return *voltage_v;
-        }
-        let mut strain = self.strains(voltage_v);
-        for (limb, strain) in strain.iter_mut().enumerate() {
-            if failed.contains(limb) {
-                *strain = 0.0;
-            }
-        }
-        for _ in 0..passes {
-            let left = residual(&strain, self.nu);
-            for (strain, weights) in strain.iter_mut().zip(without.weights()) {
-                *strain += dot(weights, &left);
-            }
-        }
-        core::array::from_fn(|limb| {
-            if failed.contains(limb) {
-                (strain[limb] - self.strain_at_zero[limb]) / self.strain_per_v[limb]
-            } else {
-                voltage_v[limb]
-            }
-        })
     }
 
     fn strain(&self, limb: usize, voltage_v: f64) -> f64 {

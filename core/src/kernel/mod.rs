@@ -22,6 +22,8 @@
 
 pub mod attitude;
 pub mod constants;
+pub mod fill;
+pub mod heard;
 pub mod parity;
 pub mod placement;
 pub mod real;

@@ -9,7 +9,8 @@
 //! rho_3 = xi_5 + xi_6 + xi_8 + xi_9 - nu (phi_z^2 + (phi_x + phi_y)^2/2),
 //! ```
 //!
-//! is zero to third order for any pose; the third order of the rotation is a cross product once more and drops out, too.
+//! is zero to third order for any pose; the third order of the rotation is a cross product once more and drops out, too, so
+//! with phi to second order the rows are zero to fourth.
 
 use super::placement::{Limbs, linear_rotation, nodes, shell_axes};
 use super::real::Real;
@@ -32,10 +33,51 @@ pub fn curvature<T: Real>(phi: Vec3<T>, nu: T) -> Vec3<T> {
     pair.by_plus(half, phi.by(phi)).times(nu)
 }
 
-/// What the rows leave of nine strains.
+/// What the rows leave of nine strains, to second order.
 #[inline(always)]
 pub fn residual<T: Real>(strain: Limbs<T>, nu: T, inverse_nu: T) -> Vec3<T> {
     let (displacement, _, _) = nodes(strain);
     let phi = linear_rotation(shell_axes(displacement), inverse_nu);
     sums(displacement) - curvature(phi, nu)
+}
+
+/// The two halves of the rows, in the order 1, 3, 2 in which they fall out of limbs side by side: x1 + x4 and x2 + x5 of the
+/// first. To first order their sum is nothing, and their difference 2 nu (phi_x, phi_z, phi_y).
+#[inline(always)]
+pub fn halves<T: Real>(along: Limbs<T>) -> [Vec3<T>; 2] {
+    let [first, second, third] = along.map(|limbs| limbs + limbs.cycled());
+    [
+        Vec3::diagonal([first, second, third]),
+        Vec3::diagonal([second, third, first]),
+    ]
+}
+
+/// -2 times the second order alone of what the rows leave, in the order 1, 3, 2, from the strains and the difference of their
+/// halves.
+///
+/// What xi has beside x is -(S - x^2)/2; over a row's four limbs that is half of S at both nodes and of the squares of the two
+/// other limbs there.
+#[inline(always)]
+pub fn second_order<T: Real>(strain: Limbs<T>, difference: Vec3<T>, inverse_nu: T) -> Vec3<T> {
+    let square = strain.map(|x| x.by(x));
+    let at_node = square[0] + square[1] + square[2];
+    let [first, second, third] = square.map(|limbs| {
+        let with = at_node + limbs;
+        with + with.cycled()
+    });
+    let twice = Vec3::diagonal([third, first, second]);
+    twice + curvature(difference, inverse_nu * inverse_nu.like(0.5))
+}
+
+/// What the rows leave of the nodes' displacements along their limbs, to third order, in the order 1, 3, 2.
+///
+/// To second order the difference of the halves is 2 nu phi_x + nu (phi_y^2 - phi_z^2)/2 and so on.
+#[inline(always)]
+pub fn left<T: Real>(displacement: Limbs<T>, inverse_nu: T) -> Vec3<T> {
+    let [a, b] = halves(displacement);
+    let difference = a - b;
+    let square = difference.by(difference).cycled();
+    let turned =
+        (square - square.cycled()).times_plus(inverse_nu * inverse_nu.like(0.125), difference);
+    a + b - curvature(turned, inverse_nu * inverse_nu.like(0.25))
 }

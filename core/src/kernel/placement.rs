@@ -112,8 +112,8 @@ pub(super) fn shell_axes<T: Real>(along: Limbs<T>) -> [Vec3<T>; NODES] {
 
 /// Strains of the nine limbs.
 #[inline(always)]
-fn limb_strains<T: Real>(constants: &Constants<T>, voltage_v: [T; LIMBS]) -> Limbs<T> {
-    let [u, v, w] = limb_by_limb(voltage_v);
+pub(super) fn limb_strains<T: Real>(constants: &Constants<T>, voltage_v: Limbs<T>) -> Limbs<T> {
+    let [u, v, w] = voltage_v;
     let (slope, at_zero) = (&constants.strain_per_v, &constants.strain_at_zero);
     [
         u.by_plus(slope[0], at_zero[0]),
@@ -155,7 +155,18 @@ pub(super) fn linear_rotation<T: Real>(displacement: [Vec3<T>; NODES], inverse_n
 /// Places the mass by the series; good while `strain_squares` is at most the square of [`STRAIN_LIMIT`].
 #[inline(always)]
 pub fn by_series<T: Real>(constants: &Constants<T>, voltage_v: [T; LIMBS]) -> Placement<T> {
-    let (displacement, force, squares) = nodes(limb_strains(constants, voltage_v));
+    let (displacement, force, squares) = nodes(limb_strains(constants, limb_by_limb(voltage_v)));
+    by_nodes(constants, displacement, force, squares)
+}
+
+/// The rest of the way: from displacements of and forces on the nodes along their limbs, and the squared strains there.
+#[inline(always)]
+pub(super) fn by_nodes<T: Real>(
+    constants: &Constants<T>,
+    displacement: Limbs<T>,
+    force: Limbs<T>,
+    squares: Vec3<T>,
+) -> Placement<T> {
     let displacement = shell_axes(displacement);
     let force = shell_axes(force);
     let strain_squares = squares.sum();
@@ -209,19 +220,29 @@ pub fn exactly(
     voltage_v: &[f64; LIMBS],
     sample: usize,
 ) -> Result<Placement<f64>> {
+    refuse(constants, voltage_v, sample)?;
+    exactly_by_strains(constants, &strains(constants, voltage_v))
+}
+
+/// The rest of the way.
+///
+/// # Errors
+/// Those of [`Pose::from_elongations`].
+pub(super) fn exactly_by_strains(
+    constants: &Constants<f64>,
+    x: &[f64; LIMBS],
+) -> Result<Placement<f64>> {
     let nu = constants.nu;
     let geometry = Geometry {
         limb_length_m: 1.0,
         half_edge_m: nu,
     };
-    let x = strains(constants, voltage_v);
-    refuse(constants, voltage_v, sample)?;
-    let pose = Pose::from_elongations(&geometry, &x)?;
+    let pose = Pose::from_elongations(&geometry, x)?;
     let back = pose.rotation_matrix().transpose();
     let mut force = DVec3::ZERO;
     let mut torque = DVec3::ZERO;
     for n in 0..NODES {
-        let p = node_displacement(&geometry, &x, n)?;
+        let p = node_displacement(&geometry, x, n)?;
         let mut at_node = DVec3::ZERO;
         for limb in n * LIMBS_PER_NODE..(n + 1) * LIMBS_PER_NODE {
             at_node += (DIRECTIONS_SHELL[limb] + p) * (x[limb] / (1.0 + x[limb]));
@@ -239,7 +260,7 @@ pub fn exactly(
     })
 }
 
-fn strains(constants: &Constants<f64>, voltage_v: &[f64; LIMBS]) -> [f64; LIMBS] {
+pub(super) fn strains(constants: &Constants<f64>, voltage_v: &[f64; LIMBS]) -> [f64; LIMBS] {
     core::array::from_fn(|i| constants.strain(i, voltage_v[i]))
 }
 
@@ -283,7 +304,16 @@ pub struct RigidLoad<T: Real> {
 /// The right sides of (12) and (15).
 #[inline(always)]
 pub fn rigid<T: Real>(constants: &Constants<T>, voltage_v: [T; LIMBS]) -> RigidLoad<T> {
-    let force = shell_axes(limb_strains(constants, voltage_v));
+    rigid_by_strains(constants, limb_strains(constants, limb_by_limb(voltage_v)))
+}
+
+/// The rest of the way.
+#[inline(always)]
+pub(super) fn rigid_by_strains<T: Real>(
+    constants: &Constants<T>,
+    strains: Limbs<T>,
+) -> RigidLoad<T> {
+    let force = shell_axes(strains);
     let [a, b, c] = force;
     RigidLoad {
         force: a + b + c,

@@ -5,7 +5,7 @@
 
 use core::ops::{Add, Mul, Neg, Sub};
 
-use super::vector::{Apart, Three, ThreeOfF64, Vec3};
+use super::vector::{Apart, Masked, Three, ThreeOfF64, Vec3};
 use glam::{DQuat, DVec3, Quat, Vec3 as GlamVec3};
 
 /// A real number, or several side by side.
@@ -29,7 +29,7 @@ pub trait Real:
 }
 
 /// A single number that a decoupler can be built on.
-pub trait Scalar: Real + PartialOrd + core::fmt::Debug + Default + 'static {
+pub trait Scalar: Real<Three: Masked> + PartialOrd + core::fmt::Debug + Default + 'static {
     /// Three of them, for people.
     type Vector: Copy + PartialEq + core::fmt::Debug;
     /// A unit quaternion of them, for people.
@@ -39,6 +39,11 @@ pub trait Scalar: Real + PartialOrd + core::fmt::Debug + Default + 'static {
     fn from_f64(value: f64) -> Self;
     /// Exactly.
     fn to_f64(self) -> f64;
+    /// All bits set, or none.
+    fn bits(set: bool) -> Self;
+    /// Bit by bit: zero where none is set, itself where all are. Looks at no value, so that NaN is like any other.
+    #[must_use]
+    fn and(self, bits: Self) -> Self;
     /// Three numbers as a vector.
     fn vector(v: Vec3<Self>) -> Self::Vector;
     /// Four numbers as a quaternion.
@@ -46,7 +51,7 @@ pub trait Scalar: Real + PartialOrd + core::fmt::Debug + Default + 'static {
 }
 
 macro_rules! scalar {
-    ($float:ty, $three:ty, $vector:ty, $quaternion:ty) => {
+    ($float:ty, $bits:ty, $three:ty, $vector:ty, $quaternion:ty) => {
         impl Real for $float {
             type Three = $three;
 
@@ -100,6 +105,16 @@ macro_rules! scalar {
             }
 
             #[inline(always)]
+            fn bits(set: bool) -> Self {
+                Self::from_bits(if set { <$bits>::MAX } else { 0 })
+            }
+
+            #[inline(always)]
+            fn and(self, bits: Self) -> Self {
+                Self::from_bits(self.to_bits() & bits.to_bits())
+            }
+
+            #[inline(always)]
             fn vector(v: Vec3<Self>) -> Self::Vector {
                 <$vector>::new(v.x(), v.y(), v.z())
             }
@@ -112,5 +127,5 @@ macro_rules! scalar {
     };
 }
 
-scalar!(f64, ThreeOfF64, DVec3, DQuat);
-scalar!(f32, Apart<f32>, GlamVec3, Quat);
+scalar!(f64, u64, ThreeOfF64, DVec3, DQuat);
+scalar!(f32, u32, Apart<f32>, GlamVec3, Quat);

@@ -172,6 +172,30 @@ impl<T: Real> Spin<T> {
         }
     }
 
+    /// Another rate of the mass at this sample.
+    pub(crate) fn change_rate(&mut self, g: Vec3<T>, change: Vec3<T>) {
+        let zero = Vec3::all(change.like(0.0));
+        let rate = self.rate + change;
+        self.derivative =
+            self.derivative + (derivative(g, rate, zero) - derivative(g, self.rate, zero));
+        self.rate = rate;
+    }
+
+    /// Another torque at the sample after this one: of use to a scheme that has stepped there already.
+    pub(crate) fn change_next_torque(&mut self, scheme: Scheme, g: Vec3<T>, change: Vec3<T>) {
+        if scheme != Scheme::RungeKutta4 || !self.at_middle {
+            return;
+        }
+        // As in `runge_kutta_pair`: the last of its slopes is the torque's, and a third of it goes to the end; the middle
+        // has half of the end and less a quarter of the slope there.
+        let end = change.times_plus(change.like(1.0 / 3.0), self.end);
+        let slope =
+            derivative(g, end, change) - derivative(g, self.end, Vec3::all(change.like(0.0)));
+        let middle = slope.times_plus(change.like(-0.25), (end - self.end).times(change.like(0.5)));
+        self.end = end;
+        self.change_rate(g, middle);
+    }
+
     /// Takes a step.
     #[inline(always)]
     pub fn take(&mut self, scheme: Scheme, step: Step<T>) {

@@ -2,11 +2,18 @@
 
 use wide::f64x4;
 
-use super::vector::Three;
+use super::vector::{Masked, Three};
 
 /// Components in the first three lanes; the fourth begins as the third, and nobody looks at it.
 #[derive(Debug, Clone, Copy)]
 pub struct Together(f64x4);
+
+impl Masked for Together {
+    #[inline(always)]
+    fn and(self, bits: Self) -> Self {
+        Self(self.0 & bits.0)
+    }
+}
 
 impl Three<f64> for Together {
     #[inline(always)]
@@ -55,6 +62,14 @@ impl Three<f64> for Together {
         // One shuffle, once the compiler has seen it.
         let [x, y, z, w] = self.0.to_array();
         Self(f64x4::from([y, z, x, w]))
+    }
+
+    #[inline(always)]
+    fn diagonal([a, b, c]: [Self; 3]) -> Self {
+        let [x, _, _, _] = a.0.to_array();
+        let [_, y, _, _] = b.0.to_array();
+        let [_, _, z, w] = c.0.to_array();
+        Self(f64x4::from([x, y, z, w]))
     }
 
     #[inline(always)]

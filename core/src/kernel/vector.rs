@@ -44,6 +44,8 @@ pub trait Three<T: Real>: Copy {
     /// (y, z, x).
     #[must_use]
     fn cycled(self) -> Self;
+    /// First component of the first, second of the second, third of the third.
+    fn diagonal(v: [Self; 3]) -> Self;
     /// `self . other`.
     fn dot(self, other: Self) -> T;
     /// `term + self x other`.
@@ -54,6 +56,24 @@ pub trait Three<T: Real>: Copy {
     fn cross(self, other: Self) -> Self;
     /// x, y and z components of three vectors' sum in the pattern of [`Vec3::moment`].
     fn moment(v: [Self; 3]) -> Self;
+}
+
+/// Of three numbers, those that are wanted.
+pub trait Masked {
+    /// [`Scalar::and`], component by component.
+    #[must_use]
+    fn and(self, bits: Self) -> Self;
+}
+
+impl<T: Scalar> Masked for Apart<T> {
+    #[inline(always)]
+    fn and(self, bits: Self) -> Self {
+        Self {
+            x: self.x.and(bits.x),
+            y: self.y.and(bits.y),
+            z: self.z.and(bits.z),
+        }
+    }
 }
 
 /// Each component by itself.
@@ -116,6 +136,11 @@ impl<T: Real> Three<T> for Apart<T> {
     #[inline(always)]
     fn cycled(self) -> Self {
         Self::new(self.y, self.z, self.x)
+    }
+
+    #[inline(always)]
+    fn diagonal([a, b, c]: [Self; 3]) -> Self {
+        Self::new(a.x, b.y, c.z)
     }
 
     #[inline(always)]
@@ -224,6 +249,12 @@ impl<T: Real> Vec3<T> {
         Self(self.0.cycled())
     }
 
+    /// First component of the first, second of the second, third of the third.
+    #[inline(always)]
+    pub fn diagonal([a, b, c]: [Self; 3]) -> Self {
+        Self(T::Three::diagonal([a.0, b.0, c.0]))
+    }
+
     /// `self . other`.
     #[inline(always)]
     pub fn dot(self, other: Self) -> T {
@@ -280,6 +311,12 @@ impl<T: Real> Vec3<T> {
 }
 
 impl<T: Scalar> Vec3<T> {
+    /// [`Scalar::and`], component by component.
+    #[inline(always)]
+    pub fn and(self, bits: Self) -> Self {
+        Self(self.0.and(bits.0))
+    }
+
     /// Whether all three are finite.
     pub fn is_finite(self) -> bool {
         self.components().iter().all(|x| x.to_f64().is_finite())

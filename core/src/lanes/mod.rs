@@ -16,7 +16,8 @@ use pulp::{Arch, Simd, WithSimd};
 use crate::decoupler::{Decoupler, to_ground};
 use crate::geometry::LIMBS;
 use crate::kernel::attitude::{HALF_ANGLE_SQUARED_LIMIT, exp, half_rotation};
-use crate::kernel::constants::Constants;
+use crate::kernel::constants::{Constants, limb_by_limb};
+use crate::kernel::fill::Fill;
 use crate::kernel::placement::{self, STRAIN_LIMIT};
 use crate::kernel::shell;
 use crate::kernel::spin::Torques;
@@ -164,6 +165,8 @@ struct Chunk<R: Register> {
     scheme: Scheme,
     /// Each number of eight sensors side by side.
     constants: [Row; CONSTANTS],
+    /// Likewise, if any of them does without a limb.
+    weights: Option<[Row; WEIGHTS]>,
     voltage_v: [[Row; LIMBS]; CHUNK],
     strain_squares: [Row; CHUNK],
     half_angle_squared: [Row; CHUNK],
@@ -176,7 +179,16 @@ impl<R: Register> Chunk<R> {
         Self {
             proof,
             scheme: streams[0].scheme(),
-            constants: side_by_side(streams),
+            constants: side_by_side(streams, |stream, mut f| {
+                let mut numbers = stream.constants;
+                numbers.visit(&mut f);
+            }),
+            weights: streams.iter().any(|stream| !stream.heard.all()).then(|| {
+                side_by_side(streams, |stream, mut f| {
+                    let mut numbers = stream.heard.fill;
+                    numbers.visit(&mut f);
+                })
+            }),
             voltage_v: [[Row::ZERO; LIMBS]; CHUNK],
             strain_squares: [Row::ZERO; CHUNK],
             half_angle_squared: [Row::ZERO; CHUNK],
@@ -197,6 +209,12 @@ impl<R: Register> Chunk<R> {
                     series.0[lane] = *value;
                 }
             }
+            // A failed channel may say what is no number.
+            for limb in streams[lane].failed().indices() {
+                for nine in &mut self.voltage_v {
+                    nine[limb].0[lane] = 0.0;
+                }
+            }
         }
         let mut state = LaneState::gather(streams);
         for part in 0..R::PARTS {
@@ -206,6 +224,9 @@ impl<R: Register> Chunk<R> {
             & all_at_most(&self.half_angle_squared, HALF_ANGLE_SQUARED_LIMIT);
         if sound {
             state.scatter(streams, CHUNK as u64);
+            for (stream, rows) in streams.iter_mut().zip(rows) {
+                stream.remember_last(rows);
+            }
         }
         sound
     }
@@ -216,6 +237,12 @@ impl<R: Register> Chunk<R> {
         let mut constants = Constants::splat(R::splat(proof, 0.0));
         let mut rows = self.constants.iter();
         constants.visit(&mut |zero| rows.next().map_or(zero, |row| R::load(proof, row, part)));
+        let fill = self.weights.as_ref().map(|weights| {
+            let mut fill = Fill::splat(R::splat(proof, 0.0));
+            let mut rows = weights.iter();
+            fill.visit(&mut |zero| rows.next().map_or(zero, |row| R::load(proof, row, part)));
+            fill
+        });
         let mut state = lanes.load::<R>(proof, part);
         for step in 0..CHUNK {
             let row = &self.voltage_v[step];
@@ -230,7 +257,10 @@ impl<R: Register> Chunk<R> {
                 R::load(proof, &row[7], part),
                 R::load(proof, &row[8], part),
             ];
-            let after = placement::by_series(&constants, nine);
+            let after = match &fill {
+                None => placement::by_series(&constants, nine),
+                Some(fill) => fill.by_series(&constants, limb_by_limb(nine)),
+            };
             after
                 .strain_squares
                 .store(&mut self.strain_squares[step], part);
@@ -274,12 +304,18 @@ impl<R: Register> Chunk<R> {
 /// Numbers in a sensor's constants.
 const CONSTANTS: usize = 48;
 
-fn side_by_side(streams: &[Decoupler; LANES]) -> [Row; CONSTANTS] {
-    let mut rows = [Row::ZERO; CONSTANTS];
+/// Numbers in a sensor's weights.
+const WEIGHTS: usize = 63;
+
+/// What `visit` goes through in each stream.
+fn side_by_side<const N: usize>(
+    streams: &[Decoupler; LANES],
+    visit: impl Fn(&Decoupler, &mut dyn FnMut(f64) -> f64),
+) -> [Row; N] {
+    let mut rows = [Row::ZERO; N];
     for (lane, stream) in streams.iter().enumerate() {
-        let mut constants = stream.constants;
         let mut numbers = rows.iter_mut();
-        constants.visit(&mut |number| {
+        visit(stream, &mut |number| {
             if let Some(row) = numbers.next() {
                 row.0[lane] = number;
             }

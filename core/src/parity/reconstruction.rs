@@ -50,14 +50,17 @@ impl Reconstruction {
                 requirement: "at most three: six accelerations want six channels",
             });
         }
+        // Never by index from here on: no panic must be in reach of a decoupler that does without a limb in mid-stream.
         let mut limbs = [None; MOST_FAILED];
-        for (place, index) in limbs.iter_mut().zip(failed.indices()) {
-            *place = Some(index);
+        let numbered = SIGNATURES.iter().enumerate();
+        let chosen = numbered.filter(|(index, _)| failed.contains(*index));
+        for (place, (_, signature)) in limbs.iter_mut().zip(chosen) {
+            *place = Some(*signature);
         }
         // 18 P_FF; ones on the diagonal for places that are not taken.
         let block: [[i32; 3]; 3] = core::array::from_fn(|i| {
             core::array::from_fn(|j| match (limbs[i], limbs[j]) {
-                (Some(a), Some(b)) => (0..ROWS).map(|k| scaled(a)[k] * SIGNATURES[b][k]).sum(),
+                (Some(a), Some(b)) => dot(scaled(a), b),
                 _ => i32::from(i == j),
             })
         });
@@ -65,17 +68,23 @@ impl Reconstruction {
         if determinant == 0 {
             return Err(Error::LostLoad {
                 failed,
-                load: lost_load(limbs),
+                load: lost_load(failed, limbs),
             });
         }
-        for (i, limb) in limbs.iter().enumerate() {
-            let Some(limb) = *limb else { continue };
-            weights[limb] = core::array::from_fn(|k| {
-                let sum: i32 = (0..MOST_FAILED)
-                    .filter_map(|j| Some(adjugate[i][j] * scaled(limbs[j]?)[k]))
-                    .sum();
-                -f64::from(sum) / f64::from(determinant)
-            });
+        let rows = adjugate.map(|row| {
+            let mut sum = [0; ROWS];
+            for (share, limb) in row.into_iter().zip(limbs) {
+                let along = limb.map_or([0; ROWS], scaled);
+                for (sum, entry) in sum.iter_mut().zip(along) {
+                    *sum += share * entry;
+                }
+            }
+            sum.map(|sum| -f64::from(sum) / f64::from(determinant))
+        });
+        let numbered = weights.iter_mut().enumerate();
+        let chosen = numbered.filter(|(index, _)| failed.contains(*index));
+        for ((_, weights), row) in chosen.zip(rows) {
+            *weights = row;
         }
         Ok(Self { failed, weights })
     }
@@ -93,13 +102,13 @@ impl Reconstruction {
     }
 }
 
-/// A row of 18 W (W^T W)^-1.
-fn scaled(limb: usize) -> [i32; ROWS] {
-    core::array::from_fn(|k| {
-        (0..ROWS)
-            .map(|l| SIGNATURES[limb][l] * GRAM_INVERSE[l][k])
-            .sum()
-    })
+/// A row of 18 W (W^T W)^-1, from that of W.
+fn scaled(signature: [i32; ROWS]) -> [i32; ROWS] {
+    GRAM_INVERSE.map(|row| dot(row, signature))
+}
+
+fn dot(a: [i32; ROWS], b: [i32; ROWS]) -> i32 {
+    a.into_iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 const _: () = assert!(GRAM_DENOMINATOR == 18);
@@ -115,29 +124,34 @@ fn adjugate(m: &[[i32; 3]; 3]) -> ([[i32; 3]; 3], i32) {
     (adjugate, determinant)
 }
 
-/// The load behind forces of -1, 0 or 1 in failed limbs that cancel in every row; the fewest limbs that do.
-fn lost_load(limbs: [Option<usize>; MOST_FAILED]) -> LostLoad {
+/// The load behind forces of -1, 0 or 1 in failed limbs, of these signatures, that cancel in every row; the fewest that do.
+fn lost_load(failed: LimbSet, limbs: [Option<[i32; ROWS]>; MOST_FAILED]) -> LostLoad {
     let mut best = ([0; MOST_FAILED], usize::MAX);
     for code in 0..27 {
         let force = [code / 9 - 1, code / 3 % 3 - 1, code % 3 - 1];
         let used = force.iter().filter(|&&f| f != 0).count();
-        let idle = (0..MOST_FAILED).all(|i| limbs[i].is_some() || force[i] == 0);
-        let cancels = (0..ROWS).all(|row| {
-            let sum: i32 = (0..MOST_FAILED)
-                .filter_map(|i| Some(force[i] * SIGNATURES[limbs[i]?][row]))
-                .sum();
-            sum == 0
-        });
-        if idle && cancels && used > 0 && used < best.1 {
+        let borne = || limbs.iter().zip(force);
+        let idle = borne().all(|(limb, f)| limb.is_some() || f == 0);
+        let mut rows = [0; ROWS];
+        for (limb, f) in borne() {
+            for (row, share) in rows.iter_mut().zip(limb.unwrap_or_default()) {
+                *row += f * share;
+            }
+        }
+        if idle && rows == [0; ROWS] && used > 0 && used < best.1 {
             best = (force, used);
         }
     }
     let mut load = [DVec3::ZERO; 2];
-    for (limb, force) in limbs.iter().zip(best.0) {
-        let Some(limb) = *limb else { continue };
-        let along = DIRECTIONS_SHELL[limb] * f64::from(force);
+    let arms = NODE_DIRECTIONS_MASS
+        .iter()
+        .flat_map(|arm| [arm; LIMBS_PER_NODE]);
+    let numbered = DIRECTIONS_SHELL.iter().zip(arms).enumerate();
+    let chosen = numbered.filter(|(index, _)| failed.contains(*index));
+    for ((_, (direction, arm)), force) in chosen.zip(best.0) {
+        let along = direction * f64::from(force);
         load[0] += along;
-        load[1] += NODE_DIRECTIONS_MASS[limb / LIMBS_PER_NODE].cross(along);
+        load[1] += arm.cross(along);
     }
     // Sums of three unit axes: whole numbers.
     let [force_shell, torque_over_half_edge_shell] = load.map(|v| v.to_array().map(|x| x as i32));

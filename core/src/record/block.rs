@@ -3,7 +3,8 @@
 use crate::decoupler::{Decoupler, State, to_ground};
 use crate::geometry::LIMBS;
 use crate::kernel::attitude::{HALF_ANGLE_SQUARED_LIMIT, Quaternion, exp, half_rotation};
-use crate::kernel::constants::Constants;
+use crate::kernel::constants::{Constants, limb_by_limb};
+use crate::kernel::fill::Fill;
 use crate::kernel::placement::{self, STRAIN_LIMIT};
 use crate::kernel::real::Real;
 use crate::kernel::shell::{self, Place, ShellMotion};
@@ -90,6 +91,8 @@ impl<const ROWS: usize> Vectors<ROWS> {
 pub struct Block<R: Register> {
     proof: R::Proof,
     constants: Constants<R>,
+    /// Where limbs have failed.
+    fill: Option<Fill<R>>,
     voltage_v: [Series<STEPS>; LIMBS],
     strain_squares: Series<STEPS>,
     position: Vectors<{ STEPS + 2 }>,
@@ -113,6 +116,8 @@ impl<R: Register> Block<R> {
         Self {
             proof,
             constants: decoupler.constants.map(|value| R::splat(proof, value)),
+            fill: (!decoupler.heard.all())
+                .then(|| decoupler.heard.fill.map(|value| R::splat(proof, value))),
             voltage_v: [ZERO; LIMBS],
             strain_squares: ZERO,
             position: zeros(),
@@ -139,7 +144,7 @@ impl<R: Register> Block<R> {
         decoupler: &mut Decoupler,
         rows: &[[f64; LIMBS]; BLOCK],
     ) -> Option<&[Accelerations]> {
-        self.transpose(rows);
+        self.transpose(decoupler, rows);
         self.place();
         if !all_at_most(&self.strain_squares, STRAIN_LIMIT * STRAIN_LIMIT) {
             return None;
@@ -151,17 +156,24 @@ impl<R: Register> Block<R> {
         let junction = self.attitude(&state)?;
         self.finish(&mut state, junction);
         decoupler.state = state;
+        decoupler.remember_last(rows);
         Some(&self.out)
     }
 
     #[inline(always)]
-    fn transpose(&mut self, rows: &[[f64; LIMBS]; BLOCK]) {
+    fn transpose(&mut self, decoupler: &Decoupler, rows: &[[f64; LIMBS]; BLOCK]) {
         for lane in 0..LANES {
             for step in 0..STEPS {
                 let row = &rows[lane * STEPS + step];
                 for (series, value) in self.voltage_v.iter_mut().zip(row) {
                     series[step].0[lane] = *value;
                 }
+            }
+        }
+        // A failed channel may say what is no number.
+        for (limb, series) in self.voltage_v.iter_mut().enumerate() {
+            if decoupler.failed().contains(limb) {
+                *series = ZERO;
             }
         }
     }
@@ -182,7 +194,10 @@ impl<R: Register> Block<R> {
                     voltage(7),
                     voltage(8),
                 ];
-                let placed = placement::by_series(&self.constants, nine);
+                let placed = match &self.fill {
+                    None => placement::by_series(&self.constants, nine),
+                    Some(fill) => fill.by_series(&self.constants, limb_by_limb(nine)),
+                };
                 self.position.store(step + 2, part, placed.position_thrice);
                 self.rotation.store(step + 2, part, placed.rotation);
                 self.force.store(step + 1, part, placed.force);

@@ -112,13 +112,13 @@ fn name(kind: &Kind) -> String {
         "stuck" => "stuck",
         "scale_jump" => "sensitivity jumps",
         "offset" => "zero jumps",
-        "drift" => "zero drifts, in 1 s",
-        "noise_burst" => "noise, for 0.3 s",
+        "drift" => "zero drifts, in 1\u{a0}s",
+        "noise_burst" => "noise, for 0.3\u{a0}s",
         "swapped" => "two channels swapped",
         other => other,
     };
     kind.sigmas.map_or(words.to_owned(), |s| {
-        format!("{words}, {} σ", significant(s, 1))
+        format!("{words}, {}\u{a0}σ", fixed(s, 0))
     })
 }
 

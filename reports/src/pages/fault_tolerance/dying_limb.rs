@@ -1,7 +1,7 @@
 //! A limb that dies in mid-motion, as MuJoCo's truth sees it.
 
 use super::published::{DyingLimb, MAKE_DYING_LIMB};
-use crate::view::number::{count, fixed, scientific};
+use crate::view::number::{fixed, scientific};
 use crate::view::{Axis, Block, Figure, Mark, Series};
 
 /// Palette index of the neutral grey.
@@ -10,24 +10,26 @@ const NEUTRAL: usize = 6;
 /// Text and figures.
 pub fn blocks(d: &DyingLimb) -> Vec<Block> {
     let last = |values: &[f64]| values.last().copied().unwrap_or(f64::NAN);
+    let milliseconds = |samples: u64| fixed(1e3 * samples as f64 / d.sample_rate_hz, 1);
     vec![
         Block::Heading("A limb dies in mid-motion".to_owned()),
         Block::Text(format!(
             "Six-axis motion in MuJoCo, {} kHz, noise 60 dB below full scale. At {} s limb {} falls to its zero. Its class is known \
-             {} samples later; {} samples after the failure the monitor says “{}”, and the rows since before the failure are decoded \
-             anew without the limb. At the end the attitude is {} rad from the truth; without any failure it would be {} rad, with \
-             all nine limbs throughout {} rad ({MAKE_DYING_LIMB}).",
+             {} ms later; after {} ms the monitor says “{}”, and the rows since before the failure are decoded anew without the limb. \
+             At the end the attitude is {} rad from the truth; without any failure it would be {} rad, with the dead limb decoded on \
+             {} rad ({MAKE_DYING_LIMB}).",
             fixed(d.sample_rate_hz / 1e3, 0),
-            fixed(d.died_at_s, 3),
+            fixed(d.died_at_s, 1),
             d.limb,
-            count(d.isolated_after_samples),
-            count(d.switched_after_samples),
+            milliseconds(d.isolated_after_samples),
+            milliseconds(d.switched_after_samples),
             d.verdict,
-            scientific(last(&d.watched_rad), 1),
-            scientific(last(&d.never_failed_rad), 1),
-            scientific(last(&d.nine_rad), 1),
+            scientific(last(&d.watched_rad), 2),
+            scientific(last(&d.never_failed_rad), 2),
+            scientific(last(&d.nine_rad), 2),
         )),
-        Block::FigureGrid(vec![statistic(d), acceleration(d), attitude(d)]),
+        Block::Figure(statistic(d)),
+        Block::FigureGrid(vec![acceleration(d), attitude(d)]),
     ]
 }
 
@@ -70,6 +72,7 @@ fn acceleration(d: &DyingLimb) -> Figure {
         over_time(d, &d.truth_m_s2),
     ))
     .mark(died(d))
+    .caption("With the limb given up, the line lies on the truth.")
 }
 
 fn attitude(d: &DyingLimb) -> Figure {
@@ -77,7 +80,7 @@ fn attitude(d: &DyingLimb) -> Figure {
         "dying-limb-attitude",
         "Error of the attitude",
         Axis::linear("time", "s"),
-        Axis::log("rotation from the truth", "rad"),
+        Axis::log("rotation from the truth", "rad").range(1e-5, 10.0),
     )
     .series(Series::line("all nine", 3, over_time(d, &d.nine_rad)))
     .series(Series::line(
