@@ -12,7 +12,8 @@ const STEPS: usize = 100;
 /// Relative error below 1e-12 for up to some hundred degrees of freedom; 1 for what is not positive.
 #[must_use]
 pub fn survival(value: f64, freedom: u32) -> f64 {
-    if !(value > 0.0) {
+    let positive = value > 0.0;
+    if !positive {
         return 1.0;
     }
     let (a, x) = (0.5 * f64::from(freedom), 0.5 * value);

@@ -208,10 +208,12 @@ impl Detector {
             let place = window.rows.samples() as f64;
             window.rows.push(z);
             if self.errors.is_some() {
-                for limb in 0..LIMBS {
-                    window.strain[limb] += strain[limb];
-                    window.strain_ramp[limb] += place * strain[limb];
-                    window.strain_square[limb] += strain[limb] * strain[limb];
+                let sums = window.strain.iter_mut().zip(&mut window.strain_ramp);
+                for (((sum, ramp), squares), &x) in sums.zip(&mut window.strain_square).zip(strain)
+                {
+                    *sum += x;
+                    *ramp += place * x;
+                    *squares += x * x;
                 }
             }
         }

@@ -50,6 +50,10 @@ pub struct Watch {
 }
 
 #[derive(Debug, Clone, PartialEq)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "without allocation there is no other place for it"
+)]
 enum State {
     Watching,
     Gathering(Gathering),
@@ -148,7 +152,10 @@ impl Monitor {
         self.received += 1;
         let strain = self.strains(voltage_v);
         let unreadable = (0..LIMBS)
-            .filter(|&limb| !(strain[limb].abs() < OVERSTRAIN))
+            .filter(|&limb| {
+                let borne = strain[limb].abs() < OVERSTRAIN;
+                !borne
+            })
             .fold(LimbSet::EMPTY, LimbSet::with);
         if !unreadable.is_empty() {
             return self.unreadable(unreadable, sample);
