@@ -17,6 +17,9 @@
 //! [`parity`] is what nine limbs say more than six: the coordination equations, and which limbs can be done without.
 //! [`self_calibration`] has eight of nine scale ratios from them, without any reference.
 //!
+//! [`fault`] watches the parity rows: that a limb has failed, which, and how; [`fault_tolerant`]
+//! decouples on without it.
+//!
 //! [`uncertainty`] says how well the parameters and each decoupled sample are known.
 //!
 //! Before either, [`recording`] says whether a recording can be worked with, and `preprocess` (feature `alloc`) cleans
@@ -32,6 +35,8 @@ pub mod attitude;
 pub mod decoupler;
 pub mod dynamics;
 pub mod error;
+pub mod fault;
+pub mod fault_tolerant;
 pub mod geometry;
 pub mod identify;
 pub mod kernel;
@@ -58,6 +63,7 @@ pub mod uncertainty;
 
 pub use decoupler::{Decoupler, SixAxis};
 pub use error::{Error, Result};
+pub use fault_tolerant::FaultTolerant;
 pub use geometry::{Geometry, LIMBS};
 pub use parameters::{InertiaPerMass, Parameters};
 pub use parity::LimbSet;

@@ -6,6 +6,7 @@
 pub mod blind;
 pub mod compare;
 pub mod evidence;
+pub mod faults;
 pub mod hostile;
 pub mod joint;
 pub mod manufactured;

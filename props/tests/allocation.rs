@@ -11,8 +11,10 @@ use sixaxis_core::lanes::push_lanes;
 use sixaxis_core::self_calibration::{Accumulator, Limits};
 use sixaxis_core::uncertainty::{ChannelNoise, Covariance, SampleUncertainty};
 use sixaxis_core::{
-    Decoupler, Gains, Geometry, LIMBS, RigidDecoupler, Scheme, Sensor, Settings, StaticResponse,
+    Decoupler, Gains, Geometry, LIMBS, LimbSet, RigidDecoupler, Scheme, Sensor, Settings,
+    StaticResponse,
 };
+use sixaxis_props::faults::{FALSE_ALARMS_PER_HOUR, Scene};
 use sixaxis_props::manufactured::examples;
 use sixaxis_props::self_calibration::Case;
 use sixaxis_props::strategy::seed;
@@ -66,6 +68,71 @@ fn inv_decoding_allocates_nothing() {
         assert_eq!(count, 4 * (SAMPLES - 2) + SAMPLES - 1, "samples decoded");
         assert_eq!(allocated.count_total, 0, "{}", scheme.name());
     }
+}
+
+/// Alarm, isolation, switch and the decoding anew among them.
+#[test]
+fn inv_a_dying_limb_allocates_nothing() {
+    let scene = Scene::random(1, 1.0);
+    let mut stream = scene.stream(FALSE_ALARMS_PER_HOUR);
+    let mut without = 0;
+    let allocated = measure(|| {
+        for sample in 0..SAMPLES as u64 {
+            let mut u = scene.voltage_v(sample);
+            if sample >= 300 {
+                u[4] = scene.parameters.zero_drift_v[4];
+            }
+            without = stream.push(&u).expect("a row").without.len();
+        }
+    });
+    assert_eq!(without, 1);
+    assert_eq!(allocated.count_total, 0);
+}
+
+/// Without limbs, and from one set to another in mid-stream.
+#[test]
+fn inv_switching_over_allocates_nothing() {
+    let motion = examples::turning();
+    let gains = Gains::uniform(1.0);
+    let rows: Vec<[f64; LIMBS]> = (0..SAMPLES)
+        .map(|i| motion.voltage_v(&gains.gain_n_per_v, &motion.at(i as f64 / RATE_HZ)))
+        .collect();
+    let sensor = Sensor {
+        geometry: motion.geometry,
+        gains,
+    };
+    let settings = Settings {
+        static_response: StaticResponse::Full,
+        ..Settings::new(RATE_HZ)
+    };
+    let sets = [&[][..], &[2], &[], &[1, 9], &[1, 6, 9]]
+        .map(|numbers| LimbSet::from_numbers(numbers.iter().copied()).expect("limbs"));
+    let twins = LimbSet::from_numbers([3, 7]).expect("limbs");
+    let mut stream = Decoupler::new(&sensor, &motion.parameters, &settings).expect("sound");
+    let mut rigid = RigidDecoupler::new(&sensor, &motion.parameters, &settings).expect("sound");
+    let mut record = stream.clone();
+    let mut count = 0;
+    // Finds out once what the processor can do, which may take memory.
+    record
+        .clone()
+        .push_record(&rows[..9], &mut |_| {})
+        .expect("sound");
+    let allocated = measure(|| {
+        for (i, row) in rows.iter().enumerate() {
+            stream.do_without(sets[i % 5]).expect("survivable");
+            rigid.do_without(sets[i % 5]).expect("survivable");
+            count += usize::from(stream.push(row).expect("sound").is_some());
+            count += usize::from(rigid.push(row).expect("sound").is_some());
+            count += usize::from(stream.do_without(twins).is_err());
+        }
+        for (piece, set) in rows.chunks(SAMPLES / 5).zip(sets) {
+            record.do_without(set).expect("survivable");
+            let mut sink = |done: &[_]| count += black_box(done).len();
+            record.push_record(piece, &mut sink).expect("sound");
+        }
+    });
+    assert_eq!(count, 2 * (SAMPLES - 2) + SAMPLES - 1 + SAMPLES, "answers");
+    assert_eq!(allocated.count_total, 0);
 }
 
 #[test]

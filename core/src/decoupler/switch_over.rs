@@ -13,6 +13,7 @@ use crate::kernel::attitude::{HALF_ANGLE_SQUARED_LIMIT, exp, exp_exactly, half_r
 use crate::kernel::heard::Heard;
 use crate::kernel::placement::{Placement, STRAIN_LIMIT, turn};
 use crate::kernel::real::Scalar;
+use crate::kernel::shell;
 use crate::kernel::vector::Vec3;
 use crate::parity::LimbSet;
 
@@ -86,29 +87,34 @@ impl<T: Scalar> Decoupler<T> {
         let w_r = eps.times(half);
         let g = self.constants.gyroscopic;
         let torque = self.state.now.torque - old.state.now.torque;
-        self.state.spin.change_next_torque(self.scheme, g, torque);
-        if self.state.received == 3 {
+        let was = self.state.spin.rate;
+        let spin = &mut self.state.spin;
+        spin.change_next_torque(self.scheme, g, torque);
+        let spun = shell::shell_axes(&self.constants, phi, spin.rate - was);
+        let given = self.state.received == 3;
+        let motion = &mut self.state.shell;
+        if !given {
+            motion.rate = motion.rate + (spun - w_r);
+        }
+        motion.rate_derivative = w_r.cross_plus(motion.rate, motion.rate_derivative - eps);
+        if given {
             // Rate and attitude of the shell are given there; it is the mass's rate that was made of them.
             let back = Vec3::default() - phi;
-            let turned = w_r + turn(back, w_r);
-            let change = self.constants.mass_to_principal(turned);
+            let change = self.constants.mass_to_principal(w_r + turn(back, w_r));
             self.state.spin.change_rate(g, change);
-        } else {
-            let motion = &mut self.state.shell;
-            motion.rate = motion.rate - w_r;
-            motion.rate_derivative = w_r.cross_plus(motion.rate, motion.rate_derivative - eps);
-            let was = &old.state.shell;
-            let undone = half_rotation(was, motion) - half_rotation(was, was);
-            // In the axes that the step has turned already: the right Jacobian to first order.
-            let undone = undone - motion.rate.cross(undone).times(half);
-            let attitude = self.state.attitude;
-            let (mut by, half_angle_squared) = exp(undone, attitude.to_unit());
-            let slow = half_angle_squared <= T::from_f64(HALF_ANGLE_SQUARED_LIMIT);
-            if !slow {
-                by = exp_exactly(undone, attitude.to_unit()).ok_or(self.overflow())?;
-            }
-            self.state.attitude = attitude.after(by);
+            return Ok(());
         }
+        let was = &old.state.shell;
+        let undone = half_rotation(was, motion) - half_rotation(was, was);
+        // In the axes that the step has turned already: the right Jacobian to first order.
+        let undone = undone - motion.rate.cross(undone).times(half);
+        let attitude = self.state.attitude;
+        let (mut by, half_angle_squared) = exp(undone, attitude.to_unit());
+        let slow = half_angle_squared <= T::from_f64(HALF_ANGLE_SQUARED_LIMIT);
+        if !slow {
+            by = exp_exactly(undone, attitude.to_unit()).ok_or(self.overflow())?;
+        }
+        self.state.attitude = attitude.after(by);
         Ok(())
     }
 }

@@ -66,7 +66,7 @@ pub fn relative_rate<T: Real>(before: &Place<T>, now: &Place<T>, after: &Place<T
 
 /// Principal axes of the mass to shell axes.
 #[inline(always)]
-fn shell_axes<T: Real>(constants: &Constants<T>, phi: Vec3<T>, v: Vec3<T>) -> Vec3<T> {
+pub(crate) fn shell_axes<T: Real>(constants: &Constants<T>, phi: Vec3<T>, v: Vec3<T>) -> Vec3<T> {
     let mass = constants.principal_to_mass(v);
     mass + turn(phi, mass)
 }

@@ -10,7 +10,7 @@ use serde::Serialize;
 use sixaxis_calibration::calibration::Calibration;
 use sixaxis_calibration::session::SessionFile;
 use sixaxis_calibration::verdict::Grade;
-use sixaxis_core::{Decoupler, Scheme};
+use sixaxis_core::{Decoupler, LimbSet, Scheme, Settings};
 use sixaxis_recordings::{Channel, Sink};
 use sixaxis_reports::decoupling::conditioning::{Conditioning, Wishes, causal_delay_s};
 use sixaxis_reports::decoupling::integrator::Integrator;
@@ -20,6 +20,7 @@ use sixaxis_reports::decoupling::pipeline::Busy;
 use sixaxis_reports::decoupling::recording::Recording;
 use sixaxis_reports::decoupling::setup::{Said, Setup};
 use sixaxis_reports::decoupling::trust::doubt;
+use sixaxis_reports::decoupling::watching::{Watching, flags};
 use sixaxis_reports::decoupling::{closed, pipeline};
 use sixaxis_reports::pages;
 use sixaxis_reports::progress::Progress;
@@ -74,6 +75,20 @@ pub struct Arguments {
     /// Six more columns: one standard deviation of each acceleration, from the calibration's covariance and the channels' noise
     #[arg(long, conflicts_with = "close")]
     uncertainty: bool,
+    /// Watch the nine channels: name a limb that fails and go on without it. Two more columns say which
+    #[arg(long, conflicts_with_all = ["close", "uncertainty", "failed"])]
+    watch: bool,
+    /// Expected number of false alarms of --watch
+    #[arg(long, value_name = "NUMBER", default_value_t = 1.0, requires = "watch")]
+    false_alarms_per_hour: f64,
+    /// Limbs to do without, by number: their channels have failed and are not looked at
+    #[arg(
+        long,
+        value_name = "LIMBS",
+        value_delimiter = ',',
+        conflicts_with_all = ["close", "uncertainty"]
+    )]
+    failed: Vec<usize>,
     /// Picture of the six accelerations: a page that needs no network
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
@@ -93,6 +108,14 @@ the last have no row, the first row is that of sample 1 (counted from 0), and `t
 --uncertainty adds sd_ax to sd_alpha_z, one standard deviation each, to first order: noise of the calibration and of this recording,
 gains of the standards. The attitude is integrated without a reference and its error grows; once it is some hundredths of a
 radian, the deviations are estimates of a size. Wedges are not in them, nor what --close would take off.
+
+--watch holds the three sums of limb forces that are zero in any motion to the noise and the uncertainty that the calibration
+states. A limb that fails is named with how and since when; rate and attitude go on as if it had not been there. `without_limbs`
+and `suspected_limbs` have the limbs' numbers as digits, 0 for none; rows with suspected limbs are not to be trusted. Limbs 2 and
+4, 3 and 7, 6 and 8 show alike: which of the two it is, forces alone do not say.
+
+--failed does without up to three limbs, if the others still tell six accelerations; an error says which load they would not.
+Noise of the others counts up to three times as much.
 
 A recording may be of any length: it passes through in blocks. Only --close holds the whole run in the memory, 2 million
 samples at most. A result appears whole or not at all: it is written to a neighbour named .NAME.PROCESS.part, which takes
@@ -122,6 +145,7 @@ struct Summary {
     gain_n_per_v: [f64; 9],
     gravity_ground_m_s2: [f64; 3],
     low_pass_hz: Option<f64>,
+    failed_limbs: Vec<usize>,
     clipped_samples: [u64; 9],
     /// --close: how far the run was from closing.
     end_rate_before_rad_s: Option<[f64; 3]>,
@@ -167,7 +191,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         Columns::All
     };
     if streams {
-        return stream(arguments, setup, columns);
+        return stream(arguments, &calibration, setup, columns);
     }
     for note in &setup.notes {
         eprintln!("note: {note}");
@@ -191,6 +215,17 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         println!("{text}");
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// The limbs to do without, said once on the way.
+fn failed(arguments: &Arguments) -> Result<LimbSet> {
+    let set = LimbSet::from_numbers(arguments.failed.iter().copied()).context("--failed")?;
+    match set.len() {
+        0 => {}
+        1 => eprintln!("note: without limb {set}"),
+        _ => eprintln!("note: without limbs {set}"),
+    }
+    Ok(set)
 }
 
 fn default_out(recording: &Path) -> PathBuf {
@@ -257,8 +292,11 @@ fn file(
     let scheme = arguments.scheme.scheme();
     let settings = setup.settings(rate_hz, scheme);
     let conditioning = Conditioning::new(&setup.wishes, rate_hz)?;
+    let failed = failed(arguments)?;
     let decoupler = Decoupler::new(&setup.sensor, &setup.parameters, &settings)
-        .with_context(|| format!("{}", arguments.calibration.display()))?;
+        .with_context(|| format!("{}", arguments.calibration.display()))?
+        .without(failed)
+        .context("--failed")?;
     let mut decoding = Decoding::new(decoupler, columns, arguments.picture.is_some());
     let mut layout = columns.layout(rate_hz);
     if arguments.uncertainty {
@@ -270,6 +308,10 @@ fn file(
                 ..Channel::new(name, Some(unit))
             }));
     }
+    if let Some(watching) = watching(arguments, calibration, &setup, &settings)? {
+        decoding = decoding.with_watching(watching);
+        layout.channels.extend(flags(rate_hz));
+    }
     for (key, value) in [
         ("sixaxis_version", env!("CARGO_PKG_VERSION").to_owned()),
         ("recording", name_of(&arguments.recording)),
@@ -278,6 +320,10 @@ fn file(
         ("first_row_sample", "1".to_owned()),
     ] {
         layout.properties.insert(key.to_owned(), value);
+    }
+    if !failed.is_empty() {
+        let limbs = failed.to_string();
+        layout.properties.insert("failed_limbs".to_owned(), limbs);
     }
     let sink = || -> Result<Box<dyn Sink>> {
         if to_output {
@@ -305,6 +351,7 @@ fn file(
         )?);
     }
     let mut warnings = recording.warnings();
+    warnings.extend(decoding.said());
     if decoding.rows == 0 {
         warnings.push(format!(
             "{}: {} samples; a row needs three, the result is empty",
@@ -326,6 +373,7 @@ fn file(
         gain_n_per_v: setup.sensor.gains.gain_n_per_v,
         gravity_ground_m_s2: setup.gravity_ground_m_s2.to_array(),
         low_pass_hz: arguments.low_pass,
+        failed_limbs: failed.numbers().collect(),
         clipped_samples: recording.seen.clipped,
         end_rate_before_rad_s: trend.map(|t| t.end_rate_before_rad_s.to_array()),
         end_rotation_before_rad: trend.map(|t| t.end_rotation_before_rad.to_array()),
@@ -362,6 +410,10 @@ fn facts(summary: &Summary) -> Vec<(String, String)> {
     if let Some(corner_hz) = summary.low_pass_hz {
         facts.push(("low-pass", format!("{corner_hz} Hz, without phase")));
     }
+    if !summary.failed_limbs.is_empty() {
+        let numbers: Vec<String> = summary.failed_limbs.iter().map(usize::to_string).collect();
+        facts.push(("without limbs", numbers.join(", ")));
+    }
     if summary.end_rate_before_rad_s.is_some() {
         facts.push(("closed", "from rest to rest".to_owned()));
     }
@@ -371,7 +423,31 @@ fn facts(summary: &Summary) -> Vec<(String, String)> {
         .collect()
 }
 
-fn stream(arguments: &Arguments, setup: Setup, columns: Columns) -> Result<ExitCode> {
+fn watching(
+    arguments: &Arguments,
+    calibration: &Calibration,
+    setup: &Setup,
+    settings: &Settings,
+) -> Result<Option<Watching>> {
+    arguments
+        .watch
+        .then(|| {
+            Watching::new(
+                setup,
+                calibration,
+                settings,
+                arguments.false_alarms_per_hour,
+            )
+        })
+        .transpose()
+}
+
+fn stream(
+    arguments: &Arguments,
+    calibration: &Calibration,
+    setup: Setup,
+    columns: Columns,
+) -> Result<ExitCode> {
     refuse(&[
         (arguments.close, "--close, which needs the whole run,"),
         (arguments.uncertainty, "--uncertainty"),
@@ -408,8 +484,11 @@ fn stream(arguments: &Arguments, setup: Setup, columns: Columns) -> Result<ExitC
     let settings = setup.settings(rate_hz, arguments.scheme.scheme());
     let live = Live {
         conditioning: Conditioning::new(&wishes, rate_hz)?,
+        watching: watching(arguments, calibration, &setup, &settings)?,
         decoupler: Decoupler::new(&setup.sensor, &setup.parameters, &settings)
-            .with_context(|| format!("{}", arguments.calibration.display()))?,
+            .with_context(|| format!("{}", arguments.calibration.display()))?
+            .without(failed(arguments)?)
+            .context("--failed")?,
         columns,
         sample_rate_hz: rate_hz,
         channels: setup.channels,

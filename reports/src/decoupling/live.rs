@@ -12,6 +12,7 @@ use sixaxis_recordings::{Block, Channel};
 use super::conditioning::Conditioning;
 use super::motion::{Columns, Decoding};
 use super::recording::seconds_per_unit;
+use super::watching::{Watching, flags};
 use super::{Row, explain};
 
 /// Name of the stream in messages.
@@ -35,6 +36,8 @@ pub struct Live {
     pub conditioning: Conditioning,
     /// The decoder.
     pub decoupler: Decoupler,
+    /// Decodes in its place, if channels are to be watched.
+    pub watching: Option<Watching>,
     /// What is written.
     pub columns: Columns,
     /// Samples per second.
@@ -88,8 +91,13 @@ impl Live {
         output: &mut dyn Write,
         warn: &dyn Fn(String),
     ) -> Result<End> {
-        write_headings(output, &self.columns.layout(self.sample_rate_hz))?;
+        let mut layout = self.columns.layout(self.sample_rate_hz);
         let mut decoding = Decoding::new(self.decoupler.clone(), self.columns, false);
+        if let Some(watching) = self.watching.take() {
+            layout.channels.extend(flags(self.sample_rate_hz));
+            decoding = decoding.with_watching(watching);
+        }
+        write_headings(output, &layout)?;
         let mut places = None;
         let mut line = Vec::new();
         let (mut number, mut samples, mut clipped) = (0_u64, 0_u64, 0_u64);
@@ -145,6 +153,7 @@ impl Live {
             decoding.decode(&ready, &mut block).map_err(|error| {
                 explain(&error, &format!("{PLACE}, line {number}"), &places.names)
             })?;
+            decoding.said().into_iter().for_each(warn);
             write_rows(output, &block)?;
         }
         // What the stages still hold is answered, too.

@@ -12,6 +12,7 @@
 //! | [`conditioning`] | delays, the amplifier's high-pass, a low-pass, as streams |
 //! | [`low_pass`] | a zero-phase filter with a bounded look ahead |
 //! | [`motion`] | voltages to rows of the answer |
+//! | [`watching`] | the same, with an eye on failing channels |
 //! | [`pipeline`] | the same, with a thread for reading and one for writing |
 //! | [`closed`] | a run that ends as it began, in memory |
 //! | [`live`] | rows in, rows out |
@@ -30,6 +31,7 @@ pub mod recording;
 pub mod setup;
 pub mod stamps;
 pub mod trust;
+pub mod watching;
 
 use sixaxis_core::LIMBS;
 

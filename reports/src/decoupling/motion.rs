@@ -3,11 +3,12 @@
 use std::collections::VecDeque;
 
 use sixaxis_core::uncertainty::SampleUncertainty;
-use sixaxis_core::{Decoupler, LIMBS};
+use sixaxis_core::{Decoupler, LIMBS, SixAxis};
 use sixaxis_recordings::{Block, Channel, Layout};
 use sixaxis_reference::session::write::MOTION_CHANNELS;
 
 use super::Row;
+use super::watching::{FLAGS, Watching};
 use crate::comparison::envelope::Envelope;
 
 /// Which columns are wanted beside the time.
@@ -64,6 +65,8 @@ pub struct Decoding {
     columns: Columns,
     /// Runs beside the decoupler where it is asked how well each sample is known; the voltages of the last sample.
     uncertainty: Option<Box<(SampleUncertainty, Row)>>,
+    /// Decodes in the decoupler's place where failures are to be seen.
+    watching: Option<Watching>,
     /// Stamps of the samples that have not been answered.
     times_s: VecDeque<f64>,
     /// Rows answered.
@@ -82,6 +85,7 @@ impl Decoding {
             decoupler,
             columns,
             uncertainty: None,
+            watching: None,
             times_s: VecDeque::new(),
             rows: 0,
             first_s: None,
@@ -96,6 +100,21 @@ impl Decoding {
         self
     }
 
+    /// Watches the channels, too, and says what it does without in [`FLAGS`].
+    #[must_use]
+    pub fn with_watching(mut self, watching: Watching) -> Self {
+        self.watching = Some(watching);
+        self
+    }
+
+    /// What the watch has said since it was asked last.
+    pub fn said(&mut self) -> Vec<String> {
+        self.watching
+            .as_mut()
+            .map(|watching| std::mem::take(&mut watching.said))
+            .unwrap_or_default()
+    }
+
     /// Tells the stamps of the next samples, which may be known before these are ready to be decoded.
     pub fn stamps(&mut self, times_s: &[f64]) {
         self.times_s.extend(times_s);
@@ -107,9 +126,11 @@ impl Decoding {
     /// Those of [`Decoupler::push`]; the rows before the refused sample are in the block.
     pub fn decode(&mut self, rows: &[Row], block: &mut Block) -> sixaxis_core::Result<()> {
         let deviations = self.uncertainty.as_ref().map_or(0, |_| DEVIATIONS.len());
-        block.clear(1 + self.columns.count() + deviations);
-        let done = match (self.columns, &self.uncertainty) {
-            (Columns::Accelerations, None) => self.accelerations(rows, block),
+        let flags = self.watching.as_ref().map_or(0, |_| FLAGS.len());
+        block.clear(1 + self.columns.count() + deviations + flags);
+        let done = match (self.columns, &self.uncertainty, &self.watching) {
+            (_, _, Some(_)) => self.watched(rows, block),
+            (Columns::Accelerations, None, None) => self.accelerations(rows, block),
             _ => self.all(rows, block),
         };
         let answered = block.columns[1].len();
@@ -142,14 +163,25 @@ impl Decoding {
         })
     }
 
+    fn watched(&mut self, rows: &[Row], block: &mut Block) -> sixaxis_core::Result<()> {
+        let Some(watching) = &mut self.watching else {
+            return Ok(());
+        };
+        for row in rows {
+            if let Some((motion, flags)) = watching.push(row)? {
+                let answer = numbers(&motion).into_iter().take(self.columns.count());
+                for (column, value) in block.columns[1..].iter_mut().zip(answer.chain(flags)) {
+                    column.push(value);
+                }
+            }
+        }
+        Ok(())
+    }
+
     fn all(&mut self, rows: &[Row], block: &mut Block) -> sixaxis_core::Result<()> {
         for row in rows {
             if let Some(motion) = self.decoupler.push(row)? {
-                let (a, alpha) = (motion.linear_ground_m_s2, motion.angular_ground_rad_s2);
-                let (w, q) = (motion.rate_shell_rad_s, motion.attitude);
-                let answer = [
-                    a.x, a.y, a.z, alpha.x, alpha.y, alpha.z, w.x, w.y, w.z, q.w, q.x, q.y, q.z,
-                ];
+                let answer = numbers(&motion);
                 let (answers, deviations) = block.columns[1..].split_at_mut(self.columns.count());
                 if let Some(beside) = &mut self.uncertainty {
                     let (stream, before) = beside.as_mut();
@@ -170,4 +202,13 @@ impl Decoding {
         }
         Ok(())
     }
+}
+
+/// The columns of [`Columns::All`].
+fn numbers(motion: &SixAxis) -> [f64; MOTION_CHANNELS.len()] {
+    let (a, alpha) = (motion.linear_ground_m_s2, motion.angular_ground_rad_s2);
+    let (w, q) = (motion.rate_shell_rad_s, motion.attitude);
+    [
+        a.x, a.y, a.z, alpha.x, alpha.y, alpha.z, w.x, w.y, w.z, q.w, q.x, q.y, q.z,
+    ]
 }

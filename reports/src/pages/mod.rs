@@ -4,6 +4,7 @@
 pub mod calibration;
 pub mod comparison;
 pub mod evidence;
+mod fault_tolerance;
 mod figures;
 mod identifiability;
 pub mod inspection;
@@ -31,6 +32,7 @@ pub fn report(results: &Results, evidence: Section, facts: Vec<(String, String)>
         figures::stiffness(results),
         identifiability::section(results),
         self_calibration::section(),
+        fault_tolerance::section(),
         figures::histories(results),
         figures::orders(results),
         summary::reference(results),

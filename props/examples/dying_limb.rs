@@ -1,0 +1,149 @@
+//! A limb that dies in mid-motion: `cargo run --release -p sixaxis-props --example dying_limb`.
+//!
+//! Prints the attitude's error at the end for some seeds, and with `--publish` writes the first one's history, which the report
+//! shows.
+
+use std::process::ExitCode;
+
+use rayon::prelude::*;
+use serde::Serialize;
+use sixaxis_core::fault::Event;
+use sixaxis_core::fault_tolerant::FaultTolerant;
+use sixaxis_core::{Decoupler, SixAxis};
+use sixaxis_props::faults::SAMPLE_RATE_HZ;
+use sixaxis_props::faults::dying::{DIES_AT_S, Played, angle_rad};
+use sixaxis_props::publication::{Arguments, end};
+
+/// Seeds below were looked at.
+const REPORTED_FROM: u64 = 1_000;
+/// Samples that one published point stands for.
+const STRIDE: usize = 20;
+
+#[derive(Serialize)]
+struct Published {
+    seed: u64,
+    sample_rate_hz: f64,
+    limb: usize,
+    died_at_s: f64,
+    isolated_after_samples: u64,
+    switched_after_samples: u64,
+    verdict: String,
+    threshold: f64,
+    time_s: Vec<f64>,
+    statistic: Vec<f64>,
+    truth_m_s2: Vec<f64>,
+    nine_m_s2: Vec<f64>,
+    watched_m_s2: Vec<f64>,
+    never_failed_rad: Vec<f64>,
+    nine_rad: Vec<f64>,
+    watched_rad: Vec<f64>,
+}
+
+fn main() -> ExitCode {
+    end(run())
+}
+
+fn run() -> Result<(), String> {
+    let arguments = Arguments::given();
+    let first = arguments.number("--first", REPORTED_FROM)?;
+    let count = arguments.number("--count", 10)?;
+    let limb = arguments.number("--limb", 7)? as usize;
+    let histories: Vec<Published> = (first..first + count)
+        .into_par_iter()
+        .map(|seed| history(seed, limb))
+        .collect::<Result<_, String>>()?;
+    for h in &histories {
+        let last = |values: &[f64]| values.last().copied().unwrap_or(f64::NAN);
+        println!(
+            "seed {}: {}; class {} and switch {} samples after; attitude's error at the end, rad: never failed {:.3e}, watched {:.3e}, all nine {:.3e}",
+            h.seed,
+            h.verdict,
+            h.isolated_after_samples,
+            h.switched_after_samples,
+            last(&h.never_failed_rad),
+            last(&h.watched_rad),
+            last(&h.nine_rad)
+        );
+    }
+    arguments.publish("dying_limb", &histories[0])
+}
+
+fn history(seed: u64, limb: usize) -> Result<Published, String> {
+    let at = |e: &dyn core::fmt::Display| format!("seed {seed}: {e}");
+    let played = Played::random(seed, limb - 1).map_err(|e| at(&e))?;
+    let decoupler =
+        Decoupler::new(&played.sensor, &played.parameters, &played.settings).map_err(|e| at(&e))?;
+    let decode = |rows: &[[f64; 9]]| -> Result<Vec<SixAxis>, String> {
+        let mut decoupler = decoupler.clone();
+        let mut answers = Vec::new();
+        for row in rows {
+            answers.extend(decoupler.push(row).map_err(|e| at(&e))?);
+        }
+        Ok(answers)
+    };
+    let sound = decode(&played.sound_v)?;
+    let nine = decode(&played.failed_v)?;
+    let mut stream: Box<FaultTolerant> = Box::new(
+        FaultTolerant::new(
+            &played.sensor,
+            &played.parameters,
+            &played.settings,
+            &played.watch(),
+        )
+        .map_err(|e| at(&e))?,
+    );
+    let (mut watched, mut squares) = (Vec::new(), Vec::new());
+    let (mut isolated, mut switched, mut verdict) = (None, None, String::new());
+    for (sample, row) in played.failed_v.iter().enumerate() {
+        let z = stream.monitor().whitened(row);
+        squares.push(z.iter().map(|x| x * x).sum::<f64>());
+        let said = stream.push(row).map_err(|e| at(&e))?;
+        watched.extend(said.answer);
+        switched = switched.or(said.switched.map(|_| sample as u64));
+        match said.event {
+            Some(Event::Isolated(_)) => isolated = isolated.or(Some(sample as u64)),
+            Some(Event::Identified(v)) => verdict = v.to_string(),
+            _ => {}
+        }
+    }
+    let mut published = Published {
+        seed,
+        sample_rate_hz: SAMPLE_RATE_HZ,
+        limb,
+        died_at_s: DIES_AT_S,
+        isolated_after_samples: isolated.ok_or(at(&"never isolated"))? - played.onset,
+        switched_after_samples: switched.ok_or(at(&"never switched"))? - played.onset,
+        verdict,
+        threshold: stream.monitor().detector().thresholds()[0],
+        time_s: Vec::new(),
+        statistic: Vec::new(),
+        truth_m_s2: Vec::new(),
+        nine_m_s2: Vec::new(),
+        watched_m_s2: Vec::new(),
+        never_failed_rad: Vec::new(),
+        nine_rad: Vec::new(),
+        watched_rad: Vec::new(),
+    };
+    for k in (0..sound.len()).step_by(STRIDE) {
+        let sample = sound[k].sample as usize;
+        let truth = &played.truth[sample];
+        let round = |x: f64| (1e6 * x).round() / 1e6;
+        let stretch = &squares[sample..squares.len().min(sample + STRIDE)];
+        published.time_s.push(sample as f64 / SAMPLE_RATE_HZ);
+        published
+            .statistic
+            .push(round(stretch.iter().copied().fold(0.0, f64::max)));
+        published.truth_m_s2.push(round(truth.linear_ground_m_s2.x));
+        published
+            .nine_m_s2
+            .push(round(nine[k].linear_ground_m_s2.x));
+        published
+            .watched_m_s2
+            .push(round(watched[k].linear_ground_m_s2.x));
+        let off = |answer: &SixAxis| angle_rad(truth.attitude, answer.attitude);
+        published.never_failed_rad.push(off(&sound[k]));
+        published.nine_rad.push(off(&nine[k]));
+        published.watched_rad.push(off(&watched[k]));
+    }
+    Ok(published)
+}

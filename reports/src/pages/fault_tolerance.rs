@@ -1,0 +1,32 @@
+//! What nine limbs say more than six: failures seen, named and survived. Here the parts are put in order.
+
+mod detection;
+mod dying_limb;
+mod published;
+#[cfg(test)]
+mod tests;
+
+use crate::view::{Block, Section};
+
+/// The section.
+pub fn section() -> Section {
+    let mut section = Section::new(
+        "fault-tolerance",
+        "Fault tolerance: limbs that fail",
+        "Three sums of limb forces are zero whatever the motion. What they leave says that a limb has failed and, in six classes, \
+         which; the channel's own course says how, and at times which of two twins.",
+    );
+    for part in [
+        published::detection().map(|d| detection::blocks(&d)),
+        published::dying_limb().map(|d| dying_limb::blocks(&d)),
+    ] {
+        section.blocks.extend(part.unwrap_or_else(unreadable));
+    }
+    section
+}
+
+fn unreadable(error: serde_json::Error) -> Vec<Block> {
+    vec![Block::Note(format!(
+        "A published result cannot be read: {error}."
+    ))]
+}
