@@ -89,7 +89,8 @@ impl<T: Scalar> RigidDecoupler<T> {
     /// # Errors
     /// [`Error::NotFinite`] and [`Error::Overstrained`] name channel and sample; [`Error::Overflow`] for a rate whose
     /// answer is not a finite number. The decoupler is unchanged by a refused sample.
-    #[inline]
+    // Always: left to itself the compiler calls it, and the answer goes by memory.
+    #[inline(always)]
     pub fn push(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<SixAxis<T>>> {
         let after = self.load(voltage_v, self.received)?;
         if self.received < 2 {

@@ -6,7 +6,7 @@ use std::process::{Command, Output};
 use sixaxis_calibration::calibration::Calibration;
 use sixaxis_calibration::verdict::Grade;
 
-/// Largest acceleration by which limbs' noise and calibration may move the answer, over its peak: twice what is seen.
+/// By how much the answer may move, over its peak: a coarse bound, chosen and not measured.
 const APART: f64 = 0.1;
 
 fn run(arguments: &[&str]) -> Output {

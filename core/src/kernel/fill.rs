@@ -127,10 +127,14 @@ impl<T: Real> Fill<T> {
 /// `to` + K rows.
 #[inline(always)]
 fn onto<T: Real>(to: Limbs<T>, weights: &[Limbs<T>; ROWS], rows: Vec3<T>) -> Limbs<T> {
-    let [k, l, m] = weights;
+    let [[k, l, m], [n, o, p], [q, r, s]] = *weights;
+    let [u, v, w] = to;
     let [a, b, c] = rows.components();
-    let at = |i: usize| m[i].times_plus(c, l[i].times_plus(b, k[i].times_plus(a, to[i])));
-    [at(0), at(1), at(2)]
+    [
+        q.times_plus(c, n.times_plus(b, k.times_plus(a, u))),
+        r.times_plus(c, o.times_plus(b, l.times_plus(a, v))),
+        s.times_plus(c, p.times_plus(b, m.times_plus(a, w))),
+    ]
 }
 
 impl Constants<f64> {

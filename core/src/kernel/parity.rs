@@ -45,7 +45,9 @@ pub fn residual<T: Real>(strain: Limbs<T>, nu: T, inverse_nu: T) -> Vec3<T> {
 /// first. To first order their sum is nothing, and their difference 2 nu (phi_x, phi_z, phi_y).
 #[inline(always)]
 pub fn halves<T: Real>(along: Limbs<T>) -> [Vec3<T>; 2] {
-    let [first, second, third] = along.map(|limbs| limbs + limbs.cycled());
+    // Written out: the library's maps of arrays are calls that no vector register survives.
+    let [u, v, w] = along;
+    let (first, second, third) = (u + u.cycled(), v + v.cycled(), w + w.cycled());
     [
         Vec3::diagonal([first, second, third]),
         Vec3::diagonal([second, third, first]),
@@ -59,13 +61,11 @@ pub fn halves<T: Real>(along: Limbs<T>) -> [Vec3<T>; 2] {
 /// other limbs there.
 #[inline(always)]
 pub fn second_order<T: Real>(strain: Limbs<T>, difference: Vec3<T>, inverse_nu: T) -> Vec3<T> {
-    let square = strain.map(|x| x.by(x));
-    let at_node = square[0] + square[1] + square[2];
-    let [first, second, third] = square.map(|limbs| {
-        let with = at_node + limbs;
-        with + with.cycled()
-    });
-    let twice = Vec3::diagonal([third, first, second]);
+    let [u, v, w] = strain;
+    let (u, v, w) = (u.by(u), v.by(v), w.by(w));
+    let at_node = u + v + w;
+    let (u, v, w) = (at_node + u, at_node + v, at_node + w);
+    let twice = Vec3::diagonal([w + w.cycled(), u + u.cycled(), v + v.cycled()]);
     twice + curvature(difference, inverse_nu * inverse_nu.like(0.5))
 }
 
