@@ -11,13 +11,13 @@
 //! W^T diag(x^2 sd_scale^2 + sd_drift^2) W to the covariance of a sample or of a mean, and as much of a slope as the strains
 //! have. Told of them ([`CalibrationErrors`]), the tests keep their distribution over calibrations.
 
-use super::chi_square::quantile;
 use super::moments::Moments;
 use super::noise::{RowNoise, apply, dot, inverse_root};
 use crate::error::{Error, Result};
 use crate::geometry::LIMBS;
 use crate::parity::ROWS;
 use crate::scalar::sqrt;
+use crate::significance::chi_square_limit;
 
 /// Lengths of the windows, samples.
 pub const WINDOWS: [u64; 4] = [8, 64, 512, 4096];
@@ -61,10 +61,10 @@ impl Test {
 
     /// Degrees of freedom of its statistic.
     #[must_use]
-    pub const fn freedom(self) -> u32 {
+    pub const fn freedom(self) -> usize {
         match self {
             Self::Sample | Self::Mean(_) | Self::Slope(_) => 3,
-            Self::Energy(n) => 3 * n as u32 - 6,
+            Self::Energy(n) => 3 * n as usize - 6,
         }
     }
 }
@@ -161,10 +161,14 @@ impl Detector {
             }
         }
         let share = rate / TESTS.len() as f64;
+        let mut thresholds = [0.0; TESTS.len()];
+        for (threshold, test) in thresholds.iter_mut().zip(TESTS) {
+            *threshold = chi_square_limit(share * test.samples() as f64, test.freedom())?;
+        }
         Ok(Self {
             noise,
             errors,
-            thresholds: TESTS.map(|test| quantile(share * test.samples() as f64, test.freedom())),
+            thresholds,
             windows: [Window::default(); WINDOWS.len()],
             received: 0,
         })

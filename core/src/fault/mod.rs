@@ -4,7 +4,6 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | [`chi_square`] | the distribution of every test |
 //! | [`class`] | the six directions that nine limbs fail along |
 //! | [`noise`] | the covariance of the rows; whitening |
 //! | [`moments`] | sums over a stretch of whitened rows |
@@ -17,7 +16,6 @@
 //! | [`verdict`] | what is said of it |
 //! | [`monitor`] | all of it as a stream |
 
-pub mod chi_square;
 pub mod class;
 pub mod detector;
 pub mod gathering;
