@@ -1,7 +1,7 @@
 //! What the survivable sets do to the error: noise in closed form against measured, and laboratory errors.
 
 use super::sets::{FailedLimbs, Set};
-use crate::view::number::count;
+use crate::view::number::{count, fixed, scientific};
 use crate::view::{Axis, Block, Figure, Mark, Series};
 
 /// The bar on the error with laboratory errors, over the healthy decoder's.
@@ -13,23 +13,29 @@ pub fn blocks(published: &FailedLimbs) -> Vec<Block> {
     let range = |pick: fn(f64, f64) -> f64| {
         100.0 * healthy.iter().copied().reduce(pick).unwrap_or(f64::NAN)
     };
+    let worst = |of: fn(&Set) -> Option<f64>| {
+        let ratios = published.sets.iter().filter_map(of);
+        ratios.fold(f64::NAN, f64::max)
+    };
     vec![
         Block::Heading("What it costs".to_owned()),
         Block::Text(format!(
-            "Without noise a set adds at most {:.1e} of full scale to the error on a motion about all six axes. With laboratory errors, \
-             {} campaigns each with its own standards and noise, the 5 Hz compound run comes out with a largest error of {:.1} to {:.1} % of \
-             full scale with nine limbs. At most {BAR} times that keep {} of {} sets in the median over the campaigns, {} by the root mean \
-             square; once the scale factors obey the coordination equations on the run itself, {} and {}. What is then left is \
-             noise, and grows as the noise does.",
-            published.largest_noise_free_excess,
+            "Without noise a set adds at most {} of full scale to the error on a motion about all six axes. Laboratory errors do more. In \
+             {} campaigns, each with its own standards and noise, the 5 Hz compound run comes out with a largest error of {:.1} to {:.1} % \
+             of full scale with nine limbs, its drift not taken off. Twice that or less keep {} of {} sets in the median over the \
+             campaigns ({} by the root mean square), the worst has {} times as much: what a lost limb would have said is made \
+             up from scale factors that contradict each other. Moved so that they obey the coordination equations on the run itself, \
+             they leave {} sets within twice ({} by the root mean square) and the worst at {} times.",
             count(published.seeds),
             range(f64::min),
             range(f64::max),
             published.within_twice,
             published.survivable,
             published.within_twice_rms,
+            fixed(worst(|s| s.error_ratio), 1),
             published.within_twice_consistent,
             published.within_twice_rms_consistent,
+            fixed(worst(|s| s.error_ratio_consistent), 2),
         )),
         Block::FigureGrid(vec![noise(published), errors(published)]),
     ]

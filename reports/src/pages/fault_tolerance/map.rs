@@ -18,9 +18,9 @@ pub fn blocks(published: &FailedLimbs) -> Vec<Block> {
             published.sets.len()
         )),
         Block::Text(format!(
-            "Of {} sets of one to three limbs {} leave six axes, decided in whole numbers; {lost} do not, and the decoder refuses them by the \
-             load that it would lose. What can be done without costs noise: printed is by how much the white noise of that of the six \
-             accelerations grows that grows most, in closed form. {MAKE}.",
+            "Of {} sets of one to three limbs {} leave six axes, decided in whole numbers; {lost} do not, and the decoder refuses them, \
+             naming the load that it would lose. Doing without limbs costs noise. Of the six accelerations one suffers most; printed \
+             is by how much its white noise grows, in closed form: {MAKE}.",
             count(published.sets.len() as u64),
             count(published.survivable as u64),
         )),
@@ -51,8 +51,8 @@ fn cell(set: Option<&Set>) -> Cell {
     }
 }
 
-fn columns() -> Vec<Column> {
-    (1..=LIMBS)
+fn columns(first: usize) -> Vec<Column> {
+    (first..=LIMBS)
         .map(|limb| Column::number(limb.to_string(), ""))
         .collect()
 }
@@ -78,7 +78,7 @@ fn pairs(published: &FailedLimbs) -> Table {
     Table {
         caption: "Growth of noise without one limb (diagonal) and without two".to_owned(),
         stub: "limb".to_owned(),
-        columns: columns(),
+        columns: columns(1),
         rows: rows.collect(),
         footnote: format!(
             "Lost pairs and what the other seven show nothing of: {}.",
@@ -92,14 +92,14 @@ fn triples(published: &FailedLimbs) -> Table {
     let mut rows = Vec::new();
     for a in 1..=LIMBS {
         for b in a + 1..LIMBS {
-            let cells = (1..=LIMBS).map(|c| cell(published.set(&[a, b, c])));
+            let cells = (3..=LIMBS).map(|c| cell(published.set(&[a, b, c])));
             rows.push(Row::new(format!("{a}, {b}"), cells));
         }
     }
     Table {
         caption: "Growth of noise without three".to_owned(),
         stub: "limbs".to_owned(),
-        columns: columns(),
+        columns: columns(3),
         rows,
         footnote: "Rows are the two limbs with the lower numbers, columns the third. Point at a lost set for its load.".to_owned(),
         ..Table::default()
