@@ -82,7 +82,33 @@ impl Case {
         for (zero, unit) in calibration.zero_drift_v.iter_mut().zip(nine(&mut rng)) {
             *zero += ZERO_DRIFT_V * unit;
         }
-        let field = Field::by_hand(&mut rng, pace, duration_s, SAMPLE_RATE_HZ);
+        Self::tumbled(seed, truth, calibration, pace, duration_s, &mut rng)
+    }
+
+    /// A sensor that a laboratory has calibrated, tumbled briskly by hand.
+    ///
+    /// # Panics
+    /// Never.
+    #[must_use]
+    pub fn calibrated(
+        seed: u64,
+        truth: Parameters,
+        calibration: Parameters,
+        duration_s: f64,
+    ) -> Self {
+        let mut rng = Pcg64::new(u128::from(seed), SENSOR_STREAM);
+        Self::tumbled(seed, truth, calibration, Pace::Brisk, duration_s, &mut rng)
+    }
+
+    fn tumbled(
+        seed: u64,
+        truth: Parameters,
+        calibration: Parameters,
+        pace: Pace,
+        duration_s: f64,
+        rng: &mut Pcg64,
+    ) -> Self {
+        let field = Field::by_hand(rng, pace, duration_s, SAMPLE_RATE_HZ);
         let (loads, _) = field.play(&truth);
         let forces =
             compliant_forces_m_s2(&Geometry::PAPER, truth.stiffness_per_mass_per_s2, &loads)

@@ -326,6 +326,8 @@ pub const COLOURED_Z: f64 = 10.0;
 pub const CROSSTALK: f64 = 5e-3;
 /// See [`CROSSTALK`].
 pub const CROSSTALK_Z: f64 = 5.0;
+/// ln k_i/k_j of any two limbs with laboratory errors: half a per cent is asked for.
+pub const STIFFNESS_RATIO: Tolerance = new(5e-3, Reason::Derived);
 /// Attained over asked-for rate of false alarms, less one.
 pub const FALSE_ALARMS: Tolerance = new(0.1, Reason::Derived);
 /// Noise over what the detector is told in the control: the energy of 64 samples sees it in every window.

@@ -294,6 +294,7 @@ fn file(
     let conditioning = Conditioning::new(&setup.wishes, rate_hz)?;
     let failed = failed(arguments)?;
     recording.without = failed;
+    recording.watched = arguments.watch;
     let decoupler = Decoupler::new(&setup.sensor, &setup.parameters, &settings)
         .with_context(|| format!("{}", arguments.calibration.display()))?
         .without(failed)

@@ -93,6 +93,7 @@ impl Live {
     ) -> Result<End> {
         let mut layout = self.columns.layout(self.sample_rate_hz);
         let mut decoding = Decoding::new(self.decoupler.clone(), self.columns, false);
+        let watched = self.watching.is_some();
         if let Some(watching) = self.watching.take() {
             layout.channels.extend(flags(self.sample_rate_hz));
             decoding = decoding.with_watching(watching);
@@ -135,7 +136,7 @@ impl Live {
                 }
             };
             let (row, stamp_s) = places
-                .read(&cells, self.decoupler.failed())
+                .read(&cells, self.decoupler.failed(), watched)
                 .map_err(at_line)?;
             if row.iter().any(|u| u.abs() >= self.full_scale_v) {
                 clipped += 1;
@@ -233,8 +234,14 @@ impl Live {
 }
 
 impl Places {
-    /// Channels of limbs that are done without are not looked at.
-    fn read(&self, cells: &[&str], without: LimbSet) -> Result<(Row, Option<f64>), String> {
+    /// Channels of limbs that are done without are not looked at; where channels are watched, what is no number is a failure and
+    /// no error.
+    fn read(
+        &self,
+        cells: &[&str],
+        without: LimbSet,
+        watched: bool,
+    ) -> Result<(Row, Option<f64>), String> {
         if cells.len() != self.columns {
             return Err(format!(
                 "{} columns, {} were expected",
@@ -258,7 +265,10 @@ impl Places {
                 *value = 0.0;
                 continue;
             }
-            *value *= number(&self.names[limb], self.limbs[limb])?;
+            *value *= match number(&self.names[limb], self.limbs[limb]) {
+                Err(_) if watched => f64::NAN,
+                read => read?,
+            };
         }
         let stamp_s = match self.time {
             Some((index, seconds)) => Some(number("time", index)? * seconds),

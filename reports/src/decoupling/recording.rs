@@ -26,6 +26,8 @@ pub struct Recording {
     pub seen: Seen,
     /// Limbs whose channels are not looked at.
     pub without: LimbSet,
+    /// Whether values that are no numbers are handed on to somebody who takes them for what they are, failures.
+    pub watched: bool,
     source: Box<dyn Source>,
     /// What one unit of each channel is worth in volts.
     volts: [f64; LIMBS],
@@ -98,6 +100,7 @@ impl Recording {
             names: indices.map(|index| layout.channels[index].name.clone()),
             seen: Seen::default(),
             without: LimbSet::EMPTY,
+            watched: false,
             source,
             volts,
             seconds,
@@ -130,7 +133,9 @@ impl Recording {
                 row[limb] = voltage;
             }
             self.seen.clipped[limb] += clipped;
-            if !finite && let Some(at) = column.iter().position(|x| !(x * volts).is_finite()) {
+            if !(finite || self.watched)
+                && let Some(at) = column.iter().position(|x| !(x * volts).is_finite())
+            {
                 bail!(
                     "{}: channel {:?} (limb {}), sample {}: {} is not a finite number; cut the recording there or mend it",
                     self.path.display(),

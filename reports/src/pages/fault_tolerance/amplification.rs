@@ -26,6 +26,7 @@ pub fn blocks(published: &FailedLimbs) -> Vec<Block> {
              campaigns ({} by the root mean square), the worst has {} times as much: what a lost limb would have said is made \
              up from scale factors that contradict each other. Moved so that they obey the coordination equations on the run itself, \
              they leave {} sets within twice ({} by the root mean square) and the worst at {} times.",
+            scientific(published.largest_noise_free_excess, 1),
             count(published.seeds),
             range(f64::min),
             range(f64::max),

@@ -56,6 +56,17 @@ fn ref_a_limb_that_dies_is_named_and_done_without() {
         .position(|&limbs| limbs == 5.0)
         .expect("a row without limb 5");
     assert!(flags[1].iter().all(|&limbs| limbs == 0.0));
+    // A channel that delivers no numbers is as good as dead, at once.
+    volts[LIMB][onset..].fill(f64::NAN);
+    let other = Folder::new("decouple-watch-silent");
+    let silent = other.join(failed.file_name().expect("a name"));
+    write(&silent, &LIMBS, "V", &volts, rate_hz);
+    let unreadable = out("unreadable.csv");
+    let said = decouple(&silent, &unreadable, true);
+    assert!(said.contains("limb 5: "), "{said}");
+    let (flags, _) = columns(&unreadable, &["without_limbs"]);
+    let first = flags[0].iter().position(|&limbs| limbs == 5.0);
+    assert!(first.is_some_and(|row| row <= onset), "{first:?}");
     // From there on the answers are those of the sound run but for the noise of one limb less; with the dead limb they are not.
     let blind = out("blind.csv");
     decouple(&failed, &blind, false);
