@@ -10,6 +10,7 @@
 use super::Decoupler;
 use crate::error::Result;
 use crate::kernel::attitude::{HALF_ANGLE_SQUARED_LIMIT, exp, exp_exactly, half_rotation};
+use crate::kernel::constants::limb_after_limb;
 use crate::kernel::heard::Heard;
 use crate::kernel::placement::{Placement, STRAIN_LIMIT, turn};
 use crate::kernel::real::Scalar;
@@ -36,6 +37,7 @@ impl<T: Scalar> Decoupler<T> {
         switched.heard = Heard::without(failed)?;
         switched.constants = self.exact.without(failed).rounded();
         let received = self.state.received;
+        switched.settled = failed.is_empty() && received >= 3;
         if received >= 1 {
             switched.state.now = switched.place_again(received - 1)?;
         }
@@ -66,13 +68,13 @@ impl<T: Scalar> Decoupler<T> {
 
     /// One of the last two samples, placed with the limbs of now.
     fn place_again(&self, sample: u64) -> Result<Placement<T>> {
-        let voltage_v = &self.recent[(sample & 1) as usize];
+        let voltage_v = self.recent.row(sample);
         let placed = self.place(voltage_v);
         let in_range = placed.strain_squares <= T::from_f64(STRAIN_LIMIT * STRAIN_LIMIT);
         if in_range {
             Ok(placed)
         } else {
-            self.place_exactly(voltage_v, sample)
+            self.place_exactly(&limb_after_limb(voltage_v), sample)
         }
     }
 

@@ -232,6 +232,13 @@ pub fn limb_by_limb<T: Real>(nine: [T; LIMBS]) -> [Vec3<T>; LIMBS_PER_NODE] {
     [vec3(a, d, g), vec3(b, e, h), vec3(c, f, i)]
 }
 
+/// What [`limb_by_limb`] put side by side, limb after limb.
+#[inline(always)]
+pub fn limb_after_limb<T: Real>(rows: [Vec3<T>; LIMBS_PER_NODE]) -> [T; LIMBS] {
+    let [[a, d, g], [b, e, h], [c, f, i]] = rows.map(Vec3::components);
+    [a, b, c, d, e, f, g, h, i]
+}
+
 // Written out: the library's maps of arrays are calls that no vector register survives.
 #[inline(always)]
 fn three<T: Real, U: Real>(columns: &[Vec3<T>; 3], f: impl Fn(T) -> U) -> [Vec3<U>; 3] {
@@ -242,9 +249,8 @@ fn three<T: Real, U: Real>(columns: &[Vec3<T>; 3], f: impl Fn(T) -> U) -> [Vec3<
 impl<T: Real> Constants<T> {
     /// Strain of one limb.
     pub fn strain(&self, limb: usize, voltage_v: T) -> T {
-        let (at, node) = (limb % LIMBS_PER_NODE, limb / LIMBS_PER_NODE);
-        let slope = self.strain_per_v[at].components()[node];
-        voltage_v.times_plus(slope, self.strain_at_zero[at].components()[node])
+        let slope = limb_after_limb(self.strain_per_v)[limb];
+        voltage_v.times_plus(slope, limb_after_limb(self.strain_at_zero)[limb])
     }
 
     /// Torque over chi nu in mass axes to angular acceleration of the mass in principal axes.

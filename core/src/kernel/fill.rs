@@ -262,7 +262,7 @@ mod tests {
         let errors = |scale: f64| {
             let x = strains(scale);
             let full = constants();
-            let healthy = placement::by_series(&full, x);
+            let healthy = placement::by_series(&full, limb_by_limb(x));
             survivable()
                 .map(|reconstruction| {
                     let heard = full.without(reconstruction.failed());
@@ -290,7 +290,7 @@ mod tests {
         let (x, full) = (strains(1e-5), constants());
         let none = Reconstruction::new(LimbSet::EMPTY).expect("no limb");
         let ours = Fill::new(&none).by_series(&full.without(LimbSet::EMPTY), limb_by_limb(x));
-        assert_eq!(ours, placement::by_series(&full, x));
+        assert_eq!(ours, placement::by_series(&full, limb_by_limb(x)));
     }
 
     #[test]

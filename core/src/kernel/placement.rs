@@ -32,7 +32,7 @@
 
 use glam::DVec3;
 
-use super::constants::{Constants, limb_by_limb};
+use super::constants::Constants;
 use super::real::Real;
 use super::vector::{Vec3, vec3};
 use crate::error::{Error, Result};
@@ -154,8 +154,8 @@ pub(super) fn linear_rotation<T: Real>(displacement: [Vec3<T>; NODES], inverse_n
 
 /// Places the mass by the series; good while `strain_squares` is at most the square of [`STRAIN_LIMIT`].
 #[inline(always)]
-pub fn by_series<T: Real>(constants: &Constants<T>, voltage_v: [T; LIMBS]) -> Placement<T> {
-    let (displacement, force, squares) = nodes(limb_strains(constants, limb_by_limb(voltage_v)));
+pub fn by_series<T: Real>(constants: &Constants<T>, voltage_v: Limbs<T>) -> Placement<T> {
+    let (displacement, force, squares) = nodes(limb_strains(constants, voltage_v));
     by_nodes(constants, displacement, force, squares)
 }
 
@@ -303,8 +303,8 @@ pub struct RigidLoad<T: Real> {
 
 /// The right sides of (12) and (15).
 #[inline(always)]
-pub fn rigid<T: Real>(constants: &Constants<T>, voltage_v: [T; LIMBS]) -> RigidLoad<T> {
-    rigid_by_strains(constants, limb_strains(constants, limb_by_limb(voltage_v)))
+pub fn rigid<T: Real>(constants: &Constants<T>, voltage_v: Limbs<T>) -> RigidLoad<T> {
+    rigid_by_strains(constants, limb_strains(constants, voltage_v))
 }
 
 /// The rest of the way.
