@@ -12,9 +12,8 @@ use crate::kernel::attitude::{
 use crate::kernel::constants::{Constants, limb_by_limb};
 use crate::kernel::fill;
 use crate::kernel::heard::Heard;
-use crate::kernel::placement::{self, Limbs, Placement, STRAIN_LIMIT};
+use crate::kernel::placement::{self, Placement, STRAIN_LIMIT};
 use crate::kernel::real::{Real, Scalar};
-use crate::kernel::recent::Recent;
 use crate::kernel::shell::{self, Place, ShellMotion};
 use crate::kernel::spin::{Spin, Torques};
 use crate::kernel::vector::{Vec3, vec3};
@@ -59,7 +58,7 @@ impl<T: Scalar> SixAxis<T> {
 ///
 /// In f32 a recording of the rig at 5 Hz and 10 kHz comes out within about 1e-4 of full scale: an f32 holds a
 /// displacement of the mass to 1e-7 of itself, and second differences are taken of it.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Decoupler<T: Scalar = f64> {
     /// With no strain of limbs that are done without.
     pub(crate) constants: Constants<T>,
@@ -67,24 +66,12 @@ pub struct Decoupler<T: Scalar = f64> {
     pub(crate) state: State<T>,
     scheme: Scheme,
     start: Start<T>,
-    /// To be placed anew when limbs are done without.
-    recent: Recent<T>,
+    /// The last two rows, at the parity of their samples: to be placed anew when limbs are done without.
+    recent: [[T; LIMBS]; 2],
     /// All limbs are heard and the first answer is out: no more to ask of most samples.
     settled: bool,
     /// Of all limbs and in full precision, for samples beyond the series.
     exact: Constants<f64>,
-}
-
-impl<T: Scalar> PartialEq for Decoupler<T> {
-    fn eq(&self, other: &Self) -> bool {
-        let rows = |of: &Self| of.recent.last_two(of.state.received);
-        self.state == other.state
-            && self.heard == other.heard
-            && self.constants == other.constants
-            && self.exact == other.exact
-            && (self.scheme, self.start) == (other.scheme, other.start)
-            && rows(self) == rows(other)
-    }
 }
 
 /// What the first decoupled sample begins with.
@@ -165,7 +152,7 @@ impl<T: Scalar> Decoupler<T> {
         let zeros = Vec3::default();
         Ok(Self {
             constants,
-            heard: Heard::without(LimbSet::EMPTY)?,
+            heard: Heard::without(LimbSet::EMPTY, &exact)?,
             state: State {
                 received: 0,
                 before: Place::default(),
@@ -176,7 +163,7 @@ impl<T: Scalar> Decoupler<T> {
             },
             scheme: settings.scheme,
             start,
-            recent: Recent::default(),
+            recent: [[T::default(); LIMBS]; 2],
             settled: false,
             exact,
         })
@@ -191,10 +178,9 @@ impl<T: Scalar> Decoupler<T> {
     // Always: left to itself the compiler calls it, and the answer goes by memory.
     #[inline(always)]
     pub fn push(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<SixAxis<T>>> {
-        let rows = limb_by_limb(*voltage_v);
         if self.settled {
-            let after = placement::by_series(&self.constants, rows);
-            self.take(after, voltage_v, rows)
+            let after = placement::by_series(&self.constants, limb_by_limb(*voltage_v));
+            self.take(after, voltage_v)
         } else {
             self.push_otherwise(voltage_v)
         }
@@ -203,28 +189,27 @@ impl<T: Scalar> Decoupler<T> {
     /// The start of a stream, or one without limbs. By itself: what is done there wants registers that most streams never need.
     #[inline(never)]
     fn push_otherwise(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<SixAxis<T>>> {
-        let rows = limb_by_limb(*voltage_v);
-        let after = self.place(rows);
-        if self.state.received > 2 {
-            self.take(after, voltage_v, rows)
-        } else {
-            self.begin(after, voltage_v, rows)
+        let after = self.place(voltage_v);
+        if self.state.received < 3 {
+            return self.begin(after, voltage_v);
         }
+        self.take(after, voltage_v)
     }
 
     /// One of the first three samples.
     #[cold]
     fn begin(
         &mut self,
-        after: Placement<T>,
+        mut after: Placement<T>,
         voltage_v: &[T; LIMBS],
-        rows: Limbs<T>,
     ) -> Result<Option<SixAxis<T>>> {
-        let after = self.in_range(after, voltage_v)?;
-        self.recent.keep(self.state.received, rows);
-        if self.state.received == 2 {
-            return self.first(&after);
+        if !in_range(&after) {
+            after = self.place_exactly(voltage_v, self.state.received)?;
         }
+        if self.state.received == 2 {
+            return self.first(&after, voltage_v);
+        }
+        self.remember(voltage_v);
         let state = &mut self.state;
         state.received += 1;
         state.before = state.now.place();
@@ -236,12 +221,12 @@ impl<T: Scalar> Decoupler<T> {
     #[inline(always)]
     fn take(
         &mut self,
-        after: Placement<T>,
+        mut after: Placement<T>,
         voltage_v: &[T; LIMBS],
-        rows: Limbs<T>,
     ) -> Result<Option<SixAxis<T>>> {
-        let after = self.in_range(after, voltage_v)?;
-        self.recent.keep(self.state.received, rows);
+        if !in_range(&after) {
+            after = self.place_exactly(voltage_v, self.state.received)?;
+        }
         let now = &self.state.now;
         let torques = Torques {
             now: now.torque,
@@ -261,28 +246,25 @@ impl<T: Scalar> Decoupler<T> {
         }
         let attitude = self.state.attitude.after(turn);
         self.state.spin.take(self.scheme, step);
+        self.remember(voltage_v);
         Ok(Some(self.advance(after, motion, attitude)))
     }
 
     #[inline(always)]
-    fn in_range(&self, after: Placement<T>, voltage_v: &[T; LIMBS]) -> Result<Placement<T>> {
-        // Written so that NaN goes the long way, too, where its channel is named.
-        let in_range = after.strain_squares <= T::from_f64(STRAIN_LIMIT * STRAIN_LIMIT);
-        if in_range {
-            Ok(after)
-        } else {
-            self.place_exactly(voltage_v, self.state.received)
-        }
-    }
-
-    #[inline(always)]
-    fn place(&self, voltage_v: Limbs<T>) -> Placement<T> {
+    fn place(&self, voltage_v: &[T; LIMBS]) -> Placement<T> {
+        let voltage_v = limb_by_limb(*voltage_v);
         if self.heard.all() {
             placement::by_series(&self.constants, voltage_v)
         } else {
             let heard = self.heard.voltages(voltage_v);
             self.heard.fill.by_series(&self.constants, heard)
         }
+    }
+
+    /// Keeps the row of the sample that is being received.
+    #[inline(always)]
+    fn remember(&mut self, voltage_v: &[T; LIMBS]) {
+        self.recent[(self.state.received & 1) as usize] = *voltage_v;
     }
 
     /// Keeps the last two of the rows that came to `received` in one piece.
@@ -292,13 +274,17 @@ impl<T: Scalar> Decoupler<T> {
             .zip(rows.iter().rev())
             .take(2)
         {
-            self.recent.keep(sample, limb_by_limb(*row));
+            self.recent[(sample & 1) as usize] = *row;
         }
     }
 
     /// The first decoupled sample, where rate and attitude are given.
     #[cold]
-    fn first(&mut self, after: &Placement<T>) -> Result<Option<SixAxis<T>>> {
+    fn first(
+        &mut self,
+        after: &Placement<T>,
+        voltage_v: &[T; LIMBS],
+    ) -> Result<Option<SixAxis<T>>> {
         let constants = &self.constants;
         let now = &self.state.now;
         let w_r = shell::relative_rate(&self.state.before, &now.place(), &after.place());
@@ -310,6 +296,7 @@ impl<T: Scalar> Decoupler<T> {
         let motion = self.motion(after, spin.rate, spin.derivative);
         self.refuse_overflow(&motion)?;
         self.state.spin = spin;
+        self.remember(voltage_v);
         self.settled = self.heard.all();
         Ok(Some(self.advance(*after, motion, self.start.attitude)))
     }
@@ -387,6 +374,12 @@ impl<T: Scalar> Decoupler<T> {
             sample: self.state.received as usize,
         }
     }
+}
+
+/// Whether the series hold. Written so that NaN goes the long way, too, where its channel is named.
+#[inline(always)]
+pub(crate) fn in_range<T: Scalar>(placed: &Placement<T>) -> bool {
+    placed.strain_squares <= T::from_f64(STRAIN_LIMIT * STRAIN_LIMIT)
 }
 
 /// a, w' in ground axes and w* in shell axes, SI.

@@ -10,11 +10,10 @@ use crate::geometry::LIMBS;
 use crate::kernel::attitude::{
     HALF_ANGLE_SQUARED_LIMIT, Quaternion, exp, exp_exactly, half_rotation,
 };
-use crate::kernel::constants::{Constants, limb_after_limb, limb_by_limb};
+use crate::kernel::constants::{Constants, limb_by_limb};
 use crate::kernel::heard::Heard;
-use crate::kernel::placement::{self, Limbs, OVERSTRAIN, RigidLoad};
+use crate::kernel::placement::{self, OVERSTRAIN, RigidLoad};
 use crate::kernel::real::Scalar;
-use crate::kernel::recent::Recent;
 use crate::kernel::shell::ShellMotion;
 use crate::kernel::spin::{Spin, Torques};
 use crate::kernel::vector::Vec3;
@@ -27,15 +26,15 @@ use crate::settings::{Sensor, Settings};
 ///
 /// Nothing is differentiated, but a scheme that steps over pairs wants a torque in advance, so here, too, a sample is
 /// decoupled when its successor arrives; only the last sample of a stream yields nothing.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct RigidDecoupler<T: Scalar = f64> {
     /// With no strain of limbs that are done without.
     constants: Constants<T>,
     heard: Heard<T>,
     /// Of all limbs.
     all: Constants<T>,
-    /// To be worked on anew when limbs are done without.
-    recent: Recent<T>,
+    /// The last row: to be worked on anew when limbs are done without.
+    last: [T; LIMBS],
     /// All limbs are heard and the first answer is out: no more to ask of most samples.
     settled: bool,
     scheme: Scheme,
@@ -45,18 +44,6 @@ pub struct RigidDecoupler<T: Scalar = f64> {
     spin: Spin<T>,
     shell: ShellMotion<T>,
     attitude: Quaternion<T>,
-}
-
-impl<T: Scalar> PartialEq for RigidDecoupler<T> {
-    fn eq(&self, other: &Self) -> bool {
-        let last = |of: &Self| of.recent.row(of.received.wrapping_sub(1));
-        (self.received, self.now, self.spin) == (other.received, other.now, other.spin)
-            && (self.shell, self.attitude) == (other.shell, other.attitude)
-            && self.heard == other.heard
-            && (self.constants, self.all) == (other.constants, other.all)
-            && (self.scheme, self.start) == (other.scheme, other.start)
-            && last(self) == last(other)
-    }
 }
 
 impl RigidDecoupler {
@@ -81,15 +68,16 @@ impl RigidDecoupler<f32> {
 
 impl<T: Scalar> RigidDecoupler<T> {
     fn build(sensor: &Sensor, parameters: &Parameters, settings: &Settings) -> Result<Self> {
-        let constants: Constants<T> = Constants::new(sensor, parameters, settings)?.rounded();
+        let exact = Constants::new(sensor, parameters, settings)?;
+        let constants: Constants<T> = exact.rounded();
         let start = Start::new(settings);
         let zeros = Vec3::default();
         Ok(Self {
             spin: Spin::start(constants.gyroscopic, zeros, zeros),
             constants,
-            heard: Heard::without(LimbSet::EMPTY)?,
+            heard: Heard::without(LimbSet::EMPTY, &exact)?,
             all: constants,
-            recent: Recent::default(),
+            last: [T::default(); LIMBS],
             settled: false,
             scheme: settings.scheme,
             start,
@@ -108,30 +96,28 @@ impl<T: Scalar> RigidDecoupler<T> {
     // Always: left to itself the compiler calls it, and the answer goes by memory.
     #[inline(always)]
     pub fn push(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<SixAxis<T>>> {
-        let rows = limb_by_limb(*voltage_v);
         if self.settled {
-            let after = placement::rigid(&self.constants, rows);
-            self.take(after, rows)
+            let after = placement::rigid(&self.constants, limb_by_limb(*voltage_v));
+            self.take(after, voltage_v)
         } else {
-            self.push_otherwise(rows)
+            self.push_otherwise(voltage_v)
         }
     }
 
     /// The start of a stream, or one without limbs. By itself: what is done there wants registers that most streams never need.
     #[inline(never)]
-    fn push_otherwise(&mut self, rows: Limbs<T>) -> Result<Option<SixAxis<T>>> {
-        let after = self.load(rows);
+    fn push_otherwise(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<SixAxis<T>>> {
+        let after = self.load(voltage_v);
         if self.received < 2 {
-            return self.first(after, rows);
+            return self.first(after, voltage_v);
         }
-        self.take(after, rows)
+        self.take(after, voltage_v)
     }
 
     /// Any but the first two samples.
     #[inline(always)]
-    fn take(&mut self, after: RigidLoad<T>, rows: Limbs<T>) -> Result<Option<SixAxis<T>>> {
-        self.require_in_range(&after, rows, self.received)?;
-        self.recent.keep(self.received, rows);
+    fn take(&mut self, after: RigidLoad<T>, voltage_v: &[T; LIMBS]) -> Result<Option<SixAxis<T>>> {
+        self.require_in_range(&after, voltage_v, self.received)?;
         let torques = Torques {
             now: self.now.torque,
             next: after.torque,
@@ -149,6 +135,7 @@ impl<T: Scalar> RigidDecoupler<T> {
         }
         self.spin.take(self.scheme, step);
         let attitude = self.attitude.after(turn);
+        self.last = *voltage_v;
         Ok(Some(self.advance(after, motion, attitude)))
     }
 
@@ -164,14 +151,14 @@ impl<T: Scalar> RigidDecoupler<T> {
     #[inline(never)]
     pub fn do_without(&mut self, failed: LimbSet) -> Result<()> {
         let mut switched = self.clone();
-        switched.heard = Heard::without(failed)?;
-        switched.constants = self.all.map(T::to_f64).without(failed).rounded();
+        let all = self.all.map(T::to_f64);
+        switched.heard = Heard::without(failed, &all)?;
+        switched.constants = all.without(failed).rounded();
         switched.settled = failed.is_empty() && self.received >= 2;
         if self.received >= 1 {
             let last = self.received - 1;
-            let rows = self.recent.row(last);
-            switched.now = switched.load(rows);
-            switched.require_in_range(&switched.now, rows, last)?;
+            switched.now = switched.load(&self.last);
+            switched.require_in_range(&switched.now, &self.last, last)?;
             let torque = switched.now.torque - self.now.torque;
             let g = switched.constants.gyroscopic;
             switched.spin.change_next_torque(self.scheme, g, torque);
@@ -196,7 +183,8 @@ impl<T: Scalar> RigidDecoupler<T> {
     }
 
     #[inline(always)]
-    fn load(&self, voltage_v: Limbs<T>) -> RigidLoad<T> {
+    fn load(&self, voltage_v: &[T; LIMBS]) -> RigidLoad<T> {
+        let voltage_v = limb_by_limb(*voltage_v);
         if self.heard.all() {
             placement::rigid(&self.constants, voltage_v)
         } else {
@@ -209,12 +197,12 @@ impl<T: Scalar> RigidDecoupler<T> {
     fn require_in_range(
         &self,
         load: &RigidLoad<T>,
-        voltage_v: Limbs<T>,
+        voltage_v: &[T; LIMBS],
         sample: u64,
     ) -> Result<()> {
         let in_range = load.strain_squares < T::from_f64(OVERSTRAIN * OVERSTRAIN);
         if !in_range {
-            self.refuse(&limb_after_limb(voltage_v), sample)?;
+            self.refuse(voltage_v, sample)?;
         }
         Ok(())
     }
@@ -229,10 +217,10 @@ impl<T: Scalar> RigidDecoupler<T> {
     }
 
     #[cold]
-    fn first(&mut self, after: RigidLoad<T>, rows: Limbs<T>) -> Result<Option<SixAxis<T>>> {
-        self.require_in_range(&after, rows, self.received)?;
-        self.recent.keep(self.received, rows);
+    fn first(&mut self, after: RigidLoad<T>, voltage_v: &[T; LIMBS]) -> Result<Option<SixAxis<T>>> {
+        self.require_in_range(&after, voltage_v, self.received)?;
         if self.received == 0 {
+            self.last = *voltage_v;
             self.received = 1;
             self.now = after;
             return Ok(None);
@@ -243,6 +231,7 @@ impl<T: Scalar> RigidDecoupler<T> {
         self.refuse_overflow(&motion)?;
         self.spin = spin;
         self.settled = self.heard.all();
+        self.last = *voltage_v;
         Ok(Some(self.advance(after, motion, self.start.attitude)))
     }
 

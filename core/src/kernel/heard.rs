@@ -1,6 +1,6 @@
 //! Which channels are listened to, and what makes up for the others.
 
-use super::constants::{limb_after_limb, limb_by_limb};
+use super::constants::{Constants, limb_after_limb, limb_by_limb};
 use super::fill::Fill;
 use super::placement::Limbs;
 use super::real::Scalar;
@@ -29,10 +29,10 @@ impl<T: Scalar> PartialEq for Heard<T> {
 impl<T: Scalar> Heard<T> {
     /// # Errors
     /// Those of [`Reconstruction::new`].
-    pub fn without(failed: LimbSet) -> Result<Self> {
+    pub fn without(failed: LimbSet, constants: &Constants<f64>) -> Result<Self> {
         let reconstruction = Reconstruction::new(failed)?;
         Ok(Self {
-            fill: Fill::new(&reconstruction),
+            fill: Fill::new(&reconstruction, constants),
             bits: limb_by_limb(core::array::from_fn(|limb| T::bits(!failed.contains(limb)))),
             reconstruction,
         })

@@ -27,7 +27,6 @@ pub mod heard;
 pub mod parity;
 pub mod placement;
 pub mod real;
-pub mod recent;
 pub mod shell;
 pub mod spin;
 #[cfg(target_feature = "avx")]

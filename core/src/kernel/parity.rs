@@ -69,15 +69,12 @@ pub fn second_order<T: Real>(strain: Limbs<T>, difference: Vec3<T>, inverse_nu: 
     twice + curvature(difference, inverse_nu * inverse_nu.like(0.5))
 }
 
-/// What the rows leave of the nodes' displacements along their limbs, to third order, in the order 1, 3, 2.
-///
-/// To second order the difference of the halves is 2 nu phi_x + nu (phi_y^2 - phi_z^2)/2 and so on.
+/// What the rows leave of the nodes' displacements along their limbs, to third order, in the order 1, 3, 2; phi is the rotation
+/// that fits them.
 #[inline(always)]
-pub fn left<T: Real>(displacement: Limbs<T>, inverse_nu: T) -> Vec3<T> {
+pub fn left<T: Real>(displacement: Limbs<T>, phi: Vec3<T>, nu: T) -> Vec3<T> {
     let [a, b] = halves(displacement);
-    let difference = a - b;
-    let square = difference.by(difference).cycled();
-    let turned =
-        (square - square.cycled()).times_plus(inverse_nu * inverse_nu.like(0.125), difference);
-    a + b - curvature(turned, inverse_nu * inverse_nu.like(0.25))
+    let [x, y, z] = phi.components();
+    // Its axes in the order of the rows: the curvature knows no handedness.
+    (a + b) - curvature(vec3(x, z, y), nu)
 }

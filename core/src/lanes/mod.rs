@@ -246,7 +246,9 @@ impl<R: Register, const WITHOUT: bool> Chunk<R, WITHOUT> {
         constants.visit(&mut |zero| rows.next().map_or(zero, |row| R::load(proof, row, part)));
         let mut fill = Fill::splat(R::splat(proof, 0.0));
         let mut rows = self.weights.iter();
-        fill.visit(&mut |zero| rows.next().map_or(zero, |row| R::load(proof, row, part)));
+        if WITHOUT {
+            fill.visit(&mut |zero| rows.next().map_or(zero, |row| R::load(proof, row, part)));
+        }
         let mut state = lanes.load::<R>(proof, part);
         for step in 0..CHUNK {
             let row = &self.voltage_v[step];
@@ -310,7 +312,7 @@ impl<R: Register, const WITHOUT: bool> Chunk<R, WITHOUT> {
 const CONSTANTS: usize = 48;
 
 /// Numbers in a sensor's weights.
-const WEIGHTS: usize = 63;
+const WEIGHTS: usize = 81;
 
 /// What `visit` goes through in each stream.
 fn side_by_side<const N: usize>(
