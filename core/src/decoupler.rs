@@ -180,32 +180,46 @@ impl<T: Scalar> Decoupler<T> {
     pub fn push(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<SixAxis<T>>> {
         if self.settled {
             let after = placement::by_series(&self.constants, limb_by_limb(*voltage_v));
-            self.take(after, voltage_v)
+            if in_range(&after) {
+                return self.take::<true>(after, voltage_v);
+            }
+            self.push_slowly(voltage_v)
         } else {
-            self.push_otherwise(voltage_v)
+            self.push_without(voltage_v)
         }
     }
 
-    /// The start of a stream, or one without limbs. By itself: what is done there wants registers that most streams never need.
+    /// Without limbs. By itself: what is done there wants registers that most streams never need.
     #[inline(never)]
-    fn push_otherwise(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<SixAxis<T>>> {
-        let after = self.place(voltage_v);
+    fn push_without(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<SixAxis<T>>> {
+        if self.state.received > 2 {
+            let heard = self.heard.voltages(limb_by_limb(*voltage_v));
+            let after = self.heard.fill.by_series(&self.constants, heard);
+            if in_range(&after) {
+                return self.take::<true>(after, voltage_v);
+            }
+        }
+        self.push_slowly(voltage_v)
+    }
+
+    /// The start of a stream, and samples beyond series and polynomials. The whole sample: coming back from a call, the fast way
+    /// would have to keep in memory what it has in registers.
+    #[cold]
+    #[inline(never)]
+    fn push_slowly(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<SixAxis<T>>> {
+        let mut after = self.place(voltage_v);
+        if !in_range(&after) {
+            after = self.place_exactly(voltage_v, self.state.received)?;
+        }
         if self.state.received < 3 {
             return self.begin(after, voltage_v);
         }
-        self.take(after, voltage_v)
+        self.take::<false>(after, voltage_v)
     }
 
     /// One of the first three samples.
     #[cold]
-    fn begin(
-        &mut self,
-        mut after: Placement<T>,
-        voltage_v: &[T; LIMBS],
-    ) -> Result<Option<SixAxis<T>>> {
-        if !in_range(&after) {
-            after = self.place_exactly(voltage_v, self.state.received)?;
-        }
+    fn begin(&mut self, after: Placement<T>, voltage_v: &[T; LIMBS]) -> Result<Option<SixAxis<T>>> {
         if self.state.received == 2 {
             return self.first(&after, voltage_v);
         }
@@ -217,16 +231,13 @@ impl<T: Scalar> Decoupler<T> {
         Ok(None)
     }
 
-    /// Any later one.
+    /// Any later one; `FAST` as long as it does not turn too far.
     #[inline(always)]
-    fn take(
+    fn take<const FAST: bool>(
         &mut self,
-        mut after: Placement<T>,
+        after: Placement<T>,
         voltage_v: &[T; LIMBS],
     ) -> Result<Option<SixAxis<T>>> {
-        if !in_range(&after) {
-            after = self.place_exactly(voltage_v, self.state.received)?;
-        }
         let now = &self.state.now;
         let torques = Torques {
             now: now.torque,
@@ -242,6 +253,9 @@ impl<T: Scalar> Decoupler<T> {
         let (mut turn, half_angle_squared) = exp(half, unit);
         let slow = half_angle_squared <= T::from_f64(HALF_ANGLE_SQUARED_LIMIT);
         if !slow {
+            if FAST {
+                return self.push_slowly(voltage_v);
+            }
             turn = self.turn_exactly(half, unit, &motion)?;
         }
         let attitude = self.state.attitude.after(turn);

@@ -98,26 +98,48 @@ impl<T: Scalar> RigidDecoupler<T> {
     pub fn push(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<SixAxis<T>>> {
         if self.settled {
             let after = placement::rigid(&self.constants, limb_by_limb(*voltage_v));
-            self.take(after, voltage_v)
+            if in_range(&after) {
+                return self.take::<true>(after, voltage_v);
+            }
+            self.push_slowly(voltage_v)
         } else {
-            self.push_otherwise(voltage_v)
+            self.push_without(voltage_v)
         }
     }
 
-    /// The start of a stream, or one without limbs. By itself: what is done there wants registers that most streams never need.
+    /// Without limbs. By itself: what is done there wants registers that most streams never need.
     #[inline(never)]
-    fn push_otherwise(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<SixAxis<T>>> {
+    fn push_without(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<SixAxis<T>>> {
+        if self.received > 1 {
+            let heard = self.heard.voltages(limb_by_limb(*voltage_v));
+            let after = self.heard.fill.rigid(&self.constants, heard);
+            if in_range(&after) {
+                return self.take::<true>(after, voltage_v);
+            }
+        }
+        self.push_slowly(voltage_v)
+    }
+
+    /// The start of a stream, and samples with something wrong in them. The whole sample: coming back from a call, the fast way
+    /// would have to keep in memory what it has in registers.
+    #[cold]
+    #[inline(never)]
+    fn push_slowly(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<SixAxis<T>>> {
         let after = self.load(voltage_v);
+        self.require_in_range(&after, voltage_v, self.received)?;
         if self.received < 2 {
             return self.first(after, voltage_v);
         }
-        self.take(after, voltage_v)
+        self.take::<false>(after, voltage_v)
     }
 
-    /// Any but the first two samples.
+    /// Any but the first two samples; `FAST` as long as it does not turn too far.
     #[inline(always)]
-    fn take(&mut self, after: RigidLoad<T>, voltage_v: &[T; LIMBS]) -> Result<Option<SixAxis<T>>> {
-        self.require_in_range(&after, voltage_v, self.received)?;
+    fn take<const FAST: bool>(
+        &mut self,
+        after: RigidLoad<T>,
+        voltage_v: &[T; LIMBS],
+    ) -> Result<Option<SixAxis<T>>> {
         let torques = Torques {
             now: self.now.torque,
             next: after.torque,
@@ -131,6 +153,9 @@ impl<T: Scalar> RigidDecoupler<T> {
         let (mut turn, half_angle_squared) = exp(half, unit);
         let slow = half_angle_squared <= T::from_f64(HALF_ANGLE_SQUARED_LIMIT);
         if !slow {
+            if FAST {
+                return self.push_slowly(voltage_v);
+            }
             turn = self.turn_exactly(half, unit, &motion)?;
         }
         self.spin.take(self.scheme, step);
@@ -200,8 +225,7 @@ impl<T: Scalar> RigidDecoupler<T> {
         voltage_v: &[T; LIMBS],
         sample: u64,
     ) -> Result<()> {
-        let in_range = load.strain_squares < T::from_f64(OVERSTRAIN * OVERSTRAIN);
-        if !in_range {
+        if !in_range(load) {
             self.refuse(voltage_v, sample)?;
         }
         Ok(())
@@ -218,7 +242,6 @@ impl<T: Scalar> RigidDecoupler<T> {
 
     #[cold]
     fn first(&mut self, after: RigidLoad<T>, voltage_v: &[T; LIMBS]) -> Result<Option<SixAxis<T>>> {
-        self.require_in_range(&after, voltage_v, self.received)?;
         if self.received == 0 {
             self.last = *voltage_v;
             self.received = 1;
@@ -284,4 +307,10 @@ impl<T: Scalar> RigidDecoupler<T> {
             sample: self.received as usize,
         }
     }
+}
+
+/// Written so that NaN is not.
+#[inline(always)]
+fn in_range<T: Scalar>(load: &RigidLoad<T>) -> bool {
+    load.strain_squares < T::from_f64(OVERSTRAIN * OVERSTRAIN)
 }
