@@ -23,7 +23,7 @@ const LARGEST: f64 = 1e304;
 /// The numbers of the kernel's formulas.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Constants<T: Real> {
-    /// Strain of a limb per volt, (1), (10), (11) and (2) in one; the first, second and third limbs of the three nodes.
+    /// Strain of a limb per volt, (1), (10), (11) and (2) in one; in the order of [`limb_by_limb`].
     pub strain_per_v: [Vec3<T>; LIMBS_PER_NODE],
     /// Its strain at zero volt: drift, and the preload that a tared channel does not show.
     pub strain_at_zero: [Vec3<T>; LIMBS_PER_NODE],
@@ -225,17 +225,18 @@ impl<T: Real> Constants<T> {
     }
 }
 
-/// The first limbs of the three nodes, the second ones, and the third.
+/// Three vectors of one limb of each node: those at the first node in order, and at each further node one limb on. So a parity
+/// row's limbs at two nodes stand where one turn of a vector brings them together, and all of a vector has the same sign in (5).
 #[inline(always)]
 pub fn limb_by_limb<T: Real>(nine: [T; LIMBS]) -> [Vec3<T>; LIMBS_PER_NODE] {
     let [a, b, c, d, e, f, g, h, i] = nine;
-    [vec3(a, d, g), vec3(b, e, h), vec3(c, f, i)]
+    [vec3(a, e, i), vec3(b, f, g), vec3(c, d, h)]
 }
 
 /// What [`limb_by_limb`] put side by side, limb after limb.
 #[inline(always)]
 pub fn limb_after_limb<T: Real>(rows: [Vec3<T>; LIMBS_PER_NODE]) -> [T; LIMBS] {
-    let [[a, d, g], [b, e, h], [c, f, i]] = rows.map(Vec3::components);
+    let [[a, e, i], [b, f, g], [c, d, h]] = rows.map(Vec3::components);
     [a, b, c, d, e, f, g, h, i]
 }
 

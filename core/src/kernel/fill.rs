@@ -27,7 +27,7 @@ const SETTLED: f64 = 4.0 * f64::EPSILON;
 /// The weights K in the order in which the kernel works on limbs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fill<T: Real> {
-    /// Of each row, in the order 1, 3, 2, for the first, second and third limbs of the three nodes.
+    /// Of each row, in the order 1, 3, 2.
     weights: [Limbs<T>; ROWS],
     /// The same times -1/2, for [`second_order`].
     minus_half: [Limbs<T>; ROWS],
