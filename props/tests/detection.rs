@@ -242,8 +242,9 @@ fn prop_a_failure_that_is_over_is_forgotten_when_all_is_quiet() {
 /// Noncentral chi-square of no noncentrality is central, and grows with it.
 #[test]
 fn inv_noncentral_is_central_at_zero() {
-    let at = |lambda| noncentral_survival(16.25, ROWS as u32, lambda);
-    let central = sixaxis_core::fault::chi_square::survival(16.25, ROWS as u32);
+    let at = |lambda| noncentral_survival(16.25, ROWS, lambda);
+    let central =
+        sixaxis_core::significance::chi_square_tail(16.25, ROWS).expect("three degrees of freedom");
     within(
         "noncentral over central, less one",
         (at(0.0) / central - 1.0).abs(),

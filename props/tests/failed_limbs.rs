@@ -70,7 +70,7 @@ fn prop_93_of_129_sets_leave_six_axes() {
                 let motion = (j.transpose() * j).try_inverse().expect("nine limbs") * named;
                 within(
                     "length that the others change under a lost load, over the motion",
-                    (rows * motion.clone()).norm() / motion.norm(),
+                    (rows * motion).norm() / motion.norm(),
                     tolerance::ROUNDING,
                 );
                 let v = svd.v_t.expect("asked for");

@@ -5,10 +5,10 @@ use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use serde::Serialize;
 use sixaxis_core::LIMBS;
-use sixaxis_core::fault::chi_square::{quantile, survival};
 use sixaxis_core::fault::moments::Moments;
 use sixaxis_core::fault::{Detector, RowNoise};
 use sixaxis_core::parity::{COORDINATION, ROWS};
+use sixaxis_core::significance::{chi_square_limit, chi_square_tail};
 
 /// Samples of one stretch: whole windows of every length.
 const STRETCH: u64 = 1 << 20;
@@ -115,7 +115,7 @@ pub fn curve(window: u64, limb: usize, sigmas: f64, draws: u64, seed: u64) -> Cu
     let class = sixaxis_core::fault::class::CLASS_OF[limb];
     let thresholds: Vec<f64> = false_alarm
         .iter()
-        .map(|&p| if p < 1.0 { quantile(p, 3) } else { 0.0 })
+        .map(|&p| chi_square_limit(p, 3).unwrap_or(0.0))
         .collect();
     let statistics: Vec<f64> = (0..draws)
         .into_par_iter()
@@ -156,17 +156,17 @@ pub fn curve(window: u64, limb: usize, sigmas: f64, draws: u64, seed: u64) -> Cu
 
 /// Probability that a noncentral chi-square variable exceeds `value`: Poisson's mixture of central ones.
 #[must_use]
-pub fn noncentral_survival(value: f64, freedom: u32, noncentrality: f64) -> f64 {
+pub fn noncentral_survival(value: f64, freedom: usize, noncentrality: f64) -> f64 {
     let half = 0.5 * noncentrality;
     // Ten deviations beyond the mean of the mixture's index.
-    let last = (half + 10.0 * half.sqrt() + 40.0) as u32;
+    let last = (half + 10.0 * half.sqrt() + 40.0) as usize;
     let mut ln_weight = -half;
     let mut sum = 0.0;
     for k in 0..last {
         if k > 0 {
-            ln_weight += (half / f64::from(k)).ln();
+            ln_weight += (half / k as f64).ln();
         }
-        sum += ln_weight.exp() * survival(value, freedom + 2 * k);
+        sum += ln_weight.exp() * chi_square_tail(value, freedom + 2 * k).unwrap_or(f64::NAN);
     }
     sum
 }

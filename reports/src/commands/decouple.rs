@@ -293,6 +293,7 @@ fn file(
     let settings = setup.settings(rate_hz, scheme);
     let conditioning = Conditioning::new(&setup.wishes, rate_hz)?;
     let failed = failed(arguments)?;
+    recording.without = failed;
     let decoupler = Decoupler::new(&setup.sensor, &setup.parameters, &settings)
         .with_context(|| format!("{}", arguments.calibration.display()))?
         .without(failed)

@@ -1,8 +1,11 @@
 //! What nine limbs say more than six: failures seen, named and survived. Here the parts are put in order.
 
+mod amplification;
 mod detection;
 mod dying_limb;
+mod map;
 mod published;
+mod sets;
 #[cfg(test)]
 mod tests;
 
@@ -13,10 +16,12 @@ pub fn section() -> Section {
     let mut section = Section::new(
         "fault-tolerance",
         "Fault tolerance: limbs that fail",
-        "Three sums of limb forces are zero whatever the motion. What they leave says that a limb has failed and, in six classes, \
-         which; the channel's own course says how, and at times which of two twins.",
+        "Nine limbs say three things more than six accelerations ask for: three sums of limb forces are zero whatever the motion. \
+         They stand in for limbs whose channels are lost; and what they leave says that a limb has failed and, in six classes, \
+         which. The channel's own course says how, and at times which of two twins.",
     );
     for part in [
+        sets::failed_limbs().map(|f| [map::blocks(&f), amplification::blocks(&f)].concat()),
         published::detection().map(|d| detection::blocks(&d)),
         published::dying_limb().map(|d| dying_limb::blocks(&d)),
     ] {

@@ -50,6 +50,7 @@ fn ref_a_lost_channel_is_not_missed() {
     let (gain, down) = (list("gain_n_per_v"), list("gravity_ground_m_s2"));
     let settings = ["--gain", &gain, "--down", &down, "--failed", "5"];
     let without = decouple(text(&broken), "without.parquet", &settings);
+    assert!(healthy != without, "limb 5 was listened to all the same");
     for (healthy, without) in healthy.iter().zip(&without) {
         let peak = healthy.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
         let apart = healthy.iter().zip(without);
@@ -115,4 +116,5 @@ fn inv_a_stream_does_not_read_a_lost_channel() {
     let ended = child.wait_with_output().expect("ends");
     assert_eq!(code(&ended), 0, "{}", stderr(&ended));
     assert_eq!(stdout(&ended).lines().count(), 3);
+    assert!(stderr(&ended).contains("note: without limbs 5 and 9"));
 }

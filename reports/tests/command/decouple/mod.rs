@@ -7,3 +7,4 @@ mod refusals;
 mod results;
 mod session;
 mod streams;
+mod watch;

@@ -1,0 +1,93 @@
+//! `--watch`: a limb dies in mid-run, is named and done without.
+
+use std::path::Path;
+
+use sixaxis_calibration::calibration::Calibration;
+
+use super::session::{LIMBS, calibration, columns, compound, session, voltages, write};
+use crate::program::{Folder, done, run, stderr, text};
+
+/// The limb that dies, from 0, and where in the run.
+const LIMB: usize = 4;
+const SHARE: f64 = 0.4;
+
+#[test]
+fn ref_a_limb_that_dies_is_named_and_done_without() {
+    let folder = Folder::new("decouple-watch");
+    let (toml, json) = (session().join("session.toml"), calibration());
+    let known = Calibration::read(json.as_ref()).expect("a calibration");
+    let sound = compound();
+    let (mut volts, rate_hz) = voltages();
+    let samples = volts[0].len();
+    let onset = (SHARE * samples as f64) as usize;
+    let zero = known.parameters.zero_drift_v[LIMB];
+    volts[LIMB][onset..].fill(zero);
+    let failed = folder.join(sound.file_name().expect("a name"));
+    write(&failed, &LIMBS, "V", &volts, rate_hz);
+
+    let out = |name: &str| folder.join(name);
+    let decouple = |recording: &Path, out: &Path, watch: bool| {
+        let mut arguments = vec!["decouple", &json, text(recording)];
+        arguments.extend(["--session", text(&toml), "--out", text(out)]);
+        if watch {
+            arguments.push("--watch");
+        }
+        stderr(&done(&arguments))
+    };
+    // A sound run: nothing is said, and every row is the decoupler's own.
+    let names = [
+        "ax", "ay", "az", "alpha_x", "alpha_y", "alpha_z", "wx", "wy", "wz",
+    ];
+    let (plain, watched) = (out("plain.csv"), out("watched.csv"));
+    decouple(&sound, &plain, false);
+    let said = decouple(&sound, &watched, true);
+    assert!(!said.contains("limb"), "{said}");
+    let (expected, _) = columns(&plain, &names);
+    assert_eq!(columns(&watched, &names).0, expected);
+    // A limb dies.
+    let survived = out("survived.csv");
+    let said = decouple(&failed, &survived, true);
+    assert!(said.contains("limb 5: "), "{said}");
+    assert!(said.contains("decoded without limb 5"), "{said}");
+    let (flags, _) = columns(&survived, &["without_limbs", "suspected_limbs"]);
+    assert!(flags[0][..onset - 2].iter().all(|&limbs| limbs == 0.0));
+    let switched = flags[0]
+        .iter()
+        .position(|&limbs| limbs == 5.0)
+        .expect("a row without limb 5");
+    assert!(flags[1].iter().all(|&limbs| limbs == 0.0));
+    // From there on the answers are those of the sound run but for the noise of one limb less; with the dead limb they are not.
+    let blind = out("blind.csv");
+    decouple(&failed, &blind, false);
+    let rms = |path: &Path| {
+        let (found, _) = columns(path, &names);
+        let from = switched + 1;
+        let share = |axis: usize| {
+            let peak = expected[axis].iter().fold(0.0_f64, |a, x| a.max(x.abs()));
+            let squares: f64 = found[axis][from..]
+                .iter()
+                .zip(&expected[axis][from..])
+                .map(|(x, y)| ((x - y) / peak).powi(2))
+                .sum();
+            (squares / (samples - from) as f64).sqrt()
+        };
+        (0..names.len()).map(share).fold(0.0, f64::max)
+    };
+    let (with, without) = (rms(&survived), rms(&blind));
+    assert!(with < 0.1 * without, "{with} {without}");
+}
+
+#[test]
+fn prop_watch_is_refused_where_it_has_no_meaning() {
+    let refused = run(&["decouple", "a.json", "b.csv", "--watch", "--close"]);
+    assert!(!refused.status.success());
+    assert!(stderr(&refused).contains("--close"), "{}", stderr(&refused));
+    let alone = run(&[
+        "decouple",
+        "a.json",
+        "b.csv",
+        "--false-alarms-per-hour",
+        "2",
+    ]);
+    assert!(!alone.status.success());
+}
