@@ -9,7 +9,7 @@ use crate::geometry::LIMBS;
 use crate::kernel::attitude::{
     HALF_ANGLE_SQUARED_LIMIT, Quaternion, exp, exp_exactly, half_rotation,
 };
-use crate::kernel::constants::Constants;
+use crate::kernel::constants::{Constants, limb_by_limb};
 use crate::kernel::fill;
 use crate::kernel::heard::Heard;
 use crate::kernel::placement::{self, Placement, STRAIN_LIMIT};
@@ -68,6 +68,8 @@ pub struct Decoupler<T: Scalar = f64> {
     start: Start<T>,
     /// The last two rows, at the parity of their samples: to be placed anew when limbs are done without.
     recent: [[T; LIMBS]; 2],
+    /// All limbs are heard and the first answer is out: no more to ask of most samples.
+    settled: bool,
     /// Of all limbs and in full precision, for samples beyond the series.
     exact: Constants<f64>,
 }
@@ -150,7 +152,7 @@ impl<T: Scalar> Decoupler<T> {
         let zeros = Vec3::default();
         Ok(Self {
             constants,
-            heard: Heard::without(LimbSet::EMPTY)?,
+            heard: Heard::without(LimbSet::EMPTY, &exact)?,
             state: State {
                 received: 0,
                 before: Place::default(),
@@ -162,6 +164,7 @@ impl<T: Scalar> Decoupler<T> {
             scheme: settings.scheme,
             start,
             recent: [[T::default(); LIMBS]; 2],
+            settled: false,
             exact,
         })
     }
@@ -175,23 +178,66 @@ impl<T: Scalar> Decoupler<T> {
     // Always: left to itself the compiler calls it, and the answer goes by memory.
     #[inline(always)]
     pub fn push(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<SixAxis<T>>> {
+        if self.settled {
+            let after = placement::by_series(&self.constants, limb_by_limb(*voltage_v));
+            if in_range(&after) {
+                return self.take::<true>(after, voltage_v);
+            }
+            self.push_slowly(voltage_v)
+        } else {
+            self.push_without(voltage_v)
+        }
+    }
+
+    /// Without limbs. By itself: what is done there wants registers that most streams never need.
+    #[inline(never)]
+    fn push_without(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<SixAxis<T>>> {
+        if self.state.received > 2 {
+            let heard = self.heard.voltages(limb_by_limb(*voltage_v));
+            let after = self.heard.fill.by_series(&self.constants, heard);
+            if in_range(&after) {
+                return self.take::<true>(after, voltage_v);
+            }
+        }
+        self.push_slowly(voltage_v)
+    }
+
+    /// The start of a stream, and samples beyond series and polynomials. The whole sample: coming back from a call, the fast way
+    /// would have to keep in memory what it has in registers.
+    #[cold]
+    #[inline(never)]
+    fn push_slowly(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<SixAxis<T>>> {
         let mut after = self.place(voltage_v);
-        // Written so that NaN goes the long way, too, where its channel is named.
-        let in_range = after.strain_squares <= T::from_f64(STRAIN_LIMIT * STRAIN_LIMIT);
-        if !in_range {
+        if !in_range(&after) {
             after = self.place_exactly(voltage_v, self.state.received)?;
         }
-        if self.state.received < 2 {
-            self.remember(voltage_v);
-            let state = &mut self.state;
-            state.received += 1;
-            state.before = state.now.place();
-            state.now = after;
-            return Ok(None);
+        if self.state.received < 3 {
+            return self.begin(after, voltage_v);
         }
+        self.take::<false>(after, voltage_v)
+    }
+
+    /// One of the first three samples.
+    #[cold]
+    fn begin(&mut self, after: Placement<T>, voltage_v: &[T; LIMBS]) -> Result<Option<SixAxis<T>>> {
         if self.state.received == 2 {
             return self.first(&after, voltage_v);
         }
+        self.remember(voltage_v);
+        let state = &mut self.state;
+        state.received += 1;
+        state.before = state.now.place();
+        state.now = after;
+        Ok(None)
+    }
+
+    /// Any later one; `FAST` as long as it does not turn too far.
+    #[inline(always)]
+    fn take<const FAST: bool>(
+        &mut self,
+        after: Placement<T>,
+        voltage_v: &[T; LIMBS],
+    ) -> Result<Option<SixAxis<T>>> {
         let now = &self.state.now;
         let torques = Torques {
             now: now.torque,
@@ -207,6 +253,9 @@ impl<T: Scalar> Decoupler<T> {
         let (mut turn, half_angle_squared) = exp(half, unit);
         let slow = half_angle_squared <= T::from_f64(HALF_ANGLE_SQUARED_LIMIT);
         if !slow {
+            if FAST {
+                return self.push_slowly(voltage_v);
+            }
             turn = self.turn_exactly(half, unit, &motion)?;
         }
         let attitude = self.state.attitude.after(turn);
@@ -217,8 +266,9 @@ impl<T: Scalar> Decoupler<T> {
 
     #[inline(always)]
     fn place(&self, voltage_v: &[T; LIMBS]) -> Placement<T> {
+        let voltage_v = limb_by_limb(*voltage_v);
         if self.heard.all() {
-            placement::by_series(&self.constants, *voltage_v)
+            placement::by_series(&self.constants, voltage_v)
         } else {
             let heard = self.heard.voltages(voltage_v);
             self.heard.fill.by_series(&self.constants, heard)
@@ -261,6 +311,7 @@ impl<T: Scalar> Decoupler<T> {
         self.refuse_overflow(&motion)?;
         self.state.spin = spin;
         self.remember(voltage_v);
+        self.settled = self.heard.all();
         Ok(Some(self.advance(*after, motion, self.start.attitude)))
     }
 
@@ -337,6 +388,12 @@ impl<T: Scalar> Decoupler<T> {
             sample: self.state.received as usize,
         }
     }
+}
+
+/// Whether the series hold. Written so that NaN goes the long way, too, where its channel is named.
+#[inline(always)]
+pub(crate) fn in_range<T: Scalar>(placed: &Placement<T>) -> bool {
+    placed.strain_squares <= T::from_f64(STRAIN_LIMIT * STRAIN_LIMIT)
 }
 
 /// a, w' in ground axes and w* in shell axes, SI.

@@ -10,7 +10,7 @@ use crate::geometry::LIMBS;
 use crate::kernel::attitude::{
     HALF_ANGLE_SQUARED_LIMIT, Quaternion, exp, exp_exactly, half_rotation,
 };
-use crate::kernel::constants::Constants;
+use crate::kernel::constants::{Constants, limb_by_limb};
 use crate::kernel::heard::Heard;
 use crate::kernel::placement::{self, OVERSTRAIN, RigidLoad};
 use crate::kernel::real::Scalar;
@@ -35,6 +35,8 @@ pub struct RigidDecoupler<T: Scalar = f64> {
     all: Constants<T>,
     /// The last row: to be worked on anew when limbs are done without.
     last: [T; LIMBS],
+    /// All limbs are heard and the first answer is out: no more to ask of most samples.
+    settled: bool,
     scheme: Scheme,
     start: Start<T>,
     received: u64,
@@ -66,15 +68,17 @@ impl RigidDecoupler<f32> {
 
 impl<T: Scalar> RigidDecoupler<T> {
     fn build(sensor: &Sensor, parameters: &Parameters, settings: &Settings) -> Result<Self> {
-        let constants: Constants<T> = Constants::new(sensor, parameters, settings)?.rounded();
+        let exact = Constants::new(sensor, parameters, settings)?;
+        let constants: Constants<T> = exact.rounded();
         let start = Start::new(settings);
         let zeros = Vec3::default();
         Ok(Self {
             spin: Spin::start(constants.gyroscopic, zeros, zeros),
             constants,
-            heard: Heard::without(LimbSet::EMPTY)?,
+            heard: Heard::without(LimbSet::EMPTY, &exact)?,
             all: constants,
             last: [T::default(); LIMBS],
+            settled: false,
             scheme: settings.scheme,
             start,
             received: 0,
@@ -92,10 +96,50 @@ impl<T: Scalar> RigidDecoupler<T> {
     // Always: left to itself the compiler calls it, and the answer goes by memory.
     #[inline(always)]
     pub fn push(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<SixAxis<T>>> {
-        let after = self.load(voltage_v, self.received)?;
+        if self.settled {
+            let after = placement::rigid(&self.constants, limb_by_limb(*voltage_v));
+            if in_range(&after) {
+                return self.take::<true>(after, voltage_v);
+            }
+            self.push_slowly(voltage_v)
+        } else {
+            self.push_without(voltage_v)
+        }
+    }
+
+    /// Without limbs. By itself: what is done there wants registers that most streams never need.
+    #[inline(never)]
+    fn push_without(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<SixAxis<T>>> {
+        if self.received > 1 {
+            let heard = self.heard.voltages(limb_by_limb(*voltage_v));
+            let after = self.heard.fill.rigid(&self.constants, heard);
+            if in_range(&after) {
+                return self.take::<true>(after, voltage_v);
+            }
+        }
+        self.push_slowly(voltage_v)
+    }
+
+    /// The start of a stream, and samples with something wrong in them. The whole sample: coming back from a call, the fast way
+    /// would have to keep in memory what it has in registers.
+    #[cold]
+    #[inline(never)]
+    fn push_slowly(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<SixAxis<T>>> {
+        let after = self.load(voltage_v);
+        self.require_in_range(&after, voltage_v, self.received)?;
         if self.received < 2 {
             return self.first(after, voltage_v);
         }
+        self.take::<false>(after, voltage_v)
+    }
+
+    /// Any but the first two samples; `FAST` as long as it does not turn too far.
+    #[inline(always)]
+    fn take<const FAST: bool>(
+        &mut self,
+        after: RigidLoad<T>,
+        voltage_v: &[T; LIMBS],
+    ) -> Result<Option<SixAxis<T>>> {
         let torques = Torques {
             now: self.now.torque,
             next: after.torque,
@@ -109,6 +153,9 @@ impl<T: Scalar> RigidDecoupler<T> {
         let (mut turn, half_angle_squared) = exp(half, unit);
         let slow = half_angle_squared <= T::from_f64(HALF_ANGLE_SQUARED_LIMIT);
         if !slow {
+            if FAST {
+                return self.push_slowly(voltage_v);
+            }
             turn = self.turn_exactly(half, unit, &motion)?;
         }
         self.spin.take(self.scheme, step);
@@ -129,10 +176,14 @@ impl<T: Scalar> RigidDecoupler<T> {
     #[inline(never)]
     pub fn do_without(&mut self, failed: LimbSet) -> Result<()> {
         let mut switched = self.clone();
-        switched.heard = Heard::without(failed)?;
-        switched.constants = self.all.map(T::to_f64).without(failed).rounded();
+        let all = self.all.map(T::to_f64);
+        switched.heard = Heard::without(failed, &all)?;
+        switched.constants = all.without(failed).rounded();
+        switched.settled = failed.is_empty() && self.received >= 2;
         if self.received >= 1 {
-            switched.now = switched.load(&self.last, self.received - 1)?;
+            let last = self.received - 1;
+            switched.now = switched.load(&self.last);
+            switched.require_in_range(&switched.now, &self.last, last)?;
             let torque = switched.now.torque - self.now.torque;
             let g = switched.constants.gyroscopic;
             switched.spin.change_next_torque(self.scheme, g, torque);
@@ -157,18 +208,27 @@ impl<T: Scalar> RigidDecoupler<T> {
     }
 
     #[inline(always)]
-    fn load(&self, voltage_v: &[T; LIMBS], sample: u64) -> Result<RigidLoad<T>> {
-        let load = if self.heard.all() {
-            placement::rigid(&self.constants, *voltage_v)
+    fn load(&self, voltage_v: &[T; LIMBS]) -> RigidLoad<T> {
+        let voltage_v = limb_by_limb(*voltage_v);
+        if self.heard.all() {
+            placement::rigid(&self.constants, voltage_v)
         } else {
             let heard = self.heard.voltages(voltage_v);
             self.heard.fill.rigid(&self.constants, heard)
-        };
-        let in_range = load.strain_squares < T::from_f64(OVERSTRAIN * OVERSTRAIN);
-        if !in_range {
+        }
+    }
+
+    #[inline(always)]
+    fn require_in_range(
+        &self,
+        load: &RigidLoad<T>,
+        voltage_v: &[T; LIMBS],
+        sample: u64,
+    ) -> Result<()> {
+        if !in_range(load) {
             self.refuse(voltage_v, sample)?;
         }
-        Ok(load)
+        Ok(())
     }
 
     #[inline(always)]
@@ -193,6 +253,7 @@ impl<T: Scalar> RigidDecoupler<T> {
         let motion = self.motion(spin.rate, spin.derivative);
         self.refuse_overflow(&motion)?;
         self.spin = spin;
+        self.settled = self.heard.all();
         self.last = *voltage_v;
         Ok(Some(self.advance(after, motion, self.start.attitude)))
     }
@@ -246,4 +307,10 @@ impl<T: Scalar> RigidDecoupler<T> {
             sample: self.received as usize,
         }
     }
+}
+
+/// Written so that NaN is not.
+#[inline(always)]
+fn in_range<T: Scalar>(load: &RigidLoad<T>) -> bool {
+    load.strain_squares < T::from_f64(OVERSTRAIN * OVERSTRAIN)
 }

@@ -7,11 +7,11 @@
 //! Two sets of limbs differ in where they see the mass, by noise and by what is wrong with the calibration. Of that, rates and
 //! attitude are spared: what is taken back is by how much the rotation of the mass moves more at n than at n - 1.
 
-use super::Decoupler;
+use super::{Decoupler, in_range};
 use crate::error::Result;
 use crate::kernel::attitude::{HALF_ANGLE_SQUARED_LIMIT, exp, exp_exactly, half_rotation};
 use crate::kernel::heard::Heard;
-use crate::kernel::placement::{Placement, STRAIN_LIMIT, turn};
+use crate::kernel::placement::{Placement, turn};
 use crate::kernel::real::Scalar;
 use crate::kernel::shell;
 use crate::kernel::vector::Vec3;
@@ -33,9 +33,10 @@ impl<T: Scalar> Decoupler<T> {
     #[inline(never)]
     pub fn do_without(&mut self, failed: LimbSet) -> Result<()> {
         let mut switched = self.clone();
-        switched.heard = Heard::without(failed)?;
+        switched.heard = Heard::without(failed, &self.exact)?;
         switched.constants = self.exact.without(failed).rounded();
         let received = self.state.received;
+        switched.settled = failed.is_empty() && received >= 3;
         if received >= 1 {
             switched.state.now = switched.place_again(received - 1)?;
         }
@@ -68,8 +69,7 @@ impl<T: Scalar> Decoupler<T> {
     fn place_again(&self, sample: u64) -> Result<Placement<T>> {
         let voltage_v = &self.recent[(sample & 1) as usize];
         let placed = self.place(voltage_v);
-        let in_range = placed.strain_squares <= T::from_f64(STRAIN_LIMIT * STRAIN_LIMIT);
-        if in_range {
+        if in_range(&placed) {
             Ok(placed)
         } else {
             self.place_exactly(voltage_v, sample)

@@ -11,8 +11,8 @@ use super::noise::RowNoise;
 use super::step::Ring;
 use super::verdict::{Kind, Verdict};
 use crate::error::Result;
-use crate::geometry::{LIMBS, LIMBS_PER_NODE};
-use crate::kernel::constants::Constants;
+use crate::geometry::LIMBS;
+use crate::kernel::constants::{Constants, limb_after_limb};
 use crate::kernel::placement::OVERSTRAIN;
 use crate::parameters::Parameters;
 use crate::parity::{LimbSet, residual};
@@ -85,11 +85,7 @@ impl Monitor {
         watch: &Watch,
     ) -> Result<Self> {
         let constants = Constants::new(sensor, parameters, settings)?;
-        let of = |limb: usize, rows: &[crate::kernel::vector::Vec3<f64>; LIMBS_PER_NODE]| {
-            rows[limb % LIMBS_PER_NODE].components()[limb / LIMBS_PER_NODE]
-        };
-        let strain_per_v: [f64; LIMBS] =
-            core::array::from_fn(|limb| of(limb, &constants.strain_per_v));
+        let strain_per_v = limb_after_limb(constants.strain_per_v);
         let noise = RowNoise::from_channels(&core::array::from_fn(|limb| {
             (strain_per_v[limb] * watch.noise_v[limb]).abs()
         }))?;
@@ -107,7 +103,7 @@ impl Monitor {
         let per_sample = watch.false_alarms_per_hour / 3600.0 / settings.sample_rate_hz;
         Ok(Self {
             strain_per_v,
-            strain_at_zero: core::array::from_fn(|limb| of(limb, &constants.strain_at_zero)),
+            strain_at_zero: limb_after_limb(constants.strain_at_zero),
             zero_drift_v: parameters.zero_drift_v,
             nu: constants.nu,
             detector: Detector::new(noise, per_sample, (!exact).then_some(errors))?,

@@ -23,7 +23,7 @@ const LARGEST: f64 = 1e304;
 /// The numbers of the kernel's formulas.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Constants<T: Real> {
-    /// Strain of a limb per volt, (1), (10), (11) and (2) in one; the first, second and third limbs of the three nodes.
+    /// Strain of a limb per volt, (1), (10), (11) and (2) in one; in the order of [`limb_by_limb`].
     pub strain_per_v: [Vec3<T>; LIMBS_PER_NODE],
     /// Its strain at zero volt: drift, and the preload that a tared channel does not show.
     pub strain_at_zero: [Vec3<T>; LIMBS_PER_NODE],
@@ -225,11 +225,19 @@ impl<T: Real> Constants<T> {
     }
 }
 
-/// The first limbs of the three nodes, the second ones, and the third.
+/// Three vectors of one limb of each node: those at the first node in order, and at each further node one limb on. So a parity
+/// row's limbs at two nodes stand where one turn of a vector brings them together, and all of a vector has the same sign in (5).
 #[inline(always)]
 pub fn limb_by_limb<T: Real>(nine: [T; LIMBS]) -> [Vec3<T>; LIMBS_PER_NODE] {
     let [a, b, c, d, e, f, g, h, i] = nine;
-    [vec3(a, d, g), vec3(b, e, h), vec3(c, f, i)]
+    [vec3(a, e, i), vec3(b, f, g), vec3(c, d, h)]
+}
+
+/// What [`limb_by_limb`] put side by side, limb after limb.
+#[inline(always)]
+pub fn limb_after_limb<T: Real>(rows: [Vec3<T>; LIMBS_PER_NODE]) -> [T; LIMBS] {
+    let [[a, e, i], [b, f, g], [c, d, h]] = rows.map(Vec3::components);
+    [a, b, c, d, e, f, g, h, i]
 }
 
 // Written out: the library's maps of arrays are calls that no vector register survives.
@@ -242,9 +250,8 @@ fn three<T: Real, U: Real>(columns: &[Vec3<T>; 3], f: impl Fn(T) -> U) -> [Vec3<
 impl<T: Real> Constants<T> {
     /// Strain of one limb.
     pub fn strain(&self, limb: usize, voltage_v: T) -> T {
-        let (at, node) = (limb % LIMBS_PER_NODE, limb / LIMBS_PER_NODE);
-        let slope = self.strain_per_v[at].components()[node];
-        voltage_v.times_plus(slope, self.strain_at_zero[at].components()[node])
+        let slope = limb_after_limb(self.strain_per_v)[limb];
+        voltage_v.times_plus(slope, limb_after_limb(self.strain_at_zero)[limb])
     }
 
     /// Torque over chi nu in mass axes to angular acceleration of the mass in principal axes.

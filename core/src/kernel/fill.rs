@@ -27,19 +27,25 @@ const SETTLED: f64 = 4.0 * f64::EPSILON;
 /// The weights K in the order in which the kernel works on limbs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fill<T: Real> {
-    /// Of each row, in the order 1, 3, 2, for the first, second and third limbs of the three nodes.
+    /// Of each row, in the order 1, 3, 2.
     weights: [Limbs<T>; ROWS],
     /// The same times -1/2, for [`second_order`].
     minus_half: [Limbs<T>; ROWS],
     /// What they add to the difference of the rows' halves.
     differences: [Vec3<T>; ROWS],
+    /// What they add to the resultant over chi: the strains' forces along limbs at rest.
+    force: [Vec3<T>; ROWS],
+    /// Likewise to the torque over the principal moments, principal axes.
+    torque: [Vec3<T>; ROWS],
 }
 
 impl<T: Scalar> Fill<T> {
-    /// Rounded weights.
+    /// Rounded weights, and what they do to this sensor's forces.
     #[must_use]
-    pub fn new(reconstruction: &Reconstruction) -> Self {
+    pub fn new(reconstruction: &Reconstruction, constants: &Constants<f64>) -> Self {
         let of = reconstruction.weights();
+        let row = |row: usize| limb_by_limb(core::array::from_fn(|limb| of[limb][row]));
+        let at_rest = [0, 2, 1].map(|r| placement::rigid_by_strains(constants, row(r)));
         let weights = [0, 2, 1]
             .map(|row| limb_by_limb(core::array::from_fn(|limb| T::from_f64(of[limb][row]))));
         Self {
@@ -49,6 +55,8 @@ impl<T: Scalar> Fill<T> {
                 let [a, b] = halves(column);
                 a - b
             }),
+            force: at_rest.map(|load| load.force.map(T::from_f64)),
+            torque: at_rest.map(|load| load.torque.map(T::from_f64)),
         }
     }
 }
@@ -61,6 +69,8 @@ impl<T: Real> Fill<T> {
             weights: [[Vec3::all(number); LIMBS_PER_NODE]; ROWS],
             minus_half: [[Vec3::all(number); LIMBS_PER_NODE]; ROWS],
             differences: [Vec3::all(number); ROWS],
+            force: [Vec3::all(number); ROWS],
+            torque: [Vec3::all(number); ROWS],
         }
     }
 
@@ -73,6 +83,8 @@ impl<T: Real> Fill<T> {
             weights: nine(self.weights),
             minus_half: nine(self.minus_half),
             differences: limbs(self.differences),
+            force: limbs(self.force),
+            torque: limbs(self.torque),
         }
     }
 
@@ -84,8 +96,10 @@ impl<T: Real> Fill<T> {
                 limbs.visit(f);
             }
         }
-        for row in &mut self.differences {
-            row.visit(f);
+        for rows in [&mut self.differences, &mut self.force, &mut self.torque] {
+            for row in rows {
+                row.visit(f);
+            }
         }
     }
 
@@ -106,13 +120,13 @@ impl<T: Real> Fill<T> {
             second_order(first, difference, inverse_nu),
         );
         let (displacement, force, squares) = nodes(second);
-        let third = left(displacement, inverse_nu);
-        by_nodes(
-            constants,
-            displacement,
-            onto(force, &self.weights, third),
-            squares,
-        )
+        let placed = by_nodes(constants, displacement, force, squares);
+        let third = left(displacement, placed.rotation, constants.nu);
+        Placement {
+            force: along(placed.force, &self.force, third),
+            torque: along(placed.torque, &self.torque, third),
+            ..placed
+        }
     }
 
     /// [`placement::rigid`] likewise: there the rows are sums and nothing else.
@@ -122,6 +136,14 @@ impl<T: Real> Fill<T> {
         let [a, b] = halves(heard);
         placement::rigid_by_strains(constants, onto(heard, &self.weights, a + b))
     }
+}
+
+/// `to` + a matrix of three columns times the rows.
+#[inline(always)]
+fn along<T: Real>(to: Vec3<T>, columns: &[Vec3<T>; ROWS], rows: Vec3<T>) -> Vec3<T> {
+    let [k, l, m] = *columns;
+    let [a, b, c] = rows.components();
+    m.times_plus(c, l.times_plus(b, k.times_plus(a, to)))
 }
 
 /// `to` + K rows.
@@ -262,11 +284,11 @@ mod tests {
         let errors = |scale: f64| {
             let x = strains(scale);
             let full = constants();
-            let healthy = placement::by_series(&full, x);
+            let healthy = placement::by_series(&full, limb_by_limb(x));
             survivable()
                 .map(|reconstruction| {
                     let heard = full.without(reconstruction.failed());
-                    let ours = Fill::new(&reconstruction).by_series(&heard, limb_by_limb(x));
+                    let ours = Fill::new(&reconstruction, &full).by_series(&heard, limb_by_limb(x));
                     difference(&ours, &healthy, &full)
                 })
                 .fold([0.0; 2], |[p, f], [q, g]| [f64::max(p, q), f64::max(f, g)])
@@ -289,8 +311,9 @@ mod tests {
     fn nothing_to_fill_in_changes_no_bit() {
         let (x, full) = (strains(1e-5), constants());
         let none = Reconstruction::new(LimbSet::EMPTY).expect("no limb");
-        let ours = Fill::new(&none).by_series(&full.without(LimbSet::EMPTY), limb_by_limb(x));
-        assert_eq!(ours, placement::by_series(&full, x));
+        let ours =
+            Fill::new(&none, &full).by_series(&full.without(LimbSet::EMPTY), limb_by_limb(x));
+        assert_eq!(ours, placement::by_series(&full, limb_by_limb(x)));
     }
 
     #[test]
@@ -298,7 +321,7 @@ mod tests {
         let (x, full) = (strains(1e-4), constants());
         for reconstruction in survivable() {
             let heard = full.without(reconstruction.failed());
-            let ours = Fill::new(&reconstruction).by_series(&heard, limb_by_limb(x));
+            let ours = Fill::new(&reconstruction, &full).by_series(&heard, limb_by_limb(x));
             let exact = exactly(&heard, &reconstruction, &x, 0).expect("limbs that meet");
             let [place, force] = difference(&ours, &exact, &full);
             let failed = reconstruction.failed();

@@ -1,6 +1,6 @@
 //! Which channels are listened to, and what makes up for the others.
 
-use super::constants::limb_by_limb;
+use super::constants::{Constants, limb_after_limb, limb_by_limb};
 use super::fill::Fill;
 use super::placement::Limbs;
 use super::real::Scalar;
@@ -29,10 +29,10 @@ impl<T: Scalar> PartialEq for Heard<T> {
 impl<T: Scalar> Heard<T> {
     /// # Errors
     /// Those of [`Reconstruction::new`].
-    pub fn without(failed: LimbSet) -> Result<Self> {
+    pub fn without(failed: LimbSet, constants: &Constants<f64>) -> Result<Self> {
         let reconstruction = Reconstruction::new(failed)?;
         Ok(Self {
-            fill: Fill::new(&reconstruction),
+            fill: Fill::new(&reconstruction, constants),
             bits: limb_by_limb(core::array::from_fn(|limb| T::bits(!failed.contains(limb)))),
             reconstruction,
         })
@@ -52,17 +52,13 @@ impl<T: Scalar> Heard<T> {
 
     /// The voltages limb by limb, zero whatever a failed channel says: it may be no number.
     #[inline(always)]
-    pub fn voltages(&self, voltage_v: &[T; LIMBS]) -> Limbs<T> {
-        let [u, v, w] = limb_by_limb(*voltage_v);
+    pub fn voltages(&self, [u, v, w]: Limbs<T>) -> Limbs<T> {
         let [a, b, c] = self.bits;
         [u.and(a), v.and(b), w.and(c)]
     }
 
     /// The same in full precision, limb after limb.
     pub fn exact_voltages(&self, voltage_v: &[T; LIMBS]) -> [f64; LIMBS] {
-        let [u, v, w] = self
-            .voltages(voltage_v)
-            .map(|limbs| limbs.components().map(T::to_f64));
-        [u[0], v[0], w[0], u[1], v[1], w[1], u[2], v[2], w[2]]
+        limb_after_limb(self.voltages(limb_by_limb(*voltage_v))).map(T::to_f64)
     }
 }

@@ -19,9 +19,9 @@ use super::vector::{Vec3, vec3};
 /// The sums of each row's four limbs.
 #[inline(always)]
 pub fn sums<T: Real>(along: Limbs<T>) -> Vec3<T> {
-    let [first, second, third] = along;
-    let [u, v, w] = [first + second, first + third, second + third].map(Vec3::components);
-    vec3(u[0] + u[1], v[0] + v[2], w[1] + w[2])
+    let [a, b] = halves(along);
+    let [x, z, y] = (a + b).components();
+    vec3(x, y, z)
 }
 
 /// nu (phi_x^2 + (phi_y + phi_z)^2/2) and its cyclic brothers.
@@ -45,13 +45,8 @@ pub fn residual<T: Real>(strain: Limbs<T>, nu: T, inverse_nu: T) -> Vec3<T> {
 /// first. To first order their sum is nothing, and their difference 2 nu (phi_x, phi_z, phi_y).
 #[inline(always)]
 pub fn halves<T: Real>(along: Limbs<T>) -> [Vec3<T>; 2] {
-    // Written out: the library's maps of arrays are calls that no vector register survives.
     let [u, v, w] = along;
-    let (first, second, third) = (u + u.cycled(), v + v.cycled(), w + w.cycled());
-    [
-        Vec3::diagonal([first, second, third]),
-        Vec3::diagonal([second, third, first]),
-    ]
+    [u + w.cycled(), v + u.cycled()]
 }
 
 /// -2 times the second order alone of what the rows leave, in the order 1, 3, 2, from the strains and the difference of their
@@ -64,20 +59,16 @@ pub fn second_order<T: Real>(strain: Limbs<T>, difference: Vec3<T>, inverse_nu: 
     let [u, v, w] = strain;
     let (u, v, w) = (u.by(u), v.by(v), w.by(w));
     let at_node = u + v + w;
-    let (u, v, w) = (at_node + u, at_node + v, at_node + w);
-    let twice = Vec3::diagonal([w + w.cycled(), u + u.cycled(), v + v.cycled()]);
+    let twice = (at_node + w) + (at_node + v).cycled();
     twice + curvature(difference, inverse_nu * inverse_nu.like(0.5))
 }
 
-/// What the rows leave of the nodes' displacements along their limbs, to third order, in the order 1, 3, 2.
-///
-/// To second order the difference of the halves is 2 nu phi_x + nu (phi_y^2 - phi_z^2)/2 and so on.
+/// What the rows leave of the nodes' displacements along their limbs, to third order, in the order 1, 3, 2; phi is the rotation
+/// that fits them.
 #[inline(always)]
-pub fn left<T: Real>(displacement: Limbs<T>, inverse_nu: T) -> Vec3<T> {
+pub fn left<T: Real>(displacement: Limbs<T>, phi: Vec3<T>, nu: T) -> Vec3<T> {
     let [a, b] = halves(displacement);
-    let difference = a - b;
-    let square = difference.by(difference).cycled();
-    let turned =
-        (square - square.cycled()).times_plus(inverse_nu * inverse_nu.like(0.125), difference);
-    a + b - curvature(turned, inverse_nu * inverse_nu.like(0.25))
+    let [x, y, z] = phi.components();
+    // Its axes in the order of the rows: the curvature knows no handedness.
+    (a + b) - curvature(vec3(x, z, y), nu)
 }

@@ -32,7 +32,7 @@
 
 use glam::DVec3;
 
-use super::constants::{Constants, limb_by_limb};
+use super::constants::Constants;
 use super::real::Real;
 use super::vector::{Vec3, vec3};
 use crate::error::{Error, Result};
@@ -70,7 +70,7 @@ impl Placement<f64> {
     }
 }
 
-/// Displacements of the nodes along their first, second and third limbs, the forces there over chi, and the sums of
+/// Displacements of the nodes along their limbs, the forces there over chi, and the sums of
 /// squared strains at each; three nodes at once, from their limbs' strains.
 #[inline(always)]
 pub(super) fn nodes<T: Real>(x: [Vec3<T>; LIMBS_PER_NODE]) -> (Limbs<T>, Limbs<T>, Vec3<T>) {
@@ -92,21 +92,21 @@ pub(super) fn nodes<T: Real>(x: [Vec3<T>; LIMBS_PER_NODE]) -> (Limbs<T>, Limbs<T
     (displacement, force, a)
 }
 
-/// Numbers of the first, second and third limb, each of three nodes.
+/// Numbers of nine limbs in the order of [`super::constants::limb_by_limb`]: each vector has one limb of each node.
 pub type Limbs<T> = [Vec3<T>; LIMBS_PER_NODE];
 
 /// Numbers along the limbs as vectors in shell axes, one for each node: the signed axes of (5).
 #[inline(always)]
 pub(super) fn shell_axes<T: Real>(along: Limbs<T>) -> [Vec3<T>; NODES] {
     let [first, second, third] = along;
-    let (one, minus) = (first.like(1.0), first.like(-1.0));
-    let z = first.by(vec3(one, minus, minus)).components();
-    let y = second.by(vec3(minus, one, minus)).components();
-    let x = third.by(vec3(minus, minus, one)).components();
+    let minus = Vec3::all(second.like(-1.0));
+    let first = first.components();
+    let second = second.by(minus).components();
+    let third = third.by(minus).components();
     [
-        vec3(x[0], y[0], z[0]),
-        vec3(x[1], y[1], z[1]),
-        vec3(x[2], y[2], z[2]),
+        vec3(third[0], second[0], first[0]),
+        vec3(second[1], first[1], third[1]),
+        vec3(first[2], third[2], second[2]),
     ]
 }
 
@@ -154,8 +154,8 @@ pub(super) fn linear_rotation<T: Real>(displacement: [Vec3<T>; NODES], inverse_n
 
 /// Places the mass by the series; good while `strain_squares` is at most the square of [`STRAIN_LIMIT`].
 #[inline(always)]
-pub fn by_series<T: Real>(constants: &Constants<T>, voltage_v: [T; LIMBS]) -> Placement<T> {
-    let (displacement, force, squares) = nodes(limb_strains(constants, limb_by_limb(voltage_v)));
+pub fn by_series<T: Real>(constants: &Constants<T>, voltage_v: Limbs<T>) -> Placement<T> {
+    let (displacement, force, squares) = nodes(limb_strains(constants, voltage_v));
     by_nodes(constants, displacement, force, squares)
 }
 
@@ -303,8 +303,8 @@ pub struct RigidLoad<T: Real> {
 
 /// The right sides of (12) and (15).
 #[inline(always)]
-pub fn rigid<T: Real>(constants: &Constants<T>, voltage_v: [T; LIMBS]) -> RigidLoad<T> {
-    rigid_by_strains(constants, limb_strains(constants, limb_by_limb(voltage_v)))
+pub fn rigid<T: Real>(constants: &Constants<T>, voltage_v: Limbs<T>) -> RigidLoad<T> {
+    rigid_by_strains(constants, limb_strains(constants, voltage_v))
 }
 
 /// The rest of the way.

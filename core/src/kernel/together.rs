@@ -65,14 +65,6 @@ impl Three<f64> for Together {
     }
 
     #[inline(always)]
-    fn diagonal([a, b, c]: [Self; 3]) -> Self {
-        let [x, _, _, _] = a.0.to_array();
-        let [_, y, _, _] = b.0.to_array();
-        let [_, _, z, w] = c.0.to_array();
-        Self(f64x4::from([x, y, z, w]))
-    }
-
-    #[inline(always)]
     fn dot(self, other: Self) -> f64 {
         let [x, y, z, _] = (self.0 * other.0).to_array();
         x + y + z

@@ -44,8 +44,6 @@ pub trait Three<T: Real>: Copy {
     /// (y, z, x).
     #[must_use]
     fn cycled(self) -> Self;
-    /// First component of the first, second of the second, third of the third.
-    fn diagonal(v: [Self; 3]) -> Self;
     /// `self . other`.
     fn dot(self, other: Self) -> T;
     /// `term + self x other`.
@@ -136,11 +134,6 @@ impl<T: Real> Three<T> for Apart<T> {
     #[inline(always)]
     fn cycled(self) -> Self {
         Self::new(self.y, self.z, self.x)
-    }
-
-    #[inline(always)]
-    fn diagonal([a, b, c]: [Self; 3]) -> Self {
-        Self::new(a.x, b.y, c.z)
     }
 
     #[inline(always)]
@@ -247,12 +240,6 @@ impl<T: Real> Vec3<T> {
     #[inline(always)]
     pub fn cycled(self) -> Self {
         Self(self.0.cycled())
-    }
-
-    /// First component of the first, second of the second, third of the third.
-    #[inline(always)]
-    pub fn diagonal([a, b, c]: [Self; 3]) -> Self {
-        Self(T::Three::diagonal([a.0, b.0, c.0]))
     }
 
     /// `self . other`.

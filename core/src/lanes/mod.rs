@@ -74,36 +74,45 @@ pub fn push_lanes(
         alike,
         "streams in lanes go in step: samples received, scheme and length"
     );
-    Arch::new().dispatch(Push {
-        streams,
-        voltage_v,
-        sink,
-    })
+    if streams.iter().all(|stream| stream.heard.all()) {
+        Arch::new().dispatch(Push::<_, false> {
+            streams,
+            voltage_v,
+            sink,
+        })
+    } else {
+        Arch::new().dispatch(Push::<_, true> {
+            streams,
+            voltage_v,
+            sink,
+        })
+    }
 }
 
-struct Push<'a, F> {
+/// Any of them without limbs, or none: each in functions of its own.
+struct Push<'a, F, const WITHOUT: bool> {
     streams: &'a mut [Decoupler; LANES],
     voltage_v: [&'a [[f64; LIMBS]]; LANES],
     sink: &'a mut F,
 }
 
-impl<F: FnMut(&[LaneSample])> WithSimd for Push<'_, F> {
+impl<F: FnMut(&[LaneSample]), const WITHOUT: bool> WithSimd for Push<'_, F, WITHOUT> {
     type Output = core::result::Result<(), Refused>;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         if S::IS_SCALAR {
-            push::<f64x4>((), self)
+            push::<f64x4, WITHOUT>((), self)
         } else {
-            push::<Wide<S>>(simd, self)
+            push::<Wide<S>, WITHOUT>(simd, self)
         }
     }
 }
 
 #[inline(always)]
-fn push<R: Register>(
+fn push<R: Register, const WITHOUT: bool>(
     proof: R::Proof,
-    job: Push<'_, impl FnMut(&[LaneSample])>,
+    job: Push<'_, impl FnMut(&[LaneSample]), WITHOUT>,
 ) -> core::result::Result<(), Refused> {
     let Push {
         streams,
@@ -112,7 +121,7 @@ fn push<R: Register>(
     } = job;
     let mut at = 0;
     let samples = voltage_v[0].len();
-    let mut chunk = Chunk::<R>::new(proof, streams);
+    let mut chunk = Chunk::<R, WITHOUT>::new(proof, streams);
     while at < samples {
         let started = streams[0].received() >= 3;
         let length = (samples - at).min(if started { CHUNK } else { 1 });
@@ -160,20 +169,20 @@ fn push_each(
 }
 
 /// Room for a chunk, and the constants of eight sensors in vector form.
-struct Chunk<R: Register> {
+struct Chunk<R: Register, const WITHOUT: bool> {
     proof: R::Proof,
     scheme: Scheme,
     /// Each number of eight sensors side by side.
     constants: [Row; CONSTANTS],
-    /// Likewise, if any of them does without a limb.
-    weights: Option<[Row; WEIGHTS]>,
+    /// Likewise, used if any of them does without a limb.
+    weights: [Row; WEIGHTS],
     voltage_v: [[Row; LIMBS]; CHUNK],
     strain_squares: [Row; CHUNK],
     half_angle_squared: [Row; CHUNK],
     out: [LaneSample; CHUNK],
 }
 
-impl<R: Register> Chunk<R> {
+impl<R: Register, const WITHOUT: bool> Chunk<R, WITHOUT> {
     #[inline(always)]
     fn new(proof: R::Proof, streams: &[Decoupler; LANES]) -> Self {
         Self {
@@ -183,11 +192,9 @@ impl<R: Register> Chunk<R> {
                 let mut numbers = stream.constants;
                 numbers.visit(&mut f);
             }),
-            weights: streams.iter().any(|stream| !stream.heard.all()).then(|| {
-                side_by_side(streams, |stream, mut f| {
-                    let mut numbers = stream.heard.fill;
-                    numbers.visit(&mut f);
-                })
+            weights: side_by_side(streams, |stream, mut f| {
+                let mut numbers = stream.heard.fill;
+                numbers.visit(&mut f);
             }),
             voltage_v: [[Row::ZERO; LIMBS]; CHUNK],
             strain_squares: [Row::ZERO; CHUNK],
@@ -237,16 +244,15 @@ impl<R: Register> Chunk<R> {
         let mut constants = Constants::splat(R::splat(proof, 0.0));
         let mut rows = self.constants.iter();
         constants.visit(&mut |zero| rows.next().map_or(zero, |row| R::load(proof, row, part)));
-        let fill = self.weights.as_ref().map(|weights| {
-            let mut fill = Fill::splat(R::splat(proof, 0.0));
-            let mut rows = weights.iter();
+        let mut fill = Fill::splat(R::splat(proof, 0.0));
+        let mut rows = self.weights.iter();
+        if WITHOUT {
             fill.visit(&mut |zero| rows.next().map_or(zero, |row| R::load(proof, row, part)));
-            fill
-        });
+        }
         let mut state = lanes.load::<R>(proof, part);
         for step in 0..CHUNK {
             let row = &self.voltage_v[step];
-            let nine = [
+            let nine = limb_by_limb([
                 R::load(proof, &row[0], part),
                 R::load(proof, &row[1], part),
                 R::load(proof, &row[2], part),
@@ -256,10 +262,11 @@ impl<R: Register> Chunk<R> {
                 R::load(proof, &row[6], part),
                 R::load(proof, &row[7], part),
                 R::load(proof, &row[8], part),
-            ];
-            let after = match &fill {
-                None => placement::by_series(&constants, nine),
-                Some(fill) => fill.by_series(&constants, limb_by_limb(nine)),
+            ]);
+            let after = if WITHOUT {
+                fill.by_series(&constants, nine)
+            } else {
+                placement::by_series(&constants, nine)
             };
             after
                 .strain_squares
@@ -305,7 +312,7 @@ impl<R: Register> Chunk<R> {
 const CONSTANTS: usize = 48;
 
 /// Numbers in a sensor's weights.
-const WEIGHTS: usize = 63;
+const WEIGHTS: usize = 81;
 
 /// What `visit` goes through in each stream.
 fn side_by_side<const N: usize>(

@@ -87,12 +87,13 @@ impl<const ROWS: usize> Vectors<ROWS> {
     }
 }
 
-/// Room for one block, and the constants in vector form.
-pub struct Block<R: Register> {
+/// Room for one block, and the constants in vector form. With all limbs heard or without some: loops of one kind would keep the
+/// other's numbers out of registers.
+pub struct Block<R: Register, const WITHOUT: bool> {
     proof: R::Proof,
     constants: Constants<R>,
-    /// Where limbs have failed.
-    fill: Option<Fill<R>>,
+    /// Used where limbs have failed.
+    fill: Fill<R>,
     voltage_v: [Series<STEPS>; LIMBS],
     strain_squares: Series<STEPS>,
     position: Vectors<{ STEPS + 2 }>,
@@ -110,14 +111,13 @@ pub struct Block<R: Register> {
     out: [Accelerations; BLOCK],
 }
 
-impl<R: Register> Block<R> {
+impl<R: Register, const WITHOUT: bool> Block<R, WITHOUT> {
     #[inline(always)]
     pub fn new(proof: R::Proof, decoupler: &Decoupler) -> Self {
         Self {
             proof,
             constants: decoupler.constants.map(|value| R::splat(proof, value)),
-            fill: (!decoupler.heard.all())
-                .then(|| decoupler.heard.fill.map(|value| R::splat(proof, value))),
+            fill: decoupler.heard.fill.map(|value| R::splat(proof, value)),
             voltage_v: [ZERO; LIMBS],
             strain_squares: ZERO,
             position: zeros(),
@@ -170,6 +170,9 @@ impl<R: Register> Block<R> {
                 }
             }
         }
+        if !WITHOUT {
+            return;
+        }
         // A failed channel may say what is no number.
         for (limb, series) in self.voltage_v.iter_mut().enumerate() {
             if decoupler.failed().contains(limb) {
@@ -183,7 +186,7 @@ impl<R: Register> Block<R> {
         for step in 0..STEPS {
             for part in 0..R::PARTS {
                 let voltage = |i: usize| R::load(self.proof, &self.voltage_v[i][step], part);
-                let nine = [
+                let nine = limb_by_limb([
                     voltage(0),
                     voltage(1),
                     voltage(2),
@@ -193,10 +196,11 @@ impl<R: Register> Block<R> {
                     voltage(6),
                     voltage(7),
                     voltage(8),
-                ];
-                let placed = match &self.fill {
-                    None => placement::by_series(&self.constants, nine),
-                    Some(fill) => fill.by_series(&self.constants, limb_by_limb(nine)),
+                ]);
+                let placed = if WITHOUT {
+                    self.fill.by_series(&self.constants, nine)
+                } else {
+                    placement::by_series(&self.constants, nine)
                 };
                 self.position.store(step + 2, part, placed.position_thrice);
                 self.rotation.store(step + 2, part, placed.rotation);

@@ -47,11 +47,19 @@ impl Decoupler {
         voltage_v: &[[f64; LIMBS]],
         sink: &mut impl FnMut(&[Accelerations]),
     ) -> Result<()> {
-        Arch::new().dispatch(Decode {
-            decoupler: self,
-            voltage_v,
-            sink,
-        })
+        if self.heard.all() {
+            Arch::new().dispatch(Decode::<_, false> {
+                decoupler: self,
+                voltage_v,
+                sink,
+            })
+        } else {
+            Arch::new().dispatch(Decode::<_, true> {
+                decoupler: self,
+                voltage_v,
+                sink,
+            })
+        }
     }
 
     /// The same without the processor's special instructions: what [`Decoupler::push_record`] is where there are none.
@@ -63,7 +71,11 @@ impl Decoupler {
         voltage_v: &[[f64; LIMBS]],
         sink: &mut impl FnMut(&[Accelerations]),
     ) -> Result<()> {
-        decode::<f64x4>((), self, voltage_v, sink)
+        if self.heard.all() {
+            decode::<f64x4, false>((), self, voltage_v, sink)
+        } else {
+            decode::<f64x4, true>((), self, voltage_v, sink)
+        }
     }
 
     fn push_each(
@@ -81,28 +93,29 @@ impl Decoupler {
     }
 }
 
-struct Decode<'a, F> {
+/// Without limbs or not, each in functions of its own.
+struct Decode<'a, F, const WITHOUT: bool> {
     decoupler: &'a mut Decoupler,
     voltage_v: &'a [[f64; LIMBS]],
     sink: &'a mut F,
 }
 
-impl<F: FnMut(&[Accelerations])> WithSimd for Decode<'_, F> {
+impl<F: FnMut(&[Accelerations]), const WITHOUT: bool> WithSimd for Decode<'_, F, WITHOUT> {
     type Output = Result<()>;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Result<()> {
         // Processors known to have no vector unit that fuses go the portable way.
         if S::IS_SCALAR {
-            decode::<f64x4>((), self.decoupler, self.voltage_v, self.sink)
+            decode::<f64x4, WITHOUT>((), self.decoupler, self.voltage_v, self.sink)
         } else {
-            decode::<Wide<S>>(simd, self.decoupler, self.voltage_v, self.sink)
+            decode::<Wide<S>, WITHOUT>(simd, self.decoupler, self.voltage_v, self.sink)
         }
     }
 }
 
 #[inline(always)]
-fn decode<R: Register>(
+fn decode<R: Register, const WITHOUT: bool>(
     proof: R::Proof,
     decoupler: &mut Decoupler,
     voltage_v: &[[f64; LIMBS]],
@@ -113,7 +126,7 @@ fn decode<R: Register>(
     let (head, mut rest) = voltage_v.split_at(missing.min(voltage_v.len()));
     decoupler.push_each(head, sink)?;
     if rest.len() >= BLOCK {
-        let mut block = Block::<R>::new(proof, decoupler);
+        let mut block = Block::<R, WITHOUT>::new(proof, decoupler);
         while let Some((rows, after)) = rest.split_first_chunk::<BLOCK>() {
             match block.decode(decoupler, rows) {
                 Some(done) => sink(done),

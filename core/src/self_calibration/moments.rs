@@ -12,8 +12,8 @@ use nalgebra::{SMatrix, SVector};
 
 use super::ratios::{Limits, ScaleRatios};
 use crate::error::{Error, Result};
-use crate::geometry::{LIMBS, LIMBS_PER_NODE};
-use crate::kernel::constants::Constants;
+use crate::geometry::LIMBS;
+use crate::kernel::constants::{Constants, limb_after_limb};
 use crate::kernel::placement::{OVERSTRAIN, refuse};
 use crate::parameters::Parameters;
 use crate::parity::{self, ROWS, SIGNATURES};
@@ -67,12 +67,9 @@ impl Accumulator {
         block: u32,
     ) -> Result<Self> {
         let constants = Constants::new(sensor, parameters, settings)?;
-        let limb_by_limb = |rows: &[crate::kernel::vector::Vec3<f64>; LIMBS_PER_NODE]| {
-            core::array::from_fn(|i| rows[i % LIMBS_PER_NODE].components()[i / LIMBS_PER_NODE])
-        };
         Ok(Self {
-            strain_per_v: limb_by_limb(&constants.strain_per_v),
-            strain_at_zero: limb_by_limb(&constants.strain_at_zero),
+            strain_per_v: limb_after_limb(constants.strain_per_v),
+            strain_at_zero: limb_after_limb(constants.strain_at_zero),
             constants,
             block: block.max(1),
             filled: 0,
