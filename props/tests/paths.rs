@@ -5,7 +5,7 @@ use std::array::from_fn;
 
 use glam::DVec3;
 use proptest::prelude::*;
-use sixaxis_core::kernel::constants::Constants;
+use sixaxis_core::kernel::constants::{Constants, limb_by_limb};
 use sixaxis_core::kernel::placement::{self, Placement};
 use sixaxis_core::kernel::vector::Vec3;
 use sixaxis_core::kernel::wide::LANES;
@@ -201,7 +201,7 @@ proptest! {
             let at_zero = constants.strain(i, 0.0);
             (size * strain[i] - at_zero) / (constants.strain(i, 1.0) - at_zero)
         });
-        let series = placement::by_series(&constants, voltage);
+        let series = placement::by_series(&constants, limb_by_limb(voltage));
         let exact = placement::exactly(&constants, &voltage, 0).expect("limbs that meet");
         // Forces of unit strain are one, torques over the moments are not.
         let torque = largest(constants.torque.iter().map(|row| row.dot(*row).sqrt()));
