@@ -9,7 +9,7 @@ use crate::geometry::LIMBS;
 use crate::parity::{LimbSet, Reconstruction};
 
 /// The channels of all limbs but some.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy)]
 pub struct Heard<T: Scalar> {
     /// Weights in full precision, and the failed limbs themselves.
     pub reconstruction: Reconstruction,
@@ -19,7 +19,13 @@ pub struct Heard<T: Scalar> {
     bits: Limbs<T>,
 }
 
-// The set says it all; as numbers, the bits are not equal to themselves.
+// The set says it all; as numbers, the bits are not equal to themselves and print as none.
+impl<T: Scalar> core::fmt::Debug for Heard<T> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(f, "Heard {{ all but: {:?} }}", self.failed())
+    }
+}
+
 impl<T: Scalar> PartialEq for Heard<T> {
     fn eq(&self, other: &Self) -> bool {
         self.failed() == other.failed()
