@@ -1,7 +1,7 @@
 //! Library side of the `sixaxis` command.
 //!
 //! The command itself (`main.rs`) stays thin; everything that can be used from an example or a
-//! test lives here. [`study`] measures, [`pages`] decides what a reader is told of it, [`view`] turns
+//! test lives here. [`study`] measures, [`pages`] decides what a reader is told of it, `sixaxis_page` turns
 //! plain data into one self-contained HTML page and knows nothing of sensors, simulators or
 //! campaigns.
 
@@ -11,4 +11,3 @@ pub mod inspection;
 pub mod pages;
 pub mod progress;
 pub mod study;
-pub mod view;

@@ -16,8 +16,8 @@ pub mod words;
 use sixaxis_calibration::session::{Limits, SessionFile};
 use sixaxis_calibration::verdict::{Grade, Judgement};
 
-use crate::view::number::scientific;
-use crate::view::{Page, State, Tile};
+use sixaxis_page::number::scientific;
+use sixaxis_page::{Page, State, Tile};
 pub use findings::{place, split};
 use words::{largest, symbol};
 

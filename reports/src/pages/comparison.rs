@@ -2,8 +2,8 @@
 
 use crate::comparison::envelope::Envelope;
 use crate::comparison::measure::{Axis as Measured, Comparison, Quantity};
-use crate::view::number::{MISSING, count, significant};
-use crate::view::{
+use sixaxis_page::number::{MISSING, count, significant};
+use sixaxis_page::{
     Axis, Block, Cell, Column, Figure, Page, Panel, Row, Section, Series, State, Table, Tile,
 };
 
@@ -139,7 +139,7 @@ fn errors(comparison: &Comparison) -> Section {
             cells,
         )
     });
-    let head = |text: &str, span| crate::view::HeadCell::new(text, span);
+    let head = |text: &str, span| sixaxis_page::HeadCell::new(text, span);
     Section::new(
         "errors",
         "Errors, axis by axis",

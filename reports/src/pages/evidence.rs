@@ -14,8 +14,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use sixaxis_props::evidence::Row;
 
 use self::quantity::Quantity;
-use crate::view::number::{self, scientific, significant};
-use crate::view::{Axis, Block, Cell, Column, Figure, Mark, Section, Series, State, Table};
+use sixaxis_page::number::{self, scientific, significant};
+use sixaxis_page::{Axis, Block, Cell, Column, Figure, Mark, Section, Series, State, Table};
 
 const ID: &str = "evidence";
 const TITLE: &str = "Evidence: every comparison against its limit";
@@ -122,7 +122,7 @@ fn beyond(rows: &[Row]) -> Option<Block> {
             Cell::from(words(&row.suite)),
             Cell::from(row.case.clone()),
         ];
-        crate::view::Row::new(row.quantity.clone(), cells)
+        sixaxis_page::Row::new(row.quantity.clone(), cells)
     });
     Some(Block::Table(Table {
         caption: "Beyond their limits".to_owned(),
@@ -235,7 +235,7 @@ fn table(suite: &str, quantities: &[Quantity<'_>]) -> Table {
         if with_zeros {
             cells.push(count(q.zeros).into());
         }
-        crate::view::Row::new(q.name, cells)
+        sixaxis_page::Row::new(q.name, cells)
     });
     Table {
         caption: format!("Errors of the suite {}", words(suite)),

@@ -9,7 +9,7 @@ mod sets;
 #[cfg(test)]
 mod tests;
 
-use crate::view::{Block, Section};
+use sixaxis_page::{Block, Section};
 
 /// The section.
 pub fn section() -> Section {

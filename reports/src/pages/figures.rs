@@ -7,8 +7,8 @@ use sixaxis_reference::rig::Mode;
 
 use super::parameters::verdict;
 use crate::study::results::{Results, Search};
-use crate::view::number::{fixed, scientific};
-use crate::view::{Axis, Block, Column, Figure, Mark, Panel, Row, Section, Series, Table};
+use sixaxis_page::number::{fixed, scientific};
+use sixaxis_page::{Axis, Block, Column, Figure, Mark, Panel, Row, Section, Series, Table};
 
 /// Palette index of the neutral grey, for truth and theory.
 const NEUTRAL: usize = 6;

@@ -14,7 +14,7 @@ mod tolerance;
 mod verdict;
 
 use crate::study::results::Results;
-use crate::view::{Block, Section};
+use sixaxis_page::{Block, Section};
 
 /// The section.
 pub fn section(results: &Results) -> Section {

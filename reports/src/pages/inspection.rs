@@ -3,8 +3,8 @@
 use crate::inspection::Inspection;
 use crate::inspection::findings::{ChannelFacts, Group};
 use crate::inspection::listing::{self, printable};
-use crate::view::number::{count, significant, with_unit};
-use crate::view::{
+use sixaxis_page::number::{count, significant, with_unit};
+use sixaxis_page::{
     Axis, Block, Cell, Column, Figure, Mark, Page, Row, Section, Series, State, Table, Tile,
 };
 

@@ -9,8 +9,8 @@ use sixaxis_reference::rig::{Mode, ROTATION_AMPLITUDE_RAD, SLIDER_AMPLITUDE_M};
 
 use crate::study::bars::worst;
 use crate::study::results::{ParameterSet, Results, Standard};
-use crate::view::number::{fixed, percent, scientific, significant};
-use crate::view::{Block, Claim, Section, Verdict};
+use sixaxis_page::number::{fixed, percent, scientific, significant};
+use sixaxis_page::{Block, Claim, Section, Verdict};
 
 /// Half a unit of the last digit that Fig. 7 is read to, Hz.
 const READING_HZ: f64 = 0.05;

@@ -1,5 +1,5 @@
 //! The report: a study's results as a page. What is measured is in [`crate::study`], how it is drawn in
-//! [`crate::view`]; here is decided what a reader meets, in which words and with how many digits.
+//! [`sixaxis_page`]; here is decided what a reader meets, in which words and with how many digits.
 
 pub mod calibration;
 pub mod comparison;
@@ -16,7 +16,7 @@ mod summary;
 mod tables;
 
 use crate::study::results::Results;
-use crate::view::{Page, Section};
+use sixaxis_page::{Page, Section};
 
 pub use ledger::claims;
 

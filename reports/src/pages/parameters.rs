@@ -3,8 +3,8 @@
 use sixaxis_core::identify::Verdict;
 
 use crate::study::results::{Identification, Results};
-use crate::view::number::{MISSING, fixed, percent, scientific, significant};
-use crate::view::{Block, Cell, Column, HeadCell, Row, Section, Table};
+use sixaxis_page::number::{MISSING, fixed, percent, scientific, significant};
+use sixaxis_page::{Block, Cell, Column, HeadCell, Row, Section, Table};
 
 /// Where a column's numbers come from.
 type Get = fn(&Identification) -> Vec<f64>;

@@ -6,8 +6,8 @@ mod published;
 mod ratios;
 mod stiffness;
 
-use crate::view::number::{count, percent};
-use crate::view::{Block, Section};
+use sixaxis_page::number::{count, percent};
+use sixaxis_page::{Block, Section};
 
 /// The section.
 pub fn section() -> Section {

@@ -11,8 +11,8 @@ mod tests;
 use sixaxis_core::Scheme;
 
 use self::snapshot::{Instructions, Peer, Peers, Snapshot, Speed, Spread};
-use crate::view::number::{count, fixed, scientific, significant};
-use crate::view::{Block, Cell, Column, HeadCell, Row, Section, Table};
+use sixaxis_page::number::{count, fixed, scientific, significant};
+use sixaxis_page::{Block, Cell, Column, HeadCell, Row, Section, Table};
 
 const ID: &str = "speed";
 const TITLE: &str = "Speed: the core beside what else one could run";

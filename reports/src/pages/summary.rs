@@ -5,8 +5,8 @@ use sixaxis_reference::rig::Mode;
 
 use crate::study::bars::worst;
 use crate::study::results::{ParameterSet, Results, Standard};
-use crate::view::number::{fixed, percent, scientific, significant};
-use crate::view::{Block, Cell, Column, Row, Section, State, Table, Tile};
+use sixaxis_page::number::{fixed, percent, scientific, significant};
+use sixaxis_page::{Block, Cell, Column, Row, Section, State, Table, Tile};
 
 fn state(met: bool) -> State {
     if met { State::Good } else { State::Bad }

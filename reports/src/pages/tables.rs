@@ -6,8 +6,8 @@ use sixaxis_core::Scheme;
 use sixaxis_reference::paper::{COMPOUND_TABLES, GRAVITY_M_S2};
 
 use crate::study::results::{Compound, ParameterSet, Results, Standard};
-use crate::view::number::{MISSING, fixed, percent, scientific, significant};
-use crate::view::{Block, Cell, Column, HeadCell, Row, Section, State, Table};
+use sixaxis_page::number::{MISSING, fixed, percent, scientific, significant};
+use sixaxis_page::{Block, Cell, Column, HeadCell, Row, Section, State, Table};
 
 const NAMES: [&str; 6] = [
     "$a$_{x},\u{a0}g",

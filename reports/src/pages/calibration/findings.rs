@@ -4,7 +4,7 @@ use sixaxis_calibration::suspicion::Finding;
 use sixaxis_calibration::verdict::{Grade, Judgement};
 
 use super::words::{count, file_name};
-use crate::view::{Block, Cell, Column, Listing, Row, Section, State, Table};
+use sixaxis_page::{Block, Cell, Column, Listing, Row, Section, State, Table};
 
 /// Recordings named in full in a cell; of more, the first and a number.
 const NAMED: usize = 4;

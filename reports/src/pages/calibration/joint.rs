@@ -7,8 +7,8 @@ use sixaxis_calibration::verdict::{Estimator, Judgement, contradiction};
 
 use super::parameters::FAMILIES;
 use super::words::{direction, symbol, with_interval};
-use crate::view::number::{MISSING, fixed, percent, scientific};
-use crate::view::{Block, Cell, Column, Row, Section, State, Table};
+use sixaxis_page::number::{MISSING, fixed, percent, scientific};
+use sixaxis_page::{Block, Cell, Column, Row, Section, State, Table};
 
 /// An angle that the fit has moved from 0 by less than this share of its deviation is one that no trial tells.
 const UNMOVED: f64 = 1e-6;

@@ -5,8 +5,8 @@ use sixaxis_calibration::session::SessionFile;
 use sixaxis_calibration::verdict::Judgement;
 
 use super::words::{bar, has_scale, share, symbol, with_interval};
-use crate::view::number::{MISSING, fixed, scientific};
-use crate::view::{Axis, Block, Cell, Column, Figure, Mark, Row, Section, Series, State, Table};
+use sixaxis_page::number::{MISSING, fixed, scientific};
+use sixaxis_page::{Axis, Block, Cell, Column, Figure, Mark, Row, Section, Series, State, Table};
 
 /// A kind of parameter: first letter, heading, and the paper's unit over SI.
 pub(super) const FAMILIES: [(&str, &str, f64); 4] = [

@@ -9,8 +9,8 @@ use sixaxis_core::preprocess::differentiate::Differentiator;
 
 use super::NEUTRAL;
 use super::words::{file_name, largest};
-use crate::view::number::{count, fixed, percent, significant};
-use crate::view::{Axis, Block, Cell, Column, Figure, Panel, Row, Section, Series, Table};
+use sixaxis_page::number::{count, fixed, percent, significant};
+use sixaxis_page::{Axis, Block, Cell, Column, Figure, Panel, Row, Section, Series, Table};
 
 /// Curves are drawn with at most so many points; the drawing keeps what peaks are among them.
 const DRAWN: usize = 8000;

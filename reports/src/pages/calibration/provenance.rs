@@ -4,8 +4,8 @@ use sixaxis_calibration::session::SessionFile;
 use sixaxis_calibration::verdict::Judgement;
 
 use super::words::{file_name, role, unbroken};
-use crate::view::number::{MISSING, count, si, significant};
-use crate::view::{Block, Cell, Column, Listing, Row, Section, Table};
+use sixaxis_page::number::{MISSING, count, si, significant};
+use sixaxis_page::{Block, Cell, Column, Listing, Row, Section, Table};
 
 /// The section.
 pub fn section(file: &SessionFile, judgement: &Judgement) -> Section {

@@ -6,8 +6,8 @@ use sixaxis_calibration::verdict::Judgement;
 use sixaxis_core::LIMBS;
 use sixaxis_core::preprocess::spectrum::noise_floor;
 
-use crate::view::number::{MISSING, count, fixed, significant};
-use crate::view::{Axis, Block, Cell, Column, Figure, Row, Section, Series, Table};
+use sixaxis_page::number::{MISSING, count, fixed, significant};
+use sixaxis_page::{Axis, Block, Cell, Column, Figure, Row, Section, Series, Table};
 
 /// Pieces whose means show the course of the record.
 const PIECES: usize = 60;
@@ -139,8 +139,8 @@ fn table(judgement: &Judgement, at_rest: Option<&Trial>) -> Table {
         caption: "Zero and noise by channel".to_owned(),
         stub: "channel".to_owned(),
         head: vec![vec![
-            crate::view::HeadCell::new("zero", 3),
-            crate::view::HeadCell::new("noise of one sample", 3),
+            sixaxis_page::HeadCell::new("zero", 3),
+            sixaxis_page::HeadCell::new("noise of one sample", 3),
         ]],
         columns: vec![
             Column::number("mean", "mV"),

@@ -5,8 +5,8 @@ use sixaxis_calibration::steps::FourSteps;
 use sixaxis_calibration::verdict::Judgement;
 
 use crate::pages::parameters::verdict;
-use crate::view::number::{MISSING, count, fixed, scientific, significant};
-use crate::view::{Axis, Block, Cell, Column, Figure, Mark, Row, Section, Series, Table};
+use sixaxis_page::number::{MISSING, count, fixed, scientific, significant};
+use sixaxis_page::{Axis, Block, Cell, Column, Figure, Mark, Row, Section, Series, Table};
 
 /// The section.
 pub fn section(judgement: &Judgement) -> Section {
@@ -151,7 +151,7 @@ fn explanation(judgement: &Judgement, steps: &FourSteps) -> String {
         "The smallest mean rate on the grid is {} rad/s, {} of the largest.",
         significant(stiffness.smallest_rad_s, 2),
         if ratio.is_finite() {
-            crate::view::number::percent(ratio, 3)
+            sixaxis_page::number::percent(ratio, 3)
         } else {
             MISSING.to_owned()
         }

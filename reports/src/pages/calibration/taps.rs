@@ -5,8 +5,8 @@ use sixaxis_calibration::verdict::Judgement;
 use sixaxis_core::significance::NORMAL_95;
 
 use super::words::{count, share, unbroken};
-use crate::view::number::{MISSING, fixed, scientific};
-use crate::view::{Block, Cell, Column, Row, Section, Table};
+use sixaxis_page::number::{MISSING, fixed, scientific};
+use sixaxis_page::{Block, Cell, Column, Row, Section, Table};
 
 /// The section; empty for a session without taps.
 pub fn section(judgement: &Judgement) -> Section {

@@ -5,8 +5,8 @@ use sixaxis_calibration::suspicion::odd_trial;
 use sixaxis_calibration::verdict::{COORDINATION_LIMIT, Judgement, TrialReport};
 
 use super::words::{self, bar, direction, file_name, largest, share, unbroken};
-use crate::view::number::{MISSING, fixed, percent, significant};
-use crate::view::{
+use sixaxis_page::number::{MISSING, fixed, percent, significant};
+use sixaxis_page::{
     Axis, Block, Cell, Column, Figure, HeadCell, Mark, Row, Section, Series, State, Table,
 };
 

@@ -5,8 +5,8 @@ use sixaxis_calibration::verdict::{Comparison, Judgement};
 
 use super::NEUTRAL;
 use super::words::{self, bar, file_name};
-use crate::view::number::{MISSING, significant};
-use crate::view::{Axis, Block, Cell, Column, Figure, Panel, Row, Section, Series, State, Table};
+use sixaxis_page::number::{MISSING, significant};
+use sixaxis_page::{Axis, Block, Cell, Column, Figure, Panel, Row, Section, Series, State, Table};
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 /// Palette indices of x, y and z.

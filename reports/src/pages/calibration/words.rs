@@ -3,7 +3,7 @@
 use sixaxis_calibration::interval::ParameterReport;
 use sixaxis_calibration::session::Role;
 
-use crate::view::number::{MISSING, fixed, percent};
+use sixaxis_page::number::{MISSING, fixed, percent};
 
 /// `3 things`, `1 thing`.
 pub fn count(n: usize, one: &str, many: &str) -> String {

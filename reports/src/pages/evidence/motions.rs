@@ -4,7 +4,7 @@ use sixaxis_props::evidence::Row;
 
 use super::quantity::{Quantity, decades};
 use super::{count, error, limit, margin};
-use crate::view::{Axis, Block, Column, Figure, HeadCell, Mark, Series, Table};
+use sixaxis_page::{Axis, Block, Column, Figure, HeadCell, Mark, Series, Table};
 
 /// Quantities of the random motions, with their short names.
 const QUANTITIES: [(&str, &str, &str); 3] = [
@@ -132,7 +132,7 @@ fn table(found: &[(&Quantity<'_>, &str, &str)]) -> Table {
             None => cells.extend(["", "", ""].map(Into::into)),
         }
         cells.push(count(q.rows.len()).into());
-        crate::view::Row::new(*title, cells)
+        sixaxis_page::Row::new(*title, cells)
     });
     let columns = [
         "margin", "limit", "median", "99 %", "max", "median", "99 %", "max", "cases",

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use sixaxis_props::evidence::{Quantiles, Row};
 
 use super::error;
-use crate::view::Cell;
+use sixaxis_page::Cell;
 
 /// One quantity.
 pub struct Quantity<'a> {

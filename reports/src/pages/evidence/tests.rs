@@ -1,7 +1,7 @@
 //! What must hold for any rows: nothing vanishes, and what is no number is never within a limit.
 
 use super::*;
-use crate::view::{Page, render};
+use sixaxis_page::{Page, render};
 
 fn row(suite: &str, quantity: &str, error: f64, limit: f64) -> Row {
     Row {

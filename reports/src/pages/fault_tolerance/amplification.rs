@@ -1,8 +1,8 @@
 //! What the survivable sets do to the error: noise in closed form against measured, and laboratory errors.
 
 use super::sets::{FailedLimbs, Set};
-use crate::view::number::{count, fixed, scientific};
-use crate::view::{Axis, Block, Figure, Mark, Series};
+use sixaxis_page::number::{count, fixed, scientific};
+use sixaxis_page::{Axis, Block, Figure, Mark, Series};
 
 /// The bar on the error with laboratory errors, over the healthy decoder's.
 const BAR: f64 = 2.0;

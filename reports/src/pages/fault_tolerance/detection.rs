@@ -1,8 +1,8 @@
 //! Detected, isolated, named: how often, how soon.
 
 use super::published::{Class, Counts, Curve, Detection, Kind, MAKE_DETECTION};
-use crate::view::number::{count, fixed, scientific, significant};
-use crate::view::{Axis, Block, Column, Figure, Row, Series, Table};
+use sixaxis_page::number::{count, fixed, scientific, significant};
+use sixaxis_page::{Axis, Block, Column, Figure, Row, Series, Table};
 
 /// Text, figures and tables.
 pub fn blocks(d: &Detection) -> Vec<Block> {

@@ -1,8 +1,8 @@
 //! A limb that dies in mid-motion, as MuJoCo's truth sees it.
 
 use super::published::{DyingLimb, MAKE_DYING_LIMB};
-use crate::view::number::{fixed, scientific};
-use crate::view::{Axis, Block, Figure, Mark, Series};
+use sixaxis_page::number::{fixed, scientific};
+use sixaxis_page::{Axis, Block, Figure, Mark, Series};
 
 /// Palette index of the neutral grey.
 const NEUTRAL: usize = 6;

@@ -1,8 +1,8 @@
 //! All 129 sets: what can be done without, at what cost in noise, and what is lost.
 
 use super::sets::{FailedLimbs, MAKE, Set};
-use crate::view::number::count;
-use crate::view::{Block, Cell, Column, Row, State, Table};
+use sixaxis_page::number::count;
+use sixaxis_page::{Block, Cell, Column, Row, State, Table};
 
 /// Growth of noise from which a set is marked.
 const DEAR: f64 = 2.0;

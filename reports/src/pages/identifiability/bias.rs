@@ -1,8 +1,8 @@
 //! What step 2's neglect does.
 
 use crate::study::results::identifiability::{Bias, Identifiability, Records};
-use crate::view::number::{fixed, scientific};
-use crate::view::{Axis, Block, Column, Figure, Mark, Row, Series, Table};
+use sixaxis_page::number::{fixed, scientific};
+use sixaxis_page::{Axis, Block, Column, Figure, Mark, Row, Series, Table};
 
 /// Unit of the tables and figures, s^-2.
 const UNIT_PER_S2: f64 = 1e8;

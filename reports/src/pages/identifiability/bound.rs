@@ -1,8 +1,8 @@
 //! What any method could know.
 
 use crate::study::results::identifiability::{BandBound, BoundStudy};
-use crate::view::number::{fixed, percent, scientific, significant};
-use crate::view::{Axis, Block, Column, Figure, Mark, Row, Series, Table};
+use sixaxis_page::number::{fixed, percent, scientific, significant};
+use sixaxis_page::{Axis, Block, Column, Figure, Mark, Row, Series, Table};
 
 /// Palette index of the neutral grey.
 const NEUTRAL: usize = 6;
@@ -66,7 +66,7 @@ pub fn blocks(study: &BoundStudy) -> Vec<Block> {
 }
 
 fn grouped(samples: usize) -> String {
-    crate::view::number::count(samples as u64)
+    sixaxis_page::number::count(samples as u64)
 }
 
 fn table(study: &BoundStudy) -> Table {

@@ -2,8 +2,8 @@
 
 use super::published::{Campaign, CampaignParameter, Estimator, MAKE_CAMPAIGN};
 use crate::pages::calibration::words::symbol;
-use crate::view::number::{count, percent};
-use crate::view::{Axis, Block, Figure, Mark, Series};
+use sixaxis_page::number::{count, percent};
+use sixaxis_page::{Axis, Block, Figure, Mark, Series};
 
 /// What 95 % intervals are wanted to hold.
 pub const BAND: (f64, f64) = (0.94, 0.96);

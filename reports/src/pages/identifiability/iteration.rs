@@ -3,8 +3,8 @@
 use sixaxis_calibration::iteration::End;
 
 use crate::study::results::identifiability::{Identifiability, IterationRun, Records};
-use crate::view::number::{fixed, scientific};
-use crate::view::{Axis, Block, Column, Figure, Row, Series, Table};
+use sixaxis_page::number::{fixed, scientific};
+use sixaxis_page::{Axis, Block, Column, Figure, Row, Series, Table};
 
 /// Unit of the table, s^-2.
 const UNIT_PER_S2: f64 = 1e8;

@@ -3,8 +3,8 @@
 use super::coverage::place;
 use super::published::{MAKE_PROPAGATION, Propagation, Set};
 use super::table::symbol;
-use crate::view::number::{MISSING, count, fixed, percent};
-use crate::view::{Axis, Block, Cell, Column, Figure, HeadCell, Mark, Row, Series, Table};
+use sixaxis_page::number::{MISSING, count, fixed, percent};
+use sixaxis_page::{Axis, Block, Cell, Column, Figure, HeadCell, Mark, Row, Series, Table};
 
 /// Departure of a standard deviation that is allowed.
 const BAND: f64 = 0.02;

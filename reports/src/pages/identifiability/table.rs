@@ -7,8 +7,8 @@ use super::published::{Campaign, CampaignParameter, Share};
 use super::tap::one;
 use crate::pages::calibration::words;
 use crate::study::results::identifiability::{Interval, Known, KnownParameter};
-use crate::view::number::{MISSING, count, fixed, percent, ppm, significant};
-use crate::view::{Block, Cell, Column, HeadCell, Row, State, Table};
+use sixaxis_page::number::{MISSING, count, fixed, percent, ppm, significant};
+use sixaxis_page::{Block, Cell, Column, HeadCell, Row, State, Table};
 
 /// Standard errors that a coverage may be outside its band by chance.
 const CHANCE: f64 = 2.0;

@@ -2,8 +2,8 @@
 
 use super::published::{MAKE_TAPS, Taps};
 use crate::study::results::identifiability::KnownTap;
-use crate::view::number::{count, fixed, percent, scientific};
-use crate::view::{Block, Column, Row, Table};
+use sixaxis_page::number::{count, fixed, percent, scientific};
+use sixaxis_page::{Block, Column, Row, Table};
 
 /// Unit of k/m, s^-2.
 const UNIT_PER_S2: f64 = 1e8;

@@ -3,8 +3,8 @@
 use crate::study::results::identifiability::{
     Erring, Identifiability, Records, Tolerance, TolerancePoint,
 };
-use crate::view::number::{MISSING, fixed, percent, scientific, significant};
-use crate::view::{Axis, Block, Column, Figure, HeadCell, Mark, Row, Series, Table};
+use sixaxis_page::number::{MISSING, fixed, percent, scientific, significant};
+use sixaxis_page::{Axis, Block, Column, Figure, HeadCell, Mark, Row, Series, Table};
 
 /// Palette index of the neutral grey.
 const NEUTRAL: usize = 6;

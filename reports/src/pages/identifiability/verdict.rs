@@ -1,8 +1,8 @@
 //! The answer, before the reasons.
 
 use crate::study::results::identifiability::{BandBound, Erring, Identifiability, Records};
-use crate::view::Block;
-use crate::view::number::{scientific, significant};
+use sixaxis_page::Block;
+use sixaxis_page::number::{scientific, significant};
 
 use super::bound::NOISE_60_DB;
 use super::tolerance::first_undetermined;

@@ -1,8 +1,8 @@
 //! Which limb has drifted.
 
 use super::published::Published;
-use crate::view::Block;
-use crate::view::number::{count, fixed};
+use sixaxis_page::Block;
+use sixaxis_page::number::{count, fixed};
 
 /// Text.
 pub fn blocks(p: &Published) -> Vec<Block> {

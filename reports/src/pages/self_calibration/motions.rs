@@ -1,8 +1,8 @@
 //! What each motion leaves open.
 
 use super::published::Published;
-use crate::view::number::count;
-use crate::view::{Block, Column, Row, Table};
+use sixaxis_page::number::count;
+use sixaxis_page::{Block, Column, Row, Table};
 
 /// Table.
 pub fn blocks(p: &Published) -> Vec<Block> {

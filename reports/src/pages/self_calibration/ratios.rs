@@ -1,8 +1,8 @@
 //! How far ratios are off, by length of the recording, and whether the intervals hold it.
 
 use super::published::{Length, Pace, Published};
-use crate::view::number::{count, fixed, scientific};
-use crate::view::{Axis, Block, Column, Figure, Mark, Row, Series, Table};
+use sixaxis_page::number::{count, fixed, scientific};
+use sixaxis_page::{Axis, Block, Column, Figure, Mark, Row, Series, Table};
 
 /// What 95 % intervals are wanted to hold, %.
 const BAND: (f64, f64) = (94.0, 96.0);

@@ -1,8 +1,8 @@
 //! Equal stiffness as a hypothesis.
 
 use super::published::Published;
-use crate::view::number::{count, fixed, scientific};
-use crate::view::{Block, Column, Row, Table};
+use sixaxis_page::number::{count, fixed, scientific};
+use sixaxis_page::{Block, Column, Row, Table};
 
 /// Text and table.
 pub fn blocks(p: &Published) -> Vec<Block> {

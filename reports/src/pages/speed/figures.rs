@@ -1,8 +1,8 @@
 //! How the core's time depends on scheme and sample rate, on the length of a record, on the number of streams.
 
 use super::snapshot::{Length, LengthPoint, Point, Spread, Streams, StreamsPoint, WorkPrecision};
-use crate::view::number::{count, scientific, significant};
-use crate::view::{Axis, Block, Figure, Mark, Series};
+use sixaxis_page::number::{count, scientific, significant};
+use sixaxis_page::{Axis, Block, Figure, Mark, Series};
 
 const US_PER_S: f64 = 1e6;
 const BYTES_PER_MB: f64 = 1e6;

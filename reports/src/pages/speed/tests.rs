@@ -3,7 +3,7 @@
 use sixaxis_core::Scheme;
 
 use super::*;
-use crate::view::{Page, render};
+use sixaxis_page::{Page, render};
 
 fn embedded() -> Snapshot {
     Snapshot::embedded().expect("benches/results/speed.json as the example writes it")

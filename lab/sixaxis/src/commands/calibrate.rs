@@ -19,7 +19,7 @@ use sixaxis_calibration::suspicion::Finding;
 use sixaxis_calibration::verdict::{Choices, Estimator, Grade, Judgement, Watch, judge_choosing};
 use sixaxis_reports::pages;
 use sixaxis_reports::progress::{Progress, Stage};
-use sixaxis_reports::view::{render, write_atomically};
+use sixaxis_page::{render, write_atomically};
 
 use repetition::Repetition;
 

@@ -265,7 +265,7 @@ fn verdict_counts(claims: &Value) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::view::{Axis, Cell, Column, HeadCell, Row, Section};
+    use crate::{Axis, Cell, Column, HeadCell, Row, Section};
 
     fn page(block: Block) -> Page {
         Page {

@@ -8,7 +8,7 @@ use sixaxis_reports::comparison::aligned::Aligned;
 use sixaxis_reports::comparison::measure::{Comparison, compare};
 use sixaxis_reports::comparison::track::Track;
 use sixaxis_reports::pages;
-use sixaxis_reports::view::{render, write_atomically};
+use sixaxis_page::{render, write_atomically};
 
 /// What is held against what.
 #[derive(clap::Args)]

@@ -6,7 +6,7 @@ use sixaxis_calibration::session::SessionFile;
 
 #[test]
 fn the_session_in_readme_is_accepted() {
-    let readme = include_str!("../../../README.md");
+    let readme = include_str!("../../../../README.md");
     let text = readme
         .split("```toml\n")
         .nth(1)
@@ -20,9 +20,9 @@ fn the_session_in_readme_is_accepted() {
 
 #[test]
 fn the_verdicts_in_readme_are_the_published_ones() {
-    let readme = include_str!("../../../README.md").replace('\n', " ");
+    let readme = include_str!("../../../../README.md").replace('\n', " ");
     let published: serde_json::Value =
-        serde_json::from_str(include_str!("../../../props/results/blind.json")).expect("JSON");
+        serde_json::from_str(include_str!("../../../../props/results/blind.json")).expect("JSON");
     let number = |key: &str| published[key].as_u64().expect(key);
     for sentence in [
         format!("Of {} sessions", number("sessions")),
@@ -41,11 +41,11 @@ fn the_verdicts_in_readme_are_the_published_ones() {
 
 #[test]
 fn the_figures_from_the_field_in_readme_are_the_published_ones() {
-    let readme = include_str!("../../../README.md").replace("\n  ", " ");
+    let readme = include_str!("../../../../README.md").replace("\n  ", " ");
     let read = |text| serde_json::from_str::<serde_json::Value>(text).expect("JSON");
-    let tumbles = read(include_str!("../../../props/results/self_calibration.json"));
-    let sets = read(include_str!("../../../props/results/failed_limbs.json"));
-    let detection = read(include_str!("../../../props/results/detection.json"));
+    let tumbles = read(include_str!("../../../../props/results/self_calibration.json"));
+    let sets = read(include_str!("../../../../props/results/failed_limbs.json"));
+    let detection = read(include_str!("../../../../props/results/detection.json"));
     let minute = |pace: &str| {
         let lengths = tumbles["lengths"].as_array().expect("lengths");
         let found = lengths

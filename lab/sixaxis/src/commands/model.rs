@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use anyhow::{Context, Result};
 use sixaxis_reference::{campaign, paper, rig::Mounting};
 use sixaxis_reports::study;
-use sixaxis_reports::view::write_atomically;
+use sixaxis_page::write_atomically;
 
 /// Which sensor and where to.
 #[derive(clap::Args)]

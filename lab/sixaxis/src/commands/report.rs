@@ -11,8 +11,8 @@ use sixaxis_props::{evidence, motions, tolerance};
 use sixaxis_reports::pages;
 use sixaxis_reports::progress::Progress;
 use sixaxis_reports::study::{self, plan::Plan, results::Results};
-use sixaxis_reports::view::standalone::standalone;
-use sixaxis_reports::view::{render, write_atomically};
+use sixaxis_page::standalone::standalone;
+use sixaxis_page::{render, write_atomically};
 
 /// What to play and where to write.
 #[derive(clap::Args)]
@@ -158,7 +158,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
 struct Document<'a> {
     #[serde(flatten)]
     results: &'a Results,
-    claims: Vec<sixaxis_reports::view::Claim>,
+    claims: Vec<sixaxis_page::Claim>,
 }
 
 impl<'a> Document<'a> {

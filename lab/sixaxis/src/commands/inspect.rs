@@ -11,7 +11,7 @@ use sixaxis_recordings::draft::write_atomically;
 use sixaxis_reports::inspection::{Expectations, Inspection, inspect, listing};
 use sixaxis_reports::pages;
 use sixaxis_reports::progress::Progress;
-use sixaxis_reports::view::render;
+use sixaxis_page::render;
 
 /// Which recordings, and in what form the answer is wanted.
 #[derive(clap::Args)]

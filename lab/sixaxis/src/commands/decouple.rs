@@ -24,7 +24,7 @@ use sixaxis_reports::decoupling::watching::{Watching, flags};
 use sixaxis_reports::decoupling::{closed, pipeline};
 use sixaxis_reports::pages;
 use sixaxis_reports::progress::Progress;
-use sixaxis_reports::view::{render, write_atomically};
+use sixaxis_page::{render, write_atomically};
 
 /// What is decoupled with what.
 #[derive(clap::Args)]
