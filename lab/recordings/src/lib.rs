@@ -10,6 +10,7 @@
 //! | [`channel`] | what a file says of its channels |
 //! | `source`, `sink` | the traits [`Source`] and [`Sink`] |
 //! | `open` | [`open()`] and [`create`]: which format a file has |
+//! | [`motion`] | columns of a motion: accelerations, rate, attitude |
 //! | [`draft`] | a file that appears whole or not at all |
 //! | [`text`] | CSV and its national variants, gzip |
 //! | [`tdms`] | what LabVIEW writes |
@@ -21,6 +22,7 @@ pub mod channel;
 pub mod draft;
 pub mod error;
 pub mod matlab;
+pub mod motion;
 pub mod numpy;
 mod open;
 pub mod parquet;
