@@ -16,13 +16,17 @@
 //! | [`tdms`] | what LabVIEW writes |
 //! | [`parquet`] | columnar files of pandas, Polars, DuckDB |
 //! | [`numpy`] | NPY and NPZ |
-//! | [`matlab`] | MAT files, version 5 and 7.3 |
+//! | [`hdf5`] | HDF5, of which MAT files of version 7.3 are a kind |
+//! | [`matlab`] | MAT files |
+//! | `variables`, `numbers` | what the files of MATLAB and HDF5 have in common |
 
 pub mod channel;
 pub mod draft;
 pub mod error;
+pub mod hdf5;
 pub mod matlab;
 pub mod motion;
+mod numbers;
 pub mod numpy;
 mod open;
 pub mod parquet;
@@ -30,6 +34,7 @@ mod sink;
 mod source;
 pub mod tdms;
 pub mod text;
+mod variables;
 
 pub use channel::{Block, Channel, Layout};
 pub use error::{Error, Result};
