@@ -14,7 +14,6 @@ use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use serde::Serialize;
 use sixaxis_calibration::cleaning::Cleaning;
-use sixaxis_calibration::session::Role;
 use sixaxis_core::geometry::{DIRECTIONS_SHELL, LIMBS_PER_NODE, NODE_DIRECTIONS_MASS};
 use sixaxis_core::parity::reconstruction::MOST_FAILED;
 use sixaxis_core::parity::{COORDINATION, LimbSet, Reconstruction, SIGNATURES};
@@ -26,6 +25,7 @@ use sixaxis_props::joint::{Fitted, small};
 use sixaxis_props::manufactured::examples;
 use sixaxis_props::publication::{Arguments, end};
 use sixaxis_props::rig_runs;
+use sixaxis_recordings::session::Role;
 use sixaxis_reference::campaign::{Laboratory, compound};
 use sixaxis_reference::paper;
 use sixaxis_reference::recording::SimulatedRun;
@@ -353,7 +353,7 @@ fn in_laboratory(
     found.stiffness_per_mass_per_s2 = truth.stiffness_per_mass_per_s2;
     let recording = Laboratory::with_errors(truth, seed).record(run, RUN);
     let cleaning = Cleaning {
-        stages: sixaxis_calibration::session::Preprocessing::default(),
+        stages: sixaxis_recordings::session::Preprocessing::default(),
         accelerometer_bandwidth_hz: None,
         gyroscope_bandwidth_hz: None,
     };

@@ -8,7 +8,6 @@ use glam::DVec3;
 use nalgebra::SVector;
 use rayon::prelude::*;
 use sixaxis_calibration::propagation::{Sources, TrialNoise, propagate};
-use sixaxis_calibration::session::Role;
 use sixaxis_calibration::steps::{Campaign, GyroscopeGain};
 use sixaxis_core::identify::compliance_fit::ComplianceFit;
 use sixaxis_core::uncertainty::parameters::{COMPLIANCE, Covariance, INERTIA, SCALE};
@@ -19,6 +18,7 @@ use sixaxis_props::propagation::monte_carlo::{ClosedForm, Tally, departures, of_
 use sixaxis_props::propagation::{Size, World, calibrate};
 use sixaxis_props::statistics::chi_square_departure;
 use sixaxis_props::tolerance;
+use sixaxis_recordings::session::Role;
 
 /// First seed of the draws; the closed form sees the campaign of this one.
 const SEED: u64 = 71;

@@ -10,8 +10,8 @@ use sixaxis_core::preprocess::zero_phase::zero_phase;
 use sixaxis_core::preprocess::{detrend, each_channel, outlier};
 use sixaxis_core::{LIMBS, Result};
 
-use crate::session::{Preprocessing, Session};
 use crate::trial::Trial;
+use sixaxis_recordings::session::{Preprocessing, Session};
 
 /// Highest corner of the low-pass, of the sample rate: at half of it there is no filter.
 const HIGHEST_CORNER: f64 = 0.4;

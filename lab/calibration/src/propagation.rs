@@ -18,8 +18,8 @@ use sixaxis_core::{LIMBS, Result};
 
 use self::own::{Answers, FourthStep, Own};
 use crate::cleaning::Cleaning;
-use crate::session::{Role, Session};
 use crate::steps::{Campaign, FourSteps, rows};
+use sixaxis_recordings::session::{Role, Session};
 
 /// White noise of one trial, standard deviation of one raw sample.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -14,8 +14,8 @@ use sixaxis_core::{Geometry, LIMBS, LimbLaw, Parameters, Scheme, Sensor, Setting
 
 use crate::cleaning::Cleaned;
 use crate::error::{Error, Result};
-use crate::session::Role;
 use crate::trial::Trial;
+use sixaxis_recordings::session::Role;
 
 /// Rows per cycle of the drive that steps 2 and 3 take from a trial. Neighbouring samples of a low-passed record say
 /// nothing new and would make the covariance too small.

@@ -30,8 +30,8 @@ use sixaxis_core::{Geometry, LIMBS, Parameters};
 use crate::cleaning::Cleaned;
 use crate::response::{self, Response};
 use crate::rigid::{Shares, turned_gravity_m_s2};
-use crate::session::{Rig, Role};
 use crate::trial::Trial;
+use sixaxis_recordings::session::{Rig, Role};
 use table::Table;
 
 /// Relative error of an angle that undoing a gyroscope's lag and the low-pass leave.

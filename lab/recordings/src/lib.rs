@@ -1,6 +1,6 @@
-//! Recordings on disk: named channels in, blocks of numbers out, and the way back.
+//! Recordings on disk: named channels in, blocks of numbers out, and the way back; and the session that they belong to.
 //!
-//! Nothing in here knows of a sensor. A file is opened as a [`Source`], says in its [`Layout`] what is in it, and is read in
+//! A file is opened as a [`Source`], says in its [`Layout`] what is in it, and is read in
 //! [`Block`]s of bounded size, so that a recording larger than the memory works. Numbers arrive as f64 in the channel's own
 //! unit, with the scaling that the file prescribes applied; where a scaling is not understood the file is refused, raw
 //! counts are never handed out. What is written goes to a neighbour first ([`draft`]) and replaces the old file whole.
@@ -15,6 +15,8 @@
 //! | [`parquet`] | columnar files of pandas, Polars, DuckDB |
 //! | [`numpy`] | NPY and NPZ |
 //! | [`matlab`] | MAT files, version 5 and 7.3 |
+//! | [`mod@unit`] | units that channels come in |
+//! | [`session`] | the session file: which recordings belong together, and what they do not say themselves |
 
 pub mod channel;
 pub mod draft;
@@ -22,10 +24,12 @@ pub mod error;
 pub mod matlab;
 pub mod numpy;
 pub mod parquet;
+pub mod session;
 pub mod sink;
 pub mod source;
 pub mod tdms;
 pub mod text;
+pub mod unit;
 
 pub use channel::{Block, Channel, Layout};
 pub use error::{Error, Result};

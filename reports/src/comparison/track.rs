@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, anyhow, bail, ensure};
-use sixaxis_calibration::unit::{self, Unit};
+use sixaxis_recordings::session::MOTION_CHANNELS;
+use sixaxis_recordings::unit::{self, Unit};
 use sixaxis_recordings::{Block, Layout, Source};
-use sixaxis_reference::session::write::MOTION_CHANNELS;
 
 use crate::decoupling::CHUNK;
 use crate::decoupling::recording::seconds_per_unit;

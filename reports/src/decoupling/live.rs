@@ -4,9 +4,9 @@ use std::io::{self, BufRead, Write};
 
 use anyhow::{Result, anyhow, bail, ensure};
 use sixaxis_calibration::load;
-use sixaxis_calibration::session::Channels;
 use sixaxis_core::{Decoupler, LIMBS, LimbSet};
 use sixaxis_recordings::channel::{Layout, time_channel};
+use sixaxis_recordings::session::Channels;
 use sixaxis_recordings::{Block, Channel};
 
 use super::conditioning::Conditioning;

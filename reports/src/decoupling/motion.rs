@@ -4,8 +4,8 @@ use std::collections::VecDeque;
 
 use sixaxis_core::uncertainty::SampleUncertainty;
 use sixaxis_core::{Decoupler, LIMBS, SixAxis};
+use sixaxis_recordings::session::MOTION_CHANNELS;
 use sixaxis_recordings::{Block, Channel, Layout};
-use sixaxis_reference::session::write::MOTION_CHANNELS;
 
 use super::Row;
 use super::watching::{FLAGS, Watching};

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, anyhow, bail};
 use sixaxis_calibration::load;
-use sixaxis_calibration::session::Channels;
-use sixaxis_calibration::unit::{self, Unit};
 use sixaxis_core::{LIMBS, LimbSet};
+use sixaxis_recordings::session::Channels;
+use sixaxis_recordings::unit::{self, Unit};
 use sixaxis_recordings::{Block, Layout, Source};
 
 use super::stamps::Stamps;

@@ -15,9 +15,9 @@ use sixaxis_core::{Geometry, LIMBS, Parameters, Result, Scheme};
 
 use super::TrialNoise;
 use crate::cleaning::{Cleaned, Cleaning};
-use crate::session::Role;
 use crate::steps::{Campaign, rows};
 use crate::trial::Trial;
+use sixaxis_recordings::session::Role;
 
 /// What a trial adds.
 #[derive(Debug, Clone, Default)]

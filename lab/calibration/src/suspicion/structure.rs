@@ -7,7 +7,7 @@ use sixaxis_core::preprocess::spectrum::noise_floor;
 use super::table::{Table, norm, usable, weighted_median};
 use super::{Cause, Facts, Finding, Suspect};
 use crate::rigid::Shares;
-use crate::session::Role;
+use sixaxis_recordings::session::Role;
 
 /// A direction that gets less than this share of the best one's excitation is not excited: the errors of what rests on it
 /// are three times as large and more.

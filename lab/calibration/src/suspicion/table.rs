@@ -8,7 +8,7 @@ use sixaxis_core::LIMBS;
 use super::Suspect;
 use crate::response::Response;
 use crate::rigid::Shares;
-use crate::session::Role;
+use sixaxis_recordings::session::Role;
 
 /// Shares below this are no basis for a ratio.
 const SMALLEST_SHARE: f64 = 0.08;

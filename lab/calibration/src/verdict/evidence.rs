@@ -10,10 +10,10 @@ use super::TrialReport;
 use crate::cleaning::Cleaned;
 use crate::interval::LeftOut;
 use crate::response::ChannelResponse;
-use crate::session::Role;
 use crate::steps::{Campaign, FourSteps, rows};
 use crate::suspicion::{Suspect, timing};
 use crate::trial::Trial;
+use sixaxis_recordings::session::Role;
 
 pub(super) fn trial_report(suspect: &Suspect<'_>, departure: Option<f64>) -> TrialReport {
     let trial = suspect.trial;

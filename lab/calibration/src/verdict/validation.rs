@@ -6,10 +6,10 @@ use sixaxis_core::{Decoupler, Parameters, Scheme, rest_to_rest};
 use super::grading::worst;
 use super::{Comparison, TrialReport};
 use crate::cleaning::Cleaned;
-use crate::session::Role;
 use crate::steps::Campaign;
 use crate::suspicion::{Cause, Finding};
 use crate::trial::Trial;
+use sixaxis_recordings::session::Role;
 
 /// Share of the largest peak that an axis is measured by at least.
 const FLOOR: f64 = 0.1;

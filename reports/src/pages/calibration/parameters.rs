@@ -1,8 +1,8 @@
 //! The 25 parameters: what they are, how well they are known, and what limits that.
 
 use sixaxis_calibration::interval::ParameterReport;
-use sixaxis_calibration::session::SessionFile;
 use sixaxis_calibration::verdict::Judgement;
+use sixaxis_recordings::session::SessionFile;
 
 use super::words::{bar, has_scale, share, symbol, with_interval};
 use sixaxis_page::number::{MISSING, fixed, scientific};

@@ -1,7 +1,7 @@
 //! Where everything comes from.
 
-use sixaxis_calibration::session::SessionFile;
 use sixaxis_calibration::verdict::Judgement;
+use sixaxis_recordings::session::SessionFile;
 
 use super::words::{file_name, role, unbroken};
 use sixaxis_page::number::{MISSING, count, si, significant};

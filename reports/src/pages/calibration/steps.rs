@@ -1,8 +1,8 @@
 //! What the steps say of themselves: conditioning of steps 2 and 3, the curve of step 4.
 
-use sixaxis_calibration::session::Role;
 use sixaxis_calibration::steps::FourSteps;
 use sixaxis_calibration::verdict::Judgement;
+use sixaxis_recordings::session::Role;
 
 use crate::pages::parameters::verdict;
 use sixaxis_page::number::{MISSING, count, fixed, scientific, significant};

@@ -1,8 +1,8 @@
 //! Every trial as it came out.
 
-use sixaxis_calibration::session::{Limits, Role, SessionFile};
 use sixaxis_calibration::suspicion::odd_trial;
 use sixaxis_calibration::verdict::{COORDINATION_LIMIT, Judgement, TrialReport};
+use sixaxis_recordings::session::{Limits, Role, SessionFile};
 
 use super::words::{self, bar, direction, file_name, largest, share, unbroken};
 use sixaxis_page::number::{MISSING, fixed, percent, significant};

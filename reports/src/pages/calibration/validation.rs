@@ -1,7 +1,7 @@
 //! Runs that were never fitted: decoupled accelerations over those of the standards.
 
-use sixaxis_calibration::session::SessionFile;
 use sixaxis_calibration::verdict::{Comparison, Judgement};
+use sixaxis_recordings::session::SessionFile;
 
 use super::NEUTRAL;
 use super::words::{self, bar, file_name};

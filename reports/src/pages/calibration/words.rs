@@ -1,7 +1,7 @@
 //! How parameters, recordings and directions are written.
 
 use sixaxis_calibration::interval::ParameterReport;
-use sixaxis_calibration::session::Role;
+use sixaxis_recordings::session::Role;
 
 use sixaxis_page::number::{MISSING, fixed, percent};
 

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use sixaxis_calibration::Error;
-use sixaxis_calibration::session::{Role, SessionFile};
+use sixaxis_recordings::Error;
+use sixaxis_recordings::session::{Role, SessionFile};
 
 /// A session that is accepted, with what every test below changes.
 const GOOD: &str = r#"title = "Sensor 7"
@@ -85,7 +85,10 @@ fn a_good_session_is_read() {
         file.resolve(&file.session.recording[1].file),
         Path::new("day/linear-01.csv")
     );
-    assert_eq!(file.design().scale_per_mass_per_kg, [5.3476; 9]);
+    assert_eq!(
+        file.session.sensor.design().scale_per_mass_per_kg,
+        [5.3476; 9]
+    );
     assert_eq!(file.session.channels.limbs[8], "u9");
 }
 
@@ -239,7 +242,7 @@ fn nonsense_is_refused() {
 
 #[test]
 fn the_schema_knows_every_key_of_the_example() {
-    let schema = sixaxis_calibration::session::schema().to_string();
+    let schema = sixaxis_recordings::session::schema().to_string();
     for key in [
         "limb_length_mm",
         "sensitivity_mv_per_g",
