@@ -33,7 +33,9 @@ fn judged(played: &PlayedSession, name: &str) -> Judgement {
     let folder: PathBuf =
         std::env::temp_dir().join(format!("sixaxis-taps-{name}-{}", std::process::id()));
     let session = write(played, &folder, "npz").expect("it can be written");
-    let judgement = SessionFile::read(&session).map_err(Into::into).and_then(|file| judge(&file, &Unwatched));
+    let judgement = SessionFile::read(&session)
+        .map_err(Into::into)
+        .and_then(|file| judge(&file, &Unwatched));
     std::fs::remove_dir_all(&folder).expect("it can be cleared away");
     judgement.expect("the session is sound")
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use sixaxis_core::LIMBS;
 use sixaxis_recordings::draft::write_atomically;
-use sixaxis_recordings::session::MOTION_CHANNELS;
+use sixaxis_recordings::motion::MOTION_CHANNELS;
 use sixaxis_recordings::{Block, Channel, Layout, create};
 
 use super::plan_file::with_comments;

@@ -1,26 +1,9 @@
-//! Names and units of channels: those of a session's recordings, and those of a decoded motion.
+//! Names, units and lags of a session's channels.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::sensor::{LIMBS, PerLimb};
-
-/// Channels of a decoded or a true motion, name and unit: accelerations in ground axes, rate in shell axes, attitude.
-pub const MOTION_CHANNELS: [(&str, &str); 13] = [
-    ("ax", "m/s^2"),
-    ("ay", "m/s^2"),
-    ("az", "m/s^2"),
-    ("alpha_x", "rad/s^2"),
-    ("alpha_y", "rad/s^2"),
-    ("alpha_z", "rad/s^2"),
-    ("wx", "rad/s"),
-    ("wy", "rad/s"),
-    ("wz", "rad/s"),
-    ("qw", "1"),
-    ("qx", "1"),
-    ("qy", "1"),
-    ("qz", "1"),
-];
 
 /// Names and units of the channels in the files.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -26,7 +26,7 @@ mod schema;
 mod sensor;
 mod standards;
 
-pub use channels::{Channels, MOTION_CHANNELS};
+pub use channels::Channels;
 pub use entry::{Entry, Role};
 pub use file::SessionFile;
 pub use preprocessing::{Detrend, DifferentiatorSettings, LowPass, Outliers, Preprocessing, Stage};

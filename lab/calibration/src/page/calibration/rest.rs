@@ -1,7 +1,7 @@
 //! The static record and the noise of the channels.
 
-use sixaxis_calibration::trial::Trial;
-use sixaxis_calibration::verdict::Judgement;
+use crate::trial::Trial;
+use crate::verdict::Judgement;
 use sixaxis_core::LIMBS;
 use sixaxis_core::preprocess::spectrum::noise_floor;
 use sixaxis_recordings::session::Role;

@@ -2,8 +2,8 @@
 
 use std::io::{self, BufRead, Write};
 
+use crate::load;
 use anyhow::{Result, anyhow, bail, ensure};
-use sixaxis_calibration::load;
 use sixaxis_core::{Decoupler, LIMBS, LimbSet};
 use sixaxis_recordings::channel::{Layout, time_channel};
 use sixaxis_recordings::session::Channels;

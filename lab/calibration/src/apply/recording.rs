@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::load;
 use anyhow::{Result, anyhow, bail};
-use sixaxis_calibration::load;
 use sixaxis_core::{LIMBS, LimbSet};
 use sixaxis_recordings::session::Channels;
 use sixaxis_recordings::unit::{self, Unit};

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use crate::calibration::Calibration;
 use anyhow::{Context, Result, bail};
 use glam::DVec3;
-use sixaxis_calibration::calibration::Calibration;
 use sixaxis_core::uncertainty::{ChannelNoise, SampleUncertainty};
 use sixaxis_core::{Gains, LIMBS, Parameters, Scheme, Sensor, Settings};
 use sixaxis_recordings::session::{Channels, Entry, Role, Session, SessionFile};

@@ -191,7 +191,7 @@ pub fn compare(aligned: &mut Aligned, result: String, truth: String) -> Result<C
         let moves = sums.peak > HARDLY * largest_peak;
         let quantiles = fine.quantiles();
         measured.push(Axis {
-            name: sixaxis_recordings::session::MOTION_CHANNELS[axis]
+            name: sixaxis_recordings::motion::MOTION_CHANNELS[axis]
                 .0
                 .to_owned(),
             quantity,

@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, anyhow, bail, ensure};
-use sixaxis_recordings::session::MOTION_CHANNELS;
+use sixaxis_recordings::motion::MOTION_CHANNELS;
 use sixaxis_recordings::unit::{self, Unit};
 use sixaxis_recordings::{Block, Layout, Source};
 
-use crate::decoupling::CHUNK;
-use crate::decoupling::recording::seconds_per_unit;
-use crate::decoupling::stamps::Stamps;
+use crate::apply::CHUNK;
+use crate::apply::recording::seconds_per_unit;
+use crate::apply::stamps::Stamps;
 
 /// Columns of a motion.
 pub const COLUMNS: usize = MOTION_CHANNELS.len();
