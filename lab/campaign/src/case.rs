@@ -11,8 +11,8 @@ use sixaxis_calibration::propagation;
 use sixaxis_calibration::session::{Session, SessionFile};
 use sixaxis_calibration::steps::{FourSteps, GyroscopeGain};
 use sixaxis_calibration::tap::Taps;
+use sixaxis_core::decouple::uncertainty::Covariance;
 use sixaxis_core::identify::{Reason, Verdict};
-use sixaxis_core::uncertainty::Covariance;
 use sixaxis_reference::session::plan::SessionPlan;
 use sixaxis_reference::session::play::{Played, PlayedSession, play};
 

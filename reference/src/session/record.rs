@@ -6,7 +6,7 @@ use glam::{DQuat, DVec3};
 use rand::RngExt;
 use rand_pcg::Pcg64;
 use sixaxis_calibration::session::{Entry, PerLimb, Role};
-use sixaxis_core::preprocess::resample::CubicSpline;
+use sixaxis_core::dsp::resample::CubicSpline;
 use sixaxis_core::{Gains, Geometry, LIMBS, Parameters};
 
 use super::defect::{Defect, Where};

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use anyhow::Result;
 use sixaxis_calibration::unit::{self, Unit};
-use sixaxis_core::preprocess::spectrum::{MIN_NOISE_SAMPLES, noise_floor};
+use sixaxis_core::dsp::spectrum::{MIN_NOISE_SAMPLES, noise_floor};
 use sixaxis_recordings::Channel;
 
 use super::envelope::Envelope;

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 use sixaxis_core::Gains;
-use sixaxis_core::preprocess::butterworth;
-use sixaxis_core::preprocess::differentiate::Differentiator;
+use sixaxis_core::dsp::butterworth;
+use sixaxis_core::dsp::differentiate::Differentiator;
 
 use super::{Channels, Entry, PerLimb, Role, SessionFile, Stage};
 use crate::error::Result;

@@ -11,6 +11,7 @@ use sixaxis_calibration::calibration::Calibration;
 use sixaxis_calibration::session::SessionFile;
 use sixaxis_calibration::verdict::Grade;
 use sixaxis_core::{Decoupler, LimbSet, Scheme, Settings};
+use sixaxis_page::{render, write_atomically};
 use sixaxis_recordings::{Channel, Sink};
 use sixaxis_reports::decoupling::conditioning::{Conditioning, Wishes, causal_delay_s};
 use sixaxis_reports::decoupling::integrator::Integrator;
@@ -24,7 +25,6 @@ use sixaxis_reports::decoupling::watching::{Watching, flags};
 use sixaxis_reports::decoupling::{closed, pipeline};
 use sixaxis_reports::pages;
 use sixaxis_reports::progress::Progress;
-use sixaxis_page::{render, write_atomically};
 
 /// What is decoupled with what.
 #[derive(clap::Args)]
@@ -297,7 +297,7 @@ fn file(
     recording.watched = arguments.watch;
     let decoupler = Decoupler::new(&setup.sensor, &setup.parameters, &settings)
         .with_context(|| format!("{}", arguments.calibration.display()))?
-        .without(failed)
+        .excluding(failed)
         .context("--failed")?;
     let mut decoding = Decoding::new(decoupler, columns, arguments.picture.is_some());
     let mut layout = columns.layout(rate_hz);
@@ -489,7 +489,7 @@ fn stream(
         watching: watching(arguments, calibration, &setup, &settings)?,
         decoupler: Decoupler::new(&setup.sensor, &setup.parameters, &settings)
             .with_context(|| format!("{}", arguments.calibration.display()))?
-            .without(failed(arguments)?)
+            .excluding(failed(arguments)?)
             .context("--failed")?,
         columns,
         sample_rate_hz: rate_hz,

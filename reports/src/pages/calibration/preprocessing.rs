@@ -5,7 +5,7 @@ use sixaxis_calibration::session::{Preprocessing, Role, SessionFile, Stage};
 use sixaxis_calibration::trial::Trial;
 use sixaxis_calibration::verdict::{Judgement, VALIDATION_CORNER};
 use sixaxis_core::LIMBS;
-use sixaxis_core::preprocess::differentiate::Differentiator;
+use sixaxis_core::dsp::differentiate::Differentiator;
 
 use super::NEUTRAL;
 use super::words::{file_name, largest};

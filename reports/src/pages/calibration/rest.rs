@@ -4,7 +4,7 @@ use sixaxis_calibration::session::Role;
 use sixaxis_calibration::trial::Trial;
 use sixaxis_calibration::verdict::Judgement;
 use sixaxis_core::LIMBS;
-use sixaxis_core::preprocess::spectrum::noise_floor;
+use sixaxis_core::dsp::spectrum::noise_floor;
 
 use sixaxis_page::number::{MISSING, count, fixed, significant};
 use sixaxis_page::{Axis, Block, Cell, Column, Figure, Row, Section, Series, Table};

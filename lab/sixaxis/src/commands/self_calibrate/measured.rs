@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Result, ensure};
-use sixaxis_core::self_calibration::{Accumulator, Moments};
+use sixaxis_core::redundancy::self_calibration::{Accumulator, Moments};
 use sixaxis_core::{LIMBS, Scheme};
 use sixaxis_reports::decoupling::conditioning::Conditioning;
 use sixaxis_reports::decoupling::explain;
