@@ -5,12 +5,13 @@ use std::array::from_fn;
 
 use glam::DVec3;
 use nalgebra::{DMatrix, DVector, SMatrix};
+use sixaxis_core::LimbSet;
 use sixaxis_core::decouple::lanes::push_lanes;
 use sixaxis_core::decouple::record::Accelerations;
 use sixaxis_core::geometry::{DIRECTIONS_SHELL, LIMBS_PER_NODE, NODE_DIRECTIONS_MASS};
 use sixaxis_core::kernel::simd::LANES;
-use sixaxis_core::redundancy::parity::{LimbSet, Reconstruction};
 use sixaxis_core::redundancy::reconstruction::MOST_EXCLUDED;
+use sixaxis_core::redundancy::reconstruction::Reconstruction;
 use sixaxis_core::{
     Decoupler, Error, Gains, LIMBS, RigidDecoupler, Scheme, Sensor, Settings, SixAxis,
     StaticResponse,

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail, ensure};
+use sixaxis_calibration::apply::setup::{Said, Setup};
 use sixaxis_calibration::calibration::Calibration;
 use sixaxis_calibration::session::SessionFile;
 use sixaxis_core::paper::signal::SignalChain;
@@ -16,7 +17,6 @@ use sixaxis_core::redundancy::self_calibration::{
 };
 use sixaxis_core::{Error, LIMBS};
 use sixaxis_recordings::draft::write_atomically;
-use sixaxis_reports::decoupling::setup::{Said, Setup};
 
 use self::measured::{Measured, Rest};
 use self::words::{Finding, Summary};
