@@ -81,14 +81,7 @@ fn position(path: &Path, layout: &Layout, name: &str) -> Result<usize> {
                 _ => None,
             }
         })
-        .ok_or_else(|| {
-            let names: Vec<&str> = layout.channels.iter().map(|c| c.name.as_str()).collect();
-            Error::Recording(sixaxis_recordings::Error::NoSuchChannel {
-                path: path.to_owned(),
-                name: name.to_owned(),
-                available: names.join(", "),
-            })
-        })
+        .ok_or_else(|| Error::Recording(layout.no_such_channel(path, name)))
 }
 
 fn unit_of(path: &Path, channel: &Channel, declared: Option<&str>) -> Result<Unit> {

@@ -8,7 +8,8 @@
 //! | file | holds |
 //! |---|---|
 //! | [`channel`] | what a file says of its channels |
-//! | [`source`], [`sink`] | reading and writing, any format |
+//! | `source`, `sink` | the traits [`Source`] and [`Sink`] |
+//! | `open` | [`open()`] and [`create`]: which format a file has |
 //! | [`motion`] | columns of a motion: accelerations, rate, attitude |
 //! | [`draft`] | a file that appears whole or not at all |
 //! | [`text`] | CSV and its national variants, gzip |
@@ -23,13 +24,15 @@ pub mod error;
 pub mod matlab;
 pub mod motion;
 pub mod numpy;
+mod open;
 pub mod parquet;
-pub mod sink;
-pub mod source;
+mod sink;
+mod source;
 pub mod tdms;
 pub mod text;
 
 pub use channel::{Block, Channel, Layout};
 pub use error::{Error, Result};
-pub use sink::{Sink, create};
-pub use source::{Source, open};
+pub use open::{create, open};
+pub use sink::Sink;
+pub use source::Source;

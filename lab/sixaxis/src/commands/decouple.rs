@@ -22,7 +22,8 @@ use sixaxis_calibration::page;
 use sixaxis_calibration::session::SessionFile;
 use sixaxis_calibration::verdict::Grade;
 use sixaxis_core::{Decoupler, LimbSet, Scheme, Settings};
-use sixaxis_page::{render, write_atomically};
+use sixaxis_page::render;
+use sixaxis_recordings::draft::write_atomically;
 use sixaxis_recordings::{Channel, Sink};
 use sixaxis_reports::progress::Progress;
 

@@ -1,4 +1,4 @@
-//! From the page's description to one HTML file, and from there safely to disk.
+//! From the page's description to one HTML document.
 
 use super::figure::{Figure, Series};
 use super::layout::Size;
@@ -10,9 +10,6 @@ use minijinja::value::Serde;
 use minijinja::{Environment, Value, context};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::{self, File};
-use std::io::Write;
-use std::path::Path;
 
 /// A figure as the template needs it.
 #[derive(Serialize)]
@@ -95,42 +92,6 @@ pub fn render(page: &Page) -> Result<String> {
         .render(context! { page => Serde(page), drawings => Serde(drawings) })
         .context("filling the page's template")?;
     Ok(html)
-}
-
-/// Writes a file so that its path never shows anything half written: a neighbour is written,
-/// flushed to disk and then renamed over it. Missing folders are made.
-///
-/// # Errors
-/// If a folder or file cannot be written; the old file, if any, is then untouched.
-pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
-    let name = path
-        .file_name()
-        .with_context(|| format!("{} names no file", path.display()))?;
-    let folder = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-    fs::create_dir_all(folder).with_context(|| format!("making {}", folder.display()))?;
-    let draft = folder.join(format!(
-        ".{}.{}.part",
-        name.to_string_lossy(),
-        std::process::id()
-    ));
-    let written = File::create(&draft)
-        .and_then(|mut file| {
-            file.write_all(bytes)?;
-            file.sync_all()
-        })
-        .and_then(|()| fs::rename(&draft, path));
-    if let Err(error) = written {
-        let _ = fs::remove_file(&draft);
-        return Err(error).with_context(|| format!("writing {}", path.display()));
-    }
-    // The rename itself is durable once the folder is; not every platform can open a folder.
-    if let Ok(opened) = File::open(folder) {
-        let _ = opened.sync_all();
-    }
-    Ok(())
 }
 
 fn anchor(known: &mut BTreeSet<String>, id: &str) -> Result<()> {
@@ -307,17 +268,5 @@ mod tests {
         assert!(render(&page(table(2, 1))).is_err());
         let twice = Figure::new("one", "", Axis::default(), Axis::default());
         assert!(render(&page(Block::Figure(twice))).is_err());
-    }
-
-    #[test]
-    fn writing_replaces_whole_files() {
-        let folder = std::env::temp_dir().join(format!("sixaxis-view-{}", std::process::id()));
-        let path = folder.join("deep").join("page.html");
-        write_atomically(&path, b"old and long").expect("writes");
-        write_atomically(&path, b"new").expect("replaces");
-        assert_eq!(fs::read(&path).expect("reads"), b"new");
-        assert_eq!(fs::read_dir(folder.join("deep")).expect("lists").count(), 1);
-        assert!(write_atomically(Path::new("/"), b"").is_err());
-        fs::remove_dir_all(folder).expect("clears up");
     }
 }
