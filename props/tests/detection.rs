@@ -182,7 +182,7 @@ fn prop_a_value_that_is_no_number_is_a_failed_limb_at_once() {
             if sample < 70 {
                 let said = said.expect("a row");
                 let expected = usize::from(sample >= 50) + usize::from(sample >= 60);
-                assert_eq!(said.without.len(), expected, "{bad}, sample {sample}");
+                assert_eq!(said.excluded.len(), expected, "{bad}, sample {sample}");
                 assert!(said.answer.is_none_or(|a| all_finite(&a)));
             } else {
                 let refused = matches!(
