@@ -109,7 +109,7 @@ fn prop_a_bad_tap_is_a_reservation() {
     let judgement = judged(&played, "bad");
     assert_eq!(judgement.grade, Grade::Reserved, "{}", judgement.sentence);
     assert!(judgement.findings.is_empty(), "{:?}", judgement.findings);
-    for (name, cause) in [("tap-01", "clipped"), ("tap-02", "no blow")] {
+    for (name, cause) in [("tap-01", "clipped"), ("tap-02", "no tap")] {
         assert!(
             judgement
                 .reservations

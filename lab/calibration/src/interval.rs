@@ -8,9 +8,9 @@
 use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use sixaxis_core::decouple::uncertainty::Covariance;
+use sixaxis_core::decouple::uncertainty::parameters::{INERTIA, SCALE};
 use sixaxis_core::significance::NORMAL_95;
-use sixaxis_core::uncertainty::Covariance;
-use sixaxis_core::uncertainty::parameters::{INERTIA, SCALE};
 use sixaxis_core::{LIMBS, Parameters};
 
 use crate::steps::{Campaign, FourSteps, jackknife};

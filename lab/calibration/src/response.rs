@@ -11,7 +11,7 @@
 
 use nalgebra::{DMatrix, DVector};
 use sixaxis_core::LIMBS;
-use sixaxis_core::preprocess::differentiate::Differentiator;
+use sixaxis_core::dsp::differentiate::Differentiator;
 
 use crate::cleaning::Cleaned;
 use crate::steps::stride;

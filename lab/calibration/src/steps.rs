@@ -9,7 +9,7 @@ use sixaxis_core::identify::scale::{ScaleIdentification, ScalePerMass};
 use sixaxis_core::identify::stiffness::{self, StiffnessPerMass};
 use sixaxis_core::identify::stiffness_search::{self, RateNorms, rate_norm_sums};
 use sixaxis_core::identify::zero_drift::{self, ZeroDrift};
-use sixaxis_core::signal::SignalChain;
+use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::{Geometry, LIMBS, LimbLaw, Parameters, Scheme, Sensor, Settings};
 
 use crate::cleaning::Cleaned;

@@ -5,7 +5,7 @@ use core::f64::consts::PI;
 use glam::{DQuat, DVec3};
 use rand::RngExt;
 use rand_pcg::Pcg64;
-use sixaxis_core::preprocess::resample::CubicSpline;
+use sixaxis_core::dsp::resample::CubicSpline;
 use sixaxis_core::{Gains, Geometry, LIMBS, Parameters};
 use sixaxis_recordings::session::{Entry, PerLimb, Role};
 

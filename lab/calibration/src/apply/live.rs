@@ -136,7 +136,7 @@ impl Live {
                 }
             };
             let (row, stamp_s) = places
-                .read(&cells, self.decoupler.failed(), watched)
+                .read(&cells, self.decoupler.excluded(), watched)
                 .map_err(at_line)?;
             if row.iter().any(|u| u.abs() >= self.full_scale_v) {
                 clipped += 1;

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use sixaxis_core::geometry::DIRECTIONS_SHELL;
 use sixaxis_core::identify::inertia::euler_torque;
-use sixaxis_core::signal::SignalChain;
+use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::{InertiaPerMass, LIMBS, Parameters};
 
 use super::TrialReport;

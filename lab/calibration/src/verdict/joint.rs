@@ -2,7 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sixaxis_core::uncertainty::PARAMETERS;
+use sixaxis_core::decouple::uncertainty::PARAMETERS;
 use sixaxis_core::{LIMBS, Parameters};
 
 use crate::calibration::{Covariance, PropagatedCovariance};

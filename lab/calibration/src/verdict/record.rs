@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use sixaxis_core::uncertainty::PARAMETERS;
+use sixaxis_core::decouple::uncertainty::PARAMETERS;
 use sixaxis_core::{LIMBS, Parameters};
 
 use super::{Estimator, Grade};

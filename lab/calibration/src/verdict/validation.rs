@@ -1,7 +1,8 @@
 //! Runs that were never fitted, decoupled and held against the standards.
 
 use glam::DVec3;
-use sixaxis_core::{Decoupler, Parameters, Scheme, rest_to_rest};
+use sixaxis_core::decouple::rest_to_rest;
+use sixaxis_core::{Decoupler, Parameters, Scheme};
 
 use super::grading::worst;
 use super::{Comparison, TrialReport};

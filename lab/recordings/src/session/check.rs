@@ -1,8 +1,8 @@
 //! Values of a session that are impossible, each with its key.
 
 use sixaxis_core::Gains;
-use sixaxis_core::preprocess::butterworth;
-use sixaxis_core::preprocess::differentiate::Differentiator;
+use sixaxis_core::dsp::butterworth;
+use sixaxis_core::dsp::differentiate::Differentiator;
 
 use super::channels::Channels;
 use super::entry::{Entry, Role};

@@ -298,7 +298,7 @@ fn file(
     recording.watched = arguments.watch;
     let decoupler = Decoupler::new(&setup.sensor, &setup.parameters, &settings)
         .with_context(|| format!("{}", arguments.calibration.display()))?
-        .without(failed)
+        .excluding(failed)
         .context("--failed")?;
     let mut decoding = Decoding::new(decoupler, columns, arguments.picture.is_some());
     let mut layout = columns.layout(rate_hz);
@@ -490,7 +490,7 @@ fn stream(
         watching: watching(arguments, calibration, &setup, &settings)?,
         decoupler: Decoupler::new(&setup.sensor, &setup.parameters, &settings)
             .with_context(|| format!("{}", arguments.calibration.display()))?
-            .without(failed(arguments)?)
+            .excluding(failed(arguments)?)
             .context("--failed")?,
         columns,
         sample_rate_hz: rate_hz,

@@ -4,7 +4,7 @@ use crate::cleaning::{Cleaned, Cleaning};
 use crate::trial::Trial;
 use crate::verdict::{Judgement, VALIDATION_CORNER};
 use sixaxis_core::LIMBS;
-use sixaxis_core::preprocess::differentiate::Differentiator;
+use sixaxis_core::dsp::differentiate::Differentiator;
 use sixaxis_recordings::session::{Preprocessing, Role, SessionFile, Stage};
 
 use super::NEUTRAL;

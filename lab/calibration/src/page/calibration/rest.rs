@@ -3,7 +3,7 @@
 use crate::trial::Trial;
 use crate::verdict::Judgement;
 use sixaxis_core::LIMBS;
-use sixaxis_core::preprocess::spectrum::noise_floor;
+use sixaxis_core::dsp::spectrum::noise_floor;
 use sixaxis_recordings::session::Role;
 
 use sixaxis_page::number::{MISSING, count, fixed, significant};
