@@ -53,7 +53,9 @@ fn read(name: &str, file: &Value) -> Result<Calibration, Error> {
 /// The key that a file is refused for, and why.
 fn refusal(name: &str, file: &Value) -> (String, String) {
     match read(name, file) {
-        Err(Error::Session { key, cause, .. }) => (key, cause),
+        Err(Error::Recording(sixaxis_recordings::Error::Session { key, cause, .. })) => {
+            (key, cause)
+        }
         other => panic!("{name}: {other:?}"),
     }
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use sixaxis_calibration::session::SessionFile;
+use sixaxis_recordings::session::SessionFile;
 
 #[test]
 fn the_session_in_readme_is_accepted() {
