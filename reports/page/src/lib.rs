@@ -40,6 +40,6 @@ pub mod trace;
 
 pub use figure::{Axis, Figure, Kind, Mark, Panel, Scale, Series};
 pub use page::{Block, Claim, Listing, Page, Section, State, Tile, Verdict};
+pub use render::render;
 pub use table::{Align, Cell, Column, HeadCell, Row, Table, TableBuilder};
 pub use text::Text;
-pub use render::render;
