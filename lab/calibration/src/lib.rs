@@ -24,16 +24,22 @@
 //! | [`interval`] | how well each parameter is known, and what limits it |
 //! | [`verdict`] | all of it judged |
 //! | [`calibration`] | the result as a file |
+//! | [`apply`] | recordings decoupled with that file |
+//! | [`compare`] | a decoupled motion against the truth |
+//! | [`page`] | the pages of a calibration and of a comparison |
 
+pub mod apply;
 pub mod averaged;
 pub mod calibration;
 pub mod certified;
 pub mod cleaning;
+pub mod compare;
 pub mod error;
 pub mod interval;
 pub mod iteration;
 pub mod joint;
 pub mod load;
+pub mod page;
 pub mod propagation;
 pub mod response;
 pub mod rigid;

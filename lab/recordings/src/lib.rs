@@ -9,6 +9,7 @@
 //! |---|---|
 //! | [`channel`] | what a file says of its channels |
 //! | [`source`], [`sink`] | reading and writing, any format |
+//! | [`motion`] | columns of a motion: accelerations, rate, attitude |
 //! | [`draft`] | a file that appears whole or not at all |
 //! | [`text`] | CSV and its national variants, gzip |
 //! | [`tdms`] | what LabVIEW writes |
@@ -20,6 +21,7 @@ pub mod channel;
 pub mod draft;
 pub mod error;
 pub mod matlab;
+pub mod motion;
 pub mod numpy;
 pub mod parquet;
 pub mod sink;

@@ -8,13 +8,13 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail, ensure};
+use sixaxis_calibration::apply::setup::{Said, Setup};
 use sixaxis_calibration::calibration::Calibration;
 use sixaxis_calibration::session::SessionFile;
 use sixaxis_core::self_calibration::{KnownChange, Limits, PerLimbs, ScaleRatios, Scales, drifted};
 use sixaxis_core::signal::SignalChain;
 use sixaxis_core::{Error, LIMBS};
 use sixaxis_recordings::draft::write_atomically;
-use sixaxis_reports::decoupling::setup::{Said, Setup};
 
 use self::measured::{Measured, Rest};
 use self::words::{Finding, Summary};

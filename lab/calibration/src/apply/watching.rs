@@ -1,7 +1,7 @@
 //! Decoupling that watches its channels: `sixaxis decouple --watch`.
 
+use crate::calibration::Calibration;
 use anyhow::{Context, Result, ensure};
-use sixaxis_calibration::calibration::Calibration;
 use sixaxis_core::fault::{Event, Watch};
 use sixaxis_core::fault_tolerant::{FaultTolerant, Watched};
 use sixaxis_core::parity::LimbSet;

@@ -1,8 +1,8 @@
 //! The static record and the noise of the channels.
 
-use sixaxis_calibration::session::Role;
-use sixaxis_calibration::trial::Trial;
-use sixaxis_calibration::verdict::Judgement;
+use crate::session::Role;
+use crate::trial::Trial;
+use crate::verdict::Judgement;
 use sixaxis_core::LIMBS;
 use sixaxis_core::preprocess::spectrum::noise_floor;
 

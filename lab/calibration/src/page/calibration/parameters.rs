@@ -1,10 +1,10 @@
 //! The 25 parameters: what they are, how well they are known, and what limits that.
 
-use sixaxis_calibration::interval::ParameterReport;
-use sixaxis_calibration::session::SessionFile;
-use sixaxis_calibration::verdict::Judgement;
+use crate::interval::ParameterReport;
+use crate::session::SessionFile;
+use crate::verdict::Judgement;
 
-use super::words::{bar, has_scale, share, symbol, with_interval};
+use crate::page::labels::{bar, has_scale, share, symbol, with_interval};
 use sixaxis_page::number::{MISSING, fixed, scientific};
 use sixaxis_page::{Axis, Block, Cell, Column, Figure, Mark, Row, Section, Series, State, Table};
 

@@ -1,9 +1,9 @@
 //! Where everything comes from.
 
-use sixaxis_calibration::session::SessionFile;
-use sixaxis_calibration::verdict::Judgement;
+use crate::session::SessionFile;
+use crate::verdict::Judgement;
 
-use super::words::{file_name, role, unbroken};
+use crate::page::labels::{file_name, role, unbroken};
 use sixaxis_page::number::{MISSING, count, si, significant};
 use sixaxis_page::{Block, Cell, Column, Listing, Row, Section, Table};
 

@@ -1,7 +1,7 @@
 //! Decoupled motions as a page: by themselves, or beside the truth.
 
-use crate::comparison::envelope::Envelope;
-use crate::comparison::measure::{Axis as Measured, Comparison, Quantity};
+use crate::compare::envelope::Envelope;
+use crate::compare::measure::{Axis as Measured, Comparison, Quantity};
 use sixaxis_page::number::{MISSING, count, significant};
 use sixaxis_page::{
     Axis, Block, Cell, Column, Figure, Page, Panel, Row, Section, Series, State, Table, Tile,

@@ -1,9 +1,9 @@
 //! The figures of a comparison.
 
+use crate::unit::STANDARD_GRAVITY_M_S2;
 use anyhow::Result;
 use glam::DQuat;
 use serde::Serialize;
-use sixaxis_calibration::unit::STANDARD_GRAVITY_M_S2;
 
 use super::aligned::Aligned;
 use super::envelope::Envelope;
@@ -191,7 +191,7 @@ pub fn compare(aligned: &mut Aligned, result: String, truth: String) -> Result<C
         let moves = sums.peak > HARDLY * largest_peak;
         let quantiles = fine.quantiles();
         measured.push(Axis {
-            name: sixaxis_reference::session::write::MOTION_CHANNELS[axis]
+            name: sixaxis_recordings::motion::MOTION_CHANNELS[axis]
                 .0
                 .to_owned(),
             quantity,

@@ -1,14 +1,14 @@
 //! What was done to the recordings before anything was computed from them, shown on one trial.
 
-use sixaxis_calibration::cleaning::{Cleaned, Cleaning};
-use sixaxis_calibration::session::{Preprocessing, Role, SessionFile, Stage};
-use sixaxis_calibration::trial::Trial;
-use sixaxis_calibration::verdict::{Judgement, VALIDATION_CORNER};
+use crate::cleaning::{Cleaned, Cleaning};
+use crate::session::{Preprocessing, Role, SessionFile, Stage};
+use crate::trial::Trial;
+use crate::verdict::{Judgement, VALIDATION_CORNER};
 use sixaxis_core::LIMBS;
 use sixaxis_core::preprocess::differentiate::Differentiator;
 
 use super::NEUTRAL;
-use super::words::{file_name, largest};
+use crate::page::labels::{file_name, largest};
 use sixaxis_page::number::{count, fixed, percent, significant};
 use sixaxis_page::{Axis, Block, Cell, Column, Figure, Panel, Row, Section, Series, Table};
 

@@ -1,10 +1,10 @@
 //! Every trial as it came out.
 
-use sixaxis_calibration::session::{Limits, Role, SessionFile};
-use sixaxis_calibration::suspicion::odd_trial;
-use sixaxis_calibration::verdict::{COORDINATION_LIMIT, Judgement, TrialReport};
+use crate::session::{Limits, Role, SessionFile};
+use crate::suspicion::odd_trial;
+use crate::verdict::{COORDINATION_LIMIT, Judgement, TrialReport};
 
-use super::words::{self, bar, direction, file_name, largest, share, unbroken};
+use crate::page::labels::{self, bar, direction, file_name, largest, share, unbroken};
 use sixaxis_page::number::{MISSING, fixed, percent, significant};
 use sixaxis_page::{
     Axis, Block, Cell, Column, Figure, HeadCell, Mark, Row, Section, Series, State, Table,
@@ -77,7 +77,7 @@ fn table(file: &SessionFile, judgement: &Judgement) -> Table {
         if trials.is_empty() && missing.is_empty() {
             continue;
         }
-        rows.push(Row::group(words::role(role)));
+        rows.push(Row::group(labels::role(role)));
         rows.extend(trials.iter().map(|trial| row(limits, judgement, trial)));
         rows.extend(missing.iter().map(|name| {
             let mut cells = vec![Cell::from(MISSING); COLUMNS];

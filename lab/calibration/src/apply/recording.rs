@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::load;
+use crate::session::Channels;
+use crate::unit::{self, Unit};
 use anyhow::{Result, anyhow, bail};
-use sixaxis_calibration::load;
-use sixaxis_calibration::session::Channels;
-use sixaxis_calibration::unit::{self, Unit};
 use sixaxis_core::{LIMBS, LimbSet};
 use sixaxis_recordings::{Block, Layout, Source};
 

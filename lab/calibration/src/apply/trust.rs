@@ -1,8 +1,8 @@
 //! Whether a calibration is one to decouple with.
 
+use crate::calibration::Calibration;
+use crate::verdict::Grade;
 use anyhow::{Result, ensure};
-use sixaxis_calibration::calibration::Calibration;
-use sixaxis_calibration::verdict::Grade;
 
 /// What a user should know of the calibration called `name` before its result is believed; nothing if it is good.
 ///

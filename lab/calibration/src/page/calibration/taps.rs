@@ -1,10 +1,10 @@
 //! Taps: k/m from the modes that a blow on the shell rings.
 
-use sixaxis_calibration::tap::TapReport;
-use sixaxis_calibration::verdict::Judgement;
+use crate::tap::TapReport;
+use crate::verdict::Judgement;
 use sixaxis_core::significance::NORMAL_95;
 
-use super::words::{count, share, unbroken};
+use crate::page::labels::{count, share, unbroken};
 use sixaxis_page::number::{MISSING, fixed, scientific};
 use sixaxis_page::{Block, Cell, Column, Row, Section, Table};
 

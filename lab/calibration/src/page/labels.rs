@@ -1,8 +1,9 @@
 //! How parameters, recordings and directions are written.
 
-use sixaxis_calibration::interval::ParameterReport;
-use sixaxis_calibration::session::Role;
+use crate::interval::ParameterReport;
+use crate::session::Role;
 
+use sixaxis_core::identify::Verdict;
 use sixaxis_page::number::{MISSING, fixed, percent};
 
 /// `3 things`, `1 thing`.
@@ -105,6 +106,35 @@ pub fn largest<T>(values: impl Iterator<Item = (f64, T)>) -> Option<(f64, T)> {
         let key = |x: f64| if x.is_nan() { f64::INFINITY } else { x };
         key(a.0).total_cmp(&key(b.0))
     })
+}
+
+/// A verdict in words.
+pub fn verdict(verdict: &Verdict) -> String {
+    use sixaxis_core::identify::Reason;
+    match verdict {
+        Verdict::Determined => "determined".to_owned(),
+        Verdict::Undetermined { reason } => match reason {
+            Reason::Noise {
+                unknown,
+                relative_standard_error,
+            } => format!(
+                "not determined: unknown {unknown} is uncertain by {}",
+                percent(*relative_standard_error, 2)
+            ),
+            Reason::EdgeOfGrid => "not determined: no minimum inside the grid".to_owned(),
+            Reason::Flat { floor_over_largest } => format!(
+                "not determined: the smallest rate is {} of the largest on the grid",
+                percent(*floor_over_largest, 2)
+            ),
+            Reason::Misfit {
+                residual_over_signal,
+                ..
+            } => format!(
+                "not determined: {} of the signal are neither the model nor noise",
+                percent(*residual_over_signal, 2)
+            ),
+        },
+    }
 }
 
 #[cfg(test)]

@@ -11,15 +11,14 @@ mod steps;
 mod taps;
 mod trials;
 mod validation;
-pub mod words;
 
-use sixaxis_calibration::session::{Limits, SessionFile};
-use sixaxis_calibration::verdict::{Grade, Judgement};
+use crate::session::{Limits, SessionFile};
+use crate::verdict::{Grade, Judgement};
 
+use super::labels::{self, largest, symbol};
+pub use findings::{place, split};
 use sixaxis_page::number::scientific;
 use sixaxis_page::{Page, State, Tile};
-pub use findings::{place, split};
-use words::{largest, symbol};
 
 /// Palette index of the neutral grey, for standards and what stood before.
 const NEUTRAL: usize = 6;
@@ -77,8 +76,8 @@ fn share_tile(
     match worst {
         Some((share, place)) => Tile::new(
             label,
-            words::share(Some(share)),
-            format!("{place}; the bar: {}", words::bar(limit)),
+            labels::share(Some(share)),
+            format!("{place}; the bar: {}", labels::bar(limit)),
             // Written so that NaN is no pass.
             state(judgement, share <= limit),
         ),
@@ -97,7 +96,7 @@ fn tiles(limits: &Limits, judgement: &Judgement) -> Vec<Tile> {
             "Good, reserved",
             format!(
                 "nothing is wrong; {} left open",
-                words::count(judgement.reservations.len(), "point", "points")
+                labels::count(judgement.reservations.len(), "point", "points")
             ),
             State::Warn,
         ),
@@ -107,7 +106,7 @@ fn tiles(limits: &Limits, judgement: &Judgement) -> Vec<Tile> {
                 0 => "the four steps could not be done".to_owned(),
                 n => format!(
                     "{} found wrong; do not use it",
-                    words::count(n, "thing", "things")
+                    labels::count(n, "thing", "things")
                 ),
             },
             State::Bad,
@@ -116,18 +115,18 @@ fn tiles(limits: &Limits, judgement: &Judgement) -> Vec<Tile> {
     let trials = &judgement.trials;
     let validation = largest(trials.iter().filter_map(|t| {
         let worst = largest(t.validation?.into_iter().map(|e| (e, ())))?.0;
-        Some((worst, words::file_name(&t.name)))
+        Some((worst, labels::file_name(&t.name)))
     }));
     let hold_out = largest(
         trials
             .iter()
-            .filter_map(|t| Some((t.hold_out?, words::file_name(&t.name)))),
+            .filter_map(|t| Some((t.hold_out?, labels::file_name(&t.name)))),
     );
     let interval = largest(
         judgement
             .parameters
             .iter()
-            .filter(|p| words::has_scale(p))
+            .filter(|p| labels::has_scale(p))
             .filter_map(|p| Some((p.half_width_95? / p.estimate.abs(), symbol(&p.name)))),
     );
     let mut tiles = vec![
@@ -163,7 +162,7 @@ fn tiles(limits: &Limits, judgement: &Judgement) -> Vec<Tile> {
                     Some(half_width) => format!(
                         "{}; half width of the 95 % interval {}",
                         stiffness.remark,
-                        words::share(Some(half_width / stiffness.estimate))
+                        labels::share(Some(half_width / stiffness.estimate))
                     ),
                     None => "determined by step 4".to_owned(),
                 },

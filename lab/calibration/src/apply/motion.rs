@@ -4,12 +4,12 @@ use std::collections::VecDeque;
 
 use sixaxis_core::uncertainty::SampleUncertainty;
 use sixaxis_core::{Decoupler, LIMBS, SixAxis};
+use sixaxis_recordings::motion::MOTION_CHANNELS;
 use sixaxis_recordings::{Block, Channel, Layout};
-use sixaxis_reference::session::write::MOTION_CHANNELS;
 
 use super::Row;
 use super::watching::{FLAGS, Watching};
-use crate::comparison::envelope::Envelope;
+use crate::compare::envelope::Envelope;
 
 /// Which columns are wanted beside the time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,9 +1,9 @@
 //! What to do next, and what was found.
 
-use sixaxis_calibration::suspicion::Finding;
-use sixaxis_calibration::verdict::{Grade, Judgement};
+use crate::suspicion::Finding;
+use crate::verdict::{Grade, Judgement};
 
-use super::words::{count, file_name};
+use crate::page::labels::{count, file_name};
 use sixaxis_page::{Block, Cell, Column, Listing, Row, Section, State, Table};
 
 /// Recordings named in full in a cell; of more, the first and a number.

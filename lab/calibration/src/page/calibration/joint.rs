@@ -1,12 +1,12 @@
 //! The joint fit beside the four steps, and what it found of instruments and wedges.
 
-use sixaxis_calibration::interval::ParameterReport;
-use sixaxis_calibration::joint::JointReport;
-use sixaxis_calibration::joint::nuisances::Found;
-use sixaxis_calibration::verdict::{Estimator, Judgement, contradiction};
+use crate::interval::ParameterReport;
+use crate::joint::JointReport;
+use crate::joint::nuisances::Found;
+use crate::verdict::{Estimator, Judgement, contradiction};
 
 use super::parameters::FAMILIES;
-use super::words::{direction, symbol, with_interval};
+use crate::page::labels::{direction, symbol, with_interval};
 use sixaxis_page::number::{MISSING, fixed, percent, scientific};
 use sixaxis_page::{Block, Cell, Column, Row, Section, State, Table};
 

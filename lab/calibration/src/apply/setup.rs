@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
+use crate::calibration::Calibration;
+use crate::session::{Channels, Entry, Role, Session, SessionFile};
+use crate::unit::STANDARD_GRAVITY_M_S2;
 use anyhow::{Context, Result, bail};
 use glam::DVec3;
-use sixaxis_calibration::calibration::Calibration;
-use sixaxis_calibration::session::{Channels, Entry, Role, Session, SessionFile};
-use sixaxis_calibration::unit::STANDARD_GRAVITY_M_S2;
 use sixaxis_core::uncertainty::{ChannelNoise, SampleUncertainty};
 use sixaxis_core::{Gains, LIMBS, Parameters, Scheme, Sensor, Settings};
 

@@ -2,9 +2,9 @@
 
 use std::io::{self, BufRead, Write};
 
+use crate::load;
+use crate::session::Channels;
 use anyhow::{Result, anyhow, bail, ensure};
-use sixaxis_calibration::load;
-use sixaxis_calibration::session::Channels;
 use sixaxis_core::{Decoupler, LIMBS, LimbSet};
 use sixaxis_recordings::channel::{Layout, time_channel};
 use sixaxis_recordings::{Block, Channel};

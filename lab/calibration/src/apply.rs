@@ -5,7 +5,6 @@
 //! | file | holds |
 //! |---|---|
 //! | [`trust`] | whether the calibration is one to decouple with |
-//! | [`integrator`] | how the rate is integrated, by name |
 //! | [`setup`] | what is known of one recording: gains, gravity, channels, rate, and from where |
 //! | [`recording`] | nine voltages on one clock from a file, block by block, with what is wrong with them |
 //! | [`stamps`] | time stamps: the rate they say, the gaps they show |
@@ -22,7 +21,6 @@
 
 pub mod closed;
 pub mod conditioning;
-pub mod integrator;
 pub mod live;
 pub mod low_pass;
 pub mod motion;

@@ -1,10 +1,10 @@
 //! What the steps say of themselves: conditioning of steps 2 and 3, the curve of step 4.
 
-use sixaxis_calibration::session::Role;
-use sixaxis_calibration::steps::FourSteps;
-use sixaxis_calibration::verdict::Judgement;
+use crate::session::Role;
+use crate::steps::FourSteps;
+use crate::verdict::Judgement;
 
-use crate::pages::parameters::verdict;
+use crate::page::labels::verdict;
 use sixaxis_page::number::{MISSING, count, fixed, scientific, significant};
 use sixaxis_page::{Axis, Block, Cell, Column, Figure, Mark, Row, Section, Series, Table};
 

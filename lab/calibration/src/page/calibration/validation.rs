@@ -1,10 +1,10 @@
 //! Runs that were never fitted: decoupled accelerations over those of the standards.
 
-use sixaxis_calibration::session::SessionFile;
-use sixaxis_calibration::verdict::{Comparison, Judgement};
+use crate::session::SessionFile;
+use crate::verdict::{Comparison, Judgement};
 
 use super::NEUTRAL;
-use super::words::{self, bar, file_name};
+use crate::page::labels::{self, bar, file_name};
 use sixaxis_page::number::{MISSING, significant};
 use sixaxis_page::{Axis, Block, Cell, Column, Figure, Panel, Row, Section, Series, State, Table};
 
@@ -169,7 +169,7 @@ fn row(comparison: &Comparison, judged: Option<[f64; 6]>, axis: usize, limit: f6
         Cell::from(format!("{}\u{a0}{unit}", significant(x, digits))).title(format!("{x} {unit}"))
     };
     let share = judged.map_or(Cell::from(MISSING), |errors| {
-        let cell = Cell::from(words::share(Some(errors[axis]))).title(errors[axis].to_string());
+        let cell = Cell::from(labels::share(Some(errors[axis]))).title(errors[axis].to_string());
         if errors[axis] <= limit {
             cell
         } else {

@@ -2,14 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::unit::{self, Unit};
 use anyhow::{Result, anyhow, bail, ensure};
-use sixaxis_calibration::unit::{self, Unit};
+use sixaxis_recordings::motion::MOTION_CHANNELS;
 use sixaxis_recordings::{Block, Layout, Source};
-use sixaxis_reference::session::write::MOTION_CHANNELS;
 
-use crate::decoupling::CHUNK;
-use crate::decoupling::recording::seconds_per_unit;
-use crate::decoupling::stamps::Stamps;
+use crate::apply::CHUNK;
+use crate::apply::recording::seconds_per_unit;
+use crate::apply::stamps::Stamps;
 
 /// Columns of a motion.
 pub const COLUMNS: usize = MOTION_CHANNELS.len();
