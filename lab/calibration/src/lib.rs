@@ -1,13 +1,11 @@
 //! From a session's recordings to 25 parameters, their intervals and a verdict.
 //!
 //! What a laboratory has is a folder of recordings and knowledge that is in no recording: which wedge was under the sensor,
-//! which range the amplifier was switched to, what the standard instruments' certificates say. The [`session`] file holds the
-//! latter. From there data flow through the files in this order:
+//! which range the amplifier was switched to, what the standard instruments' certificates say. The session file
+//! ([`sixaxis_recordings::session`]) holds the latter. From there data flow through the files in this order:
 //!
 //! | file | holds |
 //! |---|---|
-//! | [`session`] | the session file, and what can be wrong with it |
-//! | [`unit`] | units that channels come in |
 //! | [`trial`] | one recording in SI units on one clock |
 //! | [`averaged`] | a static record of any length |
 //! | [`load`] | trials from files |
@@ -43,12 +41,10 @@ pub mod page;
 pub mod propagation;
 pub mod response;
 pub mod rigid;
-pub mod session;
 pub mod steps;
 pub mod suspicion;
 pub mod tap;
 pub mod trial;
-pub mod unit;
 pub mod verdict;
 
 pub use error::{Error, Result};

@@ -3,7 +3,7 @@
 
 use anyhow::{Result, bail};
 use sixaxis_core::Settings;
-use sixaxis_core::rest_to_rest::{self, Trend};
+use sixaxis_core::decouple::rest_to_rest::{self, Trend};
 use sixaxis_recordings::{Block, Sink};
 
 use super::conditioning::Conditioning;

@@ -4,9 +4,9 @@ use std::collections::VecDeque;
 
 use anyhow::{Result, bail};
 use sixaxis_core::LIMBS;
-use sixaxis_core::preprocess::butterworth;
-use sixaxis_core::preprocess::lag::FirstOrder;
-use sixaxis_core::preprocess::stream::SectionsState;
+use sixaxis_core::dsp::butterworth;
+use sixaxis_core::dsp::lag::FirstOrder;
+use sixaxis_core::dsp::stream::SectionsState;
 
 use super::Row;
 use super::low_pass::ZeroPhase;
@@ -59,7 +59,7 @@ pub fn noise_correlation(wishes: &Wishes, sample_rate_hz: f64) -> Result<[f64; 3
     let half = (PERIODS * sample_rate_hz / corner_hz) as usize + 100;
     let mut answer = vec![0.0; 2 * half + 1];
     answer[half] = 1.0;
-    sixaxis_core::preprocess::zero_phase::zero_phase(&sections, &mut answer)?;
+    sixaxis_core::dsp::zero_phase::zero_phase(&sections, &mut answer)?;
     Ok(core::array::from_fn(|lag| {
         answer.iter().zip(&answer[lag..]).map(|(a, b)| a * b).sum()
     }))
@@ -275,8 +275,8 @@ impl UndoneHighPass {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sixaxis_core::preprocess::lag::undo_high_pass;
-    use sixaxis_core::preprocess::resample::delayed;
+    use sixaxis_core::dsp::lag::undo_high_pass;
+    use sixaxis_core::dsp::resample::delayed;
 
     const RATE_HZ: f64 = 2000.0;
 

@@ -3,10 +3,10 @@
 use std::io::{self, BufRead, Write};
 
 use crate::load;
-use crate::session::Channels;
 use anyhow::{Result, anyhow, bail, ensure};
 use sixaxis_core::{Decoupler, LIMBS, LimbSet};
 use sixaxis_recordings::channel::{Layout, time_channel};
+use sixaxis_recordings::session::Channels;
 use sixaxis_recordings::{Block, Channel};
 
 use super::conditioning::Conditioning;
@@ -136,7 +136,7 @@ impl Live {
                 }
             };
             let (row, stamp_s) = places
-                .read(&cells, self.decoupler.failed(), watched)
+                .read(&cells, self.decoupler.excluded(), watched)
                 .map_err(at_line)?;
             if row.iter().any(|u| u.abs() >= self.full_scale_v) {
                 clipped += 1;

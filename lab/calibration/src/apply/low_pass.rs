@@ -5,9 +5,9 @@
 
 use anyhow::{Result, ensure};
 use sixaxis_core::LIMBS;
-use sixaxis_core::preprocess::butterworth::Section;
-use sixaxis_core::preprocess::stream::SectionsState;
-use sixaxis_core::preprocess::zero_phase::padding;
+use sixaxis_core::dsp::butterworth::Section;
+use sixaxis_core::dsp::stream::SectionsState;
+use sixaxis_core::dsp::zero_phase::padding;
 
 use super::{CHUNK, Row};
 
@@ -39,7 +39,7 @@ pub fn settling_samples(sections: &[Section]) -> usize {
 
 /// The filter as a stream of rows.
 ///
-/// Equals `sixaxis_core::preprocess::zero_phase` on each whole channel to 1e-13 of the peak (test `equals_the_whole`).
+/// Equals `sixaxis_core::dsp::zero_phase` on each whole channel to 1e-13 of the peak (test `equals_the_whole`).
 pub struct ZeroPhase {
     sections: Vec<Section>,
     look_ahead: usize,
@@ -167,8 +167,8 @@ impl ZeroPhase {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sixaxis_core::preprocess::butterworth;
-    use sixaxis_core::preprocess::zero_phase::zero_phase;
+    use sixaxis_core::dsp::butterworth;
+    use sixaxis_core::dsp::zero_phase::zero_phase;
 
     #[test]
     fn equals_the_whole() {
@@ -183,10 +183,8 @@ mod tests {
                 })
                 .collect();
             let mut whole = rows.clone();
-            sixaxis_core::preprocess::each_channel(&mut whole, |series| {
-                zero_phase(&sections, series)
-            })
-            .expect("filters");
+            sixaxis_core::dsp::each_channel(&mut whole, |series| zero_phase(&sections, series))
+                .expect("filters");
             for size in [1_usize, 777, 100_000] {
                 let mut filter = ZeroPhase::new(sections.clone()).expect("prepares");
                 let mut out = Vec::new();

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use sixaxis_core::uncertainty::SampleUncertainty;
+use sixaxis_core::decouple::uncertainty::SampleUncertainty;
 use sixaxis_core::{Decoupler, LIMBS, SixAxis};
 use sixaxis_recordings::motion::MOTION_CHANNELS;
 use sixaxis_recordings::{Block, Channel, Layout};

@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use crate::load;
-use crate::session::Channels;
-use crate::unit::{self, Unit};
 use anyhow::{Result, anyhow, bail};
 use sixaxis_core::{LIMBS, LimbSet};
+use sixaxis_recordings::session::Channels;
+use sixaxis_recordings::unit::{self, Unit};
 use sixaxis_recordings::{Block, Layout, Source};
 
 use super::stamps::Stamps;

@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use crate::calibration::Calibration;
-use crate::session::{Channels, Entry, Role, Session, SessionFile};
-use crate::unit::STANDARD_GRAVITY_M_S2;
 use anyhow::{Context, Result, bail};
 use glam::DVec3;
-use sixaxis_core::uncertainty::{ChannelNoise, SampleUncertainty};
+use sixaxis_core::decouple::uncertainty::{ChannelNoise, SampleUncertainty};
 use sixaxis_core::{Gains, LIMBS, Parameters, Scheme, Sensor, Settings};
+use sixaxis_recordings::session::{Channels, Entry, Role, Session, SessionFile};
+use sixaxis_recordings::unit::STANDARD_GRAVITY_M_S2;
 
 use super::conditioning::{self, Wishes};
 

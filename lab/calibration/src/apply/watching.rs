@@ -2,9 +2,9 @@
 
 use crate::calibration::Calibration;
 use anyhow::{Context, Result, ensure};
-use sixaxis_core::fault::{Event, Watch};
-use sixaxis_core::fault_tolerant::{FaultTolerant, Watched};
-use sixaxis_core::parity::LimbSet;
+use sixaxis_core::limb_set::LimbSet;
+use sixaxis_core::redundancy::fault::{Event, Watch};
+use sixaxis_core::redundancy::tolerant::{FaultTolerant, Watched};
 use sixaxis_core::{LIMBS, Settings, SixAxis};
 use sixaxis_recordings::Channel;
 
@@ -77,7 +77,7 @@ impl Watching {
         let watched = self.stream.push(row)?;
         self.tell(&watched);
         self.samples += 1;
-        let flags = [watched.without, watched.suspected].map(digits);
+        let flags = [watched.excluded, watched.suspected].map(digits);
         Ok(watched.answer.map(|answer| (answer, flags)))
     }
 
@@ -99,7 +99,7 @@ impl Watching {
             }
             return;
         };
-        self.said.push(if watched.without.is_empty() {
+        self.said.push(if watched.excluded.is_empty() {
             format!("sample {sample}: decoded with all nine again")
         } else {
             let trace = if switch.reaches_onset {
@@ -109,7 +109,7 @@ impl Watching {
             };
             format!(
                 "sample {sample}: decoded without limb {} from sample {} on{trace}",
-                watched.without, switch.from_sample
+                watched.excluded, switch.from_sample
             )
         });
     }

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::unit::{self, Unit};
 use anyhow::{Result, anyhow, bail, ensure};
 use sixaxis_recordings::motion::MOTION_CHANNELS;
+use sixaxis_recordings::unit::{self, Unit};
 use sixaxis_recordings::{Block, Layout, Source};
 
 use crate::apply::CHUNK;

@@ -8,7 +8,8 @@ use sixaxis_calibration::compare::aligned::Aligned;
 use sixaxis_calibration::compare::measure::{Comparison, compare};
 use sixaxis_calibration::compare::track::Track;
 use sixaxis_calibration::page;
-use sixaxis_page::{render, write_atomically};
+use sixaxis_page::render;
+use sixaxis_recordings::draft::write_atomically;
 
 /// What is held against what.
 #[derive(clap::Args)]

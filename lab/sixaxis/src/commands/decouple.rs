@@ -19,10 +19,11 @@ use sixaxis_calibration::apply::watching::{Watching, flags};
 use sixaxis_calibration::apply::{closed, pipeline};
 use sixaxis_calibration::calibration::Calibration;
 use sixaxis_calibration::page;
-use sixaxis_calibration::session::SessionFile;
 use sixaxis_calibration::verdict::Grade;
 use sixaxis_core::{Decoupler, LimbSet, Scheme, Settings};
-use sixaxis_page::{render, write_atomically};
+use sixaxis_page::render;
+use sixaxis_recordings::draft::write_atomically;
+use sixaxis_recordings::session::SessionFile;
 use sixaxis_recordings::{Channel, Sink};
 use sixaxis_reports::progress::Progress;
 
@@ -297,7 +298,7 @@ fn file(
     recording.watched = arguments.watch;
     let decoupler = Decoupler::new(&setup.sensor, &setup.parameters, &settings)
         .with_context(|| format!("{}", arguments.calibration.display()))?
-        .without(failed)
+        .excluding(failed)
         .context("--failed")?;
     let mut decoding = Decoding::new(decoupler, columns, arguments.picture.is_some());
     let mut layout = columns.layout(rate_hz);
@@ -489,7 +490,7 @@ fn stream(
         watching: watching(arguments, calibration, &setup, &settings)?,
         decoupler: Decoupler::new(&setup.sensor, &setup.parameters, &settings)
             .with_context(|| format!("{}", arguments.calibration.display()))?
-            .without(failed(arguments)?)
+            .excluding(failed(arguments)?)
             .context("--failed")?,
         columns,
         sample_rate_hz: rate_hz,

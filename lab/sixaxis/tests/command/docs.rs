@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use sixaxis_calibration::session::SessionFile;
+use sixaxis_recordings::session::SessionFile;
 
 use crate::program::{Folder, stderr, stdout};
 

@@ -1,11 +1,11 @@
 //! What was done to the recordings before anything was computed from them, shown on one trial.
 
 use crate::cleaning::{Cleaned, Cleaning};
-use crate::session::{Preprocessing, Role, SessionFile, Stage};
 use crate::trial::Trial;
 use crate::verdict::{Judgement, VALIDATION_CORNER};
 use sixaxis_core::LIMBS;
-use sixaxis_core::preprocess::differentiate::Differentiator;
+use sixaxis_core::dsp::differentiate::Differentiator;
+use sixaxis_recordings::session::{Preprocessing, Role, SessionFile, Stage};
 
 use super::NEUTRAL;
 use crate::page::labels::{file_name, largest};

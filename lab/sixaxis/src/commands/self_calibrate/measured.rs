@@ -7,7 +7,7 @@ use sixaxis_calibration::apply::conditioning::Conditioning;
 use sixaxis_calibration::apply::explain;
 use sixaxis_calibration::apply::recording::{Batch, Recording};
 use sixaxis_calibration::apply::setup::Setup;
-use sixaxis_core::self_calibration::{Accumulator, Moments};
+use sixaxis_core::redundancy::self_calibration::{Accumulator, Moments};
 use sixaxis_core::{LIMBS, Scheme};
 use sixaxis_reports::progress::Progress;
 
