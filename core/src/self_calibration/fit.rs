@@ -20,6 +20,7 @@ use super::ratios::{Limits, LoopMisfit, ScaleRatios};
 use super::{PerLimbs, RATIOS, contrasts, noise};
 use crate::error::{Error, Result};
 use crate::geometry::LIMBS;
+use crate::identify::least_squares::gauss_newton::{self, Nonlinear, Outcome, iterate};
 use crate::parity::{ROWS, SIGNATURES};
 use crate::scalar::{exp, sqrt};
 
@@ -27,17 +28,19 @@ use crate::scalar::{exp, sqrt};
 const FEWEST_BLOCKS: usize = 32;
 /// Steps with all rows weighted alike, which find the neighbourhood.
 const PLAIN_STEPS: usize = 6;
-/// Cap.
-const STEPS: usize = 150;
+/// Caps.
+const LIMITS: gauss_newton::Limits = gauss_newton::Limits {
+    steps: 150,
+    shares: 12,
+};
 /// Step, relative, at which the ratios stand.
 const SETTLED: f64 = 1e-12;
 /// Steps by rounding of the moments: nothing on any interval.
 const ROUNDING: f64 = 1e-9;
 /// Longest step.
 const LONGEST: f64 = 0.5;
-/// A step over the one before from which only a share of it is taken, and the least share.
-const OVERSHOT: f64 = 0.9;
-const LEAST_SHARE: f64 = 0.25;
+/// Share of a step's length by which a whole step has to shorten the next one.
+const SHORTER: f64 = 0.25;
 /// Share of a row's own variance that rounding leaves of it, at least.
 const ROUNDING_SHARE: f64 = 64.0 * f64::EPSILON;
 /// Largest asymmetry that the eigenvalue iteration is asked to resolve, and its cap.
@@ -79,11 +82,52 @@ pub(super) fn fit(moments: &Moments, limits: &Limits) -> Result<ScaleRatios> {
             got,
         });
     }
-    let basis = contrasts();
-    let mut theta = SVector::<f64, LIMBS>::zeros();
-    let (mut last, mut share) = (f64::INFINITY, 1.0);
-    for iteration in 0..STEPS {
-        let weighted = iteration >= PLAIN_STEPS;
+    let rows = Rows { moments, limits };
+    let mut at = rows.point(SVector::zeros(), false)?;
+    for step in 1..=PLAIN_STEPS {
+        at = rows.point(at.after(1.0), step == PLAIN_STEPS)?;
+    }
+    let end = iterate(&rows, at, LIMITS)?;
+    // If the motion is too poor, that is the reason to give.
+    let found = finish(moments, limits, &end.at.theta)?;
+    match end.outcome {
+        Outcome::Converged => Ok(found),
+        // Rounding may keep a step from getting any smaller.
+        Outcome::NoBetterPoint if end.step < ROUNDING => Ok(found),
+        _ => Err(Error::NotConverged {
+            what: "scale ratios",
+            iterations: end.steps,
+        }),
+    }
+}
+
+/// The estimating equation of the three rows.
+struct Rows<'a> {
+    moments: &'a Moments,
+    limits: &'a Limits,
+}
+
+/// ln ratios and the step that the equation asks for there.
+struct Point {
+    theta: SVector<f64, LIMBS>,
+    step: SVector<f64, LIMBS>,
+}
+
+impl Point {
+    /// Share of the step that is taken of what is asked for: none is longer than [`LONGEST`].
+    fn taken(&self, share: f64) -> f64 {
+        (LONGEST / self.step.amax()).min(share)
+    }
+
+    fn after(&self, share: f64) -> SVector<f64, LIMBS> {
+        self.theta + self.step * self.taken(share)
+    }
+}
+
+impl Rows<'_> {
+    fn point(&self, theta: SVector<f64, LIMBS>, weighted: bool) -> Result<Point> {
+        let Self { moments, limits } = self;
+        let basis = contrasts();
         let normal = normal(moments, &theta, weighted)?;
         let (values, vectors) = spectrum(&basis, &normal)?;
         let least = if weighted {
@@ -93,7 +137,7 @@ pub(super) fn fit(moments: &Moments, limits: &Limits) -> Result<ScaleRatios> {
         };
         let gradient = basis.transpose() * normal.gradient.fixed_rows::<LIMBS>(0);
         let along = vectors.transpose() * gradient;
-        // What is not told stays where it is: it would wander.
+        // An unobservable combination stays where it is: it would wander.
         let step = SVector::<f64, RATIOS>::from_fn(|k, _| {
             if values[k] >= least {
                 -along[k] / values[k]
@@ -101,29 +145,35 @@ pub(super) fn fit(moments: &Moments, limits: &Limits) -> Result<ScaleRatios> {
                 0.0
             }
         });
-        let step = basis * vectors * step;
-        let size = step.amax();
-        if !size.is_finite() {
-            break;
-        }
-        // Weights follow the ratios; where residuals are more than noise they may overshoot.
-        if iteration > PLAIN_STEPS && size > OVERSHOT * last && size > ROUNDING {
-            share = LEAST_SHARE.max(0.5 * share);
-        }
-        theta += step * (LONGEST / size).min(share);
-        // Rounding may keep a step from getting any smaller.
-        let stands = size < SETTLED || (size < ROUNDING && size >= last);
-        if iteration > PLAIN_STEPS && stands {
-            return finish(moments, limits, &theta);
-        }
-        last = size;
+        Ok(Point {
+            theta,
+            step: basis * vectors * step,
+        })
     }
-    // If the motion is too poor, that is the reason to give.
-    finish(moments, limits, &theta)?;
-    Err(Error::NotConverged {
-        what: "scale ratios",
-        iterations: STEPS,
-    })
+}
+
+/// The weights follow the ratios, so that there is no sum of squares that every step lowers. A point is better where the next
+/// step is shorter (the natural monotonicity test).
+impl Nonlinear for Rows<'_> {
+    type Point = Point;
+    /// Its length.
+    type Step = f64;
+
+    fn step(&self, from: &Point) -> Result<f64> {
+        Ok(from.step.amax())
+    }
+
+    fn is_negligible(&self, step: &f64) -> bool {
+        *step < SETTLED
+    }
+
+    fn moved(&self, from: &Point, _step: &f64, share: f64) -> Result<Point> {
+        self.point(from.after(share), true)
+    }
+
+    fn is_better(&self, next: &Point, than: &Point, share: f64) -> bool {
+        next.step.amax() <= (1.0 - SHORTER * than.taken(share)) * than.step.amax()
+    }
 }
 
 fn spectrum(basis: &SMatrix<f64, LIMBS, RATIOS>, normal: &Normal) -> Result<Spectrum> {
