@@ -30,8 +30,8 @@ const FEWEST_BLOCKS: usize = 32;
 const PLAIN_STEPS: usize = 6;
 /// Caps.
 const LIMITS: gauss_newton::Limits = gauss_newton::Limits {
-    steps: 150,
-    shares: 12,
+    steps: 144,
+    shares: 1,
 };
 /// Step, relative, at which the ratios stand.
 const SETTLED: f64 = 1e-12;
@@ -39,8 +39,9 @@ const SETTLED: f64 = 1e-12;
 const ROUNDING: f64 = 1e-9;
 /// Longest step.
 const LONGEST: f64 = 0.5;
-/// Share of a step's length by which a whole step has to shorten the next one.
-const SHORTER: f64 = 0.25;
+/// Length of a step over the one before from which on only a share of each step is taken, and the least share.
+const OVERSHOT: f64 = 0.9;
+const LEAST_SHARE: f64 = 0.25;
 /// Share of a row's own variance that rounding leaves of it, at least.
 const ROUNDING_SHARE: f64 = 64.0 * f64::EPSILON;
 /// Largest asymmetry that the eigenvalue iteration is asked to resolve, and its cap.
@@ -85,42 +86,39 @@ pub(super) fn fit(moments: &Moments, limits: &Limits) -> Result<ScaleRatios> {
     let rows = Rows { moments, limits };
     let mut at = rows.point(SVector::zeros(), false)?;
     for step in 1..=PLAIN_STEPS {
-        at = rows.point(at.after(1.0), step == PLAIN_STEPS)?;
+        at = rows.point(at.after_step(), step == PLAIN_STEPS)?;
     }
     let end = iterate(&rows, at, LIMITS)?;
     // If the motion is too poor, that is the reason to give.
-    let found = finish(moments, limits, &end.at.theta)?;
-    match end.outcome {
-        Outcome::Converged => Ok(found),
-        // Rounding may keep a step from getting any smaller.
-        Outcome::NoBetterPoint if end.step < ROUNDING => Ok(found),
-        _ => Err(Error::NotConverged {
-            what: "scale ratios",
-            iterations: end.steps,
-        }),
+    let found = finish(moments, limits, &end.at.after_step())?;
+    if end.outcome == Outcome::Converged {
+        return Ok(found);
     }
+    Err(Error::NotConverged {
+        what: "scale ratios",
+        iterations: end.steps,
+    })
 }
 
-/// The estimating equation of the three rows.
+/// The estimating equation of the three rows. Its weights follow the ratios, so that there is no sum of squares that every step
+/// lowers: instead of halving a step until it does, an overshoot shortens all later steps.
 struct Rows<'a> {
     moments: &'a Moments,
     limits: &'a Limits,
 }
 
-/// ln ratios and the step that the equation asks for there.
+/// ln ratios, the step that the equation asks for there, and what is taken of it.
 struct Point {
     theta: SVector<f64, LIMBS>,
     step: SVector<f64, LIMBS>,
+    length: f64,
+    share: f64,
+    stands: bool,
 }
 
 impl Point {
-    /// Share of the step that is taken of what is asked for: none is longer than [`LONGEST`].
-    fn taken(&self, share: f64) -> f64 {
-        (LONGEST / self.step.amax()).min(share)
-    }
-
-    fn after(&self, share: f64) -> SVector<f64, LIMBS> {
-        self.theta + self.step * self.taken(share)
+    fn after_step(&self) -> SVector<f64, LIMBS> {
+        self.theta + self.step * (LONGEST / self.length).min(self.share)
     }
 }
 
@@ -145,34 +143,47 @@ impl Rows<'_> {
                 0.0
             }
         });
+        let step = basis * vectors * step;
         Ok(Point {
             theta,
-            step: basis * vectors * step,
+            step,
+            length: step.amax(),
+            share: 1.0,
+            stands: false,
         })
     }
 }
 
-/// The weights follow the ratios, so that there is no sum of squares that every step lowers. A point is better where the next
-/// step is shorter (the natural monotonicity test).
 impl Nonlinear for Rows<'_> {
     type Point = Point;
-    /// Its length.
-    type Step = f64;
+    /// Whether it is negligible.
+    type Step = bool;
 
-    fn step(&self, from: &Point) -> Result<f64> {
-        Ok(from.step.amax())
+    fn step(&self, from: &Point) -> Result<bool> {
+        Ok(from.stands)
     }
 
-    fn is_negligible(&self, step: &f64) -> bool {
-        *step < SETTLED
+    fn is_negligible(&self, stands: &bool) -> bool {
+        *stands
     }
 
-    fn moved(&self, from: &Point, _step: &f64, share: f64) -> Result<Point> {
-        self.point(from.after(share), true)
+    fn moved(&self, from: &Point, _step: &bool, _share: f64) -> Result<Point> {
+        let next = self.point(from.after_step(), true)?;
+        let overshot = next.length > OVERSHOT * from.length && next.length > ROUNDING;
+        Ok(Point {
+            share: if overshot {
+                LEAST_SHARE.max(0.5 * from.share)
+            } else {
+                from.share
+            },
+            // Rounding may keep a step from getting any shorter.
+            stands: next.length < SETTLED || (next.length < ROUNDING && next.length >= from.length),
+            ..next
+        })
     }
 
-    fn is_better(&self, next: &Point, than: &Point, share: f64) -> bool {
-        next.step.amax() <= (1.0 - SHORTER * than.taken(share)) * than.step.amax()
+    fn is_better(&self, next: &Point, _than: &Point) -> bool {
+        next.length.is_finite()
     }
 }
 

@@ -279,7 +279,7 @@ impl Nonlinear for Campaign<'_> {
         self.point(unknowns, trials)
     }
 
-    fn is_better(&self, next: &Point, than: &Point, _share: f64) -> bool {
+    fn is_better(&self, next: &Point, than: &Point) -> bool {
         next.normal.squares <= than.normal.squares
     }
 }

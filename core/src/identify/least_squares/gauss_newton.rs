@@ -21,8 +21,8 @@ pub(crate) trait Nonlinear {
     /// The point after `share` of a step; an error where the model is not defined.
     fn moved(&self, from: &Self::Point, step: &Self::Step, share: f64) -> Result<Self::Point>;
 
-    /// Whether `share` of a step has led to a better point.
-    fn is_better(&self, next: &Self::Point, than: &Self::Point, share: f64) -> bool;
+    /// Whether the iteration may go on from `next`.
+    fn is_better(&self, next: &Self::Point, than: &Self::Point) -> bool;
 }
 
 /// When the iteration gives up.
@@ -77,7 +77,7 @@ pub(crate) fn iterate<N: Nonlinear>(fit: &N, start: N::Point, limits: Limits) ->
                 .take(limits.shares)
                 .find_map(|share| {
                     let next = fit.moved(&at, &step, share).ok()?;
-                    fit.is_better(&next, &at, share).then_some(next)
+                    fit.is_better(&next, &at).then_some(next)
                 });
             if let Some(next) = better {
                 at = next;
@@ -117,7 +117,7 @@ mod tests {
             Ok(from + share * step)
         }
 
-        fn is_better(&self, next: &f64, than: &f64, _share: f64) -> bool {
+        fn is_better(&self, next: &f64, than: &f64) -> bool {
             next.atan().abs() < than.atan().abs()
         }
     }

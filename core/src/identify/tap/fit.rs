@@ -318,7 +318,7 @@ impl Nonlinear for Decay<'_> {
             .solve(self.prior, &from.unknowns.moved(step, share))
     }
 
-    fn is_better(&self, next: &Fitted, than: &Fitted, _share: f64) -> bool {
+    fn is_better(&self, next: &Fitted, than: &Fitted) -> bool {
         next.cost < than.cost
     }
 }
