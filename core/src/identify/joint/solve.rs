@@ -7,13 +7,13 @@ use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 
 use super::estimate::JointEstimate;
 use super::normal::Contribution;
-use super::shares::Shares;
 use super::trial::Trial;
 use super::unknowns::{ACCELEROMETER_GAIN, COMPLIANCE, Unknowns};
 use super::{Known, WHAT};
 use crate::error::{Error, Result};
+use crate::float::sqrt;
 use crate::identify::least_squares::gauss_newton::{Limits, Nonlinear, Outcome, iterate};
-use crate::scalar::sqrt;
+use crate::identify::static_load_sharing::StaticLoadSharing;
 
 /// Steps at most; a campaign takes four.
 const STEPS: usize = 30;
@@ -38,7 +38,7 @@ struct Normal {
 }
 
 fn normal(
-    shares: &Shares,
+    shares: &StaticLoadSharing,
     trials: &[Trial],
     unknowns: &Unknowns,
     priors: &[(usize, Known)],
@@ -154,7 +154,7 @@ impl Normal {
 }
 
 pub(super) fn fit(
-    shares: &Shares,
+    shares: &StaticLoadSharing,
     trials: &[Trial],
     start: Unknowns,
     priors: &[(usize, Known)],
@@ -175,7 +175,7 @@ pub(super) fn fit(
 
 /// As [`fit`], with the trials' motions as they stand.
 pub(super) fn refit(
-    shares: &Shares,
+    shares: &StaticLoadSharing,
     trials: Vec<Trial>,
     start: Unknowns,
     priors: &[(usize, Known)],
@@ -224,7 +224,7 @@ pub(super) fn refit(
 
 /// The fit over all trials with the accelerometer's gain held.
 struct Campaign<'a> {
-    shares: &'a Shares,
+    shares: &'a StaticLoadSharing,
     priors: &'a [(usize, Known)],
 }
 
