@@ -6,7 +6,7 @@ use anyhow::{Result, bail};
 use sixaxis_core::LIMBS;
 use sixaxis_core::dsp::butterworth;
 use sixaxis_core::dsp::lag::FirstOrder;
-use sixaxis_core::dsp::stream::SectionsState;
+use sixaxis_core::dsp::causal::SectionsState;
 
 use super::Row;
 use super::low_pass::ZeroPhase;
@@ -276,7 +276,7 @@ impl UndoneHighPass {
 mod tests {
     use super::*;
     use sixaxis_core::dsp::lag::undo_high_pass;
-    use sixaxis_core::dsp::resample::delayed;
+    use sixaxis_core::dsp::delay::delayed;
 
     const RATE_HZ: f64 = 2000.0;
 
