@@ -16,9 +16,9 @@ pub mod words;
 use sixaxis_calibration::session::{Limits, SessionFile};
 use sixaxis_calibration::verdict::{Grade, Judgement};
 
+pub use findings::{place, split};
 use sixaxis_page::number::scientific;
 use sixaxis_page::{Page, State, Tile};
-pub use findings::{place, split};
 use words::{largest, symbol};
 
 /// Palette index of the neutral grey, for standards and what stood before.

@@ -17,9 +17,9 @@ use sixaxis_calibration::iteration::Criterion;
 use sixaxis_calibration::session::{self, SessionFile};
 use sixaxis_calibration::suspicion::Finding;
 use sixaxis_calibration::verdict::{Choices, Estimator, Grade, Judgement, Watch, judge_choosing};
+use sixaxis_page::{render, write_atomically};
 use sixaxis_reports::pages;
 use sixaxis_reports::progress::{Progress, Stage};
-use sixaxis_page::{render, write_atomically};
 
 use repetition::Repetition;
 

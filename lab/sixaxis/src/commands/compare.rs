@@ -4,11 +4,11 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::{Context, Result};
+use sixaxis_page::{render, write_atomically};
 use sixaxis_reports::comparison::aligned::Aligned;
 use sixaxis_reports::comparison::measure::{Comparison, compare};
 use sixaxis_reports::comparison::track::Track;
 use sixaxis_reports::pages;
-use sixaxis_page::{render, write_atomically};
 
 /// What is held against what.
 #[derive(clap::Args)]

@@ -11,6 +11,7 @@ use sixaxis_calibration::calibration::Calibration;
 use sixaxis_calibration::session::SessionFile;
 use sixaxis_calibration::verdict::Grade;
 use sixaxis_core::{Decoupler, LimbSet, Scheme, Settings};
+use sixaxis_page::{render, write_atomically};
 use sixaxis_recordings::{Channel, Sink};
 use sixaxis_reports::decoupling::conditioning::{Conditioning, Wishes, causal_delay_s};
 use sixaxis_reports::decoupling::integrator::Integrator;
@@ -24,7 +25,6 @@ use sixaxis_reports::decoupling::watching::{Watching, flags};
 use sixaxis_reports::decoupling::{closed, pipeline};
 use sixaxis_reports::pages;
 use sixaxis_reports::progress::Progress;
-use sixaxis_page::{render, write_atomically};
 
 /// What is decoupled with what.
 #[derive(clap::Args)]

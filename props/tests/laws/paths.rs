@@ -139,9 +139,7 @@ fn difference(ours: &[Accelerations], theirs: &[Accelerations]) -> f64 {
 }
 
 fn judge(what: &str, case: impl std::fmt::Display, error: f64, tolerance: Tolerance) {
-    Row::new(what, error, tolerance.limit)
-        .case(case)
-        .judge(tolerance);
+    Row::new(what, error, tolerance).case(case).judge();
 }
 
 proptest! {
