@@ -19,7 +19,7 @@ use sixaxis_benches::{MEASUREMENT_TIME, SAMPLE_SIZE, WARM_UP_TIME, validate};
 use sixaxis_core::decouple::lanes::push_lanes;
 use sixaxis_core::decouple::record::Accelerations;
 use sixaxis_core::kernel::simd::LANES;
-use sixaxis_core::{Decoupler, Scheme, SixAxis};
+use sixaxis_core::{Decoupler, Scheme};
 
 fn name(scheme: Scheme) -> &'static str {
     match scheme {
