@@ -71,10 +71,8 @@ fn prop_ratios_without_noise_are_exact() {
         }
         (largest(case.true_ln_ratio()), without)
     });
-    let (worst, without) = each.reduce(
-        || (0.0, f64::INFINITY),
-        |a, b| (a.0.max(b.0), a.1.min(b.1)),
-    );
+    let (worst, without) =
+        each.reduce(|| (0.0, f64::INFINITY), |a, b| (a.0.max(b.0), a.1.min(b.1)));
     within(
         "ln ratios of scale factors, poses in closed form",
         worst,
