@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use sixaxis_calibration::verdict::{Grade, Judgement, Unwatched, judge};
 use sixaxis_core::LIMBS;
+use sixaxis_props::compare::within;
 use sixaxis_props::evidence::Row;
 use sixaxis_props::strategy::seed;
 use sixaxis_props::tolerance;
@@ -71,16 +72,15 @@ fn ref_a_session_with_taps_determines_stiffness_and_changes_nothing_else() {
     Row::new(
         "k/m of a session with two taps, over its 95 % interval",
         (found.estimate - truth).abs() / half_width,
-        tolerance::TAP_INTERVAL.limit,
+        tolerance::TAP_INTERVAL,
     )
     .sides(truth, found.estimate, "1/s^2")
-    .judge(tolerance::TAP_INTERVAL);
-    Row::new(
+    .judge();
+    within(
         "half width of k/m's interval by two taps",
         half_width / found.estimate,
-        tolerance::TAP_HALF_WIDTH.limit,
-    )
-    .judge(tolerance::TAP_HALF_WIDTH);
+        tolerance::TAP_HALF_WIDTH,
+    );
     let calibration = with.calibration.expect("there is one");
     assert_eq!(
         calibration.parameters.stiffness_per_mass_per_s2.to_bits(),

@@ -14,11 +14,6 @@ use sixaxis_props::hostile::{INERTIA, hostile_setup, record, remembering};
 use sixaxis_props::strategy::parameters;
 use sixaxis_reference::paper;
 
-const SEEDS: &str = concat!(
-    env!("CARGO_MANIFEST_DIR"),
-    "/proptest-regressions/hostile.txt"
-);
-
 fn sensor() -> Sensor {
     Sensor {
         geometry: Geometry::PAPER,
@@ -76,7 +71,7 @@ fn run(mut decoupler: Decoupler, rows: &[[f64; LIMBS]]) {
 }
 
 proptest! {
-    #![proptest_config(remembering(1024, SEEDS))]
+    #![proptest_config(remembering(1024, "decoder"))]
 
     #[test]
     fn prop_any_setup_is_refused_by_name_or_decouples(
@@ -187,7 +182,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(remembering(1024, SEEDS))]
+    #![proptest_config(remembering(1024, "decoder"))]
 
     /// Three limbs of one length always meet, however long: the one way to a pose, and a motion, of any size.
     #[test]

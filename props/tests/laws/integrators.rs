@@ -131,14 +131,10 @@ fn order_of_every_scheme_on_the_full_equations() {
                 Scheme::HeunSubstepped => (theory - order).max(0.0),
                 _ => (order - theory).abs(),
             };
-            Row::new(
-                format!("order in {what}"),
-                departure,
-                tolerance::FULL_ORDER.limit,
-            )
-            .case(scheme.name())
-            .sides(theory, order, "")
-            .judge(tolerance::FULL_ORDER);
+            Row::new(format!("order in {what}"), departure, tolerance::FULL_ORDER)
+                .case(scheme.name())
+                .sides(theory, order, "")
+                .judge();
         }
     }
     let [heun, substepped] = [Scheme::Heun, Scheme::HeunSubstepped].map(|s| errors(s)[0][0]);

@@ -12,11 +12,6 @@ use sixaxis_core::{Error, Result};
 use sixaxis_props::compare::all_finite;
 use sixaxis_props::hostile::{extreme, hostile, record, remembering, spoiled};
 
-const SEEDS: &str = concat!(
-    env!("CARGO_MANIFEST_DIR"),
-    "/proptest-regressions/hostile_preprocess.txt"
-);
-
 /// One channel of up to `longest` samples.
 fn series(longest: usize) -> impl Strategy<Value = Vec<f64>> {
     record::<1>(longest).prop_map(|rows| rows.into_flattened())
@@ -81,7 +76,7 @@ fn check_cause(error: &Error, series: &[f64]) {
 }
 
 proptest! {
-    #![proptest_config(remembering(1024, SEEDS))]
+    #![proptest_config(remembering(1024, "preprocess"))]
 
     #[test]
     fn prop_any_filter_is_refused_or_finite(

@@ -5,8 +5,9 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use sixaxis_core::identify::tap::{MODES, RingDown, SHARED, identify};
 use sixaxis_core::{Error, Geometry, InertiaPerMass, LIMBS, Parameters};
+use sixaxis_props::compare::within;
 use sixaxis_props::evidence::Row;
-use sixaxis_props::statistics::{ONE_IN_A_MILLION, chi_square_departure};
+use sixaxis_props::statistics::chi_square_departure;
 use sixaxis_props::strategy::seed;
 use sixaxis_props::taps::{Case, FULL_SCALE_V, KNOWN_TO, NOISE_SHARE, Recorded, States, bound_ln};
 use sixaxis_props::tolerance;
@@ -103,12 +104,11 @@ fn prop_derivatives_of_the_decay_are_those_of_the_states() {
         p[2..].copy_from_slice(&[ROUND_M2, ROUND_M2 * (1.0 + split), ROUND_M2, 0.0, 0.0, 0.0]);
         worst = worst.max(departure_of_derivatives(&p, &mut rng));
     }
-    Row::new(
+    within(
         "derivatives of a decay against differences of states",
         worst,
-        tolerance::TAP_DERIVATIVES.limit,
-    )
-    .judge(tolerance::TAP_DERIVATIVES);
+        tolerance::TAP_DERIVATIVES,
+    );
 }
 
 #[test]
@@ -126,12 +126,11 @@ fn prop_modes_are_the_reference_s() {
             worst = worst.max((ours / theirs - 1.0).abs());
         }
     }
-    Row::new(
+    within(
         "modes of the fit against the reference's",
         worst,
-        tolerance::ROUNDING.limit,
-    )
-    .judge(tolerance::ROUNDING);
+        tolerance::ROUNDING,
+    );
 }
 
 #[test]
@@ -150,7 +149,7 @@ fn ref_taps_in_mujoco_give_stiffness_within_chance() {
         Row::new(
             "k/m from a tap in MuJoCo, in standard deviations of the bound",
             case.error_ln(&tap).abs() / bound,
-            ONE_IN_A_MILLION,
+            tolerance::TAP_CHANCE,
         )
         .case(format!("seed {seed}"))
         .sides(
@@ -158,14 +157,14 @@ fn ref_taps_in_mujoco_give_stiffness_within_chance() {
             tap.stiffness_per_mass_per_s2,
             "1/s^2",
         )
-        .judge(tolerance::TAP_CHANCE);
+        .judge();
         Row::new(
             "standard error of k/m from a tap over the bound",
             (tap.standard_error_ln / bound - 1.0).abs(),
-            tolerance::TAP_STANDARD_ERROR.limit,
+            tolerance::TAP_STANDARD_ERROR,
         )
         .case(format!("seed {seed}"))
-        .judge(tolerance::TAP_STANDARD_ERROR);
+        .judge();
     }
 }
 
@@ -210,12 +209,11 @@ fn prop_intervals_hold_the_truth_as_often_as_they_say() {
     }
     for (what, squares) in [("k/m", squares), ("I1/m", inertia_squares)] {
         let departure = chi_square_departure(squares, CLOSED_FORM as usize);
-        Row::new(
+        within(
             format!("chi-square of {what} from taps"),
             departure,
-            tolerance::CHI_SQUARE.limit,
-        )
-        .judge(tolerance::CHI_SQUARE);
+            tolerance::CHI_SQUARE,
+        );
     }
 }
 
@@ -248,12 +246,11 @@ fn prop_a_wrong_inertia_that_is_believed_moves_stiffness_beyond_its_interval() {
     );
     setup.inertia_covariance_m4 = free;
     let tap = identify(&setup, &recorded.voltage_v).expect("it rings");
-    Row::new(
+    within(
         "k/m from a tap with I/m off by its standard deviation",
         case.error_ln(&tap).abs() / tap.standard_error_ln,
-        ONE_IN_A_MILLION,
-    )
-    .judge(tolerance::TAP_CHANCE);
+        tolerance::TAP_CHANCE,
+    );
 }
 
 #[test]

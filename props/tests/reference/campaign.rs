@@ -217,9 +217,9 @@ fn judge(case: &str, found: &Parameters, truth: &Parameters, limits: [Tolerance;
     .into_iter()
     .zip(limits)
     {
-        Row::new(format!("{quantity}, {case}"), error, limit.limit)
+        Row::new(format!("{quantity}, {case}"), error, limit)
             .sides(theirs, ours, unit)
-            .judge(limit);
+            .judge();
     }
 }
 

@@ -116,11 +116,11 @@ fn judge(sensor: &Manufactured, scheme: Scheme, samples_per_period: f64) {
         let (error, [a, b]) = compare(&ours, &truth, get, got);
         // In units of what the scheme's order and the central differences leave at this rate.
         let allowed = allowance(sensor, &truth, scheme, rate_hz);
-        Row::new(what, error / allowed, tolerance.limit)
+        Row::new(what, error / allowed, tolerance)
             .case(&case)
             .sides(a, b, unit)
             .beyond(unlike(get) / allowed)
-            .judge(tolerance);
+            .judge();
     }
 }
 

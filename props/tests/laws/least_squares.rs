@@ -17,8 +17,6 @@ use sixaxis_props::strategy::{config, parameters, seed, vector};
 use sixaxis_props::tolerance;
 use sixaxis_reference::paper;
 
-// The same suite, another room.
-#[path = "least_squares/blocks.rs"]
 mod blocks;
 
 const N: usize = 4;

@@ -10,11 +10,6 @@ use sixaxis_props::hostile::{extreme, hostile, hostile_setup, record, rememberin
 use sixaxis_props::strategy::parameters;
 use sixaxis_reference::paper;
 
-const SEEDS: &str = concat!(
-    env!("CARGO_MANIFEST_DIR"),
-    "/proptest-regressions/hostile_recording.txt"
-);
-
 /// A smooth motion, mostly of a size that a sensor shows.
 fn motion() -> impl Strategy<Value = Vec<[f64; LIMBS]>> {
     let size = prop_oneof![4 => Just(1e-3), 1 => extreme()];
@@ -28,7 +23,7 @@ fn motion() -> impl Strategy<Value = Vec<[f64; LIMBS]>> {
 }
 
 proptest! {
-    #![proptest_config(remembering(1024, SEEDS))]
+    #![proptest_config(remembering(1024, "recording"))]
 
     #[test]
     fn prop_a_recording_that_passes_is_sound(
@@ -82,7 +77,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(remembering(128, SEEDS))]
+    #![proptest_config(remembering(128, "recording"))]
 
     #[test]
     fn prop_any_run_is_closed_or_refused(

@@ -15,13 +15,8 @@ use sixaxis_props::printed::{Instant, MassInertia};
 use sixaxis_props::strategy::{parameters, vector};
 use sixaxis_reference::paper;
 
-const SEEDS: &str = concat!(
-    env!("CARGO_MANIFEST_DIR"),
-    "/proptest-regressions/hostile_sensor.txt"
-);
-
 proptest! {
-    #![proptest_config(remembering(1024, SEEDS))]
+    #![proptest_config(remembering(1024, "sensor"))]
 
     #[test]
     fn prop_any_gravity_finds_an_equilibrium_or_an_error(

@@ -16,11 +16,6 @@ use sixaxis_props::hostile::{extreme, hostile, hostile_setup, record, rememberin
 use sixaxis_props::strategy::{parameters, vector};
 use sixaxis_reference::paper;
 
-const SEEDS: &str = concat!(
-    env!("CARGO_MANIFEST_DIR"),
-    "/proptest-regressions/hostile_identify.txt"
-);
-
 fn sensor() -> Sensor {
     Sensor {
         geometry: Geometry::PAPER,
@@ -91,7 +86,7 @@ fn limb_sample(x: &[f64; 33]) -> LimbSample {
 }
 
 proptest! {
-    #![proptest_config(remembering(1024, SEEDS))]
+    #![proptest_config(remembering(1024, "identify"))]
 
     #[test]
     fn prop_any_static_record_gives_a_drift_or_an_error(

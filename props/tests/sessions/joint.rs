@@ -8,7 +8,7 @@ use sixaxis_core::identify::joint::robust::USUAL_LIMIT;
 use sixaxis_core::identify::joint::{AtRest, Certificates, Drive, Joint, Record};
 use sixaxis_core::{Error, Gains, Geometry, LIMBS, Parameters};
 use sixaxis_props::compare::largest;
-use sixaxis_props::evidence::Row;
+use sixaxis_props::compare::within;
 use sixaxis_props::joint::{Fitted, bias_of_scale, moments, noise_free, small};
 use sixaxis_props::statistics::{ONE_IN_A_MILLION, chi_square_departure};
 use sixaxis_props::strategy::seed;
@@ -42,12 +42,11 @@ fn prop_noise_free_campaigns_are_found() {
             worst = worst.max(largest(fitted(&plan).relative()));
         }
     }
-    Row::new(
+    within(
         "joint fit of a campaign without noise",
         worst,
-        tolerance::JOINT_NOISE_FREE.limit,
-    )
-    .judge(tolerance::JOINT_NOISE_FREE);
+        tolerance::JOINT_NOISE_FREE,
+    );
 }
 
 #[test]
@@ -61,12 +60,11 @@ fn ref_mujoco_campaign_is_found() {
     plan.rig.steady_periods = 1.0;
     plan.rig.low_band_hz = (1.5, 2.0);
     let worst = largest(fitted(&plan).relative());
-    Row::new(
+    within(
         "joint fit of a campaign in MuJoCo",
         worst,
-        tolerance::JOINT_MUJOCO.limit,
-    )
-    .judge(tolerance::JOINT_MUJOCO);
+        tolerance::JOINT_MUJOCO,
+    );
 }
 
 #[test]
@@ -182,12 +180,11 @@ fn prop_wild_samples_do_not_bend_the_robust_fit() {
     let worst = |values: [f64; 25]| {
         largest((LIMBS..2 * LIMBS).map(|p| (values[p] - case.truth[p]).abs() / bound[p]))
     };
-    Row::new(
+    within(
         "robust fit with one sample in a hundred wild, in bounds",
         worst(robust.values(gain)),
-        tolerance::ROBUST_Z.limit,
-    )
-    .judge(tolerance::ROBUST_Z);
+        tolerance::ROBUST_Z,
+    );
     assert!(worst(plain.values(gain)) > tolerance::BENT_Z);
 }
 

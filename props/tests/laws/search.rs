@@ -72,13 +72,9 @@ fn ref_the_search_by_interpolation_is_the_search() {
             assert_eq!(ours.samples, samples);
             let top = largest(theirs.iter().copied());
             let error = largest(ours.sums.iter().zip(&theirs).map(|(a, b)| (a - b).abs())) / top;
-            Row::new(
-                "sums of |w*| by interpolation",
-                error,
-                tolerance::SEARCH.limit,
-            )
-            .case(name)
-            .judge(tolerance::SEARCH);
+            Row::new("sums of |w*| by interpolation", error, tolerance::SEARCH)
+                .case(name)
+                .judge();
             let least = |sums: &[f64]| (0..sums.len()).min_by(|&a, &b| sums[a].total_cmp(&sums[b]));
             assert_eq!(least(&ours.sums), least(&theirs), "the grid point");
         }

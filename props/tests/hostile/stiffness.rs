@@ -13,13 +13,8 @@ use sixaxis_props::hostile::{extreme, hostile, hostile_setup, record, rememberin
 use sixaxis_props::printed::{Instant, MassInertia};
 use sixaxis_reference::paper;
 
-const SEEDS: &str = concat!(
-    env!("CARGO_MANIFEST_DIR"),
-    "/proptest-regressions/hostile_stiffness.txt"
-);
-
 proptest! {
-    #![proptest_config(remembering(1024, SEEDS))]
+    #![proptest_config(remembering(1024, "stiffness"))]
 
     #[test]
     fn prop_any_curve_is_judged_or_refused(

@@ -13,8 +13,7 @@ use sixaxis_core::kernel::simd::LANES;
 use sixaxis_core::redundancy::reconstruction::MOST_EXCLUDED;
 use sixaxis_core::redundancy::reconstruction::Reconstruction;
 use sixaxis_core::{
-    Decoupler, Error, Gains, LIMBS, RigidDecoupler, Scheme, Sensor, Settings, SixAxis,
-    StaticResponse,
+    Decoupler, Error, Gains, LIMBS, Scheme, Sensor, Settings, SixAxis, StaticResponse,
 };
 use sixaxis_props::compare::{fails_clearly, largest, within};
 use sixaxis_props::manufactured::examples;
@@ -81,7 +80,7 @@ fn prop_93_of_129_sets_leave_six_axes() {
                 let idle = v.row(svd.singular_values.imin()).transpose();
                 within(
                     "the lost load's motion against the singular vector",
-                    1.0 - (idle.dot(&motion) / motion.norm()).abs(),
+                    (1.0 - (idle.dot(&motion) / motion.norm()).abs()).abs(),
                     tolerance::ROUNDING,
                 );
                 lost.push(set);
@@ -317,26 +316,6 @@ fn inv_single_precision_does_without_limbs() {
         "f32 without limbs over f32 with all",
         worst / own,
         tolerance::WITHOUT_LIMBS_F32,
-    );
-}
-
-#[test]
-fn inv_rigid_limbs_are_done_without() {
-    let case = Case::rig();
-    let rigid = |set: LimbSet| -> Vec<Accelerations> {
-        let mut decoupler =
-            RigidDecoupler::new(&case.sensor, &case.parameters, &case.settings).expect("sound");
-        decoupler.set_excluded(set).expect("survivable");
-        let rows = case.spoilt(set);
-        let push = |row| decoupler.push(row).expect("sound");
-        rows.iter().filter_map(push).map(|s| six(&s)).collect()
-    };
-    let healthy = rigid(LimbSet::EMPTY);
-    let worst = largest(survivable().map(|set| beyond(&rigid(set), &healthy)));
-    within(
-        "rigid limbs, without some",
-        worst,
-        tolerance::WITHOUT_LIMBS_TILT,
     );
 }
 
