@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use sixaxis_core::dsp::resample::{CubicSpline, delayed};
+use sixaxis_core::dsp::delay::delayed;
+use sixaxis_core::dsp::resample::CubicSpline;
 
 use super::averaged::Averaged;
 use super::clock::stated_rate_hz;
