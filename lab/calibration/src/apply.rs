@@ -7,10 +7,7 @@
 //! | [`check_grade`] | whether the calibration is one to decouple with |
 //! | [`setup`] | what is known of one recording: gains, gravity, channels, rate, and from where |
 //! | [`recording`] | nine voltages on one clock from a file, block by block, with what is wrong with them |
-//! | [`stamps`] | time stamps: the rate they say, the gaps they show |
 //! | [`conditioning_stream`] | delays, the amplifier's high-pass, a low-pass, as streams |
-//! | [`delays`] | the first of them |
-//! | [`zero_phase_stream`] | a zero-phase filter with a bounded look ahead |
 //! | [`decoding`] | voltages to rows of the answer |
 //! | [`fault_watch`] | the same with the fault monitor |
 //! | [`pipeline`] | the same, with a thread for reading and one for writing |
@@ -23,16 +20,13 @@
 pub mod check_grade;
 pub mod conditioning_stream;
 pub mod decoding;
-pub mod delays;
 pub mod fault_watch;
 pub mod rest_to_rest;
 pub mod text_stream;
-pub mod zero_phase_stream;
 
 pub mod pipeline;
 pub mod recording;
 pub mod setup;
-pub mod stamps;
 
 use sixaxis_core::LIMBS;
 

@@ -1,18 +1,20 @@
 //! Conditioning of a whole recording: what the session asks to be done to it before anything is computed from it.
 //!
-//! [`stage`] has the stages and their order.
+//! [`stage`] has the stages and their order, [`high_pass`] the one that neither `core` nor a library has.
 
+pub mod high_pass;
 pub mod stage;
 mod transposed;
 
 use glam::DVec3;
 use sixaxis_core::dsp::butterworth::{self, Section};
 use sixaxis_core::dsp::differentiate::Differentiator;
-use sixaxis_core::dsp::lag::{undo_high_pass, undo_low_pass};
+use sixaxis_core::dsp::lag::undo_low_pass;
 use sixaxis_core::dsp::zero_phase::zero_phase;
-use sixaxis_core::dsp::{detrend, each_channel, outlier};
+use sixaxis_core::dsp::{detrend, each_channel, outlier, stage::whole};
 use sixaxis_core::{LIMBS, Result};
 
+use high_pass::UndoneHighPass;
 pub use stage::Stage;
 
 use crate::trial::Trial;
@@ -46,9 +48,6 @@ pub struct Conditioned {
     /// Samples that the outlier test replaced, over all channels.
     pub outliers: usize,
 }
-
-/// Samples that the baseline of a high-passed channel is taken from: at rest in any run that begins at rest.
-const BASELINE: usize = 16;
 
 fn mean(series: &[f64]) -> f64 {
     series.iter().sum::<f64>() / series.len().max(1) as f64
@@ -147,14 +146,8 @@ impl Conditioning {
                     return Ok(());
                 };
                 each_channel(voltage_v, |series| {
-                    // A sum over the whole run follows: what the baseline is off by grows with time.
-                    let rest = mean(&series[..BASELINE.min(series.len())]);
-                    let change: Vec<f64> = series.iter().map(|u| u - rest).collect();
-                    let undone = undo_high_pass(&change, corner_hz, trial.sample_rate_hz)?;
-                    for (x, undone) in series.iter_mut().zip(undone) {
-                        *x = undone + rest;
-                    }
-                    Ok(())
+                    let mut undone = UndoneHighPass::new(corner_hz, trial.sample_rate_hz)?;
+                    whole("undone high-pass", &mut undone, series)
                 })?;
             }
             Stage::Trend => {

@@ -1,16 +1,19 @@
 //! What is done to voltages before they are decoupled, as streams: of the stages that condition a calibration's recordings
 //! those that need no more than a bounded stretch of a recording, in the same order ([`Stage::ORDER`]).
 
-use anyhow::Result;
+use anyhow::{Context, Result, ensure};
 use sixaxis_core::LIMBS;
-use sixaxis_core::dsp::butterworth;
-use sixaxis_core::dsp::lag::FirstOrder;
-use sixaxis_core::dsp::stream::SectionsState;
+use sixaxis_core::dsp::causal::Causal;
+use sixaxis_core::dsp::delay::Delay;
+use sixaxis_core::dsp::zero_phase::ZeroPhase;
+use sixaxis_core::dsp::{self, butterworth};
 
 use super::Row;
-use super::delays::Delays;
-use super::zero_phase_stream::ZeroPhase;
 use crate::conditioning::Stage;
+use crate::conditioning::high_pass::UndoneHighPass;
+
+/// Longest lag or lead, samples: more is no converter's.
+const LONGEST_LAG: f64 = 10_000.0;
 
 /// Order of the low-pass, as a session's default.
 pub const LOW_PASS_ORDER: usize = 4;
@@ -28,24 +31,42 @@ pub struct ConditioningConfig {
     pub causal: bool,
 }
 
-/// A stage that takes rows and hands on those that are ready, in the order of their samples.
-pub trait Streaming: Send {
-    /// Takes rows and appends those that are ready.
-    fn push(&mut self, rows: &[Row], out: &mut Vec<Row>);
-
-    /// Appends what is left when no more rows come.
-    ///
-    /// # Errors
-    /// A record too short for the stage.
-    fn finish(&mut self, _out: &mut Vec<Row>) -> Result<()> {
-        Ok(())
-    }
+/// The stages of nine channels, each in [`Stage::ORDER`].
+pub struct ConditioningStream {
+    channels: [Chain; LIMBS],
 }
 
-/// The stages that are on, in [`Stage::ORDER`].
-pub struct ConditioningStream {
-    stages: Vec<Box<dyn Streaming>>,
-    between: [Vec<Row>; 2],
+/// One channel's stages.
+#[derive(Default)]
+struct Chain {
+    stages: Vec<Box<dyn dsp::stage::Stage + Send>>,
+    between: [Vec<f64>; 2],
+    /// What has left the last stage. Channels with different delays are not equally far.
+    ready: Vec<f64>,
+}
+
+impl Chain {
+    /// Passes samples through the stages from the given one on.
+    fn push(&mut self, first: usize, samples: &[f64]) {
+        let [current, next] = &mut self.between;
+        current.clear();
+        current.extend_from_slice(samples);
+        for stage in &mut self.stages[first..] {
+            next.clear();
+            stage.push(current, next);
+            core::mem::swap(current, next);
+        }
+        self.ready.append(current);
+    }
+
+    fn finish(&mut self) -> sixaxis_core::Result<()> {
+        for index in 0..self.stages.len() {
+            let mut left = Vec::new();
+            self.stages[index].finish(&mut left)?;
+            self.push(index + 1, &left);
+        }
+        Ok(())
+    }
 }
 
 /// Correlation, over the white variance, that the zero-phase low-pass leaves between a sample of noise and itself, its
@@ -74,31 +95,40 @@ fn low_pass(corner_hz: f64, sample_rate_hz: f64) -> Result<Vec<butterworth::Sect
         .map_err(|e| anyhow::anyhow!("--low-pass: {e}"))
 }
 
-/// A stage as a stream, where it is asked for and runs on limbs.
+/// One limb's stage as a stream, where it is asked for.
 fn streaming(
     stage: Stage,
+    limb: usize,
     config: &ConditioningConfig,
     sample_rate_hz: f64,
-) -> Result<Option<Box<dyn Streaming>>> {
+) -> Result<Option<Box<dyn dsp::stage::Stage + Send>>> {
     Ok(match stage {
         Stage::Delays => match config.delays_s {
-            Some(delays_s) => Some(Box::new(Delays::new(delays_s.map(|d| d * sample_rate_hz))?)),
+            Some(delays_s) => {
+                let samples = delays_s[limb] * sample_rate_hz;
+                ensure!(
+                    (-LONGEST_LAG..=LONGEST_LAG).contains(&samples),
+                    "limbs_lag_us: {samples} samples for limb {}; it can be up to {LONGEST_LAG} either way",
+                    limb + 1
+                );
+                Some(Box::new(Delay::new(-samples)?))
+            }
             None => None,
         },
         Stage::HighPass => match config.amplifier_high_pass_hz {
-            Some(corner_hz) => Some(Box::new(UndoneHighPass::new(corner_hz, sample_rate_hz)?)),
+            Some(corner_hz) => Some(Box::new(
+                UndoneHighPass::new(corner_hz, sample_rate_hz)
+                    .context("the amplifier's high-pass")?,
+            )),
             None => None,
         },
         Stage::LowPass => match config.low_pass_hz {
             Some(corner_hz) => {
                 let sections = low_pass(corner_hz, sample_rate_hz)?;
                 Some(if config.causal {
-                    Box::new(Causal {
-                        sections,
-                        state: None,
-                    })
+                    Box::new(Causal::new(sections))
                 } else {
-                    Box::new(ZeroPhase::new(sections)?)
+                    Box::new(ZeroPhase::new(&sections).context("--low-pass")?)
                 })
             }
             None => None,
@@ -115,38 +145,32 @@ impl ConditioningStream {
     /// Prepares the stages.
     ///
     /// # Errors
-    /// Corners that the sample rate does not allow.
+    /// Corners that the sample rate does not allow, a delay of more than ten thousand samples.
     pub fn new(config: &ConditioningConfig, sample_rate_hz: f64) -> Result<Self> {
-        let mut stages = Vec::new();
-        for stage in Stage::ORDER {
-            stages.extend(streaming(stage, config, sample_rate_hz)?);
+        let mut channels: [Chain; LIMBS] = Default::default();
+        for (limb, chain) in channels.iter_mut().enumerate() {
+            for stage in Stage::ORDER {
+                chain
+                    .stages
+                    .extend(streaming(stage, limb, config, sample_rate_hz)?);
+            }
         }
-        Ok(Self {
-            stages,
-            between: Default::default(),
-        })
+        Ok(Self { channels })
     }
 
     /// Takes rows and appends those that are ready to `out`, in the order of their samples.
     pub fn push(&mut self, rows: &[Row], out: &mut Vec<Row>) {
-        self.push_from(0, rows, out);
-    }
-
-    /// The same from the stage of this index on.
-    fn push_from(&mut self, first: usize, rows: &[Row], out: &mut Vec<Row>) {
-        let Some((last, stages)) = self.stages[first..].split_last_mut() else {
+        if self.channels.iter().all(|chain| chain.stages.is_empty()) {
             out.extend_from_slice(rows);
             return;
-        };
-        let [current, next] = &mut self.between;
-        let mut rows = rows;
-        for stage in stages {
-            next.clear();
-            stage.push(rows, next);
-            core::mem::swap(current, next);
-            rows = current;
         }
-        last.push(rows, out);
+        let mut column = Vec::with_capacity(rows.len());
+        for (limb, chain) in self.channels.iter_mut().enumerate() {
+            column.clear();
+            column.extend(rows.iter().map(|row| row[limb]));
+            chain.push(0, &column);
+        }
+        self.hand_out(out);
     }
 
     /// Appends what is left when no more rows come.
@@ -154,38 +178,27 @@ impl ConditioningStream {
     /// # Errors
     /// A record too short for the low-pass.
     pub fn finish(&mut self, out: &mut Vec<Row>) -> Result<()> {
-        for index in 0..self.stages.len() {
-            let mut left = Vec::new();
-            self.stages[index].finish(&mut left)?;
-            self.push_from(index + 1, &left, out);
+        for chain in &mut self.channels {
+            chain.finish().context("--low-pass")?;
         }
+        self.hand_out(out);
         Ok(())
     }
-}
 
-impl Streaming for ZeroPhase {
-    fn push(&mut self, rows: &[Row], out: &mut Vec<Row>) {
-        Self::push(self, rows, out);
-    }
-
-    fn finish(&mut self, out: &mut Vec<Row>) -> Result<()> {
-        Self::finish(self, out)
-    }
-}
-
-/// A low-pass that runs forwards only, settled on the first row.
-struct Causal {
-    sections: Vec<butterworth::Section>,
-    state: Option<Box<[SectionsState; LIMBS]>>,
-}
-
-impl Streaming for Causal {
-    fn push(&mut self, rows: &[Row], out: &mut Vec<Row>) {
-        for row in rows {
-            let state = self.state.get_or_insert_with(|| {
-                Box::new(row.map(|value| SectionsState::settled(&self.sections, value)))
-            });
-            out.push(core::array::from_fn(|limb| state[limb].step(row[limb])));
+    /// Rows of which all nine channels are ready.
+    fn hand_out(&mut self, out: &mut Vec<Row>) {
+        let rows = self
+            .channels
+            .iter()
+            .map(|c| c.ready.len())
+            .min()
+            .unwrap_or(0);
+        let first = out.len();
+        out.resize(first + rows, [0.0; LIMBS]);
+        for (limb, chain) in self.channels.iter_mut().enumerate() {
+            for (row, value) in out[first..].iter_mut().zip(chain.ready.drain(..rows)) {
+                row[limb] = value;
+            }
         }
     }
 }
@@ -197,47 +210,11 @@ pub fn causal_delay_s(corner_hz: f64) -> f64 {
     2.613_125_929_752_753 / (core::f64::consts::TAU * corner_hz)
 }
 
-/// An amplifier's first-order high-pass, undone about the first row.
-struct UndoneHighPass {
-    rest: Option<Row>,
-    amplifiers: [FirstOrder; LIMBS],
-}
-
-impl UndoneHighPass {
-    fn new(corner_hz: f64, sample_rate_hz: f64) -> Result<Self> {
-        let amplifier = FirstOrder::high_pass(corner_hz, sample_rate_hz)
-            .map_err(|e| anyhow::anyhow!("the amplifier's high-pass: {e}"))?;
-        Ok(Self {
-            rest: None,
-            amplifiers: [amplifier; LIMBS],
-        })
-    }
-
-    fn undo(&mut self, row: &Row) -> Row {
-        let rest = *self.rest.get_or_insert(*row);
-        core::array::from_fn(|limb| {
-            let amplifier = &mut self.amplifiers[limb];
-            // What it shows is a straight line over its next input: two trials say which input it was.
-            let (mut at_zero, mut at_one) = (*amplifier, *amplifier);
-            let (zero, one) = (at_zero.step(0.0), at_one.step(1.0));
-            let input = (row[limb] - rest[limb] - zero) / (one - zero);
-            amplifier.step(input);
-            input + rest[limb]
-        })
-    }
-}
-
-impl Streaming for UndoneHighPass {
-    fn push(&mut self, rows: &[Row], out: &mut Vec<Row>) {
-        out.extend(rows.iter().map(|row| self.undo(row)));
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use sixaxis_core::dsp::delay::delayed;
     use sixaxis_core::dsp::lag::undo_high_pass;
-    use sixaxis_core::dsp::resample::delayed;
 
     const RATE_HZ: f64 = 2000.0;
 
@@ -295,14 +272,14 @@ mod tests {
             ..ConditioningConfig::default()
         };
         let out = conditioned(&config, &rows, 100);
+        assert_eq!(out, conditioned(&config, &rows, 7));
         for limb in 0..LIMBS {
             let series = column(&rows, limb);
-            let change: Vec<f64> = series.iter().map(|u| u - series[0]).collect();
+            let rest = series[..16].iter().sum::<f64>() / 16.0;
+            let change: Vec<f64> = series.iter().map(|u| u - rest).collect();
             let whole = undo_high_pass(&change, 0.16, RATE_HZ).expect("undoes");
-            for (row, change) in out.iter().zip(whole) {
-                let expected = change + series[0];
-                assert!((row[limb] - expected).abs() < 1e-10, "limb {limb}");
-            }
+            let expected: Vec<f64> = whole.iter().map(|change| change + rest).collect();
+            assert_eq!(column(&out, limb), expected, "limb {limb}");
         }
     }
 

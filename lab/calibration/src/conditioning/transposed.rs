@@ -6,7 +6,8 @@
 use sixaxis_core::Result;
 use sixaxis_core::dsp::transposed;
 
-use super::{BASELINE, Conditioning, Stage};
+use super::high_pass::BASELINE;
+use super::{Conditioning, Stage};
 use crate::trial::Trial;
 
 /// A channel by what it measures.
