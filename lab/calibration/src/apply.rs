@@ -7,7 +7,6 @@
 //! | [`trust`] | whether the calibration is one to decouple with |
 //! | [`setup`] | what is known of one recording: gains, gravity, channels, rate, and from where |
 //! | [`recording`] | nine voltages on one clock from a file, block by block, with what is wrong with them |
-//! | [`stamps`] | time stamps: the rate they say, the gaps they show |
 //! | [`conditioning`] | delays, the amplifier's high-pass, a low-pass, as streams |
 //! | [`low_pass`] | a zero-phase filter with a bounded look ahead |
 //! | [`motion`] | voltages to rows of the answer |
@@ -27,7 +26,6 @@ pub mod motion;
 pub mod pipeline;
 pub mod recording;
 pub mod setup;
-pub mod stamps;
 pub mod trust;
 pub mod watching;
 

@@ -7,7 +7,6 @@
 //! | file | holds |
 //! |---|---|
 //! | [`trial`] | one recording in SI units on one clock |
-//! | [`averaged`] | a static record of any length |
 //! | [`load`] | trials from files |
 //! | [`cleaning`] | the preprocessing that the session asks for |
 //! | [`steps`] | the four steps, first pass, repeated, on some of the trials |
@@ -27,7 +26,6 @@
 //! | [`page`] | the pages of a calibration and of a comparison |
 
 pub mod apply;
-pub mod averaged;
 pub mod calibration;
 pub mod certified;
 pub mod cleaning;

@@ -1,11 +1,11 @@
 //! A played session as the analysis has it: its recordings as trials, cleaned, without a detour by files.
 
 use rayon::prelude::*;
-use sixaxis_calibration::averaged::Averaged;
 use sixaxis_calibration::cleaning::{Cleaned, Cleaning};
 use sixaxis_calibration::steps::Campaign;
 use sixaxis_calibration::trial::{Readings, Trial};
-use sixaxis_recordings::session::{Role, Session};
+use sixaxis_recordings::ingest::averaged::Averaged;
+use sixaxis_recordings::session::{LIMBS, Role, Session};
 use sixaxis_reference::session::play::Played;
 
 use crate::row::Status;
@@ -72,12 +72,17 @@ pub fn collect(session: &Session, recordings: Vec<Played>) -> Result<Collected, 
     })
 }
 
-fn at_rest(recording: &Played) -> Vec<[f64; sixaxis_core::LIMBS]> {
-    let mut averaged = Averaged::default();
+fn at_rest(recording: &Played) -> Vec<[f64; LIMBS]> {
+    let mut averaged: [Averaged; LIMBS] = Default::default();
     for row in &recording.voltage_v {
-        averaged.push(row);
+        for (averaged, voltage_v) in averaged.iter_mut().zip(row) {
+            averaged.push(*voltage_v);
+        }
     }
-    averaged.finish(recording.sample_rate_hz).voltage_v
+    let columns = averaged.map(Averaged::finish);
+    (0..columns[0].len())
+        .map(|row| core::array::from_fn(|limb| columns[limb][row]))
+        .collect()
 }
 
 fn trial(session: &Session, recording: Played) -> Trial {
