@@ -3,8 +3,8 @@
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::Serialize;
-use sixaxis_core::preprocess::lag::FirstOrder;
-use sixaxis_core::signal::SignalChain;
+use sixaxis_core::dsp::lag::FirstOrder;
+use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::{Gains, LIMBS, Parameters};
 
 /// What becomes of a constant load between piezo and converter.

@@ -9,7 +9,7 @@ use glam::{DQuat, DVec3};
 use nalgebra::{SMatrix, Vector6};
 use rand::{Rng, RngExt};
 use sixaxis_core::identify::inertia::euler_torque;
-use sixaxis_core::pose::Pose;
+use sixaxis_core::paper::pose::Pose;
 use sixaxis_core::{Geometry, LIMBS, Parameters};
 
 use crate::mjcf::limb_jacobian;

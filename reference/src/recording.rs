@@ -2,9 +2,9 @@
 
 use glam::{DQuat, DVec3};
 use serde::Serialize;
-use sixaxis_calibration::session::Role;
 use sixaxis_calibration::trial::Trial;
 use sixaxis_core::{Gains, Geometry, LIMBS, Scheme, Sensor, Settings};
+use sixaxis_recordings::session::Role;
 
 use crate::mjcf::SensorModel;
 use crate::rig::Run;

@@ -25,17 +25,17 @@ use sixaxis_core::Parameters;
 use validation::validate;
 
 use crate::calibration::Calibration;
-use crate::cleaning::Cleaned;
+use crate::conditioning::Conditioned;
 use crate::error::Result;
 use crate::interval::{LeftOut, ParameterReport, put_taps, report};
 use crate::iteration::Iteration;
 use crate::joint::JointReport;
 use crate::propagation;
-use crate::session::{Role, SessionFile};
 use crate::steps::{Campaign, FourSteps, GyroscopeGain};
 use crate::suspicion::{Cause, Facts, Finding, examine};
 use crate::tap::Taps;
 use crate::trial::Trial;
+use sixaxis_recordings::session::{Role, SessionFile};
 
 /// The judgement in one word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -145,8 +145,8 @@ pub struct Judgement {
     pub trials: Vec<TrialReport>,
     /// Validation runs in full.
     pub comparisons: Vec<Comparison>,
-    /// Recordings as read and as cleaned, for before and after; the static one last.
-    pub recordings: Vec<(Trial, Option<Cleaned>)>,
+    /// Recordings as read and as conditioned, for before and after; the static one last.
+    pub recordings: Vec<(Trial, Option<Conditioned>)>,
     /// The calibration to be written, if there is one.
     pub calibration: Option<Calibration>,
 }
@@ -172,7 +172,7 @@ impl Watch for Unwatched {
 /// A recording that cannot be used is a finding, not an error: the rest is still worth knowing.
 ///
 /// # Errors
-/// [`crate::Error::Session`] only: a session whose own statements cannot be.
+/// [`sixaxis_recordings::Error::Session`] only: a session whose own statements cannot be.
 pub fn judge(file: &SessionFile, watch: &dyn Watch) -> Result<Judgement> {
     judge_choosing(file, &Choices::default(), watch)
 }
@@ -192,13 +192,13 @@ pub fn judge_choosing(
         at_rest,
         trials,
         struck,
-        cleaning,
+        conditioning,
         mut findings,
     } = gather(file, watch)?;
     watch.stage("examining", 1);
-    let design = file.design();
+    let design = file.session.sensor.design();
     let facts = Facts {
-        geometry: file.geometry(),
+        geometry: file.session.sensor.geometry(),
         design: &design,
         rig: file.session.rig.as_ref(),
         gyroscope_class: file.session.gyroscope.class_percent / 100.0,
@@ -214,7 +214,7 @@ pub fn judge_choosing(
         .collect();
     watch.part();
     let campaign = Campaign {
-        geometry: file.geometry(),
+        geometry: file.session.sensor.geometry(),
         design,
         static_voltage_v: at_rest
             .as_ref()
@@ -242,9 +242,9 @@ pub fn judge_choosing(
         Ok(steps) => {
             let left_out = LeftOut::fit(&campaign, &steps);
             watch.part();
-            propagated = propagation::of_session(&file.session, &campaign, &cleaning, &steps);
+            propagated = propagation::of_session(&file.session, &campaign, &conditioning, &steps);
             let noise = propagated.as_ref().map(|(_, found)| found.noise);
-            parameters = report(file, &steps, &left_out, noise.as_ref());
+            parameters = report(&file.session, &steps, &left_out, noise.as_ref());
             taps = Taps::identify(
                 &struck,
                 campaign.geometry,
@@ -360,10 +360,10 @@ pub fn judge_choosing(
         };
         calibration = Some(to_file(file, kept));
     }
-    let mut recordings: Vec<(Trial, Option<Cleaned>)> = campaign
+    let mut recordings: Vec<(Trial, Option<Conditioned>)> = campaign
         .trials
         .into_iter()
-        .map(|(trial, cleaned)| (trial, Some(cleaned)))
+        .map(|(trial, conditioned)| (trial, Some(conditioned)))
         .collect();
     recordings.extend(at_rest.map(|rest| (rest, None)));
     Ok(Judgement {

@@ -95,6 +95,60 @@ pub enum Error {
         /// Length of the first channel selected.
         expected: u64,
     },
+    /// A channel comes in a unit that is not what it measures, or in none.
+    #[error("{file}: channel {channel:?}: {cause}")]
+    Unit {
+        /// The recording.
+        file: String,
+        /// The channel.
+        channel: String,
+        /// What is wrong, and what would be right.
+        cause: String,
+    },
+    /// A sample that nothing can be computed from: a value that is not finite, a time stamp that is no clock's.
+    #[error("{}: channel {channel:?}, sample {sample}: {cause}", path.display())]
+    Sample {
+        /// The recording.
+        path: PathBuf,
+        /// The channel.
+        channel: String,
+        /// The sample, from 0.
+        sample: u64,
+        /// What is wrong, and what to do.
+        cause: String,
+    },
+    /// A recording of too few samples.
+    #[error("{}: {samples} samples{which}; {needed} are needed", path.display())]
+    TooShort {
+        /// The recording.
+        path: PathBuf,
+        /// Fewest samples that are accepted.
+        needed: usize,
+        /// Its samples.
+        samples: usize,
+        /// Which of its samples are counted, if not all.
+        which: &'static str,
+    },
+    /// A recording that cannot be brought to an even clock.
+    #[error("{}: {source}", path.display())]
+    Resampling {
+        /// The recording.
+        path: PathBuf,
+        /// Why.
+        source: Box<sixaxis_core::Error>,
+    },
+    /// A session file has a value that is impossible.
+    #[error("{}{}: {key}: {cause}", path.display(), line.map(|l| format!(", line {l}")).unwrap_or_default())]
+    Session {
+        /// The session file.
+        path: PathBuf,
+        /// Line of the key, from 1, where it is known.
+        line: Option<usize>,
+        /// The key, as in `recording[3].direction`.
+        key: String,
+        /// What is wrong, and what would be right.
+        cause: String,
+    },
 }
 
 /// Result of every fallible function of this crate.

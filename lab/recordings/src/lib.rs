@@ -1,6 +1,6 @@
-//! Recordings on disk: named channels in, blocks of numbers out, and the way back.
+//! Recordings on disk: named channels in, blocks of numbers out, and the way back; and the session that they belong to.
 //!
-//! Nothing in here knows of a sensor. A file is opened as a [`Source`], says in its [`Layout`] what is in it, and is read in
+//! A file is opened as a [`Source`], says in its [`Layout`] what is in it, and is read in
 //! [`Block`]s of bounded size, so that a recording larger than the memory works. Numbers arrive as f64 in the channel's own
 //! unit, with the scaling that the file prescribes applied; where a scaling is not understood the file is refused, raw
 //! counts are never handed out. What is written goes to a neighbour first ([`draft`]) and replaces the old file whole.
@@ -19,21 +19,27 @@
 //! | [`hdf5`] | HDF5, of which MAT files of version 7.3 are a kind |
 //! | [`matlab`] | MAT files |
 //! | `variables`, `numbers` | what the files of MATLAB and HDF5 have in common |
+//! | [`mod@unit`] | units that channels come in |
+//! | [`ingest`] | names, units, clock: from a file to columns that can be computed with |
+//! | [`session`] | the session file: which recordings belong together, and what they do not say themselves |
 
 pub mod channel;
 pub mod draft;
 pub mod error;
 pub mod hdf5;
+pub mod ingest;
 pub mod matlab;
 pub mod motion;
 mod numbers;
 pub mod numpy;
 mod open;
 pub mod parquet;
+pub mod session;
 mod sink;
 mod source;
 pub mod tdms;
 pub mod text;
+pub mod unit;
 mod variables;
 
 pub use channel::{Block, Channel, Layout};

@@ -6,8 +6,8 @@ use rand::RngExt;
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use serde::Serialize;
-use sixaxis_calibration::session::{Entry, Role, Session};
 use sixaxis_core::{LIMBS, Parameters};
+use sixaxis_recordings::session::{Entry, Role, Session};
 use thiserror::Error;
 
 use super::check::check;

@@ -5,9 +5,9 @@ use core::f64::consts::PI;
 use glam::{DQuat, DVec3};
 use rand::RngExt;
 use rand_pcg::Pcg64;
-use sixaxis_calibration::session::{Entry, PerLimb, Role};
-use sixaxis_core::preprocess::resample::CubicSpline;
+use sixaxis_core::dsp::resample::CubicSpline;
 use sixaxis_core::{Gains, Geometry, LIMBS, Parameters};
+use sixaxis_recordings::session::{Entry, PerLimb, Role};
 
 use super::defect::{Defect, Where};
 use super::effect::foreign_sensor;

@@ -1,7 +1,7 @@
 //! Which trials a plan asks for: steps 2, 3 and 4 in turn, then the three compound runs.
 
 use glam::{DQuat, DVec3};
-use sixaxis_calibration::session::Role;
+use sixaxis_recordings::session::Role;
 
 use super::defect::Defect;
 use super::plan::{RigPlan, SessionPlan};

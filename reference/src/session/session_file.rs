@@ -1,10 +1,10 @@
 //! What the laboratory writes down of a played session: what it knows, not what is true.
 
-use sixaxis_calibration::session::{
+use sixaxis_core::Geometry;
+use sixaxis_recordings::session::{
     Accelerometer, Channels, Design, Gyroscope, Limits, PerLimb, Preprocessing, Rig, SensorCard,
     Session,
 };
-use sixaxis_core::Geometry;
 
 use super::defect::Defect;
 use super::plan::SessionPlan;

@@ -1,7 +1,7 @@
 //! One tap recorded: a blow on the shell, nine voltages at 50 kHz, no standards.
 
 use rand_pcg::Pcg64;
-use sixaxis_calibration::session::{Entry, PerLimb, Role};
+use sixaxis_recordings::session::{Entry, PerLimb, Role};
 
 use super::defect::{Defect, Where};
 use super::play::{PlayError, Played};

@@ -1,8 +1,8 @@
 //! A recording from the field for a session's sensor: tumbled by hand after the day in the laboratory, a limb perhaps drifted since.
 
 use rand_pcg::Pcg64;
-use sixaxis_calibration::session::{Entry, PerLimb, Role};
 use sixaxis_core::{Geometry, LIMBS};
+use sixaxis_recordings::session::{Entry, PerLimb, Role};
 
 use super::plan::SessionPlan;
 use super::play::{PlayError, Played};

@@ -1,9 +1,9 @@
 //! The figures of a comparison.
 
-use crate::unit::STANDARD_GRAVITY_M_S2;
 use anyhow::Result;
 use glam::DQuat;
 use serde::Serialize;
+use sixaxis_recordings::unit::STANDARD_GRAVITY_M_S2;
 
 use super::aligned::Aligned;
 use super::envelope::Envelope;

@@ -12,8 +12,8 @@ mod taps;
 mod trials;
 mod validation;
 
-use crate::session::{Limits, SessionFile};
 use crate::verdict::{Grade, Judgement};
+use sixaxis_recordings::session::{Limits, SessionFile};
 
 use super::labels::{self, largest, symbol};
 pub use findings::{place, split};

@@ -1,7 +1,7 @@
 //! How parameters, recordings and directions are written.
 
 use crate::interval::ParameterReport;
-use crate::session::Role;
+use sixaxis_recordings::session::Role;
 
 use sixaxis_core::identify::Verdict;
 use sixaxis_page::number::{MISSING, fixed, percent};

@@ -8,8 +8,8 @@ use sixaxis_core::geometry::DIRECTIONS_SHELL;
 use super::table::Table;
 use super::{Cause, Finding, Suspect, angles, names};
 use crate::rigid::turned_gravity_m_s2;
-use crate::session::Role;
 use crate::steps::rows;
+use sixaxis_recordings::session::Role;
 
 /// Weight, m/s^2, from which it is worth a finding: a mounting askew by three degrees.
 const NOTICED_M_S2: f64 = 0.5;
@@ -57,7 +57,7 @@ fn weight(table: &Table, suspect: &Suspect<'_>) -> Option<DVec3> {
     }
     let trial = suspect.trial;
     let axis = trial.direction_ground;
-    let angle: Vec<f64> = angles(suspect.cleaned, trial).collect();
+    let angle: Vec<f64> = angles(suspect.conditioned, trial).collect();
     let net: Vec<DVec3> = suspect
         .force_n
         .iter()

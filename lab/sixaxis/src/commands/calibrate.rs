@@ -15,11 +15,11 @@ use serde::Serialize;
 use sixaxis_calibration::calibration;
 use sixaxis_calibration::iteration::Criterion;
 use sixaxis_calibration::page;
-use sixaxis_calibration::session::{self, SessionFile};
 use sixaxis_calibration::suspicion::Finding;
 use sixaxis_calibration::verdict::{Choices, Estimator, Grade, Judgement, Watch, judge_choosing};
 use sixaxis_page::render;
 use sixaxis_recordings::draft::write_atomically;
+use sixaxis_recordings::session::{self, SessionFile};
 use sixaxis_reports::progress::{Progress, Stage};
 
 use repetition::Repetition;

@@ -6,9 +6,9 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
 use serde::Serialize;
-use sixaxis_calibration::session::SessionFile;
 use sixaxis_page::render;
 use sixaxis_recordings::draft::write_atomically;
+use sixaxis_recordings::session::SessionFile;
 use sixaxis_reports::inspection::{Expectations, Inspection, inspect, listing};
 use sixaxis_reports::pages;
 use sixaxis_reports::progress::Progress;

@@ -8,13 +8,15 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail, ensure};
-use sixaxis_calibration::apply::setup::{Said, Setup};
+use sixaxis_calibration::apply::setup::{Overrides, Setup};
 use sixaxis_calibration::calibration::Calibration;
-use sixaxis_calibration::session::SessionFile;
-use sixaxis_core::self_calibration::{KnownChange, Limits, PerLimbs, ScaleRatios, Scales, drifted};
-use sixaxis_core::signal::SignalChain;
+use sixaxis_core::paper::signal::SignalChain;
+use sixaxis_core::redundancy::self_calibration::{
+    KnownChange, Limits, PerLimbs, ScaleRatios, Scales, drifted,
+};
 use sixaxis_core::{Error, LIMBS};
 use sixaxis_recordings::draft::write_atomically;
+use sixaxis_recordings::session::SessionFile;
 
 use self::measured::{Measured, Rest};
 use self::words::{Finding, Summary};
@@ -117,7 +119,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         .as_deref()
         .map(SessionFile::read)
         .transpose()?;
-    let said = Said {
+    let overrides = Overrides {
         gain_n_per_v: arguments.gain.clone(),
         rate_hz: arguments.rate,
         down: match arguments.down.as_slice() {
@@ -126,7 +128,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
             other => bail!("--down: {} numbers, three were expected", other.len()),
         },
     };
-    let setup = |path: &Path| Setup::new(&calibration, session.as_ref(), Some(path), &said);
+    let setup = |path: &Path| Setup::new(&calibration, session.as_ref(), Some(path), &overrides);
     let own = setup(&arguments.recording)?;
     let rests = match (arguments.known_change, arguments.rests.as_slice()) {
         (None, _) => None,
@@ -138,7 +140,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     summary.notes.extend(own.notes.iter().cloned());
     let now = match measured.moments.ratios(&Limits::default()) {
         Ok(ratios) => ratios,
-        Err(Error::ScaleRatiosOpen { open }) => {
+        Err(Error::UnobservableScaleRatios { directions: open }) => {
             summary.finding = Finding::TooPoor;
             summary.open = open.pairs().map(Into::into).collect();
             summary.open_in_words = Some(open.to_string());
@@ -167,7 +169,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     } else {
         correction::covariance_of_ln_scale(&calibration)?
     };
-    doubt(&mut summary, &now);
+    check_grade(&mut summary, &now);
     let said = drifted(&ratios, &calibrated, arguments.false_alarm).context("--false-alarm")?;
     summary.put(&said)?;
     let scales = match (arguments.known_change, &measured.change) {
@@ -197,7 +199,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     finish(arguments, &summary)
 }
 
-fn doubt(summary: &mut Summary, ratios: &ScaleRatios) {
+fn check_grade(summary: &mut Summary, ratios: &ScaleRatios) {
     if ratios.misfit.chance() < MISFIT {
         summary.finding = Finding::Misfit;
         summary.warnings.push(format!(
@@ -218,7 +220,7 @@ fn write(
     path: &Path,
     calibration: Calibration,
     summary: &Summary,
-    said: &sixaxis_core::self_calibration::Drifted,
+    said: &sixaxis_core::redundancy::self_calibration::Drifted,
     scales: Option<&Scales>,
 ) -> Result<()> {
     let (ln_change, deviation): ([f64; LIMBS], [f64; LIMBS]) = match scales {

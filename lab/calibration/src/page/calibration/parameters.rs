@@ -1,8 +1,8 @@
 //! The 25 parameters: what they are, how well they are known, and what limits that.
 
 use crate::interval::ParameterReport;
-use crate::session::SessionFile;
 use crate::verdict::Judgement;
+use sixaxis_recordings::session::SessionFile;
 
 use crate::page::labels::{bar, has_scale, share, symbol, with_interval};
 use sixaxis_page::number::{MISSING, fixed, scientific};

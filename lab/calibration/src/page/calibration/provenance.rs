@@ -1,7 +1,7 @@
 //! Where everything comes from.
 
-use crate::session::SessionFile;
 use crate::verdict::Judgement;
+use sixaxis_recordings::session::SessionFile;
 
 use crate::page::labels::{file_name, role, unbroken};
 use sixaxis_page::number::{MISSING, count, si, significant};

@@ -1,10 +1,10 @@
 //! The static record and the noise of the channels.
 
-use crate::session::Role;
 use crate::trial::Trial;
 use crate::verdict::Judgement;
 use sixaxis_core::LIMBS;
-use sixaxis_core::preprocess::spectrum::noise_floor;
+use sixaxis_core::dsp::spectrum::noise_floor;
+use sixaxis_recordings::session::Role;
 
 use sixaxis_page::number::{MISSING, count, fixed, significant};
 use sixaxis_page::{Axis, Block, Cell, Column, Figure, Row, Section, Series, Table};

@@ -1,8 +1,8 @@
 //! What the steps say of themselves: conditioning of steps 2 and 3, the curve of step 4.
 
-use crate::session::Role;
 use crate::steps::FourSteps;
 use crate::verdict::Judgement;
+use sixaxis_recordings::session::Role;
 
 use crate::page::labels::verdict;
 use sixaxis_page::number::{MISSING, count, fixed, scientific, significant};

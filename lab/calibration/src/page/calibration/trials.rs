@@ -1,8 +1,8 @@
 //! Every trial as it came out.
 
-use crate::session::{Limits, Role, SessionFile};
 use crate::suspicion::odd_trial;
 use crate::verdict::{COORDINATION_LIMIT, Judgement, TrialReport};
+use sixaxis_recordings::session::{Limits, Role, SessionFile};
 
 use crate::page::labels::{self, bar, direction, file_name, largest, share, unbroken};
 use sixaxis_page::number::{MISSING, fixed, percent, significant};

@@ -1,7 +1,7 @@
 //! Runs that were never fitted: decoupled accelerations over those of the standards.
 
-use crate::session::SessionFile;
 use crate::verdict::{Comparison, Judgement};
+use sixaxis_recordings::session::SessionFile;
 
 use super::NEUTRAL;
 use crate::page::labels::{self, bar, file_name};
