@@ -24,7 +24,7 @@ use glam::{DMat3, DQuat, DVec3};
 use nalgebra::{SMatrix, SVector};
 
 use super::influence::{arms_m, column};
-use super::parameters::{Covariance, DRIFT, INERTIA, SCALE};
+use super::parameters::Covariance;
 use super::root::{CARRIED, out_of_range, square_root};
 use crate::decouple::stream::SixAxis;
 use crate::error::{Error, Result};
@@ -34,6 +34,7 @@ use crate::model::{InertiaPerMass, Parameters};
 use crate::model::{Sensor, Settings};
 use crate::paper::limb_stream::LimbStream;
 use crate::paper::pose::Pose;
+use crate::parameter::{DRIFT, INERTIA, SCALE};
 
 /// Noise of the nine voltages as the decoupler sees them.
 #[derive(Debug, Clone, Copy, PartialEq)]
