@@ -24,6 +24,7 @@ pub mod attitude;
 pub mod channel_mask;
 pub mod constants;
 pub mod number;
+pub mod order;
 #[cfg(target_feature = "avx")]
 mod packed_vec3;
 pub mod parity;
