@@ -13,6 +13,7 @@ pub mod manufactured;
 pub mod motions;
 pub mod propagation;
 pub mod publication;
+pub mod results;
 pub mod rig_runs;
 pub mod rigid;
 pub mod self_calibration;

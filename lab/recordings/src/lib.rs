@@ -18,11 +18,13 @@
 //! | [`numpy`] | NPY and NPZ |
 //! | [`matlab`] | MAT files, version 5 and 7.3 |
 //! | [`mod@unit`] | units that channels come in |
+//! | [`ingest`] | names, units, clock: from a file to columns that can be computed with |
 //! | [`session`] | the session file: which recordings belong together, and what they do not say themselves |
 
 pub mod channel;
 pub mod draft;
 pub mod error;
+pub mod ingest;
 pub mod matlab;
 pub mod motion;
 pub mod numpy;

@@ -1,8 +1,10 @@
-//! A filter run causally, sample by sample: what a live display or a simulated instrument has.
+//! A filter run forwards only, sample by sample: what a live display or a simulated instrument has.
 
 use alloc::vec::Vec;
 
 use super::butterworth::Section;
+use super::stage::Stage;
+use crate::error::Result;
 
 /// A cascade and its memory. Only the constructors allocate.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,7 +27,7 @@ impl SectionsState {
             .iter()
             .map(|section| {
                 let memory = section.settled(level);
-                level *= section.static_gain();
+                level = section.step(&mut memory.clone(), level);
                 (*section, memory)
             })
             .collect();
@@ -38,5 +40,38 @@ impl SectionsState {
         self.cascade
             .iter_mut()
             .fold(input, |x, (section, memory)| section.step(memory, x))
+    }
+}
+
+/// A cascade that begins settled at its first sample, as a stage. It delays.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Causal {
+    sections: Vec<Section>,
+    state: Option<SectionsState>,
+}
+
+impl Causal {
+    /// Of these sections.
+    #[must_use]
+    pub const fn new(sections: Vec<Section>) -> Self {
+        Self {
+            sections,
+            state: None,
+        }
+    }
+}
+
+impl Stage for Causal {
+    fn push(&mut self, samples: &[f64], out: &mut Vec<f64>) {
+        let Self { sections, state } = self;
+        out.extend(samples.iter().map(|&x| {
+            state
+                .get_or_insert_with(|| SectionsState::settled(sections, x))
+                .step(x)
+        }));
+    }
+
+    fn finish(&mut self, _out: &mut Vec<f64>) -> Result<()> {
+        Ok(())
     }
 }
