@@ -39,6 +39,7 @@ pub mod page;
 pub mod propagation;
 pub mod response;
 pub mod rigid;
+pub mod self_calibrate;
 pub mod steps;
 pub mod suspicion;
 pub mod tap;

@@ -26,7 +26,6 @@ use sixaxis_reference::paper;
 use sixaxis_reference::recording::SimulatedRun;
 use sixaxis_reference::rig::Mounting;
 
-use crate::progress::Progress;
 use conditioning::Preset;
 use decoupling::{Case, SixSeries, Way, decouple, six_series, truth};
 use plan::{COMPOUND_RATE_HZ, Plan};
@@ -44,9 +43,9 @@ const HISTORY_POINTS: usize = 1200;
 ///
 /// # Errors
 /// The first simulation, identification or decoupling that refuses, with what it was doing.
-pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
+pub fn run(plan: &Plan, progress: &(dyn Fn(&str, u64, u64) + Sync)) -> Result<Results> {
     let simulations = simulations::simulate(plan, progress)?;
-    let stage = progress.stage("analysis", 10);
+    let analysed = || progress("analysis", 10, 1);
     let truth = paper::identified_parameters();
     let perfect = Laboratory::noise_free(truth);
     let laboratory = Laboratory::with_errors(truth, plan.seed);
@@ -55,7 +54,7 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
     let noise_free = noise_free_session
         .identify(GyroscopeGain::Trusted)
         .context("noise-free campaign")?;
-    stage.advance(1);
+    analysed();
     let laboratory_session =
         identification::record(&laboratory, &simulations.campaign, Preset::Identification)?;
     let with_errors = laboratory_session
@@ -66,7 +65,7 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
     let known =
         identifiability::known::study(&laboratory_session, Preset::Identification, &laboratory)?;
     drop(laboratory_session);
-    stage.advance(1);
+    analysed();
     let coarse = if simulations.campaign_coarse.is_empty() {
         None
     } else {
@@ -77,7 +76,7 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
                 .context("campaign at the doubled step")?,
         )
     };
-    stage.advance(1);
+    analysed();
 
     let compound = |laboratory: &Laboratory,
                     ways: &[Way],
@@ -116,7 +115,7 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
         Preset::None,
         COMPARED_DIVISOR,
     )?;
-    stage.advance(1);
+    analysed();
     let compound_laboratory = compound(
         &laboratory,
         &ways(&truth, &with_errors, None, Gravity::Neglected),
@@ -124,7 +123,7 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
         Preset::Comparison,
         LABORATORY_DIVISOR,
     )?;
-    stage.advance(1);
+    analysed();
     let compound_axis_level = compound(
         &perfect,
         &exact_ways,
@@ -132,7 +131,7 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
         Preset::None,
         COMPARED_DIVISOR,
     )?;
-    stage.advance(1);
+    analysed();
     let searches = searches::study(
         &noise_free_session,
         &noise_free,
@@ -140,7 +139,7 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
         &truth,
         plan.search_stride(),
     )?;
-    stage.advance(1);
+    analysed();
     let identifiability = identifiability::study(
         plan,
         &noise_free_session,
@@ -149,7 +148,7 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
         iterations_with_errors,
         &truth,
     )?;
-    stage.advance(1);
+    analysed();
     let orders = orders::study(
         simulations
             .compound_halved
@@ -158,7 +157,7 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
         &truth,
         &plan.order_divisors(),
     )?;
-    stage.advance(1);
+    analysed();
     let history = history(&simulations, &perfect, &repeated, &laboratory, &with_errors)?;
     let mut results = Results {
         seed: plan.seed,
@@ -188,7 +187,7 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
         bars: Vec::new(),
     };
     results.bars = bars::judge(&results);
-    stage.advance(1);
+    analysed();
     Ok(results)
 }
 

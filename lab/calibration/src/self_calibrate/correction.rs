@@ -1,8 +1,8 @@
 //! What a calibration says of its own scale factors, and a calibration with others.
 
+use crate::calibration::Calibration;
+use crate::verdict::Grade;
 use anyhow::{Result, ensure};
-use sixaxis_calibration::calibration::Calibration;
-use sixaxis_calibration::verdict::Grade;
 use sixaxis_core::LIMBS;
 use sixaxis_core::redundancy::self_calibration::PerLimbs;
 
