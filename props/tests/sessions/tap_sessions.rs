@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
-use sixaxis_calibration::verdict::{Grade, Judgement, Unwatched, judge};
+use sixaxis_calibration::calibrate::{CalibratedSession, Options, calibrate};
+use sixaxis_calibration::progress::NoProgress;
+use sixaxis_calibration::report::Grade;
 use sixaxis_core::LIMBS;
 use sixaxis_props::compare::within;
 use sixaxis_props::evidence::Row;
@@ -30,13 +32,13 @@ fn plan(taps: usize) -> SessionPlan {
 }
 
 /// Judges a session from its files.
-fn judged(played: &PlayedSession, name: &str) -> Judgement {
+fn judged(played: &PlayedSession, name: &str) -> CalibratedSession {
     let folder: PathBuf =
         std::env::temp_dir().join(format!("sixaxis-taps-{name}-{}", std::process::id()));
     let session = write(played, &folder, "npz").expect("it can be written");
     let judgement = SessionFile::read(&session)
         .map_err(Into::into)
-        .and_then(|file| judge(&file, &Unwatched));
+        .and_then(|file| calibrate(&file, &Options::default(), &NoProgress));
     std::fs::remove_dir_all(&folder).expect("it can be cleared away");
     judgement.expect("the session is sound")
 }
@@ -51,7 +53,7 @@ fn ref_a_session_with_taps_determines_stiffness_and_changes_nothing_else() {
         "taps change the other recordings"
     );
     let (with, without) = (judged(&played, "two"), judged(&without, "none"));
-    let of = |judgement: &Judgement| {
+    let of = |judgement: &CalibratedSession| {
         judgement
             .parameters
             .iter()

@@ -3,7 +3,8 @@
 use sixaxis_core::identify::joint::estimate::PARAMETERS;
 
 use super::JointReport;
-use crate::interval::{ParameterReport, TAP_IT, is_determined};
+use crate::interval::{TAP_IT, is_determined};
+use crate::report::ParameterReport;
 use sixaxis_core::significance::NORMAL_95;
 
 /// Deviation, in that of the gain, of an interval that is the gain's alone: the quadrature needs some.

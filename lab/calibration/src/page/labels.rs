@@ -1,6 +1,6 @@
 //! How parameters, recordings and directions are written.
 
-use crate::interval::ParameterReport;
+use crate::report::ParameterReport;
 use sixaxis_recordings::session::Role;
 
 use sixaxis_core::identify::Verdict;
