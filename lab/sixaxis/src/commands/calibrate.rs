@@ -311,7 +311,7 @@ fn summary(calibrated: &CalibratedSession, targets: &Targets) -> String {
                 &mut out,
                 "  - ",
                 "    ",
-                &format!("{}: {place}", finding.cause.words()),
+                &format!("{}: {place}", finding.cause.name()),
             );
             wrapped(&mut out, "    ", "    ", &finding.evidence);
         }

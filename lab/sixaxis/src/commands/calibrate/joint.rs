@@ -53,13 +53,13 @@ pub fn print(out: &mut String, calibrated: &CalibratedSession) {
     let line = match &calibrated.joint {
         Some(Ok(joint)) => format!(
             "by {}: misfit {:.3}, where noise alone leaves at most {:.3}",
-            calibrated.estimator.words(),
+            calibrated.estimator.name(),
             joint.misfit.per_degree,
             joint.misfit.limit()
         ),
         _ => format!(
             "by the four steps, and not kept: {} refuses",
-            calibrated.estimator.words()
+            calibrated.estimator.name()
         ),
     };
     wrapped(out, "  ", "  ", &line);
