@@ -40,16 +40,20 @@ pub mod recording;
 pub mod redundancy;
 pub mod scheme;
 pub mod significance;
+pub mod six_axis;
+pub mod unobservable;
 
-pub use decouple::{Decoupler, SixAxis};
+pub use decouple::Decoupler;
 pub use error::{Error, Result};
 pub use geometry::{Geometry, LIMBS};
 pub use limb_set::LimbSet;
-pub use model::{InertiaPerMass, Parameters, Sensor, Settings, StaticResponse};
-pub use paper::pose::LimbLaw;
-pub use paper::signal::Gains;
+pub use model::{
+    Gains, InertiaPerMass, LimbLaw, Model, Parameters, Sensor, Settings, StaticResponse,
+};
 pub use redundancy::FaultTolerant;
 pub use scheme::Scheme;
+pub use six_axis::SixAxis;
+pub use unobservable::{LostLoad, UnobservableDirections};
 
 /// The README's example, compiled and run with the doc tests.
 #[cfg(doctest)]
