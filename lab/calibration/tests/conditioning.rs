@@ -3,8 +3,10 @@
 use std::path::Path;
 
 use glam::DVec3;
+use sixaxis_calibration::calibrate::CalibratedSession;
 use sixaxis_calibration::conditioning::{Conditioning, Stage};
 use sixaxis_calibration::page::calibration::page;
+use sixaxis_calibration::report::{Estimator, Grade};
 use sixaxis_calibration::tap::Taps;
 use sixaxis_calibration::trial::Trial;
 
