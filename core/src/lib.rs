@@ -7,7 +7,7 @@
 //!
 //! | Module | Contents |
 //! |---|---|
-//! | [`geometry`], [`limb_set`], [`model`], [`scheme`] | the sensor, its 25 parameters, the settings of a run |
+//! | [`geometry`], [`limb_set`], [`model`], [`parameter`], [`scheme`] | the sensor, its 25 parameters, the settings of a run |
 //! | [`paper`] | equations (1) to (11) as printed |
 //! | [`decouple`] | decoupling: sample by sample, along a recording, along eight recordings at once; with excluded limbs; with uncertainties |
 //! | [`identify`] | the four steps that find the parameters, and estimators of all or single parameters |
@@ -36,6 +36,7 @@ pub mod kernel;
 pub mod limb_set;
 pub mod model;
 pub mod paper;
+pub mod parameter;
 pub mod recording;
 pub mod redundancy;
 pub mod scheme;
@@ -50,6 +51,7 @@ pub use limb_set::LimbSet;
 pub use model::{
     Gains, InertiaPerMass, LimbLaw, Model, Parameters, Sensor, Settings, StaticResponse,
 };
+pub use parameter::Parameter;
 pub use redundancy::FaultTolerant;
 pub use scheme::Scheme;
 pub use six_axis::SixAxis;

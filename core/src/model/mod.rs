@@ -7,7 +7,7 @@ mod parameters;
 mod sensor;
 mod settings;
 
-pub use parameters::{InertiaPerMass, PARAMETERS, Parameters, STIFFNESS_PER_MASS_RANGE_PER_S2};
+pub use parameters::{InertiaPerMass, Parameters, STIFFNESS_PER_MASS_RANGE_PER_S2};
 pub use sensor::{Gains, Sensor};
 pub use settings::{LimbLaw, Settings, StaticResponse};
 

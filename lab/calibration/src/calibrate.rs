@@ -39,6 +39,7 @@ use crate::report::{Estimator, Grade, ParameterReport, TrialReport, ValidationRu
 use crate::steps::FourSteps;
 use crate::tap::Taps;
 use crate::trial::Trial;
+use sixaxis_core::Parameter;
 use sixaxis_recordings::session::{Session, SessionFile};
 
 /// What may be asked for.
@@ -243,10 +244,10 @@ fn unexplained(evidence: String) -> Finding {
 
 /// Parameters other than k/m that the trials do not determine.
 fn undetermined(parameters: &[ParameterReport]) -> Option<Finding> {
-    let names: Vec<&str> = parameters
+    let names: Vec<String> = parameters
         .iter()
-        .filter(|p| !p.determined && p.name != "k/m")
-        .map(|p| p.name.as_str())
+        .filter(|p| !p.determined && p.parameter != Parameter::Stiffness)
+        .map(|p| p.parameter.to_string())
         .collect();
     (!names.is_empty()).then(|| Finding {
         cause: Cause::UnderExcitedAxis,

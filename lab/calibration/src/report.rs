@@ -2,6 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use sixaxis_core::Parameter;
 use sixaxis_recordings::session::Role;
 
 /// The judgement in one word.
@@ -62,8 +63,10 @@ impl Estimator {
 /// One of the 25 parameters as it is known.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ParameterReport {
-    /// Name as in the paper: `d1`, `s1/m`, `I1/m`, `k/m`.
-    pub name: String,
+    /// By its name in the paper: `d1`, `s1/m`, `I1/m`, `k/m`.
+    #[serde(rename = "name")]
+    #[schemars(with = "String")]
+    pub parameter: Parameter,
     /// Unit of all numbers here.
     pub unit: String,
     /// Estimate. For k/m that is not determined, the design's.

@@ -7,11 +7,11 @@ use sixaxis_calibration::estimate::Estimate;
 use sixaxis_calibration::joint::{JointReport, Loss};
 use sixaxis_calibration::progress::NoProgress;
 use sixaxis_core::identify::{Reason, Verdict};
+use sixaxis_core::parameter::PARAMETERS;
 use sixaxis_recordings::session::Session;
 use sixaxis_reference::session::plan::SessionPlan;
 use sixaxis_reference::session::play::{Played, PlayedSession, play};
 
-use crate::parameter::{PARAMETERS, values};
 use crate::prepared::prepare;
 use crate::row::{Group, Row, Scalar, Status, Text, Values};
 
@@ -42,7 +42,7 @@ pub fn calibrate(plan: &SessionPlan, seed: u64) -> Row {
             .as_ref()
             .map_or_else(|failure| failure.status, |_| Status::Calibrated),
     );
-    row.set_group(Group::Truth, values(&truth.parameters).map(Some));
+    row.set_group(Group::Truth, truth.parameters.to_paper_order().map(Some));
     row.set_scalar(
         Scalar::AccelerometerGainError,
         truth.instruments.accelerometer_gain_error,
@@ -96,7 +96,7 @@ fn identify(session: &Session, recordings: Vec<Played>) -> Result<Estimate, Fail
 /// Enters what the laboratory finds.
 fn enter(found: &Estimate, row: &mut Row) {
     let steps = &found.steps;
-    row.set_group(Group::FourSteps, values(&steps.found()).map(Some));
+    row.set_group(Group::FourSteps, steps.found().to_paper_order().map(Some));
     if let Some(noise) = found.noise() {
         // k/m is no linear function of anything: the closed form has its reciprocal.
         let deviation = |i: usize| (i < PARAMETERS - 1).then(|| noise[(i, i)].sqrt());

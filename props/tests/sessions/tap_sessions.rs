@@ -6,6 +6,7 @@ use sixaxis_calibration::calibrate::{CalibratedSession, Options, calibrate};
 use sixaxis_calibration::progress::NoProgress;
 use sixaxis_calibration::report::Grade;
 use sixaxis_core::LIMBS;
+use sixaxis_core::Parameter;
 use sixaxis_props::compare::within;
 use sixaxis_props::evidence::Row;
 use sixaxis_props::strategy::seed;
@@ -57,7 +58,7 @@ fn ref_a_session_with_taps_determines_stiffness_and_changes_nothing_else() {
         judgement
             .parameters
             .iter()
-            .find(|p| p.name == "k/m")
+            .find(|p| p.parameter == Parameter::Stiffness)
             .expect("k/m is reported")
             .clone()
     };

@@ -24,7 +24,7 @@ use glam::{DMat3, DQuat, DVec3};
 use nalgebra::{SMatrix, SVector};
 
 use super::influence::{arms_m, column};
-use super::parameters::{Covariance, DRIFT, INERTIA, SCALE};
+use super::parameters::Covariance;
 use super::root::{CARRIED, out_of_range, square_root};
 use crate::error::{Error, Result};
 use crate::float::sqrt;
@@ -32,6 +32,7 @@ use crate::geometry::{DIRECTIONS_SHELL, LIMBS};
 use crate::model::{InertiaPerMass, Model, Parameters, Sensor, Settings};
 use crate::paper::limb_stream::LimbStream;
 use crate::paper::pose::Pose;
+use crate::parameter::{DRIFT, INERTIA, SCALE};
 use crate::six_axis::SixAxis;
 
 /// Noise of the nine voltages as the decoupler sees them.

@@ -1,6 +1,6 @@
 //! The parameters of the estimator that was asked for.
 
-use sixaxis_core::Parameters;
+use sixaxis_core::{Parameter, Parameters};
 
 use crate::estimate::Estimate;
 use crate::finding::{Cause, Finding};
@@ -84,7 +84,9 @@ impl Chosen {
 }
 
 fn stiffness(parameters: &[ParameterReport]) -> Option<&ParameterReport> {
-    parameters.iter().find(|p| p.name == "k/m")
+    parameters
+        .iter()
+        .find(|p| p.parameter == Parameter::Stiffness)
 }
 
 /// A joint fit that was asked for and cannot be had: there is no calibration then.

@@ -1,7 +1,7 @@
 //! Covariances of the parameters that a calibration has.
 
 use sixaxis_core::LIMBS;
-use sixaxis_core::decouple::uncertainty::PARAMETERS;
+use sixaxis_core::parameter::PARAMETERS;
 
 use super::choice::Chosen;
 use crate::calibration::{Covariance, PropagatedCovariance};

@@ -14,6 +14,7 @@ mod validation;
 
 use crate::calibrate::CalibratedSession;
 use crate::report::Grade;
+use sixaxis_core::Parameter;
 use sixaxis_recordings::session::{Limits, SessionFile};
 
 use super::labels::{self, largest, symbol};
@@ -127,8 +128,8 @@ fn tiles(limits: &Limits, calibrated: &CalibratedSession) -> Vec<Tile> {
         calibrated
             .parameters
             .iter()
-            .filter(|p| labels::has_scale(p))
-            .filter_map(|p| Some((p.half_width_95? / p.estimate.abs(), symbol(&p.name)))),
+            .filter(|p| p.parameter.has_size())
+            .filter_map(|p| Some((p.half_width_95? / p.estimate.abs(), symbol(p.parameter)))),
     );
     let mut tiles = vec![
         Tile::new("Verdict", word, note, verdict),
@@ -154,7 +155,11 @@ fn tiles(limits: &Limits, calibrated: &CalibratedSession) -> Vec<Tile> {
             "no parameter was identified",
         ),
     ];
-    if let Some(stiffness) = calibrated.parameters.iter().find(|p| p.name == "k/m") {
+    if let Some(stiffness) = calibrated
+        .parameters
+        .iter()
+        .find(|p| p.parameter == Parameter::Stiffness)
+    {
         tiles.push(if stiffness.determined {
             Tile::new(
                 "$k/m$",

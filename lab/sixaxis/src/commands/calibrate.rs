@@ -333,7 +333,7 @@ fn summary(calibrated: &CalibratedSession, targets: &Targets) -> String {
                 &mut out,
                 "  ",
                 "  ",
-                &format!("{}: {}", parameter.name, parameter.remark),
+                &format!("{}: {}", parameter.parameter, parameter.remark),
             );
         }
     }

@@ -54,7 +54,7 @@ fn beside(calibrated: &CalibratedSession, joint: &JointReport) -> Table {
             reports
                 .iter()
                 .zip(&calibrated.four_steps)
-                .filter(|(joint, _)| joint.name.starts_with(letter))
+                .filter(|(joint, _)| joint.parameter.symbol() == letter)
                 .map(|(joint, steps)| row(joint, steps, per_si)),
         );
     }
@@ -106,7 +106,7 @@ fn row(joint: &ParameterReport, steps: &ParameterReport, per_si: f64) -> Row {
         _ => Cell::from(MISSING),
     };
     Row::new(
-        symbol(&joint.name),
+        symbol(joint.parameter),
         [
             Cell::from(a).title(all(joint)),
             Cell::from(a_half),
