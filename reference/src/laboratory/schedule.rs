@@ -1,49 +1,56 @@
 //! Which trials a plan asks for: steps 2, 3 and 4 in turn, then the three compound runs.
 
 use glam::{DQuat, DVec3};
+use rand_pcg::Pcg64;
 use sixaxis_calibration::session::Role;
 
 use super::defect::Defect;
 use super::plan::{RigPlan, SessionPlan};
-use crate::campaign::WEDGES;
 use crate::paper;
-use crate::rig::{Mode, Run};
+use crate::rig::run::{Mode, Mounting, Run, WEDGES};
+use crate::sensor::TrueSensor;
 
-/// One trial to be played.
+/// One trial to be simulated.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Planned {
+pub struct PlannedTrial {
     /// Name of its recording, without extension.
     pub name: String,
     /// What it is for.
     pub role: Role,
-    /// What the rig does.
-    pub mode: Mode,
-    /// Crank frequency, Hz.
-    pub frequency_hz: f64,
-    /// Which wedge, if it is one of the six.
+    /// What the rig does, with the direction that the session file states.
+    pub run: Run,
+    /// Which of [`WEDGES`] the sensor stands on, if it is one of them.
     pub wedge: Option<usize>,
-    /// Unit vector that the session file states.
-    pub direction: DVec3,
+    /// How the sensor hangs.
+    pub mounting: Mounting,
 }
 
-impl Planned {
-    /// The rig's run with the sensor on a wedge that truly has this direction.
+impl PlannedTrial {
+    /// Gravity in the sensor's axes at rest if the stated direction is the true one, m/s^2.
     #[must_use]
-    pub fn run(&self, rig: &RigPlan, direction: DVec3) -> Run {
+    pub fn gravity_ground_m_s2(&self) -> DVec3 {
+        self.mounting.gravity_ground_m_s2(self.run.direction_ground)
+    }
+}
+
+impl RigPlan {
+    /// A run of this rig.
+    #[must_use]
+    pub fn run(&self, mode: Mode, frequency_hz: f64, direction: DVec3) -> Run {
         Run {
-            slider_amplitude_m: rig.slider_amplitude_m,
-            rotation_amplitude_rad: rig.rotation_amplitude_rad,
-            rest_s: rig.rest_s,
-            ramp_periods: rig.ramp_periods,
-            steady_periods: rig.steady_periods,
-            ..Run::new(self.mode, self.frequency_hz, direction)
+            slider_amplitude_m: self.slider_amplitude_m,
+            rotation_amplitude_rad: self.rotation_amplitude_rad,
+            rest_s: self.rest_s,
+            ramp_periods: self.ramp_periods,
+            steady_periods: self.steady_periods,
+            ..Run::new(mode, frequency_hz, direction)
         }
     }
 }
 
 /// The trials of a plan, in the order in which they are numbered.
 #[must_use]
-pub fn trials(plan: &SessionPlan, defect: Option<&Defect>) -> Vec<Planned> {
+pub fn trials(plan: &SessionPlan, defect: Option<&Defect>) -> Vec<PlannedTrial> {
     let per_step = plan.trials_per_step;
     let mut trials = Vec::new();
     for (word, role, mode, (low, high)) in [
@@ -77,30 +84,38 @@ pub fn trials(plan: &SessionPlan, defect: Option<&Defect>) -> Vec<Planned> {
                 Some(wedges) => (None, wedges[i % wedges.len()]),
                 None => (Some(i % WEDGES.len()), WEDGES[i % WEDGES.len()]),
             };
-            trials.push(Planned {
+            trials.push(PlannedTrial {
                 name: format!("{word}-{:02}", i + 1),
                 role,
-                mode,
-                frequency_hz: low + (high - low) * share,
+                run: plan.rig.run(mode, low + (high - low) * share, direction),
                 wedge,
-                direction: direction.normalize(),
+                mounting: plan.rig.mounting,
             });
         }
     }
-    trials.extend(
-        paper::COMPOUND_TABLES
-            .iter()
-            .enumerate()
-            .map(|(i, table)| Planned {
-                name: format!("compound-{:02}", i + 1),
-                role: Role::Validation,
-                mode: Mode::Compound,
-                frequency_hz: table.frequency_hz,
-                wedge: WEDGES.iter().position(|w| *w == table.direction),
-                direction: table.direction.normalize(),
-            }),
-    );
+    trials.extend(compound_trials(&plan.rig));
     trials
+}
+
+/// The three runs of Tables 4 to 6.
+#[must_use]
+pub fn compound_trials(rig: &RigPlan) -> [PlannedTrial; 3] {
+    core::array::from_fn(|i| {
+        let table = &paper::COMPOUND_TABLES[i];
+        PlannedTrial {
+            name: format!("compound-{:02}", i + 1),
+            role: Role::Validation,
+            run: rig.run(Mode::Compound, table.frequency_hz, table.direction),
+            wedge: WEDGES.iter().position(|w| *w == table.direction),
+            mounting: rig.mounting,
+        }
+    })
+}
+
+/// The sensor of a trial that is another sensor's.
+#[must_use]
+pub fn foreign_sensor(seed: u64) -> TrueSensor {
+    TrueSensor::random(&mut Pcg64::new(u128::from(seed), 1))
 }
 
 /// Wedges that lie in the plane square to an axis.
