@@ -18,9 +18,9 @@ use sixaxis_benches::limits::{
 use sixaxis_benches::peer::{self, PeerDecoupler};
 use sixaxis_benches::problem::{self, Answer, DECOUPLE_RATE_HZ, Recorded};
 use sixaxis_benches::{MEASUREMENT_TIME, SAMPLE_SIZE, WARM_UP_TIME, validate};
-use sixaxis_core::kernel::wide::LANES;
-use sixaxis_core::lanes::push_lanes;
-use sixaxis_core::record::Accelerations;
+use sixaxis_core::decouple::lanes::push_lanes;
+use sixaxis_core::decouple::record::Accelerations;
+use sixaxis_core::kernel::simd::LANES;
 use sixaxis_core::{Decoupler, LIMBS, RigidDecoupler, Scheme, SixAxis};
 
 fn name(scheme: Scheme) -> &'static str {

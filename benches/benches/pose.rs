@@ -7,7 +7,7 @@ use glam::DVec3;
 use sixaxis_benches::peer::{PeerGeometry, PeerPose};
 use sixaxis_benches::problem::{self, Poses};
 use sixaxis_benches::{MEASUREMENT_TIME, SAMPLE_SIZE, WARM_UP_TIME, validate};
-use sixaxis_core::pose::Pose;
+use sixaxis_core::paper::pose::Pose;
 use sixaxis_core::{Geometry, LIMBS};
 
 /// The core: closed form at each node, then the rotation's fit.

@@ -16,7 +16,7 @@ use glam::{DQuat, DVec3};
 use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, SMatrix, SVector, Vector3};
 use sixaxis_core::geometry::DIRECTIONS_SHELL;
 use sixaxis_core::identify::inertia::regressor;
-use sixaxis_core::preload::static_preload_m_s2;
+use sixaxis_core::paper::preload::static_preload_m_s2;
 use sixaxis_core::{Geometry, LIMBS, Parameters};
 
 use crate::problem::{Answer, InertiaRows, Recorded, ScaleRows};

@@ -10,9 +10,9 @@ use sixaxis_benches::problem::{
     stiffness_run, true_parameters,
 };
 use sixaxis_benches::validate::{self, Refusal, Report};
-use sixaxis_core::decoupler::Decoupler;
+use sixaxis_core::decouple::stream::Decoupler;
 use sixaxis_core::identify::stiffness::rate_norm_sum;
-use sixaxis_core::pose::Pose;
+use sixaxis_core::paper::pose::Pose;
 use sixaxis_core::{Geometry, LimbLaw, Parameters, Scheme, Settings};
 
 /// The least by which each wrong ingredient must miss its limit: error over limit. Measured, and rounded down.

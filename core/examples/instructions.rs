@@ -7,11 +7,11 @@ use std::array::from_fn;
 use std::hint::black_box;
 
 use glam::DVec3;
+use sixaxis_core::decouple::lanes::push_lanes;
 use sixaxis_core::identify::inertia::InertiaIdentification;
 use sixaxis_core::identify::scale::ScaleIdentification;
-use sixaxis_core::kernel::wide::LANES;
-use sixaxis_core::lanes::push_lanes;
-use sixaxis_core::pose::Pose;
+use sixaxis_core::kernel::simd::LANES;
+use sixaxis_core::paper::pose::Pose;
 use sixaxis_core::{
     Decoupler, Gains, Geometry, InertiaPerMass, LIMBS, LimbSet, Parameters, RigidDecoupler, Scheme,
     Sensor, Settings,
@@ -102,7 +102,7 @@ fn run(name: &str, rows: &[[f64; LIMBS]]) -> Result<(), Box<dyn std::error::Erro
         ..Settings::new(RATE_HZ)
     };
     let mut decoupler = Decoupler::new(&SENSOR, &parameters(), &settings)?;
-    decoupler.do_without(without)?;
+    decoupler.set_excluded(without)?;
     match name {
         "record" => decoupler.push_record(rows, &mut |done| {
             black_box(done);
@@ -126,7 +126,7 @@ fn run(name: &str, rows: &[[f64; LIMBS]]) -> Result<(), Box<dyn std::error::Erro
             // In mid-stream, there and back.
             decoupler.push_record(&rows[..8], &mut |_| {})?;
             for i in 0..rows.len() {
-                decoupler.do_without(black_box(failed(3 * (i % 2))?))?;
+                decoupler.set_excluded(black_box(failed(3 * (i % 2))?))?;
             }
             black_box(decoupler);
         }
@@ -161,7 +161,7 @@ fn run(name: &str, rows: &[[f64; LIMBS]]) -> Result<(), Box<dyn std::error::Erro
         }
         name if name.starts_with("push/rigid/") => {
             let mut rigid = RigidDecoupler::new(&SENSOR, &parameters(), &settings)?;
-            rigid.do_without(without)?;
+            rigid.set_excluded(without)?;
             for row in rows {
                 black_box(&rigid.push(black_box(row))?);
             }

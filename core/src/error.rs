@@ -2,9 +2,9 @@
 
 use thiserror::Error;
 
-use crate::parity::LimbSet;
-use crate::parity::reconstruction::LostLoad;
-use crate::self_calibration::OpenDirections;
+use crate::limb_set::LimbSet;
+use crate::redundancy::reconstruction::LostLoad;
+use crate::redundancy::self_calibration::UnobservableDirections;
 
 /// Every way in which input to this crate can be refused.
 ///
@@ -162,7 +162,7 @@ pub enum Error {
     },
     /// What follows the largest sample of a recording is not the free decay of the mass in its shell.
     #[error(
-        "after its largest sample the recording rings like the sensor's six modes to {:.0} % only: no blow, or a shell that was not held still after it",
+        "after its largest sample the recording rings like the sensor's six modes to {:.0} % only: no tap, or a shell that was not held still after it",
         100.0 * explained
     )]
     NoRingDown {
@@ -181,21 +181,21 @@ pub enum Error {
         /// Smallest sample rate that will do.
         needed_hz: f64,
     },
-    /// Limbs that cannot be done without together.
-    #[error("limbs {failed} failed: of {load} the others show nothing")]
+    /// Limbs that cannot be excluded together.
+    #[error("limbs {excluded} excluded: the remaining limbs cannot observe {load}")]
     LostLoad {
         /// The limbs.
-        failed: LimbSet,
+        excluded: LimbSet,
         /// What loads none but them.
         load: LostLoad,
     },
-    /// A motion too poor to tell all scale ratios.
+    /// A motion that does not determine all scale ratios.
     #[error(
-        "scale ratios: the motion leaves open {open}; turn the sensor about more axes, or longer"
+        "scale ratios: the motion does not determine {directions}; turn the sensor about more axes, or longer"
     )]
-    ScaleRatiosOpen {
-        /// What it leaves open.
-        open: OpenDirections,
+    UnobservableScaleRatios {
+        /// What it does not determine.
+        directions: UnobservableDirections,
     },
     /// An iteration did not settle within its cap.
     #[error("{what} did not converge in {iterations} iterations")]

@@ -4,23 +4,23 @@
 //! Euler's equation of the shell. A third of the work of [`crate::Decoupler`], and good below the threshold frequencies;
 //! at the rig's 5 Hz it is off by 3e-4 of full scale, growing with the square of the frequency.
 
-use crate::decoupler::{SixAxis, Start, to_ground};
+use crate::decouple::stream::{SixAxis, Start, to_ground};
 use crate::error::{Error, Result};
 use crate::geometry::LIMBS;
 use crate::kernel::attitude::{
     HALF_ANGLE_SQUARED_LIMIT, Quaternion, exp, exp_exactly, half_rotation,
 };
-use crate::kernel::constants::{Constants, limb_by_limb};
-use crate::kernel::heard::Heard;
+use crate::kernel::channel_mask::ChannelMask;
+use crate::kernel::constants::{Constants, to_kernel_order};
+use crate::kernel::number::Scalar;
 use crate::kernel::placement::{self, OVERSTRAIN, RigidLoad};
-use crate::kernel::real::Scalar;
+use crate::kernel::rate::{RateIntegrator, Torques};
 use crate::kernel::shell::ShellMotion;
-use crate::kernel::spin::{Spin, Torques};
-use crate::kernel::vector::Vec3;
-use crate::parameters::Parameters;
-use crate::parity::LimbSet;
+use crate::kernel::vec3::Vec3;
+use crate::limb_set::LimbSet;
+use crate::model::Parameters;
+use crate::model::{Sensor, Settings};
 use crate::scheme::Scheme;
-use crate::settings::{Sensor, Settings};
 
 /// Streaming decoupler that neglects the motion of the mass in the shell.
 ///
@@ -30,7 +30,7 @@ use crate::settings::{Sensor, Settings};
 pub struct RigidDecoupler<T: Scalar = f64> {
     /// With no strain of limbs that are done without.
     constants: Constants<T>,
-    heard: Heard<T>,
+    mask: ChannelMask<T>,
     /// Of all limbs.
     all: Constants<T>,
     /// The last row: to be worked on anew when limbs are done without.
@@ -41,7 +41,7 @@ pub struct RigidDecoupler<T: Scalar = f64> {
     start: Start<T>,
     received: u64,
     now: RigidLoad<T>,
-    spin: Spin<T>,
+    spin: RateIntegrator<T>,
     shell: ShellMotion<T>,
     attitude: Quaternion<T>,
 }
@@ -73,9 +73,9 @@ impl<T: Scalar> RigidDecoupler<T> {
         let start = Start::new(settings);
         let zeros = Vec3::default();
         Ok(Self {
-            spin: Spin::start(constants.gyroscopic, zeros, zeros),
+            spin: RateIntegrator::start(constants.gyroscopic, zeros, zeros),
             constants,
-            heard: Heard::without(LimbSet::EMPTY, &exact)?,
+            mask: ChannelMask::excluding(LimbSet::EMPTY, &exact)?,
             all: constants,
             last: [T::default(); LIMBS],
             settled: false,
@@ -97,34 +97,34 @@ impl<T: Scalar> RigidDecoupler<T> {
     #[inline(always)]
     pub fn push(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<SixAxis<T>>> {
         if self.settled {
-            let after = placement::rigid(&self.constants, limb_by_limb(*voltage_v));
+            let after = placement::rigid(&self.constants, to_kernel_order(*voltage_v));
             if in_range(&after) {
                 return self.take::<true>(after, voltage_v);
             }
-            self.push_slowly(voltage_v)
+            self.push_checked(voltage_v)
         } else {
-            self.push_without(voltage_v)
+            self.push_excluding(voltage_v)
         }
     }
 
     /// Without limbs. By itself: what is done there wants registers that most streams never need.
     #[inline(never)]
-    fn push_without(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<SixAxis<T>>> {
+    fn push_excluding(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<SixAxis<T>>> {
         if self.received > 1 {
-            let heard = self.heard.voltages(limb_by_limb(*voltage_v));
-            let after = self.heard.fill.rigid(&self.constants, heard);
+            let heard = self.mask.voltages(to_kernel_order(*voltage_v));
+            let after = self.mask.strains.rigid(&self.constants, heard);
             if in_range(&after) {
                 return self.take::<true>(after, voltage_v);
             }
         }
-        self.push_slowly(voltage_v)
+        self.push_checked(voltage_v)
     }
 
     /// The start of a stream, and samples with something wrong in them. The whole sample: coming back from a call, the fast way
     /// would have to keep in memory what it has in registers.
     #[cold]
     #[inline(never)]
-    fn push_slowly(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<SixAxis<T>>> {
+    fn push_checked(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<SixAxis<T>>> {
         let after = self.load(voltage_v);
         self.require_in_range(&after, voltage_v, self.received)?;
         if self.received < 2 {
@@ -154,7 +154,7 @@ impl<T: Scalar> RigidDecoupler<T> {
         let slow = half_angle_squared <= T::from_f64(HALF_ANGLE_SQUARED_LIMIT);
         if !slow {
             if FAST {
-                return self.push_slowly(voltage_v);
+                return self.push_checked(voltage_v);
             }
             turn = self.turn_exactly(half, unit, &motion)?;
         }
@@ -171,15 +171,15 @@ impl<T: Scalar> RigidDecoupler<T> {
     /// anew, so that a channel that failed there leaves no trace. Allocates nothing.
     ///
     /// # Errors
-    /// As [`crate::Decoupler::do_without`]; the decoupler is then unchanged.
+    /// As [`crate::Decoupler::set_excluded`]; the decoupler is then unchanged.
     #[cold]
     #[inline(never)]
-    pub fn do_without(&mut self, failed: LimbSet) -> Result<()> {
+    pub fn set_excluded(&mut self, excluded: LimbSet) -> Result<()> {
         let mut switched = self.clone();
         let all = self.all.map(T::to_f64);
-        switched.heard = Heard::without(failed, &all)?;
-        switched.constants = all.without(failed).rounded();
-        switched.settled = failed.is_empty() && self.received >= 2;
+        switched.mask = ChannelMask::excluding(excluded, &all)?;
+        switched.constants = all.excluding(excluded).rounded();
+        switched.settled = excluded.is_empty() && self.received >= 2;
         if self.received >= 1 {
             let last = self.received - 1;
             switched.now = switched.load(&self.last);
@@ -192,29 +192,29 @@ impl<T: Scalar> RigidDecoupler<T> {
         Ok(())
     }
 
-    /// [`RigidDecoupler::do_without`] before the first sample.
+    /// [`RigidDecoupler::set_excluded`] before the first sample.
     ///
     /// # Errors
     /// As there.
-    pub fn without(mut self, failed: LimbSet) -> Result<Self> {
-        self.do_without(failed)?;
+    pub fn excluding(mut self, excluded: LimbSet) -> Result<Self> {
+        self.set_excluded(excluded)?;
         Ok(self)
     }
 
     /// The limbs that are done without.
     #[must_use]
-    pub fn failed(&self) -> LimbSet {
-        self.heard.failed()
+    pub fn excluded(&self) -> LimbSet {
+        self.mask.excluded()
     }
 
     #[inline(always)]
     fn load(&self, voltage_v: &[T; LIMBS]) -> RigidLoad<T> {
-        let voltage_v = limb_by_limb(*voltage_v);
-        if self.heard.all() {
+        let voltage_v = to_kernel_order(*voltage_v);
+        if self.mask.all() {
             placement::rigid(&self.constants, voltage_v)
         } else {
-            let heard = self.heard.voltages(voltage_v);
-            self.heard.fill.rigid(&self.constants, heard)
+            let heard = self.mask.voltages(voltage_v);
+            self.mask.strains.rigid(&self.constants, heard)
         }
     }
 
@@ -249,11 +249,11 @@ impl<T: Scalar> RigidDecoupler<T> {
             return Ok(None);
         }
         let rate = self.constants.mass_to_principal(self.start.rate);
-        let spin = Spin::start(self.constants.gyroscopic, rate, self.now.torque);
+        let spin = RateIntegrator::start(self.constants.gyroscopic, rate, self.now.torque);
         let motion = self.motion(spin.rate, spin.derivative);
         self.refuse_overflow(&motion)?;
         self.spin = spin;
-        self.settled = self.heard.all();
+        self.settled = self.mask.all();
         self.last = *voltage_v;
         Ok(Some(self.advance(after, motion, self.start.attitude)))
     }
@@ -278,7 +278,7 @@ impl<T: Scalar> RigidDecoupler<T> {
     #[inline(never)]
     fn refuse(&self, voltage_v: &[T; LIMBS], sample: u64) -> Result<()> {
         let constants = self.constants.map(T::to_f64);
-        let heard = self.heard.exact_voltages(voltage_v);
+        let heard = self.mask.exact_voltages(voltage_v);
         placement::refuse(&constants, &heard, sample as usize)
     }
 

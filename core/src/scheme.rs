@@ -1,4 +1,4 @@
-//! How the rate is carried from sample to sample: the choice; [`crate::kernel::spin`] is what each one does.
+//! How the rate is carried from sample to sample: the choice; [`crate::kernel::rate`] is what each one does.
 //!
 //! The right side of (8) is known only where there are samples, so the schemes work on the grid of samples: the
 //! Runge-Kutta scheme steps over pairs of them and fills the odd one in by cubic Hermite interpolation. The one

@@ -7,8 +7,8 @@ use std::process::ExitCode;
 
 use rayon::prelude::*;
 use serde::Serialize;
-use sixaxis_core::fault::Event;
-use sixaxis_core::fault_tolerant::FaultTolerant;
+use sixaxis_core::redundancy::fault::Event;
+use sixaxis_core::redundancy::tolerant::FaultTolerant;
 use sixaxis_core::{Decoupler, SixAxis};
 use sixaxis_props::faults::SAMPLE_RATE_HZ;
 use sixaxis_props::faults::dying::{DIES_AT_S, Played, angle_rad};

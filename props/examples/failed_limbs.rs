@@ -14,11 +14,12 @@ use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use serde::Serialize;
 use sixaxis_calibration::cleaning::Cleaning;
-use sixaxis_calibration::session::Role;
+use sixaxis_core::LimbSet;
 use sixaxis_core::geometry::{DIRECTIONS_SHELL, LIMBS_PER_NODE, NODE_DIRECTIONS_MASS};
-use sixaxis_core::parity::reconstruction::MOST_FAILED;
-use sixaxis_core::parity::{COORDINATION, LimbSet, Reconstruction, SIGNATURES};
-use sixaxis_core::signal::SignalChain;
+use sixaxis_core::paper::signal::SignalChain;
+use sixaxis_core::redundancy::parity::{COORDINATION, SIGNATURES};
+use sixaxis_core::redundancy::reconstruction::MOST_EXCLUDED;
+use sixaxis_core::redundancy::reconstruction::Reconstruction;
 use sixaxis_core::{
     Decoupler, Error, Gains, LIMBS, Parameters, Scheme, Sensor, Settings, SixAxis, StaticResponse,
 };
@@ -26,6 +27,7 @@ use sixaxis_props::joint::{Fitted, small};
 use sixaxis_props::manufactured::examples;
 use sixaxis_props::publication::{Arguments, end};
 use sixaxis_props::rig_runs;
+use sixaxis_recordings::session::Role;
 use sixaxis_reference::campaign::{Laboratory, compound};
 use sixaxis_reference::paper;
 use sixaxis_reference::recording::SimulatedRun;
@@ -82,7 +84,7 @@ fn run() -> Result<(), String> {
     let arguments = Arguments::given();
     let first_seed = arguments.number("--first", 1_000)?;
     let seeds = arguments.number("--count", 10)?;
-    let sets: Vec<LimbSet> = (1..=MOST_FAILED).flat_map(LimbSet::of_size).collect();
+    let sets: Vec<LimbSet> = (1..=MOST_EXCLUDED).flat_map(LimbSet::of_size).collect();
     let free = noise_free(&sets)?;
     let noise = noise(&sets)?;
     let played = played()?;
@@ -219,7 +221,7 @@ fn decouple(
     rows: &[[f64; LIMBS]],
 ) -> Result<Six, String> {
     let mut decoupler = Decoupler::new(sensor, parameters, settings)
-        .and_then(|decoupler| decoupler.without(failed))
+        .and_then(|decoupler| decoupler.excluding(failed))
         .map_err(|e| e.to_string())?;
     let mut answers = Vec::with_capacity(rows.len());
     for row in rows {
@@ -353,7 +355,7 @@ fn in_laboratory(
     found.stiffness_per_mass_per_s2 = truth.stiffness_per_mass_per_s2;
     let recording = Laboratory::with_errors(truth, seed).record(run, RUN);
     let cleaning = Cleaning {
-        stages: sixaxis_calibration::session::Preprocessing::default(),
+        stages: sixaxis_recordings::session::Preprocessing::default(),
         accelerometer_bandwidth_hz: None,
         gyroscope_bandwidth_hz: None,
     };

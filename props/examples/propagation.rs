@@ -8,7 +8,7 @@ use std::process::ExitCode;
 
 use serde::Serialize;
 use sixaxis_calibration::propagation::Sources;
-use sixaxis_core::uncertainty::parameters::standard_deviations;
+use sixaxis_core::decouple::uncertainty::parameters::standard_deviations;
 use sixaxis_props::propagation::monte_carlo::{
     AXES, ClosedForm, Tally, correlations, departures, run_departure,
 };

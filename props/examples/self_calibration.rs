@@ -9,7 +9,9 @@ use glam::DVec3;
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use serde::Serialize;
-use sixaxis_core::self_calibration::{Accumulator, PerLimbs, ScaleRatios, StiffnessTest, drifted};
+use sixaxis_core::redundancy::self_calibration::{
+    Accumulator, PerLimbs, ScaleRatios, StiffnessTest, drifted,
+};
 use sixaxis_core::significance::NORMAL_95;
 use sixaxis_core::{Error, LIMBS};
 use sixaxis_props::publication::{Arguments, end};
@@ -255,7 +257,7 @@ impl Draw {
         );
         let found = match case.ratios(&case.noisy_v(NOISE_SHARE)) {
             Ok(found) => found,
-            Err(Error::ScaleRatiosOpen { .. }) => return Ok(None),
+            Err(Error::UnobservableScaleRatios { .. }) => return Ok(None),
             Err(error) => return Err(at(error)),
         };
         let error = errors(&found, &case.true_ln_ratio());
@@ -457,7 +459,7 @@ fn motions(seed: u64) -> Result<Vec<Motion>, String> {
                     open: None,
                     directions: 0,
                 }),
-                Err(Error::ScaleRatiosOpen { open }) => Ok(Motion {
+                Err(Error::UnobservableScaleRatios { directions: open }) => Ok(Motion {
                     motion,
                     open: Some(open.to_string()),
                     directions: open.len(),

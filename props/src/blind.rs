@@ -6,9 +6,9 @@
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use sixaxis_calibration::session::SessionFile;
 use sixaxis_calibration::suspicion::Cause;
 use sixaxis_calibration::verdict::{Grade, Unwatched, judge};
+use sixaxis_recordings::session::SessionFile;
 use sixaxis_reference::session::defect::Kind;
 use sixaxis_reference::session::plan::{
     ChainPlan, DefectChoice, Engine, RigPlan, SensorChoice, SessionPlan,
@@ -148,6 +148,7 @@ pub fn run(seed: u64, engine: Engine, folder: &Path) -> Result<Outcome, String> 
     // From here on the files have to speak for themselves.
     drop(played);
     let judged = SessionFile::read(&session)
+        .map_err(Into::into)
         .and_then(|file| judge(&file, &Unwatched))
         .map_err(|e| at("judging", &e));
     let cleared = std::fs::remove_dir_all(&own).map_err(|e| at("clearing", &e));

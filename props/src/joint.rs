@@ -3,12 +3,12 @@
 use nalgebra::{SMatrix, SVector};
 use rayon::prelude::*;
 use sixaxis_calibration::joint::{JointReport, Knowledge, Loss, fit};
-use sixaxis_calibration::session::{Role, Session};
 use sixaxis_calibration::steps::{Campaign, FourSteps, GyroscopeGain};
 use sixaxis_campaign::collected::collect;
 use sixaxis_campaign::parameter::{PARAMETERS, values};
 use sixaxis_core::LIMBS;
 use sixaxis_core::identify::scale::ScaleIdentification;
+use sixaxis_recordings::session::{Role, Session};
 use sixaxis_reference::instruments::Instruments;
 use sixaxis_reference::session::plan::{Engine, SensorChoice, SessionPlan};
 use sixaxis_reference::session::play::play;

@@ -9,8 +9,8 @@ use glam::DVec3;
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use rayon::prelude::*;
-use sixaxis_core::decoupler::Decoupler;
-use sixaxis_core::signal::SignalChain;
+use sixaxis_core::decouple::stream::Decoupler;
+use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::{
     Geometry, LIMBS, Parameters, Scheme, Sensor, Settings, SixAxis, StaticResponse,
 };

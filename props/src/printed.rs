@@ -5,10 +5,11 @@
 //! paper's auxiliary angular velocity); forces come per mass, m/s^2, torques per mass, m^2/s^2, inertia per mass, m^2.
 
 use glam::{DMat3, DVec3};
-use sixaxis_core::dynamics::LimbWrench;
-use sixaxis_core::limbs::LimbStream;
-use sixaxis_core::pose::RelativeMotion;
-use sixaxis_core::{InertiaPerMass, LIMBS, Parameters, Sensor, Settings, attitude};
+use sixaxis_core::paper::attitude;
+use sixaxis_core::paper::limb_stream::LimbStream;
+use sixaxis_core::paper::pose::RelativeMotion;
+use sixaxis_core::paper::wrench::LimbWrench;
+use sixaxis_core::{InertiaPerMass, LIMBS, Parameters, Sensor, Settings};
 
 /// Everything in (3) and (8) at one instant except the shell's own rate.
 #[derive(Debug, Clone, Copy, PartialEq)]

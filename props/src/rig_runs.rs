@@ -2,7 +2,7 @@
 //! suites on MuJoCo begin with.
 
 use glam::DVec3;
-use sixaxis_core::decoupler::Decoupler;
+use sixaxis_core::decouple::stream::Decoupler;
 use sixaxis_core::{Geometry, LIMBS, Parameters, Sensor, Settings, SixAxis};
 use sixaxis_reference::campaign::{DAMPING_RATIO, MASS_KG};
 use sixaxis_reference::mjcf::SensorModel;

@@ -2,8 +2,8 @@
 
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
-use sixaxis_core::self_calibration::{Limits, Moments, ScaleRatios};
-use sixaxis_core::signal::SignalChain;
+use sixaxis_core::paper::signal::SignalChain;
+use sixaxis_core::redundancy::self_calibration::{Limits, Moments, ScaleRatios};
 use sixaxis_core::{Gains, Geometry, LIMBS, Parameters, Result, Sensor, Settings};
 use sixaxis_reference::chain::amplifier_ranges;
 use sixaxis_reference::field::{Field, Load, Pace, compliant_forces_m_s2, unequal_forces_m_s2};

@@ -8,7 +8,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use serde::Serialize;
 use sixaxis_core::identify::tap::{Setup, Tap, identify};
-use sixaxis_core::signal::SignalChain;
+use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::significance::NORMAL_95;
 use sixaxis_core::{Geometry, InertiaPerMass, LIMBS, Parameters, Sensor};
 use sixaxis_reference::campaign::{DAMPING_RATIO, MASS_KG};

@@ -4,12 +4,12 @@ use std::array::from_fn;
 use std::hint::black_box;
 
 use allocation_counter::measure;
+use sixaxis_core::decouple::lanes::push_lanes;
+use sixaxis_core::decouple::uncertainty::{ChannelNoise, Covariance, SampleUncertainty};
 use sixaxis_core::identify::inertia::InertiaIdentification;
 use sixaxis_core::identify::scale::ScaleIdentification;
-use sixaxis_core::kernel::wide::LANES;
-use sixaxis_core::lanes::push_lanes;
-use sixaxis_core::self_calibration::{Accumulator, Limits};
-use sixaxis_core::uncertainty::{ChannelNoise, Covariance, SampleUncertainty};
+use sixaxis_core::kernel::simd::LANES;
+use sixaxis_core::redundancy::self_calibration::{Accumulator, Limits};
 use sixaxis_core::{
     Decoupler, Gains, Geometry, LIMBS, LimbSet, RigidDecoupler, Scheme, Sensor, Settings,
     StaticResponse,
@@ -82,7 +82,7 @@ fn inv_a_dying_limb_allocates_nothing() {
             if sample >= 300 {
                 u[4] = scene.parameters.zero_drift_v[4];
             }
-            without = stream.push(&u).expect("a row").without.len();
+            without = stream.push(&u).expect("a row").excluded.len();
         }
     });
     assert_eq!(without, 1);
@@ -119,14 +119,14 @@ fn inv_switching_over_allocates_nothing() {
         .expect("sound");
     let allocated = measure(|| {
         for (i, row) in rows.iter().enumerate() {
-            stream.do_without(sets[i % 5]).expect("survivable");
-            rigid.do_without(sets[i % 5]).expect("survivable");
+            stream.set_excluded(sets[i % 5]).expect("survivable");
+            rigid.set_excluded(sets[i % 5]).expect("survivable");
             count += usize::from(stream.push(row).expect("sound").is_some());
             count += usize::from(rigid.push(row).expect("sound").is_some());
-            count += usize::from(stream.do_without(twins).is_err());
+            count += usize::from(stream.set_excluded(twins).is_err());
         }
         for (piece, set) in rows.chunks(SAMPLES / 5).zip(sets) {
-            record.do_without(set).expect("survivable");
+            record.set_excluded(set).expect("survivable");
             let mut sink = |done: &[_]| count += black_box(done).len();
             record.push_record(piece, &mut sink).expect("sound");
         }

@@ -2,8 +2,8 @@
 
 use glam::{DMat3, DQuat, DVec3};
 use proptest::prelude::*;
-use sixaxis_core::attitude;
-use sixaxis_core::pose::{Pose, RelativeMotion};
+use sixaxis_core::paper::attitude;
+use sixaxis_core::paper::pose::{Pose, RelativeMotion};
 use sixaxis_props::compare::{fails_clearly, largest, within};
 use sixaxis_props::manufactured::curve::cross_matrix;
 use sixaxis_props::strategy::{config, vector};

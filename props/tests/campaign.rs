@@ -5,12 +5,12 @@
 
 use glam::DVec3;
 use proptest::prelude::*;
+use sixaxis_core::dsp::differentiate::Differentiator;
 use sixaxis_core::identify::compliance::CompliantRows;
 use sixaxis_core::identify::inertia::InertiaIdentification;
 use sixaxis_core::identify::scale::ScaleIdentification;
 use sixaxis_core::identify::{stiffness, zero_drift};
-use sixaxis_core::preprocess::differentiate::Differentiator;
-use sixaxis_core::signal::SignalChain;
+use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::{Geometry, LIMBS, Parameters, Scheme};
 use sixaxis_props::compare::largest;
 use sixaxis_props::evidence::Row;

@@ -1,8 +1,8 @@
 //! Failed limbs: false alarms, detection, isolation and naming against failures that were injected.
 
-use sixaxis_core::fault::class::{CLASS_OF, members};
-use sixaxis_core::fault::{Event, Kind};
-use sixaxis_core::parity::{ROWS, residual};
+use sixaxis_core::redundancy::fault::class::{CLASS_OF, members};
+use sixaxis_core::redundancy::fault::{Event, Kind};
+use sixaxis_core::redundancy::parity::{ROWS, residual};
 use sixaxis_core::{Error, Geometry, LIMBS};
 use sixaxis_props::compare::{all_finite, fails_clearly, largest, within};
 use sixaxis_props::faults::null::{curve, false_alarms, noncentral_survival};
@@ -182,7 +182,7 @@ fn prop_a_value_that_is_no_number_is_a_failed_limb_at_once() {
             if sample < 70 {
                 let said = said.expect("a row");
                 let expected = usize::from(sample >= 50) + usize::from(sample >= 60);
-                assert_eq!(said.without.len(), expected, "{bad}, sample {sample}");
+                assert_eq!(said.excluded.len(), expected, "{bad}, sample {sample}");
                 assert!(said.answer.is_none_or(|a| all_finite(&a)));
             } else {
                 let refused = matches!(
@@ -197,7 +197,7 @@ fn prop_a_value_that_is_no_number_is_a_failed_limb_at_once() {
 
 #[test]
 fn prop_settings_without_meaning_are_refused() {
-    use sixaxis_core::fault::{CalibrationErrors, Detector, RowNoise};
+    use sixaxis_core::redundancy::fault::{CalibrationErrors, Detector, RowNoise};
     let noise = RowNoise::from_channels(&[1.0; LIMBS]).expect("noise");
     for rate in [0.0, -1.0, f64::NAN, 0.1] {
         let refused = Detector::new(noise, rate, None);
@@ -215,7 +215,7 @@ fn prop_settings_without_meaning_are_refused() {
 #[test]
 fn prop_a_failure_that_is_over_is_forgotten_when_all_is_quiet() {
     use rand_pcg::Pcg64;
-    use sixaxis_core::fault::monitor::QUIET;
+    use sixaxis_core::redundancy::fault::monitor::QUIET;
     use sixaxis_props::faults::noisy;
     let scene = Scene::random(seed(), 1.0);
     let mut monitor = scene.monitor(FALSE_ALARMS_PER_HOUR);
@@ -257,7 +257,7 @@ fn inv_noncentral_is_central_at_zero() {
 /// limb before it died, and the attitude is that of a sensor that never failed but for noise.
 #[test]
 fn ref_after_the_verdict_no_trace_is_left() {
-    use sixaxis_core::parity::LimbSet;
+    use sixaxis_core::limb_set::LimbSet;
     use sixaxis_core::{Decoupler, FaultTolerant, SixAxis};
     use sixaxis_props::faults::dying::{Played, angle_rad};
     // The torque of limbs 1, 5 and 9 is none: only of the others does the attitude depend.
@@ -280,16 +280,16 @@ fn ref_after_the_verdict_no_trace_is_left() {
             assert!(said.suspected.is_empty() || said.switched.is_none());
         }
         let (when, switch) = switch.expect("it switches");
-        assert_eq!(watched.without(), LimbSet::EMPTY.with(limb));
+        assert_eq!(watched.excluded(), LimbSet::EMPTY.with(limb));
         assert!(switch.reaches_onset && switch.from_sample <= played.onset);
         // Told in time: sound rows until the switch's first, then without the limb.
         let mut told = stream();
         for (sample, row) in played.sound_v.iter().enumerate() {
             if sample as u64 == switch.from_sample {
-                told.do_without(LimbSet::EMPTY.with(limb))
+                told.set_excluded(LimbSet::EMPTY.with(limb))
                     .expect("one limb");
             }
-            let row = if told.without().is_empty() {
+            let row = if told.excluded().is_empty() {
                 row
             } else {
                 &played.failed_v[sample]

@@ -5,12 +5,13 @@ use std::array::from_fn;
 
 use glam::DVec3;
 use nalgebra::{DMatrix, DVector, SMatrix};
+use sixaxis_core::LimbSet;
+use sixaxis_core::decouple::lanes::push_lanes;
+use sixaxis_core::decouple::record::Accelerations;
 use sixaxis_core::geometry::{DIRECTIONS_SHELL, LIMBS_PER_NODE, NODE_DIRECTIONS_MASS};
-use sixaxis_core::kernel::wide::LANES;
-use sixaxis_core::lanes::push_lanes;
-use sixaxis_core::parity::reconstruction::MOST_FAILED;
-use sixaxis_core::parity::{LimbSet, Reconstruction};
-use sixaxis_core::record::Accelerations;
+use sixaxis_core::kernel::simd::LANES;
+use sixaxis_core::redundancy::reconstruction::MOST_EXCLUDED;
+use sixaxis_core::redundancy::reconstruction::Reconstruction;
 use sixaxis_core::{
     Decoupler, Error, Gains, LIMBS, RigidDecoupler, Scheme, Sensor, Settings, SixAxis,
     StaticResponse,
@@ -28,7 +29,7 @@ const SAMPLES: usize = 600;
 
 /// Every set of up to three limbs, the empty one not among them.
 fn sets() -> impl Iterator<Item = LimbSet> {
-    (1..=MOST_FAILED).flat_map(LimbSet::of_size)
+    (1..=MOST_EXCLUDED).flat_map(LimbSet::of_size)
 }
 
 fn survivable() -> impl Iterator<Item = LimbSet> {
@@ -56,7 +57,10 @@ fn prop_93_of_129_sets_leave_six_axes() {
         let rank = svd.rank(1e-9);
         match Reconstruction::new(set) {
             Ok(_) => assert_eq!(rank, 6, "{set}"),
-            Err(Error::LostLoad { failed, load }) => {
+            Err(Error::LostLoad {
+                excluded: failed,
+                load,
+            }) => {
                 assert_eq!(rank, 5, "{set}");
                 assert_eq!(failed, set);
                 // What no limb but failed ones feels is the motion along which the others do not change their lengths.
@@ -146,7 +150,7 @@ impl Case {
 
     fn decoupler(&self, failed: LimbSet) -> Decoupler {
         Decoupler::new(&self.sensor, &self.parameters, &self.settings)
-            .and_then(|decoupler| decoupler.without(failed))
+            .and_then(|decoupler| decoupler.excluding(failed))
             .expect("a sound sensor and a survivable set")
     }
 
@@ -294,7 +298,7 @@ fn inv_single_precision_does_without_limbs() {
     let case = Case::manufactured(Scheme::Heun);
     let single = |set: LimbSet| -> Vec<Accelerations> {
         let mut decoupler = Decoupler::new_f32(&case.sensor, &case.parameters, &case.settings)
-            .and_then(|decoupler| decoupler.without(set))
+            .and_then(|decoupler| decoupler.excluding(set))
             .expect("sound");
         let rows = case.spoilt(set);
         let push = |row: &[f64; LIMBS]| decoupler.push(&row.map(|u| u as f32)).expect("sound");
@@ -322,7 +326,7 @@ fn inv_rigid_limbs_are_done_without() {
     let rigid = |set: LimbSet| -> Vec<Accelerations> {
         let mut decoupler =
             RigidDecoupler::new(&case.sensor, &case.parameters, &case.settings).expect("sound");
-        decoupler.do_without(set).expect("survivable");
+        decoupler.set_excluded(set).expect("survivable");
         let rows = case.spoilt(set);
         let push = |row| decoupler.push(row).expect("sound");
         rows.iter().filter_map(push).map(|s| six(&s)).collect()
@@ -374,11 +378,11 @@ fn inv_switching_over_leaves_no_jump() {
                 for (i, row) in rows.iter().enumerate() {
                     samples.extend(decoupler.push(row).expect("finite"));
                     if switches && i == breaks {
-                        decoupler.do_without(set).expect("survivable");
-                        assert_eq!(decoupler.failed(), set);
+                        decoupler.set_excluded(set).expect("survivable");
+                        assert_eq!(decoupler.excluded(), set);
                     }
                     if switches && i == sound.max(breaks + 2) {
-                        decoupler.do_without(LimbSet::EMPTY).expect("all nine");
+                        decoupler.set_excluded(LimbSet::EMPTY).expect("all nine");
                     }
                 }
                 samples
@@ -425,17 +429,17 @@ fn inv_a_refused_switch_changes_nothing() {
     let before = decoupler.clone();
     let twins = LimbSet::from_numbers([2, 4]).expect("limbs");
     assert!(matches!(
-        decoupler.do_without(twins),
+        decoupler.set_excluded(twins),
         Err(Error::LostLoad { .. })
     ));
     assert_eq!(decoupler, before);
     // A limb that is taken back must be sound.
     let one = LimbSet::from_numbers([5]).expect("a limb");
-    decoupler.do_without(one).expect("survivable");
+    decoupler.set_excluded(one).expect("survivable");
     let mut row = case.voltage_v[20];
     row[4] = f64::NAN;
     decoupler.push(&row).expect("channel 5 is not listened to");
-    let error = decoupler.do_without(LimbSet::EMPTY).expect_err("NaN");
+    let error = decoupler.set_excluded(LimbSet::EMPTY).expect_err("NaN");
     assert!(
         matches!(
             error,
@@ -447,7 +451,7 @@ fn inv_a_refused_switch_changes_nothing() {
         ),
         "{error}"
     );
-    assert_eq!(decoupler.failed(), one);
+    assert_eq!(decoupler.excluded(), one);
     // The others are still watched.
     row[6] = f64::INFINITY;
     let error = decoupler.push(&row).expect_err("infinity");

@@ -3,8 +3,8 @@
 
 use glam::DVec3;
 use proptest::prelude::*;
-use sixaxis_core::limbs::LimbStream;
-use sixaxis_core::parameters::STIFFNESS_PER_MASS_RANGE_PER_S2;
+use sixaxis_core::model::STIFFNESS_PER_MASS_RANGE_PER_S2;
+use sixaxis_core::paper::limb_stream::LimbStream;
 use sixaxis_core::{
     Decoupler, Error, Gains, Geometry, InertiaPerMass, LIMBS, Parameters, Result, Scheme, Sensor,
     Settings, SixAxis, StaticResponse,

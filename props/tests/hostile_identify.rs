@@ -2,14 +2,14 @@
 
 use glam::DVec3;
 use proptest::prelude::*;
-use sixaxis_core::dynamics::LimbWrench;
 use sixaxis_core::identify::compliance::CompliantRows;
 use sixaxis_core::identify::inertia::{InertiaIdentification, euler_torque, regressor};
 use sixaxis_core::identify::least_squares::Accumulator;
 use sixaxis_core::identify::scale::ScaleIdentification;
 use sixaxis_core::identify::zero_drift;
-use sixaxis_core::limbs::LimbSample;
-use sixaxis_core::pose::{Pose, RelativeMotion};
+use sixaxis_core::paper::limb_stream::LimbSample;
+use sixaxis_core::paper::pose::{Pose, RelativeMotion};
+use sixaxis_core::paper::wrench::LimbWrench;
 use sixaxis_core::{Error, Gains, Geometry, LIMBS, Sensor, Settings};
 use sixaxis_props::compare::all_finite;
 use sixaxis_props::hostile::{extreme, hostile, hostile_setup, record, remembering, spoiled};

@@ -2,12 +2,12 @@
 //! silent NaN.
 
 use proptest::prelude::*;
-use sixaxis_core::preprocess::butterworth::{self, Section};
-use sixaxis_core::preprocess::differentiate::Differentiator;
-use sixaxis_core::preprocess::lag::{FirstOrder, undo_high_pass, undo_low_pass};
-use sixaxis_core::preprocess::stream::SectionsState;
-use sixaxis_core::preprocess::zero_phase::{padding, zero_phase};
-use sixaxis_core::preprocess::{detrend, each_channel, outlier};
+use sixaxis_core::dsp::butterworth::{self, Section};
+use sixaxis_core::dsp::differentiate::Differentiator;
+use sixaxis_core::dsp::lag::{FirstOrder, undo_high_pass, undo_low_pass};
+use sixaxis_core::dsp::stream::SectionsState;
+use sixaxis_core::dsp::zero_phase::{padding, zero_phase};
+use sixaxis_core::dsp::{detrend, each_channel, outlier};
 use sixaxis_core::{Error, Result};
 use sixaxis_props::compare::all_finite;
 use sixaxis_props::hostile::{extreme, hostile, record, remembering, spoiled};
@@ -138,7 +138,7 @@ proptest! {
     fn prop_any_series_is_detrended_or_refused(series in series(20), rest in size()) {
         in_place(&series, detrend::constant);
         in_place(&series, detrend::linear);
-        in_place(&series, |x| detrend::between_rests(x, rest));
+        in_place(&series, |x| detrend::rest_to_rest_trend(x, rest));
     }
 
     #[test]
@@ -195,7 +195,7 @@ proptest! {
     #[test]
     fn prop_any_channel_at_fault_is_named(rows in record::<4>(16), rest in size()) {
         let mut worked = rows.clone();
-        match each_channel(&mut worked, |x| detrend::between_rests(x, rest).map(|_| ())) {
+        match each_channel(&mut worked, |x| detrend::rest_to_rest_trend(x, rest).map(|_| ())) {
             Ok(()) => prop_assert!(all_finite(&worked)),
             Err(Error::NotFinite { channel, sample, .. }) => {
                 prop_assert!(!rows[sample][channel - 1].is_finite());
@@ -217,7 +217,7 @@ fn regress_windows_beyond_memory_are_refused() {
             Err(Error::TooFewSamples { .. })
         ));
         assert!(matches!(
-            detrend::between_rests(&mut series, huge),
+            detrend::rest_to_rest_trend(&mut series, huge),
             Err(Error::TooFewSamples { .. })
         ));
         assert!(matches!(
@@ -266,7 +266,7 @@ fn regress_sums_beyond_the_range_are_overflows() {
     assert!(overflow(detrend::constant(&mut huge.clone()).map(|_| ())));
     assert!(overflow(detrend::linear(&mut huge.clone()).map(|_| ())));
     assert!(overflow(
-        detrend::between_rests(&mut huge.clone(), 2).map(|_| ())
+        detrend::rest_to_rest_trend(&mut huge.clone(), 2).map(|_| ())
     ));
     let slope = Differentiator::new(3, 2, 1e3).expect("a sound differentiator");
     assert!(overflow(slope.derivative(&huge).map(|_| ())));

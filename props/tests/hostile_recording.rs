@@ -1,9 +1,10 @@
 //! Rubbish recordings, gaps and runs from rest to rest: refused by name or worked through, never a silent NaN.
 
 use proptest::prelude::*;
+use sixaxis_core::decouple::rest_to_rest;
 use sixaxis_core::identify::zero_drift;
 use sixaxis_core::recording::{check_channels, check_time_stamps};
-use sixaxis_core::{Error, LIMBS, Parameters, Scheme, Settings, rest_to_rest};
+use sixaxis_core::{Error, LIMBS, Parameters, Scheme, Settings};
 use sixaxis_props::compare::all_finite;
 use sixaxis_props::hostile::{extreme, hostile, hostile_setup, record, remembering, spoiled};
 use sixaxis_props::strategy::parameters;

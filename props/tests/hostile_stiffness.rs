@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 use proptest::prelude::*;
-use sixaxis_core::dynamics::LimbWrench;
 use sixaxis_core::identify::stiffness;
-use sixaxis_core::pose::RelativeMotion;
+use sixaxis_core::paper::pose::RelativeMotion;
+use sixaxis_core::paper::wrench::LimbWrench;
 use sixaxis_core::{
     Error, Gains, Geometry, InertiaPerMass, LIMBS, Parameters, Scheme, Sensor, Settings,
 };

@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 use proptest::prelude::*;
-use sixaxis_core::dynamics::LimbWrench;
 use sixaxis_core::identify::inertia::{InertiaIdentification, euler_torque, regressor};
 use sixaxis_core::identify::scale::ScaleIdentification;
 use sixaxis_core::identify::{stiffness, zero_drift};
+use sixaxis_core::paper::wrench::LimbWrench;
 use sixaxis_core::{Geometry, InertiaPerMass, LIMBS, Parameters};
 use sixaxis_props::compare::{largest, within};
 use sixaxis_props::rigid::forces;

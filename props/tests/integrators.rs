@@ -1,8 +1,9 @@
 //! Orders of the schemes on the full equations, and attitude that stays a rotation.
 
 use glam::{DQuat, DVec3};
-use sixaxis_core::decoupler::Decoupler;
-use sixaxis_core::{Geometry, Scheme, Sensor, Settings, attitude};
+use sixaxis_core::decouple::stream::Decoupler;
+use sixaxis_core::paper::attitude;
+use sixaxis_core::{Geometry, Scheme, Sensor, Settings};
 use sixaxis_props::compare::{largest, within};
 use sixaxis_props::evidence::Row;
 use sixaxis_props::manufactured::examples;

@@ -4,13 +4,13 @@ use std::sync::OnceLock;
 
 use sixaxis_calibration::cleaning::Cleaning;
 use sixaxis_calibration::iteration::{Criterion, End};
-use sixaxis_calibration::session::{Preprocessing, Role, Stage};
 use sixaxis_calibration::steps::{Campaign, FourSteps, GyroscopeGain};
 use sixaxis_core::Geometry;
 use sixaxis_core::identify::Reason;
 use sixaxis_props::compare::within;
 use sixaxis_props::rig_runs::{DIRECTIONS, simulate_trial};
 use sixaxis_props::tolerance;
+use sixaxis_recordings::session::{Preprocessing, Role, Stage};
 use sixaxis_reference::campaign::Laboratory;
 use sixaxis_reference::paper;
 use sixaxis_reference::rig::Mode;

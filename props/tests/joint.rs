@@ -3,7 +3,6 @@
 
 use rayon::prelude::*;
 use sixaxis_calibration::joint::{Knowledge, at_rest, record};
-use sixaxis_calibration::session::Role;
 use sixaxis_campaign::parameter::PARAMETERS;
 use sixaxis_core::identify::joint::robust::USUAL_LIMIT;
 use sixaxis_core::identify::joint::{AtRest, Certificates, Drive, Joint, Record};
@@ -14,6 +13,7 @@ use sixaxis_props::joint::{Fitted, bias_of_scale, moments, noise_free, small};
 use sixaxis_props::statistics::{ONE_IN_A_MILLION, chi_square_departure};
 use sixaxis_props::strategy::seed;
 use sixaxis_props::tolerance;
+use sixaxis_recordings::session::Role;
 use sixaxis_reference::rig::Mounting;
 use sixaxis_reference::session::plan::{Engine, SessionPlan};
 

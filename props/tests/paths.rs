@@ -5,12 +5,12 @@ use std::array::from_fn;
 
 use glam::DVec3;
 use proptest::prelude::*;
-use sixaxis_core::kernel::constants::{Constants, limb_by_limb};
-use sixaxis_core::kernel::placement::{self, Placement};
-use sixaxis_core::kernel::vector::Vec3;
-use sixaxis_core::kernel::wide::LANES;
-use sixaxis_core::lanes::push_lanes;
-use sixaxis_core::record::Accelerations;
+use sixaxis_core::decouple::lanes::push_lanes;
+use sixaxis_core::decouple::record::Accelerations;
+use sixaxis_core::kernel::constants::{Constants, to_kernel_order};
+use sixaxis_core::kernel::placement::{self, LimbLoad};
+use sixaxis_core::kernel::simd::LANES;
+use sixaxis_core::kernel::vec3::Vec3;
 use sixaxis_core::{
     Decoupler, Error, Gains, Geometry, LIMBS, Parameters, RigidDecoupler, Scheme, Sensor, Settings,
     StaticResponse,
@@ -201,11 +201,11 @@ proptest! {
             let at_zero = constants.strain(i, 0.0);
             (size * strain[i] - at_zero) / (constants.strain(i, 1.0) - at_zero)
         });
-        let series = placement::by_series(&constants, limb_by_limb(voltage));
+        let series = placement::by_series(&constants, to_kernel_order(voltage));
         let exact = placement::exactly(&constants, &voltage, 0).expect("limbs that meet");
         // Forces of unit strain are one, torques over the moments are not.
         let torque = largest(constants.torque.iter().map(|row| row.dot(*row).sqrt()));
-        let numbers = |p: &Placement<f64>| {
+        let numbers = |p: &LimbLoad<f64>| {
             [p.position_thrice, p.rotation, p.force, p.torque.times(1.0 / torque)]
         };
         let names = ["three times the position", "rotation", "force", "torque"];
@@ -294,12 +294,12 @@ proptest! {
             if let Some(s) = rigid.push(&voltage).expect("a sound sample") {
                 ours.push(six(s.linear_ground_m_s2, s.angular_ground_rad_s2));
             }
-            let wrench = sixaxis_core::dynamics::LimbWrench::at_rest(&Geometry::PAPER, &f);
+            let wrench = sixaxis_core::paper::wrench::LimbWrench::at_rest(&Geometry::PAPER, &f);
             let slope = |w: DVec3| inertia.inverse() * (wrench.torque_shell_m2_s2 - w.cross(inertia * w));
             let h = 1.0 / rate_hz;
             let next = if i == 0 { w } else { w + 0.5 * h * (k + slope(w + h * k)) };
             if i > 0 {
-                attitude = sixaxis_core::attitude::advance(attitude, [w, next], [k, slope(next)], h);
+                attitude = sixaxis_core::paper::attitude::advance(attitude, [w, next], [k, slope(next)], h);
             }
             (w, k) = (next, slope(next));
             let a = attitude * wrench.force_shell_m_s2 + settings.gravity_ground_m_s2;

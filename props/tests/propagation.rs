@@ -8,17 +8,17 @@ use glam::DVec3;
 use nalgebra::SVector;
 use rayon::prelude::*;
 use sixaxis_calibration::propagation::{Sources, TrialNoise, propagate};
-use sixaxis_calibration::session::Role;
 use sixaxis_calibration::steps::{Campaign, GyroscopeGain};
+use sixaxis_core::decouple::uncertainty::parameters::{COMPLIANCE, Covariance, INERTIA, SCALE};
+use sixaxis_core::decouple::uncertainty::{ChannelNoise, PARAMETERS, SampleUncertainty};
 use sixaxis_core::identify::compliance_fit::ComplianceFit;
-use sixaxis_core::uncertainty::parameters::{COMPLIANCE, Covariance, INERTIA, SCALE};
-use sixaxis_core::uncertainty::{ChannelNoise, PARAMETERS, SampleUncertainty};
 use sixaxis_core::{Error, Geometry, LIMBS, Scheme};
 use sixaxis_props::compare::{fails_clearly, largest, within};
 use sixaxis_props::propagation::monte_carlo::{ClosedForm, Tally, departures, of_campaign};
 use sixaxis_props::propagation::{Size, World, calibrate};
 use sixaxis_props::statistics::chi_square_departure;
 use sixaxis_props::tolerance;
+use sixaxis_recordings::session::Role;
 
 /// First seed of the draws; the closed form sees the campaign of this one.
 const SEED: u64 = 71;

@@ -1,7 +1,7 @@
 //! The reference itself: what MuJoCo is right about, to what digit, and what it cannot resolve.
 
 use glam::{DMat3, DVec3};
-use sixaxis_core::preload::static_equilibrium;
+use sixaxis_core::paper::preload::static_equilibrium;
 use sixaxis_core::{Geometry, InertiaPerMass, LIMBS};
 use sixaxis_props::compare::{fails_clearly, largest, within};
 use sixaxis_props::rig_runs::{RATE_HZ, model, short_run, simulate};

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use proptest::prelude::*;
-use sixaxis_core::decoupler::Decoupler;
+use sixaxis_core::decouple::stream::Decoupler;
 use sixaxis_core::{Gains, Scheme, Sensor, Settings, SixAxis, StaticResponse};
 use sixaxis_props::compare::largest;
 use sixaxis_props::evidence::Row;

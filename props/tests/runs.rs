@@ -1,11 +1,11 @@
 //! What is done with whole runs: steps 2 and 3 with the compliance kept, and closing a run from rest to rest.
 
 use glam::DVec3;
-use sixaxis_core::decoupler::Decoupler;
+use sixaxis_core::decouple::rest_to_rest;
+use sixaxis_core::decouple::stream::Decoupler;
 use sixaxis_core::identify::compliance::CompliantRows;
 use sixaxis_core::identify::inertia::InertiaIdentification;
 use sixaxis_core::identify::scale::ScaleIdentification;
-use sixaxis_core::rest_to_rest;
 use sixaxis_core::{Geometry, LIMBS, Sensor, Settings, SixAxis};
 use sixaxis_props::compare::{fails_clearly, largest, within};
 use sixaxis_props::tolerance;

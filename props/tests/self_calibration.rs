@@ -5,10 +5,10 @@ use core::f64::consts::TAU;
 use glam::DVec3;
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
-use sixaxis_core::self_calibration::{
+use sixaxis_core::paper::signal::SignalChain;
+use sixaxis_core::redundancy::self_calibration::{
     Accumulator, KnownChange, Limits, PerLimbs, ScaleRatios, StiffnessTest, drifted,
 };
-use sixaxis_core::signal::SignalChain;
 use sixaxis_core::{Error, Gains, Geometry, LIMBS, LimbSet, Parameters, Sensor, Settings};
 use sixaxis_props::compare::{fails_clearly, largest, within};
 use sixaxis_props::evidence::Row;
@@ -189,7 +189,8 @@ impl Motion for Translation {
 
 #[test]
 fn ref_pure_translation_leaves_the_twins_open() {
-    const TWINS: &str = "limb 2 against limb 4, limb 3 against limb 7, limb 6 against limb 8";
+    const AMBIGUOUS_PAIRS: &str =
+        "limb 2 against limb 4, limb 3 against limb 7, limb 6 against limb 8";
     let mut run = in_mujoco(&Translation, 1.5, 10);
     for noise_v in [0.0, 1e-4, 1e-2] {
         let mut rng = Pcg64::new(u128::from(seed()), 22);
@@ -199,7 +200,9 @@ fn ref_pure_translation_leaves_the_twins_open() {
             }
         }
         match run.accumulated().ratios(&Limits::default()) {
-            Err(Error::ScaleRatiosOpen { open }) => assert_eq!(open.to_string(), TWINS),
+            Err(Error::UnobservableScaleRatios { directions: open }) => {
+                assert_eq!(open.to_string(), AMBIGUOUS_PAIRS)
+            }
             other => panic!("{noise_v} V of noise: {other:?}"),
         }
     }
@@ -219,7 +222,9 @@ fn prop_a_single_axis_leaves_more_open() {
     case.field.gravity_ground_m_s2 = DVec3::ZERO;
     case.loads = case.field.play(&case.truth).0;
     let case = case.with_stiffness(&[1.0; LIMBS]);
-    let Err(Error::ScaleRatiosOpen { open }) = case.ratios(&case.noisy_v(NOISE_SHARE)) else {
+    let Err(Error::UnobservableScaleRatios { directions: open }) =
+        case.ratios(&case.noisy_v(NOISE_SHARE))
+    else {
         panic!("one axis cannot tell eight ratios");
     };
     // Angular acceleration and the centrifugal torque are two loads: six equations for nine unknowns, one of them common.
@@ -597,7 +602,7 @@ fn prop_bad_input_is_named() {
         assert!(
             matches!(
                 refused,
-                Err(Error::ScaleRatiosOpen { .. } | Error::NotConverged { .. })
+                Err(Error::UnobservableScaleRatios { .. } | Error::NotConverged { .. })
             ),
             "{refused:?}"
         );

@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 use proptest::prelude::*;
-use sixaxis_core::dynamics::LimbWrench;
 use sixaxis_core::identify::bias::{ComplianceEffect, LinearMotion};
 use sixaxis_core::identify::scale::ScaleIdentification;
-use sixaxis_core::preload::static_equilibrium;
+use sixaxis_core::paper::preload::static_equilibrium;
+use sixaxis_core::paper::wrench::LimbWrench;
 use sixaxis_core::{Geometry, LIMBS};
 use sixaxis_props::compare::{fails_clearly, largest, within};
 use sixaxis_props::rig_runs::model;

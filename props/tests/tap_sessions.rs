@@ -2,12 +2,12 @@
 
 use std::path::PathBuf;
 
-use sixaxis_calibration::session::{Role, SessionFile};
 use sixaxis_calibration::verdict::{Grade, Judgement, Unwatched, judge};
 use sixaxis_core::LIMBS;
 use sixaxis_props::evidence::Row;
 use sixaxis_props::strategy::seed;
 use sixaxis_props::tolerance;
+use sixaxis_recordings::session::{Role, SessionFile};
 use sixaxis_reference::session::plan::{Engine, RigPlan, SensorChoice, SessionPlan};
 use sixaxis_reference::session::play::{PlayedSession, play};
 use sixaxis_reference::session::write::write;
@@ -33,7 +33,9 @@ fn judged(played: &PlayedSession, name: &str) -> Judgement {
     let folder: PathBuf =
         std::env::temp_dir().join(format!("sixaxis-taps-{name}-{}", std::process::id()));
     let session = write(played, &folder, "npz").expect("it can be written");
-    let judgement = SessionFile::read(&session).and_then(|file| judge(&file, &Unwatched));
+    let judgement = SessionFile::read(&session)
+        .map_err(Into::into)
+        .and_then(|file| judge(&file, &Unwatched));
     std::fs::remove_dir_all(&folder).expect("it can be cleared away");
     judgement.expect("the session is sound")
 }
@@ -107,7 +109,7 @@ fn prop_a_bad_tap_is_a_reservation() {
     let judgement = judged(&played, "bad");
     assert_eq!(judgement.grade, Grade::Reserved, "{}", judgement.sentence);
     assert!(judgement.findings.is_empty(), "{:?}", judgement.findings);
-    for (name, cause) in [("tap-01", "clipped"), ("tap-02", "no blow")] {
+    for (name, cause) in [("tap-01", "clipped"), ("tap-02", "no tap")] {
         assert!(
             judgement
                 .reservations

@@ -8,9 +8,9 @@ use sixaxis_core::Decoupler;
 use sixaxis_core::LIMBS;
 use sixaxis_core::RigidDecoupler;
 use sixaxis_core::Scheme;
-use sixaxis_core::kernel::wide::LANES;
-use sixaxis_core::lanes::LaneSample;
-use sixaxis_core::lanes::push_lanes;
+use sixaxis_core::decouple::lanes::LaneSample;
+use sixaxis_core::decouple::lanes::push_lanes;
+use sixaxis_core::kernel::simd::LANES;
 use std::array::from_fn;
 use std::hint::black_box;
 

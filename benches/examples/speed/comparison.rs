@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use sixaxis_core::Decoupler;
-use sixaxis_core::record::Accelerations;
+use sixaxis_core::decouple::record::Accelerations;
 
 use crate::timing::Voltages;
 

@@ -7,8 +7,8 @@ use std::time::Instant;
 
 use serde::Serialize;
 use sixaxis_benches::problem::Recorded;
-use sixaxis_core::kernel::wide::LANES;
-use sixaxis_core::lanes::push_lanes;
+use sixaxis_core::decouple::lanes::push_lanes;
+use sixaxis_core::kernel::simd::LANES;
 use sixaxis_core::{Decoupler, Scheme};
 
 use crate::comparison::{Beside, judge_record};

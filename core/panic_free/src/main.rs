@@ -10,7 +10,7 @@ use core::hint::black_box;
 use core::panic::PanicInfo;
 use core::ptr::addr_of_mut;
 
-use sixaxis_core::self_calibration::Accumulator;
+use sixaxis_core::redundancy::self_calibration::Accumulator;
 use sixaxis_core::{Decoupler, LimbSet, RigidDecoupler};
 
 unsafe extern "C" {
@@ -63,10 +63,10 @@ pub extern "C" fn _start() -> ! {
             black_box(rigid.push(&row)).ok();
             black_box(rigid_single.push(&row_single)).ok();
             let failed = black_box(LimbSet::EMPTY);
-            black_box(double.do_without(failed)).ok();
-            black_box(single.do_without(failed)).ok();
-            black_box(rigid.do_without(failed)).ok();
-            black_box(rigid_single.do_without(failed)).ok();
+            black_box(double.set_excluded(failed)).ok();
+            black_box(single.set_excluded(failed)).ok();
+            black_box(rigid.set_excluded(failed)).ok();
+            black_box(rigid_single.set_excluded(failed)).ok();
             black_box(accumulator.push(&row)).ok();
             if cfg!(feature = "panicking") {
                 assert!(black_box(row[0]) == 0.0, "the check must see this");

@@ -31,7 +31,7 @@ use nalgebra::{Matrix6, SMatrix, Vector6};
 
 use crate::error::{Error, Result};
 use crate::geometry::{DIRECTIONS_SHELL, Geometry, LIMBS, LIMBS_PER_NODE};
-use crate::parameters::InertiaPerMass;
+use crate::model::InertiaPerMass;
 
 /// Rows (e_i, t_i x e_i / n): the wrench of a unit force in each limb, torques over the half edge.
 pub(super) fn limb_jacobian() -> SMatrix<f64, LIMBS, 6> {

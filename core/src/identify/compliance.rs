@@ -8,12 +8,12 @@ use glam::DVec3;
 
 use super::inertia::InertiaIdentification;
 use super::scale::ScaleIdentification;
-use crate::dynamics::limb_directions;
 use crate::error::Result;
 use crate::geometry::{LIMBS, LIMBS_PER_NODE};
-use crate::limbs::{LimbSample, LimbStream};
-use crate::parameters::Parameters;
-use crate::settings::{Sensor, Settings};
+use crate::model::Parameters;
+use crate::model::{Sensor, Settings};
+use crate::paper::limb_stream::{LimbSample, LimbStream};
+use crate::paper::wrench::limb_directions;
 
 /// Turns a recording, sample by sample, into rows of the full equations.
 #[derive(Debug, Clone, PartialEq)]

@@ -10,18 +10,18 @@
 //! ```
 //!
 //! and that is linear in whatever disturbs p. Where errors drown the effect, x lies anywhere, negative too, and
-//! with it comes how far ([`crate::uncertainty::influence::ComplianceInfluence`]): no edge of a grid hides it.
+//! with it comes how far ([`crate::decouple::uncertainty::influence::ComplianceInfluence`]): no edge of a grid hides it.
 //! Without errors both find the truth (test `ref_compliance_fit_finds_what_the_grid_finds`).
 
 use glam::DVec3;
 
 use super::{Verdict, noise_verdict};
-use crate::decoupler::Decoupler;
+use crate::decouple::stream::Decoupler;
 use crate::error::{Error, Result};
+use crate::float::sqrt;
 use crate::geometry::LIMBS;
-use crate::parameters::Parameters;
-use crate::scalar::sqrt;
-use crate::settings::{Sensor, Settings};
+use crate::model::Parameters;
+use crate::model::{Sensor, Settings};
 
 /// k/m of the two decodes, s^-2: the ends of the paper's grid.
 const NODES_PER_S2: [f64; 2] = [10.0e8, 1.0e8];

@@ -14,9 +14,9 @@ use super::least_squares::{Accumulator, Estimate};
 use super::noise_verdict_relative_to;
 use super::scale::{all_finite, check_finite, check_reference};
 use crate::error::{Error, Result};
+use crate::float::sqrt;
 use crate::geometry::{Geometry, LIMBS};
-use crate::parameters::InertiaPerMass;
-use crate::scalar::sqrt;
+use crate::model::InertiaPerMass;
 
 /// Name of the step in errors.
 const WHAT: &str = "inertia per mass (step 3)";
@@ -85,7 +85,7 @@ pub fn euler_torque(inertia: &InertiaPerMass, rate: DVec3, rate_derivative: DVec
 }
 
 /// sum (f_i/m) t_i x e_i with the limbs at rest, as (19) prints it: of nine limbs three point at the mass's centre, and
-/// the others act in pairs. Equals [`crate::dynamics::LimbWrench::at_rest`] up to rounding.
+/// the others act in pairs. Equals [`crate::paper::wrench::LimbWrench::at_rest`] up to rounding.
 fn torque_at_rest(half_edge_m: f64, force_per_mass_m_s2: &[f64; LIMBS]) -> DVec3 {
     let [_, f2, f3, f4, _, f6, f7, f8, _] = *force_per_mass_m_s2;
     half_edge_m * DVec3::new(f4 - f2, f3 - f7, f8 - f6)

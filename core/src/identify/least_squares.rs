@@ -15,8 +15,8 @@ use nalgebra::{Const, DefaultAllocator, DimDiff, DimMin, DimSub, SMatrix, SVecto
 
 use self::factor::Factor;
 use crate::error::{Error, Result};
+use crate::float::sqrt;
 use crate::geometry::LIMBS;
-use crate::scalar::sqrt;
 
 /// Column-scaled condition number at which a direction counts as lost. With rounding at 1e-16 four digits are left of
 /// that direction, with a 60 dB channel none; a healthy campaign stays below 1e3.

@@ -12,6 +12,7 @@ pub mod inertia;
 pub mod joint;
 pub mod least_squares;
 pub mod scale;
+pub mod static_load_sharing;
 pub mod stiffness;
 pub mod stiffness_bound;
 #[cfg(feature = "alloc")]

@@ -5,11 +5,11 @@
 //! be as good before the minimum means anything. [`judge`] says when it does not.
 
 use super::{Reason, Verdict};
-use crate::decoupler::Decoupler;
+use crate::decouple::stream::Decoupler;
 use crate::error::{Error, Result};
 use crate::geometry::LIMBS;
-use crate::parameters::Parameters;
-use crate::settings::{Sensor, Settings};
+use crate::model::Parameters;
+use crate::model::{Sensor, Settings};
 
 /// The paper's grid: from, to, step, s^-2.
 pub const PAPER_GRID_PER_S2: (f64, f64, f64) = (1.0e8, 10.0e8, 0.1e8);

@@ -33,9 +33,9 @@ use nalgebra::{Cholesky, Matrix6, SMatrix, Vector6};
 
 use super::bias::limb_jacobian;
 use crate::error::{Error, Result};
+use crate::float::sqrt;
 use crate::geometry::{Geometry, LIMBS};
-use crate::parameters::InertiaPerMass;
-use crate::scalar::sqrt;
+use crate::model::InertiaPerMass;
 
 /// ln(k/m), then ln of nine scale factors, then six entries of I/m.
 pub const UNKNOWNS: usize = 1 + LIMBS + INERTIAS;

@@ -6,7 +6,7 @@
 //! is looked at, not trusted: where it is not small, all candidates are decoded one by one.
 //!
 //! The four values of y are Chebyshev's points of the range of candidates. Four candidates of two trials share the eight
-//! lanes of [`crate::lanes`].
+//! lanes of [`crate::decouple::lanes`].
 
 use ::wide::f64x4;
 use alloc::vec;
@@ -14,15 +14,15 @@ use alloc::vec::Vec;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::stiffness::rate_norm_sum;
-use crate::decoupler::Decoupler;
+use crate::decouple::lanes::{LaneSample, push_lanes};
+use crate::decouple::stream::Decoupler;
 use crate::error::Result;
+use crate::float::{cos, sqrt};
 use crate::geometry::LIMBS;
-use crate::kernel::vector::{Vec3, vec3};
-use crate::kernel::wide::{LANES, Register, Row, Wide};
-use crate::lanes::{LaneSample, push_lanes};
-use crate::parameters::Parameters;
-use crate::scalar::{cos, sqrt};
-use crate::settings::{Sensor, Settings};
+use crate::kernel::simd::{LANES, Register, Row, Wide};
+use crate::kernel::vec3::{Vec3, vec3};
+use crate::model::Parameters;
+use crate::model::{Sensor, Settings};
 
 /// Decodes per trial.
 pub const NODES: usize = 4;
@@ -141,7 +141,7 @@ fn interpolated(
     };
     let weights = weights(candidates_per_s2, core::array::from_fn(y));
     let mut sums = Sums::new(weights, core::array::from_fn(|n| cos(3.0 * angle(n))));
-    // Together for as long as both last, then the longer one beside itself.
+    // PackedVec3 for as long as both last, then the longer one beside itself.
     let together = first.voltage_v.len().min(second.voltage_v.len());
     let head = [first, second].map(|t| &t.voltage_v[..together]);
     let rows = core::array::from_fn(|lane| head[lane / NODES]);

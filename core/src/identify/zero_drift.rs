@@ -1,8 +1,8 @@
 //! Step 1: the nine zero drifts, as the mean voltage at rest.
 
 use crate::error::{Error, Result};
+use crate::float::sqrt;
 use crate::geometry::LIMBS;
-use crate::scalar::sqrt;
 
 /// Batches over which the standard error of the mean is taken: enough for a variance good to a fifth, long enough
 /// each that neighbouring batches are independent when the noise is not white.

@@ -1,11 +1,11 @@
-//! The shell's attitude over any number type: [`crate::attitude`] in units of the sample interval.
+//! The shell's attitude over any number type: [`crate::paper::attitude`] in units of the sample interval.
 
 use glam::DVec3;
 
-use super::real::{Real, Scalar};
+use super::number::{Real, Scalar};
 use super::shell::ShellMotion;
-use super::vector::{Vec3, vec3};
-use crate::attitude;
+use super::vec3::{Vec3, vec3};
+use crate::paper::attitude;
 
 /// Half angle of one step, squared, up to which the polynomials below hold to rounding: a tenth of a radian from one
 /// sample to the next, twenty times the rig's fastest at 10 kHz.
@@ -26,7 +26,10 @@ pub fn half_rotation<T: Real>(from: &ShellMotion<T>, to: &ShellMotion<T>) -> Vec
     let small = from
         .rate
         .cross_plus(to.rate, from.rate_derivative - to.rate_derivative);
-    (from.rate + to.rate).times_plus(to.rate.like(0.25), small.times(to.rate.like(1.0 / 24.0)))
+    (from.rate + to.rate).times_plus(
+        to.rate.constant(0.25),
+        small.times(to.rate.constant(1.0 / 24.0)),
+    )
 }
 
 /// exp of twice a half rotation, both parts times `scale`, and the half angle squared.
@@ -36,13 +39,13 @@ pub fn exp<T: Real>(half: Vec3<T>, scale: T) -> (Quaternion<T>, T) {
     // Taylor series of sin(x)/x and cos(x) in z = x^2. At the limit the first dropped terms are 1e-16 and 1e-15; what
     // the latter does to the angle is smaller by x, and what it does to the length, the next scale makes good.
     let sinc = z
-        .times_plus(z.like(-1.0 / 5040.0), z.like(1.0 / 120.0))
-        .times_plus(z, z.like(-1.0 / 6.0))
-        .times_plus(z, z.like(1.0));
+        .times_plus(z.constant(-1.0 / 5040.0), z.constant(1.0 / 120.0))
+        .times_plus(z, z.constant(-1.0 / 6.0))
+        .times_plus(z, z.constant(1.0));
     let cosine = z
-        .times_plus(z.like(-1.0 / 720.0), z.like(1.0 / 24.0))
-        .times_plus(z, z.like(-0.5))
-        .times_plus(z, z.like(1.0));
+        .times_plus(z.constant(-1.0 / 720.0), z.constant(1.0 / 24.0))
+        .times_plus(z, z.constant(-0.5))
+        .times_plus(z, z.constant(1.0));
     let q = Quaternion {
         w: cosine * scale,
         v: half.times(sinc * scale),
@@ -76,7 +79,7 @@ impl<T: Real> Quaternion<T> {
     #[inline(always)]
     pub fn to_unit(self) -> T {
         let squares = self.w.times_plus(self.w, self.v.dot(self.v));
-        squares.times_plus(self.w.like(-0.5), self.w.like(1.5))
+        squares.times_plus(self.w.constant(-0.5), self.w.constant(1.5))
     }
 
     /// `twice_v` is 2 v, worked out once for several vectors: p + 2 v x (w p + v x p).

@@ -4,13 +4,13 @@
 
 use nalgebra::{Matrix3, SymmetricEigen};
 
-use super::real::{Real, Scalar};
-use super::vector::{Vec3, vec3};
+use super::number::{Real, Scalar};
+use super::vec3::{Vec3, vec3};
 use crate::error::{Error, Result};
 use crate::geometry::{LIMBS, LIMBS_PER_NODE};
-use crate::limbs::LimbStream;
-use crate::parameters::{InertiaPerMass, Parameters};
-use crate::settings::{Sensor, Settings};
+use crate::model::{InertiaPerMass, Parameters};
+use crate::model::{Sensor, Settings};
+use crate::paper::limb_stream::LimbStream;
 
 /// Largest relative asymmetry of rounding that the eigenvalue iteration is asked to resolve.
 const EIGEN_TOLERANCE: f64 = 1e-15;
@@ -23,7 +23,7 @@ const LARGEST: f64 = 1e304;
 /// The numbers of the kernel's formulas.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Constants<T: Real> {
-    /// Strain of a limb per volt, (1), (10), (11) and (2) in one; in the order of [`limb_by_limb`].
+    /// Strain of a limb per volt, (1), (10), (11) and (2) in one; in the order of [`to_kernel_order`].
     pub strain_per_v: [Vec3<T>; LIMBS_PER_NODE],
     /// Its strain at zero volt: drift, and the preload that a tared channel does not show.
     pub strain_at_zero: [Vec3<T>; LIMBS_PER_NODE],
@@ -73,8 +73,8 @@ impl Constants<f64> {
         let row = |i: usize| vec3(axes[(i, 0)], axes[(i, 1)], axes[(i, 2)]);
         let g = settings.gravity_ground_m_s2;
         let constants = Self {
-            strain_per_v: limb_by_limb(per_v.map(|s| s * strain_per_force)),
-            strain_at_zero: limb_by_limb(core::array::from_fn(|i| {
+            strain_per_v: to_kernel_order(per_v.map(|s| s * strain_per_force)),
+            strain_at_zero: to_kernel_order(core::array::from_fn(|i| {
                 (at_rest[i] + limbs.preload_m_s2()[i]) * strain_per_force
             })),
             nu,
@@ -228,14 +228,14 @@ impl<T: Real> Constants<T> {
 /// Three vectors of one limb of each node: those at the first node in order, and at each further node one limb on. So a parity
 /// row's limbs at two nodes stand where one turn of a vector brings them together, and all of a vector has the same sign in (5).
 #[inline(always)]
-pub fn limb_by_limb<T: Real>(nine: [T; LIMBS]) -> [Vec3<T>; LIMBS_PER_NODE] {
+pub fn to_kernel_order<T: Real>(nine: [T; LIMBS]) -> [Vec3<T>; LIMBS_PER_NODE] {
     let [a, b, c, d, e, f, g, h, i] = nine;
     [vec3(a, e, i), vec3(b, f, g), vec3(c, d, h)]
 }
 
-/// What [`limb_by_limb`] put side by side, limb after limb.
+/// What [`to_kernel_order`] put side by side, limb after limb.
 #[inline(always)]
-pub fn limb_after_limb<T: Real>(rows: [Vec3<T>; LIMBS_PER_NODE]) -> [T; LIMBS] {
+pub fn from_kernel_order<T: Real>(rows: [Vec3<T>; LIMBS_PER_NODE]) -> [T; LIMBS] {
     let [[a, e, i], [b, f, g], [c, d, h]] = rows.map(Vec3::components);
     [a, b, c, d, e, f, g, h, i]
 }
@@ -250,8 +250,8 @@ fn three<T: Real, U: Real>(columns: &[Vec3<T>; 3], f: impl Fn(T) -> U) -> [Vec3<
 impl<T: Real> Constants<T> {
     /// Strain of one limb.
     pub fn strain(&self, limb: usize, voltage_v: T) -> T {
-        let slope = limb_after_limb(self.strain_per_v)[limb];
-        voltage_v.times_plus(slope, limb_after_limb(self.strain_at_zero)[limb])
+        let slope = from_kernel_order(self.strain_per_v)[limb];
+        voltage_v.times_plus(slope, from_kernel_order(self.strain_at_zero)[limb])
     }
 
     /// Torque over chi nu in mass axes to angular acceleration of the mass in principal axes.

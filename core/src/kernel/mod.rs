@@ -5,7 +5,7 @@
 //! | stage | from | to | file |
 //! |---|---|---|---|
 //! | place | nine voltages | where the mass is, what the limbs pull | [`placement`] |
-//! | spin | torque | the mass's own rate, integrated | [`spin`] |
+//! | spin | torque | the mass's own rate, integrated | [`rate`] |
 //! | shell | three placements and the spin | rate, its derivative, specific force of the shell | [`shell`] |
 //! | attitude | two motions of the shell | attitude, by which all is turned to ground axes | [`attitude`] |
 //!
@@ -13,7 +13,7 @@
 //! (2), (3), (8) and (9) as printed ask for a pose by iteration, a 3 x 3 inverse and the second difference eps inside the
 //! integrated equation. Three substitutions, each exact, remove all that: the sensor's signed axes are written out
 //! (closed form of the pose, [`placement`]), the state is the mass's own rate in principal axes instead of the shell's
-//! ([`spin`]), and lengths and times are counted in limb lengths and sample intervals ([`constants`]). Series in the
+//! ([`rate`]), and lengths and times are counted in limb lengths and sample intervals ([`constants`]). Series in the
 //! strain, 1e-5, replace roots and quotients; their dropped terms are below rounding at the rig's accelerations, and a
 //! sample for which they would not be goes by the closed form.
 //!
@@ -21,15 +21,15 @@
 //! `sixaxis_reference::oracle`; tests hold the two together.
 
 pub mod attitude;
+pub mod channel_mask;
 pub mod constants;
-pub mod fill;
-pub mod heard;
+pub mod number;
+#[cfg(target_feature = "avx")]
+mod packed_vec3;
 pub mod parity;
 pub mod placement;
-pub mod real;
+pub mod rate;
+pub mod reconstruct;
 pub mod shell;
-pub mod spin;
-#[cfg(target_feature = "avx")]
-mod together;
-pub mod vector;
-pub mod wide;
+pub mod simd;
+pub mod vec3;

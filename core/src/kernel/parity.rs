@@ -1,6 +1,6 @@
 //! The three parity rows, to second order: what strains do that no pose of the mass explains.
 //!
-//! With xi the nodes' displacements along the limbs ([`super::placement`]) the rows of [`crate::parity`] add up
+//! With xi the nodes' displacements along the limbs ([`super::placement`]) the rows of [`crate::redundancy::parity`] add up
 //! e . (R_r - 1) t, whose first order in phi drops out. What is left,
 //!
 //! ```text
@@ -12,9 +12,9 @@
 //! is zero to third order for any pose; the third order of the rotation is a cross product once more and drops out, too, so
 //! with phi to second order the rows are zero to fourth.
 
+use super::number::Real;
 use super::placement::{Limbs, linear_rotation, nodes, shell_axes};
-use super::real::Real;
-use super::vector::{Vec3, vec3};
+use super::vec3::{Vec3, vec3};
 
 /// The sums of each row's four limbs.
 #[inline(always)]
@@ -29,8 +29,8 @@ pub fn sums<T: Real>(along: Limbs<T>) -> Vec3<T> {
 pub fn curvature<T: Real>(phi: Vec3<T>, nu: T) -> Vec3<T> {
     let yzx = phi.cycled();
     let pair = yzx + yzx.cycled();
-    let half = pair.times(phi.like(0.5));
-    pair.by_plus(half, phi.by(phi)).times(nu)
+    let half = pair.times(phi.constant(0.5));
+    pair.mul_elem_plus(half, phi.mul_elem(phi)).times(nu)
 }
 
 /// What the rows leave of nine strains, to second order.
@@ -57,10 +57,10 @@ pub fn halves<T: Real>(along: Limbs<T>) -> [Vec3<T>; 2] {
 #[inline(always)]
 pub fn second_order<T: Real>(strain: Limbs<T>, difference: Vec3<T>, inverse_nu: T) -> Vec3<T> {
     let [u, v, w] = strain;
-    let (u, v, w) = (u.by(u), v.by(v), w.by(w));
+    let (u, v, w) = (u.mul_elem(u), v.mul_elem(v), w.mul_elem(w));
     let at_node = u + v + w;
     let twice = (at_node + w) + (at_node + v).cycled();
-    twice + curvature(difference, inverse_nu * inverse_nu.like(0.5))
+    twice + curvature(difference, inverse_nu * inverse_nu.constant(0.5))
 }
 
 /// What the rows leave of the nodes' displacements along their limbs, to third order, in the order 1, 3, 2; phi is the rotation

@@ -4,7 +4,7 @@
 //! proportional to its elongation, f = chi x, so the nine strains are all there is to know of a sample.
 //!
 //! # At a node
-//! Three orthonormal limbs meet, and [`crate::pose`] has the node's displacement along limb i:
+//! Three orthonormal limbs meet, and [`crate::paper::pose`] has the node's displacement along limb i:
 //! xi_i = x_i + (x_i^2 - S)/2 with S = sum xi^2. Strains are 1e-5; to their third power
 //!
 //! ```text
@@ -33,18 +33,18 @@
 use glam::DVec3;
 
 use super::constants::Constants;
-use super::real::Real;
-use super::vector::{Vec3, vec3};
+use super::number::Real;
+use super::vec3::{Vec3, vec3};
 use crate::error::{Error, Result};
 use crate::geometry::{DIRECTIONS_SHELL, Geometry, LIMBS, LIMBS_PER_NODE, NODES};
-use crate::pose::{Pose, node_displacement};
+use crate::paper::pose::{Pose, node_displacement};
 
 /// Root of the sum of squared strains up to which the series stand for the closed form.
 pub const STRAIN_LIMIT: f64 = 1e-4;
 
 /// What one sample says by itself; the unit of length is L, that of time the sample interval.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Placement<T: Real> {
+pub struct LimbLoad<T: Real> {
     /// 3 r: centre of the mass, shell axes; the threefold is what the nodes add up to.
     pub position_thrice: Vec3<T>,
     /// phi: rotation vector of the mass in the shell.
@@ -57,10 +57,10 @@ pub struct Placement<T: Real> {
     pub strain_squares: T,
 }
 
-impl Placement<f64> {
+impl LimbLoad<f64> {
     /// The same place in another number.
-    pub(crate) fn map<U: Real>(self, f: impl Fn(f64) -> U) -> Placement<U> {
-        Placement {
+    pub(crate) fn map<U: Real>(self, f: impl Fn(f64) -> U) -> LimbLoad<U> {
+        LimbLoad {
             position_thrice: self.position_thrice.map(&f),
             rotation: self.rotation.map(&f),
             force: self.force.map(&f),
@@ -74,35 +74,42 @@ impl Placement<f64> {
 /// squared strains at each; three nodes at once, from their limbs' strains.
 #[inline(always)]
 pub(super) fn nodes<T: Real>(x: [Vec3<T>; LIMBS_PER_NODE]) -> (Limbs<T>, Limbs<T>, Vec3<T>) {
-    let half = Vec3::all(x[0].like(0.5));
-    let square = [x[0].by(x[0]), x[1].by(x[1]), x[2].by(x[2])];
+    let half = Vec3::all(x[0].constant(0.5));
+    let square = [
+        x[0].mul_elem(x[0]),
+        x[1].mul_elem(x[1]),
+        x[2].mul_elem(x[2]),
+    ];
     let a = square[0] + square[1] + square[2];
     let b = x[0] + x[1] + x[2];
-    let cubes = x[0].by_plus(square[0], x[1].by_plus(square[1], x[2].by(square[2])));
-    let half_s = half.by(a.by_from(b, a + cubes));
+    let cubes = x[0].mul_elem_plus(
+        square[0],
+        x[1].mul_elem_plus(square[1], x[2].mul_elem(square[2])),
+    );
+    let half_s = half.mul_elem(a.neg_mul_elem_plus(b, a + cubes));
     let all = b - a;
     let mut displacement = x;
     let mut force = x;
     for i in 0..LIMBS_PER_NODE {
-        let beyond = half.by_plus(square[i], Vec3::all(x[0].like(0.0)) - half_s);
+        let beyond = half.mul_elem_plus(square[i], Vec3::all(x[0].constant(0.0)) - half_s);
         displacement[i] = x[i] + beyond;
         let others = all - (x[i] - square[i]);
-        force[i] = displacement[i].by_plus(others, x[i].by_plus(beyond, x[i]));
+        force[i] = displacement[i].mul_elem_plus(others, x[i].mul_elem_plus(beyond, x[i]));
     }
     (displacement, force, a)
 }
 
-/// Numbers of nine limbs in the order of [`super::constants::limb_by_limb`]: each vector has one limb of each node.
+/// Numbers of nine limbs in the order of [`super::constants::to_kernel_order`]: each vector has one limb of each node.
 pub type Limbs<T> = [Vec3<T>; LIMBS_PER_NODE];
 
 /// Numbers along the limbs as vectors in shell axes, one for each node: the signed axes of (5).
 #[inline(always)]
 pub(super) fn shell_axes<T: Real>(along: Limbs<T>) -> [Vec3<T>; NODES] {
     let [first, second, third] = along;
-    let minus = Vec3::all(second.like(-1.0));
+    let minus = Vec3::all(second.constant(-1.0));
     let first = first.components();
-    let second = second.by(minus).components();
-    let third = third.by(minus).components();
+    let second = second.mul_elem(minus).components();
+    let third = third.mul_elem(minus).components();
     [
         vec3(third[0], second[0], first[0]),
         vec3(second[1], first[1], third[1]),
@@ -116,9 +123,9 @@ pub(super) fn limb_strains<T: Real>(constants: &Constants<T>, voltage_v: Limbs<T
     let [u, v, w] = voltage_v;
     let (slope, at_zero) = (&constants.strain_per_v, &constants.strain_at_zero);
     [
-        u.by_plus(slope[0], at_zero[0]),
-        v.by_plus(slope[1], at_zero[1]),
-        w.by_plus(slope[2], at_zero[2]),
+        u.mul_elem_plus(slope[0], at_zero[0]),
+        v.mul_elem_plus(slope[1], at_zero[1]),
+        w.mul_elem_plus(slope[2], at_zero[2]),
     ]
 }
 
@@ -129,11 +136,11 @@ pub(super) fn limb_strains<T: Real>(constants: &Constants<T>, voltage_v: Limbs<T
 #[inline(always)]
 fn turned_back<T: Real>(phi: Vec3<T>, force: [Vec3<T>; NODES]) -> Vec3<T> {
     let [on_z, on_y, on_x] = force;
-    let half = phi.like(0.5);
+    let half = phi.constant(0.5);
     let t = Vec3::moment(force);
     let y = on_z.times_plus(phi.z(), on_y.times_plus(phi.y(), on_x.times(phi.x())));
     let trace = on_x.x() + on_y.y() + on_z.z();
-    let along = half.times_from(phi.dot(t), trace);
+    let along = half.neg_mul_add(phi.dot(t), trace);
     let less = y.cross_plus(phi.times(half), y);
     phi.times_plus(along, t) - less
 }
@@ -142,8 +149,8 @@ fn turned_back<T: Real>(phi: Vec3<T>, force: [Vec3<T>; NODES]) -> Vec3<T> {
 /// translation drops out.
 #[inline(always)]
 pub(super) fn linear_rotation<T: Real>(displacement: [Vec3<T>; NODES], inverse_nu: T) -> Vec3<T> {
-    let third = inverse_nu.like(1.0 / 3.0);
-    let sixth = inverse_nu.like(1.0 / 6.0);
+    let third = inverse_nu.constant(1.0 / 3.0);
+    let sixth = inverse_nu.constant(1.0 / 6.0);
     let all = displacement[0] + displacement[1] + displacement[2];
     let m = all
         .ones_cross()
@@ -154,7 +161,7 @@ pub(super) fn linear_rotation<T: Real>(displacement: [Vec3<T>; NODES], inverse_n
 
 /// Places the mass by the series; good while `strain_squares` is at most the square of [`STRAIN_LIMIT`].
 #[inline(always)]
-pub fn by_series<T: Real>(constants: &Constants<T>, voltage_v: Limbs<T>) -> Placement<T> {
+pub fn by_series<T: Real>(constants: &Constants<T>, voltage_v: Limbs<T>) -> LimbLoad<T> {
     let (displacement, force, squares) = nodes(limb_strains(constants, voltage_v));
     by_nodes(constants, displacement, force, squares)
 }
@@ -166,12 +173,12 @@ pub(super) fn by_nodes<T: Real>(
     displacement: Limbs<T>,
     force: Limbs<T>,
     squares: Vec3<T>,
-) -> Placement<T> {
+) -> LimbLoad<T> {
     let displacement = shell_axes(displacement);
     let force = shell_axes(force);
     let strain_squares = squares.sum();
 
-    let sixth = squares.like(1.0 / 6.0);
+    let sixth = squares.constant(1.0 / 6.0);
     let all = displacement[0] + displacement[1] + displacement[2];
     let linear = linear_rotation(displacement, constants.inverse_nu);
     let s = linear.sum();
@@ -180,17 +187,17 @@ pub(super) fn by_nodes<T: Real>(
     let third_power = c2 * s;
     let curved = linear
         .ones_cross()
-        .times_plus(c, linear.times_plus(c2 * s.like(-3.0), linear));
+        .times_plus(c, linear.times_plus(c2 * s.constant(-3.0), linear));
     let short = curved + Vec3::all(third_power);
     let rotation = linear.times_plus(linear.dot(linear) * sixth, short);
 
     // 3 r = sum of the nodes - 3 (R_r - 1) t_mean = sum of the nodes + nu (R_r - 1) 1. The sine's cubic term in R_r - 1
     // is what the short rotation is short of.
-    let one = c.like(1.0);
+    let one = c.constant(1.0);
     let turned = turn(short, Vec3::all(one));
     let position_thrice = turned.times_plus(constants.nu, all);
     let torque = turned_back(rotation, force);
-    Placement {
+    LimbLoad {
         position_thrice,
         rotation,
         force: force[0] + force[1] + force[2],
@@ -202,7 +209,7 @@ pub(super) fn by_nodes<T: Real>(
 /// (R - 1) v for the rotation vector phi, to its second power: phi x (v + phi x v/2).
 #[inline(always)]
 pub fn turn<T: Real>(phi: Vec3<T>, v: Vec3<T>) -> Vec3<T> {
-    let half = phi.times(v.like(0.5));
+    let half = phi.times(v.constant(0.5));
     phi.cross(half.cross_plus(v, v))
 }
 
@@ -219,7 +226,7 @@ pub fn exactly(
     constants: &Constants<f64>,
     voltage_v: &[f64; LIMBS],
     sample: usize,
-) -> Result<Placement<f64>> {
+) -> Result<LimbLoad<f64>> {
     refuse(constants, voltage_v, sample)?;
     exactly_by_strains(constants, &strains(constants, voltage_v))
 }
@@ -231,7 +238,7 @@ pub fn exactly(
 pub(super) fn exactly_by_strains(
     constants: &Constants<f64>,
     x: &[f64; LIMBS],
-) -> Result<Placement<f64>> {
+) -> Result<LimbLoad<f64>> {
     let nu = constants.nu;
     let geometry = Geometry {
         limb_length_m: 1.0,
@@ -251,7 +258,7 @@ pub(super) fn exactly_by_strains(
         torque += geometry.node_mass_m(n).cross(back * at_node) / nu;
     }
     let numbers = |v: DVec3| vec3(v.x, v.y, v.z);
-    Ok(Placement {
+    Ok(LimbLoad {
         position_thrice: numbers(3.0 * pose.position_shell_m),
         rotation: numbers(pose.rotation_rad),
         force: numbers(force),

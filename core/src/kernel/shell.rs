@@ -1,7 +1,7 @@
 //! From the mass to the shell: eqs. (3) and (8) once the mass's own rate is known.
 //!
 //! The mass's motion in the shell is read from three placements by central differences. With R_r W = w* + w_r
-//! (see [`super::spin`])
+//! (see [`super::rate`])
 //!
 //! ```text
 //! w*  = R_r W - w_r
@@ -10,9 +10,9 @@
 //! ```
 
 use super::constants::Constants;
-use super::placement::{Placement, turn};
-use super::real::Real;
-use super::vector::Vec3;
+use super::number::Real;
+use super::placement::{LimbLoad, turn};
+use super::vec3::Vec3;
 
 /// Motion of the shell at one sample, shell axes, in units of L and the sample interval.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -27,18 +27,18 @@ pub struct ShellMotion<T: Real> {
 
 /// Place of the mass alone: what a neighbour in time needs.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Place<T: Real> {
+pub struct RelativePose<T: Real> {
     /// 3 r.
     pub position_thrice: Vec3<T>,
     /// phi.
     pub rotation: Vec3<T>,
 }
 
-impl<T: Real> Placement<T> {
+impl<T: Real> LimbLoad<T> {
     /// Without the forces.
     #[inline(always)]
-    pub fn place(&self) -> Place<T> {
-        Place {
+    pub fn relative_pose(&self) -> RelativePose<T> {
+        RelativePose {
             position_thrice: self.position_thrice,
             rotation: self.rotation,
         }
@@ -49,9 +49,9 @@ impl<T: Real> Placement<T> {
 /// order in phi; the next term is |phi|^2/6 of them, and they are 3e-4 of w* and w*' at the rig's 5 Hz.
 #[inline(always)]
 fn relative_rotation<T: Real>(before: Vec3<T>, now: Vec3<T>, after: Vec3<T>) -> (Vec3<T>, Vec3<T>) {
-    let first = (after - before).times(now.like(0.5));
-    let second = now.times_plus(now.like(-2.0), after + before);
-    let half = now.times(now.like(0.5));
+    let first = (after - before).times(now.constant(0.5));
+    let second = now.times_plus(now.constant(-2.0), after + before);
+    let half = now.times(now.constant(0.5));
     (
         half.cross_plus(first, first),
         half.cross_plus(second, second),
@@ -60,7 +60,11 @@ fn relative_rotation<T: Real>(before: Vec3<T>, now: Vec3<T>, after: Vec3<T>) -> 
 
 /// Rate of the mass in the shell, w_r.
 #[inline(always)]
-pub fn relative_rate<T: Real>(before: &Place<T>, now: &Place<T>, after: &Place<T>) -> Vec3<T> {
+pub fn relative_rate<T: Real>(
+    before: &RelativePose<T>,
+    now: &RelativePose<T>,
+    after: &RelativePose<T>,
+) -> Vec3<T> {
     relative_rotation(before.rotation, now.rotation, after.rotation).0
 }
 
@@ -75,9 +79,9 @@ pub(crate) fn shell_axes<T: Real>(constants: &Constants<T>, phi: Vec3<T>, v: Vec
 #[inline(always)]
 pub fn motion<T: Real>(
     constants: &Constants<T>,
-    before: &Place<T>,
-    now: &Place<T>,
-    after: &Place<T>,
+    before: &RelativePose<T>,
+    now: &RelativePose<T>,
+    after: &RelativePose<T>,
     force: Vec3<T>,
     spin: [Vec3<T>; 2],
 ) -> ShellMotion<T> {
@@ -92,12 +96,15 @@ pub fn motion<T: Real>(
     // All of this line by line three times, as the position is.
     let r = now.position_thrice;
     let twice_velocity = after.position_thrice - before.position_thrice;
-    let relative = r.times_plus(r.like(-2.0), after.position_thrice + before.position_thrice);
+    let relative = r.times_plus(
+        r.constant(-2.0),
+        after.position_thrice + before.position_thrice,
+    );
     let coriolis = rate.cross_plus(rate.cross_plus(r, twice_velocity), relative);
     let carried = rate_derivative.cross_plus(r, coriolis);
     ShellMotion {
         rate,
         rate_derivative,
-        specific_force: carried.times_plus(r.like(-1.0 / 3.0), force.times(constants.chi)),
+        specific_force: carried.times_plus(r.constant(-1.0 / 3.0), force.times(constants.chi)),
     }
 }

@@ -4,15 +4,15 @@ use std::path::Path;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sixaxis_core::uncertainty::{self, PARAMETERS};
+use sixaxis_core::decouple::uncertainty::{self, PARAMETERS};
 use sixaxis_core::{Gains, Geometry, InertiaPerMass, LIMBS, Parameters, Sensor};
 use sixaxis_recordings::draft::write_atomically;
 
 use crate::error::{Error, Result};
 use crate::interval::ParameterReport;
-use crate::session::Channels;
 use crate::suspicion::Finding;
 use crate::verdict::{Estimator, Grade};
+use sixaxis_recordings::session::Channels;
 
 /// Name and version of the format; a reader refuses another.
 pub const FORMAT: &str = "sixaxis-calibration-1";
@@ -131,16 +131,18 @@ impl Calibration {
     /// Reads a calibration.
     ///
     /// # Errors
-    /// [`Error::Recording`] if it cannot be read, [`Error::Session`] with the line if it is no calibration of this format or
+    /// [`Error::Recording`] if it cannot be read, and with the line if it is no calibration of this format or
     /// its parameters are no sensor's.
     pub fn read(path: &Path) -> Result<Self> {
         let text = std::fs::read_to_string(path)
             .map_err(|source| sixaxis_recordings::Error::io(path, source))?;
-        let refuse = |line: Option<usize>, key: &str, cause: String| Error::Session {
-            path: path.to_owned(),
-            line,
-            key: key.to_owned(),
-            cause,
+        let refuse = |line: Option<usize>, key: &str, cause: String| {
+            Error::Recording(sixaxis_recordings::Error::Session {
+                path: path.to_owned(),
+                line,
+                key: key.to_owned(),
+                cause,
+            })
         };
         let calibration: Self = serde_json::from_str(&text)
             .map_err(|e| refuse(Some(e.line()), "calibration", e.to_string()))?;

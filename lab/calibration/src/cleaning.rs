@@ -3,15 +3,15 @@
 mod transposed;
 
 use glam::DVec3;
-use sixaxis_core::preprocess::butterworth::{self, Section};
-use sixaxis_core::preprocess::differentiate::Differentiator;
-use sixaxis_core::preprocess::lag::{undo_high_pass, undo_low_pass};
-use sixaxis_core::preprocess::zero_phase::zero_phase;
-use sixaxis_core::preprocess::{detrend, each_channel, outlier};
+use sixaxis_core::dsp::butterworth::{self, Section};
+use sixaxis_core::dsp::differentiate::Differentiator;
+use sixaxis_core::dsp::lag::{undo_high_pass, undo_low_pass};
+use sixaxis_core::dsp::zero_phase::zero_phase;
+use sixaxis_core::dsp::{detrend, each_channel, outlier};
 use sixaxis_core::{LIMBS, Result};
 
-use crate::session::{Preprocessing, Session};
 use crate::trial::Trial;
+use sixaxis_recordings::session::{Preprocessing, Session};
 
 /// Highest corner of the low-pass, of the sample rate: at half of it there is no filter.
 const HIGHEST_CORNER: f64 = 0.4;
@@ -142,7 +142,7 @@ impl Cleaning {
             if let Some(rest) = rest {
                 // The drift of step 1 is taken off later; here only the change since the first rest.
                 let level = mean(&series[..rest.min(series.len())]);
-                detrend::between_rests(series, rest)?;
+                detrend::rest_to_rest_trend(series, rest)?;
                 series.iter_mut().for_each(|x| *x += level);
             }
             filtered(series)
@@ -150,7 +150,7 @@ impl Cleaning {
         for series in [&mut acceleration, &mut rate] {
             if let Some(rest) = rest {
                 // A standard that shows something at rest shows its own offset.
-                detrend::between_rests(series, rest)?;
+                detrend::rest_to_rest_trend(series, rest)?;
             }
             filtered(series)?;
         }

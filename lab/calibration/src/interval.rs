@@ -8,14 +8,14 @@
 use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use sixaxis_core::decouple::uncertainty::Covariance;
+use sixaxis_core::decouple::uncertainty::parameters::{INERTIA, SCALE};
 use sixaxis_core::significance::NORMAL_95;
-use sixaxis_core::uncertainty::Covariance;
-use sixaxis_core::uncertainty::parameters::{INERTIA, SCALE};
 use sixaxis_core::{LIMBS, Parameters};
 
-use crate::session::{Role, SessionFile};
 use crate::steps::{Campaign, FourSteps, jackknife};
 use crate::tap::Taps;
+use sixaxis_recordings::session::{Role, Session};
 
 /// Half width of the 95 % interval of an even spread, in its half width.
 const EVEN_95: f64 = 0.95;
@@ -159,7 +159,7 @@ fn spread<const N: usize>(fits: &[[f64; N]], entry: usize) -> Option<f64> {
 /// it, which takes rows of a filtered record for independent and earlier steps for exact.
 #[must_use]
 pub fn report(
-    file: &SessionFile,
+    session: &Session,
     steps: &FourSteps,
     left_out: &LeftOut,
     noise: Option<&Covariance>,
@@ -167,7 +167,7 @@ pub fn report(
     let propagated = |place: usize, own: f64| {
         noise.map_or(own, |covariance| covariance[(place, place)].max(0.0).sqrt())
     };
-    let design = file.design();
+    let design = session.sensor.design();
     let used = steps.used();
     let mut reports = Vec::with_capacity(25);
     for limb in 0..LIMBS {
@@ -181,8 +181,8 @@ pub fn report(
             None,
         ));
     }
-    let accelerometer = EVEN_95 * file.session.accelerometer.class_percent / 100.0;
-    let gyroscope = EVEN_95 * file.session.gyroscope.class_percent / 100.0;
+    let accelerometer = EVEN_95 * session.accelerometer.class_percent / 100.0;
+    let gyroscope = EVEN_95 * session.gyroscope.class_percent / 100.0;
     let errors = steps.scale.estimate.standard_error();
     for (limb, error) in errors.into_iter().enumerate() {
         let value = used.scale_per_mass_per_kg[limb];

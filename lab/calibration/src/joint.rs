@@ -23,10 +23,10 @@ use sixaxis_core::{LIMBS, Parameters};
 
 use crate::certified::Gain;
 use crate::error::{Error, Result};
-use crate::session::{Role, Session};
 use crate::steps::{Campaign, FourSteps};
 use crate::tap::Taps;
 use crate::trial::Trial;
+use sixaxis_recordings::session::{Role, Session};
 
 /// Standard deviation of a wedge's angles where the session does not say, degrees: a workshop's.
 pub const WEDGE_DEG: f64 = 0.1;

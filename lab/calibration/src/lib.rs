@@ -1,13 +1,11 @@
 //! From a session's recordings to 25 parameters, their intervals and a verdict.
 //!
 //! What a laboratory has is a folder of recordings and knowledge that is in no recording: which wedge was under the sensor,
-//! which range the amplifier was switched to, what the standard instruments' certificates say. The [`session`] file holds the
-//! latter. From there data flow through the files in this order:
+//! which range the amplifier was switched to, what the standard instruments' certificates say. The session file
+//! ([`sixaxis_recordings::session`]) holds the latter. From there data flow through the files in this order:
 //!
 //! | file | holds |
 //! |---|---|
-//! | [`session`] | the session file, and what can be wrong with it |
-//! | [`unit`] | units that channels come in |
 //! | [`trial`] | one recording in SI units on one clock |
 //! | [`averaged`] | a static record of any length |
 //! | [`load`] | trials from files |
@@ -24,25 +22,29 @@
 //! | [`interval`] | how well each parameter is known, and what limits it |
 //! | [`verdict`] | all of it judged |
 //! | [`calibration`] | the result as a file |
+//! | [`apply`] | recordings decoupled with that file |
+//! | [`compare`] | a decoupled motion against the truth |
+//! | [`page`] | the pages of a calibration and of a comparison |
 
+pub mod apply;
 pub mod averaged;
 pub mod calibration;
 pub mod certified;
 pub mod cleaning;
+pub mod compare;
 pub mod error;
 pub mod interval;
 pub mod iteration;
 pub mod joint;
 pub mod load;
+pub mod page;
 pub mod propagation;
 pub mod response;
 pub mod rigid;
-pub mod session;
 pub mod steps;
 pub mod suspicion;
 pub mod tap;
 pub mod trial;
-pub mod unit;
 pub mod verdict;
 
 pub use error::{Error, Result};

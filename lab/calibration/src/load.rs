@@ -3,15 +3,15 @@
 use std::path::Path;
 
 use sixaxis_core::LIMBS;
-use sixaxis_core::preprocess::resample::{CubicSpline, delayed};
+use sixaxis_core::dsp::resample::{CubicSpline, delayed};
 use sixaxis_core::recording::check_time_stamps;
 use sixaxis_recordings::{Block, Channel, Layout, Source};
 
 use crate::averaged::Averaged;
 use crate::error::{Error, Result};
-use crate::session::{Channels, Entry, Role, SessionFile};
 use crate::trial::{Readings, Trial};
-use crate::unit::{self, STANDARD_GRAVITY_M_S2, Unit};
+use sixaxis_recordings::session::{Channels, Entry, Role, SessionFile};
+use sixaxis_recordings::unit::{self, STANDARD_GRAVITY_M_S2, Unit};
 
 /// Samples read at a time.
 pub const BLOCK: usize = 1 << 16;
@@ -52,14 +52,14 @@ pub fn limbs(
         volts[limb] = match unit_of(path, channel, channels.limbs_unit.as_deref())? {
             Unit::Voltage(volts) => volts,
             _ => {
-                return Err(Error::Unit {
+                return Err(Error::Recording(sixaxis_recordings::Error::Unit {
                     file: path.display().to_string(),
                     channel: channel.name.clone(),
                     cause: format!(
                         "a limb's channel is a voltage, not {:?}",
                         channel.unit.as_deref().unwrap_or_default()
                     ),
-                });
+                }));
             }
         };
     }
@@ -81,23 +81,16 @@ fn position(path: &Path, layout: &Layout, name: &str) -> Result<usize> {
                 _ => None,
             }
         })
-        .ok_or_else(|| {
-            let names: Vec<&str> = layout.channels.iter().map(|c| c.name.as_str()).collect();
-            Error::Recording(sixaxis_recordings::Error::NoSuchChannel {
-                path: path.to_owned(),
-                name: name.to_owned(),
-                available: names.join(", "),
-            })
-        })
+        .ok_or_else(|| Error::Recording(layout.no_such_channel(path, name)))
 }
 
 fn unit_of(path: &Path, channel: &Channel, declared: Option<&str>) -> Result<Unit> {
     let refuse = |cause: String| {
-        Err(Error::Unit {
+        Err(Error::Recording(sixaxis_recordings::Error::Unit {
             file: path.display().to_string(),
             channel: channel.name.clone(),
             cause,
-        })
+        }))
     };
     match (channel.unit.as_deref(), declared) {
         (Some(name), declared) => match (unit::named(name), declared.and_then(unit::named)) {
@@ -245,12 +238,10 @@ impl Reader<'_> {
             let mean_rate = steps as f64 / (last - first);
             let rate = *rate.get_or_insert(mean_rate);
             if (mean_rate / rate - 1.0).abs() > STAMPS_TOLERANCE {
-                return Err(self.file.refuse(
-                    &self.key(rate_key),
-                    format!(
-                        "{rate} Hz, but by its time stamps the recording has {mean_rate:.3} Hz"
-                    ),
-                ));
+                let cause = format!(
+                    "{rate} Hz, but by its time stamps the recording has {mean_rate:.3} Hz"
+                );
+                return Err(self.file.refuse(&self.key(rate_key), cause).into());
             }
             if check_time_stamps(&stamps, rate).is_err() {
                 // Jitter is put right, a gap is not: it would be filled with invention.
@@ -350,11 +341,11 @@ impl Reader<'_> {
         let channels = self.channels();
         let session = &self.file.session;
         let wrong = |channel: &Channel, cause: &str| {
-            Err(Error::Unit {
+            Err(Error::Recording(sixaxis_recordings::Error::Unit {
                 file: path.display().to_string(),
                 channel: channel.name.clone(),
                 cause: cause.to_owned(),
-            })
+            }))
         };
         let index = position(path, layout, &channels.accelerometer)?;
         let channel = &layout.channels[index];

@@ -2,7 +2,7 @@
 //!
 //! Noise of the nine channels and of both standards, trial by trial; errors of the standards' gains, the same all day; wedges,
 //! each the same in every trial that it is used in. To first order all of them are linear in what a step's rows lack
-//! ([`sixaxis_core::uncertainty`]); white noise of raw samples comes to the rows through the transposed cleaning. Held
+//! ([`sixaxis_core::decouple::uncertainty`]); white noise of raw samples comes to the rows through the transposed cleaning. Held
 //! against tens of thousands of simulated campaigns by `props`' suite `propagation`.
 //!
 //! What is not in it: what the model neglects (limbs that give way, 1e-6 of s/m), clocks, wild samples, and whatever
@@ -11,15 +11,17 @@
 mod own;
 
 use rayon::prelude::*;
-use sixaxis_core::preprocess::spectrum::noise_floor;
-use sixaxis_core::uncertainty::influence::{GyroscopeShare, InertiaInfluence, ScaleInfluence};
-use sixaxis_core::uncertainty::parameters::{Chain, Covariance, DRIFT, Errors};
+use sixaxis_core::decouple::uncertainty::influence::{
+    GyroscopeShare, InertiaInfluence, ScaleInfluence,
+};
+use sixaxis_core::decouple::uncertainty::parameters::{Chain, Covariance, DRIFT, Errors};
+use sixaxis_core::dsp::spectrum::noise_floor;
 use sixaxis_core::{LIMBS, Result};
 
 use self::own::{Answers, FourthStep, Own};
 use crate::cleaning::Cleaning;
-use crate::session::{Role, Session};
 use crate::steps::{Campaign, FourSteps, rows};
+use sixaxis_recordings::session::{Role, Session};
 
 /// White noise of one trial, standard deviation of one raw sample.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -120,7 +122,7 @@ pub fn of_session(
     finite.then_some((sources, found))
 }
 
-/// Covariances of the 25 parameters by cause, in the order of [`sixaxis_core::uncertainty::PARAMETERS`].
+/// Covariances of the 25 parameters by cause, in the order of [`sixaxis_core::decouple::uncertainty::PARAMETERS`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Propagated {
     /// The chain of the steps.

@@ -11,12 +11,12 @@
 
 use nalgebra::{DMatrix, DVector};
 use sixaxis_core::LIMBS;
-use sixaxis_core::preprocess::differentiate::Differentiator;
+use sixaxis_core::dsp::differentiate::Differentiator;
 
 use crate::cleaning::Cleaned;
-use crate::session::Role;
 use crate::steps::stride;
 use crate::trial::Trial;
+use sixaxis_recordings::session::Role;
 
 /// Terms of the fit.
 const TERMS: usize = 6;

@@ -10,16 +10,16 @@ use sixaxis_core::geometry::DIRECTIONS_SHELL;
 use sixaxis_core::identify::inertia::euler_torque;
 use sixaxis_core::{Geometry, InertiaPerMass, LIMBS};
 
-/// Shares of the nine limbs in a wrench.
+/// StaticLoadSharing of the nine limbs in a wrench.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Shares {
+pub struct StaticLoadSharing {
     /// Force of each limb per mass over the acceleration, shell axes.
     pub linear: [DVec3; LIMBS],
     /// Force of each limb per mass over the torque per mass, 1/m.
     pub torque_per_m: [DVec3; LIMBS],
 }
 
-impl Shares {
+impl StaticLoadSharing {
     /// For a drawing; none for one whose limbs do not hold the mass.
     #[must_use]
     pub fn new(geometry: &Geometry) -> Option<Self> {

@@ -9,13 +9,13 @@ use sixaxis_core::identify::scale::{ScaleIdentification, ScalePerMass};
 use sixaxis_core::identify::stiffness::{self, StiffnessPerMass};
 use sixaxis_core::identify::stiffness_search::{self, RateNorms, rate_norm_sums};
 use sixaxis_core::identify::zero_drift::{self, ZeroDrift};
-use sixaxis_core::signal::SignalChain;
+use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::{Geometry, LIMBS, LimbLaw, Parameters, Scheme, Sensor, Settings};
 
 use crate::cleaning::Cleaned;
 use crate::error::{Error, Result};
-use crate::session::Role;
 use crate::trial::Trial;
+use sixaxis_recordings::session::Role;
 
 /// Rows per cycle of the drive that steps 2 and 3 take from a trial. Neighbouring samples of a low-passed record say
 /// nothing new and would make the covariance too small.

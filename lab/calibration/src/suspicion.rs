@@ -29,9 +29,9 @@ use sixaxis_core::{Geometry, LIMBS, Parameters};
 
 use crate::cleaning::Cleaned;
 use crate::response::{self, Response};
-use crate::rigid::{Shares, turned_gravity_m_s2};
-use crate::session::{Rig, Role};
+use crate::rigid::{StaticLoadSharing, turned_gravity_m_s2};
 use crate::trial::Trial;
+use sixaxis_recordings::session::{Rig, Role};
 use table::Table;
 
 /// Relative error of an angle that undoing a gyroscope's lag and the low-pass leave.
@@ -184,7 +184,7 @@ pub fn examine<'a>(
     raw::examine(at_rest, &mut suspects, &mut findings);
     let drift = at_rest.and_then(|rest| zero_drift::identify(&rest.voltage_v).ok());
     measure(&mut suspects, drift.as_ref(), None);
-    let Some(shares) = Shares::new(&facts.geometry) else {
+    let Some(shares) = StaticLoadSharing::new(&facts.geometry) else {
         return unfinished(findings, suspects);
     };
     structure::excitation(&suspects, &mut findings);

@@ -3,8 +3,8 @@
 use glam::DVec3;
 use sixaxis_core::{Gains, Geometry, LIMBS, Scheme, Sensor, Settings};
 
-use crate::session::{Entry, Role, Session};
-use crate::unit::STANDARD_GRAVITY_M_S2;
+use sixaxis_recordings::session::{Entry, Role, Session};
+use sixaxis_recordings::unit::STANDARD_GRAVITY_M_S2;
 
 /// What one recording holds, in SI units and on one clock.
 #[derive(Debug, Clone, PartialEq)]

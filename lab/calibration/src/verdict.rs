@@ -31,11 +31,11 @@ use crate::interval::{LeftOut, ParameterReport, put_taps, report};
 use crate::iteration::Iteration;
 use crate::joint::JointReport;
 use crate::propagation;
-use crate::session::{Role, SessionFile};
 use crate::steps::{Campaign, FourSteps, GyroscopeGain};
 use crate::suspicion::{Cause, Facts, Finding, examine};
 use crate::tap::Taps;
 use crate::trial::Trial;
+use sixaxis_recordings::session::{Role, SessionFile};
 
 /// The judgement in one word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -172,7 +172,7 @@ impl Watch for Unwatched {
 /// A recording that cannot be used is a finding, not an error: the rest is still worth knowing.
 ///
 /// # Errors
-/// [`crate::Error::Session`] only: a session whose own statements cannot be.
+/// [`sixaxis_recordings::Error::Session`] only: a session whose own statements cannot be.
 pub fn judge(file: &SessionFile, watch: &dyn Watch) -> Result<Judgement> {
     judge_choosing(file, &Choices::default(), watch)
 }
@@ -196,9 +196,9 @@ pub fn judge_choosing(
         mut findings,
     } = gather(file, watch)?;
     watch.stage("examining", 1);
-    let design = file.design();
+    let design = file.session.sensor.design();
     let facts = Facts {
-        geometry: file.geometry(),
+        geometry: file.session.sensor.geometry(),
         design: &design,
         rig: file.session.rig.as_ref(),
         gyroscope_class: file.session.gyroscope.class_percent / 100.0,
@@ -214,7 +214,7 @@ pub fn judge_choosing(
         .collect();
     watch.part();
     let campaign = Campaign {
-        geometry: file.geometry(),
+        geometry: file.session.sensor.geometry(),
         design,
         static_voltage_v: at_rest
             .as_ref()
@@ -244,7 +244,7 @@ pub fn judge_choosing(
             watch.part();
             propagated = propagation::of_session(&file.session, &campaign, &cleaning, &steps);
             let noise = propagated.as_ref().map(|(_, found)| found.noise);
-            parameters = report(file, &steps, &left_out, noise.as_ref());
+            parameters = report(&file.session, &steps, &left_out, noise.as_ref());
             taps = Taps::identify(
                 &struck,
                 campaign.geometry,

@@ -1,7 +1,7 @@
 //! What the limbs should carry: equilibrium, coordination, turned weight; and the jackknife.
 
 use glam::DVec3;
-use sixaxis_calibration::rigid::{Shares, turned_gravity_m_s2};
+use sixaxis_calibration::rigid::{StaticLoadSharing, turned_gravity_m_s2};
 use sixaxis_calibration::steps::jackknife;
 use sixaxis_core::geometry::DIRECTIONS_SHELL;
 use sixaxis_core::identify::inertia::euler_torque;
@@ -22,7 +22,7 @@ fn inv_shares_carry_the_wrench_and_obey_coordination() {
         DVec3::new(4.0, 5.0, -6.0),
         DVec3::new(-70.0, 80.0, 90.0),
     );
-    let shares = Shares::new(&geometry).expect("three nodes hold a body");
+    let shares = StaticLoadSharing::new(&geometry).expect("three nodes hold a body");
     let f = shares.forces_m_s2(a, &inertia, w, dw);
     let force: DVec3 = (0..LIMBS).map(|i| DIRECTIONS_SHELL[i] * f[i]).sum();
     let hinges = geometry.mass_hinges_m();

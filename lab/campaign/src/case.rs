@@ -3,16 +3,14 @@
 //! Equals what [`sixaxis_calibration::verdict::judge`] makes of the same session on disk, bit for bit, where the files keep
 //! every bit of an f64 (test `inv_a_case_is_what_judge_finds_on_disk`).
 
-use std::path::PathBuf;
-
 use sixaxis_calibration::interval::{LeftOut, put_taps, report};
 use sixaxis_calibration::joint::{self, JointReport, Knowledge, Loss};
 use sixaxis_calibration::propagation;
-use sixaxis_calibration::session::{Session, SessionFile};
 use sixaxis_calibration::steps::{FourSteps, GyroscopeGain};
 use sixaxis_calibration::tap::Taps;
+use sixaxis_core::decouple::uncertainty::Covariance;
 use sixaxis_core::identify::{Reason, Verdict};
-use sixaxis_core::uncertainty::Covariance;
+use sixaxis_recordings::session::Session;
 use sixaxis_reference::session::plan::SessionPlan;
 use sixaxis_reference::session::play::{Played, PlayedSession, play};
 
@@ -93,11 +91,6 @@ fn identify(session: &Session, recordings: Vec<Played>) -> Result<Found, Failure
         taps: struck,
         cleaning,
     } = collect(session, recordings)?;
-    let file = SessionFile {
-        path: PathBuf::new(),
-        text: String::new(),
-        session: session.clone(),
-    };
     let class = session.gyroscope.class_percent / 100.0;
     let steps = campaign
         .identify(GyroscopeGain::Certified { class })
@@ -108,7 +101,7 @@ fn identify(session: &Session, recordings: Vec<Played>) -> Result<Found, Failure
     let propagated = propagation::of_session(session, &campaign, &cleaning, &steps);
     let noise = propagated.map(|(_, found)| found.noise);
     let left_out = LeftOut::fit(&campaign, &steps);
-    let mut reports = report(&file, &steps, &left_out, noise.as_ref());
+    let mut reports = report(session, &steps, &left_out, noise.as_ref());
     let taps = Taps::identify(
         &struck,
         campaign.geometry,

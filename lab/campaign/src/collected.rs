@@ -1,13 +1,11 @@
 //! A played session as the analysis has it: its recordings as trials, cleaned, without a detour by files.
 
-use std::path::PathBuf;
-
 use rayon::prelude::*;
 use sixaxis_calibration::averaged::Averaged;
 use sixaxis_calibration::cleaning::{Cleaned, Cleaning};
-use sixaxis_calibration::session::{Role, Session, SessionFile};
 use sixaxis_calibration::steps::Campaign;
 use sixaxis_calibration::trial::{Readings, Trial};
+use sixaxis_recordings::session::{Role, Session};
 use sixaxis_reference::session::play::Played;
 
 use crate::row::Status;
@@ -61,14 +59,9 @@ pub fn collect(session: &Session, recordings: Vec<Played>) -> Result<Collected, 
             Ok((trial, cleaned))
         })
         .collect::<Result<Vec<(Trial, Cleaned)>, Failure>>()?;
-    let file = SessionFile {
-        path: PathBuf::new(),
-        text: String::new(),
-        session: session.clone(),
-    };
     let campaign = Campaign {
-        geometry: file.geometry(),
-        design: file.design(),
+        geometry: session.sensor.geometry(),
+        design: session.sensor.design(),
         static_voltage_v,
         trials,
     };

@@ -1,10 +1,11 @@
 //! The parts of a campaign side by side, and the plan that they are of.
 
 use core::ops::Range;
-use std::fs::{self, File};
-use std::hash::{BuildHasher, Hasher, RandomState};
-use std::io::{ErrorKind, Write};
+use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+
+use sixaxis_recordings::draft::write_atomically;
 
 use crate::error::{Error, Result};
 use crate::part::{Provenance, seeds_of};
@@ -62,23 +63,11 @@ pub fn claim(folder: &Path, plan: &str) -> Result<()> {
             }
         }
         Err(error) if error.kind() == ErrorKind::NotFound => {
-            // A hundred shards may begin at once, on machines that give their processes the same numbers: a draft for each.
-            let draft = folder.join(format!(".{PLAN_FILE}.{:016x}.part", unique()));
-            let written = File::create_new(&draft)
-                .and_then(|mut file| {
-                    file.write_all(plan.as_bytes())?;
-                    file.sync_all()
-                })
-                .and_then(|()| fs::rename(&draft, &path));
-            Ok(written.map_err(|e| io(&path, e))?)
+            // A hundred shards may begin at once, and each writes a draft of its own: the last of equal files stays.
+            Ok(write_atomically(&path, plan.as_bytes())?)
         }
         Err(error) => Err(io(&path, error).into()),
     }
-}
-
-/// A number that no other process draws.
-fn unique() -> u64 {
-    RandomState::new().build_hasher().finish()
 }
 
 /// Refuses a part of another plan or of another version, whose bits may be others.

@@ -2,7 +2,7 @@
 
 use sixaxis_core::{LIMBS, Parameters};
 
-pub use sixaxis_core::parameters::PARAMETERS;
+pub use sixaxis_core::model::PARAMETERS;
 
 /// Name of a parameter in SQL, with its unit: `d1_v`, `s1_per_kg`, `i1_m2`, `k_per_s2`; order as in [`values`].
 #[must_use]

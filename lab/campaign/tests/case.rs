@@ -3,11 +3,11 @@
 mod common;
 
 use common::{Folder, small};
-use sixaxis_calibration::session::SessionFile;
 use sixaxis_calibration::verdict::{Judgement, Unwatched, judge};
 use sixaxis_campaign::case::calibrate;
 use sixaxis_campaign::parameter::{PARAMETERS, name, values};
 use sixaxis_campaign::row::{Group, Row, Scalar, Status, Text, Values};
+use sixaxis_recordings::session::SessionFile;
 use sixaxis_reference::rig::Mounting;
 use sixaxis_reference::session::plan::SessionPlan;
 use sixaxis_reference::session::play::play;

@@ -1,6 +1,12 @@
 //! What a file says of its channels, and how their numbers are handed on.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use crate::error::{Error, Result};
+
+/// Names that an error lists.
+const NAMED: usize = 40;
 
 /// One channel of a recording.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -84,6 +90,48 @@ impl Layout {
                     _ => None,
                 }
             })
+    }
+
+    /// The error for a channel of this file that is not there. It names those that are.
+    #[must_use]
+    pub fn no_such_channel(&self, path: &Path, name: impl Into<String>) -> Error {
+        let mut names: Vec<_> = self.channels.iter().map(|c| c.name.as_str()).collect();
+        let more = names.len().saturating_sub(NAMED);
+        names.truncate(NAMED);
+        let mut available = names.join(", ");
+        if more > 0 {
+            available += &format!(" and {more} more");
+        }
+        Error::NoSuchChannel {
+            path: path.to_owned(),
+            name: name.into(),
+            available,
+        }
+    }
+
+    /// The number of samples that the channels of a selection share; 0 where the file does not say it.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchChannel`] for an index that is not there, [`Error::LengthMismatch`].
+    pub(crate) fn common_length(&self, path: &Path, selected: &[usize]) -> Result<u64> {
+        let mut common = None;
+        for &index in selected {
+            let channel = self
+                .channels
+                .get(index)
+                .ok_or_else(|| self.no_such_channel(path, format!("#{index}")))?;
+            let samples = channel.samples.unwrap_or(0);
+            let expected = *common.get_or_insert(samples);
+            if samples != expected {
+                return Err(Error::LengthMismatch {
+                    path: path.to_owned(),
+                    name: channel.name.clone(),
+                    samples,
+                    expected,
+                });
+            }
+        }
+        Ok(common.unwrap_or(0))
     }
 }
 

@@ -1,21 +1,23 @@
 //! A file that appears whole or not at all.
 
 use std::fs::{self, File};
+use std::io::Write;
 use std::path::{Path, PathBuf};
+
+use tempfile::{Builder, TempPath};
 
 use crate::error::{Error, Result};
 
-/// A neighbour of the file to be written, renamed over it once complete. Whatever happens before, power cut included, the
-/// path holds the old file or none.
+/// A neighbour of the file to be written, under a random name, renamed over it once complete. Whatever happens before, a
+/// power cut included, the path holds the old file or none.
 #[derive(Debug)]
 pub struct Draft {
     path: PathBuf,
-    draft: PathBuf,
-    kept: bool,
+    neighbour: TempPath,
 }
 
 impl Draft {
-    /// Opens the neighbour for writing. Missing folders are made.
+    /// Creates the neighbour, `.NAME.RANDOM.part`, for writing. Missing folders are made.
     ///
     /// # Errors
     /// [`Error::Io`].
@@ -26,46 +28,37 @@ impl Draft {
             .ok_or_else(|| io(std::io::ErrorKind::InvalidFilename.into()))?;
         let folder = folder_of(path);
         fs::create_dir_all(folder).map_err(io)?;
-        let draft = folder.join(format!(
-            ".{}.{}.part",
-            name.to_string_lossy(),
-            std::process::id()
-        ));
-        let file = File::create(&draft).map_err(io)?;
-        let draft = Self {
-            path: path.to_owned(),
-            draft,
-            kept: false,
-        };
-        Ok((draft, file))
+        let prefix = format!(".{}.", name.to_string_lossy());
+        let mut builder = Builder::new();
+        builder.prefix(&prefix).suffix(".part");
+        // Readable as any other new file is; the default is the owner's alone.
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        let (file, neighbour) = builder.tempfile_in(folder).map_err(io)?.into_parts();
+        let path = path.to_owned();
+        Ok((Self { path, neighbour }, file))
     }
 
     /// Flushes to disk and renames. `file` is the one from [`Self::create`], with everything written to it.
     ///
     /// # Errors
     /// [`Error::Io`]; the old file, if any, is then untouched.
-    pub fn keep(mut self, file: &File) -> Result<()> {
-        file.sync_all()
-            .and_then(|()| fs::rename(&self.draft, &self.path))
-            .map_err(|source| Error::io(&self.path, source))?;
-        self.kept = true;
+    pub fn keep(self, file: &File) -> Result<()> {
+        let Self { path, neighbour } = self;
+        let renamed = || {
+            file.sync_all()?;
+            neighbour.persist(&path).map_err(|error| error.error)
+        };
+        renamed().map_err(|source| Error::io(&path, source))?;
         // The rename itself is durable once the folder is; not every platform can open a folder.
-        if let Ok(opened) = File::open(folder_of(&self.path)) {
+        if let Ok(opened) = File::open(folder_of(&path)) {
             let _ = opened.sync_all();
         }
         Ok(())
     }
 }
 
-impl Drop for Draft {
-    fn drop(&mut self) {
-        if !self.kept {
-            let _ = fs::remove_file(&self.draft);
-        }
-    }
-}
-
-fn folder_of(path: &Path) -> &Path {
+pub(crate) fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
@@ -77,7 +70,6 @@ fn folder_of(path: &Path) -> &Path {
 /// # Errors
 /// [`Error::Io`]; the old file, if any, is then untouched.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
-    use std::io::Write;
     let (draft, mut file) = Draft::create(path)?;
     file.write_all(bytes)
         .map_err(|source| Error::io(path, source))?;

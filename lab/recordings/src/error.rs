@@ -95,6 +95,28 @@ pub enum Error {
         /// Length of the first channel selected.
         expected: u64,
     },
+    /// A channel comes in a unit that is not what it measures, or in none.
+    #[error("{file}: channel {channel:?}: {cause}")]
+    Unit {
+        /// The recording.
+        file: String,
+        /// The channel.
+        channel: String,
+        /// What is wrong, and what would be right.
+        cause: String,
+    },
+    /// A session file has a value that is impossible.
+    #[error("{}{}: {key}: {cause}", path.display(), line.map(|l| format!(", line {l}")).unwrap_or_default())]
+    Session {
+        /// The session file.
+        path: PathBuf,
+        /// Line of the key, from 1, where it is known.
+        line: Option<usize>,
+        /// The key, as in `recording[3].direction`.
+        key: String,
+        /// What is wrong, and what would be right.
+        cause: String,
+    },
 }
 
 /// Result of every fallible function of this crate.

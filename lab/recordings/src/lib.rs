@@ -1,6 +1,6 @@
-//! Recordings on disk: named channels in, blocks of numbers out, and the way back.
+//! Recordings on disk: named channels in, blocks of numbers out, and the way back; and the session that they belong to.
 //!
-//! Nothing in here knows of a sensor. A file is opened as a [`Source`], says in its [`Layout`] what is in it, and is read in
+//! A file is opened as a [`Source`], says in its [`Layout`] what is in it, and is read in
 //! [`Block`]s of bounded size, so that a recording larger than the memory works. Numbers arrive as f64 in the channel's own
 //! unit, with the scaling that the file prescribes applied; where a scaling is not understood the file is refused, raw
 //! counts are never handed out. What is written goes to a neighbour first ([`draft`]) and replaces the old file whole.
@@ -8,26 +8,35 @@
 //! | file | holds |
 //! |---|---|
 //! | [`channel`] | what a file says of its channels |
-//! | [`source`], [`sink`] | reading and writing, any format |
+//! | `source`, `sink` | the traits [`Source`] and [`Sink`] |
+//! | `open` | [`open()`] and [`create`]: which format a file has |
+//! | [`motion`] | columns of a motion: accelerations, rate, attitude |
 //! | [`draft`] | a file that appears whole or not at all |
 //! | [`text`] | CSV and its national variants, gzip |
 //! | [`tdms`] | what LabVIEW writes |
 //! | [`parquet`] | columnar files of pandas, Polars, DuckDB |
 //! | [`numpy`] | NPY and NPZ |
 //! | [`matlab`] | MAT files, version 5 and 7.3 |
+//! | [`mod@unit`] | units that channels come in |
+//! | [`session`] | the session file: which recordings belong together, and what they do not say themselves |
 
 pub mod channel;
 pub mod draft;
 pub mod error;
 pub mod matlab;
+pub mod motion;
 pub mod numpy;
+mod open;
 pub mod parquet;
-pub mod sink;
-pub mod source;
+pub mod session;
+mod sink;
+mod source;
 pub mod tdms;
 pub mod text;
+pub mod unit;
 
 pub use channel::{Block, Channel, Layout};
 pub use error::{Error, Result};
-pub use sink::{Sink, create};
-pub use source::{Source, open};
+pub use open::{create, open};
+pub use sink::Sink;
+pub use source::Source;

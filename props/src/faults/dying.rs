@@ -4,8 +4,8 @@
 use glam::{DQuat, DVec3};
 use rand_distr::{Distribution, StandardUniform};
 use rand_pcg::Pcg64;
-use sixaxis_core::fault::Watch;
-use sixaxis_core::signal::SignalChain;
+use sixaxis_core::paper::signal::SignalChain;
+use sixaxis_core::redundancy::fault::Watch;
 use sixaxis_core::{Geometry, LIMBS, Parameters, Sensor, Settings, StaticResponse};
 use sixaxis_reference::campaign::{DAMPING_RATIO, MASS_KG};
 use sixaxis_reference::chain::{Chain, amplifier_ranges};

@@ -5,9 +5,9 @@ use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use serde::Serialize;
 use sixaxis_core::LIMBS;
-use sixaxis_core::fault::moments::Moments;
-use sixaxis_core::fault::{Detector, RowNoise};
-use sixaxis_core::parity::{COORDINATION, ROWS};
+use sixaxis_core::redundancy::fault::moments::Moments;
+use sixaxis_core::redundancy::fault::{Detector, RowNoise};
+use sixaxis_core::redundancy::parity::{COORDINATION, ROWS};
 use sixaxis_core::significance::{chi_square_limit, chi_square_tail};
 
 /// Samples of one stretch: whole windows of every length.
@@ -112,7 +112,7 @@ pub fn curve(window: u64, limb: usize, sigmas: f64, draws: u64, seed: u64) -> Cu
         .collect();
     let sd = [1.0; LIMBS];
     let noise = RowNoise::from_channels(&sd).expect("noise");
-    let class = sixaxis_core::fault::class::CLASS_OF[limb];
+    let class = sixaxis_core::redundancy::fault::class::CLASS_OF[limb];
     let thresholds: Vec<f64> = false_alarm
         .iter()
         .map(|&p| chi_square_limit(p, 3).unwrap_or(0.0))

@@ -3,9 +3,9 @@
 use rayon::prelude::*;
 use serde::Serialize;
 use sixaxis_core::LIMBS;
-use sixaxis_core::fault::Kind;
-use sixaxis_core::fault::class::{CLASS_OF, CLASSES, members};
-use sixaxis_core::parity::LimbSet;
+use sixaxis_core::limb_set::LimbSet;
+use sixaxis_core::redundancy::fault::Kind;
+use sixaxis_core::redundancy::fault::class::{CLASS_OF, CLASSES, members};
 
 use super::{Fault, Name, Outcome, trial};
 

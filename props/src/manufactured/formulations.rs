@@ -14,8 +14,8 @@
 
 use crate::printed::{Instant, MassInertia};
 use glam::{DMat3, DQuat, DVec3};
-use sixaxis_core::dynamics::LimbWrench;
-use sixaxis_core::pose::{Pose, RelativeMotion};
+use sixaxis_core::paper::pose::{Pose, RelativeMotion};
+use sixaxis_core::paper::wrench::LimbWrench;
 
 use super::motion::{Manufactured, Moment};
 

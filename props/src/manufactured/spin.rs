@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 use sixaxis_core::kernel::constants::Constants;
-use sixaxis_core::kernel::spin::{Spin, Torques};
-use sixaxis_core::kernel::vector::{Vec3, vec3};
+use sixaxis_core::kernel::rate::{RateIntegrator, Torques};
+use sixaxis_core::kernel::vec3::{Vec3, vec3};
 use sixaxis_core::{Gains, Scheme, Sensor, Settings};
 
 use super::motion::Manufactured;
@@ -39,7 +39,7 @@ pub fn spin(
     };
     let w = start * step_s;
     let w = constants.mass_to_principal(vec3(w.x, w.y, w.z));
-    let mut state = Spin::start(constants.gyroscopic, w, torque(0));
+    let mut state = RateIntegrator::start(constants.gyroscopic, w, torque(0));
     let mut result = Vec::with_capacity(steps + 1);
     for step in 0..=steps {
         if step > 0 {

@@ -4,7 +4,7 @@
 //! derivatives.
 
 use nalgebra::{DMatrix, DVector, Matrix6, SMatrix, SVector};
-use sixaxis_core::signal::SignalChain;
+use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::{Geometry, LIMBS};
 use sixaxis_reference::mjcf::limb_jacobian;
 use sixaxis_reference::tap::SAMPLE_RATE_HZ;

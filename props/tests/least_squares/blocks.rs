@@ -3,11 +3,11 @@
 use glam::DVec3;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
-use sixaxis_core::dynamics::LimbWrench;
 use sixaxis_core::geometry::DIRECTIONS_SHELL;
 use sixaxis_core::identify::inertia::{InertiaIdentification, euler_torque, regressor};
 use sixaxis_core::identify::least_squares::{Accumulator, Estimate};
 use sixaxis_core::identify::scale::ScaleIdentification;
+use sixaxis_core::paper::wrench::LimbWrench;
 use sixaxis_core::{Error, Geometry};
 use sixaxis_props::compare::within;
 use sixaxis_props::rigid::forces;

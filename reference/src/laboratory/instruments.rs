@@ -3,7 +3,7 @@
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
 use serde::Serialize;
-use sixaxis_core::preprocess::lag::FirstOrder;
+use sixaxis_core::dsp::lag::FirstOrder;
 
 /// Bandwidth of the standard gyroscope, Hz.
 pub const GYROSCOPE_BANDWIDTH_HZ: f64 = 10.0;

@@ -1,6 +1,7 @@
 //! What the laboratory writes down of a simulated session: what it knows, not what is true.
 
-use sixaxis_calibration::session::{
+use sixaxis_core::Geometry;
+use sixaxis_recordings::session::{
     Accelerometer, Channels, Design, Gyroscope, Limits, PerLimb, Preprocessing, Rig, SensorCard,
     Session,
 };

@@ -1,8 +1,7 @@
 //! The drawing room: plain data in, one self-contained HTML file out.
 //!
 //! Nothing in here measures, simulates or decides. A caller fills a [`Page`], [`render`] turns it
-//! into a page without network access, foreign fonts or required scripts, and
-//! [`write_atomically`] puts it on disk.
+//! into a page without network access, foreign fonts or required scripts. Writing it to disk is the caller's.
 //!
 //! Read the files in this order:
 //!
@@ -18,7 +17,7 @@
 //! | [`guide`] | guide lines and a free place for their labels |
 //! | [`ink`] | the pen, and plotters' fixed colours turned into the theme's |
 //! | [`plot`] | a figure as SVG |
-//! | [`mod@write`] | the page as HTML, and the safe way to disk |
+//! | [`render()`] | the page as HTML |
 //!
 //! Units, frames and tolerances belong to the caller: labels arrive here as finished text.
 
@@ -30,14 +29,14 @@ pub mod markup;
 pub mod number;
 pub mod page;
 pub mod plot;
+mod render;
 pub mod scale;
 pub mod standalone;
 pub mod trace;
-pub mod write;
 
 pub use figure::{Axis, Figure, Kind, Mark, Panel, Scale, Series};
 pub use page::{
     Align, Block, Cell, Claim, Column, HeadCell, Listing, Page, Row, Section, State, Table, Tile,
     Verdict,
 };
-pub use write::{render, write_atomically};
+pub use render::render;

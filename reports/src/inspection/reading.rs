@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use anyhow::{Context, Result, bail};
 use rayon::prelude::*;
-use sixaxis_calibration::unit::{self, Unit};
+use sixaxis_recordings::unit::{self, Unit};
 use sixaxis_recordings::{Block, Layout, Source, open};
 
 use super::clock::{Clock, Stamps};

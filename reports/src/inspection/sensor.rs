@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use sixaxis_calibration::session::{Role, SessionFile};
-use sixaxis_calibration::unit::{self, Unit};
 use sixaxis_core::LIMBS;
+use sixaxis_recordings::session::{Role, SessionFile};
+use sixaxis_recordings::unit::{self, Unit};
 use sixaxis_recordings::{Channel, Layout};
 
 use super::findings::ChannelFacts;

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use anyhow::Result;
-use sixaxis_calibration::unit::{self, Unit};
-use sixaxis_core::preprocess::spectrum::{MIN_NOISE_SAMPLES, noise_floor};
+use sixaxis_core::dsp::spectrum::{MIN_NOISE_SAMPLES, noise_floor};
 use sixaxis_recordings::Channel;
+use sixaxis_recordings::unit::{self, Unit};
 
 use super::envelope::Envelope;
 use super::extreme::Extreme;

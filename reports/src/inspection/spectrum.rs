@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use anyhow::Result;
-use sixaxis_core::preprocess::detrend;
-use sixaxis_core::preprocess::spectrum::{Fourier, MIN_SEGMENT};
+use sixaxis_core::dsp::detrend;
+use sixaxis_core::dsp::spectrum::{Fourier, MIN_SEGMENT};
 
 use super::findings::Line;
 
@@ -86,7 +86,7 @@ pub fn segment(
 
 /// Averages segments as they come.
 ///
-/// Equals [`sixaxis_core::preprocess::spectrum::welch`] of the whole series at a sample rate of 1, but for segments that hold a
+/// Equals [`sixaxis_core::dsp::spectrum::welch`] of the whole series at a sample rate of 1, but for segments that hold a
 /// value that is not finite, which are left out (test `streamed_spectrum_is_that_of_the_whole`).
 #[derive(Debug, Clone)]
 pub struct Welch {
@@ -255,7 +255,7 @@ fn median(values: &[f64]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sixaxis_core::preprocess::spectrum::welch;
+    use sixaxis_core::dsp::spectrum::welch;
 
     /// A reproducible stream of uniform numbers in [-0.5, 0.5).
     fn noise() -> impl Iterator<Item = f64> {

@@ -5,8 +5,8 @@ use core::f64::consts::PI;
 use sixaxis_reference::paper::THRESHOLD_FREQUENCY_HZ;
 use sixaxis_reference::rig::Mode;
 
-use super::parameters::verdict;
 use crate::study::results::{Results, Search};
+use sixaxis_calibration::page::labels::verdict;
 use sixaxis_page::number::{fixed, scientific};
 use sixaxis_page::{Axis, Block, Column, Figure, Mark, Panel, Row, Section, Series, Table};
 

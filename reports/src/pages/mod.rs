@@ -1,8 +1,6 @@
 //! The report: a study's results as a page. What is measured is in [`crate::study`], how it is drawn in
 //! [`sixaxis_page`]; here is decided what a reader meets, in which words and with how many digits.
 
-pub mod calibration;
-pub mod comparison;
 pub mod evidence;
 mod fault_tolerance;
 mod figures;

@@ -1,9 +1,9 @@
 //! Tables 1 to 3 and k/m: the 25 parameters, the paper's and ours.
 
-use sixaxis_core::identify::Verdict;
+use sixaxis_calibration::page::labels::verdict;
 
 use crate::study::results::{Identification, Results};
-use sixaxis_page::number::{MISSING, fixed, percent, scientific, significant};
+use sixaxis_page::number::{MISSING, fixed, scientific, significant};
 use sixaxis_page::{Block, Cell, Column, HeadCell, Row, Section, Table};
 
 /// Where a column's numbers come from.
@@ -210,35 +210,6 @@ fn stiffness(r: &Results) -> Table {
             row("with laboratory errors", &r.laboratory),
         ],
         ..Table::default()
-    }
-}
-
-/// A verdict in words.
-pub fn verdict(verdict: &Verdict) -> String {
-    use sixaxis_core::identify::Reason;
-    match verdict {
-        Verdict::Determined => "determined".to_owned(),
-        Verdict::Undetermined { reason } => match reason {
-            Reason::Noise {
-                unknown,
-                relative_standard_error,
-            } => format!(
-                "not determined: unknown {unknown} is uncertain by {}",
-                percent(*relative_standard_error, 2)
-            ),
-            Reason::EdgeOfGrid => "not determined: no minimum inside the grid".to_owned(),
-            Reason::Flat { floor_over_largest } => format!(
-                "not determined: the smallest rate is {} of the largest on the grid",
-                percent(*floor_over_largest, 2)
-            ),
-            Reason::Misfit {
-                residual_over_signal,
-                ..
-            } => format!(
-                "not determined: {} of the signal are neither the model nor noise",
-                percent(*residual_over_signal, 2)
-            ),
-        },
     }
 }
 

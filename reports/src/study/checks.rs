@@ -3,8 +3,8 @@
 use anyhow::Result;
 use core::f64::consts::PI;
 use rand_pcg::Pcg64;
-use sixaxis_core::preload::static_preload_m_s2;
-use sixaxis_core::preprocess::lag::undo_high_pass;
+use sixaxis_core::dsp::lag::undo_high_pass;
+use sixaxis_core::paper::preload::static_preload_m_s2;
 use sixaxis_core::{Geometry, LIMBS, Parameters, Scheme};
 use sixaxis_reference::campaign::{self, Laboratory, Role, Trial};
 use sixaxis_reference::chain::{Chain, Coupling};

@@ -1,10 +1,10 @@
 //! What the laboratory does to a recording before the four steps see it.
 
 use sixaxis_calibration::cleaning::{Cleaned, Cleaning};
-use sixaxis_calibration::session::{LowPass, Preprocessing, Role, Stage};
 use sixaxis_calibration::trial::Trial;
 use sixaxis_core::Result;
 use sixaxis_core::recording::check_channels;
+use sixaxis_recordings::session::{LowPass, Preprocessing, Role, Stage};
 use sixaxis_reference::instruments::GYROSCOPE_BANDWIDTH_HZ;
 use sixaxis_reference::recording::Recording;
 

@@ -2,9 +2,9 @@
 
 use anyhow::Result;
 use rayon::prelude::*;
-use sixaxis_calibration::session;
 use sixaxis_calibration::steps::Campaign;
 use sixaxis_core::{Geometry, LIMBS};
+use sixaxis_recordings::session;
 use sixaxis_reference::campaign::{Laboratory, Role, Trial};
 use sixaxis_reference::paper;
 use sixaxis_reference::recording::SimulatedRun;

@@ -3,11 +3,11 @@
 use nalgebra::{DMatrix, DVector, SMatrix};
 
 use super::unknowns::{ACCELEROMETER_GAIN, COMPLIANCE, DRIFT, INERTIA, MASS_PER_SCALE, Unknowns};
+use crate::float::sqrt;
 use crate::geometry::LIMBS;
-use crate::parameters::Parameters;
-use crate::scalar::sqrt;
+use crate::model::Parameters;
 
-pub use crate::parameters::PARAMETERS;
+pub use crate::model::PARAMETERS;
 
 /// What the fit found.
 #[derive(Debug, Clone, PartialEq)]
@@ -83,9 +83,9 @@ impl JointEstimate {
         Parameters {
             zero_drift_v: core::array::from_fn(|i| v[DRIFT + i]),
             scale_per_mass_per_kg: core::array::from_fn(|i| v[MASS_PER_SCALE + i]),
-            inertia_per_mass: crate::parameters::InertiaPerMass::from_paper_order(
-                core::array::from_fn(|i| v[INERTIA + i]),
-            ),
+            inertia_per_mass: crate::model::InertiaPerMass::from_paper_order(core::array::from_fn(
+                |i| v[INERTIA + i],
+            )),
             stiffness_per_mass_per_s2,
         }
     }

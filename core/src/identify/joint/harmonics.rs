@@ -16,7 +16,7 @@ use alloc::vec::Vec;
 
 use nalgebra::{Complex, DVector};
 
-use crate::scalar::{sin_cos, sqrt};
+use crate::float::{sin_cos, sqrt};
 
 /// Frequencies of one record's harmonics.
 #[derive(Debug, Clone, PartialEq)]

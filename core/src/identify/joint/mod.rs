@@ -11,7 +11,7 @@
 //! |---|---|
 //! | [`harmonics`] | a record in orthonormal coordinates |
 //! | `motion` | the latent motion and the series that limbs feel |
-//! | [`shares`] | how nine limbs share a load |
+//! | [`super::static_load_sharing`] | how nine limbs share a load |
 //! | [`unknowns`] | what is estimated |
 //! | `trial` | one trial's data and what the model makes of its motion |
 //! | `normal` | its part in the normal equations, the motion eliminated |
@@ -44,7 +44,7 @@ mod motion;
 mod normal;
 mod record;
 pub mod robust;
-pub mod shares;
+
 mod solve;
 mod trial;
 pub mod unknowns;
@@ -57,15 +57,15 @@ pub use self::record::{Prepared, Record};
 pub use self::trial::Drive;
 
 use self::estimate::JointEstimate;
-use self::shares::Shares;
 use self::trial::Trial;
 use self::unknowns::{
     AMPLIFIER_CORNER, ANGLES, COMPLIANCE, DRIFT, GYROSCOPE_GAIN, GYROSCOPE_LAG, INERTIA,
     MASS_PER_SCALE, Unknowns, WEDGES, Wedge,
 };
+use super::static_load_sharing::StaticLoadSharing;
 use crate::error::{Error, Result};
 use crate::geometry::{Geometry, LIMBS};
-use crate::parameters::Parameters;
+use crate::model::Parameters;
 
 /// Two unit vectors nearer than this are the same wedge's.
 const SAME_WEDGE: f64 = 1e-3;
@@ -107,7 +107,7 @@ pub struct AtRest {
 /// Collects a campaign's trials.
 #[derive(Debug, Clone)]
 pub struct Joint {
-    shares: Shares,
+    shares: StaticLoadSharing,
     certificates: Certificates,
     at_rest: AtRest,
     wedges: Vec<Wedge>,
@@ -172,7 +172,7 @@ impl Joint {
             }
         }
         Ok(Self {
-            shares: Shares::new(geometry)?,
+            shares: StaticLoadSharing::new(geometry)?,
             certificates,
             at_rest,
             wedges: Vec::new(),

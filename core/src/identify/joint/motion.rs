@@ -17,7 +17,7 @@ use alloc::vec::Vec;
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::harmonics::{Grid, harmonic};
-use crate::scalar::{sin_cos, sqrt};
+use crate::float::{sin_cos, sqrt};
 
 /// Linear operator from the latent harmonics (no mean) to the coordinates of a series (with mean).
 #[derive(Debug, Clone, PartialEq)]

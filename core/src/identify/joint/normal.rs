@@ -9,10 +9,10 @@ use alloc::vec::Vec;
 use nalgebra::{Cholesky, Complex, DMatrix, DVector, Dyn};
 
 use super::motion::Operator;
-use super::shares::Shares;
 use super::trial::{Drive, Parts, Standard, Trial};
 use super::unknowns::{GYROSCOPE_LAG, Unknowns};
 use crate::geometry::LIMBS;
+use crate::identify::static_load_sharing::StaticLoadSharing;
 
 /// What a trial adds to the normal equations, and what it takes to go back to its own unknowns.
 pub(super) struct Contribution {
@@ -47,11 +47,15 @@ impl Trial {
     /// The trial's part at the present unknowns, common and own.
     ///
     /// None if the motion is not determined by the data, which no data with noise leave open.
-    pub fn contribution(&self, unknowns: &Unknowns, shares: &Shares) -> Option<Contribution> {
+    pub fn contribution(
+        &self,
+        unknowns: &Unknowns,
+        shares: &StaticLoadSharing,
+    ) -> Option<Contribution> {
         self.arrow(unknowns, shares).eliminate(unknowns.len())
     }
 
-    fn arrow(&self, unknowns: &Unknowns, shares: &Shares) -> Arrow {
+    fn arrow(&self, unknowns: &Unknowns, shares: &StaticLoadSharing) -> Arrow {
         let common = unknowns.len();
         let transients = self.transients();
         let count = 2 * self.grid.harmonics;

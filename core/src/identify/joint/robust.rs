@@ -13,14 +13,14 @@ use nalgebra::DVector;
 
 use super::estimate::JointEstimate;
 use super::harmonics::{Projection, project};
-use super::shares::Shares;
 use super::trial::Trial;
 use super::unknowns::Unknowns;
 use super::{Joint, Record, WHAT, solve};
+use crate::dsp::outlier::{SIGMA_PER_MAD, median};
 use crate::error::{Error, Result};
 use crate::geometry::LIMBS;
-use crate::parameters::Parameters;
-use crate::preprocess::outlier::{SIGMA_PER_MAD, median};
+use crate::identify::static_load_sharing::StaticLoadSharing;
+use crate::model::Parameters;
 
 /// Cut-off, in deviations, at which normal noise costs 5 % of the variance.
 pub const USUAL_LIMIT: f64 = 1.345;
@@ -104,7 +104,7 @@ fn cut_off(
     trial: &Trial,
     record: &Record,
     unknowns: &Unknowns,
-    shares: &Shares,
+    shares: &StaticLoadSharing,
     limit: f64,
 ) -> (Projection<{ LIMBS + 1 }>, f64) {
     let parts = trial.parts(unknowns, shares);

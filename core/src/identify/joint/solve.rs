@@ -7,12 +7,12 @@ use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 
 use super::estimate::JointEstimate;
 use super::normal::Contribution;
-use super::shares::Shares;
 use super::trial::Trial;
 use super::unknowns::{ACCELEROMETER_GAIN, COMPLIANCE, Unknowns};
 use super::{Known, WHAT};
 use crate::error::{Error, Result};
-use crate::scalar::sqrt;
+use crate::float::sqrt;
+use crate::identify::static_load_sharing::StaticLoadSharing;
 
 /// Steps at most; a campaign takes four.
 const ITERATIONS: usize = 30;
@@ -37,7 +37,7 @@ struct Normal {
 }
 
 fn normal(
-    shares: &Shares,
+    shares: &StaticLoadSharing,
     trials: &[Trial],
     unknowns: &Unknowns,
     priors: &[(usize, Known)],
@@ -153,7 +153,7 @@ impl Normal {
 }
 
 pub(super) fn fit(
-    shares: &Shares,
+    shares: &StaticLoadSharing,
     trials: &[Trial],
     start: Unknowns,
     priors: &[(usize, Known)],
@@ -174,7 +174,7 @@ pub(super) fn fit(
 
 /// As [`fit`], with the trials' motions as they stand.
 pub(super) fn refit(
-    shares: &Shares,
+    shares: &StaticLoadSharing,
     mut trials: Vec<Trial>,
     start: Unknowns,
     priors: &[(usize, Known)],
@@ -203,7 +203,7 @@ pub(super) fn refit(
 
 /// Gauss-Newton with the accelerometer's gain held.
 fn settle(
-    shares: &Shares,
+    shares: &StaticLoadSharing,
     trials: &mut Vec<Trial>,
     unknowns: &mut Unknowns,
     priors: &[(usize, Known)],

@@ -17,14 +17,14 @@ use nalgebra::{Complex, DVector};
 
 use super::harmonics::{Grid, Projection, harmonic};
 use super::motion::{self, Operator, Series};
-use super::shares::Shares;
 use super::unknowns::{
     ACCELEROMETER_GAIN, AMPLIFIER_CORNER, COMPLIANCE, DRIFT, GYROSCOPE_GAIN, GYROSCOPE_LAG,
     INERTIA, MASS_PER_SCALE, Unknowns, inertia_entry,
 };
+use crate::float::{exp, sin_cos, sqrt};
 use crate::geometry::LIMBS;
-use crate::scalar::{exp, sin_cos, sqrt};
-use crate::signal::Gains;
+use crate::identify::static_load_sharing::StaticLoadSharing;
+use crate::paper::signal::Gains;
 
 /// What the rig does in a trial.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -66,7 +66,7 @@ pub(super) struct Parts {
     pub all: Vec<DVector<f64>>,
     /// Derivatives of the series by the motion.
     pub by_latent: Vec<Operator>,
-    /// Shares of the series.
+    /// StaticLoadSharing of the series.
     pub shares: Vec<Share>,
 }
 
@@ -90,7 +90,7 @@ pub(super) struct Share {
 
 impl Trial {
     /// Common unknowns that this trial depends on.
-    fn shares(&self, unknowns: &Unknowns, shares: &Shares) -> Vec<Share> {
+    fn shares(&self, unknowns: &Unknowns, shares: &StaticLoadSharing) -> Vec<Share> {
         let tensor = unknowns.inertia().matrix_mass_m2();
         let (n, sideways) = unknowns.direction(self.wedge);
         let angles = unknowns.angles(self.wedge);
@@ -259,7 +259,7 @@ impl Trial {
     }
 
     /// What the channels are combined of at the present motion.
-    pub fn parts(&self, unknowns: &Unknowns, shares: &Shares) -> Parts {
+    pub fn parts(&self, unknowns: &Unknowns, shares: &StaticLoadSharing) -> Parts {
         let corner = unknowns.values[AMPLIFIER_CORNER];
         let (h_mean, h, dh) = self.amplifier(corner);
         let series = self.series();

@@ -9,7 +9,7 @@ use glam::{DMat3, DQuat, DVec3};
 use nalgebra::DVector;
 
 use crate::geometry::LIMBS;
-use crate::parameters::InertiaPerMass;
+use crate::model::InertiaPerMass;
 
 /// d_1 to d_9, V.
 pub const DRIFT: usize = 0;

@@ -23,7 +23,7 @@ use core::fmt;
 
 use super::Accumulator;
 use super::lanes::{Column, GROUPS, Lanes, WIDTH, add_scaled, dot};
-use crate::scalar::sqrt;
+use crate::float::sqrt;
 
 /// Squared lengths that reflectors are made from directly: squares of column entries that matter do not vanish beside
 /// them, and products with a column as long as [`super::Accumulator::solve`] admits do not overflow.

@@ -3,8 +3,8 @@
 use alloc::vec::Vec;
 
 use super::fit::{Fitted, Window};
+use crate::float::sqrt;
 use crate::geometry::LIMBS;
-use crate::scalar::sqrt;
 
 /// Ratio of variances at which the beginning is no free decay yet: five standard errors of what 25 samples of nine channels say.
 const STILL_DRIVEN: f64 = 1.5;

@@ -15,11 +15,11 @@ use nalgebra::{Matrix6, SMatrix, Vector6};
 use super::WHAT;
 use super::model::{Instant, MODES, RingDown, SHARED};
 use crate::error::{Error, Result};
+use crate::float::{exp, sqrt};
 use crate::geometry::{Geometry, LIMBS};
 use crate::identify::least_squares::Accumulator;
 use crate::identify::least_squares::factor::Factor;
-use crate::parameters::InertiaPerMass;
-use crate::scalar::{exp, sqrt};
+use crate::model::InertiaPerMass;
 
 /// Initial values.
 pub(super) const INITIAL: usize = 2 * MODES;

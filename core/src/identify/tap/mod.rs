@@ -1,16 +1,16 @@
-//! k/m by a tap: the shell is struck, held still, and the mass rings in it.
+//! k/m by a tap: the shell is onset, held still, and the mass rings in it.
 //!
 //! In the band of step 4 k/m shows in a millionth of the torques. The six modes, at 2 to 7 kHz, are made of it: the three that
-//! are mostly translations lie near sqrt(3 k/m) whatever I/m is. A blow of a tenth of a millisecond rings all six, and a
+//! are mostly translations lie near sqrt(3 k/m) whatever I/m is. A tap of a tenth of a millisecond rings all six, and a
 //! free decay of some milliseconds in nine channels holds their frequencies to a few parts in 1e5 of k/m at 1 % noise.
 //!
-//! [`model`] is the decay and its derivatives, `fit` the least squares, `blow` where the decay begins and how far it is of use,
+//! [`model`] is the decay and its derivatives, `fit` the least squares, `onset` where the decay begins and how far it is of use,
 //! `evidence` what the residuals say of all that.
 //!
 //! # What is assumed
-//! - After the blow the shell is at rest, or moves so evenly that no force shows: the rig holds it. A shell that hangs free is the
+//! - After the tap the shell is at rest, or moves so evenly that no force shows: the rig holds it. A shell that hangs free is the
 //!   second body of a two-body problem with other frequencies: (1 + m/M) times the k/m of a translation. What the shell
-//!   does during the contact is of no concern, and how hard, where and whither the blow goes neither.
+//!   does during the contact is of no concern, and how hard, where and whither the tap goes neither.
 //! - The limbs are of one stiffness, with dampers in proportion.
 //! - Whatever is linear and the same in all nine channels, an amplifier's bandwidth or an anti-aliasing filter, multiplies
 //!   each mode by a number, and those are free. Different filters are not: 1 us between channels is 2.5 degrees at 7 kHz.
@@ -18,10 +18,10 @@
 //!   along. The common scale of the channels is of no effect.
 //! - Only I/m over the square of the half edge counts. The drawing's half edge stands here as it stood in step 3.
 
-mod blow;
 mod evidence;
 mod fit;
 pub mod model;
+mod onset;
 
 use core::ops::Range;
 
@@ -34,12 +34,12 @@ use self::fit::{Fitted, Prior, Shared, Unknowns, Window};
 pub use self::model::{MODES, RingDown, SHARED};
 use super::{Reason, Verdict, noise_verdict};
 use crate::error::{Error, Result};
+use crate::float::sqrt;
 use crate::geometry::LIMBS;
-use crate::parameters::{InertiaPerMass, Parameters};
+use crate::model::Sensor;
+use crate::model::{InertiaPerMass, Parameters};
+use crate::paper::signal::SignalChain;
 use crate::recording::check_channels;
-use crate::scalar::sqrt;
-use crate::settings::Sensor;
-use crate::signal::SignalChain;
 use crate::significance::NORMAL_95;
 
 /// Name of the step in errors.
@@ -126,7 +126,7 @@ impl Tap {
     /// The 95 % interval of k/m, s^-2.
     #[must_use]
     pub fn interval_95_per_s2(&self) -> (f64, f64) {
-        let factor = crate::scalar::exp(NORMAL_95 * self.standard_error_ln);
+        let factor = crate::float::exp(NORMAL_95 * self.standard_error_ln);
         let k = self.stiffness_per_mass_per_s2;
         (k / factor, k * factor)
     }
@@ -216,7 +216,7 @@ pub fn identify(setup: &Setup, voltage_v: &[[f64; LIMBS]]) -> Result<Tap> {
         unknowns.stiffness_per_mass_per_s2,
         unknowns.damping_ratio,
     )?)?;
-    let struck = blow::find(voltage_v, setup.sample_rate_hz);
+    let onset = onset::find(voltage_v, setup.sample_rate_hz);
     let shortest = setup.samples(FIRST_STRETCH_S).max(8);
     let window = |range: Range<usize>, noise_v: [f64; LIMBS]| Window {
         voltage_v: &voltage_v[range],
@@ -224,16 +224,16 @@ pub fn identify(setup: &Setup, voltage_v: &[[f64; LIMBS]]) -> Result<Tap> {
         volts_per_m_s2: chain.sensitivity_m_s2_per_v().map(|s| 1.0 / s),
         noise_v,
     };
-    let largest = struck.peak_v.iter().fold(0.0_f64, |a, b| a.max(*b));
+    let largest = onset.peak_v.iter().fold(0.0_f64, |a, b| a.max(*b));
     let mut noise_v = [NOISE_AT_FIRST * largest; LIMBS];
     let mut searched = false;
     let mut put_off = 0;
     loop {
-        let from = struck.decay_from + put_off * setup.samples(PUT_OFF_S);
-        let decay = from..blow::end(voltage_v, &struck, from, setup.sample_rate_hz).max(from);
+        let from = onset.decay_from + put_off * setup.samples(PUT_OFF_S);
+        let decay = from..onset::end(voltage_v, &onset, from, setup.sample_rate_hz).max(from);
         if decay.len() < shortest {
             return Err(Error::TooFewSamples {
-                what: "the decay after a tap's blow",
+                what: "the decay after a tap",
                 needed: from + shortest,
                 got: voltage_v.len(),
             });
@@ -252,7 +252,7 @@ pub fn identify(setup: &Setup, voltage_v: &[[f64; LIMBS]]) -> Result<Tap> {
         let mut whole = window(decay.clone(), noise_v);
         let (mut fitted, mut covariance) = whole.fit(&prior, &unknowns)?;
         for _ in 0..REWEIGHTED {
-            noise_v = noise(&fitted, decay.len(), &struck.peak_v);
+            noise_v = noise(&fitted, decay.len(), &onset.peak_v);
             whole.noise_v = noise_v;
             (fitted, covariance) = whole.fit(&prior, &fitted.unknowns)?;
         }
@@ -260,7 +260,7 @@ pub fn identify(setup: &Setup, voltage_v: &[[f64; LIMBS]]) -> Result<Tap> {
         let evidence = Evidence::of(
             &whole,
             &fitted,
-            &struck.level_v,
+            &onset.level_v,
             setup.samples(BEGINNING_S).max(1),
         );
         if evidence.still_driven() && put_off < PUT_OFF {

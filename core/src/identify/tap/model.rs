@@ -38,9 +38,9 @@ use glam::DVec3;
 use nalgebra::{Matrix6, SymmetricEigen};
 
 use crate::error::{Error, Result};
+use crate::float::{exp, sin_cos, sqrt};
 use crate::geometry::{Geometry, LIMBS};
-use crate::parameters::{InertiaPerMass, STIFFNESS_PER_MASS_RANGE_PER_S2};
-use crate::scalar::{exp, sin_cos, sqrt};
+use crate::model::{InertiaPerMass, STIFFNESS_PER_MASS_RANGE_PER_S2};
 
 /// Modes of the mass in its shell.
 pub const MODES: usize = 6;

@@ -1,10 +1,10 @@
 //! The cleaning read backwards: what each raw sample weighs in a sum over the cleaned ones.
 //!
-//! All stages but the rejection of wild samples are linear, and each has its transpose in `core::preprocess::transposed`;
+//! All stages but the rejection of wild samples are linear, and each has its transpose in `core::dsp::transposed`;
 //! here they follow each other in the opposite order. Rejection replaces a sample in thousands and is passed over.
 
 use sixaxis_core::Result;
-use sixaxis_core::preprocess::transposed;
+use sixaxis_core::dsp::transposed;
 
 use super::{BASELINE, Cleaning};
 use crate::trial::Trial;
@@ -26,7 +26,7 @@ impl Cleaning {
         self.filter_transposed(trial, weights)?;
         if let Some(rest) = self.rest_samples(trial) {
             let level: f64 = weights.iter().sum();
-            transposed::between_rests(weights, rest)?;
+            transposed::rest_to_rest_trend(weights, rest)?;
             add_mean(weights, rest, level);
         }
         if let Some(corner_hz) = self.stages.amplifier_high_pass_hz {
@@ -75,7 +75,7 @@ impl Cleaning {
     fn standard_transposed(&self, trial: &Trial, weights: &mut [f64]) -> Result<()> {
         self.filter_transposed(trial, weights)?;
         match self.rest_samples(trial) {
-            Some(rest) => transposed::between_rests(weights, rest),
+            Some(rest) => transposed::rest_to_rest_trend(weights, rest),
             None => Ok(()),
         }
     }

@@ -2,22 +2,22 @@
 
 use glam::DVec3;
 use nalgebra::{SMatrix, SVector};
-use sixaxis_core::identify::compliance_fit::ComplianceFit;
-use sixaxis_core::signal::SignalChain;
-use sixaxis_core::uncertainty::influence::{
+use sixaxis_core::decouple::uncertainty::influence::{
     ComplianceInfluence, InertiaInfluence, ScaleInfluence, arms_m, column, force_per_volt,
     torque_per_volt,
 };
-use sixaxis_core::uncertainty::parameters::{
+use sixaxis_core::decouple::uncertainty::parameters::{
     COMPLIANCE, Chain, Covariance, DRIFT, Errors, INERTIA, SCALE,
 };
+use sixaxis_core::identify::compliance_fit::ComplianceFit;
+use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::{Geometry, LIMBS, Parameters, Result, Scheme};
 
 use super::TrialNoise;
 use crate::cleaning::{Cleaned, Cleaning};
-use crate::session::Role;
 use crate::steps::{Campaign, rows};
 use crate::trial::Trial;
+use sixaxis_recordings::session::Role;
 
 /// What a trial adds.
 #[derive(Debug, Clone, Default)]

@@ -7,8 +7,8 @@ use sixaxis_core::{Parameters, Scheme};
 
 use super::{Campaign, FourSteps, at, stride};
 use crate::error::Result;
-use crate::session::Role;
 use crate::trial::Trial;
+use sixaxis_recordings::session::Role;
 
 impl Campaign {
     /// Repeats steps 2 to 4 with the limbs' compliance kept, starting from what the four steps found.

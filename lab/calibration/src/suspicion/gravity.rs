@@ -8,8 +8,8 @@ use sixaxis_core::geometry::DIRECTIONS_SHELL;
 use super::table::Table;
 use super::{Cause, Finding, Suspect, angles, names};
 use crate::rigid::turned_gravity_m_s2;
-use crate::session::Role;
 use crate::steps::rows;
+use sixaxis_recordings::session::Role;
 
 /// Weight, m/s^2, from which it is worth a finding: a mounting askew by three degrees.
 const NOTICED_M_S2: f64 = 0.5;

@@ -9,7 +9,7 @@ use sixaxis_core::LIMBS;
 
 use super::table::{Table, weighted_median};
 use super::{Cause, Facts, Finding, Suspect};
-use crate::session::Role;
+use sixaxis_recordings::session::Role;
 
 /// Largest factor by which all scale factors together may differ from the design's.
 const COMMON: f64 = 2.2;

@@ -3,8 +3,8 @@
 use sixaxis_core::LIMBS;
 
 use super::{Cause, Finding, Suspect};
-use crate::session::Role;
 use crate::trial::Trial;
+use sixaxis_recordings::session::Role;
 
 /// Equal extreme samples in a row that make a flat top: noise does not repeat itself to the last bit, a converter at its end
 /// does.

@@ -2,12 +2,12 @@
 
 use glam::{DMat3, DVec3};
 use sixaxis_core::LIMBS;
-use sixaxis_core::preprocess::spectrum::noise_floor;
+use sixaxis_core::dsp::spectrum::noise_floor;
 
 use super::table::{Table, norm, usable, weighted_median};
 use super::{Cause, Facts, Finding, Suspect};
-use crate::rigid::Shares;
-use crate::session::Role;
+use crate::rigid::StaticLoadSharing;
+use sixaxis_recordings::session::Role;
 
 /// A direction that gets less than this share of the best one's excitation is not excited: the errors of what rests on it
 /// are three times as large and more.
@@ -90,7 +90,7 @@ pub fn excitation(suspects: &[Suspect<'_>], findings: &mut Vec<Finding>) {
 
 /// Channels that say nothing in any trial, or nothing in some.
 pub fn silent(
-    shares: &Shares,
+    shares: &StaticLoadSharing,
     facts: &Facts<'_>,
     suspects: &mut [Suspect<'_>],
     findings: &mut Vec<Finding>,
@@ -107,7 +107,7 @@ pub fn silent(
             shares.torque_per_m[channel].dot(inertia * d).abs()
         };
         let seen = (response.channels[channel].response * design[channel]).abs();
-        // Shares of the size of a tenth of the largest are the first that a twisted wedge or a neighbour's error leaves alone.
+        // StaticLoadSharing of the size of a tenth of the largest are the first that a twisted wedge or a neighbour's error leaves alone.
         let largest = if response.travels { 0.58 } else { 6.6e-3 };
         // In a compound run the two shares may cancel.
         (suspect.trial.role != Role::Validation && expected > 0.15 * largest)

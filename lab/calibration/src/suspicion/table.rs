@@ -7,10 +7,10 @@ use sixaxis_core::LIMBS;
 
 use super::Suspect;
 use crate::response::Response;
-use crate::rigid::Shares;
-use crate::session::Role;
+use crate::rigid::StaticLoadSharing;
+use sixaxis_recordings::session::Role;
 
-/// Shares below this are no basis for a ratio.
+/// StaticLoadSharing below this are no basis for a ratio.
 const SMALLEST_SHARE: f64 = 0.08;
 /// Departure, relative to a trial's own size, at which an observation loses its weight in the fit of the inertias.
 const ROBUST_DEPARTURE: f64 = 0.02;
@@ -24,8 +24,8 @@ const ROUNDS: usize = 12;
 /// Scale factors and inertias that most trials agree on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
-    /// Shares of the limbs in a wrench.
-    pub shares: Shares,
+    /// StaticLoadSharing of the limbs in a wrench.
+    pub shares: StaticLoadSharing,
     /// Which limb each channel is believed to belong to, from 0: its own, unless channels were found exchanged.
     pub limb_of: [usize; LIMBS],
     /// m/s_i of each channel: measured force over force per mass, kg.
@@ -42,7 +42,7 @@ impl Table {
     /// Scale factors from the trials that travel without turning.
     #[must_use]
     pub fn linear(
-        shares: &Shares,
+        shares: &StaticLoadSharing,
         suspects: &[Suspect<'_>],
         silent: &[bool; LIMBS],
     ) -> Option<Self> {

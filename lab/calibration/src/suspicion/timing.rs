@@ -4,7 +4,7 @@ use core::f64::consts::TAU;
 
 use super::{Cause, Facts, Finding, Suspect, names};
 use crate::response::Response;
-use crate::session::Role;
+use sixaxis_recordings::session::Role;
 
 /// Lag between sensor and standards that is noticed: at 2 Hz, 0.6 % of the signal in quadrature.
 const LAG_S: f64 = 0.5e-3;

@@ -3,17 +3,17 @@
 use glam::DVec3;
 use sixaxis_core::geometry::DIRECTIONS_SHELL;
 use sixaxis_core::identify::inertia::euler_torque;
-use sixaxis_core::signal::SignalChain;
+use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::{InertiaPerMass, LIMBS, Parameters};
 
 use super::TrialReport;
 use crate::cleaning::Cleaned;
 use crate::interval::LeftOut;
 use crate::response::ChannelResponse;
-use crate::session::Role;
 use crate::steps::{Campaign, FourSteps, rows};
 use crate::suspicion::{Suspect, timing};
 use crate::trial::Trial;
+use sixaxis_recordings::session::Role;
 
 pub(super) fn trial_report(suspect: &Suspect<'_>, departure: Option<f64>) -> TrialReport {
     let trial = suspect.trial;

@@ -8,9 +8,9 @@ use super::Watch;
 use crate::cleaning::{Cleaned, Cleaning};
 use crate::error::{Error, Result};
 use crate::load;
-use crate::session::{Role, SessionFile, Stage};
 use crate::suspicion::{Cause, Finding};
 use crate::trial::Trial;
+use sixaxis_recordings::session::{Role, SessionFile, Stage};
 
 /// Corner of the low-pass for validation runs over the drive's frequency: what is compared there is the gyroscope's second
 /// derivative, and its noise must stay out. The drive loses 7e-6, the same on both sides.
@@ -33,7 +33,7 @@ pub(super) struct Gathered {
 /// Reads and cleans all recordings.
 ///
 /// # Errors
-/// [`Error::Session`]: a session whose own statements cannot be.
+/// [`sixaxis_recordings::Error::Session`]: a session whose own statements cannot be.
 pub(super) fn gather(file: &SessionFile, watch: &dyn Watch) -> Result<Gathered> {
     let entries = &file.session.recording;
     watch.stage("reading", entries.len());
@@ -56,7 +56,9 @@ pub(super) fn gather(file: &SessionFile, watch: &dyn Watch) -> Result<Gathered> 
             Ok(_) if entry.role == Role::Static => {}
             Ok(trial) if entry.role == Role::Tap => struck.push(trial),
             Ok(trial) => moving.push(trial),
-            Err(error @ Error::Session { .. }) => return Err(error),
+            Err(error @ Error::Recording(sixaxis_recordings::Error::Session { .. })) => {
+                return Err(error);
+            }
             Err(error) => {
                 findings.push(unreadable(
                     &entry.file.display().to_string(),

@@ -2,9 +2,9 @@
 
 use super::{Grade, TrialReport};
 use crate::interval::ParameterReport;
-use crate::session::{Limits, Role};
 use crate::steps::{Campaign, FourSteps};
 use crate::suspicion::{Cause, Finding};
+use sixaxis_recordings::session::{Limits, Role};
 
 /// Largest coordination residual that a good calibration has: limbs whose stiffnesses differ by so much are not nine of a kind.
 pub const COORDINATION_LIMIT: f64 = 0.1;

@@ -2,7 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sixaxis_core::uncertainty::PARAMETERS;
+use sixaxis_core::decouple::uncertainty::PARAMETERS;
 use sixaxis_core::{LIMBS, Parameters};
 
 use crate::calibration::{Covariance, PropagatedCovariance};
@@ -12,10 +12,10 @@ use crate::iteration::Criterion;
 use crate::joint::misfit::Misfit;
 use crate::joint::{JointReport, Knowledge, Loss, fit};
 use crate::propagation::Sources;
-use crate::session::Session;
 use crate::steps::{Campaign, FourSteps};
 use crate::suspicion::{Cause, Finding};
 use crate::tap::Taps;
+use sixaxis_recordings::session::Session;
 
 /// Whose 25 parameters a calibration has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]

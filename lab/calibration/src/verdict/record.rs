@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use sixaxis_core::uncertainty::PARAMETERS;
+use sixaxis_core::decouple::uncertainty::PARAMETERS;
 use sixaxis_core::{LIMBS, Parameters};
 
 use super::{Estimator, Grade};
@@ -12,9 +12,9 @@ use crate::calibration::{
 };
 use crate::interval::ParameterReport;
 use crate::propagation::{Propagated, Sources};
-use crate::session::SessionFile;
 use crate::steps::FourSteps;
 use crate::suspicion::Finding;
+use sixaxis_recordings::session::SessionFile;
 
 /// What a calibration is made of.
 pub(super) struct Kept<'a> {
@@ -35,8 +35,8 @@ pub(super) fn to_file(file: &SessionFile, kept: Kept) -> Calibration {
         findings: kept.findings.to_vec(),
         sensor: CalibratedSensor {
             serial: file.session.sensor.serial.clone(),
-            limb_length_m: file.geometry().limb_length_m,
-            half_edge_m: file.geometry().half_edge_m,
+            limb_length_m: file.session.sensor.geometry().limb_length_m,
+            half_edge_m: file.session.sensor.geometry().half_edge_m,
             full_scale_v: file.session.sensor.full_scale_v,
             gain_n_per_v: file.session.sensor.gain_n_per_v.each(),
         },

@@ -1,15 +1,16 @@
 //! Runs that were never fitted, decoupled and held against the standards.
 
 use glam::DVec3;
-use sixaxis_core::{Decoupler, Parameters, Scheme, rest_to_rest};
+use sixaxis_core::decouple::rest_to_rest;
+use sixaxis_core::{Decoupler, Parameters, Scheme};
 
 use super::grading::worst;
 use super::{Comparison, TrialReport};
 use crate::cleaning::Cleaned;
-use crate::session::Role;
 use crate::steps::Campaign;
 use crate::suspicion::{Cause, Finding};
 use crate::trial::Trial;
+use sixaxis_recordings::session::Role;
 
 /// Share of the largest peak that an axis is measured by at least.
 const FLOOR: f64 = 0.1;

@@ -24,9 +24,7 @@ use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
-use crate::channel::Layout;
 use crate::error::{Error, Result};
-use crate::sink::Sink;
 use crate::source::Source;
 
 mod dataset;
@@ -59,16 +57,4 @@ pub fn open(path: &Path) -> Result<Box<dyn Source>> {
     }
     file.seek(SeekFrom::Start(0)).map_err(io)?;
     v5::open(path, file, &head)
-}
-
-/// Says that MATLAB files are only read.
-///
-/// # Errors
-/// [`Error::Unsupported`].
-pub fn create(path: &Path, _layout: &Layout) -> Result<Box<dyn Sink>> {
-    Err(Error::unsupported(
-        path,
-        "writing MATLAB files",
-        "write .npz or .csv",
-    ))
 }

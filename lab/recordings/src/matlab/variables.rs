@@ -42,7 +42,6 @@ struct Place {
     variable: usize,
     first: u64,
     stride: u64,
-    samples: u64,
 }
 
 /// A MATLAB file.
@@ -115,7 +114,6 @@ pub(super) fn arrange(path: &Path, format: &str, found: Vec<Variable>) -> Result
                     variable: variables.len(),
                     first: first.unwrap_or(u64::MAX),
                     stride,
-                    samples,
                 });
             }
             variables.push(elements);
@@ -161,52 +159,20 @@ pub(super) fn arrange(path: &Path, format: &str, found: Vec<Variable>) -> Result
     }))
 }
 
-impl MatlabSource {
-    /// Samples of the channels, if all have as many.
-    fn common_length(&self, channels: &[usize]) -> Result<u64> {
-        let mut expected = None;
-        for &index in channels {
-            let Some(place) = self.places.get(index) else {
-                let names: Vec<_> = self
-                    .layout
-                    .channels
-                    .iter()
-                    .map(|c| c.name.as_str())
-                    .collect();
-                return Err(Error::NoSuchChannel {
-                    path: self.path.clone(),
-                    name: format!("#{index}"),
-                    available: names.join(", "),
-                });
-            };
-            let expected = *expected.get_or_insert(place.samples);
-            if place.samples != expected {
-                return Err(Error::LengthMismatch {
-                    path: self.path.clone(),
-                    name: self.layout.channels[index].name.clone(),
-                    samples: place.samples,
-                    expected,
-                });
-            }
-        }
-        Ok(expected.unwrap_or(0))
-    }
-}
-
 impl Source for MatlabSource {
     fn layout(&self) -> &Layout {
         &self.layout
     }
 
     fn select(&mut self, channels: &[usize]) -> Result<()> {
-        self.common_length(channels)?;
+        self.layout.common_length(&self.path, channels)?;
         self.selected = channels.to_vec();
         self.rows_read = 0;
         Ok(())
     }
 
     fn read(&mut self, block: &mut Block, limit: usize) -> Result<usize> {
-        let samples = self.common_length(&self.selected)?;
+        let samples = self.layout.common_length(&self.path, &self.selected)?;
         block.clear(self.selected.len());
         let left = samples.saturating_sub(self.rows_read);
         let rows = usize::try_from(left).map_or(limit, |left| left.min(limit));

@@ -21,7 +21,7 @@
 //! # What is written
 //! `.npy`: two dimensions, f8, C order; names, units and rates have no place in it. `.npz`: a stored array of f8 per
 //! channel, with units and properties as above. Because the members follow one another, the samples are first spooled to
-//! a hidden neighbour of the file (of the same size, removed at the end); the memory used is 4 MiB.
+//! a file without a name in the same folder (of the same size, gone at the end); the memory used is 4 MiB.
 
 mod dtype;
 mod header;

@@ -1,12 +1,12 @@
 //! Arrays, out.
 
-use std::fs::{self, File, OpenOptions};
+use std::fs::File;
 use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use super::{header, zip};
 use crate::channel::{Block, Layout, is_sample_rate};
-use crate::draft::Draft;
+use crate::draft::{Draft, folder_of};
 use crate::error::{Error, Place, Result};
 use crate::sink::Sink;
 
@@ -97,39 +97,13 @@ pub struct NpzSink {
     draft: Draft,
     output: File,
     layout: Layout,
-    spool: Spool,
+    /// Pieces of `piece` rows, each channel after channel, in a file without a name beside the draft.
+    spool: File,
     waiting: Block,
     /// Rows of every piece of the spool but the last.
     piece: usize,
     /// Rows in the spool.
     rows: u64,
-}
-
-/// A hidden neighbour: pieces of `piece` rows, each channel after channel. Removed when dropped.
-struct Spool {
-    path: PathBuf,
-    file: File,
-}
-
-impl Spool {
-    fn create(of: &Path) -> io::Result<Self> {
-        let name = of.file_name().unwrap_or_default().to_string_lossy();
-        let path = of.with_file_name(format!(".{name}.{}.spool", std::process::id()));
-        let mut options = OpenOptions::new();
-        let file = options
-            .read(true)
-            .write(true)
-            .create(true)
-            .truncate(true)
-            .open(&path)?;
-        Ok(Self { path, file })
-    }
-}
-
-impl Drop for Spool {
-    fn drop(&mut self) {
-        let _ = fs::remove_file(&self.path);
-    }
 }
 
 impl NpzSink {
@@ -145,7 +119,8 @@ impl NpzSink {
             draft,
             output,
             layout: layout.clone(),
-            spool: Spool::create(path).map_err(|source| Error::io(path, source))?,
+            spool: tempfile::tempfile_in(folder_of(path))
+                .map_err(|source| Error::io(path, source))?,
             waiting: Block::new(columns),
             piece: (SPOOLED / F8 as usize / columns.max(1)).max(1),
             rows: 0,
@@ -158,7 +133,7 @@ impl NpzSink {
         for column in &mut self.waiting.columns {
             bytes.clear();
             bytes.extend(column.iter().flat_map(|value| value.to_le_bytes()));
-            self.spool.file.write_all(&bytes)?;
+            self.spool.write_all(&bytes)?;
             column.clear();
         }
         self.rows += rows as u64;
@@ -202,7 +177,7 @@ impl Sink for NpzSink {
                 zip.member(&format!("{}.npy", channel.name), bytes, |output| {
                     output.write_all(&array)?;
                     copy_column(
-                        &mut self.spool.file,
+                        &mut self.spool,
                         output,
                         at as u64,
                         columns,

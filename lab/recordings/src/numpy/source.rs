@@ -143,31 +143,6 @@ impl NumpySource {
         Some((table, self.tables.get(table)?, field))
     }
 
-    /// Rows of the selected channels, which must agree.
-    fn rows(&self, selected: &[usize]) -> Result<u64> {
-        let mut rows = None;
-        for &channel in selected {
-            let Some((_, table, _)) = self.origin(channel) else {
-                return Err(Error::NoSuchChannel {
-                    path: self.path.clone(),
-                    name: format!("#{channel}"),
-                    available: format!("{} channels", self.origins.len()),
-                });
-            };
-            let expected = *rows.get_or_insert(table.rows);
-            if table.rows != expected {
-                let name = self.layout.channels.get(channel).map(|c| c.name.clone());
-                return Err(Error::LengthMismatch {
-                    path: self.path.clone(),
-                    name: name.unwrap_or_default(),
-                    samples: table.rows,
-                    expected,
-                });
-            }
-        }
-        Ok(rows.unwrap_or(0))
-    }
-
     /// Checks the sums of arrays that will not be read from end to end, once.
     fn verify(&mut self) -> Result<()> {
         for channel in self.selected.clone() {
@@ -187,7 +162,7 @@ impl NumpySource {
     }
 
     fn start(&mut self) -> Result<(Vec<Run>, u64)> {
-        let rows = self.rows(&self.selected)?;
+        let rows = self.layout.common_length(&self.path, &self.selected)?;
         self.verify()?;
         let mut runs: Vec<Run> = Vec::new();
         for (column, &channel) in self.selected.iter().enumerate() {
@@ -271,7 +246,7 @@ impl Source for NumpySource {
     }
 
     fn select(&mut self, channels: &[usize]) -> Result<()> {
-        self.rows(channels)?;
+        self.layout.common_length(&self.path, channels)?;
         self.selected = channels.to_vec();
         self.state = State::Fresh;
         Ok(())

@@ -299,19 +299,7 @@ impl Source for ParquetSource {
     }
 
     fn select(&mut self, channels: &[usize]) -> Result<()> {
-        if let Some(index) = channels.iter().find(|&&index| index >= self.columns.len()) {
-            let names: Vec<_> = self
-                .layout
-                .channels
-                .iter()
-                .map(|c| c.name.as_str())
-                .collect();
-            return Err(Error::NoSuchChannel {
-                path: self.path.clone(),
-                name: format!("#{index}"),
-                available: names.join(", "),
-            });
-        }
+        self.layout.common_length(&self.path, channels)?;
         self.selected = channels
             .iter()
             .map(|&channel| Reading {

@@ -223,18 +223,14 @@ impl Source for Reader {
 
     /// Besides the errors of [`Source`]: [`Error::Unsupported`] for a channel whose scale or type is not known.
     fn select(&mut self, channels: &[usize]) -> Result<()> {
+        let samples = self.layout.common_length(&self.path, channels)?;
         let mut positions = Vec::with_capacity(channels.len());
-        let mut expected = None;
         for &channel in channels {
             let (Some(reading), Some(described)) = (
                 self.readings.get(channel),
                 self.layout.channels.get(channel),
             ) else {
-                return Err(Error::NoSuchChannel {
-                    path: self.path.clone(),
-                    name: channel.to_string(),
-                    available: format!("{} channels", self.readings.len()),
-                });
+                continue;
             };
             if let Some(obstacle) = &reading.obstacle {
                 return Err(Error::unsupported(
@@ -243,19 +239,10 @@ impl Source for Reader {
                     "select other channels, or save this one as scaled DBL values with LabVIEW or DIAdem",
                 ));
             }
-            let samples = described.samples.unwrap_or(0);
-            if *expected.get_or_insert(samples) != samples {
-                return Err(Error::LengthMismatch {
-                    path: self.path.clone(),
-                    name: described.name.clone(),
-                    samples,
-                    expected: expected.unwrap_or(0),
-                });
-            }
             positions.push(Position::start(&self.index, channel, reading.object));
         }
         self.selected = Some(positions);
-        self.left = expected.unwrap_or(0);
+        self.left = samples;
         Ok(())
     }
 

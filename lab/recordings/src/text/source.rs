@@ -132,14 +132,7 @@ impl Source for TextSource {
     }
 
     fn select(&mut self, channels: &[usize]) -> Result<()> {
-        let known = &self.table.layout.channels;
-        if let Some(absent) = channels.iter().find(|&&c| c >= known.len()) {
-            return Err(Error::NoSuchChannel {
-                path: self.path.clone(),
-                name: format!("#{absent}"),
-                available: format!("{} channels", known.len()),
-            });
-        }
+        self.table.layout.common_length(&self.path, channels)?;
         self.selected = channels.to_vec();
         self.state = State::Fresh;
         Ok(())

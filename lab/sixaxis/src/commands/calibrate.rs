@@ -14,12 +14,13 @@ use clap::ValueEnum;
 use serde::Serialize;
 use sixaxis_calibration::calibration;
 use sixaxis_calibration::iteration::Criterion;
-use sixaxis_calibration::session::{self, SessionFile};
+use sixaxis_calibration::page;
 use sixaxis_calibration::suspicion::Finding;
 use sixaxis_calibration::verdict::{Choices, Estimator, Grade, Judgement, Watch, judge_choosing};
-use sixaxis_reports::pages;
+use sixaxis_page::render;
+use sixaxis_recordings::draft::write_atomically;
+use sixaxis_recordings::session::{self, SessionFile};
 use sixaxis_reports::progress::{Progress, Stage};
-use sixaxis_page::{render, write_atomically};
 
 use repetition::Repetition;
 
@@ -143,7 +144,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         });
         judge_choosing(&file, &Choices { repeat, estimator }, &watched)?
     };
-    let page = render(&pages::calibration::page(&file, &judgement))?;
+    let page = render(&page::calibration::page(&file, &judgement))?;
     // The calibration last: whoever sees a new one finds its report beside it.
     write_atomically(&targets.report, page.as_bytes())
         .with_context(|| format!("cannot write {}", targets.report.display()))?;
@@ -299,7 +300,7 @@ fn summary(judgement: &Judgement, targets: &Targets) -> String {
     if !judgement.findings.is_empty() {
         out += "\nFound\n";
         for finding in &judgement.findings {
-            let place = pages::calibration::place(finding);
+            let place = page::calibration::place(finding);
             wrapped(
                 &mut out,
                 "  - ",
@@ -333,7 +334,7 @@ fn summary(judgement: &Judgement, targets: &Targets) -> String {
     if let Some(iteration) = &judgement.iteration {
         repetition::print(&mut out, iteration);
     }
-    let (actions, consequences) = pages::calibration::split(judgement);
+    let (actions, consequences) = page::calibration::split(judgement);
     if !actions.is_empty() {
         out += "\nNext\n";
         for next in actions {

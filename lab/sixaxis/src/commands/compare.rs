@@ -4,11 +4,12 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::{Context, Result};
-use sixaxis_reports::comparison::aligned::Aligned;
-use sixaxis_reports::comparison::measure::{Comparison, compare};
-use sixaxis_reports::comparison::track::Track;
-use sixaxis_reports::pages;
-use sixaxis_page::{render, write_atomically};
+use sixaxis_calibration::compare::aligned::Aligned;
+use sixaxis_calibration::compare::measure::{Comparison, compare};
+use sixaxis_calibration::compare::track::Track;
+use sixaxis_calibration::page;
+use sixaxis_page::render;
+use sixaxis_recordings::draft::write_atomically;
 
 /// What is held against what.
 #[derive(clap::Args)]
@@ -46,7 +47,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         arguments.result.display().to_string(),
         arguments.truth.display().to_string(),
     )?;
-    let html = render(&pages::comparison::page(&comparison))?;
+    let html = render(&page::comparison::page(&comparison))?;
     write_atomically(&arguments.out, html.as_bytes())
         .with_context(|| format!("cannot write {}", arguments.out.display()))?;
     if let Some(path) = &arguments.json {

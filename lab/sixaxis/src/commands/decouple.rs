@@ -5,26 +5,27 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
+use super::integrator::Integrator;
 use anyhow::{Context, Result, bail, ensure};
 use serde::Serialize;
+use sixaxis_calibration::apply::conditioning::{Conditioning, Wishes, causal_delay_s};
+use sixaxis_calibration::apply::live::{End, Live, Printed, is_closed_pipe, refuse};
+use sixaxis_calibration::apply::motion::{Columns, DEVIATIONS, Decoding};
+use sixaxis_calibration::apply::pipeline::Busy;
+use sixaxis_calibration::apply::recording::Recording;
+use sixaxis_calibration::apply::setup::{Said, Setup};
+use sixaxis_calibration::apply::trust::doubt;
+use sixaxis_calibration::apply::watching::{Watching, flags};
+use sixaxis_calibration::apply::{closed, pipeline};
 use sixaxis_calibration::calibration::Calibration;
-use sixaxis_calibration::session::SessionFile;
+use sixaxis_calibration::page;
 use sixaxis_calibration::verdict::Grade;
 use sixaxis_core::{Decoupler, LimbSet, Scheme, Settings};
+use sixaxis_page::render;
+use sixaxis_recordings::draft::write_atomically;
+use sixaxis_recordings::session::SessionFile;
 use sixaxis_recordings::{Channel, Sink};
-use sixaxis_reports::decoupling::conditioning::{Conditioning, Wishes, causal_delay_s};
-use sixaxis_reports::decoupling::integrator::Integrator;
-use sixaxis_reports::decoupling::live::{End, Live, Printed, is_closed_pipe, refuse};
-use sixaxis_reports::decoupling::motion::{Columns, DEVIATIONS, Decoding};
-use sixaxis_reports::decoupling::pipeline::Busy;
-use sixaxis_reports::decoupling::recording::Recording;
-use sixaxis_reports::decoupling::setup::{Said, Setup};
-use sixaxis_reports::decoupling::trust::doubt;
-use sixaxis_reports::decoupling::watching::{Watching, flags};
-use sixaxis_reports::decoupling::{closed, pipeline};
-use sixaxis_reports::pages;
 use sixaxis_reports::progress::Progress;
-use sixaxis_page::{render, write_atomically};
 
 /// What is decoupled with what.
 #[derive(clap::Args)]
@@ -297,7 +298,7 @@ fn file(
     recording.watched = arguments.watch;
     let decoupler = Decoupler::new(&setup.sensor, &setup.parameters, &settings)
         .with_context(|| format!("{}", arguments.calibration.display()))?
-        .without(failed)
+        .excluding(failed)
         .context("--failed")?;
     let mut decoding = Decoding::new(decoupler, columns, arguments.picture.is_some());
     let mut layout = columns.layout(rate_hz);
@@ -385,7 +386,7 @@ fn file(
         warnings,
     };
     if let (Some(path), Some(curves)) = (&arguments.picture, &decoding.picture) {
-        let page = pages::comparison::picture(&summary.recording, curves, facts(&summary));
+        let page = page::comparison::picture(&summary.recording, curves, facts(&summary));
         write_atomically(path, render(&page)?.as_bytes())
             .with_context(|| format!("cannot write {}", path.display()))?;
     }
@@ -489,7 +490,7 @@ fn stream(
         watching: watching(arguments, calibration, &setup, &settings)?,
         decoupler: Decoupler::new(&setup.sensor, &setup.parameters, &settings)
             .with_context(|| format!("{}", arguments.calibration.display()))?
-            .without(failed(arguments)?)
+            .excluding(failed(arguments)?)
             .context("--failed")?,
         columns,
         sample_rate_hz: rate_hz,

@@ -6,12 +6,12 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
 use serde::Serialize;
-use sixaxis_calibration::session::SessionFile;
+use sixaxis_page::render;
 use sixaxis_recordings::draft::write_atomically;
+use sixaxis_recordings::session::SessionFile;
 use sixaxis_reports::inspection::{Expectations, Inspection, inspect, listing};
 use sixaxis_reports::pages;
 use sixaxis_reports::progress::Progress;
-use sixaxis_page::render;
 
 /// Which recordings, and in what form the answer is wanted.
 #[derive(clap::Args)]

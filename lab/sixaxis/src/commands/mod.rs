@@ -6,6 +6,7 @@ pub mod compare;
 pub mod completions;
 pub mod decouple;
 pub mod inspect;
+pub mod integrator;
 pub mod model;
 pub mod report;
 pub mod self_calibrate;

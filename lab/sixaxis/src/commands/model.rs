@@ -4,9 +4,9 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::{Context, Result};
+use sixaxis_recordings::draft::write_atomically;
 use sixaxis_reference::{campaign, paper, rig::Mounting};
 use sixaxis_reports::study;
-use sixaxis_page::write_atomically;
 
 /// Which sensor and where to.
 #[derive(clap::Args)]

@@ -7,12 +7,13 @@ use std::time::Instant;
 use anyhow::{Context, Result, ensure};
 use serde::Serialize;
 use sixaxis_core::Scheme;
+use sixaxis_page::render;
+use sixaxis_page::standalone::standalone;
 use sixaxis_props::{evidence, motions, tolerance};
+use sixaxis_recordings::draft::write_atomically;
 use sixaxis_reports::pages;
 use sixaxis_reports::progress::Progress;
 use sixaxis_reports::study::{self, plan::Plan, results::Results};
-use sixaxis_page::standalone::standalone;
-use sixaxis_page::{render, write_atomically};
 
 /// What to play and where to write.
 #[derive(clap::Args)]

@@ -8,13 +8,15 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail, ensure};
+use sixaxis_calibration::apply::setup::{Said, Setup};
 use sixaxis_calibration::calibration::Calibration;
-use sixaxis_calibration::session::SessionFile;
-use sixaxis_core::self_calibration::{KnownChange, Limits, PerLimbs, ScaleRatios, Scales, drifted};
-use sixaxis_core::signal::SignalChain;
+use sixaxis_core::paper::signal::SignalChain;
+use sixaxis_core::redundancy::self_calibration::{
+    KnownChange, Limits, PerLimbs, ScaleRatios, Scales, drifted,
+};
 use sixaxis_core::{Error, LIMBS};
 use sixaxis_recordings::draft::write_atomically;
-use sixaxis_reports::decoupling::setup::{Said, Setup};
+use sixaxis_recordings::session::SessionFile;
 
 use self::measured::{Measured, Rest};
 use self::words::{Finding, Summary};
@@ -138,7 +140,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     summary.notes.extend(own.notes.iter().cloned());
     let now = match measured.moments.ratios(&Limits::default()) {
         Ok(ratios) => ratios,
-        Err(Error::ScaleRatiosOpen { open }) => {
+        Err(Error::UnobservableScaleRatios { directions: open }) => {
             summary.finding = Finding::TooPoor;
             summary.open = open.pairs().map(Into::into).collect();
             summary.open_in_words = Some(open.to_string());
@@ -218,7 +220,7 @@ fn write(
     path: &Path,
     calibration: Calibration,
     summary: &Summary,
-    said: &sixaxis_core::self_calibration::Drifted,
+    said: &sixaxis_core::redundancy::self_calibration::Drifted,
     scales: Option<&Scales>,
 ) -> Result<()> {
     let (ln_change, deviation): ([f64; LIMBS], [f64; LIMBS]) = match scales {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use sixaxis_calibration::session::SessionFile;
+use sixaxis_recordings::session::SessionFile;
 
 #[test]
 fn the_session_in_readme_is_accepted() {
@@ -43,7 +43,9 @@ fn the_verdicts_in_readme_are_the_published_ones() {
 fn the_figures_from_the_field_in_readme_are_the_published_ones() {
     let readme = include_str!("../../../../README.md").replace("\n  ", " ");
     let read = |text| serde_json::from_str::<serde_json::Value>(text).expect("JSON");
-    let tumbles = read(include_str!("../../../../props/results/self_calibration.json"));
+    let tumbles = read(include_str!(
+        "../../../../props/results/self_calibration.json"
+    ));
     let sets = read(include_str!("../../../../props/results/failed_limbs.json"));
     let detection = read(include_str!("../../../../props/results/detection.json"));
     let minute = |pace: &str| {

@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 
 use serde_json::Value;
 use sixaxis_calibration::calibration::Calibration;
-use sixaxis_core::signal::SignalChain;
+use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::{Geometry, LIMBS};
 use sixaxis_recordings::{Block, Channel, Layout, create};
 use sixaxis_reference::field::compliant_forces_m_s2;

@@ -1,7 +1,7 @@
 //! Whether the stated intervals hold what they say, and how near the joint fit comes to the bound.
 
 use super::published::{Campaign, CampaignParameter, Estimator, MAKE_CAMPAIGN};
-use crate::pages::calibration::words::symbol;
+use sixaxis_calibration::page::labels::symbol;
 use sixaxis_page::number::{count, percent};
 use sixaxis_page::{Axis, Block, Figure, Mark, Series};
 

@@ -5,8 +5,8 @@ use sixaxis_reference::instruments::{GAIN_SHARE, INSTRUMENT_CLASS};
 use super::coverage::BAND;
 use super::published::{Campaign, CampaignParameter, Share};
 use super::tap::one;
-use crate::pages::calibration::words;
 use crate::study::results::identifiability::{Interval, Known, KnownParameter};
+use sixaxis_calibration::page::labels;
 use sixaxis_page::number::{MISSING, count, fixed, percent, ppm, significant};
 use sixaxis_page::{Block, Cell, Column, HeadCell, Row, State, Table};
 
@@ -68,7 +68,7 @@ pub fn symbol(name: &str) -> String {
     if name == "m/k" {
         "$m$/$k$".to_owned()
     } else {
-        words::symbol(name)
+        labels::symbol(name)
     }
 }
 
@@ -135,7 +135,7 @@ fn row(known: &Known, family: &Family, p: &KnownParameter, campaign: Option<&Cam
     let estimate = |interval: &Interval| {
         let half = half_width(interval);
         let (text, width) =
-            words::with_interval(interval.estimate * family.per_si, half * family.per_si);
+            labels::with_interval(interval.estimate * family.per_si, half * family.per_si);
         [
             Cell::from(text).title(all(interval.estimate)),
             Cell::from(width).title(all(half)),

@@ -4,13 +4,13 @@ use anyhow::Result;
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 use sixaxis_calibration::cleaning::Cleaned;
-use sixaxis_calibration::session::Role;
 use sixaxis_calibration::steps::{Campaign, FourSteps, rows};
 use sixaxis_calibration::trial::Trial;
 use sixaxis_core::identify::bias::{ComplianceEffect, LinearMotion};
 use sixaxis_core::identify::scale::ScaleIdentification;
 use sixaxis_core::identify::stiffness;
 use sixaxis_core::{LIMBS, LimbLaw, Parameters, Scheme};
+use sixaxis_recordings::session::Role;
 
 use crate::study::results::identifiability::{Bias, Records};
 

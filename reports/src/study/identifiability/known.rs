@@ -10,9 +10,9 @@ use sixaxis_calibration::joint::{self, JointReport, Knowledge, Loss, WEDGE_DEG};
 use sixaxis_calibration::propagation::{Propagated, Sources, propagate};
 use sixaxis_calibration::steps::{Campaign, GyroscopeGain};
 use sixaxis_core::Parameters;
+use sixaxis_core::decouple::uncertainty::PARAMETERS;
+use sixaxis_core::decouple::uncertainty::parameters::{COMPLIANCE, DRIFT, SCALE};
 use sixaxis_core::identify::joint::{Certificates, Known as KnownTo};
-use sixaxis_core::uncertainty::PARAMETERS;
-use sixaxis_core::uncertainty::parameters::{COMPLIANCE, DRIFT, SCALE};
 use sixaxis_reference::campaign::Laboratory;
 use sixaxis_reference::instruments::{GAIN_SHARE, GYROSCOPE_BANDWIDTH_HZ, INSTRUMENT_CLASS};
 

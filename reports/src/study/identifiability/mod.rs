@@ -15,10 +15,10 @@ pub mod tap;
 pub mod tolerance;
 
 use anyhow::Result;
-use sixaxis_calibration::session::Role;
 use sixaxis_calibration::steps::{Campaign, FourSteps};
 use sixaxis_core::identify::stiffness;
 use sixaxis_core::{LimbLaw, Parameters, Scheme};
+use sixaxis_recordings::session::Role;
 use sixaxis_reference::rig::{Mode, Run};
 
 use super::plan::Plan;

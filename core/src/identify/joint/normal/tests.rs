@@ -10,9 +10,9 @@ use super::super::unknowns::{
     MASS_PER_SCALE, WEDGES, Wedge,
 };
 use super::*;
+use crate::float::sin_cos;
 use crate::geometry::Geometry;
-use crate::scalar::sin_cos;
-use crate::signal::Gains;
+use crate::paper::signal::Gains;
 
 /// Central differences over 1e-4 of an unknown's size leave this of the squares over that size.
 const FINITE_DIFFERENCES: f64 = 1e-5;
@@ -94,7 +94,7 @@ fn trial(drive: Drive, gravity_turns: bool, amplifier: bool) -> (Trial, Unknowns
 
 #[test]
 fn inv_descent_is_the_gradient() {
-    let shares = Shares::new(&Geometry::PAPER).expect("the paper's drawing");
+    let shares = StaticLoadSharing::new(&Geometry::PAPER).expect("the paper's drawing");
     for (drive, turns, amplifier) in CASES {
         let (mut trial, unknowns) = trial(drive, turns, amplifier);
         let still = DVector::zeros(unknowns.len());
@@ -140,7 +140,7 @@ const BLOCKS: f64 = 1e-6;
 /// Where the data are what the model predicts, the descents' derivatives are the normal matrix and nothing else.
 #[test]
 fn inv_blocks_are_the_descents_derivatives() {
-    let shares = Shares::new(&Geometry::PAPER).expect("the paper's drawing");
+    let shares = StaticLoadSharing::new(&Geometry::PAPER).expect("the paper's drawing");
     for (drive, turns, amplifier) in CASES {
         let (mut trial, mut unknowns) = trial(drive, turns, amplifier);
         // Gravity's derivatives by the wedge's angles are those of small ones.
@@ -208,7 +208,7 @@ fn inv_blocks_are_the_descents_derivatives() {
 /// A step that solves the whole arrow is what elimination and going back come to.
 #[test]
 fn inv_elimination_solves_the_arrow() {
-    let shares = Shares::new(&Geometry::PAPER).expect("the paper's drawing");
+    let shares = StaticLoadSharing::new(&Geometry::PAPER).expect("the paper's drawing");
     for (drive, turns, amplifier) in CASES {
         let (trial, unknowns) = trial(drive, turns, amplifier);
         let arrow = trial.arrow(&unknowns, &shares);

@@ -4,7 +4,7 @@ use anyhow::{Result, ensure};
 use sixaxis_calibration::calibration::Calibration;
 use sixaxis_calibration::verdict::Grade;
 use sixaxis_core::LIMBS;
-use sixaxis_core::self_calibration::PerLimbs;
+use sixaxis_core::redundancy::self_calibration::PerLimbs;
 
 /// Half width of the 95 % interval of a normal variable, in standard deviations.
 const NORMAL_95: f64 = 1.959_963_984_540_054;

@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use anyhow::{Result, ensure};
-use sixaxis_core::self_calibration::{Accumulator, Moments};
+use sixaxis_calibration::apply::conditioning::Conditioning;
+use sixaxis_calibration::apply::explain;
+use sixaxis_calibration::apply::recording::{Batch, Recording};
+use sixaxis_calibration::apply::setup::Setup;
+use sixaxis_core::redundancy::self_calibration::{Accumulator, Moments};
 use sixaxis_core::{LIMBS, Scheme};
-use sixaxis_reports::decoupling::conditioning::Conditioning;
-use sixaxis_reports::decoupling::explain;
-use sixaxis_reports::decoupling::recording::{Batch, Recording};
-use sixaxis_reports::decoupling::setup::Setup;
 use sixaxis_reports::progress::Progress;
 
 /// A time of rest, s from the recording's beginning.

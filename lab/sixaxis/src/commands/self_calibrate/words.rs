@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use anyhow::Result;
 use serde::Serialize;
 use sixaxis_calibration::calibration::Calibration;
-use sixaxis_core::self_calibration::{Drifted, Scales};
+use sixaxis_core::redundancy::self_calibration::{Drifted, Scales};
 use sixaxis_core::significance::NORMAL_95;
 use sixaxis_core::{LIMBS, LimbSet};
 

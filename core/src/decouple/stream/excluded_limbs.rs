@@ -1,0 +1,120 @@
+//! Doing without limbs from one sample to the next, and with them again.
+//!
+//! A sample is decoupled when its successor has come. When the last sample received is n, its torque has entered nothing yet;
+//! its place has entered the rate at n - 1, and with it the attitude there. So the places of n and n - 1 are made anew from
+//! their voltages, and what the old place of n did is taken back.
+//!
+//! Two sets of limbs differ in where they see the mass, by noise and by what is wrong with the calibration. Of that, rates and
+//! attitude are spared: what is taken back is by how much the rotation of the mass moves more at n than at n - 1.
+
+use super::{Decoupler, in_range};
+use crate::error::Result;
+use crate::kernel::attitude::{HALF_ANGLE_SQUARED_LIMIT, exp, exp_exactly, half_rotation};
+use crate::kernel::channel_mask::ChannelMask;
+use crate::kernel::number::Scalar;
+use crate::kernel::placement::{LimbLoad, turn};
+use crate::kernel::shell;
+use crate::kernel::vec3::Vec3;
+use crate::limb_set::LimbSet;
+
+impl<T: Scalar> Decoupler<T> {
+    /// From now on without these limbs: their channels are not looked at, whatever they say. [`LimbSet::EMPTY`] takes all
+    /// back.
+    ///
+    /// May be called at any time. In mid-stream the last two samples are placed anew, so that a channel that failed at the last
+    /// sample received leaves no trace in angular velocity and attitude; the one answer it has spoilt is that of the sample
+    /// before, which is out. A sample refused because of the channel was not received. A limb that is taken back must have
+    /// been sound for two samples. Allocates nothing.
+    ///
+    /// # Errors
+    /// [`crate::Error::LostLoad`] where the other limbs do not determine six accelerations, [`crate::Error::OutOfRange`] for
+    /// more than three; those of [`Decoupler::push`] for one of the last two samples. The decoupler is then unchanged.
+    #[cold]
+    #[inline(never)]
+    pub fn set_excluded(&mut self, excluded: LimbSet) -> Result<()> {
+        let mut switched = self.clone();
+        switched.mask = ChannelMask::excluding(excluded, &self.exact)?;
+        switched.constants = self.exact.excluding(excluded).rounded();
+        let received = self.state.received;
+        switched.settled = excluded.is_empty() && received >= 3;
+        if received >= 1 {
+            switched.state.now = switched.place_again(received - 1)?;
+        }
+        if received >= 2 {
+            switched.state.before = switched.place_again(received - 2)?.relative_pose();
+        }
+        if received >= 3 {
+            switched.take_back(self)?;
+        }
+        *self = switched;
+        Ok(())
+    }
+
+    /// [`Decoupler::set_excluded`] before the first sample.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn excluding(mut self, excluded: LimbSet) -> Result<Self> {
+        self.set_excluded(excluded)?;
+        Ok(self)
+    }
+
+    /// The limbs that are done without.
+    #[must_use]
+    pub fn excluded(&self) -> LimbSet {
+        self.mask.excluded()
+    }
+
+    /// One of the last two samples, placed with the limbs of now.
+    fn place_again(&self, sample: u64) -> Result<LimbLoad<T>> {
+        let voltage_v = &self.recent[(sample & 1) as usize];
+        let placed = self.place(voltage_v);
+        if in_range(&placed) {
+            Ok(placed)
+        } else {
+            self.place_exactly(voltage_v, sample)
+        }
+    }
+
+    /// What the old place of the last sample did to rate and attitude of the one before it.
+    fn take_back(&mut self, old: &Self) -> Result<()> {
+        let half = T::from_f64(0.5);
+        let phi = old.state.before.rotation;
+        let at_last = self.state.now.rotation - old.state.now.rotation;
+        let jump = at_last - (self.state.before.rotation - phi);
+        // Central differences and the Jacobian of the rotation vector: of w_r and eps.
+        let eps = phi.times(half).cross_plus(jump, jump);
+        let w_r = eps.times(half);
+        let g = self.constants.gyroscopic;
+        let torque = self.state.now.torque - old.state.now.torque;
+        let was = self.state.spin.rate;
+        let spin = &mut self.state.spin;
+        spin.change_next_torque(self.scheme, g, torque);
+        let spun = shell::shell_axes(&self.constants, phi, spin.rate - was);
+        let given = self.state.received == 3;
+        let motion = &mut self.state.shell;
+        if !given {
+            motion.rate = motion.rate + (spun - w_r);
+        }
+        motion.rate_derivative = w_r.cross_plus(motion.rate, motion.rate_derivative - eps);
+        if given {
+            // Rate and attitude of the shell are given there; it is the mass's rate that was made of them.
+            let back = Vec3::default() - phi;
+            let change = self.constants.mass_to_principal(w_r + turn(back, w_r));
+            self.state.spin.change_rate(g, change);
+            return Ok(());
+        }
+        let was = &old.state.shell;
+        let undone = half_rotation(was, motion) - half_rotation(was, was);
+        // In the axes that the step has turned already: the right Jacobian to first order.
+        let undone = undone - motion.rate.cross(undone).times(half);
+        let attitude = self.state.attitude;
+        let (mut by, half_angle_squared) = exp(undone, attitude.to_unit());
+        let slow = half_angle_squared <= T::from_f64(HALF_ANGLE_SQUARED_LIMIT);
+        if !slow {
+            by = exp_exactly(undone, attitude.to_unit()).ok_or(self.overflow())?;
+        }
+        self.state.attitude = attitude.after(by);
+        Ok(())
+    }
+}

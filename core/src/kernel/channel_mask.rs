@@ -1,0 +1,73 @@
+//! Which channels are listened to, and what makes up for the others.
+
+use super::constants::{Constants, from_kernel_order, to_kernel_order};
+use super::number::Scalar;
+use super::placement::Limbs;
+use super::reconstruct::StrainReconstruction;
+use crate::error::Result;
+use crate::geometry::LIMBS;
+use crate::limb_set::LimbSet;
+use crate::redundancy::reconstruction::Reconstruction;
+
+/// The channels of all limbs but some.
+#[derive(Clone, Copy)]
+pub struct ChannelMask<T: Scalar> {
+    /// Weights in full precision, and the failed limbs themselves.
+    pub reconstruction: Reconstruction,
+    /// Weights for the kernel.
+    pub strains: StrainReconstruction<T>,
+    /// All bits for a channel that is listened to, none for another.
+    bits: Limbs<T>,
+}
+
+// The set says it all; as numbers, the bits are not equal to themselves and print as none.
+impl<T: Scalar> core::fmt::Debug for ChannelMask<T> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(f, "ChannelMask {{ all but: {:?} }}", self.excluded())
+    }
+}
+
+impl<T: Scalar> PartialEq for ChannelMask<T> {
+    fn eq(&self, other: &Self) -> bool {
+        self.excluded() == other.excluded()
+    }
+}
+
+impl<T: Scalar> ChannelMask<T> {
+    /// # Errors
+    /// Those of [`Reconstruction::new`].
+    pub fn excluding(excluded: LimbSet, constants: &Constants<f64>) -> Result<Self> {
+        let reconstruction = Reconstruction::new(excluded)?;
+        Ok(Self {
+            strains: StrainReconstruction::new(&reconstruction, constants),
+            bits: to_kernel_order(core::array::from_fn(|limb| {
+                T::bits(!excluded.contains(limb))
+            })),
+            reconstruction,
+        })
+    }
+
+    /// The limbs whose channels are not listened to.
+    #[inline(always)]
+    pub fn excluded(&self) -> LimbSet {
+        self.reconstruction.excluded()
+    }
+
+    /// Whether that is none.
+    #[inline(always)]
+    pub fn all(&self) -> bool {
+        self.excluded().is_empty()
+    }
+
+    /// The voltages limb by limb, zero whatever a failed channel says: it may be no number.
+    #[inline(always)]
+    pub fn voltages(&self, [u, v, w]: Limbs<T>) -> Limbs<T> {
+        let [a, b, c] = self.bits;
+        [u.and(a), v.and(b), w.and(c)]
+    }
+
+    /// The same in full precision, limb after limb.
+    pub fn exact_voltages(&self, voltage_v: &[T; LIMBS]) -> [f64; LIMBS] {
+        from_kernel_order(self.voltages(to_kernel_order(*voltage_v))).map(T::to_f64)
+    }
+}

@@ -1,0 +1,355 @@
+//! The placement where limbs have failed: their strains from those of the others, by [`crate::redundancy::reconstruction`].
+//!
+//! With K the reconstruction's weights and rho what the parity rows leave ([`super::parity`]), strains that are zero for the
+//! failed limbs are filled in by K rho, each time right to one more power of the strain: by the sums of the rows; by the second
+//! order of [`super::parity`] with that; and, once the nodes are placed, by the third, which is so small that a force moves along
+//! its limb by that much and the place not worth mentioning: by 58 cubes of the strain, 6e-9 of it at the rig's 9 g, of a motion
+//! in the shell that is itself a millionth of the shell's.
+//!
+//! Of the forces a fourth power is dropped: at most 4e-13 of the largest at the rig's 9 g, 4e-10 at
+//! [`placement::STRAIN_LIMIT`]. Above that, [`exactly`] takes over.
+
+use super::constants::{Constants, to_kernel_order};
+use super::number::{Real, Scalar};
+use super::parity::{halves, left, second_order, sums};
+use super::placement::{self, LimbLoad, Limbs, RigidLoad, by_nodes, limb_strains, nodes};
+use super::vec3::Vec3;
+use crate::error::{Error, Result};
+use crate::geometry::{Geometry, LIMBS, LIMBS_PER_NODE};
+use crate::limb_set::LimbSet;
+use crate::paper::pose::Pose;
+use crate::redundancy::parity::ROWS;
+use crate::redundancy::reconstruction::Reconstruction;
+
+/// Each step of [`exactly`] leaves a strain's share of the one before.
+const ITERATIONS: usize = 64;
+/// Where it stops, over the largest strain: rounding.
+const SETTLED: f64 = 4.0 * f64::EPSILON;
+
+/// The weights K in the order in which the kernel works on limbs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StrainReconstruction<T: Real> {
+    /// Of each row, in the order 1, 3, 2.
+    weights: [Limbs<T>; ROWS],
+    /// The same times -1/2, for [`second_order`].
+    minus_half: [Limbs<T>; ROWS],
+    /// What they add to the difference of the rows' halves.
+    differences: [Vec3<T>; ROWS],
+    /// What they add to the resultant over chi: the strains' forces along limbs at rest.
+    force: [Vec3<T>; ROWS],
+    /// Likewise to the torque over the principal moments, principal axes.
+    torque: [Vec3<T>; ROWS],
+}
+
+impl<T: Scalar> StrainReconstruction<T> {
+    /// Rounded weights, and what they do to this sensor's forces.
+    #[must_use]
+    pub fn new(reconstruction: &Reconstruction, constants: &Constants<f64>) -> Self {
+        let of = reconstruction.weights();
+        let row = |row: usize| to_kernel_order(core::array::from_fn(|limb| of[limb][row]));
+        let at_rest = [0, 2, 1].map(|r| placement::rigid_by_strains(constants, row(r)));
+        let weights = [0, 2, 1]
+            .map(|row| to_kernel_order(core::array::from_fn(|limb| T::from_f64(of[limb][row]))));
+        Self {
+            weights,
+            minus_half: weights.map(|row| row.map(|limbs| limbs.times(T::from_f64(-0.5)))),
+            differences: weights.map(|column| {
+                let [a, b] = halves(column);
+                a - b
+            }),
+            force: at_rest.map(|load| load.force.map(T::from_f64)),
+            torque: at_rest.map(|load| load.torque.map(T::from_f64)),
+        }
+    }
+}
+
+impl<T: Real> StrainReconstruction<T> {
+    /// The same number everywhere.
+    #[inline(always)]
+    pub(crate) fn splat(number: T) -> Self {
+        Self {
+            weights: [[Vec3::all(number); LIMBS_PER_NODE]; ROWS],
+            minus_half: [[Vec3::all(number); LIMBS_PER_NODE]; ROWS],
+            differences: [Vec3::all(number); ROWS],
+            force: [Vec3::all(number); ROWS],
+            torque: [Vec3::all(number); ROWS],
+        }
+    }
+
+    /// The same numbers in another type.
+    #[inline(always)]
+    pub(crate) fn map<U: Real>(&self, f: impl Fn(T) -> U) -> StrainReconstruction<U> {
+        let limbs = |[a, b, c]: Limbs<T>| [a.map(&f), b.map(&f), c.map(&f)];
+        let nine = |[k, l, m]: [Limbs<T>; ROWS]| [limbs(k), limbs(l), limbs(m)];
+        StrainReconstruction {
+            weights: nine(self.weights),
+            minus_half: nine(self.minus_half),
+            differences: limbs(self.differences),
+            force: limbs(self.force),
+            torque: limbs(self.torque),
+        }
+    }
+
+    /// Every number in its place, always in the same order.
+    #[inline(always)]
+    pub(crate) fn visit(&mut self, f: &mut impl FnMut(T) -> T) {
+        for row in self.weights.iter_mut().chain(&mut self.minus_half) {
+            for limbs in row {
+                limbs.visit(f);
+            }
+        }
+        for rows in [&mut self.differences, &mut self.force, &mut self.torque] {
+            for row in rows {
+                row.visit(f);
+            }
+        }
+    }
+
+    /// [`placement::by_series`] without the failed limbs, of which `constants` makes zero strain whatever the voltage.
+    #[inline(always)]
+    pub fn by_series(&self, constants: &Constants<T>, voltage_v: Limbs<T>) -> LimbLoad<T> {
+        let heard = limb_strains(constants, voltage_v);
+        let inverse_nu = constants.inverse_nu;
+        let [a, b] = halves(heard);
+        let sums = a + b;
+        let [k, l, m] = self.differences;
+        let [s, t, u] = sums.components();
+        let difference = m.times_plus(u, l.times_plus(t, k.times_plus(s, a - b)));
+        let first = onto(heard, &self.weights, sums);
+        let second = onto(
+            first,
+            &self.minus_half,
+            second_order(first, difference, inverse_nu),
+        );
+        let (displacement, force, squares) = nodes(second);
+        let placed = by_nodes(constants, displacement, force, squares);
+        let third = left(displacement, placed.rotation, constants.nu);
+        LimbLoad {
+            force: along(placed.force, &self.force, third),
+            torque: along(placed.torque, &self.torque, third),
+            ..placed
+        }
+    }
+
+    /// [`placement::rigid`] likewise: there the rows are sums and nothing else.
+    #[inline(always)]
+    pub fn rigid(&self, constants: &Constants<T>, voltage_v: Limbs<T>) -> RigidLoad<T> {
+        let heard = limb_strains(constants, voltage_v);
+        let [a, b] = halves(heard);
+        placement::rigid_by_strains(constants, onto(heard, &self.weights, a + b))
+    }
+}
+
+/// `to` + a matrix of three columns times the rows.
+#[inline(always)]
+fn along<T: Real>(to: Vec3<T>, columns: &[Vec3<T>; ROWS], rows: Vec3<T>) -> Vec3<T> {
+    let [k, l, m] = *columns;
+    let [a, b, c] = rows.components();
+    m.times_plus(c, l.times_plus(b, k.times_plus(a, to)))
+}
+
+/// `to` + K rows.
+#[inline(always)]
+fn onto<T: Real>(to: Limbs<T>, weights: &[Limbs<T>; ROWS], rows: Vec3<T>) -> Limbs<T> {
+    let [[k, l, m], [n, o, p], [q, r, s]] = *weights;
+    let [u, v, w] = to;
+    let [a, b, c] = rows.components();
+    [
+        q.times_plus(c, n.times_plus(b, k.times_plus(a, u))),
+        r.times_plus(c, o.times_plus(b, l.times_plus(a, v))),
+        s.times_plus(c, p.times_plus(b, m.times_plus(a, w))),
+    ]
+}
+
+impl Constants<f64> {
+    /// The same with no strain of the excluded limbs.
+    #[must_use]
+    pub fn excluding(&self, excluded: LimbSet) -> Self {
+        let kept = to_kernel_order(core::array::from_fn(|limb| {
+            f64::from(u8::from(!excluded.contains(limb)))
+        }));
+        let by = |[a, b, c]: Limbs<f64>| {
+            [
+                a.mul_elem(kept[0]),
+                b.mul_elem(kept[1]),
+                c.mul_elem(kept[2]),
+            ]
+        };
+        Self {
+            strain_per_v: by(self.strain_per_v),
+            strain_at_zero: by(self.strain_at_zero),
+            ..*self
+        }
+    }
+}
+
+/// Places the mass without any series: the failed strains are those of the pose that they give together with the others.
+/// `constants` makes zero strain of the failed limbs, whose voltages must be numbers. `sample` is for errors.
+///
+/// # Errors
+/// Those of [`placement::exactly`]; [`Error::NotConverged`].
+#[cold]
+pub fn exactly(
+    constants: &Constants<f64>,
+    reconstruction: &Reconstruction,
+    voltage_v: &[f64; LIMBS],
+    sample: usize,
+) -> Result<LimbLoad<f64>> {
+    placement::refuse(constants, voltage_v, sample)?;
+    let geometry = Geometry {
+        limb_length_m: 1.0,
+        half_edge_m: constants.nu,
+    };
+    let mut x = placement::strains(constants, voltage_v);
+    for _ in 0..ITERATIONS {
+        let fitted = Pose::from_elongations(&geometry, &x)?.elongations_m(&geometry);
+        let beyond = core::array::from_fn(|limb| x[limb] - fitted[limb]);
+        let rows = sums(to_kernel_order(beyond)).components();
+        let (mut moved, mut size) = (0.0_f64, 0.0_f64);
+        for (strain, weights) in x.iter_mut().zip(reconstruction.weights()) {
+            let step: f64 = weights.iter().zip(&rows).map(|(k, rho)| k * rho).sum();
+            *strain += step;
+            moved = moved.max(step.abs());
+            size = size.max(strain.abs());
+        }
+        if moved <= SETTLED * size {
+            return placement::exactly_by_strains(constants, &x);
+        }
+    }
+    Err(Error::NotConverged {
+        what: "strains of failed limbs",
+        iterations: ITERATIONS,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::model::{InertiaPerMass, Parameters};
+    use crate::model::{Sensor, Settings};
+    use crate::paper::signal::Gains;
+    use crate::redundancy::reconstruction::MOST_EXCLUDED;
+
+    /// One volt is one strain.
+    fn constants() -> Constants<f64> {
+        let sensor = Sensor {
+            geometry: Geometry::PAPER,
+            gains: Gains::uniform(1.0),
+        };
+        let parameters = Parameters {
+            zero_drift_v: [0.0; LIMBS],
+            scale_per_mass_per_kg: [5.0; LIMBS],
+            inertia_per_mass: InertiaPerMass::from_paper_order([
+                191e-6, 236e-6, 327e-6, 0.1e-6, -0.4e-6, 1.6e-6,
+            ]),
+            stiffness_per_mass_per_s2: 2e8,
+        };
+        let numbers =
+            Constants::new(&sensor, &parameters, &Settings::new(1e4)).expect("a sound sensor");
+        Constants {
+            strain_per_v: [Vec3::all(1.0); LIMBS_PER_NODE],
+            strain_at_zero: [Vec3::all(0.0); LIMBS_PER_NODE],
+            ..numbers
+        }
+    }
+
+    /// Strains of a pose in which the largest is about `scale`.
+    fn strains(scale: f64) -> [f64; LIMBS] {
+        let unit = Geometry {
+            limb_length_m: 1.0,
+            half_edge_m: constants().nu,
+        };
+        let pose = Pose {
+            position_shell_m: DVec3::new(0.3, -0.7, 0.5) * scale,
+            rotation_rad: DVec3::new(-0.6, 0.2, 0.9) * scale,
+        };
+        pose.elongations_m(&unit)
+    }
+
+    fn survivable() -> impl Iterator<Item = Reconstruction> {
+        (0..=MOST_EXCLUDED)
+            .flat_map(LimbSet::of_size)
+            .filter_map(|set| Reconstruction::new(set).ok())
+    }
+
+    /// Largest differences of two placements, all in the order of a strain: where the mass is, and what the limbs pull.
+    fn difference(a: &LimbLoad<f64>, b: &LimbLoad<f64>, torque: &Constants<f64>) -> [f64; 2] {
+        let size = torque.torque[0].dot(torque.torque[0]).sqrt();
+        let off = |u: Vec3<f64>, v: Vec3<f64>| {
+            let w = u - v;
+            w.dot(w).sqrt()
+        };
+        [
+            off(a.position_thrice, b.position_thrice).max(off(a.rotation, b.rotation)),
+            off(a.force, b.force).max(off(a.torque, b.torque) / size),
+        ]
+    }
+
+    #[test]
+    fn what_is_filled_in_is_right_to_second_and_third_order() {
+        let errors = |scale: f64| {
+            let x = strains(scale);
+            let full = constants();
+            let healthy = placement::by_series(&full, to_kernel_order(x));
+            survivable()
+                .map(|reconstruction| {
+                    let heard = full.excluding(reconstruction.excluded());
+                    let ours = StrainReconstruction::new(&reconstruction, &full)
+                        .by_series(&heard, to_kernel_order(x));
+                    difference(&ours, &healthy, &full)
+                })
+                .fold([0.0; 2], |[p, f], [q, g]| [f64::max(p, q), f64::max(f, g)])
+        };
+        let ([place, force], [place_half, force_half]) = (errors(1e-4), errors(5e-5));
+        // Halving the strain leaves an eighth where its cube is the first that is dropped, a sixteenth where it is the fourth.
+        assert!(
+            (place / place_half - 8.0).abs() < 0.1,
+            "{place} {place_half}"
+        );
+        assert!(
+            (force / force_half - 16.0).abs() < 0.2,
+            "{force} {force_half}"
+        );
+        assert!(place < 1e-6 * 1e-4, "{place}");
+        assert!(force < 1e-9 * 1e-4, "{force}");
+    }
+
+    #[test]
+    fn nothing_to_fill_in_changes_no_bit() {
+        let (x, full) = (strains(1e-5), constants());
+        let none = Reconstruction::new(LimbSet::EMPTY).expect("no limb");
+        let ours = StrainReconstruction::new(&none, &full)
+            .by_series(&full.excluding(LimbSet::EMPTY), to_kernel_order(x));
+        assert_eq!(ours, placement::by_series(&full, to_kernel_order(x)));
+    }
+
+    #[test]
+    fn series_and_iteration_agree() {
+        let (x, full) = (strains(1e-4), constants());
+        for reconstruction in survivable() {
+            let heard = full.excluding(reconstruction.excluded());
+            let ours = StrainReconstruction::new(&reconstruction, &full)
+                .by_series(&heard, to_kernel_order(x));
+            let exact = exactly(&heard, &reconstruction, &x, 0).expect("limbs that meet");
+            let [place, force] = difference(&ours, &exact, &full);
+            let failed = reconstruction.excluded();
+            assert!(place < 1e-6 * 1e-4, "{failed}: {place}");
+            assert!(force < 1e-9 * 1e-4, "{failed}: {force}");
+        }
+    }
+
+    #[test]
+    fn large_strains_are_filled_in_by_iteration() {
+        let (x, full) = (strains(0.1), constants());
+        let healthy = placement::exactly(&full, &x, 0).expect("limbs that meet");
+        for reconstruction in survivable() {
+            let heard = full.excluding(reconstruction.excluded());
+            let ours = exactly(&heard, &reconstruction, &x, 0).expect("limbs that meet");
+            let [place, force] = difference(&ours, &healthy, &full);
+            let failed = reconstruction.excluded();
+            assert!(place.max(force) < 1e-14, "{failed}: {place} {force}");
+        }
+    }
+}

@@ -1,0 +1,276 @@
+//! The kernel's numbers in a processor's vector registers.
+
+use core::ops::{Add, Mul, Neg, Sub};
+
+use ::wide::f64x4;
+use pulp::Simd;
+
+use super::number::Real;
+use super::vec3::SplitVec3;
+
+/// Numbers that are worked on together, whatever the width of the processor's registers: the layout of every buffer, and
+/// with it every result, is the same on all that fuse multiply and add.
+pub const LANES: usize = 8;
+
+/// Eight numbers side by side, where a cache line begins.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C, align(64))]
+pub struct Row(pub [f64; LANES]);
+
+impl Row {
+    /// Eight zeros.
+    pub const ZERO: Self = Self([0.0; LANES]);
+}
+
+/// A vector register's worth of numbers.
+pub trait Register: Real {
+    /// Proof that the processor has such registers.
+    type Proof: Copy;
+    /// One such number by itself, worked on with the same instructions.
+    type Single: Real + From<f64> + Into<f64>;
+    /// Numbers in one register.
+    const LANES: usize;
+    /// Registers in a row.
+    const PARTS: usize = LANES / Self::LANES;
+
+    /// The same number in each lane.
+    fn splat(proof: Self::Proof, value: f64) -> Self;
+    /// One register's part of a row.
+    fn load(proof: Self::Proof, row: &Row, part: usize) -> Self;
+    /// Writes that part.
+    fn store(self, row: &mut Row, part: usize);
+    /// Square root.
+    #[must_use]
+    fn root(self) -> Self;
+}
+
+/// As many lanes as one register of this processor holds, found out at run time.
+#[derive(Debug, Clone, Copy)]
+pub struct Wide<S: Simd> {
+    simd: S,
+    value: S::f64s,
+}
+
+impl<S: Simd> Register for Wide<S> {
+    type Proof = S;
+    // Functions that hold such registers are compiled for a processor that fuses.
+    type Single = Single<true>;
+    const LANES: usize = S::F64_LANES;
+
+    #[inline(always)]
+    fn splat(simd: S, value: f64) -> Self {
+        Self {
+            simd,
+            value: simd.splat_f64s(value),
+        }
+    }
+
+    #[inline(always)]
+    fn load(simd: S, row: &Row, part: usize) -> Self {
+        let (registers, _) = S::as_simd_f64s(&row.0);
+        Self {
+            simd,
+            value: registers[part],
+        }
+    }
+
+    #[inline(always)]
+    fn store(self, row: &mut Row, part: usize) {
+        let (registers, _) = S::as_mut_simd_f64s(&mut row.0);
+        registers[part] = self.value;
+    }
+
+    #[inline(always)]
+    fn root(self) -> Self {
+        let value = self.simd.sqrt_f64s(self.value);
+        Self { value, ..self }
+    }
+}
+
+/// Four lanes in whatever registers the program was compiled for; plain numbers where there are none.
+impl Register for f64x4 {
+    type Proof = ();
+    type Single = Single<false>;
+    const LANES: usize = 4;
+
+    #[inline(always)]
+    fn splat((): (), value: f64) -> Self {
+        Self::splat(value)
+    }
+
+    #[inline(always)]
+    fn load((): (), row: &Row, part: usize) -> Self {
+        let [a, b, c, d, e, f, g, h] = row.0;
+        Self::from(if part == 0 {
+            [a, b, c, d]
+        } else {
+            [e, f, g, h]
+        })
+    }
+
+    #[inline(always)]
+    fn store(self, row: &mut Row, part: usize) {
+        let first = part * <Self as Register>::LANES;
+        row.0[first..first + <Self as Register>::LANES].copy_from_slice(self.as_array());
+    }
+
+    #[inline(always)]
+    fn root(self) -> Self {
+        self.sqrt()
+    }
+}
+
+impl Real for f64x4 {
+    type Storage = SplitVec3<Self>;
+
+    #[inline(always)]
+    fn constant(self, value: f64) -> Self {
+        Self::splat(value)
+    }
+
+    #[inline(always)]
+    fn times_plus(self, factor: Self, term: Self) -> Self {
+        self.mul_add(factor, term)
+    }
+
+    #[inline(always)]
+    fn neg_mul_add(self, factor: Self, term: Self) -> Self {
+        self.mul_neg_add(factor, term)
+    }
+}
+
+impl<S: Simd> Add for Wide<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        let value = self.simd.add_f64s(self.value, other.value);
+        Self { value, ..self }
+    }
+}
+
+impl<S: Simd> Sub for Wide<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        let value = self.simd.sub_f64s(self.value, other.value);
+        Self { value, ..self }
+    }
+}
+
+impl<S: Simd> Mul for Wide<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        let value = self.simd.mul_f64s(self.value, other.value);
+        Self { value, ..self }
+    }
+}
+
+impl<S: Simd> Neg for Wide<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        let value = self.simd.neg_f64s(self.value);
+        Self { value, ..self }
+    }
+}
+
+impl<S: Simd> Real for Wide<S> {
+    type Storage = SplitVec3<Self>;
+
+    #[inline(always)]
+    fn constant(self, value: f64) -> Self {
+        Self::splat(self.simd, value)
+    }
+
+    #[inline(always)]
+    fn times_plus(self, factor: Self, term: Self) -> Self {
+        let value = self.simd.mul_add_f64s(self.value, factor.value, term.value);
+        Self { value, ..self }
+    }
+
+    #[inline(always)]
+    fn neg_mul_add(self, factor: Self, term: Self) -> Self {
+        let value = self
+            .simd
+            .negate_mul_add_f64s(self.value, factor.value, term.value);
+        Self { value, ..self }
+    }
+}
+
+/// One number by itself, kept apart from its neighbours: for the one stage that goes from sample to sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Single<const FUSED: bool>(f64);
+
+impl<const FUSED: bool> From<f64> for Single<FUSED> {
+    #[inline(always)]
+    fn from(value: f64) -> Self {
+        Self(value)
+    }
+}
+
+impl<const FUSED: bool> From<Single<FUSED>> for f64 {
+    #[inline(always)]
+    fn from(value: Single<FUSED>) -> Self {
+        value.0
+    }
+}
+
+impl<const FUSED: bool> Add for Single<FUSED> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self(self.0 + other.0)
+    }
+}
+
+impl<const FUSED: bool> Sub for Single<FUSED> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self(self.0 - other.0)
+    }
+}
+
+impl<const FUSED: bool> Mul for Single<FUSED> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        Self(self.0 * other.0)
+    }
+}
+
+impl<const FUSED: bool> Neg for Single<FUSED> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(-self.0)
+    }
+}
+
+impl<const FUSED: bool> Real for Single<FUSED> {
+    type Storage = SplitVec3<Self>;
+
+    #[inline(always)]
+    fn constant(self, value: f64) -> Self {
+        Self(value)
+    }
+
+    #[inline(always)]
+    fn times_plus(self, factor: Self, term: Self) -> Self {
+        #[cfg(feature = "std")]
+        if FUSED {
+            return Self(self.0.mul_add(factor.0, term.0));
+        }
+        Self(self.0.times_plus(factor.0, term.0))
+    }
+
+    #[inline(always)]
+    fn neg_mul_add(self, factor: Self, term: Self) -> Self {
+        #[cfg(feature = "std")]
+        if FUSED {
+            return Self((-self.0).mul_add(factor.0, term.0));
+        }
+        Self(self.0.neg_mul_add(factor.0, term.0))
+    }
+}

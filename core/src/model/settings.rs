@@ -1,0 +1,108 @@
+//! What is known of a sensor without identification, and how it is to be decoupled.
+
+use glam::{DQuat, DVec3};
+use serde::{Deserialize, Serialize};
+
+use crate::error::{Error, Result};
+use crate::geometry::Geometry;
+use crate::paper::pose::LimbLaw;
+use crate::paper::signal::Gains;
+use crate::scheme::Scheme;
+
+/// What the channels say of a constant load.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum StaticResponse {
+    /// The zero drift was taken at rest under gravity: the signal is the change of force since then. What a piezo
+    /// with a long time constant shows, and the paper's case.
+    #[default]
+    Tared,
+    /// The signal is the whole limb force, gravity's share included: an ideal force cell.
+    Full,
+}
+
+/// What is known of the sensor without identification.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sensor {
+    /// Lengths from the drawing.
+    pub geometry: Geometry,
+    /// c_i of the amplifier setting in use.
+    pub gains: Gains,
+}
+
+/// How to decouple.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// Samples per second.
+    pub sample_rate_hz: f64,
+    /// Integration of eq. (8).
+    pub scheme: Scheme,
+    /// Sign of eq. (2).
+    pub limb_law: LimbLaw,
+    /// What the channels say of a constant load.
+    pub static_response: StaticResponse,
+    /// g in ground axes, m/s^2, pointing down. Zero neglects gravity, as eq. (12) does.
+    pub gravity_ground_m_s2: DVec3,
+    /// R at the first decoupled sample: shell axes to ground axes. A tared signal counts from this attitude.
+    pub initial_attitude: DQuat,
+    /// w* at the first decoupled sample, shell axes, rad/s.
+    pub initial_rate_shell_rad_s: DVec3,
+}
+
+impl Settings {
+    /// At rest at first, ground axes along the shell's, Heun, tared, without gravity.
+    #[must_use]
+    pub const fn new(sample_rate_hz: f64) -> Self {
+        Self {
+            sample_rate_hz,
+            scheme: Scheme::Heun,
+            limb_law: LimbLaw::CompressionShortens,
+            static_response: StaticResponse::Tared,
+            gravity_ground_m_s2: DVec3::ZERO,
+            initial_attitude: DQuat::IDENTITY,
+            initial_rate_shell_rad_s: DVec3::ZERO,
+        }
+    }
+
+    /// g in shell axes at the first sample, m/s^2.
+    #[must_use]
+    pub fn gravity_shell_m_s2(&self) -> DVec3 {
+        self.initial_attitude.inverse() * self.gravity_ground_m_s2
+    }
+
+    pub(crate) fn validate(&self) -> Result<()> {
+        let out_of_range = |name, value, requirement| {
+            Err(Error::OutOfRange {
+                name,
+                value,
+                requirement,
+            })
+        };
+        let rate = self.sample_rate_hz;
+        // Differences are divided by the square of the step.
+        if !(rate > 0.0 && (rate * rate).is_normal()) {
+            return out_of_range(
+                "sample_rate_hz",
+                rate,
+                "positive and finite, and its square, too",
+            );
+        }
+        for (name, vector) in [
+            ("gravity_ground_m_s2", self.gravity_ground_m_s2),
+            ("initial_rate_shell_rad_s", self.initial_rate_shell_rad_s),
+        ] {
+            if !vector.length().is_finite() {
+                return out_of_range(name, vector.length(), "finite, and its square, too");
+            }
+        }
+        if !self.initial_attitude.is_normalized() {
+            return out_of_range(
+                "initial_attitude",
+                self.initial_attitude.length(),
+                "a unit quaternion",
+            );
+        }
+        Ok(())
+    }
+}

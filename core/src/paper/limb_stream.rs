@@ -1,0 +1,164 @@
+//! Voltages in, motion of the mass in the shell out: the part of the way that knows nothing of the shell's own motion.
+//!
+//! Rates and accelerations of the mass in the shell are central differences of its pose, so a sample is complete when
+//! its successor arrives; the first and the last of a stream have no such neighbour and yield nothing.
+
+use crate::error::{Error, Result};
+use crate::geometry::{Geometry, LIMBS};
+use crate::model::Parameters;
+use crate::model::{Sensor, Settings, StaticResponse};
+use crate::paper::pose::{LimbLaw, Pose, RelativeMotion};
+use crate::paper::preload::static_preload_m_s2;
+use crate::paper::signal::SignalChain;
+
+/// One complete sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LimbSample {
+    /// Index of the voltage sample, from 0.
+    pub sample: u64,
+    /// What the channels show of the limb forces, over the mass, m/s^2: eq. (11).
+    pub sensed_m_s2: [f64; LIMBS],
+    /// Whole limb forces over the mass, positive in compression, m/s^2.
+    pub force_per_mass_m_s2: [f64; LIMBS],
+    /// Motion of the mass in the shell.
+    pub relative: RelativeMotion,
+}
+
+/// A sample as the window keeps it: the pose and what the channels show of the forces.
+pub(crate) type Entry = (Pose, [f64; LIMBS]);
+
+/// Turns a stream of voltages into limb forces and relative motion: eqs. (11) and (2).
+#[derive(Debug, Clone, PartialEq)]
+pub struct LimbStream {
+    geometry: Geometry,
+    chain: SignalChain,
+    limb_law: LimbLaw,
+    stiffness_per_mass_per_s2: f64,
+    preload_m_s2: [f64; LIMBS],
+    step_s: f64,
+    received: u64,
+    /// The two samples before the newest, oldest first.
+    window: [Entry; 2],
+}
+
+impl LimbStream {
+    /// Prepares a stream; every argument is checked here so that the samples need not be.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] or [`Error::ImpossibleInertia`] for arguments that mean nothing,
+    /// [`Error::NotConverged`] if gravity finds no equilibrium.
+    pub fn new(sensor: &Sensor, parameters: &Parameters, settings: &Settings) -> Result<Self> {
+        sensor.geometry.validate()?;
+        sensor.gains.validate()?;
+        parameters.validate()?;
+        settings.validate()?;
+        let chain = SignalChain::new(&sensor.gains, parameters);
+        chain.validate()?;
+        let stiffness_per_mass_per_s2 = parameters.stiffness_per_mass_per_s2;
+        let preload_m_s2 = match settings.static_response {
+            StaticResponse::Full => [0.0; LIMBS],
+            StaticResponse::Tared => static_preload_m_s2(
+                &sensor.geometry,
+                stiffness_per_mass_per_s2,
+                settings.gravity_shell_m_s2(),
+            )?,
+        };
+        Ok(Self {
+            geometry: sensor.geometry,
+            chain,
+            limb_law: settings.limb_law,
+            stiffness_per_mass_per_s2,
+            preload_m_s2,
+            step_s: 1.0 / settings.sample_rate_hz,
+            received: 0,
+            window: [(Pose::default(), [0.0; LIMBS]); 2],
+        })
+    }
+
+    pub(crate) fn chain(&self) -> &SignalChain {
+        &self.chain
+    }
+
+    /// The drawing that the stream works with.
+    #[must_use]
+    pub fn geometry(&self) -> &Geometry {
+        &self.geometry
+    }
+
+    /// Static limb forces that a tared signal does not show, m/s^2; zero for a full one.
+    #[must_use]
+    pub fn preload_m_s2(&self) -> &[f64; LIMBS] {
+        &self.preload_m_s2
+    }
+
+    /// Takes the next nine voltages and returns the sample before them, once there are three.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`] names channel and sample; [`Error::LimbsDoNotMeet`] for forces that no assembled sensor
+    /// can carry; [`Error::Overflow`] if a finite voltage makes a motion that no f64 holds. The stream is unchanged by a
+    /// refused sample.
+    pub fn push(&mut self, voltage_v: &[f64; LIMBS]) -> Result<Option<LimbSample>> {
+        let (entry, sample) = self.look(voltage_v)?;
+        self.accept(entry);
+        Ok(sample)
+    }
+
+    /// What [`Self::push`] would return, and the entry that [`Self::accept`] then takes.
+    #[inline]
+    pub(crate) fn look(&self, voltage_v: &[f64; LIMBS]) -> Result<(Entry, Option<LimbSample>)> {
+        for (channel, &value) in voltage_v.iter().enumerate() {
+            if !value.is_finite() {
+                return Err(Error::NotFinite {
+                    channel: channel + 1,
+                    sample: self.awaited(),
+                    value,
+                });
+            }
+        }
+        let sensed = self.chain.force_per_mass_m_s2(voltage_v);
+        let pose = self.pose(&sensed)?;
+        let [(before, _), (now, now_sensed)] = self.window;
+        let entry = (pose, sensed);
+        if self.received < 2 {
+            return Ok((entry, None));
+        }
+        let relative = RelativeMotion::from_poses(&before, &now, &pose, self.step_s);
+        if !relative.is_finite() {
+            return Err(Error::Overflow {
+                what: "relative motion",
+                channel: 0,
+                sample: self.awaited(),
+            });
+        }
+        let sample = LimbSample {
+            sample: self.received - 1,
+            sensed_m_s2: now_sensed,
+            force_per_mass_m_s2: self.whole(&now_sensed),
+            relative,
+        };
+        Ok((entry, Some(sample)))
+    }
+
+    #[inline]
+    pub(crate) fn accept(&mut self, entry: Entry) {
+        self.window = [self.window[1], entry];
+        self.received += 1;
+    }
+
+    /// Index of the sample that is to come.
+    #[inline]
+    pub(crate) fn awaited(&self) -> usize {
+        self.received as usize
+    }
+
+    fn whole(&self, sensed_m_s2: &[f64; LIMBS]) -> [f64; LIMBS] {
+        core::array::from_fn(|i| sensed_m_s2[i] + self.preload_m_s2[i])
+    }
+
+    fn pose(&self, sensed_m_s2: &[f64; LIMBS]) -> Result<Pose> {
+        let elongation = self
+            .limb_law
+            .elongations_m(&self.whole(sensed_m_s2), self.stiffness_per_mass_per_s2);
+        Pose::from_elongations(&self.geometry, &elongation)
+    }
+}

@@ -1,0 +1,244 @@
+//! What the parity rows of a healthy sensor are: noise of covariance Q = W^T diag(sigma^2) W.
+
+use super::class::{CLASSES, signature};
+use crate::error::{Error, Result};
+use crate::float::sqrt;
+use crate::geometry::LIMBS;
+use crate::redundancy::parity::{ROWS, SIGNATURES};
+
+/// Noise of nine channels as the three rows show it.
+///
+/// With L L^T = Q the whitened rows z = L^-1 rho of a healthy sensor are three independent standard normals.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RowNoise {
+    channel: [f64; LIMBS],
+    whitener: [[f64; ROWS]; ROWS],
+    direction: [[f64; ROWS]; CLASSES],
+    length: [f64; CLASSES],
+}
+
+impl RowNoise {
+    /// From the standard deviation of one sample of each channel, in strain.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for one that is not positive, or whose square no f64 holds.
+    pub fn from_channels(strain_sd: &[f64; LIMBS]) -> Result<Self> {
+        for &value in strain_sd {
+            if !(value > 0.0 && (value * value).is_normal()) {
+                return Err(Error::OutOfRange {
+                    name: "noise of a channel in strain",
+                    value,
+                    requirement: "positive and finite, and its square, too",
+                });
+            }
+        }
+        let covariance = outer_sum(&strain_sd.map(|s| s * s));
+        Self::new(*strain_sd, &covariance)
+    }
+
+    /// From the covariance of the rows of a healthy sensor, as [`Learner`] has it.
+    ///
+    /// Q's off-diagonal elements are the variances of limbs 1, 5 and 9; what the diagonal has beyond them is two twins' each, of
+    /// which either gets half. A variance that comes out below a hundredth of its row's is set to that: sampling noise.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a matrix that is not positive definite.
+    pub fn from_rows(covariance: &[[f64; ROWS]; ROWS]) -> Result<Self> {
+        let q = covariance;
+        let single = [q[0][1], q[0][2], q[1][2]];
+        let twins = [
+            q[0][0] - single[0] - single[1],
+            q[1][1] - single[0] - single[2],
+            q[2][2] - single[1] - single[2],
+        ];
+        let variance: [f64; LIMBS] = core::array::from_fn(|limb| match limb {
+            0 => single[0].max(0.01 * q[0][0]),
+            4 => single[1].max(0.01 * q[0][0]),
+            8 => single[2].max(0.01 * q[1][1]),
+            1 | 3 => (0.5 * twins[0]).max(0.01 * q[0][0]),
+            2 | 6 => (0.5 * twins[1]).max(0.01 * q[1][1]),
+            _ => (0.5 * twins[2]).max(0.01 * q[2][2]),
+        });
+        Self::new(variance.map(sqrt), covariance)
+    }
+
+    fn new(channel: [f64; LIMBS], covariance: &[[f64; ROWS]; ROWS]) -> Result<Self> {
+        let whitener = inverse_root(covariance).ok_or(Error::OutOfRange {
+            name: "covariance of the parity rows",
+            value: covariance[0][0],
+            requirement: "positive definite",
+        })?;
+        let mut direction = [[0.0; ROWS]; CLASSES];
+        let mut length = [0.0; CLASSES];
+        for class in 0..CLASSES {
+            let along = apply(&whitener, &signature(class).map(f64::from));
+            length[class] = sqrt(dot(&along, &along));
+            direction[class] = along.map(|x| x / length[class]);
+        }
+        Ok(Self {
+            channel,
+            whitener,
+            direction,
+            length,
+        })
+    }
+
+    /// Standard deviation of each channel, in strain.
+    #[must_use]
+    pub const fn channel_sd(&self) -> &[f64; LIMBS] {
+        &self.channel
+    }
+
+    /// z = L^-1 rho.
+    #[inline]
+    #[must_use]
+    pub fn whiten(&self, rows: &[f64; ROWS]) -> [f64; ROWS] {
+        apply(&self.whitener, rows)
+    }
+
+    /// Unit vector along which a failure of a class shows in z.
+    #[must_use]
+    pub fn direction(&self, class: usize) -> &[f64; ROWS] {
+        // Without a way to panic: a class that is none is the first.
+        self.direction.get(class).unwrap_or(&self.direction[0])
+    }
+
+    /// Length in z of a failure of unit strain: the inverse of the standard deviation to which one sample tells its size.
+    #[must_use]
+    pub fn length(&self, class: usize) -> f64 {
+        *self.length.get(class).unwrap_or(&self.length[0])
+    }
+
+    /// Size of a failure of a class, in strain, by generalised least squares from one whitened sample.
+    #[inline]
+    #[must_use]
+    pub fn size(&self, class: usize, z: &[f64; ROWS]) -> f64 {
+        dot(self.direction(class), z) / self.length(class)
+    }
+
+    /// W^T diag(variance) W in whitened units: what further errors of the channels add to the unit matrix.
+    #[must_use]
+    pub fn whitened_sum(&self, variance: &[f64; LIMBS]) -> [[f64; ROWS]; ROWS] {
+        let mut sum = [[0.0; ROWS]; ROWS];
+        for limb in 0..LIMBS {
+            let along = apply(&self.whitener, &SIGNATURES[limb].map(f64::from));
+            add_outer(&mut sum, &along, variance[limb]);
+        }
+        sum
+    }
+}
+
+/// Learns the covariance of the rows from a stretch in which all is well.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Learner {
+    samples: u64,
+    square: [[f64; ROWS]; ROWS],
+}
+
+impl Learner {
+    /// Samples from which the six numbers are known to some two per cent.
+    pub const FEWEST: u64 = 4096;
+
+    /// Takes the rows of one sample.
+    pub fn push(&mut self, rows: &[f64; ROWS]) {
+        self.samples += 1;
+        add_outer(&mut self.square, rows, 1.0);
+    }
+
+    /// What was learned. The rows' mean is zero by (2) and not subtracted.
+    ///
+    /// # Errors
+    /// [`Error::TooFewSamples`] below [`Self::FEWEST`]; those of [`RowNoise::from_rows`].
+    pub fn noise(&self) -> Result<RowNoise> {
+        if self.samples < Self::FEWEST {
+            return Err(Error::TooFewSamples {
+                what: "covariance of the parity rows",
+                needed: Self::FEWEST as usize,
+                got: self.samples as usize,
+            });
+        }
+        let n = self.samples as f64;
+        RowNoise::from_rows(&self.square.map(|row| row.map(|x| x / n)))
+    }
+}
+
+fn outer_sum(variance: &[f64; LIMBS]) -> [[f64; ROWS]; ROWS] {
+    let mut sum = [[0.0; ROWS]; ROWS];
+    for (signature, &variance) in SIGNATURES.iter().zip(variance) {
+        add_outer(&mut sum, &signature.map(f64::from), variance);
+    }
+    sum
+}
+
+/// sum += weight v v^T.
+#[inline]
+pub(super) fn add_outer(sum: &mut [[f64; ROWS]; ROWS], v: &[f64; ROWS], weight: f64) {
+    for (row, &a) in sum.iter_mut().zip(v) {
+        for (entry, &b) in row.iter_mut().zip(v) {
+            *entry += weight * a * b;
+        }
+    }
+}
+
+#[inline]
+pub(super) fn dot(a: &[f64; ROWS], b: &[f64; ROWS]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[inline]
+pub(super) fn apply(m: &[[f64; ROWS]; ROWS], v: &[f64; ROWS]) -> [f64; ROWS] {
+    [dot(&m[0], v), dot(&m[1], v), dot(&m[2], v)]
+}
+
+/// L^-1 of the Cholesky factor L; none for a matrix that is not positive definite.
+pub(super) fn inverse_root(q: &[[f64; ROWS]; ROWS]) -> Option<[[f64; ROWS]; ROWS]> {
+    let l00 = sqrt(q[0][0]);
+    let (l10, l20) = (q[1][0] / l00, q[2][0] / l00);
+    let l11 = sqrt(q[1][1] - l10 * l10);
+    let l21 = (q[2][1] - l20 * l10) / l11;
+    let l22 = sqrt(q[2][2] - l20 * l20 - l21 * l21);
+    let [a, b, c] = [l00, l11, l22].map(|d| 1.0 / d);
+    let inverse = [
+        [a, 0.0, 0.0],
+        [-l10 * a * b, b, 0.0],
+        [(l10 * l21 * b - l20) * a * c, -l21 * b * c, c],
+    ];
+    let sound = inverse.as_flattened().iter().all(|x| x.is_finite()) && a > 0.0 && b > 0.0;
+    (sound && c > 0.0).then_some(inverse)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn whitened_covariance_is_one() {
+        let sd = core::array::from_fn(|i| 1e-8 * (1.0 + i as f64));
+        let noise = RowNoise::from_channels(&sd).expect("noise");
+        let sum = noise.whitened_sum(&sd.map(|s| s * s));
+        for (i, row) in sum.iter().enumerate() {
+            for (j, entry) in row.iter().enumerate() {
+                let unit = if i == j { 1.0 } else { 0.0 };
+                assert!((entry - unit).abs() < 1e-12, "{sum:?}");
+            }
+        }
+        // The rows' covariance knows single limbs by themselves and twins together.
+        let again = RowNoise::from_rows(&outer_sum(&sd.map(|s| s * s))).expect("noise");
+        for limb in [0, 4, 8] {
+            assert!((again.channel[limb] / sd[limb] - 1.0).abs() < 1e-12);
+        }
+        let of_twins = |s: &[f64; LIMBS]| s[1] * s[1] + s[3] * s[3];
+        assert!((of_twins(&again.channel) / of_twins(&sd) - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn equal_noise_shows_a_failure_by_half_to_two_thirds_of_its_size() {
+        let noise = RowNoise::from_channels(&[1.0; LIMBS]).expect("noise");
+        for class in 0..CLASSES {
+            let expected = if class < 3 { 8.0 / 18.0 } else { 5.0 / 18.0 };
+            assert!((noise.length(class) - sqrt(expected)).abs() < 1e-12);
+        }
+        assert!(RowNoise::from_channels(&[0.0; LIMBS]).is_err());
+        assert!(RowNoise::from_channels(&[f64::NAN; LIMBS]).is_err());
+    }
+}

@@ -1,0 +1,69 @@
+//! Whether two channels are swapped: an explanation without a free parameter.
+//!
+//! With the plugs of channels i and j exchanged, limb i's voltage stands in channel j. Exchanged back, the strains change by
+//! known amounts and the rows by w_i (x_i' - x_i) + w_j (x_j' - x_j): either that makes the rows quiet or the channels are not
+//! swapped. Twins' columns are the same: swapped, they show by what their sensitivities and zeros differ in, and not at all if
+//! those are alike.
+
+use super::noise::{RowNoise, dot};
+use crate::geometry::LIMBS;
+use crate::redundancy::parity::{ROWS, SIGNATURES};
+
+/// Number of pairs.
+pub const PAIRS: usize = LIMBS * (LIMBS - 1) / 2;
+
+/// The pairs, limbs from 0.
+pub const PAIRED: [[usize; 2]; PAIRS] = pairs();
+
+const fn pairs() -> [[usize; 2]; PAIRS] {
+    let mut of = [[0; 2]; PAIRS];
+    let (mut count, mut i) = (0, 0);
+    while i < LIMBS {
+        let mut j = i + 1;
+        while j < LIMBS {
+            of[count] = [i, j];
+            count += 1;
+            j += 1;
+        }
+        i += 1;
+    }
+    of
+}
+
+/// Evidence for each pair: half of the energy that exchanging it back takes off the whitened rows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Swaps([f64; PAIRS]);
+
+impl Default for Swaps {
+    fn default() -> Self {
+        Self([0.0; PAIRS])
+    }
+}
+
+impl Swaps {
+    /// Takes a sample: whitened rows, strains, and what strain each limb's sensitivity makes of the voltage of channel j.
+    pub fn push(
+        &mut self,
+        noise: &RowNoise,
+        z: &[f64; ROWS],
+        strain: &[f64; LIMBS],
+        strain_of: impl Fn(usize, usize) -> f64,
+    ) {
+        let before = dot(z, z);
+        for (evidence, [i, j]) in self.0.iter_mut().zip(PAIRED) {
+            let (di, dj) = (strain_of(i, j) - strain[i], strain_of(j, i) - strain[j]);
+            let rows: [f64; ROWS] = core::array::from_fn(|k| {
+                f64::from(SIGNATURES[i][k]) * di + f64::from(SIGNATURES[j][k]) * dj
+            });
+            let change = noise.whiten(&rows);
+            let after: [f64; ROWS] = core::array::from_fn(|k| z[k] + change[k]);
+            *evidence += 0.5 * (before - dot(&after, &after));
+        }
+    }
+
+    /// ln of the likelihood ratio of each of [`PAIRED`] against no failure.
+    #[must_use]
+    pub const fn evidence(&self) -> &[f64; PAIRS] {
+        &self.0
+    }
+}

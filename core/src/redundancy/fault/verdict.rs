@@ -1,0 +1,161 @@
+//! What is said of a failure, with how sure it is.
+
+use core::fmt;
+
+use crate::limb_set::LimbSet;
+
+/// How a channel has failed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Kind {
+    /// No number, or one that no limb survives.
+    Unreadable,
+    /// No signal: noise about no force.
+    Dead,
+    /// The same value, whatever the motion.
+    Stuck,
+    /// Another sensitivity.
+    ScaleJump,
+    /// Another zero.
+    Offset,
+    /// A zero that moves.
+    Drift,
+    /// Far more noise.
+    NoiseBurst,
+    /// Two channels stand for one another.
+    Swapped,
+    /// Over before anything could be said of it.
+    Passed,
+    /// None of these, or more than one.
+    Unknown,
+}
+
+impl fmt::Display for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Unreadable => "no readable value",
+            Self::Dead => "dead",
+            Self::Stuck => "stuck",
+            Self::ScaleJump => "its sensitivity jumped",
+            Self::Offset => "its zero jumped",
+            Self::Drift => "its zero drifts",
+            Self::NoiseBurst => "noise",
+            Self::Swapped => "swapped",
+            Self::Passed => "failed for a moment",
+            Self::Unknown => "failed",
+        })
+    }
+}
+
+/// Which limb has failed, how, since when.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Verdict {
+    /// The limb; two of a kind where forces do not tell them apart and nothing else did; both of a swapped pair; none where no
+    /// limb by itself explains what the rows show.
+    pub limbs: LimbSet,
+    /// How.
+    pub kind: Kind,
+    /// It began with one of these samples, first to last.
+    pub since: (u64, u64),
+    /// Sample at which it was said.
+    pub said_at: u64,
+    /// ln of the odds of this class of limbs against the next best explanation.
+    pub class_ln_odds: f64,
+    /// ln of the odds of this kind against the next best, 0 while it is open.
+    pub kind_ln_odds: f64,
+    /// ln of the odds of this limb against its twin, infinite where it has none, 0 while it is open.
+    pub partner_ln_odds: f64,
+}
+
+impl Verdict {
+    /// The limb (from 0), if it is one.
+    #[must_use]
+    pub fn limb(&self) -> Option<usize> {
+        let mut indices = self.limbs.indices();
+        indices.next().filter(|_| self.limbs.len() == 1)
+    }
+
+    /// Whether it is one of two twins and open which.
+    #[must_use]
+    pub fn is_open(&self) -> bool {
+        self.limbs.len() == 2 && !matches!(self.kind, Kind::Swapped | Kind::Unreadable)
+    }
+}
+
+/// "limb 5: dead since sample 1234", "limb 2 or 4: its zero drifts since sample 0 to 63; forces cannot tell which".
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut numbers = self.limbs.numbers();
+        match (numbers.next(), numbers.next()) {
+            (None, _) => {
+                return write!(
+                    f,
+                    "no limb by itself explains the rows{}",
+                    Since(self.since)
+                );
+            }
+            (Some(a), Some(b)) if self.is_open() => write!(f, "limb {a} or {b}: ")?,
+            (Some(_), Some(_)) => write!(f, "limbs {}: ", self.limbs)?,
+            (Some(a), None) => write!(f, "limb {a}: ")?,
+        }
+        write!(f, "{}{}", self.kind, Since(self.since))?;
+        if self.is_open() {
+            f.write_str("; forces cannot tell which")?;
+        }
+        Ok(())
+    }
+}
+
+struct Since((u64, u64));
+
+impl fmt::Display for Since {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (from, to) = self.0;
+        write!(f, " since sample {from}")?;
+        if to > from {
+            write!(f, " to {to}")?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use std::format;
+
+    use super::*;
+
+    #[test]
+    fn verdicts_in_words() {
+        let said = |limbs: &[usize], kind, since| {
+            let limbs = LimbSet::from_numbers(limbs.iter().copied()).expect("limbs");
+            let verdict = Verdict {
+                limbs,
+                kind,
+                since,
+                said_at: 1300,
+                class_ln_odds: 10.0,
+                kind_ln_odds: 10.0,
+                partner_ln_odds: 0.0,
+            };
+            format!("{verdict}")
+        };
+        assert_eq!(
+            said(&[5], Kind::Dead, (1234, 1234)),
+            "limb 5: dead since sample 1234"
+        );
+        assert_eq!(
+            said(&[2, 4], Kind::Drift, (0, 63)),
+            "limb 2 or 4: its zero drifts since sample 0 to 63; forces cannot tell which"
+        );
+        assert_eq!(
+            said(&[1, 6], Kind::Swapped, (8, 15)),
+            "limbs 1 and 6: swapped since sample 8 to 15"
+        );
+        assert_eq!(
+            said(&[], Kind::Unknown, (8, 8)),
+            "no limb by itself explains the rows since sample 8"
+        );
+    }
+}

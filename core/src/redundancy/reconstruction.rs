@@ -1,0 +1,266 @@
+//! The strains of excluded limbs from those of the others.
+//!
+//! With P = W (W^T W)^-1 W^T, the projector on what no pose can do, the excluded strains x_F that leave least of the rows solve
+//! P_FF x_F = -P_FS x_S. Put zero for the excluded limbs and let rho be what the rows then leave: x_F = -P_FF^-1 W_F (W^T W)^-1 rho.
+//! With the strains so filled in, sums over nine limbs are least squares over those that are left, since
+//! J^T (x_S; J_F u) = J^T J u for the pose u = (J_S^T J_S)^-1 J_S^T x_S. Nothing else of a decoupler changes.
+//!
+//! P_FF is 1/18 of a matrix of whole numbers, so whether it can be inverted is decided without rounding: of 129 sets of up to
+//! three limbs, 93 can be done without. In the other 36 there are forces in excluded limbs alone that cancel in every row; the
+//! load that asks for them is the one of which the others show nothing.
+
+use glam::DVec3;
+
+use super::parity::{GRAM_DENOMINATOR, GRAM_INVERSE, ROWS, SIGNATURES};
+use crate::error::{Error, Result};
+use crate::geometry::{DIRECTIONS_SHELL, LIMBS, LIMBS_PER_NODE, NODE_DIRECTIONS_MASS};
+use crate::limb_set::LimbSet;
+
+/// Largest number of limbs that can be done without: six accelerations want six channels.
+pub const MOST_EXCLUDED: usize = 3;
+
+/// Strains of excluded limbs as combinations of what the parity rows leave when those strains are put to zero.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reconstruction {
+    excluded: LimbSet,
+    /// Rows of -P_FF^-1 W_F (W^T W)^-1; zero for limbs that are not excluded.
+    weights: [[f64; ROWS]; LIMBS],
+}
+
+/// A load of which no limb but excluded ones bears any part: what cannot be measured without them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LostLoad {
+    /// The force, shell axes; in the unit of the limb force.
+    pub force_shell: [i32; 3],
+    /// The torque about the mass's centre over the half edge, shell axes; in the unit of the limb force.
+    pub torque_over_half_edge_shell: [i32; 3],
+}
+
+impl Reconstruction {
+    /// For a set of excluded limbs, which may be empty.
+    ///
+    /// # Errors
+    /// [`Error::LostLoad`] where the others do not determine six accelerations; [`Error::OutOfRange`] for more than
+    /// [`MOST_EXCLUDED`].
+    pub fn new(excluded: LimbSet) -> Result<Self> {
+        let mut weights = [[0.0; ROWS]; LIMBS];
+        if excluded.len() > MOST_EXCLUDED {
+            return Err(Error::OutOfRange {
+                name: "excluded limbs",
+                value: excluded.len() as f64,
+                requirement: "at most three: six accelerations want six channels",
+            });
+        }
+        // Never by index from here on: no panic must be in reach of a decoupler that does without a limb in mid-stream.
+        let mut limbs = [None; MOST_EXCLUDED];
+        let numbered = SIGNATURES.iter().enumerate();
+        let chosen = numbered.filter(|(index, _)| excluded.contains(*index));
+        for (place, (_, signature)) in limbs.iter_mut().zip(chosen) {
+            *place = Some(*signature);
+        }
+        // 18 P_FF; ones on the diagonal for places that are not taken.
+        let block: [[i32; 3]; 3] = core::array::from_fn(|i| {
+            core::array::from_fn(|j| match (limbs[i], limbs[j]) {
+                (Some(a), Some(b)) => dot(scaled(a), b),
+                _ => i32::from(i == j),
+            })
+        });
+        let (adjugate, determinant) = adjugate(&block);
+        if determinant == 0 {
+            return Err(Error::LostLoad {
+                excluded,
+                load: lost_load(excluded, limbs),
+            });
+        }
+        let rows = adjugate.map(|row| {
+            let mut sum = [0; ROWS];
+            for (share, limb) in row.into_iter().zip(limbs) {
+                let along = limb.map_or([0; ROWS], scaled);
+                for (sum, entry) in sum.iter_mut().zip(along) {
+                    *sum += share * entry;
+                }
+            }
+            sum.map(|sum| -f64::from(sum) / f64::from(determinant))
+        });
+        let numbered = weights.iter_mut().enumerate();
+        let chosen = numbered.filter(|(index, _)| excluded.contains(*index));
+        for ((_, weights), row) in chosen.zip(rows) {
+            *weights = row;
+        }
+        Ok(Self { excluded, weights })
+    }
+
+    /// The limbs that are done without.
+    #[must_use]
+    pub const fn excluded(&self) -> LimbSet {
+        self.excluded
+    }
+
+    /// What the three rows' residuals, with zero for the excluded strains, are multiplied with and added up to, limb by limb.
+    #[must_use]
+    pub const fn weights(&self) -> &[[f64; ROWS]; LIMBS] {
+        &self.weights
+    }
+}
+
+/// A row of 18 W (W^T W)^-1, from that of W.
+fn scaled(signature: [i32; ROWS]) -> [i32; ROWS] {
+    GRAM_INVERSE.map(|row| dot(row, signature))
+}
+
+fn dot(a: [i32; ROWS], b: [i32; ROWS]) -> i32 {
+    a.into_iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+const _: () = assert!(GRAM_DENOMINATOR == 18);
+
+fn adjugate(m: &[[i32; 3]; 3]) -> ([[i32; 3]; 3], i32) {
+    let minor = |i: usize, j: usize| {
+        let (r, s) = ((i + 1) % 3, (i + 2) % 3);
+        let (c, d) = ((j + 1) % 3, (j + 2) % 3);
+        m[r][c] * m[s][d] - m[r][d] * m[s][c]
+    };
+    let adjugate: [[i32; 3]; 3] = core::array::from_fn(|i| core::array::from_fn(|j| minor(j, i)));
+    let determinant = (0..3).map(|j| m[0][j] * minor(0, j)).sum();
+    (adjugate, determinant)
+}
+
+/// The load behind forces of -1, 0 or 1 in excluded limbs, of these signatures, that cancel in every row; the fewest that do.
+fn lost_load(excluded: LimbSet, limbs: [Option<[i32; ROWS]>; MOST_EXCLUDED]) -> LostLoad {
+    let mut best = ([0; MOST_EXCLUDED], usize::MAX);
+    for code in 0..27 {
+        let force = [code / 9 - 1, code / 3 % 3 - 1, code % 3 - 1];
+        let used = force.iter().filter(|&&f| f != 0).count();
+        let borne = || limbs.iter().zip(force);
+        let idle = borne().all(|(limb, f)| limb.is_some() || f == 0);
+        let mut rows = [0; ROWS];
+        for (limb, f) in borne() {
+            for (row, share) in rows.iter_mut().zip(limb.unwrap_or_default()) {
+                *row += f * share;
+            }
+        }
+        if idle && rows == [0; ROWS] && used > 0 && used < best.1 {
+            best = (force, used);
+        }
+    }
+    let mut load = [DVec3::ZERO; 2];
+    let arms = NODE_DIRECTIONS_MASS
+        .iter()
+        .flat_map(|arm| [arm; LIMBS_PER_NODE]);
+    let numbered = DIRECTIONS_SHELL.iter().zip(arms).enumerate();
+    let chosen = numbered.filter(|(index, _)| excluded.contains(*index));
+    for ((_, (direction, arm)), force) in chosen.zip(best.0) {
+        let along = direction * f64::from(force);
+        load[0] += along;
+        load[1] += arm.cross(along);
+    }
+    // Sums of three unit axes: whole numbers.
+    let [force_shell, torque_over_half_edge_shell] = load.map(|v| v.to_array().map(|x| x as i32));
+    LostLoad {
+        force_shell,
+        torque_over_half_edge_shell,
+    }
+}
+
+impl core::fmt::Display for LostLoad {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let turns = self.torque_over_half_edge_shell != [0; 3];
+        if self.force_shell != [0; 3] {
+            write!(f, "a force along {}", Along(self.force_shell))?;
+            if turns {
+                f.write_str(" together with ")?;
+            }
+        }
+        if turns {
+            let about = Along(self.torque_over_half_edge_shell);
+            write!(f, "a torque about {about} over the half edge")?;
+        }
+        Ok(())
+    }
+}
+
+/// Whole multiples of shell axes: "y - z".
+struct Along([i32; 3]);
+
+impl core::fmt::Display for Along {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let mut first = true;
+        for (share, axis) in self.0.into_iter().zip(["x", "y", "z"]) {
+            let sign = match (share.signum(), first) {
+                (0, _) => continue,
+                (1, true) => "",
+                (1, false) => " + ",
+                (_, true) => "-",
+                (_, false) => " - ",
+            };
+            first = false;
+            f.write_str(sign)?;
+            if share.abs() != 1 {
+                write!(f, "{} ", share.abs())?;
+            }
+            f.write_str(axis)?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use std::format;
+
+    use super::*;
+
+    #[test]
+    fn sets_that_can_be_done_without() {
+        let able = |n| {
+            LimbSet::of_size(n)
+                .filter(|&set| Reconstruction::new(set).is_ok())
+                .count()
+        };
+        assert_eq!([0, 1, 2, 3].map(able), [1, 9, 33, 51]);
+    }
+
+    #[test]
+    fn what_is_lost_loads_failed_limbs_only() {
+        for size in 1..=MOST_EXCLUDED {
+            for set in LimbSet::of_size(size) {
+                let Err(Error::LostLoad { excluded, load }) = Reconstruction::new(set) else {
+                    continue;
+                };
+                assert_eq!(excluded, set);
+                let torque = DVec3::from(load.torque_over_half_edge_shell.map(f64::from));
+                let force = DVec3::from(load.force_shell.map(f64::from));
+                assert!(torque != DVec3::ZERO || force != DVec3::ZERO);
+                // Forces of equally stiff limbs: J (J^T J)^-1 load.
+                let shares = crate::identify::static_load_sharing::StaticLoadSharing::new(
+                    &crate::Geometry {
+                        limb_length_m: 1.0,
+                        half_edge_m: 1.0,
+                    },
+                )
+                .expect("a cube");
+                for limb in (0..LIMBS).filter(|&limb| !set.contains(limb)) {
+                    let borne = shares.of_acceleration(limb).dot(force)
+                        + shares.of_torque_per_m(limb).dot(torque);
+                    assert!(
+                        borne.abs() < 1e-15,
+                        "{set}: limb {} bears {borne}",
+                        limb + 1
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_lost_load_is_named() {
+        let set = LimbSet::from_numbers([2, 4]).expect("limbs");
+        let error = Reconstruction::new(set).expect_err("twins");
+        assert_eq!(
+            format!("{error}"),
+            "limbs 2 and 4 excluded: of a force along y - z together with a torque about 2 x over the half edge the others show nothing"
+        );
+    }
+}

@@ -1,0 +1,74 @@
+//! Recordings of any length to accelerations, in bounded memory: what `sixaxis decouple` does.
+//!
+//! Samples flow through the files in this order:
+//!
+//! | file | holds |
+//! |---|---|
+//! | [`trust`] | whether the calibration is one to decouple with |
+//! | [`setup`] | what is known of one recording: gains, gravity, channels, rate, and from where |
+//! | [`recording`] | nine voltages on one clock from a file, block by block, with what is wrong with them |
+//! | [`stamps`] | time stamps: the rate they say, the gaps they show |
+//! | [`conditioning`] | delays, the amplifier's high-pass, a low-pass, as streams |
+//! | [`low_pass`] | a zero-phase filter with a bounded look ahead |
+//! | [`motion`] | voltages to rows of the answer |
+//! | [`watching`] | the same, with an eye on failing channels |
+//! | [`pipeline`] | the same, with a thread for reading and one for writing |
+//! | [`closed`] | a run that ends as it began, in memory |
+//! | [`live`] | rows in, rows out |
+//!
+//! The answer to a recording does not depend on how it was cut into blocks nor on the timing of the threads: blocks are cut
+//! anew at fixed samples before anything is computed from them.
+
+pub mod closed;
+pub mod conditioning;
+pub mod live;
+pub mod low_pass;
+pub mod motion;
+pub mod pipeline;
+pub mod recording;
+pub mod setup;
+pub mod stamps;
+pub mod trust;
+pub mod watching;
+
+use sixaxis_core::LIMBS;
+
+/// Nine voltages, V.
+pub type Row = [f64; LIMBS];
+
+/// Rows that are worked on at a time: a multiple of the kernel's block, large against the cost of handing over, small against
+/// the memory (7 MB for all blocks under way).
+pub const CHUNK: usize = 1 << 14;
+
+/// Names limb and sample of an error of the mathematics as the recording has them.
+#[must_use]
+pub fn explain(error: &sixaxis_core::Error, place: &str, names: &[String; LIMBS]) -> anyhow::Error {
+    use sixaxis_core::Error;
+    let name = |channel: usize| {
+        names
+            .get(channel.wrapping_sub(1))
+            .map_or("", String::as_str)
+    };
+    match *error {
+        Error::NotFinite {
+            channel,
+            sample,
+            value,
+        } => anyhow::anyhow!(
+            "{place}: channel {:?} (limb {channel}), sample {sample}: {value} is not a finite number; cut the recording there or mend it",
+            name(channel)
+        ),
+        Error::Overstrained {
+            channel,
+            sample,
+            strain,
+        } => anyhow::anyhow!(
+            "{place}: channel {:?} (limb {channel}), sample {sample}: the voltage would change the limb's length by {strain:.3} of it; check the unit (V or mV) and the gain of this recording",
+            name(channel)
+        ),
+        Error::Overflow { sample, .. } => anyhow::anyhow!(
+            "{place}: sample {sample}: the rate, which is integrated in an open loop, has run away; check gains and zero drift, or try --close"
+        ),
+        ref other => anyhow::anyhow!("{place}: {other}"),
+    }
+}

@@ -1,0 +1,218 @@
+//! What is known of one recording beside its samples, and from where.
+
+use std::path::Path;
+
+use crate::calibration::Calibration;
+use anyhow::{Context, Result, bail};
+use glam::DVec3;
+use sixaxis_core::decouple::uncertainty::{ChannelNoise, SampleUncertainty};
+use sixaxis_core::{Gains, LIMBS, Parameters, Scheme, Sensor, Settings};
+use sixaxis_recordings::session::{Channels, Entry, Role, Session, SessionFile};
+use sixaxis_recordings::unit::STANDARD_GRAVITY_M_S2;
+
+use super::conditioning::{self, Wishes};
+
+/// What the user says of the recording; each overrules the session, which overrules the calibration.
+#[derive(Debug, Clone, Default)]
+pub struct Said {
+    /// c_i, N/V: none, one or nine.
+    pub gain_n_per_v: Vec<f64>,
+    /// Samples per second.
+    pub rate_hz: Option<f64>,
+    /// Where down is in the sensor's axes at rest.
+    pub down: Option<[f64; 3]>,
+}
+
+/// Everything but the samples.
+#[derive(Debug, Clone)]
+pub struct Setup {
+    /// Lengths and the gains in use.
+    pub sensor: Sensor,
+    /// The 25 parameters.
+    pub parameters: Parameters,
+    /// g in ground axes, m/s^2.
+    pub gravity_ground_m_s2: DVec3,
+    /// Names and units of the channels.
+    pub channels: Channels,
+    /// Samples per second, if anybody but the file says it.
+    pub rate_hz: Option<f64>,
+    /// Limit of the converter, V.
+    pub full_scale_v: f64,
+    /// What is to be done to the voltages because of how they were recorded.
+    pub wishes: Wishes,
+    /// What was taken for granted, in sentences.
+    pub notes: Vec<String>,
+}
+
+impl Setup {
+    /// Puts together what calibration, session and user say. `recording` is none for a stream.
+    ///
+    /// # Errors
+    /// A recording that the session does not have, gains that are neither one nor nine or cannot be, a direction without
+    /// length.
+    pub fn new(
+        calibration: &Calibration,
+        session: Option<&SessionFile>,
+        recording: Option<&Path>,
+        said: &Said,
+    ) -> Result<Self> {
+        let mut notes = Vec::new();
+        let entry = match (session, recording) {
+            (Some(file), Some(path)) => Some(entry_of(file, path)?),
+            _ => None,
+        };
+        let mut sensor = calibration.sensor();
+        match (said.gain_n_per_v.as_slice(), session, entry) {
+            ([], Some(file), Some(entry)) => {
+                let gains = entry
+                    .gain_n_per_v
+                    .unwrap_or(file.session.sensor.gain_n_per_v);
+                sensor.gains = Gains {
+                    gain_n_per_v: gains.each(),
+                };
+            }
+            ([], ..) => notes.push(format!(
+                "neither --gain nor --session: the calibration's default gains are used, {} N/V",
+                list(&sensor.gains.gain_n_per_v)
+            )),
+            ([one], ..) => sensor.gains = Gains::uniform(*one),
+            (several, ..) => match <[f64; LIMBS]>::try_from(several) {
+                Ok(gain_n_per_v) => sensor.gains = Gains { gain_n_per_v },
+                Err(_) => bail!("--gain: {} numbers; give one or nine", several.len()),
+            },
+        }
+        sensor.gains.validate().context("--gain")?;
+        let down = match said.down {
+            Some(down) => Some(("--down", down)),
+            None => entry.and_then(|entry| match (entry.role, entry.down, entry.direction) {
+                (Role::Static, ..) => None,
+                (_, Some(down), _) => Some(("down", down)),
+                // Without a word the rig's axis stands upright: gravity does not turn in the sensor.
+                (_, None, Some(direction)) => Some(("direction", direction.map(|x| -x))),
+                (_, None, None) => None,
+            }),
+        };
+        let gravity_ground_m_s2 = match down {
+            Some((key, down)) => {
+                let down = DVec3::from_array(down);
+                if !(down.length().is_finite() && down.length() > 1e-6) {
+                    bail!("{key}: {down} has no direction");
+                }
+                down.normalize() * STANDARD_GRAVITY_M_S2
+            }
+            None => {
+                notes.push(
+                    "nobody says where down is: gravity is taken not to turn in the sensor (--down X,Y,Z or --session)"
+                        .to_owned(),
+                );
+                DVec3::ZERO
+            }
+        };
+        let channels = match (session, entry) {
+            (Some(file), Some(entry)) => entry
+                .channels
+                .clone()
+                .unwrap_or_else(|| file.session.channels.clone()),
+            _ => calibration.channels.clone(),
+        };
+        let amplifier_high_pass_hz = match session {
+            Some(file) => file.session.preprocessing.amplifier_high_pass_hz,
+            // The amplifiers are those of the calibration unless somebody says otherwise.
+            None => toml::from_str::<Session>(&calibration.provenance.session)
+                .ok()
+                .and_then(|session| session.preprocessing.amplifier_high_pass_hz),
+        };
+        Ok(Self {
+            sensor,
+            parameters: calibration.parameters(),
+            gravity_ground_m_s2,
+            rate_hz: said
+                .rate_hz
+                .or(entry.and_then(|entry| entry.sample_rate_hz)),
+            full_scale_v: calibration.sensor.full_scale_v,
+            wishes: Wishes {
+                delays_s: channels
+                    .limbs_lag_us
+                    .map(|delays| delays.each().map(|us| us * 1e-6)),
+                amplifier_high_pass_hz,
+                ..Wishes::default()
+            },
+            channels,
+            notes,
+        })
+    }
+
+    /// A stream that says how well samples are known, beside the decoupler with these settings.
+    ///
+    /// # Errors
+    /// A calibration that does not say how well its parameters are known, or says what cannot be; a low-pass that the sample
+    /// rate does not allow.
+    pub fn uncertainty(
+        &self,
+        calibration: &Calibration,
+        settings: &Settings,
+    ) -> Result<SampleUncertainty> {
+        let propagated = calibration.covariance.propagated.as_ref().context(
+            "--uncertainty: the calibration has no covariance of all parameters; calibrate again",
+        )?;
+        let covariance = propagated
+            .total()
+            .context("--uncertainty: the calibration's covariance is not 25 by 25")?;
+        let noise = ChannelNoise {
+            white_v: propagated.channel_noise_v,
+            correlation: conditioning::noise_correlation(&self.wishes, settings.sample_rate_hz)?,
+        };
+        SampleUncertainty::new(
+            &self.sensor,
+            &self.parameters,
+            settings,
+            &covariance,
+            &noise,
+        )
+        .context("--uncertainty")
+    }
+
+    /// The decoupler's settings at a rate.
+    #[must_use]
+    pub fn settings(&self, sample_rate_hz: f64, scheme: Scheme) -> Settings {
+        Settings {
+            scheme,
+            gravity_ground_m_s2: self.gravity_ground_m_s2,
+            ..Settings::new(sample_rate_hz)
+        }
+    }
+}
+
+/// The recording's entry in the session: the same file, or else the only one of that name.
+fn entry_of<'a>(file: &'a SessionFile, recording: &Path) -> Result<&'a Entry> {
+    let same = |entry: &&Entry| {
+        let resolved = file.resolve(&entry.file);
+        match (resolved.canonicalize(), recording.canonicalize()) {
+            (Ok(a), Ok(b)) => a == b,
+            _ => resolved == recording,
+        }
+    };
+    let entries = &file.session.recording;
+    if let Some(entry) = entries.iter().find(same) {
+        return Ok(entry);
+    }
+    let mut named = entries
+        .iter()
+        .filter(|entry| entry.file.file_name() == recording.file_name());
+    match (named.next(), named.next()) {
+        (Some(entry), None) => Ok(entry),
+        _ => bail!(
+            "{}: no recording {} in it; without --session, give --gain, --down and --rate as needed",
+            file.path.display(),
+            recording.display()
+        ),
+    }
+}
+
+fn list(gains: &[f64; LIMBS]) -> String {
+    if gains.iter().all(|gain| gain == &gains[0]) {
+        return gains[0].to_string();
+    }
+    let texts: Vec<String> = gains.iter().map(f64::to_string).collect();
+    texts.join(", ")
+}

@@ -1,0 +1,229 @@
+//! The figures of a comparison.
+
+use anyhow::Result;
+use glam::DQuat;
+use serde::Serialize;
+use sixaxis_recordings::unit::STANDARD_GRAVITY_M_S2;
+
+use super::aligned::Aligned;
+use super::envelope::Envelope;
+use super::quantile::Coarse;
+use super::track::{ACCELERATIONS, Motion};
+
+/// Format of the figures as a file.
+pub const FORMAT: &str = "sixaxis-comparison-1";
+
+/// Shares of all instants whose errors are given, beside the largest.
+pub const SHARES: [f64; 3] = [0.5, 0.9, 0.99];
+
+/// Peak over the largest of its three, below which an axis hardly moves: an error over its peak then says nothing.
+const HARDLY: f64 = 1e-3;
+
+/// A kind of quantity and the unit that the paper gives it in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Quantity {
+    /// Linear acceleration, ground axes, g.
+    Linear,
+    /// Angular acceleration, ground axes, deg/s^2.
+    Angular,
+    /// Angular rate, shell axes, deg/s.
+    Rate,
+}
+
+impl Quantity {
+    /// All of them, in the order of a motion's columns.
+    pub const ALL: [Self; 3] = [Self::Linear, Self::Angular, Self::Rate];
+
+    /// Its unit in the paper.
+    #[must_use]
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::Linear => "g",
+            Self::Angular => "deg/s^2",
+            Self::Rate => "deg/s",
+        }
+    }
+
+    /// SI units in one of the paper's.
+    #[must_use]
+    pub const fn si_per_unit(self) -> f64 {
+        match self {
+            Self::Linear => STANDARD_GRAVITY_M_S2,
+            Self::Angular | Self::Rate => core::f64::consts::PI / 180.0,
+        }
+    }
+}
+
+/// One axis, in the paper's units.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Axis {
+    /// Name of the column.
+    pub name: String,
+    /// What it is.
+    pub quantity: Quantity,
+    /// Unit of the figures below.
+    pub unit: &'static str,
+    /// Largest magnitude of the truth.
+    pub peak: f64,
+    /// Largest magnitude of the difference.
+    pub largest_error: f64,
+    /// Where that is, s.
+    pub largest_error_time_s: f64,
+    /// Root mean square of the difference.
+    pub rms_error: f64,
+    /// Mean of the difference, result less truth.
+    pub mean_error: f64,
+    /// Magnitudes that 50, 90 and 99 % of the differences do not exceed.
+    pub error_quantiles: [f64; 3],
+    /// Largest error over the peak, %: the paper's figure. None where the axis hardly moves.
+    pub largest_error_percent: Option<f64>,
+}
+
+impl Axis {
+    /// A figure of this axis over its peak, %.
+    #[must_use]
+    pub fn percent(&self, figure: f64) -> Option<f64> {
+        self.largest_error_percent
+            .is_some()
+            .then(|| 100.0 * figure / self.peak)
+    }
+}
+
+/// A comparison.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Comparison {
+    /// [`FORMAT`].
+    pub format: &'static str,
+    /// File of the result.
+    pub result: String,
+    /// File of the truth.
+    pub truth: String,
+    /// Common instants.
+    pub instants: u64,
+    /// The first of them, s.
+    pub start_s: f64,
+    /// Common instants per second.
+    pub rate_hz: f64,
+    /// Six accelerations, and three rates where both have them.
+    pub axes: Vec<Axis>,
+    /// Largest angle between the two attitudes, deg, where both have one.
+    pub largest_attitude_error_deg: Option<f64>,
+    /// What a picture needs, for each axis, in its unit.
+    #[serde(skip)]
+    pub pictures: Vec<Picture>,
+}
+
+/// Curves of one axis.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Picture {
+    /// The truth.
+    pub truth: Envelope,
+    /// The result.
+    pub result: Envelope,
+    /// Result less truth.
+    pub error: Envelope,
+}
+
+#[derive(Default)]
+struct Sums {
+    peak: f64,
+    largest: f64,
+    largest_time_s: f64,
+    squares: f64,
+    sum: f64,
+    counted: Coarse,
+    picture: Picture,
+}
+
+/// First column of the attitude.
+const ATTITUDE: usize = 9;
+
+/// Compares in two passes: figures and curves, then quantiles.
+///
+/// # Errors
+/// Those of reading; motions that have no instant in common.
+pub fn compare(aligned: &mut Aligned, result: String, truth: String) -> Result<Comparison> {
+    let axes = if aligned.has(ACCELERATIONS..ATTITUDE) {
+        ATTITUDE
+    } else {
+        ACCELERATIONS
+    };
+    let attitude = aligned.has(ATTITUDE..ATTITUDE + 4);
+    let scale: Vec<f64> = (0..axes)
+        .map(|axis| 1.0 / Quantity::ALL[axis / 3].si_per_unit())
+        .collect();
+    let mut all: Vec<Sums> = (0..axes).map(|_| Sums::default()).collect();
+    let mut turned = 0.0_f64;
+    let instants = aligned.each(|time_s, result, truth| {
+        for (axis, sums) in all.iter_mut().enumerate() {
+            let (r, t) = (result[axis] * scale[axis], truth[axis] * scale[axis]);
+            let error = r - t;
+            sums.peak = sums.peak.max(t.abs());
+            if error.abs() > sums.largest {
+                (sums.largest, sums.largest_time_s) = (error.abs(), time_s);
+            }
+            sums.squares += error * error;
+            sums.sum += error;
+            sums.counted.count(error);
+            sums.picture.truth.push(time_s, t);
+            sums.picture.result.push(time_s, r);
+            sums.picture.error.push(time_s, error);
+        }
+        if attitude {
+            turned = turned.max(angle_between(result, truth));
+        }
+    })?;
+    let mut fine: Vec<_> = all.iter().map(|s| s.counted.refine(&SHARES)).collect();
+    aligned.each(|_, result, truth| {
+        for (axis, fine) in fine.iter_mut().enumerate() {
+            fine.count(result[axis] * scale[axis] - truth[axis] * scale[axis]);
+        }
+    })?;
+    let peaks: Vec<f64> = all.iter().map(|sums| sums.peak).collect();
+    let mut measured = Vec::new();
+    let mut pictures = Vec::new();
+    for (axis, (sums, fine)) in all.into_iter().zip(fine).enumerate() {
+        let quantity = Quantity::ALL[axis / 3];
+        let largest_peak = peaks[axis / 3 * 3..axis / 3 * 3 + 3]
+            .iter()
+            .fold(0.0_f64, |a, b| a.max(*b));
+        let moves = sums.peak > HARDLY * largest_peak;
+        let quantiles = fine.quantiles();
+        measured.push(Axis {
+            name: sixaxis_recordings::motion::MOTION_CHANNELS[axis]
+                .0
+                .to_owned(),
+            quantity,
+            unit: quantity.unit(),
+            peak: sums.peak,
+            largest_error: sums.largest,
+            largest_error_time_s: sums.largest_time_s,
+            rms_error: (sums.squares / instants as f64).sqrt(),
+            mean_error: sums.sum / instants as f64,
+            // Given as upper ends of short stretches: none may exceed the largest.
+            error_quantiles: core::array::from_fn(|i| quantiles[i].min(sums.largest)),
+            largest_error_percent: moves.then(|| 100.0 * sums.largest / sums.peak),
+        });
+        pictures.push(sums.picture);
+    }
+    Ok(Comparison {
+        format: FORMAT,
+        result,
+        truth,
+        instants,
+        start_s: aligned.start_s,
+        rate_hz: aligned.rate_hz,
+        axes: measured,
+        largest_attitude_error_deg: attitude.then(|| turned.to_degrees()),
+        pictures,
+    })
+}
+
+/// Angle between two attitudes, rad.
+fn angle_between(a: &Motion, b: &Motion) -> f64 {
+    let quaternion = |m: &Motion| DQuat::from_xyzw(m[10], m[11], m[12], m[9]).normalize();
+    let between = quaternion(a).inverse() * quaternion(b);
+    // From the vector part: the scalar part is blind to small angles.
+    2.0 * between.xyz().length().atan2(between.w.abs())
+}

@@ -1,0 +1,128 @@
+//! What to do next, and what was found.
+
+use crate::suspicion::Finding;
+use crate::verdict::{Grade, Judgement};
+
+use crate::page::labels::{count, file_name};
+use sixaxis_page::{Block, Cell, Column, Listing, Row, Section, State, Table};
+
+/// Recordings named in full in a cell; of more, the first and a number.
+const NAMED: usize = 4;
+
+/// The section.
+pub fn section(judgement: &Judgement) -> Section {
+    let lead = match judgement.grade {
+        Grade::Good => {
+            "Nothing: the calibration can be used. Keep the session file and the recordings with it, and repeat one trial now and \
+             then to see whether the sensor is still the same."
+        }
+        Grade::Reserved => {
+            "Nothing was found wrong, but not everything that would prove the calibration is there. Work off this list, or decide \
+             for each point whether your measurement can do without it."
+        }
+        Grade::Bad => {
+            "The calibration should not be used. Work off this list from the top, then calibrate again: the first point often \
+             causes the others."
+        }
+    };
+    let mut section = Section::new("next", "What to do next", lead);
+    let (actions, consequences) = split(judgement);
+    if !actions.is_empty() {
+        let list: Vec<String> = actions
+            .iter()
+            .map(|next| format!("- {}", capital(&next.replace('\n', " "))))
+            .collect();
+        section = section.block(Block::Text(list.join("\n")));
+    }
+    if !consequences.is_empty() {
+        section = section.block(Block::Listing(Listing {
+            caption: format!(
+                "{} that may come from the above: look again after it is mended",
+                count(consequences.len(), "more point", "more points")
+            ),
+            text: consequences.join("\n"),
+        }));
+    }
+    let table = if judgement.findings.is_empty() {
+        Block::Note(
+            "Looked for and not found: recordings that cannot be read, clipping, silent, exchanged or inverted channels, \
+             directions left out, gravity that turns in the sensor, wrong units and gains, clocks that disagree, lags, drift, loose \
+             wedges, trials of another sensor."
+                .to_owned(),
+        )
+    } else {
+        Block::Table(Table {
+            caption: "What was found".to_owned(),
+            stub: "what".to_owned(),
+            columns: vec![
+                Column::text("where"),
+                Column::text("evidence"),
+                Column::text("advice"),
+            ],
+            rows: judgement.findings.iter().map(row).collect(),
+            footnote: "Channels are limbs, counted from 1. A cause that explains others is looked for first, and what it explains \
+                       is not listed again."
+                .to_owned(),
+            ..Table::default()
+        })
+    };
+    section.block(table)
+}
+
+fn row(finding: &Finding) -> Row {
+    Row::new(
+        format!("**{}**", finding.cause.words()),
+        [
+            Cell::from(place(finding))
+                .title(finding.recordings.join(", "))
+                .state(State::Bad),
+            Cell::from(finding.evidence.as_str()),
+            Cell::from(finding.advice.as_str()),
+        ],
+    )
+}
+
+/// What to do next, parted into what to do at once and what may be a consequence of what was found: where something is wrong,
+/// nothing that it spoils can be judged.
+#[must_use]
+pub fn split(judgement: &Judgement) -> (&[String], &[String]) {
+    let at_once = if judgement.findings.is_empty() {
+        judgement.next.len()
+    } else {
+        judgement
+            .next
+            .len()
+            .saturating_sub(judgement.reservations.len())
+    };
+    judgement.next.split_at(at_once)
+}
+
+/// Recordings and channels of a finding.
+pub fn place(finding: &Finding) -> String {
+    let recordings = match finding.recordings.as_slice() {
+        [] => "all recordings".to_owned(),
+        few if few.len() <= NAMED => {
+            let names: Vec<String> = few.iter().map(|name| file_name(name)).collect();
+            names.join(", ")
+        }
+        [first, rest @ ..] => format!("{} and {} more", file_name(first), rest.len()),
+    };
+    let numbers: Vec<String> = finding.channels.iter().map(ToString::to_string).collect();
+    match numbers.as_slice() {
+        [] => recordings,
+        [one] => format!("{recordings}; channel {one}"),
+        [rest @ .., last] => format!("{recordings}; channels {} and {last}", rest.join(", ")),
+    }
+}
+
+/// The first letter of a sentence; a file's name keeps its own.
+fn capital(text: &str) -> String {
+    let first_word = text.split([' ', ':']).next().unwrap_or_default();
+    if first_word.contains('.') || first_word.contains('/') {
+        return text.to_owned();
+    }
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| {
+        first.to_uppercase().chain(letters).collect()
+    })
+}

@@ -1,0 +1,224 @@
+//! The 25 parameters: what they are, how well they are known, and what limits that.
+
+use crate::interval::ParameterReport;
+use crate::verdict::Judgement;
+use sixaxis_recordings::session::SessionFile;
+
+use crate::page::labels::{bar, has_scale, share, symbol, with_interval};
+use sixaxis_page::number::{MISSING, fixed, scientific};
+use sixaxis_page::{Axis, Block, Cell, Column, Figure, Mark, Row, Section, Series, State, Table};
+
+/// A kind of parameter: first letter, heading, and the paper's unit over SI.
+pub(super) const FAMILIES: [(&str, &str, f64); 4] = [
+    ("d", "Zero drift $d$, mV", 1e3),
+    ("s", "Scale factor over mass $s$/$m$, 1/kg", 1.0),
+    ("I", "Inertia over mass $I$/$m$, mm²", 1e6),
+    ("k", "Stiffness over mass $k$/$m$, 1/s²", 1.0),
+];
+
+/// The section.
+pub fn section(file: &SessionFile, judgement: &Judgement) -> Section {
+    let limit = file.session.limits.interval_percent / 100.0;
+    let mut section = Section::new(
+        "parameters",
+        "The 25 parameters",
+        "Estimate and half width of the 95 % interval: noise, differences between trials, and the class of the standard \
+         instruments together. Digits that the interval does not support are not printed.",
+    );
+    let parameters = &judgement.parameters;
+    if parameters.is_empty() {
+        return section.block(Block::Note(format!(
+            "There are none, because the four steps could not be done with these recordings{}. What stands under “What to do next” \
+             comes first.",
+            judgement
+                .obstacle
+                .as_ref()
+                .map_or(String::new(), |reason| format!(": {reason}"))
+        )));
+    }
+    section = section.block(Block::Table(table(parameters, limit)));
+    for parameter in parameters.iter().filter(|p| !p.remark.is_empty()) {
+        section = section.block(Block::Note(format!(
+            "{} is {}.",
+            symbol(&parameter.name),
+            parameter.remark
+        )));
+    }
+    section.block(Block::FigureGrid(vec![
+        differences(parameters),
+        limits(parameters, limit),
+    ]))
+}
+
+fn table(parameters: &[ParameterReport], limit: f64) -> Table {
+    let mut rows = Vec::new();
+    for (letter, heading, per_si) in FAMILIES {
+        rows.push(Row::group(heading));
+        rows.extend(
+            parameters
+                .iter()
+                .filter(|p| p.name.starts_with(letter))
+                .map(|p| row(p, per_si, limit)),
+        );
+    }
+    Table {
+        caption: "Estimates, intervals and design values".to_owned(),
+        stub: "parameter".to_owned(),
+        columns: vec![
+            Column::number("estimate", ""),
+            Column::number("±\u{a0}95\u{a0}%", ""),
+            Column::number("±\u{a0}relative", ""),
+            Column::number("design", ""),
+            Column::number("difference", ""),
+            Column::text("limited by"),
+            Column::text("determined"),
+        ],
+        rows,
+        footnote: format!(
+            "± relative above {} is marked. Differences of scale factors and moments of inertia (I₁ to I₃) are relative to the design; \
+             those of the products of inertia (I₄ to I₆), which may be zero, are in mm². Point at a number for all its digits.",
+            bar(limit)
+        ),
+        ..Table::default()
+    }
+}
+
+fn row(p: &ParameterReport, per_si: f64, limit: f64) -> Row {
+    let all = |si: f64| format!("{} {}", si, p.unit);
+    let (estimate, half_width) = match p.half_width_95 {
+        Some(half_width) => with_interval(p.estimate * per_si, half_width * per_si),
+        None => (scientific(p.estimate * per_si, 3), MISSING.to_owned()),
+    };
+    let relative = match p.half_width_95 {
+        Some(half_width) if p.name == "k/m" => share(Some(half_width / p.estimate)).into(),
+        Some(half_width) if has_scale(p) => {
+            let ratio = half_width / p.estimate.abs();
+            let cell = Cell::from(share(Some(ratio)));
+            if ratio <= limit {
+                cell
+            } else {
+                cell.state(State::Warn)
+            }
+        }
+        _ => Cell::from(MISSING),
+    };
+    let difference = if p.name.starts_with('d') || p.name.starts_with('k') {
+        // A design drifts by nothing, and a k/m that is not determined is the design's.
+        if p.determined && p.name.starts_with('k') {
+            signed(100.0 * (p.estimate / p.design - 1.0), 1) + "\u{a0}%"
+        } else {
+            MISSING.to_owned()
+        }
+    } else if has_scale(p) {
+        signed(100.0 * (p.estimate / p.design - 1.0), 1) + "\u{a0}%"
+    } else {
+        let digits = p.half_width_95.map_or(2, |h| {
+            let (text, _) = with_interval(0.0, h * per_si);
+            text.split_once('.')
+                .map_or(0, |(_, decimals)| decimals.len())
+        });
+        signed((p.estimate - p.design) * per_si, digits) + "\u{a0}mm²"
+    };
+    let design = match p.name.as_bytes().first() {
+        Some(b'd') => "0".to_owned(),
+        Some(b'k') => scientific(p.design, 3),
+        Some(b's') => fixed(p.design, 3),
+        _ => fixed(p.design * per_si, 2),
+    };
+    Row::new(
+        symbol(&p.name),
+        [
+            Cell::from(estimate).title(all(p.estimate)),
+            Cell::from(half_width).title(p.half_width_95.map_or(String::new(), all)),
+            relative,
+            Cell::from(design).title(all(p.design)),
+            Cell::from(difference),
+            Cell::from(p.dominated_by.as_str()),
+            Cell::from(if p.determined { "yes" } else { "no, see below" }),
+        ],
+    )
+}
+
+fn signed(value: f64, decimals: usize) -> String {
+    let text = fixed(value, decimals);
+    if value > 0.0 && text.bytes().any(|b| (b'1'..=b'9').contains(&b)) {
+        format!("+{text}")
+    } else {
+        text
+    }
+}
+
+/// Scale factors and inertias with what their differences are taken relative to: themselves as designed, or, for a product of
+/// inertia, the largest moment as designed.
+fn scaled(parameters: &[ParameterReport]) -> Vec<(&ParameterReport, f64)> {
+    let largest = parameters
+        .iter()
+        .filter(|p| p.name.starts_with('I'))
+        .fold(0.0_f64, |a, p| a.max(p.design.abs()));
+    parameters
+        .iter()
+        .filter(|p| p.name.starts_with('s') || p.name.starts_with('I'))
+        .map(|p| {
+            (
+                p,
+                if has_scale(p) {
+                    p.design.abs()
+                } else {
+                    largest
+                },
+            )
+        })
+        .collect()
+}
+
+fn differences(parameters: &[ParameterReport]) -> Figure {
+    let scaled = scaled(parameters);
+    let mut bars = Vec::new();
+    let mut points = Vec::new();
+    for (row, (p, size)) in scaled.iter().enumerate() {
+        let (y, middle) = (row as f64, 100.0 * (p.estimate - p.design) / size);
+        let half = 100.0 * p.half_width_95.unwrap_or(0.0) / size;
+        points.push((middle, y));
+        bars.extend([(middle - half, y), (middle + half, y), (f64::NAN, y)]);
+    }
+    Figure::new(
+        "difference-from-design",
+        "Difference from the design",
+        Axis::linear("difference from the design", "%"),
+        Axis::names("parameter", scaled.iter().map(|(p, _)| symbol(&p.name))),
+    )
+    .series(Series::line("95 % interval", 0, bars))
+    .series(Series::points("estimate", 0, points))
+    .mark(Mark::vertical(0.0, "design"))
+    .caption("Products of inertia ($I$₄ to $I$₆) relative to the largest moment. A sensor differs from its design by tens of percent; an interval that is wide beside the others is what to work on.")
+}
+
+fn limits(parameters: &[ParameterReport], limit: f64) -> Figure {
+    let scaled = scaled(parameters);
+    let series = |get: fn(&ParameterReport) -> Option<f64>| -> Vec<(f64, f64)> {
+        scaled
+            .iter()
+            .enumerate()
+            .filter_map(|(row, (p, size))| Some((100.0 * get(p)? / size, row as f64)))
+            .collect()
+    };
+    Figure::new(
+        "what-limits",
+        "What the intervals consist of",
+        Axis::log("half width, 95 %", "%"),
+        Axis::names("parameter", scaled.iter().map(|(p, _)| symbol(&p.name))),
+    )
+    .series(Series::points("noise", 5, series(|p| p.from_noise)))
+    .series(Series::points(
+        "differences between trials",
+        1,
+        series(|p| p.from_trials),
+    ))
+    .series(Series::points(
+        "class of the standards",
+        2,
+        series(|p| p.from_standards),
+    ))
+    .mark(Mark::vertical(100.0 * limit, "the bar"))
+    .caption("Over the design, products of inertia over the largest moment. More trials help against noise and differences between trials; against the standards' class only better standards do.")
+}

@@ -1,0 +1,167 @@
+//! The static record and the noise of the channels.
+
+use crate::trial::Trial;
+use crate::verdict::Judgement;
+use sixaxis_core::LIMBS;
+use sixaxis_core::dsp::spectrum::noise_floor;
+use sixaxis_recordings::session::Role;
+
+use sixaxis_page::number::{MISSING, count, fixed, significant};
+use sixaxis_page::{Axis, Block, Cell, Column, Figure, Row, Section, Series, Table};
+
+/// Pieces whose means show the course of the record.
+const PIECES: usize = 60;
+
+/// The section.
+pub fn section(judgement: &Judgement) -> Section {
+    let section = Section::new(
+        "rest",
+        "At rest, and noise",
+        "The zero drift is the mean of the static record, so it must stand still; and noise is what one sample adds to everything.",
+    );
+    let at_rest = judgement
+        .recordings
+        .iter()
+        .map(|(trial, _)| trial)
+        .find(|trial| trial.role == Role::Static);
+    let section = match at_rest {
+        Some(rest) if rest.voltage_v.len() >= PIECES => section.block(Block::Figure(course(rest))),
+        Some(_) => section,
+        None => section.block(Block::Note(
+            "There is no usable static record: ten minutes at rest, with the amplifiers warm, give the zero drift.".to_owned(),
+        )),
+    };
+    if judgement.recordings.is_empty() {
+        return section;
+    }
+    section.block(Block::Table(table(judgement, at_rest)))
+}
+
+/// Means over pieces of the record less the whole mean, for each channel, with the middle of each piece, s.
+fn means(rest: &Trial) -> Vec<(f64, [f64; LIMBS])> {
+    let length = rest.voltage_v.len() / PIECES;
+    let mean = |rows: &[[f64; LIMBS]]| -> [f64; LIMBS] {
+        core::array::from_fn(|limb| {
+            rows.iter().map(|row| row[limb]).sum::<f64>() / rows.len() as f64
+        })
+    };
+    let whole = mean(&rest.voltage_v);
+    rest.voltage_v
+        .chunks_exact(length)
+        .enumerate()
+        .map(|(piece, rows)| {
+            let middle_s = (piece as f64 + 0.5) * length as f64 / rest.sample_rate_hz;
+            let mean = mean(rows);
+            (middle_s, core::array::from_fn(|i| mean[i] - whole[i]))
+        })
+        .collect()
+}
+
+fn course(rest: &Trial) -> Figure {
+    let means = means(rest);
+    let largest = means
+        .iter()
+        .flat_map(|(_, values)| values)
+        .fold(0.0_f64, |a, v| a.max(v.abs()));
+    // Rows are one apart; the largest swing stays within its own.
+    let row_v = round_up(2.2 * largest).max(f64::MIN_POSITIVE);
+    let mut figure = Figure::new(
+        "zero-course",
+        "Course of the zero during the static record",
+        Axis::linear("time", "s"),
+        Axis::names("channel", (1..=LIMBS).map(|i| format!("channel {i}"))),
+    );
+    for limb in 0..LIMBS {
+        figure = figure.series(Series::line(
+            "",
+            limb,
+            means
+                .iter()
+                .map(|(t, values)| (*t, limb as f64 - values[limb] / row_v)),
+        ));
+    }
+    let piece_s = rest.voltage_v.len() as f64 / PIECES as f64 / rest.sample_rate_hz;
+    figure.caption(format!(
+        "Means over {} s less the mean of the whole record. From one row to the next is {} mV. Noise looks like grass; a slope or a step \
+         is drift.",
+        significant(piece_s, 2),
+        significant(1e3 * row_v, 2)
+    ))
+}
+
+/// The next of 1, 2, 5 times a power of ten.
+fn round_up(value: f64) -> f64 {
+    if !(value > 0.0 && value.is_finite()) {
+        return 0.0;
+    }
+    let power = 10f64.powf(value.log10().floor());
+    [1.0, 2.0, 5.0, 10.0]
+        .into_iter()
+        .map(|step| step * power)
+        .find(|step| *step >= value * (1.0 - 1e-12))
+        .unwrap_or(value)
+}
+
+fn table(judgement: &Judgement, at_rest: Option<&Trial>) -> Table {
+    let channel = |trial: &Trial, limb: usize| -> Vec<f64> {
+        trial.voltage_v.iter().map(|row| row[limb]).collect()
+    };
+    let drift = judgement.steps.as_ref().map(|steps| steps.drift);
+    let millivolts = |v: Option<f64>| v.map_or(MISSING.to_owned(), |v| significant(1e3 * v, 2));
+    let rows = (0..LIMBS).map(|limb| {
+        let mut floors: Vec<f64> = judgement
+            .recordings
+            .iter()
+            .filter(|(trial, _)| trial.role != Role::Static)
+            .filter_map(|(trial, _)| noise_floor(&channel(trial, limb)).ok())
+            .collect();
+        floors.sort_by(f64::total_cmp);
+        let median = floors.get(floors.len() / 2).copied();
+        let rest = at_rest.map(|rest| channel(rest, limb));
+        let change = rest.as_ref().filter(|r| r.len() >= 2 * ENDS).map(|r| {
+            let part = r.len() / ENDS;
+            let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
+            mean(&r[r.len() - part..]) - mean(&r[..part])
+        });
+        Row::new(
+            format!("channel {}", limb + 1),
+            [
+                Cell::from(drift.map_or(MISSING.to_owned(), |d| fixed(1e3 * d.drift_v[limb], 3))),
+                Cell::from(millivolts(drift.map(|d| d.standard_error_v[limb]))),
+                Cell::from(change.map_or(MISSING.to_owned(), |v| significant(1e3 * v, 2))),
+                Cell::from(millivolts(rest.and_then(|r| noise_floor(&r).ok()))),
+                Cell::from(millivolts(median)),
+                Cell::from(millivolts(floors.last().copied())),
+            ],
+        )
+    });
+    Table {
+        caption: "Zero and noise by channel".to_owned(),
+        stub: "channel".to_owned(),
+        head: vec![vec![
+            sixaxis_page::HeadCell::new("zero", 3),
+            sixaxis_page::HeadCell::new("noise of one sample", 3),
+        ]],
+        columns: vec![
+            Column::number("mean", "mV"),
+            Column::number("standard error", "mV"),
+            Column::number("end less beginning", "mV"),
+            Column::number("at rest", "mV"),
+            Column::number("trials, median", "mV"),
+            Column::number("trials, largest", "mV"),
+        ],
+        rows: rows.collect(),
+        footnote: format!(
+            "End less beginning: means of the last and first tenth. Noise is the standard deviation of a sample under a smooth motion{}; \
+             a channel much noisier than its neighbours has a bad contact or a wrong range.",
+            at_rest.map_or(String::new(), |rest| format!(
+                "; at rest from {} samples at {} Hz",
+                count(rest.voltage_v.len() as u64),
+                significant(rest.sample_rate_hz, 3)
+            ))
+        ),
+    }
+}
+
+/// One part in so many at either end of the static record.
+const ENDS: usize = 10;

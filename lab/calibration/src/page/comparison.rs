@@ -1,0 +1,247 @@
+//! Decoupled motions as a page: by themselves, or beside the truth.
+
+use crate::compare::envelope::Envelope;
+use crate::compare::measure::{Axis as Measured, Comparison, Quantity};
+use sixaxis_page::number::{MISSING, count, significant};
+use sixaxis_page::{
+    Axis, Block, Cell, Column, Figure, Page, Panel, Row, Section, Series, State, Table, Tile,
+};
+
+/// Palette index of the neutral grey, for the truth.
+const NEUTRAL: usize = 6;
+/// Palette indices of the result and of its error.
+const RESULT: usize = 0;
+const ERROR: usize = 3;
+
+const SYMBOLS: [&str; 9] = [
+    "$a$_{x}", "$a$_{y}", "$a$_{z}", "$α$_{x}", "$α$_{y}", "$α$_{z}", "$ω$_{x}", "$ω$_{y}",
+    "$ω$_{z}",
+];
+
+fn words(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::Linear => "Linear acceleration",
+        Quantity::Angular => "Angular acceleration",
+        Quantity::Rate => "Angular rate",
+    }
+}
+
+fn unit(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::Linear => "g",
+        Quantity::Angular => "°/s²",
+        Quantity::Rate => "°/s",
+    }
+}
+
+fn short(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::Linear => "acceleration",
+        Quantity::Angular => "angular acceleration",
+        Quantity::Rate => "rate",
+    }
+}
+
+/// The page of a comparison.
+#[must_use]
+pub fn page(comparison: &Comparison) -> Page {
+    let duration_s = (comparison.instants.saturating_sub(1)) as f64 / comparison.rate_hz;
+    Page {
+        title: "Decoupled motion against the truth".to_owned(),
+        subtitle: format!(
+            "{} held against {}: {} common instants over {} s.",
+            name_of(&comparison.result),
+            name_of(&comparison.truth),
+            count(comparison.instants),
+            significant(duration_s, 4)
+        ),
+        facts: vec![
+            ("sixaxis".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
+            ("result".to_owned(), comparison.result.clone()),
+            ("truth".to_owned(), comparison.truth.clone()),
+            (
+                "common instants per second".to_owned(),
+                comparison.rate_hz.to_string(),
+            ),
+            (
+                "first common instant".to_owned(),
+                format!("{} s", comparison.start_s),
+            ),
+        ],
+        tiles: tiles(comparison),
+        sections: vec![errors(comparison), curves(comparison)],
+    }
+}
+
+/// File name without its folders, marks of inline text taken out.
+fn name_of(path: &str) -> String {
+    let name = path.rsplit(['/', '\\']).next().unwrap_or(path);
+    name.to_owned()
+}
+
+fn tiles(comparison: &Comparison) -> Vec<Tile> {
+    let worst = |quantity: Quantity| {
+        comparison
+            .axes
+            .iter()
+            .zip(SYMBOLS)
+            .filter(|(axis, _)| axis.quantity == quantity)
+            .filter_map(|(axis, symbol)| Some((axis, symbol, axis.largest_error_percent?)))
+            .max_by(|a, b| a.2.total_cmp(&b.2))
+    };
+    let mut tiles: Vec<Tile> = Quantity::ALL
+        .into_iter()
+        .filter_map(|quantity| {
+            let (axis, symbol, percent) = worst(quantity)?;
+            Some(Tile::new(
+                words(quantity),
+                format!("{} %", significant(percent, 3)),
+                format!(
+                    "largest error over that axis' peak: {symbol} is {}\u{a0}{} off at {}\u{a0}s",
+                    significant(axis.largest_error, 3),
+                    unit(quantity),
+                    significant(axis.largest_error_time_s, 3)
+                ),
+                State::Neutral,
+            ))
+        })
+        .collect();
+    if let Some(angle) = comparison.largest_attitude_error_deg {
+        tiles.push(Tile::new(
+            "Attitude",
+            format!("{}°", significant(angle, 3)),
+            "largest angle between the two",
+            State::Neutral,
+        ));
+    }
+    tiles
+}
+
+fn errors(comparison: &Comparison) -> Section {
+    let share = |axis: &Measured, figure: f64| {
+        axis.percent(figure).map_or(Cell::from(MISSING), |percent| {
+            Cell::from(significant(percent, 3)).title(format!("{figure} {}", axis.unit))
+        })
+    };
+    let in_unit = |figure: f64| Cell::from(significant(figure, 3)).title(figure.to_string());
+    let rows = comparison.axes.iter().enumerate().map(|(index, axis)| {
+        let mut cells = vec![
+            Cell::from(significant(axis.peak, 5)).title(axis.peak.to_string()),
+            share(axis, axis.largest_error),
+            in_unit(axis.largest_error),
+            in_unit(axis.mean_error),
+            in_unit(axis.rms_error),
+            share(axis, axis.rms_error),
+        ];
+        cells.extend(axis.error_quantiles.iter().map(|q| share(axis, *q)));
+        Row::new(
+            format!("{},\u{a0}{}", SYMBOLS[index], unit(axis.quantity)),
+            cells,
+        )
+    });
+    let head = |text: &str, span| sixaxis_page::HeadCell::new(text, span);
+    Section::new(
+        "errors",
+        "Errors, axis by axis",
+        "As in the paper's Tables 4 to 6, an error is the largest difference over the whole run over that axis' peak. \
+         Differences are result less truth; a quantile of 99 % is what 99 of 100 instants do not exceed.",
+    )
+    .block(Block::Table(Table {
+        caption: "Largest, root mean square, quantiles".to_owned(),
+        stub: "axis".to_owned(),
+        head: vec![vec![
+            head("truth", 1),
+            head("largest error", 2),
+            head("mean", 1),
+            head("root mean square", 2),
+            head("quantiles, over the peak", 3),
+        ]],
+        columns: vec![
+            Column::number("peak", "axis' unit"),
+            Column::number("over the peak", "%"),
+            Column::number("", "axis' unit"),
+            Column::number("", "axis' unit"),
+            Column::number("", "axis' unit"),
+            Column::number("over the peak", "%"),
+            Column::number("50 %", "%"),
+            Column::number("90 %", "%"),
+            Column::number("99 %", "%"),
+        ],
+        rows: rows.collect(),
+        footnote: "A dash stands where an axis has less than a thousandth of the peak of the largest of its three: an error over \
+                   such a peak says nothing."
+            .to_owned(),
+    }))
+}
+
+fn curves(comparison: &Comparison) -> Section {
+    let figures = comparison
+        .axes
+        .iter()
+        .zip(&comparison.pictures)
+        .enumerate()
+        .map(|(index, (axis, picture))| {
+            Figure::new(
+                format!("axis-{index}"),
+                format!("{}, {}", words(axis.quantity), letter(index)),
+                Axis::linear("time", "s"),
+                Axis::linear(short(axis.quantity), unit(axis.quantity)),
+            )
+            .series(Series::line("truth", NEUTRAL, picture.truth.points()))
+            .series(Series::dashed("result", RESULT, picture.result.points()))
+            .below(Panel {
+                y: Axis::linear("error", unit(axis.quantity)),
+                series: vec![Series::line(
+                    "result less truth",
+                    ERROR,
+                    picture.error.points(),
+                )],
+                marks: vec![],
+            })
+        });
+    Section::new(
+        "curves",
+        "Curves",
+        "Accelerations in ground axes, rates in the sensor's. Long runs are drawn by the smallest and the largest sample of each \
+         stretch; no peak is lost.",
+    )
+    .block(Block::FigureGrid(figures.collect()))
+}
+
+fn letter(index: usize) -> &'static str {
+    ["x", "y", "z"][index % 3]
+}
+
+/// The page of one decoupled recording: six accelerations over time, and in words how they came about.
+#[must_use]
+pub fn picture(recording: &str, curves: &[Envelope; 6], facts: Vec<(String, String)>) -> Page {
+    let figures = curves.iter().enumerate().map(|(index, curve)| {
+        let quantity = Quantity::ALL[index / 3];
+        let scale = 1.0 / quantity.si_per_unit();
+        Figure::new(
+            format!("axis-{index}"),
+            format!("{}, {}", words(quantity), letter(index)),
+            Axis::linear("time", "s"),
+            Axis::linear(short(quantity), unit(quantity)),
+        )
+        .series(Series::line(
+            "",
+            RESULT,
+            curve.points().into_iter().map(|(t, v)| (t, v * scale)),
+        ))
+    });
+    Page {
+        title: "Decoupled accelerations".to_owned(),
+        subtitle: format!("{}, in the axes of the ground.", name_of(recording)),
+        facts,
+        tiles: Vec::new(),
+        sections: vec![
+            Section::new(
+                "curves",
+                "Six accelerations",
+                "Long recordings are drawn by the smallest and the largest sample of each stretch; no peak is lost.",
+            )
+            .block(Block::FigureGrid(figures.collect())),
+        ],
+    }
+}

@@ -1,0 +1,80 @@
+//! Opening and creating files: the format is chosen here.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use crate::channel::Layout;
+use crate::error::{Error, Result};
+use crate::sink::Sink;
+use crate::source::Source;
+use crate::{matlab, numpy, parquet, tdms, text};
+
+/// Bytes that are enough to tell the formats apart.
+const HEAD: usize = 16;
+
+/// Opens a recording. What it is, its first bytes decide; where they say nothing, its name.
+///
+/// # Errors
+/// [`Error::UnknownFormat`], and those of the format.
+pub fn open(path: &Path) -> Result<Box<dyn Source>> {
+    let mut head = Vec::with_capacity(HEAD);
+    File::open(path)
+        .and_then(|file| file.take(HEAD as u64).read_to_end(&mut head))
+        .map_err(|source| Error::io(path, source))?;
+    let name = file_name(path);
+    if head.starts_with(b"TDSm") {
+        tdms::open(path)
+    } else if head.starts_with(b"PAR1") {
+        parquet::open(path)
+    } else if head.starts_with(b"\x93NUMPY") {
+        numpy::open_npy(path)
+    } else if head.starts_with(b"PK\x03\x04") && name.ends_with(".npz") {
+        numpy::open_npz(path)
+    } else if head.starts_with(b"MATLAB") || name.ends_with(".mat") {
+        matlab::open(path)
+    } else if head.starts_with(b"\x1f\x8b")
+        || [".csv", ".txt", ".tsv", ".dat", ".lvm"]
+            .iter()
+            .any(|extension| name.ends_with(extension))
+    {
+        text::open(path)
+    } else {
+        Err(Error::UnknownFormat {
+            path: path.to_owned(),
+        })
+    }
+}
+
+/// Starts a recording in the format that the path's extension names: `.csv`, `.csv.gz`, `.parquet`, `.npy`, `.npz`, `.tdms`.
+///
+/// # Errors
+/// [`Error::UnknownFormat`], [`Error::Unsupported`] for a format that is only read, [`Error::Io`].
+pub fn create(path: &Path, layout: &Layout) -> Result<Box<dyn Sink>> {
+    let name = file_name(path);
+    if name.ends_with(".csv") || name.ends_with(".csv.gz") {
+        text::create(path, layout)
+    } else if name.ends_with(".parquet") {
+        parquet::create(path, layout)
+    } else if name.ends_with(".npy") || name.ends_with(".npz") {
+        numpy::create(path, layout)
+    } else if name.ends_with(".tdms") {
+        tdms::create(path, layout)
+    } else if name.ends_with(".mat") {
+        Err(Error::unsupported(
+            path,
+            "writing MATLAB files",
+            "write .npz or .csv",
+        ))
+    } else {
+        Err(Error::UnknownFormat {
+            path: path.to_owned(),
+        })
+    }
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name()
+        .map(|name| name.to_string_lossy().to_ascii_lowercase())
+        .unwrap_or_default()
+}

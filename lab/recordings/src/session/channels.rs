@@ -1,0 +1,49 @@
+//! Names, units and lags of a session's channels.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::sensor::{LIMBS, PerLimb};
+
+/// Names and units of the channels in the files.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Channels {
+    /// Limbs 1 to 9.
+    pub limbs: [String; LIMBS],
+    /// Unit of the limbs' channels where the file does not say: V or mV.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limbs_unit: Option<String>,
+    /// Standard accelerometer.
+    pub accelerometer: String,
+    /// Its unit where the file does not say: m/s^2, g, V or mV.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub accelerometer_unit: Option<String>,
+    /// Standard gyroscope.
+    pub gyroscope: String,
+    /// Its unit where the file does not say: rad/s, deg/s, V or mV.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gyroscope_unit: Option<String>,
+    /// Time stamps, if the file has any; left out, a channel called `time` or `t` is taken.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time: Option<String>,
+    /// Lag of each limb's channel, us: a sample filed under a time shows the voltage of so much earlier, as behind a filter.
+    /// Negative for a multiplexed converter's later channels, which show what came after.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limbs_lag_us: Option<PerLimb>,
+}
+
+impl Default for Channels {
+    fn default() -> Self {
+        Self {
+            limbs: core::array::from_fn(|i| format!("u{}", i + 1)),
+            limbs_unit: None,
+            accelerometer: "accelerometer".to_owned(),
+            accelerometer_unit: None,
+            gyroscope: "gyroscope".to_owned(),
+            gyroscope_unit: None,
+            time: None,
+            limbs_lag_us: None,
+        }
+    }
+}

@@ -1,0 +1,261 @@
+//! Values of a session that are impossible, each with its key.
+
+use sixaxis_core::Gains;
+use sixaxis_core::dsp::butterworth;
+use sixaxis_core::dsp::differentiate::Differentiator;
+
+use super::channels::Channels;
+use super::entry::{Entry, Role};
+use super::preprocessing::{Preprocessing, Stage};
+use super::schema::Session;
+use super::sensor::PerLimb;
+use crate::unit;
+
+/// Largest angle by which a wedge may be stated to miss its direction, degrees: beyond half a right angle it is another
+/// axis' wedge.
+const WEDGE_LIMIT_DEG: f64 = 45.0;
+/// Shortest vector that still has a direction.
+const SHORTEST_DIRECTION: f64 = 1e-6;
+
+/// An impossible value.
+pub(super) struct Impossible {
+    /// Its key, as in `recording[3].direction`.
+    pub key: String,
+    /// Why it is impossible, and what would be possible.
+    pub cause: String,
+}
+
+type Result = std::result::Result<(), Impossible>;
+
+/// Refuses the value at a key unless `possible`.
+fn require(possible: bool, key: &str, cause: impl FnOnce() -> String) -> Result {
+    if possible {
+        return Ok(());
+    }
+    Err(Impossible {
+        key: key.to_owned(),
+        cause: cause(),
+    })
+}
+
+fn positive(key: &str, value: f64) -> Result {
+    require(value > 0.0 && value.is_finite(), key, || {
+        format!("{value} is not positive and finite")
+    })
+}
+
+fn not_negative(key: &str, value: f64) -> Result {
+    require(value >= 0.0 && value.is_finite(), key, || {
+        format!("{value}: must be finite and not negative")
+    })
+}
+
+/// A refusal by the mathematics, at a key.
+fn accepted<T>(key: &str, answer: sixaxis_core::Result<T>) -> Result {
+    answer.map(|_| ()).map_err(|error| Impossible {
+        key: key.to_owned(),
+        cause: error.to_string(),
+    })
+}
+
+impl Session {
+    /// Refuses the first value that is impossible.
+    pub(super) fn check(&self) -> Result {
+        let sensor = &self.sensor;
+        let (accelerometer, gyroscope) = (&self.accelerometer, &self.gyroscope);
+        let rig = self.rig.as_ref();
+        for (key, value) in [
+            ("sensor.limb_length_mm", Some(sensor.limb_length_mm)),
+            ("sensor.half_edge_mm", Some(sensor.half_edge_mm)),
+            ("sensor.full_scale_v", Some(sensor.full_scale_v)),
+            (
+                "accelerometer.class_percent",
+                Some(accelerometer.class_percent),
+            ),
+            ("gyroscope.class_percent", Some(gyroscope.class_percent)),
+            (
+                "limits.validation_percent",
+                Some(self.limits.validation_percent),
+            ),
+            (
+                "limits.hold_out_percent",
+                Some(self.limits.hold_out_percent),
+            ),
+            (
+                "limits.interval_percent",
+                Some(self.limits.interval_percent),
+            ),
+            (
+                "accelerometer.sensitivity_mv_per_g",
+                accelerometer.sensitivity_mv_per_g,
+            ),
+            ("accelerometer.bandwidth_hz", accelerometer.bandwidth_hz),
+            (
+                "gyroscope.sensitivity_mv_per_deg_s",
+                gyroscope.sensitivity_mv_per_deg_s,
+            ),
+            ("gyroscope.bandwidth_hz", gyroscope.bandwidth_hz),
+            ("rig.stroke_mm", rig.and_then(|r| r.stroke_mm)),
+            (
+                "rig.rotation_amplitude_deg",
+                rig.and_then(|r| r.rotation_amplitude_deg),
+            ),
+            (
+                "preprocessing.amplifier_high_pass_hz",
+                self.preprocessing.amplifier_high_pass_hz,
+            ),
+        ] {
+            if let Some(value) = value {
+                positive(key, value)?;
+            }
+        }
+        for (key, gain, class) in [
+            (
+                "accelerometer.gain_percent",
+                accelerometer.gain_percent,
+                accelerometer.class_percent,
+            ),
+            (
+                "gyroscope.gain_percent",
+                gyroscope.gain_percent,
+                gyroscope.class_percent,
+            ),
+        ] {
+            if let Some(gain) = gain {
+                require(gain > 0.0 && gain <= class, key, || {
+                    format!(
+                        "{gain}: must be positive and not above class_percent, {class}, of which it is a part"
+                    )
+                })?;
+            }
+        }
+        if let Some(wedge) = rig.and_then(|r| r.wedge_deg) {
+            let possible = (0.0..WEDGE_LIMIT_DEG).contains(&wedge);
+            require(possible, "rig.wedge_deg", || {
+                format!("{wedge}: must be from 0 to below {WEDGE_LIMIT_DEG}")
+            })?;
+        }
+        check_gains("sensor.gain_n_per_v", &sensor.gain_n_per_v)?;
+        accepted("sensor.limb_length_mm", sensor.geometry().validate())?;
+        accepted("sensor.design", sensor.design().validate())?;
+        check_stages(&self.preprocessing)?;
+        check_channels("channels", &self.channels)?;
+        require(!self.recording.is_empty(), "recording", || {
+            "no recording at all".to_owned()
+        })?;
+        for (i, entry) in self.recording.iter().enumerate() {
+            check_entry(&format!("recording[{i}]"), entry)?;
+        }
+        Ok(())
+    }
+}
+
+fn check_stages(stages: &Preprocessing) -> Result {
+    fn switched_on<T>(stage: &Stage<T>) -> bool {
+        matches!(stage, Stage::Switch(true))
+    }
+    for (key, meaningless) in [
+        ("preprocessing.outliers", switched_on(&stages.outliers)),
+        ("preprocessing.detrend", switched_on(&stages.detrend)),
+        ("preprocessing.low_pass", switched_on(&stages.low_pass)),
+    ] {
+        require(!meaningless, key, || {
+            "`true` says nothing: give its settings, or `false` to switch it off".to_owned()
+        })?;
+    }
+    if let Stage::On(low_pass) = &stages.low_pass {
+        let order = low_pass.order;
+        let possible = (1..=butterworth::MAX_ORDER).contains(&order);
+        require(possible, "preprocessing.low_pass.order", || {
+            format!("{order}: from 1 to {}", butterworth::MAX_ORDER)
+        })?;
+        not_negative("preprocessing.low_pass.times_drive", low_pass.times_drive)?;
+        not_negative("preprocessing.low_pass.plus_hz", low_pass.plus_hz)?;
+        let possible = low_pass.times_drive + low_pass.plus_hz > 0.0;
+        require(possible, "preprocessing.low_pass", || {
+            "a corner of 0 Hz lets nothing through".to_owned()
+        })?;
+    }
+    if let Stage::On(detrend) = &stages.detrend {
+        not_negative("preprocessing.detrend.rest_s", detrend.rest_s)?;
+    }
+    if let Stage::On(outliers) = &stages.outliers {
+        not_negative("preprocessing.outliers.sigmas", outliers.sigmas)?;
+    }
+    let settings = stages.differentiator;
+    accepted(
+        "preprocessing.differentiator",
+        Differentiator::new(settings.half_width, settings.order, 1.0),
+    )
+}
+
+fn check_entry(key: &str, entry: &Entry) -> Result {
+    for (name, vector) in [("direction", entry.direction), ("down", entry.down)] {
+        if let Some(v) = vector {
+            let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+            let possible = length.is_finite() && length > SHORTEST_DIRECTION;
+            require(possible, &format!("{key}.{name}"), || {
+                format!("{v:?} has no direction")
+            })?;
+        }
+    }
+    if !matches!(entry.role, Role::Static | Role::Tap) {
+        for (name, given) in [
+            ("direction", entry.direction.is_some()),
+            ("frequency_hz", entry.frequency_hz.is_some()),
+        ] {
+            require(given, &format!("{key}.{name}"), || {
+                let role = entry.role.name();
+                format!("missing; a recording of role \"{role}\" needs it")
+            })?;
+        }
+    }
+    for (name, value) in [
+        ("frequency_hz", entry.frequency_hz),
+        ("sample_rate_hz", entry.sample_rate_hz),
+        ("reference_sample_rate_hz", entry.reference_sample_rate_hz),
+    ] {
+        if let Some(value) = value {
+            positive(&format!("{key}.{name}"), value)?;
+        }
+    }
+    if let Some(gains) = &entry.gain_n_per_v {
+        check_gains(&format!("{key}.gain_n_per_v"), gains)?;
+    }
+    match &entry.channels {
+        Some(channels) => check_channels(&format!("{key}.channels"), channels),
+        None => Ok(()),
+    }
+}
+
+fn check_gains(key: &str, gains: &PerLimb) -> Result {
+    let gains = Gains {
+        gain_n_per_v: gains.each(),
+    };
+    accepted(key, gains.validate())
+}
+
+fn check_channels(key: &str, channels: &Channels) -> Result {
+    for (name, unit) in [
+        ("limbs_unit", &channels.limbs_unit),
+        ("accelerometer_unit", &channels.accelerometer_unit),
+        ("gyroscope_unit", &channels.gyroscope_unit),
+    ] {
+        if let Some(unit) = unit {
+            let known = unit::named(unit).is_some();
+            require(known, &format!("{key}.{name}"), || {
+                format!(
+                    "{unit:?} is not a unit that is known; known are V, mV, m/s^2, g, rad/s, deg/s"
+                )
+            })?;
+        }
+    }
+    let mut names: Vec<&String> = channels.limbs.iter().collect();
+    names.sort_unstable();
+    match names.windows(2).find(|pair| pair[0] == pair[1]) {
+        Some(pair) => require(false, &format!("{key}.limbs"), || {
+            format!("{:?} stands there twice", pair[0])
+        }),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,65 @@
+//! The session file: parsing, the paths in it, and the line and key of an error.
+
+use std::path::{Path, PathBuf};
+
+use super::place;
+use super::schema::Session;
+use crate::error::{Error, Result};
+
+/// A session file that has been read and checked.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SessionFile {
+    /// Its path.
+    pub path: PathBuf,
+    /// Its text, for the line of a later error and for provenance.
+    pub text: String,
+    /// Its contents.
+    pub session: Session,
+}
+
+impl SessionFile {
+    /// Reads and checks a session file.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if it cannot be read; [`Error::Session`] with line and key for text that is no TOML, for keys that are
+    /// unknown or missing, and for values that are impossible.
+    pub fn read(path: &Path) -> Result<Self> {
+        let text = std::fs::read_to_string(path).map_err(|source| Error::io(path, source))?;
+        Self::parse(path, text)
+    }
+
+    /// Parses and checks a session from text; recordings are relative to `path`.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn parse(path: &Path, text: String) -> Result<Self> {
+        let session: Session =
+            toml::from_str(&text).map_err(|error| place::refused(path, &text, &error))?;
+        let file = Self {
+            path: path.to_owned(),
+            text,
+            session,
+        };
+        match file.session.check() {
+            Ok(()) => Ok(file),
+            Err(impossible) => Err(file.refuse(&impossible.key, impossible.cause)),
+        }
+    }
+
+    /// Path of a recording.
+    #[must_use]
+    pub fn resolve(&self, file: &Path) -> PathBuf {
+        self.path.parent().unwrap_or(Path::new(".")).join(file)
+    }
+
+    /// An error at a key such as `recording[3].direction`.
+    #[must_use]
+    pub fn refuse(&self, key: &str, cause: impl Into<String>) -> Error {
+        Error::Session {
+            path: self.path.clone(),
+            line: place::line_of(&self.text, key),
+            key: key.to_owned(),
+            cause: cause.into(),
+        }
+    }
+}

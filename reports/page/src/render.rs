@@ -1,0 +1,272 @@
+//! From the page's description to one HTML document.
+
+use super::figure::{Figure, Series};
+use super::layout::Size;
+use super::markup;
+use super::page::{Block, Page, Table, Verdict};
+use super::plot;
+use anyhow::{Context, Result, bail, ensure};
+use minijinja::value::Serde;
+use minijinja::{Environment, Value, context};
+use serde::Serialize;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// A figure as the template needs it.
+#[derive(Serialize)]
+struct Drawing {
+    /// For the width of the text or the page; empty for a figure of a grid.
+    main: String,
+    /// For a phone, or for one of several side by side.
+    compact: String,
+    legend: Vec<Entry>,
+}
+
+#[derive(Clone, PartialEq, Serialize)]
+struct Entry {
+    swatch: String,
+    label: String,
+}
+
+#[derive(Serialize)]
+struct VerdictCount {
+    verdict: Verdict,
+    words: &'static str,
+    count: usize,
+}
+
+/// Renders a page to a self-contained HTML document.
+///
+/// # Errors
+/// If an anchor is missing, malformed or used twice, if a table's rows do not match its columns, or
+/// if drawing fails.
+pub fn render(page: &Page) -> Result<String> {
+    let mut anchors = BTreeSet::new();
+    let mut drawings = BTreeMap::new();
+    for section in &page.sections {
+        anchor(&mut anchors, &section.id)?;
+        for block in &section.blocks {
+            match block {
+                Block::Figure(figure) => {
+                    anchor(&mut anchors, &figure.id)?;
+                    drawings.insert(figure.id.clone(), drawing(figure, true)?);
+                }
+                Block::FigureGrid(figures) => {
+                    for figure in figures {
+                        anchor(&mut anchors, &figure.id)?;
+                        drawings.insert(figure.id.clone(), drawing(figure, false)?);
+                    }
+                }
+                Block::Table(table) => check(table)?,
+                Block::Heading(_)
+                | Block::Text(_)
+                | Block::Ledger(_)
+                | Block::Note(_)
+                | Block::Listing(_) => {}
+            }
+        }
+    }
+
+    let mut env = Environment::new();
+    env.add_filter("inline", |text: &str| {
+        Value::from_safe_string(markup::html(text))
+    });
+    env.add_filter("prose", |text: &str| Value::from_safe_string(prose(text)));
+    env.add_filter("plain", |text: &str| markup::plain(text));
+    env.add_filter("words", |verdict: &str| words(verdict));
+    env.add_function("verdicts", |claims: Value| verdict_counts(&claims));
+    env.add_function("shared_legend", |ids: Vec<String>, drawings: Value| {
+        let legend = |id: &String| {
+            drawings
+                .get_attr(id)
+                .and_then(|d| d.get_attr("legend"))
+                .ok()
+        };
+        let first = ids.first().and_then(legend);
+        first.filter(|first| ids.iter().all(|id| legend(id).as_ref() == Some(first)))
+    });
+    env.add_template("page.html", include_str!("template.html"))?;
+    env.add_template("style.css", include_str!("style.css"))?;
+    env.add_template("script.js", include_str!("script.js"))?;
+    let html = env
+        .get_template("page.html")?
+        .render(context! { page => Serde(page), drawings => Serde(drawings) })
+        .context("filling the page's template")?;
+    Ok(html)
+}
+
+fn anchor(known: &mut BTreeSet<String>, id: &str) -> Result<()> {
+    let fine = !id.is_empty() && id.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'-');
+    ensure!(
+        fine,
+        "the anchor {id:?} is not made of letters, digits and hyphens"
+    );
+    ensure!(
+        known.insert(id.to_owned()),
+        "the anchor {id:?} is used twice"
+    );
+    Ok(())
+}
+
+fn check(table: &Table) -> Result<()> {
+    let columns = table.columns.len();
+    for row in &table.rows {
+        let cells = row.cells.len();
+        if cells != 0 && cells != columns {
+            bail!(
+                "table {:?}, row {:?}: {cells} cells for {columns} columns",
+                table.caption,
+                row.header
+            );
+        }
+    }
+    for row in &table.head {
+        let spanned: usize = row.iter().map(|cell| cell.span).sum();
+        ensure!(
+            spanned == columns,
+            "table {:?}: a heading row spans {spanned} of {columns} columns",
+            table.caption
+        );
+    }
+    Ok(())
+}
+
+fn drawing(figure: &Figure, alone: bool) -> Result<Drawing> {
+    let context = || format!("drawing the figure {:?}", figure.id);
+    let main = if alone {
+        plot::to_svg(figure).with_context(context)?
+    } else {
+        String::new()
+    };
+    let compact = plot::to_svg_sized(figure, Size::COMPACT).with_context(context)?;
+    let mut legend: Vec<Entry> = Vec::new();
+    let below = figure.below.iter().flat_map(|panel| &panel.series);
+    for series in figure
+        .series
+        .iter()
+        .chain(below)
+        .filter(|s| !s.label.is_empty())
+    {
+        let entry = entry(series)?;
+        // A lower panel usually repeats the colours of the upper one.
+        if !legend.contains(&entry) {
+            legend.push(entry);
+        }
+    }
+    Ok(Drawing {
+        main,
+        compact,
+        legend,
+    })
+}
+
+fn entry(series: &Series) -> Result<Entry> {
+    Ok(Entry {
+        swatch: plot::legend(series)?,
+        label: series.label.clone(),
+    })
+}
+
+/// Paragraphs and lists.
+fn prose(text: &str) -> String {
+    let mut out = String::new();
+    for block in text
+        .split("\n\n")
+        .map(str::trim)
+        .filter(|block| !block.is_empty())
+    {
+        if block
+            .lines()
+            .all(|line| line.trim_start().starts_with("- "))
+        {
+            let items = block
+                .lines()
+                .filter_map(|line| line.trim_start().strip_prefix("- "));
+            let items: String = items
+                .map(|item| format!("<li>{}</li>\n", markup::html(item)))
+                .collect();
+            out += &format!("<ul>\n{items}</ul>\n");
+        } else {
+            out += &format!("<p>{}</p>\n", markup::html(block));
+        }
+    }
+    out
+}
+
+fn verdict_of(name: &str) -> Option<Verdict> {
+    Verdict::ALL.into_iter().find(|v| v.name() == name)
+}
+
+fn words(verdict: &str) -> &'static str {
+    verdict_of(verdict).map_or("", Verdict::words)
+}
+
+fn verdict_counts(claims: &Value) -> Value {
+    let found: Vec<Option<Verdict>> = claims
+        .try_iter()
+        .into_iter()
+        .flatten()
+        .map(|claim| {
+            claim
+                .get_attr("verdict")
+                .ok()
+                .and_then(|v| verdict_of(v.as_str()?))
+        })
+        .collect();
+    let counts: Vec<_> = Verdict::ALL
+        .into_iter()
+        .map(|verdict| VerdictCount {
+            verdict,
+            words: verdict.words(),
+            count: found.iter().filter(|v| **v == Some(verdict)).count(),
+        })
+        .collect();
+    Serde(counts).into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Axis, Cell, Column, HeadCell, Row, Section};
+
+    fn page(block: Block) -> Page {
+        Page {
+            title: "T & <T>".into(),
+            sections: vec![Section::new("one", "One", "").block(block)],
+            ..Page::default()
+        }
+    }
+
+    #[test]
+    fn a_page_fetches_nothing_and_escapes_everything() {
+        let figure = Figure::new("f", "<f>", Axis::linear("x", "s"), Axis::log("y", "")).series(
+            Series::line("a & b", 0, [(0.0, 1.0), (1.0, f64::NAN), (2.0, 3.0)]),
+        );
+        let html = render(&page(Block::Figure(figure))).expect("renders");
+        assert!(html.contains("T &amp; &lt;T&gt;") && html.contains("a &amp; b"));
+        for forbidden in ["<f>", "<T>", "src=", "@import", "url(", "href=\"http"] {
+            assert!(!html.contains(forbidden), "{forbidden}");
+        }
+        let namespaced = html.matches("http://www.w3.org/2000/svg").count();
+        assert_eq!(
+            html.matches("http").count(),
+            namespaced + html.matches("http-equiv").count()
+        );
+    }
+
+    #[test]
+    fn wrong_shapes_are_refused() {
+        let table = |cells: usize, span: usize| {
+            Block::Table(Table {
+                head: vec![vec![HeadCell::new("h", span)]],
+                columns: vec![Column::number("a", ""), Column::text("b")],
+                rows: vec![Row::group("g"), Row::new("r", vec![Cell::from("1"); cells])],
+                ..Table::default()
+            })
+        };
+        assert!(render(&page(table(2, 2))).is_ok());
+        assert!(render(&page(table(1, 2))).is_err());
+        assert!(render(&page(table(2, 1))).is_err());
+        let twice = Figure::new("one", "", Axis::default(), Axis::default());
+        assert!(render(&page(Block::Figure(twice))).is_err());
+    }
+}
