@@ -35,7 +35,7 @@ pub mod write;
 use glam::DVec3;
 use rand_pcg::Pcg64;
 use serde::Serialize;
-use sixaxis_calibration::session::Role;
+use sixaxis_recordings::session::Role;
 
 use crate::geometry::LIMBS;
 use crate::motion::{SimulatedRun, TrueMotion};
@@ -107,7 +107,12 @@ impl Laboratory {
                     drift.map(|drift| converter.convert(drift, &mut rng))
                 })
                 .collect(),
-            ..SimulatedRecording::of_nothing("static", Role::Static, STATIC_RATE_HZ, self.chain.full_scale_v)
+            ..SimulatedRecording::of_nothing(
+                "static",
+                Role::Static,
+                STATIC_RATE_HZ,
+                self.chain.full_scale_v,
+            )
         }
     }
 
@@ -153,7 +158,8 @@ impl Laboratory {
         let rate = along(|truth| truth.rate_shell_rad_s);
         recording.accelerometer_m_s2 = self.instruments.read_accelerometer(&acceleration, rng);
         recording.gyroscope_rad_s =
-            self.instruments.read_gyroscope(&rate, simulated.sample_rate_hz, rng);
+            self.instruments
+                .read_gyroscope(&rate, simulated.sample_rate_hz, rng);
         recording.truth.clone_from(&simulated.truth);
     }
 }

@@ -3,7 +3,7 @@
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::Serialize;
-use sixaxis_core::preprocess::lag::FirstOrder;
+use sixaxis_core::dsp::lag::FirstOrder;
 
 use crate::geometry::LIMBS;
 use crate::sensor::TrueSensor;
@@ -152,7 +152,9 @@ impl Coupling {
 }
 
 fn high_pass(forces: &mut [[f64; LIMBS]], corner_hz: f64, rate_hz: f64) {
-    let Ok(filter) = FirstOrder::high_pass(corner_hz, rate_hz) else { return };
+    let Ok(filter) = FirstOrder::high_pass(corner_hz, rate_hz) else {
+        return;
+    };
     let mut filters = [filter; LIMBS];
     for row in forces {
         for (f, filter) in row.iter_mut().zip(&mut filters) {

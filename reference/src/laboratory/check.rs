@@ -3,8 +3,8 @@
 use core::ops::RangeInclusive;
 
 use super::defect::{Defect, Where};
-use super::plan::{CouplingChoice, DefectChoice, Engine, SessionPlan};
 use super::error::SessionError;
+use super::plan::{CouplingChoice, DefectChoice, Engine, SessionPlan};
 use super::schedule::trials;
 use crate::geometry::LIMBS;
 use crate::rig::run::WEDGES;
@@ -62,7 +62,10 @@ fn positive(plan: &SessionPlan) -> Result<(), SessionError> {
         ("instruments.class_percent", plan.instruments.class_percent),
     ] {
         if !(value > 0.0 && value.is_finite()) {
-            return Err(SessionError::plan(key, format!("{value} is not positive and finite")));
+            return Err(SessionError::plan(
+                key,
+                format!("{value} is not positive and finite"),
+            ));
         }
     }
     Ok(())

@@ -89,25 +89,27 @@ impl Signals {
     #[must_use]
     pub fn of(plan: &SessionPlan) -> Self {
         let sensor = plan.true_sensor();
-        let trials = RigidSensor::new(&sensor, &plan.stiffness_ratio()).map_or_else(Vec::new, |rigid| {
-            trials(plan, None)
-                .iter()
-                .map(|trial| {
-                    let rate_hz = SAMPLES_PER_PERIOD * trial.run.frequency_hz;
-                    let simulated = rigid.play(&trial.run, trial.gravity_ground_m_s2(), rate_hz);
-                    let mut force = simulated.limb_force_per_mass_m_s2;
-                    let rest = force.first().copied().unwrap_or_default();
-                    let largest = force
-                        .iter()
-                        .flat_map(|f| (0..LIMBS).map(|i| (f[i] - rest[i]).abs()))
-                        .fold(f64::MIN_POSITIVE, f64::max);
-                    for f in &mut force {
-                        *f = core::array::from_fn(|i| (f[i] - rest[i]) / largest);
-                    }
-                    Trial { force }
-                })
-                .collect()
-        });
+        let trials =
+            RigidSensor::new(&sensor, &plan.stiffness_ratio()).map_or_else(Vec::new, |rigid| {
+                trials(plan, None)
+                    .iter()
+                    .map(|trial| {
+                        let rate_hz = SAMPLES_PER_PERIOD * trial.run.frequency_hz;
+                        let simulated =
+                            rigid.play(&trial.run, trial.gravity_ground_m_s2(), rate_hz);
+                        let mut force = simulated.limb_force_per_mass_m_s2;
+                        let rest = force.first().copied().unwrap_or_default();
+                        let largest = force
+                            .iter()
+                            .flat_map(|f| (0..LIMBS).map(|i| (f[i] - rest[i]).abs()))
+                            .fold(f64::MIN_POSITIVE, f64::max);
+                        for f in &mut force {
+                            *f = core::array::from_fn(|i| (f[i] - rest[i]) / largest);
+                        }
+                        Trial { force }
+                    })
+                    .collect()
+            });
         Self {
             sensor,
             trials,

@@ -1,7 +1,7 @@
 //! One recording of the laboratory: what an algorithm may see of it and, beside it, the true motion.
 
 use glam::DVec3;
-use sixaxis_calibration::session::{Entry, PerLimb, Role};
+use sixaxis_recordings::session::{Entry, PerLimb, Role};
 
 use crate::geometry::LIMBS;
 use crate::motion::TrueMotion;

@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec3};
 use rand_pcg::Pcg64;
-use sixaxis_calibration::session::Role;
+use sixaxis_recordings::session::Role;
 
 use super::defect::Defect;
 use super::plan::{RigPlan, SessionPlan};

@@ -3,7 +3,7 @@
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use serde::Serialize;
-use sixaxis_calibration::session::{Role, Session};
+use sixaxis_recordings::session::{Role, Session};
 
 use super::Laboratory;
 use super::check::check;
@@ -62,10 +62,7 @@ pub fn simulate_session(plan: &SessionPlan) -> Result<SimulatedSession, SessionE
 /// [`SessionError::Plan`].
 pub fn work_ms(plan: &SessionPlan) -> Result<u64, SessionError> {
     check(plan)?;
-    let trials: u64 = trials(plan, None)
-        .iter()
-        .map(trial_ms)
-        .sum();
+    let trials: u64 = trials(plan, None).iter().map(trial_ms).sum();
     Ok(trials + plan.rig.taps as u64 * tap::WORK_MS)
 }
 

@@ -1,15 +1,14 @@
 //! What the laboratory writes down of a simulated session: what it knows, not what is true.
 
-use sixaxis_core::Geometry;
 use sixaxis_recordings::session::{
     Accelerometer, Channels, Design, Gyroscope, Limits, PerLimb, Preprocessing, Rig, SensorCard,
     Session,
 };
 
-use super::defect::Defect;
-use super::plan::SessionPlan;
 use super::STATIC_GAIN_N_PER_V;
+use super::defect::Defect;
 use super::instruments::GAIN_SHARE;
+use super::plan::SessionPlan;
 use super::recording::{SimulatedRecording, tidy};
 use crate::geometry::Geometry;
 use crate::paper;

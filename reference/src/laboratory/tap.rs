@@ -1,7 +1,7 @@
 //! One tap recorded: nine voltages at 50 kHz, no reference instruments.
 
 use rand_pcg::Pcg64;
-use sixaxis_calibration::session::Role;
+use sixaxis_recordings::session::Role;
 
 use super::defect::{Defect, Where};
 use super::error::SessionError;

@@ -5,8 +5,8 @@ use core::f64::consts::PI;
 use glam::{DQuat, DVec3};
 use rand::RngExt;
 use rand_pcg::Pcg64;
-use sixaxis_calibration::session::Role;
-use sixaxis_core::preprocess::resample::CubicSpline;
+use sixaxis_core::dsp::resample::CubicSpline;
+use sixaxis_recordings::session::Role;
 
 use super::Laboratory;
 use super::defect::{Defect, Where};
@@ -68,9 +68,16 @@ impl Recorder<'_> {
         if let Some(Defect::SwappedChannels { channels, place }) = self.defect
             && here(place)
         {
-            swap_limbs(*channels, &mut simulated.limb_force_per_mass_m_s2, &mut laboratory.sensor);
+            swap_limbs(
+                *channels,
+                &mut simulated.limb_force_per_mass_m_s2,
+                &mut laboratory.sensor,
+            );
         }
-        let mut rng = Pcg64::new(u128::from(self.plan.seed), FIRST_TRIAL_STREAM + index as u128);
+        let mut rng = Pcg64::new(
+            u128::from(self.plan.seed),
+            FIRST_TRIAL_STREAM + index as u128,
+        );
         let mut recording = laboratory.record_voltages(&simulated, &mut rng);
         self.spoil_voltages(Some(index), &mut recording, &laboratory, &mut rng);
         laboratory.read_instruments(&simulated, &mut recording, &mut rng);
@@ -249,11 +256,7 @@ impl Recorder<'_> {
 }
 
 /// Exchanges the plugs of two limbs: limb and piezo come along, the amplifier stays.
-pub(super) fn swap_limbs(
-    [a, b]: [usize; 2],
-    forces: &mut [[f64; LIMBS]],
-    sensor: &mut TrueSensor,
-) {
+pub(super) fn swap_limbs([a, b]: [usize; 2], forces: &mut [[f64; LIMBS]], sensor: &mut TrueSensor) {
     for force in forces {
         force.swap(a, b);
     }
@@ -272,7 +275,12 @@ fn in_mujoco(
     const LONGEST_STEP_S: f64 = 2e-5;
     let model = crate::mujoco::model::SensorModel::new(sensor, gravity_ground_m_s2);
     let steps = (1.0 / (sample_rate_hz * LONGEST_STEP_S)).ceil() as usize;
-    Ok(crate::mujoco::simulate_run(&model, run, sample_rate_hz, steps)?)
+    Ok(crate::mujoco::simulate_run(
+        &model,
+        run,
+        sample_rate_hz,
+        steps,
+    )?)
 }
 
 #[cfg(not(feature = "mujoco"))]

@@ -1,7 +1,7 @@
 //! A recording from the field for a session's sensor: tumbled by hand after the day in the laboratory, a limb perhaps drifted since.
 
 use rand_pcg::Pcg64;
-use sixaxis_calibration::session::Role;
+use sixaxis_recordings::session::Role;
 
 use super::error::SessionError;
 use super::plan::SessionPlan;

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use sixaxis_recordings::draft::write_atomically;
+use sixaxis_recordings::motion::MOTION_CHANNELS;
 use sixaxis_recordings::{Block, Channel, Layout, create};
 
 use super::plan_file::with_comments;
@@ -120,23 +121,6 @@ fn write_recording(recording: &SimulatedRecording, path: &Path) -> sixaxis_recor
     }
     sink.finish()
 }
-
-/// Channels of a decoupled or true motion: accelerations in ground axes, rate in shell axes, attitude.
-pub const MOTION_CHANNELS: [(&str, &str); 13] = [
-    ("ax", "m/s^2"),
-    ("ay", "m/s^2"),
-    ("az", "m/s^2"),
-    ("alpha_x", "rad/s^2"),
-    ("alpha_y", "rad/s^2"),
-    ("alpha_z", "rad/s^2"),
-    ("wx", "rad/s"),
-    ("wy", "rad/s"),
-    ("wz", "rad/s"),
-    ("qw", "1"),
-    ("qx", "1"),
-    ("qy", "1"),
-    ("qz", "1"),
-];
 
 fn write_truth(recording: &SimulatedRecording, path: &Path) -> sixaxis_recordings::Result<()> {
     let channels = MOTION_CHANNELS
