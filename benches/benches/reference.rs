@@ -12,8 +12,9 @@ use glam::DVec3;
 use sixaxis_benches::limits::{DRIVEN, FORWARD, FREE_FALL};
 use sixaxis_benches::problem::{self, FreeSensor, STEP_S};
 use sixaxis_benches::{MEASUREMENT_TIME, SAMPLE_SIZE, WARM_UP_TIME, validate};
-use sixaxis_reference::rig::Run;
-use sixaxis_reference::simulation::{Motion, Simulation, Snapshot};
+use sixaxis_reference::motion::Motion;
+use sixaxis_reference::mujoco::simulation::{Simulation, Snapshot};
+use sixaxis_reference::rig::run::Run;
 
 /// Steps of the free fall that `mj_step` is held to.
 const FALL_STEPS: u32 = 200;

@@ -15,12 +15,16 @@ use sixaxis_core::paper::pose::Pose;
 use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::paper::wrench::LimbWrench;
 use sixaxis_core::{Geometry, LIMBS, Parameters, Scheme, Sensor, Settings, SixAxis};
-use sixaxis_reference::campaign::{Laboratory, Role, Trial, compound};
-use sixaxis_reference::mjcf::SensorModel;
+use sixaxis_reference::campaign::Role; // MOVED
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::laboratory::recording::SimulatedRecording;
+use sixaxis_reference::laboratory::schedule::{PlannedTrial, compound_trials};
+use sixaxis_reference::motion::Motion;
+use sixaxis_reference::motion::{SimulatedRun, TrueMotion};
+use sixaxis_reference::mujoco::model::SensorModel;
+use sixaxis_reference::mujoco::simulation::{Simulation, Snapshot};
 use sixaxis_reference::paper;
-use sixaxis_reference::recording::{Recording, SimulatedRun, TrueMotion};
-use sixaxis_reference::rig::{Mode, Mounting, Run};
-use sixaxis_reference::simulation::{Motion, Simulation, Snapshot};
+use sixaxis_reference::rig::run::{Mode, Mounting, Run};
 
 /// Coordinates and degrees of freedom of a free body in MuJoCo.
 const FREE_BODY_COORDINATES: usize = 7;
@@ -52,13 +56,13 @@ pub fn true_parameters() -> Parameters {
 
 /// The trial behind Table 6: compound motion at 5 Hz.
 #[must_use]
-pub fn compound_5_hz() -> Trial {
-    let [_, _, fastest] = compound(Mounting::AxisVertical);
+pub fn compound_5_hz() -> PlannedTrial {
+    let [_, _, fastest] = compound_trials(Mounting::AxisVertical);
     fastest
 }
 
-fn trial(role: Role, mode: Mode, frequency_hz: f64, direction: DVec3) -> Trial {
-    Trial {
+fn trial(role: Role, mode: Mode, frequency_hz: f64, direction: DVec3) -> PlannedTrial {
+    PlannedTrial {
         role,
         run: Run::new(mode, frequency_hz, direction),
         mounting: Mounting::AxisVertical,
@@ -68,7 +72,7 @@ fn trial(role: Role, mode: Mode, frequency_hz: f64, direction: DVec3) -> Trial {
 /// One recorded run with its truth.
 pub struct Recorded {
     /// What a laboratory has.
-    pub recording: Recording,
+    pub recording: SimulatedRecording,
     /// What MuJoCo knows, at the same instants.
     pub truth: Vec<TrueMotion>,
 }
@@ -79,7 +83,7 @@ impl Recorded {
     /// # Panics
     /// If MuJoCo refuses the sensor or diverges.
     #[must_use]
-    pub fn play(trial: &Trial, sample_rate_hz: f64) -> Self {
+    pub fn play(trial: &PlannedTrial, sample_rate_hz: f64) -> Self {
         Self::play_with_step(trial, sample_rate_hz, STEP_S)
     }
 
@@ -88,8 +92,8 @@ impl Recorded {
     /// # Panics
     /// If MuJoCo refuses the sensor or diverges.
     #[must_use]
-    pub fn play_with_step(trial: &Trial, sample_rate_hz: f64, step_s: f64) -> Self {
-        let run = SimulatedRun::simulate(
+    pub fn play_with_step(trial: &PlannedTrial, sample_rate_hz: f64, step_s: f64) -> Self {
+        let run = sixaxis_reference::mujoco::simulate_run(
             &trial.model(&true_parameters()),
             &trial.run,
             sample_rate_hz,
@@ -214,7 +218,7 @@ impl Poses {
     /// # Panics
     /// If MuJoCo refuses the sensor or diverges.
     #[must_use]
-    pub fn play(trial: &Trial) -> Self {
+    pub fn play(trial: &PlannedTrial) -> Self {
         let snapshots = sampled(trial, &trial.run, trial.run.duration_s());
         Self {
             elongation_m: snapshots.iter().map(|now| now.limb_elongation_m).collect(),
@@ -245,7 +249,7 @@ impl Motion for Tumble {
 }
 
 /// Snapshots at [`DECOUPLE_RATE_HZ`] of a trial's sensor in a motion.
-fn sampled(trial: &Trial, motion: &impl Motion, duration_s: f64) -> Vec<Snapshot> {
+fn sampled(trial: &PlannedTrial, motion: &impl Motion, duration_s: f64) -> Vec<Snapshot> {
     let steps_per_sample = (1.0 / (DECOUPLE_RATE_HZ * STEP_S)).round() as usize;
     let steps = (duration_s / STEP_S).round() as usize;
     let mut simulation = simulation(trial);
@@ -265,7 +269,7 @@ fn sampled(trial: &Trial, motion: &impl Motion, duration_s: f64) -> Vec<Snapshot
 /// # Panics
 /// If MuJoCo refuses the sensor.
 #[must_use]
-pub fn simulation(trial: &Trial) -> Simulation {
+pub fn simulation(trial: &PlannedTrial) -> Simulation {
     Simulation::new(&trial.model(&true_parameters()), STEP_S)
         .expect("the simulation of a bench's problem")
 }
@@ -380,7 +384,7 @@ impl FreeSensor {
     /// # Panics
     /// If MuJoCo refuses the sensor.
     #[must_use]
-    pub fn new(trial: &Trial) -> Self {
+    pub fn new(trial: &PlannedTrial) -> Self {
         let model = trial.model(&true_parameters());
         let compiled =
             MjModel::from_xml_string(&model.to_mjcf(STEP_S)).expect("MuJoCo's model of the sensor");

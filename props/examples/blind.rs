@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use sixaxis_props::blind::{Outcome, REPORTED_FROM, run};
 use sixaxis_props::publication::{Arguments, end};
-use sixaxis_reference::session::plan::Engine;
+use sixaxis_reference::laboratory::plan::Engine;
 
 /// What is published.
 #[derive(Serialize)]

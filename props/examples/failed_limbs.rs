@@ -28,11 +28,12 @@ use sixaxis_props::manufactured::examples;
 use sixaxis_props::publication::{Arguments, end};
 use sixaxis_props::rig_runs;
 use sixaxis_recordings::session::Role;
-use sixaxis_reference::campaign::{Laboratory, compound};
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::laboratory::plan::SensorChoice;
+use sixaxis_reference::laboratory::schedule::compound_trials;
+use sixaxis_reference::motion::SimulatedRun;
 use sixaxis_reference::paper;
-use sixaxis_reference::recording::SimulatedRun;
-use sixaxis_reference::rig::{Mounting, Run};
-use sixaxis_reference::session::plan::SensorChoice;
+use sixaxis_reference::rig::run::{Mounting, Run};
 
 /// Sample rate of the noise measurement, Hz: low, so that second differences of the noise do not drown the forces' own.
 const NOISE_RATE_HZ: f64 = 100.0;
@@ -331,13 +332,18 @@ fn errors(ours: &Six, truth: &Six) -> [f64; 2] {
 /// The fastest compound run of Tables 4 to 6, in MuJoCo.
 fn played() -> Result<SimulatedRun, String> {
     let truth = paper::identified_parameters();
-    let [.., trial] = compound(Mounting::AxisVertical);
+    let [.., trial] = compound_trials(Mounting::AxisVertical);
     let long = Run {
         steady_periods: 2.0,
         ..trial.run
     };
-    SimulatedRun::simulate(&trial.model(&truth), &long, rig_runs::RATE_HZ / 5.0, 20)
-        .map_err(|e| e.to_string())
+    sixaxis_reference::mujoco::simulate_run(
+        &trial.model(&truth),
+        &long,
+        rig_runs::RATE_HZ / 5.0,
+        20,
+    )
+    .map_err(|e| e.to_string())
 }
 
 /// Errors with a campaign's own parameters on its 5 Hz compound run: as they come, and with consistent scale factors. Last the

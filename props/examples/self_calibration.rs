@@ -18,7 +18,7 @@ use sixaxis_props::publication::{Arguments, end};
 use sixaxis_props::self_calibration::{
     Case, NOISE_SHARE, SAMPLE_RATE_HZ, errors, nine, without_mean,
 };
-use sixaxis_reference::field::Pace;
+use sixaxis_reference::rig::field::Pace;
 
 /// Seeds below were looked at while the fit was written.
 const REPORTED_FROM: u64 = 100_000;
@@ -430,7 +430,7 @@ fn motions(seed: u64) -> Result<Vec<Motion>, String> {
         .map(|(motion, moves, all)| {
             let mut case = Case::random(seed, 20.0);
             let whole = all == Some(false);
-            let one = |sine: &mut sixaxis_reference::tumble::Sine| {
+            let one = |sine: &mut sixaxis_reference::rig::tumble::Sine| {
                 if all.is_none() {
                     sine.amplitude = about * sine.amplitude.length();
                     sine.phase_rad = DVec3::splat(sine.phase_rad.x);

@@ -18,8 +18,9 @@ use sixaxis_core::paper::pose::Pose;
 use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::redundancy::fault::{Event, Kind, Monitor, Verdict, Watch};
 use sixaxis_core::{FaultTolerant, Geometry, LIMBS, Parameters, Sensor, Settings};
-use sixaxis_reference::chain::{Chain, amplifier_ranges};
-use sixaxis_reference::session::plan::random_sensor;
+use sixaxis_reference::chain::amplifier_ranges; // MOVED
+use sixaxis_reference::laboratory::chain::Chain;
+use sixaxis_reference::laboratory::plan::random_sensor; // MOVED
 
 /// Samples per second.
 pub const SAMPLE_RATE_HZ: f64 = 10_000.0;

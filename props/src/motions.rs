@@ -14,12 +14,12 @@ use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::{
     Geometry, LIMBS, Parameters, Scheme, Sensor, Settings, SixAxis, StaticResponse,
 };
-use sixaxis_reference::campaign::MASS_KG;
-use sixaxis_reference::chain::amplifier_ranges;
-use sixaxis_reference::mjcf::SensorModel;
-use sixaxis_reference::recording::{SimulatedMotion, TrueMotion};
-use sixaxis_reference::simulation::Simulation;
-use sixaxis_reference::tumble::Tumble;
+use sixaxis_reference::chain::amplifier_ranges; // MOVED
+use sixaxis_reference::motion::{SimulatedMotion, TrueMotion};
+use sixaxis_reference::mujoco::model::SensorModel;
+use sixaxis_reference::mujoco::simulation::Simulation;
+use sixaxis_reference::rig::tumble::Tumble;
+use sixaxis_reference::sensor::MASS_KG;
 
 use crate::compare::largest;
 use crate::evidence::Row;
@@ -105,9 +105,14 @@ impl Case {
     pub fn decoupled(&self, refinement: usize, scheme: Scheme) -> Decoupled {
         let rate = self.sample_rate_hz();
         let steps = (1.0 / (rate * LONGEST_STEP_S)).ceil() as usize * refinement;
-        let run =
-            SimulatedMotion::simulate(&self.model(), &self.motion, self.duration_s(), rate, steps)
-                .expect("the simulation of a random motion");
+        let run = sixaxis_reference::mujoco::simulate(
+            &self.model(),
+            &self.motion,
+            self.duration_s(),
+            rate,
+            steps,
+        )
+        .expect("the simulation of a random motion");
         let rest = match self.static_response {
             StaticResponse::Tared => {
                 Simulation::mean_rest_force_per_mass_m_s2(&self.model(), LONGEST_STEP_S)

@@ -19,12 +19,14 @@ use sixaxis_core::decouple::uncertainty::PARAMETERS;
 use sixaxis_core::identify::zero_drift;
 use sixaxis_core::{Decoupler, Geometry, LIMBS, Parameters, Scheme, SixAxis};
 use sixaxis_recordings::session::{Preprocessing, Role};
-use sixaxis_reference::campaign::{self, Laboratory, STATIC_DURATION_S, STATIC_RATE_HZ, plan};
-use sixaxis_reference::chain::Chain;
-use sixaxis_reference::instruments::{GYROSCOPE_BANDWIDTH_HZ, Instruments};
+use sixaxis_reference::campaign; // MOVED
+use sixaxis_reference::laboratory::chain::Chain;
+use sixaxis_reference::laboratory::instruments::{GYROSCOPE_BANDWIDTH_HZ, Instruments};
+use sixaxis_reference::laboratory::schedule::trials;
+use sixaxis_reference::laboratory::{Laboratory, STATIC_DURATION_S, STATIC_RATE_HZ};
+use sixaxis_reference::motion::SimulatedRun;
 use sixaxis_reference::paper;
-use sixaxis_reference::recording::SimulatedRun;
-use sixaxis_reference::rig::Mounting;
+use sixaxis_reference::rig::run::Mounting;
 use sixaxis_reference::rigid::RigidSensor;
 
 use crate::compare::largest;
@@ -99,7 +101,7 @@ impl World {
             },
             ..Laboratory::noise_free(truth)
         };
-        let upright = plan(size.per_step, Mounting::AxisVertical);
+        let upright = trials(size.per_step, Mounting::AxisVertical);
         let level = campaign::compound(Mounting::AxisLevel);
         let trials: Vec<(Role, Trial)> = upright
             .par_iter()
@@ -109,8 +111,13 @@ impl World {
                 let model = planned.model(&truth);
                 let run = if planned.role == campaign::Role::FastLinear {
                     let steps = (1.0 / (size.rate_hz * LONGEST_STEP_S)).ceil() as usize;
-                    SimulatedRun::simulate(&model, &planned.run, size.rate_hz, steps)
-                        .expect("a run within the rig's limits simulates")
+                    sixaxis_reference::mujoco::simulate_run(
+                        &model,
+                        &planned.run,
+                        size.rate_hz,
+                        steps,
+                    )
+                    .expect("a run within the rig's limits simulates")
                 } else {
                     sensor.play(&planned.run, model.gravity_ground_m_s2, size.rate_hz)
                 };

@@ -4,10 +4,11 @@
 use glam::DVec3;
 use sixaxis_core::decouple::stream::Decoupler;
 use sixaxis_core::{Geometry, LIMBS, Parameters, Sensor, Settings, SixAxis};
-use sixaxis_reference::campaign::{DAMPING_RATIO, MASS_KG};
-use sixaxis_reference::mjcf::SensorModel;
-use sixaxis_reference::recording::SimulatedRun;
-use sixaxis_reference::rig::{Mode, Mounting, Run};
+use sixaxis_reference::motion::SimulatedRun;
+use sixaxis_reference::mujoco::model::DAMPING_RATIO;
+use sixaxis_reference::mujoco::model::SensorModel;
+use sixaxis_reference::rig::run::{Mode, Mounting, Run};
+use sixaxis_reference::sensor::MASS_KG;
 
 use crate::compare::largest;
 
@@ -69,7 +70,7 @@ pub fn simulate_trial(
         ..Run::new(mode, frequency_hz, direction)
     };
     let model = model(parameters, direction, Mounting::AxisVertical);
-    SimulatedRun::simulate(&model, &run, CAMPAIGN_RATE_HZ, CAMPAIGN_STEPS)
+    sixaxis_reference::mujoco::simulate_run(&model, &run, CAMPAIGN_RATE_HZ, CAMPAIGN_STEPS)
         .expect("a run within the rig's limits simulates")
 }
 
@@ -85,7 +86,7 @@ pub fn simulate(
     mounting: Mounting,
 ) -> SimulatedRun {
     let run = short_run(mode, direction);
-    SimulatedRun::simulate(
+    sixaxis_reference::mujoco::simulate_run(
         &model(parameters, direction, mounting),
         &run,
         RATE_HZ,

@@ -5,10 +5,13 @@ use rand_pcg::Pcg64;
 use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::redundancy::self_calibration::{Limits, Moments, ScaleRatios};
 use sixaxis_core::{Gains, Geometry, LIMBS, Parameters, Result, Sensor, Settings};
-use sixaxis_reference::chain::amplifier_ranges;
-use sixaxis_reference::field::{Field, Load, Pace, compliant_forces_m_s2, unequal_forces_m_s2};
-use sixaxis_reference::rigid::RigidSensor;
-use sixaxis_reference::session::plan::random_sensor;
+use sixaxis_reference::chain::amplifier_ranges; // MOVED
+use sixaxis_reference::compliant::compliant_forces_m_s2;
+use sixaxis_reference::laboratory::plan::random_sensor;
+use sixaxis_reference::rig::field::unequal_forces_m_s2; // MOVED
+use sixaxis_reference::rig::field::{Field, Pace};
+use sixaxis_reference::rigid::Load;
+use sixaxis_reference::rigid::RigidSensor; // MOVED
 
 /// Noise of one sample over its channel's peak: the 0.33 %.
 pub const NOISE_SHARE: f64 = 0.0033;

@@ -4,8 +4,8 @@ use glam::DVec3;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
 use sixaxis_core::{Geometry, InertiaPerMass, Parameters, StaticResponse};
-use sixaxis_reference::mjcf::limb_jacobian;
-use sixaxis_reference::tumble::{SINES, Sine, Tumble};
+use sixaxis_reference::mjcf::limb_jacobian; // MOVED
+use sixaxis_reference::rig::tumble::{SINES, Sine, Tumble};
 use sixaxis_reference::{paper, rig};
 
 use crate::manufactured::motion::{Harmonic, Manufactured};

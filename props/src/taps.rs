@@ -11,14 +11,15 @@ use sixaxis_core::identify::tap::{Setup, Tap, identify};
 use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::significance::NORMAL_95;
 use sixaxis_core::{Geometry, InertiaPerMass, LIMBS, Parameters, Sensor};
-use sixaxis_reference::campaign::{DAMPING_RATIO, MASS_KG};
-use sixaxis_reference::chain::amplifier_ranges;
-use sixaxis_reference::mjcf::SensorModel;
+use sixaxis_reference::chain::amplifier_ranges; // MOVED
+use sixaxis_reference::laboratory::plan::random_sensor; // MOVED
+use sixaxis_reference::mujoco::model::DAMPING_RATIO;
+use sixaxis_reference::mujoco::model::SensorModel;
+use sixaxis_reference::mujoco::simulation::SimulationError;
 use sixaxis_reference::paper;
-use sixaxis_reference::rig::Mounting;
-use sixaxis_reference::session::plan::random_sensor;
-use sixaxis_reference::simulation::SimulationError;
-use sixaxis_reference::tap::{Blow, DURATION_S, SAMPLE_RATE_HZ, STEPS_PER_SAMPLE};
+use sixaxis_reference::rig::run::Mounting;
+use sixaxis_reference::rig::tap::{DURATION_S, SAMPLE_RATE_HZ, STEPS_PER_SAMPLE, Tap};
+use sixaxis_reference::sensor::MASS_KG;
 
 /// Standard deviation of the noise over the largest channel's peak that the bars are set at.
 pub const NOISE_SHARE: f64 = 0.01;
@@ -40,7 +41,7 @@ pub struct Case {
     /// Damping of one limb, of critical under the whole mass.
     pub damping_ratio: f64,
     /// The blow.
-    pub blow: Blow,
+    pub blow: Tap,
     /// Scale factors and I/m with their errors, k/m of the design.
     pub known: Parameters,
     rng: Pcg64,
@@ -65,7 +66,7 @@ impl Case {
     pub fn random(seed: u64) -> Self {
         let mut rng = Pcg64::new(u128::from(seed), STREAM);
         let truth = random_sensor(&mut rng);
-        let blow = Blow::random(&mut rng);
+        let blow = Tap::random(&mut rng);
         let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
         let inertia = truth.inertia_per_mass.to_paper_order();
         let deviation = inertia_deviation_m2(&truth);

@@ -17,10 +17,10 @@ use sixaxis_props::evidence::Row;
 use sixaxis_props::rig_runs::{DIRECTIONS, simulate_trial};
 use sixaxis_props::strategy::{config, parameters};
 use sixaxis_props::tolerance::{self, Tolerance};
-use sixaxis_reference::campaign::Laboratory;
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::laboratory::recording::SimulatedRecording;
 use sixaxis_reference::paper;
-use sixaxis_reference::recording::Recording;
-use sixaxis_reference::rig::Mode;
+use sixaxis_reference::rig::run::Mode;
 
 /// Smoothing differentiator for the gyroscope: samples to either side, and order.
 const DIFFERENTIATOR: (usize, usize) = (3, 6);
@@ -29,10 +29,10 @@ const REPETITIONS: usize = 2;
 
 /// What a laboratory has on disk.
 struct Campaign {
-    at_rest: Recording,
-    linear: Vec<Recording>,
-    angular: Vec<Recording>,
-    fast: Vec<Recording>,
+    at_rest: SimulatedRecording,
+    linear: Vec<SimulatedRecording>,
+    angular: Vec<SimulatedRecording>,
+    fast: Vec<SimulatedRecording>,
 }
 
 impl Campaign {
@@ -56,7 +56,7 @@ impl Campaign {
     }
 
     /// Rate of the shell and its derivative as the gyroscope on the pinion's shaft tells them.
-    fn gyroscope(recording: &Recording) -> (Vec<DVec3>, Vec<DVec3>) {
+    fn gyroscope(recording: &SimulatedRecording) -> (Vec<DVec3>, Vec<DVec3>) {
         let (half_width, order) = DIFFERENTIATOR;
         let slope = Differentiator::new(half_width, order, recording.sample_rate_hz)
             .expect("the window is longer than the order")

@@ -20,9 +20,9 @@ use sixaxis_props::compare::{fails_clearly, largest, within};
 use sixaxis_props::manufactured::examples;
 use sixaxis_props::rig_runs;
 use sixaxis_props::tolerance;
-use sixaxis_reference::campaign::Laboratory;
+use sixaxis_reference::laboratory::Laboratory;
 use sixaxis_reference::paper;
-use sixaxis_reference::rig::{Mode, Mounting};
+use sixaxis_reference::rig::run::{Mode, Mounting};
 
 const RATE_HZ: f64 = 4000.0;
 const SAMPLES: usize = 600;

@@ -13,11 +13,12 @@ use sixaxis_props::manufactured::formulations::{
 use sixaxis_props::manufactured::motion::Manufactured;
 use sixaxis_props::manufactured::spin::spin;
 use sixaxis_props::tolerance;
-use sixaxis_reference::campaign::{self, Laboratory};
+use sixaxis_reference::campaign; // MOVED
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::motion::SimulatedRun;
+use sixaxis_reference::mujoco::threshold::log_slope;
 use sixaxis_reference::paper;
-use sixaxis_reference::recording::SimulatedRun;
-use sixaxis_reference::rig::{Mounting, Run};
-use sixaxis_reference::threshold::log_slope;
+use sixaxis_reference::rig::run::{Mounting, Run};
 
 const RATE_HZ: f64 = 4_000.0;
 const STEPS: usize = 20;
@@ -55,7 +56,8 @@ fn order_of_every_scheme_on_simulated_motion() {
         ..trial.run
     };
     let model = trial.model(&paper::identified_parameters());
-    let fine = SimulatedRun::simulate(&model, &run, RATE_HZ, STEPS).expect("the step is stable");
+    let fine = sixaxis_reference::mujoco::simulate_run(&model, &run, RATE_HZ, STEPS)
+        .expect("the step is stable");
     for scheme in Scheme::ALL {
         let [coarse, half] = [8, 4].map(|factor| rate_error(&fine.decimated(factor), scheme));
         let order = (coarse / half).log2();

@@ -11,9 +11,9 @@ use sixaxis_props::compare::within;
 use sixaxis_props::rig_runs::{DIRECTIONS, simulate_trial};
 use sixaxis_props::tolerance;
 use sixaxis_recordings::session::{Preprocessing, Role, Stage};
-use sixaxis_reference::campaign::Laboratory;
+use sixaxis_reference::laboratory::Laboratory;
 use sixaxis_reference::paper;
-use sixaxis_reference::rig::Mode;
+use sixaxis_reference::rig::run::Mode;
 
 /// Zero drift that step 1 missed, over full scale: a hundred times what moves k/m by a few per cent.
 const DRIFT_OVER_FULL_SCALE: f64 = 1e-4;

@@ -22,10 +22,12 @@ use sixaxis_props::printed;
 use sixaxis_props::rig_runs;
 use sixaxis_props::strategy::{config, manufactured, parameters};
 use sixaxis_props::tolerance::{self, Tolerance};
-use sixaxis_reference::campaign::{self, Laboratory};
+use sixaxis_reference::campaign; // MOVED
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::laboratory::recording::SimulatedRecording;
+use sixaxis_reference::motion::SimulatedRun;
 use sixaxis_reference::paper;
-use sixaxis_reference::recording::{Recording, SimulatedRun};
-use sixaxis_reference::rig::{Mounting, Run};
+use sixaxis_reference::rig::run::{Mounting, Run};
 
 /// A stream and what it is fed.
 struct Case {
@@ -68,8 +70,13 @@ impl Case {
             steady_periods: 4.0,
             ..trial.run
         };
-        let run = SimulatedRun::simulate(&model, &long, rig_runs::RATE_HZ, rig_runs::STEPS)
-            .expect("a run of the campaign simulates");
+        let run = sixaxis_reference::mujoco::simulate_run(
+            &model,
+            &long,
+            rig_runs::RATE_HZ,
+            rig_runs::STEPS,
+        )
+        .expect("a run of the campaign simulates");
         Self::of(
             &Laboratory::noise_free(parameters).record(&run, 0),
             &parameters,
@@ -77,7 +84,7 @@ impl Case {
         )
     }
 
-    fn of(recording: &Recording, parameters: &Parameters, scheme: Scheme) -> Self {
+    fn of(recording: &SimulatedRecording, parameters: &Parameters, scheme: Scheme) -> Self {
         Self {
             sensor: recording.sensor(),
             parameters: *parameters,

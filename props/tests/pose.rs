@@ -9,7 +9,7 @@ use sixaxis_core::paper::preload::static_preload_m_s2;
 use sixaxis_props::compare::{fails_clearly, largest, within};
 use sixaxis_props::strategy::{config, vector};
 use sixaxis_props::tolerance;
-use sixaxis_reference::mjcf::limb_jacobian;
+use sixaxis_reference::mjcf::limb_jacobian; // MOVED
 use sixaxis_reference::paper;
 
 #[test]

@@ -6,13 +6,14 @@ use sixaxis_core::{Geometry, InertiaPerMass, LIMBS};
 use sixaxis_props::compare::{fails_clearly, largest, within};
 use sixaxis_props::rig_runs::{RATE_HZ, model, short_run, simulate};
 use sixaxis_props::tolerance;
-use sixaxis_reference::mjcf::{SHELL_INERTIA_KG_M2, SHELL_MASS_KG, SensorModel};
+use sixaxis_reference::motion::Motion;
+use sixaxis_reference::motion::{SimulatedMotion, SimulatedRun};
+use sixaxis_reference::mujoco::model::{SHELL_INERTIA_KG_M2, SHELL_MASS_KG, SensorModel};
+use sixaxis_reference::mujoco::simulation::{Simulation, Snapshot};
 use sixaxis_reference::paper;
-use sixaxis_reference::recording::{SimulatedMotion, SimulatedRun};
-use sixaxis_reference::rig::{Mode, Mounting, Run};
+use sixaxis_reference::rig::run::{Mode, Mounting, Run};
+use sixaxis_reference::rig::tumble::{Sine, Tumble};
 use sixaxis_reference::ringdown;
-use sixaxis_reference::simulation::{Motion, Simulation, Snapshot};
-use sixaxis_reference::tumble::{Sine, Tumble};
 
 #[test]
 fn ref_static_elongations_agree_with_an_independent_solve() {
@@ -64,7 +65,7 @@ fn order_reference_converges_with_its_step() {
     let run = short_run(Mode::Compound, direction);
     let model = model(&parameters, direction, Mounting::AxisVertical);
     let forces = |steps: usize| {
-        SimulatedRun::simulate(&model, &run, RATE_HZ / 2.0, steps)
+        sixaxis_reference::mujoco::simulate_run(&model, &run, RATE_HZ / 2.0, steps)
             .expect("the step is stable")
             .limb_force_per_mass_m_s2
     };
@@ -95,7 +96,7 @@ fn inv_only_ratios_to_the_mass_matter() {
         ..light
     };
     let forces = |model: &SensorModel| {
-        SimulatedRun::simulate(model, &run, RATE_HZ, 2)
+        sixaxis_reference::mujoco::simulate_run(model, &run, RATE_HZ, 2)
             .expect("the step is stable")
             .limb_force_per_mass_m_s2
     };
@@ -326,7 +327,7 @@ fn order_reference_converges_on_a_tumbling_motion() {
         Mounting::AxisVertical,
     );
     let attitude = |steps: usize| {
-        let run = SimulatedMotion::simulate(&model, &motion, 0.05, RATE_HZ / 2.0, steps)
+        let run = sixaxis_reference::mujoco::simulate(&model, &motion, 0.05, RATE_HZ / 2.0, steps)
             .expect("the step is stable");
         let last = run.truth.last().expect("the run has samples");
         DMat3::from_quat(last.attitude)
@@ -356,7 +357,8 @@ fn ref_rounding_noise_of_a_moving_sensor() {
         steady_periods: 0.5,
         ..Run::new(Mode::Linear, 1.0, direction)
     };
-    let run = SimulatedRun::simulate(&model, &run, RATE_HZ, 2).expect("the step is stable");
+    let run = sixaxis_reference::mujoco::simulate_run(&model, &run, RATE_HZ, 2)
+        .expect("the step is stable");
     // Fourth differences at the sample rate see nothing of a motion of 1 Hz.
     let noise = largest(run.limb_force_per_mass_m_s2.windows(5).flat_map(|w| {
         let w = [0, 1, 2, 3, 4].map(|k| w[k]);

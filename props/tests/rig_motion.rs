@@ -7,15 +7,16 @@ use sixaxis_props::compare::{fails_clearly, largest, within};
 use sixaxis_props::rig_runs::{decouple, errors, simulate};
 use sixaxis_props::strategy::{config, parameters, vector};
 use sixaxis_props::tolerance;
-use sixaxis_reference::campaign::Laboratory;
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::laboratory::recording::SimulatedRecording;
+use sixaxis_reference::motion::SimulatedRun;
 use sixaxis_reference::paper;
-use sixaxis_reference::recording::{Recording, SimulatedRun};
-use sixaxis_reference::rig::{Mode, Mounting};
+use sixaxis_reference::rig::run::{Mode, Mounting};
 
 /// Largest error over the peak of the vector, linear and angular, with one of the settings changed.
 fn decoupling_errors(
     run: &SimulatedRun,
-    recording: &Recording,
+    recording: &SimulatedRecording,
     parameters: &Parameters,
     change: impl Fn(&mut Settings),
 ) -> [f64; 2] {
@@ -50,7 +51,9 @@ fn ref_broken_decouplers_are_caught() {
     let direction = DVec3::new(2.0, 1.0, 1.0);
     let run = simulate(&parameters, Mode::Compound, direction, Mounting::AxisLevel);
     let recording = Laboratory::noise_free(parameters).record(&run, 0);
-    let worst = |recording: &Recording, parameters: &Parameters, change: &dyn Fn(&mut Settings)| {
+    let worst = |recording: &SimulatedRecording,
+                 parameters: &Parameters,
+                 change: &dyn Fn(&mut Settings)| {
         largest(decoupling_errors(&run, recording, parameters, change))
     };
     let gravity = recording.gravity_ground_m_s2;

@@ -9,10 +9,13 @@ use sixaxis_core::identify::scale::ScaleIdentification;
 use sixaxis_core::{Geometry, LIMBS, Sensor, Settings, SixAxis};
 use sixaxis_props::compare::{fails_clearly, largest, within};
 use sixaxis_props::tolerance;
-use sixaxis_reference::campaign::{Laboratory, Role, Trial};
+use sixaxis_reference::campaign::Role; // MOVED
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::laboratory::recording::SimulatedRecording;
+use sixaxis_reference::laboratory::schedule::PlannedTrial;
+use sixaxis_reference::motion::SimulatedRun;
 use sixaxis_reference::paper;
-use sixaxis_reference::recording::{Recording, SimulatedRun};
-use sixaxis_reference::rig::{Mode, Mounting, Run};
+use sixaxis_reference::rig::run::{Mode, Mounting, Run};
 
 const RATE_HZ: f64 = 10_000.0;
 const STEPS: usize = 4;
@@ -22,9 +25,9 @@ const DIRECTIONS: [DVec3; 3] = [
     DVec3::new(0.2, -0.2, 1.0),
 ];
 
-fn simulate(mode: Mode, direction: DVec3) -> (SimulatedRun, Recording) {
+fn simulate(mode: Mode, direction: DVec3) -> (SimulatedRun, SimulatedRecording) {
     let parameters = paper::identified_parameters();
-    let trial = Trial {
+    let trial = PlannedTrial {
         role: Role::Linear,
         run: Run {
             rest_s: 0.01,
@@ -34,13 +37,18 @@ fn simulate(mode: Mode, direction: DVec3) -> (SimulatedRun, Recording) {
         },
         mounting: Mounting::AxisVertical,
     };
-    let run = SimulatedRun::simulate(&trial.model(&parameters), &trial.run, RATE_HZ, STEPS)
-        .expect("a run within the rig's limits simulates");
+    let run = sixaxis_reference::mujoco::simulate_run(
+        &trial.model(&parameters),
+        &trial.run,
+        RATE_HZ,
+        STEPS,
+    )
+    .expect("a run within the rig's limits simulates");
     let recording = Laboratory::noise_free(parameters).record(&run, 0);
     (run, recording)
 }
 
-fn set_up(recording: &Recording) -> (Sensor, Settings) {
+fn set_up(recording: &SimulatedRecording) -> (Sensor, Settings) {
     let sensor = Sensor {
         geometry: Geometry::PAPER,
         gains: recording.gains,

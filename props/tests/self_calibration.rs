@@ -16,12 +16,13 @@ use sixaxis_props::self_calibration::{Case, DRIFT, NOISE_SHARE, errors, nine, wi
 use sixaxis_props::statistics::chi_square_departure;
 use sixaxis_props::strategy::seed;
 use sixaxis_props::tolerance;
-use sixaxis_reference::campaign::{DAMPING_RATIO, MASS_KG};
-use sixaxis_reference::field::{Field, Pace};
-use sixaxis_reference::mjcf::SensorModel;
+use sixaxis_reference::motion::Motion;
+use sixaxis_reference::motion::SimulatedMotion;
+use sixaxis_reference::mujoco::model::DAMPING_RATIO;
+use sixaxis_reference::mujoco::model::SensorModel;
 use sixaxis_reference::paper;
-use sixaxis_reference::recording::SimulatedMotion;
-use sixaxis_reference::simulation::Motion;
+use sixaxis_reference::rig::field::{Field, Pace};
+use sixaxis_reference::sensor::MASS_KG;
 use sixaxis_reference::smooth_step::smooth_step;
 
 /// Length of short field recordings, s.
@@ -99,8 +100,9 @@ fn in_mujoco(motion: &impl Motion, duration_s: f64, steps_per_sample: usize) -> 
         gravity_ground_m_s2: gravity,
     };
     let rate_hz = 4_000.0;
-    let run = SimulatedMotion::simulate(&model, motion, duration_s, rate_hz, steps_per_sample)
-        .expect("a simulation");
+    let run =
+        sixaxis_reference::mujoco::simulate(&model, motion, duration_s, rate_hz, steps_per_sample)
+            .expect("a simulation");
     let gains = Gains::uniform(0.1);
     let chain = SignalChain::new(&gains, &truth);
     let rest = run.limb_force_per_mass_m_s2[0];
@@ -444,7 +446,7 @@ fn prop_a_known_turn_gives_the_ninth() {
                 DVec3::NEG_Z * paper::GRAVITY_M_S2,
             );
             let stiffness = case.truth.stiffness_per_mass_per_s2;
-            let forces = sixaxis_reference::field::compliant_forces_m_s2(
+            let forces = sixaxis_reference::compliant::compliant_forces_m_s2(
                 &Geometry::PAPER,
                 stiffness,
                 &[(up, DVec3::ZERO), (down, DVec3::ZERO)],

@@ -11,10 +11,10 @@ use sixaxis_props::compare::{fails_clearly, largest, within};
 use sixaxis_props::rig_runs::model;
 use sixaxis_props::strategy::{config, parameters, vector};
 use sixaxis_props::tolerance;
-use sixaxis_reference::campaign::Laboratory;
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::motion::SimulatedRun;
 use sixaxis_reference::paper;
-use sixaxis_reference::recording::SimulatedRun;
-use sixaxis_reference::rig::{Mode, Mounting, Run};
+use sixaxis_reference::rig::run::{Mode, Mounting, Run};
 
 /// Stiffness so high that what is left out of first order is rounding's neighbour, s^-2.
 const STIFF_PER_S2: f64 = 1e10;
@@ -86,7 +86,7 @@ fn ref_step_2_errs_as_first_order_theory_says() {
             ..Run::new(Mode::Linear, 2.0, direction)
         };
         let model = model(&truth, direction, Mounting::AxisVertical);
-        let run = SimulatedRun::simulate(&model, &run, RATE_HZ, STEPS)
+        let run = sixaxis_reference::mujoco::simulate_run(&model, &run, RATE_HZ, STEPS)
             .expect("a run within the rig's limits simulates");
         let recording = laboratory.record(&run, 0);
         let a: Vec<DVec3> = recording

@@ -15,12 +15,12 @@ use sixaxis_props::rig_runs::model;
 use sixaxis_props::statistics::chi_square_departure;
 use sixaxis_props::strategy::{config, geometry, parameters, seed};
 use sixaxis_props::tolerance;
-use sixaxis_reference::mjcf::limb_jacobian;
-use sixaxis_reference::modes::mode_frequencies_hz;
+use sixaxis_reference::linear_theory::mode_frequencies_hz;
+use sixaxis_reference::mjcf::limb_jacobian; // MOVED
+use sixaxis_reference::motion::Motion;
+use sixaxis_reference::motion::SimulatedMotion;
 use sixaxis_reference::paper;
-use sixaxis_reference::recording::SimulatedMotion;
-use sixaxis_reference::rig::Mounting;
-use sixaxis_reference::simulation::Motion;
+use sixaxis_reference::rig::run::Mounting;
 use sixaxis_reference::smooth_step::smooth_step;
 
 /// Relative step of the differences.
@@ -163,7 +163,7 @@ fn ref_response_at_500_hz_is_mujocos() {
             excitation,
             rise_s: rise as f64 / FREQUENCY_HZ,
         };
-        let run = SimulatedMotion::simulate(
+        let run = sixaxis_reference::mujoco::simulate(
             &model,
             &shaker,
             (rise + looked_at) as f64 / FREQUENCY_HZ,

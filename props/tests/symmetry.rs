@@ -14,9 +14,9 @@ use sixaxis_props::manufactured::motion::Manufactured;
 use sixaxis_props::rig_runs::{decouple, simulate};
 use sixaxis_props::strategy::{config, manufactured};
 use sixaxis_props::tolerance;
-use sixaxis_reference::campaign::Laboratory;
+use sixaxis_reference::laboratory::Laboratory;
 use sixaxis_reference::paper;
-use sixaxis_reference::rig::{Mode, Mounting};
+use sixaxis_reference::rig::run::{Mode, Mounting};
 
 const SAMPLES: usize = 200;
 const SAMPLES_PER_PERIOD: f64 = 150.0;

@@ -10,8 +10,8 @@ use sixaxis_props::statistics::{ONE_IN_A_MILLION, chi_square_departure};
 use sixaxis_props::strategy::seed;
 use sixaxis_props::taps::{Case, FULL_SCALE_V, KNOWN_TO, NOISE_SHARE, Recorded, States, bound_ln};
 use sixaxis_props::tolerance;
-use sixaxis_reference::modes::mode_frequencies_hz;
-use sixaxis_reference::tap::SAMPLE_RATE_HZ;
+use sixaxis_reference::linear_theory::mode_frequencies_hz;
+use sixaxis_reference::rig::tap::SAMPLE_RATE_HZ;
 
 /// Taps played in MuJoCo, and closed-form ones.
 const PLAYED: u64 = 3;

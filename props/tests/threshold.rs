@@ -7,11 +7,12 @@ use sixaxis_props::compare::{fails_clearly, within};
 use sixaxis_props::rig_runs::model;
 use sixaxis_props::strategy::{config, parameters, vector};
 use sixaxis_props::tolerance;
-use sixaxis_reference::paper;
-use sixaxis_reference::rig::{Mode, Mounting, Run};
-use sixaxis_reference::threshold::{
-    SweepPoint, crossing_hz, excitation, linear_theory, log_slope, measure,
+use sixaxis_reference::linear_theory::relative_acceleration;
+use sixaxis_reference::mujoco::threshold::{
+    SweepPoint, crossing_hz, excitation, log_slope, measure,
 };
+use sixaxis_reference::paper;
+use sixaxis_reference::rig::run::{Mode, Mounting, Run};
 
 const STEP_S: f64 = 5e-5;
 const MODES: [Mode; 2] = [Mode::Linear, Mode::Angular];
@@ -22,7 +23,7 @@ fn measured(parameters: &Parameters, run: &Run) -> SweepPoint {
 }
 
 fn theory(parameters: &Parameters, run: &Run) -> f64 {
-    linear_theory(
+    relative_acceleration(
         &Geometry::PAPER,
         &parameters.inertia_per_mass,
         parameters.stiffness_per_mass_per_s2,

@@ -21,10 +21,10 @@ use sixaxis_core::paper::pose::Pose;
 use sixaxis_core::paper::preload::static_preload_m_s2;
 use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::paper::wrench::LimbWrench;
-use sixaxis_reference::mjcf::SHELL_INERTIA_KG_M2;
-use sixaxis_reference::mjcf::SHELL_MASS_KG;
-use sixaxis_reference::recording::Recording;
-use sixaxis_reference::recording::TrueMotion;
+use sixaxis_reference::laboratory::recording::SimulatedRecording;
+use sixaxis_reference::motion::TrueMotion;
+use sixaxis_reference::mujoco::model::SHELL_INERTIA_KG_M2;
+use sixaxis_reference::mujoco::model::SHELL_MASS_KG;
 use std::error::Error;
 use std::fs;
 use std::path::Path;
@@ -61,7 +61,7 @@ pub struct Problem {
 }
 
 impl Problem {
-    pub fn of(recording: &Recording) -> Result<Self, Box<dyn Error>> {
+    pub fn of(recording: &SimulatedRecording) -> Result<Self, Box<dyn Error>> {
         let (geometry, parameters) = (Geometry::PAPER, true_parameters());
         let gravity = recording.gravity_ground_m_s2;
         let stiffness = parameters.stiffness_per_mass_per_s2;
@@ -155,7 +155,7 @@ pub fn states(samples: usize) -> Result<Vec<State>, Box<dyn Error>> {
 }
 
 /// What the voltages say of the limbs' wrench on the mass at every decoupled sample.
-pub fn wrenches(problem: &Problem, recording: &Recording) -> Vec<Wrench> {
+pub fn wrenches(problem: &Problem, recording: &SimulatedRecording) -> Vec<Wrench> {
     let chain = SignalChain::new(&recording.gains, &true_parameters());
     let geometry = PeerGeometry::new(&Geometry::PAPER);
     let mut last = PeerPose::unloaded();

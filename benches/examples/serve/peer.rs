@@ -4,7 +4,7 @@ use glam::DVec3;
 use sixaxis_benches::problem::Recorded;
 use sixaxis_benches::problem::compound_5_hz;
 use sixaxis_core::Gains;
-use sixaxis_reference::recording::Recording;
+use sixaxis_reference::laboratory::recording::SimulatedRecording;
 use std::error::Error;
 use std::fs;
 use std::path::Path;
@@ -75,7 +75,7 @@ pub struct Input {
 impl Input {
     pub fn read(dir: &Path) -> Result<Self, Box<dyn Error>> {
         let problem: Problem = serde_json::from_slice(&fs::read(dir.join("problem.json"))?)?;
-        let recording = Recording {
+        let recording = SimulatedRecording {
             sample_rate_hz: problem.sample_rate_hz,
             gains: Gains {
                 gain_n_per_v: problem.gain_n_per_v,

@@ -10,8 +10,8 @@ use sixaxis_benches::problem;
 use sixaxis_benches::problem::{Answer, DECOUPLE_RATE_HZ, Recorded, true_parameters};
 use sixaxis_benches::validate;
 use sixaxis_core::{Decoupler, Scheme};
-use sixaxis_reference::campaign::Laboratory;
-use sixaxis_reference::recording::{SimulatedRun, TrueMotion};
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::motion::{SimulatedRun, TrueMotion};
 
 use crate::comparison::{judge_record, largest};
 use crate::timing::{
@@ -86,7 +86,8 @@ pub fn work_precision(
 ) -> Result<WorkPrecision, Box<dyn Error>> {
     let trial = problem::compound_5_hz();
     let model = trial.model(&true_parameters());
-    let simulate = |steps| SimulatedRun::simulate(&model, &trial.run, FINE_RATE_HZ, steps);
+    let simulate =
+        |steps| sixaxis_reference::mujoco::simulate_run(&model, &trial.run, FINE_RATE_HZ, steps);
     progress.say("simulating the compound run at 6.25 us");
     let fine = simulate(FINE_STEPS)?;
     progress.say("simulating it at half that step");

@@ -11,8 +11,9 @@ use sixaxis_calibration::tap::Taps;
 use sixaxis_core::decouple::uncertainty::Covariance;
 use sixaxis_core::identify::{Reason, Verdict};
 use sixaxis_recordings::session::Session;
-use sixaxis_reference::session::plan::SessionPlan;
-use sixaxis_reference::session::play::{Played, PlayedSession, play};
+use sixaxis_reference::laboratory::plan::SessionPlan;
+use sixaxis_reference::laboratory::recording::SimulatedRecording;
+use sixaxis_reference::laboratory::session::{SimulatedSession, simulate_session};
 
 use crate::collected::{Collected, Failure, collect};
 use crate::parameter::{PARAMETERS, values};
@@ -25,7 +26,7 @@ pub fn calibrate(plan: &SessionPlan, seed: u64) -> Row {
         seed,
         ..plan.clone()
     };
-    let played = match play(&plan) {
+    let played = match simulate_session(&plan) {
         Ok(played) => played,
         Err(error) => {
             let mut row = Row::new(seed, Status::NotPlayed);
@@ -33,7 +34,7 @@ pub fn calibrate(plan: &SessionPlan, seed: u64) -> Row {
             return row;
         }
     };
-    let PlayedSession {
+    let SimulatedSession {
         session,
         recordings,
         truth,
@@ -85,7 +86,7 @@ struct Found {
 }
 
 /// From here on only what a laboratory has.
-fn identify(session: &Session, recordings: Vec<Played>) -> Result<Found, Failure> {
+fn identify(session: &Session, recordings: Vec<SimulatedRecording>) -> Result<Found, Failure> {
     let Collected {
         campaign,
         taps: struck,

@@ -6,7 +6,7 @@ use sixaxis_calibration::cleaning::{Cleaned, Cleaning};
 use sixaxis_calibration::steps::Campaign;
 use sixaxis_calibration::trial::{Readings, Trial};
 use sixaxis_recordings::session::{Role, Session};
-use sixaxis_reference::session::play::Played;
+use sixaxis_reference::laboratory::recording::SimulatedRecording;
 
 use crate::row::Status;
 
@@ -34,7 +34,10 @@ pub struct Failure {
 ///
 /// # Errors
 /// The first recording that cannot be cleaned.
-pub fn collect(session: &Session, recordings: Vec<Played>) -> Result<Collected, Failure> {
+pub fn collect(
+    session: &Session,
+    recordings: Vec<SimulatedRecording>,
+) -> Result<Collected, Failure> {
     let cleaning = Cleaning::of(session);
     let mut static_voltage_v = Vec::new();
     let mut moving = Vec::new();
@@ -72,7 +75,7 @@ pub fn collect(session: &Session, recordings: Vec<Played>) -> Result<Collected, 
     })
 }
 
-fn at_rest(recording: &Played) -> Vec<[f64; sixaxis_core::LIMBS]> {
+fn at_rest(recording: &SimulatedRecording) -> Vec<[f64; sixaxis_core::LIMBS]> {
     let mut averaged = Averaged::default();
     for row in &recording.voltage_v {
         averaged.push(row);
@@ -80,7 +83,7 @@ fn at_rest(recording: &Played) -> Vec<[f64; sixaxis_core::LIMBS]> {
     averaged.finish(recording.sample_rate_hz).voltage_v
 }
 
-fn trial(session: &Session, recording: Played) -> Trial {
+fn trial(session: &Session, recording: SimulatedRecording) -> Trial {
     let readings = Readings {
         sample_rate_hz: recording.sample_rate_hz,
         voltage_v: recording.voltage_v,

@@ -8,10 +8,10 @@ use sixaxis_campaign::case::calibrate;
 use sixaxis_campaign::parameter::{PARAMETERS, name, values};
 use sixaxis_campaign::row::{Group, Row, Scalar, Status, Text, Values};
 use sixaxis_recordings::session::SessionFile;
-use sixaxis_reference::rig::Mounting;
-use sixaxis_reference::session::plan::SessionPlan;
-use sixaxis_reference::session::play::play;
-use sixaxis_reference::session::write::write;
+use sixaxis_reference::laboratory::plan::SessionPlan;
+use sixaxis_reference::laboratory::session::simulate_session;
+use sixaxis_reference::laboratory::write::write;
+use sixaxis_reference::rig::run::Mounting;
 
 /// Rows of a static record that are more than the loader keeps, so that it averages.
 const LONG_STATIC_S: f64 = 600.0;
@@ -44,7 +44,7 @@ fn on_disk(plan: &SessionPlan, seed: u64, folder: &Folder) -> Judgement {
         seed,
         ..plan.clone()
     };
-    let played = play(&plan).expect("it can be played");
+    let played = simulate_session(&plan).expect("it can be played");
     let session = write(&played, &folder.0, "parquet").expect("it can be written");
     let file = SessionFile::read(&session).expect("it can be read");
     judge(&file, &Unwatched).expect("it can be judged")

@@ -7,13 +7,15 @@ use rand_pcg::Pcg64;
 use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::redundancy::fault::Watch;
 use sixaxis_core::{Geometry, LIMBS, Parameters, Sensor, Settings, StaticResponse};
-use sixaxis_reference::campaign::{DAMPING_RATIO, MASS_KG};
-use sixaxis_reference::chain::{Chain, amplifier_ranges};
-use sixaxis_reference::mjcf::SensorModel;
-use sixaxis_reference::recording::{SimulatedMotion, TrueMotion};
-use sixaxis_reference::session::plan::random_sensor;
-use sixaxis_reference::simulation::SimulationError;
-use sixaxis_reference::tumble::{SINES, Sine, Tumble};
+use sixaxis_reference::chain::amplifier_ranges; // MOVED
+use sixaxis_reference::laboratory::chain::Chain;
+use sixaxis_reference::laboratory::plan::random_sensor; // MOVED
+use sixaxis_reference::motion::{SimulatedMotion, TrueMotion};
+use sixaxis_reference::mujoco::model::DAMPING_RATIO;
+use sixaxis_reference::mujoco::model::SensorModel;
+use sixaxis_reference::mujoco::simulation::SimulationError;
+use sixaxis_reference::rig::tumble::{SINES, Sine, Tumble};
+use sixaxis_reference::sensor::MASS_KG;
 
 use super::{FALSE_ALARMS_PER_HOUR, SAMPLE_RATE_HZ};
 use crate::statistics::normal;
@@ -84,7 +86,13 @@ impl Played {
             damping_ratio: DAMPING_RATIO,
             gravity_ground_m_s2: DVec3::ZERO,
         };
-        let run = SimulatedMotion::simulate(&model, &motion, DURATION_S, SAMPLE_RATE_HZ, STEPS)?;
+        let run = sixaxis_reference::mujoco::simulate(
+            &model,
+            &motion,
+            DURATION_S,
+            SAMPLE_RATE_HZ,
+            STEPS,
+        )?;
         let chain = Chain::laboratory();
         let forces = &run.limb_force_per_mass_m_s2;
         let gains = amplifier_ranges(forces, &parameters, chain.full_scale_v);

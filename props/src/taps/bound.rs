@@ -6,8 +6,8 @@
 use nalgebra::{DMatrix, DVector, Matrix6, SMatrix, SVector};
 use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::{Geometry, LIMBS};
-use sixaxis_reference::mjcf::limb_jacobian;
-use sixaxis_reference::tap::SAMPLE_RATE_HZ;
+use sixaxis_reference::mjcf::limb_jacobian; // MOVED
+use sixaxis_reference::rig::tap::SAMPLE_RATE_HZ;
 
 use super::{Case, KNOWN_TO, Recorded, inertia_deviation_m2};
 

@@ -6,13 +6,16 @@ use rand_pcg::Pcg64;
 use sixaxis_core::dsp::lag::undo_high_pass;
 use sixaxis_core::paper::preload::static_preload_m_s2;
 use sixaxis_core::{Geometry, LIMBS, Parameters, Scheme};
-use sixaxis_reference::campaign::{self, Laboratory, Role, Trial};
-use sixaxis_reference::chain::{Chain, Coupling};
-use sixaxis_reference::instruments::Instruments;
+use sixaxis_reference::campaign; // MOVED
+use sixaxis_reference::campaign::Role; // MOVED
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::laboratory::chain::{Chain, Coupling};
+use sixaxis_reference::laboratory::instruments::Instruments;
+use sixaxis_reference::laboratory::schedule::PlannedTrial;
+use sixaxis_reference::motion::SimulatedRun;
+use sixaxis_reference::mujoco::simulation::Simulation;
 use sixaxis_reference::paper;
-use sixaxis_reference::recording::SimulatedRun;
-use sixaxis_reference::rig::{Mode, Mounting, ROTATION_AMPLITUDE_RAD, Run};
-use sixaxis_reference::simulation::Simulation;
+use sixaxis_reference::rig::run::{Mode, Mounting, ROTATION_AMPLITUDE_RAD, Run};
 use sixaxis_reference::threshold;
 
 use super::COMPARED_DIVISOR;
@@ -180,7 +183,11 @@ fn amplifier(run: &SimulatedRun, parameters: &Parameters) -> Result<(f64, f64)> 
 }
 
 /// Error of step 3 with a gyroscope that lags and is perfect otherwise.
-fn lag(campaign: &[(Trial, SimulatedRun)], parameters: &Parameters, undo_lag: bool) -> Result<f64> {
+fn lag(
+    campaign: &[(PlannedTrial, SimulatedRun)],
+    parameters: &Parameters,
+    undo_lag: bool,
+) -> Result<f64> {
     let lagging = Laboratory {
         instruments: Instruments {
             signal_to_noise_db: None,
@@ -190,7 +197,7 @@ fn lag(campaign: &[(Trial, SimulatedRun)], parameters: &Parameters, undo_lag: bo
         },
         ..Laboratory::noise_free(*parameters)
     };
-    let angular: Vec<(Trial, SimulatedRun)> = campaign
+    let angular: Vec<(PlannedTrial, SimulatedRun)> = campaign
         .iter()
         .filter(|(trial, _)| trial.role == Role::Angular)
         .cloned()

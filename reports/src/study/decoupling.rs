@@ -8,10 +8,11 @@ use sixaxis_core::decouple::rest_to_rest;
 use sixaxis_core::decouple::stream::Decoupler;
 use sixaxis_core::{LIMBS, Parameters, Scheme, SixAxis};
 use sixaxis_recordings::session::Role;
-use sixaxis_reference::campaign::Laboratory;
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::laboratory::recording::SimulatedRecording;
+use sixaxis_reference::motion::SimulatedRun;
 use sixaxis_reference::paper;
-use sixaxis_reference::recording::{Recording, SimulatedRun};
-use sixaxis_reference::rig::Mounting;
+use sixaxis_reference::rig::run::Mounting;
 
 use super::cleaning::Preset;
 use super::results::{Comparison, Compound, Gravity, ParameterSet, Standard};
@@ -61,7 +62,7 @@ fn standards(cleaned: &Cleaned) -> SixSeries {
 /// # Errors
 /// Those of the decoupler.
 pub fn decouple(
-    recording: &Recording,
+    recording: &SimulatedRecording,
     voltage_v: &[[f64; LIMBS]],
     parameters: &Parameters,
     scheme: Scheme,
@@ -172,7 +173,7 @@ impl Case<'_> {
     ///
     /// # Errors
     /// Those of the cleaning.
-    pub fn record(&self, run: &SimulatedRun) -> Result<(Recording, Cleaned)> {
+    pub fn record(&self, run: &SimulatedRun) -> Result<(SimulatedRecording, Cleaned)> {
         let recording = self.laboratory.record(run, FIRST_RUN + self.index);
         let (_, cleaned) = self.cleaning.clean(&recording, Role::Validation)?;
         Ok((recording, cleaned))
@@ -184,7 +185,7 @@ impl Case<'_> {
     /// Those of the detrending.
     pub fn voltages(
         &self,
-        recording: &Recording,
+        recording: &SimulatedRecording,
         cleaned: &Cleaned,
         parameters: &Parameters,
     ) -> Result<Vec<[f64; LIMBS]>> {

@@ -5,9 +5,11 @@ use rayon::prelude::*;
 use sixaxis_calibration::steps::Campaign;
 use sixaxis_core::{Geometry, LIMBS};
 use sixaxis_recordings::session;
-use sixaxis_reference::campaign::{Laboratory, Role, Trial};
+use sixaxis_reference::campaign::Role; // MOVED
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::laboratory::schedule::PlannedTrial;
+use sixaxis_reference::motion::SimulatedRun;
 use sixaxis_reference::paper;
-use sixaxis_reference::recording::SimulatedRun;
 
 use super::cleaning::Preset;
 
@@ -27,7 +29,7 @@ fn role(role: Role) -> session::Role {
 /// Those of the cleaning.
 pub fn record(
     laboratory: &Laboratory,
-    simulated: &[(Trial, SimulatedRun)],
+    simulated: &[(PlannedTrial, SimulatedRun)],
     preset: Preset,
 ) -> Result<Campaign> {
     let rest = simulated

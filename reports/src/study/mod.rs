@@ -20,11 +20,11 @@ pub mod simulations;
 use anyhow::{Context, Result};
 use sixaxis_calibration::steps::{FourSteps, GyroscopeGain};
 use sixaxis_core::{Parameters, Scheme};
-use sixaxis_reference::campaign::Laboratory;
-use sixaxis_reference::mjcf::mujoco_version;
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::motion::SimulatedRun;
+use sixaxis_reference::mujoco::version;
 use sixaxis_reference::paper;
-use sixaxis_reference::recording::SimulatedRun;
-use sixaxis_reference::rig::Mounting;
+use sixaxis_reference::rig::run::Mounting;
 
 use crate::progress::Progress;
 use cleaning::Preset;
@@ -165,7 +165,7 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
         quick: plan.quick,
         trials_per_step: plan.trials_per_step(),
         sixaxis_version: env!("CARGO_PKG_VERSION").to_owned(),
-        mujoco_version: mujoco_version().to_owned(),
+        mujoco_version: version().to_owned(),
         reference: checks::reference(plan, &simulations)?,
         noise_free: identification_results(&truth, &noise_free, &noise_free, coarse.as_ref())?,
         noise_free_repeated: identification_results(

@@ -3,9 +3,9 @@
 use anyhow::Result;
 use rayon::prelude::*;
 use sixaxis_core::{Parameters, Scheme};
-use sixaxis_reference::campaign::Laboratory;
-use sixaxis_reference::recording::SimulatedRun;
-use sixaxis_reference::threshold::log_slope;
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::motion::SimulatedRun;
+use sixaxis_reference::mujoco::threshold::log_slope;
 
 use super::decoupling::decouple;
 use super::results::{Gravity, Order};

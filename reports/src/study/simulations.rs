@@ -3,12 +3,16 @@
 use anyhow::{Context, Result};
 use rayon::prelude::*;
 use sixaxis_core::Parameters;
-use sixaxis_reference::campaign::{self, Role, Trial};
+use sixaxis_reference::campaign; // MOVED
+use sixaxis_reference::campaign::Role; // MOVED
+use sixaxis_reference::laboratory::schedule::PlannedTrial;
+use sixaxis_reference::motion::SimulatedRun;
+use sixaxis_reference::mujoco::ring_down::RingDown;
+use sixaxis_reference::mujoco::threshold::SweepPoint;
 use sixaxis_reference::paper;
-use sixaxis_reference::recording::SimulatedRun;
-use sixaxis_reference::rig::{Mode, Mounting};
-use sixaxis_reference::ringdown::{self, RingDown};
-use sixaxis_reference::threshold::{self, SweepPoint};
+use sixaxis_reference::rig::run::{Mode, Mounting};
+use sixaxis_reference::ringdown; // MOVED
+use sixaxis_reference::threshold; // MOVED
 
 use super::plan::{
     CAMPAIGN_RATE_HZ, CAMPAIGN_STEPS, COMPOUND_RATE_HZ, COMPOUND_STEPS, Plan, SWEEP_STEP_S,
@@ -18,9 +22,9 @@ use crate::progress::Progress;
 /// Everything that was simulated.
 pub struct Simulations {
     /// Steps 2 to 4 at the campaign's step, in the plan's order.
-    pub campaign: Vec<(Trial, SimulatedRun)>,
+    pub campaign: Vec<(PlannedTrial, SimulatedRun)>,
     /// The same at twice the step; empty if not asked for.
-    pub campaign_coarse: Vec<(Trial, SimulatedRun)>,
+    pub campaign_coarse: Vec<(PlannedTrial, SimulatedRun)>,
     /// Tables 4 to 6 at the compound step.
     pub compound: Vec<SimulatedRun>,
     /// The same at half the step.
@@ -51,7 +55,7 @@ pub fn sweep_kinds() -> [(&'static str, Parameters, Mode); 4] {
 enum Task {
     Run {
         list: List,
-        trial: Trial,
+        trial: PlannedTrial,
         rate_hz: f64,
         steps: usize,
     },
@@ -104,7 +108,7 @@ impl Task {
                 ..
             } => {
                 let model = trial.model(&paper::identified_parameters());
-                SimulatedRun::simulate(&model, &trial.run, *rate_hz, *steps)
+                sixaxis_reference::mujoco::simulate_run(&model, &trial.run, *rate_hz, *steps)
                     .map(Outcome::Run)
                     .with_context(|| {
                         format!("{:?} run at {} Hz", trial.role, trial.run.frequency_hz)
@@ -113,7 +117,7 @@ impl Task {
             Self::Sweep { kind, frequency_hz } => {
                 let (_, parameters, mode) = sweep_kinds()[*kind];
                 let run = threshold::excitation(mode, *frequency_hz);
-                let trial = Trial {
+                let trial = PlannedTrial {
                     role: Role::Linear,
                     run,
                     mounting: Mounting::AxisVertical,
@@ -245,7 +249,7 @@ pub fn simulate(plan: &Plan, progress: &Progress) -> Result<Simulations> {
         }
     }
     // The tasks ran longest first; put them back in the order in which people read.
-    let by_role = |a: &(Trial, SimulatedRun), b: &(Trial, SimulatedRun)| {
+    let by_role = |a: &(PlannedTrial, SimulatedRun), b: &(PlannedTrial, SimulatedRun)| {
         (a.0.role.cmp(&b.0.role)).then(a.0.run.frequency_hz.total_cmp(&b.0.run.frequency_hz))
     };
     result.campaign.sort_by(by_role);

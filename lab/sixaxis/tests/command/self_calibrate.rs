@@ -9,7 +9,7 @@ use sixaxis_calibration::calibration::Calibration;
 use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::{Geometry, LIMBS};
 use sixaxis_recordings::{Block, Channel, Layout, create};
-use sixaxis_reference::field::compliant_forces_m_s2;
+use sixaxis_reference::compliant::compliant_forces_m_s2;
 use sixaxis_reference::paper::{GRAVITY_M_S2, identified_parameters};
 
 use crate::program::{Folder, run, stdout, text};
@@ -162,9 +162,9 @@ fn turned_over() -> PathBuf {
     };
     let chain = SignalChain::new(&gains, &parameters);
     let mut rng = rand_pcg::Pcg64::new(7, 7);
-    let field = sixaxis_reference::field::Field::by_hand(
+    let field = sixaxis_reference::rig::field::Field::by_hand(
         &mut rng,
-        sixaxis_reference::field::Pace::Brisk,
+        sixaxis_reference::rig::field::Pace::Brisk,
         10.0,
         10_000.0,
     );

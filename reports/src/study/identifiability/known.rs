@@ -13,8 +13,10 @@ use sixaxis_core::Parameters;
 use sixaxis_core::decouple::uncertainty::PARAMETERS;
 use sixaxis_core::decouple::uncertainty::parameters::{COMPLIANCE, DRIFT, SCALE};
 use sixaxis_core::identify::joint::{Certificates, Known as KnownTo};
-use sixaxis_reference::campaign::Laboratory;
-use sixaxis_reference::instruments::{GAIN_SHARE, GYROSCOPE_BANDWIDTH_HZ, INSTRUMENT_CLASS};
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::laboratory::instruments::{
+    GAIN_SHARE, GYROSCOPE_BANDWIDTH_HZ, INSTRUMENT_CLASS,
+};
 
 use super::tap;
 use crate::study::cleaning::Preset;

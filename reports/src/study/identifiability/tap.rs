@@ -8,11 +8,13 @@ use sixaxis_calibration::steps::{Campaign, FourSteps};
 use sixaxis_core::decouple::uncertainty::parameters::{INERTIA, SCALE};
 use sixaxis_core::identify::tap::{Setup, identify};
 use sixaxis_core::{LIMBS, Parameters, Sensor};
-use sixaxis_reference::campaign::{DAMPING_RATIO, Laboratory, MASS_KG};
-use sixaxis_reference::chain::amplifier_ranges;
-use sixaxis_reference::mjcf::SensorModel;
-use sixaxis_reference::rig::Mounting;
-use sixaxis_reference::tap::{Blow, DURATION_S, SAMPLE_RATE_HZ, STEPS_PER_SAMPLE};
+use sixaxis_reference::chain::amplifier_ranges; // MOVED
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::mujoco::model::DAMPING_RATIO;
+use sixaxis_reference::mujoco::model::SensorModel;
+use sixaxis_reference::rig::run::Mounting;
+use sixaxis_reference::rig::tap::{DURATION_S, SAMPLE_RATE_HZ, STEPS_PER_SAMPLE, Tap};
+use sixaxis_reference::sensor::MASS_KG;
 
 use crate::study::results::identifiability::KnownTap;
 
@@ -41,7 +43,7 @@ pub fn study(
         damping_ratio: DAMPING_RATIO,
         gravity_ground_m_s2: Mounting::AxisVertical.gravity_ground_m_s2(glam::DVec3::Z),
     };
-    let motion = Blow::random(&mut rng)
+    let motion = Tap::random(&mut rng)
         .play(&model, DURATION_S, SAMPLE_RATE_HZ, STEPS_PER_SAMPLE)
         .context("a tap")?;
     let forces = &motion.limb_force_per_mass_m_s2;
