@@ -27,10 +27,9 @@ fn step(simulation: &mut Simulation, run: &Run, count: &mut u64, steps: u64) -> 
 }
 
 fn sensor(criterion: &mut Criterion) {
-    let trial = problem::compound_5_hz();
-    let run = &trial.run;
+    let run = &problem::compound_5_hz();
     let steps = (run.duration_s() / STEP_S).round() as u64;
-    let mut simulation = problem::simulation(&trial);
+    let mut simulation = problem::simulation(run);
     let mut count = 0;
     let (linear, angular): (Vec<(DVec3, DVec3)>, Vec<_>) = (0..steps)
         .map(|_| {
@@ -48,14 +47,14 @@ fn sensor(criterion: &mut Criterion) {
             validate::accelerations(DRIVEN, &pairs),
         );
     }
-    let mut forward = FreeSensor::new(&trial);
+    let mut forward = FreeSensor::new(run);
     for pair in forward.accelerations() {
         validate::require(
             "reference/step/mj_forward",
             validate::accelerations(FORWARD, &[pair]),
         );
     }
-    let mut free = FreeSensor::new(&trial);
+    let mut free = FreeSensor::new(run);
     validate::require(
         "reference/step/mj_step",
         validate::accelerations(FREE_FALL, &[free.fall(FALL_STEPS)]),

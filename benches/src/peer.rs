@@ -231,7 +231,7 @@ impl PeerDecoupler {
             geometry: PeerGeometry::new(&Geometry::PAPER),
             drift_v: parameters.zero_drift_v.into(),
             sensitivity: SVector::from(parameters.scale_per_mass_per_kg)
-                .component_mul(&SVector::from(recording.gains.gain_n_per_v)),
+                .component_mul(&SVector::from(recording.gain_n_per_v)),
             preload: preload.into(),
             stiffness: parameters.stiffness_per_mass_per_s2,
             inertia: Matrix3::new(

@@ -18,6 +18,7 @@ use sixaxis_props::publication::{Arguments, end};
 use sixaxis_props::self_calibration::{
     Case, NOISE_SHARE, SAMPLE_RATE_HZ, errors, nine, without_mean,
 };
+use sixaxis_props::truth;
 use sixaxis_reference::rig::field::Pace;
 
 /// Seeds below were looked at while the fit was written.
@@ -451,7 +452,7 @@ fn motions(seed: u64) -> Result<Vec<Motion>, String> {
             if !whole {
                 case.field.gravity_ground_m_s2 = DVec3::ZERO;
             }
-            case.loads = case.field.play(&case.truth).0;
+            case.loads = case.field.play(&truth::sensor(&case.truth)).0;
             let case = case.with_stiffness(&[1.0; LIMBS]);
             match case.ratios(&case.noisy_v(NOISE_SHARE)) {
                 Ok(_) => Ok(Motion {

@@ -1,5 +1,6 @@
 //! Small campaigns for the joint estimator: played, collected, fitted, and held against the truth.
 
+use crate::truth;
 use nalgebra::{SMatrix, SVector};
 use rayon::prelude::*;
 use sixaxis_calibration::joint::{JointReport, Knowledge, Loss, fit};
@@ -66,7 +67,7 @@ impl Fitted {
     /// What stops it, in words.
     pub fn of(plan: &SessionPlan) -> Result<Self, String> {
         let played = simulate_session(plan).map_err(|e| e.to_string())?;
-        let truth = values(&played.truth.parameters);
+        let truth = values(&truth::parameters(&played.truth.parameters));
         let collected =
             collect(&played.session, played.recordings).map_err(|failure| failure.cause)?;
         let campaign = collected.campaign;

@@ -4,11 +4,12 @@
 //! over to the other number by number. All suites, benches and the report do it here.
 
 use glam::DVec3;
-use rand::Rng;
+use rand_pcg::Pcg64;
 use sixaxis_calibration::trial::Trial;
-use sixaxis_core::{Gains, Geometry, InertiaPerMass, Parameters, Scheme, Sensor, Settings};
+use sixaxis_core::{Gains, Geometry, InertiaPerMass, LIMBS, Parameters, Scheme, Sensor, Settings};
 use sixaxis_recordings::session::Role;
 use sixaxis_reference::geometry;
+use sixaxis_reference::laboratory::chain::Chain;
 use sixaxis_reference::laboratory::recording::SimulatedRecording;
 use sixaxis_reference::mujoco::model::SensorModel;
 use sixaxis_reference::sensor::{self, TrueSensor};
@@ -59,8 +60,20 @@ pub fn identified_parameters() -> Parameters {
 }
 
 /// A sensor scattered about the design.
-pub fn random_parameters(rng: &mut impl Rng) -> Parameters {
+pub fn random_parameters(rng: &mut Pcg64) -> Parameters {
     parameters(&TrueSensor::random(rng))
+}
+
+/// The amplifier ranges, of a tared chain of +-10 V, that fit the limb forces per mass, m/s^2.
+#[must_use]
+pub fn amplifier_ranges(
+    limb_force_per_mass_m_s2: &[[f64; LIMBS]],
+    parameters: &Parameters,
+) -> Gains {
+    let sensor = sensor(parameters);
+    Gains {
+        gain_n_per_v: Chain::noise_free().amplifier_ranges(limb_force_per_mass_m_s2, &sensor),
+    }
 }
 
 /// A simulated recording as what is judged takes it.

@@ -13,7 +13,7 @@ use sixaxis_props::compare::all_finite;
 use sixaxis_props::hostile::{extreme, hostile, remembering, spoiled};
 use sixaxis_props::printed::{Instant, MassInertia};
 use sixaxis_props::strategy::{parameters, vector};
-use sixaxis_reference::paper;
+use sixaxis_props::truth;
 
 const SEEDS: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),
@@ -143,7 +143,7 @@ proptest! {
 
 #[test]
 fn prop_impossible_bodies_are_refused() {
-    let sound = paper::identified_parameters();
+    let sound = truth::identified_parameters();
     for inertia in [
         [1e-4, 1e-4, 3e-4, 0.0, 0.0, 0.0],
         [-1e-4, 1e-4, 1e-4, 0.0, 0.0, 0.0],

@@ -7,6 +7,8 @@ use sixaxis_props::compare::{fails_clearly, largest, within};
 use sixaxis_props::rig_runs::{decouple, errors, simulate};
 use sixaxis_props::strategy::{config, parameters, vector};
 use sixaxis_props::tolerance;
+use sixaxis_props::truth;
+use sixaxis_props::truth::InCore;
 use sixaxis_reference::laboratory::Laboratory;
 use sixaxis_reference::laboratory::recording::SimulatedRecording;
 use sixaxis_reference::motion::SimulatedRun;
@@ -33,11 +35,11 @@ fn decoupling_errors(
 
 #[test]
 fn ref_decoupled_acceleration_is_the_simulated_one() {
-    let parameters = paper::identified_parameters();
+    let parameters = truth::identified_parameters();
     for table in paper::COMPOUND_TABLES {
         for mounting in [Mounting::AxisVertical, Mounting::AxisLevel] {
             let run = simulate(&parameters, Mode::Compound, table.direction, mounting);
-            let recording = Laboratory::noise_free(parameters).record(&run, 0);
+            let recording = Laboratory::noise_free(truth::sensor(&parameters)).record(&run, 0);
             for error in decoupling_errors(&run, &recording, &parameters, |_| ()) {
                 within("decoupled acceleration", error, tolerance::DECOUPLED);
             }
@@ -47,10 +49,10 @@ fn ref_decoupled_acceleration_is_the_simulated_one() {
 
 #[test]
 fn ref_broken_decouplers_are_caught() {
-    let parameters = paper::identified_parameters();
+    let parameters = truth::identified_parameters();
     let direction = DVec3::new(2.0, 1.0, 1.0);
     let run = simulate(&parameters, Mode::Compound, direction, Mounting::AxisLevel);
-    let recording = Laboratory::noise_free(parameters).record(&run, 0);
+    let recording = Laboratory::noise_free(truth::sensor(&parameters)).record(&run, 0);
     let worst = |recording: &SimulatedRecording,
                  parameters: &Parameters,
                  change: &dyn Fn(&mut Settings)| {
@@ -110,7 +112,7 @@ proptest! {
     fn ref_any_sensor_is_decoupled(parameters in parameters(), direction in vector(1.0)) {
         prop_assume!(direction.length() > 0.1);
         let run = simulate(&parameters, Mode::Compound, direction, Mounting::AxisLevel);
-        let recording = Laboratory::noise_free(parameters).record(&run, 0);
+        let recording = Laboratory::noise_free(truth::sensor(&parameters)).record(&run, 0);
         for error in decoupling_errors(&run, &recording, &parameters, |_| ()) {
             within("decoupled acceleration of a random sensor", error, tolerance::DECOUPLED);
         }

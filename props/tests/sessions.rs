@@ -8,14 +8,14 @@ use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use sixaxis_calibration::load;
 use sixaxis_core::identify::inertia::euler_torque;
-use sixaxis_core::{Geometry, LIMBS, Parameters};
+use sixaxis_core::{LIMBS, Parameters};
 use sixaxis_props::compare::{fails_clearly, largest, within};
 use sixaxis_props::rig_runs::model;
 use sixaxis_props::tolerance::{self, Tolerance};
+use sixaxis_props::truth;
 use sixaxis_recordings::session::{Role, SessionFile};
 use sixaxis_reference::laboratory::defect::{Defect, Kind, Where};
-use sixaxis_reference::laboratory::effect::{MATERIAL, Signals};
-use sixaxis_reference::laboratory::plan::random_sensor; // MOVED
+use sixaxis_reference::laboratory::effect::{MATERIAL, Signals, drawn_defect};
 use sixaxis_reference::laboratory::plan::{
     CouplingChoice, DefectChoice, Engine, SensorChoice, SessionPlan,
 };
@@ -24,7 +24,7 @@ use sixaxis_reference::laboratory::write::{SESSION_FILE, TRUTH_FOLDER, write};
 use sixaxis_reference::laboratory::{check, plan_file, schedule};
 use sixaxis_reference::motion::SimulatedRun;
 use sixaxis_reference::rig::run::{Mode, Mounting, Run};
-use sixaxis_reference::rigid::RigidSensor;
+use sixaxis_reference::rigid::{Load, RigidSensor};
 
 /// Samples per second, and Runge-Kutta steps from sample to sample: 25 us.
 const RATE_HZ: f64 = 1000.0;
@@ -91,14 +91,10 @@ fn departure(ours: &[[f64; LIMBS]], truth: &[[f64; LIMBS]]) -> f64 {
 
 #[test]
 fn ref_rigid_runs_are_mujocos() {
-    let parameters = random_sensor(&mut Pcg64::seed_from_u64(11));
+    let parameters = truth::random_parameters(&mut Pcg64::seed_from_u64(11));
     let direction = DVec3::new(2.0, 1.0, 1.0).normalize();
-    let sensor = RigidSensor::new(
-        &Geometry::PAPER,
-        &parameters.inertia_per_mass,
-        &[1.0; LIMBS],
-    )
-    .expect("three nodes hold a body");
+    let sensor = RigidSensor::new(&truth::sensor(&parameters), &[1.0; LIMBS])
+        .expect("three nodes hold a body");
     for mounting in [Mounting::AxisVertical, Mounting::AxisLevel] {
         for mode in [Mode::Linear, Mode::Angular, Mode::Compound] {
             for frequency_hz in [1.5, 5.0] {
@@ -188,13 +184,16 @@ fn controls(
                 let angular = back * t.angular_ground_rad_s2;
                 let gyroscopic = euler_torque(inertia, t.rate_shell_rad_s, DVec3::ZERO);
                 let torque = euler_torque(inertia, DVec3::ZERO, angular) + sign * gyroscopic;
-                sensor.forces_m_s2(back * (t.linear_ground_m_s2 - gravity), torque)
+                sensor.forces_m_s2(&Load {
+                    specific_force_m_s2: back * (t.linear_ground_m_s2 - gravity),
+                    torque_m2_s2: torque,
+                })
             })
             .collect()
     };
     let error = |gravity, sign| departure(&forces(gravity, sign), &truth.limb_force_per_mass_m_s2);
     fails_clearly("no gravity", error(DVec3::ZERO, 1.0), limit);
-    if ours.run.mode != Mode::Linear {
+    if ours.motion.mode != Mode::Linear {
         let gravity = ours.gravity_ground_m_s2;
         fails_clearly("w x Iw of the wrong sign", error(gravity, -1.0), limit);
     }
@@ -232,9 +231,9 @@ fn inv_a_written_session_reads_back_as_played() {
                 trial.gyroscope_rad_s == recording.gyroscope_rad_s,
                 "{name}: gyroscope"
             );
-            assert_eq!(trial.role, recording.entry.role);
+            assert_eq!(trial.role, recording.role);
             assert_eq!(trial.sample_rate_hz, recording.sample_rate_hz, "{name}");
-            if let Some(gains) = &recording.entry.gain_n_per_v {
+            if let Some(gains) = &recording.entry().gain_n_per_v {
                 assert_eq!(trial.gains.gain_n_per_v, gains.each(), "{name}");
             }
             if trial.role != Role::Static {
@@ -413,7 +412,7 @@ fn forces(played: &SimulatedSession) -> Vec<Vec<[f64; LIMBS]>> {
     played.recordings[1..]
         .iter()
         .map(|r| {
-            let gains = r.entry.gain_n_per_v.expect("trials state gains").each();
+            let gains = r.gain_n_per_v;
             let rest = r.voltage_v[0];
             r.voltage_v
                 .iter()
@@ -492,7 +491,7 @@ fn inv_harmless_defects_are_told() {
     let signals = Signals::of(&plan);
     let healthy = simulate_session(&plan).expect("the plan can be played");
     let mut harmless = 0;
-    for trial in 0..schedule::trials(&plan, None).len() {
+    for trial in 0..schedule::trials(&plan.rig, plan.trials_per_step, None).len() {
         for channel in 0..LIMBS {
             let defect = Defect::InvertedChannel {
                 channel,
@@ -521,11 +520,10 @@ fn inv_harmless_defects_are_told() {
 fn inv_blind_sessions_are_healthy_or_of_any_kind() {
     let drawn: Vec<Option<Kind>> = (0..400)
         .map(|seed| {
-            SessionPlan {
+            drawn_defect(&SessionPlan {
                 defect: DefectChoice::Random,
                 ..small(seed)
-            }
-            .drawn_defect()
+            })
             .map(|defect| defect.kind())
         })
         .collect();

@@ -93,10 +93,7 @@ fn ref_a_session_with_taps_determines_stiffness_and_changes_nothing_else() {
 fn prop_a_bad_tap_is_a_reservation() {
     let mut played = simulate_session(&plan(2)).expect("it plays");
     let full_scale_v = played.session.sensor.full_scale_v;
-    let mut bad = played
-        .recordings
-        .iter_mut()
-        .filter(|r| r.entry.role == Role::Tap);
+    let mut bad = played.recordings.iter_mut().filter(|r| r.role == Role::Tap);
     let clipped = bad.next().expect("a tap");
     let middle = clipped.voltage_v.len() / 2;
     clipped.voltage_v[middle] = [full_scale_v; LIMBS];

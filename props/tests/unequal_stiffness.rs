@@ -16,6 +16,7 @@ use sixaxis_props::self_calibration::{Case, NOISE_SHARE, without_mean};
 use sixaxis_props::statistics::chi_square_departure;
 use sixaxis_props::strategy::seed;
 use sixaxis_props::tolerance;
+use sixaxis_props::truth;
 use sixaxis_reference::laboratory::session::simulate_session;
 
 /// Campaigns of each kind, at a quarter of the paper's sample rate.
@@ -59,6 +60,7 @@ fn tested(seed: u64, spread: f64, wedge_deg: f64) -> (StiffnessTest, [f64; LIMBS
         total[(SCALE.start + i, SCALE.start + j)] / (s[i] * s[j])
     });
     let ratio = plan.stiffness_ratio();
+    let truth = truth::parameters(&truth);
     let case = Case::calibrated(seed, truth, found, TUMBLE_S).with_stiffness(&ratio);
     let ratios = case
         .ratios(&case.noisy_v(NOISE_SHARE))

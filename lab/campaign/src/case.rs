@@ -16,7 +16,7 @@ use sixaxis_reference::laboratory::recording::SimulatedRecording;
 use sixaxis_reference::laboratory::session::{SimulatedSession, simulate_session};
 
 use crate::collected::{Collected, Failure, collect};
-use crate::parameter::{PARAMETERS, values};
+use crate::parameter::{PARAMETERS, true_values, values};
 use crate::row::{Group, Row, Scalar, Status, Text, Values};
 
 /// Plays and calibrates the session of a plan with this seed. What fails is a row, too.
@@ -46,7 +46,7 @@ pub fn calibrate(plan: &SessionPlan, seed: u64) -> Row {
             .as_ref()
             .map_or_else(|failure| failure.status, |_| Status::Calibrated),
     );
-    row.set_group(Group::Truth, values(&truth.parameters).map(Some));
+    row.set_group(Group::Truth, true_values(&truth.parameters).map(Some));
     row.set_scalar(
         Scalar::AccelerometerGainError,
         truth.instruments.accelerometer_gain_error,

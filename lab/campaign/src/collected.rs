@@ -43,7 +43,7 @@ pub fn collect(
     let mut moving = Vec::new();
     let mut struck = Vec::new();
     for recording in recordings {
-        match recording.entry.role {
+        match recording.role {
             Role::Static => static_voltage_v = at_rest(&recording),
             // Held against the standards, never fitted.
             Role::Validation => {}
@@ -84,11 +84,12 @@ fn at_rest(recording: &SimulatedRecording) -> Vec<[f64; sixaxis_core::LIMBS]> {
 }
 
 fn trial(session: &Session, recording: SimulatedRecording) -> Trial {
+    let entry = recording.entry();
     let readings = Readings {
         sample_rate_hz: recording.sample_rate_hz,
         voltage_v: recording.voltage_v,
         accelerometer_m_s2: recording.accelerometer_m_s2,
         gyroscope_rad_s: recording.gyroscope_rad_s,
     };
-    Trial::of(session, &recording.entry, readings)
+    Trial::of(session, &entry, readings)
 }

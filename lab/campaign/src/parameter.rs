@@ -1,6 +1,7 @@
 //! The 25 parameters as columns: their names, units and order.
 
-use sixaxis_core::{LIMBS, Parameters};
+use sixaxis_core::{InertiaPerMass, LIMBS, Parameters};
+use sixaxis_reference::sensor::TrueSensor;
 
 pub use sixaxis_core::model::PARAMETERS;
 
@@ -46,5 +47,18 @@ pub fn values(parameters: &Parameters) -> [f64; PARAMETERS] {
         9..18 => parameters.scale_per_mass_per_kg[i - LIMBS],
         18..24 => inertia_m2[i - 2 * LIMBS],
         _ => parameters.stiffness_per_mass_per_s2,
+    })
+}
+
+/// [`values`] of a simulated sensor: where the reference's types become core's.
+#[must_use]
+pub fn true_values(sensor: &TrueSensor) -> [f64; PARAMETERS] {
+    values(&Parameters {
+        zero_drift_v: sensor.zero_drift_v,
+        scale_per_mass_per_kg: sensor.scale_per_mass_per_kg,
+        inertia_per_mass: InertiaPerMass::from_paper_order(
+            sensor.inertia_per_mass.to_paper_order(),
+        ),
+        stiffness_per_mass_per_s2: sensor.stiffness_per_mass_per_s2,
     })
 }

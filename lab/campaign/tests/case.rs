@@ -5,7 +5,7 @@ mod common;
 use common::{Folder, small};
 use sixaxis_calibration::verdict::{Judgement, Unwatched, judge};
 use sixaxis_campaign::case::calibrate;
-use sixaxis_campaign::parameter::{PARAMETERS, name, values};
+use sixaxis_campaign::parameter::{PARAMETERS, name, true_values, values};
 use sixaxis_campaign::row::{Group, Row, Scalar, Status, Text, Values};
 use sixaxis_recordings::session::SessionFile;
 use sixaxis_reference::laboratory::plan::SessionPlan;
@@ -124,8 +124,8 @@ fn inv_a_case_depends_on_its_seed_alone() {
 fn prop_truth_is_the_players_and_no_estimate() {
     let row: Row = calibrate(&small(), 5);
     assert_eq!(row.status(), Some(Status::Calibrated));
-    let truth = SessionPlan { seed: 5, ..small() }.parameters();
-    assert_eq!(row.group(Group::Truth), &values(&truth).map(Some));
+    let truth = SessionPlan { seed: 5, ..small() }.true_sensor();
+    assert_eq!(row.group(Group::Truth), &true_values(&truth).map(Some));
     assert_ne!(row.group(Group::Truth), row.group(Group::FourSteps));
     // A fit of its own, not a copy; and told the gain it finds something else again.
     for i in 9..24 {

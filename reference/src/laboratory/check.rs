@@ -225,7 +225,7 @@ fn sizes(plan: &SessionPlan) -> Result<(), SessionError> {
         )
     })?;
     let mut samples = 0.0;
-    for trial in trials(plan, None) {
+    for trial in trials(&plan.rig, plan.trials_per_step, None) {
         if plan.sample_rate_hz < FEWEST_PER_PERIOD * trial.run.frequency_hz {
             return Err(SessionError::plan(
                 "sample_rate_hz",
@@ -250,7 +250,7 @@ fn sizes(plan: &SessionPlan) -> Result<(), SessionError> {
 
 /// A defect written down by hand.
 fn check_defect(plan: &SessionPlan, defect: &Defect) -> Result<(), SessionError> {
-    let count = trials(plan, None).len();
+    let count = trials(&plan.rig, plan.trials_per_step, None).len();
     let below = |name: &str, index: usize, limit: usize| {
         if index < limit {
             Ok(())

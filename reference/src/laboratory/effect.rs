@@ -91,7 +91,7 @@ impl Signals {
         let sensor = plan.true_sensor();
         let trials =
             RigidSensor::new(&sensor, &plan.stiffness_ratio()).map_or_else(Vec::new, |rigid| {
-                trials(plan, None)
+                trials(&plan.rig, plan.trials_per_step, None)
                     .iter()
                     .map(|trial| {
                         let rate_hz = SAMPLES_PER_PERIOD * trial.run.frequency_hz;

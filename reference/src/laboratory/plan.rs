@@ -122,6 +122,18 @@ impl Default for RigPlan {
     }
 }
 
+impl RigPlan {
+    /// The rig with a single turn at full speed in each run, as [`crate::rig::run::Run::new`] has it.
+    #[must_use]
+    pub fn one_turn(mounting: Mounting) -> Self {
+        Self {
+            steady_periods: 1.0,
+            mounting,
+            ..Self::default()
+        }
+    }
+}
+
 /// The measuring chain.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]

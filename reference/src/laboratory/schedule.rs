@@ -1,11 +1,11 @@
-//! Which trials a plan asks for: steps 2, 3 and 4 in turn, then the three compound runs.
+//! The trials of a session: steps 2, 3 and 4 in turn, then the three compound runs.
 
 use glam::{DQuat, DVec3};
 use rand_pcg::Pcg64;
 use sixaxis_recordings::session::Role;
 
 use super::defect::Defect;
-use super::plan::{RigPlan, SessionPlan};
+use super::plan::RigPlan;
 use crate::paper;
 use crate::rig::run::{Mode, Mounting, Run, WEDGES};
 use crate::sensor::TrueSensor;
@@ -48,24 +48,18 @@ impl RigPlan {
     }
 }
 
-/// The trials of a plan, in the order in which they are numbered.
+/// The trials on a rig, so many for each of steps 2 to 4, in the order in which they are numbered.
 #[must_use]
-pub fn trials(plan: &SessionPlan, defect: Option<&Defect>) -> Vec<PlannedTrial> {
-    let per_step = plan.trials_per_step;
+pub fn trials(rig: &RigPlan, per_step: usize, defect: Option<&Defect>) -> Vec<PlannedTrial> {
     let mut trials = Vec::new();
     for (word, role, mode, (low, high)) in [
-        ("linear", Role::Linear, Mode::Linear, plan.rig.low_band_hz),
-        (
-            "angular",
-            Role::Angular,
-            Mode::Angular,
-            plan.rig.low_band_hz,
-        ),
+        ("linear", Role::Linear, Mode::Linear, rig.low_band_hz),
+        ("angular", Role::Angular, Mode::Angular, rig.low_band_hz),
         (
             "fast",
             Role::HighFrequencyLinear,
             Mode::Linear,
-            plan.rig.high_band_hz,
+            rig.high_band_hz,
         ),
     ] {
         let plane = match defect {
@@ -87,13 +81,13 @@ pub fn trials(plan: &SessionPlan, defect: Option<&Defect>) -> Vec<PlannedTrial> 
             trials.push(PlannedTrial {
                 name: format!("{word}-{:02}", i + 1),
                 role,
-                run: plan.rig.run(mode, low + (high - low) * share, direction),
+                run: rig.run(mode, low + (high - low) * share, direction),
                 wedge,
-                mounting: plan.rig.mounting,
+                mounting: rig.mounting,
             });
         }
     }
-    trials.extend(compound_trials(&plan.rig));
+    trials.extend(compound_trials(rig));
     trials
 }
 

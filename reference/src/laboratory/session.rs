@@ -62,7 +62,10 @@ pub fn simulate_session(plan: &SessionPlan) -> Result<SimulatedSession, SessionE
 /// [`SessionError::Plan`].
 pub fn work_ms(plan: &SessionPlan) -> Result<u64, SessionError> {
     check(plan)?;
-    let trials: u64 = trials(plan, None).iter().map(trial_ms).sum();
+    let trials: u64 = trials(&plan.rig, plan.trials_per_step, None)
+        .iter()
+        .map(trial_ms)
+        .sum();
     Ok(trials + plan.rig.taps as u64 * tap::WORK_MS)
 }
 
@@ -99,7 +102,7 @@ pub fn simulate_session_watched(
         wedge_errors: wedge_errors(plan),
     };
     let mut recordings = vec![static_record(plan, &laboratory, defect)];
-    let played: Vec<SimulatedRecording> = trials(plan, defect)
+    let played: Vec<SimulatedRecording> = trials(&plan.rig, plan.trials_per_step, defect)
         .par_iter()
         .enumerate()
         .map(|(index, trial)| {

@@ -11,7 +11,7 @@ use rand::{Rng, RngExt};
 use super::tumble::{Sine, Tumble};
 use crate::motion::{Motion, TrueMotion};
 use crate::rigid::{Load, torque_per_mass};
-use crate::sensor::InertiaPerMass;
+use crate::sensor::TrueSensor;
 
 /// Frequencies at which a sensor is turned and shaken by hand, from and to, Hz.
 const BY_HAND_HZ: (f64, f64) = (0.3, 3.0);
@@ -88,7 +88,7 @@ impl Field {
 
     /// The loads of all samples and the motion behind them.
     #[must_use]
-    pub fn play(&self, inertia: &InertiaPerMass) -> (Vec<Load>, Vec<TrueMotion>) {
+    pub fn play(&self, sensor: &TrueSensor) -> (Vec<Load>, Vec<TrueMotion>) {
         let step_s = 1.0 / self.sample_rate_hz;
         let mut attitude = DQuat::IDENTITY;
         (0..self.samples)
@@ -100,7 +100,7 @@ impl Field {
                 let halfway = self.motion.rate_shell_at_rad_s(time_s + 0.5 * step_s);
                 attitude = (attitude * DQuat::from_scaled_axis(halfway * step_s)).normalize();
                 let specific = here.inverse() * (linear - self.gravity_ground_m_s2);
-                let torque = torque_per_mass(inertia, rate, angular);
+                let torque = torque_per_mass(&sensor.inertia_per_mass, rate, angular);
                 let truth = TrueMotion {
                     linear_ground_m_s2: linear,
                     angular_ground_rad_s2: here * angular,

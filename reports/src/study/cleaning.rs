@@ -4,6 +4,7 @@ use sixaxis_calibration::cleaning::{Cleaned, Cleaning};
 use sixaxis_calibration::trial::Trial;
 use sixaxis_core::Result;
 use sixaxis_core::recording::check_channels;
+use sixaxis_props::truth::InCore;
 use sixaxis_recordings::session::{LowPass, Preprocessing, Role, Stage};
 use sixaxis_reference::laboratory::instruments::GYROSCOPE_BANDWIDTH_HZ;
 use sixaxis_reference::laboratory::recording::SimulatedRecording;

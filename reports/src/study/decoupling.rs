@@ -7,6 +7,8 @@ use sixaxis_calibration::cleaning::Cleaned;
 use sixaxis_core::decouple::rest_to_rest;
 use sixaxis_core::decouple::stream::Decoupler;
 use sixaxis_core::{LIMBS, Parameters, Scheme, SixAxis};
+use sixaxis_props::truth;
+use sixaxis_props::truth::InCore;
 use sixaxis_recordings::session::Role;
 use sixaxis_reference::laboratory::Laboratory;
 use sixaxis_reference::laboratory::recording::SimulatedRecording;
@@ -115,12 +117,12 @@ pub fn largest_error(ours: &SixSeries, standard: &SixSeries) -> [f64; 6] {
 
 /// Complex amplitude at the drive frequency over the whole turns at full speed.
 fn harmonic(series: &[f64], run: &SimulatedRun) -> (f64, f64) {
-    let (from, to) = run.run.steady_span_s();
+    let (from, to) = run.motion.steady_span_s();
     let rate = run.sample_rate_hz;
     // Series begin at sample 1.
     let first = (from * rate).round() as usize - 1;
     let count = ((to - from) * rate).round() as usize;
-    let omega = core::f64::consts::TAU * run.run.frequency_hz / rate;
+    let omega = core::f64::consts::TAU * run.motion.frequency_hz / rate;
     let (mut c, mut s) = (0.0, 0.0);
     for (i, x) in series.iter().skip(first).take(count).enumerate() {
         let (sin, cos) = (omega * i as f64).sin_cos();
@@ -248,7 +250,7 @@ impl Case<'_> {
         });
         Ok(Compound {
             table: paper::COMPOUND_TABLES[self.index].number,
-            frequency_hz: self.run.run.frequency_hz,
+            frequency_hz: self.run.motion.frequency_hz,
             mounting: self.mounting,
             sample_rate_hz: self.run.sample_rate_hz,
             peak: peaks(&truth),
@@ -261,13 +263,13 @@ impl Case<'_> {
     /// How much the difference between decoupled and true accelerations changes when the simulator's step is halved:
     /// with perfect recordings, true parameters and a scheme whose own error is far smaller.
     fn reference_error(&self) -> Result<[f64; 6]> {
-        let perfect = Laboratory::noise_free(self.laboratory.parameters);
+        let perfect = Laboratory::noise_free(self.laboratory.sensor);
         let difference = |run: &SimulatedRun| -> Result<(SixSeries, SixSeries)> {
             let recording = perfect.record(run, FIRST_RUN + self.index);
             let samples = decouple(
                 &recording,
                 &recording.voltage_v,
-                &perfect.parameters,
+                &truth::parameters(&perfect.sensor),
                 Scheme::AdamsMoulton4,
                 Gravity::Kept,
             )?;

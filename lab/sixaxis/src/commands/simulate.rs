@@ -176,11 +176,7 @@ fn from_the_field(arguments: &Arguments, plan: &SessionPlan, duration_s: f64) ->
     }
     let played = record_tumble(plan, duration_s, &drift).context("cannot play the tumble")?;
     let path = write_beside(&played, &arguments.out, &arguments.format)?;
-    let gains: Vec<String> = played
-        .entry
-        .gain_n_per_v
-        .map(|gains| gains.each().iter().map(f64::to_string).collect())
-        .unwrap_or_default();
+    let gains = played.gain_n_per_v.map(|gain| gain.to_string());
     Ok(format!(
         "sixaxis self-calibrate {} {} --down 0,0,-1 --gain {}",
         quoted(&arguments.out.join("calibration.json")),

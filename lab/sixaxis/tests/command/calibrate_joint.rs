@@ -6,10 +6,10 @@ use std::process::Output;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use serde_json::Value;
-use sixaxis_core::Parameters;
 use sixaxis_reference::laboratory::plan::{Engine, SensorChoice, SessionPlan};
 use sixaxis_reference::laboratory::session::{SimulatedSession, simulate_session};
 use sixaxis_reference::rig::run::Mounting;
+use sixaxis_reference::sensor::TrueSensor;
 
 use crate::program::{Session, code, run, stderr, stdout, text};
 
@@ -62,7 +62,7 @@ fn page(session: &Path) -> String {
 }
 
 /// The parameters but k/m, in the paper's order.
-fn true_values(truth: &Parameters) -> Vec<f64> {
+fn true_values(truth: &TrueSensor) -> Vec<f64> {
     let mut values = truth.zero_drift_v.to_vec();
     values.extend(truth.scale_per_mass_per_kg);
     values.extend(truth.inertia_per_mass.to_paper_order());
@@ -70,7 +70,7 @@ fn true_values(truth: &Parameters) -> Vec<f64> {
 }
 
 /// The largest error over its half width, and whose it is.
-fn worst(intervals: &Value, truth: &Parameters) -> (f64, String) {
+fn worst(intervals: &Value, truth: &TrueSensor) -> (f64, String) {
     let intervals = intervals.as_array().expect("a list");
     true_values(truth)
         .into_iter()

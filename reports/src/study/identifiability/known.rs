@@ -13,6 +13,7 @@ use sixaxis_core::Parameters;
 use sixaxis_core::decouple::uncertainty::PARAMETERS;
 use sixaxis_core::decouple::uncertainty::parameters::{COMPLIANCE, DRIFT, SCALE};
 use sixaxis_core::identify::joint::{Certificates, Known as KnownTo};
+use sixaxis_props::truth;
 use sixaxis_reference::laboratory::Laboratory;
 use sixaxis_reference::laboratory::instruments::{
     GAIN_SHARE, GYROSCOPE_BANDWIDTH_HZ, INSTRUMENT_CLASS,
@@ -48,7 +49,7 @@ pub fn study(campaign: &Campaign, preset: Preset, laboratory: &Laboratory) -> Re
     let mut found = in_order(&steps.found());
     found[COMPLIANCE] = compliance_s2;
     let four_steps = four_steps(&found, &propagated, sources.gyroscope_gain);
-    let truth = in_order(&laboratory.parameters);
+    let truth = in_order(&truth::parameters(&laboratory.sensor));
     // Here truth meets estimate, after the fact.
     let told = joint
         .estimate
