@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use sixaxis_core::LIMBS;
-use sixaxis_core::dsp::resample::{CubicSpline, delayed};
+use sixaxis_core::dsp::delay::delayed;
+use sixaxis_core::dsp::resample::CubicSpline;
 use sixaxis_core::recording::check_time_stamps;
 use sixaxis_recordings::{Block, Channel, Layout, Source};
 

@@ -7,7 +7,9 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | [`page`] | what a page consists of: tiles, sections, tables, ledgers |
+//! | [`page`] | what a page consists of: tiles, sections, ledgers |
+//! | [`table`] | tables: heading, alignment and cell of a column in one place |
+//! | [`text`] | the text of a section in a file of its own |
 //! | [`figure`] | what a figure consists of: axes, series, marks |
 //! | [`number`] | how a number is printed |
 //! | [`markup`] | the few inline marks a text may contain |
@@ -32,11 +34,12 @@ pub mod plot;
 mod render;
 pub mod scale;
 pub mod standalone;
+pub mod table;
+pub mod text;
 pub mod trace;
 
 pub use figure::{Axis, Figure, Kind, Mark, Panel, Scale, Series};
-pub use page::{
-    Align, Block, Cell, Claim, Column, HeadCell, Listing, Page, Row, Section, State, Table, Tile,
-    Verdict,
-};
+pub use page::{Block, Claim, Listing, Page, Section, State, Tile, Verdict};
 pub use render::render;
+pub use table::{Align, Cell, Column, HeadCell, Row, Table, TableBuilder};
+pub use text::Text;

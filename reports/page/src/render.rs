@@ -3,8 +3,9 @@
 use super::figure::{Figure, Series};
 use super::layout::Size;
 use super::markup;
-use super::page::{Block, Page, Table, Verdict};
+use super::page::{Block, Page, Verdict};
 use super::plot;
+use super::table::Table;
 use anyhow::{Context, Result, bail, ensure};
 use minijinja::value::Serde;
 use minijinja::{Environment, Value, context};

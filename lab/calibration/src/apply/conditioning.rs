@@ -5,8 +5,8 @@ use std::collections::VecDeque;
 use anyhow::{Result, bail};
 use sixaxis_core::LIMBS;
 use sixaxis_core::dsp::butterworth;
+use sixaxis_core::dsp::causal::SectionsState;
 use sixaxis_core::dsp::lag::FirstOrder;
-use sixaxis_core::dsp::stream::SectionsState;
 
 use super::Row;
 use super::low_pass::ZeroPhase;
@@ -275,8 +275,8 @@ impl UndoneHighPass {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use sixaxis_core::dsp::delay::delayed;
     use sixaxis_core::dsp::lag::undo_high_pass;
-    use sixaxis_core::dsp::resample::delayed;
 
     const RATE_HZ: f64 = 2000.0;
 

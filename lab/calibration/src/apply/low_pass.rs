@@ -6,7 +6,7 @@
 use anyhow::{Result, ensure};
 use sixaxis_core::LIMBS;
 use sixaxis_core::dsp::butterworth::Section;
-use sixaxis_core::dsp::stream::SectionsState;
+use sixaxis_core::dsp::causal::SectionsState;
 use sixaxis_core::dsp::zero_phase::padding;
 
 use super::{CHUNK, Row};
