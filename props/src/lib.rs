@@ -14,6 +14,7 @@ pub mod motions;
 pub mod printed;
 pub mod propagation;
 pub mod publication;
+pub mod results;
 pub mod rig_runs;
 pub mod rigid;
 pub mod self_calibration;

@@ -13,7 +13,7 @@ use nalgebra::SVector;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
-use sixaxis_calibration::cleaning::Cleaning;
+use sixaxis_calibration::conditioning::Conditioning;
 use sixaxis_calibration::propagation::{Sources, TrialNoise};
 use sixaxis_calibration::steps::Campaign;
 use sixaxis_calibration::trial::Trial;
@@ -64,7 +64,7 @@ pub struct World {
     /// Compound runs, upright and level.
     pub compound: Vec<Trial>,
     /// The preprocessing.
-    pub cleaning: Cleaning,
+    pub conditioning: Conditioning,
     /// What is uncertain, and by how much.
     pub sources: Sources,
     /// Noise of one sample of the compound runs, V.
@@ -132,7 +132,7 @@ impl World {
             .into_iter()
             .partition(|(role, _)| *role == Role::Validation);
         let compound: Vec<Trial> = compound.into_iter().map(|(_, trial)| trial).collect();
-        let cleaning = Cleaning {
+        let conditioning = Conditioning {
             stages: Preprocessing::default(),
             accelerometer_bandwidth_hz: None,
             gyroscope_bandwidth_hz: Some(GYROSCOPE_BANDWIDTH_HZ),
@@ -159,8 +159,10 @@ impl World {
         let trials = moving
             .into_iter()
             .map(|(_, trial)| {
-                let cleaned = cleaning.clean(&trial).expect("a whole trial cleans");
-                (trial, cleaned)
+                let conditioned = conditioning
+                    .condition(&trial)
+                    .expect("a whole trial cleans");
+                (trial, conditioned)
             })
             .collect();
         Self {
@@ -171,7 +173,7 @@ impl World {
                 trials,
             },
             compound,
-            cleaning,
+            conditioning,
             sources,
             noise_v,
             truth,
@@ -235,7 +237,7 @@ impl World {
             }
         }
         let mut wedges: Vec<(DVec3, DVec3)> = Vec::new();
-        for ((trial, cleaned), noise) in campaign.trials.iter_mut().zip(&sources.trials) {
+        for ((trial, conditioned), noise) in campaign.trials.iter_mut().zip(&sources.trials) {
             let direction = trial.direction_ground;
             let stated = match wedges.iter().find(|(true_one, _)| *true_one == direction) {
                 Some((_, stated)) => *stated,
@@ -266,7 +268,10 @@ impl World {
                     *x = *x * gain + sd * dice.roll();
                 }
             }
-            *cleaned = self.cleaning.clean(trial).expect("a noisy trial cleans");
+            *conditioned = self
+                .conditioning
+                .condition(trial)
+                .expect("a noisy trial cleans");
         }
         let mut compound = self.compound.clone();
         for trial in &mut compound {

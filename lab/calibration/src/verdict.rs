@@ -25,7 +25,7 @@ use sixaxis_core::Parameters;
 use validation::validate;
 
 use crate::calibration::Calibration;
-use crate::cleaning::Cleaned;
+use crate::conditioning::Conditioned;
 use crate::error::Result;
 use crate::interval::{LeftOut, ParameterReport, put_taps, report};
 use crate::iteration::Iteration;
@@ -145,8 +145,8 @@ pub struct Judgement {
     pub trials: Vec<TrialReport>,
     /// Validation runs in full.
     pub comparisons: Vec<Comparison>,
-    /// Recordings as read and as cleaned, for before and after; the static one last.
-    pub recordings: Vec<(Trial, Option<Cleaned>)>,
+    /// Recordings as read and as conditioned, for before and after; the static one last.
+    pub recordings: Vec<(Trial, Option<Conditioned>)>,
     /// The calibration to be written, if there is one.
     pub calibration: Option<Calibration>,
 }
@@ -192,7 +192,7 @@ pub fn judge_choosing(
         at_rest,
         trials,
         struck,
-        cleaning,
+        conditioning,
         mut findings,
     } = gather(file, watch)?;
     watch.stage("examining", 1);
@@ -242,7 +242,7 @@ pub fn judge_choosing(
         Ok(steps) => {
             let left_out = LeftOut::fit(&campaign, &steps);
             watch.part();
-            propagated = propagation::of_session(&file.session, &campaign, &cleaning, &steps);
+            propagated = propagation::of_session(&file.session, &campaign, &conditioning, &steps);
             let noise = propagated.as_ref().map(|(_, found)| found.noise);
             parameters = report(&file.session, &steps, &left_out, noise.as_ref());
             taps = Taps::identify(
@@ -360,10 +360,10 @@ pub fn judge_choosing(
         };
         calibration = Some(to_file(file, kept));
     }
-    let mut recordings: Vec<(Trial, Option<Cleaned>)> = campaign
+    let mut recordings: Vec<(Trial, Option<Conditioned>)> = campaign
         .trials
         .into_iter()
-        .map(|(trial, cleaned)| (trial, Some(cleaned)))
+        .map(|(trial, conditioned)| (trial, Some(conditioned)))
         .collect();
     recordings.extend(at_rest.map(|rest| (rest, None)));
     Ok(Judgement {

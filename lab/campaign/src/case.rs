@@ -1,4 +1,4 @@
-//! One seeded calibration without files: played, cleaned, four steps, a row.
+//! One seeded calibration without files: played, conditioned, four steps, a row.
 //!
 //! Equals what [`sixaxis_calibration::verdict::judge`] makes of the same session on disk, bit for bit, where the files keep
 //! every bit of an f64 (test `inv_a_case_is_what_judge_finds_on_disk`).
@@ -90,7 +90,7 @@ fn identify(session: &Session, recordings: Vec<SimulatedRecording>) -> Result<Fo
     let Collected {
         campaign,
         taps: struck,
-        cleaning,
+        conditioning,
     } = collect(session, recordings)?;
     let class = session.gyroscope.class_percent / 100.0;
     let steps = campaign
@@ -99,7 +99,7 @@ fn identify(session: &Session, recordings: Vec<SimulatedRecording>) -> Result<Fo
             status: Status::NotIdentified,
             cause: error.to_string(),
         })?;
-    let propagated = propagation::of_session(session, &campaign, &cleaning, &steps);
+    let propagated = propagation::of_session(session, &campaign, &conditioning, &steps);
     let noise = propagated.map(|(_, found)| found.noise);
     let left_out = LeftOut::fit(&campaign, &steps);
     let mut reports = report(session, &steps, &left_out, noise.as_ref());

@@ -108,7 +108,7 @@ pub enum Status {
     Calibrated,
     /// The plan with this seed cannot be played.
     NotPlayed,
-    /// A recording cannot be cleaned.
+    /// A recording cannot be conditioned.
     NotCleaned,
     /// One of the four steps refuses its data.
     NotIdentified,

@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use self::moments::Moments;
 use crate::error::{Error, Result};
@@ -25,7 +25,7 @@ use crate::row::{Group, Row, Text};
 const AT_ONCE: usize = 32;
 
 /// A campaign, summed up.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// Version of the program that its cases are from.
     pub version: String,
@@ -48,7 +48,7 @@ pub struct Summary {
 }
 
 /// One parameter.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ParameterSummary {
     /// As in the paper: `s1/m`.
     pub name: String,

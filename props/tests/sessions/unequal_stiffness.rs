@@ -47,7 +47,7 @@ fn tested(seed: u64, spread: f64, wedge_deg: f64) -> (StiffnessTest, [f64; LIMBS
     let (_, known) = of_session(
         &played.session,
         &collected.campaign,
-        &collected.cleaning,
+        &collected.conditioning,
         &steps,
     )
     .expect("errors that can be told");

@@ -22,7 +22,7 @@ use sixaxis_reference::paper;
 use sixaxis_reference::rig::run::{Mode, Mounting, ROTATION_AMPLITUDE_RAD, Run};
 
 use super::COMPARED_DIVISOR;
-use super::cleaning::Preset;
+use super::conditioning::Preset;
 use super::decoupling::{decouple, largest_error, six_series, truth};
 use super::identification;
 use super::plan::{CAMPAIGN_RATE_HZ, CAMPAIGN_STEPS, COMPOUND_RATE_HZ, COMPOUND_STEPS, Plan};

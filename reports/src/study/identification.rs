@@ -1,4 +1,4 @@
-//! The simulated campaign as the analysis has it: recorded, cleaned, ready for the four steps.
+//! The simulated campaign as the analysis has it: recorded, conditioned, ready for the four steps.
 
 use anyhow::Result;
 use rayon::prelude::*;
@@ -9,12 +9,12 @@ use sixaxis_reference::laboratory::Laboratory;
 use sixaxis_reference::laboratory::schedule::PlannedTrial;
 use sixaxis_reference::motion::SimulatedRun;
 
-use super::cleaning::Preset;
+use super::conditioning::Preset;
 
 /// Records and cleans a simulated campaign.
 ///
 /// # Errors
-/// Those of the cleaning.
+/// Those of the conditioning.
 pub fn record(
     laboratory: &Laboratory,
     simulated: &[(PlannedTrial, SimulatedRun)],
@@ -25,7 +25,7 @@ pub fn record(
         .enumerate()
         .map(|(index, (trial, run))| {
             let recording = laboratory.record(run, index);
-            Ok(preset.clean(&recording, trial.role)?)
+            Ok(preset.condition(&recording, trial.role)?)
         })
         .collect::<Result<Vec<_>>>()?;
     Ok(Campaign {

@@ -20,7 +20,7 @@ use sixaxis_reference::laboratory::instruments::{
 };
 
 use super::tap;
-use crate::study::cleaning::Preset;
+use crate::study::conditioning::Preset;
 use crate::study::results::identifiability::{Interval, Known, KnownParameter};
 
 /// Largest gain error of either standard: what its certificate says.
@@ -28,7 +28,7 @@ const GAIN_LIMIT: f64 = GAIN_SHARE * INSTRUMENT_CLASS;
 /// Relative standard deviation of a stated time constant: what a data sheet's typical value means.
 const TIME_CONSTANT: f64 = 0.1;
 
-/// Both estimators on a campaign recorded by `laboratory` and cleaned by `preset`. Of the gyroscope's gain the four steps ask trials
+/// Both estimators on a campaign recorded by `laboratory` and conditioned by `preset`. Of the gyroscope's gain the four steps ask trials
 /// and certificate, as `sixaxis calibrate` does: the trials alone leave it to errors of the wedges.
 ///
 /// # Errors
@@ -39,7 +39,7 @@ pub fn study(campaign: &Campaign, preset: Preset, laboratory: &Laboratory) -> Re
         .context("four steps with certificates")?;
     let mut sources = Sources::seen(campaign, steps, GAIN_LIMIT, GAIN_LIMIT)?;
     sources.wedge_rad = WEDGE_DEG.to_radians();
-    let propagated = propagate(campaign, &preset.cleaning(), steps, &sources)
+    let propagated = propagate(campaign, &preset.conditioning(), steps, &sources)
         .context("the errors of the campaign, propagated")?;
     let joint = joint::fit(campaign, steps, &knowledge(), Loss::Squares).context("joint fit")?;
     let compliance_s2 = campaign

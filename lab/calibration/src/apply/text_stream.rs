@@ -2,17 +2,16 @@
 
 use std::io::{self, BufRead, Write};
 
-use crate::load;
 use anyhow::{Result, anyhow, bail, ensure};
 use sixaxis_core::{Decoupler, LIMBS, LimbSet};
 use sixaxis_recordings::channel::{Layout, time_channel};
+use sixaxis_recordings::ingest::find::{self, Column};
 use sixaxis_recordings::session::Channels;
 use sixaxis_recordings::{Block, Channel};
 
-use super::conditioning::Conditioning;
-use super::motion::{Columns, Decoding};
-use super::recording::seconds_per_unit;
-use super::watching::{Watching, flags};
+use super::conditioning_stream::ConditioningStream;
+use super::decoding::{Columns, Decoding};
+use super::fault_watch::{Watching, flags};
 use super::{Row, explain};
 
 /// Name of the stream in messages.
@@ -33,7 +32,7 @@ pub enum End {
 /// What a stream is decoded with.
 pub struct Live {
     /// Stages before the decoder.
-    pub conditioning: Conditioning,
+    pub conditioning: ConditioningStream,
     /// The decoder.
     pub decoupler: Decoupler,
     /// Decodes in its place, if channels are to be watched.
@@ -50,11 +49,8 @@ pub struct Live {
 
 /// Where things stand in a line.
 struct Places {
-    limbs: [usize; LIMBS],
-    volts: Row,
-    names: [String; LIMBS],
-    /// Column of the time and what one unit of it is worth in seconds.
-    time: Option<(usize, f64)>,
+    limbs: [Column; LIMBS],
+    time: Option<Column>,
     columns: usize,
 }
 
@@ -152,9 +148,9 @@ impl Live {
             ready.clear();
             self.conditioning.push(&[row], &mut ready);
             decoding.decode(&ready, &mut block).map_err(|error| {
-                explain(&error, &format!("{PLACE}, line {number}"), &places.names)
+                explain(&error, &format!("{PLACE}, line {number}"), &places.names())
             })?;
-            decoding.said().into_iter().for_each(warn);
+            decoding.messages().into_iter().for_each(warn);
             write_rows(output, &block)?;
         }
         // What the stages still hold is answered, too.
@@ -163,7 +159,7 @@ impl Live {
         if let Some(places) = &places {
             decoding
                 .decode(&ready, &mut block)
-                .map_err(|error| explain(&error, PLACE, &places.names))?;
+                .map_err(|error| explain(&error, PLACE, &places.names()))?;
             write_rows(output, &block)?;
         }
         if clipped > 1 {
@@ -190,12 +186,9 @@ impl Live {
             time,
             ..Layout::default()
         };
-        let (limbs, volts) = load::limbs(PLACE.as_ref(), &layout, &self.channels)?;
         Ok(Places {
-            limbs,
-            volts,
-            names: limbs.map(|index| layout.channels[index].name.clone()),
-            time: time.map(|index| (index, seconds_per_unit(&layout, index))),
+            limbs: find::limbs(PLACE.as_ref(), &layout, &self.channels)?,
+            time: find::time(PLACE.as_ref(), &layout, None)?,
             columns: cells.len(),
         })
     }
@@ -214,11 +207,8 @@ impl Live {
                 .collect(),
             ..Layout::default()
         };
-        let (limbs, volts) = load::limbs(PLACE.as_ref(), &layout, &self.channels)?;
         Ok(Places {
-            limbs,
-            volts,
-            names: self.channels.limbs.clone(),
+            limbs: find::limbs(PLACE.as_ref(), &layout, &self.channels)?,
             time: None,
             columns,
         })
@@ -234,6 +224,10 @@ impl Live {
 }
 
 impl Places {
+    fn names(&self) -> [String; LIMBS] {
+        self.limbs.each_ref().map(|limb| limb.name.clone())
+    }
+
     /// Channels of limbs that are done without are not looked at; where channels are watched, what is no number is a failure and
     /// no error.
     fn read(
@@ -259,19 +253,19 @@ impl Places {
                 }
             }
         };
-        let mut row = self.volts;
-        for (limb, value) in row.iter_mut().enumerate() {
-            if without.contains(limb) {
-                *value = 0.0;
+        let mut row = [0.0; LIMBS];
+        for (k, (value, limb)) in row.iter_mut().zip(&self.limbs).enumerate() {
+            if without.contains(k) {
                 continue;
             }
-            *value *= match number(&self.names[limb], self.limbs[limb]) {
-                Err(_) if watched => f64::NAN,
-                read => read?,
-            };
+            *value = limb.size_si
+                * match number(&limb.name, limb.index) {
+                    Err(_) if watched => f64::NAN,
+                    read => read?,
+                };
         }
-        let stamp_s = match self.time {
-            Some((index, seconds)) => Some(number("time", index)? * seconds),
+        let stamp_s = match &self.time {
+            Some(time) => Some(number("time", time.index)? * time.size_si),
             None => None,
         };
         Ok((row, stamp_s))
