@@ -34,7 +34,10 @@ pub struct Failure {
 ///
 /// # Errors
 /// The first recording that cannot be conditioned.
-pub fn collect(session: &Session, recordings: Vec<SimulatedRecording>) -> Result<Collected, Failure> {
+pub fn collect(
+    session: &Session,
+    recordings: Vec<SimulatedRecording>,
+) -> Result<Collected, Failure> {
     let conditioning = Conditioning::of(session);
     let mut static_voltage_v = Vec::new();
     let mut moving = Vec::new();

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 use sixaxis_core::LIMBS;
-use sixaxis_reference::field::Pace;
-use sixaxis_reference::session::plan::Engine;
+use sixaxis_reference::rig::field::Pace;
+use sixaxis_reference::laboratory::plan::Engine;
 
 pub use crate::blind::Outcome as BlindOutcome;
 pub use crate::taps::Tally as TapTally;

@@ -50,7 +50,11 @@ impl Preset {
     ///
     /// # Errors
     /// A recording that cannot be worked with: too short, a sample that is not finite, a channel dead or clipped.
-    pub fn condition(self, recording: &SimulatedRecording, role: Role) -> Result<(Trial, Conditioned)> {
+    pub fn condition(
+        self,
+        recording: &SimulatedRecording,
+        role: Role,
+    ) -> Result<(Trial, Conditioned)> {
         check_channels(&recording.voltage_v, recording.full_scale_v)?;
         let trial = recording.trial(role);
         let conditioned = self.conditioning().condition(&trial)?;
