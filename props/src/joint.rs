@@ -1,14 +1,13 @@
 //! Small campaigns for the joint estimator: played, collected, fitted, and held against the truth.
 
-use crate::truth;
 use nalgebra::{SMatrix, SVector};
 use rayon::prelude::*;
 use sixaxis_calibration::joint::{JointReport, Knowledge, Loss, fit};
 use sixaxis_calibration::steps::{Campaign, FourSteps, GyroscopeGain};
 use sixaxis_campaign::collected::collect;
-use sixaxis_campaign::parameter::{PARAMETERS, values};
 use sixaxis_core::LIMBS;
 use sixaxis_core::identify::scale::ScaleIdentification;
+use sixaxis_core::parameter::PARAMETERS;
 use sixaxis_recordings::session::{Role, Session};
 use sixaxis_reference::laboratory::instruments::Instruments;
 use sixaxis_reference::laboratory::plan::{Engine, SensorChoice, SessionPlan};
@@ -67,7 +66,7 @@ impl Fitted {
     /// What stops it, in words.
     pub fn of(plan: &SessionPlan) -> Result<Self, String> {
         let played = simulate_session(plan).map_err(|e| e.to_string())?;
-        let truth = values(&truth::parameters(&played.truth.parameters));
+        let truth = played.truth.parameters.to_paper_order();
         let collected =
             collect(&played.session, played.recordings).map_err(|failure| failure.cause)?;
         let campaign = collected.campaign;

@@ -11,7 +11,6 @@ pub mod hostile;
 pub mod joint;
 pub mod manufactured;
 pub mod motions;
-pub mod printed;
 pub mod propagation;
 pub mod publication;
 pub mod results;

@@ -117,6 +117,18 @@ impl TrueSensor {
         }
     }
 
+    /// Zero drifts, V; scale factors over mass, 1/kg; I1 to I6 over mass, m^2; stiffness over mass, s^-2.
+    #[must_use]
+    pub fn to_paper_order(&self) -> [f64; 25] {
+        let inertia_m2 = self.inertia_per_mass.to_paper_order();
+        core::array::from_fn(|i| match i {
+            0..9 => self.zero_drift_v[i],
+            9..18 => self.scale_per_mass_per_kg[i - 9],
+            18..24 => inertia_m2[i - 18],
+            _ => self.stiffness_per_mass_per_s2,
+        })
+    }
+
     /// A sensor scattered about the paper's design, with the paper's drawing.
     pub fn random(rng: &mut impl Rng) -> Self {
         let design = Self::design();

@@ -14,8 +14,9 @@ use rayon::prelude::*;
 use sixaxis_core::decouple::uncertainty::influence::{
     GyroscopeShare, InertiaInfluence, ScaleInfluence,
 };
-use sixaxis_core::decouple::uncertainty::parameters::{Chain, Covariance, DRIFT, Errors};
+use sixaxis_core::decouple::uncertainty::parameters::{Chain, Covariance, Errors};
 use sixaxis_core::dsp::spectrum::noise_floor;
+use sixaxis_core::parameter::DRIFT;
 use sixaxis_core::{LIMBS, Result};
 
 use self::own::{Answers, FourthStep, Own};

@@ -21,6 +21,7 @@ use grading::{failures, grade, reservations};
 use record::{Kept, to_file};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use sixaxis_core::Parameter;
 use sixaxis_core::Parameters;
 use validation::validate;
 
@@ -299,10 +300,10 @@ pub fn judge_choosing(
     }
     let open: Vec<&ParameterReport> = parameters
         .iter()
-        .filter(|p| !p.determined && p.name != "k/m")
+        .filter(|p| !p.determined && p.parameter != Parameter::Stiffness)
         .collect();
     if !open.is_empty() && findings.is_empty() {
-        let names: Vec<&str> = open.iter().map(|p| p.name.as_str()).collect();
+        let names: Vec<String> = open.iter().map(|p| p.parameter.to_string()).collect();
         findings.push(Finding {
             cause: Cause::UnderExcitedAxis,
             recordings: Vec::new(),
@@ -390,7 +391,10 @@ pub fn judge_choosing(
 /// The parameters to decouple with: k/m is the design's unless its report calls it determined, by taps or by step 4.
 fn used(steps: &FourSteps, parameters: &[ParameterReport]) -> Parameters {
     let mut used = steps.used();
-    if let Some(stiffness) = parameters.iter().find(|p| p.name == "k/m") {
+    if let Some(stiffness) = parameters
+        .iter()
+        .find(|p| p.parameter == Parameter::Stiffness)
+    {
         used.stiffness_per_mass_per_s2 = if stiffness.determined {
             stiffness.estimate
         } else {

@@ -10,13 +10,13 @@ use sixaxis_calibration::steps::{FourSteps, GyroscopeGain};
 use sixaxis_calibration::tap::Taps;
 use sixaxis_core::decouple::uncertainty::Covariance;
 use sixaxis_core::identify::{Reason, Verdict};
+use sixaxis_core::parameter::PARAMETERS;
 use sixaxis_recordings::session::Session;
 use sixaxis_reference::laboratory::plan::SessionPlan;
 use sixaxis_reference::laboratory::recording::SimulatedRecording;
 use sixaxis_reference::laboratory::session::{SimulatedSession, simulate_session};
 
 use crate::collected::{Collected, Failure, collect};
-use crate::parameter::{PARAMETERS, true_values, values};
 use crate::row::{Group, Row, Scalar, Status, Text, Values};
 
 /// Plays and calibrates the session of a plan with this seed. What fails is a row, too.
@@ -46,7 +46,7 @@ pub fn calibrate(plan: &SessionPlan, seed: u64) -> Row {
             .as_ref()
             .map_or_else(|failure| failure.status, |_| Status::Calibrated),
     );
-    row.set_group(Group::Truth, true_values(&truth.parameters).map(Some));
+    row.set_group(Group::Truth, truth.parameters.to_paper_order().map(Some));
     row.set_scalar(
         Scalar::AccelerometerGainError,
         truth.instruments.accelerometer_gain_error,
@@ -127,7 +127,7 @@ fn identify(session: &Session, recordings: Vec<SimulatedRecording>) -> Result<Fo
 impl Found {
     fn enter(&self, row: &mut Row) {
         let steps = &self.steps;
-        row.set_group(Group::FourSteps, values(&steps.found()).map(Some));
+        row.set_group(Group::FourSteps, steps.found().to_paper_order().map(Some));
         if let Some(noise) = &self.noise {
             // k/m is no linear function of anything: the closed form has its reciprocal.
             let deviation = |i: usize| (i < PARAMETERS - 1).then(|| noise[(i, i)].sqrt());

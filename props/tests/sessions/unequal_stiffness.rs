@@ -8,7 +8,7 @@ use sixaxis_calibration::propagation::of_session;
 use sixaxis_calibration::steps::GyroscopeGain;
 use sixaxis_campaign::collected::collect;
 use sixaxis_core::LIMBS;
-use sixaxis_core::decouple::uncertainty::parameters::SCALE;
+use sixaxis_core::parameter::SCALE;
 use sixaxis_core::redundancy::self_calibration::{PerLimbs, StiffnessTest};
 use sixaxis_props::compare::{largest, within};
 use sixaxis_props::joint::small;

@@ -6,11 +6,10 @@ use sixaxis_core::decouple::uncertainty::influence::{
     ComplianceInfluence, InertiaInfluence, ScaleInfluence, arms_m, column, force_per_volt,
     torque_per_volt,
 };
-use sixaxis_core::decouple::uncertainty::parameters::{
-    COMPLIANCE, Chain, Covariance, DRIFT, Errors, INERTIA, SCALE,
-};
+use sixaxis_core::decouple::uncertainty::parameters::{Chain, Covariance, Errors};
 use sixaxis_core::identify::compliance_fit::ComplianceFit;
 use sixaxis_core::paper::signal::SignalChain;
+use sixaxis_core::parameter::{COMPLIANCE, DRIFT, INERTIA, SCALE};
 use sixaxis_core::{Geometry, LIMBS, Parameters, Result, Scheme};
 
 use super::TrialNoise;
