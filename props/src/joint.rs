@@ -9,9 +9,9 @@ use sixaxis_core::LIMBS;
 use sixaxis_core::identify::scale::ScaleIdentification;
 use sixaxis_core::parameter::PARAMETERS;
 use sixaxis_recordings::session::{Role, Session};
-use sixaxis_reference::instruments::Instruments;
-use sixaxis_reference::session::plan::{Engine, SensorChoice, SessionPlan};
-use sixaxis_reference::session::play::play;
+use sixaxis_reference::laboratory::instruments::Instruments;
+use sixaxis_reference::laboratory::plan::{Engine, SensorChoice, SessionPlan};
+use sixaxis_reference::laboratory::session::simulate_session;
 
 /// A plan that is fitted in hundredths of a second: a random sensor on limbs that do not give way, half of the paper's trials, a
 /// quarter of the sample rate. Enough of the latter that the run-up's harmonics are not folded back.
@@ -65,7 +65,7 @@ impl Fitted {
     /// # Errors
     /// What stops it, in words.
     pub fn of(plan: &SessionPlan) -> Result<Self, String> {
-        let played = play(plan).map_err(|e| e.to_string())?;
+        let played = simulate_session(plan).map_err(|e| e.to_string())?;
         let truth = played.truth.parameters.to_paper_order();
         let campaign = prepare(&played.session, played.recordings).campaign;
         let class = played.session.gyroscope.class_percent / 100.0;

@@ -9,8 +9,9 @@ use sixaxis_calibration::progress::NoProgress;
 use sixaxis_core::identify::{Reason, Verdict};
 use sixaxis_core::parameter::PARAMETERS;
 use sixaxis_recordings::session::Session;
-use sixaxis_reference::session::plan::SessionPlan;
-use sixaxis_reference::session::play::{Played, PlayedSession, play};
+use sixaxis_reference::laboratory::plan::SessionPlan;
+use sixaxis_reference::laboratory::recording::SimulatedRecording;
+use sixaxis_reference::laboratory::session::{SimulatedSession, simulate_session};
 
 use crate::prepared::prepare;
 use crate::row::{Group, Row, Scalar, Status, Text, Values};
@@ -22,7 +23,7 @@ pub fn calibrate(plan: &SessionPlan, seed: u64) -> Row {
         seed,
         ..plan.clone()
     };
-    let played = match play(&plan) {
+    let played = match simulate_session(&plan) {
         Ok(played) => played,
         Err(error) => {
             let mut row = Row::new(seed, Status::NotPlayed);
@@ -30,7 +31,7 @@ pub fn calibrate(plan: &SessionPlan, seed: u64) -> Row {
             return row;
         }
     };
-    let PlayedSession {
+    let SimulatedSession {
         session,
         recordings,
         truth,
@@ -79,7 +80,7 @@ struct Failure {
 }
 
 /// From here on only what a laboratory has.
-fn identify(session: &Session, recordings: Vec<Played>) -> Result<Estimate, Failure> {
+fn identify(session: &Session, recordings: Vec<SimulatedRecording>) -> Result<Estimate, Failure> {
     let prepared = prepare(session, recordings);
     if let Some(finding) = prepared.findings.first() {
         return Err(Failure {

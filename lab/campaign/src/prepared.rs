@@ -5,22 +5,23 @@ use sixaxis_calibration::progress::NoProgress;
 use sixaxis_calibration::trial::{Readings, Trial};
 use sixaxis_recordings::ingest::averaged::Averaged;
 use sixaxis_recordings::session::{LIMBS, Role, Session};
-use sixaxis_reference::session::play::Played;
+use sixaxis_reference::laboratory::recording::SimulatedRecording;
 
 /// Sorts and conditions a played session's recordings, all but validation runs: these are held against the standards, never
 /// fitted.
 #[must_use]
-pub fn prepare(session: &Session, recordings: Vec<Played>) -> PreparedSession {
+pub fn prepare(session: &Session, recordings: Vec<SimulatedRecording>) -> PreparedSession {
     let trials = recordings
         .into_iter()
-        .filter(|recording| recording.entry.role != Role::Validation)
+        .filter(|recording| recording.role != Role::Validation)
         .map(|recording| trial(session, recording))
         .collect();
     PreparedSession::of(session, trials, &NoProgress)
 }
 
-fn trial(session: &Session, recording: Played) -> Trial {
-    let voltage_v = if recording.entry.role == Role::Static {
+fn trial(session: &Session, recording: SimulatedRecording) -> Trial {
+    let entry = recording.entry();
+    let voltage_v = if recording.role == Role::Static {
         averaged(&recording.voltage_v)
     } else {
         recording.voltage_v
@@ -31,7 +32,7 @@ fn trial(session: &Session, recording: Played) -> Trial {
         accelerometer_m_s2: recording.accelerometer_m_s2,
         gyroscope_rad_s: recording.gyroscope_rad_s,
     };
-    Trial::of(session, &recording.entry, readings)
+    Trial::of(session, &entry, readings)
 }
 
 /// A static record of any length in as many rows as a reader of files keeps.

@@ -9,10 +9,10 @@ use sixaxis_campaign::case::calibrate;
 use sixaxis_campaign::row::{Group, Row, Scalar, Status, Text, Values};
 use sixaxis_core::parameter::{PARAMETERS, Parameter};
 use sixaxis_recordings::session::SessionFile;
-use sixaxis_reference::rig::Mounting;
-use sixaxis_reference::session::plan::SessionPlan;
-use sixaxis_reference::session::play::play;
-use sixaxis_reference::session::write::write;
+use sixaxis_reference::laboratory::plan::SessionPlan;
+use sixaxis_reference::laboratory::session::simulate_session;
+use sixaxis_reference::laboratory::write::write;
+use sixaxis_reference::rig::run::Mounting;
 
 /// Rows of a static record that are more than the loader keeps, so that it averages.
 const LONG_STATIC_S: f64 = 600.0;
@@ -45,7 +45,7 @@ fn on_disk(plan: &SessionPlan, seed: u64, folder: &Folder) -> CalibratedSession 
         seed,
         ..plan.clone()
     };
-    let played = play(&plan).expect("it can be played");
+    let played = simulate_session(&plan).expect("it can be played");
     let session = write(&played, &folder.0, "parquet").expect("it can be written");
     let file = SessionFile::read(&session).expect("it can be read");
     calibrate_files(&file, &Options::default(), &NoProgress).expect("it can be calibrated")
@@ -125,7 +125,7 @@ fn inv_a_case_depends_on_its_seed_alone() {
 fn prop_truth_is_the_players_and_no_estimate() {
     let row: Row = calibrate(&small(), 5);
     assert_eq!(row.status(), Some(Status::Calibrated));
-    let truth = SessionPlan { seed: 5, ..small() }.parameters();
+    let truth = SessionPlan { seed: 5, ..small() }.true_sensor();
     assert_eq!(row.group(Group::Truth), &truth.to_paper_order().map(Some));
     assert_ne!(row.group(Group::Truth), row.group(Group::FourSteps));
     // A fit of its own, not a copy; and told the gain it finds something else again.

@@ -16,7 +16,8 @@ use sixaxis_props::self_calibration::{Case, NOISE_SHARE, without_mean};
 use sixaxis_props::statistics::chi_square_departure;
 use sixaxis_props::strategy::seed;
 use sixaxis_props::tolerance;
-use sixaxis_reference::session::play::play;
+use sixaxis_props::truth;
+use sixaxis_reference::laboratory::session::simulate_session;
 
 /// Campaigns of each kind, at a quarter of the paper's sample rate.
 const CAMPAIGNS: u64 = 16;
@@ -35,7 +36,7 @@ fn tested(seed: u64, spread: f64, wedge_deg: f64) -> (StiffnessTest, [f64; LIMBS
     plan.trials_per_step = 12;
     plan.rig.wedge_error_deg = wedge_deg;
     plan.chain.stiffness_spread = spread;
-    let played = play(&plan).expect("a session is played");
+    let played = simulate_session(&plan).expect("a session is played");
     let truth = played.truth.parameters;
     let prepared = prepare(&played.session, played.recordings);
     let class = played.session.gyroscope.class_percent / 100.0;
@@ -59,6 +60,7 @@ fn tested(seed: u64, spread: f64, wedge_deg: f64) -> (StiffnessTest, [f64; LIMBS
         total[(SCALE.start + i, SCALE.start + j)] / (s[i] * s[j])
     });
     let ratio = plan.stiffness_ratio();
+    let truth = truth::parameters(&truth);
     let case = Case::calibrated(seed, truth, found, TUMBLE_S).with_stiffness(&ratio);
     let ratios = case
         .ratios(&case.noisy_v(NOISE_SHARE))

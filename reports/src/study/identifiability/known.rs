@@ -12,8 +12,10 @@ use sixaxis_calibration::steps::{Campaign, GyroscopeGain};
 use sixaxis_core::Parameter;
 use sixaxis_core::identify::joint::{Certificates, Known as KnownTo};
 use sixaxis_core::parameter::{COMPLIANCE, PARAMETERS};
-use sixaxis_reference::campaign::Laboratory;
-use sixaxis_reference::instruments::{GAIN_SHARE, GYROSCOPE_BANDWIDTH_HZ, INSTRUMENT_CLASS};
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::laboratory::instruments::{
+    GAIN_SHARE, GYROSCOPE_BANDWIDTH_HZ, INSTRUMENT_CLASS,
+};
 
 use super::tap;
 use crate::study::conditioning::Preset;
@@ -45,8 +47,8 @@ pub fn study(campaign: &Campaign, preset: Preset, laboratory: &Laboratory) -> Re
     let mut found = steps.found().to_paper_order();
     found[COMPLIANCE] = compliance_s2;
     let four_steps = four_steps(&found, &propagated, sources.gyroscope_gain);
-    let mut truth = laboratory.parameters.to_paper_order();
-    truth[COMPLIANCE] = 1.0 / laboratory.parameters.stiffness_per_mass_per_s2;
+    let mut truth = laboratory.sensor.to_paper_order();
+    truth[COMPLIANCE] = 1.0 / laboratory.sensor.stiffness_per_mass_per_s2;
     // Here truth meets estimate, after the fact.
     let told = joint
         .estimate

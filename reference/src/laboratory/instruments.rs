@@ -1,20 +1,20 @@
-//! The two standard instruments: an accelerometer on the slider and a gyroscope on the pinion shaft.
+//! The two reference instruments: an accelerometer on the slider and a gyroscope on the pinion shaft.
 
-use rand::Rng;
-use rand_distr::{Distribution, StandardNormal, Uniform};
+use rand::{Rng, RngExt};
+use rand_distr::{Distribution, StandardNormal};
 use serde::Serialize;
 use sixaxis_core::dsp::lag::FirstOrder;
 
 /// Bandwidth of the standard gyroscope, Hz.
 pub const GYROSCOPE_BANDWIDTH_HZ: f64 = 10.0;
 
-/// Largest error of either standard instrument: the paper says below 1 %.
+/// Largest error of either reference instrument: the paper says below 1 %.
 pub const INSTRUMENT_CLASS: f64 = 0.01;
 
 /// Share of the class that a certificate leaves to the gain: linearity and noise have the rest.
 pub const GAIN_SHARE: f64 = 0.5;
 
-/// Both standard instruments as they are, which the laboratory does not know.
+/// Both reference instruments as they are, which the laboratory does not know.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Instruments {
     /// Relative gain error of the accelerometer.
@@ -39,22 +39,24 @@ impl Instruments {
         }
     }
 
-    /// One pair out of the 1 % class: gain errors uniform over half of the class, 60 dB, gyroscope of 10 Hz.
+    /// One pair out of the 1 % class: 60 dB, gyroscope of 10 Hz.
+    pub fn of_class(rng: &mut impl Rng) -> Self {
+        Self {
+            gyroscope_bandwidth_hz: Some(GYROSCOPE_BANDWIDTH_HZ),
+            signal_to_noise_db: Some(60.0),
+            ..Self::drawn(INSTRUMENT_CLASS, rng)
+        }
+    }
+
+    /// One pair out of a class, a relative error: gain errors even over [`GAIN_SHARE`] of it, no lag, no noise.
     ///
     /// The gain error of an instrument is fixed for a campaign; it is what its calibration certificate bounds.
-    pub fn of_class(rng: &mut impl Rng) -> Self {
-        let mut gain_error = || {
-            Uniform::new_inclusive(
-                -GAIN_SHARE * INSTRUMENT_CLASS,
-                GAIN_SHARE * INSTRUMENT_CLASS,
-            )
-            .map_or(0.0, |uniform| uniform.sample(rng))
-        };
+    pub fn drawn(class: f64, rng: &mut impl Rng) -> Self {
+        let mut gain_error = || GAIN_SHARE * class * (2.0 * rng.random::<f64>() - 1.0);
         Self {
             accelerometer_gain_error: gain_error(),
             gyroscope_gain_error: gain_error(),
-            gyroscope_bandwidth_hz: Some(GYROSCOPE_BANDWIDTH_HZ),
-            signal_to_noise_db: Some(60.0),
+            ..Self::perfect()
         }
     }
 

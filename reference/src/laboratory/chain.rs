@@ -4,8 +4,14 @@ use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::Serialize;
 use sixaxis_core::dsp::lag::FirstOrder;
-use sixaxis_core::paper::signal::SignalChain;
-use sixaxis_core::{Gains, LIMBS, Parameters};
+
+use crate::geometry::LIMBS;
+use crate::sensor::TrueSensor;
+
+/// Share of the converter's range that an amplifier range is chosen to fill at most.
+pub const RANGE_FILLED: f64 = 0.8;
+/// Full scale of the most sensitive range, N: a channel that senses less is all noise.
+const SMALLEST_RANGE_N: f64 = 1e-2;
 
 /// What becomes of a constant load between piezo and converter.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -66,12 +72,6 @@ impl Chain {
         })
     }
 
-    /// What the converter makes of one voltage.
-    #[must_use]
-    pub fn convert(&self, voltage_v: f64, rng: &mut impl Rng) -> f64 {
-        self.converter().convert(voltage_v, rng)
-    }
-
     /// The converter by itself, for many voltages.
     #[must_use]
     pub fn converter(&self) -> Converter {
@@ -84,43 +84,82 @@ impl Chain {
         }
     }
 
-    /// The nine voltages of a sensor with the given true parameters under the given whole limb forces.
+    /// The amplifier range of each channel, N/V, that fills the converter best: steps of 1, 2 and 5 per decade, as charge
+    /// amplifiers have them, chosen from the largest force that a trial run showed.
+    #[must_use]
+    pub fn amplifier_ranges(
+        &self,
+        limb_force_per_mass_m_s2: &[[f64; LIMBS]],
+        sensor: &TrueSensor,
+    ) -> [f64; LIMBS] {
+        let sensed = self.coupling.sensed(limb_force_per_mass_m_s2);
+        core::array::from_fn(|i| {
+            let largest_n = sensed
+                .iter()
+                .map(|force| (force[i] / sensor.scale_per_mass_per_kg[i]).abs())
+                .fold(SMALLEST_RANGE_N, f64::max);
+            let needed = largest_n / (RANGE_FILLED * self.full_scale_v);
+            let decade = 10.0_f64.powf(needed.log10().floor());
+            let step = [1.0, 2.0, 5.0]
+                .into_iter()
+                .find(|step| step * decade >= needed)
+                .unwrap_or(10.0);
+            step * decade
+        })
+    }
+
+    /// The nine voltages, V, of a sensor under whole limb forces per mass, m/s^2, through amplifiers of the given gains, N/V:
+    /// equations (10) and (11) solved for u.
     pub fn record(
         &self,
         limb_force_per_mass_m_s2: &[[f64; LIMBS]],
-        parameters: &Parameters,
-        gains: &Gains,
+        sensor: &TrueSensor,
+        gain_n_per_v: &[f64; LIMBS],
         sample_rate_hz: f64,
         rng: &mut impl Rng,
     ) -> Vec<[f64; LIMBS]> {
-        let signal = SignalChain::new(gains, parameters);
         let converter = self.converter();
-        let rest = limb_force_per_mass_m_s2
-            .first()
-            .copied()
-            .unwrap_or([0.0; LIMBS]);
-        let mut filters = match self.coupling {
-            Coupling::AlternatingCurrent { corner_hz } => {
-                FirstOrder::high_pass(corner_hz, sample_rate_hz)
-                    .ok()
-                    .map(|filter| [filter; LIMBS])
-            }
-            Coupling::Ideal | Coupling::Tared => None,
+        let mut sensed = self.coupling.sensed(limb_force_per_mass_m_s2);
+        if let Coupling::AlternatingCurrent { corner_hz } = self.coupling {
+            high_pass(&mut sensed, corner_hz, sample_rate_hz);
+        }
+        sensed
+            .iter()
+            .map(|force| {
+                core::array::from_fn(|i| {
+                    let sensitivity = sensor.scale_per_mass_per_kg[i] * gain_n_per_v[i];
+                    let voltage_v = force[i] / sensitivity + sensor.zero_drift_v[i];
+                    converter.convert(voltage_v, rng)
+                })
+            })
+            .collect()
+    }
+}
+
+impl Coupling {
+    /// The forces per mass, m/s^2, whose change reaches the amplifier: whole, or less those of the first sample, at rest.
+    #[must_use]
+    pub fn sensed(self, limb_force_per_mass_m_s2: &[[f64; LIMBS]]) -> Vec<[f64; LIMBS]> {
+        let rest = match (self, limb_force_per_mass_m_s2.first()) {
+            (Self::Ideal, _) | (_, None) => [0.0; LIMBS],
+            (_, Some(first)) => *first,
         };
         limb_force_per_mass_m_s2
             .iter()
-            .map(|force| {
-                let sensed: [f64; LIMBS] = core::array::from_fn(|i| match self.coupling {
-                    Coupling::Ideal => force[i],
-                    Coupling::Tared => force[i] - rest[i],
-                    Coupling::AlternatingCurrent { .. } => {
-                        let change = force[i] - rest[i];
-                        filters.as_mut().map_or(change, |f| f[i].step(change))
-                    }
-                });
-                signal.voltage_v(&sensed).map(|u| converter.convert(u, rng))
-            })
+            .map(|force| core::array::from_fn(|i| force[i] - rest[i]))
             .collect()
+    }
+}
+
+fn high_pass(forces: &mut [[f64; LIMBS]], corner_hz: f64, rate_hz: f64) {
+    let Ok(filter) = FirstOrder::high_pass(corner_hz, rate_hz) else {
+        return;
+    };
+    let mut filters = [filter; LIMBS];
+    for row in forces {
+        for (f, filter) in row.iter_mut().zip(&mut filters) {
+            *f = filter.step(*f);
+        }
     }
 }
 
@@ -146,39 +185,5 @@ impl Converter {
             u = (u / step_v).round() * step_v;
         }
         u.clamp(-self.full_scale_v, self.full_scale_v)
-    }
-}
-
-/// Share of the converter's range that the amplifier range is chosen to fill at most.
-const RANGE_HEADROOM: f64 = 0.8;
-/// Full scale of the most sensitive range, N: a channel that senses less is all noise.
-const SMALLEST_RANGE_N: f64 = 1e-2;
-
-/// The amplifier range of each channel, N/V, that fills the converter best: steps of 1, 2 and 5 per decade, as charge
-/// amplifiers have them. Chosen from the largest change of force that a trial run showed.
-#[must_use]
-pub fn amplifier_ranges(
-    limb_force_per_mass_m_s2: &[[f64; LIMBS]],
-    parameters: &Parameters,
-    full_scale_v: f64,
-) -> Gains {
-    let rest = limb_force_per_mass_m_s2
-        .first()
-        .copied()
-        .unwrap_or([0.0; LIMBS]);
-    Gains {
-        gain_n_per_v: core::array::from_fn(|i| {
-            let largest_n = limb_force_per_mass_m_s2
-                .iter()
-                .map(|force| ((force[i] - rest[i]) / parameters.scale_per_mass_per_kg[i]).abs())
-                .fold(SMALLEST_RANGE_N, f64::max);
-            let needed = largest_n / (RANGE_HEADROOM * full_scale_v);
-            let decade = 10.0_f64.powf(needed.log10().floor());
-            let step = [1.0, 2.0, 5.0]
-                .into_iter()
-                .find(|step| step * decade >= needed)
-                .unwrap_or(10.0);
-            step * decade
-        }),
     }
 }

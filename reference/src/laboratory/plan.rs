@@ -1,17 +1,15 @@
 //! What is played: everything the reference can be told, with the paper's values where nothing is said.
 
-use rand::seq::IndexedRandom;
-use rand::{Rng, RngExt, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
-use sixaxis_core::{InertiaPerMass, LIMBS, Parameters};
 
-use crate::paper;
-use crate::rig::{Mounting, ROTATION_AMPLITUDE_RAD, SLIDER_AMPLITUDE_M};
-
+use super::chain::{Chain, Coupling};
 use super::defect::{Defect, Kind};
-use super::effect::Signals;
+use super::instruments::{GYROSCOPE_BANDWIDTH_HZ, Instruments};
+use crate::geometry::LIMBS;
+use crate::rig::run::{Mounting, ROTATION_AMPLITUDE_RAD, SLIDER_AMPLITUDE_M};
+use crate::sensor::TrueSensor;
 
 /// A simulated session.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -124,6 +122,18 @@ impl Default for RigPlan {
     }
 }
 
+impl RigPlan {
+    /// The rig with a single turn at full speed in each run, as [`crate::rig::run::Run::new`] has it.
+    #[must_use]
+    pub fn one_turn(mounting: Mounting) -> Self {
+        Self {
+            steady_periods: 1.0,
+            mounting,
+            ..Self::default()
+        }
+    }
+}
+
 /// The measuring chain.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -183,7 +193,7 @@ impl Default for InstrumentPlan {
     fn default() -> Self {
         Self {
             class_percent: 1.0,
-            gyroscope_bandwidth_hz: crate::instruments::GYROSCOPE_BANDWIDTH_HZ,
+            gyroscope_bandwidth_hz: GYROSCOPE_BANDWIDTH_HZ,
             signal_to_noise_db: 60.0,
         }
     }
@@ -204,52 +214,22 @@ pub enum DefectChoice {
     Exactly(Defect),
 }
 
-/// Spread of a random sensor's scale factors: standard deviation of their logarithm. The paper's have 0.33.
-const SCALE_SPREAD: f64 = 0.25;
-/// Largest zero drift of a random sensor, V: the paper's largest is 17 mV.
-const LARGEST_DRIFT_V: f64 = 20e-3;
-/// Moments of inertia of a random sensor over the design's, from and to.
-const MOMENTS: (f64, f64) = (0.85, 1.2);
-/// Products of inertia of a random sensor, m^2, at most.
-const PRODUCT_M2: f64 = 2e-6;
-
-/// A sensor scattered about the design.
-pub fn random_sensor(rng: &mut impl Rng) -> Parameters {
-    let design = paper::design_parameters();
-    let moments = design.inertia_per_mass.to_paper_order();
-    Parameters {
-        zero_drift_v: core::array::from_fn(|_| rng.random_range(-LARGEST_DRIFT_V..LARGEST_DRIFT_V)),
-        scale_per_mass_per_kg: design.scale_per_mass_per_kg.map(|s| {
-            let unit: f64 = StandardNormal.sample(rng);
-            s * (SCALE_SPREAD * unit).exp()
-        }),
-        inertia_per_mass: InertiaPerMass::from_paper_order(core::array::from_fn(|i| {
-            if i < 3 {
-                moments[i] * rng.random_range(MOMENTS.0..MOMENTS.1)
-            } else {
-                rng.random_range(-PRODUCT_M2..PRODUCT_M2)
-            }
-        })),
-        stiffness_per_mass_per_s2: rng.random_range(1.5e8..5.0e8),
-    }
-}
-
-/// Random stream of the sensor; the campaign's own streams are in [`super::play`].
+/// Random stream of the sensor; the campaign's own streams are in [`super::session`].
 const SENSOR_STREAM: u128 = 3;
 /// Random stream of the limbs' stiffnesses.
 const STIFFNESS_STREAM: u128 = 4;
-/// Random stream of [`DefectChoice::Random`]; 5 to 7 and from 64 on are the campaign's.
-const KIND_STREAM: u128 = 8;
+/// Random stream of the instruments.
+const INSTRUMENT_STREAM: u128 = 6;
 
 impl SessionPlan {
-    /// The true parameters.
+    /// The sensor as it truly is.
     #[must_use]
-    pub fn parameters(&self) -> Parameters {
+    pub fn true_sensor(&self) -> TrueSensor {
         match self.sensor {
-            SensorChoice::Paper => paper::identified_parameters(),
-            SensorChoice::Design => paper::design_parameters(),
+            SensorChoice::Paper => TrueSensor::identified(),
+            SensorChoice::Design => TrueSensor::design(),
             SensorChoice::Random => {
-                random_sensor(&mut Pcg64::new(u128::from(self.seed), SENSOR_STREAM))
+                TrueSensor::random(&mut Pcg64::new(u128::from(self.seed), SENSOR_STREAM))
             }
         }
     }
@@ -264,37 +244,48 @@ impl SessionPlan {
         })
     }
 
-    /// The defect, drawn if only its kind is given or not even that. Drawn ones are drawn again until they do harm, as
-    /// [`Signals::harmed_by`] has it; what is given exactly is played as it is.
+    /// The measuring chain.
     #[must_use]
-    pub fn drawn_defect(&self) -> Option<Defect> {
-        match &self.defect {
-            DefectChoice::None => None,
-            DefectChoice::Random => {
-                let mut rng = Pcg64::new(u128::from(self.seed), KIND_STREAM);
-                let kind = Kind::ALL.choose(&mut rng).copied();
-                kind.filter(|_| rng.random_bool(0.5))
-                    .map(|kind| self.harmful(kind))
-            }
-            DefectChoice::Kind(kind) => Some(self.harmful(*kind)),
-            DefectChoice::Exactly(defect) => Some(defect.clone()),
+    pub fn measuring_chain(&self) -> Chain {
+        let ChainPlan {
+            signal_to_noise_db,
+            resolution_bits,
+            full_scale_v,
+            coupling,
+            amplifier_high_pass_hz: corner_hz,
+            ..
+        } = self.chain;
+        Chain {
+            coupling: match coupling {
+                CouplingChoice::Ideal => Coupling::Ideal,
+                CouplingChoice::Tared if corner_hz > 0.0 => {
+                    Coupling::AlternatingCurrent { corner_hz }
+                }
+                CouplingChoice::Tared => Coupling::Tared,
+            },
+            signal_to_noise_db: signal_to_noise_db.is_finite().then_some(signal_to_noise_db),
+            resolution_bits: (resolution_bits > 0).then_some(resolution_bits),
+            full_scale_v,
         }
     }
 
-    fn harmful(&self, kind: Kind) -> Defect {
-        let mut rng = Pcg64::seed_from_u64(self.seed ^ 0x0d_efec7);
-        let signals = Signals::of(self);
-        let mut defect = Defect::draw(kind, self.trials_per_step, &mut rng);
-        // On a rig where nothing does harm, the last one stands.
-        for _ in 0..MOST_DRAWS {
-            if signals.harmed_by(&defect) {
-                break;
-            }
-            defect = Defect::draw(kind, self.trials_per_step, &mut rng);
+    /// The reference instruments as they are, drawn from their class with the seed.
+    #[must_use]
+    pub fn true_instruments(&self, defect: Option<&Defect>) -> Instruments {
+        let InstrumentPlan {
+            class_percent,
+            signal_to_noise_db,
+            ..
+        } = self.instruments;
+        let bandwidth_hz = match defect {
+            Some(Defect::GyroscopeLag { bandwidth_hz }) => *bandwidth_hz,
+            _ => self.instruments.gyroscope_bandwidth_hz,
+        };
+        let mut rng = Pcg64::new(u128::from(self.seed), INSTRUMENT_STREAM);
+        Instruments {
+            gyroscope_bandwidth_hz: (bandwidth_hz > 0.0).then_some(bandwidth_hz),
+            signal_to_noise_db: signal_to_noise_db.is_finite().then_some(signal_to_noise_db),
+            ..Instruments::drawn(class_percent / 100.0, &mut rng)
         }
-        defect
     }
 }
-
-/// Draws of a defect's particulars before a harmless one is let pass.
-const MOST_DRAWS: usize = 1000;

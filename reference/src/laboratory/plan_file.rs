@@ -93,7 +93,7 @@ KINDS,
 or one in particular, counted from 0, such as
   { exactly = { inverted_channel = { channel = 4, place = \"everywhere\" } } }
   { exactly = { wrong_gain = { channel = 4, place = { trial = 2 }, factor = 10.0 } } }
-All of them with their fields: documentation of sixaxis_reference::session::defect::Defect.";
+All of them with their fields: documentation of sixaxis_reference::laboratory::defect::Defect.";
 
 /// The plan with every key and what it means; [`parse`] makes the same plan of it.
 #[must_use]

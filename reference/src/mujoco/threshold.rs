@@ -3,13 +3,12 @@
 use core::f64::consts::TAU;
 
 use glam::DVec3;
-use nalgebra::{Matrix6, SMatrix, SVector, Vector6};
+use nalgebra::{SMatrix, SVector};
 use serde::Serialize;
-use sixaxis_core::{Geometry, InertiaPerMass};
 
-use crate::mjcf::{SensorModel, limb_jacobian};
-use crate::rig::{Mode, Run};
-use crate::simulation::{Simulation, SimulationError};
+use super::model::SensorModel;
+use super::simulation::{Simulation, SimulationError};
+use crate::rig::run::{Mode, Run};
 
 /// One frequency of the sweep.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -94,33 +93,6 @@ pub fn excitation(mode: Mode, frequency_hz: f64) -> Run {
     run.ramp_periods = 0.6;
     run.steady_periods = 1.0;
     run
-}
-
-/// Relative acceleration amplitude of linear theory: w^2 |K^-1 M a|, m/s^2 or rad/s^2.
-#[must_use]
-pub fn linear_theory(
-    geometry: &Geometry,
-    inertia_per_mass: &InertiaPerMass,
-    stiffness_per_mass_per_s2: f64,
-    run: &Run,
-) -> f64 {
-    let jacobian = limb_jacobian(geometry);
-    let stiffness: Matrix6<f64> = jacobian.transpose() * jacobian * stiffness_per_mass_per_s2;
-    let omega2 = (TAU * run.frequency_hz).powi(2);
-    let d = run.direction_ground;
-    let load = if run.mode == Mode::Angular {
-        let torque = inertia_per_mass.matrix_mass_m2() * d * (run.rotation_amplitude_rad * omega2);
-        Vector6::new(0.0, 0.0, 0.0, torque.x, torque.y, torque.z)
-    } else {
-        let force = d * (run.slider_amplitude_m * omega2);
-        Vector6::new(force.x, force.y, force.z, 0.0, 0.0, 0.0)
-    };
-    let Some(cholesky) = stiffness.cholesky() else {
-        return f64::NAN;
-    };
-    let moved = cholesky.solve(&load);
-    let part = if run.mode == Mode::Angular { 3 } else { 0 };
-    moved.fixed_rows::<3>(part).norm() * omega2
 }
 
 /// Frequency at which a sweep crosses `threshold`, by interpolation on log axes. None if it never does.

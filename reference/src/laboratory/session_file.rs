@@ -1,30 +1,23 @@
-//! What the laboratory writes down of a played session: what it knows, not what is true.
+//! What the laboratory writes down of a simulated session: what it knows, not what is true.
 
-use sixaxis_core::Geometry;
 use sixaxis_recordings::session::{
     Accelerometer, Channels, Design, Gyroscope, Limits, PerLimb, Preprocessing, Rig, SensorCard,
     Session,
 };
 
+use super::STATIC_GAIN_N_PER_V;
 use super::defect::Defect;
+use super::instruments::GAIN_SHARE;
 use super::plan::SessionPlan;
-use super::play::Played;
-use crate::instruments::GAIN_SHARE;
+use super::recording::{SimulatedRecording, tidy};
+use crate::geometry::Geometry;
 use crate::paper;
-
-/// Gain of the static record: the amplifiers' most sensitive range that a trial of the campaign uses matters little there.
-const STATIC_GAIN_N_PER_V: f64 = 1.0;
-
-/// Ten digits: what a person would write into a file.
-pub(super) fn tidy(value: f64) -> f64 {
-    (value * 1e10).round() / 1e10
-}
 
 /// The session file.
 pub(super) fn session(
     plan: &SessionPlan,
     defect: Option<&Defect>,
-    recordings: &[Played],
+    recordings: &[SimulatedRecording],
 ) -> Session {
     let stated_bandwidth = match defect {
         Some(Defect::GyroscopeLag { .. }) => None,
@@ -71,6 +64,6 @@ pub(super) fn session(
             ..Preprocessing::default()
         },
         limits: Limits::default(),
-        recording: recordings.iter().map(|r| r.entry.clone()).collect(),
+        recording: recordings.iter().map(SimulatedRecording::entry).collect(),
     }
 }

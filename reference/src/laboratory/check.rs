@@ -2,13 +2,12 @@
 
 use core::ops::RangeInclusive;
 
-use sixaxis_core::LIMBS;
-
 use super::defect::{Defect, Where};
+use super::error::SessionError;
 use super::plan::{CouplingChoice, DefectChoice, Engine, SessionPlan};
-use super::play::PlayError;
 use super::schedule::trials;
-use crate::campaign::WEDGES;
+use crate::geometry::LIMBS;
+use crate::rig::run::WEDGES;
 
 /// Samples of all trials together: what 16 GB of memory hold.
 const MOST_SAMPLES: f64 = 5e7;
@@ -29,18 +28,11 @@ const MOST_TAPS: usize = 100;
 /// Periods of a run, and seconds of rest, at most.
 const LONGEST: f64 = 1e6;
 
-fn refuse(key: &str, cause: impl Into<String>) -> PlayError {
-    PlayError::Plan {
-        key: key.to_owned(),
-        cause: cause.into(),
-    }
-}
-
 /// Refuses a plan that cannot be played.
 ///
 /// # Errors
-/// [`PlayError::Plan`] with the key.
-pub fn check(plan: &SessionPlan) -> Result<(), PlayError> {
+/// [`SessionError::Plan`] with the key.
+pub fn check(plan: &SessionPlan) -> Result<(), SessionError> {
     positive(plan)?;
     rig(plan)?;
     chain(plan)?;
@@ -51,7 +43,7 @@ pub fn check(plan: &SessionPlan) -> Result<(), PlayError> {
     Ok(())
 }
 
-fn positive(plan: &SessionPlan) -> Result<(), PlayError> {
+fn positive(plan: &SessionPlan) -> Result<(), SessionError> {
     for (key, value) in [
         ("sample_rate_hz", plan.sample_rate_hz),
         ("static_duration_s", plan.static_duration_s),
@@ -70,18 +62,21 @@ fn positive(plan: &SessionPlan) -> Result<(), PlayError> {
         ("instruments.class_percent", plan.instruments.class_percent),
     ] {
         if !(value > 0.0 && value.is_finite()) {
-            return Err(refuse(key, format!("{value} is not positive and finite")));
+            return Err(SessionError::plan(
+                key,
+                format!("{value} is not positive and finite"),
+            ));
         }
     }
     Ok(())
 }
 
-fn within(key: &str, value: f64, range: RangeInclusive<f64>) -> Result<(), PlayError> {
+fn within(key: &str, value: f64, range: RangeInclusive<f64>) -> Result<(), SessionError> {
     if range.contains(&value) {
         Ok(())
     } else {
         let (low, high) = range.into_inner();
-        Err(refuse(
+        Err(SessionError::plan(
             key,
             format!("{value} is not between {low} and {high}"),
         ))
@@ -89,17 +84,17 @@ fn within(key: &str, value: f64, range: RangeInclusive<f64>) -> Result<(), PlayE
 }
 
 /// A first-order corner that samples of this rate can show.
-fn corner(key: &str, corner_hz: f64, sample_rate_hz: f64) -> Result<(), PlayError> {
+fn corner(key: &str, corner_hz: f64, sample_rate_hz: f64) -> Result<(), SessionError> {
     if corner_hz > 0.0 && corner_hz < 0.5 * sample_rate_hz {
         return Ok(());
     }
-    Err(refuse(
+    Err(SessionError::plan(
         key,
         format!("{corner_hz} is not between 0 and half the sample rate, {sample_rate_hz} Hz"),
     ))
 }
 
-fn rig(plan: &SessionPlan) -> Result<(), PlayError> {
+fn rig(plan: &SessionPlan) -> Result<(), SessionError> {
     let rig = &plan.rig;
     within(
         "rig.slider_amplitude_m",
@@ -121,12 +116,12 @@ fn rig(plan: &SessionPlan) -> Result<(), PlayError> {
     )?;
     if rig.taps > MOST_TAPS {
         let cause = format!("{} is more than {MOST_TAPS}", rig.taps);
-        return Err(refuse("rig.taps", cause));
+        return Err(SessionError::plan("rig.taps", cause));
     }
     // The crank's own run has to come back to where it began.
     let turns = rig.ramp_periods + rig.steady_periods;
     if turns.fract() != 0.0 {
-        return Err(refuse(
+        return Err(SessionError::plan(
             "rig.steady_periods",
             format!(
                 "with rig.ramp_periods it makes {turns} turns; a run ends where it began only after whole ones"
@@ -136,7 +131,7 @@ fn rig(plan: &SessionPlan) -> Result<(), PlayError> {
     Ok(())
 }
 
-fn chain(plan: &SessionPlan) -> Result<(), PlayError> {
+fn chain(plan: &SessionPlan) -> Result<(), SessionError> {
     for (key, value) in [
         ("chain.signal_to_noise_db", plan.chain.signal_to_noise_db),
         (
@@ -148,7 +143,7 @@ fn chain(plan: &SessionPlan) -> Result<(), PlayError> {
     }
     within("chain.full_scale_v", plan.chain.full_scale_v, 0.0..=LARGEST)?;
     if plan.chain.resolution_bits > MOST_BITS {
-        return Err(refuse(
+        return Err(SessionError::plan(
             "chain.resolution_bits",
             format!("{} is more than {MOST_BITS}", plan.chain.resolution_bits),
         ));
@@ -173,7 +168,7 @@ fn chain(plan: &SessionPlan) -> Result<(), PlayError> {
         }
     }
     if plan.chain.amplifier_high_pass_hz > 0.0 && plan.chain.coupling == CouplingChoice::Ideal {
-        return Err(refuse(
+        return Err(SessionError::plan(
             "chain.amplifier_high_pass_hz",
             "a high-pass does not let the load at rest through; set chain.coupling = \"tared\"",
         ));
@@ -185,13 +180,13 @@ fn chain(plan: &SessionPlan) -> Result<(), PlayError> {
     )?;
     if plan.chain.stiffness_spread > 0.0 {
         if plan.engine == Engine::Mujoco {
-            return Err(refuse(
+            return Err(SessionError::plan(
                 "chain.stiffness_spread",
                 "the MuJoCo model has one stiffness for all limbs; set engine = \"rigid\"",
             ));
         }
         if let Some(limb) = plan.stiffness_ratio().iter().position(|r| *r <= 0.0) {
-            return Err(refuse(
+            return Err(SessionError::plan(
                 "chain.stiffness_spread",
                 format!(
                     "with this seed it leaves limb {} no stiffness; make it smaller",
@@ -203,9 +198,9 @@ fn chain(plan: &SessionPlan) -> Result<(), PlayError> {
     Ok(())
 }
 
-fn sizes(plan: &SessionPlan) -> Result<(), PlayError> {
+fn sizes(plan: &SessionPlan) -> Result<(), SessionError> {
     if !TRIALS_PER_STEP.contains(&plan.trials_per_step) {
-        return Err(refuse(
+        return Err(SessionError::plan(
             "trials_per_step",
             format!(
                 "{} is not between {} and {}",
@@ -221,7 +216,7 @@ fn sizes(plan: &SessionPlan) -> Result<(), PlayError> {
         2.0..=MOST_STATIC_SAMPLES,
     )
     .map_err(|_| {
-        refuse(
+        SessionError::plan(
             "static_duration_s",
             format!(
                 "times static_rate_hz it makes {:.3e} samples; 2 to {MOST_STATIC_SAMPLES:.0e} are played",
@@ -230,20 +225,20 @@ fn sizes(plan: &SessionPlan) -> Result<(), PlayError> {
         )
     })?;
     let mut samples = 0.0;
-    for trial in trials(plan, None) {
-        if plan.sample_rate_hz < FEWEST_PER_PERIOD * trial.frequency_hz {
-            return Err(refuse(
+    for trial in trials(&plan.rig, plan.trials_per_step, None) {
+        if plan.sample_rate_hz < FEWEST_PER_PERIOD * trial.run.frequency_hz {
+            return Err(SessionError::plan(
                 "sample_rate_hz",
                 format!(
                     "{} is too slow for {} at {} Hz; at least {FEWEST_PER_PERIOD} samples a period are needed",
-                    plan.sample_rate_hz, trial.name, trial.frequency_hz
+                    plan.sample_rate_hz, trial.name, trial.run.frequency_hz
                 ),
             ));
         }
-        samples += trial.run(&plan.rig, trial.direction).duration_s() * plan.sample_rate_hz;
+        samples += trial.run.duration_s() * plan.sample_rate_hz;
     }
     if samples > MOST_SAMPLES {
-        return Err(refuse(
+        return Err(SessionError::plan(
             "sample_rate_hz",
             format!(
                 "all trials together have {samples:.3e} samples; {MOST_SAMPLES:.0e} at most are played"
@@ -254,13 +249,13 @@ fn sizes(plan: &SessionPlan) -> Result<(), PlayError> {
 }
 
 /// A defect written down by hand.
-fn check_defect(plan: &SessionPlan, defect: &Defect) -> Result<(), PlayError> {
-    let count = trials(plan, None).len();
+fn check_defect(plan: &SessionPlan, defect: &Defect) -> Result<(), SessionError> {
+    let count = trials(&plan.rig, plan.trials_per_step, None).len();
     let below = |name: &str, index: usize, limit: usize| {
         if index < limit {
             Ok(())
         } else {
-            Err(refuse(
+            Err(SessionError::plan(
                 &format!("defect.exactly: {name}"),
                 format!("{index} is not below {limit}; counting begins at 0"),
             ))

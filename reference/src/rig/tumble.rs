@@ -7,7 +7,7 @@ use core::f64::consts::TAU;
 
 use glam::DVec3;
 
-use crate::simulation::Motion;
+use crate::motion::Motion;
 use crate::smooth_step::smooth_step;
 
 /// Sines along each axis.

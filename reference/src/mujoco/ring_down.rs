@@ -4,10 +4,10 @@ use core::f64::consts::TAU;
 
 use glam::DVec3;
 
-use crate::mjcf::SensorModel;
-use crate::modes::{Mode, modes};
-use crate::rig::{Mode as RigMode, Run};
-use crate::simulation::{Simulation, SimulationError};
+use super::model::SensorModel;
+use super::simulation::{Simulation, SimulationError};
+use crate::linear_theory::NaturalMode;
+use crate::rig::run::{Mode as RigMode, Run};
 
 /// Step of a ring-down, s: Runge-Kutta's phase error (w h)^4/120 is 0.4 ppm for the stiffest mode of the design.
 pub const STEP_S: f64 = 2e-6;
@@ -37,16 +37,11 @@ pub fn measure(model: &SensorModel) -> Result<[RingDown; 6], SimulationError> {
         gravity_ground_m_s2: DVec3::ZERO,
         ..*model
     };
-    let theory = modes(
-        &model.geometry,
-        &model.inertia_per_mass,
-        model.stiffness_per_mass_per_s2,
-    );
     let mut results = [RingDown {
         predicted_hz: 0.0,
         measured_hz: 0.0,
     }; 6];
-    for (result, mode) in results.iter_mut().zip(theory) {
+    for (result, mode) in results.iter_mut().zip(model.modes()) {
         *result = RingDown {
             predicted_hz: mode.frequency_hz,
             measured_hz: ring(&model, &mode)?,
@@ -55,7 +50,7 @@ pub fn measure(model: &SensorModel) -> Result<[RingDown; 6], SimulationError> {
     Ok(results)
 }
 
-fn ring(model: &SensorModel, mode: &Mode) -> Result<f64, SimulationError> {
+fn ring(model: &SensorModel, mode: &NaturalMode) -> Result<f64, SimulationError> {
     let held = Run::new(RigMode::Rest, 1.0, DVec3::Z);
     let mut simulation = Simulation::new(model, STEP_S)?;
     let moved = DVec3::new(mode.shape[0], mode.shape[1], mode.shape[2]);

@@ -17,18 +17,14 @@
 use glam::{DQuat, DVec3};
 use mujoco_rs::wrappers::mj_data::MjData;
 use mujoco_rs::wrappers::mj_model::MjModel;
-use nalgebra::{Matrix6, Vector6};
-use sixaxis_core::LIMBS;
+use nalgebra::Vector6;
 use thiserror::Error;
 
-use crate::mjcf::{SensorModel, limb_jacobian};
-
-/// Degrees of freedom and coordinates of one free body.
-const BODY_DOFS: usize = 6;
-const BODY_COORDINATES: usize = 7;
-const DOFS: usize = 2 * BODY_DOFS;
-
-type Data = MjData<Box<MjModel>>;
+use super::model::{SHELL_INERTIA_KG_M2, SHELL_MASS_KG, SensorModel};
+use super::state::{BODY_DOFS, BodyState, Data, Rates, State};
+use crate::geometry::LIMBS;
+use crate::linear_theory::stiffness_per_mass;
+use crate::motion::{Motion, TrueMotion};
 
 /// Newton steps to static equilibrium; each gains five digits.
 const EQUILIBRIUM_ITERATIONS: usize = 8;
@@ -63,26 +59,6 @@ pub enum SimulationError {
     },
 }
 
-/// Position law of the shell: acceleration as a function of time, from rest at the origin with axes along the
-/// ground's.
-pub trait Motion: Sync {
-    /// Linear acceleration of the shell, ground axes, m/s^2, and angular acceleration, shell axes, rad/s^2.
-    fn acceleration(&self, time_s: f64) -> (DVec3, DVec3);
-}
-
-/// One body's state as the simulator holds it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BodyState {
-    /// Position, ground axes, m.
-    pub position_ground_m: DVec3,
-    /// Attitude: body axes to ground axes.
-    pub attitude: DQuat,
-    /// Velocity, ground axes, m/s.
-    pub velocity_ground_m_s: DVec3,
-    /// Angular velocity, body axes, rad/s.
-    pub rate_body_rad_s: DVec3,
-}
-
 /// Everything the simulator knows at one instant. Accelerations are MuJoCo's own, not the motion law's.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Snapshot {
@@ -113,6 +89,18 @@ impl Snapshot {
         let sign = if q.w < 0.0 { -2.0 } else { 2.0 };
         (r, DVec3::new(q.x, q.y, q.z) * sign)
     }
+
+    /// The shell's motion.
+    #[must_use]
+    pub fn true_motion(&self) -> TrueMotion {
+        let attitude = self.shell.attitude;
+        TrueMotion {
+            linear_ground_m_s2: self.shell_acceleration_ground_m_s2,
+            angular_ground_rad_s2: attitude * self.shell_angular_acceleration_shell_rad_s2,
+            rate_shell_rad_s: self.shell.rate_body_rad_s,
+            attitude,
+        }
+    }
 }
 
 /// A running simulation of one sensor.
@@ -129,11 +117,7 @@ impl Simulation {
     /// # Errors
     /// [`SimulationError::Model`] or [`SimulationError::StepTooLong`].
     pub fn new(model: &SensorModel, step_s: f64) -> Result<Self, SimulationError> {
-        let highest_mode_hz = crate::modes::mode_frequencies_hz(
-            &model.geometry,
-            &model.inertia_per_mass,
-            model.stiffness_per_mass_per_s2,
-        )[5];
+        let highest_mode_hz = model.modes()[5].frequency_hz;
         // RK4 is stable up to 2.785 on the imaginary axis; a twentieth is left for damping and geometry.
         let limit_s = 2.65 / (core::f64::consts::TAU * highest_mode_hz);
         if !(step_s > 0.0 && step_s <= limit_s) {
@@ -164,10 +148,8 @@ impl Simulation {
     /// Newton iteration on MuJoCo's own acceleration of the mass with the shell held still.
     fn settle(&mut self) {
         let k = self.model.stiffness_per_mass_per_s2;
-        let jacobian = limb_jacobian(&self.model.geometry);
-        let stiffness: Matrix6<f64> = jacobian.transpose() * jacobian * k;
-        let tensor = self.model.inertia_per_mass.matrix_mass_m2();
-        let Some(cholesky) = stiffness.cholesky() else {
+        let tensor = self.model.inertia_per_mass.tensor_m2();
+        let Some(cholesky) = stiffness_per_mass(&self.model.geometry, k).cholesky() else {
             return;
         };
         for _ in 0..EQUILIBRIUM_ITERATIONS {
@@ -256,8 +238,8 @@ impl Simulation {
         data.fwd_position();
         data.fwd_velocity();
         let wanted = [
-            linear_ground_m_s2 * crate::mjcf::SHELL_MASS_KG,
-            angular_shell_rad_s2 * crate::mjcf::SHELL_INERTIA_KG_M2,
+            linear_ground_m_s2 * SHELL_MASS_KG,
+            angular_shell_rad_s2 * SHELL_INERTIA_KG_M2,
         ];
         for dof in 0..BODY_DOFS {
             // The shell's mass matrix is diagonal: its centre of mass is its origin and its inertia a multiple of 1.
@@ -372,116 +354,5 @@ impl Simulation {
     /// Sets the clock, so that sample times are exact multiples and not sums of steps.
     pub fn set_time_s(&mut self, time_s: f64) {
         self.time_s = time_s;
-    }
-}
-
-/// Positions and velocities of both bodies.
-#[derive(Clone, Copy)]
-struct State {
-    shell: BodyState,
-    mass: BodyState,
-}
-
-impl State {
-    fn read(data: &Data) -> Self {
-        let body = |index: usize| {
-            let q = &data.qpos()[index * BODY_COORDINATES..];
-            let v = &data.qvel()[index * BODY_DOFS..];
-            BodyState {
-                position_ground_m: DVec3::new(q[0], q[1], q[2]),
-                attitude: DQuat::from_xyzw(q[4], q[5], q[6], q[3]),
-                velocity_ground_m_s: DVec3::new(v[0], v[1], v[2]),
-                rate_body_rad_s: DVec3::new(v[3], v[4], v[5]),
-            }
-        };
-        Self {
-            shell: body(0),
-            mass: body(1),
-        }
-    }
-
-    fn write(&self, data: &mut Data) {
-        for (index, body) in [self.shell, self.mass].into_iter().enumerate() {
-            let p = body.position_ground_m;
-            let a = body.attitude;
-            let v = body.velocity_ground_m_s;
-            let w = body.rate_body_rad_s;
-            data.qpos_mut()[index * BODY_COORDINATES..][..BODY_COORDINATES]
-                .copy_from_slice(&[p.x, p.y, p.z, a.w, a.x, a.y, a.z]);
-            data.qvel_mut()[index * BODY_DOFS..][..BODY_DOFS]
-                .copy_from_slice(&[v.x, v.y, v.z, w.x, w.y, w.z]);
-        }
-    }
-
-    /// This state moved along `slope` for `duration_s`: positions on the manifold, velocities linearly.
-    fn advanced(&self, slope: &Rates, duration_s: f64) -> Self {
-        let body = |start: &BodyState, offset: usize| {
-            let part = |values: &[f64; DOFS], from: usize| {
-                DVec3::new(
-                    values[offset + from],
-                    values[offset + from + 1],
-                    values[offset + from + 2],
-                ) * duration_s
-            };
-            BodyState {
-                position_ground_m: start.position_ground_m + part(&slope.velocity, 0),
-                attitude: (start.attitude * DQuat::from_scaled_axis(part(&slope.velocity, 3)))
-                    .normalize(),
-                velocity_ground_m_s: start.velocity_ground_m_s + part(&slope.acceleration, 0),
-                rate_body_rad_s: start.rate_body_rad_s + part(&slope.acceleration, 3),
-            }
-        };
-        Self {
-            shell: body(&self.shell, 0),
-            mass: body(&self.mass, BODY_DOFS),
-        }
-    }
-}
-
-/// Time derivative of a state, in MuJoCo's order of degrees of freedom.
-#[derive(Clone, Copy)]
-struct Rates {
-    velocity: [f64; DOFS],
-    acceleration: [f64; DOFS],
-}
-
-impl Rates {
-    fn read(data: &Data) -> Self {
-        let mut rates = Self {
-            velocity: [0.0; DOFS],
-            acceleration: [0.0; DOFS],
-        };
-        rates.velocity.copy_from_slice(data.qvel());
-        rates.acceleration.copy_from_slice(data.qacc());
-        rates
-    }
-
-    /// Rotation vectors of both bodies after turning at these rates for `duration_s`, rad.
-    fn rotations(&self, duration_s: f64) -> [DVec3; 2] {
-        [0, BODY_DOFS].map(|body| DVec3::from_slice(&self.velocity[body + 3..]) * duration_s)
-    }
-
-    /// The same rates as derivatives of the rotation vectors u that lead from the start of the step to here:
-    /// u' = w + u x w/2 + u x (u x w)/12, the right Jacobian's inverse up to the order that a fourth-order step needs.
-    fn seen_from_start(mut self, rotations: [DVec3; 2]) -> Self {
-        for (body, u) in [0, BODY_DOFS].into_iter().zip(rotations) {
-            let w = &mut self.velocity[body + 3..body + BODY_DOFS];
-            let rate = DVec3::from_slice(w);
-            let once = u.cross(rate);
-            let seen = rate + 0.5 * once + u.cross(once) / 12.0;
-            w.copy_from_slice(&seen.to_array());
-        }
-        self
-    }
-
-    /// Runge-Kutta's mean slope: (k1 + 2 k2 + 2 k3 + k4)/6.
-    fn weighted([a, b, c, d]: [&Self; 4]) -> Self {
-        let mean = |f: fn(&Self) -> &[f64; DOFS]| {
-            core::array::from_fn(|i| (f(a)[i] + 2.0 * (f(b)[i] + f(c)[i]) + f(d)[i]) / 6.0)
-        };
-        Self {
-            velocity: mean(|r| &r.velocity),
-            acceleration: mean(|r| &r.acceleration),
-        }
     }
 }

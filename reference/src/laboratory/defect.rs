@@ -3,7 +3,9 @@
 use rand::seq::IndexedRandom;
 use rand::{Rng, RngExt};
 use serde::{Deserialize, Serialize};
-use sixaxis_core::LIMBS;
+
+use crate::geometry::LIMBS;
+use crate::rig::run::WEDGES;
 
 /// The kinds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -306,7 +308,7 @@ impl Defect {
                 }
             }
             Kind::LooseWedge => Self::LooseWedge {
-                wedge: rng.random_range(0..crate::campaign::WEDGES.len()),
+                wedge: rng.random_range(0..WEDGES.len()),
                 angle_deg: 2.0,
                 azimuth_rad: rng.random_range(0.0..core::f64::consts::TAU),
             },

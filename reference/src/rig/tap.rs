@@ -1,4 +1,4 @@
-//! A blow on the shell: it jerks and stands still again, and the mass rings in it.
+//! A tap on the shell: it jerks and stands still again, and the mass rings in it.
 //!
 //! The rig holds the shell, so that what a hammer does to it is over when the contact is: a bump of velocity and, about
 //! any axis, of rate, from rest to rest, as smooth as its third derivative. Nothing of the mass's motion is prescribed.
@@ -9,9 +9,7 @@ use glam::DVec3;
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, UnitSphere};
 
-use crate::mjcf::SensorModel;
-use crate::recording::SimulatedMotion;
-use crate::simulation::{Motion, SimulationError};
+use crate::motion::Motion;
 
 /// Samples per second of a tap's recording.
 pub const SAMPLE_RATE_HZ: f64 = 50_000.0;
@@ -20,18 +18,18 @@ pub const STEPS_PER_SAMPLE: usize = 10;
 /// Length of the recording, s.
 pub const DURATION_S: f64 = 0.03;
 
-/// Rest before the blow, from and to, s: a pre-trigger.
+/// Rest before the tap, from and to, s: a pre-trigger.
 const REST_S: (f64, f64) = (1e-3, 3e-3);
 /// Length of the contact, from and to, s: half of it each way.
 const CONTACT_S: (f64, f64) = (0.1e-3, 0.25e-3);
 /// Peak velocity of the shell, from and to, m/s: limb forces of 100 to 1000 m/s^2 over the mass.
 const SPEED_M_S: (f64, f64) = (5e-3, 30e-3);
-/// Arm of the blow about the shell's centre, from and to, m: a shell is some centimetres large.
+/// Arm of the tap about the shell's centre, from and to, m: a shell is some centimetres large.
 const ARM_M: (f64, f64) = (10e-3, 30e-3);
 
-/// One blow.
+/// One tap.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Blow {
+pub struct Tap {
     /// When it begins, s.
     pub start_s: f64,
     /// From rest to rest, s.
@@ -42,8 +40,8 @@ pub struct Blow {
     pub rate_shell_rad_s: DVec3,
 }
 
-impl Blow {
-    /// A blow of any direction off the centre, as a hand gives it.
+impl Tap {
+    /// A tap of any direction off the centre, as a hand gives it.
     pub fn random(rng: &mut impl Rng) -> Self {
         let mut direction = || DVec3::from_array(UnitSphere.sample(rng));
         let (along, about) = (direction(), direction());
@@ -56,23 +54,9 @@ impl Blow {
             rate_shell_rad_s: about * (speed / within(ARM_M)),
         }
     }
-
-    /// Plays it on a sensor: limb forces and true motion at the sampling instants.
-    ///
-    /// # Errors
-    /// Those of [`crate::simulation::Simulation`].
-    pub fn play(
-        &self,
-        model: &SensorModel,
-        duration_s: f64,
-        sample_rate_hz: f64,
-        steps_per_sample: usize,
-    ) -> Result<SimulatedMotion, SimulationError> {
-        SimulatedMotion::simulate(model, self, duration_s, sample_rate_hz, steps_per_sample)
-    }
 }
 
-impl Motion for Blow {
+impl Motion for Tap {
     fn acceleration(&self, time_s: f64) -> (DVec3, DVec3) {
         let x = (time_s - self.start_s) / self.contact_s;
         if !(0.0..=1.0).contains(&x) {

@@ -1,18 +1,19 @@
-//! A played session on disk: recordings, session file and, in a folder of its own, the truth.
+//! A simulated session on disk: recordings, session file and, in a folder of its own, the truth.
 
 use std::path::{Path, PathBuf};
 
-use sixaxis_core::LIMBS;
 use sixaxis_recordings::draft::write_atomically;
 use sixaxis_recordings::motion::MOTION_CHANNELS;
 use sixaxis_recordings::{Block, Channel, Layout, create};
 
 use super::plan_file::with_comments;
-use super::play::{Played, PlayedSession};
+use super::recording::SimulatedRecording;
+use super::session::SimulatedSession;
+use crate::geometry::LIMBS;
 
 /// Name of the session file.
 pub const SESSION_FILE: &str = "session.toml";
-/// The plan that was played, in the folder of the truth: plays the same session again.
+/// The plan that was simulated, in the folder of the truth: simulates the same session again.
 pub const PLAN_FILE: &str = "plan.toml";
 /// Folder of what the laboratory does not know.
 pub const TRUTH_FOLDER: &str = "truth";
@@ -27,7 +28,7 @@ const BLOCK: usize = 1 << 16;
 /// # Errors
 /// Those of writing.
 pub fn write(
-    played: &PlayedSession,
+    simulated: &SimulatedSession,
     folder: &Path,
     extension: &str,
 ) -> sixaxis_recordings::Result<PathBuf> {
@@ -38,8 +39,8 @@ pub fn write(
         }
         _ => {}
     }
-    let mut session = played.session.clone();
-    for (recording, entry) in played.recordings.iter().zip(&mut session.recording) {
+    let mut session = simulated.session.clone();
+    for (recording, entry) in simulated.recordings.iter().zip(&mut session.recording) {
         let name = format!("{}.{extension}", entry.file.display());
         write_recording(recording, &folder.join(&name))?;
         if !recording.truth.is_empty() {
@@ -48,12 +49,12 @@ pub fn write(
         entry.file = PathBuf::from(name);
     }
     let truth_path = folder.join(TRUTH_FOLDER).join("truth.json");
-    let truth = serde_json::to_vec_pretty(&played.truth)
+    let truth = serde_json::to_vec_pretty(&simulated.truth)
         .map_err(|e| sixaxis_recordings::Error::io(&truth_path, std::io::Error::other(e)))?;
     write_atomically(&truth_path, &truth)?;
     write_atomically(
         &folder.join(TRUTH_FOLDER).join(PLAN_FILE),
-        with_comments(&played.truth.plan).as_bytes(),
+        with_comments(&simulated.truth.plan).as_bytes(),
     )?;
     let text = toml::to_string(&session)
         .map_err(|e| sixaxis_recordings::Error::io(&path, std::io::Error::other(e)))?;
@@ -66,11 +67,11 @@ pub fn write(
 /// # Errors
 /// Those of writing.
 pub fn write_beside(
-    recording: &Played,
+    recording: &SimulatedRecording,
     folder: &Path,
     extension: &str,
 ) -> sixaxis_recordings::Result<PathBuf> {
-    let name = format!("{}.{extension}", recording.entry.file.display());
+    let name = format!("{}.{extension}", recording.name);
     let path = folder.join(&name);
     write_recording(recording, &path)?;
     write_truth(recording, &folder.join(TRUTH_FOLDER).join(&name))?;
@@ -90,7 +91,7 @@ fn layout(channels: Vec<Channel>, sample_rate_hz: f64) -> Layout {
     }
 }
 
-fn write_recording(recording: &Played, path: &Path) -> sixaxis_recordings::Result<()> {
+fn write_recording(recording: &SimulatedRecording, path: &Path) -> sixaxis_recordings::Result<()> {
     let mut channels: Vec<Channel> = (1..=LIMBS)
         .map(|limb| Channel::new(format!("u{limb}"), Some("V")))
         .collect();
@@ -121,7 +122,7 @@ fn write_recording(recording: &Played, path: &Path) -> sixaxis_recordings::Resul
     sink.finish()
 }
 
-fn write_truth(recording: &Played, path: &Path) -> sixaxis_recordings::Result<()> {
+fn write_truth(recording: &SimulatedRecording, path: &Path) -> sixaxis_recordings::Result<()> {
     let channels = MOTION_CHANNELS
         .map(|(name, unit)| Channel::new(name, Some(unit)))
         .to_vec();

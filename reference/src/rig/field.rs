@@ -6,17 +6,12 @@
 use core::f64::consts::{PI, TAU};
 
 use glam::{DQuat, DVec3};
-use nalgebra::{SMatrix, Vector6};
 use rand::{Rng, RngExt};
-use sixaxis_core::identify::inertia::euler_torque;
-use sixaxis_core::paper::pose::Pose;
-use sixaxis_core::{Geometry, LIMBS, Parameters};
 
-use crate::mjcf::limb_jacobian;
-use crate::recording::TrueMotion;
-use crate::rigid::RigidSensor;
-use crate::simulation::Motion;
-use crate::tumble::{Sine, Tumble};
+use super::tumble::{Sine, Tumble};
+use crate::motion::{Motion, TrueMotion};
+use crate::rigid::{Load, torque_per_mass};
+use crate::sensor::TrueSensor;
 
 /// Frequencies at which a sensor is turned and shaken by hand, from and to, Hz.
 const BY_HAND_HZ: (f64, f64) = (0.3, 3.0);
@@ -61,9 +56,6 @@ pub struct Field {
     pub samples: usize,
 }
 
-/// What an instant asks of the limbs, shell axes: acceleration less gravity, m/s^2, and torque over mass, m^2/s^2.
-pub type Load = (DVec3, DVec3);
-
 impl Field {
     /// A tumble by hand.
     #[must_use]
@@ -96,7 +88,7 @@ impl Field {
 
     /// The loads of all samples and the motion behind them.
     #[must_use]
-    pub fn play(&self, parameters: &Parameters) -> (Vec<Load>, Vec<TrueMotion>) {
+    pub fn play(&self, sensor: &TrueSensor) -> (Vec<Load>, Vec<TrueMotion>) {
         let step_s = 1.0 / self.sample_rate_hz;
         let mut attitude = DQuat::IDENTITY;
         (0..self.samples)
@@ -108,48 +100,19 @@ impl Field {
                 let halfway = self.motion.rate_shell_at_rad_s(time_s + 0.5 * step_s);
                 attitude = (attitude * DQuat::from_scaled_axis(halfway * step_s)).normalize();
                 let specific = here.inverse() * (linear - self.gravity_ground_m_s2);
-                let torque = euler_torque(&parameters.inertia_per_mass, rate, angular);
+                let torque = torque_per_mass(&sensor.inertia_per_mass, rate, angular);
                 let truth = TrueMotion {
                     linear_ground_m_s2: linear,
                     angular_ground_rad_s2: here * angular,
                     rate_shell_rad_s: rate,
                     attitude: here,
                 };
-                ((specific, torque), truth)
+                let load = Load {
+                    specific_force_m_s2: specific,
+                    torque_m2_s2: torque,
+                };
+                (load, truth)
             })
             .unzip()
     }
-}
-
-/// Limb forces per mass, m/s^2, of equally stiff limbs at the pose that some loads hold the mass in. None for a geometry whose
-/// limbs do not hold it.
-#[must_use]
-pub fn compliant_forces_m_s2(
-    geometry: &Geometry,
-    stiffness_per_mass_per_s2: f64,
-    loads: &[Load],
-) -> Option<Vec<[f64; LIMBS]>> {
-    let jacobian = limb_jacobian(geometry);
-    let compliance: SMatrix<f64, 6, 6> =
-        (jacobian.transpose() * jacobian * stiffness_per_mass_per_s2).try_inverse()?;
-    let forces = loads.iter().map(|(a, m)| {
-        // Compression pushes along e, so the mass gives way against the load.
-        let moved = -(compliance * Vector6::new(a.x, a.y, a.z, m.x, m.y, m.z));
-        let pose = Pose {
-            position_shell_m: DVec3::new(moved[0], moved[1], moved[2]),
-            rotation_rad: DVec3::new(moved[3], moved[4], moved[5]),
-        };
-        pose.elongations_m(geometry)
-            .map(|elongation_m| -stiffness_per_mass_per_s2 * elongation_m)
-    });
-    Some(forces.collect())
-}
-
-/// The same of limbs whose stiffnesses stand in some ratio, to first order.
-#[must_use]
-pub fn unequal_forces_m_s2(sensor: &RigidSensor, loads: &[Load]) -> Vec<[f64; LIMBS]> {
-    loads
-        .iter()
-        .map(|(acceleration, torque)| sensor.forces_m_s2(*acceleration, *torque))
-        .collect()
 }
