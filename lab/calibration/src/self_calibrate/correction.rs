@@ -1,7 +1,7 @@
 //! What a calibration says of its own scale factors, and a calibration with others.
 
 use crate::calibration::Calibration;
-use crate::verdict::Grade;
+use crate::report::Grade;
 use anyhow::{Result, ensure};
 use sixaxis_core::LIMBS;
 use sixaxis_core::redundancy::self_calibration::PerLimbs;

@@ -15,7 +15,7 @@ use sixaxis_calibration::apply::setup::Setup;
 use sixaxis_calibration::apply::text_stream::{End, Printed, is_closed_pipe, refuse};
 use sixaxis_calibration::calibration::Calibration;
 use sixaxis_calibration::page;
-use sixaxis_calibration::verdict::Grade;
+use sixaxis_calibration::report::Grade;
 use sixaxis_core::LimbSet;
 use sixaxis_page::render;
 use sixaxis_recordings::draft::write_atomically;
