@@ -5,14 +5,15 @@ use std::process::ExitCode;
 use clap::{CommandFactory, Parser, Subcommand};
 
 mod commands;
+mod progress;
 use commands::{
-    calibrate, campaign, compare, completions, decouple, inspect, model, report, self_calibrate,
-    simulate,
+    calibrate, campaign, compare, completions, decouple, inspect, man, model, report,
+    self_calibrate, simulate,
 };
 
 /// Mathematics of a parallel six-axis accelerometer, verified against MuJoCo.
 #[derive(Parser)]
-#[command(version, after_help = AFTER_HELP)]
+#[command(name = "sixaxis", version, after_help = AFTER_HELP)]
 struct Arguments {
     #[command(subcommand)]
     command: Option<Task>,
@@ -58,8 +59,8 @@ enum Task {
     ///
     /// For example: sixaxis completions bash > ~/.local/share/bash-completion/completions/sixaxis
     Completions(completions::Arguments),
-    /// Write the manual page to standard output: sixaxis man > sixaxis.1
-    Man,
+    /// Write manual pages: that of the command, of a subcommand, or all
+    Man(man::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -78,7 +79,7 @@ fn main() -> ExitCode {
         Some(Task::Compare(arguments)) => compare::run(&arguments),
         Some(Task::Model(arguments)) => model::run(&arguments),
         Some(Task::Completions(arguments)) => completions::run(&arguments, Arguments::command()),
-        Some(Task::Man) => completions::manual(&Arguments::command()),
+        Some(Task::Man(arguments)) => man::run(&arguments, Arguments::command()),
     };
     done.unwrap_or_else(|error| {
         eprintln!("error: {}", in_words(&error));

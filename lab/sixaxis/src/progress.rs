@@ -3,6 +3,7 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use indicatif::{ProgressBar, ProgressStyle};
+use sixaxis_calibration::progress;
 
 /// How far the command is: one stage at a time, told from any thread.
 #[derive(Debug)]
@@ -35,6 +36,11 @@ impl Progress {
         }
         drop(stage);
         self.advance(units);
+    }
+
+    /// A stage as the callback of a library.
+    pub fn callback<'a>(&'a self, name: &'a str) -> impl Fn(u64, u64) + Sync + 'a {
+        move |total, units| self.report(name, total, units)
     }
 
     /// Starts a long run of equal cases, shown with how many are done of how many, and how fast.
@@ -87,5 +93,15 @@ fn finish(stage: &mut Option<(String, ProgressBar)>) {
 impl Drop for Progress {
     fn drop(&mut self) {
         finish(&mut self.lock());
+    }
+}
+
+impl progress::Progress for Progress {
+    fn stage(&self, name: &str, parts: usize) {
+        self.report(name, parts as u64, 0);
+    }
+
+    fn part(&self) {
+        self.advance(1);
     }
 }

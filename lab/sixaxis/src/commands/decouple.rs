@@ -201,9 +201,7 @@ fn file(arguments: &Arguments, job: &Job) -> Result<()> {
         Ok(sixaxis_recordings::create(&out, layout)?)
     };
     let progress = Progress::shown();
-    let decoupled = job.run(path, &create, &|total, samples| {
-        progress.report("decoupling", total, samples);
-    })?;
+    let decoupled = job.run(path, &create, &progress.callback("decoupling"))?;
     drop(progress);
     let summary = Summary {
         recording: path.display().to_string(),

@@ -1,6 +1,5 @@
 //! `sixaxis inspect`: what is in a recording.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -12,6 +11,8 @@ use sixaxis_recordings::session::SessionFile;
 use sixaxis_reports::inspection::{Expectations, Inspection, inspect, listing};
 use sixaxis_reports::pages;
 use sixaxis_reports::progress::Progress;
+
+use super::common::{check_outputs, print, print_json};
 
 /// Which recordings, and in what form the answer is wanted.
 #[derive(clap::Args)]
@@ -69,7 +70,8 @@ struct Document<'a> {
 /// Looks at each file in turn.
 pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     if let Some(picture) = &arguments.picture {
-        spare_the_recordings(picture, &arguments.files)?;
+        let files = arguments.files.iter().map(PathBuf::as_path);
+        check_outputs(&[("--picture", picture)], files)?;
     }
     let expectations = arguments
         .session
@@ -84,7 +86,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
             Ok(mut inspection) => {
                 if !arguments.json {
                     let between = if index > 0 { "\n" } else { "" };
-                    say(&format!("{between}{}", listing::text(&inspection)))?;
+                    print(format!("{between}{}", listing::text(&inspection)))?;
                 }
                 if !arguments.spectra && arguments.picture.is_none() {
                     forget_densities(&mut inspection);
@@ -110,7 +112,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         if arguments.json {
             eprintln!("{}", picture.display());
         } else {
-            say(&format!("\n{}\n", picture.display()))?;
+            print(format!("\n{}\n", picture.display()))?;
         }
     }
     if arguments.json {
@@ -125,7 +127,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
             sixaxis_version: env!("CARGO_PKG_VERSION"),
             files: &outcomes,
         };
-        say(&format!("{}\n", serde_json::to_string_pretty(&document)?))?;
+        print_json(&document)?;
     }
     let failed = outcomes.iter().any(|o| matches!(o, Outcome::Failed { .. }));
     let noticed = outcomes
@@ -138,21 +140,6 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
             (false, false) => 0,
         },
     ))
-}
-
-/// Refuses to write the picture over a recording.
-fn spare_the_recordings(picture: &Path, files: &[PathBuf]) -> Result<()> {
-    for file in files {
-        if let (Ok(a), Ok(b)) = (picture.canonicalize(), file.canonicalize())
-            && a == b
-        {
-            bail!(
-                "--picture {} is one of the recordings; name another file",
-                picture.display()
-            );
-        }
-    }
-    Ok(())
 }
 
 fn draw(picture: &Path, outcomes: &[Outcome]) -> Result<()> {
@@ -179,16 +166,5 @@ fn forget_densities(inspection: &mut Inspection) {
         if let Some(spectrum) = &mut channel.spectrum {
             spectrum.densities = Vec::new();
         }
-    }
-}
-
-/// Prints; a reader that has seen enough, such as `head`, is no error.
-fn say(text: &str) -> Result<()> {
-    let mut out = std::io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
-            Err(error).context("cannot write to standard output")
-        }
-        _ => Ok(()),
     }
 }

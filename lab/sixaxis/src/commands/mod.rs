@@ -2,11 +2,13 @@
 
 pub mod calibrate;
 pub mod campaign;
+pub mod common;
 pub mod compare;
 pub mod completions;
 pub mod decouple;
 pub mod inspect;
 pub mod integrator;
+pub mod man;
 pub mod model;
 pub mod report;
 pub mod self_calibrate;

@@ -109,10 +109,10 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         calibration_exact: arguments.calibration_exact,
     };
     let progress = Progress::shown();
-    let (mut summary, corrected) =
-        check.run(arguments.write_calibration.is_some(), &|total, samples| {
-            progress.report("self-calibrating", total, samples);
-        })?;
+    let correct = arguments.write_calibration.is_some();
+    let advance = progress.callback("self-calibrating");
+    let (mut summary, corrected) = check.run(correct, &advance)?;
+    drop(advance);
     drop(progress);
     if let (Some(path), Some(corrected)) = (&arguments.write_calibration, corrected) {
         corrected.write(path)?;

@@ -16,7 +16,8 @@ use sixaxis_reference::laboratory::plan_file;
 use sixaxis_reference::laboratory::session::{simulate_session_watched, work_ms};
 use sixaxis_reference::laboratory::tumble::record_tumble;
 use sixaxis_reference::laboratory::write::{SESSION_FILE, TRUTH_FOLDER, write, write_beside};
-use sixaxis_reports::progress::Progress;
+
+use crate::progress::Progress;
 
 /// What to play and where to write.
 #[derive(clap::Args)]
@@ -138,10 +139,11 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     );
     std::fs::create_dir_all(out)
         .with_context(|| format!("cannot create the output folder {}", out.display()))?;
-    let stage = Progress::shown().stage("simulating", work_ms(&plan)?);
-    let played = simulate_session_watched(&plan, &|ms| stage.advance(ms))
+    let progress = Progress::shown();
+    let work = work_ms(&plan)?;
+    let played = simulate_session_watched(&plan, &|ms| progress.report("simulating", work, ms))
         .context("cannot play the session")?;
-    drop(stage);
+    drop(progress);
     let session = write(&played, out, &arguments.format)?;
     let field = match arguments.tumble {
         Some(duration_s) => Some(from_the_field(arguments, &plan, duration_s)?),
