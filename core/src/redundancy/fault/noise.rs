@@ -14,6 +14,7 @@ pub struct RowNoise {
     channel: [f64; LIMBS],
     whitener: [[f64; ROWS]; ROWS],
     direction: [[f64; ROWS]; CLASSES],
+    length: [f64; CLASSES],
 }
 
 impl RowNoise {
@@ -41,15 +42,17 @@ impl RowNoise {
             "positive definite",
         ))?;
         let mut direction = [[0.0; ROWS]; CLASSES];
+        let mut length = [0.0; CLASSES];
         for class in 0..CLASSES {
             let along = apply(&whitener, &signature(class).map(f64::from));
-            let length = sqrt(dot(&along, &along));
-            direction[class] = along.map(|x| x / length);
+            length[class] = sqrt(dot(&along, &along));
+            direction[class] = along.map(|x| x / length[class]);
         }
         Ok(Self {
             channel,
             whitener,
             direction,
+            length,
         })
     }
 
@@ -71,6 +74,12 @@ impl RowNoise {
     pub fn direction(&self, class: usize) -> &[f64; ROWS] {
         // Without a way to panic: a class that is none is the first.
         self.direction.get(class).unwrap_or(&self.direction[0])
+    }
+
+    /// Length in z of a failure of unit strain: one over the standard deviation to which one sample determines its size.
+    #[must_use]
+    pub fn length(&self, class: usize) -> f64 {
+        *self.length.get(class).unwrap_or(&self.length[0])
     }
 
     /// W^T diag(variance) W in whitened units: what further errors of the channels add to the unit matrix.
@@ -148,7 +157,12 @@ mod tests {
     }
 
     #[test]
-    fn noise_that_is_none_is_refused() {
+    fn equal_noise_shows_a_failure_by_half_to_two_thirds_of_its_size() {
+        let noise = RowNoise::from_channels(&[1.0; LIMBS]).expect("noise");
+        for class in 0..CLASSES {
+            let expected = if class < 3 { 8.0 / 18.0 } else { 5.0 / 18.0 };
+            assert!((noise.length(class) - sqrt(expected)).abs() < 1e-12);
+        }
         assert!(RowNoise::from_channels(&[0.0; LIMBS]).is_err());
         assert!(RowNoise::from_channels(&[f64::NAN; LIMBS]).is_err());
     }
