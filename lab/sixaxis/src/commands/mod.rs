@@ -9,7 +9,9 @@ pub mod decouple;
 pub mod inspect;
 pub mod integrator;
 pub mod man;
+#[cfg(feature = "harness")]
 pub mod model;
+#[cfg(feature = "harness")]
 pub mod report;
 pub mod self_calibrate;
 pub mod simulate;
