@@ -9,7 +9,7 @@ use sixaxis_recordings::{Block, Channel, Layout};
 
 use super::Row;
 use super::watching::{FLAGS, Watching};
-use crate::compare::envelope::Envelope;
+use sixaxis_recordings::envelope::Envelope;
 
 /// Which columns are wanted beside the time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,11 +1,11 @@
 //! Decoupled motions as a page: by themselves, or beside the truth.
 
-use crate::compare::envelope::Envelope;
 use crate::compare::measure::{Axis as Measured, Comparison, Quantity};
 use sixaxis_page::number::{MISSING, count, significant};
 use sixaxis_page::{
     Axis, Block, Cell, Column, Figure, Page, Panel, Row, Section, Series, State, Table, Tile,
 };
+use sixaxis_recordings::envelope::Envelope;
 
 /// Palette index of the neutral grey, for the truth.
 const NEUTRAL: usize = 6;
