@@ -12,8 +12,7 @@ use nalgebra::{DMatrix, DVector, SMatrix};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
-use serde::Serialize;
-use sixaxis_calibration::cleaning::Cleaning;
+use sixaxis_calibration::conditioning::Conditioning;
 use sixaxis_core::LimbSet;
 use sixaxis_core::geometry::{DIRECTIONS_SHELL, LIMBS_PER_NODE, NODE_DIRECTIONS_MASS};
 use sixaxis_core::paper::signal::SignalChain;
@@ -26,13 +25,15 @@ use sixaxis_core::{
 use sixaxis_props::joint::{Fitted, small};
 use sixaxis_props::manufactured::examples;
 use sixaxis_props::publication::{Arguments, end};
+use sixaxis_props::results::{ExcludedSet, FailedLimbs};
 use sixaxis_props::rig_runs;
+use sixaxis_props::truth;
+use sixaxis_props::truth::InCore;
 use sixaxis_recordings::session::Role;
-use sixaxis_reference::campaign::{Laboratory, compound};
-use sixaxis_reference::paper;
-use sixaxis_reference::recording::SimulatedRun;
-use sixaxis_reference::rig::{Mounting, Run};
-use sixaxis_reference::session::plan::SensorChoice;
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::laboratory::plan::SensorChoice;
+use sixaxis_reference::motion::SimulatedRun;
+use sixaxis_reference::rig::run::{Mounting, Run};
 
 /// Sample rate of the noise measurement, Hz: low, so that second differences of the noise do not drown the forces' own.
 const NOISE_RATE_HZ: f64 = 100.0;
@@ -40,39 +41,6 @@ const NOISE_SAMPLES: usize = 20_000;
 const NOISE_SEED: u64 = 7;
 /// The laboratory's run in its count of runs.
 const RUN: usize = 1002;
-
-#[derive(Serialize)]
-struct Published {
-    first_seed: u64,
-    seeds: u64,
-    noise_samples: usize,
-    survivable: usize,
-    /// Of the survivable: the largest error of six at most twice the healthy decoder's, in the median over the seeds.
-    within_twice: usize,
-    within_twice_consistent: usize,
-    /// The same of the root mean square over the samples.
-    within_twice_rms: usize,
-    within_twice_rms_consistent: usize,
-    largest_noise_free_excess: f64,
-    healthy_largest_error: Vec<f64>,
-    sets: Vec<Set>,
-}
-
-#[derive(Serialize)]
-struct Set {
-    failed: Vec<usize>,
-    lost: Option<String>,
-    /// ax, ay, az, alpha_x, alpha_y, alpha_z: deviation over the healthy one's.
-    amplification: Option<[f64; 6]>,
-    amplification_measured: Option<[f64; 6]>,
-    noise_free_excess: Option<f64>,
-    /// Largest error over the samples and six axes, over the healthy one: median over the seeds.
-    error_ratio: Option<f64>,
-    error_ratio_consistent: Option<f64>,
-    /// Root mean square, worst of six axes.
-    rms_ratio: Option<f64>,
-    rms_ratio_consistent: Option<f64>,
-}
 
 type Six = Vec<[f64; 6]>;
 
@@ -95,7 +63,7 @@ fn run() -> Result<(), String> {
         .iter()
         .filter_map(|all| Some(all.last()?.as_ref()?[0][0]))
         .collect();
-    let published: Vec<Set> = sets
+    let published: Vec<ExcludedSet> = sets
         .iter()
         .enumerate()
         .map(|(i, set)| {
@@ -106,7 +74,7 @@ fn run() -> Result<(), String> {
                 });
                 median(ratios.collect())
             };
-            Set {
+            ExcludedSet {
                 failed: set.numbers().collect(),
                 lost: match Reconstruction::new(*set) {
                     Err(Error::LostLoad { load, .. }) => Some(load.to_string()),
@@ -122,13 +90,13 @@ fn run() -> Result<(), String> {
             }
         })
         .collect();
-    let count = |of: fn(&Set) -> Option<f64>| {
+    let count = |of: fn(&ExcludedSet) -> Option<f64>| {
         published
             .iter()
             .filter(|s| of(s).is_some_and(|r| r <= 2.0))
             .count()
     };
-    let result = Published {
+    let result = FailedLimbs {
         first_seed,
         seeds,
         noise_samples: NOISE_SAMPLES,
@@ -165,7 +133,7 @@ fn run() -> Result<(), String> {
         result.largest_noise_free_excess,
         result.healthy_largest_error
     );
-    arguments.publish("failed_limbs", &result)
+    arguments.publish(&result)
 }
 
 fn median(mut values: Vec<f64>) -> Option<f64> {
@@ -182,7 +150,7 @@ fn closed_form(set: LimbSet) -> Option<[f64; 6]> {
         [e.x, e.y, e.z, m.x, m.y, m.z][axis]
     });
     let all = j.transpose() * j;
-    let inertia = paper::identified_parameters()
+    let inertia = truth::identified_parameters()
         .inertia_per_mass
         .matrix_mass_m2()
         .inverse();
@@ -243,7 +211,7 @@ fn each<T: Send>(
 
 /// Equal white noise of the forces on a sensor at rest.
 fn noise(sets: &[LimbSet]) -> Result<Vec<Option<[f64; 6]>>, String> {
-    let parameters = paper::identified_parameters();
+    let parameters = truth::identified_parameters();
     let sensor = Sensor {
         geometry: sixaxis_core::Geometry::PAPER,
         gains: Gains::uniform(1.0),
@@ -330,13 +298,13 @@ fn errors(ours: &Six, truth: &Six) -> [f64; 2] {
 
 /// The fastest compound run of Tables 4 to 6, in MuJoCo.
 fn played() -> Result<SimulatedRun, String> {
-    let truth = paper::identified_parameters();
-    let [.., trial] = compound(Mounting::AxisVertical);
+    let truth = truth::identified_parameters();
     let long = Run {
         steady_periods: 2.0,
-        ..trial.run
+        ..rig_runs::compound_run()
     };
-    SimulatedRun::simulate(&trial.model(&truth), &long, rig_runs::RATE_HZ / 5.0, 20)
+    let model = rig_runs::model(&truth, long.direction_ground, Mounting::AxisVertical);
+    sixaxis_reference::mujoco::simulate_run(&model, &long, rig_runs::RATE_HZ / 5.0, 20)
         .map_err(|e| e.to_string())
 }
 
@@ -347,20 +315,20 @@ fn in_laboratory(
     sets: &[LimbSet],
     run: &SimulatedRun,
 ) -> Result<Vec<Option<[[f64; 2]; 2]>>, String> {
-    let truth = paper::identified_parameters();
+    let truth = truth::identified_parameters();
     let mut plan = small(seed);
     plan.sensor = SensorChoice::Paper;
     let mut found = Fitted::of(&plan)?.steps.found();
     // Step 4 is a story of its own, and the reference's own design would do.
     found.stiffness_per_mass_per_s2 = truth.stiffness_per_mass_per_s2;
-    let recording = Laboratory::with_errors(truth, seed).record(run, RUN);
-    let cleaning = Cleaning {
+    let recording = Laboratory::with_errors(truth::sensor(&truth), seed).record(run, RUN);
+    let conditioning = Conditioning {
         stages: sixaxis_recordings::session::Preprocessing::default(),
         accelerometer_bandwidth_hz: None,
         gyroscope_bandwidth_hz: None,
     };
-    let rows = cleaning
-        .clean(&recording.trial(Role::Validation))
+    let rows = conditioning
+        .condition(&recording.trial(Role::Validation))
         .map_err(|e| e.to_string())?
         .voltage_v;
     let samples = run.truth.len();
@@ -371,7 +339,7 @@ fn in_laboratory(
             [a.x, a.y, a.z, w.x, w.y, w.z]
         })
         .collect();
-    let consistent = consistent(&found, &recording.gains, &rows);
+    let consistent = consistent(&found, &recording.gains(), &rows);
     let settings = recording.settings(Scheme::Heun);
     let both = |set| -> Result<[[f64; 2]; 2], String> {
         let mut ways = [[0.0; 2]; 2];

@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use sixaxis_calibration::cleaning::Cleaning;
+use sixaxis_calibration::conditioning::Conditioning;
 use sixaxis_calibration::iteration::{Criterion, End};
 use sixaxis_calibration::steps::{Campaign, FourSteps, GyroscopeGain};
 use sixaxis_core::Geometry;
@@ -10,10 +10,12 @@ use sixaxis_core::identify::Reason;
 use sixaxis_props::compare::within;
 use sixaxis_props::rig_runs::{DIRECTIONS, simulate_trial};
 use sixaxis_props::tolerance;
+use sixaxis_props::truth;
+use sixaxis_props::truth::InCore;
 use sixaxis_recordings::session::{Preprocessing, Role, Stage};
-use sixaxis_reference::campaign::Laboratory;
+use sixaxis_reference::laboratory::Laboratory;
 use sixaxis_reference::paper;
-use sixaxis_reference::rig::Mode;
+use sixaxis_reference::rig::run::Mode;
 
 /// Zero drift that step 1 missed, over full scale: a hundred times what moves k/m by a few per cent.
 const DRIFT_OVER_FULL_SCALE: f64 = 1e-4;
@@ -22,9 +24,9 @@ const DRIFT_OVER_FULL_SCALE: f64 = 1e-4;
 fn played() -> &'static (Campaign, FourSteps) {
     static PLAYED: OnceLock<(Campaign, FourSteps)> = OnceLock::new();
     PLAYED.get_or_init(|| {
-        let truth = paper::identified_parameters();
-        let laboratory = Laboratory::noise_free(truth);
-        let cleaning = Cleaning {
+        let truth = truth::identified_parameters();
+        let laboratory = Laboratory::noise_free(truth::sensor(&truth));
+        let conditioning = Conditioning {
             stages: Preprocessing {
                 low_pass: Stage::Switch(false),
                 ..Preprocessing::default()
@@ -32,7 +34,6 @@ fn played() -> &'static (Campaign, FourSteps) {
             accelerometer_bandwidth_hz: None,
             gyroscope_bandwidth_hz: None,
         };
-        let mut rest = [0.0; 9];
         let mut trials = Vec::new();
         for (role, mode, frequency_hz) in [
             (Role::Linear, Mode::Linear, 2.0),
@@ -41,16 +42,15 @@ fn played() -> &'static (Campaign, FourSteps) {
         ] {
             for direction in DIRECTIONS {
                 let run = simulate_trial(&truth, mode, frequency_hz, direction);
-                rest = run.limb_force_per_mass_m_s2[0];
                 let trial = laboratory.record(&run, 0).trial(role);
-                let cleaned = cleaning.clean(&trial).expect("a sound recording");
-                trials.push((trial, cleaned));
+                let conditioned = conditioning.condition(&trial).expect("a sound recording");
+                trials.push((trial, conditioned));
             }
         }
         let campaign = Campaign {
             geometry: Geometry::PAPER,
-            design: paper::design_parameters(),
-            static_voltage_v: laboratory.record_static(rest).voltage_v,
+            design: truth::design_parameters(),
+            static_voltage_v: laboratory.record_static().voltage_v,
             trials,
         };
         let found = campaign
@@ -117,8 +117,8 @@ fn prop_too_few_passes_are_not_called_converged() {
 fn prop_a_drift_error_ends_it_with_a_verdict() {
     let (campaign, first) = played();
     let mut drifted = campaign.clone();
-    for (trial, cleaned) in &mut drifted.trials {
-        for row in &mut cleaned.voltage_v {
+    for (trial, conditioned) in &mut drifted.trials {
+        for row in &mut conditioned.voltage_v {
             row[1] += DRIFT_OVER_FULL_SCALE * trial.full_scale_v;
         }
     }

@@ -3,17 +3,20 @@
 use anyhow::Result;
 use glam::DVec3;
 use rayon::prelude::*;
-use sixaxis_calibration::cleaning::Cleaned;
+use sixaxis_calibration::conditioning::Conditioned;
 use sixaxis_core::decouple::rest_to_rest;
 use sixaxis_core::decouple::stream::Decoupler;
 use sixaxis_core::{LIMBS, Parameters, Scheme, SixAxis};
+use sixaxis_props::truth;
+use sixaxis_props::truth::InCore;
 use sixaxis_recordings::session::Role;
-use sixaxis_reference::campaign::Laboratory;
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::laboratory::recording::SimulatedRecording;
+use sixaxis_reference::motion::SimulatedRun;
 use sixaxis_reference::paper;
-use sixaxis_reference::recording::{Recording, SimulatedRun};
-use sixaxis_reference::rig::Mounting;
+use sixaxis_reference::rig::run::Mounting;
 
-use super::cleaning::Preset;
+use super::conditioning::Preset;
 use super::results::{Comparison, Compound, Gravity, ParameterSet, Standard};
 
 /// Number of the first compound run in the laboratory's count of runs: its random streams do not depend on how many
@@ -46,12 +49,12 @@ pub fn truth(run: &SimulatedRun) -> SixSeries {
 }
 
 /// What the standard instruments say of the same samples.
-fn standards(cleaned: &Cleaned) -> SixSeries {
-    let n = cleaned.linear_ground_m_s2.len();
+fn standards(conditioned: &Conditioned) -> SixSeries {
+    let n = conditioned.linear_ground_m_s2.len();
     split((1..n - 1).map(|i| {
         (
-            cleaned.linear_ground_m_s2[i],
-            cleaned.angular_shell_rad_s2[i],
+            conditioned.linear_ground_m_s2[i],
+            conditioned.angular_shell_rad_s2[i],
         )
     }))
 }
@@ -61,7 +64,7 @@ fn standards(cleaned: &Cleaned) -> SixSeries {
 /// # Errors
 /// Those of the decoupler.
 pub fn decouple(
-    recording: &Recording,
+    recording: &SimulatedRecording,
     voltage_v: &[[f64; LIMBS]],
     parameters: &Parameters,
     scheme: Scheme,
@@ -114,12 +117,12 @@ pub fn largest_error(ours: &SixSeries, standard: &SixSeries) -> [f64; 6] {
 
 /// Complex amplitude at the drive frequency over the whole turns at full speed.
 fn harmonic(series: &[f64], run: &SimulatedRun) -> (f64, f64) {
-    let (from, to) = run.run.steady_span_s();
+    let (from, to) = run.motion.steady_span_s();
     let rate = run.sample_rate_hz;
     // Series begin at sample 1.
     let first = (from * rate).round() as usize - 1;
     let count = ((to - from) * rate).round() as usize;
-    let omega = core::f64::consts::TAU * run.run.frequency_hz / rate;
+    let omega = core::f64::consts::TAU * run.motion.frequency_hz / rate;
     let (mut c, mut s) = (0.0, 0.0);
     for (i, x) in series.iter().skip(first).take(count).enumerate() {
         let (sin, cos) = (omega * i as f64).sin_cos();
@@ -161,8 +164,8 @@ pub struct Case<'a> {
     pub mounting: Mounting,
     /// The laboratory that records it.
     pub laboratory: &'a Laboratory,
-    /// How it is cleaned.
-    pub cleaning: Preset,
+    /// How it is conditioned.
+    pub conditioning: Preset,
     /// Whether drift is closed from rest to rest.
     pub close: bool,
 }
@@ -171,11 +174,11 @@ impl Case<'_> {
     /// Records and cleans the run.
     ///
     /// # Errors
-    /// Those of the cleaning.
-    pub fn record(&self, run: &SimulatedRun) -> Result<(Recording, Cleaned)> {
+    /// Those of the conditioning.
+    pub fn record(&self, run: &SimulatedRun) -> Result<(SimulatedRecording, Conditioned)> {
         let recording = self.laboratory.record(run, FIRST_RUN + self.index);
-        let (_, cleaned) = self.cleaning.clean(&recording, Role::Validation)?;
-        Ok((recording, cleaned))
+        let (_, conditioned) = self.conditioning.condition(&recording, Role::Validation)?;
+        Ok((recording, conditioned))
     }
 
     /// Voltages ready to be decoupled with the given parameters.
@@ -184,19 +187,19 @@ impl Case<'_> {
     /// Those of the detrending.
     pub fn voltages(
         &self,
-        recording: &Recording,
-        cleaned: &Cleaned,
+        recording: &SimulatedRecording,
+        conditioned: &Conditioned,
         parameters: &Parameters,
     ) -> Result<Vec<[f64; LIMBS]>> {
         if !self.close {
-            return Ok(cleaned.voltage_v.clone());
+            return Ok(conditioned.voltage_v.clone());
         }
         let (rows, _) = rest_to_rest::detrend(
             &recording.sensor(),
             parameters,
             // Plain Heun finds the line as well as any: its error is a thousandth of the noise's.
             &recording.settings(Scheme::Heun),
-            &cleaned.voltage_v,
+            &conditioned.voltage_v,
         )?;
         Ok(rows)
     }
@@ -207,17 +210,17 @@ impl Case<'_> {
     /// Those of recording and decoupling.
     pub fn compare(&self, ways: &[Way]) -> Result<Compound> {
         let truth = truth(&self.run);
-        let (recording, cleaned) = self.record(&self.run)?;
-        let standards = standards(&cleaned);
+        let (recording, conditioned) = self.record(&self.run)?;
+        let standards = standards(&conditioned);
         let comparisons = ways
             .par_iter()
             .map(|way| {
                 // Drift that nobody took off is part of what the design columns are shown for.
                 let closable = !matches!(way.set, ParameterSet::Design);
                 let voltages = if closable {
-                    self.voltages(&recording, &cleaned, &way.parameters)?
+                    self.voltages(&recording, &conditioned, &way.parameters)?
                 } else {
-                    cleaned.voltage_v.clone()
+                    conditioned.voltage_v.clone()
                 };
                 let samples = decouple(
                     &recording,
@@ -247,7 +250,7 @@ impl Case<'_> {
         });
         Ok(Compound {
             table: paper::COMPOUND_TABLES[self.index].number,
-            frequency_hz: self.run.run.frequency_hz,
+            frequency_hz: self.run.motion.frequency_hz,
             mounting: self.mounting,
             sample_rate_hz: self.run.sample_rate_hz,
             peak: peaks(&truth),
@@ -260,13 +263,13 @@ impl Case<'_> {
     /// How much the difference between decoupled and true accelerations changes when the simulator's step is halved:
     /// with perfect recordings, true parameters and a scheme whose own error is far smaller.
     fn reference_error(&self) -> Result<[f64; 6]> {
-        let perfect = Laboratory::noise_free(self.laboratory.parameters);
+        let perfect = Laboratory::noise_free(self.laboratory.sensor);
         let difference = |run: &SimulatedRun| -> Result<(SixSeries, SixSeries)> {
             let recording = perfect.record(run, FIRST_RUN + self.index);
             let samples = decouple(
                 &recording,
                 &recording.voltage_v,
-                &perfect.parameters,
+                &truth::parameters(&perfect.sensor),
                 Scheme::AdamsMoulton4,
                 Gravity::Kept,
             )?;
