@@ -5,6 +5,7 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use serde::Serialize;
 use sixaxis_core::{Decoupler, LimbSet, Scheme, Settings};
+use sixaxis_recordings::envelope::Envelope;
 use sixaxis_recordings::{Channel, Layout, Sink};
 
 use super::conditioning_stream::ConditioningStream;
@@ -16,7 +17,6 @@ use super::rest_to_rest;
 use super::setup::Setup;
 use super::text_stream::Live;
 use crate::calibration::Calibration;
-use crate::compare::envelope::Envelope;
 
 /// What is to be decoupled, and how.
 pub struct Job<'a> {

@@ -7,9 +7,9 @@ use anyhow::{Context, Result, bail};
 use serde::Serialize;
 use sixaxis_page::render;
 use sixaxis_recordings::draft::write_atomically;
+use sixaxis_recordings::ingest::columns::BLOCK;
+use sixaxis_recordings::inspect::{Inspection, Severity, inspect, listing, page};
 use sixaxis_recordings::session::SessionFile;
-use sixaxis_reports::inspection::{Expectations, Inspection, inspect, listing};
-use sixaxis_reports::pages;
 use sixaxis_reports::progress::Progress;
 
 use super::common::{check_outputs, print, print_json};
@@ -73,16 +73,20 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         let files = arguments.files.iter().map(PathBuf::as_path);
         check_outputs(&[("--picture", picture)], files)?;
     }
-    let expectations = arguments
-        .session
-        .as_deref()
-        .map(SessionFile::read)
-        .transpose()?
-        .map(Expectations::new);
+    let session = arguments.session.as_deref().map(SessionFile::read);
+    let session = session.transpose()?;
     let progress = Progress::shown();
     let mut outcomes = Vec::new();
     for (index, file) in arguments.files.iter().enumerate() {
-        match inspect(file, expectations.as_ref(), &progress) {
+        let mut stage = None;
+        let mut advance = |rows, total| {
+            // A recording of a single block is read before a bar could be seen.
+            if total > BLOCK as u64 {
+                let stage = stage.get_or_insert_with(|| progress.stage("inspect", total));
+                stage.advance(rows);
+            }
+        };
+        match inspect(file, session.as_ref(), &mut advance) {
             Ok(mut inspection) => {
                 if !arguments.json {
                     let between = if index > 0 { "\n" } else { "" };
@@ -94,15 +98,10 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
                 outcomes.push(Outcome::Read(Box::new(inspection)));
             }
             Err(error) => {
-                // A recording's error already says its own cause.
-                let error = match error.downcast_ref::<sixaxis_recordings::Error>() {
-                    Some(error) => error.to_string(),
-                    None => format!("{error:#}"),
-                };
                 eprintln!("error: {error}");
                 outcomes.push(Outcome::Failed {
                     file: file.display().to_string(),
-                    error,
+                    error: error.to_string(),
                 });
             }
         }
@@ -132,7 +131,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let failed = outcomes.iter().any(|o| matches!(o, Outcome::Failed { .. }));
     let noticed = outcomes
         .iter()
-        .any(|o| matches!(o, Outcome::Read(i) if !i.noticed.is_empty()));
+        .any(|o| matches!(o, Outcome::Read(i) if i.told(Severity::Noticed).next().is_some()));
     Ok(ExitCode::from(
         match (failed, arguments.strict && noticed) {
             (true, _) => 1,
@@ -156,7 +155,7 @@ fn draw(picture: &Path, outcomes: &[Outcome]) -> Result<()> {
             picture.display()
         );
     }
-    let page = pages::inspection::page(&read);
+    let page = page::page(&read);
     write_atomically(picture, render(&page)?.as_bytes())
         .with_context(|| format!("cannot write {}", picture.display()))
 }

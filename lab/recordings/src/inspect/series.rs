@@ -1,19 +1,17 @@
 //! One channel's numbers, all in one pass.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
-use anyhow::Result;
-use sixaxis_core::dsp::spectrum::{MIN_NOISE_SAMPLES, noise_floor};
-use sixaxis_recordings::Channel;
-use sixaxis_recordings::unit::{self, Unit};
+use sixaxis_core::dsp::spectrum::{MIN_NOISE_SAMPLES, Welch, noise_floor};
 
-use super::envelope::Envelope;
 use super::extreme::Extreme;
-use super::findings::{ChannelFacts, Densities, UnitFacts};
+use super::facts::{ChannelFacts, Densities, UnitFacts};
 use super::pairs::Prints;
 use super::resolution::Steps;
-use super::spectrum::{self, Plan, Welch};
+use super::spectrum;
+use crate::channel::Channel;
+use crate::envelope::Envelope;
+use crate::unit::{self, Unit};
 
 /// Samples of which one noise floor is told.
 const NOISE_PIECE: usize = 4096;
@@ -45,10 +43,10 @@ pub struct Series {
 }
 
 impl Series {
-    /// Nothing taken yet. `plan` is left out for a recording that is too short for a spectrum; `full_scale` is the converter's
+    /// Nothing taken yet. `welch` is left out for a recording that is too short for a spectrum; `full_scale` is the converter's
     /// limit in the channel's unit, infinite if it is not known.
     #[must_use]
-    pub fn new(plan: Option<&Arc<Plan>>, full_scale: f64) -> Self {
+    pub fn new(welch: Option<Welch>, full_scale: f64) -> Self {
         Self {
             rows: 0,
             not_a_number: 0,
@@ -65,23 +63,21 @@ impl Series {
             turned: 0,
             envelope: Envelope::default(),
             noise: Noise::default(),
-            welch: plan.map(|plan| Welch::new(Arc::clone(plan))),
+            welch,
             full_scale,
             at_full_scale: 0,
         }
     }
 
     /// Takes the next samples.
-    ///
-    /// # Errors
-    /// None that samples could bring about.
-    pub fn extend(&mut self, samples: &[f64]) -> Result<()> {
+    pub fn extend(&mut self, samples: &[f64]) {
         let (mut n, mut sum) = (0.0, 0.0);
         for &x in samples {
             let row = self.rows;
             self.rows += 1;
             self.same = mix(self.same, x);
             self.turned = mix(self.turned, -x);
+            self.envelope.push(row as f64, x);
             if !x.is_finite() {
                 self.first_not_finite.get_or_insert(row);
                 if x.is_nan() {
@@ -113,12 +109,10 @@ impl Series {
             self.mean += apart * (n / all);
             self.finite = all;
         }
-        self.envelope.extend(samples);
         self.noise.extend(samples);
         if let Some(welch) = &mut self.welch {
-            welch.extend(samples)?;
+            welch.push(samples);
         }
-        Ok(())
     }
 
     /// What tells these samples from another channel's.
@@ -193,23 +187,21 @@ impl Series {
             Some(_) => "no segment without a value that is not finite",
         };
         if let Some(welch) = self.welch {
-            let segment = welch.segment();
             let rate = rate_hz.unwrap_or(1.0);
-            let distance = rate / segment as f64;
-            if let (Some(found), segments, segments_left_out) = welch.finish() {
-                let found: Vec<f64> = found.into_iter().map(|d| d / rate).collect();
+            let distance = rate / welch.segment() as f64;
+            if let Some(found) = welch.spectrum(rate) {
                 if !constant {
-                    dominant = spectrum::dominant(&found, distance);
+                    dominant = spectrum::dominant(&found.densities, distance);
                     if rate_hz.is_some() {
-                        mains = spectrum::mains(&found, distance);
+                        mains = spectrum::mains(&found.densities, distance);
                     }
                 }
                 densities = Some(Densities {
-                    segment,
-                    segments,
-                    segments_left_out,
+                    segment: welch.segment(),
+                    segments: found.segments,
+                    segments_left_out: welch.left_out(),
                     line_distance: distance,
-                    densities: found,
+                    densities: found.densities,
                 });
             }
         }
@@ -347,8 +339,6 @@ impl Noise {
         if self.floors.is_empty() {
             self.tell();
         }
-        let middle = self.floors.len() / 2;
-        (!self.floors.is_empty())
-            .then(|| *self.floors.select_nth_unstable_by(middle, f64::total_cmp).1)
+        spectrum::median(&self.floors)
     }
 }
