@@ -6,5 +6,4 @@
 //! campaigns.
 
 pub mod pages;
-pub mod progress;
 pub mod study;

@@ -3,16 +3,16 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use serde::Serialize;
 use sixaxis_page::render;
 use sixaxis_recordings::draft::write_atomically;
 use sixaxis_recordings::ingest::columns::BLOCK;
 use sixaxis_recordings::inspect::{Inspection, Severity, inspect, listing, page};
 use sixaxis_recordings::session::SessionFile;
-use sixaxis_reports::progress::Progress;
 
 use super::common::{check_outputs, print, print_json};
+use crate::progress::Progress;
 
 /// Which recordings, and in what form the answer is wanted.
 #[derive(clap::Args)]
@@ -75,15 +75,13 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     }
     let session = arguments.session.as_deref().map(SessionFile::read);
     let session = session.transpose()?;
-    let progress = Progress::shown();
     let mut outcomes = Vec::new();
     for (index, file) in arguments.files.iter().enumerate() {
-        let mut stage = None;
+        let progress = Progress::shown();
         let mut advance = |rows, total| {
             // A recording of a single block is read before a bar could be seen.
             if total > BLOCK as u64 {
-                let stage = stage.get_or_insert_with(|| progress.stage("inspect", total));
-                stage.advance(rows);
+                progress.report("inspect", total, rows);
             }
         };
         match inspect(file, session.as_ref(), &mut advance) {
@@ -156,8 +154,7 @@ fn draw(picture: &Path, outcomes: &[Outcome]) -> Result<()> {
         );
     }
     let page = page::page(&read);
-    write_atomically(picture, render(&page)?.as_bytes())
-        .with_context(|| format!("cannot write {}", picture.display()))
+    Ok(write_atomically(picture, render(&page)?.as_bytes())?)
 }
 
 fn forget_densities(inspection: &mut Inspection) {

@@ -243,6 +243,10 @@ fn plan(arguments: &Arguments) -> Result<SessionPlan> {
 
 /// A refusal with the file and line that it is about.
 fn located(path: &Path, error: SessionError) -> anyhow::Error {
+    #[cfg_attr(
+        not(feature = "harness"),
+        expect(irrefutable_let_patterns, reason = "the other errors are MuJoCo's")
+    )]
     let SessionError::Plan { key, cause } = &error else {
         return error.into();
     };
