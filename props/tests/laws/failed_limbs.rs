@@ -173,11 +173,6 @@ impl Case {
     }
 }
 
-fn six(s: &SixAxis) -> Accelerations {
-    let (a, w) = (s.linear_ground_m_s2, s.angular_ground_rad_s2);
-    [a.x, a.y, a.z, w.x, w.y, w.z]
-}
-
 /// Largest difference on any of six axes over full scale, the peak of the vector.
 fn beyond(ours: &[Accelerations], healthy: &[Accelerations]) -> f64 {
     assert_eq!(ours.len(), healthy.len(), "samples");
@@ -190,7 +185,7 @@ fn beyond(ours: &[Accelerations], healthy: &[Accelerations]) -> f64 {
 }
 
 fn sixes(samples: &[SixAxis]) -> Vec<Accelerations> {
-    samples.iter().map(six).collect()
+    samples.iter().map(SixAxis::accelerations).collect()
 }
 
 #[test]
