@@ -46,7 +46,7 @@ fn jacobian() -> SMatrix<f64, LIMBS, 6> {
 
 /// The decomposition of what is left of J knows nothing of parity rows or whole numbers.
 #[test]
-fn prop_93_of_129_sets_leave_six_axes() {
+fn law_93_of_129_sets_leave_six_axes() {
     let j = jacobian();
     let mut lost = Vec::new();
     for set in sets() {

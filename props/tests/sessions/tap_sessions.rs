@@ -6,7 +6,7 @@ use sixaxis_calibration::verdict::{Grade, Judgement, Unwatched, judge};
 use sixaxis_core::LIMBS;
 use sixaxis_props::compare::within;
 use sixaxis_props::evidence::Row;
-use sixaxis_props::strategy::seed;
+use sixaxis_props::seed::seed;
 use sixaxis_props::tolerance;
 use sixaxis_recordings::session::{Role, SessionFile};
 use sixaxis_reference::session::plan::{Engine, RigPlan, SensorChoice, SessionPlan};
@@ -90,7 +90,7 @@ fn ref_a_session_with_taps_determines_stiffness_and_changes_nothing_else() {
 }
 
 #[test]
-fn prop_a_bad_tap_is_a_reservation() {
+fn law_a_bad_tap_is_a_reservation() {
     let mut played = play(&plan(2)).expect("it plays");
     let full_scale_v = played.session.sensor.full_scale_v;
     let mut bad = played
