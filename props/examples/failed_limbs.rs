@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector, SMatrix};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
-use sixaxis_calibration::cleaning::Cleaning;
+use sixaxis_calibration::conditioning::Conditioning;
 use sixaxis_core::LimbSet;
 use sixaxis_core::geometry::{DIRECTIONS_SHELL, LIMBS_PER_NODE, NODE_DIRECTIONS_MASS};
 use sixaxis_core::paper::signal::SignalChain;
@@ -321,13 +321,13 @@ fn in_laboratory(
     // Step 4 is a story of its own, and the reference's own design would do.
     found.stiffness_per_mass_per_s2 = truth.stiffness_per_mass_per_s2;
     let recording = Laboratory::with_errors(truth, seed).record(run, RUN);
-    let cleaning = Cleaning {
+    let conditioning = Conditioning {
         stages: sixaxis_recordings::session::Preprocessing::default(),
         accelerometer_bandwidth_hz: None,
         gyroscope_bandwidth_hz: None,
     };
-    let rows = cleaning
-        .clean(&recording.trial(Role::Validation))
+    let rows = conditioning
+        .condition(&recording.trial(Role::Validation))
         .map_err(|e| e.to_string())?
         .voltage_v;
     let samples = run.truth.len();

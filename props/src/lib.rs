@@ -15,7 +15,6 @@ pub mod faults;
 pub mod joint;
 pub mod manufactured;
 pub mod motions;
-pub mod printed;
 pub mod propagation;
 pub mod publication;
 pub mod results;

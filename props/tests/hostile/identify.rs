@@ -8,7 +8,8 @@ use sixaxis_core::identify::least_squares::Accumulator;
 use sixaxis_core::identify::scale::ScaleIdentification;
 use sixaxis_core::identify::zero_drift;
 use sixaxis_core::paper::limb_stream::LimbSample;
-use sixaxis_core::paper::pose::{Pose, RelativeMotion};
+use sixaxis_core::paper::pose::Pose;
+use sixaxis_core::paper::relative_motion::RelativeMotion;
 use sixaxis_core::paper::wrench::LimbWrench;
 use sixaxis_core::{Error, Gains, Geometry, LIMBS, Sensor, Settings};
 use sixaxis_props::adversarial::{

@@ -6,8 +6,8 @@ use sixaxis_core::Settings;
 use sixaxis_core::decouple::rest_to_rest::{self, Trend};
 use sixaxis_recordings::{Block, Sink};
 
-use super::conditioning::Conditioning;
-use super::motion::Decoding;
+use super::conditioning_stream::ConditioningStream;
+use super::decoding::Decoding;
 use super::recording::{Batch, Recording};
 use super::setup::Setup;
 use super::{CHUNK, Row, explain};
@@ -21,7 +21,7 @@ pub const LIMIT: u64 = 2_000_000;
 /// A run of more than [`LIMIT`] samples; those of reading; a run for which no trend makes it close.
 pub fn read(
     recording: &mut Recording,
-    mut conditioning: Conditioning,
+    mut conditioning: ConditioningStream,
     setup: &Setup,
     settings: &Settings,
     stamps: &mut Vec<f64>,

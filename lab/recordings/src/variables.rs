@@ -1,30 +1,34 @@
-//! From variables to channels, and their reading.
+//! From the variables of a MATLAB or HDF5 file to channels, and their reading.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use super::LEFT_OUT;
 use crate::channel::{Block, Channel, Layout, is_sample_rate, make_unique, time_channel};
 use crate::error::{Error, Result};
 use crate::source::Source;
+
+/// Property that names the variables which are no channels, each with its kind.
+pub const LEFT_OUT: &str = "variables left out";
 
 /// Channels that one matrix may give; one with more is a picture rather than a recording.
 const MOST_CHANNELS: u64 = 4096;
 
 /// The numbers of a variable, column by column as MATLAB has them.
-pub(super) trait Elements: Send {
+pub(crate) trait Elements: Send {
     /// Appends `count` of them, `stride` apart, from `first` on. All are within the variable.
     fn append(&mut self, first: u64, stride: u64, count: usize, out: &mut Vec<f64>) -> Result<()>;
 }
 
 /// What a variable holds.
-pub(super) enum Content {
+pub(crate) enum Content {
     /// A real matrix.
     Numbers {
         rows: u64,
         columns: u64,
         elements: Box<dyn Elements>,
     },
+    /// A single number.
+    Value(f64),
     /// A text.
     Text(String),
     /// Something else, as MATLAB calls it.
@@ -32,9 +36,23 @@ pub(super) enum Content {
 }
 
 /// A variable, or the field of a struct: `data.u1`.
-pub(super) struct Variable {
-    pub(super) name: String,
-    pub(super) content: Content,
+pub(crate) struct Variable {
+    pub(crate) name: String,
+    pub(crate) content: Content,
+    /// Unit and samples per second of its channels, where the file has them beside the numbers.
+    pub(crate) unit: Option<String>,
+    pub(crate) rate: Option<f64>,
+}
+
+impl Variable {
+    pub(crate) fn new(name: String, content: Content) -> Self {
+        Self {
+            name,
+            content,
+            unit: None,
+            rate: None,
+        }
+    }
 }
 
 /// Where a channel's samples are.
@@ -44,8 +62,8 @@ struct Place {
     stride: u64,
 }
 
-/// A MATLAB file.
-struct MatlabSource {
+/// A file of variables.
+struct VariableSource {
     path: PathBuf,
     layout: Layout,
     variables: Vec<Box<dyn Elements>>,
@@ -54,22 +72,40 @@ struct MatlabSource {
     rows_read: u64,
 }
 
-fn fold(name: &str) -> (&str, &str) {
-    name.rsplit_once('.').unwrap_or(("", name))
+/// The name of the struct or group, and that of the field.
+fn fold(name: &str, separator: char) -> (&str, &str) {
+    name.rsplit_once(separator).unwrap_or(("", name))
 }
 
-/// The file as a source.
-pub(super) fn arrange(path: &Path, format: &str, found: Vec<Variable>) -> Result<Box<dyn Source>> {
+/// The file as a source. `separator` stands between the name of a struct or group and that of its field.
+pub(crate) fn arrange(
+    path: &Path,
+    format: &str,
+    separator: char,
+    found: Vec<Variable>,
+) -> Result<Box<dyn Source>> {
     let (mut channels, mut places, mut variables) = (Vec::new(), Vec::new(), Vec::new());
     let (mut properties, mut left_out) = (BTreeMap::new(), Vec::new());
     let mut rates = BTreeMap::new();
-    for Variable { name, content } in found {
-        let (rows, columns, mut elements) = match content {
+    for variable in found {
+        let name = variable.name;
+        let mut single = |name: String, value: f64| {
+            let (prefix, last) = fold(&name, separator);
+            if is_sample_rate(last) && value.is_finite() && value > 0.0 {
+                rates.insert(prefix.to_owned(), value);
+            }
+            properties.insert(name, value.to_string());
+        };
+        let (rows, columns, mut elements) = match variable.content {
             Content::Numbers {
                 rows,
                 columns,
                 elements,
             } => (rows, columns, elements),
+            Content::Value(value) => {
+                single(name, value);
+                continue;
+            }
             Content::Text(text) => {
                 properties.insert(name, text);
                 continue;
@@ -84,12 +120,7 @@ pub(super) fn arrange(path: &Path, format: &str, found: Vec<Variable>) -> Result
         } else if rows == 1 && columns == 1 {
             let mut value = Vec::new();
             elements.append(0, 1, 1, &mut value)?;
-            let value = value.first().copied().unwrap_or(f64::NAN);
-            let (prefix, last) = fold(&name);
-            if is_sample_rate(last) && value.is_finite() && value > 0.0 {
-                rates.insert(prefix.to_owned(), value);
-            }
-            properties.insert(name, value.to_string());
+            single(name, value.first().copied().unwrap_or(f64::NAN));
         } else if rows == columns {
             left_out.push(format!("{name} ({rows} x {columns}, square)"));
         } else if rows.min(columns) > MOST_CHANNELS {
@@ -103,7 +134,8 @@ pub(super) fn arrange(path: &Path, format: &str, found: Vec<Variable>) -> Result
                 }
                 channels.push(Channel {
                     samples: Some(samples),
-                    ..Channel::new(own, None)
+                    sample_rate_hz: variable.rate.filter(|rate| rate.is_finite() && *rate > 0.0),
+                    ..Channel::new(own, variable.unit.as_deref())
                 });
                 let (first, stride) = if rows > columns {
                     (index.checked_mul(rows), 1)
@@ -127,14 +159,15 @@ pub(super) fn arrange(path: &Path, format: &str, found: Vec<Variable>) -> Result
         };
         return Err(Error::unsupported(
             path,
-            format!("a MATLAB file without a numeric vector (it has {what})"),
-            "save vectors; the fields of a struct: save('x.mat', '-struct', 'data'); \
+            format!("a file of {format} without a numeric vector (it has {what})"),
+            "save vectors; in MATLAB the fields of a struct: save('x.mat', '-struct', 'data'); \
              a table T: data = table2struct(T, 'ToScalar', true)",
         ));
     }
     for channel in &mut channels {
-        let (prefix, _) = fold(&channel.name);
-        channel.sample_rate_hz = rates.get(prefix).or_else(|| rates.get("")).copied();
+        let (prefix, _) = fold(&channel.name, separator);
+        let common = rates.get(prefix).or_else(|| rates.get(""));
+        channel.sample_rate_hz = channel.sample_rate_hz.or(common.copied());
     }
     make_unique(&mut channels);
     if !left_out.is_empty() {
@@ -142,9 +175,9 @@ pub(super) fn arrange(path: &Path, format: &str, found: Vec<Variable>) -> Result
     }
     let bare: Vec<_> = channels
         .iter()
-        .map(|channel| Channel::new(fold(&channel.name).1, None))
+        .map(|channel| Channel::new(fold(&channel.name, separator).1, None))
         .collect();
-    Ok(Box::new(MatlabSource {
+    Ok(Box::new(VariableSource {
         path: path.to_owned(),
         selected: (0..channels.len()).collect(),
         layout: Layout {
@@ -159,7 +192,7 @@ pub(super) fn arrange(path: &Path, format: &str, found: Vec<Variable>) -> Result
     }))
 }
 
-impl Source for MatlabSource {
+impl Source for VariableSource {
     fn layout(&self) -> &Layout {
         &self.layout
     }

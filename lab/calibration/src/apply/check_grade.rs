@@ -8,7 +8,7 @@ use anyhow::{Result, ensure};
 ///
 /// # Errors
 /// A bad one that is not forced, with its findings.
-pub fn doubt(name: &str, calibration: &Calibration, force: bool) -> Result<Option<String>> {
+pub fn check_grade(name: &str, calibration: &Calibration, force: bool) -> Result<Option<String>> {
     match calibration.verdict {
         Grade::Good => Ok(None),
         Grade::Reserved => Ok(Some(format!(

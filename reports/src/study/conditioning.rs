@@ -1,6 +1,6 @@
 //! What the laboratory does to a recording before the four steps see it.
 
-use sixaxis_calibration::cleaning::{Cleaned, Cleaning};
+use sixaxis_calibration::conditioning::{Conditioned, Conditioning};
 use sixaxis_calibration::trial::Trial;
 use sixaxis_core::Result;
 use sixaxis_core::recording::check_channels;
@@ -25,7 +25,7 @@ pub enum Preset {
 impl Preset {
     /// The stages.
     #[must_use]
-    pub fn cleaning(self) -> Cleaning {
+    pub fn conditioning(self) -> Conditioning {
         let low_pass = match self {
             Self::None | Self::LagUndone => Stage::Switch(false),
             Self::Identification => Stage::On(LowPass::default()),
@@ -35,7 +35,7 @@ impl Preset {
                 ..LowPass::default()
             }),
         };
-        Cleaning {
+        Conditioning {
             stages: Preprocessing {
                 low_pass,
                 ..Preprocessing::default()
@@ -49,10 +49,10 @@ impl Preset {
     ///
     /// # Errors
     /// A recording that cannot be worked with: too short, a sample that is not finite, a channel dead or clipped.
-    pub fn clean(self, recording: &Recording, role: Role) -> Result<(Trial, Cleaned)> {
+    pub fn condition(self, recording: &Recording, role: Role) -> Result<(Trial, Conditioned)> {
         check_channels(&recording.voltage_v, recording.full_scale_v)?;
         let trial = recording.trial(role);
-        let cleaned = self.cleaning().clean(&trial)?;
-        Ok((trial, cleaned))
+        let conditioned = self.conditioning().condition(&trial)?;
+        Ok((trial, conditioned))
     }
 }

@@ -25,8 +25,8 @@ pub fn flags(sample_rate_hz: f64) -> impl Iterator<Item = Channel> {
 /// A watching decoder and what it has to say.
 pub struct Watching {
     stream: Box<FaultTolerant>,
-    /// What was said, sample by sample.
-    pub said: Vec<String>,
+    /// Its messages, each with its sample.
+    pub messages: Vec<String>,
     samples: u64,
 }
 
@@ -64,7 +64,7 @@ impl Watching {
             .context("--watch")?;
         Ok(Self {
             stream: Box::new(stream),
-            said: Vec::new(),
+            messages: Vec::new(),
             samples: 0,
         })
     }
@@ -88,18 +88,18 @@ impl Watching {
             Some(Event::Quiet) => Some("all nine have been quiet for long".to_owned()),
             _ => None,
         };
-        self.said
+        self.messages
             .extend(text.map(|text| format!("sample {sample}: {text}")));
         let Some(switch) = watched.switched else {
             if watched.event.is_some() && !watched.suspected.is_empty() {
-                self.said.push(format!(
+                self.messages.push(format!(
                     "sample {sample}: limbs {} cannot be done without together; all nine are decoded on, and not to be trusted",
                     watched.suspected
                 ));
             }
             return;
         };
-        self.said.push(if watched.excluded.is_empty() {
+        self.messages.push(if watched.excluded.is_empty() {
             format!("sample {sample}: decoded with all nine again")
         } else {
             let trace = if switch.reaches_onset {

@@ -2,7 +2,7 @@
 
 /// How a number is stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(crate) enum Kind {
     I8,
     U8,
     I16,
@@ -17,7 +17,7 @@ pub(super) enum Kind {
 
 impl Kind {
     /// Bytes of one number.
-    pub(super) fn size(self) -> usize {
+    pub(crate) fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
             Self::I16 | Self::U16 => 2,
@@ -27,7 +27,7 @@ impl Kind {
     }
 
     /// Appends every `stride`-th number of `bytes`, from the first on, at most `count` of them.
-    pub(super) fn append(
+    pub(crate) fn append(
         self,
         bytes: &[u8],
         big_endian: bool,

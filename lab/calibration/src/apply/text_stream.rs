@@ -9,9 +9,9 @@ use sixaxis_recordings::ingest::find::{self, Column};
 use sixaxis_recordings::session::Channels;
 use sixaxis_recordings::{Block, Channel};
 
-use super::conditioning::Conditioning;
-use super::motion::{Columns, Decoding};
-use super::watching::{Watching, flags};
+use super::conditioning_stream::ConditioningStream;
+use super::decoding::{Columns, Decoding};
+use super::fault_watch::{Watching, flags};
 use super::{Row, explain};
 
 /// Name of the stream in messages.
@@ -32,7 +32,7 @@ pub enum End {
 /// What a stream is decoded with.
 pub struct Live {
     /// Stages before the decoder.
-    pub conditioning: Conditioning,
+    pub conditioning: ConditioningStream,
     /// The decoder.
     pub decoupler: Decoupler,
     /// Decodes in its place, if channels are to be watched.
@@ -150,7 +150,7 @@ impl Live {
             decoding.decode(&ready, &mut block).map_err(|error| {
                 explain(&error, &format!("{PLACE}, line {number}"), &places.names())
             })?;
-            decoding.said().into_iter().for_each(warn);
+            decoding.messages().into_iter().for_each(warn);
             write_rows(output, &block)?;
         }
         // What the stages still hold is answered, too.

@@ -8,7 +8,7 @@ use sixaxis_recordings::motion::MOTION_CHANNELS;
 use sixaxis_recordings::{Block, Channel, Layout};
 
 use super::Row;
-use super::watching::{FLAGS, Watching};
+use super::fault_watch::{FLAGS, Watching};
 use crate::compare::envelope::Envelope;
 
 /// Which columns are wanted beside the time.
@@ -107,11 +107,11 @@ impl Decoding {
         self
     }
 
-    /// What the watch has said since it was asked last.
-    pub fn said(&mut self) -> Vec<String> {
+    /// Messages of the fault monitor since the last call.
+    pub fn messages(&mut self) -> Vec<String> {
         self.watching
             .as_mut()
-            .map(|watching| std::mem::take(&mut watching.said))
+            .map(|watching| std::mem::take(&mut watching.messages))
             .unwrap_or_default()
     }
 
