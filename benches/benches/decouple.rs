@@ -12,12 +12,12 @@ use criterion::{
     BenchmarkGroup, Criterion, SamplingMode, Throughput, criterion_group, criterion_main,
 };
 use glam::DVec3;
-use sixaxis_benches::problem::{self, DECOUPLE_RATE_HZ, Recorded};
 use sixaxis_benches::{MEASUREMENT_TIME, SAMPLE_SIZE, WARM_UP_TIME, validate};
 use sixaxis_core::decouple::lanes::push_lanes;
 use sixaxis_core::decouple::record::Accelerations;
 use sixaxis_core::kernel::simd::LANES;
 use sixaxis_core::{Decoupler, LIMBS, Scheme, SixAxis};
+use sixaxis_props::problem::recorded::{self as problem, DECOUPLE_RATE_HZ, Recorded};
 use sixaxis_props::tolerance::{DecoupledRun, PAPER_COMPOUND, PAPER_TUMBLE, Tolerance};
 
 fn name(scheme: Scheme) -> &'static str {

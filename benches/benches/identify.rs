@@ -3,11 +3,11 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
-use sixaxis_benches::problem::{InertiaRows, ScaleRows, stiffness_run, true_parameters};
 use sixaxis_benches::{MEASUREMENT_TIME, SAMPLE_SIZE, WARM_UP_TIME, pseudo_inverse, validate};
 use sixaxis_core::identify::stiffness::{paper_grid, rate_norm_sum};
 use sixaxis_core::identify::stiffness_search::{Trial, rate_norm_sums};
 use sixaxis_core::{Parameters, Scheme};
+use sixaxis_props::problem::recorded::{InertiaRows, ScaleRows, stiffness_run, true_parameters};
 use sixaxis_props::tolerance::SEARCH_BY_DECODING;
 
 /// Samples of the long problems: 300,000 rows, ten seconds at 10 kHz.

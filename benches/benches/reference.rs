@@ -9,8 +9,9 @@ use std::hint::black_box;
 
 use criterion::{Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
 use glam::DVec3;
-use sixaxis_benches::problem::{self, FreeSensor, STEP_S};
+use sixaxis_benches::free_sensor::FreeSensor;
 use sixaxis_benches::{MEASUREMENT_TIME, SAMPLE_SIZE, WARM_UP_TIME, validate};
+use sixaxis_props::problem::recorded::{self as problem, STEP_S};
 use sixaxis_props::tolerance::{DRIVEN, FORWARD, FREE_FALL};
 use sixaxis_reference::rig::Run;
 use sixaxis_reference::simulation::{Motion, Simulation, Snapshot};

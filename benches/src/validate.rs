@@ -7,7 +7,7 @@ use sixaxis_core::identify::stiffness::PAPER_GRID_PER_S2;
 use sixaxis_core::{LIMBS, Parameters, SixAxis};
 use sixaxis_reference::recording::TrueMotion;
 
-use crate::problem::{candidate, true_parameters};
+use sixaxis_props::problem::recorded::{candidate, true_parameters};
 use sixaxis_props::tolerance::{self, DecoupledRun, Tolerance};
 
 /// Why an answer is not worth timing.

@@ -3,16 +3,16 @@
 use std::sync::LazyLock;
 
 use glam::DVec3;
-use sixaxis_benches::problem::{
-    self, DECOUPLE_RATE_HZ, InertiaRows, Poses, Recorded, STEP_S, ScaleRows, candidate,
-    stiffness_run, true_parameters,
-};
 use sixaxis_benches::pseudo_inverse;
 use sixaxis_benches::validate::{self, Refusal, Report};
 use sixaxis_core::decouple::decouple;
 use sixaxis_core::identify::stiffness::rate_norm_sum;
 use sixaxis_core::paper::pose::Pose;
 use sixaxis_core::{Geometry, LimbLaw, Parameters, Scheme, Settings, SixAxis};
+use sixaxis_props::problem::recorded::{
+    self as problem, DECOUPLE_RATE_HZ, InertiaRows, Poses, Recorded, STEP_S, ScaleRows, candidate,
+    stiffness_run, true_parameters,
+};
 use sixaxis_props::tolerance::{DecoupledRun, PAPER_COMPOUND, PAPER_TUMBLE, REFERENCE_LINEAR};
 
 /// The least by which each wrong ingredient must miss its limit: error over limit. Measured, and rounded down.

@@ -24,9 +24,9 @@ use sixaxis_core::{
 };
 use sixaxis_props::joint::{Fitted, small};
 use sixaxis_props::manufactured::examples;
+use sixaxis_props::problem::rig;
 use sixaxis_props::publication::{Arguments, end};
 use sixaxis_props::results::{ExcludedSet, FailedLimbs};
-use sixaxis_props::rig_runs;
 use sixaxis_recordings::session::Role;
 use sixaxis_reference::campaign::{Laboratory, compound};
 use sixaxis_reference::paper;
@@ -303,7 +303,7 @@ fn played() -> Result<SimulatedRun, String> {
         steady_periods: 2.0,
         ..trial.run
     };
-    SimulatedRun::simulate(&trial.model(&truth), &long, rig_runs::RATE_HZ / 5.0, 20)
+    SimulatedRun::simulate(&trial.model(&truth), &long, rig::RATE_HZ / 5.0, 20)
         .map_err(|e| e.to_string())
 }
 

@@ -1,9 +1,9 @@
 //! What a peer is, and what it is given.
 
 use glam::DVec3;
-use sixaxis_benches::problem::Recorded;
-use sixaxis_benches::problem::compound_5_hz;
 use sixaxis_core::Gains;
+use sixaxis_props::problem::recorded::Recorded;
+use sixaxis_props::problem::recorded::compound_5_hz;
 use sixaxis_reference::recording::Recording;
 use std::error::Error;
 use std::fs;

@@ -2,8 +2,8 @@
 
 use std::hint::black_box;
 
-use sixaxis_benches::problem::Recorded;
 use sixaxis_core::Scheme;
+use sixaxis_props::problem::recorded::Recorded;
 use sixaxis_props::results::{Length, LengthPoint};
 
 use crate::comparison::{judge_record, pieces};

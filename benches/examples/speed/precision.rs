@@ -4,10 +4,10 @@ use std::error::Error;
 use std::hint::black_box;
 
 use glam::DVec3;
-use sixaxis_benches::problem;
-use sixaxis_benches::problem::{DECOUPLE_RATE_HZ, Recorded, true_parameters};
 use sixaxis_benches::validate;
 use sixaxis_core::{Decoupler, Scheme, SixAxis};
+use sixaxis_props::problem::recorded as problem;
+use sixaxis_props::problem::recorded::{DECOUPLE_RATE_HZ, Recorded, true_parameters};
 use sixaxis_props::results::{SchemeCurve, WorkPrecision, WorkPrecisionPoint};
 use sixaxis_props::tolerance::DecoupledRun;
 use sixaxis_reference::campaign::Laboratory;

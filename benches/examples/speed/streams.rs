@@ -5,10 +5,10 @@ use std::sync::Barrier;
 use std::thread;
 use std::time::Instant;
 
-use sixaxis_benches::problem::Recorded;
 use sixaxis_core::decouple::lanes::push_lanes;
 use sixaxis_core::kernel::simd::LANES;
 use sixaxis_core::{Decoupler, Scheme};
+use sixaxis_props::problem::recorded::Recorded;
 use sixaxis_props::results::{Streams, StreamsPoint};
 
 use crate::comparison::{Beside, judge_record};

@@ -8,7 +8,7 @@ use sixaxis_calibration::steps::{Campaign, FourSteps, GyroscopeGain};
 use sixaxis_core::Geometry;
 use sixaxis_core::identify::Reason;
 use sixaxis_props::compare::within;
-use sixaxis_props::rig_runs::{DIRECTIONS, simulate_trial};
+use sixaxis_props::problem::rig::{DIRECTIONS, simulate_trial};
 use sixaxis_props::tolerance;
 use sixaxis_recordings::session::{Preprocessing, Role, Stage};
 use sixaxis_reference::campaign::Laboratory;

@@ -6,7 +6,8 @@ use sixaxis_core::identify::stiffness_search::{Trial, rate_norm_sums};
 use sixaxis_core::{Parameters, Scheme, Sensor, Settings};
 use sixaxis_props::compare::largest;
 use sixaxis_props::evidence::Row;
-use sixaxis_props::{rig_runs, tolerance};
+use sixaxis_props::problem::rig;
+use sixaxis_props::tolerance;
 use sixaxis_reference::campaign::Laboratory;
 use sixaxis_reference::paper;
 use sixaxis_reference::recording::Recording;
@@ -23,7 +24,7 @@ fn ref_the_search_by_interpolation_is_the_search() {
     let recordings: Vec<Recording> = directions
         .iter()
         .map(|d| {
-            let run = rig_runs::simulate(
+            let run = rig::simulate(
                 &parameters,
                 Mode::Linear,
                 d.normalize(),

@@ -11,7 +11,7 @@ use sixaxis_core::identify::stiffness_bound::{
 };
 use sixaxis_core::{Error, Geometry, InertiaPerMass, LIMBS, Parameters};
 use sixaxis_props::compare::{fails_clearly, largest, within};
-use sixaxis_props::rig_runs::model;
+use sixaxis_props::problem::rig::model;
 use sixaxis_props::seed::seed;
 use sixaxis_props::statistics::chi_square_departure;
 use sixaxis_props::strategy::{config, geometry, parameters};

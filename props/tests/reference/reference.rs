@@ -4,7 +4,7 @@ use glam::{DMat3, DVec3};
 use sixaxis_core::paper::preload::static_equilibrium;
 use sixaxis_core::{Geometry, InertiaPerMass, LIMBS};
 use sixaxis_props::compare::{fails_clearly, largest, within};
-use sixaxis_props::rig_runs::{RATE_HZ, model, short_run, simulate};
+use sixaxis_props::problem::rig::{RATE_HZ, model, short_run, simulate};
 use sixaxis_props::tolerance;
 use sixaxis_reference::mjcf::{SHELL_INERTIA_KG_M2, SHELL_MASS_KG, SensorModel};
 use sixaxis_reference::paper;
