@@ -3,11 +3,13 @@
 use glam::{DQuat, DVec3};
 use mujoco_rs::wrappers::mj_data::MjData;
 use mujoco_rs::wrappers::mj_model::MjModel;
+use sixaxis_core::Geometry;
 use sixaxis_core::paper::pose::Pose;
 use sixaxis_core::paper::wrench::LimbWrench;
-use sixaxis_props::problem::recorded::{STEP_S, true_parameters};
-use sixaxis_reference::campaign::Trial;
-use sixaxis_reference::mjcf::SensorModel;
+use sixaxis_props::problem::recorded::{STEP_S, model};
+use sixaxis_reference::mujoco::model::SensorModel;
+use sixaxis_reference::rig::run::Run;
+
 /// Coordinates and degrees of freedom of a free body in MuJoCo.
 const FREE_BODY_COORDINATES: usize = 7;
 const FREE_BODY_DOFS: usize = 6;
@@ -23,13 +25,13 @@ pub struct FreeSensor {
 const DISPLACEMENT: (DVec3, DVec3) = (DVec3::new(2e-7, -3e-7, 4e-7), DVec3::new(-5e-6, 1e-5, 7e-6));
 
 impl FreeSensor {
-    /// Loads the sensor of a trial and displaces its mass.
+    /// Loads the sensor of a run and displaces its mass.
     ///
     /// # Panics
     /// If MuJoCo refuses the sensor.
     #[must_use]
-    pub fn new(trial: &Trial) -> Self {
-        let model = trial.model(&true_parameters());
+    pub fn new(run: &Run) -> Self {
+        let model = model(run);
         let compiled =
             MjModel::from_xml_string(&model.to_mjcf(STEP_S)).expect("MuJoCo's model of the sensor");
         let mut data = MjData::new(Box::new(compiled));
@@ -51,13 +53,13 @@ impl FreeSensor {
             position_shell_m,
             rotation_rad,
         };
-        let geometry = &self.model.geometry;
+        let geometry = &Geometry::PAPER;
         let force = pose
             .elongations_m(geometry)
             .map(|dl| -self.model.stiffness_per_mass_per_s2 * dl);
         let wrench = LimbWrench::at_pose(geometry, &pose, &force);
         let torque_mass = pose.rotation_matrix().transpose() * wrench.torque_shell_m2_s2;
-        let inertia = self.model.inertia_per_mass.matrix_mass_m2();
+        let inertia = self.model.inertia_per_mass.tensor_m2();
         [
             (
                 DVec3::new(a[0], a[1], a[2]),

@@ -27,3 +27,4 @@ pub mod statistics;
 pub mod strategy;
 pub mod taps;
 pub mod tolerance;
+pub mod truth;

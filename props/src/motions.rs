@@ -8,6 +8,7 @@
 use core::array::from_fn;
 use core::f64::consts::{PI, TAU};
 
+use crate::truth;
 use glam::DVec3;
 use rand::RngExt;
 use rand_pcg::Pcg64;
@@ -17,13 +18,10 @@ use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::{
     Geometry, LIMBS, Parameters, Scheme, Sensor, Settings, SixAxis, StaticResponse,
 };
-use sixaxis_reference::campaign::MASS_KG;
-use sixaxis_reference::chain::amplifier_ranges;
-use sixaxis_reference::mjcf::SensorModel;
-use sixaxis_reference::recording::{SimulatedMotion, TrueMotion};
-use sixaxis_reference::session::plan::random_sensor;
-use sixaxis_reference::simulation::Simulation;
-use sixaxis_reference::tumble::{SINES, Sine, Tumble};
+use sixaxis_reference::motion::TrueMotion;
+use sixaxis_reference::mujoco::model::SensorModel;
+use sixaxis_reference::mujoco::simulation::Simulation;
+use sixaxis_reference::rig::tumble::{SINES, Sine, Tumble};
 use sixaxis_reference::{paper, rig};
 
 use crate::compare::largest;
@@ -38,9 +36,6 @@ const LONGEST_STEP_S: f64 = 2.5e-5;
 
 /// Random stream of the cases.
 const STREAM: u128 = 33;
-
-/// Range of the converter that the amplifiers are set for, V.
-const FULL_SCALE_V: f64 = 10.0;
 
 /// Share of full scale that limb damping may move the limb lengths by: the core, like the paper, knows of none.
 const DAMPING_EFFECT: f64 = 2e-8;
@@ -66,8 +61,8 @@ impl Case {
     /// to 500 m/s^2, 50 rad/s, 5 to 200 Hz).
     #[must_use]
     pub fn numbered(seed: u64, index: u64) -> Self {
-        let rng = &mut Pcg64::new(u128::from(seed) << 64 | u128::from(index), STREAM);
-        let parameters = random_sensor(rng);
+        let rng = &mut Pcg64::new((u128::from(seed) << 64) | u128::from(index), STREAM);
+        let parameters = truth::random_parameters(rng);
         let motion = random_motion(rng);
         let down = in_cube(rng, 1.0).normalize_or(DVec3::NEG_Z);
         Self {
@@ -100,12 +95,8 @@ impl Case {
         let f0 = self.parameters.stiffness_per_mass_per_s2.sqrt() / TAU;
         let share = self.motion.highest_frequency_hz() / f0;
         SensorModel {
-            geometry: Geometry::PAPER,
-            mass_kg: MASS_KG,
-            inertia_per_mass: self.parameters.inertia_per_mass,
-            stiffness_per_mass_per_s2: self.parameters.stiffness_per_mass_per_s2,
             damping_ratio: (DAMPING_EFFECT / (2.0 * share.powi(3))).min(LARGEST_DAMPING_RATIO),
-            gravity_ground_m_s2: self.gravity_ground_m_s2,
+            ..truth::model(&self.parameters, self.gravity_ground_m_s2)
         }
     }
 
@@ -117,9 +108,14 @@ impl Case {
     pub fn decoupled(&self, refinement: usize, scheme: Scheme) -> Decoupled {
         let rate = self.sample_rate_hz();
         let steps = (1.0 / (rate * LONGEST_STEP_S)).ceil() as usize * refinement;
-        let run =
-            SimulatedMotion::simulate(&self.model(), &self.motion, self.duration_s(), rate, steps)
-                .expect("the simulation of a random motion");
+        let run = sixaxis_reference::mujoco::simulate(
+            &self.model(),
+            &self.motion,
+            self.duration_s(),
+            rate,
+            steps,
+        )
+        .expect("the simulation of a random motion");
         let rest = match self.static_response {
             StaticResponse::Tared => {
                 Simulation::mean_rest_force_per_mass_m_s2(&self.model(), LONGEST_STEP_S)
@@ -132,7 +128,7 @@ impl Case {
             .iter()
             .map(|force| from_fn(|i| force[i] - rest[i]))
             .collect();
-        let gains = amplifier_ranges(&forces, &self.parameters, FULL_SCALE_V);
+        let gains = truth::amplifier_ranges(&forces, &self.parameters);
         let signal = SignalChain::new(&gains, &self.parameters);
         let voltages = forces.iter().map(|force| signal.voltage_v(force));
         let sensor = Sensor {
@@ -234,8 +230,8 @@ fn random_motion(rng: &mut Pcg64) -> Tumble {
         let omega = TAU * frequency_hz;
         (
             frequency_hz,
-            rig::SLIDER_AMPLITUDE_M * omega * omega,
-            rig::ROTATION_AMPLITUDE_RAD * omega,
+            rig::run::SLIDER_AMPLITUDE_M * omega * omega,
+            rig::run::ROTATION_AMPLITUDE_RAD * omega,
         )
     } else {
         let size = rng.random_range(0.1..1.0);

@@ -1,11 +1,10 @@
 //! Generators for property tests: sensors, motions, vectors, and numbers from the edges of f64.
 
+use crate::truth;
 use glam::DVec3;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
 use sixaxis_core::{Geometry, InertiaPerMass, Parameters};
-use sixaxis_reference::mjcf::limb_jacobian;
-use sixaxis_reference::paper;
 
 use crate::manufactured::motion::{Harmonic, Manufactured};
 use crate::seed::seed;
@@ -28,7 +27,7 @@ pub fn config(cases: u32) -> Config {
 
 /// A sensor scattered about the design as the paper's identified one is.
 pub fn parameters() -> impl Strategy<Value = Parameters> {
-    let design = paper::design_parameters();
+    let design = truth::design_parameters();
     (
         prop::array::uniform9(-20e-3..20e-3_f64),
         prop::array::uniform9(0.6..1.4_f64),
@@ -129,7 +128,7 @@ fn displacement(
     acceleration: DVec3,
     angular: DVec3,
 ) -> (DVec3, DVec3) {
-    let jacobian = limb_jacobian(geometry);
+    let jacobian = geometry.limb_jacobian();
     let torque = parameters.inertia_per_mass.matrix_mass_m2() * angular;
     let (a, m) = (acceleration, torque);
     let wrench = nalgebra::Vector6::new(a.x, a.y, a.z, m.x, m.y, m.z);

@@ -5,8 +5,8 @@ use glam::DVec3;
 use sixaxis_benches::free_sensor::FreeSensor;
 use sixaxis_props::problem::recorded::STEP_S;
 use sixaxis_props::problem::recorded::compound_5_hz;
-use sixaxis_reference::mjcf::SHELL_INERTIA_KG_M2;
-use sixaxis_reference::mjcf::SHELL_MASS_KG;
+use sixaxis_reference::mujoco::model::SHELL_INERTIA_KG_M2;
+use sixaxis_reference::mujoco::model::SHELL_MASS_KG;
 
 use crate::peer::{Input, Peer, Row, State, row};
 

@@ -12,9 +12,10 @@ use sixaxis_core::decouple::record::Accelerations;
 use sixaxis_core::{
     Decoupler, Gains, LIMBS, Parameters, Scheme, Sensor, Settings, SixAxis, StaticResponse,
 };
-use sixaxis_reference::recording::Recording;
+use sixaxis_reference::laboratory::recording::SimulatedRecording;
 
 use crate::manufactured::motion::Manufactured;
+use crate::truth::InCore;
 
 /// Gains of unequal size and sign, N/V: no channel passes for another.
 pub const UNEQUAL_GAINS: Gains = Gains {
@@ -66,7 +67,11 @@ impl Problem {
 
     /// A recording read with the given parameters.
     #[must_use]
-    pub fn recorded(recording: &Recording, parameters: &Parameters, scheme: Scheme) -> Self {
+    pub fn recorded(
+        recording: &SimulatedRecording,
+        parameters: &Parameters,
+        scheme: Scheme,
+    ) -> Self {
         Self {
             sensor: recording.sensor(),
             parameters: *parameters,

@@ -17,9 +17,9 @@ use sixaxis_props::compare::{fails_clearly, largest, within};
 use sixaxis_props::manufactured::examples;
 use sixaxis_props::problem::{Problem, accelerations, rig};
 use sixaxis_props::tolerance;
-use sixaxis_reference::campaign::Laboratory;
-use sixaxis_reference::paper;
-use sixaxis_reference::rig::{Mode, Mounting};
+use sixaxis_props::truth;
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::rig::run::{Mode, Mounting};
 
 const RATE_HZ: f64 = 4000.0;
 const SAMPLES: usize = 600;
@@ -104,7 +104,7 @@ fn moving(scheme: Scheme) -> Problem {
 
 /// Half a second of the rig at 5 Hz, from MuJoCo.
 fn on_the_rig() -> Problem {
-    let parameters = paper::identified_parameters();
+    let parameters = truth::identified_parameters();
     let direction = DVec3::new(2.0, 1.0, 1.0).normalize();
     let run = rig::simulate(
         &parameters,
@@ -112,7 +112,7 @@ fn on_the_rig() -> Problem {
         direction,
         Mounting::AxisVertical,
     );
-    let recording = Laboratory::noise_free(parameters).record(&run, 0);
+    let recording = Laboratory::noise_free(truth::sensor(&parameters)).record(&run, 0);
     Problem::recorded(&recording, &parameters, Scheme::Heun)
 }
 

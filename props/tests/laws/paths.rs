@@ -19,10 +19,9 @@ use sixaxis_props::manufactured::motion::Manufactured;
 use sixaxis_props::problem::{Problem, accelerations, rig};
 use sixaxis_props::strategy::{config, manufactured, parameters};
 use sixaxis_props::tolerance::{self, Tolerance};
-use sixaxis_reference::campaign::{self, Laboratory};
-use sixaxis_reference::paper;
-use sixaxis_reference::recording::SimulatedRun;
-use sixaxis_reference::rig::{Mounting, Run};
+use sixaxis_props::truth;
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::rig::run::{Mounting, Run};
 
 /// A manufactured motion from its start, with the shell at rest at first.
 fn moving(motion: &Manufactured, rate_hz: f64, samples: usize, scheme: Scheme) -> Problem {
@@ -31,15 +30,15 @@ fn moving(motion: &Manufactured, rate_hz: f64, samples: usize, scheme: Scheme) -
 
 /// The paper's compound run at 5 Hz from MuJoCo, 10 kHz.
 fn on_the_rig(scheme: Scheme) -> Problem {
-    let parameters = paper::identified_parameters();
-    let [.., trial] = campaign::compound(Mounting::AxisVertical);
+    let parameters = truth::identified_parameters();
     let long = Run {
         steady_periods: 4.0,
-        ..trial.run
+        ..rig::compound_run()
     };
-    let run = SimulatedRun::simulate(&trial.model(&parameters), &long, rig::RATE_HZ, rig::STEPS)
+    let model = rig::model(&parameters, long.direction_ground, Mounting::AxisVertical);
+    let run = sixaxis_reference::mujoco::simulate_run(&model, &long, rig::RATE_HZ, rig::STEPS)
         .expect("a run of the campaign simulates");
-    let recording = Laboratory::noise_free(parameters).record(&run, 0);
+    let recording = Laboratory::noise_free(truth::sensor(&parameters)).record(&run, 0);
     Problem::recorded(&recording, &parameters, scheme)
 }
 
@@ -260,7 +259,7 @@ fn ref_single_precision_holds_its_budget() {
 
 #[test]
 fn regress_a_strained_limb_is_named() {
-    let parameters = paper::identified_parameters();
+    let parameters = truth::identified_parameters();
     let sensor = Sensor {
         geometry: Geometry::PAPER,
         gains: Gains::uniform(1.0),

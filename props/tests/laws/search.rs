@@ -8,20 +8,21 @@ use sixaxis_props::compare::largest;
 use sixaxis_props::evidence::Row;
 use sixaxis_props::problem::rig;
 use sixaxis_props::tolerance;
-use sixaxis_reference::campaign::Laboratory;
-use sixaxis_reference::paper;
-use sixaxis_reference::recording::Recording;
-use sixaxis_reference::rig::{Mode, Mounting};
+use sixaxis_props::truth;
+use sixaxis_props::truth::InCore;
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::laboratory::recording::SimulatedRecording;
+use sixaxis_reference::rig::run::{Mode, Mounting};
 
 #[test]
 fn ref_the_search_by_interpolation_is_the_search() {
-    let parameters = paper::identified_parameters();
+    let parameters = truth::identified_parameters();
     let directions = [
         DVec3::new(1.0, 1.0, 2.0),
         DVec3::new(2.0, -1.0, 1.0),
         DVec3::Y,
     ];
-    let recordings: Vec<Recording> = directions
+    let recordings: Vec<SimulatedRecording> = directions
         .iter()
         .map(|d| {
             let run = rig::simulate(
@@ -30,7 +31,7 @@ fn ref_the_search_by_interpolation_is_the_search() {
                 d.normalize(),
                 Mounting::AxisVertical,
             );
-            Laboratory::noise_free(parameters).record(&run, 0)
+            Laboratory::noise_free(truth::sensor(&parameters)).record(&run, 0)
         })
         .collect();
     let mut wrong = parameters;

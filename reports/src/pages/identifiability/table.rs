@@ -1,6 +1,6 @@
 //! Each of the 25: what both estimators say of it, what bounds them, and what would help.
 
-use sixaxis_reference::instruments::{GAIN_SHARE, INSTRUMENT_CLASS};
+use sixaxis_reference::laboratory::instruments::{GAIN_SHARE, INSTRUMENT_CLASS};
 
 use super::coverage::BAND;
 use super::published::{Campaign, CampaignParameter, Share};
