@@ -1,6 +1,6 @@
 //! What is wrong with a campaign, named: which cause, in which trial, on which channel, by how much, and what to do.
 //!
-//! Everything is held against [`crate::rigid`], which says what each channel should show of each trial's motion, and what is
+//! Everything is held against [`StaticLoadSharing`], which says what each channel should show of each trial's motion, and what is
 //! left over is tried against one cause after the other. The order matters: a fault that explains others is looked for first,
 //! and what it explains is not reported again.
 //!
@@ -22,15 +22,15 @@ pub mod table;
 pub mod timing;
 
 use rayon::prelude::*;
+use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
 use sixaxis_core::identify::zero_drift::{self, ZeroDrift};
 use sixaxis_core::{Geometry, LIMBS, Parameters};
 
 use crate::conditioning::Conditioned;
 use crate::finding::Finding;
 use crate::response::{self, Response};
-use crate::rigid::turned_gravity_m_s2;
 use crate::trial::Trial;
-use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
+use gravity::turned_gravity_m_s2;
 use sixaxis_recordings::session::{Rig, Role};
 use table::Table;
 

@@ -24,7 +24,7 @@ const ROUNDS: usize = 12;
 /// Scale factors and inertias that most trials agree on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
-    /// The limbs' shares in a wrench.
+    /// How the limbs share a load.
     pub shares: StaticLoadSharing,
     /// Which limb each channel is believed to belong to, from 0: its own, unless channels were found exchanged.
     pub limb_of: [usize; LIMBS],
