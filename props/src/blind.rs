@@ -6,8 +6,10 @@
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use sixaxis_calibration::suspicion::Cause;
-use sixaxis_calibration::verdict::{Grade, Unwatched, judge};
+use sixaxis_calibration::calibrate::{Options, calibrate};
+use sixaxis_calibration::finding::Cause;
+use sixaxis_calibration::progress::NoProgress;
+use sixaxis_calibration::report::Grade;
 use sixaxis_recordings::session::SessionFile;
 use sixaxis_reference::laboratory::defect::Kind;
 use sixaxis_reference::laboratory::plan::{
@@ -149,7 +151,7 @@ pub fn run(seed: u64, engine: Engine, folder: &Path) -> Result<Outcome, String> 
     drop(played);
     let judged = SessionFile::read(&session)
         .map_err(Into::into)
-        .and_then(|file| judge(&file, &Unwatched))
+        .and_then(|file| calibrate(&file, &Options::default(), &NoProgress))
         .map_err(|e| at("judging", &e));
     let cleared = std::fs::remove_dir_all(&own).map_err(|e| at("clearing", &e));
     let judged = judged?;

@@ -4,7 +4,7 @@ use nalgebra::{SMatrix, SVector};
 use rayon::prelude::*;
 use sixaxis_calibration::joint::{JointReport, Knowledge, Loss, fit};
 use sixaxis_calibration::steps::{Campaign, FourSteps, GyroscopeGain};
-use sixaxis_campaign::collected::collect;
+use sixaxis_campaign::prepared::prepare;
 use sixaxis_core::LIMBS;
 use sixaxis_core::identify::scale::ScaleIdentification;
 use sixaxis_core::parameter::PARAMETERS;
@@ -67,9 +67,7 @@ impl Fitted {
     pub fn of(plan: &SessionPlan) -> Result<Self, String> {
         let played = simulate_session(plan).map_err(|e| e.to_string())?;
         let truth = played.truth.parameters.to_paper_order();
-        let collected =
-            collect(&played.session, played.recordings).map_err(|failure| failure.cause)?;
-        let campaign = collected.campaign;
+        let campaign = prepare(&played.session, played.recordings).campaign;
         let class = played.session.gyroscope.class_percent / 100.0;
         let steps = campaign
             .identify(GyroscopeGain::Certified { class })

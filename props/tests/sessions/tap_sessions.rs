@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
-use sixaxis_calibration::verdict::{Grade, Judgement, Unwatched, judge};
+use sixaxis_calibration::calibrate::{CalibratedSession, Options, calibrate};
+use sixaxis_calibration::progress::NoProgress;
+use sixaxis_calibration::report::Grade;
 use sixaxis_core::LIMBS;
 use sixaxis_core::Parameter;
 use sixaxis_props::compare::within;
@@ -31,13 +33,13 @@ fn plan(taps: usize) -> SessionPlan {
 }
 
 /// Judges a session from its files.
-fn judged(played: &SimulatedSession, name: &str) -> Judgement {
+fn judged(played: &SimulatedSession, name: &str) -> CalibratedSession {
     let folder: PathBuf =
         std::env::temp_dir().join(format!("sixaxis-taps-{name}-{}", std::process::id()));
     let session = write(played, &folder, "npz").expect("it can be written");
     let judgement = SessionFile::read(&session)
         .map_err(Into::into)
-        .and_then(|file| judge(&file, &Unwatched));
+        .and_then(|file| calibrate(&file, &Options::default(), &NoProgress));
     std::fs::remove_dir_all(&folder).expect("it can be cleared away");
     judgement.expect("the session is sound")
 }
@@ -52,7 +54,7 @@ fn ref_a_session_with_taps_determines_stiffness_and_changes_nothing_else() {
         "taps change the other recordings"
     );
     let (with, without) = (judged(&played, "two"), judged(&without, "none"));
-    let of = |judgement: &Judgement| {
+    let of = |judgement: &CalibratedSession| {
         judgement
             .parameters
             .iter()

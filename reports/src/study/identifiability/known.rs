@@ -5,7 +5,7 @@
 
 use anyhow::{Context, Result};
 use core::f64::consts::TAU;
-use sixaxis_calibration::certified::Gain;
+use sixaxis_calibration::gain_prior::BoundedGain;
 use sixaxis_calibration::joint::{self, JointReport, Knowledge, Loss, WEDGE_DEG};
 use sixaxis_calibration::propagation::{Propagated, Sources, propagate};
 use sixaxis_calibration::steps::{Campaign, GyroscopeGain};
@@ -108,7 +108,7 @@ fn four_steps(
     propagated: &Propagated,
     gyroscope_gain: f64,
 ) -> [Interval; PARAMETERS] {
-    let gain = Gain {
+    let gain = BoundedGain {
         limit: GAIN_LIMIT,
         seen: 0.0,
         information: 0.0,

@@ -4,10 +4,11 @@ use glam::DVec3;
 use nalgebra::{Matrix3, Vector3};
 use sixaxis_core::LIMBS;
 
+use super::TrialCase;
 use super::level::{cause_of, is_thousand};
 use super::structure::departure;
 use super::table::Table;
-use super::{Cause, Finding, Suspect};
+use crate::finding::{Cause, Finding};
 use crate::response::Response;
 
 /// Departure, relative to the trial's own size, that is noticed: a wedge half a degree off.
@@ -32,40 +33,40 @@ struct Explanation {
 /// Looks at every trial by itself. Returns each one's departure from the table.
 pub fn examine(
     table: &Table,
-    suspects: &mut [Suspect<'_>],
+    cases: &mut [TrialCase<'_>],
     findings: &mut Vec<Finding>,
 ) -> Vec<Option<f64>> {
-    let departures: Vec<Option<f64>> = suspects.iter().map(|s| departure(table, s)).collect();
+    let departures: Vec<Option<f64>> = cases.iter().map(|s| departure(table, s)).collect();
     // Trials of one cause and one direction make one finding: a wedge is loose in all of them.
     let mut told: Vec<(DVec3, Finding)> = Vec::new();
-    for (suspect, departure) in suspects.iter().zip(&departures) {
-        let (Some(departure), Some(response)) = (departure, &suspect.response) else {
+    for (case, departure) in cases.iter().zip(&departures) {
+        let (Some(departure), Some(response)) = (departure, &case.response) else {
             continue;
         };
-        if suspect.settled {
+        if case.explained {
             continue;
         }
-        let explanation = if *departure > NOTICED + SIGNIFICANT * noise(table, suspect, response) {
-            explain(table, suspect, response, *departure)
+        let explanation = if *departure > NOTICED + SIGNIFICANT * noise(table, case, response) {
+            explain(table, case, response, *departure)
         } else {
-            unexplained_in_time(table, suspect, response)
+            unexplained_in_time(table, case, response)
         };
         let Some(explanation) = explanation else {
             continue;
         };
-        let direction = suspect.trial.direction_ground;
+        let direction = case.trial.direction_ground;
         let known = told.iter_mut().find(|(d, finding)| {
             finding.cause == explanation.cause
                 && finding.channels == explanation.channels
                 && (explanation.cause != Cause::LooseWedge || *d == direction)
         });
         match known {
-            Some((_, finding)) => finding.recordings.push(suspect.trial.name.clone()),
+            Some((_, finding)) => finding.recordings.push(case.trial.name.clone()),
             None => told.push((
                 direction,
                 Finding {
                     cause: explanation.cause,
-                    recordings: vec![suspect.trial.name.clone()],
+                    recordings: vec![case.trial.name.clone()],
                     channels: explanation.channels,
                     evidence: explanation.evidence,
                     advice: explanation.advice,
@@ -79,15 +80,15 @@ pub fn examine(
 
 fn explain(
     table: &Table,
-    suspect: &Suspect<'_>,
+    case: &TrialCase<'_>,
     response: &Response,
     departure: f64,
 ) -> Option<Explanation> {
-    let (seen, expected) = table.compare(suspect, response);
+    let (seen, expected) = table.compare(case, response);
     let counts: Vec<usize> = (0..LIMBS)
-        .filter(|i| !suspect.excused[*i] && !table.silent[*i])
+        .filter(|i| !case.ignored[*i] && !table.silent[*i])
         .collect();
-    let size = table.size(suspect, response, &expected);
+    let size = table.size(case, response, &expected);
     let rest = |of: &dyn Fn(usize) -> f64| -> f64 {
         counts
             .iter()
@@ -183,7 +184,7 @@ fn explain(
     if let Some((direction, left)) = direction(table, response, &counts, &seen, size)
         && left < enough
     {
-        let d = suspect.trial.direction_ground;
+        let d = case.trial.direction_ground;
         let angle = direction.normalize().angle_between(d).to_degrees();
         if angle <= LOOSE_DEG {
             return None;
@@ -230,13 +231,13 @@ fn explain(
 }
 
 /// Standard error of a trial's departure.
-fn noise(table: &Table, suspect: &Suspect<'_>, response: &Response) -> f64 {
-    let (_, expected) = table.compare(suspect, response);
+fn noise(table: &Table, case: &TrialCase<'_>, response: &Response) -> f64 {
+    let (_, expected) = table.compare(case, response);
     let squares: f64 = (0..LIMBS)
-        .filter(|i| !suspect.excused[*i] && !table.silent[*i])
+        .filter(|i| !case.ignored[*i] && !table.silent[*i])
         .map(|i| (response.channels[i].standard_error / table.mass_over_scale_kg[i]).powi(2))
         .sum();
-    squares.sqrt() / table.size(suspect, response, &expected)
+    squares.sqrt() / table.size(case, response, &expected)
 }
 
 /// The direction, not normalised, that the channels show, and what it leaves.
@@ -266,18 +267,18 @@ fn direction(
 /// A trial whose amplitudes agree but whose course does not.
 fn unexplained_in_time(
     table: &Table,
-    suspect: &Suspect<'_>,
+    case: &TrialCase<'_>,
     response: &Response,
 ) -> Option<Explanation> {
     let over = |get: fn(&crate::response::ChannelResponse) -> f64| -> f64 {
         (0..LIMBS)
-            .filter(|i| !suspect.excused[*i] && !table.silent[*i])
+            .filter(|i| !case.ignored[*i] && !table.silent[*i])
             .map(|i| (get(&response.channels[i]) / table.mass_over_scale_kg[i]).powi(2))
             .sum::<f64>()
             .sqrt()
     };
     // Weight was taken off by an angle that is as good as the gyroscope; what is left of it is no news.
-    let known = table.weight_left_m_s2(suspect, response) / RESIDUAL;
+    let known = table.weight_left_m_s2(case, response) / RESIDUAL;
     let share = over(|c| c.residual_n) / (over(|c| c.signal_n) + known);
     (share > RESIDUAL).then(|| Explanation {
         cause: Cause::Unexplained,

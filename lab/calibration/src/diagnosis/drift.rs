@@ -3,10 +3,11 @@
 use sixaxis_core::LIMBS;
 use sixaxis_core::identify::zero_drift::ZeroDrift;
 
+use super::TrialCase;
 use super::odd_trial;
 use super::structure::departure;
 use super::table::Table;
-use super::{Cause, Finding, Suspect};
+use crate::finding::{Cause, Finding};
 use crate::response::Response;
 use crate::trial::Trial;
 
@@ -30,7 +31,7 @@ pub fn examine(
     at_rest: Option<&Trial>,
     drift: Option<&ZeroDrift>,
     table: Option<&Table>,
-    suspects: &mut [Suspect<'_>],
+    cases: &mut [TrialCase<'_>],
     findings: &mut Vec<Finding>,
 ) {
     if let (Some(rest), Some(drift)) = (at_rest, drift) {
@@ -50,31 +51,31 @@ pub fn examine(
             }
         }
     }
-    for suspect in suspects.iter_mut() {
-        let Some(response) = &suspect.response else {
+    for case in cases.iter_mut() {
+        let Some(response) = &case.response else {
             continue;
         };
-        if suspect.settled {
+        if case.explained {
             continue;
         }
         // In a trial of another scale or another sensor the zero is another, too, and that is not the news.
         let fits_in = table
-            .and_then(|table| departure(table, suspect))
+            .and_then(|table| departure(table, case))
             .is_some_and(|departure| departure < odd_trial::NOTICED);
         let largest = response
             .channels
             .iter()
             .map(|c| c.response.abs() * response.peak)
             .fold(0.0, f64::max)
-            .max(weight_left_n(suspect, response, table) / NOTICED);
+            .max(weight_left_n(case, response, table) / NOTICED);
         for channel in 0..LIMBS {
-            if suspect.excused[channel] {
+            if case.ignored[channel] {
                 continue;
             }
             let own = &response.channels[channel];
-            let gain = suspect.trial.gains.gain_n_per_v[channel];
+            let gain = case.trial.gains.gain_n_per_v[channel];
             let limit = NOTICED * largest;
-            let ends = ends_n(suspect, channel);
+            let ends = ends_n(case, channel);
             let by_fit = own.drift_n.abs() > limit + SIGNIFICANT * own.drift_error_n;
             // In a trial that fits in with the others the fit's word is enough. In one that does not, what looks like drift may be
             // what makes it odd: then the ends have to say so, too.
@@ -95,7 +96,7 @@ pub fn examine(
                 };
                 findings.push(Finding {
                     cause: Cause::DriftDuringRun,
-                    recordings: vec![suspect.trial.name.clone()],
+                    recordings: vec![case.trial.name.clone()],
                     channels: vec![channel + 1],
                     evidence: format!(
                         "the zero moves by {:.1} mV {what}, {:.1} % of the largest signal",
@@ -105,26 +106,26 @@ pub fn examine(
                     advice: "warm up and repeat the trial, and record at rest right before it"
                         .to_owned(),
                 });
-                suspect.excused[channel] = true;
+                case.ignored[channel] = true;
             }
         }
     }
 }
 
 /// What the error of the angle leaves of turning weight in a channel's force, N.
-fn weight_left_n(suspect: &Suspect<'_>, response: &Response, table: Option<&Table>) -> f64 {
+fn weight_left_n(case: &TrialCase<'_>, response: &Response, table: Option<&Table>) -> f64 {
     let Some(table) = table else {
         return 0.0;
     };
     let heaviest = (0..LIMBS)
         .map(|i| table.mass_over_scale_kg[i].abs())
         .fold(0.0, f64::max);
-    heaviest * table.weight_left_m_s2(suspect, response)
+    heaviest * table.weight_left_m_s2(case, response)
 }
 
 /// Level at the beginning of the run and its change until the end, N; none for a recording that does not begin and end at rest.
-fn ends_n(suspect: &Suspect<'_>, channel: usize) -> Option<(f64, f64)> {
-    let conditioned = suspect.conditioned;
+fn ends_n(case: &TrialCase<'_>, channel: usize) -> Option<(f64, f64)> {
+    let conditioned = case.conditioned;
     let peak = |series: &[glam::DVec3]| series.iter().map(|v| v.length()).fold(0.0, f64::max);
     let limits = [
         AT_REST * peak(&conditioned.linear_ground_m_s2),
@@ -134,7 +135,7 @@ fn ends_n(suspect: &Suspect<'_>, channel: usize) -> Option<(f64, f64)> {
         conditioned.linear_ground_m_s2[*row].length() <= limits[0]
             && conditioned.rate_shell_rad_s[*row].length() <= limits[1]
     };
-    let samples = suspect.force_n.len();
+    let samples = case.force_n.len();
     let first = (0..samples).take_while(rests).count();
     let last = (0..samples).rev().take_while(rests).count();
     if first.min(last) < FEWEST_AT_REST || first == samples {
@@ -143,8 +144,8 @@ fn ends_n(suspect: &Suspect<'_>, channel: usize) -> Option<(f64, f64)> {
     let mean = |rows: &[[f64; LIMBS]]| {
         rows.iter().map(|row| row[channel]).sum::<f64>() / rows.len() as f64
     };
-    let before = mean(&suspect.force_n[..first]);
-    let after = mean(&suspect.force_n[samples - last..]);
+    let before = mean(&case.force_n[..first]);
+    let after = mean(&case.force_n[samples - last..]);
     Some((before, after - before))
 }
 

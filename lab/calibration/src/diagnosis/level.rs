@@ -8,7 +8,8 @@ use core::f64::consts::TAU;
 use sixaxis_core::LIMBS;
 
 use super::table::{Table, weighted_median};
-use super::{Cause, Facts, Finding, Suspect};
+use super::{Facts, TrialCase};
+use crate::finding::{Cause, Finding};
 use sixaxis_recordings::session::Role;
 
 /// Largest factor by which all scale factors together may differ from the design's.
@@ -71,14 +72,14 @@ pub fn examine(
     table: &Table,
     facts: &Facts<'_>,
     silent: &[bool; LIMBS],
-    suspects: &mut [Suspect<'_>],
+    cases: &mut [TrialCase<'_>],
     findings: &mut Vec<Finding>,
 ) {
     // A wrong clock makes wrong accelerations.
     let mut found = findings
         .iter()
         .any(|finding| finding.cause == Cause::ClockMismatch);
-    found |= against_rig(facts, suspects, findings);
+    found |= against_rig(facts, cases, findings);
     let design = &facts.design.scale_per_mass_per_kg;
     let ratio: [f64; LIMBS] = core::array::from_fn(|channel| {
         1.0 / (table.mass_over_scale_kg[channel] * design[table.limb_of[channel]])
@@ -146,7 +147,7 @@ pub fn examine(
 /// Amplitudes of the standards against stroke and rotation of the rig.
 fn against_rig(
     facts: &Facts<'_>,
-    suspects: &mut [Suspect<'_>],
+    cases: &mut [TrialCase<'_>],
     findings: &mut Vec<Finding>,
 ) -> bool {
     let Some(rig) = facts.rig else {
@@ -168,16 +169,16 @@ fn against_rig(
         let Some(amplitude) = amplitude else {
             continue;
         };
-        let factors: Vec<(usize, f64)> = suspects
+        let factors: Vec<(usize, f64)> = cases
             .iter()
             .enumerate()
-            .filter_map(|(index, suspect)| {
-                let response = suspect.response.as_ref()?;
-                let role = suspect.trial.role;
+            .filter_map(|(index, case)| {
+                let response = case.response.as_ref()?;
+                let role = case.trial.role;
                 if response.travels != travels || role == Role::Validation {
                     return None;
                 }
-                let omega = TAU * suspect.trial.frequency_hz;
+                let omega = TAU * case.trial.frequency_hz;
                 let (seen, expected) = if travels {
                     (response.peak_linear_m_s2, amplitude * omega * omega)
                 } else {
@@ -204,7 +205,7 @@ fn against_rig(
                 Vec::new()
             } else {
                 odd.iter()
-                    .map(|(i, _)| suspects[*i].trial.name.clone())
+                    .map(|(i, _)| cases[*i].trial.name.clone())
                     .collect()
             },
             channels: Vec::new(),
@@ -217,7 +218,7 @@ fn against_rig(
             advice: format!("check unit and sensitivity of the {what} against its certificate"),
         });
         for (index, _) in odd {
-            suspects[index].settled = true;
+            cases[index].explained = true;
         }
     }
     found

@@ -20,13 +20,13 @@ use sixaxis_recordings::session::Role;
 
 /// What a trial adds.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Own {
+pub(super) struct StepError {
     chain: Chain,
     noise: Covariance,
     gain: [Errors; 2],
 }
 
-impl Own {
+impl StepError {
     pub(super) fn add_to(&self, chain: &mut Chain, noise: &mut Covariance, gain: &mut [Errors; 2]) {
         chain.append(&self.chain);
         *noise += self.noise;
@@ -52,7 +52,7 @@ impl Own {
 }
 
 /// How the steps answer, and to what.
-pub(super) struct Answers<'a> {
+pub(super) struct Sensitivities<'a> {
     pub geometry: Geometry,
     pub conditioning: &'a Conditioning,
     pub parameters: &'a Parameters,
@@ -102,18 +102,18 @@ impl FourthStep {
 /// First decoupled sample.
 const FIRST: usize = 1;
 
-impl Answers<'_> {
+impl Sensitivities<'_> {
     pub(super) fn linear(
         &self,
         trial: &Trial,
         conditioned: &Conditioned,
         noise: &TrialNoise,
-    ) -> Result<Own> {
-        let mut own = Own::default();
+    ) -> Result<StepError> {
+        let mut own = StepError::default();
         let signal = SignalChain::new(&trial.gains, self.parameters);
         let force = force_per_volt(&signal);
         let direction = column(trial.direction_ground);
-        let mut answers = vec![SMatrix::<f64, LIMBS, 3>::zeros(); trial.voltage_v.len()];
+        let mut sensitivities = vec![SMatrix::<f64, LIMBS, 3>::zeros(); trial.voltage_v.len()];
         for t in rows(trial) {
             let answer = self.scale_at(trial, conditioned, t);
             for (i, f) in force.iter().enumerate() {
@@ -126,17 +126,19 @@ impl Answers<'_> {
                 SCALE.start,
                 &(answer * column(conditioned.linear_ground_m_s2[t])),
             );
-            answers[t] = answer;
+            sensitivities[t] = answer;
         }
-        let mut raw = answers.clone();
+        let mut raw = sensitivities.clone();
         each_series(&mut raw, &mut |series| {
             self.conditioning.voltage_transposed(trial, series)
         })?;
         for (f, sd) in force.iter().zip(noise.channels_v) {
             own.add_white(SCALE.start, sd, raw.iter().map(|z| -(z * column(*f))));
         }
-        let mut along: Vec<SMatrix<f64, LIMBS, 1>> =
-            answers.iter().map(|answer| answer * direction).collect();
+        let mut along: Vec<SMatrix<f64, LIMBS, 1>> = sensitivities
+            .iter()
+            .map(|answer| answer * direction)
+            .collect();
         each_series(&mut along, &mut |series| {
             self.conditioning.accelerometer_transposed(trial, series)
         })?;
@@ -161,14 +163,14 @@ impl Answers<'_> {
         trial: &Trial,
         conditioned: &Conditioned,
         noise: &TrialNoise,
-    ) -> Result<Own> {
-        let mut own = Own::default();
+    ) -> Result<StepError> {
+        let mut own = StepError::default();
         let signal = SignalChain::new(&trial.gains, self.parameters);
         let torque = torque_per_volt(&self.geometry, &signal);
         let arms = arms_m(&self.geometry);
         let axis = trial.direction_ground;
         let samples = trial.voltage_v.len();
-        let mut answers = vec![SMatrix::<f64, 6, 3>::zeros(); samples];
+        let mut sensitivities = vec![SMatrix::<f64, 6, 3>::zeros(); samples];
         let mut of_rate = vec![SVector::<f64, 6>::zeros(); samples];
         let mut of_derivative = of_rate.clone();
         for t in rows(trial) {
@@ -202,13 +204,17 @@ impl Answers<'_> {
             };
             of_rate[t] = discrepancy(axis, DVec3::ZERO);
             of_derivative[t] = discrepancy(DVec3::ZERO, axis);
-            answers[t] = answer;
+            sensitivities[t] = answer;
         }
-        each_series(&mut answers, &mut |series| {
+        each_series(&mut sensitivities, &mut |series| {
             self.conditioning.voltage_transposed(trial, series)
         })?;
         for (m, sd) in torque.iter().zip(noise.channels_v) {
-            own.add_white(INERTIA.start, sd, answers.iter().map(|z| z * column(*m)));
+            own.add_white(
+                INERTIA.start,
+                sd,
+                sensitivities.iter().map(|z| z * column(*m)),
+            );
         }
         let mut gyroscope = vec![SVector::<f64, 6>::zeros(); samples];
         for entry in 0..6 {
@@ -233,7 +239,7 @@ impl Answers<'_> {
         conditioned: &Conditioned,
         noise: &TrialNoise,
         index: usize,
-    ) -> Result<Option<Own>> {
+    ) -> Result<Option<StepError>> {
         let influence = ComplianceInfluence::new(
             &self.parameters.inertia_per_mass,
             trial.sample_rate_hz,
@@ -242,13 +248,13 @@ impl Answers<'_> {
         let (Some(influence), Some(slopes)) = (influence, self.fourth.of(index)) else {
             return Ok(None);
         };
-        let mut own = Own::default();
+        let mut own = StepError::default();
         let mut weights = slopes.to_vec();
         influence.of_trial(&mut weights);
         let signal = SignalChain::new(&trial.gains, self.parameters);
         let torque = torque_per_volt(&self.geometry, &signal);
         let arms = arms_m(&self.geometry);
-        let mut answers = vec![SMatrix::<f64, 1, 3>::zeros(); trial.voltage_v.len()];
+        let mut sensitivities = vec![SMatrix::<f64, 1, 3>::zeros(); trial.voltage_v.len()];
         for (t, weight) in (FIRST..).zip(&weights) {
             let answer = column(*weight).transpose();
             let measured = trial
@@ -263,28 +269,28 @@ impl Answers<'_> {
                     SCALE.start + i,
                 );
             }
-            answers[t] = answer;
+            sensitivities[t] = answer;
         }
-        each_series(&mut answers, &mut |series| {
+        each_series(&mut sensitivities, &mut |series| {
             self.conditioning.voltage_transposed(trial, series)
         })?;
         for (m, sd) in torque.iter().zip(noise.channels_v) {
-            own.add_white(COMPLIANCE, sd, answers.iter().map(|z| z * column(*m)));
+            own.add_white(COMPLIANCE, sd, sensitivities.iter().map(|z| z * column(*m)));
         }
         Ok(Some(own))
     }
 }
 
-impl Own {
+impl StepError {
     fn add_gain<const N: usize>(&mut self, standard: usize, place: usize, error: &SVector<f64, N>) {
         let mut part = self.gain[standard].fixed_rows_mut::<N>(place);
         part += error;
     }
 }
 
-/// Own errors of the steps for a unit tilt, rad, of each wedge about either axis square to it. Trials of steps 2 and 3 that say
+/// StepError errors of the steps for a unit tilt, rad, of each wedge about either axis square to it. Trials of steps 2 and 3 that say
 /// the same direction stand on the same wedge.
-pub(super) fn wedge_errors(answers: &Answers, campaign: &Campaign) -> Vec<Errors> {
+pub(super) fn wedge_errors(sensitivities: &Sensitivities, campaign: &Campaign) -> Vec<Errors> {
     let mut wedges: Vec<DVec3> = Vec::new();
     let used = |role| matches!(role, Role::Linear | Role::Angular);
     for (trial, _) in campaign.trials.iter().filter(|(t, _)| used(t.role)) {
@@ -310,7 +316,8 @@ pub(super) fn wedge_errors(answers: &Answers, campaign: &Campaign) -> Vec<Errors
                 for t in rows(trial) {
                     if trial.role == Role::Linear {
                         let lacking = -tilt * conditioned.linear_ground_m_s2[t].dot(direction);
-                        let answer = answers.scale_at(trial, conditioned, t) * column(lacking);
+                        let answer =
+                            sensitivities.scale_at(trial, conditioned, t) * column(lacking);
                         let mut part = own.fixed_rows_mut::<LIMBS>(SCALE.start);
                         part += answer;
                     } else {
@@ -318,12 +325,13 @@ pub(super) fn wedge_errors(answers: &Answers, campaign: &Campaign) -> Vec<Errors
                             conditioned.rate_shell_rad_s[t],
                             conditioned.angular_shell_rad_s2[t],
                         );
-                        let lacking = answers.inertia.of_reading(
+                        let lacking = sensitivities.inertia.of_reading(
                             rate,
                             -tilt * rate.dot(direction),
                             -tilt * derivative.dot(direction),
                         );
-                        let answer = answers.inertia.of_sample(rate, derivative) * column(lacking);
+                        let answer =
+                            sensitivities.inertia.of_sample(rate, derivative) * column(lacking);
                         let mut part = own.fixed_rows_mut::<6>(INERTIA.start);
                         part += answer;
                     }

@@ -6,7 +6,7 @@
 
 /// What is known of a standard's relative gain error.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Gain {
+pub struct BoundedGain {
     /// The certificate's limit.
     pub limit: f64,
     /// What the data say, and one over its variance; 0 if they say nothing.
@@ -22,7 +22,7 @@ const REACH: f64 = 8.0;
 /// Halvings of the bracket of a quantile: to 2^-40 of it.
 const HALVINGS: usize = 40;
 
-impl Gain {
+impl BoundedGain {
     /// Gains and how likely each is, adding up to 1: an even spread within the limit, weighed by the data.
     fn nodes(&self) -> Vec<(f64, f64)> {
         let (mut low, mut high) = (-self.limit, self.limit);
@@ -127,7 +127,7 @@ mod tests {
 
     #[test]
     fn inv_no_slope_is_normal() {
-        let gain = Gain {
+        let gain = BoundedGain {
             limit: 0.01,
             seen: 0.0,
             information: 0.0,
@@ -139,7 +139,7 @@ mod tests {
 
     #[test]
     fn inv_no_noise_is_the_certificate() {
-        let gain = Gain {
+        let gain = BoundedGain {
             limit: 0.01,
             seen: 0.0,
             information: 0.0,
@@ -150,7 +150,7 @@ mod tests {
 
     #[test]
     fn inv_data_that_know_better_rule() {
-        let gain = Gain {
+        let gain = BoundedGain {
             limit: 0.01,
             seen: 2e-3,
             information: 1e10,
@@ -164,7 +164,7 @@ mod tests {
 
     #[test]
     fn inv_bent_quantities_are_followed() {
-        let gain = Gain {
+        let gain = BoundedGain {
             limit: 0.1,
             seen: 0.0,
             information: 0.0,
@@ -174,7 +174,7 @@ mod tests {
         assert!((low * 1.095 - 1.0).abs() < 1e-3);
         assert!((high * 0.905 - 1.0).abs() < 1e-3);
         assert_eq!(gain.contradiction(), 0.0);
-        let contradicted = Gain {
+        let contradicted = BoundedGain {
             seen: 0.2,
             information: 1e4,
             ..gain

@@ -22,12 +22,11 @@ pub mod table;
 pub mod timing;
 
 use rayon::prelude::*;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 use sixaxis_core::identify::zero_drift::{self, ZeroDrift};
 use sixaxis_core::{Geometry, LIMBS, Parameters};
 
 use crate::conditioning::Conditioned;
+use crate::finding::Finding;
 use crate::response::{self, Response};
 use crate::rigid::{StaticLoadSharing, turned_gravity_m_s2};
 use crate::trial::Trial;
@@ -37,87 +36,7 @@ use table::Table;
 /// Relative error of an angle that undoing a gyroscope's lag and the low-pass leave.
 const LAG_ANGLE_ERROR: f64 = 3e-3;
 
-/// What can be wrong.
-#[derive(
-    Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
-)]
-#[serde(rename_all = "snake_case")]
-pub enum Cause {
-    /// A recording cannot be read or lacks what the session promises.
-    Unreadable,
-    /// A channel stands at the converter's limit.
-    ClippedConverter,
-    /// A limb says nothing.
-    DeadLimb,
-    /// Two channels are exchanged.
-    SwappedChannels,
-    /// A channel has the wrong sign.
-    InvertedChannel,
-    /// The trials leave a direction out.
-    UnderExcitedAxis,
-    /// Gravity turns in the sensor and the session does not say so, or the other way round.
-    GravityNotHandled,
-    /// Volts and millivolts mixed up.
-    MillivoltMixUp,
-    /// A gain, a sensitivity or a unit is not what the session says.
-    WrongScaling,
-    /// Sensor and standards, or the recording and the session, do not agree on time.
-    ClockMismatch,
-    /// The gyroscope lags and nothing undoes it.
-    GyroscopeLag,
-    /// A channel's zero moved during a run or since the static record.
-    DriftDuringRun,
-    /// The motion was not along the direction that the wedge sets.
-    LooseWedge,
-    /// A trial is another sensor's.
-    ForeignTrial,
-    /// A trial does not agree with the others, and no cause explains it.
-    Unexplained,
-    /// The joint fit was asked for and cannot be done.
-    JointFitRefused,
-}
-
-impl Cause {
-    /// In words, for a heading.
-    #[must_use]
-    pub const fn words(self) -> &'static str {
-        match self {
-            Self::Unreadable => "recording cannot be used",
-            Self::ClippedConverter => "converter clips",
-            Self::DeadLimb => "dead limb",
-            Self::SwappedChannels => "channels exchanged",
-            Self::InvertedChannel => "channel inverted",
-            Self::UnderExcitedAxis => "axis not excited",
-            Self::GravityNotHandled => "gravity not handled",
-            Self::MillivoltMixUp => "volts and millivolts mixed up",
-            Self::WrongScaling => "wrong unit or scaling",
-            Self::ClockMismatch => "clocks disagree",
-            Self::GyroscopeLag => "gyroscope's lag not undone",
-            Self::DriftDuringRun => "zero drifts",
-            Self::LooseWedge => "wedge loose or wrong",
-            Self::ForeignTrial => "trial of another sensor",
-            Self::Unexplained => "does not fit, cause unknown",
-            Self::JointFitRefused => "joint fit refused",
-        }
-    }
-}
-
-/// Something that is wrong.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Finding {
-    /// What.
-    pub cause: Cause,
-    /// Recordings concerned; all if empty.
-    pub recordings: Vec<String>,
-    /// Channels concerned, from 1; all or none in particular if empty.
-    pub channels: Vec<usize>,
-    /// What was seen, with its numbers.
-    pub evidence: String,
-    /// What to do.
-    pub advice: String,
-}
-
-/// What the examination is told.
+/// What the diagnosis is told.
 #[derive(Debug, Clone, Copy)]
 pub struct Facts<'a> {
     /// The sensor's lengths.
@@ -132,9 +51,9 @@ pub struct Facts<'a> {
     pub gyroscope_lag_undone: bool,
 }
 
-/// One trial under examination.
+/// One trial under diagnosis.
 #[derive(Debug, Clone)]
-pub struct Suspect<'a> {
+pub struct TrialCase<'a> {
     /// As recorded.
     pub trial: &'a Trial,
     /// As conditioned.
@@ -144,18 +63,18 @@ pub struct Suspect<'a> {
     /// What each channel shows of it; none where nothing could be fitted.
     pub response: Option<Response>,
     /// Channels that something has already been found about.
-    pub excused: [bool; LIMBS],
+    pub ignored: [bool; LIMBS],
     /// Nothing more is to be said of this trial.
-    pub settled: bool,
+    pub explained: bool,
 }
 
-/// What the examination found.
+/// What the diagnosis found.
 #[derive(Debug, Clone)]
-pub struct Examination<'a> {
+pub struct Diagnosis<'a> {
     /// What is wrong, worst first.
     pub findings: Vec<Finding>,
     /// The trials with their responses.
-    pub suspects: Vec<Suspect<'a>>,
+    pub cases: Vec<TrialCase<'a>>,
     /// What all trials agree on, if enough of them could be fitted.
     pub table: Option<Table>,
     /// For each trial, how far it departs from that, relative to its own size.
@@ -168,87 +87,87 @@ pub fn examine<'a>(
     facts: &Facts<'_>,
     at_rest: Option<&Trial>,
     trials: &'a [(Trial, Conditioned)],
-) -> Examination<'a> {
+) -> Diagnosis<'a> {
     let mut findings = Vec::new();
-    let mut suspects: Vec<Suspect<'a>> = trials
+    let mut cases: Vec<TrialCase<'a>> = trials
         .par_iter()
-        .map(|(trial, conditioned)| Suspect {
+        .map(|(trial, conditioned)| TrialCase {
             trial,
             conditioned,
             force_n: Vec::new(),
             response: None,
-            excused: [false; LIMBS],
-            settled: false,
+            ignored: [false; LIMBS],
+            explained: false,
         })
         .collect();
-    raw::examine(at_rest, &mut suspects, &mut findings);
+    raw::examine(at_rest, &mut cases, &mut findings);
     let drift = at_rest.and_then(|rest| zero_drift::identify(&rest.voltage_v).ok());
-    measure(&mut suspects, drift.as_ref(), None);
+    measure(&mut cases, drift.as_ref(), None);
     let Some(shares) = StaticLoadSharing::new(&facts.geometry) else {
-        return unfinished(findings, suspects);
+        return unfinished(findings, cases);
     };
-    structure::excitation(&suspects, &mut findings);
-    let silent = structure::silent(&shares, facts, &mut suspects, &mut findings);
+    structure::excitation(&cases, &mut findings);
+    let silent = structure::silent(&shares, facts, &mut cases, &mut findings);
     // Scale factors come from the linear trials alone, and gravity's turn needs them before the angular ones can be read.
-    let mut table = Table::linear(&shares, &suspects, &silent);
+    let mut table = Table::linear(&shares, &cases, &silent);
     if let Some(table) = &mut table {
         table.angle_error = facts.gyroscope_class + LAG_ANGLE_ERROR;
-        gravity::examine(table, &mut suspects, &mut findings);
+        gravity::examine(table, &mut cases, &mut findings);
     }
-    measure(&mut suspects, drift.as_ref(), table.as_ref());
+    measure(&mut cases, drift.as_ref(), table.as_ref());
     if let Some(linear) = table {
         table = Some(structure::exchanged(
             linear,
             facts,
             &silent,
-            &mut suspects,
+            &mut cases,
             &mut findings,
         ));
     }
-    timing::examine(facts, &mut suspects, &mut findings);
+    timing::examine(facts, &mut cases, &mut findings);
     if let Some(table) = &table {
         structure::inverted(table, facts, &silent, &mut findings);
-        level::examine(table, facts, &silent, &mut suspects, &mut findings);
+        level::examine(table, facts, &silent, &mut cases, &mut findings);
     }
     drift::examine(
         at_rest,
         drift.as_ref(),
         table.as_ref(),
-        &mut suspects,
+        &mut cases,
         &mut findings,
     );
     let departures = match &table {
-        Some(table) => odd_trial::examine(table, &mut suspects, &mut findings),
-        None => vec![None; suspects.len()],
+        Some(table) => odd_trial::examine(table, &mut cases, &mut findings),
+        None => vec![None; cases.len()],
     };
     // As large as the recordings themselves, and of no further use.
-    for suspect in &mut suspects {
-        suspect.force_n = Vec::new();
+    for case in &mut cases {
+        case.force_n = Vec::new();
     }
     findings.sort_by_key(|finding| finding.cause);
-    Examination {
+    Diagnosis {
         findings,
-        suspects,
+        cases,
         table,
         departures,
     }
 }
 
-fn unfinished<'a>(findings: Vec<Finding>, suspects: Vec<Suspect<'a>>) -> Examination<'a> {
-    Examination {
-        departures: vec![None; suspects.len()],
+fn unfinished<'a>(findings: Vec<Finding>, cases: Vec<TrialCase<'a>>) -> Diagnosis<'a> {
+    Diagnosis {
+        departures: vec![None; cases.len()],
         findings,
-        suspects,
+        cases,
         table: None,
     }
 }
 
 /// Measures the responses, with gravity's share taken off where scale factors to do it with are known.
-fn measure(suspects: &mut [Suspect<'_>], drift: Option<&ZeroDrift>, scale: Option<&Table>) {
-    suspects.par_iter_mut().for_each(|suspect| {
-        let trial = suspect.trial;
+fn measure(cases: &mut [TrialCase<'_>], drift: Option<&ZeroDrift>, scale: Option<&Table>) {
+    cases.par_iter_mut().for_each(|case| {
+        let trial = case.trial;
         let zero = drift.map_or([0.0; LIMBS], |d| d.drift_v);
-        suspect.force_n = suspect
+        case.force_n = case
             .conditioned
             .voltage_v
             .iter()
@@ -259,11 +178,7 @@ fn measure(suspects: &mut [Suspect<'_>], drift: Option<&ZeroDrift>, scale: Optio
             && trial.role != Role::HighFrequencyLinear
         {
             let gravity = trial.gravity_ground_m_s2;
-            for (force, angle) in suspect
-                .force_n
-                .iter_mut()
-                .zip(angles(suspect.conditioned, trial))
-            {
+            for (force, angle) in case.force_n.iter_mut().zip(angles(case.conditioned, trial)) {
                 let weight = turned_gravity_m_s2(gravity, trial.direction_ground, angle);
                 for (limb, force) in force.iter_mut().enumerate() {
                     *force -= table.mass_over_scale_kg[limb]
@@ -271,7 +186,7 @@ fn measure(suspects: &mut [Suspect<'_>], drift: Option<&ZeroDrift>, scale: Optio
                 }
             }
         }
-        suspect.response = response::measure(trial, suspect.conditioned, &suspect.force_n);
+        case.response = response::measure(trial, case.conditioned, &case.force_n);
     });
 }
 
@@ -289,9 +204,9 @@ fn angles(conditioned: &Conditioned, trial: &Trial) -> impl Iterator<Item = f64>
 }
 
 /// The names of some trials.
-fn names<'s, 'a: 's>(suspects: impl IntoIterator<Item = &'s Suspect<'a>>) -> Vec<String> {
-    suspects
+fn names<'s, 'a: 's>(cases: impl IntoIterator<Item = &'s TrialCase<'a>>) -> Vec<String> {
+    cases
         .into_iter()
-        .map(|suspect| suspect.trial.name.clone())
+        .map(|case| case.trial.name.clone())
         .collect()
 }

@@ -2,7 +2,8 @@
 
 use core::f64::consts::TAU;
 
-use super::{Cause, Facts, Finding, Suspect, names};
+use super::{Facts, TrialCase, names};
+use crate::finding::{Cause, Finding};
 use crate::response::Response;
 use sixaxis_recordings::session::Role;
 
@@ -18,11 +19,11 @@ const ROUNDING: f64 = 1e-9;
 const FREQUENCY: f64 = 0.02;
 
 /// Lag of a trial's standards and how much it grows over the run, s, and the standard errors of both.
-fn lag(suspect: &Suspect<'_>, response: &Response) -> [(f64, f64); 2] {
+fn lag(case: &TrialCase<'_>, response: &Response) -> [(f64, f64); 2] {
     // All nine channels agree on the lag; each counts by how well it is known.
     let (mut along, mut across, mut growth) = (0.0, 0.0, 0.0);
-    for (channel, excused) in response.channels.iter().zip(&suspect.excused) {
-        if *excused || channel.response == 0.0 {
+    for (channel, ignored) in response.channels.iter().zip(&case.ignored) {
+        if *ignored || channel.response == 0.0 {
             continue;
         }
         let error = channel.standard_error.hypot(ROUNDING * channel.response);
@@ -34,7 +35,7 @@ fn lag(suspect: &Suspect<'_>, response: &Response) -> [(f64, f64); 2] {
     if along == 0.0 {
         return [(0.0, f64::INFINITY); 2];
     }
-    let omega = TAU * suspect.trial.frequency_hz;
+    let omega = TAU * case.trial.frequency_hz;
     // A sine's derivative is omega times the sine in size, and s has a root mean square of 3^(-1/2).
     let error = 1.0 / (omega * along.sqrt());
     [
@@ -45,33 +46,33 @@ fn lag(suspect: &Suspect<'_>, response: &Response) -> [(f64, f64); 2] {
 
 /// Time by which a trial's standards lag behind the sensor, s.
 #[must_use]
-pub fn lag_of(suspect: &Suspect<'_>) -> Option<f64> {
-    let response = suspect.response.as_ref()?;
-    let [(lag, error), _] = lag(suspect, response);
+pub fn lag_of(case: &TrialCase<'_>) -> Option<f64> {
+    let response = case.response.as_ref()?;
+    let [(lag, error), _] = lag(case, response);
     error.is_finite().then_some(lag)
 }
 
 /// Looks at lags and clocks.
-pub fn examine(facts: &Facts<'_>, suspects: &mut [Suspect<'_>], findings: &mut Vec<Finding>) {
+pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
     let mut wrong_rate = Vec::new();
     let mut late: Vec<(usize, f64, f64)> = Vec::new();
     let mut angular = 0;
-    for (index, suspect) in suspects.iter().enumerate() {
-        if suspect.settled {
+    for (index, case) in cases.iter().enumerate() {
+        if case.explained {
             continue;
         }
-        let Some(response) = &suspect.response else {
+        let Some(response) = &case.response else {
             continue;
         };
-        angular += usize::from(suspect.trial.role == Role::Angular);
+        angular += usize::from(case.trial.role == Role::Angular);
         if let Some(frequency_hz) = response.frequency_hz {
-            let factor = frequency_hz / suspect.trial.frequency_hz;
+            let factor = frequency_hz / case.trial.frequency_hz;
             if (factor - 1.0).abs() > FREQUENCY {
                 wrong_rate.push((index, frequency_hz));
                 continue;
             }
         }
-        let [(lag, lag_error), (growth, growth_error)] = lag(suspect, response);
+        let [(lag, lag_error), (growth, growth_error)] = lag(case, response);
         if lag.abs() > LAG_S + SIGNIFICANT * lag_error
             || growth.abs() > GROWTH_S + SIGNIFICANT * growth_error
         {
@@ -81,16 +82,16 @@ pub fn examine(facts: &Facts<'_>, suspects: &mut [Suspect<'_>], findings: &mut V
     if let Some((first, seen_hz)) = wrong_rate.first().copied() {
         findings.push(Finding {
             cause: Cause::ClockMismatch,
-            recordings: names(wrong_rate.iter().map(|(i, _)| &suspects[*i])),
+            recordings: names(wrong_rate.iter().map(|(i, _)| &cases[*i])),
             channels: Vec::new(),
             evidence: format!(
                 "the drive turns at {seen_hz:.3} Hz by the recording's clock, at {:.3} Hz by the session",
-                suspects[first].trial.frequency_hz
+                cases[first].trial.frequency_hz
             ),
             advice: "check sample_rate_hz against the recorder, and frequency_hz against the drive".to_owned(),
         });
         for (index, _) in &wrong_rate {
-            suspects[*index].settled = true;
+            cases[*index].explained = true;
         }
     }
     if late.is_empty() {
@@ -100,8 +101,8 @@ pub fn examine(facts: &Facts<'_>, suspects: &mut [Suspect<'_>], findings: &mut V
     // A compound run lags in part: what turns in it does.
     let only_turning = late
         .iter()
-        .all(|(i, ..)| matches!(suspects[*i].trial.role, Role::Angular | Role::Validation));
-    late.retain(|(i, ..)| !only_turning || suspects[*i].trial.role == Role::Angular);
+        .all(|(i, ..)| matches!(cases[*i].trial.role, Role::Angular | Role::Validation));
+    late.retain(|(i, ..)| !only_turning || cases[*i].trial.role == Role::Angular);
     if late.is_empty() {
         late.extend(all);
     }
@@ -114,7 +115,7 @@ pub fn examine(facts: &Facts<'_>, suspects: &mut [Suspect<'_>], findings: &mut V
         let constants: Vec<f64> = late
             .iter()
             .map(|(i, lag, _)| {
-                let omega = TAU * suspects[*i].trial.frequency_hz;
+                let omega = TAU * cases[*i].trial.frequency_hz;
                 (omega * lag).tan() / omega
             })
             .collect();
@@ -136,8 +137,8 @@ pub fn examine(facts: &Facts<'_>, suspects: &mut [Suspect<'_>], findings: &mut V
             advice: "state the gyroscope's bandwidth_hz as its certificate has it; its lag is then undone".to_owned(),
         });
         // What turns cannot be compared before the lag is undone.
-        for suspect in suspects.iter_mut() {
-            suspect.settled |= suspect.trial.role == Role::Validation;
+        for case in cases.iter_mut() {
+            case.explained |= case.trial.role == Role::Validation;
         }
     } else {
         let (worst, lag, growth) = late
@@ -145,24 +146,21 @@ pub fn examine(facts: &Facts<'_>, suspects: &mut [Suspect<'_>], findings: &mut V
             .copied()
             .max_by(|a, b| (a.1.abs() + a.2.abs()).total_cmp(&(b.1.abs() + b.2.abs())))
             .unwrap_or(late[0]);
-        let duration = suspects[worst]
-            .response
-            .as_ref()
-            .map_or(1.0, |r| r.duration_s);
+        let duration = cases[worst].response.as_ref().map_or(1.0, |r| r.duration_s);
         findings.push(Finding {
             cause: Cause::ClockMismatch,
-            recordings: names(late.iter().map(|(i, ..)| &suspects[*i])),
+            recordings: names(late.iter().map(|(i, ..)| &cases[*i])),
             channels: Vec::new(),
             evidence: format!(
                 "the standards are {:.2} ms behind the sensor in the middle of {}, and that changes by {:.2} ms over its {duration:.1} s",
                 1e3 * lag,
-                suspects[worst].trial.name,
+                cases[worst].trial.name,
                 1e3 * growth
             ),
             advice: "record sensor and standards on one clock, or state reference_start_s and both sample rates".to_owned(),
         });
     }
     for (index, ..) in late {
-        suspects[index].settled = true;
+        cases[index].explained = true;
     }
 }

@@ -4,11 +4,11 @@ use glam::DVec3;
 use sixaxis_core::decouple::rest_to_rest;
 use sixaxis_core::{Decoupler, Parameters, Scheme};
 
-use super::grading::worst;
-use super::{Comparison, TrialReport};
 use crate::conditioning::Conditioned;
+use crate::finding::{Cause, Finding};
+use crate::grade::worst;
+use crate::report::{TrialReport, ValidationRun};
 use crate::steps::Campaign;
-use crate::suspicion::{Cause, Finding};
 use crate::trial::Trial;
 use sixaxis_recordings::session::Role;
 
@@ -21,16 +21,16 @@ pub(super) fn validate(
     parameters: &Parameters,
     reports: &mut [TrialReport],
     findings: &mut Vec<Finding>,
-) -> Vec<Comparison> {
-    let mut comparisons = Vec::new();
+) -> Vec<ValidationRun> {
+    let mut validation_runs = Vec::new();
     for ((trial, conditioned), report) in campaign.trials.iter().zip(reports) {
         if trial.role != Role::Validation {
             continue;
         }
         match compare(campaign, trial, conditioned, parameters) {
-            Ok(comparison) => {
-                report.validation = Some(errors(&comparison, arm_m(&campaign.design)));
-                comparisons.push(comparison);
+            Ok(run) => {
+                report.validation = Some(errors(&run, arm_m(&campaign.design)));
+                validation_runs.push(run);
             }
             // What made it fail has been found before, or else is news.
             Err(error) if findings.is_empty() => findings.push(Finding {
@@ -43,7 +43,7 @@ pub(super) fn validate(
             Err(_) => {}
         }
     }
-    comparisons
+    validation_runs
 }
 
 fn compare(
@@ -51,13 +51,13 @@ fn compare(
     trial: &Trial,
     conditioned: &Conditioned,
     parameters: &Parameters,
-) -> sixaxis_core::Result<Comparison> {
+) -> sixaxis_core::Result<ValidationRun> {
     let sensor = trial.sensor(campaign.geometry);
     let settings = trial.settings(Scheme::HeunSubstepped);
     // A run of the rig ends as it began, at rest: what the open loop has gathered by then is drift.
     let (rows, _) = rest_to_rest::detrend(&sensor, parameters, &settings, &conditioned.voltage_v)?;
     let mut decoupler = Decoupler::new(&sensor, parameters, &settings)?;
-    let mut comparison = Comparison {
+    let mut run = ValidationRun {
         name: trial.name.clone(),
         sample_rate_hz: trial.sample_rate_hz,
         first: 1,
@@ -76,10 +76,10 @@ fn compare(
         ];
         let decoupled = [out.linear_ground_m_s2, out.angular_ground_rad_s2];
         let six = |pair: [DVec3; 2]| -> [f64; 6] { core::array::from_fn(|i| pair[i / 3][i % 3]) };
-        comparison.standard.push(six(standard));
-        comparison.decoupled.push(six(decoupled));
+        run.standard.push(six(standard));
+        run.decoupled.push(six(decoupled));
     }
-    Ok(comparison)
+    Ok(run)
 }
 
 /// Radius of gyration, m: the arm over which an angular acceleration weighs as much as a linear one.
@@ -90,10 +90,10 @@ fn arm_m(design: &Parameters) -> f64 {
 
 /// Largest error of each axis over its peak, or over a tenth of the largest peak of all: an axis that does not move has nothing
 /// else to be measured by.
-fn errors(comparison: &Comparison, arm_m: f64) -> [f64; 6] {
+fn errors(run: &ValidationRun, arm_m: f64) -> [f64; 6] {
     let mut peak = [0.0_f64; 6];
     let mut off = [0.0_f64; 6];
-    for (standard, decoupled) in comparison.standard.iter().zip(&comparison.decoupled) {
+    for (standard, decoupled) in run.standard.iter().zip(&run.decoupled) {
         for axis in 0..6 {
             peak[axis] = worst(&[peak[axis], standard[axis].abs()]);
             off[axis] = worst(&[off[axis], (standard[axis] - decoupled[axis]).abs()]);

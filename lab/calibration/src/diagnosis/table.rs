@@ -5,7 +5,7 @@ use glam::{DMat3, DVec3};
 use nalgebra::{DMatrix, DVector};
 use sixaxis_core::LIMBS;
 
-use super::Suspect;
+use super::TrialCase;
 use crate::response::Response;
 use crate::rigid::StaticLoadSharing;
 use sixaxis_recordings::session::Role;
@@ -43,7 +43,7 @@ impl Table {
     #[must_use]
     pub fn linear(
         shares: &StaticLoadSharing,
-        suspects: &[Suspect<'_>],
+        cases: &[TrialCase<'_>],
         silent: &[bool; LIMBS],
     ) -> Option<Self> {
         let mut table = Self {
@@ -54,7 +54,7 @@ impl Table {
             angle_error: 0.0,
             silent: *silent,
         };
-        table.fit_scale(suspects);
+        table.fit_scale(cases);
         table
             .mass_over_scale_kg
             .iter()
@@ -65,30 +65,30 @@ impl Table {
 
     /// The same campaign with two channels taken for each other's, or none.
     #[must_use]
-    pub fn exchanged(&self, suspects: &[Suspect<'_>], pair: Option<(usize, usize)>) -> Self {
+    pub fn exchanged(&self, cases: &[TrialCase<'_>], pair: Option<(usize, usize)>) -> Self {
         let mut table = self.clone();
         if let Some((a, b)) = pair {
             table.limb_of.swap(a, b);
         }
-        table.fit_scale(suspects);
-        table.fit_inertia(suspects);
+        table.fit_scale(cases);
+        table.fit_inertia(cases);
         table
     }
 
-    fn fit_scale(&mut self, suspects: &[Suspect<'_>]) {
+    fn fit_scale(&mut self, cases: &[TrialCase<'_>]) {
         for channel in 0..LIMBS {
             if self.silent[channel] {
                 continue;
             }
             let share_of = |d: DVec3| self.shares.linear[self.limb_of[channel]].dot(d);
-            let mut ratios: Vec<(f64, f64)> = usable(suspects)
-                .filter(|(suspect, response)| {
+            let mut ratios: Vec<(f64, f64)> = usable(cases)
+                .filter(|(case, response)| {
                     response.travels
                         && response.angular_over_waveform == 0.0
-                        && !suspect.excused[channel]
+                        && !case.ignored[channel]
                 })
-                .filter_map(|(suspect, response)| {
-                    let share = share_of(suspect.trial.direction_ground);
+                .filter_map(|(case, response)| {
+                    let share = share_of(case.trial.direction_ground);
                     (share.abs() > SMALLEST_SHARE)
                         .then(|| (response.channels[channel].response / share, share.abs()))
                 })
@@ -98,14 +98,14 @@ impl Table {
     }
 
     /// Inertias from the angular trials, by iteratively reweighted least squares.
-    fn fit_inertia(&mut self, suspects: &[Suspect<'_>]) {
-        let observations: Vec<(usize, [f64; 6], f64)> = usable(suspects)
+    fn fit_inertia(&mut self, cases: &[TrialCase<'_>]) {
+        let observations: Vec<(usize, [f64; 6], f64)> = usable(cases)
             .enumerate()
             .filter(|(_, (_, response))| !response.travels)
-            .flat_map(|(index, (suspect, response))| {
-                let n = suspect.trial.direction_ground;
+            .flat_map(|(index, (case, response))| {
+                let n = case.trial.direction_ground;
                 (0..LIMBS)
-                    .filter(|channel| !self.silent[*channel] && !suspect.excused[*channel])
+                    .filter(|channel| !self.silent[*channel] && !case.ignored[*channel])
                     .map(|channel| {
                         let t = self.shares.torque_per_m[self.limb_of[channel]];
                         // t . I n, linear in the six entries in the paper's order.
@@ -194,10 +194,10 @@ impl Table {
     #[must_use]
     pub fn compare(
         &self,
-        suspect: &Suspect<'_>,
+        case: &TrialCase<'_>,
         response: &Response,
     ) -> ([f64; LIMBS], [f64; LIMBS]) {
-        let d = suspect.trial.direction_ground;
+        let d = case.trial.direction_ground;
         let seen = core::array::from_fn(|i| {
             if self.silent[i] {
                 0.0
@@ -218,8 +218,8 @@ impl Table {
     /// What the error of the angle leaves in the forces per mass, all nine together, of the weight that turns in the sensor
     /// during a trial, m/s^2.
     #[must_use]
-    pub fn weight_left_m_s2(&self, suspect: &Suspect<'_>, response: &Response) -> f64 {
-        let trial = suspect.trial;
+    pub fn weight_left_m_s2(&self, case: &TrialCase<'_>, response: &Response) -> f64 {
+        let trial = case.trial;
         if matches!(trial.role, Role::Linear | Role::HighFrequencyLinear) {
             return 0.0;
         }
@@ -236,25 +236,25 @@ impl Table {
     /// Size that a trial's departures are relative to: its expected responses and, where it turns against gravity, a hundred times
     /// what the error of the angle leaves of the weight, so that as much is not noticed.
     #[must_use]
-    pub fn size(&self, suspect: &Suspect<'_>, response: &Response, expected: &[f64; LIMBS]) -> f64 {
-        let turning = self.weight_left_m_s2(suspect, response) / response.peak;
+    pub fn size(&self, case: &TrialCase<'_>, response: &Response, expected: &[f64; LIMBS]) -> f64 {
+        let turning = self.weight_left_m_s2(case, response) / response.peak;
         norm(expected) + HUNDRED_FOLD * turning
     }
 
     /// Departure of all trials from the table, each relative to its own size and none counting for more than `cap`: what the
     /// right assignment of channels makes smallest.
     #[must_use]
-    pub fn cost(&self, suspects: &[Suspect<'_>], cap: f64) -> f64 {
-        usable(suspects)
+    pub fn cost(&self, cases: &[TrialCase<'_>], cap: f64) -> f64 {
+        usable(cases)
             .filter(|(_, response)| {
                 response.travels && response.angular_over_waveform == 0.0
                     || !response.travels && self.inertia_m2.is_some()
             })
-            .map(|(suspect, response)| {
-                let (seen, expected) = self.compare(suspect, response);
-                let size = self.size(suspect, response, &expected);
+            .map(|(case, response)| {
+                let (seen, expected) = self.compare(case, response);
+                let size = self.size(case, response, &expected);
                 (0..LIMBS)
-                    .filter(|i| !suspect.excused[*i])
+                    .filter(|i| !case.ignored[*i])
                     .map(|i| ((seen[i] - expected[i]) / size).abs().min(cap))
                     .map(|e| e * e)
                     .sum::<f64>()
@@ -265,17 +265,12 @@ impl Table {
 
 /// Trials that can still be argued with.
 pub fn usable<'s, 'a>(
-    suspects: &'s [Suspect<'a>],
-) -> impl Iterator<Item = (&'s Suspect<'a>, &'s Response)> {
-    suspects
+    cases: &'s [TrialCase<'a>],
+) -> impl Iterator<Item = (&'s TrialCase<'a>, &'s Response)> {
+    cases
         .iter()
-        .filter(|suspect| !suspect.settled)
-        .filter_map(|suspect| {
-            suspect
-                .response
-                .as_ref()
-                .map(|response| (suspect, response))
-        })
+        .filter(|case| !case.explained)
+        .filter_map(|case| case.response.as_ref().map(|response| (case, response)))
 }
 
 /// Length of a vector of nine.

@@ -6,23 +6,23 @@ use sixaxis_core::identify::inertia::euler_torque;
 use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::{InertiaPerMass, LIMBS, Parameters};
 
-use super::TrialReport;
 use crate::conditioning::Conditioned;
+use crate::diagnosis::{TrialCase, timing};
 use crate::interval::LeftOut;
+use crate::report::TrialReport;
 use crate::response::ChannelResponse;
 use crate::steps::{Campaign, FourSteps, rows};
-use crate::suspicion::{Suspect, timing};
 use crate::trial::Trial;
 use sixaxis_recordings::session::Role;
 
-pub(super) fn trial_report(suspect: &Suspect<'_>, departure: Option<f64>) -> TrialReport {
-    let trial = suspect.trial;
+pub(super) fn trial_report(case: &TrialCase<'_>, departure: Option<f64>) -> TrialReport {
+    let trial = case.trial;
     let largest = trial
         .voltage_v
         .iter()
         .flatten()
         .fold(0.0_f64, |a, u| a.max(u.abs()));
-    let residual = suspect.response.as_ref().map(|response| {
+    let residual = case.response.as_ref().map(|response| {
         let sum = |get: fn(&ChannelResponse) -> f64| -> f64 {
             response
                 .channels
@@ -41,11 +41,11 @@ pub(super) fn trial_report(suspect: &Suspect<'_>, departure: Option<f64>) -> Tri
         sample_rate_hz: trial.sample_rate_hz,
         samples: trial.voltage_v.len(),
         largest_over_full_scale: largest / trial.full_scale_v,
-        outliers: suspect.conditioned.outliers,
+        outliers: case.conditioned.outliers,
         departure,
         residual,
         residual_correlation: None,
-        lag_s: timing::lag_of(suspect),
+        lag_s: timing::lag_of(case),
         hold_out: None,
         coordination: None,
         validation: None,

@@ -5,7 +5,8 @@ use sixaxis_core::LIMBS;
 use sixaxis_core::dsp::spectrum::noise_floor;
 
 use super::table::{Table, norm, usable, weighted_median};
-use super::{Cause, Facts, Finding, Suspect};
+use super::{Facts, TrialCase};
+use crate::finding::{Cause, Finding};
 use crate::rigid::StaticLoadSharing;
 use sixaxis_recordings::session::Role;
 
@@ -29,12 +30,12 @@ const SUSPICIOUS_COST: f64 = 0.02;
 const EXPLAINED: f64 = 0.25;
 
 /// Directions that the trials of steps 2 and 3 leave out.
-pub fn excitation(suspects: &[Suspect<'_>], findings: &mut Vec<Finding>) {
+pub fn excitation(cases: &[TrialCase<'_>], findings: &mut Vec<Finding>) {
     for (role, what, step) in [
         (Role::Linear, "linear", "scale factors"),
         (Role::Angular, "angular", "inertias"),
     ] {
-        let trials: Vec<(DVec3, f64)> = suspects
+        let trials: Vec<(DVec3, f64)> = cases
             .iter()
             .filter(|s| s.trial.role == role)
             .filter_map(|s| {
@@ -92,14 +93,14 @@ pub fn excitation(suspects: &[Suspect<'_>], findings: &mut Vec<Finding>) {
 pub fn silent(
     shares: &StaticLoadSharing,
     facts: &Facts<'_>,
-    suspects: &mut [Suspect<'_>],
+    cases: &mut [TrialCase<'_>],
     findings: &mut Vec<Finding>,
 ) -> [bool; LIMBS] {
     // Size of each channel's response over what the design makes one expect; the inertia's share is left out.
     let design = &facts.design.scale_per_mass_per_kg;
-    let ratio = |suspect: &Suspect<'_>, channel: usize| -> Option<f64> {
-        let response = suspect.response.as_ref()?;
-        let d = suspect.trial.direction_ground;
+    let ratio = |case: &TrialCase<'_>, channel: usize| -> Option<f64> {
+        let response = case.response.as_ref()?;
+        let d = case.trial.direction_ground;
         let expected = if response.travels {
             shares.linear[channel].dot(d).abs()
         } else {
@@ -110,26 +111,26 @@ pub fn silent(
         // StaticLoadSharing of the size of a tenth of the largest are the first that a twisted wedge or a neighbour's error leaves alone.
         let largest = if response.travels { 0.58 } else { 6.6e-3 };
         // In a compound run the two shares may cancel.
-        (suspect.trial.role != Role::Validation && expected > 0.15 * largest)
+        (case.trial.role != Role::Validation && expected > 0.15 * largest)
             .then_some(seen / expected)
     };
     let mut silent = [false; LIMBS];
     for (channel, silent) in silent.iter_mut().enumerate() {
         let mut quiet: Vec<usize> = Vec::new();
         let mut judged = 0;
-        for (index, suspect) in suspects.iter().enumerate() {
-            let Some(own) = ratio(suspect, channel) else {
+        for (index, case) in cases.iter().enumerate() {
+            let Some(own) = ratio(case, channel) else {
                 continue;
             };
             let mut others: Vec<(f64, f64)> = (0..LIMBS)
                 .filter(|other| *other != channel)
-                .filter_map(|other| ratio(suspect, other).map(|r| (r, 1.0)))
+                .filter_map(|other| ratio(case, other).map(|r| (r, 1.0)))
                 .collect();
             let Some(usual) = weighted_median(&mut others) else {
                 continue;
             };
             judged += 1;
-            if own < SILENT * usual && only_noise(suspect, channel) {
+            if own < SILENT * usual && only_noise(case, channel) {
                 quiet.push(index);
             }
         }
@@ -138,15 +139,12 @@ pub fn silent(
         }
         *silent = quiet.len() == judged;
         for index in &quiet {
-            suspects[*index].excused[channel] = true;
+            cases[*index].ignored[channel] = true;
         }
         let recordings = if *silent {
             Vec::new()
         } else {
-            quiet
-                .iter()
-                .map(|i| suspects[*i].trial.name.clone())
-                .collect()
+            quiet.iter().map(|i| cases[*i].trial.name.clone()).collect()
         };
         findings.push(Finding {
             cause: Cause::DeadLimb,
@@ -165,8 +163,8 @@ pub fn silent(
     silent
 }
 
-fn only_noise(suspect: &Suspect<'_>, channel: usize) -> bool {
-    let series: Vec<f64> = suspect
+fn only_noise(case: &TrialCase<'_>, channel: usize) -> bool {
+    let series: Vec<f64> = case
         .trial
         .voltage_v
         .iter()
@@ -182,12 +180,12 @@ pub fn exchanged(
     linear: Table,
     facts: &Facts<'_>,
     silent: &[bool; LIMBS],
-    suspects: &mut [Suspect<'_>],
+    cases: &mut [TrialCase<'_>],
     findings: &mut Vec<Finding>,
 ) -> Table {
-    let own = linear.exchanged(suspects, None);
-    let observations = usable(suspects).count().max(1) as f64;
-    let mean = |table: &Table| (table.cost(suspects, COST_CAP) / observations).sqrt();
+    let own = linear.exchanged(cases, None);
+    let observations = usable(cases).count().max(1) as f64;
+    let mean = |table: &Table| (table.cost(cases, COST_CAP) / observations).sqrt();
     let cost = mean(&own);
     if cost < SUSPICIOUS_COST {
         return own;
@@ -199,7 +197,7 @@ pub fn exchanged(
             if silent[a] || silent[b] {
                 continue;
             }
-            let table = linear.exchanged(suspects, Some((a, b)));
+            let table = linear.exchanged(cases, Some((a, b)));
             let cost = mean(&table);
             if best.as_ref().is_none_or(|(_, least, _)| cost < *least) {
                 best = Some(((a, b), cost, table));
@@ -281,18 +279,18 @@ pub fn inverted(
 
 /// How far a trial departs from the table, relative to its own size.
 #[must_use]
-pub fn departure(table: &Table, suspect: &Suspect<'_>) -> Option<f64> {
-    let response = suspect.response.as_ref()?;
+pub fn departure(table: &Table, case: &TrialCase<'_>) -> Option<f64> {
+    let response = case.response.as_ref()?;
     if !response.travels && table.inertia_m2.is_none() {
         return None;
     }
-    let (seen, expected) = table.compare(suspect, response);
+    let (seen, expected) = table.compare(case, response);
     let difference = core::array::from_fn(|i| {
-        if suspect.excused[i] {
+        if case.ignored[i] {
             0.0
         } else {
             seen[i] - expected[i]
         }
     });
-    Some(norm(&difference) / table.size(suspect, response, &expected))
+    Some(norm(&difference) / table.size(case, response, &expected))
 }

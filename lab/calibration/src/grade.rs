@@ -1,14 +1,13 @@
-//! From evidence to one word: what fails, what is missing, what is good.
+//! From evidence to a grade: what fails, what is missing, what is good.
 
-use super::{Grade, TrialReport};
-use crate::interval::ParameterReport;
+use crate::finding::{Cause, Finding};
+use crate::report::{Grade, ParameterReport, TrialReport};
 use crate::steps::{Campaign, FourSteps};
-use crate::suspicion::{Cause, Finding};
-use sixaxis_recordings::session::{Limits, Role};
+use sixaxis_recordings::session::{Role, Session};
 
 /// Largest coordination residual that a good calibration has: limbs whose stiffnesses differ by so much are not nine of a kind.
 pub const COORDINATION_LIMIT: f64 = 0.1;
-/// A bar that is missed by this factor is no matter of opinion.
+/// A limit that is missed by this factor fails the calibration.
 const BEYOND_DOUBT: f64 = 2.0;
 /// Standard errors by which the gyroscope's gain must leave its class to be called wrong.
 const GAIN_SIGNIFICANT: f64 = 5.0;
@@ -16,7 +15,7 @@ const GAIN_SIGNIFICANT: f64 = 5.0;
 const TRIALS_WANTED: usize = 6;
 
 /// The largest of some errors; what is not a number is infinitely large.
-pub(super) fn worst(errors: &[f64]) -> f64 {
+pub(crate) fn worst(errors: &[f64]) -> f64 {
     errors.iter().fold(0.0, |worst: f64, error| {
         if error.is_nan() {
             f64::INFINITY
@@ -27,12 +26,13 @@ pub(super) fn worst(errors: &[f64]) -> f64 {
 }
 
 /// Evidence that fails so badly that no reservation will do.
-pub(super) fn failures(
-    limits: &Limits,
+pub(crate) fn failures(
+    session: &Session,
     reports: &[TrialReport],
     steps: Option<&FourSteps>,
-    gyroscope_class: f64,
 ) -> Vec<Finding> {
+    let limits = &session.limits;
+    let gyroscope_class = session.gyroscope.class_percent / 100.0;
     let mut failures = Vec::new();
     for report in reports {
         let hold_out = report.hold_out.map(|error| worst(&[error]));
@@ -80,13 +80,17 @@ pub(super) fn failures(
 }
 
 /// What would prove a calibration and is missing, or is less than it should be.
-pub(super) fn reservations(
+pub(crate) fn reservations(
     campaign: &Campaign,
-    limits: &Limits,
-    rig_is_known: bool,
+    session: &Session,
     parameters: &[ParameterReport],
     reports: &[TrialReport],
 ) -> Vec<String> {
+    let limits = &session.limits;
+    let rig_is_known = session
+        .rig
+        .as_ref()
+        .is_some_and(|rig| rig.stroke_mm.is_some() && rig.rotation_amplitude_deg.is_some());
     let mut reservations = Vec::new();
     let count = |role: Role| {
         campaign
@@ -182,7 +186,7 @@ pub(super) fn reservations(
     reservations
 }
 
-pub(super) fn grade(
+pub(crate) fn grade(
     findings: &[Finding],
     reservations: &[String],
     reports: &[TrialReport],
@@ -192,9 +196,9 @@ pub(super) fn grade(
         let mut causes: Vec<Cause> = findings.iter().map(|f| f.cause).collect();
         causes.dedup();
         let more = match causes.as_slice() {
-            [_, second] => format!("; also: {}", second.words()),
+            [_, second] => format!("; also: {}", second.name()),
             [_, second, rest @ ..] => {
-                format!("; also: {} and {} more", second.words(), rest.len())
+                format!("; also: {} and {} more", second.name(), rest.len())
             }
             _ => String::new(),
         };
@@ -213,7 +217,7 @@ pub(super) fn grade(
         };
         return (
             Grade::Bad,
-            format!("Not good: {}{place}{more}.", first.cause.words()),
+            format!("Not good: {}{place}{more}.", first.cause.name()),
         );
     }
     if !identified {

@@ -6,7 +6,8 @@ use sixaxis_core::LIMBS;
 use sixaxis_core::geometry::DIRECTIONS_SHELL;
 
 use super::table::Table;
-use super::{Cause, Finding, Suspect, angles, names};
+use super::{TrialCase, angles, names};
+use crate::finding::{Cause, Finding};
 use crate::rigid::turned_gravity_m_s2;
 use crate::steps::rows;
 use sixaxis_recordings::session::Role;
@@ -17,16 +18,16 @@ const NOTICED_M_S2: f64 = 0.5;
 const EXPLAINED: f64 = 0.8;
 
 /// Looks for a gravity that the session does not know of. Where it is there, what turns cannot be examined further.
-pub fn examine(table: &Table, suspects: &mut [Suspect<'_>], findings: &mut Vec<Finding>) {
+pub fn examine(table: &Table, cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
     let mut seen = Vec::new();
-    for suspect in suspects.iter().filter(|s| s.trial.role == Role::Angular) {
-        if let Some(found) = weight(table, suspect) {
-            let declared = suspect.trial.gravity_ground_m_s2;
-            let n = suspect.trial.direction_ground;
+    for case in cases.iter().filter(|s| s.trial.role == Role::Angular) {
+        if let Some(found) = weight(table, case) {
+            let declared = case.trial.gravity_ground_m_s2;
+            let n = case.trial.direction_ground;
             // What lies along the axis does not turn.
             let declared = declared - n * declared.dot(n);
             if (found - declared).length() > NOTICED_M_S2 {
-                seen.push((suspect, found, declared));
+                seen.push((case, found, declared));
             }
         }
     }
@@ -35,7 +36,7 @@ pub fn examine(table: &Table, suspects: &mut [Suspect<'_>], findings: &mut Vec<F
     };
     findings.push(Finding {
         cause: Cause::GravityNotHandled,
-        recordings: names(seen.iter().map(|(suspect, ..)| *suspect)),
+        recordings: names(seen.iter().map(|(case, ..)| *case)),
         channels: Vec::new(),
         evidence: format!(
             "during pure rotation the limbs carry a net force that turns as a weight of {:.2} m/s² would, but by the directions in the session it should be {:.2} m/s²",
@@ -44,21 +45,21 @@ pub fn examine(table: &Table, suspects: &mut [Suspect<'_>], findings: &mut Vec<F
         ),
         advice: "state where down was with `down` of these recordings, or mount the rig with its axis vertical".to_owned(),
     });
-    for suspect in suspects.iter_mut() {
-        suspect.settled |= matches!(suspect.trial.role, Role::Angular | Role::Validation);
+    for case in cases.iter_mut() {
+        case.explained |= matches!(case.trial.role, Role::Angular | Role::Validation);
     }
 }
 
 /// The part of gravity square to the axis, m/s^2, that one trial's net force shows; zero if it shows none. None if the trial
 /// says nothing.
-fn weight(table: &Table, suspect: &Suspect<'_>) -> Option<DVec3> {
+fn weight(table: &Table, case: &TrialCase<'_>) -> Option<DVec3> {
     if table.silent.contains(&true) {
         return None;
     }
-    let trial = suspect.trial;
+    let trial = case.trial;
     let axis = trial.direction_ground;
-    let angle: Vec<f64> = angles(suspect.conditioned, trial).collect();
-    let net: Vec<DVec3> = suspect
+    let angle: Vec<f64> = angles(case.conditioned, trial).collect();
+    let net: Vec<DVec3> = case
         .force_n
         .iter()
         .map(|force| {

@@ -2,7 +2,8 @@
 
 use sixaxis_core::LIMBS;
 
-use super::{Cause, Finding, Suspect};
+use super::TrialCase;
+use crate::finding::{Cause, Finding};
 use crate::trial::Trial;
 use sixaxis_recordings::session::Role;
 
@@ -17,8 +18,8 @@ const ROUNDED_TOP: f64 = 12.0;
 const STEPS_SPANNED: f64 = 64.0;
 
 /// Clipped and constant channels.
-pub fn examine(at_rest: Option<&Trial>, suspects: &mut [Suspect<'_>], findings: &mut Vec<Finding>) {
-    let beyond = beyond_converter(at_rest, suspects, findings);
+pub fn examine(at_rest: Option<&Trial>, cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
+    let beyond = beyond_converter(at_rest, cases, findings);
     if let Some(rest) = at_rest {
         for channel in (0..LIMBS).filter(|channel| !beyond[*channel]) {
             if clipped(rest, channel) == Some(Clipping::AtLimit) {
@@ -26,30 +27,30 @@ pub fn examine(at_rest: Option<&Trial>, suspects: &mut [Suspect<'_>], findings: 
             }
         }
     }
-    for suspect in suspects {
+    for case in cases {
         for channel in (0..LIMBS).filter(|channel| !beyond[*channel]) {
-            if let Some(how) = clipped(suspect.trial, channel) {
-                findings.push(clipping(suspect.trial, channel, how));
-                suspect.excused[channel] = true;
+            if let Some(how) = clipped(case.trial, channel) {
+                findings.push(clipping(case.trial, channel, how));
+                case.ignored[channel] = true;
             }
         }
         for (what, series, moves) in [
             (
                 "standard accelerometer",
-                &suspect.trial.accelerometer_m_s2,
-                matches!(suspect.trial.role, Role::Linear | Role::HighFrequencyLinear),
+                &case.trial.accelerometer_m_s2,
+                matches!(case.trial.role, Role::Linear | Role::HighFrequencyLinear),
             ),
             (
                 "standard gyroscope",
-                &suspect.trial.gyroscope_rad_s,
-                suspect.trial.role == Role::Angular,
+                &case.trial.gyroscope_rad_s,
+                case.trial.role == Role::Angular,
             ),
         ] {
             let constant = series.iter().all(|x| Some(x) == series.first());
             if moves && constant {
                 findings.push(Finding {
                     cause: Cause::Unreadable,
-                    recordings: vec![suspect.trial.name.clone()],
+                    recordings: vec![case.trial.name.clone()],
                     channels: Vec::new(),
                     evidence: format!(
                         "the {what} reads {:.4} throughout",
@@ -57,7 +58,7 @@ pub fn examine(at_rest: Option<&Trial>, suspects: &mut [Suspect<'_>], findings: 
                     ),
                     advice: format!("check the cable of the {what} and record the trial again"),
                 });
-                suspect.settled = true;
+                case.explained = true;
             }
         }
     }
@@ -102,7 +103,7 @@ fn clipping(trial: &Trial, channel: usize, how: Clipping) -> Finding {
 /// the channels concerned.
 fn beyond_converter(
     at_rest: Option<&Trial>,
-    suspects: &mut [Suspect<'_>],
+    cases: &mut [TrialCase<'_>],
     findings: &mut Vec<Finding>,
 ) -> [bool; LIMBS] {
     let largest = |trial: &Trial, channel: usize| {
@@ -131,20 +132,20 @@ fn beyond_converter(
     if let Some(rest) = at_rest {
         look(rest);
     }
-    for suspect in suspects.iter_mut() {
-        let beyond = look(suspect.trial);
-        for (excused, beyond) in suspect.excused.iter_mut().zip(beyond) {
-            *excused |= beyond;
+    for case in cases.iter_mut() {
+        let beyond = look(case.trial);
+        for (ignored, beyond) in case.ignored.iter_mut().zip(beyond) {
+            *ignored |= beyond;
         }
         // Channels of one recorder share its unit; those that stay within the range by chance are no better.
-        suspect.settled |= beyond.iter().filter(|b| **b).count() > LIMBS / 2;
+        case.explained |= beyond.iter().filter(|b| **b).count() > LIMBS / 2;
     }
     if recordings.is_empty() {
         return channels;
     }
     findings.push(Finding {
         cause: Cause::MillivoltMixUp,
-        recordings: if recordings.len() > suspects.len() / 2 {
+        recordings: if recordings.len() > cases.len() / 2 {
             Vec::new()
         } else {
             recordings
