@@ -10,7 +10,7 @@ use sixaxis_calibration::load;
 use sixaxis_core::identify::inertia::euler_torque;
 use sixaxis_core::{LIMBS, Parameters};
 use sixaxis_props::compare::{fails_clearly, largest, within};
-use sixaxis_props::rig_runs::model;
+use sixaxis_props::problem::rig::model;
 use sixaxis_props::tolerance::{self, Tolerance};
 use sixaxis_props::truth;
 use sixaxis_recordings::session::{Role, SessionFile};
