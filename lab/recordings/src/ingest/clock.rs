@@ -112,7 +112,7 @@ impl Stamps {
 }
 
 /// Takes time stamps as they come.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Clock {
     /// Counts so far; what is derived from sums is filled in at the end.
     stamps: Stamps,
@@ -140,13 +140,7 @@ impl Clock {
                 ..Stamps::default()
             },
             even_step_s: rate_hz.map(|rate| 1.0 / rate),
-            row: 0,
-            first_not_finite: None,
-            usual_s: None,
-            waiting: Vec::new(),
-            steps: 0,
-            sum: 0.0,
-            squares: 0.0,
+            ..Self::default()
         }
     }
 

@@ -19,7 +19,7 @@ const NOISE_PIECE: usize = 4096;
 const NOISE_KEPT: usize = 4096;
 
 /// One channel, sample by sample.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Series {
     rows: u64,
     not_a_number: u64,
@@ -29,7 +29,8 @@ pub struct Series {
     mean: f64,
     /// Sum of the squared differences from the mean.
     squares: f64,
-    whole: bool,
+    /// A sample is no whole number.
+    fractional: bool,
     high: Extreme,
     low: Extreme,
     steps: Steps,
@@ -48,24 +49,9 @@ impl Series {
     #[must_use]
     pub fn new(welch: Option<Welch>, full_scale: f64) -> Self {
         Self {
-            rows: 0,
-            not_a_number: 0,
-            infinite: 0,
-            first_not_finite: None,
-            finite: 0.0,
-            mean: 0.0,
-            squares: 0.0,
-            whole: true,
-            high: Extreme::default(),
-            low: Extreme::default(),
-            steps: Steps::default(),
-            same: 0,
-            turned: 0,
-            envelope: Envelope::default(),
-            noise: Noise::default(),
             welch,
             full_scale,
-            at_full_scale: 0,
+            ..Self::default()
         }
     }
 
@@ -89,7 +75,7 @@ impl Series {
             }
             n += 1.0;
             sum += x;
-            self.whole &= x.fract() == 0.0;
+            self.fractional |= x.fract() != 0.0;
             self.high.push(x, row);
             self.low.push(-x, row);
             self.steps.push(x, row);
@@ -227,8 +213,8 @@ impl Series {
             smallest_step,
             bits_used,
             constant,
-            flat_bottom: self.low.flat(span, &resolution, self.whole, -1.0),
-            flat_top: self.high.flat(span, &resolution, self.whole, 1.0),
+            flat_bottom: self.low.flat(span, &resolution, !self.fractional, -1.0),
+            flat_top: self.high.flat(span, &resolution, !self.fractional, 1.0),
             at_full_scale: self.full_scale.is_finite().then_some(self.at_full_scale),
             drift: drift_value,
             drift_stands_out: drift.is_some_and(|d| d.1),
@@ -269,24 +255,13 @@ fn mix(state: u64, x: f64) -> u64 {
 }
 
 /// Median of the noise floors of pieces without a gap.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 struct Noise {
     piece: Vec<f64>,
     floors: Vec<f64>,
-    /// Pieces passed over for each that is kept, and still to be passed over.
-    stride: u64,
-    skip: u64,
-}
-
-impl Default for Noise {
-    fn default() -> Self {
-        Self {
-            piece: Vec::new(),
-            floors: Vec::new(),
-            stride: 1,
-            skip: 0,
-        }
-    }
+    /// Pieces seen, and how often the floors were halved: every 2^halvings-th piece is looked at.
+    pieces: u64,
+    halvings: u32,
 }
 
 impl Noise {
@@ -316,8 +291,8 @@ impl Noise {
     }
 
     fn tell(&mut self) {
-        let due = self.skip == 0;
-        self.skip = if due { self.stride - 1 } else { self.skip - 1 };
+        let due = self.pieces.trailing_zeros() >= self.halvings;
+        self.pieces += 1;
         if due && self.piece.len() >= MIN_NOISE_SAMPLES {
             // Refused only for differences that overflow.
             if let Ok(floor) = noise_floor(&self.piece) {
@@ -330,7 +305,7 @@ impl Noise {
                 second = !second;
                 second
             });
-            self.stride *= 2;
+            self.halvings += 1;
         }
         self.piece.clear();
     }
