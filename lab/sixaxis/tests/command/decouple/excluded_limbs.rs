@@ -78,8 +78,11 @@ fn inv_sets_that_cannot_be_done_without_are_refused() {
     let folder = Folder::new("decouple-failed-refused");
     let out = folder.file("out.csv");
     for (failed, said) in [
-        ("2,4", "limbs 2 and 4 failed: of a force along"),
-        ("1,2,3", "limbs 1, 2 and 3 failed"),
+        (
+            "2,4",
+            "limbs 2 and 4 excluded: the remaining limbs cannot observe a force along",
+        ),
+        ("1,2,3", "limbs 1, 2 and 3 excluded"),
         ("1,2,3,4", "at most three"),
         ("10", "from 1 to 9"),
     ] {
