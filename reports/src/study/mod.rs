@@ -2,10 +2,10 @@
 //! and holds the outcome against the truth.
 //!
 //! [`plan`] says what is played, [`simulations`] plays it, [`session`] is the laboratory's
-//! analysis, [`decoupling`], [`searches`], [`identifiability`], [`orders`] and [`checks`] make the comparisons, [`bars`]
+//! analysis, [`decoupling`], [`searches`], [`identifiability`], [`orders`] and [`checks`] make the comparisons, [`acceptance`]
 //! judges them, and [`results`] is all of it as data. Nothing here draws.
 
-pub mod bars;
+pub mod acceptance;
 pub mod checks;
 pub mod decoupling;
 pub mod identifiability;
@@ -191,7 +191,7 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
         defects: checks::defects(&simulations, &truth)?,
         bars: Vec::new(),
     };
-    results.bars = bars::judge(&results);
+    results.bars = acceptance::judge(&results);
     stage.advance(1);
     Ok(results)
 }
