@@ -133,6 +133,17 @@ pub struct Parameters25 {
     pub stiffness_per_mass_per_s2: f64,
 }
 
+impl From<Parameters> for Parameters25 {
+    fn from(p: Parameters) -> Self {
+        Self {
+            zero_drift_v: p.zero_drift_v,
+            scale_per_mass_per_kg: p.scale_per_mass_per_kg,
+            inertia_per_mass_m2: p.inertia_per_mass.to_paper_order(),
+            stiffness_per_mass_per_s2: p.stiffness_per_mass_per_s2,
+        }
+    }
+}
+
 /// One compound run.
 #[derive(Debug, Clone, Serialize)]
 pub struct Compound {
@@ -205,6 +216,50 @@ pub enum Standard {
     Truth,
     /// The standard instruments, as in the paper.
     Instruments,
+}
+
+/// One way of decoupling and comparing: with which parameters and scheme, against what.
+pub type Way = (ParameterSet, Scheme, Standard);
+
+/// The design's parameters, as a laboratory sees their errors.
+pub const DESIGN: Way = (ParameterSet::Design, Scheme::Heun, Standard::Instruments);
+/// What the four steps found, as a laboratory sees its errors.
+pub const MEASURED: Way = (
+    ParameterSet::Identified,
+    Scheme::HeunSubstepped,
+    Standard::Instruments,
+);
+/// What the four steps found, against truth.
+pub const FOUR_STEPS: Way = (
+    ParameterSet::Identified,
+    Scheme::HeunSubstepped,
+    Standard::Truth,
+);
+/// What the repeated steps found, against truth.
+pub const REPEATED: Way = (
+    ParameterSet::Repeated,
+    Scheme::HeunSubstepped,
+    Standard::Truth,
+);
+
+impl Compound {
+    /// The comparison made in this way. With true parameters it is the one that reckons with gravity.
+    #[must_use]
+    pub fn comparison(&self, (set, scheme, against): Way) -> Option<&Comparison> {
+        self.comparisons.iter().find(|c| {
+            let gravity = c.gravity == Gravity::Kept || set != ParameterSet::True;
+            (c.parameters, c.scheme, c.against) == (set, scheme, against) && gravity
+        })
+    }
+}
+
+/// Largest error of a set of runs decoupled and compared in one way, over the axes' peaks; 0 without such runs.
+#[must_use]
+pub fn worst(runs: &[Compound], way: Way) -> f64 {
+    runs.iter()
+        .filter_map(|run| run.comparison(way))
+        .flat_map(|c| c.error)
+        .fold(0.0, f64::max)
 }
 
 /// One sweep of Fig. 7.

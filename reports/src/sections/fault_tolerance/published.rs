@@ -1,19 +1,13 @@
 //! `props/results/detection.json` and `props/results/dying_limb.json`, embedded, with the commands that make them anew.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 const DETECTION: &str = include_str!("../../../../props/results/detection.json");
 const DYING_LIMB: &str = include_str!("../../../../props/results/dying_limb.json");
 
-/// Makes [`detection`].
-pub const MAKE_DETECTION: &str =
-    "`cargo run --release -p sixaxis-props --example detection -- --publish`";
-/// Makes [`dying_limb`].
-pub const MAKE_DYING_LIMB: &str =
-    "`cargo run --release -p sixaxis-props --example dying_limb -- --publish`";
 
 /// Failed limbs by the thousand.
-#[derive(Deserialize)]
+#[derive(Serialize, Deserialize)]
 pub struct Detection {
     pub first_seed: u64,
     pub sample_rate_hz: f64,
@@ -26,7 +20,7 @@ pub struct Detection {
     pub curves: Vec<Curve>,
 }
 
-#[derive(Deserialize)]
+#[derive(Serialize, Deserialize)]
 pub struct FalseAlarms {
     pub rate_per_sample: f64,
     pub unequal: f64,
@@ -34,7 +28,7 @@ pub struct FalseAlarms {
     pub alarms: u64,
 }
 
-#[derive(Deserialize)]
+#[derive(Serialize, Deserialize)]
 pub struct Kind {
     pub kind: String,
     pub sigmas: Option<f64>,
@@ -46,7 +40,7 @@ pub struct Kind {
     pub twins: Counts,
 }
 
-#[derive(Deserialize, Clone, Copy)]
+#[derive(Serialize, Deserialize, Clone, Copy)]
 pub struct Counts {
     pub right: u64,
     pub wrong: u64,
@@ -59,14 +53,14 @@ impl Counts {
     }
 }
 
-#[derive(Deserialize)]
+#[derive(Serialize, Deserialize)]
 pub struct Class {
     pub limbs: Vec<u64>,
     pub isolated: Counts,
     pub isolated_after: [u64; 2],
 }
 
-#[derive(Deserialize)]
+#[derive(Serialize, Deserialize)]
 pub struct Curve {
     pub window: u64,
     pub limb: u64,
@@ -78,7 +72,7 @@ pub struct Curve {
 }
 
 /// A limb that dies in mid-motion.
-#[derive(Deserialize)]
+#[derive(Serialize, Deserialize)]
 pub struct DyingLimb {
     pub sample_rate_hz: f64,
     pub limb: u64,

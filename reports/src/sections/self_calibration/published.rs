@@ -1,14 +1,11 @@
 //! `props/results/self_calibration.json`, embedded when the report is built.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 const RESULT: &str = include_str!("../../../../props/results/self_calibration.json");
 
-/// Makes it anew.
-pub const MAKE: &str =
-    "`cargo run --release -p sixaxis-props --example self_calibration -- --publish`";
 
-#[derive(Deserialize)]
+#[derive(Serialize, Deserialize)]
 pub struct Published {
     pub first_seed: u64,
     pub noise_over_peak: f64,
@@ -24,7 +21,7 @@ pub struct Published {
     pub motions: Vec<Motion>,
 }
 
-#[derive(Deserialize, Clone, Copy, PartialEq, Eq)]
+#[derive(Serialize, Deserialize, Clone, Copy, PartialEq, Eq)]
 #[serde(rename_all = "snake_case")]
 pub enum Pace {
     Calm,
@@ -43,7 +40,7 @@ impl Pace {
 }
 
 /// Errors against intervals at one length.
-#[derive(Deserialize)]
+#[derive(Serialize, Deserialize)]
 pub struct Length {
     pub pace: Pace,
     pub duration_s: f64,
@@ -61,7 +58,7 @@ pub struct Length {
 }
 
 /// The test of equal stiffness at one spread.
-#[derive(Deserialize)]
+#[derive(Serialize, Deserialize)]
 pub struct Stiffness {
     pub spread: f64,
     pub draws: u64,
@@ -72,7 +69,7 @@ pub struct Stiffness {
 }
 
 /// One limb that has drifted.
-#[derive(Deserialize)]
+#[derive(Serialize, Deserialize)]
 pub struct Drift {
     pub limb: u64,
     pub change: f64,
@@ -84,7 +81,7 @@ pub struct Drift {
 }
 
 /// What a motion leaves open.
-#[derive(Deserialize)]
+#[derive(Serialize, Deserialize)]
 pub struct Motion {
     pub motion: String,
     pub open: Option<String>,
