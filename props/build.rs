@@ -20,14 +20,21 @@ fn main() {
     }
 }
 
-/// Rows of a test file that was renamed or removed would stand in the report for ever.
+/// Rows of a suite, `tests/<program>/<suite>.rs`, that was renamed or removed would stand in the report for ever.
 fn forget_suites_that_are_gone(evidence: &Path) {
-    let Ok(files) = std::fs::read_dir(evidence) else {
+    let (Ok(files), Ok(programs)) = (std::fs::read_dir(evidence), std::fs::read_dir("tests"))
+    else {
         return;
     };
+    let programs: Vec<PathBuf> = programs
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .collect();
     for file in files.filter_map(Result::ok).map(|entry| entry.path()) {
-        let suite = Path::new("tests").join(file.file_name().unwrap_or_default());
-        if !suite.with_extension("rs").is_file() {
+        let suite = Path::new(file.file_name().unwrap_or_default()).with_extension("rs");
+        if !programs
+            .iter()
+            .any(|program| program.join(&suite).is_file())
+        {
             // Not worth a failed build.
             let _ = std::fs::remove_file(file);
         }

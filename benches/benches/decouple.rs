@@ -1,6 +1,6 @@
 //! Nine voltages to six accelerations: a whole compound run at 5 Hz, 10 kHz.
 //!
-//! `decouple/full` and `decouple/rigid` take one sample at a time, `decouple/record` the run as it lies there, and
+//! `decouple/full` takes one sample at a time, `decouple/record` the run as it lies there, and
 //! `decouple/lanes` eight such runs at once; throughput is in samples, of all streams together. The oracle's time stands
 //! beside the core's in the same run; see [`peer`] for what else differs, and `benches/peers` for other tools.
 
@@ -12,16 +12,14 @@ use criterion::{
     BenchmarkGroup, Criterion, SamplingMode, Throughput, criterion_group, criterion_main,
 };
 use glam::DVec3;
-use sixaxis_benches::limits::{
-    Decoupled, Limit, PEER_COMPOUND, PEER_TUMBLE, RIGID_ANGULAR, RIGID_LINEAR,
-};
+use sixaxis_benches::limits::{Decoupled, Limit, PEER_COMPOUND, PEER_TUMBLE};
 use sixaxis_benches::peer::{self, PeerDecoupler};
 use sixaxis_benches::problem::{self, Answer, DECOUPLE_RATE_HZ, Recorded};
 use sixaxis_benches::{MEASUREMENT_TIME, SAMPLE_SIZE, WARM_UP_TIME, validate};
 use sixaxis_core::decouple::lanes::push_lanes;
 use sixaxis_core::decouple::record::Accelerations;
 use sixaxis_core::kernel::simd::LANES;
-use sixaxis_core::{Decoupler, LIMBS, RigidDecoupler, Scheme, SixAxis};
+use sixaxis_core::{Decoupler, Scheme};
 
 fn name(scheme: Scheme) -> &'static str {
     match scheme {
@@ -79,11 +77,6 @@ fn require_accelerations(
     }
 }
 
-fn six(sample: &SixAxis) -> Accelerations {
-    let (a, w) = (sample.linear_ground_m_s2, sample.angular_ground_rad_s2);
-    [a.x, a.y, a.z, w.x, w.y, w.z]
-}
-
 fn group<'a>(
     criterion: &'a mut Criterion,
     name: &str,
@@ -139,56 +132,6 @@ fn full(criterion: &mut Criterion) {
             });
         });
     });
-    group.finish();
-}
-
-fn decouple_rigid(
-    ready: &RigidDecoupler,
-    voltage_v: &[[f64; LIMBS]],
-    mut sink: impl FnMut(&SixAxis),
-) {
-    let mut decoupler = ready.clone();
-    for row in voltage_v {
-        let completed = decoupler.push(row).expect("a sample of a recorded run");
-        completed.iter().for_each(&mut sink);
-    }
-}
-
-fn rigid(criterion: &mut Criterion) {
-    let problem = Recorded::play(&problem::compound_5_hz(), DECOUPLE_RATE_HZ);
-    let voltage_v = &problem.recording.voltage_v;
-    let ready = |scheme| {
-        let settings = problem.settings(scheme);
-        RigidDecoupler::new(&problem.sensor(), &problem::true_parameters(), &settings)
-            .expect("a decoupler of the true sensor")
-    };
-    for scheme in Scheme::ALL {
-        let mut answers = Vec::new();
-        decouple_rigid(&ready(scheme), voltage_v, |sample| {
-            answers.push(six(sample))
-        });
-        let limits = match scheme {
-            // Its own error is larger than what it neglects.
-            Scheme::Euler => {
-                let own = Decoupled::compound(scheme);
-                [own.linear, own.angular]
-            }
-            _ => [RIGID_LINEAR, RIGID_ANGULAR],
-        };
-        let name = format!("decouple/rigid/{}", name(scheme));
-        require_accelerations(&name, &problem, 0, &answers, limits);
-    }
-    let mut group = group(criterion, "decouple/rigid", voltage_v.len());
-    for scheme in Scheme::ALL {
-        let ready = ready(scheme);
-        group.bench_function(name(scheme), |bencher| {
-            bencher.iter(|| {
-                decouple_rigid(black_box(&ready), black_box(voltage_v), |sample| {
-                    black_box(sample);
-                });
-            });
-        });
-    }
     group.finish();
 }
 
@@ -282,6 +225,6 @@ criterion_group! {
         .warm_up_time(WARM_UP_TIME)
         .measurement_time(MEASUREMENT_TIME)
         .sample_size(SAMPLE_SIZE);
-    targets = full, rigid, record, lanes
+    targets = full, record, lanes
 }
 criterion_main!(decouple);

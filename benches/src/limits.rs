@@ -105,11 +105,6 @@ impl Decoupled {
     }
 }
 
-/// Linear acceleration with rigid limbs on the compound run: what the neglected motion of the mass comes to.
-pub const RIGID_LINEAR: Limit = Limit::of_method("linear acceleration over its peak", 2.94e-4);
-/// Angular acceleration with rigid limbs on that run.
-pub const RIGID_ANGULAR: Limit = Limit::of_method("angular acceleration over its peak", 2.94e-4);
-
 /// The peer on the compound run: Heun as well, so the same errors to four digits, from other formulas.
 pub const PEER_COMPOUND: Decoupled = Decoupled::compound(Scheme::Heun);
 /// The peer on the tumble, where its attitude of second order shows.

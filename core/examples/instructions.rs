@@ -13,8 +13,8 @@ use sixaxis_core::identify::scale::ScaleIdentification;
 use sixaxis_core::kernel::simd::LANES;
 use sixaxis_core::paper::pose::Pose;
 use sixaxis_core::{
-    Decoupler, Gains, Geometry, InertiaPerMass, LIMBS, LimbSet, Parameters, RigidDecoupler, Scheme,
-    Sensor, Settings,
+    Decoupler, Gains, Geometry, InertiaPerMass, LIMBS, LimbSet, Parameters, Scheme, Sensor,
+    Settings,
 };
 
 /// Samples of one repetition: blocks of a record and chunks of lanes come out even after the first three.
@@ -45,8 +45,8 @@ fn parameters() -> Parameters {
     }
 }
 
-/// As many of limbs 1, 6 and 9, which can be done without together and cost the most accuracy.
-fn failed(limbs: usize) -> sixaxis_core::Result<LimbSet> {
+/// As many of limbs 1, 6 and 9, which can be excluded together and cost the most accuracy.
+fn excluded(limbs: usize) -> sixaxis_core::Result<LimbSet> {
     LimbSet::from_numbers([1, 6, 9].into_iter().take(limbs))
 }
 
@@ -62,14 +62,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [name, repeats] = &arguments[..] else {
         for (scheme, _) in SCHEMES {
-            println!("push/full/{scheme}\npush/rigid/{scheme}");
+            println!("push/full/{scheme}");
         }
         for name in [
             "push/full/heun/f32",
             "push/full/heun/without/1",
             "push/full/heun/without/2",
             "push/full/heun/without/3",
-            "push/rigid/heun/without/3",
             "switch",
             "record",
             "record/without/3",
@@ -93,7 +92,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 fn run(name: &str, rows: &[[f64; LIMBS]]) -> Result<(), Box<dyn std::error::Error>> {
     let (name, without) = match name.split_once("/without/") {
         None => (name, LimbSet::EMPTY),
-        Some((name, limbs)) => (name, failed(limbs.parse()?)?),
+        Some((name, limbs)) => (name, excluded(limbs.parse()?)?),
     };
     let scheme = name.rsplit('/').next();
     let scheme = SCHEMES.iter().find(|(s, _)| Some(*s) == scheme);
@@ -126,7 +125,7 @@ fn run(name: &str, rows: &[[f64; LIMBS]]) -> Result<(), Box<dyn std::error::Erro
             // In mid-stream, there and back.
             decoupler.push_record(&rows[..8], &mut |_| {})?;
             for i in 0..rows.len() {
-                decoupler.set_excluded(black_box(failed(3 * (i % 2))?))?;
+                decoupler.set_excluded(black_box(excluded(3 * (i % 2))?))?;
             }
             black_box(decoupler);
         }
@@ -157,13 +156,6 @@ fn run(name: &str, rows: &[[f64; LIMBS]]) -> Result<(), Box<dyn std::error::Erro
         name if name.starts_with("push/full/") => {
             for row in rows {
                 black_box(&decoupler.push(black_box(row))?);
-            }
-        }
-        name if name.starts_with("push/rigid/") => {
-            let mut rigid = RigidDecoupler::new(&SENSOR, &parameters(), &settings)?;
-            rigid.set_excluded(without)?;
-            for row in rows {
-                black_box(&rigid.push(black_box(row))?);
             }
         }
         name => {

@@ -38,7 +38,6 @@ pub mod model;
 pub mod paper;
 pub mod recording;
 pub mod redundancy;
-pub mod rigid;
 pub mod scheme;
 pub mod significance;
 
@@ -50,7 +49,6 @@ pub use model::{InertiaPerMass, Parameters, Sensor, Settings, StaticResponse};
 pub use paper::pose::LimbLaw;
 pub use paper::signal::Gains;
 pub use redundancy::FaultTolerant;
-pub use rigid::RigidDecoupler;
 pub use scheme::Scheme;
 
 /// The README's example, compiled and run with the doc tests.

@@ -1,14 +1,18 @@
 //! Every comparison as a row, so that margins can be seen and not only that nothing failed.
 //!
-//! A suite is a test binary; its rows go to `target/evidence/<suite>.csv`, written anew by each run of that binary.
-//! [`Row::judge`] writes before it judges, so that a failed comparison is in the file, too. [`Quantiles`] are read back
-//! from the file, and gates hold against them. `sixaxis report` draws all the files as its Evidence section and keeps
-//! them as one, `evidence.csv`.
+//! A suite is one module of a test program. Its rows go to `target/evidence/<suite>.csv`, which each run of the suite
+//! writes anew. [`Row::judge`] writes before it judges, so that a failed comparison is in the file, too. [`Quantiles`] are
+//! read back from the file, and gates hold against them. `sixaxis report` draws all the files as its Evidence section and
+//! keeps them as one, `evidence.csv`.
+//!
+//! The test harness names each test's thread `module::test`, which is where a row takes its suite and its case from. A
+//! thread of a pool has no such name: hand the error back to the test and compare it there.
 
+use std::collections::HashMap;
 use std::fs::{self, File};
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::{LazyLock, Mutex, PoisonError};
 
 use serde::{Deserialize, Serialize};
 
@@ -17,7 +21,7 @@ use crate::tolerance::{Gate, Tolerance};
 /// One comparison.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Row {
-    /// Test binary.
+    /// Module of the test.
     pub suite: String,
     /// Test, and within it the case.
     pub case: String,
@@ -25,32 +29,56 @@ pub struct Row {
     pub quantity: String,
     /// Unit of `truth` and `ours`; empty for a pure number.
     pub unit: String,
-    /// What the reference says where the error is largest.
+    /// The reference's value where the error is largest.
     pub truth: Option<f64>,
-    /// What the core says there.
+    /// The core's value there.
     pub ours: Option<f64>,
-    /// Error in the measure of the limit, mostly over full scale.
+    /// Magnitude of the error in the measure of the limit, mostly over full scale.
     pub error: f64,
     /// The reference's own error in the same measure: what halving its step changes.
     pub reference_error: Option<f64>,
     /// Limit that the error is held to.
     pub limit: f64,
+    /// Why the limit is what it is, in words.
+    #[serde(default)]
+    pub reason: String,
+    /// For a negative control, the factor by which the error must exceed the limit.
+    #[serde(default)]
+    pub control: Option<f64>,
 }
 
 impl Row {
     /// A row of the running test about `quantity`.
+    ///
+    /// # Panics
+    /// On a thread that is not a test's.
     #[must_use]
-    pub fn new(quantity: impl Into<String>, error: f64, limit: f64) -> Self {
+    pub fn new(quantity: impl Into<String>, error: f64, tolerance: Tolerance) -> Self {
+        let (suite, case) = running();
+        Self::of(&suite, case, quantity, error, tolerance)
+    }
+
+    /// A row of a suite and a case by name: for comparisons that no test makes.
+    #[must_use]
+    pub fn of(
+        suite: &str,
+        case: impl Into<String>,
+        quantity: impl Into<String>,
+        error: f64,
+        tolerance: Tolerance,
+    ) -> Self {
         Self {
-            suite: suite(),
-            case: std::thread::current().name().unwrap_or("main").to_owned(),
+            suite: suite.to_owned(),
+            case: case.into(),
             quantity: quantity.into(),
             unit: String::new(),
             truth: None,
             ours: None,
             error,
             reference_error: None,
-            limit,
+            limit: tolerance.limit,
+            reason: tolerance.reason.to_string(),
+            control: None,
         }
     }
 
@@ -75,27 +103,48 @@ impl Row {
         self
     }
 
+    /// Makes the row a negative control: something is broken on purpose, and the error must be at least `factor` limits.
+    #[must_use]
+    pub fn control(mut self, factor: f64) -> Self {
+        self.control = Some(factor);
+        self
+    }
+
     /// Error over what is allowed: the limit and, where it stands beside the comparison, the reference's own error.
-    /// NaN for an error that is none.
+    /// NaN for an error that is NaN.
     #[must_use]
     pub fn share(&self) -> f64 {
         self.error / (self.limit + self.reference_error.unwrap_or(0.0))
     }
 
-    /// Writes the row, then asserts that the error is within its limit.
+    /// Whether a comparison is within its limit, or a negative control far enough beyond it. False for NaN, and for a
+    /// negative error, which is no magnitude.
+    #[must_use]
+    pub fn holds(&self) -> bool {
+        match self.control {
+            None => (0.0..=1.0).contains(&self.share()),
+            Some(factor) => self.error >= factor * self.limit,
+        }
+    }
+
+    /// Writes the row, then asserts that it [`holds`](Self::holds).
     ///
     /// # Panics
-    /// If it is not, or is NaN.
-    pub fn judge(self, tolerance: Tolerance) {
+    /// If it does not.
+    pub fn judge(self) {
         let row = self.recorded();
         assert!(
-            row.share() <= 1.0,
-            "{}: error {:.3e} exceeds {:.3e} beyond the reference's own {:.1e} ({:?}) in {}",
+            row.holds(),
+            "{}: error {:.3e}, {} {:.3e} beyond the reference's own {:.1e} ({}) in {}",
             row.quantity,
             row.error,
+            match row.control {
+                None => "allowed is 0 to".to_owned(),
+                Some(factor) => format!("broken on purpose it must be {factor} times"),
+            },
             row.limit,
             row.reference_error.unwrap_or(0.0),
-            tolerance.reason,
+            row.reason,
             row.case,
         );
     }
@@ -184,12 +233,15 @@ pub fn folder() -> PathBuf {
     )
 }
 
-/// The rows that a test of this run has written so far: what gates are read from.
+/// The rows that this run of the running test's suite has written so far: what gates are read from.
 ///
 /// # Errors
 /// Those of [`read_file`].
+///
+/// # Panics
+/// On a thread that is not a test's.
 pub fn written() -> Result<Vec<Row>, csv::Error> {
-    read_file(&folder().join(suite()).with_extension("csv"))
+    read_file(&file_of(&running().0))
 }
 
 /// All rows of one file.
@@ -229,51 +281,41 @@ pub fn to_csv(rows: &[Row]) -> Result<Vec<u8>, csv::Error> {
     Ok(writer.into_inner().map_err(|e| e.into_error())?)
 }
 
-/// Name of the running test binary without cargo's hash.
-fn suite() -> String {
-    let name = std::env::current_exe()
-        .ok()
-        .and_then(|path| Some(path.file_stem()?.to_string_lossy().into_owned()))
-        .unwrap_or_default();
-    match name.rsplit_once('-') {
-        Some((stem, hash)) if hash.len() == 16 && hash.bytes().all(|b| b.is_ascii_hexdigit()) => {
-            stem.to_owned()
-        }
-        _ => name,
-    }
+/// Suite and case of the running test: its module, and its path within that.
+fn running() -> (String, String) {
+    let thread = std::thread::current();
+    let (suite, case) = thread
+        .name()
+        .and_then(|name| name.split_once("::"))
+        .expect("rows are made on the thread of a test in a module, not on one of a pool");
+    (suite.to_owned(), case.to_owned())
 }
 
-/// Appends one line to this binary's file. A folder that cannot be written to costs the evidence, not the test.
+fn file_of(suite: &str) -> PathBuf {
+    folder().join(suite).with_extension("csv")
+}
+
+/// Appends one line to the suite's file, which the first row of a run begins anew. A folder that cannot be written to
+/// costs the evidence, not the test.
 fn write(row: &Row) {
-    static FILE: OnceLock<Option<Mutex<File>>> = OnceLock::new();
-    let file = FILE.get_or_init(|| {
-        let folder = folder();
-        let path = folder.join(suite()).with_extension("csv");
-        match fs::create_dir_all(&folder).and_then(|()| File::create(&path)) {
-            Ok(mut file) => {
-                file.write_all(HEADER).ok()?;
-                Some(Mutex::new(file))
-            }
-            Err(e) => {
-                eprintln!("no evidence is kept: {}: {e}", path.display());
-                None
-            }
-        }
+    static FILES: LazyLock<Mutex<HashMap<String, Option<File>>>> = LazyLock::new(Mutex::default);
+    let mut files = FILES.lock().unwrap_or_else(PoisonError::into_inner);
+    let first = !files.contains_key(&row.suite);
+    let file = files.entry(row.suite.clone()).or_insert_with(|| {
+        let path = file_of(&row.suite);
+        fs::create_dir_all(folder())
+            .and_then(|()| File::create(&path))
+            .inspect_err(|e| eprintln!("no evidence is kept: {}: {e}", path.display()))
+            .ok()
     });
     let Some(file) = file else { return };
     let mut line = csv::WriterBuilder::new()
-        .has_headers(false)
+        .has_headers(first)
         .from_writer(Vec::new());
-    if line.serialize(row).is_err() {
-        return;
-    }
-    if let Ok(line) = line.into_inner() {
-        // One write a line: rows of tests that run side by side do not mix.
-        let _ = file
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .write_all(&line);
+    if line.serialize(row).is_ok()
+        && let Ok(line) = line.into_inner()
+    {
+        // One write a line, so that another process never reads half of one.
+        let _ = file.write_all(&line);
     }
 }
-
-const HEADER: &[u8] = b"suite,case,quantity,unit,truth,ours,error,reference_error,limit\n";

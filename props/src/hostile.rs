@@ -8,10 +8,16 @@ use sixaxis_reference::paper;
 
 use crate::strategy::{config, rubbish};
 
-/// [`config`] that also runs the counter-examples remembered in `file` and adds those it finds: the file is committed, and
-/// without it, or without leave to write, only the memory is lost.
+/// [`config`] that also runs the counter-examples kept for a suite in `proptest-regressions` and adds those it finds: the file
+/// is committed, and without it, or without leave to write, only the memory is lost.
 #[must_use]
-pub fn remembering(cases: u32, file: &'static str) -> Config {
+pub fn remembering(cases: u32, suite: &str) -> Config {
+    let file = format!(
+        "{}/proptest-regressions/{suite}.txt",
+        env!("CARGO_MANIFEST_DIR")
+    );
+    // Proptest wants a path that lives as long as the program.
+    let file = String::leak(file);
     Config {
         failure_persistence: Some(Box::new(FileFailurePersistence::Direct(file))),
         ..config(cases)

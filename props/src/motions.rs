@@ -146,9 +146,11 @@ impl Case {
         }
     }
 
-    /// Seven rows: three axes of linear and of angular acceleration, over the peak of the vector, and the rate.
+    /// Nine rows of the suite `motions`: three axes each of linear acceleration, angular acceleration and rate, over the
+    /// peak of the vector.
     #[must_use]
-    pub fn compare(&self, scheme: Scheme, tolerance: Tolerance) -> Vec<Row> {
+    pub fn compare(&self, case: &str, scheme: Scheme, tolerance: Tolerance) -> Vec<Row> {
+        let frequency_hz = self.motion.highest_frequency_hz();
         let [usual, halved] = [1, 2].map(|refinement| self.decoupled(refinement, scheme));
         let quantities: [(&str, &str, [Get; 2]); 3] = [
             (
@@ -192,15 +194,13 @@ impl Case {
                 let change =
                     largest((0..samples).map(|i| error(&usual, i)[axis] - error(&halved, i)[axis]));
                 rows.push(
-                    Row::new(
+                    Row::of(
+                        "motions",
+                        format!("{case}: {frequency_hz:.1} Hz, {name}"),
                         format!("{quantity}, random motion"),
                         error(&halved, worst)[axis].abs(),
-                        tolerance.limit,
+                        tolerance,
                     )
-                    .case(format!(
-                        "{:.1} Hz, {name}",
-                        self.motion.highest_frequency_hz()
-                    ))
                     .sides(
                         truth(&halved, worst)[axis],
                         ours(&halved, worst)[axis],
@@ -243,10 +243,8 @@ pub fn compare_all(
     let suite_rows: Vec<Vec<Row>> = (0..count)
         .into_par_iter()
         .map(|index| {
-            let mut rows = Case::numbered(seed, index).compare(scheme, tolerance);
-            for row in &mut rows {
-                row.case = format!("motion {index} of seed {seed}, {}", row.case);
-            }
+            let case = format!("motion {index} of seed {seed}");
+            let rows = Case::numbered(seed, index).compare(&case, scheme, tolerance);
             done();
             rows
         })

@@ -11,8 +11,7 @@ use sixaxis_core::identify::scale::ScaleIdentification;
 use sixaxis_core::kernel::simd::LANES;
 use sixaxis_core::redundancy::self_calibration::{Accumulator, Limits};
 use sixaxis_core::{
-    Decoupler, Gains, Geometry, LIMBS, LimbSet, RigidDecoupler, Scheme, Sensor, Settings,
-    StaticResponse,
+    Decoupler, Gains, Geometry, LIMBS, LimbSet, Scheme, Sensor, Settings, StaticResponse,
 };
 use sixaxis_props::faults::{FALSE_ALARMS_PER_HOUR, Scene};
 use sixaxis_props::manufactured::examples;
@@ -41,7 +40,6 @@ fn inv_decoding_allocates_nothing() {
             ..Settings::new(RATE_HZ)
         };
         let fresh = Decoupler::new(&sensor, &motion.parameters, &settings).expect("sound");
-        let mut rigid = RigidDecoupler::new(&sensor, &motion.parameters, &settings).expect("sound");
         let (mut stream, mut record, mut portable) = (fresh.clone(), fresh.clone(), fresh.clone());
         let mut lanes: [Decoupler; LANES] = from_fn(|_| fresh.clone());
         let mut count = 0;
@@ -53,7 +51,6 @@ fn inv_decoding_allocates_nothing() {
         let allocated = measure(|| {
             for row in &rows {
                 count += usize::from(stream.push(row).expect("sound").is_some());
-                count += usize::from(rigid.push(row).expect("sound").is_some());
             }
             let mut sink = |done: &[_]| count += black_box(done).len();
             record.push_record(&rows, &mut sink).expect("sound");
@@ -65,7 +62,7 @@ fn inv_decoding_allocates_nothing() {
             })
             .expect("sound");
         });
-        assert_eq!(count, 4 * (SAMPLES - 2) + SAMPLES - 1, "samples decoded");
+        assert_eq!(count, 4 * (SAMPLES - 2), "samples decoded");
         assert_eq!(allocated.count_total, 0, "{}", scheme.name());
     }
 }
@@ -109,7 +106,6 @@ fn inv_switching_over_allocates_nothing() {
         .map(|numbers| LimbSet::from_numbers(numbers.iter().copied()).expect("limbs"));
     let twins = LimbSet::from_numbers([3, 7]).expect("limbs");
     let mut stream = Decoupler::new(&sensor, &motion.parameters, &settings).expect("sound");
-    let mut rigid = RigidDecoupler::new(&sensor, &motion.parameters, &settings).expect("sound");
     let mut record = stream.clone();
     let mut count = 0;
     // Finds out once what the processor can do, which may take memory.
@@ -120,9 +116,7 @@ fn inv_switching_over_allocates_nothing() {
     let allocated = measure(|| {
         for (i, row) in rows.iter().enumerate() {
             stream.set_excluded(sets[i % 5]).expect("survivable");
-            rigid.set_excluded(sets[i % 5]).expect("survivable");
             count += usize::from(stream.push(row).expect("sound").is_some());
-            count += usize::from(rigid.push(row).expect("sound").is_some());
             count += usize::from(stream.set_excluded(twins).is_err());
         }
         for (piece, set) in rows.chunks(SAMPLES / 5).zip(sets) {
@@ -131,7 +125,7 @@ fn inv_switching_over_allocates_nothing() {
             record.push_record(piece, &mut sink).expect("sound");
         }
     });
-    assert_eq!(count, 2 * (SAMPLES - 2) + SAMPLES - 1 + SAMPLES, "answers");
+    assert_eq!(count, 2 * (SAMPLES - 2) + SAMPLES, "answers");
     assert_eq!(allocated.count_total, 0);
 }
 

@@ -6,7 +6,6 @@ use sixaxis_benches::problem;
 use sixaxis_benches::problem::true_parameters;
 use sixaxis_core::Decoupler;
 use sixaxis_core::LIMBS;
-use sixaxis_core::RigidDecoupler;
 use sixaxis_core::Scheme;
 use sixaxis_core::decouple::lanes::LaneSample;
 use sixaxis_core::decouple::lanes::push_lanes;
@@ -77,25 +76,6 @@ pub fn lanes(input: &Input) -> Box<dyn Peer> {
         ready: input.recorded.decoupler(Scheme::Heun),
         samples: Vec::with_capacity(voltage_v.len()),
         voltage_v,
-    })
-}
-
-pub fn rigid(input: &Input) -> Box<dyn Peer> {
-    let recorded = &input.recorded;
-    let settings = recorded.settings(Scheme::Heun);
-    let ready = RigidDecoupler::new(&recorded.sensor(), &true_parameters(), &settings)
-        .expect("a decoupler of the true sensor");
-    let voltage_v = recorded.recording.voltage_v.clone();
-    Decoder::boxed(voltage_v.len(), move |rows| {
-        let mut decoupler = black_box(&ready).clone();
-        for voltage in black_box(&voltage_v) {
-            if let Some(s) = decoupler.push(voltage).expect("a recorded run") {
-                // The others begin with the second sample.
-                if s.sample > 0 {
-                    rows.push(row(s.linear_ground_m_s2, s.angular_ground_rad_s2));
-                }
-            }
-        }
     })
 }
 

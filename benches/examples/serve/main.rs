@@ -23,7 +23,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use decoders::{lanes, nalgebra, push, record, rigid};
+use decoders::{lanes, nalgebra, push, record};
 use engines::{mujoco_inverse, mujoco_step};
 use export::{export, write_rows};
 use peer::{Input, Peer};
@@ -38,7 +38,6 @@ const PEERS: &[(&str, Ready)] = &[
     ("record", |input| record(input, false)),
     ("record_portable", |input| record(input, true)),
     ("lanes", lanes),
-    ("rigid", rigid),
     ("nalgebra", nalgebra),
     ("mujoco_inverse", mujoco_inverse),
     ("mujoco_step", mujoco_step),

@@ -11,7 +11,7 @@ use core::panic::PanicInfo;
 use core::ptr::addr_of_mut;
 
 use sixaxis_core::redundancy::self_calibration::Accumulator;
-use sixaxis_core::{Decoupler, LimbSet, RigidDecoupler};
+use sixaxis_core::{Decoupler, LimbSet};
 
 unsafe extern "C" {
     fn a_panic_can_be_reached() -> !;
@@ -54,19 +54,13 @@ pub extern "C" fn _start() -> ! {
         unsafe {
             let double = &mut *start.cast::<Decoupler>();
             let single = &mut *start.add(1 << 14).cast::<Decoupler<f32>>();
-            let rigid = &mut *start.add(1 << 15).cast::<RigidDecoupler>();
-            let rigid_single = &mut *start.add(3 << 14).cast::<RigidDecoupler<f32>>();
             let accumulator = &mut *start.add(7 << 13).cast::<Accumulator>();
             let (row, row_single) = black_box(([0.0; 9], [0.0; 9]));
             black_box(double.push(&row)).ok();
             black_box(single.push(&row_single)).ok();
-            black_box(rigid.push(&row)).ok();
-            black_box(rigid_single.push(&row_single)).ok();
-            let failed = black_box(LimbSet::EMPTY);
-            black_box(double.set_excluded(failed)).ok();
-            black_box(single.set_excluded(failed)).ok();
-            black_box(rigid.set_excluded(failed)).ok();
-            black_box(rigid_single.set_excluded(failed)).ok();
+            let excluded = black_box(LimbSet::EMPTY);
+            black_box(double.set_excluded(excluded)).ok();
+            black_box(single.set_excluded(excluded)).ok();
             black_box(accumulator.push(&row)).ok();
             if cfg!(feature = "panicking") {
                 assert!(black_box(row[0]) == 0.0, "the check must see this");

@@ -8,6 +8,7 @@
 //! order alone: not on how they were split, nor on how wide the machine's vectors are.
 
 pub(in crate::identify) mod factor;
+pub(crate) mod gauss_newton;
 mod lanes;
 
 use nalgebra::allocator::Allocator;

@@ -10,7 +10,7 @@ use nalgebra::{Matrix6, SMatrix, Vector6};
 use crate::error::{Error, Result};
 use crate::geometry::{Geometry, LIMBS};
 
-/// StaticLoadSharing of the nine limbs.
+/// How the nine limbs share a load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StaticLoadSharing {
     matrix: SMatrix<f64, LIMBS, 6>,

@@ -296,35 +296,3 @@ pub fn refuse(constants: &Constants<f64>, voltage_v: &[f64; LIMBS], sample: usiz
     }
     Ok(())
 }
-
-/// What one sample says of a mass that stays in its place: forces along the axes at rest.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct RigidLoad<T: Real> {
-    /// Resultant of the limb forces over chi, shell axes.
-    pub force: Vec3<T>,
-    /// Torque of the limb forces over the principal moments, principal axes.
-    pub torque: Vec3<T>,
-    /// Sum of squared strains.
-    pub strain_squares: T,
-}
-
-/// The right sides of (12) and (15).
-#[inline(always)]
-pub fn rigid<T: Real>(constants: &Constants<T>, voltage_v: Limbs<T>) -> RigidLoad<T> {
-    rigid_by_strains(constants, limb_strains(constants, voltage_v))
-}
-
-/// The rest of the way.
-#[inline(always)]
-pub(super) fn rigid_by_strains<T: Real>(
-    constants: &Constants<T>,
-    strains: Limbs<T>,
-) -> RigidLoad<T> {
-    let force = shell_axes(strains);
-    let [a, b, c] = force;
-    RigidLoad {
-        force: a + b + c,
-        torque: constants.torque_to_principal(Vec3::moment(force)),
-        strain_squares: a.dot(a) + b.dot(b) + c.dot(c),
-    }
-}

@@ -12,7 +12,7 @@
 use super::constants::{Constants, to_kernel_order};
 use super::number::{Real, Scalar};
 use super::parity::{halves, left, second_order, sums};
-use super::placement::{self, LimbLoad, Limbs, RigidLoad, by_nodes, limb_strains, nodes};
+use super::placement::{self, LimbLoad, Limbs, by_nodes, limb_strains, nodes, shell_axes};
 use super::vec3::Vec3;
 use crate::error::{Error, Result};
 use crate::geometry::{Geometry, LIMBS, LIMBS_PER_NODE};
@@ -47,7 +47,7 @@ impl<T: Scalar> StrainReconstruction<T> {
     pub fn new(reconstruction: &Reconstruction, constants: &Constants<f64>) -> Self {
         let of = reconstruction.weights();
         let row = |row: usize| to_kernel_order(core::array::from_fn(|limb| of[limb][row]));
-        let at_rest = [0, 2, 1].map(|r| placement::rigid_by_strains(constants, row(r)));
+        let at_rest = [0, 2, 1].map(|r| shell_axes(row(r)));
         let weights = [0, 2, 1]
             .map(|row| to_kernel_order(core::array::from_fn(|limb| T::from_f64(of[limb][row]))));
         Self {
@@ -57,8 +57,11 @@ impl<T: Scalar> StrainReconstruction<T> {
                 let [a, b] = halves(column);
                 a - b
             }),
-            force: at_rest.map(|load| load.force.map(T::from_f64)),
-            torque: at_rest.map(|load| load.torque.map(T::from_f64)),
+            force: at_rest.map(|[a, b, c]| (a + b + c).map(T::from_f64)),
+            torque: at_rest.map(|nodes| {
+                let torque = constants.torque_to_principal(Vec3::moment(nodes));
+                torque.map(T::from_f64)
+            }),
         }
     }
 }
@@ -129,14 +132,6 @@ impl<T: Real> StrainReconstruction<T> {
             torque: along(placed.torque, &self.torque, third),
             ..placed
         }
-    }
-
-    /// [`placement::rigid`] likewise: there the rows are sums and nothing else.
-    #[inline(always)]
-    pub fn rigid(&self, constants: &Constants<T>, voltage_v: Limbs<T>) -> RigidLoad<T> {
-        let heard = limb_strains(constants, voltage_v);
-        let [a, b] = halves(heard);
-        placement::rigid_by_strains(constants, onto(heard, &self.weights, a + b))
     }
 }
 

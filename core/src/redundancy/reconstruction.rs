@@ -260,7 +260,7 @@ mod tests {
         let error = Reconstruction::new(set).expect_err("twins");
         assert_eq!(
             format!("{error}"),
-            "limbs 2 and 4 excluded: of a force along y - z together with a torque about 2 x over the half edge the others show nothing"
+            "limbs 2 and 4 excluded: the remaining limbs cannot observe a force along y - z together with a torque about 2 x over the half edge"
         );
     }
 }

@@ -15,7 +15,11 @@ use crate::verdict::{Estimator, Grade};
 use sixaxis_recordings::session::Channels;
 
 /// Name and version of the format; a reader refuses another.
-pub const FORMAT: &str = "sixaxis-calibration-1";
+///
+/// Version 1 did not say whether the amplifiers have a high-pass. Its files are refused: decoupled without undoing the
+/// high-pass, slow motion would come out too small without a word.
+pub const FORMAT: &str = "sixaxis-calibration-2";
+const FORMAT_1: &str = "sixaxis-calibration-1";
 
 /// A calibration.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -58,6 +62,11 @@ pub struct CalibratedSensor {
     pub full_scale_v: f64,
     /// c_i of the session's default amplifier ranges, N/V.
     pub gain_n_per_v: [f64; LIMBS],
+    /// Corner of the amplifiers' first-order high-pass, which conditioning undoes, Hz; `null` for amplifiers that pass a constant.
+    /// The key must be there.
+    #[serde(deserialize_with = "Option::deserialize")]
+    #[schemars(required)]
+    pub amplifier_high_pass_hz: Option<f64>,
 }
 
 /// The 25 parameters, SI.
@@ -127,12 +136,18 @@ pub struct Provenance {
     pub recordings: Vec<(String, u64)>,
 }
 
+/// What a file of any version has.
+#[derive(Deserialize)]
+struct Version {
+    format: String,
+}
+
 impl Calibration {
     /// Reads a calibration.
     ///
     /// # Errors
     /// [`Error::Recording`] if it cannot be read, and with the line if it is no calibration of this format or
-    /// its parameters are no sensor's.
+    /// its parameters are no sensor's. A file of version 1 is refused by its version.
     pub fn read(path: &Path) -> Result<Self> {
         let text = std::fs::read_to_string(path)
             .map_err(|source| sixaxis_recordings::Error::io(path, source))?;
@@ -144,15 +159,21 @@ impl Calibration {
                 cause,
             })
         };
+        // The version first: what else is wrong with a file of another one is no news.
+        if let Ok(Version { format }) = serde_json::from_str(&text)
+            && format != FORMAT
+        {
+            let cause = if format == FORMAT_1 {
+                format!(
+                    "{format:?} does not say whether the amplifiers have a high-pass: calibrate again from the session file"
+                )
+            } else {
+                format!("{format:?} is not {FORMAT:?}")
+            };
+            return Err(refuse(None, "format", cause));
+        }
         let calibration: Self = serde_json::from_str(&text)
             .map_err(|e| refuse(Some(e.line()), "calibration", e.to_string()))?;
-        if calibration.format != FORMAT {
-            return Err(refuse(
-                None,
-                "format",
-                format!("{:?} is not {FORMAT:?}", calibration.format),
-            ));
-        }
         calibration
             .parameters()
             .validate()
@@ -163,6 +184,12 @@ impl Calibration {
             .validate()
             .and_then(|()| sensor.gains.validate())
             .map_err(|e| refuse(None, "sensor", e.to_string()))?;
+        if let Some(corner_hz) = calibration.sensor.amplifier_high_pass_hz
+            && !(corner_hz > 0.0 && corner_hz.is_finite())
+        {
+            let cause = format!("{corner_hz} is not positive and finite");
+            return Err(refuse(None, "sensor.amplifier_high_pass_hz", cause));
+        }
         Ok(calibration)
     }
 

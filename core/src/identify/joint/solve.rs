@@ -12,15 +12,16 @@ use super::unknowns::{ACCELEROMETER_GAIN, COMPLIANCE, Unknowns};
 use super::{Known, WHAT};
 use crate::error::{Error, Result};
 use crate::float::sqrt;
+use crate::identify::least_squares::gauss_newton::{Limits, Nonlinear, Outcome, iterate};
 use crate::identify::static_load_sharing::StaticLoadSharing;
 
 /// Steps at most; a campaign takes four.
-const ITERATIONS: usize = 30;
+const STEPS: usize = 30;
 /// A step whose square, measured in the estimate's own covariance, is below this changes nothing that could be told: a
 /// thousandth of a standard deviation.
 const SETTLED: f64 = 1e-6;
-/// Halvings of a step that does not lead down.
-const HALVINGS: usize = 6;
+/// Shares of a step that are tried: a whole one, a half ...
+const SHARES: usize = 7;
 /// Standard deviation of the accelerometer's gain below which the trials have told it.
 const GAIN_TOLD: f64 = 0.05;
 /// Condition of the normal matrix, scaled to a unit diagonal, at which a direction is lost to rounding.
@@ -175,77 +176,112 @@ pub(super) fn fit(
 /// As [`fit`], with the trials' motions as they stand.
 pub(super) fn refit(
     shares: &StaticLoadSharing,
-    mut trials: Vec<Trial>,
+    trials: Vec<Trial>,
     start: Unknowns,
     priors: &[(usize, Known)],
 ) -> Result<(JointEstimate, Vec<Trial>)> {
-    let mut unknowns = start;
-    let mut iterations = 0;
+    let campaign = Campaign { shares, priors };
+    let mut at = campaign.point(start, trials)?;
+    let mut steps = 0;
     loop {
-        let settled = settle(shares, &mut trials, &mut unknowns, priors, &mut iterations)?;
-        let estimate = finish(&trials, unknowns.clone(), &settled, priors, iterations)?;
+        let limits = Limits {
+            steps: STEPS - steps,
+            shares: SHARES,
+        };
+        let end = iterate(&campaign, at, limits)?;
+        steps += end.steps;
+        let not_converged = Error::NotConverged {
+            what: WHAT,
+            iterations: steps,
+        };
+        if end.outcome != Outcome::Converged {
+            return Err(not_converged);
+        }
+        // The last step is negligible, and free.
+        let last = campaign.moved(&end.at, &end.step, 1.0)?;
+        let estimate = finish(
+            &last.trials,
+            last.unknowns.clone(),
+            &last.normal,
+            priors,
+            steps,
+        )?;
         // Where gravity turns in the sensor the trials know the accelerometer's gain, and the fit has to be made at it.
-        let held = unknowns.values[ACCELEROMETER_GAIN];
+        let held = last.unknowns.values[ACCELEROMETER_GAIN];
         let information = estimate.accelerometer_gain_information;
         let change = estimate.accelerometer_gain_seen - held;
         if information * GAIN_TOLD * GAIN_TOLD < 1.0 || information * change * change < SETTLED {
-            return Ok((estimate, trials));
+            return Ok((estimate, last.trials));
         }
+        if steps >= STEPS {
+            return Err(not_converged);
+        }
+        let mut unknowns = last.unknowns;
         unknowns.values[ACCELEROMETER_GAIN] = estimate.accelerometer_gain_seen;
-        if iterations >= ITERATIONS {
-            return Err(Error::NotConverged {
-                what: WHAT,
-                iterations,
-            });
-        }
+        at = campaign.point(unknowns, last.trials)?;
     }
 }
 
-/// Gauss-Newton with the accelerometer's gain held.
-fn settle(
-    shares: &StaticLoadSharing,
-    trials: &mut Vec<Trial>,
-    unknowns: &mut Unknowns,
-    priors: &[(usize, Known)],
-    iterations: &mut usize,
-) -> Result<Normal> {
-    let mut now = normal(shares, trials, unknowns, priors)?;
-    while *iterations < ITERATIONS {
-        *iterations += 1;
-        let covariance = now.covariance()?;
-        let toward = now.free_descent();
-        let step = &covariance * &toward;
-        let size = toward.dot(&step);
-        let whole = now.whole(&step);
-        let mut share = 1.0;
-        let mut taken = None;
-        for _ in 0..=HALVINGS {
-            let mut moved = unknowns.clone();
-            moved.values.axpy(share, &whole, 1.0);
-            let mut followed = trials.clone();
-            for (trial, part) in followed.iter_mut().zip(&now.contributions) {
-                trial.follow(part, &whole, share);
-            }
-            if let Ok(next) = normal(shares, &followed, &moved, priors)
-                && (next.squares <= now.squares || size < SETTLED)
-            {
-                taken = Some((moved, followed, next));
-                break;
-            }
-            share *= 0.5;
-        }
-        let Some((moved, followed, next)) = taken else {
-            break;
-        };
-        (*unknowns, *trials, now) = (moved, followed, next);
-        if size < SETTLED {
-            return Ok(now);
-        }
+/// The fit over all trials with the accelerometer's gain held.
+struct Campaign<'a> {
+    shares: &'a StaticLoadSharing,
+    priors: &'a [(usize, Known)],
+}
+
+/// Common unknowns, trials with their own, and the normal equations there.
+struct Point {
+    unknowns: Unknowns,
+    trials: Vec<Trial>,
+    normal: Normal,
+}
+
+/// A step of the common unknowns, and its square in the estimate's own covariance.
+struct Step {
+    whole: DVector<f64>,
+    size: f64,
+}
+
+impl Campaign<'_> {
+    fn point(&self, unknowns: Unknowns, trials: Vec<Trial>) -> Result<Point> {
+        let normal = normal(self.shares, &trials, &unknowns, self.priors)?;
+        Ok(Point {
+            unknowns,
+            trials,
+            normal,
+        })
     }
-    Err(Error::NotConverged {
-        what: WHAT,
-        iterations: *iterations,
-    })
+}
+
+impl Nonlinear for Campaign<'_> {
+    type Point = Point;
+    type Step = Step;
+
+    fn step(&self, from: &Point) -> Result<Step> {
+        let toward = from.normal.free_descent();
+        let step = from.normal.covariance()? * &toward;
+        Ok(Step {
+            size: toward.dot(&step),
+            whole: from.normal.whole(&step),
+        })
+    }
+
+    fn is_negligible(&self, step: &Step) -> bool {
+        step.size < SETTLED
+    }
+
+    fn moved(&self, from: &Point, step: &Step, share: f64) -> Result<Point> {
+        let mut unknowns = from.unknowns.clone();
+        unknowns.values.axpy(share, &step.whole, 1.0);
+        let mut trials = from.trials.clone();
+        for (trial, part) in trials.iter_mut().zip(&from.normal.contributions) {
+            trial.follow(part, &step.whole, share);
+        }
+        self.point(unknowns, trials)
+    }
+
+    fn is_better(&self, next: &Point, than: &Point) -> bool {
+        next.normal.squares <= than.normal.squares
+    }
 }
 
 fn finish(

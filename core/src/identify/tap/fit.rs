@@ -19,6 +19,7 @@ use crate::float::{exp, sqrt};
 use crate::geometry::{Geometry, LIMBS};
 use crate::identify::least_squares::Accumulator;
 use crate::identify::least_squares::factor::Factor;
+use crate::identify::least_squares::gauss_newton::{Limits, Nonlinear, Outcome, iterate};
 use crate::model::InertiaPerMass;
 
 /// Initial values.
@@ -30,10 +31,11 @@ const COMMON: usize = SHARED + INITIAL;
 const OWN: usize = 2;
 const ALL: usize = OWN + COMMON;
 
-/// Steps of one fit; from within a few per cent it takes five.
-const ITERATIONS: usize = 40;
-/// Halvings of a step before it counts as none.
-const HALVINGS: usize = 12;
+/// From within a few per cent a fit takes five steps.
+const LIMITS: Limits = Limits {
+    steps: 40,
+    shares: 12,
+};
 /// Steps below this share of their own standard error change nothing that can be known.
 const SETTLED: f64 = 1e-3;
 /// Steps of this relative size are rounding.
@@ -260,37 +262,19 @@ impl Window<'_> {
 
     /// Fits from a start within a few per cent of k/m.
     pub fn fit(&self, prior: &Prior, start: &Unknowns) -> Result<(Fitted, Shared)> {
-        let mut now = self.solve(prior, start)?;
-        for _ in 0..ITERATIONS {
-            let step = self.step(prior, &now)?;
-            let size = (0..SHARED).fold(0.0_f64, |size, k| {
-                size.max(step.shared[k].abs() / sqrt(step.shared_covariance.covariance[(k, k)]))
+        let decay = Decay {
+            window: self,
+            prior,
+        };
+        let end = iterate(&decay, self.solve(prior, start)?, LIMITS)?;
+        // Where no share of a step gains, the point is the minimum to rounding.
+        if end.outcome == Outcome::OutOfSteps {
+            return Err(Error::NotConverged {
+                what: WHAT,
+                iterations: end.steps,
             });
-            if size < SETTLED || step.shared[0].abs() < ROUNDING {
-                return Ok((now, step.shared_covariance));
-            }
-            let mut share = 1.0;
-            let mut better = None;
-            for _ in 0..HALVINGS {
-                // What no sensor can have is no better: a shorter step may be.
-                if let Ok(next) = self.solve(prior, &now.unknowns.moved(&step, share))
-                    && next.cost < now.cost
-                {
-                    better = Some(next);
-                    break;
-                }
-                share *= 0.5;
-            }
-            let Some(next) = better else {
-                // Not even the smallest step gains: this is the minimum, as far as rounding can tell.
-                return Ok((now, step.shared_covariance));
-            };
-            now = next;
         }
-        Err(Error::NotConverged {
-            what: WHAT,
-            iterations: ITERATIONS,
-        })
+        Ok((end.at, end.step.shared_covariance))
     }
 
     /// Residuals of a fit, V.
@@ -304,6 +288,38 @@ impl Window<'_> {
                 core::array::from_fn(|i| row[i] - fitted.offset_v[i] - response[i] * force[i])
             })
             .collect()
+    }
+}
+
+/// The fit of one window.
+struct Decay<'a> {
+    window: &'a Window<'a>,
+    prior: &'a Prior,
+}
+
+impl Nonlinear for Decay<'_> {
+    type Point = Fitted;
+    type Step = Step;
+
+    fn step(&self, from: &Fitted) -> Result<Step> {
+        self.window.step(self.prior, from)
+    }
+
+    fn is_negligible(&self, step: &Step) -> bool {
+        let covariance = &step.shared_covariance.covariance;
+        let size = (0..SHARED).fold(0.0_f64, |size, k| {
+            size.max(step.shared[k].abs() / sqrt(covariance[(k, k)]))
+        });
+        size < SETTLED || step.shared[0].abs() < ROUNDING
+    }
+
+    fn moved(&self, from: &Fitted, step: &Step, share: f64) -> Result<Fitted> {
+        self.window
+            .solve(self.prior, &from.unknowns.moved(step, share))
+    }
+
+    fn is_better(&self, next: &Fitted, than: &Fitted) -> bool {
+        next.cost < than.cost
     }
 }
 

@@ -21,21 +21,25 @@ use super::{PerLimbs, RATIOS, contrasts, noise};
 use crate::error::{Error, Result};
 use crate::float::{exp, sqrt};
 use crate::geometry::LIMBS;
+use crate::identify::least_squares::gauss_newton::{self, Nonlinear, Outcome, iterate};
 use crate::redundancy::parity::{ROWS, SIGNATURES};
 
 /// Blocks below which the noise is not known well enough for anything.
 const FEWEST_BLOCKS: usize = 32;
 /// Steps with all rows weighted alike, which find the neighbourhood.
 const PLAIN_STEPS: usize = 6;
-/// Cap.
-const STEPS: usize = 150;
+/// Caps.
+const LIMITS: gauss_newton::Limits = gauss_newton::Limits {
+    steps: 144,
+    shares: 1,
+};
 /// Step, relative, at which the ratios stand.
 const SETTLED: f64 = 1e-12;
 /// Steps by rounding of the moments: nothing on any interval.
 const ROUNDING: f64 = 1e-9;
 /// Longest step.
 const LONGEST: f64 = 0.5;
-/// A step over the one before from which only a share of it is taken, and the least share.
+/// Length of a step over the one before from which on only a share of each step is taken, and the least share.
 const OVERSHOT: f64 = 0.9;
 const LEAST_SHARE: f64 = 0.25;
 /// Share of a row's own variance that rounding leaves of it, at least.
@@ -79,11 +83,49 @@ pub(super) fn fit(moments: &Moments, limits: &Limits) -> Result<ScaleRatios> {
             got,
         });
     }
-    let basis = contrasts();
-    let mut theta = SVector::<f64, LIMBS>::zeros();
-    let (mut last, mut share) = (f64::INFINITY, 1.0);
-    for iteration in 0..STEPS {
-        let weighted = iteration >= PLAIN_STEPS;
+    let rows = Rows { moments, limits };
+    let mut at = rows.point(SVector::zeros(), false)?;
+    for step in 1..=PLAIN_STEPS {
+        at = rows.point(at.after_step(), step == PLAIN_STEPS)?;
+    }
+    let end = iterate(&rows, at, LIMITS)?;
+    // If the motion is too poor, that is the reason to give.
+    let found = finish(moments, limits, &end.at.after_step())?;
+    if end.outcome == Outcome::Converged {
+        return Ok(found);
+    }
+    Err(Error::NotConverged {
+        what: "scale ratios",
+        iterations: end.steps,
+    })
+}
+
+/// The estimating equation of the three rows. Its weights follow the ratios, so that there is no sum of squares that every step
+/// lowers: instead of halving a step until it does, an overshoot shortens all later steps.
+struct Rows<'a> {
+    moments: &'a Moments,
+    limits: &'a Limits,
+}
+
+/// ln ratios, the step that the equation asks for there, and what is taken of it.
+struct Point {
+    theta: SVector<f64, LIMBS>,
+    step: SVector<f64, LIMBS>,
+    length: f64,
+    share: f64,
+    stands: bool,
+}
+
+impl Point {
+    fn after_step(&self) -> SVector<f64, LIMBS> {
+        self.theta + self.step * (LONGEST / self.length).min(self.share)
+    }
+}
+
+impl Rows<'_> {
+    fn point(&self, theta: SVector<f64, LIMBS>, weighted: bool) -> Result<Point> {
+        let Self { moments, limits } = self;
+        let basis = contrasts();
         let normal = normal(moments, &theta, weighted)?;
         let (values, vectors) = spectrum(&basis, &normal)?;
         let least = if weighted {
@@ -93,7 +135,7 @@ pub(super) fn fit(moments: &Moments, limits: &Limits) -> Result<ScaleRatios> {
         };
         let gradient = basis.transpose() * normal.gradient.fixed_rows::<LIMBS>(0);
         let along = vectors.transpose() * gradient;
-        // What is not told stays where it is: it would wander.
+        // An unobservable combination stays where it is: it would wander.
         let step = SVector::<f64, RATIOS>::from_fn(|k, _| {
             if values[k] >= least {
                 -along[k] / values[k]
@@ -102,28 +144,47 @@ pub(super) fn fit(moments: &Moments, limits: &Limits) -> Result<ScaleRatios> {
             }
         });
         let step = basis * vectors * step;
-        let size = step.amax();
-        if !size.is_finite() {
-            break;
-        }
-        // Weights follow the ratios; where residuals are more than noise they may overshoot.
-        if iteration > PLAIN_STEPS && size > OVERSHOT * last && size > ROUNDING {
-            share = LEAST_SHARE.max(0.5 * share);
-        }
-        theta += step * (LONGEST / size).min(share);
-        // Rounding may keep a step from getting any smaller.
-        let stands = size < SETTLED || (size < ROUNDING && size >= last);
-        if iteration > PLAIN_STEPS && stands {
-            return finish(moments, limits, &theta);
-        }
-        last = size;
+        Ok(Point {
+            theta,
+            step,
+            length: step.amax(),
+            share: 1.0,
+            stands: false,
+        })
     }
-    // If the motion is too poor, that is the reason to give.
-    finish(moments, limits, &theta)?;
-    Err(Error::NotConverged {
-        what: "scale ratios",
-        iterations: STEPS,
-    })
+}
+
+impl Nonlinear for Rows<'_> {
+    type Point = Point;
+    /// Whether it is negligible.
+    type Step = bool;
+
+    fn step(&self, from: &Point) -> Result<bool> {
+        Ok(from.stands)
+    }
+
+    fn is_negligible(&self, stands: &bool) -> bool {
+        *stands
+    }
+
+    fn moved(&self, from: &Point, _step: &bool, _share: f64) -> Result<Point> {
+        let next = self.point(from.after_step(), true)?;
+        let overshot = next.length > OVERSHOT * from.length && next.length > ROUNDING;
+        Ok(Point {
+            share: if overshot {
+                LEAST_SHARE.max(0.5 * from.share)
+            } else {
+                from.share
+            },
+            // Rounding may keep a step from getting any shorter.
+            stands: next.length < SETTLED || (next.length < ROUNDING && next.length >= from.length),
+            ..next
+        })
+    }
+
+    fn is_better(&self, next: &Point, _than: &Point) -> bool {
+        next.length.is_finite()
+    }
 }
 
 fn spectrum(basis: &SMatrix<f64, LIMBS, RATIOS>, normal: &Normal) -> Result<Spectrum> {

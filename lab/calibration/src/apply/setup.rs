@@ -7,7 +7,7 @@ use anyhow::{Context, Result, bail};
 use glam::DVec3;
 use sixaxis_core::decouple::uncertainty::{ChannelNoise, SampleUncertainty};
 use sixaxis_core::{Gains, LIMBS, Parameters, Scheme, Sensor, Settings};
-use sixaxis_recordings::session::{Channels, Entry, Role, Session, SessionFile};
+use sixaxis_recordings::session::{Channels, Entry, Role, SessionFile};
 use sixaxis_recordings::unit::STANDARD_GRAVITY_M_S2;
 
 use super::conditioning::{self, Wishes};
@@ -118,9 +118,7 @@ impl Setup {
         let amplifier_high_pass_hz = match session {
             Some(file) => file.session.preprocessing.amplifier_high_pass_hz,
             // The amplifiers are those of the calibration unless somebody says otherwise.
-            None => toml::from_str::<Session>(&calibration.provenance.session)
-                .ok()
-                .and_then(|session| session.preprocessing.amplifier_high_pass_hz),
+            None => calibration.sensor.amplifier_high_pass_hz,
         };
         Ok(Self {
             sensor,

@@ -39,6 +39,7 @@ pub(super) fn to_file(file: &SessionFile, kept: Kept) -> Calibration {
             half_edge_m: file.session.sensor.geometry().half_edge_m,
             full_scale_v: file.session.sensor.full_scale_v,
             gain_n_per_v: file.session.sensor.gain_n_per_v.each(),
+            amplifier_high_pass_hz: file.session.preprocessing.amplifier_high_pass_hz,
         },
         estimator: kept.estimator,
         parameters: CalibratedParameters {

@@ -14,6 +14,8 @@ fn row(suite: &str, quantity: &str, error: f64, limit: f64) -> Row {
         error,
         reference_error: None,
         limit,
+        reason: "measured".to_owned(),
+        control: None,
     }
 }
 

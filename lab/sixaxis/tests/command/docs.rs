@@ -1,0 +1,249 @@
+//! README and docs say what the program does: every command in them is run, every figure that was published is the published one.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use sixaxis_recordings::session::SessionFile;
+
+use crate::program::{Folder, stderr, stdout};
+
+/// Long work in the docs, and the same in short for a test.
+const SHORTER: [(&str, &str); 1] = [("--count 10000", "--count 3")];
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+fn read(path: &str) -> String {
+    std::fs::read_to_string(root().join(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
+}
+
+/// README and every page of docs, by its path from the root.
+fn pages() -> Vec<String> {
+    let mut pages = vec!["README.md".to_owned()];
+    for folder in ["docs", "docs/decisions"] {
+        let files = std::fs::read_dir(root().join(folder)).expect(folder);
+        let names = files.map(|file| {
+            file.expect(folder)
+                .file_name()
+                .to_string_lossy()
+                .into_owned()
+        });
+        pages.extend(
+            names
+                .filter(|name| name.ends_with(".md"))
+                .map(|name| format!("{folder}/{name}")),
+        );
+    }
+    pages.sort();
+    pages
+}
+
+/// The command lines of a page's `sh` blocks, a continued line as one.
+fn commands(page: &str) -> Vec<String> {
+    let text = read(page).replace("\\\n", " ");
+    let blocks = text
+        .split("```sh\n")
+        .skip(1)
+        .filter_map(|rest| rest.split("```").next());
+    blocks
+        .flat_map(str::lines)
+        .map(str::trim)
+        .filter(|line| !line.is_empty())
+        .map(str::to_owned)
+        .collect()
+}
+
+#[test]
+fn every_command_of_the_docs_runs() {
+    let mut run = 0;
+    for page in pages() {
+        let folder = Folder::new(&page.replace(['/', '.'], "-"));
+        for line in commands(&page) {
+            if line.starts_with("cargo ") {
+                assert_cargo_knows(&page, &line);
+                continue;
+            }
+            let mut shell = SHORTER.iter().fold(line.clone(), |line, (long, short)| {
+                line.replace(long, short)
+            });
+            // A page of its own folder has no published plan beside it.
+            shell = shell.replace(
+                "props/results/",
+                &format!("{}/props/results/", root().display()),
+            );
+            let output = Command::new("bash")
+                .args([
+                    "-c",
+                    &format!("sixaxis() {{ \"$SIXAXIS\" \"$@\"; }}; {shell}"),
+                ])
+                .env("SIXAXIS", env!("CARGO_BIN_EXE_sixaxis"))
+                .current_dir(&*folder)
+                .output()
+                .expect("bash starts");
+            let expected = line
+                .split_once("# exit code ")
+                .map_or(0, |(_, rest)| rest[..1].parse().expect("a digit"));
+            assert_eq!(
+                output.status.code(),
+                Some(expected),
+                "{page}: {line}\n{}{}",
+                stdout(&output),
+                stderr(&output)
+            );
+            run += 1;
+        }
+    }
+    // A change of the fences must not turn this into a test of nothing.
+    assert!(run >= 12, "{run} commands found");
+}
+
+/// Cargo commands build or run for minutes; here only that what they name exists. `.ci/run` runs the main ones.
+fn assert_cargo_knows(page: &str, line: &str) {
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let after = |flag: &str| {
+        words
+            .iter()
+            .position(|w| *w == flag)
+            .map(|at| words[at + 1])
+    };
+    if let Some(example) = after("--example") {
+        let package = after("-p")
+            .expect("a package")
+            .trim_start_matches("sixaxis-");
+        let file = root().join(package).join("examples").join(example);
+        assert!(
+            file.with_extension("rs").is_file() || file.join("main.rs").is_file(),
+            "{page}: {line}"
+        );
+    } else {
+        let known = [
+            "cargo run --release -- report",
+            "cargo test --workspace",
+            "cargo bench",
+            "cargo build --release",
+        ];
+        assert!(
+            known.iter().any(|known| line.starts_with(known)),
+            "{page}: {line}"
+        );
+    }
+}
+
+#[test]
+fn every_link_of_the_docs_leads_somewhere() {
+    for page in pages() {
+        let text = read(&page);
+        let from = root().join(&page);
+        for link in text
+            .split("](")
+            .skip(1)
+            .filter_map(|rest| rest.split(')').next())
+        {
+            let path = link.split('#').next().unwrap_or_default();
+            assert!(from.with_file_name(path).exists(), "{page}: {link}");
+        }
+    }
+}
+
+#[test]
+fn the_session_in_the_docs_is_accepted() {
+    let docs = read("docs/session.md");
+    let text = docs
+        .split("```toml\n")
+        .nth(1)
+        .and_then(|rest| rest.split("```").next())
+        .expect("a session file");
+    let file = SessionFile::parse(Path::new("session.toml"), text.to_owned())
+        .unwrap_or_else(|error| panic!("{error}"));
+    // At rest, a linear trial and a tap.
+    assert_eq!(file.session.recording.len(), 3);
+}
+
+/// A page on one line, so that a sentence is found wherever it is broken.
+fn on_one_line(page: &str) -> String {
+    read(page).split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+fn published(name: &str) -> serde_json::Value {
+    serde_json::from_str(&read(&format!("props/results/{name}.json"))).expect("JSON")
+}
+
+#[test]
+fn the_grades_in_the_docs_are_the_published_ones() {
+    let docs = on_one_line("docs/session.md");
+    let published = published("blind");
+    let number = |key: &str| published[key].as_u64().expect(key);
+    for sentence in [
+        format!("Of {} sessions", number("sessions")),
+        format!("{} healthy", number("healthy")),
+        format!(
+            "{} grades and {} causes were right",
+            number("right_verdict"),
+            number("right_cause")
+        ),
+        format!("{} defects were called good", number("broken_promises")),
+        format!("{} healthy sessions were not", number("false_alarms")),
+    ] {
+        assert!(docs.contains(&sentence), "{sentence}");
+    }
+}
+
+#[test]
+fn the_figures_from_the_field_are_the_published_ones() {
+    let docs = on_one_line("docs/field.md");
+    let (tumbles, sets, detection) = (
+        published("self_calibration"),
+        published("failed_limbs"),
+        published("detection"),
+    );
+    let minute = |pace: &str| {
+        let lengths = tumbles["lengths"].as_array().expect("lengths");
+        let found = lengths
+            .iter()
+            .find(|l| l["pace"] == pace && l["duration_s"] == 60.0)
+            .expect(pace);
+        ["rms_error", "largest_error"].map(|key| 100.0 * found[key].as_f64().expect(key))
+    };
+    let ([rms, worst], [shaken_rms, shaken_worst]) = (minute("brisk"), minute("shaken"));
+    let coverage = tumbles["lengths"][0]["coverage_95_by_limb"]
+        .as_array()
+        .expect("nine");
+    let coverage = coverage
+        .iter()
+        .map(|c| 100.0 * c.as_f64().expect("a share"));
+    let (low, high) = coverage.fold((f64::MAX, 0.0), |(a, b), c| (c.min(a), c.max(b)));
+    let ratios = |key: &str| {
+        let all = sets["sets"].as_array().expect("sets").iter();
+        all.filter_map(|set| set[key].as_f64()).fold(0.0, f64::max)
+    };
+    let whole = |key: &str| sets[key].as_u64().expect(key);
+    let isolated = detection["classes"]
+        .as_array()
+        .expect("classes")
+        .iter()
+        .map(|class| {
+            let of = |key: &str| class["isolated"][key].as_f64().expect(key);
+            of("right") / (of("right") + of("wrong") + of("open"))
+        })
+        .fold(1.0, f64::min);
+    for sentence in [
+        format!("determines a ratio to {rms:.3} % rms, the worst of 120 records to {worst:.3} %"),
+        format!("shaken, to {shaken_rms:.3} % and {shaken_worst:.3} %"),
+        format!("hold {low:.1} to {high:.1} % of the truths, limb by limb"),
+        format!("{} can be excluded", whole("survivable")),
+        format!("{} sets stay within twice", whole("within_twice")),
+        format!("the worst at {:.1} times", ratios("error_ratio")),
+        format!(
+            "all {} do, the worst at {:.2} times",
+            whole("within_twice_consistent"),
+            ratios("error_ratio_consistent")
+        ),
+        format!(
+            "isolated in {:.1} % of the trials to its class",
+            100.0 * isolated
+        ),
+    ] {
+        assert!(docs.contains(&sentence), "{sentence}");
+    }
+}

@@ -1,0 +1,113 @@
+//! Truth: a closed form, a manufactured motion, another derivation, or another path through the core. What is left is
+//! rounding, a scheme's own error, or terms that a series drops.
+
+use sixaxis_core::Scheme;
+
+use super::{Tolerance, derived, measured, required};
+
+/// Rounding of some hundred operations on numbers of one size.
+pub const ROUNDING: Tolerance = derived(1024.0 * f64::EPSILON, "a thousand roundings");
+/// A handful of operations on numbers of one size.
+pub const LAST_DIGITS: Tolerance = derived(8.0 * f64::EPSILON, "eight roundings");
+/// Pose from elongations and back, over the size of the displacement.
+pub const POSE_ROUND_TRIP: Tolerance = measured(1e-12, 1e-15, "");
+/// Relative rate against a differenced rotation matrix, rad/s, at 0.02 rad and 1.7 rad/s.
+pub const RELATIVE_RATE: Tolerance = derived(
+    1.7 * 0.02 * 0.02 * 0.02 / 24.0 + 5e-9,
+    "the dropped terms phi^3/24, and the square of the step times the cube of the rate",
+);
+/// Elongations against differences of distances, m.
+pub const DISTANCE: Tolerance = derived(16.0 * 0.0255 * f64::EPSILON, "rounding of 25 mm");
+/// Static preload against J (J^T J)^-1, relative.
+pub const PRELOAD_LINEAR: Tolerance = measured(1e-5, 9.2e-7, "twice the sag over the limb length");
+/// Identification from exact rows.
+pub const EXACT_ROWS: Tolerance = measured(1e-9, 2e-10, "over the condition number at the worst");
+/// The gyroscope's gain from exact rows, as the minimum of a parabola.
+pub const GAIN: Tolerance = measured(
+    1e-6,
+    2.4e-14,
+    "a minimum is flat over the root of rounding, 1.5e-8",
+);
+/// Manufactured motion, in units of what the scheme's order and the central differences leave.
+#[must_use]
+pub const fn manufactured(scheme: Scheme) -> Tolerance {
+    match scheme {
+        Scheme::Euler => measured(4.0, 1.6, ""),
+        Scheme::Heun => measured(0.5, 0.13, ""),
+        Scheme::HeunSubstepped => measured(0.15, 0.04, ""),
+        Scheme::AdamsBashforth2 => measured(4.0, 1.04, ""),
+        Scheme::AdamsMoulton4 => measured(5.0, 1.4, "most of it is the start in mid-motion"),
+        Scheme::RungeKutta4 => measured(2.0, 0.7, ""),
+    }
+}
+/// Three derivations against each other, over full scale.
+pub const FORMULATIONS: Tolerance = measured(1e-10, 1e-11, "the canonical one; 3e-14 without it");
+/// Departure of a converging integration's order from theory, in its asymptotic range.
+pub const CONVERGENCE: Tolerance = measured(0.05, 0.02, "");
+/// Departure of a scheme's order over a decade of step from theory, on the full equations.
+pub const FULL_ORDER: Tolerance = measured(0.05, 0.02, "");
+/// Error of Heun in eight sub-steps over that of plain Heun at a coarse step.
+pub const SUBSTEPS: Tolerance = measured(0.1, 0.02, "");
+/// Departure of R R^T from 1 after ten million steps.
+pub const ORTHONORMAL: Tolerance = measured(1e-14, 4e-16, "");
+/// What excluded limbs add to the error, noise-free, over full scale.
+pub const WITHOUT_LIMBS: Tolerance = required(
+    1e-9,
+    "1e-9 of full scale; 1.8e-12 seen at strains of 3.3e-5, five times the rig's",
+);
+/// What is left of a channel that broke at the last sample received, of the rate's peak and in rad.
+pub const SWITCH_OVER: Tolerance = measured(2e-9, 4.1e-10, "in rad; 4e-13 of the rate");
+/// Outputs of one sensor looked at in two ways, over their largest.
+pub const SYMMETRY: Tolerance = measured(1e-12, 2.7e-14, "");
+/// Outputs in reversed time at 150 samples a period.
+pub const TIME_REVERSAL: Tolerance = measured(2e-5, 4e-6, "the scheme's error, twice");
+/// Two ways to one least-squares answer, over the largest value and the square of the condition number.
+pub const LEAST_SQUARES: Tolerance = measured(
+    2e-11,
+    5e-13,
+    "the singular value iteration stops at 1e-15 of the largest entry",
+);
+/// (14) and (19) against a pseudo-inverse of the tall matrix, over the largest value.
+pub const CLOSED_FORM: Tolerance = measured(1e-12, 3e-15, "");
+/// What rounding leaves of a condition number of 1e8, relative.
+pub const NEAR_LIMIT: Tolerance = measured(1e-6, 4.4e-9, "");
+/// Central differences of a parabola over 1e-5 s, over the size of the derivative.
+pub const DIFFERENCED: Tolerance = measured(2e-8, 3e-9, "rounding over the step's square");
+/// Accelerations by another way through the kernel, any sensor and motion, over the peak of the vector.
+pub const PATHS: Tolerance = measured(1e-12, 1.8e-13, "");
+/// Dropped terms of the strain series, in units of the fourth power of the strains' root sum of squares.
+pub const STRAIN_SERIES: Tolerance = measured(1.0, 0.4, "");
+/// A decay's derivatives against differences, over their size, beyond what the modes themselves explain.
+pub const TAP_DERIVATIVES: Tolerance = measured(1e-5, 3.4e-8, "");
+/// Derivatives of the frequency response against differences by 1e-5, over the largest.
+pub const RESPONSE_DIFFERENCED: Tolerance = measured(
+    1e-7,
+    1.6e-8,
+    "rounding over step and share of the motion that is relative, and the step's square",
+);
+/// Tilt of limbs to first order against an equilibrium, over load squared and limb length.
+pub const TILT: Tolerance = measured(1e-6, 1e-7, "rounding of tilts of 1e-7");
+/// Errors of step 2 by first-order theory, over the largest.
+pub const FIRST_ORDER: Tolerance = measured(2e-3, 4e-4, "");
+/// Cramér-Rao bound from analytic derivatives against one from differences by 1e-5, relative.
+pub const BOUND: Tolerance = measured(1e-5, 3.4e-11, "");
+/// Closed-form change of a parameter against central differences of the whole pipeline, relative.
+pub const PIPELINE_DERIVATIVE: Tolerance = measured(
+    3e-3,
+    1e-3,
+    "by the gyroscope, 4e-8 by all else: what the low-pass leaves of (15) as a residual",
+);
+/// The same of m/k by step 2's errors, of which the closed form neglects that strains are as wrong as the scale factors: x ds/s,
+/// a share that counts where the torques' own share, a hundred times m/k for a percent of s/m, cancels between limbs.
+pub const COMPLIANCE_DERIVATIVE: Tolerance = measured(0.2, 6.5e-2, "");
+/// m/k by least squares from a run without errors, relative.
+pub const COMPLIANCE_FIT: Tolerance = measured(1e-4, 6e-6, "");
+/// Scale factors and inertias of the joint fit of a campaign without noise on rigid limbs, relative: what lies above the last
+/// harmonic.
+pub const JOINT_NOISE_FREE: Tolerance =
+    measured(5e-6, 1.5e-6, "the reference's gyroscope between samples");
+/// ln ratios of scale factors from a tumble in closed form, sample by sample, after one repetition.
+pub const RATIOS_CLOSED_FORM: Tolerance =
+    measured(1e-11, 8e-13, "the third order of the strains, and rounding");
+/// What the parity rows keep of a failure that is taken off the wrong limb of an ambiguous pair, over the failure.
+pub const TWIN_TRACE: Tolerance = measured(1e-4, 3.9e-5, "curvature of strains of 1e-5");

@@ -1,0 +1,42 @@
+//! Truth: chance. Limits on statistics, of which a chosen rate of false alarms or a stated accuracy decides.
+
+use super::{Tolerance, measured, required};
+use crate::statistics::ONE_IN_A_MILLION;
+
+const CHANCE: &str = "one false alarm in a million";
+
+/// Chi-square of predicted against seen errors, in half widths of an interval that chance leaves once in a million.
+pub const CHI_SQUARE: Tolerance = required(1.0, CHANCE);
+/// A normal variable in its standard deviations.
+pub const TAP_CHANCE: Tolerance = required(ONE_IN_A_MILLION, CHANCE);
+/// k/m of a session over the half width of its 95 % interval.
+pub const TAP_INTERVAL: Tolerance = required(ONE_IN_A_MILLION / 1.96, CHANCE);
+/// Standard error of ln k/m that a tap states against the Cramér-Rao bound.
+pub const TAP_STANDARD_ERROR: Tolerance = measured(
+    0.1,
+    0.02,
+    "noise that is estimated from 12,000 residuals, over eleven taps",
+);
+/// Half width of k/m's interval by two taps of a 60 dB chain, with standards of class 1 % and ranges good to half a per cent.
+pub const TAP_HALF_WIDTH: Tolerance = required(2e-2, "2 % is asked for");
+/// Errors in bounds under Huber's loss, which costs 5 % of the variance at its usual limit, and wild values.
+pub const ROBUST_Z: Tolerance = required(ONE_IN_A_MILLION, CHANCE);
+/// ln k_i/k_j of any two limbs with laboratory errors.
+pub const STIFFNESS_RATIO: Tolerance = required(5e-3, "half a per cent is asked for");
+/// Attained over asked-for rate of false alarms, less one.
+pub const FALSE_ALARMS: Tolerance = required(0.1, "a tenth of the rate that is asked for");
+/// Share of failures of five standard deviations whose class is not named.
+pub const NOT_ISOLATED: Tolerance = required(0.01, "one failure in a hundred");
+/// Share of ambiguous pairs of which the wrong limb is named: odds of a thousand to one, and models that do not fit.
+pub const TWIN_WRONG: Tolerance = required(0.01, "one pair in a hundred");
+/// Drawn against theoretical probability of detection, in standard errors.
+pub const DETECTION_Z: Tolerance = required(ONE_IN_A_MILLION, CHANCE);
+/// Attitude half a second after a limb died that was then excluded, from that of a sensor that never failed, noise 60 dB below
+/// full scale, rad.
+pub const SURVIVED_RAD: Tolerance = measured(
+    3e-2,
+    9e-3,
+    "over ten seeds: the noise of eight limbs instead of nine, integrated twice",
+);
+/// Attitude from the truth after 1.2 s of noise 60 dB below full scale, most of it from the rate at the first sample, rad.
+pub const NOISY_ATTITUDE_RAD: Tolerance = measured(0.1, 0.023, "without a failure, too");

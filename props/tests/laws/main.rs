@@ -1,0 +1,25 @@
+//! Laws: equations, symmetries, orders of convergence and statistics that hold for any sensor. Fast: every mutant of core runs
+//! against them (`.ci/mutants`).
+//!
+//! One module is one suite of evidence; see [`sixaxis_props::evidence`].
+
+mod attitude;
+mod covariance;
+mod detection;
+mod failed_limbs;
+mod formulations;
+mod identification;
+mod integrators;
+mod iteration;
+mod least_squares;
+mod paths;
+mod pose;
+mod propagation;
+mod rank;
+mod round_trip;
+mod runs;
+mod search;
+mod stiffness_bias;
+mod stiffness_bound;
+mod symmetry;
+mod tap;

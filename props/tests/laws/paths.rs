@@ -1,0 +1,344 @@
+//! Every way through the kernel gives the same answer: sample by sample, as a record, in lanes, in single precision; and
+//! that answer is the printed formulas'.
+
+use std::array::from_fn;
+
+use glam::DVec3;
+use proptest::prelude::*;
+use sixaxis_core::decouple::lanes::push_lanes;
+use sixaxis_core::decouple::record::Accelerations;
+use sixaxis_core::kernel::constants::{Constants, to_kernel_order};
+use sixaxis_core::kernel::placement::{self, LimbLoad};
+use sixaxis_core::kernel::simd::LANES;
+use sixaxis_core::kernel::vec3::Vec3;
+use sixaxis_core::{
+    Decoupler, Error, Gains, Geometry, LIMBS, Parameters, Scheme, Sensor, Settings, StaticResponse,
+};
+use sixaxis_props::compare::largest;
+use sixaxis_props::evidence::Row;
+use sixaxis_props::manufactured::motion::Manufactured;
+use sixaxis_props::printed;
+use sixaxis_props::rig_runs;
+use sixaxis_props::strategy::{config, manufactured, parameters};
+use sixaxis_props::tolerance::{self, Tolerance};
+use sixaxis_reference::campaign::{self, Laboratory};
+use sixaxis_reference::paper;
+use sixaxis_reference::recording::{Recording, SimulatedRun};
+use sixaxis_reference::rig::{Mounting, Run};
+
+/// A stream and what it is fed.
+struct Case {
+    sensor: Sensor,
+    parameters: Parameters,
+    settings: Settings,
+    voltage_v: Vec<[f64; LIMBS]>,
+}
+
+impl Case {
+    /// A manufactured motion from its start, with the shell at rest at first.
+    fn manufactured(motion: &Manufactured, rate_hz: f64, samples: usize, scheme: Scheme) -> Self {
+        let gains = Gains::uniform(2.0);
+        let voltage = |i: usize| {
+            let moment = motion.at(i as f64 / rate_hz);
+            motion.voltage_v(&gains.gain_n_per_v, &moment)
+        };
+        Self {
+            sensor: Sensor {
+                geometry: motion.geometry,
+                gains,
+            },
+            parameters: motion.parameters,
+            settings: Settings {
+                scheme,
+                static_response: StaticResponse::Full,
+                gravity_ground_m_s2: motion.gravity_ground_m_s2,
+                ..Settings::new(rate_hz)
+            },
+            voltage_v: (0..samples).map(voltage).collect(),
+        }
+    }
+
+    /// The paper's compound run at 5 Hz from MuJoCo, 10 kHz.
+    fn rig(scheme: Scheme) -> Self {
+        let parameters = paper::identified_parameters();
+        let [.., trial] = campaign::compound(Mounting::AxisVertical);
+        let model = trial.model(&parameters);
+        let long = Run {
+            steady_periods: 4.0,
+            ..trial.run
+        };
+        let run = SimulatedRun::simulate(&model, &long, rig_runs::RATE_HZ, rig_runs::STEPS)
+            .expect("a run of the campaign simulates");
+        Self::of(
+            &Laboratory::noise_free(parameters).record(&run, 0),
+            &parameters,
+            scheme,
+        )
+    }
+
+    fn of(recording: &Recording, parameters: &Parameters, scheme: Scheme) -> Self {
+        Self {
+            sensor: recording.sensor(),
+            parameters: *parameters,
+            settings: recording.settings(scheme),
+            voltage_v: recording.voltage_v.clone(),
+        }
+    }
+
+    fn decoupler(&self) -> Decoupler {
+        Decoupler::new(&self.sensor, &self.parameters, &self.settings).expect("a sound sensor")
+    }
+
+    fn stream(&self) -> Vec<Accelerations> {
+        let mut decoupler = self.decoupler();
+        let push = |row| decoupler.push(row).expect("a sound sample");
+        let samples = self.voltage_v.iter().filter_map(push);
+        samples
+            .map(|s| six(s.linear_ground_m_s2, s.angular_ground_rad_s2))
+            .collect()
+    }
+
+    /// As a record in two pieces.
+    fn record(&self, split: usize, portable: bool) -> Vec<Accelerations> {
+        let mut decoupler = self.decoupler();
+        let mut answers = Vec::new();
+        let (head, tail) = self.voltage_v.split_at(split);
+        for piece in [head, tail] {
+            let mut sink = |done: &[Accelerations]| answers.extend_from_slice(done);
+            let pushed = if portable {
+                decoupler.push_record_portable(piece, &mut sink)
+            } else {
+                decoupler.push_record(piece, &mut sink)
+            };
+            pushed.expect("sound samples");
+        }
+        answers
+    }
+}
+
+fn six(a: DVec3, w: DVec3) -> Accelerations {
+    [a.x, a.y, a.z, w.x, w.y, w.z]
+}
+
+/// Largest difference over the larger peak, linear and angular.
+fn difference(ours: &[Accelerations], theirs: &[Accelerations]) -> f64 {
+    assert_eq!(ours.len(), theirs.len(), "samples");
+    largest([0..3, 3..6].map(|axes| {
+        let peak = largest(
+            theirs
+                .iter()
+                .flat_map(|row| row[axes.clone()].iter().map(|x| x.abs())),
+        );
+        let error = ours
+            .iter()
+            .zip(theirs)
+            .flat_map(|(a, b)| axes.clone().map(move |i| (a[i] - b[i]).abs()));
+        largest(error) / peak
+    }))
+}
+
+fn judge(what: &str, case: impl std::fmt::Display, error: f64, tolerance: Tolerance) {
+    Row::new(what, error, tolerance).case(case).judge();
+}
+
+proptest! {
+    #![proptest_config(config(48))]
+
+    #[test]
+    fn inv_a_record_and_lanes_are_the_stream(
+        motions in prop::collection::vec(manufactured(), LANES),
+        scheme in prop::sample::select(&Scheme::ALL[..]),
+        samples in 3_usize..1200,
+        split in 0.0..1.0_f64,
+        per_period in 100.0..400.0_f64,
+    ) {
+        let cases: Vec<Case> = motions
+            .iter()
+            .map(|m| Case::manufactured(m, m.highest_frequency_hz() * per_period, samples, scheme))
+            .collect();
+        let case = &cases[0];
+        let stream = case.stream();
+        let split = (split * samples as f64) as usize;
+        for portable in [false, true] {
+            let what = if portable { "record, portable" } else { "record" };
+            let error = difference(&case.record(split, portable), &stream);
+            judge(what, scheme.name(), error, tolerance::PATHS);
+        }
+        let mut decouplers: [Decoupler; LANES] = from_fn(|lane| cases[lane].decoupler());
+        let mut lanes: [Vec<Accelerations>; LANES] = from_fn(|_| Vec::new());
+        let pieces = [0..split, split..samples];
+        for piece in pieces {
+            let rows = from_fn(|lane| &cases[lane].voltage_v[piece.clone()]);
+            push_lanes(&mut decouplers, rows, &mut |chunk| {
+                for sample in chunk {
+                    for (lane, answers) in lanes.iter_mut().enumerate() {
+                        answers.push(from_fn(|i| sample[i].0[lane]));
+                    }
+                }
+            }).expect("sound samples");
+        }
+        for (answers, case) in lanes.iter().zip(&cases) {
+            let error = difference(answers, &case.stream());
+            judge("lanes", scheme.name(), error, tolerance::PATHS);
+        }
+    }
+
+    #[test]
+    fn ref_the_series_are_the_closed_form(
+        parameters in parameters(),
+        strain in prop::array::uniform9(-1.0..1.0_f64),
+        log_size in -3.0..-2.0_f64,
+    ) {
+        let sensor = Sensor { geometry: Geometry::PAPER, gains: Gains::uniform(1.0) };
+        let constants = Constants::new(&sensor, &parameters, &Settings::new(1e4)).expect("sound");
+        let norm = strain.iter().map(|x| x * x).sum::<f64>().sqrt();
+        prop_assume!(norm > 0.1);
+        let size = 10.0_f64.powf(log_size) / norm;
+        let voltage: [f64; LIMBS] = from_fn(|i| {
+            let at_zero = constants.strain(i, 0.0);
+            (size * strain[i] - at_zero) / (constants.strain(i, 1.0) - at_zero)
+        });
+        let series = placement::by_series(&constants, to_kernel_order(voltage));
+        let exact = placement::exactly(&constants, &voltage, 0).expect("limbs that meet");
+        // Forces of unit strain are one, torques over the moments are not.
+        let torque = largest(constants.torque.iter().map(|row| row.dot(*row).sqrt()));
+        let numbers = |p: &LimbLoad<f64>| {
+            [p.position_thrice, p.rotation, p.force, p.torque.times(1.0 / torque)]
+        };
+        let names = ["three times the position", "rotation", "force", "torque"];
+        for ((name, a), b) in names.into_iter().zip(numbers(&series)).zip(numbers(&exact)) {
+            let d: Vec3<f64> = a - b;
+            // Beyond the limit of use, where what is dropped stands far above rounding.
+            let dropped = d.dot(d).sqrt() / exact.strain_squares.powi(2);
+            judge("terms that the strain series drop, over strain^4", name, dropped, tolerance::STRAIN_SERIES);
+        }
+    }
+
+    /// Wherever in a record the bad sample is, everything before it comes out, and its error is the stream's.
+    #[test]
+    fn prop_a_bad_sample_is_found_in_any_path(
+        motion in manufactured(),
+        at in 0_usize..400,
+        channel in 0..LIMBS,
+        bad in prop::sample::select(&[f64::NAN, f64::INFINITY, 1e12, 2e3][..]),
+    ) {
+        let rate = motion.highest_frequency_hz() * 200.0;
+        let mut case = Case::manufactured(&motion, rate, 400, Scheme::Heun);
+        case.voltage_v[at][channel] = bad;
+        let mut stream = case.decoupler();
+        let mut wanted = Vec::new();
+        let refused = case.voltage_v.iter().find_map(|row| match stream.push(row) {
+            Ok(answer) => {
+                wanted.extend(answer.map(|s| six(s.linear_ground_m_s2, s.angular_ground_rad_s2)));
+                None
+            }
+            Err(error) => Some(error),
+        });
+        let mut record = case.decoupler();
+        let mut got = Vec::new();
+        let answer = record.push_record(&case.voltage_v, &mut |done: &[Accelerations]| got.extend_from_slice(done));
+        // NaN is not equal to itself.
+        prop_assert_eq!(format!("{:?}", answer.err()), format!("{:?}", &refused));
+        prop_assert_eq!(record.received(), stream.received());
+        if wanted.len() > 1 {
+            judge("record up to a bad sample", bad, difference(&got, &wanted), tolerance::PATHS);
+        }
+        let mut decouplers: [Decoupler; LANES] = from_fn(|_| case.decoupler());
+        let mut sound = case.voltage_v.clone();
+        sound[at] = sound[(at + 399) % 400];
+        let rows = from_fn(|lane| if lane == 5 { &case.voltage_v[..] } else { &sound[..] });
+        let mut count = 0;
+        let lanes = push_lanes(&mut decouplers, rows, &mut |chunk| count += chunk.len());
+        match (lanes, refused) {
+            (Ok(()), None) => prop_assert_eq!(count, 398),
+            (Err(lane), Some(error)) => {
+                prop_assert_eq!(lane.lane, 5);
+                prop_assert_eq!(format!("{:?}", lane.error), format!("{error:?}"));
+                prop_assert_eq!(count, wanted.len());
+            }
+            (lanes, refused) => prop_assert!(false, "{lanes:?} beside {refused:?}"),
+        }
+    }
+}
+
+/// Ten thousand samples of the rig, every path, against the printed formulas in the same discretisation.
+#[test]
+fn ref_the_paths_are_the_printed_formulas() {
+    let case = Case::rig(Scheme::Heun);
+    assert!(case.voltage_v.len() > 10_000, "a long run");
+    let printed: Vec<Accelerations> = printed::decouple(
+        &case.sensor,
+        &case.parameters,
+        &case.settings,
+        &case.voltage_v,
+    )
+    .into_iter()
+    .map(|[a, w]| six(a, w))
+    .collect();
+    for (what, answers) in [
+        ("stream", case.stream()),
+        ("record", case.record(0, false)),
+        ("record, portable", case.record(777, true)),
+    ] {
+        judge(
+            "accelerations against the printed formulas",
+            what,
+            difference(&answers, &printed),
+            tolerance::PRINTED_FORMULAS,
+        );
+    }
+}
+
+#[test]
+fn ref_single_precision_holds_its_budget() {
+    let case = Case::rig(Scheme::Heun);
+    let double = case.stream();
+    let mut decoupler =
+        Decoupler::new_f32(&case.sensor, &case.parameters, &case.settings).expect("a sound sensor");
+    let single: Vec<Accelerations> = case
+        .voltage_v
+        .iter()
+        .filter_map(|row| {
+            let row = row.map(|u| u as f32);
+            decoupler.push(&row).expect("a sound sample")
+        })
+        .map(|s| {
+            six(
+                s.linear_ground_m_s2.as_dvec3(),
+                s.angular_ground_rad_s2.as_dvec3(),
+            )
+        })
+        .collect();
+    let error = difference(&single, &double);
+    judge(
+        "single precision",
+        "rig, 5 Hz",
+        error,
+        tolerance::SINGLE_PRECISION,
+    );
+    assert!(error > 1e-9, "single precision was not single");
+}
+
+#[test]
+fn regress_a_strained_limb_is_named() {
+    let parameters = paper::identified_parameters();
+    let sensor = Sensor {
+        geometry: Geometry::PAPER,
+        gains: Gains::uniform(1.0),
+    };
+    let mut decoupler = Decoupler::new(&sensor, &parameters, &Settings::new(1e4)).expect("sound");
+    let mut row = parameters.zero_drift_v;
+    row[6] = -1e7;
+    let refused = decoupler.push(&row).expect_err("a limb twice as long");
+    assert!(
+        matches!(
+            refused,
+            Error::Overstrained {
+                channel: 7,
+                sample: 0,
+                ..
+            }
+        ),
+        "{refused}"
+    );
+}

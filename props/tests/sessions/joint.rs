@@ -1,0 +1,289 @@
+//! The joint estimator: exact without noise, as good as it says with it, unbiased where regressors have errors, and what it
+//! refuses.
+
+use rayon::prelude::*;
+use sixaxis_calibration::joint::{Knowledge, at_rest, record};
+use sixaxis_campaign::parameter::PARAMETERS;
+use sixaxis_core::identify::joint::robust::USUAL_LIMIT;
+use sixaxis_core::identify::joint::{AtRest, Certificates, Drive, Joint, Record};
+use sixaxis_core::{Error, Gains, Geometry, LIMBS, Parameters};
+use sixaxis_props::compare::largest;
+use sixaxis_props::compare::within;
+use sixaxis_props::joint::{Fitted, bias_of_scale, moments, noise_free, small};
+use sixaxis_props::statistics::{ONE_IN_A_MILLION, chi_square_departure};
+use sixaxis_props::strategy::seed;
+use sixaxis_props::tolerance;
+use sixaxis_recordings::session::Role;
+use sixaxis_reference::rig::Mounting;
+use sixaxis_reference::session::plan::{Engine, SessionPlan};
+
+/// Campaigns over which errors are judged.
+const CASES: u64 = 24;
+/// Campaigns for the bias: its mean scatters by one over the root of them.
+const BIAS_CASES: u64 = 48;
+/// Channels' ratio of signal to noise, dB, at which errors in variables bend plain least squares.
+const NOISY_DB: f64 = 34.0;
+
+fn fitted(plan: &SessionPlan) -> Fitted {
+    Fitted::of(plan).unwrap_or_else(|cause| panic!("seed {}: {cause}", plan.seed))
+}
+
+fn level(mut plan: SessionPlan) -> SessionPlan {
+    plan.rig.mounting = Mounting::AxisLevel;
+    plan
+}
+
+#[test]
+fn prop_noise_free_campaigns_are_found() {
+    let first = seed();
+    let mut worst = 0.0_f64;
+    for seed in first..first + 3 {
+        for plan in [noise_free(seed), level(noise_free(seed))] {
+            worst = worst.max(largest(fitted(&plan).relative()));
+        }
+    }
+    within(
+        "joint fit of a campaign without noise",
+        worst,
+        tolerance::JOINT_NOISE_FREE,
+    );
+}
+
+#[test]
+fn ref_mujoco_campaign_is_found() {
+    let mut plan = SessionPlan {
+        engine: Engine::Mujoco,
+        trials_per_step: 3,
+        ..noise_free(seed())
+    };
+    // Three wedges along the axes leave I4 to I6 to their centrifugal torques; without noise that is enough.
+    plan.rig.steady_periods = 1.0;
+    plan.rig.low_band_hz = (1.5, 2.0);
+    let worst = largest(fitted(&plan).relative());
+    within(
+        "joint fit of a campaign in MuJoCo",
+        worst,
+        tolerance::JOINT_MUJOCO,
+    );
+}
+
+#[test]
+fn prop_errors_are_what_the_bound_says() {
+    let first = seed();
+    for (name, with) in [
+        ("upright", (|plan| plan) as fn(SessionPlan) -> SessionPlan),
+        ("level", level),
+    ] {
+        let cases: Vec<Fitted> = (first..first + CASES)
+            .into_par_iter()
+            .map(|seed| fitted(&with(small(seed))))
+            .collect();
+        // All errors of a case at once, against their covariance: chi-square with as many degrees of freedom.
+        let unknowns = CASES as usize * (PARAMETERS - 1);
+        let total: f64 = cases.iter().map(Fitted::squares_over_covariance).sum();
+        let departure = chi_square_departure(total, unknowns);
+        assert!(departure <= 1.0, "{name}: {total} of {unknowns}");
+        // Deviations half or twice as large would not pass.
+        for factor in [0.25, 4.0] {
+            assert!(chi_square_departure(factor * total, unknowns) > 1.0);
+        }
+        let z: Vec<_> = cases.iter().map(Fitted::standardised).collect();
+        let n = CASES as f64;
+        for (p, mean) in moments(&z).0.into_iter().enumerate() {
+            assert!(
+                mean.abs() <= ONE_IN_A_MILLION / n.sqrt(),
+                "{name}: parameter {}: bias {mean} bounds",
+                p + 1
+            );
+        }
+        let misfit = cases.iter().map(|c| c.joint.estimate.misfit()).sum::<f64>() / n;
+        let degrees: usize = cases
+            .iter()
+            .map(|c| c.joint.estimate.degrees_of_freedom)
+            .sum();
+        // Beside chance, the noise's own variance is estimated from as many samples again.
+        let chance = 2.0 * ONE_IN_A_MILLION * (2.0 / degrees as f64).sqrt();
+        assert!((misfit - 1.0).abs() <= chance, "{name}: misfit {misfit}");
+    }
+}
+
+#[test]
+fn prop_gravity_that_turns_tells_the_accelerometers_gain() {
+    let first = seed();
+    for seed in first..first + 3 {
+        let case = fitted(&level(small(seed)));
+        let gain = case.joint.gain;
+        let error =
+            (gain.seen - case.instruments.accelerometer_gain_error) * gain.information.sqrt();
+        assert!(error.abs() <= ONE_IN_A_MILLION, "seed {seed}: {error}");
+        // And upright it tells nothing.
+        assert_eq!(fitted(&small(seed)).joint.gain.information, 0.0);
+    }
+}
+
+#[test]
+fn prop_errors_in_variables_leave_no_bias() {
+    let first = seed();
+    let [plain, joint] = bias_of_scale(first..first + BIAS_CASES, NOISY_DB)
+        .unwrap_or_else(|cause| panic!("{cause}"));
+    let scatter = ONE_IN_A_MILLION / (BIAS_CASES as f64).sqrt();
+    eprintln!("bias in standard deviations: plain {plain:.1?}, joint {joint:.3?}");
+    // Errors of two limbs that share an axis may cancel in a third; on the whole they do not.
+    let typical = plain.iter().map(|bias| bias.abs()).sum::<f64>() / LIMBS as f64;
+    assert!(typical > tolerance::PLAIN_BIAS + scatter, "{plain:?}");
+    for bias in joint {
+        assert!(bias.abs() < tolerance::JOINT_BIAS + scatter, "{joint:?}");
+    }
+}
+
+#[test]
+fn prop_wild_samples_do_not_bend_the_robust_fit() {
+    let mut case = fitted(&small(seed()));
+    // Every hundredth sample of every channel, at another place in each.
+    let every = (1.0 / tolerance::WILD_SHARE) as usize;
+    for (trial, _) in &mut case.campaign.trials {
+        for (n, row) in trial.voltage_v.iter_mut().enumerate() {
+            for (limb, u) in row.iter_mut().enumerate() {
+                if (n + 7 * limb) % every == 0 {
+                    *u = trial.full_scale_v;
+                }
+            }
+        }
+    }
+    let knowledge = Knowledge::of(&case.session);
+    let rest = at_rest(&case.steps.drift);
+    let mut joint =
+        Joint::new(&Geometry::PAPER, knowledge.certificates, rest).expect("sound certificates");
+    let records: Vec<Record> = case
+        .campaign
+        .trials
+        .iter()
+        .filter_map(|(trial, _)| record(trial))
+        .collect();
+    for record in &records {
+        joint.push(record).expect("a sound record");
+    }
+    let start = case.steps.used();
+    let plain = joint.fit(&start).expect("determined");
+    let robust = joint
+        .fit_robust(&start, &records, USUAL_LIMIT)
+        .expect("determined");
+    for limit in [0.0, 1e-200, 0.5, f64::NAN] {
+        assert!(matches!(
+            joint.fit_robust(&start, &records, limit),
+            Err(Error::OutOfRange { name: "limit", .. })
+        ));
+    }
+    // Against the clean fit's bound: what counts is what the wild values do.
+    let bound = case.joint.estimate.deviations();
+    let gain = case.instruments.accelerometer_gain_error;
+    let worst = |values: [f64; 25]| {
+        largest((LIMBS..2 * LIMBS).map(|p| (values[p] - case.truth[p]).abs() / bound[p]))
+    };
+    within(
+        "robust fit with one sample in a hundred wild, in bounds",
+        worst(robust.values(gain)),
+        tolerance::ROBUST_Z,
+    );
+    assert!(worst(plain.values(gain)) > tolerance::BENT_Z);
+}
+
+const QUIET: AtRest = AtRest {
+    drift_v: [0.0; LIMBS],
+    deviation_v: [1e-5; LIMBS],
+};
+const CERTIFICATES: Certificates = Certificates {
+    gyroscope_gain_deviation: 3e-3,
+    gyroscope_lag_s: None,
+    accelerometer_lag_s: 0.0,
+    amplifier_corner_rad_s: None,
+    wedge_deviation_rad: 1e-3,
+    compliance_s2: None,
+};
+/// Samples of a made-up record, and of one that leaves nothing to tell the noise from.
+const SAMPLES: usize = 600;
+const SHORT: usize = 50;
+
+fn made_up(voltage_v: &[[f64; LIMBS]], standard: &[f64], refused: impl Fn(&Error) -> bool) {
+    let gains = Gains::uniform(1.0);
+    let record = Record {
+        drive: Drive::Linear,
+        sample_rate_hz: 200.0,
+        frequency_hz: 1.0,
+        gains: &gains,
+        voltage_v,
+        standard,
+        direction_ground: glam::DVec3::X,
+        gravity_ground_m_s2: glam::DVec3::ZERO,
+    };
+    let mut joint = Joint::new(&Geometry::PAPER, CERTIFICATES, QUIET).expect("sound");
+    let error = joint.push(&record).expect_err("a bad record");
+    assert!(refused(&error), "{error}");
+    assert_eq!(joint.trials(), 0, "a refused record leaves no trace");
+}
+
+#[test]
+fn inv_bad_records_are_refused_by_channel_and_sample() {
+    let mut voltage = vec![[0.0; LIMBS]; SAMPLES];
+    let mut standard = vec![0.0; SAMPLES];
+    made_up(&voltage, &standard[1..], |e| {
+        matches!(e, Error::LengthMismatch { .. })
+    });
+    made_up(&voltage[..SHORT], &standard[..SHORT], |e| {
+        matches!(e, Error::TooFewSamples { .. })
+    });
+    made_up(&voltage, &standard, |e| {
+        matches!(e, Error::DeadChannel { .. })
+    });
+    let mut open = standard.clone();
+    for (n, a) in open.iter_mut().enumerate() {
+        *a = n as f64 / SAMPLES as f64;
+    }
+    made_up(&voltage, &open, |e| matches!(e, Error::NotClosed { .. }));
+    voltage[37][4] = f64::NAN;
+    made_up(&voltage, &standard, |e| {
+        matches!(
+            e,
+            Error::NotFinite {
+                channel: 5,
+                sample: 37,
+                ..
+            }
+        )
+    });
+    voltage[37][4] = 0.0;
+    standard[11] = f64::INFINITY;
+    made_up(&voltage, &standard, |e| {
+        matches!(
+            e,
+            Error::NotFinite {
+                channel: 10,
+                sample: 11,
+                ..
+            }
+        )
+    });
+}
+
+#[test]
+fn prop_one_direction_leaves_unknowns_open() {
+    let mut plan = small(seed());
+    plan.rig.wedge_error_deg = 0.0;
+    let case = fitted(&plan);
+    let mut joint = Joint::new(&Geometry::PAPER, CERTIFICATES, QUIET).expect("sound");
+    for (trial, _) in &case.campaign.trials {
+        if trial.role == Role::Linear && trial.direction_ground.x > 0.99 {
+            joint
+                .push(&record(trial).expect("a linear trial"))
+                .expect("a sound record");
+        }
+    }
+    assert!(joint.trials() > 0);
+    let start: Parameters = case.steps.used();
+    assert!(matches!(
+        joint.fit(&start),
+        Err(Error::Indeterminate { .. })
+    ));
+    let none = Joint::new(&Geometry::PAPER, CERTIFICATES, QUIET).expect("sound");
+    assert!(matches!(none.fit(&start), Err(Error::TooFewSamples { .. })));
+}

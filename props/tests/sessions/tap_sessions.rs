@@ -1,0 +1,124 @@
+//! Sessions with taps, from their files: k/m within its interval, bad taps as reservations, everything else as without.
+
+use std::path::PathBuf;
+
+use sixaxis_calibration::verdict::{Grade, Judgement, Unwatched, judge};
+use sixaxis_core::LIMBS;
+use sixaxis_props::compare::within;
+use sixaxis_props::evidence::Row;
+use sixaxis_props::strategy::seed;
+use sixaxis_props::tolerance;
+use sixaxis_recordings::session::{Role, SessionFile};
+use sixaxis_reference::session::plan::{Engine, RigPlan, SensorChoice, SessionPlan};
+use sixaxis_reference::session::play::{PlayedSession, play};
+use sixaxis_reference::session::write::write;
+
+fn plan(taps: usize) -> SessionPlan {
+    SessionPlan {
+        seed: seed(),
+        sensor: SensorChoice::Random,
+        engine: Engine::Rigid,
+        trials_per_step: 6,
+        sample_rate_hz: 1000.0,
+        static_duration_s: 60.0,
+        rig: RigPlan {
+            taps,
+            ..RigPlan::default()
+        },
+        ..SessionPlan::default()
+    }
+}
+
+/// Judges a session from its files.
+fn judged(played: &PlayedSession, name: &str) -> Judgement {
+    let folder: PathBuf =
+        std::env::temp_dir().join(format!("sixaxis-taps-{name}-{}", std::process::id()));
+    let session = write(played, &folder, "npz").expect("it can be written");
+    let judgement = SessionFile::read(&session)
+        .map_err(Into::into)
+        .and_then(|file| judge(&file, &Unwatched));
+    std::fs::remove_dir_all(&folder).expect("it can be cleared away");
+    judgement.expect("the session is sound")
+}
+
+#[test]
+fn ref_a_session_with_taps_determines_stiffness_and_changes_nothing_else() {
+    let played = play(&plan(2)).expect("it plays");
+    let without = play(&plan(0)).expect("it plays");
+    assert!(
+        played.recordings.len() == without.recordings.len() + 2
+            && played.recordings.starts_with(&without.recordings),
+        "taps change the other recordings"
+    );
+    let (with, without) = (judged(&played, "two"), judged(&without, "none"));
+    let of = |judgement: &Judgement| {
+        judgement
+            .parameters
+            .iter()
+            .find(|p| p.name == "k/m")
+            .expect("k/m is reported")
+            .clone()
+    };
+    assert_eq!(
+        with.grade, without.grade,
+        "{:?} {:?}",
+        with.next, without.next
+    );
+    assert_eq!(with.grade, Grade::Good, "{:?}", with.next);
+    assert!(!of(&without).determined && of(&without).remark.contains("tap the shell"));
+    let (found, truth) = (of(&with), played.truth.parameters.stiffness_per_mass_per_s2);
+    assert!(found.determined, "{}", found.remark);
+    let half_width = found.half_width_95.expect("an interval");
+    Row::new(
+        "k/m of a session with two taps, over its 95 % interval",
+        (found.estimate - truth).abs() / half_width,
+        tolerance::TAP_INTERVAL,
+    )
+    .sides(truth, found.estimate, "1/s^2")
+    .judge();
+    within(
+        "half width of k/m's interval by two taps",
+        half_width / found.estimate,
+        tolerance::TAP_HALF_WIDTH,
+    );
+    let calibration = with.calibration.expect("there is one");
+    assert_eq!(
+        calibration.parameters.stiffness_per_mass_per_s2.to_bits(),
+        found.estimate.to_bits()
+    );
+    assert_eq!(with.parameters[..24], without.parameters[..24]);
+}
+
+#[test]
+fn prop_a_bad_tap_is_a_reservation() {
+    let mut played = play(&plan(2)).expect("it plays");
+    let full_scale_v = played.session.sensor.full_scale_v;
+    let mut bad = played
+        .recordings
+        .iter_mut()
+        .filter(|r| r.entry.role == Role::Tap);
+    let clipped = bad.next().expect("a tap");
+    let middle = clipped.voltage_v.len() / 2;
+    clipped.voltage_v[middle] = [full_scale_v; LIMBS];
+    let quiet = bad.next().expect("another");
+    // The rest before the blow, over and over.
+    let rest: Vec<[f64; LIMBS]> = quiet.voltage_v[..40].to_vec();
+    for (sample, row) in quiet.voltage_v.iter_mut().enumerate() {
+        *row = rest[sample % rest.len()];
+    }
+    let judgement = judged(&played, "bad");
+    assert_eq!(judgement.grade, Grade::Reserved, "{}", judgement.sentence);
+    assert!(judgement.findings.is_empty(), "{:?}", judgement.findings);
+    for (name, cause) in [("tap-01", "clipped"), ("tap-02", "no tap")] {
+        assert!(
+            judgement
+                .reservations
+                .iter()
+                .any(|r| r.contains(name) && r.contains(cause)),
+            "{name}: {:?}",
+            judgement.reservations
+        );
+    }
+    let stiffness = judgement.parameters.last().expect("25 parameters");
+    assert!(!stiffness.determined, "{}", stiffness.remark);
+}
