@@ -41,7 +41,11 @@ pub fn tiles(r: &Results) -> Vec<Tile> {
         ),
         Tile::new(
             "Threshold frequencies",
-            format!("{} / {} Hz", crossing(Mode::Linear), crossing(Mode::Angular)),
+            format!(
+                "{} / {} Hz",
+                crossing(Mode::Linear),
+                crossing(Mode::Angular)
+            ),
             "linear / angular; the paper reads 2.3 and 2.5 Hz off Fig. 7",
             State::Neutral,
         ),

@@ -57,9 +57,8 @@ fn table(r: &Results, printed: &CompoundTable) -> Table {
     let of = |runs: &'_ [Compound]| runs.iter().position(|c| c.table == printed.number);
     let exact = of(&r.compound_noise_free).map(|i| &r.compound_noise_free[i]);
     let laboratory = of(&r.compound_laboratory).map(|i| &r.compound_laboratory[i]);
-    let error = |run: Option<&Compound>, way: Way, axis: usize| {
-        Some(run?.comparison(way)?.error[axis])
-    };
+    let error =
+        |run: Option<&Compound>, way: Way, axis: usize| Some(run?.comparison(way)?.error[axis]);
     let share = |e: f64| Cell::of(e, |e| significant(100.0 * e, 2));
     let small = |e: f64| Cell::of(e, |e| scientific(e, 1));
     let judged = |e: Option<f64>, limit: f64, cell: &dyn Fn(f64) -> Cell| {
@@ -105,11 +104,7 @@ fn table(r: &Results, printed: &CompoundTable) -> Table {
 
 fn axis_level(r: &Results) -> Table {
     let largest = |errors: [f64; 6]| errors.into_iter().fold(0.0, f64::max);
-    let kept = (
-        ParameterSet::True,
-        Scheme::HeunSubstepped,
-        Standard::Truth,
-    );
+    let kept = (ParameterSet::True, Scheme::HeunSubstepped, Standard::Truth);
     let neglected = |run: &Compound| {
         let mut all = run.comparisons.iter();
         let found = all.find(|c| {

@@ -20,11 +20,13 @@ const IDS: [&str; 6] = [
 /// # Errors
 /// If the text does not fit the results.
 pub fn section(r: &Results) -> Result<Section> {
-    let text = Text::new(include_str!("histories.md"))
-        .value("frequency_hz", r.history.frequency_hz);
+    let text =
+        Text::new(include_str!("histories.md")).value("frequency_hz", r.history.frequency_hz);
     let all = IDS.iter().enumerate();
-    all.fold(text, |text, (axis, id)| text.figure(figure(&r.history, axis, id)))
-        .section("histories")
+    all.fold(text, |text, (axis, id)| {
+        text.figure(figure(&r.history, axis, id))
+    })
+    .section("histories")
 }
 
 fn figure(h: &History, axis: usize, id: &str) -> Figure {
@@ -41,7 +43,11 @@ fn figure(h: &History, axis: usize, id: &str) -> Figure {
         Axis::linear("time", "s"),
         Axis::linear("acceleration", unit),
     )
-    .series(Series::line("truth", NEUTRAL, paired(&h.time_s, &h.truth[axis])))
+    .series(Series::line(
+        "truth",
+        NEUTRAL,
+        paired(&h.time_s, &h.truth[axis]),
+    ))
     .series(Series::dashed(
         "decoupled, laboratory errors",
         3,
@@ -50,7 +56,11 @@ fn figure(h: &History, axis: usize, id: &str) -> Figure {
     .below(Panel {
         y: Axis::log("|error| / peak", "").range(1e-9, 1e-1),
         series: vec![
-            Series::line("", 3, paired(&h.time_s, &relative(&h.error_laboratory[axis]))),
+            Series::line(
+                "",
+                3,
+                paired(&h.time_s, &relative(&h.error_laboratory[axis])),
+            ),
             Series::line(
                 "error, noise-free",
                 0,

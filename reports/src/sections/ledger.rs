@@ -115,8 +115,12 @@ impl Found {
             .iter()
             .filter(|s| !s.sign_as_printed && !s.verdict.is_determined())
             .filter_map(|s| s.scale_error);
-        let with_truth =
-            |scheme| worst(&r.compound_noise_free, (ParameterSet::True, scheme, Standard::Truth));
+        let with_truth = |scheme| {
+            worst(
+                &r.compound_noise_free,
+                (ParameterSet::True, scheme, Standard::Truth),
+            )
+        };
         let heun = with_truth(Scheme::Heun);
         let omega = TAU * 5.0;
         Self {
@@ -129,8 +133,7 @@ impl Found {
             linear_m_s2: identified(Mode::Linear),
             angular_rad_s2: identified(Mode::Angular),
             angular_at_2_hz_deg_s2: identified(Mode::Angular)[0] * DEG_PER_RAD,
-            printed_sign_has_minimum: exact_search(true)
-                .is_some_and(|s| s.verdict.is_determined()),
+            printed_sign_has_minimum: exact_search(true).is_some_and(|s| s.verdict.is_determined()),
             other_sign_finds_truth: exact_search(false).is_some_and(|s| {
                 let found = s.grid_minimum_per_s2 / truth.stiffness_per_mass_per_s2;
                 s.verdict.is_determined() && (found - 1.0).abs() < 1e-9

@@ -29,7 +29,9 @@ fn modes(set: &ModeSet) -> Table {
         .col(("eigenvalue solution", "Hz"), |&i| {
             fixed(set.predicted_hz[i], 3)
         })
-        .col(("MuJoCo ring-down", "Hz"), |&i| fixed(set.measured_hz[i], 3))
+        .col(("MuJoCo ring-down", "Hz"), |&i| {
+            fixed(set.measured_hz[i], 3)
+        })
         .col("relative difference", |&i| {
             scientific(set.measured_hz[i] / set.predicted_hz[i] - 1.0, 2)
         })

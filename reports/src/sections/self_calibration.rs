@@ -118,7 +118,9 @@ fn motions(p: &Published) -> Table {
 }
 
 fn stiffness(p: &Published, rates_percent: &[String; 2]) -> Table {
-    let [strict, loose] = rates_percent.each_ref().map(|rate| format!("% at {rate} %"));
+    let [strict, loose] = rates_percent
+        .each_ref()
+        .map(|rate| format!("% at {rate} %"));
     Table::of("spread of k", &p.stiffness, |s| {
         format!("{} %", significant(100.0 * s.spread, 2))
     })

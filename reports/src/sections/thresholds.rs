@@ -46,7 +46,10 @@ fn figure(r: &Results, mode: Mode, id: &str) -> Figure {
     .mark(Mark::slope(1.6, 3e-5, 4.0, 0.25, "4"));
     for (colour, sweep) in r.thresholds.iter().filter(|s| s.mode == mode).enumerate() {
         let frequency = || sweep.points.iter().map(|p| p.frequency_hz);
-        let measured = sweep.points.iter().map(|p| p.relative_acceleration * factor);
+        let measured = sweep
+            .points
+            .iter()
+            .map(|p| p.relative_acceleration * factor);
         let theory = sweep.theory.iter().map(|t| t * factor);
         figure = figure
             .series(Series::points(

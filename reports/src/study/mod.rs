@@ -2,10 +2,10 @@
 //! and holds the outcome against the truth.
 //!
 //! [`plan`] says what is played, [`simulations`] plays it, [`cleaning`] and [`identification`] are the laboratory's
-//! analysis, [`decoupling`], [`searches`], [`identifiability`], [`orders`] and [`checks`] make the comparisons, [`bars`]
+//! analysis, [`decoupling`], [`searches`], [`identifiability`], [`orders`] and [`checks`] make the comparisons, [`acceptance`]
 //! judges them, and [`results`] is all of it as data. Nothing here draws.
 
-pub mod bars;
+pub mod acceptance;
 pub mod checks;
 pub mod cleaning;
 pub mod decoupling;
@@ -185,9 +185,9 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
         orders,
         history,
         defects: checks::defects(&simulations, &truth)?,
-        bars: Vec::new(),
+        acceptance: Vec::new(),
     };
-    results.bars = bars::judge(&results);
+    results.acceptance = acceptance::judge(&results);
     stage.advance(1);
     Ok(results)
 }

@@ -57,8 +57,9 @@ pub struct Results {
     pub history: History,
     /// What single defects of the signal chain cost.
     pub defects: Defects,
-    /// The bars of this study.
-    pub bars: Vec<Bar>,
+    /// The acceptance limits of this study.
+    #[serde(rename = "bars")]
+    pub acceptance: Vec<AcceptanceLimit>,
 }
 
 /// The reference against theory and against itself.
@@ -355,9 +356,9 @@ pub struct Defects {
     pub gyroscope_output_v: f64,
 }
 
-/// A limit and what was measured.
+/// An acceptance limit and what was measured.
 #[derive(Debug, Clone, Serialize)]
-pub struct Bar {
+pub struct AcceptanceLimit {
     /// What is measured.
     pub name: String,
     /// Measured value.

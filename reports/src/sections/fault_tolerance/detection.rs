@@ -31,13 +31,16 @@ fn operating(id: &str, curves: &[&Curve]) -> Figure {
         Axis::log("probability of a false alarm", ""),
         Axis::linear("probability of detection", "").range(0.0, 1.02),
     );
-    curves.iter().enumerate().fold(figure, |figure, (colour, curve)| {
-        let label = format!("{} σ", significant(curve.sigmas, 1));
-        let over = |values: &[f64]| paired(&curve.false_alarm, values);
-        figure
-            .series(Series::points(label, colour, over(&curve.detected)))
-            .series(Series::dashed("", colour, over(&curve.theory)))
-    })
+    curves
+        .iter()
+        .enumerate()
+        .fold(figure, |figure, (colour, curve)| {
+            let label = format!("{} σ", significant(curve.sigmas, 1));
+            let over = |values: &[f64]| paired(&curve.false_alarm, values);
+            figure
+                .series(Series::points(label, colour, over(&curve.detected)))
+                .series(Series::dashed("", colour, over(&curve.theory)))
+        })
 }
 
 fn false_alarms(d: &Detection) -> Table {

@@ -29,10 +29,20 @@ fn statistic(d: &DyingLimb) -> Figure {
 }
 
 /// The same three curves of an acceleration and of an attitude.
-fn compared(figure: Figure, time_s: &[f64], nine: &[f64], watched: &[f64], truth: (&str, &[f64])) -> Figure {
+fn compared(
+    figure: Figure,
+    time_s: &[f64],
+    nine: &[f64],
+    watched: &[f64],
+    truth: (&str, &[f64]),
+) -> Figure {
     figure
         .series(Series::line("all nine", 3, paired(time_s, nine)))
-        .series(Series::line("the limb excluded", 0, paired(time_s, watched)))
+        .series(Series::line(
+            "the limb excluded",
+            0,
+            paired(time_s, watched),
+        ))
         .series(Series::dashed(truth.0, NEUTRAL, paired(time_s, truth.1)))
 }
 

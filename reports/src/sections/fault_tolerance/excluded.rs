@@ -27,13 +27,13 @@ pub fn fill(text: Text, limbs: &FailedLimbs) -> Text {
         .value("lost_pairs", lost.collect::<Vec<_>>())
         .value(
             "healthy_percent",
-            [
-                healthy.clone().reduce(f64::min),
-                healthy.reduce(f64::max),
-            ],
+            [healthy.clone().reduce(f64::min), healthy.reduce(f64::max)],
         )
         .value("worst_ratio", worst(|s| s.error_ratio))
-        .value("worst_ratio_consistent", worst(|s| s.error_ratio_consistent))
+        .value(
+            "worst_ratio_consistent",
+            worst(|s| s.error_ratio_consistent),
+        )
         .table("pairs", pairs(limbs))
         .table("triples", triples(limbs))
         .figure(noise(limbs))
@@ -95,14 +95,16 @@ fn noise(limbs: &FailedLimbs) -> Figure {
         Axis::linear("closed form", ""),
         Axis::linear("measured", ""),
     );
-    SIZES.into_iter().fold(figure, |figure, (name, size, colour)| {
-        let sets = limbs.sets.iter();
-        let points = sets
-            .filter(|set| set.failed.len() == size && set.lost.is_none())
-            .filter_map(|set| Some((set.amplification?, set.amplification_measured?)))
-            .flat_map(|(closed, measured)| closed.into_iter().zip(measured));
-        figure.series(Series::points(name, colour, points))
-    })
+    SIZES
+        .into_iter()
+        .fold(figure, |figure, (name, size, colour)| {
+            let sets = limbs.sets.iter();
+            let points = sets
+                .filter(|set| set.failed.len() == size && set.lost.is_none())
+                .filter_map(|set| Some((set.amplification?, set.amplification_measured?)))
+                .flat_map(|(closed, measured)| closed.into_iter().zip(measured));
+            figure.series(Series::points(name, colour, points))
+        })
 }
 
 fn errors(limbs: &FailedLimbs) -> Figure {
@@ -116,7 +118,11 @@ fn errors(limbs: &FailedLimbs) -> Figure {
         Axis::linear("growth of noise", ""),
         Axis::linear("growth of the error", ""),
     )
-    .series(Series::points("as calibrated", 3, points(|s| s.error_ratio)))
+    .series(Series::points(
+        "as calibrated",
+        3,
+        points(|s| s.error_ratio),
+    ))
     .series(Series::points(
         "consistent scale factors",
         0,

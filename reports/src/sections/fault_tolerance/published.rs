@@ -5,7 +5,6 @@ use serde::{Deserialize, Serialize};
 const DETECTION: &str = include_str!("../../../../props/results/detection.json");
 const DYING_LIMB: &str = include_str!("../../../../props/results/dying_limb.json");
 
-
 /// Failed limbs by the thousand.
 #[derive(Serialize, Deserialize)]
 pub struct Detection {

@@ -37,7 +37,8 @@ fn name(bias: &Bias) -> &'static str {
 fn shares(study: &Identifiability) -> Table {
     let millionths = |share: f64| fixed(share * 1e6, 3);
     let factors = study.biases.first().into_iter();
-    let factors = factors.flat_map(|bias| (0..bias.scale_error_measured.len()).map(move |i| (bias, i)));
+    let factors =
+        factors.flat_map(|bias| (0..bias.scale_error_measured.len()).map(move |i| (bias, i)));
     Table::of("factor", factors, |(_, i)| format!("s{}", i + 1))
         .col(("measured", "10⁻⁶"), |(bias, i)| {
             millionths(bias.scale_error_measured[*i])
@@ -61,7 +62,9 @@ fn shifts(study: &Identifiability) -> Table {
         .col(("torque of step 2's error", "of n a"), |b| {
             scientific(b.torque_of_scale_error / b.torque_of_a_limb, 2)
         })
-        .col(("k/m measured", "10⁸ s⁻²"), |b| k(b.stiffness_measured_per_s2))
+        .col(("k/m measured", "10⁸ s⁻²"), |b| {
+            k(b.stiffness_measured_per_s2)
+        })
         .col(("first-order theory", "10⁸ s⁻²"), |b| {
             k(b.stiffness_predicted_per_s2)
         })

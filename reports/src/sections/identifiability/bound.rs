@@ -21,7 +21,9 @@ const RATE_HZ: f64 = 10_000.0;
 pub fn fill(text: Text, study: &BoundStudy) -> Text {
     let band = |to_hz: f64| {
         let mut bands = study.bands.iter();
-        bands.find(|band| band.to_hz == to_hz).map(|b| b.three_directions)
+        bands
+            .find(|band| band.to_hz == to_hz)
+            .map(|b| b.three_directions)
     };
     text.value("bound", study)
         .value("paper_band", band(PAPER_HZ.1))
@@ -39,8 +41,16 @@ fn figure(study: &BoundStudy) -> Figure {
         Axis::log("upper end of the band", "Hz"),
         Axis::log("standard deviation of ln(k/m)", ""),
     )
-    .series(Series::line("three directions", 0, over(|b| b.three_directions)))
-    .series(Series::line("six directions", 2, over(|b| b.six_directions)))
+    .series(Series::line(
+        "three directions",
+        0,
+        over(|b| b.three_directions),
+    ))
+    .series(Series::line(
+        "six directions",
+        2,
+        over(|b| b.six_directions),
+    ))
     .series(Series::dashed(
         "three directions, scale factors known",
         3,

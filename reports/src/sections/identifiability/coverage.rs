@@ -16,11 +16,13 @@ pub fn fill(text: Text, campaign: &Campaign) -> Text {
     let fitted: Vec<&CampaignParameter> = all.filter(|p| p.joint.is_some()).collect();
     let stiffness = campaign.parameters.last();
     let stiffness = stiffness.and_then(|p| p.joint.as_ref());
-    let shares = fitted.iter().filter_map(|p| p.joint.as_ref()?.within_stated_95);
+    let shares = fitted
+        .iter()
+        .filter_map(|p| p.joint.as_ref()?.within_stated_95);
     let told = fitted.iter().filter_map(|p| p.joint_gain_known.as_ref());
     let cases = told.map(|joint| joint.cases).min().unwrap_or(0);
     // Variance of a mean of n squares of a normal variable.
-    let scatter = (2.0 / cases.max(1) as f64).sqrt();
+    let scatter = (2.0_f64 / cases.max(1) as f64).sqrt();
     text.value("campaign", campaign)
         .value("stiffness_fitted", stiffness.map_or(0, |joint| joint.cases))
         .value(
@@ -47,7 +49,11 @@ fn coverage(fitted: &[&CampaignParameter]) -> Figure {
     let x = Axis::linear("share of cases", "%");
     by_parameter("coverage-by-parameter", x, fitted)
         .series(Series::points("joint fit", 0, points(|p| p.joint.as_ref())))
-        .series(Series::points("four steps", 3, points(|p| Some(&p.four_steps))))
+        .series(Series::points(
+            "four steps",
+            3,
+            points(|p| Some(&p.four_steps)),
+        ))
         .mark(Mark::vertical(100.0 * BAND.0, "94"))
         .mark(Mark::vertical(100.0 * BAND.1, "96"))
 }

@@ -45,15 +45,16 @@ fn figure<'a>(id: &str, runs: impl Iterator<Item = &'a IterationRun>) -> Figure 
         Axis::linear("pass", "").range(PASSES.0, PASSES.1),
         Axis::log("|k/m / truth − 1|", "").range(DISTANCES.0, DISTANCES.1),
     );
-    runs.zip([0, 1, 2, 3, 7, 4]).fold(figure, |figure, (run, colour)| {
-        let points = run.passes.iter().enumerate().map(|(number, pass)| {
-            // A start of one's own takes the place of the four steps.
-            let own = run.start_per_s2.filter(|_| number == 0);
-            let k = own.unwrap_or(pass.found_per_s2);
-            (number as f64, (k / run.truth_per_s2 - 1.0).abs())
-        });
-        figure.series(Series::line_points(start(run), colour, points))
-    })
+    runs.zip([0, 1, 2, 3, 7, 4])
+        .fold(figure, |figure, (run, colour)| {
+            let points = run.passes.iter().enumerate().map(|(number, pass)| {
+                // A start of one's own takes the place of the four steps.
+                let own = run.start_per_s2.filter(|_| number == 0);
+                let k = own.unwrap_or(pass.found_per_s2);
+                (number as f64, (k / run.truth_per_s2 - 1.0).abs())
+            });
+            figure.series(Series::line_points(start(run), colour, points))
+        })
 }
 
 fn table(study: &Identifiability) -> Table {

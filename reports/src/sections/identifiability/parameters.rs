@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use sixaxis_calibration::page::labels;
-use sixaxis_page::number::{MISSING, fixed, percent, significant};
+use sixaxis_page::number::{fixed, percent, significant};
 use sixaxis_page::{Cell, State, Table, Text};
 use sixaxis_reference::instruments::{GAIN_SHARE, INSTRUMENT_CLASS};
 
@@ -115,13 +115,15 @@ pub fn fill(text: Text, known: &Known, campaign: &Campaign) -> Text {
 }
 
 fn table(known: &Known, campaign: &Campaign) -> Table {
-    let table = FAMILIES.iter().fold(Table::grouped("parameter"), |table, family| {
-        let all = known.parameters.iter();
-        let rows = all.filter(|p| p.name.starts_with(family.letter));
-        table.group(family.heading, rows.map(|p| (p, family)), |(p, _)| {
-            symbol(&p.name)
-        })
-    });
+    let table = FAMILIES
+        .iter()
+        .fold(Table::grouped("parameter"), |table, family| {
+            let all = known.parameters.iter();
+            let rows = all.filter(|p| p.name.starts_with(family.letter));
+            table.group(family.heading, rows.map(|p| (p, family)), |(p, _)| {
+                symbol(&p.name)
+            })
+        });
     let digits = |p: &KnownParameter, si: f64| format!("{si} {}", p.unit);
     let interval = |interval: &Interval, family: &Family| {
         let half = half_width(interval);

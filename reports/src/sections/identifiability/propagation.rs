@@ -77,7 +77,9 @@ fn table(published: &Propagation) -> Table {
         table
             .under(set.sources.clone())
             .col(("rms", "%"), |i| departure(set, *i, |b| b.rms_departure))
-            .col(("largest", "%"), |i| departure(set, *i, |b| b.largest_departure))
+            .col(("largest", "%"), |i| {
+                departure(set, *i, |b| b.largest_departure)
+            })
     })
     .into()
 }

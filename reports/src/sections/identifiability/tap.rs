@@ -37,11 +37,15 @@ fn table(taps: &Taps) -> Table {
     })
     .col("taps", |t| count(t.taps))
     .col("refused", |t| count(t.refused))
-    .col(("rms error", "of ln k/m"), |t| scientific(t.rms_error_ln, 2))
+    .col(("rms error", "of ln k/m"), |t| {
+        scientific(t.rms_error_ln, 2)
+    })
     .col(("deviation", "over bound"), |t| {
         fixed(t.deviation_over_bound, 2)
     })
     .col(("bias", "over bound"), |t| fixed(t.bias_over_bound, 2))
-    .col(("coverage of 95 %", "%"), |t| fixed(100.0 * t.coverage_95, 1))
+    .col(("coverage of 95 %", "%"), |t| {
+        fixed(100.0 * t.coverage_95, 1)
+    })
     .into()
 }

@@ -41,7 +41,7 @@ pub fn fill(text: Text, study: &Identifiability) -> Text {
 }
 
 fn lost_at(study: &Identifiability, erring: Erring) -> f64 {
-    let first = |(records, ..)| {
+    let first = |(records, _, _)| {
         let mut points = points(study, records, erring).iter();
         Some(points.find(|point| point.determined < HALF)?.size)
     };

@@ -4,7 +4,6 @@ use serde::{Deserialize, Serialize};
 
 const RESULT: &str = include_str!("../../../../props/results/self_calibration.json");
 
-
 #[derive(Serialize, Deserialize)]
 pub struct Published {
     pub first_seed: u64,

@@ -50,10 +50,7 @@ fn what_ratios_are_taken_to_is_there() {
     for peer in &snapshot.peers.peers {
         assert!(peer.ratio_to.contains_key(PUSH), "{}", peer.name);
     }
-    let counts = &snapshot
-        .instructions
-        .expect("instruction counts")
-        .per_sample;
+    let counts = &snapshot.instructions.per_sample;
     assert!(counts.contains_key(COUNTED_BASE));
 }
 
@@ -61,7 +58,7 @@ fn what_ratios_are_taken_to_is_there() {
 fn everything_is_on_the_page() {
     let snapshot = embedded();
     let page = Page {
-        sections: vec![section()],
+        sections: vec![section().expect("a section")],
         ..Page::default()
     };
     let html = render(&page).expect("renders");

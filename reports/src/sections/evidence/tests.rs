@@ -1,7 +1,8 @@
-//! What must hold for any rows: nothing vanishes, and what is no number is never within a limit.
+//! What must hold for any rows: nothing vanishes, and NaN is never within a limit.
 
+use super::cells::margin;
 use super::*;
-use sixaxis_page::{Page, render};
+use sixaxis_page::{Block, Page, render};
 
 fn row(suite: &str, quantity: &str, error: f64, limit: f64) -> Row {
     Row {
@@ -42,15 +43,18 @@ fn html(section: &Section) -> String {
 
 #[test]
 fn without_rows_there_is_a_note() {
-    let section = section(&[]);
+    let section = section(&[], None).expect("a section");
     assert!(
         matches!(&section.blocks[..], [Block::Note(text)] if text.contains("cargo test --workspace"))
     );
-    assert!(html(&unreadable(&[], &"line 7: <no row>")).contains("line 7: &lt;no row&gt;"));
+    assert!(
+        html(&super::section(&[], Some(&"line 7: <no row>")).expect("a section"))
+            .contains("line 7: &lt;no row&gt;")
+    );
 }
 
 #[test]
-fn no_number_is_beyond_the_limit() {
+fn nan_is_beyond_the_limit() {
     let limits = [1e-9, 0.0, f64::NAN, f64::INFINITY];
     for (error, limit) in [f64::NAN, f64::INFINITY]
         .into_iter()
@@ -60,7 +64,7 @@ fn no_number_is_beyond_the_limit() {
         let mut rows = vec![row("s", "fine", 1e-12, 1e-9); 3];
         rows.push(row("s", "lost", error, limit));
         rows.push(row("s", "lost", 1e-12, 1e-9));
-        let section = section(&rows);
+        let section = section(&rows, None).expect("a section");
         assert!(section.lead.contains("**1 beyond**"), "{error} {limit}");
         let tables = tables(&section);
         assert_eq!(tables[0].rows.len(), 1, "{error} {limit}");
@@ -71,7 +75,7 @@ fn no_number_is_beyond_the_limit() {
         assert_eq!(state(0), Some(State::Bad), "{error} {limit}");
         assert_eq!(state(1), Some(State::Good));
         assert!(
-            html(&section).contains("no number, drawn at the right end"),
+            html(&section).contains("NaN or infinite, drawn at the right end"),
             "{error} {limit}"
         );
     }
@@ -81,7 +85,7 @@ fn no_number_is_beyond_the_limit() {
 fn zeros_are_counted_and_drawn() {
     let mut rows = vec![row("s", "exact", 0.0, 1e-9); 4];
     rows.push(row("s", "near", 1e-10, 1e-9));
-    let section = section(&rows);
+    let section = section(&rows, None).expect("a section");
     let Block::Figure(figure) = &section.blocks[0] else {
         panic!("no figure first");
     };
@@ -111,7 +115,7 @@ fn every_quantity_has_its_row() {
             row("long_suite", &name, 1e-15 * f64::from(i + 1).powi(3), 1e-6)
         })
         .collect();
-    let section = section(&rows);
+    let section = section(&rows, None).expect("a section");
     assert!(
         section
             .lead
@@ -155,7 +159,7 @@ fn random_motions_come_first_and_once() {
     }
     rows[7].error = f64::NAN;
     rows[9].error = 0.0;
-    let section = section(&rows);
+    let section = section(&rows, None).expect("a section");
     let grids: Vec<_> = section
         .blocks
         .iter()
@@ -171,7 +175,7 @@ fn random_motions_come_first_and_once() {
     assert!(
         figures[0]
             .caption
-            .contains("**1 of 200 errors are no number**")
+            .contains("**1 of 200 errors are NaN or infinite**")
     );
     let curve = &figures[0].series[0].points;
     assert_eq!(curve.first().map(|p| p.1), Some(0.5));
@@ -185,7 +189,7 @@ fn random_motions_come_first_and_once() {
 fn suites_with_the_same_letters_have_anchors_of_their_own() {
     let rows = ["a_b", "a-b", "a b", "ä"].map(|suite| row(suite, "q", 1e-3, 1.0));
     assert_eq!(
-        html(&section(&rows))
+        html(&section(&rows, None).expect("a section"))
             .matches("<p class=\"figure-title\"")
             .count(),
         4

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use sixaxis_props::evidence::{Quantiles, Row};
 
-use super::error;
+use super::cells::error;
 use sixaxis_page::Cell;
 
 /// One quantity.
@@ -13,7 +13,7 @@ pub struct Quantity<'a> {
     pub name: &'a str,
     /// Its rows; never none.
     pub rows: Vec<&'a Row>,
-    /// Distribution of the errors over what is allowed; what is no number counts as infinite.
+    /// Distribution of the errors over what is allowed; NaN counts as infinite.
     pub share: Quantiles,
     /// Distribution of the errors.
     pub error: Quantiles,
@@ -73,10 +73,9 @@ impl<'a> Quantity<'a> {
         let lost = self.rows.iter().filter(|row| row.error.is_nan()).count();
         // A quantile counts NaN as infinite; the reader is told which of the two it was.
         let cell = |value: f64| match value {
-            f64::INFINITY if lost > 0 => error(f64::NAN, 2).title(format!(
-                "{lost} of {} errors are no number",
-                self.rows.len()
-            )),
+            f64::INFINITY if lost > 0 => {
+                error(f64::NAN, 2).title(format!("{lost} of {} errors are NaN", self.rows.len()))
+            }
             v => error(v, 2),
         };
         if self.rows.len() == 1 {
@@ -87,7 +86,7 @@ impl<'a> Quantity<'a> {
     }
 }
 
-/// A share as it is judged: what is no number is beyond every limit.
+/// A share as it is judged: NaN is beyond every limit.
 pub fn counted(share: f64) -> f64 {
     if share.is_nan() { f64::INFINITY } else { share }
 }

@@ -4,17 +4,17 @@
 
 use std::collections::BTreeMap;
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use sixaxis_core::Scheme;
 
 const EMBEDDED: &str = include_str!("../../../../benches/results/speed.json");
 
 /// Whole of `benches/results/speed.json`.
-#[derive(Deserialize)]
+#[derive(Serialize, Deserialize)]
 pub struct Snapshot {
     pub speed: Speed,
     pub peers: Peers,
-    pub instructions: Option<Instructions>,
+    pub instructions: Instructions,
 }
 
 impl Snapshot {
@@ -25,7 +25,7 @@ impl Snapshot {
 }
 
 /// What the core takes.
-#[derive(Deserialize)]
+#[derive(Serialize, Deserialize)]
 pub struct Speed {
     pub date_utc: String,
     pub commit: String,
@@ -37,7 +37,7 @@ pub struct Speed {
     pub streams: Streams,
 }
 
-#[derive(Deserialize)]
+#[derive(Serialize, Deserialize)]
 pub struct Machine {
     pub cpu: String,
     pub logical_cores: usize,
@@ -48,21 +48,21 @@ pub struct Machine {
     pub processor_has: Vec<String>,
 }
 
-#[derive(Deserialize)]
+#[derive(Serialize, Deserialize)]
 pub struct WorkPrecision {
     /// Over the peak of the linear acceleration, as are all errors of the points.
     pub reference_error: f64,
     pub curves: Vec<Curve>,
 }
 
-#[derive(Deserialize)]
+#[derive(Serialize, Deserialize)]
 pub struct Curve {
     pub scheme: Scheme,
     pub points: Vec<Point>,
 }
 
 /// One sample rate; times are seconds of work for a second of signal.
-#[derive(Deserialize)]
+#[derive(Serialize, Deserialize)]
 pub struct Point {
     pub sample_rate_hz: f64,
     pub push_error: f64,
@@ -71,7 +71,7 @@ pub struct Point {
     pub record_s_per_s: Spread,
 }
 
-#[derive(Deserialize)]
+#[derive(Serialize, Deserialize)]
 pub struct Length {
     pub scheme: Scheme,
     pub streamed_piece_samples: usize,
@@ -81,14 +81,14 @@ pub struct Length {
     pub peak_memory_after_bytes: Option<u64>,
 }
 
-#[derive(Deserialize)]
+#[derive(Serialize, Deserialize)]
 pub struct LengthPoint {
     pub samples: usize,
     pub push_ns: Spread,
     pub record_ns: Spread,
 }
 
-#[derive(Deserialize)]
+#[derive(Serialize, Deserialize)]
 pub struct Streams {
     pub scheme: Scheme,
     pub samples_per_stream: usize,
@@ -99,7 +99,7 @@ pub struct Streams {
 }
 
 /// Nanoseconds per sample and stream.
-#[derive(Deserialize)]
+#[derive(Serialize, Deserialize)]
 pub struct StreamsPoint {
     pub streams: usize,
     pub push_ns: Spread,
@@ -109,7 +109,7 @@ pub struct StreamsPoint {
 }
 
 /// Median and quartiles over the rounds.
-#[derive(Clone, Copy, Deserialize)]
+#[derive(Clone, Copy, Serialize, Deserialize)]
 pub struct Spread {
     pub median: f64,
     pub q1: f64,
@@ -117,7 +117,7 @@ pub struct Spread {
 }
 
 /// What else one could run takes, as `benches/peers/run` left it.
-#[derive(Deserialize)]
+#[derive(Serialize, Deserialize)]
 pub struct Peers {
     pub date_utc: String,
     pub commit: Option<String>,
@@ -130,7 +130,7 @@ pub struct Peers {
     pub not_run: BTreeMap<String, String>,
 }
 
-#[derive(Deserialize)]
+#[derive(Serialize, Deserialize)]
 pub struct Peer {
     pub name: String,
     pub computes: String,
@@ -142,14 +142,14 @@ pub struct Peer {
 }
 
 /// Largest error against MuJoCo's truth over its peak; none of a half that is not computed.
-#[derive(Deserialize)]
+#[derive(Serialize, Deserialize)]
 pub struct PeerError {
     pub linear_truth: Option<f64>,
     pub angular_truth: Option<f64>,
 }
 
 /// What callgrind counts.
-#[derive(Deserialize)]
+#[derive(Serialize, Deserialize)]
 pub struct Instructions {
     pub rustc: String,
     /// Per sample, by the names of `core/examples/instructions.rs`.

@@ -1,10 +1,11 @@
 //! Random six-axis motions on MuJoCo: the errors and the reference's own, each as a whole distribution.
 
-use sixaxis_props::evidence::Row;
+use serde::Serialize;
+use sixaxis_page::{Axis, Cell, Figure, Mark, Series, Table, Text};
+use sixaxis_props::evidence::{Quantiles, Row};
 
+use super::cells::{count, error, limit, margin};
 use super::quantity::{Quantity, decades};
-use super::{count, error, limit, margin};
-use sixaxis_page::{Axis, Block, Column, Figure, HeadCell, Mark, Series, Table};
 
 /// Quantities of the random motions, with their short names.
 const QUANTITIES: [(&str, &str, &str); 3] = [
@@ -30,44 +31,44 @@ pub fn holds(row: &Row) -> bool {
     QUANTITIES.iter().any(|(name, ..)| row.quantity == *name)
 }
 
-/// Figures and table; nothing if there are no such rows.
-pub fn blocks(rows: &[Row]) -> Vec<Block> {
-    let all = Quantity::all(rows.iter().filter(|row| holds(row)));
+/// A quantity as the text has it: anchor and title of its figure, and what is to be said of it.
+#[derive(Serialize)]
+struct Motion {
+    id: &'static str,
+    title: &'static str,
+    remark: String,
+}
+
+/// Values, figures and table; nothing to show if there are no such rows.
+pub fn fill(mut text: Text, rows: &[&Row]) -> Text {
+    let all = Quantity::all(rows.iter().copied().filter(|row| holds(row)));
     let found: Vec<_> = QUANTITIES
         .iter()
         .filter_map(|(name, title, id)| Some((all.iter().find(|q| q.name == *name)?, *title, *id)))
         .collect();
-    if found.is_empty() {
-        return Vec::new();
-    }
     // One range for all, so that they can be laid side by side.
     let range = decades(found.iter().flat_map(|(q, ..)| {
         let values = |row: &&Row| {
-            [
-                row.error,
-                row.reference_error.unwrap_or(0.0),
-                row.limit * 2.0,
-            ]
+            let reference = row.reference_error.unwrap_or(0.0);
+            [row.error, reference, row.limit * 2.0]
         };
         q.rows.iter().flat_map(values)
     }));
-    let figures = found
-        .iter()
-        .map(|(q, title, id)| figure(q, title, id, range));
-    vec![
-        Block::Heading("Random six-axis motions on MuJoCo".to_owned()),
-        Block::Text(
-            "Share of the comparisons whose error is at most the abscissa, and the same of the reference's own error: what \
-             halving MuJoCo's step changes. Where the error is not the larger of the two, the core is as exact as MuJoCo can \
-             tell."
-                .to_owned(),
-        ),
-        Block::FigureGrid(figures.collect()),
-        Block::Table(table(&found)),
-    ]
+    for (q, _, id) in &found {
+        text = text.figure(figure(q, id, range));
+    }
+    if !found.is_empty() {
+        text = text.table("motions", table(&found));
+    }
+    let motions = found.iter().map(|&(q, title, id)| Motion {
+        id,
+        title,
+        remark: remark(q),
+    });
+    text.value("motions", motions.collect::<Vec<_>>())
 }
 
-fn figure(q: &Quantity<'_>, title: &str, id: &str, range: (f64, f64)) -> Figure {
+fn figure(q: &Quantity<'_>, id: &str, range: (f64, f64)) -> Figure {
     let ours = q.rows.iter().map(|row| row.error);
     let reference = q.rows.iter().filter_map(|row| row.reference_error);
     let (smallest, largest) = q.limits;
@@ -76,21 +77,25 @@ fn figure(q: &Quantity<'_>, title: &str, id: &str, range: (f64, f64)) -> Figure 
     } else {
         "smallest limit"
     };
-    let mut figure = Figure::new(
+    let figure = Figure::new(
         id,
-        title,
+        "",
         Axis::log("error", "").range(range.0, range.1),
         Axis::linear("share of comparisons", "%").range(0.0, 100.0),
     )
     .mark(Mark::vertical(smallest, label))
     .series(Series::line("error", OURS, cumulated(ours, range)));
-    if q.reference.is_some() {
-        figure = figure.series(Series::dashed(
+    match q.reference {
+        None => figure,
+        Some(_) => figure.series(Series::dashed(
             "the reference's own error",
             REFERENCE,
             cumulated(reference, range),
-        ));
+        )),
     }
+}
+
+fn remark(q: &Quantity<'_>) -> String {
     let lost = q.rows.iter().filter(|row| !row.error.is_finite()).count();
     let mut remarks = Vec::new();
     if q.zeros > 0 {
@@ -98,12 +103,12 @@ fn figure(q: &Quantity<'_>, title: &str, id: &str, range: (f64, f64)) -> Figure 
     }
     if lost > 0 {
         remarks.push(format!(
-            "**{} of {} errors are no number**; the curve ends below 100 %.",
+            "**{} of {} errors are NaN or infinite**; the curve ends below 100 %.",
             count(lost),
             count(q.rows.len())
         ));
     }
-    figure.caption(remarks.join(" "))
+    remarks.join(" ")
 }
 
 /// Corners of the empirical distribution in percent. It begins at the height of what is zero, and what is not finite
@@ -124,30 +129,21 @@ fn cumulated(values: impl IntoIterator<Item = f64>, (from, to): (f64, f64)) -> V
 }
 
 fn table(found: &[(&Quantity<'_>, &str, &str)]) -> Table {
-    let rows = found.iter().map(|(q, title, _)| {
-        let mut cells = vec![margin(q.share.max), limit(q.limits.0, q.limits.1)];
-        cells.extend(q.error_cells());
-        match q.reference {
-            Some(r) => cells.extend([r.median, r.q99, r.max].map(|e| error(e, 1))),
-            None => cells.extend(["", "", ""].map(Into::into)),
-        }
-        cells.push(count(q.rows.len()).into());
-        sixaxis_page::Row::new(*title, cells)
-    });
-    let columns = [
-        "margin", "limit", "median", "99 %", "max", "median", "99 %", "max", "cases",
-    ];
-    Table {
-        caption: "Errors over random motions".to_owned(),
-        stub: "quantity".to_owned(),
-        head: vec![vec![
-            HeadCell::new("", 2),
-            HeadCell::new("error", 3),
-            HeadCell::new("the reference's own", 3),
-            HeadCell::new("", 1),
-        ]],
-        columns: columns.map(|label| Column::number(label, "")).to_vec(),
-        rows: rows.collect(),
-        ..Table::default()
-    }
+    let reference = |q: &Quantity<'_>, of: fn(Quantiles) -> f64| {
+        q.reference.map_or(Cell::from(""), |r| error(of(r), 1))
+    };
+    Table::of("quantity", found, |(_, title, _)| (*title).to_owned())
+        .col("margin", |(q, ..)| margin(q.share.max))
+        .col("limit", |(q, ..)| limit(q.limits.0, q.limits.1))
+        .under("error")
+        .col("median", |(q, ..)| q.error_cells()[0].clone())
+        .col("99 %", |(q, ..)| q.error_cells()[1].clone())
+        .col("max", |(q, ..)| q.error_cells()[2].clone())
+        .under("the reference's own")
+        .col("median", |(q, ..)| reference(q, |r| r.median))
+        .col("99 %", |(q, ..)| reference(q, |r| r.q99))
+        .col("max", |(q, ..)| reference(q, |r| r.max))
+        .under("")
+        .col("cases", |(q, ..)| count(q.rows.len()))
+        .into()
 }
