@@ -14,10 +14,11 @@ use sixaxis_core::identify::scale::{ScaleIdentification, ScalePerMass};
 use sixaxis_core::paper::pose::Pose;
 use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::paper::wrench::LimbWrench;
-use sixaxis_core::{Geometry, LIMBS, Parameters, Scheme, Sensor, Settings, SixAxis};
+use sixaxis_core::paper::{self, RateVariable};
+use sixaxis_core::{Geometry, LIMBS, Model, Parameters, Scheme, Sensor, Settings};
 use sixaxis_reference::campaign::{Laboratory, Role, Trial, compound};
 use sixaxis_reference::mjcf::SensorModel;
-use sixaxis_reference::paper;
+use sixaxis_reference::paper as published;
 use sixaxis_reference::recording::{Recording, SimulatedRun, TrueMotion};
 use sixaxis_reference::rig::{Mode, Mounting, Run};
 use sixaxis_reference::simulation::{Motion, Simulation, Snapshot};
@@ -47,7 +48,7 @@ pub const DIRECTIONS: [DVec3; 3] = [
 /// True parameters of the sensor in every problem.
 #[must_use]
 pub fn true_parameters() -> Parameters {
-    paper::identified_parameters()
+    published::identified_parameters()
 }
 
 /// The trial behind Table 6: compound motion at 5 Hz.
@@ -159,44 +160,33 @@ impl Recorded {
         Decoupler::new(&self.sensor(), &true_parameters(), &self.settings(scheme))
             .expect("a decoupler of the true sensor")
     }
-}
 
-/// Streams a whole recording through a copy of `ready`, sample by sample. What is validated and what is timed.
-///
-/// # Panics
-/// If the decoupler refuses a sample.
-pub fn decouple(ready: &Decoupler, voltage_v: &[[f64; LIMBS]], mut sink: impl FnMut(&SixAxis)) {
-    let mut decoupler = ready.clone();
-    for row in voltage_v {
-        let completed = decoupler.push(row).expect("a sample of a recorded run");
-        completed.iter().for_each(&mut sink);
+    /// The paper's decoder ready for this recording's first sample, with w* stepped as printed.
+    ///
+    /// # Panics
+    /// If the core refuses the problem.
+    #[must_use]
+    pub fn paper_decoder(&self, parameters: &Parameters) -> paper::Decoder {
+        let settings = self.settings(Scheme::Heun);
+        Model::new(&self.sensor(), parameters, &settings)
+            .and_then(|model| paper::Decoder::new(&model, RateVariable::Shell))
+            .expect("a decoder of the true sensor")
     }
-}
 
-/// One decoupled sample, whoever decoupled it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Answer {
-    /// Index of the voltage sample.
-    pub sample: u64,
-    /// a, ground axes, m/s^2.
-    pub linear_ground_m_s2: DVec3,
-    /// w', ground axes, rad/s^2.
-    pub angular_ground_rad_s2: DVec3,
-    /// w*, shell axes, rad/s.
-    pub rate_shell_rad_s: DVec3,
-    /// R, shell axes to ground axes.
-    pub attitude: DQuat,
-}
-
-impl From<&SixAxis> for Answer {
-    fn from(s: &SixAxis) -> Self {
-        Self {
-            sample: s.sample,
-            linear_ground_m_s2: s.linear_ground_m_s2,
-            angular_ground_rad_s2: s.angular_ground_rad_s2,
-            rate_shell_rad_s: s.rate_shell_rad_s,
-            attitude: s.attitude,
-        }
+    /// Sum of |w*| over the recording and the number of its samples, by the paper's decoder: step 4 for one candidate.
+    ///
+    /// # Panics
+    /// If the core refuses the problem.
+    #[must_use]
+    pub fn paper_rate_norm_sum(&self, parameters: &Parameters) -> (f64, usize) {
+        let (mut sum, mut count) = (0.0, 0);
+        self.paper_decoder(parameters)
+            .push_all(&self.recording.voltage_v, |sample| {
+                sum += sample.rate_shell_rad_s.length();
+                count += 1;
+            })
+            .expect("samples of a recorded run");
+        (sum, count)
     }
 }
 

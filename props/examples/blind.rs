@@ -7,32 +7,10 @@ use std::collections::BTreeMap;
 use std::process::ExitCode;
 
 use rayon::prelude::*;
-use serde::Serialize;
 use sixaxis_props::blind::{Outcome, REPORTED_FROM, run};
 use sixaxis_props::publication::{Arguments, end};
+use sixaxis_props::results::{Blind, BlindKind};
 use sixaxis_reference::session::plan::Engine;
-
-/// What is published.
-#[derive(Serialize)]
-struct Published {
-    first_seed: u64,
-    sessions: usize,
-    engine: Engine,
-    right_verdict: usize,
-    right_cause: usize,
-    broken_promises: usize,
-    healthy: usize,
-    false_alarms: usize,
-    kinds: BTreeMap<String, Row>,
-    wrong: Vec<Outcome>,
-}
-
-#[derive(Default, Serialize)]
-struct Row {
-    sessions: usize,
-    right_verdict: usize,
-    right_cause: usize,
-}
 
 fn main() -> ExitCode {
     end(try_all())
@@ -54,7 +32,7 @@ fn try_all() -> Result<(), String> {
         .collect();
     let _ = std::fs::remove_dir(&folder);
     let outcomes = outcomes?;
-    let mut kinds: BTreeMap<String, Row> = BTreeMap::new();
+    let mut kinds: BTreeMap<String, BlindKind> = BTreeMap::new();
     for outcome in &outcomes {
         let name = outcome
             .kind
@@ -89,7 +67,7 @@ fn try_all() -> Result<(), String> {
         }
     }
     let tally = |of: fn(&Outcome) -> bool| outcomes.iter().filter(|o| of(o)).count();
-    let published = Published {
+    let published = Blind {
         first_seed: first,
         sessions: outcomes.len(),
         engine,
@@ -112,5 +90,5 @@ fn try_all() -> Result<(), String> {
         published.false_alarms,
         published.healthy,
     );
-    arguments.publish("blind", &published)
+    arguments.publish(&published)
 }

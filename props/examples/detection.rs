@@ -4,11 +4,11 @@
 
 use std::process::ExitCode;
 
-use serde::Serialize;
-use sixaxis_props::faults::null::{Curve, FalseAlarms, curve, false_alarms};
-use sixaxis_props::faults::tally::{OfClass, Tally, WITHIN, of_classes, play, tally};
+use sixaxis_props::faults::null::{curve, false_alarms};
+use sixaxis_props::faults::tally::{WITHIN, of_classes, play, tally};
 use sixaxis_props::faults::{FALSE_ALARMS_PER_HOUR, Name, SAMPLE_RATE_HZ};
 use sixaxis_props::publication::{Arguments, end};
+use sixaxis_props::results::Detection;
 
 /// Seeds below were looked at while limits were chosen.
 const REPORTED_FROM: u64 = 10_000_000;
@@ -23,20 +23,6 @@ const CLASS_SIGMAS: f64 = 5.0;
 /// Operating curves: window, sizes.
 const CURVES: [(u64, [f64; 3]); 2] = [(1, [3.0, 5.0, 8.0]), (64, [0.3, 0.5, 1.0])];
 const DRAWS: u64 = 40_000;
-
-/// What is published.
-#[derive(Serialize)]
-struct Published {
-    first_seed: u64,
-    sample_rate_hz: f64,
-    false_alarms_per_hour: f64,
-    within_samples: [u64; WITHIN.len()],
-    false_alarms: Vec<FalseAlarms>,
-    kinds: Vec<Tally>,
-    class_sigmas: f64,
-    classes: Vec<OfClass>,
-    curves: Vec<Curve>,
-}
 
 fn main() -> ExitCode {
     end(run())
@@ -97,7 +83,7 @@ fn run() -> Result<(), String> {
         .iter()
         .flat_map(|&(window, sizes)| sizes.map(|sigmas| curve(window, 4, sigmas, DRAWS, first)))
         .collect();
-    let published = Published {
+    let published = Detection {
         first_seed: first,
         sample_rate_hz: SAMPLE_RATE_HZ,
         false_alarms_per_hour: FALSE_ALARMS_PER_HOUR,
@@ -108,5 +94,5 @@ fn run() -> Result<(), String> {
         classes,
         curves,
     };
-    arguments.publish("detection", &published)
+    arguments.publish(&published)
 }

@@ -6,38 +6,18 @@
 use std::process::ExitCode;
 
 use rayon::prelude::*;
-use serde::Serialize;
 use sixaxis_core::redundancy::fault::Event;
 use sixaxis_core::redundancy::tolerant::FaultTolerant;
 use sixaxis_core::{Decoupler, SixAxis};
 use sixaxis_props::faults::SAMPLE_RATE_HZ;
 use sixaxis_props::faults::dying::{DIES_AT_S, Played, angle_rad};
 use sixaxis_props::publication::{Arguments, end};
+use sixaxis_props::results::DyingLimb;
 
 /// Seeds below were looked at.
 const REPORTED_FROM: u64 = 1_000;
 /// Samples that one published point stands for.
 const STRIDE: usize = 20;
-
-#[derive(Serialize)]
-struct Published {
-    seed: u64,
-    sample_rate_hz: f64,
-    limb: usize,
-    died_at_s: f64,
-    isolated_after_samples: u64,
-    switched_after_samples: u64,
-    verdict: String,
-    threshold: f64,
-    time_s: Vec<f64>,
-    statistic: Vec<f64>,
-    truth_m_s2: Vec<f64>,
-    nine_m_s2: Vec<f64>,
-    watched_m_s2: Vec<f64>,
-    never_failed_rad: Vec<f64>,
-    nine_rad: Vec<f64>,
-    watched_rad: Vec<f64>,
-}
 
 fn main() -> ExitCode {
     end(run())
@@ -48,7 +28,7 @@ fn run() -> Result<(), String> {
     let first = arguments.number("--first", REPORTED_FROM)?;
     let count = arguments.number("--count", 10)?;
     let limb = arguments.number("--limb", 7)? as usize;
-    let histories: Vec<Published> = (first..first + count)
+    let histories: Vec<DyingLimb> = (first..first + count)
         .into_par_iter()
         .map(|seed| history(seed, limb))
         .collect::<Result<_, String>>()?;
@@ -65,10 +45,10 @@ fn run() -> Result<(), String> {
             last(&h.nine_rad)
         );
     }
-    arguments.publish("dying_limb", &histories[0])
+    arguments.publish(&histories[0])
 }
 
-fn history(seed: u64, limb: usize) -> Result<Published, String> {
+fn history(seed: u64, limb: usize) -> Result<DyingLimb, String> {
     let at = |e: &dyn core::fmt::Display| format!("seed {seed}: {e}");
     let played = Played::random(seed, limb - 1).map_err(|e| at(&e))?;
     let decoupler =
@@ -106,7 +86,7 @@ fn history(seed: u64, limb: usize) -> Result<Published, String> {
             _ => {}
         }
     }
-    let mut published = Published {
+    let mut published = DyingLimb {
         seed,
         sample_rate_hz: SAMPLE_RATE_HZ,
         limb,

@@ -12,8 +12,7 @@ use nalgebra::{DMatrix, DVector, SMatrix};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
-use serde::Serialize;
-use sixaxis_calibration::cleaning::Cleaning;
+use sixaxis_calibration::conditioning::Conditioning;
 use sixaxis_core::LimbSet;
 use sixaxis_core::geometry::{DIRECTIONS_SHELL, LIMBS_PER_NODE, NODE_DIRECTIONS_MASS};
 use sixaxis_core::paper::signal::SignalChain;
@@ -26,6 +25,7 @@ use sixaxis_core::{
 use sixaxis_props::joint::{Fitted, small};
 use sixaxis_props::manufactured::examples;
 use sixaxis_props::publication::{Arguments, end};
+use sixaxis_props::results::{ExcludedSet, FailedLimbs};
 use sixaxis_props::rig_runs;
 use sixaxis_recordings::session::Role;
 use sixaxis_reference::campaign::{Laboratory, compound};
@@ -40,39 +40,6 @@ const NOISE_SAMPLES: usize = 20_000;
 const NOISE_SEED: u64 = 7;
 /// The laboratory's run in its count of runs.
 const RUN: usize = 1002;
-
-#[derive(Serialize)]
-struct Published {
-    first_seed: u64,
-    seeds: u64,
-    noise_samples: usize,
-    survivable: usize,
-    /// Of the survivable: the largest error of six at most twice the healthy decoder's, in the median over the seeds.
-    within_twice: usize,
-    within_twice_consistent: usize,
-    /// The same of the root mean square over the samples.
-    within_twice_rms: usize,
-    within_twice_rms_consistent: usize,
-    largest_noise_free_excess: f64,
-    healthy_largest_error: Vec<f64>,
-    sets: Vec<Set>,
-}
-
-#[derive(Serialize)]
-struct Set {
-    failed: Vec<usize>,
-    lost: Option<String>,
-    /// ax, ay, az, alpha_x, alpha_y, alpha_z: deviation over the healthy one's.
-    amplification: Option<[f64; 6]>,
-    amplification_measured: Option<[f64; 6]>,
-    noise_free_excess: Option<f64>,
-    /// Largest error over the samples and six axes, over the healthy one: median over the seeds.
-    error_ratio: Option<f64>,
-    error_ratio_consistent: Option<f64>,
-    /// Root mean square, worst of six axes.
-    rms_ratio: Option<f64>,
-    rms_ratio_consistent: Option<f64>,
-}
 
 type Six = Vec<[f64; 6]>;
 
@@ -95,7 +62,7 @@ fn run() -> Result<(), String> {
         .iter()
         .filter_map(|all| Some(all.last()?.as_ref()?[0][0]))
         .collect();
-    let published: Vec<Set> = sets
+    let published: Vec<ExcludedSet> = sets
         .iter()
         .enumerate()
         .map(|(i, set)| {
@@ -106,7 +73,7 @@ fn run() -> Result<(), String> {
                 });
                 median(ratios.collect())
             };
-            Set {
+            ExcludedSet {
                 failed: set.numbers().collect(),
                 lost: match Reconstruction::new(*set) {
                     Err(Error::LostLoad { load, .. }) => Some(load.to_string()),
@@ -122,13 +89,13 @@ fn run() -> Result<(), String> {
             }
         })
         .collect();
-    let count = |of: fn(&Set) -> Option<f64>| {
+    let count = |of: fn(&ExcludedSet) -> Option<f64>| {
         published
             .iter()
             .filter(|s| of(s).is_some_and(|r| r <= 2.0))
             .count()
     };
-    let result = Published {
+    let result = FailedLimbs {
         first_seed,
         seeds,
         noise_samples: NOISE_SAMPLES,
@@ -165,7 +132,7 @@ fn run() -> Result<(), String> {
         result.largest_noise_free_excess,
         result.healthy_largest_error
     );
-    arguments.publish("failed_limbs", &result)
+    arguments.publish(&result)
 }
 
 fn median(mut values: Vec<f64>) -> Option<f64> {
@@ -354,13 +321,13 @@ fn in_laboratory(
     // Step 4 is a story of its own, and the reference's own design would do.
     found.stiffness_per_mass_per_s2 = truth.stiffness_per_mass_per_s2;
     let recording = Laboratory::with_errors(truth, seed).record(run, RUN);
-    let cleaning = Cleaning {
+    let conditioning = Conditioning {
         stages: sixaxis_recordings::session::Preprocessing::default(),
         accelerometer_bandwidth_hz: None,
         gyroscope_bandwidth_hz: None,
     };
-    let rows = cleaning
-        .clean(&recording.trial(Role::Validation))
+    let rows = conditioning
+        .condition(&recording.trial(Role::Validation))
         .map_err(|e| e.to_string())?
         .voltage_v;
     let samples = run.truth.len();

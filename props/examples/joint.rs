@@ -8,9 +8,9 @@
 
 use std::process::ExitCode;
 
-use serde::Serialize;
 use sixaxis_props::joint::{Fitted, bias_of_scale, small};
 use sixaxis_props::publication::{Arguments, end};
+use sixaxis_props::results::{Joint, JointLevel};
 use sixaxis_props::tolerance::{JOINT_BIAS, PLAIN_BIAS};
 use sixaxis_reference::session::plan::SessionPlan;
 
@@ -19,24 +19,6 @@ use sixaxis_reference::session::plan::SessionPlan;
 const NOISE_DB: [f64; 2] = [40.0, 34.0];
 /// Sample rates at which the time of a fit is measured, Hz.
 const RATES_HZ: [f64; 2] = [2_000.0, 10_000.0];
-
-/// One level of noise.
-#[derive(Serialize)]
-struct Level {
-    noise_db: f64,
-    /// Mean errors of s1/m to s9/m in their standard deviations.
-    plain_least_squares: [f64; 9],
-    joint_fit: [f64; 9],
-}
-
-#[derive(Serialize)]
-struct Published {
-    first_seed: u64,
-    campaigns: u64,
-    /// Standard deviation of each bias.
-    scatter: f64,
-    levels: Vec<Level>,
-}
 
 fn main() -> ExitCode {
     end(run())
@@ -55,13 +37,13 @@ fn run() -> Result<(), String> {
         let [plain, joint] = bias_of_scale(first..first + count, noise_db)?;
         println!("{noise_db:.0} dB  plain least squares {plain:+.2?}");
         println!("       joint fit           {joint:+.3?}");
-        levels.push(Level {
+        levels.push(JointLevel {
             noise_db,
             plain_least_squares: plain,
             joint_fit: joint,
         });
     }
-    let largest = |of: &dyn Fn(&Level) -> [f64; 9]| {
+    let largest = |of: &dyn Fn(&JointLevel) -> [f64; 9]| {
         levels
             .iter()
             .flat_map(of)
@@ -93,11 +75,11 @@ fn run() -> Result<(), String> {
             "30 trials at {sample_rate_hz:.0} Hz fitted in {seconds:.2} s, {steps} Gauss-Newton steps"
         );
     }
-    let published = Published {
+    let published = Joint {
         first_seed: first,
         campaigns: count,
         scatter: 1.0 / (count as f64).sqrt(),
         levels,
     };
-    arguments.publish("joint", &published)
+    arguments.publish(&published)
 }

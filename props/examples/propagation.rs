@@ -6,47 +6,17 @@
 
 use std::process::ExitCode;
 
-use serde::Serialize;
 use sixaxis_calibration::propagation::Sources;
+use sixaxis_core::Parameter;
 use sixaxis_core::decouple::uncertainty::parameters::standard_deviations;
 use sixaxis_props::propagation::monte_carlo::{
     AXES, ClosedForm, Tally, correlations, departures, run_departure,
 };
 use sixaxis_props::propagation::{Size, World, calibrate};
 use sixaxis_props::publication::{Arguments, end};
-
-/// What is published.
-#[derive(Serialize)]
-struct Published {
-    draws: u64,
-    first_seed: u64,
-    sample_rate_hz: f64,
-    trials_per_step: usize,
-    /// Standard deviation of a drawn standard deviation, relative.
-    drawn_to: f64,
-    sets: Vec<Set>,
-}
-
-/// One set of campaigns.
-#[derive(Serialize)]
-struct Set {
-    sources: &'static str,
-    parameters: Vec<Row>,
-    largest_departure: f64,
-    largest_correlation_error: f64,
-    by_attitude: Vec<Band>,
-    runs: Vec<Run>,
-}
-
-/// How the accelerations of all runs depart where the attitude's own standard deviation lies below an edge and above the edge
-/// before: the decoupler is open loop, and first order ends where the attitude is lost.
-#[derive(Serialize)]
-struct Band {
-    below_rad: f64,
-    values: usize,
-    largest_departure: f64,
-    rms_departure: f64,
-}
+use sixaxis_props::results::{
+    Band, Propagation, PropagationAxis, PropagationParameter, PropagationRun, PropagationSet,
+};
 
 /// Edges of the bands, rad.
 const EDGES_RAD: [f64; 6] = [0.01, 0.03, 0.1, 0.3, 1.0, 3.0];
@@ -82,39 +52,6 @@ fn by_attitude(closed: &ClosedForm, drawn: &[Vec<[f64; AXES]>]) -> Vec<Band> {
         .collect()
 }
 
-#[derive(Serialize)]
-struct Row {
-    name: String,
-    unit: &'static str,
-    value: f64,
-    closed_form: f64,
-    of_noise: f64,
-    of_standards: f64,
-    of_wedges: f64,
-    drawn: f64,
-    ratio: f64,
-}
-
-/// Accelerations of one compound run.
-#[derive(Serialize)]
-struct Run {
-    frequency_hz: f64,
-    gravity_turns: bool,
-    samples: usize,
-    time_s: Vec<f64>,
-    axes: Vec<Axis>,
-}
-
-#[derive(Serialize)]
-struct Axis {
-    name: &'static str,
-    largest_departure: f64,
-    rms_departure: f64,
-    /// Along the run, closed form and drawn, at [`Run::time_s`].
-    closed_form: Vec<f64>,
-    drawn: Vec<f64>,
-}
-
 /// Points of a run's curve that are published, about.
 const POINTS: usize = 40;
 
@@ -127,16 +64,7 @@ fn thinned(values: impl ExactSizeIterator<Item = f64>) -> Vec<f64> {
 
 const NAMES: [&str; AXES] = ["a_x", "a_y", "a_z", "alpha_x", "alpha_y", "alpha_z"];
 
-fn name(parameter: usize) -> (String, &'static str) {
-    match parameter {
-        0..9 => (format!("d{}", parameter + 1), "V"),
-        9..18 => (format!("s{}/m", parameter - 8), "1/kg"),
-        18..24 => (format!("I{}/m", parameter - 17), "m²"),
-        _ => ("m/k".to_owned(), "s²"),
-    }
-}
-
-fn set(world: &World, sources: &Sources, what: &'static str, first: u64, draws: u64) -> Set {
+fn set(world: &World, sources: &Sources, what: &str, first: u64, draws: u64) -> PropagationSet {
     let closed = ClosedForm::of(world, sources, first);
     let tally = Tally::draw(world, sources, first + 1, draws);
     let drawn = tally.covariance();
@@ -157,17 +85,18 @@ fn set(world: &World, sources: &Sources, what: &'static str, first: u64, draws: 
         "", "value", "closed form", "drawn", "ratio", "noise", "standards", "wedges"
     );
     let mut parameters = Vec::new();
-    for i in 0..departures.len() {
+    for parameter in Parameter::all().map(Parameter::estimated) {
+        let i = parameter.place();
         let [all, noise, standards, wedges, drawn] = deviations.map(|sd| sd[i]);
-        let (name, unit) = name(i);
         println!(
-            "{name:<6} {:>11.4e} {all:>11.4e} {drawn:>11.4e} {:>8.4} {noise:>10.2e} {standards:>10.2e} {wedges:>10.2e}",
+            "{:<6} {:>11.4e} {all:>11.4e} {drawn:>11.4e} {:>8.4} {noise:>10.2e} {standards:>10.2e} {wedges:>10.2e}",
+            parameter.to_string(),
             value[i],
             departures[i] + 1.0
         );
-        parameters.push(Row {
-            name,
-            unit,
+        parameters.push(PropagationParameter {
+            parameter,
+            unit: parameter.unit().to_owned(),
             value: value[i],
             closed_form: all,
             of_noise: noise,
@@ -199,11 +128,11 @@ fn set(world: &World, sources: &Sources, what: &'static str, first: u64, draws: 
         .iter()
         .zip(closed.accelerations.iter().zip(&accelerations))
         .map(|(trial, (ours, drawn))| {
-            let axes: Vec<Axis> = (0..AXES)
+            let axes: Vec<PropagationAxis> = (0..AXES)
                 .map(|axis| {
                     let [largest, rms] = run_departure(ours, drawn, axis);
-                    Axis {
-                        name: NAMES[axis],
+                    PropagationAxis {
+                        name: NAMES[axis].to_owned(),
                         largest_departure: largest,
                         rms_departure: rms,
                         closed_form: thinned(ours.iter().map(|s| s[axis])),
@@ -211,7 +140,7 @@ fn set(world: &World, sources: &Sources, what: &'static str, first: u64, draws: 
                     }
                 })
                 .collect();
-            let percent = |of: fn(&Axis) -> f64| {
+            let percent = |of: fn(&PropagationAxis) -> f64| {
                 axes.iter()
                     .map(|axis| format!("{:6.2}", 100.0 * of(axis)))
                     .collect::<String>()
@@ -227,7 +156,7 @@ fn set(world: &World, sources: &Sources, what: &'static str, first: u64, draws: 
                 percent(|a| a.largest_departure),
                 percent(|a| a.rms_departure),
             );
-            Run {
+            PropagationRun {
                 frequency_hz: trial.frequency_hz,
                 gravity_turns: trial.gravity_turns(),
                 samples: ours.len(),
@@ -236,8 +165,8 @@ fn set(world: &World, sources: &Sources, what: &'static str, first: u64, draws: 
             }
         })
         .collect();
-    Set {
-        sources: what,
+    PropagationSet {
+        sources: what.to_owned(),
         parameters,
         largest_departure: largest(&departures),
         largest_correlation_error: correlation,
@@ -268,7 +197,7 @@ fn run() -> Result<(), String> {
     );
     let world = World::play(size);
     let small = world.times(SMALL);
-    let published = Published {
+    let published = Propagation {
         draws,
         first_seed: first,
         sample_rate_hz: size.rate_hz,
@@ -292,5 +221,5 @@ fn run() -> Result<(), String> {
             ),
         ],
     };
-    arguments.publish("propagation", &published)
+    arguments.publish(&published)
 }

@@ -8,13 +8,15 @@ use std::process::ExitCode;
 use glam::DVec3;
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
-use serde::Serialize;
 use sixaxis_core::redundancy::self_calibration::{
     Accumulator, PerLimbs, ScaleRatios, StiffnessTest, drifted,
 };
 use sixaxis_core::significance::NORMAL_95;
 use sixaxis_core::{Error, LIMBS};
 use sixaxis_props::publication::{Arguments, end};
+use sixaxis_props::results::{
+    SelfCalibration, TumbleDrift, TumbleLength, TumbleMotion, TumbleStiffness,
+};
 use sixaxis_props::self_calibration::{
     Case, NOISE_SHARE, SAMPLE_RATE_HZ, errors, nine, without_mean,
 };
@@ -47,80 +49,6 @@ const DRIFT_OF_LIMB: (usize, f64) = (4, 3e-3);
 /// Random stream of what step 2 says, and of stiffnesses.
 const STREAM: u128 = 31;
 
-/// Errors against intervals at one length.
-#[derive(Serialize)]
-struct Length {
-    pace: Pace,
-    duration_s: f64,
-    draws: usize,
-    refused: usize,
-    /// Root mean square and largest error of ln c_i over the nine's mean, over all limbs and draws.
-    rms_error: f64,
-    largest_error: f64,
-    median_deviation: f64,
-    largest_deviation: f64,
-    share_within_bar: f64,
-    /// Draws of which all nine are within the bar.
-    draws_within_bar: f64,
-    coverage_95: f64,
-    coverage_95_by_limb: [f64; LIMBS],
-    /// Mean of the errors' sum of squares over their covariance, less 8, in its standard deviations.
-    chi_square_z: f64,
-    mean_lag_one_z: f64,
-    share_misfit_at_5_percent: f64,
-    /// Share of draws in which a limb is said to have drifted although none has, at each of the rates.
-    named_without_drift: [f64; 2],
-    /// Share of draws in which equal stiffness is refused although it holds, at each of the rates.
-    refused_equal_stiffness: [f64; 2],
-}
-
-/// The test of equal stiffness at one spread.
-#[derive(Serialize)]
-struct Stiffness {
-    spread: f64,
-    draws: usize,
-    refused_at: [f64; 2],
-    rms_error_of_pair: f64,
-    largest_error_of_pair: f64,
-    share_of_pairs_within_bar: f64,
-}
-
-/// One limb that has drifted.
-#[derive(Serialize)]
-struct Drift {
-    limb: usize,
-    change: f64,
-    duration_s: f64,
-    draws: usize,
-    named_alone: f64,
-    rms_error: f64,
-    coverage_95: f64,
-}
-
-/// What a motion leaves open.
-#[derive(Serialize)]
-struct Motion {
-    motion: &'static str,
-    open: Option<String>,
-    directions: usize,
-}
-
-#[derive(Serialize)]
-struct Published {
-    first_seed: u64,
-    noise_over_peak: f64,
-    sample_rate_hz: f64,
-    bar: f64,
-    rates: [f64; 2],
-    step_2_deviation: f64,
-    stiffness_bar: f64,
-    accumulator_bytes: usize,
-    lengths: Vec<Length>,
-    stiffness: Vec<Stiffness>,
-    drift: Drift,
-    motions: Vec<Motion>,
-}
-
 fn main() -> ExitCode {
     end(run())
 }
@@ -148,7 +76,7 @@ fn run() -> Result<(), String> {
     let mut lengths = Vec::new();
     for (pace, duration_s, share) in LENGTHS {
         let draws = ((count as f64 * share) as u64).max(1);
-        let length = Length::of(pace, duration_s, first..first + draws)?;
+        let length = length(pace, duration_s, first..first + draws)?;
         println!(
             "{:>6} {:>5} {:>6} {:>7} {:>9.2e} {:>9.2e} {:>9.2e} {:>7.4} {:>7.4} {:>7.2} {:>7.4} {:>7.4} {:>7.4}",
             format!("{pace:?}"),
@@ -168,9 +96,9 @@ fn run() -> Result<(), String> {
         println!("       by limb {:.4?}", length.coverage_95_by_limb);
         lengths.push(length);
     }
-    let stiffness: Vec<Stiffness> = SPREADS
+    let stiffness: Vec<TumbleStiffness> = SPREADS
         .iter()
-        .map(|&spread| Stiffness::of(spread, first..first + count / 5))
+        .map(|&spread| stiffness_test(spread, first..first + count / 5))
         .collect::<Result<_, _>>()?;
     for s in &stiffness {
         println!(
@@ -182,7 +110,7 @@ fn run() -> Result<(), String> {
             s.share_of_pairs_within_bar
         );
     }
-    let drift = Drift::of(first..first + (count / 50).max(1))?;
+    let drift = one_limb_drifted(first..first + (count / 50).max(1))?;
     println!(
         "limb {} by {}: named alone in {:.4}, change off by {:.2e} rms, coverage {:.4}",
         drift.limb, drift.change, drift.named_alone, drift.rms_error, drift.coverage_95
@@ -195,7 +123,7 @@ fn run() -> Result<(), String> {
             m.open.as_deref().unwrap_or("nothing open")
         );
     }
-    let published = Published {
+    let published = SelfCalibration {
         first_seed: first,
         noise_over_peak: NOISE_SHARE,
         sample_rate_hz: SAMPLE_RATE_HZ,
@@ -209,7 +137,7 @@ fn run() -> Result<(), String> {
         drift,
         motions,
     };
-    arguments.publish("self_calibration", &published)
+    arguments.publish(&published)
 }
 
 /// What one draw says.
@@ -291,124 +219,121 @@ impl Draw {
     }
 }
 
-impl Length {
-    fn of(pace: Pace, duration_s: f64, seeds: std::ops::Range<u64>) -> Result<Self, String> {
-        let draws: Vec<Option<Draw>> = seeds
-            .into_par_iter()
-            .map(|seed| Draw::of(pace, duration_s, seed))
-            .collect::<Result<_, String>>()?;
-        let refused = draws.iter().filter(|d| d.is_none()).count();
-        let total = draws.len();
-        let draws: Vec<Draw> = draws.into_iter().flatten().collect();
-        if draws.is_empty() {
-            return Err(format!("{pace:?}, {duration_s} s: all refused"));
-        }
-        let z = NORMAL_95;
-        let all = || {
-            draws
-                .iter()
-                .flat_map(|d| (0..LIMBS).map(|i| (d.error[i], d.deviation[i])))
-        };
-        let mut deviations: Vec<f64> = all().map(|(_, deviation)| deviation).collect();
-        deviations.sort_by(f64::total_cmp);
-        let n = draws.len() as f64;
-        let mean_square = draws.iter().map(|d| d.chi_square).sum::<f64>() / n;
-        Ok(Self {
-            pace,
-            duration_s,
-            draws: total,
-            refused,
-            rms_error: rms(all().map(|(error, _)| error)),
-            largest_error: all().fold(0.0, |m, (error, _)| f64::max(m, error.abs())),
-            median_deviation: deviations[deviations.len() / 2],
-            largest_deviation: deviations[deviations.len() - 1],
-            share_within_bar: share(all().map(|(error, _)| error.abs() <= BAR)),
-            draws_within_bar: share(draws.iter().map(|d| d.error.iter().all(|e| e.abs() <= BAR))),
-            coverage_95: share(all().map(|(error, deviation)| error.abs() <= z * deviation)),
-            coverage_95_by_limb: core::array::from_fn(|i| {
-                share(draws.iter().map(|d| d.error[i].abs() <= z * d.deviation[i]))
-            }),
-            chi_square_z: (mean_square - 8.0) / (16.0 / n).sqrt(),
-            mean_lag_one_z: draws.iter().map(|d| d.lag_one_z).sum::<f64>() / n,
-            share_misfit_at_5_percent: share(draws.iter().map(|d| d.misfit_chance < 0.05)),
-            named_without_drift: [0, 1].map(|r| share(draws.iter().map(|d| d.named[r]))),
-            refused_equal_stiffness: [0, 1].map(|r| share(draws.iter().map(|d| d.unequal[r]))),
-        })
+fn length(
+    pace: Pace,
+    duration_s: f64,
+    seeds: std::ops::Range<u64>,
+) -> Result<TumbleLength, String> {
+    let draws: Vec<Option<Draw>> = seeds
+        .into_par_iter()
+        .map(|seed| Draw::of(pace, duration_s, seed))
+        .collect::<Result<_, String>>()?;
+    let refused = draws.iter().filter(|d| d.is_none()).count();
+    let total = draws.len();
+    let draws: Vec<Draw> = draws.into_iter().flatten().collect();
+    if draws.is_empty() {
+        return Err(format!("{pace:?}, {duration_s} s: all refused"));
     }
+    let z = NORMAL_95;
+    let all = || {
+        draws
+            .iter()
+            .flat_map(|d| (0..LIMBS).map(|i| (d.error[i], d.deviation[i])))
+    };
+    let mut deviations: Vec<f64> = all().map(|(_, deviation)| deviation).collect();
+    deviations.sort_by(f64::total_cmp);
+    let n = draws.len() as f64;
+    let mean_square = draws.iter().map(|d| d.chi_square).sum::<f64>() / n;
+    Ok(TumbleLength {
+        pace,
+        duration_s,
+        draws: total,
+        refused,
+        rms_error: rms(all().map(|(error, _)| error)),
+        largest_error: all().fold(0.0, |m, (error, _)| f64::max(m, error.abs())),
+        median_deviation: deviations[deviations.len() / 2],
+        largest_deviation: deviations[deviations.len() - 1],
+        share_within_bar: share(all().map(|(error, _)| error.abs() <= BAR)),
+        draws_within_bar: share(draws.iter().map(|d| d.error.iter().all(|e| e.abs() <= BAR))),
+        coverage_95: share(all().map(|(error, deviation)| error.abs() <= z * deviation)),
+        coverage_95_by_limb: core::array::from_fn(|i| {
+            share(draws.iter().map(|d| d.error[i].abs() <= z * d.deviation[i]))
+        }),
+        chi_square_z: (mean_square - 8.0) / (16.0 / n).sqrt(),
+        mean_lag_one_z: draws.iter().map(|d| d.lag_one_z).sum::<f64>() / n,
+        share_misfit_at_5_percent: share(draws.iter().map(|d| d.misfit_chance < 0.05)),
+        named_without_drift: [0, 1].map(|r| share(draws.iter().map(|d| d.named[r]))),
+        refused_equal_stiffness: [0, 1].map(|r| share(draws.iter().map(|d| d.unequal[r]))),
+    })
 }
 
-impl Stiffness {
-    fn of(spread: f64, seeds: std::ops::Range<u64>) -> Result<Self, String> {
-        let draws: Vec<([bool; 2], Vec<f64>)> = seeds
-            .into_par_iter()
-            .map(|seed| {
-                let at = |error: Error| format!("seed {seed}: {error}");
-                let mut rng = Pcg64::new(u128::from(seed), STREAM);
-                let ratio = nine(&mut rng).map(|unit| 1.0 + spread * unit);
-                let case = Case::random(seed, 6.0).with_stiffness(&ratio);
-                let found = case.ratios(&case.noisy_v(NOISE_SHARE)).map_err(at)?;
-                let forces = by_step_2(&case, &mut rng);
-                let mut refused = [false; 2];
-                let mut error = [0.0; LIMBS];
-                for (place, rate) in RATES.into_iter().enumerate() {
-                    let test = StiffnessTest::new(&forces, &step_2_covariance(), &found, rate)
-                        .map_err(at)?;
-                    refused[place] = !test.equal();
-                    let truth = without_mean(ratio.map(f64::ln));
-                    error = core::array::from_fn(|i| test.ln_stiffness[i] - truth[i]);
-                }
-                let pairs = (0..LIMBS)
-                    .flat_map(|i| (i + 1..LIMBS).map(move |j| (i, j)))
-                    .map(|(i, j)| error[i] - error[j])
-                    .collect();
-                Ok((refused, pairs))
-            })
-            .collect::<Result<_, String>>()?;
-        let pairs = || draws.iter().flat_map(|d| d.1.iter().copied());
-        Ok(Self {
-            spread,
-            draws: draws.len(),
-            refused_at: [0, 1].map(|r| share(draws.iter().map(|d| d.0[r]))),
-            rms_error_of_pair: rms(pairs()),
-            largest_error_of_pair: pairs().fold(0.0, |m, e| f64::max(m, e.abs())),
-            share_of_pairs_within_bar: share(pairs().map(|e| e.abs() <= STIFFNESS_BAR)),
+fn stiffness_test(spread: f64, seeds: std::ops::Range<u64>) -> Result<TumbleStiffness, String> {
+    let draws: Vec<([bool; 2], Vec<f64>)> = seeds
+        .into_par_iter()
+        .map(|seed| {
+            let at = |error: Error| format!("seed {seed}: {error}");
+            let mut rng = Pcg64::new(u128::from(seed), STREAM);
+            let ratio = nine(&mut rng).map(|unit| 1.0 + spread * unit);
+            let case = Case::random(seed, 6.0).with_stiffness(&ratio);
+            let found = case.ratios(&case.noisy_v(NOISE_SHARE)).map_err(at)?;
+            let forces = by_step_2(&case, &mut rng);
+            let mut refused = [false; 2];
+            let mut error = [0.0; LIMBS];
+            for (place, rate) in RATES.into_iter().enumerate() {
+                let test =
+                    StiffnessTest::new(&forces, &step_2_covariance(), &found, rate).map_err(at)?;
+                refused[place] = !test.equal();
+                let truth = without_mean(ratio.map(f64::ln));
+                error = core::array::from_fn(|i| test.ln_stiffness[i] - truth[i]);
+            }
+            let pairs = (0..LIMBS)
+                .flat_map(|i| (i + 1..LIMBS).map(move |j| (i, j)))
+                .map(|(i, j)| error[i] - error[j])
+                .collect();
+            Ok((refused, pairs))
         })
-    }
+        .collect::<Result<_, String>>()?;
+    let pairs = || draws.iter().flat_map(|d| d.1.iter().copied());
+    Ok(TumbleStiffness {
+        spread,
+        draws: draws.len(),
+        refused_at: [0, 1].map(|r| share(draws.iter().map(|d| d.0[r]))),
+        rms_error_of_pair: rms(pairs()),
+        largest_error_of_pair: pairs().fold(0.0, |m, e| f64::max(m, e.abs())),
+        share_of_pairs_within_bar: share(pairs().map(|e| e.abs() <= STIFFNESS_BAR)),
+    })
 }
 
-impl Drift {
-    fn of(seeds: std::ops::Range<u64>) -> Result<Self, String> {
-        let (limb, change) = DRIFT_OF_LIMB;
-        let duration_s = 60.0;
-        let z = NORMAL_95;
-        let draws: Vec<(bool, f64, bool)> = seeds
-            .into_par_iter()
-            .map(|seed| {
-                let at = |error: Error| format!("seed {seed}: {error}");
-                let mut case = Case::of(seed, Pace::Brisk, duration_s, 0.0);
-                case.calibration.scale_per_mass_per_kg[limb - 1] *= (-change).exp();
-                let found = case.ratios(&case.noisy_v(NOISE_SHARE)).map_err(at)?;
-                let said = drifted(&found, &PerLimbs::zeros(), RATES[1]).map_err(at)?;
-                let alone =
-                    said.explained && said.limbs.numbers().eq([limb]) && said.rival.is_none();
-                let error = said.ln_change[limb - 1] - change;
-                Ok((alone, error, error.abs() <= z * said.deviation[limb - 1]))
-            })
-            .collect::<Result<_, String>>()?;
-        Ok(Self {
-            limb,
-            change,
-            duration_s,
-            draws: draws.len(),
-            named_alone: share(draws.iter().map(|d| d.0)),
-            rms_error: rms(draws.iter().map(|d| d.1)),
-            coverage_95: share(draws.iter().map(|d| d.2)),
+fn one_limb_drifted(seeds: std::ops::Range<u64>) -> Result<TumbleDrift, String> {
+    let (limb, change) = DRIFT_OF_LIMB;
+    let duration_s = 60.0;
+    let z = NORMAL_95;
+    let draws: Vec<(bool, f64, bool)> = seeds
+        .into_par_iter()
+        .map(|seed| {
+            let at = |error: Error| format!("seed {seed}: {error}");
+            let mut case = Case::of(seed, Pace::Brisk, duration_s, 0.0);
+            case.calibration.scale_per_mass_per_kg[limb - 1] *= (-change).exp();
+            let found = case.ratios(&case.noisy_v(NOISE_SHARE)).map_err(at)?;
+            let said = drifted(&found, &PerLimbs::zeros(), RATES[1]).map_err(at)?;
+            let alone = said.explained && said.limbs.numbers().eq([limb]) && said.rival.is_none();
+            let error = said.ln_change[limb - 1] - change;
+            Ok((alone, error, error.abs() <= z * said.deviation[limb - 1]))
         })
-    }
+        .collect::<Result<_, String>>()?;
+    Ok(TumbleDrift {
+        limb,
+        change,
+        duration_s,
+        draws: draws.len(),
+        named_alone: share(draws.iter().map(|d| d.0)),
+        rms_error: rms(draws.iter().map(|d| d.1)),
+        coverage_95: share(draws.iter().map(|d| d.2)),
+    })
 }
 
 /// A tumble with some of it left out, gravity too where nothing is to turn in it.
-fn motions(seed: u64) -> Result<Vec<Motion>, String> {
+fn motions(seed: u64) -> Result<Vec<TumbleMotion>, String> {
     let about = DVec3::new(0.3, -0.5, 0.8).normalize();
     let kinds: [(&'static str, bool, Option<bool>); 5] = [
         ("translation along one axis", true, None),
@@ -454,13 +379,13 @@ fn motions(seed: u64) -> Result<Vec<Motion>, String> {
             case.loads = case.field.play(&case.truth).0;
             let case = case.with_stiffness(&[1.0; LIMBS]);
             match case.ratios(&case.noisy_v(NOISE_SHARE)) {
-                Ok(_) => Ok(Motion {
-                    motion,
+                Ok(_) => Ok(TumbleMotion {
+                    motion: motion.to_owned(),
                     open: None,
                     directions: 0,
                 }),
-                Err(Error::UnobservableScaleRatios { directions: open }) => Ok(Motion {
-                    motion,
+                Err(Error::UnobservableScaleRatios { directions: open }) => Ok(TumbleMotion {
+                    motion: motion.to_owned(),
                     open: Some(open.to_string()),
                     directions: open.len(),
                 }),

@@ -5,8 +5,8 @@
 use std::process::ExitCode;
 
 use rayon::prelude::*;
-use serde::Serialize;
 use sixaxis_props::publication::{Arguments, end};
+use sixaxis_props::results::Taps;
 use sixaxis_props::taps::{Case, NOISE_SHARE, Outcome, Tally, bound_ln};
 use sixaxis_reference::campaign::DAMPING_RATIO;
 use sixaxis_reference::tap::{DURATION_S, SAMPLE_RATE_HZ, STEPS_PER_SAMPLE};
@@ -17,18 +17,6 @@ const REPORTED_FROM: u64 = 1_000;
 const OTHER_DAMPINGS: [f64; 3] = [0.005, 0.01, 0.05];
 /// Taps of which the reference's own error is measured.
 const HALVED: u64 = 20;
-
-/// What is published.
-#[derive(Serialize)]
-struct Published {
-    first_seed: u64,
-    noise_over_peak: f64,
-    sample_rate_hz: f64,
-    duration_s: f64,
-    /// Largest effect of halving MuJoCo's step on ln k/m, over the bound.
-    reference_error_over_bound: f64,
-    tallies: Vec<Tally>,
-}
 
 fn main() -> ExitCode {
     end(run())
@@ -97,7 +85,7 @@ fn run() -> Result<(), String> {
         );
         tallies.push(t);
     }
-    let published = Published {
+    let published = Taps {
         first_seed: first,
         noise_over_peak: NOISE_SHARE,
         sample_rate_hz: SAMPLE_RATE_HZ,
@@ -105,7 +93,7 @@ fn run() -> Result<(), String> {
         reference_error_over_bound,
         tallies,
     };
-    arguments.publish("tap", &published)
+    arguments.publish(&published)
 }
 
 /// Change of ln k/m from the same noise on forces simulated with half the step, over the bound.

@@ -5,9 +5,9 @@ use rayon::prelude::*;
 use sixaxis_calibration::joint::{JointReport, Knowledge, Loss, fit};
 use sixaxis_calibration::steps::{Campaign, FourSteps, GyroscopeGain};
 use sixaxis_campaign::collected::collect;
-use sixaxis_campaign::parameter::{PARAMETERS, values};
 use sixaxis_core::LIMBS;
 use sixaxis_core::identify::scale::ScaleIdentification;
+use sixaxis_core::parameter::PARAMETERS;
 use sixaxis_recordings::session::{Role, Session};
 use sixaxis_reference::instruments::Instruments;
 use sixaxis_reference::session::plan::{Engine, SensorChoice, SessionPlan};
@@ -66,7 +66,7 @@ impl Fitted {
     /// What stops it, in words.
     pub fn of(plan: &SessionPlan) -> Result<Self, String> {
         let played = play(plan).map_err(|e| e.to_string())?;
-        let truth = values(&played.truth.parameters);
+        let truth = played.truth.parameters.to_paper_order();
         let collected =
             collect(&played.session, played.recordings).map_err(|failure| failure.cause)?;
         let campaign = collected.campaign;

@@ -11,12 +11,12 @@ use nalgebra::SVector;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
-use sixaxis_calibration::cleaning::Cleaning;
+use sixaxis_calibration::conditioning::Conditioning;
 use sixaxis_calibration::propagation::{Sources, TrialNoise};
 use sixaxis_calibration::steps::Campaign;
 use sixaxis_calibration::trial::Trial;
-use sixaxis_core::decouple::uncertainty::PARAMETERS;
 use sixaxis_core::identify::zero_drift;
+use sixaxis_core::parameter::PARAMETERS;
 use sixaxis_core::{Decoupler, Geometry, LIMBS, Parameters, Scheme, SixAxis};
 use sixaxis_recordings::session::{Preprocessing, Role};
 use sixaxis_reference::campaign::{self, Laboratory, STATIC_DURATION_S, STATIC_RATE_HZ, plan};
@@ -59,7 +59,7 @@ pub struct World {
     /// Compound runs, upright and level.
     pub compound: Vec<Trial>,
     /// The preprocessing.
-    pub cleaning: Cleaning,
+    pub conditioning: Conditioning,
     /// What is uncertain, and by how much.
     pub sources: Sources,
     /// Noise of one sample of the compound runs, V.
@@ -127,7 +127,7 @@ impl World {
             .into_iter()
             .partition(|(role, _)| *role == Role::Validation);
         let compound: Vec<Trial> = compound.into_iter().map(|(_, trial)| trial).collect();
-        let cleaning = Cleaning {
+        let conditioning = Conditioning {
             stages: Preprocessing::default(),
             accelerometer_bandwidth_hz: None,
             gyroscope_bandwidth_hz: Some(GYROSCOPE_BANDWIDTH_HZ),
@@ -154,8 +154,10 @@ impl World {
         let trials = moving
             .into_iter()
             .map(|(_, trial)| {
-                let cleaned = cleaning.clean(&trial).expect("a whole trial cleans");
-                (trial, cleaned)
+                let conditioned = conditioning
+                    .condition(&trial)
+                    .expect("a whole trial cleans");
+                (trial, conditioned)
             })
             .collect();
         Self {
@@ -166,7 +168,7 @@ impl World {
                 trials,
             },
             compound,
-            cleaning,
+            conditioning,
             sources,
             noise_v,
             truth,
@@ -230,7 +232,7 @@ impl World {
             }
         }
         let mut wedges: Vec<(DVec3, DVec3)> = Vec::new();
-        for ((trial, cleaned), noise) in campaign.trials.iter_mut().zip(&sources.trials) {
+        for ((trial, conditioned), noise) in campaign.trials.iter_mut().zip(&sources.trials) {
             let direction = trial.direction_ground;
             let stated = match wedges.iter().find(|(true_one, _)| *true_one == direction) {
                 Some((_, stated)) => *stated,
@@ -261,7 +263,10 @@ impl World {
                     *x = *x * gain + sd * dice.roll();
                 }
             }
-            *cleaned = self.cleaning.clean(trial).expect("a noisy trial cleans");
+            *conditioned = self
+                .conditioning
+                .condition(trial)
+                .expect("a noisy trial cleans");
         }
         let mut compound = self.compound.clone();
         for trial in &mut compound {

@@ -1,9 +1,9 @@
 //! What the examples of this crate share: how they are asked, and how a result becomes one of `props/results`.
 
-use std::path::PathBuf;
+use std::path::Path;
 use std::process::ExitCode;
 
-use serde::Serialize;
+use crate::results::Published;
 
 /// The command line.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,18 +35,17 @@ impl Arguments {
             .map_err(|_| format!("{name} wants a whole number and has {text:?}"))
     }
 
-    /// Writes a result to `props/results/NAME.json` if `--publish` is there.
+    /// Writes a result to its file if `--publish` is there.
     ///
     /// # Errors
     /// The file and what the system says of it.
-    pub fn publish(&self, name: &str, result: &impl Serialize) -> Result<(), String> {
+    pub fn publish<P: Published>(&self, result: &P) -> Result<(), String> {
         if !self.has("--publish") {
             return Ok(());
         }
-        let path = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-            .join("results")
-            .join(name)
-            .with_extension("json");
+        let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("..")
+            .join(P::FILE);
         let text = serde_json::to_string_pretty(result).map_err(|e| e.to_string())?;
         std::fs::write(&path, text + "\n").map_err(|e| format!("{}: {e}", path.display()))
     }

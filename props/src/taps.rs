@@ -6,7 +6,7 @@ pub use bound::{States, bound_ln};
 use nalgebra::Matrix6;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use sixaxis_core::identify::tap::{Setup, Tap, identify};
 use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::significance::NORMAL_95;
@@ -197,7 +197,7 @@ fn inertia_deviation_m2(truth: &Parameters) -> f64 {
 }
 
 /// What became of one tap.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outcome {
     /// Seed of the case.
     pub seed: u64,
@@ -235,7 +235,7 @@ impl Outcome {
 }
 
 /// Many taps at one damping.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Tally {
     /// Damping of one limb, of critical under the whole mass.
     pub damping_ratio: f64,

@@ -3,12 +3,7 @@
 use glam::DMat3;
 use serde::Deserialize;
 use serde::Serialize;
-use sixaxis_benches::peer;
-use sixaxis_benches::peer::PeerDecoupler;
-use sixaxis_benches::peer::PeerGeometry;
-use sixaxis_benches::peer::PeerPose;
 use sixaxis_benches::problem;
-use sixaxis_benches::problem::Answer;
 use sixaxis_benches::problem::DECOUPLE_RATE_HZ;
 use sixaxis_benches::problem::Recorded;
 use sixaxis_benches::problem::STEP_S;
@@ -16,6 +11,7 @@ use sixaxis_benches::problem::compound_5_hz;
 use sixaxis_benches::problem::true_parameters;
 use sixaxis_core::Geometry;
 use sixaxis_core::LIMBS;
+use sixaxis_core::SixAxis;
 use sixaxis_core::geometry::DIRECTIONS_SHELL;
 use sixaxis_core::paper::pose::Pose;
 use sixaxis_core::paper::preload::static_preload_m_s2;
@@ -157,18 +153,12 @@ pub fn states(samples: usize) -> Result<Vec<State>, Box<dyn Error>> {
 /// What the voltages say of the limbs' wrench on the mass at every decoupled sample.
 pub fn wrenches(problem: &Problem, recording: &Recording) -> Vec<Wrench> {
     let chain = SignalChain::new(&recording.gains, &true_parameters());
-    let geometry = PeerGeometry::new(&Geometry::PAPER);
-    let mut last = PeerPose::unloaded();
     let wrench = |voltage_v: &[f64; LIMBS]| {
         let tared = chain.force_per_mass_m_s2(voltage_v);
         let force = core::array::from_fn(|i| tared[i] + problem.preload_per_mass_m_s2[i]);
         let elongation_m = force.map(|f| -f / problem.stiffness_per_mass_per_s2);
-        last = geometry.pose(&elongation_m, last);
-        let (position_shell_m, rotation_rad) = last.to_glam();
-        let pose = Pose {
-            position_shell_m,
-            rotation_rad,
-        };
+        let pose =
+            Pose::from_elongations(&Geometry::PAPER, &elongation_m).expect("limbs that meet");
         let wrench = LimbWrench::at_pose(&Geometry::PAPER, &pose, &force);
         let to_mass = pose.rotation_matrix().transpose();
         row(
@@ -218,11 +208,10 @@ pub fn export(dir: &Path) -> Result<(), Box<dyn Error>> {
         .collect();
     write_rows(&dir.join("truth.bin"), truth.as_flattened())?;
     let mut oracle = Vec::new();
-    let ready = PeerDecoupler::new(&recorded, &true_parameters());
-    peer::decouple(&ready, &recorded.recording.voltage_v, |sample| {
-        let answer = Answer::from(sample);
-        oracle.push(row(answer.linear_ground_m_s2, answer.angular_ground_rad_s2));
-    });
+    let sink = |s: &SixAxis| oracle.push(row(s.linear_ground_m_s2, s.angular_ground_rad_s2));
+    recorded
+        .paper_decoder(&true_parameters())
+        .push_all(&recorded.recording.voltage_v, sink)?;
     write_rows(&dir.join("oracle.bin"), oracle.as_flattened())?;
     println!("{samples} of the run's {played} samples");
     Ok(())

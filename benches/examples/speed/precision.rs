@@ -7,9 +7,9 @@ use glam::DVec3;
 use serde::Serialize;
 use sixaxis_benches::limits::Decoupled;
 use sixaxis_benches::problem;
-use sixaxis_benches::problem::{Answer, DECOUPLE_RATE_HZ, Recorded, true_parameters};
+use sixaxis_benches::problem::{DECOUPLE_RATE_HZ, Recorded, true_parameters};
 use sixaxis_benches::validate;
-use sixaxis_core::{Decoupler, Scheme};
+use sixaxis_core::{Decoupler, Scheme, SixAxis};
 use sixaxis_reference::campaign::Laboratory;
 use sixaxis_reference::recording::{SimulatedRun, TrueMotion};
 
@@ -63,9 +63,12 @@ pub fn errors(
 ) -> (f64, f64, Vec<DVec3>) {
     let peak = largest(truth.iter().map(|t| t.linear_ground_m_s2.length()));
     let mut push = Vec::new();
-    problem::decouple(ready, voltage_v, |s| {
-        push.push(s.linear_ground_m_s2 - truth[s.sample as usize].linear_ground_m_s2);
-    });
+    ready
+        .clone()
+        .push_all(voltage_v, |s| {
+            push.push(s.linear_ground_m_s2 - truth[s.sample as usize].linear_ground_m_s2);
+        })
+        .expect("samples of a recorded run");
     let mut record = Vec::new();
     ready
         .clone()
@@ -171,11 +174,11 @@ pub fn work_precision(
 /// The bench's own problem, its answer within the bench's own limits.
 pub fn validated(scheme: Scheme) -> Recorded {
     let recorded = Recorded::play(&problem::compound_5_hz(), DECOUPLE_RATE_HZ);
-    let mut answers: Vec<Answer> = Vec::new();
-    let ready = recorded.decoupler(scheme);
-    problem::decouple(&ready, &recorded.recording.voltage_v, |s| {
-        answers.push(s.into())
-    });
+    let mut answers: Vec<SixAxis> = Vec::new();
+    recorded
+        .decoupler(scheme)
+        .push_all(&recorded.recording.voltage_v, |s| answers.push(*s))
+        .expect("a recorded run");
     let outcome = validate::decoupled(&recorded.truth, &answers, &Decoupled::compound(scheme));
     if let Err(refusal) = outcome {
         panic!("push is not timed, because its answer is wrong: {refusal}");

@@ -9,8 +9,9 @@
 use alloc::vec::Vec;
 
 use super::differentiate::Differentiator;
-use super::{check_answer, check_finite};
-use crate::error::{Error, Result};
+use super::stage::{self, Stage};
+use super::{check_answer, check_positive};
+use crate::error::Result;
 use crate::float::exp;
 
 /// A first-order filter, streaming, at rest at first.
@@ -47,7 +48,7 @@ impl FirstOrder {
     /// r times the difference no longer moves the state (test `inv_constant_through_a_low_pass`).
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] unless both are positive and finite.
+    /// [`crate::Error::OutOfRange`] unless both are positive and finite.
     pub fn low_pass(corner_hz: f64, sample_rate_hz: f64) -> Result<Self> {
         Self::new(corner_hz, sample_rate_hz, false)
     }
@@ -73,29 +74,53 @@ impl FirstOrder {
     }
 }
 
-/// Input of a first-order high-pass from its output, from rest: the very recursion of [`FirstOrder::high_pass`] solved
-/// for the input, so that a simulated amplifier is undone to rounding, 2e-15 of the peak over 5000 samples (test
+/// Undoes a first-order high-pass: its input from its output, from rest, by the very recursion of [`FirstOrder::high_pass`]
+/// solved for the input, so that a simulated amplifier is undone to rounding, 2e-15 of the peak over 5000 samples (test
 /// `inv_undone_high_pass`).
 ///
 /// x = y + integral of y over tau: an offset left in the record grows as offset times t/tau. Remove drift first.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct UndoHighPass(FirstOrder);
+
+impl UndoHighPass {
+    /// Of the instrument with its -3 dB corner at `corner_hz`.
+    ///
+    /// # Errors
+    /// [`crate::Error::OutOfRange`] unless both frequencies are positive and finite.
+    pub fn new(corner_hz: f64, sample_rate_hz: f64) -> Result<Self> {
+        FirstOrder::high_pass(corner_hz, sample_rate_hz).map(Self)
+    }
+
+    /// The input that makes the instrument show this next.
+    pub fn step(&mut self, shown: f64) -> f64 {
+        let Self(filter) = self;
+        let pulled = filter.weight_before * (filter.before - filter.state);
+        let input = filter.state + (shown + pulled) / (1.0 - filter.weight_now);
+        filter.step(input);
+        input
+    }
+}
+
+impl Stage for UndoHighPass {
+    fn push(&mut self, samples: &[f64], out: &mut Vec<f64>) {
+        out.extend(samples.iter().map(|shown| self.step(*shown)));
+    }
+
+    fn finish(&mut self, _out: &mut Vec<f64>) -> Result<()> {
+        Ok(())
+    }
+}
+
+/// [`UndoHighPass`] on a whole record.
 ///
 /// # Errors
-/// [`Error::OutOfRange`] unless both frequencies are positive and finite, [`Error::NotFinite`]; [`Error::Overflow`] where
-/// the corner lies so far above the sample rate that nothing of the input is left.
+/// Those of [`UndoHighPass::new`], [`crate::Error::NotFinite`]; [`crate::Error::Overflow`] where the corner lies so far above the sample rate
+/// that nothing of the input is left.
 pub fn undo_high_pass(record: &[f64], corner_hz: f64, sample_rate_hz: f64) -> Result<Vec<f64>> {
-    check_finite(record)?;
-    let mut filter = FirstOrder::high_pass(corner_hz, sample_rate_hz)?;
-    let undone: Vec<f64> = record
-        .iter()
-        .map(|&shown| {
-            let pulled = filter.weight_before * (filter.before - filter.state);
-            let input = filter.state + (shown + pulled) / (1.0 - filter.weight_now);
-            filter.step(input);
-            input
-        })
-        .collect();
-    check_answer("undone high-pass", undone.iter().copied())?;
-    Ok(undone)
+    let mut series = record.to_vec();
+    let mut stage = UndoHighPass::new(corner_hz, sample_rate_hz)?;
+    stage::whole("undone high-pass", &mut stage, &mut series)?;
+    Ok(series)
 }
 
 /// Input of a first-order low-pass from its output: u = y + tau y'.
@@ -112,7 +137,7 @@ pub fn undo_high_pass(record: &[f64], corner_hz: f64, sample_rate_hz: f64) -> Re
 /// first.
 ///
 /// # Errors
-/// [`Error::OutOfRange`] for a corner that is not positive and finite, [`Error::Overflow`] for one of a size that leaves
+/// [`crate::Error::OutOfRange`] for a corner that is not positive and finite, [`crate::Error::Overflow`] for one of a size that leaves
 /// nothing finite; those of [`Differentiator::derivative`].
 pub fn undo_low_pass(
     record: &[f64],
@@ -129,17 +154,6 @@ pub fn undo_low_pass(
         .collect();
     check_answer("undone low-pass", undone.iter().copied())?;
     Ok(undone)
-}
-
-pub(super) fn check_positive(name: &'static str, value: f64) -> Result<()> {
-    if !(value.is_finite() && value > 0.0) {
-        return Err(Error::OutOfRange {
-            name,
-            value,
-            requirement: "positive and finite",
-        });
-    }
-    Ok(())
 }
 
 /// Weights (a, b) of the input before and the input now, as [`FirstOrder`] defines them.

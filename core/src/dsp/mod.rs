@@ -1,26 +1,36 @@
-//! Cleaning of recordings before identification and decoupling: the virtual instrument's preprocessing.
+//! Digital signal processing of recorded channels: the virtual instrument's preprocessing.
 //!
-//! In the order in which a recording passes through: [`outlier`] rejection, because one wild value bends every later
-//! stage; [`resample`] onto one clock, where the channels were not taken at the same instants; [`detrend`]ing, because
-//! a filter answers an offset with a transient at the ends; the digital filter ([`butterworth`], run forwards and
-//! backwards by [`zero_phase`] or live by [`stream`]); and for the standard instruments [`lag`] compensation and the
-//! smoothing differentiator [`differentiate`]. At any point [`spectrum`] says what of a record is noise.
-//! [`transposed`] reads the linear stages backwards: what each raw sample weighs in what is computed from the clean ones.
+//! | stage | over a stream | over a whole record |
+//! |---|---|---|
+//! | rejection of wild samples | [`outlier::Hampel`] | [`outlier::hampel`] |
+//! | channels brought to one instant | [`delay::Delay`] | [`delay::delayed`] |
+//! | an amplifier's high-pass undone | [`lag::UndoHighPass`] | [`lag::undo_high_pass`] |
+//! | offset and trend | | [`detrend`] |
+//! | low-pass without phase | [`zero_phase::ZeroPhase`] | [`zero_phase::zero_phase`] |
+//! | low-pass forwards only | [`causal::Causal`] | |
+//! | an instrument's low-pass undone, derivative | | [`lag::undo_low_pass`], [`differentiate`] |
+//! | power spectrum | [`spectrum::Welch`] | [`spectrum::welch`] |
 //!
-//! Each stage works on one series, a `&mut [f64]`, evenly sampled, in any unit. A series does not know whose it is: an
-//! [`Error::NotFinite`] or [`Error::Overflow`] from a stage has channel 0, until [`each_channel`] puts the number in. What knows the sensor
-//! (closing a run from rest to rest) is not here but in [`crate::decouple::rest_to_rest`].
+//! Where there are both, the whole record is pushed through the stream's code ([`stage::Stage`]). [`butterworth`] designs the
+//! filters, [`resample`] reads a record on another clock, [`spectrum::noise_floor`] estimates the noise under a motion, and
+//! [`transposed`] has the linear stages' transposes: what each raw sample weighs in what is computed from the clean ones.
+//!
+//! A stage works on one evenly sampled series in any unit. A series does not know its channel: an [`Error::NotFinite`] or
+//! [`Error::Overflow`] from a stage has channel 0, until [`each_channel`] puts the number in. What knows the sensor (closing a
+//! run from rest to rest) is in [`crate::decouple::rest_to_rest`].
 
 use alloc::vec;
 
 pub mod butterworth;
+pub mod causal;
+pub mod delay;
 pub mod detrend;
 pub mod differentiate;
 pub mod lag;
 pub mod outlier;
 pub mod resample;
 pub mod spectrum;
-pub mod stream;
+pub mod stage;
 pub mod transposed;
 pub mod zero_phase;
 
@@ -81,6 +91,17 @@ fn check_answer(what: &'static str, answer: impl IntoIterator<Item = f64>) -> Re
             sample,
         }),
     }
+}
+
+fn check_positive(name: &'static str, value: f64) -> Result<()> {
+    if !(value.is_finite() && value > 0.0) {
+        return Err(Error::OutOfRange {
+            name,
+            value,
+            requirement: "positive and finite",
+        });
+    }
+    Ok(())
 }
 
 fn check_length(what: &'static str, needed: usize, got: usize) -> Result<()> {

@@ -1,13 +1,109 @@
 //! Rejection of wild values by the Hampel test: distance from the running median in units of the running median
 //! absolute deviation.
 
+use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
-use super::{check_finite, check_length};
+use super::stage::{self, Stage};
+use super::{check_length, check_positive};
 use crate::error::{Error, Result};
 
 /// Standard deviation of a normal variable over its median absolute deviation: 1/quantile(3/4).
 pub(crate) const SIGMA_PER_MAD: f64 = 1.482_602_218_505_602;
+
+/// The Hampel test as a stage: see [`hampel`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hampel {
+    half_width: usize,
+    sigmas: f64,
+    /// The samples that a next one may be judged by, as they came in, and the place of the first of them in the record.
+    around: VecDeque<f64>,
+    first: usize,
+    next: usize,
+    window: Vec<f64>,
+    replaced: Vec<usize>,
+}
+
+impl Hampel {
+    /// With `half_width` samples on either side.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a half width of zero or `sigmas` not positive.
+    pub fn new(half_width: usize, sigmas: f64) -> Result<Self> {
+        if half_width == 0 {
+            return Err(Error::OutOfRange {
+                name: "half_width",
+                value: 0.0,
+                requirement: "at least 1",
+            });
+        }
+        check_positive("sigmas", sigmas)?;
+        Ok(Self {
+            half_width,
+            sigmas,
+            around: VecDeque::new(),
+            first: 0,
+            next: 0,
+            window: Vec::new(),
+            replaced: Vec::new(),
+        })
+    }
+
+    /// Places of the samples replaced so far.
+    #[must_use]
+    pub fn replaced(&self) -> &[usize] {
+        &self.replaced
+    }
+
+    fn taken(&self) -> usize {
+        self.first + self.around.len()
+    }
+
+    /// Judges the next sample by those around it that are there.
+    fn judged(&mut self) -> f64 {
+        let from = self.next.saturating_sub(self.half_width);
+        let to = (self.next + self.half_width + 1).min(self.taken());
+        self.around.drain(..from - self.first);
+        self.first = from;
+        let sample = self.around[self.next - from];
+        self.window.clear();
+        self.window.extend(self.around.range(..to - from));
+        let median = median(&mut self.window);
+        for x in &mut self.window {
+            *x = (*x - median).abs();
+        }
+        let deviation = SIGMA_PER_MAD * self::median(&mut self.window);
+        self.next += 1;
+        if (sample - median).abs() > self.sigmas * deviation {
+            self.replaced.push(self.next - 1);
+            return median;
+        }
+        sample
+    }
+}
+
+impl Stage for Hampel {
+    fn push(&mut self, samples: &[f64], out: &mut Vec<f64>) {
+        for x in samples {
+            self.around.push_back(*x);
+            if self.taken() > self.next + self.half_width {
+                out.push(self.judged());
+            }
+        }
+    }
+
+    fn finish(&mut self, out: &mut Vec<f64>) -> Result<()> {
+        let width = self.half_width.saturating_mul(2).saturating_add(1);
+        check_length(WHAT, width, self.taken())?;
+        while self.next < self.taken() {
+            out.push(self.judged());
+        }
+        Ok(())
+    }
+}
+
+/// Name of the test in errors.
+const WHAT: &str = "Hampel test";
 
 /// Replaces samples further than `sigmas` deviations from the median of the `2 half_width + 1` samples around them by
 /// that median, and returns their indices. At the ends the window is cut off.
@@ -24,42 +120,9 @@ pub(crate) const SIGMA_PER_MAD: f64 = 1.482_602_218_505_602;
 /// [`Error::OutOfRange`] for a half width of zero or `sigmas` not positive; [`Error::TooFewSamples`] for a series
 /// shorter than one window; [`Error::NotFinite`].
 pub fn hampel(series: &mut [f64], half_width: usize, sigmas: f64) -> Result<Vec<usize>> {
-    if half_width == 0 {
-        return Err(Error::OutOfRange {
-            name: "half_width",
-            value: 0.0,
-            requirement: "at least 1",
-        });
-    }
-    if !(sigmas > 0.0 && sigmas.is_finite()) {
-        return Err(Error::OutOfRange {
-            name: "sigmas",
-            value: sigmas,
-            requirement: "positive and finite",
-        });
-    }
-    let width = half_width.saturating_mul(2).saturating_add(1);
-    check_length("Hampel test", width, series.len())?;
-    check_finite(series)?;
-    let original: Vec<f64> = series.to_vec();
-    let mut window = Vec::with_capacity(width);
-    let mut rejected = Vec::new();
-    for (i, sample) in series.iter_mut().enumerate() {
-        let from = i.saturating_sub(half_width);
-        let to = (i + half_width + 1).min(original.len());
-        window.clear();
-        window.extend_from_slice(&original[from..to]);
-        let median = median(&mut window);
-        for x in &mut window {
-            *x = (*x - median).abs();
-        }
-        let deviation = SIGMA_PER_MAD * self::median(&mut window);
-        if (*sample - median).abs() > sigmas * deviation {
-            *sample = median;
-            rejected.push(i);
-        }
-    }
-    Ok(rejected)
+    let mut stage = Hampel::new(half_width, sigmas)?;
+    stage::whole(WHAT, &mut stage, series)?;
+    Ok(stage.replaced)
 }
 
 /// Median; reorders its argument, which must not be empty.

@@ -184,46 +184,6 @@ impl CubicSpline {
     }
 }
 
-/// The series at t - `delay_s` for each of its own instants t, and the number of samples held at an end.
-///
-/// Brings a channel whose samples are taken `delay_s` *after* the clock tick they are filed under (a multiplexed
-/// converter's later channels) to the tick; a negative delay brings it back from before the tick. Left alone, a delay d
-/// is an error of 2 pi f d of the amplitude: 0.3 % at 50 Hz and 10 microseconds.
-///
-/// The length stays, so that channels stay side by side. The instants that fall outside the record, the first or,
-/// for a negative delay, the last |`delay_s`| times the sample rate rounded up, take the nearest sample's value; their
-/// number is returned, and a strict caller cuts them off all channels. A delay of nothing changes nothing, to the bit.
-/// Accuracy as of the spline, see the [module](self).
-///
-/// # Errors
-/// [`Error::OutOfRange`] for a delay that is not finite or leaves no instant within the record; those of
-/// [`CubicSpline::even`] and [`CubicSpline::at`].
-pub fn delayed(series: &[f64], delay_s: f64, sample_rate_hz: f64) -> Result<(Vec<f64>, usize)> {
-    let spline = CubicSpline::even(series, sample_rate_hz)?;
-    let last = series.len() - 1;
-    let shift = delay_s * sample_rate_hz;
-    // A range, so that NaN is refused, too.
-    if !(0.0..=last as f64).contains(&shift.abs()) {
-        return Err(Error::OutOfRange {
-            name: "delay_s",
-            value: delay_s,
-            requirement: "finite and at most the record's duration",
-        });
-    }
-    let mut held = 0;
-    let shifted: Vec<f64> = (0..series.len())
-        .map(|k| match spline.even_place(k as f64 - shift) {
-            Some((index, share)) => spline.piece(index, share, 1.0),
-            None => {
-                held += 1;
-                series[if shift > 0.0 { 0 } else { last }]
-            }
-        })
-        .collect();
-    check_answer("spline", shifted.iter().copied())?;
-    Ok((shifted, held))
-}
-
 /// Second derivatives at the samples of the not-a-knot spline; `step(i)` lies between samples i and i + 1.
 ///
 /// For those of the inner samples there is one equation each, tridiagonal, once the two of the end samples are replaced

@@ -6,7 +6,7 @@
 use alloc::vec::Vec;
 
 use super::outlier::{SIGMA_PER_MAD, median};
-use super::{check_answer, check_finite, check_length, detrend};
+use super::{check_answer, check_finite, check_length, check_positive, detrend};
 use crate::error::{Error, Result};
 use crate::float::{sin_cos, sqrt};
 
@@ -29,19 +29,112 @@ pub struct Spectrum {
     pub segments: usize,
 }
 
-/// Welch's estimate: mean of the periodograms of segments of `segment` samples that overlap by half, each without its
-/// mean and under a Hann window. What is left over at the end, less than half a segment, is not used.
+/// Welch's estimate over a stream: mean of the periodograms of segments that overlap by half, each without its mean and under a
+/// Hann window. What is left over at the end, less than half a segment, is not used.
 ///
-/// Equals SciPy's `welch(series, fs=sample_rate_hz, nperseg=segment)` with its defaults (periodic Hann window, overlap
-/// of half, constant detrend, density, mean) to 1e-15 of the peak and each line to 2e-13 of itself (test
-/// `ref_scipy_welch`). A sine of amplitude A on a line stands there as A^2/2 over 1.5 line distances; a trend stands in
-/// the lowest lines, so detrend first.
-///
-/// # Errors
-/// [`Error::OutOfRange`] for a segment that is not a power of two or below [`MIN_SEGMENT`], or a sample rate that is
-/// not positive and finite; [`Error::TooFewSamples`] for a series shorter than one segment; [`Error::NotFinite`];
-/// [`Error::Overflow`], where the sample is that of the segment or the line of the spectrum.
-pub fn welch(series: &[f64], segment: usize, sample_rate_hz: f64) -> Result<Spectrum> {
+/// Holds three segments and the spectrum. A segment with a sample that is not finite, or of a size whose mean is not, is left
+/// out and counted.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Welch {
+    fourier: Fourier,
+    /// Periodic Hann window, sin^2(pi k/N): its rise is its fall backwards.
+    window: Vec<f64>,
+    waiting: Vec<f64>,
+    work: Vec<f64>,
+    sums: Vec<f64>,
+    segments: usize,
+    left_out: usize,
+}
+
+impl Welch {
+    /// With segments of `segment` samples.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a segment that is not a power of two or below [`MIN_SEGMENT`].
+    pub fn new(segment: usize) -> Result<Self> {
+        check_segment(segment)?;
+        Ok(Self {
+            fourier: Fourier::new(segment)?,
+            window: (0..segment)
+                .map(|k| {
+                    let (sine, _) = sin_cos(core::f64::consts::PI * k as f64 / segment as f64);
+                    sine * sine
+                })
+                .collect(),
+            waiting: Vec::with_capacity(segment),
+            work: alloc::vec![0.0; segment],
+            sums: alloc::vec![0.0; segment / 2 + 1],
+            segments: 0,
+            left_out: 0,
+        })
+    }
+
+    /// Takes the next samples.
+    pub fn push(&mut self, mut samples: &[f64]) {
+        let segment = self.segment();
+        while !samples.is_empty() {
+            let room = segment - self.waiting.len();
+            let (now, later) = samples.split_at(room.min(samples.len()));
+            self.waiting.extend_from_slice(now);
+            samples = later;
+            if self.waiting.len() == segment {
+                if self.average().is_err() {
+                    self.left_out += 1;
+                }
+                self.waiting.copy_within(segment / 2.., 0);
+                self.waiting.truncate(segment / 2);
+            }
+        }
+    }
+
+    /// Adds the periodogram of the segment that waits.
+    fn average(&mut self) -> Result<()> {
+        self.work.copy_from_slice(&self.waiting);
+        detrend::constant(&mut self.work)?;
+        for (x, w) in self.work.iter_mut().zip(&self.window) {
+            *x *= w;
+        }
+        self.fourier.transform(&mut self.work)?;
+        let lines = self.sums.len() - 1;
+        self.sums[0] += self.work[0] * self.work[0];
+        self.sums[lines] += self.work[1] * self.work[1];
+        let (pairs, _) = self.work.as_chunks::<2>();
+        // Twice, for the negative frequencies; zero and half the sample rate have none.
+        for (sum, [re, im]) in self.sums[1..lines].iter_mut().zip(&pairs[1..]) {
+            *sum += 2.0 * (re * re + im * im);
+        }
+        self.segments += 1;
+        Ok(())
+    }
+
+    /// Samples of a segment.
+    #[must_use]
+    pub fn segment(&self) -> usize {
+        self.fourier.length()
+    }
+
+    /// Segments that were left out.
+    #[must_use]
+    pub const fn left_out(&self) -> usize {
+        self.left_out
+    }
+
+    /// The spectrum at a sample rate; none without a segment.
+    #[must_use]
+    pub fn spectrum(&self, sample_rate_hz: f64) -> Option<Spectrum> {
+        let (segment, segments) = (self.segment(), self.segments);
+        let power: f64 = self.window.iter().map(|w| w * w).sum();
+        let density = |sum: &f64| *sum / (power * segments as f64) / sample_rate_hz;
+        let line = |k: usize| k as f64 / segment as f64 * sample_rate_hz;
+        (segments > 0).then(|| Spectrum {
+            frequencies_hz: (0..self.sums.len()).map(line).collect(),
+            densities: self.sums.iter().map(density).collect(),
+            segments,
+        })
+    }
+}
+
+fn check_segment(segment: usize) -> Result<()> {
     if segment < MIN_SEGMENT || !segment.is_power_of_two() {
         return Err(Error::OutOfRange {
             name: "segment",
@@ -49,57 +142,38 @@ pub fn welch(series: &[f64], segment: usize, sample_rate_hz: f64) -> Result<Spec
             requirement: "a power of two, at least 8",
         });
     }
-    if !(sample_rate_hz.is_finite() && sample_rate_hz > 0.0) {
-        return Err(Error::OutOfRange {
-            name: "sample_rate_hz",
-            value: sample_rate_hz,
-            requirement: "positive and finite",
-        });
-    }
+    Ok(())
+}
+
+/// [`Welch`] of a whole record.
+///
+/// Equals SciPy's `welch(series, fs=sample_rate_hz, nperseg=segment)` with its defaults (periodic Hann window, overlap
+/// of half, constant detrend, density, mean) to 1e-15 of the peak and each line to 2e-13 of itself (test
+/// `ref_scipy_welch`). A sine of amplitude A on a line stands there as A^2/2 over 1.5 line distances; a trend stands in
+/// the lowest lines, so detrend first.
+///
+/// # Errors
+/// Those of [`Welch::new`]; [`Error::OutOfRange`] for a sample rate that is not positive and finite; [`Error::TooFewSamples`]
+/// for a series shorter than one segment; [`Error::NotFinite`]; [`Error::Overflow`] where a segment's mean or a density overflows.
+pub fn welch(series: &[f64], segment: usize, sample_rate_hz: f64) -> Result<Spectrum> {
+    const WHAT: &str = "Welch's spectrum";
+    check_segment(segment)?;
+    check_positive("sample_rate_hz", sample_rate_hz)?;
     // Before anything of its size is allocated.
-    check_length("Welch's spectrum", segment, series.len())?;
+    check_length(WHAT, segment, series.len())?;
     check_finite(series)?;
-    let fourier = Fourier::new(segment)?;
-    // Periodic Hann window, sin^2(pi k/N): its rise is its fall backwards.
-    let window: Vec<f64> = (0..segment)
-        .map(|k| {
-            let (sine, _) = sin_cos(core::f64::consts::PI * k as f64 / segment as f64);
-            sine * sine
-        })
-        .collect();
-    let lines = segment / 2;
-    let mut densities = alloc::vec![0.0; lines + 1];
-    let mut work = alloc::vec![0.0; segment];
-    let mut segments = 0;
-    for piece in series.windows(segment).step_by(segment / 2) {
-        work.copy_from_slice(piece);
-        detrend::constant(&mut work)?;
-        for (x, w) in work.iter_mut().zip(&window) {
-            *x *= w;
-        }
-        fourier.transform(&mut work)?;
-        densities[0] += work[0] * work[0];
-        densities[lines] += work[1] * work[1];
-        let (pairs, _) = work.as_chunks::<2>();
-        // Twice, for the negative frequencies; zero and half the sample rate have none.
-        for (density, [re, im]) in densities[1..lines].iter_mut().zip(&pairs[1..]) {
-            *density += 2.0 * (re * re + im * im);
-        }
-        segments += 1;
-    }
-    let power: f64 = window.iter().map(|w| w * w).sum();
-    for density in &mut densities {
-        *density = *density / (power * segments as f64) / sample_rate_hz;
-    }
-    check_answer("Welch's spectrum", densities.iter().copied())?;
-    let frequencies_hz = (0..=lines)
-        .map(|k| k as f64 / segment as f64 * sample_rate_hz)
-        .collect();
-    Ok(Spectrum {
-        frequencies_hz,
-        densities,
-        segments,
-    })
+    let mut welch = Welch::new(segment)?;
+    welch.push(series);
+    let spectrum = welch
+        .spectrum(sample_rate_hz)
+        .filter(|_| welch.left_out == 0)
+        .ok_or(Error::Overflow {
+            what: WHAT,
+            channel: 0,
+            sample: 0,
+        })?;
+    check_answer(WHAT, spectrum.densities.iter().copied())?;
+    Ok(spectrum)
 }
 
 /// Discrete Fourier transform of real series of one length, a power of two: radix 2, in place.

@@ -105,7 +105,7 @@ pub fn undo_low_pass(
     corner_hz: f64,
     differentiator: &Differentiator,
 ) -> Result<Vec<f64>> {
-    super::lag::check_positive("corner_hz", corner_hz)?;
+    super::check_positive("corner_hz", corner_hz)?;
     let time_constant_s = 1.0 / (core::f64::consts::TAU * corner_hz);
     let mut influence = derivative(differentiator, weights)?;
     for (x, w) in influence.iter_mut().zip(weights) {

@@ -2,7 +2,7 @@
 
 use sixaxis_core::Result;
 use sixaxis_core::dsp::butterworth::{Section, gain, high_pass, low_pass};
-use sixaxis_core::dsp::stream::SectionsState;
+use sixaxis_core::dsp::causal::SectionsState;
 use sixaxis_core::dsp::zero_phase::{padding, zero_phase};
 
 use crate::golden;

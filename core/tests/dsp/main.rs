@@ -2,6 +2,7 @@
 //!
 //! `../golden/dsp.py` writes the reference values; nothing about sensors belongs here.
 
+mod delay;
 mod detrend;
 mod differentiate;
 mod filter;
@@ -13,6 +14,7 @@ mod outlier;
 mod refusals;
 mod resample;
 mod spectrum;
+mod stages;
 mod tolerance;
 mod transposed;
 

@@ -2,7 +2,7 @@
 
 use core::f64::consts::TAU;
 
-use sixaxis_core::dsp::resample::{CubicSpline, MIN_SAMPLES, delayed};
+use sixaxis_core::dsp::resample::{CubicSpline, MIN_SAMPLES};
 use sixaxis_core::{Error, Result};
 
 use crate::golden;
@@ -77,12 +77,10 @@ fn ref_scipy_spline() -> Result<()> {
 /// A sine read halfway between its samples, away from the ends, against its true values there.
 fn halfway_error(share: f64) -> Result<f64> {
     let samples = 400;
-    let (ours, _) = delayed(&sine(samples, share, 1.0), 0.5, 1.0)?;
-    let truth: Vec<f64> = (0..samples)
-        .map(|k| (TAU * share * (k as f64 - 0.5)).sin())
-        .collect();
-    let interior = 50..samples - 50;
-    Ok(distance(&ours[interior.clone()], &truth[interior]))
+    let spline = CubicSpline::even(&sine(samples, share, 1.0), 1.0)?;
+    let halfway: Vec<f64> = (50..samples - 50).map(|k| k as f64 - 0.5).collect();
+    let truth: Vec<f64> = halfway.iter().map(|t| (TAU * share * t).sin()).collect();
+    Ok(distance(&spline.at_each(&halfway)?, &truth))
 }
 
 #[test]
@@ -235,62 +233,6 @@ fn inv_samples_come_back() -> Result<()> {
 }
 
 #[test]
-fn inv_whole_delays_shift_and_hold_the_ends() -> Result<()> {
-    let series = record(100, 1000.0);
-    let n = series.len();
-    assert_eq!(delayed(&series, 0.0, 1000.0)?, (series.clone(), 0));
-    for shift in [1, 8, n - 1] {
-        // A rate that is a power of two: the shift is then whole to the bit.
-        let (later, held) = delayed(&series, shift as f64 / 1024.0, 1024.0)?;
-        assert_eq!(held, shift);
-        assert_eq!(later[shift..], series[..n - shift]);
-        assert!(later[..shift].iter().all(|x| *x == series[0]));
-        let (earlier, held) = delayed(&series, -(shift as f64) / 1024.0, 1024.0)?;
-        assert_eq!(held, shift);
-        assert_eq!(earlier[..n - shift], series[shift..]);
-        assert!(earlier[n - shift..].iter().all(|x| *x == series[n - 1]));
-    }
-    // A part of a step holds one sample, on the side that has no neighbour.
-    let (later, held) = delayed(&series, 0.2e-3, 1000.0)?;
-    assert_eq!((later[0], held), (series[0], 1));
-    let (earlier, held) = delayed(&series, -0.2e-3, 1000.0)?;
-    assert_eq!((earlier[n - 1], held), (series[n - 1], 1));
-    Ok(())
-}
-
-/// Nine channels taken 10 microseconds after each other, at 1 kHz, of one sine of 50 Hz.
-#[test]
-fn inv_multiplexed_channels_meet_at_the_tick() -> Result<()> {
-    let (frequency_hz, rate_hz) = (50.0, 1000.0);
-    let at_tick = sine(400, frequency_hz, rate_hz);
-    for channel in 1..9 {
-        let delay_s = 10e-6 * f64::from(channel);
-        let taken: Vec<f64> = (0..400)
-            .map(|k| (TAU * frequency_hz * (f64::from(k) / rate_hz + delay_s)).sin())
-            .collect();
-        let (ours, held) = delayed(&taken, delay_s, rate_hz)?;
-        assert_eq!(held, 1);
-        let interior = 20..380;
-        let away = |series: &[f64]| distance(&series[interior.clone()], &at_tick[interior.clone()]);
-        check_below(
-            "brought to the tick",
-            away(&ours),
-            tolerance::SPLINE_AT_A_TWENTIETH,
-        );
-        // Controls: left alone, and with the wrong sign.
-        let slope = TAU * frequency_hz * delay_s;
-        check_above("left alone", away(&taken), tolerance::LEFT_ALONE * slope);
-        let (wrong, _) = delayed(&taken, -delay_s, rate_hz)?;
-        check_above(
-            "wrong sign",
-            away(&wrong),
-            2.0 * tolerance::LEFT_ALONE * slope,
-        );
-    }
-    Ok(())
-}
-
-#[test]
 fn inv_spline_is_linear_and_knows_no_unit_of_time() -> Result<()> {
     let times = jittered(80, 1000.0, 0.9);
     let wanted = spread(&times, 200);
@@ -415,7 +357,6 @@ fn inv_what_no_spline_goes_through_is_refused() -> Result<()> {
         let short = |result: Result<()>| matches!(result, Err(Error::TooFewSamples { got, .. }) if got == n);
         assert!(short(CubicSpline::even(&values, 1000.0).map(|_| ())));
         assert!(short(CubicSpline::through(&times, &values).map(|_| ())));
-        assert!(short(delayed(&values, 0.0, 1000.0).map(|_| ())));
     }
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         let mut values = record(50, 1000.0);
@@ -425,16 +366,11 @@ fn inv_what_no_spline_goes_through_is_refused() -> Result<()> {
         assert!(named(
             CubicSpline::through(&even(50, 1000.0), &values).map(|_| ())
         ));
-        assert!(named(delayed(&values, 1e-4, 1000.0).map(|_| ())));
     }
     let values = record(50, 1000.0);
     let refused = |result: Result<()>| matches!(result, Err(Error::OutOfRange { .. }));
     for rate_hz in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         assert!(refused(CubicSpline::even(&values, rate_hz).map(|_| ())));
-        assert!(refused(delayed(&values, 0.0, rate_hz).map(|_| ())));
-    }
-    for delay_s in [0.0491, -0.0491, f64::NAN, f64::INFINITY, 1e308] {
-        assert!(refused(delayed(&values, delay_s, 1000.0).map(|_| ())));
     }
     let huge: Vec<f64> = (0..50)
         .map(|k| if k % 2 == 0 { f64::MAX } else { -f64::MAX })

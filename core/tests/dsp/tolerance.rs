@@ -106,8 +106,14 @@ pub const CUBIC_READ: f64 = 1e-14;
 pub const QUARTIC_READ: f64 = 1e-6;
 /// Samples read back at times that were rounded, of the peak: eps times 300 samples times their slope. Measured 4e-15.
 pub const SAMPLE_READ: f64 = 300.0 * f64::EPSILON;
-/// A sine of 1/20 of the sample rate at delays up to 0.08 of a step: below its error halfway. Measured 2.6e-6.
-pub const SPLINE_AT_A_TWENTIETH: f64 = SINE_READ[1].1;
+/// Zero-phase filter over a stream against the whole record, of the peak. Measured 2e-15.
+pub const ZERO_PHASE_STREAM: f64 = 1e-13;
+/// Delay of half a step against the leading term of the error, over the phase's square. Measured 0.21.
+pub const DELAY_LEADING_TERM: f64 = 0.3;
+/// Error in the first step over the one halfway between two samples inside. Measured 4.1: 945/225 halfway.
+pub const DELAY_AT_ENDS: f64 = 5.0;
+/// A sine of 1/20 of the sample rate at delays up to 0.08 of a step: below its error halfway.
+pub const DELAY_AT_A_TWENTIETH: f64 = 4.7e-6;
 /// Error of a delay d left alone, of 2 pi f d, at least: (2 pi f d)^2/24 are missing.
 pub const LEFT_ALONE: f64 = 0.99;
 /// Spline of a sum against the sum of splines, of the peak. Measured 4e-16.

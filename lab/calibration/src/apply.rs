@@ -4,32 +4,29 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | [`trust`] | whether the calibration is one to decouple with |
+//! | [`check_grade`] | whether the calibration is one to decouple with |
 //! | [`setup`] | what is known of one recording: gains, gravity, channels, rate, and from where |
 //! | [`recording`] | nine voltages on one clock from a file, block by block, with what is wrong with them |
-//! | [`stamps`] | time stamps: the rate they say, the gaps they show |
-//! | [`conditioning`] | delays, the amplifier's high-pass, a low-pass, as streams |
-//! | [`low_pass`] | a zero-phase filter with a bounded look ahead |
-//! | [`motion`] | voltages to rows of the answer |
-//! | [`watching`] | the same, with an eye on failing channels |
+//! | [`conditioning_stream`] | delays, the amplifier's high-pass, a low-pass, as streams |
+//! | [`decoding`] | voltages to rows of the answer |
+//! | [`fault_watch`] | the same with the fault monitor |
 //! | [`pipeline`] | the same, with a thread for reading and one for writing |
-//! | [`closed`] | a run that ends as it began, in memory |
-//! | [`live`] | rows in, rows out |
+//! | [`rest_to_rest`] | a whole run in memory, with the rest-to-rest correction |
+//! | [`text_stream`] | rows of text from standard input to rows on standard output |
 //!
 //! The answer to a recording does not depend on how it was cut into blocks nor on the timing of the threads: blocks are cut
 //! anew at fixed samples before anything is computed from them.
 
-pub mod closed;
-pub mod conditioning;
-pub mod live;
-pub mod low_pass;
-pub mod motion;
+pub mod check_grade;
+pub mod conditioning_stream;
+pub mod decoding;
+pub mod fault_watch;
+pub mod rest_to_rest;
+pub mod text_stream;
+
 pub mod pipeline;
 pub mod recording;
 pub mod setup;
-pub mod stamps;
-pub mod trust;
-pub mod watching;
 
 use sixaxis_core::LIMBS;
 

@@ -1,10 +1,11 @@
 //! The result as a file: `calibration.json`, what `sixaxis decouple` reads and a laboratory keeps.
 
+use sixaxis_core::parameter::PARAMETERS;
 use std::path::Path;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sixaxis_core::decouple::uncertainty::{self, PARAMETERS};
+use sixaxis_core::decouple::uncertainty::{self};
 use sixaxis_core::{Gains, Geometry, InertiaPerMass, LIMBS, Parameters, Sensor};
 use sixaxis_recordings::draft::write_atomically;
 

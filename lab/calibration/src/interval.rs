@@ -9,7 +9,7 @@ use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sixaxis_core::decouple::uncertainty::Covariance;
-use sixaxis_core::decouple::uncertainty::parameters::{INERTIA, SCALE};
+use sixaxis_core::parameter::{INERTIA, Parameter, SCALE};
 use sixaxis_core::significance::NORMAL_95;
 use sixaxis_core::{LIMBS, Parameters};
 
@@ -23,8 +23,10 @@ const EVEN_95: f64 = 0.95;
 /// One of the 25 parameters as it is known.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ParameterReport {
-    /// Name as in the paper: `d1`, `s1/m`, `I1/m`, `k/m`.
-    pub name: String,
+    /// By its name in the paper: `d1`, `s1/m`, `I1/m`, `k/m`.
+    #[serde(rename = "name")]
+    #[schemars(with = "String")]
+    pub parameter: Parameter,
     /// Unit of all numbers here.
     pub unit: String,
     /// Estimate. For k/m that is not determined, the design's.
@@ -172,8 +174,7 @@ pub fn report(
     let mut reports = Vec::with_capacity(25);
     for limb in 0..LIMBS {
         reports.push(finish(
-            format!("d{}", limb + 1),
-            "V",
+            Parameter::Drift(limb),
             used.zero_drift_v[limb],
             design.zero_drift_v[limb],
             Some(NORMAL_95 * steps.drift.standard_error_v[limb]),
@@ -188,8 +189,7 @@ pub fn report(
         let value = used.scale_per_mass_per_kg[limb];
         let trials = spread(&left_out.scale_spread, limb);
         reports.push(finish(
-            format!("s{}/m", limb + 1),
-            "1/kg",
+            Parameter::Scale(limb),
             value,
             design.scale_per_mass_per_kg[limb],
             Some(NORMAL_95 * propagated(SCALE.start + limb, error)),
@@ -216,8 +216,7 @@ pub fn report(
         let trials = spread(&left_out.inertia_spread, entry)
             .map(|own| own.hypot(scale_differs * values[entry]));
         reports.push(finish(
-            format!("I{}/m", entry + 1),
-            "m²",
+            Parameter::Inertia(entry),
             values[entry],
             designs[entry],
             Some(NORMAL_95 * propagated(INERTIA.start + entry, errors[entry])),
@@ -230,8 +229,7 @@ pub fn report(
 }
 
 fn finish(
-    name: String,
-    unit: &str,
+    parameter: Parameter,
     estimate: f64,
     design: f64,
     from_noise: Option<f64>,
@@ -242,7 +240,7 @@ fn finish(
     let differs = from_noise.unwrap_or(0.0).max(from_trials.unwrap_or(0.0));
     let same = from_standards.unwrap_or(0.0);
     let half_width = differs.hypot(same);
-    let determined = is_determined(&name, estimate, half_width);
+    let determined = is_determined(parameter, estimate, half_width);
     let dominated_by = if same > differs {
         "class of the standards"
     } else if from_trials > from_noise {
@@ -251,8 +249,8 @@ fn finish(
         "noise"
     };
     ParameterReport {
-        name,
-        unit: unit.to_owned(),
+        parameter,
+        unit: parameter.unit().to_owned(),
         estimate,
         design,
         half_width_95: Some(half_width),
@@ -270,12 +268,8 @@ fn finish(
 }
 
 /// Whether an interval leaves anything known of a parameter other than k/m.
-pub(crate) fn is_determined(name: &str, estimate: f64, half_width: f64) -> bool {
-    // A zero drift or a product of inertia may well be zero.
-    let may_vanish = !["s", "I1", "I2", "I3"]
-        .iter()
-        .any(|start| name.starts_with(start));
-    may_vanish || half_width < NOTHING_KNOWN * estimate.abs()
+pub(crate) fn is_determined(parameter: Parameter, estimate: f64, half_width: f64) -> bool {
+    !parameter.has_size() || half_width < NOTHING_KNOWN * estimate.abs()
 }
 
 /// Relative error of the scale factors at which step 4's minimum begins to mean something: relative motion changes the torques
@@ -289,7 +283,9 @@ pub(crate) const TAP_IT: &str = "k/m cannot be had from this campaign: tap the s
 pub fn put_taps(reports: &mut [ParameterReport], taps: &Taps) {
     let (Some(found), Some(report)) = (
         &taps.stiffness,
-        reports.iter_mut().find(|report| report.name == "k/m"),
+        reports
+            .iter_mut()
+            .find(|report| report.parameter == Parameter::Stiffness),
     ) else {
         return;
     };
@@ -337,8 +333,8 @@ fn stiffness(
         ),
     };
     ParameterReport {
-        name: "k/m".to_owned(),
-        unit: "1/s²".to_owned(),
+        parameter: Parameter::Stiffness,
+        unit: Parameter::Stiffness.unit().to_owned(),
         estimate: used.stiffness_per_mass_per_s2,
         design: design.stiffness_per_mass_per_s2,
         half_width_95: None,

@@ -14,12 +14,13 @@ pub mod reports;
 use misfit::Misfit;
 use nalgebra::SMatrix;
 use rayon::prelude::*;
-use sixaxis_core::identify::joint::estimate::{JointEstimate, PARAMETERS};
+use sixaxis_core::Parameters;
+use sixaxis_core::identify::joint::estimate::JointEstimate;
 use sixaxis_core::identify::joint::robust::USUAL_LIMIT;
 use sixaxis_core::identify::joint::{AtRest, Certificates, Drive, Joint, Known, Record};
 use sixaxis_core::identify::zero_drift::ZeroDrift;
+use sixaxis_core::parameter::PARAMETERS;
 use sixaxis_core::significance::NORMAL_95;
-use sixaxis_core::{LIMBS, Parameters};
 
 use crate::certified::Gain;
 use crate::error::{Error, Result};
@@ -293,15 +294,4 @@ pub fn fit(
         estimate,
         knowledge.accelerometer_gain_limit,
     ))
-}
-
-/// Names of the 25.
-#[must_use]
-pub fn names() -> [String; PARAMETERS] {
-    core::array::from_fn(|p| match p {
-        p if p < LIMBS => format!("d{}", p + 1),
-        p if p < 2 * LIMBS => format!("s{}/m", p - LIMBS + 1),
-        p if p < 2 * LIMBS + 6 => format!("I{}/m", p - 2 * LIMBS + 1),
-        _ => "m/k".to_owned(),
-    })
 }

@@ -7,9 +7,8 @@
 //! | file | holds |
 //! |---|---|
 //! | [`trial`] | one recording in SI units on one clock |
-//! | [`averaged`] | a static record of any length |
 //! | [`load`] | trials from files |
-//! | [`cleaning`] | the preprocessing that the session asks for |
+//! | [`conditioning`] | the preprocessing that the session asks for |
 //! | [`steps`] | the four steps, first pass, repeated, on some of the trials |
 //! | [`iteration`] | steps 2 to 4 repeated until k/m stands still, or it is clear that it will not |
 //! | [`rigid`] | what nine channels should show of a known motion |
@@ -27,11 +26,10 @@
 //! | [`page`] | the pages of a calibration and of a comparison |
 
 pub mod apply;
-pub mod averaged;
 pub mod calibration;
 pub mod certified;
-pub mod cleaning;
 pub mod compare;
+pub mod conditioning;
 pub mod error;
 pub mod interval;
 pub mod iteration;

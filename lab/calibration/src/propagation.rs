@@ -2,7 +2,7 @@
 //!
 //! Noise of the nine channels and of both standards, trial by trial; errors of the standards' gains, the same all day; wedges,
 //! each the same in every trial that it is used in. To first order all of them are linear in what a step's rows lack
-//! ([`sixaxis_core::decouple::uncertainty`]); white noise of raw samples comes to the rows through the transposed cleaning. Held
+//! ([`sixaxis_core::decouple::uncertainty`]); white noise of raw samples comes to the rows through the transposed conditioning. Held
 //! against tens of thousands of simulated campaigns by `props`' suite `propagation`.
 //!
 //! What is not in it: what the model neglects (limbs that give way, 1e-6 of s/m), clocks, wild samples, and whatever
@@ -14,12 +14,13 @@ use rayon::prelude::*;
 use sixaxis_core::decouple::uncertainty::influence::{
     GyroscopeShare, InertiaInfluence, ScaleInfluence,
 };
-use sixaxis_core::decouple::uncertainty::parameters::{Chain, Covariance, DRIFT, Errors};
+use sixaxis_core::decouple::uncertainty::parameters::{Chain, Covariance, Errors};
 use sixaxis_core::dsp::spectrum::noise_floor;
+use sixaxis_core::parameter::DRIFT;
 use sixaxis_core::{LIMBS, Result};
 
 use self::own::{Answers, FourthStep, Own};
-use crate::cleaning::Cleaning;
+use crate::conditioning::Conditioning;
 use crate::steps::{Campaign, FourSteps, rows};
 use sixaxis_recordings::session::{Role, Session};
 
@@ -102,7 +103,7 @@ impl Sources {
 pub fn of_session(
     session: &Session,
     campaign: &Campaign,
-    cleaning: &Cleaning,
+    conditioning: &Conditioning,
     steps: &FourSteps,
 ) -> Option<(Sources, Propagated)> {
     let (accelerometer, gyroscope) = (&session.accelerometer, &session.gyroscope);
@@ -117,7 +118,7 @@ pub fn of_session(
     // Only where the session says so: what the workshop did is in no recording.
     let stated = session.rig.as_ref().and_then(|rig| rig.wedge_deg);
     sources.wedge_rad = stated.unwrap_or(0.0).to_radians();
-    let found = propagate(campaign, cleaning, steps, &sources).ok()?;
+    let found = propagate(campaign, conditioning, steps, &sources).ok()?;
     let finite = found.total().iter().all(|x| x.is_finite());
     finite.then_some((sources, found))
 }
@@ -165,27 +166,32 @@ pub fn gyroscope_share(steps: &FourSteps) -> GyroscopeShare {
     }
 }
 
-/// Carries the sources through steps 1 to 4, as `steps` took them, of a campaign that `cleaning` has cleaned.
+/// Carries the sources through steps 1 to 4, as `steps` took them, of a campaign that `conditioning` has conditioned.
 ///
 /// Without trials of step 4, or with such that do not tell the compliance, its row and column are zero.
 ///
 /// # Errors
-/// Those of the cleaning and of the decoupler. A source list that is shorter than the campaign leaves the last trials
+/// Those of the conditioning and of the decoupler. A source list that is shorter than the campaign leaves the last trials
 /// without noise.
 pub fn propagate(
     campaign: &Campaign,
-    cleaning: &Cleaning,
+    conditioning: &Conditioning,
     steps: &FourSteps,
     sources: &Sources,
 ) -> Result<Propagated> {
     let parameters = steps.found();
     let gain = gyroscope_share(steps);
-    let readings = campaign.of(Role::Angular).flat_map(|(trial, cleaned)| {
-        rows(trial).map(|t| (cleaned.rate_shell_rad_s[t], cleaned.angular_shell_rad_s2[t]))
+    let readings = campaign.of(Role::Angular).flat_map(|(trial, conditioned)| {
+        rows(trial).map(|t| {
+            (
+                conditioned.rate_shell_rad_s[t],
+                conditioned.angular_shell_rad_s2[t],
+            )
+        })
     });
     let answers = Answers {
         geometry: campaign.geometry,
-        cleaning,
+        conditioning,
         parameters: &parameters,
         scale: ScaleInfluence::new(&steps.scale),
         inertia: InertiaInfluence::new(&steps.inertia, gain, readings),
@@ -196,12 +202,12 @@ pub fn propagate(
         .trials
         .par_iter()
         .enumerate()
-        .map(|(index, (trial, cleaned))| {
+        .map(|(index, (trial, conditioned))| {
             let noise = sources.trials.get(index).unwrap_or(&quiet);
             match trial.role {
-                Role::Linear => answers.linear(trial, cleaned, noise).map(Some),
-                Role::Angular => answers.angular(trial, cleaned, noise).map(Some),
-                Role::HighFrequencyLinear => answers.fast_linear(trial, cleaned, noise, index),
+                Role::Linear => answers.linear(trial, conditioned, noise).map(Some),
+                Role::Angular => answers.angular(trial, conditioned, noise).map(Some),
+                Role::HighFrequencyLinear => answers.fast_linear(trial, conditioned, noise, index),
                 Role::Static | Role::Tap | Role::Validation => Ok(None),
             }
         })

@@ -13,7 +13,7 @@ use nalgebra::{DMatrix, DVector};
 use sixaxis_core::LIMBS;
 use sixaxis_core::dsp::differentiate::Differentiator;
 
-use crate::cleaning::Cleaned;
+use crate::conditioning::Conditioned;
 use crate::steps::stride;
 use crate::trial::Trial;
 use sixaxis_recordings::session::Role;
@@ -72,12 +72,16 @@ pub struct Response {
 /// Measures the responses to one trial. `force_n` is what is to be explained: measured forces less what is known of
 /// gravity. None: too short to be fitted, or nothing moves.
 #[must_use]
-pub fn measure(trial: &Trial, cleaned: &Cleaned, force_n: &[[f64; LIMBS]]) -> Option<Response> {
+pub fn measure(
+    trial: &Trial,
+    conditioned: &Conditioned,
+    force_n: &[[f64; LIMBS]],
+) -> Option<Response> {
     let d = trial.direction_ground;
     let along = |v: &[glam::DVec3]| -> Vec<f64> { v.iter().map(|x| x.dot(d)).collect() };
-    let linear = along(&cleaned.linear_ground_m_s2);
-    let angular = along(&cleaned.angular_shell_rad_s2);
-    let rate = along(&cleaned.rate_shell_rad_s);
+    let linear = along(&conditioned.linear_ground_m_s2);
+    let angular = along(&conditioned.angular_shell_rad_s2);
+    let rate = along(&conditioned.rate_shell_rad_s);
     let peak_of = |series: &[f64]| series.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
     let travels = match trial.role {
         Role::Angular => false,

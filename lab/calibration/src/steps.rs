@@ -12,7 +12,7 @@ use sixaxis_core::identify::zero_drift::{self, ZeroDrift};
 use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::{Geometry, LIMBS, LimbLaw, Parameters, Scheme, Sensor, Settings};
 
-use crate::cleaning::Cleaned;
+use crate::conditioning::Conditioned;
 use crate::error::{Error, Result};
 use crate::trial::Trial;
 use sixaxis_recordings::session::Role;
@@ -96,7 +96,7 @@ pub enum GyroscopeGain {
     },
 }
 
-/// A campaign as the analysis has it: trials, cleaned.
+/// A campaign as the analysis has it: trials, conditioned.
 #[derive(Debug, Clone)]
 pub struct Campaign {
     /// The sensor's lengths.
@@ -106,15 +106,15 @@ pub struct Campaign {
     /// Nine voltages at rest, V.
     pub static_voltage_v: Vec<[f64; LIMBS]>,
     /// Trials of all roles but the static one.
-    pub trials: Vec<(Trial, Cleaned)>,
+    pub trials: Vec<(Trial, Conditioned)>,
 }
 
 impl Campaign {
-    pub(crate) fn of(&self, role: Role) -> impl Iterator<Item = (&Trial, &Cleaned)> + Clone {
+    pub(crate) fn of(&self, role: Role) -> impl Iterator<Item = (&Trial, &Conditioned)> + Clone {
         self.trials
             .iter()
             .filter(move |(trial, _)| trial.role == role)
-            .map(|(trial, cleaned)| (trial, cleaned))
+            .map(|(trial, conditioned)| (trial, conditioned))
     }
 
     /// Runs the four steps.
@@ -211,15 +211,15 @@ impl Campaign {
         takes: impl Fn(usize) -> bool,
     ) -> sixaxis_core::Result<ScalePerMass> {
         let mut step = ScaleIdentification::default();
-        for (index, (trial, cleaned)) in self.of(Role::Linear).enumerate() {
+        for (index, (trial, conditioned)) in self.of(Role::Linear).enumerate() {
             if !takes(index) {
                 continue;
             }
             for sample in rows(trial) {
                 let force = trial
                     .gains
-                    .measured_force_n(&cleaned.voltage_v[sample], &drift.drift_v);
-                step.push(&force, cleaned.linear_ground_m_s2[sample])?;
+                    .measured_force_n(&conditioned.voltage_v[sample], &drift.drift_v);
+                step.push(&force, conditioned.linear_ground_m_s2[sample])?;
             }
         }
         step.solve()
@@ -235,16 +235,16 @@ impl Campaign {
         takes: impl Fn(usize) -> bool,
     ) -> sixaxis_core::Result<InertiaIdentification> {
         let mut step = InertiaIdentification::new(self.geometry);
-        for (index, (trial, cleaned)) in self.of(Role::Angular).enumerate() {
+        for (index, (trial, conditioned)) in self.of(Role::Angular).enumerate() {
             if !takes(index) {
                 continue;
             }
             let chain = SignalChain::new(&trial.gains, parameters);
             for sample in rows(trial) {
                 step.push(
-                    &chain.force_per_mass_m_s2(&cleaned.voltage_v[sample]),
-                    cleaned.rate_shell_rad_s[sample],
-                    cleaned.angular_shell_rad_s2[sample],
+                    &chain.force_per_mass_m_s2(&conditioned.voltage_v[sample]),
+                    conditioned.rate_shell_rad_s[sample],
+                    conditioned.angular_shell_rad_s2[sample],
                 )?;
             }
         }
@@ -257,12 +257,12 @@ impl Campaign {
     /// Those of the decoupler; a motion in which w* does not change with the compliance.
     pub fn compliance(&self, parameters: &Parameters) -> sixaxis_core::Result<CompliancePerMass> {
         let mut fit = ComplianceFit::default();
-        for (trial, cleaned) in self.of(Role::HighFrequencyLinear) {
+        for (trial, conditioned) in self.of(Role::HighFrequencyLinear) {
             fit.push_trial(
                 &trial.sensor(self.geometry),
                 parameters,
                 &trial.settings(Scheme::Heun),
-                &cleaned.voltage_v,
+                &conditioned.voltage_v,
                 |_| (),
             )?;
         }
@@ -282,11 +282,16 @@ impl Campaign {
     ) -> sixaxis_core::Result<Curve> {
         let trials: Vec<(Sensor, Settings, Vec<[f64; LIMBS]>)> = self
             .of(Role::HighFrequencyLinear)
-            .map(|(trial, cleaned)| {
+            .map(|(trial, conditioned)| {
                 let mut settings = trial.settings(scheme);
                 settings.sample_rate_hz /= stride as f64;
                 settings.limb_law = limb_law;
-                let rows = cleaned.voltage_v.iter().copied().step_by(stride).collect();
+                let rows = conditioned
+                    .voltage_v
+                    .iter()
+                    .copied()
+                    .step_by(stride)
+                    .collect();
                 (trial.sensor(self.geometry), settings, rows)
             })
             .collect();

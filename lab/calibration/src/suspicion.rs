@@ -27,7 +27,7 @@ use serde::{Deserialize, Serialize};
 use sixaxis_core::identify::zero_drift::{self, ZeroDrift};
 use sixaxis_core::{Geometry, LIMBS, Parameters};
 
-use crate::cleaning::Cleaned;
+use crate::conditioning::Conditioned;
 use crate::response::{self, Response};
 use crate::rigid::{StaticLoadSharing, turned_gravity_m_s2};
 use crate::trial::Trial;
@@ -137,8 +137,8 @@ pub struct Facts<'a> {
 pub struct Suspect<'a> {
     /// As recorded.
     pub trial: &'a Trial,
-    /// As cleaned.
-    pub cleaned: &'a Cleaned,
+    /// As conditioned.
+    pub conditioned: &'a Conditioned,
     /// Measured forces less the zero drift and the expected share of gravity, N.
     pub force_n: Vec<[f64; LIMBS]>,
     /// What each channel shows of it; none where nothing could be fitted.
@@ -167,14 +167,14 @@ pub struct Examination<'a> {
 pub fn examine<'a>(
     facts: &Facts<'_>,
     at_rest: Option<&Trial>,
-    trials: &'a [(Trial, Cleaned)],
+    trials: &'a [(Trial, Conditioned)],
 ) -> Examination<'a> {
     let mut findings = Vec::new();
     let mut suspects: Vec<Suspect<'a>> = trials
         .par_iter()
-        .map(|(trial, cleaned)| Suspect {
+        .map(|(trial, conditioned)| Suspect {
             trial,
-            cleaned,
+            conditioned,
             force_n: Vec::new(),
             response: None,
             excused: [false; LIMBS],
@@ -249,7 +249,7 @@ fn measure(suspects: &mut [Suspect<'_>], drift: Option<&ZeroDrift>, scale: Optio
         let trial = suspect.trial;
         let zero = drift.map_or([0.0; LIMBS], |d| d.drift_v);
         suspect.force_n = suspect
-            .cleaned
+            .conditioned
             .voltage_v
             .iter()
             .map(|row| trial.gains.measured_force_n(row, &zero))
@@ -262,7 +262,7 @@ fn measure(suspects: &mut [Suspect<'_>], drift: Option<&ZeroDrift>, scale: Optio
             for (force, angle) in suspect
                 .force_n
                 .iter_mut()
-                .zip(angles(suspect.cleaned, trial))
+                .zip(angles(suspect.conditioned, trial))
             {
                 let weight = turned_gravity_m_s2(gravity, trial.direction_ground, angle);
                 for (limb, force) in force.iter_mut().enumerate() {
@@ -271,16 +271,16 @@ fn measure(suspects: &mut [Suspect<'_>], drift: Option<&ZeroDrift>, scale: Optio
                 }
             }
         }
-        suspect.response = response::measure(trial, suspect.cleaned, &suspect.force_n);
+        suspect.response = response::measure(trial, suspect.conditioned, &suspect.force_n);
     });
 }
 
 /// Angle turned since the first sample, rad, by the trapezoidal rule.
-fn angles(cleaned: &Cleaned, trial: &Trial) -> impl Iterator<Item = f64> {
+fn angles(conditioned: &Conditioned, trial: &Trial) -> impl Iterator<Item = f64> {
     let step_s = 1.0 / trial.sample_rate_hz;
     let direction = trial.direction_ground;
     let (mut angle, mut before) = (0.0, 0.0);
-    cleaned.rate_shell_rad_s.iter().map(move |rate| {
+    conditioned.rate_shell_rad_s.iter().map(move |rate| {
         let now = rate.dot(direction);
         angle += 0.5 * (before + now) * step_s;
         before = now;

@@ -21,11 +21,12 @@ use grading::{failures, grade, reservations};
 use record::{Kept, to_file};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use sixaxis_core::Parameter;
 use sixaxis_core::Parameters;
 use validation::validate;
 
 use crate::calibration::Calibration;
-use crate::cleaning::Cleaned;
+use crate::conditioning::Conditioned;
 use crate::error::Result;
 use crate::interval::{LeftOut, ParameterReport, put_taps, report};
 use crate::iteration::Iteration;
@@ -145,8 +146,8 @@ pub struct Judgement {
     pub trials: Vec<TrialReport>,
     /// Validation runs in full.
     pub comparisons: Vec<Comparison>,
-    /// Recordings as read and as cleaned, for before and after; the static one last.
-    pub recordings: Vec<(Trial, Option<Cleaned>)>,
+    /// Recordings as read and as conditioned, for before and after; the static one last.
+    pub recordings: Vec<(Trial, Option<Conditioned>)>,
     /// The calibration to be written, if there is one.
     pub calibration: Option<Calibration>,
 }
@@ -192,7 +193,7 @@ pub fn judge_choosing(
         at_rest,
         trials,
         struck,
-        cleaning,
+        conditioning,
         mut findings,
     } = gather(file, watch)?;
     watch.stage("examining", 1);
@@ -242,7 +243,7 @@ pub fn judge_choosing(
         Ok(steps) => {
             let left_out = LeftOut::fit(&campaign, &steps);
             watch.part();
-            propagated = propagation::of_session(&file.session, &campaign, &cleaning, &steps);
+            propagated = propagation::of_session(&file.session, &campaign, &conditioning, &steps);
             let noise = propagated.as_ref().map(|(_, found)| found.noise);
             parameters = report(&file.session, &steps, &left_out, noise.as_ref());
             taps = Taps::identify(
@@ -299,10 +300,10 @@ pub fn judge_choosing(
     }
     let open: Vec<&ParameterReport> = parameters
         .iter()
-        .filter(|p| !p.determined && p.name != "k/m")
+        .filter(|p| !p.determined && p.parameter != Parameter::Stiffness)
         .collect();
     if !open.is_empty() && findings.is_empty() {
-        let names: Vec<&str> = open.iter().map(|p| p.name.as_str()).collect();
+        let names: Vec<String> = open.iter().map(|p| p.parameter.to_string()).collect();
         findings.push(Finding {
             cause: Cause::UnderExcitedAxis,
             recordings: Vec::new(),
@@ -360,10 +361,10 @@ pub fn judge_choosing(
         };
         calibration = Some(to_file(file, kept));
     }
-    let mut recordings: Vec<(Trial, Option<Cleaned>)> = campaign
+    let mut recordings: Vec<(Trial, Option<Conditioned>)> = campaign
         .trials
         .into_iter()
-        .map(|(trial, cleaned)| (trial, Some(cleaned)))
+        .map(|(trial, conditioned)| (trial, Some(conditioned)))
         .collect();
     recordings.extend(at_rest.map(|rest| (rest, None)));
     Ok(Judgement {
@@ -390,7 +391,10 @@ pub fn judge_choosing(
 /// The parameters to decouple with: k/m is the design's unless its report calls it determined, by taps or by step 4.
 fn used(steps: &FourSteps, parameters: &[ParameterReport]) -> Parameters {
     let mut used = steps.used();
-    if let Some(stiffness) = parameters.iter().find(|p| p.name == "k/m") {
+    if let Some(stiffness) = parameters
+        .iter()
+        .find(|p| p.parameter == Parameter::Stiffness)
+    {
         used.stiffness_per_mass_per_s2 = if stiffness.determined {
             stiffness.estimate
         } else {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde_json::{Value, json};
 use sixaxis_calibration::Error;
-use sixaxis_calibration::apply::setup::{Said, Setup};
+use sixaxis_calibration::apply::setup::{Overrides, Setup};
 use sixaxis_calibration::calibration::Calibration;
 
 /// Corner of a charge amplifier, Hz.
@@ -64,8 +64,9 @@ fn refusal(name: &str, file: &Value) -> (String, String) {
 fn regress_the_high_pass_needs_no_session_text() {
     for corner_hz in [Some(CORNER_HZ), None] {
         let calibration = read("value", &file(json!(corner_hz))).expect("it can be read");
-        let setup = Setup::new(&calibration, None, None, &Said::default()).expect("it is set up");
-        assert_eq!(setup.wishes.amplifier_high_pass_hz, corner_hz);
+        let setup =
+            Setup::new(&calibration, None, None, &Overrides::default()).expect("it is set up");
+        assert_eq!(setup.conditioning.amplifier_high_pass_hz, corner_hz);
     }
 }
 

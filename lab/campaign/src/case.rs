@@ -1,4 +1,4 @@
-//! One seeded calibration without files: played, cleaned, four steps, a row.
+//! One seeded calibration without files: played, conditioned, four steps, a row.
 //!
 //! Equals what [`sixaxis_calibration::verdict::judge`] makes of the same session on disk, bit for bit, where the files keep
 //! every bit of an f64 (test `inv_a_case_is_what_judge_finds_on_disk`).
@@ -10,12 +10,12 @@ use sixaxis_calibration::steps::{FourSteps, GyroscopeGain};
 use sixaxis_calibration::tap::Taps;
 use sixaxis_core::decouple::uncertainty::Covariance;
 use sixaxis_core::identify::{Reason, Verdict};
+use sixaxis_core::parameter::PARAMETERS;
 use sixaxis_recordings::session::Session;
 use sixaxis_reference::session::plan::SessionPlan;
 use sixaxis_reference::session::play::{Played, PlayedSession, play};
 
 use crate::collected::{Collected, Failure, collect};
-use crate::parameter::{PARAMETERS, values};
 use crate::row::{Group, Row, Scalar, Status, Text, Values};
 
 /// Plays and calibrates the session of a plan with this seed. What fails is a row, too.
@@ -45,7 +45,7 @@ pub fn calibrate(plan: &SessionPlan, seed: u64) -> Row {
             .as_ref()
             .map_or_else(|failure| failure.status, |_| Status::Calibrated),
     );
-    row.set_group(Group::Truth, values(&truth.parameters).map(Some));
+    row.set_group(Group::Truth, truth.parameters.to_paper_order().map(Some));
     row.set_scalar(
         Scalar::AccelerometerGainError,
         truth.instruments.accelerometer_gain_error,
@@ -89,7 +89,7 @@ fn identify(session: &Session, recordings: Vec<Played>) -> Result<Found, Failure
     let Collected {
         campaign,
         taps: struck,
-        cleaning,
+        conditioning,
     } = collect(session, recordings)?;
     let class = session.gyroscope.class_percent / 100.0;
     let steps = campaign
@@ -98,7 +98,7 @@ fn identify(session: &Session, recordings: Vec<Played>) -> Result<Found, Failure
             status: Status::NotIdentified,
             cause: error.to_string(),
         })?;
-    let propagated = propagation::of_session(session, &campaign, &cleaning, &steps);
+    let propagated = propagation::of_session(session, &campaign, &conditioning, &steps);
     let noise = propagated.map(|(_, found)| found.noise);
     let left_out = LeftOut::fit(&campaign, &steps);
     let mut reports = report(session, &steps, &left_out, noise.as_ref());
@@ -126,7 +126,7 @@ fn identify(session: &Session, recordings: Vec<Played>) -> Result<Found, Failure
 impl Found {
     fn enter(&self, row: &mut Row) {
         let steps = &self.steps;
-        row.set_group(Group::FourSteps, values(&steps.found()).map(Some));
+        row.set_group(Group::FourSteps, steps.found().to_paper_order().map(Some));
         if let Some(noise) = &self.noise {
             // k/m is no linear function of anything: the closed form has its reciprocal.
             let deviation = |i: usize| (i < PARAMETERS - 1).then(|| noise[(i, i)].sqrt());

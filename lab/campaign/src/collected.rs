@@ -1,11 +1,11 @@
-//! A played session as the analysis has it: its recordings as trials, cleaned, without a detour by files.
+//! A played session as the analysis has it: its recordings as trials, conditioned, without a detour by files.
 
 use rayon::prelude::*;
-use sixaxis_calibration::averaged::Averaged;
-use sixaxis_calibration::cleaning::{Cleaned, Cleaning};
+use sixaxis_calibration::conditioning::{Conditioned, Conditioning};
 use sixaxis_calibration::steps::Campaign;
 use sixaxis_calibration::trial::{Readings, Trial};
-use sixaxis_recordings::session::{Role, Session};
+use sixaxis_recordings::ingest::averaged::Averaged;
+use sixaxis_recordings::session::{LIMBS, Role, Session};
 use sixaxis_reference::session::play::Played;
 
 use crate::row::Status;
@@ -13,12 +13,12 @@ use crate::row::Status;
 /// What a laboratory has of a session.
 #[derive(Debug, Clone)]
 pub struct Collected {
-    /// Trials of steps 2 to 4, cleaned, and the static record.
+    /// Trials of steps 2 to 4, conditioned, and the static record.
     pub campaign: Campaign,
     /// Taps.
     pub taps: Vec<Trial>,
-    /// The cleaning that was done.
-    pub cleaning: Cleaning,
+    /// The conditioning that was done.
+    pub conditioning: Conditioning,
 }
 
 /// Why there are no parameters.
@@ -33,9 +33,9 @@ pub struct Failure {
 /// Sorts a session's recordings by what they are for and cleans those of steps 2 to 4.
 ///
 /// # Errors
-/// The first recording that cannot be cleaned.
+/// The first recording that cannot be conditioned.
 pub fn collect(session: &Session, recordings: Vec<Played>) -> Result<Collected, Failure> {
-    let cleaning = Cleaning::of(session);
+    let conditioning = Conditioning::of(session);
     let mut static_voltage_v = Vec::new();
     let mut moving = Vec::new();
     let mut struck = Vec::new();
@@ -52,13 +52,13 @@ pub fn collect(session: &Session, recordings: Vec<Played>) -> Result<Collected, 
         .into_par_iter()
         .map(|recording| {
             let trial = trial(session, recording);
-            let cleaned = cleaning.clean(&trial).map_err(|error| Failure {
+            let conditioned = conditioning.condition(&trial).map_err(|error| Failure {
                 status: Status::NotCleaned,
                 cause: format!("{}: {error}", trial.name),
             })?;
-            Ok((trial, cleaned))
+            Ok((trial, conditioned))
         })
-        .collect::<Result<Vec<(Trial, Cleaned)>, Failure>>()?;
+        .collect::<Result<Vec<(Trial, Conditioned)>, Failure>>()?;
     let campaign = Campaign {
         geometry: session.sensor.geometry(),
         design: session.sensor.design(),
@@ -68,16 +68,21 @@ pub fn collect(session: &Session, recordings: Vec<Played>) -> Result<Collected, 
     Ok(Collected {
         campaign,
         taps: struck,
-        cleaning,
+        conditioning,
     })
 }
 
-fn at_rest(recording: &Played) -> Vec<[f64; sixaxis_core::LIMBS]> {
-    let mut averaged = Averaged::default();
+fn at_rest(recording: &Played) -> Vec<[f64; LIMBS]> {
+    let mut averaged: [Averaged; LIMBS] = Default::default();
     for row in &recording.voltage_v {
-        averaged.push(row);
+        for (averaged, voltage_v) in averaged.iter_mut().zip(row) {
+            averaged.push(*voltage_v);
+        }
     }
-    averaged.finish(recording.sample_rate_hz).voltage_v
+    let columns = averaged.map(Averaged::finish);
+    (0..columns[0].len())
+        .map(|row| core::array::from_fn(|limb| columns[limb][row]))
+        .collect()
 }
 
 fn trial(session: &Session, recording: Played) -> Trial {

@@ -8,7 +8,7 @@
 //! | [`plan`] | what is varied, which seeds, which shard of them |
 //! | [`collected`] | a played session as the analysis has it |
 //! | [`case`] | one calibration |
-//! | [`parameter`], [`row`] | what is kept of it |
+//! | [`row`] | what is kept of it |
 //! | [`part`] | a few dozen rows in a Parquet file that is there whole or not at all |
 //! | [`folder`] | the parts of a campaign side by side |
 //! | [`run`] | seeds that no part has yet, worked off by all cores |
@@ -21,7 +21,6 @@ pub mod case;
 pub mod collected;
 pub mod error;
 pub mod folder;
-pub mod parameter;
 pub mod part;
 pub mod plan;
 pub mod row;

@@ -5,8 +5,8 @@ mod common;
 use common::{Folder, small};
 use sixaxis_calibration::verdict::{Judgement, Unwatched, judge};
 use sixaxis_campaign::case::calibrate;
-use sixaxis_campaign::parameter::{PARAMETERS, name, values};
 use sixaxis_campaign::row::{Group, Row, Scalar, Status, Text, Values};
+use sixaxis_core::parameter::{PARAMETERS, Parameter};
 use sixaxis_recordings::session::SessionFile;
 use sixaxis_reference::rig::Mounting;
 use sixaxis_reference::session::plan::SessionPlan;
@@ -57,7 +57,7 @@ fn bits(values: &Values) -> Vec<Option<u64>> {
 fn group_on_disk(judgement: &Judgement, group: Group) -> Values {
     let steps = judgement.steps.as_ref().expect("the steps were done");
     match group {
-        Group::FourSteps => values(&steps.found()).map(Some),
+        Group::FourSteps => steps.found().to_paper_order().map(Some),
         Group::FourStepsStandardError => {
             let calibration = judgement.calibration.as_ref().expect("there is one");
             let propagated = calibration.covariance.propagated.as_ref();
@@ -67,8 +67,8 @@ fn group_on_disk(judgement: &Judgement, group: Group) -> Values {
         _ => core::array::from_fn(|i| {
             let report = &judgement.parameters[i];
             assert_eq!(
-                report.name,
-                name(i),
+                Some(report.parameter),
+                Parameter::at(i),
                 "columns are in the order of the report"
             );
             report.half_width_95
@@ -125,7 +125,7 @@ fn prop_truth_is_the_players_and_no_estimate() {
     let row: Row = calibrate(&small(), 5);
     assert_eq!(row.status(), Some(Status::Calibrated));
     let truth = SessionPlan { seed: 5, ..small() }.parameters();
-    assert_eq!(row.group(Group::Truth), &values(&truth).map(Some));
+    assert_eq!(row.group(Group::Truth), &truth.to_paper_order().map(Some));
     assert_ne!(row.group(Group::Truth), row.group(Group::FourSteps));
     // A fit of its own, not a copy; and told the gain it finds something else again.
     for i in 9..24 {

@@ -73,23 +73,21 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// Index of a channel by name: as written, or else regardless of case if only one fits.
+    /// Index of a channel by name: as written; or else regardless of case, or without the group of a TDMS name, if only one
+    /// fits.
     #[must_use]
     pub fn position(&self, name: &str) -> Option<usize> {
         self.channels
             .iter()
             .position(|c| c.name == name)
-            .or_else(|| {
-                let mut fitting = self
-                    .channels
-                    .iter()
-                    .enumerate()
-                    .filter(|(_, c)| c.name.eq_ignore_ascii_case(name));
-                match (fitting.next(), fitting.next()) {
-                    (Some((index, _)), None) => Some(index),
-                    _ => None,
-                }
-            })
+            .or_else(|| self.only(|own| own.eq_ignore_ascii_case(name)))
+            .or_else(|| self.only(|own| own.rsplit('/').next() == Some(name)))
+    }
+
+    /// Index of the only channel whose name fits.
+    fn only(&self, fits: impl Fn(&str) -> bool) -> Option<usize> {
+        let mut fitting = (0..self.channels.len()).filter(|k| fits(&self.channels[*k].name));
+        fitting.next().filter(|_| fitting.next().is_none())
     }
 
     /// The error for a channel of this file that is not there. It names those that are.

@@ -46,7 +46,7 @@ pub enum Error {
     },
     /// Its name says nothing that is known, nor do its first bytes.
     #[error(
-        "{}: unknown kind of file; known are .csv, .txt, .tsv (also .gz), .tdms, .parquet, .npy, .npz and .mat",
+        "{}: unknown kind of file; known are .csv, .txt, .tsv (also .gz), .tdms, .parquet, .npy, .npz, .h5 and .mat",
         path.display()
     )]
     UnknownFormat {
@@ -104,6 +104,38 @@ pub enum Error {
         channel: String,
         /// What is wrong, and what would be right.
         cause: String,
+    },
+    /// A sample that nothing can be computed from: a value that is not finite, a time stamp that is no clock's.
+    #[error("{}: channel {channel:?}, sample {sample}: {cause}", path.display())]
+    Sample {
+        /// The recording.
+        path: PathBuf,
+        /// The channel.
+        channel: String,
+        /// The sample, from 0.
+        sample: u64,
+        /// What is wrong, and what to do.
+        cause: String,
+    },
+    /// A recording of too few samples.
+    #[error("{}: {samples} samples{which}; {needed} are needed", path.display())]
+    TooShort {
+        /// The recording.
+        path: PathBuf,
+        /// Fewest samples that are accepted.
+        needed: usize,
+        /// Its samples.
+        samples: usize,
+        /// Which of its samples are counted, if not all.
+        which: &'static str,
+    },
+    /// A recording that cannot be brought to an even clock.
+    #[error("{}: {source}", path.display())]
+    Resampling {
+        /// The recording.
+        path: PathBuf,
+        /// Why.
+        source: Box<sixaxis_core::Error>,
     },
     /// A session file has a value that is impossible.
     #[error("{}{}: {key}: {cause}", path.display(), line.map(|l| format!(", line {l}")).unwrap_or_default())]

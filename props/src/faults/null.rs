@@ -3,7 +3,7 @@
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use sixaxis_core::LIMBS;
 use sixaxis_core::redundancy::fault::moments::Moments;
 use sixaxis_core::redundancy::fault::{Detector, RowNoise};
@@ -16,7 +16,7 @@ const STREAM: u128 = 73;
 const CURVE_STREAM: u128 = 74;
 
 /// Alarms counted over a rate asked for.
-#[derive(Debug, Clone, Copy, Serialize)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub struct FalseAlarms {
     /// Asked for, per sample.
     pub rate_per_sample: f64,
@@ -83,7 +83,7 @@ pub fn false_alarms(
 }
 
 /// Operating curve of the test of a mean.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Curve {
     /// Samples of the window; 1: a sample by itself.
     pub window: u64,

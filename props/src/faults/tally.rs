@@ -1,7 +1,7 @@
 //! Trials by the hundred, counted.
 
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use sixaxis_core::LIMBS;
 use sixaxis_core::limb_set::LimbSet;
 use sixaxis_core::redundancy::fault::Kind;
@@ -13,7 +13,7 @@ use super::{Fault, Name, Outcome, trial};
 pub const WITHIN: [u64; 5] = [1, 8, 64, 512, 4096];
 
 /// One kind at one size, every limb as often.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Tally {
     /// Kind.
     pub kind: Name,
@@ -36,7 +36,7 @@ pub struct Tally {
 }
 
 /// Right, wrong, neither.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Counts {
     /// Right.
     pub right: usize,
@@ -70,7 +70,7 @@ impl Counts {
 }
 
 /// One class over all kinds.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct OfClass {
     /// Numbers of its limbs.
     pub limbs: Vec<usize>,

@@ -2,12 +2,13 @@
 
 use nalgebra::{SMatrix, SVector};
 use rayon::prelude::*;
-use sixaxis_calibration::cleaning::Cleaning;
+use sixaxis_calibration::conditioning::Conditioning;
 use sixaxis_calibration::propagation::{Propagated, Sources, propagate};
 use sixaxis_calibration::steps::{Campaign, GyroscopeGain};
 use sixaxis_calibration::trial::Trial;
 use sixaxis_core::decouple::uncertainty::parameters::Covariance;
-use sixaxis_core::decouple::uncertainty::{ChannelNoise, PARAMETERS, SampleUncertainty, Spread};
+use sixaxis_core::decouple::uncertainty::{ChannelNoise, SampleUncertainty, Spread};
+use sixaxis_core::parameter::PARAMETERS;
 use sixaxis_core::{Geometry, LIMBS, Scheme};
 
 use super::{World, calibrate, identified};
@@ -145,7 +146,7 @@ impl ClosedForm {
     #[must_use]
     pub fn of(world: &World, sources: &Sources, seed: u64) -> Self {
         let (campaign, compound) = world.draw(sources, seed);
-        let propagated = of_campaign(&campaign, &world.cleaning, sources);
+        let propagated = of_campaign(&campaign, &world.conditioning, sources);
         let (parameters, _) = identified(&campaign);
         let noise = ChannelNoise::white([world.noise_v; LIMBS]);
         let (accelerations, attitude_rad) = compound
@@ -183,11 +184,16 @@ impl ClosedForm {
 /// # Panics
 /// If a step refuses.
 #[must_use]
-pub fn of_campaign(campaign: &Campaign, cleaning: &Cleaning, sources: &Sources) -> Propagated {
+pub fn of_campaign(
+    campaign: &Campaign,
+    conditioning: &Conditioning,
+    sources: &Sources,
+) -> Propagated {
     let steps = campaign
         .identify(GyroscopeGain::Trusted)
         .expect("the four steps are possible");
-    propagate(campaign, cleaning, &steps, sources).expect("what can be cleaned can be propagated")
+    propagate(campaign, conditioning, &steps, sources)
+        .expect("what can be conditioned can be propagated")
 }
 
 fn six(spread: &Spread) -> [f64; AXES] {

@@ -6,8 +6,8 @@ use proptest::prelude::*;
 use sixaxis_core::model::STIFFNESS_PER_MASS_RANGE_PER_S2;
 use sixaxis_core::paper::limb_stream::LimbStream;
 use sixaxis_core::{
-    Decoupler, Error, Gains, Geometry, InertiaPerMass, LIMBS, Parameters, Result, Scheme, Sensor,
-    Settings, SixAxis, StaticResponse,
+    Decoupler, Error, Gains, Geometry, InertiaPerMass, LIMBS, Model, Parameters, Result, Scheme,
+    Sensor, Settings, SixAxis, StaticResponse,
 };
 use sixaxis_props::compare::all_finite;
 use sixaxis_props::hostile::{INERTIA, hostile_setup, record, remembering};
@@ -167,7 +167,8 @@ proptest! {
         rows in record::<LIMBS>(8),
     ) {
         let (sensor, parameters, settings) = setup;
-        let Ok(mut stream) = LimbStream::new(&sensor, &parameters, &settings) else {
+        let model = Model::new(&sensor, &parameters, &settings);
+        let Ok(mut stream) = model.and_then(|model| LimbStream::new(&model)) else {
             return Ok(());
         };
         prop_assert!(all_finite(stream.geometry()) && all_finite(stream.preload_m_s2()));
@@ -193,7 +194,9 @@ proptest! {
     ) {
         let settings = Settings { scheme, ..Settings::new(10.0_f64.powf(rate_exponent)) };
         let parameters = paper::design_parameters();
-        let mut stream = LimbStream::new(&sensor(), &parameters, &settings).expect("sound");
+        let mut stream = Model::new(&sensor(), &parameters, &settings)
+            .and_then(|model| LimbStream::new(&model))
+            .expect("sound");
         let decoupler = Decoupler::new(&sensor(), &parameters, &settings).expect("sound");
         let rows: Vec<_> = volts.iter().map(|v| [-(10.0_f64.powf(*v)); LIMBS]).collect();
         for row in &rows {

@@ -3,9 +3,9 @@
 
 use proptest::prelude::*;
 use sixaxis_core::dsp::butterworth::{self, Section};
+use sixaxis_core::dsp::causal::SectionsState;
 use sixaxis_core::dsp::differentiate::Differentiator;
 use sixaxis_core::dsp::lag::{FirstOrder, undo_high_pass, undo_low_pass};
-use sixaxis_core::dsp::stream::SectionsState;
 use sixaxis_core::dsp::zero_phase::{padding, zero_phase};
 use sixaxis_core::dsp::{detrend, each_channel, outlier};
 use sixaxis_core::{Error, Result};

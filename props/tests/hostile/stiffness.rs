@@ -3,14 +3,14 @@
 use glam::DVec3;
 use proptest::prelude::*;
 use sixaxis_core::identify::stiffness;
-use sixaxis_core::paper::pose::RelativeMotion;
+use sixaxis_core::paper::dynamics::{Instant, MassInertia};
+use sixaxis_core::paper::relative_motion::RelativeMotion;
 use sixaxis_core::paper::wrench::LimbWrench;
 use sixaxis_core::{
     Error, Gains, Geometry, InertiaPerMass, LIMBS, Parameters, Scheme, Sensor, Settings,
 };
 use sixaxis_props::compare::all_finite;
 use sixaxis_props::hostile::{extreme, hostile, hostile_setup, record, remembering};
-use sixaxis_props::printed::{Instant, MassInertia};
 use sixaxis_reference::paper;
 
 proptest! {

@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use sixaxis_calibration::cleaning::Cleaning;
+use sixaxis_calibration::conditioning::Conditioning;
 use sixaxis_calibration::iteration::{Criterion, End};
 use sixaxis_calibration::steps::{Campaign, FourSteps, GyroscopeGain};
 use sixaxis_core::Geometry;
@@ -24,7 +24,7 @@ fn played() -> &'static (Campaign, FourSteps) {
     PLAYED.get_or_init(|| {
         let truth = paper::identified_parameters();
         let laboratory = Laboratory::noise_free(truth);
-        let cleaning = Cleaning {
+        let conditioning = Conditioning {
             stages: Preprocessing {
                 low_pass: Stage::Switch(false),
                 ..Preprocessing::default()
@@ -43,8 +43,8 @@ fn played() -> &'static (Campaign, FourSteps) {
                 let run = simulate_trial(&truth, mode, frequency_hz, direction);
                 rest = run.limb_force_per_mass_m_s2[0];
                 let trial = laboratory.record(&run, 0).trial(role);
-                let cleaned = cleaning.clean(&trial).expect("a sound recording");
-                trials.push((trial, cleaned));
+                let conditioned = conditioning.condition(&trial).expect("a sound recording");
+                trials.push((trial, conditioned));
             }
         }
         let campaign = Campaign {
@@ -117,8 +117,8 @@ fn prop_too_few_passes_are_not_called_converged() {
 fn prop_a_drift_error_ends_it_with_a_verdict() {
     let (campaign, first) = played();
     let mut drifted = campaign.clone();
-    for (trial, cleaned) in &mut drifted.trials {
-        for row in &mut cleaned.voltage_v {
+    for (trial, conditioned) in &mut drifted.trials {
+        for row in &mut conditioned.voltage_v {
             row[1] += DRIFT_OVER_FULL_SCALE * trial.full_scale_v;
         }
     }

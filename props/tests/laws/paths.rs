@@ -7,17 +7,19 @@ use glam::DVec3;
 use proptest::prelude::*;
 use sixaxis_core::decouple::lanes::push_lanes;
 use sixaxis_core::decouple::record::Accelerations;
-use sixaxis_core::kernel::constants::{Constants, to_kernel_order};
+use sixaxis_core::kernel::constants::Constants;
+use sixaxis_core::kernel::order::to_kernel_order;
 use sixaxis_core::kernel::placement::{self, LimbLoad};
 use sixaxis_core::kernel::simd::LANES;
 use sixaxis_core::kernel::vec3::Vec3;
+use sixaxis_core::paper::RateVariable;
 use sixaxis_core::{
-    Decoupler, Error, Gains, Geometry, LIMBS, Parameters, Scheme, Sensor, Settings, StaticResponse,
+    Decoupler, Error, Gains, Geometry, LIMBS, Model, Parameters, Scheme, Sensor, Settings,
+    StaticResponse,
 };
 use sixaxis_props::compare::largest;
 use sixaxis_props::evidence::Row;
 use sixaxis_props::manufactured::motion::Manufactured;
-use sixaxis_props::printed;
 use sixaxis_props::rig_runs;
 use sixaxis_props::strategy::{config, manufactured, parameters};
 use sixaxis_props::tolerance::{self, Tolerance};
@@ -190,7 +192,9 @@ proptest! {
         log_size in -3.0..-2.0_f64,
     ) {
         let sensor = Sensor { geometry: Geometry::PAPER, gains: Gains::uniform(1.0) };
-        let constants = Constants::new(&sensor, &parameters, &Settings::new(1e4)).expect("sound");
+        let constants = Model::new(&sensor, &parameters, &Settings::new(1e4))
+            .and_then(|model| Constants::new(&model))
+            .expect("sound");
         let norm = strain.iter().map(|x| x * x).sum::<f64>().sqrt();
         prop_assume!(norm > 0.1);
         let size = 10.0_f64.powf(log_size) / norm;
@@ -266,15 +270,13 @@ proptest! {
 fn ref_the_paths_are_the_printed_formulas() {
     let case = Case::rig(Scheme::Heun);
     assert!(case.voltage_v.len() > 10_000, "a long run");
-    let printed: Vec<Accelerations> = printed::decouple(
-        &case.sensor,
-        &case.parameters,
-        &case.settings,
-        &case.voltage_v,
-    )
-    .into_iter()
-    .map(|[a, w]| six(a, w))
-    .collect();
+    let model = Model::new(&case.sensor, &case.parameters, &case.settings).expect("sound");
+    let printed: Vec<Accelerations> =
+        sixaxis_core::paper::decouple(&model, RateVariable::Mass, &case.voltage_v)
+            .expect("sound samples")
+            .into_iter()
+            .map(|s| six(s.linear_ground_m_s2, s.angular_ground_rad_s2))
+            .collect();
     for (what, answers) in [
         ("stream", case.stream()),
         ("record", case.record(0, false)),

@@ -2,6 +2,7 @@
 //!
 //! `SIXAXIS_PROPAGATION=20000` draws so many campaigns; the example `propagation` prints and publishes them.
 
+use sixaxis_core::parameter::{COMPLIANCE, INERTIA, PARAMETERS, SCALE};
 use std::sync::LazyLock;
 
 use glam::DVec3;
@@ -9,8 +10,8 @@ use nalgebra::SVector;
 use rayon::prelude::*;
 use sixaxis_calibration::propagation::{Sources, TrialNoise, propagate};
 use sixaxis_calibration::steps::{Campaign, GyroscopeGain};
-use sixaxis_core::decouple::uncertainty::parameters::{COMPLIANCE, Covariance, INERTIA, SCALE};
-use sixaxis_core::decouple::uncertainty::{ChannelNoise, PARAMETERS, SampleUncertainty};
+use sixaxis_core::decouple::uncertainty::parameters::Covariance;
+use sixaxis_core::decouple::uncertainty::{ChannelNoise, SampleUncertainty};
 use sixaxis_core::identify::compliance_fit::ComplianceFit;
 use sixaxis_core::{Error, Geometry, LIMBS, Scheme};
 use sixaxis_props::compare::{fails_clearly, largest, within};
@@ -82,7 +83,7 @@ fn prop_drawn_campaigns_scatter_as_the_closed_form_says() {
 #[test]
 fn prop_step_3_without_step_2s_error_is_too_sure_of_itself() {
     // Torques carry the scale factors; the accelerometer's gain reaches the inertias in no other way.
-    let closed = of_campaign(&WORLD.clean, &WORLD.cleaning, &WORLD.sources);
+    let closed = of_campaign(&WORLD.clean, &WORLD.conditioning, &WORLD.sources);
     let whole = closed.noise;
     let cut = closed
         .chain
@@ -118,9 +119,12 @@ fn changed(
     change: impl Fn(&mut sixaxis_calibration::trial::Trial),
 ) -> Campaign {
     let mut campaign = campaign.clone();
-    let (own, cleaned) = &mut campaign.trials[trial];
+    let (own, conditioned) = &mut campaign.trials[trial];
     change(own);
-    *cleaned = WORLD.cleaning.clean(own).expect("a changed trial cleans");
+    *conditioned = WORLD
+        .conditioning
+        .condition(own)
+        .expect("a changed trial cleans");
     campaign
 }
 
@@ -137,7 +141,7 @@ fn quiet() -> Sources {
 #[test]
 fn prop_influences_are_derivatives_of_the_whole_pipeline() {
     // One source after the other: unit noise of one series of one trial. Its covariance must be the sum over raw samples of
-    // products of derivatives of everything that happens to a sample: cleaning, rows, four steps.
+    // products of derivatives of everything that happens to a sample: conditioning, rows, four steps.
     type Change = fn(&mut sixaxis_calibration::trial::Trial, usize, f64);
     type Source = fn(&mut TrialNoise);
     let kinds: [(&str, Role, Change, Source); 5] = [
@@ -182,7 +186,7 @@ fn prop_influences_are_derivatives_of_the_whole_pipeline() {
             .expect("the campaign has all steps");
         let mut sources = quiet();
         source(&mut sources.trials[trial]);
-        let ours = of_campaign(&WORLD.clean, &WORLD.cleaning, &sources).noise;
+        let ours = of_campaign(&WORLD.clean, &WORLD.conditioning, &sources).noise;
         let samples = WORLD.clean.trials[trial].0.voltage_v.len();
         let derivatives: Vec<SVector<f64, PARAMETERS>> = (0..samples)
             .into_par_iter()
@@ -244,16 +248,19 @@ fn prop_gains_act_as_derivatives_say_whoever_judges_the_gyroscope() {
             .clean
             .identify(gyroscope)
             .expect("the steps are possible");
-        let ours = propagate(&WORLD.clean, &WORLD.cleaning, &steps, &quiet())
+        let ours = propagate(&WORLD.clean, &WORLD.conditioning, &steps, &quiet())
             .expect("the campaign is clean")
             .per_gain;
         for (standard, ours) in ours.iter().enumerate() {
             let scaled = |by: f64| {
                 let mut campaign = WORLD.clean.clone();
-                for (trial, cleaned) in &mut campaign.trials {
+                for (trial, conditioned) in &mut campaign.trials {
                     let series = [&mut trial.accelerometer_m_s2, &mut trial.gyroscope_rad_s];
                     series[standard].iter_mut().for_each(|x| *x *= 1.0 + by);
-                    *cleaned = WORLD.cleaning.clean(trial).expect("a scaled trial cleans");
+                    *conditioned = WORLD
+                        .conditioning
+                        .condition(trial)
+                        .expect("a scaled trial cleans");
                 }
                 found(&campaign)
             };
@@ -277,8 +284,8 @@ const GAIN_PROBE: f64 = 1e-4;
 
 #[test]
 fn inv_doubled_errors_double_deviations() {
-    let once = of_campaign(&WORLD.clean, &WORLD.cleaning, &WORLD.sources);
-    let twice = of_campaign(&WORLD.clean, &WORLD.cleaning, &WORLD.times(2.0).sources);
+    let once = of_campaign(&WORLD.clean, &WORLD.conditioning, &WORLD.sources);
+    let twice = of_campaign(&WORLD.clean, &WORLD.conditioning, &WORLD.times(2.0).sources);
     for (once, twice) in [
         (once.noise, twice.noise),
         (once.standards, twice.standards),

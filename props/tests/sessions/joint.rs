@@ -3,9 +3,9 @@
 
 use rayon::prelude::*;
 use sixaxis_calibration::joint::{Knowledge, at_rest, record};
-use sixaxis_campaign::parameter::PARAMETERS;
 use sixaxis_core::identify::joint::robust::USUAL_LIMIT;
 use sixaxis_core::identify::joint::{AtRest, Certificates, Drive, Joint, Record};
+use sixaxis_core::parameter::PARAMETERS;
 use sixaxis_core::{Error, Gains, Geometry, LIMBS, Parameters};
 use sixaxis_props::compare::largest;
 use sixaxis_props::compare::within;

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use sixaxis_calibration::verdict::{Grade, Judgement, Unwatched, judge};
 use sixaxis_core::LIMBS;
+use sixaxis_core::Parameter;
 use sixaxis_props::compare::within;
 use sixaxis_props::evidence::Row;
 use sixaxis_props::strategy::seed;
@@ -55,7 +56,7 @@ fn ref_a_session_with_taps_determines_stiffness_and_changes_nothing_else() {
         judgement
             .parameters
             .iter()
-            .find(|p| p.name == "k/m")
+            .find(|p| p.parameter == Parameter::Stiffness)
             .expect("k/m is reported")
             .clone()
     };

@@ -8,7 +8,7 @@ use sixaxis_calibration::propagation::of_session;
 use sixaxis_calibration::steps::GyroscopeGain;
 use sixaxis_campaign::collected::collect;
 use sixaxis_core::LIMBS;
-use sixaxis_core::decouple::uncertainty::parameters::SCALE;
+use sixaxis_core::parameter::SCALE;
 use sixaxis_core::redundancy::self_calibration::{PerLimbs, StiffnessTest};
 use sixaxis_props::compare::{largest, within};
 use sixaxis_props::joint::small;
@@ -46,7 +46,7 @@ fn tested(seed: u64, spread: f64, wedge_deg: f64) -> (StiffnessTest, [f64; LIMBS
     let (_, known) = of_session(
         &played.session,
         &collected.campaign,
-        &collected.cleaning,
+        &collected.conditioning,
         &steps,
     )
     .expect("errors that can be told");

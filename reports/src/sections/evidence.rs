@@ -16,10 +16,11 @@ use std::fmt::Display;
 use anyhow::Result;
 use serde::Serialize;
 use sixaxis_page::figure::NEUTRAL;
+use sixaxis_page::number::count;
 use sixaxis_page::{Axis, Cell, Figure, Mark, Section, Series, State, Table, Text};
 use sixaxis_props::evidence::Row;
 
-use cells::{count, error, limit, margin, reason, words};
+use cells::{error, limit, margin, reason, words};
 use quantity::Quantity;
 
 /// More rows beyond their limits than this are counted only.
@@ -128,7 +129,7 @@ fn broken(controls: &[&Row]) -> Table {
     });
     Table::of("what is compared", least, |(row, ..)| row.quantity.clone())
         .text("suite", |(row, ..)| words(&row.suite))
-        .col("controls", |(_, controls, _)| count(*controls))
+        .col("controls", |(_, controls, _)| count(controls))
         .col("smallest error", |(row, ..)| error(row.error, 2))
         .col("limit", |(row, ..)| limit(row.limit, row.limit))
         .col("error over limit", |(row, _, fail)| {

@@ -3,13 +3,10 @@
 mod detection;
 mod dying_limb;
 mod excluded;
-mod published;
-mod sets;
-#[cfg(test)]
-mod tests;
 
 use anyhow::Result;
 use sixaxis_page::{Section, Text};
+use sixaxis_props::results::{Detection, DyingLimb, FailedLimbs, Published};
 
 /// The section.
 ///
@@ -17,8 +14,8 @@ use sixaxis_page::{Section, Text};
 /// If a published result cannot be read or the text does not fit it.
 pub fn section() -> Result<Section> {
     let mut text = Text::new(include_str!("fault_tolerance.md"));
-    text = excluded::fill(text, &sets::failed_limbs()?);
-    text = detection::fill(text, &published::detection()?);
-    text = dying_limb::fill(text, &published::dying_limb()?);
+    text = excluded::fill(text, &FailedLimbs::embedded()?);
+    text = detection::fill(text, &Detection::embedded()?);
+    text = dying_limb::fill(text, &DyingLimb::embedded()?);
     text.section("fault-tolerance")
 }

@@ -6,14 +6,12 @@ mod coverage;
 mod iteration;
 mod parameters;
 mod propagation;
-mod published;
 mod tap;
-#[cfg(test)]
-mod tests;
 mod tolerance;
 
 use anyhow::Result;
 use sixaxis_page::{Section, Text};
+use sixaxis_props::results::{Campaign, Propagation, Published, Taps};
 
 use crate::study::results::Results;
 use crate::study::results::identifiability::Records;
@@ -30,12 +28,12 @@ const RECORDS: [(Records, &str, &str); 2] = [
 /// If a published result cannot be read or the text does not fit the results.
 pub fn section(results: &Results) -> Result<Section> {
     let study = &results.identifiability;
-    let campaign = published::campaign()?;
+    let campaign = Campaign::embedded()?;
     let mut text = Text::new(include_str!("identifiability.md"));
     text = parameters::fill(text, &study.known, &campaign);
     text = coverage::fill(text, &campaign);
-    text = propagation::fill(text, &published::propagation()?);
-    text = tap::fill(text, &published::taps()?, &study.known.tap);
+    text = propagation::fill(text, &Propagation::embedded()?);
+    text = tap::fill(text, &Taps::embedded()?, &study.known.tap);
     text = tolerance::fill(text, study);
     text = bound::fill(text, &study.bound);
     text = bias::fill(text, study);

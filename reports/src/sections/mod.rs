@@ -15,6 +15,8 @@ mod reference;
 mod self_calibration;
 mod speed;
 mod stiffness;
+#[cfg(test)]
+mod tests;
 mod thresholds;
 
 use core::f64::consts::PI;

@@ -1,13 +1,12 @@
 //! Scale factors checked in the field without a standard: how well, what a motion leaves unobservable, which limb has
 //! drifted, whether limbs are equally stiff.
 
-mod published;
-
 use anyhow::{Context, Result};
 use sixaxis_page::number::{count, fixed, scientific, significant};
 use sixaxis_page::{Axis, Figure, Mark, Section, Series, Table, Text};
 
-use published::{Length, Pace, Published};
+use sixaxis_props::results::{Published, SelfCalibration, TumbleLength};
+use sixaxis_reference::field::Pace;
 
 /// What 95 % intervals are wanted to hold, %.
 const BAND: (f64, f64) = (94.0, 96.0);
@@ -17,7 +16,7 @@ const BAND: (f64, f64) = (94.0, 96.0);
 /// # Errors
 /// If the published result cannot be read or the text does not fit it.
 pub fn section() -> Result<Section> {
-    let p = &published::published()?;
+    let p = &SelfCalibration::embedded()?;
     let longest = p.lengths.iter().max_by_key(|l| l.draws);
     let longest = longest.context("no recording was evaluated")?;
     let scatter = 100.0 * (0.95 * 0.05 / longest.draws.max(1) as f64).sqrt();
@@ -35,8 +34,8 @@ pub fn section() -> Result<Section> {
         .section("self-calibration")
 }
 
-fn errors(p: &Published) -> Figure {
-    let series = |pace: Pace, of: fn(&Length) -> f64| {
+fn errors(p: &SelfCalibration) -> Figure {
+    let series = |pace: Pace, of: fn(&TumbleLength) -> f64| {
         let lengths = p.lengths.iter().filter(move |l| l.pace == pace);
         lengths.map(move |l| (l.duration_s, 100.0 * of(l)))
     };
@@ -74,7 +73,7 @@ fn errors(p: &Published) -> Figure {
     }
 }
 
-fn coverage(longest: &Length) -> Figure {
+fn coverage(longest: &TumbleLength) -> Figure {
     let shares = longest.coverage_95_by_limb.iter().enumerate();
     let points = shares.map(|(limb, share)| (100.0 * share, limb as f64));
     Figure::new(
@@ -88,9 +87,14 @@ fn coverage(longest: &Length) -> Figure {
     .mark(Mark::vertical(BAND.1, "96"))
 }
 
-fn lengths(p: &Published) -> Table {
+fn lengths(p: &SelfCalibration) -> Table {
     Table::of("tumble", &p.lengths, |l| {
-        format!("{}, {} s", l.pace.word(), l.duration_s)
+        let pace = match l.pace {
+            Pace::Calm => "calm",
+            Pace::Brisk => "brisk",
+            Pace::Shaken => "shaken",
+        };
+        format!("{pace}, {} s", l.duration_s)
     })
     .col("records", |l| count(l.draws))
     .col(("refused", "too poor"), |l| count(l.refused))
@@ -108,7 +112,7 @@ fn lengths(p: &Published) -> Table {
     .into()
 }
 
-fn motions(p: &Published) -> Table {
+fn motions(p: &SelfCalibration) -> Table {
     Table::of("motion", &p.motions, |m| m.motion.clone())
         .col(("ratios told", "of 8"), |m| count(8 - m.directions))
         .text("unobservable", |m| {
@@ -117,7 +121,7 @@ fn motions(p: &Published) -> Table {
         .into()
 }
 
-fn stiffness(p: &Published, rates_percent: &[String; 2]) -> Table {
+fn stiffness(p: &SelfCalibration, rates_percent: &[String; 2]) -> Table {
     let [strict, loose] = rates_percent
         .each_ref()
         .map(|rate| format!("% at {rate} %"));

@@ -1,27 +1,23 @@
 //! Speed: what the core takes beside what else one could run, and how that grows.
 //!
-//! The numbers are a published [`snapshot`]'s, not this machine's: a report that timed would never be the same twice.
+//! The numbers are a published measurement's, not this machine's: a report that timed would never be the same twice.
 //! Ratios lead and nanoseconds stand behind, small: ratios are more nearly the same elsewhere.
 
 mod figures;
-mod snapshot;
-#[cfg(test)]
-mod tests;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use serde::Serialize;
 use sixaxis_core::Scheme;
 use sixaxis_page::number::{count, fixed, scientific, significant};
 use sixaxis_page::{Cell, Section, Table, Text};
-
-use snapshot::{Instructions, Peer, Peers, Snapshot};
+use sixaxis_props::results::{Instructions, Peer, Peers, Published, Speed};
 
 /// What ratios are taken to, by its name among the peers and among the instruction counts.
-const PUSH: &str = "push";
+pub const PUSH: &str = "push";
 const EIGEN: &str = "eigen";
 /// Where one finds what is no peer but the core itself.
 const OURS: &str = "this project";
-const COUNTED_BASE: &str = "push/full/heun";
+pub const COUNTED_BASE: &str = "push/full/heun";
 /// Sample rate of the lead's example, Hz: the one most of this report is at.
 const EXAMPLE_RATE_HZ: f64 = 10_000.0;
 /// Digits of a commit that tell it from others.
@@ -39,12 +35,13 @@ struct Difference<'a> {
 /// # Errors
 /// If the measurements cannot be read or the text does not fit them.
 pub fn section() -> Result<Section> {
-    let snapshot = &Snapshot::embedded()?;
-    let Snapshot {
+    let snapshot = &Speed::embedded()?;
+    let Speed {
         speed,
         peers,
         instructions,
     } = snapshot;
+    let instructions = instructions.as_ref().context("nothing was counted")?;
     let curves = speed.work_precision.curves.iter();
     let example = curves
         .filter(|curve| curve.scheme == Scheme::default())
@@ -84,7 +81,7 @@ fn known(name: &str) -> (&str, &str) {
         "record" => ("push_record", OURS),
         "record_portable" => ("push_record_portable", OURS),
         "lanes" => ("push_lanes", OURS),
-        "rigid" => ("push, rigid limbs", OURS),
+        "paper" => ("the paper's equations", OURS),
         "nalgebra" => ("nalgebra", "Rust"),
         EIGEN => ("Eigen", "C++"),
         "numba_plain" => ("numba", "Python"),
@@ -108,13 +105,18 @@ fn title(name: &str) -> String {
     }
 }
 
+/// All but the decoder of rigid limbs, which has left the core since these were measured.
+fn peers_shown(peers: &Peers) -> impl Iterator<Item = &Peer> {
+    peers.peers.iter().filter(|peer| peer.name != "rigid")
+}
+
 /// The peers that do the whole of push's work, and those that do a part of it.
 fn by_work(peers: &Peers) -> (Vec<&Peer>, Vec<&Peer>) {
     let push = peers.peers.iter().find(|p| p.name == PUSH);
     let whole = push.map_or("", |p| &p.computes);
     // This project's own ways side by side.
     let (ours, others): (Vec<_>, Vec<_>) =
-        (peers.peers.iter()).partition(|p| known(&p.name).1 == OURS);
+        peers_shown(peers).partition(|p| known(&p.name).1 == OURS);
     (ours.into_iter().chain(others)).partition(|p| p.computes == whole)
 }
 
@@ -211,40 +213,27 @@ const OTHER_COUNTS: [(&str, &[(&str, &str)]); 2] = [
     ),
 ];
 
-/// A line of the table of counts: name, with elastic limbs, with rigid limbs.
-type Counted = (&'static str, Option<f64>, Option<f64>);
-
 /// Instructions per sample of everything that is held to them.
 fn instructions_table(instructions: &Instructions) -> Table {
-    let counts = &instructions.per_sample;
-    let of = |name: &str| counts.get(name).copied();
-    let schemes = Scheme::ALL.map(|scheme| -> Counted {
-        let push = |limbs| of(&format!("push/{limbs}/{}", counted_name(scheme)));
-        (scheme.name(), push("full"), push("rigid"))
+    let of = |name: &str| instructions.per_sample.get(name).copied();
+    let schemes = Scheme::ALL.into_iter().filter_map(|scheme| {
+        let count = of(&format!("push/full/{}", counted_name(scheme)))?;
+        Some((scheme.name(), count))
     });
-    let name = |(words, ..): &Counted| (*words).to_owned();
+    let name = |(words, _): &(&str, f64)| (*words).to_owned();
     let table = Table::grouped("what is done").group("Sample by sample", schemes, name);
     let table = OTHER_COUNTS
         .into_iter()
         .fold(table, |table, (heading, ways)| {
             let ways = ways
                 .iter()
-                .filter_map(|(way, words)| Some::<Counted>((words, Some(of(way)?), None)));
+                .filter_map(|(way, words)| Some((*words, of(way)?)));
             table.group(heading, ways, name)
         });
-    let number = |n: Option<f64>| n.map_or(String::new(), |n| count(n.round() as u64));
-    let base = of(COUNTED_BASE);
-    let over_base = |n: Option<f64>| match (n, base) {
-        (Some(n), Some(base)) => fixed(n / base, 2),
-        _ => String::new(),
-    };
+    let base = of(COUNTED_BASE).unwrap_or(f64::NAN);
     table
-        .under("elastic limbs")
-        .col("count", |(_, elastic, _)| number(*elastic))
-        .col("over Heun", |(_, elastic, _)| over_base(*elastic))
-        .under("rigid limbs")
-        .col("count", |(.., rigid)| number(*rigid))
-        .col("over Heun", |(.., rigid)| over_base(*rigid))
+        .col("count", |(_, n)| count(n.round()))
+        .col("over Heun", |(_, n)| fixed(n / base, 2))
         .into()
 }
 

@@ -16,7 +16,7 @@ use sixaxis_reference::simulation::Simulation;
 use sixaxis_reference::threshold;
 
 use super::COMPARED_DIVISOR;
-use super::cleaning::Preset;
+use super::conditioning::Preset;
 use super::decoupling::{decouple, largest_error, six_series, truth};
 use super::identification;
 use super::plan::{CAMPAIGN_RATE_HZ, CAMPAIGN_STEPS, COMPOUND_RATE_HZ, COMPOUND_STEPS, Plan};

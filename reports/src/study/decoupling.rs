@@ -3,7 +3,7 @@
 use anyhow::Result;
 use glam::DVec3;
 use rayon::prelude::*;
-use sixaxis_calibration::cleaning::Cleaned;
+use sixaxis_calibration::conditioning::Conditioned;
 use sixaxis_core::decouple::rest_to_rest;
 use sixaxis_core::decouple::stream::Decoupler;
 use sixaxis_core::{LIMBS, Parameters, Scheme, SixAxis};
@@ -13,7 +13,7 @@ use sixaxis_reference::paper;
 use sixaxis_reference::recording::{Recording, SimulatedRun};
 use sixaxis_reference::rig::Mounting;
 
-use super::cleaning::Preset;
+use super::conditioning::Preset;
 use super::results::{Comparison, Compound, Gravity, ParameterSet, Standard};
 
 /// Number of the first compound run in the laboratory's count of runs: its random streams do not depend on how many
@@ -46,12 +46,12 @@ pub fn truth(run: &SimulatedRun) -> SixSeries {
 }
 
 /// What the standard instruments say of the same samples.
-fn standards(cleaned: &Cleaned) -> SixSeries {
-    let n = cleaned.linear_ground_m_s2.len();
+fn standards(conditioned: &Conditioned) -> SixSeries {
+    let n = conditioned.linear_ground_m_s2.len();
     split((1..n - 1).map(|i| {
         (
-            cleaned.linear_ground_m_s2[i],
-            cleaned.angular_shell_rad_s2[i],
+            conditioned.linear_ground_m_s2[i],
+            conditioned.angular_shell_rad_s2[i],
         )
     }))
 }
@@ -161,8 +161,8 @@ pub struct Case<'a> {
     pub mounting: Mounting,
     /// The laboratory that records it.
     pub laboratory: &'a Laboratory,
-    /// How it is cleaned.
-    pub cleaning: Preset,
+    /// How it is conditioned.
+    pub conditioning: Preset,
     /// Whether drift is closed from rest to rest.
     pub close: bool,
 }
@@ -171,11 +171,11 @@ impl Case<'_> {
     /// Records and cleans the run.
     ///
     /// # Errors
-    /// Those of the cleaning.
-    pub fn record(&self, run: &SimulatedRun) -> Result<(Recording, Cleaned)> {
+    /// Those of the conditioning.
+    pub fn record(&self, run: &SimulatedRun) -> Result<(Recording, Conditioned)> {
         let recording = self.laboratory.record(run, FIRST_RUN + self.index);
-        let (_, cleaned) = self.cleaning.clean(&recording, Role::Validation)?;
-        Ok((recording, cleaned))
+        let (_, conditioned) = self.conditioning.condition(&recording, Role::Validation)?;
+        Ok((recording, conditioned))
     }
 
     /// Voltages ready to be decoupled with the given parameters.
@@ -185,18 +185,18 @@ impl Case<'_> {
     pub fn voltages(
         &self,
         recording: &Recording,
-        cleaned: &Cleaned,
+        conditioned: &Conditioned,
         parameters: &Parameters,
     ) -> Result<Vec<[f64; LIMBS]>> {
         if !self.close {
-            return Ok(cleaned.voltage_v.clone());
+            return Ok(conditioned.voltage_v.clone());
         }
         let (rows, _) = rest_to_rest::detrend(
             &recording.sensor(),
             parameters,
             // Plain Heun finds the line as well as any: its error is a thousandth of the noise's.
             &recording.settings(Scheme::Heun),
-            &cleaned.voltage_v,
+            &conditioned.voltage_v,
         )?;
         Ok(rows)
     }
@@ -207,17 +207,17 @@ impl Case<'_> {
     /// Those of recording and decoupling.
     pub fn compare(&self, ways: &[Way]) -> Result<Compound> {
         let truth = truth(&self.run);
-        let (recording, cleaned) = self.record(&self.run)?;
-        let standards = standards(&cleaned);
+        let (recording, conditioned) = self.record(&self.run)?;
+        let standards = standards(&conditioned);
         let comparisons = ways
             .par_iter()
             .map(|way| {
                 // Drift that nobody took off is part of what the design columns are shown for.
                 let closable = !matches!(way.set, ParameterSet::Design);
                 let voltages = if closable {
-                    self.voltages(&recording, &cleaned, &way.parameters)?
+                    self.voltages(&recording, &conditioned, &way.parameters)?
                 } else {
-                    cleaned.voltage_v.clone()
+                    conditioned.voltage_v.clone()
                 };
                 let samples = decouple(
                     &recording,

@@ -1,4 +1,4 @@
-//! The simulated campaign as the analysis has it: recorded, cleaned, ready for the four steps.
+//! The simulated campaign as the analysis has it: recorded, conditioned, ready for the four steps.
 
 use anyhow::Result;
 use rayon::prelude::*;
@@ -9,7 +9,7 @@ use sixaxis_reference::campaign::{Laboratory, Role, Trial};
 use sixaxis_reference::paper;
 use sixaxis_reference::recording::SimulatedRun;
 
-use super::cleaning::Preset;
+use super::conditioning::Preset;
 
 /// What a session calls a run's purpose.
 fn role(role: Role) -> session::Role {
@@ -24,7 +24,7 @@ fn role(role: Role) -> session::Role {
 /// Records and cleans a simulated campaign.
 ///
 /// # Errors
-/// Those of the cleaning.
+/// Those of the conditioning.
 pub fn record(
     laboratory: &Laboratory,
     simulated: &[(Trial, SimulatedRun)],
@@ -40,7 +40,7 @@ pub fn record(
         .enumerate()
         .map(|(index, (trial, run))| {
             let recording = laboratory.record(run, index);
-            Ok(preset.clean(&recording, role(trial.role))?)
+            Ok(preset.condition(&recording, role(trial.role))?)
         })
         .collect::<Result<Vec<_>>>()?;
     Ok(Campaign {

@@ -1,13 +1,13 @@
 //! The study: plays the paper's campaign on MuJoCo, runs the paper's methods on what a laboratory would see of it,
 //! and holds the outcome against the truth.
 //!
-//! [`plan`] says what is played, [`simulations`] plays it, [`cleaning`] and [`identification`] are the laboratory's
+//! [`plan`] says what is played, [`simulations`] plays it, [`conditioning`] and [`identification`] are the laboratory's
 //! analysis, [`decoupling`], [`searches`], [`identifiability`], [`orders`] and [`checks`] make the comparisons, [`acceptance`]
 //! judges them, and [`results`] is all of it as data. Nothing here draws.
 
 pub mod acceptance;
 pub mod checks;
-pub mod cleaning;
+pub mod conditioning;
 pub mod decoupling;
 pub mod identifiability;
 pub mod identification;
@@ -27,7 +27,7 @@ use sixaxis_reference::recording::SimulatedRun;
 use sixaxis_reference::rig::Mounting;
 
 use crate::progress::Progress;
-use cleaning::Preset;
+use conditioning::Preset;
 use decoupling::{Case, SixSeries, Way, decouple, six_series, truth};
 use plan::{COMPOUND_RATE_HZ, Plan};
 use results::{Compound, Gravity, History, Identification, ParameterSet, Parameters25, Results};
@@ -82,7 +82,7 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
     let compound = |laboratory: &Laboratory,
                     ways: &[Way],
                     mounting: Mounting,
-                    cleaning: Preset,
+                    conditioning: Preset,
                     divisor: usize|
      -> Result<Vec<Compound>> {
         let (full, halved) = match mounting {
@@ -97,8 +97,8 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
                     index: table_index(&full[index]),
                     mounting,
                     laboratory,
-                    cleaning,
-                    close: cleaning != Preset::None,
+                    conditioning,
+                    close: conditioning != Preset::None,
                 }
                 .compare(ways)
                 .with_context(|| format!("compound run at {} Hz", full[index].run.frequency_hz))
@@ -327,7 +327,7 @@ fn history(
     let index = simulations.compound.len() - 1;
     let run: SimulatedRun = simulations.compound[index].decimated(COMPARED_DIVISOR);
     let truth = truth(&run);
-    let ours = |laboratory, found: &FourSteps, cleaning, gravity| -> Result<SixSeries> {
+    let ours = |laboratory, found: &FourSteps, conditioning, gravity| -> Result<SixSeries> {
         let scheme = Scheme::HeunSubstepped;
         let case = Case {
             run: run.clone(),
@@ -335,12 +335,12 @@ fn history(
             index,
             mounting: Mounting::AxisVertical,
             laboratory,
-            cleaning,
-            close: cleaning != Preset::None,
+            conditioning,
+            close: conditioning != Preset::None,
         };
-        let (recording, cleaned) = case.record(&run)?;
+        let (recording, conditioned) = case.record(&run)?;
         let parameters = found.used();
-        let voltages = case.voltages(&recording, &cleaned, &parameters)?;
+        let voltages = case.voltages(&recording, &conditioned, &parameters)?;
         let samples = decouple(&recording, &voltages, &parameters, scheme, gravity)?;
         Ok(six_series(&samples))
     };

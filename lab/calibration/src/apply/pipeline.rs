@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 use anyhow::{Result, anyhow};
 use sixaxis_recordings::{Block, Sink};
 
-use super::conditioning::Conditioning;
-use super::motion::Decoding;
+use super::conditioning_stream::ConditioningStream;
+use super::decoding::Decoding;
 use super::recording::{Batch, Recording};
 use super::{CHUNK, Row, explain};
 
@@ -36,7 +36,7 @@ pub struct Busy {
 /// Those of reading, of a sample that cannot be decoded, and of writing; the sink is then dropped unfinished.
 pub fn run(
     recording: &mut Recording,
-    mut conditioning: Conditioning,
+    mut conditioning: ConditioningStream,
     decoding: &mut Decoding,
     sink: Box<dyn Sink>,
     advance: &dyn Fn(u64),

@@ -2,14 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::load;
 use anyhow::{Result, anyhow, bail};
 use sixaxis_core::{LIMBS, LimbSet};
+use sixaxis_recordings::ingest::clock::stated_rate_hz;
+use sixaxis_recordings::ingest::columns::{Columns, stamps};
+use sixaxis_recordings::ingest::find;
 use sixaxis_recordings::session::Channels;
-use sixaxis_recordings::unit::{self, Unit};
-use sixaxis_recordings::{Block, Layout, Source};
 
-use super::stamps::Stamps;
 use super::{CHUNK, Row};
 
 /// An open recording of nine limbs.
@@ -26,16 +25,11 @@ pub struct Recording {
     pub seen: Seen,
     /// Limbs whose channels are not looked at.
     pub without: LimbSet,
-    /// Whether values that are no numbers are handed on to somebody who takes them for what they are, failures.
+    /// Whether NaN is passed on to the fault monitor, to which it is a failed channel, instead of being refused.
     pub watched: bool,
-    source: Box<dyn Source>,
-    /// What one unit of each channel is worth in volts.
-    volts: [f64; LIMBS],
-    /// What one unit of the time column is worth in seconds, if there is one.
-    seconds: Option<f64>,
+    columns: Columns,
     start_s: f64,
     full_scale_v: f64,
-    block: Block,
 }
 
 /// What a recording has shown.
@@ -45,8 +39,6 @@ pub struct Seen {
     pub samples: u64,
     /// Samples of each limb at the converter's limit or beyond.
     pub clipped: [u64; LIMBS],
-    /// Its time stamps, if it has any.
-    pub stamps: Stamps,
 }
 
 /// Consecutive samples.
@@ -68,20 +60,19 @@ impl Recording {
     pub fn open(
         path: &Path,
         channels: &Channels,
-        stated_rate_hz: Option<f64>,
+        stated_hz: Option<f64>,
         full_scale_v: f64,
     ) -> Result<Self> {
-        let mut source = sixaxis_recordings::open(path)?;
-        let layout = source.layout().clone();
-        let (indices, volts) = load::limbs(path, &layout, channels)?;
-        let time = time_index(path, &layout, channels)?;
-        let seconds = time.map(|index| seconds_per_unit(&layout, index));
-        let mut rate = load::sample_rate(&layout, &indices, stated_rate_hz)
+        let source = sixaxis_recordings::open(path)?;
+        let layout = source.layout();
+        let limbs = find::limbs(path, layout, channels)?;
+        let time = find::time(path, layout, channels.time.as_deref())?;
+        let mut rate = stated_rate_hz(layout, &limbs, stated_hz)
             .map_err(|cause| anyhow!("{}: the rate is {cause}", path.display()))?;
         if rate.is_none()
-            && let (Some(index), Some(seconds)) = (time, seconds)
+            && let Some(time) = &time
         {
-            rate = measured_rate(path, source.as_mut(), index, seconds)?;
+            rate = stamps(path, time, None)?.and_then(|stamps| stamps.mean_rate_hz);
         }
         let Some(sample_rate_hz) = rate else {
             bail!(
@@ -89,24 +80,18 @@ impl Recording {
                 path.display()
             );
         };
-        let first = &layout.channels[indices[0]];
-        let mut selection = indices.to_vec();
-        selection.extend(time);
-        source.select(&selection)?;
+        let first = &layout.channels[limbs[0].index];
         Ok(Self {
             path: path.to_owned(),
             sample_rate_hz,
             samples: first.samples,
-            names: indices.map(|index| layout.channels[index].name.clone()),
+            start_s: first.start_offset_s,
+            names: limbs.each_ref().map(|limb| limb.name.clone()),
             seen: Seen::default(),
             without: LimbSet::EMPTY,
             watched: false,
-            source,
-            volts,
-            seconds,
-            start_s: first.start_offset_s,
+            columns: Columns::new(path, source, limbs.to_vec(), time, rate)?,
             full_scale_v,
-            block: Block::new(selection.len()),
         })
     }
 
@@ -114,60 +99,41 @@ impl Recording {
     ///
     /// # Errors
     /// A file that breaks off; a value that is not a finite number, named by file, channel and sample; time stamps that do not
-    /// advance or leave a gap.
+    /// advance, leave a gap or, by the end, contradict the rate.
     pub fn read(&mut self, batch: &mut Batch) -> Result<bool> {
-        let count = self.source.read(&mut self.block, CHUNK)?;
+        let count = self.columns.read(CHUNK)?;
         batch.rows.clear();
         batch.rows.resize(count, [0.0; LIMBS]);
-        for (limb, column) in self.block.columns.iter().take(LIMBS).enumerate() {
-            if self.without.contains(limb) {
-                continue;
+        for limb in (0..LIMBS).filter(|limb| !self.without.contains(*limb)) {
+            if !self.watched {
+                self.columns.check_finite(limb)?;
             }
-            let volts = self.volts[limb];
             let mut clipped = 0;
-            let mut finite = true;
-            for (row, value) in batch.rows.iter_mut().zip(column) {
-                let voltage = value * volts;
-                finite &= voltage.is_finite();
-                clipped += u64::from(voltage.abs() >= self.full_scale_v);
-                row[limb] = voltage;
+            for (row, voltage_v) in batch.rows.iter_mut().zip(self.columns.column(limb)) {
+                clipped += u64::from(voltage_v.abs() >= self.full_scale_v);
+                row[limb] = *voltage_v;
             }
             self.seen.clipped[limb] += clipped;
-            if !(finite || self.watched)
-                && let Some(at) = column.iter().position(|x| !(x * volts).is_finite())
-            {
-                bail!(
-                    "{}: channel {:?} (limb {}), sample {}: {} is not a finite number; cut the recording there or mend it",
-                    self.path.display(),
-                    self.names[limb],
-                    limb + 1,
-                    self.seen.samples + at as u64,
-                    column[at]
-                );
-            }
         }
         batch.times_s.clear();
-        match (self.seconds, self.block.columns.get(LIMBS)) {
-            (Some(seconds), Some(column)) => {
-                let step_s = 1.0 / self.sample_rate_hz;
-                for value in column {
-                    let stamp_s = value * seconds;
-                    self.seen
-                        .stamps
-                        .take(stamp_s, step_s)
-                        .map_err(|cause| anyhow!("{}: {cause}", self.path.display()))?;
-                    batch.times_s.push(stamp_s);
-                }
-            }
-            _ => {
+        match self.columns.stamps_s() {
+            Some(stamps_s) => batch.times_s.extend_from_slice(stamps_s),
+            None => {
+                let time_s = |sample| self.start_s + sample as f64 / self.sample_rate_hz;
                 let first = self.seen.samples;
-                batch.times_s.extend(
-                    (0..count as u64)
-                        .map(|i| self.start_s + (first + i) as f64 / self.sample_rate_hz),
-                );
+                batch
+                    .times_s
+                    .extend((first..first + count as u64).map(time_s));
             }
         }
         self.seen.samples += count as u64;
+        if count == 0
+            && let Some(stamps) = self.columns.stamps()
+        {
+            stamps
+                .check_rate(self.sample_rate_hz)
+                .map_err(|cause| anyhow!("{}: the rate is {cause}", self.path.display()))?;
+        }
         Ok(count > 0)
     }
 
@@ -191,55 +157,16 @@ impl Recording {
                 clipped.join(", ")
             ));
         }
-        let stamps = &self.seen.stamps;
-        if stamps.uneven > 0 {
+        if let Some(stamps) = self.columns.stamps()
+            && stamps.uneven(self.sample_rate_hz)
+        {
             warnings.push(format!(
-                "{}: {} time stamps are uneven, the clock departs from {} Hz by up to {:.1e} s; samples are taken as evenly spaced, rows keep their stamps",
+                "{}: the time stamps are uneven, the clock departs from {} Hz by up to {:.1e} s; samples are taken as evenly spaced, rows keep their stamps",
                 self.path.display(),
-                stamps.uneven,
                 self.sample_rate_hz,
                 stamps.largest_departure_s
             ));
         }
         warnings
     }
-}
-
-/// The time column: the one that is named, or one that is called so.
-fn time_index(path: &Path, layout: &Layout, channels: &Channels) -> Result<Option<usize>> {
-    match &channels.time {
-        Some(name) => match layout.position(name) {
-            Some(index) => Ok(Some(index)),
-            None => bail!("{}: no channel {name:?} for the time", path.display()),
-        },
-        None => Ok(layout.time),
-    }
-}
-
-/// What one unit of a channel is worth in seconds; without a unit it is one.
-#[must_use]
-pub fn seconds_per_unit(layout: &Layout, index: usize) -> f64 {
-    match layout.channels[index].unit.as_deref().map(unit::named) {
-        Some(Some(Unit::Time(seconds))) => seconds,
-        _ => 1.0,
-    }
-}
-
-fn measured_rate(
-    path: &Path,
-    source: &mut dyn Source,
-    index: usize,
-    seconds: f64,
-) -> Result<Option<f64>> {
-    source.select(&[index])?;
-    let mut stamps = Stamps::default();
-    let mut block = Block::new(1);
-    while source.read(&mut block, CHUNK)? > 0 {
-        for value in &block.columns[0] {
-            stamps
-                .take(value * seconds, f64::INFINITY)
-                .map_err(|cause| anyhow!("{}: {cause}", path.display()))?;
-        }
-    }
-    Ok(stamps.mean_rate_hz())
 }

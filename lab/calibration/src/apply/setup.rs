@@ -10,11 +10,11 @@ use sixaxis_core::{Gains, LIMBS, Parameters, Scheme, Sensor, Settings};
 use sixaxis_recordings::session::{Channels, Entry, Role, SessionFile};
 use sixaxis_recordings::unit::STANDARD_GRAVITY_M_S2;
 
-use super::conditioning::{self, Wishes};
+use super::conditioning_stream::{self, ConditioningConfig};
 
 /// What the user says of the recording; each overrules the session, which overrules the calibration.
 #[derive(Debug, Clone, Default)]
-pub struct Said {
+pub struct Overrides {
     /// c_i, N/V: none, one or nine.
     pub gain_n_per_v: Vec<f64>,
     /// Samples per second.
@@ -39,7 +39,7 @@ pub struct Setup {
     /// Limit of the converter, V.
     pub full_scale_v: f64,
     /// What is to be done to the voltages because of how they were recorded.
-    pub wishes: Wishes,
+    pub conditioning: ConditioningConfig,
     /// What was taken for granted, in sentences.
     pub notes: Vec<String>,
 }
@@ -54,7 +54,7 @@ impl Setup {
         calibration: &Calibration,
         session: Option<&SessionFile>,
         recording: Option<&Path>,
-        said: &Said,
+        overrides: &Overrides,
     ) -> Result<Self> {
         let mut notes = Vec::new();
         let entry = match (session, recording) {
@@ -62,7 +62,7 @@ impl Setup {
             _ => None,
         };
         let mut sensor = calibration.sensor();
-        match (said.gain_n_per_v.as_slice(), session, entry) {
+        match (overrides.gain_n_per_v.as_slice(), session, entry) {
             ([], Some(file), Some(entry)) => {
                 let gains = entry
                     .gain_n_per_v
@@ -82,7 +82,7 @@ impl Setup {
             },
         }
         sensor.gains.validate().context("--gain")?;
-        let down = match said.down {
+        let down = match overrides.down {
             Some(down) => Some(("--down", down)),
             None => entry.and_then(|entry| match (entry.role, entry.down, entry.direction) {
                 (Role::Static, ..) => None,
@@ -124,16 +124,16 @@ impl Setup {
             sensor,
             parameters: calibration.parameters(),
             gravity_ground_m_s2,
-            rate_hz: said
+            rate_hz: overrides
                 .rate_hz
                 .or(entry.and_then(|entry| entry.sample_rate_hz)),
             full_scale_v: calibration.sensor.full_scale_v,
-            wishes: Wishes {
+            conditioning: ConditioningConfig {
                 delays_s: channels
                     .limbs_lag_us
                     .map(|delays| delays.each().map(|us| us * 1e-6)),
                 amplifier_high_pass_hz,
-                ..Wishes::default()
+                ..ConditioningConfig::default()
             },
             channels,
             notes,
@@ -158,7 +158,10 @@ impl Setup {
             .context("--uncertainty: the calibration's covariance is not 25 by 25")?;
         let noise = ChannelNoise {
             white_v: propagated.channel_noise_v,
-            correlation: conditioning::noise_correlation(&self.wishes, settings.sample_rate_hz)?,
+            correlation: conditioning_stream::noise_correlation(
+                &self.conditioning,
+                settings.sample_rate_hz,
+            )?,
         };
         SampleUncertainty::new(
             &self.sensor,

@@ -13,6 +13,7 @@ mod trials;
 mod validation;
 
 use crate::verdict::{Grade, Judgement};
+use sixaxis_core::Parameter;
 use sixaxis_recordings::session::{Limits, SessionFile};
 
 use super::labels::{self, largest, symbol};
@@ -126,8 +127,8 @@ fn tiles(limits: &Limits, judgement: &Judgement) -> Vec<Tile> {
         judgement
             .parameters
             .iter()
-            .filter(|p| labels::has_scale(p))
-            .filter_map(|p| Some((p.half_width_95? / p.estimate.abs(), symbol(&p.name)))),
+            .filter(|p| p.parameter.has_size())
+            .filter_map(|p| Some((p.half_width_95? / p.estimate.abs(), symbol(p.parameter)))),
     );
     let mut tiles = vec![
         Tile::new("Verdict", word, note, verdict),
@@ -153,7 +154,11 @@ fn tiles(limits: &Limits, judgement: &Judgement) -> Vec<Tile> {
             "no parameter was identified",
         ),
     ];
-    if let Some(stiffness) = judgement.parameters.iter().find(|p| p.name == "k/m") {
+    if let Some(stiffness) = judgement
+        .parameters
+        .iter()
+        .find(|p| p.parameter == Parameter::Stiffness)
+    {
         tiles.push(if stiffness.determined {
             Tile::new(
                 "$k/m$",

@@ -6,15 +6,14 @@ use sixaxis_core::decouple::uncertainty::influence::{
     ComplianceInfluence, InertiaInfluence, ScaleInfluence, arms_m, column, force_per_volt,
     torque_per_volt,
 };
-use sixaxis_core::decouple::uncertainty::parameters::{
-    COMPLIANCE, Chain, Covariance, DRIFT, Errors, INERTIA, SCALE,
-};
+use sixaxis_core::decouple::uncertainty::parameters::{Chain, Covariance, Errors};
 use sixaxis_core::identify::compliance_fit::ComplianceFit;
 use sixaxis_core::paper::signal::SignalChain;
+use sixaxis_core::parameter::{COMPLIANCE, DRIFT, INERTIA, SCALE};
 use sixaxis_core::{Geometry, LIMBS, Parameters, Result, Scheme};
 
 use super::TrialNoise;
-use crate::cleaning::{Cleaned, Cleaning};
+use crate::conditioning::{Conditioned, Conditioning};
 use crate::steps::{Campaign, rows};
 use crate::trial::Trial;
 use sixaxis_recordings::session::Role;
@@ -55,7 +54,7 @@ impl Own {
 /// How the steps answer, and to what.
 pub(super) struct Answers<'a> {
     pub geometry: Geometry,
-    pub cleaning: &'a Cleaning,
+    pub conditioning: &'a Conditioning,
     pub parameters: &'a Parameters,
     pub scale: ScaleInfluence,
     pub inertia: InertiaInfluence,
@@ -74,16 +73,16 @@ impl FourthStep {
     pub(super) fn new(campaign: &Campaign, parameters: &Parameters) -> Result<Self> {
         let mut fit = ComplianceFit::default();
         let mut slopes = Vec::new();
-        for (index, (trial, cleaned)) in campaign.trials.iter().enumerate() {
+        for (index, (trial, conditioned)) in campaign.trials.iter().enumerate() {
             if trial.role != Role::HighFrequencyLinear {
                 continue;
             }
-            let mut own = Vec::with_capacity(cleaned.voltage_v.len());
+            let mut own = Vec::with_capacity(conditioned.voltage_v.len());
             fit.push_trial(
                 &trial.sensor(campaign.geometry),
                 parameters,
                 &trial.settings(Scheme::Heun),
-                &cleaned.voltage_v,
+                &conditioned.voltage_v,
                 |line| own.push(line.slope_rad_s3),
             )?;
             slopes.push((index, own));
@@ -107,7 +106,7 @@ impl Answers<'_> {
     pub(super) fn linear(
         &self,
         trial: &Trial,
-        cleaned: &Cleaned,
+        conditioned: &Conditioned,
         noise: &TrialNoise,
     ) -> Result<Own> {
         let mut own = Own::default();
@@ -116,7 +115,7 @@ impl Answers<'_> {
         let direction = column(trial.direction_ground);
         let mut answers = vec![SMatrix::<f64, LIMBS, 3>::zeros(); trial.voltage_v.len()];
         for t in rows(trial) {
-            let answer = self.scale_at(trial, cleaned, t);
+            let answer = self.scale_at(trial, conditioned, t);
             for (i, f) in force.iter().enumerate() {
                 // A drift taken too high is a voltage taken too low.
                 own.chain
@@ -125,13 +124,13 @@ impl Answers<'_> {
             own.add_gain(
                 0,
                 SCALE.start,
-                &(answer * column(cleaned.linear_ground_m_s2[t])),
+                &(answer * column(conditioned.linear_ground_m_s2[t])),
             );
             answers[t] = answer;
         }
         let mut raw = answers.clone();
         each_series(&mut raw, &mut |series| {
-            self.cleaning.voltage_transposed(trial, series)
+            self.conditioning.voltage_transposed(trial, series)
         })?;
         for (f, sd) in force.iter().zip(noise.channels_v) {
             own.add_white(SCALE.start, sd, raw.iter().map(|z| -(z * column(*f))));
@@ -139,23 +138,28 @@ impl Answers<'_> {
         let mut along: Vec<SMatrix<f64, LIMBS, 1>> =
             answers.iter().map(|answer| answer * direction).collect();
         each_series(&mut along, &mut |series| {
-            self.cleaning.accelerometer_transposed(trial, series)
+            self.conditioning.accelerometer_transposed(trial, series)
         })?;
         own.add_white(SCALE.start, noise.accelerometer_m_s2, along.into_iter());
         Ok(own)
     }
 
-    fn scale_at(&self, trial: &Trial, cleaned: &Cleaned, t: usize) -> SMatrix<f64, LIMBS, 3> {
+    fn scale_at(
+        &self,
+        trial: &Trial,
+        conditioned: &Conditioned,
+        t: usize,
+    ) -> SMatrix<f64, LIMBS, 3> {
         let measured = trial
             .gains
-            .measured_force_n(&cleaned.voltage_v[t], &self.parameters.zero_drift_v);
+            .measured_force_n(&conditioned.voltage_v[t], &self.parameters.zero_drift_v);
         self.scale.of_sample(&measured)
     }
 
     pub(super) fn angular(
         &self,
         trial: &Trial,
-        cleaned: &Cleaned,
+        conditioned: &Conditioned,
         noise: &TrialNoise,
     ) -> Result<Own> {
         let mut own = Own::default();
@@ -168,11 +172,14 @@ impl Answers<'_> {
         let mut of_rate = vec![SVector::<f64, 6>::zeros(); samples];
         let mut of_derivative = of_rate.clone();
         for t in rows(trial) {
-            let (rate, derivative) = (cleaned.rate_shell_rad_s[t], cleaned.angular_shell_rad_s2[t]);
+            let (rate, derivative) = (
+                conditioned.rate_shell_rad_s[t],
+                conditioned.angular_shell_rad_s2[t],
+            );
             let answer = self.inertia.of_sample(rate, derivative);
             let measured = trial
                 .gains
-                .measured_force_n(&cleaned.voltage_v[t], &self.parameters.zero_drift_v);
+                .measured_force_n(&conditioned.voltage_v[t], &self.parameters.zero_drift_v);
             for i in 0..LIMBS {
                 own.chain.add(
                     INERTIA.start,
@@ -198,7 +205,7 @@ impl Answers<'_> {
             answers[t] = answer;
         }
         each_series(&mut answers, &mut |series| {
-            self.cleaning.voltage_transposed(trial, series)
+            self.conditioning.voltage_transposed(trial, series)
         })?;
         for (m, sd) in torque.iter().zip(noise.channels_v) {
             own.add_white(INERTIA.start, sd, answers.iter().map(|z| z * column(*m)));
@@ -206,7 +213,7 @@ impl Answers<'_> {
         let mut gyroscope = vec![SVector::<f64, 6>::zeros(); samples];
         for entry in 0..6 {
             let series = |of: &[SVector<f64, 6>]| of.iter().map(|h| h[entry]).collect::<Vec<_>>();
-            let raw = self.cleaning.gyroscope_transposed(
+            let raw = self.conditioning.gyroscope_transposed(
                 trial,
                 &series(&of_rate),
                 &series(&of_derivative),
@@ -223,7 +230,7 @@ impl Answers<'_> {
     pub(super) fn fast_linear(
         &self,
         trial: &Trial,
-        cleaned: &Cleaned,
+        conditioned: &Conditioned,
         noise: &TrialNoise,
         index: usize,
     ) -> Result<Option<Own>> {
@@ -246,7 +253,7 @@ impl Answers<'_> {
             let answer = column(*weight).transpose();
             let measured = trial
                 .gains
-                .measured_force_n(&cleaned.voltage_v[t], &self.parameters.zero_drift_v);
+                .measured_force_n(&conditioned.voltage_v[t], &self.parameters.zero_drift_v);
             for i in 0..LIMBS {
                 own.chain
                     .add(COMPLIANCE, &-(answer * column(torque[i])), DRIFT.start + i);
@@ -259,7 +266,7 @@ impl Answers<'_> {
             answers[t] = answer;
         }
         each_series(&mut answers, &mut |series| {
-            self.cleaning.voltage_transposed(trial, series)
+            self.conditioning.voltage_transposed(trial, series)
         })?;
         for (m, sd) in torque.iter().zip(noise.channels_v) {
             own.add_white(COMPLIANCE, sd, answers.iter().map(|z| z * column(*m)));
@@ -294,7 +301,7 @@ pub(super) fn wedge_errors(answers: &Answers, campaign: &Campaign) -> Vec<Errors
         let (first, second) = wedge.any_orthonormal_pair();
         for tilt in [first, second] {
             let mut own = Errors::zeros();
-            for (trial, cleaned) in &campaign.trials {
+            for (trial, conditioned) in &campaign.trials {
                 let direction = trial.direction_ground;
                 if !used(trial.role) || (direction - wedge).length() >= SAME_WEDGE {
                     continue;
@@ -302,13 +309,15 @@ pub(super) fn wedge_errors(answers: &Answers, campaign: &Campaign) -> Vec<Errors
                 // The sensor turned by the tilt: what the session says lacks it.
                 for t in rows(trial) {
                     if trial.role == Role::Linear {
-                        let lacking = -tilt * cleaned.linear_ground_m_s2[t].dot(direction);
-                        let answer = answers.scale_at(trial, cleaned, t) * column(lacking);
+                        let lacking = -tilt * conditioned.linear_ground_m_s2[t].dot(direction);
+                        let answer = answers.scale_at(trial, conditioned, t) * column(lacking);
                         let mut part = own.fixed_rows_mut::<LIMBS>(SCALE.start);
                         part += answer;
                     } else {
-                        let (rate, derivative) =
-                            (cleaned.rate_shell_rad_s[t], cleaned.angular_shell_rad_s2[t]);
+                        let (rate, derivative) = (
+                            conditioned.rate_shell_rad_s[t],
+                            conditioned.angular_shell_rad_s2[t],
+                        );
                         let lacking = answers.inertia.of_reading(
                             rate,
                             -tilt * rate.dot(direction),

@@ -60,14 +60,14 @@ impl Campaign {
 
     fn compliant_scale(&self, parameters: &Parameters) -> sixaxis_core::Result<ScalePerMass> {
         let mut scale = ScaleIdentification::default();
-        for (trial, cleaned) in self.of(Role::Linear) {
+        for (trial, conditioned) in self.of(Role::Linear) {
             let mut compliant = self.compliant(trial, parameters)?;
             let stride = stride(trial) as u64;
-            for voltage in &cleaned.voltage_v {
+            for voltage in &conditioned.voltage_v {
                 if let Some(now) = compliant.push(voltage)?
                     && now.sample.is_multiple_of(stride)
                 {
-                    let a = cleaned.linear_ground_m_s2[now.sample as usize];
+                    let a = conditioned.linear_ground_m_s2[now.sample as usize];
                     compliant.push_scale(&mut scale, &now, a)?;
                 }
             }
@@ -80,18 +80,18 @@ impl Campaign {
         parameters: &Parameters,
     ) -> sixaxis_core::Result<InertiaIdentification> {
         let mut inertia = InertiaIdentification::new(self.geometry);
-        for (trial, cleaned) in self.of(Role::Angular) {
+        for (trial, conditioned) in self.of(Role::Angular) {
             let mut compliant = self.compliant(trial, parameters)?;
             let stride = stride(trial) as u64;
-            for voltage in &cleaned.voltage_v {
+            for voltage in &conditioned.voltage_v {
                 if let Some(now) = compliant.push(voltage)?
                     && now.sample.is_multiple_of(stride)
                 {
                     compliant.push_inertia(
                         &mut inertia,
                         &now,
-                        cleaned.rate_shell_rad_s[now.sample as usize],
-                        cleaned.angular_shell_rad_s2[now.sample as usize],
+                        conditioned.rate_shell_rad_s[now.sample as usize],
+                        conditioned.angular_shell_rad_s2[now.sample as usize],
                     )?;
                 }
             }

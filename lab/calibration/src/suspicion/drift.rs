@@ -124,15 +124,15 @@ fn weight_left_n(suspect: &Suspect<'_>, response: &Response, table: Option<&Tabl
 
 /// Level at the beginning of the run and its change until the end, N; none for a recording that does not begin and end at rest.
 fn ends_n(suspect: &Suspect<'_>, channel: usize) -> Option<(f64, f64)> {
-    let cleaned = suspect.cleaned;
+    let conditioned = suspect.conditioned;
     let peak = |series: &[glam::DVec3]| series.iter().map(|v| v.length()).fold(0.0, f64::max);
     let limits = [
-        AT_REST * peak(&cleaned.linear_ground_m_s2),
-        AT_REST * peak(&cleaned.rate_shell_rad_s),
+        AT_REST * peak(&conditioned.linear_ground_m_s2),
+        AT_REST * peak(&conditioned.rate_shell_rad_s),
     ];
     let rests = |row: &usize| {
-        cleaned.linear_ground_m_s2[*row].length() <= limits[0]
-            && cleaned.rate_shell_rad_s[*row].length() <= limits[1]
+        conditioned.linear_ground_m_s2[*row].length() <= limits[0]
+            && conditioned.rate_shell_rad_s[*row].length() <= limits[1]
     };
     let samples = suspect.force_n.len();
     let first = (0..samples).take_while(rests).count();

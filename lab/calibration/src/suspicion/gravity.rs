@@ -57,7 +57,7 @@ fn weight(table: &Table, suspect: &Suspect<'_>) -> Option<DVec3> {
     }
     let trial = suspect.trial;
     let axis = trial.direction_ground;
-    let angle: Vec<f64> = angles(suspect.cleaned, trial).collect();
+    let angle: Vec<f64> = angles(suspect.conditioned, trial).collect();
     let net: Vec<DVec3> = suspect
         .force_n
         .iter()

@@ -7,7 +7,7 @@ use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::{InertiaPerMass, LIMBS, Parameters};
 
 use super::TrialReport;
-use crate::cleaning::Cleaned;
+use crate::conditioning::Conditioned;
 use crate::interval::LeftOut;
 use crate::response::ChannelResponse;
 use crate::steps::{Campaign, FourSteps, rows};
@@ -41,7 +41,7 @@ pub(super) fn trial_report(suspect: &Suspect<'_>, departure: Option<f64>) -> Tri
         sample_rate_hz: trial.sample_rate_hz,
         samples: trial.voltage_v.len(),
         largest_over_full_scale: largest / trial.full_scale_v,
-        outliers: suspect.cleaned.outliers,
+        outliers: suspect.conditioned.outliers,
         departure,
         residual,
         residual_correlation: None,
@@ -61,7 +61,7 @@ pub(super) fn hold_out(
 ) {
     let (mut linear, mut angular) = (0, 0);
     let gain = steps.rate_over_reading.map_or(1.0, |gain| gain.0);
-    for ((trial, cleaned), report) in campaign.trials.iter().zip(reports) {
+    for ((trial, conditioned), report) in campaign.trials.iter().zip(reports) {
         let mut parameters = steps.found();
         match trial.role {
             Role::Linear => {
@@ -69,7 +69,7 @@ pub(super) fn hold_out(
                 linear += 1;
                 let Some(scale) = fitted else { continue };
                 parameters.scale_per_mass_per_kg = scale;
-                let residuals = linear_residuals(trial, cleaned, &parameters);
+                let residuals = linear_residuals(trial, conditioned, &parameters);
                 report.hold_out = Some(residuals.0);
                 report.residual_correlation = residuals.1;
             }
@@ -78,7 +78,7 @@ pub(super) fn hold_out(
                 angular += 1;
                 let Some(inertia) = fitted else { continue };
                 parameters.inertia_per_mass = InertiaPerMass::from_paper_order(inertia);
-                let residuals = angular_residuals(campaign, trial, cleaned, &parameters, gain);
+                let residuals = angular_residuals(campaign, trial, conditioned, &parameters, gain);
                 report.hold_out = Some(residuals.0);
                 report.residual_correlation = residuals.1;
             }
@@ -88,13 +88,17 @@ pub(super) fn hold_out(
 }
 
 /// Residual of (12) over the acceleration, and its correlation from row to row.
-fn linear_residuals(trial: &Trial, cleaned: &Cleaned, p: &Parameters) -> (f64, Option<f64>) {
+fn linear_residuals(
+    trial: &Trial,
+    conditioned: &Conditioned,
+    p: &Parameters,
+) -> (f64, Option<f64>) {
     let chain = SignalChain::new(&trial.gains, p);
     let series: Vec<(DVec3, DVec3)> = rows(trial)
         .map(|row| {
-            let force = chain.force_per_mass_m_s2(&cleaned.voltage_v[row]);
+            let force = chain.force_per_mass_m_s2(&conditioned.voltage_v[row]);
             let sum: DVec3 = (0..LIMBS).map(|i| DIRECTIONS_SHELL[i] * force[i]).sum();
-            (sum, cleaned.linear_ground_m_s2[row])
+            (sum, conditioned.linear_ground_m_s2[row])
         })
         .collect();
     residuals(&series)
@@ -104,7 +108,7 @@ fn linear_residuals(trial: &Trial, cleaned: &Cleaned, p: &Parameters) -> (f64, O
 fn angular_residuals(
     campaign: &Campaign,
     trial: &Trial,
-    cleaned: &Cleaned,
+    conditioned: &Conditioned,
     p: &Parameters,
     gain: f64,
 ) -> (f64, Option<f64>) {
@@ -112,14 +116,14 @@ fn angular_residuals(
     let hinges = campaign.geometry.mass_hinges_m();
     let series: Vec<(DVec3, DVec3)> = rows(trial)
         .map(|row| {
-            let force = chain.force_per_mass_m_s2(&cleaned.voltage_v[row]);
+            let force = chain.force_per_mass_m_s2(&conditioned.voltage_v[row]);
             let torque: DVec3 = (0..LIMBS)
                 .map(|i| hinges[i].cross(DIRECTIONS_SHELL[i]) * force[i])
                 .sum();
             let euler = euler_torque(
                 &p.inertia_per_mass,
-                gain * cleaned.rate_shell_rad_s[row],
-                gain * cleaned.angular_shell_rad_s2[row],
+                gain * conditioned.rate_shell_rad_s[row],
+                gain * conditioned.angular_shell_rad_s2[row],
             );
             (torque, euler)
         })
@@ -142,12 +146,12 @@ fn residuals(series: &[(DVec3, DVec3)]) -> (f64, Option<f64>) {
 const COORDINATION: [[usize; 4]; 3] = [[0, 1, 3, 4], [0, 2, 6, 8], [4, 5, 7, 8]];
 
 pub(super) fn coordination(campaign: &Campaign, p: &Parameters, reports: &mut [TrialReport]) {
-    for ((trial, cleaned), report) in campaign.trials.iter().zip(reports) {
+    for ((trial, conditioned), report) in campaign.trials.iter().zip(reports) {
         let chain = SignalChain::new(&trial.gains, p);
         let mut sums = [0.0; 3];
         let mut total = 0.0;
         for row in rows(trial) {
-            let force = chain.force_per_mass_m_s2(&cleaned.voltage_v[row]);
+            let force = chain.force_per_mass_m_s2(&conditioned.voltage_v[row]);
             for (sum, limbs) in sums.iter_mut().zip(COORDINATION) {
                 let s: f64 = limbs.iter().map(|i| force[*i]).sum();
                 *sum += s * s;

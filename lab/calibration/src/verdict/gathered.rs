@@ -1,11 +1,11 @@
-//! A session's recordings, read, sorted by what they are for, and cleaned.
+//! A session's recordings, read, sorted by what they are for, and conditioned.
 //!
 //! A recording that cannot be used is a finding, not an error: the rest is still worth knowing.
 
 use rayon::prelude::*;
 
 use super::Watch;
-use crate::cleaning::{Cleaned, Cleaning};
+use crate::conditioning::{Conditioned, Conditioning};
 use crate::error::{Error, Result};
 use crate::load;
 use crate::suspicion::{Cause, Finding};
@@ -20,12 +20,12 @@ pub const VALIDATION_CORNER: f64 = 4.4;
 pub(super) struct Gathered {
     /// The static record, if one could be read.
     pub at_rest: Option<Trial>,
-    /// Trials of steps 2 to 4 and validation runs, cleaned.
-    pub trials: Vec<(Trial, Cleaned)>,
+    /// Trials of steps 2 to 4 and validation runs, conditioned.
+    pub trials: Vec<(Trial, Conditioned)>,
     /// Taps.
     pub struck: Vec<Trial>,
-    /// The cleaning that was done, but for validation runs.
-    pub cleaning: Cleaning,
+    /// The conditioning that was done, but for validation runs.
+    pub conditioning: Conditioning,
     /// What could not be used.
     pub findings: Vec<Finding>,
 }
@@ -77,27 +77,27 @@ pub(super) fn gather(file: &SessionFile, watch: &dyn Watch) -> Result<Gathered> 
                 .to_owned(),
         });
     }
-    let cleaning = Cleaning::of(&file.session);
-    watch.stage("cleaning", moving.len());
-    let cleaned: Vec<(Trial, sixaxis_core::Result<Cleaned>)> = moving
+    let conditioning = Conditioning::of(&file.session);
+    watch.stage("conditioning", moving.len());
+    let conditioned: Vec<(Trial, sixaxis_core::Result<Conditioned>)> = moving
         .into_par_iter()
         .map(|trial| {
-            let mut own = cleaning.clone();
+            let mut own = conditioning.clone();
             if trial.role == Role::Validation
                 && let Stage::On(low_pass) = &mut own.stages.low_pass
             {
                 low_pass.times_drive = VALIDATION_CORNER;
                 low_pass.plus_hz = 0.0;
             }
-            let cleaned = own.clean(&trial);
+            let conditioned = own.condition(&trial);
             watch.part();
-            (trial, cleaned)
+            (trial, conditioned)
         })
         .collect();
     let mut trials = Vec::new();
-    for (trial, cleaned) in cleaned {
-        match cleaned {
-            Ok(cleaned) => trials.push((trial, cleaned)),
+    for (trial, conditioned) in conditioned {
+        match conditioned {
+            Ok(conditioned) => trials.push((trial, conditioned)),
             Err(error) => findings.push(unreadable(&trial.name, error.to_string())),
         }
     }
@@ -105,7 +105,7 @@ pub(super) fn gather(file: &SessionFile, watch: &dyn Watch) -> Result<Gathered> 
         at_rest,
         trials,
         struck,
-        cleaning,
+        conditioning,
         findings,
     })
 }

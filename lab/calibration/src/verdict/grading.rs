@@ -117,21 +117,17 @@ pub(super) fn reservations(
     // A product of inertia may be zero; the moments and the scale factors may not.
     let wide: Vec<(&ParameterReport, f64)> = parameters
         .iter()
-        .filter(|p| {
-            ["s", "I1", "I2", "I3"]
-                .iter()
-                .any(|start| p.name.starts_with(start))
-        })
+        .filter(|p| p.parameter.has_size())
         .filter_map(|p| Some((p, p.half_width_95? / p.estimate.abs())))
         .filter(|(_, share)| *share > limits.interval_percent / 100.0)
         .collect();
     if let Some((worst, share)) = wide.iter().max_by(|a, b| a.1.total_cmp(&b.1)) {
-        let names: Vec<&str> = wide.iter().map(|(p, _)| p.name.as_str()).collect();
+        let names: Vec<String> = wide.iter().map(|(p, _)| p.parameter.to_string()).collect();
         reservations.push(format!(
             "{}: known only to ±{:.0} % at worst ({}), mostly because of {}; repeat trials that load them",
             names.join(", "),
             100.0 * share,
-            worst.name,
+            worst.parameter,
             worst.dominated_by
         ));
     }

@@ -2,7 +2,8 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sixaxis_core::decouple::uncertainty::PARAMETERS;
+use sixaxis_core::Parameter;
+use sixaxis_core::parameter::PARAMETERS;
 use sixaxis_core::{LIMBS, Parameters};
 
 use crate::calibration::{Covariance, PropagatedCovariance};
@@ -93,7 +94,7 @@ pub(super) fn used(
 ) -> Parameters {
     let stiffness = reports
         .iter()
-        .find(|p| p.name == "k/m")
+        .find(|p| p.parameter == Parameter::Stiffness)
         .map_or(design.stiffness_per_mass_per_s2, |p| p.estimate);
     joint.parameters(stiffness)
 }

@@ -1,8 +1,8 @@
 //! A judged session as the file that is kept of it.
 
+use sixaxis_core::parameter::PARAMETERS;
 use std::path::Path;
 
-use sixaxis_core::decouple::uncertainty::PARAMETERS;
 use sixaxis_core::{LIMBS, Parameters};
 
 use super::{Estimator, Grade};

@@ -6,7 +6,7 @@ use sixaxis_core::{Decoupler, Parameters, Scheme};
 
 use super::grading::worst;
 use super::{Comparison, TrialReport};
-use crate::cleaning::Cleaned;
+use crate::conditioning::Conditioned;
 use crate::steps::Campaign;
 use crate::suspicion::{Cause, Finding};
 use crate::trial::Trial;
@@ -23,11 +23,11 @@ pub(super) fn validate(
     findings: &mut Vec<Finding>,
 ) -> Vec<Comparison> {
     let mut comparisons = Vec::new();
-    for ((trial, cleaned), report) in campaign.trials.iter().zip(reports) {
+    for ((trial, conditioned), report) in campaign.trials.iter().zip(reports) {
         if trial.role != Role::Validation {
             continue;
         }
-        match compare(campaign, trial, cleaned, parameters) {
+        match compare(campaign, trial, conditioned, parameters) {
             Ok(comparison) => {
                 report.validation = Some(errors(&comparison, arm_m(&campaign.design)));
                 comparisons.push(comparison);
@@ -49,13 +49,13 @@ pub(super) fn validate(
 fn compare(
     campaign: &Campaign,
     trial: &Trial,
-    cleaned: &Cleaned,
+    conditioned: &Conditioned,
     parameters: &Parameters,
 ) -> sixaxis_core::Result<Comparison> {
     let sensor = trial.sensor(campaign.geometry);
     let settings = trial.settings(Scheme::HeunSubstepped);
     // A run of the rig ends as it began, at rest: what the open loop has gathered by then is drift.
-    let (rows, _) = rest_to_rest::detrend(&sensor, parameters, &settings, &cleaned.voltage_v)?;
+    let (rows, _) = rest_to_rest::detrend(&sensor, parameters, &settings, &conditioned.voltage_v)?;
     let mut decoupler = Decoupler::new(&sensor, parameters, &settings)?;
     let mut comparison = Comparison {
         name: trial.name.clone(),
@@ -71,8 +71,8 @@ fn compare(
         let index = out.sample as usize;
         // The axis is the same in ground and shell.
         let standard = [
-            cleaned.linear_ground_m_s2[index],
-            cleaned.angular_shell_rad_s2[index],
+            conditioned.linear_ground_m_s2[index],
+            conditioned.angular_shell_rad_s2[index],
         ];
         let decoupled = [out.linear_ground_m_s2, out.angular_ground_rad_s2];
         let six = |pair: [DVec3; 2]| -> [f64; 6] { core::array::from_fn(|i| pair[i / 3][i % 3]) };

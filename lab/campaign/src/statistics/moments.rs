@@ -1,10 +1,10 @@
 //! Errors of one estimate over many cases, against what the estimate said of itself.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use sixaxis_core::significance::NORMAL_95;
 
 /// A share of cases.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Share {
     /// The share.
     pub value: f64,
@@ -13,7 +13,7 @@ pub struct Share {
 }
 
 /// One estimator of one parameter. Errors are estimate less truth.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Estimator {
     /// Cases that have an estimate.
     pub cases: u64,

@@ -327,7 +327,7 @@ fn summary(judgement: &Judgement, targets: &Targets) -> String {
                 &mut out,
                 "  ",
                 "  ",
-                &format!("{}: {}", parameter.name, parameter.remark),
+                &format!("{}: {}", parameter.parameter, parameter.remark),
             );
         }
     }

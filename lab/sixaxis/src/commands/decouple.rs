@@ -8,15 +8,17 @@ use std::time::Instant;
 use super::integrator::Integrator;
 use anyhow::{Context, Result, bail, ensure};
 use serde::Serialize;
-use sixaxis_calibration::apply::conditioning::{Conditioning, Wishes, causal_delay_s};
-use sixaxis_calibration::apply::live::{End, Live, Printed, is_closed_pipe, refuse};
-use sixaxis_calibration::apply::motion::{Columns, DEVIATIONS, Decoding};
+use sixaxis_calibration::apply::check_grade::check_grade;
+use sixaxis_calibration::apply::conditioning_stream::{
+    ConditioningConfig, ConditioningStream, causal_delay_s,
+};
+use sixaxis_calibration::apply::decoding::{Columns, DEVIATIONS, Decoding};
+use sixaxis_calibration::apply::fault_watch::{Watching, flags};
 use sixaxis_calibration::apply::pipeline::Busy;
 use sixaxis_calibration::apply::recording::Recording;
-use sixaxis_calibration::apply::setup::{Said, Setup};
-use sixaxis_calibration::apply::trust::doubt;
-use sixaxis_calibration::apply::watching::{Watching, flags};
-use sixaxis_calibration::apply::{closed, pipeline};
+use sixaxis_calibration::apply::setup::{Overrides, Setup};
+use sixaxis_calibration::apply::text_stream::{End, Live, Printed, is_closed_pipe, refuse};
+use sixaxis_calibration::apply::{pipeline, rest_to_rest};
 use sixaxis_calibration::calibration::Calibration;
 use sixaxis_calibration::page;
 use sixaxis_calibration::verdict::Grade;
@@ -166,7 +168,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let started = Instant::now();
     let calibration = Calibration::read(&arguments.calibration)?;
     let name = arguments.calibration.display().to_string();
-    if let Some(doubt) = doubt(&name, &calibration, arguments.force)? {
+    if let Some(doubt) = check_grade(&name, &calibration, arguments.force)? {
         warn(&doubt);
     }
     let session = match &arguments.session {
@@ -174,7 +176,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         None => None,
     };
     let streams = arguments.recording == Path::new("-");
-    let said = Said {
+    let overrides = Overrides {
         gain_n_per_v: arguments.gain.clone(),
         rate_hz: arguments.rate,
         down: match arguments.down.as_slice() {
@@ -184,8 +186,8 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         },
     };
     let recording = (!streams).then_some(arguments.recording.as_path());
-    let mut setup = Setup::new(&calibration, session.as_ref(), recording, &said)?;
-    setup.wishes.low_pass_hz = arguments.low_pass;
+    let mut setup = Setup::new(&calibration, session.as_ref(), recording, &overrides)?;
+    setup.conditioning.low_pass_hz = arguments.low_pass;
     let columns = if arguments.accelerations {
         Columns::Accelerations
     } else {
@@ -292,7 +294,7 @@ fn file(
     let rate_hz = recording.sample_rate_hz;
     let scheme = arguments.scheme.scheme();
     let settings = setup.settings(rate_hz, scheme);
-    let conditioning = Conditioning::new(&setup.wishes, rate_hz)?;
+    let conditioning = ConditioningStream::new(&setup.conditioning, rate_hz)?;
     let failed = failed(arguments)?;
     recording.without = failed;
     recording.watched = arguments.watch;
@@ -340,8 +342,8 @@ fn file(
     if arguments.close {
         let mut stamps = Vec::new();
         let (rows, found) =
-            closed::read(&mut recording, conditioning, &setup, &settings, &mut stamps)?;
-        closed::write(&recording, &rows, &stamps, &mut decoding, sink()?)?;
+            rest_to_rest::read(&mut recording, conditioning, &setup, &settings, &mut stamps)?;
+        rest_to_rest::write(&recording, &rows, &stamps, &mut decoding, sink()?)?;
         trend = Some(found);
     } else {
         let stage = Progress::shown().stage("decoupling", recording.samples.unwrap_or(0));
@@ -354,7 +356,7 @@ fn file(
         )?);
     }
     let mut warnings = recording.warnings();
-    warnings.extend(decoding.said());
+    warnings.extend(decoding.messages());
     if decoding.rows == 0 {
         warnings.push(format!(
             "{}: {} samples; a row needs three, the result is empty",
@@ -474,11 +476,11 @@ fn stream(
     let rate_hz = arguments
         .rate
         .context("--rate: a stream does not say how fast it is sampled")?;
-    let wishes = Wishes {
+    let config = ConditioningConfig {
         causal: true,
-        ..setup.wishes
+        ..setup.conditioning
     };
-    if let Some(corner_hz) = wishes.low_pass_hz {
+    if let Some(corner_hz) = config.low_pass_hz {
         eprintln!(
             "note: --low-pass goes forwards only on a stream and delays by {:.2e} s; `time` is the sample's, not the motion's",
             causal_delay_s(corner_hz)
@@ -486,7 +488,7 @@ fn stream(
     }
     let settings = setup.settings(rate_hz, arguments.scheme.scheme());
     let live = Live {
-        conditioning: Conditioning::new(&wishes, rate_hz)?,
+        conditioning: ConditioningStream::new(&config, rate_hz)?,
         watching: watching(arguments, calibration, &setup, &settings)?,
         decoupler: Decoupler::new(&setup.sensor, &setup.parameters, &settings)
             .with_context(|| format!("{}", arguments.calibration.display()))?

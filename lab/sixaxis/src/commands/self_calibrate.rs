@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail, ensure};
-use sixaxis_calibration::apply::setup::{Said, Setup};
+use sixaxis_calibration::apply::setup::{Overrides, Setup};
 use sixaxis_calibration::calibration::Calibration;
 use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::redundancy::self_calibration::{
@@ -119,7 +119,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         .as_deref()
         .map(SessionFile::read)
         .transpose()?;
-    let said = Said {
+    let overrides = Overrides {
         gain_n_per_v: arguments.gain.clone(),
         rate_hz: arguments.rate,
         down: match arguments.down.as_slice() {
@@ -128,7 +128,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
             other => bail!("--down: {} numbers, three were expected", other.len()),
         },
     };
-    let setup = |path: &Path| Setup::new(&calibration, session.as_ref(), Some(path), &said);
+    let setup = |path: &Path| Setup::new(&calibration, session.as_ref(), Some(path), &overrides);
     let own = setup(&arguments.recording)?;
     let rests = match (arguments.known_change, arguments.rests.as_slice()) {
         (None, _) => None,
@@ -169,7 +169,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     } else {
         correction::covariance_of_ln_scale(&calibration)?
     };
-    doubt(&mut summary, &now);
+    check_grade(&mut summary, &now);
     let said = drifted(&ratios, &calibrated, arguments.false_alarm).context("--false-alarm")?;
     summary.put(&said)?;
     let scales = match (arguments.known_change, &measured.change) {
@@ -199,7 +199,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     finish(arguments, &summary)
 }
 
-fn doubt(summary: &mut Summary, ratios: &ScaleRatios) {
+fn check_grade(summary: &mut Summary, ratios: &ScaleRatios) {
     if ratios.misfit.chance() < MISFIT {
         summary.finding = Finding::Misfit;
         summary.warnings.push(format!(

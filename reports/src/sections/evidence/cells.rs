@@ -81,11 +81,6 @@ fn significant_or_power(value: f64, digits: usize) -> String {
     }
 }
 
-/// A number of things.
-pub fn count(n: usize) -> String {
-    number::count(n as u64)
-}
-
 /// A suite's name as words.
 pub fn words(suite: &str) -> String {
     suite.replace('_', " ")

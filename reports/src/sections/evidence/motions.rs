@@ -1,10 +1,11 @@
 //! Random six-axis motions on MuJoCo: the errors and the reference's own, each as a whole distribution.
 
 use serde::Serialize;
+use sixaxis_page::number::count;
 use sixaxis_page::{Axis, Cell, Figure, Mark, Series, Table, Text};
 use sixaxis_props::evidence::{Quantiles, Row};
 
-use super::cells::{count, error, limit, margin};
+use super::cells::{error, limit, margin};
 use super::quantity::{Quantity, decades};
 
 /// Quantities of the random motions, with their short names.

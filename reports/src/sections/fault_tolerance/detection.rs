@@ -3,8 +3,8 @@
 use sixaxis_page::figure::paired;
 use sixaxis_page::number::{count, fixed, scientific, significant};
 use sixaxis_page::{Axis, Figure, Series, Table, Text};
-
-use super::published::{Class, Curve, Detection, Kind};
+use sixaxis_props::faults::Name;
+use sixaxis_props::results::{Curve, Detection, FaultTally, OfClass};
 
 /// Values, figures and tables.
 pub fn fill(text: Text, d: &Detection) -> Text {
@@ -62,21 +62,22 @@ fn false_alarms(d: &Detection) -> Table {
 }
 
 /// A kind in words, with its size.
-fn name(kind: &Kind) -> String {
-    let words = match kind.kind.as_str() {
-        "scale_jump" => "sensitivity jumps",
-        "offset" => "zero jumps",
-        "drift" => "zero drifts, in 1\u{a0}s",
-        "noise_burst" => "noise, for 0.3\u{a0}s",
-        "swapped" => "two channels swapped",
-        same => same,
+fn name(kind: &FaultTally) -> String {
+    let words = match kind.kind {
+        Name::Dead => "dead",
+        Name::Stuck => "stuck",
+        Name::ScaleJump => "sensitivity jumps",
+        Name::Offset => "zero jumps",
+        Name::Drift => "zero drifts, in 1\u{a0}s",
+        Name::NoiseBurst => "noise, for 0.3\u{a0}s",
+        Name::Swapped => "two channels swapped",
     };
     kind.sigmas.map_or(words.to_owned(), |s| {
         format!("{words}, {}\u{a0}σ", fixed(s, 0))
     })
 }
 
-fn percent(part: u64, all: u64, decimals: usize) -> String {
+fn percent(part: usize, all: usize, decimals: usize) -> String {
     match all {
         0 => "–".to_owned(),
         _ => fixed(100.0 * part as f64 / all as f64, decimals),
@@ -108,8 +109,8 @@ fn detected(d: &Detection) -> Table {
 }
 
 fn classes(d: &Detection) -> Table {
-    let name = |c: &&Class| {
-        let numbers: Vec<String> = c.limbs.iter().map(u64::to_string).collect();
+    let name = |c: &&OfClass| {
+        let numbers: Vec<String> = c.limbs.iter().map(usize::to_string).collect();
         numbers.join(" or ")
     };
     Table::of("limb", &d.classes, name)
@@ -125,7 +126,7 @@ fn classes(d: &Detection) -> Table {
 
 fn ambiguous_pairs(d: &Detection) -> Table {
     let kinds = d.kinds.iter().filter(|k| k.twins.all() > 0);
-    let share = |k: &Kind, part: u64| percent(part, k.twins.all(), 1);
+    let share = |k: &FaultTally, part: usize| percent(part, k.twins.all(), 1);
     Table::of("failure", kinds, |k| name(k))
         .col("trials", |k| count(k.twins.all()))
         .col(("right", "%"), |k| share(k, k.twins.right))

@@ -2,8 +2,7 @@
 
 use sixaxis_page::figure::{NEUTRAL, paired};
 use sixaxis_page::{Axis, Figure, Mark, Series, Text};
-
-use super::published::DyingLimb;
+use sixaxis_props::results::DyingLimb;
 
 /// Values and figures.
 pub fn fill(text: Text, d: &DyingLimb) -> Text {

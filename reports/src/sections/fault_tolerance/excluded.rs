@@ -2,8 +2,7 @@
 
 use sixaxis_page::number::fixed;
 use sixaxis_page::{Axis, Cell, Figure, Mark, Series, State, Table, TableBuilder, Text};
-
-use super::sets::{FailedLimbs, Set};
+use sixaxis_props::results::{ExcludedSet as Set, FailedLimbs};
 
 /// Growth of noise from which a set is marked.
 const DEAR: f64 = 2.0;
@@ -21,7 +20,7 @@ pub fn fill(text: Text, limbs: &FailedLimbs) -> Text {
     };
     let healthy = limbs.healthy_largest_error.iter().map(|e| 100.0 * e);
     let lost = limbs.sets.iter().filter(|set| set.failed.len() == 2);
-    let lost = lost.filter_map(|set| Some(format!("{}: {}", set.name(), set.lost.as_ref()?)));
+    let lost = lost.filter_map(|set| Some(format!("{}: {}", name(set), set.lost.as_ref()?)));
     text.value("limbs", limbs)
         .value("sets", limbs.sets.len())
         .value("lost_pairs", lost.collect::<Vec<_>>())
@@ -40,12 +39,24 @@ pub fn fill(text: Text, limbs: &FailedLimbs) -> Text {
         .figure(errors(limbs))
 }
 
+/// The growth of that of the six accelerations that suffers most.
+fn largest(set: &Set) -> Option<f64> {
+    let growth = set.amplification?.into_iter();
+    Some(growth.fold(0.0, f64::max))
+}
+
+/// "1, 6, 9".
+fn name(set: &Set) -> String {
+    let numbers: Vec<String> = set.failed.iter().map(usize::to_string).collect();
+    numbers.join(", ")
+}
+
 fn cell(set: Option<&Set>) -> Cell {
     let Some(set) = set else {
         return Cell::from("");
     };
-    let title = format!("{} excluded", set.name());
-    match (set.largest(), &set.lost) {
+    let title = format!("{} excluded", name(set));
+    match (largest(set), &set.lost) {
         (Some(growth), _) => Cell::from(fixed(growth, 2))
             .title(title)
             .state(if growth > DEAR {
@@ -69,7 +80,10 @@ fn by_last_limb<R>(
 ) -> Table {
     let columns = first..=LIMBS;
     let column = |table: TableBuilder<R>, limb: usize| {
-        table.col(limb.to_string(), |row| cell(limbs.set(&set(row, limb))))
+        table.col(limb.to_string(), |row| {
+            let excluded = set(row, limb);
+            cell(limbs.sets.iter().find(|set| set.failed == excluded))
+        })
     };
     columns.fold(table, column).into()
 }
@@ -110,7 +124,7 @@ fn noise(limbs: &FailedLimbs) -> Figure {
 fn errors(limbs: &FailedLimbs) -> Figure {
     let points = |of: fn(&Set) -> Option<f64>| {
         let sets = limbs.sets.iter();
-        sets.filter_map(move |set| Some((set.largest()?, of(set)?)))
+        sets.filter_map(move |set| Some((largest(set)?, of(set)?)))
     };
     Figure::new(
         "failed-limbs-errors",

@@ -1,9 +1,10 @@
 //! Whether the stated intervals hold what they say, and how near the joint fit comes to the bound.
 
+use sixaxis_calibration::page::labels::symbol;
+use sixaxis_campaign::statistics::{Estimator, ParameterSummary};
 use sixaxis_page::{Axis, Figure, Mark, Series, Text};
 
-use super::parameters::symbol;
-use super::published::{Campaign, CampaignParameter, Estimator};
+use sixaxis_props::results::Campaign;
 
 /// What 95 % intervals are wanted to hold.
 pub const BAND: (f64, f64) = (0.94, 0.96);
@@ -13,7 +14,7 @@ const SCATTER: f64 = 2.0;
 /// Values and figures.
 pub fn fill(text: Text, campaign: &Campaign) -> Text {
     let all = campaign.parameters.iter();
-    let fitted: Vec<&CampaignParameter> = all.filter(|p| p.joint.is_some()).collect();
+    let fitted: Vec<&ParameterSummary> = all.filter(|p| p.joint.is_some()).collect();
     let stiffness = campaign.parameters.last();
     let stiffness = stiffness.and_then(|p| p.joint.as_ref());
     let shares = fitted
@@ -36,13 +37,13 @@ pub fn fill(text: Text, campaign: &Campaign) -> Text {
 }
 
 /// A row for each parameter.
-fn by_parameter(id: &str, x: Axis, fitted: &[&CampaignParameter]) -> Figure {
-    let names = fitted.iter().map(|p| symbol(&p.name));
+fn by_parameter(id: &str, x: Axis, fitted: &[&ParameterSummary]) -> Figure {
+    let names = fitted.iter().map(|p| symbol(p.parameter));
     Figure::new(id, "", x, Axis::names("parameter", names))
 }
 
-fn coverage(fitted: &[&CampaignParameter]) -> Figure {
-    let points = |of: fn(&CampaignParameter) -> Option<&Estimator>| {
+fn coverage(fitted: &[&ParameterSummary]) -> Figure {
+    let points = |of: fn(&ParameterSummary) -> Option<&Estimator>| {
         let shares = fitted.iter().enumerate();
         shares.filter_map(move |(i, p)| Some((100.0 * of(p)?.within_stated_95?.value, i as f64)))
     };
@@ -58,8 +59,8 @@ fn coverage(fitted: &[&CampaignParameter]) -> Figure {
         .mark(Mark::vertical(100.0 * BAND.1, "96"))
 }
 
-fn variance(fitted: &[&CampaignParameter], scatter: f64) -> Figure {
-    let ratio = |p: &CampaignParameter| p.joint_gain_known.as_ref()?.variance_over_stated;
+fn variance(fitted: &[&ParameterSummary], scatter: f64) -> Figure {
+    let ratio = |p: &ParameterSummary| p.joint_gain_known.as_ref()?.variance_over_stated;
     let ratios = fitted.iter().enumerate();
     let ratios = ratios.filter_map(|(i, p)| Some((ratio(p)?, i as f64)));
     let x = Axis::linear("variance over bound", "");

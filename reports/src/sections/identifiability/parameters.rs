@@ -1,13 +1,15 @@
 //! Each of the 25: what both estimators say of it, what bounds them, and how often the intervals hold the truth.
 
 use serde::Serialize;
-use sixaxis_calibration::page::labels;
+use sixaxis_calibration::page::labels::{symbol, with_interval};
+use sixaxis_campaign::statistics::{ParameterSummary, Share};
+use sixaxis_core::Parameter;
 use sixaxis_page::number::{fixed, percent, significant};
 use sixaxis_page::{Cell, State, Table, Text};
+use sixaxis_props::results::Campaign;
 use sixaxis_reference::instruments::{GAIN_SHARE, INSTRUMENT_CLASS};
 
 use super::coverage::BAND;
-use super::published::{Campaign, CampaignParameter, Share};
 use crate::study::results::identifiability::{Interval, Known, KnownParameter};
 
 /// Standard errors that a coverage may be outside its band by chance.
@@ -49,14 +51,6 @@ const FAMILIES: [Family; 4] = [
     },
 ];
 
-/// A parameter's name; the reciprocal of k/m, too.
-pub fn symbol(name: &str) -> String {
-    match name {
-        "m/k" => "$m$/$k$".to_owned(),
-        name => labels::symbol(name),
-    }
-}
-
 /// What a family of parameters is known to, by the middle one: 95 % half width, and one standard deviation of what the
 /// trials leave.
 #[derive(Serialize)]
@@ -68,11 +62,11 @@ struct KnownTo {
 }
 
 impl KnownTo {
-    /// Over `scale` of each parameter whose name begins with one of `starts`.
-    fn of(known: &Known, starts: &[&str], scale: fn(&KnownParameter) -> f64) -> Self {
+    /// Over `scale` of each parameter among the wanted.
+    fn of(known: &Known, among: fn(Parameter) -> bool, scale: fn(&KnownParameter) -> f64) -> Self {
         let median = |of: fn(&KnownParameter) -> f64| {
             let all = known.parameters.iter();
-            let family = all.filter(|p| starts.iter().any(|start| p.name.starts_with(start)));
+            let family = all.filter(|p| among(p.parameter));
             let mut values: Vec<f64> = family.map(|p| of(p) / scale(p)).collect();
             values.sort_by(f64::total_cmp);
             values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
@@ -103,12 +97,21 @@ pub fn fill(text: Text, known: &Known, campaign: &Campaign) -> Text {
         truth: p.truth * 1e9,
     });
     let truth: fn(&KnownParameter) -> f64 = |p| p.truth.abs();
-    let products = KnownTo::of(known, &["I4", "I5", "I6"], |_| 1e-6);
+    let products = KnownTo::of(known, |p| matches!(p, Parameter::Inertia(3..)), |_| 1e-6);
     text.value("known", known)
         .value("gain_limit", GAIN_SHARE * INSTRUMENT_CLASS)
-        .value("drift_mv", KnownTo::of(known, &["d"], |_| 1e-3))
-        .value("scale", KnownTo::of(known, &["s"], truth))
-        .value("moments", KnownTo::of(known, &["I1", "I2", "I3"], truth))
+        .value(
+            "drift_mv",
+            KnownTo::of(known, |p| matches!(p, Parameter::Drift(_)), |_| 1e-3),
+        )
+        .value(
+            "scale",
+            KnownTo::of(known, |p| matches!(p, Parameter::Scale(_)), truth),
+        )
+        .value(
+            "moments",
+            KnownTo::of(known, |p| matches!(p, Parameter::Inertia(0..3)), truth),
+        )
         .value("products_mm2", products)
         .value("compliance", compliance)
         .table("parameters", table(known, campaign))
@@ -119,15 +122,15 @@ fn table(known: &Known, campaign: &Campaign) -> Table {
         .iter()
         .fold(Table::grouped("parameter"), |table, family| {
             let all = known.parameters.iter();
-            let rows = all.filter(|p| p.name.starts_with(family.letter));
+            let rows = all.filter(|p| p.parameter.symbol() == family.letter);
             table.group(family.heading, rows.map(|p| (p, family)), |(p, _)| {
-                symbol(&p.name)
+                symbol(p.parameter)
             })
         });
     let digits = |p: &KnownParameter, si: f64| format!("{si} {}", p.unit);
     let interval = |interval: &Interval, family: &Family| {
         let half = half_width(interval);
-        labels::with_interval(interval.estimate * family.per_si, half * family.per_si)
+        with_interval(interval.estimate * family.per_si, half * family.per_si)
     };
     let estimate = |p: &KnownParameter, i: &Interval, family: &Family| {
         Cell::from(interval(i, family).0).title(digits(p, i.estimate))
@@ -135,9 +138,9 @@ fn table(known: &Known, campaign: &Campaign) -> Table {
     let width = |p: &KnownParameter, i: &Interval, family: &Family| {
         Cell::from(interval(i, family).1).title(digits(p, half_width(i)))
     };
-    let covered = |p: &KnownParameter, share: fn(&CampaignParameter) -> Option<Share>| {
+    let covered = |p: &KnownParameter, share: fn(&ParameterSummary) -> Option<Share>| {
         let mut all = campaign.parameters.iter();
-        let found = all.find(|q| q.name == p.name).and_then(share);
+        let found = all.find(|q| q.parameter == p.parameter).and_then(share);
         Cell::or_dash(found.map(coverage))
     };
     table
@@ -183,7 +186,7 @@ fn coverage(share: Share) -> Cell {
 
 /// What dominates the joint fit's interval.
 fn limit(known: &Known, p: &KnownParameter) -> &'static str {
-    if p.name == "m/k" && !known.compliance_is_determined {
+    if p.parameter == Parameter::Compliance && !known.compliance_is_determined {
         "not seen"
     } else if p.joint.of_certificate > p.joint.of_trials {
         "certificate"

@@ -1,10 +1,9 @@
 //! The closed form of the four steps' errors against campaigns drawn at random.
 
+use sixaxis_calibration::page::labels::symbol;
 use sixaxis_page::number::{MISSING, count, fixed};
 use sixaxis_page::{Axis, Cell, Figure, Mark, Series, Table, Text};
-
-use super::parameters::symbol;
-use super::published::{Band, Propagation, Set};
+use sixaxis_props::results::{Band, Propagation, PropagationSet as Set};
 
 /// Departure of a standard deviation that is allowed.
 const BAND: f64 = 0.02;
@@ -36,7 +35,7 @@ fn linear_to_rad(published: &Propagation) -> f64 {
 
 fn figure(published: &Propagation) -> Figure {
     let names = published.sets.first().into_iter();
-    let names = names.flat_map(|set| set.parameters.iter().map(|p| symbol(&p.name)));
+    let names = names.flat_map(|set| set.parameters.iter().map(|p| symbol(p.parameter)));
     let mut figure = Figure::new(
         "propagation-ratios",
         "",

@@ -2,8 +2,8 @@
 
 use sixaxis_page::number::{count, fixed, percent, scientific};
 use sixaxis_page::{Table, Text};
+use sixaxis_props::results::Taps;
 
-use super::published::Taps;
 use crate::sections::STIFFNESS_UNIT_PER_S2;
 use crate::study::results::identifiability::KnownTap;
 

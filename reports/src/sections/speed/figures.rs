@@ -2,8 +2,9 @@
 
 use sixaxis_page::{Axis, Figure, Mark, Series, Text};
 
-use super::snapshot::{
-    Length, LengthPoint, Point, Speed, Spread, Streams, StreamsPoint, WorkPrecision,
+use sixaxis_props::results::{
+    CoreSpeed, Length, LengthPoint, Spread, Streams, StreamsPoint, WorkPrecision,
+    WorkPrecisionPoint,
 };
 
 const US_PER_S: f64 = 1e6;
@@ -21,7 +22,7 @@ const LANES: usize = 2;
 const THREADS: usize = 3;
 
 /// Values and figures.
-pub fn fill(text: Text, speed: &Speed) -> Text {
+pub fn fill(text: Text, speed: &CoreSpeed) -> Text {
     let (w, length, streams) = (&speed.work_precision, &speed.length, &speed.streams);
     let points = || w.curves.iter().flat_map(|curve| &curve.points);
     let smallest = points().map(|p| p.push_error).fold(f64::INFINITY, f64::min);
@@ -58,17 +59,21 @@ pub fn fill(text: Text, speed: &Speed) -> Text {
 }
 
 /// Time, µs per s, and error at a sample rate, sample by sample.
-fn push(p: &Point) -> (f64, f64) {
+fn push(p: &WorkPrecisionPoint) -> (f64, f64) {
     (p.push_s_per_s.median * US_PER_S, p.push_error)
 }
 
 /// The same as a record.
-fn record(p: &Point) -> (f64, f64) {
+fn record(p: &WorkPrecisionPoint) -> (f64, f64) {
     (p.record_s_per_s.median * US_PER_S, p.record_error)
 }
 
 /// Error against work.
-fn work_precision(figure: Figure, w: &WorkPrecision, way: fn(&Point) -> (f64, f64)) -> Figure {
+fn work_precision(
+    figure: Figure,
+    w: &WorkPrecision,
+    way: fn(&WorkPrecisionPoint) -> (f64, f64),
+) -> Figure {
     let figure = figure.mark(Mark::horizontal(w.reference_error, "reference"));
     let curves = w.curves.iter().enumerate();
     curves.fold(figure, |figure, (colour, curve)| {

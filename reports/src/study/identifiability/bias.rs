@@ -3,7 +3,7 @@
 use anyhow::Result;
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
-use sixaxis_calibration::cleaning::Cleaned;
+use sixaxis_calibration::conditioning::Conditioned;
 use sixaxis_calibration::steps::{Campaign, FourSteps, rows};
 use sixaxis_calibration::trial::Trial;
 use sixaxis_core::identify::bias::{ComplianceEffect, LinearMotion};
@@ -40,7 +40,7 @@ impl FirstOrderSearch {
         let trials = of_role(campaign, Role::HighFrequencyLinear)
             .collect::<Vec<_>>()
             .into_par_iter()
-            .map(|(trial, cleaned)| rates(&effect, back, trial, cleaned))
+            .map(|(trial, conditioned)| rates(&effect, back, trial, conditioned))
             .collect();
         Ok(Self {
             effect,
@@ -80,16 +80,16 @@ fn scaled_sum(of_scale: &[DVec3; LIMBS], eps: &[f64; LIMBS]) -> DVec3 {
     parts.fold(DVec3::ZERO, |sum, (rate, eps)| sum + *rate * *eps)
 }
 
-fn of_role(campaign: &Campaign, role: Role) -> impl Iterator<Item = (&Trial, &Cleaned)> {
+fn of_role(campaign: &Campaign, role: Role) -> impl Iterator<Item = (&Trial, &Conditioned)> {
     let trials = campaign.trials.iter();
     trials
         .filter(move |(trial, _)| trial.role == role)
-        .map(|(trial, cleaned)| (trial, cleaned))
+        .map(|(trial, conditioned)| (trial, conditioned))
 }
 
 /// What the standards say of a sample. The ends of a trial take their neighbours' second difference.
-fn motion(trial: &Trial, cleaned: &Cleaned, sample: usize) -> LinearMotion {
-    let a = &cleaned.linear_ground_m_s2;
+fn motion(trial: &Trial, conditioned: &Conditioned, sample: usize) -> LinearMotion {
+    let a = &conditioned.linear_ground_m_s2;
     let second = match a.len() {
         0..3 => DVec3::ZERO,
         n => {
@@ -109,7 +109,12 @@ fn unit(limb: usize) -> [f64; LIMBS] {
     core::array::from_fn(|i| if i == limb { 1.0 } else { 0.0 })
 }
 
-fn rates(effect: &ComplianceEffect, back: DMat3, trial: &Trial, cleaned: &Cleaned) -> TrialRates {
+fn rates(
+    effect: &ComplianceEffect,
+    back: DMat3,
+    trial: &Trial,
+    conditioned: &Conditioned,
+) -> TrialRates {
     let half_step_s = 0.5 / trial.sample_rate_hz;
     let mut out = TrialRates {
         of_compliance: Vec::new(),
@@ -118,8 +123,8 @@ fn rates(effect: &ComplianceEffect, back: DMat3, trial: &Trial, cleaned: &Cleane
     let mut before = None;
     let mut compliance = DVec3::ZERO;
     let mut scale = [DVec3::ZERO; LIMBS];
-    for sample in 0..cleaned.linear_ground_m_s2.len() {
-        let now = motion(trial, cleaned, sample);
+    for sample in 0..conditioned.linear_ground_m_s2.len() {
+        let now = motion(trial, conditioned, sample);
         let torques = (
             back * effect.torque_m2_s4(&now),
             core::array::from_fn::<DVec3, LIMBS, _>(|limb| {
@@ -149,9 +154,9 @@ fn scale_error(
     gravity: bool,
 ) -> Result<[f64; LIMBS]> {
     let mut step = ScaleIdentification::default();
-    for (trial, cleaned) in of_role(campaign, Role::Linear) {
+    for (trial, conditioned) in of_role(campaign, Role::Linear) {
         for sample in rows(trial) {
-            let mut now = motion(trial, cleaned, sample);
+            let mut now = motion(trial, conditioned, sample);
             if !gravity {
                 now.gravity_m_s2 = DVec3::ZERO;
             }
@@ -165,12 +170,12 @@ fn scale_error(
 /// k/m that each of step 4's trials finds alone, s^-2.
 fn single_trials(campaign: &Campaign, found: &FourSteps) -> Result<Vec<f64>> {
     of_role(campaign, Role::HighFrequencyLinear)
-        .map(|(trial, cleaned)| {
+        .map(|(trial, conditioned)| {
             let one = Campaign {
                 geometry: campaign.geometry,
                 design: campaign.design,
                 static_voltage_v: Vec::new(),
-                trials: vec![(trial.clone(), cleaned.clone())],
+                trials: vec![(trial.clone(), conditioned.clone())],
             };
             let law = LimbLaw::CompressionShortens;
             let curve = one.search(&found.found(), Scheme::Heun, 1, law)?;
@@ -202,9 +207,9 @@ pub fn study(
     let curve_predicted = theory.curve(&predicted);
     let stiffness_predicted_per_s2 = stiffness::judge(&curve_predicted)?.interpolated_per_s2;
     let (mut limb, mut compliance, mut scale, mut samples) = (0.0, 0.0, 0.0, 0u32);
-    for (trial, cleaned) in of_role(campaign, Role::HighFrequencyLinear) {
-        for sample in 0..cleaned.linear_ground_m_s2.len() {
-            let now = motion(trial, cleaned, sample);
+    for (trial, conditioned) in of_role(campaign, Role::HighFrequencyLinear) {
+        for sample in 0..conditioned.linear_ground_m_s2.len() {
+            let now = motion(trial, conditioned, sample);
             let a = now.acceleration_m_s2;
             limb += (a * campaign.geometry.half_edge_m).length_squared();
             compliance += (effect.torque_m2_s4(&now) * y).length_squared();

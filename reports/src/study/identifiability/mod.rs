@@ -67,17 +67,17 @@ fn recorded(campaign: &Campaign, records: Records) -> Campaign {
     if records == Records::WholeRuns {
         return campaign;
     }
-    for (trial, cleaned) in &mut campaign.trials {
+    for (trial, conditioned) in &mut campaign.trials {
         if trial.role != Role::HighFrequencyLinear {
             continue;
         }
         let run = Run::new(Mode::Linear, trial.frequency_hz, trial.direction_ground);
         let (from, to) = run.steady_span_s();
         let sample = |time_s: f64| (time_s * trial.sample_rate_hz).round() as usize;
-        let last = cleaned.voltage_v.len().min(sample(to) + 1);
+        let last = conditioned.voltage_v.len().min(sample(to) + 1);
         let span = sample(from).min(last)..last;
-        cleaned.voltage_v = cleaned.voltage_v[span.clone()].to_vec();
-        cleaned.linear_ground_m_s2 = cleaned.linear_ground_m_s2[span].to_vec();
+        conditioned.voltage_v = conditioned.voltage_v[span.clone()].to_vec();
+        conditioned.linear_ground_m_s2 = conditioned.linear_ground_m_s2[span].to_vec();
     }
     campaign
 }

@@ -52,7 +52,7 @@ fn beside(judgement: &Judgement, joint: &JointReport) -> Table {
             reports
                 .iter()
                 .zip(&judgement.four_steps)
-                .filter(|(joint, _)| joint.name.starts_with(letter))
+                .filter(|(joint, _)| joint.parameter.symbol() == letter)
                 .map(|(joint, steps)| row(joint, steps, per_si)),
         );
     }
@@ -104,7 +104,7 @@ fn row(joint: &ParameterReport, steps: &ParameterReport, per_si: f64) -> Row {
         _ => Cell::from(MISSING),
     };
     Row::new(
-        symbol(&joint.name),
+        symbol(joint.parameter),
         [
             Cell::from(a).title(all(joint)),
             Cell::from(a_half),

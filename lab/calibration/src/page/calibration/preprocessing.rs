@@ -1,11 +1,11 @@
-//! What was done to the recordings before anything was computed from them, shown on one trial.
+//! The stages that condition the recordings, as a table, and what each does to one trial.
 
-use crate::cleaning::{Cleaned, Cleaning};
+use crate::conditioning::{Channels, Conditioned, Conditioning, Stage};
 use crate::trial::Trial;
 use crate::verdict::{Judgement, VALIDATION_CORNER};
 use sixaxis_core::LIMBS;
 use sixaxis_core::dsp::differentiate::Differentiator;
-use sixaxis_recordings::session::{Preprocessing, Role, SessionFile, Stage};
+use sixaxis_recordings::session::{Role, SessionFile};
 
 use super::NEUTRAL;
 use crate::page::labels::{file_name, largest};
@@ -20,55 +20,22 @@ pub fn section(file: &SessionFile, judgement: &Judgement) -> Section {
     let section = Section::new(
         "preprocessing",
         "Preprocessing",
-        "All channels and the standards pass through the same stages, in this order, so that what a filter takes off is the same on \
-         both sides of every equation.",
+        "Recordings pass through these stages in this order. Limbs and standards share the low-pass, so that what it takes off is \
+         the same on both sides of every equation.",
     );
     // Validation runs are filtered differently.
     let Some((trial, _)) = worst_of(judgement, |role| role != Role::Validation) else {
         return section;
     };
-    let cleaning = Cleaning::of(&file.session);
+    let conditioning = Conditioning::of(&file.session);
     let limb = limb(judgement, trial);
-    let mut section = section.block(Block::Table(table(file, judgement, &cleaning, trial)));
-    let mut figures = Vec::new();
-    let mut before = column(&trial.voltage_v, limb);
-    let mut stages = nothing(&cleaning);
-    for (stage, (id, title)) in STAGES.iter().enumerate() {
-        if !switch_on(&mut stages, &cleaning, stage) {
-            continue;
-        }
-        let Ok(after) = stages.clean(trial) else {
-            continue;
-        };
-        let after = column(&after.voltage_v, limb);
-        figures.push(figure(
-            format!("stage-{id}"),
-            format!("{title}, channel {}", limb + 1),
-            trial.sample_rate_hz,
-            ("voltage", "V", "taken off"),
-            &before,
-            &after,
-        ));
-        before = after;
-    }
-    // Rotation is needed to see a gyroscope's lag.
-    if cleaning.gyroscope_bandwidth_hz.is_some()
-        && let Some((trial, cleaned)) = worst_of(judgement, |role| role == Role::Angular)
-        && let Ok(lagging) = (Cleaning {
-            gyroscope_bandwidth_hz: None,
-            ..cleaning.clone()
-        })
-        .clean(trial)
-    {
-        figures.push(figure(
-            "stage-gyroscope-lag".to_owned(),
-            format!("Gyroscope's lag undone, {}", file_name(&trial.name)),
-            trial.sample_rate_hz,
-            ("rate", "rad/s", "change"),
-            &along(&lagging, trial),
-            &along(cleaned, trial),
-        ));
-    }
+    let mut section = section.block(Block::Table(table(file, judgement, &conditioning, trial)));
+    let rotating = worst_of(judgement, |role| role == Role::Angular).map(|(trial, _)| trial);
+    let figures: Vec<Figure> = Stage::ORDER
+        .into_iter()
+        .filter(|stage| conditioning.has(*stage))
+        .filter_map(|stage| stage_figure(&conditioning, stage, trial, rotating, limb))
+        .collect();
     if figures.is_empty() {
         section = section.block(Block::Note(
             "All stages that change a recording are switched off in the session file.".to_owned(),
@@ -81,8 +48,8 @@ pub fn section(file: &SessionFile, judgement: &Judgement) -> Section {
             )))
             .block(Block::Text(
                 "The trial that departs most from the others, and of it the channel that was found fault with or else swings most. \
-                 Below each pair stands what the stage took off: noise, if all is well. A shape that follows the motion is signal that \
-                 was lost."
+                 Each pair shows the channel as it enters and leaves one stage; below it stands what the stage took off: noise, if all \
+                 is well. A shape that follows the motion is signal that was lost."
                     .to_owned(),
             ))
             .block(Block::FigureGrid(figures));
@@ -90,13 +57,72 @@ pub fn section(file: &SessionFile, judgement: &Judgement) -> Section {
     section
 }
 
+/// A channel before and after one stage, where the stage changes one that is shown: a limb's voltage or, in a trial that
+/// rotates, the gyroscope's rate.
+fn stage_figure(
+    conditioning: &Conditioning,
+    stage: Stage,
+    trial: &Trial,
+    rotating: Option<&Trial>,
+    limb: usize,
+) -> Option<Figure> {
+    let (id, title) = match stage {
+        Stage::Outliers => ("outliers", "Outliers replaced"),
+        Stage::HighPass => ("high-pass", "Amplifier's high-pass undone"),
+        Stage::Trend => ("detrend", "Trend between the rests"),
+        Stage::LowPass => ("low-pass", "Low-pass"),
+        Stage::GyroscopeLag => {
+            let trial = rotating?;
+            let (before, after) =
+                before_after(conditioning, stage, trial, |c| c.gyroscope_rad_s.clone())?;
+            return Some(figure(
+                "stage-gyroscope-lag".to_owned(),
+                format!("Gyroscope's lag undone, {}", file_name(&trial.name)),
+                trial.sample_rate_hz,
+                ("rate", "rad/s", "change"),
+                &before,
+                &after,
+            ));
+        }
+        Stage::Delays | Stage::AccelerometerLag | Stage::Derivative => return None,
+    };
+    let (before, after) = before_after(conditioning, stage, trial, |c| column(&c.voltage_v, limb))?;
+    Some(figure(
+        format!("stage-{id}"),
+        format!("{title}, channel {}", limb + 1),
+        trial.sample_rate_hz,
+        ("voltage", "V", "taken off"),
+        &before,
+        &after,
+    ))
+}
+
+/// A channel as it enters and as it leaves a stage; none where a stage refuses the trial.
+fn before_after(
+    conditioning: &Conditioning,
+    stage: Stage,
+    trial: &Trial,
+    channel: impl Fn(&Channels) -> Vec<f64>,
+) -> Option<(Vec<f64>, Vec<f64>)> {
+    let mut channels = Channels::of(trial);
+    for earlier in Stage::ORDER.into_iter().take_while(|s| *s != stage) {
+        conditioning.run(earlier, trial, &mut channels).ok()?;
+    }
+    let before = channel(&channels);
+    conditioning.run(stage, trial, &mut channels).ok()?;
+    Some((before, channel(&channels)))
+}
+
 /// The trial with the largest departure, or the first, of some roles.
-fn worst_of(judgement: &Judgement, wanted: impl Fn(Role) -> bool) -> Option<(&Trial, &Cleaned)> {
-    let candidates: Vec<(&Trial, &Cleaned)> = judgement
+fn worst_of(
+    judgement: &Judgement,
+    wanted: impl Fn(Role) -> bool,
+) -> Option<(&Trial, &Conditioned)> {
+    let candidates: Vec<(&Trial, &Conditioned)> = judgement
         .recordings
         .iter()
         .filter(|(trial, _)| wanted(trial.role))
-        .filter_map(|(trial, cleaned)| Some((trial, cleaned.as_ref()?)))
+        .filter_map(|(trial, conditioned)| Some((trial, conditioned.as_ref()?)))
         .collect();
     let departure = |trial: &Trial| {
         judgement
@@ -108,7 +134,7 @@ fn worst_of(judgement: &Judgement, wanted: impl Fn(Role) -> bool) -> Option<(&Tr
     let worst = largest(
         candidates
             .iter()
-            .filter_map(|(trial, cleaned)| Some((departure(trial)?, (*trial, *cleaned)))),
+            .filter_map(|(trial, conditioned)| Some((departure(trial)?, (*trial, *conditioned)))),
     );
     worst
         .map(|(_, candidate)| candidate)
@@ -134,59 +160,6 @@ fn limb(judgement: &Judgement, trial: &Trial) -> usize {
 
 fn column(rows: &[[f64; LIMBS]], limb: usize) -> Vec<f64> {
     rows.iter().map(|row| row[limb]).collect()
-}
-
-fn along(cleaned: &Cleaned, trial: &Trial) -> Vec<f64> {
-    cleaned
-        .rate_shell_rad_s
-        .iter()
-        .map(|rate| rate.dot(trial.direction_ground))
-        .collect()
-}
-
-/// Stages that change a limb's voltage, in their order.
-const STAGES: [(&str, &str); 4] = [
-    ("high-pass", "Amplifier's high-pass undone"),
-    ("outliers", "Outliers replaced"),
-    ("detrend", "Trend between the rests"),
-    ("low-pass", "Low-pass"),
-];
-
-/// The same with every stage of [`STAGES`] off.
-fn nothing(cleaning: &Cleaning) -> Cleaning {
-    Cleaning {
-        stages: Preprocessing {
-            outliers: Stage::Switch(false),
-            amplifier_high_pass_hz: None,
-            detrend: Stage::Switch(false),
-            low_pass: Stage::Switch(false),
-            differentiator: cleaning.stages.differentiator,
-        },
-        ..cleaning.clone()
-    }
-}
-
-/// Switches one of [`STAGES`] on if `wanted` has it on.
-fn switch_on(stages: &mut Cleaning, wanted: &Cleaning, stage: usize) -> bool {
-    let (on, wanted) = (&mut stages.stages, &wanted.stages);
-    match stage {
-        0 => {
-            on.amplifier_high_pass_hz = wanted.amplifier_high_pass_hz;
-            on.amplifier_high_pass_hz.is_some()
-        }
-        1 => {
-            on.outliers = wanted.outliers;
-            on.outliers.settings().is_some()
-        }
-        2 => {
-            on.detrend = wanted.detrend;
-            on.detrend.settings().is_some()
-        }
-        _ => {
-            on.low_pass = wanted.low_pass;
-            on.low_pass.settings().is_some()
-        }
-    }
 }
 
 fn figure(
@@ -219,77 +192,127 @@ fn figure(
     })
 }
 
-fn table(file: &SessionFile, judgement: &Judgement, cleaning: &Cleaning, trial: &Trial) -> Table {
-    let stages = &cleaning.stages;
-    let off = || ("off".to_owned(), String::new());
-    let replaced: usize = judgement.trials.iter().map(|t| t.outliers).sum();
-    let values: usize = judgement
-        .trials
-        .iter()
-        .map(|t| t.samples * (LIMBS + 2))
-        .sum();
-    let high_pass = stages.amplifier_high_pass_hz.map_or_else(off, |corner| {
-        (
-            format!("first order, {} Hz", significant(corner, 3)),
-            "slow motion gets back what the amplifier took off".to_owned(),
+fn table(
+    file: &SessionFile,
+    judgement: &Judgement,
+    conditioning: &Conditioning,
+    trial: &Trial,
+) -> Table {
+    let row = |stage: Stage| {
+        let (settings, effect) = settings_and_effect(stage, file, judgement, conditioning, trial)
+            .unwrap_or_else(|| ("off".to_owned(), String::new()));
+        Row::new(
+            stage.name(),
+            [
+                Cell::from(stage.channels()),
+                Cell::from(settings),
+                Cell::from(effect),
+            ],
         )
-    });
-    let outliers = stages.outliers.settings().map_or_else(off, |test| {
+    };
+    Table {
+        caption: "Stages in their order".to_owned(),
+        stub: "stage".to_owned(),
+        columns: vec![
+            Column::text("channels"),
+            Column::text("settings"),
+            Column::text("effect"),
+        ],
+        rows: Stage::ORDER.into_iter().map(row).collect(),
+        ..Table::default()
+    }
+}
+
+/// Settings and effect of a stage; none where the session has it off.
+fn settings_and_effect(
+    stage: Stage,
+    file: &SessionFile,
+    judgement: &Judgement,
+    conditioning: &Conditioning,
+    trial: &Trial,
+) -> Option<(String, String)> {
+    let stages = &conditioning.stages;
+    let lag = |bandwidth_hz: f64| {
         (
+            format!("first order, {} Hz", significant(bandwidth_hz, 3)),
             format!(
-                "Hampel, {} samples on either side, {} robust standard deviations",
-                test.half_width,
-                significant(test.sigmas, 2)
-            ),
-            format!(
-                "{} of {} values replaced",
-                count(replaced as u64),
-                count(values as u64)
-            ),
-        )
-    });
-    let detrend = stages.detrend.settings().map_or_else(off, |line| {
-        (
-            format!("line through rests of {} s", line.rest_s),
-            "the change of the zero during a run is taken off".to_owned(),
-        )
-    });
-    let low_pass = stages.low_pass.settings().map_or_else(off, |low_pass| {
-        let corner = cleaning.corner_hz(trial).unwrap_or(f64::NAN);
-        (
-            format!(
-                "Butterworth of order {}, forwards and backwards; corner {} × drive + {} Hz",
-                low_pass.order,
-                low_pass.times_drive,
-                low_pass.plus_hz
-            ),
-            format!(
-                "corner {} Hz in {}; no phase; {} × drive in validation runs, where noise weighs twice differentiated",
-                significant(corner, 3),
-                file_name(&trial.name),
-                low_pass.times_drive.min(VALIDATION_CORNER)
+                "moved forward by {} ms",
+                fixed(1e3 / (core::f64::consts::TAU * bandwidth_hz), 1)
             ),
         )
-    });
-    let lag = |bandwidth: Option<f64>| {
-        bandwidth.map_or_else(off, |hz| {
+    };
+    match stage {
+        Stage::Delays => file.session.channels.limbs_lag_us.map(|_| {
             (
-                format!("first order, {} Hz", significant(hz, 3)),
+                "each limb by its own, as the session says".to_owned(),
+                "all channels on one clock".to_owned(),
+            )
+        }),
+        Stage::Outliers => stages.outliers.settings().map(|test| {
+            let replaced: usize = judgement.trials.iter().map(|t| t.outliers).sum();
+            let values: usize = judgement
+                .trials
+                .iter()
+                .map(|t| t.samples * (LIMBS + 2))
+                .sum();
+            (
                 format!(
-                    "moved forward by {} ms",
-                    fixed(1e3 / (core::f64::consts::TAU * hz), 1)
+                    "Hampel, {} samples on either side, {} robust standard deviations",
+                    test.half_width,
+                    significant(test.sigmas, 2)
+                ),
+                format!(
+                    "{} of {} values replaced",
+                    count(replaced as u64),
+                    count(values as u64)
                 ),
             )
-        })
-    };
-    let settings = stages.differentiator;
-    let differentiator = (
+        }),
+        Stage::HighPass => stages.amplifier_high_pass_hz.map(|corner| {
+            (
+                format!("first order, {} Hz", significant(corner, 3)),
+                "slow motion gets back what the amplifier took off".to_owned(),
+            )
+        }),
+        Stage::Trend => stages.detrend.settings().map(|line| {
+            (
+                format!("line through rests of {} s", line.rest_s),
+                "the change of the zero during a run is taken off".to_owned(),
+            )
+        }),
+        Stage::LowPass => stages.low_pass.settings().map(|low_pass| {
+            let corner = conditioning.corner_hz(trial).unwrap_or(f64::NAN);
+            (
+                format!(
+                    "Butterworth of order {}, forwards and backwards; corner {} × drive + {} Hz",
+                    low_pass.order,
+                    low_pass.times_drive,
+                    low_pass.plus_hz
+                ),
+                format!(
+                    "corner {} Hz in {}; no phase; {} × drive in validation runs, where noise weighs twice differentiated",
+                    significant(corner, 3),
+                    file_name(&trial.name),
+                    VALIDATION_CORNER
+                ),
+            )
+        }),
+        Stage::AccelerometerLag => conditioning.accelerometer_bandwidth_hz.map(lag),
+        Stage::GyroscopeLag => conditioning.gyroscope_bandwidth_hz.map(lag),
+        Stage::Derivative => Some(differentiator(conditioning, trial)),
+    }
+}
+
+fn differentiator(conditioning: &Conditioning, trial: &Trial) -> (String, String) {
+    let settings = conditioning.stages.differentiator;
+    let rate_hz = trial.sample_rate_hz;
+    (
         format!(
             "Savitzky and Golay, {} samples, polynomial of order {}",
             2 * settings.half_width + 1,
             settings.order
         ),
-        Differentiator::new(settings.half_width, settings.order, trial.sample_rate_hz).map_or_else(
+        Differentiator::new(settings.half_width, settings.order, rate_hz).map_or_else(
             |error| error.to_string(),
             |d| {
                 format!(
@@ -297,43 +320,11 @@ fn table(file: &SessionFile, judgement: &Judgement, cleaning: &Cleaning, trial: 
                     percent(GAIN_ERROR, 1),
                     significant(frequency_of_gain(&d, trial, 1.0 - GAIN_ERROR), 3),
                     significant(frequency_of_gain(&d, trial, 0.5_f64.sqrt()), 3),
-                    significant(trial.sample_rate_hz, 4)
+                    significant(rate_hz, 4)
                 )
             },
         ),
-    );
-    let delays = match file.session.channels.limbs_lag_us {
-        None => off(),
-        Some(_) => (
-            "each limb by its own, as the session says".to_owned(),
-            "all channels on one clock".to_owned(),
-        ),
-    };
-    let rows = [
-        ("channel delays", delays),
-        ("amplifier's high-pass", high_pass),
-        ("outliers", outliers),
-        ("trend", detrend),
-        ("low-pass", low_pass),
-        (
-            "accelerometer's lag",
-            lag(cleaning.accelerometer_bandwidth_hz),
-        ),
-        ("gyroscope's lag", lag(cleaning.gyroscope_bandwidth_hz)),
-        ("differentiator of the gyroscope", differentiator),
-    ];
-    Table {
-        caption: "Stages".to_owned(),
-        stub: "stage".to_owned(),
-        columns: vec![Column::text("settings"), Column::text("effect")],
-        rows: rows
-            .into_iter()
-            .map(|(name, (settings, effect))| {
-                Row::new(name, [Cell::from(settings), Cell::from(effect)])
-            })
-            .collect(),
-        ..Table::default()
-    }
+    )
 }
 
 /// Error of the differentiator's gain up to which its band is said to reach.

@@ -2,6 +2,7 @@
 
 use crate::steps::FourSteps;
 use crate::verdict::Judgement;
+use sixaxis_core::Parameter;
 use sixaxis_recordings::session::Role;
 
 use crate::page::labels::verdict;
@@ -156,7 +157,10 @@ fn explanation(judgement: &Judgement, steps: &FourSteps) -> String {
             MISSING.to_owned()
         }
     );
-    let stiffness = judgement.parameters.iter().find(|p| p.name == "k/m");
+    let stiffness = judgement
+        .parameters
+        .iter()
+        .find(|p| p.parameter == Parameter::Stiffness);
     let by_taps = judgement.taps.stiffness.is_some();
     if !by_taps && stiffness.is_some_and(|p| p.determined) {
         return format!("{reached} The dip is deep enough: $k$/$m$ is determined.");

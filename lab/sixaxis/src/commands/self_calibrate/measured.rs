@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Result, ensure};
-use sixaxis_calibration::apply::conditioning::Conditioning;
+use sixaxis_calibration::apply::conditioning_stream::ConditioningStream;
 use sixaxis_calibration::apply::explain;
 use sixaxis_calibration::apply::recording::{Batch, Recording};
 use sixaxis_calibration::apply::setup::Setup;
@@ -112,7 +112,7 @@ impl Measured {
             Recording::open(path, &setup.channels, setup.rate_hz, setup.full_scale_v)?;
         let sample_rate_hz = recording.sample_rate_hz;
         let settings = setup.settings(sample_rate_hz, Scheme::Heun);
-        let mut conditioning = Conditioning::new(&setup.wishes, sample_rate_hz)?;
+        let mut conditioning = ConditioningStream::new(&setup.conditioning, sample_rate_hz)?;
         let mut taken = Accumulator::of_usual_blocks(&setup.sensor, &setup.parameters, &settings)?;
         let (place, names) = (path.display().to_string(), recording.names.clone());
         let mut means = [Means::default(), Means::default()];

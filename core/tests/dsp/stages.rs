@@ -1,0 +1,108 @@
+//! Stages over a stream: the same samples however the stream is cut, and those of the whole record.
+
+use sixaxis_core::Result;
+use sixaxis_core::dsp::butterworth::low_pass;
+use sixaxis_core::dsp::causal::Causal;
+use sixaxis_core::dsp::delay::{Delay, delayed};
+use sixaxis_core::dsp::lag::{UndoHighPass, undo_high_pass};
+use sixaxis_core::dsp::outlier::{Hampel, hampel};
+use sixaxis_core::dsp::spectrum::{Welch, welch};
+use sixaxis_core::dsp::stage::Stage;
+use sixaxis_core::dsp::zero_phase::{ZeroPhase, zero_phase};
+
+use crate::tolerance;
+use crate::{check_above, check_below, distance, record};
+
+const RATE_HZ: f64 = 1000.0;
+
+/// The stream in parts of a size.
+fn streamed(mut stage: impl Stage, series: &[f64], size: usize) -> Result<Vec<f64>> {
+    let mut out = Vec::new();
+    for part in series.chunks(size) {
+        stage.push(part, &mut out);
+    }
+    stage.finish(&mut out)?;
+    assert_eq!(out.len(), series.len());
+    Ok(out)
+}
+
+#[test]
+fn inv_a_stream_equals_the_whole() -> Result<()> {
+    let mut series = record(300, RATE_HZ);
+    series[40] += 6.0;
+    series[299] -= 5.0;
+    for size in [1, 7, 300] {
+        let mut whole = series.clone();
+        let found = hampel(&mut whole, 5, 4.0)?;
+        assert!(found.contains(&40) && found.contains(&299));
+        assert_eq!(streamed(Hampel::new(5, 4.0)?, &series, size)?, whole);
+        for samples in [0.0, 0.3, -0.3, 12.0, -12.0, 40.7, -40.7, 298.5, -298.5] {
+            let (whole, _) = delayed(&series, samples / 1024.0, 1024.0)?;
+            assert_eq!(streamed(Delay::new(samples)?, &series, size)?, whole);
+        }
+        assert_eq!(
+            streamed(UndoHighPass::new(2.0, RATE_HZ)?, &series, size)?,
+            undo_high_pass(&series, 2.0, RATE_HZ)?
+        );
+        let sections = low_pass(4, 50.0, RATE_HZ)?;
+        assert_eq!(
+            streamed(Causal::new(sections.clone()), &series, size)?,
+            streamed(Causal::new(sections), &series, 300)?
+        );
+    }
+    Ok(())
+}
+
+#[test]
+fn inv_a_zero_phase_stream_equals_the_whole() -> Result<()> {
+    for (order, corner_hz, samples) in [(4, 6.0, 60_000), (1, 200.0, 40_000), (2, 15.0, 17)] {
+        let sections = low_pass(order, corner_hz, RATE_HZ)?;
+        let series = record(samples, RATE_HZ);
+        let mut whole = series.clone();
+        zero_phase(&sections, &mut whole)?;
+        for size in [1, 777, 100_000] {
+            let ours = streamed(ZeroPhase::new(&sections)?, &series, size)?;
+            check_below(
+                "stream against the whole",
+                distance(&ours, &whole),
+                tolerance::ZERO_PHASE_STREAM,
+            );
+        }
+        // Control: forwards only.
+        let causal = streamed(Causal::new(sections), &series, samples)?;
+        check_above(
+            "causal",
+            distance(&causal, &whole),
+            1e6 * tolerance::ZERO_PHASE_STREAM,
+        );
+    }
+    Ok(())
+}
+
+#[test]
+fn inv_a_record_too_short_for_the_extension_is_refused() -> Result<()> {
+    let sections = low_pass(4, 12.0, RATE_HZ)?;
+    assert!(streamed(ZeroPhase::new(&sections)?, &record(15, RATE_HZ), 4).is_err());
+    assert!(streamed(Hampel::new(5, 3.0)?, &record(10, RATE_HZ), 4).is_err());
+    Ok(())
+}
+
+#[test]
+fn inv_a_streamed_spectrum_is_that_of_the_whole() -> Result<()> {
+    let series = record(1000, RATE_HZ);
+    let whole = welch(&series, 64, RATE_HZ)?;
+    for size in [1, 7, 1000] {
+        let mut stream = Welch::new(64)?;
+        for part in series.chunks(size) {
+            stream.push(part);
+        }
+        assert_eq!(stream.spectrum(RATE_HZ), Some(whole.clone()));
+    }
+    // A gap costs the segments that it lies in.
+    let mut gap = series;
+    gap[500] = f64::NAN;
+    let mut stream = Welch::new(64)?;
+    stream.push(&gap);
+    assert_eq!(stream.left_out(), 2);
+    Ok(())
+}

@@ -1,0 +1,43 @@
+//! Whether a calibration is one to decouple with.
+
+use crate::calibration::Calibration;
+use crate::verdict::Grade;
+use anyhow::{Result, ensure};
+
+/// What a user should know of the calibration called `name` before its result is believed; nothing if it is good.
+///
+/// # Errors
+/// A bad one that is not forced, with its findings.
+pub fn check_grade(name: &str, calibration: &Calibration, force: bool) -> Result<Option<String>> {
+    match calibration.verdict {
+        Grade::Good => Ok(None),
+        Grade::Reserved => Ok(Some(format!(
+            "{name}: its verdict is \"good with reservations\": nothing is known to be wrong, but something that would prove it is missing"
+        ))),
+        Grade::Bad => {
+            let findings: Vec<String> = calibration
+                .findings
+                .iter()
+                .map(|finding| match finding.recordings.as_slice() {
+                    [] => finding.cause.words().to_owned(),
+                    [one] => format!("{} in {one}", finding.cause.words()),
+                    [one, rest @ ..] => {
+                        format!("{} in {one} and {} more", finding.cause.words(), rest.len())
+                    }
+                })
+                .collect();
+            let findings = if findings.is_empty() {
+                "it names none".to_owned()
+            } else {
+                findings.join("; ")
+            };
+            ensure!(
+                force,
+                "{name}: its verdict is \"not good\" ({findings}); mend the calibration, or take --force and do not trust the result"
+            );
+            Ok(Some(format!(
+                "{name}: its verdict is \"not good\" ({findings}); do not trust the result"
+            )))
+        }
+    }
+}

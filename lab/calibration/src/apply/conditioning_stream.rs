@@ -1,0 +1,299 @@
+//! What is done to voltages before they are decoupled, as streams: of the stages that condition a calibration's recordings
+//! those that need no more than a bounded stretch of a recording, in the same order ([`Stage::ORDER`]).
+
+use anyhow::{Context, Result, ensure};
+use sixaxis_core::LIMBS;
+use sixaxis_core::dsp::causal::Causal;
+use sixaxis_core::dsp::delay::Delay;
+use sixaxis_core::dsp::zero_phase::ZeroPhase;
+use sixaxis_core::dsp::{self, butterworth};
+
+use super::Row;
+use crate::conditioning::Stage;
+use crate::conditioning::high_pass::UndoneHighPass;
+
+/// Longest lag or lead, samples: more is no converter's.
+const LONGEST_LAG: f64 = 10_000.0;
+
+/// Order of the low-pass, as a session's default.
+pub const LOW_PASS_ORDER: usize = 4;
+
+/// What is to be done to the voltages of one recording.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ConditioningConfig {
+    /// Delay of each limb's channel against the clock, s.
+    pub delays_s: Option<Row>,
+    /// Corner of the amplifiers' high-pass that is to be undone, Hz.
+    pub amplifier_high_pass_hz: Option<f64>,
+    /// Corner of a low-pass, Hz.
+    pub low_pass_hz: Option<f64>,
+    /// The low-pass runs forwards only, for live use: it delays.
+    pub causal: bool,
+}
+
+/// The stages of nine channels, each in [`Stage::ORDER`].
+pub struct ConditioningStream {
+    channels: [Chain; LIMBS],
+}
+
+/// One channel's stages.
+#[derive(Default)]
+struct Chain {
+    stages: Vec<Box<dyn dsp::stage::Stage + Send>>,
+    between: [Vec<f64>; 2],
+    /// What has left the last stage. Channels with different delays are not equally far.
+    ready: Vec<f64>,
+}
+
+impl Chain {
+    /// Passes samples through the stages from the given one on.
+    fn push(&mut self, first: usize, samples: &[f64]) {
+        let [current, next] = &mut self.between;
+        current.clear();
+        current.extend_from_slice(samples);
+        for stage in &mut self.stages[first..] {
+            next.clear();
+            stage.push(current, next);
+            core::mem::swap(current, next);
+        }
+        self.ready.append(current);
+    }
+
+    fn finish(&mut self) -> sixaxis_core::Result<()> {
+        for index in 0..self.stages.len() {
+            let mut left = Vec::new();
+            self.stages[index].finish(&mut left)?;
+            self.push(index + 1, &left);
+        }
+        Ok(())
+    }
+}
+
+/// Correlation, over the white variance, that the zero-phase low-pass leaves between a sample of noise and itself, its
+/// neighbour and the one after it: that of the filter's response to a single sample.
+///
+/// # Errors
+/// A corner that the sample rate does not allow.
+pub fn noise_correlation(config: &ConditioningConfig, sample_rate_hz: f64) -> Result<[f64; 3]> {
+    // Of the corner, after which nothing is left of an order-4 Butterworth.
+    const PERIODS: f64 = 10.0;
+    let Some(corner_hz) = config.low_pass_hz else {
+        return Ok([1.0, 0.0, 0.0]);
+    };
+    let sections = low_pass(corner_hz, sample_rate_hz)?;
+    let half = (PERIODS * sample_rate_hz / corner_hz) as usize + 100;
+    let mut answer = vec![0.0; 2 * half + 1];
+    answer[half] = 1.0;
+    sixaxis_core::dsp::zero_phase::zero_phase(&sections, &mut answer)?;
+    Ok(core::array::from_fn(|lag| {
+        answer.iter().zip(&answer[lag..]).map(|(a, b)| a * b).sum()
+    }))
+}
+
+fn low_pass(corner_hz: f64, sample_rate_hz: f64) -> Result<Vec<butterworth::Section>> {
+    butterworth::low_pass(LOW_PASS_ORDER, corner_hz, sample_rate_hz)
+        .map_err(|e| anyhow::anyhow!("--low-pass: {e}"))
+}
+
+/// One limb's stage as a stream, where it is asked for.
+fn streaming(
+    stage: Stage,
+    limb: usize,
+    config: &ConditioningConfig,
+    sample_rate_hz: f64,
+) -> Result<Option<Box<dyn dsp::stage::Stage + Send>>> {
+    Ok(match stage {
+        Stage::Delays => match config.delays_s {
+            Some(delays_s) => {
+                let samples = delays_s[limb] * sample_rate_hz;
+                ensure!(
+                    (-LONGEST_LAG..=LONGEST_LAG).contains(&samples),
+                    "limbs_lag_us: {samples} samples for limb {}; it can be up to {LONGEST_LAG} either way",
+                    limb + 1
+                );
+                Some(Box::new(Delay::new(-samples)?))
+            }
+            None => None,
+        },
+        Stage::HighPass => match config.amplifier_high_pass_hz {
+            Some(corner_hz) => Some(Box::new(
+                UndoneHighPass::new(corner_hz, sample_rate_hz)
+                    .context("the amplifier's high-pass")?,
+            )),
+            None => None,
+        },
+        Stage::LowPass => match config.low_pass_hz {
+            Some(corner_hz) => {
+                let sections = low_pass(corner_hz, sample_rate_hz)?;
+                Some(if config.causal {
+                    Box::new(Causal::new(sections))
+                } else {
+                    Box::new(ZeroPhase::new(&sections).context("--low-pass")?)
+                })
+            }
+            None => None,
+        },
+        // A wild sample is for the user or the fault monitor to see, and a trend is known only when the run is over
+        // (`--rest-to-rest` takes it off).
+        Stage::Outliers | Stage::Trend => None,
+        // A recording to be decoupled has no standards.
+        Stage::AccelerometerLag | Stage::GyroscopeLag | Stage::Derivative => None,
+    })
+}
+
+impl ConditioningStream {
+    /// Prepares the stages.
+    ///
+    /// # Errors
+    /// Corners that the sample rate does not allow, a delay of more than ten thousand samples.
+    pub fn new(config: &ConditioningConfig, sample_rate_hz: f64) -> Result<Self> {
+        let mut channels: [Chain; LIMBS] = Default::default();
+        for (limb, chain) in channels.iter_mut().enumerate() {
+            for stage in Stage::ORDER {
+                chain
+                    .stages
+                    .extend(streaming(stage, limb, config, sample_rate_hz)?);
+            }
+        }
+        Ok(Self { channels })
+    }
+
+    /// Takes rows and appends those that are ready to `out`, in the order of their samples.
+    pub fn push(&mut self, rows: &[Row], out: &mut Vec<Row>) {
+        if self.channels.iter().all(|chain| chain.stages.is_empty()) {
+            out.extend_from_slice(rows);
+            return;
+        }
+        let mut column = Vec::with_capacity(rows.len());
+        for (limb, chain) in self.channels.iter_mut().enumerate() {
+            column.clear();
+            column.extend(rows.iter().map(|row| row[limb]));
+            chain.push(0, &column);
+        }
+        self.hand_out(out);
+    }
+
+    /// Appends what is left when no more rows come.
+    ///
+    /// # Errors
+    /// A record too short for the low-pass.
+    pub fn finish(&mut self, out: &mut Vec<Row>) -> Result<()> {
+        for chain in &mut self.channels {
+            chain.finish().context("--low-pass")?;
+        }
+        self.hand_out(out);
+        Ok(())
+    }
+
+    /// Rows of which all nine channels are ready.
+    fn hand_out(&mut self, out: &mut Vec<Row>) {
+        let rows = self
+            .channels
+            .iter()
+            .map(|c| c.ready.len())
+            .min()
+            .unwrap_or(0);
+        let first = out.len();
+        out.resize(first + rows, [0.0; LIMBS]);
+        for (limb, chain) in self.channels.iter_mut().enumerate() {
+            for (row, value) in out[first..].iter_mut().zip(chain.ready.drain(..rows)) {
+                row[limb] = value;
+            }
+        }
+    }
+}
+
+/// Delay of the causal low-pass well below its corner, s.
+#[must_use]
+pub fn causal_delay_s(corner_hz: f64) -> f64 {
+    // Sum over the poles of a Butterworth filter of order 4: 1/tan and so on come to 2.6131 over the corner's frequency.
+    2.613_125_929_752_753 / (core::f64::consts::TAU * corner_hz)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sixaxis_core::dsp::delay::delayed;
+    use sixaxis_core::dsp::lag::undo_high_pass;
+
+    const RATE_HZ: f64 = 2000.0;
+
+    fn rows(samples: u32) -> Vec<Row> {
+        (0..samples)
+            .map(|k| {
+                core::array::from_fn(|limb| {
+                    let x = core::f64::consts::TAU * 5.0 * f64::from(k) / RATE_HZ;
+                    1.0 + (x + limb as f64).sin() * (0.01 * x).min(1.0)
+                })
+            })
+            .collect()
+    }
+
+    fn conditioned(config: &ConditioningConfig, rows: &[Row], size: usize) -> Vec<Row> {
+        let mut stream = ConditioningStream::new(config, RATE_HZ).expect("prepares");
+        let mut out = Vec::new();
+        for part in rows.chunks(size) {
+            stream.push(part, &mut out);
+        }
+        stream.finish(&mut out).expect("finishes");
+        out
+    }
+
+    fn column(rows: &[Row], limb: usize) -> Vec<f64> {
+        rows.iter().map(|row| row[limb]).collect()
+    }
+
+    #[test]
+    fn delays_as_of_a_whole_record() {
+        let rows = rows(3000);
+        let delays_s: Row = core::array::from_fn(|limb| 130e-6 * (limb as f64 - 3.0));
+        let config = ConditioningConfig {
+            delays_s: Some(delays_s),
+            ..ConditioningConfig::default()
+        };
+        let out = conditioned(&config, &rows, 100);
+        assert_eq!(out, conditioned(&config, &rows, 3000));
+        assert_eq!(out.len(), rows.len());
+        for limb in 0..LIMBS {
+            let (whole, _) =
+                delayed(&column(&rows, limb), -delays_s[limb], RATE_HZ).expect("shifts");
+            for (k, expected) in whole.iter().enumerate().take(2990).skip(10) {
+                // Spline and polynomial each: measured 2e-10 of the amplitude.
+                assert!((out[k][limb] - expected).abs() < 2e-8, "limb {limb}, {k}");
+            }
+        }
+    }
+
+    #[test]
+    fn high_pass_as_of_a_whole_record() {
+        let rows = rows(3000);
+        let config = ConditioningConfig {
+            amplifier_high_pass_hz: Some(0.16),
+            ..ConditioningConfig::default()
+        };
+        let out = conditioned(&config, &rows, 100);
+        assert_eq!(out, conditioned(&config, &rows, 7));
+        for limb in 0..LIMBS {
+            let series = column(&rows, limb);
+            let rest = series[..16].iter().sum::<f64>() / 16.0;
+            let change: Vec<f64> = series.iter().map(|u| u - rest).collect();
+            let whole = undo_high_pass(&change, 0.16, RATE_HZ).expect("undoes");
+            let expected: Vec<f64> = whole.iter().map(|change| change + rest).collect();
+            assert_eq!(column(&out, limb), expected, "limb {limb}");
+        }
+    }
+
+    #[test]
+    fn a_causal_low_pass_delays_by_what_is_said() {
+        let ramp: Vec<Row> = (0..4000).map(|k| [f64::from(k) / RATE_HZ; LIMBS]).collect();
+        let config = ConditioningConfig {
+            low_pass_hz: Some(20.0),
+            causal: true,
+            ..ConditioningConfig::default()
+        };
+        let out = conditioned(&config, &ramp, 64);
+        let lag_s = ramp[3999][0] - out[3999][0];
+        // The bilinear transform bends frequencies near the corner, not at zero.
+        assert!((lag_s / causal_delay_s(20.0) - 1.0).abs() < 1e-3, "{lag_s}");
+    }
+}

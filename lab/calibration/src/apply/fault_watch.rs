@@ -1,0 +1,136 @@
+//! Decoupling that watches its channels: `sixaxis decouple --watch`.
+
+use crate::calibration::Calibration;
+use anyhow::{Context, Result, ensure};
+use sixaxis_core::limb_set::LimbSet;
+use sixaxis_core::redundancy::fault::{Event, Watch};
+use sixaxis_core::redundancy::tolerant::{FaultTolerant, Watched};
+use sixaxis_core::{LIMBS, Settings, SixAxis};
+use sixaxis_recordings::Channel;
+
+use super::Row;
+use super::setup::Setup;
+
+/// Columns that say which limbs an answer does without and which it should: limb numbers as digits, 0 for none.
+pub const FLAGS: [(&str, &str); 2] = [("without_limbs", ""), ("suspected_limbs", "")];
+
+/// The channels of [`FLAGS`].
+pub fn flags(sample_rate_hz: f64) -> impl Iterator<Item = Channel> {
+    FLAGS.into_iter().map(move |(name, unit)| Channel {
+        sample_rate_hz: Some(sample_rate_hz),
+        ..Channel::new(name, Some(unit))
+    })
+}
+
+/// A watching decoder and what it has to say.
+pub struct Watching {
+    stream: Box<FaultTolerant>,
+    /// Its messages, each with its sample.
+    pub messages: Vec<String>,
+    samples: u64,
+}
+
+impl Watching {
+    /// For the noise and the errors that the calibration states.
+    ///
+    /// # Errors
+    /// A calibration that does not say how well its parameters are known; a rate of false alarms that is none.
+    pub fn new(
+        setup: &Setup,
+        calibration: &Calibration,
+        settings: &Settings,
+        false_alarms_per_hour: f64,
+    ) -> Result<Self> {
+        ensure!(
+            false_alarms_per_hour > 0.0,
+            "--false-alarms-per-hour {false_alarms_per_hour}: must be positive"
+        );
+        let propagated = calibration.covariance.propagated.as_ref().context(
+            "--watch: the calibration does not say how noisy its channels are; calibrate again",
+        )?;
+        let covariance = propagated
+            .total()
+            .context("--watch: the calibration's covariance is not 25 by 25")?;
+        let deviation = |i: usize| covariance[(i, i)].max(0.0).sqrt();
+        let watch = Watch {
+            false_alarms_per_hour,
+            noise_v: propagated.channel_noise_v,
+            zero_drift_sd_v: core::array::from_fn(deviation),
+            scale_sd: core::array::from_fn(|i| {
+                deviation(LIMBS + i) / setup.parameters.scale_per_mass_per_kg[i].abs()
+            }),
+        };
+        let stream = FaultTolerant::new(&setup.sensor, &setup.parameters, settings, &watch)
+            .context("--watch")?;
+        Ok(Self {
+            stream: Box::new(stream),
+            messages: Vec::new(),
+            samples: 0,
+        })
+    }
+
+    /// Takes a row; the answer to the one before with its flags.
+    ///
+    /// # Errors
+    /// Those of [`FaultTolerant::push`].
+    pub fn push(&mut self, row: &Row) -> sixaxis_core::Result<Option<(SixAxis, [f64; 2])>> {
+        let watched = self.stream.push(row)?;
+        self.tell(&watched);
+        self.samples += 1;
+        let flags = [watched.excluded, watched.suspected].map(digits);
+        Ok(watched.answer.map(|answer| (answer, flags)))
+    }
+
+    fn tell(&mut self, watched: &Watched) {
+        let sample = self.samples;
+        let text = match watched.event {
+            Some(Event::Identified(verdict)) => Some(verdict.to_string()),
+            Some(Event::Quiet) => Some("all nine have been quiet for long".to_owned()),
+            _ => None,
+        };
+        self.messages
+            .extend(text.map(|text| format!("sample {sample}: {text}")));
+        let Some(switch) = watched.switched else {
+            if watched.event.is_some() && !watched.suspected.is_empty() {
+                self.messages.push(format!(
+                    "sample {sample}: limbs {} cannot be done without together; all nine are decoded on, and not to be trusted",
+                    watched.suspected
+                ));
+            }
+            return;
+        };
+        self.messages.push(if watched.excluded.is_empty() {
+            format!("sample {sample}: decoded with all nine again")
+        } else {
+            let trace = if switch.reaches_onset {
+                ""
+            } else {
+                "; the failure is older than that, its trace stays in rate and attitude"
+            };
+            format!(
+                "sample {sample}: decoded without limb {} from sample {} on{trace}",
+                watched.excluded, switch.from_sample
+            )
+        });
+    }
+}
+
+/// Limb numbers as digits of one number.
+fn digits(limbs: LimbSet) -> f64 {
+    limbs
+        .numbers()
+        .fold(0.0, |digits, number| 10.0 * digits + number as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn limbs_are_digits() {
+        let of = |numbers: &[usize]| {
+            digits(LimbSet::from_numbers(numbers.iter().copied()).expect("limbs"))
+        };
+        assert_eq!([of(&[]), of(&[5]), of(&[2, 4])], [0.0, 5.0, 24.0]);
+    }
+}

@@ -1,0 +1,407 @@
+//! Time stamps and sample rates: one rule for what a gap is, what jitter is, and when two statements of a rate differ.
+//!
+//! A step between two stamps is a *gap* if, rounded to whole steps, at least one sample is missing: it is longer than 1.5 usual
+//! steps. A limit of 2.5 lets a single missing sample pass as jitter; every later sample then stands one step too early where
+//! samples are taken as evenly spaced, and an invented value stands in the hole where they are resampled. The usual step is the
+//! median of the first steps and not the stated one, so that a wrong statement of the rate is told as that and not as gaps, nor
+//! the mean, which gaps lengthen.
+
+use serde::Serialize;
+
+use super::find::Column;
+use crate::channel::Layout;
+
+/// A step of more usual steps than this is a gap.
+const GAP_STEPS: f64 = 1.5;
+/// Gaps of which the place is kept.
+pub const GAPS_KEPT: usize = 20;
+/// Steps of which the median is the usual one.
+const FIRST_STEPS: usize = 1 << 16;
+/// Departure of a step from the even one, relative, from which samples do not stand on an even clock: a converter's clock is
+/// good to 1e-4, a time column printed with a digit too few is not.
+const UNEVEN: f64 = 1e-2;
+/// Relative difference between two statements of one sample rate that is put down to rounding.
+const STATED_TOLERANCE: f64 = 1e-6;
+/// Relative difference between a stated rate and that of the time stamps from which the two contradict each other.
+const STAMPS_TOLERANCE: f64 = 1e-3;
+
+/// A gap in the time stamps.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Gap {
+    /// Sample after it.
+    pub sample: u64,
+    /// Time stamp before it, s.
+    pub time_s: f64,
+    /// From the stamp before to the stamp after, s.
+    pub length_s: f64,
+    /// Samples that are missing, to the nearest.
+    pub missing: u64,
+}
+
+/// Statistics of the time stamps of a recording.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Stamps {
+    /// Channel that holds them.
+    pub channel: String,
+    /// Unit they are read in, s; 1 where none is stated.
+    pub unit_s: f64,
+    /// First finite stamp, s.
+    pub first_s: Option<f64>,
+    /// Last finite stamp, s.
+    pub last_s: Option<f64>,
+    /// Mean step, s; gaps and steps that do not advance are left out.
+    pub mean_step_s: Option<f64>,
+    /// Samples per second by the mean step.
+    #[serde(skip)]
+    pub mean_rate_hz: Option<f64>,
+    /// Root mean square of the same steps about their mean, s.
+    pub jitter_rms_s: Option<f64>,
+    /// Largest departure of one of them from the mean, s.
+    pub jitter_max_s: Option<f64>,
+    /// Steps longer than 1.5 usual ones.
+    pub gaps: u64,
+    /// The first twenty.
+    pub first_gaps: Vec<Gap>,
+    /// Samples that are missing in all gaps.
+    pub missing: u64,
+    /// Steps of zero or back.
+    pub not_advancing: u64,
+    /// Sample at the end of the first of them.
+    pub first_not_advancing: Option<u64>,
+    /// Stamps that are not finite.
+    pub not_finite: u64,
+    /// Shortest and longest of the steps that [`Self::mean_step_s`] is the mean of, s.
+    #[serde(skip)]
+    pub extreme_steps_s: Option<[f64; 2]>,
+    /// Largest departure of a stamp from the even clock that starts with the first one, s, where [`Clock::new`] was told a
+    /// rate.
+    #[serde(skip)]
+    pub largest_departure_s: f64,
+}
+
+/// What makes time stamps useless as a clock, at the first sample where it does.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StampFault {
+    /// The sample.
+    pub sample: u64,
+    /// What is wrong, and what to do.
+    pub cause: String,
+}
+
+impl Stamps {
+    /// Refuses a rate that the stamps contradict: by more than a part in a thousand, two clocks are two statements.
+    ///
+    /// # Errors
+    /// A sentence, to which the caller adds the place.
+    pub fn check_rate(&self, rate_hz: f64) -> Result<(), String> {
+        match self.mean_rate_hz {
+            Some(mean) if (mean / rate_hz - 1.0).abs() > STAMPS_TOLERANCE => Err(format!(
+                "{rate_hz} Hz, but by its time stamps the recording has {mean:.3} Hz"
+            )),
+            _ => Ok(()),
+        }
+    }
+
+    /// Whether a step departs from the even one by more than a hundredth of it.
+    #[must_use]
+    pub fn uneven(&self, rate_hz: f64) -> bool {
+        let even = 1.0 / rate_hz;
+        self.extreme_steps_s
+            .is_some_and(|steps| steps.iter().any(|s| (s - even).abs() > UNEVEN * even))
+    }
+}
+
+/// Takes time stamps as they come.
+#[derive(Debug, Clone)]
+pub struct Clock {
+    channel: String,
+    unit_s: f64,
+    even_step_s: Option<f64>,
+    row: u64,
+    previous: Option<f64>,
+    first: Option<f64>,
+    /// Usual step, s; known once the first steps have been seen.
+    usual: Option<f64>,
+    /// Sample after it, stamp before it and length of each of the first steps.
+    waiting: Vec<(u64, f64, f64)>,
+    steps: u64,
+    /// Sum of the steps less the usual one, and of its squares.
+    sum: f64,
+    squares: f64,
+    shortest: f64,
+    longest: f64,
+    largest_departure_s: f64,
+    gaps: u64,
+    first_gaps: Vec<Gap>,
+    missing: f64,
+    not_advancing: u64,
+    first_not_advancing: Option<u64>,
+    not_finite: u64,
+    first_not_finite: Option<u64>,
+}
+
+impl Clock {
+    /// A clock for stamps of this channel. With a rate, [`Stamps::largest_departure_s`] is held against it.
+    #[must_use]
+    pub fn new(time: &Column, rate_hz: Option<f64>) -> Self {
+        Self {
+            channel: time.name.clone(),
+            unit_s: time.size_si,
+            even_step_s: rate_hz.map(|rate| 1.0 / rate),
+            row: 0,
+            previous: None,
+            first: None,
+            usual: None,
+            waiting: Vec::new(),
+            steps: 0,
+            sum: 0.0,
+            squares: 0.0,
+            shortest: f64::INFINITY,
+            longest: f64::NEG_INFINITY,
+            largest_departure_s: 0.0,
+            gaps: 0,
+            first_gaps: Vec::new(),
+            missing: 0.0,
+            not_advancing: 0,
+            first_not_advancing: None,
+            not_finite: 0,
+            first_not_finite: None,
+        }
+    }
+
+    /// Takes the next stamps, s.
+    pub fn extend(&mut self, stamps_s: &[f64]) {
+        for &time in stamps_s {
+            let row = self.row;
+            self.row += 1;
+            if !time.is_finite() {
+                self.not_finite += 1;
+                self.first_not_finite.get_or_insert(row);
+                continue;
+            }
+            let first = *self.first.get_or_insert(time);
+            if let Some(step) = self.even_step_s {
+                let departure = (time - (first + row as f64 * step)).abs();
+                self.largest_departure_s = self.largest_departure_s.max(departure);
+            }
+            let Some(previous) = self.previous.replace(time) else {
+                continue;
+            };
+            let step = time - previous;
+            if self.usual.is_none() {
+                self.waiting.push((row, previous, step));
+                if self.waiting.len() == FIRST_STEPS {
+                    self.settle();
+                }
+            } else {
+                self.step(row, previous, step);
+            }
+        }
+    }
+
+    /// Usual step so far, s, if there is one.
+    pub fn usual_step_s(&mut self) -> Option<f64> {
+        self.settle();
+        self.usual.filter(|step| *step > 0.0)
+    }
+
+    /// The first stamp so far that is not finite, does not advance or follows a gap.
+    #[must_use]
+    pub fn fault(&self) -> Option<StampFault> {
+        let not_finite = self.first_not_finite.map(|sample| StampFault {
+            sample,
+            cause: "the time stamp is not a finite number".to_owned(),
+        });
+        let standing = self.first_not_advancing.map(|sample| StampFault {
+            sample,
+            cause: "the time stamp does not come after the one before".to_owned(),
+        });
+        let gap = self.first_gaps.first().map(|gap| StampFault {
+            sample: gap.sample,
+            cause: format!(
+                "a gap of {:.6} s, in which samples are missing ({}, to the nearest); make the parts before and after it recordings of their own",
+                gap.length_s, gap.missing
+            ),
+        });
+        [not_finite, standing, gap]
+            .into_iter()
+            .flatten()
+            .min_by_key(|fault| fault.sample)
+    }
+
+    /// Judges the steps that still wait for the usual one to be known: at the end, or where it is needed before.
+    pub fn settle(&mut self) {
+        if self.usual.is_some() || self.waiting.is_empty() {
+            return;
+        }
+        let waiting = std::mem::take(&mut self.waiting);
+        let mut advancing: Vec<f64> = waiting
+            .iter()
+            .map(|w| w.2)
+            .filter(|step| *step > 0.0)
+            .collect();
+        let middle = advancing.len() / 2;
+        // Without a step forward there is no usual step, and nothing is a gap.
+        let usual = if advancing.is_empty() {
+            0.0
+        } else {
+            *advancing.select_nth_unstable_by(middle, f64::total_cmp).1
+        };
+        self.usual = Some(usual);
+        for (row, previous, step) in waiting {
+            self.step(row, previous, step);
+        }
+    }
+
+    fn step(&mut self, row: u64, previous: f64, step: f64) {
+        let usual = self.usual.unwrap_or(0.0);
+        if step <= 0.0 {
+            self.not_advancing += 1;
+            self.first_not_advancing.get_or_insert(row);
+        } else if step > GAP_STEPS * usual && usual > 0.0 {
+            self.gaps += 1;
+            let missing = (step / usual).round() - 1.0;
+            self.missing += missing;
+            if self.first_gaps.len() < GAPS_KEPT {
+                self.first_gaps.push(Gap {
+                    sample: row,
+                    time_s: previous,
+                    length_s: step,
+                    missing: missing as u64,
+                });
+            }
+        } else {
+            let departure = step - usual;
+            self.steps += 1;
+            self.sum += departure;
+            self.squares += departure * departure;
+            self.shortest = self.shortest.min(step);
+            self.longest = self.longest.max(step);
+        }
+    }
+
+    /// The statistics of all stamps taken.
+    #[must_use]
+    pub fn finish(mut self) -> Stamps {
+        self.settle();
+        let n = self.steps as f64;
+        let usual = self.usual.filter(|step| *step > 0.0 && self.steps > 0);
+        // Without a hole, first and last stamp give the mean free of the sum's rounding.
+        let whole = self.gaps + self.not_advancing + self.not_finite == 0;
+        let span = usual.map(|usual| match (self.first, self.previous) {
+            (Some(first), Some(last)) if whole => last - first,
+            _ => n * usual + self.sum,
+        });
+        let mean = span.map(|span| span / n);
+        let rms = usual.map(|_| {
+            (self.squares / n - (self.sum / n) * (self.sum / n))
+                .max(0.0)
+                .sqrt()
+        });
+        let most = mean.map(|mean| (self.longest - mean).max(mean - self.shortest).max(0.0));
+        Stamps {
+            channel: self.channel,
+            unit_s: self.unit_s,
+            first_s: self.first,
+            last_s: self.previous,
+            mean_step_s: mean,
+            mean_rate_hz: span.map(|span| n / span),
+            jitter_rms_s: rms,
+            jitter_max_s: most,
+            gaps: self.gaps,
+            first_gaps: self.first_gaps,
+            missing: self.missing as u64,
+            not_advancing: self.not_advancing,
+            first_not_advancing: self.first_not_advancing,
+            not_finite: self.not_finite,
+            extreme_steps_s: usual.map(|_| [self.shortest, self.longest]),
+            largest_departure_s: self.largest_departure_s,
+        }
+    }
+}
+
+/// The sample rate that the file states for these channels, or else the one that somebody states beside it.
+///
+/// # Errors
+/// A sentence, to which the caller adds the place, if two statements differ.
+pub fn stated_rate_hz(
+    layout: &Layout,
+    columns: &[Column],
+    stated: Option<f64>,
+) -> Result<Option<f64>, String> {
+    let mut rate = stated;
+    for channel in columns.iter().map(|c| &layout.channels[c.index]) {
+        match (rate, channel.sample_rate_hz) {
+            (Some(a), Some(b)) if (a - b).abs() > STATED_TOLERANCE * a => {
+                return Err(format!(
+                    "{a} Hz here, but the file says {b} Hz for channel {:?}",
+                    channel.name
+                ));
+            }
+            (None, Some(b)) => rate = Some(b),
+            _ => {}
+        }
+    }
+    Ok(rate)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn clock(stamps_s: &[f64], rate_hz: Option<f64>) -> Clock {
+        let time = Column {
+            index: 0,
+            name: "time".to_owned(),
+            size_si: 1.0,
+        };
+        let mut clock = Clock::new(&time, rate_hz);
+        clock.extend(stamps_s);
+        clock.settle();
+        clock
+    }
+
+    fn stamps(stamps_s: &[f64], rate_hz: Option<f64>) -> Stamps {
+        clock(stamps_s, rate_hz).finish()
+    }
+
+    fn fault(stamps_s: &[f64]) -> Option<StampFault> {
+        clock(stamps_s, None).fault()
+    }
+
+    #[test]
+    fn one_missing_sample_is_a_gap_and_jitter_is_none() {
+        let even: Vec<f64> = (0..50).map(|k| 5.0 + 0.1 * f64::from(k)).collect();
+        assert_eq!(fault(&even), None);
+        let found = stamps(&even, Some(10.0));
+        assert!(!found.uneven(10.0));
+        assert!((found.mean_rate_hz.expect("a rate") - 10.0).abs() < 1e-9);
+        let mut jitter = even.clone();
+        jitter[7] += 0.04;
+        assert_eq!(fault(&jitter), None);
+        let found = stamps(&jitter, Some(10.0));
+        assert!(found.uneven(10.0));
+        assert!((found.largest_departure_s - 0.04).abs() < 1e-12);
+        let mut gap = even.clone();
+        gap.remove(20);
+        let missing = fault(&gap).expect("a sample is missing");
+        assert_eq!(missing.sample, 20);
+        assert!(missing.cause.contains("gap of 0.2"), "{}", missing.cause);
+        for broken in [even[10], even[9], f64::NAN] {
+            let mut stamps_s = even.clone();
+            stamps_s[11] = broken;
+            let found = fault(&stamps_s).expect("a broken stamp");
+            assert_eq!(found.sample, 11, "{broken}");
+        }
+    }
+
+    #[test]
+    fn another_rate_contradicts_the_stamps() {
+        let stamps_s: Vec<f64> = (0..1200).map(|k| f64::from(k) * 1.002e-3).collect();
+        let found = stamps(&stamps_s, None);
+        assert!(found.check_rate(1000.0).is_err());
+        assert!(found.check_rate(1.0 / 1.002e-3).is_ok());
+        // A wrong rate is no gap.
+        assert_eq!(fault(&stamps_s), None);
+    }
+}

@@ -1,0 +1,167 @@
+//! Blocks of columns in SI units, with their time stamps: every command's loop over a recording.
+
+use std::path::{Path, PathBuf};
+
+use super::clock::{Clock, Stamps};
+use super::find::Column;
+use crate::channel::Block;
+use crate::error::{Error, Result};
+use crate::source::Source;
+
+/// Samples read at a time.
+pub const BLOCK: usize = 1 << 16;
+
+/// An open recording of which some channels are read.
+pub struct Columns {
+    path: PathBuf,
+    source: Box<dyn Source>,
+    wanted: Vec<Column>,
+    /// The channel of the time stamps, the rate that they are held against, and their clock.
+    time: Option<(Column, Option<f64>, Clock)>,
+    block: Block,
+    /// Samples read before the block.
+    before: u64,
+}
+
+impl Columns {
+    /// Selects channels and, if there are any, time stamps, which are held against a rate where one is known.
+    ///
+    /// # Errors
+    /// Those of [`Source::select`].
+    pub fn new(
+        path: &Path,
+        source: Box<dyn Source>,
+        wanted: Vec<Column>,
+        time: Option<Column>,
+        rate_hz: Option<f64>,
+    ) -> Result<Self> {
+        let time = time.map(|time| {
+            let clock = Clock::new(&time, rate_hz);
+            (time, rate_hz, clock)
+        });
+        let mut columns = Self {
+            path: path.to_owned(),
+            source,
+            wanted,
+            time,
+            block: Block::default(),
+            before: 0,
+        };
+        columns.rewind()?;
+        Ok(columns)
+    }
+
+    /// Starts again at the first sample.
+    ///
+    /// # Errors
+    /// Those of [`Source::select`].
+    pub fn rewind(&mut self) -> Result<()> {
+        let mut selection: Vec<usize> = self.wanted.iter().map(|c| c.index).collect();
+        if let Some((time, rate_hz, clock)) = &mut self.time {
+            selection.push(time.index);
+            *clock = Clock::new(time, *rate_hz);
+        }
+        self.source.select(&selection)?;
+        self.block.clear(selection.len());
+        self.before = 0;
+        Ok(())
+    }
+
+    /// Replaces the columns with the next samples, at most `limit`, and returns their number, 0 at the end.
+    ///
+    /// # Errors
+    /// Those of [`Source::read`]; [`Error::Sample`] for a time stamp that is not finite, does not advance or follows a gap.
+    pub fn read(&mut self, limit: usize) -> Result<usize> {
+        self.before += self.block.rows() as u64;
+        let rows = self.source.read(&mut self.block, limit)?;
+        if rows == 0 {
+            self.block.clear(self.block.columns.len());
+        }
+        let times = self.time.as_ref().map(|(time, ..)| time);
+        for (column, wanted) in self
+            .block
+            .columns
+            .iter_mut()
+            .zip(self.wanted.iter().chain(times))
+        {
+            for value in column {
+                *value *= wanted.size_si;
+            }
+        }
+        if let (Some((time, _, clock)), Some(stamps_s)) =
+            (&mut self.time, self.block.columns.last())
+        {
+            clock.extend(stamps_s);
+            if rows == 0 {
+                clock.settle();
+            }
+            if let Some(fault) = clock.fault() {
+                return Err(Error::Sample {
+                    path: self.path.clone(),
+                    channel: time.name.clone(),
+                    sample: fault.sample,
+                    cause: fault.cause,
+                });
+            }
+        }
+        Ok(rows)
+    }
+
+    /// The last block's samples of a channel, by its place in the selection, in SI units.
+    #[must_use]
+    pub fn column(&self, k: usize) -> &[f64] {
+        &self.block.columns[k]
+    }
+
+    /// The last block's time stamps, s.
+    #[must_use]
+    pub fn stamps_s(&self) -> Option<&[f64]> {
+        self.time.as_ref()?;
+        self.block.columns.last().map(Vec::as_slice)
+    }
+
+    /// Number of the last block's first sample.
+    #[must_use]
+    pub const fn first(&self) -> u64 {
+        self.before
+    }
+
+    /// Refuses a channel's first sample of the last block that is not finite.
+    ///
+    /// # Errors
+    /// [`Error::Sample`].
+    pub fn check_finite(&self, k: usize) -> Result<()> {
+        let column = self.column(k);
+        match column.iter().position(|x| !x.is_finite()) {
+            None => Ok(()),
+            Some(at) => Err(Error::Sample {
+                path: self.path.clone(),
+                channel: self.wanted[k].name.clone(),
+                sample: self.before + at as u64,
+                cause: format!(
+                    "{} is not a finite number; cut the recording there or mend it",
+                    column[at]
+                ),
+            }),
+        }
+    }
+
+    /// Statistics of the time stamps read so far.
+    #[must_use]
+    pub fn stamps(&self) -> Option<Stamps> {
+        self.time
+            .as_ref()
+            .map(|(_, _, clock)| clock.clone().finish())
+    }
+}
+
+/// Statistics of the time stamps of a whole recording, which is read for that alone.
+///
+/// # Errors
+/// Those of [`Columns::new`] and [`Columns::read`].
+pub fn stamps(path: &Path, time: &Column, rate_hz: Option<f64>) -> Result<Option<Stamps>> {
+    let source = crate::open(path)?;
+    let mut columns = Columns::new(path, source, Vec::new(), Some(time.clone()), rate_hz)?;
+    while columns.read(BLOCK)? > 0 {}
+    Ok(columns.stamps())
+}

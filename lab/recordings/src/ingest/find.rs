@@ -1,0 +1,105 @@
+//! Names to channels: the nine limbs, the two standards, the time stamps, the columns of a motion.
+
+use std::path::Path;
+
+use super::units;
+use crate::channel::Layout;
+use crate::error::{Error, Result};
+use crate::motion::MOTION_CHANNELS;
+use crate::session::{Channels, LIMBS, Session};
+
+/// Columns of a motion without which it is none: its six accelerations.
+pub const ACCELERATIONS: usize = 6;
+
+/// A channel of a file that is to be read.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Column {
+    /// Its index in [`Layout::channels`].
+    pub index: usize,
+    /// Its name in the file.
+    pub name: String,
+    /// Size of its unit in SI: V, m/s^2, rad/s, rad/s^2 or s.
+    pub size_si: f64,
+}
+
+impl Column {
+    /// A channel of a layout with the size of its unit.
+    fn new(layout: &Layout, index: usize, size_si: f64) -> Self {
+        Self {
+            index,
+            name: layout.channels[index].name.clone(),
+            size_si,
+        }
+    }
+}
+
+/// Index of a channel by its name, or by the last part of a TDMS name, `group/channel`, if only one group has it.
+///
+/// # Errors
+/// [`Error::NoSuchChannel`].
+fn position(path: &Path, layout: &Layout, name: &str) -> Result<usize> {
+    layout
+        .position(name)
+        .ok_or_else(|| layout.no_such_channel(path, name))
+}
+
+/// The nine limbs, in V.
+///
+/// # Errors
+/// [`Error::NoSuchChannel`]; [`Error::Unit`] for a channel that is no voltage or in no unit that is known.
+pub fn limbs(path: &Path, layout: &Layout, channels: &Channels) -> Result<[Column; LIMBS]> {
+    let mut limbs: [Column; LIMBS] = Default::default();
+    for (limb, name) in limbs.iter_mut().zip(&channels.limbs) {
+        let index = position(path, layout, name)?;
+        let volts = units::volts(path, &layout.channels[index], channels)?;
+        *limb = Column::new(layout, index, volts);
+    }
+    Ok(limbs)
+}
+
+/// Accelerometer, in m/s^2, and gyroscope, in rad/s.
+///
+/// # Errors
+/// [`Error::NoSuchChannel`]; [`Error::Unit`] for a unit of something else, and for a voltage without a sensitivity.
+pub fn standards(
+    path: &Path,
+    layout: &Layout,
+    channels: &Channels,
+    session: &Session,
+) -> Result<[Column; 2]> {
+    let index = position(path, layout, &channels.accelerometer)?;
+    let size = units::accelerometer(path, &layout.channels[index], channels, session)?;
+    let accelerometer = Column::new(layout, index, size);
+    let index = position(path, layout, &channels.gyroscope)?;
+    let size = units::gyroscope(path, &layout.channels[index], channels, session)?;
+    Ok([accelerometer, Column::new(layout, index, size)])
+}
+
+/// The time stamps, in s: the channel of this name, or else the one that the layout takes for them.
+///
+/// # Errors
+/// [`Error::NoSuchChannel`] for a name that is not there.
+pub fn time(path: &Path, layout: &Layout, name: Option<&str>) -> Result<Option<Column>> {
+    let index = match name {
+        Some(name) => Some(position(path, layout, name)?),
+        None => layout.time,
+    };
+    Ok(index.map(|index| Column::new(layout, index, units::seconds(layout, index))))
+}
+
+/// The columns of a motion, in the order and units of [`MOTION_CHANNELS`]. Rates and attitude may be missing.
+///
+/// # Errors
+/// [`Error::NoSuchChannel`] for a missing acceleration; [`Error::Unit`].
+pub fn motion(path: &Path, layout: &Layout) -> Result<[Option<Column>; MOTION_CHANNELS.len()]> {
+    let mut columns = [const { None }; MOTION_CHANNELS.len()];
+    for (k, (name, unit)) in MOTION_CHANNELS.into_iter().enumerate() {
+        let index = match position(path, layout, name) {
+            Err(Error::NoSuchChannel { .. }) if k >= ACCELERATIONS => continue,
+            found => found?,
+        };
+        let size = units::motion(path, &layout.channels[index], unit)?;
+        columns[k] = Some(Column::new(layout, index, size));
+    }
+    Ok(columns)
+}

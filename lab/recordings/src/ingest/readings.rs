@@ -1,0 +1,274 @@
+//! One recording of a session, whole: SI units, one column for each channel, everything on the clock of the nine limbs.
+
+use std::path::Path;
+
+use sixaxis_core::dsp::delay::delayed;
+use sixaxis_core::dsp::resample::CubicSpline;
+
+use super::averaged::Averaged;
+use super::clock::stated_rate_hz;
+use super::columns::{BLOCK, Columns};
+use super::find::{self, Column};
+use crate::channel::Layout;
+use crate::error::{Error, Result};
+use crate::open;
+use crate::session::{Channels, Entry, LIMBS, Role, SessionFile};
+use crate::source::Source;
+
+/// Samples below which no run of the rig can be.
+const FEWEST_SAMPLES: usize = 32;
+
+/// What one recording holds, in SI units and on one clock.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Readings {
+    /// Samples per second.
+    pub sample_rate_hz: f64,
+    /// Voltage of each limb, V.
+    pub voltage_v: [Vec<f64>; LIMBS],
+    /// Standard accelerometer along the travel, m/s^2; empty for a static record and a tap.
+    pub accelerometer_m_s2: Vec<f64>,
+    /// Standard gyroscope about the pinion's axis, rad/s; empty for a static record and a tap.
+    pub gyroscope_rad_s: Vec<f64>,
+}
+
+/// Reads one recording of a session. Jittering time stamps are resampled to an even clock; a static record is averaged
+/// ([`Averaged`]) and its time stamps are not looked at.
+///
+/// # Errors
+/// Those of opening and reading; [`Error::NoSuchChannel`] and [`Error::Unit`] for channels that cannot be told;
+/// [`Error::Session`] for a sample rate that nobody states or that is stated twice, differently; [`Error::Sample`] for values
+/// that are not finite, time stamps that do not advance and gaps; [`Error::TooShort`].
+pub fn read(file: &SessionFile, index: usize) -> Result<Readings> {
+    let entry = &file.session.recording[index];
+    let reader = Reader { file, entry, index };
+    match entry.role {
+        Role::Static => reader.at_rest(),
+        _ => reader.moving(),
+    }
+}
+
+struct Reader<'a> {
+    file: &'a SessionFile,
+    entry: &'a Entry,
+    index: usize,
+}
+
+/// Whole columns with their clock.
+struct Series {
+    columns: Vec<Vec<f64>>,
+    sample_rate_hz: f64,
+}
+
+impl Reader<'_> {
+    fn channels(&self) -> &Channels {
+        self.entry
+            .channels
+            .as_ref()
+            .unwrap_or(&self.file.session.channels)
+    }
+
+    /// A refusal of the statement at one of the recording's keys.
+    fn refuse(&self, key: &str, cause: impl Into<String>) -> Error {
+        let key = format!("recording[{}].{key}", self.index);
+        self.file.refuse(&key, cause)
+    }
+
+    /// A whole recording on an even clock; `rate_key` is where the session states its rate.
+    fn series(
+        &self,
+        path: &Path,
+        source: Box<dyn Source>,
+        wanted: Vec<Column>,
+        stated_hz: Option<f64>,
+        rate_key: &str,
+    ) -> Result<Series> {
+        let layout = source.layout();
+        let stated_hz = stated_rate_hz(layout, &wanted, stated_hz)
+            .map_err(|cause| self.refuse(rate_key, cause))?;
+        let time = find::time(path, layout, self.channels().time.as_deref())?;
+        let mut series = vec![Vec::new(); wanted.len()];
+        let mut stamps_s = Vec::new();
+        let mut columns = Columns::new(path, source, wanted, time, stated_hz)?;
+        while columns.read(BLOCK)? > 0 {
+            for (k, all) in series.iter_mut().enumerate() {
+                columns.check_finite(k)?;
+                all.extend_from_slice(columns.column(k));
+            }
+            stamps_s.extend_from_slice(columns.stamps_s().unwrap_or_default());
+        }
+        let stamps = columns.stamps();
+        let sample_rate_hz = match (stated_hz, stamps.as_ref().map(|s| s.mean_rate_hz)) {
+            (Some(rate), _) | (None, Some(Some(rate))) => rate,
+            (None, Some(None)) => return Err(too_short(path, 2, stamps_s.len(), "")),
+            (None, None) => {
+                let cause =
+                    "missing: neither the file nor the session says how fast it was sampled";
+                return Err(self.refuse(rate_key, cause));
+            }
+        };
+        if let Some(stamps) = stamps {
+            stamps
+                .check_rate(sample_rate_hz)
+                .map_err(|cause| self.refuse(rate_key, cause))?;
+            if stamps.uneven(sample_rate_hz) {
+                for column in &mut series {
+                    *column =
+                        evenly(&stamps_s, column, sample_rate_hz).map_err(resampling(path))?;
+                }
+            }
+        }
+        Ok(Series {
+            columns: series,
+            sample_rate_hz,
+        })
+    }
+
+    fn moving(&self) -> Result<Readings> {
+        let path = self.file.resolve(&self.entry.file);
+        let source = open(&path)?;
+        let mut wanted = find::limbs(&path, source.layout(), self.channels())?.to_vec();
+        let reference = match self.entry.role {
+            // A tap has no standards.
+            Role::Tap => None,
+            _ => self.entry.reference_file.as_deref(),
+        };
+        if reference.is_none() && self.entry.role != Role::Tap {
+            wanted.extend(self.standards(&path, source.layout())?);
+        }
+        let stated_hz = self.entry.sample_rate_hz;
+        let Series {
+            mut columns,
+            sample_rate_hz,
+        } = self.series(&path, source, wanted, stated_hz, "sample_rate_hz")?;
+        let mut standards = columns.split_off(LIMBS);
+        if let Some(reference) = reference {
+            let samples = columns[0].len();
+            let (read, covered) = self.reference(reference, sample_rate_hz, samples)?;
+            standards = read;
+            for column in &mut columns {
+                column.truncate(covered.end);
+                column.drain(..covered.start);
+            }
+        }
+        if let Some(lags) = self.channels().limbs_lag_us {
+            for (column, lag_us) in columns.iter_mut().zip(lags.each()) {
+                // A value filed under t is that of t - lag: the value of t is filed under t + lag.
+                let (moved, _) =
+                    delayed(column, -lag_us * 1e-6, sample_rate_hz).map_err(resampling(&path))?;
+                *column = moved;
+            }
+        }
+        let samples = columns[0].len();
+        if samples < FEWEST_SAMPLES {
+            let covered = reference.map_or("", |_| " that the reference file covers");
+            return Err(too_short(&path, FEWEST_SAMPLES, samples, covered));
+        }
+        let gyroscope_rad_s = standards.pop().unwrap_or_default();
+        let accelerometer_m_s2 = standards.pop().unwrap_or_default();
+        Ok(Readings {
+            sample_rate_hz,
+            voltage_v: nine(columns),
+            accelerometer_m_s2,
+            gyroscope_rad_s,
+        })
+    }
+
+    fn standards(&self, path: &Path, layout: &Layout) -> Result<[Column; 2]> {
+        find::standards(path, layout, self.channels(), &self.file.session)
+    }
+
+    /// Standards from a file of their own on the clock of so many samples of the limbs, and those samples that they cover.
+    fn reference(
+        &self,
+        reference: &Path,
+        rate_hz: f64,
+        samples: usize,
+    ) -> Result<(Vec<Vec<f64>>, core::ops::Range<usize>)> {
+        let path = self.file.resolve(reference);
+        let source = open(&path)?;
+        let wanted = self.standards(&path, source.layout())?.to_vec();
+        let stated_hz = self.entry.reference_sample_rate_hz;
+        let own = self.series(&path, source, wanted, stated_hz, "reference_sample_rate_hz")?;
+        let start_s = self.entry.reference_start_s.unwrap_or(0.0);
+        let last = own.columns[0].len().saturating_sub(1);
+        let end_s = start_s + last as f64 / own.sample_rate_hz;
+        let first = (0..samples)
+            .find(|i| *i as f64 / rate_hz >= start_s)
+            .unwrap_or(samples);
+        let end = (first..samples)
+            .find(|i| *i as f64 / rate_hz > end_s)
+            .unwrap_or(samples);
+        let resampled = own
+            .columns
+            .iter()
+            .map(|column| {
+                let spline = CubicSpline::even(column, own.sample_rate_hz)?;
+                (first..end)
+                    .map(|i| spline.at(i as f64 / rate_hz - start_s))
+                    .collect()
+            })
+            .collect::<sixaxis_core::Result<_>>()
+            .map_err(resampling(&path))?;
+        Ok((resampled, first..end))
+    }
+
+    fn at_rest(&self) -> Result<Readings> {
+        let path = self.file.resolve(&self.entry.file);
+        let source = open(&path)?;
+        let layout = source.layout();
+        let limbs = find::limbs(&path, layout, self.channels())?;
+        let rate = stated_rate_hz(layout, &limbs, self.entry.sample_rate_hz)
+            .map_err(|cause| self.refuse("sample_rate_hz", cause))?
+            .unwrap_or(1.0);
+        let mut averaged: [Averaged; LIMBS] = Default::default();
+        let mut columns = Columns::new(&path, source, limbs.to_vec(), None, None)?;
+        while columns.read(BLOCK)? > 0 {
+            for (limb, averaged) in averaged.iter_mut().enumerate() {
+                columns.check_finite(limb)?;
+                columns
+                    .column(limb)
+                    .iter()
+                    .for_each(|voltage_v| averaged.push(*voltage_v));
+            }
+        }
+        Ok(Readings {
+            sample_rate_hz: rate / f64::from(averaged[0].group()),
+            voltage_v: averaged.map(Averaged::finish),
+            accelerometer_m_s2: Vec::new(),
+            gyroscope_rad_s: Vec::new(),
+        })
+    }
+}
+
+/// A series with jittering time stamps, read on the even clock that starts with the first of them.
+fn evenly(stamps_s: &[f64], series: &[f64], rate_hz: f64) -> sixaxis_core::Result<Vec<f64>> {
+    let (Some(first), Some(last)) = (stamps_s.first(), stamps_s.last()) else {
+        return Ok(Vec::new());
+    };
+    let spline = CubicSpline::through(stamps_s, series)?;
+    (0..series.len())
+        .map(|i| spline.at((first + i as f64 / rate_hz).min(*last)))
+        .collect()
+}
+
+fn resampling(path: &Path) -> impl Fn(sixaxis_core::Error) -> Error {
+    let path = path.to_owned();
+    move |source| Error::Resampling {
+        path: path.clone(),
+        source: Box::new(source),
+    }
+}
+
+fn too_short(path: &Path, needed: usize, samples: usize, which: &'static str) -> Error {
+    Error::TooShort {
+        path: path.to_owned(),
+        needed,
+        samples,
+        which,
+    }
+}
+
+fn nine(columns: Vec<Vec<f64>>) -> [Vec<f64>; LIMBS] {
+    let mut columns = columns.into_iter();
+    core::array::from_fn(|_| columns.next().unwrap_or_default())
+}

@@ -1,0 +1,170 @@
+//! The size of a channel's unit in SI: what the file says, what the session says, and that the two agree.
+
+use std::path::Path;
+
+use crate::channel::{Channel, Layout};
+use crate::error::{Error, Result};
+use crate::session::{Channels, Session};
+use crate::unit::{self, STANDARD_GRAVITY_M_S2, Unit};
+
+/// A refusal of a channel's unit.
+fn refuse(path: &Path, channel: &Channel, cause: impl Into<String>) -> Error {
+    Error::Unit {
+        file: path.display().to_string(),
+        channel: channel.name.clone(),
+        cause: cause.into(),
+    }
+}
+
+/// A channel's unit. The session's counts where the file states none, or one that is not known.
+fn of(path: &Path, channel: &Channel, stated: Option<&str>) -> Result<Unit> {
+    let refuse = |cause| Err(refuse(path, channel, cause));
+    match (channel.unit.as_deref(), stated) {
+        (Some(own), stated) => match (unit::named(own), stated.and_then(unit::named)) {
+            (Some(unit), Some(other)) if unit != other => refuse(format!(
+                "the file says {own:?}, the session says {:?}",
+                stated.unwrap_or_default()
+            )),
+            (Some(unit), _) | (None, Some(unit)) => Ok(unit),
+            (None, None) => refuse(format!(
+                "unit {own:?} is not known; give the session a *_unit for it"
+            )),
+        },
+        (None, Some(name)) => match unit::named(name) {
+            Some(unit) => Ok(unit),
+            None => refuse(format!("unit {name:?} is not known")),
+        },
+        (None, None) => refuse(
+            "neither the file nor the session says its unit; set limbs_unit, accelerometer_unit or gyroscope_unit in [channels]"
+                .to_owned(),
+        ),
+    }
+}
+
+/// Volts per unit of a limb's channel.
+///
+/// # Errors
+/// [`Error::Unit`] for a unit that is no voltage, that is not known, or that file and session state differently.
+pub(super) fn volts(path: &Path, channel: &Channel, channels: &Channels) -> Result<f64> {
+    match of(path, channel, channels.limbs_unit.as_deref())? {
+        Unit::Voltage(volts) => Ok(volts),
+        _ => Err(refuse(
+            path,
+            channel,
+            format!(
+                "a limb's channel is a voltage, not {:?}",
+                channel.unit.as_deref().unwrap_or_default()
+            ),
+        )),
+    }
+}
+
+/// m/s^2 per unit of the standard accelerometer's channel, through its sensitivity where the channel is in volts.
+///
+/// # Errors
+/// [`Error::Unit`], as [`volts`], and for a channel in volts without a sensitivity.
+pub(super) fn accelerometer(
+    path: &Path,
+    channel: &Channel,
+    channels: &Channels,
+    session: &Session,
+) -> Result<f64> {
+    match of(path, channel, channels.accelerometer_unit.as_deref())? {
+        Unit::Acceleration(si) => Ok(si),
+        Unit::Voltage(volts) => match session.accelerometer.sensitivity_mv_per_g {
+            Some(mv_per_g) => Ok(volts / (mv_per_g * 1e-3) * STANDARD_GRAVITY_M_S2),
+            None => Err(refuse(
+                path,
+                channel,
+                "in volts; accelerometer.sensitivity_mv_per_g is missing",
+            )),
+        },
+        _ => Err(refuse(
+            path,
+            channel,
+            "neither an acceleration nor a voltage",
+        )),
+    }
+}
+
+/// rad/s per unit of the standard gyroscope's channel, through its sensitivity where the channel is in volts.
+///
+/// # Errors
+/// As [`accelerometer`].
+pub(super) fn gyroscope(
+    path: &Path,
+    channel: &Channel,
+    channels: &Channels,
+    session: &Session,
+) -> Result<f64> {
+    match of(path, channel, channels.gyroscope_unit.as_deref())? {
+        Unit::Rate(si) => Ok(si),
+        Unit::Voltage(volts) => match session.gyroscope.sensitivity_mv_per_deg_s {
+            Some(mv) => Ok(volts / (mv * 1e-3) * core::f64::consts::PI / 180.0),
+            None => Err(refuse(
+                path,
+                channel,
+                "in volts; gyroscope.sensitivity_mv_per_deg_s is missing",
+            )),
+        },
+        _ => Err(refuse(path, channel, "neither a rate nor a voltage")),
+    }
+}
+
+/// Seconds per unit of a channel of time stamps; 1 where the unit is missing or no unit of time.
+#[must_use]
+pub fn seconds(layout: &Layout, index: usize) -> f64 {
+    match layout.channels[index].unit.as_deref().and_then(unit::named) {
+        Some(Unit::Time(seconds)) => seconds,
+        _ => 1.0,
+    }
+}
+
+/// Size of a motion's column in the SI unit that it is `expected` in; 1 where the file states no unit.
+///
+/// # Errors
+/// [`Error::Unit`] for a unit of something else.
+pub(super) fn motion(path: &Path, channel: &Channel, expected: &str) -> Result<f64> {
+    let own = channel.unit.as_deref().unwrap_or(expected);
+    size_in(own, expected).ok_or_else(|| {
+        let cause = format!("{own:?} is not a unit of it; {expected} is");
+        refuse(path, channel, cause)
+    })
+}
+
+/// Size of `unit` in the SI unit `expected`. None: it measures something else.
+fn size_in(unit: &str, expected: &str) -> Option<f64> {
+    if unit == expected {
+        return Some(1.0);
+    }
+    if expected == "rad/s^2" {
+        // An angular acceleration's unit is a rate's per second.
+        let unit = unit.trim();
+        let rate = unit.trim_end_matches(['2', '²']).trim_end_matches('^');
+        return match unit::named(rate) {
+            Some(Unit::Rate(size)) if rate.len() < unit.len() => Some(size),
+            _ => None,
+        };
+    }
+    match (unit::named(unit)?, expected) {
+        (Unit::Acceleration(size), "m/s^2") | (Unit::Rate(size), "rad/s") => Some(size),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::size_in;
+
+    #[test]
+    fn units_of_a_motion() {
+        let degree = core::f64::consts::PI / 180.0;
+        assert_eq!(size_in("rad/s^2", "rad/s^2"), Some(1.0));
+        assert_eq!(size_in("deg/s^2", "rad/s^2"), Some(degree));
+        assert_eq!(size_in("°/s²", "rad/s^2"), Some(degree));
+        assert_eq!(size_in("deg/s", "rad/s^2"), None);
+        assert_eq!(size_in("g", "m/s^2"), Some(9.80665));
+        assert_eq!(size_in("deg/s", "rad/s"), Some(degree));
+        assert_eq!(size_in("V", "m/s^2"), None);
+    }
+}
