@@ -5,7 +5,7 @@ use std::fmt;
 use glam::{DQuat, DVec3};
 use sixaxis_core::identify::stiffness::PAPER_GRID_PER_S2;
 use sixaxis_core::{LIMBS, Parameters, SixAxis};
-use sixaxis_reference::recording::TrueMotion;
+use sixaxis_reference::motion::TrueMotion;
 
 use crate::limits::{self, Decoupled, Limit};
 use crate::problem::{candidate, true_parameters};

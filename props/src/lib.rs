@@ -21,3 +21,4 @@ pub mod statistics;
 pub mod strategy;
 pub mod taps;
 pub mod tolerance;
+pub mod truth;

@@ -10,8 +10,9 @@ use sixaxis_benches::problem;
 use sixaxis_benches::problem::{DECOUPLE_RATE_HZ, Recorded, true_parameters};
 use sixaxis_benches::validate;
 use sixaxis_core::{Decoupler, Scheme, SixAxis};
-use sixaxis_reference::campaign::Laboratory;
-use sixaxis_reference::recording::{SimulatedRun, TrueMotion};
+use sixaxis_props::truth;
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::motion::{SimulatedRun, TrueMotion};
 
 use crate::comparison::{judge_record, largest};
 use crate::timing::{
@@ -87,9 +88,10 @@ pub fn work_precision(
     effort: &Effort,
     progress: &Progress,
 ) -> Result<WorkPrecision, Box<dyn Error>> {
-    let trial = problem::compound_5_hz();
-    let model = trial.model(&true_parameters());
-    let simulate = |steps| SimulatedRun::simulate(&model, &trial.run, FINE_RATE_HZ, steps);
+    let run = problem::compound_5_hz();
+    let model = problem::model(&run);
+    let simulate =
+        |steps| sixaxis_reference::mujoco::simulate_run(&model, &run, FINE_RATE_HZ, steps);
     progress.say("simulating the compound run at 6.25 us");
     let fine = simulate(FINE_STEPS)?;
     progress.say("simulating it at half that step");
@@ -97,7 +99,7 @@ pub fn work_precision(
     let recorded = |run: &SimulatedRun, halving: u32| {
         let run = run.decimated(1 << halving);
         Recorded {
-            recording: Laboratory::noise_free(true_parameters()).record(&run, 0),
+            recording: Laboratory::noise_free(truth::sensor(&true_parameters())).record(&run, 0),
             truth: run.truth,
         }
     };
@@ -165,7 +167,7 @@ pub fn work_precision(
     }
     Ok(WorkPrecision {
         problem: "compound_5hz",
-        signal_s: rounded(fine.duration_s()),
+        signal_s: rounded(fine.truth.len() as f64 / fine.sample_rate_hz),
         reference_error: rounded(reference_error),
         curves,
     })

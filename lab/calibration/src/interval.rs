@@ -6,48 +6,18 @@
 //! a limit, not a standard deviation: 95 % of an even spread within it lie within 0.95 of it.
 
 use glam::DVec3;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 use sixaxis_core::decouple::uncertainty::Covariance;
 use sixaxis_core::parameter::{INERTIA, Parameter, SCALE};
 use sixaxis_core::significance::NORMAL_95;
 use sixaxis_core::{LIMBS, Parameters};
 
+use crate::report::ParameterReport;
 use crate::steps::{Campaign, FourSteps, jackknife};
 use crate::tap::Taps;
 use sixaxis_recordings::session::{Role, Session};
 
 /// Half width of the 95 % interval of an even spread, in its half width.
 const EVEN_95: f64 = 0.95;
-
-/// One of the 25 parameters as it is known.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct ParameterReport {
-    /// By its name in the paper: `d1`, `s1/m`, `I1/m`, `k/m`.
-    #[serde(rename = "name")]
-    #[schemars(with = "String")]
-    pub parameter: Parameter,
-    /// Unit of all numbers here.
-    pub unit: String,
-    /// Estimate. For k/m that is not determined, the design's.
-    pub estimate: f64,
-    /// Design value.
-    pub design: f64,
-    /// Half width of the 95 % interval; none where the parameter is not determined.
-    pub half_width_95: Option<f64>,
-    /// Half width that noise alone would give, propagated through the steps.
-    pub from_noise: Option<f64>,
-    /// Half width that the differences between trials give; none for fewer than three trials.
-    pub from_trials: Option<f64>,
-    /// Half width that the standards' classes give; for k/m by taps, errors of I/m and gains.
-    pub from_standards: Option<f64>,
-    /// What dominates the interval.
-    pub dominated_by: String,
-    /// Whether the data determine it.
-    pub determined: bool,
-    /// Why not, or how.
-    pub remark: String,
-}
 
 /// A fit whose condition number grows by this factor when a trial is left out rests on that trial: what is left says nothing.
 const WORSE_CONDITION: f64 = 30.0;

@@ -22,8 +22,8 @@ use sixaxis_core::identify::zero_drift::ZeroDrift;
 use sixaxis_core::parameter::PARAMETERS;
 use sixaxis_core::significance::NORMAL_95;
 
-use crate::certified::Gain;
 use crate::error::{Error, Result};
+use crate::gain_prior::BoundedGain;
 use crate::steps::{Campaign, FourSteps};
 use crate::tap::Taps;
 use crate::trial::Trial;
@@ -120,7 +120,7 @@ pub struct JointReport {
     /// The fit.
     pub estimate: JointEstimate,
     /// What is known of the accelerometer's gain.
-    pub gain: Gain,
+    pub gain: BoundedGain,
     /// The 25: d, V; s/m, 1/kg; I/m, m^2; 1/(k/m), s^2.
     pub values: [f64; PARAMETERS],
     /// Their standard deviations, the accelerometer's gain included.
@@ -139,7 +139,7 @@ impl JointReport {
     pub fn new(estimate: JointEstimate, accelerometer_gain_limit: f64) -> Self {
         let misfit = Misfit::of(&estimate);
         let wider = misfit.wider();
-        let gain = Gain {
+        let gain = BoundedGain {
             limit: accelerometer_gain_limit,
             seen: estimate.accelerometer_gain_seen,
             information: estimate.accelerometer_gain_information / (wider * wider),

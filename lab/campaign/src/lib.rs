@@ -6,7 +6,7 @@
 //! | file | holds |
 //! |---|---|
 //! | [`plan`] | what is varied, which seeds, which shard of them |
-//! | [`collected`] | a played session as the analysis has it |
+//! | [`prepared`] | a played session as the calibration has it |
 //! | [`case`] | one calibration |
 //! | [`row`] | what is kept of it |
 //! | [`part`] | a few dozen rows in a Parquet file that is there whole or not at all |
@@ -18,11 +18,11 @@
 //! their parts side by side.
 
 pub mod case;
-pub mod collected;
 pub mod error;
 pub mod folder;
 pub mod part;
 pub mod plan;
+pub mod prepared;
 pub mod row;
 pub mod run;
 pub mod statistics;

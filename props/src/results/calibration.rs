@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use sixaxis_core::LIMBS;
 use sixaxis_core::Parameter;
-use sixaxis_reference::field::Pace;
-use sixaxis_reference::session::plan::Engine;
+use sixaxis_reference::laboratory::plan::Engine;
+use sixaxis_reference::rig::field::Pace;
 
 pub use crate::blind::Outcome as BlindOutcome;
 pub use crate::taps::Tally as TapTally;

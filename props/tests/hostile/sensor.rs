@@ -14,7 +14,7 @@ use sixaxis_core::{Error, Gains, Geometry, InertiaPerMass, LIMBS, LimbLaw, Param
 use sixaxis_props::compare::all_finite;
 use sixaxis_props::hostile::{extreme, hostile, remembering, spoiled};
 use sixaxis_props::strategy::{parameters, vector};
-use sixaxis_reference::paper;
+use sixaxis_props::truth;
 
 proptest! {
     #![proptest_config(remembering(1024, "sensor"))]
@@ -139,7 +139,7 @@ proptest! {
 
 #[test]
 fn prop_impossible_bodies_are_refused() {
-    let sound = paper::identified_parameters();
+    let sound = truth::identified_parameters();
     for inertia in [
         [1e-4, 1e-4, 3e-4, 0.0, 0.0, 0.0],
         [-1e-4, 1e-4, 1e-4, 0.0, 0.0, 0.0],

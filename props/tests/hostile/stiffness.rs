@@ -11,7 +11,7 @@ use sixaxis_core::{
 };
 use sixaxis_props::compare::all_finite;
 use sixaxis_props::hostile::{extreme, hostile, hostile_setup, record, remembering};
-use sixaxis_reference::paper;
+use sixaxis_props::truth;
 
 proptest! {
     #![proptest_config(remembering(1024, "stiffness"))]
@@ -84,7 +84,7 @@ fn regress_a_rate_beyond_squares_has_no_mean() {
     let entries = [3.00e-4, 3.01e-4, 3.02e-4, 0.0, 0.0, 0.0];
     let parameters = Parameters {
         inertia_per_mass: InertiaPerMass::from_paper_order(entries),
-        ..paper::identified_parameters()
+        ..truth::identified_parameters()
     };
     let sensor = Sensor {
         geometry: Geometry::PAPER,

@@ -23,10 +23,11 @@ use sixaxis_props::manufactured::motion::Manufactured;
 use sixaxis_props::rig_runs;
 use sixaxis_props::strategy::{config, manufactured, parameters};
 use sixaxis_props::tolerance::{self, Tolerance};
-use sixaxis_reference::campaign::{self, Laboratory};
-use sixaxis_reference::paper;
-use sixaxis_reference::recording::{Recording, SimulatedRun};
-use sixaxis_reference::rig::{Mounting, Run};
+use sixaxis_props::truth;
+use sixaxis_props::truth::InCore;
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::laboratory::recording::SimulatedRecording;
+use sixaxis_reference::rig::run::{Mounting, Run};
 
 /// A stream and what it is fed.
 struct Case {
@@ -62,23 +63,28 @@ impl Case {
 
     /// The paper's compound run at 5 Hz from MuJoCo, 10 kHz.
     fn rig(scheme: Scheme) -> Self {
-        let parameters = paper::identified_parameters();
-        let [.., trial] = campaign::compound(Mounting::AxisVertical);
-        let model = trial.model(&parameters);
+        let parameters = truth::identified_parameters();
+        let trial = rig_runs::compound_run();
+        let model = rig_runs::model(&parameters, trial.direction_ground, Mounting::AxisVertical);
         let long = Run {
             steady_periods: 4.0,
-            ..trial.run
+            ..trial
         };
-        let run = SimulatedRun::simulate(&model, &long, rig_runs::RATE_HZ, rig_runs::STEPS)
-            .expect("a run of the campaign simulates");
+        let run = sixaxis_reference::mujoco::simulate_run(
+            &model,
+            &long,
+            rig_runs::RATE_HZ,
+            rig_runs::STEPS,
+        )
+        .expect("a run of the campaign simulates");
         Self::of(
-            &Laboratory::noise_free(parameters).record(&run, 0),
+            &Laboratory::noise_free(truth::sensor(&parameters)).record(&run, 0),
             &parameters,
             scheme,
         )
     }
 
-    fn of(recording: &Recording, parameters: &Parameters, scheme: Scheme) -> Self {
+    fn of(recording: &SimulatedRecording, parameters: &Parameters, scheme: Scheme) -> Self {
         Self {
             sensor: recording.sensor(),
             parameters: *parameters,
@@ -323,7 +329,7 @@ fn ref_single_precision_holds_its_budget() {
 
 #[test]
 fn regress_a_strained_limb_is_named() {
-    let parameters = paper::identified_parameters();
+    let parameters = truth::identified_parameters();
     let sensor = Sensor {
         geometry: Geometry::PAPER,
         gains: Gains::uniform(1.0),

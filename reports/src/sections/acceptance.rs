@@ -3,7 +3,7 @@
 use anyhow::Result;
 use sixaxis_page::number::{fixed, percent, scientific};
 use sixaxis_page::{Cell, Section, State, Table, Text, Tile};
-use sixaxis_reference::rig::Mode;
+use sixaxis_reference::rig::run::Mode;
 
 use super::{STIFFNESS_UNIT_PER_S2, met};
 use crate::study::results::{FOUR_STEPS, MEASURED, REPEATED, Results, worst};

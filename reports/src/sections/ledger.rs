@@ -9,7 +9,7 @@ use serde::Serialize;
 use sixaxis_core::Scheme;
 use sixaxis_page::{Block, Claim, Section, Text, Verdict};
 use sixaxis_reference::paper::{self, COMPOUND_TABLES, GRAVITY_M_S2, THRESHOLD_FREQUENCY_HZ};
-use sixaxis_reference::rig::{Mode, ROTATION_AMPLITUDE_RAD, SLIDER_AMPLITUDE_M};
+use sixaxis_reference::rig::run::{Mode, ROTATION_AMPLITUDE_RAD, SLIDER_AMPLITUDE_M};
 
 use super::DEG_PER_RAD;
 use crate::study::results::{

@@ -5,7 +5,7 @@ use serde::Serialize;
 use sixaxis_calibration::page::labels::verdict;
 use sixaxis_page::number::{MISSING, fixed, scientific, significant};
 use sixaxis_page::{Cell, Section, Table, Text};
-use sixaxis_reference::paper::design_parameters;
+use sixaxis_props::truth::design_parameters;
 
 use super::STIFFNESS_UNIT_PER_S2;
 use crate::study::results::{Identification, Parameters25, Results};

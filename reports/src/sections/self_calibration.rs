@@ -6,7 +6,7 @@ use sixaxis_page::number::{count, fixed, scientific, significant};
 use sixaxis_page::{Axis, Figure, Mark, Section, Series, Table, Text};
 
 use sixaxis_props::results::{Published, SelfCalibration, TumbleLength};
-use sixaxis_reference::field::Pace;
+use sixaxis_reference::rig::field::Pace;
 
 /// What 95 % intervals are wanted to hold, %.
 const BAND: (f64, f64) = (94.0, 96.0);

@@ -4,7 +4,7 @@ use anyhow::Result;
 use sixaxis_page::number::{fixed, scientific};
 use sixaxis_page::{Axis, Figure, Mark, Section, Series, Table, Text};
 use sixaxis_reference::paper::THRESHOLD_FREQUENCY_HZ;
-use sixaxis_reference::rig::Mode;
+use sixaxis_reference::rig::run::Mode;
 
 use super::{DEG_PER_RAD, MM_PER_M};
 use crate::study::results::{Results, Sweep};

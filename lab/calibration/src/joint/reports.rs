@@ -1,7 +1,8 @@
 //! The joint estimate's 25 in the form that the four steps report them in.
 
 use super::JointReport;
-use crate::interval::{ParameterReport, TAP_IT, is_determined};
+use crate::interval::{TAP_IT, is_determined};
+use crate::report::ParameterReport;
 use sixaxis_core::Parameter;
 use sixaxis_core::parameter::PARAMETERS;
 use sixaxis_core::significance::NORMAL_95;

@@ -13,7 +13,7 @@ use sixaxis_campaign::part::Provenance;
 use sixaxis_campaign::plan::CampaignPlan;
 use sixaxis_campaign::row::{Group, Row, Scalar, Status, Text};
 use sixaxis_campaign::run::{VERSION, Watch};
-use sixaxis_reference::session::plan::{Engine, SensorChoice, SessionPlan};
+use sixaxis_reference::laboratory::plan::{Engine, SensorChoice, SessionPlan};
 
 /// A folder that is gone when the test is over.
 pub struct Folder(pub PathBuf);

@@ -7,7 +7,7 @@ use sixaxis_core::Parameter;
 use sixaxis_page::number::{fixed, percent, significant};
 use sixaxis_page::{Cell, State, Table, Text};
 use sixaxis_props::results::Campaign;
-use sixaxis_reference::instruments::{GAIN_SHARE, INSTRUMENT_CLASS};
+use sixaxis_reference::laboratory::instruments::{GAIN_SHARE, INSTRUMENT_CLASS};
 
 use super::coverage::BAND;
 use crate::study::results::identifiability::{Interval, Known, KnownParameter};

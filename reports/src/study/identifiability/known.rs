@@ -5,15 +5,17 @@
 
 use anyhow::{Context, Result};
 use core::f64::consts::TAU;
-use sixaxis_calibration::certified::Gain;
+use sixaxis_calibration::gain_prior::BoundedGain;
 use sixaxis_calibration::joint::{self, JointReport, Knowledge, Loss, WEDGE_DEG};
 use sixaxis_calibration::propagation::{Propagated, Sources, propagate};
 use sixaxis_calibration::steps::{Campaign, GyroscopeGain};
 use sixaxis_core::Parameter;
 use sixaxis_core::identify::joint::{Certificates, Known as KnownTo};
 use sixaxis_core::parameter::{COMPLIANCE, PARAMETERS};
-use sixaxis_reference::campaign::Laboratory;
-use sixaxis_reference::instruments::{GAIN_SHARE, GYROSCOPE_BANDWIDTH_HZ, INSTRUMENT_CLASS};
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::laboratory::instruments::{
+    GAIN_SHARE, GYROSCOPE_BANDWIDTH_HZ, INSTRUMENT_CLASS,
+};
 
 use super::tap;
 use crate::study::conditioning::Preset;
@@ -45,8 +47,8 @@ pub fn study(campaign: &Campaign, preset: Preset, laboratory: &Laboratory) -> Re
     let mut found = steps.found().to_paper_order();
     found[COMPLIANCE] = compliance_s2;
     let four_steps = four_steps(&found, &propagated, sources.gyroscope_gain);
-    let mut truth = laboratory.parameters.to_paper_order();
-    truth[COMPLIANCE] = 1.0 / laboratory.parameters.stiffness_per_mass_per_s2;
+    let mut truth = laboratory.sensor.to_paper_order();
+    truth[COMPLIANCE] = 1.0 / laboratory.sensor.stiffness_per_mass_per_s2;
     // Here truth meets estimate, after the fact.
     let told = joint
         .estimate
@@ -106,7 +108,7 @@ fn four_steps(
     propagated: &Propagated,
     gyroscope_gain: f64,
 ) -> [Interval; PARAMETERS] {
-    let gain = Gain {
+    let gain = BoundedGain {
         limit: GAIN_LIMIT,
         seen: 0.0,
         information: 0.0,

@@ -1,7 +1,7 @@
 //! The 25 parameters: what they are, how well they are known, and what limits that.
 
-use crate::interval::ParameterReport;
-use crate::verdict::Judgement;
+use crate::calibrate::CalibratedSession;
+use crate::report::ParameterReport;
 use sixaxis_recordings::session::SessionFile;
 
 use crate::page::labels::{bar, share, symbol, with_interval};
@@ -18,7 +18,7 @@ pub(super) const FAMILIES: [(char, &str, f64); 4] = [
 ];
 
 /// The section.
-pub fn section(file: &SessionFile, judgement: &Judgement) -> Section {
+pub fn section(file: &SessionFile, calibrated: &CalibratedSession) -> Section {
     let limit = file.session.limits.interval_percent / 100.0;
     let mut section = Section::new(
         "parameters",
@@ -26,12 +26,12 @@ pub fn section(file: &SessionFile, judgement: &Judgement) -> Section {
         "Estimate and half width of the 95 % interval: noise, differences between trials, and the class of the standard \
          instruments together. Digits that the interval does not support are not printed.",
     );
-    let parameters = &judgement.parameters;
+    let parameters = &calibrated.parameters;
     if parameters.is_empty() {
         return section.block(Block::Note(format!(
             "There are none, because the four steps could not be done with these recordings{}. What stands under “What to do next” \
              comes first.",
-            judgement
+            calibrated
                 .obstacle
                 .as_ref()
                 .map_or(String::new(), |reason| format!(": {reason}"))
