@@ -21,7 +21,7 @@ use sixaxis_reference::mujoco::threshold;
 use sixaxis_reference::paper;
 use sixaxis_reference::rig::run::{Mode, Mounting, ROTATION_AMPLITUDE_RAD, Run};
 
-use super::COMPARED_DIVISOR;
+use super::compound::COMPARED_DIVISOR;
 use super::conditioning::Preset;
 use super::decoupling::{decouple, largest_error, six_series, truth};
 use super::identification;

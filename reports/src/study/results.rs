@@ -8,6 +8,7 @@ pub mod identifiability;
 use identifiability::Identifiability;
 use serde::Serialize;
 use sixaxis_core::identify::Verdict;
+use sixaxis_core::parameter::{DRIFT, INERTIA, PARAMETERS, SCALE};
 use sixaxis_core::{LIMBS, Parameters, Scheme};
 use sixaxis_reference::laboratory::instruments::Instruments;
 use sixaxis_reference::mujoco::threshold::SweepPoint;
@@ -134,14 +135,22 @@ pub struct Parameters25 {
     pub stiffness_per_mass_per_s2: f64,
 }
 
-impl From<Parameters> for Parameters25 {
-    fn from(p: Parameters) -> Self {
+impl From<[f64; PARAMETERS]> for Parameters25 {
+    /// From numbers in the paper's order.
+    fn from(values: [f64; PARAMETERS]) -> Self {
+        let at = |start: usize, i: usize| values[start + i];
         Self {
-            zero_drift_v: p.zero_drift_v,
-            scale_per_mass_per_kg: p.scale_per_mass_per_kg,
-            inertia_per_mass_m2: p.inertia_per_mass.to_paper_order(),
-            stiffness_per_mass_per_s2: p.stiffness_per_mass_per_s2,
+            zero_drift_v: core::array::from_fn(|i| at(DRIFT.start, i)),
+            scale_per_mass_per_kg: core::array::from_fn(|i| at(SCALE.start, i)),
+            inertia_per_mass_m2: core::array::from_fn(|i| at(INERTIA.start, i)),
+            stiffness_per_mass_per_s2: values[PARAMETERS - 1],
         }
+    }
+}
+
+impl From<Parameters> for Parameters25 {
+    fn from(parameters: Parameters) -> Self {
+        parameters.to_paper_order().into()
     }
 }
 

@@ -31,6 +31,17 @@ fn tables(section: &Section) -> Vec<&Table> {
         .collect()
 }
 
+fn figures(section: &Section) -> Vec<&Figure> {
+    section
+        .blocks
+        .iter()
+        .filter_map(|block| match block {
+            Block::Figure(figure) => Some(figure),
+            _ => None,
+        })
+        .collect()
+}
+
 /// The section in a page, which also checks anchors and the shapes of tables.
 fn html(section: &Section) -> String {
     let sections = vec![section.clone()];
@@ -160,29 +171,39 @@ fn random_motions_come_first_and_once() {
     rows[7].error = f64::NAN;
     rows[9].error = 0.0;
     let section = section(&rows, None).expect("a section");
-    let grids: Vec<_> = section
-        .blocks
-        .iter()
-        .filter_map(|b| match b {
-            Block::FigureGrid(figures) => Some(figures),
-            _ => None,
-        })
-        .collect();
-    let [figures] = grids[..] else {
-        panic!("{} grids", grids.len())
+    let [figure, ..] = &figures(&section)[..] else {
+        panic!("no figure");
     };
-    assert_eq!(figures.len(), 1);
     assert!(
-        figures[0]
+        figure
             .caption
             .contains("**1 of 200 errors are NaN or infinite**")
     );
-    let curve = &figures[0].series[0].points;
+    let curve = &figure.series[0].points;
     assert_eq!(curve.first().map(|p| p.1), Some(0.5));
     assert_eq!(curve.last().map(|p| p.1), Some(99.5));
     // Beyond the limit, the motions, suite a; no table for suite b, which holds nothing else.
     assert_eq!(tables(&section).len(), 3);
     assert!(!html(&section).contains("Errors of the suite b"));
+}
+
+#[test]
+fn controls_are_told_apart_from_comparisons() {
+    let mut control = row("s", "near", 50.0, 1.0);
+    control.control = Some(10.0);
+    let rows = [row("s", "near", 0.1, 1.0), control.clone()];
+    let whole = section(&rows, None).expect("a section");
+    assert!(whole.lead.starts_with("One comparison, all within"));
+    let state = |section: &Section| {
+        let controls = tables(section)
+            .into_iter()
+            .find(|t| t.caption.contains("on purpose"));
+        controls.expect("controls").rows[0].cells[4].state
+    };
+    assert_eq!(state(&whole), State::Good);
+    control.error = 5.0;
+    let harmless = section(&[control], None).expect("a section");
+    assert_eq!(state(&harmless), State::Bad);
 }
 
 #[test]

@@ -23,7 +23,7 @@ pub fn fill(text: Text, study: &BoundStudy) -> Text {
         let mut bands = study.bands.iter();
         bands
             .find(|band| band.to_hz == to_hz)
-            .map(|b| b.three_directions)
+            .map_or(f64::NAN, |b| b.three_directions)
     };
     text.value("bound", study)
         .value("paper_band", band(PAPER_HZ.1))
