@@ -5,8 +5,10 @@ use sixaxis_core::decouple::rest_to_rest;
 use sixaxis_core::identify::zero_drift;
 use sixaxis_core::recording::check_channels;
 use sixaxis_core::{Error, LIMBS, Parameters, Scheme, Settings};
+use sixaxis_props::adversarial::{
+    adversarial_f64, adversarial_setup, extreme, record, remembering, spoiled,
+};
 use sixaxis_props::compare::all_finite;
-use sixaxis_props::hostile::{extreme, hostile, hostile_setup, record, remembering, spoiled};
 use sixaxis_props::strategy::parameters;
 use sixaxis_props::truth;
 
@@ -28,7 +30,7 @@ proptest! {
     #[test]
     fn prop_a_recording_that_passes_is_sound(
         rows in record::<LIMBS>(8),
-        limit_v in prop_oneof![Just(10.0), Just(f64::INFINITY), hostile()],
+        limit_v in prop_oneof![Just(10.0), Just(f64::INFINITY), adversarial_f64()],
     ) {
         match check_channels(&rows, limit_v) {
             Ok(()) => prop_assert!(rows.as_flattened().iter().all(|u| u.is_finite() && u.abs() < limit_v)),
@@ -65,7 +67,7 @@ proptest! {
 
     #[test]
     fn prop_any_run_is_closed_or_refused(
-        (setup, _) in hostile_setup(),
+        (setup, _) in adversarial_setup(),
         sound in prop::bool::ANY,
         rows in prop_oneof![record::<LIMBS>(24), motion()],
         scheme in prop::sample::select(&Scheme::ALL[..]),
@@ -87,7 +89,7 @@ proptest! {
 }
 
 #[test]
-fn prop_empty_and_one_sample_records_are_refused() {
+fn law_empty_and_one_sample_records_are_refused() {
     for samples in [0, 1] {
         assert!(matches!(
             zero_drift::identify(&vec![[0.0; LIMBS]; samples]),
@@ -97,7 +99,7 @@ fn prop_empty_and_one_sample_records_are_refused() {
 }
 
 #[test]
-fn prop_a_broken_recording_is_refused_by_name() {
+fn law_a_broken_recording_is_refused_by_name() {
     const LIMIT_V: f64 = 10.0;
     let sound: Vec<[f64; LIMBS]> = (0..50)
         .map(|i| core::array::from_fn(|channel| (f64::from(i) * 0.1 + channel as f64).sin()))

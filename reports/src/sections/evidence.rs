@@ -20,7 +20,7 @@ use sixaxis_page::number::count;
 use sixaxis_page::{Axis, Cell, Figure, Mark, Section, Series, State, Table, Text};
 use sixaxis_props::evidence::Row;
 
-use cells::{error, limit, margin, reason, words};
+use cells::{error, limit, margin, words};
 use quantity::Quantity;
 
 /// More rows beyond their limits than this are counted only.
@@ -61,17 +61,22 @@ pub fn section(rows: &[Row], unreadable: Option<&dyn Display>) -> Result<Section
         (n, 1) => format!("{} comparisons of one suite", count(n)),
         (n, s) => format!("{} comparisons of {s} suites", count(n)),
     };
-    let mut beyond: Vec<&Row> = rows.iter().copied().filter(|row| !row.holds()).collect();
-    beyond.sort_by(|a, b| quantity::counted(b.share()).total_cmp(&quantity::counted(a.share())));
+    let harmless = controls.iter().filter(|row| !row.holds()).count();
+    let beyond = rows.iter().filter(|row| !row.holds()).count();
+    let failed = rows.iter().chain(&controls).copied();
+    let mut failed: Vec<&Row> = failed.filter(|row| !row.holds()).collect();
+    failed.sort_by(|a, b| quantity::counted(b.share()).total_cmp(&quantity::counted(a.share())));
     let mut text = Text::new(include_str!("evidence.md"))
         .value("comparisons", rows.len())
         .value("counted", counted)
-        .value("beyond", beyond.len())
-        .value("unlisted", beyond.len().saturating_sub(LISTED))
+        .value("beyond", beyond)
+        .value("failed", failed.len())
+        .value("unlisted", failed.len().saturating_sub(LISTED))
         .value("controls", controls.len())
+        .value("harmless", harmless)
         .value("unreadable", unreadable.map(ToString::to_string));
-    if !beyond.is_empty() {
-        text = text.table("beyond", listed(&beyond));
+    if !failed.is_empty() {
+        text = text.table("beyond", listed(&failed));
     }
     if !controls.is_empty() {
         text = text.table("controls", broken(&controls));
@@ -101,9 +106,9 @@ pub fn section(rows: &[Row], unreadable: Option<&dyn Display>) -> Result<Section
     text.value("suites", suites).section("evidence")
 }
 
-/// The rows beyond their limits, worst first.
-fn listed(beyond: &[&Row]) -> Table {
-    let rows = beyond.iter().take(LISTED);
+/// The rows that fail, worst first.
+fn listed(failed: &[&Row]) -> Table {
+    let rows = failed.iter().take(LISTED);
     Table::of("quantity", rows, |row| row.quantity.clone())
         .col("error", |row| error(row.error, 2).state(State::Bad))
         .col("limit", |row| limit(row.limit, row.limit))
@@ -115,7 +120,7 @@ fn listed(beyond: &[&Row]) -> Table {
         .into()
 }
 
-/// Negative controls of each suite and quantity: the one that fails by least stands for all.
+/// Negative controls of each suite and quantity: the one that does not fail, or fails by least, stands for all.
 fn broken(controls: &[&Row]) -> Table {
     let mut groups: BTreeMap<(&str, &str), Vec<&Row>> = BTreeMap::new();
     for row in controls {
@@ -124,7 +129,9 @@ fn broken(controls: &[&Row]) -> Table {
     }
     let least = groups.into_values().filter_map(|rows| {
         let over = |row: &Row| quantity::counted(row.error / row.limit);
-        let row = *rows.iter().min_by(|a, b| over(a).total_cmp(&over(b)))?;
+        let harmless_first =
+            |a: &&&Row, b: &&&Row| a.holds().cmp(&b.holds()).then(over(a).total_cmp(&over(b)));
+        let row = *rows.iter().min_by(harmless_first)?;
         Some((row, rows.len(), rows.iter().all(|row| row.holds())))
     });
     Table::of("what is compared", least, |(row, ..)| row.quantity.clone())
@@ -219,7 +226,7 @@ fn table(suite: &Suite, quantities: &[Quantity<'_>]) -> Table {
     if suite.zeros > 0 {
         table = table.col("exactly zero", |q| count(q.zeros));
     }
-    table.text("limit is", |q| reason(&q.rows)).into()
+    table.text("why the limit", |q| q.reason()).into()
 }
 
 /// An anchor for a suite's figure that no other suite has.

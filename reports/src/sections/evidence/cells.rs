@@ -2,7 +2,6 @@
 
 use sixaxis_page::number::{self, scientific, significant};
 use sixaxis_page::{Cell, State};
-use sixaxis_props::evidence::Row;
 
 /// Under this margin a limit is held, but barely.
 const NARROW: f64 = 1.5;
@@ -52,24 +51,6 @@ pub fn margin(largest_share: f64) -> Cell {
         m => format!("{}×", significant(m, 2)),
     })
     .state(state)
-}
-
-/// Why the limits of some rows are what they are: the kind of reason, all of it on hovering.
-pub fn reason(rows: &[&Row]) -> Cell {
-    let mut reasons: Vec<&str> = rows.iter().map(|row| &*row.reason).collect();
-    reasons.sort_unstable();
-    reasons.dedup();
-    let kind = |reason: &&str| {
-        reason
-            .split([':', '('])
-            .next()
-            .unwrap_or("")
-            .trim()
-            .to_owned()
-    };
-    let mut kinds: Vec<String> = reasons.iter().map(kind).collect();
-    kinds.dedup();
-    Cell::from(kinds.join(", ")).title(reasons.join("; "))
 }
 
 /// Plain from a hundredth to a thousand, with a power of ten outside.
