@@ -15,12 +15,12 @@ use sixaxis_reference::motion::SimulatedRun;
 use sixaxis_reference::paper;
 use sixaxis_reference::rig::run::Mounting;
 
-use super::conditioning::Preset;
 use super::decoupling::{
     SixSeries, decouple, harmonic, harmonic_error, largest_error, peaks, six_series, standards,
     truth,
 };
 use super::results::{Comparison, Compound, Gravity, ParameterSet, Standard};
+use super::session::{self, Preset};
 use super::simulations::Simulations;
 
 /// Number of the first compound run in the laboratory's count of runs: its random streams do not depend on how many
@@ -165,7 +165,9 @@ impl Case<'_> {
     /// Those of the conditioning.
     pub fn record(&self, run: &SimulatedRun) -> Result<(SimulatedRecording, Conditioned)> {
         let recording = self.laboratory.record(run, FIRST_RUN + self.index);
-        let (_, conditioned) = self.conditioning.condition(&recording, Role::Validation)?;
+        let run = [(recording.clone(), Role::Validation)];
+        let mut trials = session::prepare(run, self.conditioning)?.campaign.trials;
+        let (_, conditioned) = trials.pop().context("the run")?;
         Ok((recording, conditioned))
     }
 

@@ -8,10 +8,10 @@ use sixaxis_reference::motion::SimulatedRun;
 use sixaxis_reference::rig::run::Mounting;
 
 use super::compound::{COMPARED_DIVISOR, Case};
-use super::conditioning::Preset;
 use super::decoupling::{SixSeries, decouple, six_series, truth};
 use super::plan::COMPOUND_RATE_HZ;
 use super::results::{Gravity, History};
+use super::session::Preset;
 use super::simulations::Simulations;
 
 /// Points of a drawn time history.
@@ -48,12 +48,7 @@ pub fn study(
         Ok(six_series(&samples))
     };
     let exact = ours(perfect, noise_free, Preset::None, Gravity::Kept)?;
-    let noisy = ours(
-        laboratory,
-        with_errors,
-        Preset::Comparison,
-        Gravity::Neglected,
-    )?;
+    let noisy = ours(laboratory, with_errors, Preset::Session, Gravity::Neglected)?;
     let stride = truth[0].len().div_ceil(HISTORY_POINTS).max(1);
     let thin = |series: &SixSeries| -> SixSeries {
         core::array::from_fn(|i| series[i].iter().copied().step_by(stride).collect())

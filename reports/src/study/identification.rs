@@ -1,41 +1,10 @@
-//! The simulated campaign as the analysis has it, recorded, conditioned, ready for the four steps; and what they found.
+//! What the four steps found, beside the truth and the errors that they and the reference have.
 
 use anyhow::{Context, Result};
-use rayon::prelude::*;
-use sixaxis_calibration::steps::{Campaign, FourSteps};
-use sixaxis_core::{Geometry, Parameters};
-use sixaxis_props::truth;
-use sixaxis_reference::laboratory::Laboratory;
-use sixaxis_reference::laboratory::schedule::PlannedTrial;
-use sixaxis_reference::motion::SimulatedRun;
+use sixaxis_calibration::steps::FourSteps;
+use sixaxis_core::Parameters;
 
-use super::conditioning::Preset;
 use super::results::{Identification, Parameters25};
-
-/// Records and cleans a simulated campaign.
-///
-/// # Errors
-/// Those of the conditioning.
-pub fn record(
-    laboratory: &Laboratory,
-    simulated: &[(PlannedTrial, SimulatedRun)],
-    preset: Preset,
-) -> Result<Campaign> {
-    let trials = simulated
-        .par_iter()
-        .enumerate()
-        .map(|(index, (trial, run))| {
-            let recording = laboratory.record(run, index);
-            Ok(preset.condition(&recording, trial.role)?)
-        })
-        .collect::<Result<Vec<_>>>()?;
-    Ok(Campaign {
-        geometry: Geometry::PAPER,
-        design: truth::design_parameters(),
-        static_voltage_v: laboratory.record_static().voltage_v,
-        trials,
-    })
-}
 
 /// What four steps found beside the truth. The reference's own error is what the four steps without errors find differently at a
 /// `coarse` step of the simulator.

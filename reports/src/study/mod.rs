@@ -1,14 +1,13 @@
 //! The study: plays the paper's campaign on MuJoCo, runs the paper's methods on what a laboratory would see of it,
 //! and holds the outcome against the truth.
 //!
-//! [`plan`] says what is played, [`simulations`] plays it, [`conditioning`] and [`identification`] are the laboratory's
-//! analysis, [`compound`], [`searches`], [`identifiability`], [`orders`], [`history`] and [`checks`] make the comparisons,
+//! [`plan`] says what is played, [`simulations`] plays it, [`session`] is the laboratory's analysis and
+//! [`identification`] what it finds, [`compound`], [`searches`], [`identifiability`], [`orders`], [`history`] and [`checks`] make the comparisons,
 //! [`acceptance`] judges them, and [`results`] is all of it as data. Nothing here draws.
 
 pub mod acceptance;
 pub mod checks;
 pub mod compound;
-pub mod conditioning;
 pub mod decoupling;
 pub mod history;
 pub mod identifiability;
@@ -17,6 +16,7 @@ pub mod orders;
 pub mod plan;
 pub mod results;
 pub mod searches;
+pub mod session;
 pub mod simulations;
 
 use anyhow::{Context, Result};
@@ -27,9 +27,9 @@ use sixaxis_reference::mujoco::version;
 use sixaxis_reference::rig::run::Mounting;
 
 use crate::progress::Progress;
-use conditioning::Preset;
 use plan::Plan;
 use results::{Gravity, Results};
+use session::Preset;
 use simulations::Simulations;
 
 /// Runs the study.
@@ -43,7 +43,7 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
     let perfect = Laboratory::noise_free(truth::sensor(&truth));
     let laboratory = Laboratory::with_errors(truth::sensor(&truth), plan.seed);
 
-    let exact = identification::record(&perfect, &simulations.campaign, Preset::None)?;
+    let exact = session::record(&perfect, &simulations.campaign, Preset::None)?.campaign;
     let noise_free = steps.step("campaign without errors", || {
         Ok(exact.identify(GyroscopeGain::Trusted)?)
     })?;
@@ -52,16 +52,15 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
         || Ok(exact.repeat(&noise_free)?),
     )?;
     let coarse = steps.step("the same, doubled step", || coarse(simulations, &perfect))?;
-    let recorded =
-        identification::record(&laboratory, &simulations.campaign, Preset::Identification)?;
+    let recorded = session::record(&laboratory, &simulations.campaign, Preset::Session)?;
     let with_errors = steps.step("campaign with errors", || {
-        Ok(recorded.identify(GyroscopeGain::Identified)?)
+        Ok(recorded.campaign.identify(GyroscopeGain::Identified)?)
     })?;
     let iterations = steps.step("the same, iterated", || {
-        identifiability::iteration::with_errors(&recorded, &with_errors, &truth)
+        identifiability::iteration::with_errors(&recorded.campaign, &with_errors, &truth)
     })?;
     let known = steps.step("the same, joint fit", || {
-        identifiability::known::study(&recorded, Preset::Identification, &laboratory)
+        identifiability::known::study(&recorded, &laboratory)
     })?;
     drop(recorded);
 
@@ -74,8 +73,7 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
     };
     let vertical = Mounting::AxisVertical;
     let compound_noise_free = compound(vertical, &perfect, Preset::None, &exact_ways)?;
-    let compound_laboratory =
-        compound(vertical, &laboratory, Preset::Comparison, &laboratory_ways)?;
+    let compound_laboratory = compound(vertical, &laboratory, Preset::Session, &laboratory_ways)?;
     let compound_axis_level = compound(Mounting::AxisLevel, &perfect, Preset::None, &exact_ways)?;
 
     let searches = steps.step("search for k/m", || {
@@ -126,6 +124,6 @@ fn coarse(simulations: &Simulations, perfect: &Laboratory) -> Result<Option<Four
     if simulations.campaign_coarse.is_empty() {
         return Ok(None);
     }
-    let session = identification::record(perfect, &simulations.campaign_coarse, Preset::None)?;
-    Ok(Some(session.identify(GyroscopeGain::Trusted)?))
+    let session = session::record(perfect, &simulations.campaign_coarse, Preset::None)?;
+    Ok(Some(session.campaign.identify(GyroscopeGain::Trusted)?))
 }

@@ -1,3 +1,0 @@
-//! What is told of a recording that was inspected.
-
-pub mod inspection;
