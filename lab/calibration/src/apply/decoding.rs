@@ -4,12 +4,12 @@ use std::collections::VecDeque;
 
 use sixaxis_core::decouple::uncertainty::SampleUncertainty;
 use sixaxis_core::{Decoupler, LIMBS, SixAxis};
+use sixaxis_recordings::envelope::Envelope;
 use sixaxis_recordings::motion::MOTION_CHANNELS;
 use sixaxis_recordings::{Block, Channel, Layout};
 
 use super::Row;
 use super::fault_watch::{FLAGS, Watching};
-use crate::compare::envelope::Envelope;
 
 /// Which columns are wanted beside the time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
