@@ -181,21 +181,18 @@ fn six(s: &SixAxis) -> [f64; 6] {
     [a.x, a.y, a.z, w.x, w.y, w.z]
 }
 
-fn decouple(
+fn accelerations(
     sensor: &Sensor,
     parameters: &Parameters,
     settings: &Settings,
     failed: LimbSet,
     rows: &[[f64; LIMBS]],
 ) -> Result<Six, String> {
-    let mut decoupler = Decoupler::new(sensor, parameters, settings)
-        .and_then(|decoupler| decoupler.excluding(failed))
-        .map_err(|e| e.to_string())?;
     let mut answers = Vec::with_capacity(rows.len());
-    for row in rows {
-        let answer = decoupler.push(row).map_err(|e| e.to_string())?;
-        answers.extend(answer.as_ref().map(six));
-    }
+    Decoupler::new(sensor, parameters, settings)
+        .and_then(|decoupler| decoupler.excluding(failed))
+        .and_then(|mut decoupler| decoupler.push_all(rows, |s| answers.push(six(s))))
+        .map_err(|e| e.to_string())?;
     Ok(answers)
 }
 
@@ -229,7 +226,7 @@ fn noise(sets: &[LimbSet]) -> Result<Vec<Option<[f64; 6]>>, String> {
         })
         .collect();
     let deviations = |failed| -> Result<[f64; 6], String> {
-        let answers = decouple(&sensor, &parameters, &settings, failed, &rows)?;
+        let answers = accelerations(&sensor, &parameters, &settings, failed, &rows)?;
         Ok(from_fn(|axis| {
             let squares: f64 = answers.iter().map(|a| a[axis] * a[axis]).sum();
             (squares / answers.len() as f64).sqrt()
@@ -263,7 +260,7 @@ fn noise_free(sets: &[LimbSet]) -> Result<Vec<Option<f64>>, String> {
             )
         })
         .collect();
-    let healthy = decouple(
+    let healthy = accelerations(
         &sensor,
         &motion.parameters,
         &settings,
@@ -271,7 +268,7 @@ fn noise_free(sets: &[LimbSet]) -> Result<Vec<Option<f64>>, String> {
         &rows,
     )?;
     each(sets, |set| {
-        let ours = decouple(&sensor, &motion.parameters, &settings, set, &rows)?;
+        let ours = accelerations(&sensor, &motion.parameters, &settings, set, &rows)?;
         Ok(errors(&ours, &healthy)[0])
     })
 }
@@ -344,7 +341,7 @@ fn in_laboratory(
     let both = |set| -> Result<[[f64; 2]; 2], String> {
         let mut ways = [[0.0; 2]; 2];
         for (way, parameters) in ways.iter_mut().zip([&found, &consistent]) {
-            let ours = decouple(&recording.sensor(), parameters, &settings, set, &rows)?;
+            let ours = accelerations(&recording.sensor(), parameters, &settings, set, &rows)?;
             *way = errors(&ours, &true_six);
         }
         Ok(ways)

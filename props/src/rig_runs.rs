@@ -96,27 +96,6 @@ pub fn simulate(
     .expect("a run within the rig's limits simulates")
 }
 
-/// All decoupled samples of a record.
-///
-/// # Panics
-/// If the decoupler refuses.
-#[must_use]
-pub fn decouple(
-    sensor: &Sensor,
-    parameters: &Parameters,
-    settings: &Settings,
-    voltage_v: &[[f64; LIMBS]],
-) -> Vec<SixAxis> {
-    let mut decoupler =
-        Decoupler::new(sensor, parameters, settings).expect("the parameters are sound");
-    let mut samples = Vec::with_capacity(voltage_v.len());
-    for row in voltage_v {
-        let completed = decoupler.push(row).expect("the samples are finite");
-        samples.extend(completed);
-    }
-    samples
-}
-
 /// Largest error of the accelerations over the peak of the vector: linear and angular.
 #[must_use]
 pub fn errors(samples: &[SixAxis], run: &SimulatedRun) -> [f64; 2] {

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 use proptest::prelude::*;
-use sixaxis_core::decouple::stream::Decoupler;
-use sixaxis_core::{Gains, Scheme, Sensor, Settings, SixAxis, StaticResponse};
+use sixaxis_core::decouple::decouple;
+use sixaxis_core::{Gains, LIMBS, Scheme, Sensor, Settings, SixAxis, StaticResponse};
 use sixaxis_props::compare::largest;
 use sixaxis_props::evidence::Row;
 use sixaxis_props::manufactured::formulations::{Mass, ShellMotion, solve};
@@ -18,7 +18,7 @@ const PERIODS: f64 = 3.0;
 
 const GAIN_N_PER_V: [f64; 9] = [0.5, -2.0, 1.0, 10.0, 0.2, 5.0, -0.1, 1.0, 20.0];
 
-fn decouple(
+fn decoded(
     sensor: &Manufactured,
     truth: &[ShellMotion],
     sample_rate_hz: f64,
@@ -38,16 +38,13 @@ fn decouple(
             gain_n_per_v: GAIN_N_PER_V,
         },
     };
-    let mut decoupler =
-        Decoupler::new(&drawn, &sensor.parameters, &settings).expect("the sensor is sound");
-    let mut samples = Vec::with_capacity(truth.len());
-    for sample in 0..truth.len() {
-        let moment = sensor.at(sample as f64 / sample_rate_hz);
-        let voltage = sensor.voltage_v(&GAIN_N_PER_V, &moment);
-        let completed = decoupler.push(&voltage).expect("samples are finite");
-        samples.extend(completed);
-    }
-    samples
+    let voltage_v: Vec<[f64; LIMBS]> = (0..truth.len())
+        .map(|sample| {
+            let moment = sensor.at(sample as f64 / sample_rate_hz);
+            sensor.voltage_v(&GAIN_N_PER_V, &moment)
+        })
+        .collect();
+    decouple(&drawn, &sensor.parameters, &settings, &voltage_v).expect("a sound sensor")
 }
 
 /// Largest error over the largest truth, for one vector of the output, with the two components that differ most.
@@ -78,7 +75,7 @@ fn judge(sensor: &Manufactured, scheme: Scheme, samples_per_period: f64) {
     let samples = (PERIODS * samples_per_period) as usize;
     let truth = solve::<Mass>(sensor, rate_hz, samples, STEPS);
     let halved = solve::<Mass>(sensor, rate_hz, samples, 2 * STEPS);
-    let ours = decouple(sensor, &truth, rate_hz, scheme);
+    let ours = decoded(sensor, &truth, rate_hz, scheme);
     assert_eq!(ours.len(), samples - 2, "samples decoupled");
     let case = format!(
         "{}, {samples_per_period:.0} samples a period",

@@ -5,7 +5,6 @@ use glam::DVec3;
 use rayon::prelude::*;
 use sixaxis_calibration::conditioning::Conditioned;
 use sixaxis_core::decouple::rest_to_rest;
-use sixaxis_core::decouple::stream::Decoupler;
 use sixaxis_core::{LIMBS, Parameters, Scheme, SixAxis};
 use sixaxis_props::truth;
 use sixaxis_props::truth::InCore;
@@ -74,12 +73,12 @@ pub fn decouple(
     if gravity == Gravity::Neglected {
         settings.gravity_ground_m_s2 = DVec3::ZERO;
     }
-    let mut decoupler = Decoupler::new(&recording.sensor(), parameters, &settings)?;
-    let mut samples = Vec::with_capacity(voltage_v.len());
-    for row in voltage_v {
-        samples.extend(decoupler.push(row)?);
-    }
-    Ok(samples)
+    Ok(sixaxis_core::decouple::decouple(
+        &recording.sensor(),
+        parameters,
+        &settings,
+        voltage_v,
+    )?)
 }
 
 /// The six series of a decoupled record.
