@@ -3,8 +3,7 @@
 
 use crate::truth;
 use glam::DVec3;
-use sixaxis_core::decouple::stream::Decoupler;
-use sixaxis_core::{LIMBS, Parameters, Sensor, Settings, SixAxis};
+use sixaxis_core::{Parameters, SixAxis};
 use sixaxis_reference::laboratory::plan::RigPlan;
 use sixaxis_reference::laboratory::schedule::compound_trials;
 use sixaxis_reference::motion::SimulatedRun;
