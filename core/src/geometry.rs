@@ -7,7 +7,7 @@ use glam::DVec3;
 use nalgebra::SMatrix;
 use serde::{Deserialize, Serialize};
 
-use crate::error::{Error, Result};
+use crate::error::{Result, require};
 
 pub use crate::limb_set::LIMBS;
 
@@ -56,13 +56,12 @@ impl Geometry {
             ("limb_length_m", self.limb_length_m),
             ("half_edge_m", self.half_edge_m),
         ] {
-            if !(value > 0.0 && (value * value).is_normal()) {
-                return Err(Error::OutOfRange {
-                    name,
-                    value,
-                    requirement: "positive and finite, and its square, too",
-                });
-            }
+            require(
+                value > 0.0 && (value * value).is_normal(),
+                name,
+                value,
+                "positive and finite, and its square, too",
+            )?;
         }
         Ok(())
     }

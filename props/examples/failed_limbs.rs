@@ -24,9 +24,9 @@ use sixaxis_core::{
 };
 use sixaxis_props::joint::{Fitted, small};
 use sixaxis_props::manufactured::examples;
+use sixaxis_props::problem::rig;
 use sixaxis_props::publication::{Arguments, end};
 use sixaxis_props::results::{ExcludedSet, FailedLimbs};
-use sixaxis_props::rig_runs;
 use sixaxis_props::truth;
 use sixaxis_props::truth::InCore;
 use sixaxis_recordings::session::Role;
@@ -298,10 +298,10 @@ fn played() -> Result<SimulatedRun, String> {
     let truth = truth::identified_parameters();
     let long = Run {
         steady_periods: 2.0,
-        ..rig_runs::compound_run()
+        ..rig::compound_run()
     };
-    let model = rig_runs::model(&truth, long.direction_ground, Mounting::AxisVertical);
-    sixaxis_reference::mujoco::simulate_run(&model, &long, rig_runs::RATE_HZ / 5.0, 20)
+    let model = rig::model(&truth, long.direction_ground, Mounting::AxisVertical);
+    sixaxis_reference::mujoco::simulate_run(&model, &long, rig::RATE_HZ / 5.0, 20)
         .map_err(|e| e.to_string())
 }
 

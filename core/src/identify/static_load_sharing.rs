@@ -29,11 +29,11 @@ impl StaticLoadSharing {
         let flexibility =
             (jacobian.transpose() * jacobian)
                 .try_inverse()
-                .ok_or(Error::OutOfRange {
-                    name: "half_edge_m",
-                    value: geometry.half_edge_m,
-                    requirement: "of a size at which nine limbs hold the mass",
-                })?;
+                .ok_or(Error::out_of_range(
+                    "half_edge_m",
+                    geometry.half_edge_m,
+                    "of a size at which nine limbs hold the mass",
+                ))?;
         Ok(Self {
             matrix: jacobian * flexibility,
             flexibility,

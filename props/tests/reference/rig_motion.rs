@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use sixaxis_core::decouple::decouple;
 use sixaxis_core::{LimbLaw, Parameters, Scheme, Settings};
 use sixaxis_props::compare::{fails_clearly, largest, within};
-use sixaxis_props::rig_runs::{errors, simulate};
+use sixaxis_props::problem::rig::{errors, simulate};
 use sixaxis_props::strategy::{config, parameters, vector};
 use sixaxis_props::tolerance;
 use sixaxis_props::truth;
