@@ -176,12 +176,7 @@ fn closed_form(set: LimbSet) -> Option<[f64; 6]> {
     Some(from_fn(|i| (reduced[(i, i)] / healthy[(i, i)]).sqrt()))
 }
 
-fn six(s: &SixAxis) -> [f64; 6] {
-    let (a, w) = (s.linear_ground_m_s2, s.angular_ground_rad_s2);
-    [a.x, a.y, a.z, w.x, w.y, w.z]
-}
-
-fn accelerations(
+fn decouple(
     sensor: &Sensor,
     parameters: &Parameters,
     settings: &Settings,
@@ -191,7 +186,7 @@ fn accelerations(
     let mut answers = Vec::with_capacity(rows.len());
     Decoupler::new(sensor, parameters, settings)
         .and_then(|decoupler| decoupler.excluding(failed))
-        .and_then(|mut decoupler| decoupler.push_all(rows, |s| answers.push(six(s))))
+        .and_then(|mut decoupler| decoupler.push_all(rows, |s| answers.push(s.accelerations())))
         .map_err(|e| e.to_string())?;
     Ok(answers)
 }
@@ -226,7 +221,7 @@ fn noise(sets: &[LimbSet]) -> Result<Vec<Option<[f64; 6]>>, String> {
         })
         .collect();
     let deviations = |failed| -> Result<[f64; 6], String> {
-        let answers = accelerations(&sensor, &parameters, &settings, failed, &rows)?;
+        let answers = decouple(&sensor, &parameters, &settings, failed, &rows)?;
         Ok(from_fn(|axis| {
             let squares: f64 = answers.iter().map(|a| a[axis] * a[axis]).sum();
             (squares / answers.len() as f64).sqrt()
@@ -260,7 +255,7 @@ fn noise_free(sets: &[LimbSet]) -> Result<Vec<Option<f64>>, String> {
             )
         })
         .collect();
-    let healthy = accelerations(
+    let healthy = decouple(
         &sensor,
         &motion.parameters,
         &settings,
@@ -268,7 +263,7 @@ fn noise_free(sets: &[LimbSet]) -> Result<Vec<Option<f64>>, String> {
         &rows,
     )?;
     each(sets, |set| {
-        let ours = accelerations(&sensor, &motion.parameters, &settings, set, &rows)?;
+        let ours = decouple(&sensor, &motion.parameters, &settings, set, &rows)?;
         Ok(errors(&ours, &healthy)[0])
     })
 }
@@ -341,7 +336,7 @@ fn in_laboratory(
     let both = |set| -> Result<[[f64; 2]; 2], String> {
         let mut ways = [[0.0; 2]; 2];
         for (way, parameters) in ways.iter_mut().zip([&found, &consistent]) {
-            let ours = accelerations(&recording.sensor(), parameters, &settings, set, &rows)?;
+            let ours = decouple(&recording.sensor(), parameters, &settings, set, &rows)?;
             *way = errors(&ours, &true_six);
         }
         Ok(ways)
