@@ -20,7 +20,7 @@ use sixaxis_core::redundancy::parity::{COORDINATION, SIGNATURES};
 use sixaxis_core::redundancy::reconstruction::MOST_EXCLUDED;
 use sixaxis_core::redundancy::reconstruction::Reconstruction;
 use sixaxis_core::{
-    Decoupler, Error, Gains, LIMBS, Parameters, Scheme, Sensor, Settings, SixAxis, StaticResponse,
+    Decoupler, Error, Gains, LIMBS, Parameters, Scheme, Sensor, Settings, StaticResponse,
 };
 use sixaxis_props::joint::{Fitted, small};
 use sixaxis_props::manufactured::examples;

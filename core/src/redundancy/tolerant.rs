@@ -1,12 +1,12 @@
-//! Decoupling that monitors its nine channels and excludes a limb that fails ([`Decoupler::set_excluded`]).
+//! Decoupling with a fault monitor: a limb that fails is excluded, and the samples since its failure are decoded again.
 //!
-//! [`Monitor`] isolates the failed limb some samples after the failure. By then rate and attitude, which are integrated, carry the
-//! error of that limb. So the last rows are kept, with the decoupler as it was before them: on a verdict this older decoupler
-//! excludes the limb and decodes the rows since anew. Answers given in between are not corrected; later ones carry no trace of the
-//! failure.
+//! [`Monitor`] isolates a failed limb some samples after its failure. By then rate and attitude, which are integrated, carry the
+//! limb's error. Therefore the last rows are kept, with the decoupler's states before them: once a limb is isolated, decoding is
+//! repeated from a state before the failure, with the limb excluded ([`Decoupler::set_excluded`]). Answers given in between are not
+//! revised; later ones are free of the failure.
 //!
-//! Neither limb of an ambiguous pair can be excluded as long as it is unknown which has failed, and both together never
-//! ([`crate::redundancy::reconstruction`]): the decoupler then goes on with all nine and marks its answers as suspected.
+//! Of an ambiguous pair neither limb is excluded until it is known which has failed, and the two together cannot be excluded
+//! ([`crate::redundancy::reconstruction`]): such answers are decoded from all nine limbs and marked.
 
 use crate::decouple::Decoupler;
 use crate::error::{Error, Result};
@@ -20,27 +20,27 @@ use crate::six_axis::SixAxis;
 /// Rows to keep where nothing else is known: the longest window of the monitor, and as much again.
 pub const ROWS_KEPT: usize = 8192;
 
-/// What has become of one row.
+/// The answer to one row.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Watched {
     /// The sample before, decoupled.
     pub answer: Option<SixAxis>,
-    /// What the monitor said.
+    /// The monitor's event.
     pub event: Option<Event>,
-    /// The limbs that are excluded from this answer.
+    /// Limbs excluded from this answer.
     pub excluded: LimbSet,
-    /// Ambiguous pair: at least one has failed, which is unknown, so neither is excluded. Treat `answer` as invalid.
+    /// Ambiguous pair: at least one limb has failed, which is unknown, so neither is excluded. Treat `answer` as invalid.
     pub suspected: LimbSet,
-    /// Set where the excluded limbs have changed with this row.
+    /// Set where the excluded limbs changed with this row.
     pub switched: Option<Switch>,
 }
 
 /// A change of the excluded limbs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Switch {
-    /// The first row that was decoded anew.
+    /// The first row that was decoded again.
     pub from_sample: u64,
-    /// Whether that is before the failure, so that nothing of it is left in rate and attitude.
+    /// Whether that is before the failure, so that rate and attitude are free of it.
     pub reaches_onset: bool,
 }
 
@@ -51,7 +51,7 @@ pub struct Switch {
 pub struct FaultTolerant<B> {
     decoupler: Decoupler,
     monitor: Monitor,
-    /// As it was, the older first; half of the rows apart.
+    /// Earlier states, the older first, half of the rows apart.
     before: [Decoupler; 2],
     rows: B,
     suspected: LimbSet,
@@ -94,7 +94,7 @@ impl<B: AsRef<[[f64; LIMBS]]> + AsMut<[[f64; LIMBS]]>> FaultTolerant<B> {
         &self.monitor
     }
 
-    /// The limbs that are excluded.
+    /// The excluded limbs.
     #[must_use]
     pub fn excluded(&self) -> LimbSet {
         self.decoupler.excluded()
@@ -103,8 +103,8 @@ impl<B: AsRef<[[f64; LIMBS]]> + AsMut<[[f64; LIMBS]]>> FaultTolerant<B> {
     /// Takes the next nine voltages.
     ///
     /// # Errors
-    /// Those of [`Decoupler::push`] for what cannot be decoded with the failed limbs excluded either: NaN in more limbs than
-    /// can be excluded. The row is then not received.
+    /// Those of [`Decoupler::push`] for a row that cannot be decoded with the failed limbs excluded either: NaN in more limbs than can
+    /// be excluded. The row is then not received.
     pub fn push(&mut self, voltage_v: &[f64; LIMBS]) -> Result<Watched> {
         let sample = self.decoupler.received();
         self.keep(sample, voltage_v);
@@ -139,7 +139,7 @@ impl<B: AsRef<[[f64; LIMBS]]> + AsMut<[[f64; LIMBS]]>> FaultTolerant<B> {
         })
     }
 
-    /// Excludes or readmits limbs by the caller's own knowledge, from the next row on.
+    /// Sets the excluded limbs by the caller's own knowledge, from the next row on.
     ///
     /// # Errors
     /// Those of [`Decoupler::set_excluded`].
@@ -162,7 +162,7 @@ impl<B: AsRef<[[f64; LIMBS]]> + AsMut<[[f64; LIMBS]]>> FaultTolerant<B> {
         }
     }
 
-    /// Limbs to exclude from now on, and since when; none if nothing is to change.
+    /// Limbs to exclude from now on, and since when; none if nothing changes.
     fn wanted(&mut self, event: Event) -> Option<(LimbSet, Option<u64>)> {
         let of = |verdict: &Verdict| (verdict.limbs, Some(verdict.since.0));
         match event {
@@ -191,7 +191,7 @@ impl<B: AsRef<[[f64; LIMBS]]> + AsMut<[[f64; LIMBS]]>> FaultTolerant<B> {
         }
     }
 
-    /// With those that are excluded already; the empty set readmits all.
+    /// Together with those excluded already; the empty set includes all limbs again.
     fn joined(&self, limbs: LimbSet) -> LimbSet {
         if limbs.is_empty() {
             limbs
@@ -200,7 +200,7 @@ impl<B: AsRef<[[f64; LIMBS]]> + AsMut<[[f64; LIMBS]]>> FaultTolerant<B> {
         }
     }
 
-    /// Decodes anew from before `since`, or from here on, with the row of `sample` as the last.
+    /// Decodes again from before `since`, or from here on, with the row of `sample` as the last.
     #[cold]
     #[inline(never)]
     fn switch(
