@@ -6,7 +6,7 @@ use sixaxis_core::identify::zero_drift;
 use sixaxis_core::recording::check_channels;
 use sixaxis_core::{Error, LIMBS, Parameters, Scheme, Settings};
 use sixaxis_props::adversarial::{
-    adversarial_f64, adversarial_setup, extreme, record, remembering, spoiled,
+    adversarial_f64, adversarial_setup, extreme, record, remembering,
 };
 use sixaxis_props::compare::all_finite;
 use sixaxis_props::strategy::parameters;
