@@ -11,7 +11,10 @@ const ALLOWED: [(&str, &[&str]); 10] = [
     ("reference", &["lab/recordings"]),
     ("reports/page", &[]),
     ("lab/recordings", &["core", "reports/page"]),
-    ("lab/calibration", &["core", "lab/recordings", "reports/page"]),
+    (
+        "lab/calibration",
+        &["core", "lab/recordings", "reports/page"],
+    ),
     (
         "lab/campaign",
         &["core", "lab/recordings", "lab/calibration", "reference"],
@@ -74,7 +77,13 @@ fn cargo(arguments: &[&str]) -> String {
 
 /// Dependencies of each crate on others of ours, by folder; those of tests, benches and examples are left out.
 fn manifests() -> BTreeMap<String, BTreeSet<String>> {
-    let text = cargo(&["metadata", "--format-version", "1", "--no-deps", "--offline"]);
+    let text = cargo(&[
+        "metadata",
+        "--format-version",
+        "1",
+        "--no-deps",
+        "--offline",
+    ]);
     let metadata: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     let text = |value: &serde_json::Value| value.as_str().expect("text").to_owned();
     let root = PathBuf::from(text(&metadata["workspace_root"]));
@@ -178,9 +187,21 @@ fn inv_errors_import_no_feature() {
 #[test]
 fn inv_only_the_harness_links_mujoco_and_proptest() {
     let linked = |package: &str, crates: [&str; 2]| {
-        let arguments = ["tree", "--offline", "--prefix", "none", "-e", "normal", "-p", package];
+        let arguments = [
+            "tree",
+            "--offline",
+            "--prefix",
+            "none",
+            "-e",
+            "normal",
+            "-p",
+            package,
+        ];
         let tree = cargo(&arguments);
-        crates.map(|name| tree.lines().any(|line| line.starts_with(&format!("{name} "))))
+        crates.map(|name| {
+            tree.lines()
+                .any(|line| line.starts_with(&format!("{name} ")))
+        })
     };
     let forbidden = ["mujoco-rs", "proptest"];
     for package in ["sixaxis-recordings", "sixaxis-calibration", "sixaxis-page"] {
