@@ -176,11 +176,6 @@ fn closed_form(set: LimbSet) -> Option<[f64; 6]> {
     Some(from_fn(|i| (reduced[(i, i)] / healthy[(i, i)]).sqrt()))
 }
 
-fn six(s: &SixAxis) -> [f64; 6] {
-    let (a, w) = (s.linear_ground_m_s2, s.angular_ground_rad_s2);
-    [a.x, a.y, a.z, w.x, w.y, w.z]
-}
-
 fn decouple(
     sensor: &Sensor,
     parameters: &Parameters,
@@ -194,7 +189,7 @@ fn decouple(
     let mut answers = Vec::with_capacity(rows.len());
     for row in rows {
         let answer = decoupler.push(row).map_err(|e| e.to_string())?;
-        answers.extend(answer.as_ref().map(six));
+        answers.extend(answer.as_ref().map(SixAxis::accelerations));
     }
     Ok(answers)
 }

@@ -221,7 +221,7 @@ fn law_a_single_axis_leaves_several_ratios_unobservable() {
         sine.amplitude = DVec3::ZERO;
     }
     case.field.gravity_ground_m_s2 = DVec3::ZERO;
-    case.loads = case.field.play(&truth::sensor(&case.truth)).0;
+    case.loads = case.field.simulate(&truth::sensor(&case.truth)).0;
     let case = case.with_stiffness(&[1.0; LIMBS]);
     let Err(Error::UnobservableScaleRatios { directions: open }) =
         case.ratios(&case.noisy_v(NOISE_SHARE))
