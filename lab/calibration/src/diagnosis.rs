@@ -37,7 +37,7 @@ use table::Table;
 /// Relative error of an angle that undoing a gyroscope's lag and the low-pass leave.
 const LAG_ANGLE_ERROR: f64 = 3e-3;
 
-/// What the diagnosis is told.
+/// Facts of the session that the diagnosis uses.
 #[derive(Debug, Clone, Copy)]
 pub struct Facts<'a> {
     /// The sensor's lengths.
@@ -65,7 +65,7 @@ pub struct TrialCase<'a> {
     pub response: Option<Response>,
     /// Channels that something has already been found about.
     pub ignored: [bool; LIMBS],
-    /// Nothing more is to be said of this trial.
+    /// An earlier finding explains this trial; later stages pass it over.
     pub explained: bool,
 }
 

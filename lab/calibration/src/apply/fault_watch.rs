@@ -1,4 +1,4 @@
-//! Decoupling that watches its channels: `sixaxis decouple --watch`.
+//! Decoupling with the fault monitor: `sixaxis decouple --watch`.
 
 use crate::calibration::Calibration;
 use anyhow::{Context, Result, ensure};
@@ -11,7 +11,7 @@ use sixaxis_recordings::Channel;
 use super::Row;
 use super::setup::Setup;
 
-/// Columns that say which limbs an answer does without and which it should: limb numbers as digits, 0 for none.
+/// Columns of the excluded and of the suspected limbs: their numbers as digits of one number, 0 for none.
 pub const FLAGS: [(&str, &str); 2] = [("without_limbs", ""), ("suspected_limbs", "")];
 
 /// The channels of [`FLAGS`].
@@ -22,7 +22,7 @@ pub fn flags(sample_rate_hz: f64) -> impl Iterator<Item = Channel> {
     })
 }
 
-/// A watching decoder and what it has to say.
+/// A fault-tolerant decoder and its messages.
 pub struct Watching {
     stream: Box<FaultTolerant>,
     /// Its messages, each with its sample.

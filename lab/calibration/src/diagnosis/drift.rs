@@ -149,7 +149,7 @@ fn ends_n(case: &TrialCase<'_>, channel: usize) -> Option<(f64, f64)> {
     Some((before, after - before))
 }
 
-/// Change of a static channel along the line through its pieces' means, V, if it is no noise.
+/// Change of a static channel along the line through its pieces' means, V, if it exceeds the noise.
 fn course(rest: &Trial, channel: usize) -> Option<f64> {
     let per_piece = rest.voltage_v.len() / PIECES;
     if per_piece < 2 {

@@ -89,7 +89,7 @@ pub fn excitation(cases: &[TrialCase<'_>], findings: &mut Vec<Finding>) {
     }
 }
 
-/// Channels that say nothing in any trial, or nothing in some.
+/// Channels that show no signal in any trial, or none in some.
 pub fn silent(
     shares: &StaticLoadSharing,
     facts: &Facts<'_>,

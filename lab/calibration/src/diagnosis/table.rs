@@ -265,7 +265,7 @@ impl Table {
     }
 }
 
-/// Trials that can still be argued with.
+/// Trials with a response that no earlier finding explains.
 pub fn usable<'s, 'a>(
     cases: &'s [TrialCase<'a>],
 ) -> impl Iterator<Item = (&'s TrialCase<'a>, &'s Response)> {

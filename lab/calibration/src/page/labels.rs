@@ -90,7 +90,7 @@ pub fn with_interval(estimate: f64, half_width: f64) -> (String, String) {
     (fixed(estimate, decimals), fixed(half_width, decimals))
 }
 
-/// The largest of some values with what it belongs to; what is no number is larger than any.
+/// The largest of some values with what it belongs to; NaN counts as larger than any number.
 pub fn largest<T>(values: impl Iterator<Item = (f64, T)>) -> Option<(f64, T)> {
     values.max_by(|a, b| {
         let key = |x: f64| if x.is_nan() { f64::INFINITY } else { x };
@@ -98,7 +98,7 @@ pub fn largest<T>(values: impl Iterator<Item = (f64, T)>) -> Option<(f64, T)> {
     })
 }
 
-/// A verdict in words.
+/// Whether a step determines its unknowns, and why not.
 pub fn verdict(verdict: &Verdict) -> String {
     use sixaxis_core::identify::Reason;
     match verdict {
