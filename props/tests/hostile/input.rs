@@ -1,13 +1,13 @@
 //! Adversarial input: finite numbers of any size, NaN and the infinities, records and sensors spoiled with them; and the
 //! counter-examples that were found.
 
-use crate::truth;
 use glam::{DQuat, DVec3};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, FileFailurePersistence};
 use sixaxis_core::{Gains, Geometry, InertiaPerMass, Parameters, Sensor, Settings};
+use sixaxis_props::truth;
 
-use crate::strategy::{any_f64_edge, config};
+use sixaxis_props::strategy::{any_f64_edge, config};
 
 /// [`config`] that also runs the counter-examples kept for a suite in `proptest-regressions` and adds those it finds: the file
 /// is committed, and without it, or without leave to write, only the memory is lost.
