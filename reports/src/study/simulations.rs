@@ -14,6 +14,7 @@ use sixaxis_reference::mujoco::threshold::{self, SweepPoint};
 use sixaxis_reference::rig::run::{Mode, Mounting};
 use sixaxis_reference::sensor::TrueSensor;
 
+use super::Progress;
 use super::plan::{
     CAMPAIGN_RATE_HZ, CAMPAIGN_STEPS, COMPOUND_RATE_HZ, COMPOUND_STEPS, Plan, SWEEP_STEP_S,
 };
@@ -210,7 +211,7 @@ fn tasks(plan: &Plan) -> Vec<Task> {
 ///
 /// # Errors
 /// The first simulation that fails, by name.
-pub fn simulate(plan: &Plan, progress: &(dyn Fn(&str, u64, u64) + Sync)) -> Result<Simulations> {
+pub fn simulate(plan: &Plan, progress: &Progress<'_>) -> Result<Simulations> {
     let mut tasks = tasks(plan);
     // Longest first, so that no thread is left alone with a long run at the end.
     tasks.sort_by_key(|task| core::cmp::Reverse(task.steps()));
