@@ -4,7 +4,7 @@ use crate::calibration::Calibration;
 use anyhow::{Context, Result, ensure};
 use sixaxis_core::limb_set::LimbSet;
 use sixaxis_core::redundancy::fault::{Event, Watch};
-use sixaxis_core::redundancy::tolerant::{FaultTolerant, Watched};
+use sixaxis_core::redundancy::tolerant::{FaultTolerant, ROWS_KEPT, Watched};
 use sixaxis_core::{LIMBS, Settings, SixAxis};
 use sixaxis_recordings::Channel;
 
@@ -24,7 +24,7 @@ pub fn flags(sample_rate_hz: f64) -> impl Iterator<Item = Channel> {
 
 /// A fault-tolerant decoder and its messages.
 pub struct Watching {
-    stream: Box<FaultTolerant>,
+    stream: FaultTolerant<Vec<[f64; LIMBS]>>,
     /// Its messages, each with its sample.
     pub messages: Vec<String>,
     samples: u64,
@@ -60,10 +60,16 @@ impl Watching {
                 deviation(LIMBS + i) / setup.parameters.scale_per_mass_per_kg[i].abs()
             }),
         };
-        let stream = FaultTolerant::new(&setup.sensor, &setup.parameters, settings, &watch)
-            .context("--watch")?;
+        let stream = FaultTolerant::new(
+            &setup.sensor,
+            &setup.parameters,
+            settings,
+            &watch,
+            vec![[0.0; LIMBS]; ROWS_KEPT],
+        )
+        .context("--watch")?;
         Ok(Self {
-            stream: Box::new(stream),
+            stream,
             messages: Vec::new(),
             samples: 0,
         })
