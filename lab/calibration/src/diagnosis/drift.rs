@@ -3,10 +3,10 @@
 use sixaxis_core::LIMBS;
 use sixaxis_core::identify::zero_drift::ZeroDrift;
 
-use super::TrialCase;
 use super::odd_trial;
 use super::structure::departure;
 use super::table::Table;
+use super::trial_case::TrialCase;
 use crate::finding::{Cause, Finding};
 use crate::response::Response;
 use crate::trial::Trial;

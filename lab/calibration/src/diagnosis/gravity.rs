@@ -6,7 +6,7 @@ use sixaxis_core::LIMBS;
 use sixaxis_core::geometry::DIRECTIONS_SHELL;
 
 use super::table::Table;
-use super::{TrialCase, angles, names};
+use super::trial_case::{TrialCase, angles, names};
 use crate::finding::{Cause, Finding};
 use crate::steps::rows;
 use sixaxis_recordings::session::Role;

@@ -4,10 +4,10 @@ use glam::DVec3;
 use nalgebra::{Matrix3, Vector3};
 use sixaxis_core::LIMBS;
 
-use super::TrialCase;
 use super::level::{cause_of, is_thousand};
 use super::structure::departure;
 use super::table::Table;
+use super::trial_case::TrialCase;
 use crate::finding::{Cause, Finding};
 use crate::response::Response;
 

@@ -2,7 +2,7 @@
 
 use sixaxis_core::LIMBS;
 
-use super::TrialCase;
+use super::trial_case::TrialCase;
 use crate::finding::{Cause, Finding};
 use crate::trial::Trial;
 use sixaxis_recordings::session::Role;

@@ -1,9 +1,7 @@
 //! Recordings as a page: each channel's history and spectrum, and what is noticed.
 
-use sixaxis_page::number::{count, significant, with_unit};
-use sixaxis_page::{
-    Axis, Block, Cell, Column, Figure, Mark, Page, Row, Section, Series, State, Table, Tile,
-};
+use sixaxis_page::number::{MISSING, count, significant, with_unit};
+use sixaxis_page::{Axis, Block, Cell, Figure, Mark, Page, Section, Series, State, Table, Tile};
 
 use super::facts::{ChannelFacts, Group, Inspection, NUMBERS, Severity};
 use super::listing::{self, printable};
@@ -97,7 +95,7 @@ fn tiles(one: &Inspection) -> Vec<Tile> {
     }
     tiles.push(match one.told(Severity::Noticed).count() {
         0 => Tile::new("noticed", "nothing", "", State::Good),
-        some => Tile::new("noticed", count(some as u64), "see below", State::Neutral),
+        some => Tile::new("noticed", count(some), "see below", State::Neutral),
     });
     tiles
 }
@@ -176,10 +174,7 @@ fn of_file(inspection: &Inspection, k: usize, alone: bool) -> Section {
 
 /// A number, in full as its tooltip.
 fn number(value: Option<f64>, digits: usize) -> Cell {
-    match value {
-        Some(x) => Cell::from(significant(x, digits)).title(x.to_string()),
-        None => Cell::from("—"),
-    }
+    Cell::or_dash(value.map(|x| Cell::of(x, |x| significant(x, digits))))
 }
 
 /// The numbers of a group's channels, and the highest line of each spectrum.
@@ -188,50 +183,48 @@ fn numbers(inspection: &Inspection, group: &Group) -> Table {
         Some(_) => "Hz",
         None => "1/sample",
     };
-    let mut columns = vec![Column::text("unit")];
-    columns.extend(NUMBERS.map(|(label, ..)| Column::number(label, "")));
-    columns.extend([
-        Column::number("flat", "samples"),
-        Column::number("not finite", "samples"),
-        Column::number("peak at", hertz),
-        Column::number("its amplitude", ""),
-        Column::text("noticed"),
-    ]);
-    let rows = group.channels.iter().map(|channel| {
+    let flat = |channel: &ChannelFacts| {
+        let tops = [&channel.flat_bottom, &channel.flat_top];
+        let samples: u64 = tops.into_iter().flatten().map(|top| top.samples).sum();
+        count(samples)
+    };
+    let noticed = |channel: &ChannelFacts| {
         let mut concerned = inspection.told(Severity::Noticed);
-        let noticed = if concerned.any(|fact| fact.channels.contains(&channel.name)) {
-            Cell::from("see above").state(State::Warn)
-        } else {
-            Cell::from("—")
-        };
-        let flat = [&channel.flat_bottom, &channel.flat_top];
-        let flat: u64 = flat.into_iter().flatten().map(|top| top.samples).sum();
-        let mut cells = vec![match listing::unit(channel).as_str() {
-            "-" => Cell::from("—"),
-            unit => Cell::from(text(unit, NAME)),
-        }];
-        cells.extend(NUMBERS.map(|(_, digits, value)| number(value(channel), digits)));
-        cells.extend([
-            Cell::from(count(flat)),
-            Cell::from(count(channel.not_a_number + channel.infinite)),
-            number(channel.dominant.map(|line| line.frequency), 4),
-            number(channel.dominant.map(|line| line.amplitude), 3),
-            noticed,
-        ]);
-        Row::new(text(&channel.name, NAME), cells)
-    });
-    Table {
-        caption: listing::heading(group),
-        stub: "channel".to_owned(),
-        columns,
-        rows: rows.collect(),
-        footnote: "Each row in the channel's own unit; one with a question mark is not understood by the other commands. Noise: \
-                   standard deviation of the white noise, from third differences. Step: smallest difference of two samples. \
-                   Bits: what the range needs in such steps, where all samples stand on a grid of them. Drift: mean of the last \
-                   tenth less mean of the first. Peak: highest line of the spectrum, if one stands out."
-            .to_owned(),
-        ..Table::default()
+        match concerned.any(|fact| fact.channels.contains(&channel.name)) {
+            true => Cell::from("see above").state(State::Warn),
+            false => Cell::from(MISSING),
+        }
+    };
+    let mut table =
+        Table::of("channel", &group.channels, |c| text(&c.name, NAME)).text("unit", |c| {
+            match listing::unit(c).as_str() {
+                "-" => MISSING.to_owned(),
+                unit => text(unit, NAME),
+            }
+        });
+    for (label, digits, value) in NUMBERS {
+        table = table.col(label, |c| number(value(c), digits));
     }
+    table
+        .col(("flat", "samples"), |c| flat(c))
+        .col(("not finite", "samples"), |c| {
+            count(c.not_a_number + c.infinite)
+        })
+        .col(("peak at", hertz), |c| {
+            number(c.dominant.map(|line| line.frequency), 4)
+        })
+        .col("its amplitude", |c| {
+            number(c.dominant.map(|line| line.amplitude), 3)
+        })
+        .text("noticed", |c| noticed(c))
+        .caption(listing::heading(group))
+        .footnote(
+            "Each row in the channel's own unit; one with a question mark is not understood by the other commands. Noise: \
+             standard deviation of the white noise, from third differences. Step: smallest difference of two samples. \
+             Bits: what the range needs in such steps, where all samples stand on a grid of them. Drift: mean of the last \
+             tenth less mean of the first. Peak: highest line of the spectrum, if one stands out.",
+        )
+        .into()
 }
 
 /// Smallest and largest sample of each bin: a long record shows as a band that no peak is missing from.

@@ -4,7 +4,7 @@ use crate::calibrate::CalibratedSession;
 use crate::report::ValidationRun;
 use sixaxis_recordings::session::SessionFile;
 
-use super::NEUTRAL;
+use crate::page::labels::NEUTRAL;
 use crate::page::labels::{self, file_name, stated};
 use sixaxis_page::number::{MISSING, significant};
 use sixaxis_page::{Axis, Block, Cell, Figure, Panel, Section, Series, State, Table};
