@@ -10,12 +10,12 @@ use sixaxis_recordings::{Channel, Layout, Sink};
 
 use super::conditioning_stream::ConditioningStream;
 use super::decoding::{Columns, DEVIATIONS, Decoding};
-use super::fault_watch::{Watching, flags};
+use super::fault_watch::{FaultWatch, flags};
 use super::pipeline::{self, Busy};
 use super::recording::Recording;
 use super::rest_to_rest;
 use super::setup::Setup;
-use super::text_stream::Live;
+use super::text_stream::TextStream;
 use crate::calibration::Calibration;
 
 /// What is to be decoupled, and how.
@@ -88,9 +88,9 @@ impl Job<'_> {
             .context("--excluded")
     }
 
-    fn monitor(&self, settings: &Settings) -> Result<Option<Watching>> {
+    fn monitor(&self, settings: &Settings) -> Result<Option<FaultWatch>> {
         self.false_alarms_per_hour
-            .map(|alarms| Watching::new(self.setup, self.calibration, settings, alarms))
+            .map(|alarms| FaultWatch::new(self.setup, self.calibration, settings, alarms))
             .transpose()
     }
 
@@ -98,9 +98,9 @@ impl Job<'_> {
     ///
     /// # Errors
     /// Settings that do not fit the calibration or the rate.
-    pub fn live(&self, sample_rate_hz: f64) -> Result<Live> {
+    pub fn live(&self, sample_rate_hz: f64) -> Result<TextStream> {
         let settings = self.setup.settings(sample_rate_hz, self.scheme);
-        Ok(Live {
+        Ok(TextStream {
             conditioning: ConditioningStream::new(&self.setup.conditioning, sample_rate_hz)?,
             watching: self.monitor(&settings)?,
             decoupler: self.decoupler(&settings)?,
