@@ -7,7 +7,7 @@ use sixaxis_core::Scheme;
 use sixaxis_reference::paper::{self, COMPOUND_TABLES, GRAVITY_M_S2, THRESHOLD_FREQUENCY_HZ};
 use sixaxis_reference::rig::run::{Mode, ROTATION_AMPLITUDE_RAD, SLIDER_AMPLITUDE_M};
 
-use crate::study::bars::worst;
+use crate::study::acceptance::worst;
 use crate::study::results::{ParameterSet, Results, Standard};
 use sixaxis_page::number::{fixed, percent, scientific, significant};
 use sixaxis_page::{Block, Claim, Section, Verdict};

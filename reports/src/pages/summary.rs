@@ -3,7 +3,7 @@
 use sixaxis_core::Scheme;
 use sixaxis_reference::rig::run::Mode;
 
-use crate::study::bars::worst;
+use crate::study::acceptance::worst;
 use crate::study::results::{ParameterSet, Results, Standard};
 use sixaxis_page::number::{fixed, percent, scientific, significant};
 use sixaxis_page::{Block, Cell, Column, Row, Section, State, Table, Tile};

@@ -1,6 +1,6 @@
 //! Decoupling of the compound runs and comparison with truth and standard instruments: Tables 4 to 6.
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use glam::DVec3;
 use rayon::prelude::*;
 use sixaxis_calibration::conditioning::Conditioned;
@@ -16,8 +16,8 @@ use sixaxis_reference::motion::SimulatedRun;
 use sixaxis_reference::paper;
 use sixaxis_reference::rig::run::Mounting;
 
-use super::conditioning::Preset;
 use super::results::{Comparison, Compound, Gravity, ParameterSet, Standard};
+use super::session::{self, Preset};
 
 /// Number of the first compound run in the laboratory's count of runs: its random streams do not depend on how many
 /// trials the steps had.
@@ -177,7 +177,15 @@ impl Case<'_> {
     /// Those of the conditioning.
     pub fn record(&self, run: &SimulatedRun) -> Result<(SimulatedRecording, Conditioned)> {
         let recording = self.laboratory.record(run, FIRST_RUN + self.index);
-        let (_, conditioned) = self.conditioning.condition(&recording, Role::Validation)?;
+        let prepared =
+            session::prepare([(recording.clone(), Role::Validation)], self.conditioning)?;
+        let conditioned = prepared
+            .campaign
+            .trials
+            .into_iter()
+            .next()
+            .map(|(_, c)| c)
+            .context("the run")?;
         Ok((recording, conditioned))
     }
 

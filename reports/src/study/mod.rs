@@ -1,20 +1,19 @@
 //! The study: plays the paper's campaign on MuJoCo, runs the paper's methods on what a laboratory would see of it,
 //! and holds the outcome against the truth.
 //!
-//! [`plan`] says what is played, [`simulations`] plays it, [`conditioning`] and [`identification`] are the laboratory's
-//! analysis, [`decoupling`], [`searches`], [`identifiability`], [`orders`] and [`checks`] make the comparisons, [`bars`]
+//! [`plan`] says what is played, [`simulations`] plays it, [`session`] is the laboratory's
+//! analysis, [`decoupling`], [`searches`], [`identifiability`], [`orders`] and [`checks`] make the comparisons, [`acceptance`]
 //! judges them, and [`results`] is all of it as data. Nothing here draws.
 
-pub mod bars;
+pub mod acceptance;
 pub mod checks;
-pub mod conditioning;
 pub mod decoupling;
 pub mod identifiability;
-pub mod identification;
 pub mod orders;
 pub mod plan;
 pub mod results;
 pub mod searches;
+pub mod session;
 pub mod simulations;
 
 use anyhow::{Context, Result};
@@ -28,10 +27,10 @@ use sixaxis_reference::paper;
 use sixaxis_reference::rig::run::Mounting;
 
 use crate::progress::Progress;
-use conditioning::Preset;
 use decoupling::{Case, SixSeries, Way, decouple, six_series, truth};
 use plan::{COMPOUND_RATE_HZ, Plan};
 use results::{Compound, Gravity, History, Identification, ParameterSet, Parameters25, Results};
+use session::Preset;
 use simulations::Simulations;
 
 /// Decimation of a compound run to the 10 kHz at which Tables 4 to 6 are compared.
@@ -52,28 +51,32 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
     let perfect = Laboratory::noise_free(truth::sensor(&truth));
     let laboratory = Laboratory::with_errors(truth::sensor(&truth), plan.seed);
 
-    let noise_free_session = identification::record(&perfect, &simulations.campaign, Preset::None)?;
+    let noise_free_session =
+        session::record(&perfect, &simulations.campaign, Preset::None)?.campaign;
     let noise_free = noise_free_session
         .identify(GyroscopeGain::Trusted)
         .context("noise-free campaign")?;
     stage.advance(1);
-    let laboratory_session =
-        identification::record(&laboratory, &simulations.campaign, Preset::Identification)?;
+    let laboratory_session = session::record(&laboratory, &simulations.campaign, Preset::Session)?;
     let with_errors = laboratory_session
+        .campaign
         .identify(GyroscopeGain::Identified)
         .context("campaign with laboratory errors")?;
-    let iterations_with_errors =
-        identifiability::iteration::with_errors(&laboratory_session, &with_errors, &truth)?;
-    let known =
-        identifiability::known::study(&laboratory_session, Preset::Identification, &laboratory)?;
+    let iterations_with_errors = identifiability::iteration::with_errors(
+        &laboratory_session.campaign,
+        &with_errors,
+        &truth,
+    )?;
+    let known = identifiability::known::study(&laboratory_session, &laboratory)?;
     drop(laboratory_session);
     stage.advance(1);
     let coarse = if simulations.campaign_coarse.is_empty() {
         None
     } else {
-        let session = identification::record(&perfect, &simulations.campaign_coarse, Preset::None)?;
+        let session = session::record(&perfect, &simulations.campaign_coarse, Preset::None)?;
         Some(
             session
+                .campaign
                 .identify(GyroscopeGain::Trusted)
                 .context("campaign at the doubled step")?,
         )
@@ -122,7 +125,7 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
         &laboratory,
         &ways(&truth, &with_errors, None, Gravity::Neglected),
         Mounting::AxisVertical,
-        Preset::Comparison,
+        Preset::Session,
         LABORATORY_DIVISOR,
     )?;
     stage.advance(1);
@@ -188,7 +191,7 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
         defects: checks::defects(&simulations, &truth)?,
         bars: Vec::new(),
     };
-    results.bars = bars::judge(&results);
+    results.bars = acceptance::judge(&results);
     stage.advance(1);
     Ok(results)
 }
@@ -346,12 +349,7 @@ fn history(
         Ok(six_series(&samples))
     };
     let exact = ours(perfect, noise_free, Preset::None, Gravity::Kept)?;
-    let noisy = ours(
-        laboratory,
-        with_errors,
-        Preset::Comparison,
-        Gravity::Neglected,
-    )?;
+    let noisy = ours(laboratory, with_errors, Preset::Session, Gravity::Neglected)?;
     let stride = truth[0].len().div_ceil(HISTORY_POINTS).max(1);
     let thin = |series: &SixSeries| -> SixSeries {
         core::array::from_fn(|i| series[i].iter().copied().step_by(stride).collect())

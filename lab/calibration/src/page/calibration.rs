@@ -58,7 +58,7 @@ pub fn page(file: &SessionFile, calibrated: &CalibratedSession) -> Page {
     }
 }
 
-/// Nothing is green on the page of a calibration that is not good: a bar that is met there proves nothing.
+/// Nothing is green on the page of a calibration that is not good: an acceptance limit that is met there proves nothing.
 fn state(calibrated: &CalibratedSession, met: bool) -> State {
     match (met, calibrated.grade) {
         (true, Grade::Bad) => State::Neutral,
@@ -67,7 +67,7 @@ fn state(calibrated: &CalibratedSession, met: bool) -> State {
     }
 }
 
-/// A share held against its bar, with where it was found.
+/// A share held against its acceptance limit, with where it was found.
 fn share_tile(
     calibrated: &CalibratedSession,
     label: &str,
@@ -79,7 +79,7 @@ fn share_tile(
         Some((share, place)) => Tile::new(
             label,
             labels::share(Some(share)),
-            format!("{place}; the bar: {}", labels::bar(limit)),
+            format!("{place}; acceptance limit: {}", labels::stated(limit)),
             // Written so that NaN is no pass.
             state(calibrated, share <= limit),
         ),
@@ -91,7 +91,7 @@ fn tiles(limits: &Limits, calibrated: &CalibratedSession) -> Vec<Tile> {
     let (word, note, verdict) = match calibrated.grade {
         Grade::Good => (
             "Good",
-            "the bar: nothing found wrong, nothing missing".to_owned(),
+            "acceptance: nothing found wrong, nothing missing".to_owned(),
             State::Good,
         ),
         Grade::Reserved => (

@@ -74,8 +74,8 @@ pub fn share(share: Option<f64>) -> String {
     }
 }
 
-/// A bar as the session states it, without digits that it has not.
-pub fn bar(limit: f64) -> String {
+/// An acceptance limit as the session states it, without digits that it has not.
+pub fn stated(limit: f64) -> String {
     let percent = 1e6 * 100.0 * limit;
     format!("{}\u{a0}%", percent.round() / 1e6)
 }

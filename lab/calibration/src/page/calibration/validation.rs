@@ -5,7 +5,7 @@ use crate::report::ValidationRun;
 use sixaxis_recordings::session::SessionFile;
 
 use super::NEUTRAL;
-use crate::page::labels::{self, bar, file_name};
+use crate::page::labels::{self, file_name, stated};
 use sixaxis_page::number::{MISSING, significant};
 use sixaxis_page::{Axis, Block, Cell, Figure, Panel, Section, Series, State, Table};
 
@@ -169,7 +169,7 @@ fn table(file: &SessionFile, calibrated: &CalibratedSession) -> Table {
         .caption("Errors of the decoupled accelerations")
         .footnote(format!(
             "Over the run's peak on that axis, or over a tenth of the largest peak where an axis has less. The acceptance limit is {}.",
-            bar(limit)
+            stated(limit)
         ))
         .into()
 }
