@@ -9,7 +9,7 @@
 //! ([`crate::redundancy::reconstruction`]): such answers are decoded from all nine limbs and marked.
 
 use crate::decouple::Decoupler;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::geometry::LIMBS;
 use crate::limb_set::LimbSet;
 use crate::model::Parameters;
@@ -17,7 +17,7 @@ use crate::model::{Sensor, Settings};
 use crate::redundancy::fault::{Event, Kind, Monitor, Verdict, Watch};
 use crate::six_axis::SixAxis;
 
-/// Rows kept by default: the longest window, and as much again.
+/// Rows to keep where nothing else is known: the longest window of the monitor, and as much again.
 pub const ROWS_KEPT: usize = 8192;
 
 /// The answer to one row.
@@ -44,41 +44,46 @@ pub struct Switch {
     pub reaches_onset: bool,
 }
 
-/// A decoupler that tolerates failed limbs. It holds `N` rows (72 bytes each) and does not allocate; a row costs as much as the
-/// decoupler and the monitor, and up to `N` times that once, when a limb is excluded.
+/// Decoupler that excludes a limb when it fails. `B` is the room in which it keeps the last rows (72 bytes each): an array, a slice
+/// that is borrowed or a vector. It allocates nothing itself. A row costs as much as the decoupler and the monitor, and up to as many
+/// times that as there are rows once, when a limb is excluded.
 #[derive(Debug, Clone, PartialEq)]
-pub struct FaultTolerant<const N: usize = ROWS_KEPT> {
+pub struct FaultTolerant<B> {
     decoupler: Decoupler,
     monitor: Monitor,
     /// Earlier states, the older first, half of the rows apart.
     before: [Decoupler; 2],
-    rows: [[f64; LIMBS]; N],
+    rows: B,
     suspected: LimbSet,
 }
 
-impl<const N: usize> FaultTolerant<N> {
-    /// Prepares decoupler and monitor.
+impl<B: AsRef<[[f64; LIMBS]]> + AsMut<[[f64; LIMBS]]>> FaultTolerant<B> {
+    /// Prepares decoupler and monitor. The last rows received are kept in `rows`, whatever is in it: [`ROWS_KEPT`] are good.
     ///
     /// # Errors
-    /// Those of [`Decoupler::new`] and [`Monitor::new`].
+    /// Those of [`Decoupler::new`] and [`Monitor::new`]; [`Error::TooFewSamples`] for room for less than two rows.
     pub fn new(
         sensor: &Sensor,
         parameters: &Parameters,
         settings: &Settings,
         watch: &Watch,
+        rows: B,
     ) -> Result<Self> {
-        const {
-            assert!(
-                N >= 2,
-                "half of the rows lie between two states that are kept"
-            )
-        };
+        // Half of the rows lie between two states that are kept.
+        let got = rows.as_ref().len();
+        if got < 2 {
+            return Err(Error::TooFewSamples {
+                what: "room for rows",
+                needed: 2,
+                got,
+            });
+        }
         let decoupler = Decoupler::new(sensor, parameters, settings)?;
         Ok(Self {
             monitor: Monitor::new(sensor, parameters, settings, watch)?,
             before: [decoupler.clone(), decoupler.clone()],
             decoupler,
-            rows: [[0.0; LIMBS]; N],
+            rows,
             suspected: LimbSet::EMPTY,
         })
     }
@@ -146,11 +151,13 @@ impl<const N: usize> FaultTolerant<N> {
     }
 
     fn keep(&mut self, sample: u64, voltage_v: &[f64; LIMBS]) {
-        if sample.is_multiple_of(N as u64 / 2) && sample > self.before[1].received() {
+        let rows = self.rows.as_mut();
+        let kept = rows.len() as u64;
+        if sample.is_multiple_of(kept / 2) && sample > self.before[1].received() {
             self.before.swap(0, 1);
             self.before[1].clone_from(&self.decoupler);
         }
-        if let Some(row) = self.rows.get_mut((sample % N as u64) as usize) {
+        if let Some(row) = rows.get_mut((sample % kept) as usize) {
             *row = *voltage_v;
         }
     }
@@ -218,8 +225,9 @@ impl<const N: usize> FaultTolerant<N> {
         decoupler.set_excluded(limbs)?;
         let start = decoupler.clone();
         let mut answer = None;
+        let rows = self.rows.as_ref();
         for at in from_sample..=sample {
-            if let Some(row) = self.rows.get((at % N as u64) as usize) {
+            if let Some(row) = rows.get((at % rows.len() as u64) as usize) {
                 answer = decoupler.push(row)?;
             }
         }

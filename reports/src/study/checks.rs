@@ -21,7 +21,7 @@ use sixaxis_reference::mujoco::threshold;
 use sixaxis_reference::paper;
 use sixaxis_reference::rig::run::{Mode, Mounting, ROTATION_AMPLITUDE_RAD, Run};
 
-use super::COMPARED_DIVISOR;
+use super::compound::COMPARED_DIVISOR;
 use super::decoupling::{decouple, largest_error, six_series, truth};
 use super::plan::{CAMPAIGN_RATE_HZ, CAMPAIGN_STEPS, COMPOUND_RATE_HZ, COMPOUND_STEPS, Plan};
 use super::results::{Defects, Gravity, ModeSet, ReferenceCheck, Sweep};

@@ -22,9 +22,6 @@ pub use findings::{place, split};
 use sixaxis_page::number::scientific;
 use sixaxis_page::{Page, State, Tile};
 
-/// Palette index of the neutral grey, for standards and what stood before.
-const NEUTRAL: usize = 6;
-
 /// Lays out a judged session.
 ///
 /// Nothing is measured here but what a picture needs: the preprocessing of one trial is repeated stage by stage. Sizes of
