@@ -166,7 +166,7 @@ fn numbers(inspection: &Inspection, group: &Group) -> Table {
     table
         .col(("flat", "samples"), |c| {
             let ends = [&c.flat_bottom, &c.flat_top].into_iter().flatten();
-            count(ends.map(|top| top.samples).sum())
+            count(ends.map(|top| top.samples).sum::<u64>())
         })
         .col(("not finite", "samples"), |c| {
             count(c.not_a_number + c.infinite)
