@@ -1,6 +1,6 @@
 //! Recordings as a page: each channel's history and spectrum, and what is noticed.
 
-use sixaxis_page::number::{count, significant, with_unit};
+use sixaxis_page::number::{MISSING, count, significant, with_unit};
 use sixaxis_page::{Axis, Block, Cell, Figure, Mark, Page, Section, Series, State, Table, Tile};
 
 use super::facts::{ChannelFacts, Group, Inspection, NUMBERS, Severity};
@@ -146,13 +146,13 @@ fn numbers(inspection: &Inspection, group: &Group) -> Table {
         let mut facts = inspection.told(Severity::Noticed);
         match facts.any(|fact| fact.channels.contains(&channel.name)) {
             true => Cell::from("see above").state(State::Warn),
-            false => Cell::or_dash(None::<Cell>),
+            false => Cell::from(MISSING),
         }
     };
     let mut table =
         Table::of("channel", &group.channels, |c| text(&c.name, NAME)).text("unit", |c| {
             match listing::unit(c).as_str() {
-                "-" => Cell::or_dash(None::<Cell>),
+                "-" => Cell::from(MISSING),
                 unit => Cell::from(text(unit, NAME)),
             }
         });

@@ -13,11 +13,11 @@ use sixaxis_calibration::apply::conditioning_stream::{
     ConditioningConfig, ConditioningStream, causal_delay_s,
 };
 use sixaxis_calibration::apply::decoding::{Columns, DEVIATIONS, Decoding};
-use sixaxis_calibration::apply::fault_watch::{Watching, flags};
+use sixaxis_calibration::apply::fault_watch::{FaultWatch, flags};
 use sixaxis_calibration::apply::pipeline::Busy;
 use sixaxis_calibration::apply::recording::Recording;
 use sixaxis_calibration::apply::setup::{Overrides, Setup};
-use sixaxis_calibration::apply::text_stream::{End, Live, Printed, is_closed_pipe, refuse};
+use sixaxis_calibration::apply::text_stream::{End, Printed, TextStream, is_closed_pipe, refuse};
 use sixaxis_calibration::apply::{pipeline, rest_to_rest};
 use sixaxis_calibration::calibration::Calibration;
 use sixaxis_calibration::page;
@@ -433,11 +433,11 @@ fn watching(
     calibration: &Calibration,
     setup: &Setup,
     settings: &Settings,
-) -> Result<Option<Watching>> {
+) -> Result<Option<FaultWatch>> {
     arguments
         .watch
         .then(|| {
-            Watching::new(
+            FaultWatch::new(
                 setup,
                 calibration,
                 settings,
@@ -490,7 +490,7 @@ fn stream(
         );
     }
     let settings = setup.settings(rate_hz, arguments.scheme.scheme());
-    let live = Live {
+    let live = TextStream {
         conditioning: ConditioningStream::new(&config, rate_hz)?,
         watching: watching(arguments, calibration, &setup, &settings)?,
         decoupler: Decoupler::new(&setup.sensor, &setup.parameters, &settings)
