@@ -5,6 +5,8 @@ use std::path::Path;
 
 use crate::error::{Error, Result};
 
+/// Most channels of a table, a matrix or a file; what has more is no recording.
+pub(crate) const MOST_CHANNELS: usize = 4096;
 /// Names that an error lists.
 const NAMED: usize = 40;
 

@@ -3,15 +3,14 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use crate::channel::{Block, Channel, Layout, is_sample_rate, make_unique, time_channel};
+use crate::channel::{
+    Block, Channel, Layout, MOST_CHANNELS, is_sample_rate, make_unique, time_channel,
+};
 use crate::error::{Error, Result};
 use crate::source::Source;
 
 /// Property that names the variables which are no channels, each with its kind.
 pub const LEFT_OUT: &str = "variables left out";
-
-/// Channels that one matrix may give; one with more is a picture rather than a recording.
-const MOST_CHANNELS: u64 = 4096;
 
 /// The numbers of a variable, column by column as MATLAB has them.
 pub(crate) trait Elements: Send {
@@ -123,7 +122,7 @@ pub(crate) fn arrange(
             single(name, value.first().copied().unwrap_or(f64::NAN));
         } else if rows == columns {
             left_out.push(format!("{name} ({rows} x {columns}, square)"));
-        } else if rows.min(columns) > MOST_CHANNELS {
+        } else if rows.min(columns) > MOST_CHANNELS as u64 {
             left_out.push(format!("{name} ({rows} x {columns})"));
         } else {
             let (samples, count) = (rows.max(columns), rows.min(columns));

@@ -35,13 +35,10 @@ mod zip;
 
 use std::path::Path;
 
-use crate::channel::Layout;
+use crate::channel::{Layout, MOST_CHANNELS};
 use crate::error::{Error, Result};
 use crate::sink::Sink;
 use crate::source::Source;
-
-/// Most channels of an array or a file.
-const COLUMNS: usize = 4096;
 
 /// Opens an NPY file.
 ///
@@ -65,11 +62,11 @@ pub(crate) fn open_npz(path: &Path) -> Result<Box<dyn Source>> {
 /// [`Error::Io`]; [`Error::Unsupported`] for no channels or more than 4096.
 pub(crate) fn create(path: &Path, layout: &Layout) -> Result<Box<dyn Sink>> {
     let channels = layout.channels.len();
-    if channels == 0 || channels > COLUMNS {
+    if channels == 0 || channels > MOST_CHANNELS {
         return Err(Error::unsupported(
             path,
             format!("a file of {channels} channels"),
-            format!("write 1 to {COLUMNS}"),
+            format!("write 1 to {MOST_CHANNELS}"),
         ));
     }
     if path

@@ -4,14 +4,13 @@ use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::Path;
 
-use super::COLUMNS;
 use super::dtype::Element;
 use super::header::{self, Header, Refusal};
 use super::source::{NumpySource, failed, share};
 use super::stream::Stream;
 use super::table::arrange;
 use super::zip;
-use crate::channel::is_sample_rate;
+use crate::channel::{MOST_CHANNELS, is_sample_rate};
 use crate::error::{Error, Place, Result};
 
 /// Longest string that is a property, bytes in the file.
@@ -66,10 +65,10 @@ pub fn open(path: &Path) -> Result<NumpySource> {
                 properties.insert(name.to_owned(), format!("not read: {feature}"));
             }
         }
-        if channels > COLUMNS {
+        if channels > MOST_CHANNELS {
             return Err(Error::unsupported(
                 path,
-                format!("a file of more than {COLUMNS} channels"),
+                format!("a file of more than {MOST_CHANNELS} channels"),
                 "split it; rows are samples, so an array may be transposed",
             ));
         }

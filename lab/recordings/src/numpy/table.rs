@@ -1,9 +1,9 @@
 //! An array as channels.
 
-use super::COLUMNS;
 use super::dtype::{Element, Number};
 use super::header::Header;
 use super::stream::Body;
+use crate::channel::MOST_CHANNELS;
 
 /// A channel within an array.
 #[derive(Debug, Clone)]
@@ -47,7 +47,7 @@ pub fn arrange(header: &Header, body: Body, member: Option<String>) -> Result<Ta
         (
             format!("an array of {columns} columns"),
             format!(
-                "at most {COLUMNS} are read; rows are samples: transpose the array (a.T) before it is saved"
+                "at most {MOST_CHANNELS} are read; rows are samples: transpose the array (a.T) before it is saved"
             ),
         )
     };
@@ -69,7 +69,7 @@ pub fn arrange(header: &Header, body: Body, member: Option<String>) -> Result<Ta
             (rows, bytes)
         }
         (Element::Number(number), &[rows, columns]) => {
-            if columns > COLUMNS as u64 {
+            if columns > MOST_CHANNELS as u64 {
                 return Err(several(columns));
             }
             fortran = header.fortran;
@@ -89,7 +89,7 @@ pub fn arrange(header: &Header, body: Body, member: Option<String>) -> Result<Ta
             let mut offset = 0_u64;
             for (name, element, count) in parts {
                 if let Element::Number(number) = element {
-                    if *count > COLUMNS as u64 {
+                    if *count > MOST_CHANNELS as u64 {
                         return Err(several(*count));
                     }
                     for at in 0..*count {
@@ -105,7 +105,7 @@ pub fn arrange(header: &Header, body: Body, member: Option<String>) -> Result<Ta
                             offset: offset.saturating_add(at * number.bytes() as u64),
                         });
                     }
-                    if fields.len() > COLUMNS {
+                    if fields.len() > MOST_CHANNELS {
                         return Err(several(fields.len() as u64));
                     }
                 }

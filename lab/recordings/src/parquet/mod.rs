@@ -26,15 +26,12 @@ use crate::source::Source;
 
 mod arrow;
 mod column;
+mod keys;
 mod pages;
 mod sink;
 mod source;
 
-/// Property that names the columns which are no channels, each with its type.
-pub const LEFT_OUT: &str = "columns left out";
-
-const RATE_KEY: &str = "sample_rate_hz";
-const OFFSET_KEY: &str = "start_offset_s";
+pub use keys::LEFT_OUT;
 
 /// Opens a Parquet file.
 ///

@@ -13,7 +13,7 @@ use ::parquet::file::properties::{EnabledStatistics, WriterProperties};
 use ::parquet::file::writer::SerializedFileWriter;
 use ::parquet::schema::types::Type;
 
-use super::{LEFT_OUT, OFFSET_KEY, RATE_KEY};
+use super::keys::{LEFT_OUT, OFFSET_KEY, RATE_KEY};
 use crate::channel::{Block, Channel, Layout};
 use crate::draft::Draft;
 use crate::error::{Error, Result};

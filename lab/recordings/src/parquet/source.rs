@@ -12,8 +12,8 @@ use ::parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader};
 
 use super::arrow;
 use super::column::{Meaning, Trouble, append, meaning};
+use super::keys::{LEFT_OUT, OFFSET_KEY, RATE_KEY};
 use super::pages::page_reader;
-use super::{LEFT_OUT, OFFSET_KEY, RATE_KEY};
 use crate::channel::{Block, Channel, Layout, is_sample_rate, make_unique, time_channel};
 use crate::error::{Error, Place, Result};
 use crate::source::Source;

@@ -3,12 +3,11 @@
 use std::ops::RangeInclusive;
 use std::path::Path;
 
-use super::COLUMNS;
 use super::detect::{Found, Numbered, detect};
 use super::dialect::{Dialect, Separator, split, text};
 use super::lines::{LINE, Lines};
 use super::lvm;
-use crate::channel::{Channel, Layout, is_sample_rate, make_unique, time_channel};
+use crate::channel::{Channel, Layout, MOST_CHANNELS, is_sample_rate, make_unique, time_channel};
 use crate::error::{Error, Place, Result};
 
 /// Lines other than comments that decide the dialect.
@@ -71,11 +70,13 @@ pub fn read(path: &Path) -> Result<Table> {
     let begin = *begin;
     let mut found = detect(&sample, given)
         .map_err(|(line, cause)| Error::malformed(path, Place::Line(line), cause))?;
-    if found.columns > COLUMNS {
+    if found.columns > MOST_CHANNELS {
         return Err(Error::unsupported(
             path,
             format!("a table of {} columns", found.columns),
-            format!("at most {COLUMNS} are read; write one row per sample, or a binary format"),
+            format!(
+                "at most {MOST_CHANNELS} are read; write one row per sample, or a binary format"
+            ),
         ));
     }
     if found.headings.is_none() {

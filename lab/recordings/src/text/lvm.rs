@@ -2,11 +2,10 @@
 
 use std::path::Path;
 
-use super::COLUMNS;
 use super::dialect::{Decimal, Dialect, Separator, number, split, text};
 use super::head::{Table, is_blank};
 use super::lines::Lines;
-use crate::channel::{Channel, Layout, make_unique};
+use crate::channel::{Channel, Layout, MOST_CHANNELS, make_unique};
 use crate::error::{Error, Place, Result};
 
 const END: &str = "***End_of_Header***";
@@ -108,11 +107,11 @@ fn table(
         let cause = "expected the headings X_Value and those of the channels";
         return Err(Error::malformed(path, Place::Line(line), cause));
     }
-    if names.len() > COLUMNS {
+    if names.len() > MOST_CHANNELS {
         return Err(Error::unsupported(
             path,
             format!("a table of {} columns", names.len()),
-            format!("at most {COLUMNS} are read"),
+            format!("at most {MOST_CHANNELS} are read"),
         ));
     }
     let is_time = |at: usize| {

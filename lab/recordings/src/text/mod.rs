@@ -42,9 +42,6 @@ use crate::error::Result;
 use crate::sink::Sink;
 use crate::source::Source;
 
-/// Most columns of a file.
-const COLUMNS: usize = 4096;
-
 /// Opens a file of text, gzip or not.
 ///
 /// # Errors

@@ -7,9 +7,8 @@ use std::path::{Path, PathBuf};
 use flate2::Compression;
 use flate2::write::GzEncoder;
 
-use super::COLUMNS;
 use super::detect::is_missing;
-use crate::channel::{Block, Channel, Layout, is_sample_rate};
+use crate::channel::{Block, Channel, Layout, MOST_CHANNELS, is_sample_rate};
 use crate::draft::Draft;
 use crate::error::{Error, Place, Result};
 use crate::sink::Sink;
@@ -52,11 +51,11 @@ impl TextSink {
     /// [`Error::Io`], [`Error::Unsupported`].
     pub fn create(path: &Path, layout: &Layout) -> Result<Self> {
         let columns = layout.channels.len();
-        if columns == 0 || columns > COLUMNS {
+        if columns == 0 || columns > MOST_CHANNELS {
             return Err(Error::unsupported(
                 path,
                 format!("a table of {columns} columns"),
-                format!("write 1 to {COLUMNS} channels"),
+                format!("write 1 to {MOST_CHANNELS} channels"),
             ));
         }
         let (draft, file) = Draft::create(path)?;
