@@ -1,8 +1,8 @@
 //! Nine voltages to six accelerations: a whole compound run at 5 Hz, 10 kHz.
 //!
 //! `decouple/full` takes one sample at a time, `decouple/record` the run as it lies there, and
-//! `decouple/lanes` eight such runs at once; throughput is in samples, of all streams together. The oracle's time stands
-//! beside the core's in the same run; see [`peer`] for what else differs, and `benches/peers` for other tools.
+//! `decouple/lanes` eight such runs at once; throughput is in samples, of all streams together. The time of
+//! the paper's decoder, which is the oracle, stands beside in the same run; `benches/peers` has other tools.
 
 use std::array::from_fn;
 use std::hint::black_box;
@@ -12,14 +12,13 @@ use criterion::{
     BenchmarkGroup, Criterion, SamplingMode, Throughput, criterion_group, criterion_main,
 };
 use glam::DVec3;
-use sixaxis_benches::limits::{Decoupled, Limit, PEER_COMPOUND, PEER_TUMBLE};
-use sixaxis_benches::peer::{self, PeerDecoupler};
-use sixaxis_benches::problem::{self, Answer, DECOUPLE_RATE_HZ, Recorded};
+use sixaxis_benches::limits::{Decoupled, Limit, PAPER_COMPOUND, PAPER_TUMBLE};
+use sixaxis_benches::problem::{self, DECOUPLE_RATE_HZ, Recorded};
 use sixaxis_benches::{MEASUREMENT_TIME, SAMPLE_SIZE, WARM_UP_TIME, validate};
 use sixaxis_core::decouple::lanes::push_lanes;
 use sixaxis_core::decouple::record::Accelerations;
 use sixaxis_core::kernel::simd::LANES;
-use sixaxis_core::{Decoupler, Scheme};
+use sixaxis_core::{Decoupler, LIMBS, Scheme, SixAxis};
 
 fn name(scheme: Scheme) -> &'static str {
     match scheme {
@@ -32,21 +31,32 @@ fn name(scheme: Scheme) -> &'static str {
     }
 }
 
-fn core_answers(problem: &Recorded, scheme: Scheme) -> Vec<Answer> {
+const SOUND: &str = "samples of a recorded run";
+
+fn core_answers(problem: &Recorded, scheme: Scheme) -> Vec<SixAxis> {
     let mut answers = Vec::new();
-    let ready = problem.decoupler(scheme);
-    problem::decouple(&ready, &problem.recording.voltage_v, |sample| {
-        answers.push(sample.into());
-    });
+    let voltage_v = &problem.recording.voltage_v;
+    let mut decoupler = problem.decoupler(scheme);
+    let sink = |sample: &SixAxis| answers.push(*sample);
+    decoupler.push_all(voltage_v, sink).expect(SOUND);
     answers
 }
 
-fn peer_answers(problem: &Recorded) -> Vec<Answer> {
+/// What is timed sample by sample: a whole recording through a copy of `ready`.
+fn push_each(ready: &Decoupler, voltage_v: &[[f64; LIMBS]]) {
+    let mut decoupler = black_box(ready).clone();
+    let sink = |sample: &SixAxis| {
+        black_box(sample);
+    };
+    decoupler.push_all(voltage_v, sink).expect(SOUND);
+}
+
+fn paper_answers(problem: &Recorded) -> Vec<SixAxis> {
     let mut answers = Vec::new();
-    let ready = PeerDecoupler::new(problem, &problem::true_parameters());
-    peer::decouple(&ready, &problem.recording.voltage_v, |sample| {
-        answers.push(sample.into());
-    });
+    let voltage_v = &problem.recording.voltage_v;
+    let mut decoder = problem.paper_decoder(&problem::true_parameters());
+    let sink = |sample: &SixAxis| answers.push(*sample);
+    decoder.push_all(voltage_v, sink).expect(SOUND);
     answers
 }
 
@@ -92,7 +102,7 @@ fn full(criterion: &mut Criterion) {
     let compound = Recorded::play(&problem::compound_5_hz(), DECOUPLE_RATE_HZ);
     // Not timed: the rig's axis is fixed, and what a turning axis would show must not be wrong unseen.
     let tumble = Recorded::tumble();
-    let require = |name: &str, problem: &Recorded, answers: &[Answer], limits: &Decoupled| {
+    let require = |name: &str, problem: &Recorded, answers: &[SixAxis], limits: &Decoupled| {
         validate::require(name, validate::decoupled(&problem.truth, answers, limits));
     };
     for scheme in Scheme::ALL {
@@ -105,11 +115,11 @@ fn full(criterion: &mut Criterion) {
         }
     }
     for (run, problem, limits) in [
-        ("", &compound, PEER_COMPOUND),
-        (" on the tumble", &tumble, PEER_TUMBLE),
+        ("", &compound, PAPER_COMPOUND),
+        (" on the tumble", &tumble, PAPER_TUMBLE),
     ] {
-        let name = format!("decouple/full/nalgebra{run}");
-        require(&name, problem, &peer_answers(problem), &limits);
+        let name = format!("decouple/full/paper{run}");
+        require(&name, problem, &paper_answers(problem), &limits);
     }
 
     let voltage_v = &compound.recording.voltage_v;
@@ -118,18 +128,18 @@ fn full(criterion: &mut Criterion) {
         let ready = compound.decoupler(scheme);
         group.bench_function(name(scheme), |bencher| {
             bencher.iter(|| {
-                problem::decouple(black_box(&ready), black_box(voltage_v), |sample| {
-                    black_box(sample);
-                });
+                push_each(&ready, black_box(voltage_v));
             });
         });
     }
-    let ready = PeerDecoupler::new(&compound, &problem::true_parameters());
-    group.bench_function("nalgebra", |bencher| {
+    let ready = compound.paper_decoder(&problem::true_parameters());
+    group.bench_function("paper", |bencher| {
         bencher.iter(|| {
-            peer::decouple(black_box(&ready), black_box(voltage_v), |sample| {
+            let mut decoder = black_box(&ready).clone();
+            let sink = |sample: &SixAxis| {
                 black_box(sample);
-            });
+            };
+            decoder.push_all(black_box(voltage_v), sink).expect(SOUND);
         });
     });
     group.finish();
@@ -169,9 +179,7 @@ fn record(criterion: &mut Criterion) {
     }
     group.bench_function("push", |bencher| {
         bencher.iter(|| {
-            problem::decouple(black_box(&ready), black_box(voltage_v), |sample| {
-                black_box(sample);
-            });
+            push_each(&ready, black_box(voltage_v));
         });
     });
     group.finish();
@@ -209,9 +217,7 @@ fn lanes(criterion: &mut Criterion) {
     group.bench_function("push_each", |bencher| {
         bencher.iter(|| {
             for rows in black_box(rows) {
-                problem::decouple(black_box(&ready), rows, |sample| {
-                    black_box(sample);
-                });
+                push_each(&ready, rows);
             }
         });
     });

@@ -4,7 +4,9 @@ use std::hint::black_box;
 
 use criterion::{Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
 use sixaxis_benches::problem::{InertiaRows, ScaleRows, stiffness_run, true_parameters};
-use sixaxis_benches::{MEASUREMENT_TIME, SAMPLE_SIZE, WARM_UP_TIME, limits, peer, validate};
+use sixaxis_benches::{
+    MEASUREMENT_TIME, SAMPLE_SIZE, WARM_UP_TIME, limits, pseudo_inverse, validate,
+};
 use sixaxis_core::identify::stiffness::{paper_grid, rate_norm_sum};
 use sixaxis_core::identify::stiffness_search::{Trial, rate_norm_sums};
 use sixaxis_core::{Parameters, Scheme};
@@ -31,7 +33,7 @@ fn scale(criterion: &mut Criterion) {
         );
         validate::require(
             &format!("{name}/nalgebra"),
-            validate::scale_per_mass(&peer::scale_per_mass(&problem)),
+            validate::scale_per_mass(&pseudo_inverse::scale_per_mass(&problem)),
         );
         let mut group = criterion.benchmark_group(name);
         group.sampling_mode(SamplingMode::Flat);
@@ -40,7 +42,7 @@ fn scale(criterion: &mut Criterion) {
             bencher.iter(|| black_box(&problem).solve());
         });
         group.bench_function("nalgebra", |bencher| {
-            bencher.iter(|| peer::scale_per_mass(black_box(&problem)));
+            bencher.iter(|| pseudo_inverse::scale_per_mass(black_box(&problem)));
         });
         group.finish();
     }
@@ -60,7 +62,7 @@ fn inertia(criterion: &mut Criterion) {
         );
         validate::require(
             &format!("{name}/nalgebra"),
-            validate::inertia_per_mass(&peer::inertia_per_mass(&problem)),
+            validate::inertia_per_mass(&pseudo_inverse::inertia_per_mass(&problem)),
         );
         let mut group = criterion.benchmark_group(name);
         group.sampling_mode(SamplingMode::Flat);
@@ -69,7 +71,7 @@ fn inertia(criterion: &mut Criterion) {
             bencher.iter(|| black_box(&problem).solve());
         });
         group.bench_function("nalgebra", |bencher| {
-            bencher.iter(|| peer::inertia_per_mass(black_box(&problem)));
+            bencher.iter(|| pseudo_inverse::inertia_per_mass(black_box(&problem)));
         });
         group.finish();
     }
@@ -83,15 +85,15 @@ fn stiffness(criterion: &mut Criterion) {
     let core = |parameters: &Parameters| {
         rate_norm_sum(&sensor, parameters, &settings, voltage_v).expect("a recorded run")
     };
-    let nalgebra = |parameters: &Parameters| peer::rate_norm_sum(&problem, parameters);
+    let paper = |parameters: &Parameters| problem.paper_rate_norm_sum(parameters);
     let decoupled = voltage_v.len() - 2;
     validate::require(
         "identify/stiffness/one_candidate/heun",
         validate::stiffness(decoupled, core),
     );
     validate::require(
-        "identify/stiffness/one_candidate/nalgebra",
-        validate::stiffness(decoupled, nalgebra),
+        "identify/stiffness/one_candidate/paper",
+        validate::stiffness(decoupled, paper),
     );
     let candidate = true_parameters();
     let mut group = criterion.benchmark_group("identify/stiffness/one_candidate");
@@ -100,8 +102,8 @@ fn stiffness(criterion: &mut Criterion) {
     group.bench_function("heun", |bencher| {
         bencher.iter(|| core(black_box(&candidate)));
     });
-    group.bench_function("nalgebra", |bencher| {
-        bencher.iter(|| nalgebra(black_box(&candidate)));
+    group.bench_function("paper", |bencher| {
+        bencher.iter(|| paper(black_box(&candidate)));
     });
     group.finish();
 }

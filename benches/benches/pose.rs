@@ -4,7 +4,7 @@ use std::hint::black_box;
 
 use criterion::{Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
 use glam::DVec3;
-use sixaxis_benches::peer::{PeerGeometry, PeerPose};
+use sixaxis_benches::gauss_newton::GaussNewton;
 use sixaxis_benches::problem::{self, Poses};
 use sixaxis_benches::{MEASUREMENT_TIME, SAMPLE_SIZE, WARM_UP_TIME, validate};
 use sixaxis_core::paper::pose::Pose;
@@ -17,13 +17,13 @@ fn closed_form(elongation_m: &[[f64; LIMBS]], mut sink: impl FnMut(&Pose)) {
     }
 }
 
-/// The peer: Gauss-Newton from the last sample's pose.
+/// Gauss-Newton from the last sample's pose.
 fn gauss_newton(
-    geometry: &PeerGeometry,
+    geometry: &GaussNewton,
     elongation_m: &[[f64; LIMBS]],
-    mut sink: impl FnMut(&PeerPose),
+    mut sink: impl FnMut(&Pose),
 ) {
-    let mut pose = PeerPose::unloaded();
+    let mut pose = Pose::default();
     for nine in elongation_m {
         pose = geometry.pose(nine, pose);
         sink(&pose);
@@ -33,7 +33,7 @@ fn gauss_newton(
 fn compound(criterion: &mut Criterion) {
     let problem = Poses::play(&problem::compound_5_hz());
     let elongation_m = &problem.elongation_m;
-    let geometry = PeerGeometry::new(&Geometry::PAPER);
+    let geometry = GaussNewton::new(&Geometry::PAPER);
 
     let mut answers: Vec<(DVec3, DVec3)> = Vec::new();
     closed_form(elongation_m, |pose| {
@@ -44,7 +44,9 @@ fn compound(criterion: &mut Criterion) {
         validate::poses(&problem.truth, &answers),
     );
     answers.clear();
-    gauss_newton(&geometry, elongation_m, |pose| answers.push(pose.to_glam()));
+    gauss_newton(&geometry, elongation_m, |pose| {
+        answers.push((pose.position_shell_m, pose.rotation_rad));
+    });
     validate::require(
         "pose/compound_5hz/nalgebra",
         validate::poses(&problem.truth, &answers),

@@ -12,8 +12,9 @@ use glam::DVec3;
 use sixaxis_benches::limits::{DRIVEN, FORWARD, FREE_FALL};
 use sixaxis_benches::problem::{self, FreeSensor, STEP_S};
 use sixaxis_benches::{MEASUREMENT_TIME, SAMPLE_SIZE, WARM_UP_TIME, validate};
-use sixaxis_reference::rig::Run;
-use sixaxis_reference::simulation::{Motion, Simulation, Snapshot};
+use sixaxis_reference::motion::Motion;
+use sixaxis_reference::mujoco::simulation::{Simulation, Snapshot};
+use sixaxis_reference::rig::run::Run;
 
 /// Steps of the free fall that `mj_step` is held to.
 const FALL_STEPS: u32 = 200;
@@ -26,10 +27,9 @@ fn step(simulation: &mut Simulation, run: &Run, count: &mut u64, steps: u64) -> 
 }
 
 fn sensor(criterion: &mut Criterion) {
-    let trial = problem::compound_5_hz();
-    let run = &trial.run;
+    let run = &problem::compound_5_hz();
     let steps = (run.duration_s() / STEP_S).round() as u64;
-    let mut simulation = problem::simulation(&trial);
+    let mut simulation = problem::simulation(run);
     let mut count = 0;
     let (linear, angular): (Vec<(DVec3, DVec3)>, Vec<_>) = (0..steps)
         .map(|_| {
@@ -47,14 +47,14 @@ fn sensor(criterion: &mut Criterion) {
             validate::accelerations(DRIVEN, &pairs),
         );
     }
-    let mut forward = FreeSensor::new(&trial);
+    let mut forward = FreeSensor::new(run);
     for pair in forward.accelerations() {
         validate::require(
             "reference/step/mj_forward",
             validate::accelerations(FORWARD, &[pair]),
         );
     }
-    let mut free = FreeSensor::new(&trial);
+    let mut free = FreeSensor::new(run);
     validate::require(
         "reference/step/mj_step",
         validate::accelerations(FREE_FALL, &[free.fall(FALL_STEPS)]),

@@ -1,4 +1,4 @@
-// The mirror of benches/src/peer.rs in C++ with Eigen: the paper's equations as one would first write them down.
+// The decoder in C++ with Eigen: the paper's equations as one would first write them down.
 // Nothing is rearranged for speed or rounding, nothing is done badly on purpose.
 
 #include <Eigen/Dense>

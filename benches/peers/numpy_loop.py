@@ -1,4 +1,4 @@
-"""The paper's equations sample by sample: peer.rs in NumPy, vectorised over the nine limbs only."""
+"""The paper's equations sample by sample: the decoder of eigen.cpp in NumPy, vectorised over the nine limbs only."""
 
 import numpy as np
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-# As in peer.rs: Gauss-Newton stops at a step of this size, m (rotations times half an edge), or
+# As in eigen.cpp: Gauss-Newton stops at a step of this size, m (rotations times half an edge), or
 # after so many steps.
 CONVERGED_M = 1e-13
 ITERATIONS = 20

@@ -2,16 +2,18 @@
 //!
 //! Every bench gets its input from a [`problem`], which MuJoCo played and whose truth MuJoCo knows. The code that is
 //! about to be timed first answers the problem once; [`validate`] holds the answer against the truth, to a limit from
-//! [`limits`], and panics if it fails: a fast wrong answer gets no time. [`peer`] is the other side of every ratio,
-//! the same equations written down plainly with nalgebra, held to the same truth.
+//! [`limits`], and panics if it fails: a fast wrong answer gets no time. The other side of every ratio is the same
+//! mathematics written down plainly, held to the same truth: the paper's decoder ([`sixaxis_core::paper`]), the pose by
+//! Gauss-Newton ([`gauss_newton`]), identification by a pseudo-inverse ([`pseudo_inverse`]).
 //!
 //! Names are `quantity/problem/implementation`; implementations of one problem share a group and so a run. Only ratios
 //! within a run mean anything: the nanoseconds are the machine's. Nothing here is tested for its own sake; tests of
 //! this package show that a wrong answer is refused.
 
+pub mod gauss_newton;
 pub mod limits;
-pub mod peer;
 pub mod problem;
+pub mod pseudo_inverse;
 pub mod validate;
 
 use std::time::Duration;

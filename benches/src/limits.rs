@@ -105,10 +105,10 @@ impl Decoupled {
     }
 }
 
-/// The peer on the compound run: Heun as well, so the same errors to four digits, from other formulas.
-pub const PEER_COMPOUND: Decoupled = Decoupled::compound(Scheme::Heun);
-/// The peer on the tumble, where its attitude of second order shows.
-pub const PEER_TUMBLE: Decoupled = Decoupled::measured(1.99e-6, 2.86e-6, 1.45e-6, 5.22e-6);
+/// The paper's decoder on the compound run: Heun as well, so the same errors to four digits, from other formulas.
+pub const PAPER_COMPOUND: Decoupled = Decoupled::compound(Scheme::Heun);
+/// The paper's decoder on the tumble, where it steps w* instead of the mass's rate.
+pub const PAPER_TUMBLE: Decoupled = Decoupled::measured(1.99e-6, 2.86e-6, 1.45e-6, 5.22e-6);
 
 /// MuJoCo's own error in the linear acceleration of that run, over the peak: how far halving its step moves the
 /// difference between decoupled and true. It is most of what Adams-Moulton and Runge-Kutta are allowed.

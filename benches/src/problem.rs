@@ -14,13 +14,19 @@ use sixaxis_core::identify::scale::{ScaleIdentification, ScalePerMass};
 use sixaxis_core::paper::pose::Pose;
 use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::paper::wrench::LimbWrench;
-use sixaxis_core::{Geometry, LIMBS, Parameters, Scheme, Sensor, Settings, SixAxis};
-use sixaxis_reference::campaign::{Laboratory, Role, Trial, compound};
-use sixaxis_reference::mjcf::SensorModel;
-use sixaxis_reference::paper;
-use sixaxis_reference::recording::{Recording, SimulatedRun, TrueMotion};
-use sixaxis_reference::rig::{Mode, Mounting, Run};
-use sixaxis_reference::simulation::{Motion, Simulation, Snapshot};
+use sixaxis_core::paper::{self, RateVariable};
+use sixaxis_core::{Geometry, LIMBS, Model, Parameters, Scheme, Sensor, Settings};
+use sixaxis_props::rig_runs;
+use sixaxis_props::truth;
+use sixaxis_props::truth::InCore;
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::laboratory::recording::SimulatedRecording;
+use sixaxis_reference::motion::Motion;
+use sixaxis_reference::motion::{SimulatedRun, TrueMotion};
+use sixaxis_reference::mujoco::model::SensorModel;
+use sixaxis_reference::mujoco::simulate_run;
+use sixaxis_reference::mujoco::simulation::{Simulation, Snapshot};
+use sixaxis_reference::rig::run::{Mode, Mounting, Run};
 
 /// Coordinates and degrees of freedom of a free body in MuJoCo.
 const FREE_BODY_COORDINATES: usize = 7;
@@ -47,51 +53,49 @@ pub const DIRECTIONS: [DVec3; 3] = [
 /// True parameters of the sensor in every problem.
 #[must_use]
 pub fn true_parameters() -> Parameters {
-    paper::identified_parameters()
+    truth::identified_parameters()
 }
 
-/// The trial behind Table 6: compound motion at 5 Hz.
+/// The run behind Table 6: compound motion at 5 Hz.
 #[must_use]
-pub fn compound_5_hz() -> Trial {
-    let [_, _, fastest] = compound(Mounting::AxisVertical);
-    fastest
+pub fn compound_5_hz() -> Run {
+    rig_runs::compound_run()
 }
 
-fn trial(role: Role, mode: Mode, frequency_hz: f64, direction: DVec3) -> Trial {
-    Trial {
-        role,
-        run: Run::new(mode, frequency_hz, direction),
-        mounting: Mounting::AxisVertical,
-    }
+/// MuJoCo's model of the true sensor on the rig of a run.
+#[must_use]
+pub fn model(run: &Run) -> SensorModel {
+    let parameters = true_parameters();
+    rig_runs::model(&parameters, run.direction_ground, Mounting::AxisVertical)
 }
 
 /// One recorded run with its truth.
 pub struct Recorded {
     /// What a laboratory has.
-    pub recording: Recording,
+    pub recording: SimulatedRecording,
     /// What MuJoCo knows, at the same instants.
     pub truth: Vec<TrueMotion>,
 }
 
 impl Recorded {
-    /// Plays a trial on MuJoCo with [`STEP_S`] and records it without errors.
+    /// Plays a run on MuJoCo with [`STEP_S`] and records it without errors.
     ///
     /// # Panics
     /// If MuJoCo refuses the sensor or diverges.
     #[must_use]
-    pub fn play(trial: &Trial, sample_rate_hz: f64) -> Self {
-        Self::play_with_step(trial, sample_rate_hz, STEP_S)
+    pub fn play(run: &Run, sample_rate_hz: f64) -> Self {
+        Self::play_with_step(run, sample_rate_hz, STEP_S)
     }
 
-    /// Plays a trial with another step: what the reference's own error is measured with.
+    /// Plays a run with another step: what the reference's own error is measured with.
     ///
     /// # Panics
     /// If MuJoCo refuses the sensor or diverges.
     #[must_use]
-    pub fn play_with_step(trial: &Trial, sample_rate_hz: f64, step_s: f64) -> Self {
-        let run = SimulatedRun::simulate(
-            &trial.model(&true_parameters()),
-            &trial.run,
+    pub fn play_with_step(run: &Run, sample_rate_hz: f64, step_s: f64) -> Self {
+        let run = simulate_run(
+            &model(run),
+            run,
             sample_rate_hz,
             (1.0 / (sample_rate_hz * step_s)).round() as usize,
         )
@@ -106,34 +110,23 @@ impl Recorded {
     #[must_use]
     pub fn tumble() -> Self {
         // Only the standard instruments, which nobody reads here, are aligned with the trial's run.
-        let trial = compound_5_hz();
-        let snapshots = sampled(&trial, &Tumble, TUMBLE_S);
+        let run = compound_5_hz();
+        let snapshots = sampled(&run, &Tumble, TUMBLE_S);
         Self::record(SimulatedRun {
-            run: trial.run,
-            gravity_ground_m_s2: trial
-                .mounting
-                .gravity_ground_m_s2(trial.run.direction_ground),
+            motion: run,
+            gravity_ground_m_s2: model(&run).gravity_ground_m_s2,
             sample_rate_hz: DECOUPLE_RATE_HZ,
             limb_force_per_mass_m_s2: snapshots
                 .iter()
                 .map(|now| now.limb_force_per_mass_m_s2)
                 .collect(),
-            truth: snapshots
-                .iter()
-                .map(|now| TrueMotion {
-                    linear_ground_m_s2: now.shell_acceleration_ground_m_s2,
-                    angular_ground_rad_s2: now.shell.attitude
-                        * now.shell_angular_acceleration_shell_rad_s2,
-                    rate_shell_rad_s: now.shell.rate_body_rad_s,
-                    attitude: now.shell.attitude,
-                })
-                .collect(),
+            truth: snapshots.iter().map(Snapshot::true_motion).collect(),
         })
     }
 
     fn record(run: SimulatedRun) -> Self {
         Self {
-            recording: Laboratory::noise_free(true_parameters()).record(&run, 0),
+            recording: Laboratory::noise_free(truth::sensor(&true_parameters())).record(&run, 0),
             truth: run.truth,
         }
     }
@@ -159,44 +152,33 @@ impl Recorded {
         Decoupler::new(&self.sensor(), &true_parameters(), &self.settings(scheme))
             .expect("a decoupler of the true sensor")
     }
-}
 
-/// Streams a whole recording through a copy of `ready`, sample by sample. What is validated and what is timed.
-///
-/// # Panics
-/// If the decoupler refuses a sample.
-pub fn decouple(ready: &Decoupler, voltage_v: &[[f64; LIMBS]], mut sink: impl FnMut(&SixAxis)) {
-    let mut decoupler = ready.clone();
-    for row in voltage_v {
-        let completed = decoupler.push(row).expect("a sample of a recorded run");
-        completed.iter().for_each(&mut sink);
+    /// The paper's decoder ready for this recording's first sample, with w* stepped as printed.
+    ///
+    /// # Panics
+    /// If the core refuses the problem.
+    #[must_use]
+    pub fn paper_decoder(&self, parameters: &Parameters) -> paper::Decoder {
+        let settings = self.settings(Scheme::Heun);
+        Model::new(&self.sensor(), parameters, &settings)
+            .and_then(|model| paper::Decoder::new(&model, RateVariable::Shell))
+            .expect("a decoder of the true sensor")
     }
-}
 
-/// One decoupled sample, whoever decoupled it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Answer {
-    /// Index of the voltage sample.
-    pub sample: u64,
-    /// a, ground axes, m/s^2.
-    pub linear_ground_m_s2: DVec3,
-    /// w', ground axes, rad/s^2.
-    pub angular_ground_rad_s2: DVec3,
-    /// w*, shell axes, rad/s.
-    pub rate_shell_rad_s: DVec3,
-    /// R, shell axes to ground axes.
-    pub attitude: DQuat,
-}
-
-impl From<&SixAxis> for Answer {
-    fn from(s: &SixAxis) -> Self {
-        Self {
-            sample: s.sample,
-            linear_ground_m_s2: s.linear_ground_m_s2,
-            angular_ground_rad_s2: s.angular_ground_rad_s2,
-            rate_shell_rad_s: s.rate_shell_rad_s,
-            attitude: s.attitude,
-        }
+    /// Sum of |w*| over the recording and the number of its samples, by the paper's decoder: step 4 for one candidate.
+    ///
+    /// # Panics
+    /// If the core refuses the problem.
+    #[must_use]
+    pub fn paper_rate_norm_sum(&self, parameters: &Parameters) -> (f64, usize) {
+        let (mut sum, mut count) = (0.0, 0);
+        self.paper_decoder(parameters)
+            .push_all(&self.recording.voltage_v, |sample| {
+                sum += sample.rate_shell_rad_s.length();
+                count += 1;
+            })
+            .expect("samples of a recorded run");
+        (sum, count)
     }
 }
 
@@ -209,13 +191,13 @@ pub struct Poses {
 }
 
 impl Poses {
-    /// Plays a trial and keeps lengths and poses at [`DECOUPLE_RATE_HZ`].
+    /// Plays a run and keeps lengths and poses at [`DECOUPLE_RATE_HZ`].
     ///
     /// # Panics
     /// If MuJoCo refuses the sensor or diverges.
     #[must_use]
-    pub fn play(trial: &Trial) -> Self {
-        let snapshots = sampled(trial, &trial.run, trial.run.duration_s());
+    pub fn play(run: &Run) -> Self {
+        let snapshots = sampled(run, run, run.duration_s());
         Self {
             elongation_m: snapshots.iter().map(|now| now.limb_elongation_m).collect(),
             truth: snapshots.iter().map(Snapshot::relative_pose).collect(),
@@ -244,11 +226,11 @@ impl Motion for Tumble {
     }
 }
 
-/// Snapshots at [`DECOUPLE_RATE_HZ`] of a trial's sensor in a motion.
-fn sampled(trial: &Trial, motion: &impl Motion, duration_s: f64) -> Vec<Snapshot> {
+/// Snapshots at [`DECOUPLE_RATE_HZ`] of a run's sensor in a motion.
+fn sampled(run: &Run, motion: &impl Motion, duration_s: f64) -> Vec<Snapshot> {
     let steps_per_sample = (1.0 / (DECOUPLE_RATE_HZ * STEP_S)).round() as usize;
     let steps = (duration_s / STEP_S).round() as usize;
-    let mut simulation = simulation(trial);
+    let mut simulation = simulation(run);
     (0..steps)
         .map(|step| {
             simulation.set_time_s(step as f64 * STEP_S);
@@ -260,14 +242,13 @@ fn sampled(trial: &Trial, motion: &impl Motion, duration_s: f64) -> Vec<Snapshot
         .collect()
 }
 
-/// The sensor of a trial in MuJoCo, hanging at rest.
+/// The sensor of a run in MuJoCo, hanging at rest.
 ///
 /// # Panics
 /// If MuJoCo refuses the sensor.
 #[must_use]
-pub fn simulation(trial: &Trial) -> Simulation {
-    Simulation::new(&trial.model(&true_parameters()), STEP_S)
-        .expect("the simulation of a bench's problem")
+pub fn simulation(run: &Run) -> Simulation {
+    Simulation::new(&model(run), STEP_S).expect("the simulation of a bench's problem")
 }
 
 /// Rows of step 2: measured forces, N, and the shell's acceleration, m/s^2.
@@ -279,10 +260,10 @@ impl ScaleRows {
     pub fn play() -> Self {
         let drift = true_parameters().zero_drift_v;
         let rows = DIRECTIONS.into_iter().flat_map(|direction| {
-            let trial = trial(Role::Linear, Mode::Linear, SLOW_HZ, direction);
-            let Recorded { recording, .. } = Recorded::play(&trial, IDENTIFY_RATE_HZ);
+            let run = Run::new(Mode::Linear, SLOW_HZ, direction);
+            let Recorded { recording, .. } = Recorded::play(&run, IDENTIFY_RATE_HZ);
             let row = |(voltage, &reading): (&[f64; LIMBS], &f64)| {
-                let force = recording.gains.measured_force_n(voltage, &drift);
+                let force = recording.gains().measured_force_n(voltage, &drift);
                 (force, recording.direction_ground * reading)
             };
             let samples = recording.voltage_v.iter();
@@ -317,9 +298,9 @@ impl InertiaRows {
     #[must_use]
     pub fn play() -> Self {
         let rows = DIRECTIONS.into_iter().flat_map(|direction| {
-            let trial = trial(Role::Angular, Mode::Angular, SLOW_HZ, direction);
-            let Recorded { recording, truth } = Recorded::play(&trial, IDENTIFY_RATE_HZ);
-            let chain = SignalChain::new(&recording.gains, &true_parameters());
+            let run = Run::new(Mode::Angular, SLOW_HZ, direction);
+            let Recorded { recording, truth } = Recorded::play(&run, IDENTIFY_RATE_HZ);
+            let chain = SignalChain::new(&recording.gains(), &true_parameters());
             (0..truth.len())
                 .map(|i| {
                     (
@@ -351,8 +332,8 @@ impl InertiaRows {
 #[must_use]
 pub fn stiffness_run() -> Recorded {
     let [direction, ..] = DIRECTIONS;
-    let trial = trial(Role::FastLinear, Mode::Linear, FAST_HZ, direction);
-    Recorded::play(&trial, DECOUPLE_RATE_HZ)
+    let run = Run::new(Mode::Linear, FAST_HZ, direction);
+    Recorded::play(&run, DECOUPLE_RATE_HZ)
 }
 
 /// The true parameters with a candidate k/m.
@@ -375,13 +356,13 @@ pub struct FreeSensor {
 const DISPLACEMENT: (DVec3, DVec3) = (DVec3::new(2e-7, -3e-7, 4e-7), DVec3::new(-5e-6, 1e-5, 7e-6));
 
 impl FreeSensor {
-    /// Loads the sensor of a trial and displaces its mass.
+    /// Loads the sensor of a run and displaces its mass.
     ///
     /// # Panics
     /// If MuJoCo refuses the sensor.
     #[must_use]
-    pub fn new(trial: &Trial) -> Self {
-        let model = trial.model(&true_parameters());
+    pub fn new(run: &Run) -> Self {
+        let model = model(run);
         let compiled =
             MjModel::from_xml_string(&model.to_mjcf(STEP_S)).expect("MuJoCo's model of the sensor");
         let mut data = MjData::new(Box::new(compiled));
@@ -403,13 +384,13 @@ impl FreeSensor {
             position_shell_m,
             rotation_rad,
         };
-        let geometry = &self.model.geometry;
+        let geometry = &Geometry::PAPER;
         let force = pose
             .elongations_m(geometry)
             .map(|dl| -self.model.stiffness_per_mass_per_s2 * dl);
         let wrench = LimbWrench::at_pose(geometry, &pose, &force);
         let torque_mass = pose.rotation_matrix().transpose() * wrench.torque_shell_m2_s2;
-        let inertia = self.model.inertia_per_mass.matrix_mass_m2();
+        let inertia = self.model.inertia_per_mass.tensor_m2();
         [
             (
                 DVec3::new(a[0], a[1], a[2]),

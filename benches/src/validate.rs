@@ -4,11 +4,11 @@ use std::fmt;
 
 use glam::{DQuat, DVec3};
 use sixaxis_core::identify::stiffness::PAPER_GRID_PER_S2;
-use sixaxis_core::{LIMBS, Parameters};
-use sixaxis_reference::recording::TrueMotion;
+use sixaxis_core::{LIMBS, Parameters, SixAxis};
+use sixaxis_reference::motion::TrueMotion;
 
 use crate::limits::{self, Decoupled, Limit};
-use crate::problem::{Answer, candidate, true_parameters};
+use crate::problem::{candidate, true_parameters};
 
 /// Why an answer is not worth timing.
 #[derive(Debug, Clone, PartialEq)]
@@ -113,7 +113,7 @@ fn angle_rad(a: DQuat, b: DQuat) -> f64 {
 /// A sample missing, doubled or out of order; an error beyond its limit.
 pub fn decoupled(
     truth: &[TrueMotion],
-    answers: &[Answer],
+    answers: &[SixAxis],
     limits: &Decoupled,
 ) -> Result<Report, Refusal> {
     count(truth.len().saturating_sub(2), answers.len())?;

@@ -3,17 +3,17 @@
 use std::sync::LazyLock;
 
 use glam::DVec3;
-use sixaxis_benches::limits::{Decoupled, PEER_COMPOUND, PEER_TUMBLE, REFERENCE_LINEAR};
-use sixaxis_benches::peer::{self, PeerDecoupler};
+use sixaxis_benches::limits::{Decoupled, PAPER_COMPOUND, PAPER_TUMBLE, REFERENCE_LINEAR};
 use sixaxis_benches::problem::{
-    self, Answer, DECOUPLE_RATE_HZ, InertiaRows, Poses, Recorded, STEP_S, ScaleRows, candidate,
+    self, DECOUPLE_RATE_HZ, InertiaRows, Poses, Recorded, STEP_S, ScaleRows, candidate,
     stiffness_run, true_parameters,
 };
+use sixaxis_benches::pseudo_inverse;
 use sixaxis_benches::validate::{self, Refusal, Report};
-use sixaxis_core::decouple::stream::Decoupler;
+use sixaxis_core::decouple::decouple;
 use sixaxis_core::identify::stiffness::rate_norm_sum;
 use sixaxis_core::paper::pose::Pose;
-use sixaxis_core::{Geometry, LimbLaw, Parameters, Scheme, Settings};
+use sixaxis_core::{Geometry, LimbLaw, Parameters, Scheme, Settings, SixAxis};
 
 /// The least by which each wrong ingredient must miss its limit: error over limit. Measured, and rounded down.
 mod control {
@@ -51,20 +51,20 @@ static SCALE: LazyLock<ScaleRows> = LazyLock::new(ScaleRows::play);
 static INERTIA: LazyLock<InertiaRows> = LazyLock::new(InertiaRows::play);
 static STIFFNESS: LazyLock<Recorded> = LazyLock::new(stiffness_run);
 
-fn decoupled_with(problem: &Recorded, parameters: &Parameters, settings: &Settings) -> Vec<Answer> {
-    let ready = Decoupler::new(&problem.sensor(), parameters, settings).expect("a decoupler");
-    let mut answers = Vec::new();
-    problem::decouple(&ready, &problem.recording.voltage_v, |s| {
-        answers.push(s.into());
-    });
-    answers
+fn decoupled_with(
+    problem: &Recorded,
+    parameters: &Parameters,
+    settings: &Settings,
+) -> Vec<SixAxis> {
+    let voltage_v = &problem.recording.voltage_v;
+    decouple(&problem.sensor(), parameters, settings, voltage_v).expect("a recorded run")
 }
 
-fn decoupled(problem: &Recorded, scheme: Scheme) -> Vec<Answer> {
+fn decoupled(problem: &Recorded, scheme: Scheme) -> Vec<SixAxis> {
     decoupled_with(problem, &true_parameters(), &problem.settings(scheme))
 }
 
-fn held_to(answers: &[Answer], scheme: Scheme) -> Result<Report, Refusal> {
+fn held_to(answers: &[SixAxis], scheme: Scheme) -> Result<Report, Refusal> {
     validate::decoupled(&COMPOUND.truth, answers, &Decoupled::compound(scheme))
 }
 
@@ -109,13 +109,13 @@ fn ref_every_scheme_meets_its_limit() {
 }
 
 #[test]
-fn ref_peer_meets_its_limit() {
-    for (problem, limits) in [(&*COMPOUND, PEER_COMPOUND), (&*TUMBLE, PEER_TUMBLE)] {
-        let ready = PeerDecoupler::new(problem, &true_parameters());
+fn ref_the_papers_decoder_meets_its_limit() {
+    for (problem, limits) in [(&*COMPOUND, PAPER_COMPOUND), (&*TUMBLE, PAPER_TUMBLE)] {
         let mut answers = Vec::new();
-        peer::decouple(&ready, &problem.recording.voltage_v, |s| {
-            answers.push(s.into());
-        });
+        problem
+            .paper_decoder(&true_parameters())
+            .push_all(&problem.recording.voltage_v, |s| answers.push(*s))
+            .expect("a recorded run");
         accepted(validate::decoupled(&problem.truth, &answers, &limits));
     }
 }
@@ -123,11 +123,13 @@ fn ref_peer_meets_its_limit() {
 #[test]
 fn ref_identification_meets_its_limits() {
     accepted(validate::scale_per_mass(&SCALE.solve().estimate.values));
-    accepted(validate::scale_per_mass(&peer::scale_per_mass(&SCALE)));
-    accepted(validate::inertia_per_mass(&INERTIA.solve().estimate.values));
-    accepted(validate::inertia_per_mass(&peer::inertia_per_mass(
-        &INERTIA,
+    accepted(validate::scale_per_mass(&pseudo_inverse::scale_per_mass(
+        &SCALE,
     )));
+    accepted(validate::inertia_per_mass(&INERTIA.solve().estimate.values));
+    accepted(validate::inertia_per_mass(
+        &pseudo_inverse::inertia_per_mass(&INERTIA),
+    ));
 }
 
 /// Halving MuJoCo's step moves the difference between decoupled and true by no more than the table says.
@@ -276,7 +278,7 @@ fn ref_and_control_stiffness() {
     };
     accepted(validate::stiffness(samples, core));
     accepted(validate::stiffness(samples, |p| {
-        peer::rate_norm_sum(&STIFFNESS, p)
+        STIFFNESS.paper_rate_norm_sum(p)
     }));
 
     let (_, _, grid_step) = sixaxis_core::identify::stiffness::PAPER_GRID_PER_S2;

@@ -11,6 +11,7 @@ use sixaxis_core::decouple::lanes::push_lanes;
 use sixaxis_core::identify::inertia::InertiaIdentification;
 use sixaxis_core::identify::scale::ScaleIdentification;
 use sixaxis_core::kernel::simd::LANES;
+use sixaxis_core::limb_set::NotALimb;
 use sixaxis_core::paper::pose::Pose;
 use sixaxis_core::{
     Decoupler, Gains, Geometry, InertiaPerMass, LIMBS, LimbSet, Parameters, Scheme, Sensor,
@@ -46,7 +47,7 @@ fn parameters() -> Parameters {
 }
 
 /// As many of limbs 1, 6 and 9, which can be excluded together and cost the most accuracy.
-fn excluded(limbs: usize) -> sixaxis_core::Result<LimbSet> {
+fn excluded(limbs: usize) -> Result<LimbSet, NotALimb> {
     LimbSet::from_numbers([1, 6, 9].into_iter().take(limbs))
 }
 

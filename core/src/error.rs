@@ -2,9 +2,8 @@
 
 use thiserror::Error;
 
-use crate::limb_set::LimbSet;
-use crate::redundancy::reconstruction::LostLoad;
-use crate::redundancy::self_calibration::UnobservableDirections;
+use crate::limb_set::{LimbSet, NotALimb};
+use crate::unobservable::{LostLoad, UnobservableDirections};
 
 /// Every way in which input to this crate can be refused.
 ///
@@ -205,6 +204,16 @@ pub enum Error {
         /// Its cap.
         iterations: usize,
     },
+}
+
+impl From<NotALimb> for Error {
+    fn from(NotALimb(number): NotALimb) -> Self {
+        Self::OutOfRange {
+            name: "limb",
+            value: number as f64,
+            requirement: "a number from 1 to 9",
+        }
+    }
 }
 
 /// Result of every fallible function of this crate.

@@ -9,8 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
 
-/// Number of limbs, and so of voltage channels.
-pub const LIMBS: usize = 9;
+pub use crate::limb_set::LIMBS;
 
 /// Number of corner points of the mass at which limbs end.
 pub const NODES: usize = 3;

@@ -7,7 +7,7 @@
 //!
 //! | Module | Contents |
 //! |---|---|
-//! | [`geometry`], [`limb_set`], [`model`], [`scheme`] | the sensor, its 25 parameters, the settings of a run |
+//! | [`geometry`], [`limb_set`], [`model`], [`parameter`], [`scheme`] | the sensor, its 25 parameters, the settings of a run |
 //! | [`paper`] | equations (1) to (11) as printed |
 //! | [`decouple`] | decoupling: sample by sample, along a recording, along eight recordings at once; with excluded limbs; with uncertainties |
 //! | [`identify`] | the four steps that find the parameters, and estimators of all or single parameters |
@@ -36,20 +36,26 @@ pub mod kernel;
 pub mod limb_set;
 pub mod model;
 pub mod paper;
+pub mod parameter;
 pub mod recording;
 pub mod redundancy;
 pub mod scheme;
 pub mod significance;
+pub mod six_axis;
+pub mod unobservable;
 
-pub use decouple::{Decoupler, SixAxis};
+pub use decouple::Decoupler;
 pub use error::{Error, Result};
 pub use geometry::{Geometry, LIMBS};
 pub use limb_set::LimbSet;
-pub use model::{InertiaPerMass, Parameters, Sensor, Settings, StaticResponse};
-pub use paper::pose::LimbLaw;
-pub use paper::signal::Gains;
+pub use model::{
+    Gains, InertiaPerMass, LimbLaw, Model, Parameters, Sensor, Settings, StaticResponse,
+};
+pub use parameter::Parameter;
 pub use redundancy::FaultTolerant;
 pub use scheme::Scheme;
+pub use six_axis::SixAxis;
+pub use unobservable::{LostLoad, UnobservableDirections};
 
 /// The README's example, compiled and run with the doc tests.
 #[cfg(doctest)]

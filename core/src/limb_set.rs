@@ -1,9 +1,21 @@
-//! A set of limbs, as an error names it and a decoder does without it.
+//! Sets of limbs, as errors name them and decoders exclude them.
 
 use core::fmt;
 
-use crate::error::{Error, Result};
-use crate::geometry::LIMBS;
+/// Number of limbs, and so of voltage channels.
+pub const LIMBS: usize = 9;
+
+/// A number that is no limb's.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct NotALimb(pub usize);
+
+impl fmt::Display for NotALimb {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "limb = {}: must be a number from 1 to {LIMBS}", self.0)
+    }
+}
+
+impl core::error::Error for NotALimb {}
 
 /// Some of the nine limbs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
@@ -16,16 +28,12 @@ impl LimbSet {
     /// From limb numbers as printed, 1 to 9; one that is there twice counts once.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a number that is no limb's.
-    pub fn from_numbers(numbers: impl IntoIterator<Item = usize>) -> Result<Self> {
+    /// [`NotALimb`] for a number outside 1 to 9.
+    pub fn from_numbers(numbers: impl IntoIterator<Item = usize>) -> Result<Self, NotALimb> {
         let mut set = Self::EMPTY;
         for number in numbers {
             if !(1..=LIMBS).contains(&number) {
-                return Err(Error::OutOfRange {
-                    name: "limb",
-                    value: number as f64,
-                    requirement: "a number from 1 to 9",
-                });
+                return Err(NotALimb(number));
             }
             set = set.with(number - 1);
         }

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use sixaxis_props::blind::{Outcome, REPORTED_FROM, run};
 use sixaxis_props::publication::{Arguments, end};
 use sixaxis_props::results::{Blind, BlindKind};
-use sixaxis_reference::session::plan::Engine;
+use sixaxis_reference::laboratory::plan::Engine;
 
 fn main() -> ExitCode {
     end(try_all())

@@ -27,12 +27,13 @@ use sixaxis_props::manufactured::examples;
 use sixaxis_props::publication::{Arguments, end};
 use sixaxis_props::results::{ExcludedSet, FailedLimbs};
 use sixaxis_props::rig_runs;
+use sixaxis_props::truth;
+use sixaxis_props::truth::InCore;
 use sixaxis_recordings::session::Role;
-use sixaxis_reference::campaign::{Laboratory, compound};
-use sixaxis_reference::paper;
-use sixaxis_reference::recording::SimulatedRun;
-use sixaxis_reference::rig::{Mounting, Run};
-use sixaxis_reference::session::plan::SensorChoice;
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::laboratory::plan::SensorChoice;
+use sixaxis_reference::motion::SimulatedRun;
+use sixaxis_reference::rig::run::{Mounting, Run};
 
 /// Sample rate of the noise measurement, Hz: low, so that second differences of the noise do not drown the forces' own.
 const NOISE_RATE_HZ: f64 = 100.0;
@@ -149,7 +150,7 @@ fn closed_form(set: LimbSet) -> Option<[f64; 6]> {
         [e.x, e.y, e.z, m.x, m.y, m.z][axis]
     });
     let all = j.transpose() * j;
-    let inertia = paper::identified_parameters()
+    let inertia = truth::identified_parameters()
         .inertia_per_mass
         .matrix_mass_m2()
         .inverse();
@@ -210,7 +211,7 @@ fn each<T: Send>(
 
 /// Equal white noise of the forces on a sensor at rest.
 fn noise(sets: &[LimbSet]) -> Result<Vec<Option<[f64; 6]>>, String> {
-    let parameters = paper::identified_parameters();
+    let parameters = truth::identified_parameters();
     let sensor = Sensor {
         geometry: sixaxis_core::Geometry::PAPER,
         gains: Gains::uniform(1.0),
@@ -297,13 +298,13 @@ fn errors(ours: &Six, truth: &Six) -> [f64; 2] {
 
 /// The fastest compound run of Tables 4 to 6, in MuJoCo.
 fn played() -> Result<SimulatedRun, String> {
-    let truth = paper::identified_parameters();
-    let [.., trial] = compound(Mounting::AxisVertical);
+    let truth = truth::identified_parameters();
     let long = Run {
         steady_periods: 2.0,
-        ..trial.run
+        ..rig_runs::compound_run()
     };
-    SimulatedRun::simulate(&trial.model(&truth), &long, rig_runs::RATE_HZ / 5.0, 20)
+    let model = rig_runs::model(&truth, long.direction_ground, Mounting::AxisVertical);
+    sixaxis_reference::mujoco::simulate_run(&model, &long, rig_runs::RATE_HZ / 5.0, 20)
         .map_err(|e| e.to_string())
 }
 
@@ -314,13 +315,13 @@ fn in_laboratory(
     sets: &[LimbSet],
     run: &SimulatedRun,
 ) -> Result<Vec<Option<[[f64; 2]; 2]>>, String> {
-    let truth = paper::identified_parameters();
+    let truth = truth::identified_parameters();
     let mut plan = small(seed);
     plan.sensor = SensorChoice::Paper;
     let mut found = Fitted::of(&plan)?.steps.found();
     // Step 4 is a story of its own, and the reference's own design would do.
     found.stiffness_per_mass_per_s2 = truth.stiffness_per_mass_per_s2;
-    let recording = Laboratory::with_errors(truth, seed).record(run, RUN);
+    let recording = Laboratory::with_errors(truth::sensor(&truth), seed).record(run, RUN);
     let conditioning = Conditioning {
         stages: sixaxis_recordings::session::Preprocessing::default(),
         accelerometer_bandwidth_hz: None,
@@ -338,7 +339,7 @@ fn in_laboratory(
             [a.x, a.y, a.z, w.x, w.y, w.z]
         })
         .collect();
-    let consistent = consistent(&found, &recording.gains, &rows);
+    let consistent = consistent(&found, &recording.gains(), &rows);
     let settings = recording.settings(Scheme::Heun);
     let both = |set| -> Result<[[f64; 2]; 2], String> {
         let mut ways = [[0.0; 2]; 2];

@@ -12,7 +12,7 @@ use sixaxis_props::joint::{Fitted, bias_of_scale, small};
 use sixaxis_props::publication::{Arguments, end};
 use sixaxis_props::results::{Joint, JointLevel};
 use sixaxis_props::tolerance::{JOINT_BIAS, PLAIN_BIAS};
-use sixaxis_reference::session::plan::SessionPlan;
+use sixaxis_reference::laboratory::plan::SessionPlan;
 
 /// Ratios of signal to noise of the channels, dB. At 60 dB plain least squares shows a quarter of a standard deviation only, and the
 /// reference's gyroscope, which takes the rate for straight between samples of 500 Hz, is itself off by a tenth.

@@ -7,6 +7,7 @@
 use std::process::ExitCode;
 
 use sixaxis_calibration::propagation::Sources;
+use sixaxis_core::Parameter;
 use sixaxis_core::decouple::uncertainty::parameters::standard_deviations;
 use sixaxis_props::propagation::monte_carlo::{
     AXES, ClosedForm, Tally, correlations, departures, run_departure,
@@ -63,15 +64,6 @@ fn thinned(values: impl ExactSizeIterator<Item = f64>) -> Vec<f64> {
 
 const NAMES: [&str; AXES] = ["a_x", "a_y", "a_z", "alpha_x", "alpha_y", "alpha_z"];
 
-fn name(parameter: usize) -> (String, &'static str) {
-    match parameter {
-        0..9 => (format!("d{}", parameter + 1), "V"),
-        9..18 => (format!("s{}/m", parameter - 8), "1/kg"),
-        18..24 => (format!("I{}/m", parameter - 17), "m²"),
-        _ => ("m/k".to_owned(), "s²"),
-    }
-}
-
 fn set(world: &World, sources: &Sources, what: &str, first: u64, draws: u64) -> PropagationSet {
     let closed = ClosedForm::of(world, sources, first);
     let tally = Tally::draw(world, sources, first + 1, draws);
@@ -93,17 +85,18 @@ fn set(world: &World, sources: &Sources, what: &str, first: u64, draws: u64) -> 
         "", "value", "closed form", "drawn", "ratio", "noise", "standards", "wedges"
     );
     let mut parameters = Vec::new();
-    for i in 0..departures.len() {
+    for parameter in Parameter::all().map(Parameter::estimated) {
+        let i = parameter.place();
         let [all, noise, standards, wedges, drawn] = deviations.map(|sd| sd[i]);
-        let (name, unit) = name(i);
         println!(
-            "{name:<6} {:>11.4e} {all:>11.4e} {drawn:>11.4e} {:>8.4} {noise:>10.2e} {standards:>10.2e} {wedges:>10.2e}",
+            "{:<6} {:>11.4e} {all:>11.4e} {drawn:>11.4e} {:>8.4} {noise:>10.2e} {standards:>10.2e} {wedges:>10.2e}",
+            parameter.to_string(),
             value[i],
             departures[i] + 1.0
         );
         parameters.push(PropagationParameter {
-            name,
-            unit: unit.to_owned(),
+            parameter,
+            unit: parameter.unit().to_owned(),
             value: value[i],
             closed_form: all,
             of_noise: noise,

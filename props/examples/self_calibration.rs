@@ -20,7 +20,8 @@ use sixaxis_props::results::{
 use sixaxis_props::self_calibration::{
     Case, NOISE_SHARE, SAMPLE_RATE_HZ, errors, nine, without_mean,
 };
-use sixaxis_reference::field::Pace;
+use sixaxis_props::truth;
+use sixaxis_reference::rig::field::Pace;
 
 /// Seeds below were looked at while the fit was written.
 const REPORTED_FROM: u64 = 100_000;
@@ -355,7 +356,7 @@ fn motions(seed: u64) -> Result<Vec<TumbleMotion>, String> {
         .map(|(motion, moves, all)| {
             let mut case = Case::random(seed, 20.0);
             let whole = all == Some(false);
-            let one = |sine: &mut sixaxis_reference::tumble::Sine| {
+            let one = |sine: &mut sixaxis_reference::rig::tumble::Sine| {
                 if all.is_none() {
                     sine.amplitude = about * sine.amplitude.length();
                     sine.phase_rad = DVec3::splat(sine.phase_rad.x);
@@ -376,7 +377,7 @@ fn motions(seed: u64) -> Result<Vec<TumbleMotion>, String> {
             if !whole {
                 case.field.gravity_ground_m_s2 = DVec3::ZERO;
             }
-            case.loads = case.field.play(&case.truth).0;
+            case.loads = case.field.play(&truth::sensor(&case.truth)).0;
             let case = case.with_stiffness(&[1.0; LIMBS]);
             match case.ratios(&case.noisy_v(NOISE_SHARE)) {
                 Ok(_) => Ok(TumbleMotion {

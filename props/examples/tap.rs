@@ -8,8 +8,8 @@ use rayon::prelude::*;
 use sixaxis_props::publication::{Arguments, end};
 use sixaxis_props::results::Taps;
 use sixaxis_props::taps::{Case, NOISE_SHARE, Outcome, Tally, bound_ln};
-use sixaxis_reference::campaign::DAMPING_RATIO;
-use sixaxis_reference::tap::{DURATION_S, SAMPLE_RATE_HZ, STEPS_PER_SAMPLE};
+use sixaxis_reference::mujoco::model::DAMPING_RATIO;
+use sixaxis_reference::rig::tap::{DURATION_S, SAMPLE_RATE_HZ, STEPS_PER_SAMPLE};
 
 /// Seeds below were looked at while the fit was written.
 const REPORTED_FROM: u64 = 1_000;

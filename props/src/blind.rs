@@ -6,15 +6,17 @@
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use sixaxis_calibration::suspicion::Cause;
-use sixaxis_calibration::verdict::{Grade, Unwatched, judge};
+use sixaxis_calibration::calibrate::{Options, calibrate};
+use sixaxis_calibration::finding::Cause;
+use sixaxis_calibration::progress::NoProgress;
+use sixaxis_calibration::report::Grade;
 use sixaxis_recordings::session::SessionFile;
-use sixaxis_reference::session::defect::Kind;
-use sixaxis_reference::session::plan::{
+use sixaxis_reference::laboratory::defect::Kind;
+use sixaxis_reference::laboratory::plan::{
     ChainPlan, DefectChoice, Engine, RigPlan, SensorChoice, SessionPlan,
 };
-use sixaxis_reference::session::play::play;
-use sixaxis_reference::session::write::write;
+use sixaxis_reference::laboratory::session::simulate_session;
+use sixaxis_reference::laboratory::write::write;
 
 /// Seeds that thresholds were chosen with.
 pub const TUNING_SEEDS: core::ops::Range<u64> = 1..101_000;
@@ -138,7 +140,7 @@ pub fn run(seed: u64, engine: Engine, folder: &Path) -> Result<Outcome, String> 
     let own = folder.join(format!("session-{seed}"));
     let format = FORMATS[(seed % FORMATS.len() as u64) as usize];
     let at = |what: &str, e: &dyn core::fmt::Display| format!("seed {seed}: {what}: {e}");
-    let played = play(&plan(seed, engine)).map_err(|e| at("playing", &e))?;
+    let played = simulate_session(&plan(seed, engine)).map_err(|e| at("playing", &e))?;
     let session = write(&played, &own, format).map_err(|e| at("writing", &e))?;
     let particulars = played
         .truth
@@ -149,7 +151,7 @@ pub fn run(seed: u64, engine: Engine, folder: &Path) -> Result<Outcome, String> 
     drop(played);
     let judged = SessionFile::read(&session)
         .map_err(Into::into)
-        .and_then(|file| judge(&file, &Unwatched))
+        .and_then(|file| calibrate(&file, &Options::default(), &NoProgress))
         .map_err(|e| at("judging", &e));
     let cleared = std::fs::remove_dir_all(&own).map_err(|e| at("clearing", &e));
     let judged = judged?;

@@ -10,6 +10,7 @@ pub mod tally;
 
 use core::f64::consts::TAU;
 
+use crate::truth;
 use glam::DVec3;
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use rand_pcg::Pcg64;
@@ -18,8 +19,7 @@ use sixaxis_core::paper::pose::Pose;
 use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::redundancy::fault::{Event, Kind, Monitor, Verdict, Watch};
 use sixaxis_core::{FaultTolerant, Geometry, LIMBS, Parameters, Sensor, Settings};
-use sixaxis_reference::chain::{Chain, amplifier_ranges};
-use sixaxis_reference::session::plan::random_sensor;
+use sixaxis_reference::laboratory::chain::Chain;
 
 /// Samples per second.
 pub const SAMPLE_RATE_HZ: f64 = 10_000.0;
@@ -61,7 +61,7 @@ impl Scene {
     #[must_use]
     pub fn random(seed: u64, unequal: f64) -> Self {
         let mut rng = Pcg64::new(u128::from(seed), STREAM);
-        let parameters = random_sensor(&mut rng);
+        let parameters = truth::random_parameters(&mut rng);
         let mut uniform = || -> f64 { StandardUniform.sample(&mut rng) };
         let mut axis =
             |size: f64| DVec3::from_array([0; 3].map(|_| size * (2.0 * uniform() - 1.0)));
@@ -90,8 +90,7 @@ impl Scene {
         let course: Vec<[f64; LIMBS]> = (0..400).map(|k| scene.force_m_s2(50 * k)).collect();
         let mut from_zero = vec![[0.0; LIMBS]];
         from_zero.extend(&course);
-        let full_scale_v = Chain::laboratory().full_scale_v;
-        scene.sensor.gains = amplifier_ranges(&from_zero, &parameters, full_scale_v);
+        scene.sensor.gains = truth::amplifier_ranges(&from_zero, &parameters);
         scene.chain = SignalChain::new(&scene.sensor.gains, &parameters);
         scene.signal_v = core::array::from_fn(|i| {
             let sum: f64 = course

@@ -1,10 +1,10 @@
 //! Hostile input: numbers of any size and none, records and sensors spoiled with them, and the memory of what they broke.
 
+use crate::truth;
 use glam::{DQuat, DVec3};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, FileFailurePersistence};
 use sixaxis_core::{Gains, Geometry, InertiaPerMass, Parameters, Sensor, Settings};
-use sixaxis_reference::paper;
 
 use crate::strategy::{config, rubbish};
 
@@ -78,7 +78,7 @@ pub const INERTIA: [&str; 6] = ["xx_m2", "yy_m2", "zz_m2", "xy_m2", "xz_m2", "yz
 
 /// The paper's sensor under gravity as one row of numbers, group by group, with the name that an error gives to each.
 fn sound_setup() -> [(&'static str, f64); 47] {
-    let sound = paper::identified_parameters();
+    let sound = truth::identified_parameters();
     let vector = |name, v: [f64; 3]| v.map(|x| (name, x)).to_vec();
     let groups = [
         sound.zero_drift_v.map(|d| ("zero_drift_v", d)).to_vec(),

@@ -4,14 +4,14 @@ use nalgebra::{SMatrix, SVector};
 use rayon::prelude::*;
 use sixaxis_calibration::joint::{JointReport, Knowledge, Loss, fit};
 use sixaxis_calibration::steps::{Campaign, FourSteps, GyroscopeGain};
-use sixaxis_campaign::collected::collect;
-use sixaxis_campaign::parameter::{PARAMETERS, values};
+use sixaxis_campaign::prepared::prepare;
 use sixaxis_core::LIMBS;
 use sixaxis_core::identify::scale::ScaleIdentification;
+use sixaxis_core::parameter::PARAMETERS;
 use sixaxis_recordings::session::{Role, Session};
-use sixaxis_reference::instruments::Instruments;
-use sixaxis_reference::session::plan::{Engine, SensorChoice, SessionPlan};
-use sixaxis_reference::session::play::play;
+use sixaxis_reference::laboratory::instruments::Instruments;
+use sixaxis_reference::laboratory::plan::{Engine, SensorChoice, SessionPlan};
+use sixaxis_reference::laboratory::session::simulate_session;
 
 /// A plan that is fitted in hundredths of a second: a random sensor on limbs that do not give way, half of the paper's trials, a
 /// quarter of the sample rate. Enough of the latter that the run-up's harmonics are not folded back.
@@ -65,11 +65,9 @@ impl Fitted {
     /// # Errors
     /// What stops it, in words.
     pub fn of(plan: &SessionPlan) -> Result<Self, String> {
-        let played = play(plan).map_err(|e| e.to_string())?;
-        let truth = values(&played.truth.parameters);
-        let collected =
-            collect(&played.session, played.recordings).map_err(|failure| failure.cause)?;
-        let campaign = collected.campaign;
+        let played = simulate_session(plan).map_err(|e| e.to_string())?;
+        let truth = played.truth.parameters.to_paper_order();
+        let campaign = prepare(&played.session, played.recordings).campaign;
         let class = played.session.gyroscope.class_percent / 100.0;
         let steps = campaign
             .identify(GyroscopeGain::Certified { class })

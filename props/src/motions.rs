@@ -5,6 +5,7 @@
 //! reference's own error. The decoupler is given voltages, the true parameters and how the sensor hangs; truth comes
 //! from the simulator's state.
 
+use crate::truth;
 use glam::DVec3;
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
@@ -14,12 +15,10 @@ use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::{
     Geometry, LIMBS, Parameters, Scheme, Sensor, Settings, SixAxis, StaticResponse,
 };
-use sixaxis_reference::campaign::MASS_KG;
-use sixaxis_reference::chain::amplifier_ranges;
-use sixaxis_reference::mjcf::SensorModel;
-use sixaxis_reference::recording::{SimulatedMotion, TrueMotion};
-use sixaxis_reference::simulation::Simulation;
-use sixaxis_reference::tumble::Tumble;
+use sixaxis_reference::motion::TrueMotion;
+use sixaxis_reference::mujoco::model::SensorModel;
+use sixaxis_reference::mujoco::simulation::Simulation;
+use sixaxis_reference::rig::tumble::Tumble;
 
 use crate::compare::largest;
 use crate::evidence::Row;
@@ -31,9 +30,6 @@ const LOWEST_RATE_HZ: f64 = 10_000.0;
 const SAMPLES_PER_PERIOD: f64 = 500.0;
 /// Longest Runge-Kutta step of the coarser simulation, s.
 const LONGEST_STEP_S: f64 = 2.5e-5;
-
-/// Range of the converter that the amplifiers are set for, V.
-const FULL_SCALE_V: f64 = 10.0;
 
 /// Share of full scale that limb damping may move the limb lengths by: the core, like the paper, knows of none.
 const DAMPING_EFFECT: f64 = 2e-8;
@@ -88,12 +84,8 @@ impl Case {
         let f0 = self.parameters.stiffness_per_mass_per_s2.sqrt() / core::f64::consts::TAU;
         let share = self.motion.highest_frequency_hz() / f0;
         SensorModel {
-            geometry: Geometry::PAPER,
-            mass_kg: MASS_KG,
-            inertia_per_mass: self.parameters.inertia_per_mass,
-            stiffness_per_mass_per_s2: self.parameters.stiffness_per_mass_per_s2,
             damping_ratio: (DAMPING_EFFECT / (2.0 * share.powi(3))).min(LARGEST_DAMPING_RATIO),
-            gravity_ground_m_s2: self.gravity_ground_m_s2,
+            ..truth::model(&self.parameters, self.gravity_ground_m_s2)
         }
     }
 
@@ -105,9 +97,14 @@ impl Case {
     pub fn decoupled(&self, refinement: usize, scheme: Scheme) -> Decoupled {
         let rate = self.sample_rate_hz();
         let steps = (1.0 / (rate * LONGEST_STEP_S)).ceil() as usize * refinement;
-        let run =
-            SimulatedMotion::simulate(&self.model(), &self.motion, self.duration_s(), rate, steps)
-                .expect("the simulation of a random motion");
+        let run = sixaxis_reference::mujoco::simulate(
+            &self.model(),
+            &self.motion,
+            self.duration_s(),
+            rate,
+            steps,
+        )
+        .expect("the simulation of a random motion");
         let rest = match self.static_response {
             StaticResponse::Tared => {
                 Simulation::mean_rest_force_per_mass_m_s2(&self.model(), LONGEST_STEP_S)
@@ -120,7 +117,7 @@ impl Case {
             .iter()
             .map(|force| core::array::from_fn(|i| force[i] - rest[i]))
             .collect();
-        let gains = amplifier_ranges(&forces, &self.parameters, FULL_SCALE_V);
+        let gains = truth::amplifier_ranges(&forces, &self.parameters);
         let signal = SignalChain::new(&gains, &self.parameters);
         let voltages = forces.iter().map(|force| signal.voltage_v(force));
         let sensor = Sensor {

@@ -6,6 +6,8 @@
 
 pub mod monte_carlo;
 
+use crate::truth;
+use crate::truth::InCore;
 use glam::DVec3;
 use nalgebra::SVector;
 use rand_distr::{Distribution, StandardNormal};
@@ -15,17 +17,20 @@ use sixaxis_calibration::conditioning::Conditioning;
 use sixaxis_calibration::propagation::{Sources, TrialNoise};
 use sixaxis_calibration::steps::Campaign;
 use sixaxis_calibration::trial::Trial;
-use sixaxis_core::decouple::uncertainty::PARAMETERS;
 use sixaxis_core::identify::zero_drift;
+use sixaxis_core::parameter::PARAMETERS;
 use sixaxis_core::{Decoupler, Geometry, LIMBS, Parameters, Scheme, SixAxis};
 use sixaxis_recordings::session::{Preprocessing, Role};
-use sixaxis_reference::campaign::{self, Laboratory, STATIC_DURATION_S, STATIC_RATE_HZ, plan};
-use sixaxis_reference::chain::Chain;
-use sixaxis_reference::instruments::{GYROSCOPE_BANDWIDTH_HZ, Instruments};
-use sixaxis_reference::paper;
-use sixaxis_reference::recording::SimulatedRun;
-use sixaxis_reference::rig::Mounting;
+use sixaxis_reference::laboratory::chain::Chain;
+use sixaxis_reference::laboratory::instruments::{GYROSCOPE_BANDWIDTH_HZ, Instruments};
+use sixaxis_reference::laboratory::plan::RigPlan;
+use sixaxis_reference::laboratory::schedule::{compound_trials, trials};
+use sixaxis_reference::laboratory::{Laboratory, STATIC_DURATION_S, STATIC_RATE_HZ};
+use sixaxis_reference::mujoco::model::SensorModel;
+use sixaxis_reference::mujoco::simulate_run;
+use sixaxis_reference::rig::run::Mounting;
 use sixaxis_reference::rigid::RigidSensor;
+use sixaxis_reference::sensor::TrueSensor;
 
 use crate::compare::largest;
 
@@ -85,9 +90,9 @@ impl World {
     /// If MuJoCo refuses a run within the rig's limits.
     #[must_use]
     pub fn play(size: Size) -> Self {
-        let truth = paper::identified_parameters();
-        let sensor = RigidSensor::new(&Geometry::PAPER, &truth.inertia_per_mass, &[1.0; LIMBS])
-            .expect("three nodes hold a body");
+        let truth = truth::identified_parameters();
+        let sensor = TrueSensor::identified();
+        let rigid = RigidSensor::new(&sensor, &[1.0; LIMBS]).expect("three nodes hold a body");
         let noisy = Chain {
             signal_to_noise_db: Some(SIGNAL_TO_NOISE_DB),
             ..Chain::noise_free()
@@ -97,29 +102,29 @@ impl World {
                 gyroscope_bandwidth_hz: Some(GYROSCOPE_BANDWIDTH_HZ),
                 ..Instruments::perfect()
             },
-            ..Laboratory::noise_free(truth)
+            ..Laboratory::noise_free(sensor)
         };
-        let upright = plan(size.per_step, Mounting::AxisVertical);
-        let level = campaign::compound(Mounting::AxisLevel);
+        let upright = trials(
+            &RigPlan::one_turn(Mounting::AxisVertical),
+            size.per_step,
+            None,
+        );
+        let level = compound_trials(&RigPlan::one_turn(Mounting::AxisLevel));
         let trials: Vec<(Role, Trial)> = upright
             .par_iter()
             .chain(&level)
             .enumerate()
             .map(|(index, planned)| {
-                let model = planned.model(&truth);
-                let run = if planned.role == campaign::Role::FastLinear {
+                let gravity = planned.gravity_ground_m_s2();
+                let run = if planned.role == Role::HighFrequencyLinear {
                     let steps = (1.0 / (size.rate_hz * LONGEST_STEP_S)).ceil() as usize;
-                    SimulatedRun::simulate(&model, &planned.run, size.rate_hz, steps)
+                    let model = SensorModel::new(&sensor, gravity);
+                    simulate_run(&model, &planned.run, size.rate_hz, steps)
                         .expect("a run within the rig's limits simulates")
                 } else {
-                    sensor.play(&planned.run, model.gravity_ground_m_s2, size.rate_hz)
+                    rigid.play(&planned.run, gravity, size.rate_hz)
                 };
-                let role = match planned.role {
-                    campaign::Role::Linear => Role::Linear,
-                    campaign::Role::Angular => Role::Angular,
-                    campaign::Role::FastLinear => Role::HighFrequencyLinear,
-                    campaign::Role::Compound => Role::Validation,
-                };
+                let role = planned.role;
                 (role, laboratory.record(&run, index).trial(role))
             })
             .collect();
@@ -163,7 +168,7 @@ impl World {
         Self {
             clean: Campaign {
                 geometry: Geometry::PAPER,
-                design: paper::design_parameters(),
+                design: truth::design_parameters(),
                 static_voltage_v: vec![truth.zero_drift_v; size.static_samples],
                 trials,
             },

@@ -1,13 +1,15 @@
 //! Short runs of the calibration rig with the paper's sensor or one like it, simulated, recorded and decoupled: what most
 //! suites on MuJoCo begin with.
 
+use crate::truth;
 use glam::DVec3;
 use sixaxis_core::decouple::stream::Decoupler;
-use sixaxis_core::{Geometry, LIMBS, Parameters, Sensor, Settings, SixAxis};
-use sixaxis_reference::campaign::{DAMPING_RATIO, MASS_KG};
-use sixaxis_reference::mjcf::SensorModel;
-use sixaxis_reference::recording::SimulatedRun;
-use sixaxis_reference::rig::{Mode, Mounting, Run};
+use sixaxis_core::{LIMBS, Parameters, Sensor, Settings, SixAxis};
+use sixaxis_reference::laboratory::plan::RigPlan;
+use sixaxis_reference::laboratory::schedule::compound_trials;
+use sixaxis_reference::motion::SimulatedRun;
+use sixaxis_reference::mujoco::model::SensorModel;
+use sixaxis_reference::rig::run::{Mode, Mounting, Run};
 
 use crate::compare::largest;
 
@@ -19,14 +21,14 @@ pub const STEPS: usize = 4;
 /// The simulated sensor with the paper's drawing, hung as the mounting has it.
 #[must_use]
 pub fn model(parameters: &Parameters, direction: DVec3, mounting: Mounting) -> SensorModel {
-    SensorModel {
-        geometry: Geometry::PAPER,
-        mass_kg: MASS_KG,
-        inertia_per_mass: parameters.inertia_per_mass,
-        stiffness_per_mass_per_s2: parameters.stiffness_per_mass_per_s2,
-        damping_ratio: DAMPING_RATIO,
-        gravity_ground_m_s2: mounting.gravity_ground_m_s2(direction),
-    }
+    truth::model(parameters, mounting.gravity_ground_m_s2(direction))
+}
+
+/// The fastest run of Tables 4 to 6: compound motion at 5 Hz.
+#[must_use]
+pub fn compound_run() -> Run {
+    let [.., fastest] = compound_trials(&RigPlan::one_turn(Mounting::AxisVertical));
+    fastest.run
 }
 
 /// Half a turn up and half a turn down at 5 Hz: short, and as violent as the rig gets.
@@ -69,7 +71,7 @@ pub fn simulate_trial(
         ..Run::new(mode, frequency_hz, direction)
     };
     let model = model(parameters, direction, Mounting::AxisVertical);
-    SimulatedRun::simulate(&model, &run, CAMPAIGN_RATE_HZ, CAMPAIGN_STEPS)
+    sixaxis_reference::mujoco::simulate_run(&model, &run, CAMPAIGN_RATE_HZ, CAMPAIGN_STEPS)
         .expect("a run within the rig's limits simulates")
 }
 
@@ -85,7 +87,7 @@ pub fn simulate(
     mounting: Mounting,
 ) -> SimulatedRun {
     let run = short_run(mode, direction);
-    SimulatedRun::simulate(
+    sixaxis_reference::mujoco::simulate_run(
         &model(parameters, direction, mounting),
         &run,
         RATE_HZ,

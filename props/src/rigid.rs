@@ -1,9 +1,9 @@
 //! The sensor with rigid limbs: what nine forces a motion asks for when nothing gives way.
 
 use glam::DVec3;
-use sixaxis_core::{Geometry, LIMBS};
-use sixaxis_reference::paper;
-use sixaxis_reference::rigid::RigidSensor;
+use sixaxis_core::LIMBS;
+use sixaxis_reference::rigid::{Load, RigidSensor};
+use sixaxis_reference::sensor::TrueSensor;
 
 /// Limb forces per mass of the paper's drawing, J (J^T J)^-1 \[a; torque\]: m/s^2 from m/s^2 and m^2/s^2, shell axes.
 ///
@@ -12,8 +12,10 @@ use sixaxis_reference::rigid::RigidSensor;
 #[must_use]
 pub fn forces(acceleration: DVec3, torque: DVec3) -> [f64; LIMBS] {
     // The inertia has no part in it: the torque is given.
-    let inertia = paper::design_parameters().inertia_per_mass;
-    RigidSensor::new(&Geometry::PAPER, &inertia, &[1.0; LIMBS])
+    RigidSensor::new(&TrueSensor::design(), &[1.0; LIMBS])
         .expect("three nodes hold a body")
-        .forces_m_s2(acceleration, torque)
+        .forces_m_s2(&Load {
+            specific_force_m_s2: acceleration,
+            torque_m2_s2: torque,
+        })
 }

@@ -1,14 +1,15 @@
 //! Sensors tumbled in the field after a calibration that no longer holds, and what their rows say of it.
 
+use crate::truth;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::redundancy::self_calibration::{Limits, Moments, ScaleRatios};
 use sixaxis_core::{Gains, Geometry, LIMBS, Parameters, Result, Sensor, Settings};
-use sixaxis_reference::chain::amplifier_ranges;
-use sixaxis_reference::field::{Field, Load, Pace, compliant_forces_m_s2, unequal_forces_m_s2};
-use sixaxis_reference::rigid::RigidSensor;
-use sixaxis_reference::session::plan::random_sensor;
+use sixaxis_reference::compliant::compliant_forces_m_s2;
+use sixaxis_reference::rig::field::{Field, Pace};
+use sixaxis_reference::rigid::Load;
+use sixaxis_reference::rigid::RigidSensor; // MOVED
 
 /// Noise of one sample over its channel's peak: the 0.33 %.
 pub const NOISE_SHARE: f64 = 0.0033;
@@ -70,7 +71,7 @@ impl Case {
     #[must_use]
     pub fn of(seed: u64, pace: Pace, duration_s: f64, drift: f64) -> Self {
         let mut rng = Pcg64::new(u128::from(seed), SENSOR_STREAM);
-        let truth = random_sensor(&mut rng);
+        let truth = truth::random_parameters(&mut rng);
         let mut calibration = truth;
         for (scale, unit) in calibration
             .scale_per_mass_per_kg
@@ -109,11 +110,10 @@ impl Case {
         rng: &mut Pcg64,
     ) -> Self {
         let field = Field::by_hand(rng, pace, duration_s, SAMPLE_RATE_HZ);
-        let (loads, _) = field.play(&truth);
+        let (loads, _) = field.play(&truth::sensor(&truth));
         let forces =
-            compliant_forces_m_s2(&Geometry::PAPER, truth.stiffness_per_mass_per_s2, &loads)
-                .expect("the limbs hold the mass");
-        let gains = amplifier_ranges(&forces, &truth, 10.0);
+            compliant_forces_m_s2(&truth::sensor(&truth), &loads).expect("the limbs hold the mass");
+        let gains = truth::amplifier_ranges(&forces, &truth);
         Self {
             seed,
             truth,
@@ -131,9 +131,10 @@ impl Case {
     /// For limbs that do not hold the mass.
     #[must_use]
     pub fn with_stiffness(mut self, ratio: &[f64; LIMBS]) -> Self {
-        let sensor = RigidSensor::new(&Geometry::PAPER, &self.truth.inertia_per_mass, ratio)
-            .expect("limbs that hold the mass");
-        self.forces = unequal_forces_m_s2(&sensor, &self.loads);
+        let sensor =
+            RigidSensor::new(&truth::sensor(&self.truth), ratio).expect("limbs that hold the mass");
+        let loads = self.loads.iter();
+        self.forces = loads.map(|load| sensor.forces_m_s2(load)).collect();
         self
     }
 

@@ -1,11 +1,11 @@
 //! Random sensors, motions and rubbish.
 
+use crate::truth;
 use glam::DVec3;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
 use sixaxis_core::{Geometry, InertiaPerMass, Parameters, StaticResponse};
-use sixaxis_reference::mjcf::limb_jacobian;
-use sixaxis_reference::tumble::{SINES, Sine, Tumble};
+use sixaxis_reference::rig::tumble::{SINES, Sine, Tumble};
 use sixaxis_reference::{paper, rig};
 
 use crate::manufactured::motion::{Harmonic, Manufactured};
@@ -43,7 +43,7 @@ pub fn config(cases: u32) -> Config {
 
 /// A sensor scattered about the design as the paper's identified one is.
 pub fn parameters() -> impl Strategy<Value = Parameters> {
-    let design = paper::design_parameters();
+    let design = truth::design_parameters();
     (
         prop::array::uniform9(-20e-3..20e-3_f64),
         prop::array::uniform9(0.6..1.4_f64),
@@ -144,7 +144,7 @@ fn displacement(
     acceleration: DVec3,
     angular: DVec3,
 ) -> (DVec3, DVec3) {
-    let jacobian = limb_jacobian(geometry);
+    let jacobian = geometry.limb_jacobian();
     let torque = parameters.inertia_per_mass.matrix_mass_m2() * angular;
     let (a, m) = (acceleration, torque);
     let wrench = nalgebra::Vector6::new(a.x, a.y, a.z, m.x, m.y, m.z);
@@ -182,8 +182,8 @@ pub fn case() -> impl Strategy<Value = Case> {
                 let omega = core::f64::consts::TAU * frequency_hz;
                 (
                     frequency_hz,
-                    rig::SLIDER_AMPLITUDE_M * omega * omega,
-                    rig::ROTATION_AMPLITUDE_RAD * omega,
+                    rig::run::SLIDER_AMPLITUDE_M * omega * omega,
+                    rig::run::ROTATION_AMPLITUDE_RAD * omega,
                 )
             } else {
                 (5.0 * 40.0_f64.powf(speed), 500.0 * size, 50.0 * size)

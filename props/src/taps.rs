@@ -2,6 +2,7 @@
 
 mod bound;
 
+use crate::truth;
 pub use bound::{States, bound_ln};
 use nalgebra::Matrix6;
 use rand_distr::{Distribution, StandardNormal};
@@ -11,14 +12,14 @@ use sixaxis_core::identify::tap::{Setup, Tap, identify};
 use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::significance::NORMAL_95;
 use sixaxis_core::{Geometry, InertiaPerMass, LIMBS, Parameters, Sensor};
-use sixaxis_reference::campaign::{DAMPING_RATIO, MASS_KG};
-use sixaxis_reference::chain::amplifier_ranges;
-use sixaxis_reference::mjcf::SensorModel;
+use sixaxis_reference::mujoco::model::DAMPING_RATIO;
+use sixaxis_reference::mujoco::model::SensorModel;
+use sixaxis_reference::mujoco::simulate;
+use sixaxis_reference::mujoco::simulation::SimulationError;
 use sixaxis_reference::paper;
-use sixaxis_reference::rig::Mounting;
-use sixaxis_reference::session::plan::random_sensor;
-use sixaxis_reference::simulation::SimulationError;
-use sixaxis_reference::tap::{Blow, DURATION_S, SAMPLE_RATE_HZ, STEPS_PER_SAMPLE};
+use sixaxis_reference::rig;
+use sixaxis_reference::rig::run::Mounting;
+use sixaxis_reference::rig::tap::{DURATION_S, SAMPLE_RATE_HZ, STEPS_PER_SAMPLE};
 
 /// Standard deviation of the noise over the largest channel's peak that the bars are set at.
 pub const NOISE_SHARE: f64 = 0.01;
@@ -40,7 +41,7 @@ pub struct Case {
     /// Damping of one limb, of critical under the whole mass.
     pub damping_ratio: f64,
     /// The blow.
-    pub blow: Blow,
+    pub tap: rig::tap::Tap,
     /// Scale factors and I/m with their errors, k/m of the design.
     pub known: Parameters,
     rng: Pcg64,
@@ -60,12 +61,12 @@ pub struct Recorded {
 }
 
 impl Case {
-    /// Draws a sensor, a blow and errors of what is known beforehand.
+    /// Draws a sensor, a tap and errors of what is known beforehand.
     #[must_use]
     pub fn random(seed: u64) -> Self {
         let mut rng = Pcg64::new(u128::from(seed), STREAM);
-        let truth = random_sensor(&mut rng);
-        let blow = Blow::random(&mut rng);
+        let truth = truth::random_parameters(&mut rng);
+        let tap = rig::tap::Tap::random(&mut rng);
         let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
         let inertia = truth.inertia_per_mass.to_paper_order();
         let deviation = inertia_deviation_m2(&truth);
@@ -83,7 +84,7 @@ impl Case {
             seed,
             truth,
             damping_ratio: DAMPING_RATIO,
-            blow,
+            tap,
             known,
             rng,
         }
@@ -92,13 +93,10 @@ impl Case {
     /// The sensor as MuJoCo has it.
     #[must_use]
     pub fn model(&self) -> SensorModel {
+        let gravity_ground_m_s2 = Mounting::AxisVertical.gravity_ground_m_s2(glam::DVec3::Z);
         SensorModel {
-            geometry: Geometry::PAPER,
-            mass_kg: MASS_KG,
-            inertia_per_mass: self.truth.inertia_per_mass,
-            stiffness_per_mass_per_s2: self.truth.stiffness_per_mass_per_s2,
             damping_ratio: self.damping_ratio,
-            gravity_ground_m_s2: Mounting::AxisVertical.gravity_ground_m_s2(glam::DVec3::Z),
+            ..truth::model(&self.truth, gravity_ground_m_s2)
         }
     }
 
@@ -119,16 +117,14 @@ impl Case {
         noise_share: f64,
         steps: usize,
     ) -> Result<Recorded, SimulationError> {
-        let motion = self
-            .blow
-            .play(&self.model(), DURATION_S, SAMPLE_RATE_HZ, steps)?;
+        let motion = simulate(&self.model(), &self.tap, DURATION_S, SAMPLE_RATE_HZ, steps)?;
         Ok(self.measured(motion.limb_force_per_mass_m_s2, noise_share))
     }
 
     /// The measuring chain: ranges that fit, noise of one size in all channels.
     #[must_use]
     pub fn measured(&self, force: Vec<[f64; LIMBS]>, noise_share: f64) -> Recorded {
-        let gains = amplifier_ranges(&force, &self.truth, FULL_SCALE_V);
+        let gains = truth::amplifier_ranges(&force, &self.truth);
         let rest = force[0];
         let force_per_mass_m_s2: Vec<[f64; LIMBS]> = force
             .iter()

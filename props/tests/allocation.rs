@@ -17,7 +17,7 @@ use sixaxis_props::faults::{FALSE_ALARMS_PER_HOUR, Scene};
 use sixaxis_props::manufactured::examples;
 use sixaxis_props::self_calibration::Case;
 use sixaxis_props::strategy::seed;
-use sixaxis_reference::paper;
+use sixaxis_props::truth;
 
 const SAMPLES: usize = 1000;
 const RATE_HZ: f64 = 4000.0;
@@ -148,7 +148,7 @@ fn inv_self_calibration_allocates_nothing() {
 
 #[test]
 fn inv_uncertainty_of_a_sample_allocates_nothing() {
-    let parameters = paper::identified_parameters();
+    let parameters = truth::identified_parameters();
     let sensor = Sensor {
         geometry: Geometry::PAPER,
         gains: Gains::uniform(1.0),

@@ -1,25 +1,28 @@
-//! The world that sixaxis-core is judged by: sensor, rig and instruments, simulated with MuJoCo.
+//! The truth that the rest of the project is judged by: sensor, rig, laboratory.
 //!
-//! [`paper`] holds the printed numbers and [`mjcf`] the sensor as a MuJoCo model. [`simulation`] runs it with its
-//! shell driven exactly along a motion, be it one of the [`rig`], a [`tumble`] beyond it or the [`tap`] of a hammer; [`recording`] keeps what a laboratory would have on disk apart
-//! from the truth, after the [`chain`] and the standard [`instruments`] have had their say; [`campaign`] is the
-//! paper's plan of runs. [`threshold`] repeats Fig. 7; [`modes`] is linear theory and [`ringdown`] what it is held
-//! against.
+//! Nothing here uses `sixaxis-core` or the calibration: what is judged and what it is judged by share no code.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`paper`] | the numbers that the paper prints |
+//! | [`geometry`], [`sensor`] | where the limbs are, equations (5) and (6); the true sensor with its 25 parameters |
+//! | [`rig`] | motions prescribed to the shell: the paper's rig, taps, tumbles |
+//! | [`motion`] | what every engine takes and what it gives: a motion; limb forces and true motion, sample by sample |
+//! | [`mujoco`] | the engine: MuJoCo, limbs and all, behind the feature of that name (on by default) |
+//! | [`rigid`], [`compliant`] | closed forms, for campaigns by the thousand and for records by the minute |
+//! | [`linear_theory`] | modes and relative motion by linear theory, to hold MuJoCo against |
+//! | [`laboratory`] | measuring chain and reference instruments; a whole session, with defects, on disk |
+//! | [`smooth_step`] | how a motion starts from rest |
 
-pub mod campaign;
-pub mod chain;
-pub mod field;
-pub mod instruments;
-pub mod mjcf;
-pub mod modes;
+pub mod compliant;
+pub mod geometry;
+pub mod laboratory;
+pub mod linear_theory;
+pub mod motion;
+#[cfg(feature = "mujoco")]
+pub mod mujoco;
 pub mod paper;
-pub mod recording;
 pub mod rig;
 pub mod rigid;
-pub mod ringdown;
-pub mod session;
-pub mod simulation;
+pub mod sensor;
 pub mod smooth_step;
-pub mod tap;
-pub mod threshold;
-pub mod tumble;

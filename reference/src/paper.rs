@@ -1,10 +1,9 @@
 //! The numbers the paper prints, in the units it prints them in converted to SI.
 //!
 //! You, Li, Wu, Optics and Precision Engineering 21(10), 2013, 2627-2638. The sensor that the campaign simulates has
-//! the *identified* columns as its truth; the decoupler starts from the *design* columns.
+//! the *identified* columns as its truth; identification starts from the *design* columns ([`crate::sensor::TrueSensor`] has both).
 
 use glam::DVec3;
-use sixaxis_core::{InertiaPerMass, Parameters};
 
 /// Standard gravity, m/s^2.
 pub const GRAVITY_M_S2: f64 = 9.80665;
@@ -85,27 +84,3 @@ pub const COMPOUND_TABLES: [CompoundTable; 3] = [
         error_after_percent: [7.479, 7.108, 5.984, 7.061, 6.148, 5.742],
     },
 ];
-
-/// The sensor as designed: the "design" columns.
-#[must_use]
-pub fn design_parameters() -> Parameters {
-    Parameters {
-        zero_drift_v: [0.0; 9],
-        scale_per_mass_per_kg: [DESIGN_SCALE_PER_MASS_PER_KG; 9],
-        inertia_per_mass: InertiaPerMass::from_paper_order(
-            DESIGN_INERTIA_PER_MASS_MM2.map(|i| i * 1e-6),
-        ),
-        stiffness_per_mass_per_s2: DESIGN_STIFFNESS_PER_MASS_PER_S2,
-    }
-}
-
-/// The sensor as it came out of the paper's identification: the "identified" columns and k/m of Fig. 10.
-#[must_use]
-pub fn identified_parameters() -> Parameters {
-    Parameters {
-        zero_drift_v: ZERO_DRIFT_MV.map(|d| d * 1e-3),
-        scale_per_mass_per_kg: SCALE_PER_MASS_PER_KG,
-        inertia_per_mass: InertiaPerMass::from_paper_order(INERTIA_PER_MASS_MM2.map(|i| i * 1e-6)),
-        stiffness_per_mass_per_s2: STIFFNESS_PER_MASS_PER_S2,
-    }
-}

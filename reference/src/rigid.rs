@@ -1,4 +1,4 @@
-//! The rig's runs with limbs that do not give way: closed form, a thousand times faster than [`crate::simulation`].
+//! The sensor with limbs that do not give way: closed form, a thousand times faster than MuJoCo.
 //!
 //! Up to 5 Hz the mass moves against the shell by a millionth of what the shell moves by; where instruments are good to 1 %,
 //! that is nothing. Campaigns by the hundred, to try a verdict on, are made this way; the test `ref_rigid_runs_are_mujocos`
@@ -6,44 +6,65 @@
 
 use glam::{DQuat, DVec3};
 use nalgebra::{SMatrix, SVector, Vector6};
-use sixaxis_core::identify::inertia::euler_torque;
-use sixaxis_core::{Geometry, InertiaPerMass, LIMBS};
 
-use crate::mjcf::limb_jacobian;
-use crate::recording::{SimulatedRun, TrueMotion};
-use crate::rig::Run;
+use crate::geometry::LIMBS;
+use crate::motion::{SimulatedRun, TrueMotion};
+use crate::rig::run::Run;
+use crate::sensor::{InertiaPerMass, TrueSensor};
+
+/// What an instant asks of the limbs, over the mass, shell axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Load {
+    /// Acceleration less gravity, m/s^2.
+    pub specific_force_m_s2: DVec3,
+    /// Torque about the mass's centre, m^2/s^2.
+    pub torque_m2_s2: DVec3,
+}
+
+impl Load {
+    /// As six components, force first.
+    #[must_use]
+    pub fn wrench(&self) -> Vector6<f64> {
+        let (a, m) = (self.specific_force_m_s2, self.torque_m2_s2);
+        Vector6::new(a.x, a.y, a.z, m.x, m.y, m.z)
+    }
+}
+
+/// Torque over mass, m^2/s^2, that turns the mass at a rate, rad/s, and an angular acceleration, rad/s^2, mass axes.
+#[must_use]
+pub fn torque_per_mass(
+    inertia: &InertiaPerMass,
+    rate_rad_s: DVec3,
+    angular_rad_s2: DVec3,
+) -> DVec3 {
+    let tensor = inertia.tensor_m2();
+    tensor * angular_rad_s2 + rate_rad_s.cross(tensor * rate_rad_s)
+}
 
 /// A sensor without compliance.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RigidSensor {
     /// Forces per mass over acceleration and torque per mass.
-    shares: SMatrix<f64, LIMBS, 6>,
+    load_sharing: SMatrix<f64, LIMBS, 6>,
     inertia: InertiaPerMass,
 }
 
 impl RigidSensor {
     /// A sensor whose limbs' stiffnesses stand in the given ratio. None for limbs that do not hold the mass.
     #[must_use]
-    pub fn new(
-        geometry: &Geometry,
-        inertia: &InertiaPerMass,
-        stiffness_ratio: &[f64; LIMBS],
-    ) -> Option<Self> {
-        let jacobian = limb_jacobian(geometry);
-        let stiffness = SMatrix::from_diagonal(&SVector::from(*stiffness_ratio));
-        let weighted = stiffness * jacobian;
-        let shares = weighted * (jacobian.transpose() * weighted).try_inverse()?;
+    pub fn new(sensor: &TrueSensor, stiffness_ratio: &[f64; LIMBS]) -> Option<Self> {
+        let wrenches = sensor.geometry.limb_wrenches();
+        let weighted = SMatrix::from_diagonal(&SVector::from(*stiffness_ratio)) * wrenches;
         Some(Self {
-            shares,
-            inertia: *inertia,
+            load_sharing: weighted * (wrenches.transpose() * weighted).try_inverse()?,
+            inertia: sensor.inertia_per_mass,
         })
     }
 
-    /// Limb forces per mass, m/s^2, that an acceleration (less gravity) and a torque per mass ask for, shell axes.
+    /// Limb forces per mass, m/s^2, under a load.
     #[must_use]
-    pub fn forces_m_s2(&self, acceleration: DVec3, torque_m2_s2: DVec3) -> [f64; LIMBS] {
-        let (a, m) = (acceleration, torque_m2_s2);
-        (self.shares * Vector6::new(a.x, a.y, a.z, m.x, m.y, m.z)).into()
+    pub fn forces_m_s2(&self, load: &Load) -> [f64; LIMBS] {
+        (self.load_sharing * load.wrench()).into()
     }
 
     /// A whole run of the rig. A pinion turns about an axis that is the same in shell and ground.
@@ -55,23 +76,26 @@ impl RigidSensor {
         let (limb_force_per_mass_m_s2, truth) = (0..samples)
             .map(|sample| {
                 let [place, speed, acceleration] = run.stroke_share(sample as f64 / sample_rate_hz);
-                let attitude = DQuat::from_axis_angle(axis, rotation * place);
-                let linear = axis * (travel * acceleration);
-                let rate = axis * (rotation * speed);
-                let angular = axis * (rotation * acceleration);
-                let specific = attitude.inverse() * (linear - gravity_ground_m_s2);
-                let torque = euler_torque(&self.inertia, rate, angular);
                 let motion = TrueMotion {
-                    linear_ground_m_s2: linear,
-                    angular_ground_rad_s2: angular,
-                    rate_shell_rad_s: rate,
-                    attitude,
+                    linear_ground_m_s2: axis * (travel * acceleration),
+                    angular_ground_rad_s2: axis * (rotation * acceleration),
+                    rate_shell_rad_s: axis * (rotation * speed),
+                    attitude: DQuat::from_axis_angle(axis, rotation * place),
                 };
-                (self.forces_m_s2(specific, torque), motion)
+                let specific = motion.linear_ground_m_s2 - gravity_ground_m_s2;
+                let load = Load {
+                    specific_force_m_s2: motion.attitude.inverse() * specific,
+                    torque_m2_s2: torque_per_mass(
+                        &self.inertia,
+                        motion.rate_shell_rad_s,
+                        motion.angular_ground_rad_s2,
+                    ),
+                };
+                (self.forces_m_s2(&load), motion)
             })
             .unzip();
         SimulatedRun {
-            run: *run,
+            motion: *run,
             gravity_ground_m_s2,
             sample_rate_hz,
             limb_force_per_mass_m_s2,

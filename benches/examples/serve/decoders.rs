@@ -1,12 +1,10 @@
 //! Those who decode: voltages in, six accelerations out.
 
-use sixaxis_benches::peer;
-use sixaxis_benches::peer::PeerDecoupler;
-use sixaxis_benches::problem;
 use sixaxis_benches::problem::true_parameters;
 use sixaxis_core::Decoupler;
 use sixaxis_core::LIMBS;
 use sixaxis_core::Scheme;
+use sixaxis_core::SixAxis;
 use sixaxis_core::decouple::lanes::LaneSample;
 use sixaxis_core::decouple::lanes::push_lanes;
 use sixaxis_core::kernel::simd::LANES;
@@ -19,9 +17,11 @@ pub fn push(input: &Input) -> Box<dyn Peer> {
     let ready = input.recorded.decoupler(Scheme::Heun);
     let voltage_v = input.recorded.recording.voltage_v.clone();
     Decoder::boxed(voltage_v.len(), move |rows| {
-        problem::decouple(black_box(&ready), black_box(&voltage_v), |s| {
-            rows.push(row(s.linear_ground_m_s2, s.angular_ground_rad_s2));
-        });
+        let mut decoupler = black_box(&ready).clone();
+        let sink = |s: &SixAxis| rows.push(row(s.linear_ground_m_s2, s.angular_ground_rad_s2));
+        decoupler
+            .push_all(black_box(&voltage_v), sink)
+            .expect("a recorded run");
     })
 }
 
@@ -79,19 +79,14 @@ pub fn lanes(input: &Input) -> Box<dyn Peer> {
     })
 }
 
-pub fn nalgebra(input: &Input) -> Box<dyn Peer> {
-    let ready = PeerDecoupler::new(&input.recorded, &true_parameters());
+pub fn paper(input: &Input) -> Box<dyn Peer> {
+    let ready = input.recorded.paper_decoder(&true_parameters());
     let voltage_v = input.recorded.recording.voltage_v.clone();
     Decoder::boxed(voltage_v.len(), move |rows| {
-        peer::decouple(black_box(&ready), black_box(&voltage_v), |s| {
-            rows.push([
-                s.a.x,
-                s.a.y,
-                s.a.z,
-                s.w_dot_ground.x,
-                s.w_dot_ground.y,
-                s.w_dot_ground.z,
-            ]);
-        });
+        let mut decoder = black_box(&ready).clone();
+        let sink = |s: &SixAxis| rows.push(row(s.linear_ground_m_s2, s.angular_ground_rad_s2));
+        decoder
+            .push_all(black_box(&voltage_v), sink)
+            .expect("a recorded run");
     })
 }

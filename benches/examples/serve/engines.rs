@@ -5,8 +5,8 @@ use glam::DVec3;
 use sixaxis_benches::problem::FreeSensor;
 use sixaxis_benches::problem::STEP_S;
 use sixaxis_benches::problem::compound_5_hz;
-use sixaxis_reference::mjcf::SHELL_INERTIA_KG_M2;
-use sixaxis_reference::mjcf::SHELL_MASS_KG;
+use sixaxis_reference::mujoco::model::SHELL_INERTIA_KG_M2;
+use sixaxis_reference::mujoco::model::SHELL_MASS_KG;
 
 use crate::peer::{Input, Peer, Row, State, row};
 

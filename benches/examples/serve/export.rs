@@ -3,12 +3,7 @@
 use glam::DMat3;
 use serde::Deserialize;
 use serde::Serialize;
-use sixaxis_benches::peer;
-use sixaxis_benches::peer::PeerDecoupler;
-use sixaxis_benches::peer::PeerGeometry;
-use sixaxis_benches::peer::PeerPose;
 use sixaxis_benches::problem;
-use sixaxis_benches::problem::Answer;
 use sixaxis_benches::problem::DECOUPLE_RATE_HZ;
 use sixaxis_benches::problem::Recorded;
 use sixaxis_benches::problem::STEP_S;
@@ -16,15 +11,17 @@ use sixaxis_benches::problem::compound_5_hz;
 use sixaxis_benches::problem::true_parameters;
 use sixaxis_core::Geometry;
 use sixaxis_core::LIMBS;
+use sixaxis_core::SixAxis;
 use sixaxis_core::geometry::DIRECTIONS_SHELL;
 use sixaxis_core::paper::pose::Pose;
 use sixaxis_core::paper::preload::static_preload_m_s2;
 use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::paper::wrench::LimbWrench;
-use sixaxis_reference::mjcf::SHELL_INERTIA_KG_M2;
-use sixaxis_reference::mjcf::SHELL_MASS_KG;
-use sixaxis_reference::recording::Recording;
-use sixaxis_reference::recording::TrueMotion;
+use sixaxis_props::truth::InCore;
+use sixaxis_reference::laboratory::recording::SimulatedRecording;
+use sixaxis_reference::motion::TrueMotion;
+use sixaxis_reference::mujoco::model::SHELL_INERTIA_KG_M2;
+use sixaxis_reference::mujoco::model::SHELL_MASS_KG;
 use std::error::Error;
 use std::fs;
 use std::path::Path;
@@ -61,7 +58,7 @@ pub struct Problem {
 }
 
 impl Problem {
-    pub fn of(recording: &Recording) -> Result<Self, Box<dyn Error>> {
+    pub fn of(recording: &SimulatedRecording) -> Result<Self, Box<dyn Error>> {
         let (geometry, parameters) = (Geometry::PAPER, true_parameters());
         let gravity = recording.gravity_ground_m_s2;
         let stiffness = parameters.stiffness_per_mass_per_s2;
@@ -73,7 +70,7 @@ impl Problem {
             direction_shell: DIRECTIONS_SHELL.map(Into::into),
             mass_hinge_m: geometry.mass_hinges_m().map(Into::into),
             shell_hinge_m: geometry.shell_hinges_m().map(Into::into),
-            gain_n_per_v: recording.gains.gain_n_per_v,
+            gain_n_per_v: recording.gains().gain_n_per_v,
             zero_drift_v: parameters.zero_drift_v,
             scale_per_mass_per_kg: parameters.scale_per_mass_per_kg,
             inertia_per_mass_m2: parameters
@@ -84,7 +81,7 @@ impl Problem {
             preload_per_mass_m_s2: static_preload_m_s2(&geometry, stiffness, gravity)?,
             gravity_ground_m_s2: gravity.into(),
             initial_attitude: DMat3::IDENTITY.to_cols_array_2d(),
-            mass_kg: compound_5_hz().model(&parameters).mass_kg,
+            mass_kg: sixaxis_reference::sensor::MASS_KG,
             shell_mass_kg: SHELL_MASS_KG,
             shell_inertia_kg_m2: SHELL_INERTIA_KG_M2,
         })
@@ -127,13 +124,13 @@ pub fn write_rows(path: &Path, numbers: &[f64]) -> std::io::Result<()> {
 
 /// MuJoCo's state at every sample of the run: the same simulation once more, since a recording does not keep it.
 pub fn states(samples: usize) -> Result<Vec<State>, Box<dyn Error>> {
-    let trial = compound_5_hz();
+    let run = compound_5_hz();
     let steps_per_sample = (1.0 / (DECOUPLE_RATE_HZ * STEP_S)).round() as usize;
-    let mut simulation = problem::simulation(&trial);
+    let mut simulation = problem::simulation(&run);
     let mut states = Vec::with_capacity(samples);
     for step in 0..samples * steps_per_sample {
         simulation.set_time_s(step as f64 * STEP_S);
-        let now = simulation.step(&trial.run)?;
+        let now = simulation.step(&run)?;
         if step % steps_per_sample == 0 {
             let bodies = [now.shell, now.mass];
             let qpos = bodies.iter().flat_map(|body| {
@@ -155,20 +152,14 @@ pub fn states(samples: usize) -> Result<Vec<State>, Box<dyn Error>> {
 }
 
 /// What the voltages say of the limbs' wrench on the mass at every decoupled sample.
-pub fn wrenches(problem: &Problem, recording: &Recording) -> Vec<Wrench> {
-    let chain = SignalChain::new(&recording.gains, &true_parameters());
-    let geometry = PeerGeometry::new(&Geometry::PAPER);
-    let mut last = PeerPose::unloaded();
+pub fn wrenches(problem: &Problem, recording: &SimulatedRecording) -> Vec<Wrench> {
+    let chain = SignalChain::new(&recording.gains(), &true_parameters());
     let wrench = |voltage_v: &[f64; LIMBS]| {
         let tared = chain.force_per_mass_m_s2(voltage_v);
         let force = core::array::from_fn(|i| tared[i] + problem.preload_per_mass_m_s2[i]);
         let elongation_m = force.map(|f| -f / problem.stiffness_per_mass_per_s2);
-        last = geometry.pose(&elongation_m, last);
-        let (position_shell_m, rotation_rad) = last.to_glam();
-        let pose = Pose {
-            position_shell_m,
-            rotation_rad,
-        };
+        let pose =
+            Pose::from_elongations(&Geometry::PAPER, &elongation_m).expect("limbs that meet");
         let wrench = LimbWrench::at_pose(&Geometry::PAPER, &pose, &force);
         let to_mass = pose.rotation_matrix().transpose();
         row(
@@ -218,11 +209,10 @@ pub fn export(dir: &Path) -> Result<(), Box<dyn Error>> {
         .collect();
     write_rows(&dir.join("truth.bin"), truth.as_flattened())?;
     let mut oracle = Vec::new();
-    let ready = PeerDecoupler::new(&recorded, &true_parameters());
-    peer::decouple(&ready, &recorded.recording.voltage_v, |sample| {
-        let answer = Answer::from(sample);
-        oracle.push(row(answer.linear_ground_m_s2, answer.angular_ground_rad_s2));
-    });
+    let sink = |s: &SixAxis| oracle.push(row(s.linear_ground_m_s2, s.angular_ground_rad_s2));
+    recorded
+        .paper_decoder(&true_parameters())
+        .push_all(&recorded.recording.voltage_v, sink)?;
     write_rows(&dir.join("oracle.bin"), oracle.as_flattened())?;
     println!("{samples} of the run's {played} samples");
     Ok(())

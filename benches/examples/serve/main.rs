@@ -23,7 +23,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use decoders::{lanes, nalgebra, push, record};
+use decoders::{lanes, paper, push, record};
 use engines::{mujoco_inverse, mujoco_step};
 use export::{export, write_rows};
 use peer::{Input, Peer};
@@ -38,7 +38,7 @@ const PEERS: &[(&str, Ready)] = &[
     ("record", |input| record(input, false)),
     ("record_portable", |input| record(input, true)),
     ("lanes", lanes),
-    ("nalgebra", nalgebra),
+    ("paper", paper),
     ("mujoco_inverse", mujoco_inverse),
     ("mujoco_step", mujoco_step),
     ("ode_solvers_rk4", |input| {

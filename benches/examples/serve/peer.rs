@@ -3,8 +3,8 @@
 use glam::DVec3;
 use sixaxis_benches::problem::Recorded;
 use sixaxis_benches::problem::compound_5_hz;
-use sixaxis_core::Gains;
-use sixaxis_reference::recording::Recording;
+use sixaxis_recordings::session::Role;
+use sixaxis_reference::laboratory::recording::SimulatedRecording;
 use std::error::Error;
 use std::fs;
 use std::path::Path;
@@ -75,18 +75,19 @@ pub struct Input {
 impl Input {
     pub fn read(dir: &Path) -> Result<Self, Box<dyn Error>> {
         let problem: Problem = serde_json::from_slice(&fs::read(dir.join("problem.json"))?)?;
-        let recording = Recording {
+        let recording = SimulatedRecording {
+            name: String::new(),
+            role: Role::Validation,
             sample_rate_hz: problem.sample_rate_hz,
-            gains: Gains {
-                gain_n_per_v: problem.gain_n_per_v,
-            },
+            gain_n_per_v: problem.gain_n_per_v,
             full_scale_v: f64::INFINITY,
             voltage_v: read_rows(&dir.join("voltage.bin"))?,
             accelerometer_m_s2: Vec::new(),
             gyroscope_rad_s: Vec::new(),
-            direction_ground: compound_5_hz().run.direction_ground,
+            direction_ground: compound_5_hz().direction_ground,
             gravity_ground_m_s2: problem.gravity_ground_m_s2.into(),
-            frequency_hz: compound_5_hz().run.frequency_hz,
+            frequency_hz: compound_5_hz().frequency_hz,
+            truth: Vec::new(),
         };
         Ok(Self {
             problem,

@@ -7,11 +7,12 @@ use glam::DVec3;
 use serde::Serialize;
 use sixaxis_benches::limits::Decoupled;
 use sixaxis_benches::problem;
-use sixaxis_benches::problem::{Answer, DECOUPLE_RATE_HZ, Recorded, true_parameters};
+use sixaxis_benches::problem::{DECOUPLE_RATE_HZ, Recorded, true_parameters};
 use sixaxis_benches::validate;
-use sixaxis_core::{Decoupler, Scheme};
-use sixaxis_reference::campaign::Laboratory;
-use sixaxis_reference::recording::{SimulatedRun, TrueMotion};
+use sixaxis_core::{Decoupler, Scheme, SixAxis};
+use sixaxis_props::truth;
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::motion::{SimulatedRun, TrueMotion};
 
 use crate::comparison::{judge_record, largest};
 use crate::timing::{
@@ -63,9 +64,12 @@ pub fn errors(
 ) -> (f64, f64, Vec<DVec3>) {
     let peak = largest(truth.iter().map(|t| t.linear_ground_m_s2.length()));
     let mut push = Vec::new();
-    problem::decouple(ready, voltage_v, |s| {
-        push.push(s.linear_ground_m_s2 - truth[s.sample as usize].linear_ground_m_s2);
-    });
+    ready
+        .clone()
+        .push_all(voltage_v, |s| {
+            push.push(s.linear_ground_m_s2 - truth[s.sample as usize].linear_ground_m_s2);
+        })
+        .expect("samples of a recorded run");
     let mut record = Vec::new();
     ready
         .clone()
@@ -84,9 +88,10 @@ pub fn work_precision(
     effort: &Effort,
     progress: &Progress,
 ) -> Result<WorkPrecision, Box<dyn Error>> {
-    let trial = problem::compound_5_hz();
-    let model = trial.model(&true_parameters());
-    let simulate = |steps| SimulatedRun::simulate(&model, &trial.run, FINE_RATE_HZ, steps);
+    let run = problem::compound_5_hz();
+    let model = problem::model(&run);
+    let simulate =
+        |steps| sixaxis_reference::mujoco::simulate_run(&model, &run, FINE_RATE_HZ, steps);
     progress.say("simulating the compound run at 6.25 us");
     let fine = simulate(FINE_STEPS)?;
     progress.say("simulating it at half that step");
@@ -94,7 +99,7 @@ pub fn work_precision(
     let recorded = |run: &SimulatedRun, halving: u32| {
         let run = run.decimated(1 << halving);
         Recorded {
-            recording: Laboratory::noise_free(true_parameters()).record(&run, 0),
+            recording: Laboratory::noise_free(truth::sensor(&true_parameters())).record(&run, 0),
             truth: run.truth,
         }
     };
@@ -162,7 +167,7 @@ pub fn work_precision(
     }
     Ok(WorkPrecision {
         problem: "compound_5hz",
-        signal_s: rounded(fine.duration_s()),
+        signal_s: rounded(fine.truth.len() as f64 / fine.sample_rate_hz),
         reference_error: rounded(reference_error),
         curves,
     })
@@ -171,11 +176,11 @@ pub fn work_precision(
 /// The bench's own problem, its answer within the bench's own limits.
 pub fn validated(scheme: Scheme) -> Recorded {
     let recorded = Recorded::play(&problem::compound_5_hz(), DECOUPLE_RATE_HZ);
-    let mut answers: Vec<Answer> = Vec::new();
-    let ready = recorded.decoupler(scheme);
-    problem::decouple(&ready, &recorded.recording.voltage_v, |s| {
-        answers.push(s.into())
-    });
+    let mut answers: Vec<SixAxis> = Vec::new();
+    recorded
+        .decoupler(scheme)
+        .push_all(&recorded.recording.voltage_v, |s| answers.push(*s))
+        .expect("a recorded run");
     let outcome = validate::decoupled(&recorded.truth, &answers, &Decoupled::compound(scheme));
     if let Err(refusal) = outcome {
         panic!("push is not timed, because its answer is wrong: {refusal}");

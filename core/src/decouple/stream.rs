@@ -10,8 +10,9 @@ use crate::kernel::attitude::{
     HALF_ANGLE_SQUARED_LIMIT, Quaternion, exp, exp_exactly, half_rotation,
 };
 use crate::kernel::channel_mask::ChannelMask;
-use crate::kernel::constants::{Constants, to_kernel_order};
+use crate::kernel::constants::Constants;
 use crate::kernel::number::{Real, Scalar};
+use crate::kernel::order::to_kernel_order;
 use crate::kernel::placement::{self, LimbLoad, STRAIN_LIMIT};
 use crate::kernel::rate::{RateIntegrator, Torques};
 use crate::kernel::reconstruct;
@@ -19,38 +20,12 @@ use crate::kernel::reconstruct;
 use crate::kernel::shell::{self, RelativePose, ShellMotion};
 use crate::kernel::vec3::{Vec3, vec3};
 use crate::limb_set::LimbSet;
-use crate::model::Parameters;
-use crate::model::{Sensor, Settings};
+use crate::model::{Model, Parameters, Sensor, Settings};
 use crate::scheme::Scheme;
+use crate::six_axis::SixAxis;
 
-/// One decoupled sample.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SixAxis<T: Scalar = f64> {
-    /// Index of the voltage sample that this belongs to, from 0.
-    pub sample: u64,
-    /// a, linear acceleration of the shell, ground axes, m/s^2.
-    pub linear_ground_m_s2: T::Vector,
-    /// w', angular acceleration of the shell, ground axes, rad/s^2.
-    pub angular_ground_rad_s2: T::Vector,
-    /// w*, angular velocity of the shell, shell axes, rad/s.
-    pub rate_shell_rad_s: T::Vector,
-    /// R, shell axes to ground axes.
-    pub attitude: T::Quaternion,
-}
-
-impl<T: Scalar> SixAxis<T> {
-    #[inline(always)]
-    pub(crate) fn new(sample: u64, ground: [Vec3<T>; 3], attitude: Quaternion<T>) -> Self {
-        let [linear, angular, rate] = ground;
-        Self {
-            sample,
-            linear_ground_m_s2: T::vector(linear),
-            angular_ground_rad_s2: T::vector(angular),
-            rate_shell_rad_s: T::vector(rate),
-            attitude: T::quaternion(attitude.w, attitude.v),
-        }
-    }
-}
+/// [`SixAxis`] in the precision of a decoder.
+pub type Answer<T> = SixAxis<<T as Scalar>::Vector, <T as Scalar>::Quaternion>;
 
 /// Streaming decoupler: no allocation, no panic, constant work per sample.
 ///
@@ -118,8 +93,8 @@ impl Decoupler {
     /// Prepares a decoupler.
     ///
     /// # Errors
-    /// Those of [`crate::paper::limb_stream::LimbStream::new`], which checks every argument; [`Error::NotConverged`] if an inertia
-    /// has no principal axes.
+    /// Those of [`Model::new`]; [`Error::NotConverged`] if gravity finds no equilibrium or an inertia no principal axes;
+    /// [`Error::OutOfRange`] for sizes, each sound by itself, whose products overflow or vanish.
     pub fn new(sensor: &Sensor, parameters: &Parameters, settings: &Settings) -> Result<Self> {
         Self::build(sensor, parameters, settings)
     }
@@ -147,7 +122,7 @@ impl<T: Scalar> Decoupler<T> {
     }
 
     fn build(sensor: &Sensor, parameters: &Parameters, settings: &Settings) -> Result<Self> {
-        let exact = Constants::new(sensor, parameters, settings)?;
+        let exact = Constants::new(&Model::new(sensor, parameters, settings)?)?;
         let constants = exact.rounded();
         let start = Start::new(settings);
         let zeros = Vec3::default();
@@ -178,7 +153,7 @@ impl<T: Scalar> Decoupler<T> {
     /// is not a finite number. The decoupler is unchanged by a refused sample: a rate that has run away is refused for good.
     // Always: left to itself the compiler calls it, and the answer goes by memory.
     #[inline(always)]
-    pub fn push(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<SixAxis<T>>> {
+    pub fn push(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<Answer<T>>> {
         if self.settled {
             let after = placement::by_series(&self.constants, to_kernel_order(*voltage_v));
             if in_range(&after) {
@@ -190,9 +165,26 @@ impl<T: Scalar> Decoupler<T> {
         }
     }
 
+    /// [`Decoupler::push`] for every row of a recording or a piece of one; `sink` takes the answers in order.
+    ///
+    /// # Errors
+    /// Those of [`Decoupler::push`], at the first row that is refused; the rows before it have been taken.
+    pub fn push_all(
+        &mut self,
+        voltage_v: &[[T; LIMBS]],
+        mut sink: impl FnMut(&Answer<T>),
+    ) -> Result<()> {
+        for row in voltage_v {
+            if let Some(answer) = self.push(row)? {
+                sink(&answer);
+            }
+        }
+        Ok(())
+    }
+
     /// Without limbs. By itself: what is done there wants registers that most streams never need.
     #[inline(never)]
-    fn push_excluding(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<SixAxis<T>>> {
+    fn push_excluding(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<Answer<T>>> {
         if self.state.received > 2 {
             let heard = self.mask.voltages(to_kernel_order(*voltage_v));
             let after = self.mask.strains.by_series(&self.constants, heard);
@@ -207,7 +199,7 @@ impl<T: Scalar> Decoupler<T> {
     /// would have to keep in memory what it has in registers.
     #[cold]
     #[inline(never)]
-    fn push_checked(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<SixAxis<T>>> {
+    fn push_checked(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<Answer<T>>> {
         let mut after = self.place(voltage_v);
         if !in_range(&after) {
             after = self.place_exactly(voltage_v, self.state.received)?;
@@ -220,7 +212,7 @@ impl<T: Scalar> Decoupler<T> {
 
     /// One of the first three samples.
     #[cold]
-    fn begin(&mut self, after: LimbLoad<T>, voltage_v: &[T; LIMBS]) -> Result<Option<SixAxis<T>>> {
+    fn begin(&mut self, after: LimbLoad<T>, voltage_v: &[T; LIMBS]) -> Result<Option<Answer<T>>> {
         if self.state.received == 2 {
             return self.first(&after, voltage_v);
         }
@@ -238,7 +230,7 @@ impl<T: Scalar> Decoupler<T> {
         &mut self,
         after: LimbLoad<T>,
         voltage_v: &[T; LIMBS],
-    ) -> Result<Option<SixAxis<T>>> {
+    ) -> Result<Option<Answer<T>>> {
         let now = &self.state.now;
         let torques = Torques {
             now: now.torque,
@@ -295,7 +287,7 @@ impl<T: Scalar> Decoupler<T> {
 
     /// The first decoupled sample, where rate and attitude are given.
     #[cold]
-    fn first(&mut self, after: &LimbLoad<T>, voltage_v: &[T; LIMBS]) -> Result<Option<SixAxis<T>>> {
+    fn first(&mut self, after: &LimbLoad<T>, voltage_v: &[T; LIMBS]) -> Result<Option<Answer<T>>> {
         let constants = &self.constants;
         let now = &self.state.now;
         let w_r = shell::relative_rate(
@@ -336,7 +328,7 @@ impl<T: Scalar> Decoupler<T> {
         after: LimbLoad<T>,
         motion: ShellMotion<T>,
         attitude: Quaternion<T>,
-    ) -> SixAxis<T> {
+    ) -> Answer<T> {
         let state = &mut self.state;
         let sample = state.received - 1;
         state.received += 1;
@@ -345,7 +337,14 @@ impl<T: Scalar> Decoupler<T> {
         state.shell = motion;
         state.attitude = attitude;
         let ground = to_ground(&self.constants, &motion, attitude);
-        SixAxis::new(sample, ground, attitude)
+        let [linear, angular, rate] = ground;
+        SixAxis {
+            sample,
+            linear_ground_m_s2: T::vector(linear),
+            angular_ground_rad_s2: T::vector(angular),
+            rate_shell_rad_s: T::vector(rate),
+            attitude: T::quaternion(attitude.w, attitude.v),
+        }
     }
 
     /// A sample beyond the series, or one that is not a number.

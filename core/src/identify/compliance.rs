@@ -10,8 +10,7 @@ use super::inertia::InertiaIdentification;
 use super::scale::ScaleIdentification;
 use crate::error::Result;
 use crate::geometry::{LIMBS, LIMBS_PER_NODE};
-use crate::model::Parameters;
-use crate::model::{Sensor, Settings};
+use crate::model::{Model, Parameters, Sensor, Settings};
 use crate::paper::limb_stream::{LimbSample, LimbStream};
 use crate::paper::wrench::limb_directions;
 
@@ -27,10 +26,10 @@ impl CompliantRows {
     /// Starts on one recording with the parameters found so far.
     ///
     /// # Errors
-    /// Those of [`LimbStream::new`].
+    /// Those of [`Model::new`] and [`LimbStream::new`].
     pub fn new(sensor: &Sensor, parameters: &Parameters, settings: &Settings) -> Result<Self> {
         Ok(Self {
-            limbs: LimbStream::new(sensor, parameters, settings)?,
+            limbs: LimbStream::new(&Model::new(sensor, parameters, settings)?)?,
             scale_per_mass_per_kg: parameters.scale_per_mass_per_kg,
             gravity_shell_m_s2: settings.gravity_shell_m_s2(),
         })

@@ -1,8 +1,8 @@
 //! Which channels are listened to, and what makes up for the others.
 
-use super::constants::{Constants, from_kernel_order, to_kernel_order};
+use super::constants::Constants;
 use super::number::Scalar;
-use super::placement::Limbs;
+use super::order::{Limbs, from_kernel_order, to_kernel_order};
 use super::reconstruct::StrainReconstruction;
 use crate::error::Result;
 use crate::geometry::LIMBS;

@@ -5,12 +5,13 @@
 use nalgebra::{Matrix3, SymmetricEigen};
 
 use super::number::{Real, Scalar};
+use super::order::{from_kernel_order, to_kernel_order};
 use super::vec3::{Vec3, vec3};
 use crate::error::{Error, Result};
 use crate::geometry::{LIMBS, LIMBS_PER_NODE};
-use crate::model::{InertiaPerMass, Parameters};
-use crate::model::{Sensor, Settings};
-use crate::paper::limb_stream::LimbStream;
+use crate::model::{InertiaPerMass, Model};
+use crate::paper::preload::hidden_preload_m_s2;
+use crate::paper::signal::SignalChain;
 
 /// Largest relative asymmetry of rounding that the eigenvalue iteration is asked to resolve.
 const EIGEN_TOLERANCE: f64 = 1e-15;
@@ -23,7 +24,7 @@ const LARGEST: f64 = 1e304;
 /// The numbers of the kernel's formulas.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Constants<T: Real> {
-    /// Strain of a limb per volt, (1), (10), (11) and (2) in one; in the order of [`to_kernel_order`].
+    /// Strain of a limb per volt, (1), (10), (11) and (2) in one; in kernel order.
     pub strain_per_v: [Vec3<T>; LIMBS_PER_NODE],
     /// Its strain at zero volt: drift, and the preload that a tared channel does not show.
     pub strain_at_zero: [Vec3<T>; LIMBS_PER_NODE],
@@ -37,7 +38,7 @@ pub struct Constants<T: Real> {
     pub torque: [Vec3<T>; 3],
     /// The principal axes in mass axes: columns that take the former to the latter.
     pub principal: [Vec3<T>; 3],
-    /// (I_2 - I_3)/I_1 and its cyclic brothers.
+    /// (I_2 - I_3)/I_1 and its cyclic permutations.
     pub gyroscopic: Vec3<T>,
     /// g in ground axes, m/s^2.
     pub gravity_ground_m_s2: Vec3<T>,
@@ -50,20 +51,23 @@ pub struct Constants<T: Real> {
 }
 
 impl Constants<f64> {
-    /// Multiplies out; every argument is checked on the way.
+    /// Multiplies out.
     ///
     /// # Errors
-    /// Those of [`LimbStream::new`]; [`Error::NotConverged`] if no principal axes are found.
-    pub fn new(sensor: &Sensor, parameters: &Parameters, settings: &Settings) -> Result<Self> {
-        let limbs = LimbStream::new(sensor, parameters, settings)?;
+    /// [`Error::NotConverged`] when gravity finds no equilibrium or the inertia no principal axes; [`Error::OutOfRange`] for
+    /// sizes, each sound by itself, whose products overflow or vanish.
+    pub fn new(model: &Model) -> Result<Self> {
+        let (sensor, parameters, settings) = (model.sensor(), model.parameters(), model.settings());
+        let chain = SignalChain::new(&sensor.gains, parameters);
+        let preload = hidden_preload_m_s2(model)?;
         let length = sensor.geometry.limb_length_m;
         let h = 1.0 / settings.sample_rate_hz;
         let stiffness = parameters.stiffness_per_mass_per_s2;
         // The sign of (2), and strain per force.
         let strain_per_force =
             settings.limb_law.elongations_m(&[1.0; LIMBS], stiffness)[0] / length;
-        let at_rest = limbs.chain().force_per_mass_m_s2(&[0.0; LIMBS]);
-        let per_v = limbs.chain().sensitivity_m_s2_per_v();
+        let at_rest = chain.force_per_mass_m_s2(&[0.0; LIMBS]);
+        let per_v = chain.sensitivity_m_s2_per_v();
         let nu = sensor.geometry.half_edge_m / length;
         let chi = h * h / (length * strain_per_force);
         let (moments, axes) = principal(&parameters.inertia_per_mass)?;
@@ -75,7 +79,7 @@ impl Constants<f64> {
         let constants = Self {
             strain_per_v: to_kernel_order(per_v.map(|s| s * strain_per_force)),
             strain_at_zero: to_kernel_order(core::array::from_fn(|i| {
-                (at_rest[i] + limbs.preload_m_s2()[i]) * strain_per_force
+                (at_rest[i] + preload[i]) * strain_per_force
             })),
             nu,
             inverse_nu: 1.0 / nu,
@@ -225,21 +229,6 @@ impl<T: Real> Constants<T> {
     }
 }
 
-/// Three vectors of one limb of each node: those at the first node in order, and at each further node one limb on. So a parity
-/// row's limbs at two nodes stand where one turn of a vector brings them together, and all of a vector has the same sign in (5).
-#[inline(always)]
-pub fn to_kernel_order<T: Real>(nine: [T; LIMBS]) -> [Vec3<T>; LIMBS_PER_NODE] {
-    let [a, b, c, d, e, f, g, h, i] = nine;
-    [vec3(a, e, i), vec3(b, f, g), vec3(c, d, h)]
-}
-
-/// What [`to_kernel_order`] put side by side, limb after limb.
-#[inline(always)]
-pub fn from_kernel_order<T: Real>(rows: [Vec3<T>; LIMBS_PER_NODE]) -> [T; LIMBS] {
-    let [[a, e, i], [b, f, g], [c, d, h]] = rows.map(Vec3::components);
-    [a, b, c, d, e, f, g, h, i]
-}
-
 // Written out: the library's maps of arrays are calls that no vector register survives.
 #[inline(always)]
 fn three<T: Real, U: Real>(columns: &[Vec3<T>; 3], f: impl Fn(T) -> U) -> [Vec3<U>; 3] {
@@ -295,7 +284,7 @@ fn principal(inertia: &InertiaPerMass) -> Result<([f64; 3], Matrix3<f64>)> {
         iterations: EIGEN_ITERATIONS,
     })?;
     let mut axes = eigen.eigenvectors;
-    // Euler's equations know left from right.
+    // Euler's equations need a right-handed basis.
     if axes.determinant() < 0.0 {
         axes.column_mut(2).neg_mut();
     }

@@ -4,9 +4,9 @@
 //!
 //! | stage | from | to | file |
 //! |---|---|---|---|
-//! | place | nine voltages | where the mass is, what the limbs pull | [`placement`] |
-//! | spin | torque | the mass's own rate, integrated | [`rate`] |
-//! | shell | three placements and the spin | rate, its derivative, specific force of the shell | [`shell`] |
+//! | placement | nine voltages | pose of the mass, force and torque of the limbs on it | [`placement`] |
+//! | rate | torque | the mass's own rate, integrated | [`rate`] |
+//! | shell | three placements and that rate | rate, its derivative, specific force of the shell | [`shell`] |
 //! | attitude | two motions of the shell | attitude, by which all is turned to ground axes | [`attitude`] |
 //!
 //! # Why this is the paper's decoupling
@@ -17,13 +17,14 @@
 //! strain, 1e-5, replace roots and quotients; their dropped terms are below rounding at the rig's accelerations, and a
 //! sample for which they would not be goes by the closed form.
 //!
-//! The version with none of this, as one would write it down from the paper with nalgebra, is
-//! `sixaxis_reference::oracle`; tests hold the two together.
+//! The version with none of this, as one writes it down from the paper, is [`crate::paper::Decoder`]; tests hold the two
+//! together.
 
 pub mod attitude;
 pub mod channel_mask;
 pub mod constants;
 pub mod number;
+pub mod order;
 #[cfg(target_feature = "avx")]
 mod packed_vec3;
 pub mod parity;

@@ -13,7 +13,8 @@
 //! with phi to second order the rows are zero to fourth.
 
 use super::number::Real;
-use super::placement::{Limbs, linear_rotation, nodes, shell_axes};
+use super::order::Limbs;
+use super::placement::{linear_rotation, nodes, shell_axes};
 use super::vec3::{Vec3, vec3};
 
 /// The sums of each row's four limbs.
@@ -24,7 +25,7 @@ pub fn sums<T: Real>(along: Limbs<T>) -> Vec3<T> {
     vec3(x, y, z)
 }
 
-/// nu (phi_x^2 + (phi_y + phi_z)^2/2) and its cyclic brothers.
+/// nu (phi_x^2 + (phi_y + phi_z)^2/2) and its cyclic permutations.
 #[inline(always)]
 pub fn curvature<T: Real>(phi: Vec3<T>, nu: T) -> Vec3<T> {
     let yzx = phi.cycled();

@@ -34,6 +34,7 @@ use glam::DVec3;
 
 use super::constants::Constants;
 use super::number::Real;
+use super::order::Limbs;
 use super::vec3::{Vec3, vec3};
 use crate::error::{Error, Result};
 use crate::geometry::{DIRECTIONS_SHELL, Geometry, LIMBS, LIMBS_PER_NODE, NODES};
@@ -98,9 +99,6 @@ pub(super) fn nodes<T: Real>(x: [Vec3<T>; LIMBS_PER_NODE]) -> (Limbs<T>, Limbs<T
     }
     (displacement, force, a)
 }
-
-/// Numbers of nine limbs in the order of [`super::constants::to_kernel_order`]: each vector has one limb of each node.
-pub type Limbs<T> = [Vec3<T>; LIMBS_PER_NODE];
 
 /// Numbers along the limbs as vectors in shell axes, one for each node: the signed axes of (5).
 #[inline(always)]

@@ -9,10 +9,11 @@
 //! Of the forces a fourth power is dropped: at most 4e-13 of the largest at the rig's 9 g, 4e-10 at
 //! [`placement::STRAIN_LIMIT`]. Above that, [`exactly`] takes over.
 
-use super::constants::{Constants, to_kernel_order};
+use super::constants::Constants;
 use super::number::{Real, Scalar};
+use super::order::{Limbs, to_kernel_order};
 use super::parity::{halves, left, second_order, sums};
-use super::placement::{self, LimbLoad, Limbs, by_nodes, limb_strains, nodes, shell_axes};
+use super::placement::{self, LimbLoad, by_nodes, limb_strains, nodes, shell_axes};
 use super::vec3::Vec3;
 use crate::error::{Error, Result};
 use crate::geometry::{Geometry, LIMBS, LIMBS_PER_NODE};
@@ -222,9 +223,9 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
+    use crate::model::{Gains, Model};
     use crate::model::{InertiaPerMass, Parameters};
     use crate::model::{Sensor, Settings};
-    use crate::paper::signal::Gains;
     use crate::redundancy::reconstruction::MOST_EXCLUDED;
 
     /// One volt is one strain.
@@ -241,8 +242,10 @@ mod tests {
             ]),
             stiffness_per_mass_per_s2: 2e8,
         };
-        let numbers =
-            Constants::new(&sensor, &parameters, &Settings::new(1e4)).expect("a sound sensor");
+        let numbers = Constants::new(
+            &Model::new(&sensor, &parameters, &Settings::new(1e4)).expect("a sound sensor"),
+        )
+        .expect("a sound sensor");
         Constants {
             strain_per_v: [Vec3::all(1.0); LIMBS_PER_NODE],
             strain_at_zero: [Vec3::all(0.0); LIMBS_PER_NODE],

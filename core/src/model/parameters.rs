@@ -7,9 +7,6 @@ use serde::{Deserialize, Serialize};
 use crate::error::{Error, Result};
 use crate::geometry::LIMBS;
 
-/// How many there are: nine drifts, nine scale factors, six inertias, one stiffness.
-pub const PARAMETERS: usize = 25;
-
 /// Design range of k/m, s^-2: the interval searched in step 4 (Fig. 10), widened by a decade on either side.
 pub const STIFFNESS_PER_MASS_RANGE_PER_S2: (f64, f64) = (1.0e7, 1.0e10);
 

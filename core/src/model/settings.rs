@@ -1,13 +1,21 @@
-//! What is known of a sensor without identification, and how it is to be decoupled.
+//! How a recording is to be decoupled.
 
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
-use crate::geometry::Geometry;
-use crate::paper::pose::LimbLaw;
-use crate::paper::signal::Gains;
 use crate::scheme::Scheme;
+
+/// How eq. (2) turns a limb force into a length.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LimbLaw {
+    /// l_i = L - (f_i/m)/(k/m): compression shortens. This is what (3), (4), (5) and (6) demand together.
+    #[default]
+    CompressionShortens,
+    /// l_i = L + (f_i/m)/(k/m), as printed. Kept to show what the printed sign does; see the claims ledger.
+    AsPrinted,
+}
 
 /// What the channels say of a constant load.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -19,16 +27,6 @@ pub enum StaticResponse {
     Tared,
     /// The signal is the whole limb force, gravity's share included: an ideal force cell.
     Full,
-}
-
-/// What is known of the sensor without identification.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Sensor {
-    /// Lengths from the drawing.
-    pub geometry: Geometry,
-    /// c_i of the amplifier setting in use.
-    pub gains: Gains,
 }
 
 /// How to decouple.

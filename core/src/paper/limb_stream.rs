@@ -3,13 +3,13 @@
 //! Rates and accelerations of the mass in the shell are central differences of its pose, so a sample is complete when
 //! its successor arrives; the first and the last of a stream have no such neighbour and yield nothing.
 
+use super::pose::Pose;
+use super::preload::hidden_preload_m_s2;
+use super::relative_motion::RelativeMotion;
+use super::signal::SignalChain;
 use crate::error::{Error, Result};
 use crate::geometry::{Geometry, LIMBS};
-use crate::model::Parameters;
-use crate::model::{Sensor, Settings, StaticResponse};
-use crate::paper::pose::{LimbLaw, Pose, RelativeMotion};
-use crate::paper::preload::static_preload_m_s2;
-use crate::paper::signal::SignalChain;
+use crate::model::{LimbLaw, Model};
 
 /// One complete sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,33 +42,18 @@ pub struct LimbStream {
 }
 
 impl LimbStream {
-    /// Prepares a stream; every argument is checked here so that the samples need not be.
+    /// Prepares a stream.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] or [`Error::ImpossibleInertia`] for arguments that mean nothing,
-    /// [`Error::NotConverged`] if gravity finds no equilibrium.
-    pub fn new(sensor: &Sensor, parameters: &Parameters, settings: &Settings) -> Result<Self> {
-        sensor.geometry.validate()?;
-        sensor.gains.validate()?;
-        parameters.validate()?;
-        settings.validate()?;
-        let chain = SignalChain::new(&sensor.gains, parameters);
-        chain.validate()?;
-        let stiffness_per_mass_per_s2 = parameters.stiffness_per_mass_per_s2;
-        let preload_m_s2 = match settings.static_response {
-            StaticResponse::Full => [0.0; LIMBS],
-            StaticResponse::Tared => static_preload_m_s2(
-                &sensor.geometry,
-                stiffness_per_mass_per_s2,
-                settings.gravity_shell_m_s2(),
-            )?,
-        };
+    /// [`Error::NotConverged`] when gravity finds no equilibrium.
+    pub fn new(model: &Model) -> Result<Self> {
+        let (sensor, parameters, settings) = (model.sensor(), model.parameters(), model.settings());
         Ok(Self {
             geometry: sensor.geometry,
-            chain,
+            chain: SignalChain::new(&sensor.gains, parameters),
             limb_law: settings.limb_law,
-            stiffness_per_mass_per_s2,
-            preload_m_s2,
+            stiffness_per_mass_per_s2: parameters.stiffness_per_mass_per_s2,
+            preload_m_s2: hidden_preload_m_s2(model)?,
             step_s: 1.0 / settings.sample_rate_hz,
             received: 0,
             window: [(Pose::default(), [0.0; LIMBS]); 2],

@@ -1,4 +1,4 @@
-//! Relative pose of the mass from the nine limb lengths, and back: eq. (2) and the paper's reference \[10\].
+//! Relative pose of the mass from the nine limb lengths, and back: the paper's reference \[10\].
 //!
 //! # Lengths to pose, in closed form
 //! At a node the three limbs are orthonormal, so the node's displacement p from its unloaded place has components
@@ -17,7 +17,6 @@
 //! part of R_r - 1 beyond the cross product is of second order and is removed by fixed-point iteration.
 
 use glam::{DMat3, DVec3};
-use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
 use crate::float::{sin_cos, sqrt};
@@ -31,33 +30,6 @@ const SERIES_ANGLE_RAD: f64 = 5e-3;
 const FIT_ITERATIONS: usize = 24;
 /// Relative change of the rotation at which the fit is done.
 const FIT_TOLERANCE: f64 = 1e-16;
-
-/// How eq. (2) turns a limb force into a length.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum LimbLaw {
-    /// l_i = L - (f_i/m)/(k/m): compression shortens. This is what (3), (4), (5) and (6) demand together.
-    #[default]
-    CompressionShortens,
-    /// l_i = L + (f_i/m)/(k/m), as printed. Kept to show what the printed sign does; see the claims ledger.
-    AsPrinted,
-}
-
-impl LimbLaw {
-    /// Limb elongations dl_i = l_i - L, m: eq. (2).
-    #[must_use]
-    pub fn elongations_m(
-        self,
-        force_per_mass_m_s2: &[f64; LIMBS],
-        stiffness_per_mass_per_s2: f64,
-    ) -> [f64; LIMBS] {
-        let compliance = match self {
-            Self::CompressionShortens => -1.0 / stiffness_per_mass_per_s2,
-            Self::AsPrinted => 1.0 / stiffness_per_mass_per_s2,
-        };
-        force_per_mass_m_s2.map(|f| f * compliance)
-    }
-}
 
 /// Pose of {2} in {1}.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -194,61 +166,4 @@ pub(crate) fn node_displacement(
         p += DIRECTIONS_SHELL[first + i] * ((q[i] - s) / (2.0 * length));
     }
     Ok(p)
-}
-
-/// The left-superscript-1 quantities of the paper: motion of {2} in {1}, shell axes.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct RelativeMotion {
-    /// r and R_r.
-    pub pose: Pose,
-    /// v, m/s.
-    pub velocity_shell_m_s: DVec3,
-    /// w_r, rad/s.
-    pub rate_shell_rad_s: DVec3,
-    /// a_r, m/s^2.
-    pub acceleration_shell_m_s2: DVec3,
-    /// eps, rad/s^2.
-    pub angular_acceleration_shell_rad_s2: DVec3,
-}
-
-impl RelativeMotion {
-    pub(crate) fn is_finite(&self) -> bool {
-        [
-            self.pose.position_shell_m,
-            self.pose.rotation_rad,
-            self.velocity_shell_m_s,
-            self.rate_shell_rad_s,
-            self.acceleration_shell_m_s2,
-            self.angular_acceleration_shell_rad_s2,
-        ]
-        .iter()
-        .all(|v| v.is_finite())
-    }
-
-    /// Central differences of three poses one `step_s` apart: second order in the step.
-    ///
-    /// The rate of a rotation vector is not yet an angular velocity: w_r = phi' + phi x phi'/2 + ... (left Jacobian of
-    /// SO(3)), kept to the second power of phi: the dropped terms are phi^3/24, 1e-16 of phi' at the 1e-5 rad of a
-    /// real sensor.
-    #[must_use]
-    pub fn from_poses(before: &Pose, now: &Pose, after: &Pose, step_s: f64) -> Self {
-        let half_rate = 0.5 / step_s;
-        let rate2 = 1.0 / (step_s * step_s);
-        let phi = now.rotation_rad;
-        let phi_dot = (after.rotation_rad - before.rotation_rad) * half_rate;
-        let phi_ddot = ((after.rotation_rad - phi) - (phi - before.rotation_rad)) * rate2;
-        let r = now.position_shell_m;
-        Self {
-            pose: *now,
-            velocity_shell_m_s: (after.position_shell_m - before.position_shell_m) * half_rate,
-            rate_shell_rad_s: phi_dot
-                + 0.5 * phi.cross(phi_dot)
-                + phi.cross(phi.cross(phi_dot)) / 6.0,
-            acceleration_shell_m_s2: ((after.position_shell_m - r) - (r - before.position_shell_m))
-                * rate2,
-            angular_acceleration_shell_rad_s2: phi_ddot
-                + 0.5 * phi.cross(phi_ddot)
-                + (phi_dot.cross(phi.cross(phi_dot)) + phi.cross(phi.cross(phi_ddot))) / 6.0,
-        }
-    }
 }

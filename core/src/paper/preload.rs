@@ -11,6 +11,7 @@ use nalgebra::{Matrix6, Vector6};
 
 use crate::error::{Error, Result};
 use crate::geometry::{DIRECTIONS_SHELL, Geometry, LIMBS, LIMBS_PER_NODE};
+use crate::model::{Model, StaticResponse};
 use crate::paper::pose::Pose;
 use crate::paper::wrench::LimbWrench;
 
@@ -32,6 +33,22 @@ pub fn static_preload_m_s2(
     gravity_shell_m_s2: DVec3,
 ) -> Result<[f64; LIMBS]> {
     Ok(static_equilibrium(geometry, stiffness_per_mass_per_s2, gravity_shell_m_s2)?.1)
+}
+
+/// Static limb forces per mass that the channels of a model do not show, m/s^2: zero for a full response.
+///
+/// # Errors
+/// [`Error::NotConverged`] when gravity finds no equilibrium.
+pub fn hidden_preload_m_s2(model: &Model) -> Result<[f64; LIMBS]> {
+    let settings = model.settings();
+    match settings.static_response {
+        StaticResponse::Full => Ok([0.0; LIMBS]),
+        StaticResponse::Tared => static_preload_m_s2(
+            &model.sensor().geometry,
+            model.parameters().stiffness_per_mass_per_s2,
+            settings.gravity_shell_m_s2(),
+        ),
+    }
 }
 
 /// Pose and static limb forces per mass at rest; the sag is in the pose.

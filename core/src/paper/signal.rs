@@ -1,45 +1,9 @@
 //! From voltages to limb forces: eqs. (1), (10) and (11).
 
-use serde::{Deserialize, Serialize};
-
-use crate::error::{Error, Result};
 use crate::geometry::LIMBS;
-use crate::model::Parameters;
-
-/// Gain c_i of each measuring channel, N/V: eq. (10). A setting of the amplifier, known, never identified.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(transparent)]
-pub struct Gains {
-    /// c_i, N/V.
-    pub gain_n_per_v: [f64; LIMBS],
-}
+use crate::model::{Gains, Parameters};
 
 impl Gains {
-    /// The same gain on all nine channels, N/V.
-    #[must_use]
-    pub const fn uniform(gain_n_per_v: f64) -> Self {
-        Self {
-            gain_n_per_v: [gain_n_per_v; LIMBS],
-        }
-    }
-
-    /// Refuses gains that are not finite or zero.
-    ///
-    /// # Errors
-    /// [`Error::OutOfRange`].
-    pub fn validate(&self) -> Result<()> {
-        for value in self.gain_n_per_v {
-            if !value.is_finite() || value == 0.0 {
-                return Err(Error::OutOfRange {
-                    name: "gain_n_per_v",
-                    value,
-                    requirement: "finite and not zero",
-                });
-            }
-        }
-        Ok(())
-    }
-
     /// Measured force f~_i = c_i (u_i - d_i), N: eq. (10).
     #[must_use]
     pub fn measured_force_n(
@@ -69,23 +33,6 @@ impl SignalChain {
                 parameters.scale_per_mass_per_kg[i] * gains.gain_n_per_v[i]
             }),
         }
-    }
-
-    /// Refuses a gain and a scale factor whose product no f64 holds.
-    ///
-    /// # Errors
-    /// [`Error::OutOfRange`].
-    pub fn validate(&self) -> Result<()> {
-        for value in self.sensitivity {
-            if !value.is_normal() {
-                return Err(Error::OutOfRange {
-                    name: "scale_per_mass_per_kg x gain_n_per_v",
-                    value,
-                    requirement: "finite and not zero",
-                });
-            }
-        }
-        Ok(())
     }
 
     /// (s_i/m) c_i: change of the limb force per mass with the voltage, m/(s^2 V).

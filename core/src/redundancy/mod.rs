@@ -7,7 +7,9 @@
 pub mod fault;
 pub mod parity;
 pub mod reconstruction;
+mod residual;
 pub mod self_calibration;
 pub mod tolerant;
 
+pub use residual::residual;
 pub use tolerant::FaultTolerant;

@@ -15,6 +15,7 @@ use super::parity::{GRAM_DENOMINATOR, GRAM_INVERSE, ROWS, SIGNATURES};
 use crate::error::{Error, Result};
 use crate::geometry::{DIRECTIONS_SHELL, LIMBS, LIMBS_PER_NODE, NODE_DIRECTIONS_MASS};
 use crate::limb_set::LimbSet;
+use crate::unobservable::LostLoad;
 
 /// Largest number of limbs that can be done without: six accelerations want six channels.
 pub const MOST_EXCLUDED: usize = 3;
@@ -25,15 +26,6 @@ pub struct Reconstruction {
     excluded: LimbSet,
     /// Rows of -P_FF^-1 W_F (W^T W)^-1; zero for limbs that are not excluded.
     weights: [[f64; ROWS]; LIMBS],
-}
-
-/// A load of which no limb but excluded ones bears any part: what cannot be measured without them.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct LostLoad {
-    /// The force, shell axes; in the unit of the limb force.
-    pub force_shell: [i32; 3],
-    /// The torque about the mass's centre over the half edge, shell axes; in the unit of the limb force.
-    pub torque_over_half_edge_shell: [i32; 3],
 }
 
 impl Reconstruction {
@@ -159,48 +151,6 @@ fn lost_load(excluded: LimbSet, limbs: [Option<[i32; ROWS]>; MOST_EXCLUDED]) -> 
     LostLoad {
         force_shell,
         torque_over_half_edge_shell,
-    }
-}
-
-impl core::fmt::Display for LostLoad {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        let turns = self.torque_over_half_edge_shell != [0; 3];
-        if self.force_shell != [0; 3] {
-            write!(f, "a force along {}", Along(self.force_shell))?;
-            if turns {
-                f.write_str(" together with ")?;
-            }
-        }
-        if turns {
-            let about = Along(self.torque_over_half_edge_shell);
-            write!(f, "a torque about {about} over the half edge")?;
-        }
-        Ok(())
-    }
-}
-
-/// Whole multiples of shell axes: "y - z".
-struct Along([i32; 3]);
-
-impl core::fmt::Display for Along {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        let mut first = true;
-        for (share, axis) in self.0.into_iter().zip(["x", "y", "z"]) {
-            let sign = match (share.signum(), first) {
-                (0, _) => continue,
-                (1, true) => "",
-                (1, false) => " + ",
-                (_, true) => "-",
-                (_, false) => " - ",
-            };
-            first = false;
-            f.write_str(sign)?;
-            if share.abs() != 1 {
-                write!(f, "{} ", share.abs())?;
-            }
-            f.write_str(axis)?;
-        }
-        Ok(())
     }
 }
 

@@ -10,13 +10,14 @@
 //! Of two twins neither can be done without as long as it is open which has failed, and both together never
 //! ([`crate::redundancy::reconstruction`]): such answers go on from all nine and are marked.
 
-use crate::decouple::stream::{Decoupler, SixAxis};
+use crate::decouple::Decoupler;
 use crate::error::Result;
 use crate::geometry::LIMBS;
 use crate::limb_set::LimbSet;
 use crate::model::Parameters;
 use crate::model::{Sensor, Settings};
 use crate::redundancy::fault::{Event, Kind, Monitor, Verdict, Watch};
+use crate::six_axis::SixAxis;
 
 /// Rows kept unless said otherwise: the longest window, and as much again.
 pub const ROWS_KEPT: usize = 8192;

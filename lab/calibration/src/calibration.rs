@@ -1,17 +1,18 @@
 //! The result as a file: `calibration.json`, what `sixaxis decouple` reads and a laboratory keeps.
 
+use sixaxis_core::parameter::PARAMETERS;
 use std::path::Path;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sixaxis_core::decouple::uncertainty::{self, PARAMETERS};
+use sixaxis_core::decouple::uncertainty::{self};
 use sixaxis_core::{Gains, Geometry, InertiaPerMass, LIMBS, Parameters, Sensor};
 use sixaxis_recordings::draft::write_atomically;
 
 use crate::error::{Error, Result};
-use crate::interval::ParameterReport;
-use crate::suspicion::Finding;
-use crate::verdict::{Estimator, Grade};
+use crate::finding::Finding;
+use crate::report::ParameterReport;
+use crate::report::{Estimator, Grade};
 use sixaxis_recordings::session::Channels;
 
 /// Name and version of the format; a reader refuses another.

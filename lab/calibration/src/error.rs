@@ -1,4 +1,4 @@
-//! What stops a calibration before it begins. What is merely wrong with the data is no error: see [`crate::suspicion`].
+//! What stops a calibration before it begins. What is merely wrong with the data is no error: see [`crate::diagnosis`].
 
 use thiserror::Error;
 

@@ -6,46 +6,18 @@
 //! a limit, not a standard deviation: 95 % of an even spread within it lie within 0.95 of it.
 
 use glam::DVec3;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 use sixaxis_core::decouple::uncertainty::Covariance;
-use sixaxis_core::decouple::uncertainty::parameters::{INERTIA, SCALE};
+use sixaxis_core::parameter::{INERTIA, Parameter, SCALE};
 use sixaxis_core::significance::NORMAL_95;
 use sixaxis_core::{LIMBS, Parameters};
 
+use crate::report::ParameterReport;
 use crate::steps::{Campaign, FourSteps, jackknife};
 use crate::tap::Taps;
 use sixaxis_recordings::session::{Role, Session};
 
 /// Half width of the 95 % interval of an even spread, in its half width.
 const EVEN_95: f64 = 0.95;
-
-/// One of the 25 parameters as it is known.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct ParameterReport {
-    /// Name as in the paper: `d1`, `s1/m`, `I1/m`, `k/m`.
-    pub name: String,
-    /// Unit of all numbers here.
-    pub unit: String,
-    /// Estimate. For k/m that is not determined, the design's.
-    pub estimate: f64,
-    /// Design value.
-    pub design: f64,
-    /// Half width of the 95 % interval; none where the parameter is not determined.
-    pub half_width_95: Option<f64>,
-    /// Half width that noise alone would give, propagated through the steps.
-    pub from_noise: Option<f64>,
-    /// Half width that the differences between trials give; none for fewer than three trials.
-    pub from_trials: Option<f64>,
-    /// Half width that the standards' classes give; for k/m by taps, errors of I/m and gains.
-    pub from_standards: Option<f64>,
-    /// What dominates the interval.
-    pub dominated_by: String,
-    /// Whether the data determine it.
-    pub determined: bool,
-    /// Why not, or how.
-    pub remark: String,
-}
 
 /// A fit whose condition number grows by this factor when a trial is left out rests on that trial: what is left says nothing.
 const WORSE_CONDITION: f64 = 30.0;
@@ -172,8 +144,7 @@ pub fn report(
     let mut reports = Vec::with_capacity(25);
     for limb in 0..LIMBS {
         reports.push(finish(
-            format!("d{}", limb + 1),
-            "V",
+            Parameter::Drift(limb),
             used.zero_drift_v[limb],
             design.zero_drift_v[limb],
             Some(NORMAL_95 * steps.drift.standard_error_v[limb]),
@@ -188,8 +159,7 @@ pub fn report(
         let value = used.scale_per_mass_per_kg[limb];
         let trials = spread(&left_out.scale_spread, limb);
         reports.push(finish(
-            format!("s{}/m", limb + 1),
-            "1/kg",
+            Parameter::Scale(limb),
             value,
             design.scale_per_mass_per_kg[limb],
             Some(NORMAL_95 * propagated(SCALE.start + limb, error)),
@@ -216,8 +186,7 @@ pub fn report(
         let trials = spread(&left_out.inertia_spread, entry)
             .map(|own| own.hypot(scale_differs * values[entry]));
         reports.push(finish(
-            format!("I{}/m", entry + 1),
-            "m²",
+            Parameter::Inertia(entry),
             values[entry],
             designs[entry],
             Some(NORMAL_95 * propagated(INERTIA.start + entry, errors[entry])),
@@ -230,8 +199,7 @@ pub fn report(
 }
 
 fn finish(
-    name: String,
-    unit: &str,
+    parameter: Parameter,
     estimate: f64,
     design: f64,
     from_noise: Option<f64>,
@@ -242,7 +210,7 @@ fn finish(
     let differs = from_noise.unwrap_or(0.0).max(from_trials.unwrap_or(0.0));
     let same = from_standards.unwrap_or(0.0);
     let half_width = differs.hypot(same);
-    let determined = is_determined(&name, estimate, half_width);
+    let determined = is_determined(parameter, estimate, half_width);
     let dominated_by = if same > differs {
         "class of the standards"
     } else if from_trials > from_noise {
@@ -251,8 +219,8 @@ fn finish(
         "noise"
     };
     ParameterReport {
-        name,
-        unit: unit.to_owned(),
+        parameter,
+        unit: parameter.unit().to_owned(),
         estimate,
         design,
         half_width_95: Some(half_width),
@@ -270,12 +238,8 @@ fn finish(
 }
 
 /// Whether an interval leaves anything known of a parameter other than k/m.
-pub(crate) fn is_determined(name: &str, estimate: f64, half_width: f64) -> bool {
-    // A zero drift or a product of inertia may well be zero.
-    let may_vanish = !["s", "I1", "I2", "I3"]
-        .iter()
-        .any(|start| name.starts_with(start));
-    may_vanish || half_width < NOTHING_KNOWN * estimate.abs()
+pub(crate) fn is_determined(parameter: Parameter, estimate: f64, half_width: f64) -> bool {
+    !parameter.has_size() || half_width < NOTHING_KNOWN * estimate.abs()
 }
 
 /// Relative error of the scale factors at which step 4's minimum begins to mean something: relative motion changes the torques
@@ -289,7 +253,9 @@ pub(crate) const TAP_IT: &str = "k/m cannot be had from this campaign: tap the s
 pub fn put_taps(reports: &mut [ParameterReport], taps: &Taps) {
     let (Some(found), Some(report)) = (
         &taps.stiffness,
-        reports.iter_mut().find(|report| report.name == "k/m"),
+        reports
+            .iter_mut()
+            .find(|report| report.parameter == Parameter::Stiffness),
     ) else {
         return;
     };
@@ -337,8 +303,8 @@ fn stiffness(
         ),
     };
     ParameterReport {
-        name: "k/m".to_owned(),
-        unit: "1/s²".to_owned(),
+        parameter: Parameter::Stiffness,
+        unit: Parameter::Stiffness.unit().to_owned(),
         estimate: used.stiffness_per_mass_per_s2,
         design: design.stiffness_per_mass_per_s2,
         half_width_95: None,

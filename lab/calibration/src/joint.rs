@@ -14,15 +14,16 @@ pub mod reports;
 use misfit::Misfit;
 use nalgebra::SMatrix;
 use rayon::prelude::*;
-use sixaxis_core::identify::joint::estimate::{JointEstimate, PARAMETERS};
+use sixaxis_core::Parameters;
+use sixaxis_core::identify::joint::estimate::JointEstimate;
 use sixaxis_core::identify::joint::robust::USUAL_LIMIT;
 use sixaxis_core::identify::joint::{AtRest, Certificates, Drive, Joint, Known, Record};
 use sixaxis_core::identify::zero_drift::ZeroDrift;
+use sixaxis_core::parameter::PARAMETERS;
 use sixaxis_core::significance::NORMAL_95;
-use sixaxis_core::{LIMBS, Parameters};
 
-use crate::certified::Gain;
 use crate::error::{Error, Result};
+use crate::gain_prior::BoundedGain;
 use crate::steps::{Campaign, FourSteps};
 use crate::tap::Taps;
 use crate::trial::Trial;
@@ -119,7 +120,7 @@ pub struct JointReport {
     /// The fit.
     pub estimate: JointEstimate,
     /// What is known of the accelerometer's gain.
-    pub gain: Gain,
+    pub gain: BoundedGain,
     /// The 25: d, V; s/m, 1/kg; I/m, m^2; 1/(k/m), s^2.
     pub values: [f64; PARAMETERS],
     /// Their standard deviations, the accelerometer's gain included.
@@ -138,7 +139,7 @@ impl JointReport {
     pub fn new(estimate: JointEstimate, accelerometer_gain_limit: f64) -> Self {
         let misfit = Misfit::of(&estimate);
         let wider = misfit.wider();
-        let gain = Gain {
+        let gain = BoundedGain {
             limit: accelerometer_gain_limit,
             seen: estimate.accelerometer_gain_seen,
             information: estimate.accelerometer_gain_information / (wider * wider),
@@ -293,15 +294,4 @@ pub fn fit(
         estimate,
         knowledge.accelerometer_gain_limit,
     ))
-}
-
-/// Names of the 25.
-#[must_use]
-pub fn names() -> [String; PARAMETERS] {
-    core::array::from_fn(|p| match p {
-        p if p < LIMBS => format!("d{}", p + 1),
-        p if p < 2 * LIMBS => format!("s{}/m", p - LIMBS + 1),
-        p if p < 2 * LIMBS + 6 => format!("I{}/m", p - 2 * LIMBS + 1),
-        _ => "m/k".to_owned(),
-    })
 }

@@ -1,48 +1,52 @@
-//! From a session's recordings to 25 parameters, their intervals and a verdict.
+//! From a session's recordings to 25 parameters, their intervals and a grade; and from a recording to accelerations.
 //!
 //! What a laboratory has is a folder of recordings and knowledge that is in no recording: which wedge was under the sensor,
 //! which range the amplifier was switched to, what the standard instruments' certificates say. The session file
-//! ([`sixaxis_recordings::session`]) holds the latter. From there data flow through the files in this order:
+//! ([`sixaxis_recordings::session`]) holds the latter. One pipeline, [`calibrate`](mod@calibrate), leads from there to a
+//! calibration, through these files in this order:
 //!
 //! | file | holds |
 //! |---|---|
-//! | [`trial`] | one recording in SI units on one clock |
-//! | [`load`] | trials from files |
-//! | [`conditioning`] | the preprocessing that the session asks for |
-//! | [`steps`] | the four steps, first pass, repeated, on some of the trials |
-//! | [`iteration`] | steps 2 to 4 repeated until k/m stands still, or it is clear that it will not |
-//! | [`rigid`] | what nine channels should show of a known motion |
-//! | [`response`] | what each channel did show in each trial |
-//! | [`suspicion`] | what is wrong, named |
-//! | [`joint`] | all 25 at once, with what the session knows beforehand |
-//! | [`certified`] | a normal error and one that a certificate bounds, together |
-//! | [`tap`] | k/m from blows on the shell |
-//! | [`propagation`] | the instruments' errors through the four steps, in closed form |
-//! | [`interval`] | how well each parameter is known, and what limits it |
-//! | [`verdict`] | all of it judged |
-//! | [`calibration`] | the result as a file |
+//! | [`load`], [`trial`] | one recording in SI units on one clock |
+//! | [`conditioning`] | what is done to recordings beforehand, in one order |
+//! | [`prepare`] | a session's recordings, sorted and conditioned |
+//! | [`rigid`], [`response`] | what nine channels should show of a known motion, and what each did show |
+//! | [`diagnosis`] | what is wrong, named as [`finding`]s |
+//! | [`steps`], [`iteration`] | the paper's four steps, once and repeated |
+//! | [`propagation`], [`interval`] | how well each parameter is known, and what limits it |
+//! | [`tap`] | k/m from taps on the shell |
+//! | [`joint`], [`gain_prior`] | all 25 parameters at once, with what the session knows beforehand |
+//! | [`estimate`](mod@estimate) | both estimators on a prepared session |
+//! | [`grade`](mod@grade) | good, good with reservations, not good |
+//! | [`report`], [`calibration`] | the result as plain data and as a file |
 //! | [`apply`] | recordings decoupled with that file |
 //! | [`compare`] | a decoupled motion against the truth |
 //! | [`page`] | the pages of a calibration and of a comparison |
 
 pub mod apply;
+pub mod calibrate;
 pub mod calibration;
-pub mod certified;
 pub mod compare;
 pub mod conditioning;
+pub mod diagnosis;
 pub mod error;
+pub mod estimate;
+pub mod finding;
+pub mod gain_prior;
+pub mod grade;
 pub mod interval;
 pub mod iteration;
 pub mod joint;
 pub mod load;
 pub mod page;
+pub mod prepare;
+pub mod progress;
 pub mod propagation;
+pub mod report;
 pub mod response;
 pub mod rigid;
 pub mod steps;
-pub mod suspicion;
 pub mod tap;
 pub mod trial;
-pub mod verdict;
 
 pub use error::{Error, Result};

@@ -8,17 +8,18 @@
 //! What is not in it: what the model neglects (limbs that give way, 1e-6 of s/m), clocks, wild samples, and whatever
 //! makes noise not white.
 
-mod own;
+mod step_error;
 
 use rayon::prelude::*;
 use sixaxis_core::decouple::uncertainty::influence::{
     GyroscopeShare, InertiaInfluence, ScaleInfluence,
 };
-use sixaxis_core::decouple::uncertainty::parameters::{Chain, Covariance, DRIFT, Errors};
+use sixaxis_core::decouple::uncertainty::parameters::{Chain, Covariance, Errors};
 use sixaxis_core::dsp::spectrum::noise_floor;
+use sixaxis_core::parameter::DRIFT;
 use sixaxis_core::{LIMBS, Result};
 
-use self::own::{Answers, FourthStep, Own};
+use self::step_error::{FourthStep, Sensitivities, StepError};
 use crate::conditioning::Conditioning;
 use crate::steps::{Campaign, FourSteps, rows};
 use sixaxis_recordings::session::{Role, Session};
@@ -188,7 +189,7 @@ pub fn propagate(
             )
         })
     });
-    let answers = Answers {
+    let sensitivities = Sensitivities {
         geometry: campaign.geometry,
         conditioning,
         parameters: &parameters,
@@ -197,16 +198,18 @@ pub fn propagate(
         fourth: FourthStep::new(campaign, &parameters)?,
     };
     let quiet = TrialNoise::default();
-    let owns: Vec<Option<Own>> = campaign
+    let owns: Vec<Option<StepError>> = campaign
         .trials
         .par_iter()
         .enumerate()
         .map(|(index, (trial, conditioned))| {
             let noise = sources.trials.get(index).unwrap_or(&quiet);
             match trial.role {
-                Role::Linear => answers.linear(trial, conditioned, noise).map(Some),
-                Role::Angular => answers.angular(trial, conditioned, noise).map(Some),
-                Role::HighFrequencyLinear => answers.fast_linear(trial, conditioned, noise, index),
+                Role::Linear => sensitivities.linear(trial, conditioned, noise).map(Some),
+                Role::Angular => sensitivities.angular(trial, conditioned, noise).map(Some),
+                Role::HighFrequencyLinear => {
+                    sensitivities.fast_linear(trial, conditioned, noise, index)
+                }
                 Role::Static | Role::Tap | Role::Validation => Ok(None),
             }
         })
@@ -228,7 +231,7 @@ pub fn propagate(
         .zip(&per_gain)
         .map(|(sd, errors)| errors * errors.transpose() * (sd * sd))
         .sum();
-    let tilts = own::wedge_errors(&answers, campaign);
+    let tilts = step_error::wedge_errors(&sensitivities, campaign);
     let wedges = tilts
         .iter()
         .map(|own| {

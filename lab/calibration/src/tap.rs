@@ -13,7 +13,7 @@ use sixaxis_core::identify::{Reason, Verdict};
 use sixaxis_core::significance::NORMAL_95;
 use sixaxis_core::{Geometry, LIMBS, Parameters};
 
-use crate::interval::ParameterReport;
+use crate::report::ParameterReport;
 use crate::trial::Trial;
 
 /// Relative standard deviation of an amplifier range's gain about another's: a tap is recorded in other ranges than step 2.

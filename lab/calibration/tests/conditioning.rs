@@ -3,11 +3,13 @@
 use std::path::Path;
 
 use glam::DVec3;
+use sixaxis_calibration::calibrate::CalibratedSession;
 use sixaxis_calibration::conditioning::{Conditioning, Stage};
 use sixaxis_calibration::page::calibration::page;
+use sixaxis_calibration::report::{Estimator, Grade};
 use sixaxis_calibration::tap::Taps;
 use sixaxis_calibration::trial::Trial;
-use sixaxis_calibration::verdict::{Estimator, Grade, Judgement};
+
 use sixaxis_core::Gains;
 use sixaxis_core::dsp::lag::undo_high_pass;
 use sixaxis_core::dsp::zero_phase::zero_phase;
@@ -153,11 +155,11 @@ fn inv_limbs_pass_the_stages_in_the_listed_order() {
     }
 }
 
-fn judgement(
+fn calibrated(
     trial: Trial,
     conditioned: sixaxis_calibration::conditioning::Conditioned,
-) -> Judgement {
-    Judgement {
+) -> CalibratedSession {
+    CalibratedSession {
         grade: Grade::Bad,
         sentence: String::new(),
         findings: Vec::new(),
@@ -172,7 +174,7 @@ fn judgement(
         joint: None,
         taps: Taps::default(),
         trials: Vec::new(),
-        comparisons: Vec::new(),
+        validation_runs: Vec::new(),
         recordings: vec![(trial, Some(conditioned))],
         calibration: None,
     }
@@ -185,7 +187,7 @@ fn section() -> Section {
     let conditioned = Conditioning::of(&file.session)
         .condition(&trial)
         .expect("it is conditioned");
-    page(&file, &judgement(trial, conditioned))
+    page(&file, &calibrated(trial, conditioned))
         .sections
         .into_iter()
         .find(|section| section.id == "preprocessing")

@@ -1,21 +1,19 @@
-//! One seeded calibration without files: played, conditioned, four steps, a row.
+//! One seeded calibration without files: played, prepared, estimated, a row.
 //!
-//! Equals what [`sixaxis_calibration::verdict::judge`] makes of the same session on disk, bit for bit, where the files keep
-//! every bit of an f64 (test `inv_a_case_is_what_judge_finds_on_disk`).
+//! Equals what [`calibrate`](sixaxis_calibration::calibrate::calibrate) makes of the same session on disk, bit for bit, where
+//! the files keep every bit of an f64 (test `inv_a_case_is_what_calibrate_finds_on_disk`).
 
-use sixaxis_calibration::interval::{LeftOut, put_taps, report};
-use sixaxis_calibration::joint::{self, JointReport, Knowledge, Loss};
-use sixaxis_calibration::propagation;
-use sixaxis_calibration::steps::{FourSteps, GyroscopeGain};
-use sixaxis_calibration::tap::Taps;
-use sixaxis_core::decouple::uncertainty::Covariance;
+use sixaxis_calibration::estimate::Estimate;
+use sixaxis_calibration::joint::{JointReport, Loss};
+use sixaxis_calibration::progress::NoProgress;
 use sixaxis_core::identify::{Reason, Verdict};
+use sixaxis_core::parameter::PARAMETERS;
 use sixaxis_recordings::session::Session;
-use sixaxis_reference::session::plan::SessionPlan;
-use sixaxis_reference::session::play::{Played, PlayedSession, play};
+use sixaxis_reference::laboratory::plan::SessionPlan;
+use sixaxis_reference::laboratory::recording::SimulatedRecording;
+use sixaxis_reference::laboratory::session::{SimulatedSession, simulate_session};
 
-use crate::collected::{Collected, Failure, collect};
-use crate::parameter::{PARAMETERS, values};
+use crate::prepared::prepare;
 use crate::row::{Group, Row, Scalar, Status, Text, Values};
 
 /// Plays and calibrates the session of a plan with this seed. What fails is a row, too.
@@ -25,7 +23,7 @@ pub fn calibrate(plan: &SessionPlan, seed: u64) -> Row {
         seed,
         ..plan.clone()
     };
-    let played = match play(&plan) {
+    let played = match simulate_session(&plan) {
         Ok(played) => played,
         Err(error) => {
             let mut row = Row::new(seed, Status::NotPlayed);
@@ -33,7 +31,7 @@ pub fn calibrate(plan: &SessionPlan, seed: u64) -> Row {
             return row;
         }
     };
-    let PlayedSession {
+    let SimulatedSession {
         session,
         recordings,
         truth,
@@ -45,7 +43,7 @@ pub fn calibrate(plan: &SessionPlan, seed: u64) -> Row {
             .as_ref()
             .map_or_else(|failure| failure.status, |_| Status::Calibrated),
     );
-    row.set_group(Group::Truth, values(&truth.parameters).map(Some));
+    row.set_group(Group::Truth, truth.parameters.to_paper_order().map(Some));
     row.set_scalar(
         Scalar::AccelerometerGainError,
         truth.instruments.accelerometer_gain_error,
@@ -59,7 +57,7 @@ pub fn calibrate(plan: &SessionPlan, seed: u64) -> Row {
     }
     match found {
         Ok(found) => {
-            found.enter(&mut row);
+            enter(&found, &mut row);
             if let Ok(joint) = &found.joint {
                 // The one place where a truth meets an estimate before the statistics: see the group.
                 let gain = truth.instruments.accelerometer_gain_error;
@@ -75,93 +73,66 @@ pub fn calibrate(plan: &SessionPlan, seed: u64) -> Row {
     row
 }
 
-/// What the laboratory finds.
-struct Found {
-    steps: FourSteps,
-    /// Covariance from noise alone, by the closed form.
-    noise: Option<Covariance>,
-    half_width_95: [Option<f64>; PARAMETERS],
-    joint: sixaxis_calibration::Result<JointReport>,
+/// Why there are no parameters.
+struct Failure {
+    status: Status,
+    cause: String,
 }
 
 /// From here on only what a laboratory has.
-fn identify(session: &Session, recordings: Vec<Played>) -> Result<Found, Failure> {
-    let Collected {
-        campaign,
-        taps: struck,
-        conditioning,
-    } = collect(session, recordings)?;
-    let class = session.gyroscope.class_percent / 100.0;
-    let steps = campaign
-        .identify(GyroscopeGain::Certified { class })
-        .map_err(|error| Failure {
-            status: Status::NotIdentified,
-            cause: error.to_string(),
-        })?;
-    let propagated = propagation::of_session(session, &campaign, &conditioning, &steps);
-    let noise = propagated.map(|(_, found)| found.noise);
-    let left_out = LeftOut::fit(&campaign, &steps);
-    let mut reports = report(session, &steps, &left_out, noise.as_ref());
-    let taps = Taps::identify(
-        &struck,
-        campaign.geometry,
-        &steps.used(),
-        &campaign.design,
-        &reports,
-    );
-    put_taps(&mut reports, &taps);
-    let half_width_95 =
-        core::array::from_fn(|i| reports.get(i).and_then(|report| report.half_width_95));
-    let mut knowledge = Knowledge::of(session);
-    knowledge.take_taps(&taps);
-    let joint = joint::fit(&campaign, &steps, &knowledge, Loss::Squares);
-    Ok(Found {
-        steps,
-        noise,
-        half_width_95,
-        joint,
+fn identify(session: &Session, recordings: Vec<SimulatedRecording>) -> Result<Estimate, Failure> {
+    let prepared = prepare(session, recordings);
+    if let Some(finding) = prepared.findings.first() {
+        return Err(Failure {
+            status: Status::NotCleaned,
+            cause: format!("{}: {}", finding.recordings.join(", "), finding.evidence),
+        });
+    }
+    Estimate::of(session, &prepared, Loss::Squares, &NoProgress).map_err(|error| Failure {
+        status: Status::NotIdentified,
+        cause: error.to_string(),
     })
 }
 
-impl Found {
-    fn enter(&self, row: &mut Row) {
-        let steps = &self.steps;
-        row.set_group(Group::FourSteps, values(&steps.found()).map(Some));
-        if let Some(noise) = &self.noise {
-            // k/m is no linear function of anything: the closed form has its reciprocal.
-            let deviation = |i: usize| (i < PARAMETERS - 1).then(|| noise[(i, i)].sqrt());
-            row.set_group(
-                Group::FourStepsStandardError,
-                core::array::from_fn(deviation),
-            );
-        }
-        row.set_group(Group::StatedHalfWidth, self.half_width_95);
-        match &self.joint {
-            Ok(joint) => enter_joint(joint, row),
-            Err(error) => row.set_text(Text::JointFailure, error.to_string()),
-        }
-        if let Some((gain, error)) = steps.rate_over_reading {
-            row.set_scalar(Scalar::RateOverReading, gain);
-            row.set_scalar(Scalar::RateOverReadingStandardError, error);
-        }
-        if let Some(stiffness) = &steps.stiffness {
-            let word = match stiffness.verdict {
-                Verdict::Determined => "determined",
-                Verdict::Undetermined {
-                    reason: Reason::EdgeOfGrid,
-                } => "edge_of_grid",
-                Verdict::Undetermined {
-                    reason: Reason::Flat { .. },
-                } => "flat",
-                Verdict::Undetermined {
-                    reason: Reason::Noise { .. },
-                } => "noise",
-                Verdict::Undetermined {
-                    reason: Reason::Misfit { .. },
-                } => "misfit",
-            };
-            row.set_text(Text::Step4, word);
-        }
+/// Enters what the laboratory finds.
+fn enter(found: &Estimate, row: &mut Row) {
+    let steps = &found.steps;
+    row.set_group(Group::FourSteps, steps.found().to_paper_order().map(Some));
+    if let Some(noise) = found.noise() {
+        // k/m is no linear function of anything: the closed form has its reciprocal.
+        let deviation = |i: usize| (i < PARAMETERS - 1).then(|| noise[(i, i)].sqrt());
+        row.set_group(
+            Group::FourStepsStandardError,
+            core::array::from_fn(deviation),
+        );
+    }
+    let half_width_95 = |i: usize| found.four_steps.get(i).and_then(|p| p.half_width_95);
+    row.set_group(Group::StatedHalfWidth, core::array::from_fn(half_width_95));
+    match &found.joint {
+        Ok(joint) => enter_joint(joint, row),
+        Err(error) => row.set_text(Text::JointFailure, error.as_str()),
+    }
+    if let Some((gain, error)) = steps.rate_over_reading {
+        row.set_scalar(Scalar::RateOverReading, gain);
+        row.set_scalar(Scalar::RateOverReadingStandardError, error);
+    }
+    if let Some(stiffness) = &steps.stiffness {
+        let word = match stiffness.verdict {
+            Verdict::Determined => "determined",
+            Verdict::Undetermined {
+                reason: Reason::EdgeOfGrid,
+            } => "edge_of_grid",
+            Verdict::Undetermined {
+                reason: Reason::Flat { .. },
+            } => "flat",
+            Verdict::Undetermined {
+                reason: Reason::Noise { .. },
+            } => "noise",
+            Verdict::Undetermined {
+                reason: Reason::Misfit { .. },
+            } => "misfit",
+        };
+        row.set_text(Text::Step4, word);
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use sixaxis_reference::session::play::PlayError;
+use sixaxis_reference::laboratory::error::SessionError;
 use thiserror::Error;
 
 /// Every way in which a campaign can be refused.
@@ -14,7 +14,7 @@ pub enum Error {
     File(#[from] sixaxis_recordings::Error),
     /// The plan cannot be played.
     #[error(transparent)]
-    Plan(#[from] PlayError),
+    Plan(#[from] SessionError),
     /// Seeds that cannot be.
     #[error("seeds: {0}")]
     Seeds(String),

@@ -6,9 +6,9 @@
 //! | file | holds |
 //! |---|---|
 //! | [`plan`] | what is varied, which seeds, which shard of them |
-//! | [`collected`] | a played session as the analysis has it |
+//! | [`prepared`] | a played session as the calibration has it |
 //! | [`case`] | one calibration |
-//! | [`parameter`], [`row`] | what is kept of it |
+//! | [`row`] | what is kept of it |
 //! | [`part`] | a few dozen rows in a Parquet file that is there whole or not at all |
 //! | [`folder`] | the parts of a campaign side by side |
 //! | [`run`] | seeds that no part has yet, worked off by all cores |
@@ -18,12 +18,11 @@
 //! their parts side by side.
 
 pub mod case;
-pub mod collected;
 pub mod error;
 pub mod folder;
-pub mod parameter;
 pub mod part;
 pub mod plan;
+pub mod prepared;
 pub mod row;
 pub mod run;
 pub mod statistics;

@@ -11,6 +11,7 @@ pub use read::{Part, read};
 pub use write::write;
 
 use core::ops::Range;
+use sixaxis_core::Parameter;
 use std::path::Path;
 
 use crate::row::{Group, Row, Scalar, Text, column};
@@ -72,7 +73,7 @@ fn columns() -> (Vec<String>, Vec<String>) {
     let scalars = Scalar::ALL.iter().map(|s| s.column().to_owned());
     let groups = Group::ALL
         .iter()
-        .flat_map(|group| (0..crate::parameter::PARAMETERS).map(|p| column(*group, p)));
+        .flat_map(|group| Parameter::all().map(|p| column(*group, p)));
     (texts, scalars.chain(groups).collect())
 }
 

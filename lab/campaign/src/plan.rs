@@ -5,9 +5,9 @@ use core::ops::Range;
 use core::str::FromStr;
 use std::path::Path;
 
-use sixaxis_reference::session::check::check;
-use sixaxis_reference::session::plan::SessionPlan;
-use sixaxis_reference::session::plan_file::{self, with_comments};
+use sixaxis_reference::laboratory::check::check;
+use sixaxis_reference::laboratory::plan::SessionPlan;
+use sixaxis_reference::laboratory::plan_file::{self, with_comments};
 
 use crate::error::{Error, Result};
 

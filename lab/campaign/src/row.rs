@@ -1,6 +1,7 @@
 //! What is kept of one calibration: the schema of the shards.
 
-use crate::parameter::{self, PARAMETERS};
+use sixaxis_core::Parameter;
+use sixaxis_core::parameter::PARAMETERS;
 
 /// A quantity that each of the 25 parameters has one of, in the parameter's unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -252,6 +253,17 @@ impl Row {
 
 /// Name of the column of one quantity of one parameter, such as `four_steps_s1_per_kg`.
 #[must_use]
-pub fn column(group: Group, parameter: usize) -> String {
-    format!("{}_{}", group.prefix(), parameter::column(parameter))
+pub fn column(group: Group, parameter: Parameter) -> String {
+    let letter = parameter.symbol().to_ascii_lowercase();
+    let number = parameter
+        .number()
+        .map_or_else(String::new, |number| number.to_string());
+    let unit = match parameter {
+        Parameter::Drift(_) => "v",
+        Parameter::Scale(_) => "per_kg",
+        Parameter::Inertia(_) => "m2",
+        Parameter::Stiffness => "per_s2",
+        Parameter::Compliance => "s2",
+    };
+    format!("{}_{letter}{number}_{unit}", group.prefix())
 }

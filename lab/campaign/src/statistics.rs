@@ -17,9 +17,10 @@ use serde::{Deserialize, Serialize};
 use self::moments::Moments;
 use crate::error::{Error, Result};
 use crate::folder::{self, Named};
-use crate::parameter::{self, PARAMETERS};
 use crate::part::{self, Part, Provenance};
 use crate::row::{Group, Row, Text};
+use sixaxis_core::Parameter;
+use sixaxis_core::parameter::PARAMETERS;
 
 /// Parts that are read side by side.
 const AT_ONCE: usize = 32;
@@ -51,7 +52,8 @@ pub struct Summary {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ParameterSummary {
     /// As in the paper: `s1/m`.
-    pub name: String,
+    #[serde(rename = "name")]
+    pub parameter: Parameter,
     /// Unit of all numbers here that have one.
     pub unit: String,
     /// The four steps.
@@ -109,7 +111,7 @@ pub fn summarise(folders: &[PathBuf]) -> Result<Summary> {
             .into_iter()
             .map(|seeds| (seeds.start, seeds.end - 1))
             .collect(),
-        parameters: (0..PARAMETERS).map(|i| sums.parameter(i)).collect(),
+        parameters: Parameter::all().map(|p| sums.parameter(p)).collect(),
         status: sums.status,
         step_4: sums.step_4,
     })
@@ -223,10 +225,11 @@ impl Sums {
         }
     }
 
-    fn parameter(&self, i: usize) -> ParameterSummary {
+    fn parameter(&self, parameter: Parameter) -> ParameterSummary {
+        let i = parameter.place();
         ParameterSummary {
-            name: parameter::name(i),
-            unit: parameter::unit(i).to_owned(),
+            parameter,
+            unit: parameter.unit().replace('²', "^2"),
             four_steps: self.four_steps[i].summary(self.cases),
             joint: (self.joint[i].cases() > 0).then(|| self.joint[i].summary(self.cases)),
             joint_gain_known: (self.joint_gain_known[i].cases() > 0)

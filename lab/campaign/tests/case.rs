@@ -1,17 +1,18 @@
-//! A case in memory against the same session on disk, calibrated from its files by `judge`.
+//! A case in memory against the same session on disk, calibrated from its files by `calibrate`.
 
 mod common;
 
 use common::{Folder, small};
-use sixaxis_calibration::verdict::{Judgement, Unwatched, judge};
+use sixaxis_calibration::calibrate::{CalibratedSession, Options, calibrate as calibrate_files};
+use sixaxis_calibration::progress::NoProgress;
 use sixaxis_campaign::case::calibrate;
-use sixaxis_campaign::parameter::{PARAMETERS, name, values};
 use sixaxis_campaign::row::{Group, Row, Scalar, Status, Text, Values};
+use sixaxis_core::parameter::{PARAMETERS, Parameter};
 use sixaxis_recordings::session::SessionFile;
-use sixaxis_reference::rig::Mounting;
-use sixaxis_reference::session::plan::SessionPlan;
-use sixaxis_reference::session::play::play;
-use sixaxis_reference::session::write::write;
+use sixaxis_reference::laboratory::plan::SessionPlan;
+use sixaxis_reference::laboratory::session::simulate_session;
+use sixaxis_reference::laboratory::write::write;
+use sixaxis_reference::rig::run::Mounting;
 
 /// Rows of a static record that are more than the loader keeps, so that it averages.
 const LONG_STATIC_S: f64 = 600.0;
@@ -39,36 +40,36 @@ fn plans() -> [SessionPlan; 3] {
 }
 
 /// Through Parquet, which keeps every bit of an f64.
-fn on_disk(plan: &SessionPlan, seed: u64, folder: &Folder) -> Judgement {
+fn on_disk(plan: &SessionPlan, seed: u64, folder: &Folder) -> CalibratedSession {
     let plan = SessionPlan {
         seed,
         ..plan.clone()
     };
-    let played = play(&plan).expect("it can be played");
+    let played = simulate_session(&plan).expect("it can be played");
     let session = write(&played, &folder.0, "parquet").expect("it can be written");
     let file = SessionFile::read(&session).expect("it can be read");
-    judge(&file, &Unwatched).expect("it can be judged")
+    calibrate_files(&file, &Options::default(), &NoProgress).expect("it can be calibrated")
 }
 
 fn bits(values: &Values) -> Vec<Option<u64>> {
     values.iter().map(|v| v.map(f64::to_bits)).collect()
 }
 
-fn group_on_disk(judgement: &Judgement, group: Group) -> Values {
-    let steps = judgement.steps.as_ref().expect("the steps were done");
+fn group_on_disk(calibrated: &CalibratedSession, group: Group) -> Values {
+    let steps = calibrated.steps.as_ref().expect("the steps were done");
     match group {
-        Group::FourSteps => values(&steps.found()).map(Some),
+        Group::FourSteps => steps.found().to_paper_order().map(Some),
         Group::FourStepsStandardError => {
-            let calibration = judgement.calibration.as_ref().expect("there is one");
+            let calibration = calibrated.calibration.as_ref().expect("there is one");
             let propagated = calibration.covariance.propagated.as_ref();
             let noise = &propagated.expect("errors are propagated").noise;
             core::array::from_fn(|i| (i < PARAMETERS - 1).then(|| noise[i][i].sqrt()))
         }
         _ => core::array::from_fn(|i| {
-            let report = &judgement.parameters[i];
+            let report = &calibrated.parameters[i];
             assert_eq!(
-                report.name,
-                name(i),
+                Some(report.parameter),
+                Parameter::at(i),
                 "columns are in the order of the report"
             );
             report.half_width_95
@@ -83,15 +84,15 @@ const FOUND: [Group; 3] = [
 ];
 
 #[test]
-fn inv_a_case_is_what_judge_finds_on_disk() {
+fn inv_a_case_is_what_calibrate_finds_on_disk() {
     for (index, plan) in plans().iter().enumerate() {
-        let folder = Folder::new(&format!("judge-{index}"));
+        let folder = Folder::new(&format!("calibrate-{index}"));
         let seed = 7 + index as u64;
-        let judgement = on_disk(plan, seed, &folder);
+        let calibrated = on_disk(plan, seed, &folder);
         let row = calibrate(plan, seed);
         let other = calibrate(plan, seed + 1);
         for group in FOUND {
-            let disk = bits(&group_on_disk(&judgement, group));
+            let disk = bits(&group_on_disk(&calibrated, group));
             assert_eq!(bits(row.group(group)), disk, "plan {index}, {group:?}");
             assert_ne!(
                 bits(other.group(group)),
@@ -99,7 +100,7 @@ fn inv_a_case_is_what_judge_finds_on_disk() {
                 "another seed is another session"
             );
         }
-        let steps = judgement.steps.as_ref().expect("the steps were done");
+        let steps = calibrated.steps.as_ref().expect("the steps were done");
         assert_eq!(
             row.scalar(Scalar::RateOverReading),
             steps.rate_over_reading.map(|gain| gain.0)
@@ -124,8 +125,8 @@ fn inv_a_case_depends_on_its_seed_alone() {
 fn prop_truth_is_the_players_and_no_estimate() {
     let row: Row = calibrate(&small(), 5);
     assert_eq!(row.status(), Some(Status::Calibrated));
-    let truth = SessionPlan { seed: 5, ..small() }.parameters();
-    assert_eq!(row.group(Group::Truth), &values(&truth).map(Some));
+    let truth = SessionPlan { seed: 5, ..small() }.true_sensor();
+    assert_eq!(row.group(Group::Truth), &truth.to_paper_order().map(Some));
     assert_ne!(row.group(Group::Truth), row.group(Group::FourSteps));
     // A fit of its own, not a copy; and told the gain it finds something else again.
     for i in 9..24 {

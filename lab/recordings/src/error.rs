@@ -46,7 +46,7 @@ pub enum Error {
     },
     /// Its name says nothing that is known, nor do its first bytes.
     #[error(
-        "{}: unknown kind of file; known are .csv, .txt, .tsv (also .gz), .tdms, .parquet, .npy, .npz and .mat",
+        "{}: unknown kind of file; known are .csv, .txt, .tsv (also .gz), .tdms, .parquet, .npy, .npz, .h5 and .mat",
         path.display()
     )]
     UnknownFormat {

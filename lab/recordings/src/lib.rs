@@ -16,7 +16,9 @@
 //! | [`tdms`] | what LabVIEW writes |
 //! | [`parquet`] | columnar files of pandas, Polars, DuckDB |
 //! | [`numpy`] | NPY and NPZ |
-//! | [`matlab`] | MAT files, version 5 and 7.3 |
+//! | [`hdf5`] | HDF5, of which MAT files of version 7.3 are a kind |
+//! | [`matlab`] | MAT files |
+//! | `variables`, `numbers` | what the files of MATLAB and HDF5 have in common |
 //! | [`mod@unit`] | units that channels come in |
 //! | [`ingest`] | names, units, clock: from a file to columns that can be computed with |
 //! | [`session`] | the session file: which recordings belong together, and what they do not say themselves |
@@ -24,9 +26,11 @@
 pub mod channel;
 pub mod draft;
 pub mod error;
+pub mod hdf5;
 pub mod ingest;
 pub mod matlab;
 pub mod motion;
+mod numbers;
 pub mod numpy;
 mod open;
 pub mod parquet;
@@ -36,6 +40,7 @@ mod source;
 pub mod tdms;
 pub mod text;
 pub mod unit;
+mod variables;
 
 pub use channel::{Block, Channel, Layout};
 pub use error::{Error, Result};

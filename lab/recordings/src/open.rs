@@ -8,7 +8,7 @@ use crate::channel::Layout;
 use crate::error::{Error, Result};
 use crate::sink::Sink;
 use crate::source::Source;
-use crate::{matlab, numpy, parquet, tdms, text};
+use crate::{hdf5, matlab, numpy, parquet, tdms, text};
 
 /// Bytes that are enough to tell the formats apart.
 const HEAD: usize = 16;
@@ -31,6 +31,12 @@ pub fn open(path: &Path) -> Result<Box<dyn Source>> {
         numpy::open_npy(path)
     } else if head.starts_with(b"PK\x03\x04") && name.ends_with(".npz") {
         numpy::open_npz(path)
+    } else if head.starts_with(b"\x89HDF\r\n\x1a\n") && !name.ends_with(".mat")
+        || [".h5", ".hdf5"]
+            .iter()
+            .any(|extension| name.ends_with(extension))
+    {
+        hdf5::open(path)
     } else if head.starts_with(b"MATLAB") || name.ends_with(".mat") {
         matlab::open(path)
     } else if head.starts_with(b"\x1f\x8b")

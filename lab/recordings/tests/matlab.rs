@@ -136,7 +136,6 @@ fn what_is_not_understood_is_refused_with_advice() {
     for (file, feature, advice) in [
         ("cells_only.mat", "c (cell)", "-struct"),
         ("v4.mat", "version 4", "-v7"),
-        ("latest.mat", "HDF5", "-v7"),
     ] {
         let error = open(&files().join(file)).err().unwrap();
         let text = error.to_string();

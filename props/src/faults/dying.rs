@@ -1,19 +1,17 @@
 //! A limb that dies in mid-motion, played in MuJoCo: the decoupler that watches against one that does not and one that has
 //! nothing to watch.
 
+use crate::truth;
 use glam::{DQuat, DVec3};
 use rand_distr::{Distribution, StandardUniform};
 use rand_pcg::Pcg64;
 use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::redundancy::fault::Watch;
 use sixaxis_core::{Geometry, LIMBS, Parameters, Sensor, Settings, StaticResponse};
-use sixaxis_reference::campaign::{DAMPING_RATIO, MASS_KG};
-use sixaxis_reference::chain::{Chain, amplifier_ranges};
-use sixaxis_reference::mjcf::SensorModel;
-use sixaxis_reference::recording::{SimulatedMotion, TrueMotion};
-use sixaxis_reference::session::plan::random_sensor;
-use sixaxis_reference::simulation::SimulationError;
-use sixaxis_reference::tumble::{SINES, Sine, Tumble};
+use sixaxis_reference::laboratory::chain::Chain;
+use sixaxis_reference::motion::TrueMotion;
+use sixaxis_reference::mujoco::simulation::SimulationError;
+use sixaxis_reference::rig::tumble::{SINES, Sine, Tumble};
 
 use super::{FALSE_ALARMS_PER_HOUR, SAMPLE_RATE_HZ};
 use crate::statistics::normal;
@@ -59,7 +57,7 @@ impl Played {
     /// Those of the simulation.
     pub fn random(seed: u64, limb: usize) -> Result<Self, SimulationError> {
         let mut rng = Pcg64::new(u128::from(seed), STREAM);
-        let parameters = random_sensor(&mut rng);
+        let parameters = truth::random_parameters(&mut rng);
         let mut sine = |k: usize, amplitude: f64| {
             let mut uniform = || -> f64 { StandardUniform.sample(&mut rng) };
             let mut axis =
@@ -76,18 +74,17 @@ impl Played {
             rise_s: RISE_S,
         };
         // Without gravity, tared and whole signals are one, and the sensor is at rest in no direction of its own.
-        let model = SensorModel {
-            geometry: Geometry::PAPER,
-            mass_kg: MASS_KG,
-            inertia_per_mass: parameters.inertia_per_mass,
-            stiffness_per_mass_per_s2: parameters.stiffness_per_mass_per_s2,
-            damping_ratio: DAMPING_RATIO,
-            gravity_ground_m_s2: DVec3::ZERO,
-        };
-        let run = SimulatedMotion::simulate(&model, &motion, DURATION_S, SAMPLE_RATE_HZ, STEPS)?;
+        let model = truth::model(&parameters, DVec3::ZERO);
+        let run = sixaxis_reference::mujoco::simulate(
+            &model,
+            &motion,
+            DURATION_S,
+            SAMPLE_RATE_HZ,
+            STEPS,
+        )?;
         let chain = Chain::laboratory();
         let forces = &run.limb_force_per_mass_m_s2;
-        let gains = amplifier_ranges(forces, &parameters, chain.full_scale_v);
+        let gains = truth::amplifier_ranges(forces, &parameters);
         let signal = SignalChain::new(&gains, &parameters);
         let noise = chain.noise_v();
         let sound_v: Vec<[f64; LIMBS]> = forces

@@ -1,8 +1,8 @@
 //! Single manufactured sensors, for tests that need one and not many.
 
+use crate::truth;
 use glam::DVec3;
 use sixaxis_core::Geometry;
-use sixaxis_reference::paper;
 
 use super::motion::{Harmonic, Manufactured};
 
@@ -10,7 +10,7 @@ use super::motion::{Harmonic, Manufactured};
 /// 40 rad/s about an axis that turns itself, under gravity.
 #[must_use]
 pub fn turning() -> Manufactured {
-    let mut parameters = paper::identified_parameters();
+    let mut parameters = truth::identified_parameters();
     parameters.stiffness_per_mass_per_s2 = 2e7;
     Manufactured {
         geometry: Geometry::PAPER,

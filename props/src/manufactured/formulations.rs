@@ -12,9 +12,10 @@
 //! energy gives p = 2 G^T I W. H = W.I W/2 with W = I^-1 G(q) p/2, and since G(q) p = -G(p) q, Hamilton's equations are
 //! as good as symmetric: q' = G(q)^T W/2, p' = G(p)^T W/2 + 2 G(q)^T torque.
 
-use crate::printed::{Instant, MassInertia};
 use glam::{DMat3, DQuat, DVec3};
-use sixaxis_core::paper::pose::{Pose, RelativeMotion};
+use sixaxis_core::paper::dynamics::{Instant, MassInertia};
+use sixaxis_core::paper::pose::Pose;
+use sixaxis_core::paper::relative_motion::RelativeMotion;
 use sixaxis_core::paper::wrench::LimbWrench;
 
 use super::motion::{Manufactured, Moment};

@@ -4,7 +4,7 @@ use glam::DVec3;
 use sixaxis_core::kernel::constants::Constants;
 use sixaxis_core::kernel::rate::{RateIntegrator, Torques};
 use sixaxis_core::kernel::vec3::{Vec3, vec3};
-use sixaxis_core::{Gains, Scheme, Sensor, Settings};
+use sixaxis_core::{Gains, Model, Scheme, Sensor, Settings};
 
 use super::motion::Manufactured;
 
@@ -25,7 +25,9 @@ pub fn spin(
         gains: Gains::uniform(1.0),
     };
     let settings = Settings::new(1.0 / step_s);
-    let constants = Constants::new(&drawn, &sensor.parameters, &settings).expect("a sound sensor");
+    let constants = Model::new(&drawn, &sensor.parameters, &settings)
+        .and_then(|model| Constants::new(&model))
+        .expect("a sound sensor");
     // The kernel's torques are over chi nu, lengths in L, times in steps.
     let length = sensor.geometry.limb_length_m;
     let unit = step_s * step_s / (length * length * constants.chi * constants.nu);

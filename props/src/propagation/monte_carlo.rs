@@ -7,7 +7,8 @@ use sixaxis_calibration::propagation::{Propagated, Sources, propagate};
 use sixaxis_calibration::steps::{Campaign, GyroscopeGain};
 use sixaxis_calibration::trial::Trial;
 use sixaxis_core::decouple::uncertainty::parameters::Covariance;
-use sixaxis_core::decouple::uncertainty::{ChannelNoise, PARAMETERS, SampleUncertainty, Spread};
+use sixaxis_core::decouple::uncertainty::{ChannelNoise, SampleUncertainty, Spread};
+use sixaxis_core::parameter::PARAMETERS;
 use sixaxis_core::{Geometry, LIMBS, Scheme};
 
 use super::{World, calibrate, identified};

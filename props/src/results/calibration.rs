@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 use sixaxis_core::LIMBS;
-use sixaxis_reference::field::Pace;
-use sixaxis_reference::session::plan::Engine;
+use sixaxis_core::Parameter;
+use sixaxis_reference::laboratory::plan::Engine;
+use sixaxis_reference::rig::field::Pace;
 
 pub use crate::blind::Outcome as BlindOutcome;
 pub use crate::taps::Tally as TapTally;
@@ -108,7 +109,8 @@ pub struct PropagationSet {
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct PropagationParameter {
     /// As in the paper: `s1/m`.
-    pub name: String,
+    #[serde(rename = "name")]
+    pub parameter: Parameter,
     /// Its unit.
     pub unit: String,
     /// Its value.

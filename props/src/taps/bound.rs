@@ -4,10 +4,10 @@
 //! derivatives.
 
 use nalgebra::{DMatrix, DVector, Matrix6, SMatrix, SVector};
+use sixaxis_core::LIMBS;
 use sixaxis_core::paper::signal::SignalChain;
-use sixaxis_core::{Geometry, LIMBS};
-use sixaxis_reference::mjcf::limb_jacobian;
-use sixaxis_reference::tap::SAMPLE_RATE_HZ;
+use sixaxis_reference::geometry::Geometry;
+use sixaxis_reference::rig::tap::SAMPLE_RATE_HZ;
 
 use super::{Case, KNOWN_TO, Recorded, inertia_deviation_m2};
 
@@ -33,7 +33,7 @@ impl States {
     /// From M x'' + C x' + K x = 0.
     #[must_use]
     pub fn new(inertia_m2: &[f64; 6], stiffness: f64, damping_ratio: f64, step_s: f64) -> Self {
-        let jacobian = limb_jacobian(&Geometry::PAPER);
+        let jacobian = Geometry::PAPER.limb_wrenches();
         let damping = 2.0 * damping_ratio * stiffness.sqrt();
         let mut mass = Matrix6::identity();
         let [xx, yy, zz, xy, xz, yz] = *inertia_m2;

@@ -6,13 +6,13 @@ use proptest::prelude::*;
 use sixaxis_core::model::STIFFNESS_PER_MASS_RANGE_PER_S2;
 use sixaxis_core::paper::limb_stream::LimbStream;
 use sixaxis_core::{
-    Decoupler, Error, Gains, Geometry, InertiaPerMass, LIMBS, Parameters, Result, Scheme, Sensor,
-    Settings, SixAxis, StaticResponse,
+    Decoupler, Error, Gains, Geometry, InertiaPerMass, LIMBS, Model, Parameters, Result, Scheme,
+    Sensor, Settings, SixAxis, StaticResponse,
 };
 use sixaxis_props::compare::all_finite;
 use sixaxis_props::hostile::{INERTIA, hostile_setup, record, remembering};
 use sixaxis_props::strategy::parameters;
-use sixaxis_reference::paper;
+use sixaxis_props::truth;
 
 fn sensor() -> Sensor {
     Sensor {
@@ -123,7 +123,7 @@ proptest! {
         period in 1_usize..4,
     ) {
         let settings = Settings { scheme, ..Settings::new(1e4) };
-        let fresh = Decoupler::new(&sensor(), &paper::identified_parameters(), &settings)
+        let fresh = Decoupler::new(&sensor(), &truth::identified_parameters(), &settings)
             .expect("the paper's sensor is sound");
         let (mut disturbed, mut undisturbed) = (fresh.clone(), fresh);
         let mut accepted = 0;
@@ -151,7 +151,7 @@ proptest! {
         rate_exponent in -3.0..9.0_f64,
     ) {
         let settings = Settings { scheme, ..Settings::new(10.0_f64.powf(rate_exponent)) };
-        let mut decoupler = Decoupler::new(&sensor(), &paper::identified_parameters(), &settings)
+        let mut decoupler = Decoupler::new(&sensor(), &truth::identified_parameters(), &settings)
             .expect("the paper's sensor is sound");
         let row = direction.map(|d| d * 10.0_f64.powf(exponent));
         for sample in 0..40 {
@@ -167,7 +167,8 @@ proptest! {
         rows in record::<LIMBS>(8),
     ) {
         let (sensor, parameters, settings) = setup;
-        let Ok(mut stream) = LimbStream::new(&sensor, &parameters, &settings) else {
+        let model = Model::new(&sensor, &parameters, &settings);
+        let Ok(mut stream) = model.and_then(|model| LimbStream::new(&model)) else {
             return Ok(());
         };
         prop_assert!(all_finite(stream.geometry()) && all_finite(stream.preload_m_s2()));
@@ -192,8 +193,10 @@ proptest! {
         scheme in prop::sample::select(&Scheme::ALL[..]),
     ) {
         let settings = Settings { scheme, ..Settings::new(10.0_f64.powf(rate_exponent)) };
-        let parameters = paper::design_parameters();
-        let mut stream = LimbStream::new(&sensor(), &parameters, &settings).expect("sound");
+        let parameters = truth::design_parameters();
+        let mut stream = Model::new(&sensor(), &parameters, &settings)
+            .and_then(|model| LimbStream::new(&model))
+            .expect("sound");
         let decoupler = Decoupler::new(&sensor(), &parameters, &settings).expect("sound");
         let rows: Vec<_> = volts.iter().map(|v| [-(10.0_f64.powf(*v)); LIMBS]).collect();
         for row in &rows {
@@ -216,7 +219,7 @@ fn regress_a_runaway_rate_is_an_overflow() {
             initial_rate_shell_rad_s: DVec3::new(1e30, 2e30, 3e30),
             ..Settings::new(1e-2)
         };
-        let mut decoupler = Decoupler::new(&sensor(), &paper::identified_parameters(), &settings)
+        let mut decoupler = Decoupler::new(&sensor(), &truth::identified_parameters(), &settings)
             .expect("finite settings");
         let refused = (0..40).find_map(|i| push(&mut decoupler, &sound_row(i), i).err());
         assert!(
@@ -227,7 +230,7 @@ fn regress_a_runaway_rate_is_an_overflow() {
 }
 
 fn refused_by_name(changed: impl Fn(&mut Sensor, &mut Parameters, &mut Settings), name: &str) {
-    let (mut sensor, mut parameters) = (sensor(), paper::identified_parameters());
+    let (mut sensor, mut parameters) = (sensor(), truth::identified_parameters());
     let mut settings = Settings::new(1e4);
     changed(&mut sensor, &mut parameters, &mut settings);
     match Decoupler::new(&sensor, &parameters, &settings) {
@@ -273,7 +276,7 @@ fn prop_ends_of_the_stiffness_range_decouple() {
     for stiffness_per_mass_per_s2 in [low, high] {
         let parameters = Parameters {
             stiffness_per_mass_per_s2,
-            ..paper::identified_parameters()
+            ..truth::identified_parameters()
         };
         let decoupler = Decoupler::new(&sensor(), &parameters, &Settings::new(1e4))
             .expect("the ends belong to the range");

@@ -8,13 +8,14 @@ use sixaxis_core::identify::least_squares::Accumulator;
 use sixaxis_core::identify::scale::ScaleIdentification;
 use sixaxis_core::identify::zero_drift;
 use sixaxis_core::paper::limb_stream::LimbSample;
-use sixaxis_core::paper::pose::{Pose, RelativeMotion};
+use sixaxis_core::paper::pose::Pose;
+use sixaxis_core::paper::relative_motion::RelativeMotion;
 use sixaxis_core::paper::wrench::LimbWrench;
 use sixaxis_core::{Error, Gains, Geometry, LIMBS, Sensor, Settings};
 use sixaxis_props::compare::all_finite;
 use sixaxis_props::hostile::{extreme, hostile, hostile_setup, record, remembering, spoiled};
 use sixaxis_props::strategy::{parameters, vector};
-use sixaxis_reference::paper;
+use sixaxis_props::truth;
 
 fn sensor() -> Sensor {
     Sensor {
@@ -215,7 +216,7 @@ proptest! {
             (prop::array::uniform9(-1.0..1.0_f64), vector(1.0), vector(1.0)), 12,
         ),
     ) {
-        let rows = CompliantRows::new(&sensor(), &paper::identified_parameters(), &Settings::new(1e3))
+        let rows = CompliantRows::new(&sensor(), &truth::identified_parameters(), &Settings::new(1e3))
             .expect("the paper's sensor is sound");
         let sample = limb_sample(&all.map_or(numbers, |x| [x; 33]));
         let [acceleration, rate, derivative] = [acceleration, rates[0], rates[1]]
@@ -295,7 +296,7 @@ fn regress_a_gain_that_nothing_tells_is_an_error() {
             f64::from(2 * i).cos(),
             f64::from(3 * i).sin(),
         );
-        let inertia = paper::identified_parameters().inertia_per_mass;
+        let inertia = truth::identified_parameters().inertia_per_mass;
         let torque = euler_torque(&inertia, DVec3::ZERO, angular);
         step.push(&torque_forces(torque), DVec3::ZERO, angular)
             .expect("finite rows");

@@ -8,7 +8,7 @@ use sixaxis_core::{Error, LIMBS, Parameters, Scheme, Settings};
 use sixaxis_props::compare::all_finite;
 use sixaxis_props::hostile::{extreme, hostile, hostile_setup, record, remembering, spoiled};
 use sixaxis_props::strategy::parameters;
-use sixaxis_reference::paper;
+use sixaxis_props::truth;
 
 /// A smooth motion, mostly of a size that a sensor shows.
 fn motion() -> impl Strategy<Value = Vec<[f64; LIMBS]>> {
@@ -88,7 +88,7 @@ proptest! {
     ) {
         let (sensor, mut parameters, mut settings) = setup;
         if sound {
-            parameters = paper::identified_parameters();
+            parameters = truth::identified_parameters();
             settings = Settings::new(1e3);
         }
         settings.scheme = scheme;

@@ -4,16 +4,17 @@
 use glam::DVec3;
 use proptest::prelude::*;
 use sixaxis_core::paper::attitude;
-use sixaxis_core::paper::pose::{Pose, RelativeMotion};
+use sixaxis_core::paper::dynamics::{Instant, MassInertia};
+use sixaxis_core::paper::pose::Pose;
 use sixaxis_core::paper::preload::{static_equilibrium, static_preload_m_s2};
+use sixaxis_core::paper::relative_motion::RelativeMotion;
 use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::paper::wrench::{LimbWrench, limb_directions};
 use sixaxis_core::{Error, Gains, Geometry, InertiaPerMass, LIMBS, LimbLaw, Parameters};
 use sixaxis_props::compare::all_finite;
 use sixaxis_props::hostile::{extreme, hostile, remembering, spoiled};
-use sixaxis_props::printed::{Instant, MassInertia};
 use sixaxis_props::strategy::{parameters, vector};
-use sixaxis_reference::paper;
+use sixaxis_props::truth;
 
 proptest! {
     #![proptest_config(remembering(1024, "sensor"))]
@@ -138,7 +139,7 @@ proptest! {
 
 #[test]
 fn prop_impossible_bodies_are_refused() {
-    let sound = paper::identified_parameters();
+    let sound = truth::identified_parameters();
     for inertia in [
         [1e-4, 1e-4, 3e-4, 0.0, 0.0, 0.0],
         [-1e-4, 1e-4, 1e-4, 0.0, 0.0, 0.0],

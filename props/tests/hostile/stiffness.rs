@@ -3,15 +3,15 @@
 use glam::DVec3;
 use proptest::prelude::*;
 use sixaxis_core::identify::stiffness;
-use sixaxis_core::paper::pose::RelativeMotion;
+use sixaxis_core::paper::dynamics::{Instant, MassInertia};
+use sixaxis_core::paper::relative_motion::RelativeMotion;
 use sixaxis_core::paper::wrench::LimbWrench;
 use sixaxis_core::{
     Error, Gains, Geometry, InertiaPerMass, LIMBS, Parameters, Scheme, Sensor, Settings,
 };
 use sixaxis_props::compare::all_finite;
 use sixaxis_props::hostile::{extreme, hostile, hostile_setup, record, remembering};
-use sixaxis_props::printed::{Instant, MassInertia};
-use sixaxis_reference::paper;
+use sixaxis_props::truth;
 
 proptest! {
     #![proptest_config(remembering(1024, "stiffness"))]
@@ -84,7 +84,7 @@ fn regress_a_rate_beyond_squares_has_no_mean() {
     let entries = [3.00e-4, 3.01e-4, 3.02e-4, 0.0, 0.0, 0.0];
     let parameters = Parameters {
         inertia_per_mass: InertiaPerMass::from_paper_order(entries),
-        ..paper::identified_parameters()
+        ..truth::identified_parameters()
     };
     let sensor = Sensor {
         geometry: Geometry::PAPER,

@@ -3,7 +3,8 @@
 use glam::{DMat3, DQuat, DVec3};
 use proptest::prelude::*;
 use sixaxis_core::paper::attitude;
-use sixaxis_core::paper::pose::{Pose, RelativeMotion};
+use sixaxis_core::paper::pose::Pose;
+use sixaxis_core::paper::relative_motion::RelativeMotion;
 use sixaxis_props::compare::{fails_clearly, largest, within};
 use sixaxis_props::manufactured::curve::cross_matrix;
 use sixaxis_props::strategy::{config, vector};

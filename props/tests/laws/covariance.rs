@@ -16,7 +16,7 @@ use sixaxis_props::rigid::forces;
 use sixaxis_props::statistics::{chi_square_departure, normal};
 use sixaxis_props::strategy::seed;
 use sixaxis_props::tolerance;
-use sixaxis_reference::paper;
+use sixaxis_props::truth;
 
 /// Squared error in units of the predicted covariance; chi-square with N degrees of freedom if that is right.
 fn whitened<const M: usize>(estimate: &Estimate<M>, truth: &[f64; M], sigma: f64) -> f64 {
@@ -36,7 +36,7 @@ const TRIALS: usize = 200;
 #[test]
 fn prop_predicted_covariance_is_what_noise_does() {
     let mut rng = Pcg64::seed_from_u64(seed());
-    let truth = paper::identified_parameters();
+    let truth = truth::identified_parameters();
     let motions: Vec<[DVec3; 3]> = (0..40)
         .map(|_| {
             [
@@ -111,7 +111,7 @@ fn prop_predicted_covariance_is_what_noise_does() {
 }
 #[test]
 fn prop_verdicts_name_the_unknown_that_noise_drowns() {
-    let truth = paper::identified_parameters();
+    let truth = truth::identified_parameters();
     // Channel 6 has next to no part in the motion: its factor is lost in the noise of the accelerometer.
     let mut factors = truth.scale_per_mass_per_kg;
     factors[5] = 1e-4;

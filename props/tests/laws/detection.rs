@@ -2,7 +2,8 @@
 
 use sixaxis_core::redundancy::fault::class::{CLASS_OF, members};
 use sixaxis_core::redundancy::fault::{Event, Kind};
-use sixaxis_core::redundancy::parity::{ROWS, residual};
+use sixaxis_core::redundancy::parity::ROWS;
+use sixaxis_core::redundancy::residual;
 use sixaxis_core::{Error, Geometry, LIMBS};
 use sixaxis_props::compare::{all_finite, fails_clearly, largest, within};
 use sixaxis_props::faults::null::{curve, false_alarms, noncentral_survival};

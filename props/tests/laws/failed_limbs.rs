@@ -19,9 +19,10 @@ use sixaxis_props::compare::{fails_clearly, largest, within};
 use sixaxis_props::manufactured::examples;
 use sixaxis_props::rig_runs;
 use sixaxis_props::tolerance;
-use sixaxis_reference::campaign::Laboratory;
-use sixaxis_reference::paper;
-use sixaxis_reference::rig::{Mode, Mounting};
+use sixaxis_props::truth;
+use sixaxis_props::truth::InCore;
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::rig::run::{Mode, Mounting};
 
 const RATE_HZ: f64 = 4000.0;
 const SAMPLES: usize = 600;
@@ -130,7 +131,7 @@ impl Case {
 
     /// Half a second of the rig at 5 Hz, from MuJoCo.
     fn rig() -> Self {
-        let parameters = paper::identified_parameters();
+        let parameters = truth::identified_parameters();
         let direction = DVec3::new(2.0, 1.0, 1.0).normalize();
         let run = rig_runs::simulate(
             &parameters,
@@ -138,7 +139,7 @@ impl Case {
             direction,
             Mounting::AxisVertical,
         );
-        let recording = Laboratory::noise_free(parameters).record(&run, 0);
+        let recording = Laboratory::noise_free(truth::sensor(&parameters)).record(&run, 0);
         Self {
             sensor: recording.sensor(),
             parameters,

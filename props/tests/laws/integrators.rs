@@ -12,20 +12,22 @@ use sixaxis_props::manufactured::formulations::{
 };
 use sixaxis_props::manufactured::motion::Manufactured;
 use sixaxis_props::manufactured::spin::spin;
+use sixaxis_props::rig_runs;
 use sixaxis_props::tolerance;
-use sixaxis_reference::campaign::{self, Laboratory};
-use sixaxis_reference::paper;
-use sixaxis_reference::recording::SimulatedRun;
-use sixaxis_reference::rig::{Mounting, Run};
-use sixaxis_reference::threshold::log_slope;
+use sixaxis_props::truth;
+use sixaxis_props::truth::InCore;
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::motion::SimulatedRun;
+use sixaxis_reference::mujoco::threshold::log_slope;
+use sixaxis_reference::rig::run::{Mounting, Run};
 
 const RATE_HZ: f64 = 4_000.0;
 const STEPS: usize = 20;
 
 /// Largest error of the rate, rad/s.
 fn rate_error(run: &SimulatedRun, scheme: Scheme) -> f64 {
-    let parameters = paper::identified_parameters();
-    let recording = Laboratory::noise_free(parameters).record(run, 0);
+    let parameters = truth::identified_parameters();
+    let recording = Laboratory::noise_free(truth::sensor(&parameters)).record(run, 0);
     let settings = Settings {
         scheme,
         gravity_ground_m_s2: recording.gravity_ground_m_s2,
@@ -33,7 +35,7 @@ fn rate_error(run: &SimulatedRun, scheme: Scheme) -> f64 {
     };
     let sensor = Sensor {
         geometry: Geometry::PAPER,
-        gains: recording.gains,
+        gains: recording.gains(),
     };
     let mut decoupler =
         Decoupler::new(&sensor, &parameters, &settings).expect("parameters are sound");
@@ -49,13 +51,14 @@ fn rate_error(run: &SimulatedRun, scheme: Scheme) -> f64 {
 
 #[test]
 fn order_of_every_scheme_on_simulated_motion() {
-    let [.., trial] = campaign::compound(Mounting::AxisVertical);
     let run = Run {
         rest_s: 0.01,
-        ..trial.run
+        ..rig_runs::compound_run()
     };
-    let model = trial.model(&paper::identified_parameters());
-    let fine = SimulatedRun::simulate(&model, &run, RATE_HZ, STEPS).expect("the step is stable");
+    let parameters = truth::identified_parameters();
+    let model = rig_runs::model(&parameters, run.direction_ground, Mounting::AxisVertical);
+    let fine = sixaxis_reference::mujoco::simulate_run(&model, &run, RATE_HZ, STEPS)
+        .expect("the step is stable");
     for scheme in Scheme::ALL {
         let [coarse, half] = [8, 4].map(|factor| rate_error(&fine.decimated(factor), scheme));
         let order = (coarse / half).log2();

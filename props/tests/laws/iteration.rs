@@ -10,10 +10,12 @@ use sixaxis_core::identify::Reason;
 use sixaxis_props::compare::within;
 use sixaxis_props::rig_runs::{DIRECTIONS, simulate_trial};
 use sixaxis_props::tolerance;
+use sixaxis_props::truth;
+use sixaxis_props::truth::InCore;
 use sixaxis_recordings::session::{Preprocessing, Role, Stage};
-use sixaxis_reference::campaign::Laboratory;
+use sixaxis_reference::laboratory::Laboratory;
 use sixaxis_reference::paper;
-use sixaxis_reference::rig::Mode;
+use sixaxis_reference::rig::run::Mode;
 
 /// Zero drift that step 1 missed, over full scale: a hundred times what moves k/m by a few per cent.
 const DRIFT_OVER_FULL_SCALE: f64 = 1e-4;
@@ -22,8 +24,8 @@ const DRIFT_OVER_FULL_SCALE: f64 = 1e-4;
 fn played() -> &'static (Campaign, FourSteps) {
     static PLAYED: OnceLock<(Campaign, FourSteps)> = OnceLock::new();
     PLAYED.get_or_init(|| {
-        let truth = paper::identified_parameters();
-        let laboratory = Laboratory::noise_free(truth);
+        let truth = truth::identified_parameters();
+        let laboratory = Laboratory::noise_free(truth::sensor(&truth));
         let conditioning = Conditioning {
             stages: Preprocessing {
                 low_pass: Stage::Switch(false),
@@ -32,7 +34,6 @@ fn played() -> &'static (Campaign, FourSteps) {
             accelerometer_bandwidth_hz: None,
             gyroscope_bandwidth_hz: None,
         };
-        let mut rest = [0.0; 9];
         let mut trials = Vec::new();
         for (role, mode, frequency_hz) in [
             (Role::Linear, Mode::Linear, 2.0),
@@ -41,7 +42,6 @@ fn played() -> &'static (Campaign, FourSteps) {
         ] {
             for direction in DIRECTIONS {
                 let run = simulate_trial(&truth, mode, frequency_hz, direction);
-                rest = run.limb_force_per_mass_m_s2[0];
                 let trial = laboratory.record(&run, 0).trial(role);
                 let conditioned = conditioning.condition(&trial).expect("a sound recording");
                 trials.push((trial, conditioned));
@@ -49,8 +49,8 @@ fn played() -> &'static (Campaign, FourSteps) {
         }
         let campaign = Campaign {
             geometry: Geometry::PAPER,
-            design: paper::design_parameters(),
-            static_voltage_v: laboratory.record_static(rest).voltage_v,
+            design: truth::design_parameters(),
+            static_voltage_v: laboratory.record_static().voltage_v,
             trials,
         };
         let found = campaign

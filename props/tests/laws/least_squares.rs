@@ -15,7 +15,7 @@ use sixaxis_props::rigid::forces;
 use sixaxis_props::statistics::normal;
 use sixaxis_props::strategy::{config, parameters, seed, vector};
 use sixaxis_props::tolerance;
-use sixaxis_reference::paper;
+use sixaxis_props::truth;
 
 mod blocks;
 
@@ -199,7 +199,7 @@ proptest! {
 /// (13)(14) and (18)(19) against the pseudo-inverse of the matrices written out.
 #[test]
 fn ref_closed_forms_are_the_pseudo_inverse() {
-    let truth = paper::identified_parameters();
+    let truth = truth::identified_parameters();
     let mut rng = Pcg64::seed_from_u64(seed());
     let (mut scale, mut inertia) = (
         ScaleIdentification::default(),

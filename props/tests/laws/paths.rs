@@ -7,24 +7,27 @@ use glam::DVec3;
 use proptest::prelude::*;
 use sixaxis_core::decouple::lanes::push_lanes;
 use sixaxis_core::decouple::record::Accelerations;
-use sixaxis_core::kernel::constants::{Constants, to_kernel_order};
+use sixaxis_core::kernel::constants::Constants;
+use sixaxis_core::kernel::order::to_kernel_order;
 use sixaxis_core::kernel::placement::{self, LimbLoad};
 use sixaxis_core::kernel::simd::LANES;
 use sixaxis_core::kernel::vec3::Vec3;
+use sixaxis_core::paper::RateVariable;
 use sixaxis_core::{
-    Decoupler, Error, Gains, Geometry, LIMBS, Parameters, Scheme, Sensor, Settings, StaticResponse,
+    Decoupler, Error, Gains, Geometry, LIMBS, Model, Parameters, Scheme, Sensor, Settings,
+    StaticResponse,
 };
 use sixaxis_props::compare::largest;
 use sixaxis_props::evidence::Row;
 use sixaxis_props::manufactured::motion::Manufactured;
-use sixaxis_props::printed;
 use sixaxis_props::rig_runs;
 use sixaxis_props::strategy::{config, manufactured, parameters};
 use sixaxis_props::tolerance::{self, Tolerance};
-use sixaxis_reference::campaign::{self, Laboratory};
-use sixaxis_reference::paper;
-use sixaxis_reference::recording::{Recording, SimulatedRun};
-use sixaxis_reference::rig::{Mounting, Run};
+use sixaxis_props::truth;
+use sixaxis_props::truth::InCore;
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::laboratory::recording::SimulatedRecording;
+use sixaxis_reference::rig::run::{Mounting, Run};
 
 /// A stream and what it is fed.
 struct Case {
@@ -60,23 +63,28 @@ impl Case {
 
     /// The paper's compound run at 5 Hz from MuJoCo, 10 kHz.
     fn rig(scheme: Scheme) -> Self {
-        let parameters = paper::identified_parameters();
-        let [.., trial] = campaign::compound(Mounting::AxisVertical);
-        let model = trial.model(&parameters);
+        let parameters = truth::identified_parameters();
+        let trial = rig_runs::compound_run();
+        let model = rig_runs::model(&parameters, trial.direction_ground, Mounting::AxisVertical);
         let long = Run {
             steady_periods: 4.0,
-            ..trial.run
+            ..trial
         };
-        let run = SimulatedRun::simulate(&model, &long, rig_runs::RATE_HZ, rig_runs::STEPS)
-            .expect("a run of the campaign simulates");
+        let run = sixaxis_reference::mujoco::simulate_run(
+            &model,
+            &long,
+            rig_runs::RATE_HZ,
+            rig_runs::STEPS,
+        )
+        .expect("a run of the campaign simulates");
         Self::of(
-            &Laboratory::noise_free(parameters).record(&run, 0),
+            &Laboratory::noise_free(truth::sensor(&parameters)).record(&run, 0),
             &parameters,
             scheme,
         )
     }
 
-    fn of(recording: &Recording, parameters: &Parameters, scheme: Scheme) -> Self {
+    fn of(recording: &SimulatedRecording, parameters: &Parameters, scheme: Scheme) -> Self {
         Self {
             sensor: recording.sensor(),
             parameters: *parameters,
@@ -190,7 +198,9 @@ proptest! {
         log_size in -3.0..-2.0_f64,
     ) {
         let sensor = Sensor { geometry: Geometry::PAPER, gains: Gains::uniform(1.0) };
-        let constants = Constants::new(&sensor, &parameters, &Settings::new(1e4)).expect("sound");
+        let constants = Model::new(&sensor, &parameters, &Settings::new(1e4))
+            .and_then(|model| Constants::new(&model))
+            .expect("sound");
         let norm = strain.iter().map(|x| x * x).sum::<f64>().sqrt();
         prop_assume!(norm > 0.1);
         let size = 10.0_f64.powf(log_size) / norm;
@@ -266,15 +276,13 @@ proptest! {
 fn ref_the_paths_are_the_printed_formulas() {
     let case = Case::rig(Scheme::Heun);
     assert!(case.voltage_v.len() > 10_000, "a long run");
-    let printed: Vec<Accelerations> = printed::decouple(
-        &case.sensor,
-        &case.parameters,
-        &case.settings,
-        &case.voltage_v,
-    )
-    .into_iter()
-    .map(|[a, w]| six(a, w))
-    .collect();
+    let model = Model::new(&case.sensor, &case.parameters, &case.settings).expect("sound");
+    let printed: Vec<Accelerations> =
+        sixaxis_core::paper::decouple(&model, RateVariable::Mass, &case.voltage_v)
+            .expect("sound samples")
+            .into_iter()
+            .map(|s| six(s.linear_ground_m_s2, s.angular_ground_rad_s2))
+            .collect();
     for (what, answers) in [
         ("stream", case.stream()),
         ("record", case.record(0, false)),
@@ -321,7 +329,7 @@ fn ref_single_precision_holds_its_budget() {
 
 #[test]
 fn regress_a_strained_limb_is_named() {
-    let parameters = paper::identified_parameters();
+    let parameters = truth::identified_parameters();
     let sensor = Sensor {
         geometry: Geometry::PAPER,
         gains: Gains::uniform(1.0),

@@ -4,12 +4,12 @@ use glam::DVec3;
 use proptest::prelude::*;
 use sixaxis_core::Geometry;
 use sixaxis_core::geometry::{DIRECTIONS_SHELL, LIMBS, LIMBS_PER_NODE, NODES};
-use sixaxis_core::paper::pose::{Pose, RelativeMotion};
+use sixaxis_core::paper::pose::Pose;
 use sixaxis_core::paper::preload::static_preload_m_s2;
+use sixaxis_core::paper::relative_motion::RelativeMotion;
 use sixaxis_props::compare::{fails_clearly, largest, within};
 use sixaxis_props::strategy::{config, vector};
 use sixaxis_props::tolerance;
-use sixaxis_reference::mjcf::limb_jacobian;
 use sixaxis_reference::paper;
 
 #[test]
@@ -36,7 +36,7 @@ fn paper_limbs_at_a_node_are_orthonormal_and_shell_hinges_outside_the_mass() {
 
 #[test]
 fn inv_coordination_equations_are_the_left_null_space() {
-    let jacobian = limb_jacobian(&Geometry::PAPER);
+    let jacobian = sixaxis_reference::geometry::Geometry::PAPER.limb_wrenches();
     for sum in [[0, 1, 3, 4], [0, 2, 6, 8], [4, 5, 7, 8]] {
         for column in 0..6 {
             let total: f64 = sum.iter().map(|&limb| jacobian[(limb, column)]).sum();
@@ -51,7 +51,7 @@ fn inv_preload_is_the_linear_one_up_to_the_sag() {
     let k = paper::STIFFNESS_PER_MASS_PER_S2;
     let force =
         static_preload_m_s2(&Geometry::PAPER, k, gravity).expect("gravity finds an equilibrium");
-    let jacobian = limb_jacobian(&Geometry::PAPER);
+    let jacobian = sixaxis_reference::geometry::Geometry::PAPER.limb_wrenches();
     let normal = (jacobian.transpose() * jacobian)
         .try_inverse()
         .expect("the paper's geometry is regular");

@@ -2,6 +2,7 @@
 //!
 //! `SIXAXIS_PROPAGATION=20000` draws so many campaigns; the example `propagation` prints and publishes them.
 
+use sixaxis_core::parameter::{COMPLIANCE, INERTIA, PARAMETERS, SCALE};
 use std::sync::LazyLock;
 
 use glam::DVec3;
@@ -9,8 +10,8 @@ use nalgebra::SVector;
 use rayon::prelude::*;
 use sixaxis_calibration::propagation::{Sources, TrialNoise, propagate};
 use sixaxis_calibration::steps::{Campaign, GyroscopeGain};
-use sixaxis_core::decouple::uncertainty::parameters::{COMPLIANCE, Covariance, INERTIA, SCALE};
-use sixaxis_core::decouple::uncertainty::{ChannelNoise, PARAMETERS, SampleUncertainty};
+use sixaxis_core::decouple::uncertainty::parameters::Covariance;
+use sixaxis_core::decouple::uncertainty::{ChannelNoise, SampleUncertainty};
 use sixaxis_core::identify::compliance_fit::ComplianceFit;
 use sixaxis_core::{Error, Geometry, LIMBS, Scheme};
 use sixaxis_props::compare::{fails_clearly, largest, within};

@@ -9,7 +9,7 @@ use sixaxis_core::{Error, Geometry, LIMBS};
 use sixaxis_props::compare::{fails_clearly, largest, within};
 use sixaxis_props::rigid::forces;
 use sixaxis_props::tolerance;
-use sixaxis_reference::paper;
+use sixaxis_props::truth;
 
 fn rank_deficiency<T>(result: Result<T, Error>) -> (usize, usize, f64, [f64; 9]) {
     match result {
@@ -60,7 +60,7 @@ fn prop_motion_along_too_few_axes_is_refused_with_the_lost_direction() {
 
 #[test]
 fn prop_rotation_about_one_axis_is_refused_with_the_lost_direction() {
-    let inertia = paper::identified_parameters().inertia_per_mass;
+    let inertia = truth::identified_parameters().inertia_per_mass;
     let mut step = InertiaIdentification::new(Geometry::PAPER);
     for i in 1..40 {
         let (w, dw) = (DVec3::Z * f64::from(i), DVec3::Z * f64::from(i * i % 17));

@@ -8,11 +8,15 @@ use sixaxis_core::identify::inertia::InertiaIdentification;
 use sixaxis_core::identify::scale::ScaleIdentification;
 use sixaxis_core::{Geometry, LIMBS, Sensor, Settings, SixAxis};
 use sixaxis_props::compare::{fails_clearly, largest, within};
+use sixaxis_props::rig_runs;
 use sixaxis_props::tolerance;
-use sixaxis_reference::campaign::{Laboratory, Role, Trial};
-use sixaxis_reference::paper;
-use sixaxis_reference::recording::{Recording, SimulatedRun};
-use sixaxis_reference::rig::{Mode, Mounting, Run};
+use sixaxis_props::truth;
+use sixaxis_props::truth::InCore;
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::laboratory::recording::SimulatedRecording;
+use sixaxis_reference::motion::SimulatedRun;
+use sixaxis_reference::mujoco::simulate_run;
+use sixaxis_reference::rig::run::{Mode, Mounting, Run};
 
 const RATE_HZ: f64 = 10_000.0;
 const STEPS: usize = 4;
@@ -22,28 +26,25 @@ const DIRECTIONS: [DVec3; 3] = [
     DVec3::new(0.2, -0.2, 1.0),
 ];
 
-fn simulate(mode: Mode, direction: DVec3) -> (SimulatedRun, Recording) {
-    let parameters = paper::identified_parameters();
-    let trial = Trial {
-        role: Role::Linear,
-        run: Run {
-            rest_s: 0.01,
-            ramp_periods: 0.5,
-            steady_periods: 0.5,
-            ..Run::new(mode, 5.0, direction)
-        },
-        mounting: Mounting::AxisVertical,
+fn simulate(mode: Mode, direction: DVec3) -> (SimulatedRun, SimulatedRecording) {
+    let parameters = truth::identified_parameters();
+    let run = Run {
+        rest_s: 0.01,
+        ramp_periods: 0.5,
+        steady_periods: 0.5,
+        ..Run::new(mode, 5.0, direction)
     };
-    let run = SimulatedRun::simulate(&trial.model(&parameters), &trial.run, RATE_HZ, STEPS)
+    let model = rig_runs::model(&parameters, direction, Mounting::AxisVertical);
+    let run = simulate_run(&model, &run, RATE_HZ, STEPS)
         .expect("a run within the rig's limits simulates");
-    let recording = Laboratory::noise_free(parameters).record(&run, 0);
+    let recording = Laboratory::noise_free(truth::sensor(&parameters)).record(&run, 0);
     (run, recording)
 }
 
-fn set_up(recording: &Recording) -> (Sensor, Settings) {
+fn set_up(recording: &SimulatedRecording) -> (Sensor, Settings) {
     let sensor = Sensor {
         geometry: Geometry::PAPER,
-        gains: recording.gains,
+        gains: recording.gains(),
     };
     let settings = Settings {
         gravity_ground_m_s2: recording.gravity_ground_m_s2,
@@ -54,7 +55,7 @@ fn set_up(recording: &Recording) -> (Sensor, Settings) {
 
 #[test]
 fn ref_scale_factors_are_exact_once_compliance_is_kept() {
-    let truth = paper::identified_parameters();
+    let truth = truth::identified_parameters();
     let (mut plain, mut kept) = (
         ScaleIdentification::default(),
         ScaleIdentification::default(),
@@ -71,7 +72,7 @@ fn ref_scale_factors_are_exact_once_compliance_is_kept() {
                 rows.push_scale(&mut kept, &now, a)
                     .expect("rows are finite");
                 let force = recording
-                    .gains
+                    .gains()
                     .measured_force_n(&recording.voltage_v[sample], &truth.zero_drift_v);
                 plain.push(&force, a).expect("rows are finite");
             }
@@ -99,7 +100,7 @@ fn ref_scale_factors_are_exact_once_compliance_is_kept() {
 
 #[test]
 fn ref_inertia_is_exact_once_compliance_is_kept() {
-    let truth = paper::identified_parameters();
+    let truth = truth::identified_parameters();
     let mut plain = InertiaIdentification::new(Geometry::PAPER);
     let mut kept = plain.clone();
     for direction in DIRECTIONS {
@@ -139,7 +140,7 @@ fn ref_inertia_is_exact_once_compliance_is_kept() {
 
 #[test]
 fn ref_a_drifting_run_is_closed_from_rest_to_rest() {
-    let truth = paper::identified_parameters();
+    let truth = truth::identified_parameters();
     let (run, recording) = simulate(Mode::Compound, DVec3::new(1.0, 1.0, 2.0));
     let (sensor, settings) = set_up(&recording);
     // A straight drift of some millivolts in every channel, different in each.

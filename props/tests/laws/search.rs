@@ -6,21 +6,22 @@ use sixaxis_core::identify::stiffness_search::{Trial, rate_norm_sums};
 use sixaxis_core::{Parameters, Scheme, Sensor, Settings};
 use sixaxis_props::compare::largest;
 use sixaxis_props::evidence::Row;
+use sixaxis_props::truth;
+use sixaxis_props::truth::InCore;
 use sixaxis_props::{rig_runs, tolerance};
-use sixaxis_reference::campaign::Laboratory;
-use sixaxis_reference::paper;
-use sixaxis_reference::recording::Recording;
-use sixaxis_reference::rig::{Mode, Mounting};
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::laboratory::recording::SimulatedRecording;
+use sixaxis_reference::rig::run::{Mode, Mounting};
 
 #[test]
 fn ref_the_search_by_interpolation_is_the_search() {
-    let parameters = paper::identified_parameters();
+    let parameters = truth::identified_parameters();
     let directions = [
         DVec3::new(1.0, 1.0, 2.0),
         DVec3::new(2.0, -1.0, 1.0),
         DVec3::Y,
     ];
-    let recordings: Vec<Recording> = directions
+    let recordings: Vec<SimulatedRecording> = directions
         .iter()
         .map(|d| {
             let run = rig_runs::simulate(
@@ -29,7 +30,7 @@ fn ref_the_search_by_interpolation_is_the_search() {
                 d.normalize(),
                 Mounting::AxisVertical,
             );
-            Laboratory::noise_free(parameters).record(&run, 0)
+            Laboratory::noise_free(truth::sensor(&parameters)).record(&run, 0)
         })
         .collect();
     let mut wrong = parameters;

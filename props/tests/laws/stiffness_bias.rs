@@ -11,10 +11,10 @@ use sixaxis_props::compare::{fails_clearly, largest, within};
 use sixaxis_props::rig_runs::model;
 use sixaxis_props::strategy::{config, parameters, vector};
 use sixaxis_props::tolerance;
-use sixaxis_reference::campaign::Laboratory;
-use sixaxis_reference::paper;
-use sixaxis_reference::recording::SimulatedRun;
-use sixaxis_reference::rig::{Mode, Mounting, Run};
+use sixaxis_props::truth;
+use sixaxis_props::truth::InCore;
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::rig::run::{Mode, Mounting, Run};
 
 /// Stiffness so high that what is left out of first order is rounding's neighbour, s^-2.
 const STIFF_PER_S2: f64 = 1e10;
@@ -71,11 +71,11 @@ fn ref_step_2_errs_as_first_order_theory_says() {
         DVec3::new(-0.1, 1.0, 0.3),
         DVec3::new(0.2, -0.2, 1.0),
     ];
-    let truth = paper::identified_parameters();
+    let truth = truth::identified_parameters();
     let compliance_s2 = 1.0 / truth.stiffness_per_mass_per_s2;
     let effect = ComplianceEffect::new(&Geometry::PAPER, &truth.inertia_per_mass)
         .expect("the paper's sensor");
-    let laboratory = Laboratory::noise_free(truth);
+    let laboratory = Laboratory::noise_free(truth::sensor(&truth));
     let mut step_2 = ScaleIdentification::default();
     let mut theory = [true, false].map(|gravity| (gravity, ScaleIdentification::default()));
     for direction in DIRECTIONS {
@@ -86,7 +86,7 @@ fn ref_step_2_errs_as_first_order_theory_says() {
             ..Run::new(Mode::Linear, 2.0, direction)
         };
         let model = model(&truth, direction, Mounting::AxisVertical);
-        let run = SimulatedRun::simulate(&model, &run, RATE_HZ, STEPS)
+        let run = sixaxis_reference::mujoco::simulate_run(&model, &run, RATE_HZ, STEPS)
             .expect("a run within the rig's limits simulates");
         let recording = laboratory.record(&run, 0);
         let a: Vec<DVec3> = recording
@@ -96,7 +96,7 @@ fn ref_step_2_errs_as_first_order_theory_says() {
             .collect();
         for i in 1..a.len() - 1 {
             let force = recording
-                .gains
+                .gains()
                 .measured_force_n(&recording.voltage_v[i], &truth.zero_drift_v);
             step_2.push(&force, a[i]).expect("rows are finite");
             for (gravity, rows) in &mut theory {

@@ -15,12 +15,10 @@ use sixaxis_props::rig_runs::model;
 use sixaxis_props::statistics::chi_square_departure;
 use sixaxis_props::strategy::{config, geometry, parameters, seed};
 use sixaxis_props::tolerance;
-use sixaxis_reference::mjcf::limb_jacobian;
-use sixaxis_reference::modes::mode_frequencies_hz;
-use sixaxis_reference::paper;
-use sixaxis_reference::recording::SimulatedMotion;
-use sixaxis_reference::rig::Mounting;
-use sixaxis_reference::simulation::Motion;
+use sixaxis_props::truth;
+use sixaxis_reference::linear_theory::mode_frequencies_hz;
+use sixaxis_reference::motion::Motion;
+use sixaxis_reference::rig::run::Mounting;
 use sixaxis_reference::smooth_step::smooth_step;
 
 /// Relative step of the differences.
@@ -75,7 +73,7 @@ proptest! {
         angular in prop::array::uniform3(-1700.0..1700.0_f64),
     ) {
         let drawing = Geometry::PAPER;
-        let lowest = mode_frequencies_hz(&drawing, &truth.inertia_per_mass, truth.stiffness_per_mass_per_s2)[0];
+        let lowest = mode_frequencies_hz(&truth::sensor(&truth))[0];
         let excitation = along(share * lowest, linear.into(), angular.into());
         let ours = response(&truth, &drawing, &excitation);
         let by_stiffness = difference(&truth, &drawing, &excitation, |p, share| {
@@ -104,7 +102,7 @@ proptest! {
         let inertia = InertiaPerMass::from_paper_order([size, size, size, 0.0, 0.0, 0.0]);
         let sensor = Parameters { inertia_per_mass: inertia, ..truth };
         let ours = response(&sensor, &drawing, &excitation);
-        let jacobian = limb_jacobian(&drawing);
+        let jacobian = drawing.limb_jacobian();
         let load = Vector6::new(linear[0], linear[1], linear[2], 0.0, 0.0, 0.0);
         let solved = (jacobian.transpose() * jacobian).lu().solve(&load).expect("six axes carry load");
         within("static share", off(&ours.force_per_mass_m_s2, &(jacobian * solved).into()), tolerance::CLOSED_FORM);
@@ -115,7 +113,7 @@ proptest! {
     fn prop_beyond_the_lowest_mode_is_refused(truth in parameters(), share in 1.001..3.0_f64) {
         let drawing = Geometry::PAPER;
         let k = truth.stiffness_per_mass_per_s2;
-        let lowest = mode_frequencies_hz(&drawing, &truth.inertia_per_mass, k)[0];
+        let lowest = mode_frequencies_hz(&truth::sensor(&truth))[0];
         let sensor = LinearSensor::new(&drawing, &truth.inertia_per_mass, k).expect("a sound sensor");
         for frequency_hz in [share * lowest, -lowest, f64::NAN, f64::INFINITY] {
             let refused = matches!(
@@ -129,6 +127,7 @@ proptest! {
 }
 
 /// A shaker: a harmonic that rises smoothly and then lasts.
+#[derive(Clone)]
 struct Shaker {
     excitation: Excitation,
     rise_s: f64,
@@ -150,7 +149,7 @@ fn ref_response_at_500_hz_is_mujocos() {
     const FREQUENCY_HZ: f64 = 500.0;
     /// Samples a period, Runge-Kutta steps a sample, periods that rise and periods that are looked at.
     const PLAN: (usize, usize, usize, usize) = (40, 5, 20, 10);
-    let truth = paper::identified_parameters();
+    let truth = truth::identified_parameters();
     let (samples, steps, rise, looked_at) = PLAN;
     for (linear, angular) in [
         (DVec3::new(30.0, -20.0, 40.0), DVec3::ZERO),
@@ -163,7 +162,7 @@ fn ref_response_at_500_hz_is_mujocos() {
             excitation,
             rise_s: rise as f64 / FREQUENCY_HZ,
         };
-        let run = SimulatedMotion::simulate(
+        let run = sixaxis_reference::mujoco::simulate(
             &model,
             &shaker,
             (rise + looked_at) as f64 / FREQUENCY_HZ,
@@ -204,7 +203,7 @@ fn prop_the_bound_is_attained() {
     const DRAWS: u64 = 5000;
     /// Corrections of an estimate: each leaves the square of what is left, and noise of 1 % leaves little.
     const CORRECTIONS: usize = 2;
-    let truth = paper::identified_parameters();
+    let truth = truth::identified_parameters();
     let size_m2 = truth.inertia_per_mass.xx_m2;
     let excitations: Vec<Excitation> = [400.0, 500.0]
         .into_iter()
@@ -303,7 +302,7 @@ fn prop_the_bound_is_attained() {
 
 #[test]
 fn prop_too_few_directions_are_refused() {
-    let truth = paper::identified_parameters();
+    let truth = truth::identified_parameters();
     let mut information = Information::new(truth.inertia_per_mass.xx_m2).expect("a size");
     for f in [400.0, 500.0] {
         let r = response(&truth, &Geometry::PAPER, &along(f, DVec3::X, DVec3::ZERO));

@@ -14,9 +14,11 @@ use sixaxis_props::manufactured::motion::Manufactured;
 use sixaxis_props::rig_runs::{decouple, simulate};
 use sixaxis_props::strategy::{config, manufactured};
 use sixaxis_props::tolerance;
-use sixaxis_reference::campaign::Laboratory;
+use sixaxis_props::truth;
+use sixaxis_props::truth::InCore;
+use sixaxis_reference::laboratory::Laboratory;
 use sixaxis_reference::paper;
-use sixaxis_reference::rig::{Mode, Mounting};
+use sixaxis_reference::rig::run::{Mode, Mounting};
 
 const SAMPLES: usize = 200;
 const SAMPLES_PER_PERIOD: f64 = 150.0;
@@ -235,10 +237,10 @@ fn inv_a_wrong_relabelling_is_noticed() {
 
 #[test]
 fn inv_pure_translation_has_no_rate_at_the_true_stiffness_alone() {
-    let parameters = paper::identified_parameters();
+    let parameters = truth::identified_parameters();
     let direction = DVec3::new(1.0, 1.0, 2.0);
     let run = simulate(&parameters, Mode::Linear, direction, Mounting::AxisVertical);
-    let recording = Laboratory::noise_free(parameters).record(&run, 0);
+    let recording = Laboratory::noise_free(truth::sensor(&parameters)).record(&run, 0);
     let rate = |stiffness_per_mass_per_s2: f64| {
         let mut candidate = parameters;
         candidate.stiffness_per_mass_per_s2 = stiffness_per_mass_per_s2;
@@ -258,7 +260,7 @@ fn inv_pure_translation_has_no_rate_at_the_true_stiffness_alone() {
 #[test]
 fn inv_coordination_equations_hold_on_simulated_forces() {
     const SUMS: [[usize; 4]; 3] = [[0, 1, 3, 4], [0, 2, 6, 8], [4, 5, 7, 8]];
-    let parameters = paper::identified_parameters();
+    let parameters = truth::identified_parameters();
     let direction = DVec3::new(2.0, 1.0, 1.0);
     let run = simulate(
         &parameters,

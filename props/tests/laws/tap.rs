@@ -11,8 +11,9 @@ use sixaxis_props::statistics::chi_square_departure;
 use sixaxis_props::strategy::seed;
 use sixaxis_props::taps::{Case, FULL_SCALE_V, KNOWN_TO, NOISE_SHARE, Recorded, States, bound_ln};
 use sixaxis_props::tolerance;
-use sixaxis_reference::modes::mode_frequencies_hz;
-use sixaxis_reference::tap::SAMPLE_RATE_HZ;
+use sixaxis_props::truth;
+use sixaxis_reference::linear_theory::mode_frequencies_hz;
+use sixaxis_reference::rig::tap::SAMPLE_RATE_HZ;
 
 /// Taps played in MuJoCo, and closed-form ones.
 const PLAYED: u64 = 3;
@@ -117,11 +118,7 @@ fn prop_modes_are_the_reference_s() {
     for seed in 0..20 {
         let p = shared(&Case::random(seed));
         let truth = Case::random(seed).truth;
-        let theirs = mode_frequencies_hz(
-            &Geometry::PAPER,
-            &truth.inertia_per_mass,
-            truth.stiffness_per_mass_per_s2,
-        );
+        let theirs = mode_frequencies_hz(&truth::sensor(&truth));
         for (ours, theirs) in ring(&p).frequencies_hz().iter().zip(theirs) {
             worst = worst.max((ours / theirs - 1.0).abs());
         }

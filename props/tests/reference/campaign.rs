@@ -17,10 +17,11 @@ use sixaxis_props::evidence::Row;
 use sixaxis_props::rig_runs::{DIRECTIONS, simulate_trial};
 use sixaxis_props::strategy::{config, parameters};
 use sixaxis_props::tolerance::{self, Tolerance};
-use sixaxis_reference::campaign::Laboratory;
-use sixaxis_reference::paper;
-use sixaxis_reference::recording::Recording;
-use sixaxis_reference::rig::Mode;
+use sixaxis_props::truth;
+use sixaxis_props::truth::InCore;
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::laboratory::recording::SimulatedRecording;
+use sixaxis_reference::rig::run::Mode;
 
 /// Smoothing differentiator for the gyroscope: samples to either side, and order.
 const DIFFERENTIATOR: (usize, usize) = (3, 6);
@@ -29,26 +30,24 @@ const REPETITIONS: usize = 2;
 
 /// What a laboratory has on disk.
 struct Campaign {
-    at_rest: Recording,
-    linear: Vec<Recording>,
-    angular: Vec<Recording>,
-    fast: Vec<Recording>,
+    at_rest: SimulatedRecording,
+    linear: Vec<SimulatedRecording>,
+    angular: Vec<SimulatedRecording>,
+    fast: Vec<SimulatedRecording>,
 }
 
 impl Campaign {
     fn record(truth: Parameters) -> Self {
-        let laboratory = Laboratory::noise_free(truth);
-        let mut rest = [0.0; LIMBS];
-        let mut record = |mode, frequency_hz, direction| {
+        let laboratory = Laboratory::noise_free(truth::sensor(&truth));
+        let record = |mode, frequency_hz, direction| {
             let run = simulate_trial(&truth, mode, frequency_hz, direction);
-            rest = run.limb_force_per_mass_m_s2[0];
             laboratory.record(&run, 0)
         };
         let linear = DIRECTIONS.map(|d| record(Mode::Linear, 2.0, d)).into();
         let angular = DIRECTIONS.map(|d| record(Mode::Angular, 2.0, d)).into();
         let fast = vec![record(Mode::Linear, 5.0, DVec3::new(1.0, 1.0, 2.0))];
         Self {
-            at_rest: laboratory.record_static(rest),
+            at_rest: laboratory.record_static(),
             linear,
             angular,
             fast,
@@ -56,7 +55,7 @@ impl Campaign {
     }
 
     /// Rate of the shell and its derivative as the gyroscope on the pinion's shaft tells them.
-    fn gyroscope(recording: &Recording) -> (Vec<DVec3>, Vec<DVec3>) {
+    fn gyroscope(recording: &SimulatedRecording) -> (Vec<DVec3>, Vec<DVec3>) {
         let (half_width, order) = DIFFERENTIATOR;
         let slope = Differentiator::new(half_width, order, recording.sample_rate_hz)
             .expect("the window is longer than the order")
@@ -72,14 +71,14 @@ impl Campaign {
     }
 
     fn four_steps(&self) -> Parameters {
-        let mut found = paper::design_parameters();
+        let mut found = truth::design_parameters();
         found.zero_drift_v = zero_drift::identify(&self.at_rest.voltage_v)
             .expect("ten minutes are enough")
             .drift_v;
         let mut scale = ScaleIdentification::default();
         for r in &self.linear {
             for (voltage, a) in r.voltage_v.iter().zip(&r.accelerometer_m_s2) {
-                let force = r.gains.measured_force_n(voltage, &found.zero_drift_v);
+                let force = r.gains().measured_force_n(voltage, &found.zero_drift_v);
                 scale
                     .push(&force, r.direction_ground * *a)
                     .expect("rows are finite");
@@ -92,7 +91,7 @@ impl Campaign {
             .values;
         let mut inertia = InertiaIdentification::new(Geometry::PAPER);
         for r in &self.angular {
-            let chain = SignalChain::new(&r.gains, &found);
+            let chain = SignalChain::new(&r.gains(), &found);
             let (rate, slope) = Self::gyroscope(r);
             for (i, voltage) in r.voltage_v.iter().enumerate() {
                 let force = chain.force_per_mass_m_s2(voltage);

@@ -2,21 +2,22 @@
 
 use glam::{DMat3, DVec3};
 use sixaxis_core::paper::preload::static_equilibrium;
-use sixaxis_core::{Geometry, InertiaPerMass, LIMBS};
+use sixaxis_core::{Geometry, LIMBS};
 use sixaxis_props::compare::{fails_clearly, largest, within};
 use sixaxis_props::rig_runs::{RATE_HZ, model, short_run, simulate};
 use sixaxis_props::tolerance;
-use sixaxis_reference::mjcf::{SHELL_INERTIA_KG_M2, SHELL_MASS_KG, SensorModel};
-use sixaxis_reference::paper;
-use sixaxis_reference::recording::{SimulatedMotion, SimulatedRun};
-use sixaxis_reference::rig::{Mode, Mounting, Run};
-use sixaxis_reference::ringdown;
-use sixaxis_reference::simulation::{Motion, Simulation, Snapshot};
-use sixaxis_reference::tumble::{Sine, Tumble};
+use sixaxis_props::truth;
+use sixaxis_reference::motion::Motion;
+use sixaxis_reference::mujoco::model::{SHELL_INERTIA_KG_M2, SHELL_MASS_KG, SensorModel};
+use sixaxis_reference::mujoco::ring_down;
+use sixaxis_reference::mujoco::simulation::{Simulation, Snapshot};
+use sixaxis_reference::rig::run::{Mode, Mounting, Run};
+use sixaxis_reference::rig::tumble::{Sine, Tumble};
+use sixaxis_reference::sensor::InertiaPerMass;
 
 #[test]
 fn ref_static_elongations_agree_with_an_independent_solve() {
-    let parameters = paper::identified_parameters();
+    let parameters = truth::identified_parameters();
     for direction in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::new(1.0, 2.0, -1.0)] {
         let model = model(&parameters, direction, Mounting::AxisVertical);
         let mut simulation = Simulation::new(&model, 1e-5).expect("the step is stable");
@@ -45,12 +46,12 @@ fn ref_static_elongations_agree_with_an_independent_solve() {
 
 #[test]
 fn ref_commanded_acceleration_is_what_the_simulator_has() {
-    let parameters = paper::identified_parameters();
+    let parameters = truth::identified_parameters();
     let direction = DVec3::new(2.0, 1.0, 1.0);
     let run = simulate(&parameters, Mode::Compound, direction, Mounting::AxisLevel);
     let (mut error, mut peak) = (0.0, 0.0);
     for (sample, truth) in run.truth.iter().enumerate() {
-        let (linear, _) = run.run.acceleration(sample as f64 / RATE_HZ);
+        let (linear, _) = run.motion.acceleration(sample as f64 / RATE_HZ);
         error = largest([error, (linear - truth.linear_ground_m_s2).length()]);
         peak = largest([peak, linear.length()]);
     }
@@ -59,12 +60,12 @@ fn ref_commanded_acceleration_is_what_the_simulator_has() {
 
 #[test]
 fn order_reference_converges_with_its_step() {
-    let parameters = paper::identified_parameters();
+    let parameters = truth::identified_parameters();
     let direction = DVec3::new(1.0, 2.0, 1.0);
     let run = short_run(Mode::Compound, direction);
     let model = model(&parameters, direction, Mounting::AxisVertical);
     let forces = |steps: usize| {
-        SimulatedRun::simulate(&model, &run, RATE_HZ / 2.0, steps)
+        sixaxis_reference::mujoco::simulate_run(&model, &run, RATE_HZ / 2.0, steps)
             .expect("the step is stable")
             .limb_force_per_mass_m_s2
     };
@@ -86,7 +87,7 @@ fn order_reference_converges_with_its_step() {
 
 #[test]
 fn inv_only_ratios_to_the_mass_matter() {
-    let parameters = paper::identified_parameters();
+    let parameters = truth::identified_parameters();
     let direction = DVec3::new(1.0, 1.0, 2.0);
     let run = short_run(Mode::Compound, direction);
     let light = model(&parameters, direction, Mounting::AxisVertical);
@@ -95,7 +96,7 @@ fn inv_only_ratios_to_the_mass_matter() {
         ..light
     };
     let forces = |model: &SensorModel| {
-        SimulatedRun::simulate(model, &run, RATE_HZ, 2)
+        sixaxis_reference::mujoco::simulate_run(model, &run, RATE_HZ, 2)
             .expect("the step is stable")
             .limb_force_per_mass_m_s2
     };
@@ -116,9 +117,9 @@ fn inv_only_ratios_to_the_mass_matter() {
 
 #[test]
 fn ref_six_modes_ring_as_the_eigenproblem_says() {
-    for parameters in [paper::design_parameters(), paper::identified_parameters()] {
+    for parameters in [truth::design_parameters(), truth::identified_parameters()] {
         let model = model(&parameters, DVec3::Z, Mounting::AxisVertical);
-        for mode in ringdown::measure(&model).expect("the step is stable") {
+        for mode in ring_down::measure(&model).expect("the step is stable") {
             within(
                 "frequency of a mode",
                 (mode.measured_hz / mode.predicted_hz - 1.0).abs(),
@@ -133,7 +134,7 @@ fn free_model() -> SensorModel {
     SensorModel {
         damping_ratio: 0.0,
         ..model(
-            &paper::identified_parameters(),
+            &truth::identified_parameters(),
             DVec3::new(1.0, 2.0, 2.0),
             Mounting::AxisVertical,
         )
@@ -150,7 +151,7 @@ fn thrown(step_s: f64) -> Simulation {
 
 /// Energy (J), linear momentum (N s) and angular momentum about the ground's origin (N m s).
 fn invariants(model: &SensorModel, now: &Snapshot) -> (f64, DVec3, DVec3) {
-    let mass_inertia = model.inertia_per_mass.matrix_mass_m2() * model.mass_kg;
+    let mass_inertia = model.inertia_per_mass.tensor_m2() * model.mass_kg;
     let shell_inertia = DMat3::from_diagonal(DVec3::splat(SHELL_INERTIA_KG_M2));
     let stiffness = model.stiffness_per_mass_per_s2 * model.mass_kg;
     let squares: f64 = now.limb_elongation_m.iter().map(|dl| dl * dl).sum();
@@ -273,12 +274,10 @@ fn order_our_step_is_fourth_for_a_tumbling_body() {
 fn ref_fixed_axis_step_is_mujocos_own() {
     const STEP_S: f64 = 1e-5;
     // A body that turns about a principal axis keeps to it.
-    let mut parameters = paper::identified_parameters();
-    let [i1, i2, i3, ..] = parameters.inertia_per_mass.to_paper_order();
-    parameters.inertia_per_mass = InertiaPerMass::from_paper_order([i1, i2, i3, 0.0, 0.0, 0.0]);
+    let [i1, i2, i3, ..] = free_model().inertia_per_mass.to_paper_order();
     let model = SensorModel {
         gravity_ground_m_s2: DVec3::ZERO,
-        inertia_per_mass: parameters.inertia_per_mass,
+        inertia_per_mass: InertiaPerMass::from_paper_order([i1, i2, i3, 0.0, 0.0, 0.0]),
         ..free_model()
     };
     let start = || {
@@ -321,12 +320,12 @@ fn order_reference_converges_on_a_tumbling_motion() {
         rise_s: 0.02,
     };
     let model = model(
-        &paper::identified_parameters(),
+        &truth::identified_parameters(),
         DVec3::Z,
         Mounting::AxisVertical,
     );
     let attitude = |steps: usize| {
-        let run = SimulatedMotion::simulate(&model, &motion, 0.05, RATE_HZ / 2.0, steps)
+        let run = sixaxis_reference::mujoco::simulate(&model, &motion, 0.05, RATE_HZ / 2.0, steps)
             .expect("the step is stable");
         let last = run.truth.last().expect("the run has samples");
         DMat3::from_quat(last.attitude)
@@ -346,7 +345,7 @@ fn order_reference_converges_on_a_tumbling_motion() {
 fn ref_rounding_noise_of_a_moving_sensor() {
     let direction = DVec3::new(1.0, 1.0, 2.0);
     let model = model(
-        &paper::identified_parameters(),
+        &truth::identified_parameters(),
         direction,
         Mounting::AxisVertical,
     );
@@ -356,7 +355,8 @@ fn ref_rounding_noise_of_a_moving_sensor() {
         steady_periods: 0.5,
         ..Run::new(Mode::Linear, 1.0, direction)
     };
-    let run = SimulatedRun::simulate(&model, &run, RATE_HZ, 2).expect("the step is stable");
+    let run = sixaxis_reference::mujoco::simulate_run(&model, &run, RATE_HZ, 2)
+        .expect("the step is stable");
     // Fourth differences at the sample rate see nothing of a motion of 1 Hz.
     let noise = largest(run.limb_force_per_mass_m_s2.windows(5).flat_map(|w| {
         let w = [0, 1, 2, 3, 4].map(|k| w[k]);
@@ -373,7 +373,7 @@ fn ref_rounding_noise_of_a_moving_sensor() {
 fn inv_tare_resolution_is_a_rounding_of_the_length() {
     // One place of rest against the mean over many: what a tare taken from a single sample would be wrong by.
     let model = model(
-        &paper::identified_parameters(),
+        &truth::identified_parameters(),
         DVec3::new(1.0, 1.0, 2.0),
         Mounting::AxisVertical,
     );

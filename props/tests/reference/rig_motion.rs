@@ -7,15 +7,18 @@ use sixaxis_props::compare::{fails_clearly, largest, within};
 use sixaxis_props::rig_runs::{decouple, errors, simulate};
 use sixaxis_props::strategy::{config, parameters, vector};
 use sixaxis_props::tolerance;
-use sixaxis_reference::campaign::Laboratory;
+use sixaxis_props::truth;
+use sixaxis_props::truth::InCore;
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::laboratory::recording::SimulatedRecording;
+use sixaxis_reference::motion::SimulatedRun;
 use sixaxis_reference::paper;
-use sixaxis_reference::recording::{Recording, SimulatedRun};
-use sixaxis_reference::rig::{Mode, Mounting};
+use sixaxis_reference::rig::run::{Mode, Mounting};
 
 /// Largest error over the peak of the vector, linear and angular, with one of the settings changed.
 fn decoupling_errors(
     run: &SimulatedRun,
-    recording: &Recording,
+    recording: &SimulatedRecording,
     parameters: &Parameters,
     change: impl Fn(&mut Settings),
 ) -> [f64; 2] {
@@ -32,11 +35,11 @@ fn decoupling_errors(
 
 #[test]
 fn ref_decoupled_acceleration_is_the_simulated_one() {
-    let parameters = paper::identified_parameters();
+    let parameters = truth::identified_parameters();
     for table in paper::COMPOUND_TABLES {
         for mounting in [Mounting::AxisVertical, Mounting::AxisLevel] {
             let run = simulate(&parameters, Mode::Compound, table.direction, mounting);
-            let recording = Laboratory::noise_free(parameters).record(&run, 0);
+            let recording = Laboratory::noise_free(truth::sensor(&parameters)).record(&run, 0);
             for error in decoupling_errors(&run, &recording, &parameters, |_| ()) {
                 within("decoupled acceleration", error, tolerance::DECOUPLED);
             }
@@ -46,11 +49,13 @@ fn ref_decoupled_acceleration_is_the_simulated_one() {
 
 #[test]
 fn ref_broken_decouplers_are_caught() {
-    let parameters = paper::identified_parameters();
+    let parameters = truth::identified_parameters();
     let direction = DVec3::new(2.0, 1.0, 1.0);
     let run = simulate(&parameters, Mode::Compound, direction, Mounting::AxisLevel);
-    let recording = Laboratory::noise_free(parameters).record(&run, 0);
-    let worst = |recording: &Recording, parameters: &Parameters, change: &dyn Fn(&mut Settings)| {
+    let recording = Laboratory::noise_free(truth::sensor(&parameters)).record(&run, 0);
+    let worst = |recording: &SimulatedRecording,
+                 parameters: &Parameters,
+                 change: &dyn Fn(&mut Settings)| {
         largest(decoupling_errors(&run, recording, parameters, change))
     };
     let gravity = recording.gravity_ground_m_s2;
@@ -107,7 +112,7 @@ proptest! {
     fn ref_any_sensor_is_decoupled(parameters in parameters(), direction in vector(1.0)) {
         prop_assume!(direction.length() > 0.1);
         let run = simulate(&parameters, Mode::Compound, direction, Mounting::AxisLevel);
-        let recording = Laboratory::noise_free(parameters).record(&run, 0);
+        let recording = Laboratory::noise_free(truth::sensor(&parameters)).record(&run, 0);
         for error in decoupling_errors(&run, &recording, &parameters, |_| ()) {
             within("decoupled acceleration of a random sensor", error, tolerance::DECOUPLED);
         }

@@ -2,16 +2,18 @@
 
 use glam::DVec3;
 use proptest::prelude::*;
-use sixaxis_core::{Geometry, Parameters};
+use sixaxis_core::Parameters;
 use sixaxis_props::compare::{fails_clearly, within};
 use sixaxis_props::rig_runs::model;
 use sixaxis_props::strategy::{config, parameters, vector};
 use sixaxis_props::tolerance;
-use sixaxis_reference::paper;
-use sixaxis_reference::rig::{Mode, Mounting, Run};
-use sixaxis_reference::threshold::{
-    SweepPoint, crossing_hz, excitation, linear_theory, log_slope, measure,
+use sixaxis_props::truth;
+use sixaxis_reference::linear_theory::relative_acceleration;
+use sixaxis_reference::mujoco::threshold::{
+    SweepPoint, crossing_hz, excitation, log_slope, measure,
 };
+use sixaxis_reference::paper;
+use sixaxis_reference::rig::run::{Mode, Mounting, Run};
 
 const STEP_S: f64 = 5e-5;
 const MODES: [Mode; 2] = [Mode::Linear, Mode::Angular];
@@ -22,12 +24,7 @@ fn measured(parameters: &Parameters, run: &Run) -> SweepPoint {
 }
 
 fn theory(parameters: &Parameters, run: &Run) -> f64 {
-    linear_theory(
-        &Geometry::PAPER,
-        &parameters.inertia_per_mass,
-        parameters.stiffness_per_mass_per_s2,
-        run,
-    )
+    relative_acceleration(&truth::sensor(parameters), run)
 }
 
 fn threshold(mode: Mode) -> f64 {
@@ -52,7 +49,7 @@ fn threshold_hz(parameters: &Parameters, mode: Mode, size: f64) -> f64 {
 fn paper_thresholds_are_those_of_figure_7() {
     let (linear_hz, angular_hz) = paper::THRESHOLD_FREQUENCY_HZ;
     for (mode, printed_hz) in MODES.into_iter().zip([linear_hz, angular_hz]) {
-        let ours = threshold_hz(&paper::design_parameters(), mode, 1.0);
+        let ours = threshold_hz(&truth::design_parameters(), mode, 1.0);
         within(
             "threshold frequency, Hz",
             (ours - printed_hz).abs(),
@@ -63,7 +60,7 @@ fn paper_thresholds_are_those_of_figure_7() {
 
 #[test]
 fn paper_2_hz_is_below_both_thresholds_and_4_hz_above_the_linear_one() {
-    let parameters = paper::identified_parameters();
+    let parameters = truth::identified_parameters();
     let over = |mode, frequency_hz| {
         let run = excitation(mode, frequency_hz);
         measured(&parameters, &run).relative_acceleration / threshold(mode)
@@ -75,7 +72,7 @@ fn paper_2_hz_is_below_both_thresholds_and_4_hz_above_the_linear_one() {
 
 #[test]
 fn order_relative_acceleration_grows_with_the_fourth_power_of_frequency() {
-    let parameters = paper::design_parameters();
+    let parameters = truth::design_parameters();
     for mode in MODES {
         let points: Vec<(f64, f64)> = [1.0, 1.7, 3.0, 5.0]
             .map(|frequency_hz| {
@@ -106,7 +103,7 @@ fn order_relative_acceleration_grows_with_the_fourth_power_of_frequency() {
 
 #[test]
 fn order_threshold_falls_with_amplitude_and_rises_with_stiffness_by_fourth_roots() {
-    let design = paper::design_parameters();
+    let design = truth::design_parameters();
     let mut stiffer = design;
     stiffer.stiffness_per_mass_per_s2 *= 1.5;
     for mode in MODES {

@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 use sixaxis_props::blind::{Outcome, TUNING_SEEDS, defect_of, run};
-use sixaxis_reference::session::defect::Kind;
-use sixaxis_reference::session::plan::Engine;
+use sixaxis_reference::laboratory::defect::Kind;
+use sixaxis_reference::laboratory::plan::Engine;
 
 /// Every kind of defect once or twice, and healthy sessions between them.
 const SESSIONS: u64 = 27;

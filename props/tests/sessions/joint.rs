@@ -3,9 +3,9 @@
 
 use rayon::prelude::*;
 use sixaxis_calibration::joint::{Knowledge, at_rest, record};
-use sixaxis_campaign::parameter::PARAMETERS;
 use sixaxis_core::identify::joint::robust::USUAL_LIMIT;
 use sixaxis_core::identify::joint::{AtRest, Certificates, Drive, Joint, Record};
+use sixaxis_core::parameter::PARAMETERS;
 use sixaxis_core::{Error, Gains, Geometry, LIMBS, Parameters};
 use sixaxis_props::compare::largest;
 use sixaxis_props::compare::within;
@@ -14,8 +14,8 @@ use sixaxis_props::statistics::{ONE_IN_A_MILLION, chi_square_departure};
 use sixaxis_props::strategy::seed;
 use sixaxis_props::tolerance;
 use sixaxis_recordings::session::Role;
-use sixaxis_reference::rig::Mounting;
-use sixaxis_reference::session::plan::{Engine, SessionPlan};
+use sixaxis_reference::laboratory::plan::{Engine, SessionPlan};
+use sixaxis_reference::rig::run::Mounting;
 
 /// Campaigns over which errors are judged.
 const CASES: u64 = 24;

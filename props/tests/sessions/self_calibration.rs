@@ -16,12 +16,12 @@ use sixaxis_props::self_calibration::{Case, DRIFT, NOISE_SHARE, errors, nine, wi
 use sixaxis_props::statistics::chi_square_departure;
 use sixaxis_props::strategy::seed;
 use sixaxis_props::tolerance;
-use sixaxis_reference::campaign::{DAMPING_RATIO, MASS_KG};
-use sixaxis_reference::field::{Field, Pace};
-use sixaxis_reference::mjcf::SensorModel;
+use sixaxis_props::truth;
+use sixaxis_reference::compliant::compliant_forces_m_s2;
+use sixaxis_reference::motion::Motion;
 use sixaxis_reference::paper;
-use sixaxis_reference::recording::SimulatedMotion;
-use sixaxis_reference::simulation::Motion;
+use sixaxis_reference::rig::field::{Field, Pace};
+use sixaxis_reference::rigid::Load;
 use sixaxis_reference::smooth_step::smooth_step;
 
 /// Length of short field recordings, s.
@@ -94,20 +94,14 @@ struct InMujoco {
     voltage_v: Vec<[f64; LIMBS]>,
 }
 
-fn in_mujoco(motion: &impl Motion, duration_s: f64, steps_per_sample: usize) -> InMujoco {
-    let truth = paper::identified_parameters();
+fn in_mujoco(motion: &(impl Motion + Clone), duration_s: f64, steps_per_sample: usize) -> InMujoco {
+    let truth = truth::identified_parameters();
     let gravity = DVec3::new(0.0, 0.0, -paper::GRAVITY_M_S2);
-    let model = SensorModel {
-        geometry: Geometry::PAPER,
-        mass_kg: MASS_KG,
-        inertia_per_mass: truth.inertia_per_mass,
-        stiffness_per_mass_per_s2: truth.stiffness_per_mass_per_s2,
-        damping_ratio: DAMPING_RATIO,
-        gravity_ground_m_s2: gravity,
-    };
+    let model = truth::model(&truth, gravity);
     let rate_hz = 4_000.0;
-    let run = SimulatedMotion::simulate(&model, motion, duration_s, rate_hz, steps_per_sample)
-        .expect("a simulation");
+    let run =
+        sixaxis_reference::mujoco::simulate(&model, motion, duration_s, rate_hz, steps_per_sample)
+            .expect("a simulation");
     let gains = Gains::uniform(0.1);
     let chain = SignalChain::new(&gains, &truth);
     let rest = run.limb_force_per_mass_m_s2[0];
@@ -183,6 +177,7 @@ fn ref_a_tumble_in_mujoco_tells_eight_ratios() {
 }
 
 /// Along all axes by turns, without turning.
+#[derive(Clone)]
 struct Translation;
 
 impl Motion for Translation {
@@ -227,7 +222,7 @@ fn prop_a_single_axis_leaves_more_open() {
         sine.amplitude = DVec3::ZERO;
     }
     case.field.gravity_ground_m_s2 = DVec3::ZERO;
-    case.loads = case.field.play(&case.truth).0;
+    case.loads = case.field.play(&truth::sensor(&case.truth)).0;
     let case = case.with_stiffness(&[1.0; LIMBS]);
     let Err(Error::UnobservableScaleRatios { directions: open }) =
         case.ratios(&case.noisy_v(NOISE_SHARE))
@@ -450,13 +445,12 @@ fn prop_a_known_turn_gives_the_ninth() {
                 DVec3::Z * paper::GRAVITY_M_S2,
                 DVec3::NEG_Z * paper::GRAVITY_M_S2,
             );
-            let stiffness = case.truth.stiffness_per_mass_per_s2;
-            let forces = sixaxis_reference::field::compliant_forces_m_s2(
-                &Geometry::PAPER,
-                stiffness,
-                &[(up, DVec3::ZERO), (down, DVec3::ZERO)],
-            )
-            .expect("the limbs hold the mass");
+            let loads = [up, down].map(|specific_force_m_s2| Load {
+                specific_force_m_s2,
+                torque_m2_s2: DVec3::ZERO,
+            });
+            let forces = compliant_forces_m_s2(&truth::sensor(&case.truth), &loads)
+                .expect("the limbs hold the mass");
             let true_chain = SignalChain::new(&case.gains, &case.truth);
             let [a, b] = [0, 1].map(|i| true_chain.voltage_v(&forces[i]));
             // Means over a tenth of a second each.

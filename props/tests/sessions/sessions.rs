@@ -8,22 +8,23 @@ use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use sixaxis_calibration::load;
 use sixaxis_core::identify::inertia::euler_torque;
-use sixaxis_core::{Geometry, LIMBS, Parameters};
+use sixaxis_core::{LIMBS, Parameters};
 use sixaxis_props::compare::{fails_clearly, largest, within};
 use sixaxis_props::rig_runs::model;
 use sixaxis_props::tolerance::{self, Tolerance};
+use sixaxis_props::truth;
 use sixaxis_recordings::session::{Role, SessionFile};
-use sixaxis_reference::recording::SimulatedRun;
-use sixaxis_reference::rig::{Mode, Mounting, Run};
-use sixaxis_reference::rigid::RigidSensor;
-use sixaxis_reference::session::defect::{Defect, Kind, Where};
-use sixaxis_reference::session::effect::{MATERIAL, Signals};
-use sixaxis_reference::session::plan::{
-    CouplingChoice, DefectChoice, Engine, SensorChoice, SessionPlan, random_sensor,
+use sixaxis_reference::laboratory::defect::{Defect, Kind, Where};
+use sixaxis_reference::laboratory::effect::{MATERIAL, Signals, drawn_defect};
+use sixaxis_reference::laboratory::plan::{
+    CouplingChoice, DefectChoice, Engine, SensorChoice, SessionPlan,
 };
-use sixaxis_reference::session::play::{PlayedSession, play};
-use sixaxis_reference::session::write::{SESSION_FILE, TRUTH_FOLDER, write};
-use sixaxis_reference::session::{check, plan_file, schedule};
+use sixaxis_reference::laboratory::session::{SimulatedSession, simulate_session};
+use sixaxis_reference::laboratory::write::{SESSION_FILE, TRUTH_FOLDER, write};
+use sixaxis_reference::laboratory::{check, plan_file, schedule};
+use sixaxis_reference::motion::SimulatedRun;
+use sixaxis_reference::rig::run::{Mode, Mounting, Run};
+use sixaxis_reference::rigid::{Load, RigidSensor};
 
 /// Samples per second, and Runge-Kutta steps from sample to sample: 25 us.
 const RATE_HZ: f64 = 1000.0;
@@ -90,14 +91,10 @@ fn departure(ours: &[[f64; LIMBS]], truth: &[[f64; LIMBS]]) -> f64 {
 
 #[test]
 fn ref_rigid_runs_are_mujocos() {
-    let parameters = random_sensor(&mut Pcg64::seed_from_u64(11));
+    let parameters = truth::random_parameters(&mut Pcg64::seed_from_u64(11));
     let direction = DVec3::new(2.0, 1.0, 1.0).normalize();
-    let sensor = RigidSensor::new(
-        &Geometry::PAPER,
-        &parameters.inertia_per_mass,
-        &[1.0; LIMBS],
-    )
-    .expect("three nodes hold a body");
+    let sensor = RigidSensor::new(&truth::sensor(&parameters), &[1.0; LIMBS])
+        .expect("three nodes hold a body");
     for mounting in [Mounting::AxisVertical, Mounting::AxisLevel] {
         for mode in [Mode::Linear, Mode::Angular, Mode::Compound] {
             for frequency_hz in [1.5, 5.0] {
@@ -110,7 +107,7 @@ fn ref_rigid_runs_are_mujocos() {
                 let limit =
                     tolerance::rigid_limbs(frequency_hz, parameters.stiffness_per_mass_per_s2);
                 let model = model(&parameters, direction, mounting);
-                let truth = SimulatedRun::simulate(&model, &run, RATE_HZ, STEPS)
+                let truth = sixaxis_reference::mujoco::simulate_run(&model, &run, RATE_HZ, STEPS)
                     .expect("a run within the rig's limits simulates");
                 let gravity = mounting.gravity_ground_m_s2(direction);
                 let ours = sensor.play(&run, gravity, RATE_HZ);
@@ -187,13 +184,16 @@ fn controls(
                 let angular = back * t.angular_ground_rad_s2;
                 let gyroscopic = euler_torque(inertia, t.rate_shell_rad_s, DVec3::ZERO);
                 let torque = euler_torque(inertia, DVec3::ZERO, angular) + sign * gyroscopic;
-                sensor.forces_m_s2(back * (t.linear_ground_m_s2 - gravity), torque)
+                sensor.forces_m_s2(&Load {
+                    specific_force_m_s2: back * (t.linear_ground_m_s2 - gravity),
+                    torque_m2_s2: torque,
+                })
             })
             .collect()
     };
     let error = |gravity, sign| departure(&forces(gravity, sign), &truth.limb_force_per_mass_m_s2);
     fails_clearly("no gravity", error(DVec3::ZERO, 1.0), limit);
-    if ours.run.mode != Mode::Linear {
+    if ours.motion.mode != Mode::Linear {
         let gravity = ours.gravity_ground_m_s2;
         fails_clearly("w x Iw of the wrong sign", error(gravity, -1.0), limit);
     }
@@ -210,7 +210,7 @@ fn inv_a_written_session_reads_back_as_played() {
         place: Where::Everywhere,
         factor: 1.0 / 0.97,
     });
-    let played = play(&plan).expect("the plan can be played");
+    let played = simulate_session(&plan).expect("the plan can be played");
     for extension in ["csv", "csv.gz", "parquet", "tdms", "npz"] {
         let path = write(&played, &folder.join(extension), extension).expect("it can be written");
         let file = SessionFile::read(&path).expect("a session that was written can be read");
@@ -231,9 +231,9 @@ fn inv_a_written_session_reads_back_as_played() {
                 trial.gyroscope_rad_s == recording.gyroscope_rad_s,
                 "{name}: gyroscope"
             );
-            assert_eq!(trial.role, recording.entry.role);
+            assert_eq!(trial.role, recording.role);
             assert_eq!(trial.sample_rate_hz, recording.sample_rate_hz, "{name}");
-            if let Some(gains) = &recording.entry.gain_n_per_v {
+            if let Some(gains) = &recording.entry().gain_n_per_v {
                 assert_eq!(trial.gains.gain_n_per_v, gains.each(), "{name}");
             }
             if trial.role != Role::Static {
@@ -271,7 +271,7 @@ fn inv_one_seed_makes_one_session_bit_for_bit() {
     let folder = Folder::new("reproducible");
     for extension in ["csv", "csv.gz", "parquet", "tdms", "npz"] {
         let [a, b, other] = [("a", 6), ("b", 6), ("other", 7)].map(|(name, seed)| {
-            let played = play(&small(seed)).expect("the plan can be played");
+            let played = simulate_session(&small(seed)).expect("the plan can be played");
             let path = folder.join(extension).join(name);
             write(&played, &path, extension).expect("it can be written");
             bytes(&path)
@@ -288,7 +288,7 @@ fn inv_one_seed_makes_one_session_bit_for_bit() {
 #[test]
 fn inv_writing_that_fails_leaves_no_session_file() {
     let folder = Folder::new("cut-short");
-    let played = play(&small(8)).expect("the plan can be played");
+    let played = simulate_session(&small(8)).expect("the plan can be played");
     let path = write(&played, &folder.0, "npz").expect("it can be written");
     assert!(path.exists());
     // A file where the truth's folder has to be.
@@ -408,11 +408,11 @@ fn inv_a_plan_that_cannot_be_played_is_refused() {
 }
 
 /// Measured forces, N, of the trials: voltage times the gain that is written down.
-fn forces(played: &PlayedSession) -> Vec<Vec<[f64; LIMBS]>> {
+fn forces(played: &SimulatedSession) -> Vec<Vec<[f64; LIMBS]>> {
     played.recordings[1..]
         .iter()
         .map(|r| {
-            let gains = r.entry.gain_n_per_v.expect("trials state gains").each();
+            let gains = r.gain_n_per_v;
             let rest = r.voltage_v[0];
             r.voltage_v
                 .iter()
@@ -423,7 +423,7 @@ fn forces(played: &PlayedSession) -> Vec<Vec<[f64; LIMBS]>> {
 }
 
 /// Largest change of a channel's force per mass, over the largest of its trial, that the defect makes.
-fn change(healthy: &PlayedSession, defective: &PlayedSession) -> f64 {
+fn change(healthy: &SimulatedSession, defective: &SimulatedSession) -> f64 {
     let scale = healthy.truth.parameters.scale_per_mass_per_kg;
     largest(forces(healthy).iter().zip(forces(defective)).map(|(a, b)| {
         let size = largest(
@@ -443,9 +443,9 @@ fn inv_drawn_defects_do_harm() {
     for seed in 0..10 {
         for per_step in [3, 7] {
             let plan = silent(seed, per_step);
-            let healthy = play(&plan).expect("the plan can be played");
+            let healthy = simulate_session(&plan).expect("the plan can be played");
             for kind in Kind::ALL {
-                let defective = play(&SessionPlan {
+                let defective = simulate_session(&SessionPlan {
                     defect: DefectChoice::Kind(kind),
                     ..plan.clone()
                 })
@@ -489,9 +489,9 @@ fn inv_drawn_defects_do_harm() {
 fn inv_harmless_defects_are_told() {
     let plan = silent(2, 6);
     let signals = Signals::of(&plan);
-    let healthy = play(&plan).expect("the plan can be played");
+    let healthy = simulate_session(&plan).expect("the plan can be played");
     let mut harmless = 0;
-    for trial in 0..schedule::trials(&plan, None).len() {
+    for trial in 0..schedule::trials(&plan.rig, plan.trials_per_step, None).len() {
         for channel in 0..LIMBS {
             let defect = Defect::InvertedChannel {
                 channel,
@@ -501,7 +501,7 @@ fn inv_harmless_defects_are_told() {
                 continue;
             }
             harmless += 1;
-            let played = play(&SessionPlan {
+            let played = simulate_session(&SessionPlan {
                 defect: DefectChoice::Exactly(defect),
                 ..plan.clone()
             })
@@ -520,11 +520,10 @@ fn inv_harmless_defects_are_told() {
 fn inv_blind_sessions_are_healthy_or_of_any_kind() {
     let drawn: Vec<Option<Kind>> = (0..400)
         .map(|seed| {
-            SessionPlan {
+            drawn_defect(&SessionPlan {
                 defect: DefectChoice::Random,
                 ..small(seed)
-            }
-            .drawn_defect()
+            })
             .map(|defect| defect.kind())
         })
         .collect();

@@ -2,16 +2,19 @@
 
 use std::path::PathBuf;
 
-use sixaxis_calibration::verdict::{Grade, Judgement, Unwatched, judge};
+use sixaxis_calibration::calibrate::{CalibratedSession, Options, calibrate};
+use sixaxis_calibration::progress::NoProgress;
+use sixaxis_calibration::report::Grade;
 use sixaxis_core::LIMBS;
+use sixaxis_core::Parameter;
 use sixaxis_props::compare::within;
 use sixaxis_props::evidence::Row;
 use sixaxis_props::strategy::seed;
 use sixaxis_props::tolerance;
 use sixaxis_recordings::session::{Role, SessionFile};
-use sixaxis_reference::session::plan::{Engine, RigPlan, SensorChoice, SessionPlan};
-use sixaxis_reference::session::play::{PlayedSession, play};
-use sixaxis_reference::session::write::write;
+use sixaxis_reference::laboratory::plan::{Engine, RigPlan, SensorChoice, SessionPlan};
+use sixaxis_reference::laboratory::session::{SimulatedSession, simulate_session};
+use sixaxis_reference::laboratory::write::write;
 
 fn plan(taps: usize) -> SessionPlan {
     SessionPlan {
@@ -30,32 +33,32 @@ fn plan(taps: usize) -> SessionPlan {
 }
 
 /// Judges a session from its files.
-fn judged(played: &PlayedSession, name: &str) -> Judgement {
+fn judged(played: &SimulatedSession, name: &str) -> CalibratedSession {
     let folder: PathBuf =
         std::env::temp_dir().join(format!("sixaxis-taps-{name}-{}", std::process::id()));
     let session = write(played, &folder, "npz").expect("it can be written");
     let judgement = SessionFile::read(&session)
         .map_err(Into::into)
-        .and_then(|file| judge(&file, &Unwatched));
+        .and_then(|file| calibrate(&file, &Options::default(), &NoProgress));
     std::fs::remove_dir_all(&folder).expect("it can be cleared away");
     judgement.expect("the session is sound")
 }
 
 #[test]
 fn ref_a_session_with_taps_determines_stiffness_and_changes_nothing_else() {
-    let played = play(&plan(2)).expect("it plays");
-    let without = play(&plan(0)).expect("it plays");
+    let played = simulate_session(&plan(2)).expect("it plays");
+    let without = simulate_session(&plan(0)).expect("it plays");
     assert!(
         played.recordings.len() == without.recordings.len() + 2
             && played.recordings.starts_with(&without.recordings),
         "taps change the other recordings"
     );
     let (with, without) = (judged(&played, "two"), judged(&without, "none"));
-    let of = |judgement: &Judgement| {
+    let of = |judgement: &CalibratedSession| {
         judgement
             .parameters
             .iter()
-            .find(|p| p.name == "k/m")
+            .find(|p| p.parameter == Parameter::Stiffness)
             .expect("k/m is reported")
             .clone()
     };
@@ -91,12 +94,9 @@ fn ref_a_session_with_taps_determines_stiffness_and_changes_nothing_else() {
 
 #[test]
 fn prop_a_bad_tap_is_a_reservation() {
-    let mut played = play(&plan(2)).expect("it plays");
+    let mut played = simulate_session(&plan(2)).expect("it plays");
     let full_scale_v = played.session.sensor.full_scale_v;
-    let mut bad = played
-        .recordings
-        .iter_mut()
-        .filter(|r| r.entry.role == Role::Tap);
+    let mut bad = played.recordings.iter_mut().filter(|r| r.role == Role::Tap);
     let clipped = bad.next().expect("a tap");
     let middle = clipped.voltage_v.len() / 2;
     clipped.voltage_v[middle] = [full_scale_v; LIMBS];

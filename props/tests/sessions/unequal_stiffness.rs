@@ -6,9 +6,9 @@
 use rayon::prelude::*;
 use sixaxis_calibration::propagation::of_session;
 use sixaxis_calibration::steps::GyroscopeGain;
-use sixaxis_campaign::collected::collect;
+use sixaxis_campaign::prepared::prepare;
 use sixaxis_core::LIMBS;
-use sixaxis_core::decouple::uncertainty::parameters::SCALE;
+use sixaxis_core::parameter::SCALE;
 use sixaxis_core::redundancy::self_calibration::{PerLimbs, StiffnessTest};
 use sixaxis_props::compare::{largest, within};
 use sixaxis_props::joint::small;
@@ -16,7 +16,8 @@ use sixaxis_props::self_calibration::{Case, NOISE_SHARE, without_mean};
 use sixaxis_props::statistics::chi_square_departure;
 use sixaxis_props::strategy::seed;
 use sixaxis_props::tolerance;
-use sixaxis_reference::session::play::play;
+use sixaxis_props::truth;
+use sixaxis_reference::laboratory::session::simulate_session;
 
 /// Campaigns of each kind, at a quarter of the paper's sample rate.
 const CAMPAIGNS: u64 = 16;
@@ -35,30 +36,31 @@ fn tested(seed: u64, spread: f64, wedge_deg: f64) -> (StiffnessTest, [f64; LIMBS
     plan.trials_per_step = 12;
     plan.rig.wedge_error_deg = wedge_deg;
     plan.chain.stiffness_spread = spread;
-    let played = play(&plan).expect("a session is played");
+    let played = simulate_session(&plan).expect("a session is played");
     let truth = played.truth.parameters;
-    let collected = collect(&played.session, played.recordings).expect("sound recordings");
+    let prepared = prepare(&played.session, played.recordings);
     let class = played.session.gyroscope.class_percent / 100.0;
-    let steps = collected
+    let steps = prepared
         .campaign
         .identify(GyroscopeGain::Certified { class })
         .expect("enough trials");
     let (_, known) = of_session(
         &played.session,
-        &collected.campaign,
-        &collected.conditioning,
+        &prepared.campaign,
+        &prepared.conditioning,
         &steps,
     )
     .expect("errors that can be told");
     let mut found = steps.found();
     // Only for the second order; not determined by such a campaign.
-    found.stiffness_per_mass_per_s2 = collected.campaign.design.stiffness_per_mass_per_s2;
+    found.stiffness_per_mass_per_s2 = prepared.campaign.design.stiffness_per_mass_per_s2;
     let total = known.total();
     let covariance = PerLimbs::from_fn(|i, j| {
         let s = &found.scale_per_mass_per_kg;
         total[(SCALE.start + i, SCALE.start + j)] / (s[i] * s[j])
     });
     let ratio = plan.stiffness_ratio();
+    let truth = truth::parameters(&truth);
     let case = Case::calibrated(seed, truth, found, TUMBLE_S).with_stiffness(&ratio);
     let ratios = case
         .ratios(&case.noisy_v(NOISE_SHARE))

@@ -97,7 +97,7 @@ pub struct Cell {
     pub text: String,
     /// Tooltip, usually the same number with all its digits; empty for none.
     pub title: String,
-    /// Judgement.
+    /// CalibratedSession.
     pub state: State,
 }
 

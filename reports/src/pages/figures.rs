@@ -3,7 +3,7 @@
 use core::f64::consts::PI;
 
 use sixaxis_reference::paper::THRESHOLD_FREQUENCY_HZ;
-use sixaxis_reference::rig::Mode;
+use sixaxis_reference::rig::run::Mode;
 
 use crate::study::results::{Results, Search};
 use sixaxis_calibration::page::labels::verdict;

@@ -5,7 +5,7 @@
 
 use sixaxis_core::Scheme;
 use sixaxis_reference::paper::{self, COMPOUND_TABLES, GRAVITY_M_S2, THRESHOLD_FREQUENCY_HZ};
-use sixaxis_reference::rig::{Mode, ROTATION_AMPLITUDE_RAD, SLIDER_AMPLITUDE_M};
+use sixaxis_reference::rig::run::{Mode, ROTATION_AMPLITUDE_RAD, SLIDER_AMPLITUDE_M};
 
 use crate::study::bars::worst;
 use crate::study::results::{ParameterSet, Results, Standard};

@@ -1,6 +1,7 @@
 //! Tables 1 to 3 and k/m: the 25 parameters, the paper's and ours.
 
 use sixaxis_calibration::page::labels::verdict;
+use sixaxis_props::truth;
 
 use crate::study::results::{Identification, Results};
 use sixaxis_page::number::{MISSING, fixed, scientific, significant};
@@ -34,7 +35,7 @@ enum RelativeTo {
 }
 
 fn families() -> Vec<Family> {
-    let design = sixaxis_reference::paper::design_parameters();
+    let design = truth::design_parameters();
     vec![
         Family {
             caption: "Table 1: zero drift",

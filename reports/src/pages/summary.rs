@@ -1,7 +1,7 @@
 //! Key figures, the bars, and how good the reference is.
 
 use sixaxis_core::Scheme;
-use sixaxis_reference::rig::Mode;
+use sixaxis_reference::rig::run::Mode;
 
 use crate::study::bars::worst;
 use crate::study::results::{ParameterSet, Results, Standard};

@@ -6,14 +6,20 @@ use rand_pcg::Pcg64;
 use sixaxis_core::dsp::lag::undo_high_pass;
 use sixaxis_core::paper::preload::static_preload_m_s2;
 use sixaxis_core::{Geometry, LIMBS, Parameters, Scheme};
-use sixaxis_reference::campaign::{self, Laboratory, Role, Trial};
-use sixaxis_reference::chain::{Chain, Coupling};
-use sixaxis_reference::instruments::Instruments;
+use sixaxis_props::truth;
+use sixaxis_recordings::session::Role;
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::laboratory::chain::{Chain, Coupling};
+use sixaxis_reference::laboratory::instruments::Instruments;
+use sixaxis_reference::laboratory::plan::RigPlan;
+use sixaxis_reference::laboratory::schedule::PlannedTrial;
+use sixaxis_reference::laboratory::schedule::compound_trials;
+use sixaxis_reference::linear_theory::relative_acceleration;
+use sixaxis_reference::motion::SimulatedRun;
+use sixaxis_reference::mujoco::simulation::Simulation;
+use sixaxis_reference::mujoco::threshold;
 use sixaxis_reference::paper;
-use sixaxis_reference::recording::SimulatedRun;
-use sixaxis_reference::rig::{Mode, Mounting, ROTATION_AMPLITUDE_RAD, Run};
-use sixaxis_reference::simulation::Simulation;
-use sixaxis_reference::threshold;
+use sixaxis_reference::rig::run::{Mode, Mounting, ROTATION_AMPLITUDE_RAD, Run};
 
 use super::COMPARED_DIVISOR;
 use super::conditioning::Preset;
@@ -33,9 +39,9 @@ const GYROSCOPE_V_PER_DEG_S: f64 = 10e-3;
 /// # Errors
 /// Those of the simulation and of the equilibrium.
 pub fn reference(plan: &Plan, simulations: &Simulations) -> Result<ReferenceCheck> {
-    let parameters = paper::identified_parameters();
-    let [trial, ..] = campaign::compound(Mounting::AxisVertical);
-    let model = trial.model(&parameters);
+    let parameters = truth::identified_parameters();
+    let [trial, ..] = compound_trials(&RigPlan::one_turn(Mounting::AxisVertical));
+    let model = truth::model(&parameters, trial.gravity_ground_m_s2());
     let held = Run::new(Mode::Rest, 1.0, trial.run.direction_ground);
     let mut simulation = Simulation::new(&model, 1.0 / CAMPAIGN_RATE_HZ / CAMPAIGN_STEPS as f64)?;
     let measured = simulation.snapshot(&held).limb_elongation_m;
@@ -70,7 +76,7 @@ pub fn sweeps(simulations: &Simulations) -> Vec<Sweep> {
     sweep_kinds()
         .into_iter()
         .zip(&simulations.sweeps)
-        .map(|((sensor, parameters, mode), points)| {
+        .map(|((name, sensor, mode), points)| {
             let threshold = if mode == Mode::Angular {
                 paper::ANGULAR_THRESHOLD_RAD_S2
             } else {
@@ -89,17 +95,12 @@ pub fn sweeps(simulations: &Simulations) -> Vec<Sweep> {
                     })
             };
             Sweep {
-                sensor: sensor.to_owned(),
+                sensor: name.to_owned(),
                 mode,
                 theory: points
                     .iter()
                     .map(|p| {
-                        threshold::linear_theory(
-                            &Geometry::PAPER,
-                            &parameters.inertia_per_mass,
-                            parameters.stiffness_per_mass_per_s2,
-                            &threshold::excitation(mode, p.frequency_hz),
-                        )
+                        relative_acceleration(&sensor, &threshold::excitation(mode, p.frequency_hz))
                     })
                     .collect(),
                 threshold,
@@ -124,7 +125,7 @@ pub fn defects(simulations: &Simulations, parameters: &Parameters) -> Result<Def
     let slow = simulations.compound[0].decimated(COMPARED_DIVISOR);
     let (amplifier_left_alone, amplifier_undone) = amplifier(&slow, parameters)?;
     let level = simulations.axis_level[0].decimated(COMPARED_DIVISOR);
-    let recording = Laboratory::noise_free(*parameters).record(&level, 0);
+    let recording = Laboratory::noise_free(truth::sensor(parameters)).record(&level, 0);
     let neglected = decouple(
         &recording,
         &recording.voltage_v,
@@ -138,7 +139,7 @@ pub fn defects(simulations: &Simulations, parameters: &Parameters) -> Result<Def
         amplifier_undone,
         gyroscope_lag_left_alone: lag(&simulations.campaign, parameters, false)?,
         gyroscope_lag_undone: lag(&simulations.campaign, parameters, true)?,
-        gravity_neglected_frequency_hz: level.run.frequency_hz,
+        gravity_neglected_frequency_hz: level.motion.frequency_hz,
         gravity_neglected: worst(&largest_error(&six_series(&neglected), &truth(&level))),
         gyroscope_output_v: GYROSCOPE_V_PER_DEG_S
             * (ROTATION_AMPLITUDE_RAD * core::f64::consts::TAU * 5.0)
@@ -154,7 +155,7 @@ fn amplifier(run: &SimulatedRun, parameters: &Parameters) -> Result<(f64, f64)> 
             },
             ..Chain::noise_free()
         },
-        ..Laboratory::noise_free(*parameters)
+        ..Laboratory::noise_free(truth::sensor(parameters))
     };
     let recording = coupled.record(run, 0);
     let error = |voltage: &[[f64; LIMBS]]| -> Result<f64> {
@@ -180,7 +181,11 @@ fn amplifier(run: &SimulatedRun, parameters: &Parameters) -> Result<(f64, f64)> 
 }
 
 /// Error of step 3 with a gyroscope that lags and is perfect otherwise.
-fn lag(campaign: &[(Trial, SimulatedRun)], parameters: &Parameters, undo_lag: bool) -> Result<f64> {
+fn lag(
+    campaign: &[(PlannedTrial, SimulatedRun)],
+    parameters: &Parameters,
+    undo_lag: bool,
+) -> Result<f64> {
     let lagging = Laboratory {
         instruments: Instruments {
             signal_to_noise_db: None,
@@ -188,9 +193,9 @@ fn lag(campaign: &[(Trial, SimulatedRun)], parameters: &Parameters, undo_lag: bo
             gyroscope_gain_error: 0.0,
             ..Instruments::of_class(&mut Pcg64::new(0, 0))
         },
-        ..Laboratory::noise_free(*parameters)
+        ..Laboratory::noise_free(truth::sensor(parameters))
     };
-    let angular: Vec<(Trial, SimulatedRun)> = campaign
+    let angular: Vec<(PlannedTrial, SimulatedRun)> = campaign
         .iter()
         .filter(|(trial, _)| trial.role == Role::Angular)
         .cloned()

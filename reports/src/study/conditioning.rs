@@ -4,9 +4,10 @@ use sixaxis_calibration::conditioning::{Conditioned, Conditioning};
 use sixaxis_calibration::trial::Trial;
 use sixaxis_core::Result;
 use sixaxis_core::recording::check_channels;
+use sixaxis_props::truth::InCore;
 use sixaxis_recordings::session::{LowPass, Preprocessing, Role, Stage};
-use sixaxis_reference::instruments::GYROSCOPE_BANDWIDTH_HZ;
-use sixaxis_reference::recording::Recording;
+use sixaxis_reference::laboratory::instruments::GYROSCOPE_BANDWIDTH_HZ;
+use sixaxis_reference::laboratory::recording::SimulatedRecording;
 
 /// Which preprocessing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -49,7 +50,11 @@ impl Preset {
     ///
     /// # Errors
     /// A recording that cannot be worked with: too short, a sample that is not finite, a channel dead or clipped.
-    pub fn condition(self, recording: &Recording, role: Role) -> Result<(Trial, Conditioned)> {
+    pub fn condition(
+        self,
+        recording: &SimulatedRecording,
+        role: Role,
+    ) -> Result<(Trial, Conditioned)> {
         check_channels(&recording.voltage_v, recording.full_scale_v)?;
         let trial = recording.trial(role);
         let conditioned = self.conditioning().condition(&trial)?;

@@ -7,11 +7,14 @@ use sixaxis_calibration::conditioning::Conditioned;
 use sixaxis_core::decouple::rest_to_rest;
 use sixaxis_core::decouple::stream::Decoupler;
 use sixaxis_core::{LIMBS, Parameters, Scheme, SixAxis};
+use sixaxis_props::truth;
+use sixaxis_props::truth::InCore;
 use sixaxis_recordings::session::Role;
-use sixaxis_reference::campaign::Laboratory;
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::laboratory::recording::SimulatedRecording;
+use sixaxis_reference::motion::SimulatedRun;
 use sixaxis_reference::paper;
-use sixaxis_reference::recording::{Recording, SimulatedRun};
-use sixaxis_reference::rig::Mounting;
+use sixaxis_reference::rig::run::Mounting;
 
 use super::conditioning::Preset;
 use super::results::{Comparison, Compound, Gravity, ParameterSet, Standard};
@@ -61,7 +64,7 @@ fn standards(conditioned: &Conditioned) -> SixSeries {
 /// # Errors
 /// Those of the decoupler.
 pub fn decouple(
-    recording: &Recording,
+    recording: &SimulatedRecording,
     voltage_v: &[[f64; LIMBS]],
     parameters: &Parameters,
     scheme: Scheme,
@@ -114,12 +117,12 @@ pub fn largest_error(ours: &SixSeries, standard: &SixSeries) -> [f64; 6] {
 
 /// Complex amplitude at the drive frequency over the whole turns at full speed.
 fn harmonic(series: &[f64], run: &SimulatedRun) -> (f64, f64) {
-    let (from, to) = run.run.steady_span_s();
+    let (from, to) = run.motion.steady_span_s();
     let rate = run.sample_rate_hz;
     // Series begin at sample 1.
     let first = (from * rate).round() as usize - 1;
     let count = ((to - from) * rate).round() as usize;
-    let omega = core::f64::consts::TAU * run.run.frequency_hz / rate;
+    let omega = core::f64::consts::TAU * run.motion.frequency_hz / rate;
     let (mut c, mut s) = (0.0, 0.0);
     for (i, x) in series.iter().skip(first).take(count).enumerate() {
         let (sin, cos) = (omega * i as f64).sin_cos();
@@ -172,7 +175,7 @@ impl Case<'_> {
     ///
     /// # Errors
     /// Those of the conditioning.
-    pub fn record(&self, run: &SimulatedRun) -> Result<(Recording, Conditioned)> {
+    pub fn record(&self, run: &SimulatedRun) -> Result<(SimulatedRecording, Conditioned)> {
         let recording = self.laboratory.record(run, FIRST_RUN + self.index);
         let (_, conditioned) = self.conditioning.condition(&recording, Role::Validation)?;
         Ok((recording, conditioned))
@@ -184,7 +187,7 @@ impl Case<'_> {
     /// Those of the detrending.
     pub fn voltages(
         &self,
-        recording: &Recording,
+        recording: &SimulatedRecording,
         conditioned: &Conditioned,
         parameters: &Parameters,
     ) -> Result<Vec<[f64; LIMBS]>> {
@@ -247,7 +250,7 @@ impl Case<'_> {
         });
         Ok(Compound {
             table: paper::COMPOUND_TABLES[self.index].number,
-            frequency_hz: self.run.run.frequency_hz,
+            frequency_hz: self.run.motion.frequency_hz,
             mounting: self.mounting,
             sample_rate_hz: self.run.sample_rate_hz,
             peak: peaks(&truth),
@@ -260,13 +263,13 @@ impl Case<'_> {
     /// How much the difference between decoupled and true accelerations changes when the simulator's step is halved:
     /// with perfect recordings, true parameters and a scheme whose own error is far smaller.
     fn reference_error(&self) -> Result<[f64; 6]> {
-        let perfect = Laboratory::noise_free(self.laboratory.parameters);
+        let perfect = Laboratory::noise_free(self.laboratory.sensor);
         let difference = |run: &SimulatedRun| -> Result<(SixSeries, SixSeries)> {
             let recording = perfect.record(run, FIRST_RUN + self.index);
             let samples = decouple(
                 &recording,
                 &recording.voltage_v,
-                &perfect.parameters,
+                &truth::parameters(&perfect.sensor),
                 Scheme::AdamsMoulton4,
                 Gravity::Kept,
             )?;

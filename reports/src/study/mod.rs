@@ -20,11 +20,12 @@ pub mod simulations;
 use anyhow::{Context, Result};
 use sixaxis_calibration::steps::{FourSteps, GyroscopeGain};
 use sixaxis_core::{Parameters, Scheme};
-use sixaxis_reference::campaign::Laboratory;
-use sixaxis_reference::mjcf::mujoco_version;
+use sixaxis_props::truth;
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::motion::SimulatedRun;
+use sixaxis_reference::mujoco::version;
 use sixaxis_reference::paper;
-use sixaxis_reference::recording::SimulatedRun;
-use sixaxis_reference::rig::Mounting;
+use sixaxis_reference::rig::run::Mounting;
 
 use crate::progress::Progress;
 use conditioning::Preset;
@@ -47,9 +48,9 @@ const HISTORY_POINTS: usize = 1200;
 pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
     let simulations = simulations::simulate(plan, progress)?;
     let stage = progress.stage("analysis", 10);
-    let truth = paper::identified_parameters();
-    let perfect = Laboratory::noise_free(truth);
-    let laboratory = Laboratory::with_errors(truth, plan.seed);
+    let truth = truth::identified_parameters();
+    let perfect = Laboratory::noise_free(truth::sensor(&truth));
+    let laboratory = Laboratory::with_errors(truth::sensor(&truth), plan.seed);
 
     let noise_free_session = identification::record(&perfect, &simulations.campaign, Preset::None)?;
     let noise_free = noise_free_session
@@ -101,7 +102,7 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
                     close: conditioning != Preset::None,
                 }
                 .compare(ways)
-                .with_context(|| format!("compound run at {} Hz", full[index].run.frequency_hz))
+                .with_context(|| format!("compound run at {} Hz", full[index].motion.frequency_hz))
             })
             .collect()
     };
@@ -165,7 +166,7 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
         quick: plan.quick,
         trials_per_step: plan.trials_per_step(),
         sixaxis_version: env!("CARGO_PKG_VERSION").to_owned(),
-        mujoco_version: mujoco_version().to_owned(),
+        mujoco_version: version().to_owned(),
         reference: checks::reference(plan, &simulations)?,
         noise_free: identification_results(&truth, &noise_free, &noise_free, coarse.as_ref())?,
         noise_free_repeated: identification_results(
@@ -196,7 +197,7 @@ pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
 fn table_index(run: &SimulatedRun) -> usize {
     paper::COMPOUND_TABLES
         .iter()
-        .position(|table| table.frequency_hz == run.run.frequency_hz)
+        .position(|table| table.frequency_hz == run.motion.frequency_hz)
         .unwrap_or_default()
 }
 
@@ -210,7 +211,7 @@ fn ways(
     repeated: Option<&FourSteps>,
     gravity: Gravity,
 ) -> Vec<Way> {
-    let design = paper::design_parameters();
+    let design = truth::design_parameters();
     let way = |set, parameters, scheme| Way {
         set,
         parameters,
@@ -360,7 +361,7 @@ fn history(
     };
     let rate = COMPOUND_RATE_HZ / COMPARED_DIVISOR as f64;
     Ok(History {
-        frequency_hz: run.run.frequency_hz,
+        frequency_hz: run.motion.frequency_hz,
         time_s: (0..truth[0].len())
             .step_by(stride)
             .map(|i| (i + 1) as f64 / rate)

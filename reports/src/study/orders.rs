@@ -3,9 +3,10 @@
 use anyhow::Result;
 use rayon::prelude::*;
 use sixaxis_core::{Parameters, Scheme};
-use sixaxis_reference::campaign::Laboratory;
-use sixaxis_reference::recording::SimulatedRun;
-use sixaxis_reference::threshold::log_slope;
+use sixaxis_props::truth;
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::motion::SimulatedRun;
+use sixaxis_reference::mujoco::threshold::log_slope;
 
 use super::decoupling::decouple;
 use super::results::{Gravity, Order};
@@ -17,7 +18,7 @@ const ASYMPTOTIC_RATE_HZ: f64 = 399.0;
 
 /// Largest error of w* over its peak.
 fn rate_error(run: &SimulatedRun, parameters: &Parameters, scheme: Scheme) -> Result<f64> {
-    let recording = Laboratory::noise_free(*parameters).record(run, 0);
+    let recording = Laboratory::noise_free(truth::sensor(parameters)).record(run, 0);
     let samples = decouple(
         &recording,
         &recording.voltage_v,

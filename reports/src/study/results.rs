@@ -9,9 +9,9 @@ use identifiability::Identifiability;
 use serde::Serialize;
 use sixaxis_core::identify::Verdict;
 use sixaxis_core::{LIMBS, Parameters, Scheme};
-use sixaxis_reference::instruments::Instruments;
-use sixaxis_reference::rig::{Mode, Mounting};
-use sixaxis_reference::threshold::SweepPoint;
+use sixaxis_reference::laboratory::instruments::Instruments;
+use sixaxis_reference::mujoco::threshold::SweepPoint;
+use sixaxis_reference::rig::run::{Mode, Mounting};
 
 /// Names of the six accelerations, in the order of every array of six.
 pub const AXES: [&str; 6] = ["a_x", "a_y", "a_z", "angular x", "angular y", "angular z"];

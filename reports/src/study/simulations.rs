@@ -1,14 +1,18 @@
 //! All of MuJoCo's work, in parallel: every run is independent of every other.
 
 use anyhow::{Context, Result};
+use glam::DVec3;
 use rayon::prelude::*;
-use sixaxis_core::Parameters;
-use sixaxis_reference::campaign::{self, Role, Trial};
-use sixaxis_reference::paper;
-use sixaxis_reference::recording::SimulatedRun;
-use sixaxis_reference::rig::{Mode, Mounting};
-use sixaxis_reference::ringdown::{self, RingDown};
-use sixaxis_reference::threshold::{self, SweepPoint};
+use sixaxis_recordings::session::Role;
+use sixaxis_reference::laboratory::plan::RigPlan;
+use sixaxis_reference::laboratory::schedule::{PlannedTrial, compound_trials, trials};
+use sixaxis_reference::motion::SimulatedRun;
+use sixaxis_reference::mujoco::model::SensorModel;
+use sixaxis_reference::mujoco::ring_down::{self, RingDown};
+use sixaxis_reference::mujoco::simulate_run;
+use sixaxis_reference::mujoco::threshold::{self, SweepPoint};
+use sixaxis_reference::rig::run::{Mode, Mounting};
+use sixaxis_reference::sensor::TrueSensor;
 
 use super::plan::{
     CAMPAIGN_RATE_HZ, CAMPAIGN_STEPS, COMPOUND_RATE_HZ, COMPOUND_STEPS, Plan, SWEEP_STEP_S,
@@ -18,9 +22,9 @@ use crate::progress::Progress;
 /// Everything that was simulated.
 pub struct Simulations {
     /// Steps 2 to 4 at the campaign's step, in the plan's order.
-    pub campaign: Vec<(Trial, SimulatedRun)>,
+    pub campaign: Vec<(PlannedTrial, SimulatedRun)>,
     /// The same at twice the step; empty if not asked for.
-    pub campaign_coarse: Vec<(Trial, SimulatedRun)>,
+    pub campaign_coarse: Vec<(PlannedTrial, SimulatedRun)>,
     /// Tables 4 to 6 at the compound step.
     pub compound: Vec<SimulatedRun>,
     /// The same at half the step.
@@ -37,9 +41,9 @@ pub struct Simulations {
 
 /// The four sweeps of Fig. 7 in the order of [`Simulations::sweeps`].
 #[must_use]
-pub fn sweep_kinds() -> [(&'static str, Parameters, Mode); 4] {
-    let design = paper::design_parameters();
-    let identified = paper::identified_parameters();
+pub fn sweep_kinds() -> [(&'static str, TrueSensor, Mode); 4] {
+    let design = TrueSensor::design();
+    let identified = TrueSensor::identified();
     [
         ("design", design, Mode::Linear),
         ("design", design, Mode::Angular),
@@ -51,7 +55,7 @@ pub fn sweep_kinds() -> [(&'static str, Parameters, Mode); 4] {
 enum Task {
     Run {
         list: List,
-        trial: Trial,
+        trial: PlannedTrial,
         rate_hz: f64,
         steps: usize,
     },
@@ -103,33 +107,30 @@ impl Task {
                 steps,
                 ..
             } => {
-                let model = trial.model(&paper::identified_parameters());
-                SimulatedRun::simulate(&model, &trial.run, *rate_hz, *steps)
+                let sensor = TrueSensor::identified();
+                let model = SensorModel::new(&sensor, trial.gravity_ground_m_s2());
+                simulate_run(&model, &trial.run, *rate_hz, *steps)
                     .map(Outcome::Run)
                     .with_context(|| {
                         format!("{:?} run at {} Hz", trial.role, trial.run.frequency_hz)
                     })
             }
             Self::Sweep { kind, frequency_hz } => {
-                let (_, parameters, mode) = sweep_kinds()[*kind];
+                let (_, sensor, mode) = sweep_kinds()[*kind];
                 let run = threshold::excitation(mode, *frequency_hz);
-                let trial = Trial {
-                    role: Role::Linear,
-                    run,
-                    mounting: Mounting::AxisVertical,
-                };
-                threshold::measure(&trial.model(&parameters), &run, SWEEP_STEP_S)
+                let gravity = Mounting::AxisVertical.gravity_ground_m_s2(run.direction_ground);
+                let model = SensorModel::new(&sensor, gravity);
+                threshold::measure(&model, &run, SWEEP_STEP_S)
                     .map(Outcome::Sweep)
                     .with_context(|| format!("threshold sweep at {frequency_hz} Hz"))
             }
             Self::RingDown { sensor } => {
-                let parameters = if *sensor == 0 {
-                    paper::design_parameters()
+                let sensor = if *sensor == 0 {
+                    TrueSensor::design()
                 } else {
-                    paper::identified_parameters()
+                    TrueSensor::identified()
                 };
-                let [first, ..] = campaign::compound(Mounting::AxisVertical);
-                ringdown::measure(&first.model(&parameters))
+                ring_down::measure(&SensorModel::new(&sensor, DVec3::ZERO))
                     .map(Outcome::RingDown)
                     .context("ring-down")
             }
@@ -147,9 +148,15 @@ fn tasks(plan: &Plan) -> Vec<Task> {
             steps,
         });
     };
-    for trial in campaign::plan(plan.trials_per_step(), Mounting::AxisVertical) {
-        if trial.role == Role::Compound {
-            run(List::Compound, trial, COMPOUND_RATE_HZ, COMPOUND_STEPS);
+    let upright = RigPlan::one_turn(Mounting::AxisVertical);
+    for trial in trials(&upright, plan.trials_per_step(), None) {
+        if trial.role == Role::Validation {
+            run(
+                List::Compound,
+                trial.clone(),
+                COMPOUND_RATE_HZ,
+                COMPOUND_STEPS,
+            );
             run(
                 List::CompoundHalved,
                 trial,
@@ -159,7 +166,7 @@ fn tasks(plan: &Plan) -> Vec<Task> {
         } else {
             run(
                 List::Campaign,
-                trial,
+                trial.clone(),
                 CAMPAIGN_RATE_HZ,
                 plan.campaign_steps(),
             );
@@ -173,12 +180,17 @@ fn tasks(plan: &Plan) -> Vec<Task> {
             }
         }
     }
-    for trial in campaign::compound(Mounting::AxisLevel) {
+    for trial in compound_trials(&RigPlan::one_turn(Mounting::AxisLevel)) {
         // The slower runs cost seven times the fastest; a quick look goes without them.
         if plan.quick && trial.run.frequency_hz < 4.0 {
             continue;
         }
-        run(List::AxisLevel, trial, COMPOUND_RATE_HZ, COMPOUND_STEPS);
+        run(
+            List::AxisLevel,
+            trial.clone(),
+            COMPOUND_RATE_HZ,
+            COMPOUND_STEPS,
+        );
         run(
             List::AxisLevelHalved,
             trial,
@@ -230,8 +242,8 @@ pub fn simulate(plan: &Plan, progress: &Progress) -> Result<Simulations> {
     for (task, outcome) in tasks.iter().zip(outcomes) {
         match (task, outcome) {
             (Task::Run { list, trial, .. }, Outcome::Run(run)) => match list {
-                List::Campaign => result.campaign.push((*trial, run)),
-                List::CampaignCoarse => result.campaign_coarse.push((*trial, run)),
+                List::Campaign => result.campaign.push((trial.clone(), run)),
+                List::CampaignCoarse => result.campaign_coarse.push((trial.clone(), run)),
                 List::Compound => result.compound.push(run),
                 List::CompoundHalved => result.compound_halved.push(run),
                 List::AxisLevel => result.axis_level.push(run),
@@ -245,7 +257,7 @@ pub fn simulate(plan: &Plan, progress: &Progress) -> Result<Simulations> {
         }
     }
     // The tasks ran longest first; put them back in the order in which people read.
-    let by_role = |a: &(Trial, SimulatedRun), b: &(Trial, SimulatedRun)| {
+    let by_role = |a: &(PlannedTrial, SimulatedRun), b: &(PlannedTrial, SimulatedRun)| {
         (a.0.role.cmp(&b.0.role)).then(a.0.run.frequency_hz.total_cmp(&b.0.run.frequency_hz))
     };
     result.campaign.sort_by(by_role);
@@ -256,7 +268,7 @@ pub fn simulate(plan: &Plan, progress: &Progress) -> Result<Simulations> {
         &mut result.axis_level,
         &mut result.axis_level_halved,
     ] {
-        list.sort_by(|a, b| a.run.frequency_hz.total_cmp(&b.run.frequency_hz));
+        list.sort_by(|a, b| a.motion.frequency_hz.total_cmp(&b.motion.frequency_hz));
     }
     for sweep in &mut result.sweeps {
         sweep.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));

@@ -20,5 +20,5 @@ pub mod parameters;
 mod root;
 pub mod samples;
 
-pub use parameters::{Chain, Covariance, PARAMETERS};
+pub use parameters::{Chain, Covariance};
 pub use samples::{ChannelNoise, SampleUncertainty, Spread};

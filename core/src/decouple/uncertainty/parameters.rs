@@ -4,25 +4,16 @@
 //! delta = e + N delta, where N says how a parameter answers to the earlier ones. N has nothing on or above its diagonal
 //! blocks, four of them, so N^4 = 0 and delta = (1 + N + N^2 + N^3) e. Own errors of different steps come from different
 //! recordings: their covariance is a block diagonal matrix, and all correlation between steps is the chain's.
+//!
+//! The last of the 25 is here the *compliance* per mass, s^2, in which the rates of step 4 are linear, not k/m.
 
+use crate::parameter::{PARAMETERS, Parameter};
 use core::ops::Range;
 
 use nalgebra::{SMatrix, SVector};
 
 use crate::float::sqrt;
-use crate::geometry::LIMBS;
 
-/// The last of them is here the *compliance* per mass, s^2, in which the rates of step 4 are linear, not k/m.
-pub use crate::model::PARAMETERS;
-
-/// Places of the zero drifts.
-pub const DRIFT: Range<usize> = 0..LIMBS;
-/// Places of the scale factors.
-pub const SCALE: Range<usize> = LIMBS..2 * LIMBS;
-/// Places of the inertias.
-pub const INERTIA: Range<usize> = 2 * LIMBS..2 * LIMBS + 6;
-/// Place of the compliance.
-pub const COMPLIANCE: usize = PARAMETERS - 1;
 /// Steps that there are, so that N has no further powers.
 const STEPS: usize = 4;
 
@@ -59,7 +50,7 @@ impl Chain {
     pub fn add<const N: usize>(&mut self, place: usize, answer: &SVector<f64, N>, to: usize) {
         for (i, a) in answer.iter().enumerate() {
             let parameter = place + i;
-            if parameter < PARAMETERS && step(parameter) > step(to) {
+            if step(parameter) > step(to) {
                 self.answers[(parameter, to)] += a;
             }
         }
@@ -102,15 +93,7 @@ impl Chain {
     }
 }
 
-/// Step that identifies a parameter, from 1.
-const fn step(parameter: usize) -> usize {
-    if parameter < SCALE.start {
-        1
-    } else if parameter < INERTIA.start {
-        2
-    } else if parameter < COMPLIANCE {
-        3
-    } else {
-        STEPS
-    }
+/// The step that determines the parameter at a place, from 1; 0 beyond the 25.
+fn step(place: usize) -> usize {
+    Parameter::at(place).map_or(0, Parameter::step)
 }

@@ -2,9 +2,10 @@
 
 use nalgebra::SMatrix;
 
-use super::parameters::{Covariance, INERTIA};
+use super::parameters::Covariance;
 use crate::error::{Error, Result};
 use crate::float::sqrt;
+use crate::parameter::INERTIA;
 
 /// Parameters whose errors are carried to samples: all but the compliance.
 pub(super) const CARRIED: usize = INERTIA.end;

@@ -24,16 +24,16 @@ use glam::{DMat3, DQuat, DVec3};
 use nalgebra::{SMatrix, SVector};
 
 use super::influence::{arms_m, column};
-use super::parameters::{Covariance, DRIFT, INERTIA, SCALE};
+use super::parameters::Covariance;
 use super::root::{CARRIED, out_of_range, square_root};
-use crate::decouple::stream::SixAxis;
 use crate::error::{Error, Result};
 use crate::float::sqrt;
 use crate::geometry::{DIRECTIONS_SHELL, LIMBS};
-use crate::model::{InertiaPerMass, Parameters};
-use crate::model::{Sensor, Settings};
+use crate::model::{InertiaPerMass, Model, Parameters, Sensor, Settings};
 use crate::paper::limb_stream::LimbStream;
 use crate::paper::pose::Pose;
+use crate::parameter::{DRIFT, INERTIA, SCALE};
+use crate::six_axis::SixAxis;
 
 /// Noise of the nine voltages as the decoupler sees them.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -138,7 +138,7 @@ impl SampleUncertainty {
         noise: &ChannelNoise,
     ) -> Result<Self> {
         // Every argument that the decoupler has, too, is checked as it checks it.
-        let limbs = LimbStream::new(sensor, parameters, settings)?;
+        let limbs = LimbStream::new(&Model::new(sensor, parameters, settings)?)?;
         for value in noise.white_v.into_iter().chain(noise.correlation) {
             if !value.is_finite() {
                 return Err(out_of_range("channel noise", value, "finite"));

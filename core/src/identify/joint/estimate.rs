@@ -1,13 +1,12 @@
 //! The joint estimate in the paper's terms.
 
+use crate::parameter::PARAMETERS;
 use nalgebra::{DMatrix, DVector, SMatrix};
 
 use super::unknowns::{ACCELEROMETER_GAIN, COMPLIANCE, DRIFT, INERTIA, MASS_PER_SCALE, Unknowns};
 use crate::float::sqrt;
 use crate::geometry::LIMBS;
 use crate::model::Parameters;
-
-pub use crate::model::PARAMETERS;
 
 /// What the fit found.
 #[derive(Debug, Clone, PartialEq)]

@@ -8,7 +8,7 @@ use super::trial::{Drive, Trial};
 use super::{Certificates, WHAT};
 use crate::error::{Error, Result};
 use crate::geometry::LIMBS;
-use crate::paper::signal::Gains;
+use crate::model::Gains;
 
 /// Last harmonic over the drive's frequency: the run-up of the crank and the squares of the rate lie below.
 const HARMONICS_PER_DRIVE: f64 = 8.0;

@@ -24,7 +24,7 @@ use super::unknowns::{
 use crate::float::{exp, sin_cos, sqrt};
 use crate::geometry::LIMBS;
 use crate::identify::static_load_sharing::StaticLoadSharing;
-use crate::paper::signal::Gains;
+use crate::model::Gains;
 
 /// What the rig does in a trial.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

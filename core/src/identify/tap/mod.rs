@@ -144,6 +144,7 @@ impl Setup<'_> {
         self.parameters.validate()?;
         self.sensor.geometry.validate()?;
         self.sensor.gains.validate()?;
+        self.sensor.gains.validate_with(self.parameters)?;
         for value in self.gain_deviation {
             if !(value > 0.0 && (1.0 / value).is_finite() && value.is_finite()) {
                 return out_of_range("gain_deviation", value, "positive and finite");
@@ -207,7 +208,6 @@ impl Setup<'_> {
 pub fn identify(setup: &Setup, voltage_v: &[[f64; LIMBS]]) -> Result<Tap> {
     let prior = setup.prior()?;
     let chain = SignalChain::new(&setup.sensor.gains, setup.parameters);
-    chain.validate()?;
     check_channels(voltage_v, setup.full_scale_v)?;
     let mut unknowns = setup.start();
     setup.check_rate(&RingDown::new(

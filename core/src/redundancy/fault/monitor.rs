@@ -12,12 +12,12 @@ use super::step::Ring;
 use super::verdict::{Kind, Verdict};
 use crate::error::Result;
 use crate::geometry::LIMBS;
-use crate::kernel::constants::{Constants, from_kernel_order};
+use crate::kernel::constants::Constants;
+use crate::kernel::order::from_kernel_order;
 use crate::kernel::placement::OVERSTRAIN;
 use crate::limb_set::LimbSet;
-use crate::model::Parameters;
-use crate::model::{Sensor, Settings};
-use crate::redundancy::parity::residual;
+use crate::model::{Model, Parameters, Sensor, Settings};
+use crate::redundancy::residual;
 
 /// Samples without any alarm after which a failure is over: two of the longest windows.
 pub const QUIET: u64 = 8192;
@@ -85,7 +85,7 @@ impl Monitor {
         settings: &Settings,
         watch: &Watch,
     ) -> Result<Self> {
-        let constants = Constants::new(sensor, parameters, settings)?;
+        let constants = Constants::new(&Model::new(sensor, parameters, settings)?)?;
         let strain_per_v = from_kernel_order(constants.strain_per_v);
         let noise = RowNoise::from_channels(&core::array::from_fn(|limb| {
             (strain_per_v[limb] * watch.noise_v[limb]).abs()

@@ -16,13 +16,13 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::moments::{COLUMNS, Moments};
 use super::ratios::{Limits, LoopMisfit, ScaleRatios};
-use super::unobservable::UnobservableDirections;
 use super::{PerLimbs, RATIOS, contrasts, noise};
 use crate::error::{Error, Result};
 use crate::float::{exp, sqrt};
 use crate::geometry::LIMBS;
 use crate::identify::least_squares::gauss_newton::{self, Nonlinear, Outcome, iterate};
 use crate::redundancy::parity::{ROWS, SIGNATURES};
+use crate::unobservable::UnobservableDirections;
 
 /// Blocks below which the noise is not known well enough for anything.
 const FEWEST_BLOCKS: usize = 32;

@@ -28,14 +28,13 @@ pub mod moments;
 mod noise;
 pub mod ratios;
 pub mod stiffness;
-pub mod unobservable;
+mod unobservable;
 
 pub use common_scale::{KnownChange, Scales};
 pub use drift::{Drifted, drifted};
 pub use moments::{Accumulator, Moments};
 pub use ratios::{Limits, ScaleRatios};
 pub use stiffness::StiffnessTest;
-pub use unobservable::UnobservableDirections;
 
 use nalgebra::SMatrix;
 

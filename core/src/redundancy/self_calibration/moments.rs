@@ -13,11 +13,12 @@ use nalgebra::{SMatrix, SVector};
 use super::ratios::{Limits, ScaleRatios};
 use crate::error::{Error, Result};
 use crate::geometry::LIMBS;
-use crate::kernel::constants::{Constants, from_kernel_order};
+use crate::kernel::constants::Constants;
+use crate::kernel::order::from_kernel_order;
 use crate::kernel::placement::{OVERSTRAIN, refuse};
-use crate::model::Parameters;
-use crate::model::{Sensor, Settings};
-use crate::redundancy::parity::{self, ROWS, SIGNATURES};
+use crate::model::{Model, Parameters, Sensor, Settings};
+use crate::redundancy::parity::{ROWS, SIGNATURES};
+use crate::redundancy::residual;
 
 /// Strains and, behind them, what the rows have of second order.
 pub(super) const COLUMNS: usize = LIMBS + ROWS;
@@ -66,7 +67,7 @@ impl Accumulator {
         settings: &Settings,
         block: u32,
     ) -> Result<Self> {
-        let constants = Constants::new(sensor, parameters, settings)?;
+        let constants = Constants::new(&Model::new(sensor, parameters, settings)?)?;
         Ok(Self {
             strain_per_v: from_kernel_order(constants.strain_per_v),
             strain_at_zero: from_kernel_order(constants.strain_at_zero),
@@ -161,7 +162,7 @@ impl Accumulator {
         let strain = self.sum.map(|sum| sum / f64::from(self.block));
         self.sum = [0.0; LIMBS];
         self.filled = 0;
-        let left = parity::residual(&strain, self.constants.nu);
+        let left = residual(&strain, self.constants.nu);
         let mut sums = [0.0; ROWS];
         for (x, signature) in strain.iter().zip(SIGNATURES) {
             for (sum, in_row) in sums.iter_mut().zip(signature) {

@@ -1,26 +1,17 @@
 //! What a poor motion leaves open, in words.
 
-use core::fmt;
-
 use nalgebra::{SMatrix, SVector};
 
 use super::RATIOS;
 use crate::float::sqrt;
 use crate::geometry::LIMBS;
 use crate::limb_set::LimbSet;
+use crate::unobservable::UnobservableDirections;
 
 /// Share of a direction that must lie in what is open to be called so.
 const LIES_IN: f64 = 0.9;
 /// Weight over the largest of a direction below which a limb is not named.
 const NAMED: f64 = 0.25;
-
-/// Changes of nine ln scale factors of which a motion says nothing.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct UnobservableDirections {
-    /// Limbs that grow and limbs that shrink.
-    pairs: [(LimbSet, LimbSet); RATIOS],
-    count: usize,
-}
 
 impl UnobservableDirections {
     /// In the plainest words for the space that some orthonormal directions span: one limb against another where that is it.
@@ -43,14 +34,14 @@ impl UnobservableDirections {
                 pair[i] = core::f64::consts::FRAC_1_SQRT_2;
                 pair[j] = -pair[i];
                 let within = projector * pair;
-                if open.count < size && within.norm_squared() > LIES_IN {
+                if open.len() < size && within.norm_squared() > LIES_IN {
                     open.add(LimbSet::EMPTY.with(i), LimbSet::EMPTY.with(j));
                     deflate(&mut projector, &within);
                 }
             }
         }
         // What is left has more limbs to it: the direction on which the heaviest limb weighs most, then the next.
-        while open.count < size {
+        while open.len() < size {
             let heaviest = (0..LIMBS).fold(0, |best, i| {
                 if projector[(i, i)] > projector[(best, best)] {
                     i
@@ -73,54 +64,11 @@ impl UnobservableDirections {
         }
         open
     }
-
-    fn add(&mut self, up: LimbSet, down: LimbSet) {
-        if let Some(place) = self.pairs.get_mut(self.count) {
-            *place = (up, down);
-            self.count += 1;
-        }
-    }
-
-    /// For each direction the limbs that grow and the limbs that shrink by it; the latter empty for one limb against all others.
-    pub fn pairs(&self) -> impl Iterator<Item = (LimbSet, LimbSet)> {
-        self.pairs.into_iter().take(self.count)
-    }
-
-    /// How many there are.
-    #[must_use]
-    pub const fn len(&self) -> usize {
-        self.count
-    }
-
-    /// Whether there is none.
-    #[must_use]
-    pub const fn is_empty(&self) -> bool {
-        self.count == 0
-    }
 }
 
 fn deflate(projector: &mut SMatrix<f64, LIMBS, LIMBS>, direction: &SVector<f64, LIMBS>) {
     let unit = direction / sqrt(direction.norm_squared());
     *projector -= unit * unit.transpose();
-}
-
-/// "limb 2 against limb 4, limb 3 against limb 7".
-impl fmt::Display for UnobservableDirections {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let limbs = |set: LimbSet| if set.len() == 1 { "limb" } else { "limbs" };
-        for (place, (up, down)) in self.pairs().enumerate() {
-            if place > 0 {
-                f.write_str(", ")?;
-            }
-            write!(f, "{} {up} against ", limbs(up))?;
-            if down.is_empty() {
-                f.write_str("the others")?;
-            } else {
-                write!(f, "{} {down}", limbs(down))?;
-            }
-        }
-        Ok(())
-    }
 }
 
 #[cfg(test)]

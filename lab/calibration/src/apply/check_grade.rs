@@ -1,7 +1,7 @@
 //! Whether a calibration is one to decouple with.
 
 use crate::calibration::Calibration;
-use crate::verdict::Grade;
+use crate::report::Grade;
 use anyhow::{Result, ensure};
 
 /// What a user should know of the calibration called `name` before its result is believed; nothing if it is good.
@@ -19,10 +19,10 @@ pub fn check_grade(name: &str, calibration: &Calibration, force: bool) -> Result
                 .findings
                 .iter()
                 .map(|finding| match finding.recordings.as_slice() {
-                    [] => finding.cause.words().to_owned(),
-                    [one] => format!("{} in {one}", finding.cause.words()),
+                    [] => finding.cause.name().to_owned(),
+                    [one] => format!("{} in {one}", finding.cause.name()),
                     [one, rest @ ..] => {
-                        format!("{} in {one} and {} more", finding.cause.words(), rest.len())
+                        format!("{} in {one} and {} more", finding.cause.name(), rest.len())
                     }
                 })
                 .collect();

@@ -1,9 +1,10 @@
 //! The joint estimate's 25 in the form that the four steps report them in.
 
-use sixaxis_core::identify::joint::estimate::PARAMETERS;
-
 use super::JointReport;
-use crate::interval::{ParameterReport, TAP_IT, is_determined};
+use crate::interval::{TAP_IT, is_determined};
+use crate::report::ParameterReport;
+use sixaxis_core::Parameter;
+use sixaxis_core::parameter::PARAMETERS;
 use sixaxis_core::significance::NORMAL_95;
 
 /// Deviation, in that of the gain, of an interval that is the gain's alone: the quadrature needs some.
@@ -18,7 +19,7 @@ impl JointReport {
             .take(PARAMETERS)
             .enumerate()
             .map(|(p, other)| {
-                if other.name == "k/m" {
+                if other.parameter == Parameter::Stiffness {
                     self.stiffness_report(p, other)
                 } else {
                     self.report_on(p, other)
@@ -31,9 +32,9 @@ impl JointReport {
         let estimate = self.values[p];
         let half_width = self.half_width_95(p);
         let (noise, gain) = (self.noise_95(p), self.gain_95(p));
-        let determined = is_determined(&other.name, estimate, half_width);
+        let determined = is_determined(other.parameter, estimate, half_width);
         ParameterReport {
-            name: other.name.clone(),
+            parameter: other.parameter,
             unit: other.unit.clone(),
             estimate,
             design: other.design,

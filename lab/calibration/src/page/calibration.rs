@@ -12,7 +12,9 @@ mod taps;
 mod trials;
 mod validation;
 
-use crate::verdict::{Grade, Judgement};
+use crate::calibrate::CalibratedSession;
+use crate::report::Grade;
+use sixaxis_core::Parameter;
 use sixaxis_recordings::session::{Limits, SessionFile};
 
 use super::labels::{self, largest, symbol};
@@ -28,19 +30,19 @@ const NEUTRAL: usize = 6;
 /// Nothing is measured here but what a picture needs: the preprocessing of one trial is repeated stage by stage. Sizes of
 /// recordings are asked of the file system; one that is gone has none.
 #[must_use]
-pub fn page(file: &SessionFile, judgement: &Judgement) -> Page {
+pub fn page(file: &SessionFile, calibrated: &CalibratedSession) -> Page {
     let session = &file.session;
     let mut sections = vec![
-        findings::section(judgement),
-        parameters::section(file, judgement),
-        joint::section(judgement),
-        trials::section(file, judgement),
-        validation::section(file, judgement),
-        steps::section(judgement),
-        taps::section(judgement),
-        preprocessing::section(file, judgement),
-        rest::section(judgement),
-        provenance::section(file, judgement),
+        findings::section(calibrated),
+        parameters::section(file, calibrated),
+        joint::section(calibrated),
+        trials::section(file, calibrated),
+        validation::section(file, calibrated),
+        steps::section(calibrated),
+        taps::section(calibrated),
+        preprocessing::section(file, calibrated),
+        rest::section(calibrated),
+        provenance::section(file, calibrated),
     ];
     sections.retain(|section| !section.blocks.is_empty());
     let serial = match session.sensor.serial.as_str() {
@@ -49,16 +51,16 @@ pub fn page(file: &SessionFile, judgement: &Judgement) -> Page {
     };
     Page {
         title: format!("Calibration of {serial}"),
-        subtitle: judgement.sentence.clone(),
-        facts: provenance::facts(file, judgement),
-        tiles: tiles(&session.limits, judgement),
+        subtitle: calibrated.sentence.clone(),
+        facts: provenance::facts(file, calibrated),
+        tiles: tiles(&session.limits, calibrated),
         sections,
     }
 }
 
 /// Nothing is green on the page of a calibration that is not good: a bar that is met there proves nothing.
-fn state(judgement: &Judgement, met: bool) -> State {
-    match (met, judgement.grade) {
+fn state(calibrated: &CalibratedSession, met: bool) -> State {
+    match (met, calibrated.grade) {
         (true, Grade::Bad) => State::Neutral,
         (true, _) => State::Good,
         (false, _) => State::Bad,
@@ -67,7 +69,7 @@ fn state(judgement: &Judgement, met: bool) -> State {
 
 /// A share held against its bar, with where it was found.
 fn share_tile(
-    judgement: &Judgement,
+    calibrated: &CalibratedSession,
     label: &str,
     worst: Option<(f64, String)>,
     limit: f64,
@@ -79,14 +81,14 @@ fn share_tile(
             labels::share(Some(share)),
             format!("{place}; the bar: {}", labels::bar(limit)),
             // Written so that NaN is no pass.
-            state(judgement, share <= limit),
+            state(calibrated, share <= limit),
         ),
         None => Tile::new(label, "none", none, State::Neutral),
     }
 }
 
-fn tiles(limits: &Limits, judgement: &Judgement) -> Vec<Tile> {
-    let (word, note, verdict) = match judgement.grade {
+fn tiles(limits: &Limits, calibrated: &CalibratedSession) -> Vec<Tile> {
+    let (word, note, verdict) = match calibrated.grade {
         Grade::Good => (
             "Good",
             "the bar: nothing found wrong, nothing missing".to_owned(),
@@ -96,13 +98,13 @@ fn tiles(limits: &Limits, judgement: &Judgement) -> Vec<Tile> {
             "Good, reserved",
             format!(
                 "nothing is wrong; {} left open",
-                labels::count(judgement.reservations.len(), "point", "points")
+                labels::count(calibrated.reservations.len(), "point", "points")
             ),
             State::Warn,
         ),
         Grade::Bad => (
             "Not good",
-            match judgement.findings.len() {
+            match calibrated.findings.len() {
                 0 => "the four steps could not be done".to_owned(),
                 n => format!(
                     "{} found wrong; do not use it",
@@ -112,7 +114,7 @@ fn tiles(limits: &Limits, judgement: &Judgement) -> Vec<Tile> {
             State::Bad,
         ),
     };
-    let trials = &judgement.trials;
+    let trials = &calibrated.trials;
     let validation = largest(trials.iter().filter_map(|t| {
         let worst = largest(t.validation?.into_iter().map(|e| (e, ())))?.0;
         Some((worst, labels::file_name(&t.name)))
@@ -123,37 +125,41 @@ fn tiles(limits: &Limits, judgement: &Judgement) -> Vec<Tile> {
             .filter_map(|t| Some((t.hold_out?, labels::file_name(&t.name)))),
     );
     let interval = largest(
-        judgement
+        calibrated
             .parameters
             .iter()
-            .filter(|p| labels::has_scale(p))
-            .filter_map(|p| Some((p.half_width_95? / p.estimate.abs(), symbol(&p.name)))),
+            .filter(|p| p.parameter.has_size())
+            .filter_map(|p| Some((p.half_width_95? / p.estimate.abs(), symbol(p.parameter)))),
     );
     let mut tiles = vec![
         Tile::new("Verdict", word, note, verdict),
         share_tile(
-            judgement,
+            calibrated,
             "Largest validation error",
             validation,
             limits.validation_percent / 100.0,
             "no run was decoupled and held against the standards",
         ),
         share_tile(
-            judgement,
+            calibrated,
             "Largest hold-out error",
             hold_out,
             limits.hold_out_percent / 100.0,
             "no trial could be predicted by the others",
         ),
         share_tile(
-            judgement,
+            calibrated,
             "Widest 95 % interval",
             interval.map(|(share, name)| (share, format!("half width, of {name}"))),
             limits.interval_percent / 100.0,
             "no parameter was identified",
         ),
     ];
-    if let Some(stiffness) = judgement.parameters.iter().find(|p| p.name == "k/m") {
+    if let Some(stiffness) = calibrated
+        .parameters
+        .iter()
+        .find(|p| p.parameter == Parameter::Stiffness)
+    {
         tiles.push(if stiffness.determined {
             Tile::new(
                 "$k/m$",

@@ -1,6 +1,6 @@
 //! How parameters, recordings and directions are written.
 
-use crate::interval::ParameterReport;
+use sixaxis_core::Parameter;
 use sixaxis_recordings::session::Role;
 
 use sixaxis_core::identify::Verdict;
@@ -12,24 +12,14 @@ pub fn count(n: usize, one: &str, many: &str) -> String {
 }
 
 /// A parameter's name as in the paper: `s1/m` with its index lowered and letters italic.
-pub fn symbol(name: &str) -> String {
-    let (stem, over) = name
-        .split_once('/')
-        .map_or((name, ""), |(a, _)| (a, "/$m$"));
-    let letters: String = stem.chars().take_while(|c| c.is_alphabetic()).collect();
-    let index = &stem[letters.len()..];
-    if index.is_empty() {
-        format!("${letters}${over}")
-    } else {
-        format!("${letters}$_{{{index}}}{over}")
+pub fn symbol(parameter: Parameter) -> String {
+    let letter = parameter.symbol();
+    match (parameter, parameter.number()) {
+        (Parameter::Drift(_), Some(number)) => format!("${letter}$_{{{number}}}"),
+        (_, Some(number)) => format!("${letter}$_{{{number}}}/$m$"),
+        (Parameter::Compliance, None) => "$m$/$k$".to_owned(),
+        (_, None) => format!("${letter}$/$m$"),
     }
-}
-
-/// Whether a parameter has a size that an interval can be held against: a product of inertia and a zero drift may be zero.
-pub fn has_scale(parameter: &ParameterReport) -> bool {
-    ["s", "I1", "I2", "I3"]
-        .iter()
-        .any(|start| parameter.name.starts_with(start))
 }
 
 /// A recording's name, safe from being read as markup.
@@ -164,9 +154,9 @@ mod tests {
 
     #[test]
     fn symbols_of_the_paper() {
-        assert_eq!(symbol("s1/m"), "$s$_{1}/$m$");
-        assert_eq!(symbol("d9"), "$d$_{9}");
-        assert_eq!(symbol("k/m"), "$k$/$m$");
+        assert_eq!(symbol(Parameter::Scale(0)), "$s$_{1}/$m$");
+        assert_eq!(symbol(Parameter::Drift(8)), "$d$_{9}");
+        assert_eq!(symbol(Parameter::Stiffness), "$k$/$m$");
     }
 
     #[test]

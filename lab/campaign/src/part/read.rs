@@ -14,8 +14,8 @@ use super::{
     VERSION_KEY, checksum, columns, seeds_of,
 };
 use crate::error::{Error, Result};
-use crate::parameter::PARAMETERS;
 use crate::row::{Group, Row, Scalar};
+use sixaxis_core::parameter::PARAMETERS;
 
 /// A part as it was written.
 #[derive(Debug, Clone, PartialEq)]

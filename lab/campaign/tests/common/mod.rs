@@ -2,18 +2,18 @@
 
 #![allow(dead_code, reason = "each suite uses its own share")]
 
+use sixaxis_core::parameter::PARAMETERS;
 use sixaxis_core::significance::NORMAL_95;
 use std::path::{Path, PathBuf};
 
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
-use sixaxis_campaign::parameter::PARAMETERS;
 use sixaxis_campaign::part::Provenance;
 use sixaxis_campaign::plan::CampaignPlan;
 use sixaxis_campaign::row::{Group, Row, Scalar, Status, Text};
 use sixaxis_campaign::run::{VERSION, Watch};
-use sixaxis_reference::session::plan::{Engine, SensorChoice, SessionPlan};
+use sixaxis_reference::laboratory::plan::{Engine, SensorChoice, SessionPlan};
 
 /// A folder that is gone when the test is over.
 pub struct Folder(pub PathBuf);

@@ -1,4 +1,5 @@
-//! MATLAB files: version 5 to 7 (`save -v6`, `-v7`) and 7.3 (`save -v7.3`, which is HDF5). They are read, not written.
+//! MATLAB files: version 5 to 7 (`save -v6`, `-v7`) and 7.3 (`save -v7.3`, which is [`crate::hdf5`]). They are read, not
+//! written.
 //!
 //! A vector, 1 x N or N x 1, is a channel of the variable's name. A matrix gives one channel for each of its columns, or of
 //! its rows where those are longer: `name_1`, `name_2` ... A square matrix could be meant either way and is left out. The
@@ -7,18 +8,7 @@
 //! f64. Cells, complex numbers, sparse matrices, arrays of structs, objects and tables are no channels; the property
 //! [`LEFT_OUT`] names them.
 //!
-//! Memory: a version 5 file is held whole, unpacked, and refused beyond 2 GiB; of a 7.3 file one chunk at a time is held for
-//! each selected channel, or up to 64 MiB per variable.
-//!
-//! | file | holds |
-//! |---|---|
-//! | `numbers` | stored numbers as f64 |
-//! | `variables` | from variables to channels, and their reading |
-//! | `v5` | MAT version 5 |
-//! | `v73` | what MATLAB makes of HDF5 |
-//! | `hdf5` | the part of HDF5 that MATLAB writes: objects, groups, B-trees |
-//! | `messages` | what HDF5 objects are described by |
-//! | `dataset` | numbers of an HDF5 dataset, chunk by chunk |
+//! Memory: a version 5 file is held whole, unpacked, and refused beyond 2 GiB.
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
@@ -26,35 +16,25 @@ use std::path::Path;
 
 use crate::error::{Error, Result};
 use crate::source::Source;
+pub use crate::variables::LEFT_OUT;
 
-mod dataset;
-mod hdf5;
-mod messages;
-mod numbers;
 mod v5;
-mod v73;
-mod variables;
-
-/// Property that names the variables which are no channels, each with its kind.
-pub const LEFT_OUT: &str = "variables left out";
 
 /// Opens a MATLAB file.
 ///
 /// # Errors
-/// Those of [`Source`]; [`Error::Unsupported`] for a file of version 4, one without a numeric vector, or HDF5 features that
-/// MATLAB does not use.
+/// Those of [`Source`]; [`Error::Unsupported`] for a file of version 4, or one without a numeric vector.
 pub fn open(path: &Path) -> Result<Box<dyn Source>> {
+    if let Some(source) = crate::hdf5::open_matlab(path)? {
+        return Ok(source);
+    }
     let io = |source| Error::io(path, source);
     let mut file = File::open(path).map_err(io)?;
-    let length = file.metadata().map_err(io)?.len();
     let mut head = Vec::with_capacity(v5::HEADER);
     (&mut file)
         .take(v5::HEADER as u64)
         .read_to_end(&mut head)
         .map_err(io)?;
-    if let Some(at) = hdf5::find(&mut file, length).map_err(io)? {
-        return v73::open(path, file, length, at);
-    }
     file.seek(SeekFrom::Start(0)).map_err(io)?;
     v5::open(path, file, &head)
 }

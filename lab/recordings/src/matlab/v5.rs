@@ -8,10 +8,10 @@ use std::sync::Arc;
 
 use flate2::read::ZlibDecoder;
 
-use super::numbers::Kind;
-use super::variables::{Content, Elements, Variable, arrange};
 use crate::error::{Error, Place, Result};
+use crate::numbers::Kind;
 use crate::source::Source;
+use crate::variables::{Content, Elements, Variable, arrange};
 
 /// Bytes of the header.
 pub(super) const HEADER: usize = 128;
@@ -113,7 +113,7 @@ pub(super) fn open(path: &Path, mut file: File, head: &[u8]) -> Result<Box<dyn S
         offset: None,
     };
     reader.file(whole)?;
-    arrange(path, "MATLAB 5", reader.found)
+    arrange(path, "MATLAB 5", '.', reader.found)
 }
 
 /// Elements side by side.
@@ -293,7 +293,7 @@ impl Reader<'_> {
     }
 
     fn push(&mut self, name: String, content: Content) -> Result<()> {
-        self.found.push(Variable { name, content });
+        self.found.push(Variable::new(name, content));
         Ok(())
     }
 

@@ -12,11 +12,13 @@ use std::sync::{Mutex, PoisonError};
 use anyhow::{Context, Result, bail, ensure};
 use clap::ValueEnum;
 use serde::Serialize;
+use sixaxis_calibration::calibrate::{CalibratedSession, Options, calibrate};
 use sixaxis_calibration::calibration;
+use sixaxis_calibration::finding::Finding;
 use sixaxis_calibration::iteration::Criterion;
 use sixaxis_calibration::page;
-use sixaxis_calibration::suspicion::Finding;
-use sixaxis_calibration::verdict::{Choices, Estimator, Grade, Judgement, Watch, judge_choosing};
+use sixaxis_calibration::progress;
+use sixaxis_calibration::report::{Estimator, Grade};
 use sixaxis_page::render;
 use sixaxis_recordings::draft::write_atomically;
 use sixaxis_recordings::session::{self, SessionFile};
@@ -136,30 +138,30 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     } else {
         Progress::shown()
     };
-    let judgement = {
-        let watched = Watched::new(&progress);
+    let calibrated = {
+        let watched = ShownProgress::new(&progress);
         let repeat = arguments.iterate.map(|passes| Criterion {
             passes: usize::from(passes),
             ..Criterion::default()
         });
-        judge_choosing(&file, &Choices { repeat, estimator }, &watched)?
+        calibrate(&file, &Options { repeat, estimator }, &watched)?
     };
-    let page = render(&page::calibration::page(&file, &judgement))?;
+    let page = render(&page::calibration::page(&file, &calibrated))?;
     // The calibration last: whoever sees a new one finds its report beside it.
     write_atomically(&targets.report, page.as_bytes())
         .with_context(|| format!("cannot write {}", targets.report.display()))?;
-    if let Some(calibration) = &judgement.calibration {
+    if let Some(calibration) = &calibrated.calibration {
         calibration
             .write(&targets.calibration)
             .with_context(|| format!("cannot write {}", targets.calibration.display()))?;
     }
     if arguments.json {
-        let summary = Summary::new(&judgement, &targets);
+        let summary = Summary::new(&calibrated, &targets);
         print(&format!("{}\n", serde_json::to_string_pretty(&summary)?))?;
     } else if !arguments.quiet {
-        print(&summary(&judgement, &targets))?;
+        print(&summary(&calibrated, &targets))?;
     }
-    Ok(ExitCode::from(match judgement.grade {
+    Ok(ExitCode::from(match calibrated.grade {
         Grade::Good => 0,
         Grade::Reserved => 3,
         Grade::Bad => 4,
@@ -205,12 +207,12 @@ impl Targets {
 }
 
 /// The library's stages on the command's progress display.
-struct Watched<'a> {
+struct ShownProgress<'a> {
     progress: &'a Progress,
     stage: Mutex<Option<Stage>>,
 }
 
-impl<'a> Watched<'a> {
+impl<'a> ShownProgress<'a> {
     fn new(progress: &'a Progress) -> Self {
         Self {
             progress,
@@ -219,7 +221,7 @@ impl<'a> Watched<'a> {
     }
 }
 
-impl Watch for Watched<'_> {
+impl progress::Progress for ShownProgress<'_> {
     fn stage(&self, name: &str, parts: usize) {
         let mut stage = self.stage.lock().unwrap_or_else(PoisonError::into_inner);
         // The old one finishes its line before the new one begins.
@@ -263,20 +265,20 @@ struct Files<'a> {
 }
 
 impl<'a> Summary<'a> {
-    fn new(judgement: &'a Judgement, targets: &'a Targets) -> Self {
+    fn new(calibrated: &'a CalibratedSession, targets: &'a Targets) -> Self {
         Self {
-            verdict: judgement.grade,
-            sentence: &judgement.sentence,
-            findings: &judgement.findings,
-            reservations: &judgement.reservations,
-            next: &judgement.next,
-            parameters_determined: determined(judgement),
-            parameters: judgement.parameters.len(),
-            iteration: judgement.iteration.as_ref().map(Repetition::of),
-            estimator: judgement.estimator,
-            joint: joint::Summary::of(judgement),
+            verdict: calibrated.grade,
+            sentence: &calibrated.sentence,
+            findings: &calibrated.findings,
+            reservations: &calibrated.reservations,
+            next: &calibrated.next,
+            parameters_determined: determined(calibrated),
+            parameters: calibrated.parameters.len(),
+            iteration: calibrated.iteration.as_ref().map(Repetition::of),
+            estimator: calibrated.estimator,
+            joint: joint::Summary::of(calibrated),
             files: Files {
-                calibration: judgement
+                calibration: calibrated
                     .calibration
                     .as_ref()
                     .map(|_| targets.calibration.as_path()),
@@ -286,55 +288,59 @@ impl<'a> Summary<'a> {
     }
 }
 
-fn determined(judgement: &Judgement) -> usize {
-    judgement.parameters.iter().filter(|p| p.determined).count()
+fn determined(calibrated: &CalibratedSession) -> usize {
+    calibrated
+        .parameters
+        .iter()
+        .filter(|p| p.determined)
+        .count()
 }
 
 /// Width that texts are wrapped to.
 const WIDTH: usize = 96;
 
 /// The summary for people.
-fn summary(judgement: &Judgement, targets: &Targets) -> String {
+fn summary(calibrated: &CalibratedSession, targets: &Targets) -> String {
     let mut out = String::new();
-    wrapped(&mut out, "", "", &judgement.sentence);
-    if !judgement.findings.is_empty() {
+    wrapped(&mut out, "", "", &calibrated.sentence);
+    if !calibrated.findings.is_empty() {
         out += "\nFound\n";
-        for finding in &judgement.findings {
+        for finding in &calibrated.findings {
             let place = page::calibration::place(finding);
             wrapped(
                 &mut out,
                 "  - ",
                 "    ",
-                &format!("{}: {place}", finding.cause.words()),
+                &format!("{}: {place}", finding.cause.name()),
             );
             wrapped(&mut out, "    ", "    ", &finding.evidence);
         }
     }
     out += "\nParameters\n";
-    let parameters = &judgement.parameters;
+    let parameters = &calibrated.parameters;
     if parameters.is_empty() {
         out += "  none: the four steps could not be done\n";
     } else {
         let _ = writeln!(
             out,
             "  {} of {} determined",
-            determined(judgement),
+            determined(calibrated),
             parameters.len()
         );
-        joint::print(&mut out, judgement);
+        joint::print(&mut out, calibrated);
         for parameter in parameters.iter().filter(|p| !p.determined) {
             wrapped(
                 &mut out,
                 "  ",
                 "  ",
-                &format!("{}: {}", parameter.name, parameter.remark),
+                &format!("{}: {}", parameter.parameter, parameter.remark),
             );
         }
     }
-    if let Some(iteration) = &judgement.iteration {
+    if let Some(iteration) = &calibrated.iteration {
         repetition::print(&mut out, iteration);
     }
-    let (actions, consequences) = page::calibration::split(judgement);
+    let (actions, consequences) = page::calibration::split(calibrated);
     if !actions.is_empty() {
         out += "\nNext\n";
         for next in actions {
@@ -353,7 +359,7 @@ fn summary(judgement: &Judgement, targets: &Targets) -> String {
     }
     out += "\nWritten\n";
     let _ = writeln!(out, "  {}", targets.report.display());
-    match (&judgement.calibration, judgement.grade) {
+    match (&calibrated.calibration, calibrated.grade) {
         (Some(_), Grade::Good) => {
             let _ = writeln!(out, "  {}", targets.calibration.display());
         }

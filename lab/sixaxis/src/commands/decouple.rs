@@ -21,7 +21,7 @@ use sixaxis_calibration::apply::text_stream::{End, Live, Printed, is_closed_pipe
 use sixaxis_calibration::apply::{pipeline, rest_to_rest};
 use sixaxis_calibration::calibration::Calibration;
 use sixaxis_calibration::page;
-use sixaxis_calibration::verdict::Grade;
+use sixaxis_calibration::report::Grade;
 use sixaxis_core::{Decoupler, LimbSet, Scheme, Settings};
 use sixaxis_page::render;
 use sixaxis_recordings::draft::write_atomically;

@@ -5,7 +5,10 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result};
 use sixaxis_recordings::draft::write_atomically;
-use sixaxis_reference::{campaign, paper, rig::Mounting};
+use sixaxis_reference::mujoco::model::SensorModel;
+use sixaxis_reference::paper;
+use sixaxis_reference::rig::run::Mounting;
+use sixaxis_reference::sensor::TrueSensor;
 use sixaxis_reports::study;
 
 /// Which sensor and where to.
@@ -22,14 +25,15 @@ pub struct Arguments {
 /// Writes the model.
 pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let out = &arguments.out;
-    let parameters = if arguments.design {
-        paper::design_parameters()
+    let sensor = if arguments.design {
+        TrueSensor::design()
     } else {
-        paper::identified_parameters()
+        TrueSensor::identified()
     };
-    let [trial, ..] = campaign::compound(Mounting::AxisVertical);
+    let [first, ..] = paper::COMPOUND_TABLES;
+    let gravity = Mounting::AxisVertical.gravity_ground_m_s2(first.direction.normalize());
     let step_s = 1.0 / study::plan::CAMPAIGN_RATE_HZ / study::plan::CAMPAIGN_STEPS as f64;
-    let xml = trial.model(&parameters).to_mjcf(step_s);
+    let xml = SensorModel::new(&sensor, gravity).to_mjcf(step_s);
     write_atomically(out, xml.as_bytes())
         .with_context(|| format!("cannot write {}", out.display()))?;
     println!("{}", out.display());

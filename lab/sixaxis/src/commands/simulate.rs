@@ -8,13 +8,14 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde::de::DeserializeOwned;
 use serde::de::value::{Error as ValueError, StrDeserializer};
 use sixaxis_core::LIMBS;
-use sixaxis_reference::session::check::check;
-use sixaxis_reference::session::defect::Kind;
-use sixaxis_reference::session::plan::{DefectChoice, Engine, SensorChoice, SessionPlan};
-use sixaxis_reference::session::plan_file;
-use sixaxis_reference::session::play::{PlayError, play_watched, work_ms};
-use sixaxis_reference::session::tumble::tumble;
-use sixaxis_reference::session::write::{SESSION_FILE, TRUTH_FOLDER, write, write_beside};
+use sixaxis_reference::laboratory::check::check;
+use sixaxis_reference::laboratory::defect::Kind;
+use sixaxis_reference::laboratory::error::SessionError;
+use sixaxis_reference::laboratory::plan::{DefectChoice, Engine, SensorChoice, SessionPlan};
+use sixaxis_reference::laboratory::plan_file;
+use sixaxis_reference::laboratory::session::{simulate_session_watched, work_ms};
+use sixaxis_reference::laboratory::tumble::record_tumble;
+use sixaxis_reference::laboratory::write::{SESSION_FILE, TRUTH_FOLDER, write, write_beside};
 use sixaxis_reports::progress::Progress;
 
 /// What to play and where to write.
@@ -138,7 +139,8 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     std::fs::create_dir_all(out)
         .with_context(|| format!("cannot create the output folder {}", out.display()))?;
     let stage = Progress::shown().stage("simulating", work_ms(&plan)?);
-    let played = play_watched(&plan, &|ms| stage.advance(ms)).context("cannot play the session")?;
+    let played = simulate_session_watched(&plan, &|ms| stage.advance(ms))
+        .context("cannot play the session")?;
     drop(stage);
     let session = write(&played, out, &arguments.format)?;
     let field = match arguments.tumble {
@@ -172,13 +174,9 @@ fn from_the_field(arguments: &Arguments, plan: &SessionPlan, duration_s: f64) ->
     for &(limb, share) in &arguments.drift_limb {
         drift[limb] = share;
     }
-    let played = tumble(plan, duration_s, &drift).context("cannot play the tumble")?;
+    let played = record_tumble(plan, duration_s, &drift).context("cannot play the tumble")?;
     let path = write_beside(&played, &arguments.out, &arguments.format)?;
-    let gains: Vec<String> = played
-        .entry
-        .gain_n_per_v
-        .map(|gains| gains.each().iter().map(f64::to_string).collect())
-        .unwrap_or_default();
+    let gains = played.gain_n_per_v.map(|gain| gain.to_string());
     Ok(format!(
         "sixaxis self-calibrate {} {} --down 0,0,-1 --gain {}",
         quoted(&arguments.out.join("calibration.json")),
@@ -225,8 +223,8 @@ fn plan(arguments: &Arguments) -> Result<SessionPlan> {
 }
 
 /// A refusal with the file and line that it is about.
-fn located(path: &Path, error: PlayError) -> anyhow::Error {
-    let PlayError::Plan { key, cause } = &error else {
+fn located(path: &Path, error: SessionError) -> anyhow::Error {
+    let SessionError::Plan { key, cause } = &error else {
         return error.into();
     };
     // `defect.exactly: factor` stands in the table `defect.exactly`.

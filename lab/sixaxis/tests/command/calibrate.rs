@@ -3,9 +3,9 @@
 use std::path::Path;
 use std::process::Output;
 
-use sixaxis_reference::session::defect::Kind;
-use sixaxis_reference::session::plan::{DefectChoice, Engine, SensorChoice, SessionPlan};
-use sixaxis_reference::session::play::play;
+use sixaxis_reference::laboratory::defect::Kind;
+use sixaxis_reference::laboratory::plan::{DefectChoice, Engine, SensorChoice, SessionPlan};
+use sixaxis_reference::laboratory::session::simulate_session;
 
 use crate::program::{Folder, Session, code, run, stderr, stdout, text};
 
@@ -19,7 +19,7 @@ fn session(name: &str, defect: DefectChoice) -> Session {
         defect,
         ..SessionPlan::default()
     };
-    let played = play(&plan).expect("a session is played");
+    let played = simulate_session(&plan).expect("a session is played");
     Session::write(&format!("calibrate-{name}"), &played)
 }
 

@@ -6,10 +6,10 @@ use std::process::Output;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use serde_json::Value;
-use sixaxis_core::Parameters;
-use sixaxis_reference::rig::Mounting;
-use sixaxis_reference::session::plan::{Engine, SensorChoice, SessionPlan};
-use sixaxis_reference::session::play::{PlayedSession, play};
+use sixaxis_reference::laboratory::plan::{Engine, SensorChoice, SessionPlan};
+use sixaxis_reference::laboratory::session::{SimulatedSession, simulate_session};
+use sixaxis_reference::rig::run::Mounting;
+use sixaxis_reference::sensor::TrueSensor;
 
 use crate::program::{Session, code, run, stderr, stdout, text};
 
@@ -40,7 +40,7 @@ fn plan(seed: u64) -> SessionPlan {
     plan
 }
 
-fn written(name: &str, played: &PlayedSession) -> Session {
+fn written(name: &str, played: &SimulatedSession) -> Session {
     Session::write(&format!("calibrate-joint-{name}"), played)
 }
 
@@ -62,7 +62,7 @@ fn page(session: &Path) -> String {
 }
 
 /// The parameters but k/m, in the paper's order.
-fn true_values(truth: &Parameters) -> Vec<f64> {
+fn true_values(truth: &TrueSensor) -> Vec<f64> {
     let mut values = truth.zero_drift_v.to_vec();
     values.extend(truth.scale_per_mass_per_kg);
     values.extend(truth.inertia_per_mass.to_paper_order());
@@ -70,7 +70,7 @@ fn true_values(truth: &Parameters) -> Vec<f64> {
 }
 
 /// The largest error over its half width, and whose it is.
-fn worst(intervals: &Value, truth: &Parameters) -> (f64, String) {
+fn worst(intervals: &Value, truth: &TrueSensor) -> (f64, String) {
     let intervals = intervals.as_array().expect("a list");
     true_values(truth)
         .into_iter()
@@ -93,7 +93,7 @@ fn ref_parameters_are_within_their_intervals() {
     ] {
         let mut plan = plan(14);
         plan.rig.mounting = mounting;
-        let played = play(&plan).expect("a session is played");
+        let played = simulate_session(&plan).expect("a session is played");
         let session = written(name, &played);
         let output = calibrate(&session, &["--estimator", "joint", "--json", "--quiet"]);
         let summary = json(&output.stdout);
@@ -123,7 +123,7 @@ fn ref_parameters_are_within_their_intervals() {
 
 #[test]
 fn inv_the_flag_changes_the_calibration_and_nothing_else_does() {
-    let played = play(&plan(15)).expect("a session is played");
+    let played = simulate_session(&plan(15)).expect("a session is played");
     let session = written("default", &played);
     let by_default = calibrate(&session, &["--json", "--quiet"]);
     let default_file = calibration(&session);
@@ -144,7 +144,7 @@ fn inv_the_flag_changes_the_calibration_and_nothing_else_does() {
 fn ref_channels_that_contradict_the_model_are_a_reservation() {
     let mut plan = plan(14);
     plan.chain.stiffness_spread = STIFFNESS_SPREAD;
-    let played = play(&plan).expect("a session is played");
+    let played = simulate_session(&plan).expect("a session is played");
     let session = written("spread", &played);
     let output = calibrate(&session, &["--quiet"]);
     assert_eq!(code(&output), 0, "the four steps do not notice");
@@ -167,7 +167,7 @@ fn ref_channels_that_contradict_the_model_are_a_reservation() {
 fn ref_wild_samples_bend_least_squares_and_not_the_robust_fit() {
     let mut plan = plan(14);
     plan.instruments.class_percent = FINE_CLASS_PERCENT;
-    let mut played = play(&plan).expect("a session is played");
+    let mut played = simulate_session(&plan).expect("a session is played");
     let mut rng = Pcg64::seed_from_u64(plan.seed);
     let full_scale = plan.chain.full_scale_v;
     // The static record stays: its mean is step 1's.
@@ -200,7 +200,7 @@ fn ref_wild_samples_bend_least_squares_and_not_the_robust_fit() {
 fn refusals_are_sentences() {
     let mut plan = plan(14);
     plan.sample_rate_hz = TOO_SLOW_HZ;
-    let played = play(&plan).expect("a session is played");
+    let played = simulate_session(&plan).expect("a session is played");
     let session = written("slow", &played);
     let output = calibrate(&session, &["--estimator", "joint"]);
     assert_eq!(code(&output), 4, "{}", stdout(&output));

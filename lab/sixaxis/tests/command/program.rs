@@ -4,8 +4,8 @@ use std::ops::Deref;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-use sixaxis_reference::session::play::PlayedSession;
-use sixaxis_reference::session::write::write;
+use sixaxis_reference::laboratory::session::SimulatedSession;
+use sixaxis_reference::laboratory::write::write;
 
 /// The program, with nothing to read.
 pub fn sixaxis() -> Command {
@@ -92,7 +92,7 @@ pub struct Session {
 }
 
 impl Session {
-    pub fn write(folder: &str, played: &PlayedSession) -> Self {
+    pub fn write(folder: &str, played: &SimulatedSession) -> Self {
         let folder = Folder::new(folder);
         let file = write(played, &folder, "npz").expect("a session is written");
         Self {

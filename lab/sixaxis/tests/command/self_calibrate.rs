@@ -6,11 +6,13 @@ use std::sync::OnceLock;
 
 use serde_json::Value;
 use sixaxis_calibration::calibration::Calibration;
-use sixaxis_core::paper::signal::SignalChain;
-use sixaxis_core::{Geometry, LIMBS};
+use sixaxis_core::LIMBS;
 use sixaxis_recordings::{Block, Channel, Layout, create};
-use sixaxis_reference::field::compliant_forces_m_s2;
-use sixaxis_reference::paper::{GRAVITY_M_S2, identified_parameters};
+use sixaxis_reference::compliant::compliant_forces_m_s2;
+use sixaxis_reference::laboratory::chain::Chain;
+use sixaxis_reference::paper::GRAVITY_M_S2;
+use sixaxis_reference::rigid::Load;
+use sixaxis_reference::sensor::TrueSensor;
 
 use crate::program::{Folder, run, stdout, text};
 
@@ -149,37 +151,33 @@ fn a_motion_too_poor_is_refused_by_name() {
 /// The tumble with a second of rest before it and a second turned over after it, all scale factors 1 % larger than calibrated.
 fn turned_over() -> PathBuf {
     let (folder, gains) = day();
-    let mut parameters = identified_parameters();
-    for scale in &mut parameters.scale_per_mass_per_kg {
+    let mut sensor = TrueSensor::identified();
+    for scale in &mut sensor.scale_per_mass_per_kg {
         *scale *= 1.01;
     }
     let numbers: Vec<f64> = gains
         .split(',')
         .map(|g| g.parse().expect("a gain"))
         .collect();
-    let gains = sixaxis_core::Gains {
-        gain_n_per_v: numbers.try_into().expect("nine gains"),
-    };
-    let chain = SignalChain::new(&gains, &parameters);
+    let gain_n_per_v = numbers.try_into().expect("nine gains");
     let mut rng = rand_pcg::Pcg64::new(7, 7);
-    let field = sixaxis_reference::field::Field::by_hand(
+    let field = sixaxis_reference::rig::field::Field::by_hand(
         &mut rng,
-        sixaxis_reference::field::Pace::Brisk,
+        sixaxis_reference::rig::field::Pace::Brisk,
         10.0,
         10_000.0,
     );
-    let up = (glam::DVec3::Z * GRAVITY_M_S2, glam::DVec3::ZERO);
-    let down = (-up.0, glam::DVec3::ZERO);
-    let mut loads = vec![up; 10_000];
-    loads.extend(field.play(&parameters).0);
-    loads.extend(vec![down; 10_000]);
-    let forces = compliant_forces_m_s2(
-        &Geometry::PAPER,
-        parameters.stiffness_per_mass_per_s2,
-        &loads,
-    )
-    .expect("limbs that hold");
-    let rest = forces[0];
+    let at_rest = |specific_force_m_s2| Load {
+        specific_force_m_s2,
+        torque_m2_s2: glam::DVec3::ZERO,
+    };
+    let up = glam::DVec3::Z * GRAVITY_M_S2;
+    let mut loads = vec![at_rest(up); 10_000];
+    loads.extend(field.play(&sensor).0);
+    loads.extend(vec![at_rest(-up); 10_000]);
+    let forces = compliant_forces_m_s2(&sensor, &loads).expect("limbs that hold");
+    let chain = Chain::noise_free();
+    let voltage_v = chain.record(&forces, &sensor, &gain_n_per_v, 10_000.0, &mut rng);
     let channels = (1..=LIMBS).map(|i| Channel {
         sample_rate_hz: Some(10_000.0),
         ..Channel::new(format!("u{i}"), Some("V"))
@@ -192,8 +190,7 @@ fn turned_over() -> PathBuf {
     let mut sink = create(&path, &layout).expect("writes");
     let mut block = Block::new(LIMBS);
     block.clear(LIMBS);
-    for force in forces {
-        let u = chain.voltage_v(&core::array::from_fn(|i| force[i] - rest[i]));
+    for u in voltage_v {
         for (column, u) in block.columns.iter_mut().zip(u) {
             column.push(u);
         }

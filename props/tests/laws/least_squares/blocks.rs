@@ -14,7 +14,7 @@ use sixaxis_props::rigid::forces;
 use sixaxis_props::statistics::normal;
 use sixaxis_props::strategy::seed;
 use sixaxis_props::tolerance;
-use sixaxis_reference::paper;
+use sixaxis_props::truth;
 
 use super::apart;
 
@@ -219,7 +219,7 @@ fn prop_no_block_hides_a_number_that_is_none() {
 /// Steps 2 and 3 keep smaller systems than (13) and (18), with the same answers.
 #[test]
 fn prop_structure_changes_nothing_but_the_cost() {
-    let truth = paper::identified_parameters();
+    let truth = truth::identified_parameters();
     let mut rng = Pcg64::seed_from_u64(seed());
     let mut scale = ScaleIdentification::default();
     let mut inertia = InertiaIdentification::new(Geometry::PAPER);

@@ -51,7 +51,7 @@ pub fn place(index: usize) -> f64 {
 }
 
 fn names(known: &[&CampaignParameter]) -> Axis {
-    Axis::names("parameter", known.iter().map(|p| symbol(&p.name)))
+    Axis::names("parameter", known.iter().map(|p| symbol(p.parameter)))
 }
 
 fn coverage(known: &[&CampaignParameter]) -> Figure {

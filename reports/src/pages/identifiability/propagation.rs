@@ -2,7 +2,7 @@
 
 use super::coverage::place;
 use super::published::{MAKE_PROPAGATION, Propagation, Set};
-use super::table::symbol;
+use sixaxis_calibration::page::labels::symbol;
 use sixaxis_page::number::{MISSING, count, fixed, percent};
 use sixaxis_page::{Axis, Block, Cell, Column, Figure, HeadCell, Mark, Row, Series, Table};
 
@@ -64,7 +64,7 @@ fn figure(published: &Propagation) -> Figure {
         Axis::linear("ratio", ""),
         Axis::names(
             "parameter",
-            first.parameters.iter().map(|p| symbol(&p.name)),
+            first.parameters.iter().map(|p| symbol(p.parameter)),
         ),
     )
     .mark(Mark::vertical(1.0 - BAND, "−2 %"))

@@ -6,6 +6,7 @@
 use std::collections::BTreeMap;
 
 use serde::Deserialize;
+use sixaxis_core::Parameter;
 
 const CAMPAIGN: &str = include_str!("../../../../props/results/campaign.json");
 const PROPAGATION: &str = include_str!("../../../../props/results/propagation.json");
@@ -33,7 +34,8 @@ pub struct Campaign {
 
 #[derive(Deserialize)]
 pub struct CampaignParameter {
-    pub name: String,
+    #[serde(rename = "name")]
+    pub parameter: Parameter,
     pub four_steps: Estimator,
     pub joint: Option<Estimator>,
     /// What it states is the Cramér-Rao bound.
@@ -73,7 +75,8 @@ pub struct Set {
 /// A parameter's standard deviation, closed form over drawn.
 #[derive(Deserialize)]
 pub struct Ratio {
-    pub name: String,
+    #[serde(rename = "name")]
+    pub parameter: Parameter,
     pub ratio: f64,
 }
 

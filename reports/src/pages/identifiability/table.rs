@@ -1,21 +1,18 @@
 //! Each of the 25: what both estimators say of it, what bounds them, and what would help.
 
-use sixaxis_reference::instruments::{GAIN_SHARE, INSTRUMENT_CLASS};
+use sixaxis_reference::laboratory::instruments::{GAIN_SHARE, INSTRUMENT_CLASS};
 
 use super::coverage::BAND;
 use super::published::{Campaign, CampaignParameter, Share};
 use super::tap::one;
 use crate::study::results::identifiability::{Interval, Known, KnownParameter};
-use sixaxis_calibration::page::labels;
+use sixaxis_calibration::page::labels::{symbol, with_interval};
+use sixaxis_core::Parameter;
 use sixaxis_page::number::{MISSING, count, fixed, percent, ppm, significant};
 use sixaxis_page::{Block, Cell, Column, HeadCell, Row, State, Table};
 
 /// Standard errors that a coverage may be outside its band by chance.
 const CHANCE: f64 = 2.0;
-
-/// Moments and products of inertia over mass.
-const MOMENTS: [&str; 3] = ["I1", "I2", "I3"];
-const PRODUCTS: [&str; 3] = ["I4", "I5", "I6"];
 
 /// Parameters that share a unit and a cause.
 struct Family {
@@ -59,16 +56,7 @@ impl Family {
         known
             .parameters
             .iter()
-            .filter(move |p| p.name.starts_with(letter))
-    }
-}
-
-/// A parameter's name; the reciprocal of k/m, too.
-pub fn symbol(name: &str) -> String {
-    if name == "m/k" {
-        "$m$/$k$".to_owned()
-    } else {
-        labels::symbol(name)
+            .filter(move |p| p.parameter.symbol() == letter)
     }
 }
 
@@ -130,12 +118,11 @@ fn table(known: &Known, campaign: Option<&Campaign>) -> Table {
 }
 
 fn row(known: &Known, family: &Family, p: &KnownParameter, campaign: Option<&Campaign>) -> Row {
-    let published = campaign.and_then(|c| c.parameters.iter().find(|q| q.name == p.name));
+    let published = campaign.and_then(|c| c.parameters.iter().find(|q| q.parameter == p.parameter));
     let all = |si: f64| format!("{} {}", si, p.unit);
     let estimate = |interval: &Interval| {
         let half = half_width(interval);
-        let (text, width) =
-            labels::with_interval(interval.estimate * family.per_si, half * family.per_si);
+        let (text, width) = with_interval(interval.estimate * family.per_si, half * family.per_si);
         [
             Cell::from(text).title(all(interval.estimate)),
             Cell::from(width).title(all(half)),
@@ -153,7 +140,7 @@ fn row(known: &Known, family: &Family, p: &KnownParameter, campaign: Option<&Cam
     cells.push(share(|q| q.four_steps.within_stated_95));
     cells.push(share(|q| q.joint.as_ref()?.within_stated_95));
     cells.push(Cell::from(limit(known, p)));
-    Row::new(symbol(&p.name), cells)
+    Row::new(symbol(p.parameter), cells)
 }
 
 fn covered(share: Option<Share>) -> Cell {
@@ -173,7 +160,7 @@ fn covered(share: Option<Share>) -> Cell {
 }
 
 fn limit(known: &Known, p: &KnownParameter) -> &'static str {
-    if p.name == "m/k" && !known.compliance_is_determined {
+    if p.parameter == Parameter::Compliance && !known.compliance_is_determined {
         "not seen"
     } else if p.joint.of_certificate > p.joint.of_trials {
         "certificate"
@@ -186,12 +173,12 @@ fn half_width(interval: &Interval) -> f64 {
     0.5 * (interval.ends_95.1 - interval.ends_95.0)
 }
 
-/// The middle one of some parameters' numbers, those whose names begin with one of `starts`.
-fn median(known: &Known, starts: &[&str], of: impl Fn(&KnownParameter) -> f64) -> f64 {
+/// The middle one of the numbers of those parameters that are `among` the wanted.
+fn median(known: &Known, among: fn(Parameter) -> bool, of: impl Fn(&KnownParameter) -> f64) -> f64 {
     let mut all: Vec<f64> = known
         .parameters
         .iter()
-        .filter(|p| starts.iter().any(|start| p.name.starts_with(start)))
+        .filter(|p| among(p.parameter))
         .map(of)
         .collect();
     all.sort_by(f64::total_cmp);
@@ -200,14 +187,30 @@ fn median(known: &Known, starts: &[&str], of: impl Fn(&KnownParameter) -> f64) -
 
 fn sentences(known: &Known) -> String {
     let millivolts = |of: fn(&KnownParameter) -> &Interval| {
-        significant(1e3 * median(known, &["d"], |p| half_width(of(p))), 2)
+        significant(
+            1e3 * median(
+                known,
+                |p| matches!(p, Parameter::Drift(_)),
+                |p| half_width(of(p)),
+            ),
+            2,
+        )
     };
     let square_millimetres = |of: fn(&KnownParameter) -> &Interval| {
-        significant(1e6 * median(known, &PRODUCTS, |p| of(p).of_trials), 2)
+        significant(
+            1e6 * median(
+                known,
+                |p| matches!(p, Parameter::Inertia(3..)),
+                |p| of(p).of_trials,
+            ),
+            2,
+        )
     };
-    let share = |starts: &[&str], of: fn(&KnownParameter) -> f64| {
-        median(known, starts, |p| of(p) / p.truth.abs())
+    let share = |among: fn(Parameter) -> bool, of: fn(&KnownParameter) -> f64| {
+        median(known, among, |p| of(p) / p.truth.abs())
     };
+    let is_scale = |p| matches!(p, Parameter::Scale(_));
+    let is_moment = |p| matches!(p, Parameter::Inertia(0..3));
     let stiffness = known.parameters.last().map_or_else(String::new, |p| {
         let end = |si: f64| fixed(si * 1e9, 0);
         format!(
@@ -234,17 +237,17 @@ fn sentences(known: &Known) -> String {
             "- **Scale factors** share one error that no trial shows, the accelerometer's gain: of the joint fit's ± {} nearly all is its certificate. A \
              better certificate helps, more trials do not; hung so that gravity turns in the shell, the trials weigh the gain themselves. \
              That factor apart, the joint fit has them to {} (1σ), the four steps, which take wedges for exact, to {}.",
-            percent(share(&["s"], |p| half_width(&p.joint)), 2),
-            ppm(share(&["s"], |p| p.joint.of_trials), 2),
-            percent(share(&["s"], |p| p.four_steps.of_trials), 2),
+            percent(share(is_scale, |p| half_width(&p.joint)), 2),
+            ppm(share(is_scale, |p| p.joint.of_trials), 2),
+            percent(share(is_scale, |p| p.four_steps.of_trials), 2),
         ),
         format!(
             "- **Inertias** carry the same factor: the joint fit has moments to ± {}. That factor apart, it has them to {} (1σ), the four \
              steps, which take wedges for exact, to {}; products to {} mm² and {} mm². What helps is the same certificate, and for the four steps wedges that \
              are measured.",
-            percent(share(&MOMENTS, |p| half_width(&p.joint)), 2),
-            ppm(share(&MOMENTS, |p| p.joint.of_trials), 2),
-            percent(share(&MOMENTS, |p| p.four_steps.of_trials), 2),
+            percent(share(is_moment, |p| half_width(&p.joint)), 2),
+            ppm(share(is_moment, |p| p.joint.of_trials), 2),
+            percent(share(is_moment, |p| p.four_steps.of_trials), 2),
             square_millimetres(|p| &p.joint),
             square_millimetres(|p| &p.four_steps),
         ),

@@ -1,6 +1,6 @@
 //! What must hold of whatever is published: it reads, it is whole, and it is of the parameters that the study has.
 
-use sixaxis_calibration::joint::names;
+use sixaxis_core::Parameter;
 
 use super::*;
 
@@ -8,17 +8,13 @@ use super::*;
 fn inv_published_results_are_of_the_25() {
     let campaign = published::campaign().expect("props/results/campaign.json");
     let propagation = published::propagation().expect("props/results/propagation.json");
-    let names = names();
-    let (last, others) = names.split_last().expect("25 names");
-    let of_campaign: Vec<&str> = campaign.parameters.iter().map(|p| &p.name[..]).collect();
-    let (stiffness, known) = of_campaign.split_last().expect("25 parameters");
-    assert_eq!(known, others);
+    let of_campaign: Vec<Parameter> = campaign.parameters.iter().map(|p| p.parameter).collect();
+    assert_eq!(of_campaign, Parameter::all().collect::<Vec<_>>());
     // A campaign has the stiffness, a fit its reciprocal.
-    assert_eq!(*stiffness, "k/m");
-    assert_eq!(last, "m/k");
+    let fitted: Vec<Parameter> = Parameter::all().map(Parameter::estimated).collect();
     for set in &propagation.sets {
-        let of_set: Vec<&str> = set.parameters.iter().map(|p| &p.name[..]).collect();
-        assert_eq!(of_set, names);
+        let of_set: Vec<Parameter> = set.parameters.iter().map(|p| p.parameter).collect();
+        assert_eq!(of_set, fitted);
     }
 }
 
@@ -33,12 +29,12 @@ fn inv_published_campaign_has_what_the_page_shows() {
             joint.within_stated_95.expect("coverage").value,
             p.four_steps.within_stated_95.expect("coverage").value,
         ] {
-            assert!((0.0..=1.0).contains(&share), "{}", p.name);
+            assert!((0.0..=1.0).contains(&share), "{}", p.parameter);
         }
         assert!(
             told.variance_over_stated.is_some_and(|v| v > 0.0),
             "{}",
-            p.name
+            p.parameter
         );
     }
 }

@@ -5,8 +5,8 @@ use core::f64::consts::TAU;
 use glam::DVec3;
 use sixaxis_core::identify::stiffness_bound::{Bound, Excitation, Information, LinearSensor};
 use sixaxis_core::{Geometry, Parameters};
-use sixaxis_reference::campaign::WEDGES;
-use sixaxis_reference::rig::{ROTATION_AMPLITUDE_RAD, SLIDER_AMPLITUDE_M};
+use sixaxis_reference::rig::run::WEDGES;
+use sixaxis_reference::rig::run::{ROTATION_AMPLITUDE_RAD, SLIDER_AMPLITUDE_M};
 
 use crate::study::results::identifiability::{BandBound, BoundStudy};
 

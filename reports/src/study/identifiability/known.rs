@@ -5,16 +5,17 @@
 
 use anyhow::{Context, Result};
 use core::f64::consts::TAU;
-use sixaxis_calibration::certified::Gain;
+use sixaxis_calibration::gain_prior::BoundedGain;
 use sixaxis_calibration::joint::{self, JointReport, Knowledge, Loss, WEDGE_DEG};
 use sixaxis_calibration::propagation::{Propagated, Sources, propagate};
 use sixaxis_calibration::steps::{Campaign, GyroscopeGain};
-use sixaxis_core::Parameters;
-use sixaxis_core::decouple::uncertainty::PARAMETERS;
-use sixaxis_core::decouple::uncertainty::parameters::{COMPLIANCE, DRIFT, SCALE};
+use sixaxis_core::Parameter;
 use sixaxis_core::identify::joint::{Certificates, Known as KnownTo};
-use sixaxis_reference::campaign::Laboratory;
-use sixaxis_reference::instruments::{GAIN_SHARE, GYROSCOPE_BANDWIDTH_HZ, INSTRUMENT_CLASS};
+use sixaxis_core::parameter::{COMPLIANCE, PARAMETERS};
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::laboratory::instruments::{
+    GAIN_SHARE, GYROSCOPE_BANDWIDTH_HZ, INSTRUMENT_CLASS,
+};
 
 use super::tap;
 use crate::study::conditioning::Preset;
@@ -43,19 +44,21 @@ pub fn study(campaign: &Campaign, preset: Preset, laboratory: &Laboratory) -> Re
         .compliance(&steps.found())
         .context("step 4 by least squares")?
         .mass_per_stiffness_s2;
-    let mut found = in_order(&steps.found());
+    let mut found = steps.found().to_paper_order();
     found[COMPLIANCE] = compliance_s2;
     let four_steps = four_steps(&found, &propagated, sources.gyroscope_gain);
-    let truth = in_order(&laboratory.parameters);
+    let mut truth = laboratory.sensor.to_paper_order();
+    truth[COMPLIANCE] = 1.0 / laboratory.sensor.stiffness_per_mass_per_s2;
     // Here truth meets estimate, after the fact.
     let told = joint
         .estimate
         .values(laboratory.instruments.accelerometer_gain_error);
     let bound = joint.estimate.deviations();
-    let parameters = (0..PARAMETERS)
-        .map(|p| KnownParameter {
-            name: joint::names()[p].clone(),
-            unit: unit(p).to_owned(),
+    let parameters = Parameter::all()
+        .map(|parameter| (parameter.estimated(), parameter.place()))
+        .map(|(parameter, p)| KnownParameter {
+            parameter,
+            unit: parameter.unit().to_owned(),
             truth: truth[p],
             four_steps: four_steps[p],
             joint: Interval {
@@ -105,7 +108,7 @@ fn four_steps(
     propagated: &Propagated,
     gyroscope_gain: f64,
 ) -> [Interval; PARAMETERS] {
-    let gain = Gain {
+    let gain = BoundedGain {
         limit: GAIN_LIMIT,
         seen: 0.0,
         information: 0.0,
@@ -126,32 +129,4 @@ fn four_steps(
             of_certificate: spread * by_accelerometer[p].abs(),
         }
     })
-}
-
-/// d, s/m, I/m and m/k.
-fn in_order(parameters: &Parameters) -> [f64; PARAMETERS] {
-    let inertia = parameters.inertia_per_mass.to_paper_order();
-    core::array::from_fn(|p| {
-        if p < SCALE.start {
-            parameters.zero_drift_v[p]
-        } else if p < SCALE.end {
-            parameters.scale_per_mass_per_kg[p - SCALE.start]
-        } else if p < COMPLIANCE {
-            inertia[p - SCALE.end]
-        } else {
-            1.0 / parameters.stiffness_per_mass_per_s2
-        }
-    })
-}
-
-fn unit(p: usize) -> &'static str {
-    if DRIFT.contains(&p) {
-        "V"
-    } else if SCALE.contains(&p) {
-        "1/kg"
-    } else if p < COMPLIANCE {
-        "m²"
-    } else {
-        "s²"
-    }
 }

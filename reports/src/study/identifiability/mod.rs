@@ -19,7 +19,7 @@ use sixaxis_calibration::steps::{Campaign, FourSteps};
 use sixaxis_core::identify::stiffness;
 use sixaxis_core::{LimbLaw, Parameters, Scheme};
 use sixaxis_recordings::session::Role;
-use sixaxis_reference::rig::{Mode, Run};
+use sixaxis_reference::rig::run::{Mode, Run};
 
 use super::plan::Plan;
 use super::results::identifiability::{Identifiability, IterationRun, Known, Records};

@@ -5,14 +5,14 @@ use nalgebra::Matrix6;
 use rand_pcg::Pcg64;
 use sixaxis_calibration::propagation::Propagated;
 use sixaxis_calibration::steps::{Campaign, FourSteps};
-use sixaxis_core::decouple::uncertainty::parameters::{INERTIA, SCALE};
 use sixaxis_core::identify::tap::{Setup, identify};
-use sixaxis_core::{LIMBS, Parameters, Sensor};
-use sixaxis_reference::campaign::{DAMPING_RATIO, Laboratory, MASS_KG};
-use sixaxis_reference::chain::amplifier_ranges;
-use sixaxis_reference::mjcf::SensorModel;
-use sixaxis_reference::rig::Mounting;
-use sixaxis_reference::tap::{Blow, DURATION_S, SAMPLE_RATE_HZ, STEPS_PER_SAMPLE};
+use sixaxis_core::parameter::{INERTIA, SCALE};
+use sixaxis_core::{Gains, LIMBS, Parameters, Sensor};
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::mujoco::model::SensorModel;
+use sixaxis_reference::mujoco::simulate;
+use sixaxis_reference::rig::run::Mounting;
+use sixaxis_reference::rig::tap::{DURATION_S, SAMPLE_RATE_HZ, STEPS_PER_SAMPLE, Tap};
 
 use crate::study::results::identifiability::KnownTap;
 
@@ -31,27 +31,21 @@ pub fn study(
     steps: &FourSteps,
     propagated: &Propagated,
 ) -> Result<KnownTap> {
-    let truth = &laboratory.parameters;
+    let truth = &laboratory.sensor;
     let mut rng = Pcg64::new(u128::from(laboratory.seed), STREAM);
-    let model = SensorModel {
-        geometry: campaign.geometry,
-        mass_kg: MASS_KG,
-        inertia_per_mass: truth.inertia_per_mass,
-        stiffness_per_mass_per_s2: truth.stiffness_per_mass_per_s2,
-        damping_ratio: DAMPING_RATIO,
-        gravity_ground_m_s2: Mounting::AxisVertical.gravity_ground_m_s2(glam::DVec3::Z),
-    };
-    let motion = Blow::random(&mut rng)
-        .play(&model, DURATION_S, SAMPLE_RATE_HZ, STEPS_PER_SAMPLE)
-        .context("a tap")?;
+    let gravity = Mounting::AxisVertical.gravity_ground_m_s2(glam::DVec3::Z);
+    let model = SensorModel::new(truth, gravity);
+    let tap = Tap::random(&mut rng);
+    let motion =
+        simulate(&model, &tap, DURATION_S, SAMPLE_RATE_HZ, STEPS_PER_SAMPLE).context("a tap")?;
     let forces = &motion.limb_force_per_mass_m_s2;
     let chain = &laboratory.chain;
-    let gains = amplifier_ranges(forces, truth, chain.full_scale_v);
-    let voltage_v = chain.record(forces, truth, &gains, SAMPLE_RATE_HZ, &mut rng);
+    let gain_n_per_v = chain.amplifier_ranges(forces, truth);
+    let voltage_v = chain.record(forces, truth, &gain_n_per_v, SAMPLE_RATE_HZ, &mut rng);
     // From here on only what a laboratory has.
     let sensor = Sensor {
         geometry: campaign.geometry,
-        gains,
+        gains: Gains { gain_n_per_v },
     };
     let found = steps.found();
     let setup = Setup {

@@ -12,7 +12,7 @@ use super::super::unknowns::{
 use super::*;
 use crate::float::sin_cos;
 use crate::geometry::Geometry;
-use crate::paper::signal::Gains;
+use crate::model::Gains;
 
 /// Central differences over 1e-4 of an unknown's size leave this of the squares over that size.
 const FINITE_DIFFERENCES: f64 = 1e-5;

@@ -1,7 +1,8 @@
 //! What to do next, and what was found.
 
-use crate::suspicion::Finding;
-use crate::verdict::{Grade, Judgement};
+use crate::calibrate::CalibratedSession;
+use crate::finding::Finding;
+use crate::report::Grade;
 
 use crate::page::labels::{count, file_name};
 use sixaxis_page::{Block, Cell, Column, Listing, Row, Section, State, Table};
@@ -10,8 +11,8 @@ use sixaxis_page::{Block, Cell, Column, Listing, Row, Section, State, Table};
 const NAMED: usize = 4;
 
 /// The section.
-pub fn section(judgement: &Judgement) -> Section {
-    let lead = match judgement.grade {
+pub fn section(calibrated: &CalibratedSession) -> Section {
+    let lead = match calibrated.grade {
         Grade::Good => {
             "Nothing: the calibration can be used. Keep the session file and the recordings with it, and repeat one trial now and \
              then to see whether the sensor is still the same."
@@ -26,7 +27,7 @@ pub fn section(judgement: &Judgement) -> Section {
         }
     };
     let mut section = Section::new("next", "What to do next", lead);
-    let (actions, consequences) = split(judgement);
+    let (actions, consequences) = split(calibrated);
     if !actions.is_empty() {
         let list: Vec<String> = actions
             .iter()
@@ -43,7 +44,7 @@ pub fn section(judgement: &Judgement) -> Section {
             text: consequences.join("\n"),
         }));
     }
-    let table = if judgement.findings.is_empty() {
+    let table = if calibrated.findings.is_empty() {
         Block::Note(
             "Looked for and not found: recordings that cannot be read, clipping, silent, exchanged or inverted channels, \
              directions left out, gravity that turns in the sensor, wrong units and gains, clocks that disagree, lags, drift, loose \
@@ -59,7 +60,7 @@ pub fn section(judgement: &Judgement) -> Section {
                 Column::text("evidence"),
                 Column::text("advice"),
             ],
-            rows: judgement.findings.iter().map(row).collect(),
+            rows: calibrated.findings.iter().map(row).collect(),
             footnote: "Channels are limbs, counted from 1. A cause that explains others is looked for first, and what it explains \
                        is not listed again."
                 .to_owned(),
@@ -71,7 +72,7 @@ pub fn section(judgement: &Judgement) -> Section {
 
 fn row(finding: &Finding) -> Row {
     Row::new(
-        format!("**{}**", finding.cause.words()),
+        format!("**{}**", finding.cause.name()),
         [
             Cell::from(place(finding))
                 .title(finding.recordings.join(", "))
@@ -85,16 +86,16 @@ fn row(finding: &Finding) -> Row {
 /// What to do next, parted into what to do at once and what may be a consequence of what was found: where something is wrong,
 /// nothing that it spoils can be judged.
 #[must_use]
-pub fn split(judgement: &Judgement) -> (&[String], &[String]) {
-    let at_once = if judgement.findings.is_empty() {
-        judgement.next.len()
+pub fn split(calibrated: &CalibratedSession) -> (&[String], &[String]) {
+    let at_once = if calibrated.findings.is_empty() {
+        calibrated.next.len()
     } else {
-        judgement
+        calibrated
             .next
             .len()
-            .saturating_sub(judgement.reservations.len())
+            .saturating_sub(calibrated.reservations.len())
     };
-    judgement.next.split_at(at_once)
+    calibrated.next.split_at(at_once)
 }
 
 /// Recordings and channels of a finding.

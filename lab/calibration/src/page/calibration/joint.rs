@@ -1,9 +1,11 @@
 //! The joint fit beside the four steps, and what it found of instruments and wedges.
 
-use crate::interval::ParameterReport;
+use crate::calibrate::CalibratedSession;
+use crate::calibrate::contradiction;
 use crate::joint::JointReport;
 use crate::joint::nuisances::Found;
-use crate::verdict::{Estimator, Judgement, contradiction};
+use crate::report::Estimator;
+use crate::report::ParameterReport;
 
 use super::parameters::FAMILIES;
 use crate::page::labels::{direction, symbol, with_interval};
@@ -14,21 +16,21 @@ use sixaxis_page::{Block, Cell, Column, Row, Section, State, Table};
 const UNMOVED: f64 = 1e-6;
 
 /// The section; empty where the four steps could not be done.
-pub fn section(judgement: &Judgement) -> Section {
+pub fn section(calibrated: &CalibratedSession) -> Section {
     let section = Section::new(
         "joint",
         "All trials at once",
         "The joint fit: maximum likelihood over all 25 parameters together with the motions, the gyroscope, the amplifiers and the \
          wedges, where the four steps take the standards and the wedges for right. It takes limbs for equally stiff and noise for white.",
     );
-    match &judgement.joint {
+    match &calibrated.joint {
         None => section,
         Some(Err(cause)) => section.block(Block::Note(format!("It cannot be had: {cause}."))),
-        Some(Ok(joint)) => fitted(section, judgement, joint),
+        Some(Ok(joint)) => fitted(section, calibrated, joint),
     }
 }
 
-fn fitted(mut section: Section, judgement: &Judgement, joint: &JointReport) -> Section {
+fn fitted(mut section: Section, calibrated: &CalibratedSession, joint: &JointReport) -> Section {
     let misfit = &joint.misfit;
     section = section.block(Block::Note(match contradiction(misfit) {
         Some(words) => format!("Against it: {words}."),
@@ -39,26 +41,26 @@ fn fitted(mut section: Section, judgement: &Judgement, joint: &JointReport) -> S
         ),
     }));
     section
-        .block(Block::Table(beside(judgement, joint)))
+        .block(Block::Table(beside(calibrated, joint)))
         .block(Block::Table(nuisances(joint)))
 }
 
-fn beside(judgement: &Judgement, joint: &JointReport) -> Table {
-    let reports = joint.parameter_reports(&judgement.four_steps);
+fn beside(calibrated: &CalibratedSession, joint: &JointReport) -> Table {
+    let reports = joint.parameter_reports(&calibrated.four_steps);
     let mut rows = Vec::new();
     for (letter, heading, per_si) in FAMILIES {
         rows.push(Row::group(heading));
         rows.extend(
             reports
                 .iter()
-                .zip(&judgement.four_steps)
-                .filter(|(joint, _)| joint.name.starts_with(letter))
+                .zip(&calibrated.four_steps)
+                .filter(|(joint, _)| joint.parameter.symbol() == letter)
                 .map(|(joint, steps)| row(joint, steps, per_si)),
         );
     }
-    let whose = if judgement.calibration.is_none() {
+    let whose = if calibrated.calibration.is_none() {
         "No calibration was written."
-    } else if judgement.estimator == Estimator::FourSteps {
+    } else if calibrated.estimator == Estimator::FourSteps {
         "The calibration has the four steps' parameters; with `--estimator joint` it has these."
     } else {
         "The calibration has the joint fit's parameters."
@@ -104,7 +106,7 @@ fn row(joint: &ParameterReport, steps: &ParameterReport, per_si: f64) -> Row {
         _ => Cell::from(MISSING),
     };
     Row::new(
-        symbol(&joint.name),
+        symbol(joint.parameter),
         [
             Cell::from(a).title(all(joint)),
             Cell::from(a_half),

@@ -1,23 +1,24 @@
 //! The 25 parameters: what they are, how well they are known, and what limits that.
 
-use crate::interval::ParameterReport;
-use crate::verdict::Judgement;
+use crate::calibrate::CalibratedSession;
+use crate::report::ParameterReport;
 use sixaxis_recordings::session::SessionFile;
 
-use crate::page::labels::{bar, has_scale, share, symbol, with_interval};
+use crate::page::labels::{bar, share, symbol, with_interval};
+use sixaxis_core::Parameter;
 use sixaxis_page::number::{MISSING, fixed, scientific};
 use sixaxis_page::{Axis, Block, Cell, Column, Figure, Mark, Row, Section, Series, State, Table};
 
 /// A kind of parameter: first letter, heading, and the paper's unit over SI.
-pub(super) const FAMILIES: [(&str, &str, f64); 4] = [
-    ("d", "Zero drift $d$, mV", 1e3),
-    ("s", "Scale factor over mass $s$/$m$, 1/kg", 1.0),
-    ("I", "Inertia over mass $I$/$m$, mm²", 1e6),
-    ("k", "Stiffness over mass $k$/$m$, 1/s²", 1.0),
+pub(super) const FAMILIES: [(char, &str, f64); 4] = [
+    ('d', "Zero drift $d$, mV", 1e3),
+    ('s', "Scale factor over mass $s$/$m$, 1/kg", 1.0),
+    ('I', "Inertia over mass $I$/$m$, mm²", 1e6),
+    ('k', "Stiffness over mass $k$/$m$, 1/s²", 1.0),
 ];
 
 /// The section.
-pub fn section(file: &SessionFile, judgement: &Judgement) -> Section {
+pub fn section(file: &SessionFile, calibrated: &CalibratedSession) -> Section {
     let limit = file.session.limits.interval_percent / 100.0;
     let mut section = Section::new(
         "parameters",
@@ -25,12 +26,12 @@ pub fn section(file: &SessionFile, judgement: &Judgement) -> Section {
         "Estimate and half width of the 95 % interval: noise, differences between trials, and the class of the standard \
          instruments together. Digits that the interval does not support are not printed.",
     );
-    let parameters = &judgement.parameters;
+    let parameters = &calibrated.parameters;
     if parameters.is_empty() {
         return section.block(Block::Note(format!(
             "There are none, because the four steps could not be done with these recordings{}. What stands under “What to do next” \
              comes first.",
-            judgement
+            calibrated
                 .obstacle
                 .as_ref()
                 .map_or(String::new(), |reason| format!(": {reason}"))
@@ -40,7 +41,7 @@ pub fn section(file: &SessionFile, judgement: &Judgement) -> Section {
     for parameter in parameters.iter().filter(|p| !p.remark.is_empty()) {
         section = section.block(Block::Note(format!(
             "{} is {}.",
-            symbol(&parameter.name),
+            symbol(parameter.parameter),
             parameter.remark
         )));
     }
@@ -57,7 +58,7 @@ fn table(parameters: &[ParameterReport], limit: f64) -> Table {
         rows.extend(
             parameters
                 .iter()
-                .filter(|p| p.name.starts_with(letter))
+                .filter(|p| p.parameter.symbol() == letter)
                 .map(|p| row(p, per_si, limit)),
         );
     }
@@ -90,8 +91,10 @@ fn row(p: &ParameterReport, per_si: f64, limit: f64) -> Row {
         None => (scientific(p.estimate * per_si, 3), MISSING.to_owned()),
     };
     let relative = match p.half_width_95 {
-        Some(half_width) if p.name == "k/m" => share(Some(half_width / p.estimate)).into(),
-        Some(half_width) if has_scale(p) => {
+        Some(half_width) if p.parameter == Parameter::Stiffness => {
+            share(Some(half_width / p.estimate)).into()
+        }
+        Some(half_width) if p.parameter.has_size() => {
             let ratio = half_width / p.estimate.abs();
             let cell = Cell::from(share(Some(ratio)));
             if ratio <= limit {
@@ -102,31 +105,33 @@ fn row(p: &ParameterReport, per_si: f64, limit: f64) -> Row {
         }
         _ => Cell::from(MISSING),
     };
-    let difference = if p.name.starts_with('d') || p.name.starts_with('k') {
-        // A design drifts by nothing, and a k/m that is not determined is the design's.
-        if p.determined && p.name.starts_with('k') {
-            signed(100.0 * (p.estimate / p.design - 1.0), 1) + "\u{a0}%"
-        } else {
-            MISSING.to_owned()
+    let percent = || signed(100.0 * (p.estimate / p.design - 1.0), 1) + "\u{a0}%";
+    let (design, difference) = match p.parameter {
+        // A design drifts by nothing.
+        Parameter::Drift(_) => ("0".to_owned(), MISSING.to_owned()),
+        Parameter::Scale(_) => (fixed(p.design, 3), percent()),
+        Parameter::Inertia(_) if p.parameter.has_size() => (fixed(p.design * per_si, 2), percent()),
+        Parameter::Inertia(_) => {
+            let digits = p.half_width_95.map_or(2, |h| {
+                let (text, _) = with_interval(0.0, h * per_si);
+                text.split_once('.')
+                    .map_or(0, |(_, decimals)| decimals.len())
+            });
+            let difference = signed((p.estimate - p.design) * per_si, digits) + "\u{a0}mm²";
+            (fixed(p.design * per_si, 2), difference)
         }
-    } else if has_scale(p) {
-        signed(100.0 * (p.estimate / p.design - 1.0), 1) + "\u{a0}%"
-    } else {
-        let digits = p.half_width_95.map_or(2, |h| {
-            let (text, _) = with_interval(0.0, h * per_si);
-            text.split_once('.')
-                .map_or(0, |(_, decimals)| decimals.len())
-        });
-        signed((p.estimate - p.design) * per_si, digits) + "\u{a0}mm²"
-    };
-    let design = match p.name.as_bytes().first() {
-        Some(b'd') => "0".to_owned(),
-        Some(b'k') => scientific(p.design, 3),
-        Some(b's') => fixed(p.design, 3),
-        _ => fixed(p.design * per_si, 2),
+        Parameter::Stiffness | Parameter::Compliance => {
+            // A k/m that is not determined is the design's.
+            let difference = if p.determined {
+                percent()
+            } else {
+                MISSING.to_owned()
+            };
+            (scientific(p.design, 3), difference)
+        }
     };
     Row::new(
-        symbol(&p.name),
+        symbol(p.parameter),
         [
             Cell::from(estimate).title(all(p.estimate)),
             Cell::from(half_width).title(p.half_width_95.map_or(String::new(), all)),
@@ -153,15 +158,15 @@ fn signed(value: f64, decimals: usize) -> String {
 fn scaled(parameters: &[ParameterReport]) -> Vec<(&ParameterReport, f64)> {
     let largest = parameters
         .iter()
-        .filter(|p| p.name.starts_with('I'))
+        .filter(|p| matches!(p.parameter, Parameter::Inertia(_)))
         .fold(0.0_f64, |a, p| a.max(p.design.abs()));
     parameters
         .iter()
-        .filter(|p| p.name.starts_with('s') || p.name.starts_with('I'))
+        .filter(|p| matches!(p.parameter, Parameter::Scale(_) | Parameter::Inertia(_)))
         .map(|p| {
             (
                 p,
-                if has_scale(p) {
+                if p.parameter.has_size() {
                     p.design.abs()
                 } else {
                     largest
@@ -185,7 +190,7 @@ fn differences(parameters: &[ParameterReport]) -> Figure {
         "difference-from-design",
         "Difference from the design",
         Axis::linear("difference from the design", "%"),
-        Axis::names("parameter", scaled.iter().map(|(p, _)| symbol(&p.name))),
+        Axis::names("parameter", scaled.iter().map(|(p, _)| symbol(p.parameter))),
     )
     .series(Series::line("95 % interval", 0, bars))
     .series(Series::points("estimate", 0, points))
@@ -206,7 +211,7 @@ fn limits(parameters: &[ParameterReport], limit: f64) -> Figure {
         "what-limits",
         "What the intervals consist of",
         Axis::log("half width, 95 %", "%"),
-        Axis::names("parameter", scaled.iter().map(|(p, _)| symbol(&p.name))),
+        Axis::names("parameter", scaled.iter().map(|(p, _)| symbol(p.parameter))),
     )
     .series(Series::points("noise", 5, series(|p| p.from_noise)))
     .series(Series::points(

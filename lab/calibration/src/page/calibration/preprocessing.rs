@@ -1,8 +1,9 @@
 //! The stages that condition the recordings, as a table, and what each does to one trial.
 
+use crate::calibrate::CalibratedSession;
 use crate::conditioning::{Channels, Conditioned, Conditioning, Stage};
+use crate::prepare::VALIDATION_CORNER;
 use crate::trial::Trial;
-use crate::verdict::{Judgement, VALIDATION_CORNER};
 use sixaxis_core::LIMBS;
 use sixaxis_core::dsp::differentiate::Differentiator;
 use sixaxis_recordings::session::{Role, SessionFile};
@@ -16,7 +17,7 @@ use sixaxis_page::{Axis, Block, Cell, Column, Figure, Panel, Row, Section, Serie
 const DRAWN: usize = 8000;
 
 /// The section.
-pub fn section(file: &SessionFile, judgement: &Judgement) -> Section {
+pub fn section(file: &SessionFile, calibrated: &CalibratedSession) -> Section {
     let section = Section::new(
         "preprocessing",
         "Preprocessing",
@@ -24,13 +25,13 @@ pub fn section(file: &SessionFile, judgement: &Judgement) -> Section {
          the same on both sides of every equation.",
     );
     // Validation runs are filtered differently.
-    let Some((trial, _)) = worst_of(judgement, |role| role != Role::Validation) else {
+    let Some((trial, _)) = worst_of(calibrated, |role| role != Role::Validation) else {
         return section;
     };
     let conditioning = Conditioning::of(&file.session);
-    let limb = limb(judgement, trial);
-    let mut section = section.block(Block::Table(table(file, judgement, &conditioning, trial)));
-    let rotating = worst_of(judgement, |role| role == Role::Angular).map(|(trial, _)| trial);
+    let limb = limb(calibrated, trial);
+    let mut section = section.block(Block::Table(table(file, calibrated, &conditioning, trial)));
+    let rotating = worst_of(calibrated, |role| role == Role::Angular).map(|(trial, _)| trial);
     let figures: Vec<Figure> = Stage::ORDER
         .into_iter()
         .filter(|stage| conditioning.has(*stage))
@@ -115,17 +116,17 @@ fn before_after(
 
 /// The trial with the largest departure, or the first, of some roles.
 fn worst_of(
-    judgement: &Judgement,
+    calibrated: &CalibratedSession,
     wanted: impl Fn(Role) -> bool,
 ) -> Option<(&Trial, &Conditioned)> {
-    let candidates: Vec<(&Trial, &Conditioned)> = judgement
+    let candidates: Vec<(&Trial, &Conditioned)> = calibrated
         .recordings
         .iter()
         .filter(|(trial, _)| wanted(trial.role))
         .filter_map(|(trial, conditioned)| Some((trial, conditioned.as_ref()?)))
         .collect();
     let departure = |trial: &Trial| {
-        judgement
+        calibrated
             .trials
             .iter()
             .find(|report| report.name == trial.name)
@@ -142,8 +143,8 @@ fn worst_of(
 }
 
 /// The limb to show, from 0.
-fn limb(judgement: &Judgement, trial: &Trial) -> usize {
-    let found = judgement
+fn limb(calibrated: &CalibratedSession, trial: &Trial) -> usize {
+    let found = calibrated
         .findings
         .iter()
         .filter(|f| f.recordings.is_empty() || f.recordings.contains(&trial.name))
@@ -194,12 +195,12 @@ fn figure(
 
 fn table(
     file: &SessionFile,
-    judgement: &Judgement,
+    calibrated: &CalibratedSession,
     conditioning: &Conditioning,
     trial: &Trial,
 ) -> Table {
     let row = |stage: Stage| {
-        let (settings, effect) = settings_and_effect(stage, file, judgement, conditioning, trial)
+        let (settings, effect) = settings_and_effect(stage, file, calibrated, conditioning, trial)
             .unwrap_or_else(|| ("off".to_owned(), String::new()));
         Row::new(
             stage.name(),
@@ -227,7 +228,7 @@ fn table(
 fn settings_and_effect(
     stage: Stage,
     file: &SessionFile,
-    judgement: &Judgement,
+    calibrated: &CalibratedSession,
     conditioning: &Conditioning,
     trial: &Trial,
 ) -> Option<(String, String)> {
@@ -249,8 +250,8 @@ fn settings_and_effect(
             )
         }),
         Stage::Outliers => stages.outliers.settings().map(|test| {
-            let replaced: usize = judgement.trials.iter().map(|t| t.outliers).sum();
-            let values: usize = judgement
+            let replaced: usize = calibrated.trials.iter().map(|t| t.outliers).sum();
+            let values: usize = calibrated
                 .trials
                 .iter()
                 .map(|t| t.samples * (LIMBS + 2))

@@ -1,6 +1,6 @@
 //! Where everything comes from.
 
-use crate::verdict::Judgement;
+use crate::calibrate::CalibratedSession;
 use sixaxis_recordings::session::SessionFile;
 
 use crate::page::labels::{file_name, role, unbroken};
@@ -8,10 +8,10 @@ use sixaxis_page::number::{MISSING, count, si, significant};
 use sixaxis_page::{Block, Cell, Column, Listing, Row, Section, Table};
 
 /// The section.
-pub fn section(file: &SessionFile, judgement: &Judgement) -> Section {
+pub fn section(file: &SessionFile, calibrated: &CalibratedSession) -> Section {
     let rows = file.session.recording.iter().map(|entry| {
         let name = entry.file.display().to_string();
-        let trial = judgement
+        let trial = calibrated
             .recordings
             .iter()
             .map(|(trial, _)| trial)
@@ -67,7 +67,7 @@ fn session_name(file: &SessionFile) -> String {
 }
 
 /// The footer.
-pub fn facts(file: &SessionFile, judgement: &Judgement) -> Vec<(String, String)> {
+pub fn facts(file: &SessionFile, calibrated: &CalibratedSession) -> Vec<(String, String)> {
     let session = &file.session;
     [
         ("sixaxis", env!("CARGO_PKG_VERSION").to_owned()),
@@ -79,7 +79,7 @@ pub fn facts(file: &SessionFile, judgement: &Judgement) -> Vec<(String, String)>
             format!(
                 "{} named, {} used",
                 session.recording.len(),
-                judgement.recordings.len()
+                calibrated.recordings.len()
             ),
         ),
     ]

@@ -1,7 +1,7 @@
 //! The static record and the noise of the channels.
 
+use crate::calibrate::CalibratedSession;
 use crate::trial::Trial;
-use crate::verdict::Judgement;
 use sixaxis_core::LIMBS;
 use sixaxis_core::dsp::spectrum::noise_floor;
 use sixaxis_recordings::session::Role;
@@ -13,13 +13,13 @@ use sixaxis_page::{Axis, Block, Cell, Column, Figure, Row, Section, Series, Tabl
 const PIECES: usize = 60;
 
 /// The section.
-pub fn section(judgement: &Judgement) -> Section {
+pub fn section(calibrated: &CalibratedSession) -> Section {
     let section = Section::new(
         "rest",
         "At rest, and noise",
         "The zero drift is the mean of the static record, so it must stand still; and noise is what one sample adds to everything.",
     );
-    let at_rest = judgement
+    let at_rest = calibrated
         .recordings
         .iter()
         .map(|(trial, _)| trial)
@@ -31,10 +31,10 @@ pub fn section(judgement: &Judgement) -> Section {
             "There is no usable static record: ten minutes at rest, with the amplifiers warm, give the zero drift.".to_owned(),
         )),
     };
-    if judgement.recordings.is_empty() {
+    if calibrated.recordings.is_empty() {
         return section;
     }
-    section.block(Block::Table(table(judgement, at_rest)))
+    section.block(Block::Table(table(calibrated, at_rest)))
 }
 
 /// Means over pieces of the record less the whole mean, for each channel, with the middle of each piece, s.
@@ -102,14 +102,14 @@ fn round_up(value: f64) -> f64 {
         .unwrap_or(value)
 }
 
-fn table(judgement: &Judgement, at_rest: Option<&Trial>) -> Table {
+fn table(calibrated: &CalibratedSession, at_rest: Option<&Trial>) -> Table {
     let channel = |trial: &Trial, limb: usize| -> Vec<f64> {
         trial.voltage_v.iter().map(|row| row[limb]).collect()
     };
-    let drift = judgement.steps.as_ref().map(|steps| steps.drift);
+    let drift = calibrated.steps.as_ref().map(|steps| steps.drift);
     let millivolts = |v: Option<f64>| v.map_or(MISSING.to_owned(), |v| significant(1e3 * v, 2));
     let rows = (0..LIMBS).map(|limb| {
-        let mut floors: Vec<f64> = judgement
+        let mut floors: Vec<f64> = calibrated
             .recordings
             .iter()
             .filter(|(trial, _)| trial.role != Role::Static)

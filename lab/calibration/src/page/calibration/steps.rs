@@ -1,7 +1,8 @@
 //! What the steps say of themselves: conditioning of steps 2 and 3, the curve of step 4.
 
+use crate::calibrate::CalibratedSession;
 use crate::steps::FourSteps;
-use crate::verdict::Judgement;
+use sixaxis_core::Parameter;
 use sixaxis_recordings::session::Role;
 
 use crate::page::labels::verdict;
@@ -9,16 +10,16 @@ use sixaxis_page::number::{MISSING, count, fixed, scientific, significant};
 use sixaxis_page::{Axis, Block, Cell, Column, Figure, Mark, Row, Section, Series, Table};
 
 /// The section.
-pub fn section(judgement: &Judgement) -> Section {
+pub fn section(calibrated: &CalibratedSession) -> Section {
     let mut section = Section::new(
         "steps",
         "Steps 2 to 4",
         "Whether the motions told the unknowns apart, and why stiffness over mass is determined or not.",
     );
-    let Some(steps) = &judgement.steps else {
+    let Some(steps) = &calibrated.steps else {
         return section;
     };
-    section = section.block(Block::Table(table(judgement, steps)));
+    section = section.block(Block::Table(table(calibrated, steps)));
     if let Some((gain, error)) = steps.rate_over_reading {
         section = section.block(Block::Note(format!(
             "Step 3 found the standard gyroscope's gain along with the inertias: the true rate is {} ± {} (95 %) of its reading. It \
@@ -35,13 +36,13 @@ pub fn section(judgement: &Judgement) -> Section {
         )),
         Some(_) => section
             .block(Block::Figure(curve(steps)))
-            .block(Block::Text(explanation(judgement, steps))),
+            .block(Block::Text(explanation(calibrated, steps))),
     }
 }
 
-fn table(judgement: &Judgement, steps: &FourSteps) -> Table {
+fn table(calibrated: &CalibratedSession, steps: &FourSteps) -> Table {
     let trials = |role: Role| {
-        judgement
+        calibrated
             .trials
             .iter()
             .filter(|t| t.role == role)
@@ -142,7 +143,7 @@ fn curve(steps: &FourSteps) -> Figure {
     .caption("Mean rotation rate that is decoupled from purely linear trials, for each candidate. A rotation that is not there should vanish at the true value: a sharp dip that nearly reaches zero determines it.")
 }
 
-fn explanation(judgement: &Judgement, steps: &FourSteps) -> String {
+fn explanation(calibrated: &CalibratedSession, steps: &FourSteps) -> String {
     let Some(stiffness) = &steps.stiffness else {
         return String::new();
     };
@@ -156,8 +157,11 @@ fn explanation(judgement: &Judgement, steps: &FourSteps) -> String {
             MISSING.to_owned()
         }
     );
-    let stiffness = judgement.parameters.iter().find(|p| p.name == "k/m");
-    let by_taps = judgement.taps.stiffness.is_some();
+    let stiffness = calibrated
+        .parameters
+        .iter()
+        .find(|p| p.parameter == Parameter::Stiffness);
+    let by_taps = calibrated.taps.stiffness.is_some();
     if !by_taps && stiffness.is_some_and(|p| p.determined) {
         return format!("{reached} The dip is deep enough: $k$/$m$ is determined.");
     }

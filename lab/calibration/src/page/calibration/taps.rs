@@ -1,7 +1,7 @@
 //! Taps: k/m from the modes that a blow on the shell rings.
 
+use crate::calibrate::CalibratedSession;
 use crate::tap::TapReport;
-use crate::verdict::Judgement;
 use sixaxis_core::significance::NORMAL_95;
 
 use crate::page::labels::{count, share, unbroken};
@@ -9,14 +9,14 @@ use sixaxis_page::number::{MISSING, fixed, scientific};
 use sixaxis_page::{Block, Cell, Column, Row, Section, Table};
 
 /// The section; empty for a session without taps.
-pub fn section(judgement: &Judgement) -> Section {
+pub fn section(calibrated: &CalibratedSession) -> Section {
     let section = Section::new(
         "taps",
         "Taps",
         "A blow on the shell, held by the rig, rings the six modes of the mass in it. What nine channels show of their decay \
          determines $k$/$m$.",
     );
-    let taps = &judgement.taps;
+    let taps = &calibrated.taps;
     if taps.reports.is_empty() {
         return section;
     }

@@ -1,7 +1,9 @@
 //! Every trial as it came out.
 
-use crate::suspicion::odd_trial;
-use crate::verdict::{COORDINATION_LIMIT, Judgement, TrialReport};
+use crate::calibrate::CalibratedSession;
+use crate::diagnosis::odd_trial;
+use crate::grade::COORDINATION_LIMIT;
+use crate::report::TrialReport;
 use sixaxis_recordings::session::{Limits, Role, SessionFile};
 
 use crate::page::labels::{self, bar, direction, file_name, largest, share, unbroken};
@@ -21,18 +23,18 @@ const ROLES: [Role; 4] = [
 const POOR_RANGE: f64 = 0.02;
 
 /// The section.
-pub fn section(file: &SessionFile, judgement: &Judgement) -> Section {
+pub fn section(file: &SessionFile, calibrated: &CalibratedSession) -> Section {
     let section = Section::new(
         "trials",
         "The trials",
         "How well each trial agrees with the others and with the mathematics. A number that is beyond its bar is marked.",
     );
-    if judgement.trials.is_empty() {
+    if calibrated.trials.is_empty() {
         return section;
     }
     section
-        .block(Block::Figure(figure(&file.session.limits, judgement)))
-        .block(Block::Table(table(file, judgement)))
+        .block(Block::Figure(figure(&file.session.limits, calibrated)))
+        .block(Block::Table(table(file, calibrated)))
         .block(Block::Text(
             [
                 "- **Departure**: how far the nine channels are from what all trials together expect of this motion, over the \
@@ -52,20 +54,23 @@ pub fn section(file: &SessionFile, judgement: &Judgement) -> Section {
 }
 
 /// What was found about a recording itself.
-fn found(judgement: &Judgement, name: &str) -> Option<&'static str> {
-    judgement
+fn found(calibrated: &CalibratedSession, name: &str) -> Option<&'static str> {
+    calibrated
         .findings
         .iter()
         .find(|f| f.recordings.iter().any(|r| r == name))
-        .map(|f| f.cause.words())
+        .map(|f| f.cause.name())
 }
 
-fn table(file: &SessionFile, judgement: &Judgement) -> Table {
+fn table(file: &SessionFile, calibrated: &CalibratedSession) -> Table {
     let limits = &file.session.limits;
     let mut rows = Vec::new();
     for role in ROLES {
-        let trials: Vec<&TrialReport> =
-            judgement.trials.iter().filter(|t| t.role == role).collect();
+        let trials: Vec<&TrialReport> = calibrated
+            .trials
+            .iter()
+            .filter(|t| t.role == role)
+            .collect();
         let missing: Vec<String> = file
             .session
             .recording
@@ -78,10 +83,10 @@ fn table(file: &SessionFile, judgement: &Judgement) -> Table {
             continue;
         }
         rows.push(Row::group(labels::role(role)));
-        rows.extend(trials.iter().map(|trial| row(limits, judgement, trial)));
+        rows.extend(trials.iter().map(|trial| row(limits, calibrated, trial)));
         rows.extend(missing.iter().map(|name| {
             let mut cells = vec![Cell::from(MISSING); COLUMNS];
-            cells[0] = Cell::from(found(judgement, name).unwrap_or("not used")).state(State::Bad);
+            cells[0] = Cell::from(found(calibrated, name).unwrap_or("not used")).state(State::Bad);
             Row::new(unbroken(name), cells)
         }));
     }
@@ -118,7 +123,7 @@ fn table(file: &SessionFile, judgement: &Judgement) -> Table {
         ),
     };
     // Where nothing was found there is nothing to tell in its column.
-    if judgement.findings.iter().all(|f| f.recordings.is_empty()) {
+    if calibrated.findings.iter().all(|f| f.recordings.is_empty()) {
         table.columns.remove(0);
         for row in table.rows.iter_mut().filter(|row| !row.cells.is_empty()) {
             row.cells.remove(0);
@@ -133,7 +138,7 @@ fn table(file: &SessionFile, judgement: &Judgement) -> Table {
 /// Columns after the recording's name.
 const COLUMNS: usize = 10;
 
-fn row(limits: &Limits, judgement: &Judgement, trial: &TrialReport) -> Row {
+fn row(limits: &Limits, calibrated: &CalibratedSession, trial: &TrialReport) -> Row {
     let held = |value: Option<f64>, limit: f64| {
         let cell = Cell::from(share(value));
         match value {
@@ -144,7 +149,7 @@ fn row(limits: &Limits, judgement: &Judgement, trial: &TrialReport) -> Row {
     };
     let worst =
         |values: Option<&[f64]>| largest(values?.iter().map(|x| (*x, ()))).map(|(worst, ())| worst);
-    let name = found(judgement, &trial.name);
+    let name = found(calibrated, &trial.name);
     let range = Cell::from(percent(trial.largest_over_full_scale, 2));
     let cells: [Cell; COLUMNS] = [
         name.map_or(Cell::from(""), |words| Cell::from(words).state(State::Bad)),
@@ -179,8 +184,8 @@ fn row(limits: &Limits, judgement: &Judgement, trial: &TrialReport) -> Row {
     Row::new(unbroken(&trial.name), cells)
 }
 
-fn figure(limits: &Limits, judgement: &Judgement) -> Figure {
-    let trials = &judgement.trials;
+fn figure(limits: &Limits, calibrated: &CalibratedSession) -> Figure {
+    let trials = &calibrated.trials;
     let series = |get: &dyn Fn(&TrialReport) -> Option<f64>| -> Vec<(f64, f64)> {
         trials
             .iter()

@@ -1,6 +1,7 @@
 //! Runs that were never fitted: decoupled accelerations over those of the standards.
 
-use crate::verdict::{Comparison, Judgement};
+use crate::calibrate::CalibratedSession;
+use crate::report::ValidationRun;
 use sixaxis_recordings::session::SessionFile;
 
 use super::NEUTRAL;
@@ -16,16 +17,16 @@ const COLOURS: [usize; 3] = [0, 1, 2];
 const DRAWN: usize = 4000;
 
 /// The section.
-pub fn section(file: &SessionFile, judgement: &Judgement) -> Section {
+pub fn section(file: &SessionFile, calibrated: &CalibratedSession) -> Section {
     let section = Section::new(
         "validation",
         "Validation runs",
         "Runs that no step has seen, decoupled with this calibration and held against the standard instruments, from rest to rest, \
          in ground axes at the sensor's rest. The error contains the instruments' own, and their class is its share.",
     );
-    if judgement.comparisons.is_empty() {
+    if calibrated.validation_runs.is_empty() {
         // Without parameters there is nothing to say that the parameters' own section does not.
-        if judgement.steps.is_none() {
+        if calibrated.steps.is_none() {
             return section;
         }
         return section.block(Block::Note(
@@ -34,10 +35,10 @@ pub fn section(file: &SessionFile, judgement: &Judgement) -> Section {
                 .to_owned(),
         ));
     }
-    let mut section = section.block(Block::Table(table(file, judgement)));
-    for (run, comparison) in judgement.comparisons.iter().enumerate() {
+    let mut section = section.block(Block::Table(table(file, calibrated)));
+    for (run, comparison) in calibrated.validation_runs.iter().enumerate() {
         section = section
-            .block(Block::Heading(heading(judgement, comparison)))
+            .block(Block::Heading(heading(calibrated, comparison)))
             .block(Block::FigureGrid(vec![
                 figure(run, comparison, 0, "linear", "Linear acceleration", "m/s²"),
                 figure(
@@ -53,9 +54,9 @@ pub fn section(file: &SessionFile, judgement: &Judgement) -> Section {
     section
 }
 
-fn heading(judgement: &Judgement, comparison: &Comparison) -> String {
+fn heading(calibrated: &CalibratedSession, comparison: &ValidationRun) -> String {
     let name = file_name(&comparison.name);
-    judgement
+    calibrated
         .trials
         .iter()
         .find(|t| t.name == comparison.name)
@@ -66,7 +67,7 @@ fn heading(judgement: &Judgement, comparison: &Comparison) -> String {
 
 fn figure(
     run: usize,
-    comparison: &Comparison,
+    comparison: &ValidationRun,
     from: usize,
     id: &str,
     title: &str,
@@ -122,12 +123,12 @@ fn figure(
     })
 }
 
-fn table(file: &SessionFile, judgement: &Judgement) -> Table {
+fn table(file: &SessionFile, calibrated: &CalibratedSession) -> Table {
     let limit = file.session.limits.validation_percent / 100.0;
     let mut rows = Vec::new();
-    for comparison in &judgement.comparisons {
-        rows.push(Row::group(heading(judgement, comparison)));
-        let judged = judgement
+    for comparison in &calibrated.validation_runs {
+        rows.push(Row::group(heading(calibrated, comparison)));
+        let judged = calibrated
             .trials
             .iter()
             .find(|t| t.name == comparison.name)
@@ -154,7 +155,7 @@ fn table(file: &SessionFile, judgement: &Judgement) -> Table {
     }
 }
 
-fn row(comparison: &Comparison, judged: Option<[f64; 6]>, axis: usize, limit: f64) -> Row {
+fn row(comparison: &ValidationRun, judged: Option<[f64; 6]>, axis: usize, limit: f64) -> Row {
     let unit = if axis < 3 { "m/s²" } else { "rad/s²" };
     let letter = if axis < 3 { "a" } else { "α" };
     let (mut peak, mut worst, mut squares) = (0.0_f64, 0.0_f64, 0.0_f64);

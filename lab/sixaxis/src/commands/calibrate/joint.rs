@@ -1,9 +1,9 @@
 //! What the joint fit adds to the summaries.
 
 use serde::Serialize;
-use sixaxis_calibration::interval::ParameterReport;
+use sixaxis_calibration::calibrate::CalibratedSession;
 use sixaxis_calibration::joint::nuisances::Nuisances;
-use sixaxis_calibration::verdict::{Estimator, Judgement};
+use sixaxis_calibration::report::{Estimator, ParameterReport};
 
 use super::wrapped;
 
@@ -29,15 +29,15 @@ pub enum Summary<'a> {
 }
 
 impl<'a> Summary<'a> {
-    /// Of a judgement.
-    pub fn of(judgement: &'a Judgement) -> Option<Self> {
-        Some(match judgement.joint.as_ref()? {
+    /// Of a calibrated.
+    pub fn of(calibrated: &'a CalibratedSession) -> Option<Self> {
+        Some(match calibrated.joint.as_ref()? {
             Ok(joint) => Self::Fitted {
                 misfit: joint.misfit.per_degree,
                 misfit_limit: joint.misfit.limit(),
                 intervals_widened: joint.misfit.wider(),
                 degrees_of_freedom: joint.misfit.degrees_of_freedom,
-                parameters: joint.parameter_reports(&judgement.four_steps),
+                parameters: joint.parameter_reports(&calibrated.four_steps),
                 nuisances: joint.nuisances(),
             },
             Err(cause) => Self::Refused(cause),
@@ -46,20 +46,20 @@ impl<'a> Summary<'a> {
 }
 
 /// For people: whose the parameters are, unless they are the four steps'.
-pub fn print(out: &mut String, judgement: &Judgement) {
-    if judgement.estimator == Estimator::FourSteps {
+pub fn print(out: &mut String, calibrated: &CalibratedSession) {
+    if calibrated.estimator == Estimator::FourSteps {
         return;
     }
-    let line = match &judgement.joint {
+    let line = match &calibrated.joint {
         Some(Ok(joint)) => format!(
             "by {}: misfit {:.3}, where noise alone leaves at most {:.3}",
-            judgement.estimator.words(),
+            calibrated.estimator.name(),
             joint.misfit.per_degree,
             joint.misfit.limit()
         ),
         _ => format!(
             "by the four steps, and not kept: {} refuses",
-            judgement.estimator.words()
+            calibrated.estimator.name()
         ),
     };
     wrapped(out, "  ", "  ", &line);

@@ -8,7 +8,7 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use sixaxis_campaign::plan::{CampaignPlan, LARGEST_SEED, Shard};
 use sixaxis_campaign::run::{Order, Watch, run as work};
-use sixaxis_reference::session::plan_file;
+use sixaxis_reference::laboratory::plan_file;
 use sixaxis_reports::progress::{Progress, Stage};
 
 /// Which cases and where to write.

@@ -125,7 +125,7 @@ fn estimators<'a>(
         let _ = writeln!(
             out,
             "{:<10} {:>5} {:>8} {:>7} {:>15} {:>10} {:>10} {:>15} {:>15}",
-            parameter.name,
+            parameter.parameter.to_string(),
             parameter.unit,
             e.cases,
             e.failures,

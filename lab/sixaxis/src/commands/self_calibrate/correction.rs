@@ -2,7 +2,7 @@
 
 use anyhow::{Result, ensure};
 use sixaxis_calibration::calibration::Calibration;
-use sixaxis_calibration::verdict::Grade;
+use sixaxis_calibration::report::Grade;
 use sixaxis_core::LIMBS;
 use sixaxis_core::redundancy::self_calibration::PerLimbs;
 

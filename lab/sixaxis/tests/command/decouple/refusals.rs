@@ -4,7 +4,7 @@ use std::process::Stdio;
 use std::time::{Duration, Instant};
 
 use sixaxis_calibration::calibration::Calibration;
-use sixaxis_calibration::verdict::Grade;
+use sixaxis_calibration::report::Grade;
 
 use super::session::{LIMBS, calibration, voltages, write};
 use crate::program::{Folder, done, run, sixaxis, stderr, text};

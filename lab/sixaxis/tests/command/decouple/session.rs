@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use sixaxis_calibration::calibration::Calibration;
-use sixaxis_calibration::verdict::Grade;
+use sixaxis_calibration::report::Grade;
 use sixaxis_recordings::{Block, Channel, Layout, create, open};
 
 use crate::program::{Folder, done, run, stderr, text};

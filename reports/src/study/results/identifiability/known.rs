@@ -1,6 +1,7 @@
 //! How well the campaign with errors knows each of the 25 parameters, as data.
 
 use serde::Serialize;
+use sixaxis_core::Parameter;
 
 /// Both estimators on the campaign with errors, and a tap beside it.
 #[derive(Debug, Clone, Serialize)]
@@ -19,7 +20,8 @@ pub struct Known {
 #[derive(Debug, Clone, Serialize)]
 pub struct KnownParameter {
     /// As in the paper, but `m/k`, of which errors are normal.
-    pub name: String,
+    #[serde(rename = "name")]
+    pub parameter: Parameter,
     /// Of all numbers here that have one.
     pub unit: String,
     /// The truth, for comparison; no algorithm saw it.

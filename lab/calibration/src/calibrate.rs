@@ -1,0 +1,281 @@
+//! The pipeline from a session's recordings to a graded calibration: prepare, diagnose, estimate, hold against the standards,
+//! grade.
+//!
+//! | file | holds |
+//! |---|---|
+//! | [`evidence`] | each trial's fit, its prediction by a fit without it, the coordination equations |
+//! | [`validation`] | runs that were never fitted, decoupled and held against the standards |
+//! | [`choice`] | the parameters of the estimator that was asked for |
+//! | [`covariance`], [`file`](mod@file) | what is written of them |
+//!
+//! A calibration is good where nothing was found wrong, every parameter that a rig can determine is determined, trials that were
+//! left out of a fit are predicted by it, and runs that were never fitted come out as the standards show them. k/m is no part of
+//! that: the paper's band does not determine it, and what is decoupled there does not notice. A tap that was recorded must
+//! determine it, though.
+
+mod choice;
+mod covariance;
+mod evidence;
+mod file;
+mod validation;
+
+pub use choice::{beyond_certificate, contradiction};
+
+use choice::Chosen;
+use file::Contents;
+
+use crate::calibration::Calibration;
+use crate::conditioning::Conditioned;
+use crate::diagnosis::{Diagnosis, Facts, examine};
+use crate::error::Result;
+use crate::estimate::Estimate;
+use crate::finding::{Cause, Finding};
+use crate::grade::{failures, grade, reservations};
+use crate::iteration::{Criterion, Iteration};
+use crate::joint::JointReport;
+use crate::prepare::PreparedSession;
+use crate::progress::Progress;
+use crate::report::{Estimator, Grade, ParameterReport, TrialReport, ValidationRun};
+use crate::steps::FourSteps;
+use crate::tap::Taps;
+use crate::trial::Trial;
+use sixaxis_core::Parameter;
+use sixaxis_recordings::session::{Session, SessionFile};
+
+/// What may be asked for.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Options {
+    /// How far steps 2 to 4 are repeated. The repetition is shown, not used: grade, parameters and calibration are the same.
+    pub repeat: Option<Criterion>,
+    /// Whose parameters the calibration has; validation runs are decoupled with them. Trials are held out by the four steps
+    /// either way.
+    pub estimator: Estimator,
+}
+
+/// A calibrated and graded session.
+#[derive(Debug, Clone)]
+pub struct CalibratedSession {
+    /// The grade.
+    pub grade: Grade,
+    /// The same in a sentence.
+    pub sentence: String,
+    /// What is wrong, worst first.
+    pub findings: Vec<Finding>,
+    /// What is missing, where nothing is wrong.
+    pub reservations: Vec<String>,
+    /// What to do next.
+    pub next: Vec<String>,
+    /// The four steps, if they could be done.
+    pub steps: Option<FourSteps>,
+    /// Why they could not be done: the step and its reason.
+    pub obstacle: Option<String>,
+    /// Steps 2 to 4 repeated, where that was asked for and the four steps could be done; otherwise why they could not be.
+    pub iteration: Option<core::result::Result<Iteration, String>>,
+    /// Whose parameters were asked for.
+    pub estimator: Estimator,
+    /// The 25 parameters, by that estimator unless it refused; empty if the steps could not be done.
+    pub parameters: Vec<ParameterReport>,
+    /// The same by the four steps, whoever was asked.
+    pub four_steps: Vec<ParameterReport>,
+    /// The joint fit, or why it refuses; none if the steps could not be done.
+    pub joint: Option<core::result::Result<JointReport, String>>,
+    /// The taps.
+    pub taps: Taps,
+    /// The trials.
+    pub trials: Vec<TrialReport>,
+    /// Validation runs in full.
+    pub validation_runs: Vec<ValidationRun>,
+    /// Recordings as read and as conditioned, for before and after; the static one last.
+    pub recordings: Vec<(Trial, Option<Conditioned>)>,
+    /// The calibration to be written, if there is one.
+    pub calibration: Option<Calibration>,
+}
+
+/// Reads, calibrates and grades a session.
+///
+/// A recording that cannot be used and a step that refuses its data are findings, not errors: the rest is worth knowing.
+///
+/// # Errors
+/// [`sixaxis_recordings::Error::Session`] only: a session whose own statements cannot be.
+pub fn calibrate(
+    file: &SessionFile,
+    options: &Options,
+    progress: &dyn Progress,
+) -> Result<CalibratedSession> {
+    let session = &file.session;
+    let prepared = PreparedSession::read(file, progress)?;
+    progress.stage("diagnosis", 1);
+    let mut findings = prepared.findings.clone();
+    let Diagnosis {
+        findings: diagnosed,
+        cases,
+        departures,
+        ..
+    } = examine(
+        &facts(session, &prepared),
+        prepared.at_rest.as_ref(),
+        &prepared.campaign.trials,
+    );
+    findings.extend(diagnosed);
+    let mut trials: Vec<TrialReport> = cases
+        .iter()
+        .zip(departures)
+        .map(|(case, departure)| evidence::trial_report(case, departure))
+        .collect();
+    progress.part();
+
+    let loss = choice::loss(options.estimator);
+    let (chosen, obstacle) = match Estimate::of(session, &prepared, loss, progress) {
+        Ok(estimate) => {
+            let chosen = Chosen::of(estimate, options.estimator, &prepared.campaign.design);
+            (Some(chosen), None)
+        }
+        Err(error) => {
+            if findings.is_empty() {
+                findings.push(unexplained(error.to_string()));
+            }
+            (None, Some(error.to_string()))
+        }
+    };
+    let mut validation_runs = Vec::new();
+    let mut iteration = None;
+    if let Some(chosen) = &chosen {
+        let (campaign, steps) = (&prepared.campaign, &chosen.estimate.steps);
+        progress.stage("holding against the standards", 1);
+        evidence::hold_out(campaign, steps, &chosen.estimate.left_out, &mut trials);
+        evidence::coordination(campaign, &chosen.used, &mut trials);
+        validation_runs = validation::validate(campaign, &chosen.used, &mut trials, &mut findings);
+        progress.part();
+        if let Some(criterion) = &options.repeat {
+            progress.stage("repeating", 1);
+            let repeated = campaign.repeat_until(steps, None, criterion);
+            iteration = Some(repeated.map_err(|error| error.to_string()));
+            progress.part();
+        }
+    }
+
+    let steps = chosen.as_ref().map(|chosen| &chosen.estimate.steps);
+    if findings.is_empty() {
+        findings = failures(session, &trials, steps);
+    }
+    if let Some(chosen) = &chosen {
+        if findings.is_empty() {
+            findings.extend(undetermined(&chosen.parameters));
+        }
+        findings.extend(chosen.refusal().map(choice::refused));
+    }
+    findings.sort_by_key(|finding| finding.cause);
+    let parameters = chosen.as_ref().map_or(&[][..], |chosen| &chosen.parameters);
+    let mut reservations = reservations(&prepared.campaign, session, parameters, &trials);
+    if let Some(chosen) = &chosen {
+        reservations.extend(chosen.reservations());
+    }
+    let (grade, sentence) = grade(&findings, &reservations, &trials, chosen.is_some());
+    let calibration = chosen
+        .as_ref()
+        .filter(|chosen| chosen.refusal().is_none())
+        .map(|chosen| {
+            file::to_file(
+                file,
+                Contents {
+                    grade,
+                    findings: &findings,
+                    chosen,
+                },
+            )
+        });
+    let mut recordings: Vec<(Trial, Option<Conditioned>)> = prepared
+        .campaign
+        .trials
+        .into_iter()
+        .map(|(trial, conditioned)| (trial, Some(conditioned)))
+        .collect();
+    recordings.extend(prepared.at_rest.map(|rest| (rest, None)));
+    let next = next_actions(&findings, &reservations);
+    let mut session = CalibratedSession {
+        grade,
+        sentence,
+        findings,
+        reservations,
+        next,
+        steps: None,
+        obstacle,
+        iteration,
+        estimator: options.estimator,
+        parameters: Vec::new(),
+        four_steps: Vec::new(),
+        joint: None,
+        taps: Taps::default(),
+        trials,
+        validation_runs,
+        recordings,
+        calibration,
+    };
+    if let Some(chosen) = chosen {
+        session.parameters = chosen.parameters;
+        session.joint = Some(chosen.estimate.joint);
+        session.steps = Some(chosen.estimate.steps);
+        session.four_steps = chosen.estimate.four_steps;
+        session.taps = chosen.estimate.taps;
+    }
+    Ok(session)
+}
+
+fn facts<'a>(session: &'a Session, prepared: &'a PreparedSession) -> Facts<'a> {
+    Facts {
+        geometry: prepared.campaign.geometry,
+        design: &prepared.campaign.design,
+        rig: session.rig.as_ref(),
+        gyroscope_class: session.gyroscope.class_percent / 100.0,
+        gyroscope_lag_undone: session.gyroscope.bandwidth_hz.is_some(),
+    }
+}
+
+/// The four steps refuse and nothing says why.
+fn unexplained(evidence: String) -> Finding {
+    Finding {
+        cause: Cause::Unexplained,
+        recordings: Vec::new(),
+        channels: Vec::new(),
+        evidence,
+        advice: "look at the table of trials in the report".to_owned(),
+    }
+}
+
+/// Parameters other than k/m that the trials do not determine.
+fn undetermined(parameters: &[ParameterReport]) -> Option<Finding> {
+    let names: Vec<String> = parameters
+        .iter()
+        .filter(|p| !p.determined && p.parameter != Parameter::Stiffness)
+        .map(|p| p.parameter.to_string())
+        .collect();
+    (!names.is_empty()).then(|| Finding {
+        cause: Cause::UnderExcitedAxis,
+        recordings: Vec::new(),
+        channels: Vec::new(),
+        evidence: format!(
+            "the trials leave {} open: their 95 % intervals are wider than the values themselves",
+            names.join(", ")
+        ),
+        advice: "record more trials of steps 2 and 3, on more wedges".to_owned(),
+    })
+}
+
+/// The advice of every finding with its recordings, each once, and then what is missing.
+fn next_actions(findings: &[Finding], reservations: &[String]) -> Vec<String> {
+    let mut next: Vec<String> = Vec::new();
+    for finding in findings {
+        let place = match finding.recordings.as_slice() {
+            [] => String::new(),
+            [one] => format!("{one}: "),
+            [first, second] => format!("{first} and {second}: "),
+            [first, rest @ ..] => format!("{first} and {} more recordings: ", rest.len()),
+        };
+        let advice = format!("{place}{}", finding.advice);
+        if !next.contains(&advice) {
+            next.push(advice);
+        }
+    }
+    next.extend(reservations.iter().cloned());
+    next
+}

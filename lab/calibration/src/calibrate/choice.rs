@@ -1,0 +1,129 @@
+//! The parameters of the estimator that was asked for.
+
+use sixaxis_core::{Parameter, Parameters};
+
+use crate::estimate::Estimate;
+use crate::finding::{Cause, Finding};
+use crate::gain_prior::BoundedGain;
+use crate::joint::misfit::Misfit;
+use crate::joint::{JointReport, Loss};
+use crate::report::{Estimator, ParameterReport};
+
+/// The loss of the joint fit; beside the four steps it is shown by least squares.
+pub(super) const fn loss(estimator: Estimator) -> Loss {
+    match estimator {
+        Estimator::FourSteps | Estimator::Joint => Loss::Squares,
+        Estimator::JointRobust => Loss::Huber,
+    }
+}
+
+/// An estimate and what is used of it.
+pub(super) struct Chosen {
+    pub estimate: Estimate,
+    /// Whose parameters were asked for.
+    pub estimator: Estimator,
+    /// The 25 parameters, by the four steps where the joint fit refuses.
+    pub parameters: Vec<ParameterReport>,
+    /// The parameters to decouple with: where k/m is not determined, the design's.
+    pub used: Parameters,
+}
+
+impl Chosen {
+    pub fn of(estimate: Estimate, estimator: Estimator, design: &Parameters) -> Self {
+        let four_steps = &estimate.four_steps;
+        let (parameters, used) = match &estimate.joint {
+            Ok(joint) if estimator != Estimator::FourSteps => {
+                let parameters = joint.parameter_reports(four_steps);
+                let stiffness = stiffness(&parameters);
+                let otherwise = stiffness.map_or(design.stiffness_per_mass_per_s2, |p| p.estimate);
+                (parameters, joint.parameters(otherwise))
+            }
+            _ => {
+                let mut used = estimate.steps.used();
+                if let Some(stiffness) = stiffness(four_steps) {
+                    used.stiffness_per_mass_per_s2 = if stiffness.determined {
+                        stiffness.estimate
+                    } else {
+                        estimate.steps.design_stiffness_per_mass_per_s2
+                    };
+                }
+                (four_steps.clone(), used)
+            }
+        };
+        Self {
+            estimate,
+            estimator,
+            parameters,
+            used,
+        }
+    }
+
+    /// The joint fit where it was asked for and could be done.
+    pub fn used_joint(&self) -> Option<&JointReport> {
+        let joint = self.estimate.joint.as_ref().ok();
+        joint.filter(|_| self.estimator != Estimator::FourSteps)
+    }
+
+    /// Why the joint fit that was asked for refuses.
+    pub fn refusal(&self) -> Option<&str> {
+        let refusal = self.estimate.joint.as_ref().err();
+        refusal
+            .filter(|_| self.estimator != Estimator::FourSteps)
+            .map(String::as_str)
+    }
+
+    /// What is to be said against the estimate where nothing is wrong.
+    pub fn reservations(&self) -> Vec<String> {
+        let mut reservations = self.estimate.taps.remarks.clone();
+        if let Some(joint) = self.used_joint() {
+            reservations.extend(contradiction(&joint.misfit));
+            reservations.extend(beyond_certificate(&joint.gain));
+        }
+        reservations
+    }
+}
+
+fn stiffness(parameters: &[ParameterReport]) -> Option<&ParameterReport> {
+    parameters
+        .iter()
+        .find(|p| p.parameter == Parameter::Stiffness)
+}
+
+/// A joint fit that was asked for and cannot be had: there is no calibration then.
+pub(super) fn refused(cause: &str) -> Finding {
+    Finding {
+        cause: Cause::JointFitRefused,
+        recordings: Vec::new(),
+        channels: Vec::new(),
+        evidence: format!("the joint fit was asked for and refuses: {cause}"),
+        advice: "calibrate with the four steps, which need less of the recordings".to_owned(),
+    }
+}
+
+/// What is to be said against joint parameters whose channels contradict the model.
+#[must_use]
+pub fn contradiction(misfit: &Misfit) -> Option<String> {
+    misfit.contradicts().then(|| {
+        format!(
+            "the channels contradict equal stiffness or white noise (misfit {:.2}, noise alone leaves at most {:.2}): the joint fit's own intervals would be too narrow and have been made {:.0} times as wide; use the four steps",
+            misfit.per_degree,
+            misfit.limit(),
+            misfit.wider()
+        )
+    })
+}
+
+/// Standard deviations by which the trials must contradict a certificate before it is said.
+const BEYOND_CERTIFICATE: f64 = 4.0;
+
+/// What is to be said where gravity, turning in the sensor, contradicts the accelerometer's certificate.
+#[must_use]
+pub fn beyond_certificate(gain: &BoundedGain) -> Option<String> {
+    (gain.contradiction() > BEYOND_CERTIFICATE).then(|| {
+        format!(
+            "by gravity, which turns in the sensor, the accelerometer reads {:+.2} % of its reading too much, and its certificate allows {:.2} %: one of the two is wrong, or the axis is not level",
+            100.0 * gain.seen,
+            100.0 * gain.limit
+        )
+    })
+}

@@ -1,0 +1,112 @@
+//! Runs that were never fitted, decoupled and held against the standards.
+
+use glam::DVec3;
+use sixaxis_core::decouple::rest_to_rest;
+use sixaxis_core::{Decoupler, Parameters, Scheme};
+
+use crate::conditioning::Conditioned;
+use crate::finding::{Cause, Finding};
+use crate::grade::worst;
+use crate::report::{TrialReport, ValidationRun};
+use crate::steps::Campaign;
+use crate::trial::Trial;
+use sixaxis_recordings::session::Role;
+
+/// Share of the largest peak that an axis is measured by at least.
+const FLOOR: f64 = 0.1;
+
+/// Decouples the validation runs and holds them against the standards.
+pub(super) fn validate(
+    campaign: &Campaign,
+    parameters: &Parameters,
+    reports: &mut [TrialReport],
+    findings: &mut Vec<Finding>,
+) -> Vec<ValidationRun> {
+    let mut validation_runs = Vec::new();
+    for ((trial, conditioned), report) in campaign.trials.iter().zip(reports) {
+        if trial.role != Role::Validation {
+            continue;
+        }
+        match compare(campaign, trial, conditioned, parameters) {
+            Ok(run) => {
+                report.validation = Some(errors(&run, arm_m(&campaign.design)));
+                validation_runs.push(run);
+            }
+            // What made it fail has been found before, or else is news.
+            Err(error) if findings.is_empty() => findings.push(Finding {
+                cause: Cause::Unexplained,
+                recordings: vec![trial.name.clone()],
+                channels: Vec::new(),
+                evidence: format!("cannot be decoupled with this calibration: {error}"),
+                advice: "look at the trial's curves in the report".to_owned(),
+            }),
+            Err(_) => {}
+        }
+    }
+    validation_runs
+}
+
+fn compare(
+    campaign: &Campaign,
+    trial: &Trial,
+    conditioned: &Conditioned,
+    parameters: &Parameters,
+) -> sixaxis_core::Result<ValidationRun> {
+    let sensor = trial.sensor(campaign.geometry);
+    let settings = trial.settings(Scheme::HeunSubstepped);
+    // A run of the rig ends as it began, at rest: what the open loop has gathered by then is drift.
+    let (rows, _) = rest_to_rest::detrend(&sensor, parameters, &settings, &conditioned.voltage_v)?;
+    let mut decoupler = Decoupler::new(&sensor, parameters, &settings)?;
+    let mut run = ValidationRun {
+        name: trial.name.clone(),
+        sample_rate_hz: trial.sample_rate_hz,
+        first: 1,
+        standard: Vec::new(),
+        decoupled: Vec::new(),
+    };
+    for row in &rows {
+        let Some(out) = decoupler.push(row)? else {
+            continue;
+        };
+        let index = out.sample as usize;
+        // The axis is the same in ground and shell.
+        let standard = [
+            conditioned.linear_ground_m_s2[index],
+            conditioned.angular_shell_rad_s2[index],
+        ];
+        let decoupled = [out.linear_ground_m_s2, out.angular_ground_rad_s2];
+        let six = |pair: [DVec3; 2]| -> [f64; 6] { core::array::from_fn(|i| pair[i / 3][i % 3]) };
+        run.standard.push(six(standard));
+        run.decoupled.push(six(decoupled));
+    }
+    Ok(run)
+}
+
+/// Radius of gyration, m: the arm over which an angular acceleration weighs as much as a linear one.
+fn arm_m(design: &Parameters) -> f64 {
+    let inertia = &design.inertia_per_mass;
+    ((inertia.xx_m2 + inertia.yy_m2 + inertia.zz_m2) / 3.0).sqrt()
+}
+
+/// Largest error of each axis over its peak, or over a tenth of the largest peak of all: an axis that does not move has nothing
+/// else to be measured by.
+fn errors(run: &ValidationRun, arm_m: f64) -> [f64; 6] {
+    let mut peak = [0.0_f64; 6];
+    let mut off = [0.0_f64; 6];
+    for (standard, decoupled) in run.standard.iter().zip(&run.decoupled) {
+        for axis in 0..6 {
+            peak[axis] = worst(&[peak[axis], standard[axis].abs()]);
+            off[axis] = worst(&[off[axis], (standard[axis] - decoupled[axis]).abs()]);
+        }
+    }
+    let linear = worst(&peak[..3]);
+    let angular = worst(&peak[3..]);
+    core::array::from_fn(|axis| {
+        let floor = if axis < 3 {
+            linear.max(angular * arm_m)
+        } else {
+            angular.max(linear / arm_m)
+        };
+        off[axis] / peak[axis].max(FLOOR * floor)
+    })
+}

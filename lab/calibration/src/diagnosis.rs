@@ -1,0 +1,212 @@
+//! What is wrong with a campaign, named: which cause, in which trial, on which channel, by how much, and what to do.
+//!
+//! Everything is held against [`crate::rigid`], which says what each channel should show of each trial's motion, and what is
+//! left over is tried against one cause after the other. The order matters: a fault that explains others is looked for first,
+//! and what it explains is not reported again.
+//!
+//! 1. [`raw`]: what one recording shows by itself: clipped, constant.
+//! 2. [`structure`]: what all trials together show of a channel: silent, exchanged, inverted, under-excited axes.
+//! 3. [`gravity`]: weight that turns in the sensor although the session says it does not.
+//! 4. [`timing`]: lags and clocks.
+//! 5. [`level`]: factors that all trials share: units, sensitivities, gains.
+//! 6. [`drift`]: rests that are not where they were.
+//! 7. [`odd_trial`]: trials that do not fit in with the others.
+
+pub mod drift;
+pub mod gravity;
+pub mod level;
+pub mod odd_trial;
+pub mod raw;
+pub mod structure;
+pub mod table;
+pub mod timing;
+
+use rayon::prelude::*;
+use sixaxis_core::identify::zero_drift::{self, ZeroDrift};
+use sixaxis_core::{Geometry, LIMBS, Parameters};
+
+use crate::conditioning::Conditioned;
+use crate::finding::Finding;
+use crate::response::{self, Response};
+use crate::rigid::{StaticLoadSharing, turned_gravity_m_s2};
+use crate::trial::Trial;
+use sixaxis_recordings::session::{Rig, Role};
+use table::Table;
+
+/// Relative error of an angle that undoing a gyroscope's lag and the low-pass leave.
+const LAG_ANGLE_ERROR: f64 = 3e-3;
+
+/// What the diagnosis is told.
+#[derive(Debug, Clone, Copy)]
+pub struct Facts<'a> {
+    /// The sensor's lengths.
+    pub geometry: Geometry,
+    /// Design values.
+    pub design: &'a Parameters,
+    /// What is known of the rig.
+    pub rig: Option<&'a Rig>,
+    /// Largest relative error that the gyroscope's certificate allows.
+    pub gyroscope_class: f64,
+    /// Whether a gyroscope's lag is being undone.
+    pub gyroscope_lag_undone: bool,
+}
+
+/// One trial under diagnosis.
+#[derive(Debug, Clone)]
+pub struct TrialCase<'a> {
+    /// As recorded.
+    pub trial: &'a Trial,
+    /// As conditioned.
+    pub conditioned: &'a Conditioned,
+    /// Measured forces less the zero drift and the expected share of gravity, N.
+    pub force_n: Vec<[f64; LIMBS]>,
+    /// What each channel shows of it; none where nothing could be fitted.
+    pub response: Option<Response>,
+    /// Channels that something has already been found about.
+    pub ignored: [bool; LIMBS],
+    /// Nothing more is to be said of this trial.
+    pub explained: bool,
+}
+
+/// What the diagnosis found.
+#[derive(Debug, Clone)]
+pub struct Diagnosis<'a> {
+    /// What is wrong, worst first.
+    pub findings: Vec<Finding>,
+    /// The trials with their responses.
+    pub cases: Vec<TrialCase<'a>>,
+    /// What all trials agree on, if enough of them could be fitted.
+    pub table: Option<Table>,
+    /// For each trial, how far it departs from that, relative to its own size.
+    pub departures: Vec<Option<f64>>,
+}
+
+/// Examines a campaign.
+#[must_use]
+pub fn examine<'a>(
+    facts: &Facts<'_>,
+    at_rest: Option<&Trial>,
+    trials: &'a [(Trial, Conditioned)],
+) -> Diagnosis<'a> {
+    let mut findings = Vec::new();
+    let mut cases: Vec<TrialCase<'a>> = trials
+        .par_iter()
+        .map(|(trial, conditioned)| TrialCase {
+            trial,
+            conditioned,
+            force_n: Vec::new(),
+            response: None,
+            ignored: [false; LIMBS],
+            explained: false,
+        })
+        .collect();
+    raw::examine(at_rest, &mut cases, &mut findings);
+    let drift = at_rest.and_then(|rest| zero_drift::identify(&rest.voltage_v).ok());
+    measure(&mut cases, drift.as_ref(), None);
+    let Some(shares) = StaticLoadSharing::new(&facts.geometry) else {
+        return unfinished(findings, cases);
+    };
+    structure::excitation(&cases, &mut findings);
+    let silent = structure::silent(&shares, facts, &mut cases, &mut findings);
+    // Scale factors come from the linear trials alone, and gravity's turn needs them before the angular ones can be read.
+    let mut table = Table::linear(&shares, &cases, &silent);
+    if let Some(table) = &mut table {
+        table.angle_error = facts.gyroscope_class + LAG_ANGLE_ERROR;
+        gravity::examine(table, &mut cases, &mut findings);
+    }
+    measure(&mut cases, drift.as_ref(), table.as_ref());
+    if let Some(linear) = table {
+        table = Some(structure::exchanged(
+            linear,
+            facts,
+            &silent,
+            &mut cases,
+            &mut findings,
+        ));
+    }
+    timing::examine(facts, &mut cases, &mut findings);
+    if let Some(table) = &table {
+        structure::inverted(table, facts, &silent, &mut findings);
+        level::examine(table, facts, &silent, &mut cases, &mut findings);
+    }
+    drift::examine(
+        at_rest,
+        drift.as_ref(),
+        table.as_ref(),
+        &mut cases,
+        &mut findings,
+    );
+    let departures = match &table {
+        Some(table) => odd_trial::examine(table, &mut cases, &mut findings),
+        None => vec![None; cases.len()],
+    };
+    // As large as the recordings themselves, and of no further use.
+    for case in &mut cases {
+        case.force_n = Vec::new();
+    }
+    findings.sort_by_key(|finding| finding.cause);
+    Diagnosis {
+        findings,
+        cases,
+        table,
+        departures,
+    }
+}
+
+fn unfinished<'a>(findings: Vec<Finding>, cases: Vec<TrialCase<'a>>) -> Diagnosis<'a> {
+    Diagnosis {
+        departures: vec![None; cases.len()],
+        findings,
+        cases,
+        table: None,
+    }
+}
+
+/// Measures the responses, with gravity's share taken off where scale factors to do it with are known.
+fn measure(cases: &mut [TrialCase<'_>], drift: Option<&ZeroDrift>, scale: Option<&Table>) {
+    cases.par_iter_mut().for_each(|case| {
+        let trial = case.trial;
+        let zero = drift.map_or([0.0; LIMBS], |d| d.drift_v);
+        case.force_n = case
+            .conditioned
+            .voltage_v
+            .iter()
+            .map(|row| trial.gains.measured_force_n(row, &zero))
+            .collect();
+        if let Some(table) = scale
+            && trial.role != Role::Linear
+            && trial.role != Role::HighFrequencyLinear
+        {
+            let gravity = trial.gravity_ground_m_s2;
+            for (force, angle) in case.force_n.iter_mut().zip(angles(case.conditioned, trial)) {
+                let weight = turned_gravity_m_s2(gravity, trial.direction_ground, angle);
+                for (limb, force) in force.iter_mut().enumerate() {
+                    *force -= table.mass_over_scale_kg[limb]
+                        * table.shares.linear[table.limb_of[limb]].dot(weight);
+                }
+            }
+        }
+        case.response = response::measure(trial, case.conditioned, &case.force_n);
+    });
+}
+
+/// Angle turned since the first sample, rad, by the trapezoidal rule.
+fn angles(conditioned: &Conditioned, trial: &Trial) -> impl Iterator<Item = f64> {
+    let step_s = 1.0 / trial.sample_rate_hz;
+    let direction = trial.direction_ground;
+    let (mut angle, mut before) = (0.0, 0.0);
+    conditioned.rate_shell_rad_s.iter().map(move |rate| {
+        let now = rate.dot(direction);
+        angle += 0.5 * (before + now) * step_s;
+        before = now;
+        angle
+    })
+}
+
+/// The names of some trials.
+fn names<'s, 'a: 's>(cases: impl IntoIterator<Item = &'s TrialCase<'a>>) -> Vec<String> {
+    cases
+        .into_iter()
+        .map(|case| case.trial.name.clone())
+        .collect()
+}

@@ -1,0 +1,185 @@
+//! Rests that are not where they were: a run begins and ends at rest, so that whatever differs between its ends is drift.
+
+use sixaxis_core::LIMBS;
+use sixaxis_core::identify::zero_drift::ZeroDrift;
+
+use super::TrialCase;
+use super::odd_trial;
+use super::structure::departure;
+use super::table::Table;
+use crate::finding::{Cause, Finding};
+use crate::response::Response;
+use crate::trial::Trial;
+
+/// Drift, relative to the largest force of any channel in the trial, that is noticed.
+const NOTICED: f64 = 4e-3;
+/// Drift of a static record, relative to the converter's range, that is noticed.
+const NOTICED_AT_REST: f64 = 1e-4;
+/// Times its standard error that a drift must exceed.
+const SIGNIFICANT: f64 = 8.0;
+/// Residuals of the fit by which a mean over a short rest may be off.
+const CONTRADICTS: f64 = 4.0;
+/// Share of their peak below which the standards say that nothing moves.
+const AT_REST: f64 = 0.01;
+/// Samples from which a rest is one.
+const FEWEST_AT_REST: usize = 8;
+/// Pieces of a static record whose means are compared.
+const PIECES: usize = 16;
+
+/// Looks at the ends of all runs, and at the course of the static record.
+pub fn examine(
+    at_rest: Option<&Trial>,
+    drift: Option<&ZeroDrift>,
+    table: Option<&Table>,
+    cases: &mut [TrialCase<'_>],
+    findings: &mut Vec<Finding>,
+) {
+    if let (Some(rest), Some(drift)) = (at_rest, drift) {
+        for channel in 0..LIMBS {
+            if let Some(change) = course(rest, channel) {
+                findings.push(Finding {
+                    cause: Cause::DriftDuringRun,
+                    recordings: vec![rest.name.clone()],
+                    channels: vec![channel + 1],
+                    evidence: format!(
+                        "the zero wanders by {:.2} mV during the static record, with noise of {:.2} mV a sample",
+                        1e3 * change,
+                        1e3 * drift.noise_v[channel]
+                    ),
+                    advice: "let sensor and amplifiers warm up, then record at rest again".to_owned(),
+                });
+            }
+        }
+    }
+    for case in cases.iter_mut() {
+        let Some(response) = &case.response else {
+            continue;
+        };
+        if case.explained {
+            continue;
+        }
+        // In a trial of another scale or another sensor the zero is another, too, and that is not the news.
+        let fits_in = table
+            .and_then(|table| departure(table, case))
+            .is_some_and(|departure| departure < odd_trial::NOTICED);
+        let largest = response
+            .channels
+            .iter()
+            .map(|c| c.response.abs() * response.peak)
+            .fold(0.0, f64::max)
+            .max(weight_left_n(case, response, table) / NOTICED);
+        for channel in 0..LIMBS {
+            if case.ignored[channel] {
+                continue;
+            }
+            let own = &response.channels[channel];
+            let gain = case.trial.gains.gain_n_per_v[channel];
+            let limit = NOTICED * largest;
+            let ends = ends_n(case, channel);
+            let by_fit = own.drift_n.abs() > limit + SIGNIFICANT * own.drift_error_n;
+            // In a trial that fits in with the others the fit's word is enough. In one that does not, what looks like drift may be
+            // what makes it odd: then the ends have to say so, too.
+            let by_ends = fits_in
+                || ends
+                    .is_some_and(|(_, change)| change.abs() > limit && change * own.drift_n > 0.0);
+            let by_level = drift.is_some()
+                && fits_in
+                && ends.is_some_and(|(level, _)| {
+                    level.abs() > 2.0 * limit + CONTRADICTS * own.residual_n
+                });
+            if (by_fit && by_ends) || by_level {
+                let (level, _) = ends.unwrap_or((0.0, 0.0));
+                let (what, size) = if by_fit && by_ends {
+                    ("during the run", own.drift_n)
+                } else {
+                    ("between the static record and the run", level)
+                };
+                findings.push(Finding {
+                    cause: Cause::DriftDuringRun,
+                    recordings: vec![case.trial.name.clone()],
+                    channels: vec![channel + 1],
+                    evidence: format!(
+                        "the zero moves by {:.1} mV {what}, {:.1} % of the largest signal",
+                        1e3 * size / gain,
+                        100.0 * size.abs() / largest
+                    ),
+                    advice: "warm up and repeat the trial, and record at rest right before it"
+                        .to_owned(),
+                });
+                case.ignored[channel] = true;
+            }
+        }
+    }
+}
+
+/// What the error of the angle leaves of turning weight in a channel's force, N.
+fn weight_left_n(case: &TrialCase<'_>, response: &Response, table: Option<&Table>) -> f64 {
+    let Some(table) = table else {
+        return 0.0;
+    };
+    let heaviest = (0..LIMBS)
+        .map(|i| table.mass_over_scale_kg[i].abs())
+        .fold(0.0, f64::max);
+    heaviest * table.weight_left_m_s2(case, response)
+}
+
+/// Level at the beginning of the run and its change until the end, N; none for a recording that does not begin and end at rest.
+fn ends_n(case: &TrialCase<'_>, channel: usize) -> Option<(f64, f64)> {
+    let conditioned = case.conditioned;
+    let peak = |series: &[glam::DVec3]| series.iter().map(|v| v.length()).fold(0.0, f64::max);
+    let limits = [
+        AT_REST * peak(&conditioned.linear_ground_m_s2),
+        AT_REST * peak(&conditioned.rate_shell_rad_s),
+    ];
+    let rests = |row: &usize| {
+        conditioned.linear_ground_m_s2[*row].length() <= limits[0]
+            && conditioned.rate_shell_rad_s[*row].length() <= limits[1]
+    };
+    let samples = case.force_n.len();
+    let first = (0..samples).take_while(rests).count();
+    let last = (0..samples).rev().take_while(rests).count();
+    if first.min(last) < FEWEST_AT_REST || first == samples {
+        return None;
+    }
+    let mean = |rows: &[[f64; LIMBS]]| {
+        rows.iter().map(|row| row[channel]).sum::<f64>() / rows.len() as f64
+    };
+    let before = mean(&case.force_n[..first]);
+    let after = mean(&case.force_n[samples - last..]);
+    Some((before, after - before))
+}
+
+/// Change of a static channel along the line through its pieces' means, V, if it is no noise.
+fn course(rest: &Trial, channel: usize) -> Option<f64> {
+    let per_piece = rest.voltage_v.len() / PIECES;
+    if per_piece < 2 {
+        return None;
+    }
+    let means: Vec<f64> = rest
+        .voltage_v
+        .chunks_exact(per_piece)
+        .take(PIECES)
+        .map(|piece| piece.iter().map(|row| row[channel]).sum::<f64>() / per_piece as f64)
+        .collect();
+    // Line through the pieces' means, judged by what they scatter about it.
+    let n = PIECES as f64;
+    let middle = (n - 1.0) / 2.0;
+    let mean = means.iter().sum::<f64>() / n;
+    let squares = n * (n * n - 1.0) / 12.0;
+    let slope = means
+        .iter()
+        .enumerate()
+        .map(|(i, m)| (i as f64 - middle) * (m - mean))
+        .sum::<f64>()
+        / squares;
+    let scatter = means
+        .iter()
+        .enumerate()
+        .map(|(i, m)| (m - mean - slope * (i as f64 - middle)).powi(2))
+        .sum::<f64>()
+        / (n - 2.0);
+    let change = slope * (n - 1.0);
+    let error = (scatter / squares).sqrt() * (n - 1.0);
+    (change.abs() > SIGNIFICANT * error && change.abs() > NOTICED_AT_REST * rest.full_scale_v)
+        .then_some(change)
+}

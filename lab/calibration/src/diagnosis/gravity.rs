@@ -1,0 +1,103 @@
+//! Weight that turns in the sensor. A pure rotation asks for no net force; what net force there is, is weight.
+
+use glam::DVec3;
+use nalgebra::{Matrix3, Vector3};
+use sixaxis_core::LIMBS;
+use sixaxis_core::geometry::DIRECTIONS_SHELL;
+
+use super::table::Table;
+use super::{TrialCase, angles, names};
+use crate::finding::{Cause, Finding};
+use crate::rigid::turned_gravity_m_s2;
+use crate::steps::rows;
+use sixaxis_recordings::session::Role;
+
+/// Weight, m/s^2, from which it is worth a finding: a mounting askew by three degrees.
+const NOTICED_M_S2: f64 = 0.5;
+/// Share of the net force that a constant vector in the ground must explain to be gravity.
+const EXPLAINED: f64 = 0.8;
+
+/// Looks for a gravity that the session does not know of. Where it is there, what turns cannot be examined further.
+pub fn examine(table: &Table, cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
+    let mut seen = Vec::new();
+    for case in cases.iter().filter(|s| s.trial.role == Role::Angular) {
+        if let Some(found) = weight(table, case) {
+            let declared = case.trial.gravity_ground_m_s2;
+            let n = case.trial.direction_ground;
+            // What lies along the axis does not turn.
+            let declared = declared - n * declared.dot(n);
+            if (found - declared).length() > NOTICED_M_S2 {
+                seen.push((case, found, declared));
+            }
+        }
+    }
+    let Some((_, found, declared)) = seen.first().copied() else {
+        return;
+    };
+    findings.push(Finding {
+        cause: Cause::GravityNotHandled,
+        recordings: names(seen.iter().map(|(case, ..)| *case)),
+        channels: Vec::new(),
+        evidence: format!(
+            "during pure rotation the limbs carry a net force that turns as a weight of {:.2} m/s² would, but by the directions in the session it should be {:.2} m/s²",
+            found.length(),
+            declared.length()
+        ),
+        advice: "state where down was with `down` of these recordings, or mount the rig with its axis vertical".to_owned(),
+    });
+    for case in cases.iter_mut() {
+        case.explained |= matches!(case.trial.role, Role::Angular | Role::Validation);
+    }
+}
+
+/// The part of gravity square to the axis, m/s^2, that one trial's net force shows; zero if it shows none. None if the trial
+/// says nothing.
+fn weight(table: &Table, case: &TrialCase<'_>) -> Option<DVec3> {
+    if table.silent.contains(&true) {
+        return None;
+    }
+    let trial = case.trial;
+    let axis = trial.direction_ground;
+    let angle: Vec<f64> = angles(case.conditioned, trial).collect();
+    let net: Vec<DVec3> = case
+        .force_n
+        .iter()
+        .map(|force| {
+            (0..LIMBS)
+                .map(|i| {
+                    DIRECTIONS_SHELL[table.limb_of[i]] * (force[i] / table.mass_over_scale_kg[i])
+                })
+                .sum()
+        })
+        .collect();
+    let rest = *net.first()?;
+    // Least squares for g in net - rest = g - R^T g: linear in g.
+    let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
+    let (mut total, mut samples) = (0.0, 0);
+    let basis = [DVec3::X, DVec3::Y, DVec3::Z];
+    for row in rows(trial) {
+        let columns = basis.map(|g| turned_gravity_m_s2(g, axis, angle[row]));
+        let change = net[row] - rest;
+        for i in 0..3 {
+            for j in 0..3 {
+                normal[(i, j)] += columns[i].dot(columns[j]);
+            }
+            right[i] += columns[i].dot(change);
+        }
+        total += change.length_squared();
+        samples += 1;
+    }
+    // Gravity along the axis does not turn and cannot be seen: the smallest solution has none.
+    let svd = normal.try_svd(true, true, f64::EPSILON, 1000)?;
+    let g = svd.solve(&right, 1e-6 * svd.singular_values.max()).ok()?;
+    let found = DVec3::new(g[0], g[1], g[2]);
+    let explained = right.dot(&g);
+    if found.length() < NOTICED_M_S2 && (total / f64::from(samples)).sqrt() < NOTICED_M_S2 {
+        return Some(DVec3::ZERO);
+    }
+    Some(if explained > EXPLAINED * total {
+        found
+    } else {
+        DVec3::ZERO
+    })
+}

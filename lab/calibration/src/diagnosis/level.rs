@@ -1,0 +1,225 @@
+//! Factors that all trials share, or all channels of one: units, sensitivities, gains.
+//!
+//! A piezo's scale factor is known to a factor of two before it is calibrated; an inertia follows from the drawing, the
+//! slider's acceleration from stroke and frequency. Whatever is further off than those is no sensor but a mistake in writing.
+
+use core::f64::consts::TAU;
+
+use sixaxis_core::LIMBS;
+
+use super::table::{Table, weighted_median};
+use super::{Facts, TrialCase};
+use crate::finding::{Cause, Finding};
+use sixaxis_recordings::session::Role;
+
+/// Largest factor by which all scale factors together may differ from the design's.
+const COMMON: f64 = 2.2;
+/// Largest factor by which one may differ from what the others make of the design.
+const SINGLE: f64 = 3.5;
+/// Largest relative departure of the inertias, all together, from the design's.
+const INERTIA: f64 = 0.35;
+/// Largest relative departure of an amplitude from the rig's: a finite connecting rod changes it by a tenth.
+const RIG: f64 = 0.12;
+
+/// Whether a factor is a thousand, within what a sensor may differ.
+#[must_use]
+pub fn is_thousand(factor: f64) -> bool {
+    let off = (factor.abs().ln() / 1e3_f64.ln()).abs();
+    (0.85..1.15).contains(&off)
+}
+
+/// The factor in words.
+fn factor_in_words(factor: f64) -> String {
+    if factor.abs() >= 1.0 {
+        format!("{factor:.3} times")
+    } else {
+        format!("1/{:.3} of", 1.0 / factor)
+    }
+}
+
+/// What a factor is a sign of.
+#[must_use]
+pub fn cause_of(factor: f64) -> Cause {
+    if is_thousand(factor) {
+        Cause::MillivoltMixUp
+    } else {
+        Cause::WrongScaling
+    }
+}
+
+/// What a factor of this size usually is.
+fn reason(factor: f64) -> &'static str {
+    if is_thousand(factor) {
+        return "volts and millivolts are that far apart";
+    }
+    let near =
+        |x: f64| (factor.abs() / x).ln().abs() < 0.08 || (factor.abs() * x).ln().abs() < 0.08;
+    if near(9.80665) {
+        "g and m/s² are that far apart"
+    } else if near(57.29578) {
+        "degrees and radians are that far apart"
+    } else if near(10.0) || near(100.0) {
+        "a decade of an amplifier's range, or a lost digit"
+    } else if near(2.0) || near(5.0) || near(2.5) {
+        "a step of an amplifier's range"
+    } else {
+        "check gains, sensitivities and units against the certificates and the amplifier's panel"
+    }
+}
+
+/// Looks at all factors.
+pub fn examine(
+    table: &Table,
+    facts: &Facts<'_>,
+    silent: &[bool; LIMBS],
+    cases: &mut [TrialCase<'_>],
+    findings: &mut Vec<Finding>,
+) {
+    // A wrong clock makes wrong accelerations.
+    let mut found = findings
+        .iter()
+        .any(|finding| finding.cause == Cause::ClockMismatch);
+    found |= against_rig(facts, cases, findings);
+    let design = &facts.design.scale_per_mass_per_kg;
+    let ratio: [f64; LIMBS] = core::array::from_fn(|channel| {
+        1.0 / (table.mass_over_scale_kg[channel] * design[table.limb_of[channel]])
+    });
+    let mut sizes: Vec<(f64, f64)> = (0..LIMBS)
+        .filter(|i| !silent[*i])
+        .map(|i| (ratio[i].abs(), 1.0))
+        .collect();
+    let common = weighted_median(&mut sizes).unwrap_or(1.0);
+    if !found && !(1.0 / COMMON..=COMMON).contains(&common) {
+        found = true;
+        findings.push(Finding {
+            cause: cause_of(common),
+            recordings: Vec::new(),
+            channels: Vec::new(),
+            evidence: format!(
+                "all scale factors come out at {} the design's; {}",
+                factor_in_words(common),
+                reason(common)
+            ),
+            advice: "check the unit of the limbs' channels, gain_n_per_v and the accelerometer's sensitivity".to_owned(),
+        });
+    }
+    for channel in 0..LIMBS {
+        let own = ratio[channel].abs() / common;
+        if silent[channel] || (1.0 / SINGLE..=SINGLE).contains(&own) {
+            continue;
+        }
+        found = true;
+        findings.push(Finding {
+            cause: cause_of(own),
+            recordings: Vec::new(),
+            channels: vec![channel + 1],
+            evidence: format!(
+                "its scale factor comes out at {} what the other channels make of the design; {}",
+                factor_in_words(own),
+                reason(own)
+            ),
+            advice: format!("check unit and gain of channel {}", channel + 1),
+        });
+    }
+    if let Some(inertia) = table.inertia_m2
+        && !found
+    {
+        let trace = inertia.x_axis.x + inertia.y_axis.y + inertia.z_axis.z;
+        let design = facts.design.inertia_per_mass;
+        let expected = design.xx_m2 + design.yy_m2 + design.zz_m2;
+        let off = trace / expected;
+        if (off - 1.0).abs() > INERTIA {
+            findings.push(Finding {
+                cause: cause_of(off),
+                recordings: Vec::new(),
+                channels: Vec::new(),
+                evidence: format!(
+                    "the inertias come out at {} the design's, which the drawing fixes far better; {}",
+                    factor_in_words(off),
+                    reason(off)
+                ),
+                advice: "one of the standards is scaled wrongly: check unit and sensitivity of accelerometer and gyroscope".to_owned(),
+            });
+        }
+    }
+}
+
+/// Amplitudes of the standards against stroke and rotation of the rig.
+fn against_rig(
+    facts: &Facts<'_>,
+    cases: &mut [TrialCase<'_>],
+    findings: &mut Vec<Finding>,
+) -> bool {
+    let Some(rig) = facts.rig else {
+        return false;
+    };
+    let mut found = false;
+    for (what, travels, amplitude) in [
+        (
+            "accelerometer",
+            true,
+            rig.stroke_mm.map(|stroke| 0.5e-3 * stroke),
+        ),
+        (
+            "gyroscope",
+            false,
+            rig.rotation_amplitude_deg.map(f64::to_radians),
+        ),
+    ] {
+        let Some(amplitude) = amplitude else {
+            continue;
+        };
+        let factors: Vec<(usize, f64)> = cases
+            .iter()
+            .enumerate()
+            .filter_map(|(index, case)| {
+                let response = case.response.as_ref()?;
+                let role = case.trial.role;
+                if response.travels != travels || role == Role::Validation {
+                    return None;
+                }
+                let omega = TAU * case.trial.frequency_hz;
+                let (seen, expected) = if travels {
+                    (response.peak_linear_m_s2, amplitude * omega * omega)
+                } else {
+                    (response.peak_rate_rad_s, amplitude * omega)
+                };
+                Some((index, seen / expected))
+            })
+            .collect();
+        let odd: Vec<(usize, f64)> = factors
+            .iter()
+            .copied()
+            .filter(|(_, f)| f.ln().abs() > (1.0 + RIG).ln())
+            .collect();
+        if odd.is_empty() {
+            continue;
+        }
+        found = true;
+        let mut all: Vec<(f64, f64)> = odd.iter().map(|(_, f)| (*f, 1.0)).collect();
+        let usual = weighted_median(&mut all).unwrap_or(1.0);
+        let everywhere = odd.len() == factors.len();
+        findings.push(Finding {
+            cause: cause_of(usual),
+            recordings: if everywhere {
+                Vec::new()
+            } else {
+                odd.iter()
+                    .map(|(i, _)| cases[*i].trial.name.clone())
+                    .collect()
+            },
+            channels: Vec::new(),
+            evidence: format!(
+                "the standard {what} shows {} what the rig's {} and the drive's frequency ask for; {}",
+                factor_in_words(usual),
+                if travels { "stroke" } else { "rotation" },
+                reason(usual)
+            ),
+            advice: format!("check unit and sensitivity of the {what} against its certificate"),
+        });
+        for (index, _) in odd {
+            cases[index].explained = true;
+        }
+    }
+    found
+}

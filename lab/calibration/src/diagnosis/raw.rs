@@ -1,0 +1,230 @@
+//! What one recording shows by itself.
+
+use sixaxis_core::LIMBS;
+
+use super::TrialCase;
+use crate::finding::{Cause, Finding};
+use crate::trial::Trial;
+use sixaxis_recordings::session::Role;
+
+/// Equal extreme samples in a row that make a flat top: noise does not repeat itself to the last bit, a converter at its end
+/// does.
+const FLAT_TOP: usize = 4;
+/// Voltages beyond this multiple of the converter's limit did not come from it as volts.
+const BEYOND: f64 = 1.2;
+/// Converter steps by which a top that was merely rounded has fallen as far out again as it is wide, with room for noise.
+const ROUNDED_TOP: f64 = 12.0;
+/// A flat top is no news in a channel that spans no more than so many converter steps.
+const STEPS_SPANNED: f64 = 64.0;
+
+/// Clipped and constant channels.
+pub fn examine(at_rest: Option<&Trial>, cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
+    let beyond = beyond_converter(at_rest, cases, findings);
+    if let Some(rest) = at_rest {
+        for channel in (0..LIMBS).filter(|channel| !beyond[*channel]) {
+            if clipped(rest, channel) == Some(Clipping::AtLimit) {
+                findings.push(clipping(rest, channel, Clipping::AtLimit));
+            }
+        }
+    }
+    for case in cases {
+        for channel in (0..LIMBS).filter(|channel| !beyond[*channel]) {
+            if let Some(how) = clipped(case.trial, channel) {
+                findings.push(clipping(case.trial, channel, how));
+                case.ignored[channel] = true;
+            }
+        }
+        for (what, series, moves) in [
+            (
+                "standard accelerometer",
+                &case.trial.accelerometer_m_s2,
+                matches!(case.trial.role, Role::Linear | Role::HighFrequencyLinear),
+            ),
+            (
+                "standard gyroscope",
+                &case.trial.gyroscope_rad_s,
+                case.trial.role == Role::Angular,
+            ),
+        ] {
+            let constant = series.iter().all(|x| Some(x) == series.first());
+            if moves && constant {
+                findings.push(Finding {
+                    cause: Cause::Unreadable,
+                    recordings: vec![case.trial.name.clone()],
+                    channels: Vec::new(),
+                    evidence: format!(
+                        "the {what} reads {:.4} throughout",
+                        series.first().copied().unwrap_or_default()
+                    ),
+                    advice: format!("check the cable of the {what} and record the trial again"),
+                });
+                case.explained = true;
+            }
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Clipping {
+    AtLimit,
+    FlatTop(f64),
+}
+
+fn clipping(trial: &Trial, channel: usize, how: Clipping) -> Finding {
+    let limit = trial.full_scale_v;
+    let beyond = trial
+        .voltage_v
+        .iter()
+        .filter(|row| match how {
+            Clipping::AtLimit => row[channel].abs() >= limit,
+            Clipping::FlatTop(top) => row[channel] == top,
+        })
+        .count();
+    Finding {
+        cause: Cause::ClippedConverter,
+        recordings: vec![trial.name.clone()],
+        channels: vec![channel + 1],
+        evidence: match how {
+            Clipping::AtLimit => format!(
+                "{beyond} of {} samples stand at the converter's limit of {limit} V",
+                trial.voltage_v.len()
+            ),
+            Clipping::FlatTop(top) => {
+                format!(
+                    "flat at {top:.4} V in {beyond} samples, below the limit of {limit} V that the session states"
+                )
+            }
+        },
+        advice: "set the amplifier to its next coarser range and record the trial again".to_owned(),
+    }
+}
+
+/// Values that no converter of the stated range delivers: they are in another unit than the file or the session says. Returns
+/// the channels concerned.
+fn beyond_converter(
+    at_rest: Option<&Trial>,
+    cases: &mut [TrialCase<'_>],
+    findings: &mut Vec<Finding>,
+) -> [bool; LIMBS] {
+    let largest = |trial: &Trial, channel: usize| {
+        trial
+            .voltage_v
+            .iter()
+            .fold(0.0_f64, |a, row| a.max(row[channel].abs()))
+    };
+    let mut recordings = Vec::new();
+    let mut channels = [false; LIMBS];
+    let mut most = (0.0, 0.0);
+    let mut look = |trial: &Trial| -> [bool; LIMBS] {
+        let peaks: [f64; LIMBS] = core::array::from_fn(|channel| largest(trial, channel));
+        let beyond = peaks.map(|peak| peak > BEYOND * trial.full_scale_v);
+        if beyond.contains(&true) {
+            recordings.push(trial.name.clone());
+            for channel in 0..LIMBS {
+                channels[channel] |= beyond[channel];
+                if peaks[channel] > most.0 {
+                    most = (peaks[channel], trial.full_scale_v);
+                }
+            }
+        }
+        beyond
+    };
+    if let Some(rest) = at_rest {
+        look(rest);
+    }
+    for case in cases.iter_mut() {
+        let beyond = look(case.trial);
+        for (ignored, beyond) in case.ignored.iter_mut().zip(beyond) {
+            *ignored |= beyond;
+        }
+        // Channels of one recorder share its unit; those that stay within the range by chance are no better.
+        case.explained |= beyond.iter().filter(|b| **b).count() > LIMBS / 2;
+    }
+    if recordings.is_empty() {
+        return channels;
+    }
+    findings.push(Finding {
+        cause: Cause::MillivoltMixUp,
+        recordings: if recordings.len() > cases.len() / 2 {
+            Vec::new()
+        } else {
+            recordings
+        },
+        channels: if channels.iter().filter(|b| **b).count() > LIMBS / 2 {
+            Vec::new()
+        } else {
+            (1..=LIMBS).filter(|i| channels[i - 1]).collect()
+        },
+        evidence: format!(
+            "voltages up to {:.0} V from a converter that ends at {} V",
+            most.0, most.1
+        ),
+        advice:
+            "the numbers are millivolts: say so in the file's heading or in [channels] limbs_unit"
+                .to_owned(),
+    });
+    channels
+}
+
+fn clipped(trial: &Trial, channel: usize) -> Option<Clipping> {
+    let (low, high) = trial
+        .voltage_v
+        .iter()
+        .map(|row| row[channel])
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), u| {
+            (l.min(u), h.max(u))
+        });
+    if high.max(-low) > BEYOND * trial.full_scale_v {
+        return None;
+    }
+    let series = || trial.voltage_v.iter().map(|row| row[channel]);
+    if series().any(|u| u.abs() >= trial.full_scale_v) {
+        return Some(Clipping::AtLimit);
+    }
+    if trial.role == Role::Static {
+        return None;
+    }
+    // The converter's step: the smallest difference that occurs between neighbours.
+    let step = trial
+        .voltage_v
+        .windows(2)
+        .map(|pair| (pair[1][channel] - pair[0][channel]).abs())
+        .filter(|d| *d > 0.0)
+        .fold(f64::INFINITY, f64::min);
+    if high - low <= STEPS_SPANNED * step {
+        return None;
+    }
+    let series: Vec<f64> = series().collect();
+    for extreme in [low, high] {
+        let mut start = None;
+        for (i, u) in series.iter().enumerate() {
+            match (start, *u == extreme) {
+                (None, true) => start = Some(i),
+                (Some(from), false) => {
+                    if is_cut_off(&series, from, i, step) {
+                        return Some(Clipping::FlatTop(extreme));
+                    }
+                    start = None;
+                }
+                _ => {}
+            }
+        }
+    }
+    None
+}
+
+/// Whether a run of equal extreme samples was cut off rather than rounded off. The top of a sine that stays within half a
+/// converter step for n samples has fallen by 4.5 steps n samples further out; one that was cut has fallen by many. A run at
+/// either end of the recording is a rest.
+fn is_cut_off(series: &[f64], from: usize, to: usize, step: f64) -> bool {
+    let n = to - from;
+    if n < FLAT_TOP || from == 0 || to == series.len() {
+        return false;
+    }
+    let before = series[from.saturating_sub(n)];
+    let after = series[(to + n - 1).min(series.len() - 1)];
+    let fallen = (before - series[from])
+        .abs()
+        .min((after - series[from]).abs());
+    fallen > ROUNDED_TOP * step
+}

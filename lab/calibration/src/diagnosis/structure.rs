@@ -1,0 +1,296 @@
+//! What all trials together show of a channel, and of the campaign's directions.
+
+use glam::{DMat3, DVec3};
+use sixaxis_core::LIMBS;
+use sixaxis_core::dsp::spectrum::noise_floor;
+
+use super::table::{Table, norm, usable, weighted_median};
+use super::{Facts, TrialCase};
+use crate::finding::{Cause, Finding};
+use crate::rigid::StaticLoadSharing;
+use sixaxis_recordings::session::Role;
+
+/// A direction that gets less than this share of the best one's excitation is not excited: the errors of what rests on it
+/// are three times as large and more.
+const EXCITED: f64 = 0.1;
+/// A trial with less than this share of the largest peak excites nothing.
+const WEAK: f64 = 0.02;
+/// Sine of the angle below which two directions are one wedge's.
+const SAME_WEDGE: f64 = 0.01;
+/// A channel whose response is below this share of what its neighbours make one expect is silent.
+const SILENT: f64 = 0.03;
+/// A channel that varies by less than so many times its noise from sample to sample shows nothing but noise. A channel that
+/// is merely scaled down shows its signal still.
+const ONLY_NOISE: f64 = 1.5;
+/// Departure from the table, relative to a trial, beyond which more makes no difference to who belongs where.
+const COST_CAP: f64 = 0.2;
+/// Mean departure a channel must have for an exchange to be looked for, and what an exchange must bring it down to.
+const SUSPICIOUS_COST: f64 = 0.02;
+/// See [`SUSPICIOUS_COST`].
+const EXPLAINED: f64 = 0.25;
+
+/// Directions that the trials of steps 2 and 3 leave out.
+pub fn excitation(cases: &[TrialCase<'_>], findings: &mut Vec<Finding>) {
+    for (role, what, step) in [
+        (Role::Linear, "linear", "scale factors"),
+        (Role::Angular, "angular", "inertias"),
+    ] {
+        let trials: Vec<(DVec3, f64)> = cases
+            .iter()
+            .filter(|s| s.trial.role == role)
+            .filter_map(|s| {
+                let response = s.response.as_ref()?;
+                Some((s.trial.direction_ground, response.peak))
+            })
+            .collect();
+        let largest = trials.iter().map(|t| t.1).fold(0.0, f64::max);
+        let mut gram = DMat3::ZERO;
+        // Repeats on one wedge excite no more directions, and a trial needs no more than to stand out from the noise.
+        let mut counted: Vec<DVec3> = Vec::new();
+        for (d, peak) in &trials {
+            if *peak < WEAK * largest || counted.iter().any(|c| c.cross(*d).length() < SAME_WEDGE) {
+                continue;
+            }
+            counted.push(*d);
+            let v = *d;
+            gram += DMat3::from_cols(v * v.x, v * v.y, v * v.z);
+        }
+        let m = nalgebra::Matrix3::from_column_slice(&gram.to_cols_array());
+        let Some(eigen) = nalgebra::SymmetricEigen::try_new(m, 1e-14, 1000) else {
+            continue;
+        };
+        let (worst, best) = (eigen.eigenvalues.imin(), eigen.eigenvalues.max());
+        let share = (eigen.eigenvalues[worst].max(0.0) / best).sqrt();
+        // Written so that no trials at all, NaN, count as none excited.
+        let excited = share >= EXCITED;
+        if !excited {
+            let lost = eigen.eigenvectors.column(worst);
+            findings.push(Finding {
+                cause: Cause::UnderExcitedAxis,
+                recordings: Vec::new(),
+                channels: Vec::new(),
+                evidence: if trials.is_empty() {
+                    format!("no {what} trial could be used")
+                } else {
+                    format!(
+                        "the {what} trials together move {:.1} % as much along ({:.2}, {:.2}, {:.2}) as along their best direction; the {step} rest on all three",
+                        100.0 * share,
+                        lost[0],
+                        lost[1],
+                        lost[2]
+                    )
+                },
+                advice: format!(
+                    "record {what} trials on a wedge whose direction is near ({:.1}, {:.1}, {:.1})",
+                    lost[0], lost[1], lost[2]
+                ),
+            });
+        }
+    }
+}
+
+/// Channels that say nothing in any trial, or nothing in some.
+pub fn silent(
+    shares: &StaticLoadSharing,
+    facts: &Facts<'_>,
+    cases: &mut [TrialCase<'_>],
+    findings: &mut Vec<Finding>,
+) -> [bool; LIMBS] {
+    // Size of each channel's response over what the design makes one expect; the inertia's share is left out.
+    let design = &facts.design.scale_per_mass_per_kg;
+    let ratio = |case: &TrialCase<'_>, channel: usize| -> Option<f64> {
+        let response = case.response.as_ref()?;
+        let d = case.trial.direction_ground;
+        let expected = if response.travels {
+            shares.linear[channel].dot(d).abs()
+        } else {
+            let inertia = facts.design.inertia_per_mass.matrix_mass_m2();
+            shares.torque_per_m[channel].dot(inertia * d).abs()
+        };
+        let seen = (response.channels[channel].response * design[channel]).abs();
+        // StaticLoadSharing of the size of a tenth of the largest are the first that a twisted wedge or a neighbour's error leaves alone.
+        let largest = if response.travels { 0.58 } else { 6.6e-3 };
+        // In a compound run the two shares may cancel.
+        (case.trial.role != Role::Validation && expected > 0.15 * largest)
+            .then_some(seen / expected)
+    };
+    let mut silent = [false; LIMBS];
+    for (channel, silent) in silent.iter_mut().enumerate() {
+        let mut quiet: Vec<usize> = Vec::new();
+        let mut judged = 0;
+        for (index, case) in cases.iter().enumerate() {
+            let Some(own) = ratio(case, channel) else {
+                continue;
+            };
+            let mut others: Vec<(f64, f64)> = (0..LIMBS)
+                .filter(|other| *other != channel)
+                .filter_map(|other| ratio(case, other).map(|r| (r, 1.0)))
+                .collect();
+            let Some(usual) = weighted_median(&mut others) else {
+                continue;
+            };
+            judged += 1;
+            if own < SILENT * usual && only_noise(case, channel) {
+                quiet.push(index);
+            }
+        }
+        if quiet.is_empty() {
+            continue;
+        }
+        *silent = quiet.len() == judged;
+        for index in &quiet {
+            cases[*index].ignored[channel] = true;
+        }
+        let recordings = if *silent {
+            Vec::new()
+        } else {
+            quiet.iter().map(|i| cases[*i].trial.name.clone()).collect()
+        };
+        findings.push(Finding {
+            cause: Cause::DeadLimb,
+            recordings,
+            channels: vec![channel + 1],
+            evidence: format!(
+                "no response to the motion in {} of {judged} trials that should move it",
+                quiet.len()
+            ),
+            advice: format!(
+                "check piezo, cable and amplifier of limb {}, then repeat all trials",
+                channel + 1
+            ),
+        });
+    }
+    silent
+}
+
+fn only_noise(case: &TrialCase<'_>, channel: usize) -> bool {
+    let series: Vec<f64> = case
+        .trial
+        .voltage_v
+        .iter()
+        .map(|row| row[channel])
+        .collect();
+    let mean = series.iter().sum::<f64>() / series.len() as f64;
+    let square = series.iter().map(|u| (u - mean) * (u - mean)).sum::<f64>() / series.len() as f64;
+    noise_floor(&series).is_ok_and(|noise| square.sqrt() <= ONLY_NOISE * noise)
+}
+
+/// Channels that were taken for each other in the whole campaign: the table with them put right.
+pub fn exchanged(
+    linear: Table,
+    facts: &Facts<'_>,
+    silent: &[bool; LIMBS],
+    cases: &mut [TrialCase<'_>],
+    findings: &mut Vec<Finding>,
+) -> Table {
+    let own = linear.exchanged(cases, None);
+    let observations = usable(cases).count().max(1) as f64;
+    let mean = |table: &Table| (table.cost(cases, COST_CAP) / observations).sqrt();
+    let cost = mean(&own);
+    if cost < SUSPICIOUS_COST {
+        return own;
+    }
+    let design = &facts.design.scale_per_mass_per_kg;
+    let mut best: Option<((usize, usize), f64, Table)> = None;
+    for a in 0..LIMBS {
+        for b in a + 1..LIMBS {
+            if silent[a] || silent[b] {
+                continue;
+            }
+            let table = linear.exchanged(cases, Some((a, b)));
+            let cost = mean(&table);
+            if best.as_ref().is_none_or(|(_, least, _)| cost < *least) {
+                best = Some(((a, b), cost, table));
+            }
+        }
+    }
+    match best {
+        Some(((a, b), least, table)) if least < EXPLAINED * cost => {
+            let sign = |i: usize| table.mass_over_scale_kg[i] * design[i] > 0.0;
+            if sign(a) && sign(b) {
+                findings.push(Finding {
+                    cause: Cause::SwappedChannels,
+                    recordings: Vec::new(),
+                    channels: vec![a + 1, b + 1],
+                    evidence: format!(
+                        "channel {} responds as limb {} should and the other way round: exchanged, the trials depart by {:.2} % from what the geometry asks for, as they are by {:.1} %",
+                        a + 1,
+                        b + 1,
+                        100.0 * least,
+                        100.0 * cost
+                    ),
+                    advice: format!(
+                        "exchange channels {} and {} in the session's [channels], or their plugs",
+                        a + 1,
+                        b + 1
+                    ),
+                });
+                return table;
+            }
+            own
+        }
+        _ => own,
+    }
+}
+
+/// Channels whose scale factor has the other sign than the design's.
+pub fn inverted(
+    table: &Table,
+    facts: &Facts<'_>,
+    silent: &[bool; LIMBS],
+    findings: &mut Vec<Finding>,
+) {
+    let reversed = |channel: usize| {
+        table.mass_over_scale_kg[channel]
+            * facts.design.scale_per_mass_per_kg[table.limb_of[channel]]
+            < 0.0
+    };
+    let judged = silent.iter().filter(|silent| !**silent).count();
+    if (0..LIMBS).filter(|i| !silent[*i] && reversed(*i)).count() == judged {
+        findings.push(Finding {
+            cause: Cause::WrongScaling,
+            recordings: Vec::new(),
+            channels: Vec::new(),
+            evidence: "all scale factors have the other sign than the design's: the standard accelerometer is reversed".to_owned(),
+            advice: "turn the accelerometer's polarity round, or the wedges' directions".to_owned(),
+        });
+        return;
+    }
+    for (channel, silent) in silent.iter().enumerate() {
+        let limb = table.limb_of[channel];
+        if !silent
+            && table.mass_over_scale_kg[channel] * facts.design.scale_per_mass_per_kg[limb] < 0.0
+        {
+            findings.push(Finding {
+                cause: Cause::InvertedChannel,
+                recordings: Vec::new(),
+                channels: vec![channel + 1],
+                evidence: format!(
+                    "scale factor {:.3} 1/kg, of the other sign than the design's {:.3} 1/kg",
+                    1.0 / table.mass_over_scale_kg[channel],
+                    facts.design.scale_per_mass_per_kg[limb]
+                ),
+                advice: "turn the channel's polarity round, or give its gain_n_per_v a minus sign"
+                    .to_owned(),
+            });
+        }
+    }
+}
+
+/// How far a trial departs from the table, relative to its own size.
+#[must_use]
+pub fn departure(table: &Table, case: &TrialCase<'_>) -> Option<f64> {
+    let response = case.response.as_ref()?;
+    if !response.travels && table.inertia_m2.is_none() {
+        return None;
+    }
+    let (seen, expected) = table.compare(case, response);
+    let difference = core::array::from_fn(|i| {
+        if case.ignored[i] {
+            0.0
+        } else {
+            seen[i] - expected[i]
+        }
+    });
+    Some(norm(&difference) / table.size(case, response, &expected))
+}

@@ -1,0 +1,84 @@
+//! Something that is wrong with a session, by its cause.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// What can be wrong.
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
+)]
+#[serde(rename_all = "snake_case")]
+pub enum Cause {
+    /// A recording cannot be read or lacks what the session promises.
+    Unreadable,
+    /// A channel stands at the converter's limit.
+    ClippedConverter,
+    /// A limb says nothing.
+    DeadLimb,
+    /// Two channels are exchanged.
+    SwappedChannels,
+    /// A channel has the wrong sign.
+    InvertedChannel,
+    /// The trials leave a direction out.
+    UnderExcitedAxis,
+    /// Gravity turns in the sensor and the session does not say so, or the other way round.
+    GravityNotHandled,
+    /// Volts and millivolts mixed up.
+    MillivoltMixUp,
+    /// A gain, a sensitivity or a unit is not what the session says.
+    WrongScaling,
+    /// Sensor and standards, or the recording and the session, do not agree on time.
+    ClockMismatch,
+    /// The gyroscope lags and nothing undoes it.
+    GyroscopeLag,
+    /// A channel's zero moved during a run or since the static record.
+    DriftDuringRun,
+    /// The motion was not along the direction that the wedge sets.
+    LooseWedge,
+    /// A trial is another sensor's.
+    ForeignTrial,
+    /// A trial does not agree with the others, and no cause explains it.
+    Unexplained,
+    /// The joint fit was asked for and cannot be done.
+    JointFitRefused,
+}
+
+impl Cause {
+    /// The name in headings and messages.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Unreadable => "recording cannot be used",
+            Self::ClippedConverter => "converter clips",
+            Self::DeadLimb => "dead limb",
+            Self::SwappedChannels => "channels exchanged",
+            Self::InvertedChannel => "channel inverted",
+            Self::UnderExcitedAxis => "axis not excited",
+            Self::GravityNotHandled => "gravity not handled",
+            Self::MillivoltMixUp => "volts and millivolts mixed up",
+            Self::WrongScaling => "wrong unit or scaling",
+            Self::ClockMismatch => "clocks disagree",
+            Self::GyroscopeLag => "gyroscope's lag not undone",
+            Self::DriftDuringRun => "zero drifts",
+            Self::LooseWedge => "wedge loose or wrong",
+            Self::ForeignTrial => "trial of another sensor",
+            Self::Unexplained => "does not fit, cause unknown",
+            Self::JointFitRefused => "joint fit refused",
+        }
+    }
+}
+
+/// Something that is wrong.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Finding {
+    /// What.
+    pub cause: Cause,
+    /// Recordings concerned; all if empty.
+    pub recordings: Vec<String>,
+    /// Channels concerned, from 1; all or none in particular if empty.
+    pub channels: Vec<usize>,
+    /// What was seen, with its numbers.
+    pub evidence: String,
+    /// What to do.
+    pub advice: String,
+}

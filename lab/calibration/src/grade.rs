@@ -1,0 +1,251 @@
+//! From evidence to a grade: what fails, what is missing, what is good.
+
+use crate::finding::{Cause, Finding};
+use crate::report::{Grade, ParameterReport, TrialReport};
+use crate::steps::{Campaign, FourSteps};
+use sixaxis_recordings::session::{Role, Session};
+
+/// Largest coordination residual that a good calibration has: limbs whose stiffnesses differ by so much are not nine of a kind.
+pub const COORDINATION_LIMIT: f64 = 0.1;
+/// A limit that is missed by this factor fails the calibration.
+const BEYOND_DOUBT: f64 = 2.0;
+/// Standard errors by which the gyroscope's gain must leave its class to be called wrong.
+const GAIN_SIGNIFICANT: f64 = 5.0;
+/// Trials of a step from which leaving one out proves something.
+const TRIALS_WANTED: usize = 6;
+
+/// The largest of some errors; what is not a number is infinitely large.
+pub(crate) fn worst(errors: &[f64]) -> f64 {
+    errors.iter().fold(0.0, |worst: f64, error| {
+        if error.is_nan() {
+            f64::INFINITY
+        } else {
+            worst.max(*error)
+        }
+    })
+}
+
+/// Evidence that fails so badly that no reservation will do.
+pub(crate) fn failures(
+    session: &Session,
+    reports: &[TrialReport],
+    steps: Option<&FourSteps>,
+) -> Vec<Finding> {
+    let limits = &session.limits;
+    let gyroscope_class = session.gyroscope.class_percent / 100.0;
+    let mut failures = Vec::new();
+    for report in reports {
+        let hold_out = report.hold_out.map(|error| worst(&[error]));
+        let validation = report.validation.map(|errors| worst(&errors));
+        for (error, limit, what) in [
+            (
+                hold_out,
+                limits.hold_out_percent,
+                "the other trials predict it only to within",
+            ),
+            (
+                validation,
+                limits.validation_percent,
+                "decoupled, it departs from the standards by",
+            ),
+        ] {
+            if let Some(error) = error
+                && error > BEYOND_DOUBT * limit / 100.0
+            {
+                failures.push(Finding {
+                    cause: Cause::Unexplained,
+                    recordings: vec![report.name.clone()],
+                    channels: Vec::new(),
+                    evidence: format!("{what} {:.1} %, where the session asks for {limit} %", 100.0 * error),
+                    advice: "check wedges, mounting and preprocessing; with a level axis, or a wedge off by a tenth of a degree, the open loop is no better".to_owned(),
+                });
+            }
+        }
+    }
+    if let Some((gain, error)) = steps.and_then(|steps| steps.gyroscope_gain_seen)
+        && (gain - 1.0).abs() > gyroscope_class + GAIN_SIGNIFICANT * error
+    {
+        failures.push(Finding {
+            cause: Cause::WrongScaling,
+            recordings: Vec::new(),
+            channels: Vec::new(),
+            evidence: format!(
+                "by Euler's equation the true rate is {gain:.3} ± {error:.3} times the gyroscope's reading, beyond its class of {:.1} %",
+                100.0 * gyroscope_class
+            ),
+            advice: "check unit and sensitivity of the gyroscope against its certificate".to_owned(),
+        });
+    }
+    failures
+}
+
+/// What would prove a calibration and is missing, or is less than it should be.
+pub(crate) fn reservations(
+    campaign: &Campaign,
+    session: &Session,
+    parameters: &[ParameterReport],
+    reports: &[TrialReport],
+) -> Vec<String> {
+    let limits = &session.limits;
+    let rig_is_known = session
+        .rig
+        .as_ref()
+        .is_some_and(|rig| rig.stroke_mm.is_some() && rig.rotation_amplitude_deg.is_some());
+    let mut reservations = Vec::new();
+    let count = |role: Role| {
+        campaign
+            .trials
+            .iter()
+            .filter(|(t, _)| t.role == role)
+            .count()
+    };
+    for (role, what) in [(Role::Linear, "linear"), (Role::Angular, "angular")] {
+        let trials = count(role);
+        if trials < TRIALS_WANTED {
+            reservations.push(format!(
+                "{trials} {what} trials leave little to test with: record at least {TRIALS_WANTED}, on three wedges or more"
+            ));
+        }
+    }
+    if !rig_is_known {
+        reservations.push(
+            "state the rig's stroke_mm and rotation_amplitude_deg in [rig]: nothing else checks the scaling of the standards"
+                .to_owned(),
+        );
+    }
+    if count(Role::Validation) == 0 {
+        reservations.push(
+            "record a compound motion (role \"validation\"): nothing here was held against a run that was not fitted".to_owned(),
+        );
+    }
+    // A product of inertia may be zero; the moments and the scale factors may not.
+    let wide: Vec<(&ParameterReport, f64)> = parameters
+        .iter()
+        .filter(|p| p.parameter.has_size())
+        .filter_map(|p| Some((p, p.half_width_95? / p.estimate.abs())))
+        .filter(|(_, share)| *share > limits.interval_percent / 100.0)
+        .collect();
+    if let Some((worst, share)) = wide.iter().max_by(|a, b| a.1.total_cmp(&b.1)) {
+        let names: Vec<String> = wide.iter().map(|(p, _)| p.parameter.to_string()).collect();
+        reservations.push(format!(
+            "{}: known only to ±{:.0} % at worst ({}), mostly because of {}; repeat trials that load them",
+            names.join(", "),
+            100.0 * share,
+            worst.parameter,
+            worst.dominated_by
+        ));
+    }
+    let uneven: Vec<(&TrialReport, f64)> = reports
+        .iter()
+        .filter_map(|r| Some((r, worst(&r.coordination?))))
+        .filter(|(_, worst)| *worst > COORDINATION_LIMIT)
+        .collect();
+    if let Some((report, worst)) = uneven.iter().max_by(|a, b| a.1.total_cmp(&b.1)) {
+        reservations.push(format!(
+            "in {} recordings the forces break a coordination equation by up to {:.0} % ({}): the limbs are not equally stiff",
+            uneven.len(),
+            100.0 * worst,
+            report.name
+        ));
+    }
+    let resting: Vec<&str> = reports
+        .iter()
+        .filter(|r| matches!(r.role, Role::Linear | Role::Angular) && r.hold_out.is_none())
+        .map(|r| r.name.as_str())
+        .collect();
+    let enough = count(Role::Linear).min(count(Role::Angular)) >= TRIALS_WANTED;
+    if !resting.is_empty() && enough && !parameters.is_empty() {
+        reservations.push(format!(
+            "{}: without it a direction is not excited, so that nothing tests it: record another on its wedge",
+            resting.join(", ")
+        ));
+    }
+    for report in reports {
+        if let Some(error) = report.hold_out
+            && error > limits.hold_out_percent / 100.0
+        {
+            reservations.push(format!(
+                "{}: the other trials predict it only to within {:.1} % (the session asks for {} %): repeat it",
+                report.name,
+                100.0 * error,
+                limits.hold_out_percent
+            ));
+        }
+        if let Some(errors) = report.validation {
+            let worst = worst(&errors);
+            if worst > limits.validation_percent / 100.0 {
+                reservations.push(format!(
+                    "{}: decoupled, it departs from the standards by {:.1} % (the session asks for {} %); at low frequency a wedge that is off by a tenth of a degree does as much as 15 %",
+                    report.name,
+                    100.0 * worst,
+                    limits.validation_percent
+                ));
+            }
+        }
+    }
+    reservations
+}
+
+pub(crate) fn grade(
+    findings: &[Finding],
+    reservations: &[String],
+    reports: &[TrialReport],
+    identified: bool,
+) -> (Grade, String) {
+    if let Some(first) = findings.first() {
+        let mut causes: Vec<Cause> = findings.iter().map(|f| f.cause).collect();
+        causes.dedup();
+        let more = match causes.as_slice() {
+            [_, second] => format!("; also: {}", second.name()),
+            [_, second, rest @ ..] => {
+                format!("; also: {} and {} more", second.name(), rest.len())
+            }
+            _ => String::new(),
+        };
+        let mut places: Vec<&str> = findings
+            .iter()
+            .filter(|f| f.cause == first.cause)
+            .flat_map(|f| f.recordings.iter().map(String::as_str))
+            .collect();
+        places.sort_unstable();
+        places.dedup();
+        let place = match places.as_slice() {
+            [] => String::new(),
+            [one] => format!(" in {one}"),
+            [one, two] => format!(" in {one} and {two}"),
+            [one, rest @ ..] => format!(" in {one} and {} more recordings", rest.len()),
+        };
+        return (
+            Grade::Bad,
+            format!("Not good: {}{place}{more}.", first.cause.name()),
+        );
+    }
+    if !identified {
+        return (
+            Grade::Bad,
+            "Not good: the four steps could not be done.".to_owned(),
+        );
+    }
+    let worst = reports
+        .iter()
+        .filter_map(|r| r.validation)
+        .map(|errors| worst(&errors))
+        .fold(0.0, f64::max);
+    if reservations.is_empty() {
+        (
+            Grade::Good,
+            format!(
+                "Good: nothing was found wrong, and runs that were not fitted come out within {:.1} % of the standards.",
+                100.0 * worst
+            ),
+        )
+    } else {
+        (
+            Grade::Reserved,
+            match reservations.len() {
+                1 => "Good with reservations: one point is open.".to_owned(),
+                n => format!("Good with reservations: {n} points are open."),
+            },
+        )
+    }
+}

@@ -1,0 +1,152 @@
+//! A session's recordings sorted by what they are for, and conditioned.
+//!
+//! A recording that cannot be used is a finding, not an error: the rest can still be calibrated with.
+
+use rayon::prelude::*;
+
+use crate::conditioning::{Conditioned, Conditioning};
+use crate::error::{Error, Result};
+use crate::finding::{Cause, Finding};
+use crate::load;
+use crate::progress::Progress;
+use crate::steps::Campaign;
+use crate::trial::Trial;
+use sixaxis_recordings::session::{Role, Session, SessionFile, Stage};
+
+/// Corner of the low-pass for validation runs over the drive's frequency: what is compared there is the gyroscope's second
+/// derivative, and its noise must stay out. The drive loses 7e-6, the same on both sides.
+pub const VALIDATION_CORNER: f64 = 4.4;
+
+/// What a calibration works on.
+#[derive(Debug, Clone)]
+pub struct PreparedSession {
+    /// The static record, if there is one.
+    pub at_rest: Option<Trial>,
+    /// Trials of steps 2 to 4 and validation runs, conditioned, and the static record's voltages.
+    pub campaign: Campaign,
+    /// Taps.
+    pub taps: Vec<Trial>,
+    /// The conditioning of all trials but validation runs.
+    pub conditioning: Conditioning,
+    /// Recordings that cannot be used.
+    pub findings: Vec<Finding>,
+}
+
+impl PreparedSession {
+    /// Reads and conditions all recordings of a session.
+    ///
+    /// # Errors
+    /// [`sixaxis_recordings::Error::Session`]: a session whose own statements cannot be.
+    pub fn read(file: &SessionFile, progress: &dyn Progress) -> Result<Self> {
+        let entries = &file.session.recording;
+        progress.stage("reading", entries.len());
+        let loaded: Vec<Result<Trial>> = (0..entries.len())
+            .into_par_iter()
+            .map(|index| {
+                let trial = load::trial(file, index);
+                progress.part();
+                trial
+            })
+            .collect();
+        let mut findings = Vec::new();
+        let mut trials = Vec::new();
+        for (entry, trial) in entries.iter().zip(loaded) {
+            match trial {
+                Ok(trial) => trials.push(trial),
+                Err(error @ Error::Recording(sixaxis_recordings::Error::Session { .. })) => {
+                    return Err(error);
+                }
+                Err(error) => {
+                    let name = entry.file.display().to_string();
+                    findings.push(unreadable(&name, error.to_string()));
+                }
+            }
+        }
+        let at_rest = trials.iter().any(|trial| trial.role == Role::Static);
+        if !at_rest && findings.is_empty() {
+            findings.push(Finding {
+                cause: Cause::Unreadable,
+                recordings: Vec::new(),
+                channels: Vec::new(),
+                evidence: "the session has no static record, and step 1 needs one".to_owned(),
+                advice:
+                    "record the sensor at rest for ten minutes and enter it with role = \"static\""
+                        .to_owned(),
+            });
+        }
+        let mut prepared = Self::of(&file.session, trials, progress);
+        findings.append(&mut prepared.findings);
+        prepared.findings = findings;
+        Ok(prepared)
+    }
+
+    /// Sorts and conditions recordings that are in memory.
+    #[must_use]
+    pub fn of(session: &Session, recordings: Vec<Trial>, progress: &dyn Progress) -> Self {
+        let mut at_rest = None;
+        let mut moving = Vec::new();
+        let mut taps = Vec::new();
+        for trial in recordings {
+            match trial.role {
+                // The first static record counts; one more at the end of the day does no harm.
+                Role::Static if at_rest.is_none() => at_rest = Some(trial),
+                Role::Static => {}
+                Role::Tap => taps.push(trial),
+                _ => moving.push(trial),
+            }
+        }
+        let conditioning = Conditioning::of(session);
+        progress.stage("conditioning", moving.len());
+        let conditioned: Vec<(Trial, sixaxis_core::Result<Conditioned>)> = moving
+            .into_par_iter()
+            .map(|trial| {
+                let conditioned = for_role(&conditioning, trial.role).condition(&trial);
+                progress.part();
+                (trial, conditioned)
+            })
+            .collect();
+        let mut trials = Vec::new();
+        let mut findings = Vec::new();
+        for (trial, conditioned) in conditioned {
+            match conditioned {
+                Ok(conditioned) => trials.push((trial, conditioned)),
+                Err(error) => findings.push(unreadable(&trial.name, error.to_string())),
+            }
+        }
+        let static_voltage_v = at_rest.as_ref().map(|rest| rest.voltage_v.clone());
+        Self {
+            campaign: Campaign {
+                geometry: session.sensor.geometry(),
+                design: session.sensor.design(),
+                static_voltage_v: static_voltage_v.unwrap_or_default(),
+                trials,
+            },
+            at_rest,
+            taps,
+            conditioning,
+            findings,
+        }
+    }
+}
+
+/// Validation runs have a low-pass of their own.
+fn for_role(conditioning: &Conditioning, role: Role) -> Conditioning {
+    let mut own = conditioning.clone();
+    if role == Role::Validation
+        && let Stage::On(low_pass) = &mut own.stages.low_pass
+    {
+        low_pass.times_drive = VALIDATION_CORNER;
+        low_pass.plus_hz = 0.0;
+    }
+    own
+}
+
+fn unreadable(name: &str, evidence: String) -> Finding {
+    Finding {
+        cause: Cause::Unreadable,
+        recordings: vec![name.to_owned()],
+        channels: Vec::new(),
+        evidence,
+        advice: "mend or replace the recording; `sixaxis inspect` shows what is in it".to_owned(),
+    }
+}

@@ -1,0 +1,50 @@
+//! A played session as the calibration has it, without a detour by files.
+
+use sixaxis_calibration::prepare::PreparedSession;
+use sixaxis_calibration::progress::NoProgress;
+use sixaxis_calibration::trial::{Readings, Trial};
+use sixaxis_recordings::ingest::averaged::Averaged;
+use sixaxis_recordings::session::{LIMBS, Role, Session};
+use sixaxis_reference::laboratory::recording::SimulatedRecording;
+
+/// Sorts and conditions a played session's recordings, all but validation runs: these are held against the standards, never
+/// fitted.
+#[must_use]
+pub fn prepare(session: &Session, recordings: Vec<SimulatedRecording>) -> PreparedSession {
+    let trials = recordings
+        .into_iter()
+        .filter(|recording| recording.role != Role::Validation)
+        .map(|recording| trial(session, recording))
+        .collect();
+    PreparedSession::of(session, trials, &NoProgress)
+}
+
+fn trial(session: &Session, recording: SimulatedRecording) -> Trial {
+    let entry = recording.entry();
+    let voltage_v = if recording.role == Role::Static {
+        averaged(&recording.voltage_v)
+    } else {
+        recording.voltage_v
+    };
+    let readings = Readings {
+        sample_rate_hz: recording.sample_rate_hz,
+        voltage_v,
+        accelerometer_m_s2: recording.accelerometer_m_s2,
+        gyroscope_rad_s: recording.gyroscope_rad_s,
+    };
+    Trial::of(session, &entry, readings)
+}
+
+/// A static record of any length in as many rows as a reader of files keeps.
+fn averaged(voltage_v: &[[f64; LIMBS]]) -> Vec<[f64; LIMBS]> {
+    let mut averaged: [Averaged; LIMBS] = Default::default();
+    for row in voltage_v {
+        for (averaged, voltage_v) in averaged.iter_mut().zip(row) {
+            averaged.push(*voltage_v);
+        }
+    }
+    let columns = averaged.map(Averaged::finish);
+    (0..columns[0].len())
+        .map(|row| core::array::from_fn(|limb| columns[limb][row]))
+        .collect()
+}

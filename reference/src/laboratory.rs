@@ -1,0 +1,165 @@
+//! The simulated laboratory: what it would have on disk of a calibration day and, kept apart, the truth.
+//!
+//! [`Laboratory`] turns a simulated motion into a recording: limb forces through the measuring [`chain`], the true motion
+//! through the reference [`instruments`]. It is the only place where that is done. A [`session`] is a whole day of it, with
+//! everything that goes with a day:
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`plan`] | what is simulated, and [`plan_file`], the plan as TOML with comments |
+//! | [`check`] | the plans that are refused |
+//! | [`schedule`] | the trials that a plan asks for |
+//! | [`defect`] | what may be wrong with a session, and [`effect`], whether it does harm |
+//! | `trial`, `tap`, [`mod@tumble`] | one trial of the rig, one tap, one tumble from the field |
+//! | [`session`] | all trials of a day |
+//! | `session_file` | what the laboratory writes down of it |
+//! | [`mod@write`] | all of it on disk |
+
+pub mod chain;
+pub mod check;
+pub mod defect;
+pub mod effect;
+pub mod error;
+pub mod instruments;
+pub mod plan;
+pub mod plan_file;
+pub mod recording;
+pub mod schedule;
+pub mod session;
+mod session_file;
+mod tap;
+mod trial;
+pub mod tumble;
+pub mod write;
+
+use glam::DVec3;
+use rand_pcg::Pcg64;
+use serde::Serialize;
+use sixaxis_recordings::session::Role;
+
+use crate::geometry::LIMBS;
+use crate::motion::{SimulatedRun, TrueMotion};
+use crate::sensor::TrueSensor;
+use chain::Chain;
+use instruments::Instruments;
+use recording::SimulatedRecording;
+
+/// Length of the static record, s, and its rate after preprocessing, Hz: the paper's ten minutes.
+pub const STATIC_DURATION_S: f64 = 600.0;
+/// See [`STATIC_DURATION_S`].
+pub const STATIC_RATE_HZ: f64 = 100.0;
+/// Gain of the static record, N/V: nothing is measured there but voltages.
+pub const STATIC_GAIN_N_PER_V: f64 = 1.0;
+
+/// Random streams of a laboratory by itself; a session has its own. Runs use their index plus [`FIRST_RUN_STREAM`].
+const INSTRUMENT_STREAM: u128 = 1;
+const STATIC_STREAM: u128 = 2;
+const FIRST_RUN_STREAM: u128 = 16;
+
+/// A laboratory: the sensor on its rig, the measuring chain of its nine channels and the reference instruments.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Laboratory {
+    /// The sensor as it truly is.
+    pub sensor: TrueSensor,
+    /// Measuring chain of the nine channels.
+    pub chain: Chain,
+    /// Reference instruments.
+    pub instruments: Instruments,
+    /// Seed of every random number.
+    pub seed: u64,
+}
+
+impl Laboratory {
+    /// A laboratory without errors.
+    #[must_use]
+    pub const fn noise_free(sensor: TrueSensor) -> Self {
+        Self {
+            sensor,
+            chain: Chain::noise_free(),
+            instruments: Instruments::perfect(),
+            seed: 0,
+        }
+    }
+
+    /// A laboratory with the paper's errors: 60 dB channels, instruments of the 1 % class, 10 Hz gyroscope.
+    #[must_use]
+    pub fn with_errors(sensor: TrueSensor, seed: u64) -> Self {
+        let mut rng = Pcg64::new(u128::from(seed), INSTRUMENT_STREAM);
+        Self {
+            sensor,
+            chain: Chain::laboratory(),
+            instruments: Instruments::of_class(&mut rng),
+            seed,
+        }
+    }
+
+    /// Ten minutes at rest. A tared channel of a sensor that does not move shows its zero drift and noise.
+    #[must_use]
+    pub fn record_static(&self) -> SimulatedRecording {
+        let mut rng = Pcg64::new(u128::from(self.seed), STATIC_STREAM);
+        let converter = self.chain.converter();
+        let samples = (STATIC_DURATION_S * STATIC_RATE_HZ) as usize;
+        SimulatedRecording {
+            gain_n_per_v: [STATIC_GAIN_N_PER_V; LIMBS],
+            voltage_v: (0..samples)
+                .map(|_| {
+                    let drift = self.sensor.zero_drift_v;
+                    drift.map(|drift| converter.convert(drift, &mut rng))
+                })
+                .collect(),
+            ..SimulatedRecording::of_nothing(
+                "static",
+                Role::Static,
+                STATIC_RATE_HZ,
+                self.chain.full_scale_v,
+            )
+        }
+    }
+
+    /// Records one simulated run. `index` picks the random stream, so that a run's noise does not depend on which runs were
+    /// recorded before it. The recording has no name and is one for validation until its owner says otherwise.
+    #[must_use]
+    pub fn record(&self, simulated: &SimulatedRun, index: usize) -> SimulatedRecording {
+        let mut rng = Pcg64::new(u128::from(self.seed), FIRST_RUN_STREAM + index as u128);
+        let mut recording = self.record_voltages(simulated, &mut rng);
+        self.read_instruments(simulated, &mut recording, &mut rng);
+        recording
+    }
+
+    /// The voltages of a run, in amplifier ranges that fit it; the instruments are still to be read.
+    fn record_voltages(&self, simulated: &SimulatedRun, rng: &mut Pcg64) -> SimulatedRecording {
+        let forces = &simulated.limb_force_per_mass_m_s2;
+        let full_scale_v = self.chain.full_scale_v;
+        let rate = simulated.sample_rate_hz;
+        let gains = self.chain.amplifier_ranges(forces, &self.sensor);
+        SimulatedRecording {
+            gain_n_per_v: gains,
+            voltage_v: self.chain.record(forces, &self.sensor, &gains, rate, rng),
+            direction_ground: simulated.motion.direction_ground,
+            gravity_ground_m_s2: simulated.gravity_ground_m_s2,
+            frequency_hz: simulated.motion.frequency_hz,
+            ..SimulatedRecording::of_nothing("", Role::Validation, rate, full_scale_v)
+        }
+    }
+
+    /// Adds the instruments' readings of a run along its true direction, and the truth.
+    fn read_instruments(
+        &self,
+        simulated: &SimulatedRun,
+        recording: &mut SimulatedRecording,
+        rng: &mut Pcg64,
+    ) {
+        let along = |get: fn(&TrueMotion) -> DVec3| -> Vec<f64> {
+            let direction = simulated.motion.direction_ground;
+            let truth = simulated.truth.iter();
+            truth.map(|truth| get(truth).dot(direction)).collect()
+        };
+        let acceleration = along(|truth| truth.linear_ground_m_s2);
+        let rate = along(|truth| truth.rate_shell_rad_s);
+        recording.accelerometer_m_s2 = self.instruments.read_accelerometer(&acceleration, rng);
+        recording.gyroscope_rad_s =
+            self.instruments
+                .read_gyroscope(&rate, simulated.sample_rate_hz, rng);
+        recording.truth.clone_from(&simulated.truth);
+    }
+}

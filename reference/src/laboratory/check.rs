@@ -1,0 +1,341 @@
+//! What a plan may not say, refused before anything is played.
+
+use core::ops::RangeInclusive;
+
+use super::defect::{Defect, Where};
+use super::error::SessionError;
+use super::plan::{CouplingChoice, DefectChoice, Engine, SessionPlan};
+use super::schedule::trials;
+use crate::geometry::LIMBS;
+use crate::rig::run::WEDGES;
+
+/// Samples of all trials together: what 16 GB of memory hold.
+const MOST_SAMPLES: f64 = 5e7;
+/// Samples of the static record.
+const MOST_STATIC_SAMPLES: f64 = 1e8;
+/// Fewest samples of a crank period.
+const FEWEST_PER_PERIOD: f64 = 20.0;
+/// Trials of a step: three directions at least.
+const TRIALS_PER_STEP: RangeInclusive<usize> = 3..=1000;
+/// Bits of a converter: a double has no more.
+const MOST_BITS: u32 = 52;
+/// Largest wedge error, degrees; a wedge that is further off is another wedge.
+const LARGEST_WEDGE_ERROR_DEG: f64 = 20.0;
+/// Amplitudes of the rig, m and rad, and the converter's limit, V, at most.
+const LARGEST: f64 = 1e3;
+/// Taps, at most.
+const MOST_TAPS: usize = 100;
+/// Periods of a run, and seconds of rest, at most.
+const LONGEST: f64 = 1e6;
+
+/// Refuses a plan that cannot be played.
+///
+/// # Errors
+/// [`SessionError::Plan`] with the key.
+pub fn check(plan: &SessionPlan) -> Result<(), SessionError> {
+    positive(plan)?;
+    rig(plan)?;
+    chain(plan)?;
+    sizes(plan)?;
+    if let DefectChoice::Exactly(defect) = &plan.defect {
+        check_defect(plan, defect)?;
+    }
+    Ok(())
+}
+
+fn positive(plan: &SessionPlan) -> Result<(), SessionError> {
+    for (key, value) in [
+        ("sample_rate_hz", plan.sample_rate_hz),
+        ("static_duration_s", plan.static_duration_s),
+        ("static_rate_hz", plan.static_rate_hz),
+        ("rig.slider_amplitude_m", plan.rig.slider_amplitude_m),
+        (
+            "rig.rotation_amplitude_rad",
+            plan.rig.rotation_amplitude_rad,
+        ),
+        ("rig.low_band_hz", plan.rig.low_band_hz.0),
+        ("rig.low_band_hz", plan.rig.low_band_hz.1),
+        ("rig.high_band_hz", plan.rig.high_band_hz.0),
+        ("rig.high_band_hz", plan.rig.high_band_hz.1),
+        ("rig.ramp_periods", plan.rig.ramp_periods),
+        ("chain.full_scale_v", plan.chain.full_scale_v),
+        ("instruments.class_percent", plan.instruments.class_percent),
+    ] {
+        if !(value > 0.0 && value.is_finite()) {
+            return Err(SessionError::plan(
+                key,
+                format!("{value} is not positive and finite"),
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn within(key: &str, value: f64, range: RangeInclusive<f64>) -> Result<(), SessionError> {
+    if range.contains(&value) {
+        Ok(())
+    } else {
+        let (low, high) = range.into_inner();
+        Err(SessionError::plan(
+            key,
+            format!("{value} is not between {low} and {high}"),
+        ))
+    }
+}
+
+/// A first-order corner that samples of this rate can show.
+fn corner(key: &str, corner_hz: f64, sample_rate_hz: f64) -> Result<(), SessionError> {
+    if corner_hz > 0.0 && corner_hz < 0.5 * sample_rate_hz {
+        return Ok(());
+    }
+    Err(SessionError::plan(
+        key,
+        format!("{corner_hz} is not between 0 and half the sample rate, {sample_rate_hz} Hz"),
+    ))
+}
+
+fn rig(plan: &SessionPlan) -> Result<(), SessionError> {
+    let rig = &plan.rig;
+    within(
+        "rig.slider_amplitude_m",
+        rig.slider_amplitude_m,
+        0.0..=LARGEST,
+    )?;
+    within(
+        "rig.rotation_amplitude_rad",
+        rig.rotation_amplitude_rad,
+        0.0..=LARGEST,
+    )?;
+    within("rig.rest_s", rig.rest_s, 0.0..=LONGEST)?;
+    within("rig.ramp_periods", rig.ramp_periods, 0.0..=LONGEST)?;
+    within("rig.steady_periods", rig.steady_periods, 0.0..=LONGEST)?;
+    within(
+        "rig.wedge_error_deg",
+        rig.wedge_error_deg,
+        0.0..=LARGEST_WEDGE_ERROR_DEG,
+    )?;
+    if rig.taps > MOST_TAPS {
+        let cause = format!("{} is more than {MOST_TAPS}", rig.taps);
+        return Err(SessionError::plan("rig.taps", cause));
+    }
+    // The crank's own run has to come back to where it began.
+    let turns = rig.ramp_periods + rig.steady_periods;
+    if turns.fract() != 0.0 {
+        return Err(SessionError::plan(
+            "rig.steady_periods",
+            format!(
+                "with rig.ramp_periods it makes {turns} turns; a run ends where it began only after whole ones"
+            ),
+        ));
+    }
+    Ok(())
+}
+
+fn chain(plan: &SessionPlan) -> Result<(), SessionError> {
+    for (key, value) in [
+        ("chain.signal_to_noise_db", plan.chain.signal_to_noise_db),
+        (
+            "instruments.signal_to_noise_db",
+            plan.instruments.signal_to_noise_db,
+        ),
+    ] {
+        within(key, value, 0.0..=f64::INFINITY)?;
+    }
+    within("chain.full_scale_v", plan.chain.full_scale_v, 0.0..=LARGEST)?;
+    if plan.chain.resolution_bits > MOST_BITS {
+        return Err(SessionError::plan(
+            "chain.resolution_bits",
+            format!("{} is more than {MOST_BITS}", plan.chain.resolution_bits),
+        ));
+    }
+    within(
+        "instruments.class_percent",
+        plan.instruments.class_percent,
+        0.0..=100.0,
+    )?;
+    for (key, corner_hz) in [
+        (
+            "instruments.gyroscope_bandwidth_hz",
+            plan.instruments.gyroscope_bandwidth_hz,
+        ),
+        (
+            "chain.amplifier_high_pass_hz",
+            plan.chain.amplifier_high_pass_hz,
+        ),
+    ] {
+        if corner_hz != 0.0 {
+            corner(key, corner_hz, plan.sample_rate_hz)?;
+        }
+    }
+    if plan.chain.amplifier_high_pass_hz > 0.0 && plan.chain.coupling == CouplingChoice::Ideal {
+        return Err(SessionError::plan(
+            "chain.amplifier_high_pass_hz",
+            "a high-pass does not let the load at rest through; set chain.coupling = \"tared\"",
+        ));
+    }
+    within(
+        "chain.stiffness_spread",
+        plan.chain.stiffness_spread,
+        0.0..=1.0,
+    )?;
+    if plan.chain.stiffness_spread > 0.0 {
+        if plan.engine == Engine::Mujoco {
+            return Err(SessionError::plan(
+                "chain.stiffness_spread",
+                "the MuJoCo model has one stiffness for all limbs; set engine = \"rigid\"",
+            ));
+        }
+        if let Some(limb) = plan.stiffness_ratio().iter().position(|r| *r <= 0.0) {
+            return Err(SessionError::plan(
+                "chain.stiffness_spread",
+                format!(
+                    "with this seed it leaves limb {} no stiffness; make it smaller",
+                    limb + 1
+                ),
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn sizes(plan: &SessionPlan) -> Result<(), SessionError> {
+    if !TRIALS_PER_STEP.contains(&plan.trials_per_step) {
+        return Err(SessionError::plan(
+            "trials_per_step",
+            format!(
+                "{} is not between {} and {}",
+                plan.trials_per_step,
+                TRIALS_PER_STEP.start(),
+                TRIALS_PER_STEP.end()
+            ),
+        ));
+    }
+    within(
+        "static_duration_s",
+        plan.static_duration_s * plan.static_rate_hz,
+        2.0..=MOST_STATIC_SAMPLES,
+    )
+    .map_err(|_| {
+        SessionError::plan(
+            "static_duration_s",
+            format!(
+                "times static_rate_hz it makes {:.3e} samples; 2 to {MOST_STATIC_SAMPLES:.0e} are played",
+                plan.static_duration_s * plan.static_rate_hz
+            ),
+        )
+    })?;
+    let mut samples = 0.0;
+    for trial in trials(&plan.rig, plan.trials_per_step, None) {
+        if plan.sample_rate_hz < FEWEST_PER_PERIOD * trial.run.frequency_hz {
+            return Err(SessionError::plan(
+                "sample_rate_hz",
+                format!(
+                    "{} is too slow for {} at {} Hz; at least {FEWEST_PER_PERIOD} samples a period are needed",
+                    plan.sample_rate_hz, trial.name, trial.run.frequency_hz
+                ),
+            ));
+        }
+        samples += trial.run.duration_s() * plan.sample_rate_hz;
+    }
+    if samples > MOST_SAMPLES {
+        return Err(SessionError::plan(
+            "sample_rate_hz",
+            format!(
+                "all trials together have {samples:.3e} samples; {MOST_SAMPLES:.0e} at most are played"
+            ),
+        ));
+    }
+    Ok(())
+}
+
+/// A defect written down by hand.
+fn check_defect(plan: &SessionPlan, defect: &Defect) -> Result<(), SessionError> {
+    let count = trials(&plan.rig, plan.trials_per_step, None).len();
+    let below = |name: &str, index: usize, limit: usize| {
+        if index < limit {
+            Ok(())
+        } else {
+            Err(SessionError::plan(
+                &format!("defect.exactly: {name}"),
+                format!("{index} is not below {limit}; counting begins at 0"),
+            ))
+        }
+    };
+    let channel = |c: usize| below("channel", c, LIMBS);
+    let trial = |t: usize| below("trial", t, count);
+    let place = |place: &Where| match place {
+        Where::Everywhere => Ok(()),
+        Where::From(t) | Where::Trial(t) => below("place", *t, count),
+    };
+    let number = |name: &str, value: f64, range: RangeInclusive<f64>| {
+        within(&format!("defect.exactly: {name}"), value, range)
+    };
+    let factor = |f: f64| number("factor", f, 1e-9..=1e9);
+    match defect {
+        Defect::DeadLimb {
+            channel: c,
+            place: p,
+        }
+        | Defect::InvertedChannel {
+            channel: c,
+            place: p,
+        } => channel(*c).and(place(p)),
+        Defect::SwappedChannels {
+            channels: [a, b],
+            place: p,
+        } => channel(*a).and(channel(*b)).and(place(p)),
+        Defect::ClippedConverter {
+            channel: c,
+            trial: t,
+            share,
+        } => channel(*c)
+            .and(trial(*t))
+            .and(number("share", *share, 0.0..=1.0)),
+        Defect::WrongGain {
+            channel: c,
+            place: p,
+            factor: f,
+        } => channel(*c).and(place(p)).and(factor(*f)),
+        Defect::WrongAccelerometer { factor: f } | Defect::WrongGyroscope { factor: f } => {
+            number("factor", f.abs(), 1e-9..=1e9)
+        }
+        Defect::MillivoltMixUp {
+            channel: c,
+            place: p,
+            factor: f,
+        } => c.map_or(Ok(()), channel).and(place(p)).and(factor(*f)),
+        Defect::GravityNotHandled { .. } => Ok(()),
+        Defect::UnderExcitedAxis { axis, .. } => below("axis", *axis, 3),
+        Defect::LooseWedge {
+            wedge,
+            angle_deg,
+            azimuth_rad,
+        } => below("wedge", *wedge, WEDGES.len())
+            .and(number("angle_deg", *angle_deg, 0.0..=90.0))
+            .and(number("azimuth_rad", *azimuth_rad, -1e3..=1e3)),
+        Defect::ReferenceClock {
+            place: p,
+            late_s,
+            rate_error,
+        } => place(p)
+            .and(number("late_s", *late_s, -1e3..=1e3))
+            .and(number("rate_error", *rate_error, -0.5..=0.5)),
+        Defect::WrongSampleRate {
+            place: p,
+            factor: f,
+        } => place(p).and(factor(*f)),
+        Defect::GyroscopeLag { bandwidth_hz } => corner(
+            "defect.exactly: bandwidth_hz",
+            *bandwidth_hz,
+            plan.sample_rate_hz,
+        ),
+        Defect::DriftDuringRun {
+            channel: c,
+            trial: t,
+            share,
+        } => channel(*c)
+            .and(t.map_or(Ok(()), trial))
+            .and(number("share", *share, -10.0..=10.0)),
+        Defect::ForeignTrial { trial: t, .. } => trial(*t),
+    }
+}

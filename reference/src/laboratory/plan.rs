@@ -1,0 +1,291 @@
+//! What is played: everything the reference can be told, with the paper's values where nothing is said.
+
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64;
+use serde::{Deserialize, Serialize};
+
+use super::chain::{Chain, Coupling};
+use super::defect::{Defect, Kind};
+use super::instruments::{GYROSCOPE_BANDWIDTH_HZ, Instruments};
+use crate::geometry::LIMBS;
+use crate::rig::run::{Mounting, ROTATION_AMPLITUDE_RAD, SLIDER_AMPLITUDE_M};
+use crate::sensor::TrueSensor;
+
+/// A simulated session.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SessionPlan {
+    /// Seed of every random number.
+    pub seed: u64,
+    /// The sensor.
+    pub sensor: SensorChoice,
+    /// What moves it.
+    pub engine: Engine,
+    /// Trials for each of steps 2 to 4.
+    pub trials_per_step: usize,
+    /// Samples per second of the trials.
+    pub sample_rate_hz: f64,
+    /// Length of the static record, s, and its samples per second.
+    pub static_duration_s: f64,
+    /// See `static_duration_s`.
+    pub static_rate_hz: f64,
+    /// The rig.
+    pub rig: RigPlan,
+    /// The measuring chain.
+    pub chain: ChainPlan,
+    /// The standard instruments.
+    pub instruments: InstrumentPlan,
+    /// What is wrong.
+    pub defect: DefectChoice,
+}
+
+impl Default for SessionPlan {
+    fn default() -> Self {
+        Self {
+            seed: 1,
+            sensor: SensorChoice::Paper,
+            engine: Engine::Mujoco,
+            trials_per_step: 10,
+            sample_rate_hz: 2000.0,
+            static_duration_s: 600.0,
+            static_rate_hz: 100.0,
+            rig: RigPlan::default(),
+            chain: ChainPlan::default(),
+            instruments: InstrumentPlan::default(),
+            defect: DefectChoice::None,
+        }
+    }
+}
+
+/// Which sensor is calibrated.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SensorChoice {
+    /// The paper's, as identified.
+    Paper,
+    /// The paper's, as designed.
+    Design,
+    /// One scattered about the design, drawn with the seed.
+    Random,
+}
+
+/// What moves the sensor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Engine {
+    /// MuJoCo, limbs and all.
+    Mujoco,
+    /// Closed form with limbs that do not give way: fast; k/m has no effect.
+    Rigid,
+}
+
+/// The rig.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct RigPlan {
+    /// Slider amplitude, half the stroke, m.
+    pub slider_amplitude_m: f64,
+    /// Rotation amplitude, rad.
+    pub rotation_amplitude_rad: f64,
+    /// Rest before and after each run, s.
+    pub rest_s: f64,
+    /// Run-up and run-down, crank periods.
+    pub ramp_periods: f64,
+    /// Turns at full speed.
+    pub steady_periods: f64,
+    /// How the sensor hangs.
+    pub mounting: Mounting,
+    /// Largest error of a wedge as its workshop made it, degrees.
+    pub wedge_error_deg: f64,
+    /// Frequencies of steps 2 and 3, from and to, Hz.
+    pub low_band_hz: (f64, f64),
+    /// Frequencies of step 4, from and to, Hz.
+    pub high_band_hz: (f64, f64),
+    /// Taps on the shell at the end of the day, played in MuJoCo whatever moves the trials.
+    pub taps: usize,
+}
+
+impl Default for RigPlan {
+    fn default() -> Self {
+        Self {
+            slider_amplitude_m: SLIDER_AMPLITUDE_M,
+            rotation_amplitude_rad: ROTATION_AMPLITUDE_RAD,
+            rest_s: 0.05,
+            ramp_periods: 1.0,
+            steady_periods: 3.0,
+            mounting: Mounting::AxisVertical,
+            wedge_error_deg: 0.0,
+            low_band_hz: (1.0, 2.0),
+            high_band_hz: (4.0, 5.0),
+            taps: 0,
+        }
+    }
+}
+
+impl RigPlan {
+    /// The rig with a single turn at full speed in each run, as [`crate::rig::run::Run::new`] has it.
+    #[must_use]
+    pub fn one_turn(mounting: Mounting) -> Self {
+        Self {
+            steady_periods: 1.0,
+            mounting,
+            ..Self::default()
+        }
+    }
+}
+
+/// The measuring chain.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ChainPlan {
+    /// Ratio of a full-scale sine to the noise of one sample, dB; infinite for none.
+    pub signal_to_noise_db: f64,
+    /// Converter resolution, bits; 0 for none.
+    pub resolution_bits: u32,
+    /// Converter limit, V.
+    pub full_scale_v: f64,
+    /// What becomes of the load at rest.
+    pub coupling: CouplingChoice,
+    /// Corner of the charge amplifier's first-order high-pass, Hz, which the session file states; 0 for none.
+    pub amplifier_high_pass_hz: f64,
+    /// Standard deviation of the limbs' stiffnesses about their mean, relative. Only for [`Engine::Rigid`]: the reference's
+    /// MuJoCo model has one stiffness for all limbs.
+    pub stiffness_spread: f64,
+}
+
+/// What becomes of the load at rest on its way to the converter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CouplingChoice {
+    /// The change of force since the run began, as a piezo shows it.
+    #[default]
+    Tared,
+    /// The whole force, gravity's share at rest included, as a force cell shows it.
+    Ideal,
+}
+
+impl Default for ChainPlan {
+    fn default() -> Self {
+        Self {
+            signal_to_noise_db: 60.0,
+            resolution_bits: 16,
+            full_scale_v: 10.0,
+            coupling: CouplingChoice::Tared,
+            amplifier_high_pass_hz: 0.0,
+            stiffness_spread: 0.0,
+        }
+    }
+}
+
+/// The standard instruments.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct InstrumentPlan {
+    /// Class, %: the gain error is drawn from half of it.
+    pub class_percent: f64,
+    /// Bandwidth of the gyroscope, Hz; 0: it follows at once.
+    pub gyroscope_bandwidth_hz: f64,
+    /// Ratio of a sine of the run's own peak to the noise of one sample, dB; infinite for none.
+    pub signal_to_noise_db: f64,
+}
+
+impl Default for InstrumentPlan {
+    fn default() -> Self {
+        Self {
+            class_percent: 1.0,
+            gyroscope_bandwidth_hz: GYROSCOPE_BANDWIDTH_HZ,
+            signal_to_noise_db: 60.0,
+        }
+    }
+}
+
+/// What is wrong with the session.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, Default)]
+#[serde(rename_all = "snake_case")]
+pub enum DefectChoice {
+    /// Nothing.
+    #[default]
+    None,
+    /// One of any kind or, as likely, none: drawn with the seed, for a session that is to be judged blind.
+    Random,
+    /// One of a kind, its particulars drawn with the seed.
+    Kind(Kind),
+    /// This one.
+    Exactly(Defect),
+}
+
+/// Random stream of the sensor; the campaign's own streams are in [`super::session`].
+const SENSOR_STREAM: u128 = 3;
+/// Random stream of the limbs' stiffnesses.
+const STIFFNESS_STREAM: u128 = 4;
+/// Random stream of the instruments.
+const INSTRUMENT_STREAM: u128 = 6;
+
+impl SessionPlan {
+    /// The sensor as it truly is.
+    #[must_use]
+    pub fn true_sensor(&self) -> TrueSensor {
+        match self.sensor {
+            SensorChoice::Paper => TrueSensor::identified(),
+            SensorChoice::Design => TrueSensor::design(),
+            SensorChoice::Random => {
+                TrueSensor::random(&mut Pcg64::new(u128::from(self.seed), SENSOR_STREAM))
+            }
+        }
+    }
+
+    /// Stiffnesses of the nine limbs over their mean.
+    #[must_use]
+    pub fn stiffness_ratio(&self) -> [f64; LIMBS] {
+        let mut rng = Pcg64::new(u128::from(self.seed), STIFFNESS_STREAM);
+        core::array::from_fn(|_| {
+            let unit: f64 = StandardNormal.sample(&mut rng);
+            1.0 + self.chain.stiffness_spread * unit
+        })
+    }
+
+    /// The measuring chain.
+    #[must_use]
+    pub fn measuring_chain(&self) -> Chain {
+        let ChainPlan {
+            signal_to_noise_db,
+            resolution_bits,
+            full_scale_v,
+            coupling,
+            amplifier_high_pass_hz: corner_hz,
+            ..
+        } = self.chain;
+        Chain {
+            coupling: match coupling {
+                CouplingChoice::Ideal => Coupling::Ideal,
+                CouplingChoice::Tared if corner_hz > 0.0 => {
+                    Coupling::AlternatingCurrent { corner_hz }
+                }
+                CouplingChoice::Tared => Coupling::Tared,
+            },
+            signal_to_noise_db: signal_to_noise_db.is_finite().then_some(signal_to_noise_db),
+            resolution_bits: (resolution_bits > 0).then_some(resolution_bits),
+            full_scale_v,
+        }
+    }
+
+    /// The reference instruments as they are, drawn from their class with the seed.
+    #[must_use]
+    pub fn true_instruments(&self, defect: Option<&Defect>) -> Instruments {
+        let InstrumentPlan {
+            class_percent,
+            signal_to_noise_db,
+            ..
+        } = self.instruments;
+        let bandwidth_hz = match defect {
+            Some(Defect::GyroscopeLag { bandwidth_hz }) => *bandwidth_hz,
+            _ => self.instruments.gyroscope_bandwidth_hz,
+        };
+        let mut rng = Pcg64::new(u128::from(self.seed), INSTRUMENT_STREAM);
+        Instruments {
+            gyroscope_bandwidth_hz: (bandwidth_hz > 0.0).then_some(bandwidth_hz),
+            signal_to_noise_db: signal_to_noise_db.is_finite().then_some(signal_to_noise_db),
+            ..Instruments::drawn(class_percent / 100.0, &mut rng)
+        }
+    }
+}

@@ -1,0 +1,198 @@
+//! A whole calibration day: what the laboratory records, what it writes into its session file, and what only the simulator knows.
+
+use rand_pcg::Pcg64;
+use rayon::prelude::*;
+use serde::Serialize;
+use sixaxis_recordings::session::{Role, Session};
+
+use super::Laboratory;
+use super::check::check;
+use super::defect::{Defect, Where};
+use super::effect::drawn_defect;
+use super::error::SessionError;
+use super::instruments::Instruments;
+use super::plan::SessionPlan;
+use super::recording::SimulatedRecording;
+use super::schedule::{PlannedTrial, trials};
+use super::session_file::session;
+use super::tap;
+use super::trial::{Recorder, wedge_errors};
+use crate::geometry::LIMBS;
+use crate::rig::run::Mounting;
+use crate::sensor::TrueSensor;
+
+/// Random stream of the static record.
+const STATIC_STREAM: u128 = 7;
+
+/// A simulated session.
+#[derive(Debug, Clone)]
+pub struct SimulatedSession {
+    /// What the laboratory writes down.
+    pub session: Session,
+    /// Its recordings, the static one first.
+    pub recordings: Vec<SimulatedRecording>,
+    /// What it does not know.
+    pub truth: Truth,
+}
+
+/// What only the simulator knows.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Truth {
+    /// The plan.
+    pub plan: SessionPlan,
+    /// The sensor's true parameters.
+    pub parameters: TrueSensor,
+    /// The instruments as they are.
+    pub instruments: Instruments,
+    /// What is wrong, particulars drawn.
+    pub defect: Option<Defect>,
+}
+
+/// Simulates a session.
+///
+/// # Errors
+/// [`SessionError`].
+pub fn simulate_session(plan: &SessionPlan) -> Result<SimulatedSession, SessionError> {
+    simulate_session_watched(plan, &|_| {})
+}
+
+/// Simulated time of all trials, ms: the work that [`simulate_session_watched`] reports on.
+///
+/// # Errors
+/// [`SessionError::Plan`].
+pub fn work_ms(plan: &SessionPlan) -> Result<u64, SessionError> {
+    check(plan)?;
+    let trials: u64 = trials(&plan.rig, plan.trials_per_step, None)
+        .iter()
+        .map(trial_ms)
+        .sum();
+    Ok(trials + plan.rig.taps as u64 * tap::WORK_MS)
+}
+
+fn trial_ms(trial: &PlannedTrial) -> u64 {
+    (1e3 * trial.run.duration_s()) as u64
+}
+
+/// Simulates a session and says of each trial, when it is done, how long it was, ms; from any thread.
+///
+/// # Errors
+/// [`SessionError`].
+pub fn simulate_session_watched(
+    plan: &SessionPlan,
+    done_ms: &(dyn Fn(u64) + Sync),
+) -> Result<SimulatedSession, SessionError> {
+    check(plan)?;
+    let defect = drawn_defect(plan);
+    let defect = defect.as_ref();
+    let laboratory = Laboratory {
+        sensor: plan.true_sensor(),
+        chain: plan.measuring_chain(),
+        instruments: plan.true_instruments(defect),
+        seed: plan.seed,
+    };
+    let recorder = Recorder {
+        plan,
+        defect,
+        laboratory,
+        mounting: match defect {
+            Some(Defect::GravityNotHandled { level: true }) => Mounting::AxisLevel,
+            Some(Defect::GravityNotHandled { level: false }) => Mounting::AxisVertical,
+            _ => plan.rig.mounting,
+        },
+        wedge_errors: wedge_errors(plan),
+    };
+    let mut recordings = vec![static_record(plan, &laboratory, defect)];
+    let played: Vec<SimulatedRecording> = trials(&plan.rig, plan.trials_per_step, defect)
+        .par_iter()
+        .enumerate()
+        .map(|(index, trial)| {
+            let played = recorder.record(index, trial)?;
+            done_ms(trial_ms(trial));
+            Ok(played)
+        })
+        .collect::<Result<_, SessionError>>()?;
+    recordings.extend(played);
+    let taps: Vec<SimulatedRecording> = (0..plan.rig.taps)
+        .into_par_iter()
+        .map(|index| {
+            let played = recorder.record_tap(index)?;
+            done_ms(tap::WORK_MS);
+            Ok(played)
+        })
+        .collect::<Result<_, SessionError>>()?;
+    recordings.extend(taps);
+    Ok(SimulatedSession {
+        session: session(plan, defect, &recordings),
+        recordings,
+        truth: Truth {
+            plan: plan.clone(),
+            parameters: laboratory.sensor,
+            instruments: laboratory.instruments,
+            defect: defect.cloned(),
+        },
+    })
+}
+
+fn static_record(
+    plan: &SessionPlan,
+    laboratory: &Laboratory,
+    defect: Option<&Defect>,
+) -> SimulatedRecording {
+    SimulatedRecording {
+        voltage_v: at_rest(plan, laboratory, defect),
+        ..SimulatedRecording::of_nothing(
+            "static",
+            Role::Static,
+            plan.static_rate_hz,
+            laboratory.chain.full_scale_v,
+        )
+    }
+}
+
+fn at_rest(
+    plan: &SessionPlan,
+    laboratory: &Laboratory,
+    defect: Option<&Defect>,
+) -> Vec<[f64; LIMBS]> {
+    let converter = laboratory.chain.converter();
+    let mut rng = Pcg64::new(u128::from(plan.seed), STATIC_STREAM);
+    let samples = (plan.static_duration_s * plan.static_rate_hz) as usize;
+    let mut drift = laboratory.sensor.zero_drift_v;
+    let mut slope = [0.0; LIMBS];
+    let mut factor = [1.0; LIMBS];
+    match defect {
+        Some(Defect::InvertedChannel {
+            channel,
+            place: Where::Everywhere,
+        }) => factor[*channel] = -1.0,
+        Some(Defect::SwappedChannels {
+            channels: [a, b],
+            place: Where::Everywhere,
+        }) => drift.swap(*a, *b),
+        Some(Defect::MillivoltMixUp {
+            channel,
+            place: Where::Everywhere,
+            factor: f,
+        }) => {
+            for (limb, own) in factor.iter_mut().enumerate() {
+                if channel.is_none_or(|c| c == limb) {
+                    *own = *f;
+                }
+            }
+        }
+        Some(Defect::DriftDuringRun {
+            channel,
+            trial: None,
+            share,
+        }) => slope[*channel] = share * plan.chain.full_scale_v,
+        _ => {}
+    }
+    (0..samples)
+        .map(|sample| {
+            let share = sample as f64 / samples as f64 - 0.5;
+            core::array::from_fn(|limb| {
+                factor[limb] * converter.convert(drift[limb] + slope[limb] * share, &mut rng)
+            })
+        })
+        .collect()
+}

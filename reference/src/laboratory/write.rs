@@ -1,0 +1,150 @@
+//! A simulated session on disk: recordings, session file and, in a folder of its own, the truth.
+
+use std::path::{Path, PathBuf};
+
+use sixaxis_recordings::draft::write_atomically;
+use sixaxis_recordings::motion::MOTION_CHANNELS;
+use sixaxis_recordings::{Block, Channel, Layout, create};
+
+use super::plan_file::with_comments;
+use super::recording::SimulatedRecording;
+use super::session::SimulatedSession;
+use crate::geometry::LIMBS;
+
+/// Name of the session file.
+pub const SESSION_FILE: &str = "session.toml";
+/// The plan that was simulated, in the folder of the truth: simulates the same session again.
+pub const PLAN_FILE: &str = "plan.toml";
+/// Folder of what the laboratory does not know.
+pub const TRUTH_FOLDER: &str = "truth";
+
+/// Rows of a block.
+const BLOCK: usize = 1 << 16;
+
+/// Writes a session into a folder, recordings with the given extension (`csv`, `csv.gz`, `parquet`, `tdms`, `npz`). A session
+/// file that is there already goes first and the new one comes last: a folder that has one is complete, whenever writing was
+/// cut short. Recordings of the same names are replaced, other files stay.
+///
+/// # Errors
+/// Those of writing.
+pub fn write(
+    simulated: &SimulatedSession,
+    folder: &Path,
+    extension: &str,
+) -> sixaxis_recordings::Result<PathBuf> {
+    let path = folder.join(SESSION_FILE);
+    match std::fs::remove_file(&path) {
+        Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
+            return Err(sixaxis_recordings::Error::io(&path, e));
+        }
+        _ => {}
+    }
+    let mut session = simulated.session.clone();
+    for (recording, entry) in simulated.recordings.iter().zip(&mut session.recording) {
+        let name = format!("{}.{extension}", entry.file.display());
+        write_recording(recording, &folder.join(&name))?;
+        if !recording.truth.is_empty() {
+            write_truth(recording, &folder.join(TRUTH_FOLDER).join(&name))?;
+        }
+        entry.file = PathBuf::from(name);
+    }
+    let truth_path = folder.join(TRUTH_FOLDER).join("truth.json");
+    let truth = serde_json::to_vec_pretty(&simulated.truth)
+        .map_err(|e| sixaxis_recordings::Error::io(&truth_path, std::io::Error::other(e)))?;
+    write_atomically(&truth_path, &truth)?;
+    write_atomically(
+        &folder.join(TRUTH_FOLDER).join(PLAN_FILE),
+        with_comments(&simulated.truth.plan).as_bytes(),
+    )?;
+    let text = toml::to_string(&session)
+        .map_err(|e| sixaxis_recordings::Error::io(&path, std::io::Error::other(e)))?;
+    write_atomically(&path, text.as_bytes())?;
+    Ok(path)
+}
+
+/// Writes a recording that is no part of the session into the session's folder, and its truth apart: a tumble.
+///
+/// # Errors
+/// Those of writing.
+pub fn write_beside(
+    recording: &SimulatedRecording,
+    folder: &Path,
+    extension: &str,
+) -> sixaxis_recordings::Result<PathBuf> {
+    let name = format!("{}.{extension}", recording.name);
+    let path = folder.join(&name);
+    write_recording(recording, &path)?;
+    write_truth(recording, &folder.join(TRUTH_FOLDER).join(&name))?;
+    Ok(path)
+}
+
+fn layout(channels: Vec<Channel>, sample_rate_hz: f64) -> Layout {
+    Layout {
+        channels: channels
+            .into_iter()
+            .map(|channel| Channel {
+                sample_rate_hz: Some(sample_rate_hz),
+                ..channel
+            })
+            .collect(),
+        ..Layout::default()
+    }
+}
+
+fn write_recording(recording: &SimulatedRecording, path: &Path) -> sixaxis_recordings::Result<()> {
+    let mut channels: Vec<Channel> = (1..=LIMBS)
+        .map(|limb| Channel::new(format!("u{limb}"), Some("V")))
+        .collect();
+    let moves = !recording.accelerometer_m_s2.is_empty();
+    if moves {
+        channels.push(Channel::new("accelerometer", Some("m/s^2")));
+        channels.push(Channel::new("gyroscope", Some("rad/s")));
+    }
+    let columns = channels.len();
+    let mut sink = create(path, &layout(channels, recording.sample_rate_hz))?;
+    let mut block = Block::new(columns);
+    for start in (0..recording.voltage_v.len()).step_by(BLOCK) {
+        let rows = start..(start + BLOCK).min(recording.voltage_v.len());
+        block.clear(columns);
+        for (limb, column) in block.columns.iter_mut().take(LIMBS).enumerate() {
+            column.extend(
+                recording.voltage_v[rows.clone()]
+                    .iter()
+                    .map(|row| row[limb]),
+            );
+        }
+        if moves {
+            block.columns[LIMBS].extend_from_slice(&recording.accelerometer_m_s2[rows.clone()]);
+            block.columns[LIMBS + 1].extend_from_slice(&recording.gyroscope_rad_s[rows]);
+        }
+        sink.write(&block)?;
+    }
+    sink.finish()
+}
+
+fn write_truth(recording: &SimulatedRecording, path: &Path) -> sixaxis_recordings::Result<()> {
+    let channels = MOTION_CHANNELS
+        .map(|(name, unit)| Channel::new(name, Some(unit)))
+        .to_vec();
+    let columns = channels.len();
+    let mut sink = create(path, &layout(channels, recording.sample_rate_hz))?;
+    let mut block = Block::new(columns);
+    for rows in recording.truth.chunks(BLOCK) {
+        block.clear(columns);
+        for truth in rows {
+            let q = truth.attitude;
+            let values = truth
+                .linear_ground_m_s2
+                .to_array()
+                .into_iter()
+                .chain(truth.angular_ground_rad_s2.to_array())
+                .chain(truth.rate_shell_rad_s.to_array())
+                .chain([q.w, q.x, q.y, q.z]);
+            for (column, value) in block.columns.iter_mut().zip(values) {
+                column.push(value);
+            }
+        }
+        sink.write(&block)?;
+    }
+    sink.finish()
+}

@@ -1,0 +1,187 @@
+//! The 9-SPS sensor as a MuJoCo model, in MuJoCo's own XML.
+//!
+//! Shell and mass are two free bodies; nine spatial tendons with stiffness, damping and rest length are the limbs.
+//! Geoms are there to be looked at and take no part in the dynamics.
+
+use std::fmt::Write as _;
+
+use glam::DVec3;
+use nalgebra::{Matrix3, Quaternion, Rotation3, SymmetricEigen, UnitQuaternion};
+
+use crate::geometry::{Geometry, LIMBS};
+use crate::linear_theory::{NaturalMode, modes};
+use crate::sensor::{InertiaPerMass, MASS_KG, TrueSensor};
+
+/// What MuJoCo needs to know of a sensor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SensorModel {
+    /// Lengths from the drawing.
+    pub geometry: Geometry,
+    /// Seismic mass, kg. Only ratios to it matter; the paper's design s/m at s = 1 makes it 0.187 kg.
+    pub mass_kg: f64,
+    /// I/m, mass axes.
+    pub inertia_per_mass: InertiaPerMass,
+    /// k/m of every limb, s^-2.
+    pub stiffness_per_mass_per_s2: f64,
+    /// Damping of every limb as a fraction of the critical damping of one limb under the whole mass.
+    ///
+    /// The paper neglects damping; a little of it keeps rounding noise from walking into the modes.
+    pub damping_ratio: f64,
+    /// Gravity in ground axes, m/s^2.
+    pub gravity_ground_m_s2: DVec3,
+}
+
+/// Mass of the shell, kg: its motion is prescribed, so any will do.
+pub const SHELL_MASS_KG: f64 = 0.5;
+/// Its inertia about any axis, kg m^2.
+pub const SHELL_INERTIA_KG_M2: f64 = 1e-3;
+
+/// Limb damping of the reference: 2 % of critical keeps rounding noise out of the modes and changes a limb's length at
+/// 5 Hz by 1e-4 of its micrometre, 1e-9 of an acceleration.
+pub const DAMPING_RATIO: f64 = 0.02;
+
+impl SensorModel {
+    /// A true sensor with the design's mass and the reference's [`DAMPING_RATIO`] under gravity in ground axes, m/s^2.
+    #[must_use]
+    pub fn new(sensor: &TrueSensor, gravity_ground_m_s2: DVec3) -> Self {
+        Self {
+            geometry: sensor.geometry,
+            mass_kg: MASS_KG,
+            inertia_per_mass: sensor.inertia_per_mass,
+            stiffness_per_mass_per_s2: sensor.stiffness_per_mass_per_s2,
+            damping_ratio: DAMPING_RATIO,
+            gravity_ground_m_s2,
+        }
+    }
+
+    /// The six modes by linear theory.
+    #[must_use]
+    pub fn modes(&self) -> [NaturalMode; 6] {
+        let k = self.stiffness_per_mass_per_s2;
+        modes(&self.geometry, &self.inertia_per_mass, k)
+    }
+
+    /// Damping of one limb over the mass, c/m, 1/s.
+    #[must_use]
+    pub fn damping_per_mass_per_s(&self) -> f64 {
+        2.0 * self.damping_ratio * self.stiffness_per_mass_per_s2.sqrt()
+    }
+
+    /// The model as MJCF. `python -m mujoco.viewer --mjcf=FILE` opens it.
+    #[must_use]
+    pub fn to_mjcf(&self, step_s: f64) -> String {
+        let mut xml = String::new();
+        self.write_mjcf(&mut xml, step_s)
+            .expect("writing to a String cannot fail");
+        xml
+    }
+
+    fn write_mjcf(&self, xml: &mut String, step_s: f64) -> std::fmt::Result {
+        let g = self.gravity_ground_m_s2;
+        let n = self.geometry.half_edge_m;
+        let (principal, quaternion) = self.principal_inertia_kg_m2();
+        writeln!(xml, "<mujoco model=\"sixaxis 9-SPS accelerometer\">")?;
+        writeln!(xml, "  <compiler angle=\"radian\" autolimits=\"true\"/>")?;
+        writeln!(
+            xml,
+            "  <option integrator=\"RK4\" timestep=\"{step_s}\" gravity=\"{} {} {}\">",
+            g.x, g.y, g.z
+        )?;
+        writeln!(
+            xml,
+            "    <flag contact=\"disable\" constraint=\"disable\" warmstart=\"disable\"/>\n  </option>"
+        )?;
+        writeln!(xml, "  <visual><map znear=\"0.001\"/></visual>")?;
+        writeln!(xml, "  <statistic extent=\"0.15\" center=\"0 0 0\"/>")?;
+        writeln!(xml, "  <default><site size=\"0.0015\"/></default>")?;
+        writeln!(xml, "  <worldbody>")?;
+        writeln!(xml, "    <light pos=\"0.2 -0.2 0.4\"/>")?;
+
+        writeln!(
+            xml,
+            "    <body name=\"shell\">\n      <freejoint name=\"shell\"/>"
+        )?;
+        writeln!(
+            xml,
+            "      <inertial pos=\"0 0 0\" mass=\"{SHELL_MASS_KG}\" diaginertia=\"{SHELL_INERTIA_KG_M2} {SHELL_INERTIA_KG_M2} {SHELL_INERTIA_KG_M2}\"/>"
+        )?;
+        let wall = n + self.geometry.limb_length_m + 0.002;
+        writeln!(
+            xml,
+            "      <geom type=\"box\" size=\"{wall} {wall} {wall}\" rgba=\"0.5 0.6 0.8 0.15\" contype=\"0\" conaffinity=\"0\"/>"
+        )?;
+        for (limb, hinge) in self.geometry.shell_hinges_m().iter().enumerate() {
+            let i = limb + 1;
+            writeln!(
+                xml,
+                "      <site name=\"shell_hinge_{i}\" pos=\"{} {} {}\" rgba=\"0.2 0.4 0.8 1\"/>",
+                hinge.x, hinge.y, hinge.z
+            )?;
+        }
+        writeln!(xml, "    </body>")?;
+
+        writeln!(
+            xml,
+            "    <body name=\"mass\">\n      <freejoint name=\"mass\"/>"
+        )?;
+        writeln!(
+            xml,
+            "      <inertial pos=\"0 0 0\" mass=\"{}\" quat=\"{} {} {} {}\" diaginertia=\"{} {} {}\"/>",
+            self.mass_kg,
+            quaternion.w,
+            quaternion.i,
+            quaternion.j,
+            quaternion.k,
+            principal[0],
+            principal[1],
+            principal[2]
+        )?;
+        writeln!(
+            xml,
+            "      <geom type=\"box\" size=\"{n} {n} {n}\" rgba=\"0.85 0.55 0.25 0.9\" contype=\"0\" conaffinity=\"0\"/>"
+        )?;
+        for (limb, hinge) in self.geometry.mass_hinges_m().iter().enumerate() {
+            let i = limb + 1;
+            writeln!(
+                xml,
+                "      <site name=\"mass_hinge_{i}\" pos=\"{} {} {}\" rgba=\"0.9 0.3 0.2 1\"/>",
+                hinge.x, hinge.y, hinge.z
+            )?;
+        }
+        writeln!(xml, "    </body>\n  </worldbody>\n  <tendon>")?;
+
+        let stiffness_n_per_m = self.stiffness_per_mass_per_s2 * self.mass_kg;
+        let damping_n_s_per_m = self.damping_per_mass_per_s() * self.mass_kg;
+        for i in 1..=LIMBS {
+            writeln!(
+                xml,
+                "    <spatial name=\"limb_{i}\" stiffness=\"{stiffness_n_per_m}\" damping=\"{damping_n_s_per_m}\" springlength=\"{}\" width=\"0.001\"><site site=\"shell_hinge_{i}\"/><site site=\"mass_hinge_{i}\"/></spatial>",
+                self.geometry.limb_length_m
+            )?;
+        }
+        writeln!(xml, "  </tendon>\n</mujoco>")
+    }
+
+    /// Principal moments, kg m^2, and the quaternion of the principal axes in mass axes.
+    ///
+    /// MuJoCo would diagonalise a full tensor itself, but only down to an absolute 1e-12 kg m^2, 2e-8 of this
+    /// tensor; handing it the principal axes keeps the truth at rounding.
+    fn principal_inertia_kg_m2(&self) -> ([f64; 3], Quaternion<f64>) {
+        let tensor = self.inertia_per_mass.tensor_m2().to_cols_array();
+        let eigen = SymmetricEigen::new(Matrix3::from_column_slice(&tensor) * self.mass_kg);
+        let mut axes = eigen.eigenvectors;
+        if axes.determinant() < 0.0 {
+            axes.column_mut(2).neg_mut();
+        }
+        let rotation = Rotation3::from_matrix_unchecked(axes);
+        let q = UnitQuaternion::from_rotation_matrix(&rotation);
+        (
+            [
+                eigen.eigenvalues[0],
+                eigen.eigenvalues[1],
+                eigen.eigenvalues[2],
+            ],
+            q.into_inner(),
+        )
+    }
+}
