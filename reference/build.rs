@@ -2,7 +2,7 @@
 //!
 //! mujoco-rs links against a MuJoCo that is already there. The Python wheel of the same version carries exactly the
 //! library needed; it is pinned by hash and unpacked into the target folder, so that neither an environment variable
-//! nor a system-wide installation is asked of anybody.
+//! nor a system-wide installation is asked of anybody. Without the feature `mujoco` nothing is looked for.
 
 use std::env;
 use std::fs;
@@ -29,6 +29,9 @@ fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rerun-if-changed=mujoco-wheel.txt");
     println!("cargo::rerun-if-env-changed={USER_VARIABLE}");
+    if env::var_os("CARGO_FEATURE_MUJOCO").is_none() {
+        return;
+    }
     let package = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default());
     let (dir, rpath) = match users_own(&package) {
         Some(dir) => {

@@ -12,13 +12,13 @@ use criterion::{
     BenchmarkGroup, Criterion, SamplingMode, Throughput, criterion_group, criterion_main,
 };
 use glam::DVec3;
-use sixaxis_benches::limits::{Decoupled, Limit, PAPER_COMPOUND, PAPER_TUMBLE};
-use sixaxis_benches::problem::{self, DECOUPLE_RATE_HZ, Recorded};
 use sixaxis_benches::{MEASUREMENT_TIME, SAMPLE_SIZE, WARM_UP_TIME, validate};
 use sixaxis_core::decouple::lanes::push_lanes;
 use sixaxis_core::decouple::record::Accelerations;
 use sixaxis_core::kernel::simd::LANES;
 use sixaxis_core::{Decoupler, LIMBS, Scheme, SixAxis};
+use sixaxis_props::problem::recorded::{self as problem, DECOUPLE_RATE_HZ, Recorded};
+use sixaxis_props::tolerance::{DecoupledRun, PAPER_COMPOUND, PAPER_TUMBLE, Tolerance};
 
 fn name(scheme: Scheme) -> &'static str {
     match scheme {
@@ -66,7 +66,7 @@ fn require_accelerations(
     problem: &Recorded,
     first: usize,
     answers: &[Accelerations],
-    limits: [Limit; 2],
+    limits: [Tolerance; 2],
 ) {
     let truth = &problem.truth[first..];
     assert_eq!(answers.len(), truth.len() - 1, "{name}: samples");
@@ -82,8 +82,12 @@ fn require_accelerations(
             })
             .collect()
     });
-    for (limit, pairs) in limits.into_iter().zip([linear, angular]) {
-        validate::require(name, validate::accelerations(limit, &pairs));
+    let what = [
+        "linear acceleration over its peak",
+        "angular acceleration over its peak",
+    ];
+    for ((what, limit), pairs) in what.into_iter().zip(limits).zip([linear, angular]) {
+        validate::require(name, validate::accelerations(what, limit, &pairs));
     }
 }
 
@@ -102,13 +106,13 @@ fn full(criterion: &mut Criterion) {
     let compound = Recorded::play(&problem::compound_5_hz(), DECOUPLE_RATE_HZ);
     // Not timed: the rig's axis is fixed, and what a turning axis would show must not be wrong unseen.
     let tumble = Recorded::tumble();
-    let require = |name: &str, problem: &Recorded, answers: &[SixAxis], limits: &Decoupled| {
+    let require = |name: &str, problem: &Recorded, answers: &[SixAxis], limits: &DecoupledRun| {
         validate::require(name, validate::decoupled(&problem.truth, answers, limits));
     };
     for scheme in Scheme::ALL {
         for (run, problem, limits) in [
-            ("", &compound, Decoupled::compound(scheme)),
-            (" on the tumble", &tumble, Decoupled::tumble(scheme)),
+            ("", &compound, DecoupledRun::compound(scheme)),
+            (" on the tumble", &tumble, DecoupledRun::tumble(scheme)),
         ] {
             let name = format!("decouple/full/{}{run}", name(scheme));
             require(&name, problem, &core_answers(problem, scheme), &limits);
@@ -149,7 +153,7 @@ fn record(criterion: &mut Criterion) {
     let problem = Recorded::play(&problem::compound_5_hz(), DECOUPLE_RATE_HZ);
     let voltage_v = &problem.recording.voltage_v;
     let ready = problem.decoupler(Scheme::Heun);
-    let limits = Decoupled::compound(Scheme::Heun);
+    let limits = DecoupledRun::compound(Scheme::Heun);
     let limits = [limits.linear, limits.angular];
     let dispatched = |sink: &mut dyn FnMut(&[Accelerations])| {
         let mut decoupler = black_box(&ready).clone();
@@ -200,7 +204,7 @@ fn lanes(criterion: &mut Criterion) {
         }
     })
     .expect("a recorded run");
-    let limits = Decoupled::compound(Scheme::Heun);
+    let limits = DecoupledRun::compound(Scheme::Heun);
     for answers in &answers {
         let limits = [limits.linear, limits.angular];
         require_accelerations("decouple/lanes", &problem, 1, answers, limits);

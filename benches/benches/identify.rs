@@ -3,13 +3,12 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
-use sixaxis_benches::problem::{InertiaRows, ScaleRows, stiffness_run, true_parameters};
-use sixaxis_benches::{
-    MEASUREMENT_TIME, SAMPLE_SIZE, WARM_UP_TIME, limits, pseudo_inverse, validate,
-};
+use sixaxis_benches::{MEASUREMENT_TIME, SAMPLE_SIZE, WARM_UP_TIME, pseudo_inverse, validate};
 use sixaxis_core::identify::stiffness::{paper_grid, rate_norm_sum};
 use sixaxis_core::identify::stiffness_search::{Trial, rate_norm_sums};
 use sixaxis_core::{Parameters, Scheme};
+use sixaxis_props::problem::recorded::{InertiaRows, ScaleRows, stiffness_run, true_parameters};
+use sixaxis_props::tolerance::SEARCH_BY_DECODING;
 
 /// Samples of the long problems: 300,000 rows, ten seconds at 10 kHz.
 const LONG_SAMPLES: usize = 100_000;
@@ -145,9 +144,8 @@ fn search(criterion: &mut Criterion) {
     let pairs = ours.iter().zip(&theirs);
     let error = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / largest;
     assert!(
-        limits::SEARCH.allows(error),
-        "{}: {error:e}",
-        limits::SEARCH.name
+        SEARCH_BY_DECODING.allows(error),
+        "sums of |w*| over the largest: {error:e}"
     );
 
     let mut group = criterion.benchmark_group("identify/stiffness/search");

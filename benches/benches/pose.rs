@@ -5,10 +5,10 @@ use std::hint::black_box;
 use criterion::{Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
 use glam::DVec3;
 use sixaxis_benches::gauss_newton::GaussNewton;
-use sixaxis_benches::problem::{self, Poses};
 use sixaxis_benches::{MEASUREMENT_TIME, SAMPLE_SIZE, WARM_UP_TIME, validate};
 use sixaxis_core::paper::pose::Pose;
 use sixaxis_core::{Geometry, LIMBS};
+use sixaxis_props::problem::recorded::{self as problem, Poses};
 
 /// The core: closed form at each node, then the rotation's fit.
 fn closed_form(elongation_m: &[[f64; LIMBS]], mut sink: impl FnMut(&Pose)) {

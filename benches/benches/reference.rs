@@ -9,9 +9,10 @@ use std::hint::black_box;
 
 use criterion::{Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
 use glam::DVec3;
-use sixaxis_benches::limits::{DRIVEN, FORWARD, FREE_FALL};
-use sixaxis_benches::problem::{self, FreeSensor, STEP_S};
+use sixaxis_benches::free_sensor::FreeSensor;
 use sixaxis_benches::{MEASUREMENT_TIME, SAMPLE_SIZE, WARM_UP_TIME, validate};
+use sixaxis_props::problem::recorded::{self as problem, STEP_S};
+use sixaxis_props::tolerance::{DRIVEN, FORWARD, FREE_FALL};
 use sixaxis_reference::motion::Motion;
 use sixaxis_reference::mujoco::simulation::{Simulation, Snapshot};
 use sixaxis_reference::rig::run::Run;
@@ -44,20 +45,32 @@ fn sensor(criterion: &mut Criterion) {
     for pairs in [linear, angular] {
         validate::require(
             "reference/step/driven",
-            validate::accelerations(DRIVEN, &pairs),
+            validate::accelerations(
+                "acceleration of the driven shell over its peak",
+                DRIVEN,
+                &pairs,
+            ),
         );
     }
     let mut forward = FreeSensor::new(run);
     for pair in forward.accelerations() {
         validate::require(
             "reference/step/mj_forward",
-            validate::accelerations(FORWARD, &[pair]),
+            validate::accelerations(
+                "acceleration of the displaced mass, relative",
+                FORWARD,
+                &[pair],
+            ),
         );
     }
     let mut free = FreeSensor::new(run);
     validate::require(
         "reference/step/mj_step",
-        validate::accelerations(FREE_FALL, &[free.fall(FALL_STEPS)]),
+        validate::accelerations(
+            "fall of the centre of mass, relative",
+            FREE_FALL,
+            &[free.fall(FALL_STEPS)],
+        ),
     );
 
     let mut group = criterion.benchmark_group("reference/step");

@@ -1,8 +1,8 @@
 //! What the benches time, and the proof that it is worth timing.
 //!
-//! Every bench gets its input from a [`problem`], which MuJoCo played and whose truth MuJoCo knows. The code that is
+//! Every bench gets its input from a [`sixaxis_props::problem`], which MuJoCo played and whose truth MuJoCo knows. The code that is
 //! about to be timed first answers the problem once; [`validate`] holds the answer against the truth, to a limit from
-//! [`limits`], and panics if it fails: a fast wrong answer gets no time. The other side of every ratio is the same
+//! [`sixaxis_props::tolerance`], and panics if it fails: a fast wrong answer gets no time. The other side of every ratio is the same
 //! mathematics written down plainly, held to the same truth: the paper's decoder ([`sixaxis_core::paper`]), the pose by
 //! Gauss-Newton ([`gauss_newton`]), identification by a pseudo-inverse ([`pseudo_inverse`]).
 //!
@@ -10,9 +10,8 @@
 //! within a run mean anything: the nanoseconds are the machine's. Nothing here is tested for its own sake; tests of
 //! this package show that a wrong answer is refused.
 
+pub mod free_sensor;
 pub mod gauss_newton;
-pub mod limits;
-pub mod problem;
 pub mod pseudo_inverse;
 pub mod validate;
 

@@ -9,7 +9,7 @@ use sixaxis_core::geometry::DIRECTIONS_SHELL;
 use sixaxis_core::identify::inertia::regressor;
 use sixaxis_core::{Geometry, LIMBS};
 
-use crate::problem::{InertiaRows, ScaleRows};
+use sixaxis_props::problem::recorded::{InertiaRows, ScaleRows};
 
 /// Singular values below this share of the largest count as zero.
 const RANK_TOLERANCE: f64 = 1e-12;

@@ -7,8 +7,8 @@ use sixaxis_core::identify::stiffness::PAPER_GRID_PER_S2;
 use sixaxis_core::{LIMBS, Parameters, SixAxis};
 use sixaxis_reference::motion::TrueMotion;
 
-use crate::limits::{self, Decoupled, Limit};
-use crate::problem::{candidate, true_parameters};
+use sixaxis_props::problem::recorded::{candidate, true_parameters};
+use sixaxis_props::tolerance::{self, DecoupledRun, Tolerance};
 
 /// Why an answer is not worth timing.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,8 +22,10 @@ pub enum Refusal {
     },
     /// An error beyond its limit; NaN is beyond every limit.
     Error {
+        /// The quantity and its unit.
+        what: &'static str,
         /// The limit.
-        limit: Limit,
+        limit: Tolerance,
         /// The error.
         error: f64,
     },
@@ -38,11 +40,10 @@ impl fmt::Display for Refusal {
                     "samples are missing or out of order: {got} where {expected} belongs"
                 )
             }
-            Self::Error { limit, error } => write!(
+            Self::Error { what, limit, error } => write!(
                 f,
-                "{} is off by {error:.3e}, allowed is {:.3e}",
-                limit.name,
-                limit.value()
+                "{what} is off by {error:.3e}, allowed is {:.3e}",
+                limit.limit
             ),
         }
     }
@@ -60,8 +61,8 @@ fn count(expected: usize, got: usize) -> Result<(), Refusal> {
     }
 }
 
-/// What was compared: each limit with the error found.
-pub type Report = Vec<(Limit, f64)>;
+/// What was compared: each quantity with its limit and the error found.
+pub type Report = Vec<(&'static str, Tolerance, f64)>;
 
 /// Prints what an answer achieved, or ends the bench.
 ///
@@ -70,12 +71,8 @@ pub type Report = Vec<(Limit, f64)>;
 pub fn require(name: &str, outcome: Result<Report, Refusal>) {
     match outcome {
         Ok(report) => {
-            for (limit, error) in report {
-                eprintln!(
-                    "{name}: {} {error:.3e} (limit {:.3e})",
-                    limit.name,
-                    limit.value()
-                );
+            for (what, limit, error) in report {
+                eprintln!("{name}: {what} {error:.3e} (limit {:.3e})", limit.limit);
             }
         }
         Err(refusal) => panic!("{name} is not timed, because its answer is wrong: {refusal}"),
@@ -83,9 +80,12 @@ pub fn require(name: &str, outcome: Result<Report, Refusal>) {
 }
 
 fn judge(report: Report) -> Result<Report, Refusal> {
-    match report.iter().find(|(limit, error)| !limit.allows(*error)) {
+    match report
+        .iter()
+        .find(|(_, limit, error)| !limit.allows(*error))
+    {
         None => Ok(report),
-        Some(&(limit, error)) => Err(Refusal::Error { limit, error }),
+        Some(&(what, limit, error)) => Err(Refusal::Error { what, limit, error }),
     }
 }
 
@@ -114,7 +114,7 @@ fn angle_rad(a: DQuat, b: DQuat) -> f64 {
 pub fn decoupled(
     truth: &[TrueMotion],
     answers: &[SixAxis],
-    limits: &Decoupled,
+    limits: &DecoupledRun,
 ) -> Result<Report, Refusal> {
     count(truth.len().saturating_sub(2), answers.len())?;
     if let Some((expected, answer)) = (1..).zip(answers).find(|(at, a)| a.sample != *at) {
@@ -126,6 +126,7 @@ pub fn decoupled(
     let pairs = answers.iter().zip(&truth[1..]);
     judge(vec![
         (
+            "linear acceleration over its peak",
             limits.linear,
             over_peak(
                 pairs
@@ -134,6 +135,7 @@ pub fn decoupled(
             ),
         ),
         (
+            "angular acceleration over its peak",
             limits.angular,
             over_peak(
                 pairs
@@ -142,6 +144,7 @@ pub fn decoupled(
             ),
         ),
         (
+            "angular rate over its peak",
             limits.rate,
             over_peak(
                 pairs
@@ -150,6 +153,7 @@ pub fn decoupled(
             ),
         ),
         (
+            "attitude in rad",
             limits.attitude_rad,
             largest(pairs.map(|(a, t)| angle_rad(a.attitude, t.attitude))),
         ),
@@ -165,11 +169,13 @@ pub fn poses(truth: &[(DVec3, DVec3)], answers: &[(DVec3, DVec3)]) -> Result<Rep
     let pairs = answers.iter().zip(truth);
     judge(vec![
         (
-            limits::POSE_POSITION,
+            "position of the mass over its peak",
+            tolerance::POSE_POSITION,
             over_peak(pairs.clone().map(|(a, t)| (a.0, t.0))),
         ),
         (
-            limits::POSE_ROTATION,
+            "rotation of the mass over its peak",
+            tolerance::POSE_ROTATION,
             over_peak(pairs.map(|(a, t)| (a.1, t.1))),
         ),
     ])
@@ -182,7 +188,8 @@ pub fn poses(truth: &[(DVec3, DVec3)], answers: &[(DVec3, DVec3)]) -> Result<Rep
 pub fn scale_per_mass(answer: &[f64; LIMBS]) -> Result<Report, Refusal> {
     let truth = true_parameters().scale_per_mass_per_kg;
     judge(vec![(
-        limits::SCALE,
+        "scale per mass, relative",
+        tolerance::SCALE,
         largest(answer.iter().zip(truth).map(|(a, t)| ((a - t) / t).abs())),
     )])
 }
@@ -195,7 +202,8 @@ pub fn inertia_per_mass(answer: &[f64; 6]) -> Result<Report, Refusal> {
     let truth = true_parameters().inertia_per_mass.to_paper_order();
     let size = largest(truth.iter().map(|t| t.abs()));
     judge(vec![(
-        limits::INERTIA,
+        "inertia per mass over its largest entry",
+        tolerance::INERTIA,
         largest(answer.iter().zip(truth).map(|(a, t)| (a - t).abs() / size)),
     )])
 }
@@ -222,9 +230,14 @@ pub fn stiffness(
     }
     let [below, at_truth, above] = means;
     judge(vec![
-        (limits::STIFFNESS_RATE, at_truth),
         (
-            limits::STIFFNESS_CONTRAST,
+            "mean rate at the true k/m in rad/s",
+            tolerance::STIFFNESS_RATE,
+            at_truth,
+        ),
+        (
+            "mean rate at the true k/m over that beside it",
+            tolerance::STIFFNESS_CONTRAST,
             largest([at_truth / below, at_truth / above].into_iter()),
         ),
     ])
@@ -234,6 +247,10 @@ pub fn stiffness(
 ///
 /// # Errors
 /// An error beyond the limit.
-pub fn accelerations(limit: Limit, pairs: &[(DVec3, DVec3)]) -> Result<Report, Refusal> {
-    judge(vec![(limit, over_peak(pairs.iter().copied()))])
+pub fn accelerations(
+    what: &'static str,
+    limit: Tolerance,
+    pairs: &[(DVec3, DVec3)],
+) -> Result<Report, Refusal> {
+    judge(vec![(what, limit, over_peak(pairs.iter().copied()))])
 }

@@ -3,17 +3,17 @@
 use std::sync::LazyLock;
 
 use glam::DVec3;
-use sixaxis_benches::limits::{Decoupled, PAPER_COMPOUND, PAPER_TUMBLE, REFERENCE_LINEAR};
-use sixaxis_benches::problem::{
-    self, DECOUPLE_RATE_HZ, InertiaRows, Poses, Recorded, STEP_S, ScaleRows, candidate,
-    stiffness_run, true_parameters,
-};
 use sixaxis_benches::pseudo_inverse;
 use sixaxis_benches::validate::{self, Refusal, Report};
 use sixaxis_core::decouple::decouple;
 use sixaxis_core::identify::stiffness::rate_norm_sum;
 use sixaxis_core::paper::pose::Pose;
 use sixaxis_core::{Geometry, LimbLaw, Parameters, Scheme, Settings, SixAxis};
+use sixaxis_props::problem::recorded::{
+    self as problem, DECOUPLE_RATE_HZ, InertiaRows, Poses, Recorded, STEP_S, ScaleRows, candidate,
+    stiffness_run, true_parameters,
+};
+use sixaxis_props::tolerance::{DecoupledRun, PAPER_COMPOUND, PAPER_TUMBLE, REFERENCE_LINEAR};
 
 /// The least by which each wrong ingredient must miss its limit: error over limit. Measured, and rounded down.
 mod control {
@@ -65,7 +65,7 @@ fn decoupled(problem: &Recorded, scheme: Scheme) -> Vec<SixAxis> {
 }
 
 fn held_to(answers: &[SixAxis], scheme: Scheme) -> Result<Report, Refusal> {
-    validate::decoupled(&COMPOUND.truth, answers, &Decoupled::compound(scheme))
+    validate::decoupled(&COMPOUND.truth, answers, &DecoupledRun::compound(scheme))
 }
 
 fn accepted(outcome: Result<Report, Refusal>) {
@@ -77,12 +77,11 @@ fn accepted(outcome: Result<Report, Refusal>) {
 /// Refused, by at least so many times the limit.
 fn refused(outcome: Result<Report, Refusal>, at_least: f64) {
     match outcome {
-        Err(Refusal::Error { limit, error }) => {
-            let excess = error / limit.value();
+        Err(Refusal::Error { what, limit, error }) => {
+            let excess = error / limit.limit;
             assert!(
                 excess.is_nan() || excess >= at_least,
-                "{} was missed by {excess:.3e} only",
-                limit.name
+                "{what} was missed by {excess:.3e} only"
             );
         }
         other => panic!("not refused for its error: {other:?}"),
@@ -103,7 +102,7 @@ fn ref_every_scheme_meets_its_limit() {
         accepted(validate::decoupled(
             &TUMBLE.truth,
             &decoupled(&TUMBLE, scheme),
-            &Decoupled::tumble(scheme),
+            &DecoupledRun::tumble(scheme),
         ));
     }
 }
@@ -299,5 +298,5 @@ fn ref_and_control_stiffness() {
 fn control_nan_passes_no_limit() {
     let limit = REFERENCE_LINEAR;
     assert!(!limit.allows(f64::NAN));
-    assert!(limit.allows(limit.measured));
+    assert!(limit.allows(limit.limit));
 }

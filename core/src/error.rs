@@ -206,6 +206,59 @@ pub enum Error {
     },
 }
 
+impl Error {
+    /// [`Self::OutOfRange`].
+    pub(crate) const fn out_of_range(
+        name: &'static str,
+        value: f64,
+        requirement: &'static str,
+    ) -> Self {
+        Self::OutOfRange {
+            name,
+            value,
+            requirement,
+        }
+    }
+}
+
+/// Refuses a value unless it meets its requirement. Conditions are written so that NaN does not meet them.
+pub(crate) fn require(
+    met: bool,
+    name: &'static str,
+    value: f64,
+    requirement: &'static str,
+) -> Result<()> {
+    if met {
+        return Ok(());
+    }
+    Err(Error::out_of_range(name, value, requirement))
+}
+
+/// Refuses a value that is not positive and finite.
+pub(crate) fn require_positive(name: &'static str, value: f64) -> Result<()> {
+    require(
+        value > 0.0 && value.is_finite(),
+        name,
+        value,
+        "positive and finite",
+    )
+}
+
+/// Refuses a value that is negative or not finite.
+pub(crate) fn require_not_negative(name: &'static str, value: f64) -> Result<()> {
+    require(
+        value >= 0.0 && value.is_finite(),
+        name,
+        value,
+        "finite and not negative",
+    )
+}
+
+/// Refuses a value that is not finite.
+pub(crate) fn require_finite(name: &'static str, value: f64) -> Result<()> {
+    require(value.is_finite(), name, value, "finite")
+}
+
 impl From<NotALimb> for Error {
     fn from(NotALimb(number): NotALimb) -> Self {
         Self::OutOfRange {

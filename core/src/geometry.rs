@@ -7,7 +7,7 @@ use glam::DVec3;
 use nalgebra::SMatrix;
 use serde::{Deserialize, Serialize};
 
-use crate::error::{Error, Result};
+use crate::error::{Result, require};
 
 pub use crate::limb_set::LIMBS;
 
@@ -56,13 +56,12 @@ impl Geometry {
             ("limb_length_m", self.limb_length_m),
             ("half_edge_m", self.half_edge_m),
         ] {
-            if !(value > 0.0 && (value * value).is_normal()) {
-                return Err(Error::OutOfRange {
-                    name,
-                    value,
-                    requirement: "positive and finite, and its square, too",
-                });
-            }
+            require(
+                value > 0.0 && (value * value).is_normal(),
+                name,
+                value,
+                "positive and finite, and its square, too",
+            )?;
         }
         Ok(())
     }
@@ -89,14 +88,20 @@ impl Geometry {
         core::array::from_fn(|limb| mass[limb] - DIRECTIONS_SHELL[limb] * self.limb_length_m)
     }
 
+    /// t_i x e_i of each limb at rest, m: the torque about the mass's centre of a unit force in it.
+    #[must_use]
+    pub fn arms_m(&self) -> [DVec3; LIMBS] {
+        let hinges = self.mass_hinges_m();
+        core::array::from_fn(|limb| hinges[limb].cross(DIRECTIONS_SHELL[limb]))
+    }
+
     /// J, rows \[e_i^T, (t_i x e_i)^T\]: the force and, in m, the torque about the mass's centre of a unit force in each limb.
     #[must_use]
     pub fn limb_jacobian(&self) -> SMatrix<f64, LIMBS, 6> {
-        let hinges = self.mass_hinges_m();
-        SMatrix::from_fn(|limb, column| {
-            let e = DIRECTIONS_SHELL[limb];
-            let moment = hinges[limb].cross(e);
-            [e.x, e.y, e.z, moment.x, moment.y, moment.z][column]
+        let arms = self.arms_m();
+        SMatrix::from_fn(|limb, column| match column {
+            0..3 => DIRECTIONS_SHELL[limb][column],
+            _ => arms[limb][column - 3],
         })
     }
 }

@@ -16,3 +16,12 @@ pub struct SixAxis<V = DVec3, Q = DQuat> {
     /// R, shell axes to ground axes.
     pub attitude: Q,
 }
+
+impl SixAxis {
+    /// Linear acceleration, m/s^2, then angular acceleration, rad/s^2, both in ground axes.
+    #[must_use]
+    pub fn accelerations(&self) -> [f64; 6] {
+        let (a, alpha) = (self.linear_ground_m_s2, self.angular_ground_rad_s2);
+        [a.x, a.y, a.z, alpha.x, alpha.y, alpha.z]
+    }
+}

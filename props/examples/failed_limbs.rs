@@ -24,9 +24,9 @@ use sixaxis_core::{
 };
 use sixaxis_props::joint::{Fitted, small};
 use sixaxis_props::manufactured::examples;
+use sixaxis_props::problem::rig;
 use sixaxis_props::publication::{Arguments, end};
 use sixaxis_props::results::{ExcludedSet, FailedLimbs};
-use sixaxis_props::rig_runs;
 use sixaxis_props::truth;
 use sixaxis_props::truth::InCore;
 use sixaxis_recordings::session::Role;
@@ -176,11 +176,6 @@ fn closed_form(set: LimbSet) -> Option<[f64; 6]> {
     Some(from_fn(|i| (reduced[(i, i)] / healthy[(i, i)]).sqrt()))
 }
 
-fn six(s: &SixAxis) -> [f64; 6] {
-    let (a, w) = (s.linear_ground_m_s2, s.angular_ground_rad_s2);
-    [a.x, a.y, a.z, w.x, w.y, w.z]
-}
-
 fn decouple(
     sensor: &Sensor,
     parameters: &Parameters,
@@ -194,7 +189,7 @@ fn decouple(
     let mut answers = Vec::with_capacity(rows.len());
     for row in rows {
         let answer = decoupler.push(row).map_err(|e| e.to_string())?;
-        answers.extend(answer.as_ref().map(six));
+        answers.extend(answer.as_ref().map(SixAxis::accelerations));
     }
     Ok(answers)
 }
@@ -301,10 +296,10 @@ fn played() -> Result<SimulatedRun, String> {
     let truth = truth::identified_parameters();
     let long = Run {
         steady_periods: 2.0,
-        ..rig_runs::compound_run()
+        ..rig::compound_run()
     };
-    let model = rig_runs::model(&truth, long.direction_ground, Mounting::AxisVertical);
-    sixaxis_reference::mujoco::simulate_run(&model, &long, rig_runs::RATE_HZ / 5.0, 20)
+    let model = rig::model(&truth, long.direction_ground, Mounting::AxisVertical);
+    sixaxis_reference::mujoco::simulate_run(&model, &long, rig::RATE_HZ / 5.0, 20)
         .map_err(|e| e.to_string())
 }
 

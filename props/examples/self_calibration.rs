@@ -377,7 +377,7 @@ fn motions(seed: u64) -> Result<Vec<TumbleMotion>, String> {
             if !whole {
                 case.field.gravity_ground_m_s2 = DVec3::ZERO;
             }
-            case.loads = case.field.play(&truth::sensor(&case.truth)).0;
+            case.loads = case.field.simulate(&truth::sensor(&case.truth)).0;
             let case = case.with_stiffness(&[1.0; LIMBS]);
             match case.ratios(&case.noisy_v(NOISE_SHARE)) {
                 Ok(_) => Ok(TumbleMotion {

@@ -1,23 +1,29 @@
 //! The judges: generators, tolerances and comparisons with which `sixaxis-core` is tested against `sixaxis-reference`.
 //!
-//! The suites themselves are in `tests/`, one file a subject; a test's name begins with the class of its evidence:
-//! `ref_` MuJoCo, `paper_` a printed number, `prop_` any input, `inv_` an invariant, `order_` a rate of convergence.
+//! The suites themselves are in `tests/`: four programs, of which each module is a suite. A test's name begins with the class
+//! of its evidence: `ref_` MuJoCo, `paper_` a printed number, `prop_` any input that proptest draws, `law_` a statement about
+//! given input, `stat_` a statistic over seeded draws, `inv_` an invariant, `order_` a rate of convergence.
+//!
+//! Without the feature `strategies` nothing here needs proptest, so that a report can be made without it.
 
+#[cfg(feature = "strategies")]
+pub mod adversarial;
 pub mod blind;
 pub mod compare;
 pub mod evidence;
 pub mod faults;
-pub mod hostile;
 pub mod joint;
 pub mod manufactured;
 pub mod motions;
+pub mod problem;
 pub mod propagation;
 pub mod publication;
 pub mod results;
-pub mod rig_runs;
 pub mod rigid;
+pub mod seed;
 pub mod self_calibration;
 pub mod statistics;
+#[cfg(feature = "strategies")]
 pub mod strategy;
 pub mod taps;
 pub mod tolerance;

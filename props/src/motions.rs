@@ -5,10 +5,13 @@
 //! reference's own error. The decoupler is given voltages, the true parameters and how the sensor hangs; truth comes
 //! from the simulator's state.
 
+use core::array::from_fn;
+use core::f64::consts::{PI, TAU};
+
 use crate::truth;
 use glam::DVec3;
-use proptest::strategy::{Strategy, ValueTree};
-use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
+use rand::RngExt;
+use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use sixaxis_core::decouple::stream::Decoupler;
 use sixaxis_core::paper::signal::SignalChain;
@@ -18,11 +21,11 @@ use sixaxis_core::{
 use sixaxis_reference::motion::TrueMotion;
 use sixaxis_reference::mujoco::model::SensorModel;
 use sixaxis_reference::mujoco::simulation::Simulation;
-use sixaxis_reference::rig::tumble::Tumble;
+use sixaxis_reference::rig::tumble::{SINES, Sine, Tumble};
+use sixaxis_reference::{paper, rig};
 
 use crate::compare::largest;
 use crate::evidence::Row;
-use crate::strategy;
 use crate::tolerance::Tolerance;
 
 /// Lowest sample rate, Hz, and samples per period of the fastest sine above it.
@@ -30,6 +33,9 @@ const LOWEST_RATE_HZ: f64 = 10_000.0;
 const SAMPLES_PER_PERIOD: f64 = 500.0;
 /// Longest Runge-Kutta step of the coarser simulation, s.
 const LONGEST_STEP_S: f64 = 2.5e-5;
+
+/// Random stream of the cases.
+const STREAM: u128 = 33;
 
 /// Share of full scale that limb damping may move the limb lengths by: the core, like the paper, knows of none.
 const DAMPING_EFFECT: f64 = 2e-8;
@@ -50,20 +56,25 @@ pub struct Case {
 }
 
 impl Case {
-    /// Number `index` of the cases that `seed` stands for. The same on every machine.
-    ///
-    /// # Panics
-    /// Never: the strategy rejects nothing.
+    /// Number `index` of the cases that `seed` stands for, the same on every machine: a random sensor under gravity, and a
+    /// random motion of it, within the rig's travel and speed (up to 93 mm, 100 deg, 1 to 5 Hz) or, as often, far beyond (up
+    /// to 500 m/s^2, 50 rad/s, 5 to 200 Hz).
     #[must_use]
     pub fn numbered(seed: u64, index: u64) -> Self {
-        let mut bytes = [0; 32];
-        bytes[..8].copy_from_slice(&seed.to_le_bytes());
-        bytes[8..16].copy_from_slice(&index.to_le_bytes());
-        let rng = TestRng::from_seed(RngAlgorithm::ChaCha, &bytes);
-        strategy::case()
-            .new_tree(&mut TestRunner::new_with_rng(Config::default(), rng))
-            .expect("the strategy rejects nothing")
-            .current()
+        let rng = &mut Pcg64::new((u128::from(seed) << 64) | u128::from(index), STREAM);
+        let parameters = truth::random_parameters(rng);
+        let motion = random_motion(rng);
+        let down = in_cube(rng, 1.0).normalize_or(DVec3::NEG_Z);
+        Self {
+            parameters,
+            motion,
+            gravity_ground_m_s2: down * paper::GRAVITY_M_S2,
+            static_response: if rng.random() {
+                StaticResponse::Full
+            } else {
+                StaticResponse::Tared
+            },
+        }
     }
 
     /// Samples per second.
@@ -81,7 +92,7 @@ impl Case {
     fn model(&self) -> SensorModel {
         // A damper's share of a limb's force at frequency f is 2 zeta f/f0, and a limb's length weighs (f/f0)^2 in the
         // accelerations, f0 being the frequency of the mass on one limb.
-        let f0 = self.parameters.stiffness_per_mass_per_s2.sqrt() / core::f64::consts::TAU;
+        let f0 = self.parameters.stiffness_per_mass_per_s2.sqrt() / TAU;
         let share = self.motion.highest_frequency_hz() / f0;
         SensorModel {
             damping_ratio: (DAMPING_EFFECT / (2.0 * share.powi(3))).min(LARGEST_DAMPING_RATIO),
@@ -115,7 +126,7 @@ impl Case {
         let forces: Vec<[f64; LIMBS]> = run
             .limb_force_per_mass_m_s2
             .iter()
-            .map(|force| core::array::from_fn(|i| force[i] - rest[i]))
+            .map(|force| from_fn(|i| force[i] - rest[i]))
             .collect();
         let gains = truth::amplifier_ranges(&forces, &self.parameters);
         let signal = SignalChain::new(&gains, &self.parameters);
@@ -209,6 +220,47 @@ impl Case {
         }
         rows
     }
+}
+
+/// A motion within the rig's travel and speed or beyond, of three sines along and about each axis.
+fn random_motion(rng: &mut Pcg64) -> Tumble {
+    let speed: f64 = rng.random();
+    let (frequency_hz, acceleration, rate) = if rng.random() {
+        let frequency_hz = 1.0 + 4.0 * speed;
+        let omega = TAU * frequency_hz;
+        (
+            frequency_hz,
+            rig::run::SLIDER_AMPLITUDE_M * omega * omega,
+            rig::run::ROTATION_AMPLITUDE_RAD * omega,
+        )
+    } else {
+        let size = rng.random_range(0.1..1.0);
+        (5.0 * 40.0_f64.powf(speed), 500.0 * size, 50.0 * size)
+    };
+    let fractions: [f64; SINES] = from_fn(|i| match i {
+        0 => 1.0,
+        _ => rng.random_range(0.3..1.0),
+    });
+    // Three sines of up to sqrt(3) each share the amplitude.
+    let share = 1.0 / (SINES as f64 * 3.0_f64.sqrt());
+    let mut sines = |amplitude: &dyn Fn(f64) -> f64| {
+        fractions.map(|fraction| Sine {
+            amplitude: in_cube(rng, 1.0) * (share * amplitude(TAU * frequency_hz * fraction)),
+            frequency_hz: frequency_hz * fraction,
+            phase_rad: in_cube(rng, PI),
+        })
+    };
+    Tumble {
+        position_ground_m: sines(&|omega| acceleration / (omega * omega)),
+        rate_shell_rad_s: sines(&|_| rate),
+        // Long enough that the start does not ring the modes.
+        rise_s: (1.5 / frequency_hz).max(0.01),
+    }
+}
+
+/// A vector with components up to `size`.
+fn in_cube(rng: &mut Pcg64, size: f64) -> DVec3 {
+    DVec3::from_array(from_fn(|_| rng.random_range(-size..size)))
 }
 
 type Get = fn(&Decoupled, usize) -> DVec3;

@@ -122,7 +122,7 @@ impl World {
                     simulate_run(&model, &planned.run, size.rate_hz, steps)
                         .expect("a run within the rig's limits simulates")
                 } else {
-                    rigid.play(&planned.run, gravity, size.rate_hz)
+                    rigid.simulate(&planned.run, gravity, size.rate_hz)
                 };
                 let role = planned.role;
                 (role, laboratory.record(&run, index).trial(role))

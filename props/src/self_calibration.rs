@@ -110,7 +110,7 @@ impl Case {
         rng: &mut Pcg64,
     ) -> Self {
         let field = Field::by_hand(rng, pace, duration_s, SAMPLE_RATE_HZ);
-        let (loads, _) = field.play(&truth::sensor(&truth));
+        let (loads, _) = field.simulate(&truth::sensor(&truth));
         let forces =
             compliant_forces_m_s2(&truth::sensor(&truth), &loads).expect("the limbs hold the mass");
         let gains = truth::amplifier_ranges(&forces, &truth);

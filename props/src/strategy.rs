@@ -1,32 +1,16 @@
-//! Random sensors, motions and rubbish.
+//! Generators for property tests: sensors, motions, vectors, and numbers from the edges of f64.
 
 use crate::truth;
 use glam::DVec3;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
-use sixaxis_core::{Geometry, InertiaPerMass, Parameters, StaticResponse};
-use sixaxis_reference::rig::tumble::{SINES, Sine, Tumble};
-use sixaxis_reference::{paper, rig};
+use sixaxis_core::{Geometry, InertiaPerMass, Parameters};
 
 use crate::manufactured::motion::{Harmonic, Manufactured};
-use crate::motions::Case;
+use crate::seed::seed;
 
-/// Seed unless `SIXAXIS_SEED` says otherwise.
-const SEED: u64 = 20131;
-
-/// The seed of this run, printed.
-#[must_use]
-pub fn seed() -> u64 {
-    let seed = std::env::var("SIXAXIS_SEED")
-        .ok()
-        .and_then(|text| text.parse().ok())
-        .unwrap_or(SEED);
-    eprintln!("SIXAXIS_SEED={seed}");
-    seed
-}
-
-/// `cases` runs from a fixed seed, so that a failure stays a failure; `SIXAXIS_SEED` sets another, `SIXAXIS_CASES` an upper
-/// bound on their number, for tools that run the suites a thousand times over.
+/// `cases` runs from [`seed`]; `SIXAXIS_CASES` is an upper bound on their number, for tools that run the suites a thousand
+/// times over.
 #[must_use]
 pub fn config(cases: u32) -> Config {
     let bound = std::env::var("SIXAXIS_CASES")
@@ -159,83 +143,13 @@ fn displacement(
     )
 }
 
-/// A random sensor under gravity, and a random motion of it: within the rig's travel and speed (up to 93 mm, 100 deg,
-/// 1 to 5 Hz) or, as often, far beyond (up to 500 m/s^2, 50 rad/s, 5 to 200 Hz).
-pub fn case() -> impl Strategy<Value = Case> {
-    let sine = || {
-        (
-            0.3..1.0_f64,
-            vector(1.0),
-            vector(1.0),
-            [vector(3.1), vector(3.1)],
-        )
-    };
-    let motion = (
-        any::<bool>(),
-        0.0..1.0_f64,
-        0.1..1.0_f64,
-        [sine(), sine(), sine()],
-    )
-        .prop_map(|(within_rig, speed, size, sines)| {
-            let (frequency_hz, acceleration, rate) = if within_rig {
-                let frequency_hz = 1.0 + 4.0 * speed;
-                let omega = core::f64::consts::TAU * frequency_hz;
-                (
-                    frequency_hz,
-                    rig::run::SLIDER_AMPLITUDE_M * omega * omega,
-                    rig::run::ROTATION_AMPLITUDE_RAD * omega,
-                )
-            } else {
-                (5.0 * 40.0_f64.powf(speed), 500.0 * size, 50.0 * size)
-            };
-            // Three sines of up to sqrt(3) each share the amplitude.
-            let share = 1.0 / (SINES as f64 * 3.0_f64.sqrt());
-            let sine = |i: usize, angular: bool| {
-                let (fraction, linear, turning, phase) = sines[i];
-                let frequency_hz = if i == 0 {
-                    frequency_hz
-                } else {
-                    frequency_hz * fraction
-                };
-                let omega = core::f64::consts::TAU * frequency_hz;
-                Sine {
-                    amplitude: if angular {
-                        turning * (rate * share)
-                    } else {
-                        linear * (acceleration * share / (omega * omega))
-                    },
-                    frequency_hz,
-                    phase_rad: phase[usize::from(angular)],
-                }
-            };
-            Tumble {
-                position_ground_m: core::array::from_fn(|i| sine(i, false)),
-                rate_shell_rad_s: core::array::from_fn(|i| sine(i, true)),
-                // Long enough that the start does not ring the modes.
-                rise_s: (1.5 / frequency_hz).max(0.01),
-            }
-        });
-    (
-        parameters(),
-        motion,
-        vector(1.0),
-        prop_oneof![Just(StaticResponse::Tared), Just(StaticResponse::Full)],
-    )
-        .prop_map(|(parameters, motion, down, static_response)| Case {
-            parameters,
-            motion,
-            gravity_ground_m_s2: down.normalize_or(DVec3::NEG_Z) * paper::GRAVITY_M_S2,
-            static_response,
-        })
-}
-
 /// A vector with components up to `size`.
 pub fn vector(size: f64) -> impl Strategy<Value = DVec3> {
     prop::array::uniform3(-size..size).prop_map(DVec3::from_array)
 }
 
-/// Any f64 at all, the odd ones often.
-pub fn rubbish() -> impl Strategy<Value = f64> {
+/// Any f64 at all; NaN, the infinities, zero, the smallest and the largest often.
+pub fn any_f64_edge() -> impl Strategy<Value = f64> {
     prop_oneof![
         any::<f64>(),
         Just(f64::NAN),

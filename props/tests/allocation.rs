@@ -15,8 +15,8 @@ use sixaxis_core::{
 };
 use sixaxis_props::faults::{FALSE_ALARMS_PER_HOUR, Scene};
 use sixaxis_props::manufactured::examples;
+use sixaxis_props::seed::seed;
 use sixaxis_props::self_calibration::Case;
-use sixaxis_props::strategy::seed;
 use sixaxis_props::truth;
 
 const SAMPLES: usize = 1000;

@@ -6,6 +6,7 @@
 //!
 //! | module | holds |
 //! |---|---|
+//! | `continuous` | a sampled signal between its samples: analogue filters, other clocks |
 //! | [`plan`] | what is simulated, and [`plan_file`], the plan as TOML with comments |
 //! | [`check`] | the plans that are refused |
 //! | [`schedule`] | the trials that a plan asks for |
@@ -17,6 +18,7 @@
 
 pub mod chain;
 pub mod check;
+mod continuous;
 pub mod defect;
 pub mod effect;
 pub mod error;
@@ -93,24 +95,34 @@ impl Laboratory {
         }
     }
 
-    /// Ten minutes at rest. A tared channel of a sensor that does not move shows its zero drift and noise.
+    /// The paper's ten minutes at rest.
     #[must_use]
     pub fn record_static(&self) -> SimulatedRecording {
         let mut rng = Pcg64::new(u128::from(self.seed), STATIC_STREAM);
+        let drift = self.sensor.zero_drift_v;
+        self.record_at_rest(STATIC_DURATION_S, STATIC_RATE_HZ, |_| drift, &mut rng)
+    }
+
+    /// A record at rest: a tared channel of a sensor that does not move shows its zero drift, V, and noise. The drift is asked
+    /// for at each share of the record, from 0 to 1.
+    fn record_at_rest(
+        &self,
+        duration_s: f64,
+        rate_hz: f64,
+        drift_v: impl Fn(f64) -> [f64; LIMBS],
+        rng: &mut Pcg64,
+    ) -> SimulatedRecording {
         let converter = self.chain.converter();
-        let samples = (STATIC_DURATION_S * STATIC_RATE_HZ) as usize;
+        let samples = (duration_s * rate_hz) as usize;
+        let row = |sample| drift_v(sample as f64 / samples as f64);
         SimulatedRecording {
-            gain_n_per_v: [STATIC_GAIN_N_PER_V; LIMBS],
             voltage_v: (0..samples)
-                .map(|_| {
-                    let drift = self.sensor.zero_drift_v;
-                    drift.map(|drift| converter.convert(drift, &mut rng))
-                })
+                .map(|sample| row(sample).map(|voltage_v| converter.convert(voltage_v, rng)))
                 .collect(),
             ..SimulatedRecording::of_nothing(
                 "static",
                 Role::Static,
-                STATIC_RATE_HZ,
+                rate_hz,
                 self.chain.full_scale_v,
             )
         }

@@ -4,7 +4,7 @@
 //! that is nothing. Campaigns by the hundred, to try a verdict on, are made this way; the test `ref_rigid_runs_are_mujocos`
 //! holds it against MuJoCo. The stiffness of the limbs has no effect here but for its ratios, which say how a load is shared.
 
-use glam::{DQuat, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 use nalgebra::{SMatrix, SVector, Vector6};
 
 use crate::geometry::LIMBS;
@@ -30,15 +30,22 @@ impl Load {
     }
 }
 
-/// Torque over mass, m^2/s^2, that turns the mass at a rate, rad/s, and an angular acceleration, rad/s^2, mass axes.
+/// Torque over mass, m^2/s^2, that turns the mass at a rate w, rad/s, and an angular acceleration alpha, rad/s^2, mass axes.
+///
+/// D'Alembert's principle: each element at r needs the force of its acceleration alpha x r + w x (w x r), and the sum of the
+/// torques r x a is tr(S) alpha - S alpha - w x S w with the mass's second moments S, the mean of r r^T.
 #[must_use]
 pub fn torque_per_mass(
     inertia: &InertiaPerMass,
     rate_rad_s: DVec3,
     angular_rad_s2: DVec3,
 ) -> DVec3 {
-    let tensor = inertia.tensor_m2();
-    tensor * angular_rad_s2 + rate_rad_s.cross(tensor * rate_rad_s)
+    // The tensor of inertia is tr(S) - S, and so tr(S) is half of its trace.
+    let trace_m2 = 0.5 * (inertia.xx_m2 + inertia.yy_m2 + inertia.zz_m2);
+    let second_m2 = DMat3::from_diagonal(DVec3::splat(trace_m2)) - inertia.tensor_m2();
+    trace_m2 * angular_rad_s2
+        - second_m2 * angular_rad_s2
+        - rate_rad_s.cross(second_m2 * rate_rad_s)
 }
 
 /// A sensor without compliance.
@@ -69,7 +76,12 @@ impl RigidSensor {
 
     /// A whole run of the rig. A pinion turns about an axis that is the same in shell and ground.
     #[must_use]
-    pub fn play(&self, run: &Run, gravity_ground_m_s2: DVec3, sample_rate_hz: f64) -> SimulatedRun {
+    pub fn simulate(
+        &self,
+        run: &Run,
+        gravity_ground_m_s2: DVec3,
+        sample_rate_hz: f64,
+    ) -> SimulatedRun {
         let samples = (run.duration_s() * sample_rate_hz).floor() as usize + 1;
         let axis = run.direction_ground;
         let (travel, rotation) = run.amplitudes();

@@ -5,7 +5,6 @@
 //! plain data into one self-contained HTML page and knows nothing of sensors, simulators or
 //! campaigns.
 
-pub mod inspection;
 pub mod pages;
 pub mod progress;
 pub mod study;

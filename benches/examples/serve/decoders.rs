@@ -1,6 +1,5 @@
 //! Those who decode: voltages in, six accelerations out.
 
-use sixaxis_benches::problem::true_parameters;
 use sixaxis_core::Decoupler;
 use sixaxis_core::LIMBS;
 use sixaxis_core::Scheme;
@@ -8,6 +7,7 @@ use sixaxis_core::SixAxis;
 use sixaxis_core::decouple::lanes::LaneSample;
 use sixaxis_core::decouple::lanes::push_lanes;
 use sixaxis_core::kernel::simd::LANES;
+use sixaxis_props::problem::recorded::true_parameters;
 use std::array::from_fn;
 use std::hint::black_box;
 

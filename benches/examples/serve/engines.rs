@@ -2,9 +2,9 @@
 
 use glam::DQuat;
 use glam::DVec3;
-use sixaxis_benches::problem::FreeSensor;
-use sixaxis_benches::problem::STEP_S;
-use sixaxis_benches::problem::compound_5_hz;
+use sixaxis_benches::free_sensor::FreeSensor;
+use sixaxis_props::problem::recorded::STEP_S;
+use sixaxis_props::problem::recorded::compound_5_hz;
 use sixaxis_reference::mujoco::model::SHELL_INERTIA_KG_M2;
 use sixaxis_reference::mujoco::model::SHELL_MASS_KG;
 

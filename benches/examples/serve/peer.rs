@@ -1,8 +1,8 @@
 //! What a peer is, and what it is given.
 
 use glam::DVec3;
-use sixaxis_benches::problem::Recorded;
-use sixaxis_benches::problem::compound_5_hz;
+use sixaxis_props::problem::recorded::Recorded;
+use sixaxis_props::problem::recorded::compound_5_hz;
 use sixaxis_recordings::session::Role;
 use sixaxis_reference::laboratory::recording::SimulatedRecording;
 use std::error::Error;

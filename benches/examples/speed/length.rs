@@ -2,41 +2,19 @@
 
 use std::hint::black_box;
 
-use serde::Serialize;
-use sixaxis_benches::problem::Recorded;
 use sixaxis_core::Scheme;
+use sixaxis_props::problem::recorded::Recorded;
+use sixaxis_props::results::{Length, LengthPoint};
 
 use crate::comparison::{judge_record, pieces};
 use crate::machine::peak_memory_bytes;
 use crate::timing::{
-    Effort, Progress, Spread, Voltages, push_all, record_all, repeated, rounded, time,
+    Effort, Progress, Voltages, push_all, record_all, repeated, rounded, spread, time,
 };
 
 /// Scheme of the longest records. Heun's error of the rate adds up from one repetition of the run to the next and runs
 /// away after 1.3e7 samples, twenty minutes of being shaken at 5 Hz without a rest; this one's error stays small.
 pub const LONG_SCHEME: Scheme = Scheme::AdamsMoulton4;
-
-#[derive(Serialize)]
-pub struct Length {
-    pub scheme: Scheme,
-    /// A recording that is repeated as it arrives, in pieces of this many samples.
-    pub streamed_piece_samples: usize,
-    pub streamed: Vec<LengthPoint>,
-    /// The same as one array in memory.
-    pub held: Vec<LengthPoint>,
-    /// Peak memory of the program before the first streamed sample and after the last, bytes; null where unknown.
-    pub peak_memory_before_bytes: Option<u64>,
-    pub peak_memory_after_bytes: Option<u64>,
-}
-
-#[derive(Serialize)]
-pub struct LengthPoint {
-    pub samples: usize,
-    pub push_ns: Spread,
-    pub record_ns: Spread,
-    /// Largest difference of the two over the peak.
-    pub difference: f64,
-}
 
 pub fn length(recorded: &Recorded, scheme: Scheme, effort: &Effort, progress: &Progress) -> Length {
     let block = &recorded.recording.voltage_v[..];
@@ -55,11 +33,11 @@ pub fn length(recorded: &Recorded, scheme: Scheme, effort: &Effort, progress: &P
             repeated(|| record_all(black_box(ready), given())),
         ];
         let mut times = time(&what, &mut jobs, effort, progress).into_iter();
-        let mut spread = || Spread::of(times.next().unwrap_or_default(), 1e9 / samples as f64);
+        let mut next = || spread(times.next().unwrap_or_default(), 1e9 / samples as f64);
         LengthPoint {
             samples,
-            push_ns: spread(),
-            record_ns: spread(),
+            push_ns: next(),
+            record_ns: next(),
             difference: rounded(difference),
         }
     };

@@ -7,19 +7,7 @@ use std::process::Command;
 use std::thread;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use serde::Serialize;
-
-#[derive(Serialize)]
-pub struct Machine {
-    pub cpu: String,
-    pub logical_cores: usize,
-    pub system: String,
-    pub rustc: String,
-    /// Instructions that the program was compiled for beyond the architecture's least.
-    pub compiled_for: Vec<&'static str>,
-    /// Vector instructions that the processor has: the record path and the lanes choose by them.
-    pub processor_has: Vec<&'static str>,
-}
+use sixaxis_props::results::Machine;
 
 pub fn logical_cores() -> usize {
     thread::available_parallelism().map_or(1, usize::from)
@@ -55,11 +43,11 @@ pub fn machine() -> Machine {
     macro_rules! features {
         ($($name:tt),*) => {$(
             if cfg!(target_feature = $name) {
-                compiled_for.push($name);
+                compiled_for.push($name.to_owned());
             }
             #[cfg(target_arch = "x86_64")]
             if is_x86_feature_detected!($name) {
-                processor_has.push($name);
+                processor_has.push($name.to_owned());
             }
         )*};
     }

@@ -22,29 +22,14 @@ use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use serde_json::Value;
 use sixaxis_core::Scheme;
+use sixaxis_props::results::{CoreSpeed, Instructions, Peers, Published, Speed};
 
-use length::{LONG_SCHEME, Length, length};
-use machine::{Machine, date_utc, machine, output, workspace};
-use precision::{WorkPrecision, validated, work_precision};
-use streams::{Streams, streams};
+use length::{LONG_SCHEME, length};
+use machine::{date_utc, machine, output, workspace};
+use precision::{validated, work_precision};
+use streams::streams;
 use timing::{FULL, Progress, QUICK};
-
-/// Whole of `target/speed/speed.json`.
-#[derive(Serialize)]
-struct Speed {
-    date_utc: String,
-    commit: String,
-    /// Whether the core was another than that commit's.
-    core_changed_since_commit: bool,
-    quick: bool,
-    rounds: usize,
-    machine: Machine,
-    work_precision: WorkPrecision,
-    length: Length,
-    streams: Streams,
-}
 
 /// Where cargo builds, and where `benches/peers/run` leaves its results.
 fn target() -> PathBuf {
@@ -52,7 +37,7 @@ fn target() -> PathBuf {
 }
 
 /// What the peers took, as `benches/peers/run` left it.
-fn peers() -> Result<Value, Box<dyn Error>> {
+fn peers() -> Result<Peers, Box<dyn Error>> {
     let path = target().join("peers/results.json");
     let text = fs::read_to_string(path).map_err(|e| {
         format!("no target/peers/results.json ({e}); `benches/peers/run` writes it")
@@ -60,11 +45,11 @@ fn peers() -> Result<Value, Box<dyn Error>> {
     Ok(serde_json::from_str(&text)?)
 }
 
-/// The counts that `.ci/instructions` holds the core to; null if there are none.
-fn instructions() -> Result<Value, Box<dyn Error>> {
+/// The counts that `.ci/instructions` holds the core to; none if there is no such file.
+fn instructions() -> Result<Option<Instructions>, Box<dyn Error>> {
     match fs::read_to_string(workspace().join("benches/instructions.json")) {
         Ok(text) => Ok(serde_json::from_str(&text)?),
-        Err(_) => Ok(Value::Null),
+        Err(_) => Ok(None),
     }
 }
 
@@ -84,7 +69,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     // Before minutes of work, not after them.
-    let peers = if publish { peers()? } else { Value::Null };
+    let peers = publish.then(peers).transpose()?;
     let effort = if quick { &QUICK } else { &FULL };
     let progress = Progress {
         shown: std::io::stderr().is_terminal(),
@@ -97,7 +82,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let length = length(&recorded, LONG_SCHEME, effort, &progress);
     let streams = streams(&recorded, scheme, effort, &progress);
     let core_changed = output("git", &["diff", "--quiet", "HEAD", "--", "core"]).is_none();
-    let speed = Speed {
+    let speed = CoreSpeed {
         date_utc: date_utc(),
         commit: output("git", &["rev-parse", "HEAD"]).unwrap_or_else(|| "unknown".to_owned()),
         core_changed_since_commit: core_changed,
@@ -111,14 +96,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     progress.say("");
     write(&target().join("speed/speed.json"), &speed)?;
     println!("target/speed/speed.json");
-    if publish {
-        let all = serde_json::json!({
-            "speed": speed,
-            "peers": peers,
-            "instructions": instructions()?,
-        });
-        write(&workspace().join("benches/results/speed.json"), &all)?;
-        println!("benches/results/speed.json");
+    if let Some(peers) = peers {
+        let all = Speed {
+            speed,
+            peers,
+            instructions: instructions()?,
+        };
+        // With its keys in order, as the file has always been.
+        write(&workspace().join(Speed::FILE), &serde_json::to_value(all)?)?;
+        println!("{}", Speed::FILE);
     }
     Ok(())
 }

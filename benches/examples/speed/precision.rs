@@ -4,19 +4,19 @@ use std::error::Error;
 use std::hint::black_box;
 
 use glam::DVec3;
-use serde::Serialize;
-use sixaxis_benches::limits::Decoupled;
-use sixaxis_benches::problem;
-use sixaxis_benches::problem::{DECOUPLE_RATE_HZ, Recorded, true_parameters};
 use sixaxis_benches::validate;
 use sixaxis_core::{Decoupler, Scheme, SixAxis};
+use sixaxis_props::problem::recorded as problem;
+use sixaxis_props::problem::recorded::{DECOUPLE_RATE_HZ, Recorded, true_parameters};
+use sixaxis_props::results::{SchemeCurve, WorkPrecision, WorkPrecisionPoint};
+use sixaxis_props::tolerance::DecoupledRun;
 use sixaxis_props::truth;
 use sixaxis_reference::laboratory::Laboratory;
 use sixaxis_reference::motion::{SimulatedRun, TrueMotion};
 
 use crate::comparison::{judge_record, largest};
 use crate::timing::{
-    Effort, Job, Progress, Spread, Voltages, push_all, record_all, repeated, rounded, time,
+    Effort, Job, Progress, Voltages, push_all, record_all, repeated, rounded, spread, time,
 };
 
 /// Sample rate of the fine simulation, Hz, and how often it is halved.
@@ -29,32 +29,6 @@ pub const FINE_STEPS: usize = 8;
 
 /// Largest error over its peak that is still a scheme's: Euler has 5 % at the lowest rate, a wrong answer about 1.
 pub const WRONG: f64 = 0.2;
-
-#[derive(Serialize)]
-pub struct WorkPrecision {
-    pub problem: &'static str,
-    pub signal_s: f64,
-    /// How far halving MuJoCo's step moves the most accurate answer against its truth, over the peak.
-    pub reference_error: f64,
-    pub curves: Vec<Curve>,
-}
-
-#[derive(Serialize)]
-pub struct Curve {
-    pub scheme: Scheme,
-    pub points: Vec<Point>,
-}
-
-#[derive(Serialize)]
-pub struct Point {
-    pub sample_rate_hz: f64,
-    /// Largest error of the linear acceleration over its peak.
-    pub push_error: f64,
-    pub record_error: f64,
-    /// Seconds of work for a second of signal.
-    pub push_s_per_s: Spread,
-    pub record_s_per_s: Spread,
-}
 
 /// Errors of push and of the record path in the linear acceleration over its peak, and push's errors themselves.
 pub fn errors(
@@ -146,27 +120,27 @@ pub fn work_precision(
     }
     let mut times = time("work and precision", &mut jobs, effort, progress).into_iter();
     drop(jobs);
-    let mut curves: Vec<Curve> = Vec::new();
+    let mut curves: Vec<SchemeCurve> = Vec::new();
     for (scheme, one, _, [push, record]) in &cases {
         let signal_s = one.truth.len() as f64 / one.recording.sample_rate_hz;
-        let mut spread = || Spread::of(times.next().unwrap_or_default(), 1.0 / signal_s);
-        let point = Point {
+        let mut next = || spread(times.next().unwrap_or_default(), 1.0 / signal_s);
+        let point = WorkPrecisionPoint {
             sample_rate_hz: one.recording.sample_rate_hz,
             push_error: rounded(*push),
             record_error: rounded(*record),
-            push_s_per_s: spread(),
-            record_s_per_s: spread(),
+            push_s_per_s: next(),
+            record_s_per_s: next(),
         };
         match curves.last_mut() {
             Some(curve) if curve.scheme == *scheme => curve.points.push(point),
-            _ => curves.push(Curve {
+            _ => curves.push(SchemeCurve {
                 scheme: *scheme,
                 points: vec![point],
             }),
         }
     }
     Ok(WorkPrecision {
-        problem: "compound_5hz",
+        problem: "compound_5hz".to_owned(),
         signal_s: rounded(fine.truth.len() as f64 / fine.sample_rate_hz),
         reference_error: rounded(reference_error),
         curves,
@@ -181,7 +155,7 @@ pub fn validated(scheme: Scheme) -> Recorded {
         .decoupler(scheme)
         .push_all(&recorded.recording.voltage_v, |s| answers.push(*s))
         .expect("a recorded run");
-    let outcome = validate::decoupled(&recorded.truth, &answers, &Decoupled::compound(scheme));
+    let outcome = validate::decoupled(&recorded.truth, &answers, &DecoupledRun::compound(scheme));
     if let Err(refusal) = outcome {
         panic!("push is not timed, because its answer is wrong: {refusal}");
     }

@@ -5,16 +5,16 @@ use std::sync::Barrier;
 use std::thread;
 use std::time::Instant;
 
-use serde::Serialize;
-use sixaxis_benches::problem::Recorded;
 use sixaxis_core::decouple::lanes::push_lanes;
 use sixaxis_core::kernel::simd::LANES;
 use sixaxis_core::{Decoupler, Scheme};
+use sixaxis_props::problem::recorded::Recorded;
+use sixaxis_props::results::{Streams, StreamsPoint};
 
 use crate::comparison::{Beside, judge_record};
 use crate::machine::logical_cores;
 use crate::timing::{
-    Effort, Progress, Spread, Voltages, push_all, record_all, repeated, rounded, time,
+    Effort, Progress, Voltages, push_all, record_all, repeated, rounded, spread, time,
 };
 
 /// Turns of mere arithmetic on each thread, long enough that starting a thread does not count.
@@ -22,26 +22,6 @@ pub const SPINS: usize = 20;
 
 /// Samples of each stream.
 pub const STREAM_SAMPLES: usize = 1_000;
-
-#[derive(Serialize)]
-pub struct Streams {
-    pub scheme: Scheme,
-    pub samples_per_stream: usize,
-    pub threads: usize,
-    /// How many cores as many threads of mere arithmetic were given at the same time: neighbours take the rest.
-    pub cores_given: f64,
-    pub points: Vec<StreamsPoint>,
-}
-
-/// Nanoseconds per sample and stream; lanes take eight streams.
-#[derive(Serialize)]
-pub struct StreamsPoint {
-    pub streams: usize,
-    pub push_ns: Spread,
-    pub record_ns: Spread,
-    pub lanes_ns: Option<Spread>,
-    pub lanes_threads_ns: Option<Spread>,
-}
 
 /// Recordings of as many streams, each in memory of its own.
 pub struct Recordings {
@@ -162,7 +142,7 @@ pub fn streams(
         }
         let per_sample = 1e9 / (streams * STREAM_SAMPLES) as f64;
         let times = time(&what, &mut jobs, effort, progress);
-        let mut spreads = times.into_iter().map(|t| Spread::of(t, per_sample));
+        let mut spreads = times.into_iter().map(|t| spread(t, per_sample));
         let mut next = || spreads.next();
         StreamsPoint {
             streams,
@@ -207,6 +187,6 @@ pub fn cores_given(threads: usize, effort: &Effort, progress: &Progress) -> f64 
         repeated(all),
     ];
     let times = time("cores", &mut jobs, effort, progress);
-    let [one, all] = [&times[0], &times[1]].map(|t| Spread::of(t.clone(), 1.0).median);
+    let [one, all] = [&times[0], &times[1]].map(|t| spread(t.clone(), 1.0).median);
     rounded(threads as f64 * one / all)
 }

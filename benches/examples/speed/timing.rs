@@ -4,8 +4,8 @@ use std::hint::black_box;
 use std::io::Write;
 use std::time::Instant;
 
-use serde::Serialize;
 use sixaxis_core::{Decoupler, LIMBS};
+use sixaxis_props::results::Spread;
 
 pub type Voltages = [f64; LIMBS];
 
@@ -42,30 +42,21 @@ pub const QUICK: Effort = Effort {
     streams: &[1, 8, 64, 512],
 };
 
-/// Median and quartiles, to four digits: more are noise.
-#[derive(Serialize, Clone, Copy)]
-pub struct Spread {
-    pub median: f64,
-    q1: f64,
-    q3: f64,
-}
-
-impl Spread {
-    pub fn of(mut values: Vec<f64>, scale: f64) -> Self {
-        values.sort_by(f64::total_cmp);
-        let at = |share: f64| {
-            let place = share * (values.len() - 1) as f64;
-            let (low, high) = (
-                values[place.floor() as usize],
-                values[place.ceil() as usize],
-            );
-            rounded(scale * (low + place.fract() * (high - low)))
-        };
-        Self {
-            median: at(0.5),
-            q1: at(0.25),
-            q3: at(0.75),
-        }
+/// Median and quartiles of scaled values, to four digits: more are noise.
+pub fn spread(mut values: Vec<f64>, scale: f64) -> Spread {
+    values.sort_by(f64::total_cmp);
+    let at = |share: f64| {
+        let place = share * (values.len() - 1) as f64;
+        let (low, high) = (
+            values[place.floor() as usize],
+            values[place.ceil() as usize],
+        );
+        rounded(scale * (low + place.fract() * (high - low)))
+    };
+    Spread {
+        median: at(0.5),
+        q1: at(0.25),
+        q3: at(0.75),
     }
 }
 

@@ -15,6 +15,7 @@ use nalgebra::{Matrix6, SMatrix, SVector, Vector6};
 use crate::decouple::stream::Decoupler;
 use crate::error::{Error, Result};
 use crate::geometry::LIMBS;
+use crate::identify::static_load_sharing::StaticLoadSharing;
 use crate::model::Parameters;
 use crate::model::{Sensor, Settings};
 use crate::paper::signal::SignalChain;
@@ -131,16 +132,12 @@ fn corrected(
 /// Voltages whose forces are the smallest that give the shell a unit angular acceleration about each axis and no
 /// linear one.
 fn torque_pattern(sensor: &Sensor, parameters: &Parameters) -> Option<SMatrix<f64, LIMBS, 3>> {
-    let jacobian = sensor.geometry.limb_jacobian();
-    let inverse = (jacobian.transpose() * jacobian).try_inverse()?;
-    let from_wrench = jacobian * inverse;
+    let sharing = StaticLoadSharing::new(&sensor.geometry).ok()?;
     let tensor = parameters.inertia_per_mass.matrix_mass_m2();
     let chain = SignalChain::new(&sensor.gains, parameters);
     let mut pattern = SMatrix::<f64, LIMBS, 3>::zeros();
     for axis in 0..3 {
-        let torque = tensor.col(axis);
-        let wrench = Vector6::new(0.0, 0.0, 0.0, torque.x, torque.y, torque.z);
-        let force: [f64; LIMBS] = (from_wrench * wrench).into();
+        let force = sharing.of_wrench(DVec3::ZERO, tensor.col(axis));
         let voltage = chain.voltage_change_v(&force);
         pattern.set_column(axis, &SVector::from(voltage));
     }

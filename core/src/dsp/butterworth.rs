@@ -7,7 +7,7 @@
 
 use alloc::vec::Vec;
 
-use crate::error::{Error, Result};
+use crate::error::{Result, require, require_positive};
 use crate::float::{sin_cos, sqrt, tan};
 
 /// Highest order offered.
@@ -78,29 +78,21 @@ pub fn high_pass(order: usize, corner_hz: f64, sample_rate_hz: f64) -> Result<Ve
 }
 
 fn design(kind: Kind, order: usize, corner_hz: f64, sample_rate_hz: f64) -> Result<Vec<Section>> {
-    if !(1..=MAX_ORDER).contains(&order) {
-        return Err(Error::OutOfRange {
-            name: "order",
-            value: order as f64,
-            requirement: "from 1 to 10",
-        });
-    }
-    if !(sample_rate_hz.is_finite() && sample_rate_hz > 0.0) {
-        return Err(Error::OutOfRange {
-            name: "sample_rate_hz",
-            value: sample_rate_hz,
-            requirement: "positive and finite",
-        });
-    }
+    require(
+        (1..=MAX_ORDER).contains(&order),
+        "order",
+        order as f64,
+        "from 1 to 10",
+    )?;
+    require_positive("sample_rate_hz", sample_rate_hz)?;
     // As a share, because neither times the sample rate nor times pi does a corner of any size stay finite.
     let corner = corner_hz / sample_rate_hz;
-    if !(LOWEST_CORNER..0.5).contains(&corner) {
-        return Err(Error::OutOfRange {
-            name: "corner_hz",
-            value: corner_hz,
-            requirement: "from a millionth to below half of the sample rate",
-        });
-    }
+    require(
+        (LOWEST_CORNER..0.5).contains(&corner),
+        "corner_hz",
+        corner_hz,
+        "from a millionth to below half of the sample rate",
+    )?;
     let k = tan(core::f64::consts::PI * corner);
     let mut sections = Vec::with_capacity(order.div_ceil(2));
     for pair in 0..order / 2 {

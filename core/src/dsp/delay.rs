@@ -7,10 +7,10 @@
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
+use super::check_length;
 use super::resample::MIN_SAMPLES;
 use super::stage::{self, Stage};
-use super::{check_length, check_positive};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require, require_positive};
 
 /// Samples on either side that a value rests on.
 const REACH: usize = 3;
@@ -161,17 +161,16 @@ impl Stage for Delay {
 /// [`Error::OutOfRange`] for a sample rate that is not positive and finite or a delay that is not finite or leaves no instant
 /// within the record; [`Error::TooFewSamples`] below [`MIN_SAMPLES`]; [`Error::NotFinite`], [`Error::Overflow`].
 pub fn delayed(series: &[f64], delay_s: f64, sample_rate_hz: f64) -> Result<(Vec<f64>, usize)> {
-    check_positive("sample_rate_hz", sample_rate_hz)?;
+    require_positive("sample_rate_hz", sample_rate_hz)?;
     check_length("delay", MIN_SAMPLES, series.len())?;
     let shift = delay_s * sample_rate_hz;
     // A range, so that NaN is refused, too.
-    if !(0.0..=(series.len() - 1) as f64).contains(&shift.abs()) {
-        return Err(Error::OutOfRange {
-            name: "delay_s",
-            value: delay_s,
-            requirement: "finite and at most the record's duration",
-        });
-    }
+    require(
+        (0.0..=(series.len() - 1) as f64).contains(&shift.abs()),
+        "delay_s",
+        delay_s,
+        "finite and at most the record's duration",
+    )?;
     let mut stage = Delay::new(shift)?;
     let mut moved = series.to_vec();
     stage::whole("delay", &mut stage, &mut moved)?;

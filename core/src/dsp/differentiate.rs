@@ -7,7 +7,7 @@
 use alloc::vec::Vec;
 
 use super::{check_answer, check_finite, check_length};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require};
 use crate::float::{sin_cos, sqrt};
 
 /// Highest polynomial order offered.
@@ -41,27 +41,25 @@ impl Differentiator {
     /// [`Error::OutOfRange`] for an order outside 1..=6, a window not longer than the order, a half width above
     /// [`MAX_HALF_WIDTH`], or a sample rate that is not positive and finite (or too small for all digits).
     pub fn new(half_width: usize, order: usize, sample_rate_hz: f64) -> Result<Self> {
-        if !(1..=MAX_ORDER).contains(&order) {
-            return Err(Error::OutOfRange {
-                name: "order",
-                value: order as f64,
-                requirement: "from 1 to 6",
-            });
-        }
+        require(
+            (1..=MAX_ORDER).contains(&order),
+            "order",
+            order as f64,
+            "from 1 to 6",
+        )?;
         if half_width > MAX_HALF_WIDTH || 2 * half_width < order {
-            return Err(Error::OutOfRange {
-                name: "half_width",
-                value: half_width as f64,
-                requirement: "at least half the order and at most 65536",
-            });
+            return Err(Error::out_of_range(
+                "half_width",
+                half_width as f64,
+                "at least half the order and at most 65536",
+            ));
         }
-        if !(sample_rate_hz.is_normal() && sample_rate_hz > 0.0) {
-            return Err(Error::OutOfRange {
-                name: "sample_rate_hz",
-                value: sample_rate_hz,
-                requirement: "positive and finite",
-            });
-        }
+        require(
+            sample_rate_hz.is_normal() && sample_rate_hz > 0.0,
+            "sample_rate_hz",
+            sample_rate_hz,
+            "positive and finite",
+        )?;
         let (values, slopes): (Vec<_>, Vec<_>) = (0..=2 * half_width)
             .map(|place| basis_at(place, half_width, order))
             .unzip();

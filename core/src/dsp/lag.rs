@@ -8,10 +8,10 @@
 
 use alloc::vec::Vec;
 
+use super::check_answer;
 use super::differentiate::Differentiator;
 use super::stage::{self, Stage};
-use super::{check_answer, check_positive};
-use crate::error::Result;
+use crate::error::{Result, require_positive};
 use crate::float::exp;
 
 /// A first-order filter, streaming, at rest at first.
@@ -30,8 +30,8 @@ pub struct FirstOrder {
 
 impl FirstOrder {
     fn new(corner_hz: f64, sample_rate_hz: f64, high_pass: bool) -> Result<Self> {
-        check_positive("corner_hz", corner_hz)?;
-        check_positive("sample_rate_hz", sample_rate_hz)?;
+        require_positive("corner_hz", corner_hz)?;
+        require_positive("sample_rate_hz", sample_rate_hz)?;
         // h/tau with tau = 1/(2 pi f).
         let ratio = core::f64::consts::TAU * corner_hz / sample_rate_hz;
         let (weight_before, weight_now) = hold_weights(ratio);
@@ -144,7 +144,7 @@ pub fn undo_low_pass(
     corner_hz: f64,
     differentiator: &Differentiator,
 ) -> Result<Vec<f64>> {
-    check_positive("corner_hz", corner_hz)?;
+    require_positive("corner_hz", corner_hz)?;
     let time_constant_s = 1.0 / (core::f64::consts::TAU * corner_hz);
     let slope = differentiator.derivative(record)?;
     let undone: Vec<f64> = record

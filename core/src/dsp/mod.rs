@@ -93,17 +93,6 @@ fn check_answer(what: &'static str, answer: impl IntoIterator<Item = f64>) -> Re
     }
 }
 
-fn check_positive(name: &'static str, value: f64) -> Result<()> {
-    if !(value.is_finite() && value > 0.0) {
-        return Err(Error::OutOfRange {
-            name,
-            value,
-            requirement: "positive and finite",
-        });
-    }
-    Ok(())
-}
-
 fn check_length(what: &'static str, needed: usize, got: usize) -> Result<()> {
     if got < needed {
         return Err(Error::TooFewSamples { what, needed, got });

@@ -4,9 +4,9 @@
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
+use super::check_length;
 use super::stage::{self, Stage};
-use super::{check_length, check_positive};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require_positive};
 
 /// Standard deviation of a normal variable over its median absolute deviation: 1/quantile(3/4).
 pub(crate) const SIGMA_PER_MAD: f64 = 1.482_602_218_505_602;
@@ -31,13 +31,9 @@ impl Hampel {
     /// [`Error::OutOfRange`] for a half width of zero or `sigmas` not positive.
     pub fn new(half_width: usize, sigmas: f64) -> Result<Self> {
         if half_width == 0 {
-            return Err(Error::OutOfRange {
-                name: "half_width",
-                value: 0.0,
-                requirement: "at least 1",
-            });
+            return Err(Error::out_of_range("half_width", 0.0, "at least 1"));
         }
-        check_positive("sigmas", sigmas)?;
+        require_positive("sigmas", sigmas)?;
         Ok(Self {
             half_width,
             sigmas,

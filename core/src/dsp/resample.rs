@@ -20,7 +20,7 @@
 use alloc::vec::Vec;
 
 use super::{check_answer, check_finite, check_length};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require_positive};
 
 /// Fewest samples through which a not-a-knot spline is one: below, the conditions at the two ends are the same.
 pub const MIN_SAMPLES: usize = 4;
@@ -59,13 +59,7 @@ impl CubicSpline {
     /// [`Error::OutOfRange`] for a sample rate that is not positive and finite, [`Error::TooFewSamples`] below
     /// [`MIN_SAMPLES`], [`Error::NotFinite`], [`Error::Overflow`].
     pub fn even(values: &[f64], sample_rate_hz: f64) -> Result<Self> {
-        if !(sample_rate_hz.is_finite() && sample_rate_hz > 0.0) {
-            return Err(Error::OutOfRange {
-                name: "sample_rate_hz",
-                value: sample_rate_hz,
-                requirement: "positive and finite",
-            });
-        }
+        require_positive("sample_rate_hz", sample_rate_hz)?;
         Ok(Self {
             curvatures: curvatures(|_| 1.0, values)?,
             clock: Clock::Even { sample_rate_hz },
@@ -118,11 +112,11 @@ impl CubicSpline {
     /// [`Error::OutOfRange`] for a time outside the record (NaN included): a cubic past its last sample soon shows
     /// anything. [`Error::Overflow`] with the sample before that time.
     pub fn at(&self, time_s: f64) -> Result<f64> {
-        let (index, share, step) = self.place(time_s).ok_or(Error::OutOfRange {
-            name: "time_s",
-            value: time_s,
-            requirement: "within the record, from its first to its last sample",
-        })?;
+        let (index, share, step) = self.place(time_s).ok_or(Error::out_of_range(
+            "time_s",
+            time_s,
+            "within the record, from its first to its last sample",
+        ))?;
         let value = self.piece(index, share, step);
         if !value.is_finite() {
             return Err(Error::Overflow {

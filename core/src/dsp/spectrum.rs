@@ -6,8 +6,8 @@
 use alloc::vec::Vec;
 
 use super::outlier::{SIGMA_PER_MAD, median};
-use super::{check_answer, check_finite, check_length, check_positive, detrend};
-use crate::error::{Error, Result};
+use super::{check_answer, check_finite, check_length, detrend};
+use crate::error::{Error, Result, require_positive};
 use crate::float::{sin_cos, sqrt};
 
 /// Shortest segment offered: the window's own line is four wide.
@@ -136,11 +136,11 @@ impl Welch {
 
 fn check_segment(segment: usize) -> Result<()> {
     if segment < MIN_SEGMENT || !segment.is_power_of_two() {
-        return Err(Error::OutOfRange {
-            name: "segment",
-            value: segment as f64,
-            requirement: "a power of two, at least 8",
-        });
+        return Err(Error::out_of_range(
+            "segment",
+            segment as f64,
+            "a power of two, at least 8",
+        ));
     }
     Ok(())
 }
@@ -158,7 +158,7 @@ fn check_segment(segment: usize) -> Result<()> {
 pub fn welch(series: &[f64], segment: usize, sample_rate_hz: f64) -> Result<Spectrum> {
     const WHAT: &str = "Welch's spectrum";
     check_segment(segment)?;
-    check_positive("sample_rate_hz", sample_rate_hz)?;
+    require_positive("sample_rate_hz", sample_rate_hz)?;
     // Before anything of its size is allocated.
     check_length(WHAT, segment, series.len())?;
     check_finite(series)?;
@@ -190,11 +190,11 @@ impl Fourier {
     /// [`Error::OutOfRange`] for a length that is not a power of two or below 4.
     pub fn new(length: usize) -> Result<Self> {
         if length < 4 || !length.is_power_of_two() {
-            return Err(Error::OutOfRange {
-                name: "length",
-                value: length as f64,
-                requirement: "a power of two, at least 4",
-            });
+            return Err(Error::out_of_range(
+                "length",
+                length as f64,
+                "a power of two, at least 4",
+            ));
         }
         let turns = (0..length / 2)
             .map(|k| {

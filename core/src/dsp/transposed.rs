@@ -15,7 +15,7 @@ use super::butterworth::Section;
 use super::differentiate::Differentiator;
 use super::zero_phase::padding;
 use super::{check_answer, check_finite, check_length};
-use crate::error::Result;
+use crate::error::{Result, require_positive};
 
 /// Transpose of [`super::zero_phase::zero_phase`], in place. Away from the ends it is that filter itself, which has no phase.
 ///
@@ -105,7 +105,7 @@ pub fn undo_low_pass(
     corner_hz: f64,
     differentiator: &Differentiator,
 ) -> Result<Vec<f64>> {
-    super::check_positive("corner_hz", corner_hz)?;
+    require_positive("corner_hz", corner_hz)?;
     let time_constant_s = 1.0 / (core::f64::consts::TAU * corner_hz);
     let mut influence = derivative(differentiator, weights)?;
     for (x, w) in influence.iter_mut().zip(weights) {

@@ -94,11 +94,11 @@ impl ZeroPhase {
     pub fn new(sections: &[Section]) -> Result<Self> {
         let look_ahead = settling_samples(sections);
         if look_ahead > Self::LONGEST_LOOK_AHEAD {
-            return Err(Error::OutOfRange {
-                name: "samples that the zero-phase filter looks ahead",
-                value: look_ahead as f64,
-                requirement: "at most a million: a corner less far below the sample rate",
-            });
+            return Err(Error::out_of_range(
+                "samples that the zero-phase filter looks ahead",
+                look_ahead as f64,
+                "at most a million: a corner less far below the sample rate",
+            ));
         }
         Ok(Self::looking_ahead(sections, look_ahead))
     }

@@ -17,7 +17,7 @@ use glam::DVec3;
 
 use super::{Verdict, noise_verdict};
 use crate::decouple::stream::Decoupler;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require};
 use crate::float::sqrt;
 use crate::geometry::LIMBS;
 use crate::model::Parameters;
@@ -145,13 +145,12 @@ impl ComplianceFit {
         }
         let vertex = -self.products / self.slope_squares;
         let left = self.stiff_squares + self.products * vertex;
-        if !(self.slope_squares > 0.0 && vertex.is_finite() && left.is_finite()) {
-            return Err(Error::OutOfRange {
-                name: WHAT,
-                value: self.slope_squares,
-                requirement: "found from motion in which the rate changes with it, by numbers whose squares are finite",
-            });
-        }
+        require(
+            self.slope_squares > 0.0 && vertex.is_finite() && left.is_finite(),
+            WHAT,
+            self.slope_squares,
+            "found from motion in which the rate changes with it, by numbers whose squares are finite",
+        )?;
         let samples = self.samples as f64;
         Ok(CompliancePerMass {
             mass_per_stiffness_s2: vertex,

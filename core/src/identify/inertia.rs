@@ -13,7 +13,7 @@ use super::least_squares::factor::Factor;
 use super::least_squares::{Accumulator, Estimate};
 use super::noise_verdict_relative_to;
 use super::scale::{all_finite, check_finite, check_reference};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require};
 use crate::float::sqrt;
 use crate::geometry::{Geometry, LIMBS};
 use crate::model::InertiaPerMass;
@@ -191,13 +191,12 @@ impl InertiaIdentification {
     /// # Errors
     /// As [`Self::solve`]; [`crate::Error::OutOfRange`] for a ratio that is not positive and finite.
     pub fn solve_at_gain(&self, rate_over_reading: f64) -> Result<InertiaEstimate> {
-        if !(rate_over_reading.is_normal() && rate_over_reading > 0.0) {
-            return Err(Error::OutOfRange {
-                name: "rate_over_reading",
-                value: rate_over_reading,
-                requirement: "positive and finite",
-            });
-        }
+        require(
+            rate_over_reading.is_normal() && rate_over_reading > 0.0,
+            "rate_over_reading",
+            rate_over_reading,
+            "positive and finite",
+        )?;
         let mut estimate = self.at_gain(rate_over_reading).solve(WHAT)?;
         // What was solved for is gamma I/m.
         estimate.values = estimate.values.map(|v| v / rate_over_reading);

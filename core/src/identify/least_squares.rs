@@ -117,10 +117,12 @@ where
         let [residual_squares] = factor.residual_squares();
         let column_norm: [f64; N] = core::array::from_fn(|j| triangle.column(j).norm());
         let finite = column_norm.iter().chain(rotated.iter()).sum::<f64>();
-        let out_of_range = |value| Error::OutOfRange {
-            name: what,
-            value,
-            requirement: "fed with finite rows whose squares neither overflow nor vanish",
+        let out_of_range = |value| {
+            Error::out_of_range(
+                what,
+                value,
+                "fed with finite rows whose squares neither overflow nor vanish",
+            )
         };
         if !(finite + residual_squares).is_finite() {
             return Err(out_of_range(finite));

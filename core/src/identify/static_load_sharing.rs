@@ -29,11 +29,11 @@ impl StaticLoadSharing {
         let flexibility =
             (jacobian.transpose() * jacobian)
                 .try_inverse()
-                .ok_or(Error::OutOfRange {
-                    name: "half_edge_m",
-                    value: geometry.half_edge_m,
-                    requirement: "of a size at which nine limbs hold the mass",
-                })?;
+                .ok_or(Error::out_of_range(
+                    "half_edge_m",
+                    geometry.half_edge_m,
+                    "of a size at which nine limbs hold the mass",
+                ))?;
         Ok(Self {
             matrix: jacobian * flexibility,
             flexibility,
@@ -82,7 +82,9 @@ impl StaticLoadSharing {
         [0, 3].map(|from| DVec3::new(moved[from], moved[from + 1], moved[from + 2]))
     }
 
-    fn of_wrench(&self, force: DVec3, torque: DVec3) -> [f64; LIMBS] {
+    /// Force per mass of each limb, m/s^2, under a force per mass, m/s^2, and a torque per mass, m^2/s^2, on the mass.
+    #[must_use]
+    pub fn of_wrench(&self, force: DVec3, torque: DVec3) -> [f64; LIMBS] {
         let wrench = Vector6::new(force.x, force.y, force.z, torque.x, torque.y, torque.z);
         (self.matrix * wrench).into()
     }

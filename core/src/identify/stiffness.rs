@@ -81,13 +81,8 @@ pub fn judge(curve: &[(f64, f64)]) -> Result<StiffnessPerMass> {
             got: curve.len(),
         });
     }
-    let out_of_range = |name, value, requirement| {
-        Err(Error::OutOfRange {
-            name,
-            value,
-            requirement,
-        })
-    };
+    let out_of_range =
+        |name, value, requirement| Err(Error::out_of_range(name, value, requirement));
     let mut best = 0;
     let mut largest = 0.0_f64;
     let mut previous = 0.0;

@@ -32,7 +32,7 @@ use glam::DVec3;
 use nalgebra::{Cholesky, Matrix6, SMatrix, Vector6};
 
 use super::bias::limb_jacobian;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require};
 use crate::float::sqrt;
 use crate::geometry::{Geometry, LIMBS};
 use crate::model::InertiaPerMass;
@@ -89,13 +89,12 @@ impl LinearSensor {
         geometry.validate()?;
         inertia_per_mass.validate()?;
         let compliance_s2 = 1.0 / stiffness_per_mass_per_s2;
-        if !(compliance_s2.is_normal() && compliance_s2 > 0.0) {
-            return Err(Error::OutOfRange {
-                name: "stiffness_per_mass_per_s2",
-                value: stiffness_per_mass_per_s2,
-                requirement: "positive and finite",
-            });
-        }
+        require(
+            compliance_s2.is_normal() && compliance_s2 > 0.0,
+            "stiffness_per_mass_per_s2",
+            stiffness_per_mass_per_s2,
+            "positive and finite",
+        )?;
         let half_edge_m = geometry.half_edge_m;
         let jacobian = limb_jacobian();
         let mut mass = inertia_part(&inertia_per_mass.to_paper_order());
@@ -127,21 +126,20 @@ impl LinearSensor {
             excitation.linear_shell_m_s2,
             excitation.angular_shell_rad_s2,
         );
-        if !(a.is_finite() && alpha.is_finite()) {
-            return Err(Error::OutOfRange {
-                name: "excitation",
-                value: a.element_sum() + alpha.element_sum(),
-                requirement: "finite",
-            });
-        }
+        require(
+            a.is_finite() && alpha.is_finite(),
+            "excitation",
+            a.element_sum() + alpha.element_sum(),
+            "finite",
+        )?;
         // Positive definite below the lowest mode and only there; NaN is not.
         let dynamic = Cholesky::new(self.normal - self.mass * stretch)
             .filter(|_| frequency_hz >= 0.0)
-            .ok_or(Error::OutOfRange {
-                name: "frequency_hz",
-                value: frequency_hz,
-                requirement: "not negative and below the sensor's lowest mode",
-            })?;
+            .ok_or(Error::out_of_range(
+                "frequency_hz",
+                frequency_hz,
+                "not negative and below the sensor's lowest mode",
+            ))?;
         let n = self.half_edge_m;
         let shell = Vector6::new(a.x, a.y, a.z, alpha.x * n, alpha.y * n, alpha.z * n);
         let load = dynamic.solve(&(self.mass * shell));
@@ -196,13 +194,12 @@ impl Information {
     /// # Errors
     /// [`Error::OutOfRange`] for a size that is not positive and finite.
     pub fn new(inertia_size_m2: f64) -> Result<Self> {
-        if !(inertia_size_m2.is_normal() && inertia_size_m2 > 0.0) {
-            return Err(Error::OutOfRange {
-                name: "inertia_size_m2",
-                value: inertia_size_m2,
-                requirement: "positive and finite",
-            });
-        }
+        require(
+            inertia_size_m2.is_normal() && inertia_size_m2 > 0.0,
+            "inertia_size_m2",
+            inertia_size_m2,
+            "positive and finite",
+        )?;
         Ok(Self {
             matrix: SMatrix::zeros(),
             inertia_size_m2,
@@ -216,13 +213,12 @@ impl Information {
     /// [`Error::OutOfRange`] for noise that is not positive and finite.
     pub fn push(&mut self, response: &Response, noise_m_s2: f64, samples: usize) -> Result<()> {
         let weight = 0.5 * samples as f64 / (noise_m_s2 * noise_m_s2);
-        if !(noise_m_s2 > 0.0 && noise_m_s2.is_finite() && weight.is_finite()) {
-            return Err(Error::OutOfRange {
-                name: "noise_m_s2",
-                value: noise_m_s2,
-                requirement: "positive and finite, and its square, too",
-            });
-        }
+        require(
+            noise_m_s2 > 0.0 && noise_m_s2.is_finite() && weight.is_finite(),
+            "noise_m_s2",
+            noise_m_s2,
+            "positive and finite, and its square, too",
+        )?;
         for channel in 0..LIMBS {
             let mut row = SMatrix::<f64, UNKNOWNS, 1>::zeros();
             row[0] = response.by_log_stiffness_m_s2[channel];

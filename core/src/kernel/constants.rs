@@ -103,11 +103,11 @@ impl Constants<f64> {
     /// Refuses sizes, each sound by itself, that no f64 can work with together.
     fn validate(&self) -> Result<()> {
         let out_of_range = |name, value| {
-            Err(Error::OutOfRange {
+            Err(Error::out_of_range(
                 name,
                 value,
-                requirement: "of sizes whose products neither overflow nor vanish",
-            })
+                "of sizes whose products neither overflow nor vanish",
+            ))
         };
         let numbers = |rows: [Vec3<f64>; LIMBS_PER_NODE]| rows.map(Vec3::components);
         let slopes = numbers(self.strain_per_v);

@@ -4,7 +4,7 @@ use glam::{DMat3, DVec3};
 use nalgebra::{Matrix3, SymmetricEigen};
 use serde::{Deserialize, Serialize};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require, require_finite};
 use crate::geometry::LIMBS;
 
 /// Design range of k/m, s^-2: the interval searched in step 4 (Fig. 10), widened by a decade on either side.
@@ -73,13 +73,7 @@ impl InertiaPerMass {
     pub fn principal_m2(&self) -> Result<[f64; 3]> {
         const NAMES: [&str; 6] = ["xx_m2", "yy_m2", "zz_m2", "xy_m2", "xz_m2", "yz_m2"];
         for (name, value) in NAMES.into_iter().zip(self.to_paper_order()) {
-            if !value.is_finite() {
-                return Err(Error::OutOfRange {
-                    name,
-                    value,
-                    requirement: "finite",
-                });
-            }
+            require_finite(name, value)?;
         }
         let m = self.matrix_mass_m2().to_cols_array();
         let eigen = SymmetricEigen::try_new(
@@ -118,13 +112,12 @@ impl InertiaPerMass {
             return Err(Error::ImpossibleInertia { principal_m2: p });
         }
         let tensor = self.matrix_mass_m2();
-        if !(tensor.determinant().is_normal() && tensor.inverse().is_finite()) {
-            return Err(Error::OutOfRange {
-                name: "inertia_per_mass",
-                value: p[2],
-                requirement: "of a size whose cube neither overflows nor vanishes and whose inverse is finite",
-            });
-        }
+        require(
+            tensor.determinant().is_normal() && tensor.inverse().is_finite(),
+            "inertia_per_mass",
+            p[2],
+            "of a size whose cube neither overflows nor vanishes and whose inverse is finite",
+        )?;
         Ok(())
     }
 }
@@ -151,34 +144,27 @@ impl Parameters {
     /// outside [`STIFFNESS_PER_MASS_RANGE_PER_S2`]; the errors of [`InertiaPerMass::validate`].
     pub fn validate(&self) -> Result<()> {
         for value in self.zero_drift_v {
-            if !value.is_finite() {
-                return Err(Error::OutOfRange {
-                    name: "zero_drift_v",
-                    value,
-                    requirement: "finite",
-                });
-            }
+            require_finite("zero_drift_v", value)?;
         }
         for value in self.scale_per_mass_per_kg {
             // A reversed channel has a negative factor and decouples all the same.
             if !value.is_finite() || value == 0.0 {
-                return Err(Error::OutOfRange {
-                    name: "scale_per_mass_per_kg",
+                return Err(Error::out_of_range(
+                    "scale_per_mass_per_kg",
                     value,
-                    requirement: "finite and not zero",
-                });
+                    "finite and not zero",
+                ));
             }
         }
         self.inertia_per_mass.validate()?;
         let (low, high) = STIFFNESS_PER_MASS_RANGE_PER_S2;
         let value = self.stiffness_per_mass_per_s2;
-        if !(low..=high).contains(&value) {
-            return Err(Error::OutOfRange {
-                name: "stiffness_per_mass_per_s2",
-                value,
-                requirement: "between 1e7 and 1e10",
-            });
-        }
+        require(
+            (low..=high).contains(&value),
+            "stiffness_per_mass_per_s2",
+            value,
+            "between 1e7 and 1e10",
+        )?;
         Ok(())
     }
 }

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::parameters::Parameters;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require};
 use crate::geometry::{Geometry, LIMBS};
 
 /// What is known of the sensor without identification.
@@ -40,11 +40,11 @@ impl Gains {
     pub fn validate(&self) -> Result<()> {
         for value in self.gain_n_per_v {
             if !value.is_finite() || value == 0.0 {
-                return Err(Error::OutOfRange {
-                    name: "gain_n_per_v",
+                return Err(Error::out_of_range(
+                    "gain_n_per_v",
                     value,
-                    requirement: "finite and not zero",
-                });
+                    "finite and not zero",
+                ));
             }
         }
         Ok(())
@@ -58,13 +58,12 @@ impl Gains {
         let scales = parameters.scale_per_mass_per_kg;
         for (scale, gain) in scales.into_iter().zip(self.gain_n_per_v) {
             let value = scale * gain;
-            if !value.is_normal() {
-                return Err(Error::OutOfRange {
-                    name: "scale_per_mass_per_kg x gain_n_per_v",
-                    value,
-                    requirement: "finite and not zero",
-                });
-            }
+            require(
+                value.is_normal(),
+                "scale_per_mass_per_kg x gain_n_per_v",
+                value,
+                "finite and not zero",
+            )?;
         }
         Ok(())
     }

@@ -70,13 +70,8 @@ impl Settings {
     }
 
     pub(crate) fn validate(&self) -> Result<()> {
-        let out_of_range = |name, value, requirement| {
-            Err(Error::OutOfRange {
-                name,
-                value,
-                requirement,
-            })
-        };
+        let out_of_range =
+            |name, value, requirement| Err(Error::out_of_range(name, value, requirement));
         let rate = self.sample_rate_hz;
         // Differences are divided by the square of the step.
         if !(rate > 0.0 && (rate * rate).is_normal()) {

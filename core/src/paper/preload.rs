@@ -121,13 +121,8 @@ fn validate(
     gravity_shell_m_s2: DVec3,
 ) -> Result<()> {
     geometry.validate()?;
-    let out_of_range = |name, value, requirement| {
-        Err(Error::OutOfRange {
-            name,
-            value,
-            requirement,
-        })
-    };
+    let out_of_range =
+        |name, value, requirement| Err(Error::out_of_range(name, value, requirement));
     if !(stiffness_per_mass_per_s2 > 0.0 && stiffness_per_mass_per_s2.is_finite()) {
         return out_of_range(
             "stiffness_per_mass_per_s2",

@@ -37,11 +37,11 @@ impl Reconstruction {
     pub fn new(excluded: LimbSet) -> Result<Self> {
         let mut weights = [[0.0; ROWS]; LIMBS];
         if excluded.len() > MOST_EXCLUDED {
-            return Err(Error::OutOfRange {
-                name: "excluded limbs",
-                value: excluded.len() as f64,
-                requirement: "at most three: six accelerations want six channels",
-            });
+            return Err(Error::out_of_range(
+                "excluded limbs",
+                excluded.len() as f64,
+                "at most three: six accelerations want six channels",
+            ));
         }
         // Never by index from here on: no panic must be in reach of a decoupler that does without a limb in mid-stream.
         let mut limbs = [None; MOST_EXCLUDED];

@@ -64,7 +64,7 @@ pub fn explain(error: &sixaxis_core::Error, place: &str, names: &[String; LIMBS]
             name(channel)
         ),
         Error::Overflow { sample, .. } => anyhow::anyhow!(
-            "{place}: sample {sample}: the rate, which is integrated in an open loop, has run away; check gains and zero drift, or try --close"
+            "{place}: sample {sample}: the rate, which is integrated in an open loop, has run away; check gains and zero drift, or try --rest-to-rest"
         ),
         ref other => anyhow::anyhow!("{place}: {other}"),
     }

@@ -5,11 +5,9 @@
 //! | [`track`] | one motion on its clock |
 //! | [`aligned`] | two motions, sample beside sample |
 //! | [`quantile`] | quantiles of a series that is never held in whole |
-//! | [`envelope`] | a series of any length, kept for drawing |
 //! | [`measure`] | the figures |
 
 pub mod aligned;
-pub mod envelope;
 pub mod measure;
 pub mod quantile;
 pub mod track;

@@ -1,6 +1,6 @@
 //! What is wrong with a campaign, named: which cause, in which trial, on which channel, by how much, and what to do.
 //!
-//! Everything is held against [`crate::rigid`], which says what each channel should show of each trial's motion, and what is
+//! Everything is held against [`StaticLoadSharing`], which says what each channel should show of each trial's motion, and what is
 //! left over is tried against one cause after the other. The order matters: a fault that explains others is looked for first,
 //! and what it explains is not reported again.
 //!
@@ -22,14 +22,15 @@ pub mod table;
 pub mod timing;
 
 use rayon::prelude::*;
+use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
 use sixaxis_core::identify::zero_drift::{self, ZeroDrift};
 use sixaxis_core::{Geometry, LIMBS, Parameters};
 
 use crate::conditioning::Conditioned;
 use crate::finding::Finding;
 use crate::response::{self, Response};
-use crate::rigid::{StaticLoadSharing, turned_gravity_m_s2};
 use crate::trial::Trial;
+use gravity::turned_gravity_m_s2;
 use sixaxis_recordings::session::{Rig, Role};
 use table::Table;
 
@@ -103,7 +104,7 @@ pub fn examine<'a>(
     raw::examine(at_rest, &mut cases, &mut findings);
     let drift = at_rest.and_then(|rest| zero_drift::identify(&rest.voltage_v).ok());
     measure(&mut cases, drift.as_ref(), None);
-    let Some(shares) = StaticLoadSharing::new(&facts.geometry) else {
+    let Ok(shares) = StaticLoadSharing::new(&facts.geometry) else {
         return unfinished(findings, cases);
     };
     structure::excitation(&cases, &mut findings);
@@ -182,7 +183,10 @@ fn measure(cases: &mut [TrialCase<'_>], drift: Option<&ZeroDrift>, scale: Option
                 let weight = turned_gravity_m_s2(gravity, trial.direction_ground, angle);
                 for (limb, force) in force.iter_mut().enumerate() {
                     *force -= table.mass_over_scale_kg[limb]
-                        * table.shares.linear[table.limb_of[limb]].dot(weight);
+                        * table
+                            .shares
+                            .of_acceleration(table.limb_of[limb])
+                            .dot(weight);
                 }
             }
         }

@@ -10,7 +10,7 @@
 //! | [`load`], [`trial`] | one recording in SI units on one clock |
 //! | [`conditioning`] | what is done to recordings beforehand, in one order |
 //! | [`prepare`] | a session's recordings, sorted and conditioned |
-//! | [`rigid`], [`response`] | what nine channels should show of a known motion, and what each did show |
+//! | [`response`] | what each channel shows of a known motion |
 //! | [`diagnosis`] | what is wrong, named as [`finding`]s |
 //! | [`steps`], [`iteration`] | the paper's four steps, once and repeated |
 //! | [`propagation`], [`interval`] | how well each parameter is known, and what limits it |
@@ -44,7 +44,6 @@ pub mod progress;
 pub mod propagation;
 pub mod report;
 pub mod response;
-pub mod rigid;
 pub mod steps;
 pub mod tap;
 pub mod trial;

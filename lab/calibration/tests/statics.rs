@@ -1,10 +1,11 @@
 //! What the limbs should carry: equilibrium, coordination, turned weight; and the jackknife.
 
 use glam::DVec3;
-use sixaxis_calibration::rigid::{StaticLoadSharing, turned_gravity_m_s2};
+use sixaxis_calibration::diagnosis::gravity::turned_gravity_m_s2;
 use sixaxis_calibration::steps::jackknife;
 use sixaxis_core::geometry::DIRECTIONS_SHELL;
 use sixaxis_core::identify::inertia::euler_torque;
+use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
 use sixaxis_core::{Geometry, InertiaPerMass, LIMBS};
 
 /// Rounding of sums of nine terms.
@@ -23,14 +24,16 @@ fn inv_shares_carry_the_wrench_and_obey_coordination() {
         DVec3::new(-70.0, 80.0, 90.0),
     );
     let shares = StaticLoadSharing::new(&geometry).expect("three nodes hold a body");
-    let f = shares.forces_m_s2(a, &inertia, w, dw);
+    let euler = euler_torque(&inertia, w, dw);
+    let f: [f64; LIMBS] = core::array::from_fn(|i| {
+        shares.of_acceleration(i).dot(a) + shares.of_torque_per_m(i).dot(euler)
+    });
     let force: DVec3 = (0..LIMBS).map(|i| DIRECTIONS_SHELL[i] * f[i]).sum();
     let hinges = geometry.mass_hinges_m();
     let torque: DVec3 = (0..LIMBS)
         .map(|i| hinges[i].cross(DIRECTIONS_SHELL[i]) * f[i])
         .sum();
     assert!((force - a).length() < ROUNDING * a.length());
-    let euler = euler_torque(&inertia, w, dw);
     assert!((torque - euler).length() < ROUNDING * euler.length());
     for limbs in [[0, 1, 3, 4], [0, 2, 6, 8], [4, 5, 7, 8]] {
         let sum: f64 = limbs.iter().map(|i| f[*i]).sum();

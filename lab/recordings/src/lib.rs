@@ -21,13 +21,17 @@
 //! | `variables`, `numbers` | what the files of MATLAB and HDF5 have in common |
 //! | [`mod@unit`] | units that channels come in |
 //! | [`ingest`] | names, units, clock: from a file to columns that can be computed with |
+//! | [`inspect`] | what is in a recording, whoever made it |
+//! | [`envelope`] | a series of any length, kept for drawing |
 //! | [`session`] | the session file: which recordings belong together, and what they do not say themselves |
 
 pub mod channel;
 pub mod draft;
+pub mod envelope;
 pub mod error;
 pub mod hdf5;
 pub mod ingest;
+pub mod inspect;
 pub mod matlab;
 pub mod motion;
 mod numbers;

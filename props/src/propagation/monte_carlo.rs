@@ -6,8 +6,9 @@ use sixaxis_calibration::conditioning::Conditioning;
 use sixaxis_calibration::propagation::{Propagated, Sources, propagate};
 use sixaxis_calibration::steps::{Campaign, GyroscopeGain};
 use sixaxis_calibration::trial::Trial;
+use sixaxis_core::SixAxis;
 use sixaxis_core::decouple::uncertainty::parameters::Covariance;
-use sixaxis_core::decouple::uncertainty::{ChannelNoise, SampleUncertainty, Spread};
+use sixaxis_core::decouple::uncertainty::{ChannelNoise, SampleUncertainty};
 use sixaxis_core::parameter::PARAMETERS;
 use sixaxis_core::{Geometry, LIMBS, Scheme};
 
@@ -40,10 +41,7 @@ fn decoupled(campaign: &Campaign, compound: &[Trial]) -> Runs {
         .map(|trial| {
             World::decouple(trial, &parameters)
                 .iter()
-                .map(|s| {
-                    let (a, alpha) = (s.linear_ground_m_s2, s.angular_ground_rad_s2);
-                    [a.x, a.y, a.z, alpha.x, alpha.y, alpha.z]
-                })
+                .map(SixAxis::accelerations)
                 .collect()
         })
         .collect()
@@ -166,7 +164,7 @@ impl ClosedForm {
                         let spread = stream
                             .push(&trial.voltage_v[s.sample as usize], s)
                             .expect("a run of the rig has finite errors");
-                        (six(&spread), spread.attitude_shell_rad.length())
+                        (spread.accelerations(), spread.attitude_shell_rad.length())
                     })
                     .unzip()
             })
@@ -194,11 +192,6 @@ pub fn of_campaign(
         .expect("the four steps are possible");
     propagate(campaign, conditioning, &steps, sources)
         .expect("what can be conditioned can be propagated")
-}
-
-fn six(spread: &Spread) -> [f64; AXES] {
-    let (a, alpha) = (spread.linear_ground_m_s2, spread.angular_ground_rad_s2);
-    [a.x, a.y, a.z, alpha.x, alpha.y, alpha.z]
 }
 
 /// Standard deviations of closed form over drawn ones, less one.

@@ -111,3 +111,8 @@ pub const RATIOS_CLOSED_FORM: Tolerance =
     measured(1e-11, 8e-13, "the third order of the strains, and rounding");
 /// What the parity rows keep of a failure that is taken off the wrong limb of an ambiguous pair, over the failure.
 pub const TWIN_TRACE: Tolerance = measured(1e-4, 3.9e-5, "curvature of strains of 1e-5");
+/// A simulated instrument's lag against the analogue filter's closed form, over the signal's amplitude.
+pub const ANALOGUE_LAG: Tolerance =
+    measured(1e-6, 1.6e-7, "the cubic between samples, at the ends");
+/// An analogue high-pass undone by the core's recursion, over the signal's peak.
+pub const UNDONE_ANALOGUE: Tolerance = measured(1e-6, 1.3e-7, "linear between samples, and cubic");

@@ -72,15 +72,10 @@ impl DecoupledRun {
     }
 }
 
-/// Linear acceleration with rigid limbs on the compound run: what the neglected motion of the mass comes to.
-pub const RIGID_LINEAR: Tolerance = of_method(2.94e-4);
-/// Angular acceleration with rigid limbs on that run.
-pub const RIGID_ANGULAR: Tolerance = of_method(2.94e-4);
-
-/// The peer on the compound run: Heun as well, so the same errors to four digits, from other formulas.
-pub const PEER_COMPOUND: DecoupledRun = DecoupledRun::compound(Scheme::Heun);
-/// The peer on the tumble, where its attitude of second order shows.
-pub const PEER_TUMBLE: DecoupledRun = DecoupledRun::measured(1.99e-6, 2.86e-6, 1.45e-6, 5.22e-6);
+/// The paper's decoder on the compound run: Heun as well, so the same errors to four digits, from other formulas.
+pub const PAPER_COMPOUND: DecoupledRun = DecoupledRun::compound(Scheme::Heun);
+/// The paper's decoder on the tumble, where it steps w* instead of the mass's rate.
+pub const PAPER_TUMBLE: DecoupledRun = DecoupledRun::measured(1.99e-6, 2.86e-6, 1.45e-6, 5.22e-6);
 
 /// MuJoCo's own error in the linear acceleration of the compound run, over the peak: how far halving its step moves the
 /// difference between decoupled and true. It is most of what Adams-Moulton and Runge-Kutta are allowed.

@@ -9,8 +9,8 @@ use sixaxis_core::{
     Decoupler, Error, Gains, Geometry, InertiaPerMass, LIMBS, Model, Parameters, Result, Scheme,
     Sensor, Settings, SixAxis, StaticResponse,
 };
+use sixaxis_props::adversarial::{INERTIA, adversarial_setup, record, remembering};
 use sixaxis_props::compare::all_finite;
-use sixaxis_props::hostile::{INERTIA, hostile_setup, record, remembering};
 use sixaxis_props::strategy::parameters;
 use sixaxis_props::truth;
 
@@ -32,7 +32,10 @@ fn push(decoupler: &mut Decoupler, row: &[f64; LIMBS], accepted: usize) -> Resul
     let answer = decoupler.push(row);
     match &answer {
         Ok(samples) => {
-            assert!(row.iter().all(|u| u.is_finite()), "rubbish was accepted");
+            assert!(
+                row.iter().all(|u| u.is_finite()),
+                "what is not finite was accepted"
+            );
             assert!(all_finite(samples), "{samples:?}");
             assert!(all_finite(decoupler), "{decoupler:?}");
         }
@@ -75,7 +78,7 @@ proptest! {
 
     #[test]
     fn prop_any_setup_is_refused_by_name_or_decouples(
-        (setup, spoiled_names) in hostile_setup(),
+        (setup, spoiled_names) in adversarial_setup(),
         scheme in prop::sample::select(&Scheme::ALL[..]),
         full in prop::bool::ANY,
     ) {
@@ -163,7 +166,7 @@ proptest! {
 
     #[test]
     fn prop_any_voltage_makes_limbs_or_an_error(
-        (setup, _) in hostile_setup(),
+        (setup, _) in adversarial_setup(),
         rows in record::<LIMBS>(8),
     ) {
         let (sensor, parameters, settings) = setup;
@@ -271,7 +274,7 @@ fn regress_finite_settings_beyond_arithmetic_are_refused() {
 }
 
 #[test]
-fn prop_ends_of_the_stiffness_range_decouple() {
+fn law_ends_of_the_stiffness_range_decouple() {
     let (low, high) = STIFFNESS_PER_MASS_RANGE_PER_S2;
     for stiffness_per_mass_per_s2 in [low, high] {
         let parameters = Parameters {

@@ -12,8 +12,10 @@ use sixaxis_core::paper::pose::Pose;
 use sixaxis_core::paper::relative_motion::RelativeMotion;
 use sixaxis_core::paper::wrench::LimbWrench;
 use sixaxis_core::{Error, Gains, Geometry, LIMBS, Sensor, Settings};
+use sixaxis_props::adversarial::{
+    adversarial_f64, adversarial_setup, extreme, record, remembering, spoiled,
+};
 use sixaxis_props::compare::all_finite;
-use sixaxis_props::hostile::{extreme, hostile, hostile_setup, record, remembering, spoiled};
 use sixaxis_props::strategy::{parameters, vector};
 use sixaxis_props::truth;
 
@@ -24,7 +26,7 @@ fn sensor() -> Sensor {
     }
 }
 
-/// Rows of N numbers, sound but for a common size and a few hostile ones.
+/// Rows of N numbers, sound but for a common size and a few adversarial ones.
 fn rows<const N: usize>() -> impl Strategy<Value = Vec<[f64; N]>> {
     (
         record::<N>(24),
@@ -182,20 +184,20 @@ proptest! {
     }
 
     #[test]
-    fn prop_any_rows_are_solved_or_refused(rows in rows::<7>(), right in prop::option::of(hostile())) {
+    fn prop_any_rows_are_solved_or_refused(rows in rows::<7>(), right in prop::option::of(adversarial_f64())) {
         let mut system = Accumulator::<6>::default();
         for row in &rows {
             let coefficients = core::array::from_fn(|i| row[i]);
             system.push(coefficients, right.unwrap_or(row[6]));
         }
         prop_assert_eq!(system.rows(), rows.len());
-        let rubbish = rows.iter().any(|row| row[..6].iter().any(|x| !x.is_finite()));
+        let not_finite = rows.iter().any(|row| row[..6].iter().any(|x| !x.is_finite()));
         let solutions = [
             system.solve("rows").map(|found| format!("{found:?}")),
             system.combined(|row| [row[0], row[1] + row[2], row[3]]).solve("rows").map(|found| format!("{found:?}")),
         ];
         for solution in solutions {
-            prop_assert!(solution.is_err() || !rubbish, "rubbish was solved");
+            prop_assert!(solution.is_err() || !not_finite, "what is not finite was solved");
             if let Ok(found) = solution {
                 prop_assert!(all_finite(&found), "{found}");
             }
@@ -209,8 +211,8 @@ proptest! {
     fn prop_any_limb_sample_is_a_row_or_an_error(
         (numbers, _) in spoiled([0.5; 33]),
         all in prop::option::weighted(0.3, extreme()),
-        acceleration in prop::array::uniform3(hostile()),
-        rates in prop::array::uniform2(prop::array::uniform3(hostile())),
+        acceleration in prop::array::uniform3(adversarial_f64()),
+        rates in prop::array::uniform2(prop::array::uniform3(adversarial_f64())),
         sane in prop::bool::ANY,
         sound in prop::collection::vec(
             (prop::array::uniform9(-1.0..1.0_f64), vector(1.0), vector(1.0)), 12,
@@ -241,7 +243,7 @@ proptest! {
 
     #[test]
     fn prop_a_compliant_stream_is_finite_or_refused(
-        (setup, _) in hostile_setup(),
+        (setup, _) in adversarial_setup(),
         rows in record::<LIMBS>(8),
     ) {
         let (sensor, parameters, settings) = setup;

@@ -9,8 +9,8 @@ use sixaxis_core::dsp::lag::{FirstOrder, undo_high_pass, undo_low_pass};
 use sixaxis_core::dsp::zero_phase::{padding, zero_phase};
 use sixaxis_core::dsp::{detrend, each_channel, outlier};
 use sixaxis_core::{Error, Result};
+use sixaxis_props::adversarial::{adversarial_f64, extreme, record, remembering, spoiled};
 use sixaxis_props::compare::all_finite;
-use sixaxis_props::hostile::{extreme, hostile, record, remembering, spoiled};
 
 /// One channel of up to `longest` samples.
 fn series(longest: usize) -> impl Strategy<Value = Vec<f64>> {
@@ -26,9 +26,9 @@ fn size() -> impl Strategy<Value = usize> {
     ]
 }
 
-/// A positive frequency that most filters accept, or a hostile one.
+/// A positive frequency that most filters accept, or an adversarial one.
 fn frequency() -> impl Strategy<Value = f64> {
-    prop_oneof![2 => 1.0..400.0_f64, 1 => hostile(), 1 => extreme().prop_map(f64::abs)]
+    prop_oneof![2 => 1.0..400.0_f64, 1 => adversarial_f64(), 1 => extreme().prop_map(f64::abs)]
 }
 
 fn rate() -> impl Strategy<Value = f64> {
@@ -140,7 +140,7 @@ proptest! {
     fn prop_any_series_is_cleared_of_outliers_or_refused(
         series in series(20),
         half_width in size(),
-        sigmas in prop_oneof![Just(3.0), hostile()],
+        sigmas in prop_oneof![Just(3.0), adversarial_f64()],
     ) {
         in_place(&series, |x| outlier::hampel(x, half_width, sigmas));
     }

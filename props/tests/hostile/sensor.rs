@@ -11,8 +11,8 @@ use sixaxis_core::paper::relative_motion::RelativeMotion;
 use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::paper::wrench::{LimbWrench, limb_directions};
 use sixaxis_core::{Error, Gains, Geometry, InertiaPerMass, LIMBS, LimbLaw, Parameters};
+use sixaxis_props::adversarial::{adversarial_f64, extreme, remembering, spoiled};
 use sixaxis_props::compare::all_finite;
-use sixaxis_props::hostile::{extreme, hostile, remembering, spoiled};
 use sixaxis_props::strategy::{parameters, vector};
 use sixaxis_props::truth;
 
@@ -22,7 +22,7 @@ proptest! {
     #[test]
     fn prop_any_gravity_finds_an_equilibrium_or_an_error(
         (numbers, _) in spoiled([25.5e-3, 21e-3, 2e8, 0.0, 0.0, -9.81]),
-        all in prop::option::weighted(0.3, prop::array::uniform6(hostile())),
+        all in prop::option::weighted(0.3, prop::array::uniform6(adversarial_f64())),
     ) {
         let [limb_length_m, half_edge_m, k, x, y, z] = all.unwrap_or(numbers);
         let geometry = Geometry { limb_length_m, half_edge_m };
@@ -42,7 +42,7 @@ proptest! {
     fn prop_any_elongations_make_a_pose_or_an_error(
         (lengths, _) in spoiled([25.5e-3, 21e-3]),
         (elongation, _) in spoiled([1e-7; LIMBS]),
-        all in prop::option::weighted(0.3, prop::array::uniform9(hostile())),
+        all in prop::option::weighted(0.3, prop::array::uniform9(adversarial_f64())),
         stretch in prop::option::weighted(0.3, extreme()),
     ) {
         let geometry = Geometry { limb_length_m: lengths[0], half_edge_m: lengths[1] };
@@ -56,7 +56,7 @@ proptest! {
     #[test]
     fn prop_any_inertia_is_refused_or_invertible(
         (entries, _) in spoiled([3e-4, 3e-4, 3e-4, 0.0, 0.0, 0.0]),
-        all in prop::option::weighted(0.5, prop::array::uniform6(hostile())),
+        all in prop::option::weighted(0.5, prop::array::uniform6(adversarial_f64())),
         size in extreme(),
         scaled in prop::bool::ANY,
     ) {
@@ -119,7 +119,7 @@ proptest! {
     #[test]
     fn prop_gains_and_drawings_are_refused_by_name(
         (gains, spoiled_gains) in spoiled([1.0; LIMBS]),
-        lengths in prop::array::uniform2(hostile()),
+        lengths in prop::array::uniform2(adversarial_f64()),
     ) {
         match (Gains { gain_n_per_v: gains }).validate() {
             Ok(()) => prop_assert!(gains.iter().all(|c| c.is_finite() && *c != 0.0)),
@@ -138,7 +138,7 @@ proptest! {
 }
 
 #[test]
-fn prop_impossible_bodies_are_refused() {
+fn law_impossible_bodies_are_refused() {
     let sound = truth::identified_parameters();
     for inertia in [
         [1e-4, 1e-4, 3e-4, 0.0, 0.0, 0.0],

@@ -9,8 +9,10 @@ use sixaxis_core::paper::wrench::LimbWrench;
 use sixaxis_core::{
     Error, Gains, Geometry, InertiaPerMass, LIMBS, Parameters, Scheme, Sensor, Settings,
 };
+use sixaxis_props::adversarial::{
+    adversarial_f64, adversarial_setup, extreme, record, remembering,
+};
 use sixaxis_props::compare::all_finite;
-use sixaxis_props::hostile::{extreme, hostile, hostile_setup, record, remembering};
 use sixaxis_props::truth;
 
 proptest! {
@@ -21,8 +23,8 @@ proptest! {
         sound in prop::collection::vec(0.0..1.0_f64, 0..8),
         size in prop_oneof![Just(1.0), extreme()],
         grid_size in prop_oneof![Just(1e8), extreme()],
-        wild in prop::option::of(prop::collection::vec((hostile(), hostile()), 0..6)),
-        strewn in prop::option::of((0_usize..8, hostile(), prop::bool::ANY)),
+        wild in prop::option::of(prop::collection::vec((adversarial_f64(), adversarial_f64()), 0..6)),
+        strewn in prop::option::of((0_usize..8, adversarial_f64(), prop::bool::ANY)),
     ) {
         let mut curve = wild.unwrap_or_else(|| {
             sound.iter().enumerate().map(|(i, w)| ((i + 1) as f64 * grid_size, w * size)).collect()
@@ -44,7 +46,7 @@ proptest! {
 
     #[test]
     fn prop_any_trial_has_a_rate_or_an_error(
-        (setup, _) in hostile_setup(),
+        (setup, _) in adversarial_setup(),
         rows in record::<LIMBS>(8),
     ) {
         let (sensor, parameters, settings) = setup;
@@ -71,7 +73,7 @@ fn regress_a_curve_without_a_meaning_is_refused() {
 
 /// The squares of the values are infinite: the parabola through them has no vertex.
 #[test]
-fn prop_a_curve_beyond_squares_keeps_its_grid_minimum() {
+fn law_a_curve_whose_squares_overflow_keeps_its_grid_minimum() {
     let curve = [(1e8, 1e200), (2e8, 1e-200), (3e8, 1e200)];
     let found = stiffness::judge(&curve).expect("finite, positive, ascending");
     assert!(all_finite(&found));

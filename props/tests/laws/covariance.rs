@@ -13,8 +13,8 @@ use sixaxis_core::identify::{Reason, Verdict};
 use sixaxis_core::{Error, Geometry, LIMBS};
 use sixaxis_props::compare::{largest, within};
 use sixaxis_props::rigid::forces;
+use sixaxis_props::seed::seed;
 use sixaxis_props::statistics::{chi_square_departure, normal};
-use sixaxis_props::strategy::seed;
 use sixaxis_props::tolerance;
 use sixaxis_props::truth;
 
@@ -34,7 +34,7 @@ fn whitened<const M: usize>(estimate: &Estimate<M>, truth: &[f64; M], sigma: f64
 const TRIALS: usize = 200;
 
 #[test]
-fn prop_predicted_covariance_is_what_noise_does() {
+fn stat_errors_scatter_as_the_covariance_predicts() {
     let mut rng = Pcg64::seed_from_u64(seed());
     let truth = truth::identified_parameters();
     let motions: Vec<[DVec3; 3]> = (0..40)
@@ -110,7 +110,7 @@ fn prop_predicted_covariance_is_what_noise_does() {
     }
 }
 #[test]
-fn prop_verdicts_name_the_unknown_that_noise_drowns() {
+fn law_verdicts_name_the_unknown_that_noise_drowns() {
     let truth = truth::identified_parameters();
     // Channel 6 has next to no part in the motion: its factor is lost in the noise of the accelerometer.
     let mut factors = truth.scale_per_mass_per_kg;

@@ -9,7 +9,7 @@ use sixaxis_props::compare::{all_finite, fails_clearly, largest, within};
 use sixaxis_props::faults::null::{curve, false_alarms, noncentral_survival};
 use sixaxis_props::faults::tally::{limb_named, of_classes, play, tally};
 use sixaxis_props::faults::{FALSE_ALARMS_PER_HOUR, Name, Scene};
-use sixaxis_props::strategy::seed;
+use sixaxis_props::seed::seed;
 use sixaxis_props::tolerance;
 
 /// Rates per sample and stretches of 2^20 samples that count their alarms to some 3 %.
@@ -23,7 +23,7 @@ const EACH: u64 = 12;
 const DRAWS: u64 = 20_000;
 
 #[test]
-fn prop_false_alarms_are_as_many_as_asked_for() {
+fn stat_false_alarms_are_as_many_as_asked_for() {
     for ((rate, stretches), unequal) in RATES.into_iter().zip(UNEQUAL) {
         let counted = false_alarms(rate, unequal, 1.0, stretches, seed());
         within(
@@ -41,7 +41,7 @@ fn prop_false_alarms_are_as_many_as_asked_for() {
 }
 
 #[test]
-fn prop_detection_is_noncentral_chi_square() {
+fn stat_detection_is_noncentral_chi_square() {
     for (window, sigmas) in [(1, SIGMAS), (64, 0.5)] {
         for limb in [4, 5] {
             let drawn = curve(window, limb, sigmas, DRAWS, seed());
@@ -62,7 +62,7 @@ fn prop_detection_is_noncentral_chi_square() {
 }
 
 #[test]
-fn prop_failures_of_five_sigma_are_isolated() {
+fn stat_failures_of_five_sigma_are_isolated() {
     for kind in [
         Name::Dead,
         Name::Stuck,
@@ -150,7 +150,7 @@ fn inv_twins_explain_each_other() {
 }
 
 #[test]
-fn prop_a_value_that_is_no_number_is_a_failed_limb_at_once() {
+fn law_a_nan_is_a_failed_limb_at_once() {
     let scene = Scene::random(seed(), 1.0);
     for bad in [f64::NAN, f64::INFINITY, 1e9] {
         let mut monitor = scene.monitor(FALSE_ALARMS_PER_HOUR);
@@ -197,7 +197,7 @@ fn prop_a_value_that_is_no_number_is_a_failed_limb_at_once() {
 }
 
 #[test]
-fn prop_settings_without_meaning_are_refused() {
+fn law_settings_without_meaning_are_refused() {
     use sixaxis_core::redundancy::fault::{CalibrationErrors, Detector, RowNoise};
     let noise = RowNoise::from_channels(&[1.0; LIMBS]).expect("noise");
     for rate in [0.0, -1.0, f64::NAN, 0.1] {
@@ -214,7 +214,7 @@ fn prop_settings_without_meaning_are_refused() {
 }
 
 #[test]
-fn prop_a_failure_that_is_over_is_forgotten_when_all_is_quiet() {
+fn law_a_failure_that_is_over_is_dropped_after_quiet_samples() {
     use rand_pcg::Pcg64;
     use sixaxis_core::redundancy::fault::monitor::QUIET;
     use sixaxis_props::faults::noisy;

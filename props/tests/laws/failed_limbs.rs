@@ -12,15 +12,12 @@ use sixaxis_core::geometry::{DIRECTIONS_SHELL, LIMBS_PER_NODE, NODE_DIRECTIONS_M
 use sixaxis_core::kernel::simd::LANES;
 use sixaxis_core::redundancy::reconstruction::MOST_EXCLUDED;
 use sixaxis_core::redundancy::reconstruction::Reconstruction;
-use sixaxis_core::{
-    Decoupler, Error, Gains, LIMBS, Scheme, Sensor, Settings, SixAxis, StaticResponse,
-};
+use sixaxis_core::{Decoupler, Error, Gains, LIMBS, Scheme, SixAxis};
 use sixaxis_props::compare::{fails_clearly, largest, within};
 use sixaxis_props::manufactured::examples;
-use sixaxis_props::rig_runs;
+use sixaxis_props::problem::{Problem, accelerations, rig};
 use sixaxis_props::tolerance;
 use sixaxis_props::truth;
-use sixaxis_props::truth::InCore;
 use sixaxis_reference::laboratory::Laboratory;
 use sixaxis_reference::rig::run::{Mode, Mounting};
 
@@ -47,7 +44,7 @@ fn jacobian() -> SMatrix<f64, LIMBS, 6> {
 
 /// The decomposition of what is left of J knows nothing of parity rows or whole numbers.
 #[test]
-fn prop_93_of_129_sets_leave_six_axes() {
+fn law_93_of_129_sets_leave_six_axes() {
     let j = jacobian();
     let mut lost = Vec::new();
     for set in sets() {
@@ -99,83 +96,47 @@ fn prop_93_of_129_sets_leave_six_axes() {
     ));
 }
 
-/// A sensor and what it says.
-struct Case {
-    sensor: Sensor,
-    parameters: sixaxis_core::Parameters,
-    settings: Settings,
-    voltage_v: Vec<[f64; LIMBS]>,
+/// All six axes at once, strains up to 3e-5.
+fn moving(scheme: Scheme) -> Problem {
+    let motion = examples::turning_from_rest();
+    Problem::manufactured(&motion, Gains::uniform(2.0), RATE_HZ, SAMPLES, scheme)
 }
 
-impl Case {
-    /// All six axes at once, strains up to 3e-5.
-    fn manufactured(scheme: Scheme) -> Self {
-        let motion = examples::turning_from_rest();
-        let gains = Gains::uniform(2.0);
-        let voltage = |i| motion.voltage_v(&gains.gain_n_per_v, &motion.at(f64::from(i) / RATE_HZ));
-        Self {
-            sensor: Sensor {
-                geometry: motion.geometry,
-                gains,
-            },
-            parameters: motion.parameters,
-            settings: Settings {
-                scheme,
-                static_response: StaticResponse::Full,
-                gravity_ground_m_s2: motion.gravity_ground_m_s2,
-                ..Settings::new(RATE_HZ)
-            },
-            voltage_v: (0..SAMPLES as u32).map(voltage).collect(),
-        }
-    }
-
-    /// Half a second of the rig at 5 Hz, from MuJoCo.
-    fn rig() -> Self {
-        let parameters = truth::identified_parameters();
-        let direction = DVec3::new(2.0, 1.0, 1.0).normalize();
-        let run = rig_runs::simulate(
-            &parameters,
-            Mode::Compound,
-            direction,
-            Mounting::AxisVertical,
-        );
-        let recording = Laboratory::noise_free(truth::sensor(&parameters)).record(&run, 0);
-        Self {
-            sensor: recording.sensor(),
-            parameters,
-            settings: recording.settings(Scheme::Heun),
-            voltage_v: recording.voltage_v,
-        }
-    }
-
-    fn decoupler(&self, failed: LimbSet) -> Decoupler {
-        Decoupler::new(&self.sensor, &self.parameters, &self.settings)
-            .and_then(|decoupler| decoupler.excluding(failed))
-            .expect("a sound sensor and a survivable set")
-    }
-
-    /// The rows with what a broken channel may say.
-    fn spoilt(&self, failed: LimbSet) -> Vec<[f64; LIMBS]> {
-        let broken = [f64::NAN, f64::INFINITY, 1e300];
-        let spoil = |(i, row): (usize, &[f64; LIMBS])| {
-            from_fn(|c| match failed.contains(c) {
-                true => broken[(i + c) % broken.len()],
-                false => row[c],
-            })
-        };
-        self.voltage_v.iter().enumerate().map(spoil).collect()
-    }
-
-    fn stream(&self, failed: LimbSet, voltage_v: &[[f64; LIMBS]]) -> Vec<SixAxis> {
-        let mut decoupler = self.decoupler(failed);
-        let push = |row| decoupler.push(row).expect("a sound sample");
-        voltage_v.iter().filter_map(push).collect()
-    }
+/// Half a second of the rig at 5 Hz, from MuJoCo.
+fn on_the_rig() -> Problem {
+    let parameters = truth::identified_parameters();
+    let direction = DVec3::new(2.0, 1.0, 1.0).normalize();
+    let run = rig::simulate(
+        &parameters,
+        Mode::Compound,
+        direction,
+        Mounting::AxisVertical,
+    );
+    let recording = Laboratory::noise_free(truth::sensor(&parameters)).record(&run, 0);
+    Problem::recorded(&recording, &parameters, Scheme::Heun)
 }
 
-fn six(s: &SixAxis) -> Accelerations {
-    let (a, w) = (s.linear_ground_m_s2, s.angular_ground_rad_s2);
-    [a.x, a.y, a.z, w.x, w.y, w.z]
+fn excluding(problem: &Problem, set: LimbSet) -> Decoupler {
+    let reduced = problem.decoupler().excluding(set);
+    reduced.expect("a survivable set")
+}
+
+/// The rows with what a broken channel may deliver.
+fn spoilt(problem: &Problem, set: LimbSet) -> Vec<[f64; LIMBS]> {
+    let broken = [f64::NAN, f64::INFINITY, 1e300];
+    let spoil = |(i, row): (usize, &[f64; LIMBS])| {
+        from_fn(|c| match set.contains(c) {
+            true => broken[(i + c) % broken.len()],
+            false => row[c],
+        })
+    };
+    problem.voltage_v.iter().enumerate().map(spoil).collect()
+}
+
+fn stream(problem: &Problem, set: LimbSet, voltage_v: &[[f64; LIMBS]]) -> Vec<SixAxis> {
+    let mut decoupler = excluding(problem, set);
+    let push = |row| decoupler.push(row).expect("a sound sample");
+    voltage_v.iter().filter_map(push).collect()
 }
 
 /// Largest difference on any of six axes over full scale, the peak of the vector.
@@ -189,22 +150,18 @@ fn beyond(ours: &[Accelerations], healthy: &[Accelerations]) -> f64 {
     }))
 }
 
-fn sixes(samples: &[SixAxis]) -> Vec<Accelerations> {
-    samples.iter().map(six).collect()
-}
-
 #[test]
 fn ref_without_limbs_as_with_them() {
-    let rig = Case::rig();
-    let manufactured = Case::manufactured(Scheme::Heun);
+    let rig = on_the_rig();
+    let manufactured = moving(Scheme::Heun);
     for (what, case, limit) in [
         ("six axes", &manufactured, tolerance::WITHOUT_LIMBS),
         ("rig", &rig, tolerance::WITHOUT_LIMBS_RIG),
     ] {
-        let healthy = sixes(&case.stream(LimbSet::EMPTY, &case.voltage_v));
+        let healthy = accelerations(&stream(case, LimbSet::EMPTY, &case.voltage_v));
         let worst = survivable().map(|set| {
-            let ours = case.stream(set, &case.spoilt(set));
-            beyond(&sixes(&ours), &healthy)
+            let ours = stream(case, set, &spoilt(case, set));
+            beyond(&accelerations(&ours), &healthy)
         });
         within(
             &format!("accelerations without limbs beyond those with all, noise-free, {what}"),
@@ -214,14 +171,18 @@ fn ref_without_limbs_as_with_them() {
     }
     // A limb given a strain of zero instead of its own.
     let set = LimbSet::from_numbers([2]).expect("a limb");
-    let healthy = sixes(&manufactured.stream(LimbSet::EMPTY, &manufactured.voltage_v));
+    let healthy = accelerations(&stream(
+        &manufactured,
+        LimbSet::EMPTY,
+        &manufactured.voltage_v,
+    ));
     let drift = manufactured.parameters.zero_drift_v[1];
     let zeroed: Vec<_> = manufactured
         .voltage_v
         .iter()
         .map(|row| from_fn(|c| if set.contains(c) { drift } else { row[c] }))
         .collect();
-    let ours = sixes(&manufactured.stream(LimbSet::EMPTY, &zeroed));
+    let ours = accelerations(&stream(&manufactured, LimbSet::EMPTY, &zeroed));
     fails_clearly(
         "a zero for the failed limb",
         beyond(&ours, &healthy),
@@ -231,20 +192,20 @@ fn ref_without_limbs_as_with_them() {
 
 #[test]
 fn inv_every_path_does_without_limbs_alike() {
-    let case = Case::manufactured(Scheme::Heun);
+    let case = moving(Scheme::Heun);
     let every_path = survivable().chain([LimbSet::EMPTY]);
     let sets: Vec<LimbSet> = every_path.collect();
     let mut answers: Vec<Vec<Accelerations>> = Vec::new();
     for set in &sets {
-        let rows = case.spoilt(*set);
-        let stream = sixes(&case.stream(*set, &rows));
+        let rows = spoilt(&case, *set);
+        let stream = accelerations(&stream(&case, *set, &rows));
         let mut record = Vec::new();
         let mut portable = Vec::new();
-        let mut decoupler = case.decoupler(*set);
+        let mut decoupler = excluding(&case, *set);
         decoupler
             .push_record(&rows, &mut |done| record.extend_from_slice(done))
             .expect("sound samples");
-        case.decoupler(*set)
+        excluding(&case, *set)
             .push_record_portable(&rows, &mut |done| portable.extend_from_slice(done))
             .expect("sound samples");
         within(
@@ -268,8 +229,8 @@ fn inv_every_path_does_without_limbs_alike() {
             &answers[answers.len() - LANES..],
         )])
     {
-        let mut streams: [Decoupler; LANES] = from_fn(|lane| case.decoupler(sets[lane]));
-        let rows: [Vec<_>; LANES] = from_fn(|lane| case.spoilt(sets[lane]));
+        let mut streams: [Decoupler; LANES] = from_fn(|lane| excluding(&case, sets[lane]));
+        let rows: [Vec<_>; LANES] = from_fn(|lane| spoilt(&case, sets[lane]));
         let mut lanes: [Vec<Accelerations>; LANES] = from_fn(|_| Vec::new());
         push_lanes(
             &mut streams,
@@ -295,12 +256,12 @@ fn inv_every_path_does_without_limbs_alike() {
 
 #[test]
 fn inv_single_precision_does_without_limbs() {
-    let case = Case::manufactured(Scheme::Heun);
+    let case = moving(Scheme::Heun);
     let single = |set: LimbSet| -> Vec<Accelerations> {
         let mut decoupler = Decoupler::new_f32(&case.sensor, &case.parameters, &case.settings)
             .and_then(|decoupler| decoupler.excluding(set))
             .expect("sound");
-        let rows = case.spoilt(set);
+        let rows = spoilt(&case, set);
         let push = |row: &[f64; LIMBS]| decoupler.push(&row.map(|u| u as f32)).expect("sound");
         rows.iter()
             .filter_map(push)
@@ -310,7 +271,7 @@ fn inv_single_precision_does_without_limbs() {
             })
             .collect()
     };
-    let healthy = sixes(&case.stream(LimbSet::EMPTY, &case.voltage_v));
+    let healthy = accelerations(&stream(&case, LimbSet::EMPTY, &case.voltage_v));
     let own = beyond(&single(LimbSet::EMPTY), &healthy);
     let worst = largest(survivable().map(|set| beyond(&single(set), &healthy)));
     within(
@@ -335,8 +296,8 @@ fn jump(ours: &[SixAxis], others: &[SixAxis]) -> [f64; 2] {
 fn inv_switching_over_leaves_no_jump() {
     let set = LimbSet::from_numbers([1, 6, 9]).expect("limbs");
     for scheme in Scheme::ALL {
-        let case = Case::manufactured(scheme);
-        let healthy = case.stream(LimbSet::EMPTY, &case.voltage_v);
+        let case = moving(scheme);
+        let healthy = stream(&case, LimbSet::EMPTY, &case.voltage_v);
         for (breaks, sound) in [
             (1, 7),
             (2, 90),
@@ -353,7 +314,7 @@ fn inv_switching_over_leaves_no_jump() {
                 }
             }
             let run = |switches: bool| -> Vec<SixAxis> {
-                let mut decoupler = case.decoupler(LimbSet::EMPTY);
+                let mut decoupler = excluding(&case, LimbSet::EMPTY);
                 let mut samples = Vec::new();
                 for (i, row) in rows.iter().enumerate() {
                     samples.extend(decoupler.push(row).expect("finite"));
@@ -401,8 +362,8 @@ fn inv_switching_over_leaves_no_jump() {
 
 #[test]
 fn inv_a_refused_switch_changes_nothing() {
-    let case = Case::manufactured(Scheme::Heun);
-    let mut decoupler = case.decoupler(LimbSet::EMPTY);
+    let case = moving(Scheme::Heun);
+    let mut decoupler = excluding(&case, LimbSet::EMPTY);
     for row in &case.voltage_v[..20] {
         decoupler.push(row).expect("sound");
     }

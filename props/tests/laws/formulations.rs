@@ -93,7 +93,7 @@ fn order_formulations_converge_with_the_fourth_power() {
 
 /// A wrong derivation must be seen: the same solution with one ingredient changed.
 #[test]
-fn prop_a_wrong_ingredient_sets_the_derivations_apart() {
+fn law_a_wrong_ingredient_sets_the_derivations_apart() {
     let sensor = examples::turning();
     let [(_, sound), ..] = all(&sensor, STEPS);
     let rate_hz = sensor.highest_frequency_hz() * SAMPLES_PER_PERIOD;

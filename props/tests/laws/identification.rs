@@ -95,7 +95,7 @@ proptest! {
 }
 
 #[test]
-fn prop_step_4_knows_a_valley_from_a_slope() {
+fn law_step_4_tells_a_minimum_from_a_slope() {
     let curve = |f: &dyn Fn(f64) -> f64| {
         stiffness::paper_grid()
             .map(|k| (k, f(1.0 / k)))

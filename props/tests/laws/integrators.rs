@@ -12,7 +12,7 @@ use sixaxis_props::manufactured::formulations::{
 };
 use sixaxis_props::manufactured::motion::Manufactured;
 use sixaxis_props::manufactured::spin::spin;
-use sixaxis_props::rig_runs;
+use sixaxis_props::problem::rig;
 use sixaxis_props::tolerance;
 use sixaxis_props::truth;
 use sixaxis_props::truth::InCore;
@@ -53,10 +53,10 @@ fn rate_error(run: &SimulatedRun, scheme: Scheme) -> f64 {
 fn order_of_every_scheme_on_simulated_motion() {
     let run = Run {
         rest_s: 0.01,
-        ..rig_runs::compound_run()
+        ..rig::compound_run()
     };
     let parameters = truth::identified_parameters();
-    let model = rig_runs::model(&parameters, run.direction_ground, Mounting::AxisVertical);
+    let model = rig::model(&parameters, run.direction_ground, Mounting::AxisVertical);
     let fine = sixaxis_reference::mujoco::simulate_run(&model, &run, RATE_HZ, STEPS)
         .expect("the step is stable");
     for scheme in Scheme::ALL {

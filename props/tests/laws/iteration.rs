@@ -8,7 +8,7 @@ use sixaxis_calibration::steps::{Campaign, FourSteps, GyroscopeGain};
 use sixaxis_core::Geometry;
 use sixaxis_core::identify::Reason;
 use sixaxis_props::compare::within;
-use sixaxis_props::rig_runs::{DIRECTIONS, simulate_trial};
+use sixaxis_props::problem::rig::{DIRECTIONS, simulate_trial};
 use sixaxis_props::tolerance;
 use sixaxis_props::truth;
 use sixaxis_props::truth::InCore;
@@ -95,7 +95,7 @@ fn ref_without_errors_k_over_m_stands_still_wherever_it_starts() {
 }
 
 #[test]
-fn prop_too_few_passes_are_not_called_converged() {
+fn ref_too_few_passes_are_not_called_converged() {
     let (campaign, first) = played();
     let start = Some(paper::DESIGN_STIFFNESS_PER_MASS_PER_S2);
     let criterion = Criterion {
@@ -114,7 +114,7 @@ fn prop_too_few_passes_are_not_called_converged() {
 }
 
 #[test]
-fn prop_a_drift_error_ends_it_with_a_verdict() {
+fn ref_a_drift_error_ends_it_with_a_verdict() {
     let (campaign, first) = played();
     let mut drifted = campaign.clone();
     for (trial, conditioned) in &mut drifted.trials {
@@ -141,7 +141,7 @@ fn prop_a_drift_error_ends_it_with_a_verdict() {
 }
 
 #[test]
-fn prop_without_trials_for_step_4_there_is_nothing_to_repeat() {
+fn ref_without_trials_for_step_4_there_is_nothing_to_repeat() {
     let (campaign, _) = played();
     let mut short = campaign.clone();
     short

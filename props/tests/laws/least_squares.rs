@@ -12,8 +12,9 @@ use sixaxis_core::identify::scale::ScaleIdentification;
 use sixaxis_core::{Geometry, InertiaPerMass, LIMBS};
 use sixaxis_props::compare::{largest, within};
 use sixaxis_props::rigid::forces;
+use sixaxis_props::seed::seed;
 use sixaxis_props::statistics::normal;
-use sixaxis_props::strategy::{config, parameters, seed, vector};
+use sixaxis_props::strategy::{config, parameters, vector};
 use sixaxis_props::tolerance;
 use sixaxis_props::truth;
 

@@ -23,3 +23,4 @@ mod stiffness_bias;
 mod stiffness_bound;
 mod symmetry;
 mod tap;
+mod truth;

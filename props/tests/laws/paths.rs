@@ -3,7 +3,6 @@
 
 use std::array::from_fn;
 
-use glam::DVec3;
 use proptest::prelude::*;
 use sixaxis_core::decouple::lanes::push_lanes;
 use sixaxis_core::decouple::record::Accelerations;
@@ -13,119 +12,55 @@ use sixaxis_core::kernel::placement::{self, LimbLoad};
 use sixaxis_core::kernel::simd::LANES;
 use sixaxis_core::kernel::vec3::Vec3;
 use sixaxis_core::paper::RateVariable;
-use sixaxis_core::{
-    Decoupler, Error, Gains, Geometry, LIMBS, Model, Parameters, Scheme, Sensor, Settings,
-    StaticResponse,
-};
+use sixaxis_core::{Decoupler, Error, Gains, Geometry, LIMBS, Model, Scheme, Sensor, Settings};
 use sixaxis_props::compare::largest;
 use sixaxis_props::evidence::Row;
 use sixaxis_props::manufactured::motion::Manufactured;
-use sixaxis_props::rig_runs;
+use sixaxis_props::problem::{Problem, accelerations, rig};
 use sixaxis_props::strategy::{config, manufactured, parameters};
 use sixaxis_props::tolerance::{self, Tolerance};
 use sixaxis_props::truth;
-use sixaxis_props::truth::InCore;
 use sixaxis_reference::laboratory::Laboratory;
-use sixaxis_reference::laboratory::recording::SimulatedRecording;
 use sixaxis_reference::rig::run::{Mounting, Run};
 
-/// A stream and what it is fed.
-struct Case {
-    sensor: Sensor,
-    parameters: Parameters,
-    settings: Settings,
-    voltage_v: Vec<[f64; LIMBS]>,
+/// A manufactured motion from its start, with the shell at rest at first.
+fn moving(motion: &Manufactured, rate_hz: f64, samples: usize, scheme: Scheme) -> Problem {
+    Problem::manufactured(motion, Gains::uniform(2.0), rate_hz, samples, scheme)
 }
 
-impl Case {
-    /// A manufactured motion from its start, with the shell at rest at first.
-    fn manufactured(motion: &Manufactured, rate_hz: f64, samples: usize, scheme: Scheme) -> Self {
-        let gains = Gains::uniform(2.0);
-        let voltage = |i: usize| {
-            let moment = motion.at(i as f64 / rate_hz);
-            motion.voltage_v(&gains.gain_n_per_v, &moment)
-        };
-        Self {
-            sensor: Sensor {
-                geometry: motion.geometry,
-                gains,
-            },
-            parameters: motion.parameters,
-            settings: Settings {
-                scheme,
-                static_response: StaticResponse::Full,
-                gravity_ground_m_s2: motion.gravity_ground_m_s2,
-                ..Settings::new(rate_hz)
-            },
-            voltage_v: (0..samples).map(voltage).collect(),
-        }
-    }
-
-    /// The paper's compound run at 5 Hz from MuJoCo, 10 kHz.
-    fn rig(scheme: Scheme) -> Self {
-        let parameters = truth::identified_parameters();
-        let trial = rig_runs::compound_run();
-        let model = rig_runs::model(&parameters, trial.direction_ground, Mounting::AxisVertical);
-        let long = Run {
-            steady_periods: 4.0,
-            ..trial
-        };
-        let run = sixaxis_reference::mujoco::simulate_run(
-            &model,
-            &long,
-            rig_runs::RATE_HZ,
-            rig_runs::STEPS,
-        )
+/// The paper's compound run at 5 Hz from MuJoCo, 10 kHz.
+fn on_the_rig(scheme: Scheme) -> Problem {
+    let parameters = truth::identified_parameters();
+    let long = Run {
+        steady_periods: 4.0,
+        ..rig::compound_run()
+    };
+    let model = rig::model(&parameters, long.direction_ground, Mounting::AxisVertical);
+    let run = sixaxis_reference::mujoco::simulate_run(&model, &long, rig::RATE_HZ, rig::STEPS)
         .expect("a run of the campaign simulates");
-        Self::of(
-            &Laboratory::noise_free(truth::sensor(&parameters)).record(&run, 0),
-            &parameters,
-            scheme,
-        )
-    }
-
-    fn of(recording: &SimulatedRecording, parameters: &Parameters, scheme: Scheme) -> Self {
-        Self {
-            sensor: recording.sensor(),
-            parameters: *parameters,
-            settings: recording.settings(scheme),
-            voltage_v: recording.voltage_v.clone(),
-        }
-    }
-
-    fn decoupler(&self) -> Decoupler {
-        Decoupler::new(&self.sensor, &self.parameters, &self.settings).expect("a sound sensor")
-    }
-
-    fn stream(&self) -> Vec<Accelerations> {
-        let mut decoupler = self.decoupler();
-        let push = |row| decoupler.push(row).expect("a sound sample");
-        let samples = self.voltage_v.iter().filter_map(push);
-        samples
-            .map(|s| six(s.linear_ground_m_s2, s.angular_ground_rad_s2))
-            .collect()
-    }
-
-    /// As a record in two pieces.
-    fn record(&self, split: usize, portable: bool) -> Vec<Accelerations> {
-        let mut decoupler = self.decoupler();
-        let mut answers = Vec::new();
-        let (head, tail) = self.voltage_v.split_at(split);
-        for piece in [head, tail] {
-            let mut sink = |done: &[Accelerations]| answers.extend_from_slice(done);
-            let pushed = if portable {
-                decoupler.push_record_portable(piece, &mut sink)
-            } else {
-                decoupler.push_record(piece, &mut sink)
-            };
-            pushed.expect("sound samples");
-        }
-        answers
-    }
+    let recording = Laboratory::noise_free(truth::sensor(&parameters)).record(&run, 0);
+    Problem::recorded(&recording, &parameters, scheme)
 }
 
-fn six(a: DVec3, w: DVec3) -> Accelerations {
-    [a.x, a.y, a.z, w.x, w.y, w.z]
+fn stream(problem: &Problem) -> Vec<Accelerations> {
+    accelerations(&problem.decouple())
+}
+
+/// As a record in two pieces.
+fn record(problem: &Problem, split: usize, portable: bool) -> Vec<Accelerations> {
+    let mut decoupler = problem.decoupler();
+    let mut answers = Vec::new();
+    let (head, tail) = problem.voltage_v.split_at(split);
+    for piece in [head, tail] {
+        let mut sink = |done: &[Accelerations]| answers.extend_from_slice(done);
+        let pushed = if portable {
+            decoupler.push_record_portable(piece, &mut sink)
+        } else {
+            decoupler.push_record(piece, &mut sink)
+        };
+        pushed.expect("sound samples");
+    }
+    answers
 }
 
 /// Largest difference over the larger peak, linear and angular.
@@ -160,16 +95,16 @@ proptest! {
         split in 0.0..1.0_f64,
         per_period in 100.0..400.0_f64,
     ) {
-        let cases: Vec<Case> = motions
+        let cases: Vec<Problem> = motions
             .iter()
-            .map(|m| Case::manufactured(m, m.highest_frequency_hz() * per_period, samples, scheme))
+            .map(|m| moving(m, m.highest_frequency_hz() * per_period, samples, scheme))
             .collect();
         let case = &cases[0];
-        let stream = case.stream();
+        let streamed = stream(case);
         let split = (split * samples as f64) as usize;
         for portable in [false, true] {
             let what = if portable { "record, portable" } else { "record" };
-            let error = difference(&case.record(split, portable), &stream);
+            let error = difference(&record(case, split, portable), &streamed);
             judge(what, scheme.name(), error, tolerance::PATHS);
         }
         let mut decouplers: [Decoupler; LANES] = from_fn(|lane| cases[lane].decoupler());
@@ -186,7 +121,7 @@ proptest! {
             }).expect("sound samples");
         }
         for (answers, case) in lanes.iter().zip(&cases) {
-            let error = difference(answers, &case.stream());
+            let error = difference(answers, &stream(case));
             judge("lanes", scheme.name(), error, tolerance::PATHS);
         }
     }
@@ -233,13 +168,13 @@ proptest! {
         bad in prop::sample::select(&[f64::NAN, f64::INFINITY, 1e12, 2e3][..]),
     ) {
         let rate = motion.highest_frequency_hz() * 200.0;
-        let mut case = Case::manufactured(&motion, rate, 400, Scheme::Heun);
+        let mut case = moving(&motion, rate, 400, Scheme::Heun);
         case.voltage_v[at][channel] = bad;
         let mut stream = case.decoupler();
         let mut wanted = Vec::new();
         let refused = case.voltage_v.iter().find_map(|row| match stream.push(row) {
             Ok(answer) => {
-                wanted.extend(answer.map(|s| six(s.linear_ground_m_s2, s.angular_ground_rad_s2)));
+                wanted.extend(accelerations(&answer));
                 None
             }
             Err(error) => Some(error),
@@ -274,19 +209,16 @@ proptest! {
 /// Ten thousand samples of the rig, every path, against the printed formulas in the same discretisation.
 #[test]
 fn ref_the_paths_are_the_printed_formulas() {
-    let case = Case::rig(Scheme::Heun);
+    let case = &on_the_rig(Scheme::Heun);
     assert!(case.voltage_v.len() > 10_000, "a long run");
     let model = Model::new(&case.sensor, &case.parameters, &case.settings).expect("sound");
-    let printed: Vec<Accelerations> =
-        sixaxis_core::paper::decouple(&model, RateVariable::Mass, &case.voltage_v)
-            .expect("sound samples")
-            .into_iter()
-            .map(|s| six(s.linear_ground_m_s2, s.angular_ground_rad_s2))
-            .collect();
+    let printed = sixaxis_core::paper::decouple(&model, RateVariable::Mass, &case.voltage_v)
+        .expect("sound samples");
+    let printed = accelerations(&printed);
     for (what, answers) in [
-        ("stream", case.stream()),
-        ("record", case.record(0, false)),
-        ("record, portable", case.record(777, true)),
+        ("stream", stream(case)),
+        ("record", record(case, 0, false)),
+        ("record, portable", record(case, 777, true)),
     ] {
         judge(
             "accelerations against the printed formulas",
@@ -299,8 +231,8 @@ fn ref_the_paths_are_the_printed_formulas() {
 
 #[test]
 fn ref_single_precision_holds_its_budget() {
-    let case = Case::rig(Scheme::Heun);
-    let double = case.stream();
+    let case = &on_the_rig(Scheme::Heun);
+    let double = stream(case);
     let mut decoupler =
         Decoupler::new_f32(&case.sensor, &case.parameters, &case.settings).expect("a sound sensor");
     let single: Vec<Accelerations> = case
@@ -311,10 +243,8 @@ fn ref_single_precision_holds_its_budget() {
             decoupler.push(&row).expect("a sound sample")
         })
         .map(|s| {
-            six(
-                s.linear_ground_m_s2.as_dvec3(),
-                s.angular_ground_rad_s2.as_dvec3(),
-            )
+            let (a, w) = (s.linear_ground_m_s2, s.angular_ground_rad_s2);
+            [a.x, a.y, a.z, w.x, w.y, w.z].map(f64::from)
         })
         .collect();
     let error = difference(&single, &double);

@@ -51,7 +51,7 @@ fn departure(drawn_deviation: f64, predicted_deviation: f64, draws: u64) -> f64 
 }
 
 #[test]
-fn prop_drawn_campaigns_scatter_as_the_closed_form_says() {
+fn stat_drawn_campaigns_scatter_as_the_closed_form() {
     let draws = draws();
     println!(
         "seeds {SEED} (closed form), {} to {}",
@@ -81,7 +81,7 @@ fn prop_drawn_campaigns_scatter_as_the_closed_form_says() {
 }
 
 #[test]
-fn prop_step_3_without_step_2s_error_is_too_sure_of_itself() {
+fn law_step_3_without_step_2s_error_states_too_small_deviations() {
     // Torques carry the scale factors; the accelerometer's gain reaches the inertias in no other way.
     let closed = of_campaign(&WORLD.clean, &WORLD.conditioning, &WORLD.sources);
     let whole = closed.noise;
@@ -139,7 +139,7 @@ fn quiet() -> Sources {
 }
 
 #[test]
-fn prop_influences_are_derivatives_of_the_whole_pipeline() {
+fn law_influences_are_derivatives_of_the_whole_pipeline() {
     // One source after the other: unit noise of one series of one trial. Its covariance must be the sum over raw samples of
     // products of derivatives of everything that happens to a sample: conditioning, rows, four steps.
     type Change = fn(&mut sixaxis_calibration::trial::Trial, usize, f64);
@@ -229,7 +229,7 @@ fn prop_influences_are_derivatives_of_the_whole_pipeline() {
 const PROBE: f64 = 1e-2;
 
 #[test]
-fn prop_gains_act_as_derivatives_say_whoever_judges_the_gyroscope() {
+fn law_gains_act_as_their_derivatives() {
     for gyroscope in [GyroscopeGain::Trusted, GyroscopeGain::Identified] {
         let found = |campaign: &Campaign| {
             let steps = campaign
@@ -302,7 +302,7 @@ fn inv_doubled_errors_double_deviations() {
 }
 
 #[test]
-fn prop_accelerations_scatter_as_the_stream_says() {
+fn stat_accelerations_scatter_as_the_stream_states() {
     // Where errors are small: the decoupler is open loop, and first order ends where the attitude is lost.
     let draws = draws();
     let world = WORLD.times(SMALL);
@@ -400,7 +400,7 @@ fn ref_compliance_fit_finds_what_the_grid_finds() {
 const DRIFT_PROBE_V: f64 = 1e-4;
 
 #[test]
-fn prop_what_no_errors_can_be_is_refused() {
+fn law_impossible_covariances_are_refused() {
     let trial = &WORLD.compound[0];
     let (sensor, settings) = (trial.sensor(Geometry::PAPER), trial.settings(Scheme::Heun));
     let start = |covariance: &Covariance, noise: &ChannelNoise| {

@@ -26,7 +26,7 @@ fn rank_deficiency<T>(result: Result<T, Error>) -> (usize, usize, f64, [f64; 9])
 }
 
 #[test]
-fn prop_motion_along_too_few_axes_is_refused_with_the_lost_direction() {
+fn law_motion_along_too_few_axes_is_refused_with_the_lost_direction() {
     for axes in [&[DVec3::X][..], &[DVec3::Y, DVec3::new(1.0, 2.0, 0.0)][..]] {
         let mut step = ScaleIdentification::default();
         for i in 1..40 {
@@ -59,7 +59,7 @@ fn prop_motion_along_too_few_axes_is_refused_with_the_lost_direction() {
 }
 
 #[test]
-fn prop_rotation_about_one_axis_is_refused_with_the_lost_direction() {
+fn law_rotation_about_one_axis_is_refused_with_the_lost_direction() {
     let inertia = truth::identified_parameters().inertia_per_mass;
     let mut step = InertiaIdentification::new(Geometry::PAPER);
     for i in 1..40 {
@@ -85,7 +85,7 @@ fn prop_rotation_about_one_axis_is_refused_with_the_lost_direction() {
 }
 
 #[test]
-fn prop_condition_just_within_the_limit_is_solved_and_just_beyond_refused() {
+fn law_condition_just_within_the_limit_is_solved_and_just_beyond_refused() {
     let nearly = |condition: f64| {
         // Two unit columns at a small angle: condition 2/angle for small angles.
         let angle = 2.0 / condition;
@@ -116,7 +116,7 @@ fn prop_condition_just_within_the_limit_is_solved_and_just_beyond_refused() {
 }
 
 #[test]
-fn prop_too_few_rows_are_refused_and_one_more_than_unknowns_is_enough() {
+fn law_too_few_rows_are_refused_and_one_more_than_unknowns_is_enough() {
     let mut accumulator = Accumulator::<2>::default();
     accumulator.push([1.0, 0.0], 1.0);
     accumulator.push([0.0, 1.0], 2.0);
@@ -139,7 +139,7 @@ fn prop_too_few_rows_are_refused_and_one_more_than_unknowns_is_enough() {
     );
 }
 #[test]
-fn prop_a_row_that_is_no_number_is_refused_by_channel_and_sample() {
+fn law_a_row_with_nan_is_refused_by_channel_and_sample() {
     let mut step = ScaleIdentification::default();
     step.push(&[1.0; LIMBS], DVec3::X).expect("a finite row");
     let mut bad = [1.0; LIMBS];

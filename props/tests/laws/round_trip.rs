@@ -2,12 +2,12 @@
 
 use glam::DVec3;
 use proptest::prelude::*;
-use sixaxis_core::decouple::stream::Decoupler;
-use sixaxis_core::{Gains, Scheme, Sensor, Settings, SixAxis, StaticResponse};
+use sixaxis_core::{Scheme, SixAxis};
 use sixaxis_props::compare::largest;
 use sixaxis_props::evidence::Row;
 use sixaxis_props::manufactured::formulations::{Mass, ShellMotion, solve};
 use sixaxis_props::manufactured::motion::Manufactured;
+use sixaxis_props::problem::{Problem, UNEQUAL_GAINS};
 use sixaxis_props::strategy::{config, manufactured};
 use sixaxis_props::tolerance;
 
@@ -15,40 +15,6 @@ use sixaxis_props::tolerance;
 const STEPS: usize = 4;
 /// Periods of the fastest sine.
 const PERIODS: f64 = 3.0;
-
-const GAIN_N_PER_V: [f64; 9] = [0.5, -2.0, 1.0, 10.0, 0.2, 5.0, -0.1, 1.0, 20.0];
-
-fn decouple(
-    sensor: &Manufactured,
-    truth: &[ShellMotion],
-    sample_rate_hz: f64,
-    scheme: Scheme,
-) -> Vec<SixAxis> {
-    let settings = Settings {
-        scheme,
-        static_response: StaticResponse::Full,
-        gravity_ground_m_s2: sensor.gravity_ground_m_s2,
-        initial_attitude: truth[1].attitude.normalize(),
-        initial_rate_shell_rad_s: truth[1].rate_shell_rad_s,
-        ..Settings::new(sample_rate_hz)
-    };
-    let drawn = Sensor {
-        geometry: sensor.geometry,
-        gains: Gains {
-            gain_n_per_v: GAIN_N_PER_V,
-        },
-    };
-    let mut decoupler =
-        Decoupler::new(&drawn, &sensor.parameters, &settings).expect("the sensor is sound");
-    let mut samples = Vec::with_capacity(truth.len());
-    for sample in 0..truth.len() {
-        let moment = sensor.at(sample as f64 / sample_rate_hz);
-        let voltage = sensor.voltage_v(&GAIN_N_PER_V, &moment);
-        let completed = decoupler.push(&voltage).expect("samples are finite");
-        samples.extend(completed);
-    }
-    samples
-}
 
 /// Largest error over the largest truth, for one vector of the output, with the two components that differ most.
 fn compare(
@@ -78,7 +44,9 @@ fn judge(sensor: &Manufactured, scheme: Scheme, samples_per_period: f64) {
     let samples = (PERIODS * samples_per_period) as usize;
     let truth = solve::<Mass>(sensor, rate_hz, samples, STEPS);
     let halved = solve::<Mass>(sensor, rate_hz, samples, 2 * STEPS);
-    let ours = decouple(sensor, &truth, rate_hz, scheme);
+    let ours = Problem::manufactured(sensor, UNEQUAL_GAINS, rate_hz, samples, scheme)
+        .starting(truth[1].attitude.normalize(), truth[1].rate_shell_rad_s)
+        .decouple();
     assert_eq!(ours.len(), samples - 2, "samples decoupled");
     let case = format!(
         "{}, {samples_per_period:.0} samples a period",

@@ -8,7 +8,7 @@ use sixaxis_core::identify::inertia::InertiaIdentification;
 use sixaxis_core::identify::scale::ScaleIdentification;
 use sixaxis_core::{Geometry, LIMBS, Sensor, Settings, SixAxis};
 use sixaxis_props::compare::{fails_clearly, largest, within};
-use sixaxis_props::rig_runs;
+use sixaxis_props::problem::rig;
 use sixaxis_props::tolerance;
 use sixaxis_props::truth;
 use sixaxis_props::truth::InCore;
@@ -34,7 +34,7 @@ fn simulate(mode: Mode, direction: DVec3) -> (SimulatedRun, SimulatedRecording) 
         steady_periods: 0.5,
         ..Run::new(mode, 5.0, direction)
     };
-    let model = rig_runs::model(&parameters, direction, Mounting::AxisVertical);
+    let model = rig::model(&parameters, direction, Mounting::AxisVertical);
     let run = simulate_run(&model, &run, RATE_HZ, STEPS)
         .expect("a run within the rig's limits simulates");
     let recording = Laboratory::noise_free(truth::sensor(&parameters)).record(&run, 0);

@@ -6,9 +6,10 @@ use sixaxis_core::identify::stiffness_search::{Trial, rate_norm_sums};
 use sixaxis_core::{Parameters, Scheme, Sensor, Settings};
 use sixaxis_props::compare::largest;
 use sixaxis_props::evidence::Row;
+use sixaxis_props::problem::rig;
+use sixaxis_props::tolerance;
 use sixaxis_props::truth;
 use sixaxis_props::truth::InCore;
-use sixaxis_props::{rig_runs, tolerance};
 use sixaxis_reference::laboratory::Laboratory;
 use sixaxis_reference::laboratory::recording::SimulatedRecording;
 use sixaxis_reference::rig::run::{Mode, Mounting};
@@ -24,7 +25,7 @@ fn ref_the_search_by_interpolation_is_the_search() {
     let recordings: Vec<SimulatedRecording> = directions
         .iter()
         .map(|d| {
-            let run = rig_runs::simulate(
+            let run = rig::simulate(
                 &parameters,
                 Mode::Linear,
                 d.normalize(),

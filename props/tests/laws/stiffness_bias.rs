@@ -8,7 +8,7 @@ use sixaxis_core::paper::preload::static_equilibrium;
 use sixaxis_core::paper::wrench::LimbWrench;
 use sixaxis_core::{Geometry, LIMBS};
 use sixaxis_props::compare::{fails_clearly, largest, within};
-use sixaxis_props::rig_runs::model;
+use sixaxis_props::problem::rig::model;
 use sixaxis_props::strategy::{config, parameters, vector};
 use sixaxis_props::tolerance;
 use sixaxis_props::truth;

@@ -11,9 +11,10 @@ use sixaxis_core::identify::stiffness_bound::{
 };
 use sixaxis_core::{Error, Geometry, InertiaPerMass, LIMBS, Parameters};
 use sixaxis_props::compare::{fails_clearly, largest, within};
-use sixaxis_props::rig_runs::model;
+use sixaxis_props::problem::rig::model;
+use sixaxis_props::seed::seed;
 use sixaxis_props::statistics::chi_square_departure;
-use sixaxis_props::strategy::{config, geometry, parameters, seed};
+use sixaxis_props::strategy::{config, geometry, parameters};
 use sixaxis_props::tolerance;
 use sixaxis_props::truth;
 use sixaxis_reference::linear_theory::mode_frequencies_hz;
@@ -197,7 +198,7 @@ fn ref_response_at_500_hz_is_mujocos() {
 }
 
 #[test]
-fn prop_the_bound_is_attained() {
+fn stat_the_bound_is_attained() {
     const SAMPLES: usize = 100;
     const NOISE_OVER_LARGEST: f64 = 0.01;
     const DRAWS: u64 = 5000;
@@ -301,7 +302,7 @@ fn prop_the_bound_is_attained() {
 }
 
 #[test]
-fn prop_too_few_directions_are_refused() {
+fn law_too_few_directions_are_refused() {
     let truth = truth::identified_parameters();
     let mut information = Information::new(truth.inertia_per_mass.xx_m2).expect("a size");
     for f in [400.0, 500.0] {

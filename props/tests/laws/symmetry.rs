@@ -3,15 +3,13 @@
 use glam::{DMat3, DQuat, DVec3};
 use proptest::prelude::*;
 use sixaxis_core::geometry::DIRECTIONS_SHELL;
-use sixaxis_core::{
-    Gains, Geometry, InertiaPerMass, LIMBS, Parameters, Scheme, Sensor, Settings, SixAxis,
-    StaticResponse,
-};
+use sixaxis_core::{Geometry, InertiaPerMass, LIMBS, Scheme, SixAxis};
 use sixaxis_props::compare::{fails_clearly, largest, within};
 use sixaxis_props::manufactured::examples;
 use sixaxis_props::manufactured::formulations::{Mass, ShellMotion, solve};
 use sixaxis_props::manufactured::motion::Manufactured;
-use sixaxis_props::rig_runs::{decouple, simulate};
+use sixaxis_props::problem::rig::{decouple, simulate};
+use sixaxis_props::problem::{Problem, UNEQUAL_GAINS};
 use sixaxis_props::strategy::{config, manufactured};
 use sixaxis_props::tolerance;
 use sixaxis_props::truth;
@@ -23,56 +21,25 @@ use sixaxis_reference::rig::run::{Mode, Mounting};
 const SAMPLES: usize = 200;
 const SAMPLES_PER_PERIOD: f64 = 150.0;
 
-/// A sensor with everything that a decoupler is told and given.
-#[derive(Clone)]
-struct Setup {
-    sensor: Sensor,
-    parameters: Parameters,
-    settings: Settings,
-    voltage_v: Vec<[f64; LIMBS]>,
-}
-
-impl Setup {
-    fn of(sensor: &Manufactured, truth: &[ShellMotion], rate_hz: f64) -> Self {
-        let gains = Gains {
-            gain_n_per_v: [0.5, -2.0, 1.0, 10.0, 0.2, 5.0, -0.1, 1.0, 20.0],
-        };
-        Self {
-            sensor: Sensor {
-                geometry: sensor.geometry,
-                gains,
-            },
-            parameters: sensor.parameters,
-            settings: Settings {
-                static_response: StaticResponse::Full,
-                gravity_ground_m_s2: sensor.gravity_ground_m_s2,
-                initial_attitude: truth[1].attitude,
-                initial_rate_shell_rad_s: truth[1].rate_shell_rad_s,
-                ..Settings::new(rate_hz)
-            },
-            voltage_v: (0..truth.len())
-                .map(|i| sensor.voltage_v(&gains.gain_n_per_v, &sensor.at(i as f64 / rate_hz)))
-                .collect(),
-        }
-    }
-
-    fn decouple(&self) -> Vec<SixAxis> {
-        decouple(
-            &self.sensor,
-            &self.parameters,
-            &self.settings,
-            &self.voltage_v,
-        )
-    }
+/// A manufactured motion from its true state at the first decoupled sample.
+fn problem(sensor: &Manufactured, truth: &[ShellMotion], rate_hz: f64) -> Problem {
+    Problem::manufactured(
+        sensor,
+        UNEQUAL_GAINS,
+        rate_hz,
+        truth.len(),
+        Scheme::default(),
+    )
+    .starting(truth[1].attitude, truth[1].rate_shell_rad_s)
 }
 
 fn rate_hz(sensor: &Manufactured) -> f64 {
     sensor.highest_frequency_hz() * SAMPLES_PER_PERIOD
 }
 
-fn setup(sensor: &Manufactured) -> Setup {
+fn setup(sensor: &Manufactured) -> Problem {
     let truth = solve::<Mass>(sensor, rate_hz(sensor), SAMPLES, 1);
-    Setup::of(sensor, &truth, rate_hz(sensor))
+    problem(sensor, &truth, rate_hz(sensor))
 }
 
 /// Largest difference of accelerations and rates over their largest, with the first set turned or scaled before.
@@ -201,7 +168,7 @@ proptest! {
         let vibration = core::f64::consts::TAU * sensor.highest_frequency_hz();
         let rate_hz = rate_hz(&sensor) * (1.0 + turning / vibration);
         let truth = solve::<Mass>(&sensor, rate_hz, SAMPLES, 1);
-        let mut usual = Setup::of(&sensor, &truth, rate_hz);
+        let mut usual = problem(&sensor, &truth, rate_hz);
         usual.settings.scheme = Scheme::RungeKutta4;
         let mut reversed = usual.clone();
         reversed.voltage_v.reverse();

@@ -7,8 +7,8 @@ use sixaxis_core::identify::tap::{MODES, RingDown, SHARED, identify};
 use sixaxis_core::{Error, Geometry, InertiaPerMass, LIMBS, Parameters};
 use sixaxis_props::compare::within;
 use sixaxis_props::evidence::Row;
+use sixaxis_props::seed::seed;
 use sixaxis_props::statistics::chi_square_departure;
-use sixaxis_props::strategy::seed;
 use sixaxis_props::taps::{Case, FULL_SCALE_V, KNOWN_TO, NOISE_SHARE, Recorded, States, bound_ln};
 use sixaxis_props::tolerance;
 use sixaxis_props::truth;
@@ -92,7 +92,7 @@ fn departure_of_derivatives(p: &[f64; SHARED], rng: &mut Pcg64) -> f64 {
 }
 
 #[test]
-fn prop_derivatives_of_the_decay_are_those_of_the_states() {
+fn law_derivatives_of_the_decay_are_those_of_the_states() {
     let mut rng = Pcg64::new(u128::from(seed()), 1);
     let mut worst = 0.0_f64;
     for seed in 0..10 {
@@ -113,7 +113,7 @@ fn prop_derivatives_of_the_decay_are_those_of_the_states() {
 }
 
 #[test]
-fn prop_modes_are_the_reference_s() {
+fn ref_modes_are_the_reference_s() {
     let mut worst = 0.0_f64;
     for seed in 0..20 {
         let p = shared(&Case::random(seed));
@@ -193,7 +193,7 @@ fn closed_form(case: &Case, damping: impl Fn(f64) -> f64) -> Recorded {
 }
 
 #[test]
-fn prop_intervals_hold_the_truth_as_often_as_they_say() {
+fn stat_intervals_hold_the_truth_as_often_as_stated() {
     let first = seed();
     let mut squares = 0.0;
     let mut inertia_squares = 0.0;
@@ -215,7 +215,7 @@ fn prop_intervals_hold_the_truth_as_often_as_they_say() {
 }
 
 #[test]
-fn prop_a_wrong_inertia_that_is_believed_moves_stiffness_beyond_its_interval() {
+fn law_a_wrong_inertia_stated_as_exact_moves_stiffness_beyond_its_interval() {
     let case = Case::random(seed());
     let recorded = closed_form(&case, |z| z);
     let wrong = Parameters {
@@ -251,7 +251,7 @@ fn prop_a_wrong_inertia_that_is_believed_moves_stiffness_beyond_its_interval() {
 }
 
 #[test]
-fn prop_what_is_no_tap_is_refused() {
+fn law_recordings_without_a_tap_are_refused() {
     let case = Case::random(seed());
     let recorded = closed_form(&case, |z| z);
     let with = |voltage_v: &[[f64; LIMBS]]| identify(&case.setup(&recorded.sensor), voltage_v);
@@ -308,7 +308,7 @@ fn prop_what_is_no_tap_is_refused() {
 }
 
 #[test]
-fn prop_a_shell_that_goes_on_ringing_is_not_called_determined() {
+fn law_a_ringing_shell_leaves_stiffness_undetermined() {
     let case = Case::random(seed());
     let mut recorded = closed_form(&case, |z| z);
     let quiet = case.identify(&recorded).expect("it rings");

@@ -14,7 +14,7 @@ use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::{Geometry, LIMBS, Parameters, Scheme};
 use sixaxis_props::compare::largest;
 use sixaxis_props::evidence::Row;
-use sixaxis_props::rig_runs::{DIRECTIONS, simulate_trial};
+use sixaxis_props::problem::rig::{DIRECTIONS, simulate_trial};
 use sixaxis_props::strategy::{config, parameters};
 use sixaxis_props::tolerance::{self, Tolerance};
 use sixaxis_props::truth;

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use sixaxis_core::Scheme;
 use sixaxis_props::evidence::{self, Quantiles};
 use sixaxis_props::motions;
-use sixaxis_props::strategy::seed;
+use sixaxis_props::seed::seed;
 use sixaxis_props::tolerance;
 
 /// Motions of an ordinary run.

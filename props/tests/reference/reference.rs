@@ -4,7 +4,7 @@ use glam::{DMat3, DVec3};
 use sixaxis_core::paper::preload::static_equilibrium;
 use sixaxis_core::{Geometry, LIMBS};
 use sixaxis_props::compare::{fails_clearly, largest, within};
-use sixaxis_props::rig_runs::{RATE_HZ, model, short_run, simulate};
+use sixaxis_props::problem::rig::{RATE_HZ, model, short_run, simulate};
 use sixaxis_props::tolerance;
 use sixaxis_props::truth;
 use sixaxis_reference::motion::Motion;

@@ -4,7 +4,7 @@ use glam::DVec3;
 use proptest::prelude::*;
 use sixaxis_core::{LimbLaw, Parameters, Scheme, Settings};
 use sixaxis_props::compare::{fails_clearly, largest, within};
-use sixaxis_props::rig_runs::{decouple, errors, simulate};
+use sixaxis_props::problem::rig::{decouple, errors, simulate};
 use sixaxis_props::strategy::{config, parameters, vector};
 use sixaxis_props::tolerance;
 use sixaxis_props::truth;

@@ -4,7 +4,7 @@ use glam::DVec3;
 use proptest::prelude::*;
 use sixaxis_core::Parameters;
 use sixaxis_props::compare::{fails_clearly, within};
-use sixaxis_props::rig_runs::model;
+use sixaxis_props::problem::rig::model;
 use sixaxis_props::strategy::{config, parameters, vector};
 use sixaxis_props::tolerance;
 use sixaxis_props::truth;

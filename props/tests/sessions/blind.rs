@@ -11,7 +11,7 @@ const SESSIONS: u64 = 27;
 const FIRST: u64 = TUNING_SEEDS.end + 1;
 
 #[test]
-fn prop_verdicts_are_right() {
+fn stat_verdicts_are_right() {
     let seeds = FIRST..FIRST + SESSIONS;
     for kind in Kind::ALL {
         assert!(

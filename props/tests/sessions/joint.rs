@@ -10,8 +10,8 @@ use sixaxis_core::{Error, Gains, Geometry, LIMBS, Parameters};
 use sixaxis_props::compare::largest;
 use sixaxis_props::compare::within;
 use sixaxis_props::joint::{Fitted, bias_of_scale, moments, noise_free, small};
+use sixaxis_props::seed::seed;
 use sixaxis_props::statistics::{ONE_IN_A_MILLION, chi_square_departure};
-use sixaxis_props::strategy::seed;
 use sixaxis_props::tolerance;
 use sixaxis_recordings::session::Role;
 use sixaxis_reference::laboratory::plan::{Engine, SessionPlan};
@@ -34,7 +34,7 @@ fn level(mut plan: SessionPlan) -> SessionPlan {
 }
 
 #[test]
-fn prop_noise_free_campaigns_are_found() {
+fn law_noise_free_campaigns_are_found() {
     let first = seed();
     let mut worst = 0.0_f64;
     for seed in first..first + 3 {
@@ -68,7 +68,7 @@ fn ref_mujoco_campaign_is_found() {
 }
 
 #[test]
-fn prop_errors_are_what_the_bound_says() {
+fn stat_errors_are_what_the_bound_states() {
     let first = seed();
     for (name, with) in [
         ("upright", (|plan| plan) as fn(SessionPlan) -> SessionPlan),
@@ -108,7 +108,7 @@ fn prop_errors_are_what_the_bound_says() {
 }
 
 #[test]
-fn prop_gravity_that_turns_tells_the_accelerometers_gain() {
+fn law_turning_gravity_determines_the_accelerometers_gain() {
     let first = seed();
     for seed in first..first + 3 {
         let case = fitted(&level(small(seed)));
@@ -122,7 +122,7 @@ fn prop_gravity_that_turns_tells_the_accelerometers_gain() {
 }
 
 #[test]
-fn prop_errors_in_variables_leave_no_bias() {
+fn stat_errors_in_variables_leave_no_bias() {
     let first = seed();
     let [plain, joint] = bias_of_scale(first..first + BIAS_CASES, NOISY_DB)
         .unwrap_or_else(|cause| panic!("{cause}"));
@@ -137,7 +137,7 @@ fn prop_errors_in_variables_leave_no_bias() {
 }
 
 #[test]
-fn prop_wild_samples_do_not_bend_the_robust_fit() {
+fn stat_wild_samples_do_not_bias_the_robust_fit() {
     let mut case = fitted(&small(seed()));
     // Every hundredth sample of every channel, at another place in each.
     let every = (1.0 / tolerance::WILD_SHARE) as usize;
@@ -266,7 +266,7 @@ fn inv_bad_records_are_refused_by_channel_and_sample() {
 }
 
 #[test]
-fn prop_one_direction_leaves_unknowns_open() {
+fn law_one_direction_leaves_unknowns_undetermined() {
     let mut plan = small(seed());
     plan.rig.wedge_error_deg = 0.0;
     let case = fitted(&plan);

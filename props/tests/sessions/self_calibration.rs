@@ -12,9 +12,9 @@ use sixaxis_core::redundancy::self_calibration::{
 use sixaxis_core::{Error, Gains, Geometry, LIMBS, LimbSet, Parameters, Sensor, Settings};
 use sixaxis_props::compare::{fails_clearly, largest, within};
 use sixaxis_props::evidence::Row;
+use sixaxis_props::seed::seed;
 use sixaxis_props::self_calibration::{Case, DRIFT, NOISE_SHARE, errors, nine, without_mean};
 use sixaxis_props::statistics::chi_square_departure;
-use sixaxis_props::strategy::seed;
 use sixaxis_props::tolerance;
 use sixaxis_props::truth;
 use sixaxis_reference::compliant::compliant_forces_m_s2;
@@ -34,7 +34,7 @@ const HEAVY_NOISE_SHARE: f64 = 0.02;
 const FALSE_ALARM: f64 = 0.01;
 
 #[test]
-fn prop_ratios_without_noise_are_exact() {
+fn law_ratios_without_noise_are_exact() {
     let first = seed();
     let each = (first..first + 4).into_par_iter().map(|seed| {
         let mut case = Case::random(seed, SHORT_S);
@@ -211,7 +211,7 @@ fn ref_pure_translation_leaves_the_twins_open() {
 }
 
 #[test]
-fn prop_a_single_axis_leaves_more_open() {
+fn law_a_single_axis_leaves_several_ratios_unobservable() {
     let mut case = Case::random(seed(), SHORT_S);
     let about = DVec3::new(0.3, -0.5, 0.8).normalize();
     for sine in &mut case.field.motion.rate_shell_rad_s {
@@ -222,7 +222,7 @@ fn prop_a_single_axis_leaves_more_open() {
         sine.amplitude = DVec3::ZERO;
     }
     case.field.gravity_ground_m_s2 = DVec3::ZERO;
-    case.loads = case.field.play(&truth::sensor(&case.truth)).0;
+    case.loads = case.field.simulate(&truth::sensor(&case.truth)).0;
     let case = case.with_stiffness(&[1.0; LIMBS]);
     let Err(Error::UnobservableScaleRatios { directions: open }) =
         case.ratios(&case.noisy_v(NOISE_SHARE))
@@ -234,7 +234,7 @@ fn prop_a_single_axis_leaves_more_open() {
 }
 
 #[test]
-fn prop_intervals_hold_and_neighbouring_blocks_are_strangers() {
+fn stat_intervals_hold_and_neighbouring_blocks_are_independent() {
     let first = seed();
     let squares: Vec<[f64; 4]> = (first..first + CASES)
         .into_par_iter()
@@ -286,7 +286,7 @@ fn prop_intervals_hold_and_neighbouring_blocks_are_strangers() {
 }
 
 #[test]
-fn prop_noise_slower_than_a_block_is_seen() {
+fn law_noise_slower_than_a_block_is_seen() {
     let case = Case::random(seed(), 8.0);
     let mut rng = Pcg64::new(u128::from(seed()), 23);
     let mut voltage_v = case.voltage_v();
@@ -309,7 +309,7 @@ fn prop_noise_slower_than_a_block_is_seen() {
 }
 
 #[test]
-fn prop_crosstalk_is_seen() {
+fn law_crosstalk_is_seen() {
     let case = Case::random(seed(), 20.0);
     let clean = case.noisy_v(NOISE_SHARE);
     // In deviations: misfit of the loop, correlation of neighbouring blocks. None where residuals are so far from noise that the
@@ -344,7 +344,7 @@ fn prop_crosstalk_is_seen() {
 }
 
 #[test]
-fn prop_noise_in_the_regressors_does_not_bend_the_ratios() {
+fn stat_noise_in_the_regressors_does_not_bias_the_ratios() {
     let first = seed();
     let limits = Limits {
         largest_deviation: 1.0,
@@ -403,7 +403,7 @@ fn inv_stream_and_batch_are_the_same_bits() {
 }
 
 #[test]
-fn prop_recordings_tared_anew_join() {
+fn stat_recordings_tared_anew_join() {
     let case = Case::random(seed(), 2.0 * SHORT_S);
     let mut voltage_v = case.noisy_v(NOISE_SHARE);
     let half = voltage_v.len() / 2;
@@ -433,7 +433,7 @@ fn prop_recordings_tared_anew_join() {
 }
 
 #[test]
-fn prop_a_known_turn_gives_the_ninth() {
+fn stat_a_known_turn_gives_the_common_factor() {
     let first = seed();
     let squares: Vec<f64> = (first..first + 40)
         .into_par_iter()
@@ -490,7 +490,7 @@ fn prop_a_known_turn_gives_the_ninth() {
 }
 
 #[test]
-fn prop_drifted_limbs_are_named() {
+fn stat_drifted_limbs_are_named() {
     let first = seed();
     for (numbers, sizes) in [
         (vec![], vec![]),
@@ -537,7 +537,7 @@ fn prop_drifted_limbs_are_named() {
 }
 
 #[test]
-fn prop_unequal_stiffness_is_found_and_equal_stands() {
+fn stat_unequal_stiffness_is_found_and_equal_stands() {
     let rng = &mut Pcg64::new(u128::from(seed()), 25);
     let deviation = 5e-4;
     let covariance = PerLimbs::identity() * (deviation * deviation);
@@ -563,7 +563,7 @@ fn prop_unequal_stiffness_is_found_and_equal_stands() {
 }
 
 #[test]
-fn prop_bad_input_is_named() {
+fn law_bad_input_is_named() {
     let case = Case::random(seed(), SHORT_S);
     let mut taken =
         Accumulator::of_usual_blocks(&case.sensor(), &case.calibration, &case.settings())

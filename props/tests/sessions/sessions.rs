@@ -10,7 +10,7 @@ use sixaxis_calibration::load;
 use sixaxis_core::identify::inertia::euler_torque;
 use sixaxis_core::{LIMBS, Parameters};
 use sixaxis_props::compare::{fails_clearly, largest, within};
-use sixaxis_props::rig_runs::model;
+use sixaxis_props::problem::rig::model;
 use sixaxis_props::tolerance::{self, Tolerance};
 use sixaxis_props::truth;
 use sixaxis_recordings::session::{Role, SessionFile};
@@ -110,7 +110,7 @@ fn ref_rigid_runs_are_mujocos() {
                 let truth = sixaxis_reference::mujoco::simulate_run(&model, &run, RATE_HZ, STEPS)
                     .expect("a run within the rig's limits simulates");
                 let gravity = mounting.gravity_ground_m_s2(direction);
-                let ours = sensor.play(&run, gravity, RATE_HZ);
+                let ours = sensor.simulate(&run, gravity, RATE_HZ);
                 within(
                     "forces of rigid limbs",
                     departure(

@@ -9,7 +9,7 @@ use sixaxis_core::LIMBS;
 use sixaxis_core::Parameter;
 use sixaxis_props::compare::within;
 use sixaxis_props::evidence::Row;
-use sixaxis_props::strategy::seed;
+use sixaxis_props::seed::seed;
 use sixaxis_props::tolerance;
 use sixaxis_recordings::session::{Role, SessionFile};
 use sixaxis_reference::laboratory::plan::{Engine, RigPlan, SensorChoice, SessionPlan};
@@ -93,7 +93,7 @@ fn ref_a_session_with_taps_determines_stiffness_and_changes_nothing_else() {
 }
 
 #[test]
-fn prop_a_bad_tap_is_a_reservation() {
+fn law_a_bad_tap_is_a_reservation() {
     let mut played = simulate_session(&plan(2)).expect("it plays");
     let full_scale_v = played.session.sensor.full_scale_v;
     let mut bad = played.recordings.iter_mut().filter(|r| r.role == Role::Tap);

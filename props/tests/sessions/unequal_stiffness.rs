@@ -12,9 +12,9 @@ use sixaxis_core::parameter::SCALE;
 use sixaxis_core::redundancy::self_calibration::{PerLimbs, StiffnessTest};
 use sixaxis_props::compare::{largest, within};
 use sixaxis_props::joint::small;
+use sixaxis_props::seed::seed;
 use sixaxis_props::self_calibration::{Case, NOISE_SHARE, without_mean};
 use sixaxis_props::statistics::chi_square_departure;
-use sixaxis_props::strategy::seed;
 use sixaxis_props::tolerance;
 use sixaxis_props::truth;
 use sixaxis_reference::laboratory::session::simulate_session;
@@ -80,7 +80,7 @@ fn campaigns(count: u64, spread: f64, wedge_deg: f64) -> Vec<(StiffnessTest, [f6
 }
 
 #[test]
-fn prop_equal_limbs_are_refused_as_often_as_stated() {
+fn stat_equal_limbs_are_refused_as_often_as_stated() {
     let tests = campaigns(CAMPAIGNS, 0.0, WEDGE_DEG);
     let sum: f64 = tests.iter().map(|(test, _)| test.chi_square).sum();
     within(
@@ -94,7 +94,7 @@ fn prop_equal_limbs_are_refused_as_often_as_stated() {
 }
 
 #[test]
-fn prop_stiffnesses_are_found_as_well_as_stated() {
+fn stat_stiffnesses_are_found_as_well_as_stated() {
     let tests = campaigns(CAMPAIGNS, SPREAD, WEDGE_DEG);
     assert!(tests.iter().all(|(test, _)| !test.equal()));
     let squares = tests.iter().flat_map(|(test, truth)| {
@@ -111,7 +111,7 @@ fn prop_stiffnesses_are_found_as_well_as_stated() {
 }
 
 #[test]
-fn prop_stiffnesses_are_found_where_they_differ() {
+fn stat_stiffnesses_are_found_where_they_differ() {
     let tests = campaigns(CAMPAIGNS, SPREAD, 0.0);
     let pairs = tests.iter().flat_map(|(test, truth)| {
         let error: [f64; LIMBS] = core::array::from_fn(|i| test.ln_stiffness[i] - truth[i]);

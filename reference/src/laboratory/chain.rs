@@ -3,8 +3,8 @@
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::Serialize;
-use sixaxis_core::dsp::lag::FirstOrder;
 
+use super::continuous::lagged;
 use crate::geometry::LIMBS;
 use crate::sensor::TrueSensor;
 
@@ -151,20 +151,19 @@ impl Coupling {
     }
 }
 
-fn high_pass(forces: &mut [[f64; LIMBS]], corner_hz: f64, rate_hz: f64) {
-    let Ok(filter) = FirstOrder::high_pass(corner_hz, rate_hz) else {
-        return;
-    };
-    let mut filters = [filter; LIMBS];
-    for row in forces {
-        for (f, filter) in row.iter_mut().zip(&mut filters) {
-            *f = filter.step(*f);
+/// What a charge amplifier's analogue first-order high-pass lets through of the forces.
+fn high_pass(forces: &mut [[f64; LIMBS]], corner_hz: f64, sample_rate_hz: f64) {
+    for limb in 0..LIMBS {
+        let whole: Vec<f64> = forces.iter().map(|row| row[limb]).collect();
+        let lost = lagged(&whole, corner_hz, sample_rate_hz);
+        for (row, lost) in forces.iter_mut().zip(lost) {
+            row[limb] -= lost;
         }
     }
 }
 
 /// A chain's converter with its powers of ten and two worked out once: for each sample they took two fifths of the time that
-/// playing a session without MuJoCo takes.
+/// simulating a session without MuJoCo takes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Converter {
     noise_v: Option<f64>,

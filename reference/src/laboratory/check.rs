@@ -1,4 +1,4 @@
-//! What a plan may not say, refused before anything is played.
+//! Plans that are refused, before anything is simulated.
 
 use core::ops::RangeInclusive;
 
@@ -28,7 +28,7 @@ const MOST_TAPS: usize = 100;
 /// Periods of a run, and seconds of rest, at most.
 const LONGEST: f64 = 1e6;
 
-/// Refuses a plan that cannot be played.
+/// Refuses a plan that cannot be simulated.
 ///
 /// # Errors
 /// [`SessionError::Plan`] with the key.
@@ -219,7 +219,7 @@ fn sizes(plan: &SessionPlan) -> Result<(), SessionError> {
         SessionError::plan(
             "static_duration_s",
             format!(
-                "times static_rate_hz it makes {:.3e} samples; 2 to {MOST_STATIC_SAMPLES:.0e} are played",
+                "times static_rate_hz it makes {:.3e} samples; 2 to {MOST_STATIC_SAMPLES:.0e} are simulated",
                 plan.static_duration_s * plan.static_rate_hz
             ),
         )
@@ -241,7 +241,7 @@ fn sizes(plan: &SessionPlan) -> Result<(), SessionError> {
         return Err(SessionError::plan(
             "sample_rate_hz",
             format!(
-                "all trials together have {samples:.3e} samples; {MOST_SAMPLES:.0e} at most are played"
+                "all trials together have {samples:.3e} samples; {MOST_SAMPLES:.0e} at most are simulated"
             ),
         ));
     }

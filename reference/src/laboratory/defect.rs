@@ -1,4 +1,4 @@
-//! What may be wrong with a session, and how badly: each kind's particulars are drawn from ranges in which it does harm.
+//! The defects that a session may have. Their particulars are drawn from ranges in which a defect of that kind does harm.
 
 use rand::seq::IndexedRandom;
 use rand::{Rng, RngExt};
@@ -7,35 +7,35 @@ use serde::{Deserialize, Serialize};
 use crate::geometry::LIMBS;
 use crate::rig::run::WEDGES;
 
-/// The kinds.
+/// Kind of a defect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
-    /// A limb says nothing.
+    /// A channel shows its zero drift and nothing else.
     DeadLimb,
     /// Two channels are exchanged.
     SwappedChannels,
     /// A channel has the wrong sign.
     InvertedChannel,
-    /// A channel stands at a limit.
+    /// A channel is clipped.
     ClippedConverter,
     /// A gain, a unit or a sensitivity is written down wrongly.
     WrongScaling,
-    /// Millivolts are taken for volts.
+    /// Numbers of millivolts are filed as volts, or the other way round.
     MillivoltMixUp,
-    /// Gravity turns in the sensor and the session does not say so.
+    /// Gravity turns in the sensor and the session file does not state it, or the reverse.
     GravityNotHandled,
-    /// The wedges leave a direction out.
+    /// The wedges of a step span a plane only.
     UnderExcitedAxis,
-    /// A wedge is off by two degrees.
+    /// A wedge misses its direction by two degrees.
     LooseWedge,
-    /// Sensor and standards do not share a clock, or the sample rate is written down wrongly.
+    /// Sensor and reference instruments do not share a clock, or the sample rate is written down wrongly.
     ClockMismatch,
-    /// The session does not say that the gyroscope lags.
+    /// The session file does not state the gyroscope's bandwidth.
     GyroscopeLag,
-    /// A zero moves.
+    /// A channel's zero drifts during a record.
     DriftDuringRun,
-    /// A trial is another sensor's.
+    /// A trial was recorded with another sensor.
     ForeignTrial,
 }
 
@@ -188,7 +188,7 @@ pub enum Defect {
         /// Where the tilt goes to, rad about the wedge's direction.
         azimuth_rad: f64,
     },
-    /// The standards' clock starts late and runs at another speed.
+    /// The reference instruments' clock starts late and runs at another speed.
     ReferenceClock {
         /// Where.
         place: Where,

@@ -1,8 +1,7 @@
-//! Whether a defect does harm: a wrong gain of a channel that shows nothing in its trial is no defect that anybody could find,
-//! or would have to.
+//! Whether a defect does harm. A wrong gain of a channel without signal in its trial, for one, can neither be found nor matters.
 //!
 //! The criterion, on the forces that rigid limbs would feel: somewhere the defect changes what is read of a channel by at least
-//! [`MATERIAL`] of the largest force of that trial. It is put to defects of channels and to trials of other sensors; the other
+//! [`MATERIAL`] of the largest force of that trial. It applies to defects of channels and to trials of other sensors; the other
 //! kinds concern every channel, and their ranges in [`Defect::draw`] begin where they do harm.
 
 use rand::seq::IndexedRandom;
@@ -85,7 +84,7 @@ fn harmful(plan: &SessionPlan, kind: Kind) -> Defect {
 }
 
 impl Signals {
-    /// Plays the plan's trials, without any defect, on rigid limbs. Limbs that do not hold the mass feel nothing.
+    /// Simulates the plan's trials, without any defect, on rigid limbs. Limbs that do not hold the mass feel nothing.
     #[must_use]
     pub fn of(plan: &SessionPlan) -> Self {
         let sensor = plan.true_sensor();
@@ -96,7 +95,7 @@ impl Signals {
                     .map(|trial| {
                         let rate_hz = SAMPLES_PER_PERIOD * trial.run.frequency_hz;
                         let simulated =
-                            rigid.play(&trial.run, trial.gravity_ground_m_s2(), rate_hz);
+                            rigid.simulate(&trial.run, trial.gravity_ground_m_s2(), rate_hz);
                         let mut force = simulated.limb_force_per_mass_m_s2;
                         let rest = force.first().copied().unwrap_or_default();
                         let largest = force

@@ -3,7 +3,8 @@
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
 use serde::Serialize;
-use sixaxis_core::dsp::lag::FirstOrder;
+
+use super::continuous::lagged;
 
 /// Bandwidth of the standard gyroscope, Hz.
 pub const GYROSCOPE_BANDWIDTH_HZ: f64 = 10.0;
@@ -77,15 +78,13 @@ impl Instruments {
         rng: &mut impl Rng,
     ) -> Vec<f64> {
         let noise = self.noise(true_rad_s);
-        let mut lag = self
-            .gyroscope_bandwidth_hz
-            .and_then(|corner| FirstOrder::low_pass(corner, sample_rate_hz).ok());
-        true_rad_s
+        let followed = self.gyroscope_bandwidth_hz.map_or_else(
+            || true_rad_s.to_vec(),
+            |corner_hz| lagged(true_rad_s, corner_hz, sample_rate_hz),
+        );
+        followed
             .iter()
-            .map(|&w| {
-                let followed = lag.as_mut().map_or(w, |filter| filter.step(w));
-                followed * (1.0 + self.gyroscope_gain_error) + normal(noise, rng)
-            })
+            .map(|w| w * (1.0 + self.gyroscope_gain_error) + normal(noise, rng))
             .collect()
     }
 

@@ -1,4 +1,4 @@
-//! What is played: everything the reference can be told, with the paper's values where nothing is said.
+//! The plan of a session: all that the simulation can be told, with the paper's values as defaults.
 
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
@@ -19,7 +19,7 @@ pub struct SessionPlan {
     pub seed: u64,
     /// The sensor.
     pub sensor: SensorChoice,
-    /// What moves it.
+    /// The engine that simulates the trials.
     pub engine: Engine,
     /// Trials for each of steps 2 to 4.
     pub trials_per_step: usize,
@@ -33,9 +33,9 @@ pub struct SessionPlan {
     pub rig: RigPlan,
     /// The measuring chain.
     pub chain: ChainPlan,
-    /// The standard instruments.
+    /// The reference instruments.
     pub instruments: InstrumentPlan,
-    /// What is wrong.
+    /// The defect.
     pub defect: DefectChoice,
 }
 
@@ -69,7 +69,7 @@ pub enum SensorChoice {
     Random,
 }
 
-/// What moves the sensor.
+/// The engine that simulates the trials.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Engine {
@@ -101,7 +101,7 @@ pub struct RigPlan {
     pub low_band_hz: (f64, f64),
     /// Frequencies of step 4, from and to, Hz.
     pub high_band_hz: (f64, f64),
-    /// Taps on the shell at the end of the day, played in MuJoCo whatever moves the trials.
+    /// Taps on the shell at the end of the day, simulated in MuJoCo whatever moves the trials.
     pub taps: usize,
 }
 
@@ -177,7 +177,7 @@ impl Default for ChainPlan {
     }
 }
 
-/// The standard instruments.
+/// The reference instruments.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct InstrumentPlan {
@@ -199,7 +199,7 @@ impl Default for InstrumentPlan {
     }
 }
 
-/// What is wrong with the session.
+/// The defect of a session.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, Default)]
 #[serde(rename_all = "snake_case")]
 pub enum DefectChoice {

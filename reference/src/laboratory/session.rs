@@ -1,9 +1,9 @@
-//! A whole calibration day: what the laboratory records, what it writes into its session file, and what only the simulator knows.
+//! A whole calibration day: its recordings, its session file and, for the judges, the truth.
 
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use serde::Serialize;
-use sixaxis_recordings::session::{Role, Session};
+use sixaxis_recordings::session::Session;
 
 use super::Laboratory;
 use super::check::check;
@@ -27,15 +27,15 @@ const STATIC_STREAM: u128 = 7;
 /// A simulated session.
 #[derive(Debug, Clone)]
 pub struct SimulatedSession {
-    /// What the laboratory writes down.
+    /// The session file.
     pub session: Session,
     /// Its recordings, the static one first.
     pub recordings: Vec<SimulatedRecording>,
-    /// What it does not know.
+    /// What the laboratory does not know.
     pub truth: Truth,
 }
 
-/// What only the simulator knows.
+/// The truth behind a session.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Truth {
     /// The plan.
@@ -44,7 +44,7 @@ pub struct Truth {
     pub parameters: TrueSensor,
     /// The instruments as they are.
     pub instruments: Instruments,
-    /// What is wrong, particulars drawn.
+    /// The defect, its particulars drawn.
     pub defect: Option<Defect>,
 }
 
@@ -102,25 +102,25 @@ pub fn simulate_session_watched(
         wedge_errors: wedge_errors(plan),
     };
     let mut recordings = vec![static_record(plan, &laboratory, defect)];
-    let played: Vec<SimulatedRecording> = trials(&plan.rig, plan.trials_per_step, defect)
+    let of_trials: Vec<SimulatedRecording> = trials(&plan.rig, plan.trials_per_step, defect)
         .par_iter()
         .enumerate()
         .map(|(index, trial)| {
-            let played = recorder.record(index, trial)?;
+            let recording = recorder.record(index, trial)?;
             done_ms(trial_ms(trial));
-            Ok(played)
+            Ok(recording)
         })
         .collect::<Result<_, SessionError>>()?;
-    recordings.extend(played);
-    let taps: Vec<SimulatedRecording> = (0..plan.rig.taps)
+    recordings.extend(of_trials);
+    let of_taps: Vec<SimulatedRecording> = (0..plan.rig.taps)
         .into_par_iter()
         .map(|index| {
-            let played = recorder.record_tap(index)?;
+            let recording = recorder.record_tap(index)?;
             done_ms(tap::WORK_MS);
-            Ok(played)
+            Ok(recording)
         })
         .collect::<Result<_, SessionError>>()?;
-    recordings.extend(taps);
+    recordings.extend(of_taps);
     Ok(SimulatedSession {
         session: session(plan, defect, &recordings),
         recordings,
@@ -133,30 +133,12 @@ pub fn simulate_session_watched(
     })
 }
 
+/// The static record with what a defect makes of it.
 fn static_record(
     plan: &SessionPlan,
     laboratory: &Laboratory,
     defect: Option<&Defect>,
 ) -> SimulatedRecording {
-    SimulatedRecording {
-        voltage_v: at_rest(plan, laboratory, defect),
-        ..SimulatedRecording::of_nothing(
-            "static",
-            Role::Static,
-            plan.static_rate_hz,
-            laboratory.chain.full_scale_v,
-        )
-    }
-}
-
-fn at_rest(
-    plan: &SessionPlan,
-    laboratory: &Laboratory,
-    defect: Option<&Defect>,
-) -> Vec<[f64; LIMBS]> {
-    let converter = laboratory.chain.converter();
-    let mut rng = Pcg64::new(u128::from(plan.seed), STATIC_STREAM);
-    let samples = (plan.static_duration_s * plan.static_rate_hz) as usize;
     let mut drift = laboratory.sensor.zero_drift_v;
     let mut slope = [0.0; LIMBS];
     let mut factor = [1.0; LIMBS];
@@ -187,12 +169,14 @@ fn at_rest(
         }) => slope[*channel] = share * plan.chain.full_scale_v,
         _ => {}
     }
-    (0..samples)
-        .map(|sample| {
-            let share = sample as f64 / samples as f64 - 0.5;
-            core::array::from_fn(|limb| {
-                factor[limb] * converter.convert(drift[limb] + slope[limb] * share, &mut rng)
-            })
-        })
-        .collect()
+    let mut recording = laboratory.record_at_rest(
+        plan.static_duration_s,
+        plan.static_rate_hz,
+        |share| core::array::from_fn(|limb| drift[limb] + slope[limb] * (share - 0.5)),
+        &mut Pcg64::new(u128::from(plan.seed), STATIC_STREAM),
+    );
+    for row in &mut recording.voltage_v {
+        *row = core::array::from_fn(|limb| factor[limb] * row[limb]);
+    }
+    recording
 }

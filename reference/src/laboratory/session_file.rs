@@ -1,4 +1,4 @@
-//! What the laboratory writes down of a simulated session: what it knows, not what is true.
+//! The session file of a simulated session: what the laboratory knows, defects of its bookkeeping included, never the truth.
 
 use sixaxis_recordings::session::{
     Accelerometer, Channels, Design, Gyroscope, Limits, PerLimb, Preprocessing, Rig, SensorCard,

@@ -8,7 +8,6 @@ use super::error::SessionError;
 use super::recording::SimulatedRecording;
 use super::trial::{Recorder, swap_limbs};
 use crate::motion::SimulatedMotion;
-use crate::rig::run::Mounting;
 use crate::rig::tap::{SAMPLE_RATE_HZ, Tap};
 use crate::sensor::TrueSensor;
 
@@ -61,6 +60,7 @@ impl Recorder<'_> {
 
 #[cfg(feature = "mujoco")]
 fn in_mujoco(tap: &Tap, sensor: &TrueSensor) -> Result<SimulatedMotion<Tap>, SessionError> {
+    use crate::rig::run::Mounting;
     use crate::rig::tap::{DURATION_S, STEPS_PER_SAMPLE};
     let gravity = Mounting::AxisVertical.gravity_ground_m_s2(glam::DVec3::Z);
     let model = crate::mujoco::model::SensorModel::new(sensor, gravity);

@@ -5,10 +5,10 @@ use core::f64::consts::PI;
 use glam::{DQuat, DVec3};
 use rand::RngExt;
 use rand_pcg::Pcg64;
-use sixaxis_core::dsp::resample::CubicSpline;
 use sixaxis_recordings::session::Role;
 
 use super::Laboratory;
+use super::continuous::at;
 use super::defect::{Defect, Where};
 use super::error::SessionError;
 use super::plan::{Engine, SessionPlan};
@@ -137,7 +137,7 @@ impl Recorder<'_> {
                 let rigid = rigid.ok_or_else(|| {
                     SessionError::plan("chain.stiffness_spread", "the limbs do not hold the mass")
                 })?;
-                Ok(rigid.play(run, gravity_ground_m_s2, rate))
+                Ok(rigid.simulate(run, gravity_ground_m_s2, rate))
             }
             Engine::Mujoco => in_mujoco(run, sensor, gravity_ground_m_s2, rate),
         }
@@ -295,16 +295,7 @@ fn in_mujoco(
 
 /// A series as a recorder takes it whose samples come late and at another rate. At the ends the first and the last value stand.
 fn on_other_clock(series: &[f64], rate_hz: f64, late_s: f64, rate_error: f64) -> Vec<f64> {
-    let Ok(spline) = CubicSpline::even(series, rate_hz) else {
-        return series.to_vec();
-    };
-    let end_s = (series.len() - 1) as f64 / rate_hz;
     (0..series.len())
-        .map(|i| {
-            let time_s = i as f64 / (rate_hz * (1.0 + rate_error)) + late_s;
-            spline
-                .at(time_s.clamp(0.0, end_s))
-                .unwrap_or_else(|_| series[i])
-        })
+        .map(|i| at(series, i as f64 / (1.0 + rate_error) + late_s * rate_hz))
         .collect()
 }

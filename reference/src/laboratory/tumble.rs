@@ -29,7 +29,7 @@ pub fn record_tumble(
     let mut rng = Pcg64::new(u128::from(plan.seed), TUMBLE_STREAM);
     let mut sensor = plan.true_sensor();
     let field = Field::by_hand(&mut rng, Pace::Brisk, duration_s, SAMPLE_RATE_HZ);
-    let (loads, truth) = field.play(&sensor);
+    let (loads, truth) = field.simulate(&sensor);
     let forces = if plan.chain.stiffness_spread > 0.0 {
         RigidSensor::new(&sensor, &plan.stiffness_ratio())
             .map(|rigid| loads.iter().map(|load| rigid.forces_m_s2(load)).collect())

@@ -15,7 +15,7 @@ use crate::geometry::LIMBS;
 pub const SESSION_FILE: &str = "session.toml";
 /// The plan that was simulated, in the folder of the truth: simulates the same session again.
 pub const PLAN_FILE: &str = "plan.toml";
-/// Folder of what the laboratory does not know.
+/// Folder of the truth, which a laboratory does not have.
 pub const TRUTH_FOLDER: &str = "truth";
 
 /// Rows of a block.

@@ -26,7 +26,7 @@ const RISE_S: f64 = 0.5;
 pub enum Pace {
     /// As one looks at a thing from all sides: angular accelerations of some 15 rad/s^2.
     Calm,
-    /// As one plays with it: some 50 rad/s^2.
+    /// As one shakes a box to hear what is in it: some 50 rad/s^2.
     Brisk,
     /// As one shakes it, to and fro by half a turn: some 150 rad/s^2.
     Shaken,
@@ -88,7 +88,7 @@ impl Field {
 
     /// The loads of all samples and the motion behind them.
     #[must_use]
-    pub fn play(&self, sensor: &TrueSensor) -> (Vec<Load>, Vec<TrueMotion>) {
+    pub fn simulate(&self, sensor: &TrueSensor) -> (Vec<Load>, Vec<TrueMotion>) {
         let step_s = 1.0 / self.sample_rate_hz;
         let mut attitude = DQuat::IDENTITY;
         (0..self.samples)

@@ -4,6 +4,7 @@
 //! counts as beyond every limit, and one that is exactly zero, for which a logarithmic axis has no place, is drawn at
 //! its left end and counted.
 
+mod controls;
 mod motions;
 mod quantity;
 #[cfg(test)]
@@ -49,6 +50,8 @@ pub fn section(rows: &[Row]) -> Section {
     section.blocks.extend(motions::blocks(rows));
     let mut anchors = BTreeSet::new();
     for (suite, rows) in suites {
+        let (controls, rows): (Vec<_>, Vec<_>) =
+            rows.into_iter().partition(|row| row.control.is_some());
         let rows = rows.into_iter().filter(|row| !motions::holds(row));
         let quantities = Quantity::all(rows);
         if !quantities.is_empty() {
@@ -58,6 +61,8 @@ pub fn section(rows: &[Row]) -> Section {
                 .push(Block::Figure(figure(id, suite, &quantities)));
             section.blocks.push(Block::Table(table(suite, &quantities)));
         }
+        let controls = controls::table(suite, &controls);
+        section.blocks.extend(controls.map(Block::Table));
     }
     if rows.iter().all(motions::holds) {
         section = section.block(suites_not_run());
@@ -82,7 +87,9 @@ pub fn unreadable(own: &[Row], reason: &dyn std::fmt::Display) -> Section {
 }
 
 fn lead(rows: &[Row], suites: usize) -> String {
-    let within = rows.iter().filter(|row| row.share() <= 1.0).count();
+    let (controls, rows): (Vec<&Row>, Vec<&Row>) =
+        rows.iter().partition(|row| row.control.is_some());
+    let within = rows.iter().filter(|row| row.holds()).count();
     let all = if within == rows.len() {
         "all within their limits".to_owned()
     } else {
@@ -92,8 +99,21 @@ fn lead(rows: &[Row], suites: usize) -> String {
             count(rows.len() - within)
         )
     };
+    let fail = controls.iter().filter(|row| row.holds()).count();
+    let controls = match controls.len() {
+        0 => String::new(),
+        n if n == fail => format!(
+            "; {} negative controls, in which something is broken on purpose, all fail as they must",
+            count(n)
+        ),
+        n => format!(
+            "; **{} of {} negative controls do not fail**",
+            count(n - fail),
+            count(n)
+        ),
+    };
     format!(
-        "{}, {all}, as the tests last wrote them; every row is in `evidence.csv`. An error is in the measure of its limit, \
+        "{}, {all}{controls}, as the tests last wrote them; every row is in `evidence.csv`. An error is in the measure of its limit, \
          mostly over full scale. Allowed is the limit and, where the reference's own error is known, that error as well; \
          the figures show the error over what is allowed. The margin is how often the largest error goes into it.",
         match (rows.len(), suites) {
@@ -106,10 +126,7 @@ fn lead(rows: &[Row], suites: usize) -> String {
 
 /// The rows beyond their limits, worst first, if there are any.
 fn beyond(rows: &[Row]) -> Option<Block> {
-    let mut found: Vec<&Row> = rows
-        .iter()
-        .filter(|row| quantity::counted(row.share()) > 1.0)
-        .collect();
+    let mut found: Vec<&Row> = rows.iter().filter(|row| !row.holds()).collect();
     if found.is_empty() {
         return None;
     }
@@ -216,37 +233,26 @@ fn table(suite: &str, quantities: &[Quantity<'_>]) -> Table {
         quantities.iter().any(|q| q.reference.is_some()),
     );
     // The verdict stands next to the name, where a phone shows it.
-    let mut columns = vec!["margin", "limit", "median", "99 %", "max"];
+    let mut table = Table::of("quantity", quantities, |q| q.name.to_owned())
+        .col("margin", |q| margin(q.share.max))
+        .col("limit", |q| limit(q.limits.0, q.limits.1))
+        .col("median", |q| q.error_cells()[0].clone())
+        .col("99 %", |q| q.error_cells()[1].clone())
+        .col("max", |q| q.error_cells()[2].clone());
     if with_reference {
-        columns.push("reference, median");
+        table = table.col("reference, median", |q| {
+            q.reference
+                .map_or_else(Cell::default, |r| error(r.median, 1))
+        });
     }
-    columns.push("cases");
+    table = table.col("cases", |q| count(q.share.count));
     if with_zeros {
-        columns.push("exactly zero");
+        table = table.col("exactly zero", |q| count(q.zeros));
     }
-    let rows = quantities.iter().map(|q| {
-        let mut cells = vec![margin(q.share.max), limit(q.limits.0, q.limits.1)];
-        cells.extend(q.error_cells());
-        if with_reference {
-            let median = q.reference.map(|r| error(r.median, 1));
-            cells.push(median.unwrap_or_default());
-        }
-        cells.push(count(q.share.count).into());
-        if with_zeros {
-            cells.push(count(q.zeros).into());
-        }
-        sixaxis_page::Row::new(q.name, cells)
-    });
-    Table {
-        caption: format!("Errors of the suite {}", words(suite)),
-        stub: "quantity".to_owned(),
-        columns: columns
-            .into_iter()
-            .map(|label| Column::number(label, ""))
-            .collect(),
-        rows: rows.collect(),
-        ..Table::default()
-    }
+    table
+        .text("why the limit", |q| q.reason())
+        .caption(format!("Errors of the suite {}", words(suite)))
+        .into()
 }
 
 /// An error with few digits, all of them on hovering.

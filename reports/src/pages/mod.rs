@@ -5,7 +5,6 @@ pub mod evidence;
 mod fault_tolerance;
 mod figures;
 mod identifiability;
-pub mod inspection;
 mod ledger;
 mod parameters;
 mod self_calibration;

@@ -85,8 +85,7 @@ impl Decoupler {
     ) -> Result<()> {
         for row in voltage_v {
             if let Some(sample) = self.push(row)? {
-                let (a, w) = (sample.linear_ground_m_s2, sample.angular_ground_rad_s2);
-                sink(&[[a.x, a.y, a.z, w.x, w.y, w.z]]);
+                sink(&[sample.accelerations()]);
             }
         }
         Ok(())

@@ -13,7 +13,7 @@
 use glam::DVec3;
 use nalgebra::{SMatrix, SVector, Vector3};
 
-use crate::geometry::{DIRECTIONS_SHELL, Geometry, LIMBS, LIMBS_PER_NODE};
+use crate::geometry::{DIRECTIONS_SHELL, Geometry, LIMBS};
 use crate::identify::inertia::{InertiaEstimate, euler_torque, regressor};
 use crate::identify::scale::ScalePerMass;
 use crate::model::InertiaPerMass;
@@ -23,16 +23,6 @@ use crate::paper::signal::SignalChain;
 #[must_use]
 pub fn column(v: DVec3) -> Vector3<f64> {
     Vector3::new(v.x, v.y, v.z)
-}
-
-/// t_i x e_i of each limb at rest, m: torque of a unit force.
-#[must_use]
-pub fn arms_m(geometry: &Geometry) -> [DVec3; LIMBS] {
-    core::array::from_fn(|limb| {
-        geometry
-            .node_mass_m(limb / LIMBS_PER_NODE)
-            .cross(DIRECTIONS_SHELL[limb])
-    })
 }
 
 /// Force on the mass, m/s^2, that one volt of each channel stands for.
@@ -45,7 +35,7 @@ pub fn force_per_volt(chain: &SignalChain) -> [DVec3; LIMBS] {
 /// Torque per mass, m^2/s^2, that one volt of each channel stands for.
 #[must_use]
 pub fn torque_per_volt(geometry: &Geometry, chain: &SignalChain) -> [DVec3; LIMBS] {
-    let (sensitivity, arms) = (chain.sensitivity_m_s2_per_v(), arms_m(geometry));
+    let (sensitivity, arms) = (chain.sensitivity_m_s2_per_v(), geometry.arms_m());
     core::array::from_fn(|i| arms[i] * sensitivity[i])
 }
 

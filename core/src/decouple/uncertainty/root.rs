@@ -63,9 +63,5 @@ pub(super) fn square_root(covariance: &Covariance) -> Result<SMatrix<f64, CARRIE
 }
 
 pub(super) fn out_of_range(name: &'static str, value: f64, requirement: &'static str) -> Error {
-    Error::OutOfRange {
-        name,
-        value,
-        requirement,
-    }
+    Error::out_of_range(name, value, requirement)
 }

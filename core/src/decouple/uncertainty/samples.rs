@@ -23,7 +23,7 @@
 use glam::{DMat3, DQuat, DVec3};
 use nalgebra::{SMatrix, SVector};
 
-use super::influence::{arms_m, column};
+use super::influence::column;
 use super::parameters::Covariance;
 use super::root::{CARRIED, out_of_range, square_root};
 use crate::error::{Error, Result};
@@ -67,6 +67,15 @@ pub struct Spread {
     pub rate_shell_rad_s: DVec3,
     /// Of the attitude, about the shell's axes, rad.
     pub attitude_shell_rad: DVec3,
+}
+
+impl Spread {
+    /// The six standard deviations in the order of [`SixAxis::accelerations`].
+    #[must_use]
+    pub fn accelerations(&self) -> [f64; 6] {
+        let (a, alpha) = (self.linear_ground_m_s2, self.angular_ground_rad_s2);
+        [a.x, a.y, a.z, alpha.x, alpha.y, alpha.z]
+    }
 }
 
 /// One column of the square root of the parameters' covariance, and what it does.
@@ -148,7 +157,7 @@ impl SampleUncertainty {
             return Err(out_of_range("channel noise", negative, "not negative"));
         }
         let sensitivity = *limbs.chain().sensitivity_m_s2_per_v();
-        let arms_m = arms_m(&sensor.geometry);
+        let arms_m = sensor.geometry.arms_m();
         let tensor = parameters.inertia_per_mass.matrix_mass_m2();
         let inverse = tensor.inverse();
         let step_s = 1.0 / settings.sample_rate_hz;

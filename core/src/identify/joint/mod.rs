@@ -63,7 +63,7 @@ use self::unknowns::{
     MASS_PER_SCALE, Unknowns, WEDGES, Wedge,
 };
 use super::static_load_sharing::StaticLoadSharing;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require_not_negative};
 use crate::geometry::{Geometry, LIMBS};
 use crate::model::Parameters;
 
@@ -126,11 +126,7 @@ impl Joint {
         let positive = |name, value: f64| {
             (value > 0.0 && value.is_finite())
                 .then_some(())
-                .ok_or(Error::OutOfRange {
-                    name,
-                    value,
-                    requirement: "positive and finite",
-                })
+                .ok_or(Error::out_of_range(name, value, "positive and finite"))
         };
         positive(
             "gyroscope_gain_deviation",
@@ -153,13 +149,7 @@ impl Joint {
             ("wedge_deviation_rad", certificates.wedge_deviation_rad),
             ("accelerometer_lag_s", certificates.accelerometer_lag_s),
         ] {
-            if !(value >= 0.0 && value.is_finite()) {
-                return Err(Error::OutOfRange {
-                    name,
-                    value,
-                    requirement: "finite and not negative",
-                });
-            }
+            require_not_negative(name, value)?;
         }
         for limb in 0..LIMBS {
             positive("zero drift's deviation", at_rest.deviation_v[limb])?;

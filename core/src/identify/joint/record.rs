@@ -6,7 +6,7 @@ use nalgebra::DVector;
 use super::harmonics::{Grid, project};
 use super::trial::{Drive, Trial};
 use super::{Certificates, WHAT};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require, require_positive};
 use crate::geometry::LIMBS;
 use crate::model::Gains;
 
@@ -131,21 +131,14 @@ impl Record<'_> {
             ("frequency_hz", self.frequency_hz),
             ("direction_ground", self.direction_ground.length()),
         ] {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(Error::OutOfRange {
-                    name,
-                    value,
-                    requirement: "positive and finite",
-                });
-            }
+            require_positive(name, value)?;
         }
-        if !self.gravity_ground_m_s2.is_finite() {
-            return Err(Error::OutOfRange {
-                name: "gravity_ground_m_s2",
-                value: self.gravity_ground_m_s2.length(),
-                requirement: "finite",
-            });
-        }
+        require(
+            self.gravity_ground_m_s2.is_finite(),
+            "gravity_ground_m_s2",
+            self.gravity_ground_m_s2.length(),
+            "finite",
+        )?;
         self.gains.validate()?;
         for (sample, (row, standard)) in self.voltage_v.iter().zip(self.standard).enumerate() {
             for (channel, value) in row.iter().chain([standard]).enumerate() {

@@ -17,7 +17,7 @@ use super::trial::Trial;
 use super::unknowns::Unknowns;
 use super::{Joint, Record, WHAT, solve};
 use crate::dsp::outlier::{SIGMA_PER_MAD, median};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require};
 use crate::geometry::LIMBS;
 use crate::identify::static_load_sharing::StaticLoadSharing;
 use crate::model::Parameters;
@@ -47,13 +47,12 @@ impl Joint {
         records: &[Record],
         limit: f64,
     ) -> Result<JointEstimate> {
-        if !(limit >= LEAST_LIMIT && limit.is_finite()) {
-            return Err(Error::OutOfRange {
-                name: "limit",
-                value: limit,
-                requirement: "at least 1 and finite",
-            });
-        }
+        require(
+            limit >= LEAST_LIMIT && limit.is_finite(),
+            "limit",
+            limit,
+            "at least 1 and finite",
+        )?;
         let mismatch = |expected, got| {
             Err(Error::LengthMismatch {
                 what: "records of the joint estimator",

@@ -134,13 +134,8 @@ impl Tap {
 
 impl Setup<'_> {
     fn prior(&self) -> Result<Prior> {
-        let out_of_range = |name, value, requirement| {
-            Err(Error::OutOfRange {
-                name,
-                value,
-                requirement,
-            })
-        };
+        let out_of_range =
+            |name, value, requirement| Err(Error::out_of_range(name, value, requirement));
         self.parameters.validate()?;
         self.sensor.geometry.validate()?;
         self.sensor.gains.validate()?;

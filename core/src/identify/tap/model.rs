@@ -37,7 +37,7 @@
 use glam::DVec3;
 use nalgebra::{Matrix6, SymmetricEigen};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require};
 use crate::float::{exp, sin_cos, sqrt};
 use crate::geometry::{Geometry, LIMBS};
 use crate::model::{InertiaPerMass, STIFFNESS_PER_MASS_RANGE_PER_S2};
@@ -97,13 +97,12 @@ impl RingDown {
         geometry.validate()?;
         inertia_per_mass.validate()?;
         let (low, high) = STIFFNESS_PER_MASS_RANGE_PER_S2;
-        if !(low..=high).contains(&stiffness_per_mass_per_s2) {
-            return Err(Error::OutOfRange {
-                name: "stiffness_per_mass_per_s2",
-                value: stiffness_per_mass_per_s2,
-                requirement: "between 1e7 and 1e10",
-            });
-        }
+        require(
+            (low..=high).contains(&stiffness_per_mass_per_s2),
+            "stiffness_per_mass_per_s2",
+            stiffness_per_mass_per_s2,
+            "between 1e7 and 1e10",
+        )?;
         let jacobian = geometry.limb_jacobian();
         let mut mass = Matrix6::identity();
         let tensor = inertia_per_mass.matrix_mass_m2();
@@ -113,10 +112,12 @@ impl RingDown {
             }
         }
         // 1 and 1e-4 m^2 on one diagonal: Cholesky is indifferent to scaling.
-        let impossible = || Error::OutOfRange {
-            name: "inertia_per_mass",
-            value: tensor.determinant(),
-            requirement: "positive definite",
+        let impossible = || {
+            Error::out_of_range(
+                "inertia_per_mass",
+                tensor.determinant(),
+                "positive definite",
+            )
         };
         let lower = mass.cholesky().ok_or_else(impossible)?.l();
         let inverse = lower
@@ -135,13 +136,12 @@ impl RingDown {
         let natural = sqrt(stiffness_per_mass_per_s2);
         let stiffest = damping_ratio * sqrt(eigenvalue[MODES - 1]);
         // Written so that NaN is refused.
-        if !(eigenvalue[0] > 0.0 && damping_ratio >= 0.0 && stiffest < 1.0) {
-            return Err(Error::OutOfRange {
-                name: "damping_ratio",
-                value: damping_ratio,
-                requirement: "not negative and small enough for every mode to swing",
-            });
-        }
+        require(
+            eigenvalue[0] > 0.0 && damping_ratio >= 0.0 && stiffest < 1.0,
+            "damping_ratio",
+            damping_ratio,
+            "not negative and small enough for every mode to swing",
+        )?;
         let modes = inverse.transpose() * eigen.eigenvectors;
         let forces = jacobian * modes;
         let decay_per_s = eigenvalue.map(|lambda| damping_ratio * natural * lambda);

@@ -13,7 +13,7 @@
 
 use super::moments::Moments;
 use super::noise::{RowNoise, apply, dot, inverse_root};
-use crate::error::{Error, Result};
+use crate::error::{Result, require, require_not_negative};
 use crate::float::sqrt;
 use crate::geometry::LIMBS;
 use crate::redundancy::parity::ROWS;
@@ -141,24 +141,17 @@ impl Detector {
         errors: Option<CalibrationErrors>,
     ) -> Result<Self> {
         let rate = false_alarms_per_sample;
-        if !(1e-18..=Self::LARGEST_RATE).contains(&rate) {
-            return Err(Error::OutOfRange {
-                name: "false alarms per sample",
-                value: rate,
-                requirement: "from 1e-18 to 1e-3",
-            });
-        }
+        require(
+            (1e-18..=Self::LARGEST_RATE).contains(&rate),
+            "false alarms per sample",
+            rate,
+            "from 1e-18 to 1e-3",
+        )?;
         for value in errors
             .iter()
             .flat_map(|e| e.scale.into_iter().chain(e.drift))
         {
-            if !(value >= 0.0 && value.is_finite()) {
-                return Err(Error::OutOfRange {
-                    name: "standard deviation of a calibration error",
-                    value,
-                    requirement: "finite and not below zero",
-                });
-            }
+            require_not_negative("standard deviation of a calibration error", value)?;
         }
         let share = rate / TESTS.len() as f64;
         let mut thresholds = [0.0; TESTS.len()];

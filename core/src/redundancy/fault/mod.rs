@@ -31,5 +31,5 @@ pub mod verdict;
 
 pub use detector::{Alarm, CalibrationErrors, Detector, Test};
 pub use monitor::{Event, Monitor, Watch};
-pub use noise::{Learner, RowNoise};
+pub use noise::RowNoise;
 pub use verdict::{Kind, Verdict};

@@ -1,7 +1,7 @@
 //! What the parity rows of a healthy sensor are: noise of covariance Q = W^T diag(sigma^2) W.
 
 use super::class::{CLASSES, signature};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require};
 use crate::float::sqrt;
 use crate::geometry::LIMBS;
 use crate::redundancy::parity::{ROWS, SIGNATURES};
@@ -24,50 +24,23 @@ impl RowNoise {
     /// [`Error::OutOfRange`] for one that is not positive, or whose square no f64 holds.
     pub fn from_channels(strain_sd: &[f64; LIMBS]) -> Result<Self> {
         for &value in strain_sd {
-            if !(value > 0.0 && (value * value).is_normal()) {
-                return Err(Error::OutOfRange {
-                    name: "noise of a channel in strain",
-                    value,
-                    requirement: "positive and finite, and its square, too",
-                });
-            }
+            require(
+                value > 0.0 && (value * value).is_normal(),
+                "noise of a channel in strain",
+                value,
+                "positive and finite, and its square, too",
+            )?;
         }
         let covariance = outer_sum(&strain_sd.map(|s| s * s));
         Self::new(*strain_sd, &covariance)
     }
 
-    /// From the covariance of the rows of a healthy sensor, as [`Learner`] has it.
-    ///
-    /// Q's off-diagonal elements are the variances of limbs 1, 5 and 9; what the diagonal has beyond them is two twins' each, of
-    /// which either gets half. A variance that comes out below a hundredth of its row's is set to that: sampling noise.
-    ///
-    /// # Errors
-    /// [`Error::OutOfRange`] for a matrix that is not positive definite.
-    pub fn from_rows(covariance: &[[f64; ROWS]; ROWS]) -> Result<Self> {
-        let q = covariance;
-        let single = [q[0][1], q[0][2], q[1][2]];
-        let twins = [
-            q[0][0] - single[0] - single[1],
-            q[1][1] - single[0] - single[2],
-            q[2][2] - single[1] - single[2],
-        ];
-        let variance: [f64; LIMBS] = core::array::from_fn(|limb| match limb {
-            0 => single[0].max(0.01 * q[0][0]),
-            4 => single[1].max(0.01 * q[0][0]),
-            8 => single[2].max(0.01 * q[1][1]),
-            1 | 3 => (0.5 * twins[0]).max(0.01 * q[0][0]),
-            2 | 6 => (0.5 * twins[1]).max(0.01 * q[1][1]),
-            _ => (0.5 * twins[2]).max(0.01 * q[2][2]),
-        });
-        Self::new(variance.map(sqrt), covariance)
-    }
-
     fn new(channel: [f64; LIMBS], covariance: &[[f64; ROWS]; ROWS]) -> Result<Self> {
-        let whitener = inverse_root(covariance).ok_or(Error::OutOfRange {
-            name: "covariance of the parity rows",
-            value: covariance[0][0],
-            requirement: "positive definite",
-        })?;
+        let whitener = inverse_root(covariance).ok_or(Error::out_of_range(
+            "covariance of the parity rows",
+            covariance[0][0],
+            "positive definite",
+        ))?;
         let mut direction = [[0.0; ROWS]; CLASSES];
         let mut length = [0.0; CLASSES];
         for class in 0..CLASSES {
@@ -103,17 +76,10 @@ impl RowNoise {
         self.direction.get(class).unwrap_or(&self.direction[0])
     }
 
-    /// Length in z of a failure of unit strain: the inverse of the standard deviation to which one sample tells its size.
+    /// Length in z of a failure of unit strain: one over the standard deviation to which one sample determines its size.
     #[must_use]
     pub fn length(&self, class: usize) -> f64 {
         *self.length.get(class).unwrap_or(&self.length[0])
-    }
-
-    /// Size of a failure of a class, in strain, by generalised least squares from one whitened sample.
-    #[inline]
-    #[must_use]
-    pub fn size(&self, class: usize, z: &[f64; ROWS]) -> f64 {
-        dot(self.direction(class), z) / self.length(class)
     }
 
     /// W^T diag(variance) W in whitened units: what further errors of the channels add to the unit matrix.
@@ -125,40 +91,6 @@ impl RowNoise {
             add_outer(&mut sum, &along, variance[limb]);
         }
         sum
-    }
-}
-
-/// Learns the covariance of the rows from a stretch in which all is well.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Learner {
-    samples: u64,
-    square: [[f64; ROWS]; ROWS],
-}
-
-impl Learner {
-    /// Samples from which the six numbers are known to some two per cent.
-    pub const FEWEST: u64 = 4096;
-
-    /// Takes the rows of one sample.
-    pub fn push(&mut self, rows: &[f64; ROWS]) {
-        self.samples += 1;
-        add_outer(&mut self.square, rows, 1.0);
-    }
-
-    /// What was learned. The rows' mean is zero by (2) and not subtracted.
-    ///
-    /// # Errors
-    /// [`Error::TooFewSamples`] below [`Self::FEWEST`]; those of [`RowNoise::from_rows`].
-    pub fn noise(&self) -> Result<RowNoise> {
-        if self.samples < Self::FEWEST {
-            return Err(Error::TooFewSamples {
-                what: "covariance of the parity rows",
-                needed: Self::FEWEST as usize,
-                got: self.samples as usize,
-            });
-        }
-        let n = self.samples as f64;
-        RowNoise::from_rows(&self.square.map(|row| row.map(|x| x / n)))
     }
 }
 
@@ -222,13 +154,6 @@ mod tests {
                 assert!((entry - unit).abs() < 1e-12, "{sum:?}");
             }
         }
-        // The rows' covariance knows single limbs by themselves and twins together.
-        let again = RowNoise::from_rows(&outer_sum(&sd.map(|s| s * s))).expect("noise");
-        for limb in [0, 4, 8] {
-            assert!((again.channel[limb] / sd[limb] - 1.0).abs() < 1e-12);
-        }
-        let of_twins = |s: &[f64; LIMBS]| s[1] * s[1] + s[3] * s[3];
-        assert!((of_twins(&again.channel) / of_twins(&sd) - 1.0).abs() < 1e-12);
     }
 
     #[test]

@@ -44,13 +44,8 @@ impl KnownChange {
     /// # Errors
     /// [`Error::OutOfRange`] for a length that is not positive, deviations that are negative or voltages that did not change.
     pub fn scales(&self, chain: &SignalChain, ratios: &ScaleRatios) -> Result<Scales> {
-        let out_of_range = |name, value, requirement| {
-            Err(Error::OutOfRange {
-                name,
-                value,
-                requirement,
-            })
-        };
+        let out_of_range =
+            |name, value, requirement| Err(Error::out_of_range(name, value, requirement));
         if !(self.length_m_s2 > 0.0 && self.length_m_s2.is_finite()) {
             return out_of_range("length_m_s2", self.length_m_s2, "positive and finite");
         }

@@ -51,11 +51,11 @@ pub struct Drifted {
 /// [`Error::OutOfRange`] for a rate that is none or a covariance that is none.
 pub fn drifted(ratios: &ScaleRatios, calibration: &PerLimbs, false_alarm: f64) -> Result<Drifted> {
     let information = information_without_common(&(ratios.covariance + calibration)).ok_or(
-        Error::OutOfRange {
-            name: "covariance of the calibration's scale factors",
-            value: calibration.amax(),
-            requirement: "positive and finite",
-        },
+        Error::out_of_range(
+            "covariance of the calibration's scale factors",
+            calibration.amax(),
+            "positive and finite",
+        ),
     )?;
     let e = SVector::from(ratios.ln_ratio);
     let weighted = information * e;

@@ -1,7 +1,7 @@
 //! What a recording says of the ratios of nine scale factors.
 
 use super::PerLimbs;
-use crate::error::{Error, Result};
+use crate::error::{Result, require};
 use crate::float::sqrt;
 use crate::geometry::LIMBS;
 use crate::redundancy::parity::ROWS;
@@ -41,13 +41,12 @@ impl Limits {
             ("largest_deviation", self.largest_deviation),
             ("least_excitation", self.least_excitation),
         ] {
-            if !(value > 1e-12 && value < 1e3) {
-                return Err(Error::OutOfRange {
-                    name,
-                    value,
-                    requirement: "between 1e-12 and 1e3",
-                });
-            }
+            require(
+                value > 1e-12 && value < 1e3,
+                name,
+                value,
+                "between 1e-12 and 1e3",
+            )?;
         }
         Ok(())
     }

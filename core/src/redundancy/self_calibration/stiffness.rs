@@ -6,7 +6,7 @@
 use nalgebra::SVector;
 
 use super::{PerLimbs, RATIOS, ScaleRatios, information_without_common};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require_finite};
 use crate::float::sqrt;
 use crate::geometry::LIMBS;
 use crate::significance::{chi_square_limit, chi_square_tail};
@@ -38,20 +38,14 @@ impl StiffnessTest {
     ) -> Result<Self> {
         let limit = chi_square_limit(false_alarm, RATIOS)?;
         for &value in ln_scale {
-            if !value.is_finite() {
-                return Err(Error::OutOfRange {
-                    name: "ln_scale",
-                    value,
-                    requirement: "finite",
-                });
-            }
+            require_finite("ln_scale", value)?;
         }
         let both = covariance + ratios.covariance;
-        let information = information_without_common(&both).ok_or(Error::OutOfRange {
-            name: "covariance of the scale factors",
-            value: covariance.amax(),
-            requirement: "positive and finite",
-        })?;
+        let information = information_without_common(&both).ok_or(Error::out_of_range(
+            "covariance of the scale factors",
+            covariance.amax(),
+            "positive and finite",
+        ))?;
         let difference: [f64; LIMBS] = core::array::from_fn(|i| ln_scale[i] - ratios.ln_ratio[i]);
         let mean = difference.iter().sum::<f64>() / LIMBS as f64;
         let k = SVector::from(difference.map(|d| d - mean));

@@ -4,12 +4,12 @@ use std::collections::VecDeque;
 
 use sixaxis_core::decouple::uncertainty::SampleUncertainty;
 use sixaxis_core::{Decoupler, LIMBS, SixAxis};
+use sixaxis_recordings::envelope::Envelope;
 use sixaxis_recordings::motion::MOTION_CHANNELS;
 use sixaxis_recordings::{Block, Channel, Layout};
 
 use super::Row;
 use super::fault_watch::{FLAGS, Watching};
-use crate::compare::envelope::Envelope;
 
 /// Which columns are wanted beside the time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -186,9 +186,7 @@ impl Decoding {
                 if let Some(beside) = &mut self.uncertainty {
                     let (stream, before) = beside.as_mut();
                     let spread = stream.push(before, &motion)?;
-                    let (a, alpha) = (spread.linear_ground_m_s2, spread.angular_ground_rad_s2);
-                    let six = [a.x, a.y, a.z, alpha.x, alpha.y, alpha.z];
-                    for (column, value) in deviations.iter_mut().zip(six) {
+                    for (column, value) in deviations.iter_mut().zip(spread.accelerations()) {
                         column.push(value);
                     }
                 }
@@ -206,9 +204,7 @@ impl Decoding {
 
 /// The columns of [`Columns::All`].
 fn numbers(motion: &SixAxis) -> [f64; MOTION_CHANNELS.len()] {
-    let (a, alpha) = (motion.linear_ground_m_s2, motion.angular_ground_rad_s2);
+    let [ax, ay, az, bx, by, bz] = motion.accelerations();
     let (w, q) = (motion.rate_shell_rad_s, motion.attitude);
-    [
-        a.x, a.y, a.z, alpha.x, alpha.y, alpha.z, w.x, w.y, w.z, q.w, q.x, q.y, q.z,
-    ]
+    [ax, ay, az, bx, by, bz, w.x, w.y, w.z, q.w, q.x, q.y, q.z]
 }

@@ -30,7 +30,7 @@ pub fn read(
     let refuse_length = |samples: u64| -> Result<()> {
         if samples > LIMIT {
             bail!(
-                "{place}: more than {LIMIT} samples; --close holds the whole run in the memory: cut it at its rests"
+                "{place}: more than {LIMIT} samples; --rest-to-rest holds the whole run in the memory: cut it at its rests"
             );
         }
         Ok(())

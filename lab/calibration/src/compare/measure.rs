@@ -6,9 +6,9 @@ use serde::Serialize;
 use sixaxis_recordings::unit::STANDARD_GRAVITY_M_S2;
 
 use super::aligned::Aligned;
-use super::envelope::Envelope;
 use super::quantile::Coarse;
 use super::track::{ACCELERATIONS, Motion};
+use sixaxis_recordings::envelope::Envelope;
 
 /// Format of the figures as a file.
 pub const FORMAT: &str = "sixaxis-comparison-1";

@@ -84,26 +84,92 @@ fn explain(
     response: &Response,
     departure: f64,
 ) -> Option<Explanation> {
-    let (seen, expected) = table.compare(case, response);
-    let counts: Vec<usize> = (0..LIMBS)
-        .filter(|i| !case.ignored[*i] && !table.silent[*i])
-        .collect();
-    let size = table.size(case, response, &expected);
-    let rest = |of: &dyn Fn(usize) -> f64| -> f64 {
-        counts
+    let odd = Odd::new(table, case, response, departure);
+    let explained = odd
+        .one_factor()
+        .or_else(|| odd.one_channel())
+        .or_else(|| odd.exchanged());
+    if explained.is_some() {
+        return explained;
+    }
+    match odd.other_direction() {
+        OtherDirection::None => Some(odd.nothing_else()),
+        OtherDirection::WithinPlay => None,
+        OtherDirection::Loose(explanation) => Some(explanation),
+    }
+}
+
+/// A trial that departs from the others, and what it is tried against.
+struct Odd<'a> {
+    table: &'a Table,
+    case: &'a TrialCase<'a>,
+    response: &'a Response,
+    departure: f64,
+    seen: [f64; LIMBS],
+    expected: [f64; LIMBS],
+    /// Channels that count.
+    counts: Vec<usize>,
+    size: f64,
+}
+
+/// Whether the trial moved in a direction other than the stated one.
+enum OtherDirection {
+    /// Another direction explains nothing.
+    None,
+    /// It explains the departure and is as near as a wedge's play allows: no news.
+    WithinPlay,
+    /// It explains it and is another wedge's.
+    Loose(Explanation),
+}
+
+impl<'a> Odd<'a> {
+    fn new(
+        table: &'a Table,
+        case: &'a TrialCase<'a>,
+        response: &'a Response,
+        departure: f64,
+    ) -> Self {
+        let (seen, expected) = table.compare(case, response);
+        Self {
+            table,
+            case,
+            response,
+            departure,
+            seen,
+            expected,
+            counts: (0..LIMBS)
+                .filter(|i| !case.ignored[*i] && !table.silent[*i])
+                .collect(),
+            size: table.size(case, response, &expected),
+        }
+    }
+
+    /// What a hypothesis leaves of the departure, over the trial's size.
+    fn rest(&self, of: &dyn Fn(usize) -> f64) -> f64 {
+        self.counts
             .iter()
-            .map(|i| (seen[*i] - of(*i)).powi(2))
+            .map(|i| (self.seen[*i] - of(*i)).powi(2))
             .sum::<f64>()
             .sqrt()
-            / size
-    };
-    let enough = (LEFT * departure).max(0.5 * NOTICED);
-    // One factor on all channels.
-    let product: f64 = counts.iter().map(|i| seen[*i] * expected[*i]).sum();
-    let squares: f64 = counts.iter().map(|i| expected[*i] * expected[*i]).sum();
-    let common = product / squares;
-    if rest(&|i| common * expected[i]) < enough {
-        return Some(Explanation {
+            / self.size
+    }
+
+    /// What a hypothesis may leave to be taken for the explanation.
+    fn enough(&self) -> f64 {
+        (LEFT * self.departure).max(0.5 * NOTICED)
+    }
+
+    /// One factor on all channels.
+    fn one_factor(&self) -> Option<Explanation> {
+        let (seen, expected) = (&self.seen, &self.expected);
+        let product: f64 = self.counts.iter().map(|i| seen[*i] * expected[*i]).sum();
+        let squares: f64 = self
+            .counts
+            .iter()
+            .map(|i| expected[*i] * expected[*i])
+            .sum();
+        let common = product / squares;
+        (self.rest(&|i| common * expected[i]) < self.enough()).then(|| Explanation {
             cause: cause_of(common),
             channels: Vec::new(),
             evidence: format!(
@@ -111,18 +177,23 @@ fn explain(
             ),
             advice: "check this recording's gains and units, and the sensitivity of the standard"
                 .to_owned(),
-        });
-    }
-    // One channel.
-    let worst = counts
-        .iter()
-        .copied()
-        .max_by(|a, b| {
-            let off = |i: usize| (seen[i] - expected[i]).abs();
-            off(*a).total_cmp(&off(*b))
         })
-        .unwrap_or(0);
-    if rest(&|i| if i == worst { seen[i] } else { expected[i] }) < enough {
+    }
+
+    /// One channel.
+    fn one_channel(&self) -> Option<Explanation> {
+        let (seen, expected) = (&self.seen, &self.expected);
+        let off = |i: usize| (seen[i] - expected[i]).abs();
+        let worst = self
+            .counts
+            .iter()
+            .copied()
+            .max_by(|a, b| off(*a).total_cmp(&off(*b)))
+            .unwrap_or(0);
+        let left = self.rest(&|i| if i == worst { seen[i] } else { expected[i] });
+        if left >= self.enough() || left.is_nan() {
+            return None;
+        }
         let factor = seen[worst] / expected[worst];
         let (cause, advice) = if (factor + 1.0).abs() < 0.1 {
             (
@@ -145,88 +216,107 @@ fn explain(
                 "check the channel's gain_n_per_v in this recording against the amplifier's panel",
             )
         };
-        return Some(Explanation {
+        Some(Explanation {
             cause,
             channels: vec![worst + 1],
             evidence: format!(
                 "the channel shows {factor:.4} times what the other trials make one expect, the others agree"
             ),
             advice: advice.to_owned(),
-        });
+        })
     }
-    // Two channels exchanged in this recording alone: the gain stays with the amplifier, the limb comes along.
-    for (n, a) in counts.iter().copied().enumerate() {
-        for b in counts[n + 1..].iter().copied() {
-            let h = &table.mass_over_scale_kg;
-            let other = |own: usize, from: usize| expected[from] * h[from] / h[own];
-            let with = |i: usize| {
-                if i == a {
-                    other(a, b)
-                } else if i == b {
-                    other(b, a)
-                } else {
-                    expected[i]
+
+    /// Two channels exchanged in this recording alone: the gain stays with the amplifier, the limb comes along.
+    fn exchanged(&self) -> Option<Explanation> {
+        let h = &self.table.mass_over_scale_kg;
+        let other = |own: usize, from: usize| self.expected[from] * h[from] / h[own];
+        for (n, a) in self.counts.iter().copied().enumerate() {
+            for b in self.counts[n + 1..].iter().copied() {
+                let with = |i: usize| {
+                    if i == a {
+                        other(a, b)
+                    } else if i == b {
+                        other(b, a)
+                    } else {
+                        self.expected[i]
+                    }
+                };
+                if self.rest(&with) < self.enough() {
+                    return Some(Explanation {
+                        cause: Cause::SwappedChannels,
+                        channels: vec![a + 1, b + 1],
+                        evidence:
+                            "exchanged in this recording, the two agree with the other trials"
+                                .to_owned(),
+                        advice:
+                            "check the plugs, or give this recording its own [recording.channels]"
+                                .to_owned(),
+                    });
                 }
-            };
-            if rest(&with) < enough {
-                return Some(Explanation {
-                    cause: Cause::SwappedChannels,
-                    channels: vec![a + 1, b + 1],
-                    evidence: "exchanged in this recording, the two agree with the other trials"
-                        .to_owned(),
-                    advice: "check the plugs, or give this recording its own [recording.channels]"
-                        .to_owned(),
-                });
             }
         }
+        None
     }
-    // Another direction.
-    if let Some((direction, left)) = direction(table, response, &counts, &seen, size)
-        && left < enough
-    {
-        let d = case.trial.direction_ground;
-        let angle = direction.normalize().angle_between(d).to_degrees();
+
+    /// Another direction.
+    fn other_direction(&self) -> OtherDirection {
+        let found = direction(
+            self.table,
+            self.response,
+            &self.counts,
+            &self.seen,
+            self.size,
+        );
+        let Some((direction, left)) = found else {
+            return OtherDirection::None;
+        };
+        if left >= self.enough() || left.is_nan() {
+            return OtherDirection::None;
+        }
+        let v = direction.normalize();
+        let angle = v
+            .angle_between(self.case.trial.direction_ground)
+            .to_degrees();
         if angle <= LOOSE_DEG {
-            return None;
+            return OtherDirection::WithinPlay;
         }
-        {
-            let v = direction.normalize();
-            return Some(Explanation {
-                cause: Cause::LooseWedge,
-                channels: Vec::new(),
-                evidence: format!(
-                    "the channels show motion along ({:.3}, {:.3}, {:.3}), {angle:.1}° from the stated direction",
-                    v.x, v.y, v.z
-                ),
-                advice: "tighten the wedge and repeat, or check the stated direction".to_owned(),
-            });
-        }
+        OtherDirection::Loose(Explanation {
+            cause: Cause::LooseWedge,
+            channels: Vec::new(),
+            evidence: format!(
+                "the channels show motion along ({:.3}, {:.3}, {:.3}), {angle:.1}° from the stated direction",
+                v.x, v.y, v.z
+            ),
+            advice: "tighten the wedge and repeat, or check the stated direction".to_owned(),
+        })
     }
-    if counts
-        .iter()
-        .filter(|i| (seen[**i] - expected[**i]).abs() > 0.5 * NOTICED * size)
-        .count()
-        >= 3
-    {
-        Some(Explanation {
-            cause: Cause::ForeignTrial,
+
+    /// Another sensor's where many channels depart; otherwise unexplained.
+    fn nothing_else(&self) -> Explanation {
+        let departs =
+            |i: &&usize| (self.seen[**i] - self.expected[**i]).abs() > 0.5 * NOTICED * self.size;
+        let percent = 100.0 * self.departure;
+        let (cause, evidence, advice) = if self.counts.iter().filter(departs).count() >= 3 {
+            (
+                Cause::ForeignTrial,
+                format!(
+                    "the channels depart by {percent:.1} % from what the other trials agree on, and neither a factor, an exchange nor another direction explains it"
+                ),
+                "check that this recording is this sensor's, in this state",
+            )
+        } else {
+            (
+                Cause::Unexplained,
+                format!("departs by {percent:.1} % from what the other trials agree on"),
+                "look at the trial's curves in the report, and repeat it",
+            )
+        };
+        Explanation {
+            cause,
             channels: Vec::new(),
-            evidence: format!(
-                "the channels depart by {:.1} % from what the other trials agree on, and neither a factor, an exchange nor another direction explains it",
-                100.0 * departure
-            ),
-            advice: "check that this recording is this sensor's, in this state".to_owned(),
-        })
-    } else {
-        Some(Explanation {
-            cause: Cause::Unexplained,
-            channels: Vec::new(),
-            evidence: format!(
-                "departs by {:.1} % from what the other trials agree on",
-                100.0 * departure
-            ),
-            advice: "look at the trial's curves in the report, and repeat it".to_owned(),
-        })
+            evidence,
+            advice: advice.to_owned(),
+        }
     }
 }
 

@@ -7,7 +7,7 @@ use sixaxis_core::dsp::spectrum::noise_floor;
 use super::table::{Table, norm, usable, weighted_median};
 use super::{Facts, TrialCase};
 use crate::finding::{Cause, Finding};
-use crate::rigid::StaticLoadSharing;
+use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
 use sixaxis_recordings::session::Role;
 
 /// A direction that gets less than this share of the best one's excitation is not excited: the errors of what rests on it
@@ -102,13 +102,13 @@ pub fn silent(
         let response = case.response.as_ref()?;
         let d = case.trial.direction_ground;
         let expected = if response.travels {
-            shares.linear[channel].dot(d).abs()
+            shares.of_acceleration(channel).dot(d).abs()
         } else {
             let inertia = facts.design.inertia_per_mass.matrix_mass_m2();
-            shares.torque_per_m[channel].dot(inertia * d).abs()
+            shares.of_torque_per_m(channel).dot(inertia * d).abs()
         };
         let seen = (response.channels[channel].response * design[channel]).abs();
-        // StaticLoadSharing of the size of a tenth of the largest are the first that a twisted wedge or a neighbour's error leaves alone.
+        // Shares of the size of a tenth of the largest are the first that a twisted wedge or a neighbour's error leaves alone.
         let largest = if response.travels { 0.58 } else { 6.6e-3 };
         // In a compound run the two shares may cancel.
         (case.trial.role != Role::Validation && expected > 0.15 * largest)

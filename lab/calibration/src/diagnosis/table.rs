@@ -7,10 +7,10 @@ use sixaxis_core::LIMBS;
 
 use super::TrialCase;
 use crate::response::Response;
-use crate::rigid::StaticLoadSharing;
+use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
 use sixaxis_recordings::session::Role;
 
-/// StaticLoadSharing below this are no basis for a ratio.
+/// Shares below this are no basis for a ratio.
 const SMALLEST_SHARE: f64 = 0.08;
 /// Departure, relative to a trial's own size, at which an observation loses its weight in the fit of the inertias.
 const ROBUST_DEPARTURE: f64 = 0.02;
@@ -24,7 +24,7 @@ const ROUNDS: usize = 12;
 /// Scale factors and inertias that most trials agree on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
-    /// StaticLoadSharing of the limbs in a wrench.
+    /// How the limbs share a load.
     pub shares: StaticLoadSharing,
     /// Which limb each channel is believed to belong to, from 0: its own, unless channels were found exchanged.
     pub limb_of: [usize; LIMBS],
@@ -80,7 +80,7 @@ impl Table {
             if self.silent[channel] {
                 continue;
             }
-            let share_of = |d: DVec3| self.shares.linear[self.limb_of[channel]].dot(d);
+            let share_of = |d: DVec3| self.shares.of_acceleration(self.limb_of[channel]).dot(d);
             let mut ratios: Vec<(f64, f64)> = usable(cases)
                 .filter(|(case, response)| {
                     response.travels
@@ -107,7 +107,7 @@ impl Table {
                 (0..LIMBS)
                     .filter(|channel| !self.silent[*channel] && !case.ignored[*channel])
                     .map(|channel| {
-                        let t = self.shares.torque_per_m[self.limb_of[channel]];
+                        let t = self.shares.of_torque_per_m(self.limb_of[channel]);
                         // t . I n, linear in the six entries in the paper's order.
                         let row = [
                             t.x * n.x,
@@ -176,7 +176,7 @@ impl Table {
     pub fn share(&self, channel: usize, response: &Response) -> DVec3 {
         let limb = self.limb_of[channel];
         let linear = if response.travels {
-            self.shares.linear[limb]
+            self.shares.of_acceleration(limb)
         } else {
             DVec3::ZERO
         };
@@ -184,7 +184,7 @@ impl Table {
         match self.inertia_m2 {
             // I is symmetric: t . I n = (I t) . n.
             Some(inertia) if turning != 0.0 => {
-                linear + turning * (inertia * self.shares.torque_per_m[limb])
+                linear + turning * (inertia * self.shares.of_torque_per_m(limb))
             }
             _ => linear,
         }
@@ -227,7 +227,9 @@ impl Table {
             .gravity_ground_m_s2
             .reject_from(trial.direction_ground)
             .length();
-        let shares: f64 = self.shares.linear.iter().map(|p| p.length_squared()).sum();
+        let shares: f64 = (0..LIMBS)
+            .map(|limb| self.shares.of_acceleration(limb).length_squared())
+            .sum();
         // The rig's rotation is a sine of the drive's frequency.
         let angle = response.peak_rate_rad_s / (core::f64::consts::TAU * trial.frequency_hz);
         weight * shares.sqrt() * self.angle_error * angle

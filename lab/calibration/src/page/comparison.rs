@@ -1,11 +1,9 @@
 //! Decoupled motions as a page: by themselves, or beside the truth.
 
-use crate::compare::envelope::Envelope;
 use crate::compare::measure::{Axis as Measured, Comparison, Quantity};
 use sixaxis_page::number::{MISSING, count, significant};
-use sixaxis_page::{
-    Axis, Block, Cell, Column, Figure, Page, Panel, Row, Section, Series, State, Table, Tile,
-};
+use sixaxis_page::{Axis, Block, Cell, Figure, Page, Panel, Section, Series, State, Table, Tile};
+use sixaxis_recordings::envelope::Envelope;
 
 /// Palette index of the neutral grey, for the truth.
 const NEUTRAL: usize = 6;
@@ -124,54 +122,37 @@ fn errors(comparison: &Comparison) -> Section {
         })
     };
     let in_unit = |figure: f64| Cell::from(significant(figure, 3)).title(figure.to_string());
-    let rows = comparison.axes.iter().enumerate().map(|(index, axis)| {
-        let mut cells = vec![
-            Cell::from(significant(axis.peak, 5)).title(axis.peak.to_string()),
-            share(axis, axis.largest_error),
-            in_unit(axis.largest_error),
-            in_unit(axis.mean_error),
-            in_unit(axis.rms_error),
-            share(axis, axis.rms_error),
-        ];
-        cells.extend(axis.error_quantiles.iter().map(|q| share(axis, *q)));
-        Row::new(
-            format!("{},\u{a0}{}", SYMBOLS[index], unit(axis.quantity)),
-            cells,
-        )
-    });
-    let head = |text: &str, span| sixaxis_page::HeadCell::new(text, span);
+    let table = Table::of("axis", comparison.axes.iter().zip(SYMBOLS), |(axis, symbol)| {
+        format!("{symbol},\u{a0}{}", unit(axis.quantity))
+    })
+    .under("truth")
+    .col(("peak", "axis' unit"), |(axis, _)| {
+        Cell::from(significant(axis.peak, 5)).title(axis.peak.to_string())
+    })
+    .under("largest error")
+    .col(("over the peak", "%"), |(a, _)| share(a, a.largest_error))
+    .col(("", "axis' unit"), |(a, _)| in_unit(a.largest_error))
+    .under("mean")
+    .col(("", "axis' unit"), |(a, _)| in_unit(a.mean_error))
+    .under("root mean square")
+    .col(("", "axis' unit"), |(a, _)| in_unit(a.rms_error))
+    .col(("over the peak", "%"), |(a, _)| share(a, a.rms_error))
+    .under("quantiles, over the peak")
+    .col(("50 %", "%"), |(a, _)| share(a, a.error_quantiles[0]))
+    .col(("90 %", "%"), |(a, _)| share(a, a.error_quantiles[1]))
+    .col(("99 %", "%"), |(a, _)| share(a, a.error_quantiles[2]))
+    .caption("Largest, root mean square, quantiles")
+    .footnote(
+        "A dash stands where an axis has less than a thousandth of the peak of the largest of its three: an error over such a \
+         peak says nothing.",
+    );
     Section::new(
         "errors",
         "Errors, axis by axis",
         "As in the paper's Tables 4 to 6, an error is the largest difference over the whole run over that axis' peak. \
          Differences are result less truth; a quantile of 99 % is what 99 of 100 instants do not exceed.",
     )
-    .block(Block::Table(Table {
-        caption: "Largest, root mean square, quantiles".to_owned(),
-        stub: "axis".to_owned(),
-        head: vec![vec![
-            head("truth", 1),
-            head("largest error", 2),
-            head("mean", 1),
-            head("root mean square", 2),
-            head("quantiles, over the peak", 3),
-        ]],
-        columns: vec![
-            Column::number("peak", "axis' unit"),
-            Column::number("over the peak", "%"),
-            Column::number("", "axis' unit"),
-            Column::number("", "axis' unit"),
-            Column::number("", "axis' unit"),
-            Column::number("over the peak", "%"),
-            Column::number("50 %", "%"),
-            Column::number("90 %", "%"),
-            Column::number("99 %", "%"),
-        ],
-        rows: rows.collect(),
-        footnote: "A dash stands where an axis has less than a thousandth of the peak of the largest of its three: an error over \
-                   such a peak says nothing."
-            .to_owned(),
-    }))
+    .block(Block::Table(table.into()))
 }
 
 fn curves(comparison: &Comparison) -> Section {

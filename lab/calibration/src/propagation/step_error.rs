@@ -3,8 +3,7 @@
 use glam::DVec3;
 use nalgebra::{SMatrix, SVector};
 use sixaxis_core::decouple::uncertainty::influence::{
-    ComplianceInfluence, InertiaInfluence, ScaleInfluence, arms_m, column, force_per_volt,
-    torque_per_volt,
+    ComplianceInfluence, InertiaInfluence, ScaleInfluence, column, force_per_volt, torque_per_volt,
 };
 use sixaxis_core::decouple::uncertainty::parameters::{Chain, Covariance, Errors};
 use sixaxis_core::identify::compliance_fit::ComplianceFit;
@@ -167,7 +166,7 @@ impl Sensitivities<'_> {
         let mut own = StepError::default();
         let signal = SignalChain::new(&trial.gains, self.parameters);
         let torque = torque_per_volt(&self.geometry, &signal);
-        let arms = arms_m(&self.geometry);
+        let arms = self.geometry.arms_m();
         let axis = trial.direction_ground;
         let samples = trial.voltage_v.len();
         let mut sensitivities = vec![SMatrix::<f64, 6, 3>::zeros(); samples];
@@ -253,7 +252,7 @@ impl Sensitivities<'_> {
         influence.of_trial(&mut weights);
         let signal = SignalChain::new(&trial.gains, self.parameters);
         let torque = torque_per_volt(&self.geometry, &signal);
-        let arms = arms_m(&self.geometry);
+        let arms = self.geometry.arms_m();
         let mut sensitivities = vec![SMatrix::<f64, 1, 3>::zeros(); trial.voltage_v.len()];
         for (t, weight) in (FIRST..).zip(&weights) {
             let answer = column(*weight).transpose();

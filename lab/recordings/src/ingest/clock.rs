@@ -39,7 +39,7 @@ pub struct Gap {
 }
 
 /// Statistics of the time stamps of a recording.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Stamps {
     /// Channel that holds them.
     pub channel: String,
@@ -112,32 +112,21 @@ impl Stamps {
 }
 
 /// Takes time stamps as they come.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Clock {
-    channel: String,
-    unit_s: f64,
+    /// Counts so far; what is derived from sums is filled in at the end.
+    stamps: Stamps,
     even_step_s: Option<f64>,
     row: u64,
-    previous: Option<f64>,
-    first: Option<f64>,
+    first_not_finite: Option<u64>,
     /// Usual step, s; known once the first steps have been seen.
-    usual: Option<f64>,
+    usual_s: Option<f64>,
     /// Sample after it, stamp before it and length of each of the first steps.
     waiting: Vec<(u64, f64, f64)>,
     steps: u64,
     /// Sum of the steps less the usual one, and of its squares.
     sum: f64,
     squares: f64,
-    shortest: f64,
-    longest: f64,
-    largest_departure_s: f64,
-    gaps: u64,
-    first_gaps: Vec<Gap>,
-    missing: f64,
-    not_advancing: u64,
-    first_not_advancing: Option<u64>,
-    not_finite: u64,
-    first_not_finite: Option<u64>,
 }
 
 impl Clock {
@@ -145,27 +134,13 @@ impl Clock {
     #[must_use]
     pub fn new(time: &Column, rate_hz: Option<f64>) -> Self {
         Self {
-            channel: time.name.clone(),
-            unit_s: time.size_si,
+            stamps: Stamps {
+                channel: time.name.clone(),
+                unit_s: time.size_si,
+                ..Stamps::default()
+            },
             even_step_s: rate_hz.map(|rate| 1.0 / rate),
-            row: 0,
-            previous: None,
-            first: None,
-            usual: None,
-            waiting: Vec::new(),
-            steps: 0,
-            sum: 0.0,
-            squares: 0.0,
-            shortest: f64::INFINITY,
-            longest: f64::NEG_INFINITY,
-            largest_departure_s: 0.0,
-            gaps: 0,
-            first_gaps: Vec::new(),
-            missing: 0.0,
-            not_advancing: 0,
-            first_not_advancing: None,
-            not_finite: 0,
-            first_not_finite: None,
+            ..Self::default()
         }
     }
 
@@ -175,26 +150,26 @@ impl Clock {
             let row = self.row;
             self.row += 1;
             if !time.is_finite() {
-                self.not_finite += 1;
+                self.stamps.not_finite += 1;
                 self.first_not_finite.get_or_insert(row);
                 continue;
             }
-            let first = *self.first.get_or_insert(time);
+            let first = *self.stamps.first_s.get_or_insert(time);
             if let Some(step) = self.even_step_s {
                 let departure = (time - (first + row as f64 * step)).abs();
-                self.largest_departure_s = self.largest_departure_s.max(departure);
+                self.stamps.largest_departure_s = self.stamps.largest_departure_s.max(departure);
             }
-            let Some(previous) = self.previous.replace(time) else {
+            let Some(previous) = self.stamps.last_s.replace(time) else {
                 continue;
             };
-            let step = time - previous;
-            if self.usual.is_none() {
-                self.waiting.push((row, previous, step));
-                if self.waiting.len() == FIRST_STEPS {
-                    self.settle();
+            match self.usual_s {
+                Some(usual) => self.step(usual, row, previous, time - previous),
+                None => {
+                    self.waiting.push((row, previous, time - previous));
+                    if self.waiting.len() == FIRST_STEPS {
+                        self.settle();
+                    }
                 }
-            } else {
-                self.step(row, previous, step);
             }
         }
     }
@@ -202,21 +177,24 @@ impl Clock {
     /// Usual step so far, s, if there is one.
     pub fn usual_step_s(&mut self) -> Option<f64> {
         self.settle();
-        self.usual.filter(|step| *step > 0.0)
+        self.usual_s.filter(|step| *step > 0.0)
     }
 
     /// The first stamp so far that is not finite, does not advance or follows a gap.
     #[must_use]
     pub fn fault(&self) -> Option<StampFault> {
-        let not_finite = self.first_not_finite.map(|sample| StampFault {
+        let fault = |sample, cause: &str| StampFault {
             sample,
-            cause: "the time stamp is not a finite number".to_owned(),
-        });
-        let standing = self.first_not_advancing.map(|sample| StampFault {
-            sample,
-            cause: "the time stamp does not come after the one before".to_owned(),
-        });
-        let gap = self.first_gaps.first().map(|gap| StampFault {
+            cause: cause.to_owned(),
+        };
+        let not_finite = self
+            .first_not_finite
+            .map(|sample| fault(sample, "the time stamp is not a finite number"));
+        let standing = self
+            .stamps
+            .first_not_advancing
+            .map(|sample| fault(sample, "the time stamp does not come after the one before"));
+        let gap = self.stamps.first_gaps.first().map(|gap| StampFault {
             sample: gap.sample,
             cause: format!(
                 "a gap of {:.6} s, in which samples are missing ({}, to the nearest); make the parts before and after it recordings of their own",
@@ -231,15 +209,12 @@ impl Clock {
 
     /// Judges the steps that still wait for the usual one to be known: at the end, or where it is needed before.
     pub fn settle(&mut self) {
-        if self.usual.is_some() || self.waiting.is_empty() {
+        if self.usual_s.is_some() || self.waiting.is_empty() {
             return;
         }
         let waiting = std::mem::take(&mut self.waiting);
-        let mut advancing: Vec<f64> = waiting
-            .iter()
-            .map(|w| w.2)
-            .filter(|step| *step > 0.0)
-            .collect();
+        let steps = waiting.iter().map(|(.., step)| *step);
+        let mut advancing: Vec<f64> = steps.filter(|step| *step > 0.0).collect();
         let middle = advancing.len() / 2;
         // Without a step forward there is no usual step, and nothing is a gap.
         let usual = if advancing.is_empty() {
@@ -247,36 +222,36 @@ impl Clock {
         } else {
             *advancing.select_nth_unstable_by(middle, f64::total_cmp).1
         };
-        self.usual = Some(usual);
+        self.usual_s = Some(usual);
         for (row, previous, step) in waiting {
-            self.step(row, previous, step);
+            self.step(usual, row, previous, step);
         }
     }
 
-    fn step(&mut self, row: u64, previous: f64, step: f64) {
-        let usual = self.usual.unwrap_or(0.0);
+    fn step(&mut self, usual: f64, row: u64, previous: f64, step: f64) {
+        let stamps = &mut self.stamps;
         if step <= 0.0 {
-            self.not_advancing += 1;
-            self.first_not_advancing.get_or_insert(row);
+            stamps.not_advancing += 1;
+            stamps.first_not_advancing.get_or_insert(row);
         } else if step > GAP_STEPS * usual && usual > 0.0 {
-            self.gaps += 1;
-            let missing = (step / usual).round() - 1.0;
-            self.missing += missing;
-            if self.first_gaps.len() < GAPS_KEPT {
-                self.first_gaps.push(Gap {
-                    sample: row,
-                    time_s: previous,
-                    length_s: step,
-                    missing: missing as u64,
-                });
+            let gap = Gap {
+                sample: row,
+                time_s: previous,
+                length_s: step,
+                missing: (step / usual).round() as u64 - 1,
+            };
+            stamps.gaps += 1;
+            stamps.missing = stamps.missing.saturating_add(gap.missing);
+            if stamps.first_gaps.len() < GAPS_KEPT {
+                stamps.first_gaps.push(gap);
             }
         } else {
-            let departure = step - usual;
             self.steps += 1;
-            self.sum += departure;
-            self.squares += departure * departure;
-            self.shortest = self.shortest.min(step);
-            self.longest = self.longest.max(step);
+            self.sum += step - usual;
+            self.squares += (step - usual) * (step - usual);
+            let [shortest, longest] = stamps.extreme_steps_s.get_or_insert([step; 2]);
+            *shortest = shortest.min(step);
+            *longest = longest.max(step);
         }
     }
 
@@ -284,39 +259,25 @@ impl Clock {
     #[must_use]
     pub fn finish(mut self) -> Stamps {
         self.settle();
+        let mut stamps = self.stamps;
+        let (Some(usual), Some([shortest, longest])) = (self.usual_s, stamps.extreme_steps_s)
+        else {
+            return stamps;
+        };
         let n = self.steps as f64;
-        let usual = self.usual.filter(|step| *step > 0.0 && self.steps > 0);
         // Without a hole, first and last stamp give the mean free of the sum's rounding.
-        let whole = self.gaps + self.not_advancing + self.not_finite == 0;
-        let span = usual.map(|usual| match (self.first, self.previous) {
+        let whole = stamps.gaps + stamps.not_advancing + stamps.not_finite == 0;
+        let span = match (stamps.first_s, stamps.last_s) {
             (Some(first), Some(last)) if whole => last - first,
             _ => n * usual + self.sum,
-        });
-        let mean = span.map(|span| span / n);
-        let rms = usual.map(|_| {
-            (self.squares / n - (self.sum / n) * (self.sum / n))
-                .max(0.0)
-                .sqrt()
-        });
-        let most = mean.map(|mean| (self.longest - mean).max(mean - self.shortest).max(0.0));
-        Stamps {
-            channel: self.channel,
-            unit_s: self.unit_s,
-            first_s: self.first,
-            last_s: self.previous,
-            mean_step_s: mean,
-            mean_rate_hz: span.map(|span| n / span),
-            jitter_rms_s: rms,
-            jitter_max_s: most,
-            gaps: self.gaps,
-            first_gaps: self.first_gaps,
-            missing: self.missing as u64,
-            not_advancing: self.not_advancing,
-            first_not_advancing: self.first_not_advancing,
-            not_finite: self.not_finite,
-            extreme_steps_s: usual.map(|_| [self.shortest, self.longest]),
-            largest_departure_s: self.largest_departure_s,
-        }
+        };
+        let mean = span / n;
+        let apart = self.sum / n;
+        stamps.mean_step_s = Some(mean);
+        stamps.mean_rate_hz = Some(n / span);
+        stamps.jitter_rms_s = Some((self.squares / n - apart * apart).max(0.0).sqrt());
+        stamps.jitter_max_s = Some((longest - mean).max(mean - shortest).max(0.0));
+        stamps
     }
 }
 

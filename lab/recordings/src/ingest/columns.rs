@@ -19,6 +19,8 @@ pub struct Columns {
     /// The channel of the time stamps, the rate that they are held against, and their clock.
     time: Option<(Column, Option<f64>, Clock)>,
     block: Block,
+    /// A part of a block, as the source hands it out.
+    piece: Block,
     /// Samples read before the block.
     before: u64,
 }
@@ -35,20 +37,35 @@ impl Columns {
         time: Option<Column>,
         rate_hz: Option<f64>,
     ) -> Result<Self> {
-        let time = time.map(|time| {
-            let clock = Clock::new(&time, rate_hz);
-            (time, rate_hz, clock)
-        });
         let mut columns = Self {
             path: path.to_owned(),
             source,
-            wanted,
-            time,
+            wanted: Vec::new(),
+            time: None,
             block: Block::default(),
+            piece: Block::default(),
             before: 0,
         };
-        columns.rewind()?;
+        columns.select(wanted, time, rate_hz)?;
         Ok(columns)
+    }
+
+    /// Selects other channels of the same file, from their first sample on.
+    ///
+    /// # Errors
+    /// Those of [`Source::select`].
+    pub fn select(
+        &mut self,
+        wanted: Vec<Column>,
+        time: Option<Column>,
+        rate_hz: Option<f64>,
+    ) -> Result<()> {
+        self.wanted = wanted;
+        self.time = time.map(|time| {
+            let clock = Clock::new(&time, rate_hz);
+            (time, rate_hz, clock)
+        });
+        self.rewind()
     }
 
     /// Starts again at the first sample.
@@ -67,32 +84,14 @@ impl Columns {
         Ok(())
     }
 
-    /// Replaces the columns with the next samples, at most `limit`, and returns their number, 0 at the end.
+    /// Replaces the columns with the next `limit` samples, or fewer at the end, and returns their number.
     ///
     /// # Errors
     /// Those of [`Source::read`]; [`Error::Sample`] for a time stamp that is not finite, does not advance or follows a gap.
     pub fn read(&mut self, limit: usize) -> Result<usize> {
-        self.before += self.block.rows() as u64;
-        let rows = self.source.read(&mut self.block, limit)?;
-        if rows == 0 {
-            self.block.clear(self.block.columns.len());
-        }
-        let times = self.time.as_ref().map(|(time, ..)| time);
-        for (column, wanted) in self
-            .block
-            .columns
-            .iter_mut()
-            .zip(self.wanted.iter().chain(times))
-        {
-            for value in column {
-                *value *= wanted.size_si;
-            }
-        }
-        if let (Some((time, _, clock)), Some(stamps_s)) =
-            (&mut self.time, self.block.columns.last())
-        {
-            clock.extend(stamps_s);
-            if rows == 0 {
+        let rows = self.read_as_it_is(limit)?;
+        if let Some((time, _, clock)) = &mut self.time {
+            if rows < limit {
                 clock.settle();
             }
             if let Some(fault) = clock.fault() {
@@ -105,6 +104,45 @@ impl Columns {
             }
         }
         Ok(rows)
+    }
+
+    /// As [`Self::read`], but whatever is wrong with the time stamps stands in [`Self::stamps`] alone.
+    ///
+    /// # Errors
+    /// Those of [`Source::read`].
+    pub fn read_as_it_is(&mut self, limit: usize) -> Result<usize> {
+        self.before += self.block.rows() as u64;
+        self.block.clear(self.block.columns.len());
+        while self.block.rows() < limit {
+            let room = limit - self.block.rows();
+            if self.source.read(&mut self.piece, room)? == 0 {
+                break;
+            }
+            if self.block.rows() == 0 {
+                std::mem::swap(&mut self.block, &mut self.piece);
+                continue;
+            }
+            for (all, some) in self.block.columns.iter_mut().zip(&self.piece.columns) {
+                all.extend_from_slice(some);
+            }
+        }
+        let times = self.time.as_ref().map(|(time, ..)| time);
+        let wanted = self.wanted.iter().chain(times);
+        for (column, wanted) in self.block.columns.iter_mut().zip(wanted) {
+            if wanted.size_si != 1.0 {
+                column.iter_mut().for_each(|value| *value *= wanted.size_si);
+            }
+        }
+        if let (Some((_, _, clock)), Some(stamps_s)) = (&mut self.time, self.block.columns.last()) {
+            clock.extend(stamps_s);
+        }
+        Ok(self.block.rows())
+    }
+
+    /// The last block's columns, without the time stamps, in SI units.
+    #[must_use]
+    pub fn columns(&self) -> &[Vec<f64>] {
+        &self.block.columns[..self.wanted.len()]
     }
 
     /// The last block's samples of a channel, by its place in the selection, in SI units.
@@ -144,6 +182,13 @@ impl Columns {
                 ),
             }),
         }
+    }
+
+    /// Usual step of the time stamps so far, s.
+    pub fn usual_step_s(&mut self) -> Option<f64> {
+        self.time
+            .as_mut()
+            .and_then(|(.., clock)| clock.usual_step_s())
     }
 
     /// Statistics of the time stamps read so far.

@@ -24,7 +24,8 @@ pub struct Column {
 
 impl Column {
     /// A channel of a layout with the size of its unit.
-    fn new(layout: &Layout, index: usize, size_si: f64) -> Self {
+    #[must_use]
+    pub fn new(layout: &Layout, index: usize, size_si: f64) -> Self {
         Self {
             index,
             name: layout.channels[index].name.clone(),

@@ -38,12 +38,6 @@ fn require(possible: bool, key: &str, cause: impl FnOnce() -> String) -> Result 
     })
 }
 
-fn positive(key: &str, value: f64) -> Result {
-    require(value > 0.0 && value.is_finite(), key, || {
-        format!("{value} is not positive and finite")
-    })
-}
-
 fn not_negative(key: &str, value: f64) -> Result {
     require(value >= 0.0 && value.is_finite(), key, || {
         format!("{value}: must be finite and not negative")
@@ -61,54 +55,14 @@ fn accepted<T>(key: &str, answer: sixaxis_core::Result<T>) -> Result {
 impl Session {
     /// Refuses the first value that is impossible.
     pub(super) fn check(&self) -> Result {
+        let statements = toml::Value::try_from(self).map_err(|error| Impossible {
+            key: "session".to_owned(),
+            cause: error.to_string(),
+        })?;
+        check_sizes("", &statements)?;
         let sensor = &self.sensor;
         let (accelerometer, gyroscope) = (&self.accelerometer, &self.gyroscope);
         let rig = self.rig.as_ref();
-        for (key, value) in [
-            ("sensor.limb_length_mm", Some(sensor.limb_length_mm)),
-            ("sensor.half_edge_mm", Some(sensor.half_edge_mm)),
-            ("sensor.full_scale_v", Some(sensor.full_scale_v)),
-            (
-                "accelerometer.class_percent",
-                Some(accelerometer.class_percent),
-            ),
-            ("gyroscope.class_percent", Some(gyroscope.class_percent)),
-            (
-                "limits.validation_percent",
-                Some(self.limits.validation_percent),
-            ),
-            (
-                "limits.hold_out_percent",
-                Some(self.limits.hold_out_percent),
-            ),
-            (
-                "limits.interval_percent",
-                Some(self.limits.interval_percent),
-            ),
-            (
-                "accelerometer.sensitivity_mv_per_g",
-                accelerometer.sensitivity_mv_per_g,
-            ),
-            ("accelerometer.bandwidth_hz", accelerometer.bandwidth_hz),
-            (
-                "gyroscope.sensitivity_mv_per_deg_s",
-                gyroscope.sensitivity_mv_per_deg_s,
-            ),
-            ("gyroscope.bandwidth_hz", gyroscope.bandwidth_hz),
-            ("rig.stroke_mm", rig.and_then(|r| r.stroke_mm)),
-            (
-                "rig.rotation_amplitude_deg",
-                rig.and_then(|r| r.rotation_amplitude_deg),
-            ),
-            (
-                "preprocessing.amplifier_high_pass_hz",
-                self.preprocessing.amplifier_high_pass_hz,
-            ),
-        ] {
-            if let Some(value) = value {
-                positive(key, value)?;
-            }
-        }
         for (key, gain, class) in [
             (
                 "accelerometer.gain_percent",
@@ -147,6 +101,40 @@ impl Session {
             check_entry(&format!("recording[{i}]"), entry)?;
         }
         Ok(())
+    }
+}
+
+/// Endings of the keys whose values are sizes.
+const SIZES: [&str; 10] = [
+    "_mm",
+    "_percent",
+    "full_scale_v",
+    "_mv_per_g",
+    "_mv_per_deg_s",
+    "rotation_amplitude_deg",
+    "bandwidth_hz",
+    "frequency_hz",
+    "rate_hz",
+    "high_pass_hz",
+];
+
+/// Refuses a size that is not positive and finite, at any depth.
+fn check_sizes(key: &str, value: &toml::Value) -> Result {
+    match value {
+        toml::Value::Float(value) if SIZES.iter().any(|ending| key.ends_with(ending)) => {
+            require(*value > 0.0 && value.is_finite(), key, || {
+                format!("{value} is not positive and finite")
+            })
+        }
+        toml::Value::Table(table) => table.iter().try_for_each(|(name, value)| match key {
+            "" => check_sizes(name, value),
+            _ => check_sizes(&format!("{key}.{name}"), value),
+        }),
+        toml::Value::Array(values) => values
+            .iter()
+            .enumerate()
+            .try_for_each(|(i, value)| check_sizes(&format!("{key}[{i}]"), value)),
+        _ => Ok(()),
     }
 }
 
@@ -208,15 +196,6 @@ fn check_entry(key: &str, entry: &Entry) -> Result {
                 let role = entry.role.name();
                 format!("missing; a recording of role \"{role}\" needs it")
             })?;
-        }
-    }
-    for (name, value) in [
-        ("frequency_hz", entry.frequency_hz),
-        ("sample_rate_hz", entry.sample_rate_hz),
-        ("reference_sample_rate_hz", entry.reference_sample_rate_hz),
-    ] {
-        if let Some(value) = value {
-            positive(&format!("{key}.{name}"), value)?;
         }
     }
     if let Some(gains) = &entry.gain_n_per_v {

@@ -52,6 +52,16 @@ impl SessionFile {
         self.path.parent().unwrap_or(Path::new(".")).join(file)
     }
 
+    /// Whether a path in the session is this file.
+    #[must_use]
+    pub fn names(&self, listed: &Path, file: &Path) -> bool {
+        let listed = self.resolve(listed);
+        match (listed.canonicalize(), file.canonicalize()) {
+            (Ok(a), Ok(b)) => a == b,
+            _ => listed == file,
+        }
+    }
+
     /// An error at a key such as `recording[3].direction`.
     #[must_use]
     pub fn refuse(&self, key: &str, cause: impl Into<String>) -> Error {

@@ -69,17 +69,17 @@ pub struct Arguments {
     /// Low-pass on the voltages, Hz: Butterworth of order 4, without phase; on a stream forwards only, which delays
     #[arg(long, value_name = "HZ")]
     low_pass: Option<f64>,
-    /// The run ends as it began, at rest in the same place: take off the drift that keeps it from closing
-    #[arg(long)]
-    close: bool,
+    /// The run ends as it began, at rest in the same place: take off the drift that keeps it from doing so
+    #[arg(long, visible_alias = "close")]
+    rest_to_rest: bool,
     /// The six accelerations only, without rates and attitude: about twice as fast
     #[arg(long)]
     accelerations: bool,
     /// Six more columns: one standard deviation of each acceleration, from the calibration's covariance and the channels' noise
-    #[arg(long, conflicts_with = "close")]
+    #[arg(long, conflicts_with = "rest_to_rest")]
     uncertainty: bool,
     /// Watch the nine channels: name a limb that fails and go on without it. Two more columns say which
-    #[arg(long, conflicts_with_all = ["close", "uncertainty", "failed"])]
+    #[arg(long, conflicts_with_all = ["rest_to_rest", "uncertainty", "failed"])]
     watch: bool,
     /// Expected number of false alarms of --watch
     #[arg(long, value_name = "NUMBER", default_value_t = 1.0, requires = "watch")]
@@ -89,7 +89,7 @@ pub struct Arguments {
         long,
         value_name = "LIMBS",
         value_delimiter = ',',
-        conflicts_with_all = ["close", "uncertainty"]
+        conflicts_with_all = ["rest_to_rest", "uncertainty"]
     )]
     failed: Vec<usize>,
     /// Picture of the six accelerations: a page that needs no network
@@ -110,7 +110,7 @@ the last have no row, the first row is that of sample 1 (counted from 0), and `t
 
 --uncertainty adds sd_ax to sd_alpha_z, one standard deviation each, to first order: noise of the calibration and of this recording,
 gains of the standards. The attitude is integrated without a reference and its error grows; once it is some hundredths of a
-radian, the deviations are estimates of a size. Wedges are not in them, nor what --close would take off.
+radian, the deviations are estimates of a size. Wedges are not in them, nor what --rest-to-rest would take off.
 
 --watch holds the three sums of limb forces that are zero in any motion to the noise and the uncertainty that the calibration
 states. A limb that fails is named with how and since when; rate and attitude go on as if it had not been there. `without_limbs`
@@ -120,7 +120,7 @@ and `suspected_limbs` have the limbs' numbers as digits, 0 for none; rows with s
 --failed does without up to three limbs, if the others still tell six accelerations; an error says which load they would not.
 Noise of the others counts up to three times as much.
 
-A recording may be of any length: it passes through in blocks. Only --close holds the whole run in the memory, 2 million
+A recording may be of any length: it passes through in blocks. Only --rest-to-rest holds the whole run in the memory, 2 million
 samples at most. A result appears whole or not at all: it is written to a neighbour named .NAME.PROCESS.part, which takes
 its name at the end. A killed run may leave such a neighbour; it is never read and can be deleted.
 
@@ -129,7 +129,7 @@ in. The first line that cannot be read ends it with exit code 1; all rows before
 
 Examples:
   sixaxis decouple calibration.json run.tdms --gain 0.05 --down 0,0,-1
-  sixaxis decouple calibration.json day/compound-03.npz --session day/session.toml --close --low-pass 30
+  sixaxis decouple calibration.json day/compound-03.npz --session day/session.toml --rest-to-rest --low-pass 30
   acquire | sixaxis decouple calibration.json - --rate 2000 --gain 0.05 | display";
 
 /// What `--json` prints.
@@ -150,7 +150,7 @@ struct Summary {
     low_pass_hz: Option<f64>,
     failed_limbs: Vec<usize>,
     clipped_samples: [u64; 9],
-    /// --close: how far the run was from closing.
+    /// --rest-to-rest: how far the run was from ending as it began.
     end_rate_before_rad_s: Option<[f64; 3]>,
     end_rotation_before_rad: Option<[f64; 3]>,
     duration_s: f64,
@@ -339,7 +339,7 @@ fn file(
     };
     let mut trend = None;
     let mut busy = None;
-    if arguments.close {
+    if arguments.rest_to_rest {
         let mut stamps = Vec::new();
         let (rows, found) =
             rest_to_rest::read(&mut recording, conditioning, &setup, &settings, &mut stamps)?;
@@ -420,7 +420,7 @@ fn facts(summary: &Summary) -> Vec<(String, String)> {
         facts.push(("without limbs", numbers.join(", ")));
     }
     if summary.end_rate_before_rad_s.is_some() {
-        facts.push(("closed", "from rest to rest".to_owned()));
+        facts.push(("corrected", "from rest to rest".to_owned()));
     }
     facts
         .into_iter()
@@ -454,7 +454,10 @@ fn stream(
     columns: Columns,
 ) -> Result<ExitCode> {
     refuse(&[
-        (arguments.close, "--close, which needs the whole run,"),
+        (
+            arguments.rest_to_rest,
+            "--rest-to-rest, which needs the whole run,",
+        ),
         (arguments.uncertainty, "--uncertainty"),
         (arguments.picture.is_some(), "--picture"),
         (

@@ -8,9 +8,9 @@ use anyhow::{Context, Result, bail};
 use serde::Serialize;
 use sixaxis_page::render;
 use sixaxis_recordings::draft::write_atomically;
+use sixaxis_recordings::ingest::columns::BLOCK;
+use sixaxis_recordings::inspect::{Inspection, Severity, inspect, listing, page};
 use sixaxis_recordings::session::SessionFile;
-use sixaxis_reports::inspection::{Expectations, Inspection, inspect, listing};
-use sixaxis_reports::pages;
 use sixaxis_reports::progress::Progress;
 
 /// Which recordings, and in what form the answer is wanted.
@@ -71,16 +71,20 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     if let Some(picture) = &arguments.picture {
         spare_the_recordings(picture, &arguments.files)?;
     }
-    let expectations = arguments
-        .session
-        .as_deref()
-        .map(SessionFile::read)
-        .transpose()?
-        .map(Expectations::new);
+    let session = arguments.session.as_deref().map(SessionFile::read);
+    let session = session.transpose()?;
     let progress = Progress::shown();
     let mut outcomes = Vec::new();
     for (index, file) in arguments.files.iter().enumerate() {
-        match inspect(file, expectations.as_ref(), &progress) {
+        let mut stage = None;
+        let mut advance = |rows, total| {
+            // A recording of a single block is read before a bar could be seen.
+            if total > BLOCK as u64 {
+                let stage = stage.get_or_insert_with(|| progress.stage("inspect", total));
+                stage.advance(rows);
+            }
+        };
+        match inspect(file, session.as_ref(), &mut advance) {
             Ok(mut inspection) => {
                 if !arguments.json {
                     let between = if index > 0 { "\n" } else { "" };
@@ -92,15 +96,10 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
                 outcomes.push(Outcome::Read(Box::new(inspection)));
             }
             Err(error) => {
-                // A recording's error already says its own cause.
-                let error = match error.downcast_ref::<sixaxis_recordings::Error>() {
-                    Some(error) => error.to_string(),
-                    None => format!("{error:#}"),
-                };
                 eprintln!("error: {error}");
                 outcomes.push(Outcome::Failed {
                     file: file.display().to_string(),
-                    error,
+                    error: error.to_string(),
                 });
             }
         }
@@ -130,7 +129,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let failed = outcomes.iter().any(|o| matches!(o, Outcome::Failed { .. }));
     let noticed = outcomes
         .iter()
-        .any(|o| matches!(o, Outcome::Read(i) if !i.noticed.is_empty()));
+        .any(|o| matches!(o, Outcome::Read(i) if i.told(Severity::Noticed).next().is_some()));
     Ok(ExitCode::from(
         match (failed, arguments.strict && noticed) {
             (true, _) => 1,
@@ -169,7 +168,7 @@ fn draw(picture: &Path, outcomes: &[Outcome]) -> Result<()> {
             picture.display()
         );
     }
-    let page = pages::inspection::page(&read);
+    let page = page::page(&read);
     write_atomically(picture, render(&page)?.as_bytes())
         .with_context(|| format!("cannot write {}", picture.display()))
 }

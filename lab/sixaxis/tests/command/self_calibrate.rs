@@ -173,7 +173,7 @@ fn turned_over() -> PathBuf {
     };
     let up = glam::DVec3::Z * GRAVITY_M_S2;
     let mut loads = vec![at_rest(up); 10_000];
-    loads.extend(field.play(&sensor).0);
+    loads.extend(field.simulate(&sensor).0);
     loads.extend(vec![at_rest(-up); 10_000]);
     let forces = compliant_forces_m_s2(&sensor, &loads).expect("limbs that hold");
     let chain = Chain::noise_free();

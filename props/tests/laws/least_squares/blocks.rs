@@ -1,4 +1,4 @@
-//! Blocks of rows: against rotations row by row, across their edges, and with rubbish anywhere inside.
+//! Blocks of rows: against rotations row by row, across their edges, and with NaN, infinities and overflow anywhere inside.
 
 use glam::DVec3;
 use rand::SeedableRng;
@@ -11,8 +11,8 @@ use sixaxis_core::paper::wrench::LimbWrench;
 use sixaxis_core::{Error, Geometry};
 use sixaxis_props::compare::within;
 use sixaxis_props::rigid::forces;
+use sixaxis_props::seed::seed;
 use sixaxis_props::statistics::normal;
-use sixaxis_props::strategy::seed;
 use sixaxis_props::tolerance;
 use sixaxis_props::truth;
 
@@ -145,7 +145,7 @@ fn inv_splitting_the_stream_changes_no_bit() {
 }
 
 #[test]
-fn prop_appending_equals_pushing() {
+fn law_appending_equals_pushing() {
     let rows = many_rows(1000);
     let whole = accumulated(&rows).solve("whole").expect("full rank");
     for cut in COUNTS
@@ -172,7 +172,7 @@ fn prop_appending_equals_pushing() {
 
 /// Squares of such rows vanish or overflow on the way, the rows themselves do not.
 #[test]
-fn prop_rows_of_any_solvable_size_have_the_same_solution() {
+fn law_rows_of_any_solvable_size_have_the_same_solution() {
     let rows = many_rows(300);
     let usual = accumulated(&rows).solve("rows").expect("full rank");
     for exponent in [-490, -400, -240, -230, 230, 240, 400, 490] {
@@ -197,18 +197,18 @@ fn prop_rows_of_any_solvable_size_have_the_same_solution() {
 
 /// One number among thousands, wherever in a block and in whichever column.
 #[test]
-fn prop_no_block_hides_a_number_that_is_none() {
+fn law_no_block_hides_a_nan() {
     for count in [BLOCK, 300] {
         for at in [0, 7, 8, BLOCK - 1, count - 1] {
             for column in 0..10 {
-                for rubbish in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e200, f64::MAX] {
+                for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e200, f64::MAX] {
                     let mut rows = many_rows(count);
                     let (row, right) = &mut rows[at];
-                    *row.get_mut(column).unwrap_or(right) = rubbish;
+                    *row.get_mut(column).unwrap_or(right) = bad;
                     let answer = accumulated(&rows).solve("rows");
                     assert!(
                         matches!(answer, Err(Error::OutOfRange { .. })),
-                        "{rubbish} in column {column}, row {at}: {answer:?}"
+                        "{bad} in column {column}, row {at}: {answer:?}"
                     );
                 }
             }
@@ -218,7 +218,7 @@ fn prop_no_block_hides_a_number_that_is_none() {
 
 /// Steps 2 and 3 keep smaller systems than (13) and (18), with the same answers.
 #[test]
-fn prop_structure_changes_nothing_but_the_cost() {
+fn law_structure_changes_nothing_but_the_cost() {
     let truth = truth::identified_parameters();
     let mut rng = Pcg64::seed_from_u64(seed());
     let mut scale = ScaleIdentification::default();

@@ -63,6 +63,14 @@ impl<'a> Quantity<'a> {
         })
     }
 
+    /// Why the limits are what they are, each reason once.
+    pub fn reason(&self) -> String {
+        let mut reasons: Vec<&str> = self.rows.iter().map(|row| &*row.reason).collect();
+        reasons.sort_unstable();
+        reasons.dedup();
+        reasons.join("; ")
+    }
+
     /// All shares.
     pub fn shares(&self) -> impl Iterator<Item = f64> {
         self.rows.iter().map(|row| row.share())

@@ -96,8 +96,9 @@ fn zeros_are_counted_and_drawn() {
     {
         assert!((from..=to).contains(x) && [0.0, 1.0].contains(y));
     }
-    let zeros = tables(&section)[0].rows[1].cells.last().map(|c| &*c.text);
-    assert_eq!(zeros, Some("4"));
+    let cells = &tables(&section)[0].rows[1].cells;
+    assert_eq!(cells[cells.len() - 2].text, "4");
+    assert_eq!(cells[cells.len() - 1].text, "measured");
 }
 
 #[test]
@@ -190,4 +191,36 @@ fn suites_with_the_same_letters_have_anchors_of_their_own() {
             .count(),
         4
     );
+}
+
+#[test]
+fn a_control_that_does_not_fail_is_beyond() {
+    let control = |error: f64| Row {
+        control: Some(100.0),
+        ..row("s", "swapped", error, 1e-9)
+    };
+    let sound = row("s", "sound", 1e-12, 1e-9);
+    let section_of = |error| section(&[sound.clone(), control(error), control(1e-3)]);
+    let good = section_of(1e-6);
+    assert!(good.lead.contains("2 negative controls") && good.lead.contains("all within"));
+    let [errors, controls] = tables(&good)[..] else {
+        panic!("errors and controls")
+    };
+    // No control passes for a comparison.
+    assert_eq!((errors.rows.len(), controls.rows.len()), (1, 1));
+    assert_eq!(controls.rows[0].cells[0].state, State::Good);
+    for bad in [1e-8, 0.0, f64::NAN] {
+        let section = section_of(bad);
+        assert!(
+            section
+                .lead
+                .contains("**1 of 2 negative controls do not fail**"),
+            "{bad}"
+        );
+        let [beyond, .., controls] = tables(&section)[..] else {
+            panic!("a table of what is beyond")
+        };
+        assert_eq!(beyond.rows[0].header, "swapped");
+        assert_eq!(controls.rows[0].cells[0].state, State::Bad, "{bad}");
+    }
 }

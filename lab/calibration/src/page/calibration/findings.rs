@@ -5,7 +5,7 @@ use crate::finding::Finding;
 use crate::report::Grade;
 
 use crate::page::labels::{count, file_name};
-use sixaxis_page::{Block, Cell, Column, Listing, Row, Section, State, Table};
+use sixaxis_page::{Block, Cell, Listing, Section, State, Table};
 
 /// Recordings named in full in a cell; of more, the first and a number.
 const NAMED: usize = 4;
@@ -52,35 +52,26 @@ pub fn section(calibrated: &CalibratedSession) -> Section {
                 .to_owned(),
         )
     } else {
-        Block::Table(Table {
-            caption: "What was found".to_owned(),
-            stub: "what".to_owned(),
-            columns: vec![
-                Column::text("where"),
-                Column::text("evidence"),
-                Column::text("advice"),
-            ],
-            rows: calibrated.findings.iter().map(row).collect(),
-            footnote: "Channels are limbs, counted from 1. A cause that explains others is looked for first, and what it explains \
-                       is not listed again."
-                .to_owned(),
-            ..Table::default()
-        })
+        Block::Table(table(&calibrated.findings))
     };
     section.block(table)
 }
 
-fn row(finding: &Finding) -> Row {
-    Row::new(
-        format!("**{}**", finding.cause.name()),
-        [
-            Cell::from(place(finding))
-                .title(finding.recordings.join(", "))
-                .state(State::Bad),
-            Cell::from(finding.evidence.as_str()),
-            Cell::from(finding.advice.as_str()),
-        ],
-    )
+fn table(findings: &[Finding]) -> Table {
+    Table::of("what", findings, |f| format!("**{}**", f.cause.name()))
+        .text("where", |f| {
+            Cell::from(place(f))
+                .title(f.recordings.join(", "))
+                .state(State::Bad)
+        })
+        .text("evidence", |f| f.evidence.as_str())
+        .text("advice", |f| f.advice.as_str())
+        .caption("What was found")
+        .footnote(
+            "Channels are limbs, counted from 1. A cause that explains others is looked for first, and what it explains is not \
+             listed again.",
+        )
+        .into()
 }
 
 /// What to do next, parted into what to do at once and what may be a consequence of what was found: where something is wrong,

@@ -7,7 +7,7 @@ use sixaxis_recordings::session::SessionFile;
 use crate::page::labels::{bar, share, symbol, with_interval};
 use sixaxis_core::Parameter;
 use sixaxis_page::number::{MISSING, fixed, scientific};
-use sixaxis_page::{Axis, Block, Cell, Column, Figure, Mark, Row, Section, Series, State, Table};
+use sixaxis_page::{Axis, Block, Cell, Figure, Mark, Section, Series, State, Table};
 
 /// A kind of parameter: first letter, heading, and the paper's unit over SI.
 pub(super) const FAMILIES: [(char, &str, f64); 4] = [
@@ -52,45 +52,52 @@ pub fn section(file: &SessionFile, calibrated: &CalibratedSession) -> Section {
 }
 
 fn table(parameters: &[ParameterReport], limit: f64) -> Table {
-    let mut rows = Vec::new();
+    let all = |si: f64, p: &ParameterReport| format!("{si} {}", p.unit);
+    let mut table = Table::grouped("parameter");
     for (letter, heading, per_si) in FAMILIES {
-        rows.push(Row::group(heading));
-        rows.extend(
-            parameters
-                .iter()
-                .filter(|p| p.parameter.symbol() == letter)
-                .map(|p| row(p, per_si, limit)),
-        );
+        let family = parameters.iter().filter(|p| p.parameter.symbol() == letter);
+        table = table.group(heading, family.map(|p| (p, per_si)), |(p, _)| {
+            symbol(p.parameter)
+        });
     }
-    Table {
-        caption: "Estimates, intervals and design values".to_owned(),
-        stub: "parameter".to_owned(),
-        columns: vec![
-            Column::number("estimate", ""),
-            Column::number("±\u{a0}95\u{a0}%", ""),
-            Column::number("±\u{a0}relative", ""),
-            Column::number("design", ""),
-            Column::number("difference", ""),
-            Column::text("limited by"),
-            Column::text("determined"),
-        ],
-        rows,
-        footnote: format!(
-            "± relative above {} is marked. Differences of scale factors and moments of inertia (I₁ to I₃) are relative to the design; \
-             those of the products of inertia (I₄ to I₆), which may be zero, are in mm². Point at a number for all its digits.",
+    table
+        .col("estimate", |(p, per_si)| {
+            Cell::from(with_half_width(p, *per_si).0).title(all(p.estimate, p))
+        })
+        .col("±\u{a0}95\u{a0}%", |(p, per_si)| {
+            let title = p.half_width_95.map_or(String::new(), |half| all(half, p));
+            Cell::from(with_half_width(p, *per_si).1).title(title)
+        })
+        .col("±\u{a0}relative", |(p, _)| relative(p, limit))
+        .col("design", |(p, per_si)| {
+            Cell::from(design_and_difference(p, *per_si).0).title(all(p.design, p))
+        })
+        .col("difference", |(p, per_si)| {
+            design_and_difference(p, *per_si).1
+        })
+        .text("limited by", |(p, _)| p.dominated_by.as_str())
+        .text("determined", |(p, _)| {
+            if p.determined { "yes" } else { "no, see below" }
+        })
+        .caption("Estimates, intervals and design values")
+        .footnote(format!(
+            "± relative above {} is marked. Differences of scale factors and moments of inertia (I₁ to I₃) are relative to the \
+             design; those of the products of inertia (I₄ to I₆), which may be zero, are in mm². Point at a number for all its digits.",
             bar(limit)
-        ),
-        ..Table::default()
+        ))
+        .into()
+}
+
+/// Estimate and half width in the paper's unit, with the digits that the interval supports.
+pub(super) fn with_half_width(p: &ParameterReport, per_si: f64) -> (String, String) {
+    match p.half_width_95 {
+        Some(half_width) => with_interval(p.estimate * per_si, half_width * per_si),
+        None => (scientific(p.estimate * per_si, 3), MISSING.to_owned()),
     }
 }
 
-fn row(p: &ParameterReport, per_si: f64, limit: f64) -> Row {
-    let all = |si: f64| format!("{} {}", si, p.unit);
-    let (estimate, half_width) = match p.half_width_95 {
-        Some(half_width) => with_interval(p.estimate * per_si, half_width * per_si),
-        None => (scientific(p.estimate * per_si, 3), MISSING.to_owned()),
-    };
-    let relative = match p.half_width_95 {
+fn relative(p: &ParameterReport, limit: f64) -> Cell {
+    match p.half_width_95 {
         Some(half_width) if p.parameter == Parameter::Stiffness => {
             share(Some(half_width / p.estimate)).into()
         }
@@ -104,9 +111,12 @@ fn row(p: &ParameterReport, per_si: f64, limit: f64) -> Row {
             }
         }
         _ => Cell::from(MISSING),
-    };
+    }
+}
+
+fn design_and_difference(p: &ParameterReport, per_si: f64) -> (String, String) {
     let percent = || signed(100.0 * (p.estimate / p.design - 1.0), 1) + "\u{a0}%";
-    let (design, difference) = match p.parameter {
+    match p.parameter {
         // A design drifts by nothing.
         Parameter::Drift(_) => ("0".to_owned(), MISSING.to_owned()),
         Parameter::Scale(_) => (fixed(p.design, 3), percent()),
@@ -129,19 +139,7 @@ fn row(p: &ParameterReport, per_si: f64, limit: f64) -> Row {
             };
             (scientific(p.design, 3), difference)
         }
-    };
-    Row::new(
-        symbol(p.parameter),
-        [
-            Cell::from(estimate).title(all(p.estimate)),
-            Cell::from(half_width).title(p.half_width_95.map_or(String::new(), all)),
-            relative,
-            Cell::from(design).title(all(p.design)),
-            Cell::from(difference),
-            Cell::from(p.dominated_by.as_str()),
-            Cell::from(if p.determined { "yes" } else { "no, see below" }),
-        ],
-    )
+    }
 }
 
 fn signed(value: f64, decimals: usize) -> String {

@@ -11,7 +11,7 @@ use sixaxis_recordings::session::{Role, SessionFile};
 use super::NEUTRAL;
 use crate::page::labels::{file_name, largest};
 use sixaxis_page::number::{count, fixed, percent, significant};
-use sixaxis_page::{Axis, Block, Cell, Column, Figure, Panel, Row, Section, Series, Table};
+use sixaxis_page::{Axis, Block, Figure, Panel, Section, Series, Table};
 
 /// Curves are drawn with at most so many points; the drawing keeps what peaks are among them.
 const DRAWN: usize = 8000;
@@ -199,29 +199,16 @@ fn table(
     conditioning: &Conditioning,
     trial: &Trial,
 ) -> Table {
-    let row = |stage: Stage| {
-        let (settings, effect) = settings_and_effect(stage, file, calibrated, conditioning, trial)
-            .unwrap_or_else(|| ("off".to_owned(), String::new()));
-        Row::new(
-            stage.name(),
-            [
-                Cell::from(stage.channels()),
-                Cell::from(settings),
-                Cell::from(effect),
-            ],
-        )
+    let told = |stage: &Stage| {
+        settings_and_effect(*stage, file, calibrated, conditioning, trial)
+            .unwrap_or_else(|| ("off".to_owned(), String::new()))
     };
-    Table {
-        caption: "Stages in their order".to_owned(),
-        stub: "stage".to_owned(),
-        columns: vec![
-            Column::text("channels"),
-            Column::text("settings"),
-            Column::text("effect"),
-        ],
-        rows: Stage::ORDER.into_iter().map(row).collect(),
-        ..Table::default()
-    }
+    Table::of("stage", Stage::ORDER, |stage| stage.name().to_owned())
+        .text("channels", |stage| stage.channels())
+        .text("settings", |stage| told(stage).0)
+        .text("effect", |stage| told(stage).1)
+        .caption("Stages in their order")
+        .into()
 }
 
 /// Settings and effect of a stage; none where the session has it off.

@@ -1,63 +1,60 @@
 //! Where everything comes from.
 
 use crate::calibrate::CalibratedSession;
-use sixaxis_recordings::session::SessionFile;
+use crate::trial::Trial;
+use sixaxis_recordings::session::{Entry, SessionFile};
 
 use crate::page::labels::{file_name, role, unbroken};
 use sixaxis_page::number::{MISSING, count, si, significant};
-use sixaxis_page::{Block, Cell, Column, Listing, Row, Section, Table};
+use sixaxis_page::{Block, Cell, Listing, Section, Table};
 
 /// The section.
 pub fn section(file: &SessionFile, calibrated: &CalibratedSession) -> Section {
-    let rows = file.session.recording.iter().map(|entry| {
-        let name = entry.file.display().to_string();
-        let trial = calibrated
-            .recordings
-            .iter()
-            .map(|(trial, _)| trial)
-            .find(|trial| trial.name == name);
-        let bytes = std::fs::metadata(file.resolve(&entry.file)).ok();
-        Row::new(
-            unbroken(&name),
-            [
-                Cell::from(role(entry.role)),
-                Cell::from(
-                    bytes
-                        .as_ref()
-                        .map_or(MISSING.to_owned(), |m| si(m.len() as f64, 3, "B")),
-                )
-                .title(bytes.map_or(String::new(), |m| format!("{} bytes", m.len()))),
-                Cell::from(trial.map_or(MISSING.to_owned(), |t| count(t.voltage_v.len() as u64))),
-                Cell::from(trial.map_or(MISSING.to_owned(), |t| si(t.sample_rate_hz, 3, "Hz"))),
-                Cell::from(trial.map_or(MISSING.to_owned(), |t| {
-                    significant(t.voltage_v.len() as f64 / t.sample_rate_hz, 3)
-                })),
-            ],
-        )
-    });
     Section::new(
         "provenance",
         "Provenance",
         "What was read. The session file stands here whole, so that this page and the recordings are enough to calibrate again.",
     )
-    .block(Block::Table(Table {
-        caption: "Recordings".to_owned(),
-        stub: "file".to_owned(),
-        columns: vec![
-            Column::text("role"),
-            Column::number("size", ""),
-            Column::number("samples", ""),
-            Column::number("sample rate", ""),
-            Column::number("length", "s"),
-        ],
-        rows: rows.collect(),
-        footnote: "Samples and rate as they were worked with: a long static record is averaged in groups.".to_owned(),
-        ..Table::default()
-    }))
+    .block(Block::Table(table(file, calibrated)))
     .block(Block::Listing(Listing {
         caption: format!("Session file {}", session_name(file)),
         text: file.text.clone(),
     }))
+}
+
+fn table(file: &SessionFile, calibrated: &CalibratedSession) -> Table {
+    let name = |entry: &Entry| entry.file.display().to_string();
+    let of = |entry: &Entry, get: &dyn Fn(&Trial) -> String| {
+        let mut trials = calibrated.recordings.iter().map(|(trial, _)| trial);
+        let trial = trials.find(|trial| trial.name == name(entry));
+        trial.map_or(MISSING.to_owned(), get)
+    };
+    Table::of("file", &file.session.recording, |entry| {
+        unbroken(&name(entry))
+    })
+    .text("role", |entry| role(entry.role))
+    .col("size", |entry| {
+        match std::fs::metadata(file.resolve(&entry.file)) {
+            Ok(m) => Cell::from(si(m.len() as f64, 3, "B")).title(format!("{} bytes", m.len())),
+            Err(_) => Cell::from(MISSING),
+        }
+    })
+    .col("samples", |entry| {
+        of(entry, &|t| count(t.voltage_v.len() as u64))
+    })
+    .col("sample rate", |entry| {
+        of(entry, &|t| si(t.sample_rate_hz, 3, "Hz"))
+    })
+    .col(("length", "s"), |entry| {
+        of(entry, &|t| {
+            significant(t.voltage_v.len() as f64 / t.sample_rate_hz, 3)
+        })
+    })
+    .caption("Recordings")
+    .footnote(
+        "Samples and rate as they were worked with: a long static record is averaged in groups.",
+    )
+    .into()
 }
 
 fn session_name(file: &SessionFile) -> String {

@@ -7,7 +7,7 @@ use sixaxis_core::dsp::spectrum::noise_floor;
 use sixaxis_recordings::session::Role;
 
 use sixaxis_page::number::{MISSING, count, fixed, significant};
-use sixaxis_page::{Axis, Block, Cell, Column, Figure, Row, Section, Series, Table};
+use sixaxis_page::{Axis, Block, Figure, Section, Series, Table};
 
 /// Pieces whose means show the course of the record.
 const PIECES: usize = 60;
@@ -103,64 +103,65 @@ fn round_up(value: f64) -> f64 {
 }
 
 fn table(calibrated: &CalibratedSession, at_rest: Option<&Trial>) -> Table {
-    let channel = |trial: &Trial, limb: usize| -> Vec<f64> {
-        trial.voltage_v.iter().map(|row| row[limb]).collect()
+    let noise = |trial: &Trial, limb: usize| {
+        let series: Vec<f64> = trial.voltage_v.iter().map(|row| row[limb]).collect();
+        noise_floor(&series).ok()
     };
-    let drift = calibrated.steps.as_ref().map(|steps| steps.drift);
-    let millivolts = |v: Option<f64>| v.map_or(MISSING.to_owned(), |v| significant(1e3 * v, 2));
-    let rows = (0..LIMBS).map(|limb| {
-        let mut floors: Vec<f64> = calibrated
-            .recordings
-            .iter()
-            .filter(|(trial, _)| trial.role != Role::Static)
-            .filter_map(|(trial, _)| noise_floor(&channel(trial, limb)).ok())
+    // The noise of the trials, ascending.
+    let channels = (0..LIMBS).map(|limb| {
+        let moving = calibrated.recordings.iter().map(|(trial, _)| trial);
+        let mut floors: Vec<f64> = moving
+            .filter(|trial| trial.role != Role::Static)
+            .filter_map(|trial| noise(trial, limb))
             .collect();
         floors.sort_by(f64::total_cmp);
-        let median = floors.get(floors.len() / 2).copied();
-        let rest = at_rest.map(|rest| channel(rest, limb));
-        let change = rest.as_ref().filter(|r| r.len() >= 2 * ENDS).map(|r| {
-            let part = r.len() / ENDS;
-            let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
-            mean(&r[r.len() - part..]) - mean(&r[..part])
-        });
-        Row::new(
-            format!("channel {}", limb + 1),
-            [
-                Cell::from(drift.map_or(MISSING.to_owned(), |d| fixed(1e3 * d.drift_v[limb], 3))),
-                Cell::from(millivolts(drift.map(|d| d.standard_error_v[limb]))),
-                Cell::from(change.map_or(MISSING.to_owned(), |v| significant(1e3 * v, 2))),
-                Cell::from(millivolts(rest.and_then(|r| noise_floor(&r).ok()))),
-                Cell::from(millivolts(median)),
-                Cell::from(millivolts(floors.last().copied())),
-            ],
-        )
+        (limb, floors)
     });
-    Table {
-        caption: "Zero and noise by channel".to_owned(),
-        stub: "channel".to_owned(),
-        head: vec![vec![
-            sixaxis_page::HeadCell::new("zero", 3),
-            sixaxis_page::HeadCell::new("noise of one sample", 3),
-        ]],
-        columns: vec![
-            Column::number("mean", "mV"),
-            Column::number("standard error", "mV"),
-            Column::number("end less beginning", "mV"),
-            Column::number("at rest", "mV"),
-            Column::number("trials, median", "mV"),
-            Column::number("trials, largest", "mV"),
-        ],
-        rows: rows.collect(),
-        footnote: format!(
-            "End less beginning: means of the last and first tenth. Noise is the standard deviation of a sample under a smooth motion{}; \
-             a channel much noisier than its neighbours has a bad contact or a wrong range.",
-            at_rest.map_or(String::new(), |rest| format!(
-                "; at rest from {} samples at {} Hz",
-                count(rest.voltage_v.len() as u64),
-                significant(rest.sample_rate_hz, 3)
-            ))
-        ),
-    }
+    let drift = calibrated.steps.as_ref().map(|steps| steps.drift);
+    let millivolts = |v: Option<f64>| v.map_or(MISSING.to_owned(), |v| significant(1e3 * v, 2));
+    Table::of("channel", channels, |(limb, _)| {
+        format!("channel {}", limb + 1)
+    })
+    .under("zero")
+    .col(("mean", "mV"), |(limb, _)| {
+        drift.map_or(MISSING.to_owned(), |d| fixed(1e3 * d.drift_v[*limb], 3))
+    })
+    .col(("standard error", "mV"), |(limb, _)| {
+        millivolts(drift.map(|d| d.standard_error_v[*limb]))
+    })
+    .col(("end less beginning", "mV"), |(limb, _)| {
+        millivolts(at_rest.and_then(|rest| change(rest, *limb)))
+    })
+    .under("noise of one sample")
+    .col(("at rest", "mV"), |(limb, _)| {
+        millivolts(at_rest.and_then(|rest| noise(rest, *limb)))
+    })
+    .col(("trials, median", "mV"), |(_, floors)| {
+        millivolts(floors.get(floors.len() / 2).copied())
+    })
+    .col(("trials, largest", "mV"), |(_, floors)| {
+        millivolts(floors.last().copied())
+    })
+    .caption("Zero and noise by channel")
+    .footnote(format!(
+        "End less beginning: means of the last and first tenth. Noise is the standard deviation of a sample under a smooth motion{}; \
+         a channel much noisier than its neighbours has a bad contact or a wrong range.",
+        at_rest.map_or(String::new(), |rest| format!(
+            "; at rest from {} samples at {} Hz",
+            count(rest.voltage_v.len() as u64),
+            significant(rest.sample_rate_hz, 3)
+        ))
+    ))
+    .into()
+}
+
+/// Mean of the last part of a channel less that of the first, V; none for a record too short to have them.
+fn change(rest: &Trial, limb: usize) -> Option<f64> {
+    let rows = &rest.voltage_v;
+    let part = rows.len() / ENDS;
+    let mean =
+        |rows: &[[f64; LIMBS]]| rows.iter().map(|row| row[limb]).sum::<f64>() / rows.len() as f64;
+    (rows.len() >= 2 * ENDS).then(|| mean(&rows[rows.len() - part..]) - mean(&rows[..part]))
 }
 
 /// One part in so many at either end of the static record.

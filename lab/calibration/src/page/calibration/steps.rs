@@ -7,7 +7,7 @@ use sixaxis_recordings::session::Role;
 
 use crate::page::labels::verdict;
 use sixaxis_page::number::{MISSING, count, fixed, scientific, significant};
-use sixaxis_page::{Axis, Block, Cell, Column, Figure, Mark, Row, Section, Series, Table};
+use sixaxis_page::{Axis, Block, Figure, Mark, Section, Series, Table};
 
 /// The section.
 pub fn section(calibrated: &CalibratedSession) -> Section {
@@ -40,74 +40,61 @@ pub fn section(calibrated: &CalibratedSession) -> Section {
     }
 }
 
+/// What the table tells of a step.
+struct Told {
+    name: &'static str,
+    role: Role,
+    rows: String,
+    condition: String,
+    residual: String,
+    verdict: String,
+}
+
 fn table(calibrated: &CalibratedSession, steps: &FourSteps) -> Table {
-    let trials = |role: Role| {
-        calibrated
-            .trials
-            .iter()
-            .filter(|t| t.role == role)
-            .count()
-            .to_string()
-    };
     let scale = &steps.scale.estimate;
     let inertia = &steps.inertia.estimate;
-    let mut rows = vec![
-        Row::new(
-            "2:\u{a0}scale\u{a0}factors",
-            [
-                Cell::from(trials(Role::Linear)),
-                Cell::from(count(scale.rows as u64)),
-                Cell::from(significant(scale.condition, 3)),
-                Cell::from(format!("{}\u{a0}m/s²", significant(scale.residual_rms, 2))),
-                Cell::from(verdict(&steps.scale.verdict)),
-            ],
-        ),
-        Row::new(
-            "3:\u{a0}inertias",
-            [
-                Cell::from(trials(Role::Angular)),
-                Cell::from(count(inertia.rows as u64)),
-                Cell::from(significant(inertia.condition, 3)),
-                Cell::from(format!(
-                    "{}\u{a0}m²/s²",
-                    scientific(inertia.residual_rms, 2)
-                )),
-                Cell::from(verdict(&steps.inertia.verdict)),
-            ],
-        ),
+    let stiffness = steps.stiffness.as_ref().map(|stiffness| Told {
+        name: "4:\u{a0}stiffness",
+        role: Role::HighFrequencyLinear,
+        rows: format!("{} candidates", steps.curve.len()),
+        condition: MISSING.to_owned(),
+        residual: format!("{}\u{a0}rad/s", significant(stiffness.smallest_rad_s, 2)),
+        verdict: verdict(&stiffness.verdict),
+    });
+    let told = [
+        Told {
+            name: "2:\u{a0}scale\u{a0}factors",
+            role: Role::Linear,
+            rows: count(scale.rows as u64),
+            condition: significant(scale.condition, 3),
+            residual: format!("{}\u{a0}m/s²", significant(scale.residual_rms, 2)),
+            verdict: verdict(&steps.scale.verdict),
+        },
+        Told {
+            name: "3:\u{a0}inertias",
+            role: Role::Angular,
+            rows: count(inertia.rows as u64),
+            condition: significant(inertia.condition, 3),
+            residual: format!("{}\u{a0}m²/s²", scientific(inertia.residual_rms, 2)),
+            verdict: verdict(&steps.inertia.verdict),
+        },
     ];
-    if let Some(stiffness) = &steps.stiffness {
-        rows.push(Row::new(
-            "4:\u{a0}stiffness",
-            [
-                Cell::from(trials(Role::HighFrequencyLinear)),
-                Cell::from(format!("{} candidates", steps.curve.len())),
-                Cell::from(MISSING),
-                Cell::from(format!(
-                    "{}\u{a0}rad/s",
-                    significant(stiffness.smallest_rad_s, 2)
-                )),
-                Cell::from(verdict(&stiffness.verdict)),
-            ],
-        ));
-    }
-    Table {
-        caption: "The steps".to_owned(),
-        stub: "step".to_owned(),
-        columns: vec![
-            Column::number("trials", ""),
-            Column::number("rows", ""),
-            Column::number("condition number", ""),
-            Column::number("residual, r.m.s.", ""),
-            Column::text("determined"),
-        ],
-        rows,
-        footnote: "The condition number is how much better the best told combination of unknowns is told than the worst: 1 is ideal, \
-                   up to about 10 is sound, and from 100 on a direction is as good as left out, so that errors of the data show in \
-                   the estimates many times over. Trials on more wedges lower it. Of step 4 the residual is the curve's minimum."
-            .to_owned(),
-        ..Table::default()
-    }
+    Table::of("step", told.into_iter().chain(stiffness), |step| step.name.to_owned())
+        .col("trials", |step| {
+            let trials = calibrated.trials.iter();
+            trials.filter(|t| t.role == step.role).count().to_string()
+        })
+        .col("rows", |step| step.rows.clone())
+        .col("condition number", |step| step.condition.clone())
+        .col("residual, r.m.s.", |step| step.residual.clone())
+        .text("determined", |step| step.verdict.clone())
+        .caption("The steps")
+        .footnote(
+            "The condition number is how much better the best told combination of unknowns is told than the worst: 1 is ideal, \
+             up to about 10 is sound, and from 100 on a direction is as good as left out, so that errors of the data show in \
+             the estimates many times over. Trials on more wedges lower it. Of step 4 the residual is the curve's minimum.",
+        )
+        .into()
 }
 
 /// k/m in 10^8 1/s^2, so that the axis has short numbers.

@@ -2,11 +2,12 @@
 
 use crate::calibrate::CalibratedSession;
 use crate::tap::TapReport;
+use sixaxis_core::identify::tap::Tap;
 use sixaxis_core::significance::NORMAL_95;
 
 use crate::page::labels::{count, share, unbroken};
 use sixaxis_page::number::{MISSING, fixed, scientific};
-use sixaxis_page::{Block, Cell, Column, Row, Section, Table};
+use sixaxis_page::{Block, Section, Table};
 
 /// The section; empty for a session without taps.
 pub fn section(calibrated: &CalibratedSession) -> Section {
@@ -34,57 +35,40 @@ pub fn section(calibrated: &CalibratedSession) -> Section {
     };
     section
         .block(Block::Note(said))
-        .block(Block::Table(Table {
-            caption: "The taps".to_owned(),
-            stub: "recording".to_owned(),
-            columns: vec![
-                Column::number("$k$/$m$", "10⁸\u{a0}1/s²"),
-                Column::number("±\u{a0}95\u{a0}%", ""),
-                Column::number("modes", "Hz"),
-                Column::number("their damping", ""),
-                Column::number("left over", ""),
-                Column::text("remark"),
-            ],
-            rows: taps.reports.iter().map(row).collect(),
-            footnote: "Modes: the lowest and the highest of six. Left over is the residual where the decay is strongest, over the \
-                       signal: noise, or a shell that was not held still."
-                .to_owned(),
-            ..Table::default()
-        }))
+        .block(Block::Table(table(&taps.reports)))
 }
 
-fn row(report: &TapReport) -> Row {
-    let name = unbroken(&report.name);
-    match &report.outcome {
-        Ok(tap) => {
-            let ends = |values: &[f64; 6], write: &dyn Fn(f64) -> String| {
-                format!("{} to {}", write(values[0]), write(values[5]))
-            };
-            Row::new(
-                name,
-                [
-                    Cell::from(fixed(tap.stiffness_per_mass_per_s2 * 1e-8, 4)),
-                    Cell::from(share(Some(NORMAL_95 * tap.standard_error_ln))),
-                    Cell::from(ends(&tap.mode_frequencies_hz, &|hz| fixed(hz, 0))),
-                    Cell::from(ends(&tap.mode_damping_ratios, &|z| share(Some(z)))),
-                    Cell::from(share(Some(tap.residual_over_signal))),
-                    Cell::from(format!(
-                        "samples {} to {}",
-                        tap.fitted.start, tap.fitted.end
-                    )),
-                ],
-            )
-        }
-        Err(cause) => Row::new(
-            name,
-            [
-                Cell::from(MISSING),
-                Cell::from(MISSING),
-                Cell::from(MISSING),
-                Cell::from(MISSING),
-                Cell::from(MISSING),
-                Cell::from(cause.clone()),
-            ],
-        ),
-    }
+fn table(reports: &[TapReport]) -> Table {
+    let of = |report: &TapReport, get: &dyn Fn(&Tap) -> String| {
+        report.outcome.as_ref().map_or(MISSING.to_owned(), get)
+    };
+    let ends = |values: &[f64; 6], write: &dyn Fn(f64) -> String| {
+        format!("{} to {}", write(values[0]), write(values[5]))
+    };
+    Table::of("recording", reports, |report| unbroken(&report.name))
+        .col(("$k$/$m$", "10⁸\u{a0}1/s²"), |report| {
+            of(report, &|tap| fixed(tap.stiffness_per_mass_per_s2 * 1e-8, 4))
+        })
+        .col("±\u{a0}95\u{a0}%", |report| {
+            of(report, &|tap| share(Some(NORMAL_95 * tap.standard_error_ln)))
+        })
+        .col(("modes", "Hz"), |report| {
+            of(report, &|tap| ends(&tap.mode_frequencies_hz, &|hz| fixed(hz, 0)))
+        })
+        .col("their damping", |report| {
+            of(report, &|tap| ends(&tap.mode_damping_ratios, &|z| share(Some(z))))
+        })
+        .col("left over", |report| {
+            of(report, &|tap| share(Some(tap.residual_over_signal)))
+        })
+        .text("remark", |report| match &report.outcome {
+            Ok(tap) => format!("samples {} to {}", tap.fitted.start, tap.fitted.end),
+            Err(cause) => cause.clone(),
+        })
+        .caption("The taps")
+        .footnote(
+            "Modes: the lowest and the highest of six. Left over is the residual where the decay is strongest, over the \
+             signal: noise, or a shell that was not held still.",
+        )
+        .into()
 }

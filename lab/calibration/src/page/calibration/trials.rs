@@ -8,9 +8,7 @@ use sixaxis_recordings::session::{Limits, Role, SessionFile};
 
 use crate::page::labels::{self, bar, direction, file_name, largest, share, unbroken};
 use sixaxis_page::number::{MISSING, fixed, percent, significant};
-use sixaxis_page::{
-    Axis, Block, Cell, Column, Figure, HeadCell, Mark, Row, Section, Series, State, Table,
-};
+use sixaxis_page::{Axis, Block, Cell, Figure, Mark, Section, Series, State, Table};
 
 const ROLES: [Role; 4] = [
     Role::Linear,
@@ -62,126 +60,104 @@ fn found(calibrated: &CalibratedSession, name: &str) -> Option<&'static str> {
         .map(|f| f.cause.name())
 }
 
+/// A row: a recording's name, and its trial unless it could not be used.
+type Listed<'a> = (String, Option<&'a TrialReport>);
+
 fn table(file: &SessionFile, calibrated: &CalibratedSession) -> Table {
     let limits = &file.session.limits;
-    let mut rows = Vec::new();
+    let mut table = Table::grouped("recording");
     for role in ROLES {
-        let trials: Vec<&TrialReport> = calibrated
-            .trials
-            .iter()
-            .filter(|t| t.role == role)
-            .collect();
-        let missing: Vec<String> = file
+        let trials = calibrated.trials.iter().filter(|t| t.role == role);
+        let mut listed: Vec<Listed> = trials.map(|t| (t.name.clone(), Some(t))).collect();
+        let entries = file
             .session
             .recording
             .iter()
-            .filter(|entry| entry.role == role)
+            .filter(|entry| entry.role == role);
+        let missing: Vec<String> = entries
             .map(|entry| entry.file.display().to_string())
-            .filter(|name| trials.iter().all(|t| t.name != *name))
+            .filter(|name| listed.iter().all(|(listed, _)| listed != name))
             .collect();
-        if trials.is_empty() && missing.is_empty() {
-            continue;
+        listed.extend(missing.into_iter().map(|name| (name, None)));
+        if !listed.is_empty() {
+            table = table.group(labels::role(role), listed, |(name, _)| unbroken(name));
         }
-        rows.push(Row::group(labels::role(role)));
-        rows.extend(trials.iter().map(|trial| row(limits, calibrated, trial)));
-        rows.extend(missing.iter().map(|name| {
-            let mut cells = vec![Cell::from(MISSING); COLUMNS];
-            cells[0] = Cell::from(found(calibrated, name).unwrap_or("not used")).state(State::Bad);
-            Row::new(unbroken(name), cells)
-        }));
     }
-    let mut table = Table {
-        caption: "All trials".to_owned(),
-        stub: "recording".to_owned(),
-        head: vec![vec![
-            HeadCell::new("", 1),
-            HeadCell::new("motion", 2),
-            HeadCell::new("recording", 1),
-            HeadCell::new("agreement with the others", 4),
-            HeadCell::new("independent checks", 2),
-        ]],
-        columns: vec![
-            Column::text("found"),
-            Column::number("frequency", "Hz"),
-            Column::number("direction", ""),
-            Column::number("range used", ""),
-            Column::number("departure", ""),
-            Column::number("residual", ""),
-            Column::number("lag", "ms"),
-            Column::number("predic\u{ad}tion", ""),
-            Column::number("whiteness", ""),
-            Column::number("coordi\u{ad}nation", ""),
-        ],
-        rows,
-        footnote: format!(
-            "Bars: departure {}, hold-out {}, coordination {}, validation {}. Range used is the largest voltage over the converter's \
-             limit; a small share wastes resolution. Directions are those of travel and axis in the sensor's axes at rest.",
+    // Where nothing was found there is nothing to tell in its column.
+    if calibrated.findings.iter().any(|f| !f.recordings.is_empty()) {
+        table = table.text("found", |(name, trial)| {
+            let found = found(calibrated, name).or(trial.is_none().then_some("not used"));
+            found.map_or(Cell::from(""), |words| Cell::from(words).state(State::Bad))
+        });
+    }
+    let of = |listed: &Listed, get: &dyn Fn(&TrialReport) -> Cell| {
+        listed.1.map_or(Cell::from(MISSING), get)
+    };
+    table
+        .under("motion")
+        .col(("frequency", "Hz"), |l| {
+            of(l, &|t| significant(t.frequency_hz, 3).into())
+        })
+        .col("direction", |l| of(l, &|t| direction(t.direction).into()))
+        .under("recording")
+        .col("range used", |l| {
+            of(l, &|t| {
+                let range = Cell::from(percent(t.largest_over_full_scale, 2));
+                if t.largest_over_full_scale < POOR_RANGE {
+                    range.state(State::Warn)
+                } else {
+                    range
+                }
+            })
+        })
+        .under("agreement with the others")
+        .col("departure", |l| {
+            of(l, &|t| within(t.departure, odd_trial::NOTICED))
+        })
+        .col("residual", |l| of(l, &|t| share(t.residual).into()))
+        .col(("lag", "ms"), |l| {
+            of(l, &|t| Cell::or_dash(t.lag_s.map(|s| fixed(1e3 * s, 2))))
+        })
+        .col("predic\u{ad}tion", |l| {
+            of(l, &|t| match worst(t.validation.as_ref().map(|v| &v[..])) {
+                None => within(t.hold_out, limits.hold_out_percent / 100.0),
+                validation => within(validation, limits.validation_percent / 100.0),
+            })
+        })
+        .under("independent checks")
+        .col("whiteness", |l| {
+            of(l, &|t| Cell::or_dash(t.residual_correlation.map(|r| fixed(r, 2))))
+        })
+        .col("coordi\u{ad}nation", |l| {
+            of(l, &|t| {
+                within(worst(t.coordination.as_ref().map(|c| &c[..])), COORDINATION_LIMIT)
+            })
+        })
+        .caption("All trials")
+        .footnote(format!(
+            "Acceptance limits: departure {}, hold-out {}, coordination {}, validation {}. Range used is the largest voltage over the \
+             converter's limit; a small share wastes resolution. Directions are those of travel and axis in the sensor's axes at rest.",
             bar(odd_trial::NOTICED),
             bar(limits.hold_out_percent / 100.0),
             bar(COORDINATION_LIMIT),
             bar(limits.validation_percent / 100.0),
-        ),
-    };
-    // Where nothing was found there is nothing to tell in its column.
-    if calibrated.findings.iter().all(|f| f.recordings.is_empty()) {
-        table.columns.remove(0);
-        for row in table.rows.iter_mut().filter(|row| !row.cells.is_empty()) {
-            row.cells.remove(0);
-        }
-        for head in &mut table.head {
-            head.remove(0);
-        }
-    }
-    table
+        ))
+        .into()
 }
 
-/// Columns after the recording's name.
-const COLUMNS: usize = 10;
+/// A share, marked where it is beyond its limit.
+fn within(value: Option<f64>, limit: f64) -> Cell {
+    let cell = Cell::from(share(value));
+    match value {
+        Some(value) if value <= limit => cell,
+        // NaN, too.
+        Some(_) => cell.state(State::Warn),
+        None => cell,
+    }
+}
 
-fn row(limits: &Limits, calibrated: &CalibratedSession, trial: &TrialReport) -> Row {
-    let held = |value: Option<f64>, limit: f64| {
-        let cell = Cell::from(share(value));
-        match value {
-            Some(value) if value <= limit => cell,
-            Some(_) => cell.state(State::Warn),
-            None => cell,
-        }
-    };
-    let worst =
-        |values: Option<&[f64]>| largest(values?.iter().map(|x| (*x, ()))).map(|(worst, ())| worst);
-    let name = found(calibrated, &trial.name);
-    let range = Cell::from(percent(trial.largest_over_full_scale, 2));
-    let cells: [Cell; COLUMNS] = [
-        name.map_or(Cell::from(""), |words| Cell::from(words).state(State::Bad)),
-        Cell::from(significant(trial.frequency_hz, 3)),
-        Cell::from(direction(trial.direction)),
-        if trial.largest_over_full_scale < POOR_RANGE {
-            range.state(State::Warn)
-        } else {
-            range
-        },
-        held(trial.departure, odd_trial::NOTICED),
-        Cell::from(share(trial.residual)),
-        Cell::from(
-            trial
-                .lag_s
-                .map_or(MISSING.to_owned(), |s| fixed(1e3 * s, 2)),
-        ),
-        match worst(trial.validation.as_ref().map(|v| &v[..])) {
-            None => held(trial.hold_out, limits.hold_out_percent / 100.0),
-            validation => held(validation, limits.validation_percent / 100.0),
-        },
-        Cell::from(
-            trial
-                .residual_correlation
-                .map_or(MISSING.to_owned(), |r| fixed(r, 2)),
-        ),
-        held(
-            worst(trial.coordination.as_ref().map(|c| &c[..])),
-            COORDINATION_LIMIT,
-        ),
-    ];
-    Row::new(unbroken(&trial.name), cells)
+fn worst(values: Option<&[f64]>) -> Option<f64> {
+    largest(values?.iter().map(|x| (*x, ()))).map(|(worst, ())| worst)
 }
 
 fn figure(limits: &Limits, calibrated: &CalibratedSession) -> Figure {

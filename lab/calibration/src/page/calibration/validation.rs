@@ -7,7 +7,7 @@ use sixaxis_recordings::session::SessionFile;
 use super::NEUTRAL;
 use crate::page::labels::{self, bar, file_name};
 use sixaxis_page::number::{MISSING, significant};
-use sixaxis_page::{Axis, Block, Cell, Column, Figure, Panel, Row, Section, Series, State, Table};
+use sixaxis_page::{Axis, Block, Cell, Figure, Panel, Section, Series, State, Table};
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 /// Palette indices of x, y and z.
@@ -123,67 +123,70 @@ fn figure(
     })
 }
 
-fn table(file: &SessionFile, calibrated: &CalibratedSession) -> Table {
-    let limit = file.session.limits.validation_percent / 100.0;
-    let mut rows = Vec::new();
-    for comparison in &calibrated.validation_runs {
-        rows.push(Row::group(heading(calibrated, comparison)));
-        let judged = calibrated
-            .trials
-            .iter()
-            .find(|t| t.name == comparison.name)
-            .and_then(|t| t.validation);
-        for axis in 0..6 {
-            rows.push(row(comparison, judged, axis, limit));
-        }
-    }
-    Table {
-        caption: "Errors of the decoupled accelerations".to_owned(),
-        stub: "axis".to_owned(),
-        columns: vec![
-            Column::number("peak", ""),
-            Column::number("largest error", ""),
-            Column::number("error, r.m.s.", ""),
-            Column::number("largest error over peak", ""),
-        ],
-        rows,
-        footnote: format!(
-            "Over the run's peak on that axis, or over a tenth of the largest peak where an axis has less. The bar is {}.",
-            bar(limit)
-        ),
-        ..Table::default()
-    }
+/// What the table tells of one axis of a run.
+struct Errors {
+    axis: usize,
+    peak: f64,
+    worst: f64,
+    rms: f64,
+    /// Largest error over the peak, as the run was judged by.
+    share: Option<f64>,
 }
 
-fn row(comparison: &ValidationRun, judged: Option<[f64; 6]>, axis: usize, limit: f64) -> Row {
-    let unit = if axis < 3 { "m/s²" } else { "rad/s²" };
-    let letter = if axis < 3 { "a" } else { "α" };
+fn table(file: &SessionFile, calibrated: &CalibratedSession) -> Table {
+    let limit = file.session.limits.validation_percent / 100.0;
+    let mut table = Table::grouped("axis");
+    for run in &calibrated.validation_runs {
+        let report = calibrated.trials.iter().find(|t| t.name == run.name);
+        let judged = report.and_then(|t| t.validation);
+        table = table.group(
+            heading(calibrated, run),
+            (0..6).map(|axis| errors(run, judged, axis)),
+            |e| {
+                let letter = if e.axis < 3 { "a" } else { "α" };
+                format!("${letter}$_{{{}}}", AXES[e.axis % 3])
+            },
+        );
+    }
+    let with_unit = |axis: usize, x: f64, digits: usize| {
+        let unit = if axis < 3 { "m/s²" } else { "rad/s²" };
+        Cell::from(format!("{}\u{a0}{unit}", significant(x, digits))).title(format!("{x} {unit}"))
+    };
+    table
+        .col("peak", |e| with_unit(e.axis, e.peak, 3))
+        .col("largest error", |e| with_unit(e.axis, e.worst, 2))
+        .col("error, r.m.s.", |e| with_unit(e.axis, e.rms, 2))
+        .col("largest error over peak", |e| {
+            e.share.map_or(Cell::from(MISSING), |share| {
+                let cell = Cell::from(labels::share(Some(share))).title(share.to_string());
+                if share <= limit {
+                    cell
+                } else {
+                    cell.state(State::Warn)
+                }
+            })
+        })
+        .caption("Errors of the decoupled accelerations")
+        .footnote(format!(
+            "Over the run's peak on that axis, or over a tenth of the largest peak where an axis has less. The acceptance limit is {}.",
+            bar(limit)
+        ))
+        .into()
+}
+
+fn errors(run: &ValidationRun, judged: Option<[f64; 6]>, axis: usize) -> Errors {
     let (mut peak, mut worst, mut squares) = (0.0_f64, 0.0_f64, 0.0_f64);
-    for (standard, decoupled) in comparison.standard.iter().zip(&comparison.decoupled) {
+    for (standard, decoupled) in run.standard.iter().zip(&run.decoupled) {
         let error = decoupled[axis] - standard[axis];
         peak = peak.max(standard[axis].abs());
         worst = worst.max(error.abs());
         squares += error * error;
     }
-    let rms = (squares / comparison.standard.len().max(1) as f64).sqrt();
-    let with_unit = |x: f64, digits: usize| {
-        Cell::from(format!("{}\u{a0}{unit}", significant(x, digits))).title(format!("{x} {unit}"))
-    };
-    let share = judged.map_or(Cell::from(MISSING), |errors| {
-        let cell = Cell::from(labels::share(Some(errors[axis]))).title(errors[axis].to_string());
-        if errors[axis] <= limit {
-            cell
-        } else {
-            cell.state(State::Warn)
-        }
-    });
-    Row::new(
-        format!("${letter}$_{{{}}}", AXES[axis % 3]),
-        [
-            with_unit(peak, 3),
-            with_unit(worst, 2),
-            with_unit(rms, 2),
-            share,
-        ],
-    )
+    Errors {
+        axis,
+        peak,
+        worst,
+        rms: (squares / run.standard.len().max(1) as f64).sqrt(),
+        share: judged.map(|errors| errors[axis]),
+    }
 }

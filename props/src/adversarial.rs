@@ -1,4 +1,5 @@
-//! Hostile input: numbers of any size and none, records and sensors spoiled with them, and the memory of what they broke.
+//! Adversarial input: finite numbers of any size, NaN and the infinities, records and sensors spoiled with them; and the
+//! counter-examples that were found.
 
 use crate::truth;
 use glam::{DQuat, DVec3};
@@ -6,7 +7,7 @@ use proptest::prelude::*;
 use proptest::test_runner::{Config, FileFailurePersistence};
 use sixaxis_core::{Gains, Geometry, InertiaPerMass, Parameters, Sensor, Settings};
 
-use crate::strategy::{config, rubbish};
+use crate::strategy::{any_f64_edge, config};
 
 /// [`config`] that also runs the counter-examples kept for a suite in `proptest-regressions` and adds those it finds: the file
 /// is committed, and without it, or without leave to write, only the memory is lost.
@@ -36,14 +37,14 @@ pub fn extreme() -> impl Strategy<Value = f64> {
     ]
 }
 
-/// Rubbish or an extreme.
-pub fn hostile() -> impl Strategy<Value = f64> {
-    prop_oneof![rubbish(), extreme()]
+/// An edge of f64, or a finite number of any size.
+pub fn adversarial_f64() -> impl Strategy<Value = f64> {
+    prop_oneof![any_f64_edge(), extreme()]
 }
 
-/// `sound` with up to three of its numbers replaced by hostile ones, and which.
+/// `sound` with up to three of its numbers replaced by adversarial ones, and which.
 pub fn spoiled<const N: usize>(sound: [f64; N]) -> impl Strategy<Value = ([f64; N], Vec<usize>)> {
-    prop::collection::vec((0..N, hostile()), 0..=3).prop_map(move |changes| {
+    prop::collection::vec((0..N, adversarial_f64()), 0..=3).prop_map(move |changes| {
         let mut numbers = sound;
         for &(i, value) in &changes {
             numbers[i] = value;
@@ -52,12 +53,12 @@ pub fn spoiled<const N: usize>(sound: [f64; N]) -> impl Strategy<Value = ([f64; 
     })
 }
 
-/// N channels of up to `longest` samples, none and one among them: sound, all of one wild size, or with hostile
+/// N channels of up to `longest` samples, none and one among them: sound, all of one wild size, or with adversarial
 /// numbers strewn in.
 pub fn record<const N: usize>(longest: usize) -> impl Strategy<Value = Vec<[f64; N]>> {
     let sample = prop::collection::vec(-1.0..1.0_f64, N);
     let rows = prop::collection::vec(sample, 0..=longest);
-    let strewn = prop::collection::vec((any::<usize>(), hostile()), 0..4);
+    let strewn = prop::collection::vec((any::<usize>(), adversarial_f64()), 0..4);
     let size = prop_oneof![2 => Just(1.0), 1 => extreme()];
     (rows, size, strewn).prop_map(|(rows, size, strewn)| {
         let mut flat: Vec<f64> = rows.into_iter().flatten().map(|x| x * size).collect();
@@ -105,9 +106,9 @@ fn sound_setup() -> [(&'static str, f64); 47] {
     core::array::from_fn(|i| all[i])
 }
 
-/// A sensor with up to three of all its numbers hostile, and the names of those.
-pub fn hostile_setup() -> impl Strategy<Value = ((Sensor, Parameters, Settings), Vec<&'static str>)>
-{
+/// A sensor with up to three of all its numbers adversarial, and the names of those.
+pub fn adversarial_setup()
+-> impl Strategy<Value = ((Sensor, Parameters, Settings), Vec<&'static str>)> {
     let sound = sound_setup();
     spoiled(sound.map(|(_, value)| value)).prop_map(move |(x, places)| {
         let nine = |from: usize| core::array::from_fn(|i| x[from + i]);

@@ -1,15 +1,11 @@
-//! Welch's spectrum as the samples come, and the lines in it.
+//! Lines that stand out of a spectrum: the highest one, and those of the mains.
 
-use std::sync::Arc;
+use sixaxis_core::dsp::spectrum::MIN_SEGMENT;
 
-use anyhow::Result;
-use sixaxis_core::dsp::detrend;
-use sixaxis_core::dsp::spectrum::{Fourier, MIN_SEGMENT};
-
-use super::findings::Line;
+use super::facts::Line;
 
 /// Longest segment.
-pub const LONGEST_SEGMENT: usize = 1 << 16;
+const LONGEST_SEGMENT: usize = 1 << 16;
 /// Longest where the recording's length is not known before it is read.
 const LONGEST_BLIND: usize = 1 << 14;
 /// Shortest of a long recording.
@@ -25,36 +21,6 @@ const STRAYS_HZ: f64 = 0.5;
 const AROUND_HZ: f64 = 8.0;
 /// Harmonics looked for once the first is there.
 const HARMONICS: usize = 5;
-
-/// What all channels of one clock share: window and transform.
-#[derive(Debug)]
-pub struct Plan {
-    fourier: Fourier,
-    window: Vec<f64>,
-    power: f64,
-}
-
-impl Plan {
-    /// For segments of `segment` samples, a power of two, at least 8.
-    ///
-    /// # Errors
-    /// [`sixaxis_core::Error::OutOfRange`].
-    pub fn new(segment: usize) -> Result<Self> {
-        let fourier = Fourier::new(segment)?;
-        let window: Vec<f64> = (0..segment)
-            .map(|k| {
-                let sine = (std::f64::consts::PI * k as f64 / segment as f64).sin();
-                sine * sine
-            })
-            .collect();
-        let power = window.iter().map(|w| w * w).sum();
-        Ok(Self {
-            fourier,
-            window,
-            power,
-        })
-    }
-}
 
 /// Segment for a recording: half of one of `rows` samples that ends early; otherwise so long that lines are a quarter of a
 /// hertz apart, within bounds. None for one that is too short.
@@ -82,95 +48,6 @@ pub fn segment(
         _ => SHORTEST,
     };
     Some(wanted.min(most).min(LONGEST_SEGMENT))
-}
-
-/// Averages segments as they come.
-///
-/// Equals [`sixaxis_core::dsp::spectrum::welch`] of the whole series at a sample rate of 1, but for segments that hold a
-/// value that is not finite, which are left out (test `streamed_spectrum_is_that_of_the_whole`).
-#[derive(Debug, Clone)]
-pub struct Welch {
-    plan: Arc<Plan>,
-    buffer: Vec<f64>,
-    work: Vec<f64>,
-    sums: Vec<f64>,
-    segments: u64,
-    left_out: u64,
-}
-
-impl Welch {
-    /// Nothing averaged yet.
-    #[must_use]
-    pub fn new(plan: Arc<Plan>) -> Self {
-        let segment = plan.fourier.length();
-        Self {
-            buffer: Vec::with_capacity(segment),
-            work: vec![0.0; segment],
-            sums: vec![0.0; segment / 2 + 1],
-            segments: 0,
-            left_out: 0,
-            plan,
-        }
-    }
-
-    /// Takes the next samples.
-    ///
-    /// # Errors
-    /// None that a finite series could bring about.
-    pub fn extend(&mut self, mut samples: &[f64]) -> Result<()> {
-        let segment = self.plan.fourier.length();
-        while !samples.is_empty() {
-            let room = segment - self.buffer.len();
-            let (now, later) = samples.split_at(room.min(samples.len()));
-            self.buffer.extend_from_slice(now);
-            samples = later;
-            if self.buffer.len() == segment {
-                self.average()?;
-                self.buffer.copy_within(segment / 2.., 0);
-                self.buffer.truncate(segment / 2);
-            }
-        }
-        Ok(())
-    }
-
-    fn average(&mut self) -> Result<()> {
-        self.work.copy_from_slice(&self.buffer);
-        // Refuses what is not finite, and means that overflow.
-        if detrend::constant(&mut self.work).is_err() {
-            self.left_out += 1;
-            return Ok(());
-        }
-        for (x, w) in self.work.iter_mut().zip(&self.plan.window) {
-            *x *= w;
-        }
-        self.plan.fourier.transform(&mut self.work)?;
-        let lines = self.sums.len() - 1;
-        self.sums[0] += self.work[0] * self.work[0];
-        self.sums[lines] += self.work[1] * self.work[1];
-        let (pairs, _) = self.work.as_chunks::<2>();
-        for (sum, [re, im]) in self.sums[1..lines].iter_mut().zip(&pairs[1..]) {
-            *sum += 2.0 * (re * re + im * im);
-        }
-        self.segments += 1;
-        Ok(())
-    }
-
-    /// Densities per cycle per sample, segments averaged, segments left out. None if nothing was averaged.
-    #[must_use]
-    pub fn finish(self) -> (Option<Vec<f64>>, u64, u64) {
-        if self.segments == 0 {
-            return (None, 0, self.left_out);
-        }
-        let scale = 1.0 / (self.plan.power * self.segments as f64);
-        let densities = self.sums.into_iter().map(|sum| sum * scale).collect();
-        (Some(densities), self.segments, self.left_out)
-    }
-
-    /// Samples of a segment.
-    #[must_use]
-    pub fn segment(&self) -> usize {
-        self.plan.fourier.length()
-    }
 }
 
 /// The highest line, if it stands out of the median density, is higher than its neighbours and not among the lowest.
@@ -246,7 +123,8 @@ fn line(densities: &[f64], distance: f64, at: usize, floor: f64) -> Line {
     }
 }
 
-fn median(values: &[f64]) -> Option<f64> {
+/// Median; of an even number of values the upper of the middle two.
+pub(super) fn median(values: &[f64]) -> Option<f64> {
     let mut sorted = values.to_vec();
     let middle = sorted.len() / 2;
     (!sorted.is_empty()).then(|| *sorted.select_nth_unstable_by(middle, f64::total_cmp).1)
@@ -268,23 +146,6 @@ mod tests {
         })
     }
 
-    fn streamed(series: &[f64], segment: usize) -> Vec<f64> {
-        let mut stream = Welch::new(Arc::new(Plan::new(segment).expect("plan")));
-        for piece in series.chunks(777) {
-            stream.extend(piece).expect("finite");
-        }
-        stream.finish().0.expect("long enough")
-    }
-
-    #[test]
-    fn streamed_spectrum_is_that_of_the_whole() {
-        let series: Vec<f64> = noise().take(10_000).map(|x| x + 3.0).collect();
-        let whole = welch(&series, 512, 1.0).expect("welch");
-        for (a, b) in streamed(&series, 512).iter().zip(&whole.densities) {
-            assert!((a - b).abs() <= 1e-12 * b, "{a} {b}");
-        }
-    }
-
     #[test]
     fn hum_is_found_with_its_amplitude_and_noise_has_none() {
         let rate = 1000.0;
@@ -300,10 +161,9 @@ mod tests {
                 .collect()
         };
         let lines = |hum: f64| {
-            let densities: Vec<f64> = streamed(&series(hum), 4096)
-                .iter()
-                .map(|d| d / rate)
-                .collect();
+            let densities = welch(&series(hum), 4096, rate)
+                .expect("long enough")
+                .densities;
             let distance = rate / 4096.0;
             (
                 mains(&densities, distance),

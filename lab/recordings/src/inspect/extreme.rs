@@ -1,6 +1,6 @@
 //! Flat tops: a converter at its end repeats itself to the last bit.
 
-use super::findings::FlatTop;
+use super::facts::FlatTop;
 use super::resolution::Resolution;
 
 /// Equal extreme samples in a row that make a flat top.

@@ -1,24 +1,20 @@
 //! The problems: runs of the rig, and one tumble, recorded without noise from MuJoCo, with their truth.
 //!
 //! The sensor is the paper's as identified. Solving for what a problem asks needs only what a laboratory has; the
-//! truth is there for [`crate::validate`].
+//! truth is there to hold answers against.
 
 use std::f64::consts::{PI, TAU};
 
-use glam::{DQuat, DVec3, Vec3Swizzles};
-use mujoco_rs::wrappers::mj_data::MjData;
-use mujoco_rs::wrappers::mj_model::MjModel;
+use crate::problem::rig;
+use crate::truth;
+use crate::truth::InCore;
+use glam::{DVec3, Vec3Swizzles};
 use sixaxis_core::decouple::stream::Decoupler;
 use sixaxis_core::identify::inertia::{InertiaEstimate, InertiaIdentification};
 use sixaxis_core::identify::scale::{ScaleIdentification, ScalePerMass};
-use sixaxis_core::paper::pose::Pose;
 use sixaxis_core::paper::signal::SignalChain;
-use sixaxis_core::paper::wrench::LimbWrench;
 use sixaxis_core::paper::{self, RateVariable};
 use sixaxis_core::{Geometry, LIMBS, Model, Parameters, Scheme, Sensor, Settings};
-use sixaxis_props::rig_runs;
-use sixaxis_props::truth;
-use sixaxis_props::truth::InCore;
 use sixaxis_reference::laboratory::Laboratory;
 use sixaxis_reference::laboratory::recording::SimulatedRecording;
 use sixaxis_reference::motion::Motion;
@@ -27,10 +23,6 @@ use sixaxis_reference::mujoco::model::SensorModel;
 use sixaxis_reference::mujoco::simulate_run;
 use sixaxis_reference::mujoco::simulation::{Simulation, Snapshot};
 use sixaxis_reference::rig::run::{Mode, Mounting, Run};
-
-/// Coordinates and degrees of freedom of a free body in MuJoCo.
-const FREE_BODY_COORDINATES: usize = 7;
-const FREE_BODY_DOFS: usize = 6;
 
 /// Step of every simulation, s: half the study's 25 us, at which MuJoCo's own error, 1e-7, would let a fault of that
 /// size pass in the schemes of fourth order. At this step it is 6e-9.
@@ -59,14 +51,14 @@ pub fn true_parameters() -> Parameters {
 /// The run behind Table 6: compound motion at 5 Hz.
 #[must_use]
 pub fn compound_5_hz() -> Run {
-    rig_runs::compound_run()
+    rig::compound_run()
 }
 
 /// MuJoCo's model of the true sensor on the rig of a run.
 #[must_use]
 pub fn model(run: &Run) -> SensorModel {
     let parameters = true_parameters();
-    rig_runs::model(&parameters, run.direction_ground, Mounting::AxisVertical)
+    rig::model(&parameters, run.direction_ground, Mounting::AxisVertical)
 }
 
 /// One recorded run with its truth.
@@ -342,87 +334,5 @@ pub fn candidate(stiffness_per_mass_per_s2: f64) -> Parameters {
     Parameters {
         stiffness_per_mass_per_s2,
         ..true_parameters()
-    }
-}
-
-/// The sensor in MuJoCo by itself, nobody driving the shell: both bodies free, at rest, the mass displaced.
-pub struct FreeSensor {
-    /// MuJoCo's state.
-    pub data: MjData<Box<MjModel>>,
-    model: SensorModel,
-}
-
-/// Displacement of the mass in [`FreeSensor`], m and rad: the size of a fast run's.
-const DISPLACEMENT: (DVec3, DVec3) = (DVec3::new(2e-7, -3e-7, 4e-7), DVec3::new(-5e-6, 1e-5, 7e-6));
-
-impl FreeSensor {
-    /// Loads the sensor of a run and displaces its mass.
-    ///
-    /// # Panics
-    /// If MuJoCo refuses the sensor.
-    #[must_use]
-    pub fn new(run: &Run) -> Self {
-        let model = model(run);
-        let compiled =
-            MjModel::from_xml_string(&model.to_mjcf(STEP_S)).expect("MuJoCo's model of the sensor");
-        let mut data = MjData::new(Box::new(compiled));
-        let (position, rotation) = DISPLACEMENT;
-        let q = DQuat::from_scaled_axis(rotation);
-        data.qpos_mut()[FREE_BODY_COORDINATES..]
-            .copy_from_slice(&[position.x, position.y, position.z, q.w, q.x, q.y, q.z]);
-        Self { data, model }
-    }
-
-    /// Linear, m/s^2, and angular acceleration, rad/s^2, of the mass: MuJoCo's beside Newton's and Euler's with the
-    /// core's limb directions. For the state in which it was created, where nothing moves yet.
-    #[must_use]
-    pub fn accelerations(&mut self) -> [(DVec3, DVec3); 2] {
-        self.data.forward();
-        let a = &self.data.qacc()[FREE_BODY_DOFS..];
-        let (position_shell_m, rotation_rad) = DISPLACEMENT;
-        let pose = Pose {
-            position_shell_m,
-            rotation_rad,
-        };
-        let geometry = &Geometry::PAPER;
-        let force = pose
-            .elongations_m(geometry)
-            .map(|dl| -self.model.stiffness_per_mass_per_s2 * dl);
-        let wrench = LimbWrench::at_pose(geometry, &pose, &force);
-        let torque_mass = pose.rotation_matrix().transpose() * wrench.torque_shell_m2_s2;
-        let inertia = self.model.inertia_per_mass.tensor_m2();
-        [
-            (
-                DVec3::new(a[0], a[1], a[2]),
-                wrench.force_shell_m_s2 + self.model.gravity_ground_m_s2,
-            ),
-            (
-                DVec3::new(a[3], a[4], a[5]),
-                inertia.inverse() * torque_mass,
-            ),
-        ]
-    }
-
-    /// Takes `steps` of MuJoCo's own steps and returns how far the common centre of mass has fallen, m, beside
-    /// g t^2/2: limbs are internal and cannot change it.
-    #[must_use]
-    pub fn fall(&mut self, steps: u32) -> (DVec3, DVec3) {
-        let start = self.centre_of_mass_m();
-        for _ in 0..steps {
-            self.data.step();
-        }
-        let time_s = f64::from(steps) * STEP_S;
-        (
-            self.centre_of_mass_m() - start,
-            self.model.gravity_ground_m_s2 * (0.5 * time_s * time_s),
-        )
-    }
-
-    fn centre_of_mass_m(&self) -> DVec3 {
-        let q = self.data.qpos();
-        let place = |body: usize| DVec3::from_slice(&q[body * FREE_BODY_COORDINATES..]);
-        // World, shell, mass.
-        let masses = self.data.model().body_mass();
-        (place(0) * masses[1] + place(1) * masses[2]) / (masses[1] + masses[2])
     }
 }

@@ -1,15 +1,17 @@
-//! The answer: plain data. A number that does not exist is null, and `absent` says why.
+//! Everything about a recording, as plain data. A number that does not exist is null, and `absent` says why.
 //!
-//! Numbers of a channel are in the channel's own unit unless their name says otherwise; samples count from 0.
+//! Numbers of a channel are in the channel's own unit unless their name says otherwise; samples count from 0. JSON is these
+//! structures; a terminal's text and a page print [`NUMBERS`] and [`Inspection::facts`].
 
 use std::collections::BTreeMap;
 
 use serde::Serialize;
+use serde::ser::{SerializeMap, Serializer};
 
-use super::clock::Stamps;
-use super::envelope::Envelope;
 use super::pairs::{Correlations, Twins};
 use super::sensor::Sensor;
+use crate::envelope::Envelope;
+use crate::ingest::clock::Stamps;
 
 /// Everything about one file.
 #[derive(Debug, Clone, Serialize)]
@@ -28,10 +30,50 @@ pub struct Inspection {
     pub twins: Vec<Twins>,
     /// The nine limbs and the standards, where they can be told.
     pub sensor: Option<Sensor>,
-    /// What is noticed.
-    pub noticed: Vec<Notice>,
-    /// What else is to be known: no defect, or none that one recording can prove.
-    pub remarks: Vec<String>,
+    /// What a person should know, in sentences: `noticed` and `remarks` in JSON.
+    #[serde(flatten, serialize_with = "noticed_and_remarks")]
+    pub facts: Vec<Fact>,
+}
+
+impl Inspection {
+    /// The facts of one weight, in their order.
+    pub fn told(&self, severity: Severity) -> impl Iterator<Item = &Fact> {
+        self.facts.iter().filter(move |f| f.severity == severity)
+    }
+}
+
+/// Weight of a fact.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Severity {
+    /// Noticed: a defect of the recording, or the look of one.
+    Noticed,
+    /// To be known: no defect, or none that one recording can prove.
+    Remark,
+}
+
+/// One sentence about a recording.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Fact {
+    /// One word for scripts: `clipped`, `constant`, `not_finite`, `drift`, `mains`, `identical`, `opposite`, `gap`,
+    /// `not_advancing`, `jitter`, `rate`, `unreadable`, `empty`; `remark` for what is no defect.
+    pub kind: &'static str,
+    /// Channels concerned.
+    pub channels: Vec<String>,
+    /// The sentence with its numbers.
+    pub text: String,
+    /// Its weight.
+    #[serde(skip)]
+    pub severity: Severity,
+}
+
+fn noticed_and_remarks<S: Serializer>(facts: &[Fact], to: S) -> Result<S::Ok, S::Error> {
+    let of = |severity| facts.iter().filter(move |f| f.severity == severity);
+    let noticed: Vec<&Fact> = of(Severity::Noticed).collect();
+    let remarks: Vec<&str> = of(Severity::Remark).map(|f| f.text.as_str()).collect();
+    let mut map = to.serialize_map(Some(2))?;
+    map.serialize_entry("noticed", &noticed)?;
+    map.serialize_entry("remarks", &remarks)?;
+    map.end()
 }
 
 /// A channel that cannot be read.
@@ -138,9 +180,9 @@ pub struct Densities {
     /// Samples of a segment.
     pub segment: usize,
     /// Segments averaged.
-    pub segments: u64,
+    pub segments: usize,
     /// Segments left out because a value in them is not finite.
-    pub segments_left_out: u64,
+    pub segments_left_out: usize,
     /// From one line to the next, Hz, or cycles per sample where no rate is known. The first line stands at 0.
     pub line_distance: f64,
     /// One-sided densities, unit^2 per Hz or per cycle per sample. Left empty where they are not asked for.
@@ -211,6 +253,14 @@ impl ChannelFacts {
         self.unit.as_ref().map_or("", |unit| unit.name.as_str())
     }
 
+    /// Whether the unit is one of this quantity.
+    #[must_use]
+    pub fn measures(&self, quantity: &str) -> bool {
+        self.unit
+            .as_ref()
+            .is_some_and(|unit| unit.measures == Some(quantity))
+    }
+
     /// Samples that are numbers.
     #[must_use]
     pub const fn finite(&self) -> u64 {
@@ -218,14 +268,17 @@ impl ChannelFacts {
     }
 }
 
-/// Something that is noticed.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Notice {
-    /// One word for scripts: `clipped`, `constant`, `not_finite`, `drift`, `mains`, `identical`, `opposite`, `gap`,
-    /// `not_advancing`, `jitter`, `rate`, `unreadable`, `empty`.
-    pub kind: &'static str,
-    /// Channels concerned.
-    pub channels: Vec<String>,
-    /// A sentence with its numbers.
-    pub text: String,
-}
+/// A number of a channel, as every table has it: heading, significant digits, value.
+pub type Number = (&'static str, usize, fn(&ChannelFacts) -> Option<f64>);
+
+/// The numbers of a channel in the order of a table.
+pub const NUMBERS: [Number; 8] = [
+    ("min", 4, |c| c.minimum),
+    ("max", 4, |c| c.maximum),
+    ("mean", 4, |c| c.mean),
+    ("std dev", 4, |c| c.standard_deviation),
+    ("noise", 4, |c| c.noise_floor),
+    ("step", 4, |c| c.smallest_step),
+    ("bits", 3, |c| c.bits_used),
+    ("drift", 4, |c| c.drift),
+];

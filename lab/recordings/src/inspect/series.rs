@@ -1,19 +1,17 @@
 //! One channel's numbers, all in one pass.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
-use anyhow::Result;
-use sixaxis_core::dsp::spectrum::{MIN_NOISE_SAMPLES, noise_floor};
-use sixaxis_recordings::Channel;
-use sixaxis_recordings::unit::{self, Unit};
+use sixaxis_core::dsp::spectrum::{MIN_NOISE_SAMPLES, Welch, noise_floor};
 
-use super::envelope::Envelope;
 use super::extreme::Extreme;
-use super::findings::{ChannelFacts, Densities, UnitFacts};
+use super::facts::{ChannelFacts, Densities, UnitFacts};
 use super::pairs::Prints;
 use super::resolution::Steps;
-use super::spectrum::{self, Plan, Welch};
+use super::spectrum;
+use crate::channel::Channel;
+use crate::envelope::Envelope;
+use crate::unit::{self, Unit};
 
 /// Samples of which one noise floor is told.
 const NOISE_PIECE: usize = 4096;
@@ -21,7 +19,7 @@ const NOISE_PIECE: usize = 4096;
 const NOISE_KEPT: usize = 4096;
 
 /// One channel, sample by sample.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Series {
     rows: u64,
     not_a_number: u64,
@@ -31,7 +29,8 @@ pub struct Series {
     mean: f64,
     /// Sum of the squared differences from the mean.
     squares: f64,
-    whole: bool,
+    /// A sample is no whole number.
+    fractional: bool,
     high: Extreme,
     low: Extreme,
     steps: Steps,
@@ -45,43 +44,26 @@ pub struct Series {
 }
 
 impl Series {
-    /// Nothing taken yet. `plan` is left out for a recording that is too short for a spectrum; `full_scale` is the converter's
+    /// Nothing taken yet. `welch` is left out for a recording that is too short for a spectrum; `full_scale` is the converter's
     /// limit in the channel's unit, infinite if it is not known.
     #[must_use]
-    pub fn new(plan: Option<&Arc<Plan>>, full_scale: f64) -> Self {
+    pub fn new(welch: Option<Welch>, full_scale: f64) -> Self {
         Self {
-            rows: 0,
-            not_a_number: 0,
-            infinite: 0,
-            first_not_finite: None,
-            finite: 0.0,
-            mean: 0.0,
-            squares: 0.0,
-            whole: true,
-            high: Extreme::default(),
-            low: Extreme::default(),
-            steps: Steps::default(),
-            same: 0,
-            turned: 0,
-            envelope: Envelope::default(),
-            noise: Noise::default(),
-            welch: plan.map(|plan| Welch::new(Arc::clone(plan))),
+            welch,
             full_scale,
-            at_full_scale: 0,
+            ..Self::default()
         }
     }
 
     /// Takes the next samples.
-    ///
-    /// # Errors
-    /// None that samples could bring about.
-    pub fn extend(&mut self, samples: &[f64]) -> Result<()> {
+    pub fn extend(&mut self, samples: &[f64]) {
         let (mut n, mut sum) = (0.0, 0.0);
         for &x in samples {
             let row = self.rows;
             self.rows += 1;
             self.same = mix(self.same, x);
             self.turned = mix(self.turned, -x);
+            self.envelope.push(row as f64, x);
             if !x.is_finite() {
                 self.first_not_finite.get_or_insert(row);
                 if x.is_nan() {
@@ -93,7 +75,7 @@ impl Series {
             }
             n += 1.0;
             sum += x;
-            self.whole &= x.fract() == 0.0;
+            self.fractional |= x.fract() != 0.0;
             self.high.push(x, row);
             self.low.push(-x, row);
             self.steps.push(x, row);
@@ -113,12 +95,10 @@ impl Series {
             self.mean += apart * (n / all);
             self.finite = all;
         }
-        self.envelope.extend(samples);
         self.noise.extend(samples);
         if let Some(welch) = &mut self.welch {
-            welch.extend(samples)?;
+            welch.push(samples);
         }
-        Ok(())
     }
 
     /// What tells these samples from another channel's.
@@ -193,23 +173,21 @@ impl Series {
             Some(_) => "no segment without a value that is not finite",
         };
         if let Some(welch) = self.welch {
-            let segment = welch.segment();
             let rate = rate_hz.unwrap_or(1.0);
-            let distance = rate / segment as f64;
-            if let (Some(found), segments, segments_left_out) = welch.finish() {
-                let found: Vec<f64> = found.into_iter().map(|d| d / rate).collect();
+            let distance = rate / welch.segment() as f64;
+            if let Some(found) = welch.spectrum(rate) {
                 if !constant {
-                    dominant = spectrum::dominant(&found, distance);
+                    dominant = spectrum::dominant(&found.densities, distance);
                     if rate_hz.is_some() {
-                        mains = spectrum::mains(&found, distance);
+                        mains = spectrum::mains(&found.densities, distance);
                     }
                 }
                 densities = Some(Densities {
-                    segment,
-                    segments,
-                    segments_left_out,
+                    segment: welch.segment(),
+                    segments: found.segments,
+                    segments_left_out: welch.left_out(),
                     line_distance: distance,
-                    densities: found,
+                    densities: found.densities,
                 });
             }
         }
@@ -235,8 +213,8 @@ impl Series {
             smallest_step,
             bits_used,
             constant,
-            flat_bottom: self.low.flat(span, &resolution, self.whole, -1.0),
-            flat_top: self.high.flat(span, &resolution, self.whole, 1.0),
+            flat_bottom: self.low.flat(span, &resolution, !self.fractional, -1.0),
+            flat_top: self.high.flat(span, &resolution, !self.fractional, 1.0),
             at_full_scale: self.full_scale.is_finite().then_some(self.at_full_scale),
             drift: drift_value,
             drift_stands_out: drift.is_some_and(|d| d.1),
@@ -277,24 +255,13 @@ fn mix(state: u64, x: f64) -> u64 {
 }
 
 /// Median of the noise floors of pieces without a gap.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 struct Noise {
     piece: Vec<f64>,
     floors: Vec<f64>,
-    /// Pieces passed over for each that is kept, and still to be passed over.
-    stride: u64,
-    skip: u64,
-}
-
-impl Default for Noise {
-    fn default() -> Self {
-        Self {
-            piece: Vec::new(),
-            floors: Vec::new(),
-            stride: 1,
-            skip: 0,
-        }
-    }
+    /// Pieces seen, and how often the floors were halved: every 2^halvings-th piece is looked at.
+    pieces: u64,
+    halvings: u32,
 }
 
 impl Noise {
@@ -324,8 +291,8 @@ impl Noise {
     }
 
     fn tell(&mut self) {
-        let due = self.skip == 0;
-        self.skip = if due { self.stride - 1 } else { self.skip - 1 };
+        let due = self.pieces.trailing_zeros() >= self.halvings;
+        self.pieces += 1;
         if due && self.piece.len() >= MIN_NOISE_SAMPLES {
             // Refused only for differences that overflow.
             if let Ok(floor) = noise_floor(&self.piece) {
@@ -338,7 +305,7 @@ impl Noise {
                 second = !second;
                 second
             });
-            self.stride *= 2;
+            self.halvings += 1;
         }
         self.piece.clear();
     }
@@ -347,8 +314,6 @@ impl Noise {
         if self.floors.is_empty() {
             self.tell();
         }
-        let middle = self.floors.len() / 2;
-        (!self.floors.is_empty())
-            .then(|| *self.floors.select_nth_unstable_by(middle, f64::total_cmp).1)
+        spectrum::median(&self.floors)
     }
 }

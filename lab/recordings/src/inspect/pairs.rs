@@ -223,13 +223,12 @@ pub struct Prints {
     pub moves: bool,
 }
 
-/// Pairs that are one signal.
+/// Pairs of named channels that are one signal.
 #[must_use]
-pub fn twins(names: &[&str], prints: &[Prints], pairs: Option<&Pairs>) -> Vec<Twins> {
+pub fn twins(channels: &[(String, Prints)], pairs: Option<&Pairs>) -> Vec<Twins> {
     let mut found = Vec::new();
-    for i in 0..names.len() {
-        for j in i + 1..names.len() {
-            let (a, b) = (prints[i], prints[j]);
+    for (i, (first, a)) in channels.iter().enumerate() {
+        for (j, (second, b)) in channels.iter().enumerate().skip(i + 1) {
             if !(a.moves && b.moves) {
                 continue;
             }
@@ -244,7 +243,7 @@ pub fn twins(names: &[&str], prints: &[Prints], pairs: Option<&Pairs>) -> Vec<Tw
                 }
             };
             found.push(Twins {
-                channels: [names[i].to_owned(), names[j].to_owned()],
+                channels: [first.clone(), second.clone()],
                 opposite,
                 exact,
                 correlation: alike.map(|a| a.0),

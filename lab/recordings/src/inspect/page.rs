@@ -1,12 +1,12 @@
 //! Recordings as a page: each channel's history and spectrum, and what is noticed.
 
-use crate::inspection::Inspection;
-use crate::inspection::findings::{ChannelFacts, Group};
-use crate::inspection::listing::{self, printable};
 use sixaxis_page::number::{count, significant, with_unit};
 use sixaxis_page::{
     Axis, Block, Cell, Column, Figure, Mark, Page, Row, Section, Series, State, Table, Tile,
 };
+
+use super::facts::{ChannelFacts, Group, Inspection, NUMBERS, Severity};
+use super::listing::{self, printable};
 
 /// Channels drawn of a file; the others are in the table.
 const DRAWN: usize = 64;
@@ -22,7 +22,6 @@ pub fn page(inspections: &[&Inspection]) -> Page {
         [one] => Some(*one),
         _ => None,
     };
-    let noticed: usize = inspections.iter().map(|i| i.noticed.len()).sum();
     let mut sections = Vec::new();
     for (k, inspection) in inspections.iter().enumerate() {
         sections.push(of_file(inspection, k + 1, one.is_some()));
@@ -39,7 +38,7 @@ pub fn page(inspections: &[&Inspection]) -> Page {
             }
         },
         facts: vec![("sixaxis".to_owned(), env!("CARGO_PKG_VERSION").to_owned())],
-        tiles: one.map_or_else(Vec::new, |one| tiles(one, noticed)),
+        tiles: one.map_or_else(Vec::new, tiles),
         sections,
     }
 }
@@ -63,7 +62,7 @@ fn name_of(file: &str) -> &str {
     file.rsplit(['/', '\\']).next().unwrap_or(file)
 }
 
-fn tiles(one: &Inspection, noticed: usize) -> Vec<Tile> {
+fn tiles(one: &Inspection) -> Vec<Tile> {
     let channels: usize = one.groups.iter().map(|g| g.channels.len()).sum();
     let mut tiles = vec![Tile::new(
         "channels",
@@ -96,20 +95,10 @@ fn tiles(one: &Inspection, noticed: usize) -> Vec<Tile> {
             ));
         }
     }
-    tiles.push(Tile::new(
-        "noticed",
-        if noticed == 0 {
-            "nothing".to_owned()
-        } else {
-            count(noticed as u64)
-        },
-        if noticed == 0 { "" } else { "see below" },
-        if noticed == 0 {
-            State::Good
-        } else {
-            State::Neutral
-        },
-    ));
+    tiles.push(match one.told(Severity::Noticed).count() {
+        0 => Tile::new("noticed", "nothing", "", State::Good),
+        some => Tile::new("noticed", count(some as u64), "see below", State::Neutral),
+    });
     tiles
 }
 
@@ -128,30 +117,26 @@ fn of_file(inspection: &Inspection, k: usize, alone: bool) -> Section {
             format!("{}.", text(&inspection.format, 256))
         },
     );
-    let list = |words: &mut dyn Iterator<Item = &str>| {
-        words.fold(String::new(), |all, one| {
-            format!("{all}- {}\n", text(one, 1024))
+    let list = |severity| {
+        let facts = inspection.told(severity);
+        facts.fold(String::new(), |all, fact| {
+            format!("{all}- {}\n", text(&fact.text, 1024))
         })
     };
-    first = first.block(if inspection.noticed.is_empty() {
-        Block::Text("Nothing noticed.".to_owned())
+    let (noticed, remarks) = (list(Severity::Noticed), list(Severity::Remark));
+    first = first.block(Block::Text(if noticed.is_empty() {
+        "Nothing noticed.".to_owned()
     } else {
-        Block::Text(list(
-            &mut inspection.noticed.iter().map(|n| n.text.as_str()),
-        ))
-    });
-    if !inspection.remarks.is_empty() {
+        noticed
+    }));
+    if !remarks.is_empty() {
         first = first
             .block(Block::Heading("To be known".to_owned()))
-            .block(Block::Text(list(
-                &mut inspection.remarks.iter().map(String::as_str),
-            )));
+            .block(Block::Text(remarks));
     }
     let mut left = DRAWN;
     for (g, group) in inspection.groups.iter().enumerate() {
-        first = first
-            .block(Block::Table(values(group)))
-            .block(Block::Table(converter_and_lines(inspection, group)));
+        first = first.block(Block::Table(numbers(inspection, group)));
         let drawn = &group.channels[..group.channels.len().min(left)];
         left -= drawn.len();
         if drawn.is_empty() {
@@ -197,126 +182,73 @@ fn number(value: Option<f64>, digits: usize) -> Cell {
     }
 }
 
-fn values(group: &Group) -> Table {
-    let rows = group.channels.iter().map(|channel| {
-        let [_, unit, ..] = listing::row(channel, true);
-        let unit = if unit == "-" {
-            "—".to_owned()
-        } else {
-            text(&unit, NAME)
-        };
-        Row::new(
-            text(&channel.name, NAME),
-            vec![
-                Cell::from(unit),
-                number(channel.minimum, 4),
-                number(channel.maximum, 4),
-                number(channel.mean, 4),
-                number(channel.standard_deviation, 4),
-                number(channel.noise_floor, 3),
-                number(channel.drift, 3),
-            ],
-        )
-    });
+/// The numbers of a group's channels, and the highest line of each spectrum.
+fn numbers(inspection: &Inspection, group: &Group) -> Table {
+    let hertz = match group.sample_rate_hz {
+        Some(_) => "Hz",
+        None => "1/sample",
+    };
     let mut columns = vec![Column::text("unit")];
-    columns.extend(
-        ["min", "max", "mean", "std dev", "noise", "drift"]
-            .iter()
-            .map(|label| Column::number(*label, "")),
-    );
+    columns.extend(NUMBERS.map(|(label, ..)| Column::number(label, "")));
+    columns.extend([
+        Column::number("flat", "samples"),
+        Column::number("not finite", "samples"),
+        Column::number("peak at", hertz),
+        Column::number("its amplitude", ""),
+        Column::text("noticed"),
+    ]);
+    let rows = group.channels.iter().map(|channel| {
+        let mut concerned = inspection.told(Severity::Noticed);
+        let noticed = if concerned.any(|fact| fact.channels.contains(&channel.name)) {
+            Cell::from("see above").state(State::Warn)
+        } else {
+            Cell::from("—")
+        };
+        let flat = [&channel.flat_bottom, &channel.flat_top];
+        let flat: u64 = flat.into_iter().flatten().map(|top| top.samples).sum();
+        let mut cells = vec![match listing::unit(channel).as_str() {
+            "-" => Cell::from("—"),
+            unit => Cell::from(text(unit, NAME)),
+        }];
+        cells.extend(NUMBERS.map(|(_, digits, value)| number(value(channel), digits)));
+        cells.extend([
+            Cell::from(count(flat)),
+            Cell::from(count(channel.not_a_number + channel.infinite)),
+            number(channel.dominant.map(|line| line.frequency), 4),
+            number(channel.dominant.map(|line| line.amplitude), 3),
+            noticed,
+        ]);
+        Row::new(text(&channel.name, NAME), cells)
+    });
     Table {
         caption: listing::heading(group),
         stub: "channel".to_owned(),
         columns,
         rows: rows.collect(),
         footnote: "Each row in the channel's own unit; one with a question mark is not understood by the other commands. Noise: \
-                   standard deviation of the white noise, from third differences. Drift: mean of the last tenth less mean of \
-                   the first."
+                   standard deviation of the white noise, from third differences. Step: smallest difference of two samples. \
+                   Bits: what the range needs in such steps, where all samples stand on a grid of them. Drift: mean of the last \
+                   tenth less mean of the first. Peak: highest line of the spectrum, if one stands out."
             .to_owned(),
         ..Table::default()
     }
 }
 
-fn converter_and_lines(inspection: &Inspection, group: &Group) -> Table {
-    let rows = group.channels.iter().map(|channel| {
-        let concerned = inspection
-            .noticed
-            .iter()
-            .any(|n| n.channels.contains(&channel.name));
-        let mark = if concerned {
-            Cell::from("see above").state(State::Warn)
-        } else {
-            Cell::from("—")
-        };
-        let flat: u64 = [&channel.flat_bottom, &channel.flat_top]
-            .into_iter()
-            .flatten()
-            .map(|top| top.samples)
-            .sum();
-        Row::new(
-            text(&channel.name, NAME),
-            vec![
-                number(channel.smallest_step, 4),
-                number(channel.bits_used, 3),
-                Cell::from(count(flat)),
-                Cell::from(count(channel.not_a_number + channel.infinite)),
-                number(channel.dominant.map(|line| line.frequency), 4),
-                number(channel.dominant.map(|line| line.amplitude), 3),
-                mark,
-            ],
-        )
-    });
-    let hertz = if group.sample_rate_hz.is_some() {
-        "Hz"
-    } else {
-        "1/sample"
-    };
-    Table {
-        caption: "Converter and highest line".to_owned(),
-        stub: "channel".to_owned(),
-        columns: vec![
-            Column::number("step", ""),
-            Column::number("bits", ""),
-            Column::number("flat", "samples"),
-            Column::number("not finite", "samples"),
-            Column::number("peak at", hertz),
-            Column::number("its amplitude", ""),
-            Column::text("noticed"),
-        ],
-        rows: rows.collect(),
-        footnote: "Step: smallest difference of two samples. Bits: what the range needs in such steps, where all samples stand on a \
-                   grid of them. Peak: highest line of the spectrum, if one stands out."
-            .to_owned(),
-        ..Table::default()
-    }
-}
-
-/// Minimum and maximum of each bin, one stroke: a long record shows as a band that no peak is missing from.
+/// Smallest and largest sample of each bin: a long record shows as a band that no peak is missing from.
 fn history(id: &str, channel: &ChannelFacts, group: &Group) -> Figure {
-    let width = channel.history.width();
     let (step, label, unit) = match group.step_s() {
         Some(step) => (step, "time", "s"),
         None => (1.0, "sample", ""),
     };
-    let mut points = Vec::new();
-    for (k, bin) in channel.history.bins().iter().enumerate() {
-        let at = |share: f64| channel.start_offset_s + (k as f64 + share) * width as f64 * step;
-        if bin.count == 0 {
-            points.push((at(0.0), f64::NAN));
-        } else if width == 1 {
-            points.push((at(0.0), bin.minimum));
-        } else {
-            points.push((at(0.25), bin.minimum));
-            points.push((at(0.75), bin.maximum));
-        }
-    }
+    let points = channel.history.points().into_iter();
+    let points = points.map(|(row, value)| (channel.start_offset_s + row * step, value));
     let mut figure = Figure::new(
         id,
         text(&channel.name, NAME),
         Axis::linear(label, unit),
         Axis::linear("value", text(channel.unit_name(), NAME)),
     )
-    .series(Series::line("", 0, points));
+    .series(Series::line("", 0, points.collect::<Vec<_>>()));
     for top in [&channel.flat_bottom, &channel.flat_top]
         .into_iter()
         .flatten()

@@ -1,0 +1,294 @@
+//! Which channels are read side by side, and their blocks from the file to the accumulators.
+
+use std::path::Path;
+
+use rayon::prelude::*;
+use sixaxis_core::dsp::spectrum::Welch;
+
+use super::facts::{Group, Inspection, RateOrigin, Unreadable};
+use super::notices;
+use super::pairs::{Pairs, Prints, Twins, twins};
+use super::sensor::{Expected, find};
+use super::series::Series;
+use super::spectrum::segment;
+use crate::channel::Layout;
+use crate::error::{Error, Result};
+use crate::ingest::clock::Stamps;
+use crate::ingest::columns::{BLOCK, Columns};
+use crate::ingest::find::Column;
+use crate::ingest::units;
+use crate::open;
+use crate::session::SessionFile;
+
+/// Values of a block at most.
+const VALUES: usize = 1 << 21;
+/// Channels read side by side.
+const CHANNELS: usize = 128;
+/// Channels that may have the longest segments.
+const FEW: usize = 32;
+/// Longest segment of more channels.
+const SHORT_SEGMENT: usize = 1 << 14;
+/// Channels up to which a group that cannot be read is tried channel by channel.
+const RETRIED: usize = 64;
+
+/// Reads a recording once and states what is in it. The session, if there is one, says what its file leaves open.
+///
+/// `advance` is told the rows of each block and the rows of all groups together.
+///
+/// # Errors
+/// Those of a file that cannot be opened or of which no channel can be read.
+pub fn inspect(
+    path: &Path,
+    session: Option<&SessionFile>,
+    advance: &mut dyn FnMut(u64, u64),
+) -> Result<Inspection> {
+    let source = open(path)?;
+    let mut layout = source.layout().clone();
+    let expected = session.map(|session| Expected::of(session, path));
+    if let Some(expected) = &expected {
+        expected.complete(&mut layout);
+    }
+    let selections = selections(&layout);
+    let length = |selection: &Vec<usize>| layout.channels[*selection.first()?].samples;
+    let total = selections.iter().filter_map(length).sum();
+    let mut reader = Reader {
+        columns: Columns::new(path, source, Vec::new(), None, None)?,
+        layout: &layout,
+        expected: expected.as_ref(),
+        advance: &mut |rows| advance(rows, total),
+        groups: Vec::new(),
+        prints: Vec::new(),
+        twins: Vec::new(),
+        unreadable: Vec::new(),
+        failure: None,
+    };
+    for selection in &selections {
+        reader.try_group(selection);
+    }
+    let Reader {
+        groups,
+        prints,
+        mut twins,
+        unreadable,
+        failure,
+        ..
+    } = reader;
+    if let Some(failure) = failure
+        && groups
+            .iter()
+            .all(|g| g.channels.is_empty() && g.time_stamps.is_none())
+    {
+        return Err(failure);
+    }
+    // Channels of different groups are compared by their prints alone.
+    for pair in self::twins(&prints, None) {
+        if !twins.iter().any(|t| t.channels == pair.channels) {
+            twins.push(pair);
+        }
+    }
+    let channels: Vec<_> = groups.iter().flat_map(|g| &g.channels).collect();
+    let sensor = find(&channels, expected.as_ref());
+    let mut inspection = Inspection {
+        file: path.display().to_string(),
+        format: layout.format.clone(),
+        properties: layout.properties.clone(),
+        groups,
+        unreadable,
+        twins,
+        sensor,
+        facts: Vec::new(),
+    };
+    inspection.facts = notices::of(&inspection, expected.as_ref());
+    Ok(inspection)
+}
+
+/// Channels of one length and one rate, in the file's order. The time stamps go with all groups of their length.
+fn selections(layout: &Layout) -> Vec<Vec<usize>> {
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    let alike = |a: usize, b: usize| {
+        let (a, b) = (&layout.channels[a], &layout.channels[b]);
+        a.samples == b.samples
+            && a.sample_rate_hz.map(f64::to_bits) == b.sample_rate_hz.map(f64::to_bits)
+    };
+    for index in (0..layout.channels.len()).filter(|index| Some(*index) != layout.time) {
+        match groups.iter_mut().find(|group| alike(group[0], index)) {
+            Some(group) => group.push(index),
+            None => groups.push(vec![index]),
+        }
+    }
+    if groups.is_empty() && layout.time.is_some() {
+        return vec![Vec::new()];
+    }
+    groups
+        .iter()
+        .flat_map(|group| group.chunks(CHANNELS).map(<[usize]>::to_vec))
+        .collect()
+}
+
+struct Reader<'a> {
+    columns: Columns,
+    layout: &'a Layout,
+    expected: Option<&'a Expected>,
+    advance: &'a mut dyn FnMut(u64),
+    groups: Vec<Group>,
+    /// Name and prints of every channel.
+    prints: Vec<(String, Prints)>,
+    twins: Vec<Twins>,
+    unreadable: Vec<Unreadable>,
+    failure: Option<Error>,
+}
+
+/// A group that has been read.
+struct Read {
+    group: Group,
+    prints: Vec<(String, Prints)>,
+    pairs: Option<Pairs>,
+}
+
+impl Reader<'_> {
+    /// Reads a group; if that fails, those of its channels that can be read.
+    fn try_group(&mut self, selection: &[usize]) {
+        let failure = match self.read(selection) {
+            Ok(read) => return self.keep(read),
+            Err(failure) => failure,
+        };
+        let mut good = Vec::new();
+        let retried = (2..=RETRIED).contains(&selection.len());
+        for &index in selection {
+            let cause = if retried {
+                match self.read(&[index]) {
+                    Ok(_) => {
+                        good.push(index);
+                        continue;
+                    }
+                    Err(cause) => cause.to_string(),
+                }
+            } else {
+                failure.to_string()
+            };
+            let channel = self.layout.channels[index].name.clone();
+            self.unreadable.push(Unreadable { channel, cause });
+        }
+        self.failure.get_or_insert(failure);
+        if !good.is_empty()
+            && let Ok(read) = self.read(&good)
+        {
+            self.keep(read);
+        }
+    }
+
+    fn keep(&mut self, read: Read) {
+        self.twins.extend(twins(&read.prints, read.pairs.as_ref()));
+        self.prints.extend(read.prints);
+        self.groups.push(read.group);
+    }
+
+    /// The time stamps, if they go with these channels.
+    fn time_of(&self, selection: &[usize]) -> Option<Column> {
+        let time = self.layout.time?;
+        let fits = selection.first().is_none_or(|first| {
+            self.layout.channels[*first].samples == self.layout.channels[time].samples
+        });
+        fits.then(|| Column::new(self.layout, time, units::seconds(self.layout, time)))
+    }
+
+    fn read(&mut self, selection: &[usize]) -> Result<Read> {
+        let channels = &self.layout.channels;
+        let time = self.time_of(selection);
+        let rows = BLOCK.min(VALUES / (selection.len() + usize::from(time.is_some())));
+        // As they are: the facts about a channel are in its own unit.
+        let own = |index: &usize| Column::new(self.layout, *index, 1.0);
+        self.columns
+            .select(selection.iter().map(own).collect(), time, None)?;
+        let mut read = self.columns.read_as_it_is(rows)?;
+        let first = selection.first().map(|index| &channels[*index]);
+        let by_file = first.and_then(|channel| channel.sample_rate_hz);
+        let by_session = self.expected.and_then(|e| e.sample_rate_hz);
+        let early = by_file
+            .or(by_session)
+            .or_else(|| self.columns.usual_step_s().map(|step| 1.0 / step));
+        let length = first.and_then(|channel| channel.samples);
+        let most = if selection.len() > FEW {
+            SHORT_SEGMENT
+        } else {
+            usize::MAX
+        };
+        let welch = segment(read as u64, read < rows, length, early)
+            .and_then(|segment| Welch::new(segment.min(most)).ok());
+        let mut series: Vec<Series> = selection
+            .iter()
+            .map(|&index| {
+                let full_scale = self
+                    .expected
+                    .map_or(f64::INFINITY, |e| e.full_scale(self.layout, index));
+                Series::new(welch.clone(), full_scale)
+            })
+            .collect();
+        let mut pairs = Pairs::new(selection.len());
+        let mut samples = 0;
+        while read > 0 {
+            samples += read as u64;
+            let columns = self.columns.columns();
+            series
+                .par_iter_mut()
+                .zip(columns)
+                .for_each(|(series, column)| series.extend(column));
+            if let Some(pairs) = &mut pairs {
+                pairs.add(columns);
+            }
+            (self.advance)(read as u64);
+            read = if read < rows {
+                0
+            } else {
+                self.columns.read_as_it_is(rows)?
+            };
+        }
+        let stamps = self.columns.stamps();
+        let (rate, origin) = rate(by_file, by_session, stamps.as_ref());
+        let name = |index: &usize| channels[*index].name.clone();
+        let prints = selection
+            .iter()
+            .zip(&series)
+            .map(|(index, series)| (name(index), series.prints()))
+            .collect();
+        Ok(Read {
+            group: Group {
+                samples,
+                sample_rate_hz: rate,
+                sample_rate_origin: origin,
+                duration_s: duration(samples, rate, stamps.as_ref()),
+                time_stamps: stamps,
+                channels: series
+                    .into_par_iter()
+                    .zip(selection)
+                    .map(|(series, &index)| series.finish(&channels[index], rate))
+                    .collect(),
+                correlations: pairs.as_ref().map(Pairs::correlations),
+            },
+            prints,
+            pairs,
+        })
+    }
+}
+
+/// The first usable rate: that of the file, of the session, of the time stamps.
+fn rate(
+    by_file: Option<f64>,
+    by_session: Option<f64>,
+    stamps: Option<&Stamps>,
+) -> (Option<f64>, RateOrigin) {
+    let stated = match by_file {
+        Some(_) => (by_file, RateOrigin::File),
+        None => (by_session, RateOrigin::Session),
+    };
+    let counted = stamps.and_then(|s| s.mean_rate_hz);
+    [stated, (counted, RateOrigin::TimeStamps)]
+        .into_iter()
+        .find(|(rate, _)| rate.is_some_and(|rate| rate.is_finite() && rate > 0.0))
+        .unwrap_or((None, RateOrigin::Unknown))
+}
+
+fn duration(samples: u64, rate: Option<f64>, stamps: Option<&Stamps>) -> Option<f64> {
+    let spanned = stamps.and_then(|s| Some(s.last_s? - s.first_s? + s.mean_step_s?));
+    spanned.or_else(|| rate.map(|rate| samples as f64 / rate))
+}

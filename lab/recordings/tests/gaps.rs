@@ -1,0 +1,110 @@
+//! What a gap is, every command is told by the same rule: `inspect` names it where `calibrate` and `decouple` refuse it.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use sixaxis_recordings::Error;
+use sixaxis_recordings::ingest::columns::stamps;
+use sixaxis_recordings::ingest::{find, readings};
+use sixaxis_recordings::inspect::{Severity, inspect};
+use sixaxis_recordings::session::SessionFile;
+
+/// A folder that is removed at the end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let folder = std::env::temp_dir().join(format!("sixaxis-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).expect("creates");
+        Self(folder)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+const SESSION: &str = r#"
+[sensor]
+limb_length_mm = 25.5
+half_edge_mm = 21.0
+full_scale_v = 10.0
+gain_n_per_v = 10.0
+
+[sensor.design]
+scale_per_mass_per_kg = 5.3476
+inertia_per_mass_mm2 = [238.76, 250.71, 252.588, 0.0512, -0.0295, 0.5544]
+stiffness_per_mass_per_s2 = 3.1e8
+
+[accelerometer]
+class_percent = 1.0
+
+[gyroscope]
+class_percent = 1.0
+
+[[recording]]
+file = "run.csv"
+role = "linear"
+direction = [1, 0, 0]
+frequency_hz = 1.0
+"#;
+
+/// The sample before which each command finds a hole in a recording with these time stamps; -1 for none.
+fn found(folder: &Path, stamps_s: &[f64]) -> [i64; 3] {
+    let mut text = String::from("time [s]");
+    for limb in 1..=9 {
+        let _ = write!(text, ",u{limb} [V]");
+    }
+    text.push_str(",accelerometer [m/s^2],gyroscope [rad/s]\n");
+    for t in stamps_s {
+        let values: Vec<String> = (0..11)
+            .map(|k| (t * 6.0 + f64::from(k)).sin().to_string())
+            .collect();
+        let _ = writeln!(text, "{t},{}", values.join(","));
+    }
+    let run = folder.join("run.csv");
+    std::fs::write(&run, text).expect("writes");
+    let session = SessionFile::parse(&folder.join("session.toml"), SESSION.to_owned());
+    let session = session.expect("a session");
+    let inspection = inspect(&run, Some(&session), &mut |_, _| {}).expect("it can be read");
+    let noticed = inspection
+        .told(Severity::Noticed)
+        .any(|fact| fact.kind == "gap");
+    let clock = inspection.groups[0].time_stamps.as_ref().expect("stamps");
+    assert_eq!(noticed, clock.gaps > 0);
+    let refused = |error: Error| match error {
+        Error::Sample { sample, cause, .. } if cause.contains("gap") => sample as i64,
+        other => panic!("{other}"),
+    };
+    let whole = readings::read(&session, 0);
+    let source = sixaxis_recordings::open(&run).expect("opens");
+    let time = find::time(&run, source.layout(), None).expect("finds");
+    let streamed = stamps(&run, &time.expect("time stamps"), Some(1000.0));
+    [
+        clock.first_gaps.first().map_or(-1, |gap| gap.sample as i64),
+        whole.map_or_else(refused, |_| -1),
+        streamed.map_or_else(refused, |_| -1),
+    ]
+}
+
+#[test]
+fn a_missing_sample_is_a_gap_to_inspect_calibrate_and_decouple_alike() {
+    let folder = Folder::new("gaps");
+    let even: Vec<f64> = (0..400).map(|k| f64::from(k) * 1e-3).collect();
+    assert_eq!(found(&folder.0, &even), [-1; 3]);
+    // Jitter of a third of a step is resampled, not refused.
+    let jitter: Vec<f64> = even
+        .iter()
+        .enumerate()
+        .map(|(k, t)| t + 3e-4 * ((k * 7919) % 13) as f64 / 13.0)
+        .collect();
+    assert_eq!(found(&folder.0, &jitter), [-1; 3]);
+    // A single sample is missing, and more of them.
+    for missing in [1, 2, 50] {
+        let mut stamps_s = jitter.clone();
+        stamps_s.drain(200..200 + missing);
+        assert_eq!(found(&folder.0, &stamps_s), [200; 3], "{missing} missing");
+    }
+}

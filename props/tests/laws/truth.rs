@@ -1,0 +1,204 @@
+//! The reference beside the core: two derivations that share no code, of one sensor.
+
+use core::f64::consts::TAU;
+
+use glam::DVec3;
+use proptest::prelude::*;
+use rand_pcg::Pcg64;
+use sixaxis_core::dsp::lag::undo_high_pass;
+use sixaxis_core::geometry::DIRECTIONS_SHELL;
+use sixaxis_core::identify::inertia::euler_torque;
+use sixaxis_core::paper::pose::Pose;
+use sixaxis_core::paper::signal::SignalChain;
+use sixaxis_core::{Gains, LIMBS, Parameters};
+use sixaxis_props::compare::{fails_clearly, largest, within};
+use sixaxis_props::strategy::{config, parameters};
+use sixaxis_props::tolerance;
+use sixaxis_props::truth;
+use sixaxis_reference::compliant::elongations_m;
+use sixaxis_reference::laboratory::chain::{Chain, Coupling};
+use sixaxis_reference::laboratory::instruments::Instruments;
+use sixaxis_reference::rigid::torque_per_mass;
+use sixaxis_reference::{geometry, sensor::TrueSensor};
+
+/// Equations (5) and (6) as the paper prints them: limb by limb, n = 21 mm.
+const LIMB_BY_LIMB: [([f64; 3], [f64; 3]); LIMBS] = [
+    ([0.0, 0.0, 1.0], [0.0, 0.0, -0.021]),
+    ([0.0, -1.0, 0.0], [0.0, 0.0, -0.021]),
+    ([-1.0, 0.0, 0.0], [0.0, 0.0, -0.021]),
+    ([0.0, 0.0, -1.0], [0.0, -0.021, 0.0]),
+    ([0.0, 1.0, 0.0], [0.0, -0.021, 0.0]),
+    ([-1.0, 0.0, 0.0], [0.0, -0.021, 0.0]),
+    ([0.0, 0.0, -1.0], [-0.021, 0.0, 0.0]),
+    ([0.0, -1.0, 0.0], [-0.021, 0.0, 0.0]),
+    ([1.0, 0.0, 0.0], [-0.021, 0.0, 0.0]),
+];
+
+#[test]
+fn inv_two_geometries_are_one() {
+    let core = sixaxis_core::Geometry::PAPER;
+    let reference = geometry::Geometry::PAPER;
+    assert_eq!(core.limb_length_m, 25.5e-3);
+    assert_eq!(reference.limb_length_m, 25.5e-3);
+    let directions = geometry::Geometry::directions_shell();
+    for (limb, (direction, hinge)) in LIMB_BY_LIMB.into_iter().enumerate() {
+        let (direction, hinge) = (DVec3::from(direction), DVec3::from(hinge));
+        assert_eq!(DIRECTIONS_SHELL[limb], direction, "core, limb {limb}");
+        assert_eq!(directions[limb], direction, "reference, limb {limb}");
+        assert_eq!(core.mass_hinges_m()[limb], hinge, "core, limb {limb}");
+        assert_eq!(
+            reference.mass_hinges_m()[limb],
+            hinge,
+            "reference, limb {limb}"
+        );
+        let shell = hinge - 25.5e-3 * direction;
+        assert_eq!(core.shell_hinges_m()[limb], shell, "core, limb {limb}");
+        assert_eq!(
+            reference.shell_hinges_m()[limb],
+            shell,
+            "reference, limb {limb}"
+        );
+    }
+    assert_eq!(core.limb_jacobian(), reference.limb_wrenches());
+}
+
+fn vector(size: f64) -> impl Strategy<Value = DVec3> {
+    prop::array::uniform3(-size..size).prop_map(DVec3::from)
+}
+
+proptest! {
+    #![proptest_config(config(64))]
+
+    #[test]
+    fn prop_torque_of_the_mass_s_elements_is_euler_s(
+        parameters in parameters(),
+        rate in vector(50.0),
+        angular in vector(1700.0),
+    ) {
+        let sensor = truth::sensor(&parameters);
+        let elements = torque_per_mass(&sensor.inertia_per_mass, rate, angular);
+        let euler = euler_torque(&parameters.inertia_per_mass, rate, angular);
+        let other_sign = torque_per_mass(&sensor.inertia_per_mass, rate, DVec3::ZERO) * 2.0;
+        let size = euler.length();
+        within("torque", (elements - euler).length() / size, tolerance::ROUNDING);
+        let control = (elements - other_sign - euler).length() / size;
+        fails_clearly("w x Iw of the wrong sign", control, tolerance::ROUNDING);
+    }
+
+    #[test]
+    fn prop_elongations_of_a_pose_are_the_core_s(
+        displacement in vector(1e-6),
+        rotation in vector(1e-4),
+    ) {
+        let pose = Pose { position_shell_m: displacement, rotation_rad: rotation };
+        let core = pose.elongations_m(&sixaxis_core::Geometry::PAPER);
+        let off = |rotation| {
+            let drawing = geometry::Geometry::PAPER;
+            let reference = elongations_m(&drawing, displacement, rotation);
+            largest((0..LIMBS).map(|i| reference[i] - core[i])) / largest(core)
+        };
+        within("elongations", off(rotation), tolerance::ROUNDING);
+        fails_clearly("turned the other way", off(-rotation), tolerance::ROUNDING);
+    }
+}
+
+/// Forces that turn by a sine of 1 Hz, one sample per row, from rest.
+fn forces(samples: usize, rate_hz: f64) -> Vec<[f64; LIMBS]> {
+    let wave = |i: usize| {
+        let phase = TAU * i as f64 / rate_hz;
+        // From rest in value and slope.
+        phase.sin() - 0.5 * (2.0 * phase).sin()
+    };
+    (0..samples)
+        .map(|i| core::array::from_fn(|limb| (10.0 + limb as f64) * wave(i)))
+        .collect()
+}
+
+#[test]
+fn inv_voltages_become_the_forces_that_made_them() {
+    let sensor = TrueSensor::identified();
+    let gain_n_per_v = [2.0; LIMBS];
+    let (rate_hz, forces) = (1000.0, forces(1000, 1000.0));
+    let mut rng = Pcg64::new(1, 1);
+    let chain = Chain {
+        full_scale_v: f64::INFINITY,
+        ..Chain::noise_free()
+    };
+    let voltage_v = chain.record(&forces, &sensor, &gain_n_per_v, rate_hz, &mut rng);
+    let mut parameters = truth::parameters(&sensor);
+    let off = |parameters: &Parameters| {
+        let signal = SignalChain::new(&Gains { gain_n_per_v }, parameters);
+        largest(voltage_v.iter().zip(&forces).flat_map(|(row, force)| {
+            let found = signal.force_per_mass_m_s2(row);
+            (0..LIMBS).map(move |i| (found[i] - force[i]) / 10.0)
+        }))
+    };
+    within("forces", off(&parameters), tolerance::ROUNDING);
+    parameters.scale_per_mass_per_kg[3] *= 1.01;
+    fails_clearly("a scale off by 1 %", off(&parameters), tolerance::ROUNDING);
+}
+
+#[test]
+fn ref_an_analogue_high_pass_is_undone() {
+    const CORNER_HZ: f64 = 0.1;
+    let mut sensor = TrueSensor::identified();
+    sensor.zero_drift_v = [0.0; LIMBS];
+    sensor.scale_per_mass_per_kg = [1.0; LIMBS];
+    let (rate_hz, forces) = (2000.0, forces(6000, 2000.0));
+    let chain = Chain {
+        coupling: Coupling::AlternatingCurrent {
+            corner_hz: CORNER_HZ,
+        },
+        full_scale_v: f64::INFINITY,
+        ..Chain::noise_free()
+    };
+    let shown = chain.record(
+        &forces,
+        &sensor,
+        &[1.0; LIMBS],
+        rate_hz,
+        &mut Pcg64::new(1, 1),
+    );
+    let shown: Vec<f64> = shown.iter().map(|row| row[0]).collect();
+    let undone = undo_high_pass(&shown, CORNER_HZ, rate_hz).expect("finite samples");
+    let peak = largest(forces.iter().map(|force| force[0]));
+    let off = |record: &[f64]| {
+        largest(
+            record
+                .iter()
+                .zip(&forces)
+                .map(|(u, force)| (u - force[0]) / peak),
+        )
+    };
+    within("undone high-pass", off(&undone), tolerance::UNDONE_ANALOGUE);
+    fails_clearly("left alone", off(&shown), tolerance::UNDONE_ANALOGUE);
+}
+
+#[test]
+fn ref_a_lagging_gyroscope_is_an_analogue_low_pass() {
+    const CORNER_HZ: f64 = 10.0;
+    const DRIVE_HZ: f64 = 5.0;
+    const RATE_HZ: f64 = 2000.0;
+    let gyroscope = Instruments {
+        gyroscope_bandwidth_hz: Some(CORNER_HZ),
+        ..Instruments::perfect()
+    };
+    let (w, pole) = (TAU * DRIVE_HZ, TAU * CORNER_HZ);
+    let time_s = |i: usize| i as f64 / RATE_HZ;
+    let true_rad_s: Vec<f64> = (0..2000).map(|i| 1.0 - (w * time_s(i)).cos()).collect();
+    let shown = gyroscope.read_gyroscope(&true_rad_s, RATE_HZ, &mut Pcg64::new(1, 1));
+    // x'/corner = u - x with u = 1 - cos w t, from rest.
+    let exact = |i: usize, corner: f64| {
+        let (t, ratio) = (time_s(i), w / corner);
+        let share = 1.0 / (1.0 + ratio * ratio);
+        let turning = (w * t).cos() + ratio * (w * t).sin();
+        1.0 - share * turning - (1.0 - share) * (-corner * t).exp()
+    };
+    let off = |corner| largest((0..shown.len()).map(|i| shown[i] - exact(i, corner)));
+    within("analogue lag", off(pole), tolerance::ANALOGUE_LAG);
+    fails_clearly(
+        "a corner off by 1 %",
+        off(1.01 * pole),
+        tolerance::ANALOGUE_LAG,
+    );
+}
