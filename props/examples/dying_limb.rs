@@ -7,7 +7,7 @@ use std::process::ExitCode;
 
 use rayon::prelude::*;
 use sixaxis_core::redundancy::fault::Event;
-use sixaxis_core::redundancy::tolerant::FaultTolerant;
+use sixaxis_core::redundancy::tolerant::{FaultTolerant, ROWS_KEPT};
 use sixaxis_core::{Decoupler, SixAxis};
 use sixaxis_props::faults::SAMPLE_RATE_HZ;
 use sixaxis_props::faults::dying::{DIES_AT_S, Played, angle_rad};
@@ -63,15 +63,14 @@ fn history(seed: u64, limb: usize) -> Result<DyingLimb, String> {
     };
     let sound = decode(&played.sound_v)?;
     let nine = decode(&played.failed_v)?;
-    let mut stream: Box<FaultTolerant> = Box::new(
-        FaultTolerant::new(
-            &played.sensor,
-            &played.parameters,
-            &played.settings,
-            &played.watch(),
-        )
-        .map_err(|e| at(&e))?,
-    );
+    let mut stream = FaultTolerant::new(
+        &played.sensor,
+        &played.parameters,
+        &played.settings,
+        &played.watch(),
+        vec![[0.0; sixaxis_core::LIMBS]; ROWS_KEPT],
+    )
+    .map_err(|e| at(&e))?;
     let (mut watched, mut squares) = (Vec::new(), Vec::new());
     let (mut isolated, mut switched, mut verdict) = (None, None, String::new());
     for (sample, row) in played.failed_v.iter().enumerate() {

@@ -20,7 +20,7 @@ use sixaxis_core::redundancy::parity::{COORDINATION, SIGNATURES};
 use sixaxis_core::redundancy::reconstruction::MOST_EXCLUDED;
 use sixaxis_core::redundancy::reconstruction::Reconstruction;
 use sixaxis_core::{
-    Decoupler, Error, Gains, LIMBS, Parameters, Scheme, Sensor, Settings, SixAxis, StaticResponse,
+    Decoupler, Error, Gains, LIMBS, Parameters, Scheme, Sensor, Settings, StaticResponse,
 };
 use sixaxis_props::joint::{Fitted, small};
 use sixaxis_props::manufactured::examples;
@@ -183,14 +183,11 @@ fn decouple(
     failed: LimbSet,
     rows: &[[f64; LIMBS]],
 ) -> Result<Six, String> {
-    let mut decoupler = Decoupler::new(sensor, parameters, settings)
-        .and_then(|decoupler| decoupler.excluding(failed))
-        .map_err(|e| e.to_string())?;
     let mut answers = Vec::with_capacity(rows.len());
-    for row in rows {
-        let answer = decoupler.push(row).map_err(|e| e.to_string())?;
-        answers.extend(answer.as_ref().map(SixAxis::accelerations));
-    }
+    Decoupler::new(sensor, parameters, settings)
+        .and_then(|decoupler| decoupler.excluding(failed))
+        .and_then(|mut decoupler| decoupler.push_all(rows, |s| answers.push(s.accelerations())))
+        .map_err(|e| e.to_string())?;
     Ok(answers)
 }
 

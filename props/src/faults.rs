@@ -18,6 +18,7 @@ use serde::{Deserialize, Serialize};
 use sixaxis_core::paper::pose::Pose;
 use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::redundancy::fault::{Event, Kind, Monitor, Verdict, Watch};
+use sixaxis_core::redundancy::tolerant::ROWS_KEPT;
 use sixaxis_core::{FaultTolerant, Geometry, LIMBS, Parameters, Sensor, Settings};
 use sixaxis_reference::laboratory::chain::Chain;
 
@@ -143,10 +144,11 @@ impl Scene {
     /// # Panics
     /// As [`Self::monitor`].
     #[must_use]
-    pub fn stream(&self, false_alarms_per_hour: f64) -> Box<FaultTolerant> {
+    pub fn stream(&self, false_alarms_per_hour: f64) -> FaultTolerant<Vec<[f64; LIMBS]>> {
         let (watch, settings) = self.watch(false_alarms_per_hour);
-        let stream = FaultTolerant::new(&self.sensor, &self.parameters, &settings, &watch);
-        Box::new(stream.expect("a sound sensor"))
+        let rows = vec![[0.0; LIMBS]; ROWS_KEPT];
+        FaultTolerant::new(&self.sensor, &self.parameters, &settings, &watch, rows)
+            .expect("a sound sensor")
     }
 
     fn watch(&self, false_alarms_per_hour: f64) -> (Watch, Settings) {

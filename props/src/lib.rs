@@ -6,8 +6,6 @@
 //!
 //! Without the feature `strategies` nothing here needs proptest, so that a report can be made without it.
 
-#[cfg(feature = "strategies")]
-pub mod adversarial;
 pub mod blind;
 pub mod compare;
 pub mod evidence;

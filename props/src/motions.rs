@@ -14,7 +14,6 @@ use rand::RngExt;
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use sixaxis_core::decouple::stream::Decoupler;
-use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::{
     Geometry, LIMBS, Parameters, Scheme, Sensor, Settings, SixAxis, StaticResponse,
 };
@@ -129,8 +128,10 @@ impl Case {
             .map(|force| from_fn(|i| force[i] - rest[i]))
             .collect();
         let gains = truth::amplifier_ranges(&forces, &self.parameters);
-        let signal = SignalChain::new(&gains, &self.parameters);
-        let voltages = forces.iter().map(|force| signal.voltage_v(force));
+        let signal = truth::sensor(&self.parameters);
+        let voltages = forces
+            .iter()
+            .map(|force| signal.voltage_v(force, &gains.gain_n_per_v));
         let sensor = Sensor {
             geometry: Geometry::PAPER,
             gains,

@@ -17,9 +17,10 @@ use sixaxis_calibration::conditioning::Conditioning;
 use sixaxis_calibration::propagation::{Sources, TrialNoise};
 use sixaxis_calibration::steps::Campaign;
 use sixaxis_calibration::trial::Trial;
+use sixaxis_core::decouple::decouple;
 use sixaxis_core::identify::zero_drift;
 use sixaxis_core::parameter::PARAMETERS;
-use sixaxis_core::{Decoupler, Geometry, LIMBS, Parameters, Scheme, SixAxis};
+use sixaxis_core::{Geometry, LIMBS, Parameters, Scheme, SixAxis};
 use sixaxis_recordings::session::{Preprocessing, Role};
 use sixaxis_reference::laboratory::chain::Chain;
 use sixaxis_reference::laboratory::instruments::{GYROSCOPE_BANDWIDTH_HZ, Instruments};
@@ -290,14 +291,9 @@ impl World {
     /// If the decoupler refuses.
     #[must_use]
     pub fn decouple(trial: &Trial, parameters: &Parameters) -> Vec<SixAxis> {
-        let mut decoupler = Decoupler::new(
-            &trial.sensor(Geometry::PAPER),
-            parameters,
-            &trial.settings(Scheme::Heun),
-        )
-        .expect("identified parameters are a sensor's");
-        let push = |row| decoupler.push(row).expect("a run of the rig decouples");
-        trial.voltage_v.iter().filter_map(push).collect()
+        let (sensor, settings) = (trial.sensor(Geometry::PAPER), trial.settings(Scheme::Heun));
+        decouple(&sensor, parameters, &settings, &trial.voltage_v)
+            .expect("a run of the rig decouples")
     }
 
     /// True parameters, for the player's own use.

@@ -3,7 +3,6 @@
 use crate::truth;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
-use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::redundancy::self_calibration::{Limits, Moments, ScaleRatios};
 use sixaxis_core::{Gains, Geometry, LIMBS, Parameters, Result, Sensor, Settings};
 use sixaxis_reference::compliant::compliant_forces_m_s2;
@@ -173,11 +172,12 @@ impl Case {
     /// Tared voltages without noise.
     #[must_use]
     pub fn voltage_v(&self) -> Vec<[f64; LIMBS]> {
-        let chain = SignalChain::new(&self.gains, &self.truth);
+        let sensor = truth::sensor(&self.truth);
+        let gains = &self.gains.gain_n_per_v;
         let rest = self.forces.first().copied().unwrap_or_default();
         self.forces
             .iter()
-            .map(|force| chain.voltage_v(&core::array::from_fn(|i| force[i] - rest[i])))
+            .map(|force| sensor.voltage_v(&core::array::from_fn(|i| force[i] - rest[i]), gains))
             .collect()
     }
 

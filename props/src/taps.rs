@@ -137,10 +137,12 @@ impl Case {
             .fold(0.0_f64, |a, u| a.max(u.abs()));
         let noise_v = noise_share * peak_v;
         let mut rng = self.rng.clone();
+        let sensor = truth::sensor(&self.truth);
         let voltage_v = force_per_mass_m_s2
             .iter()
             .map(|row| {
-                chain.voltage_v(row).map(|u| {
+                let voltage_v = sensor.voltage_v(row, &gains.gain_n_per_v);
+                voltage_v.map(|u| {
                     let unit: f64 = StandardNormal.sample(&mut rng);
                     u + noise_v * unit
                 })

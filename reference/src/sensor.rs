@@ -129,6 +129,20 @@ impl TrueSensor {
         })
     }
 
+    /// The nine voltages, V, under limb forces per mass, m/s^2, through amplifiers of the given gains, N/V: equations (10) and
+    /// (11) solved for u.
+    #[must_use]
+    pub fn voltage_v(
+        &self,
+        force_per_mass_m_s2: &[f64; LIMBS],
+        gain_n_per_v: &[f64; LIMBS],
+    ) -> [f64; LIMBS] {
+        core::array::from_fn(|i| {
+            let sensitivity = self.scale_per_mass_per_kg[i] * gain_n_per_v[i];
+            force_per_mass_m_s2[i] / sensitivity + self.zero_drift_v[i]
+        })
+    }
+
     /// A sensor scattered about the paper's design, with the paper's drawing.
     pub fn random(rng: &mut impl Rng) -> Self {
         let design = Self::design();

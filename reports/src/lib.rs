@@ -1,10 +1,13 @@
-//! Library side of the `sixaxis` command.
+//! The accuracy report of `sixaxis report`.
 //!
-//! The command itself (`main.rs`) stays thin; everything that can be used from an example or a
-//! test lives here. [`study`] measures, [`pages`] decides what a reader is told of it, `sixaxis_page` turns
-//! plain data into one self-contained HTML page and knows nothing of sensors, simulators or
-//! campaigns.
+//! | module | holds |
+//! |---|---|
+//! | [`study`] | plays the paper's campaign on MuJoCo, runs the paper's methods on it, holds the outcome against the truth |
+//! | [`sections`] | what a reader is told of it: one text file and one module for each section of the page |
+//! | [`progress`] | the display of work that takes long |
+//!
+//! `sixaxis_page` turns sections into one offline HTML page and knows nothing of sensors, simulators or campaigns.
 
-pub mod pages;
 pub mod progress;
+pub mod sections;
 pub mod study;

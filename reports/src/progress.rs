@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use anyhow::{Context, Result};
 use indicatif::{ProgressBar, ProgressStyle};
 
 /// The command's progress display.
@@ -35,20 +36,65 @@ impl Progress {
         self.bar(name, total, "{pos}/{len}, {per_sec}")
     }
 
+    /// Starts a stage of steps that are not alike.
+    #[must_use]
+    pub fn steps(&self, name: impl Into<Cow<'static, str>>) -> Steps {
+        let template = "{prefix:>12} {pos} {msg:30} {elapsed_precise}";
+        Steps {
+            bar: self.line(name, None, template),
+        }
+    }
+
     fn bar(&self, name: impl Into<Cow<'static, str>>, total: u64, share: &str) -> Stage {
-        let bar = if self.hidden {
-            ProgressBar::hidden()
-        } else {
-            // indicatif draws to standard error and falls silent by itself when that is no terminal.
-            ProgressBar::new(total)
+        let template =
+            format!("{{prefix:>12}} [{{bar:40}}] {share}  {{elapsed_precise}}, {{eta}} left");
+        Stage {
+            bar: self.line(name, Some(total), &template),
+        }
+    }
+
+    fn line(
+        &self,
+        name: impl Into<Cow<'static, str>>,
+        total: Option<u64>,
+        template: &str,
+    ) -> ProgressBar {
+        // indicatif draws to standard error and falls silent by itself when that is no terminal.
+        let bar = match (self.hidden, total) {
+            (true, _) => ProgressBar::hidden(),
+            (false, Some(total)) => ProgressBar::new(total),
+            (false, None) => ProgressBar::new_spinner(),
         };
-        if let Ok(style) = ProgressStyle::with_template(&format!(
-            "{{prefix:>12}} [{{bar:40}}] {share}  {{elapsed_precise}}, {{eta}} left"
-        )) {
+        if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style.progress_chars("=> "));
         }
         bar.set_prefix(name);
-        Stage { bar }
+        bar
+    }
+}
+
+/// A stage of steps that are not alike: it says which one is being done. Dropping it leaves its line finished.
+#[derive(Debug)]
+pub struct Steps {
+    bar: ProgressBar,
+}
+
+impl Steps {
+    /// Does a step.
+    ///
+    /// # Errors
+    /// Those of the step, with its name.
+    pub fn step<T>(&self, name: &'static str, work: impl FnOnce() -> Result<T>) -> Result<T> {
+        self.bar.set_message(name);
+        let outcome = work().context(name);
+        self.bar.inc(1);
+        outcome
+    }
+}
+
+impl Drop for Steps {
+    fn drop(&mut self) {
+        self.bar.finish_with_message("done");
     }
 }
 

@@ -1,8 +1,10 @@
 //! Nine voltages in, six accelerations out: the whole of the paper's section 2.1 as a stream.
 
 mod excluded_limbs;
+mod state;
 
-use glam::DVec3;
+use state::Start;
+pub(crate) use state::State;
 
 use crate::error::{Error, Result};
 use crate::geometry::LIMBS;
@@ -18,7 +20,7 @@ use crate::kernel::rate::{RateIntegrator, Torques};
 use crate::kernel::reconstruct;
 
 use crate::kernel::shell::{self, RelativePose, ShellMotion};
-use crate::kernel::vec3::{Vec3, vec3};
+use crate::kernel::vec3::Vec3;
 use crate::limb_set::LimbSet;
 use crate::model::{Model, Parameters, Sensor, Settings};
 use crate::scheme::Scheme;
@@ -36,57 +38,18 @@ pub type Answer<T> = SixAxis<<T as Scalar>::Vector, <T as Scalar>::Quaternion>;
 /// displacement of the mass to 1e-7 of itself, and second differences are taken of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Decoupler<T: Scalar = f64> {
-    /// With no strain of limbs that are done without.
+    /// With no strain of excluded limbs.
     pub(crate) constants: Constants<T>,
     pub(crate) mask: ChannelMask<T>,
     pub(crate) state: State<T>,
     scheme: Scheme,
     start: Start<T>,
-    /// The last two rows, at the parity of their samples: to be placed anew when limbs are done without.
+    /// Last two voltage rows, indexed by `sample & 1`; replayed when the excluded set changes.
     recent: [[T; LIMBS]; 2],
-    /// All limbs are heard and the first answer is out: no more to ask of most samples.
-    settled: bool,
-    /// Of all limbs and in full precision, for samples beyond the series.
+    /// No limb is excluded and the first answer is out: most samples take the shortest way.
+    fast: bool,
+    /// Of all limbs and in f64, for samples beyond the series.
     exact: Constants<f64>,
-}
-
-/// What the first decoupled sample begins with.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Start<T: Real> {
-    /// w*, shell axes, rad per sample.
-    pub rate: Vec3<T>,
-    pub attitude: Quaternion<T>,
-}
-
-impl<T: Scalar> Start<T> {
-    pub fn new(settings: &Settings) -> Self {
-        let numbers = |v: DVec3| vec3(T::from_f64(v.x), T::from_f64(v.y), T::from_f64(v.z));
-        let q = settings.initial_attitude;
-        Self {
-            rate: numbers(settings.initial_rate_shell_rad_s / settings.sample_rate_hz),
-            attitude: Quaternion {
-                w: T::from_f64(q.w),
-                v: numbers(q.xyz()),
-            },
-        }
-    }
-}
-
-/// What is carried from sample to sample.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct State<T: Real> {
-    /// Samples taken so far.
-    pub received: u64,
-    /// Place of the mass two samples ago.
-    pub before: RelativePose<T>,
-    /// The last sample, whose successor is to come.
-    pub now: LimbLoad<T>,
-    /// The mass's rate at the sample before the last.
-    pub spin: RateIntegrator<T>,
-    /// The shell's motion there.
-    pub shell: ShellMotion<T>,
-    /// Its attitude there.
-    pub attitude: Quaternion<T>,
 }
 
 impl Decoupler {
@@ -140,7 +103,7 @@ impl<T: Scalar> Decoupler<T> {
             scheme: settings.scheme,
             start,
             recent: [[T::default(); LIMBS]; 2],
-            settled: false,
+            fast: false,
             exact,
         })
     }
@@ -154,7 +117,7 @@ impl<T: Scalar> Decoupler<T> {
     // Always: left to itself the compiler calls it, and the answer goes by memory.
     #[inline(always)]
     pub fn push(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<Answer<T>>> {
-        if self.settled {
+        if self.fast {
             let after = placement::by_series(&self.constants, to_kernel_order(*voltage_v));
             if in_range(&after) {
                 return self.take::<true>(after, voltage_v);
@@ -182,7 +145,7 @@ impl<T: Scalar> Decoupler<T> {
         Ok(())
     }
 
-    /// Without limbs. By itself: what is done there wants registers that most streams never need.
+    /// With limbs excluded. A function of its own: what is done there wants registers that most streams never need.
     #[inline(never)]
     fn push_excluding(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<Answer<T>>> {
         if self.state.received > 2 {
@@ -304,7 +267,7 @@ impl<T: Scalar> Decoupler<T> {
         self.refuse_overflow(&motion)?;
         self.state.spin = spin;
         self.remember(voltage_v);
-        self.settled = self.mask.all();
+        self.fast = self.mask.all();
         Ok(Some(self.advance(*after, motion, self.start.attitude)))
     }
 

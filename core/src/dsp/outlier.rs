@@ -121,9 +121,13 @@ pub fn hampel(series: &mut [f64], half_width: usize, sigmas: f64) -> Result<Vec<
     Ok(stage.replaced)
 }
 
-/// Median; reorders its argument, which must not be empty.
-pub(crate) fn median(values: &mut [f64]) -> f64 {
+/// Median; reorders its argument. NaN of nothing.
+#[must_use]
+pub fn median(values: &mut [f64]) -> f64 {
     let n = values.len();
+    if n == 0 {
+        return f64::NAN;
+    }
     let (below, &mut upper, _) = values.select_nth_unstable_by(n / 2, f64::total_cmp);
     if n % 2 == 1 {
         return upper;

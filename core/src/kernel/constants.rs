@@ -194,10 +194,20 @@ impl<T: Real> Constants<T> {
     /// Every number in its place, always in the same order.
     #[inline(always)]
     pub(crate) fn visit(&mut self, f: &mut impl FnMut(T) -> T) {
-        let [s, t, u] = &mut self.strain_per_v;
-        let [x, y, z] = &mut self.strain_at_zero;
-        let [a, b, c] = &mut self.torque;
-        let [d, e, g] = &mut self.principal;
+        let Self {
+            strain_per_v: [s, t, u],
+            strain_at_zero: [x, y, z],
+            nu,
+            inverse_nu,
+            chi,
+            torque: [a, b, c],
+            principal: [d, e, g],
+            gyroscopic,
+            gravity_ground_m_s2,
+            per_s,
+            per_s2,
+            m_per_s2,
+        } = self;
         for v in [
             s,
             t,
@@ -211,19 +221,12 @@ impl<T: Real> Constants<T> {
             d,
             e,
             g,
-            &mut self.gyroscopic,
-            &mut self.gravity_ground_m_s2,
+            gyroscopic,
+            gravity_ground_m_s2,
         ] {
             v.visit(f);
         }
-        for number in [
-            &mut self.nu,
-            &mut self.inverse_nu,
-            &mut self.chi,
-            &mut self.per_s,
-            &mut self.per_s2,
-            &mut self.m_per_s2,
-        ] {
+        for number in [nu, inverse_nu, chi, per_s, per_s2, m_per_s2] {
             *number = f(*number);
         }
     }

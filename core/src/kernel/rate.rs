@@ -66,16 +66,18 @@ impl<T: Real> RateIntegrator<T> {
     /// Every number in its place, always in the same order.
     #[inline(always)]
     pub(crate) fn visit(&mut self, f: &mut impl FnMut(T) -> T) {
-        self.rate.visit(f);
-        self.derivative.visit(f);
-        let [k1, k2, k3] = &mut self.history;
-        k1.visit(f);
-        k2.visit(f);
-        k3.visit(f);
-        let [torque, before] = &mut self.torque;
-        torque.visit(f);
-        before.visit(f);
-        self.end.visit(f);
+        let Self {
+            rate,
+            derivative,
+            history: [k1, k2, k3],
+            known: _,
+            torque: [torque, before],
+            end,
+            at_middle: _,
+        } = self;
+        for v in [rate, derivative, k1, k2, k3, torque, before, end] {
+            v.visit(f);
+        }
     }
 
     /// Takes over how far another one has come.

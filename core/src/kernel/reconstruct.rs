@@ -97,12 +97,19 @@ impl<T: Real> StrainReconstruction<T> {
     /// Every number in its place, always in the same order.
     #[inline(always)]
     pub(crate) fn visit(&mut self, f: &mut impl FnMut(T) -> T) {
-        for row in self.weights.iter_mut().chain(&mut self.minus_half) {
+        let Self {
+            weights,
+            minus_half,
+            differences,
+            force,
+            torque,
+        } = self;
+        for row in weights.iter_mut().chain(minus_half) {
             for limbs in row {
                 limbs.visit(f);
             }
         }
-        for rows in [&mut self.differences, &mut self.force, &mut self.torque] {
+        for rows in [differences, force, torque] {
             for row in rows {
                 row.visit(f);
             }

@@ -1,18 +1,19 @@
-//! What nine limbs say more than six: the force coordination equations, and what they are good for.
+//! The three redundancy (parity) relations of nine limbs over six axes: the force coordination equations.
 //!
-//! A mass has six coordinates, so of nine elongations three are spoken for. To first order in the strain the elongations of
+//! A mass has six coordinates, so that nine elongations obey three relations. To first order in the strain the elongations of
 //! limbs on an undeformed mass obey, whatever the motion, the mass or its inertia,
 //!
 //! ```text
 //! x1 + x2 + x4 + x5 = 0,    x1 + x3 + x7 + x9 = 0,    x5 + x6 + x8 + x9 = 0,
 //! ```
 //!
-//! and the forces do as far as the limbs are equally stiff. The left sides are the three parity rows: zero but for noise while
-//! all is well. [`super::residual`] keeps their second order, which is a millionth of a force at 9 g.
+//! and the forces do as far as the limbs are equally stiff. The left sides are the three parity rows: zero except for noise
+//! while no limb has failed. [`super::residual`] keeps their second order, which is a millionth of a force at 9 g.
 //!
 //! A limb that fails shows along its own column of the rows, its [`SIGNATURES`]. Limbs 1, 5 and 9 each have a signature of
-//! their own; 2 and 4, 3 and 7, 6 and 8 share one ([`AMBIGUOUS_PAIRS`]), and no force tells such twins apart. Limbs whose signatures are
-//! independent can be done without: [`super::reconstruction`] has them from the others.
+//! their own; 2 and 4, 3 and 7, 6 and 8 share one ([`AMBIGUOUS_PAIRS`]), and no force
+//! distinguishes the two limbs of such a pair. Limbs whose signatures are independent can be excluded: [`super::reconstruction`]
+//! computes their strains from the others.
 
 use crate::geometry::LIMBS;
 

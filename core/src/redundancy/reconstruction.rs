@@ -1,13 +1,13 @@
 //! The strains of excluded limbs from those of the others.
 //!
-//! With P = W (W^T W)^-1 W^T, the projector on what no pose can do, the excluded strains x_F that leave least of the rows solve
-//! P_FF x_F = -P_FS x_S. Put zero for the excluded limbs and let rho be what the rows then leave: x_F = -P_FF^-1 W_F (W^T W)^-1 rho.
-//! With the strains so filled in, sums over nine limbs are least squares over those that are left, since
+//! With P = W (W^T W)^-1 W^T, the projector on the strains that no pose produces, the excluded strains x_F that make the rows
+//! smallest solve P_FF x_F = -P_FS x_S. Let rho be the rows with zero in place of the excluded strains: x_F = -P_FF^-1 W_F (W^T W)^-1 rho.
+//! With the strains so reconstructed, sums over nine limbs are least squares over the remaining ones, since
 //! J^T (x_S; J_F u) = J^T J u for the pose u = (J_S^T J_S)^-1 J_S^T x_S. Nothing else of a decoupler changes.
 //!
-//! P_FF is 1/18 of a matrix of whole numbers, so whether it can be inverted is decided without rounding: of 129 sets of up to
-//! three limbs, 93 can be done without. In the other 36 there are forces in excluded limbs alone that cancel in every row; the
-//! load that asks for them is the one of which the others show nothing.
+//! P_FF is 1/18 of a matrix of whole numbers, so that its rank is decided without rounding: of 129 sets of up to
+//! three limbs, 93 can be excluded. In the other 36 there are forces in excluded limbs alone that cancel in every row; the
+//! load that needs them is unobservable with the remaining limbs.
 
 use glam::DVec3;
 
@@ -17,10 +17,10 @@ use crate::geometry::{DIRECTIONS_SHELL, LIMBS, LIMBS_PER_NODE, NODE_DIRECTIONS_M
 use crate::limb_set::LimbSet;
 use crate::unobservable::LostLoad;
 
-/// Largest number of limbs that can be done without: six accelerations want six channels.
+/// Largest number of limbs that can be excluded: six accelerations need six channels.
 pub const MOST_EXCLUDED: usize = 3;
 
-/// Strains of excluded limbs as combinations of what the parity rows leave when those strains are put to zero.
+/// Strains of excluded limbs as combinations of the parity rows' residuals with those strains set to zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reconstruction {
     excluded: LimbSet,
@@ -82,7 +82,7 @@ impl Reconstruction {
         Ok(Self { excluded, weights })
     }
 
-    /// The limbs that are done without.
+    /// The excluded limbs.
     #[must_use]
     pub const fn excluded(&self) -> LimbSet {
         self.excluded
@@ -207,7 +207,7 @@ mod tests {
     #[test]
     fn a_lost_load_is_named() {
         let set = LimbSet::from_numbers([2, 4]).expect("limbs");
-        let error = Reconstruction::new(set).expect_err("twins");
+        let error = Reconstruction::new(set).expect_err("an ambiguous pair");
         assert_eq!(
             format!("{error}"),
             "limbs 2 and 4 excluded: the remaining limbs cannot observe a force along y - z together with a torque about 2 x over the half edge"

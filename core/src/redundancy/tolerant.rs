@@ -1,17 +1,15 @@
-//! Decoupling that watches its nine channels and goes on without the one that fails.
+//! Decoupling with a fault monitor: a limb that fails is excluded, and the samples since its failure are decoded again.
 //!
-//! [`Monitor`] says which limb has failed, some samples after it did. By then rate and attitude, which are integrated, carry what
-//! the limb made of them. So the last rows are kept, with the decoupler as it was before them: on a verdict it is taken from there
-//! and decodes the rows since anew, without the limb. What was answered in between stays as it was; what comes after carries no
-//! trace.
+//! [`Monitor`] isolates a failed limb some samples after its failure. By then rate and attitude, which are integrated, carry the
+//! limb's error. Therefore the last rows are kept, with the decoupler's states before them: once a limb is isolated, decoding is
+//! repeated from a state before the failure, with the limb excluded ([`Decoupler::set_excluded`]). Answers given in between are not
+//! revised; later ones are free of the failure.
 //!
-//! How a decoupler does without limbs is [`Decoupler::set_excluded`].
-//!
-//! Of two twins neither can be done without as long as it is open which has failed, and both together never
-//! ([`crate::redundancy::reconstruction`]): such answers go on from all nine and are marked.
+//! Of an ambiguous pair neither limb is excluded until it is known which has failed, and the two together cannot be excluded
+//! ([`crate::redundancy::reconstruction`]): such answers are decoded from all nine limbs and marked.
 
 use crate::decouple::Decoupler;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::geometry::LIMBS;
 use crate::limb_set::LimbSet;
 use crate::model::Parameters;
@@ -19,68 +17,73 @@ use crate::model::{Sensor, Settings};
 use crate::redundancy::fault::{Event, Kind, Monitor, Verdict, Watch};
 use crate::six_axis::SixAxis;
 
-/// Rows kept unless said otherwise: the longest window, and as much again.
+/// Rows to keep where nothing else is known: the longest window of the monitor, and as much again.
 pub const ROWS_KEPT: usize = 8192;
 
-/// What has become of one row.
+/// The answer to one row.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Watched {
     /// The sample before, decoupled.
     pub answer: Option<SixAxis>,
-    /// What the monitor said.
+    /// The monitor's event.
     pub event: Option<Event>,
-    /// The limbs that this answer does without.
+    /// Limbs excluded from this answer.
     pub excluded: LimbSet,
-    /// Limbs of which one is failed or both are, and which are not done without: this answer is not to be trusted.
+    /// Ambiguous pair: at least one limb has failed, which is unknown, so neither is excluded. Treat `answer` as invalid.
     pub suspected: LimbSet,
-    /// Set where the limbs that are done without have changed with this row.
+    /// Set where the excluded limbs changed with this row.
     pub switched: Option<Switch>,
 }
 
-/// A change of the limbs that are done without.
+/// A change of the excluded limbs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Switch {
-    /// The first row that was decoded anew.
+    /// The first row that was decoded again.
     pub from_sample: u64,
-    /// Whether that is before the failure, so that nothing of it is left in rate and attitude.
+    /// Whether that is before the failure, so that rate and attitude are free of it.
     pub reaches_onset: bool,
 }
 
-/// A decoupler that survives its limbs. It holds `N` rows in itself (72 bytes each) and no allocation; a row costs as much as the
-/// decoupler and the monitor, and up to `N` times that once, when a limb is given up.
+/// Decoupler that excludes a limb when it fails. `B` is the room in which it keeps the last rows (72 bytes each): an array, a slice
+/// that is borrowed or a vector. It allocates nothing itself. A row costs as much as the decoupler and the monitor, and up to as many
+/// times that as there are rows once, when a limb is excluded.
 #[derive(Debug, Clone, PartialEq)]
-pub struct FaultTolerant<const N: usize = ROWS_KEPT> {
+pub struct FaultTolerant<B> {
     decoupler: Decoupler,
     monitor: Monitor,
-    /// As it was, the older first; half of the rows apart.
+    /// Earlier states, the older first, half of the rows apart.
     before: [Decoupler; 2],
-    rows: [[f64; LIMBS]; N],
+    rows: B,
     suspected: LimbSet,
 }
 
-impl<const N: usize> FaultTolerant<N> {
-    /// Prepares decoupler and monitor.
+impl<B: AsRef<[[f64; LIMBS]]> + AsMut<[[f64; LIMBS]]>> FaultTolerant<B> {
+    /// Prepares decoupler and monitor. The last rows received are kept in `rows`, whatever is in it: [`ROWS_KEPT`] are good.
     ///
     /// # Errors
-    /// Those of [`Decoupler::new`] and [`Monitor::new`].
+    /// Those of [`Decoupler::new`] and [`Monitor::new`]; [`Error::TooFewSamples`] for room for less than two rows.
     pub fn new(
         sensor: &Sensor,
         parameters: &Parameters,
         settings: &Settings,
         watch: &Watch,
+        rows: B,
     ) -> Result<Self> {
-        const {
-            assert!(
-                N >= 2,
-                "half of the rows lie between two states that are kept"
-            )
-        };
+        // Half of the rows lie between two states that are kept.
+        let got = rows.as_ref().len();
+        if got < 2 {
+            return Err(Error::TooFewSamples {
+                what: "room for rows",
+                needed: 2,
+                got,
+            });
+        }
         let decoupler = Decoupler::new(sensor, parameters, settings)?;
         Ok(Self {
             monitor: Monitor::new(sensor, parameters, settings, watch)?,
             before: [decoupler.clone(), decoupler.clone()],
             decoupler,
-            rows: [[0.0; LIMBS]; N],
+            rows,
             suspected: LimbSet::EMPTY,
         })
     }
@@ -91,7 +94,7 @@ impl<const N: usize> FaultTolerant<N> {
         &self.monitor
     }
 
-    /// The limbs that are done without.
+    /// The excluded limbs.
     #[must_use]
     pub fn excluded(&self) -> LimbSet {
         self.decoupler.excluded()
@@ -100,8 +103,8 @@ impl<const N: usize> FaultTolerant<N> {
     /// Takes the next nine voltages.
     ///
     /// # Errors
-    /// Those of [`Decoupler::push`] for what cannot be decoded without the failed limbs either: values that are no numbers in
-    /// more limbs than can be done without. The row is then not received.
+    /// Those of [`Decoupler::push`] for a row that cannot be decoded with the failed limbs excluded either: NaN in more limbs than can
+    /// be excluded. The row is then not received.
     pub fn push(&mut self, voltage_v: &[f64; LIMBS]) -> Result<Watched> {
         let sample = self.decoupler.received();
         self.keep(sample, voltage_v);
@@ -136,7 +139,7 @@ impl<const N: usize> FaultTolerant<N> {
         })
     }
 
-    /// Takes limbs back, or gives them up, by the caller's own knowledge, from the next row on.
+    /// Sets the excluded limbs by the caller's own knowledge, from the next row on.
     ///
     /// # Errors
     /// Those of [`Decoupler::set_excluded`].
@@ -148,16 +151,18 @@ impl<const N: usize> FaultTolerant<N> {
     }
 
     fn keep(&mut self, sample: u64, voltage_v: &[f64; LIMBS]) {
-        if sample.is_multiple_of(N as u64 / 2) && sample > self.before[1].received() {
+        let rows = self.rows.as_mut();
+        let kept = rows.len() as u64;
+        if sample.is_multiple_of(kept / 2) && sample > self.before[1].received() {
             self.before.swap(0, 1);
             self.before[1].clone_from(&self.decoupler);
         }
-        if let Some(row) = self.rows.get_mut((sample % N as u64) as usize) {
+        if let Some(row) = rows.get_mut((sample % kept) as usize) {
             *row = *voltage_v;
         }
     }
 
-    /// Limbs to do without from now on, and since when; none if nothing is to change.
+    /// Limbs to exclude from now on, and since when; none if nothing changes.
     fn wanted(&mut self, event: Event) -> Option<(LimbSet, Option<u64>)> {
         let of = |verdict: &Verdict| (verdict.limbs, Some(verdict.since.0));
         match event {
@@ -186,7 +191,7 @@ impl<const N: usize> FaultTolerant<N> {
         }
     }
 
-    /// With those that are done without already; none takes all back.
+    /// Together with those excluded already; the empty set includes all limbs again.
     fn joined(&self, limbs: LimbSet) -> LimbSet {
         if limbs.is_empty() {
             limbs
@@ -195,7 +200,7 @@ impl<const N: usize> FaultTolerant<N> {
         }
     }
 
-    /// Decodes anew from before `since`, or from here on, with the row of `sample` as the last.
+    /// Decodes again from before `since`, or from here on, with the row of `sample` as the last.
     #[cold]
     #[inline(never)]
     fn switch(
@@ -220,8 +225,9 @@ impl<const N: usize> FaultTolerant<N> {
         decoupler.set_excluded(limbs)?;
         let start = decoupler.clone();
         let mut answer = None;
+        let rows = self.rows.as_ref();
         for at in from_sample..=sample {
-            if let Some(row) = self.rows.get((at % N as u64) as usize) {
+            if let Some(row) = rows.get((at % rows.len() as u64) as usize) {
                 answer = decoupler.push(row)?;
             }
         }

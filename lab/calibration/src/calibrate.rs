@@ -26,7 +26,8 @@ use file::Contents;
 
 use crate::calibration::Calibration;
 use crate::conditioning::Conditioned;
-use crate::diagnosis::{Diagnosis, Facts, examine};
+use crate::diagnosis::trial_case::Facts;
+use crate::diagnosis::{Diagnosis, examine};
 use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::finding::{Cause, Finding};

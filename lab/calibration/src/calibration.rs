@@ -34,7 +34,7 @@ pub struct Calibration {
     pub findings: Vec<Finding>,
     /// The sensor.
     pub sensor: CalibratedSensor,
-    /// Whose parameters these are; not said of the four steps.
+    /// Which estimator they are by; left out for the four steps.
     #[serde(default, skip_serializing_if = "Estimator::is_default")]
     pub estimator: Estimator,
     /// The 25 parameters to decouple with.
@@ -160,7 +160,7 @@ impl Calibration {
                 cause,
             })
         };
-        // The version first: what else is wrong with a file of another one is no news.
+        // The version first: a file of another version has other keys.
         if let Ok(Version { format }) = serde_json::from_str(&text)
             && format != FORMAT
         {

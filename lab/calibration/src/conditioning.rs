@@ -20,7 +20,7 @@ pub use stage::Stage;
 use crate::trial::Trial;
 use sixaxis_recordings::session::{Preprocessing, Session};
 
-/// Highest corner of the low-pass, of the sample rate: at half of it there is no filter.
+/// Highest corner of the low-pass over the sample rate; at half the sample rate the filter does not exist.
 const HIGHEST_CORNER: f64 = 0.4;
 
 /// What is done to a trial.

@@ -20,54 +20,24 @@ pub mod raw;
 pub mod structure;
 pub mod table;
 pub mod timing;
+pub mod trial_case;
 
 use rayon::prelude::*;
+use sixaxis_core::LIMBS;
 use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
 use sixaxis_core::identify::zero_drift::{self, ZeroDrift};
-use sixaxis_core::{Geometry, LIMBS, Parameters};
 
 use crate::conditioning::Conditioned;
 use crate::finding::Finding;
-use crate::response::{self, Response};
+use crate::response;
 use crate::trial::Trial;
 use gravity::turned_gravity_m_s2;
-use sixaxis_recordings::session::{Rig, Role};
+use sixaxis_recordings::session::Role;
 use table::Table;
+use trial_case::{Facts, TrialCase, angles};
 
 /// Relative error of an angle that undoing a gyroscope's lag and the low-pass leave.
 const LAG_ANGLE_ERROR: f64 = 3e-3;
-
-/// What the diagnosis is told.
-#[derive(Debug, Clone, Copy)]
-pub struct Facts<'a> {
-    /// The sensor's lengths.
-    pub geometry: Geometry,
-    /// Design values.
-    pub design: &'a Parameters,
-    /// What is known of the rig.
-    pub rig: Option<&'a Rig>,
-    /// Largest relative error that the gyroscope's certificate allows.
-    pub gyroscope_class: f64,
-    /// Whether a gyroscope's lag is being undone.
-    pub gyroscope_lag_undone: bool,
-}
-
-/// One trial under diagnosis.
-#[derive(Debug, Clone)]
-pub struct TrialCase<'a> {
-    /// As recorded.
-    pub trial: &'a Trial,
-    /// As conditioned.
-    pub conditioned: &'a Conditioned,
-    /// Measured forces less the zero drift and the expected share of gravity, N.
-    pub force_n: Vec<[f64; LIMBS]>,
-    /// What each channel shows of it; none where nothing could be fitted.
-    pub response: Option<Response>,
-    /// Channels that something has already been found about.
-    pub ignored: [bool; LIMBS],
-    /// Nothing more is to be said of this trial.
-    pub explained: bool,
-}
 
 /// What the diagnosis found.
 #[derive(Debug, Clone)]
@@ -192,25 +162,4 @@ fn measure(cases: &mut [TrialCase<'_>], drift: Option<&ZeroDrift>, scale: Option
         }
         case.response = response::measure(trial, case.conditioned, &case.force_n);
     });
-}
-
-/// Angle turned since the first sample, rad, by the trapezoidal rule.
-fn angles(conditioned: &Conditioned, trial: &Trial) -> impl Iterator<Item = f64> {
-    let step_s = 1.0 / trial.sample_rate_hz;
-    let direction = trial.direction_ground;
-    let (mut angle, mut before) = (0.0, 0.0);
-    conditioned.rate_shell_rad_s.iter().map(move |rate| {
-        let now = rate.dot(direction);
-        angle += 0.5 * (before + now) * step_s;
-        before = now;
-        angle
-    })
-}
-
-/// The names of some trials.
-fn names<'s, 'a: 's>(cases: impl IntoIterator<Item = &'s TrialCase<'a>>) -> Vec<String> {
-    cases
-        .into_iter()
-        .map(|case| case.trial.name.clone())
-        .collect()
 }

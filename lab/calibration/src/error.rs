@@ -1,4 +1,4 @@
-//! What stops a calibration before it begins. What is merely wrong with the data is no error: see [`crate::diagnosis`].
+//! Errors that stop a calibration before it begins. Faults in the data are findings, not errors: see [`crate::diagnosis`].
 
 use thiserror::Error;
 

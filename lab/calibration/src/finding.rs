@@ -13,7 +13,7 @@ pub enum Cause {
     Unreadable,
     /// A channel stands at the converter's limit.
     ClippedConverter,
-    /// A limb says nothing.
+    /// A limb's channel shows no signal.
     DeadLimb,
     /// Two channels are exchanged.
     SwappedChannels,

@@ -9,7 +9,7 @@
 pub struct BoundedGain {
     /// The certificate's limit.
     pub limit: f64,
-    /// What the data say, and one over its variance; 0 if they say nothing.
+    /// The data's own estimate, and one over its variance; 0 where they do not determine it.
     pub seen: f64,
     /// See [`Self::seen`].
     pub information: f64,

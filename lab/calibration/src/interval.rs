@@ -19,7 +19,7 @@ use sixaxis_recordings::session::{Role, Session};
 /// Half width of the 95 % interval of an even spread, in its half width.
 const EVEN_95: f64 = 0.95;
 
-/// A fit whose condition number grows by this factor when a trial is left out rests on that trial: what is left says nothing.
+/// A fit whose condition number grows by this factor when a trial is left out rests on that trial: the others do not determine the unknowns.
 const WORSE_CONDITION: f64 = 30.0;
 /// An interval wider than the parameter itself determines nothing, not even its sign.
 const NOTHING_KNOWN: f64 = 1.0;

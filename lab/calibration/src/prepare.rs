@@ -3,6 +3,7 @@
 //! A recording that cannot be used is a finding, not an error: the rest can still be calibrated with.
 
 use rayon::prelude::*;
+use sixaxis_core::{Geometry, Parameters};
 
 use crate::conditioning::{Conditioned, Conditioning};
 use crate::error::{Error, Result};
@@ -80,9 +81,27 @@ impl PreparedSession {
         Ok(prepared)
     }
 
-    /// Sorts and conditions recordings that are in memory.
+    /// Sorts and conditions recordings that are in memory, as a session says.
     #[must_use]
     pub fn of(session: &Session, recordings: Vec<Trial>, progress: &dyn Progress) -> Self {
+        Self::new(
+            Conditioning::of(session),
+            session.sensor.geometry(),
+            session.sensor.design(),
+            recordings,
+            progress,
+        )
+    }
+
+    /// The same of a sensor with these lengths and design values.
+    #[must_use]
+    pub fn new(
+        conditioning: Conditioning,
+        geometry: Geometry,
+        design: Parameters,
+        recordings: Vec<Trial>,
+        progress: &dyn Progress,
+    ) -> Self {
         let mut at_rest = None;
         let mut moving = Vec::new();
         let mut taps = Vec::new();
@@ -95,7 +114,6 @@ impl PreparedSession {
                 _ => moving.push(trial),
             }
         }
-        let conditioning = Conditioning::of(session);
         progress.stage("conditioning", moving.len());
         let conditioned: Vec<(Trial, sixaxis_core::Result<Conditioned>)> = moving
             .into_par_iter()
@@ -116,8 +134,8 @@ impl PreparedSession {
         let static_voltage_v = at_rest.as_ref().map(|rest| rest.voltage_v.clone());
         Self {
             campaign: Campaign {
-                geometry: session.sensor.geometry(),
-                design: session.sensor.design(),
+                geometry,
+                design,
                 static_voltage_v: static_voltage_v.unwrap_or_default(),
                 trials,
             },

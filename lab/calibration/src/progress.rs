@@ -1,6 +1,6 @@
 //! How far a calibration is, for whoever shows it.
 
-/// What the caller is told while it works.
+/// Receives the progress of a calibration.
 pub trait Progress: Sync {
     /// A stage begins that has so many parts.
     fn stage(&self, name: &str, parts: usize);

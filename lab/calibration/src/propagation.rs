@@ -56,7 +56,7 @@ impl Sources {
     /// of 3. Nothing shows the wedges here.
     ///
     /// # Errors
-    /// A trial too short to tell noise from motion.
+    /// A trial too short to separate noise from motion.
     pub fn seen(
         campaign: &Campaign,
         steps: &FourSteps,
@@ -168,7 +168,7 @@ pub fn gyroscope_share(steps: &FourSteps) -> GyroscopeShare {
 
 /// Carries the sources through steps 1 to 4, as `steps` took them, of a campaign that `conditioning` has conditioned.
 ///
-/// Without trials of step 4, or with such that do not tell the compliance, its row and column are zero.
+/// Without trials of step 4, or with such that do not determine the compliance, its row and column are zero.
 ///
 /// # Errors
 /// Those of the conditioning and of the decoupler. A source list that is shorter than the campaign leaves the last trials

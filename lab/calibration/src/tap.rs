@@ -36,7 +36,7 @@ pub struct TapReport {
     pub sample_rate_hz: f64,
     /// Samples.
     pub samples: usize,
-    /// What it says, or why it says nothing.
+    /// The fit, or why it leaves k/m undetermined.
     pub outcome: Result<Tap, String>,
 }
 

@@ -69,8 +69,8 @@ pub fn seeds_of(path: &Path) -> Option<Range<u64>> {
 
 /// Names of the columns after the seed's: texts, then numbers.
 fn columns() -> (Vec<String>, Vec<String>) {
-    let texts = Text::ALL.iter().map(|t| t.column().to_owned()).collect();
-    let scalars = Scalar::ALL.iter().map(|s| s.column().to_owned());
+    let texts = Text::ALL.iter().map(|t| t.name().to_owned()).collect();
+    let scalars = Scalar::ALL.iter().map(|s| s.name().to_owned());
     let groups = Group::ALL
         .iter()
         .flat_map(|group| Parameter::all().map(|p| column(*group, p)));

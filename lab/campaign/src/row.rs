@@ -3,175 +3,101 @@
 use sixaxis_core::Parameter;
 use sixaxis_core::parameter::PARAMETERS;
 
-/// A quantity that each of the 25 parameters has one of, in the parameter's unit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[repr(usize)]
-pub enum Group {
-    /// The sensor's own value, which the calibration does not see.
-    Truth,
-    /// Estimate of the four steps. For k/m the minimum of the grid, whatever step 4's verdict.
-    FourSteps,
-    /// Its standard error from noise alone, carried from the raw samples through all steps in closed form. k/m has none.
-    FourStepsStandardError,
-    /// Half width of the 95 % interval that `sixaxis calibrate` states: noise, differences between trials, standards' classes.
-    StatedHalfWidth,
-    /// Estimate of the joint fit of all parameters; none of k/m where the fit leaves it open.
-    Joint,
-    /// Its standard deviation, the certificate of the accelerometer included.
-    JointStandardError,
-    /// Lower end of its 95 % interval.
-    JointLow,
-    /// Upper end of it.
-    JointHigh,
-    /// What the joint fit finds when it is told the accelerometer's gain, which no trial knows unless gravity turns in the
-    /// sensor: what is left is noise, and the bound is one on noise. For the statistics alone; a laboratory cannot have it.
-    JointGainKnown,
-    /// Cramér-Rao bound with the accelerometer's gain known, as a standard deviation.
-    CramerRao,
+/// An enum of things that have a name in the file: all of them in the order of their columns, each with its name.
+macro_rules! named {
+    ($(#[$about:meta])* $name:ident { $($(#[$of:meta])* $variant:ident => $text:literal,)* }) => {
+        $(#[$about])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        #[repr(usize)]
+        pub enum $name {
+            $($(#[$of])* $variant,)*
+        }
+
+        impl $name {
+            /// All, in the order of their columns.
+            pub const ALL: [Self; [$($text),*].len()] = [$(Self::$variant),*];
+
+            /// The name in the file.
+            #[must_use]
+            pub const fn name(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $text,)*
+                }
+            }
+        }
+    };
 }
 
-impl Group {
-    /// All, in the order of their columns.
-    pub const ALL: [Self; 10] = [
-        Self::Truth,
-        Self::FourSteps,
-        Self::FourStepsStandardError,
-        Self::StatedHalfWidth,
-        Self::Joint,
-        Self::JointStandardError,
-        Self::JointLow,
-        Self::JointHigh,
-        Self::JointGainKnown,
-        Self::CramerRao,
-    ];
-
-    /// What its columns' names begin with.
-    #[must_use]
-    pub const fn prefix(self) -> &'static str {
-        match self {
-            Self::Truth => "true",
-            Self::FourSteps => "four_steps",
-            Self::FourStepsStandardError => "four_steps_se",
-            Self::StatedHalfWidth => "half_width_95",
-            Self::Joint => "joint",
-            Self::JointStandardError => "joint_se",
-            Self::JointLow => "joint_low_95",
-            Self::JointHigh => "joint_high_95",
-            Self::JointGainKnown => "joint_gain_known",
-            Self::CramerRao => "cramer_rao_sd",
-        }
+named! {
+    /// A quantity that each of the 25 parameters has one of, in the parameter's unit; the name is what its columns begin with.
+    Group {
+        /// The sensor's own value, which the calibration does not see.
+        Truth => "true",
+        /// Estimate of the four steps. For k/m the minimum of the grid, whatever step 4's verdict.
+        FourSteps => "four_steps",
+        /// Its standard error from noise alone, carried from the raw samples through all steps in closed form. k/m has none.
+        FourStepsStandardError => "four_steps_se",
+        /// Half width of the 95 % interval that `sixaxis calibrate` states: noise, differences between trials, standards' classes.
+        StatedHalfWidth => "half_width_95",
+        /// Estimate of the joint fit of all parameters; none of k/m where the fit leaves it open.
+        Joint => "joint",
+        /// Its standard deviation, the certificate of the accelerometer included.
+        JointStandardError => "joint_se",
+        /// Lower end of its 95 % interval.
+        JointLow => "joint_low_95",
+        /// Upper end of it.
+        JointHigh => "joint_high_95",
+        /// What the joint fit finds when it is told the accelerometer's gain, which no trial knows unless gravity turns in the
+        /// sensor: what is left is noise, and the bound is one on noise. For the statistics alone; a laboratory cannot have it.
+        JointGainKnown => "joint_gain_known",
+        /// Cramér-Rao bound with the accelerometer's gain known, as a standard deviation.
+        CramerRao => "cramer_rao_sd",
     }
 }
 
-/// Single numbers of a case.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[repr(usize)]
-pub enum Scalar {
-    /// Squared residuals of the joint fit per degree of freedom: 1 where model and noise are right.
-    JointMisfit,
-    /// True relative gain error of the standard accelerometer.
-    AccelerometerGainError,
-    /// True relative gain error of the standard gyroscope.
-    GyroscopeGainError,
-    /// True rate over the gyroscope's reading as step 3 took it.
-    RateOverReading,
-    /// Its standard error.
-    RateOverReadingStandardError,
-}
-
-impl Scalar {
-    /// All, in the order of their columns.
-    pub const ALL: [Self; 5] = [
-        Self::JointMisfit,
-        Self::AccelerometerGainError,
-        Self::GyroscopeGainError,
-        Self::RateOverReading,
-        Self::RateOverReadingStandardError,
-    ];
-
-    /// Name of its column.
-    #[must_use]
-    pub const fn column(self) -> &'static str {
-        match self {
-            Self::JointMisfit => "joint_misfit",
-            Self::AccelerometerGainError => "true_accelerometer_gain_error",
-            Self::GyroscopeGainError => "true_gyroscope_gain_error",
-            Self::RateOverReading => "four_steps_rate_over_reading",
-            Self::RateOverReadingStandardError => "four_steps_se_rate_over_reading",
-        }
+named! {
+    /// Single numbers of a case.
+    Scalar {
+        /// Squared residuals of the joint fit per degree of freedom: 1 where model and noise are right.
+        JointMisfit => "joint_misfit",
+        /// True relative gain error of the standard accelerometer.
+        AccelerometerGainError => "true_accelerometer_gain_error",
+        /// True relative gain error of the standard gyroscope.
+        GyroscopeGainError => "true_gyroscope_gain_error",
+        /// True rate over the gyroscope's reading as step 3 took it.
+        RateOverReading => "four_steps_rate_over_reading",
+        /// Its standard error.
+        RateOverReadingStandardError => "four_steps_se_rate_over_reading",
     }
 }
 
-/// How far a case got.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Status {
-    /// All four steps were done.
-    Calibrated,
-    /// The plan with this seed cannot be played.
-    NotPlayed,
-    /// A recording cannot be conditioned.
-    NotCleaned,
-    /// One of the four steps refuses its data.
-    NotIdentified,
-}
-
-impl Status {
-    /// All of them.
-    pub const ALL: [Self; 4] = [
-        Self::Calibrated,
-        Self::NotPlayed,
-        Self::NotCleaned,
-        Self::NotIdentified,
-    ];
-
-    /// The word in the column `status`.
-    #[must_use]
-    pub const fn word(self) -> &'static str {
-        match self {
-            Self::Calibrated => "calibrated",
-            Self::NotPlayed => "not_played",
-            Self::NotCleaned => "not_cleaned",
-            Self::NotIdentified => "not_identified",
-        }
+named! {
+    /// How far a case got.
+    Status {
+        /// All four steps were done.
+        Calibrated => "calibrated",
+        /// The plan with this seed cannot be played.
+        NotPlayed => "not_played",
+        /// A recording cannot be conditioned.
+        NotCleaned => "not_cleaned",
+        /// One of the four steps refuses its data.
+        NotIdentified => "not_identified",
     }
 }
 
-/// Columns of text.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[repr(usize)]
-pub enum Text {
-    /// [`Status::word`].
-    Status,
-    /// Why a case failed.
-    Failure,
-    /// What was wrong with the session, where the plan has defects.
-    Defect,
-    /// Why there is no joint fit, where the four steps were done.
-    JointFailure,
-    /// Whether step 4 determines k/m: `determined`, or why not: `edge_of_grid`, `flat`, `noise`.
-    Step4,
-}
-
-impl Text {
-    /// All, in the order of their columns.
-    pub const ALL: [Self; 5] = [
-        Self::Status,
-        Self::Failure,
-        Self::Defect,
-        Self::JointFailure,
-        Self::Step4,
-    ];
-
-    /// Name of its column.
-    #[must_use]
-    pub const fn column(self) -> &'static str {
-        match self {
-            Self::Status => "status",
-            Self::Failure => "failure",
-            Self::Defect => "defect",
-            Self::JointFailure => "joint_failure",
-            Self::Step4 => "step_4",
-        }
+named! {
+    /// Columns of text.
+    Text {
+        /// [`Status::name`].
+        Status => "status",
+        /// Why a case failed.
+        Failure => "failure",
+        /// What was wrong with the session, where the plan has defects.
+        Defect => "defect",
+        /// Why there is no joint fit, where the four steps were done.
+        JointFailure => "joint_failure",
+        /// Whether step 4 determines k/m: `determined`, or why not: `edge_of_grid`, `flat`, `noise`.
+        Step4 => "step_4",
     }
 }
 
@@ -196,7 +122,7 @@ impl Row {
     #[must_use]
     pub fn new(seed: u64, status: Status) -> Self {
         let mut row = Self::blank(seed);
-        row.set_text(Text::Status, status.word());
+        row.set_text(Text::Status, status.name());
         row
     }
 
@@ -214,7 +140,7 @@ impl Row {
     #[must_use]
     pub fn status(&self) -> Option<Status> {
         let word = self.text(Text::Status)?;
-        Status::ALL.into_iter().find(|status| status.word() == word)
+        Status::ALL.into_iter().find(|status| status.name() == word)
     }
 
     /// A text.
@@ -265,5 +191,5 @@ pub fn column(group: Group, parameter: Parameter) -> String {
         Parameter::Stiffness => "per_s2",
         Parameter::Compliance => "s2",
     };
-    format!("{}_{letter}{number}_{unit}", group.prefix())
+    format!("{}_{letter}{number}_{unit}", group.name())
 }

@@ -5,7 +5,6 @@ use crate::truth;
 use glam::{DQuat, DVec3};
 use rand_distr::{Distribution, StandardUniform};
 use rand_pcg::Pcg64;
-use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::redundancy::fault::Watch;
 use sixaxis_core::{Geometry, LIMBS, Parameters, Sensor, Settings, StaticResponse};
 use sixaxis_reference::laboratory::chain::Chain;
@@ -85,13 +84,13 @@ impl Played {
         let chain = Chain::laboratory();
         let forces = &run.limb_force_per_mass_m_s2;
         let gains = truth::amplifier_ranges(forces, &parameters);
-        let signal = SignalChain::new(&gains, &parameters);
+        let signal = truth::sensor(&parameters);
         let noise = chain.noise_v();
         let sound_v: Vec<[f64; LIMBS]> = forces
             .iter()
             .map(|force| {
                 let unit: [[f64; 3]; 3] = [(); 3].map(|()| normal(&mut rng).to_array());
-                let u = signal.voltage_v(force);
+                let u = signal.voltage_v(force, &gains.gain_n_per_v);
                 core::array::from_fn(|i| u[i] + noise * unit.as_flattened()[i])
             })
             .collect();

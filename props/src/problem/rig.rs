@@ -3,8 +3,7 @@
 
 use crate::truth;
 use glam::DVec3;
-use sixaxis_core::decouple::stream::Decoupler;
-use sixaxis_core::{LIMBS, Parameters, Sensor, Settings, SixAxis};
+use sixaxis_core::{Parameters, SixAxis};
 use sixaxis_reference::laboratory::plan::RigPlan;
 use sixaxis_reference::laboratory::schedule::compound_trials;
 use sixaxis_reference::motion::SimulatedRun;
@@ -94,27 +93,6 @@ pub fn simulate(
         STEPS,
     )
     .expect("a run within the rig's limits simulates")
-}
-
-/// All decoupled samples of a record.
-///
-/// # Panics
-/// If the decoupler refuses.
-#[must_use]
-pub fn decouple(
-    sensor: &Sensor,
-    parameters: &Parameters,
-    settings: &Settings,
-    voltage_v: &[[f64; LIMBS]],
-) -> Vec<SixAxis> {
-    let mut decoupler =
-        Decoupler::new(sensor, parameters, settings).expect("the parameters are sound");
-    let mut samples = Vec::with_capacity(voltage_v.len());
-    for row in voltage_v {
-        let completed = decoupler.push(row).expect("the samples are finite");
-        samples.extend(completed);
-    }
-    samples
 }
 
 /// Largest error of the accelerations over the peak of the vector: linear and angular.

@@ -9,10 +9,11 @@ use sixaxis_core::{
     Decoupler, Error, Gains, Geometry, InertiaPerMass, LIMBS, Model, Parameters, Result, Scheme,
     Sensor, Settings, SixAxis, StaticResponse,
 };
-use sixaxis_props::adversarial::{INERTIA, adversarial_setup, record, remembering};
 use sixaxis_props::compare::all_finite;
 use sixaxis_props::strategy::parameters;
 use sixaxis_props::truth;
+
+use crate::input::{INERTIA, adversarial_setup, record, remembering};
 
 fn sensor() -> Sensor {
     Sensor {

@@ -12,12 +12,11 @@ use sixaxis_core::paper::pose::Pose;
 use sixaxis_core::paper::relative_motion::RelativeMotion;
 use sixaxis_core::paper::wrench::LimbWrench;
 use sixaxis_core::{Error, Gains, Geometry, LIMBS, Sensor, Settings};
-use sixaxis_props::adversarial::{
-    adversarial_f64, adversarial_setup, extreme, record, remembering, spoiled,
-};
 use sixaxis_props::compare::all_finite;
 use sixaxis_props::strategy::{parameters, vector};
 use sixaxis_props::truth;
+
+use crate::input::{adversarial_f64, adversarial_setup, extreme, record, remembering, spoiled};
 
 fn sensor() -> Sensor {
     Sensor {

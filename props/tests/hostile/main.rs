@@ -4,6 +4,7 @@
 
 mod decoder;
 mod identify;
+mod input;
 mod preprocess;
 mod recording;
 mod sensor;

@@ -9,8 +9,9 @@ use sixaxis_core::dsp::lag::{FirstOrder, undo_high_pass, undo_low_pass};
 use sixaxis_core::dsp::zero_phase::{padding, zero_phase};
 use sixaxis_core::dsp::{detrend, each_channel, outlier};
 use sixaxis_core::{Error, Result};
-use sixaxis_props::adversarial::{adversarial_f64, extreme, record, remembering, spoiled};
 use sixaxis_props::compare::all_finite;
+
+use crate::input::{adversarial_f64, extreme, record, remembering, spoiled};
 
 /// One channel of up to `longest` samples.
 fn series(longest: usize) -> impl Strategy<Value = Vec<f64>> {

@@ -5,12 +5,11 @@ use sixaxis_core::decouple::rest_to_rest;
 use sixaxis_core::identify::zero_drift;
 use sixaxis_core::recording::check_channels;
 use sixaxis_core::{Error, LIMBS, Parameters, Scheme, Settings};
-use sixaxis_props::adversarial::{
-    adversarial_f64, adversarial_setup, extreme, record, remembering,
-};
 use sixaxis_props::compare::all_finite;
 use sixaxis_props::strategy::parameters;
 use sixaxis_props::truth;
+
+use crate::input::{adversarial_f64, adversarial_setup, extreme, record, remembering};
 
 /// A smooth motion, mostly of a size that a sensor shows.
 fn motion() -> impl Strategy<Value = Vec<[f64; LIMBS]>> {

@@ -11,10 +11,11 @@ use sixaxis_core::paper::relative_motion::RelativeMotion;
 use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::paper::wrench::{LimbWrench, limb_directions};
 use sixaxis_core::{Error, Gains, Geometry, InertiaPerMass, LIMBS, LimbLaw, Parameters};
-use sixaxis_props::adversarial::{adversarial_f64, extreme, remembering, spoiled};
 use sixaxis_props::compare::all_finite;
 use sixaxis_props::strategy::{parameters, vector};
 use sixaxis_props::truth;
+
+use crate::input::{adversarial_f64, extreme, remembering, spoiled};
 
 proptest! {
     #![proptest_config(remembering(1024, "sensor"))]

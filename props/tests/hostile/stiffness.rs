@@ -9,11 +9,10 @@ use sixaxis_core::paper::wrench::LimbWrench;
 use sixaxis_core::{
     Error, Gains, Geometry, InertiaPerMass, LIMBS, Parameters, Scheme, Sensor, Settings,
 };
-use sixaxis_props::adversarial::{
-    adversarial_f64, adversarial_setup, extreme, record, remembering,
-};
 use sixaxis_props::compare::all_finite;
 use sixaxis_props::truth;
+
+use crate::input::{adversarial_f64, adversarial_setup, extreme, record, remembering};
 
 proptest! {
     #![proptest_config(remembering(1024, "stiffness"))]

@@ -259,17 +259,17 @@ fn inv_noncentral_is_central_at_zero() {
 #[test]
 fn ref_after_the_verdict_no_trace_is_left() {
     use sixaxis_core::limb_set::LimbSet;
+    use sixaxis_core::redundancy::tolerant::ROWS_KEPT;
     use sixaxis_core::{Decoupler, FaultTolerant, SixAxis};
     use sixaxis_props::faults::dying::{Played, angle_rad};
     // The torque of limbs 1, 5 and 9 is none: only of the others does the attitude depend.
     for limb in [1, 6] {
         let played = Played::random(seed(), limb).expect("the simulation");
         let (sensor, parameters) = (&played.sensor, &played.parameters);
-        let stream = || -> Box<FaultTolerant> {
-            let watch = played.watch();
-            Box::new(
-                FaultTolerant::new(sensor, parameters, &played.settings, &watch).expect("sound"),
-            )
+        let stream = || {
+            let rows = vec![[0.0; LIMBS]; ROWS_KEPT];
+            FaultTolerant::new(sensor, parameters, &played.settings, &played.watch(), rows)
+                .expect("sound")
         };
         let mut watched = stream();
         let mut answers = Vec::new();

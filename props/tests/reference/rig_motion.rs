@@ -2,9 +2,10 @@
 
 use glam::DVec3;
 use proptest::prelude::*;
+use sixaxis_core::decouple::decouple;
 use sixaxis_core::{LimbLaw, Parameters, Scheme, Settings};
 use sixaxis_props::compare::{fails_clearly, largest, within};
-use sixaxis_props::problem::rig::{decouple, errors, simulate};
+use sixaxis_props::problem::rig::{errors, simulate};
 use sixaxis_props::strategy::{config, parameters, vector};
 use sixaxis_props::tolerance;
 use sixaxis_props::truth;
@@ -29,7 +30,8 @@ fn decoupling_errors(
         parameters,
         &settings,
         &recording.voltage_v,
-    );
+    )
+    .expect("a sound sensor and finite samples");
     errors(&samples, run)
 }
 

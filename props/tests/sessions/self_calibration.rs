@@ -9,9 +9,10 @@ use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::redundancy::self_calibration::{
     Accumulator, KnownChange, Limits, PerLimbs, ScaleRatios, StiffnessTest, drifted,
 };
-use sixaxis_core::{Error, Gains, Geometry, LIMBS, LimbSet, Parameters, Sensor, Settings};
+use sixaxis_core::{Error, Gains, Geometry, LIMBS, LimbSet, Sensor, Settings};
 use sixaxis_props::compare::{fails_clearly, largest, within};
 use sixaxis_props::evidence::Row;
+use sixaxis_props::problem::Problem;
 use sixaxis_props::seed::seed;
 use sixaxis_props::self_calibration::{Case, DRIFT, NOISE_SHARE, errors, nine, without_mean};
 use sixaxis_props::statistics::chi_square_departure;
@@ -47,12 +48,7 @@ fn law_ratios_without_noise_are_exact() {
         // Once for the second order, which wants the scale factors, once for the ratios.
         let mut without = f64::INFINITY;
         for _ in 0..2 {
-            let mut taken =
-                Accumulator::new(&case.sensor(), &case.calibration, &case.settings(), 1)
-                    .expect("sound");
-            for u in &voltage_v {
-                taken.push(u).expect("sound");
-            }
+            let taken = fed(sample_by_sample(&case), &voltage_v);
             let found = taken.ratios(&Limits::default()).expect("a rich motion");
             let flat = taken.moments().to_first_order().ratios(&Limits::default());
             without = without.min(largest(errors(
@@ -85,16 +81,12 @@ fn law_ratios_without_noise_are_exact() {
     );
 }
 
-/// The paper's sensor in MuJoCo, tumbled; its scale factors known one by one as well as `DRIFT`.
-struct InMujoco {
-    sensor: Sensor,
-    calibration: Parameters,
-    settings: Settings,
-    true_ln_ratio: [f64; LIMBS],
-    voltage_v: Vec<[f64; LIMBS]>,
-}
-
-fn in_mujoco(motion: &(impl Motion + Clone), duration_s: f64, steps_per_sample: usize) -> InMujoco {
+/// The paper's sensor in MuJoCo, tumbled, with scale factors known one by one as well as `DRIFT`; and the true ln ratios.
+fn in_mujoco(
+    motion: &(impl Motion + Clone),
+    duration_s: f64,
+    steps_per_sample: usize,
+) -> (Problem, [f64; LIMBS]) {
     let truth = truth::identified_parameters();
     let gravity = DVec3::new(0.0, 0.0, -paper::GRAVITY_M_S2);
     let model = truth::model(&truth, gravity);
@@ -105,41 +97,48 @@ fn in_mujoco(motion: &(impl Motion + Clone), duration_s: f64, steps_per_sample: 
     let gains = Gains::uniform(0.1);
     let chain = SignalChain::new(&gains, &truth);
     let rest = run.limb_force_per_mass_m_s2[0];
-    let voltage_v = run
-        .limb_force_per_mass_m_s2
-        .iter()
-        .map(|f| chain.voltage_v(&core::array::from_fn(|i| f[i] - rest[i])))
-        .collect();
+    let tared = |f: &[f64; LIMBS]| core::array::from_fn(|i| f[i] - rest[i]);
+    let forces = run.limb_force_per_mass_m_s2.iter();
     let unit = nine(&mut Pcg64::new(u128::from(seed()), 21));
     let mut calibration = truth;
     for (scale, unit) in calibration.scale_per_mass_per_kg.iter_mut().zip(unit) {
         *scale *= (-DRIFT * unit).exp();
     }
-    InMujoco {
+    let problem = Problem {
         sensor: Sensor {
             geometry: Geometry::PAPER,
             gains,
         },
-        calibration,
+        parameters: calibration,
         settings: Settings {
             gravity_ground_m_s2: gravity,
             ..Settings::new(rate_hz)
         },
-        true_ln_ratio: without_mean(unit.map(|unit| DRIFT * unit)),
-        voltage_v,
-    }
+        voltage_v: forces.map(|f| chain.voltage_v(&tared(f))).collect(),
+    };
+    (problem, without_mean(unit.map(|unit| DRIFT * unit)))
 }
 
-impl InMujoco {
-    fn accumulated(&self) -> Accumulator {
-        let mut taken =
-            Accumulator::of_usual_blocks(&self.sensor, &self.calibration, &self.settings)
-                .expect("sound");
-        for u in &self.voltage_v {
-            taken.push(u).expect("sound");
-        }
-        taken
+/// An accumulator of blocks of one sample.
+fn sample_by_sample(case: &Case) -> Accumulator {
+    Accumulator::new(&case.sensor(), &case.calibration, &case.settings(), 1).expect("sound")
+}
+
+fn in_usual_blocks(case: &Case) -> Accumulator {
+    Accumulator::of_usual_blocks(&case.sensor(), &case.calibration, &case.settings())
+        .expect("sound")
+}
+
+fn fed(mut accumulator: Accumulator, voltage_v: &[[f64; LIMBS]]) -> Accumulator {
+    for u in voltage_v {
+        accumulator.push(u).expect("sound");
     }
+    accumulator
+}
+
+fn accumulated(p: &Problem) -> Accumulator {
+    let empty = Accumulator::of_usual_blocks(&p.sensor, &p.parameters, &p.settings);
+    fed(empty.expect("sound"), &p.voltage_v)
 }
 
 #[test]
@@ -151,13 +150,13 @@ fn ref_a_tumble_in_mujoco_tells_eight_ratios() {
         1.0,
     );
     let found = |steps: usize| {
-        let run = in_mujoco(&field.motion, 2.0, steps);
-        let moments = run.accumulated().moments();
+        let (run, true_ln_ratio) = in_mujoco(&field.motion, 2.0, steps);
+        let moments = accumulated(&run).moments();
         let ratios = moments.ratios(&Limits::default()).expect("a rich motion");
         let wrong = moments.to_first_order().ratios(&Limits::default());
         (
-            errors(&ratios, &run.true_ln_ratio),
-            errors(&wrong.expect("a rich motion"), &run.true_ln_ratio),
+            errors(&ratios, &true_ln_ratio),
+            errors(&wrong.expect("a rich motion"), &true_ln_ratio),
         )
     };
     let [(coarse, without), (fine, _)] = [10, 20].map(found);
@@ -193,7 +192,7 @@ impl Motion for Translation {
 fn ref_pure_translation_leaves_the_twins_open() {
     const AMBIGUOUS_PAIRS: &str =
         "limb 2 against limb 4, limb 3 against limb 7, limb 6 against limb 8";
-    let mut run = in_mujoco(&Translation, 1.5, 10);
+    let (mut run, _) = in_mujoco(&Translation, 1.5, 10);
     for noise_v in [0.0, 1e-4, 1e-2] {
         let mut rng = Pcg64::new(u128::from(seed()), 22);
         for u in &mut run.voltage_v {
@@ -201,7 +200,7 @@ fn ref_pure_translation_leaves_the_twins_open() {
                 *u += noise_v * unit;
             }
         }
-        match run.accumulated().ratios(&Limits::default()) {
+        match accumulated(&run).ratios(&Limits::default()) {
             Err(Error::UnobservableScaleRatios { directions: open }) => {
                 assert_eq!(open.to_string(), AMBIGUOUS_PAIRS)
             }
@@ -354,12 +353,7 @@ fn stat_noise_in_the_regressors_does_not_bias_the_ratios() {
         .into_par_iter()
         .map(|seed| {
             let case = Case::random(seed, SHORT_S);
-            let mut taken =
-                Accumulator::new(&case.sensor(), &case.calibration, &case.settings(), 1)
-                    .expect("sound");
-            for u in case.noisy_v(HEAVY_NOISE_SHARE) {
-                taken.push(&u).expect("sound");
-            }
+            let taken = fed(sample_by_sample(&case), &case.noisy_v(HEAVY_NOISE_SHARE));
             let found = taken.ratios(&limits).expect("rich");
             let error = errors(&found, &case.true_ln_ratio());
             let z = ScaleRatios {
@@ -382,13 +376,8 @@ fn stat_noise_in_the_regressors_does_not_bias_the_ratios() {
 fn inv_stream_and_batch_are_the_same_bits() {
     let case = Case::random(seed(), SHORT_S);
     let voltage_v = case.noisy_v(NOISE_SHARE);
-    let mut stream =
-        Accumulator::of_usual_blocks(&case.sensor(), &case.calibration, &case.settings())
-            .expect("sound");
     let half = voltage_v.len() / 2;
-    for u in &voltage_v[..half] {
-        stream.push(u).expect("sound");
-    }
+    let mut stream = fed(in_usual_blocks(&case), &voltage_v[..half]);
     // Asking in between changes nothing, and a recording may end in mid-block.
     stream.ratios(&Limits::default()).expect("rich");
     for u in &voltage_v[half..] {
@@ -565,9 +554,7 @@ fn stat_unequal_stiffness_is_found_and_equal_stands() {
 #[test]
 fn law_bad_input_is_named() {
     let case = Case::random(seed(), SHORT_S);
-    let mut taken =
-        Accumulator::of_usual_blocks(&case.sensor(), &case.calibration, &case.settings())
-            .expect("sound");
+    let mut taken = in_usual_blocks(&case);
     let before = taken.clone();
     assert!(matches!(
         taken.ratios(&Limits::default()),

@@ -108,8 +108,8 @@ impl Chain {
         })
     }
 
-    /// The nine voltages, V, of a sensor under whole limb forces per mass, m/s^2, through amplifiers of the given gains, N/V:
-    /// equations (10) and (11) solved for u.
+    /// The nine voltages, V, that the converter makes of whole limb forces per mass, m/s^2, behind amplifiers of the given
+    /// gains, N/V.
     pub fn record(
         &self,
         limb_force_per_mass_m_s2: &[[f64; LIMBS]],
@@ -126,11 +126,8 @@ impl Chain {
         sensed
             .iter()
             .map(|force| {
-                core::array::from_fn(|i| {
-                    let sensitivity = sensor.scale_per_mass_per_kg[i] * gain_n_per_v[i];
-                    let voltage_v = force[i] / sensitivity + sensor.zero_drift_v[i];
-                    converter.convert(voltage_v, rng)
-                })
+                let voltage_v = sensor.voltage_v(force, gain_n_per_v);
+                voltage_v.map(|voltage_v| converter.convert(voltage_v, rng))
             })
             .collect()
     }

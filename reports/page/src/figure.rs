@@ -4,6 +4,15 @@
 
 use serde::Serialize;
 
+/// Palette index of the neutral grey, for truth and theory.
+pub const NEUTRAL: usize = 6;
+
+/// Points from two columns of the same length.
+#[must_use]
+pub fn paired(x: &[f64], y: &[f64]) -> Vec<(f64, f64)> {
+    x.iter().copied().zip(y.iter().copied()).collect()
+}
+
 /// How an axis maps values to distance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]

@@ -1,14 +1,19 @@
-//! The pen: plotters' SVG backend in page units, and its fixed colours turned into theme colours.
+//! The pen: plotters' elements in page units, on a backend that writes SVG in the theme's colours.
 //!
-//! Two habits of that backend are undone here. Its coordinates are integers, so everything is
-//! drawn [`FINE`] times larger and the view box says so. Its colours are fixed, so each [`Ink`]
-//! travels as a reserved colour and leaves as a CSS variable with a fallback: the figure follows
-//! the page's theme and is still readable without one.
+//! plotters knows fixed colours and whole pixels only. Here everything is drawn [`FINE`] times larger, which the view box
+//! takes back, and each [`Ink`] travels as a colour of its own, from which the backend writes a CSS variable with a
+//! fallback: a figure follows the page's theme and is still readable without one.
+
+use core::convert::Infallible;
+use std::fmt::Write as _;
 
 use super::markup;
 use super::trace::Point;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters_backend::{
+    BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingBackend, DrawingErrorKind,
+};
 
 /// How many colours the palette has.
 ///
@@ -19,14 +24,6 @@ pub const PALETTE: usize = 8;
 
 /// Drawing units per page unit.
 pub const FINE: f64 = 4.0;
-
-/// First byte of the reserved colours.
-const RESERVED: u8 = 0x5A;
-
-/// Light theme's colours, for a figure taken out of its page.
-const FALLBACK: [&str; PALETTE] = [
-    "#1e50aa", "#a8471a", "#00a586", "#753369", "#ac8c1a", "#087fb1", "#696865", "#79000c",
-];
 
 /// What a stroke or a text means; the theme decides its colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,33 +44,157 @@ pub enum Ink {
     Mark,
 }
 
+/// The theme's variable of each ink that is no curve, the light theme's colour, and further attributes.
+const PLAIN: [(Ink, &str, &str, &str); 5] = [
+    (Ink::Text, "--ink", "#1c1c1a", ""),
+    (Ink::Muted, "--ink-2", "#5c5c58", " class=\"halo\""),
+    (Ink::Axis, "--axis", "#8a8a84", ""),
+    (Ink::Grid, "--grid", "#e6e6e2", ""),
+    (Ink::Mark, "--mark", "#6a6a66", " stroke-dasharray=\"8 14\""),
+];
+
+/// Light theme's colours of the curves.
+const CURVES: [&str; PALETTE] = [
+    "#1e50aa", "#a8471a", "#00a586", "#753369", "#ac8c1a", "#087fb1", "#696865", "#79000c",
+];
+
 impl Ink {
+    /// The colour that it travels as: kind and index.
     fn colour(self) -> RGBColor {
-        let (kind, index) = match self {
-            Self::Series(i) => (0, i % PALETTE),
-            Self::Dashed(i) => (1, i % PALETTE),
-            Self::Text => (2, 0),
-            Self::Muted => (3, 0),
-            Self::Axis => (4, 0),
-            Self::Grid => (5, 0),
-            Self::Mark => (6, 0),
-        };
-        RGBColor(RESERVED, kind, index as u8)
+        let of_curve = |index: usize| (index % PALETTE) as u8;
+        match self {
+            Self::Series(index) => RGBColor(0, of_curve(index), 0),
+            Self::Dashed(index) => RGBColor(1, of_curve(index), 0),
+            other => {
+                let place = PLAIN.iter().position(|(ink, ..)| *ink == other);
+                RGBColor(2, place.unwrap_or(0) as u8, 0)
+            }
+        }
     }
 
-    /// The theme's variable and its fallback for a reserved colour.
-    fn variable(kind: u8, index: u8) -> (String, &'static str) {
-        match kind {
-            0 | 1 => (
-                format!("--s{index}"),
-                FALLBACK[usize::from(index) % PALETTE],
-            ),
-            2 => ("--ink".to_owned(), "#1c1c1a"),
-            3 => ("--ink-2".to_owned(), "#5c5c58"),
-            4 => ("--axis".to_owned(), "#8a8a84"),
-            5 => ("--grid".to_owned(), "#e6e6e2"),
-            _ => ("--mark".to_owned(), "#6a6a66"),
+    /// Attributes that draw `property` (stroke or fill) in the ink that travels as a colour.
+    fn attributes(colour: BackendColor, property: &str) -> String {
+        let (kind, index, _) = colour.rgb;
+        let place = usize::from(index);
+        if kind == 2 {
+            let (_, name, fallback, more) = PLAIN[place];
+            return format!(" style=\"{property}:var({name},{fallback})\"{more}");
         }
+        let dash = if kind == 1 {
+            " stroke-dasharray=\"26 16\""
+        } else {
+            ""
+        };
+        format!(
+            " style=\"{property}:var(--s{index},{})\"{dash}",
+            CURVES[place]
+        )
+    }
+}
+
+/// plotters' backend: SVG elements, one a line.
+struct Themed<'a> {
+    svg: &'a mut String,
+    size: (u32, u32),
+}
+
+type Drawn = Result<(), DrawingErrorKind<Infallible>>;
+
+impl Themed<'_> {
+    fn element(&mut self, element: core::fmt::Arguments<'_>) -> Drawn {
+        // Writing to a string cannot fail.
+        let _ = writeln!(self.svg, "{element}");
+        Ok(())
+    }
+}
+
+fn points(path: impl IntoIterator<Item = BackendCoord>) -> String {
+    let points: Vec<String> = path.into_iter().map(|(x, y)| format!("{x},{y}")).collect();
+    points.join(" ")
+}
+
+impl DrawingBackend for Themed<'_> {
+    type ErrorType = Infallible;
+
+    fn get_size(&self) -> (u32, u32) {
+        self.size
+    }
+
+    fn ensure_prepared(&mut self) -> Drawn {
+        Ok(())
+    }
+
+    fn present(&mut self) -> Drawn {
+        Ok(())
+    }
+
+    fn draw_pixel(&mut self, point: BackendCoord, colour: BackendColor) -> Drawn {
+        self.draw_circle(point, 1, &colour, true)
+    }
+
+    fn draw_path<S: BackendStyle, I: IntoIterator<Item = BackendCoord>>(
+        &mut self,
+        path: I,
+        style: &S,
+    ) -> Drawn {
+        self.element(format_args!(
+            "<polyline fill=\"none\"{} stroke-width=\"{}\" points=\"{}\"/>",
+            Ink::attributes(style.color(), "stroke"),
+            style.stroke_width(),
+            points(path)
+        ))
+    }
+
+    fn draw_circle<S: BackendStyle>(
+        &mut self,
+        (x, y): BackendCoord,
+        radius: u32,
+        style: &S,
+        fill: bool,
+    ) -> Drawn {
+        let look = if fill {
+            Ink::attributes(style.color(), "fill")
+        } else {
+            let stroke = Ink::attributes(style.color(), "stroke");
+            format!(
+                " fill=\"none\"{stroke} stroke-width=\"{}\"",
+                style.stroke_width()
+            )
+        };
+        self.element(format_args!(
+            "<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\"{look}/>"
+        ))
+    }
+
+    fn fill_polygon<S: BackendStyle, I: IntoIterator<Item = BackendCoord>>(
+        &mut self,
+        corners: I,
+        style: &S,
+    ) -> Drawn {
+        self.element(format_args!(
+            "<polygon{} points=\"{}\"/>",
+            Ink::attributes(style.color(), "fill"),
+            points(corners)
+        ))
+    }
+
+    fn draw_text<S: BackendTextStyle>(
+        &mut self,
+        text: &str,
+        style: &S,
+        (x, y): BackendCoord,
+    ) -> Drawn {
+        let anchor = match style.anchor().h_pos {
+            HPos::Left => "start",
+            HPos::Center => "middle",
+            HPos::Right => "end",
+        };
+        self.element(format_args!(
+            "<text x=\"{x}\" y=\"{y}\" dy=\"0.35em\" text-anchor=\"{anchor}\" font-size=\"{:.1}\"{}>{}</text>",
+            style.size(),
+            Ink::attributes(style.color(), "fill"),
+            markup::svg(text)
+        ))
     }
 }
 
@@ -90,40 +211,37 @@ pub enum Anchor {
 
 /// A pen on a sheet measured in page units.
 pub struct Pen<'a> {
-    area: DrawingArea<SVGBackend<'a>, plotters::coord::Shift>,
+    area: DrawingArea<Themed<'a>, plotters::coord::Shift>,
 }
 
 impl Pen<'_> {
-    /// Draws on a fresh sheet and hands back the themed content of the SVG element.
+    /// Draws on a fresh sheet and hands back the content of the SVG element.
     ///
     /// # Errors
-    /// If the backend fails.
+    /// Those of drawing.
     pub fn sheet(
         width: f64,
         height: f64,
         draw: impl FnOnce(&Pen<'_>) -> anyhow::Result<()>,
     ) -> anyhow::Result<String> {
-        let mut raw = String::new();
-        {
-            let size = (
-                (width * FINE).round() as u32,
-                (height * FINE).round() as u32,
-            );
-            let pen = Pen {
-                area: SVGBackend::with_string(&mut raw, size).into_drawing_area(),
-            };
-            draw(&pen)?;
-            pen.area.present()?;
-        }
-        Ok(themed(&raw))
+        let mut svg = String::new();
+        let (width, height) = fine((width, height));
+        let backend = Themed {
+            svg: &mut svg,
+            size: (width.unsigned_abs(), height.unsigned_abs()),
+        };
+        draw(&Pen {
+            area: backend.into_drawing_area(),
+        })?;
+        Ok(svg)
     }
 
     /// A stroke.
     ///
     /// # Errors
-    /// If the backend fails.
+    /// Those of drawing.
     pub fn stroke(&self, points: &[Point], ink: Ink, width: f64) -> anyhow::Result<()> {
-        let style = ink.colour().stroke_width((width * FINE).round() as u32);
+        let style = stroke_of(ink, width);
         let fine: Vec<_> = points.iter().map(|p| fine(*p)).collect();
         Ok(self.area.draw(&PathElement::new(fine, style))?)
     }
@@ -131,7 +249,7 @@ impl Pen<'_> {
     /// A text, vertically centred on its anchor.
     ///
     /// # Errors
-    /// If the backend fails.
+    /// Those of drawing.
     pub fn text(
         &self,
         text: &str,
@@ -145,9 +263,8 @@ impl Pen<'_> {
             Anchor::Middle => HPos::Center,
             Anchor::End => HPos::Right,
         };
-        // The backend divides sizes by this number.
         let colour = ink.colour();
-        let style = ("sans-serif", size * FINE * 1.24)
+        let style = ("sans-serif", size * FINE)
             .into_text_style(&self.area)
             .color(&colour)
             .pos(Pos::new(h_pos, VPos::Center));
@@ -159,113 +276,55 @@ impl Pen<'_> {
     /// The marker that belongs to a palette index.
     ///
     /// # Errors
-    /// If the backend fails.
+    /// Those of drawing.
     pub fn marker(&self, at: Point, colour: usize, radius: f64) -> anyhow::Result<()> {
-        let ink = Ink::Series(colour).colour();
-        let corners = |shape: &[(f64, f64)]| -> Vec<(i32, i32)> {
-            shape
-                .iter()
-                .map(|(x, y)| fine((at.0 + x * radius, at.1 + y * radius)))
-                .collect()
+        let ink = Ink::Series(colour);
+        let (full, thin) = (ink.colour().filled(), stroke_of(ink, 1.6));
+        let corners = |shape: &[(f64, f64)]| -> Vec<BackendCoord> {
+            let corner = |(x, y): &(f64, f64)| fine((at.0 + x * radius, at.1 + y * radius));
+            shape.iter().map(corner).collect()
         };
-        let shape: &[(f64, f64)] = match colour % PALETTE {
+        let filled: &[(f64, f64)] = match colour % PALETTE {
             1 => &[(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)],
             2 => &[(0.0, -1.25), (1.2, 0.85), (-1.2, 0.85)],
             3 => &[(0.0, -1.3), (1.3, 0.0), (0.0, 1.3), (-1.3, 0.0)],
             4 => &[(0.0, 1.25), (1.2, -0.85), (-1.2, -0.85)],
             _ => &[],
         };
-        if !shape.is_empty() {
-            return Ok(self
-                .area
-                .draw(&Polygon::new(corners(shape), ink.filled()))?);
-        }
-        let bars: [[(f64, f64); 2]; 2] = match colour % PALETTE {
-            5 => [[(-1.0, -1.0), (1.0, 1.0)], [(-1.0, 1.0), (1.0, -1.0)]],
-            6 => [[(-1.2, 0.0), (1.2, 0.0)], [(0.0, -1.2), (0.0, 1.2)]],
-            filled => {
-                let r = (radius * FINE).round() as i32;
-                let style = if filled == 0 {
-                    ink.filled()
-                } else {
-                    ink.stroke_width((1.6 * FINE) as u32)
-                };
-                return Ok(self.area.draw(&Circle::new(fine(at), r, style))?);
-            }
+        let crossed: &[[(f64, f64); 2]] = match colour % PALETTE {
+            5 => &[[(-1.0, -1.0), (1.0, 1.0)], [(-1.0, 1.0), (1.0, -1.0)]],
+            6 => &[[(-1.2, 0.0), (1.2, 0.0)], [(0.0, -1.2), (0.0, 1.2)]],
+            _ => &[],
         };
-        for bar in bars {
-            let style = ink.stroke_width((1.6 * FINE) as u32);
-            self.area.draw(&PathElement::new(corners(&bar), style))?;
+        if !filled.is_empty() {
+            self.area.draw(&Polygon::new(corners(filled), full))?;
+        } else if crossed.is_empty() {
+            let style = if colour.is_multiple_of(PALETTE) {
+                full
+            } else {
+                thin
+            };
+            let radius = (radius * FINE).round() as i32;
+            self.area.draw(&Circle::new(fine(at), radius, style))?;
+        }
+        for stroke in crossed {
+            self.area.draw(&PathElement::new(corners(stroke), thin))?;
         }
         Ok(())
     }
 }
 
-fn fine((x, y): Point) -> (i32, i32) {
+/// A line of a width in page units.
+fn stroke_of(ink: Ink, width: f64) -> ShapeStyle {
+    ShapeStyle {
+        color: ink.colour().to_rgba(),
+        filled: false,
+        stroke_width: (width * FINE).round() as u32,
+    }
+}
+
+fn fine((x, y): Point) -> BackendCoord {
     ((x * FINE).round() as i32, (y * FINE).round() as i32)
-}
-
-/// Reserved colours to theme colours, texts to marked-up texts; the outer element is left out.
-fn themed(raw: &str) -> String {
-    let inner = raw.split_once(">\n").map_or(raw, |(_, rest)| rest);
-    let inner = inner.trim_end().strip_suffix("</svg>").unwrap_or(inner);
-    let mut out = String::with_capacity(raw.len());
-    let mut lines = inner.lines();
-    while let Some(line) = lines.next() {
-        let is_text = line.starts_with("<text ");
-        let line = line
-            .replace(" opacity=\"1\"", "")
-            .replace(" font-family=\"sans-serif\"", "")
-            .replace(" stroke=\"none\"", "")
-            .replace(" \"/>", "\"/>")
-            .replace("dy=\"0.5ex\"", "dy=\"0.35em\"");
-        out += &recoloured(&line);
-        if is_text {
-            // The backend puts the words on a line of their own.
-            out += &markup::svg(&unescape(lines.next().unwrap_or_default()));
-            out += lines.next().unwrap_or_default();
-        }
-        out.push('\n');
-    }
-    out
-}
-
-fn recoloured(line: &str) -> String {
-    for property in ["stroke", "fill"] {
-        let Some((before, rest)) = line.split_once(&format!(" {property}=\"#{RESERVED:02X}"))
-        else {
-            continue;
-        };
-        let (Some(code), Some(after)) = (rest.get(..4), rest.get(5..)) else {
-            continue;
-        };
-        let byte = |range| {
-            code.get(range)
-                .and_then(|hex| u8::from_str_radix(hex, 16).ok())
-        };
-        let (kind, index) = (byte(0..2).unwrap_or(2), byte(2..4).unwrap_or(0));
-        let (name, fallback) = Ink::variable(kind, index);
-        let dash = match kind {
-            1 => " stroke-dasharray=\"26 16\"",
-            6 => " stroke-dasharray=\"8 14\"",
-            _ => "",
-        };
-        let halo = if kind == 3 { " class=\"halo\"" } else { "" };
-        return format!("{before} style=\"{property}:var({name},{fallback})\"{dash}{halo}{after}");
-    }
-    line.to_owned()
-}
-
-fn unescape(text: &str) -> String {
-    [
-        ("&lt;", "<"),
-        ("&gt;", ">"),
-        ("&quot;", "\""),
-        ("&apos;", "'"),
-        ("&amp;", "&"),
-    ]
-    .iter()
-    .fold(text.to_owned(), |s, (from, to)| s.replace(from, to))
 }
 
 #[cfg(test)]
@@ -283,7 +342,7 @@ mod tests {
         })
         .expect("draws");
         assert!(!svg.contains("\"#"), "{svg}");
-        assert!(svg.contains("var(--s7,"));
+        assert!(svg.contains("var(--s7,") && svg.contains("var(--ink-2,"));
         assert!(svg.contains("stroke-dasharray"));
         assert!(svg.contains("points=\"0,0 4,1\""), "{svg}");
         assert!(svg.contains(">a &lt; 10<tspan"), "{svg}");

@@ -17,7 +17,7 @@
 //! | [`trace`] | how samples become strokes: gaps, clipping, decimation |
 //! | [`layout`] | where everything of a figure stands |
 //! | [`guide`] | guide lines and a free place for their labels |
-//! | [`ink`] | the pen, and plotters' fixed colours turned into the theme's |
+//! | [`ink`] | the pen: plotters' elements on a backend that writes SVG in the theme's colours |
 //! | [`plot`] | a figure as SVG |
 //! | [`render()`] | the page as HTML |
 //!

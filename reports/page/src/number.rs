@@ -78,7 +78,7 @@ pub fn si(value: f64, digits: usize, unit: &str) -> String {
 
 /// A whole number with its digits grouped: `12 345`.
 #[must_use]
-pub fn count(value: u64) -> String {
+pub fn count(value: impl ToString) -> String {
     dress(&value.to_string())
 }
 

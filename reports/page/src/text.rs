@@ -56,6 +56,18 @@ impl Text {
         self
     }
 
+    /// Gives each field of a structure its own name in the text.
+    #[must_use]
+    pub fn values(mut self, fields: impl Serialize) -> Self {
+        let fields: Value = Serde(fields).into();
+        for name in fields.try_iter().into_iter().flatten() {
+            if let Ok(value) = fields.get_item(&name) {
+                self.values.insert(name.to_string(), value);
+            }
+        }
+        self
+    }
+
     /// Adds a figure, whose place bears its anchor.
     #[must_use]
     pub fn figure(mut self, figure: Figure) -> Self {
@@ -236,7 +248,7 @@ fn entries(paragraph: &str) -> Vec<Entry<'_>> {
 
 fn environment() -> Environment<'static> {
     let mut env = Environment::new();
-    env.set_undefined_behavior(UndefinedBehavior::Strict);
+    env.set_undefined_behavior(UndefinedBehavior::SemiStrict);
     type Printed = fn(f64, usize) -> String;
     let printers: [(&str, Printed); 5] = [
         ("significant", number::significant),

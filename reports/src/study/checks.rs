@@ -21,12 +21,11 @@ use sixaxis_reference::mujoco::threshold;
 use sixaxis_reference::paper;
 use sixaxis_reference::rig::run::{Mode, Mounting, ROTATION_AMPLITUDE_RAD, Run};
 
-use super::COMPARED_DIVISOR;
-use super::conditioning::Preset;
+use super::compound::COMPARED_DIVISOR;
 use super::decoupling::{decouple, largest_error, six_series, truth};
-use super::identification;
 use super::plan::{CAMPAIGN_RATE_HZ, CAMPAIGN_STEPS, COMPOUND_RATE_HZ, COMPOUND_STEPS, Plan};
 use super::results::{Defects, Gravity, ModeSet, ReferenceCheck, Sweep};
+use super::session::{self, Preset};
 use super::simulations::{Simulations, sweep_kinds};
 
 /// Corner of the AC-coupled amplifier whose cost is shown, Hz: a tenth of the lowest drive frequency.
@@ -200,7 +199,7 @@ fn lag(
         .filter(|(trial, _)| trial.role == Role::Angular)
         .cloned()
         .collect();
-    let session = identification::record(
+    let session = session::record(
         &lagging,
         &angular,
         if undo_lag {
@@ -210,6 +209,7 @@ fn lag(
         },
     )?;
     let found = session
+        .campaign
         .angular(parameters, |_| true)?
         .solve()?
         .inertia_per_mass

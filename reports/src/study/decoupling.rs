@@ -1,27 +1,14 @@
-//! Decoupling of the compound runs and comparison with truth and standard instruments: Tables 4 to 6.
+//! Accelerations of a run as six series, decoupled, true and as the standard instruments have them, and their errors.
 
 use anyhow::Result;
 use glam::DVec3;
-use rayon::prelude::*;
 use sixaxis_calibration::conditioning::Conditioned;
-use sixaxis_core::decouple::rest_to_rest;
-use sixaxis_core::decouple::stream::Decoupler;
 use sixaxis_core::{LIMBS, Parameters, Scheme, SixAxis};
-use sixaxis_props::truth;
 use sixaxis_props::truth::InCore;
-use sixaxis_recordings::session::Role;
-use sixaxis_reference::laboratory::Laboratory;
 use sixaxis_reference::laboratory::recording::SimulatedRecording;
 use sixaxis_reference::motion::SimulatedRun;
-use sixaxis_reference::paper;
-use sixaxis_reference::rig::run::Mounting;
 
-use super::conditioning::Preset;
-use super::results::{Comparison, Compound, Gravity, ParameterSet, Standard};
-
-/// Number of the first compound run in the laboratory's count of runs: its random streams do not depend on how many
-/// trials the steps had.
-const FIRST_RUN: usize = 1000;
+use super::results::Gravity;
 
 /// A run as six series: linear (ground axes), then angular (ground axes).
 pub type SixSeries = [Vec<f64>; 6];
@@ -49,7 +36,7 @@ pub fn truth(run: &SimulatedRun) -> SixSeries {
 }
 
 /// What the standard instruments say of the same samples.
-fn standards(conditioned: &Conditioned) -> SixSeries {
+pub fn standards(conditioned: &Conditioned) -> SixSeries {
     let n = conditioned.linear_ground_m_s2.len();
     split((1..n - 1).map(|i| {
         (
@@ -74,12 +61,10 @@ pub fn decouple(
     if gravity == Gravity::Neglected {
         settings.gravity_ground_m_s2 = DVec3::ZERO;
     }
-    let mut decoupler = Decoupler::new(&recording.sensor(), parameters, &settings)?;
-    let mut samples = Vec::with_capacity(voltage_v.len());
-    for row in voltage_v {
-        samples.extend(decoupler.push(row)?);
-    }
-    Ok(samples)
+    let sensor = recording.sensor();
+    Ok(sixaxis_core::decouple::decouple(
+        &sensor, parameters, &settings, voltage_v,
+    )?)
 }
 
 /// The six series of a decoupled record.
@@ -116,7 +101,7 @@ pub fn largest_error(ours: &SixSeries, standard: &SixSeries) -> [f64; 6] {
 }
 
 /// Complex amplitude at the drive frequency over the whole turns at full speed.
-fn harmonic(series: &[f64], run: &SimulatedRun) -> (f64, f64) {
+pub fn harmonic(series: &[f64], run: &SimulatedRun) -> (f64, f64) {
     let (from, to) = run.motion.steady_span_s();
     let rate = run.sample_rate_hz;
     // Series begin at sample 1.
@@ -132,162 +117,10 @@ fn harmonic(series: &[f64], run: &SimulatedRun) -> (f64, f64) {
     (2.0 * c / count as f64, 2.0 * s / count as f64)
 }
 
-fn harmonic_error(ours: &SixSeries, standard: &SixSeries, run: &SimulatedRun) -> [f64; 6] {
+/// Difference of the two complex amplitudes over the magnitude of the second, axis by axis.
+pub fn harmonic_error(ours: &SixSeries, standard: &SixSeries, run: &SimulatedRun) -> [f64; 6] {
     core::array::from_fn(|i| {
         let (a, b) = (harmonic(&ours[i], run), harmonic(&standard[i], run));
         (a.0 - b.0).hypot(a.1 - b.1) / b.0.hypot(b.1)
     })
-}
-
-/// One way of decoupling a run.
-#[derive(Debug, Clone, Copy)]
-pub struct Way {
-    /// Which parameters.
-    pub set: ParameterSet,
-    /// Their values.
-    pub parameters: Parameters,
-    /// Which scheme.
-    pub scheme: Scheme,
-    /// Whether gravity is reckoned with.
-    pub gravity: Gravity,
-}
-
-/// One compound run with everything that is decoupled from it.
-pub struct Case<'a> {
-    /// The run at the sample rate of the comparison.
-    pub run: SimulatedRun,
-    /// The same with the simulator's step halved.
-    pub halved: SimulatedRun,
-    /// Which run of the paper.
-    pub index: usize,
-    /// How it hangs.
-    pub mounting: Mounting,
-    /// The laboratory that records it.
-    pub laboratory: &'a Laboratory,
-    /// How it is conditioned.
-    pub conditioning: Preset,
-    /// Whether drift is closed from rest to rest.
-    pub close: bool,
-}
-
-impl Case<'_> {
-    /// Records and cleans the run.
-    ///
-    /// # Errors
-    /// Those of the conditioning.
-    pub fn record(&self, run: &SimulatedRun) -> Result<(SimulatedRecording, Conditioned)> {
-        let recording = self.laboratory.record(run, FIRST_RUN + self.index);
-        let (_, conditioned) = self.conditioning.condition(&recording, Role::Validation)?;
-        Ok((recording, conditioned))
-    }
-
-    /// Voltages ready to be decoupled with the given parameters.
-    ///
-    /// # Errors
-    /// Those of the detrending.
-    pub fn voltages(
-        &self,
-        recording: &SimulatedRecording,
-        conditioned: &Conditioned,
-        parameters: &Parameters,
-    ) -> Result<Vec<[f64; LIMBS]>> {
-        if !self.close {
-            return Ok(conditioned.voltage_v.clone());
-        }
-        let (rows, _) = rest_to_rest::detrend(
-            &recording.sensor(),
-            parameters,
-            // Plain Heun finds the line as well as any: its error is a thousandth of the noise's.
-            &recording.settings(Scheme::Heun),
-            &conditioned.voltage_v,
-        )?;
-        Ok(rows)
-    }
-
-    /// Decouples with each parameter set and scheme and compares.
-    ///
-    /// # Errors
-    /// Those of recording and decoupling.
-    pub fn compare(&self, ways: &[Way]) -> Result<Compound> {
-        let truth = truth(&self.run);
-        let (recording, conditioned) = self.record(&self.run)?;
-        let standards = standards(&conditioned);
-        let comparisons = ways
-            .par_iter()
-            .map(|way| {
-                // Drift that nobody took off is part of what the design columns are shown for.
-                let closable = !matches!(way.set, ParameterSet::Design);
-                let voltages = if closable {
-                    self.voltages(&recording, &conditioned, &way.parameters)?
-                } else {
-                    conditioned.voltage_v.clone()
-                };
-                let samples = decouple(
-                    &recording,
-                    &voltages,
-                    &way.parameters,
-                    way.scheme,
-                    way.gravity,
-                )?;
-                let ours = six_series(&samples);
-                Ok([
-                    (Standard::Truth, &truth),
-                    (Standard::Instruments, &standards),
-                ]
-                .map(|(against, standard)| Comparison {
-                    parameters: way.set,
-                    scheme: way.scheme,
-                    gravity: way.gravity,
-                    against,
-                    error: largest_error(&ours, standard),
-                    harmonic_error: harmonic_error(&ours, standard, &self.run),
-                }))
-            })
-            .collect::<Result<Vec<_>>>()?;
-        let amplitude = core::array::from_fn(|i| {
-            let (c, s) = harmonic(&truth[i], &self.run);
-            c.hypot(s)
-        });
-        Ok(Compound {
-            table: paper::COMPOUND_TABLES[self.index].number,
-            frequency_hz: self.run.motion.frequency_hz,
-            mounting: self.mounting,
-            sample_rate_hz: self.run.sample_rate_hz,
-            peak: peaks(&truth),
-            amplitude,
-            comparisons: comparisons.into_iter().flatten().collect(),
-            reference_error: self.reference_error()?,
-        })
-    }
-
-    /// How much the difference between decoupled and true accelerations changes when the simulator's step is halved:
-    /// with perfect recordings, true parameters and a scheme whose own error is far smaller.
-    fn reference_error(&self) -> Result<[f64; 6]> {
-        let perfect = Laboratory::noise_free(self.laboratory.sensor);
-        let difference = |run: &SimulatedRun| -> Result<(SixSeries, SixSeries)> {
-            let recording = perfect.record(run, FIRST_RUN + self.index);
-            let samples = decouple(
-                &recording,
-                &recording.voltage_v,
-                &truth::parameters(&perfect.sensor),
-                Scheme::AdamsMoulton4,
-                Gravity::Kept,
-            )?;
-            let (ours, truth) = (six_series(&samples), truth(run));
-            let difference = core::array::from_fn(|i| {
-                ours[i].iter().zip(&truth[i]).map(|(x, y)| x - y).collect()
-            });
-            Ok((difference, truth))
-        };
-        let (full, truth) = difference(&self.run)?;
-        let (halved, _) = difference(&self.halved)?;
-        let peak = peaks(&truth);
-        Ok(core::array::from_fn(|i| {
-            full[i]
-                .iter()
-                .zip(&halved[i])
-                .fold(0.0, |a: f64, (x, y)| a.max((x - y).abs()))
-                / peak[i]
-        }))
-    }
 }

@@ -1,37 +1,48 @@
-//! The simulated campaign as the analysis has it: recorded, conditioned, ready for the four steps.
+//! What the four steps found, beside the truth and the errors that they and the reference have.
 
-use anyhow::Result;
-use rayon::prelude::*;
-use sixaxis_calibration::steps::Campaign;
-use sixaxis_core::Geometry;
-use sixaxis_props::truth;
-use sixaxis_reference::laboratory::Laboratory;
-use sixaxis_reference::laboratory::schedule::PlannedTrial;
-use sixaxis_reference::motion::SimulatedRun;
+use anyhow::{Context, Result};
+use sixaxis_calibration::steps::FourSteps;
+use sixaxis_core::Parameters;
 
-use super::conditioning::Preset;
+use super::results::{Identification, Parameters25};
 
-/// Records and cleans a simulated campaign.
+/// What four steps found beside the truth. The reference's own error is what the four steps without errors find differently at a
+/// `coarse` step of the simulator.
 ///
 /// # Errors
-/// Those of the conditioning.
-pub fn record(
-    laboratory: &Laboratory,
-    simulated: &[(PlannedTrial, SimulatedRun)],
-    preset: Preset,
-) -> Result<Campaign> {
-    let trials = simulated
-        .par_iter()
-        .enumerate()
-        .map(|(index, (trial, run))| {
-            let recording = laboratory.record(run, index);
-            Ok(preset.condition(&recording, trial.role)?)
-        })
-        .collect::<Result<Vec<_>>>()?;
-    Ok(Campaign {
-        geometry: Geometry::PAPER,
-        design: truth::design_parameters(),
-        static_voltage_v: laboratory.record_static().voltage_v,
-        trials,
+/// If the campaign had no trials for step 4.
+pub fn found(
+    truth: &Parameters,
+    steps: &FourSteps,
+    noise_free: &FourSteps,
+    coarse: Option<&FourSteps>,
+) -> Result<Identification> {
+    let stiffness = steps.stiffness.as_ref();
+    let stiffness = stiffness.context("a campaign without trials for step 4")?;
+    let fine = noise_free.found().to_paper_order();
+    let difference = |coarse: &FourSteps| {
+        let coarse = coarse.found().to_paper_order();
+        core::array::from_fn(|p| (coarse[p] - fine[p]).abs())
+    };
+    Ok(Identification {
+        truth: *truth,
+        found: steps.found(),
+        used: steps.used(),
+        reference_error: coarse.map_or([f64::NAN; 25], difference).into(),
+        standard_error: Parameters25 {
+            zero_drift_v: steps.drift.standard_error_v,
+            scale_per_mass_per_kg: steps.scale.estimate.standard_error(),
+            inertia_per_mass_m2: steps.inertia.estimate.standard_error(),
+            stiffness_per_mass_per_s2: f64::NAN,
+        },
+        scale_condition: steps.scale.estimate.condition,
+        scale_residual_m_s2: steps.scale.estimate.residual_rms,
+        scale_verdict: steps.scale.verdict.clone(),
+        inertia_condition: steps.inertia.estimate.condition,
+        inertia_residual_m2_s2: steps.inertia.estimate.residual_rms,
+        inertia_verdict: steps.inertia.verdict.clone(),
+        rate_over_reading: steps.rate_over_reading,
+        stiffness_interpolated_per_s2: stiffness.interpolated_per_s2,
+        stiffness_verdict: stiffness.verdict.clone(),
     })
 }

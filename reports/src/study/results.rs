@@ -8,6 +8,7 @@ pub mod identifiability;
 use identifiability::Identifiability;
 use serde::Serialize;
 use sixaxis_core::identify::Verdict;
+use sixaxis_core::parameter::{DRIFT, INERTIA, PARAMETERS, SCALE};
 use sixaxis_core::{LIMBS, Parameters, Scheme};
 use sixaxis_reference::laboratory::instruments::Instruments;
 use sixaxis_reference::mujoco::threshold::SweepPoint;
@@ -57,8 +58,9 @@ pub struct Results {
     pub history: History,
     /// What single defects of the signal chain cost.
     pub defects: Defects,
-    /// The bars of this study.
-    pub bars: Vec<Bar>,
+    /// The acceptance limits of this study.
+    #[serde(rename = "bars")]
+    pub acceptance: Vec<AcceptanceLimit>,
 }
 
 /// The reference against theory and against itself.
@@ -133,6 +135,25 @@ pub struct Parameters25 {
     pub stiffness_per_mass_per_s2: f64,
 }
 
+impl From<[f64; PARAMETERS]> for Parameters25 {
+    /// From numbers in the paper's order.
+    fn from(values: [f64; PARAMETERS]) -> Self {
+        let at = |start: usize, i: usize| values[start + i];
+        Self {
+            zero_drift_v: core::array::from_fn(|i| at(DRIFT.start, i)),
+            scale_per_mass_per_kg: core::array::from_fn(|i| at(SCALE.start, i)),
+            inertia_per_mass_m2: core::array::from_fn(|i| at(INERTIA.start, i)),
+            stiffness_per_mass_per_s2: values[PARAMETERS - 1],
+        }
+    }
+}
+
+impl From<Parameters> for Parameters25 {
+    fn from(parameters: Parameters) -> Self {
+        parameters.to_paper_order().into()
+    }
+}
+
 /// One compound run.
 #[derive(Debug, Clone, Serialize)]
 pub struct Compound {
@@ -205,6 +226,50 @@ pub enum Standard {
     Truth,
     /// The standard instruments, as in the paper.
     Instruments,
+}
+
+/// One way of decoupling and comparing: with which parameters and scheme, against what.
+pub type Way = (ParameterSet, Scheme, Standard);
+
+/// The design's parameters, as a laboratory sees their errors.
+pub const DESIGN: Way = (ParameterSet::Design, Scheme::Heun, Standard::Instruments);
+/// What the four steps found, as a laboratory sees its errors.
+pub const MEASURED: Way = (
+    ParameterSet::Identified,
+    Scheme::HeunSubstepped,
+    Standard::Instruments,
+);
+/// What the four steps found, against truth.
+pub const FOUR_STEPS: Way = (
+    ParameterSet::Identified,
+    Scheme::HeunSubstepped,
+    Standard::Truth,
+);
+/// What the repeated steps found, against truth.
+pub const REPEATED: Way = (
+    ParameterSet::Repeated,
+    Scheme::HeunSubstepped,
+    Standard::Truth,
+);
+
+impl Compound {
+    /// The comparison made in this way. With true parameters it is the one that reckons with gravity.
+    #[must_use]
+    pub fn comparison(&self, (set, scheme, against): Way) -> Option<&Comparison> {
+        self.comparisons.iter().find(|c| {
+            let gravity = c.gravity == Gravity::Kept || set != ParameterSet::True;
+            (c.parameters, c.scheme, c.against) == (set, scheme, against) && gravity
+        })
+    }
+}
+
+/// Largest error of a set of runs decoupled and compared in one way, over the axes' peaks; 0 without such runs.
+#[must_use]
+pub fn worst(runs: &[Compound], way: Way) -> f64 {
+    runs.iter()
+        .filter_map(|run| run.comparison(way))
+        .flat_map(|c| c.error)
+        .fold(0.0, f64::max)
 }
 
 /// One sweep of Fig. 7.
@@ -300,9 +365,9 @@ pub struct Defects {
     pub gyroscope_output_v: f64,
 }
 
-/// A limit and what was measured.
+/// An acceptance limit and what was measured.
 #[derive(Debug, Clone, Serialize)]
-pub struct Bar {
+pub struct AcceptanceLimit {
     /// What is measured.
     pub name: String,
     /// Measured value.

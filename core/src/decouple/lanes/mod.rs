@@ -90,30 +90,30 @@ pub fn push_lanes(
     }
 }
 
-/// Any of them without limbs, or none: each in functions of its own.
-struct Push<'a, F, const WITHOUT: bool> {
+/// `EXCLUDING` says whether any of them excludes a limb: each case in functions of its own.
+struct Push<'a, F, const EXCLUDING: bool> {
     streams: &'a mut [Decoupler; LANES],
     voltage_v: [&'a [[f64; LIMBS]]; LANES],
     sink: &'a mut F,
 }
 
-impl<F: FnMut(&[LaneSample]), const WITHOUT: bool> WithSimd for Push<'_, F, WITHOUT> {
+impl<F: FnMut(&[LaneSample]), const EXCLUDING: bool> WithSimd for Push<'_, F, EXCLUDING> {
     type Output = core::result::Result<(), Refused>;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         if S::IS_SCALAR {
-            push::<f64x4, WITHOUT>((), self)
+            push::<f64x4, EXCLUDING>((), self)
         } else {
-            push::<Wide<S>, WITHOUT>(simd, self)
+            push::<Wide<S>, EXCLUDING>(simd, self)
         }
     }
 }
 
 #[inline(always)]
-fn push<R: Register, const WITHOUT: bool>(
+fn push<R: Register, const EXCLUDING: bool>(
     proof: R::Proof,
-    job: Push<'_, impl FnMut(&[LaneSample]), WITHOUT>,
+    job: Push<'_, impl FnMut(&[LaneSample]), EXCLUDING>,
 ) -> core::result::Result<(), Refused> {
     let Push {
         streams,
@@ -122,7 +122,7 @@ fn push<R: Register, const WITHOUT: bool>(
     } = job;
     let mut at = 0;
     let samples = voltage_v[0].len();
-    let mut chunk = Chunk::<R, WITHOUT>::new(proof, streams);
+    let mut chunk = Chunk::<R, EXCLUDING>::new(proof, streams);
     while at < samples {
         let started = streams[0].received() >= 3;
         let length = (samples - at).min(if started { CHUNK } else { 1 });
@@ -170,12 +170,12 @@ fn push_each(
 }
 
 /// Room for a chunk, and the constants of eight sensors in vector form.
-struct Chunk<R: Register, const WITHOUT: bool> {
+struct Chunk<R: Register, const EXCLUDING: bool> {
     proof: R::Proof,
     scheme: Scheme,
     /// Each number of eight sensors side by side.
     constants: [Row; CONSTANTS],
-    /// Likewise, used if any of them does without a limb.
+    /// Likewise, used if any of them excludes a limb.
     weights: [Row; WEIGHTS],
     voltage_v: [[Row; LIMBS]; CHUNK],
     strain_squares: [Row; CHUNK],
@@ -183,7 +183,7 @@ struct Chunk<R: Register, const WITHOUT: bool> {
     out: [LaneSample; CHUNK],
 }
 
-impl<R: Register, const WITHOUT: bool> Chunk<R, WITHOUT> {
+impl<R: Register, const EXCLUDING: bool> Chunk<R, EXCLUDING> {
     #[inline(always)]
     fn new(proof: R::Proof, streams: &[Decoupler; LANES]) -> Self {
         Self {
@@ -217,7 +217,7 @@ impl<R: Register, const WITHOUT: bool> Chunk<R, WITHOUT> {
                     series.0[lane] = *value;
                 }
             }
-            // A failed channel may say what is no number.
+            // An excluded channel may be NaN.
             for limb in streams[lane].excluded().indices() {
                 for nine in &mut self.voltage_v {
                     nine[limb].0[lane] = 0.0;
@@ -245,10 +245,11 @@ impl<R: Register, const WITHOUT: bool> Chunk<R, WITHOUT> {
         let mut constants = Constants::splat(R::splat(proof, 0.0));
         let mut rows = self.constants.iter();
         constants.visit(&mut |zero| rows.next().map_or(zero, |row| R::load(proof, row, part)));
-        let mut fill = StrainReconstruction::splat(R::splat(proof, 0.0));
+        let mut reconstruction = StrainReconstruction::splat(R::splat(proof, 0.0));
         let mut rows = self.weights.iter();
-        if WITHOUT {
-            fill.visit(&mut |zero| rows.next().map_or(zero, |row| R::load(proof, row, part)));
+        if EXCLUDING {
+            reconstruction
+                .visit(&mut |zero| rows.next().map_or(zero, |row| R::load(proof, row, part)));
         }
         let mut state = lanes.load::<R>(proof, part);
         for step in 0..CHUNK {
@@ -264,8 +265,8 @@ impl<R: Register, const WITHOUT: bool> Chunk<R, WITHOUT> {
                 R::load(proof, &row[7], part),
                 R::load(proof, &row[8], part),
             ]);
-            let after = if WITHOUT {
-                fill.by_series(&constants, nine)
+            let after = if EXCLUDING {
+                reconstruction.by_series(&constants, nine)
             } else {
                 placement::by_series(&constants, nine)
             };
@@ -309,11 +310,11 @@ impl<R: Register, const WITHOUT: bool> Chunk<R, WITHOUT> {
     }
 }
 
-/// Numbers in a sensor's constants.
-const CONSTANTS: usize = 48;
+/// Numbers in a sensor's constants. In f32 neither of these types has any padding.
+const CONSTANTS: usize = size_of::<Constants<f32>>() / size_of::<f32>();
 
-/// Numbers in a sensor's weights.
-const WEIGHTS: usize = 81;
+/// Numbers in what reconstructs the strains of a sensor's excluded limbs.
+const WEIGHTS: usize = size_of::<StrainReconstruction<f32>>() / size_of::<f32>();
 
 /// What `visit` goes through in each stream.
 fn side_by_side<const N: usize>(

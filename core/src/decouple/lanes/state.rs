@@ -4,17 +4,28 @@ use crate::decouple::stream::{Decoupler, State};
 use crate::kernel::attitude::Quaternion;
 use crate::kernel::number::Real;
 use crate::kernel::placement::LimbLoad;
+use crate::kernel::rate::RateIntegrator;
 use crate::kernel::shell::{RelativePose, ShellMotion};
 use crate::kernel::simd::{LANES, Register, Row};
 use crate::kernel::vec3::Vec3;
 
-/// Numbers in a stream's state.
-const NUMBERS: usize = 56;
+/// Flags of [`RateIntegrator`], with their padding.
+const FLAGS_BYTES: usize = size_of::<(f32, u8, bool)>() - size_of::<f32>();
 
-/// Eight streams' states; what is no number is the same in all of them.
+/// Numbers in a stream's state, counted in f32, where nothing else is padded.
+const NUMBERS: usize = {
+    let bytes = size_of::<RelativePose<f32>>()
+        + size_of::<LimbLoad<f32>>()
+        + size_of::<RateIntegrator<f32>>()
+        + size_of::<ShellMotion<f32>>()
+        + size_of::<Quaternion<f32>>();
+    (bytes - FLAGS_BYTES) / size_of::<f32>()
+};
+
+/// The states of eight streams. Counters and flags are equal in all of them.
 pub struct LaneState {
     rows: [Row; NUMBERS],
-    /// The first stream's, for what is no number.
+    /// Counters and flags, equal in all streams; taken from stream 0.
     pattern: State<f64>,
 }
 
@@ -96,7 +107,8 @@ impl LaneState {
     }
 }
 
-/// Every number of a state in its place, always in the same order.
+/// Every number of a state in its place, always in the same order. Fields are named one by one, so that a new one does not compile
+/// until it is carried along.
 #[inline(always)]
 fn visit<T: Real>(state: &mut State<T>, f: &mut impl FnMut(T) -> T) {
     let State {
@@ -107,17 +119,76 @@ fn visit<T: Real>(state: &mut State<T>, f: &mut impl FnMut(T) -> T) {
         shell,
         attitude,
     } = state;
-    before.position_thrice.visit(f);
-    before.rotation.visit(f);
-    now.position_thrice.visit(f);
-    now.rotation.visit(f);
-    now.force.visit(f);
-    now.torque.visit(f);
-    now.strain_squares = f(now.strain_squares);
+    let RelativePose {
+        position_thrice,
+        rotation,
+    } = before;
+    position_thrice.visit(f);
+    rotation.visit(f);
+    let LimbLoad {
+        position_thrice,
+        rotation,
+        force,
+        torque,
+        strain_squares,
+    } = now;
+    position_thrice.visit(f);
+    rotation.visit(f);
+    force.visit(f);
+    torque.visit(f);
+    *strain_squares = f(*strain_squares);
     spin.visit(f);
-    shell.rate.visit(f);
-    shell.rate_derivative.visit(f);
-    shell.specific_force.visit(f);
-    attitude.w = f(attitude.w);
-    attitude.v.visit(f);
+    let ShellMotion {
+        rate,
+        rate_derivative,
+        specific_force,
+    } = shell;
+    rate.visit(f);
+    rate_derivative.visit(f);
+    specific_force.visit(f);
+    let Quaternion { w, v } = attitude;
+    *w = f(*w);
+    v.visit(f);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{Gains, Parameters, Sensor, Settings};
+    use crate::{Geometry, InertiaPerMass, LIMBS};
+
+    #[test]
+    fn there_is_room_for_every_number() {
+        let sensor = Sensor {
+            geometry: Geometry::PAPER,
+            gains: Gains::uniform(1.0),
+        };
+        let parameters = Parameters {
+            zero_drift_v: [0.0; LIMBS],
+            scale_per_mass_per_kg: [5.0; LIMBS],
+            inertia_per_mass: InertiaPerMass::from_paper_order([2e-4, 2e-4, 2e-4, 0.0, 0.0, 0.0]),
+            stiffness_per_mass_per_s2: 2e8,
+        };
+        let stream = Decoupler::new(&sensor, &parameters, &Settings::new(1e4)).expect("sound");
+        let mut visited = [0; 3];
+        let [state, constants, weights] = &mut visited;
+        let counted = |count: &mut usize, number: f64| {
+            *count += 1;
+            number
+        };
+        visit(&mut stream.state.clone(), &mut |x| counted(state, x));
+        stream
+            .constants
+            .clone()
+            .visit(&mut |x| counted(constants, x));
+        stream
+            .mask
+            .strains
+            .clone()
+            .visit(&mut |x| counted(weights, x));
+        assert_eq!(
+            visited,
+            [NUMBERS, super::super::CONSTANTS, super::super::WEIGHTS]
+        );
+    }
 }

@@ -1,100 +1,33 @@
 //! One block of samples through the kernel's stages.
 
+use super::vectors::{Series, Vectors, zeros};
 use crate::decouple::record::Accelerations;
 use crate::decouple::stream::{Decoupler, State, to_ground};
 use crate::geometry::LIMBS;
 use crate::kernel::attitude::{HALF_ANGLE_SQUARED_LIMIT, Quaternion, exp, half_rotation};
 use crate::kernel::constants::Constants;
-use crate::kernel::number::Real;
 use crate::kernel::order::to_kernel_order;
 use crate::kernel::placement::{self, STRAIN_LIMIT};
 use crate::kernel::rate::Torques;
 use crate::kernel::reconstruct::StrainReconstruction;
 use crate::kernel::shell::{self, RelativePose, ShellMotion};
 use crate::kernel::simd::{LANES, Register, Row};
-use crate::kernel::vec3::{Vec3, vec3};
+use crate::kernel::vec3::vec3;
 
 /// Samples of each lane.
 pub const STEPS: usize = 16;
 /// Samples of a block.
 pub const BLOCK: usize = LANES * STEPS;
 
-/// A series of numbers: `GHOSTS` rows of the segments before, then the block's own.
-type Series<const ROWS: usize> = [Row; ROWS];
-/// Three of them: the components of vectors.
-#[derive(Clone, Copy)]
-struct Vectors<const ROWS: usize> {
-    x: Series<ROWS>,
-    y: Series<ROWS>,
-    z: Series<ROWS>,
-}
-
 const ZERO: Series<STEPS> = [Row::ZERO; STEPS];
 
-const fn zeros<const ROWS: usize>() -> Vectors<ROWS> {
-    Vectors {
-        x: [Row::ZERO; ROWS],
-        y: [Row::ZERO; ROWS],
-        z: [Row::ZERO; ROWS],
-    }
-}
-
-impl<const ROWS: usize> Vectors<ROWS> {
-    #[inline(always)]
-    fn load<R: Register>(&self, proof: R::Proof, row: usize, part: usize) -> Vec3<R> {
-        vec3(
-            R::load(proof, &self.x[row], part),
-            R::load(proof, &self.y[row], part),
-            R::load(proof, &self.z[row], part),
-        )
-    }
-
-    #[inline(always)]
-    fn store<R: Register>(&mut self, row: usize, part: usize, v: Vec3<R>) {
-        let [x, y, z] = v.components();
-        x.store(&mut self.x[row], part);
-        y.store(&mut self.y[row], part);
-        z.store(&mut self.z[row], part);
-    }
-
-    #[inline(always)]
-    fn get<T: Real + From<f64>>(&self, row: usize, lane: usize) -> Vec3<T> {
-        vec3(
-            self.x[row].0[lane].into(),
-            self.y[row].0[lane].into(),
-            self.z[row].0[lane].into(),
-        )
-    }
-
-    #[inline(always)]
-    fn set<T: Real + Into<f64>>(&mut self, row: usize, lane: usize, v: Vec3<T>) {
-        let [x, y, z] = v.components();
-        self.x[row].0[lane] = x.into();
-        self.y[row].0[lane] = y.into();
-        self.z[row].0[lane] = z.into();
-    }
-
-    /// Fills the ghost rows of each segment from the end of the one before; the first segment's come from `before`,
-    /// oldest first.
-    #[inline(always)]
-    fn fill_ghosts<const GHOSTS: usize>(&mut self, before: [Vec3<f64>; GHOSTS]) {
-        for (ghost, first) in before.into_iter().enumerate() {
-            for series in [&mut self.x, &mut self.y, &mut self.z] {
-                let Row(last) = series[STEPS + ghost];
-                series[ghost].0[1..].copy_from_slice(&last[..LANES - 1]);
-            }
-            self.set(ghost, 0, first);
-        }
-    }
-}
-
-/// Room for one block, and the constants in vector form. With all limbs heard or without some: loops of one kind would keep the
-/// other's numbers out of registers.
-pub struct Block<R: Register, const WITHOUT: bool> {
+/// Room for one block, and the constants in vector form. `EXCLUDING` says whether any limb is excluded: one loop for both cases
+/// would keep numbers of the one out of registers in the other.
+pub struct Block<R: Register, const EXCLUDING: bool> {
     proof: R::Proof,
     constants: Constants<R>,
-    /// Used where limbs have failed.
-    fill: StrainReconstruction<R>,
+    /// Used where limbs are excluded.
+    reconstruction: StrainReconstruction<R>,
     voltage_v: [Series<STEPS>; LIMBS],
     strain_squares: Series<STEPS>,
     position: Vectors<{ STEPS + 2 }>,
@@ -112,13 +45,13 @@ pub struct Block<R: Register, const WITHOUT: bool> {
     out: [Accelerations; BLOCK],
 }
 
-impl<R: Register, const WITHOUT: bool> Block<R, WITHOUT> {
+impl<R: Register, const EXCLUDING: bool> Block<R, EXCLUDING> {
     #[inline(always)]
     pub fn new(proof: R::Proof, decoupler: &Decoupler) -> Self {
         Self {
             proof,
             constants: decoupler.constants.map(|value| R::splat(proof, value)),
-            fill: decoupler.mask.strains.map(|value| R::splat(proof, value)),
+            reconstruction: decoupler.mask.strains.map(|value| R::splat(proof, value)),
             voltage_v: [ZERO; LIMBS],
             strain_squares: ZERO,
             position: zeros(),
@@ -171,10 +104,10 @@ impl<R: Register, const WITHOUT: bool> Block<R, WITHOUT> {
                 }
             }
         }
-        if !WITHOUT {
+        if !EXCLUDING {
             return;
         }
-        // A failed channel may say what is no number.
+        // An excluded channel may be NaN.
         for (limb, series) in self.voltage_v.iter_mut().enumerate() {
             if decoupler.excluded().contains(limb) {
                 *series = ZERO;
@@ -198,8 +131,8 @@ impl<R: Register, const WITHOUT: bool> Block<R, WITHOUT> {
                     voltage(7),
                     voltage(8),
                 ]);
-                let placed = if WITHOUT {
-                    self.fill.by_series(&self.constants, nine)
+                let placed = if EXCLUDING {
+                    self.reconstruction.by_series(&self.constants, nine)
                 } else {
                     placement::by_series(&self.constants, nine)
                 };

@@ -19,6 +19,7 @@
 //! sample that the series do not cover, or with anything wrong in it, is decoded sample by sample, so errors are the same.
 
 mod block;
+mod vectors;
 
 use pulp::{Arch, Simd, WithSimd};
 
@@ -93,28 +94,28 @@ impl Decoupler {
 }
 
 /// Without limbs or not, each in functions of its own.
-struct Decode<'a, F, const WITHOUT: bool> {
+struct Decode<'a, F, const EXCLUDING: bool> {
     decoupler: &'a mut Decoupler,
     voltage_v: &'a [[f64; LIMBS]],
     sink: &'a mut F,
 }
 
-impl<F: FnMut(&[Accelerations]), const WITHOUT: bool> WithSimd for Decode<'_, F, WITHOUT> {
+impl<F: FnMut(&[Accelerations]), const EXCLUDING: bool> WithSimd for Decode<'_, F, EXCLUDING> {
     type Output = Result<()>;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Result<()> {
         // Processors known to have no vector unit that fuses go the portable way.
         if S::IS_SCALAR {
-            decode::<f64x4, WITHOUT>((), self.decoupler, self.voltage_v, self.sink)
+            decode::<f64x4, EXCLUDING>((), self.decoupler, self.voltage_v, self.sink)
         } else {
-            decode::<Wide<S>, WITHOUT>(simd, self.decoupler, self.voltage_v, self.sink)
+            decode::<Wide<S>, EXCLUDING>(simd, self.decoupler, self.voltage_v, self.sink)
         }
     }
 }
 
 #[inline(always)]
-fn decode<R: Register, const WITHOUT: bool>(
+fn decode<R: Register, const EXCLUDING: bool>(
     proof: R::Proof,
     decoupler: &mut Decoupler,
     voltage_v: &[[f64; LIMBS]],
@@ -125,7 +126,7 @@ fn decode<R: Register, const WITHOUT: bool>(
     let (head, mut rest) = voltage_v.split_at(missing.min(voltage_v.len()));
     decoupler.push_each(head, sink)?;
     if rest.len() >= BLOCK {
-        let mut block = Block::<R, WITHOUT>::new(proof, decoupler);
+        let mut block = Block::<R, EXCLUDING>::new(proof, decoupler);
         while let Some((rows, after)) = rest.split_first_chunk::<BLOCK>() {
             match block.decode(decoupler, rows) {
                 Some(done) => sink(done),

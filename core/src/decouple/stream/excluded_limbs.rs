@@ -36,7 +36,7 @@ impl<T: Scalar> Decoupler<T> {
         switched.mask = ChannelMask::excluding(excluded, &self.exact)?;
         switched.constants = self.exact.excluding(excluded).rounded();
         let received = self.state.received;
-        switched.settled = excluded.is_empty() && received >= 3;
+        switched.fast = excluded.is_empty() && received >= 3;
         if received >= 1 {
             switched.state.now = switched.place_again(received - 1)?;
         }

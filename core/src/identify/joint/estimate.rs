@@ -1,4 +1,4 @@
-//! The joint estimate in the paper's terms.
+//! The joint estimate in the paper's parameters.
 
 use crate::parameter::PARAMETERS;
 use nalgebra::{DMatrix, DVector, SMatrix};
@@ -8,7 +8,7 @@ use crate::float::sqrt;
 use crate::geometry::LIMBS;
 use crate::model::Parameters;
 
-/// What the fit found.
+/// Result of the fit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointEstimate {
     /// All unknowns.
@@ -18,11 +18,11 @@ pub struct JointEstimate {
     pub covariance: DMatrix<f64>,
     /// Change of the unknowns' estimates with the accelerometer's assumed gain.
     pub by_accelerometer_gain: DVector<f64>,
-    /// What the trials themselves say of the accelerometer's gain.
+    /// The accelerometer's gain as the trials themselves determine it.
     pub accelerometer_gain_seen: f64,
-    /// One over the variance of that; 0 where they say nothing.
+    /// One over its variance; 0 where the trials do not determine it.
     pub accelerometer_gain_information: f64,
-    /// Whether 1/(k/m) was given.
+    /// Whether 1/(k/m) had a prior.
     pub compliance_from_elsewhere: bool,
     /// Sum of squared residuals, each over its noise.
     pub squares: f64,

@@ -1,11 +1,11 @@
-//! All 25 parameters at once, by maximum likelihood, with everything that was measured taken as measured.
+//! All 25 parameters at once by maximum likelihood, with noise, gain and lag in every instrument.
 //!
 //! The four steps use each trial once, one after the other, and take the standard instruments for the truth. Here
-//! - the true motion of every trial is unknown, too: the standard shows it with noise, a gain and a lag, and so do the nine
-//!   channels (errors in variables). A regressor with noise in it makes least squares too small; this does not;
-//! - every channel is predicted by itself, with equal stiffness saying how limbs share a load, instead of three sums of nine;
+//! - the true motion of every trial is unknown, too: the standard measures it with noise, a gain and a lag, and so do the nine
+//!   channels (errors in variables). Least squares with noise in the regressor is biased towards zero; this estimate is not;
+//! - every channel is predicted by itself, by the static load sharing of equally stiff limbs, instead of three sums of nine;
 //! - the gyroscope's gain and lag, the amplifiers' time constant and the wedges' misalignment are unknowns beside the 25, with
-//!   what certificates say of them as further measurements.
+//!   priors from certificates.
 //!
 //! | file | holds |
 //! |---|---|
@@ -25,18 +25,16 @@
 //! normal matrix, the latent motions eliminated, is the covariance of the estimate and the Cramer-Rao bound, with what certificates
 //! say counted as measurements.
 //!
-//! # What the data cannot say
-//! With no gravity turning in the sensor nothing but the accelerometer knows what a metre per second squared is: a gain error
-//! gamma of it makes every s_i/m and every I/m larger by gamma, and no other change. It is therefore not fitted but carried
-//! along ([`estimate::JointEstimate::by_accelerometer_gain`]).
+//! # What is unobservable
+//! With no gravity turning in the sensor, the standard accelerometer alone sets the scale: its gain error gamma makes every s_i/m
+//! and every I/m larger by gamma and changes nothing else. It is therefore not fitted but carried along ([`estimate::JointEstimate::by_accelerometer_gain`]).
 //!
 //! # What is neglected
 //! Relative motion enters linear trials to first order in 1/(k/m) and angular ones not at all: 2e-7 of a force at 2 Hz.
 //! Limbs that tilt add 5e-6 of a force at twice the drive's frequency at 5 Hz.
 //!
-//! Of the rig two things are taken as they are said to be, and are worth more: that an upright axis is plumb, of which a tenth of a
-//! degree turns 0.02 m/s^2 of gravity in the sensor, and that the mass's centre lies on the axis, of which a millimetre is 0.1
-//! m/s^2 at 2 Hz. Either shows in [`estimate::JointEstimate::misfit`].
+//! Two properties of the rig are assumed that matter more: an upright axis is plumb (a tenth of a degree turns 0.02 m/s^2 of gravity
+//! in the sensor), and the centre of the mass lies on the axis (a millimetre is 0.1 m/s^2 at 2 Hz). Either error shows in [`estimate::JointEstimate::misfit`].
 
 pub mod estimate;
 pub mod harmonics;
@@ -78,7 +76,7 @@ pub struct Known {
     pub deviation: f64,
 }
 
-/// What is known before the trials, from certificates, workshop and other measurements.
+/// Priors from certificates, the workshop and other measurements.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Certificates {
     /// Standard deviation of the gyroscope's gain.
@@ -89,7 +87,7 @@ pub struct Certificates {
     pub accelerometer_lag_s: f64,
     /// Corner of the charge amplifiers' high-pass, rad/s; none if the channels are tared instead.
     pub amplifier_corner_rad_s: Option<Known>,
-    /// Standard deviation of each of a wedge's angles, rad; 0 for wedges that are right.
+    /// Standard deviation of each of a wedge's angles, rad; 0 for exact wedges.
     pub wedge_deviation_rad: f64,
     /// 1/(k/m), s^2, from elsewhere: a tap on the shell.
     pub compliance_s2: Option<Known>,

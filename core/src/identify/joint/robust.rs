@@ -1,10 +1,9 @@
-//! The same fit with a loss that wild values cannot bend: Huber's.
+//! The joint fit with Huber's loss, which outliers cannot bend.
 //!
 //! A residual r of deviation sigma counts as r^2 up to `limit` sigma and as a straight line beyond. Its minimum is found with
 //! least squares alone (Huber's pseudo-values): every sample is replaced by the model's value plus its residual, cut off at
-//! `limit` sigma, and the fit repeated until it stands still. Sigma is the residuals' median absolute deviation, which half of
-//! the samples would have to be wild to move. A cut-off sample tells of no more than its sign: where a share w of the samples is
-//! left whole, the estimate's variance is that of the cut residuals over w^2. The squares of cut residuals over that are w^2 for
+//! `limit` sigma, and the fit repeated until it stands still. Sigma is the residuals' median absolute deviation, which only
+//! outliers in half of the samples would move. Of a cut-off sample only the sign counts: where a share w of the samples is left whole, the estimate's variance is that of the cut residuals over w^2. The squares of cut residuals over that are w^2 for
 //! each degree of freedom; they are returned over w^2, so that a misfit of 1 is a fit here, too.
 
 use alloc::vec::Vec;
@@ -29,7 +28,7 @@ const LEAST_SHARE: f64 = 1e-12;
 /// Least cut-off: a share of 0.68 of normal residuals is left whole there, so that a repetition takes two thirds of what is left
 /// of the way.
 const LEAST_LIMIT: f64 = 1.0;
-/// Repetitions at most; a thousandth of wild values takes five.
+/// Repetitions at most; with a thousandth of outliers it takes five.
 const ROUNDS: usize = 40;
 /// Change of every unknown, in its standard deviations, at which the fit stands still.
 const STILL: f64 = 0.01;

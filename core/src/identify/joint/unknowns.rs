@@ -1,4 +1,4 @@
-//! What is estimated beside the motion, as one vector: the 25 parameters, then what the instruments and the rig add.
+//! The common unknowns of all trials as one vector: the 25 parameters, then those of the instruments and the rig.
 //!
 //! Instead of s_i/m its reciprocal stands here, and instead of k/m the compliance 1/(k/m): the voltages are linear in both, so
 //! that a scale factor of any sign and a stiffness that the data leave open have finite estimates.
@@ -28,7 +28,7 @@ pub const GYROSCOPE_LAG: usize = GYROSCOPE_GAIN + 1;
 /// Corner of the charge amplifiers' high-pass, rad/s: one over their time constant.
 pub const AMPLIFIER_CORNER: usize = GYROSCOPE_LAG + 1;
 /// [`ANGLES`] angles for each wedge, rad: two by which it misses its direction, and one about that direction, which only turning
-/// gravity notices.
+/// gravity makes observable.
 pub const WEDGES: usize = AMPLIFIER_CORNER + 1;
 /// Angles of a wedge.
 pub const ANGLES: usize = 3;

@@ -1,4 +1,4 @@
-//! Whether what a fit leaves over is noise.
+//! Tests of a fit's residuals: whether they are noise.
 
 use alloc::vec::Vec;
 
@@ -6,14 +6,14 @@ use super::fit::{Fitted, Window};
 use crate::float::sqrt;
 use crate::geometry::LIMBS;
 
-/// Ratio of variances at which the beginning is no free decay yet: five standard errors of what 25 samples of nine channels say.
+/// Ratio of variances from which the beginning is no free decay yet: five standard errors for 25 samples of nine channels.
 const STILL_DRIVEN: f64 = 1.5;
-/// Neighbouring residuals' correlation that noise, even if an anti-aliasing filter has been at it, does not have.
+/// Correlation of neighbouring residuals that noise does not reach, not even behind an anti-aliasing filter.
 const COLOURED: f64 = 0.5;
-/// Residual over signal at the beginning below which no shape of it matters.
+/// Residual over signal at the beginning below which its shape does not matter.
 const NEGLIGIBLE: f64 = 3e-3;
 
-/// What the residuals say of the model.
+/// Statistics of the residuals.
 pub(super) struct Evidence {
     /// Variance at the beginning over that of the second half.
     pub early_over_late: f64,
@@ -64,7 +64,7 @@ impl Evidence {
         self.matters() && self.early_over_late > STILL_DRIVEN
     }
 
-    /// What is left is no noise.
+    /// The residuals are not noise.
     pub fn coloured(&self) -> bool {
         self.matters() && self.correlation > COLOURED
     }

@@ -1,9 +1,9 @@
-//! Fitting the decay: what it is linear in is solved for exactly at every step, the rest by Gauss and Newton.
+//! Least squares on the decay by variable projection: the linear unknowns are solved for at every step, the others by Gauss-Newton.
 //!
 //! Channel i shows u_i = d_i + exp(g_i) h_i (f_i/m), h_i = 1/((s_i/m) c_i). Linear are the offset d_i and the twelve initial
-//! values; the others are ln k/m, the damping ratio, six I/m and the nine ln gain errors g_i, of which I/m and g_i are known
-//! beforehand to within their covariance: rows of the same system. g_i and d_i occur in one channel only, so that each channel
-//! is reduced alone and hands on what it says of the twenty unknowns that all share.
+//! values; the others are ln k/m, the damping ratio, six I/m and the nine ln gain errors g_i, of which I/m and g_i have
+//! priors: rows of the same system. g_i and d_i occur in one channel only, so that each channel is reduced alone and contributes its
+//! rows for the twenty unknowns that all share.
 //!
 //! Steps are those of all unknowns together (Kaufman's form of variable projection), halved until the sum of squares falls.
 
@@ -52,7 +52,7 @@ pub(super) struct Window<'a> {
     pub noise_v: [f64; LIMBS],
 }
 
-/// What is known beforehand.
+/// Priors of I/m and gains.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Prior {
     pub geometry: Geometry,
@@ -62,7 +62,7 @@ pub(super) struct Prior {
     pub gain_deviation: [f64; LIMBS],
 }
 
-/// What the decay depends on other than linearly.
+/// The unknowns on which the decay depends nonlinearly.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Unknowns {
     pub stiffness_per_mass_per_s2: f64,
@@ -80,11 +80,11 @@ pub(super) struct Fitted {
     pub offset_v: [f64; LIMBS],
     /// Residual sums of squares, V^2.
     pub squares_v2: [f64; LIMBS],
-    /// Sum of squares over noise, what is known beforehand included.
+    /// Sum of squares over noise, priors included.
     pub cost: f64,
 }
 
-/// How well the shared unknowns are known.
+/// Covariance of the shared unknowns.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Shared {
     /// Covariance of ln k/m, damping ratio and I/m.
@@ -101,8 +101,8 @@ struct Step {
     shared_covariance: Shared,
 }
 
-/// Departure of I/m from what is known beforehand, in its standard deviations.
-fn surprise(prior: &Prior, inertia_m2: &[f64; 6]) -> Vector6<f64> {
+/// Departure of I/m from its prior, in standard deviations.
+fn departure_from_prior(prior: &Prior, inertia_m2: &[f64; 6]) -> Vector6<f64> {
     let departure: [f64; 6] = core::array::from_fn(|k| inertia_m2[k] - prior.inertia_m2[k]);
     prior.whitening * Vector6::from(departure)
 }
@@ -152,7 +152,7 @@ impl Window<'_> {
         let initial = common.solve(WHAT)?.values;
         let mut offset_v = [0.0; LIMBS];
         let mut squares_v2 = [0.0; LIMBS];
-        let mut cost = surprise(prior, &unknowns.inertia_m2).norm_squared();
+        let mut cost = departure_from_prior(prior, &unknowns.inertia_m2).norm_squared();
         for (limb, rows) in channels.iter().enumerate() {
             let left = |row: usize| -> f64 {
                 let explained: f64 = initial
@@ -213,7 +213,7 @@ impl Window<'_> {
             *rows = rows.settled();
             common.append(&rows.last::<COMMON>());
         }
-        let surprise = surprise(prior, &fitted.unknowns.inertia_m2);
+        let departure = departure_from_prior(prior, &fitted.unknowns.inertia_m2);
         for k in 0..6 {
             let mut known = [0.0; COMMON];
             for (entry, w) in known[2..SHARED]
@@ -222,7 +222,7 @@ impl Window<'_> {
             {
                 *entry = *w;
             }
-            common.push(known, -surprise[k]);
+            common.push(known, -departure[k]);
         }
         let estimate = common.solve(WHAT)?;
         // What a gain is, given the shared unknowns: the offset of its own channel put in.

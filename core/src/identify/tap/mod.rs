@@ -1,22 +1,22 @@
-//! k/m by a tap: the shell is onset, held still, and the mass rings in it.
+//! k/m from a tap: the shell is held by the rig and tapped, and the mass rings in it.
 //!
-//! In the band of step 4 k/m shows in a millionth of the torques. The six modes, at 2 to 7 kHz, are made of it: the three that
-//! are mostly translations lie near sqrt(3 k/m) whatever I/m is. A tap of a tenth of a millisecond rings all six, and a
-//! free decay of some milliseconds in nine channels holds their frequencies to a few parts in 1e5 of k/m at 1 % noise.
+//! In the band of step 4, k/m contributes a millionth of the torques. The six modes of the mass, at 2 to 7 kHz, depend on it
+//! directly: the three that are mostly translations lie near sqrt(3 k/m) whatever I/m is. A tap of a tenth of a millisecond excites
+//! all six, and some milliseconds of free decay in nine channels determine k/m to a few parts in 1e5 at 1 % noise.
 //!
-//! [`model`] is the decay and its derivatives, `fit` the least squares, `onset` where the decay begins and how far it is of use,
-//! `evidence` what the residuals say of all that.
+//! [`model`] is the decay and its derivatives, `fit` the least squares, `onset` finds the beginning and the useful length of the
+//! decay, `evidence` tests the residuals.
 //!
-//! # What is assumed
+//! # Assumptions
 //! - After the tap the shell is at rest, or moves so evenly that no force shows: the rig holds it. A shell that hangs free is the
-//!   second body of a two-body problem with other frequencies: (1 + m/M) times the k/m of a translation. What the shell
-//!   does during the contact is of no concern, and how hard, where and whither the tap goes neither.
-//! - The limbs are of one stiffness, with dampers in proportion.
-//! - Whatever is linear and the same in all nine channels, an amplifier's bandwidth or an anti-aliasing filter, multiplies
-//!   each mode by a number, and those are free. Different filters are not: 1 us between channels is 2.5 degrees at 7 kHz.
-//! - I/m comes with a covariance (step 3) and channels with a standard deviation of what their gains are off by; both are fitted
-//!   along. The common scale of the channels is of no effect.
-//! - Only I/m over the square of the half edge counts. The drawing's half edge stands here as it stood in step 3.
+//!   second body of a two-body problem with other frequencies: (1 + m/M) times the k/m of a translation. The shell's motion during
+//!   the contact does not matter, nor do the tap's strength, place and direction.
+//! - The limbs are equally stiff, with dampers in proportion.
+//! - Anything linear and equal in all nine channels, an amplifier's bandwidth or an anti-aliasing filter, multiplies each mode by a
+//!   number, and these factors are free. Unequal filters are not allowed: 1 us between channels is 2.5 degrees at 7 kHz.
+//! - I/m comes with a covariance (step 3), the channels with standard deviations of their gains; both are estimated along. The
+//!   common scale of the channels has no effect.
+//! - Only I/m over the square of the half edge matters. The half edge is the drawing's, as in step 3.
 
 mod evidence;
 mod fit;
@@ -47,32 +47,32 @@ const WHAT: &str = "stiffness per mass (tap)";
 
 /// Samples per period of the highest mode that are asked for.
 pub const SAMPLES_PER_PERIOD: f64 = 3.0;
-/// k/m is looked for from the design's over this to the design's times this.
+/// The search for k/m extends from the design's value over this factor to the design's times it.
 pub const SEARCH_FACTOR: f64 = 4.0;
 /// From one candidate to the next. In the first stretch the modes turn 15 to 60 rad, so that half a step is off by a third of a
 /// radian in the fastest.
 const SEARCH_STEP: f64 = 1.02;
-/// Minima of the search that are followed up.
+/// Minima of the search from which a fit is started.
 const CANDIDATES: usize = 3;
 /// Damping ratio that the search begins with.
 const TYPICAL_DAMPING: f64 = 0.02;
-/// Length of the stretch that k/m is looked for in, s; three periods of a slow sensor's lowest mode.
+/// Length of the stretch in which k/m is searched, s; three periods of a slow sensor's lowest mode.
 const FIRST_STRETCH_S: f64 = 1.5e-3;
-/// Noise over the largest channel's peak before anything is known of it.
+/// Initial noise, over the peak of the largest channel.
 const NOISE_AT_FIRST: f64 = 0.02;
-/// And at least, over a channel's own peak: what rounding and the limbs' geometry leave of a simulated decay.
+/// Least noise, over a channel's own peak: rounding and the limbs' geometry leave as much of a simulated decay.
 const NOISE_AT_LEAST: f64 = 1e-9;
-/// Fits with the noise of the fit before, at full length.
+/// Repetitions of the fit at full length, each with the noise of the one before.
 const REWEIGHTED: usize = 2;
-/// Share of the variance that six decaying modes must explain for there to be a decay at all.
+/// Least share of the variance that six decaying modes explain if there is a decay.
 const EXPLAINED: f64 = 0.5;
-/// Times that the beginning is put off, and by how much, s, where the residual is larger there than later.
-const PUT_OFF: usize = 8;
-const PUT_OFF_S: f64 = 0.25e-3;
-/// Beginning that is compared with the second half, s.
+/// How often, and by how much, s, the beginning is delayed where the residual is larger there than later.
+const DELAY: usize = 8;
+const DELAY_S: f64 = 0.25e-3;
+/// Length of the beginning that is compared with the second half, s.
 const BEGINNING_S: f64 = 0.5e-3;
 
-/// What a tap is evaluated with.
+/// The sensor, its parameters and their errors, with which a tap is evaluated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Setup<'a> {
     /// Geometry and amplifier gains.
@@ -89,14 +89,14 @@ pub struct Setup<'a> {
     pub full_scale_v: f64,
 }
 
-/// What a tap says.
+/// The result of a tap.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tap {
     /// k/m, s^-2.
     pub stiffness_per_mass_per_s2: f64,
     /// Standard error of ln k/m.
     pub standard_error_ln: f64,
-    /// What of it another tap evaluated with the same I/m and gains has again: their errors' part.
+    /// The part of it that comes from the errors of I/m and gains, which all taps evaluated with them share.
     pub standard_error_known_ln: f64,
     /// Damping of one limb as a share of critical under the whole mass: c/m = 2 z sqrt(k/m).
     pub damping_ratio: f64,
@@ -175,7 +175,7 @@ impl Setup<'_> {
         }
     }
 
-    /// Refuses a sample rate that the highest mode is too fast for.
+    /// Refuses a sample rate that is too low for the highest mode.
     fn check_rate(&self, ring: &RingDown) -> Result<()> {
         let highest_mode_hz = ring.frequencies_hz()[MODES - 1];
         if self.sample_rate_hz < SAMPLES_PER_PERIOD * highest_mode_hz {
@@ -222,9 +222,9 @@ pub fn identify(setup: &Setup, voltage_v: &[[f64; LIMBS]]) -> Result<Tap> {
     let largest = onset.peak_v.iter().fold(0.0_f64, |a, b| a.max(*b));
     let mut noise_v = [NOISE_AT_FIRST * largest; LIMBS];
     let mut searched = false;
-    let mut put_off = 0;
+    let mut delay = 0;
     loop {
-        let from = onset.decay_from + put_off * setup.samples(PUT_OFF_S);
+        let from = onset.decay_from + delay * setup.samples(DELAY_S);
         let decay = from..onset::end(voltage_v, &onset, from, setup.sample_rate_hz).max(from);
         if decay.len() < shortest {
             return Err(Error::TooFewSamples {
@@ -258,8 +258,8 @@ pub fn identify(setup: &Setup, voltage_v: &[[f64; LIMBS]]) -> Result<Tap> {
             &onset.level_v,
             setup.samples(BEGINNING_S).max(1),
         );
-        if evidence.still_driven() && put_off < PUT_OFF {
-            put_off += 1;
+        if evidence.still_driven() && delay < DELAY {
+            delay += 1;
             unknowns = fitted.unknowns;
             continue;
         }
@@ -267,7 +267,7 @@ pub fn identify(setup: &Setup, voltage_v: &[[f64; LIMBS]]) -> Result<Tap> {
     }
 }
 
-/// Looks for k/m in the first stretch: over a grid, then from its best minima.
+/// Searches k/m in the first stretch: over a grid, then by fits from its best minima.
 fn search(setup: &Setup, prior: &Prior, first: &Window) -> Result<Unknowns> {
     let start = setup.start();
     let design = start.stiffness_per_mass_per_s2;
@@ -279,7 +279,7 @@ fn search(setup: &Setup, prior: &Prior, first: &Window) -> Result<Unknowns> {
             ..start
         };
         k *= SEARCH_STEP;
-        // What is out of range or too fast for the sample rate cannot be what is looked for.
+        // A candidate out of range or too fast for the sample rate is excluded.
         if let Ok(fitted) = first.solve(prior, &unknowns)
             && setup.check_rate(&fitted.ring).is_ok()
         {
@@ -326,7 +326,7 @@ fn variance(voltage_v: &[[f64; LIMBS]]) -> f64 {
         .sum()
 }
 
-/// Each channel's noise from its residuals; of the common unknowns it bears its share.
+/// Each channel's noise from its residuals, with its share of the common unknowns taken off the degrees of freedom.
 fn noise(fitted: &Fitted, samples: usize, peak_v: &[f64; LIMBS]) -> [f64; LIMBS] {
     let own = 2.0 + (SHARED + 2 * MODES) as f64 / LIMBS as f64;
     core::array::from_fn(|i| {
@@ -341,7 +341,7 @@ fn conclude(
     evidence: &Evidence,
     decay: Range<usize>,
 ) -> Tap {
-    // Noise that hangs together says less than its variance: at worst, at low frequency, by this much.
+    // Correlated noise carries less information than its variance implies: at worst, at low frequency, by this factor.
     let rho = evidence.correlation.clamp(0.0, 0.99);
     let inflated = (1.0 + rho) / (1.0 - rho);
     let Shared {

@@ -1,4 +1,4 @@
-//! The free decay of the mass in a shell at rest, and how it changes with what is sought.
+//! The free decay of the mass in a shell at rest, and its derivatives by k/m, damping and I/m.
 //!
 //! With x = (r, phi), M = diag(1, I/m) and J of rows \[e_i, t_i x e_i\], limbs of stiffness k and damping c give
 //!
@@ -44,7 +44,7 @@ use crate::model::{InertiaPerMass, STIFFNESS_PER_MASS_RANGE_PER_S2};
 
 /// Modes of the mass in its shell.
 pub const MODES: usize = 6;
-/// What the decay depends on other than linearly: ln k/m, z, I1 to I6 over m.
+/// Unknowns on which the decay depends nonlinearly: ln k/m, z, I1 to I6 over m.
 pub const SHARED: usize = 8;
 
 /// Eigenvalues nearer to each other than this share of them count as one. The quotient loses eps/gap of its digits, the mean of

@@ -1,16 +1,16 @@
-//! Where in a recording the tap is, and which part of what follows is of use.
+//! The onset of the decay in the recording of a tap, and the part of the decay that is used.
 
 use alloc::vec::Vec;
 
 use crate::dsp::outlier::median;
 use crate::geometry::LIMBS;
 
-/// From the largest sample to where the contact is over, s: contacts of a hammer's tip last 0.1 to 0.3 ms, and what is tapped
-/// shows most in their second half. Where that is not enough the residuals say so.
+/// From the largest sample to where the contact is over, s: the contact of a hammer's tip lasts 0.1 to 0.3 ms, and
+/// the response is largest in its second half. A contact that lasts longer shows in the residuals.
 const CONTACT_S: f64 = 0.15e-3;
-/// Length over which the decay's size is measured, s.
+/// Length of a stretch over which the size of the decay is measured, s.
 const STRETCH_S: f64 = 1e-3;
-/// Size over that of the first stretch from which on nothing more is learned: further on a record holds other things.
+/// Size, over that of the first stretch, below which the rest of the decay is not used.
 const FADED: f64 = 0.01;
 
 /// A tap as it shows in the nine channels.
@@ -20,7 +20,7 @@ pub(super) struct Onset {
     pub level_v: [f64; LIMBS],
     /// Each channel's largest departure from it.
     pub peak_v: [f64; LIMBS],
-    /// First sample that the contact should be over at.
+    /// First sample at which the contact should be over.
     pub decay_from: usize,
 }
 
@@ -48,7 +48,7 @@ pub(super) fn find(voltage_v: &[[f64; LIMBS]], sample_rate_hz: f64) -> Onset {
     }
 }
 
-/// End of what is of use from a sample on.
+/// End of the useful decay from a sample on.
 pub(super) fn end(
     voltage_v: &[[f64; LIMBS]],
     onset: &Onset,

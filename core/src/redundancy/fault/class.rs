@@ -1,4 +1,4 @@
-//! What the parity rows can tell apart: six directions for nine limbs.
+//! The six directions in the parity rows along which nine limbs fail: limbs of one class cannot be distinguished by forces.
 
 use crate::geometry::LIMBS;
 use crate::limb_set::LimbSet;
@@ -19,7 +19,7 @@ pub const fn signature(class: usize) -> [i32; ROWS] {
     SIGNATURES[FIRST[class]]
 }
 
-/// Limbs of a class: one, or two twins.
+/// Limbs of a class: one limb, or an ambiguous pair.
 #[must_use]
 pub fn members(class: usize) -> LimbSet {
     (0..LIMBS)

@@ -1,15 +1,15 @@
-//! Whether anything is wrong: tests of the parity rows with exact distributions, thresholds from a rate of false alarms.
+//! Detection: tests of the parity rows with exact distributions, thresholds from a rate of false alarms.
 //!
-//! While all is well z_t = L^-1 rho_t is white and standard normal ([`super::noise`]). Of each sample |z|^2 is chi-square with
-//! three degrees of freedom. Of a window of N samples mean, slope and the energy of the rest are independent, chi-square with
-//! 3, 3 and 3 N - 6. A window of 8 sees in a millisecond what one sample cannot, one of 4096 sees a drift.
+//! For a healthy sensor z_t = L^-1 rho_t is white and standard normal ([`super::noise`]). Of each sample |z|^2 is chi-square with
+//! three degrees of freedom. Of a window of N samples, mean, slope and the energy of the rest are independent, chi-square with
+//! 3, 3 and 3 N - 6. A window of 8 detects within a millisecond what a single sample cannot, one of 4096 detects a drift.
 //!
-//! The rate of false alarms is the expected number of tests that fail, a sum over the tests of how often each is made times its
-//! probability. That is linear, hence exact however much the tests depend on one another; each test has an equal share of it.
+//! The rate of false alarms is the expected number of failed tests, a sum over the tests of how often each is made times its
+//! probability. This is linear, and hence exact however the tests depend on one another; each test has an equal share of it.
 //!
-//! Errors of calibration are no noise: they stay. A relative error of a scale factor and one of a zero drift add
-//! W^T diag(x^2 sd_scale^2 + sd_drift^2) W to the covariance of a sample or of a mean, and as much of a slope as the strains
-//! have. Told of them ([`CalibrationErrors`]), the tests keep their distribution over calibrations.
+//! Errors of calibration are not noise: they persist. Relative errors of the scale factors and errors of the zero drifts add
+//! W^T diag(x^2 sd_scale^2 + sd_drift^2) W to the covariance of a sample or of a mean, and the same of a slope with the strains'
+//! slope. With [`CalibrationErrors`] given, the tests keep their distribution over calibrations.
 
 use super::moments::Moments;
 use super::noise::{RowNoise, apply, dot, inverse_root};
@@ -22,7 +22,7 @@ use crate::significance::chi_square_limit;
 /// Lengths of the windows, samples.
 pub const WINDOWS: [u64; 4] = [8, 64, 512, 4096];
 
-/// What is tested.
+/// A statistic of the rows that is tested.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Test {
     /// One sample.
@@ -31,12 +31,12 @@ pub enum Test {
     Mean(u64),
     /// The slope in it.
     Slope(u64),
-    /// What else there is in it.
+    /// The energy that mean and slope leave in it.
     Energy(u64),
 }
 
-/// The tests, in the order in which they are made. The two longest windows' energy would say what 64 samples say already, eight
-/// samples' slope and energy what a sample does.
+/// The tests, in the order in which they are made. The energy of the two longest windows would repeat the test of 64 samples, slope
+/// and energy of eight samples that of a single one.
 pub const TESTS: [Test; 9] = [
     Test::Sample,
     Test::Mean(8),
@@ -69,7 +69,7 @@ impl Test {
     }
 }
 
-/// One standard deviation of what calibration leaves, per limb.
+/// Standard deviations of the errors that calibration leaves, per limb.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CalibrationErrors {
     /// Of the scale factor, relative.
@@ -87,7 +87,7 @@ pub struct Alarm {
     pub test: Test,
     /// Its statistic.
     pub statistic: f64,
-    /// What the statistic exceeds.
+    /// The threshold that it exceeds.
     pub threshold: f64,
 }
 
@@ -101,7 +101,7 @@ impl Alarms {
         self.0.iter().flatten().copied()
     }
 
-    /// The one that says most directly since when.
+    /// The one of the shortest window, which bounds the onset best.
     #[must_use]
     pub fn first(&self) -> Option<Alarm> {
         self.iter().next()
@@ -173,7 +173,7 @@ impl Detector {
         &self.noise
     }
 
-    /// What each of [`TESTS`] is held against.
+    /// Threshold of each of [`TESTS`].
     #[must_use]
     pub const fn thresholds(&self) -> &[f64; TESTS.len()] {
         &self.thresholds

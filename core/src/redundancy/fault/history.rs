@@ -1,4 +1,4 @@
-//! The course of a failure and of each channel since the alarm, as sums: nothing of a sample is kept but these.
+//! Statistics of a failure and of each channel since the alarm, as running sums.
 
 use super::class::{CLASS_OF, CLASSES};
 use super::noise::{RowNoise, dot};

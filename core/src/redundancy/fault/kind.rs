@@ -1,21 +1,21 @@
-//! How a limb has failed, and which of two twins, from the course of the failure and of the channels since the alarm.
+//! The kind of a failure, and the limb of an ambiguous pair, from the statistics of the failure and of the channels since the alarm.
 //!
-//! Each kind says something of the failure's course e_t, of which every sample gives a_t = e_t + noise: constant (another
-//! zero), constant and ramp (a zero that moves), in proportion to the channel's own signal (another sensitivity), white
-//! (noise), nothing (it has passed). Each is fitted by least squares, its coefficients cost ln(n)/2 each (Schwarz). Dead and
-//! stuck say nothing of e_t; they say that the channel is at its zero and has only its noise, and that it has not even that. The
-//! noise that a monitor is told of must therefore be at least the converter's own.
+//! Every sample gives the failure's size a_t = e_t + noise. Each kind restricts the course e_t: constant (the zero jumped), constant
+//! and ramp (the zero drifts), in proportion to the channel's own signal (the sensitivity jumped), white (noise), zero (it has
+//! passed). Each is fitted by least squares, and its coefficients cost ln(n)/2 each (Schwarz's criterion). A dead or a stuck channel
+//! does not restrict e_t but shows itself: a dead one is at its zero and has only its noise, a stuck one has not even that. The
+//! noise in the monitor's settings must therefore be at least the converter's own.
 //!
-//! # Twins
-//! Let e_t be any course. "Limb 2 fails by e_t" and "limb 4 fails by e_t" give the same three rows, since the twins' columns are
-//! equal, and the two loads that they imply differ by the one that only the twins bear: nine channels are explained exactly
-//! by either. So forces never tell twins apart; what does is knowledge of another kind:
+//! # Ambiguous pairs
+//! Let e_t be any course. "Limb 2 fails by e_t" and "limb 4 fails by e_t" give the same three rows, since the columns of the pair are
+//! equal, and the two loads that they imply differ by the load that only these two limbs bear: either explains all nine channels
+//! exactly. Forces therefore never resolve a pair; these do:
 //!
-//! * the course goes along with one channel's signal and not with the other's (sensitivity);
-//! * one channel keeps still (stuck, or dead while the load that the others say moves as no drift does);
-//! * one channel is rough where motion is smooth (noise), or steps (zero).
+//! * the course is in proportion to one channel's signal and not to the other's (sensitivity);
+//! * one channel is constant (stuck, or dead while the load that the other limbs imply moves as no drift does);
+//! * one channel is rough where the motion is smooth (noise), or steps (zero).
 //!
-//! A slow drift has none of these. Then the answer is the pair.
+//! A slow drift has none of these; the result is then the pair.
 
 use super::class::members;
 use super::history::History;
@@ -26,20 +26,20 @@ use crate::float::{ln, sqrt};
 use crate::geometry::LIMBS;
 use crate::limb_set::LimbSet;
 
-/// ln of the odds at which a kind is said before all samples are in: a hundred to one.
+/// ln of the odds from which a kind is accepted before all samples are in: a hundred to one.
 const KIND: f64 = 4.6;
-/// ln of the odds at which a twin is named: a thousand to one.
-const TWIN: f64 = 6.9;
-/// Standard deviations of a sum of squares within which there is but noise, and beyond which there is more.
+/// ln of the odds from which a limb of an ambiguous pair is accepted: a thousand to one.
+const LIMB_OF_PAIR: f64 = 6.9;
+/// Standard deviations of a sum of squares within which there is only noise, and beyond which there is more.
 const STILL: f64 = 4.0;
 const MOVES: f64 = 8.0;
 /// Share of its noise that a channel has at most if it is stuck: of 32 samples of noise one in 10^9 has so little.
 const NOISELESS: f64 = 0.25;
-/// Mean square of a signal over its noise's from which a sensitivity can be told.
+/// Mean square of a signal over that of its noise from which a sensitivity is observable.
 const LOUD: f64 = 10.0;
 /// Correlation of neighbouring sizes from which a course is a motion and not noise.
 const SMOOTH_COURSE: f64 = 0.5;
-/// Standard deviations of roughness, and of a step, from which a channel has it, and up to which its twin has not.
+/// Standard deviations of roughness, and of a step, from which one channel of a pair has it, and up to which the other has not.
 const ROUGH: f64 = 6.0;
 const SMOOTH: f64 = 4.0;
 const STEPS: f64 = 6.0;
@@ -50,18 +50,18 @@ const NO_STEP: f64 = 4.5;
 pub struct Judgement {
     /// Best kind.
     pub kind: Kind,
-    /// The limb, or both twins.
+    /// The limb, or both of an ambiguous pair.
     pub limbs: LimbSet,
     /// Against the next best kind.
     pub kind_ln_odds: f64,
-    /// Against the twin.
+    /// Against the other limb of the pair.
     pub partner_ln_odds: f64,
-    /// A channel keeps still that may yet turn out dead.
+    /// A channel shows only noise and may yet turn out dead.
     open: bool,
 }
 
 impl Judgement {
-    /// Whether more samples would hardly change it.
+    /// Whether more samples are unlikely to change it.
     #[must_use]
     pub fn is_firm(&self) -> bool {
         let resolved =
@@ -70,7 +70,7 @@ impl Judgement {
     }
 }
 
-/// Judges a class by what was gathered since the alarm; `steps` are the channels' largest steps about it, in standard deviations.
+/// Judges a class by the statistics since the alarm; `steps` are the channels' largest steps about it, in standard deviations.
 #[must_use]
 pub fn judge(
     noise: &RowNoise,
@@ -92,17 +92,17 @@ pub fn judge(
         Kind::Drift,
         0.5 * (mean * mean + slope * slope) - 2.0 * cost,
     );
-    best.offer(Kind::NoiseBurst, super::isolation::gain(energy, n) - cost);
-    let twins = members(class);
+    best.offer(Kind::NoiseBurst, super::likelihood::gain(energy, n) - cost);
+    let members = members(class);
     let spread = sqrt(2.0 * n);
     let fails = energy > n + MOVES * spread;
-    // What no zero that jumps or drifts and no noise would look like: the load of a dead limb, in motion.
+    // The load of a dead limb in motion: neither a zero that jumps or drifts nor noise.
     let moves = energy - mean * mean - slope * slope > n + MOVES * spread
         && history.lagged.get(class).copied().unwrap_or(0.0) > SMOOTH_COURSE * energy;
     let mut scale = [f64::NEG_INFINITY; 2];
     let mut fell = [None; 2];
     let mut open = false;
-    for ((scale, fell), limb) in scale.iter_mut().zip(&mut fell).zip(twins.indices()) {
+    for ((scale, fell), limb) in scale.iter_mut().zip(&mut fell).zip(members.indices()) {
         let Some(channel) = history.channels.get(limb) else {
             continue;
         };
@@ -114,11 +114,11 @@ pub fn judge(
         }
         let own = channel.square - channel.sum * channel.sum / n;
         let at_zero = channel.square < n + STILL * spread;
-        // A twin at rest is at its zero, too.
-        let told = moves || twins.len() == 1;
+        // The other limb of a pair at rest is at its zero, too.
+        let resolved = moves || members.len() == 1;
         *fell = if !fails {
             None
-        } else if at_zero && told {
+        } else if at_zero && resolved {
             Some(Kind::Dead)
         } else if own < NOISELESS * n {
             Some(Kind::Stuck)
@@ -132,9 +132,9 @@ pub fn judge(
         }
     }
     let kind = best.kind;
-    let (limbs, partner_ln_odds) = match twins.len() {
+    let (limbs, partner_ln_odds) = match members.len() {
         2 => {
-            let mut pair = twins.indices();
+            let mut pair = members.indices();
             let limb = [pair.next().unwrap_or(0), pair.next().unwrap_or(0)];
             let favour = match kind {
                 Kind::Dead | Kind::Stuck => match fell.map(|f| f == Some(kind)) {
@@ -151,14 +151,14 @@ pub fn judge(
                 ),
                 _ => 0.0,
             };
-            if favour.abs() > TWIN {
+            if favour.abs() > LIMB_OF_PAIR {
                 let named = limb[usize::from(favour < 0.0)];
                 (LimbSet::EMPTY.with(named), favour.abs())
             } else {
-                (twins, 0.0)
+                (members, 0.0)
             }
         }
-        _ => (twins, f64::INFINITY),
+        _ => (members, f64::INFINITY),
     };
     Judgement {
         kind,

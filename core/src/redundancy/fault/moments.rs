@@ -1,4 +1,4 @@
-//! What is kept of a stretch of whitened rows: its mean, its slope and the energy of the rest, each along any direction.
+//! Running sums over a stretch of whitened rows: mean, slope and the energy of the rest, along any direction.
 
 use super::noise::{add_outer, apply, dot};
 use crate::float::sqrt;
@@ -34,7 +34,7 @@ impl Moments {
     }
 
     /// Coefficients of the constant and of the ramp of unit norm: the mean times the root of the samples, and the slope
-    /// likewise. Of noise they are as independent and as large as a sample.
+    /// likewise. For noise they are independent and distributed as a sample.
     #[must_use]
     pub fn mean_and_slope(&self) -> [[f64; ROWS]; 2] {
         let n = self.samples as f64;

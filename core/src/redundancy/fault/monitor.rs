@@ -1,12 +1,13 @@
-//! The stream: nine voltages in, what is wrong out.
+//! The fault monitor as a stream: nine voltages in, events out.
 //!
-//! Watching, an alarm of the [`Detector`] begins a gathering: sample by sample each class of limbs and each swapped pair is
-//! scored by the rows since, together with those of the window that alarmed, until one leads by [`super::gathering::CLASS`]; then each doubling of
-//! the samples is asked how the limb failed, until that is firm or no samples are left. What nobody leads is dismissed if it
-//! has faded, and said to be beyond one limb if not.
+//! An alarm of the [`Detector`] begins an [`Isolation`]. With each sample, every class of limbs and every pair of channels that may
+//! be exchanged is scored by the rows since the alarm, together with those of the window that raised it, until one leads by
+//! [`super::isolation::CLASS`]. Then, each time the number of samples has doubled, the kind of failure is estimated, until it is
+//! certain or no more samples are waited for. If no class leads, the alarm is dismissed when the rows have become quiet again, and
+//! reported as beyond a single limb when they have not.
 
 use super::detector::{Alarm, CalibrationErrors, Detector};
-use super::gathering::Gathering;
+use super::isolation::Isolation;
 use super::noise::RowNoise;
 use super::step::Ring;
 use super::verdict::{Kind, Verdict};
@@ -22,29 +23,29 @@ use crate::redundancy::residual;
 /// Samples without any alarm after which a failure is over: two of the longest windows.
 pub const QUIET: u64 = 8192;
 
-/// What happens to the watched sensor.
+/// An event of the monitored sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Event {
-    /// A test failed; what it is will be said later.
+    /// A test failed; its isolation follows.
     Alarm(Alarm),
     /// The class of limbs is known, how it failed is not.
     Isolated(Verdict),
-    /// All that will be said of it.
+    /// The isolation is complete.
     Identified(Verdict),
-    /// The alarm led to nothing: a false one, as far as anyone can tell.
+    /// The rows became quiet again before any class led: to all appearances a false alarm.
     Dismissed,
     /// All nine have been quiet for [`QUIET`] samples after a failure.
     Quiet,
 }
 
-/// What a monitor is told.
+/// Settings of a monitor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Watch {
     /// Expected number of alarms of a healthy sensor.
     pub false_alarms_per_hour: f64,
     /// Standard deviation of the noise of each channel, V.
     pub noise_v: [f64; LIMBS],
-    /// What calibration leaves of each scale factor, one standard deviation, relative; zeros to take it for exact.
+    /// Standard deviation of each scale factor after calibration, relative; zeros to take it for exact.
     pub scale_sd: [f64; LIMBS],
     /// The same of each zero drift, V.
     pub zero_drift_sd_v: [f64; LIMBS],
@@ -57,11 +58,11 @@ pub struct Watch {
 )]
 enum State {
     Watching,
-    Gathering(Gathering),
+    Isolating(Isolation),
     Known { limbs: LimbSet, quiet: u64 },
 }
 
-/// Watches nine channels. No allocation; constant work per sample but for a handful of samples after an alarm.
+/// Monitors nine channels without allocation, at constant work per sample except for a few samples after an alarm.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Monitor {
     strain_per_v: [f64; LIMBS],
@@ -143,7 +144,8 @@ impl Monitor {
         self.strain_per_v[limb] * voltage_v + self.strain_at_zero[limb]
     }
 
-    /// Takes the next nine voltages. A value that is no number is a failed limb at once; the rows of such a sample say nothing.
+    /// Takes the next nine voltages. A limb whose voltage is NaN, infinite or beyond any strain has failed at once; the rows of such
+    /// a sample are not used.
     pub fn push(&mut self, voltage_v: &[f64; LIMBS]) -> Option<Event> {
         let sample = self.received;
         self.received += 1;
@@ -168,16 +170,16 @@ impl Monitor {
                 let mut alarm = self.detector.push(&z, &strain).first()?;
                 alarm.sample = sample;
                 let window = self.detector.rows_of(alarm.test);
-                self.state = State::Gathering(Gathering::new(alarm, &noise, &window, &z));
+                self.state = State::Isolating(Isolation::new(alarm, &noise, &window, &z));
                 Some(Event::Alarm(alarm))
             }
-            State::Gathering(gathering) => {
+            State::Isolating(isolation) => {
                 let (slope, zero) = (&self.strain_per_v, &self.strain_at_zero);
-                gathering.push(&noise, &z, &signal, &strain, |limb, channel| {
+                isolation.push(&noise, &z, &signal, &strain, |limb, channel| {
                     slope[limb] * voltage_v[channel] + zero[limb]
                 });
-                gathering.look_for_steps(&self.ring);
-                let event = gathering.said(&noise, sample);
+                isolation.look_for_steps(&self.ring);
+                let event = isolation.event(&noise, sample);
                 match &event {
                     Some(Event::Dismissed) => {
                         self.detector.restart();

@@ -1,4 +1,4 @@
-//! What the parity rows of a healthy sensor are: noise of covariance Q = W^T diag(sigma^2) W.
+//! The parity rows of a healthy sensor: noise of covariance Q = W^T diag(sigma^2) W.
 
 use super::class::{CLASSES, signature};
 use crate::error::{Error, Result, require};
@@ -72,7 +72,7 @@ impl RowNoise {
     /// Unit vector along which a failure of a class shows in z.
     #[must_use]
     pub fn direction(&self, class: usize) -> &[f64; ROWS] {
-        // Without a way to panic: a class that is none is the first.
+        // Cannot panic: an index beyond the classes gives the first.
         self.direction.get(class).unwrap_or(&self.direction[0])
     }
 

@@ -1,7 +1,7 @@
-//! Which of two twins jumped: a step in the middle of a stretch of an otherwise smooth signal.
+//! Which limb of an ambiguous pair jumped: a step in the middle of a stretch of an otherwise smooth signal.
 //!
-//! A cubic is fitted along with the step. Of 64 samples of 10 kHz a cubic follows motion up to some 40 Hz; beyond that both twins
-//! look broken and neither is named.
+//! A cubic is fitted along with the step. Of 64 samples of 10 kHz a cubic follows motion up to some 40 Hz; beyond that both
+//! channels seem to step and neither is accepted.
 
 use crate::float::sqrt;
 use crate::geometry::LIMBS;

@@ -1,9 +1,9 @@
-//! Whether two channels are swapped: an explanation without a free parameter.
+//! The likelihood that two channels are exchanged, a hypothesis without a free parameter.
 //!
 //! With the plugs of channels i and j exchanged, limb i's voltage stands in channel j. Exchanged back, the strains change by
 //! known amounts and the rows by w_i (x_i' - x_i) + w_j (x_j' - x_j): either that makes the rows quiet or the channels are not
-//! swapped. Twins' columns are the same: swapped, they show by what their sensitivities and zeros differ in, and not at all if
-//! those are alike.
+//! exchanged. The columns of an ambiguous pair are equal: exchanged, its channels show by the difference of their sensitivities and
+//! zeros, and not at all if those are equal.
 
 use super::noise::{RowNoise, dot};
 use crate::geometry::LIMBS;
@@ -30,7 +30,7 @@ const fn pairs() -> [[usize; 2]; PAIRS] {
     of
 }
 
-/// Evidence for each pair: half of the energy that exchanging it back takes off the whitened rows.
+/// ln of the likelihood ratio of each pair: half of the energy that exchanging it back removes from the whitened rows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Swaps([f64; PAIRS]);
 
@@ -50,20 +50,20 @@ impl Swaps {
         strain_of: impl Fn(usize, usize) -> f64,
     ) {
         let before = dot(z, z);
-        for (evidence, [i, j]) in self.0.iter_mut().zip(PAIRED) {
+        for (likelihood, [i, j]) in self.0.iter_mut().zip(PAIRED) {
             let (di, dj) = (strain_of(i, j) - strain[i], strain_of(j, i) - strain[j]);
             let rows: [f64; ROWS] = core::array::from_fn(|k| {
                 f64::from(SIGNATURES[i][k]) * di + f64::from(SIGNATURES[j][k]) * dj
             });
             let change = noise.whiten(&rows);
             let after: [f64; ROWS] = core::array::from_fn(|k| z[k] + change[k]);
-            *evidence += 0.5 * (before - dot(&after, &after));
+            *likelihood += 0.5 * (before - dot(&after, &after));
         }
     }
 
     /// ln of the likelihood ratio of each of [`PAIRED`] against no failure.
     #[must_use]
-    pub const fn evidence(&self) -> &[f64; PAIRS] {
+    pub const fn likelihood(&self) -> &[f64; PAIRS] {
         &self.0
     }
 }

@@ -1,4 +1,4 @@
-//! What is said of a failure, with how sure it is.
+//! The result of an isolation: limb, kind, onset, and the odds.
 
 use core::fmt;
 
@@ -7,9 +7,9 @@ use crate::limb_set::LimbSet;
 /// How a channel has failed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Kind {
-    /// No number, or one that no limb survives.
+    /// NaN, infinite, or beyond any strain.
     Unreadable,
-    /// No signal: noise about no force.
+    /// No signal: only noise about zero force.
     Dead,
     /// The same value, whatever the motion.
     Stuck,
@@ -21,9 +21,9 @@ pub enum Kind {
     Drift,
     /// Far more noise.
     NoiseBurst,
-    /// Two channels stand for one another.
+    /// Two channels are exchanged.
     Swapped,
-    /// Over before anything could be said of it.
+    /// The failure ended before its kind was determined.
     Passed,
     /// None of these, or more than one.
     Unknown,
@@ -49,20 +49,20 @@ impl fmt::Display for Kind {
 /// Which limb has failed, how, since when.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Verdict {
-    /// The limb; two of a kind where forces do not tell them apart and nothing else did; both of a swapped pair; none where no
-    /// limb by itself explains what the rows show.
+    /// The limb; an ambiguous pair that was not resolved; both channels of an exchanged pair; none where no single limb explains the
+    /// rows.
     pub limbs: LimbSet,
     /// How.
     pub kind: Kind,
-    /// It began with one of these samples, first to last.
+    /// First and last sample at which it may have begun.
     pub since: (u64, u64),
-    /// Sample at which it was said.
+    /// Sample at which this was decided.
     pub said_at: u64,
     /// ln of the odds of this class of limbs against the next best explanation.
     pub class_ln_odds: f64,
     /// ln of the odds of this kind against the next best, 0 while it is open.
     pub kind_ln_odds: f64,
-    /// ln of the odds of this limb against its twin, infinite where it has none, 0 while it is open.
+    /// ln of the odds of this limb against the other of its ambiguous pair; infinite where it is in none, 0 while it is open.
     pub partner_ln_odds: f64,
 }
 
@@ -74,7 +74,7 @@ impl Verdict {
         indices.next().filter(|_| self.limbs.len() == 1)
     }
 
-    /// Whether it is one of two twins and open which.
+    /// Whether it is an ambiguous pair that was not resolved.
     #[must_use]
     pub fn is_open(&self) -> bool {
         self.limbs.len() == 2 && !matches!(self.kind, Kind::Swapped | Kind::Unreadable)

@@ -1,7 +1,8 @@
-//! The ninth: one known change of acceleration gives the common factor of all scale factors.
+//! The common factor of all nine scale factors, from one known change of acceleration.
 //!
-//! Between two rests the specific force turns in the shell by a known vector's length, 2 g for a sensor that is turned over, and
-//! (12) reads |sum c_i f_i e_i| = length, f_i the calibration's force per mass. At rest limbs tilt by a millionth, which is neglected.
+//! Between two rests the specific force in the shell changes by a vector of known length, 2 g for a sensor that is turned over.
+//! Eq. (12) then reads |sum c_i f_i e_i| = length, with f_i the force per mass by the earlier calibration. The tilt of the limbs at
+//! rest, a millionth, is neglected.
 
 use glam::DVec3;
 use nalgebra::SVector;

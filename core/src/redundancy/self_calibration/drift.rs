@@ -1,8 +1,8 @@
 //! Which limbs have drifted since a calibration.
 //!
-//! Changes are known but for a common one, so nine numbers never say by themselves who moved. What is asked for is the smallest
-//! set F of limbs whose change explains everything, the others having kept their scale (or changed it together, which a common
-//! amplifier or the stiffness of the lot may do). With A the information on the changes e,
+//! Changes are known except for a common factor, so that the nine numbers alone do not determine which limbs drifted. The result is
+//! the smallest set F of limbs whose change explains the data, the others having kept their scale (or changed it together, as a
+//! common amplifier or a common stiffness does). With A the information on the changes e,
 //!
 //! ```text
 //! chi^2(F) = e^T A e - (A e)_F^T A_FF^-1 (A e)_F,     8 - |F| degrees of freedom,     e_F = A_FF^-1 (A e)_F.
@@ -20,7 +20,7 @@ use crate::significance::chi_square_limit;
 /// Limbs that may have drifted at most: fewer than half, so that "the others" are a majority.
 pub const MOST_DRIFTED: usize = 4;
 
-/// Who drifted, and by how much.
+/// The limbs that drifted, and by how much.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drifted {
     /// The smallest set of limbs whose change explains the data. Empty where all kept their ratios, and where not even
@@ -28,7 +28,7 @@ pub struct Drifted {
     pub limbs: LimbSet,
     /// Whether `limbs` explain the data at the asked rate of false alarms.
     pub explained: bool,
-    /// The next best set of the same size, if it explains the data, too: then who drifted is not certain.
+    /// The next best set of the same size, if it explains the data, too: the result is then ambiguous.
     pub rival: Option<LimbSet>,
     /// ln of each limb's change against those that kept their scale.
     pub ln_change: [f64; LIMBS],
@@ -43,7 +43,7 @@ pub struct Drifted {
 }
 
 /// Names the limbs that have drifted; `calibration` is the covariance of the calibration's ln scale factors, whose common error
-/// drops out, or zeros where it is to be taken at its word.
+/// drops out, or zeros to take the calibration for exact.
 ///
 /// A set is accepted where chance leaves as much in `false_alarm` of cases: so often a sensor without drift is said to have one.
 ///

@@ -1,25 +1,25 @@
-//! Scale factors without a reference: what any rich motion says of nine channels.
+//! Ratios of the nine scale factors without a reference, from any motion that excites all limbs.
 //!
 //! Limbs of equal stiffness on one undeformed mass obey the coordination equations of [`crate::redundancy::parity`] at every instant,
 //! whatever the motion, the mass and its inertia. Written with the voltages, W^T C (u - d) = second order, they are three
-//! equations linear in nine sensitivities c_i: a motion that excites all of them tells c_1 : c_2 : ... : c_9, eight numbers. The
+//! equations linear in nine sensitivities c_i: a motion that excites all of them determines c_1 : c_2 : ... : c_9, eight numbers. The
 //! ninth, a common factor, needs one known acceleration.
 //!
 //! | file | holds |
 //! |---|---|
 //! | [`moments`] | the recording as a stream: means and products of block means, constant memory |
-//! | `noise` | the channels' noise from what the rows leave |
+//! | `noise` | the channels' noise from the rows' residuals |
 //! | `fit` | the ratios that make the rows vanish, noise in all nine channels taken into account |
-//! | [`unobservable`] | what a poor motion leaves open, in words |
-//! | [`ratios`] | the result, its covariance and its doubts |
+//! | `unobservable` | the combinations of ratios that a poor motion leaves unobservable |
+//! | [`ratios`] | the result, its covariance and its tests |
 //! | [`drift`] | which limbs have drifted since a calibration |
 //! | [`common_scale`] | the common factor |
-//! | [`stiffness`] | whether limbs are equally stiff, with ratios from the balance of forces beside those from the rows |
+//! | [`stiffness`] | a test of equal stiffness: ratios from the balance of forces beside those from the rows |
 //!
-//! # What it rests on
-//! That limbs are equally stiff: where k_i differ, what is found is c_i/k_i, and no residual shows it. That they were so, and are,
-//! at a calibration and since, is enough to tell *changes* of c_i: `drift` needs no equal stiffness beyond the second order.
-//! Zero drifts need not be known; they must stand still, with the noise above a block's length white.
+//! # Assumptions
+//! The limbs are equally stiff. Where the k_i differ, the result is c_i/k_i, and no residual shows it. *Changes* of c_i since a
+//! calibration need only stiffnesses that have not changed: `drift` does not depend on equal stiffness except at second order.
+//! Zero drifts need not be known, but must be constant; the noise must be white above the length of a block.
 
 pub mod common_scale;
 pub mod drift;

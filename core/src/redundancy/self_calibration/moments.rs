@@ -245,7 +245,7 @@ pub struct Moments {
     pub(super) blocks: u64,
     /// Recordings, each with a mean of its own.
     pub(super) records: u64,
-    /// Sum of squares of the samples' second differences, strain^2: how noisy twins are against each other.
+    /// Sum of squares of the samples' second differences, strain^2: compares the noise of the two limbs of an ambiguous pair.
     pub(super) roughness: [f64; LIMBS],
 }
 

@@ -1,6 +1,6 @@
-//! The channels' noise from what the parity rows leave: free of any signal.
+//! The channels' noise from the residuals of the parity rows, which are free of any signal.
 //!
-//! The rows leave r = W^T C n of the block means' noise n, so that their covariance is
+//! The noise n of the block means leaves residuals r = W^T C n in the rows, whose covariance is
 //!
 //! ```text
 //! Q = | v1+v5+v2+v4     v1            v5        |
@@ -8,8 +8,8 @@
 //!     |     v5          v9        v5+v9+v6+v8   |
 //! ```
 //!
-//! Six numbers tell v1, v5, v9 and the sum of each pair of twins. That sum is shared as the second differences of the twins'
-//! samples are, in which motion below a hundredth of the sample rate is a millionth: noise of like colour, of whatever size.
+//! Six numbers determine v1, v5, v9 and the sum of each ambiguous pair. The sum is divided in proportion to the second differences of
+//! the pair's samples, in which motion below a hundredth of the sample rate is a millionth; this assumes noise of like spectrum.
 
 use nalgebra::Matrix3;
 

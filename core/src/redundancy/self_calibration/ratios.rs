@@ -1,4 +1,4 @@
-//! What a recording says of the ratios of nine scale factors.
+//! The result of self-calibration: ratios of nine scale factors, their covariance, and tests of the model.
 
 use super::PerLimbs;
 use crate::error::{Result, require};
@@ -7,7 +7,7 @@ use crate::geometry::LIMBS;
 use crate::redundancy::parity::ROWS;
 use crate::significance::chi_square_tail;
 
-/// When ratios are taken to be told.
+/// When ratios count as observable.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
     /// Largest standard deviation of any combination of ln ratios (of unit length). The noise itself counts as excitation of

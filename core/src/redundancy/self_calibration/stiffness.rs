@@ -65,7 +65,7 @@ impl StiffnessTest {
         self.chi_square <= self.limit
     }
 
-    /// Probability of as large a sum of squares for equally stiff limbs; 0 for one that is no number.
+    /// Probability of as large a sum of squares for equally stiff limbs; 0 for NaN.
     #[must_use]
     pub fn chance(&self) -> f64 {
         chi_square_tail(self.chi_square, RATIOS).unwrap_or(0.0)

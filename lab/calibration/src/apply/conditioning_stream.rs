@@ -12,7 +12,7 @@ use super::Row;
 use crate::conditioning::Stage;
 use crate::conditioning::high_pass::UndoneHighPass;
 
-/// Longest lag or lead, samples: more is no converter's.
+/// Longest lag or lead, samples; a converter's channels are a few samples apart at most.
 const LONGEST_LAG: f64 = 10_000.0;
 
 /// Order of the low-pass, as a session's default.

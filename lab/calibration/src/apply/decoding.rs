@@ -93,14 +93,14 @@ impl Decoding {
         }
     }
 
-    /// Says how well each sample is known, too, in [`DEVIATIONS`].
+    /// Writes each sample's standard deviations, too, into [`DEVIATIONS`].
     #[must_use]
     pub fn with_uncertainty(mut self, uncertainty: SampleUncertainty) -> Self {
         self.uncertainty = Some(Box::new((uncertainty, [0.0; LIMBS])));
         self
     }
 
-    /// Watches the channels, too, and says what it does without in [`FLAGS`].
+    /// Runs the fault monitor, too, and writes excluded and suspected limbs into [`FLAGS`].
     #[must_use]
     pub fn with_watching(mut self, watching: Watching) -> Self {
         self.watching = Some(watching);
@@ -115,7 +115,7 @@ impl Decoding {
             .unwrap_or_default()
     }
 
-    /// Tells the stamps of the next samples, which may be known before these are ready to be decoded.
+    /// Queues the stamps of the next samples, which may be known before these are ready to be decoded.
     pub fn stamps(&mut self, times_s: &[f64]) {
         self.times_s.extend(times_s);
     }

@@ -1,17 +1,17 @@
-//! Decoupling that watches its channels: `sixaxis decouple --watch`.
+//! Decoupling with the fault monitor: `sixaxis decouple --watch`.
 
 use crate::calibration::Calibration;
 use anyhow::{Context, Result, ensure};
 use sixaxis_core::limb_set::LimbSet;
 use sixaxis_core::redundancy::fault::{Event, Watch};
-use sixaxis_core::redundancy::tolerant::{FaultTolerant, Watched};
+use sixaxis_core::redundancy::tolerant::{FaultTolerant, ROWS_KEPT, Watched};
 use sixaxis_core::{LIMBS, Settings, SixAxis};
 use sixaxis_recordings::Channel;
 
 use super::Row;
 use super::setup::Setup;
 
-/// Columns that say which limbs an answer does without and which it should: limb numbers as digits, 0 for none.
+/// Columns of the excluded and of the suspected limbs: their numbers as digits of one number, 0 for none.
 pub const FLAGS: [(&str, &str); 2] = [("without_limbs", ""), ("suspected_limbs", "")];
 
 /// The channels of [`FLAGS`].
@@ -22,9 +22,9 @@ pub fn flags(sample_rate_hz: f64) -> impl Iterator<Item = Channel> {
     })
 }
 
-/// A watching decoder and what it has to say.
+/// A fault-tolerant decoder and its messages.
 pub struct Watching {
-    stream: Box<FaultTolerant>,
+    stream: FaultTolerant<Vec<[f64; LIMBS]>>,
     /// Its messages, each with its sample.
     pub messages: Vec<String>,
     samples: u64,
@@ -60,10 +60,16 @@ impl Watching {
                 deviation(LIMBS + i) / setup.parameters.scale_per_mass_per_kg[i].abs()
             }),
         };
-        let stream = FaultTolerant::new(&setup.sensor, &setup.parameters, settings, &watch)
-            .context("--watch")?;
+        let stream = FaultTolerant::new(
+            &setup.sensor,
+            &setup.parameters,
+            settings,
+            &watch,
+            vec![[0.0; LIMBS]; ROWS_KEPT],
+        )
+        .context("--watch")?;
         Ok(Self {
-            stream: Box::new(stream),
+            stream,
             messages: Vec::new(),
             samples: 0,
         })

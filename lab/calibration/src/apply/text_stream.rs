@@ -1,4 +1,4 @@
-//! Rows in, rows out: a row goes out as soon as its successor has come in.
+//! Rows of text to rows of accelerations: each sample is answered as soon as its successor has been read.
 
 use std::io::{self, BufRead, Write};
 
@@ -228,12 +228,12 @@ impl Places {
         self.limbs.each_ref().map(|limb| limb.name.clone())
     }
 
-    /// Channels of limbs that are done without are not looked at; where channels are watched, what is no number is a failure and
-    /// no error.
+    /// Voltages and time stamp of a line. Excluded limbs' cells are not parsed and read 0. With `watched`, a cell that is not a
+    /// finite number becomes NaN, which the fault monitor takes for a failure, instead of an error.
     fn read(
         &self,
         cells: &[&str],
-        without: LimbSet,
+        excluded: LimbSet,
         watched: bool,
     ) -> Result<(Row, Option<f64>), String> {
         if cells.len() != self.columns {
@@ -255,7 +255,7 @@ impl Places {
         };
         let mut row = [0.0; LIMBS];
         for (k, (value, limb)) in row.iter_mut().zip(&self.limbs).enumerate() {
-            if without.contains(k) {
+            if excluded.contains(k) {
                 continue;
             }
             *value = limb.size_si

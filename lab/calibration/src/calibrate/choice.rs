@@ -89,7 +89,7 @@ fn stiffness(parameters: &[ParameterReport]) -> Option<&ParameterReport> {
         .find(|p| p.parameter == Parameter::Stiffness)
 }
 
-/// A joint fit that was asked for and cannot be had: there is no calibration then.
+/// The finding for a joint fit that was asked for and refuses; no calibration is written then.
 pub(super) fn refused(cause: &str) -> Finding {
     Finding {
         cause: Cause::JointFitRefused,

@@ -7,7 +7,8 @@ use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::{InertiaPerMass, LIMBS, Parameters};
 
 use crate::conditioning::Conditioned;
-use crate::diagnosis::{TrialCase, timing};
+use crate::diagnosis::timing;
+use crate::diagnosis::trial_case::TrialCase;
 use crate::interval::LeftOut;
 use crate::report::TrialReport;
 use crate::response::ChannelResponse;

@@ -16,7 +16,7 @@ pub const FORMAT: &str = "sixaxis-comparison-1";
 /// Shares of all instants whose errors are given, beside the largest.
 pub const SHARES: [f64; 3] = [0.5, 0.9, 0.99];
 
-/// Peak over the largest of its three, below which an axis hardly moves: an error over its peak then says nothing.
+/// Peak over the largest of its three, below which an axis hardly moves and its relative error is left out.
 const HARDLY: f64 = 1e-3;
 
 /// A kind of quantity and the unit that the paper gives it in.

@@ -3,10 +3,10 @@
 use sixaxis_core::LIMBS;
 use sixaxis_core::identify::zero_drift::ZeroDrift;
 
-use super::TrialCase;
 use super::odd_trial;
 use super::structure::departure;
 use super::table::Table;
+use super::trial_case::TrialCase;
 use crate::finding::{Cause, Finding};
 use crate::response::Response;
 use crate::trial::Trial;
@@ -149,7 +149,7 @@ fn ends_n(case: &TrialCase<'_>, channel: usize) -> Option<(f64, f64)> {
     Some((before, after - before))
 }
 
-/// Change of a static channel along the line through its pieces' means, V, if it is no noise.
+/// Change of a static channel along the line through its pieces' means, V, if it exceeds the noise.
 fn course(rest: &Trial, channel: usize) -> Option<f64> {
     let per_piece = rest.voltage_v.len() / PIECES;
     if per_piece < 2 {

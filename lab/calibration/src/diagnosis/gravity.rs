@@ -6,7 +6,7 @@ use sixaxis_core::LIMBS;
 use sixaxis_core::geometry::DIRECTIONS_SHELL;
 
 use super::table::Table;
-use super::{TrialCase, angles, names};
+use super::trial_case::{TrialCase, angles, names};
 use crate::finding::{Cause, Finding};
 use crate::steps::rows;
 use sixaxis_recordings::session::Role;
@@ -49,8 +49,8 @@ pub fn examine(table: &Table, cases: &mut [TrialCase<'_>], findings: &mut Vec<Fi
     }
 }
 
-/// The part of gravity square to the axis, m/s^2, that one trial's net force shows; zero if it shows none. None if the trial
-/// says nothing.
+/// Gravity square to the axis, m/s^2, as one trial's net force shows it; zero if it shows none. None where the trial does
+/// not determine it.
 fn weight(table: &Table, case: &TrialCase<'_>) -> Option<DVec3> {
     if table.silent.contains(&true) {
         return None;

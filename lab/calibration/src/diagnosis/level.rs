@@ -8,7 +8,7 @@ use core::f64::consts::TAU;
 use sixaxis_core::LIMBS;
 
 use super::table::{Table, weighted_median};
-use super::{Facts, TrialCase};
+use super::trial_case::{Facts, TrialCase};
 use crate::finding::{Cause, Finding};
 use sixaxis_recordings::session::Role;
 

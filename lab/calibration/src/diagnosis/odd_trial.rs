@@ -4,10 +4,10 @@ use glam::DVec3;
 use nalgebra::{Matrix3, Vector3};
 use sixaxis_core::LIMBS;
 
-use super::TrialCase;
 use super::level::{cause_of, is_thousand};
 use super::structure::departure;
 use super::table::Table;
+use super::trial_case::TrialCase;
 use crate::finding::{Cause, Finding};
 use crate::response::Response;
 
@@ -116,7 +116,7 @@ struct Odd<'a> {
 enum OtherDirection {
     /// Another direction explains nothing.
     None,
-    /// It explains the departure and is as near as a wedge's play allows: no news.
+    /// It explains the departure and lies within a wedge's play: not reported.
     WithinPlay,
     /// It explains it and is another wedge's.
     Loose(Explanation),
@@ -367,7 +367,7 @@ fn unexplained_in_time(
             .sum::<f64>()
             .sqrt()
     };
-    // Weight was taken off by an angle that is as good as the gyroscope; what is left of it is no news.
+    // Weight was taken off by an angle that is as good as the gyroscope; what is left of it is expected.
     let known = table.weight_left_m_s2(case, response) / RESIDUAL;
     let share = over(|c| c.residual_n) / (over(|c| c.signal_n) + known);
     (share > RESIDUAL).then(|| Explanation {

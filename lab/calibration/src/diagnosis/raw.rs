@@ -2,7 +2,7 @@
 
 use sixaxis_core::LIMBS;
 
-use super::TrialCase;
+use super::trial_case::TrialCase;
 use crate::finding::{Cause, Finding};
 use crate::trial::Trial;
 use sixaxis_recordings::session::Role;
@@ -14,7 +14,7 @@ const FLAT_TOP: usize = 4;
 const BEYOND: f64 = 1.2;
 /// Converter steps by which a top that was merely rounded has fallen as far out again as it is wide, with room for noise.
 const ROUNDED_TOP: f64 = 12.0;
-/// A flat top is no news in a channel that spans no more than so many converter steps.
+/// A flat top is expected of a channel that spans no more than so many converter steps.
 const STEPS_SPANNED: f64 = 64.0;
 
 /// Clipped and constant channels.

@@ -5,7 +5,7 @@ use sixaxis_core::LIMBS;
 use sixaxis_core::dsp::spectrum::noise_floor;
 
 use super::table::{Table, norm, usable, weighted_median};
-use super::{Facts, TrialCase};
+use super::trial_case::{Facts, TrialCase};
 use crate::finding::{Cause, Finding};
 use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
 use sixaxis_recordings::session::Role;
@@ -89,7 +89,7 @@ pub fn excitation(cases: &[TrialCase<'_>], findings: &mut Vec<Finding>) {
     }
 }
 
-/// Channels that say nothing in any trial, or nothing in some.
+/// Channels that show no signal in any trial, or none in some.
 pub fn silent(
     shares: &StaticLoadSharing,
     facts: &Facts<'_>,

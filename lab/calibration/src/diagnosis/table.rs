@@ -5,7 +5,7 @@ use glam::{DMat3, DVec3};
 use nalgebra::{DMatrix, DVector};
 use sixaxis_core::LIMBS;
 
-use super::TrialCase;
+use super::trial_case::TrialCase;
 use crate::response::Response;
 use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
 use sixaxis_recordings::session::Role;
@@ -265,7 +265,7 @@ impl Table {
     }
 }
 
-/// Trials that can still be argued with.
+/// Trials with a response that no earlier finding explains.
 pub fn usable<'s, 'a>(
     cases: &'s [TrialCase<'a>],
 ) -> impl Iterator<Item = (&'s TrialCase<'a>, &'s Response)> {

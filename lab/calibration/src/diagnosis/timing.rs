@@ -2,7 +2,7 @@
 
 use core::f64::consts::TAU;
 
-use super::{Facts, TrialCase, names};
+use super::trial_case::{Facts, TrialCase, names};
 use crate::finding::{Cause, Finding};
 use crate::response::Response;
 use sixaxis_recordings::session::Role;

@@ -47,7 +47,7 @@ impl Misfit {
         1.0 + CONTRADICTION * (2.0 / self.degrees_of_freedom.max(1) as f64).sqrt()
     }
 
-    /// Whether the channels contradict equal stiffness or white noise. What is no number does.
+    /// True if the residuals reject equal stiffness or white noise, or if the statistic is NaN.
     #[must_use]
     pub fn contradicts(&self) -> bool {
         self.per_degree.is_nan() || self.per_degree > self.limit()

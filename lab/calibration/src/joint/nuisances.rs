@@ -12,7 +12,7 @@ use super::JointReport;
 pub struct Found {
     /// Best guess.
     pub value: f64,
-    /// Standard deviation; what the certificate said of it is part of what is known.
+    /// Standard deviation, in which the certificate's prior is included.
     pub deviation: f64,
 }
 
@@ -33,7 +33,7 @@ pub struct WedgeFound {
     /// Unit vector that it sets.
     pub direction: [f64; 3],
     /// Angles by which it misses its direction, two, and about it, degrees; none where the session says that wedges are right.
-    /// The third is told by gravity that turns, and keeps the workshop's deviation without.
+    /// The third is observable only where gravity turns in the sensor; elsewhere it keeps its prior deviation.
     pub angles_deg: Option<[Found; ANGLES]>,
 }
 

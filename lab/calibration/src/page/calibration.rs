@@ -22,9 +22,6 @@ pub use findings::{place, split};
 use sixaxis_page::number::scientific;
 use sixaxis_page::{Page, State, Tile};
 
-/// Palette index of the neutral grey, for standards and what stood before.
-const NEUTRAL: usize = 6;
-
 /// Lays out a judged session.
 ///
 /// Nothing is measured here but what a picture needs: the preprocessing of one trial is repeated stage by stage. Sizes of
@@ -58,7 +55,7 @@ pub fn page(file: &SessionFile, calibrated: &CalibratedSession) -> Page {
     }
 }
 
-/// Nothing is green on the page of a calibration that is not good: a bar that is met there proves nothing.
+/// Nothing is green on the page of a calibration that is not good: an acceptance limit that is met there proves nothing.
 fn state(calibrated: &CalibratedSession, met: bool) -> State {
     match (met, calibrated.grade) {
         (true, Grade::Bad) => State::Neutral,
@@ -67,7 +64,7 @@ fn state(calibrated: &CalibratedSession, met: bool) -> State {
     }
 }
 
-/// A share held against its bar, with where it was found.
+/// A share held against its acceptance limit, with where it was found.
 fn share_tile(
     calibrated: &CalibratedSession,
     label: &str,
@@ -79,7 +76,7 @@ fn share_tile(
         Some((share, place)) => Tile::new(
             label,
             labels::share(Some(share)),
-            format!("{place}; the bar: {}", labels::bar(limit)),
+            format!("{place}; acceptance limit: {}", labels::stated(limit)),
             // Written so that NaN is no pass.
             state(calibrated, share <= limit),
         ),
@@ -91,7 +88,7 @@ fn tiles(limits: &Limits, calibrated: &CalibratedSession) -> Vec<Tile> {
     let (word, note, verdict) = match calibrated.grade {
         Grade::Good => (
             "Good",
-            "the bar: nothing found wrong, nothing missing".to_owned(),
+            "acceptance: nothing found wrong, nothing missing".to_owned(),
             State::Good,
         ),
         Grade::Reserved => (

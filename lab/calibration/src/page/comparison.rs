@@ -1,12 +1,11 @@
 //! Decoupled motions as a page: by themselves, or beside the truth.
 
+use super::labels::NEUTRAL;
 use crate::compare::measure::{Axis as Measured, Comparison, Quantity};
 use sixaxis_page::number::{MISSING, count, significant};
 use sixaxis_page::{Axis, Block, Cell, Figure, Page, Panel, Section, Series, State, Table, Tile};
 use sixaxis_recordings::envelope::Envelope;
 
-/// Palette index of the neutral grey, for the truth.
-const NEUTRAL: usize = 6;
 /// Palette indices of the result and of its error.
 const RESULT: usize = 0;
 const ERROR: usize = 3;

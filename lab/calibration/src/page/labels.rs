@@ -6,6 +6,9 @@ use sixaxis_recordings::session::Role;
 use sixaxis_core::identify::Verdict;
 use sixaxis_page::number::{MISSING, fixed, percent};
 
+/// Palette index of the neutral grey, for standards, truths and what stood before a stage.
+pub const NEUTRAL: usize = 6;
+
 /// `3 things`, `1 thing`.
 pub fn count(n: usize, one: &str, many: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { many })
@@ -74,8 +77,8 @@ pub fn share(share: Option<f64>) -> String {
     }
 }
 
-/// A bar as the session states it, without digits that it has not.
-pub fn bar(limit: f64) -> String {
+/// An acceptance limit as the session states it, without digits that it has not.
+pub fn stated(limit: f64) -> String {
     let percent = 1e6 * 100.0 * limit;
     format!("{}\u{a0}%", percent.round() / 1e6)
 }
@@ -90,7 +93,7 @@ pub fn with_interval(estimate: f64, half_width: f64) -> (String, String) {
     (fixed(estimate, decimals), fixed(half_width, decimals))
 }
 
-/// The largest of some values with what it belongs to; what is no number is larger than any.
+/// The largest of some values with what it belongs to; NaN counts as larger than any number.
 pub fn largest<T>(values: impl Iterator<Item = (f64, T)>) -> Option<(f64, T)> {
     values.max_by(|a, b| {
         let key = |x: f64| if x.is_nan() { f64::INFINITY } else { x };
@@ -98,7 +101,7 @@ pub fn largest<T>(values: impl Iterator<Item = (f64, T)>) -> Option<(f64, T)> {
     })
 }
 
-/// A verdict in words.
+/// Whether a step determines its unknowns, and why not.
 pub fn verdict(verdict: &Verdict) -> String {
     use sixaxis_core::identify::Reason;
     match verdict {

@@ -231,7 +231,7 @@ impl Sensitivities<'_> {
         Ok(own)
     }
 
-    /// None if step 4 tells nothing.
+    /// None where step 4 does not determine the compliance.
     pub(super) fn fast_linear(
         &self,
         trial: &Trial,

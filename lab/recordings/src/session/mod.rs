@@ -29,6 +29,7 @@ mod standards;
 pub use channels::Channels;
 pub use entry::{Entry, Role};
 pub use file::SessionFile;
+pub use place::{line_at, line_of};
 pub use preprocessing::{Detrend, DifferentiatorSettings, LowPass, Outliers, Preprocessing, Stage};
 pub use schema::{Limits, Session, schema};
 pub use sensor::{Design, LIMBS, PerLimb, SensorCard};

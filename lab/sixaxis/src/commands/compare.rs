@@ -34,7 +34,7 @@ their `time` column, or else by their start and rate. One rate must be a whole m
 
 Example:
   sixaxis simulate --out day && sixaxis calibrate day/session.toml
-  sixaxis decouple calibration.json day/compound-03.npz --session day/session.toml --low-pass 30 --close --out run.csv
+  sixaxis decouple calibration.json day/compound-03.npz --session day/session.toml --low-pass 30 --rest-to-rest --out run.csv
   sixaxis compare run.csv day/truth/compound-03.npz";
 
 /// Compares, prints the table, writes the page.

@@ -11,8 +11,8 @@ use sixaxis_page::render;
 use sixaxis_page::standalone::standalone;
 use sixaxis_props::{evidence, motions, tolerance};
 use sixaxis_recordings::draft::write_atomically;
-use sixaxis_reports::pages;
 use sixaxis_reports::progress::Progress;
+use sixaxis_reports::sections;
 use sixaxis_reports::study::{self, plan::Plan, results::Results};
 
 /// What to play and where to write.
@@ -121,16 +121,17 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let section = match evidence::read_folder(&folder) {
         Ok(suites) => {
             rows.extend(suites);
-            pages::evidence::section(&rows)
+            sections::evidence::section(&rows, None)
         }
-        Err(e) => pages::evidence::unreadable(&rows, &e),
-    };
-    let page = pages::report(&results, section, run.facts());
+        Err(e) => sections::evidence::section(&rows, Some(&e)),
+    }?;
+    let page = sections::report(&results, section, run.facts())?;
     let html = out.join("report.html");
+
     let mut files = vec![
         (
             out.join("results.json"),
-            serde_json::to_vec_pretty(&Document::new(&results))?,
+            serde_json::to_vec_pretty(&Document::new(&results)?)?,
         ),
         (out.join("run.json"), serde_json::to_vec_pretty(&run)?),
         (html.clone(), render(&page)?.into_bytes()),
@@ -163,17 +164,20 @@ struct Document<'a> {
 }
 
 impl<'a> Document<'a> {
-    fn new(results: &'a Results) -> Self {
-        Self {
+    fn new(results: &'a Results) -> Result<Self> {
+        Ok(Self {
             results,
-            claims: pages::claims(results),
-        }
+            claims: sections::claims(results)?,
+        })
     }
 }
 
 fn print_summary(results: &Results) {
-    println!("{:<52} {:>12} {:>10}", "bar", "measured", "limit");
-    for bar in &results.bars {
+    println!(
+        "{:<52} {:>12} {:>10}",
+        "acceptance limit", "measured", "limit"
+    );
+    for bar in &results.acceptance {
         println!(
             "{:<52} {:>12.2e} {:>10.1e} {:<2} {}",
             bar.name,

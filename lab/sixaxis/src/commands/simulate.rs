@@ -8,6 +8,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde::de::DeserializeOwned;
 use serde::de::value::{Error as ValueError, StrDeserializer};
 use sixaxis_core::LIMBS;
+use sixaxis_recordings::session::line_of;
 use sixaxis_reference::laboratory::check::check;
 use sixaxis_reference::laboratory::defect::Kind;
 use sixaxis_reference::laboratory::error::SessionError;
@@ -230,7 +231,7 @@ fn located(path: &Path, error: SessionError) -> anyhow::Error {
     // `defect.exactly: factor` stands in the table `defect.exactly`.
     let line = std::fs::read_to_string(path)
         .ok()
-        .and_then(|text| plan_file::line_of(&text, key.split(':').next().unwrap_or(key)))
+        .and_then(|text| line_of(&text, key.split(':').next().unwrap_or(key)))
         .map(|line| format!(", line {line}"))
         .unwrap_or_default();
     anyhow!("{}{line}: {key}: {cause}", path.display())

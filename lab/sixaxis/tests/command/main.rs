@@ -1,5 +1,6 @@
 //! `sixaxis` as people and scripts meet it: the program itself, files and arguments in; files, words and exit codes out.
 
+mod architecture;
 mod calibrate;
 mod calibrate_joint;
 mod campaign;

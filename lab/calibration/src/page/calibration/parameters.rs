@@ -4,7 +4,7 @@ use crate::calibrate::CalibratedSession;
 use crate::report::ParameterReport;
 use sixaxis_recordings::session::SessionFile;
 
-use crate::page::labels::{bar, share, symbol, with_interval};
+use crate::page::labels::{share, stated, symbol, with_interval};
 use sixaxis_core::Parameter;
 use sixaxis_page::number::{MISSING, fixed, scientific};
 use sixaxis_page::{Axis, Block, Cell, Figure, Mark, Section, Series, State, Table};
@@ -83,7 +83,7 @@ fn table(parameters: &[ParameterReport], limit: f64) -> Table {
         .footnote(format!(
             "± relative above {} is marked. Differences of scale factors and moments of inertia (I₁ to I₃) are relative to the \
              design; those of the products of inertia (I₄ to I₆), which may be zero, are in mm². Point at a number for all its digits.",
-            bar(limit)
+            stated(limit)
         ))
         .into()
 }
@@ -176,13 +176,13 @@ fn scaled(parameters: &[ParameterReport]) -> Vec<(&ParameterReport, f64)> {
 
 fn differences(parameters: &[ParameterReport]) -> Figure {
     let scaled = scaled(parameters);
-    let mut bars = Vec::new();
+    let mut intervals = Vec::new();
     let mut points = Vec::new();
     for (row, (p, size)) in scaled.iter().enumerate() {
         let (y, middle) = (row as f64, 100.0 * (p.estimate - p.design) / size);
         let half = 100.0 * p.half_width_95.unwrap_or(0.0) / size;
         points.push((middle, y));
-        bars.extend([(middle - half, y), (middle + half, y), (f64::NAN, y)]);
+        intervals.extend([(middle - half, y), (middle + half, y), (f64::NAN, y)]);
     }
     Figure::new(
         "difference-from-design",
@@ -190,7 +190,7 @@ fn differences(parameters: &[ParameterReport]) -> Figure {
         Axis::linear("difference from the design", "%"),
         Axis::names("parameter", scaled.iter().map(|(p, _)| symbol(p.parameter))),
     )
-    .series(Series::line("95 % interval", 0, bars))
+    .series(Series::line("95 % interval", 0, intervals))
     .series(Series::points("estimate", 0, points))
     .mark(Mark::vertical(0.0, "design"))
     .caption("Products of inertia ($I$₄ to $I$₆) relative to the largest moment. A sensor differs from its design by tens of percent; an interval that is wide beside the others is what to work on.")
@@ -222,6 +222,6 @@ fn limits(parameters: &[ParameterReport], limit: f64) -> Figure {
         2,
         series(|p| p.from_standards),
     ))
-    .mark(Mark::vertical(100.0 * limit, "the bar"))
+    .mark(Mark::vertical(100.0 * limit, "acceptance limit"))
     .caption("Over the design, products of inertia over the largest moment. More trials help against noise and differences between trials; against the standards' class only better standards do.")
 }

@@ -8,13 +8,10 @@ use sixaxis_core::LIMBS;
 use sixaxis_core::dsp::differentiate::Differentiator;
 use sixaxis_recordings::session::{Role, SessionFile};
 
-use super::NEUTRAL;
+use crate::page::labels::NEUTRAL;
 use crate::page::labels::{file_name, largest};
 use sixaxis_page::number::{count, fixed, percent, significant};
 use sixaxis_page::{Axis, Block, Figure, Panel, Section, Series, Table};
-
-/// Curves are drawn with at most so many points; the drawing keeps what peaks are among them.
-const DRAWN: usize = 8000;
 
 /// The section.
 pub fn section(file: &SessionFile, calibrated: &CalibratedSession) -> Section {
@@ -171,10 +168,8 @@ fn figure(
     before: &[f64],
     after: &[f64],
 ) -> Figure {
-    let stride = after.len().div_ceil(DRAWN).max(1);
     let curve = |get: &dyn Fn(usize) -> f64| -> Vec<(f64, f64)> {
         (0..after.len().min(before.len()))
-            .step_by(stride)
             .map(|i| (i as f64 / sample_rate_hz, get(i)))
             .collect()
     };

@@ -1,4 +1,4 @@
-//! What the steps say of themselves: conditioning of steps 2 and 3, the curve of step 4.
+//! Condition numbers and residuals of steps 2 and 3, and the curve of step 4.
 
 use crate::calibrate::CalibratedSession;
 use crate::steps::FourSteps;
@@ -40,7 +40,7 @@ pub fn section(calibrated: &CalibratedSession) -> Section {
     }
 }
 
-/// What the table tells of a step.
+/// One step's row.
 struct Told {
     name: &'static str,
     role: Role,

@@ -6,7 +6,7 @@ use crate::grade::COORDINATION_LIMIT;
 use crate::report::TrialReport;
 use sixaxis_recordings::session::{Limits, Role, SessionFile};
 
-use crate::page::labels::{self, bar, direction, file_name, largest, share, unbroken};
+use crate::page::labels::{self, direction, file_name, largest, share, stated, unbroken};
 use sixaxis_page::number::{MISSING, fixed, percent, significant};
 use sixaxis_page::{Axis, Block, Cell, Figure, Mark, Section, Series, State, Table};
 
@@ -25,7 +25,7 @@ pub fn section(file: &SessionFile, calibrated: &CalibratedSession) -> Section {
     let section = Section::new(
         "trials",
         "The trials",
-        "How well each trial agrees with the others and with the mathematics. A number that is beyond its bar is marked.",
+        "How well each trial agrees with the others and with the mathematics. A number that is beyond its acceptance limit is marked.",
     );
     if calibrated.trials.is_empty() {
         return section;
@@ -137,10 +137,10 @@ fn table(file: &SessionFile, calibrated: &CalibratedSession) -> Table {
         .footnote(format!(
             "Acceptance limits: departure {}, hold-out {}, coordination {}, validation {}. Range used is the largest voltage over the \
              converter's limit; a small share wastes resolution. Directions are those of travel and axis in the sensor's axes at rest.",
-            bar(odd_trial::NOTICED),
-            bar(limits.hold_out_percent / 100.0),
-            bar(COORDINATION_LIMIT),
-            bar(limits.validation_percent / 100.0),
+            stated(odd_trial::NOTICED),
+            stated(limits.hold_out_percent / 100.0),
+            stated(COORDINATION_LIMIT),
+            stated(limits.validation_percent / 100.0),
         ))
         .into()
 }
@@ -183,7 +183,7 @@ fn figure(limits: &Limits, calibrated: &CalibratedSession) -> Figure {
         series(&|t| largest(t.validation?.into_iter().map(|e| (e, ()))).map(|(e, ())| e)),
     ))
     .mark(Mark::vertical(100.0 * odd_trial::NOTICED, "departure noticed"))
-    .mark(Mark::vertical(limits.hold_out_percent, "hold-out bar"))
-    .mark(Mark::vertical(limits.validation_percent, "validation bar"))
+    .mark(Mark::vertical(limits.hold_out_percent, "hold-out limit"))
+    .mark(Mark::vertical(limits.validation_percent, "validation limit"))
     .caption("A trial that stands apart to the right does not fit in with the others. Its neighbours usually suffer with it: a fit that contains a bad trial predicts the good ones worse.")
 }

@@ -4,17 +4,14 @@ use crate::calibrate::CalibratedSession;
 use crate::report::ValidationRun;
 use sixaxis_recordings::session::SessionFile;
 
-use super::NEUTRAL;
-use crate::page::labels::{self, bar, file_name};
+use crate::page::labels::NEUTRAL;
+use crate::page::labels::{self, file_name, stated};
 use sixaxis_page::number::{MISSING, significant};
 use sixaxis_page::{Axis, Block, Cell, Figure, Panel, Section, Series, State, Table};
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 /// Palette indices of x, y and z.
 const COLOURS: [usize; 3] = [0, 1, 2];
-
-/// Points that a curve is drawn with at most. The drawing keeps peaks; this keeps the page small.
-const DRAWN: usize = 4000;
 
 /// The section.
 pub fn section(file: &SessionFile, calibrated: &CalibratedSession) -> Section {
@@ -73,10 +70,8 @@ fn figure(
     title: &str,
     unit: &str,
 ) -> Figure {
-    let stride = comparison.decoupled.len().div_ceil(DRAWN).max(1);
     let curve = |get: &dyn Fn(usize) -> f64| -> Vec<(f64, f64)> {
         (0..comparison.decoupled.len())
-            .step_by(stride)
             .map(|i| {
                 let time_s = (comparison.first + i) as f64 / comparison.sample_rate_hz;
                 (time_s, get(i))
@@ -123,7 +118,7 @@ fn figure(
     })
 }
 
-/// What the table tells of one axis of a run.
+/// Figures of one axis of a run.
 struct Errors {
     axis: usize,
     peak: f64,
@@ -169,7 +164,7 @@ fn table(file: &SessionFile, calibrated: &CalibratedSession) -> Table {
         .caption("Errors of the decoupled accelerations")
         .footnote(format!(
             "Over the run's peak on that axis, or over a tenth of the largest peak where an axis has less. The acceptance limit is {}.",
-            bar(limit)
+            stated(limit)
         ))
         .into()
 }

@@ -25,7 +25,7 @@ fn ref_a_compound_run_comes_out_as_it_was() {
         calibration(),
         text(&recording).to_owned(),
     ];
-    for argument in ["--close", "--low-pass", "60", "--out", text(&out)] {
+    for argument in ["--rest-to-rest", "--low-pass", "60", "--out", text(&out)] {
         arguments.push(argument.to_owned());
     }
     let plain: Vec<&str> = arguments.iter().map(String::as_str).collect();

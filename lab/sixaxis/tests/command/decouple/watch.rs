@@ -90,9 +90,13 @@ fn ref_a_limb_that_dies_is_named_and_done_without() {
 
 #[test]
 fn prop_watch_is_refused_where_it_has_no_meaning() {
-    let refused = run(&["decouple", "a.json", "b.csv", "--watch", "--close"]);
+    let refused = run(&["decouple", "a.json", "b.csv", "--watch", "--rest-to-rest"]);
     assert!(!refused.status.success());
-    assert!(stderr(&refused).contains("--close"), "{}", stderr(&refused));
+    assert!(
+        stderr(&refused).contains("--rest-to-rest"),
+        "{}",
+        stderr(&refused)
+    );
     let alone = run(&[
         "decouple",
         "a.json",

@@ -1,0 +1,80 @@
+//! The likelihood of a failure of each class of limbs, given the whitened rows of a stretch.
+//!
+//! A failure of class c of whatever course e_t leaves z_t = l_c d_c e_t + noise, d_c the unit vector of [`RowNoise::direction`].
+//! Its course is split into constant, ramp and the rest over the stretch at hand, each a coefficient or coefficients of unknown
+//! variance; maximised over that variance, n coefficients of energy P along d_c give the class
+//!
+//! ```text
+//! n/2 (P/n - 1 - ln(P/n))    if P > n, else 0,
+//! ```
+//!
+//! the logarithm of a likelihood ratio against no failure. A constant failure far below a sample's noise is thus recognised by its
+//! mean. Differences of these logarithms are ln of odds.
+
+use super::class::CLASSES;
+use super::moments::Moments;
+use super::noise::{RowNoise, dot};
+use crate::float::ln;
+
+/// ln of the likelihood ratio of each class against no failure, over one stretch.
+#[must_use]
+pub fn likelihood(noise: &RowNoise, rows: &Moments) -> [f64; CLASSES] {
+    let n = rows.samples() as f64;
+    if n == 0.0 {
+        return [0.0; CLASSES];
+    }
+    let [mean, slope] = rows.mean_and_slope();
+    core::array::from_fn(|class| {
+        let direction = noise.direction(class);
+        let constant = dot(direction, &mean);
+        let ramp = dot(direction, &slope);
+        let (constant, ramp) = (constant * constant, ramp * ramp);
+        let rest = rows.energy_along(direction) - constant - ramp;
+        gain(constant, 1.0) + gain(ramp, (n - 1.0).min(1.0)) + gain(rest, (n - 2.0).max(0.0))
+    })
+}
+
+/// The maximum over the variance, at least that of noise, of the likelihood of n coefficients of energy `p`.
+pub(super) fn gain(p: f64, n: f64) -> f64 {
+    if n > 0.0 && p > n {
+        0.5 * (p - n - n * ln(p / n))
+    } else {
+        0.0
+    }
+}
+
+/// The best of some candidates and how far it leads the next.
+#[must_use]
+pub fn lead(scores: &[f64]) -> (usize, f64) {
+    let (mut best, mut first, mut second) = (0, f64::NEG_INFINITY, f64::NEG_INFINITY);
+    for (place, &score) in scores.iter().enumerate() {
+        if score > first {
+            (best, second, first) = (place, first, score);
+        } else if score > second {
+            second = score;
+        }
+    }
+    (best, first - second)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::LIMBS;
+
+    #[test]
+    fn a_constant_failure_below_noise_is_found_by_its_mean() {
+        let noise = RowNoise::from_channels(&[1.0; LIMBS]).expect("noise");
+        for class in 0..CLASSES {
+            let mut rows = Moments::default();
+            for sample in 0..400 {
+                // Half a unit along the class, and as much to and fro across all three rows.
+                let to_and_fro = if sample % 2 == 0 { 0.5 } else { -0.5 };
+                rows.push(&noise.direction(class).map(|d| 0.5 * d + to_and_fro));
+            }
+            let (best, margin) = lead(&likelihood(&noise, &rows));
+            assert_eq!(best, class);
+            assert!(margin > 5.0, "{class}: {margin}");
+        }
+    }
+}

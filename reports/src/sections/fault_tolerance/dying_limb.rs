@@ -1,0 +1,60 @@
+//! A limb that dies in mid-motion, as MuJoCo's truth sees it.
+
+use sixaxis_page::figure::{NEUTRAL, paired};
+use sixaxis_page::{Axis, Figure, Mark, Series, Text};
+use sixaxis_props::results::DyingLimb;
+
+/// Values and figures.
+pub fn fill(text: Text, d: &DyingLimb) -> Text {
+    let milliseconds = |samples: u64| 1e3 * samples as f64 / d.sample_rate_hz;
+    text.value("dying", d)
+        .value("isolated_ms", milliseconds(d.isolated_after_samples))
+        .value("switched_ms", milliseconds(d.switched_after_samples))
+        .figure(statistic(d))
+        .figure(acceleration(d))
+        .figure(attitude(d))
+}
+
+fn over_time(d: &DyingLimb, id: &str, y: Axis) -> Figure {
+    let died = Mark::vertical(d.died_at_s, format!("limb {} dies", d.limb));
+    Figure::new(id, "", Axis::linear("time", "s"), y).mark(died)
+}
+
+fn statistic(d: &DyingLimb) -> Figure {
+    let y = Axis::log("largest squared whitened residual", "");
+    over_time(d, "dying-limb-statistic", y)
+        .series(Series::line("", 0, paired(&d.time_s, &d.statistic)))
+        .mark(Mark::horizontal(d.threshold, "threshold of one sample"))
+}
+
+/// The same three curves of an acceleration and of an attitude.
+fn compared(
+    figure: Figure,
+    time_s: &[f64],
+    nine: &[f64],
+    watched: &[f64],
+    truth: (&str, &[f64]),
+) -> Figure {
+    figure
+        .series(Series::line("all nine", 3, paired(time_s, nine)))
+        .series(Series::line(
+            "the limb excluded",
+            0,
+            paired(time_s, watched),
+        ))
+        .series(Series::dashed(truth.0, NEUTRAL, paired(time_s, truth.1)))
+}
+
+fn acceleration(d: &DyingLimb) -> Figure {
+    let y = Axis::linear("acceleration", "m/s²");
+    let figure = over_time(d, "dying-limb-acceleration", y);
+    let truth = ("truth", &d.truth_m_s2[..]);
+    compared(figure, &d.time_s, &d.nine_m_s2, &d.watched_m_s2, truth)
+}
+
+fn attitude(d: &DyingLimb) -> Figure {
+    let y = Axis::log("rotation from the truth", "rad").range(1e-5, 10.0);
+    let figure = over_time(d, "dying-limb-attitude", y);
+    let never_failed = ("no failure", &d.never_failed_rad[..]);
+    compared(figure, &d.time_s, &d.nine_rad, &d.watched_rad, never_failed)
+}

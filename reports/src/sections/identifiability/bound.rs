@@ -1,0 +1,98 @@
+//! What any method could know of k/m: the Cramér-Rao bound over the frequency of the excitation.
+
+use sixaxis_page::figure::NEUTRAL;
+use sixaxis_page::number::{fixed, scientific, significant};
+use sixaxis_page::{Axis, Figure, Mark, Series, Table, Text};
+
+use crate::study::results::identifiability::{BandBound, BoundStudy};
+
+/// The paper's band, Hz.
+const PAPER_HZ: (f64, f64) = (4.0, 5.0);
+/// Lower end of a band over its upper end.
+const BAND: f64 = PAPER_HZ.0 / PAPER_HZ.1;
+/// Standard deviation that would be worth having.
+const WANTED: f64 = 0.01;
+/// Standard deviation of the noise of a sample over the peak of a sine 60 dB above it.
+const NOISE_60_DB: f64 = 1e-3 * core::f64::consts::FRAC_1_SQRT_2;
+/// Sample rate at which a number of samples is told as a time, Hz.
+const RATE_HZ: f64 = 10_000.0;
+
+/// Values, figure and table.
+pub fn fill(text: Text, study: &BoundStudy) -> Text {
+    let band = |to_hz: f64| {
+        let mut bands = study.bands.iter();
+        bands
+            .find(|band| band.to_hz == to_hz)
+            .map_or(f64::NAN, |b| b.three_directions)
+    };
+    text.value("bound", study)
+        .value("paper_band", band(PAPER_HZ.1))
+        .value("fast_band", band(500.0))
+        .value("quiet", NOISE_60_DB / study.noise_over_largest)
+        .figure(figure(study))
+        .table("bound", table(study))
+}
+
+fn figure(study: &BoundStudy) -> Figure {
+    let over = |bound: fn(&BandBound) -> f64| study.curve.iter().map(move |b| (b.to_hz, bound(b)));
+    Figure::new(
+        "bound-over-frequency",
+        "",
+        Axis::log("upper end of the band", "Hz"),
+        Axis::log("standard deviation of ln(k/m)", ""),
+    )
+    .series(Series::line(
+        "three directions",
+        0,
+        over(|b| b.three_directions),
+    ))
+    .series(Series::line(
+        "six directions",
+        2,
+        over(|b| b.six_directions),
+    ))
+    .series(Series::dashed(
+        "three directions, scale factors known",
+        3,
+        over(|b| b.scale_known),
+    ))
+    .series(Series::dashed(
+        "three directions, all but k/m known",
+        NEUTRAL,
+        over(|b| b.all_else_known),
+    ))
+    .mark(Mark::vertical(PAPER_HZ.1, "paper: 4–5 Hz"))
+    .mark(Mark::vertical(PAPER_HZ.0, ""))
+    .mark(Mark::horizontal(WANTED, "1 %"))
+    .mark(Mark::slope(20.0, 1.0, -2.0, 0.5, "−2"))
+}
+
+fn table(study: &BoundStudy) -> Table {
+    let small = |sd: f64| match sd {
+        0.0..1e-2 => scientific(sd, 2),
+        _ => significant(sd, 2),
+    };
+    Table::of("band", &study.bands, |b| {
+        format!("{} to {} Hz", BAND * b.to_hz, b.to_hz)
+    })
+    .col("three directions", |b| small(b.three_directions))
+    .col("six directions", |b| small(b.six_directions))
+    .col("scale factors known", |b| small(b.scale_known))
+    .col("all but k/m known", |b| small(b.all_else_known))
+    .col("three directions at 60 dB", |b| {
+        small(b.three_directions * NOISE_60_DB / study.noise_over_largest)
+    })
+    .col(("length of a trial for 1 %", "at 10 kHz"), |b| {
+        let samples = study.samples as f64 * (b.three_directions / WANTED).powi(2);
+        duration(samples / RATE_HZ)
+    })
+    .into()
+}
+
+fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s >= 86_400.0 => format!("{} days", fixed(s / 86_400.0, 1)),
+        s if s >= 0.1 => format!("{} s", significant(s, 2)),
+        _ => "< 0.1 s".to_owned(),
+    }
+}

@@ -1,0 +1,76 @@
+//! Whether the stated intervals hold what they say, and how near the joint fit comes to the bound.
+
+use sixaxis_calibration::page::labels::symbol;
+use sixaxis_campaign::statistics::{Estimator, ParameterSummary};
+use sixaxis_page::{Axis, Figure, Mark, Series, Text};
+
+use sixaxis_props::results::Campaign;
+
+/// What 95 % intervals are wanted to hold.
+pub const BAND: (f64, f64) = (0.94, 0.96);
+/// Standard deviations of a ratio of variances that are drawn as its scatter.
+const SCATTER: f64 = 2.0;
+
+/// Values and figures.
+pub fn fill(text: Text, campaign: &Campaign) -> Text {
+    let all = campaign.parameters.iter();
+    let fitted: Vec<&ParameterSummary> = all.filter(|p| p.joint.is_some()).collect();
+    let stiffness = campaign.parameters.last();
+    let stiffness = stiffness.and_then(|p| p.joint.as_ref());
+    let shares = fitted
+        .iter()
+        .filter_map(|p| p.joint.as_ref()?.within_stated_95);
+    let told = fitted.iter().filter_map(|p| p.joint_gain_known.as_ref());
+    let cases = told.map(|joint| joint.cases).min().unwrap_or(0);
+    // Variance of a mean of n squares of a normal variable.
+    let scatter = (2.0_f64 / cases.max(1) as f64).sqrt();
+    text.value("campaign", campaign)
+        .value("stiffness_fitted", stiffness.map_or(0, |joint| joint.cases))
+        .value(
+            "coverage_scatter",
+            shares.map(|share| share.standard_error).fold(0.0, f64::max),
+        )
+        .value("variance_scatter", scatter)
+        .value("variance_cases", cases)
+        .figure(coverage(&fitted))
+        .figure(variance(&fitted, SCATTER * scatter))
+}
+
+/// A row for each parameter.
+fn by_parameter(id: &str, x: Axis, fitted: &[&ParameterSummary]) -> Figure {
+    let names = fitted.iter().map(|p| symbol(p.parameter));
+    Figure::new(id, "", x, Axis::names("parameter", names))
+}
+
+fn coverage(fitted: &[&ParameterSummary]) -> Figure {
+    let points = |of: fn(&ParameterSummary) -> Option<&Estimator>| {
+        let shares = fitted.iter().enumerate();
+        shares.filter_map(move |(i, p)| Some((100.0 * of(p)?.within_stated_95?.value, i as f64)))
+    };
+    let x = Axis::linear("share of cases", "%");
+    by_parameter("coverage-by-parameter", x, fitted)
+        .series(Series::points("joint fit", 0, points(|p| p.joint.as_ref())))
+        .series(Series::points(
+            "four steps",
+            3,
+            points(|p| Some(&p.four_steps)),
+        ))
+        .mark(Mark::vertical(100.0 * BAND.0, "94"))
+        .mark(Mark::vertical(100.0 * BAND.1, "96"))
+}
+
+fn variance(fitted: &[&ParameterSummary], scatter: f64) -> Figure {
+    let ratio = |p: &ParameterSummary| p.joint_gain_known.as_ref()?.variance_over_stated;
+    let ratios = fitted.iter().enumerate();
+    let ratios = ratios.filter_map(|(i, p)| Some((ratio(p)?, i as f64)));
+    let x = Axis::linear("variance over bound", "");
+    by_parameter("variance-over-bound", x, fitted)
+        .series(Series::points(
+            "joint fit, told the accelerometer's gain",
+            0,
+            ratios,
+        ))
+        .mark(Mark::vertical(1.0 - scatter, "−2σ"))
+        .mark(Mark::vertical(1.0, ""))
+        .mark(Mark::vertical(1.0 + scatter, "+2σ"))
+}

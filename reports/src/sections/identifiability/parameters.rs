@@ -1,0 +1,200 @@
+//! Each of the 25: what both estimators say of it, what bounds them, and how often the intervals hold the truth.
+
+use serde::Serialize;
+use sixaxis_calibration::page::labels::{symbol, with_interval};
+use sixaxis_campaign::statistics::{ParameterSummary, Share};
+use sixaxis_core::Parameter;
+use sixaxis_page::number::{fixed, percent, significant};
+use sixaxis_page::{Cell, State, Table, Text};
+use sixaxis_props::results::Campaign;
+use sixaxis_reference::laboratory::instruments::{GAIN_SHARE, INSTRUMENT_CLASS};
+
+use super::coverage::BAND;
+use crate::study::results::identifiability::{Interval, Known, KnownParameter};
+
+/// Standard errors that a coverage may be outside its band by chance.
+const CHANCE: f64 = 2.0;
+
+/// Parameters that share a unit and a cause.
+struct Family {
+    letter: char,
+    heading: &'static str,
+    per_si: f64,
+    /// Decimals of the truth.
+    decimals: usize,
+}
+
+const FAMILIES: [Family; 4] = [
+    Family {
+        letter: 'd',
+        heading: "Zero drift, mV",
+        per_si: 1e3,
+        decimals: 1,
+    },
+    Family {
+        letter: 's',
+        heading: "Scale factor over mass, kg⁻¹",
+        per_si: 1.0,
+        decimals: 4,
+    },
+    Family {
+        letter: 'I',
+        heading: "Inertia over mass, mm²",
+        per_si: 1e6,
+        decimals: 4,
+    },
+    Family {
+        letter: 'm',
+        heading: "Mass over stiffness, 10⁻⁹ s²",
+        per_si: 1e9,
+        decimals: 1,
+    },
+];
+
+/// What a family of parameters is known to, by the middle one: 95 % half width, and one standard deviation of what the
+/// trials leave.
+#[derive(Serialize)]
+struct KnownTo {
+    joint: f64,
+    four_steps: f64,
+    joint_of_trials: f64,
+    four_steps_of_trials: f64,
+}
+
+impl KnownTo {
+    /// Over `scale` of each parameter among the wanted.
+    fn of(known: &Known, among: fn(Parameter) -> bool, scale: fn(&KnownParameter) -> f64) -> Self {
+        let median = |of: fn(&KnownParameter) -> f64| {
+            let all = known.parameters.iter();
+            let family = all.filter(|p| among(p.parameter));
+            let mut values: Vec<f64> = family.map(|p| of(p) / scale(p)).collect();
+            values.sort_by(f64::total_cmp);
+            values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+        };
+        Self {
+            joint: median(|p| half_width(&p.joint)),
+            four_steps: median(|p| half_width(&p.four_steps)),
+            joint_of_trials: median(|p| p.joint.of_trials),
+            four_steps_of_trials: median(|p| p.four_steps.of_trials),
+        }
+    }
+}
+
+/// m/k, 10⁻⁹ s²: ends of the intervals, and the truth.
+#[derive(Serialize)]
+struct Compliance {
+    joint: (f64, f64),
+    four_steps: (f64, f64),
+    truth: f64,
+}
+
+/// Values and table.
+pub fn fill(text: Text, known: &Known, campaign: &Campaign) -> Text {
+    let ends = |i: &Interval| (i.ends_95.0 * 1e9, i.ends_95.1 * 1e9);
+    let compliance = known.parameters.last().map(|p| Compliance {
+        joint: ends(&p.joint),
+        four_steps: ends(&p.four_steps),
+        truth: p.truth * 1e9,
+    });
+    let truth: fn(&KnownParameter) -> f64 = |p| p.truth.abs();
+    let products = KnownTo::of(known, |p| matches!(p, Parameter::Inertia(3..)), |_| 1e-6);
+    text.value("known", known)
+        .value("gain_limit", GAIN_SHARE * INSTRUMENT_CLASS)
+        .value(
+            "drift_mv",
+            KnownTo::of(known, |p| matches!(p, Parameter::Drift(_)), |_| 1e-3),
+        )
+        .value(
+            "scale",
+            KnownTo::of(known, |p| matches!(p, Parameter::Scale(_)), truth),
+        )
+        .value(
+            "moments",
+            KnownTo::of(known, |p| matches!(p, Parameter::Inertia(0..3)), truth),
+        )
+        .value("products_mm2", products)
+        .value("compliance", compliance)
+        .table("parameters", table(known, campaign))
+}
+
+fn table(known: &Known, campaign: &Campaign) -> Table {
+    let table = FAMILIES
+        .iter()
+        .fold(Table::grouped("parameter"), |table, family| {
+            let all = known.parameters.iter();
+            let rows = all.filter(|p| p.parameter.symbol() == family.letter);
+            table.group(family.heading, rows.map(|p| (p, family)), |(p, _)| {
+                symbol(p.parameter)
+            })
+        });
+    let digits = |p: &KnownParameter, si: f64| format!("{si} {}", p.unit);
+    let interval = |interval: &Interval, family: &Family| {
+        let half = half_width(interval);
+        with_interval(interval.estimate * family.per_si, half * family.per_si)
+    };
+    let estimate = |p: &KnownParameter, i: &Interval, family: &Family| {
+        Cell::from(interval(i, family).0).title(digits(p, i.estimate))
+    };
+    let width = |p: &KnownParameter, i: &Interval, family: &Family| {
+        Cell::from(interval(i, family).1).title(digits(p, half_width(i)))
+    };
+    let covered = |p: &KnownParameter, share: fn(&ParameterSummary) -> Option<Share>| {
+        let mut all = campaign.parameters.iter();
+        let found = all.find(|q| q.parameter == p.parameter).and_then(share);
+        Cell::or_dash(found.map(coverage))
+    };
+    table
+        .col("truth", |(p, family)| {
+            let shown = fixed(p.truth * family.per_si, family.decimals);
+            Cell::from(shown).title(digits(p, p.truth))
+        })
+        .under("four steps")
+        .col("estimate", |(p, f)| estimate(p, &p.four_steps, f))
+        .col("±\u{a0}95\u{a0}%", |(p, f)| width(p, &p.four_steps, f))
+        .under("joint fit")
+        .col("estimate", |(p, f)| estimate(p, &p.joint, f))
+        .col("±\u{a0}95\u{a0}%", |(p, f)| width(p, &p.joint, f))
+        .under("gain known")
+        .col(("bound", "1σ"), |(p, family)| {
+            Cell::from(significant(p.bound * family.per_si, 2)).title(digits(p, p.bound))
+        })
+        .col(("error", "σ"), |(p, _)| {
+            Cell::of(p.joint_error_over_bound, |e| fixed(e, 1))
+        })
+        .under("coverage")
+        .col(("steps", "%"), |(p, _)| {
+            covered(p, |q| q.four_steps.within_stated_95)
+        })
+        .col(("joint", "%"), |(p, _)| {
+            covered(p, |q| q.joint.as_ref()?.within_stated_95)
+        })
+        .under("")
+        .text("limit", |(p, _)| limit(known, p))
+        .into()
+}
+
+fn coverage(share: Share) -> Cell {
+    let chance = CHANCE * share.standard_error;
+    let outside = share.value < BAND.0 - chance || share.value > BAND.1 + chance;
+    Cell::from(fixed(100.0 * share.value, 1))
+        .title(format!(
+            "± {} by chance (1σ)",
+            percent(share.standard_error, 2)
+        ))
+        .state(if outside { State::Warn } else { State::Neutral })
+}
+
+/// What dominates the joint fit's interval.
+fn limit(known: &Known, p: &KnownParameter) -> &'static str {
+    if p.parameter == Parameter::Compliance && !known.compliance_is_determined {
+        "not seen"
+    } else if p.joint.of_certificate > p.joint.of_trials {
+        "certificate"
+    } else {
+        "noise"
+    }
+}
+
+fn half_width(interval: &Interval) -> f64 {
+    0.5 * (interval.ends_95.1 - interval.ends_95.0)
+}

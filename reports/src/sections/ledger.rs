@@ -1,0 +1,215 @@
+//! The claims ledger: each printed claim of the paper, what was measured, and what became of it.
+//!
+//! Verdicts are computed from the measurements wherever a measurement can decide; where only reasoning can, the reason
+//! says so.
+
+use anyhow::Result;
+use core::f64::consts::TAU;
+use serde::Serialize;
+use sixaxis_core::Scheme;
+use sixaxis_page::{Block, Claim, Section, Text, Verdict};
+use sixaxis_reference::paper::{self, COMPOUND_TABLES, GRAVITY_M_S2, THRESHOLD_FREQUENCY_HZ};
+use sixaxis_reference::rig::run::{Mode, ROTATION_AMPLITUDE_RAD, SLIDER_AMPLITUDE_M};
+
+use super::DEG_PER_RAD;
+use crate::study::results::{
+    DESIGN, Defects, FOUR_STEPS, MEASURED, ParameterSet, Results, Standard, worst,
+};
+
+/// Half a unit of the last digit that Fig. 7 is read to, Hz.
+const READING_HZ: f64 = 0.05;
+
+/// The section.
+///
+/// # Errors
+/// If the text does not fit the results.
+pub fn section(r: &Results) -> Result<Section> {
+    Ok(Section::new(
+        "ledger",
+        "Claims ledger",
+        "What the paper prints, what this project measured, and what became of it. Every measured number is of this run.",
+    )
+    .block(Block::Ledger(claims(r)?)))
+}
+
+/// All claims.
+///
+/// # Errors
+/// If the text does not fit the results.
+pub fn claims(r: &Results) -> Result<Vec<Claim>> {
+    let found = Found::of(r);
+    Text::new(include_str!("ledger.md"))
+        .values(&found)
+        .claims(|id| found.verdict(id))
+}
+
+/// Largest motions of the rig at 5 Hz.
+#[derive(Serialize)]
+struct Rig {
+    acceleration_g: f64,
+    rate_deg_s: f64,
+    angular_deg_s2: f64,
+}
+
+/// Where relative accelerations cross the paper's thresholds, Hz.
+#[derive(Serialize)]
+struct Crossings {
+    linear: f64,
+    angular: f64,
+    identified_angular: f64,
+}
+
+/// What the claims are held against.
+#[derive(Serialize)]
+struct Found {
+    printed_hz: (f64, f64),
+    crossing_hz: Crossings,
+    /// Relative accelerations of the identified sensor at 2 and 4 Hz.
+    linear_m_s2: [f64; 2],
+    angular_rad_s2: [f64; 2],
+    angular_at_2_hz_deg_s2: f64,
+    /// Whether step 4 has a minimum with the sign as printed, and on the true grid point with the other one.
+    printed_sign_has_minimum: bool,
+    other_sign_finds_truth: bool,
+    largest_scale_error: f64,
+    /// Smallest error of the scale factors with which step 4 has no minimum any more.
+    lost_at: Option<f64>,
+    stiffness_is_determined: bool,
+    stiffness_per_s2: f64,
+    /// Largest errors of the compound runs, over the peaks.
+    four_steps: f64,
+    laboratory: f64,
+    before: f64,
+    heun: f64,
+    substepped: f64,
+    /// Sample rate at which Heun would be good to 10⁻⁶: of second order, the rate grows with the root of the error.
+    heun_rate_khz: f64,
+    worst_target: f64,
+    rig: Rig,
+    defects: Defects,
+}
+
+impl Found {
+    fn of(r: &Results) -> Self {
+        let sweep = |sensor: &str, mode: Mode| {
+            let mut all = r.thresholds.iter();
+            all.find(|s| s.sensor == sensor && s.mode == mode)
+        };
+        let crossing = |sensor, mode| {
+            let sweep = sweep(sensor, mode);
+            sweep.and_then(|s| s.crossing_hz).unwrap_or(f64::NAN)
+        };
+        let identified =
+            |mode| sweep("identified", mode).map_or([f64::NAN; 2], |s| s.at_2_and_4_hz);
+        let truth = &r.noise_free.truth;
+        let exact_search = |as_printed: bool| {
+            let mut all = r.searches.iter();
+            all.find(|s| s.sign_as_printed == as_printed && s.scale_error == Some(0.0))
+        };
+        let scale_errors = (0..9).map(|i| {
+            let found = r.noise_free.found.scale_per_mass_per_kg[i];
+            (found / truth.scale_per_mass_per_kg[i] - 1.0).abs()
+        });
+        let lost = r
+            .searches
+            .iter()
+            .filter(|s| !s.sign_as_printed && !s.verdict.is_determined())
+            .filter_map(|s| s.scale_error);
+        let with_truth = |scheme| {
+            worst(
+                &r.compound_noise_free,
+                (ParameterSet::True, scheme, Standard::Truth),
+            )
+        };
+        let heun = with_truth(Scheme::Heun);
+        let omega = TAU * 5.0;
+        Self {
+            printed_hz: THRESHOLD_FREQUENCY_HZ,
+            crossing_hz: Crossings {
+                linear: crossing("design", Mode::Linear),
+                angular: crossing("design", Mode::Angular),
+                identified_angular: crossing("identified", Mode::Angular),
+            },
+            linear_m_s2: identified(Mode::Linear),
+            angular_rad_s2: identified(Mode::Angular),
+            angular_at_2_hz_deg_s2: identified(Mode::Angular)[0] * DEG_PER_RAD,
+            printed_sign_has_minimum: exact_search(true).is_some_and(|s| s.verdict.is_determined()),
+            other_sign_finds_truth: exact_search(false).is_some_and(|s| {
+                let found = s.grid_minimum_per_s2 / truth.stiffness_per_mass_per_s2;
+                s.verdict.is_determined() && (found - 1.0).abs() < 1e-9
+            }),
+            largest_scale_error: scale_errors.fold(0.0, f64::max),
+            lost_at: lost.reduce(f64::min),
+            stiffness_is_determined: r.laboratory.stiffness_verdict.is_determined(),
+            stiffness_per_s2: r.laboratory.found.stiffness_per_mass_per_s2,
+            four_steps: worst(&r.compound_noise_free, FOUR_STEPS),
+            laboratory: worst(&r.compound_laboratory, MEASURED),
+            before: worst(&r.compound_laboratory, DESIGN),
+            heun,
+            substepped: with_truth(Scheme::HeunSubstepped),
+            heun_rate_khz: 10.0 * (heun / 1e-6).sqrt(),
+            worst_target: worst_target(r),
+            rig: Rig {
+                acceleration_g: SLIDER_AMPLITUDE_M * omega * omega / GRAVITY_M_S2,
+                rate_deg_s: ROTATION_AMPLITUDE_RAD * omega * DEG_PER_RAD,
+                angular_deg_s2: ROTATION_AMPLITUDE_RAD * omega * omega * DEG_PER_RAD,
+            },
+            defects: r.defects,
+        }
+    }
+
+    fn verdict(&self, id: &str) -> Option<Verdict> {
+        let near = |found: f64, printed: f64| (found - printed).abs() <= READING_HZ;
+        let close = |found: f64, printed: f64| (found / printed - 1.0).abs() < 1e-3;
+        let holds = match id {
+            "fig7-linear" => near(self.crossing_hz.linear, self.printed_hz.0),
+            "fig7-angular" => near(self.crossing_hz.angular, self.printed_hz.1),
+            "linear-at-2-hz" => self.linear_m_s2[0] < paper::LINEAR_THRESHOLD_M_S2,
+            "angular-at-2-hz" => self.angular_rad_s2[0] < paper::ANGULAR_THRESHOLD_RAD_S2,
+            "linear-at-4-hz" => self.linear_m_s2[1] > paper::LINEAR_THRESHOLD_M_S2,
+            "step-2" => self.largest_scale_error < 5e-6,
+            "step-4" => self.stiffness_is_determined,
+            "order-of-magnitude" => self.before > 10.0 * self.laboratory,
+            "improved-euler" => true,
+            "rig" => {
+                close(self.rig.acceleration_g, 9.36)
+                    && close(self.rig.rate_deg_s, 3142.86)
+                    && close(self.rig.angular_deg_s2, 98_735.80)
+            }
+            "largest-error" | "before" => false,
+            "sign" if self.printed_sign_has_minimum => true,
+            "sign" if self.other_sign_finds_truth => {
+                return Some(Verdict::ReproducedWithCorrection);
+            }
+            "targets" if self.worst_target >= 0.025 => false,
+            "targets" | "step-3" | "gravity" | "amplifier" => {
+                return Some(Verdict::ReproducedWithCorrection);
+            }
+            "sign" | "gyroscope" | "parallel" => return Some(Verdict::Inconsistent),
+            _ => return None,
+        };
+        Some(match holds {
+            true => Verdict::Reproduced,
+            false => Verdict::NotReproducible,
+        })
+    }
+}
+
+/// Largest departure of the compound runs' accelerations from the 18 printed targets, relative.
+fn worst_target(r: &Results) -> f64 {
+    let mut worst = 0.0_f64;
+    for run in &r.compound_noise_free {
+        let Some(table) = COMPOUND_TABLES.iter().find(|t| t.number == run.table) else {
+            continue;
+        };
+        for axis in 0..6 {
+            let unit = if axis < 3 {
+                GRAVITY_M_S2
+            } else {
+                1.0 / DEG_PER_RAD
+            };
+            worst = worst.max((run.amplitude[axis] / unit / table.target[axis] - 1.0).abs());
+        }
+    }
+    worst
+}

@@ -1,0 +1,165 @@
+//! What must hold of whatever is published: it is whole, it is of the parameters that the study has, and it is drawn.
+
+use sixaxis_core::{Parameter, Scheme};
+use sixaxis_page::render;
+use sixaxis_props::results::{
+    Campaign, Detection, DyingLimb, Propagation, PropagationSet, Published, SchemeCurve,
+    SelfCalibration, Speed,
+};
+
+use super::*;
+
+fn embedded<P: Published>() -> P {
+    P::embedded().expect(P::FILE)
+}
+
+#[test]
+fn sections_of_published_results_are_drawn() {
+    let sections = [
+        speed::section(),
+        fault_tolerance::section(),
+        self_calibration::section(),
+    ];
+    let page = Page {
+        sections: sections.map(|s| s.expect("a section")).to_vec(),
+        ..Page::default()
+    };
+    let html = render(&page).expect("renders");
+    for scheme in Scheme::ALL {
+        assert!(html.contains(scheme.name()), "{}", scheme.name());
+    }
+    for peer in [
+        "Eigen (C++)",
+        "not on this machine",
+        "limb 5 dies",
+        "brisk, 20 s",
+    ] {
+        assert!(html.contains(peer), "{peer}");
+    }
+    assert!(!html.contains("NaN"));
+}
+
+#[test]
+fn detection_is_whole() {
+    let d: Detection = embedded();
+    assert_eq!(d.classes.len(), 6);
+    for kind in &d.kinds {
+        assert_eq!(kind.isolated.all(), kind.trials, "{:?}", kind.kind);
+        assert_eq!(kind.named.all(), kind.trials, "{:?}", kind.kind);
+        assert!(kind.detected_within.is_sorted(), "{:?}", kind.kind);
+    }
+    for curve in &d.curves {
+        assert_eq!(curve.false_alarm.len(), curve.detected.len());
+        assert_eq!(curve.false_alarm.len(), curve.theory.len());
+    }
+}
+
+#[test]
+fn history_of_a_dying_limb_is_whole() {
+    let d: DyingLimb = embedded();
+    for series in [
+        &d.statistic,
+        &d.truth_m_s2,
+        &d.nine_m_s2,
+        &d.watched_m_s2,
+        &d.never_failed_rad,
+        &d.nine_rad,
+        &d.watched_rad,
+    ] {
+        assert_eq!(series.len(), d.time_s.len());
+        assert!(series.iter().all(|x| x.is_finite()));
+    }
+}
+
+#[test]
+fn campaign_and_propagation_are_of_the_25() {
+    let campaign: Campaign = embedded();
+    let of_campaign: Vec<Parameter> = campaign.parameters.iter().map(|p| p.parameter).collect();
+    assert_eq!(of_campaign, Parameter::all().collect::<Vec<_>>());
+    // A campaign has the stiffness, a fit its reciprocal.
+    let fitted: Vec<Parameter> = Parameter::all().map(Parameter::estimated).collect();
+    let propagation: Propagation = embedded();
+    let edges = |set: &PropagationSet| -> Vec<f64> {
+        set.by_attitude.iter().map(|band| band.below_rad).collect()
+    };
+    for set in &propagation.sets {
+        let of_set: Vec<Parameter> = set.parameters.iter().map(|p| p.parameter).collect();
+        assert_eq!(of_set, fitted);
+        assert_eq!(edges(set), edges(&propagation.sets[0]));
+    }
+}
+
+#[test]
+fn campaign_has_what_the_page_shows() {
+    let campaign: Campaign = embedded();
+    let (_, known) = campaign.parameters.split_last().expect("25 parameters");
+    for p in known {
+        let joint = p.joint.as_ref().expect("a joint fit");
+        let told = p.joint_gain_known.as_ref().expect("a bound");
+        for share in [
+            joint.within_stated_95.expect("coverage").value,
+            p.four_steps.within_stated_95.expect("coverage").value,
+        ] {
+            assert!((0.0..=1.0).contains(&share), "{}", p.parameter);
+        }
+        assert!(
+            told.variance_over_stated.is_some_and(|v| v > 0.0),
+            "{}",
+            p.parameter
+        );
+    }
+}
+
+#[test]
+fn self_calibration_is_whole() {
+    let p: SelfCalibration = embedded();
+    assert!(!p.lengths.is_empty() && !p.stiffness.is_empty());
+    for length in &p.lengths {
+        assert!(length.refused < length.draws);
+        for share in length.coverage_95_by_limb {
+            assert!((0.0..=1.0).contains(&share));
+        }
+    }
+    assert!(p.motions.iter().any(|m| m.open.is_none()));
+}
+
+#[test]
+fn every_scheme_is_timed_at_the_same_rates() {
+    let snapshot: Speed = embedded();
+    let curves = &snapshot.speed.work_precision.curves;
+    let schemes: Vec<Scheme> = curves.iter().map(|curve| curve.scheme).collect();
+    assert_eq!(schemes, Scheme::ALL);
+    let rates = |curve: &SchemeCurve| -> Vec<f64> {
+        curve.points.iter().map(|p| p.sample_rate_hz).collect()
+    };
+    for curve in curves {
+        assert_eq!(rates(curve), rates(&curves[0]));
+        for p in &curve.points {
+            let times = [p.push_s_per_s.median, p.record_s_per_s.median];
+            let all = [p.push_error, p.record_error].into_iter().chain(times);
+            assert!(all.into_iter().all(|v| v.is_finite() && v > 0.0));
+        }
+    }
+}
+
+#[test]
+fn quartiles_stand_around_their_medians() {
+    let snapshot: Speed = embedded();
+    let length = &snapshot.speed.length;
+    let lengths = length.streamed.iter().chain(&length.held);
+    let of_lengths = lengths.flat_map(|p| [p.push_ns, p.record_ns]);
+    let of_peers = snapshot.peers.peers.iter().map(|p| p.ns_per_sample);
+    for s in of_lengths.chain(of_peers) {
+        assert!(s.q1 > 0.0 && s.q1 <= s.median && s.median <= s.q3);
+    }
+}
+
+#[test]
+fn what_ratios_are_taken_to_is_there() {
+    let snapshot: Speed = embedded();
+    for peer in &snapshot.peers.peers {
+        assert!(peer.ratio_to.contains_key(speed::PUSH), "{}", peer.name);
+    }
+    let counts = snapshot.instructions.expect("instruction counts");
+    assert!(counts.per_sample.contains_key(speed::COUNTED_BASE));
+}
