@@ -173,50 +173,6 @@ fn every_path_of_the_docs_exists() {
     assert!(found >= 40, "{found} paths found");
 }
 
-/// The crates' imports as the page on architecture states them and as the manifests have them.
-#[test]
-fn the_crates_import_what_the_architecture_says() {
-    let page = read("docs/architecture.md");
-    let table = page
-        .split("| crate |")
-        .nth(1)
-        .and_then(|rest| rest.split("\n\n").next())
-        .expect("a table");
-    let mut rows = 0;
-    for row in table.lines().filter(|row| row.starts_with("| `")) {
-        let cells: Vec<&str> = row.split(" | ").collect();
-        let name = cells[0].trim_matches(|c| "| `".contains(c));
-        if name == "lab/sixaxis" {
-            continue; // Imports all of them.
-        }
-        let mut stated: Vec<String> = cells[2]
-            .split('`')
-            .skip(1)
-            .step_by(2)
-            .map(str::to_owned)
-            .collect();
-        let manifest: toml::Table = read(&format!("{name}/Cargo.toml")).parse().expect("TOML");
-        let ours = |package: &String| {
-            let room = package.strip_prefix("sixaxis-")?;
-            ["", "lab/", "reports/"]
-                .map(|folder| format!("{folder}{room}"))
-                .into_iter()
-                .find(|path| root().join(path).join("Cargo.toml").is_file())
-        };
-        let mut imported: Vec<String> = manifest["dependencies"]
-            .as_table()
-            .expect("a table")
-            .keys()
-            .filter_map(ours)
-            .collect();
-        stated.sort();
-        imported.sort();
-        assert_eq!(stated, imported, "{name}");
-        rows += 1;
-    }
-    assert_eq!(rows, 9, "crates in the table");
-}
-
 #[test]
 fn the_session_in_the_docs_is_accepted() {
     let docs = read("docs/session.md");
