@@ -50,7 +50,7 @@ impl Geometry {
     /// Refuses lengths that are not positive and finite, or whose squares overflow or vanish.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] names the field.
+    /// [`crate::Error::OutOfRange`] names the field.
     pub fn validate(&self) -> Result<()> {
         for (name, value) in [
             ("limb_length_m", self.limb_length_m),

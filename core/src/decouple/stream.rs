@@ -149,8 +149,8 @@ impl<T: Scalar> Decoupler<T> {
     #[inline(never)]
     fn push_excluding(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<Answer<T>>> {
         if self.state.received > 2 {
-            let heard = self.mask.voltages(to_kernel_order(*voltage_v));
-            let after = self.mask.strains.by_series(&self.constants, heard);
+            let used = self.mask.voltages(to_kernel_order(*voltage_v));
+            let after = self.mask.strains.by_series(&self.constants, used);
             if in_range(&after) {
                 return self.take::<true>(after, voltage_v);
             }
@@ -226,8 +226,8 @@ impl<T: Scalar> Decoupler<T> {
         if self.mask.all() {
             placement::by_series(&self.constants, voltage_v)
         } else {
-            let heard = self.mask.voltages(voltage_v);
-            self.mask.strains.by_series(&self.constants, heard)
+            let used = self.mask.voltages(voltage_v);
+            self.mask.strains.by_series(&self.constants, used)
         }
     }
 
@@ -314,13 +314,13 @@ impl<T: Scalar> Decoupler<T> {
     #[cold]
     #[inline(never)]
     fn place_exactly(&self, voltage_v: &[T; LIMBS], sample: u64) -> Result<LimbLoad<T>> {
-        let heard = self.mask.exact_voltages(voltage_v);
+        let used = self.mask.exact_voltages(voltage_v);
         let sample = sample as usize;
         let placed = if self.mask.all() {
-            placement::exactly(&self.exact, &heard, sample)
+            placement::exactly(&self.exact, &used, sample)
         } else {
             let without = self.exact.excluding(self.excluded());
-            reconstruct::exactly(&without, &self.mask.reconstruction, &heard, sample)
+            reconstruct::exactly(&without, &self.mask.reconstruction, &used, sample)
         }?;
         Ok(placed.map(T::from_f64))
     }

@@ -62,7 +62,7 @@ enum Kind {
 /// 5e-4 of the sample rate (test `inv_gain_is_butterworths`). A single pass delays; [`super::zero_phase`] does not.
 ///
 /// # Errors
-/// [`Error::OutOfRange`] for an order outside 1..=10, a corner below [`LOWEST_CORNER`] or not below half the
+/// [`crate::Error::OutOfRange`] for an order outside 1..=10, a corner below [`LOWEST_CORNER`] or not below half the
 /// sample rate, a sample rate that is not positive and finite.
 pub fn low_pass(order: usize, corner_hz: f64, sample_rate_hz: f64) -> Result<Vec<Section>> {
     design(Kind::LowPass, order, corner_hz, sample_rate_hz)

@@ -1,4 +1,4 @@
-//! Which channels are listened to, and what makes up for the others.
+//! Excluded channels, and the reconstruction of their strains.
 
 use super::constants::Constants;
 use super::number::Scalar;
@@ -9,18 +9,18 @@ use crate::geometry::LIMBS;
 use crate::limb_set::LimbSet;
 use crate::redundancy::reconstruction::Reconstruction;
 
-/// The channels of all limbs but some.
+/// The channels of all limbs but the excluded ones.
 #[derive(Clone, Copy)]
 pub struct ChannelMask<T: Scalar> {
-    /// Weights in full precision, and the failed limbs themselves.
+    /// Weights in f64, and the excluded limbs themselves.
     pub reconstruction: Reconstruction,
     /// Weights for the kernel.
     pub strains: StrainReconstruction<T>,
-    /// All bits for a channel that is listened to, none for another.
+    /// All bits set for a channel that is used, none for an excluded one, in kernel order.
     bits: Limbs<T>,
 }
 
-// The set says it all; as numbers, the bits are not equal to themselves and print as none.
+// By the set alone: the bits, read as f64, are NaN, which is not equal to itself.
 impl<T: Scalar> core::fmt::Debug for ChannelMask<T> {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         write!(f, "ChannelMask {{ all but: {:?} }}", self.excluded())
@@ -47,26 +47,26 @@ impl<T: Scalar> ChannelMask<T> {
         })
     }
 
-    /// The limbs whose channels are not listened to.
+    /// The excluded limbs.
     #[inline(always)]
     pub fn excluded(&self) -> LimbSet {
         self.reconstruction.excluded()
     }
 
-    /// Whether that is none.
+    /// Whether no limb is excluded.
     #[inline(always)]
     pub fn all(&self) -> bool {
         self.excluded().is_empty()
     }
 
-    /// The voltages limb by limb, zero whatever a failed channel says: it may be no number.
+    /// Voltages in kernel order; excluded channels read 0.0 even if NaN.
     #[inline(always)]
     pub fn voltages(&self, [u, v, w]: Limbs<T>) -> Limbs<T> {
         let [a, b, c] = self.bits;
         [u.and(a), v.and(b), w.and(c)]
     }
 
-    /// The same in full precision, limb after limb.
+    /// [`Self::voltages`] in f64 and in the paper's order.
     pub fn exact_voltages(&self, voltage_v: &[T; LIMBS]) -> [f64; LIMBS] {
         from_kernel_order(self.voltages(to_kernel_order(*voltage_v))).map(T::to_f64)
     }

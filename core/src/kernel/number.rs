@@ -12,10 +12,10 @@ use glam::{DQuat, DVec3, Quat, Vec3 as GlamVec3};
 pub trait Real:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
 {
-    /// How three of them are kept.
+    /// How three of them are stored.
     type Storage: Vec3Storage<Self>;
 
-    /// The same constant in each of them. Takes a value because vector types only exist where the processor has them.
+    /// `value` in the type of `self`, in every lane. A method, because a vector type is only at hand where the processor has it.
     #[must_use]
     fn constant(self, value: f64) -> Self;
 
@@ -32,9 +32,9 @@ pub trait Real:
 pub trait Scalar:
     Real<Storage: Select> + PartialOrd + core::fmt::Debug + Default + 'static
 {
-    /// Three of them, for people.
+    /// Vector type of the public interface.
     type Vector: Copy + PartialEq + core::fmt::Debug;
-    /// A unit quaternion of them, for people.
+    /// Quaternion type of the public interface.
     type Quaternion: Copy + PartialEq + core::fmt::Debug;
 
     /// Rounded from f64.

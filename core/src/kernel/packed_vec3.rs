@@ -4,7 +4,7 @@ use wide::f64x4;
 
 use super::vec3::{Select, Vec3Storage};
 
-/// Components in the first three lanes; the fourth begins as the third, and nobody looks at it.
+/// x, y, z in lanes 0 to 2; lane 3 is padding and is never read.
 #[derive(Debug, Clone, Copy)]
 pub struct PackedVec3(f64x4);
 

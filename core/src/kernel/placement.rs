@@ -1,7 +1,7 @@
-//! Nine voltages to the place of the mass and the resultant of the limb forces, in closed form.
+//! Nine voltages to the pose of the mass in the shell and the resultant of the limb forces, in closed form.
 //!
 //! Lengths are in units of the limb length L, so a limb's elongation is its strain x. In (2) the force of a limb is
-//! proportional to its elongation, f = chi x, so the nine strains are all there is to know of a sample.
+//! proportional to its elongation, f = chi x, so a sample is given by its nine strains.
 //!
 //! # At a node
 //! Three orthonormal limbs meet, and [`crate::paper::pose`] has the node's displacement along limb i:
@@ -43,7 +43,7 @@ use crate::paper::pose::{Pose, node_displacement};
 /// Root of the sum of squared strains up to which the series stand for the closed form.
 pub const STRAIN_LIMIT: f64 = 1e-4;
 
-/// What one sample says by itself; the unit of length is L, that of time the sample interval.
+/// Pose of the mass, force and torque of the limbs at one sample, in units of the limb length L and the sample interval.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LimbLoad<T: Real> {
     /// 3 r: centre of the mass, shell axes; the threefold is what the nodes add up to.
@@ -59,7 +59,7 @@ pub struct LimbLoad<T: Real> {
 }
 
 impl LimbLoad<f64> {
-    /// The same place in another number.
+    /// Converted to another number type.
     pub(crate) fn map<U: Real>(self, f: impl Fn(f64) -> U) -> LimbLoad<U> {
         LimbLoad {
             position_thrice: self.position_thrice.map(&f),
@@ -164,7 +164,7 @@ pub fn by_series<T: Real>(constants: &Constants<T>, voltage_v: Limbs<T>) -> Limb
     by_nodes(constants, displacement, force, squares)
 }
 
-/// The rest of the way: from displacements of and forces on the nodes along their limbs, and the squared strains there.
+/// As [`by_series`], starting from displacements of and forces on the nodes along their limbs, and the squared strains there.
 #[inline(always)]
 pub(super) fn by_nodes<T: Real>(
     constants: &Constants<T>,
@@ -229,7 +229,7 @@ pub fn exactly(
     exactly_by_strains(constants, &strains(constants, voltage_v))
 }
 
-/// The rest of the way.
+/// As [`exactly`], starting from strains instead of voltages.
 ///
 /// # Errors
 /// Those of [`Pose::from_elongations`].
@@ -269,7 +269,7 @@ pub(super) fn strains(constants: &Constants<f64>, voltage_v: &[f64; LIMBS]) -> [
     core::array::from_fn(|i| constants.strain(i, voltage_v[i]))
 }
 
-/// Refuses voltages that are no numbers and strains that no limb bears. `sample` is for errors.
+/// Refuses voltages that are not finite and strains of [`OVERSTRAIN`] or more. `sample` is for errors.
 ///
 /// # Errors
 /// [`Error::NotFinite`], [`Error::Overstrained`].

@@ -1,13 +1,14 @@
-//! The placement where limbs have failed: their strains from those of the others, by [`crate::redundancy::reconstruction`].
+//! Pose and load with limbs excluded: their strains are reconstructed from those of the other limbs, see
+//! [`crate::redundancy::reconstruction`].
 //!
-//! With K the reconstruction's weights and rho what the parity rows leave ([`super::parity`]), strains that are zero for the
-//! failed limbs are filled in by K rho, each time right to one more power of the strain: by the sums of the rows; by the second
-//! order of [`super::parity`] with that; and, once the nodes are placed, by the third, which is so small that a force moves along
-//! its limb by that much and the place not worth mentioning: by 58 cubes of the strain, 6e-9 of it at the rig's 9 g, of a motion
-//! in the shell that is itself a millionth of the shell's.
+//! Let K be the reconstruction's weights and rho what the parity relations leave ([`super::parity`]) of strains that are zero for the
+//! excluded limbs. K rho is added to these zeros twice, which makes the strains right to first, then to second order: first with
+//! rho to first order, then with the second order of rho alone. The third order is added to force and torque only. In the pose it is
+//! left out: 58 cubes of the strain, 6e-9 of a strain at the rig's 9 g, of a motion in the shell that is itself a millionth of the
+//! shell's.
 //!
-//! Of the forces a fourth power is dropped: at most 4e-13 of the largest at the rig's 9 g, 4e-10 at
-//! [`placement::STRAIN_LIMIT`]. Above that, [`exactly`] takes over.
+//! Forces are right to third order. The dropped fourth order is at most 4e-13 of the largest force at the rig's 9 g and 4e-10 at
+//! [`placement::STRAIN_LIMIT`]; above that, [`exactly`] takes over.
 
 use super::constants::Constants;
 use super::number::{Real, Scalar};
@@ -22,19 +23,19 @@ use crate::paper::pose::Pose;
 use crate::redundancy::parity::ROWS;
 use crate::redundancy::reconstruction::Reconstruction;
 
-/// Each step of [`exactly`] leaves a strain's share of the one before.
+/// Cap of [`exactly`], each step of which is smaller than the one before by a factor of about the strain.
 const ITERATIONS: usize = 64;
-/// Where it stops, over the largest strain: rounding.
+/// Step over the largest strain at which it stops: rounding.
 const SETTLED: f64 = 4.0 * f64::EPSILON;
 
-/// The weights K in the order in which the kernel works on limbs.
+/// The weights K in kernel order, and what they add to force and torque.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StrainReconstruction<T: Real> {
     /// Of each row, in the order 1, 3, 2.
     weights: [Limbs<T>; ROWS],
     /// The same times -1/2, for [`second_order`].
     minus_half: [Limbs<T>; ROWS],
-    /// What they add to the difference of the rows' halves.
+    /// What they add to the difference of the relations' halves.
     differences: [Vec3<T>; ROWS],
     /// What they add to the resultant over chi: the strains' forces along limbs at rest.
     force: [Vec3<T>; ROWS],
@@ -116,17 +117,18 @@ impl<T: Real> StrainReconstruction<T> {
         }
     }
 
-    /// [`placement::by_series`] without the failed limbs, of which `constants` makes zero strain whatever the voltage.
+    /// [`placement::by_series`] with limbs excluded; `constants` gives their strains as zero whatever the voltage
+    /// ([`Constants::excluding`]).
     #[inline(always)]
     pub fn by_series(&self, constants: &Constants<T>, voltage_v: Limbs<T>) -> LimbLoad<T> {
-        let heard = limb_strains(constants, voltage_v);
+        let used = limb_strains(constants, voltage_v);
         let inverse_nu = constants.inverse_nu;
-        let [a, b] = halves(heard);
+        let [a, b] = halves(used);
         let sums = a + b;
         let [k, l, m] = self.differences;
         let [s, t, u] = sums.components();
         let difference = m.times_plus(u, l.times_plus(t, k.times_plus(s, a - b)));
-        let first = onto(heard, &self.weights, sums);
+        let first = onto(used, &self.weights, sums);
         let second = onto(
             first,
             &self.minus_half,
@@ -165,7 +167,7 @@ fn onto<T: Real>(to: Limbs<T>, weights: &[Limbs<T>; ROWS], rows: Vec3<T>) -> Lim
 }
 
 impl Constants<f64> {
-    /// The same with no strain of the excluded limbs.
+    /// The same with zero strain of the excluded limbs.
     #[must_use]
     pub fn excluding(&self, excluded: LimbSet) -> Self {
         let kept = to_kernel_order(core::array::from_fn(|limb| {
@@ -220,7 +222,7 @@ pub fn exactly(
         }
     }
     Err(Error::NotConverged {
-        what: "strains of failed limbs",
+        what: "strains of excluded limbs",
         iterations: ITERATIONS,
     })
 }
@@ -300,9 +302,9 @@ mod tests {
             let healthy = placement::by_series(&full, to_kernel_order(x));
             survivable()
                 .map(|reconstruction| {
-                    let heard = full.excluding(reconstruction.excluded());
+                    let used = full.excluding(reconstruction.excluded());
                     let ours = StrainReconstruction::new(&reconstruction, &full)
-                        .by_series(&heard, to_kernel_order(x));
+                        .by_series(&used, to_kernel_order(x));
                     difference(&ours, &healthy, &full)
                 })
                 .fold([0.0; 2], |[p, f], [q, g]| [f64::max(p, q), f64::max(f, g)])
@@ -334,10 +336,10 @@ mod tests {
     fn series_and_iteration_agree() {
         let (x, full) = (strains(1e-4), constants());
         for reconstruction in survivable() {
-            let heard = full.excluding(reconstruction.excluded());
+            let used = full.excluding(reconstruction.excluded());
             let ours = StrainReconstruction::new(&reconstruction, &full)
-                .by_series(&heard, to_kernel_order(x));
-            let exact = exactly(&heard, &reconstruction, &x, 0).expect("limbs that meet");
+                .by_series(&used, to_kernel_order(x));
+            let exact = exactly(&used, &reconstruction, &x, 0).expect("limbs that meet");
             let [place, force] = difference(&ours, &exact, &full);
             let failed = reconstruction.excluded();
             assert!(place < 1e-6 * 1e-4, "{failed}: {place}");
@@ -350,8 +352,8 @@ mod tests {
         let (x, full) = (strains(0.1), constants());
         let healthy = placement::exactly(&full, &x, 0).expect("limbs that meet");
         for reconstruction in survivable() {
-            let heard = full.excluding(reconstruction.excluded());
-            let ours = exactly(&heard, &reconstruction, &x, 0).expect("limbs that meet");
+            let used = full.excluding(reconstruction.excluded());
+            let ours = exactly(&used, &reconstruction, &x, 0).expect("limbs that meet");
             let [place, force] = difference(&ours, &healthy, &full);
             let failed = reconstruction.excluded();
             assert!(place.max(force) < 1e-14, "{failed}: {place} {force}");

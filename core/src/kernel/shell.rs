@@ -25,7 +25,7 @@ pub struct ShellMotion<T: Real> {
     pub specific_force: Vec3<T>,
 }
 
-/// Place of the mass alone: what a neighbour in time needs.
+/// Pose of the mass in the shell without the forces: what the central differences take from neighbouring samples.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct RelativePose<T: Real> {
     /// 3 r.
@@ -35,7 +35,7 @@ pub struct RelativePose<T: Real> {
 }
 
 impl<T: Real> LimbLoad<T> {
-    /// Without the forces.
+    /// The pose alone.
     #[inline(always)]
     pub fn relative_pose(&self) -> RelativePose<T> {
         RelativePose {

@@ -1,7 +1,7 @@
-//! Three numbers along fixed axes.
+//! Vectors of three components along fixed axes.
 //!
-//! A type of number says how three of it are kept: apart, which suits vector registers full of other samples' numbers and
-//! processors without any, or together in one register, which more than halves the instructions of a cross product.
+//! A number type chooses how three of it are stored: split, which suits vector registers that hold other samples' numbers and
+//! processors without any, or packed in one register, which more than halves the instructions of a cross product.
 
 use core::fmt;
 use core::ops::{Add, Sub};
@@ -18,7 +18,7 @@ pub fn vec3<T: Real>(x: T, y: T, z: T) -> Vec3<T> {
     Vec3(T::Storage::new(x, y, z))
 }
 
-/// What three numbers can be asked for, however they are kept.
+/// Operations on three numbers, however they are stored.
 pub trait Vec3Storage<T: Real>: Copy {
     /// From its components.
     fn new(x: T, y: T, z: T) -> Self;
@@ -56,7 +56,7 @@ pub trait Vec3Storage<T: Real>: Copy {
     fn moment(v: [Self; 3]) -> Self;
 }
 
-/// Of three numbers, those that are wanted.
+/// Bitwise selection of components.
 pub trait Select {
     /// [`Scalar::and`], component by component.
     #[must_use]
@@ -74,7 +74,7 @@ impl<T: Scalar> Select for SplitVec3<T> {
     }
 }
 
-/// Each component by itself.
+/// Three components in separate registers.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SplitVec3<T> {
     x: T,
@@ -344,9 +344,9 @@ impl<T: Real + fmt::Debug> fmt::Debug for Vec3<T> {
     }
 }
 
-/// How three f64 are kept: together where the program is compiled for registers of four.
+/// How three f64 are stored: packed where the program is compiled for registers of four.
 #[cfg(target_feature = "avx")]
 pub type Vec3F64 = super::packed_vec3::PackedVec3;
-/// How three f64 are kept: together where the program is compiled for registers of four.
+/// How three f64 are stored: packed where the program is compiled for registers of four.
 #[cfg(not(target_feature = "avx"))]
 pub type Vec3F64 = SplitVec3<f64>;

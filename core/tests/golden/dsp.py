@@ -169,7 +169,6 @@ emit("DETREND_LINEAR", signal.detrend(record(200, 1000.0))[::5])
 emit("DETREND_CONSTANT", signal.detrend(record(200, 1000.0), type="constant")[::5])
 
 emit("SLOPE_7_4", signal.savgol_filter(record(120, 1000.0), 15, 4, deriv=1, delta=1e-3))
-emit("SMOOTH_7_4", signal.savgol_filter(record(120, 1000.0), 15, 4))
 for half_width, order in [(3, 6), (50, 6), (200, 5)]:
     weights = exact_slope_weights(half_width, order)
     scipys = signal.savgol_coeffs(2 * half_width + 1, order, deriv=1, use="dot")

@@ -33,8 +33,6 @@ pub const WITHOUT_LIMBS_RIG: Tolerance = reference_limited(
     5.0e-9,
     "MuJoCo's strains leave 5.5e-10 of the largest in the parity rows, and that is amplified",
 );
-/// The same where the mass is taken to stay in its place: second order in limb tilt.
-pub const WITHOUT_LIMBS_TILT: Tolerance = measured(5e-4, 1.5e-4, "");
 /// Error in single precision with limbs excluded over that with all.
 pub const WITHOUT_LIMBS_F32: Tolerance = measured(3.0, 1.2, "");
 /// Error of random motions, over full scale.

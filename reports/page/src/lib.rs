@@ -41,5 +41,5 @@ pub mod trace;
 pub use figure::{Axis, Figure, Kind, Mark, Panel, Scale, Series};
 pub use page::{Block, Claim, Listing, Page, Section, State, Tile, Verdict};
 pub use render::render;
-pub use table::{Align, Cell, Column, HeadCell, Row, Table, TableBuilder};
+pub use table::{Cell, Table, TableBuilder};
 pub use text::Text;

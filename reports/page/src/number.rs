@@ -28,13 +28,17 @@ pub fn significant(value: f64, digits: usize) -> String {
 /// `digits` significant digits and a power of ten: `1.23×10⁻⁴`. The power is left out if it is 10⁰.
 #[must_use]
 pub fn scientific(value: f64, digits: usize) -> String {
-    powered(value, digits, 1)
-}
-
-/// Like [`scientific`] with a power that is a multiple of three: `12.3×10⁻⁶`.
-#[must_use]
-pub fn engineering(value: f64, digits: usize) -> String {
-    powered(value, digits, 3)
+    let Some((_, exponent)) = parts(value, digits) else {
+        return special(value);
+    };
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let mantissa = plain(shift(value, -exponent), digits, 0);
+    match exponent {
+        0 => mantissa,
+        power => format!("{mantissa}×10{}", superscript(power)),
+    }
 }
 
 /// A fixed number of decimals: `fixed(-12.345, 1)` is `−12.3`.
@@ -140,22 +144,6 @@ fn plain(value: f64, digits: usize, exponent: i32) -> String {
     }
 }
 
-fn powered(value: f64, digits: usize, step: i32) -> String {
-    let Some((_, exponent)) = parts(value, digits) else {
-        return special(value);
-    };
-    if value == 0.0 {
-        return "0".to_owned();
-    }
-    let power = exponent.div_euclid(step) * step;
-    let mantissa = plain(shift(value, -power), digits, exponent - power);
-    if power == 0 {
-        mantissa
-    } else {
-        format!("{mantissa}×10{}", superscript(power))
-    }
-}
-
 /// `value`·10^`power` through decimal text, which neither overflows nor loses a rounding.
 fn shift(value: f64, power: i32) -> f64 {
     let text = format!("{value:e}");
@@ -234,9 +222,6 @@ mod tests {
         assert_eq!(scientific(3.25, 3), "3.25");
         assert_eq!(scientific(f64::MIN_POSITIVE, 3), "2.23×10⁻³⁰⁸");
         assert_eq!(scientific(f64::MAX, 3), "1.80×10³⁰⁸");
-        assert_eq!(engineering(12.34e-6, 3), "12.3×10⁻⁶");
-        assert_eq!(engineering(3.1e8, 2), "310×10⁶");
-        assert_eq!(engineering(999.96, 4), "1.000×10³");
     }
 
     #[test]

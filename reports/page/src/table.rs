@@ -25,8 +25,6 @@ pub enum Align {
     Number,
     /// Words: left-aligned.
     Text,
-    /// Short signs: centred.
-    Centre,
 }
 
 /// One column.
@@ -42,35 +40,6 @@ pub struct Column {
     pub quiet: bool,
 }
 
-impl Column {
-    /// A column of numbers.
-    pub fn number(label: impl Into<String>, unit: impl Into<String>) -> Self {
-        Self {
-            label: label.into(),
-            unit: unit.into(),
-            align: Align::Number,
-            quiet: false,
-        }
-    }
-
-    /// A column of words.
-    pub fn text(label: impl Into<String>) -> Self {
-        Self {
-            label: label.into(),
-            unit: String::new(),
-            align: Align::Text,
-            quiet: false,
-        }
-    }
-
-    /// The same column, small and grey.
-    #[must_use]
-    pub fn quiet(mut self) -> Self {
-        self.quiet = true;
-        self
-    }
-}
-
 /// One cell of a heading row above the columns.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct HeadCell {
@@ -78,16 +47,6 @@ pub struct HeadCell {
     pub text: String,
     /// How many columns it spans.
     pub span: usize,
-}
-
-impl HeadCell {
-    /// A heading over `span` columns.
-    pub fn new(text: impl Into<String>, span: usize) -> Self {
-        Self {
-            text: text.into(),
-            span,
-        }
-    }
 }
 
 /// One cell.
@@ -145,27 +104,6 @@ pub struct Row {
     pub cells: Vec<Cell>,
 }
 
-impl Row {
-    /// A row.
-    pub fn new<C: Into<Cell>>(
-        header: impl Into<String>,
-        cells: impl IntoIterator<Item = C>,
-    ) -> Self {
-        Self {
-            header: header.into(),
-            cells: cells.into_iter().map(Into::into).collect(),
-        }
-    }
-
-    /// A heading for the rows below it.
-    pub fn group(header: impl Into<String>) -> Self {
-        Self {
-            header: header.into(),
-            cells: Vec::new(),
-        }
-    }
-}
-
 /// A table.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Table {
@@ -173,9 +111,8 @@ pub struct Table {
     pub caption: String,
     /// Heading of the first, sticky column.
     pub stub: String,
-    /// Heading rows above the columns. Spans of one row add up to the number of columns; the first
-    /// column is not counted.
-    pub head: Vec<Vec<HeadCell>>,
+    /// Headings above the columns; empty for none. The first column is not counted.
+    pub head: Vec<HeadCell>,
     /// The columns after the first.
     pub columns: Vec<Column>,
     /// The rows.
@@ -218,8 +155,6 @@ pub struct TableBuilder<R> {
     table: Table,
     /// What each row of the table shows; nothing for a heading.
     of: Vec<Option<R>>,
-    /// Headings above the columns so far.
-    above: Vec<HeadCell>,
 }
 
 impl Table {
@@ -240,7 +175,6 @@ impl Table {
                 ..Self::default()
             },
             of: Vec::new(),
-            above: Vec::new(),
         }
     }
 }
@@ -250,7 +184,10 @@ impl<R> TableBuilder<R> {
     #[must_use]
     pub fn rows(mut self, rows: impl IntoIterator<Item = R>, name: impl Fn(&R) -> String) -> Self {
         for row in rows {
-            self.table.rows.push(Row::group(name(&row)));
+            self.table.rows.push(Row {
+                header: name(&row),
+                cells: Vec::new(),
+            });
             self.of.push(Some(row));
         }
         self
@@ -264,7 +201,10 @@ impl<R> TableBuilder<R> {
         rows: impl IntoIterator<Item = R>,
         name: impl Fn(&R) -> String,
     ) -> Self {
-        self.table.rows.push(Row::group(heading));
+        self.table.rows.push(Row {
+            header: heading.into(),
+            cells: Vec::new(),
+        });
         self.of.push(None);
         self.rows(rows, name)
     }
@@ -272,36 +212,51 @@ impl<R> TableBuilder<R> {
     /// The columns that follow stand under this heading, until the next one.
     #[must_use]
     pub fn under(mut self, heading: impl Into<String>) -> Self {
-        if self.above.is_empty() && !self.table.columns.is_empty() {
-            self.above.push(HeadCell::new("", self.table.columns.len()));
+        if self.table.head.is_empty() && !self.table.columns.is_empty() {
+            self.table.head.push(HeadCell {
+                text: String::new(),
+                span: self.table.columns.len(),
+            });
         }
-        self.above.push(HeadCell::new(heading, 0));
+        self.table.head.push(HeadCell {
+            text: heading.into(),
+            span: 0,
+        });
         self
     }
 
     /// Adds a column of numbers.
     #[must_use]
     pub fn col<C: Into<Cell>>(self, head: impl Into<Head>, cell: impl Fn(&R) -> C) -> Self {
-        let Head { label, unit } = head.into();
-        self.column(Column::number(label, unit), cell)
+        self.column(head.into(), Align::Number, false, cell)
     }
 
     /// Adds a column of words.
     #[must_use]
-    pub fn text<C: Into<Cell>>(self, label: impl Into<String>, cell: impl Fn(&R) -> C) -> Self {
-        self.column(Column::text(label), cell)
+    pub fn text<C: Into<Cell>>(self, head: impl Into<Head>, cell: impl Fn(&R) -> C) -> Self {
+        self.column(head.into(), Align::Text, false, cell)
     }
 
     /// Adds a column of numbers, small and grey.
     #[must_use]
     pub fn quiet<C: Into<Cell>>(self, head: impl Into<Head>, cell: impl Fn(&R) -> C) -> Self {
-        let Head { label, unit } = head.into();
-        self.column(Column::number(label, unit).quiet(), cell)
+        self.column(head.into(), Align::Number, true, cell)
     }
 
-    fn column<C: Into<Cell>>(mut self, column: Column, cell: impl Fn(&R) -> C) -> Self {
-        self.table.columns.push(column);
-        if let Some(above) = self.above.last_mut() {
+    fn column<C: Into<Cell>>(
+        mut self,
+        Head { label, unit }: Head,
+        align: Align,
+        quiet: bool,
+        cell: impl Fn(&R) -> C,
+    ) -> Self {
+        self.table.columns.push(Column {
+            label,
+            unit,
+            align,
+            quiet,
+        });
+        if let Some(above) = self.table.head.last_mut() {
             above.span += 1;
         }
         for (row, of) in self.table.rows.iter_mut().zip(&self.of) {
@@ -327,11 +282,7 @@ impl<R> TableBuilder<R> {
 
 impl<R> From<TableBuilder<R>> for Table {
     fn from(builder: TableBuilder<R>) -> Self {
-        let mut table = builder.table;
-        if !builder.above.is_empty() {
-            table.head.push(builder.above);
-        }
-        table
+        builder.table
     }
 }
 
@@ -355,9 +306,7 @@ mod tests {
         assert_eq!(cells, [3, 3, 0, 3]);
         assert_eq!(table.rows[3].cells[2].title, "27");
         assert_eq!(table.columns[1].unit, "m²");
-        assert_eq!(
-            table.head,
-            [[HeadCell::new("", 1), HeadCell::new("powers", 2)]]
-        );
+        let head: Vec<(&str, usize)> = table.head.iter().map(|h| (&*h.text, h.span)).collect();
+        assert_eq!(head, [("", 1), ("powers", 2)]);
     }
 }

@@ -1,6 +1,6 @@
 //! One block of samples through the kernel's stages.
 
-use super::vectors::{Series, Vectors, zeros};
+use super::vectors::{STEPS, Series, Vectors, zeros};
 use crate::decouple::record::Accelerations;
 use crate::decouple::stream::{Decoupler, State, to_ground};
 use crate::geometry::LIMBS;
@@ -14,8 +14,6 @@ use crate::kernel::shell::{self, RelativePose, ShellMotion};
 use crate::kernel::simd::{LANES, Register, Row};
 use crate::kernel::vec3::vec3;
 
-/// Samples of each lane.
-pub const STEPS: usize = 16;
 /// Samples of a block.
 pub const BLOCK: usize = LANES * STEPS;
 

@@ -1,9 +1,11 @@
 //! Series of numbers and vectors of a block, eight segments side by side.
 
-use super::block::STEPS;
 use crate::kernel::number::Real;
 use crate::kernel::simd::{LANES, Register, Row};
 use crate::kernel::vec3::{Vec3, vec3};
+
+/// Samples of each lane of a block.
+pub const STEPS: usize = 16;
 
 /// One number of every sample of a block, one row a step: first the ghost rows, which repeat the end of the segment before,
 /// then the block's own.

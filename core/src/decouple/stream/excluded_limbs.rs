@@ -1,11 +1,11 @@
-//! Doing without limbs from one sample to the next, and with them again.
+//! Excluding limbs from one sample to the next, and taking them back.
 //!
-//! A sample is decoupled when its successor has come. When the last sample received is n, its torque has entered nothing yet;
-//! its place has entered the rate at n - 1, and with it the attitude there. So the places of n and n - 1 are made anew from
-//! their voltages, and what the old place of n did is taken back.
+//! A sample is decoupled when its successor has come. When the last sample received is n, its torque has entered nothing yet; its
+//! pose has entered the rate at n - 1, and through it the attitude there. So the poses of n and n - 1 are computed again from their
+//! voltages, and the effect of the old pose of n is undone.
 //!
-//! Two sets of limbs differ in where they see the mass, by noise and by what is wrong with the calibration. Of that, rates and
-//! attitude are spared: what is taken back is by how much the rotation of the mass moves more at n than at n - 1.
+//! Two sets of limbs differ in the pose that they give, by noise and by errors of the calibration. To avoid a step in rate and
+//! attitude, only the change of the relative rotation between samples n - 1 and n is corrected, not its absolute value.
 
 use super::{Decoupler, in_range};
 use crate::error::Result;
@@ -18,13 +18,12 @@ use crate::kernel::vec3::Vec3;
 use crate::limb_set::LimbSet;
 
 impl<T: Scalar> Decoupler<T> {
-    /// From now on without these limbs: their channels are not looked at, whatever they say. [`LimbSet::EMPTY`] takes all
-    /// back.
+    /// Excludes these limbs from now on: their channels are not read, even if NaN. [`LimbSet::EMPTY`] includes all limbs again.
     ///
-    /// May be called at any time. In mid-stream the last two samples are placed anew, so that a channel that failed at the last
-    /// sample received leaves no trace in angular velocity and attitude; the one answer it has spoilt is that of the sample
-    /// before, which is out. A sample refused because of the channel was not received. A limb that is taken back must have
-    /// been sound for two samples. Allocates nothing.
+    /// May be called at any time. In mid-stream the poses of the last two samples are computed again, so that a channel that failed
+    /// at the last sample received leaves no trace in angular velocity and attitude; the one wrong answer is that of the sample
+    /// before, which has been returned already. A sample refused because of the channel was not received. A limb that is included
+    /// again must have been sound for two samples. Allocates nothing.
     ///
     /// # Errors
     /// [`crate::Error::LostLoad`] where the other limbs do not determine six accelerations, [`crate::Error::OutOfRange`] for
@@ -53,19 +52,19 @@ impl<T: Scalar> Decoupler<T> {
     /// [`Decoupler::set_excluded`] before the first sample.
     ///
     /// # Errors
-    /// As there.
+    /// Those of [`Decoupler::set_excluded`].
     pub fn excluding(mut self, excluded: LimbSet) -> Result<Self> {
         self.set_excluded(excluded)?;
         Ok(self)
     }
 
-    /// The limbs that are done without.
+    /// The excluded limbs.
     #[must_use]
     pub fn excluded(&self) -> LimbSet {
         self.mask.excluded()
     }
 
-    /// One of the last two samples, placed with the limbs of now.
+    /// Pose and load of one of the last two samples with the limbs that are now in use.
     fn place_again(&self, sample: u64) -> Result<LimbLoad<T>> {
         let voltage_v = &self.recent[(sample & 1) as usize];
         let placed = self.place(voltage_v);
@@ -76,7 +75,7 @@ impl<T: Scalar> Decoupler<T> {
         }
     }
 
-    /// What the old place of the last sample did to rate and attitude of the one before it.
+    /// Undoes the effect of the last sample's old pose on rate and attitude of the sample before it.
     fn take_back(&mut self, old: &Self) -> Result<()> {
         let half = T::from_f64(0.5);
         let phi = old.state.before.rotation;

@@ -134,7 +134,7 @@ fn to_matrix(m: DMat3) -> SMatrix<f64, 3, 3> {
 impl SampleUncertainty {
     /// Prepares a stream beside a decoupler with the same sensor, parameters and settings.
     ///
-    /// `covariance` is that of the parameters, in the order of [`super::parameters::PARAMETERS`].
+    /// `covariance` is that of the parameters, in the order of [`crate::decouple::uncertainty`].
     ///
     /// # Errors
     /// Those of [`crate::Decoupler::new`]; [`Error::OutOfRange`] for a covariance that none can be, or noise that is negative

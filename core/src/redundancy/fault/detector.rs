@@ -134,7 +134,7 @@ impl Detector {
     /// For a rate of false alarms per sample: a rate per hour over 3600 times the sample rate.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a rate outside 1e-18 to [`Self::LARGEST_RATE`], or errors of calibration below zero.
+    /// [`crate::Error::OutOfRange`] for a rate outside 1e-18 to [`Self::LARGEST_RATE`], or errors of calibration below zero.
     pub fn new(
         noise: RowNoise,
         false_alarms_per_sample: f64,

@@ -1,6 +1,6 @@
 //! The fault monitor as a stream: nine voltages in, events out.
 //!
-//! An alarm of the [`Detector`] begins an [`Isolation`]. With each sample, every class of limbs and every pair of channels that may
+//! An alarm of the [`Detector`] begins an isolation. With each sample, every class of limbs and every pair of channels that may
 //! be exchanged is scored by the rows since the alarm, together with those of the window that raised it, until one leads by
 //! [`super::isolation::CLASS`]. Then, each time the number of samples has doubled, the kind of failure is estimated, until it is
 //! certain or no more samples are waited for. If no class leads, the alarm is dismissed when the rows have become quiet again, and

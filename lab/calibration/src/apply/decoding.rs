@@ -9,7 +9,7 @@ use sixaxis_recordings::motion::MOTION_CHANNELS;
 use sixaxis_recordings::{Block, Channel, Layout};
 
 use super::Row;
-use super::fault_watch::{FLAGS, Watching};
+use super::fault_watch::{FLAGS, FaultWatch};
 
 /// Which columns are wanted beside the time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -66,7 +66,7 @@ pub struct Decoding {
     /// Runs beside the decoupler where it is asked how well each sample is known; the voltages of the last sample.
     uncertainty: Option<Box<(SampleUncertainty, Row)>>,
     /// Decodes in the decoupler's place where failures are to be seen.
-    watching: Option<Watching>,
+    watching: Option<FaultWatch>,
     /// Stamps of the samples that have not been answered.
     times_s: VecDeque<f64>,
     /// Rows answered.
@@ -102,7 +102,7 @@ impl Decoding {
 
     /// Runs the fault monitor, too, and writes excluded and suspected limbs into [`FLAGS`].
     #[must_use]
-    pub fn with_watching(mut self, watching: Watching) -> Self {
+    pub fn with_watching(mut self, watching: FaultWatch) -> Self {
         self.watching = Some(watching);
         self
     }

@@ -12,7 +12,7 @@ use super::Row;
 use super::setup::Setup;
 
 /// Columns of the excluded and of the suspected limbs: their numbers as digits of one number, 0 for none.
-pub const FLAGS: [(&str, &str); 2] = [("without_limbs", ""), ("suspected_limbs", "")];
+pub const FLAGS: [(&str, &str); 2] = [("excluded_limbs", ""), ("suspected_limbs", "")];
 
 /// The channels of [`FLAGS`].
 pub fn flags(sample_rate_hz: f64) -> impl Iterator<Item = Channel> {
@@ -23,14 +23,14 @@ pub fn flags(sample_rate_hz: f64) -> impl Iterator<Item = Channel> {
 }
 
 /// A fault-tolerant decoder and its messages.
-pub struct Watching {
+pub struct FaultWatch {
     stream: FaultTolerant<Vec<[f64; LIMBS]>>,
     /// Its messages, each with its sample.
     pub messages: Vec<String>,
     samples: u64,
 }
 
-impl Watching {
+impl FaultWatch {
     /// For the noise and the errors that the calibration states.
     ///
     /// # Errors

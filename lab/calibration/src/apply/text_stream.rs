@@ -11,7 +11,7 @@ use sixaxis_recordings::{Block, Channel};
 
 use super::conditioning_stream::ConditioningStream;
 use super::decoding::{Columns, Decoding};
-use super::fault_watch::{Watching, flags};
+use super::fault_watch::{FaultWatch, flags};
 use super::{Row, explain};
 
 /// Name of the stream in messages.
@@ -30,13 +30,13 @@ pub enum End {
 }
 
 /// What a stream is decoded with.
-pub struct Live {
+pub struct TextStream {
     /// Stages before the decoder.
     pub conditioning: ConditioningStream,
     /// The decoder.
     pub decoupler: Decoupler,
     /// Decodes in its place, if channels are to be watched.
-    pub watching: Option<Watching>,
+    pub watching: Option<FaultWatch>,
     /// What is written.
     pub columns: Columns,
     /// Samples per second.
@@ -54,7 +54,7 @@ struct Places {
     columns: usize,
 }
 
-impl Live {
+impl TextStream {
     /// Decodes lines until the input ends, a line cannot be read or nobody listens. Each answer is flushed.
     ///
     /// The first line may be headings, with units as in `u1 [mV]`; without, a line is nine numbers in the unit that the
