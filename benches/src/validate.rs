@@ -2,11 +2,12 @@
 
 use std::fmt;
 
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 use sixaxis_core::identify::stiffness::PAPER_GRID_PER_S2;
 use sixaxis_core::{LIMBS, Parameters, SixAxis};
 use sixaxis_reference::motion::TrueMotion;
 
+use sixaxis_props::faults::dying::angle_rad;
 use sixaxis_props::problem::recorded::{candidate, true_parameters};
 use sixaxis_props::tolerance::{self, DecoupledRun, Tolerance};
 
@@ -100,11 +101,6 @@ fn largest(errors: impl Iterator<Item = f64>) -> f64 {
 fn over_peak(pairs: impl Iterator<Item = (DVec3, DVec3)> + Clone) -> f64 {
     largest(pairs.clone().map(|(ours, truth)| (ours - truth).length()))
         / largest(pairs.map(|(_, truth)| truth.length()))
-}
-
-/// Angle of the rotation from one attitude to the other, rad, without the cancellation of an arc cosine.
-fn angle_rad(a: DQuat, b: DQuat) -> f64 {
-    2.0 * (a.inverse() * b).xyz().length().min(1.0).asin()
 }
 
 /// A decoupled run: every sample from the second to the last but one, in order, near the truth throughout.

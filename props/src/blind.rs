@@ -23,7 +23,7 @@ pub const TUNING_SEEDS: core::ops::Range<u64> = 1..101_000;
 /// First of the seeds that are reported.
 pub const REPORTED_FROM: u64 = 200_000;
 /// Formats that sessions are written in, in turn.
-pub const FORMATS: [&str; 4] = ["npz", "parquet", "tdms", "csv"];
+const FORMATS: [&str; 4] = ["npz", "parquet", "tdms", "csv"];
 
 /// Wedges of a healthy laboratory are this good, degrees: half an arc minute, which a workshop grinds. A tenth of a degree
 /// spoils the 1 Hz validation run by 15 %, and the verdict says so.

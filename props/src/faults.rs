@@ -31,9 +31,9 @@ const HEALTHY: u64 = 4096;
 /// Samples after the failure at which a trial ends at the latest.
 const LONGEST: u64 = 80_000;
 /// Course of a drift to its size, and of a burst.
-pub const DRIFT_SAMPLES: u64 = 10_000;
+const DRIFT_SAMPLES: u64 = 10_000;
 /// See [`DRIFT_SAMPLES`].
-pub const BURST_SAMPLES: u64 = 3_000;
+const BURST_SAMPLES: u64 = 3_000;
 /// Highest frequency of the motion, Hz, and what a sine of it moves the mass by, m.
 const HIGHEST_HZ: f64 = 5.0;
 const MOVED_M: f64 = 1e-7;

@@ -17,7 +17,7 @@ pub const SAMPLE_RATE_HZ: f64 = 10_000.0;
 /// Standard deviation of the scale factors' drift since the calibration.
 pub const DRIFT: f64 = 5e-3;
 /// Standard deviation of the zero drifts' change since then, V.
-pub const ZERO_DRIFT_V: f64 = 5e-3;
+const ZERO_DRIFT_V: f64 = 5e-3;
 /// Random streams.
 const SENSOR_STREAM: u128 = 11;
 const NOISE_STREAM: u128 = 12;

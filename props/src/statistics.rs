@@ -15,7 +15,7 @@ pub const ONE_IN_A_MILLION: f64 = 4.8916;
 /// Interval that a chi-square variable stays in with the probability that belongs to the normal quantile `z`, by Wilson
 /// and Hilferty's cube root: good to a per cent of the interval's width from ten degrees of freedom.
 #[must_use]
-pub fn chi_square_interval(degrees_of_freedom: usize, z: f64) -> (f64, f64) {
+fn chi_square_interval(degrees_of_freedom: usize, z: f64) -> (f64, f64) {
     let n = degrees_of_freedom as f64;
     let spread = (2.0 / (9.0 * n)).sqrt();
     let bound = |z: f64| n * (1.0 - 2.0 / (9.0 * n) + z * spread).powi(3);

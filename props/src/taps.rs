@@ -258,7 +258,7 @@ pub struct Tally {
 }
 
 /// Standard deviation of ln k/m that is asked for.
-pub const BAR_LN: f64 = 1e-3;
+const BAR_LN: f64 = 1e-3;
 
 impl Tally {
     /// Counts; none of no outcome at all.

@@ -4,10 +4,8 @@
 //! |---|---|
 //! | [`study`] | plays the paper's campaign on MuJoCo, runs the paper's methods on it, holds the outcome against the truth |
 //! | [`sections`] | what a reader is told of it: one text file and one module for each section of the page |
-//! | [`progress`] | the display of work that takes long |
 //!
 //! `sixaxis_page` turns sections into one offline HTML page and knows nothing of sensors, simulators or campaigns.
 
-pub mod progress;
 pub mod sections;
 pub mod study;

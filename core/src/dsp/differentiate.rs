@@ -1,5 +1,4 @@
-//! Smoothing differentiator: value and slope of a polynomial fitted to each sample's neighbourhood (Savitzky and
-//! Golay).
+//! Smoothing differentiator: slope of a polynomial fitted to each sample's neighbourhood (Savitzky and Golay).
 //!
 //! The polynomial is held in the polynomials orthonormal on the window (Gram's), whose recurrence is known in closed
 //! form: no matrix is solved, and order 6 over hundreds of samples costs no digits where powers cost nine.
@@ -28,8 +27,7 @@ pub struct Differentiator {
     values: Vec<Basis>,
     /// Its derivative per sample at each place.
     slopes: Vec<Basis>,
-    /// Weights of value and slope in the middle of the window.
-    middle_value: Vec<f64>,
+    /// Weights of the slope in the middle of the window.
     pub(super) middle_slope: Vec<f64>,
 }
 
@@ -63,10 +61,9 @@ impl Differentiator {
         let (values, slopes): (Vec<_>, Vec<_>) = (0..=2 * half_width)
             .map(|place| basis_at(place, half_width, order))
             .unzip();
-        let weights = |at: &Basis| values.iter().map(|v| dot(at, v)).collect();
+        let middle = &slopes[half_width];
         Ok(Self {
-            middle_value: weights(&values[half_width]),
-            middle_slope: weights(&slopes[half_width]),
+            middle_slope: values.iter().map(|v| dot(middle, v)).collect(),
             half_width,
             sample_rate_hz,
             values,
@@ -84,42 +81,30 @@ impl Differentiator {
     /// # Errors
     /// [`Error::TooFewSamples`] for a series shorter than the window, [`Error::NotFinite`], [`Error::Overflow`].
     pub fn derivative(&self, series: &[f64]) -> Result<Vec<f64>> {
-        let mut derivative = self.apply(series, &self.middle_slope, &self.slopes)?;
-        for slope in &mut derivative {
-            *slope *= self.sample_rate_hz;
-        }
-        check_answer("differentiator", derivative.iter().copied())?;
-        Ok(derivative)
-    }
-
-    /// The series smoothed by the same polynomials, in its own unit.
-    ///
-    /// # Errors
-    /// As [`Self::derivative`].
-    pub fn smoothed(&self, series: &[f64]) -> Result<Vec<f64>> {
-        let smoothed = self.apply(series, &self.middle_value, &self.values)?;
-        check_answer("differentiator", smoothed.iter().copied())?;
-        Ok(smoothed)
-    }
-
-    /// `middle` weighs the samples around an interior one; towards the ends the polynomial of the first or last
-    /// window is evaluated by `basis`.
-    fn apply(&self, series: &[f64], middle: &[f64], basis: &[Basis]) -> Result<Vec<f64>> {
         let width = 2 * self.half_width + 1;
         check_length("differentiator", width, series.len())?;
         check_finite(series)?;
+        // Towards the ends the polynomial of the first or the last window is evaluated.
         let first = self.fit(&series[..width]);
         let last = self.fit(&series[series.len() - width..]);
-        let (head, tail) = (&basis[..self.half_width], &basis[self.half_width + 1..]);
-        let interior = series
-            .windows(width)
-            .map(|window| middle.iter().zip(window).map(|(w, x)| w * x).sum());
-        Ok(head
+        let head = &self.slopes[..self.half_width];
+        let tail = &self.slopes[self.half_width + 1..];
+        let interior = series.windows(width).map(|window| {
+            self.middle_slope
+                .iter()
+                .zip(window)
+                .map(|(w, x)| w * x)
+                .sum()
+        });
+        let derivative: Vec<f64> = head
             .iter()
             .map(|at| dot(at, &first))
             .chain(interior)
             .chain(tail.iter().map(|at| dot(at, &last)))
-            .collect())
+            .map(|slope: f64| slope * self.sample_rate_hz)
+            .collect();
+        check_answer("differentiator", derivative.iter().copied())?;
+        Ok(derivative)
     }
 
     /// Weights of a window's samples in the slope of its polynomial at one place, per sample.
@@ -154,32 +139,6 @@ impl Differentiator {
             .map(|(i, w)| w * sin_cos(phase * (i as f64 - self.half_width as f64)).0)
             .sum();
         sum / phase
-    }
-
-    /// Lowest frequency at which [`Self::relative_gain`] falls to the root of a half, Hz, to 1e-15 of itself (test
-    /// `ref_exact_bandwidth`).
-    #[must_use]
-    pub fn bandwidth_hz(&self) -> f64 {
-        let target = core::f64::consts::FRAC_1_SQRT_2;
-        // A scan finds the first crossing, bisection refines it. The gain has a lobe for each sample of the window:
-        // eight points on each cannot step over the first crossing. Half the sample rate, gain 0, ends the scan.
-        let nyquist_hz = 0.5 * self.sample_rate_hz;
-        let step = nyquist_hz / (8 * self.middle_slope.len()) as f64;
-        let mut high = step;
-        while high < nyquist_hz && self.relative_gain(high) > target {
-            high += step;
-        }
-        let mut low = high - step;
-        // Each halves the bracket: 60 take it below rounding.
-        for _ in 0..60 {
-            let middle = 0.5 * (low + high);
-            if self.relative_gain(middle) > target {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        0.5 * (low + high)
     }
 }
 

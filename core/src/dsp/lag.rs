@@ -126,8 +126,7 @@ pub fn undo_high_pass(record: &[f64], corner_hz: f64, sample_rate_hz: f64) -> Re
 /// Input of a first-order low-pass from its output: u = y + tau y'.
 ///
 /// What is left at frequency f is (1 + i f/corner R) / (1 + i f/corner) with R the differentiator's
-/// [`Differentiator::relative_gain`]: nothing well below its [`Differentiator::bandwidth_hz`], the bare instrument well
-/// above. A gyroscope of 10 Hz at 1 kHz, window 2 x 10 + 1, order 4, comes back within 1.1e-5 of the amplitude up to
+/// [`Differentiator::relative_gain`]: nothing where that is 1, the bare instrument where it is 0. A gyroscope of 10 Hz at 1 kHz, window 2 x 10 + 1, order 4, comes back within 1.1e-5 of the amplitude up to
 /// 5 Hz, 6e-5 at the ends, where it had lost 11 % and lagged by 27 degrees (test `inv_undone_gyroscope`); its white
 /// noise then weighs 1.8 times as much.
 ///

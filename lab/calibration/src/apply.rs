@@ -12,6 +12,7 @@
 //! | [`fault_watch`] | the same with the fault monitor |
 //! | [`pipeline`] | the same, with a thread for reading and one for writing |
 //! | [`rest_to_rest`] | a whole run in memory, with the rest-to-rest correction |
+//! | [`job`] | all of this for one recording and one result |
 //! | [`text_stream`] | rows of text from standard input to rows on standard output |
 //!
 //! The answer to a recording does not depend on how it was cut into blocks nor on the timing of the threads: blocks are cut
@@ -21,6 +22,7 @@ pub mod check_grade;
 pub mod conditioning_stream;
 pub mod decoding;
 pub mod fault_watch;
+pub mod job;
 pub mod rest_to_rest;
 pub mod text_stream;
 

@@ -44,6 +44,7 @@ pub mod progress;
 pub mod propagation;
 pub mod report;
 pub mod response;
+pub mod self_calibrate;
 pub mod steps;
 pub mod tap;
 pub mod trial;

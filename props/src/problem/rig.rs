@@ -114,13 +114,3 @@ pub fn errors(samples: &[SixAxis], run: &SimulatedRun) -> [f64; 2] {
     }
     [error[0] / peak[0], error[1] / peak[1]]
 }
-
-/// Largest error of the rate, rad/s.
-#[must_use]
-pub fn rate_error(samples: &[SixAxis], run: &SimulatedRun) -> f64 {
-    largest(
-        samples
-            .iter()
-            .map(|s| (s.rate_shell_rad_s - run.truth[s.sample as usize].rate_shell_rad_s).length()),
-    )
-}

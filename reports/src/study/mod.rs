@@ -26,19 +26,34 @@ use sixaxis_reference::laboratory::Laboratory;
 use sixaxis_reference::mujoco::version;
 use sixaxis_reference::rig::run::Mounting;
 
-use crate::progress::Progress;
 use plan::Plan;
 use results::{Gravity, Results};
 use session::Preset;
 use simulations::Simulations;
 
+/// Who is told how far the work is: name of a stage, units of work in it, units done since the last call. From any thread.
+pub type Progress<'a> = dyn Fn(&str, u64, u64) + Sync + 'a;
+
+/// Steps that are not alike, each a stage of its own.
+struct Steps<'a>(&'a Progress<'a>);
+
+impl Steps<'_> {
+    /// Does a step; an error names it.
+    fn step<T>(&self, name: &'static str, work: impl FnOnce() -> Result<T>) -> Result<T> {
+        (self.0)(name, 1, 0);
+        let outcome = work().context(name);
+        (self.0)(name, 1, 1);
+        outcome
+    }
+}
+
 /// Runs the study.
 ///
 /// # Errors
 /// The first simulation, identification or decoupling that refuses, with what it was doing.
-pub fn run(plan: &Plan, progress: &Progress) -> Result<Results> {
+pub fn run(plan: &Plan, progress: &Progress<'_>) -> Result<Results> {
     let simulations = &simulations::simulate(plan, progress)?;
-    let steps = progress.steps("analysis");
+    let steps = Steps(progress);
     let truth = truth::identified_parameters();
     let perfect = Laboratory::noise_free(truth::sensor(&truth));
     let laboratory = Laboratory::with_errors(truth::sensor(&truth), plan.seed);

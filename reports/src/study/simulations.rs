@@ -14,10 +14,10 @@ use sixaxis_reference::mujoco::threshold::{self, SweepPoint};
 use sixaxis_reference::rig::run::{Mode, Mounting};
 use sixaxis_reference::sensor::TrueSensor;
 
+use super::Progress;
 use super::plan::{
     CAMPAIGN_RATE_HZ, CAMPAIGN_STEPS, COMPOUND_RATE_HZ, COMPOUND_STEPS, Plan, SWEEP_STEP_S,
 };
-use crate::progress::Progress;
 
 /// Everything that was simulated.
 pub struct Simulations {
@@ -211,17 +211,17 @@ fn tasks(plan: &Plan) -> Vec<Task> {
 ///
 /// # Errors
 /// The first simulation that fails, by name.
-pub fn simulate(plan: &Plan, progress: &Progress) -> Result<Simulations> {
+pub fn simulate(plan: &Plan, progress: &Progress<'_>) -> Result<Simulations> {
     let mut tasks = tasks(plan);
     // Longest first, so that no thread is left alone with a long run at the end.
     tasks.sort_by_key(|task| core::cmp::Reverse(task.steps()));
-    let stage = progress.stage("MuJoCo", tasks.iter().map(Task::steps).sum());
+    let total = tasks.iter().map(Task::steps).sum();
     let outcomes = tasks
         .par_iter()
         .with_max_len(1)
         .map(|task| {
             let outcome = task.run();
-            stage.advance(task.steps());
+            progress("MuJoCo", total, task.steps());
             outcome
         })
         .collect::<Result<Vec<_>>>()?;

@@ -12,7 +12,7 @@ use super::Row;
 use super::setup::Setup;
 
 /// Columns of the excluded and of the suspected limbs: their numbers as digits of one number, 0 for none.
-pub const FLAGS: [(&str, &str); 2] = [("without_limbs", ""), ("suspected_limbs", "")];
+pub const FLAGS: [(&str, &str); 2] = [("excluded_limbs", ""), ("suspected_limbs", "")];
 
 /// The channels of [`FLAGS`].
 pub fn flags(sample_rate_hz: f64) -> impl Iterator<Item = Channel> {

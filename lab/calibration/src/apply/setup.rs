@@ -186,15 +186,8 @@ impl Setup {
 
 /// The recording's entry in the session: the same file, or else the only one of that name.
 fn entry_of<'a>(file: &'a SessionFile, recording: &Path) -> Result<&'a Entry> {
-    let same = |entry: &&Entry| {
-        let resolved = file.resolve(&entry.file);
-        match (resolved.canonicalize(), recording.canonicalize()) {
-            (Ok(a), Ok(b)) => a == b,
-            _ => resolved == recording,
-        }
-    };
     let entries = &file.session.recording;
-    if let Some(entry) = entries.iter().find(same) {
+    if let Some(entry) = entries.iter().find(|e| file.names(&e.file, recording)) {
         return Ok(entry);
     }
     let mut named = entries

@@ -7,6 +7,7 @@ use crate::channel::Layout;
 use crate::error::{Error, Result};
 use crate::motion::MOTION_CHANNELS;
 use crate::session::{Channels, LIMBS, Session};
+use crate::unit::{STANDARD_GRAVITY_M_S2, Unit};
 
 /// Columns of a motion without which it is none: its six accelerations.
 pub const ACCELERATIONS: usize = 6;
@@ -68,12 +69,29 @@ pub fn standards(
     channels: &Channels,
     session: &Session,
 ) -> Result<[Column; 2]> {
-    let index = position(path, layout, &channels.accelerometer)?;
-    let size = units::accelerometer(path, &layout.channels[index], channels, session)?;
-    let accelerometer = Column::new(layout, index, size);
-    let index = position(path, layout, &channels.gyroscope)?;
-    let size = units::gyroscope(path, &layout.channels[index], channels, session)?;
-    Ok([accelerometer, Column::new(layout, index, size)])
+    let find = |name: &str, unit: Option<&str>, sensitivity| {
+        let index = position(path, layout, name)?;
+        let size = units::standard(path, &layout.channels[index], unit, sensitivity)?;
+        Ok(Column::new(layout, index, size))
+    };
+    let accelerometer = (
+        Unit::Acceleration(STANDARD_GRAVITY_M_S2),
+        session.accelerometer.sensitivity_mv_per_g,
+        "accelerometer.sensitivity_mv_per_g",
+    );
+    let gyroscope = (
+        Unit::Rate(core::f64::consts::PI / 180.0),
+        session.gyroscope.sensitivity_mv_per_deg_s,
+        "gyroscope.sensitivity_mv_per_deg_s",
+    );
+    let (accelerometer_unit, gyroscope_unit) = (
+        channels.accelerometer_unit.as_deref(),
+        channels.gyroscope_unit.as_deref(),
+    );
+    Ok([
+        find(&channels.accelerometer, accelerometer_unit, accelerometer)?,
+        find(&channels.gyroscope, gyroscope_unit, gyroscope)?,
+    ])
 }
 
 /// The time stamps, in s: the channel of this name, or else the one that the layout takes for them.

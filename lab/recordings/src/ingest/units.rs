@@ -4,8 +4,8 @@ use std::path::Path;
 
 use crate::channel::{Channel, Layout};
 use crate::error::{Error, Result};
-use crate::session::{Channels, Session};
-use crate::unit::{self, STANDARD_GRAVITY_M_S2, Unit};
+use crate::session::Channels;
+use crate::unit::{self, Unit};
 
 /// A refusal of a channel's unit.
 fn refuse(path: &Path, channel: &Channel, cause: impl Into<String>) -> Error {
@@ -59,56 +59,28 @@ pub(super) fn volts(path: &Path, channel: &Channel, channels: &Channels) -> Resu
     }
 }
 
-/// m/s^2 per unit of the standard accelerometer's channel, through its sensitivity where the channel is in volts.
+/// m/s^2 or rad/s per unit of a standard's channel. One in volts needs the instrument's sensitivity, mV per `per`, which the
+/// session has at `key`.
 ///
 /// # Errors
 /// [`Error::Unit`], as [`volts`], and for a channel in volts without a sensitivity.
-pub(super) fn accelerometer(
+pub(super) fn standard(
     path: &Path,
     channel: &Channel,
-    channels: &Channels,
-    session: &Session,
+    stated: Option<&str>,
+    (per, sensitivity_mv, key): (Unit, Option<f64>, &str),
 ) -> Result<f64> {
-    match of(path, channel, channels.accelerometer_unit.as_deref())? {
-        Unit::Acceleration(si) => Ok(si),
-        Unit::Voltage(volts) => match session.accelerometer.sensitivity_mv_per_g {
-            Some(mv_per_g) => Ok(volts / (mv_per_g * 1e-3) * STANDARD_GRAVITY_M_S2),
-            None => Err(refuse(
-                path,
-                channel,
-                "in volts; accelerometer.sensitivity_mv_per_g is missing",
-            )),
-        },
-        _ => Err(refuse(
-            path,
-            channel,
-            "neither an acceleration nor a voltage",
-        )),
-    }
-}
-
-/// rad/s per unit of the standard gyroscope's channel, through its sensitivity where the channel is in volts.
-///
-/// # Errors
-/// As [`accelerometer`].
-pub(super) fn gyroscope(
-    path: &Path,
-    channel: &Channel,
-    channels: &Channels,
-    session: &Session,
-) -> Result<f64> {
-    match of(path, channel, channels.gyroscope_unit.as_deref())? {
-        Unit::Rate(si) => Ok(si),
-        Unit::Voltage(volts) => match session.gyroscope.sensitivity_mv_per_deg_s {
-            Some(mv) => Ok(volts / (mv * 1e-3) * core::f64::consts::PI / 180.0),
-            None => Err(refuse(
-                path,
-                channel,
-                "in volts; gyroscope.sensitivity_mv_per_deg_s is missing",
-            )),
-        },
-        _ => Err(refuse(path, channel, "neither a rate nor a voltage")),
-    }
+    let cause = match (of(path, channel, stated)?, per, sensitivity_mv) {
+        (Unit::Acceleration(si), Unit::Acceleration(_), _) | (Unit::Rate(si), Unit::Rate(_), _) => {
+            return Ok(si);
+        }
+        (Unit::Voltage(volts), Unit::Acceleration(si) | Unit::Rate(si), Some(mv)) => {
+            return Ok(volts / (mv * 1e-3) * si);
+        }
+        (Unit::Voltage(_), _, None) => format!("in volts; {key} is missing"),
+        _ => "neither in a unit of what it measures nor in volts".to_owned(),
+    };
+    Err(refuse(path, channel, cause))
 }
 
 /// Seconds per unit of a channel of time stamps; 1 where the unit is missing or no unit of time.

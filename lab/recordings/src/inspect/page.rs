@@ -16,28 +16,32 @@ const NAME: usize = 48;
 /// Lays out the page.
 #[must_use]
 pub fn page(inspections: &[&Inspection]) -> Page {
-    let one = match inspections {
-        [one] => Some(*one),
-        _ => None,
-    };
-    let mut sections = Vec::new();
-    for (k, inspection) in inspections.iter().enumerate() {
-        sections.push(of_file(inspection, k + 1, one.is_some()));
+    let facts = vec![("sixaxis".to_owned(), env!("CARGO_PKG_VERSION").to_owned())];
+    if let [one] = inspections {
+        let mut section = Section::new("file-1", "What is noticed", "");
+        section.blocks = blocks(one, 1);
+        return Page {
+            title: format!("Recording {}", text(name_of(&one.file), NAME)),
+            subtitle: text(&one.format, 256),
+            facts,
+            tiles: tiles(one),
+            sections: vec![section],
+        };
     }
+    let sections = inspections.iter().enumerate().map(|(k, inspection)| {
+        let title = text(name_of(&inspection.file), NAME);
+        let lead = format!("{}.", text(&inspection.format, 256));
+        let mut section = Section::new(format!("file-{}", k + 1), title, lead);
+        section.blocks = blocks(inspection, k + 1);
+        section
+    });
     Page {
-        title: match one {
-            Some(one) => format!("Recording {}", text(name_of(&one.file), NAME)),
-            None => format!("{} recordings", inspections.len()),
-        },
-        subtitle: match one {
-            Some(one) => text(&one.format, 256),
-            None => {
-                "What is in each: channels, clock, noise, spectrum, and what is noticed.".to_owned()
-            }
-        },
-        facts: vec![("sixaxis".to_owned(), env!("CARGO_PKG_VERSION").to_owned())],
-        tiles: one.map_or_else(Vec::new, tiles),
-        sections,
+        title: format!("{} recordings", inspections.len()),
+        subtitle: "What is in each: channels, clock, noise, spectrum, and what is noticed."
+            .to_owned(),
+        facts,
+        tiles: Vec::new(),
+        sections: sections.collect(),
     }
 }
 
@@ -61,60 +65,33 @@ fn name_of(file: &str) -> &str {
 }
 
 fn tiles(one: &Inspection) -> Vec<Tile> {
+    let tile =
+        |label: &str, value: String, note: &str| Tile::new(label, value, note, State::Neutral);
     let channels: usize = one.groups.iter().map(|g| g.channels.len()).sum();
-    let mut tiles = vec![Tile::new(
-        "channels",
-        count(channels as u64),
-        "without time stamps",
-        State::Neutral,
-    )];
+    let channels = count(channels as u64);
+    let mut tiles = vec![tile("channels", channels, "without time stamps")];
     if let [group] = one.groups.as_slice() {
-        tiles.push(Tile::new(
-            "samples of each",
-            count(group.samples),
-            "",
-            State::Neutral,
-        ));
+        tiles.push(tile("samples of each", count(group.samples), ""));
         tiles.push(match group.sample_rate_hz {
-            Some(rate) => Tile::new(
-                "sample rate",
-                with_unit(rate, 5, "Hz"),
-                group.sample_rate_origin.words(),
-                State::Neutral,
-            ),
+            Some(rate) => {
+                let origin = group.sample_rate_origin.words();
+                tile("sample rate", with_unit(rate, 5, "Hz"), origin)
+            }
             None => Tile::new("sample rate", "unknown", "nothing tells it", State::Warn),
         });
         if let Some(duration) = group.duration_s {
-            tiles.push(Tile::new(
-                "duration",
-                with_unit(duration, 4, "s"),
-                "",
-                State::Neutral,
-            ));
+            tiles.push(tile("duration", with_unit(duration, 4, "s"), ""));
         }
     }
     tiles.push(match one.told(Severity::Noticed).count() {
         0 => Tile::new("noticed", "nothing", "", State::Good),
-        some => Tile::new("noticed", count(some), "see below", State::Neutral),
+        some => tile("noticed", count(some as u64), "see below"),
     });
     tiles
 }
 
-fn of_file(inspection: &Inspection, k: usize, alone: bool) -> Section {
-    let mut first = Section::new(
-        format!("file-{k}"),
-        if alone {
-            "What is noticed".to_owned()
-        } else {
-            text(name_of(&inspection.file), NAME)
-        },
-        // Alone, it stands under the headline.
-        if alone {
-            String::new()
-        } else {
-            format!("{}.", text(&inspection.format, 256))
-        },
-    );
+/// The blocks of the `k`-th file.
+fn blocks(inspection: &Inspection, k: usize) -> Vec<Block> {
     let list = |severity| {
         let facts = inspection.told(severity);
         facts.fold(String::new(), |all, fact| {
@@ -122,75 +99,52 @@ fn of_file(inspection: &Inspection, k: usize, alone: bool) -> Section {
         })
     };
     let (noticed, remarks) = (list(Severity::Noticed), list(Severity::Remark));
-    first = first.block(Block::Text(if noticed.is_empty() {
+    let mut blocks = vec![Block::Text(if noticed.is_empty() {
         "Nothing noticed.".to_owned()
     } else {
         noticed
-    }));
+    })];
     if !remarks.is_empty() {
-        first = first
-            .block(Block::Heading("To be known".to_owned()))
-            .block(Block::Text(remarks));
+        let heading = Block::Heading("To be known".to_owned());
+        blocks.extend([heading, Block::Text(remarks)]);
     }
     let mut left = DRAWN;
     for (g, group) in inspection.groups.iter().enumerate() {
-        first = first.block(Block::Table(numbers(inspection, group)));
+        blocks.push(Block::Table(numbers(inspection, group)));
         let drawn = &group.channels[..group.channels.len().min(left)];
         left -= drawn.len();
-        if drawn.is_empty() {
-            continue;
+        let id = |kind: &str, n: usize| format!("{kind}-{k}-{}-{}", g + 1, n + 1);
+        let (mut histories, mut spectra) = (Vec::new(), Vec::new());
+        for (n, channel) in drawn.iter().enumerate() {
+            if channel.finite() > 0 {
+                histories.push(history(&id("history", n), channel, group));
+            }
+            spectra.extend(spectrum(&id("spectrum", n), channel, group));
         }
-        let id = format!("{k}-{}", g + 1);
-        let histories: Vec<Figure> = drawn
-            .iter()
-            .enumerate()
-            .filter(|(_, c)| c.finite() > 0)
-            .map(|(n, c)| history(&format!("history-{id}-{}", n + 1), c, group))
-            .collect();
-        if !histories.is_empty() {
-            first = first
-                .block(Block::Heading("Time histories".to_owned()))
-                .block(Block::FigureGrid(histories));
-        }
-        let spectra: Vec<Figure> = drawn
-            .iter()
-            .enumerate()
-            .filter_map(|(n, c)| spectrum(&format!("spectrum-{id}-{}", n + 1), c, group))
-            .collect();
-        if !spectra.is_empty() {
-            first = first
-                .block(Block::Heading("Spectra".to_owned()))
-                .block(Block::FigureGrid(spectra));
+        for (heading, figures) in [("Time histories", histories), ("Spectra", spectra)] {
+            if !figures.is_empty() {
+                let heading = Block::Heading(heading.to_owned());
+                blocks.extend([heading, Block::FigureGrid(figures)]);
+            }
         }
     }
     let all: usize = inspection.groups.iter().map(|g| g.channels.len()).sum();
     if all > DRAWN {
-        first = first.block(Block::Note(format!(
+        blocks.push(Block::Note(format!(
             "{DRAWN} of {all} channels are drawn; the table has all."
         )));
     }
-    first
-}
-
-/// A number, in full as its tooltip.
-fn number(value: Option<f64>, digits: usize) -> Cell {
-    Cell::or_dash(value.map(|x| Cell::of(x, |x| significant(x, digits))))
+    blocks
 }
 
 /// The numbers of a group's channels, and the highest line of each spectrum.
 fn numbers(inspection: &Inspection, group: &Group) -> Table {
-    let hertz = match group.sample_rate_hz {
-        Some(_) => "Hz",
-        None => "1/sample",
+    let number = |value: Option<f64>, digits| {
+        Cell::or_dash(value.map(|x| Cell::of(x, |x| significant(x, digits))))
     };
-    let flat = |channel: &ChannelFacts| {
-        let tops = [&channel.flat_bottom, &channel.flat_top];
-        let samples: u64 = tops.into_iter().flatten().map(|top| top.samples).sum();
-        count(samples)
-    };
-    let noticed = |channel: &ChannelFacts| {
-        let mut concerned = inspection.told(Severity::Noticed);
-        match concerned.any(|fact| fact.channels.contains(&channel.name)) {
+    let noticed = |channel: &&ChannelFacts| {
+        let mut facts = inspection.told(Severity::Noticed);
+        match facts.any(|fact| fact.channels.contains(&channel.name)) {
             true => Cell::from("see above").state(State::Warn),
             false => Cell::from(MISSING),
         }
@@ -198,31 +152,36 @@ fn numbers(inspection: &Inspection, group: &Group) -> Table {
     let mut table =
         Table::of("channel", &group.channels, |c| text(&c.name, NAME)).text("unit", |c| {
             match listing::unit(c).as_str() {
-                "-" => MISSING.to_owned(),
-                unit => text(unit, NAME),
+                "-" => Cell::from(MISSING),
+                unit => Cell::from(text(unit, NAME)),
             }
         });
     for (label, digits, value) in NUMBERS {
         table = table.col(label, |c| number(value(c), digits));
     }
+    let peak = match group.sample_rate_hz {
+        Some(_) => ("peak at", "Hz"),
+        None => ("peak at", "1/sample"),
+    };
     table
-        .col(("flat", "samples"), |c| flat(c))
+        .col(("flat", "samples"), |c| {
+            let ends = [&c.flat_bottom, &c.flat_top].into_iter().flatten();
+            count(ends.map(|top| top.samples).sum::<u64>())
+        })
         .col(("not finite", "samples"), |c| {
             count(c.not_a_number + c.infinite)
         })
-        .col(("peak at", hertz), |c| {
-            number(c.dominant.map(|line| line.frequency), 4)
-        })
+        .col(peak, |c| number(c.dominant.map(|line| line.frequency), 4))
         .col("its amplitude", |c| {
             number(c.dominant.map(|line| line.amplitude), 3)
         })
-        .text("noticed", |c| noticed(c))
+        .text("noticed", noticed)
         .caption(listing::heading(group))
         .footnote(
             "Each row in the channel's own unit; one with a question mark is not understood by the other commands. Noise: \
-             standard deviation of the white noise, from third differences. Step: smallest difference of two samples. \
-             Bits: what the range needs in such steps, where all samples stand on a grid of them. Drift: mean of the last \
-             tenth less mean of the first. Peak: highest line of the spectrum, if one stands out.",
+             standard deviation of the white noise, from third differences. Step: smallest difference of two samples. Bits: \
+             what the range needs in such steps, where all samples stand on a grid of them. Drift: mean of the last tenth \
+             less mean of the first. Peak: highest line of the spectrum, if one stands out.",
         )
         .into()
 }

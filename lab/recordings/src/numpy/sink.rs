@@ -4,7 +4,10 @@ use std::fs::File;
 use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-use super::{header, zip};
+use zip::CompressionMethod;
+use zip::write::{SimpleFileOptions, ZipWriter};
+
+use super::header;
 use crate::channel::{Block, Layout, is_sample_rate};
 use crate::draft::{Draft, folder_of};
 use crate::error::{Error, Place, Result};
@@ -170,38 +173,36 @@ impl Sink for NpzSink {
             let channels = layout.channels.len() as u64;
             let margin = (1 << 16) * (channels + texts.len() as u64) + (1 << 20);
             let long = channels * bytes + margin > u64::from(u32::MAX);
-            let mut zip =
-                zip::Writer::new(BufWriter::with_capacity(1 << 18, &mut self.output), long);
-            let columns = channels;
+            // Without the time of day (1980-01-01), so that equal recordings give equal files.
+            let options = SimpleFileOptions::default()
+                .compression_method(CompressionMethod::Stored)
+                .large_file(long);
+            let mut zip = ZipWriter::new(BufWriter::with_capacity(1 << 18, &mut self.output));
             for (at, channel) in layout.channels.iter().enumerate() {
-                zip.member(&format!("{}.npy", channel.name), bytes, |output| {
-                    output.write_all(&array)?;
-                    copy_column(
-                        &mut self.spool,
-                        output,
-                        at as u64,
-                        columns,
-                        self.rows,
-                        self.piece as u64,
-                    )
-                })?;
+                zip.start_file(format!("{}.npy", channel.name), options)?;
+                zip.write_all(&array)?;
+                copy_column(
+                    &mut self.spool,
+                    &mut zip,
+                    at as u64,
+                    channels,
+                    self.rows,
+                    self.piece as u64,
+                )?;
             }
             if let Some(rate) = common_rate(layout) {
-                let mut scalar = header::write("<f8", &[]);
-                scalar.extend(rate.to_le_bytes());
-                zip.member("sample_rate_hz.npy", scalar.len() as u64, |output| {
-                    output.write_all(&scalar)
-                })?;
+                zip.start_file("sample_rate_hz.npy", options)?;
+                zip.write_all(&header::write("<f8", &[]))?;
+                zip.write_all(&rate.to_le_bytes())?;
             }
             for (name, text) in texts {
-                let mut scalar = header::write(&format!("<U{}", text.chars().count()), &[]);
-                scalar.extend(text.chars().flat_map(|c| u32::from(c).to_le_bytes()));
-                let name = format!("{name}.npy");
-                zip.member(&name, scalar.len() as u64, |output| {
-                    output.write_all(&scalar)
-                })?;
+                zip.start_file(format!("{name}.npy"), options)?;
+                zip.write_all(&header::write(&format!("<U{}", text.chars().count()), &[]))?;
+                for character in text.chars() {
+                    zip.write_all(&u32::from(character).to_le_bytes())?;
+                }
             }
-            zip.finish().map(|_| ())
+            zip.finish()?.flush()
         };
         complete().map_err(|source| Error::io(&self.path, source))?;
         self.draft.keep(&self.output)

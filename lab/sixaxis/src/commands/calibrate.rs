@@ -4,12 +4,10 @@ mod joint;
 mod repetition;
 
 use std::fmt::Write as _;
-use std::io::{ErrorKind, Write as _};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::{Mutex, PoisonError};
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
 use serde::Serialize;
 use sixaxis_calibration::calibrate::{CalibratedSession, Options, calibrate};
@@ -17,12 +15,13 @@ use sixaxis_calibration::calibration;
 use sixaxis_calibration::finding::Finding;
 use sixaxis_calibration::iteration::Criterion;
 use sixaxis_calibration::page;
-use sixaxis_calibration::progress;
 use sixaxis_calibration::report::{Estimator, Grade};
 use sixaxis_page::render;
 use sixaxis_recordings::draft::write_atomically;
 use sixaxis_recordings::session::{self, SessionFile};
-use sixaxis_reports::progress::{Progress, Stage};
+
+use super::common::{check_outputs, print, print_json};
+use crate::progress::Progress;
 
 use repetition::Repetition;
 
@@ -104,7 +103,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
             Schema::Session => session::schema(),
             Schema::Calibration => calibration::schema(),
         };
-        print(&format!("{}\n", serde_json::to_string_pretty(&schema)?))?;
+        print_json(&schema)?;
         return Ok(ExitCode::SUCCESS);
     }
     let estimator = match (arguments.estimator, arguments.robust) {
@@ -133,33 +132,24 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
             .unwrap_or_else(|| beside("calibration.html")),
     };
     targets.check(&file)?;
-    let progress = if arguments.quiet {
-        Progress::hidden()
-    } else {
-        Progress::shown()
-    };
     let calibrated = {
-        let watched = ShownProgress::new(&progress);
+        let progress = Progress::new(arguments.quiet);
         let repeat = arguments.iterate.map(|passes| Criterion {
             passes: usize::from(passes),
             ..Criterion::default()
         });
-        calibrate(&file, &Options { repeat, estimator }, &watched)?
+        calibrate(&file, &Options { repeat, estimator }, &progress)?
     };
     let page = render(&page::calibration::page(&file, &calibrated))?;
     // The calibration last: whoever sees a new one finds its report beside it.
-    write_atomically(&targets.report, page.as_bytes())
-        .with_context(|| format!("cannot write {}", targets.report.display()))?;
+    write_atomically(&targets.report, page.as_bytes())?;
     if let Some(calibration) = &calibrated.calibration {
-        calibration
-            .write(&targets.calibration)
-            .with_context(|| format!("cannot write {}", targets.calibration.display()))?;
+        calibration.write(&targets.calibration)?;
     }
     if arguments.json {
-        let summary = Summary::new(&calibrated, &targets);
-        print(&format!("{}\n", serde_json::to_string_pretty(&summary)?))?;
+        print_json(&Summary::new(&calibrated, &targets))?;
     } else if !arguments.quiet {
-        print(&summary(&calibrated, &targets))?;
+        print(summary(&calibrated, &targets))?;
     }
     Ok(ExitCode::from(match calibrated.grade {
         Grade::Good => 0,
@@ -177,63 +167,14 @@ struct Targets {
 impl Targets {
     /// Refuses to write one over the other, or over what is read.
     fn check(&self, file: &SessionFile) -> Result<()> {
-        let same = |a: &Path, b: &Path| {
-            a == b || matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
-        };
-        ensure!(
-            !same(&self.calibration, &self.report),
-            "--out and --report are both {}: give them different names",
-            self.report.display()
-        );
-        let read = std::iter::once(file.path.clone()).chain(
-            file.session.recording.iter().flat_map(|entry| {
-                std::iter::once(&entry.file)
-                    .chain(&entry.reference_file)
-                    .map(|name| file.resolve(name))
-                    .collect::<Vec<_>>()
-            }),
-        );
-        for source in read {
-            for target in [&self.calibration, &self.report] {
-                ensure!(
-                    !same(target, &source),
-                    "{} is read in this session and would be written over: name another file",
-                    target.display()
-                );
-            }
-        }
-        Ok(())
-    }
-}
-
-/// The library's stages on the command's progress display.
-struct ShownProgress<'a> {
-    progress: &'a Progress,
-    stage: Mutex<Option<Stage>>,
-}
-
-impl<'a> ShownProgress<'a> {
-    fn new(progress: &'a Progress) -> Self {
-        Self {
-            progress,
-            stage: Mutex::new(None),
-        }
-    }
-}
-
-impl progress::Progress for ShownProgress<'_> {
-    fn stage(&self, name: &str, parts: usize) {
-        let mut stage = self.stage.lock().unwrap_or_else(PoisonError::into_inner);
-        // The old one finishes its line before the new one begins.
-        *stage = None;
-        *stage = Some(self.progress.stage(name.to_owned(), parts as u64));
-    }
-
-    fn part(&self) {
-        let stage = self.stage.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(stage) = stage.as_ref() {
-            stage.advance(1);
-        }
+        let entries = file.session.recording.iter();
+        let names = entries.flat_map(|e| std::iter::once(&e.file).chain(&e.reference_file));
+        let read: Vec<PathBuf> = names.map(|name| file.resolve(name)).collect();
+        let inputs = std::iter::once(&file.path).chain(&read);
+        check_outputs(
+            &[("--out", &self.calibration), ("--report", &self.report)],
+            inputs.map(PathBuf::as_path),
+        )
     }
 }
 
@@ -402,15 +343,4 @@ fn wrapped(out: &mut String, first: &str, rest: &str, text: &str) {
     }
     out.push_str(&line);
     out.push('\n');
-}
-
-/// Prints; a reader that has gone away, such as `head`, is no error.
-fn print(text: &str) -> Result<()> {
-    let mut out = std::io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            Err(error).context("cannot print the summary")
-        }
-        _ => Ok(()),
-    }
 }

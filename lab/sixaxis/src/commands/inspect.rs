@@ -1,23 +1,24 @@
 //! `sixaxis inspect`: what is in a recording.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use serde::Serialize;
 use sixaxis_page::render;
 use sixaxis_recordings::draft::write_atomically;
 use sixaxis_recordings::ingest::columns::BLOCK;
 use sixaxis_recordings::inspect::{Inspection, Severity, inspect, listing, page};
 use sixaxis_recordings::session::SessionFile;
-use sixaxis_reports::progress::Progress;
+
+use super::common::{check_outputs, print, print_json};
+use crate::progress::Progress;
 
 /// Which recordings, and in what form the answer is wanted.
 #[derive(clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
-    /// Recordings: .csv, .txt, .tsv (also .gz), .lvm, .tdms, .parquet, .npy, .npz, .mat
+    /// Recordings: .csv, .txt, .tsv (also .gz), .lvm, .tdms, .parquet, .npy, .npz, .h5, .mat
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// All numbers as JSON on standard output
@@ -69,26 +70,25 @@ struct Document<'a> {
 /// Looks at each file in turn.
 pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     if let Some(picture) = &arguments.picture {
-        spare_the_recordings(picture, &arguments.files)?;
+        let files = arguments.files.iter().map(PathBuf::as_path);
+        check_outputs(&[("--picture", picture)], files)?;
     }
     let session = arguments.session.as_deref().map(SessionFile::read);
     let session = session.transpose()?;
-    let progress = Progress::shown();
     let mut outcomes = Vec::new();
     for (index, file) in arguments.files.iter().enumerate() {
-        let mut stage = None;
+        let progress = Progress::shown();
         let mut advance = |rows, total| {
             // A recording of a single block is read before a bar could be seen.
             if total > BLOCK as u64 {
-                let stage = stage.get_or_insert_with(|| progress.stage("inspect", total));
-                stage.advance(rows);
+                progress.report("inspect", total, rows);
             }
         };
         match inspect(file, session.as_ref(), &mut advance) {
             Ok(mut inspection) => {
                 if !arguments.json {
                     let between = if index > 0 { "\n" } else { "" };
-                    say(&format!("{between}{}", listing::text(&inspection)))?;
+                    print(format!("{between}{}", listing::text(&inspection)))?;
                 }
                 if !arguments.spectra && arguments.picture.is_none() {
                     forget_densities(&mut inspection);
@@ -109,7 +109,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         if arguments.json {
             eprintln!("{}", picture.display());
         } else {
-            say(&format!("\n{}\n", picture.display()))?;
+            print(format!("\n{}\n", picture.display()))?;
         }
     }
     if arguments.json {
@@ -124,7 +124,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
             sixaxis_version: env!("CARGO_PKG_VERSION"),
             files: &outcomes,
         };
-        say(&format!("{}\n", serde_json::to_string_pretty(&document)?))?;
+        print_json(&document)?;
     }
     let failed = outcomes.iter().any(|o| matches!(o, Outcome::Failed { .. }));
     let noticed = outcomes
@@ -137,21 +137,6 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
             (false, false) => 0,
         },
     ))
-}
-
-/// Refuses to write the picture over a recording.
-fn spare_the_recordings(picture: &Path, files: &[PathBuf]) -> Result<()> {
-    for file in files {
-        if let (Ok(a), Ok(b)) = (picture.canonicalize(), file.canonicalize())
-            && a == b
-        {
-            bail!(
-                "--picture {} is one of the recordings; name another file",
-                picture.display()
-            );
-        }
-    }
-    Ok(())
 }
 
 fn draw(picture: &Path, outcomes: &[Outcome]) -> Result<()> {
@@ -169,8 +154,7 @@ fn draw(picture: &Path, outcomes: &[Outcome]) -> Result<()> {
         );
     }
     let page = page::page(&read);
-    write_atomically(picture, render(&page)?.as_bytes())
-        .with_context(|| format!("cannot write {}", picture.display()))
+    Ok(write_atomically(picture, render(&page)?.as_bytes())?)
 }
 
 fn forget_densities(inspection: &mut Inspection) {
@@ -178,16 +162,5 @@ fn forget_densities(inspection: &mut Inspection) {
         if let Some(spectrum) = &mut channel.spectrum {
             spectrum.densities = Vec::new();
         }
-    }
-}
-
-/// Prints; a reader that has seen enough, such as `head`, is no error.
-fn say(text: &str) -> Result<()> {
-    let mut out = std::io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
-            Err(error).context("cannot write to standard output")
-        }
-        _ => Ok(()),
     }
 }

@@ -2,12 +2,16 @@
 
 pub mod calibrate;
 pub mod campaign;
+pub mod common;
 pub mod compare;
 pub mod completions;
 pub mod decouple;
 pub mod inspect;
 pub mod integrator;
+pub mod man;
+#[cfg(feature = "harness")]
 pub mod model;
+#[cfg(feature = "harness")]
 pub mod report;
 pub mod self_calibrate;
 pub mod simulate;

@@ -11,9 +11,10 @@ use sixaxis_page::render;
 use sixaxis_page::standalone::standalone;
 use sixaxis_props::{evidence, motions, tolerance};
 use sixaxis_recordings::draft::write_atomically;
-use sixaxis_reports::progress::Progress;
 use sixaxis_reports::sections;
 use sixaxis_reports::study::{self, plan::Plan, results::Results};
+
+use crate::progress::Progress;
 
 /// What to play and where to write.
 #[derive(clap::Args)]
@@ -97,16 +98,16 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         .build()
         .context("cannot start the threads")?;
     let progress = Progress::shown();
-    let results = pool.install(|| study::run(plan, &progress))?;
+    let report = |name: &str, total, units| progress.report(name, total, units);
+    let results = pool.install(|| study::run(plan, &report))?;
     let motions = plan.random_motions();
-    let stage = progress.stage("motions", motions);
     let mut rows = pool.install(|| {
         let scheme = Scheme::AdamsMoulton4;
         motions::compare_all(plan.seed, motions, scheme, tolerance::DECOUPLED, || {
-            stage.advance(1);
+            progress.report("motions", motions, 1);
         })
     });
-    drop(stage);
+    drop(progress);
     let run = Run {
         sixaxis_version: results.sixaxis_version.clone(),
         commit: commit(),

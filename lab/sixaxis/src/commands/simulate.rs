@@ -17,7 +17,8 @@ use sixaxis_reference::laboratory::plan_file;
 use sixaxis_reference::laboratory::session::{simulate_session_watched, work_ms};
 use sixaxis_reference::laboratory::tumble::record_tumble;
 use sixaxis_reference::laboratory::write::{SESSION_FILE, TRUTH_FOLDER, write, write_beside};
-use sixaxis_reports::progress::Progress;
+
+use crate::progress::Progress;
 
 /// What to play and where to write.
 #[derive(clap::Args)]
@@ -42,9 +43,7 @@ pub struct Arguments {
     /// The sensor: as the paper identified it, as it was designed, or scattered about the design [default: paper]
     #[arg(long, value_parser = choice::<SensorChoice>(&["paper", "design", "random"]))]
     sensor: Option<SensorChoice>,
-    /// What moves it: MuJoCo, which takes 40 s of processor time for the paper's campaign, shared by all cores, or a closed form
-    /// with limbs that do not give way, which takes 0.3 s and agrees to 1e-5 up to 5 Hz [default: mujoco]
-    #[arg(long, value_parser = choice::<Engine>(&["mujoco", "rigid"]))]
+    #[arg(long, help = ENGINE_HELP, value_parser = choice::<Engine>(ENGINES))]
     engine: Option<Engine>,
     /// What is wrong with the session; `random`: one of these or nothing, and only the truth folder tells [default: none]
     #[arg(long, value_name = "KIND", value_parser = defect_choice())]
@@ -70,6 +69,21 @@ pub struct Arguments {
     force: bool,
 }
 
+/// Engines that were compiled in, the default first.
+const ENGINES: &[&str] = if cfg!(feature = "harness") {
+    &["mujoco", "rigid"]
+} else {
+    &["rigid"]
+};
+
+const ENGINE_HELP: &str = if cfg!(feature = "harness") {
+    "What computes the motions: MuJoCo, which takes 40 s of processor time for the paper's campaign, shared by all cores, or a \
+     closed form with rigid limbs, which takes 0.3 s and agrees to 1e-5 up to 5 Hz [default: mujoco]"
+} else {
+    "What computes the motions: a closed form with rigid limbs, which agrees with MuJoCo to 1e-5 up to 5 Hz; MuJoCo itself is \
+     not compiled in [default: rigid]"
+};
+
 const AFTER_HELP: &str = "\
 Examples:
   sixaxis simulate --out day                                  the paper's campaign
@@ -83,7 +97,7 @@ The folder's truth/ holds what no laboratory knows: true parameters and motions,
 last: a folder that has one is complete.";
 
 /// One of some words.
-fn choice<T>(words: &[&'static str]) -> impl TypedValueParser<Value = T> + use<T>
+fn choice<T>(words: &'static [&'static str]) -> impl TypedValueParser<Value = T> + use<T>
 where
     T: DeserializeOwned + Clone + Send + Sync + 'static,
 {
@@ -139,10 +153,11 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     );
     std::fs::create_dir_all(out)
         .with_context(|| format!("cannot create the output folder {}", out.display()))?;
-    let stage = Progress::shown().stage("simulating", work_ms(&plan)?);
-    let played = simulate_session_watched(&plan, &|ms| stage.advance(ms))
+    let progress = Progress::shown();
+    let work = work_ms(&plan)?;
+    let played = simulate_session_watched(&plan, &|ms| progress.report("simulating", work, ms))
         .context("cannot play the session")?;
-    drop(stage);
+    drop(progress);
     let session = write(&played, out, &arguments.format)?;
     let field = match arguments.tumble {
         Some(duration_s) => Some(from_the_field(arguments, &plan, duration_s)?),
@@ -194,7 +209,11 @@ const LONGEST_TUMBLE_S: f64 = 600.0;
 fn plan(arguments: &Arguments) -> Result<SessionPlan> {
     let mut plan = match &arguments.plan {
         Some(path) => plan_file::read(path)?,
-        None => SessionPlan::default(),
+        None if cfg!(feature = "harness") => SessionPlan::default(),
+        None => SessionPlan {
+            engine: Engine::Rigid,
+            ..SessionPlan::default()
+        },
     };
     let in_file = plan.clone();
     let Arguments {
@@ -225,6 +244,10 @@ fn plan(arguments: &Arguments) -> Result<SessionPlan> {
 
 /// A refusal with the file and line that it is about.
 fn located(path: &Path, error: SessionError) -> anyhow::Error {
+    #[cfg_attr(
+        not(feature = "harness"),
+        expect(irrefutable_let_patterns, reason = "the other errors are MuJoCo's")
+    )]
     let SessionError::Plan { key, cause } = &error else {
         return error.into();
     };

@@ -6,6 +6,7 @@ mod calibrate_joint;
 mod campaign;
 mod decouple;
 mod docs;
+mod help;
 mod inspect;
 mod program;
 mod self_calibrate;

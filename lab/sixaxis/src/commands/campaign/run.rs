@@ -2,14 +2,14 @@
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use anyhow::{Context, Result};
 use sixaxis_campaign::plan::{CampaignPlan, LARGEST_SEED, Shard};
 use sixaxis_campaign::run::{Order, Watch, run as work};
 use sixaxis_reference::laboratory::plan_file;
-use sixaxis_reports::progress::{Progress, Stage};
+
+use crate::progress::Progress;
 
 /// Which cases and where to write.
 #[derive(clap::Args)]
@@ -56,14 +56,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let session = plan_file::read(&arguments.plan)?;
     let plan = CampaignPlan::new(&session, arguments.first_seed, arguments.count)
         .with_context(|| format!("{} cannot be run", arguments.plan.display()))?;
-    let watched = Watched {
-        progress: if arguments.quiet {
-            Progress::hidden()
-        } else {
-            Progress::shown()
-        },
-        stage: Mutex::new(None),
-    };
+    let shown = Shown(Progress::new(arguments.quiet));
     let started = Instant::now();
     let done = work(
         &Order {
@@ -72,9 +65,9 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
             folder: &arguments.out,
             threads: arguments.threads,
         },
-        &watched,
+        &shown,
     )?;
-    drop(watched);
+    drop(shown);
     if arguments.quiet {
         return Ok(ExitCode::SUCCESS);
     }
@@ -102,26 +95,15 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
 }
 
 /// The library's work on the command's progress display.
-struct Watched {
-    progress: Progress,
-    stage: Mutex<Option<Stage>>,
-}
+struct Shown(Progress);
 
-impl Watched {
-    fn stage(&self) -> std::sync::MutexGuard<'_, Option<Stage>> {
-        self.stage.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-impl Watch for Watched {
+impl Watch for Shown {
     fn begins(&self, cases: u64, _: u64) {
-        *self.stage() = Some(self.progress.counted("calibrating", cases));
+        self.0.counted("calibrating", cases);
     }
 
     fn case(&self) {
-        if let Some(stage) = self.stage().as_ref() {
-            stage.advance(1);
-        }
+        self.0.advance(1);
     }
 
     fn set_aside(&self, part: &Path, now: &Path, cause: &str) {

@@ -2,7 +2,7 @@
 
 mod clocks;
 mod deviations;
-mod failed_limbs;
+mod excluded_limbs;
 mod refusals;
 mod results;
 mod session;

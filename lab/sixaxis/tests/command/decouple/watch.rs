@@ -49,7 +49,7 @@ fn ref_a_limb_that_dies_is_named_and_done_without() {
     let said = decouple(&failed, &survived, true);
     assert!(said.contains("limb 5: "), "{said}");
     assert!(said.contains("decoded without limb 5"), "{said}");
-    let (flags, _) = columns(&survived, &["without_limbs", "suspected_limbs"]);
+    let (flags, _) = columns(&survived, &["excluded_limbs", "suspected_limbs"]);
     assert!(flags[0][..onset - 2].iter().all(|&limbs| limbs == 0.0));
     let switched = flags[0]
         .iter()
@@ -64,7 +64,7 @@ fn ref_a_limb_that_dies_is_named_and_done_without() {
     let unreadable = out("unreadable.csv");
     let said = decouple(&silent, &unreadable, true);
     assert!(said.contains("limb 5: "), "{said}");
-    let (flags, _) = columns(&unreadable, &["without_limbs"]);
+    let (flags, _) = columns(&unreadable, &["excluded_limbs"]);
     let first = flags[0].iter().position(|&limbs| limbs == 5.0);
     assert!(first.is_some_and(|row| row <= onset), "{first:?}");
     // From there on the answers are those of the sound run but for the noise of one limb less; with the dead limb they are not.

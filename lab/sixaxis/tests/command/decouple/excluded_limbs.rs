@@ -1,4 +1,4 @@
-//! `--failed`: what a lost channel says is not looked at, and sets that cannot be done without are refused.
+//! `--excluded`: what a lost channel says is not looked at, and sets that cannot be done without are refused.
 
 use std::io::Write;
 use std::process::Stdio;
@@ -48,7 +48,7 @@ fn ref_a_lost_channel_is_not_missed() {
         texts.join(",")
     };
     let (gain, down) = (list("gain_n_per_v"), list("gravity_ground_m_s2"));
-    let settings = ["--gain", &gain, "--down", &down, "--failed", "5"];
+    let settings = ["--gain", &gain, "--down", &down, "--excluded", "5"];
     let without = decouple(text(&broken), "without.parquet", &settings);
     assert!(healthy != without, "limb 5 was listened to all the same");
     for (healthy, without) in healthy.iter().zip(&without) {
@@ -67,7 +67,7 @@ fn ref_a_lost_channel_is_not_missed() {
         text(&broken),
         "--gain",
         &gain,
-        "--failed",
+        "--excluded",
         "3",
     ]);
     assert!(stderr(&refused).contains("\"u5\""), "{}", stderr(&refused));
@@ -78,8 +78,11 @@ fn inv_sets_that_cannot_be_done_without_are_refused() {
     let folder = Folder::new("decouple-failed-refused");
     let out = folder.file("out.csv");
     for (failed, said) in [
-        ("2,4", "limbs 2 and 4 failed: of a force along"),
-        ("1,2,3", "limbs 1, 2 and 3 failed"),
+        (
+            "2,4",
+            "limbs 2 and 4 excluded: the remaining limbs cannot observe a force along",
+        ),
+        ("1,2,3", "limbs 1, 2 and 3 excluded"),
         ("1,2,3,4", "at most three"),
         ("10", "from 1 to 9"),
     ] {
@@ -87,7 +90,7 @@ fn inv_sets_that_cannot_be_done_without_are_refused() {
             "decouple",
             &calibration(),
             text(&compound()),
-            "--failed",
+            "--excluded",
             failed,
             "--out",
             &out,
@@ -102,7 +105,7 @@ fn inv_sets_that_cannot_be_done_without_are_refused() {
 fn inv_a_stream_does_not_read_a_lost_channel() {
     let mut child = sixaxis()
         .args(["decouple", &calibration(), "-", "--rate", "1000"])
-        .args(["--gain", "0.01", "--failed", "5,9"])
+        .args(["--gain", "0.01", "--excluded", "5,9"])
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())

@@ -1,15 +1,13 @@
-//! The result, for scripts and for people.
+//! The result: serialized for scripts, and as text.
 
 use std::fmt::Write as _;
 
-use anyhow::Result;
 use serde::Serialize;
-use sixaxis_calibration::calibration::Calibration;
 use sixaxis_core::redundancy::self_calibration::{Drifted, Scales};
 use sixaxis_core::significance::NORMAL_95;
 use sixaxis_core::{LIMBS, LimbSet};
 
-use super::Arguments;
+use super::Check;
 use super::measured::Measured;
 
 /// What it comes to.
@@ -30,7 +28,7 @@ pub enum Finding {
 
 /// Limbs that a poor motion does not tell apart.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Open {
+pub(super) struct Open {
     limbs: Vec<usize>,
     against: Vec<usize>,
 }
@@ -46,7 +44,7 @@ impl From<(LimbSet, LimbSet)> for Open {
 
 /// One limb.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Limb {
+pub(super) struct Limb {
     limb: usize,
     drifted: bool,
     /// Change of its scale factor against the limbs that kept theirs, and half the width of the 95 % interval.
@@ -67,6 +65,7 @@ pub struct Summary {
     samples: u64,
     sample_rate_hz: f64,
     block_samples: u32,
+    /// What the measurement comes to.
     pub finding: Finding,
     false_alarm: f64,
     limbs: Vec<Limb>,
@@ -76,10 +75,13 @@ pub struct Summary {
     limit_of_none: Option<f64>,
     common_percent: Option<f64>,
     common_half_width_95_percent: Option<f64>,
-    pub open: Vec<Open>,
-    pub open_in_words: Option<String>,
+    pub(super) open: Vec<Open>,
+    pub(super) open_in_words: Option<String>,
+    /// The corrected calibration, where one was written.
     pub written: Option<String>,
+    /// Where gains, rate and direction of gravity are from.
     pub notes: Vec<String>,
+    /// What is wrong with the recording or contradicts the equations.
     pub warnings: Vec<String>,
 }
 
@@ -90,17 +92,17 @@ fn percent(ln: f64) -> f64 {
 
 impl Summary {
     /// Before anything is known.
-    pub fn new(arguments: &Arguments, calibration: &Calibration, measured: &Measured) -> Self {
+    pub(super) fn new(check: &Check, measured: &Measured) -> Self {
         Self {
-            recording: arguments.recording.display().to_string(),
-            since: arguments.since.as_ref().map(|p| p.display().to_string()),
-            calibration: arguments.calibration.display().to_string(),
-            serial: calibration.sensor.serial.clone(),
+            recording: check.recording.display().to_string(),
+            since: check.since.map(|p| p.display().to_string()),
+            calibration: check.calibration_name.display().to_string(),
+            serial: check.calibration.sensor.serial.clone(),
             samples: measured.samples,
             sample_rate_hz: measured.sample_rate_hz,
             block_samples: measured.block,
             finding: Finding::Nothing,
-            false_alarm: arguments.false_alarm,
+            false_alarm: check.false_alarm,
             limbs: Vec::new(),
             rival: None,
             chi_square_of_none: None,
@@ -116,7 +118,7 @@ impl Summary {
     }
 
     /// Who drifted. A misfit stays one.
-    pub fn put(&mut self, said: &Drifted) -> Result<()> {
+    pub(super) fn put(&mut self, said: &Drifted) {
         let z = NORMAL_95;
         if self.finding == Finding::Nothing {
             self.finding = match (said.explained, said.limbs.is_empty()) {
@@ -138,11 +140,10 @@ impl Summary {
         self.rival = said.rival.map(|set| set.numbers().collect());
         self.chi_square_of_none = Some(said.chi_square_of_none);
         self.limit_of_none = Some(said.limit_of_none);
-        Ok(())
     }
 
     /// All nine.
-    pub fn put_scales(&mut self, scales: &Scales) -> Result<()> {
+    pub(super) fn put_scales(&mut self, scales: &Scales) {
         let z = NORMAL_95;
         for (i, limb) in self.limbs.iter_mut().enumerate() {
             limb.absolute_percent = Some(percent(scales.ln_scale[i]));
@@ -150,7 +151,6 @@ impl Summary {
         }
         self.common_percent = Some(percent(scales.ln_common));
         self.common_half_width_95_percent = Some(1e2 * z * scales.common_deviation);
-        Ok(())
     }
 
     /// For people.

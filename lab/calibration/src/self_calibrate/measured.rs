@@ -2,14 +2,13 @@
 
 use std::path::Path;
 
+use crate::apply::conditioning_stream::ConditioningStream;
+use crate::apply::explain;
+use crate::apply::recording::{Batch, Recording};
+use crate::apply::setup::Setup;
 use anyhow::{Result, ensure};
-use sixaxis_calibration::apply::conditioning_stream::ConditioningStream;
-use sixaxis_calibration::apply::explain;
-use sixaxis_calibration::apply::recording::{Batch, Recording};
-use sixaxis_calibration::apply::setup::Setup;
 use sixaxis_core::redundancy::self_calibration::{Accumulator, Moments};
 use sixaxis_core::{LIMBS, Scheme};
-use sixaxis_reports::progress::Progress;
 
 /// A time of rest, s from the recording's beginning.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,7 +50,7 @@ pub struct Change {
     pub deviation_v: [f64; LIMBS],
 }
 
-/// What a recording said.
+/// What a recording holds.
 pub struct Measured {
     /// Its moments.
     pub moments: Moments,
@@ -107,7 +106,15 @@ const FEWEST_BLOCKS: f64 = 8.0;
 
 impl Measured {
     /// Reads a recording from end to end, conditioned as `sixaxis decouple` does it.
-    pub fn of(path: &Path, setup: &Setup, rests: Option<[Rest; 2]>) -> Result<Self> {
+    ///
+    /// # Errors
+    /// A recording that cannot be read, or is shorter than a block; rests that are too short.
+    pub fn of(
+        path: &Path,
+        setup: &Setup,
+        rests: Option<[Rest; 2]>,
+        advance: &dyn Fn(u64, u64),
+    ) -> Result<Self> {
         let mut recording =
             Recording::open(path, &setup.channels, setup.rate_hz, setup.full_scale_v)?;
         let sample_rate_hz = recording.sample_rate_hz;
@@ -130,17 +137,16 @@ impl Measured {
             }
             Ok(())
         };
-        let stage = Progress::shown().stage("self-calibrating", recording.samples.unwrap_or(0));
+        let total = recording.samples.unwrap_or(0);
         let (mut batch, mut rows) = (Batch::default(), Vec::new());
         while recording.read(&mut batch)? {
             conditioning.push(&batch.rows, &mut rows);
             take(&rows)?;
             rows.clear();
-            stage.advance(batch.rows.len() as u64);
+            advance(total, batch.rows.len() as u64);
         }
         conditioning.finish(&mut rows)?;
         take(&rows)?;
-        drop(stage);
         let change = match rests {
             None => None,
             Some(rests) => {

@@ -1,8 +1,8 @@
 //! What a calibration says of its own scale factors, and a calibration with others.
 
+use crate::calibration::Calibration;
+use crate::report::Grade;
 use anyhow::{Result, ensure};
-use sixaxis_calibration::calibration::Calibration;
-use sixaxis_calibration::report::Grade;
 use sixaxis_core::LIMBS;
 use sixaxis_core::redundancy::self_calibration::PerLimbs;
 

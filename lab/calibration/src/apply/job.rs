@@ -1,0 +1,209 @@
+//! One recording to one result: what is to be done, and what is known when it is done.
+
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use serde::Serialize;
+use sixaxis_core::{Decoupler, LimbSet, Scheme, Settings};
+use sixaxis_recordings::envelope::Envelope;
+use sixaxis_recordings::{Channel, Layout, Sink};
+
+use super::conditioning_stream::ConditioningStream;
+use super::decoding::{Columns, DEVIATIONS, Decoding};
+use super::fault_watch::{FaultWatch, flags};
+use super::pipeline::{self, Busy};
+use super::recording::Recording;
+use super::rest_to_rest;
+use super::setup::Setup;
+use super::text_stream::TextStream;
+use crate::calibration::Calibration;
+
+/// What is to be decoupled, and how.
+pub struct Job<'a> {
+    /// The calibration.
+    pub calibration: &'a Calibration,
+    /// Its name in errors and in the result.
+    pub calibration_name: &'a Path,
+    /// What is known of the recording.
+    pub setup: &'a Setup,
+    /// Which columns are written.
+    pub columns: Columns,
+    /// How the rate is integrated.
+    pub scheme: Scheme,
+    /// Whether the run ends as it began, at rest in the same place, and is corrected to do so.
+    pub rest_to_rest: bool,
+    /// Whether standard deviations are written.
+    pub uncertainty: bool,
+    /// Expected false alarms in an hour of the fault monitor; none without it.
+    pub false_alarms_per_hour: Option<f64>,
+    /// Limbs whose channels are not read.
+    pub excluded: LimbSet,
+    /// Whether curves are kept for a picture.
+    pub picture: bool,
+}
+
+/// A recording that has been decoupled. Serialized, it is what `sixaxis decouple --json` prints.
+#[derive(Serialize)]
+pub struct Decoupled {
+    /// Samples read.
+    pub samples: u64,
+    /// Rows written.
+    pub rows: u64,
+    /// The sample, from 0, that the first row belongs to.
+    pub first_row_sample: u64,
+    /// Its time, s.
+    pub first_row_time_s: Option<f64>,
+    /// Samples per second.
+    pub sample_rate_hz: f64,
+    /// How the rate was integrated.
+    pub scheme: Scheme,
+    /// Gains of the amplifier ranges, N/V.
+    pub gain_n_per_v: [f64; 9],
+    /// Gravity at the first sample, m/s^2, in the ground's axes.
+    pub gravity_ground_m_s2: [f64; 3],
+    /// Corner of the low-pass on the voltages, Hz.
+    pub low_pass_hz: Option<f64>,
+    /// Limbs whose channels were not read, by number from 1.
+    pub excluded_limbs: Vec<usize>,
+    /// Samples of each channel at the converter's limit.
+    pub clipped_samples: [u64; 9],
+    /// Rate left at the end of the run before the rest-to-rest correction, rad/s.
+    pub end_rate_before_rad_s: Option<[f64; 3]>,
+    /// Rotation left there, a rotation vector, rad.
+    pub end_rotation_before_rad: Option<[f64; 3]>,
+    /// How long each of the three threads worked.
+    pub busy: Option<Busy>,
+    /// What is wrong with the recording or the result.
+    pub warnings: Vec<String>,
+    /// The curves of a picture.
+    #[serde(skip)]
+    pub curves: Option<Box<[Envelope; 6]>>,
+}
+
+impl Job<'_> {
+    fn decoupler(&self, settings: &Settings) -> Result<Decoupler> {
+        Decoupler::new(&self.setup.sensor, &self.setup.parameters, settings)
+            .with_context(|| self.calibration_name.display().to_string())?
+            .excluding(self.excluded)
+            .context("--excluded")
+    }
+
+    fn monitor(&self, settings: &Settings) -> Result<Option<FaultWatch>> {
+        self.false_alarms_per_hour
+            .map(|alarms| FaultWatch::new(self.setup, self.calibration, settings, alarms))
+            .transpose()
+    }
+
+    /// Decouples a stream of rows of text at a known rate.
+    ///
+    /// # Errors
+    /// Settings that do not fit the calibration or the rate.
+    pub fn live(&self, sample_rate_hz: f64) -> Result<TextStream> {
+        let settings = self.setup.settings(sample_rate_hz, self.scheme);
+        Ok(TextStream {
+            conditioning: ConditioningStream::new(&self.setup.conditioning, sample_rate_hz)?,
+            watching: self.monitor(&settings)?,
+            decoupler: self.decoupler(&settings)?,
+            columns: self.columns,
+            sample_rate_hz,
+            channels: self.setup.channels.clone(),
+            full_scale_v: self.setup.full_scale_v,
+        })
+    }
+
+    /// Decouples a file into a sink, of which `create` is told the columns; `advance` is told of the
+    /// samples that there are, 0 where it is not known, and of those that have been decoded since.
+    ///
+    /// # Errors
+    /// Settings that do not fit the calibration or the recording; a recording that cannot be read, or has no answer; a
+    /// sink that cannot be written. The result is not there then.
+    pub fn run(
+        &self,
+        path: &Path,
+        create: &dyn Fn(&Layout) -> Result<Box<dyn Sink>>,
+        advance: &dyn Fn(u64, u64),
+    ) -> Result<Decoupled> {
+        let setup = self.setup;
+        let mut recording =
+            Recording::open(path, &setup.channels, setup.rate_hz, setup.full_scale_v)?;
+        recording.without = self.excluded;
+        recording.watched = self.false_alarms_per_hour.is_some();
+        let rate_hz = recording.sample_rate_hz;
+        let settings = setup.settings(rate_hz, self.scheme);
+        let conditioning = ConditioningStream::new(&setup.conditioning, rate_hz)?;
+        let mut decoding = Decoding::new(self.decoupler(&settings)?, self.columns, self.picture);
+        let mut layout = self.columns.layout(rate_hz);
+        if self.uncertainty {
+            decoding = decoding.with_uncertainty(setup.uncertainty(self.calibration, &settings)?);
+            let deviations = DEVIATIONS.map(|(name, unit)| Channel {
+                sample_rate_hz: Some(rate_hz),
+                ..Channel::new(name, Some(unit))
+            });
+            layout.channels.extend(deviations);
+        }
+        if let Some(monitor) = self.monitor(&settings)? {
+            decoding = decoding.with_watching(monitor);
+            layout.channels.extend(flags(rate_hz));
+        }
+        self.describe(path, &mut layout);
+        let (mut trend, mut busy) = (None, None);
+        if self.rest_to_rest {
+            let mut stamps = Vec::new();
+            let (rows, found) =
+                rest_to_rest::read(&mut recording, conditioning, setup, &settings, &mut stamps)?;
+            rest_to_rest::write(&recording, &rows, &stamps, &mut decoding, create(&layout)?)?;
+            trend = Some(found);
+        } else {
+            let total = recording.samples.unwrap_or(0);
+            let advance = |samples| advance(total, samples);
+            let sink = create(&layout)?;
+            let recording = &mut recording;
+            let done = pipeline::run(recording, conditioning, &mut decoding, sink, &advance)?;
+            busy = Some(done);
+        }
+        let mut warnings = recording.warnings();
+        warnings.extend(decoding.messages());
+        if decoding.rows == 0 {
+            warnings.push(format!(
+                "{}: {} samples; a row needs three, the result is empty",
+                path.display(),
+                recording.seen.samples
+            ));
+        }
+        Ok(Decoupled {
+            samples: recording.seen.samples,
+            rows: decoding.rows,
+            first_row_sample: 1,
+            first_row_time_s: decoding.first_s,
+            sample_rate_hz: rate_hz,
+            scheme: self.scheme,
+            gain_n_per_v: setup.sensor.gains.gain_n_per_v,
+            gravity_ground_m_s2: setup.gravity_ground_m_s2.to_array(),
+            low_pass_hz: setup.conditioning.low_pass_hz,
+            excluded_limbs: self.excluded.numbers().collect(),
+            clipped_samples: recording.seen.clipped,
+            end_rate_before_rad_s: trend.map(|t| t.end_rate_before_rad_s.to_array()),
+            end_rotation_before_rad: trend.map(|t| t.end_rotation_before_rad.to_array()),
+            busy,
+            warnings,
+            curves: decoding.picture,
+        })
+    }
+
+    /// The result's properties: where it is from.
+    fn describe(&self, recording: &Path, layout: &mut Layout) {
+        let name = |path: &Path| {
+            let name = path.file_name().unwrap_or_default();
+            name.to_string_lossy().into_owned()
+        };
+        let mut put = |key: &str, value: String| layout.properties.insert(key.to_owned(), value);
+        put("sixaxis_version", env!("CARGO_PKG_VERSION").to_owned());
+        put("recording", name(recording));
+        put("calibration", name(self.calibration_name));
+        put("verdict", self.calibration.verdict.word().to_owned());
+        put("first_row_sample", "1".to_owned());
+        if !self.excluded.is_empty() {
+            put("excluded_limbs", self.excluded.to_string());
+        }
+    }
+}

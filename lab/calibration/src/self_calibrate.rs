@@ -1,0 +1,186 @@
+//! A calibration is checked with a recording from the field, without any standard.
+
+mod correction;
+mod measured;
+mod summary;
+
+use std::path::Path;
+
+use anyhow::{Context, Result, bail, ensure};
+use sixaxis_core::paper::signal::SignalChain;
+use sixaxis_core::redundancy::self_calibration::{
+    Drifted, KnownChange, Limits, PerLimbs, ScaleRatios, Scales, drifted,
+};
+use sixaxis_core::{Error, LIMBS};
+
+use crate::apply::setup::Setup;
+use crate::calibration::Calibration;
+
+use measured::Measured;
+pub use measured::Rest;
+pub use summary::{Finding, Summary};
+
+/// Misfit, as a probability, from which limbs are not named.
+const MISFIT: f64 = 1e-6;
+/// Correlation of neighbouring blocks, in deviations and as such, from which the intervals are reported as too narrow.
+const CORRELATED: (f64, f64) = (5.0, 0.1);
+/// Largest logarithm of a common factor that is accepted: half as much again.
+const LARGEST_COMMON: f64 = 0.4;
+
+/// What is checked with what.
+pub struct Check<'a> {
+    /// The calibration.
+    pub calibration: &'a Calibration,
+    /// Its name.
+    pub calibration_name: &'a Path,
+    /// The recording of a tumble.
+    pub recording: &'a Path,
+    /// One at the time of the calibration.
+    pub since: Option<&'a Path>,
+    /// What is known of a recording.
+    pub setup: &'a dyn Fn(&Path) -> Result<Setup>,
+    /// Known change of acceleration between two rests.
+    pub known_change: Option<Known>,
+    /// How often a sensor that has not drifted is reported to have.
+    pub false_alarm: f64,
+    /// Whether the calibration's own errors are left out.
+    pub calibration_exact: bool,
+}
+
+/// A known change of acceleration.
+#[derive(Debug, Clone, Copy)]
+pub struct Known {
+    /// Its length, m/s^2.
+    pub length_m_s2: f64,
+    /// Standard deviation of that, m/s^2.
+    pub deviation_m_s2: f64,
+    /// The rests before and after.
+    pub rests: [Rest; 2],
+}
+
+impl Check<'_> {
+    /// Measures, and names limbs that have drifted. `correct` asks for the calibration with the scale factors that were
+    /// found; `advance` is told of the samples that there are and of those that have been read since.
+    ///
+    /// # Errors
+    /// A recording that cannot be read, a known change that contradicts it, a correction that is not determined. A motion
+    /// that leaves ratios unobservable is no error but a [`Finding`].
+    pub fn run(
+        &self,
+        correct: bool,
+        advance: &dyn Fn(u64, u64),
+    ) -> Result<(Summary, Option<Calibration>)> {
+        let own = (self.setup)(self.recording)?;
+        let rests = self.known_change.map(|known| known.rests);
+        let measured = Measured::of(self.recording, &own, rests, advance)?;
+        let mut summary = Summary::new(self, &measured);
+        summary.notes.extend(own.notes.iter().cloned());
+        let now = match measured.moments.ratios(&Limits::default()) {
+            Ok(ratios) => ratios,
+            Err(Error::UnobservableScaleRatios { directions }) => {
+                summary.finding = Finding::TooPoor;
+                summary.open = directions.pairs().map(Into::into).collect();
+                summary.open_in_words = Some(directions.to_string());
+                return Ok((summary, None));
+            }
+            Err(error) => return Err(error).with_context(|| self.recording.display().to_string()),
+        };
+        let ratios = match self.since {
+            None => now,
+            Some(path) => {
+                let then = Measured::of(path, &(self.setup)(path)?, None, advance)?;
+                summary.warnings.extend(then.warnings.iter().cloned());
+                let then = then
+                    .moments
+                    .ratios(&Limits::default())
+                    .with_context(|| path.display().to_string())?;
+                ScaleRatios {
+                    ln_ratio: core::array::from_fn(|i| now.ln_ratio[i] - then.ln_ratio[i]),
+                    covariance: now.covariance + then.covariance,
+                    ..now
+                }
+            }
+        };
+        let calibrated = if self.calibration_exact || self.since.is_some() {
+            PerLimbs::zeros()
+        } else {
+            correction::covariance_of_ln_scale(self.calibration)?
+        };
+        note_misfit(&mut summary, &now);
+        let found = drifted(&ratios, &calibrated, self.false_alarm).context("--false-alarm")?;
+        summary.put(&found);
+        let scales = match (self.known_change, &measured.change) {
+            (Some(known), Some(change)) => {
+                let chain = SignalChain::new(&own.sensor.gains, &own.parameters);
+                let scales = KnownChange {
+                    voltage_change_v: change.voltage_v,
+                    voltage_deviation_v: change.deviation_v,
+                    length_m_s2: known.length_m_s2,
+                    length_deviation_m_s2: known.deviation_m_s2,
+                }
+                .scales(&chain, &now)
+                .context("--known-change")?;
+                ensure!(
+                    scales.ln_common.abs() < LARGEST_COMMON,
+                    "--known-change: between the rests the forces change by {:.2} m/s², not {}; was the sensor at rest there, and turned in between?",
+                    known.length_m_s2 * (-scales.ln_common).exp(),
+                    known.length_m_s2
+                );
+                summary.put_scales(&scales);
+                Some(scales)
+            }
+            _ => None,
+        };
+        let corrected = correct
+            .then(|| corrected(self.calibration, &summary, &found, scales.as_ref()))
+            .transpose()?;
+        Ok((summary, corrected))
+    }
+}
+
+/// Warns of what contradicts the equations or the model of the noise.
+fn note_misfit(summary: &mut Summary, ratios: &ScaleRatios) {
+    if ratios.misfit.chance() < MISFIT {
+        summary.finding = Finding::Misfit;
+        summary.warnings.push(format!(
+            "the three equations contradict each other: limb 1 would have to count {:+.3} % more in its first row than in its second ({:.0} standard deviations). Crosstalk, a bent frame or a channel that is not linear",
+            1e2 * ratios.misfit.ln_ratio,
+            ratios.misfit.z().abs()
+        ));
+    }
+    if ratios.lag_one_z() > CORRELATED.0 && ratios.lag_one_correlation > CORRELATED.1 {
+        summary.warnings.push(format!(
+            "what the equations leave is no white noise (neighbouring blocks correlate by {:.2}): drifts, slow noise or crosstalk; intervals are too narrow",
+            ratios.lag_one_correlation
+        ));
+    }
+}
+
+/// The calibration with the scale factors of the limbs that drifted, or of all with a known change.
+fn corrected(
+    calibration: &Calibration,
+    summary: &Summary,
+    found: &Drifted,
+    scales: Option<&Scales>,
+) -> Result<Calibration> {
+    let (ln_change, deviation): ([f64; LIMBS], [f64; LIMBS]) = match scales {
+        Some(scales) => (scales.ln_scale, scales.deviation),
+        None => {
+            if !matches!(summary.finding, Finding::Drifted | Finding::Nothing) {
+                bail!(
+                    "--write-calibration: it is not determined which limbs kept their scale; only --known-change determines all nine"
+                );
+            }
+            let of = |i: usize, x: f64| if found.limbs.contains(i) { x } else { 0.0 };
+            (
+                core::array::from_fn(|i| of(i, found.ln_change[i])),
+                core::array::from_fn(|i| of(i, found.deviation[i])),
+            )
+        }
+    };
+    Ok(correction::corrected(
+        calibration.clone(),
+        &ln_change,
+        &deviation,
+    ))
+}

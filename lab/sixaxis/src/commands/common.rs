@@ -1,0 +1,110 @@
+//! What several subcommands have in common: arguments, checks of paths, printing.
+
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, ensure};
+use sixaxis_calibration::apply::setup::Overrides;
+use sixaxis_recordings::session::SessionFile;
+
+/// What is known of a recording beside the file itself.
+#[derive(clap::Args)]
+pub struct Beside {
+    /// Session file that has the recording: gains, direction of gravity, channels and rate are taken from it
+    #[arg(long, value_name = "FILE")]
+    pub session: Option<PathBuf>,
+    /// Gains of this recording's amplifier ranges, N/V: one, or nine with commas
+    #[arg(
+        long,
+        value_name = "N/V",
+        value_delimiter = ',',
+        allow_hyphen_values = true
+    )]
+    gain: Vec<f64>,
+    /// Samples per second, where the file does not state them
+    #[arg(long, value_name = "HZ")]
+    pub rate: Option<f64>,
+    /// Direction of gravity in the sensor's axes at rest, a vector of any length
+    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
+    down: Option<[f64; 3]>,
+}
+
+fn vector(text: &str) -> Result<[f64; 3], String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|n| n.trim().parse()).collect();
+    let numbers = numbers.map_err(|_| "three numbers with commas are expected".to_owned())?;
+    <[f64; 3]>::try_from(numbers)
+        .map_err(|other| format!("{} numbers, three were expected", other.len()))
+}
+
+impl Beside {
+    /// The options that come before what the session file states.
+    pub fn overrides(&self) -> Overrides {
+        Overrides {
+            gain_n_per_v: self.gain.clone(),
+            rate_hz: self.rate,
+            down: self.down,
+        }
+    }
+
+    /// The session file, if one is named.
+    pub fn read_session(&self) -> Result<Option<SessionFile>> {
+        let path = self.session.as_deref();
+        Ok(path.map(SessionFile::read).transpose()?)
+    }
+}
+
+fn same_file(a: &Path, b: &Path) -> bool {
+    match (a.canonicalize(), b.canonicalize()) {
+        (Ok(a), Ok(b)) => a == b,
+        _ => a == b,
+    }
+}
+
+/// Refuses outputs, each with its option, that are one file, or that would replace an input.
+pub fn check_outputs<'a>(
+    outputs: &[(&str, &Path)],
+    inputs: impl IntoIterator<Item = &'a Path>,
+) -> Result<()> {
+    for (at, (option, output)) in outputs.iter().enumerate() {
+        for (other, earlier) in &outputs[..at] {
+            ensure!(
+                !same_file(output, earlier),
+                "{other} and {option} are the same file, {}",
+                output.display()
+            );
+        }
+    }
+    for input in inputs {
+        for (option, output) in outputs {
+            ensure!(
+                !same_file(output, input),
+                "{option}: {} is read and would be written over; name another file",
+                output.display()
+            );
+        }
+    }
+    Ok(())
+}
+
+/// Prints to standard output. A reader that has gone away, such as `head`, is no error.
+pub fn print(text: impl AsRef<[u8]>) -> Result<()> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_ref()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(error).context("cannot write to standard output")
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Prints a value as JSON.
+pub fn print_json(value: &impl serde::Serialize) -> Result<()> {
+    print(serde_json::to_string_pretty(value)? + "\n")
+}
+
+/// Prints to standard error, a line for each text.
+pub fn say(kind: &str, texts: &[String]) {
+    for text in texts {
+        eprintln!("{kind}: {text}");
+    }
+}
