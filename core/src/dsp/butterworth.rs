@@ -1,4 +1,4 @@
-//! Butterworth filters as second-order sections, by the bilinear transform with prewarped corner.
+//! Butterworth low-passes as second-order sections, by the bilinear transform with prewarped corner.
 //!
 //! Sections, not one long fraction: at order 8 and a corner of 5e-4 of the sample rate the coefficients of the
 //! fraction cancel to nothing, those of a section do not. What cancels in a section moves its corner by about
@@ -8,7 +8,7 @@
 use alloc::vec::Vec;
 
 use crate::error::{Result, require, require_positive};
-use crate::float::{sin_cos, sqrt, tan};
+use crate::float::{sin_cos, tan};
 
 /// Highest order offered.
 pub const MAX_ORDER: usize = 10;
@@ -49,12 +49,6 @@ impl Section {
     }
 }
 
-#[derive(Clone, Copy, PartialEq)]
-enum Kind {
-    LowPass,
-    HighPass,
-}
-
 /// Low-pass of the given order with its -3 dB corner at `corner_hz`: the same filter as SciPy's
 /// `butter(order, corner_hz, output="sos", fs=sample_rate_hz)` up to how the gain is shared among sections.
 ///
@@ -65,19 +59,6 @@ enum Kind {
 /// [`crate::Error::OutOfRange`] for an order outside 1..=10, a corner below [`LOWEST_CORNER`] or not below half the
 /// sample rate, a sample rate that is not positive and finite.
 pub fn low_pass(order: usize, corner_hz: f64, sample_rate_hz: f64) -> Result<Vec<Section>> {
-    design(Kind::LowPass, order, corner_hz, sample_rate_hz)
-}
-
-/// High-pass of the given order with its -3 dB corner at `corner_hz`. Gain at half the sample rate 1 to rounding, of a
-/// constant exactly 0; otherwise as accurate as [`low_pass`].
-///
-/// # Errors
-/// As [`low_pass`].
-pub fn high_pass(order: usize, corner_hz: f64, sample_rate_hz: f64) -> Result<Vec<Section>> {
-    design(Kind::HighPass, order, corner_hz, sample_rate_hz)
-}
-
-fn design(kind: Kind, order: usize, corner_hz: f64, sample_rate_hz: f64) -> Result<Vec<Section>> {
     require(
         (1..=MAX_ORDER).contains(&order),
         "order",
@@ -103,48 +84,14 @@ fn design(kind: Kind, order: usize, corner_hz: f64, sample_rate_hz: f64) -> Resu
         let a = [2.0 * (k * k - 1.0) * scale, (1.0 - damping + k * k) * scale];
         // From the rounded denominator, not from k: the rounding of a1 and a2 then cannot reach the gain of the
         // pass band, which it otherwise would by 1e-11 for each section at a corner of 5e-4.
-        let b = match kind {
-            Kind::LowPass => {
-                let b0 = (1.0 + a[0] + a[1]) / 4.0;
-                [b0, 2.0 * b0, b0]
-            }
-            Kind::HighPass => {
-                let b0 = (1.0 - a[0] + a[1]) / 4.0;
-                [b0, -2.0 * b0, b0]
-            }
-        };
+        let b0 = (1.0 + a[0] + a[1]) / 4.0;
+        let b = [b0, 2.0 * b0, b0];
         sections.push(Section { b, a });
     }
     if order % 2 == 1 {
         let a1 = (k - 1.0) / (k + 1.0);
-        let b = match kind {
-            Kind::LowPass => [0.5 * (1.0 + a1), 0.5 * (1.0 + a1), 0.0],
-            Kind::HighPass => [0.5 * (1.0 - a1), -0.5 * (1.0 - a1), 0.0],
-        };
+        let b = [0.5 * (1.0 + a1), 0.5 * (1.0 + a1), 0.0];
         sections.push(Section { b, a: [a1, 0.0] });
     }
     Ok(sections)
-}
-
-/// Gain of a cascade at a frequency: one pass; [`super::zero_phase`] has its square.
-#[must_use]
-pub fn gain(sections: &[Section], frequency_hz: f64, sample_rate_hz: f64) -> f64 {
-    let (s, c) = sin_cos(core::f64::consts::PI * (frequency_hz / sample_rate_hz));
-    // |c0 z + c1 + c2/z| with z = (c + i s)^2; cos as 1 - 2 s^2 below a quarter of the sample rate and 2 c^2 - 1 above
-    // keeps the digits that the sum of the coefficients loses where it all but vanishes.
-    let modulus_squared = |c0: f64, c1: f64, c2: f64| {
-        let real = if s.abs() < c.abs() {
-            (c0 + c1 + c2) - 2.0 * (c0 + c2) * s * s
-        } else {
-            (c1 - c0 - c2) + 2.0 * (c0 + c2) * c * c
-        };
-        let imaginary = 2.0 * (c0 - c2) * s * c;
-        real * real + imaginary * imaginary
-    };
-    sections
-        .iter()
-        .map(|Section { b, a }| {
-            sqrt(modulus_squared(b[0], b[1], b[2]) / modulus_squared(1.0, a[0], a[1]))
-        })
-        .product()
 }

@@ -1,7 +1,7 @@
 //! Removing offset and trend.
 //!
-//! Each is a projection: what it leaves, it leaves again. A static record takes [`linear`]; a run from rest to rest
-//! takes [`rest_to_rest_trend`], because the least-squares line of a motion is not zero and would be taken for drift.
+//! Each is a projection: what it leaves, it leaves again. The trend is a line between two rests, because the least-squares line of a
+//! motion is not zero and would be taken for drift.
 
 use super::{check_answer, check_finite, check_length};
 use crate::error::Result;
@@ -22,32 +22,9 @@ pub fn constant(series: &mut [f64]) -> Result<f64> {
     Ok(mean)
 }
 
-/// Takes the least-squares line off and returns it as (value at the first sample, change per sample). Equals SciPy's
-/// `detrend` to 4e-15 of the peak (test `ref_scipy_detrend`). Takes the trend of a motion off, too: for those see
-/// [`rest_to_rest_trend`].
-///
-/// # Errors
-/// [`crate::Error::TooFewSamples`] below two samples, [`crate::Error::NotFinite`], [`crate::Error::Overflow`].
-pub fn linear(series: &mut [f64]) -> Result<(f64, f64)> {
-    check_length("detrending", 2, series.len())?;
-    check_finite(series)?;
-    let n = series.len() as f64;
-    let middle = (n - 1.0) / 2.0;
-    let mean = mean(series);
-    let slope = series
-        .iter()
-        .enumerate()
-        .map(|(i, x)| (i as f64 - middle) * (x - mean))
-        .sum::<f64>()
-        / (n * (n * n - 1.0) / 12.0);
-    let start = mean - slope * middle;
-    subtract_line(series, start, slope)?;
-    Ok((start, slope))
-}
-
 /// Takes off the line through the means of the first and of the last `rest` samples, which were taken at rest, and
-/// returns it as (value at the first sample, change per sample). The motion between the rests has no say in the line,
-/// as it has in [`linear`]. A rest of 0 samples is taken as 1.
+/// returns it as (value at the first sample, change per sample). The motion between the rests has no influence on
+/// the line, as it has on a least-squares line. A rest of 0 samples is taken as 1.
 ///
 /// # Errors
 /// [`crate::Error::TooFewSamples`] unless two rests fit, [`crate::Error::NotFinite`], [`crate::Error::Overflow`].

@@ -1,13 +1,35 @@
 //! Butterworth filters, forwards and backwards and live.
 
 use sixaxis_core::Result;
-use sixaxis_core::dsp::butterworth::{Section, gain, high_pass, low_pass};
+use sixaxis_core::dsp::butterworth::{Section, low_pass};
 use sixaxis_core::dsp::causal::SectionsState;
 use sixaxis_core::dsp::zero_phase::{padding, zero_phase};
 
 use crate::golden;
 use crate::tolerance;
 use crate::{check_above, check_below, distance, record, thinned};
+
+/// Gain of a cascade at a frequency: one pass; `zero_phase` has its square.
+fn gain(sections: &[Section], frequency_hz: f64, sample_rate_hz: f64) -> f64 {
+    let (s, c) = (core::f64::consts::PI * (frequency_hz / sample_rate_hz)).sin_cos();
+    // |c0 z + c1 + c2/z| with z = (c + i s)^2; cos as 1 - 2 s^2 below a quarter of the sample rate and 2 c^2 - 1 above
+    // keeps the digits that the sum of the coefficients loses where it all but vanishes.
+    let modulus_squared = |c0: f64, c1: f64, c2: f64| {
+        let real = if s.abs() < c.abs() {
+            (c0 + c1 + c2) - 2.0 * (c0 + c2) * s * s
+        } else {
+            (c1 - c0 - c2) + 2.0 * (c0 + c2) * c * c
+        };
+        let imaginary = 2.0 * (c0 - c2) * s * c;
+        real * real + imaginary * imaginary
+    };
+    sections
+        .iter()
+        .map(|Section { b, a }| {
+            (modulus_squared(b[0], b[1], b[2]) / modulus_squared(1.0, a[0], a[1])).sqrt()
+        })
+        .product()
+}
 
 fn filtered(sections: &[Section], samples: usize, rate_hz: f64) -> Result<Vec<f64>> {
     let mut series = record(samples, rate_hz);
@@ -50,20 +72,6 @@ fn ref_scipy_zero_phase() -> Result<()> {
         200,
         5,
         golden::LOW_PASS_10,
-    )?;
-    check(
-        "high-pass 2",
-        high_pass(2, 20.0, 1000.0)?,
-        300,
-        7,
-        golden::HIGH_PASS_2,
-    )?;
-    check(
-        "high-pass 3",
-        high_pass(3, 5.0, 1000.0)?,
-        400,
-        9,
-        golden::HIGH_PASS_3,
     )
 }
 
@@ -144,11 +152,9 @@ fn inv_gain_is_butterworths() -> Result<()> {
         for relative_corner in [5e-4, 1e-2, 0.1, 0.3, 0.49] {
             let corner_hz = relative_corner * rate_hz;
             let low = low_pass(order, corner_hz, rate_hz)?;
-            let high = high_pass(order, corner_hz, rate_hz)?;
             worst_unit = worst_unit
                 .max((gain(&low, 0.0, rate_hz) - 1.0).abs())
-                .max((gain(&high, 0.5 * rate_hz, rate_hz) - 1.0).abs())
-                .max(gain(&high, 0.0, rate_hz));
+                .max(gain(&low, 0.5 * rate_hz, rate_hz));
             for relative in [0.2, 0.7, 1.0, 1.4, 2.0] {
                 let frequency_hz = relative * corner_hz;
                 if frequency_hz >= 0.5 * rate_hz {
@@ -157,11 +163,8 @@ fn inv_gain_is_butterworths() -> Result<()> {
                 // The bilinear transform maps f to tan(pi f/rate).
                 let warped = |f: f64| (core::f64::consts::PI * f / rate_hz).tan();
                 let power = (warped(frequency_hz) / warped(corner_hz)).powi(2 * order as i32);
-                let formula_low = 1.0 / (1.0 + power).sqrt();
-                let formula_high = 1.0 / (1.0 + 1.0 / power).sqrt();
-                worst = worst
-                    .max((gain(&low, frequency_hz, rate_hz) - formula_low).abs())
-                    .max((gain(&high, frequency_hz, rate_hz) - formula_high).abs());
+                let formula = 1.0 / (1.0 + power).sqrt();
+                worst = worst.max((gain(&low, frequency_hz, rate_hz) - formula).abs());
             }
         }
     }

@@ -84,24 +84,19 @@ proptest! {
         order in size(),
         corner_hz in frequency(),
         rate_hz in rate(),
-        at_hz in 0.0..1.0_f64,
     ) {
-        for design in [butterworth::low_pass, butterworth::high_pass] {
-            match design(order, corner_hz, rate_hz) {
-                Ok(sections) => {
-                    prop_assert!(all_finite(&sections), "{sections:?}");
-                    let gain = butterworth::gain(&sections, at_hz * rate_hz, rate_hz);
-                    prop_assert!(gain.is_finite(), "gain {gain}");
-                    prop_assert!(sections.iter().all(|s| s.static_gain().is_finite()));
-                    prop_assert!(all_finite(&SectionsState::settled(&sections, corner_hz)));
-                    let mut live = SectionsState::at_rest(&sections);
-                    prop_assert!((0..8).all(|_| live.step(1.0).is_finite()));
-                }
-                Err(Error::OutOfRange { name, .. }) => {
-                    prop_assert!(["order", "corner_hz", "sample_rate_hz"].contains(&name));
-                }
-                Err(other) => prop_assert!(false, "unexpected {other}"),
+        match butterworth::low_pass(order, corner_hz, rate_hz) {
+            Ok(sections) => {
+                prop_assert!(all_finite(&sections), "{sections:?}");
+                prop_assert!(sections.iter().all(|s| s.static_gain().is_finite()));
+                prop_assert!(all_finite(&SectionsState::settled(&sections, corner_hz)));
+                let mut live = SectionsState::at_rest(&sections);
+                prop_assert!((0..8).all(|_| live.step(1.0).is_finite()));
             }
+            Err(Error::OutOfRange { name, .. }) => {
+                prop_assert!(["order", "corner_hz", "sample_rate_hz"].contains(&name));
+            }
+            Err(other) => prop_assert!(false, "unexpected {other}"),
         }
     }
 
@@ -111,7 +106,7 @@ proptest! {
         order in 1_usize..=10,
         corner_hz in 1.0..400.0_f64,
     ) {
-        let sections = butterworth::high_pass(order, corner_hz, 1e3).expect("a sound filter");
+        let sections = butterworth::low_pass(order, corner_hz, 1e3).expect("a sound filter");
         in_place(&series, |x| zero_phase(&sections, x));
     }
 
@@ -133,7 +128,6 @@ proptest! {
     #[test]
     fn prop_any_series_is_detrended_or_refused(series in series(20), rest in size()) {
         in_place(&series, detrend::constant);
-        in_place(&series, detrend::linear);
         in_place(&series, |x| detrend::rest_to_rest_trend(x, rest));
     }
 
@@ -258,7 +252,6 @@ fn regress_sums_beyond_the_range_are_overflows() {
     ];
     let overflow = |result: Result<()>| matches!(result, Err(Error::Overflow { .. }));
     assert!(overflow(detrend::constant(&mut huge.clone()).map(|_| ())));
-    assert!(overflow(detrend::linear(&mut huge.clone()).map(|_| ())));
     assert!(overflow(
         detrend::rest_to_rest_trend(&mut huge.clone(), 2).map(|_| ())
     ));

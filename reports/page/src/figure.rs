@@ -254,8 +254,6 @@ pub struct Figure {
     pub marks: Vec<Mark>,
     /// A lower panel with the same abscissa.
     pub below: Option<Panel>,
-    /// Take the whole width of the page instead of the width of the text.
-    pub wide: bool,
 }
 
 impl Figure {
@@ -295,13 +293,6 @@ impl Figure {
     #[must_use]
     pub fn below(mut self, panel: Panel) -> Self {
         self.below = Some(panel);
-        self
-    }
-
-    /// Takes the whole width of the page.
-    #[must_use]
-    pub fn wide(mut self) -> Self {
-        self.wide = true;
         self
     }
 }

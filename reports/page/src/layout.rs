@@ -31,14 +31,6 @@ impl Size {
         below: 150.0,
         font: 14.5,
     };
-    /// The width of the page.
-    pub const WIDE: Self = Self {
-        name: "wide",
-        width: 960.0,
-        height: 420.0,
-        below: 150.0,
-        font: 14.5,
-    };
     /// A phone, or one of several side by side.
     pub const COMPACT: Self = Self {
         name: "compact",

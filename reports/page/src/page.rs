@@ -162,38 +162,6 @@ pub enum Verdict {
     NotReproducible,
 }
 
-impl Verdict {
-    /// All verdicts, best first.
-    pub const ALL: [Self; 4] = [
-        Self::Reproduced,
-        Self::ReproducedWithCorrection,
-        Self::Inconsistent,
-        Self::NotReproducible,
-    ];
-
-    /// The name it is serialised under.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Reproduced => "reproduced",
-            Self::ReproducedWithCorrection => "reproduced_with_correction",
-            Self::Inconsistent => "inconsistent",
-            Self::NotReproducible => "not_reproducible",
-        }
-    }
-
-    /// The words on the page.
-    #[must_use]
-    pub const fn words(self) -> &'static str {
-        match self {
-            Self::Reproduced => "reproduced",
-            Self::ReproducedWithCorrection => "reproduced with correction",
-            Self::Inconsistent => "inconsistent",
-            Self::NotReproducible => "not reproducible",
-        }
-    }
-}
-
 /// One row of a ledger.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Claim {

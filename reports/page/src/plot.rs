@@ -15,26 +15,11 @@ use super::scale::Span;
 use super::trace::{self, Point};
 use anyhow::Result;
 
-/// Draws a figure at the size its description asks for.
-///
-/// # Errors
-/// If the SVG backend fails.
-pub fn to_svg(figure: &Figure) -> Result<String> {
-    to_svg_sized(
-        figure,
-        if figure.wide {
-            Size::WIDE
-        } else {
-            Size::STANDARD
-        },
-    )
-}
-
 /// Draws a figure at a given size.
 ///
 /// # Errors
 /// If the SVG backend fails.
-pub fn to_svg_sized(figure: &Figure, size: Size) -> Result<String> {
+pub fn to_svg(figure: &Figure, size: Size) -> Result<String> {
     let layout = Layout::of(figure, size);
     let height = layout.height();
     let body = Pen::sheet(size.width, height, |pen| draw(&layout, pen))?;
@@ -307,8 +292,8 @@ mod tests {
             Axis::linear("y", "").range(-1.0, 1.0),
             &points,
         );
-        for size in [Size::STANDARD, Size::WIDE, Size::COMPACT] {
-            let svg = to_svg_sized(&figure, size).expect("draws");
+        for size in [Size::STANDARD, Size::COMPACT] {
+            let svg = to_svg(&figure, size).expect("draws");
             for list in svg
                 .split("points=\"")
                 .skip(1)
@@ -347,7 +332,8 @@ mod tests {
             for a in wild {
                 for b in wild {
                     let points = [(a, b), (b, a), (a, a)];
-                    let svg = to_svg(&figure(x.clone(), y.clone(), &points)).expect("draws");
+                    let svg = to_svg(&figure(x.clone(), y.clone(), &points), Size::STANDARD)
+                        .expect("draws");
                     assert!(!svg.contains("NaN") && !svg.contains("inf"), "{a} {b}");
                 }
             }
@@ -357,7 +343,11 @@ mod tests {
             ..Panel::default()
         };
         let empty = Figure::new("f", "t", Axis::log("x", ""), Axis::default()).below(below);
-        assert!(to_svg(&empty).expect("draws").contains("no data"));
+        assert!(
+            to_svg(&empty, Size::STANDARD)
+                .expect("draws")
+                .contains("no data")
+        );
     }
 
     #[test]
@@ -378,7 +368,7 @@ mod tests {
                 Some(frame.left + t.at * (frame.right - frame.left) - half)
             });
             assert!(first >= Some(0.0), "{first:?}");
-            let svg = to_svg_sized(&figure, size).expect("draws");
+            let svg = to_svg(&figure, size).expect("draws");
             assert!((0..count).all(|i| svg.contains(&format!(">{i} name"))));
             layout.height()
         };

@@ -3,7 +3,7 @@
 use super::figure::{Figure, Series};
 use super::layout::Size;
 use super::markup;
-use super::page::{Block, Page, Verdict};
+use super::page::{Block, Page};
 use super::plot;
 use anyhow::{Context, Result, ensure};
 use minijinja::value::Serde;
@@ -14,7 +14,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// A figure as the template needs it.
 #[derive(Serialize)]
 struct Drawing {
-    /// For the width of the text or the page; empty for a figure of a grid.
+    /// For the width of the text; empty for a figure of a grid.
     main: String,
     /// For a phone, or for one of several side by side.
     compact: String,
@@ -25,13 +25,6 @@ struct Drawing {
 struct Entry {
     swatch: String,
     label: String,
-}
-
-#[derive(Serialize)]
-struct VerdictCount {
-    verdict: Verdict,
-    words: &'static str,
-    count: usize,
 }
 
 /// Renders a page to a self-contained HTML document.
@@ -71,8 +64,6 @@ pub fn render(page: &Page) -> Result<String> {
     });
     env.add_filter("prose", |text: &str| Value::from_safe_string(prose(text)));
     env.add_filter("plain", |text: &str| markup::plain(text));
-    env.add_filter("words", |verdict: &str| words(verdict));
-    env.add_function("verdicts", |claims: Value| verdict_counts(&claims));
     env.add_function("shared_legend", |ids: Vec<String>, drawings: Value| {
         let legend = |id: &String| {
             drawings
@@ -109,11 +100,11 @@ fn anchor(known: &mut BTreeSet<String>, id: &str) -> Result<()> {
 fn drawing(figure: &Figure, alone: bool) -> Result<Drawing> {
     let context = || format!("drawing the figure {:?}", figure.id);
     let main = if alone {
-        plot::to_svg(figure).with_context(context)?
+        plot::to_svg(figure, Size::STANDARD).with_context(context)?
     } else {
         String::new()
     };
-    let compact = plot::to_svg_sized(figure, Size::COMPACT).with_context(context)?;
+    let compact = plot::to_svg(figure, Size::COMPACT).with_context(context)?;
     let mut legend: Vec<Entry> = Vec::new();
     let below = figure.below.iter().flat_map(|panel| &panel.series);
     for series in figure
@@ -168,41 +159,10 @@ fn prose(text: &str) -> String {
     out
 }
 
-fn verdict_of(name: &str) -> Option<Verdict> {
-    Verdict::ALL.into_iter().find(|v| v.name() == name)
-}
-
-fn words(verdict: &str) -> &'static str {
-    verdict_of(verdict).map_or("", Verdict::words)
-}
-
-fn verdict_counts(claims: &Value) -> Value {
-    let found: Vec<Option<Verdict>> = claims
-        .try_iter()
-        .into_iter()
-        .flatten()
-        .map(|claim| {
-            claim
-                .get_attr("verdict")
-                .ok()
-                .and_then(|v| verdict_of(v.as_str()?))
-        })
-        .collect();
-    let counts: Vec<_> = Verdict::ALL
-        .into_iter()
-        .map(|verdict| VerdictCount {
-            verdict,
-            words: verdict.words(),
-            count: found.iter().filter(|v| **v == Some(verdict)).count(),
-        })
-        .collect();
-    Serde(counts).into()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Axis, Section};
+    use crate::{Axis, Claim, Section, Verdict};
 
     fn page(block: Block) -> Page {
         Page {
@@ -227,6 +187,27 @@ mod tests {
             html.matches("http").count(),
             namespaced + html.matches("http-equiv").count()
         );
+    }
+
+    #[test]
+    fn verdicts_are_counted_in_words() {
+        let claim = |verdict| Claim {
+            claim: "c".into(),
+            printed: "p".into(),
+            measured: "m".into(),
+            verdict,
+            reason: String::new(),
+        };
+        let claims = [
+            Verdict::NotReproducible,
+            Verdict::Reproduced,
+            Verdict::NotReproducible,
+        ];
+        let ledger = Block::Ledger(claims.map(claim).to_vec());
+        let html = render(&page(ledger)).expect("renders");
+        assert!(html.contains("<b>1</b> reproduced</span>"));
+        assert!(html.contains("<b>2</b> not reproducible</span>"));
+        assert!(!html.contains("inconsistent</span>"));
     }
 
     #[test]

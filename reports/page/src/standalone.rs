@@ -49,7 +49,7 @@ pub fn standalone(figure: &Figure) -> Result<String> {
     }
     let top = y + ROW + 6.0;
     let height = Layout::of(figure, Size::STANDARD).height() + top;
-    let plot = to_svg(figure)?;
+    let plot = to_svg(figure, Size::STANDARD)?;
     Ok(format!(
         r##"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" height="{height}" font-family="system-ui, sans-serif">
 <rect width="100%" height="100%" fill="#ffffff"/>

@@ -14,9 +14,6 @@ use sixaxis_reference::laboratory::instruments::Instruments;
 use sixaxis_reference::mujoco::threshold::SweepPoint;
 use sixaxis_reference::rig::run::{Mode, Mounting};
 
-/// Names of the six accelerations, in the order of every array of six.
-pub const AXES: [&str; 6] = ["a_x", "a_y", "a_z", "angular x", "angular y", "angular z"];
-
 /// The whole study.
 #[derive(Debug, Clone, Serialize)]
 pub struct Results {

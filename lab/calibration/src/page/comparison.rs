@@ -1,7 +1,7 @@
 //! Decoupled motions as a page: by themselves, or beside the truth.
 
-use super::labels::NEUTRAL;
 use crate::compare::measure::{Axis as Measured, Comparison, Quantity};
+use sixaxis_page::figure::NEUTRAL;
 use sixaxis_page::number::{MISSING, count, significant};
 use sixaxis_page::{Axis, Block, Cell, Figure, Page, Panel, Section, Series, State, Table, Tile};
 use sixaxis_recordings::envelope::Envelope;

@@ -6,9 +6,6 @@ use sixaxis_recordings::session::Role;
 use sixaxis_core::identify::Verdict;
 use sixaxis_page::number::{MISSING, fixed, percent};
 
-/// Palette index of the neutral grey, for standards, truths and what stood before a stage.
-pub const NEUTRAL: usize = 6;
-
 /// `3 things`, `1 thing`.
 pub fn count(n: usize, one: &str, many: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { many })

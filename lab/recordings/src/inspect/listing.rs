@@ -1,7 +1,6 @@
 //! The facts as text for a terminal: plain characters, aligned columns.
 
 use super::facts::{ChannelFacts, Group, Inspection, NUMBERS, Severity};
-use super::notices::plural;
 use crate::ingest::clock::Stamps;
 
 /// Significant digits of a table.
@@ -56,6 +55,14 @@ pub fn seconds(value: f64) -> String {
         _ => (1e9, "ns"),
     };
     format!("{} {unit}", brief(value * factor, DIGITS))
+}
+
+/// A number of things.
+pub(super) fn plural(n: u64, one: &str) -> String {
+    match n {
+        1 => format!("1 {one}"),
+        _ => format!("{n} {one}s"),
+    }
 }
 
 /// A name from a file without what a terminal would take for a command, cut to so many characters.

@@ -1,7 +1,7 @@
 //! What a person should know about a recording, each fact in one sentence with its numbers.
 
 use super::facts::{ChannelFacts, Fact, FlatTop, Group, Inspection, RateOrigin, Severity};
-use super::listing::{brief, seconds, with_unit};
+use super::listing::{brief, plural, seconds, with_unit};
 use super::pairs::Twins;
 use super::sensor::Expected;
 use crate::ingest::clock::Stamps;
@@ -376,14 +376,6 @@ fn flat(channel: &ChannelFacts, end: &str, top: &FlatTop) -> String {
         top.longest_run,
         top.first_sample
     )
-}
-
-/// A number of things.
-pub(super) fn plural(n: u64, one: &str) -> String {
-    match n {
-        1 => format!("1 {one}"),
-        _ => format!("{n} {one}s"),
-    }
 }
 
 /// Names, the first [`NAMED`] of them.

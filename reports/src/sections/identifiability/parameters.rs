@@ -4,6 +4,7 @@ use serde::Serialize;
 use sixaxis_calibration::page::labels::{symbol, with_interval};
 use sixaxis_campaign::statistics::{ParameterSummary, Share};
 use sixaxis_core::Parameter;
+use sixaxis_core::dsp::outlier;
 use sixaxis_page::number::{fixed, percent, significant};
 use sixaxis_page::{Cell, State, Table, Text};
 use sixaxis_props::results::Campaign;
@@ -68,8 +69,7 @@ impl KnownTo {
             let all = known.parameters.iter();
             let family = all.filter(|p| among(p.parameter));
             let mut values: Vec<f64> = family.map(|p| of(p) / scale(p)).collect();
-            values.sort_by(f64::total_cmp);
-            values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+            outlier::median(&mut values)
         };
         Self {
             joint: median(|p| half_width(&p.joint)),

@@ -184,7 +184,8 @@ fn single_trials(campaign: &Campaign, found: &FourSteps) -> Result<Vec<f64>> {
         .collect()
 }
 
-fn ends(values: &[f64]) -> (f64, f64) {
+/// Smallest and largest of some positive numbers.
+pub fn ends(values: &[f64]) -> (f64, f64) {
     let ends = (f64::INFINITY, 0.0_f64);
     values
         .iter()

@@ -6,11 +6,12 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use sixaxis_calibration::steps::Campaign;
+use sixaxis_core::dsp::outlier::median;
 use sixaxis_core::identify::stiffness::{self, StiffnessPerMass};
 use sixaxis_core::identify::{Reason, Verdict};
 use sixaxis_core::{InertiaPerMass, LIMBS, LimbLaw, Parameters, Scheme};
 
-use super::bias::FirstOrderSearch;
+use super::bias::{FirstOrderSearch, ends};
 use crate::study::plan::Plan;
 use crate::study::results::identifiability::{Erring, Records, Tolerance, TolerancePoint};
 
@@ -84,26 +85,26 @@ fn point(
         })
         .collect::<Result<_>>()?;
     let error = |k: f64| (k / truth.stiffness_per_mass_per_s2).ln().abs();
-    let errors = sorted(found.iter().map(|f| error(f.interpolated_per_s2)));
+    let mut errors: Vec<f64> = found.iter().map(|f| error(f.interpolated_per_s2)).collect();
     let share = |holds: &dyn Fn(&Verdict) -> bool| {
         found.iter().filter(|f| holds(&f.verdict)).count() as f64 / found.len() as f64
     };
     let predicted_median = if erring == Erring::Scale {
-        let predicted = patterns
+        let mut predicted = patterns
             .par_iter()
             .map(|pattern| {
                 let curve = theory.curve(&pattern.map(|unit| size * unit));
                 Ok(error(stiffness::judge(&curve)?.interpolated_per_s2))
             })
             .collect::<Result<Vec<_>>>()?;
-        Some(median(&sorted(predicted.into_iter())))
+        Some(median(&mut predicted))
     } else {
         None
     };
     Ok(TolerancePoint {
         size,
-        median: median(&errors),
-        range: (errors[0], errors[errors.len() - 1]),
+        median: median(&mut errors),
+        range: ends(&errors),
         predicted_median,
         at_edge: share(&|verdict| {
             let reason = Reason::EdgeOfGrid;
@@ -146,19 +147,4 @@ fn spoiled(
         }
     }
     wrong
-}
-
-fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_unstable_by(f64::total_cmp);
-    values
-}
-
-fn median(sorted: &[f64]) -> f64 {
-    let middle = sorted.len() / 2;
-    if sorted.len() % 2 == 1 {
-        sorted[middle]
-    } else {
-        0.5 * (sorted[middle - 1] + sorted[middle])
-    }
 }

@@ -8,8 +8,8 @@ use sixaxis_core::LIMBS;
 use sixaxis_core::dsp::differentiate::Differentiator;
 use sixaxis_recordings::session::{Role, SessionFile};
 
-use crate::page::labels::NEUTRAL;
 use crate::page::labels::{file_name, largest};
+use sixaxis_page::figure::NEUTRAL;
 use sixaxis_page::number::{count, fixed, percent, significant};
 use sixaxis_page::{Axis, Block, Figure, Panel, Section, Series, Table};
 

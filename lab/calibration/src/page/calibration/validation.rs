@@ -4,8 +4,8 @@ use crate::calibrate::CalibratedSession;
 use crate::report::ValidationRun;
 use sixaxis_recordings::session::SessionFile;
 
-use crate::page::labels::NEUTRAL;
 use crate::page::labels::{self, file_name, stated};
+use sixaxis_page::figure::NEUTRAL;
 use sixaxis_page::number::{MISSING, significant};
 use sixaxis_page::{Axis, Block, Cell, Figure, Panel, Section, Series, State, Table};
 
