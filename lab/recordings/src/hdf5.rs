@@ -57,7 +57,7 @@ const LONGEST_TEXT: u64 = 1 << 16;
 ///
 /// # Errors
 /// [`Error::Malformed`], [`Error::Unsupported`] for a file without a numeric vector, [`Error::Io`].
-pub fn open(path: &Path) -> Result<Box<dyn Source>> {
+pub(crate) fn open(path: &Path) -> Result<Box<dyn Source>> {
     match find(path)? {
         Some(file) => read(path, false, &file),
         None => Err(Error::malformed(path, Place::Whole, "no HDF5 file")),

@@ -147,7 +147,7 @@ fn what_is_not_understood_is_refused_with_advice() {
 /// Reads a broken file to its end. Either is refused, or gives channels of the length that its layout announces.
 fn survive(path: &Path, bytes: &[u8]) {
     fs::write(path, bytes).unwrap();
-    let Ok(mut source) = matlab::open(path) else {
+    let Ok(mut source) = open(path) else {
         return;
     };
     let channels = source.layout().channels.clone();

@@ -1,12 +1,11 @@
 //! Parquet: files of pyarrow and pandas, our own, and broken ones.
-#![cfg(feature = "parquet")]
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use sixaxis_recordings::channel::{Block, Channel, Layout};
 use sixaxis_recordings::error::{Error, Place};
-use sixaxis_recordings::{Source, create, parquet};
+use sixaxis_recordings::{Source, create, open, parquet};
 
 fn files() -> PathBuf {
     match std::env::var_os("SIXAXIS_FOREIGN_FILES") {
@@ -86,7 +85,7 @@ fn ref_what_pyarrow_reads_is_read() {
         let path = table.with_extension("parquet");
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
         let (headings, columns) = expected(&table);
-        let mut source = parquet::open(&path).unwrap_or_else(|e| panic!("{e}"));
+        let mut source = open(&path).unwrap_or_else(|e| panic!("{e}"));
         let channels = &source.layout().channels;
         assert_eq!(channels.len(), headings.len(), "{name}");
         for (channel, heading) in channels.iter().zip(&headings) {
@@ -118,7 +117,7 @@ fn ref_what_pyarrow_reads_is_read() {
 
 #[test]
 fn what_the_metadata_say_is_in_the_layout() {
-    let source = parquet::open(&files().join("described.parquet")).unwrap();
+    let source = open(&files().join("described.parquet")).unwrap();
     let layout = source.layout();
     assert_eq!(layout.time, Some(0));
     assert_eq!(layout.channels[1].heading(), "u1 [mV]");
@@ -128,7 +127,7 @@ fn what_the_metadata_say_is_in_the_layout() {
     assert_eq!(layout.properties["title"], "Näherung");
     assert_eq!(layout.properties.len(), 1, "{:?}", layout.properties);
 
-    let source = parquet::open(&files().join("stamps.parquet")).unwrap();
+    let source = open(&files().join("stamps.parquet")).unwrap();
     assert!(
         source
             .layout()
@@ -137,7 +136,7 @@ fn what_the_metadata_say_is_in_the_layout() {
             .all(|c| c.unit.as_deref() == Some("s"))
     );
 
-    let source = parquet::open(&files().join("durations.parquet")).unwrap();
+    let source = open(&files().join("durations.parquet")).unwrap();
     let units: Vec<_> = source
         .layout()
         .channels
@@ -156,7 +155,7 @@ fn what_the_metadata_say_is_in_the_layout() {
         ]
     );
 
-    let source = parquet::open(&files().join("mixed.parquet")).unwrap();
+    let source = open(&files().join("mixed.parquet")).unwrap();
     let left_out = &source.layout().properties[parquet::LEFT_OUT];
     for name in ["list", "point.x", "text", "price", "day"] {
         assert!(left_out.contains(name), "{left_out}");
@@ -165,7 +164,7 @@ fn what_the_metadata_say_is_in_the_layout() {
 
 #[test]
 fn what_is_not_understood_is_refused_with_advice() {
-    let mut source = parquet::open(&files().join("holes.parquet")).unwrap();
+    let mut source = open(&files().join("holes.parquet")).unwrap();
     match read_all(&mut *source, 7).unwrap_err() {
         Error::Malformed { place, cause, .. } => {
             assert_eq!(place, Place::Sample(73));
@@ -178,7 +177,7 @@ fn what_is_not_understood_is_refused_with_advice() {
     source.select(&[0]).unwrap();
     assert_eq!(read_all(&mut *source, 7).unwrap()[0].len(), 100);
 
-    let mut source = parquet::open(&files().join("codec_brotli.parquet")).unwrap();
+    let mut source = open(&files().join("codec_brotli.parquet")).unwrap();
     match read_all(&mut *source, 7).unwrap_err() {
         Error::Unsupported {
             feature, advice, ..
@@ -190,9 +189,7 @@ fn what_is_not_understood_is_refused_with_advice() {
         }
         other => panic!("{other}"),
     }
-    let text_only = parquet::open(&files().join("no_numbers.parquet"))
-        .err()
-        .unwrap();
+    let text_only = open(&files().join("no_numbers.parquet")).err().unwrap();
     assert!(
         matches!(text_only, Error::Unsupported { .. }),
         "{text_only}"
@@ -251,7 +248,7 @@ fn inv_what_is_written_is_read() {
     let path = own("round.parquet");
     for piece in [1 << 20, 999] {
         write(&path, &layout, &columns, piece);
-        let mut source = parquet::open(&path).unwrap();
+        let mut source = open(&path).unwrap();
         assert_eq!(source.layout().channels, layout.channels);
         assert_eq!(source.layout().properties, layout.properties);
         let read = read_all(&mut *source, 10_000).unwrap();
@@ -286,7 +283,7 @@ fn a_file_not_finished_leaves_no_trace() {
 /// Reads a broken file to its end. Either is refused, or gives columns of the length that its layout announces.
 fn survive(path: &Path, bytes: &[u8]) {
     fs::write(path, bytes).unwrap();
-    let Ok(mut source) = parquet::open(path) else {
+    let Ok(mut source) = open(path) else {
         return;
     };
     if let Ok(columns) = read_all(&mut *source, 64) {

@@ -24,7 +24,7 @@ mod v5;
 ///
 /// # Errors
 /// Those of [`Source`]; [`Error::Unsupported`] for a file of version 4, or one without a numeric vector.
-pub fn open(path: &Path) -> Result<Box<dyn Source>> {
+pub(crate) fn open(path: &Path) -> Result<Box<dyn Source>> {
     if let Some(source) = crate::hdf5::open_matlab(path)? {
         return Ok(source);
     }

@@ -47,7 +47,7 @@ const COLUMNS: usize = 4096;
 ///
 /// # Errors
 /// [`Error::Malformed`], [`Error::Unsupported`], [`Error::Io`].
-pub fn open_npy(path: &Path) -> Result<Box<dyn Source>> {
+pub(crate) fn open_npy(path: &Path) -> Result<Box<dyn Source>> {
     Ok(Box::new(source::NumpySource::open_npy(path)?))
 }
 
@@ -55,7 +55,7 @@ pub fn open_npy(path: &Path) -> Result<Box<dyn Source>> {
 ///
 /// # Errors
 /// [`Error::Malformed`], [`Error::Unsupported`], [`Error::Io`].
-pub fn open_npz(path: &Path) -> Result<Box<dyn Source>> {
+pub(crate) fn open_npz(path: &Path) -> Result<Box<dyn Source>> {
     Ok(Box::new(npz::open(path)?))
 }
 
@@ -63,7 +63,7 @@ pub fn open_npz(path: &Path) -> Result<Box<dyn Source>> {
 ///
 /// # Errors
 /// [`Error::Io`]; [`Error::Unsupported`] for no channels or more than 4096.
-pub fn create(path: &Path, layout: &Layout) -> Result<Box<dyn Sink>> {
+pub(crate) fn create(path: &Path, layout: &Layout) -> Result<Box<dyn Sink>> {
     let channels = layout.channels.len();
     if channels == 0 || channels > COLUMNS {
         return Err(Error::unsupported(

@@ -20,37 +20,27 @@
 use std::path::Path;
 
 use crate::channel::Layout;
-#[cfg(not(feature = "parquet"))]
-use crate::error::Error;
 use crate::error::Result;
 use crate::sink::Sink;
 use crate::source::Source;
 
-#[cfg(feature = "parquet")]
 mod arrow;
-#[cfg(feature = "parquet")]
 mod column;
-#[cfg(feature = "parquet")]
 mod pages;
-#[cfg(feature = "parquet")]
 mod sink;
-#[cfg(feature = "parquet")]
 mod source;
 
 /// Property that names the columns which are no channels, each with its type.
 pub const LEFT_OUT: &str = "columns left out";
 
-#[cfg(feature = "parquet")]
 const RATE_KEY: &str = "sample_rate_hz";
-#[cfg(feature = "parquet")]
 const OFFSET_KEY: &str = "start_offset_s";
 
 /// Opens a Parquet file.
 ///
 /// # Errors
 /// Those of [`Source`]; [`Error::Unsupported`](crate::Error::Unsupported) for an encrypted file or one without a numeric column.
-#[cfg(feature = "parquet")]
-pub fn open(path: &Path) -> Result<Box<dyn Source>> {
+pub(crate) fn open(path: &Path) -> Result<Box<dyn Source>> {
     Ok(Box::new(source::ParquetSource::open(path)?))
 }
 
@@ -58,34 +48,6 @@ pub fn open(path: &Path) -> Result<Box<dyn Source>> {
 ///
 /// # Errors
 /// [`Error::Io`](crate::Error::Io); [`Error::Unsupported`](crate::Error::Unsupported) for a layout without channels.
-#[cfg(feature = "parquet")]
-pub fn create(path: &Path, layout: &Layout) -> Result<Box<dyn Sink>> {
+pub(crate) fn create(path: &Path, layout: &Layout) -> Result<Box<dyn Sink>> {
     Ok(Box::new(sink::ParquetSink::create(path, layout)?))
-}
-
-/// Says that Parquet is not built in.
-///
-/// # Errors
-/// [`Error::Unsupported`].
-#[cfg(not(feature = "parquet"))]
-pub fn open(path: &Path) -> Result<Box<dyn Source>> {
-    Err(not_built_in(path))
-}
-
-/// Says that Parquet is not built in.
-///
-/// # Errors
-/// [`Error::Unsupported`].
-#[cfg(not(feature = "parquet"))]
-pub fn create(path: &Path, _layout: &Layout) -> Result<Box<dyn Sink>> {
-    Err(not_built_in(path))
-}
-
-#[cfg(not(feature = "parquet"))]
-fn not_built_in(path: &Path) -> Error {
-    Error::unsupported(
-        path,
-        "Parquet in this build",
-        "build with the feature `parquet`, or use CSV",
-    )
 }

@@ -58,7 +58,7 @@ use crate::source::Source;
 /// # Errors
 /// [`Error::Io`](crate::Error::Io); [`Error::Malformed`](crate::Error::Malformed) where the file breaks the format's rules;
 /// [`Error::Unsupported`](crate::Error::Unsupported) for a version or a data type whose size is not known.
-pub fn open(path: &Path) -> Result<Box<dyn Source>> {
+pub(crate) fn open(path: &Path) -> Result<Box<dyn Source>> {
     Ok(Box::new(source::Reader::open(path)?))
 }
 
@@ -70,6 +70,6 @@ pub fn open(path: &Path) -> Result<Box<dyn Source>> {
 ///
 /// # Errors
 /// [`Error::Io`](crate::Error::Io); [`Error::Unsupported`](crate::Error::Unsupported) if two channels get the same name.
-pub fn create(path: &Path, layout: &Layout) -> Result<Box<dyn Sink>> {
+pub(crate) fn create(path: &Path, layout: &Layout) -> Result<Box<dyn Sink>> {
     Ok(Box::new(sink::Writer::create(path, layout)?))
 }

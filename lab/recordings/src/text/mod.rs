@@ -49,7 +49,7 @@ const COLUMNS: usize = 4096;
 ///
 /// # Errors
 /// [`crate::Error::Malformed`], [`crate::Error::Unsupported`], [`crate::Error::Io`].
-pub fn open(path: &Path) -> Result<Box<dyn Source>> {
+pub(crate) fn open(path: &Path) -> Result<Box<dyn Source>> {
     Ok(Box::new(source::TextSource::open(path)?))
 }
 
@@ -59,6 +59,6 @@ pub fn open(path: &Path) -> Result<Box<dyn Source>> {
 ///
 /// # Errors
 /// [`crate::Error::Io`]; [`crate::Error::Unsupported`] for no channels or more than 4096.
-pub fn create(path: &Path, layout: &Layout) -> Result<Box<dyn Sink>> {
+pub(crate) fn create(path: &Path, layout: &Layout) -> Result<Box<dyn Sink>> {
     Ok(Box::new(sink::TextSink::create(path, layout)?))
 }

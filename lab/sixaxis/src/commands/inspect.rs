@@ -18,7 +18,7 @@ use crate::progress::Progress;
 #[derive(clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
-    /// Recordings: .csv, .txt, .tsv (also .gz), .lvm, .tdms, .parquet, .npy, .npz, .mat
+    /// Recordings: .csv, .txt, .tsv (also .gz), .lvm, .tdms, .parquet, .npy, .npz, .h5, .mat
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// All numbers as JSON on standard output
