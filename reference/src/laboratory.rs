@@ -51,7 +51,7 @@ pub const STATIC_DURATION_S: f64 = 600.0;
 /// See [`STATIC_DURATION_S`].
 pub const STATIC_RATE_HZ: f64 = 100.0;
 /// Gain of the static record, N/V: nothing is measured there but voltages.
-pub const STATIC_GAIN_N_PER_V: f64 = 1.0;
+const STATIC_GAIN_N_PER_V: f64 = 1.0;
 
 /// Random streams of a laboratory by itself; a session has its own. Runs use their index plus [`FIRST_RUN_STREAM`].
 const INSTRUMENT_STREAM: u128 = 1;

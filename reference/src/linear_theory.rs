@@ -10,14 +10,17 @@ use crate::sensor::{InertiaPerMass, TrueSensor};
 
 /// K/m = (k/m) J^T J of the mass's six degrees of freedom with J the limbs' wrenches, shell axes: s^-2, m/s^2 and m^2/s^2.
 #[must_use]
-pub fn stiffness_per_mass(geometry: &Geometry, stiffness_per_mass_per_s2: f64) -> Matrix6<f64> {
+pub(crate) fn stiffness_per_mass(
+    geometry: &Geometry,
+    stiffness_per_mass_per_s2: f64,
+) -> Matrix6<f64> {
     let wrenches = geometry.limb_wrenches();
     wrenches.transpose() * wrenches * stiffness_per_mass_per_s2
 }
 
 /// One natural mode of the mass in the held shell.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct NaturalMode {
+pub(crate) struct NaturalMode {
     /// Frequency, Hz.
     pub frequency_hz: f64,
     /// Shape: displacement (unit arbitrary, m) and rotation (rad) of the mass, shell axes.
@@ -26,7 +29,7 @@ pub struct NaturalMode {
 
 /// The six modes of M x'' + K x = 0 with M = diag(1, I/m), ascending in frequency.
 #[must_use]
-pub fn modes(
+pub(crate) fn modes(
     geometry: &Geometry,
     inertia_per_mass: &InertiaPerMass,
     stiffness_per_mass_per_s2: f64,

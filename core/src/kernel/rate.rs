@@ -75,9 +75,14 @@ impl<T: Real> RateIntegrator<T> {
             end,
             at_middle: _,
         } = self;
-        for v in [rate, derivative, k1, k2, k3, torque, before, end] {
-            v.visit(f);
-        }
+        rate.visit(f);
+        derivative.visit(f);
+        k1.visit(f);
+        k2.visit(f);
+        k3.visit(f);
+        torque.visit(f);
+        before.visit(f);
+        end.visit(f);
     }
 
     /// Takes over how far another one has come.

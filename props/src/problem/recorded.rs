@@ -32,9 +32,9 @@ pub const DECOUPLE_RATE_HZ: f64 = 10_000.0;
 /// Sample rate of recordings that parameters are identified from, Hz.
 const IDENTIFY_RATE_HZ: f64 = 1_000.0;
 /// Crank frequency of the identification runs, Hz: the upper end of steps 2 and 3.
-const SLOW_HZ: f64 = 2.0;
+pub const SLOW_HZ: f64 = 2.0;
 /// Crank frequency of the run for step 4, Hz: the upper end of that step.
-const FAST_HZ: f64 = 5.0;
+pub const FAST_HZ: f64 = 5.0;
 /// Directions of the identification runs: what makes them independent.
 pub const DIRECTIONS: [DVec3; 3] = [
     DVec3::new(1.0, 1.0, 2.0),

@@ -98,7 +98,7 @@ fn stat_errors_scatter_as_the_covariance_predicts() {
         ("gain of the gyroscope", gyroscope, TRIALS),
     ] {
         within(
-            &format!("chi-square of the {what}"),
+            format!("chi-square of the {what}"),
             chi_square_departure(value, freedom),
             tolerance::CHI_SQUARE,
         );

@@ -27,7 +27,7 @@ fn stat_false_alarms_are_as_many_as_asked_for() {
     for ((rate, stretches), unequal) in RATES.into_iter().zip(UNEQUAL) {
         let counted = false_alarms(rate, unequal, 1.0, stretches, seed());
         within(
-            &format!("false alarms at {rate} a sample, over those asked for, less one"),
+            format!("false alarms at {rate} a sample, over those asked for, less one"),
             (counted.attained() - 1.0).abs(),
             tolerance::FALSE_ALARMS,
         );
@@ -53,7 +53,7 @@ fn stat_detection_is_noncentral_chi_square() {
                 }))
             };
             within(
-                &format!("detection of limb {} by {window} samples", limb + 1),
+                format!("detection of limb {} by {window} samples", limb + 1),
                 departure(&drawn.theory),
                 tolerance::DETECTION_Z,
             );
@@ -75,7 +75,7 @@ fn stat_failures_of_five_sigma_are_isolated() {
         let trials = play(kind, SIGMAS, seed(), EACH);
         let counted = tally(kind, None, &trials);
         within(
-            &format!("{kind:?}: share of trials whose class is not named"),
+            format!("{kind:?}: share of trials whose class is not named"),
             counted.isolated.missed(),
             tolerance::NOT_ISOLATED,
         );
@@ -92,7 +92,7 @@ fn stat_failures_of_five_sigma_are_isolated() {
             })
             .collect();
         fails_clearly(
-            &format!("{kind:?}, another class"),
+            format!("{kind:?}, another class"),
             tally(kind, None, &moved).isolated.missed(),
             tolerance::NOT_ISOLATED,
         );
@@ -104,7 +104,7 @@ fn stat_failures_of_five_sigma_are_isolated() {
             (all + 1.0, wrong + f64::from(u8::from(named == Some(false))))
         });
         within(
-            &format!("{kind:?}: share of twins named wrongly"),
+            format!("{kind:?}: share of twins named wrongly"),
             wrong / twins.max(1.0),
             tolerance::TWIN_WRONG,
         );
@@ -312,14 +312,14 @@ fn ref_after_the_verdict_no_trace_is_left() {
         let apart = |answer: Option<SixAxis>| angle_rad(never, attitude(answer));
         let last = answers.last().copied().flatten();
         within(
-            &format!("attitude after limb {} died", limb + 1),
+            format!("attitude after limb {} died", limb + 1),
             apart(last),
             tolerance::SURVIVED_RAD,
         );
         assert!(apart(nine) > tolerance::DEAD_LIMB_RAD, "{}", apart(nine));
         let truth = played.truth[last.expect("an answer").sample as usize].attitude;
         within(
-            &format!("attitude after limb {} died, from the truth", limb + 1),
+            format!("attitude after limb {} died, from the truth", limb + 1),
             angle_rad(truth, attitude(last)),
             tolerance::NOISY_ATTITUDE_RAD,
         );

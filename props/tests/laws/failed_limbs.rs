@@ -164,7 +164,7 @@ fn ref_without_limbs_as_with_them() {
             beyond(&accelerations(&ours), &healthy)
         });
         within(
-            &format!("accelerations without limbs beyond those with all, noise-free, {what}"),
+            format!("accelerations without limbs beyond those with all, noise-free, {what}"),
             largest(worst),
             limit,
         );
@@ -342,12 +342,12 @@ fn inv_switching_over_leaves_no_jump() {
             let [rate, turn] = jump(&after(&ours), &after(&healthy));
             let limit = tolerance::SWITCH_OVER;
             within(
-                &format!("rate after switching over, {}", scheme.name()),
+                format!("rate after switching over, {}", scheme.name()),
                 rate,
                 limit,
             );
             within(
-                &format!("attitude after switching over, {}", scheme.name()),
+                format!("attitude after switching over, {}", scheme.name()),
                 turn,
                 limit,
             );

@@ -84,7 +84,7 @@ fn order_formulations_converge_with_the_fourth_power() {
         let get = QUANTITIES[2].1;
         let order = (apart(coarse, half, get) / apart(half, quarter, get)).log2();
         within(
-            &format!("order of the {name} formulation's integration"),
+            format!("order of the {name} formulation's integration"),
             (order - ORDER_OF_INTEGRATION).abs(),
             tolerance::CONVERGENCE,
         );

@@ -63,7 +63,7 @@ fn order_of_every_scheme_on_simulated_motion() {
         let [coarse, half] = [8, 4].map(|factor| rate_error(&fine.decimated(factor), scheme));
         let order = (coarse / half).log2();
         within(
-            &format!("order of {}, simulated motion", scheme.name()),
+            format!("order of {}, simulated motion", scheme.name()),
             (order - f64::from(scheme.order())).abs(),
             tolerance::ORDER,
         );
@@ -227,7 +227,7 @@ fn ref_schemes_are_the_textbooks() {
         let size = largest(wanted.iter().map(|w| w.length()));
         for ([ours, _], wanted) in ours.iter().zip(&wanted) {
             within(
-                &format!("{} against the textbook", scheme.name()),
+                format!("{} against the textbook", scheme.name()),
                 (*ours - *wanted).length() / size,
                 tolerance::LAST_DIGITS,
             );

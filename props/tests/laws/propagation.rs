@@ -68,7 +68,7 @@ fn stat_drawn_campaigns_scatter_as_the_closed_form() {
         for i in 0..PARAMETERS {
             let [drawn, predicted] = [drawn, total].map(|c| c[(i, i)].sqrt());
             within(
-                &format!("chi-square of parameter {i}, {what}"),
+                format!("chi-square of parameter {i}, {what}"),
                 departure(drawn, predicted, draws),
                 tolerance::CHI_SQUARE,
             );
@@ -203,7 +203,7 @@ fn law_influences_are_derivatives_of_the_whole_pipeline() {
         assert!(!touched.is_empty(), "{what} reaches nothing");
         for i in &touched {
             within(
-                &format!("deviation of parameter {i} by {what}"),
+                format!("deviation of parameter {i} by {what}"),
                 ((ours[(*i, *i)] / theirs[(*i, *i)]).sqrt() - 1.0).abs(),
                 if *i == COMPLIANCE && role == Role::Linear {
                     tolerance::COMPLIANCE_DERIVATIVE
@@ -217,7 +217,7 @@ fn law_influences_are_derivatives_of_the_whole_pipeline() {
         let reached = touched.iter().map(|i| size(*i)).fold(0.0, f64::max);
         for i in (0..PARAMETERS).filter(|i| !touched.contains(i)) {
             within(
-                &format!("parameter {i}, which {what} does not reach"),
+                format!("parameter {i}, which {what} does not reach"),
                 size(i) / reached,
                 tolerance::PIPELINE_DERIVATIVE,
             );
@@ -270,7 +270,7 @@ fn law_gains_act_as_their_derivatives() {
             for (part, rows) in [("scale", 0..9), ("inertia", 9..15)] {
                 let biggest = largest(rows.clone().map(|i| size[i]));
                 within(
-                    &format!("{part} by standard {standard}'s gain, gyroscope {gyroscope:?}"),
+                    format!("{part} by standard {standard}'s gain, gyroscope {gyroscope:?}"),
                     largest(rows.map(|i| (nine_and_six[i] - theirs[i]) / biggest)),
                     tolerance::PIPELINE_DERIVATIVE,
                 );

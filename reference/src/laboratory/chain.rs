@@ -9,7 +9,7 @@ use crate::geometry::LIMBS;
 use crate::sensor::TrueSensor;
 
 /// Share of the converter's range that an amplifier range is chosen to fill at most.
-pub const RANGE_FILLED: f64 = 0.8;
+pub(super) const RANGE_FILLED: f64 = 0.8;
 /// Full scale of the most sensitive range, N: a channel that senses less is all noise.
 const SMALLEST_RANGE_N: f64 = 1e-2;
 
@@ -136,7 +136,7 @@ impl Chain {
 impl Coupling {
     /// The forces per mass, m/s^2, whose change reaches the amplifier: whole, or less those of the first sample, at rest.
     #[must_use]
-    pub fn sensed(self, limb_force_per_mass_m_s2: &[[f64; LIMBS]]) -> Vec<[f64; LIMBS]> {
+    fn sensed(self, limb_force_per_mass_m_s2: &[[f64; LIMBS]]) -> Vec<[f64; LIMBS]> {
         let rest = match (self, limb_force_per_mass_m_s2.first()) {
             (Self::Ideal, _) | (_, None) => [0.0; LIMBS],
             (_, Some(first)) => *first,

@@ -246,7 +246,7 @@ impl SessionPlan {
 
     /// The measuring chain.
     #[must_use]
-    pub fn measuring_chain(&self) -> Chain {
+    pub(super) fn measuring_chain(&self) -> Chain {
         let ChainPlan {
             signal_to_noise_db,
             resolution_bits,
@@ -271,7 +271,7 @@ impl SessionPlan {
 
     /// The reference instruments as they are, drawn from their class with the seed.
     #[must_use]
-    pub fn true_instruments(&self, defect: Option<&Defect>) -> Instruments {
+    pub(super) fn true_instruments(&self, defect: Option<&Defect>) -> Instruments {
         let InstrumentPlan {
             class_percent,
             signal_to_noise_db,

@@ -108,7 +108,7 @@ pub fn compound_trials(rig: &RigPlan) -> [PlannedTrial; 3] {
 
 /// The sensor of a trial that is another sensor's.
 #[must_use]
-pub fn foreign_sensor(seed: u64) -> TrueSensor {
+pub(super) fn foreign_sensor(seed: u64) -> TrueSensor {
     TrueSensor::random(&mut Pcg64::new(u128::from(seed), 1))
 }
 
@@ -124,7 +124,7 @@ fn planar_wedges(axis: usize) -> [DVec3; 4] {
 
 /// A direction tilted by an angle towards an azimuth about itself.
 #[must_use]
-pub fn tilted(direction: DVec3, angle_rad: f64, azimuth_rad: f64) -> DVec3 {
+pub(super) fn tilted(direction: DVec3, angle_rad: f64, azimuth_rad: f64) -> DVec3 {
     let side = direction.any_orthonormal_vector();
     let towards = DQuat::from_axis_angle(direction, azimuth_rad) * side;
     (direction * angle_rad.cos() + towards * angle_rad.sin()).normalize()

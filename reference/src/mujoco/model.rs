@@ -56,7 +56,7 @@ impl SensorModel {
 
     /// The six modes by linear theory.
     #[must_use]
-    pub fn modes(&self) -> [NaturalMode; 6] {
+    pub(super) fn modes(&self) -> [NaturalMode; 6] {
         let k = self.stiffness_per_mass_per_s2;
         modes(&self.geometry, &self.inertia_per_mass, k)
     }

@@ -31,11 +31,13 @@ impl<T: Scalar> Decoupler<T> {
     #[cold]
     #[inline(never)]
     pub fn set_excluded(&mut self, excluded: LimbSet) -> Result<()> {
-        let mut switched = self.clone();
-        switched.mask = ChannelMask::excluding(excluded, &self.exact)?;
-        switched.constants = self.exact.excluding(excluded).rounded();
         let received = self.state.received;
-        switched.fast = excluded.is_empty() && received >= 3;
+        let mut switched = Self {
+            mask: ChannelMask::excluding(excluded, &self.exact)?,
+            constants: self.exact.excluding(excluded).rounded(),
+            fast: excluded.is_empty() && received >= 3,
+            ..self.clone()
+        };
         if received >= 1 {
             switched.state.now = switched.place_again(received - 1)?;
         }
@@ -45,7 +47,10 @@ impl<T: Scalar> Decoupler<T> {
         if received >= 3 {
             switched.take_back(self)?;
         }
-        *self = switched;
+        self.mask = switched.mask;
+        self.constants = switched.constants;
+        self.fast = switched.fast;
+        self.state = switched.state;
         Ok(())
     }
 

@@ -1,4 +1,4 @@
-//! The stream: how well each decoupled sample is known.
+//! Standard deviations of each decoupled sample, as a stream beside the decoupler.
 //!
 //! Beside the decoupler run the equations (8), (9) and (3), linearised. With tau = sum (f/m) t x e and s = sum (f/m) e, in
 //! shell axes, an error of the parameters or of a voltage makes
@@ -14,11 +14,10 @@
 //! a covariance, P' = A P + P A^T + Q. What a sample's own noise does to its own acceleration comes on top, and there the
 //! limbs' compliance counts: the mass's motion in the shell is differentiated twice, which at 10 kHz raises noise by a tenth.
 //!
-//! Neglected: compliance in the sensitivities, a millionth at 5 Hz; and k/m, of which a decoupled sample there knows nothing.
+//! Neglected: compliance in the sensitivities, a millionth at 5 Hz; and k/m, on which a decoupled sample does not depend there.
 //!
 //! Good to 1 % and less where the attitude is known to a hundredth of a radian (20,000 campaigns in `props`' example
-//! `propagation`), to some per cent at a few hundredths. Beyond that first order ends: the decoupler is open loop, and which
-//! way its own estimate points is no longer what the errors see.
+//! `propagation`), to some per cent at a few hundredths. Larger errors of the attitude are beyond first order.
 
 use glam::{DMat3, DQuat, DVec3};
 use nalgebra::{SMatrix, SVector};
@@ -134,7 +133,7 @@ fn to_matrix(m: DMat3) -> SMatrix<f64, 3, 3> {
 impl SampleUncertainty {
     /// Prepares a stream beside a decoupler with the same sensor, parameters and settings.
     ///
-    /// `covariance` is that of the parameters, in the order of [`crate::decouple::uncertainty`].
+    /// `covariance` is that of the parameters, in the order of [`crate::parameter`].
     ///
     /// # Errors
     /// Those of [`crate::Decoupler::new`]; [`Error::OutOfRange`] for a covariance that none can be, or noise that is negative

@@ -61,7 +61,7 @@ use self::unknowns::{
     MASS_PER_SCALE, Unknowns, WEDGES, Wedge,
 };
 use super::static_load_sharing::StaticLoadSharing;
-use crate::error::{Error, Result, require_not_negative};
+use crate::error::{Error, Result, require_not_negative, require_positive};
 use crate::geometry::{Geometry, LIMBS};
 use crate::model::Parameters;
 
@@ -121,12 +121,7 @@ impl Joint {
     /// # Errors
     /// [`Error::OutOfRange`] for lengths, deviations or drifts that mean nothing.
     pub fn new(geometry: &Geometry, certificates: Certificates, at_rest: AtRest) -> Result<Self> {
-        let positive = |name, value: f64| {
-            (value > 0.0 && value.is_finite())
-                .then_some(())
-                .ok_or(Error::out_of_range(name, value, "positive and finite"))
-        };
-        positive(
+        require_positive(
             "gyroscope_gain_deviation",
             certificates.gyroscope_gain_deviation,
         )?;
@@ -139,8 +134,8 @@ impl Joint {
             ("compliance_s2", certificates.compliance_s2),
         ] {
             if let Some(known) = known {
-                positive(name, known.value)?;
-                positive(name, known.deviation)?;
+                require_positive(name, known.value)?;
+                require_positive(name, known.deviation)?;
             }
         }
         for (name, value) in [
@@ -150,7 +145,7 @@ impl Joint {
             require_not_negative(name, value)?;
         }
         for limb in 0..LIMBS {
-            positive("zero drift's deviation", at_rest.deviation_v[limb])?;
+            require_positive("zero drift's deviation", at_rest.deviation_v[limb])?;
             if !at_rest.drift_v[limb].is_finite() {
                 return Err(Error::NotFinite {
                     channel: limb + 1,
@@ -168,23 +163,13 @@ impl Joint {
         })
     }
 
-    /// Adds a trial.
+    /// Projects a trial on its harmonics, which is most of the work and may be done for several trials at once.
     ///
     /// # Errors
     /// [`Error::NotFinite`] (channel 10 is the standard), [`Error::LengthMismatch`], [`Error::TooFewSamples`] for a record that
     /// leaves nothing above its last harmonic to tell the noise from, [`Error::DeadChannel`] for one of zeros, [`Error::NotClosed`] for one that does not end where it
     /// began, [`Error::OutOfRange`] for a frequency, a gain or a
     /// direction that means nothing.
-    pub fn push(&mut self, record: &Record) -> Result<()> {
-        let trial = self.prepare(record)?;
-        self.add(trial);
-        Ok(())
-    }
-
-    /// Projects a trial on its harmonics, which is most of the work: [`Self::push`] in two halves, for trials side by side.
-    ///
-    /// # Errors
-    /// Those of [`Self::push`].
     pub fn prepare(&self, record: &Record) -> Result<Prepared> {
         record.prepare(&self.certificates)
     }

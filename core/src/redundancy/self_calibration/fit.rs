@@ -65,8 +65,6 @@ struct Normal {
     information: SMatrix<f64, COEFFICIENTS, COEFFICIENTS>,
     /// Covariance of the gradient by the nine.
     gradients: PerLimbs,
-    /// Standard deviations of what the rows leave of one block, strain.
-    residual: [f64; ROWS],
     /// Mean correlation of neighbouring blocks' residuals.
     lag_one: f64,
 }
@@ -269,7 +267,6 @@ fn normal(moments: &Moments, theta: &SVector<f64, LIMBS>, weighted: bool) -> Res
         gradient,
         information,
         gradients,
-        residual: [q[(0, 0)], q[(1, 1)], q[(2, 2)]].map(sqrt),
         lag_one: (inverse * lagged).trace() / (ROWS as f64 * degrees),
     })
 }
@@ -309,7 +306,6 @@ fn finish(moments: &Moments, limits: &Limits, theta: &SVector<f64, LIMBS>) -> Re
         ln_ratio: (*theta).into(),
         covariance: (covariance + covariance.transpose()) * 0.5,
         blocks: moments.blocks,
-        residual_strain: normal.residual,
         lag_one_correlation: normal.lag_one,
         misfit: LoopMisfit {
             ln_ratio: -slope / information,

@@ -87,8 +87,6 @@ pub struct ScaleRatios {
     pub covariance: PerLimbs,
     /// Blocks that they rest on.
     pub blocks: u64,
-    /// Standard deviation of what each row leaves of a block, strain.
-    pub residual_strain: [f64; ROWS],
     /// Correlation of neighbouring blocks' residuals: zero but for chance, see [`Self::lag_one_z`], while the noise is white
     /// beyond a block. Intervals are too narrow by about 1 + this where it is not.
     pub lag_one_correlation: f64,
@@ -103,14 +101,6 @@ impl ScaleRatios {
     #[must_use]
     pub fn deviations(&self) -> [f64; LIMBS] {
         core::array::from_fn(|i| sqrt(self.covariance[(i, i)].max(0.0)))
-    }
-
-    /// ln(c_i/c_j) over the calibration's, and its standard deviation.
-    #[must_use]
-    pub fn between(&self, i: usize, j: usize) -> (f64, f64) {
-        let p = &self.covariance;
-        let variance = p[(i, i)] + p[(j, j)] - 2.0 * p[(i, j)];
-        (self.ln_ratio[i] - self.ln_ratio[j], sqrt(variance.max(0.0)))
     }
 
     /// [`Self::lag_one_correlation`] in standard deviations of white noise.

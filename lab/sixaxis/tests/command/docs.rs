@@ -146,6 +146,33 @@ fn every_link_of_the_docs_leads_somewhere() {
     }
 }
 
+/// A file or folder of the tree that a page names as code, such as `core/src/scheme.rs`.
+#[test]
+fn every_path_of_the_docs_exists() {
+    let rooms = [
+        "core/",
+        "reference/",
+        "props/",
+        "benches/",
+        "reports/",
+        "lab/",
+        "docs/",
+        ".ci/",
+    ];
+    let mut found = 0;
+    for page in pages().into_iter().chain(["CONTRIBUTING.md".to_owned()]) {
+        for code in read(&page).split('`').skip(1).step_by(2) {
+            // Recipes name a file to be written in capitals.
+            let named = rooms.iter().any(|room| code.starts_with(room)) && !code.contains("FORMAT");
+            if named && !code.contains(' ') {
+                assert!(root().join(code).exists(), "{page}: {code}");
+                found += 1;
+            }
+        }
+    }
+    assert!(found >= 40, "{found} paths found");
+}
+
 #[test]
 fn the_session_in_the_docs_is_accepted() {
     let docs = read("docs/session.md");
