@@ -20,7 +20,7 @@ use sixaxis_page::render;
 use sixaxis_recordings::draft::write_atomically;
 use sixaxis_recordings::session::{self, SessionFile};
 
-use super::common::{check_outputs, print, print_json};
+use super::common::{check_outputs, print, print_json, wrapped};
 use crate::progress::Progress;
 
 use repetition::Repetition;
@@ -237,9 +237,6 @@ fn determined(calibrated: &CalibratedSession) -> usize {
         .count()
 }
 
-/// Width that texts are wrapped to.
-const WIDTH: usize = 96;
-
 /// The summary for people.
 fn summary(calibrated: &CalibratedSession, targets: &Targets) -> String {
     let mut out = String::new();
@@ -322,25 +319,4 @@ fn summary(calibrated: &CalibratedSession, targets: &Targets) -> String {
         (None, _) => out += "  no calibration\n",
     }
     out
-}
-
-/// Adds a text, wrapped, with a first line that begins differently from the others.
-fn wrapped(out: &mut String, first: &str, rest: &str, text: &str) {
-    let mut line = first.to_owned();
-    let mut empty = true;
-    for word in text.split_whitespace() {
-        if !empty && line.chars().count() + 1 + word.chars().count() > WIDTH {
-            out.push_str(&line);
-            out.push('\n');
-            rest.clone_into(&mut line);
-            empty = true;
-        }
-        if !empty {
-            line.push(' ');
-        }
-        line.push_str(word);
-        empty = false;
-    }
-    out.push_str(&line);
-    out.push('\n');
 }

@@ -108,3 +108,27 @@ pub fn say(kind: &str, texts: &[String]) {
         eprintln!("{kind}: {text}");
     }
 }
+
+/// Width that texts are wrapped to.
+const WIDTH: usize = 96;
+
+/// Adds a text, wrapped, with a first line that begins differently from the others.
+pub fn wrapped(out: &mut String, first: &str, rest: &str, text: &str) {
+    let mut line = first.to_owned();
+    let mut empty = true;
+    for word in text.split_whitespace() {
+        if !empty && line.chars().count() + 1 + word.chars().count() > WIDTH {
+            out.push_str(&line);
+            out.push('\n');
+            rest.clone_into(&mut line);
+            empty = true;
+        }
+        if !empty {
+            line.push(' ');
+        }
+        line.push_str(word);
+        empty = false;
+    }
+    out.push_str(&line);
+    out.push('\n');
+}

@@ -5,7 +5,7 @@ use sixaxis_calibration::calibrate::CalibratedSession;
 use sixaxis_calibration::joint::nuisances::Nuisances;
 use sixaxis_calibration::report::{Estimator, ParameterReport};
 
-use super::wrapped;
+use crate::commands::common::wrapped;
 
 /// For scripts.
 #[derive(Serialize)]

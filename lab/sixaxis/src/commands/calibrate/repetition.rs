@@ -6,7 +6,7 @@ use serde::Serialize;
 use sixaxis_calibration::iteration::{End, Iteration, Pass};
 use sixaxis_core::identify::{Reason, Verdict};
 
-use super::wrapped;
+use crate::commands::common::wrapped;
 
 /// For scripts.
 #[derive(Serialize)]
