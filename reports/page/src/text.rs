@@ -27,7 +27,7 @@ use super::table::Table;
 
 /// What a place of the text holds.
 enum Placed {
-    Figure(Figure),
+    Figure(Box<Figure>),
     Table(Table),
 }
 
@@ -72,7 +72,7 @@ impl Text {
     #[must_use]
     pub fn figure(mut self, figure: Figure) -> Self {
         self.placed
-            .insert(figure.id.clone(), Placed::Figure(figure));
+            .insert(figure.id.clone(), Placed::Figure(Box::new(figure)));
         self
     }
 
@@ -162,7 +162,7 @@ impl Text {
                 Some(Placed::Figure(figure)) => figures.push(Figure {
                     title: words,
                     caption: remark,
-                    ..figure
+                    ..*figure
                 }),
                 Some(Placed::Table(table)) => {
                     ensure!(figures.is_empty(), "{id:?} is a table among figures");
