@@ -235,6 +235,7 @@ pub(crate) fn require(
 }
 
 /// Refuses a value that is not positive and finite.
+#[cfg(feature = "alloc")]
 pub(crate) fn require_positive(name: &'static str, value: f64) -> Result<()> {
     require(
         value > 0.0 && value.is_finite(),

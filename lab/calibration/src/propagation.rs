@@ -123,7 +123,7 @@ pub fn of_session(
     finite.then_some((sources, found))
 }
 
-/// Covariances of the 25 parameters by cause, in the order of [`sixaxis_core::decouple::uncertainty::PARAMETERS`].
+/// Covariances of the 25 parameters by cause, in the order of [`sixaxis_core::parameter::Parameter`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Propagated {
     /// The chain of the steps.

@@ -49,7 +49,8 @@ pub(crate) enum Outcome {
 pub(crate) struct End<N: Nonlinear> {
     /// The last point.
     pub at: N::Point,
-    /// The step from there, which was not taken.
+    /// The step from there, which was not taken; self-calibration, which needs no allocation, does not read it.
+    #[cfg_attr(not(feature = "alloc"), expect(dead_code))]
     pub step: N::Step,
     /// Steps computed, that one included.
     pub steps: usize,

@@ -14,7 +14,7 @@ impl Campaign {
     /// Repeats steps 2 to 4 with the limbs' compliance kept, starting from what the four steps found.
     ///
     /// # Errors
-    /// [`Error::Step`]: the first step which refuses its data.
+    /// [`Error::Step`](crate::error::Error::Step): the first step which refuses its data.
     pub fn repeat(&self, first: &FourSteps) -> Result<FourSteps> {
         self.repeat_from(first, first.used().stiffness_per_mass_per_s2)
     }

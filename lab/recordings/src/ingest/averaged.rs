@@ -3,7 +3,7 @@
 /// Values that a static record is averaged down to, or twice as many: enough for a trend and for batch means.
 const STATIC_ROWS: usize = 1 << 16;
 
-/// One channel of a static record. Below twice [`STATIC_ROWS`] samples are kept as they are; samples that do not fill the last
+/// One channel of a static record. Below 131,072 samples are kept as they are; samples that do not fill the last
 /// group are left out.
 #[derive(Debug, Clone)]
 pub struct Averaged {
