@@ -20,7 +20,7 @@ pub fn section() -> Result<Section> {
     let longest = p.lengths.iter().max_by_key(|l| l.draws);
     let longest = longest.context("no recording was evaluated")?;
     let scatter = 100.0 * (0.95 * 0.05 / longest.draws.max(1) as f64).sqrt();
-    let rates = p.rates.map(|rate| significant(100.0 * rate, 2));
+    let rates = p.rates.map(|rate| significant(100.0 * rate, 1));
     Text::new(include_str!("self_calibration.md"))
         .value("p", p)
         .value("longest", longest)
@@ -126,7 +126,7 @@ fn stiffness(p: &SelfCalibration, rates_percent: &[String; 2]) -> Table {
         .each_ref()
         .map(|rate| format!("% at {rate} %"));
     Table::of("spread of k", &p.stiffness, |s| {
-        format!("{} %", significant(100.0 * s.spread, 2))
+        format!("{} %", significant(100.0 * s.spread, 1))
     })
     .col(("records", "of 6 s"), |s| count(s.draws))
     .col(("refused", strict), |s| fixed(100.0 * s.refused_at[0], 1))
