@@ -15,6 +15,7 @@ mod decoders;
 mod engines;
 mod export;
 mod peer;
+mod problem;
 mod rotation;
 
 use std::error::Error;

@@ -9,7 +9,7 @@ use std::error::Error;
 use std::fs;
 use std::path::Path;
 
-use crate::export::Problem;
+use crate::problem::Problem;
 
 /// Linear, m/s^2, and angular acceleration, rad/s^2, of one sample, ground axes.
 pub type Row = [f64; 6];
