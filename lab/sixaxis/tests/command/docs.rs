@@ -267,7 +267,7 @@ fn the_figures_from_the_field_are_the_published_ones() {
             ratios("error_ratio_consistent")
         ),
         format!(
-            "isolated in {:.1} % of the trials to its class",
+            "isolated in {:.1} % of the trials to its group",
             100.0 * isolated
         ),
     ] {
