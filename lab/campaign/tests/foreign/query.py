@@ -2,7 +2,7 @@
 
     python query.py SUMMARY.json DIR...
 
-Counts are to be the same, moments within the rounding of sums in another order. README's query is run as it stands there.
+Counts are to be the same, moments within the rounding of sums in another order. The query of docs/campaigns.md is run as it stands there.
 """
 
 import json
@@ -55,8 +55,8 @@ def main():
         assert close(ours["stated_sd"], stated, stated or 1), (parameter, theirs)
         assert close(share("within_noise_95"), noise, 1), (parameter, theirs)
         assert close(share("within_stated_95"), interval, 1), (parameter, theirs)
-    readme = (Path(__file__).parents[3] / "README.md").read_text()
-    (query,) = re.findall(r"```sql\n(.*?)```", readme, re.S)
+    page = (Path(__file__).parents[4] / "docs" / "campaigns.md").read_text()
+    (query,) = re.findall(r"```sql\n(.*?)```", page, re.S)
     shown = db.sql(query.replace("'campaign/*.parquet'", f"read_parquet({files!r})")).fetchall()
     assert shown and all(math.isfinite(x) for x in shown[0] if x is not None), shown
     print(f"{rows} cases: DuckDB agrees; README's query gives {shown[0]}")
