@@ -59,7 +59,7 @@ def main():
     (query,) = re.findall(r"```sql\n(.*?)```", page, re.S)
     shown = db.sql(query.replace("'campaign/*.parquet'", f"read_parquet({files!r})")).fetchall()
     assert shown and all(math.isfinite(x) for x in shown[0] if x is not None), shown
-    print(f"{rows} cases: DuckDB agrees; README's query gives {shown[0]}")
+    print(f"{rows} cases: DuckDB agrees; the documented query gives {shown[0]}")
 
 
 main()
