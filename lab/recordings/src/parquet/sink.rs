@@ -22,6 +22,10 @@ use crate::sink::Sink;
 /// Rows of a row group: what is held in memory, and what a reader may fetch by itself.
 const GROUP_ROWS: usize = 131_072;
 
+/// Bytes of a page. Small enough that its buffers stay in the cache, and that the allocator does not return them to the system
+/// after each page.
+const PAGE_BYTES: usize = 1 << 16;
+
 /// A Parquet file being written.
 pub(super) struct ParquetSink {
     path: PathBuf,
@@ -60,6 +64,7 @@ impl ParquetSink {
             .set_dictionary_enabled(false)
             .set_encoding(Encoding::BYTE_STREAM_SPLIT)
             .set_statistics_enabled(EnabledStatistics::Chunk)
+            .set_data_page_size_limit(PAGE_BYTES)
             .set_max_row_group_row_count(Some(GROUP_ROWS))
             .set_created_by(
                 concat!("sixaxis-recordings version ", env!("CARGO_PKG_VERSION")).to_owned(),

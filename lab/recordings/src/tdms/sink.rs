@@ -16,6 +16,8 @@ use crate::sink::Sink;
 const MAX_ROWS: usize = 1 << 16;
 /// Numbers in a segment, at most, where there are many channels.
 const MAX_NUMBERS: usize = 1 << 20;
+/// Numbers that are written at a time.
+const PIECE: usize = 1 << 13;
 /// Group of channels without one.
 const GROUP: &str = "recording";
 
@@ -43,6 +45,8 @@ pub struct Writer {
     /// Rows of the segment written last; none before the first.
     last: Option<usize>,
     waiting: Vec<Vec<f64>>,
+    /// Numbers as bytes, on their way out.
+    bytes: Vec<u8>,
 }
 
 impl Writer {
@@ -71,6 +75,7 @@ impl Writer {
             full: (MAX_NUMBERS / channels.max(1)).clamp(1, MAX_ROWS),
             last: None,
             waiting: vec![Vec::new(); channels],
+            bytes: vec![0; 8 * PIECE],
         })
     }
 
@@ -102,9 +107,14 @@ impl Writer {
             .write_all(&(metadata.len() as u64).to_le_bytes())?;
         self.file.write_all(&metadata)?;
         for column in &mut self.waiting {
-            for value in column.drain(..) {
-                self.file.write_all(&value.to_le_bytes())?;
+            for values in column.chunks(PIECE) {
+                let bytes = &mut self.bytes[..8 * values.len()];
+                for (bytes, value) in bytes.chunks_exact_mut(8).zip(values) {
+                    bytes.copy_from_slice(&value.to_le_bytes());
+                }
+                self.file.write_all(bytes)?;
             }
+            column.clear();
         }
         self.last = Some(rows);
         Ok(())
@@ -262,7 +272,7 @@ impl Sink for Writer {
             let waiting = self.waiting.first().map_or(0, Vec::len);
             let end = rows.min(done + (self.full - waiting));
             for (column, values) in self.waiting.iter_mut().zip(&block.columns) {
-                column.extend(values.iter().take(end).skip(done));
+                column.extend_from_slice(&values[done..end]);
             }
             done = end;
             if self.waiting.first().map_or(0, Vec::len) == self.full {

@@ -4,10 +4,8 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use flate2::Compression;
-use flate2::write::GzEncoder;
-
 use super::detect::is_missing;
+use super::gzip::Gzip;
 use crate::channel::{Block, Channel, Layout, MOST_CHANNELS, is_sample_rate};
 use crate::draft::Draft;
 use crate::error::{Error, Place, Result};
@@ -24,7 +22,7 @@ pub struct TextSink {
 
 enum Output {
     Plain(BufWriter<File>),
-    Gzip(GzEncoder<BufWriter<File>>),
+    Gzip(Gzip<BufWriter<File>>),
 }
 
 impl Output {
@@ -67,7 +65,7 @@ impl TextSink {
             path: path.to_owned(),
             draft,
             output: if gzip {
-                Output::Gzip(GzEncoder::new(file, Compression::default()))
+                Output::Gzip(Gzip::new(file).map_err(|source| Error::io(path, source))?)
             } else {
                 Output::Plain(file)
             },
