@@ -101,7 +101,7 @@ pub fn judge_lanes(ready: &Decoupler, eights: &[[&[Voltages]; LANES]]) {
         push_lanes(&mut streams, *rows, &mut |samples| {
             for sample in samples {
                 for (lane, one) in beside.iter_mut().enumerate() {
-                    one.compare(&[core::array::from_fn(|i| sample[i].0[lane])]);
+                    one.compare([core::array::from_fn(|i| sample[i].0[lane])]);
                 }
             }
         })
