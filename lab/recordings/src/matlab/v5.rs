@@ -9,7 +9,7 @@ use std::sync::Arc;
 use flate2::read::ZlibDecoder;
 
 use crate::error::{Error, Place, Result};
-use crate::numbers::Kind;
+use crate::numbers::{Kind, Number};
 use crate::source::Source;
 use crate::variables::{Content, Elements, Variable, arrange};
 
@@ -57,19 +57,18 @@ fn class_name(class: u8) -> &'static str {
 struct Held {
     bytes: Arc<Vec<u8>>,
     range: Range<usize>,
-    kind: Kind,
-    big_endian: bool,
+    number: Number,
 }
 
 impl Elements for Held {
     fn append(&mut self, first: u64, stride: u64, count: usize, out: &mut Vec<f64>) -> Result<()> {
         let whole = self.bytes.get(self.range.clone()).unwrap_or_default();
-        let from = usize::try_from(first)
-            .ok()
-            .and_then(|first| first.checked_mul(self.kind.size()));
-        let bytes = from.and_then(|from| whole.get(from..)).unwrap_or_default();
-        let stride = usize::try_from(stride).unwrap_or(usize::MAX);
-        self.kind.append(bytes, self.big_endian, stride, count, out);
+        let bytes_of = |elements: u64| {
+            let elements = usize::try_from(elements).unwrap_or(usize::MAX);
+            elements.saturating_mul(self.number.kind.size())
+        };
+        let bytes = whole.get(bytes_of(first)..).unwrap_or_default();
+        self.number.append(bytes, bytes_of(stride), count, out);
         Ok(())
     }
 }
@@ -313,8 +312,10 @@ impl Reader<'_> {
             elements: Box::new(Held {
                 range: data.at..data.end,
                 bytes: data.bytes,
-                kind,
-                big_endian: self.big_endian,
+                number: Number {
+                    kind,
+                    big_endian: self.big_endian,
+                },
             }),
         })
     }

@@ -95,8 +95,10 @@ fn single(header: &Header, stream: &mut Stream, bytes: u64) -> std::io::Result<O
     Ok(match &header.element {
         Element::Number(number) => {
             let mut values = Vec::new();
-            let decoded = number.decode(&value, number.bytes(), 0, &mut values);
-            decoded.ok().and(values.first()).map(f64::to_string)
+            let size = number.kind.size();
+            number.append(&value, size, 1, &mut values);
+            let exact = number.first_rounded(&value, size, 1).is_none();
+            values.first().filter(|_| exact).map(f64::to_string)
         }
         Element::Text {
             wide: true, big, ..

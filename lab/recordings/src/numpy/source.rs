@@ -6,12 +6,12 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
-use super::dtype::Number;
 use super::header::{self, Refusal};
 use super::stream::{Body, Shared, Stream};
 use super::table::{Table, arrange};
 use crate::channel::{Block, Channel, Layout};
 use crate::error::{Error, Place, Result};
+use crate::numbers::Number;
 use crate::source::Source;
 
 /// Bytes read at once from one array.
@@ -226,13 +226,14 @@ impl NumpySource {
                 let Some(column) = block.columns.get_mut(*column) else {
                     continue;
                 };
-                number
-                    .decode(bytes, run.record, *offset, column)
-                    .map_err(|row| {
-                        let place = Place::Sample(begin + row as u64);
-                        let cause = "a 64-bit integer that f64 cannot hold exactly; subtract an offset before saving";
-                        Error::malformed(&self.path, place, cause)
-                    })?;
+                // The layout was checked against the record.
+                let bytes = bytes.get(*offset..).unwrap_or_default();
+                if let Some(row) = number.first_rounded(bytes, run.record, rows) {
+                    let place = Place::Sample(begin + row as u64);
+                    let cause = "a 64-bit integer that f64 cannot hold exactly; subtract an offset before saving";
+                    return Err(Error::malformed(&self.path, place, cause));
+                }
+                number.append(bytes, run.record, rows, column);
             }
             done += rows;
         }

@@ -81,12 +81,7 @@ impl Reader {
                 .bytes(position.byte(), 16, 16)
                 .map_err(|source| Error::io(&self.path, source))?;
             if let Some(first) = bytes.first_chunk() {
-                let time = if layout.big_endian {
-                    i128::from_be_bytes(*first)
-                } else {
-                    i128::from_le_bytes(*first)
-                };
-                reading.origin = Timestamp(time);
+                reading.origin = Timestamp::from_bytes(*first, layout.big_endian);
                 if let Some(channel) = self.layout.channels.get(channel) {
                     let name = format!("{}/first_timestamp", channel.name);
                     self.layout

@@ -6,6 +6,7 @@ use std::fmt;
 use super::cursor::Cursor;
 use super::kind::Kind;
 use crate::error::{Error, Result};
+use crate::numbers::{self, Number};
 
 /// Properties of one object.
 pub type Properties = BTreeMap<String, Value>;
@@ -24,39 +25,24 @@ impl Value {
     /// Reads the type's code and the value.
     pub fn read(cursor: &mut Cursor) -> Result<Self> {
         let code = cursor.u32()?;
-        let Some(kind) = Kind::from_code(code) else {
-            return Err(Error::unsupported(
-                cursor.path(),
-                format!("a property of TDMS data type 0x{code:X}"),
-                "remove the property, or write it as a number or a text",
-            ));
-        };
-        let big = cursor.big_endian;
-        macro_rules! number {
-            ($type:ty) => {{
-                let bytes = cursor.array()?;
-                if big {
-                    <$type>::from_be_bytes(bytes)
-                } else {
-                    <$type>::from_le_bytes(bytes)
+        let big_endian = cursor.big_endian;
+        Ok(match Kind::from_code(code) {
+            Some(Kind::Number(kind)) => {
+                let number = Number { kind, big_endian };
+                let bytes = cursor.bytes(kind.size() as u64)?;
+                match (kind, number.integer(&bytes)) {
+                    (_, Some(integer)) => Self::Integer(integer),
+                    (numbers::Kind::Bool, _) => Self::Bool(bytes != [0]),
+                    _ => {
+                        let mut real = Vec::with_capacity(1);
+                        number.append(&bytes, bytes.len(), 1, &mut real);
+                        Self::Real(real.first().copied().unwrap_or(f64::NAN))
+                    }
                 }
-            }};
-        }
-        Ok(match kind {
-            Kind::I8 => Self::Integer(number!(i8).into()),
-            Kind::I16 => Self::Integer(number!(i16).into()),
-            Kind::I32 => Self::Integer(number!(i32).into()),
-            Kind::I64 => Self::Integer(number!(i64).into()),
-            Kind::U8 => Self::Integer(number!(u8).into()),
-            Kind::U16 => Self::Integer(number!(u16).into()),
-            Kind::U32 => Self::Integer(number!(u32).into()),
-            Kind::U64 => Self::Integer(number!(u64).into()),
-            Kind::F32 => Self::Real(number!(f32).into()),
-            Kind::F64 => Self::Real(number!(f64)),
-            Kind::Bool => Self::Bool(cursor.u8()? != 0),
-            Kind::Text => Self::Text(cursor.text()?),
-            Kind::Time => Self::Time(Timestamp(number!(i128))),
-            Kind::Complex32 | Kind::Complex64 | Kind::Void | Kind::Line(_) => {
+            }
+            Some(Kind::Text) => Self::Text(cursor.text()?),
+            Some(Kind::Time) => Self::Time(Timestamp::from_bytes(cursor.array()?, big_endian)),
+            Some(Kind::Complex32 | Kind::Complex64 | Kind::Void | Kind::Line(_)) | None => {
                 return Err(Error::unsupported(
                     cursor.path(),
                     format!("a property of TDMS data type 0x{code:X}"),
@@ -115,6 +101,14 @@ const SECONDS_PER_DAY: i64 = 86_400;
 const EPOCH_DAY: i64 = 695_361;
 
 impl Timestamp {
+    pub fn from_bytes(bytes: [u8; 16], big_endian: bool) -> Self {
+        Self(if big_endian {
+            i128::from_be_bytes(bytes)
+        } else {
+            i128::from_le_bytes(bytes)
+        })
+    }
+
     /// Seconds from another time to this one, correctly rounded.
     pub fn seconds_since(self, other: Self) -> f64 {
         match self.0.checked_sub(other.0) {
