@@ -32,6 +32,11 @@ pub(crate) trait Decoder: Send + 'static {
     /// Where reading stands.
     type Position: Send;
 
+    /// Refuses a channel that is not understood. Reads nothing.
+    fn check(&self, _layout: &Layout, _selected: &[usize]) -> Result<()> {
+        Ok(())
+    }
+
     /// Goes to the first sample of the selected channels, which have `samples` each where the layout says how many.
     fn start(
         &mut self,
@@ -62,8 +67,10 @@ struct Reading<D: Decoder> {
 enum State<Position> {
     /// Nothing was selected: all channels are read.
     Whole,
-    /// Of these channels, from there on.
-    Selected(Vec<usize>, Position),
+    /// These channels, of so many samples, from the first sample on.
+    Selected(Vec<usize>, u64),
+    /// So many channels, from there on.
+    Reading(usize, Position),
     /// A sample could not be read; the channels are out of step.
     Failed,
 }
@@ -85,8 +92,8 @@ impl<D: Decoder> Source for Reading<D> {
 
     fn select(&mut self, channels: &[usize]) -> Result<()> {
         let samples = self.layout.common_length(&self.path, channels)?;
-        let start = self.decoder.start(&self.layout, channels, samples)?;
-        self.state = State::Selected(channels.to_vec(), start);
+        self.decoder.check(&self.layout, channels)?;
+        self.state = State::Selected(channels.to_vec(), samples);
         Ok(())
     }
 
@@ -94,18 +101,25 @@ impl<D: Decoder> Source for Reading<D> {
         if matches!(self.state, State::Whole) {
             self.select(&Vec::from_iter(0..self.layout.channels.len()))?;
         }
-        let State::Selected(selected, mut at) = replace(&mut self.state, State::Failed) else {
-            let cause =
-                "an earlier sample could not be read; select the channels again to start anew";
-            return Err(Error::malformed(&self.path, Place::Whole, cause));
+        let (channels, mut at) = match replace(&mut self.state, State::Failed) {
+            State::Selected(channels, samples) => {
+                let start = self.decoder.start(&self.layout, &channels, samples)?;
+                (channels.len(), start)
+            }
+            State::Reading(channels, at) => (channels, at),
+            State::Whole | State::Failed => {
+                let cause =
+                    "an earlier sample could not be read; select the channels again to start anew";
+                return Err(Error::malformed(&self.path, Place::Whole, cause));
+            }
         };
-        block.clear(selected.len());
+        block.clear(channels);
         let mut rows = 0;
-        if limit > 0 && !selected.is_empty() {
+        if limit > 0 && channels > 0 {
             let columns = &mut block.columns;
             rows = self.decoder.next(&mut at, &self.layout, columns, limit)?;
         }
-        self.state = State::Selected(selected, at);
+        self.state = State::Reading(channels, at);
         Ok(rows)
     }
 }

@@ -206,25 +206,27 @@ impl Decoder for Tdms {
     type Position = (Vec<Position>, u64);
 
     /// [`Error::Unsupported`] for a channel whose scale or type is not known.
-    fn start(
-        &mut self,
-        layout: &Layout,
-        selected: &[usize],
-        samples: u64,
-    ) -> Result<Self::Position> {
-        let mut positions = Vec::with_capacity(selected.len());
+    fn check(&self, layout: &Layout, selected: &[usize]) -> Result<()> {
         for &channel in selected {
-            let reading = &self.readings[channel];
-            if let Some(obstacle) = &reading.obstacle {
+            if let Some(obstacle) = &self.readings[channel].obstacle {
                 return Err(Error::unsupported(
                     &self.path,
                     format!("{obstacle} of channel {:?}", layout.channels[channel].name),
                     "select other channels, or save this one as scaled DBL values with LabVIEW or DIAdem",
                 ));
             }
-            positions.push(Position::start(&self.index, channel, reading.object));
         }
-        Ok((positions, samples))
+        Ok(())
+    }
+
+    fn start(
+        &mut self,
+        _layout: &Layout,
+        selected: &[usize],
+        samples: u64,
+    ) -> Result<Self::Position> {
+        let start = |&channel| Position::start(&self.index, channel, self.readings[channel].object);
+        Ok((selected.iter().map(start).collect(), samples))
     }
 
     fn next(
