@@ -51,11 +51,13 @@ impl Channel {
         Self::new(heading, None)
     }
 
-    /// The heading that [`Self::from_heading`] reads.
+    /// The heading that [`Self::from_heading`] reads. `f (x)` without a unit would be read as `f` in x: empty brackets say that
+    /// there is no unit.
     #[must_use]
     pub fn heading(&self) -> String {
         match &self.unit {
             Some(unit) => format!("{} [{unit}]", self.name),
+            None if Self::from_heading(&self.name).name != self.name => format!("{} []", self.name),
             None => self.name.clone(),
         }
     }

@@ -10,6 +10,7 @@ use serde::ser::{SerializeMap, Serializer};
 
 use crate::envelope::Envelope;
 use crate::ingest::clock::Stamps;
+use crate::unit::{self, Unit};
 
 /// Everything about one file.
 #[derive(Debug, Clone, Serialize)]
@@ -195,6 +196,19 @@ pub struct UnitFacts {
     pub measures: Option<&'static str>,
     /// Its size in V, m/s^2, rad/s or s.
     pub size_si: Option<f64>,
+}
+
+impl UnitFacts {
+    /// Looks the unit up.
+    #[must_use]
+    pub fn new(name: &str) -> Self {
+        let known = unit::named(name);
+        Self {
+            name: name.to_owned(),
+            measures: known.map(Unit::quantity),
+            size_si: known.map(Unit::size_si),
+        }
+    }
 }
 
 /// One end of a channel where it stands still.

@@ -10,7 +10,6 @@ use super::resolution::{Steps, keep_every_second};
 use super::spectrum;
 use crate::channel::Channel;
 use crate::envelope::Envelope;
-use crate::unit::{self, Unit};
 
 /// Samples of which one noise floor is told.
 const NOISE_PIECE: usize = 4096;
@@ -139,7 +138,7 @@ impl Series {
         let no_drift = "fewer than 200 samples, or none finite at one end";
         let mut facts = ChannelFacts {
             name: channel.name.clone(),
-            unit: channel.unit.as_deref().map(unit_facts),
+            unit: channel.unit.as_deref().map(UnitFacts::new),
             start_offset_s: channel.start_offset_s,
             samples: self.rows,
             not_a_number: self.not_a_number,
@@ -224,22 +223,6 @@ impl Spectra {
             densities: found.densities,
         });
         spectra
-    }
-}
-
-/// Whether a unit's name is understood, and what it is worth.
-#[must_use]
-pub fn unit_facts(name: &str) -> UnitFacts {
-    let known = unit::named(name).map(|unit| match unit {
-        Unit::Voltage(size) => ("voltage", size),
-        Unit::Acceleration(size) => ("acceleration", size),
-        Unit::Rate(size) => ("rate of rotation", size),
-        Unit::Time(size) => ("time", size),
-    });
-    UnitFacts {
-        name: name.to_owned(),
-        measures: known.map(|k| k.0),
-        size_si: known.map(|k| k.1),
     }
 }
 

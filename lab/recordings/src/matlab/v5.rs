@@ -14,7 +14,7 @@ use crate::source::Source;
 use crate::variables::{Content, Elements, Variable, arrange};
 
 /// Bytes of the header.
-pub(super) const HEADER: usize = 128;
+const HEADER: usize = 128;
 /// Largest file, and largest sum of what is unpacked from it.
 const LARGEST: u64 = 1 << 31;
 /// Structs within structs.
@@ -73,12 +73,20 @@ impl Elements for Held {
     }
 }
 
-/// Opens a file whose first bytes are `head`.
-pub(super) fn open(path: &Path, mut file: File, head: &[u8]) -> Result<Box<dyn Source>> {
-    let big_endian = match head.get(124..HEADER) {
+/// Opens a file.
+pub(super) fn open(path: &Path) -> Result<Box<dyn Source>> {
+    let io = |source| Error::io(path, source);
+    let mut file = File::open(path).map_err(io)?;
+    let mut bytes = Vec::new();
+    let mut fill = |bytes: &mut Vec<u8>, most: u64| {
+        let most = most - bytes.len() as u64;
+        (&mut file).take(most).read_to_end(bytes).map_err(io)
+    };
+    fill(&mut bytes, HEADER as u64)?;
+    let big_endian = match bytes.get(124..HEADER) {
         Some([0x00, 0x01, b'I', b'M']) => false,
         Some([0x01, 0x00, b'M', b'I']) => true,
-        _ if head.get(..4).is_some_and(|text| text.contains(&0)) => {
+        _ if bytes.get(..4).is_some_and(|text| text.contains(&0)) => {
             return Err(Error::unsupported(
                 path,
                 "a MATLAB file of version 4",
@@ -86,18 +94,11 @@ pub(super) fn open(path: &Path, mut file: File, head: &[u8]) -> Result<Box<dyn S
             ));
         }
         _ => {
-            return Err(Error::malformed(
-                path,
-                Place::Byte(124.min(head.len() as u64)),
-                "no header of a MATLAB file",
-            ));
+            let place = Place::Byte(124.min(bytes.len() as u64));
+            return Err(Error::malformed(path, place, "no header of a MATLAB file"));
         }
     };
-    let mut bytes = Vec::new();
-    (&mut file)
-        .take(LARGEST + 1)
-        .read_to_end(&mut bytes)
-        .map_err(|source| Error::io(path, source))?;
+    fill(&mut bytes, LARGEST + 1)?;
     let mut reader = Reader {
         path,
         big_endian,
@@ -241,7 +242,9 @@ impl Reader<'_> {
     fn matrix(&mut self, mut part: Part, name: &str, depth: usize) -> Result<()> {
         if part.at == part.end {
             // A field that was never set.
-            return self.push(name.to_owned(), Content::Other("empty".to_owned()));
+            let empty = Content::Other("empty".to_owned());
+            self.found.push(Variable::new(name.to_owned(), empty));
+            return Ok(());
         }
         let (kind, flags) = self.element(&mut part)?;
         if kind != UINT32 {
@@ -288,10 +291,6 @@ impl Reader<'_> {
             (2, _) => other("array of structs"),
             _ => other(class_name(class)),
         };
-        self.push(name, content)
-    }
-
-    fn push(&mut self, name: String, content: Content) -> Result<()> {
         self.found.push(Variable::new(name, content));
         Ok(())
     }

@@ -33,7 +33,7 @@ fn writer(file: File, layout: &Layout) -> Result<SerializedFileWriter<File>> {
         .channels
         .iter()
         .map(|channel| {
-            Type::primitive_type_builder(&heading(channel), Physical::DOUBLE)
+            Type::primitive_type_builder(&channel.heading(), Physical::DOUBLE)
                 .with_repetition(Repetition::REQUIRED)
                 .build()
                 .map(Arc::new)
@@ -82,16 +82,6 @@ impl Encoder for SerializedFileWriter<File> {
 
     fn finish(self) -> io::Result<File> {
         self.into_inner().map_err(io_error)
-    }
-}
-
-/// The channel's heading; a name without a unit that looks as if it had one is marked as such.
-fn heading(channel: &Channel) -> String {
-    let heading = channel.heading();
-    if Channel::from_heading(&heading).name == channel.name {
-        heading
-    } else {
-        format!("{} []", channel.name)
     }
 }
 

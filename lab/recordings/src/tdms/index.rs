@@ -39,10 +39,8 @@ impl Index {
         let io = |source| Error::io(path, source);
         let file = File::open(path).map_err(io)?;
         let length = file.metadata().map_err(io)?.len();
-        let mut walk = Walk::new(Cursor::new(path, file), length);
-        walk.all()?;
-        let (index, cursor) = walk.finish();
-        Ok((index, cursor.into_file(), length))
+        let (index, file) = Walk::new(Cursor::new(path, file), length).all()?;
+        Ok((index, file, length))
     }
 
     /// The layout of a run.

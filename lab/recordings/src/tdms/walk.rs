@@ -1,6 +1,7 @@
 //! Lead-ins and object lists, segment after segment.
 
 use std::collections::HashMap;
+use std::fs::File;
 
 use super::chunk::Chunk;
 use super::cursor::Cursor;
@@ -63,8 +64,8 @@ impl Walk {
         }
     }
 
-    /// All segments.
-    pub fn all(&mut self) -> Result<()> {
+    /// All segments, and hands back the file.
+    pub fn all(mut self) -> Result<(Index, File)> {
         let mut at = 0;
         while at < self.length {
             match self.segment(at)? {
@@ -75,20 +76,14 @@ impl Walk {
                 }
             }
         }
-        Ok(())
-    }
-
-    pub fn finish(mut self) -> (Index, Cursor) {
         for (layout, chunks) in self.index.layouts.iter().zip(&self.chunks) {
             for column in &layout.columns {
-                if let Some(object) = self.index.objects.get_mut(column.object as usize) {
-                    object.samples = object
-                        .samples
-                        .saturating_add(column.values.saturating_mul(*chunks));
-                }
+                let object = &mut self.index.objects[column.object as usize];
+                let samples = column.values.saturating_mul(*chunks);
+                object.samples = object.samples.saturating_add(samples);
             }
         }
-        (self.index, self.cursor)
+        Ok((self.index, self.cursor.into_file()))
     }
 
     /// One segment; the byte where the next begins, or none if it ends within its lead-in or its metadata.

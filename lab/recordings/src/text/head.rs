@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use std::path::Path;
 
 use super::detect::{Found, Numbered, detect};
-use super::dialect::{Dialect, Separator, split, text};
+use super::dialect::{Dialect, Separator, text, texts};
 use super::lines::{LINE, Lines};
 use super::lvm;
 use crate::channel::{Channel, Layout, MOST_CHANNELS, is_sample_rate, sample_rate};
@@ -157,12 +157,7 @@ fn commented_headings(line: &[u8], found: &Found) -> Option<Vec<String>> {
         .iter()
         .position(|byte| *byte != b'#' && *byte != b'%')?;
     let line = line.get(start..)?;
-    let mut cells = Vec::new();
-    split(line, found.dialect.separator, &mut cells).ok()?;
-    let names: Vec<String> = cells
-        .iter()
-        .map(|&(begin, end)| text(line.get(begin..end).unwrap_or_default()))
-        .collect();
+    let names = texts(line, found.dialect.separator).ok()?;
     let named = names
         .iter()
         .all(|n| !n.is_empty() && n.parse::<f64>().is_err());

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::dialect::{Decimal, Dialect, Separator, number, split, text};
+use super::dialect::{Decimal, Dialect, Separator, number, texts};
 use super::head::{Table, is_blank};
 use super::lines::Lines;
 use crate::channel::{Channel, Layout, MOST_CHANNELS};
@@ -41,7 +41,6 @@ impl Header {
 pub fn read(path: &Path, lines: &mut Lines) -> Result<(Layout, Table)> {
     let mut header = Header::default();
     let mut separator = Separator::Tab;
-    let mut cells = Vec::new();
     let mut ends = 0;
     let headings = loop {
         let Some((at, line)) = lines.next()? else {
@@ -55,12 +54,8 @@ pub fn read(path: &Path, lines: &mut Lines) -> Result<(Layout, Table)> {
         if is_blank(line) || line.iter().all(|byte| b"\t, ".contains(byte)) {
             continue;
         }
-        split(line, separator, &mut cells)
+        let mut words = texts(line, separator)
             .map_err(|cause| Error::malformed(path, Place::Line(at), cause))?;
-        let mut words: Vec<String> = cells
-            .iter()
-            .map(|&(begin, end)| text(line.get(begin..end).unwrap_or_default()))
-            .collect();
         let key = words.first().cloned().unwrap_or_default();
         if key.starts_with(END) {
             ends += 1;

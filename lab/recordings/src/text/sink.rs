@@ -110,12 +110,8 @@ fn heading(at: usize, channel: &Channel) -> String {
     if heading.trim().is_empty() {
         heading = format!("column_{}", at + 1);
     }
-    // `f (x)` without a unit would be read as `f` in x, `1` as a number and `-` as a missing one; empty brackets say that
-    // there is no unit.
-    let mistaken = Channel::from_heading(&heading).unit.is_some()
-        || heading.parse::<f64>().is_ok()
-        || is_missing(&heading);
-    if channel.unit.is_none() && mistaken {
+    // `1` would be read as a number and `-` as a missing one; empty brackets say that there is no unit.
+    if channel.unit.is_none() && (heading.parse::<f64>().is_ok() || is_missing(&heading)) {
         heading += " []";
     }
     if heading.contains([',', ';', '"', '#', '%']) {
