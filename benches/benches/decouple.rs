@@ -14,8 +14,8 @@ use criterion::{
 use glam::DVec3;
 use sixaxis_benches::{MEASUREMENT_TIME, SAMPLE_SIZE, WARM_UP_TIME, validate};
 use sixaxis_core::decouple::lanes::push_lanes;
-use sixaxis_core::decouple::record::Accelerations;
 use sixaxis_core::kernel::simd::LANES;
+use sixaxis_core::six_axis::{Accelerations, SixAxisColumns};
 use sixaxis_core::{Decoupler, LIMBS, Scheme, SixAxis};
 use sixaxis_props::problem::recorded::{self as problem, DECOUPLE_RATE_HZ, Recorded};
 use sixaxis_props::tolerance::{DecoupledRun, PAPER_COMPOUND, PAPER_TUMBLE, Tolerance};
@@ -155,19 +155,20 @@ fn record(criterion: &mut Criterion) {
     let ready = problem.decoupler(Scheme::Heun);
     let limits = DecoupledRun::compound(Scheme::Heun);
     let limits = [limits.linear, limits.angular];
-    let dispatched = |sink: &mut dyn FnMut(&[Accelerations])| {
+    let dispatched = |sink: &mut dyn FnMut(SixAxisColumns)| {
         let mut decoupler = black_box(&ready).clone();
-        decoupler.push_record(black_box(voltage_v), &mut |done| sink(done))
+        decoupler.push_record(black_box(voltage_v), sink)
     };
-    let portable = |sink: &mut dyn FnMut(&[Accelerations])| {
+    let portable = |sink: &mut dyn FnMut(SixAxisColumns)| {
         let mut decoupler = black_box(&ready).clone();
-        decoupler.push_record_portable(black_box(voltage_v), &mut |done| sink(done))
+        decoupler.push_record_portable(black_box(voltage_v), sink)
     };
-    type Path<'a> = &'a dyn Fn(&mut dyn FnMut(&[Accelerations])) -> sixaxis_core::Result<()>;
+    type Path<'a> = &'a dyn Fn(&mut dyn FnMut(SixAxisColumns)) -> sixaxis_core::Result<()>;
     let paths: [(&str, Path); 2] = [("dispatched", &dispatched), ("portable", &portable)];
     for (name, path) in paths {
         let mut answers = Vec::new();
-        path(&mut |done| answers.extend_from_slice(done)).expect("a recorded run");
+        path(&mut |done| answers.extend(done.iter().map(|s| s.accelerations())))
+            .expect("a recorded run");
         let name = format!("decouple/record/{name}");
         require_accelerations(&name, &problem, 1, &answers, limits);
     }

@@ -72,6 +72,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             "push/full/heun/without/3",
             "switch",
             "record",
+            "record/columns",
+            "record/heun_substepped",
             "record/without/3",
             "lanes/without/3",
             "record/portable",
@@ -84,8 +86,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         return Ok(());
     };
     let rows = rows();
+    let columns: [Vec<f64>; LIMBS] = from_fn(|i| rows.iter().map(|row| row[i]).collect());
     for _ in 0..repeats.parse::<usize>()? {
-        run(name, black_box(&rows))?;
+        run(name, black_box(&rows), black_box(columns.each_ref()))?;
     }
     Ok(())
 }
@@ -99,7 +102,11 @@ fn push_each(decoupler: &mut Decoupler, rows: &[[f64; LIMBS]]) -> sixaxis_core::
     Ok(())
 }
 
-fn run(name: &str, rows: &[[f64; LIMBS]]) -> Result<(), Box<dyn std::error::Error>> {
+fn run(
+    name: &str,
+    rows: &[[f64; LIMBS]],
+    columns: [&Vec<f64>; LIMBS],
+) -> Result<(), Box<dyn std::error::Error>> {
     let (name, without) = match name.split_once("/without/") {
         None => (name, LimbSet::EMPTY),
         Some((name, limbs)) => (name, excluded(limbs.parse()?)?),
@@ -114,6 +121,12 @@ fn run(name: &str, rows: &[[f64; LIMBS]]) -> Result<(), Box<dyn std::error::Erro
     decoupler.set_excluded(without)?;
     match name {
         "record" => decoupler.push_record(rows, &mut |done| {
+            black_box(done);
+        })?,
+        "record/columns" => decoupler.push_columns(columns.map(|c| &c[..]), &mut |done| {
+            black_box(done);
+        })?,
+        "record/heun_substepped" => decoupler.push_record(rows, &mut |done| {
             black_box(done);
         })?,
         "record/portable" => decoupler.push_record_portable(rows, &mut |done| {

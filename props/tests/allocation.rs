@@ -10,6 +10,7 @@ use sixaxis_core::identify::inertia::InertiaIdentification;
 use sixaxis_core::identify::scale::ScaleIdentification;
 use sixaxis_core::kernel::simd::LANES;
 use sixaxis_core::redundancy::self_calibration::{Accumulator, Limits};
+use sixaxis_core::six_axis::SixAxisColumns;
 use sixaxis_core::{
     Decoupler, Gains, Geometry, LIMBS, LimbSet, Scheme, Sensor, Settings, StaticResponse,
 };
@@ -52,7 +53,7 @@ fn inv_decoding_allocates_nothing() {
             for row in &rows {
                 count += usize::from(stream.push(row).expect("sound").is_some());
             }
-            let mut sink = |done: &[_]| count += black_box(done).len();
+            let mut sink = |done: SixAxisColumns| count += black_box(done).len();
             record.push_record(&rows, &mut sink).expect("sound");
             portable
                 .push_record_portable(&rows, &mut sink)
@@ -121,7 +122,7 @@ fn inv_switching_over_allocates_nothing() {
         }
         for (piece, set) in rows.chunks(SAMPLES / 5).zip(sets) {
             record.set_excluded(set).expect("survivable");
-            let mut sink = |done: &[_]| count += black_box(done).len();
+            let mut sink = |done: SixAxisColumns| count += black_box(done).len();
             record.push_record(piece, &mut sink).expect("sound");
         }
     });

@@ -7,6 +7,7 @@ use sixaxis_core::SixAxis;
 use sixaxis_core::decouple::lanes::LaneSample;
 use sixaxis_core::decouple::lanes::push_lanes;
 use sixaxis_core::kernel::simd::LANES;
+use sixaxis_core::six_axis::SixAxisColumns;
 use sixaxis_props::problem::recorded::true_parameters;
 use std::array::from_fn;
 use std::hint::black_box;
@@ -30,7 +31,8 @@ pub fn record(input: &Input, portable: bool) -> Box<dyn Peer> {
     let voltage_v = input.recorded.recording.voltage_v.clone();
     Decoder::boxed(voltage_v.len(), move |rows| {
         let mut decoupler = black_box(&ready).clone();
-        let mut sink = |done: &[Row]| rows.extend_from_slice(done);
+        let mut sink =
+            |done: SixAxisColumns| rows.extend(done.iter().map(|answer| answer.accelerations()));
         let voltage_v = black_box(&voltage_v);
         let done = if portable {
             decoupler.push_record_portable(voltage_v, &mut sink)

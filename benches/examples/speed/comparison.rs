@@ -1,8 +1,7 @@
 //! Every path is held against push before it is timed.
 
-use glam::DVec3;
 use sixaxis_core::Decoupler;
-use sixaxis_core::decouple::record::Accelerations;
+use sixaxis_core::six_axis::SixAxisColumns;
 
 use crate::timing::Voltages;
 
@@ -40,16 +39,17 @@ impl<'a, I: Iterator<Item = &'a Voltages>> Beside<I> {
         }
     }
 
-    pub fn compare(&mut self, rows: &[Accelerations]) {
-        for row in rows {
+    pub fn compare(&mut self, answers: SixAxisColumns) {
+        for answer in answers.iter() {
             let ours = loop {
                 let voltage = self.voltage_v.next().expect("no more answers than samples");
                 if let Some(sample) = self.decoupler.push(voltage).expect("a recorded sample") {
                     break [sample.linear_ground_m_s2, sample.angular_ground_rad_s2];
                 }
             };
-            for (half, ours) in ours.into_iter().enumerate() {
-                let difference = (ours - DVec3::from_slice(&row[3 * half..])).length();
+            let theirs = [answer.linear_ground_m_s2, answer.angular_ground_rad_s2];
+            for (half, (ours, theirs)) in ours.into_iter().zip(theirs).enumerate() {
+                let difference = (ours - theirs).length();
                 // NaN, once there, stays.
                 if difference > self.difference[half] || difference.is_nan() {
                     self.difference[half] = difference;
@@ -84,7 +84,7 @@ pub fn judge_record<'a>(
     let mut decoupler = ready.clone();
     for piece in given {
         decoupler
-            .push_record(piece, &mut |rows| beside.compare(rows))
+            .push_record(piece, &mut |answers| beside.compare(answers))
             .expect("samples of a recorded run");
     }
     beside.judge(what, samples)

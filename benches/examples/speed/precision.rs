@@ -47,11 +47,12 @@ pub fn errors(
     let mut record = Vec::new();
     ready
         .clone()
-        .push_record(voltage_v, &mut |rows| {
-            for row in rows {
-                let linear = DVec3::from_slice(row);
-                record.push(linear - truth[record.len() + 1].linear_ground_m_s2);
-            }
+        .push_record(voltage_v, &mut |answers| {
+            record.extend(
+                answers
+                    .iter()
+                    .map(|s| s.linear_ground_m_s2 - truth[s.sample as usize].linear_ground_m_s2),
+            );
         })
         .expect("samples of a recorded run");
     let over_peak = |errors: &[DVec3]| largest(errors.iter().map(|e| e.length())) / peak;

@@ -39,6 +39,10 @@ pub trait Register: Real {
     fn load(proof: Self::Proof, row: &Row, part: usize) -> Self;
     /// Writes that part.
     fn store(self, row: &mut Row, part: usize);
+    /// One register's numbers from `at` on, wherever they lie.
+    fn load_at(proof: Self::Proof, series: &[f64], at: usize) -> Self;
+    /// Writes them there.
+    fn store_at(self, series: &mut [f64], at: usize);
     /// Square root.
     #[must_use]
     fn root(self) -> Self;
@@ -84,6 +88,21 @@ impl<S: Simd> Register for Wide<S> {
     }
 
     #[inline(always)]
+    fn load_at(simd: S, series: &[f64], at: usize) -> Self {
+        let (registers, _) = S::as_simd_f64s(&series[at..at + Self::LANES]);
+        Self {
+            simd,
+            value: registers[0],
+        }
+    }
+
+    #[inline(always)]
+    fn store_at(self, series: &mut [f64], at: usize) {
+        let (registers, _) = S::as_mut_simd_f64s(&mut series[at..at + Self::LANES]);
+        registers[0] = self.value;
+    }
+
+    #[inline(always)]
     fn root(self) -> Self {
         let value = self.simd.sqrt_f64s(self.value);
         Self { value, ..self }
@@ -120,7 +139,18 @@ impl Register for f64x4 {
     #[inline(always)]
     fn store(self, row: &mut Row, part: usize) {
         let first = part * <Self as Register>::LANES;
-        row.0[first..first + <Self as Register>::LANES].copy_from_slice(self.as_array());
+        self.store_at(&mut row.0, first);
+    }
+
+    #[inline(always)]
+    fn load_at((): (), series: &[f64], at: usize) -> Self {
+        let four = &series[at..at + <Self as Register>::LANES];
+        Self::from([four[0], four[1], four[2], four[3]])
+    }
+
+    #[inline(always)]
+    fn store_at(self, series: &mut [f64], at: usize) {
+        series[at..at + <Self as Register>::LANES].copy_from_slice(self.as_array());
     }
 
     #[inline(always)]

@@ -6,6 +6,7 @@
 //! |---|---|
 //! | [`check_grade`] | whether the calibration is one to decouple with |
 //! | [`setup`] | what is known of one recording: gains, gravity, channels, rate, and from where |
+//! | [`voltages`] | nine columns, as they go from file to decoder |
 //! | [`recording`] | nine voltages on one clock from a file, block by block, with what is wrong with them |
 //! | [`conditioning_stream`] | delays, the amplifier's high-pass, a low-pass, as streams |
 //! | [`decoding`] | voltages to rows of the answer |
@@ -25,6 +26,7 @@ pub mod fault_watch;
 pub mod job;
 pub mod rest_to_rest;
 pub mod text_stream;
+pub mod voltages;
 
 pub mod pipeline;
 pub mod recording;
@@ -35,7 +37,7 @@ use sixaxis_core::LIMBS;
 /// Nine voltages, V.
 pub type Row = [f64; LIMBS];
 
-/// Rows that are worked on at a time: a multiple of the kernel's block, large against the cost of handing over, small against
+/// Samples that are worked on at a time: a multiple of the kernel's block, large against the cost of handing over, small against
 /// the memory (7 MB for all blocks under way).
 pub const CHUNK: usize = 1 << 14;
 

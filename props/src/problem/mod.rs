@@ -8,7 +8,7 @@ pub mod recorded;
 pub mod rig;
 
 use glam::{DQuat, DVec3};
-use sixaxis_core::decouple::record::Accelerations;
+use sixaxis_core::six_axis::Accelerations;
 use sixaxis_core::{
     Decoupler, Gains, LIMBS, Parameters, Scheme, Sensor, Settings, SixAxis, StaticResponse,
 };
@@ -111,14 +111,8 @@ impl Problem {
     }
 }
 
-/// Linear, m/s^2, and angular accelerations, rad/s^2, as the record path has them.
+/// Linear, m/s^2, and angular accelerations, rad/s^2.
 #[must_use]
 pub fn accelerations<'a>(samples: impl IntoIterator<Item = &'a SixAxis>) -> Vec<Accelerations> {
-    samples
-        .into_iter()
-        .map(|s| {
-            let (a, w) = (s.linear_ground_m_s2, s.angular_ground_rad_s2);
-            [a.x, a.y, a.z, w.x, w.y, w.z]
-        })
-        .collect()
+    samples.into_iter().map(SixAxis::accelerations).collect()
 }

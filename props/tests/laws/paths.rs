@@ -5,18 +5,20 @@ use std::array::from_fn;
 
 use proptest::prelude::*;
 use sixaxis_core::decouple::lanes::push_lanes;
-use sixaxis_core::decouple::record::Accelerations;
 use sixaxis_core::kernel::constants::Constants;
 use sixaxis_core::kernel::order::to_kernel_order;
 use sixaxis_core::kernel::placement::{self, LimbLoad};
 use sixaxis_core::kernel::simd::LANES;
 use sixaxis_core::kernel::vec3::Vec3;
 use sixaxis_core::paper::RateVariable;
-use sixaxis_core::{Decoupler, Error, Gains, Geometry, LIMBS, Model, Scheme, Sensor, Settings};
+use sixaxis_core::six_axis::{NUMBERS, SixAxisColumns};
+use sixaxis_core::{
+    Decoupler, Error, Gains, Geometry, LIMBS, Model, Scheme, Sensor, Settings, SixAxis,
+};
 use sixaxis_props::compare::largest;
 use sixaxis_props::evidence::Row;
 use sixaxis_props::manufactured::motion::Manufactured;
-use sixaxis_props::problem::{Problem, accelerations, rig};
+use sixaxis_props::problem::{Problem, rig};
 use sixaxis_props::strategy::{config, manufactured, parameters};
 use sixaxis_props::tolerance::{self, Tolerance};
 use sixaxis_props::truth;
@@ -42,31 +44,59 @@ fn on_the_rig(scheme: Scheme) -> Problem {
     Problem::recorded(&recording, &parameters, scheme)
 }
 
-fn stream(problem: &Problem) -> Vec<Accelerations> {
-    accelerations(&problem.decouple())
+/// The first numbers of answers.
+fn numbers<'a, const N: usize>(answers: impl IntoIterator<Item = &'a SixAxis>) -> Vec<[f64; N]> {
+    let first = |answer: &SixAxis| {
+        let numbers = answer.numbers();
+        from_fn(|i| numbers[i])
+    };
+    answers.into_iter().map(first).collect()
+}
+
+fn stream<const N: usize>(problem: &Problem) -> Vec<[f64; N]> {
+    numbers(&problem.decouple())
+}
+
+/// How a record is handed over.
+#[derive(Clone, Copy)]
+enum Given {
+    Rows,
+    Columns,
+    Portable,
 }
 
 /// As a record in two pieces.
-fn record(problem: &Problem, split: usize, portable: bool) -> Vec<Accelerations> {
+fn record<const N: usize>(problem: &Problem, split: usize, given: Given) -> Vec<[f64; N]> {
     let mut decoupler = problem.decoupler();
     let mut answers = Vec::new();
     let (head, tail) = problem.voltage_v.split_at(split);
     for piece in [head, tail] {
-        let mut sink = |done: &[Accelerations]| answers.extend_from_slice(done);
-        let pushed = if portable {
-            decoupler.push_record_portable(piece, &mut sink)
-        } else {
-            decoupler.push_record(piece, &mut sink)
+        let sink = &mut |done: SixAxisColumns| answers.extend(done.iter());
+        let pushed = match given {
+            Given::Rows => decoupler.push_record(piece, sink),
+            Given::Columns => {
+                let columns: [Vec<f64>; LIMBS] =
+                    from_fn(|i| piece.iter().map(|row| row[i]).collect());
+                decoupler.push_columns(columns.each_ref().map(|column| &column[..]), sink)
+            }
+            Given::Portable => decoupler.push_record_portable(piece, sink),
         };
         pushed.expect("sound samples");
     }
-    answers
+    let samples: Vec<u64> = answers
+        .iter()
+        .map(|answer: &SixAxis| answer.sample)
+        .collect();
+    let expected: Vec<u64> = (1..).take(samples.len()).collect();
+    assert_eq!(samples, expected, "samples in order");
+    numbers(&answers)
 }
 
-/// Largest difference over the larger peak, linear and angular.
-fn difference(ours: &[Accelerations], theirs: &[Accelerations]) -> f64 {
+/// Largest difference over the larger peak, of accelerations, rate and attitude as far as they are given.
+fn difference<const N: usize>(ours: &[[f64; N]], theirs: &[[f64; N]]) -> f64 {
     assert_eq!(ours.len(), theirs.len(), "samples");
-    largest([0..3, 3..6].map(|axes| {
+    let vectors = [0..3, 3..6, 6..9, 9..NUMBERS].into_iter();
+    largest(vectors.take_while(|axes| axes.end <= N).map(|axes| {
         let peak = largest(
             theirs
                 .iter()
@@ -100,15 +130,18 @@ proptest! {
             .map(|m| moving(m, m.highest_frequency_hz() * per_period, samples, scheme))
             .collect();
         let case = &cases[0];
-        let streamed = stream(case);
+        let streamed = stream::<NUMBERS>(case);
         let split = (split * samples as f64) as usize;
-        for portable in [false, true] {
-            let what = if portable { "record, portable" } else { "record" };
-            let error = difference(&record(case, split, portable), &streamed);
+        for (what, given) in [("record", Given::Rows), ("record, portable", Given::Portable)] {
+            let error = difference(&record(case, split, given), &streamed);
             judge(what, scheme.name(), error, tolerance::PATHS);
         }
+        prop_assert_eq!(
+            record::<NUMBERS>(case, split, Given::Columns),
+            record(case, split, Given::Rows)
+        );
         let mut decouplers: [Decoupler; LANES] = from_fn(|lane| cases[lane].decoupler());
-        let mut lanes: [Vec<Accelerations>; LANES] = from_fn(|_| Vec::new());
+        let mut lanes: [Vec<[f64; 9]>; LANES] = from_fn(|_| Vec::new());
         let pieces = [0..split, split..samples];
         for piece in pieces {
             let rows = from_fn(|lane| &cases[lane].voltage_v[piece.clone()]);
@@ -174,19 +207,20 @@ proptest! {
         let mut wanted = Vec::new();
         let refused = case.voltage_v.iter().find_map(|row| match stream.push(row) {
             Ok(answer) => {
-                wanted.extend(accelerations(&answer));
+                wanted.extend(answer);
                 None
             }
             Err(error) => Some(error),
         });
         let mut record = case.decoupler();
         let mut got = Vec::new();
-        let answer = record.push_record(&case.voltage_v, &mut |done: &[Accelerations]| got.extend_from_slice(done));
+        let answer = record.push_record(&case.voltage_v, &mut |done| got.extend(done.iter()));
         // NaN is not equal to itself.
         prop_assert_eq!(format!("{:?}", answer.err()), format!("{:?}", &refused));
         prop_assert_eq!(record.received(), stream.received());
         if wanted.len() > 1 {
-            judge("record up to a bad sample", bad, difference(&got, &wanted), tolerance::PATHS);
+            let error = difference(&numbers::<NUMBERS>(&got), &numbers(&wanted));
+            judge("record up to a bad sample", bad, error, tolerance::PATHS);
         }
         let mut decouplers: [Decoupler; LANES] = from_fn(|_| case.decoupler());
         let mut sound = case.voltage_v.clone();
@@ -214,11 +248,11 @@ fn ref_the_paths_are_the_printed_formulas() {
     let model = Model::new(&case.sensor, &case.parameters, &case.settings).expect("sound");
     let printed = sixaxis_core::paper::decouple(&model, RateVariable::Mass, &case.voltage_v)
         .expect("sound samples");
-    let printed = accelerations(&printed);
+    let printed = numbers::<6>(&printed);
     for (what, answers) in [
         ("stream", stream(case)),
-        ("record", record(case, 0, false)),
-        ("record, portable", record(case, 777, true)),
+        ("record", record(case, 0, Given::Rows)),
+        ("record, portable", record(case, 777, Given::Portable)),
     ] {
         judge(
             "accelerations against the printed formulas",
@@ -232,10 +266,10 @@ fn ref_the_paths_are_the_printed_formulas() {
 #[test]
 fn ref_single_precision_holds_its_budget() {
     let case = &on_the_rig(Scheme::Heun);
-    let double = stream(case);
+    let double = stream::<6>(case);
     let mut decoupler =
         Decoupler::new_f32(&case.sensor, &case.parameters, &case.settings).expect("a sound sensor");
-    let single: Vec<Accelerations> = case
+    let single: Vec<[f64; 6]> = case
         .voltage_v
         .iter()
         .filter_map(|row| {

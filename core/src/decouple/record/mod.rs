@@ -1,41 +1,44 @@
 //! A whole recording, or as much of it as has arrived: the same answers as sample by sample, several times as fast.
 //!
-//! # Why one stream can be worked on eight samples at a time
+//! # Why one stream can be worked on several samples at a time
 //! Of the kernel's four stages only the spin carries anything from sample to sample that is not a plain copy of its
 //! neighbours. So a block of samples goes stage by stage, each a short loop over vector registers:
 //!
 //! 1. *place*: every sample by itself;
 //! 2. *spin*: in order, one after the other, fifteen operations each;
 //! 3. *shell*: every sample by itself, from three neighbouring placements;
-//! 4. *attitude*: a product of small rotations, q_k = q_0 d_1 d_2 ... d_k. A product may be bracketed at will: eight
-//!    segments of the block are multiplied up side by side, then each is set behind the ones before it.
+//! 4. *attitude*: a product of small rotations, q_k = q_0 d_1 d_2 ... d_k. A product may be bracketed at will: doubled three
+//!    times, rotations over one sample become those over eight, and eight attitudes side by side step on by eight samples.
 //!
-//! A block is stored with one segment per lane: step s of lane l is sample l STEPS + s. Neighbours in time are then
-//! neighbours in memory, rows apart and never across lanes, but for the first rows of each segment, which are copied from
-//! the end of the segment before.
+//! Numbers lie in the order of time, column by column, from the voltages to the answers: a register holds consecutive samples,
+//! and their neighbours are a load from one place earlier.
 //!
 //! # What differs from sample by sample
 //! Rounding: fused products where the processor has them, and other brackets in the product of attitudes. A block with a
 //! sample that the series do not cover, or with anything wrong in it, is decoded sample by sample, so errors are the same.
 
 mod block;
-mod vectors;
+mod series;
+mod voltages;
 
 use pulp::{Arch, Simd, WithSimd};
 
 use crate::decouple::stream::Decoupler;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::geometry::LIMBS;
 use crate::kernel::simd::{Register, Wide};
+use crate::six_axis::SixAxisColumns;
 use ::wide::f64x4;
-use block::{BLOCK, Block};
+use block::Block;
+use series::BLOCK;
+use voltages::{Columns, Voltages};
 
-/// a then w' in ground axes, m/s^2 and rad/s^2.
-pub type Accelerations = [f64; 6];
+/// Takes answers in order and in pieces of any length.
+type Sink<'a> = &'a mut dyn FnMut(SixAxisColumns<'_>);
 
 impl Decoupler {
-    /// Takes the next samples, as many as there are, and hands the accelerations that they complete to `sink`, in order
-    /// and in pieces of any length.
+    /// Takes the next samples, as many as there are, and hands the answers that they complete to `sink`, in order and in
+    /// pieces of any length.
     ///
     /// Equals [`Decoupler::push`] on one after the other but for rounding (1e-13 of full scale over 1e4 samples), and leaves
     /// the decoupler ready for more by either.
@@ -46,21 +49,31 @@ impl Decoupler {
     pub fn push_record(
         &mut self,
         voltage_v: &[[f64; LIMBS]],
-        sink: &mut impl FnMut(&[Accelerations]),
+        sink: &mut dyn FnMut(SixAxisColumns<'_>),
     ) -> Result<()> {
-        if self.mask.all() {
-            Arch::new().dispatch(Decode::<_, false> {
-                decoupler: self,
-                voltage_v,
-                sink,
-            })
-        } else {
-            Arch::new().dispatch(Decode::<_, true> {
-                decoupler: self,
-                voltage_v,
-                sink,
-            })
+        self.dispatch(&voltage_v, sink)
+    }
+
+    /// [`Decoupler::push_record`] of nine columns, as a file has them: the same bits, and nothing is moved.
+    ///
+    /// # Errors
+    /// As [`Decoupler::push_record`]; [`Error::TooFewSamples`] for a column that is shorter than the longest, before any sample
+    /// is taken.
+    pub fn push_columns(
+        &mut self,
+        voltage_v: [&[f64]; LIMBS],
+        sink: &mut dyn FnMut(SixAxisColumns<'_>),
+    ) -> Result<()> {
+        let longest = voltage_v.iter().map(|column| column.len()).max();
+        let needed = longest.unwrap_or(0);
+        if let Some(short) = voltage_v.iter().find(|column| column.len() < needed) {
+            return Err(Error::TooFewSamples {
+                what: "a column of voltages",
+                needed,
+                got: short.len(),
+            });
         }
+        self.dispatch(&Columns(voltage_v), sink)
     }
 
     /// The same without the processor's special instructions: what [`Decoupler::push_record`] is where there are none.
@@ -70,37 +83,55 @@ impl Decoupler {
     pub fn push_record_portable(
         &mut self,
         voltage_v: &[[f64; LIMBS]],
-        sink: &mut impl FnMut(&[Accelerations]),
+        sink: &mut dyn FnMut(SixAxisColumns<'_>),
     ) -> Result<()> {
         if self.mask.all() {
-            decode::<f64x4, false>((), self, voltage_v, sink)
+            decode::<f64x4, false>((), self, &voltage_v, sink)
         } else {
-            decode::<f64x4, true>((), self, voltage_v, sink)
+            decode::<f64x4, true>((), self, &voltage_v, sink)
+        }
+    }
+
+    fn dispatch(&mut self, voltage_v: &dyn Voltages, sink: Sink) -> Result<()> {
+        if self.mask.all() {
+            Arch::new().dispatch(Decode::<false> {
+                decoupler: self,
+                voltage_v,
+                sink,
+            })
+        } else {
+            Arch::new().dispatch(Decode::<true> {
+                decoupler: self,
+                voltage_v,
+                sink,
+            })
         }
     }
 
     fn push_each(
         &mut self,
-        voltage_v: &[[f64; LIMBS]],
-        sink: &mut impl FnMut(&[Accelerations]),
+        voltage_v: &dyn Voltages,
+        samples: core::ops::Range<usize>,
+        sink: Sink,
     ) -> Result<()> {
-        for row in voltage_v {
-            if let Some(sample) = self.push(row)? {
-                sink(&[sample.accelerations()]);
+        for sample in samples {
+            if let Some(answer) = self.push(&voltage_v.row(sample))? {
+                let numbers = answer.numbers().map(|number| [number]);
+                sink(SixAxisColumns::new(answer.sample, &numbers));
             }
         }
         Ok(())
     }
 }
 
-/// Without limbs or not, each in functions of its own.
-struct Decode<'a, F, const EXCLUDING: bool> {
+/// With limbs excluded or not, each in functions of its own.
+struct Decode<'a, const EXCLUDING: bool> {
     decoupler: &'a mut Decoupler,
-    voltage_v: &'a [[f64; LIMBS]],
-    sink: &'a mut F,
+    voltage_v: &'a dyn Voltages,
+    sink: Sink<'a>,
 }
 
-impl<F: FnMut(&[Accelerations]), const EXCLUDING: bool> WithSimd for Decode<'_, F, EXCLUDING> {
+impl<const EXCLUDING: bool> WithSimd for Decode<'_, EXCLUDING> {
     type Output = Result<()>;
 
     #[inline(always)]
@@ -118,22 +149,24 @@ impl<F: FnMut(&[Accelerations]), const EXCLUDING: bool> WithSimd for Decode<'_, 
 fn decode<R: Register, const EXCLUDING: bool>(
     proof: R::Proof,
     decoupler: &mut Decoupler,
-    voltage_v: &[[f64; LIMBS]],
-    sink: &mut impl FnMut(&[Accelerations]),
+    voltage_v: &dyn Voltages,
+    sink: Sink,
 ) -> Result<()> {
+    let samples = voltage_v.len();
     // The start of a stream has fewer neighbours than the block's loops count on.
     let missing = 3_usize.saturating_sub(decoupler.received() as usize);
-    let (head, mut rest) = voltage_v.split_at(missing.min(voltage_v.len()));
-    decoupler.push_each(head, sink)?;
-    if rest.len() >= BLOCK {
+    let mut first = missing.min(samples);
+    decoupler.push_each(voltage_v, 0..first, sink)?;
+    if samples - first >= BLOCK {
         let mut block = Block::<R, EXCLUDING>::new(proof, decoupler);
-        while let Some((rows, after)) = rest.split_first_chunk::<BLOCK>() {
-            match block.decode(decoupler, rows) {
+        let mut room = [[0.0; BLOCK]; LIMBS];
+        while samples - first >= BLOCK {
+            match block.decode(decoupler, voltage_v, first, &mut room) {
                 Some(done) => sink(done),
-                None => decoupler.push_each(rows, sink)?,
+                None => decoupler.push_each(voltage_v, first..first + BLOCK, sink)?,
             }
-            rest = after;
+            first += BLOCK;
         }
     }
-    decoupler.push_each(rest, sink)
+    decoupler.push_each(voltage_v, first..samples, sink)
 }

@@ -9,6 +9,7 @@ use sixaxis_core::dsp::zero_phase::ZeroPhase;
 use sixaxis_core::dsp::{self, butterworth};
 
 use super::Row;
+use super::voltages::Voltages;
 use crate::conditioning::Stage;
 use crate::conditioning::high_pass::UndoneHighPass;
 
@@ -158,26 +159,24 @@ impl ConditioningStream {
         Ok(Self { channels })
     }
 
-    /// Takes rows and appends those that are ready to `out`, in the order of their samples.
-    pub fn push(&mut self, rows: &[Row], out: &mut Vec<Row>) {
+    /// Takes all samples out of `voltage_v` and appends those that are ready to `out`.
+    pub fn push(&mut self, voltage_v: &mut Voltages, out: &mut Voltages) {
         if self.channels.iter().all(|chain| chain.stages.is_empty()) {
-            out.extend_from_slice(rows);
+            out.append(voltage_v);
             return;
         }
-        let mut column = Vec::with_capacity(rows.len());
-        for (limb, chain) in self.channels.iter_mut().enumerate() {
-            column.clear();
-            column.extend(rows.iter().map(|row| row[limb]));
-            chain.push(0, &column);
+        for (chain, column) in self.channels.iter_mut().zip(&voltage_v.columns) {
+            chain.push(0, column);
         }
+        voltage_v.clear();
         self.hand_out(out);
     }
 
-    /// Appends what is left when no more rows come.
+    /// Appends what is left when no more samples come.
     ///
     /// # Errors
     /// A record too short for the low-pass.
-    pub fn finish(&mut self, out: &mut Vec<Row>) -> Result<()> {
+    pub fn finish(&mut self, out: &mut Voltages) -> Result<()> {
         for chain in &mut self.channels {
             chain.finish().context("--low-pass")?;
         }
@@ -185,20 +184,16 @@ impl ConditioningStream {
         Ok(())
     }
 
-    /// Rows of which all nine channels are ready.
-    fn hand_out(&mut self, out: &mut Vec<Row>) {
-        let rows = self
+    /// Samples of which all nine channels are ready.
+    fn hand_out(&mut self, out: &mut Voltages) {
+        let samples = self
             .channels
             .iter()
             .map(|c| c.ready.len())
             .min()
             .unwrap_or(0);
-        let first = out.len();
-        out.resize(first + rows, [0.0; LIMBS]);
-        for (limb, chain) in self.channels.iter_mut().enumerate() {
-            for (row, value) in out[first..].iter_mut().zip(chain.ready.drain(..rows)) {
-                row[limb] = value;
-            }
+        for (column, chain) in out.columns.iter_mut().zip(&mut self.channels) {
+            column.extend(chain.ready.drain(..samples));
         }
     }
 }
@@ -231,12 +226,12 @@ mod tests {
 
     fn conditioned(config: &ConditioningConfig, rows: &[Row], size: usize) -> Vec<Row> {
         let mut stream = ConditioningStream::new(config, RATE_HZ).expect("prepares");
-        let mut out = Vec::new();
+        let mut out = Voltages::default();
         for part in rows.chunks(size) {
-            stream.push(part, &mut out);
+            stream.push(&mut part.iter().collect(), &mut out);
         }
         stream.finish(&mut out).expect("finishes");
-        out
+        out.rows().collect()
     }
 
     fn column(rows: &[Row], limb: usize) -> Vec<f64> {

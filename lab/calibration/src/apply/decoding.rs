@@ -1,9 +1,8 @@
 //! Voltages to rows of the answer.
 
-use std::collections::VecDeque;
-
 use sixaxis_core::decouple::uncertainty::SampleUncertainty;
-use sixaxis_core::{Decoupler, LIMBS, SixAxis};
+use sixaxis_core::six_axis::SixAxisColumns;
+use sixaxis_core::{Decoupler, LIMBS};
 use sixaxis_recordings::envelope::Envelope;
 use sixaxis_recordings::motion::MOTION_CHANNELS;
 use sixaxis_recordings::{Block, Channel, Layout};
@@ -68,7 +67,7 @@ pub struct Decoding {
     /// Decodes in the decoupler's place where failures are to be seen.
     watching: Option<FaultWatch>,
     /// Stamps of the samples that have not been answered.
-    times_s: VecDeque<f64>,
+    times_s: Vec<f64>,
     /// Rows answered.
     pub rows: u64,
     /// Time of the first row, s.
@@ -86,7 +85,7 @@ impl Decoding {
             columns,
             uncertainty: None,
             watching: None,
-            times_s: VecDeque::new(),
+            times_s: Vec::new(),
             rows: 0,
             first_s: None,
             picture: picture.then(Box::default),
@@ -120,24 +119,29 @@ impl Decoding {
         self.times_s.extend(times_s);
     }
 
-    /// Decodes the next samples and replaces the contents of `block` with the rows they complete.
+    /// Decodes the next samples, nine columns of voltages, and replaces the contents of `block` with the rows they complete.
     ///
     /// # Errors
-    /// Those of [`Decoupler::push`]; the rows before the refused sample are in the block.
-    pub fn decode(&mut self, rows: &[Row], block: &mut Block) -> sixaxis_core::Result<()> {
+    /// Those of [`Decoupler::push_columns`]; the rows before the refused sample are in the block.
+    pub fn decode(
+        &mut self,
+        voltage_v: [&[f64]; LIMBS],
+        block: &mut Block,
+    ) -> sixaxis_core::Result<()> {
         let deviations = self.uncertainty.as_ref().map_or(0, |_| DEVIATIONS.len());
         let flags = self.watching.as_ref().map_or(0, |_| FLAGS.len());
         block.clear(1 + self.columns.count() + deviations + flags);
-        let done = match (self.columns, &self.uncertainty, &self.watching) {
-            (_, _, Some(_)) => self.watched(rows, block),
-            (Columns::Accelerations, None, None) => self.accelerations(rows, block),
-            _ => self.all(rows, block),
+        let done = if self.watching.is_some() {
+            self.watched(voltage_v, block)
+        } else {
+            self.answers(voltage_v, block)
         };
         let answered = block.columns[1].len();
         if answered > 0 && self.rows == 0 {
             // The first sample is never answered.
-            self.times_s.pop_front();
-            self.first_s = self.times_s.front().copied();
+            let unanswered = self.times_s.len().min(1);
+            self.times_s.drain(..unanswered);
+            self.first_s = self.times_s.first().copied();
         }
         let waiting = answered.min(self.times_s.len());
         block.columns[0].extend(self.times_s.drain(..waiting));
@@ -155,21 +159,50 @@ impl Decoding {
         done
     }
 
-    fn accelerations(&mut self, rows: &[Row], block: &mut Block) -> sixaxis_core::Result<()> {
-        self.decoupler.push_record(rows, &mut |answers| {
-            for (axis, column) in block.columns.iter_mut().skip(1).enumerate() {
-                column.extend(answers.iter().map(|answer| answer[axis]));
+    fn answers(
+        &mut self,
+        voltage_v: [&[f64]; LIMBS],
+        block: &mut Block,
+    ) -> sixaxis_core::Result<()> {
+        let first = self.decoupler.received();
+        let (answers, deviations) = block.columns[1..].split_at_mut(self.columns.count());
+        let mut beside = self.uncertainty.as_deref_mut();
+        let mut refused = Ok(());
+        let done = self.decoupler.push_columns(voltage_v, &mut |done| {
+            if let Some((stream, before)) = &mut beside
+                && refused.is_ok()
+            {
+                refused = spread(stream, done, deviations, |sample| {
+                    match sample.checked_sub(first) {
+                        Some(here) => voltage_v.map(|column| column[here as usize]),
+                        None => *before,
+                    }
+                });
             }
-        })
+            if refused.is_ok() {
+                for (column, numbers) in answers.iter_mut().zip(done.columns()) {
+                    column.extend_from_slice(numbers);
+                }
+            }
+        });
+        if let (Some((_, before)), Some(last)) = (beside, voltage_v[0].len().checked_sub(1)) {
+            *before = voltage_v.map(|column| column[last]);
+        }
+        refused.and(done)
     }
 
-    fn watched(&mut self, rows: &[Row], block: &mut Block) -> sixaxis_core::Result<()> {
+    fn watched(
+        &mut self,
+        voltage_v: [&[f64]; LIMBS],
+        block: &mut Block,
+    ) -> sixaxis_core::Result<()> {
         let Some(watching) = &mut self.watching else {
             return Ok(());
         };
-        for row in rows {
-            if let Some((motion, flags)) = watching.push(row)? {
-                let answer = numbers(&motion).into_iter().take(self.columns.count());
+        for sample in 0..voltage_v[0].len() {
+            let row = voltage_v.map(|column| column[sample]);
+            if let Some((motion, flags)) = watching.push(&row)? {
+                let answer = motion.numbers().into_iter().take(self.columns.count());
                 for (column, value) in block.columns[1..].iter_mut().zip(answer.chain(flags)) {
                     column.push(value);
                 }
@@ -177,34 +210,20 @@ impl Decoding {
         }
         Ok(())
     }
-
-    fn all(&mut self, rows: &[Row], block: &mut Block) -> sixaxis_core::Result<()> {
-        for row in rows {
-            if let Some(motion) = self.decoupler.push(row)? {
-                let answer = numbers(&motion);
-                let (answers, deviations) = block.columns[1..].split_at_mut(self.columns.count());
-                if let Some(beside) = &mut self.uncertainty {
-                    let (stream, before) = beside.as_mut();
-                    let spread = stream.push(before, &motion)?;
-                    for (column, value) in deviations.iter_mut().zip(spread.accelerations()) {
-                        column.push(value);
-                    }
-                }
-                for (column, value) in answers.iter_mut().zip(answer) {
-                    column.push(value);
-                }
-            }
-            if let Some(beside) = &mut self.uncertainty {
-                beside.1 = *row;
-            }
-        }
-        Ok(())
-    }
 }
 
-/// The columns of [`Columns::All`].
-fn numbers(motion: &SixAxis) -> [f64; MOTION_CHANNELS.len()] {
-    let [ax, ay, az, bx, by, bz] = motion.accelerations();
-    let (w, q) = (motion.rate_shell_rad_s, motion.attitude);
-    [ax, ay, az, bx, by, bz, w.x, w.y, w.z, q.w, q.x, q.y, q.z]
+/// Appends standard deviations of answers to their columns; `row` gives the voltages of a sample.
+fn spread(
+    stream: &mut SampleUncertainty,
+    answers: SixAxisColumns,
+    deviations: &mut [Vec<f64>],
+    row: impl Fn(u64) -> Row,
+) -> sixaxis_core::Result<()> {
+    for motion in answers.iter() {
+        let spread = stream.push(&row(motion.sample), &motion)?;
+        for (column, value) in deviations.iter_mut().zip(spread.accelerations()) {
+            column.push(value);
+        }
+    }
+    Ok(())
 }

@@ -1,16 +1,18 @@
 //! From file to file: one thread reads, one decodes, one writes.
 
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
-use std::thread::ScopedJoinHandle;
+use std::thread::{Builder, ScopedJoinHandle};
 use std::time::{Duration, Instant};
 
 use anyhow::{Result, anyhow};
+use sixaxis_core::LIMBS;
 use sixaxis_recordings::{Block, Sink};
 
 use super::conditioning_stream::ConditioningStream;
 use super::decoding::Decoding;
 use super::recording::{Batch, Recording};
-use super::{CHUNK, Row, explain};
+use super::voltages::Voltages;
+use super::{CHUNK, explain};
 
 /// Blocks that may wait between two threads.
 const WAITING: usize = 3;
@@ -49,45 +51,50 @@ pub fn run(
         let (empty_batches, used_batches) = sync_channel(2 * WAITING);
         let (to_write, blocks) = sync_channel(WAITING);
         let (empty_blocks, used_blocks) = sync_channel(2 * WAITING);
-        let reader = scope.spawn(|| read(recording, to_decode, used_batches));
-        let writer = scope.spawn(|| write(sink, blocks, empty_blocks));
+        let named = |name: &str| Builder::new().name(name.to_owned());
+        let reader =
+            named("read").spawn_scoped(scope, || read(recording, to_decode, used_batches))?;
+        let writer = named("write").spawn_scoped(scope, || write(sink, blocks, empty_blocks))?;
         let mut decode_time = Duration::ZERO;
-        let mut decode = |rows: &[Row], stamps: &mut Vec<f64>| -> Result<bool> {
+        let mut decode = |voltage_v: [&[f64]; LIMBS], stamps: &mut Vec<f64>| -> Result<bool> {
             let mut block: Block = used_blocks.try_recv().unwrap_or_default();
             let started = Instant::now();
             // A filter may hold samples back; their stamps wait with the decoder.
             decoding.stamps(stamps);
             stamps.clear();
             decoding
-                .decode(rows, &mut block)
+                .decode(voltage_v, &mut block)
                 .map_err(|error| explain(&error, &place, &names))?;
             decode_time += started.elapsed();
-            advance(rows.len() as u64);
+            advance(voltage_v[0].len() as u64);
             Ok(to_write.send(block).is_ok())
         };
         let mut stamps = Vec::new();
-        let mut pending = Vec::with_capacity(2 * CHUNK);
+        let mut pending = Voltages::default();
         let mut conditioning_time = Duration::ZERO;
         let mut listened_to = true;
-        while listened_to && let Ok(batch) = batches.recv() {
+        while listened_to && let Ok(mut batch) = batches.recv() {
             let started = Instant::now();
             stamps.extend_from_slice(&batch.times_s);
-            conditioning.push(&batch.rows, &mut pending);
+            conditioning.push(&mut batch.voltage_v, &mut pending);
             conditioning_time += started.elapsed();
             let _ = empty_batches.try_send(batch);
-            let whole = pending.len() / CHUNK * CHUNK;
-            for rows in pending[..whole].chunks_exact(CHUNK) {
-                listened_to &= decode(rows, &mut stamps)?;
+            let chunks = pending.samples() / CHUNK;
+            for chunk in 0..chunks {
+                let samples = chunk * CHUNK..(chunk + 1) * CHUNK;
+                listened_to &= decode(pending.part(samples), &mut stamps)?;
             }
-            pending.drain(..whole);
+            pending.remove_first(chunks * CHUNK);
         }
         // The reader stops when nobody takes its batches.
         drop(batches);
         let read_time = join(reader)?;
         if listened_to {
             conditioning.finish(&mut pending)?;
-            for rows in pending.chunks(CHUNK) {
-                decode(rows, &mut stamps)?;
+            let samples = pending.samples();
+            for first in (0..samples).step_by(CHUNK) {
+                let part = pending.part(first..samples.min(first + CHUNK));
+                decode(part, &mut stamps)?;
             }
         }
         drop(to_write);

@@ -9,7 +9,8 @@ use sixaxis_recordings::ingest::columns::{Columns, stamps};
 use sixaxis_recordings::ingest::find;
 use sixaxis_recordings::session::Channels;
 
-use super::{CHUNK, Row};
+use super::CHUNK;
+use super::voltages::Voltages;
 
 /// An open recording of nine limbs.
 pub struct Recording {
@@ -45,8 +46,8 @@ pub struct Seen {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Batch {
     /// Voltages.
-    pub rows: Vec<Row>,
-    /// Time stamps, s; as many as rows.
+    pub voltage_v: Voltages,
+    /// Time stamps, s; as many as samples.
     pub times_s: Vec<f64>,
 }
 
@@ -102,18 +103,19 @@ impl Recording {
     /// advance, leave a gap or, by the end, contradict the rate.
     pub fn read(&mut self, batch: &mut Batch) -> Result<bool> {
         let count = self.columns.read(CHUNK)?;
-        batch.rows.clear();
-        batch.rows.resize(count, [0.0; LIMBS]);
-        for limb in (0..LIMBS).filter(|limb| !self.without.contains(*limb)) {
+        for (limb, column) in batch.voltage_v.columns.iter_mut().enumerate() {
+            if self.without.contains(limb) {
+                column.clear();
+                column.resize(count, 0.0);
+                continue;
+            }
             if !self.watched {
                 self.columns.check_finite(limb)?;
             }
-            let mut clipped = 0;
-            for (row, voltage_v) in batch.rows.iter_mut().zip(self.columns.column(limb)) {
-                clipped += u64::from(voltage_v.abs() >= self.full_scale_v);
-                row[limb] = *voltage_v;
-            }
-            self.seen.clipped[limb] += clipped;
+            let clipped = |voltage_v: &&f64| voltage_v.abs() >= self.full_scale_v;
+            self.seen.clipped[limb] +=
+                self.columns.column(limb).iter().filter(clipped).count() as u64;
+            self.columns.take(limb, column);
         }
         batch.times_s.clear();
         match self.columns.stamps_s() {

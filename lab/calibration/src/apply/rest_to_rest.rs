@@ -10,6 +10,7 @@ use super::conditioning_stream::ConditioningStream;
 use super::decoding::Decoding;
 use super::recording::{Batch, Recording};
 use super::setup::Setup;
+use super::voltages::Voltages;
 use super::{CHUNK, Row, explain};
 
 /// Samples of the longest run that is taken: 100 s at 20 kHz, 290 MB with the copy that is made of them.
@@ -37,13 +38,16 @@ pub fn read(
     };
     refuse_length(recording.samples.unwrap_or(0))?;
     let mut rows = Vec::new();
-    let mut batch = Batch::default();
+    let (mut batch, mut ready) = (Batch::default(), Voltages::default());
     while recording.read(&mut batch)? {
         refuse_length(recording.seen.samples)?;
         stamps.extend_from_slice(&batch.times_s);
-        conditioning.push(&batch.rows, &mut rows);
+        conditioning.push(&mut batch.voltage_v, &mut ready);
+        rows.extend(ready.rows());
+        ready.clear();
     }
-    conditioning.finish(&mut rows)?;
+    conditioning.finish(&mut ready)?;
+    rows.extend(ready.rows());
     rest_to_rest::detrend(&setup.sensor, &setup.parameters, settings, &rows)
         .map_err(|error| explain(&error, &place, &recording.names))
 }
@@ -62,13 +66,16 @@ pub fn write(
     decoding.stamps(stamps);
     let mut block = Block::default();
     for part in rows.chunks(CHUNK) {
-        decoding.decode(part, &mut block).map_err(|error| {
-            explain(
-                &error,
-                &recording.path.display().to_string(),
-                &recording.names,
-            )
-        })?;
+        let voltage_v: Voltages = part.iter().collect();
+        decoding
+            .decode(voltage_v.all(), &mut block)
+            .map_err(|error| {
+                explain(
+                    &error,
+                    &recording.path.display().to_string(),
+                    &recording.names,
+                )
+            })?;
         sink.write(&block)?;
     }
     Ok(sink.finish()?)

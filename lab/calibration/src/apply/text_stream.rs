@@ -12,6 +12,7 @@ use sixaxis_recordings::{Block, Channel};
 use super::conditioning_stream::ConditioningStream;
 use super::decoding::{Columns, Decoding};
 use super::fault_watch::{FaultWatch, flags};
+use super::voltages::Voltages;
 use super::{Row, explain};
 
 /// Name of the stream in messages.
@@ -98,7 +99,7 @@ impl TextStream {
         let mut places = None;
         let mut line = Vec::new();
         let (mut number, mut samples, mut clipped) = (0_u64, 0_u64, 0_u64);
-        let mut ready = Vec::new();
+        let (mut received, mut ready) = (Voltages::default(), Voltages::default());
         let mut block = Block::default();
         loop {
             line.clear();
@@ -146,8 +147,9 @@ impl TextStream {
             decoding.stamps(&[stamp_s.unwrap_or(samples as f64 / self.sample_rate_hz)]);
             samples += 1;
             ready.clear();
-            self.conditioning.push(&[row], &mut ready);
-            decoding.decode(&ready, &mut block).map_err(|error| {
+            received.push(&row);
+            self.conditioning.push(&mut received, &mut ready);
+            decoding.decode(ready.all(), &mut block).map_err(|error| {
                 explain(&error, &format!("{PLACE}, line {number}"), &places.names())
             })?;
             decoding.messages().into_iter().for_each(warn);
@@ -158,7 +160,7 @@ impl TextStream {
         self.conditioning.finish(&mut ready)?;
         if let Some(places) = &places {
             decoding
-                .decode(&ready, &mut block)
+                .decode(ready.all(), &mut block)
                 .map_err(|error| explain(&error, PLACE, &places.names()))?;
             write_rows(output, &block)?;
         }

@@ -6,6 +6,7 @@ use crate::apply::conditioning_stream::ConditioningStream;
 use crate::apply::explain;
 use crate::apply::recording::{Batch, Recording};
 use crate::apply::setup::Setup;
+use crate::apply::voltages::Voltages;
 use anyhow::{Result, ensure};
 use sixaxis_core::redundancy::self_calibration::{Accumulator, Moments};
 use sixaxis_core::{LIMBS, Scheme};
@@ -123,30 +124,30 @@ impl Measured {
         let mut taken = Accumulator::of_usual_blocks(&setup.sensor, &setup.parameters, &settings)?;
         let (place, names) = (path.display().to_string(), recording.names.clone());
         let mut means = [Means::default(), Means::default()];
-        let mut take = |rows: &[[f64; LIMBS]]| -> Result<()> {
-            for row in rows {
+        let mut take = |ready: &Voltages| -> Result<()> {
+            for row in ready.rows() {
                 let time_s = taken.samples() as f64 / sample_rate_hz;
                 taken
-                    .push(row)
+                    .push(&row)
                     .map_err(|error| explain(&error, &place, &names))?;
                 for (rest, means) in rests.iter().flatten().zip(&mut means) {
                     if (rest.from_s..rest.to_s).contains(&time_s) {
-                        means.push(row, taken.block());
+                        means.push(&row, taken.block());
                     }
                 }
             }
             Ok(())
         };
         let total = recording.samples.unwrap_or(0);
-        let (mut batch, mut rows) = (Batch::default(), Vec::new());
+        let (mut batch, mut ready) = (Batch::default(), Voltages::default());
         while recording.read(&mut batch)? {
-            conditioning.push(&batch.rows, &mut rows);
-            take(&rows)?;
-            rows.clear();
-            advance(total, batch.rows.len() as u64);
+            conditioning.push(&mut batch.voltage_v, &mut ready);
+            take(&ready)?;
+            ready.clear();
+            advance(total, batch.times_s.len() as u64);
         }
-        conditioning.finish(&mut rows)?;
-        take(&rows)?;
+        conditioning.finish(&mut ready)?;
+        take(&ready)?;
         let change = match rests {
             None => None,
             Some(rests) => {

@@ -21,8 +21,9 @@ pub struct Columns {
     block: Block,
     /// A part of a block, as the source hands it out.
     piece: Block,
-    /// Samples read before the block.
+    /// Samples read before the block, and in it.
     before: u64,
+    rows: usize,
 }
 
 impl Columns {
@@ -45,6 +46,7 @@ impl Columns {
             block: Block::default(),
             piece: Block::default(),
             before: 0,
+            rows: 0,
         };
         columns.select(wanted, time, rate_hz)?;
         Ok(columns)
@@ -80,7 +82,7 @@ impl Columns {
         }
         self.source.select(&selection)?;
         self.block.clear(selection.len());
-        self.before = 0;
+        (self.before, self.rows) = (0, 0);
         Ok(())
     }
 
@@ -111,7 +113,8 @@ impl Columns {
     /// # Errors
     /// Those of [`Source::read`].
     pub fn read_as_it_is(&mut self, limit: usize) -> Result<usize> {
-        self.before += self.block.rows() as u64;
+        self.before += self.rows as u64;
+        self.rows = 0;
         self.block.clear(self.block.columns.len());
         while self.block.rows() < limit {
             let room = limit - self.block.rows();
@@ -136,7 +139,8 @@ impl Columns {
         if let (Some((_, _, clock)), Some(stamps_s)) = (&mut self.time, self.block.columns.last()) {
             clock.extend(stamps_s);
         }
-        Ok(self.block.rows())
+        self.rows = self.block.rows();
+        Ok(self.rows)
     }
 
     /// The last block's columns, without the time stamps, in SI units.
@@ -149,6 +153,12 @@ impl Columns {
     #[must_use]
     pub fn column(&self, k: usize) -> &[f64] {
         &self.block.columns[k]
+    }
+
+    /// Replaces `into` with [`Self::column`] without copying it. It can be had once a block.
+    pub fn take(&mut self, k: usize, into: &mut Vec<f64>) {
+        into.clear();
+        std::mem::swap(&mut self.block.columns[k], into);
     }
 
     /// The last block's time stamps, s.
@@ -170,6 +180,11 @@ impl Columns {
     /// [`Error::Sample`].
     pub fn check_finite(&self, k: usize) -> Result<()> {
         let column = self.column(k);
+        // All at once first: a loop without an exit goes by vector registers.
+        let finite = |all: bool, x: &f64| all & x.is_finite();
+        if column.iter().fold(true, finite) {
+            return Ok(());
+        }
         match column.iter().position(|x| !x.is_finite()) {
             None => Ok(()),
             Some(at) => Err(Error::Sample {

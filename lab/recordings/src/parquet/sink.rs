@@ -20,6 +20,10 @@ use crate::sink::{self, Encoder, Sink};
 /// Rows of a row group: what is held in memory, and what a reader may fetch by itself.
 const GROUP_ROWS: usize = 131_072;
 
+/// Bytes of a page. Small enough that its buffers stay in the cache, and that the allocator does not return them to the system
+/// after each page.
+const PAGE_BYTES: usize = 1 << 16;
+
 /// Starts a Parquet file: one DOUBLE column per channel, snappy.
 ///
 /// # Errors
@@ -47,6 +51,7 @@ fn writer(file: File, layout: &Layout) -> Result<SerializedFileWriter<File>> {
         .set_dictionary_enabled(false)
         .set_encoding(Encoding::BYTE_STREAM_SPLIT)
         .set_statistics_enabled(EnabledStatistics::Chunk)
+        .set_data_page_size_limit(PAGE_BYTES)
         .set_max_row_group_row_count(Some(GROUP_ROWS))
         .set_created_by(
             concat!("sixaxis-recordings version ", env!("CARGO_PKG_VERSION")).to_owned(),

@@ -15,6 +15,8 @@ use crate::sink::{self, Encoder, Sink};
 const MAX_ROWS: usize = 1 << 16;
 /// Numbers in a segment, at most, where there are many channels.
 const MAX_NUMBERS: usize = 1 << 20;
+/// Numbers that are written at a time.
+const PIECE: usize = 1 << 13;
 /// Group of channels without one.
 const GROUP: &str = "recording";
 
@@ -37,6 +39,8 @@ struct Writer {
     names: Vec<[String; 2]>,
     /// Rows of the segment written last; none before the first.
     last: Option<usize>,
+    /// Numbers as bytes, on their way out.
+    bytes: Vec<u8>,
 }
 
 /// Starts a TDMS file, version 4713: contiguous f64 segments of at most 65,536 rows.
@@ -67,6 +71,7 @@ pub(crate) fn create(path: &Path, layout: &Layout) -> Result<Box<dyn Sink>> {
             layout: layout.clone(),
             names,
             last: None,
+            bytes: vec![0; 8 * PIECE],
         })
     })
 }
@@ -113,8 +118,12 @@ impl Writer {
         self.file
             .write_all(&(metadata.len() as u64).to_le_bytes())?;
         self.file.write_all(&metadata)?;
-        for value in columns.iter().flatten() {
-            self.file.write_all(&value.to_le_bytes())?;
+        for values in columns.iter().flat_map(|column| column.chunks(PIECE)) {
+            let bytes = &mut self.bytes[..8 * values.len()];
+            for (bytes, value) in bytes.chunks_exact_mut(8).zip(values) {
+                bytes.copy_from_slice(&value.to_le_bytes());
+            }
+            self.file.write_all(bytes)?;
         }
         self.last = Some(rows);
         Ok(())

@@ -29,6 +29,7 @@
 
 mod detect;
 mod dialect;
+mod gzip;
 mod head;
 mod lines;
 mod lvm;

@@ -4,10 +4,8 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
-use flate2::Compression;
-use flate2::write::GzEncoder;
-
 use super::detect::is_missing;
+use super::gzip::Gzip;
 use crate::channel::{Channel, Layout, is_sample_rate};
 use crate::error::Result;
 use crate::sink::{self, Encoder, Sink};
@@ -28,7 +26,7 @@ pub(crate) fn create(path: &Path, layout: &Layout) -> Result<Box<dyn Sink>> {
     sink::create(path, layout, |file| {
         let file = BufWriter::with_capacity(1 << 18, file);
         let mut output = if gzip {
-            Output::Gzip(GzEncoder::new(file, Compression::default()))
+            Output::Gzip(Gzip::new(file)?)
         } else {
             Output::Plain(file)
         };
@@ -40,7 +38,7 @@ pub(crate) fn create(path: &Path, layout: &Layout) -> Result<Box<dyn Sink>> {
 /// A file being written.
 enum Output {
     Plain(BufWriter<File>),
-    Gzip(GzEncoder<BufWriter<File>>),
+    Gzip(Gzip<BufWriter<File>>),
 }
 
 impl Output {

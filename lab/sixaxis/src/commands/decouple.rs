@@ -48,7 +48,7 @@ pub struct Arguments {
     /// The run ends as it began, at rest in the same place: the drift that contradicts this is taken off
     #[arg(long)]
     rest_to_rest: bool,
-    /// The six accelerations only, without rates and attitude: about twice as fast
+    /// The six accelerations only, without rates and attitude: a file of half the size
     #[arg(long)]
     accelerations: bool,
     /// Six more columns: one standard deviation of each acceleration, from the calibration's covariance and the channels' noise
