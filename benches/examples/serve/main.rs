@@ -16,7 +16,6 @@ mod engines;
 mod export;
 mod peer;
 mod problem;
-mod rotation;
 
 use std::error::Error;
 use std::io::{BufRead, Write};
@@ -25,10 +24,9 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use decoders::{lanes, paper, push, record};
-use engines::{mujoco_inverse, mujoco_step};
+use engines::mujoco_inverse;
 use export::{export, write_rows};
 use peer::{Input, Peer};
-use rotation::{OdeSolvers, dopri5, rk4};
 
 /// How an implementation is made ready for a record.
 type Ready = fn(&Input) -> Box<dyn Peer>;
@@ -41,13 +39,6 @@ const PEERS: &[(&str, Ready)] = &[
     ("lanes", lanes),
     ("paper", paper),
     ("mujoco_inverse", mujoco_inverse),
-    ("mujoco_step", mujoco_step),
-    ("ode_solvers_rk4", |input| {
-        Box::new(OdeSolvers::new(input, rk4))
-    }),
-    ("ode_solvers_dopri5", |input| {
-        Box::new(OdeSolvers::new(input, dopri5))
-    }),
 ];
 
 fn serve(mut peer: Box<dyn Peer>) -> Result<(), Box<dyn Error>> {
