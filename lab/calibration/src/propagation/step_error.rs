@@ -48,6 +48,30 @@ impl StepError {
         let mut block = self.noise.fixed_view_mut::<N, N>(place, place);
         block += sum * (sd * sd);
     }
+
+    /// Adds what errors of the drifts and scale factors do to N parameters from `place` on through the torques of a sample that
+    /// the parameters answer with `answer`.
+    fn add_torques<const N: usize>(
+        &mut self,
+        place: usize,
+        answer: &SMatrix<f64, N, 3>,
+        per_volt: &[DVec3; LIMBS],
+        arms_m: &[DVec3; LIMBS],
+        measured_n: &[f64; LIMBS],
+    ) {
+        for i in 0..LIMBS {
+            // A drift taken too high is a voltage taken too low.
+            let drift = -(answer * column(per_volt[i]));
+            self.chain.add(place, &drift, DRIFT.start + i);
+            let scale = answer * column(arms_m[i]) * measured_n[i];
+            self.chain.add(place, &scale, SCALE.start + i);
+        }
+    }
+
+    fn add_gain<const N: usize>(&mut self, standard: usize, place: usize, error: &SVector<f64, N>) {
+        let mut part = self.gain[standard].fixed_rows_mut::<N>(place);
+        part += error;
+    }
 }
 
 /// How the steps answer, and to what.
@@ -181,18 +205,7 @@ impl Sensitivities<'_> {
             let measured = trial
                 .gains
                 .measured_force_n(&conditioned.voltage_v[t], &self.parameters.zero_drift_v);
-            for i in 0..LIMBS {
-                own.chain.add(
-                    INERTIA.start,
-                    &-(answer * column(torque[i])),
-                    DRIFT.start + i,
-                );
-                own.chain.add(
-                    INERTIA.start,
-                    &(answer * column(arms[i]) * measured[i]),
-                    SCALE.start + i,
-                );
-            }
+            own.add_torques(INERTIA.start, &answer, &torque, &arms, &measured);
             own.add_gain(
                 1,
                 INERTIA.start,
@@ -259,15 +272,7 @@ impl Sensitivities<'_> {
             let measured = trial
                 .gains
                 .measured_force_n(&conditioned.voltage_v[t], &self.parameters.zero_drift_v);
-            for i in 0..LIMBS {
-                own.chain
-                    .add(COMPLIANCE, &-(answer * column(torque[i])), DRIFT.start + i);
-                own.chain.add(
-                    COMPLIANCE,
-                    &(answer * column(arms[i]) * measured[i]),
-                    SCALE.start + i,
-                );
-            }
+            own.add_torques(COMPLIANCE, &answer, &torque, &arms, &measured);
             sensitivities[t] = answer;
         }
         each_series(&mut sensitivities, &mut |series| {
@@ -280,14 +285,7 @@ impl Sensitivities<'_> {
     }
 }
 
-impl StepError {
-    fn add_gain<const N: usize>(&mut self, standard: usize, place: usize, error: &SVector<f64, N>) {
-        let mut part = self.gain[standard].fixed_rows_mut::<N>(place);
-        part += error;
-    }
-}
-
-/// StepError errors of the steps for a unit tilt, rad, of each wedge about either axis square to it. Trials of steps 2 and 3 that say
+/// Own errors of the steps for a unit tilt, rad, of each wedge about either axis square to it. Trials of steps 2 and 3 that say
 /// the same direction stand on the same wedge.
 pub(super) fn wedge_errors(sensitivities: &Sensitivities, campaign: &Campaign) -> Vec<Errors> {
     let mut wedges: Vec<DVec3> = Vec::new();
