@@ -5,13 +5,9 @@ use super::ink::{Anchor, Ink, Pen};
 use super::layout::{Field, Layout};
 use super::markup;
 use super::trace::{Frame, Point};
-use anyhow::Result;
 
 /// Draws the guides of a field, without their labels.
-///
-/// # Errors
-/// If the SVG backend fails.
-pub fn lines(layout: &Layout<'_>, pen: &Pen<'_>, field: &Field<'_>) -> Result<()> {
+pub fn lines(layout: &Layout<'_>, pen: &mut Pen, field: &Field<'_>) {
     let f = field.frame;
     // A lower panel repeats the vertical guides of its figure.
     let repeated = layout
@@ -26,38 +22,29 @@ pub fn lines(layout: &Layout<'_>, pen: &Pen<'_>, field: &Field<'_>) -> Result<()
     {
         let line = match mark {
             Mark::Vertical { x, .. } => layout.x_span.place(*x).map(|at| {
-                let x = f.left + at * (f.right - f.left);
+                let x = f.across(at);
                 [(x, f.top), (x, f.bottom)]
             }),
             Mark::Horizontal { y, .. } => field.span.place(*y).map(|at| {
-                let y = f.bottom - at * (f.bottom - f.top);
+                let y = f.up(at);
                 [(f.left, y), (f.right, y)]
             }),
             Mark::Slope { .. } => {
                 if let Some([foot, corner, tip]) = triangle(layout, field, mark) {
-                    pen.stroke(&[foot, corner, tip, foot], Ink::Axis, 1.25)?;
+                    pen.stroke(&[foot, corner, tip, foot], Ink::Axis, 1.25);
                 }
                 None
             }
         };
         if let Some(line) = line.filter(|l| f.holds(l[0]) && f.holds(l[1])) {
-            pen.stroke(&line, Ink::Mark, 1.25)?;
+            pen.stroke(&line, Ink::Mark, 1.25);
         }
     }
-    Ok(())
 }
 
 /// Writes the labels of horizontal guides and slope triangles where the fewest `strokes` and upright
 /// guides pass.
-///
-/// # Errors
-/// If the SVG backend fails.
-pub fn labels(
-    layout: &Layout<'_>,
-    pen: &Pen<'_>,
-    field: &Field<'_>,
-    strokes: &[Vec<Point>],
-) -> Result<()> {
+pub fn labels(layout: &Layout<'_>, pen: &mut Pen, field: &Field<'_>, strokes: &[Vec<Point>]) {
     let em = 0.92 * layout.size.font;
     let f = field.frame;
     let upright: Vec<f64> = (layout.figure.marks.iter().chain(field.marks))
@@ -65,7 +52,7 @@ pub fn labels(
             Mark::Vertical { x, .. } => layout.x_span.place(*x),
             _ => None,
         })
-        .map(|at| f.left + at * (f.right - f.left))
+        .map(|at| f.across(at))
         .collect();
     let mut taken: Vec<Frame> = Vec::new();
     for mark in field.marks {
@@ -75,7 +62,7 @@ pub fn labels(
                 let Some(at) = field.span.place(*y).filter(|at| (0.0..=1.0).contains(at)) else {
                     continue;
                 };
-                let y = f.bottom - at * (f.bottom - f.top);
+                let y = f.up(at);
                 let width = markup::width(label) * em;
                 let room = (f.right - f.left - width - em).max(0.0);
                 let lefts = [1.0, 0.0, 0.5, 0.75, 0.25].map(|s| f.left + 0.5 * em + s * room);
@@ -121,11 +108,10 @@ pub fn labels(
         }
         if let Some(best) = candidates.into_iter().min_by_key(crossed) {
             let at = (best.left, (best.top + best.bottom) / 2.0);
-            pen.text(label, at, Anchor::Start, em, Ink::Muted)?;
+            pen.text(label, at, Anchor::Start, em, Ink::Muted);
             taken.push(best);
         }
     }
-    Ok(())
 }
 
 /// Foot, right angle and tip of a slope triangle, if it lies in the frame.

@@ -3,7 +3,7 @@
 use anyhow::Result;
 use sixaxis_calibration::page::labels::verdict;
 use sixaxis_page::number::{fixed, scientific};
-use sixaxis_page::{Axis, Figure, Mark, Section, Series, Table, Text};
+use sixaxis_page::{Axis, Figure, Section, Table, Text};
 
 use super::STIFFNESS_UNIT_PER_S2;
 use crate::study::results::{Results, Search};
@@ -38,11 +38,7 @@ fn label(search: &Search) -> String {
 fn figure<'a>(id: &str, searches: impl Iterator<Item = (&'a Search, usize)>) -> Figure {
     let figure = curves(id);
     searches.fold(figure, |figure, (search, colour)| {
-        figure.series(Series::line(
-            label(search),
-            colour,
-            search.curve.iter().copied(),
-        ))
+        figure.line(label(search), colour, search.curve.iter().copied())
     })
 }
 
@@ -54,7 +50,7 @@ pub fn curves(id: &str) -> Figure {
         Axis::linear("$k/m$", "s⁻²"),
         Axis::log("mean |w*|", "rad/s"),
     )
-    .mark(Mark::vertical(2.0e8, "truth"))
+    .vertical(2.0e8, "truth")
 }
 
 fn table(r: &Results) -> Table {

@@ -3,7 +3,7 @@
 use crate::compare::measure::{Axis as Measured, Comparison, Quantity};
 use sixaxis_page::figure::NEUTRAL;
 use sixaxis_page::number::{MISSING, count, significant};
-use sixaxis_page::{Axis, Block, Cell, Figure, Page, Panel, Section, Series, State, Table, Tile};
+use sixaxis_page::{Axis, Block, Cell, Figure, Page, Section, State, Table, Tile};
 use sixaxis_recordings::envelope::Envelope;
 
 /// Palette indices of the result and of its error.
@@ -167,17 +167,10 @@ fn curves(comparison: &Comparison) -> Section {
                 Axis::linear("time", "s"),
                 Axis::linear(short(axis.quantity), unit(axis.quantity)),
             )
-            .series(Series::line("truth", NEUTRAL, picture.truth.points()))
-            .series(Series::dashed("result", RESULT, picture.result.points()))
-            .below(Panel {
-                y: Axis::linear("error", unit(axis.quantity)),
-                series: vec![Series::line(
-                    "result less truth",
-                    ERROR,
-                    picture.error.points(),
-                )],
-                marks: vec![],
-            })
+            .line("truth", NEUTRAL, picture.truth.points())
+            .dashed("result", RESULT, picture.result.points())
+            .below(Axis::linear("error", unit(axis.quantity)))
+            .line("result less truth", ERROR, picture.error.points())
         });
     Section::new(
         "curves",
@@ -204,11 +197,11 @@ pub fn picture(recording: &str, curves: &[Envelope; 6], facts: Vec<(String, Stri
             Axis::linear("time", "s"),
             Axis::linear(short(quantity), unit(quantity)),
         )
-        .series(Series::line(
+        .line(
             "",
             RESULT,
             curve.points().into_iter().map(|(t, v)| (t, v * scale)),
-        ))
+        )
     });
     Page {
         title: "Decoupled accelerations".to_owned(),

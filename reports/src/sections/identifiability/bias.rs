@@ -1,7 +1,7 @@
 //! What step 2's neglect of the limbs' compliance does to its scale factors and to step 4.
 
 use sixaxis_page::number::{fixed, scientific};
-use sixaxis_page::{Series, Table, Text};
+use sixaxis_page::{Table, Text};
 
 use super::RECORDS;
 use crate::sections::STIFFNESS_UNIT_PER_S2;
@@ -16,12 +16,8 @@ pub fn fill(text: Text, study: &Identifiability) -> Text {
         let predicted = bias.curve_predicted.iter().copied();
         let name = name(bias);
         figure = figure
-            .series(Series::line(format!("{name}, measured"), colour, measured))
-            .series(Series::dashed(
-                format!("{name}, first-order theory"),
-                colour + 1,
-                predicted,
-            ));
+            .line(format!("{name}, measured"), colour, measured)
+            .dashed(format!("{name}, first-order theory"), colour + 1, predicted);
     }
     text.figure(figure)
         .table("bias-shares", shares(study))

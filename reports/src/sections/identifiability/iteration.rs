@@ -2,7 +2,7 @@
 
 use sixaxis_calibration::iteration::End;
 use sixaxis_page::number::{fixed, scientific};
-use sixaxis_page::{Axis, Figure, Series, Table, Text};
+use sixaxis_page::{Axis, Figure, Table, Text};
 
 use super::RECORDS;
 use crate::sections::STIFFNESS_UNIT_PER_S2;
@@ -53,7 +53,7 @@ fn figure<'a>(id: &str, runs: impl Iterator<Item = &'a IterationRun>) -> Figure 
                 let k = own.unwrap_or(pass.found_per_s2);
                 (number as f64, (k / run.truth_per_s2 - 1.0).abs())
             });
-            figure.series(Series::line_points(start(run), colour, points))
+            figure.line_points(start(run), colour, points)
         })
 }
 

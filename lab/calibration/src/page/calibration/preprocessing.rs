@@ -11,7 +11,7 @@ use sixaxis_recordings::session::{Role, SessionFile};
 use crate::page::labels::{file_name, largest};
 use sixaxis_page::figure::NEUTRAL;
 use sixaxis_page::number::{count, fixed, percent, significant};
-use sixaxis_page::{Axis, Block, Figure, Panel, Section, Series, Table};
+use sixaxis_page::{Axis, Block, Figure, Section, Table};
 
 /// The section.
 pub fn section(file: &SessionFile, calibrated: &CalibratedSession) -> Section {
@@ -179,13 +179,10 @@ fn figure(
         Axis::linear("time", "s"),
         Axis::linear(quantity, unit),
     )
-    .series(Series::line("before", NEUTRAL, curve(&|i| before[i])))
-    .series(Series::line("after", 0, curve(&|i| after[i])))
-    .below(Panel {
-        y: Axis::linear(difference, unit),
-        series: vec![Series::line("", 1, curve(&|i| before[i] - after[i]))],
-        marks: Vec::new(),
-    })
+    .line("before", NEUTRAL, curve(&|i| before[i]))
+    .line("after", 0, curve(&|i| after[i]))
+    .below(Axis::linear(difference, unit))
+    .line("", 1, curve(&|i| before[i] - after[i]))
 }
 
 fn table(

@@ -7,7 +7,7 @@ use sixaxis_recordings::session::Role;
 
 use crate::page::labels::verdict;
 use sixaxis_page::number::{MISSING, count, fixed, scientific, significant};
-use sixaxis_page::{Axis, Block, Figure, Mark, Section, Series, Table};
+use sixaxis_page::{Axis, Block, Figure, Section, Table};
 
 /// The section.
 pub fn section(calibrated: &CalibratedSession) -> Section {
@@ -117,16 +117,16 @@ fn curve(steps: &FourSteps) -> Figure {
         // From zero: a curve that is flat is to look flat.
         Axis::linear("mean |w*|", "rad/s").range(0.0, 1.08 * largest),
     )
-    .series(Series::line(
+    .line(
         "",
         0,
         steps.curve.iter().map(|(k, w)| (k * E8, *w)),
-    ))
-    .mark(Mark::vertical(
+    )
+    .vertical(
         steps.design_stiffness_per_mass_per_s2 * E8,
         "design",
-    ))
-    .mark(Mark::vertical(found * E8, "minimum"))
+    )
+    .vertical(found * E8, "minimum")
     .caption("Mean rotation rate that is decoupled from purely linear trials, for each candidate. A rotation that is not there should vanish at the true value: a sharp dip that nearly reaches zero determines it.")
 }
 
