@@ -21,7 +21,7 @@ mod validation;
 
 pub use choice::{beyond_certificate, contradiction};
 
-use choice::Chosen;
+use choice::{Chosen, stiffness};
 use file::Contents;
 
 use crate::calibration::Calibration;
@@ -90,6 +90,20 @@ pub struct CalibratedSession {
     pub recordings: Vec<(Trial, Option<Conditioned>)>,
     /// The calibration to be written, if there is one.
     pub calibration: Option<Calibration>,
+}
+
+impl CalibratedSession {
+    /// What was found of the trial of that file.
+    #[must_use]
+    pub fn trial(&self, name: &str) -> Option<&TrialReport> {
+        self.trials.iter().find(|trial| trial.name == name)
+    }
+
+    /// What is known of k/m.
+    #[must_use]
+    pub fn stiffness(&self) -> Option<&ParameterReport> {
+        stiffness(&self.parameters)
+    }
 }
 
 /// Reads, calibrates and grades a session.

@@ -10,25 +10,19 @@ use super::trace::{Frame, Point};
 pub fn lines(layout: &Layout<'_>, pen: &mut Pen, field: &Field<'_>) {
     let f = field.frame;
     // A lower panel repeats the vertical guides of its figure.
-    let repeated = layout
-        .figure
-        .marks
-        .iter()
-        .filter(|_| f != layout.fields[0].frame);
-    for mark in field
-        .marks
-        .iter()
-        .chain(repeated.filter(|m| matches!(m, Mark::Vertical { .. })))
-    {
+    let upper = f == layout.fields[0].frame;
+    let figure = layout.figure.marks.iter();
+    let repeated = figure.filter(|mark| !upper && matches!(mark, Mark::Vertical { .. }));
+    for mark in field.marks.iter().chain(repeated) {
         let line = match mark {
-            Mark::Vertical { x, .. } => layout.x_span.place(*x).map(|at| {
-                let x = f.across(at);
-                [(x, f.top), (x, f.bottom)]
-            }),
-            Mark::Horizontal { y, .. } => field.span.place(*y).map(|at| {
-                let y = f.up(at);
-                [(f.left, y), (f.right, y)]
-            }),
+            Mark::Vertical { x, .. } => {
+                let x = layout.x_span.place(*x).map(|at| f.across(at));
+                x.map(|x| [(x, f.top), (x, f.bottom)])
+            }
+            Mark::Horizontal { y, .. } => {
+                let y = field.span.place(*y).map(|at| f.up(at));
+                y.map(|y| [(f.left, y), (f.right, y)])
+            }
             Mark::Slope { .. } => {
                 if let Some([foot, corner, tip]) = triangle(layout, field, mark) {
                     pen.stroke(&[foot, corner, tip, foot], Ink::Axis, 1.25);

@@ -2,6 +2,7 @@
 
 use super::figure::Figure;
 use super::layout::{Layout, Size};
+use super::markup::escape;
 use super::plot::{legend, to_svg};
 
 /// Size of the legend's text, and the room one entry takes at the most, in units of the picture.
@@ -53,8 +54,4 @@ pub fn standalone(figure: &Figure) -> String {
 "##,
         rest = height - top,
     )
-}
-
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;")
 }

@@ -7,7 +7,7 @@ use sixaxis_page::number::{MISSING, fixed, scientific, significant};
 use sixaxis_page::{Cell, Section, Table, Text};
 use sixaxis_props::truth::design_parameters;
 
-use super::STIFFNESS_UNIT_PER_S2;
+use super::stiffness_text;
 use crate::study::results::{Identification, Parameters25, Results};
 
 /// What a family's errors are relative to.
@@ -155,11 +155,11 @@ fn stiffness(r: &Results) -> Table {
     ];
     Table::of("10⁸ s⁻²", runs, |(name, _)| (*name).to_owned())
         .col("grid minimum", |(_, i)| {
-            fixed(i.found.stiffness_per_mass_per_s2 / STIFFNESS_UNIT_PER_S2, 1)
+            stiffness_text(i.found.stiffness_per_mass_per_s2, 1)
         })
         .col("between grid points", |(_, i)| {
             if i.stiffness_verdict.is_determined() {
-                fixed(i.stiffness_interpolated_per_s2 / STIFFNESS_UNIT_PER_S2, 4)
+                stiffness_text(i.stiffness_interpolated_per_s2, 4)
             } else {
                 MISSING.to_owned()
             }

@@ -2,10 +2,10 @@
 
 use anyhow::Result;
 use sixaxis_calibration::page::labels::verdict;
-use sixaxis_page::number::{fixed, scientific};
+use sixaxis_page::number::scientific;
 use sixaxis_page::{Axis, Figure, Section, Table, Text};
 
-use super::STIFFNESS_UNIT_PER_S2;
+use super::stiffness_text;
 use crate::study::results::{Results, Search};
 
 /// The section.
@@ -60,10 +60,10 @@ fn table(r: &Results) -> Table {
             false => "corrected",
         })
         .col(("grid minimum", "10⁸ s⁻²"), |s| {
-            fixed(s.grid_minimum_per_s2 / STIFFNESS_UNIT_PER_S2, 1)
+            stiffness_text(s.grid_minimum_per_s2, 1)
         })
         .col(("between grid points", "10⁸ s⁻²"), |s| {
-            fixed(s.interpolated_per_s2 / STIFFNESS_UNIT_PER_S2, 4)
+            stiffness_text(s.interpolated_per_s2, 4)
         })
         .text("verdict", |s| verdict(&s.verdict))
         .into()

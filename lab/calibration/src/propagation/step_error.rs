@@ -14,7 +14,7 @@ use sixaxis_core::{Geometry, LIMBS, Parameters, Result, Scheme};
 use super::TrialNoise;
 use crate::conditioning::{Conditioned, Conditioning};
 use crate::steps::{Campaign, rows};
-use crate::trial::Trial;
+use crate::trial::{Trial, same_wedge};
 use sixaxis_recordings::session::Role;
 
 /// What a trial adds.
@@ -292,10 +292,7 @@ pub(super) fn wedge_errors(sensitivities: &Sensitivities, campaign: &Campaign) -
     let used = |role| matches!(role, Role::Linear | Role::Angular);
     for (trial, _) in campaign.trials.iter().filter(|(t, _)| used(t.role)) {
         let direction = trial.direction_ground;
-        if !wedges
-            .iter()
-            .any(|w| (*w - direction).length() < SAME_WEDGE)
-        {
+        if !wedges.iter().any(|w| same_wedge(*w, direction)) {
             wedges.push(direction);
         }
     }
@@ -306,7 +303,7 @@ pub(super) fn wedge_errors(sensitivities: &Sensitivities, campaign: &Campaign) -
             let mut own = Errors::zeros();
             for (trial, conditioned) in &campaign.trials {
                 let direction = trial.direction_ground;
-                if !used(trial.role) || (direction - wedge).length() >= SAME_WEDGE {
+                if !used(trial.role) || !same_wedge(direction, wedge) {
                     continue;
                 }
                 // The sensor turned by the tilt: what the session says lacks it.
@@ -339,9 +336,6 @@ pub(super) fn wedge_errors(sensitivities: &Sensitivities, campaign: &Campaign) -
     }
     errors
 }
-
-/// Distance of two unit vectors below which they are one wedge's.
-const SAME_WEDGE: f64 = 1e-3;
 
 /// Runs a transposed stage over each entry's series; one that is zero throughout stays so.
 fn each_series<const N: usize, const M: usize>(

@@ -4,8 +4,8 @@ use sixaxis_page::number::{fixed, scientific};
 use sixaxis_page::{Table, Text};
 
 use super::RECORDS;
-use crate::sections::STIFFNESS_UNIT_PER_S2;
 use crate::sections::stiffness::curves;
+use crate::sections::stiffness_text;
 use crate::study::results::identifiability::{Bias, Identifiability};
 
 /// Figure and tables.
@@ -49,7 +49,7 @@ fn shares(study: &Identifiability) -> Table {
 }
 
 fn shifts(study: &Identifiability) -> Table {
-    let k = |k: f64| fixed(k / STIFFNESS_UNIT_PER_S2, 5);
+    let k = |k: f64| stiffness_text(k, 5);
     let ends = |(low, high): (f64, f64)| format!("{} to {}", k(low), k(high));
     Table::of("records", &study.biases, |b| name(b).to_owned())
         .col(("torque of the compliance", "of n a"), |b| {

@@ -122,13 +122,7 @@ fn worst_of(
         .filter(|(trial, _)| wanted(trial.role))
         .filter_map(|(trial, conditioned)| Some((trial, conditioned.as_ref()?)))
         .collect();
-    let departure = |trial: &Trial| {
-        calibrated
-            .trials
-            .iter()
-            .find(|report| report.name == trial.name)
-            .and_then(|report| report.departure)
-    };
+    let departure = |trial: &Trial| calibrated.trial(&trial.name)?.departure;
     let worst = largest(
         candidates
             .iter()

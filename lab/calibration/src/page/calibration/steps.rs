@@ -2,7 +2,6 @@
 
 use crate::calibrate::CalibratedSession;
 use crate::steps::FourSteps;
-use sixaxis_core::Parameter;
 use sixaxis_recordings::session::Role;
 
 use crate::page::labels::verdict;
@@ -144,12 +143,8 @@ fn explanation(calibrated: &CalibratedSession, steps: &FourSteps) -> String {
             MISSING.to_owned()
         }
     );
-    let stiffness = calibrated
-        .parameters
-        .iter()
-        .find(|p| p.parameter == Parameter::Stiffness);
     let by_taps = calibrated.taps.stiffness.is_some();
-    if !by_taps && stiffness.is_some_and(|p| p.determined) {
+    if !by_taps && calibrated.stiffness().is_some_and(|p| p.determined) {
         return format!("{reached} The dip is deep enough: $k$/$m$ is determined.");
     }
     format!(

@@ -53,13 +53,10 @@ pub fn section(file: &SessionFile, calibrated: &CalibratedSession) -> Section {
 
 fn heading(calibrated: &CalibratedSession, comparison: &ValidationRun) -> String {
     let name = file_name(&comparison.name);
-    calibrated
-        .trials
-        .iter()
-        .find(|t| t.name == comparison.name)
-        .map_or(name.clone(), |t| {
-            format!("{name}, {} Hz", significant(t.frequency_hz, 3))
-        })
+    match calibrated.trial(&comparison.name) {
+        Some(trial) => format!("{name}, {} Hz", significant(trial.frequency_hz, 3)),
+        None => name,
+    }
 }
 
 fn figure(
@@ -117,8 +114,7 @@ fn table(file: &SessionFile, calibrated: &CalibratedSession) -> Table {
     let limit = file.session.limits.validation_percent / 100.0;
     let mut table = Table::grouped("axis");
     for run in &calibrated.validation_runs {
-        let report = calibrated.trials.iter().find(|t| t.name == run.name);
-        let judged = report.and_then(|t| t.validation);
+        let judged = calibrated.trial(&run.name).and_then(|t| t.validation);
         table = table.group(
             heading(calibrated, run),
             (0..6).map(|axis| errors(run, judged, axis)),
