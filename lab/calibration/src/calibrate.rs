@@ -22,7 +22,6 @@ mod validation;
 pub use choice::{beyond_certificate, contradiction};
 
 use choice::{Chosen, stiffness};
-use file::Contents;
 
 use crate::calibration::Calibration;
 use crate::conditioning::Conditioned;
@@ -30,7 +29,7 @@ use crate::diagnosis::trial_case::Facts;
 use crate::diagnosis::{Diagnosis, examine};
 use crate::error::Result;
 use crate::estimate::Estimate;
-use crate::finding::{Cause, Finding};
+use crate::finding::{Cause, Finding, in_a_sentence};
 use crate::grade::{failures, grade, reservations};
 use crate::iteration::{Criterion, Iteration};
 use crate::joint::JointReport;
@@ -125,7 +124,6 @@ pub fn calibrate(
         findings: diagnosed,
         cases,
         departures,
-        ..
     } = examine(
         &facts(session, &prepared),
         prepared.at_rest.as_ref(),
@@ -189,16 +187,7 @@ pub fn calibrate(
     let calibration = chosen
         .as_ref()
         .filter(|chosen| chosen.refusal().is_none())
-        .map(|chosen| {
-            file::to_file(
-                file,
-                Contents {
-                    grade,
-                    findings: &findings,
-                    chosen,
-                },
-            )
-        });
+        .map(|chosen| file::to_file(file, grade, &findings, chosen));
     let mut recordings: Vec<(Trial, Option<Conditioned>)> = prepared
         .campaign
         .trials
@@ -280,13 +269,10 @@ fn undetermined(parameters: &[ParameterReport]) -> Option<Finding> {
 fn next_actions(findings: &[Finding], reservations: &[String]) -> Vec<String> {
     let mut next: Vec<String> = Vec::new();
     for finding in findings {
-        let place = match finding.recordings.as_slice() {
-            [] => String::new(),
-            [one] => format!("{one}: "),
-            [first, second] => format!("{first} and {second}: "),
-            [first, rest @ ..] => format!("{first} and {} more recordings: ", rest.len()),
+        let advice = match in_a_sentence(&finding.recordings) {
+            Some(place) => format!("{place}: {}", finding.advice),
+            None => finding.advice.clone(),
         };
-        let advice = format!("{place}{}", finding.advice);
         if !next.contains(&advice) {
             next.push(advice);
         }
