@@ -110,7 +110,7 @@ impl Pen {
         };
         self.element(&format!(
             "<text x=\"{x}\" y=\"{y}\" dy=\"0.35em\" text-anchor=\"{anchor}\" font-size=\"{:.1}\"{}>{}</text>",
-            size * FINE,
+            (size * FINE).trunc(),
             ink.attributes("fill"),
             markup::svg(text)
         ));
