@@ -14,11 +14,13 @@ use sixaxis_props::truth::design_parameters;
 use super::stiffness_text;
 use crate::study::results::{Identification, Results};
 
-/// Tables 1 to 3: the table's place in the text, its parameters, the unit they are printed in over SI, and decimals.
-const TABLES: [(&str, Range<usize>, (&str, f64), usize); 3] = [
-    ("zero-drift", DRIFT, ("mV", 1e3), 3),
-    ("scale", SCALE, ("kg⁻¹", 1.0), 4),
-    ("inertia", INERTIA, ("mm²", 1e6), 4),
+/// One of Tables 1 to 3: its place in the text, its parameters, the unit they are printed in, that unit over SI, decimals.
+type Printed = (&'static str, Range<usize>, &'static str, f64, usize);
+
+const TABLES: [Printed; 3] = [
+    ("zero-drift", DRIFT, "mV", 1e3, 3),
+    ("scale", SCALE, "kg⁻¹", 1.0, 4),
+    ("inertia", INERTIA, "mm²", 1e6, 4),
 ];
 
 /// A campaign's identification as the text has it.
@@ -55,15 +57,14 @@ pub fn section(r: &Results) -> Result<Section> {
         .table("stiffness", stiffness(r));
     TABLES
         .into_iter()
-        .fold(text, |text, (id, places, unit, decimals)| {
-            text.table(id, table(r, places, unit, decimals))
+        .fold(text, |text, printed| {
+            text.table(printed.0, table(r, printed))
         })
         .section("parameters")
 }
 
-/// A table of the parameters at these places. Errors of drifts are absolute, those of scale factors relative to the value, and
-/// those of inertias to the largest.
-fn table(r: &Results, places: Range<usize>, (unit, per_si): (&str, f64), decimals: usize) -> Table {
+/// Errors of drifts are absolute, those of scale factors relative to the value, and those of inertias to the largest.
+fn table(r: &Results, (_, places, unit, per_si, decimals): Printed) -> Table {
     let design = design_parameters().to_paper_order();
     let truth = r.noise_free.truth.to_paper_order();
     let exact = r.noise_free.found.to_paper_order();
