@@ -1,52 +1,54 @@
-"""Kinematics vectorised over the record; Heun on (8), which cannot be, over Python floats."""
+"""The closed form in NumPy: the whole record at once; Heun on (8), which cannot be, over Python floats."""
+
+from typing import Any
 
 import numpy as np
 
-from kinematics import Sensed, accelerations, attitudes, sense
+import closed_form as form
 from protocol import Array, Problem, serve
 
 
-def rates(p: Problem, s: Sensed) -> Array:
-    """w* at every sample, by Heun on (8)."""
-
-    def derivative(k: int, x: float, y: float, z: float) -> tuple[float, float, float]:
-        (rx, ry, rz), (tx, ty, tz), (ex, ey, ez) = w_r[k], torque[k], eps[k]
-        xx, xy, xz, _, yy, yz, _, _, zz = inertia[k]
-        ixx, ixy, ixz, _, iyy, iyz, _, _, izz = inverse[k]
-        ux, uy, uz = x + rx, y + ry, z + rz
-        lx = xx * ux + xy * uy + xz * uz
-        ly = xy * ux + yy * uy + yz * uz
-        lz = xz * ux + yz * uy + zz * uz
-        mx = tx - (uy * lz - uz * ly)
-        my = ty - (uz * lx - ux * lz)
-        mz = tz - (ux * ly - uy * lx)
-        return (
-            ixx * mx + ixy * my + ixz * mz - ex - (y * rz - z * ry),
-            ixy * mx + iyy * my + iyz * mz - ey - (z * rx - x * rz),
-            ixz * mx + iyz * my + izz * mz - ez - (x * ry - y * rx),
-        )
-
+def scanned(k: form.Constants, spin: form.Vec, torque: form.Vec) -> tuple[form.Vec, form.Vec]:
+    """The rate of the mass and its derivative at every sample."""
     # Lists of floats: taking one number from an array costs more than the arithmetic done with it.
-    w_r, torque, eps = s.w_r.tolist(), s.torque.tolist(), s.eps.tolist()
-    inertia, inverse = s.inertia.reshape(-1, 9).tolist(), s.inverse.reshape(-1, 9).tolist()
-    h = p.h
-    x = y = z = 0.0
-    w = [(x, y, z)]
-    fx, fy, fz = derivative(0, x, y, z)
-    for k in range(1, len(torque)):
-        gx, gy, gz = derivative(k, x + h * fx, y + h * fy, z + h * fz)
-        x += 0.5 * h * (fx + gx)
-        y += 0.5 * h * (fy + gy)
-        z += 0.5 * h * (fz + gz)
-        w.append((x, y, z))
-        fx, fy, fz = derivative(k, x, y, z)
-    return np.array(w)
+    torques = zip(*(x.tolist() for x in torque), strict=True)
+    state = spin, form.euler(k, spin, next(torques))
+    states = [state]
+    for now in torques:
+        state = form.heun(k, *state, now)
+        states.append(state)
+    both = np.array(states)
+    return tuple(both[:, 0].T), tuple(both[:, 1].T)
+
+
+def attitudes(start: form.Quaternion, steps: form.Quaternion) -> form.Quaternion:
+    """A running product in log2(n) passes, not n steps."""
+
+    def join(a: Any, b: Any) -> Array:
+        return np.concatenate([np.atleast_1d(a), b])
+
+    w = join(start[0], steps[0])
+    v = tuple(join(a, b) for a, b in zip(start[1], steps[1], strict=True))
+    span = 1
+    while span < len(w):
+        early = w[:-span], tuple(x[:-span] for x in v)
+        late = w[span:], tuple(x[span:] for x in v)
+        product, vector = form.multiply(early, late)
+        w = join(w[:span], product)
+        v = tuple(join(x[:span], y) for x, y in zip(v, vector, strict=True))
+        span *= 2
+    return w, v
 
 
 def decode(p: Problem) -> Array:
-    s = sense(p)
-    w = rates(p, s)
-    return accelerations(p, s, w, attitudes(p, w))
+    k = form.constants(p)
+    before, now, after = form.neighbours(k, p.voltage_v)
+    spin = form.spin_at_rest(k, before, now, after)
+    first = tuple(float(x[0]) for x in spin)
+    w, w_dot, force = form.motion(k, before, now, after, *scanned(k, first, now.torque))
+    q = attitudes(k.attitude, form.steps(w, w_dot))
+    linear, angular = form.ground(k, q, force, w_dot)
+    return np.stack([*linear, *angular], axis=1)
 
 
 if __name__ == "__main__":

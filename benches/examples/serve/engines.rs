@@ -1,73 +1,86 @@
-//! MuJoCo's inverse dynamics and step on the recorded states.
+//! MuJoCo's inverse dynamics on the recorded states, by the smallest model that answers.
+//!
+//! The question is what a decoder answers last: which acceleration do the limbs give the mass? With state and limb wrench given it
+//! needs one free body: no shell, whose motion is in the state, and no tendons, whose forces are in the wrench.
 
-use glam::DQuat;
-use glam::DVec3;
-use sixaxis_benches::free_sensor::FreeSensor;
-use sixaxis_props::problem::recorded::STEP_S;
-use sixaxis_props::problem::recorded::compound_5_hz;
-use sixaxis_reference::mujoco::model::SHELL_INERTIA_KG_M2;
-use sixaxis_reference::mujoco::model::SHELL_MASS_KG;
+use glam::{DMat3, DQuat, DVec3};
+use mujoco_rs::wrappers::mj_data::MjData;
+use mujoco_rs::wrappers::mj_model::MjModel;
 
-use crate::peer::{Input, Peer, Row, State, row};
+use crate::peer::{Input, Peer, Row, State, Wrench, row};
+use crate::problem::Problem;
 
-/// Where those three begin, and where the mass's share of the first two does.
-pub const QVEL: usize = 14;
+/// Where velocities and accelerations begin in a state, and where the mass's share of coordinates and velocities does.
+const QVEL: usize = 14;
+const QACC: usize = 26;
+const MASS_QPOS: usize = 7;
+const MASS_QVEL: usize = QVEL + 6;
 
-pub const QACC: usize = 26;
-
-pub const MASS_QPOS: usize = 7;
-
-pub const MASS_DOF: usize = 6;
-
-/// One MuJoCo call a sample on the recorded state of both bodies.
-pub struct Mujoco<C, R> {
-    pub sensor: FreeSensor,
+/// One `mj_inverse` a sample on the mass as a free body.
+struct MujocoInverse {
+    data: MjData<Box<MjModel>>,
     /// States of the samples that are decoupled: all but the first and the last.
-    pub states: Vec<State>,
-    /// Force that drives the shell at each of them.
-    pub drive: Vec<Row>,
-    /// Calls MuJoCo and returns what is kept of the outcome.
-    pub call: C,
-    pub outcome: Vec<Row>,
-    /// Accelerations from a state and the outcome of its call; not timed.
-    pub to_row: R,
+    states: Vec<State>,
+    wrenches: Vec<Wrench>,
+    mass_kg: f64,
+    inverse_inertia: DMat3,
+    /// Force and torque that the acceleration fed needs, N and N m.
+    needed: Vec<Row>,
 }
 
-impl<C, R> Peer for Mujoco<C, R>
-where
-    C: Fn(&mut FreeSensor) -> Row,
-    R: Fn(&State, &Row) -> Row,
-{
+/// The mass as MuJoCo's XML.
+fn mjcf(problem: &Problem) -> String {
+    let mass = problem.mass_kg;
+    let i = problem.inertia_per_mass_m2;
+    let inertia = [i[0][0], i[1][1], i[2][2], i[0][1], i[0][2], i[1][2]].map(|i| i * mass);
+    let text = |numbers: &[f64]| numbers.iter().map(f64::to_string).collect::<Vec<_>>();
+    format!(
+        r#"<mujoco>
+  <option gravity="{gravity}"><flag contact="disable" constraint="disable"/></option>
+  <worldbody>
+    <body><freejoint/><inertial pos="0 0 0" mass="{mass}" fullinertia="{inertia}"/></body>
+  </worldbody>
+</mujoco>"#,
+        gravity = text(&problem.gravity_ground_m_s2).join(" "),
+        inertia = text(&inertia).join(" "),
+    )
+}
+
+impl Peer for MujocoInverse {
     fn decode(&mut self) {
-        self.outcome.clear();
-        for (state, drive) in self.states.iter().zip(&self.drive) {
-            let data = &mut self.sensor.data;
-            data.qpos_mut().copy_from_slice(&state[..QVEL]);
-            data.qvel_mut().copy_from_slice(&state[QVEL..QACC]);
-            // Shell and mass are fed the same acceleration.
-            let (shell, mass) = data.qacc_mut().split_at_mut(MASS_DOF);
-            shell.copy_from_slice(&state[QACC..]);
-            mass.copy_from_slice(&state[QACC..]);
-            data.qfrc_applied_mut()[..MASS_DOF].copy_from_slice(drive);
-            self.outcome.push((self.call)(&mut self.sensor));
+        self.needed.clear();
+        for state in &self.states {
+            let data = &mut self.data;
+            data.qpos_mut().copy_from_slice(&state[MASS_QPOS..QVEL]);
+            data.qvel_mut().copy_from_slice(&state[MASS_QVEL..QACC]);
+            // The shell's acceleration.
+            data.qacc_mut().copy_from_slice(&state[QACC..]);
+            data.inverse();
+            let needed = data.qfrc_inverse().try_into().expect("six numbers");
+            self.needed.push(needed);
         }
     }
 
     fn rows(&self) -> Vec<Row> {
-        let pairs = self.states.iter().zip(&self.outcome);
-        pairs
-            .map(|(state, outcome)| (self.to_row)(state, outcome))
+        let given = self.states.iter().zip(&self.wrenches);
+        // What is needed beyond the limbs' wrench was fed too much. The acceleration fed less that is the mass's, whatever was fed.
+        given
+            .zip(&self.needed)
+            .map(|((state, wrench), needed)| {
+                let turn = attitude(&state[MASS_QPOS..]);
+                let ([a, w_dot], [force, torque]) = (halves(&state[QACC..]), halves(needed));
+                let [limb_force, limb_torque] = halves(wrench);
+                let beyond = force / self.mass_kg - turn * limb_force;
+                let angular_beyond = self.inverse_inertia * (torque / self.mass_kg - limb_torque);
+                row(a - beyond, turn * (w_dot - angular_beyond))
+            })
             .collect()
     }
 }
 
-pub fn six(values: &[f64]) -> Row {
-    values.try_into().expect("six numbers")
-}
-
 /// Linear and angular part of six numbers.
-pub fn halves(values: &[f64]) -> (DVec3, DVec3) {
-    (DVec3::from_slice(values), DVec3::from_slice(&values[3..]))
+fn halves(values: &[f64]) -> [DVec3; 2] {
+    [DVec3::from_slice(values), DVec3::from_slice(&values[3..])]
 }
 
 /// Attitude of the body whose coordinates these are, as MuJoCo orders them.
@@ -76,72 +89,14 @@ pub fn attitude(qpos: &[f64]) -> DQuat {
 }
 
 pub fn mujoco_inverse(input: &Input) -> Box<dyn Peer> {
-    let mass_kg = input.problem.mass_kg;
-    let inverse = (input.problem.inertia() * mass_kg).inverse();
+    let model = MjModel::from_xml_string(&mjcf(&input.problem)).expect("MuJoCo's model of a body");
     let states = input.decoupled_states().to_vec();
-    Box::new(Mujoco {
-        sensor: FreeSensor::new(&compound_5_hz()),
-        drive: vec![Row::default(); states.len()],
+    Box::new(MujocoInverse {
+        data: MjData::new(Box::new(model)),
+        needed: Vec::with_capacity(states.len()),
         states,
-        call: |sensor: &mut FreeSensor| {
-            sensor.data.inverse();
-            six(&sensor.data.qfrc_inverse()[MASS_DOF..])
-        },
-        outcome: Vec::new(),
-        // What the mass would need beside its limbs and gravity to accelerate as it was fed. Less that, the fed
-        // acceleration is the one that limbs and gravity give it: of the mass, whatever was fed.
-        to_row: move |state: &State, missing: &Row| {
-            let (a, w_dot) = halves(&state[QACC..]);
-            let (force, torque_mass) = halves(missing);
-            let angular_mass = w_dot - inverse * torque_mass;
-            row(
-                a - force / mass_kg,
-                attitude(&state[MASS_QPOS..]) * angular_mass,
-            )
-        },
-    })
-}
-
-pub fn mujoco_step(input: &Input) -> Box<dyn Peer> {
-    let mut sensor = FreeSensor::new(&compound_5_hz());
-    let states = input.decoupled_states().to_vec();
-    let drive = states
-        .iter()
-        .map(|state| drive(&mut sensor, state))
-        .collect();
-    Box::new(Mujoco {
-        sensor,
-        states,
-        drive,
-        call: |sensor: &mut FreeSensor| {
-            sensor.data.step();
-            six(&sensor.data.qvel()[..MASS_DOF])
-        },
-        outcome: Vec::new(),
-        // Mean acceleration of the driven shell over one of MuJoCo's steps.
-        to_row: |state: &State, after: &Row| {
-            let (v, w) = halves(&state[QVEL..]);
-            let (v_after, w_after) = halves(after);
-            row(
-                (v_after - v) / STEP_S,
-                attitude(state) * ((w_after - w) / STEP_S),
-            )
-        },
-    })
-}
-
-/// Force and torque that give the shell its recorded acceleration.
-pub fn drive(sensor: &mut FreeSensor, state: &State) -> Row {
-    let data = &mut sensor.data;
-    data.qpos_mut().copy_from_slice(&state[..QVEL]);
-    data.qvel_mut().copy_from_slice(&state[QVEL..QACC]);
-    data.forward();
-    core::array::from_fn(|dof| {
-        let inertia = if dof < 3 {
-            SHELL_MASS_KG
-        } else {
-            SHELL_INERTIA_KG_M2
-        };
-        inertia * state[QACC + dof] + data.qfrc_bias()[dof] - data.qfrc_passive()[dof]
+        wrenches: input.wrenches.clone(),
+        mass_kg: input.problem.mass_kg,
+        inverse_inertia: input.problem.inertia().inverse(),
     })
 }

@@ -3,7 +3,9 @@
 //!
 //! `cargo run --release -p sixaxis-benches --example speed` writes `target/speed/speed.json` in a few minutes. With
 //! `--publish` it then merges that with what `benches/peers/run` left in `target/peers` and with the instruction counts
-//! into `benches/results/speed.json`, which the report embeds. `--quick` shows whether it works; its times are rough.
+//! into `benches/results/speed.json`, which the report embeds, and a digest of core's sources, by which a test refuses the
+//! file once the core has changed. Both must have been measured at one commit with nothing changed since. `--quick` shows
+//! whether it works; its times are rough.
 //!
 //! Nothing is timed before its answer has been held against the truth, or against push, which was. Times
 //! are medians over rounds in which everything that is compared takes its turn, there and back.
@@ -23,7 +25,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use sixaxis_core::Scheme;
-use sixaxis_props::results::{CoreSpeed, Instructions, Peers, Published, Speed};
+use sixaxis_props::results::{CoreSpeed, Instructions, Peers, Published, Speed, core_digest};
 
 use length::{LONG_SCHEME, length};
 use machine::{date_utc, machine, output, workspace};
@@ -37,12 +39,23 @@ fn target() -> PathBuf {
 }
 
 /// What the peers took, as `benches/peers/run` left it.
-fn peers() -> Result<Peers, Box<dyn Error>> {
+///
+/// # Errors
+/// If that was not this commit's core.
+fn peers(commit: &str, core_changed: bool) -> Result<Peers, Box<dyn Error>> {
     let path = target().join("peers/results.json");
     let text = fs::read_to_string(path).map_err(|e| {
         format!("no target/peers/results.json ({e}); `benches/peers/run` writes it")
     })?;
-    Ok(serde_json::from_str(&text)?)
+    let peers: Peers = serde_json::from_str(&text)?;
+    if core_changed || peers.changed_since_commit || peers.commit.as_deref() != Some(commit) {
+        return Err(
+            "core and peers must be measured at the same commit, with nothing changed since: \
+                    commit, then run benches/peers/run"
+                .into(),
+        );
+    }
+    Ok(peers)
 }
 
 /// The counts that `.ci/instructions` holds the core to; none if there is no such file.
@@ -68,8 +81,11 @@ fn main() -> Result<(), Box<dyn Error>> {
             _ => return Err("arguments are --quick and --publish, both or none".into()),
         }
     }
+    let commit = output("git", &["rev-parse", "HEAD"]).unwrap_or_else(|| "unknown".to_owned());
+    let core_changed = output("git", &["diff", "--quiet", "HEAD", "--", "core"]).is_none();
     // Before minutes of work, not after them.
-    let peers = publish.then(peers).transpose()?;
+    let peers = publish.then(|| peers(&commit, core_changed)).transpose()?;
+    let core_digest = core_digest(&workspace())?;
     let effort = if quick { &QUICK } else { &FULL };
     let progress = Progress {
         shown: std::io::stderr().is_terminal(),
@@ -81,10 +97,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     // First, while the program's memory is small.
     let length = length(&recorded, LONG_SCHEME, effort, &progress);
     let streams = streams(&recorded, scheme, effort, &progress);
-    let core_changed = output("git", &["diff", "--quiet", "HEAD", "--", "core"]).is_none();
     let speed = CoreSpeed {
         date_utc: date_utc(),
-        commit: output("git", &["rev-parse", "HEAD"]).unwrap_or_else(|| "unknown".to_owned()),
+        commit,
         core_changed_since_commit: core_changed,
         quick,
         rounds: effort.rounds,
@@ -98,6 +113,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("target/speed/speed.json");
     if let Some(peers) = peers {
         let all = Speed {
+            core_digest,
             speed,
             peers,
             instructions: instructions()?,

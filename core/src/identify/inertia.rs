@@ -12,7 +12,7 @@ use super::Verdict;
 use super::least_squares::factor::Factor;
 use super::least_squares::{Accumulator, Estimate};
 use super::noise_verdict_relative_to;
-use super::scale::{all_finite, check_finite, check_reference};
+use super::scale::{all_finite, check_forces, check_reference};
 use crate::error::{Error, Result, require};
 use crate::float::sqrt;
 use crate::geometry::{Geometry, LIMBS};
@@ -142,7 +142,8 @@ impl InertiaIdentification {
         rate_shell_rad_s: DVec3,
         rate_derivative_shell_rad_s2: DVec3,
     ) -> Result<()> {
-        check_finite(force_per_mass_m_s2, rate_shell_rad_s, self.samples)?;
+        // The rate is looked at with the terms made of it.
+        check_forces(force_per_mass_m_s2, self.samples)?;
         let torque = torque_at_rest(self.geometry.half_edge_m, force_per_mass_m_s2);
         self.push_torque(torque, rate_shell_rad_s, rate_derivative_shell_rad_s2)
     }
@@ -157,7 +158,7 @@ impl InertiaIdentification {
     ) -> Result<()> {
         let terms = terms(rate_rad_s, rate_derivative_rad_s2);
         // A rate or a derivative that is not finite leaves no set of finite terms.
-        if !(all_finite(&terms) && torque_m2_s2.is_finite()) {
+        if !(all_finite(&terms) && all_finite(&torque_m2_s2.to_array())) {
             for reference in [rate_rad_s, rate_derivative_rad_s2] {
                 check_reference(reference, self.samples)?;
             }

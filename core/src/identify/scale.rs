@@ -129,6 +129,13 @@ pub(super) fn all_finite(numbers: &[f64]) -> bool {
 /// Refuses a sample with a force or a reference that is not finite.
 #[inline]
 pub(super) fn check_finite(forces: &[f64; LIMBS], reference: DVec3, sample: usize) -> Result<()> {
+    check_forces(forces, sample)?;
+    check_reference(reference, sample)
+}
+
+/// Refuses a sample with a force that is not finite.
+#[inline]
+pub(super) fn check_forces(forces: &[f64; LIMBS], sample: usize) -> Result<()> {
     // Which of them it was is asked only if one is not.
     if !all_finite(forces) {
         for (channel, &value) in forces.iter().enumerate() {
@@ -141,7 +148,7 @@ pub(super) fn check_finite(forces: &[f64; LIMBS], reference: DVec3, sample: usiz
             }
         }
     }
-    check_reference(reference, sample)
+    Ok(())
 }
 
 /// Refuses a sample with a reference that is not finite.

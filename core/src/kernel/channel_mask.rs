@@ -39,7 +39,12 @@ impl<T: Scalar> ChannelMask<T> {
     pub fn excluding(excluded: LimbSet, constants: &Constants<f64>) -> Result<Self> {
         let reconstruction = Reconstruction::new(excluded)?;
         Ok(Self {
-            strains: StrainReconstruction::new(&reconstruction, constants),
+            // Of no limb the weights are zero: a decoupler is built without multiplying them out.
+            strains: if excluded.is_empty() {
+                StrainReconstruction::none()
+            } else {
+                StrainReconstruction::new(&reconstruction, constants)
+            },
             bits: to_kernel_order(core::array::from_fn(|limb| {
                 T::bits(!excluded.contains(limb))
             })),

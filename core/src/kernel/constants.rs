@@ -208,27 +208,27 @@ impl<T: Real> Constants<T> {
             per_s2,
             m_per_s2,
         } = self;
-        for v in [
-            s,
-            t,
-            u,
-            x,
-            y,
-            z,
-            a,
-            b,
-            c,
-            d,
-            e,
-            g,
-            gyroscopic,
-            gravity_ground_m_s2,
-        ] {
-            v.visit(f);
-        }
-        for number in [nu, inverse_nu, chi, per_s, per_s2, m_per_s2] {
-            *number = f(*number);
-        }
+        // Without a loop, through which they would go by memory.
+        s.visit(f);
+        t.visit(f);
+        u.visit(f);
+        x.visit(f);
+        y.visit(f);
+        z.visit(f);
+        a.visit(f);
+        b.visit(f);
+        c.visit(f);
+        d.visit(f);
+        e.visit(f);
+        g.visit(f);
+        gyroscopic.visit(f);
+        gravity_ground_m_s2.visit(f);
+        *nu = f(*nu);
+        *inverse_nu = f(*inverse_nu);
+        *chi = f(*chi);
+        *per_s = f(*per_s);
+        *per_s2 = f(*per_s2);
+        *m_per_s2 = f(*m_per_s2);
     }
 }
 

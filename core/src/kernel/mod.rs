@@ -34,3 +34,4 @@ pub mod reconstruct;
 pub mod shell;
 pub mod simd;
 pub mod vec3;
+pub mod weights;

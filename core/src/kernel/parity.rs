@@ -64,12 +64,11 @@ pub fn second_order<T: Real>(strain: Limbs<T>, difference: Vec3<T>, inverse_nu: 
     twice + curvature(difference, inverse_nu * inverse_nu.constant(0.5))
 }
 
-/// What the rows leave of the nodes' displacements along their limbs, to third order, in the order 1, 3, 2; phi is the rotation
-/// that fits them.
+/// What the rows leave of the nodes' displacements along their limbs, to third order, in the order 1, 3, 2, from the sums of
+/// their halves; phi is the rotation that fits them.
 #[inline(always)]
-pub fn left<T: Real>(displacement: Limbs<T>, phi: Vec3<T>, nu: T) -> Vec3<T> {
-    let [a, b] = halves(displacement);
+pub fn left<T: Real>(sums: Vec3<T>, phi: Vec3<T>, nu: T) -> Vec3<T> {
     let [x, y, z] = phi.components();
     // Its axes in the order of the rows: the curvature knows no handedness.
-    (a + b) - curvature(vec3(x, z, y), nu)
+    sums - curvature(vec3(x, z, y), nu)
 }

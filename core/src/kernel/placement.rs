@@ -117,7 +117,7 @@ pub(super) fn shell_axes<T: Real>(along: Limbs<T>) -> [Vec3<T>; NODES] {
 
 /// Strains of the nine limbs.
 #[inline(always)]
-pub(super) fn limb_strains<T: Real>(constants: &Constants<T>, voltage_v: Limbs<T>) -> Limbs<T> {
+pub(crate) fn limb_strains<T: Real>(constants: &Constants<T>, voltage_v: Limbs<T>) -> Limbs<T> {
     let [u, v, w] = voltage_v;
     let (slope, at_zero) = (&constants.strain_per_v, &constants.strain_at_zero);
     [

@@ -13,14 +13,13 @@
 use super::constants::Constants;
 use super::number::{Real, Scalar};
 use super::order::{Limbs, to_kernel_order};
-use super::parity::{halves, left, second_order, sums};
-use super::placement::{self, LimbLoad, by_nodes, limb_strains, nodes, shell_axes};
-use super::vec3::Vec3;
+use super::parity::sums;
+use super::placement::{self, LimbLoad, limb_strains};
+use super::weights::{LoadWeights, StrainWeights};
 use crate::error::{Error, Result};
-use crate::geometry::{Geometry, LIMBS, LIMBS_PER_NODE};
+use crate::geometry::{Geometry, LIMBS};
 use crate::limb_set::LimbSet;
 use crate::paper::pose::Pose;
-use crate::redundancy::parity::ROWS;
 use crate::redundancy::reconstruction::Reconstruction;
 
 /// Cap of [`exactly`], each step of which is smaller than the one before by a factor of about the strain.
@@ -28,92 +27,42 @@ const ITERATIONS: usize = 64;
 /// Step over the largest strain at which it stops: rounding.
 const SETTLED: f64 = 4.0 * f64::EPSILON;
 
-/// The weights K in kernel order, and what they add to force and torque.
+/// What reconstructs strains, and what the reconstruction adds to force and torque.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StrainReconstruction<T: Real> {
-    /// Of each row, in the order 1, 3, 2.
-    weights: [Limbs<T>; ROWS],
-    /// The same times -1/2, for [`second_order`].
-    minus_half: [Limbs<T>; ROWS],
-    /// What they add to the difference of the relations' halves.
-    differences: [Vec3<T>; ROWS],
-    /// What they add to the resultant over chi: the strains' forces along limbs at rest.
-    force: [Vec3<T>; ROWS],
-    /// Likewise to the torque over the principal moments, principal axes.
-    torque: [Vec3<T>; ROWS],
+    /// To second order.
+    pub strain: StrainWeights<T>,
+    /// To third order.
+    pub load: LoadWeights<T>,
 }
 
 impl<T: Scalar> StrainReconstruction<T> {
+    /// Of no limb: all zero.
+    #[must_use]
+    pub fn none() -> Self {
+        Self {
+            strain: StrainWeights::splat(T::default()),
+            load: LoadWeights::splat(T::default()),
+        }
+    }
+
     /// Rounded weights, and what they do to this sensor's forces.
     #[must_use]
     pub fn new(reconstruction: &Reconstruction, constants: &Constants<f64>) -> Self {
-        let of = reconstruction.weights();
-        let row = |row: usize| to_kernel_order(core::array::from_fn(|limb| of[limb][row]));
-        let at_rest = [0, 2, 1].map(|r| shell_axes(row(r)));
-        let weights = [0, 2, 1]
-            .map(|row| to_kernel_order(core::array::from_fn(|limb| T::from_f64(of[limb][row]))));
         Self {
-            weights,
-            minus_half: weights.map(|row| row.map(|limbs| limbs.times(T::from_f64(-0.5)))),
-            differences: weights.map(|column| {
-                let [a, b] = halves(column);
-                a - b
-            }),
-            force: at_rest.map(|[a, b, c]| (a + b + c).map(T::from_f64)),
-            torque: at_rest.map(|nodes| {
-                let torque = constants.torque_to_principal(Vec3::moment(nodes));
-                torque.map(T::from_f64)
-            }),
+            strain: StrainWeights::new(reconstruction),
+            load: LoadWeights::new(reconstruction, constants),
         }
     }
 }
 
 impl<T: Real> StrainReconstruction<T> {
-    /// The same number everywhere.
-    #[inline(always)]
-    pub(crate) fn splat(number: T) -> Self {
-        Self {
-            weights: [[Vec3::all(number); LIMBS_PER_NODE]; ROWS],
-            minus_half: [[Vec3::all(number); LIMBS_PER_NODE]; ROWS],
-            differences: [Vec3::all(number); ROWS],
-            force: [Vec3::all(number); ROWS],
-            torque: [Vec3::all(number); ROWS],
-        }
-    }
-
     /// The same numbers in another type.
     #[inline(always)]
     pub(crate) fn map<U: Real>(&self, f: impl Fn(T) -> U) -> StrainReconstruction<U> {
-        let limbs = |[a, b, c]: Limbs<T>| [a.map(&f), b.map(&f), c.map(&f)];
-        let nine = |[k, l, m]: [Limbs<T>; ROWS]| [limbs(k), limbs(l), limbs(m)];
         StrainReconstruction {
-            weights: nine(self.weights),
-            minus_half: nine(self.minus_half),
-            differences: limbs(self.differences),
-            force: limbs(self.force),
-            torque: limbs(self.torque),
-        }
-    }
-
-    /// Every number in its place, always in the same order.
-    #[inline(always)]
-    pub(crate) fn visit(&mut self, f: &mut impl FnMut(T) -> T) {
-        let Self {
-            weights,
-            minus_half,
-            differences,
-            force,
-            torque,
-        } = self;
-        for row in weights.iter_mut().chain(minus_half) {
-            for limbs in row {
-                limbs.visit(f);
-            }
-        }
-        for rows in [differences, force, torque] {
-            for row in rows {
-                row.visit(f);
-            }
+            strain: self.strain.map(&f),
+            load: self.load.map(&f),
         }
     }
 
@@ -122,48 +71,9 @@ impl<T: Real> StrainReconstruction<T> {
     #[inline(always)]
     pub fn by_series(&self, constants: &Constants<T>, voltage_v: Limbs<T>) -> LimbLoad<T> {
         let used = limb_strains(constants, voltage_v);
-        let inverse_nu = constants.inverse_nu;
-        let [a, b] = halves(used);
-        let sums = a + b;
-        let [k, l, m] = self.differences;
-        let [s, t, u] = sums.components();
-        let difference = m.times_plus(u, l.times_plus(t, k.times_plus(s, a - b)));
-        let first = onto(used, &self.weights, sums);
-        let second = onto(
-            first,
-            &self.minus_half,
-            second_order(first, difference, inverse_nu),
-        );
-        let (displacement, force, squares) = nodes(second);
-        let placed = by_nodes(constants, displacement, force, squares);
-        let third = left(displacement, placed.rotation, constants.nu);
-        LimbLoad {
-            force: along(placed.force, &self.force, third),
-            torque: along(placed.torque, &self.torque, third),
-            ..placed
-        }
+        let strain = self.strain.to_second_order(used, constants.inverse_nu);
+        self.load.by_strains(constants, strain)
     }
-}
-
-/// `to` + a matrix of three columns times the rows.
-#[inline(always)]
-fn along<T: Real>(to: Vec3<T>, columns: &[Vec3<T>; ROWS], rows: Vec3<T>) -> Vec3<T> {
-    let [k, l, m] = *columns;
-    let [a, b, c] = rows.components();
-    m.times_plus(c, l.times_plus(b, k.times_plus(a, to)))
-}
-
-/// `to` + K rows.
-#[inline(always)]
-fn onto<T: Real>(to: Limbs<T>, weights: &[Limbs<T>; ROWS], rows: Vec3<T>) -> Limbs<T> {
-    let [[k, l, m], [n, o, p], [q, r, s]] = *weights;
-    let [u, v, w] = to;
-    let [a, b, c] = rows.components();
-    [
-        q.times_plus(c, n.times_plus(b, k.times_plus(a, u))),
-        r.times_plus(c, o.times_plus(b, l.times_plus(a, v))),
-        s.times_plus(c, p.times_plus(b, m.times_plus(a, w))),
-    ]
 }
 
 impl Constants<f64> {
@@ -232,6 +142,8 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
+    use crate::geometry::LIMBS_PER_NODE;
+    use crate::kernel::vec3::Vec3;
     use crate::model::{Gains, Model};
     use crate::model::{InertiaPerMass, Parameters};
     use crate::model::{Sensor, Settings};

@@ -46,6 +46,9 @@ pub trait Register: Real {
     /// Square root.
     #[must_use]
     fn root(self) -> Self;
+    /// The larger of two numbers, lane by lane; either where one is NaN.
+    #[must_use]
+    fn larger(self, other: Self) -> Self;
 }
 
 /// As many lanes as one register of this processor holds, found out at run time.
@@ -104,6 +107,12 @@ impl<S: Simd> Register for Wide<S> {
         let value = self.simd.sqrt_f64s(self.value);
         Self { value, ..self }
     }
+
+    #[inline(always)]
+    fn larger(self, other: Self) -> Self {
+        let value = self.simd.max_f64s(self.value, other.value);
+        Self { value, ..self }
+    }
 }
 
 /// Four lanes in whatever registers the program was compiled for; plain numbers where there are none.
@@ -147,6 +156,11 @@ impl Register for f64x4 {
     #[inline(always)]
     fn root(self) -> Self {
         self.sqrt()
+    }
+
+    #[inline(always)]
+    fn larger(self, other: Self) -> Self {
+        self.fast_max(other)
     }
 }
 

@@ -21,8 +21,7 @@ mod validation;
 
 pub use choice::{beyond_certificate, contradiction};
 
-use choice::Chosen;
-use file::Contents;
+use choice::{Chosen, stiffness};
 
 use crate::calibration::Calibration;
 use crate::conditioning::Conditioned;
@@ -30,7 +29,7 @@ use crate::diagnosis::trial_case::Facts;
 use crate::diagnosis::{Diagnosis, examine};
 use crate::error::Result;
 use crate::estimate::Estimate;
-use crate::finding::{Cause, Finding};
+use crate::finding::{Cause, Finding, in_a_sentence};
 use crate::grade::{failures, grade, reservations};
 use crate::iteration::{Criterion, Iteration};
 use crate::joint::JointReport;
@@ -92,6 +91,20 @@ pub struct CalibratedSession {
     pub calibration: Option<Calibration>,
 }
 
+impl CalibratedSession {
+    /// What was found of the trial of that file.
+    #[must_use]
+    pub fn trial(&self, name: &str) -> Option<&TrialReport> {
+        self.trials.iter().find(|trial| trial.name == name)
+    }
+
+    /// What is known of k/m.
+    #[must_use]
+    pub fn stiffness(&self) -> Option<&ParameterReport> {
+        stiffness(&self.parameters)
+    }
+}
+
 /// Reads, calibrates and grades a session.
 ///
 /// A recording that cannot be used and a step that refuses its data are findings, not errors: the rest is worth knowing.
@@ -111,7 +124,6 @@ pub fn calibrate(
         findings: diagnosed,
         cases,
         departures,
-        ..
     } = examine(
         &facts(session, &prepared),
         prepared.at_rest.as_ref(),
@@ -175,16 +187,7 @@ pub fn calibrate(
     let calibration = chosen
         .as_ref()
         .filter(|chosen| chosen.refusal().is_none())
-        .map(|chosen| {
-            file::to_file(
-                file,
-                Contents {
-                    grade,
-                    findings: &findings,
-                    chosen,
-                },
-            )
-        });
+        .map(|chosen| file::to_file(file, grade, &findings, chosen));
     let mut recordings: Vec<(Trial, Option<Conditioned>)> = prepared
         .campaign
         .trials
@@ -266,13 +269,10 @@ fn undetermined(parameters: &[ParameterReport]) -> Option<Finding> {
 fn next_actions(findings: &[Finding], reservations: &[String]) -> Vec<String> {
     let mut next: Vec<String> = Vec::new();
     for finding in findings {
-        let place = match finding.recordings.as_slice() {
-            [] => String::new(),
-            [one] => format!("{one}: "),
-            [first, second] => format!("{first} and {second}: "),
-            [first, rest @ ..] => format!("{first} and {} more recordings: ", rest.len()),
+        let advice = match in_a_sentence(&finding.recordings) {
+            Some(place) => format!("{place}: {}", finding.advice),
+            None => finding.advice.clone(),
         };
-        let advice = format!("{place}{}", finding.advice);
         if !next.contains(&advice) {
             next.push(advice);
         }

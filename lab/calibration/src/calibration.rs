@@ -1,6 +1,6 @@
 //! The result as a file: `calibration.json`, what `sixaxis decouple` reads and a laboratory keeps.
 
-use sixaxis_core::parameter::PARAMETERS;
+use sixaxis_core::parameter::{DRIFT, INERTIA, PARAMETERS, SCALE};
 use std::path::Path;
 
 use schemars::JsonSchema;
@@ -70,8 +70,8 @@ pub struct CalibratedSensor {
     pub amplifier_high_pass_hz: Option<f64>,
 }
 
-/// The 25 parameters, SI.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+/// One number for each of the 25 parameters, SI.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CalibratedParameters {
     /// d_i, V.
@@ -82,6 +82,37 @@ pub struct CalibratedParameters {
     pub inertia_per_mass_m2: [f64; 6],
     /// k/m, 1/s^2.
     pub stiffness_per_mass_per_s2: f64,
+}
+
+impl CalibratedParameters {
+    /// In the paper's order.
+    #[must_use]
+    pub fn to_paper_order(&self) -> [f64; PARAMETERS] {
+        let mut values = [self.stiffness_per_mass_per_s2; PARAMETERS];
+        values[DRIFT].copy_from_slice(&self.zero_drift_v);
+        values[SCALE].copy_from_slice(&self.scale_per_mass_per_kg);
+        values[INERTIA].copy_from_slice(&self.inertia_per_mass_m2);
+        values
+    }
+}
+
+impl From<[f64; PARAMETERS]> for CalibratedParameters {
+    /// From numbers in the paper's order.
+    fn from(values: [f64; PARAMETERS]) -> Self {
+        let at = |start: usize, i: usize| values[start + i];
+        Self {
+            zero_drift_v: core::array::from_fn(|i| at(DRIFT.start, i)),
+            scale_per_mass_per_kg: core::array::from_fn(|i| at(SCALE.start, i)),
+            inertia_per_mass_m2: core::array::from_fn(|i| at(INERTIA.start, i)),
+            stiffness_per_mass_per_s2: values[PARAMETERS - 1],
+        }
+    }
+}
+
+impl From<Parameters> for CalibratedParameters {
+    fn from(parameters: Parameters) -> Self {
+        parameters.to_paper_order().into()
+    }
 }
 
 /// Covariances of the fits.

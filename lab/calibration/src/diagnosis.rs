@@ -46,8 +46,6 @@ pub struct Diagnosis<'a> {
     pub findings: Vec<Finding>,
     /// The trials with their responses.
     pub cases: Vec<TrialCase<'a>>,
-    /// What all trials agree on, if enough of them could be fitted.
-    pub table: Option<Table>,
     /// For each trial, how far it departs from that, relative to its own size.
     pub departures: Vec<Option<f64>>,
 }
@@ -119,7 +117,6 @@ pub fn examine<'a>(
     Diagnosis {
         findings,
         cases,
-        table,
         departures,
     }
 }
@@ -129,7 +126,6 @@ fn unfinished<'a>(findings: Vec<Finding>, cases: Vec<TrialCase<'a>>) -> Diagnosi
         departures: vec![None; cases.len()],
         findings,
         cases,
-        table: None,
     }
 }
 

@@ -82,3 +82,13 @@ pub struct Finding {
     /// What to do.
     pub advice: String,
 }
+
+/// Recordings in a sentence: of more than two, the first and how many more; none for none.
+pub(crate) fn in_a_sentence(recordings: &[impl AsRef<str>]) -> Option<String> {
+    Some(match recordings {
+        [] => return None,
+        [one] => one.as_ref().to_owned(),
+        [first, second] => format!("{} and {}", first.as_ref(), second.as_ref()),
+        [first, rest @ ..] => format!("{} and {} more recordings", first.as_ref(), rest.len()),
+    })
+}

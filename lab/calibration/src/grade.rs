@@ -1,6 +1,6 @@
 //! From evidence to a grade: what fails, what is missing, what is good.
 
-use crate::finding::{Cause, Finding};
+use crate::finding::{Cause, Finding, in_a_sentence};
 use crate::report::{Grade, ParameterReport, TrialReport};
 use crate::steps::{Campaign, FourSteps};
 use sixaxis_recordings::session::{Role, Session};
@@ -209,12 +209,7 @@ pub(crate) fn grade(
             .collect();
         places.sort_unstable();
         places.dedup();
-        let place = match places.as_slice() {
-            [] => String::new(),
-            [one] => format!(" in {one}"),
-            [one, two] => format!(" in {one} and {two}"),
-            [one, rest @ ..] => format!(" in {one} and {} more recordings", rest.len()),
-        };
+        let place = in_a_sentence(&places).map_or(String::new(), |place| format!(" in {place}"));
         return (
             Grade::Bad,
             format!("Not good: {}{place}{more}.", first.cause.name()),

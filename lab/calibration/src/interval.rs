@@ -14,6 +14,7 @@ use sixaxis_core::{LIMBS, Parameters};
 use crate::report::ParameterReport;
 use crate::steps::{Campaign, FourSteps, jackknife};
 use crate::tap::Taps;
+use crate::trial::same_wedge;
 use sixaxis_recordings::session::{Role, Session};
 
 /// Half width of the 95 % interval of an even spread, in its half width.
@@ -55,7 +56,7 @@ impl LeftOut {
             directions
                 .iter()
                 .map(|d| {
-                    let same = |other: &DVec3| (*other - *d).length() < SAME_WEDGE;
+                    let same = |other: &DVec3| same_wedge(*other, *d);
                     directions.iter().position(same).unwrap_or(0)
                 })
                 .collect()
@@ -85,9 +86,6 @@ impl LeftOut {
         }
     }
 }
-
-/// Distance of two unit vectors below which they are one wedge's.
-const SAME_WEDGE: f64 = 1e-3;
 
 /// For each trial the fit that it had no part in, and the fits to take a jackknife of.
 type Fits<const N: usize> = (Vec<Option<[f64; N]>>, Vec<[f64; N]>);

@@ -28,8 +28,6 @@ const RESOLVED: f64 = 1e-9;
 /// One channel's response to one trial. Forces are measured ones, N.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ChannelResponse {
-    /// Force at the middle of the run without motion, N.
-    pub offset_n: f64,
     /// Drift from the beginning to the end of the run, N.
     pub drift_n: f64,
     /// x: force over the waveform.
@@ -152,7 +150,6 @@ pub fn measure(
         let noise = (residual.norm_squared() / free).sqrt();
         let error = |term: usize| noise * variance(term).sqrt() / sizes[term];
         ChannelResponse {
-            offset_n: value(0),
             drift_n: 2.0 * value(1),
             response: value(2),
             standard_error: error(2),

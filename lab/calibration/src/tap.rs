@@ -32,10 +32,6 @@ const DISAGREE: f64 = 4.0;
 pub struct TapReport {
     /// Its file.
     pub name: String,
-    /// Samples per second.
-    pub sample_rate_hz: f64,
-    /// Samples.
-    pub samples: usize,
     /// The fit, or why it leaves k/m undetermined.
     pub outcome: Result<Tap, String>,
 }
@@ -85,8 +81,6 @@ impl Taps {
             .iter()
             .map(|trial| TapReport {
                 name: trial.name.clone(),
-                sample_rate_hz: trial.sample_rate_hz,
-                samples: trial.voltage_v.len(),
                 outcome: evaluate(trial, geometry, &parameters, known),
             })
             .collect();

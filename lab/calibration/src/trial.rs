@@ -46,6 +46,14 @@ pub struct Trial {
     pub frequency_hz: f64,
 }
 
+/// Distance of two unit vectors below which they are one wedge's.
+const SAME_WEDGE: f64 = 1e-3;
+
+/// Whether two directions, unit vectors, are one wedge's.
+pub(crate) fn same_wedge(a: DVec3, b: DVec3) -> bool {
+    (a - b).length() < SAME_WEDGE
+}
+
 impl Trial {
     /// A recording with what its session says of it, wherever its readings came from.
     #[must_use]

@@ -51,11 +51,13 @@ impl Channel {
         Self::new(heading, None)
     }
 
-    /// The heading that [`Self::from_heading`] reads.
+    /// The heading that [`Self::from_heading`] reads. `f (x)` without a unit would be read as `f` in x: empty brackets say that
+    /// there is no unit.
     #[must_use]
     pub fn heading(&self) -> String {
         match &self.unit {
             Some(unit) => format!("{} [{unit}]", self.name),
+            None if Self::from_heading(&self.name).name != self.name => format!("{} []", self.name),
             None => self.name.clone(),
         }
     }
@@ -75,6 +77,31 @@ pub struct Layout {
 }
 
 impl Layout {
+    /// Of channels whose names become unique, of which one may hold time stamps.
+    pub(crate) fn new(
+        format: impl Into<String>,
+        mut channels: Vec<Channel>,
+        properties: BTreeMap<String, String>,
+    ) -> Self {
+        make_unique(&mut channels);
+        Self {
+            format: format.into(),
+            time: time_channel(&channels),
+            channels,
+            properties,
+        }
+    }
+
+    /// The rate of all channels, time stamps aside, if it is the same.
+    pub(crate) fn common_rate_hz(&self) -> Option<f64> {
+        let channels = self.channels.iter().enumerate();
+        let mut rates = channels
+            .filter(|(at, _)| Some(*at) != self.time)
+            .map(|(_, channel)| channel.sample_rate_hz);
+        let first = rates.next()??;
+        (is_rate(first) && rates.all(|rate| rate == Some(first))).then_some(first)
+    }
+
     /// Index of a channel by name: as written; or else regardless of case, or without the group of a TDMS name, if only one
     /// fits.
     #[must_use]
@@ -165,8 +192,19 @@ pub fn is_sample_rate(name: &str) -> bool {
         .any(|known| name.eq_ignore_ascii_case(known))
 }
 
+/// Whether a number can be a sample rate.
+pub(crate) fn is_rate(hz: f64) -> bool {
+    hz.is_finite() && hz > 0.0
+}
+
+/// The sample rate that a file has as a text; the error says what it has instead.
+pub(crate) fn sample_rate(key: &str, text: &str) -> std::result::Result<f64, String> {
+    let rate = text.trim().parse().ok().filter(|rate| is_rate(*rate));
+    rate.ok_or_else(|| format!("{key} is {text:?}, not a positive number of samples per second"))
+}
+
 /// The second `u` becomes `u_2`, or the next number that is free.
-pub(crate) fn make_unique(channels: &mut [Channel]) {
+fn make_unique(channels: &mut [Channel]) {
     let mut taken: BTreeSet<String> = channels.iter().map(|c| c.name.clone()).collect();
     let mut seen: BTreeMap<String, usize> = BTreeMap::new();
     for channel in channels {

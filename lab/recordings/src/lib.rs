@@ -8,7 +8,7 @@
 //! | file | holds |
 //! |---|---|
 //! | [`channel`] | what a file says of its channels |
-//! | `source`, `sink` | the traits [`Source`] and [`Sink`] |
+//! | `source`, `sink` | the traits [`Source`] and [`Sink`], and what all formats have in common of them |
 //! | `open` | [`open()`] and [`create`]: which format a file has |
 //! | [`motion`] | columns of a motion: accelerations, rate, attitude |
 //! | [`draft`] | a file that appears whole or not at all |
@@ -18,7 +18,8 @@
 //! | [`numpy`] | NPY and NPZ |
 //! | [`hdf5`] | HDF5, of which MAT files of version 7.3 are a kind |
 //! | [`matlab`] | MAT files |
-//! | `variables`, `numbers` | what the files of MATLAB and HDF5 have in common |
+//! | `variables` | what the files of MATLAB and HDF5 have in common |
+//! | `numbers` | stored numbers as f64 |
 //! | [`mod@unit`] | units that channels come in |
 //! | [`ingest`] | names, units, clock: from a file to columns that can be computed with |
 //! | [`inspect`] | what is in a recording, whoever made it |

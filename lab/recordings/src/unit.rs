@@ -18,6 +18,27 @@ pub enum Unit {
     Time(f64),
 }
 
+impl Unit {
+    /// What it measures, as a person would name it.
+    #[must_use]
+    pub const fn quantity(self) -> &'static str {
+        match self {
+            Self::Voltage(_) => "voltage",
+            Self::Acceleration(_) => "acceleration",
+            Self::Rate(_) => "rate of rotation",
+            Self::Time(_) => "time",
+        }
+    }
+
+    /// Its size in V, m/s^2, rad/s or s.
+    #[must_use]
+    pub const fn size_si(self) -> f64 {
+        let (Self::Voltage(size) | Self::Acceleration(size) | Self::Rate(size) | Self::Time(size)) =
+            self;
+        size
+    }
+}
+
 /// Looks a unit up by the names that recorders use. None: not known.
 #[must_use]
 pub fn named(name: &str) -> Option<Unit> {

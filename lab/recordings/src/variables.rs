@@ -1,13 +1,11 @@
 //! From the variables of a MATLAB or HDF5 file to channels, and their reading.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use crate::channel::{
-    Block, Channel, Layout, MOST_CHANNELS, is_sample_rate, make_unique, time_channel,
-};
+use crate::channel::{Channel, Layout, MOST_CHANNELS, is_rate, is_sample_rate, time_channel};
 use crate::error::{Error, Result};
-use crate::source::Source;
+use crate::source::{Decoder, Source, reading};
 
 /// Property that names the variables which are no channels, each with its kind.
 pub const LEFT_OUT: &str = "variables left out";
@@ -62,13 +60,9 @@ struct Place {
 }
 
 /// A file of variables.
-struct VariableSource {
-    path: PathBuf,
-    layout: Layout,
+struct Variables {
     variables: Vec<Box<dyn Elements>>,
     places: Vec<Place>,
-    selected: Vec<usize>,
-    rows_read: u64,
 }
 
 /// The name of the struct or group, and that of the field.
@@ -90,7 +84,7 @@ pub(crate) fn arrange(
         let name = variable.name;
         let mut single = |name: String, value: f64| {
             let (prefix, last) = fold(&name, separator);
-            if is_sample_rate(last) && value.is_finite() && value > 0.0 {
+            if is_sample_rate(last) && is_rate(value) {
                 rates.insert(prefix.to_owned(), value);
             }
             properties.insert(name, value.to_string());
@@ -133,7 +127,7 @@ pub(crate) fn arrange(
                 }
                 channels.push(Channel {
                     samples: Some(samples),
-                    sample_rate_hz: variable.rate.filter(|rate| rate.is_finite() && *rate > 0.0),
+                    sample_rate_hz: variable.rate.filter(|rate| is_rate(*rate)),
                     ..Channel::new(own, variable.unit.as_deref())
                 });
                 let (first, stride) = if rows > columns {
@@ -168,55 +162,45 @@ pub(crate) fn arrange(
         let common = rates.get(prefix).or_else(|| rates.get(""));
         channel.sample_rate_hz = channel.sample_rate_hz.or(common.copied());
     }
-    make_unique(&mut channels);
     if !left_out.is_empty() {
         properties.insert(LEFT_OUT.to_owned(), left_out.join(", "));
     }
-    let bare: Vec<_> = channels
-        .iter()
+    let mut layout = Layout::new(format, channels, properties);
+    let bare = layout.channels.iter();
+    let bare: Vec<_> = bare
         .map(|channel| Channel::new(fold(&channel.name, separator).1, None))
         .collect();
-    Ok(Box::new(VariableSource {
-        path: path.to_owned(),
-        selected: (0..channels.len()).collect(),
-        layout: Layout {
-            format: format.to_owned(),
-            time: time_channel(&bare),
-            channels,
-            properties,
-        },
-        variables,
-        places,
-        rows_read: 0,
-    }))
+    layout.time = time_channel(&bare);
+    Ok(reading(path, layout, Variables { variables, places }))
 }
 
-impl Source for VariableSource {
-    fn layout(&self) -> &Layout {
-        &self.layout
+/// Channels, rows read and rows left.
+struct Position(Vec<usize>, u64, u64);
+
+impl Decoder for Variables {
+    type Position = Position;
+
+    fn start(&mut self, _layout: &Layout, selected: &[usize], samples: u64) -> Result<Position> {
+        Ok(Position(selected.to_vec(), 0, samples))
     }
 
-    fn select(&mut self, channels: &[usize]) -> Result<()> {
-        self.layout.common_length(&self.path, channels)?;
-        self.selected = channels.to_vec();
-        self.rows_read = 0;
-        Ok(())
-    }
-
-    fn read(&mut self, block: &mut Block, limit: usize) -> Result<usize> {
-        let samples = self.layout.common_length(&self.path, &self.selected)?;
-        block.clear(self.selected.len());
-        let left = samples.saturating_sub(self.rows_read);
-        let rows = usize::try_from(left).map_or(limit, |left| left.min(limit));
-        for (&channel, column) in self.selected.iter().zip(&mut block.columns) {
+    fn next(
+        &mut self,
+        Position(selected, read, left): &mut Position,
+        _layout: &Layout,
+        columns: &mut [Vec<f64>],
+        limit: usize,
+    ) -> Result<usize> {
+        let rows = usize::try_from(*left).map_or(limit, |left| left.min(limit));
+        for (&channel, column) in selected.iter().zip(columns) {
             let place = &self.places[channel];
-            let first = self
-                .rows_read
+            let first = read
                 .saturating_mul(place.stride)
                 .saturating_add(place.first);
             self.variables[place.variable].append(first, place.stride, rows, column)?;
         }
-        self.rows_read += rows as u64;
+        *read += rows as u64;
+        *left -= rows as u64;
         Ok(rows)
     }
 }

@@ -121,6 +121,10 @@ fn what_the_metadata_say_is_in_the_layout() {
     let layout = source.layout();
     assert_eq!(layout.time, Some(0));
     assert_eq!(layout.channels[1].heading(), "u1 [mV]");
+    for name in ["f", "f (x)", "f ()", "f []"] {
+        let channel = Channel::new(name, None);
+        assert_eq!(Channel::from_heading(&channel.heading()), channel);
+    }
     assert_eq!(layout.channels[2].unit.as_deref(), Some("V"));
     assert_eq!(layout.channels[1].sample_rate_hz, Some(1000.0));
     assert_eq!(layout.channels[3].sample_rate_hz, Some(500.0));
@@ -275,7 +279,8 @@ fn a_file_not_finished_leaves_no_trace() {
     let ragged = Block {
         columns: vec![vec![1.0], vec![], vec![1.0]],
     };
-    assert!(matches!(sink.write(&ragged).unwrap_err(), Error::Io { .. }));
+    let error = sink.write(&ragged).unwrap_err();
+    assert!(matches!(error, Error::Malformed { .. }), "{error}");
     drop(sink);
     assert_eq!(fs::read_dir(path.parent().unwrap()).unwrap().count(), 0);
 }

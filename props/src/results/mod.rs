@@ -4,6 +4,7 @@
 //! hours to make anew; [`Published::MAKE`] is the command.
 
 mod calibration;
+mod digest;
 mod faults;
 mod speed;
 
@@ -12,6 +13,7 @@ use serde::de::DeserializeOwned;
 pub use sixaxis_campaign::statistics::Summary as Campaign;
 
 pub use self::calibration::*;
+pub use self::digest::core_digest;
 pub use self::faults::*;
 pub use self::speed::*;
 
@@ -67,8 +69,8 @@ impl Published for Campaign {
 impl Published for Speed {
     const FILE: &'static str = "benches/results/speed.json";
     const TEXT: &'static str = include_str!("../../../benches/results/speed.json");
-    const MAKE: &'static str =
-        "cargo run --release -p sixaxis-benches --example speed -- --publish";
+    const MAKE: &'static str = "benches/peers/run; \
+                                cargo run --release -p sixaxis-benches --example speed -- --publish";
 }
 
 #[cfg(test)]
@@ -95,5 +97,19 @@ mod tests {
         same::<SelfCalibration>();
         same::<Speed>();
         same::<Taps>();
+    }
+    /// A change to the core wants its speed measured anew, on a quiet machine: [`Published::MAKE`].
+    #[test]
+    fn the_published_speed_is_that_of_this_core() {
+        let published = Speed::embedded().expect("published speed");
+        let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        let now = core_digest(&root).expect("core's sources");
+        let (file, make) = (Speed::FILE, Speed::MAKE);
+        assert_eq!(
+            published.core_digest, now,
+            "{file} was measured on another core: {make}"
+        );
+        let hurried = published.speed.quick || published.peers.quick;
+        assert!(!hurried, "{file} was measured in a hurry: {make}");
     }
 }

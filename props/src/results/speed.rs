@@ -8,6 +8,8 @@ use sixaxis_core::Scheme;
 /// All of it.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Speed {
+    /// [`core_digest`](super::core_digest) of what was measured.
+    pub core_digest: String,
     /// What the core takes.
     pub speed: CoreSpeed,
     /// What others take.
@@ -171,6 +173,8 @@ pub struct Peers {
     pub date_utc: String,
     /// The commit that was measured.
     pub commit: Option<String>,
+    /// Whether core or peers were others than that commit's.
+    pub changed_since_commit: bool,
     /// Whether times are rough.
     pub quick: bool,
     /// Rounds of which medians are taken.

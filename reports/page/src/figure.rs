@@ -93,6 +93,14 @@ pub enum Kind {
     LinePoints,
 }
 
+impl Kind {
+    /// Whether its samples are marked one by one.
+    #[must_use]
+    pub fn has_markers(self) -> bool {
+        matches!(self, Self::Points | Self::LinePoints)
+    }
+}
+
 /// One curve.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Series {
@@ -106,59 +114,6 @@ pub struct Series {
     pub kind: Kind,
     /// Index into the palette, modulo [`super::ink::PALETTE`].
     pub colour: usize,
-}
-
-impl Series {
-    /// A series of the given kind.
-    pub fn new(
-        label: impl Into<String>,
-        colour: usize,
-        kind: Kind,
-        points: impl IntoIterator<Item = (f64, f64)>,
-    ) -> Self {
-        Self {
-            label: label.into(),
-            points: points.into_iter().collect(),
-            kind,
-            colour,
-        }
-    }
-
-    /// A full line.
-    pub fn line(
-        label: impl Into<String>,
-        colour: usize,
-        points: impl IntoIterator<Item = (f64, f64)>,
-    ) -> Self {
-        Self::new(label, colour, Kind::Line, points)
-    }
-
-    /// A broken line.
-    pub fn dashed(
-        label: impl Into<String>,
-        colour: usize,
-        points: impl IntoIterator<Item = (f64, f64)>,
-    ) -> Self {
-        Self::new(label, colour, Kind::Dashed, points)
-    }
-
-    /// Markers alone.
-    pub fn points(
-        label: impl Into<String>,
-        colour: usize,
-        points: impl IntoIterator<Item = (f64, f64)>,
-    ) -> Self {
-        Self::new(label, colour, Kind::Points, points)
-    }
-
-    /// Markers joined by a thin line.
-    pub fn line_points(
-        label: impl Into<String>,
-        colour: usize,
-        points: impl IntoIterator<Item = (f64, f64)>,
-    ) -> Self {
-        Self::new(label, colour, Kind::LinePoints, points)
-    }
 }
 
 /// A guide on top of the data.
@@ -195,44 +150,14 @@ pub enum Mark {
     },
 }
 
-impl Mark {
-    /// A full-height line.
-    pub fn vertical(x: f64, label: impl Into<String>) -> Self {
-        Self::Vertical {
-            x,
-            label: label.into(),
-        }
-    }
-
-    /// A full-width line.
-    pub fn horizontal(y: f64, label: impl Into<String>) -> Self {
-        Self::Horizontal {
-            y,
-            label: label.into(),
-        }
-    }
-
-    /// A slope triangle.
-    pub fn slope(x: f64, y: f64, slope: f64, decades: f64, label: impl Into<String>) -> Self {
-        Self::Slope {
-            x,
-            y,
-            slope,
-            decades,
-            label: label.into(),
-        }
-    }
-}
-
-/// A second, lower panel that shares a figure's x axis, usually for the error of what is above.
+/// A second, lower panel that shares a figure's x axis, usually for the error of what is above. Vertical guides of the
+/// figure are repeated in it without their labels.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Panel {
     /// Its own ordinate.
     pub y: Axis,
     /// Its own series.
     pub series: Vec<Series>,
-    /// Its own guides; vertical marks of the figure are repeated here without their labels.
-    pub marks: Vec<Mark>,
 }
 
 /// One figure.
@@ -275,24 +200,109 @@ impl Figure {
         self
     }
 
-    /// Adds a curve.
+    /// Adds a full line. Of this and of the other kinds of curve: once there is a lower panel, it is added there.
     #[must_use]
-    pub fn series(mut self, series: Series) -> Self {
-        self.series.push(series);
+    pub fn line(
+        self,
+        label: impl Into<String>,
+        colour: usize,
+        points: impl IntoIterator<Item = (f64, f64)>,
+    ) -> Self {
+        self.curve(label, Kind::Line, colour, points)
+    }
+
+    /// Adds a broken line.
+    #[must_use]
+    pub fn dashed(
+        self,
+        label: impl Into<String>,
+        colour: usize,
+        points: impl IntoIterator<Item = (f64, f64)>,
+    ) -> Self {
+        self.curve(label, Kind::Dashed, colour, points)
+    }
+
+    /// Adds markers alone.
+    #[must_use]
+    pub fn points(
+        self,
+        label: impl Into<String>,
+        colour: usize,
+        points: impl IntoIterator<Item = (f64, f64)>,
+    ) -> Self {
+        self.curve(label, Kind::Points, colour, points)
+    }
+
+    /// Adds markers joined by a thin line.
+    #[must_use]
+    pub fn line_points(
+        self,
+        label: impl Into<String>,
+        colour: usize,
+        points: impl IntoIterator<Item = (f64, f64)>,
+    ) -> Self {
+        self.curve(label, Kind::LinePoints, colour, points)
+    }
+
+    fn curve(
+        mut self,
+        label: impl Into<String>,
+        kind: Kind,
+        colour: usize,
+        points: impl IntoIterator<Item = (f64, f64)>,
+    ) -> Self {
+        let panel = self.below.as_mut();
+        let series = panel.map_or(&mut self.series, |panel| &mut panel.series);
+        series.push(Series {
+            label: label.into(),
+            points: points.into_iter().collect(),
+            kind,
+            colour,
+        });
         self
     }
 
-    /// Adds a guide.
+    /// Adds a full-height line.
     #[must_use]
-    pub fn mark(mut self, mark: Mark) -> Self {
-        self.marks.push(mark);
+    pub fn vertical(mut self, x: f64, label: impl Into<String>) -> Self {
+        let label = label.into();
+        self.marks.push(Mark::Vertical { x, label });
         self
     }
 
-    /// Adds a lower panel.
+    /// Adds a full-width line.
     #[must_use]
-    pub fn below(mut self, panel: Panel) -> Self {
-        self.below = Some(panel);
+    pub fn horizontal(mut self, y: f64, label: impl Into<String>) -> Self {
+        let label = label.into();
+        self.marks.push(Mark::Horizontal { y, label });
+        self
+    }
+
+    /// Adds a slope triangle.
+    #[must_use]
+    pub fn slope(
+        mut self,
+        (x, y): (f64, f64),
+        slope: f64,
+        decades: f64,
+        label: impl Into<String>,
+    ) -> Self {
+        let label = label.into();
+        self.marks.push(Mark::Slope {
+            x,
+            y,
+            slope,
+            decades,
+            label,
+        });
+        self
+    }
+
+    /// Adds a lower panel with this ordinate. The curves that follow belong to it.
+    #[must_use]
+    pub fn below(mut self, y: Axis) -> Self {
+        let series = Vec::new();
+        self.below = Some(Panel { y, series });
         self
     }
 }

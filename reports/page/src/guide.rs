@@ -5,59 +5,40 @@ use super::ink::{Anchor, Ink, Pen};
 use super::layout::{Field, Layout};
 use super::markup;
 use super::trace::{Frame, Point};
-use anyhow::Result;
 
 /// Draws the guides of a field, without their labels.
-///
-/// # Errors
-/// If the SVG backend fails.
-pub fn lines(layout: &Layout<'_>, pen: &Pen<'_>, field: &Field<'_>) -> Result<()> {
+pub fn lines(layout: &Layout<'_>, pen: &mut Pen, field: &Field<'_>) {
     let f = field.frame;
     // A lower panel repeats the vertical guides of its figure.
-    let repeated = layout
-        .figure
-        .marks
-        .iter()
-        .filter(|_| f != layout.fields[0].frame);
-    for mark in field
-        .marks
-        .iter()
-        .chain(repeated.filter(|m| matches!(m, Mark::Vertical { .. })))
-    {
+    let upper = f == layout.fields[0].frame;
+    let figure = layout.figure.marks.iter();
+    let repeated = figure.filter(|mark| !upper && matches!(mark, Mark::Vertical { .. }));
+    for mark in field.marks.iter().chain(repeated) {
         let line = match mark {
-            Mark::Vertical { x, .. } => layout.x_span.place(*x).map(|at| {
-                let x = f.left + at * (f.right - f.left);
-                [(x, f.top), (x, f.bottom)]
-            }),
-            Mark::Horizontal { y, .. } => field.span.place(*y).map(|at| {
-                let y = f.bottom - at * (f.bottom - f.top);
-                [(f.left, y), (f.right, y)]
-            }),
+            Mark::Vertical { x, .. } => {
+                let x = layout.x_span.place(*x).map(|at| f.across(at));
+                x.map(|x| [(x, f.top), (x, f.bottom)])
+            }
+            Mark::Horizontal { y, .. } => {
+                let y = field.span.place(*y).map(|at| f.up(at));
+                y.map(|y| [(f.left, y), (f.right, y)])
+            }
             Mark::Slope { .. } => {
                 if let Some([foot, corner, tip]) = triangle(layout, field, mark) {
-                    pen.stroke(&[foot, corner, tip, foot], Ink::Axis, 1.25)?;
+                    pen.stroke(&[foot, corner, tip, foot], Ink::Axis, 1.25);
                 }
                 None
             }
         };
         if let Some(line) = line.filter(|l| f.holds(l[0]) && f.holds(l[1])) {
-            pen.stroke(&line, Ink::Mark, 1.25)?;
+            pen.stroke(&line, Ink::Mark, 1.25);
         }
     }
-    Ok(())
 }
 
 /// Writes the labels of horizontal guides and slope triangles where the fewest `strokes` and upright
 /// guides pass.
-///
-/// # Errors
-/// If the SVG backend fails.
-pub fn labels(
-    layout: &Layout<'_>,
-    pen: &Pen<'_>,
-    field: &Field<'_>,
-    strokes: &[Vec<Point>],
-) -> Result<()> {
+pub fn labels(layout: &Layout<'_>, pen: &mut Pen, field: &Field<'_>, strokes: &[Vec<Point>]) {
     let em = 0.92 * layout.size.font;
     let f = field.frame;
     let upright: Vec<f64> = (layout.figure.marks.iter().chain(field.marks))
@@ -65,7 +46,7 @@ pub fn labels(
             Mark::Vertical { x, .. } => layout.x_span.place(*x),
             _ => None,
         })
-        .map(|at| f.left + at * (f.right - f.left))
+        .map(|at| f.across(at))
         .collect();
     let mut taken: Vec<Frame> = Vec::new();
     for mark in field.marks {
@@ -75,7 +56,7 @@ pub fn labels(
                 let Some(at) = field.span.place(*y).filter(|at| (0.0..=1.0).contains(at)) else {
                     continue;
                 };
-                let y = f.bottom - at * (f.bottom - f.top);
+                let y = f.up(at);
                 let width = markup::width(label) * em;
                 let room = (f.right - f.left - width - em).max(0.0);
                 let lefts = [1.0, 0.0, 0.5, 0.75, 0.25].map(|s| f.left + 0.5 * em + s * room);
@@ -121,11 +102,10 @@ pub fn labels(
         }
         if let Some(best) = candidates.into_iter().min_by_key(crossed) {
             let at = (best.left, (best.top + best.bottom) / 2.0);
-            pen.text(label, at, Anchor::Start, em, Ink::Muted)?;
+            pen.text(label, at, Anchor::Start, em, Ink::Muted);
             taken.push(best);
         }
     }
-    Ok(())
 }
 
 /// Foot, right angle and tip of a slope triangle, if it lies in the frame.

@@ -1,19 +1,11 @@
-//! The pen: plotters' elements in page units, on a backend that writes SVG in the theme's colours.
+//! The pen: strokes, texts and markers in page units, written as SVG in the theme's colours.
 //!
-//! plotters knows fixed colours and whole pixels only. Here everything is drawn [`FINE`] times larger, which the view box
-//! takes back, and each [`Ink`] travels as a colour of its own, from which the backend writes a CSS variable with a
-//! fallback: a figure follows the page's theme and is still readable without one.
-
-use core::convert::Infallible;
-use std::fmt::Write as _;
+//! Coordinates are whole numbers of a unit [`FINE`] times as fine as the page's, which the view box takes back: files stay
+//! small. Each [`Ink`] becomes a CSS variable with a fallback: a figure follows the page's theme and is still readable
+//! without one.
 
 use super::markup;
 use super::trace::Point;
-use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters_backend::{
-    BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingBackend, DrawingErrorKind,
-};
 
 /// How many colours the palette has.
 ///
@@ -44,157 +36,29 @@ pub enum Ink {
     Mark,
 }
 
-/// The theme's variable of each ink that is no curve, the light theme's colour, and further attributes.
-const PLAIN: [(Ink, &str, &str, &str); 5] = [
-    (Ink::Text, "--ink", "#1c1c1a", ""),
-    (Ink::Muted, "--ink-2", "#5c5c58", " class=\"halo\""),
-    (Ink::Axis, "--axis", "#8a8a84", ""),
-    (Ink::Grid, "--grid", "#e6e6e2", ""),
-    (Ink::Mark, "--mark", "#6a6a66", " stroke-dasharray=\"8 14\""),
-];
-
 /// Light theme's colours of the curves.
 const CURVES: [&str; PALETTE] = [
     "#1e50aa", "#a8471a", "#00a586", "#753369", "#ac8c1a", "#087fb1", "#696865", "#79000c",
 ];
 
 impl Ink {
-    /// The colour that it travels as: kind and index.
-    fn colour(self) -> RGBColor {
-        let of_curve = |index: usize| (index % PALETTE) as u8;
+    /// Attributes that draw `property` (stroke or fill) in this ink.
+    fn attributes(self, property: &str) -> String {
+        let curve = |index: usize| {
+            let place = index % PALETTE;
+            format!(" style=\"{property}:var(--s{place},{})\"", CURVES[place])
+        };
+        let plain =
+            |name: &str, fallback: &str| format!(" style=\"{property}:var({name},{fallback})\"");
         match self {
-            Self::Series(index) => RGBColor(0, of_curve(index), 0),
-            Self::Dashed(index) => RGBColor(1, of_curve(index), 0),
-            other => {
-                let place = PLAIN.iter().position(|(ink, ..)| *ink == other);
-                RGBColor(2, place.unwrap_or(0) as u8, 0)
-            }
+            Self::Series(index) => curve(index),
+            Self::Dashed(index) => curve(index) + " stroke-dasharray=\"26 16\"",
+            Self::Text => plain("--ink", "#1c1c1a"),
+            Self::Muted => plain("--ink-2", "#5c5c58") + " class=\"halo\"",
+            Self::Axis => plain("--axis", "#8a8a84"),
+            Self::Grid => plain("--grid", "#e6e6e2"),
+            Self::Mark => plain("--mark", "#6a6a66") + " stroke-dasharray=\"8 14\"",
         }
-    }
-
-    /// Attributes that draw `property` (stroke or fill) in the ink that travels as a colour.
-    fn attributes(colour: BackendColor, property: &str) -> String {
-        let (kind, index, _) = colour.rgb;
-        let place = usize::from(index);
-        if kind == 2 {
-            let (_, name, fallback, more) = PLAIN[place];
-            return format!(" style=\"{property}:var({name},{fallback})\"{more}");
-        }
-        let dash = if kind == 1 {
-            " stroke-dasharray=\"26 16\""
-        } else {
-            ""
-        };
-        format!(
-            " style=\"{property}:var(--s{index},{})\"{dash}",
-            CURVES[place]
-        )
-    }
-}
-
-/// plotters' backend: SVG elements, one a line.
-struct Themed<'a> {
-    svg: &'a mut String,
-    size: (u32, u32),
-}
-
-type Drawn = Result<(), DrawingErrorKind<Infallible>>;
-
-impl Themed<'_> {
-    fn element(&mut self, element: core::fmt::Arguments<'_>) -> Drawn {
-        // Writing to a string cannot fail.
-        let _ = writeln!(self.svg, "{element}");
-        Ok(())
-    }
-}
-
-fn points(path: impl IntoIterator<Item = BackendCoord>) -> String {
-    let points: Vec<String> = path.into_iter().map(|(x, y)| format!("{x},{y}")).collect();
-    points.join(" ")
-}
-
-impl DrawingBackend for Themed<'_> {
-    type ErrorType = Infallible;
-
-    fn get_size(&self) -> (u32, u32) {
-        self.size
-    }
-
-    fn ensure_prepared(&mut self) -> Drawn {
-        Ok(())
-    }
-
-    fn present(&mut self) -> Drawn {
-        Ok(())
-    }
-
-    fn draw_pixel(&mut self, point: BackendCoord, colour: BackendColor) -> Drawn {
-        self.draw_circle(point, 1, &colour, true)
-    }
-
-    fn draw_path<S: BackendStyle, I: IntoIterator<Item = BackendCoord>>(
-        &mut self,
-        path: I,
-        style: &S,
-    ) -> Drawn {
-        self.element(format_args!(
-            "<polyline fill=\"none\"{} stroke-width=\"{}\" points=\"{}\"/>",
-            Ink::attributes(style.color(), "stroke"),
-            style.stroke_width(),
-            points(path)
-        ))
-    }
-
-    fn draw_circle<S: BackendStyle>(
-        &mut self,
-        (x, y): BackendCoord,
-        radius: u32,
-        style: &S,
-        fill: bool,
-    ) -> Drawn {
-        let look = if fill {
-            Ink::attributes(style.color(), "fill")
-        } else {
-            let stroke = Ink::attributes(style.color(), "stroke");
-            format!(
-                " fill=\"none\"{stroke} stroke-width=\"{}\"",
-                style.stroke_width()
-            )
-        };
-        self.element(format_args!(
-            "<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\"{look}/>"
-        ))
-    }
-
-    fn fill_polygon<S: BackendStyle, I: IntoIterator<Item = BackendCoord>>(
-        &mut self,
-        corners: I,
-        style: &S,
-    ) -> Drawn {
-        self.element(format_args!(
-            "<polygon{} points=\"{}\"/>",
-            Ink::attributes(style.color(), "fill"),
-            points(corners)
-        ))
-    }
-
-    fn draw_text<S: BackendTextStyle>(
-        &mut self,
-        text: &str,
-        style: &S,
-        (x, y): BackendCoord,
-    ) -> Drawn {
-        let anchor = match style.anchor().h_pos {
-            HPos::Left => "start",
-            HPos::Center => "middle",
-            HPos::Right => "end",
-        };
-        self.element(format_args!(
-            "<text x=\"{x}\" y=\"{y}\" dy=\"0.35em\" text-anchor=\"{anchor}\" font-size=\"{:.1}\"{}>{}</text>",
-            style.size(),
-            Ink::attributes(style.color(), "fill"),
-            markup::svg(text)
-        ))
     }
 }
 
@@ -209,81 +73,53 @@ pub enum Anchor {
     End,
 }
 
-/// A pen on a sheet measured in page units.
-pub struct Pen<'a> {
-    area: DrawingArea<Themed<'a>, plotters::coord::Shift>,
+/// A pen on a sheet measured in page units, and the elements that it has drawn, one a line.
+#[derive(Debug, Default)]
+pub struct Pen {
+    svg: String,
 }
 
-impl Pen<'_> {
-    /// Draws on a fresh sheet and hands back the content of the SVG element.
-    ///
-    /// # Errors
-    /// Those of drawing.
-    pub fn sheet(
-        width: f64,
-        height: f64,
-        draw: impl FnOnce(&Pen<'_>) -> anyhow::Result<()>,
-    ) -> anyhow::Result<String> {
-        let mut svg = String::new();
-        let (width, height) = fine((width, height));
-        let backend = Themed {
-            svg: &mut svg,
-            size: (width.unsigned_abs(), height.unsigned_abs()),
-        };
-        draw(&Pen {
-            area: backend.into_drawing_area(),
-        })?;
-        Ok(svg)
+impl Pen {
+    /// The content of the SVG element.
+    #[must_use]
+    pub fn into_svg(self) -> String {
+        self.svg
+    }
+
+    fn element(&mut self, element: &str) {
+        self.svg.push_str(element);
+        self.svg.push('\n');
     }
 
     /// A stroke.
-    ///
-    /// # Errors
-    /// Those of drawing.
-    pub fn stroke(&self, points: &[Point], ink: Ink, width: f64) -> anyhow::Result<()> {
-        let style = stroke_of(ink, width);
-        let fine: Vec<_> = points.iter().map(|p| fine(*p)).collect();
-        Ok(self.area.draw(&PathElement::new(fine, style))?)
+    pub fn stroke(&mut self, points: &[Point], ink: Ink, width: f64) {
+        self.element(&format!(
+            "<polyline fill=\"none\"{} points=\"{}\"/>",
+            stroke(ink, width),
+            list(points.iter().copied())
+        ));
     }
 
     /// A text, vertically centred on its anchor.
-    ///
-    /// # Errors
-    /// Those of drawing.
-    pub fn text(
-        &self,
-        text: &str,
-        at: Point,
-        anchor: Anchor,
-        size: f64,
-        ink: Ink,
-    ) -> anyhow::Result<()> {
-        let h_pos = match anchor {
-            Anchor::Start => HPos::Left,
-            Anchor::Middle => HPos::Center,
-            Anchor::End => HPos::Right,
+    pub fn text(&mut self, text: &str, at: Point, anchor: Anchor, size: f64, ink: Ink) {
+        let (x, y) = fine(at);
+        let anchor = match anchor {
+            Anchor::Start => "start",
+            Anchor::Middle => "middle",
+            Anchor::End => "end",
         };
-        let colour = ink.colour();
-        let style = ("sans-serif", size * FINE)
-            .into_text_style(&self.area)
-            .color(&colour)
-            .pos(Pos::new(h_pos, VPos::Center));
-        Ok(self
-            .area
-            .draw(&Text::new(text.to_owned(), fine(at), style))?)
+        self.element(&format!(
+            "<text x=\"{x}\" y=\"{y}\" dy=\"0.35em\" text-anchor=\"{anchor}\" font-size=\"{:.1}\"{}>{}</text>",
+            (size * FINE).trunc(),
+            ink.attributes("fill"),
+            markup::svg(text)
+        ));
     }
 
     /// The marker that belongs to a palette index.
-    ///
-    /// # Errors
-    /// Those of drawing.
-    pub fn marker(&self, at: Point, colour: usize, radius: f64) -> anyhow::Result<()> {
+    pub fn marker(&mut self, at: Point, colour: usize, radius: f64) {
         let ink = Ink::Series(colour);
-        let (full, thin) = (ink.colour().filled(), stroke_of(ink, 1.6));
-        let corners = |shape: &[(f64, f64)]| -> Vec<BackendCoord> {
-            let corner = |(x, y): &(f64, f64)| fine((at.0 + x * radius, at.1 + y * radius));
-            shape.iter().map(corner).collect()
-        };
+        let placed = |(x, y): &Point| (at.0 + x * radius, at.1 + y * radius);
         let filled: &[(f64, f64)] = match colour % PALETTE {
             1 => &[(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)],
             2 => &[(0.0, -1.25), (1.2, 0.85), (-1.2, 0.85)],
@@ -297,34 +133,48 @@ impl Pen<'_> {
             _ => &[],
         };
         if !filled.is_empty() {
-            self.area.draw(&Polygon::new(corners(filled), full))?;
+            self.element(&format!(
+                "<polygon{} points=\"{}\"/>",
+                ink.attributes("fill"),
+                list(filled.iter().map(placed))
+            ));
         } else if crossed.is_empty() {
-            let style = if colour.is_multiple_of(PALETTE) {
-                full
-            } else {
-                thin
+            let look = match colour.is_multiple_of(PALETTE) {
+                true => ink.attributes("fill"),
+                false => format!(" fill=\"none\"{}", stroke(ink, MARKER_STROKE)),
             };
-            let radius = (radius * FINE).round() as i32;
-            self.area.draw(&Circle::new(fine(at), radius, style))?;
+            let ((x, y), radius) = (fine(at), whole(radius));
+            self.element(&format!(
+                "<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\"{look}/>"
+            ));
         }
-        for stroke in crossed {
-            self.area.draw(&PathElement::new(corners(stroke), thin))?;
+        for line in crossed {
+            self.stroke(&line.each_ref().map(placed), ink, MARKER_STROKE);
         }
-        Ok(())
     }
 }
 
-/// A line of a width in page units.
-fn stroke_of(ink: Ink, width: f64) -> ShapeStyle {
-    ShapeStyle {
-        color: ink.colour().to_rgba(),
-        filled: false,
-        stroke_width: (width * FINE).round() as u32,
-    }
+/// Width of a marker's strokes, page units.
+const MARKER_STROKE: f64 = 1.6;
+
+/// Attributes of a line of a width in page units.
+fn stroke(ink: Ink, width: f64) -> String {
+    let ink = ink.attributes("stroke");
+    format!("{ink} stroke-width=\"{}\"", whole(width))
 }
 
-fn fine((x, y): Point) -> BackendCoord {
-    ((x * FINE).round() as i32, (y * FINE).round() as i32)
+/// A length in drawing units.
+fn whole(length: f64) -> i32 {
+    (length * FINE).round() as i32
+}
+
+fn fine((x, y): Point) -> (i32, i32) {
+    (whole(x), whole(y))
+}
+
+fn list(path: impl Iterator<Item = Point>) -> String {
+    let points: Vec<String> = path.map(fine).map(|(x, y)| format!("{x},{y}")).collect();
+    points.join(" ")
 }
 
 #[cfg(test)]
@@ -333,14 +183,13 @@ mod tests {
 
     #[test]
     fn no_fixed_colour_is_left() {
-        let svg = Pen::sheet(10.0, 10.0, |pen| {
-            for i in 0..2 * PALETTE {
-                pen.marker((5.0, 5.0), i, 3.0)?;
-            }
-            pen.stroke(&[(0.0, 0.0), (1.0, 0.13)], Ink::Dashed(1), 1.5)?;
-            pen.text("a < 10⁻³", (1.0, 1.0), Anchor::End, 10.0, Ink::Muted)
-        })
-        .expect("draws");
+        let mut pen = Pen::default();
+        for i in 0..2 * PALETTE {
+            pen.marker((5.0, 5.0), i, 3.0);
+        }
+        pen.stroke(&[(0.0, 0.0), (1.0, 0.13)], Ink::Dashed(1), 1.5);
+        pen.text("a < 10⁻³", (1.0, 1.0), Anchor::End, 10.0, Ink::Muted);
+        let svg = pen.into_svg();
         assert!(!svg.contains("\"#"), "{svg}");
         assert!(svg.contains("var(--s7,") && svg.contains("var(--ink-2,"));
         assert!(svg.contains("stroke-dasharray"));

@@ -2,7 +2,7 @@
 //!
 //! Margins follow from the labels: nothing is clipped, nothing is left wider than it must be.
 
-use super::figure::{Axis, Figure, Kind, Mark, Series};
+use super::figure::{Axis, Figure, Mark, Series};
 use super::markup;
 use super::scale::{Span, Ticks};
 use super::trace::{Frame, Point};
@@ -126,17 +126,10 @@ impl<'a> Layout<'a> {
     #[must_use]
     pub fn of(figure: &'a Figure, size: Size) -> Self {
         let mut parts = vec![(&figure.y, &figure.series[..], &figure.marks[..])];
-        parts.extend(
-            figure
-                .below
-                .iter()
-                .map(|p| (&p.y, &p.series[..], &p.marks[..])),
-        );
-        let marked = parts.iter().any(|(_, series, _)| {
-            series
-                .iter()
-                .any(|s| matches!(s.kind, Kind::Points | Kind::LinePoints))
-        });
+        let below = figure.below.as_ref();
+        parts.extend(below.map(|panel| (&panel.y, &panel.series[..], &[][..])));
+        let mut series = parts.iter().flat_map(|(_, series, _)| *series);
+        let marked = series.any(|s| s.kind.has_markers());
         let x_values = parts.iter().flat_map(|(_, series, marks)| {
             let points = series
                 .iter()
@@ -267,7 +260,7 @@ impl<'a> Layout<'a> {
                 continue;
             }
             let half = half_of(label);
-            let x = frame.left + at * (frame.right - frame.left);
+            let x = frame.across(at);
             let centre = x.clamp(
                 half.min(self.size.width / 2.0),
                 (self.size.width - half).max(half),
@@ -306,10 +299,7 @@ impl<'a> Layout<'a> {
     pub fn place(&self, field: &Field<'_>, (x, y): (f64, f64)) -> Option<Point> {
         let f = field.frame;
         let (x, y) = (self.x_span.place(x)?, field.span.place(y)?);
-        Some((
-            f.left + x * (f.right - f.left),
-            f.bottom - y * (f.bottom - f.top),
-        ))
+        Some((f.across(x), f.up(y)))
     }
 
     /// Where the samples of a series stand.

@@ -17,7 +17,7 @@
 //! | [`trace`] | how samples become strokes: gaps, clipping, decimation |
 //! | [`layout`] | where everything of a figure stands |
 //! | [`guide`] | guide lines and a free place for their labels |
-//! | [`ink`] | the pen: plotters' elements on a backend that writes SVG in the theme's colours |
+//! | [`ink`] | the pen: strokes, texts and markers as SVG in the theme's colours |
 //! | [`plot`] | a figure as SVG |
 //! | [`render()`] | the page as HTML |
 //!

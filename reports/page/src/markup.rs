@@ -245,7 +245,8 @@ fn unicode_level(c: char) -> (char, Level) {
     }
 }
 
-fn relevel(c: char, level: Level) -> char {
+/// A figure or sign at that level, as Unicode has it; other characters stay as they are.
+pub(crate) fn relevel(c: char, level: Level) -> char {
     let set = if level == Level::Sup { RAISED } else { LOWERED };
     let c = if c == '-' { '−' } else { c };
     LEVEL

@@ -4,6 +4,8 @@
 //! [`super::plot`] set those as raised figures. What is not a number prints as an em dash, what is
 //! not finite as ∞, and a value that rounds to zero never keeps a minus sign.
 
+use super::markup::{Level, relevel};
+
 /// What stands for "not a number".
 pub const MISSING: &str = "—";
 
@@ -95,18 +97,8 @@ pub fn with_unit(value: f64, digits: usize, unit: &str) -> String {
 /// An exponent as raised figures: `superscript(-12)` is `⁻¹²`.
 #[must_use]
 pub fn superscript(exponent: i32) -> String {
-    const RAISED: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
-    exponent
-        .to_string()
-        .bytes()
-        .map(|byte| {
-            if byte == b'-' {
-                '⁻'
-            } else {
-                RAISED[usize::from(byte - b'0')]
-            }
-        })
-        .collect()
+    let digits = exponent.to_string();
+    digits.chars().map(|c| relevel(c, Level::Sup)).collect()
 }
 
 /// Mantissa text and decimal exponent after rounding to `digits` significant digits; zero has

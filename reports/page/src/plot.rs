@@ -13,18 +13,17 @@ use super::markup;
 use super::number;
 use super::scale::Span;
 use super::trace::{self, Point};
-use anyhow::Result;
 
 /// Draws a figure at a given size.
-///
-/// # Errors
-/// If the SVG backend fails.
-pub fn to_svg(figure: &Figure, size: Size) -> Result<String> {
+#[must_use]
+pub fn to_svg(figure: &Figure, size: Size) -> String {
     let layout = Layout::of(figure, size);
     let height = layout.height();
-    let body = Pen::sheet(size.width, height, |pen| draw(&layout, pen))?;
+    let mut pen = Pen::default();
+    draw(&layout, &mut pen);
+    let body = pen.into_svg();
     let id = format!("{}-{}", markup::escape(&figure.id), size.name);
-    Ok(format!(
+    format!(
         "<svg class=\"plot\" xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" \
          aria-labelledby=\"{id}-t {id}-d\" viewBox=\"0 0 {:.0} {:.0}\" \
          style=\"font-family:var(--sans,system-ui,sans-serif)\" stroke-linejoin=\"round\" \
@@ -34,57 +33,48 @@ pub fn to_svg(figure: &Figure, size: Size) -> Result<String> {
         height * FINE,
         markup::escape(&markup::plain(&figure.title)),
         markup::escape(&description(&layout)),
-    ))
+    )
 }
 
 /// A legend's sample of a series: 14 page units high, 14 or 30 wide.
-///
-/// # Errors
-/// If the SVG backend fails.
-pub fn legend(series: &Series) -> Result<String> {
-    let (width, height) = (
-        if series.kind == Kind::Points {
-            14.0
-        } else {
-            30.0
-        },
-        14.0,
-    );
-    let body = Pen::sheet(width, height, |pen| {
-        let middle = height / 2.0;
-        draw_line(pen, series, &[(2.0, middle), (width - 2.0, middle)])?;
-        match series.kind {
-            Kind::Points | Kind::LinePoints => {
-                pen.marker((width / 2.0, middle), series.colour, 4.0)
-            }
-            Kind::Line | Kind::Dashed => Ok(()),
-        }
-    })?;
-    Ok(format!(
+#[must_use]
+pub fn legend(series: &Series) -> String {
+    let (width, height) = match series.kind {
+        Kind::Points => (14.0, 14.0),
+        _ => (30.0, 14.0),
+    };
+    let middle = height / 2.0;
+    let mut pen = Pen::default();
+    draw_line(&mut pen, series, &[(2.0, middle), (width - 2.0, middle)]);
+    if series.kind.has_markers() {
+        pen.marker((width / 2.0, middle), series.colour, 4.0);
+    }
+    format!(
         "<svg class=\"swatch\" aria-hidden=\"true\" viewBox=\"0 0 {:.0} {:.0}\" \
-         stroke-linecap=\"round\">{body}</svg>",
+         stroke-linecap=\"round\">{}</svg>",
         width * FINE,
-        height * FINE
-    ))
+        height * FINE,
+        pen.into_svg()
+    )
 }
 
-fn draw_line(pen: &Pen<'_>, series: &Series, points: &[Point]) -> Result<()> {
+fn draw_line(pen: &mut Pen, series: &Series, points: &[Point]) {
     match series.kind {
         Kind::Line => pen.stroke(points, Ink::Series(series.colour), 1.75),
         Kind::Dashed => pen.stroke(points, Ink::Dashed(series.colour), 1.75),
         Kind::LinePoints => pen.stroke(points, Ink::Series(series.colour), 1.25),
-        Kind::Points => Ok(()),
+        Kind::Points => {}
     }
 }
 
-fn draw(layout: &Layout<'_>, pen: &Pen<'_>) -> Result<()> {
+fn draw(layout: &Layout<'_>, pen: &mut Pen) {
     let em = layout.size.font;
     for (i, field) in layout.fields.iter().enumerate() {
-        draw_axes(layout, pen, field, i + 1 == layout.fields.len())?;
-        draw_data(layout, pen, field)?;
+        draw_axes(layout, pen, field, i + 1 == layout.fields.len());
+        draw_data(layout, pen, field);
         if field.naming.is_some() {
             // What the names are, they say themselves.
-            draw_names(layout, pen, field)?;
+            draw_names(layout, pen, field);
             continue;
         }
         let rows = if i == 0 { layout.rows_above() } else { 0 };
@@ -95,12 +85,12 @@ fn draw(layout: &Layout<'_>, pen: &Pen<'_>) -> Result<()> {
             &axis_label(field.y, field.ticks.power),
             (0.0, y),
             Anchor::Start,
-        )?;
+        );
     }
     let top = layout.fields[0].frame.top;
     for above in &layout.above {
         let foot = top - above.row as f64 * 1.25 * em;
-        pen.stroke(&[(above.x, top), (above.x, foot)], Ink::Mark, 1.25)?;
+        pen.stroke(&[(above.x, top), (above.x, foot)], Ink::Mark, 1.25);
     }
     for above in &layout.above {
         let y = top - (0.75 + above.row as f64 * 1.25) * em;
@@ -110,99 +100,90 @@ fn draw(layout: &Layout<'_>, pen: &Pen<'_>) -> Result<()> {
             Anchor::Middle,
             0.92 * em,
             Ink::Muted,
-        )?;
+        );
     }
     if layout.is_empty() {
         let f = layout.fields[0].frame;
         let middle = ((f.left + f.right) / 2.0, (f.top + f.bottom) / 2.0);
-        pen.text("no data", middle, Anchor::Middle, em, Ink::Muted)?;
+        pen.text("no data", middle, Anchor::Middle, em, Ink::Muted);
     }
-    Ok(())
 }
 
-fn axis_text(
-    layout: &Layout<'_>,
-    pen: &Pen<'_>,
-    text: &str,
-    at: Point,
-    anchor: Anchor,
-) -> Result<()> {
+fn axis_text(layout: &Layout<'_>, pen: &mut Pen, text: &str, at: Point, anchor: Anchor) {
     let fit = (layout.size.width / markup::width(text).max(1e-9)).min(layout.size.font);
-    pen.text(text, at, anchor, fit, Ink::Text)
+    pen.text(text, at, anchor, fit, Ink::Text);
 }
 
-fn draw_axes(layout: &Layout<'_>, pen: &Pen<'_>, field: &Field<'_>, lowest: bool) -> Result<()> {
+fn draw_axes(layout: &Layout<'_>, pen: &mut Pen, field: &Field<'_>, lowest: bool) {
     let (em, f) = (layout.size.font, field.frame);
     for tick in &field.ticks.ticks {
-        let y = f.bottom - tick.at * (f.bottom - f.top);
+        let y = f.up(tick.at);
         match &tick.label {
             Some(label) => {
-                pen.stroke(&[(f.left, y), (f.right, y)], Ink::Grid, 1.0)?;
+                pen.stroke(&[(f.left, y), (f.right, y)], Ink::Grid, 1.0);
                 if field.naming.is_none() {
                     let at = (f.left - 0.5 * em, y);
-                    pen.text(label, at, Anchor::End, em, Ink::Muted)?;
+                    pen.text(label, at, Anchor::End, em, Ink::Muted);
                 }
             }
-            None => pen.stroke(&[(f.left, y), (f.left + 4.0, y)], Ink::Axis, 0.75)?,
+            None => pen.stroke(&[(f.left, y), (f.left + 4.0, y)], Ink::Axis, 0.75),
         }
     }
     for tick in &layout.x_ticks.ticks {
-        let x = f.left + tick.at * (f.right - f.left);
+        let x = f.across(tick.at);
         match &tick.label {
             Some(label) => {
-                pen.stroke(&[(x, f.top), (x, f.bottom)], Ink::Grid, 1.0)?;
+                pen.stroke(&[(x, f.top), (x, f.bottom)], Ink::Grid, 1.0);
                 if lowest {
                     let at = (x, f.bottom + 1.0 * em);
-                    pen.text(label, at, Anchor::Middle, em, Ink::Muted)?;
+                    pen.text(label, at, Anchor::Middle, em, Ink::Muted);
                 }
             }
-            None => pen.stroke(&[(x, f.bottom - 4.0), (x, f.bottom)], Ink::Axis, 0.75)?,
+            None => pen.stroke(&[(x, f.bottom - 4.0), (x, f.bottom)], Ink::Axis, 0.75),
         }
     }
     pen.stroke(
         &[(f.left, f.top), (f.left, f.bottom), (f.right, f.bottom)],
         Ink::Axis,
         1.0,
-    )?;
+    );
     if lowest {
         let text = axis_label(&layout.figure.x, layout.x_ticks.power);
         let at = ((f.left + f.right) / 2.0, f.bottom + 2.45 * em);
-        axis_text(layout, pen, &text, at, Anchor::Middle)?;
+        axis_text(layout, pen, &text, at, Anchor::Middle);
     }
-    Ok(())
 }
 
 /// The names of an ordinate. In the frame they come after the guides, whose lines their halo parts.
-fn draw_names(layout: &Layout<'_>, pen: &Pen<'_>, field: &Field<'_>) -> Result<()> {
+fn draw_names(layout: &Layout<'_>, pen: &mut Pen, field: &Field<'_>) {
     let (em, f) = (layout.size.font, field.frame);
     for tick in &field.ticks.ticks {
         let Some(name) = &tick.label else { continue };
-        let y = f.bottom - tick.at * (f.bottom - f.top);
+        let y = f.up(tick.at);
         if field.naming == Some(Naming::Above) {
             let room = f.right - f.left - 0.5 * em;
             let fit = (room / markup::width(name).max(1e-9)).min(0.95 * em);
             let at = (f.left + 0.4 * em, y - 0.95 * em);
-            pen.text(name, at, Anchor::Start, fit, Ink::Muted)?;
+            pen.text(name, at, Anchor::Start, fit, Ink::Muted);
         } else {
-            pen.text(name, (f.left - 0.5 * em, y), Anchor::End, em, Ink::Muted)?;
+            pen.text(name, (f.left - 0.5 * em, y), Anchor::End, em, Ink::Muted);
         }
     }
-    Ok(())
 }
 
-fn draw_data(layout: &Layout<'_>, pen: &Pen<'_>, field: &Field<'_>) -> Result<()> {
-    guide::lines(layout, pen, field)?;
+fn draw_data(layout: &Layout<'_>, pen: &mut Pen, field: &Field<'_>) {
+    guide::lines(layout, pen, field);
     let mut all = Vec::new();
     for series in field.series {
         let placed = layout.placed(field, series);
         if series.kind != Kind::Points {
             let strokes = trace::strokes(&placed, &field.frame);
             for stroke in &strokes {
-                draw_line(pen, series, stroke)?;
+                draw_line(pen, series, stroke);
             }
             all.extend(strokes);
         }
-        if matches!(series.kind, Kind::Points | Kind::LinePoints) {
+        if series.kind.has_markers() {
             let markers = trace::markers(&placed, &field.frame);
             let radius = match markers.len() {
                 0..100 => 3.2,
@@ -210,12 +191,12 @@ fn draw_data(layout: &Layout<'_>, pen: &Pen<'_>, field: &Field<'_>) -> Result<()
                 _ => 1.6,
             };
             for at in &markers {
-                pen.marker(*at, series.colour, radius)?;
+                pen.marker(*at, series.colour, radius);
                 all.push(vec![*at]);
             }
         }
     }
-    guide::labels(layout, pen, field, &all)
+    guide::labels(layout, pen, field, &all);
 }
 
 /// Label, power of ten and unit of an axis.
@@ -267,19 +248,18 @@ fn description(layout: &Layout<'_>) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::figure::{Mark, Panel};
     use super::*;
 
     fn figure(x: Axis, y: Axis, points: &[(f64, f64)]) -> Figure {
         Figure::new("f", "t", x, y)
-            .series(Series::line("line", 0, points.iter().copied()))
-            .series(Series::points("points", 1, points.iter().copied()))
-            .mark(Mark::vertical(
+            .line("line", 0, points.iter().copied())
+            .points("points", 1, points.iter().copied())
+            .vertical(
                 2.0,
                 "a label far wider than the whole compact sheet could ever be",
-            ))
-            .mark(Mark::horizontal(f64::NAN, "nowhere"))
-            .mark(Mark::slope(1.0, 1.0, 2.0, 1.0, "2"))
+            )
+            .horizontal(f64::NAN, "nowhere")
+            .slope((1.0, 1.0), 2.0, 1.0, "2")
     }
 
     #[test]
@@ -293,7 +273,7 @@ mod tests {
             &points,
         );
         for size in [Size::STANDARD, Size::COMPACT] {
-            let svg = to_svg(&figure, size).expect("draws");
+            let svg = to_svg(&figure, size);
             for list in svg
                 .split("points=\"")
                 .skip(1)
@@ -332,22 +312,14 @@ mod tests {
             for a in wild {
                 for b in wild {
                     let points = [(a, b), (b, a), (a, a)];
-                    let svg = to_svg(&figure(x.clone(), y.clone(), &points), Size::STANDARD)
-                        .expect("draws");
+                    let svg = to_svg(&figure(x.clone(), y.clone(), &points), Size::STANDARD);
                     assert!(!svg.contains("NaN") && !svg.contains("inf"), "{a} {b}");
                 }
             }
         }
-        let below = Panel {
-            y: Axis::log("e", ""),
-            ..Panel::default()
-        };
-        let empty = Figure::new("f", "t", Axis::log("x", ""), Axis::default()).below(below);
-        assert!(
-            to_svg(&empty, Size::STANDARD)
-                .expect("draws")
-                .contains("no data")
-        );
+        let empty =
+            Figure::new("f", "t", Axis::log("x", ""), Axis::default()).below(Axis::log("e", ""));
+        assert!(to_svg(&empty, Size::STANDARD).contains("no data"));
     }
 
     #[test]
@@ -360,15 +332,15 @@ mod tests {
                 Axis::log("x", "").range(1e-9, 1e3),
                 Axis::names("n", names),
             )
-            .series(Series::points("p", 0, (0..count).map(|i| (1.0, i as f64))));
+            .points("p", 0, (0..count).map(|i| (1.0, i as f64)));
             let layout = Layout::of(&figure, size);
             let first = layout.x_ticks.ticks.iter().find_map(|t| {
                 let half = markup::width(t.label.as_deref()?) * size.font / 2.0;
                 let frame = layout.fields[0].frame;
-                Some(frame.left + t.at * (frame.right - frame.left) - half)
+                Some(frame.across(t.at) - half)
             });
             assert!(first >= Some(0.0), "{first:?}");
-            let svg = to_svg(&figure, size).expect("draws");
+            let svg = to_svg(&figure, size);
             assert!((0..count).all(|i| svg.contains(&format!(">{i} name"))));
             layout.height()
         };

@@ -1,6 +1,6 @@
 //! From the page's description to one HTML document.
 
-use super::figure::{Figure, Series};
+use super::figure::Figure;
 use super::layout::Size;
 use super::markup;
 use super::page::{Block, Page};
@@ -14,8 +14,8 @@ use std::collections::{BTreeMap, BTreeSet};
 /// A figure as the template needs it.
 #[derive(Serialize)]
 struct Drawing {
-    /// For the width of the text; empty for a figure of a grid.
-    main: String,
+    /// For the width of the text; none for a figure of a grid.
+    main: Option<String>,
     /// For a phone, or for one of several side by side.
     compact: String,
     legend: Vec<Entry>,
@@ -30,7 +30,7 @@ struct Entry {
 /// Renders a page to a self-contained HTML document.
 ///
 /// # Errors
-/// If an anchor is missing, malformed or used twice, or if drawing fails.
+/// If an anchor is missing, malformed or used twice.
 pub fn render(page: &Page) -> Result<String> {
     let mut anchors = BTreeSet::new();
     let mut drawings = BTreeMap::new();
@@ -40,20 +40,15 @@ pub fn render(page: &Page) -> Result<String> {
             match block {
                 Block::Figure(figure) => {
                     anchor(&mut anchors, &figure.id)?;
-                    drawings.insert(figure.id.clone(), drawing(figure, true)?);
+                    drawings.insert(figure.id.clone(), drawing(figure, true));
                 }
                 Block::FigureGrid(figures) => {
                     for figure in figures {
                         anchor(&mut anchors, &figure.id)?;
-                        drawings.insert(figure.id.clone(), drawing(figure, false)?);
+                        drawings.insert(figure.id.clone(), drawing(figure, false));
                     }
                 }
-                Block::Heading(_)
-                | Block::Table(_)
-                | Block::Text(_)
-                | Block::Ledger(_)
-                | Block::Note(_)
-                | Block::Listing(_) => {}
+                _ => {}
             }
         }
     }
@@ -97,40 +92,25 @@ fn anchor(known: &mut BTreeSet<String>, id: &str) -> Result<()> {
     Ok(())
 }
 
-fn drawing(figure: &Figure, alone: bool) -> Result<Drawing> {
-    let context = || format!("drawing the figure {:?}", figure.id);
-    let main = if alone {
-        plot::to_svg(figure, Size::STANDARD).with_context(context)?
-    } else {
-        String::new()
-    };
-    let compact = plot::to_svg(figure, Size::COMPACT).with_context(context)?;
+fn drawing(figure: &Figure, alone: bool) -> Drawing {
     let mut legend: Vec<Entry> = Vec::new();
     let below = figure.below.iter().flat_map(|panel| &panel.series);
-    for series in figure
-        .series
-        .iter()
-        .chain(below)
-        .filter(|s| !s.label.is_empty())
-    {
-        let entry = entry(series)?;
+    let all = figure.series.iter().chain(below);
+    for series in all.filter(|s| !s.label.is_empty()) {
+        let entry = Entry {
+            swatch: plot::legend(series),
+            label: series.label.clone(),
+        };
         // A lower panel usually repeats the colours of the upper one.
         if !legend.contains(&entry) {
             legend.push(entry);
         }
     }
-    Ok(Drawing {
-        main,
-        compact,
+    Drawing {
+        main: alone.then(|| plot::to_svg(figure, Size::STANDARD)),
+        compact: plot::to_svg(figure, Size::COMPACT),
         legend,
-    })
-}
-
-fn entry(series: &Series) -> Result<Entry> {
-    Ok(Entry {
-        swatch: plot::legend(series)?,
-        label: series.label.clone(),
-    })
+    }
 }
 
 /// Paragraphs and lists.
@@ -174,8 +154,10 @@ mod tests {
 
     #[test]
     fn a_page_fetches_nothing_and_escapes_everything() {
-        let figure = Figure::new("f", "<f>", Axis::linear("x", "s"), Axis::log("y", "")).series(
-            Series::line("a & b", 0, [(0.0, 1.0), (1.0, f64::NAN), (2.0, 3.0)]),
+        let figure = Figure::new("f", "<f>", Axis::linear("x", "s"), Axis::log("y", "")).line(
+            "a & b",
+            0,
+            [(0.0, 1.0), (1.0, f64::NAN), (2.0, 3.0)],
         );
         let html = render(&page(Block::Figure(figure))).expect("renders");
         assert!(html.contains("T &amp; &lt;T&gt;") && html.contains("a &amp; b"));

@@ -56,7 +56,7 @@ pub struct Cell {
     pub text: String,
     /// Tooltip, usually the same number with all its digits; empty for none.
     pub title: String,
-    /// CalibratedSession.
+    /// A judgement, which colours it.
     pub state: State,
 }
 
@@ -76,6 +76,15 @@ impl Cell {
     pub fn title(mut self, title: impl Into<String>) -> Self {
         self.title = title.into();
         self
+    }
+
+    /// The same cell, marked unless it is as it should be.
+    #[must_use]
+    pub fn warn_unless(self, fine: bool) -> Self {
+        match fine {
+            true => self,
+            false => self.state(State::Warn),
+        }
     }
 
     /// The same cell with a judgement.

@@ -25,17 +25,12 @@ use super::number;
 use super::page::{Block, Claim, Section, Verdict};
 use super::table::Table;
 
-/// What a place of the text holds.
-enum Placed {
-    Figure(Box<Figure>),
-    Table(Table),
-}
-
 /// A section's text with what stands in it.
 pub struct Text {
     source: &'static str,
     values: BTreeMap<String, Value>,
-    placed: BTreeMap<String, Placed>,
+    /// Figures and tables, by the names of their places.
+    placed: BTreeMap<String, Block>,
 }
 
 impl Text {
@@ -71,8 +66,7 @@ impl Text {
     /// Adds a figure, whose place bears its anchor.
     #[must_use]
     pub fn figure(mut self, figure: Figure) -> Self {
-        self.placed
-            .insert(figure.id.clone(), Placed::Figure(Box::new(figure)));
+        self.placed.insert(figure.id.clone(), Block::Figure(figure));
         self
     }
 
@@ -80,7 +74,7 @@ impl Text {
     #[must_use]
     pub fn table(mut self, id: &str, table: impl Into<Table>) -> Self {
         self.placed
-            .insert(id.to_owned(), Placed::Table(table.into()));
+            .insert(id.to_owned(), Block::Table(table.into()));
         self
     }
 
@@ -159,12 +153,12 @@ impl Text {
         } in entries(paragraph)
         {
             match self.placed.remove(id) {
-                Some(Placed::Figure(figure)) => figures.push(Figure {
+                Some(Block::Figure(figure)) => figures.push(Figure {
                     title: words,
                     caption: remark,
-                    ..*figure
+                    ..figure
                 }),
-                Some(Placed::Table(table)) => {
+                Some(Block::Table(table)) => {
                     ensure!(figures.is_empty(), "{id:?} is a table among figures");
                     return Ok(Block::Table(Table {
                         caption: words,
@@ -172,7 +166,7 @@ impl Text {
                         ..table
                     }));
                 }
-                None => bail!("there is nothing for the place {id:?}"),
+                _ => bail!("there is nothing for the place {id:?}"),
             }
         }
         Ok(match <[Figure; 1]>::try_from(figures) {

@@ -23,6 +23,18 @@ pub struct Frame {
 const HAIR: f64 = 1e-6;
 
 impl Frame {
+    /// Where a share of the width stands, counted from the left.
+    #[must_use]
+    pub fn across(&self, share: f64) -> f64 {
+        self.left + share * (self.right - self.left)
+    }
+
+    /// Where a share of the height stands, counted from below.
+    #[must_use]
+    pub fn up(&self, share: f64) -> f64 {
+        self.bottom - share * (self.bottom - self.top)
+    }
+
     /// Whether a point lies inside or on the edge (with a hair's tolerance).
     #[must_use]
     pub fn holds(&self, (x, y): Point) -> bool {

@@ -5,7 +5,7 @@ use sixaxis_page::number::{fixed, percent, scientific};
 use sixaxis_page::{Cell, Section, State, Table, Text, Tile};
 use sixaxis_reference::rig::run::Mode;
 
-use super::{STIFFNESS_UNIT_PER_S2, met};
+use super::{met, stiffness_text};
 use crate::study::results::{FOUR_STEPS, MEASURED, REPEATED, Results, worst};
 
 /// The tiles at the top.
@@ -18,7 +18,7 @@ pub fn tiles(r: &Results) -> Vec<Tile> {
     let laboratory = worst(&r.compound_laboratory, MEASURED);
     let four_steps = worst(&r.compound_noise_free, FOUR_STEPS);
     let repeated = worst(&r.compound_noise_free, REPEATED);
-    let stiffness = r.noise_free.found.stiffness_per_mass_per_s2 / STIFFNESS_UNIT_PER_S2;
+    let stiffness = stiffness_text(r.noise_free.found.stiffness_per_mass_per_s2, 1);
     let limits_met = r.acceptance.iter().filter(|limit| limit.met).count();
     vec![
         Tile::new(
@@ -51,7 +51,7 @@ pub fn tiles(r: &Results) -> Vec<Tile> {
         ),
         Tile::new(
             "k/m found by step 4",
-            format!("{} × 10⁸ s⁻²", fixed(stiffness, 1)),
+            format!("{stiffness} × 10⁸ s⁻²"),
             match r.laboratory.stiffness_verdict.is_determined() {
                 true => "without errors; truth 2.0",
                 false => "without errors; truth 2.0. With laboratory errors: not determined",

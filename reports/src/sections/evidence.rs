@@ -17,7 +17,7 @@ use anyhow::Result;
 use serde::Serialize;
 use sixaxis_page::figure::NEUTRAL;
 use sixaxis_page::number::count;
-use sixaxis_page::{Axis, Cell, Figure, Mark, Section, Series, State, Table, Text};
+use sixaxis_page::{Axis, Cell, Figure, Section, State, Table, Text};
 use sixaxis_props::evidence::Row;
 
 use cells::{error, limit, margin, words};
@@ -191,9 +191,9 @@ fn figure(suite: &Suite, quantities: &[Quantity<'_>]) -> Figure {
         Axis::log("error over what is allowed", "").range(from, to),
         Axis::names("quantity", quantities.iter().map(|q| q.name)),
     )
-    .mark(Mark::vertical(1.0, "limit"));
+    .vertical(1.0, "limit");
     if !spans.is_empty() {
-        figure = figure.series(Series::line("smallest to largest", NEUTRAL, spans));
+        figure = figure.line("smallest to largest", NEUTRAL, spans);
     }
     for (kind, label) in [
         (MEDIAN, "median"),
@@ -203,7 +203,7 @@ fn figure(suite: &Suite, quantities: &[Quantity<'_>]) -> Figure {
         (NOT_FINITE, "NaN or infinite, drawn at the right end"),
     ] {
         if let Some(points) = marks.remove(&kind) {
-            figure = figure.series(Series::points(label, kind, points));
+            figure = figure.points(label, kind, points);
         }
     }
     figure

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use sixaxis_page::figure::{NEUTRAL, paired};
-use sixaxis_page::{Axis, Figure, Panel, Section, Series, Text};
+use sixaxis_page::{Axis, Figure, Section, Text};
 
 use crate::study::results::{History, Results};
 
@@ -43,30 +43,21 @@ fn figure(h: &History, axis: usize, id: &str) -> Figure {
         Axis::linear("time", "s"),
         Axis::linear("acceleration", unit),
     )
-    .series(Series::line(
-        "truth",
-        NEUTRAL,
-        paired(&h.time_s, &h.truth[axis]),
-    ))
-    .series(Series::dashed(
+    .line("truth", NEUTRAL, paired(&h.time_s, &h.truth[axis]))
+    .dashed(
         "decoupled, laboratory errors",
         3,
         paired(&h.time_s, &h.laboratory[axis]),
-    ))
-    .below(Panel {
-        y: Axis::log("|error| / peak", "").range(1e-9, 1e-1),
-        series: vec![
-            Series::line(
-                "",
-                3,
-                paired(&h.time_s, &relative(&h.error_laboratory[axis])),
-            ),
-            Series::line(
-                "error, noise-free",
-                0,
-                paired(&h.time_s, &relative(&h.error_noise_free[axis])),
-            ),
-        ],
-        marks: vec![],
-    })
+    )
+    .below(Axis::log("|error| / peak", "").range(1e-9, 1e-1))
+    .line(
+        "",
+        3,
+        paired(&h.time_s, &relative(&h.error_laboratory[axis])),
+    )
+    .line(
+        "error, noise-free",
+        0,
+        paired(&h.time_s, &relative(&h.error_noise_free[axis])),
+    )
 }

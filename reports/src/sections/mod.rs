@@ -22,6 +22,7 @@ mod thresholds;
 use core::f64::consts::PI;
 
 use anyhow::Result;
+use sixaxis_page::number::fixed;
 use sixaxis_page::{Page, Section, State};
 
 use crate::study::results::Results;
@@ -33,6 +34,11 @@ const MM_PER_M: f64 = 1e3;
 const DEG_PER_RAD: f64 = 180.0 / PI;
 /// Unit in which k/m is printed, s^-2.
 const STIFFNESS_UNIT_PER_S2: f64 = 1e8;
+
+/// A k/m in that unit.
+fn stiffness_text(per_s2: f64, decimals: usize) -> String {
+    fixed(per_s2 / STIFFNESS_UNIT_PER_S2, decimals)
+}
 
 /// How a limit that is met or missed is marked.
 fn met(met: bool) -> State {

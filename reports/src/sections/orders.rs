@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use sixaxis_page::number::{MISSING, fixed, scientific};
-use sixaxis_page::{Axis, Figure, Mark, Section, Series, Table, Text};
+use sixaxis_page::{Axis, Figure, Section, Table, Text};
 
 use crate::study::results::{Order, Results};
 
@@ -26,11 +26,11 @@ fn figure(r: &Results, floor: f64) -> Figure {
         Axis::log("sample rate", "Hz"),
         Axis::log("largest error of w* over its peak", ""),
     )
-    .mark(Mark::horizontal(floor, "reference"));
+    .horizontal(floor, "reference");
     let orders = r.orders.iter().enumerate();
     orders.fold(figure, |figure, (colour, order)| {
         let points = order.points.iter().copied();
-        figure.series(Series::line_points(order.scheme.name(), colour, points))
+        figure.line_points(order.scheme.name(), colour, points)
     })
 }
 

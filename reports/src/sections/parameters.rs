@@ -1,63 +1,26 @@
 //! Tables 1 to 3 and k/m: the 25 parameters, the paper's and those found here.
 
+use core::ops::Range;
+
 use anyhow::Result;
 use serde::Serialize;
-use sixaxis_calibration::page::labels::verdict;
+use sixaxis_calibration::page::labels::{symbol, verdict};
+use sixaxis_core::Parameter;
+use sixaxis_core::parameter::{DRIFT, INERTIA, SCALE};
 use sixaxis_page::number::{MISSING, fixed, scientific, significant};
 use sixaxis_page::{Cell, Section, Table, Text};
 use sixaxis_props::truth::design_parameters;
 
-use super::STIFFNESS_UNIT_PER_S2;
-use crate::study::results::{Identification, Parameters25, Results};
+use super::stiffness_text;
+use crate::study::results::{Identification, Results};
 
-/// What a family's errors are relative to.
-#[derive(Clone, Copy, PartialEq)]
-enum RelativeTo {
-    Itself,
-    Largest,
-    /// Absolute, in the family's unit.
-    Nothing,
-}
+/// One of Tables 1 to 3: its place in the text, its parameters, the unit they are printed in, that unit over SI, decimals.
+type Printed = (&'static str, Range<usize>, &'static str, f64, usize);
 
-/// Parameters of one kind: their symbol before and after the index, how they are printed, and where they stand.
-struct Family {
-    id: &'static str,
-    symbol: (&'static str, &'static str),
-    unit: &'static str,
-    per_si: f64,
-    decimals: usize,
-    relative_to: RelativeTo,
-    of: fn(&Parameters25) -> &[f64],
-}
-
-const FAMILIES: [Family; 3] = [
-    Family {
-        id: "zero-drift",
-        symbol: ("$d$", ""),
-        unit: "mV",
-        per_si: 1e3,
-        decimals: 3,
-        relative_to: RelativeTo::Nothing,
-        of: |p| &p.zero_drift_v,
-    },
-    Family {
-        id: "scale",
-        symbol: ("$s$", "/$m$"),
-        unit: "kg⁻¹",
-        per_si: 1.0,
-        decimals: 4,
-        relative_to: RelativeTo::Itself,
-        of: |p| &p.scale_per_mass_per_kg,
-    },
-    Family {
-        id: "inertia",
-        symbol: ("$I$", "/$m$"),
-        unit: "mm²",
-        per_si: 1e6,
-        decimals: 4,
-        relative_to: RelativeTo::Largest,
-        of: |p| &p.inertia_per_mass_m2,
-    },
+const TABLES: [Printed; 3] = [
+    ("zero-drift", DRIFT, "mV", 1e3, 3),
+    ("scale", SCALE, "kg⁻¹", 1.0, 4),
+    ("inertia", INERTIA, "mm²", 1e6, 4),
 ];
 
 /// A campaign's identification as the text has it.
@@ -92,59 +55,62 @@ pub fn section(r: &Results) -> Result<Section> {
             1.0 / (1.0 + r.instruments.gyroscope_gain_error),
         )
         .table("stiffness", stiffness(r));
-    FAMILIES
-        .iter()
-        .fold(text, |text, family| text.table(family.id, family.table(r)))
+    TABLES
+        .into_iter()
+        .fold(text, |text, printed| {
+            text.table(printed.0, table(r, printed))
+        })
         .section("parameters")
 }
 
-impl Family {
-    fn table(&self, r: &Results) -> Table {
-        let of = |p: &Parameters25| (self.of)(p).to_vec();
-        let design = of(&design_parameters().into());
-        let truth = of(&r.noise_free.truth.into());
-        let exact = of(&r.noise_free.found.into());
-        let repeated = of(&r.noise_free_repeated.found.into());
-        let laboratory = of(&r.laboratory.found.into());
-        let reference = of(&r.noise_free.reference_error);
-        let standard_error = of(&r.laboratory.standard_error);
-        let largest = truth.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
-        let error = |value: f64, i: usize| match self.relative_to {
-            RelativeTo::Itself => value / truth[i],
-            RelativeTo::Largest => value / largest,
-            RelativeTo::Nothing => value * self.per_si,
-        };
-        let small = |value: f64, i: usize| Cell::of(error(value, i), |e| scientific(e, 2));
-        let (rough_unit, percent) = match self.relative_to {
-            RelativeTo::Nothing => ("mV", false),
-            _ => ("%", true),
-        };
-        let rough = |value: f64, i: usize| {
-            Cell::of(error(value, i), |e| match percent {
-                true => fixed(100.0 * e, 4),
-                false => significant(e, 2),
-            })
-        };
-        let print = |si: f64| fixed(si * self.per_si, self.decimals);
-        let found = |si: f64| Cell::of(si * self.per_si, |v| fixed(v, self.decimals));
-        let name = |i: &usize| format!("{}_{{{}}}{}", self.symbol.0, i + 1, self.symbol.1);
-        Table::of(self.unit, 0..truth.len(), name)
-            .under("paper")
-            .col("design", |&i| print(design[i]))
-            .col("identified", |&i| print(truth[i]))
-            .under("this project, noise-free")
-            .col("four steps", |&i| found(exact[i]))
-            .col("error", |&i| small(exact[i] - truth[i], i))
-            .col("repeated", |&i| small(repeated[i] - truth[i], i))
-            .col("reference", |&i| small(reference[i], i))
-            .under("with laboratory errors")
-            .col("four steps", |&i| found(laboratory[i]))
-            .col(("error", rough_unit), |&i| {
-                rough(laboratory[i] - truth[i], i)
-            })
-            .col(("std. error", rough_unit), |&i| rough(standard_error[i], i))
-            .into()
-    }
+/// Errors of drifts are absolute, those of scale factors relative to the value, and those of inertias to the largest.
+fn table(r: &Results, (_, places, unit, per_si, decimals): Printed) -> Table {
+    let design = design_parameters().to_paper_order();
+    let truth = r.noise_free.truth.to_paper_order();
+    let exact = r.noise_free.found.to_paper_order();
+    let repeated = r.noise_free_repeated.found.to_paper_order();
+    let laboratory = r.laboratory.found.to_paper_order();
+    let reference = r.noise_free.reference_error.to_paper_order();
+    let standard_error = r.laboratory.standard_error.to_paper_order();
+    let absolute = places == DRIFT;
+    let largest = |a: f64, p: usize| a.max(truth[p].abs());
+    let largest = places.clone().fold(0.0, largest);
+    let error = |value: f64, p: usize| {
+        if absolute {
+            value * per_si
+        } else if SCALE.contains(&p) {
+            value / truth[p]
+        } else {
+            value / largest
+        }
+    };
+    let small = |value: f64, p: usize| Cell::of(error(value, p), |e| scientific(e, 2));
+    let rough = |value: f64, p: usize| {
+        Cell::of(error(value, p), |e| match absolute {
+            true => significant(e, 2),
+            false => fixed(100.0 * e, 4),
+        })
+    };
+    let rough_unit = if absolute { "mV" } else { "%" };
+    let print = |si: f64| fixed(si * per_si, decimals);
+    let found = |si: f64| Cell::of(si * per_si, |v| fixed(v, decimals));
+    let name = |p: &usize| Parameter::at(*p).map_or(String::new(), symbol);
+    Table::of(unit, places, name)
+        .under("paper")
+        .col("design", |&p| print(design[p]))
+        .col("identified", |&p| print(truth[p]))
+        .under("this project, noise-free")
+        .col("four steps", |&p| found(exact[p]))
+        .col("error", |&p| small(exact[p] - truth[p], p))
+        .col("repeated", |&p| small(repeated[p] - truth[p], p))
+        .col("reference", |&p| small(reference[p], p))
+        .under("with laboratory errors")
+        .col("four steps", |&p| found(laboratory[p]))
+        .col(("error", rough_unit), |&p| {
+            rough(laboratory[p] - truth[p], p)
+        })
+        .col(("std. error", rough_unit), |&p| rough(standard_error[p], p))
+        .into()
 }
 
 fn stiffness(r: &Results) -> Table {
@@ -155,11 +121,11 @@ fn stiffness(r: &Results) -> Table {
     ];
     Table::of("10⁸ s⁻²", runs, |(name, _)| (*name).to_owned())
         .col("grid minimum", |(_, i)| {
-            fixed(i.found.stiffness_per_mass_per_s2 / STIFFNESS_UNIT_PER_S2, 1)
+            stiffness_text(i.found.stiffness_per_mass_per_s2, 1)
         })
         .col("between grid points", |(_, i)| {
             if i.stiffness_verdict.is_determined() {
-                fixed(i.stiffness_interpolated_per_s2 / STIFFNESS_UNIT_PER_S2, 4)
+                stiffness_text(i.stiffness_interpolated_per_s2, 4)
             } else {
                 MISSING.to_owned()
             }

@@ -3,7 +3,7 @@
 
 use anyhow::{Context, Result};
 use sixaxis_page::number::{count, fixed, scientific, significant};
-use sixaxis_page::{Axis, Figure, Mark, Section, Series, Table, Text};
+use sixaxis_page::{Axis, Figure, Section, Table, Text};
 
 use sixaxis_props::results::{Published, SelfCalibration, TumbleLength};
 use sixaxis_reference::rig::field::Pace;
@@ -46,29 +46,21 @@ fn errors(p: &SelfCalibration) -> Figure {
         Axis::log("length of the recording", "s"),
         Axis::log("error", "%"),
     )
-    .series(Series::line_points(
+    .line_points(
         "largest, brisk",
         3,
         series(Pace::Brisk, |l| l.largest_error),
-    ))
-    .series(Series::line_points(
-        "rms, brisk",
-        0,
-        series(Pace::Brisk, |l| l.rms_error),
-    ))
-    .series(Series::dashed(
+    )
+    .line_points("rms, brisk", 0, series(Pace::Brisk, |l| l.rms_error))
+    .dashed(
         "median of the stated deviation, brisk",
         1,
         series(Pace::Brisk, |l| l.median_deviation),
-    ))
-    .series(Series::points(
-        "rms, calm",
-        2,
-        series(Pace::Calm, |l| l.rms_error),
-    ))
-    .mark(Mark::horizontal(100.0 * p.bar, "limit"));
+    )
+    .points("rms, calm", 2, series(Pace::Calm, |l| l.rms_error))
+    .horizontal(100.0 * p.bar, "limit");
     match shaken.clone().next() {
-        Some(_) => figure.series(Series::points("rms, shaken", 4, shaken)),
+        Some(_) => figure.points("rms, shaken", 4, shaken),
         None => figure,
     }
 }
@@ -82,9 +74,9 @@ fn coverage(longest: &TumbleLength) -> Figure {
         Axis::linear("share of records", "%"),
         Axis::names("limb", (1..=9).map(|limb| limb.to_string())),
     )
-    .series(Series::points("ratio", 0, points))
-    .mark(Mark::vertical(BAND.0, "94"))
-    .mark(Mark::vertical(BAND.1, "96"))
+    .points("ratio", 0, points)
+    .vertical(BAND.0, "94")
+    .vertical(BAND.1, "96")
 }
 
 fn lengths(p: &SelfCalibration) -> Table {

@@ -14,7 +14,8 @@ use sixaxis_props::results::{Instructions, Peer, Peers, Published, Speed};
 
 /// What ratios are taken to, by its name among the peers and among the instruction counts.
 pub const PUSH: &str = "push";
-const EIGEN: &str = "eigen";
+/// The same formulas in another language: the peer that is hardest to beat.
+const CLOSED_FORM: &str = "closed_form";
 /// Where one finds what is no peer but the core itself.
 const OURS: &str = "this project";
 pub const COUNTED_BASE: &str = "push/full/heun";
@@ -37,6 +38,7 @@ struct Difference<'a> {
 pub fn section() -> Result<Section> {
     let snapshot = &Speed::embedded()?;
     let Speed {
+        core_digest: _,
         speed,
         peers,
         instructions,
@@ -82,18 +84,14 @@ fn known(name: &str) -> (&str, &str) {
         "record_portable" => ("push_record_portable", OURS),
         "lanes" => ("push_lanes", OURS),
         "paper" => ("the paper's equations", OURS),
-        "nalgebra" => ("nalgebra", "Rust"),
-        EIGEN => ("Eigen", "C++"),
-        "numba_plain" => ("numba", "Python"),
-        "numpy_loop" => ("NumPy in a loop", "Python"),
-        "numpy_vectorised" => ("NumPy vectorised", "Python"),
-        "solve_ivp" => ("SciPy solve_ivp", "Python"),
-        "ode_solvers_rk4" => ("ode_solvers Rk4", "Rust"),
-        "ode_solvers_dopri5" => ("ode_solvers Dopri5", "Rust"),
+        CLOSED_FORM => ("the closed form", "C++"),
+        "closed_form_fast_math" => ("the closed form, -ffast-math", "C++"),
+        "numba_lean" => ("numba", "Python"),
+        "jax_scan" => ("JAX", "Python"),
+        "numpy_vectorised" => ("NumPy", "Python"),
+        "eigen" => ("Eigen", "C++"),
         "mujoco_inverse" => ("MuJoCo mj_inverse", "C"),
-        "mujoco_step" => ("MuJoCo mj_step", "C"),
         "pinocchio_rnea" => ("Pinocchio rnea", "C++"),
-        "pinocchio_aba" => ("Pinocchio aba", "C++"),
         other => (other, ""),
     }
 }
@@ -105,18 +103,13 @@ fn title(name: &str) -> String {
     }
 }
 
-/// All but the decoder of rigid limbs, which has left the core since these were measured.
-fn peers_shown(peers: &Peers) -> impl Iterator<Item = &Peer> {
-    peers.peers.iter().filter(|peer| peer.name != "rigid")
-}
-
 /// The peers that do the whole of push's work, and those that do a part of it.
 fn by_work(peers: &Peers) -> (Vec<&Peer>, Vec<&Peer>) {
     let push = peers.peers.iter().find(|p| p.name == PUSH);
     let whole = push.map_or("", |p| &p.computes);
     // This project's own ways side by side.
     let (ours, others): (Vec<_>, Vec<_>) =
-        peers_shown(peers).partition(|p| known(&p.name).1 == OURS);
+        peers.peers.iter().partition(|p| known(&p.name).1 == OURS);
     (ours.into_iter().chain(others)).partition(|p| p.computes == whole)
 }
 
@@ -137,7 +130,7 @@ fn peers_table(peers: &Peers) -> Table {
         .group("A part of that work, the state given", part, name)
         .under("time over that of")
         .col("push", |peer| ratio(peer, PUSH))
-        .col("Eigen", |peer| ratio(peer, EIGEN))
+        .col("the closed form in C++", |peer| ratio(peer, CLOSED_FORM))
         .under("")
         .quiet(("per sample", "ns"), |peer| {
             factor(peer.ns_per_sample.median)
@@ -170,7 +163,7 @@ fn differences(peers: &Peers) -> Vec<Difference<'_>> {
     let words = |text: &str| {
         let names = peers.peers.iter().map(|peer| &peer.name[..]);
         let long = names.filter(|name| name.contains('_') && text.contains(name));
-        long.fold(text.replace(" us ", " µs "), |text, name| {
+        long.fold(text.to_owned(), |text, name| {
             text.replace(name, known(name).0)
         })
     };

@@ -2,10 +2,10 @@
 
 use anyhow::Result;
 use sixaxis_calibration::page::labels::verdict;
-use sixaxis_page::number::{fixed, scientific};
-use sixaxis_page::{Axis, Figure, Mark, Section, Series, Table, Text};
+use sixaxis_page::number::scientific;
+use sixaxis_page::{Axis, Figure, Section, Table, Text};
 
-use super::STIFFNESS_UNIT_PER_S2;
+use super::stiffness_text;
 use crate::study::results::{Results, Search};
 
 /// The section.
@@ -38,11 +38,7 @@ fn label(search: &Search) -> String {
 fn figure<'a>(id: &str, searches: impl Iterator<Item = (&'a Search, usize)>) -> Figure {
     let figure = curves(id);
     searches.fold(figure, |figure, (search, colour)| {
-        figure.series(Series::line(
-            label(search),
-            colour,
-            search.curve.iter().copied(),
-        ))
+        figure.line(label(search), colour, search.curve.iter().copied())
     })
 }
 
@@ -54,7 +50,7 @@ pub fn curves(id: &str) -> Figure {
         Axis::linear("$k/m$", "s⁻²"),
         Axis::log("mean |w*|", "rad/s"),
     )
-    .mark(Mark::vertical(2.0e8, "truth"))
+    .vertical(2.0e8, "truth")
 }
 
 fn table(r: &Results) -> Table {
@@ -64,10 +60,10 @@ fn table(r: &Results) -> Table {
             false => "corrected",
         })
         .col(("grid minimum", "10⁸ s⁻²"), |s| {
-            fixed(s.grid_minimum_per_s2 / STIFFNESS_UNIT_PER_S2, 1)
+            stiffness_text(s.grid_minimum_per_s2, 1)
         })
         .col(("between grid points", "10⁸ s⁻²"), |s| {
-            fixed(s.interpolated_per_s2 / STIFFNESS_UNIT_PER_S2, 4)
+            stiffness_text(s.interpolated_per_s2, 4)
         })
         .text("verdict", |s| verdict(&s.verdict))
         .into()

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use sixaxis_page::number::{fixed, scientific};
-use sixaxis_page::{Axis, Figure, Mark, Section, Series, Table, Text};
+use sixaxis_page::{Axis, Figure, Section, Table, Text};
 use sixaxis_reference::paper::THRESHOLD_FREQUENCY_HZ;
 use sixaxis_reference::rig::run::Mode;
 
@@ -41,9 +41,9 @@ fn figure(r: &Results, mode: Mode, id: &str) -> Figure {
         Axis::log("drive frequency", "Hz"),
         Axis::log("relative acceleration", unit),
     )
-    .mark(Mark::horizontal(0.01, "threshold"))
-    .mark(Mark::vertical(printed, format!("paper {printed} Hz")))
-    .mark(Mark::slope(1.6, 3e-5, 4.0, 0.25, "4"));
+    .horizontal(0.01, "threshold")
+    .vertical(printed, format!("paper {printed} Hz"))
+    .slope((1.6, 3e-5), 4.0, 0.25, "4");
     for (colour, sweep) in r.thresholds.iter().filter(|s| s.mode == mode).enumerate() {
         let frequency = || sweep.points.iter().map(|p| p.frequency_hz);
         let measured = sweep
@@ -52,16 +52,16 @@ fn figure(r: &Results, mode: Mode, id: &str) -> Figure {
             .map(|p| p.relative_acceleration * factor);
         let theory = sweep.theory.iter().map(|t| t * factor);
         figure = figure
-            .series(Series::points(
+            .points(
                 format!("{} sensor, MuJoCo", sweep.sensor),
                 colour,
                 frequency().zip(measured),
-            ))
-            .series(Series::dashed(
+            )
+            .dashed(
                 format!("{} sensor, linear theory", sweep.sensor),
                 colour,
                 frequency().zip(theory),
-            ));
+            );
     }
     figure
 }

@@ -16,8 +16,8 @@ use sixaxis_reference::paper;
 use sixaxis_reference::rig::run::Mounting;
 
 use super::decoupling::{
-    SixSeries, decouple, harmonic, harmonic_error, largest_error, peaks, six_series, standards,
-    truth,
+    SixSeries, decouple, difference, harmonic, harmonic_error, largest_error, peaks, six_series,
+    standards, truth,
 };
 use super::results::{Comparison, Compound, Gravity, ParameterSet, Standard};
 use super::session::{self, Preset};
@@ -252,7 +252,7 @@ impl Case<'_> {
     /// with perfect recordings, true parameters and a scheme whose own error is far smaller.
     fn reference_error(&self) -> Result<[f64; 6]> {
         let perfect = Laboratory::noise_free(self.laboratory.sensor);
-        let difference = |run: &SimulatedRun| -> Result<(SixSeries, SixSeries)> {
+        let error = |run: &SimulatedRun| -> Result<(SixSeries, SixSeries)> {
             let recording = perfect.record(run, FIRST_RUN + self.index);
             let samples = decouple(
                 &recording,
@@ -262,20 +262,11 @@ impl Case<'_> {
                 Gravity::Kept,
             )?;
             let (ours, truth) = (six_series(&samples), truth(run));
-            let difference = core::array::from_fn(|i| {
-                ours[i].iter().zip(&truth[i]).map(|(x, y)| x - y).collect()
-            });
-            Ok((difference, truth))
+            Ok((difference(&ours, &truth), truth))
         };
-        let (full, truth) = difference(&self.run)?;
-        let (halved, _) = difference(&self.halved)?;
-        let peak = peaks(&truth);
-        Ok(core::array::from_fn(|i| {
-            full[i]
-                .iter()
-                .zip(&halved[i])
-                .fold(0.0, |a: f64, (x, y)| a.max((x - y).abs()))
-                / peak[i]
-        }))
+        let (full, truth) = error(&self.run)?;
+        let (halved, _) = error(&self.halved)?;
+        let (change, peak) = (peaks(&difference(&full, &halved)), peaks(&truth));
+        Ok(core::array::from_fn(|i| change[i] / peak[i]))
     }
 }

@@ -77,6 +77,12 @@ pub fn six_series(samples: &[SixAxis]) -> SixSeries {
     )
 }
 
+/// The first less the second, sample by sample.
+#[must_use]
+pub fn difference(a: &SixSeries, b: &SixSeries) -> SixSeries {
+    core::array::from_fn(|i| a[i].iter().zip(&b[i]).map(|(x, y)| x - y).collect())
+}
+
 /// Largest magnitude of each series.
 #[must_use]
 pub fn peaks(series: &SixSeries) -> [f64; 6] {

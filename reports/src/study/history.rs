@@ -8,7 +8,7 @@ use sixaxis_reference::motion::SimulatedRun;
 use sixaxis_reference::rig::run::Mounting;
 
 use super::compound::{COMPARED_DIVISOR, Case};
-use super::decoupling::{SixSeries, decouple, six_series, truth};
+use super::decoupling::{SixSeries, decouple, difference, six_series, truth};
 use super::plan::COMPOUND_RATE_HZ;
 use super::results::{Gravity, History};
 use super::session::Preset;
@@ -53,9 +53,6 @@ pub fn study(
     let thin = |series: &SixSeries| -> SixSeries {
         core::array::from_fn(|i| series[i].iter().copied().step_by(stride).collect())
     };
-    let difference = |a: &SixSeries| -> SixSeries {
-        core::array::from_fn(|i| a[i].iter().zip(&truth[i]).map(|(x, y)| x - y).collect())
-    };
     let rate = COMPOUND_RATE_HZ / COMPARED_DIVISOR as f64;
     Ok(History {
         frequency_hz: run.motion.frequency_hz,
@@ -63,8 +60,8 @@ pub fn study(
             .step_by(stride)
             .map(|i| (i + 1) as f64 / rate)
             .collect(),
-        error_noise_free: thin(&difference(&exact)),
-        error_laboratory: thin(&difference(&noisy)),
+        error_noise_free: thin(&difference(&exact, &truth)),
+        error_laboratory: thin(&difference(&noisy, &truth)),
         laboratory: thin(&noisy),
         truth: thin(&truth),
     })

@@ -7,9 +7,9 @@ pub mod identifiability;
 
 use identifiability::Identifiability;
 use serde::Serialize;
+use sixaxis_calibration::calibration::CalibratedParameters;
 use sixaxis_core::identify::Verdict;
-use sixaxis_core::parameter::{DRIFT, INERTIA, PARAMETERS, SCALE};
-use sixaxis_core::{LIMBS, Parameters, Scheme};
+use sixaxis_core::{Parameters, Scheme};
 use sixaxis_reference::laboratory::instruments::Instruments;
 use sixaxis_reference::mujoco::threshold::SweepPoint;
 use sixaxis_reference::rig::run::{Mode, Mounting};
@@ -96,9 +96,9 @@ pub struct Identification {
     /// What the decoupler uses: `found`, or the design's k/m where step 4 does not determine it.
     pub used: Parameters,
     /// Change of `found` when the simulator's step is halved: the reference's own error, per parameter.
-    pub reference_error: Parameters25,
+    pub reference_error: CalibratedParameters,
     /// Standard errors that the steps report, per parameter (k/m: none).
-    pub standard_error: Parameters25,
+    pub standard_error: CalibratedParameters,
     /// Step 2: condition number of the column-scaled regressor and residual, m/s^2.
     pub scale_condition: f64,
     /// See above.
@@ -117,38 +117,6 @@ pub struct Identification {
     pub stiffness_interpolated_per_s2: f64,
     /// Verdict of step 4.
     pub stiffness_verdict: Verdict,
-}
-
-/// One number per parameter, in the paper's order and SI units.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Parameters25 {
-    /// d, V.
-    pub zero_drift_v: [f64; LIMBS],
-    /// s/m, 1/kg.
-    pub scale_per_mass_per_kg: [f64; LIMBS],
-    /// I/m, m^2.
-    pub inertia_per_mass_m2: [f64; 6],
-    /// k/m, s^-2.
-    pub stiffness_per_mass_per_s2: f64,
-}
-
-impl From<[f64; PARAMETERS]> for Parameters25 {
-    /// From numbers in the paper's order.
-    fn from(values: [f64; PARAMETERS]) -> Self {
-        let at = |start: usize, i: usize| values[start + i];
-        Self {
-            zero_drift_v: core::array::from_fn(|i| at(DRIFT.start, i)),
-            scale_per_mass_per_kg: core::array::from_fn(|i| at(SCALE.start, i)),
-            inertia_per_mass_m2: core::array::from_fn(|i| at(INERTIA.start, i)),
-            stiffness_per_mass_per_s2: values[PARAMETERS - 1],
-        }
-    }
-}
-
-impl From<Parameters> for Parameters25 {
-    fn from(parameters: Parameters) -> Self {
-        parameters.to_paper_order().into()
-    }
 }
 
 /// One compound run.

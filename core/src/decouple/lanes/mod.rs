@@ -8,6 +8,7 @@
 // The largest error says in which direction nothing is known: nine numbers, and no heap to put them on.
 #![allow(clippy::result_large_err)]
 
+mod reconstruct;
 mod state;
 
 use ::wide::f64x4;
@@ -17,13 +18,13 @@ use crate::decouple::stream::{Decoupler, to_ground};
 use crate::geometry::LIMBS;
 use crate::kernel::attitude::{HALF_ANGLE_SQUARED_LIMIT, exp, half_rotation};
 use crate::kernel::constants::Constants;
-use crate::kernel::order::to_kernel_order;
 use crate::kernel::placement::{self, STRAIN_LIMIT};
 use crate::kernel::rate::Torques;
-use crate::kernel::reconstruct::StrainReconstruction;
 use crate::kernel::shell;
 use crate::kernel::simd::{LANES, Register, Row, Wide};
+use crate::kernel::weights::LoadWeights;
 use crate::scheme::Scheme;
+use reconstruct::LaneWeights;
 use state::LaneState;
 
 /// Samples of each stream that are worked on between two looks at whether all went well.
@@ -125,14 +126,13 @@ fn push<R: Register, const EXCLUDING: bool>(
     let mut chunk = Chunk::<R, EXCLUDING>::new(proof, streams);
     while at < samples {
         let started = streams[0].received() >= 3;
+        if started {
+            at += chunk.decode_all(streams, &voltage_v.map(|rows| &rows[at..]), sink);
+        }
+        // The start of the streams, the rest, and a chunk that is not for the series.
         let length = (samples - at).min(if started { CHUNK } else { 1 });
         let rows = voltage_v.map(|rows| &rows[at..at + length]);
-        let done = started && length == CHUNK && chunk.decode(streams, &rows);
-        if done {
-            sink(&chunk.out);
-        } else {
-            push_each(streams, &rows, sink)?;
-        }
+        push_each(streams, &rows, sink)?;
         at += length;
     }
     Ok(())
@@ -175,11 +175,12 @@ struct Chunk<R: Register, const EXCLUDING: bool> {
     scheme: Scheme,
     /// Each number of eight sensors side by side.
     constants: [Row; CONSTANTS],
-    /// Likewise, used if any of them excludes a limb.
-    weights: [Row; WEIGHTS],
+    /// Used if any of them excludes a limb; the voltages are then made strains.
+    weights: LaneWeights,
+    load_weights: [Row; LOAD_WEIGHTS],
     voltage_v: [[Row; LIMBS]; CHUNK],
-    strain_squares: [Row; CHUNK],
-    half_angle_squared: [Row; CHUNK],
+    strain_squares: Extent<Row>,
+    half_angle_squared: Extent<Row>,
     out: [LaneSample; CHUNK],
 }
 
@@ -193,86 +194,96 @@ impl<R: Register, const EXCLUDING: bool> Chunk<R, EXCLUDING> {
                 let mut numbers = stream.constants;
                 numbers.visit(&mut f);
             }),
-            weights: side_by_side(streams, |stream, mut f| {
-                let mut numbers = stream.mask.strains;
+            weights: LaneWeights::gather(streams),
+            load_weights: side_by_side(streams, |stream, mut f| {
+                let mut numbers = stream.mask.strains.load;
                 numbers.visit(&mut f);
             }),
             voltage_v: [[Row::ZERO; LIMBS]; CHUNK],
-            strain_squares: [Row::ZERO; CHUNK],
-            half_angle_squared: [Row::ZERO; CHUNK],
+            strain_squares: Extent::of(Row::ZERO),
+            half_angle_squared: Extent::of(Row::ZERO),
             out: [[Row::ZERO; 9]; CHUNK],
         }
     }
 
-    /// Decodes a chunk, or leaves the streams untouched and says no.
+    /// Decodes chunks until one is not for the series or there are too few rows left, and says how many rows it has taken.
+    /// The streams take part only at both ends: between chunks their states stay side by side.
     #[inline(always)]
-    fn decode(
+    fn decode_all(
         &mut self,
         streams: &mut [Decoupler; LANES],
         rows: &[&[[f64; LIMBS]]; LANES],
-    ) -> bool {
+        sink: &mut impl FnMut(&[LaneSample]),
+    ) -> usize {
+        let mut taken = 0;
+        if rows[0].len() < CHUNK {
+            return taken;
+        }
+        let mut state = LaneState::gather(streams);
+        let mut after = state.clone();
+        let (mut now, mut next) = (&mut state, &mut after);
+        while rows[0].len() - taken >= CHUNK {
+            self.transpose(&rows.map(|rows| &rows[taken..taken + CHUNK]));
+            for part in 0..R::PARTS {
+                self.run(now, next, part);
+            }
+            let sound = self.strain_squares.is_at_most(STRAIN_LIMIT * STRAIN_LIMIT)
+                && self.half_angle_squared.is_at_most(HALF_ANGLE_SQUARED_LIMIT);
+            if !sound {
+                break;
+            }
+            core::mem::swap(&mut now, &mut next);
+            taken += CHUNK;
+            sink(&self.out);
+        }
+        if taken > 0 {
+            now.scatter(streams, taken as u64);
+            for (stream, rows) in streams.iter_mut().zip(rows) {
+                stream.remember_last(&rows[..taken]);
+            }
+        }
+        taken
+    }
+
+    #[inline(always)]
+    fn transpose(&mut self, rows: &[&[[f64; LIMBS]]; LANES]) {
         for (lane, rows) in rows.iter().enumerate() {
             for (nine, row) in self.voltage_v.iter_mut().zip(rows.iter()) {
                 for (series, value) in nine.iter_mut().zip(row) {
                     series.0[lane] = *value;
                 }
             }
-            // An excluded channel may be NaN.
-            for limb in streams[lane].excluded().indices() {
-                for nine in &mut self.voltage_v {
-                    nine[limb].0[lane] = 0.0;
-                }
-            }
         }
-        let mut state = LaneState::gather(streams);
-        for part in 0..R::PARTS {
-            self.run(&mut state, part);
+        if EXCLUDING {
+            self.weights.mask(&mut self.voltage_v);
         }
-        let sound = all_at_most(&self.strain_squares, STRAIN_LIMIT * STRAIN_LIMIT)
-            & all_at_most(&self.half_angle_squared, HALF_ANGLE_SQUARED_LIMIT);
-        if sound {
-            state.scatter(streams, CHUNK as u64);
-            for (stream, rows) in streams.iter_mut().zip(rows) {
-                stream.remember_last(rows);
-            }
-        }
-        sound
     }
 
     #[inline(always)]
-    fn run(&mut self, lanes: &mut LaneState, part: usize) {
+    fn run(&mut self, from: &LaneState, to: &mut LaneState, part: usize) {
         let proof = self.proof;
         let mut constants = Constants::splat(R::splat(proof, 0.0));
         let mut rows = self.constants.iter();
         constants.visit(&mut |zero| rows.next().map_or(zero, |row| R::load(proof, row, part)));
-        let mut reconstruction = StrainReconstruction::splat(R::splat(proof, 0.0));
-        let mut rows = self.weights.iter();
+        let mut load_weights = LoadWeights::splat(R::splat(proof, 0.0));
         if EXCLUDING {
-            reconstruction
+            let mut rows = self.load_weights.iter();
+            load_weights
                 .visit(&mut |zero| rows.next().map_or(zero, |row| R::load(proof, row, part)));
+            self.weights
+                .reconstruct(proof, &constants, &mut self.voltage_v, part);
         }
-        let mut state = lanes.load::<R>(proof, part);
+        let mut state = from.load::<R>(proof, part);
+        let mut strain_squares = Extent::of(R::splat(proof, 0.0));
+        let mut half_angles_squared = strain_squares;
         for step in 0..CHUNK {
-            let row = &self.voltage_v[step];
-            let nine = to_kernel_order([
-                R::load(proof, &row[0], part),
-                R::load(proof, &row[1], part),
-                R::load(proof, &row[2], part),
-                R::load(proof, &row[3], part),
-                R::load(proof, &row[4], part),
-                R::load(proof, &row[5], part),
-                R::load(proof, &row[6], part),
-                R::load(proof, &row[7], part),
-                R::load(proof, &row[8], part),
-            ]);
+            let nine = reconstruct::load(proof, &self.voltage_v[step], part);
             let after = if EXCLUDING {
-                reconstruction.by_series(&constants, nine)
+                load_weights.by_strains(&constants, nine)
             } else {
                 placement::by_series(&constants, nine)
             };
-            after
-                .strain_squares
-                .store(&mut self.strain_squares[step], part);
+            strain_squares = strain_squares.with(after.strain_squares);
             let torques = Torques {
                 now: state.now.torque,
                 next: after.torque,
@@ -289,7 +300,7 @@ impl<R: Register, const EXCLUDING: bool> Chunk<R, EXCLUDING> {
             );
             let half = half_rotation(&state.shell, &motion);
             let (turn, half_angle_squared) = exp(half, state.attitude.to_unit());
-            half_angle_squared.store(&mut self.half_angle_squared[step], part);
+            half_angles_squared = half_angles_squared.with(half_angle_squared);
             state.attitude = state.attitude.after(turn);
             state.before = state.now.relative_pose();
             state.now = after;
@@ -306,15 +317,17 @@ impl<R: Register, const EXCLUDING: bool> Chunk<R, EXCLUDING> {
             w.y().store(&mut out[7], part);
             w.z().store(&mut out[8], part);
         }
-        lanes.store(state, part);
+        strain_squares.store(&mut self.strain_squares, part);
+        half_angles_squared.store(&mut self.half_angle_squared, part);
+        to.store(state, part);
     }
 }
 
 /// Numbers in a sensor's constants. In f32 neither of these types has any padding.
 const CONSTANTS: usize = size_of::<Constants<f32>>() / size_of::<f32>();
 
-/// Numbers in what reconstructs the strains of a sensor's excluded limbs.
-const WEIGHTS: usize = size_of::<StrainReconstruction<f32>>() / size_of::<f32>();
+/// Numbers in what takes the third order of excluded strains to force and torque.
+const LOAD_WEIGHTS: usize = size_of::<LoadWeights<f32>>() / size_of::<f32>();
 
 /// What `visit` goes through in each stream.
 fn side_by_side<const N: usize>(
@@ -334,11 +347,45 @@ fn side_by_side<const N: usize>(
     rows
 }
 
-/// Whether every number is; NaN is not.
-#[inline(always)]
-fn all_at_most(series: &[Row], limit: f64) -> bool {
-    series
-        .iter()
-        .flat_map(|row| row.0)
-        .fold(true, |all, value| all & (value <= limit))
+/// How large the squares of a chunk are, stream by stream.
+#[derive(Clone, Copy)]
+struct Extent<T> {
+    largest: T,
+    /// NaN if one of them is: the largest of a number and NaN may be the number.
+    sum: T,
+}
+
+impl<T: Copy> Extent<T> {
+    #[inline(always)]
+    fn of(zero: T) -> Self {
+        Self {
+            largest: zero,
+            sum: zero,
+        }
+    }
+}
+
+impl<R: Register> Extent<R> {
+    #[inline(always)]
+    fn with(self, square: R) -> Self {
+        Self {
+            largest: square.larger(self.largest),
+            sum: self.sum + square,
+        }
+    }
+
+    #[inline(always)]
+    fn store(self, rows: &mut Extent<Row>, part: usize) {
+        self.largest.store(&mut rows.largest, part);
+        self.sum.store(&mut rows.sum, part);
+    }
+}
+
+impl Extent<Row> {
+    /// Whether every square is; NaN is not.
+    fn is_at_most(&self, limit: f64) -> bool {
+        let Row(largest) = self.largest;
+        let Row(sum) = self.sum;
+        largest.iter().all(|x| *x <= limit) && !sum.iter().any(|x| x.is_nan())
+    }
 }

@@ -23,6 +23,7 @@ const NUMBERS: usize = {
 };
 
 /// The states of eight streams. Counters and flags are equal in all of them.
+#[derive(Clone)]
 pub struct LaneState {
     rows: [Row; NUMBERS],
     /// Counters and flags, equal in all streams; taken from stream 0.
@@ -170,8 +171,8 @@ mod tests {
             stiffness_per_mass_per_s2: 2e8,
         };
         let stream = Decoupler::new(&sensor, &parameters, &Settings::new(1e4)).expect("sound");
-        let mut visited = [0; 3];
-        let [state, constants, weights] = &mut visited;
+        let mut visited = [0; 4];
+        let [state, constants, strain, load] = &mut visited;
         let counted = |count: &mut usize, number: f64| {
             *count += 1;
             number
@@ -181,14 +182,17 @@ mod tests {
             .constants
             .clone()
             .visit(&mut |x| counted(constants, x));
-        stream
-            .mask
-            .strains
-            .clone()
-            .visit(&mut |x| counted(weights, x));
+        let mut weights = stream.mask.strains;
+        weights.strain.visit(&mut |x| counted(strain, x));
+        weights.load.visit(&mut |x| counted(load, x));
         assert_eq!(
             visited,
-            [NUMBERS, super::super::CONSTANTS, super::super::WEIGHTS]
+            [
+                NUMBERS,
+                super::super::CONSTANTS,
+                super::super::reconstruct::WEIGHTS,
+                super::super::LOAD_WEIGHTS
+            ]
         );
     }
 }

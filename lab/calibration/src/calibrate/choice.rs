@@ -83,7 +83,8 @@ impl Chosen {
     }
 }
 
-fn stiffness(parameters: &[ParameterReport]) -> Option<&ParameterReport> {
+/// The report on k/m.
+pub(super) fn stiffness(parameters: &[ParameterReport]) -> Option<&ParameterReport> {
     parameters
         .iter()
         .find(|p| p.parameter == Parameter::Stiffness)

@@ -114,13 +114,11 @@ fn angular_residuals(
     gain: f64,
 ) -> (f64, Option<f64>) {
     let chain = SignalChain::new(&trial.gains, p);
-    let hinges = campaign.geometry.mass_hinges_m();
+    let arms_m = campaign.geometry.arms_m();
     let series: Vec<(DVec3, DVec3)> = rows(trial)
         .map(|row| {
             let force = chain.force_per_mass_m_s2(&conditioned.voltage_v[row]);
-            let torque: DVec3 = (0..LIMBS)
-                .map(|i| hinges[i].cross(DIRECTIONS_SHELL[i]) * force[i])
-                .sum();
+            let torque: DVec3 = (0..LIMBS).map(|i| arms_m[i] * force[i]).sum();
             let euler = euler_torque(
                 &p.inertia_per_mass,
                 gain * conditioned.rate_shell_rad_s[row],

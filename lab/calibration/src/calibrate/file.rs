@@ -4,26 +4,22 @@ use std::path::Path;
 
 use super::choice::Chosen;
 use super::covariance;
-use crate::calibration::{CalibratedParameters, CalibratedSensor, Calibration, FORMAT, Provenance};
+use crate::calibration::{CalibratedSensor, Calibration, FORMAT, Provenance};
 use crate::finding::Finding;
 use crate::report::Grade;
 use sixaxis_recordings::session::SessionFile;
 
-/// What a calibration is made of.
-pub(super) struct Contents<'a> {
-    pub grade: Grade,
-    pub findings: &'a [Finding],
-    pub chosen: &'a Chosen,
-}
-
-pub(super) fn to_file(file: &SessionFile, contents: Contents) -> Calibration {
-    let chosen = contents.chosen;
-    let used = &chosen.used;
+pub(super) fn to_file(
+    file: &SessionFile,
+    verdict: Grade,
+    findings: &[Finding],
+    chosen: &Chosen,
+) -> Calibration {
     let size = |path: &Path| std::fs::metadata(file.resolve(path)).map_or(0, |m| m.len());
     Calibration {
         format: FORMAT.to_owned(),
-        verdict: contents.grade,
-        findings: contents.findings.to_vec(),
+        verdict,
+        findings: findings.to_vec(),
         sensor: CalibratedSensor {
             serial: file.session.sensor.serial.clone(),
             limb_length_m: file.session.sensor.geometry().limb_length_m,
@@ -33,12 +29,7 @@ pub(super) fn to_file(file: &SessionFile, contents: Contents) -> Calibration {
             amplifier_high_pass_hz: file.session.preprocessing.amplifier_high_pass_hz,
         },
         estimator: chosen.estimator,
-        parameters: CalibratedParameters {
-            zero_drift_v: used.zero_drift_v,
-            scale_per_mass_per_kg: used.scale_per_mass_per_kg,
-            inertia_per_mass_m2: used.inertia_per_mass.to_paper_order(),
-            stiffness_per_mass_per_s2: used.stiffness_per_mass_per_s2,
-        },
+        parameters: chosen.used.into(),
         intervals: chosen.parameters.to_vec(),
         covariance: covariance::of(chosen),
         channels: file.session.channels.clone(),

@@ -8,7 +8,7 @@ use core::f64::consts::TAU;
 use sixaxis_core::LIMBS;
 
 use super::table::{Table, weighted_median};
-use super::trial_case::{Facts, TrialCase};
+use super::trial_case::{Facts, TrialCase, names};
 use crate::finding::{Cause, Finding};
 use sixaxis_recordings::session::Role;
 
@@ -204,9 +204,7 @@ fn against_rig(
             recordings: if everywhere {
                 Vec::new()
             } else {
-                odd.iter()
-                    .map(|(i, _)| cases[*i].trial.name.clone())
-                    .collect()
+                names(odd.iter().map(|(i, _)| &cases[*i]))
             },
             channels: Vec::new(),
             evidence: format!(

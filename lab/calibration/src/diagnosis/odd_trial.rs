@@ -22,14 +22,6 @@ const SIGNIFICANT: f64 = 6.0;
 /// Share of a trial's signal that its fit may leave unexplained.
 const RESIDUAL: f64 = 0.02;
 
-/// What explains a trial's departure.
-struct Explanation {
-    cause: Cause,
-    channels: Vec<usize>,
-    evidence: String,
-    advice: String,
-}
-
 /// Looks at every trial by itself. Returns each one's departure from the table.
 pub fn examine(
     table: &Table,
@@ -46,32 +38,23 @@ pub fn examine(
         if case.explained {
             continue;
         }
-        let explanation = if *departure > NOTICED + SIGNIFICANT * noise(table, case, response) {
+        let found = if *departure > NOTICED + SIGNIFICANT * noise(table, case, response) {
             explain(table, case, response, *departure)
         } else {
             unexplained_in_time(table, case, response)
         };
-        let Some(explanation) = explanation else {
+        let Some(finding) = found else {
             continue;
         };
         let direction = case.trial.direction_ground;
-        let known = told.iter_mut().find(|(d, finding)| {
-            finding.cause == explanation.cause
-                && finding.channels == explanation.channels
-                && (explanation.cause != Cause::LooseWedge || *d == direction)
+        let known = told.iter_mut().find(|(d, known)| {
+            known.cause == finding.cause
+                && known.channels == finding.channels
+                && (finding.cause != Cause::LooseWedge || *d == direction)
         });
         match known {
-            Some((_, finding)) => finding.recordings.push(case.trial.name.clone()),
-            None => told.push((
-                direction,
-                Finding {
-                    cause: explanation.cause,
-                    recordings: vec![case.trial.name.clone()],
-                    channels: explanation.channels,
-                    evidence: explanation.evidence,
-                    advice: explanation.advice,
-                },
-            )),
+            Some((_, known)) => known.recordings.extend(finding.recordings),
+            None => told.push((direction, finding)),
         }
     }
     findings.extend(told.into_iter().map(|(_, finding)| finding));
@@ -83,7 +66,7 @@ fn explain(
     case: &TrialCase<'_>,
     response: &Response,
     departure: f64,
-) -> Option<Explanation> {
+) -> Option<Finding> {
     let odd = Odd::new(table, case, response, departure);
     let explained = odd
         .one_factor()
@@ -95,7 +78,7 @@ fn explain(
     match odd.other_direction() {
         OtherDirection::None => Some(odd.nothing_else()),
         OtherDirection::WithinPlay => None,
-        OtherDirection::Loose(explanation) => Some(explanation),
+        OtherDirection::Loose(finding) => Some(finding),
     }
 }
 
@@ -119,7 +102,7 @@ enum OtherDirection {
     /// It explains the departure and lies within a wedge's play: not reported.
     WithinPlay,
     /// It explains it and is another wedge's.
-    Loose(Explanation),
+    Loose(Finding),
 }
 
 impl<'a> Odd<'a> {
@@ -160,7 +143,7 @@ impl<'a> Odd<'a> {
     }
 
     /// One factor on all channels.
-    fn one_factor(&self) -> Option<Explanation> {
+    fn one_factor(&self) -> Option<Finding> {
         let (seen, expected) = (&self.seen, &self.expected);
         let product: f64 = self.counts.iter().map(|i| seen[*i] * expected[*i]).sum();
         let squares: f64 = self
@@ -169,7 +152,8 @@ impl<'a> Odd<'a> {
             .map(|i| expected[*i] * expected[*i])
             .sum();
         let common = product / squares;
-        (self.rest(&|i| common * expected[i]) < self.enough()).then(|| Explanation {
+        (self.rest(&|i| common * expected[i]) < self.enough()).then(|| Finding {
+            recordings: vec![self.case.trial.name.clone()],
             cause: cause_of(common),
             channels: Vec::new(),
             evidence: format!(
@@ -181,7 +165,7 @@ impl<'a> Odd<'a> {
     }
 
     /// One channel.
-    fn one_channel(&self) -> Option<Explanation> {
+    fn one_channel(&self) -> Option<Finding> {
         let (seen, expected) = (&self.seen, &self.expected);
         let off = |i: usize| (seen[i] - expected[i]).abs();
         let worst = self
@@ -216,7 +200,8 @@ impl<'a> Odd<'a> {
                 "check the channel's gain_n_per_v in this recording against the amplifier's panel",
             )
         };
-        Some(Explanation {
+        Some(Finding {
+            recordings: vec![self.case.trial.name.clone()],
             cause,
             channels: vec![worst + 1],
             evidence: format!(
@@ -227,7 +212,7 @@ impl<'a> Odd<'a> {
     }
 
     /// Two channels exchanged in this recording alone: the gain stays with the amplifier, the limb comes along.
-    fn exchanged(&self) -> Option<Explanation> {
+    fn exchanged(&self) -> Option<Finding> {
         let h = &self.table.mass_over_scale_kg;
         let other = |own: usize, from: usize| self.expected[from] * h[from] / h[own];
         for (n, a) in self.counts.iter().copied().enumerate() {
@@ -242,7 +227,8 @@ impl<'a> Odd<'a> {
                     }
                 };
                 if self.rest(&with) < self.enough() {
-                    return Some(Explanation {
+                    return Some(Finding {
+                        recordings: vec![self.case.trial.name.clone()],
                         cause: Cause::SwappedChannels,
                         channels: vec![a + 1, b + 1],
                         evidence:
@@ -280,7 +266,8 @@ impl<'a> Odd<'a> {
         if angle <= LOOSE_DEG {
             return OtherDirection::WithinPlay;
         }
-        OtherDirection::Loose(Explanation {
+        OtherDirection::Loose(Finding {
+            recordings: vec![self.case.trial.name.clone()],
             cause: Cause::LooseWedge,
             channels: Vec::new(),
             evidence: format!(
@@ -292,7 +279,7 @@ impl<'a> Odd<'a> {
     }
 
     /// Another sensor's where many channels depart; otherwise unexplained.
-    fn nothing_else(&self) -> Explanation {
+    fn nothing_else(&self) -> Finding {
         let departs =
             |i: &&usize| (self.seen[**i] - self.expected[**i]).abs() > 0.5 * NOTICED * self.size;
         let percent = 100.0 * self.departure;
@@ -311,7 +298,8 @@ impl<'a> Odd<'a> {
                 "look at the trial's curves in the report, and repeat it",
             )
         };
-        Explanation {
+        Finding {
+            recordings: vec![self.case.trial.name.clone()],
             cause,
             channels: Vec::new(),
             evidence,
@@ -359,7 +347,7 @@ fn unexplained_in_time(
     table: &Table,
     case: &TrialCase<'_>,
     response: &Response,
-) -> Option<Explanation> {
+) -> Option<Finding> {
     let over = |get: fn(&crate::response::ChannelResponse) -> f64| -> f64 {
         (0..LIMBS)
             .filter(|i| !case.ignored[*i] && !table.silent[*i])
@@ -370,7 +358,8 @@ fn unexplained_in_time(
     // Weight was taken off by an angle that is as good as the gyroscope; what is left of it is expected.
     let known = table.weight_left_m_s2(case, response) / RESIDUAL;
     let share = over(|c| c.residual_n) / (over(|c| c.signal_n) + known);
-    (share > RESIDUAL).then(|| Explanation {
+    (share > RESIDUAL).then(|| Finding {
+        recordings: vec![case.trial.name.clone()],
         cause: Cause::Unexplained,
         channels: Vec::new(),
         evidence: format!(

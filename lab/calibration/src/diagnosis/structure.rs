@@ -5,7 +5,7 @@ use sixaxis_core::LIMBS;
 use sixaxis_core::dsp::spectrum::noise_floor;
 
 use super::table::{Table, norm, usable, weighted_median};
-use super::trial_case::{Facts, TrialCase};
+use super::trial_case::{Facts, TrialCase, names};
 use crate::finding::{Cause, Finding};
 use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
 use sixaxis_recordings::session::Role;
@@ -144,7 +144,7 @@ pub fn silent(
         let recordings = if *silent {
             Vec::new()
         } else {
-            quiet.iter().map(|i| cases[*i].trial.name.clone()).collect()
+            names(quiet.iter().map(|i| &cases[*i]))
         };
         findings.push(Finding {
             cause: Cause::DeadLimb,

@@ -14,7 +14,6 @@ mod validation;
 
 use crate::calibrate::CalibratedSession;
 use crate::report::Grade;
-use sixaxis_core::Parameter;
 use sixaxis_recordings::session::{Limits, SessionFile};
 
 use super::labels::{self, largest, symbol};
@@ -152,11 +151,7 @@ fn tiles(limits: &Limits, calibrated: &CalibratedSession) -> Vec<Tile> {
             "no parameter was identified",
         ),
     ];
-    if let Some(stiffness) = calibrated
-        .parameters
-        .iter()
-        .find(|p| p.parameter == Parameter::Stiffness)
-    {
+    if let Some(stiffness) = calibrated.stiffness() {
         tiles.push(if stiffness.determined {
             Tile::new(
                 "$k/m$",

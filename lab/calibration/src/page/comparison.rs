@@ -3,7 +3,7 @@
 use crate::compare::measure::{Axis as Measured, Comparison, Quantity};
 use sixaxis_page::figure::NEUTRAL;
 use sixaxis_page::number::{MISSING, count, significant};
-use sixaxis_page::{Axis, Block, Cell, Figure, Page, Panel, Section, Series, State, Table, Tile};
+use sixaxis_page::{Axis, Block, Cell, Figure, Page, Section, State, Table, Tile};
 use sixaxis_recordings::envelope::Envelope;
 
 /// Palette indices of the result and of its error.
@@ -15,28 +15,32 @@ const SYMBOLS: [&str; 9] = [
     "$ω$_{z}",
 ];
 
-fn words(quantity: Quantity) -> &'static str {
-    match quantity {
-        Quantity::Linear => "Linear acceleration",
-        Quantity::Angular => "Angular acceleration",
-        Quantity::Rate => "Angular rate",
-    }
+/// How a quantity is written.
+struct Words {
+    title: &'static str,
+    /// On an axis.
+    short: &'static str,
+    unit: &'static str,
 }
 
-fn unit(quantity: Quantity) -> &'static str {
-    match quantity {
-        Quantity::Linear => "g",
-        Quantity::Angular => "°/s²",
-        Quantity::Rate => "°/s",
-    }
+const fn words(quantity: Quantity) -> Words {
+    let (title, short, unit) = match quantity {
+        Quantity::Linear => ("Linear acceleration", "acceleration", "g"),
+        Quantity::Angular => ("Angular acceleration", "angular acceleration", "°/s²"),
+        Quantity::Rate => ("Angular rate", "rate", "°/s"),
+    };
+    Words { title, short, unit }
 }
 
-fn short(quantity: Quantity) -> &'static str {
-    match quantity {
-        Quantity::Linear => "acceleration",
-        Quantity::Angular => "angular acceleration",
-        Quantity::Rate => "rate",
-    }
+/// A figure of one axis, without its curves.
+fn figure(index: usize, quantity: Quantity) -> Figure {
+    let words = words(quantity);
+    Figure::new(
+        format!("axis-{index}"),
+        format!("{}, {}", words.title, ["x", "y", "z"][index % 3]),
+        Axis::linear("time", "s"),
+        Axis::linear(words.short, words.unit),
+    )
 }
 
 /// The page of a comparison.
@@ -91,12 +95,12 @@ fn tiles(comparison: &Comparison) -> Vec<Tile> {
         .filter_map(|quantity| {
             let (axis, symbol, percent) = worst(quantity)?;
             Some(Tile::new(
-                words(quantity),
+                words(quantity).title,
                 format!("{} %", significant(percent, 3)),
                 format!(
                     "largest error over that axis' peak: {symbol} is {}\u{a0}{} off at {}\u{a0}s",
                     significant(axis.largest_error, 3),
-                    unit(quantity),
+                    words(quantity).unit,
                     significant(axis.largest_error_time_s, 3)
                 ),
                 State::Neutral,
@@ -122,7 +126,7 @@ fn errors(comparison: &Comparison) -> Section {
     };
     let in_unit = |figure: f64| Cell::from(significant(figure, 3)).title(figure.to_string());
     let table = Table::of("axis", comparison.axes.iter().zip(SYMBOLS), |(axis, symbol)| {
-        format!("{symbol},\u{a0}{}", unit(axis.quantity))
+        format!("{symbol},\u{a0}{}", words(axis.quantity).unit)
     })
     .under("truth")
     .col(("peak", "axis' unit"), |(axis, _)| {
@@ -161,23 +165,11 @@ fn curves(comparison: &Comparison) -> Section {
         .zip(&comparison.pictures)
         .enumerate()
         .map(|(index, (axis, picture))| {
-            Figure::new(
-                format!("axis-{index}"),
-                format!("{}, {}", words(axis.quantity), letter(index)),
-                Axis::linear("time", "s"),
-                Axis::linear(short(axis.quantity), unit(axis.quantity)),
-            )
-            .series(Series::line("truth", NEUTRAL, picture.truth.points()))
-            .series(Series::dashed("result", RESULT, picture.result.points()))
-            .below(Panel {
-                y: Axis::linear("error", unit(axis.quantity)),
-                series: vec![Series::line(
-                    "result less truth",
-                    ERROR,
-                    picture.error.points(),
-                )],
-                marks: vec![],
-            })
+            figure(index, axis.quantity)
+                .line("truth", NEUTRAL, picture.truth.points())
+                .dashed("result", RESULT, picture.result.points())
+                .below(Axis::linear("error", words(axis.quantity).unit))
+                .line("result less truth", ERROR, picture.error.points())
         });
     Section::new(
         "curves",
@@ -188,27 +180,14 @@ fn curves(comparison: &Comparison) -> Section {
     .block(Block::FigureGrid(figures.collect()))
 }
 
-fn letter(index: usize) -> &'static str {
-    ["x", "y", "z"][index % 3]
-}
-
 /// The page of one decoupled recording: six accelerations over time, and in words how they came about.
 #[must_use]
 pub fn picture(recording: &str, curves: &[Envelope; 6], facts: Vec<(String, String)>) -> Page {
     let figures = curves.iter().enumerate().map(|(index, curve)| {
         let quantity = Quantity::ALL[index / 3];
         let scale = 1.0 / quantity.si_per_unit();
-        Figure::new(
-            format!("axis-{index}"),
-            format!("{}, {}", words(quantity), letter(index)),
-            Axis::linear("time", "s"),
-            Axis::linear(short(quantity), unit(quantity)),
-        )
-        .series(Series::line(
-            "",
-            RESULT,
-            curve.points().into_iter().map(|(t, v)| (t, v * scale)),
-        ))
+        let points = curve.points().into_iter().map(|(t, v)| (t, v * scale));
+        figure(index, quantity).line("", RESULT, points)
     });
     Page {
         title: "Decoupled accelerations".to_owned(),

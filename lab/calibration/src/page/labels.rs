@@ -5,6 +5,7 @@ use sixaxis_recordings::session::Role;
 
 use sixaxis_core::identify::Verdict;
 use sixaxis_page::number::{MISSING, fixed, percent};
+use sixaxis_page::{Table, TableBuilder};
 
 /// `3 things`, `1 thing`.
 pub fn count(n: usize, one: &str, many: &str) -> String {
@@ -20,6 +21,34 @@ pub fn symbol(parameter: Parameter) -> String {
         (Parameter::Compliance, None) => "$m$/$k$".to_owned(),
         (_, None) => format!("${letter}$/$m$"),
     }
+}
+
+/// The kinds of parameter: first letter, heading, and the heading's unit over SI.
+const KINDS: [(char, &str, f64); 5] = [
+    ('d', "Zero drift $d$, mV", 1e3),
+    ('s', "Scale factor over mass $s$/$m$, 1/kg", 1.0),
+    ('I', "Inertia over mass $I$/$m$, mm²", 1e6),
+    ('k', "Stiffness over mass $k$/$m$, 1/s²", 1.0),
+    ('m', "Mass over stiffness $m$/$k$, 10⁻⁹ s²", 1e9),
+];
+
+/// A table of parameters, grouped by their kind; beside what each row shows stands the unit of its kind over SI.
+pub fn by_kind<R>(
+    rows: impl IntoIterator<Item = R>,
+    parameter: impl Fn(&R) -> Parameter,
+) -> TableBuilder<(R, f64)> {
+    let mut rows: Vec<R> = rows.into_iter().collect();
+    let mut table = Table::grouped("parameter");
+    for (letter, heading, per_si) in KINDS {
+        let of_kind = |row: &R| parameter(row).symbol() == letter;
+        let (family, others): (Vec<R>, Vec<R>) = rows.into_iter().partition(of_kind);
+        rows = others;
+        if !family.is_empty() {
+            let family = family.into_iter().map(|row| (row, per_si));
+            table = table.group(heading, family, |(row, _)| symbol(parameter(row)));
+        }
+    }
+    table
 }
 
 /// A recording's name, safe from being read as markup.

@@ -14,7 +14,7 @@ use sixaxis_core::{Geometry, LIMBS, Parameters, Result, Scheme};
 use super::TrialNoise;
 use crate::conditioning::{Conditioned, Conditioning};
 use crate::steps::{Campaign, rows};
-use crate::trial::Trial;
+use crate::trial::{Trial, same_wedge};
 use sixaxis_recordings::session::Role;
 
 /// What a trial adds.
@@ -47,6 +47,30 @@ impl StepError {
         }
         let mut block = self.noise.fixed_view_mut::<N, N>(place, place);
         block += sum * (sd * sd);
+    }
+
+    /// Adds what errors of the drifts and scale factors do to N parameters from `place` on through the torques of a sample that
+    /// the parameters answer with `answer`.
+    fn add_torques<const N: usize>(
+        &mut self,
+        place: usize,
+        answer: &SMatrix<f64, N, 3>,
+        per_volt: &[DVec3; LIMBS],
+        arms_m: &[DVec3; LIMBS],
+        measured_n: &[f64; LIMBS],
+    ) {
+        for i in 0..LIMBS {
+            // A drift taken too high is a voltage taken too low.
+            let drift = -(answer * column(per_volt[i]));
+            self.chain.add(place, &drift, DRIFT.start + i);
+            let scale = answer * column(arms_m[i]) * measured_n[i];
+            self.chain.add(place, &scale, SCALE.start + i);
+        }
+    }
+
+    fn add_gain<const N: usize>(&mut self, standard: usize, place: usize, error: &SVector<f64, N>) {
+        let mut part = self.gain[standard].fixed_rows_mut::<N>(place);
+        part += error;
     }
 }
 
@@ -181,18 +205,7 @@ impl Sensitivities<'_> {
             let measured = trial
                 .gains
                 .measured_force_n(&conditioned.voltage_v[t], &self.parameters.zero_drift_v);
-            for i in 0..LIMBS {
-                own.chain.add(
-                    INERTIA.start,
-                    &-(answer * column(torque[i])),
-                    DRIFT.start + i,
-                );
-                own.chain.add(
-                    INERTIA.start,
-                    &(answer * column(arms[i]) * measured[i]),
-                    SCALE.start + i,
-                );
-            }
+            own.add_torques(INERTIA.start, &answer, &torque, &arms, &measured);
             own.add_gain(
                 1,
                 INERTIA.start,
@@ -259,15 +272,7 @@ impl Sensitivities<'_> {
             let measured = trial
                 .gains
                 .measured_force_n(&conditioned.voltage_v[t], &self.parameters.zero_drift_v);
-            for i in 0..LIMBS {
-                own.chain
-                    .add(COMPLIANCE, &-(answer * column(torque[i])), DRIFT.start + i);
-                own.chain.add(
-                    COMPLIANCE,
-                    &(answer * column(arms[i]) * measured[i]),
-                    SCALE.start + i,
-                );
-            }
+            own.add_torques(COMPLIANCE, &answer, &torque, &arms, &measured);
             sensitivities[t] = answer;
         }
         each_series(&mut sensitivities, &mut |series| {
@@ -280,24 +285,14 @@ impl Sensitivities<'_> {
     }
 }
 
-impl StepError {
-    fn add_gain<const N: usize>(&mut self, standard: usize, place: usize, error: &SVector<f64, N>) {
-        let mut part = self.gain[standard].fixed_rows_mut::<N>(place);
-        part += error;
-    }
-}
-
-/// StepError errors of the steps for a unit tilt, rad, of each wedge about either axis square to it. Trials of steps 2 and 3 that say
+/// Own errors of the steps for a unit tilt, rad, of each wedge about either axis square to it. Trials of steps 2 and 3 that say
 /// the same direction stand on the same wedge.
 pub(super) fn wedge_errors(sensitivities: &Sensitivities, campaign: &Campaign) -> Vec<Errors> {
     let mut wedges: Vec<DVec3> = Vec::new();
     let used = |role| matches!(role, Role::Linear | Role::Angular);
     for (trial, _) in campaign.trials.iter().filter(|(t, _)| used(t.role)) {
         let direction = trial.direction_ground;
-        if !wedges
-            .iter()
-            .any(|w| (*w - direction).length() < SAME_WEDGE)
-        {
+        if !wedges.iter().any(|w| same_wedge(*w, direction)) {
             wedges.push(direction);
         }
     }
@@ -308,7 +303,7 @@ pub(super) fn wedge_errors(sensitivities: &Sensitivities, campaign: &Campaign) -
             let mut own = Errors::zeros();
             for (trial, conditioned) in &campaign.trials {
                 let direction = trial.direction_ground;
-                if !used(trial.role) || (direction - wedge).length() >= SAME_WEDGE {
+                if !used(trial.role) || !same_wedge(direction, wedge) {
                     continue;
                 }
                 // The sensor turned by the tilt: what the session says lacks it.
@@ -341,9 +336,6 @@ pub(super) fn wedge_errors(sensitivities: &Sensitivities, campaign: &Campaign) -
     }
     errors
 }
-
-/// Distance of two unit vectors below which they are one wedge's.
-const SAME_WEDGE: f64 = 1e-3;
 
 /// Runs a transposed stage over each entry's series; one that is zero throughout stays so.
 fn each_series<const N: usize, const M: usize>(

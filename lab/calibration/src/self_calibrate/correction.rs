@@ -5,9 +5,7 @@ use crate::report::Grade;
 use anyhow::{Result, ensure};
 use sixaxis_core::LIMBS;
 use sixaxis_core::redundancy::self_calibration::PerLimbs;
-
-/// Half width of the 95 % interval of a normal variable, in standard deviations.
-const NORMAL_95: f64 = 1.959_963_984_540_054;
+use sixaxis_core::significance::NORMAL_95;
 
 /// Covariance of ln s_i/m by noise and by what differs between trials; the standards' gain, which all nine share, drops out.
 ///

@@ -2,14 +2,14 @@
 
 use hdf5_reader::{ByteOrder, Datatype, H5Type};
 
-use crate::numbers::Kind;
+use crate::numbers::{Kind, Number as Stored};
 
 /// An element of a dataset as f64.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Number(pub(super) f64);
 
 /// Type and byte order of plain integers and IEEE floats.
-fn kind(datatype: &Datatype) -> Option<(Kind, bool)> {
+fn stored(datatype: &Datatype) -> Option<Stored> {
     let (kind, order) = match datatype {
         Datatype::FixedPoint {
             size,
@@ -38,27 +38,30 @@ fn kind(datatype: &Datatype) -> Option<(Kind, bool)> {
             byte_order,
         } => (Kind::F64, byte_order),
         // An enumeration, such as h5py's booleans, is of the type that it is based on.
-        Datatype::Enum { base, .. } => return self::kind(base),
+        Datatype::Enum { base, .. } => return stored(base),
         _ => return None,
     };
-    Some((kind, *order == ByteOrder::BigEndian))
+    Some(Stored {
+        kind,
+        big_endian: *order == ByteOrder::BigEndian,
+    })
 }
 
 /// Whether the stored description, of which [`Datatype`] keeps only a part, is that of a plain integer or IEEE float: all
 /// bits used, exponent and mantissa where IEEE 754 has them. Otherwise a word for what it is.
-pub(super) fn plain(datatype: &Datatype, stored: &[u8]) -> Result<(), &'static str> {
-    let stored = match datatype {
-        Datatype::Enum { .. } => stored.get(8..).unwrap_or_default(),
-        _ => stored,
+pub(super) fn plain(datatype: &Datatype, description: &[u8]) -> Result<(), &'static str> {
+    let description = match datatype {
+        Datatype::Enum { .. } => description.get(8..).unwrap_or_default(),
+        _ => description,
     };
-    let (head, properties) = stored.split_at_checked(8).ok_or("of no known type")?;
+    let (head, properties) = description.split_at_checked(8).ok_or("of no known type")?;
     let vax = head.get(1).is_some_and(|bits| bits & 0x41 == 0x41);
     // Integers: bit offset, precision. Floats: the same, exponent place and size, mantissa place and size, bias.
-    let expected: &[u8] = match kind(datatype) {
-        Some((Kind::F32, _)) if !vax => &[0, 0, 32, 0, 23, 8, 0, 23, 127, 0, 0, 0],
-        Some((Kind::F64, _)) if !vax => &[0, 0, 64, 0, 52, 11, 0, 52, 0xff, 3, 0, 0],
-        Some((Kind::F32 | Kind::F64, _)) => return Err("of floats in VAX order"),
-        Some((kind, _)) => &[0, 0, 8 * kind.size() as u8, 0],
+    let expected: &[u8] = match stored(datatype).map(|stored| stored.kind) {
+        Some(Kind::F32) if !vax => &[0, 0, 32, 0, 23, 8, 0, 23, 127, 0, 0, 0],
+        Some(Kind::F64) if !vax => &[0, 0, 64, 0, 52, 11, 0, 52, 0xff, 3, 0, 0],
+        Some(Kind::F32 | Kind::F64) => return Err("of floats in VAX order"),
+        Some(kind) => &[0, 0, 8 * kind.size() as u8, 0],
         None => {
             return Err(match datatype {
                 Datatype::Compound { .. } => "complex or compound",
@@ -86,17 +89,15 @@ impl H5Type for Number {
     }
 
     fn from_bytes(bytes: &[u8], datatype: &Datatype) -> hdf5_reader::error::Result<Self> {
-        let mut one = Vec::with_capacity(1);
-        if let Some((kind, big_endian)) = kind(datatype) {
-            kind.append(bytes, big_endian, 1, 1, &mut one);
-        }
-        one.first().map(|&value| Self(value)).ok_or_else(|| {
+        let decoded = Self::decode_vec(bytes, datatype, 1).transpose()?;
+        let one = decoded.and_then(|values| values.first().copied());
+        one.ok_or_else(|| {
             hdf5_reader::error::Error::InvalidData("an element that is no number".to_owned())
         })
     }
 
     fn element_size(datatype: &Datatype) -> usize {
-        kind(datatype).map_or(0, |(kind, _)| kind.size())
+        stored(datatype).map_or(0, |stored| stored.kind.size())
     }
 
     fn decode_vec(
@@ -104,9 +105,9 @@ impl H5Type for Number {
         datatype: &Datatype,
         count: usize,
     ) -> Option<hdf5_reader::error::Result<Vec<Self>>> {
-        let (kind, big_endian) = kind(datatype)?;
+        let stored = stored(datatype)?;
         let mut values = Vec::with_capacity(count);
-        kind.append(raw, big_endian, 1, count, &mut values);
+        stored.append(raw, stored.kind.size(), count, &mut values);
         Some(Ok(values.into_iter().map(Self).collect()))
     }
 }

@@ -8,10 +8,9 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 
-use super::pairs::{Correlations, Twins};
-use super::sensor::Sensor;
 use crate::envelope::Envelope;
 use crate::ingest::clock::Stamps;
+use crate::unit::{self, Unit};
 
 /// Everything about one file.
 #[derive(Debug, Clone, Serialize)]
@@ -139,6 +138,55 @@ impl Group {
     }
 }
 
+/// Correlation coefficients of all channels of a group.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Correlations {
+    /// Row by row, in the channels' order; null where a channel does not move. Samples at which any channel is not finite are
+    /// left out, but for channels that are not finite for a whole block.
+    pub coefficients: Vec<Vec<Option<f64>>>,
+}
+
+/// Two channels that are one signal.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Twins {
+    /// Their names.
+    pub channels: [String; 2],
+    /// The second is the first with its sign turned.
+    pub opposite: bool,
+    /// Every sample is the same to the last bit; otherwise they agree down to their noise.
+    pub exact: bool,
+    /// Correlation coefficient.
+    pub correlation: Option<f64>,
+    /// Standard deviation of the second over that of the first.
+    pub ratio: Option<f64>,
+}
+
+/// What is known of the sensor's channels.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Sensor {
+    /// The nine limbs, in order.
+    pub limbs: Vec<String>,
+    /// Standard accelerometer.
+    pub accelerometer: Option<String>,
+    /// Standard gyroscope.
+    pub gyroscope: Option<String>,
+    /// Limbs that read one value throughout.
+    pub dead: Vec<String>,
+    /// Limbs that show nothing but noise while most others move: dead, or out of this motion's reach.
+    pub silent: Vec<String>,
+}
+
+/// What tells a channel's samples from another's.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Prints {
+    /// Of the samples.
+    pub same: u64,
+    /// Of the samples with their signs turned.
+    pub turned: u64,
+    /// Says whether anything can be told: constant channels are alike for other reasons.
+    pub moves: bool,
+}
+
 /// A channel's unit.
 #[derive(Debug, Clone, Serialize)]
 pub struct UnitFacts {
@@ -148,6 +196,19 @@ pub struct UnitFacts {
     pub measures: Option<&'static str>,
     /// Its size in V, m/s^2, rad/s or s.
     pub size_si: Option<f64>,
+}
+
+impl UnitFacts {
+    /// Looks the unit up.
+    #[must_use]
+    pub fn new(name: &str) -> Self {
+        let known = unit::named(name);
+        Self {
+            name: name.to_owned(),
+            measures: known.map(Unit::quantity),
+            size_si: known.map(Unit::size_si),
+        }
+    }
 }
 
 /// One end of a channel where it stands still.
@@ -239,6 +300,9 @@ pub struct ChannelFacts {
     pub mains: Vec<Line>,
     /// Welch's spectrum.
     pub spectrum: Option<Densities>,
+    /// What tells its samples from another channel's.
+    #[serde(skip)]
+    pub prints: Prints,
     /// Why a number is null.
     pub absent: BTreeMap<&'static str, &'static str>,
     /// History for drawing.

@@ -1,8 +1,7 @@
 //! What a person should know about a recording, each fact in one sentence with its numbers.
 
-use super::facts::{ChannelFacts, Fact, FlatTop, Group, Inspection, RateOrigin, Severity};
+use super::facts::{ChannelFacts, Fact, FlatTop, Group, Inspection, RateOrigin, Severity, Twins};
 use super::listing::{brief, plural, seconds, with_unit};
-use super::pairs::Twins;
 use super::sensor::Expected;
 use crate::ingest::clock::Stamps;
 

@@ -1,7 +1,7 @@
 //! Recordings as a page: each channel's history and spectrum, and what is noticed.
 
 use sixaxis_page::number::{MISSING, count, significant, with_unit};
-use sixaxis_page::{Axis, Block, Cell, Figure, Mark, Page, Section, Series, State, Table, Tile};
+use sixaxis_page::{Axis, Block, Cell, Figure, Page, Section, State, Table, Tile};
 
 use super::facts::{ChannelFacts, Group, Inspection, NUMBERS, Severity};
 use super::listing::{self, printable};
@@ -200,17 +200,17 @@ fn history(id: &str, channel: &ChannelFacts, group: &Group) -> Figure {
         Axis::linear(label, unit),
         Axis::linear("value", text(channel.unit_name(), NAME)),
     )
-    .series(Series::line("", 0, points.collect::<Vec<_>>()));
+    .line("", 0, points.collect::<Vec<_>>());
     for top in [&channel.flat_bottom, &channel.flat_top]
         .into_iter()
         .flatten()
     {
-        figure = figure.mark(Mark::horizontal(top.value, "flat"));
+        figure = figure.horizontal(top.value, "flat");
     }
     // Samples after a gap stand where the count of samples puts them, not where the clock does.
     if let Some(stamps) = &group.time_stamps {
         for gap in stamps.first_gaps.iter().take(GAPS) {
-            figure = figure.mark(Mark::vertical(gap.sample as f64 * step, "gap"));
+            figure = figure.vertical(gap.sample as f64 * step, "gap");
         }
     }
     figure
@@ -247,12 +247,9 @@ fn spectrum(id: &str, channel: &ChannelFacts, group: &Group) -> Option<Figure> {
         },
         Axis::log("root density", unit),
     )
-    .series(Series::line("", 0, points));
+    .line("", 0, points);
     for line in &channel.mains {
-        figure = figure.mark(Mark::vertical(
-            line.frequency,
-            format!("{:.0} Hz", line.frequency),
-        ));
+        figure = figure.vertical(line.frequency, format!("{:.0} Hz", line.frequency));
     }
     Some(figure)
 }

@@ -1,7 +1,8 @@
 //! How channels go together, and channels that are one signal.
 
 use rayon::prelude::*;
-use serde::Serialize;
+
+use super::facts::{ChannelFacts, Correlations, Twins};
 
 /// Channels beyond which no correlations are computed: their number grows with the square.
 pub const MOST_CHANNELS: usize = 32;
@@ -11,29 +12,6 @@ const ALIKE: f64 = 0.9999;
 const NOISE_ALIKE: f64 = 0.9;
 /// and their sizes differ by no more than this.
 const SIZE: f64 = 1e-3;
-
-/// Correlation coefficients of all channels of a group.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Correlations {
-    /// Row by row, in the channels' order; null where a channel does not move. Samples at which any channel is not finite are
-    /// left out, but for channels that are not finite for a whole block.
-    pub coefficients: Vec<Vec<Option<f64>>>,
-}
-
-/// Two channels that are one signal.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Twins {
-    /// Their names.
-    pub channels: [String; 2],
-    /// The second is the first with its sign turned.
-    pub opposite: bool,
-    /// Every sample is the same to the last bit; otherwise they agree down to their noise.
-    pub exact: bool,
-    /// Correlation coefficient.
-    pub correlation: Option<f64>,
-    /// Standard deviation of the second over that of the first.
-    pub ratio: Option<f64>,
-}
 
 /// Sums over rows of a product of two channels.
 #[derive(Debug, Clone)]
@@ -212,23 +190,13 @@ fn level(column: &[f64]) -> f64 {
     first + sum / n
 }
 
-/// What tells a channel's samples from another's: see [`super::series::Series::prints`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Prints {
-    /// Of the samples.
-    pub same: u64,
-    /// Of the samples with their signs turned.
-    pub turned: u64,
-    /// Says whether anything can be told: constant channels are alike for other reasons.
-    pub moves: bool,
-}
-
-/// Pairs of named channels that are one signal.
+/// Pairs of channels that are one signal.
 #[must_use]
-pub fn twins(channels: &[(String, Prints)], pairs: Option<&Pairs>) -> Vec<Twins> {
+pub fn twins(channels: &[&ChannelFacts], pairs: Option<&Pairs>) -> Vec<Twins> {
     let mut found = Vec::new();
-    for (i, (first, a)) in channels.iter().enumerate() {
-        for (j, (second, b)) in channels.iter().enumerate().skip(i + 1) {
+    for (i, first) in channels.iter().enumerate() {
+        for (j, second) in channels.iter().enumerate().skip(i + 1) {
+            let (a, b) = (first.prints, second.prints);
             if !(a.moves && b.moves) {
                 continue;
             }
@@ -243,7 +211,7 @@ pub fn twins(channels: &[(String, Prints)], pairs: Option<&Pairs>) -> Vec<Twins>
                 }
             };
             found.push(Twins {
-                channels: [first.clone(), second.clone()],
+                channels: [first.name.clone(), second.name.clone()],
                 opposite,
                 exact,
                 correlation: alike.map(|a| a.0),

@@ -5,9 +5,9 @@ use std::path::Path;
 use rayon::prelude::*;
 use sixaxis_core::dsp::spectrum::Welch;
 
-use super::facts::{Group, Inspection, RateOrigin, Unreadable};
+use super::facts::{ChannelFacts, Group, Inspection, RateOrigin, Twins, Unreadable};
 use super::notices;
-use super::pairs::{Pairs, Prints, Twins, twins};
+use super::pairs::{Pairs, twins};
 use super::sensor::{Expected, find};
 use super::series::Series;
 use super::spectrum::segment;
@@ -57,7 +57,6 @@ pub fn inspect(
         expected: expected.as_ref(),
         advance: &mut |rows| advance(rows, total),
         groups: Vec::new(),
-        prints: Vec::new(),
         twins: Vec::new(),
         unreadable: Vec::new(),
         failure: None,
@@ -65,36 +64,30 @@ pub fn inspect(
     for selection in &selections {
         reader.try_group(selection);
     }
-    let Reader {
-        groups,
-        prints,
-        mut twins,
-        unreadable,
-        failure,
-        ..
-    } = reader;
-    if let Some(failure) = failure
+    let groups = reader.groups;
+    if let Some(failure) = reader.failure
         && groups
             .iter()
             .all(|g| g.channels.is_empty() && g.time_stamps.is_none())
     {
         return Err(failure);
     }
+    let channels: Vec<_> = groups.iter().flat_map(|g| &g.channels).collect();
     // Channels of different groups are compared by their prints alone.
-    for pair in self::twins(&prints, None) {
-        if !twins.iter().any(|t| t.channels == pair.channels) {
-            twins.push(pair);
+    let mut one_signal = reader.twins;
+    for pair in twins(&channels, None) {
+        if !one_signal.iter().any(|t| t.channels == pair.channels) {
+            one_signal.push(pair);
         }
     }
-    let channels: Vec<_> = groups.iter().flat_map(|g| &g.channels).collect();
     let sensor = find(&channels, expected.as_ref());
     let mut inspection = Inspection {
         file: path.display().to_string(),
         format: layout.format.clone(),
         properties: layout.properties.clone(),
         groups,
-        unreadable,
-        twins,
+        unreadable: reader.unreadable,
+        twins: one_signal,
         sensor,
         facts: Vec::new(),
     };
@@ -131,25 +124,16 @@ struct Reader<'a> {
     expected: Option<&'a Expected>,
     advance: &'a mut dyn FnMut(u64),
     groups: Vec<Group>,
-    /// Name and prints of every channel.
-    prints: Vec<(String, Prints)>,
     twins: Vec<Twins>,
     unreadable: Vec<Unreadable>,
     failure: Option<Error>,
-}
-
-/// A group that has been read.
-struct Read {
-    group: Group,
-    prints: Vec<(String, Prints)>,
-    pairs: Option<Pairs>,
 }
 
 impl Reader<'_> {
     /// Reads a group; if that fails, those of its channels that can be read.
     fn try_group(&mut self, selection: &[usize]) {
         let failure = match self.read(selection) {
-            Ok(read) => return self.keep(read),
+            Ok((group, pairs)) => return self.keep(group, pairs),
             Err(failure) => failure,
         };
         let mut good = Vec::new();
@@ -171,16 +155,16 @@ impl Reader<'_> {
         }
         self.failure.get_or_insert(failure);
         if !good.is_empty()
-            && let Ok(read) = self.read(&good)
+            && let Ok((group, pairs)) = self.read(&good)
         {
-            self.keep(read);
+            self.keep(group, pairs);
         }
     }
 
-    fn keep(&mut self, read: Read) {
-        self.twins.extend(twins(&read.prints, read.pairs.as_ref()));
-        self.prints.extend(read.prints);
-        self.groups.push(read.group);
+    fn keep(&mut self, group: Group, pairs: Option<Pairs>) {
+        let channels: Vec<&ChannelFacts> = group.channels.iter().collect();
+        self.twins.extend(twins(&channels, pairs.as_ref()));
+        self.groups.push(group);
     }
 
     /// The time stamps, if they go with these channels.
@@ -192,7 +176,8 @@ impl Reader<'_> {
         fits.then(|| Column::new(self.layout, time, units::seconds(self.layout, time)))
     }
 
-    fn read(&mut self, selection: &[usize]) -> Result<Read> {
+    /// A group with what tells how its channels go together.
+    fn read(&mut self, selection: &[usize]) -> Result<(Group, Option<Pairs>)> {
         let channels = &self.layout.channels;
         let time = self.time_of(selection);
         let rows = BLOCK.min(VALUES / (selection.len() + usize::from(time.is_some())));
@@ -245,29 +230,20 @@ impl Reader<'_> {
         }
         let stamps = self.columns.stamps();
         let (rate, origin) = rate(by_file, by_session, stamps.as_ref());
-        let name = |index: &usize| channels[*index].name.clone();
-        let prints = selection
-            .iter()
-            .zip(&series)
-            .map(|(index, series)| (name(index), series.prints()))
-            .collect();
-        Ok(Read {
-            group: Group {
-                samples,
-                sample_rate_hz: rate,
-                sample_rate_origin: origin,
-                duration_s: duration(samples, rate, stamps.as_ref()),
-                time_stamps: stamps,
-                channels: series
-                    .into_par_iter()
-                    .zip(selection)
-                    .map(|(series, &index)| series.finish(&channels[index], rate))
-                    .collect(),
-                correlations: pairs.as_ref().map(Pairs::correlations),
-            },
-            prints,
-            pairs,
-        })
+        let group = Group {
+            samples,
+            sample_rate_hz: rate,
+            sample_rate_origin: origin,
+            duration_s: duration(samples, rate, stamps.as_ref()),
+            time_stamps: stamps,
+            channels: series
+                .into_par_iter()
+                .zip(selection)
+                .map(|(series, &index)| series.finish(&channels[index], rate))
+                .collect(),
+            correlations: pairs.as_ref().map(Pairs::correlations),
+        };
+        Ok((group, pairs))
     }
 }
 

@@ -67,11 +67,7 @@ impl Steps {
     fn keep(&mut self, x: f64) {
         self.kept.push(x);
         if self.kept.len() == KEPT {
-            let mut second = false;
-            self.kept.retain(|_| {
-                second = !second;
-                second
-            });
+            keep_every_second(&mut self.kept);
             self.stride *= 2;
         }
     }
@@ -104,6 +100,15 @@ impl Steps {
             on_grid: false,
         }
     }
+}
+
+/// Keeps the first, the third and so on.
+pub(super) fn keep_every_second(values: &mut Vec<f64>) {
+    let mut second = false;
+    values.retain(|_| {
+        second = !second;
+        second
+    });
 }
 
 /// The step, refined, if the ascending values stand on a grid of it.

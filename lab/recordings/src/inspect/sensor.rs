@@ -2,9 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use serde::Serialize;
-
-use super::facts::ChannelFacts;
+use super::facts::{ChannelFacts, Sensor};
 use crate::channel::Layout;
 use crate::session::{Channels, LIMBS, Role, SessionFile};
 use crate::unit::{self, Unit};
@@ -106,21 +104,6 @@ impl Expected {
 /// A TDMS name without its group.
 fn last_part(name: &str) -> &str {
     name.rsplit('/').next().unwrap_or(name)
-}
-
-/// What is known of the sensor's channels.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
-pub struct Sensor {
-    /// The nine limbs, in order.
-    pub limbs: Vec<String>,
-    /// Standard accelerometer.
-    pub accelerometer: Option<String>,
-    /// Standard gyroscope.
-    pub gyroscope: Option<String>,
-    /// Limbs that read one value throughout.
-    pub dead: Vec<String>,
-    /// Limbs that show nothing but noise while most others move: dead, or out of this motion's reach.
-    pub silent: Vec<String>,
 }
 
 /// Finds the sensor's channels: nine limbs by name (`u1` to `u9`, or as the session has them) or, where exactly nine channels are

@@ -5,13 +5,11 @@ use std::collections::BTreeMap;
 use sixaxis_core::dsp::spectrum::{MIN_NOISE_SAMPLES, Welch, noise_floor};
 
 use super::extreme::Extreme;
-use super::facts::{ChannelFacts, Densities, UnitFacts};
-use super::pairs::Prints;
-use super::resolution::Steps;
+use super::facts::{ChannelFacts, Densities, Line, Prints, UnitFacts};
+use super::resolution::{Steps, keep_every_second};
 use super::spectrum;
 use crate::channel::Channel;
 use crate::envelope::Envelope;
-use crate::unit::{self, Unit};
 
 /// Samples of which one noise floor is told.
 const NOISE_PIECE: usize = 4096;
@@ -101,16 +99,6 @@ impl Series {
         }
     }
 
-    /// What tells these samples from another channel's.
-    #[must_use]
-    pub fn prints(&self) -> Prints {
-        Prints {
-            same: self.same,
-            turned: self.turned,
-            moves: self.high.value() > -self.low.value(),
-        }
-    }
-
     /// The answer, with frequencies in Hz if the rate is known. Densities are kept.
     #[must_use]
     pub fn finish(self, channel: &Channel, rate_hz: Option<f64>) -> ChannelFacts {
@@ -132,114 +120,109 @@ impl Series {
                 None
             }
         };
-        let constant = any && self.high.value() == -self.low.value();
-        let minimum = number("minimum", any.then(|| -self.low.value()), "");
-        let maximum = number("maximum", any.then(|| self.high.value()), "");
-        let mean = number("mean", any.then_some(self.mean), "");
-        let deviation = number(
-            "standard_deviation",
-            any.then(|| (self.squares / self.finite).sqrt()),
-            "",
-        );
-        let noise = number(
+        let (low, high) = (-self.low.value(), self.high.value());
+        let (constant, span) = (any && high == low, high - low);
+        let resolution = self.steps.finish();
+        let spectra = Spectra::of(self.welch, rate_hz, constant);
+        let noise_floor = number(
             "noise_floor",
             self.noise.finish(),
             "fewer than 32 finite samples in a row",
         );
-        let span = self.high.value() + self.low.value();
-        let resolution = self.steps.finish();
-        let smallest_step = number("smallest_step", resolution.smallest_step, "constant");
-        let bits_used = number(
-            "bits_used",
-            resolution
-                .grid_step()
-                .map(|step| (span / step + 1.0).log2()),
-            if constant {
-                "constant"
-            } else {
-                "the samples stand on no common grid"
-            },
-        );
-        let drift = self.envelope.drift(noise.unwrap_or(0.0));
-        let drift_value = number(
-            "drift",
-            drift.map(|d| d.0),
-            "fewer than 200 samples, or none finite at one end",
-        );
-        let (mut dominant, mut mains, mut densities) = (None, Vec::new(), None);
-        let why_no_spectrum = match &self.welch {
-            None => "fewer than 16 samples",
-            Some(_) if !any => nothing,
-            Some(_) => "no segment without a value that is not finite",
+        let drift = self.envelope.drift(noise_floor.unwrap_or(0.0));
+        let bits = |step: f64| (span / step + 1.0).log2();
+        let no_bits = match constant {
+            true => "constant",
+            false => "the samples stand on no common grid",
         };
-        if let Some(welch) = self.welch {
-            let rate = rate_hz.unwrap_or(1.0);
-            let distance = rate / welch.segment() as f64;
-            if let Some(found) = welch.spectrum(rate) {
-                if !constant {
-                    dominant = spectrum::dominant(&found.densities, distance);
-                    if rate_hz.is_some() {
-                        mains = spectrum::mains(&found.densities, distance);
-                    }
-                }
-                densities = Some(Densities {
-                    segment: welch.segment(),
-                    segments: found.segments,
-                    segments_left_out: welch.left_out(),
-                    line_distance: distance,
-                    densities: found.densities,
-                });
-            }
-        }
-        if densities.is_none() {
-            absent.insert("spectrum", why_no_spectrum);
-            absent.insert("dominant", why_no_spectrum);
-        } else if dominant.is_none() {
-            absent.insert("dominant", "no line stands out");
-        }
-        ChannelFacts {
+        let no_drift = "fewer than 200 samples, or none finite at one end";
+        let mut facts = ChannelFacts {
             name: channel.name.clone(),
-            unit: channel.unit.as_deref().map(unit_facts),
+            unit: channel.unit.as_deref().map(UnitFacts::new),
             start_offset_s: channel.start_offset_s,
             samples: self.rows,
             not_a_number: self.not_a_number,
             infinite: self.infinite,
             first_not_finite: self.first_not_finite,
-            minimum,
-            maximum,
-            mean,
-            standard_deviation: deviation,
-            noise_floor: noise,
-            smallest_step,
-            bits_used,
+            minimum: number("minimum", any.then_some(low), ""),
+            maximum: number("maximum", any.then_some(high), ""),
+            mean: number("mean", any.then_some(self.mean), ""),
+            standard_deviation: number(
+                "standard_deviation",
+                any.then(|| (self.squares / self.finite).sqrt()),
+                "",
+            ),
+            noise_floor,
+            smallest_step: number("smallest_step", resolution.smallest_step, "constant"),
+            bits_used: number("bits_used", resolution.grid_step().map(bits), no_bits),
             constant,
             flat_bottom: self.low.flat(span, &resolution, !self.fractional, -1.0),
             flat_top: self.high.flat(span, &resolution, !self.fractional, 1.0),
             at_full_scale: self.full_scale.is_finite().then_some(self.at_full_scale),
-            drift: drift_value,
+            drift: number("drift", drift.map(|d| d.0), no_drift),
             drift_stands_out: drift.is_some_and(|d| d.1),
-            dominant,
-            mains,
-            spectrum: densities,
+            dominant: spectra.dominant,
+            mains: spectra.mains,
+            spectrum: spectra.densities,
+            prints: Prints {
+                same: self.same,
+                turned: self.turned,
+                moves: high > low,
+            },
             absent,
             history: self.envelope,
+        };
+        if facts.spectrum.is_none() {
+            let why = if spectra.too_short {
+                "fewer than 16 samples"
+            } else if !any {
+                nothing
+            } else {
+                "no segment without a value that is not finite"
+            };
+            facts.absent.extend([("spectrum", why), ("dominant", why)]);
+        } else if facts.dominant.is_none() {
+            facts.absent.insert("dominant", "no line stands out");
         }
+        facts
     }
 }
 
-/// Whether a unit's name is understood, and what it is worth.
-#[must_use]
-pub fn unit_facts(name: &str) -> UnitFacts {
-    let known = unit::named(name).map(|unit| match unit {
-        Unit::Voltage(size) => ("voltage", size),
-        Unit::Acceleration(size) => ("acceleration", size),
-        Unit::Rate(size) => ("rate of rotation", size),
-        Unit::Time(size) => ("time", size),
-    });
-    UnitFacts {
-        name: name.to_owned(),
-        measures: known.map(|k| k.0),
-        size_si: known.map(|k| k.1),
+/// What a channel's spectrum shows.
+#[derive(Default)]
+struct Spectra {
+    too_short: bool,
+    dominant: Option<Line>,
+    mains: Vec<Line>,
+    densities: Option<Densities>,
+}
+
+impl Spectra {
+    fn of(welch: Option<Welch>, rate_hz: Option<f64>, constant: bool) -> Self {
+        let mut spectra = Self::default();
+        let Some(welch) = welch else {
+            spectra.too_short = true;
+            return spectra;
+        };
+        let rate = rate_hz.unwrap_or(1.0);
+        let distance = rate / welch.segment() as f64;
+        let Some(found) = welch.spectrum(rate) else {
+            return spectra;
+        };
+        if !constant {
+            spectra.dominant = spectrum::dominant(&found.densities, distance);
+            if rate_hz.is_some() {
+                spectra.mains = spectrum::mains(&found.densities, distance);
+            }
+        }
+        spectra.densities = Some(Densities {
+            segment: welch.segment(),
+            segments: found.segments,
+            segments_left_out: welch.left_out(),
+            line_distance: distance,
+            densities: found.densities,
+        });
+        spectra
     }
 }
 
@@ -300,11 +283,7 @@ impl Noise {
             }
         }
         if self.floors.len() == NOISE_KEPT {
-            let mut second = false;
-            self.floors.retain(|_| {
-                second = !second;
-                second
-            });
+            keep_every_second(&mut self.floors);
             self.halvings += 1;
         }
         self.piece.clear();

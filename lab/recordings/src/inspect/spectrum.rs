@@ -92,7 +92,10 @@ fn standing_out(densities: &[f64], distance: f64, frequency: f64, stray: f64) ->
     let at = |f: f64| (f / distance).round().max(0.0) as usize;
     let (from, to) = (at(frequency - around), at(frequency + around));
     // Lines too far apart, or the rate too low, to tell the mains from anything else.
-    if distance > 4.0 * STRAYS_HZ || from < LOWEST || at(frequency + stray) + 2 >= densities.len() {
+    if distance > 4.0 * STRAYS_HZ
+        || from < LOWEST
+        || at(frequency + stray).saturating_add(2) >= densities.len()
+    {
         return None;
     }
     let window = &densities[from..to.min(densities.len() - 1)];
@@ -144,6 +147,12 @@ mod tests {
                 .wrapping_add(1_442_695_040_888_963_407);
             (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
         })
+    }
+
+    #[test]
+    fn lines_that_stand_at_one_place_have_no_hum() {
+        // A rate that no recorder has, as a damaged file may state it: 50 Hz is beyond any number of lines.
+        assert_eq!(mains(&[1.0; 65], f64::MIN_POSITIVE), []);
     }
 
     #[test]

@@ -10,11 +10,9 @@
 //!
 //! Memory: a version 5 file is held whole, unpacked, and refused beyond 2 GiB.
 
-use std::fs::File;
-use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::source::Source;
 pub use crate::variables::LEFT_OUT;
 
@@ -23,18 +21,10 @@ mod v5;
 /// Opens a MATLAB file.
 ///
 /// # Errors
-/// Those of [`Source`]; [`Error::Unsupported`] for a file of version 4, or one without a numeric vector.
+/// Those of [`Source`]; [`crate::Error::Unsupported`] for a file of version 4, or one without a numeric vector.
 pub(crate) fn open(path: &Path) -> Result<Box<dyn Source>> {
-    if let Some(source) = crate::hdf5::open_matlab(path)? {
-        return Ok(source);
+    match crate::hdf5::open_matlab(path)? {
+        Some(source) => Ok(source),
+        None => v5::open(path),
     }
-    let io = |source| Error::io(path, source);
-    let mut file = File::open(path).map_err(io)?;
-    let mut head = Vec::with_capacity(v5::HEADER);
-    (&mut file)
-        .take(v5::HEADER as u64)
-        .read_to_end(&mut head)
-        .map_err(io)?;
-    file.seek(SeekFrom::Start(0)).map_err(io)?;
-    v5::open(path, file, &head)
 }

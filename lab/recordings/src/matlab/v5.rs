@@ -9,12 +9,12 @@ use std::sync::Arc;
 use flate2::read::ZlibDecoder;
 
 use crate::error::{Error, Place, Result};
-use crate::numbers::Kind;
+use crate::numbers::{Kind, Number};
 use crate::source::Source;
 use crate::variables::{Content, Elements, Variable, arrange};
 
 /// Bytes of the header.
-pub(super) const HEADER: usize = 128;
+const HEADER: usize = 128;
 /// Largest file, and largest sum of what is unpacked from it.
 const LARGEST: u64 = 1 << 31;
 /// Structs within structs.
@@ -57,29 +57,36 @@ fn class_name(class: u8) -> &'static str {
 struct Held {
     bytes: Arc<Vec<u8>>,
     range: Range<usize>,
-    kind: Kind,
-    big_endian: bool,
+    number: Number,
 }
 
 impl Elements for Held {
     fn append(&mut self, first: u64, stride: u64, count: usize, out: &mut Vec<f64>) -> Result<()> {
         let whole = self.bytes.get(self.range.clone()).unwrap_or_default();
-        let from = usize::try_from(first)
-            .ok()
-            .and_then(|first| first.checked_mul(self.kind.size()));
-        let bytes = from.and_then(|from| whole.get(from..)).unwrap_or_default();
-        let stride = usize::try_from(stride).unwrap_or(usize::MAX);
-        self.kind.append(bytes, self.big_endian, stride, count, out);
+        let bytes_of = |elements: u64| {
+            let elements = usize::try_from(elements).unwrap_or(usize::MAX);
+            elements.saturating_mul(self.number.kind.size())
+        };
+        let bytes = whole.get(bytes_of(first)..).unwrap_or_default();
+        self.number.append(bytes, bytes_of(stride), count, out);
         Ok(())
     }
 }
 
-/// Opens a file whose first bytes are `head`.
-pub(super) fn open(path: &Path, mut file: File, head: &[u8]) -> Result<Box<dyn Source>> {
-    let big_endian = match head.get(124..HEADER) {
+/// Opens a file.
+pub(super) fn open(path: &Path) -> Result<Box<dyn Source>> {
+    let io = |source| Error::io(path, source);
+    let mut file = File::open(path).map_err(io)?;
+    let mut bytes = Vec::new();
+    let mut fill = |bytes: &mut Vec<u8>, most: u64| {
+        let most = most - bytes.len() as u64;
+        (&mut file).take(most).read_to_end(bytes).map_err(io)
+    };
+    fill(&mut bytes, HEADER as u64)?;
+    let big_endian = match bytes.get(124..HEADER) {
         Some([0x00, 0x01, b'I', b'M']) => false,
         Some([0x01, 0x00, b'M', b'I']) => true,
-        _ if head.get(..4).is_some_and(|text| text.contains(&0)) => {
+        _ if bytes.get(..4).is_some_and(|text| text.contains(&0)) => {
             return Err(Error::unsupported(
                 path,
                 "a MATLAB file of version 4",
@@ -87,18 +94,11 @@ pub(super) fn open(path: &Path, mut file: File, head: &[u8]) -> Result<Box<dyn S
             ));
         }
         _ => {
-            return Err(Error::malformed(
-                path,
-                Place::Byte(124.min(head.len() as u64)),
-                "no header of a MATLAB file",
-            ));
+            let place = Place::Byte(124.min(bytes.len() as u64));
+            return Err(Error::malformed(path, place, "no header of a MATLAB file"));
         }
     };
-    let mut bytes = Vec::new();
-    (&mut file)
-        .take(LARGEST + 1)
-        .read_to_end(&mut bytes)
-        .map_err(|source| Error::io(path, source))?;
+    fill(&mut bytes, LARGEST + 1)?;
     let mut reader = Reader {
         path,
         big_endian,
@@ -242,7 +242,9 @@ impl Reader<'_> {
     fn matrix(&mut self, mut part: Part, name: &str, depth: usize) -> Result<()> {
         if part.at == part.end {
             // A field that was never set.
-            return self.push(name.to_owned(), Content::Other("empty".to_owned()));
+            let empty = Content::Other("empty".to_owned());
+            self.found.push(Variable::new(name.to_owned(), empty));
+            return Ok(());
         }
         let (kind, flags) = self.element(&mut part)?;
         if kind != UINT32 {
@@ -289,10 +291,6 @@ impl Reader<'_> {
             (2, _) => other("array of structs"),
             _ => other(class_name(class)),
         };
-        self.push(name, content)
-    }
-
-    fn push(&mut self, name: String, content: Content) -> Result<()> {
         self.found.push(Variable::new(name, content));
         Ok(())
     }
@@ -313,8 +311,10 @@ impl Reader<'_> {
             elements: Box::new(Held {
                 range: data.at..data.end,
                 bytes: data.bytes,
-                kind,
-                big_endian: self.big_endian,
+                number: Number {
+                    kind,
+                    big_endian: self.big_endian,
+                },
             }),
         })
     }

@@ -33,48 +33,6 @@ mod stream;
 mod table;
 mod zip;
 
-use std::path::Path;
-
-use crate::channel::{Layout, MOST_CHANNELS};
-use crate::error::{Error, Result};
-use crate::sink::Sink;
-use crate::source::Source;
-
-/// Opens an NPY file.
-///
-/// # Errors
-/// [`Error::Malformed`], [`Error::Unsupported`], [`Error::Io`].
-pub(crate) fn open_npy(path: &Path) -> Result<Box<dyn Source>> {
-    Ok(Box::new(source::NumpySource::open_npy(path)?))
-}
-
-/// Opens an NPZ file.
-///
-/// # Errors
-/// [`Error::Malformed`], [`Error::Unsupported`], [`Error::Io`].
-pub(crate) fn open_npz(path: &Path) -> Result<Box<dyn Source>> {
-    Ok(Box::new(npz::open(path)?))
-}
-
-/// Starts an NPZ file if the name ends with `.npz`, else an NPY file.
-///
-/// # Errors
-/// [`Error::Io`]; [`Error::Unsupported`] for no channels or more than 4096.
-pub(crate) fn create(path: &Path, layout: &Layout) -> Result<Box<dyn Sink>> {
-    let channels = layout.channels.len();
-    if channels == 0 || channels > MOST_CHANNELS {
-        return Err(Error::unsupported(
-            path,
-            format!("a file of {channels} channels"),
-            format!("write 1 to {MOST_CHANNELS}"),
-        ));
-    }
-    if path
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("npz"))
-    {
-        Ok(Box::new(sink::NpzSink::create(path, layout)?))
-    } else {
-        Ok(Box::new(sink::NpySink::create(path, layout)?))
-    }
-}
+pub(crate) use npz::open as open_npz;
+pub(crate) use sink::create;
+pub(crate) use source::open_npy;

@@ -6,12 +6,13 @@ use std::path::Path;
 
 use super::dtype::Element;
 use super::header::{self, Header, Refusal};
-use super::source::{NumpySource, failed, share};
+use super::source::{arrays, failed, share};
 use super::stream::Stream;
 use super::table::arrange;
 use super::zip;
-use crate::channel::{MOST_CHANNELS, is_sample_rate};
+use crate::channel::{MOST_CHANNELS, is_sample_rate, sample_rate};
 use crate::error::{Error, Place, Result};
+use crate::source::Source;
 
 /// Longest string that is a property, bytes in the file.
 const TEXT: u64 = 1 << 16;
@@ -20,7 +21,7 @@ const TEXT: u64 = 1 << 16;
 ///
 /// # Errors
 /// [`Error::Malformed`], [`Error::Unsupported`], [`Error::Io`].
-pub fn open(path: &Path) -> Result<NumpySource> {
+pub(crate) fn open(path: &Path) -> Result<Box<dyn Source>> {
     let (file, length) = share(path)?;
     let mut tables = Vec::new();
     let (mut properties, mut rate) = (BTreeMap::new(), None);
@@ -49,7 +50,8 @@ pub fn open(path: &Path) -> Result<NumpySource> {
             let value =
                 single(&header, &mut stream, member.body.bytes - header.begin).map_err(io)?;
             if is_sample_rate(name) {
-                rate = Some(positive(path, name, value.as_deref())?);
+                let stated = sample_rate(name, value.as_deref().unwrap_or("unreadable"));
+                rate = Some(stated.map_err(|cause| Error::malformed(path, Place::Whole, cause))?);
             }
             let value = value.unwrap_or_else(|| "not read: an unusual value".to_owned());
             properties.insert(name.to_owned(), value);
@@ -74,14 +76,7 @@ pub fn open(path: &Path) -> Result<NumpySource> {
         }
     }
     let format = if deflated { "NPZ (deflated)" } else { "NPZ" };
-    let mut source = NumpySource::new(path, format.to_owned(), tables);
-    let layout = source.layout_mut();
-    for channel in &mut layout.channels {
-        channel.sample_rate_hz = rate;
-        channel.unit = properties.remove(&format!("{}.unit", channel.name));
-    }
-    layout.properties = properties;
-    Ok(source)
+    Ok(arrays(path, format, tables, rate, properties))
 }
 
 /// A single number or string as text; none if it cannot be told.
@@ -95,8 +90,10 @@ fn single(header: &Header, stream: &mut Stream, bytes: u64) -> std::io::Result<O
     Ok(match &header.element {
         Element::Number(number) => {
             let mut values = Vec::new();
-            let decoded = number.decode(&value, number.bytes(), 0, &mut values);
-            decoded.ok().and(values.first()).map(f64::to_string)
+            let size = number.kind.size();
+            number.append(&value, size, 1, &mut values);
+            let exact = number.first_rounded(&value, size, 1).is_none();
+            values.first().filter(|_| exact).map(f64::to_string)
         }
         Element::Text {
             wide: true, big, ..
@@ -116,15 +113,4 @@ fn single(header: &Header, stream: &mut Stream, bytes: u64) -> std::io::Result<O
             .map(|text| text.trim_end_matches('\0').to_owned()),
         _ => None,
     })
-}
-
-fn positive(path: &Path, name: &str, value: Option<&str>) -> Result<f64> {
-    value
-        .and_then(|value| value.parse().ok())
-        .filter(|rate: &f64| rate.is_finite() && *rate > 0.0)
-        .ok_or_else(|| {
-            let value = value.unwrap_or("unreadable");
-            let cause = format!("{name} is {value}, not a positive number of samples per second");
-            Error::malformed(path, Place::Whole, cause)
-        })
 }

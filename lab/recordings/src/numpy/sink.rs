@@ -2,210 +2,149 @@
 
 use std::fs::File;
 use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use zip::CompressionMethod;
 use zip::write::{SimpleFileOptions, ZipWriter};
 
 use super::header;
-use crate::channel::{Block, Layout, is_sample_rate};
-use crate::draft::{Draft, folder_of};
-use crate::error::{Error, Place, Result};
-use crate::sink::Sink;
+use crate::channel::{Layout, is_sample_rate};
+use crate::draft::folder_of;
+use crate::error::Result;
+use crate::sink::{self, Encoder, Sink};
 
 /// Bytes of an f64.
 const F8: u64 = 8;
+/// Memory for samples on their way to the file or the spool, bytes.
+const PIECE: usize = 1 << 22;
 
-fn check(path: &Path, block: &Block, columns: usize) -> Result<()> {
-    let rows = block.rows();
-    if block.columns.len() == columns && block.columns.iter().all(|c| c.len() == rows) {
-        return Ok(());
+/// Starts an NPZ file if the name ends with `.npz`, else an NPY file.
+///
+/// # Errors
+/// Those of [`sink::create`].
+pub(crate) fn create(path: &Path, layout: &Layout) -> Result<Box<dyn Sink>> {
+    let channels = layout.channels.len();
+    let piece = (PIECE / F8 as usize / channels.max(1)).max(1);
+    let is_npz = |extension: &std::ffi::OsStr| extension.eq_ignore_ascii_case("npz");
+    if path.extension().is_some_and(is_npz) {
+        return sink::create(path, layout, |output| {
+            Ok(Npz {
+                output,
+                layout: layout.clone(),
+                spool: tempfile::tempfile_in(folder_of(path))?,
+                piece,
+                rows: 0,
+            })
+        });
     }
-    let cause = format!("a block to write has not {columns} columns of one length");
-    Err(Error::malformed(path, Place::Whole, cause))
+    sink::create(path, layout, |file| {
+        let mut output = BufWriter::with_capacity(1 << 18, file);
+        output.write_all(&header::write("<f8", &[0, channels as u64]))?;
+        Ok(Npy {
+            output,
+            columns: channels,
+            piece,
+            rows: 0,
+        })
+    })
 }
 
-/// An array of two dimensions being written.
-pub struct NpySink {
-    path: PathBuf,
-    draft: Draft,
+/// An array of two dimensions being written, behind a header of no rows.
+struct Npy {
     output: BufWriter<File>,
     columns: usize,
+    piece: usize,
     rows: u64,
 }
 
-impl NpySink {
-    /// Opens the draft and writes a header of no rows.
-    ///
-    /// # Errors
-    /// [`Error::Io`].
-    pub fn create(path: &Path, layout: &Layout) -> Result<Self> {
-        let (draft, file) = Draft::create(path)?;
-        let mut output = BufWriter::with_capacity(1 << 18, file);
-        let columns = layout.channels.len();
-        output
-            .write_all(&header::write("<f8", &[0, columns as u64]))
-            .map_err(|source| Error::io(path, source))?;
-        Ok(Self {
-            path: path.to_owned(),
-            draft,
-            output,
-            columns,
-            rows: 0,
-        })
+impl Encoder for Npy {
+    fn rows(&self) -> usize {
+        self.piece
     }
-}
 
-impl Sink for NpySink {
-    fn write(&mut self, block: &Block) -> Result<()> {
-        check(&self.path, block, self.columns)?;
-        for row in 0..block.rows() {
-            for value in block.columns.iter().filter_map(|column| column.get(row)) {
-                self.output
-                    .write_all(&value.to_le_bytes())
-                    .map_err(|source| Error::io(&self.path, source))?;
+    fn piece(&mut self, columns: &[Vec<f64>]) -> io::Result<()> {
+        let rows = columns.first().map_or(0, Vec::len);
+        for row in 0..rows {
+            for column in columns {
+                self.output.write_all(&column[row].to_le_bytes())?;
             }
         }
-        self.rows += block.rows() as u64;
+        self.rows += rows as u64;
         Ok(())
     }
 
-    fn finish(self: Box<Self>) -> Result<()> {
-        let header = header::write("<f8", &[self.rows, self.columns as u64]);
-        let Self {
-            path,
-            draft,
-            output,
-            ..
-        } = *self;
-        let complete = || -> io::Result<File> {
-            let mut file = output
-                .into_inner()
-                .map_err(io::IntoInnerError::into_error)?;
-            file.seek(SeekFrom::Start(0))?;
-            file.write_all(&header)?;
-            Ok(file)
-        };
-        let file = complete().map_err(|source| Error::io(&path, source))?;
-        draft.keep(&file)
+    fn finish(self) -> io::Result<File> {
+        let mut file = self
+            .output
+            .into_inner()
+            .map_err(io::IntoInnerError::into_error)?;
+        file.seek(SeekFrom::Start(0))?;
+        file.write_all(&header::write("<f8", &[self.rows, self.columns as u64]))?;
+        Ok(file)
     }
 }
 
-/// Memory for samples on their way to the spool, bytes.
-const SPOOLED: usize = 1 << 22;
-
 /// A file of one array per channel being written.
-pub struct NpzSink {
-    path: PathBuf,
-    draft: Draft,
+struct Npz {
     output: File,
     layout: Layout,
     /// Pieces of `piece` rows, each channel after channel, in a file without a name beside the draft.
     spool: File,
-    waiting: Block,
-    /// Rows of every piece of the spool but the last.
     piece: usize,
     /// Rows in the spool.
     rows: u64,
 }
 
-impl NpzSink {
-    /// Opens the draft and the spool.
-    ///
-    /// # Errors
-    /// [`Error::Io`].
-    pub fn create(path: &Path, layout: &Layout) -> Result<Self> {
-        let (draft, output) = Draft::create(path)?;
-        let columns = layout.channels.len();
-        Ok(Self {
-            path: path.to_owned(),
-            draft,
-            output,
-            layout: layout.clone(),
-            spool: tempfile::tempfile_in(folder_of(path))
-                .map_err(|source| Error::io(path, source))?,
-            waiting: Block::new(columns),
-            piece: (SPOOLED / F8 as usize / columns.max(1)).max(1),
-            rows: 0,
-        })
+impl Encoder for Npz {
+    fn rows(&self) -> usize {
+        self.piece
     }
 
-    fn spill(&mut self) -> io::Result<()> {
-        let rows = self.waiting.rows();
-        let mut bytes = Vec::with_capacity(rows * F8 as usize);
-        for column in &mut self.waiting.columns {
-            bytes.clear();
-            bytes.extend(column.iter().flat_map(|value| value.to_le_bytes()));
+    fn piece(&mut self, columns: &[Vec<f64>]) -> io::Result<()> {
+        for column in columns {
+            let bytes: Vec<u8> = column.iter().flat_map(|x| x.to_le_bytes()).collect();
             self.spool.write_all(&bytes)?;
-            column.clear();
         }
-        self.rows += rows as u64;
-        Ok(())
-    }
-}
-
-impl Sink for NpzSink {
-    fn write(&mut self, block: &Block) -> Result<()> {
-        check(&self.path, block, self.waiting.columns.len())?;
-        let mut from = 0;
-        while from < block.rows() {
-            let to = block.rows().min(from + self.piece - self.waiting.rows());
-            for (waiting, column) in self.waiting.columns.iter_mut().zip(&block.columns) {
-                waiting.extend_from_slice(column.get(from..to).unwrap_or_default());
-            }
-            from = to;
-            if self.waiting.rows() == self.piece {
-                self.spill()
-                    .map_err(|source| Error::io(&self.path, source))?;
-            }
-        }
+        self.rows += columns.first().map_or(0, Vec::len) as u64;
         Ok(())
     }
 
-    fn finish(mut self: Box<Self>) -> Result<()> {
-        let mut complete = || -> io::Result<()> {
-            self.spill()?;
-            let layout = &self.layout;
-            let array = header::write("<f8", &[self.rows]);
-            let bytes = array.len() as u64 + self.rows * F8;
-            let texts = texts(layout);
-            // Directories and scalars take less than the margin.
-            let channels = layout.channels.len() as u64;
-            let margin = (1 << 16) * (channels + texts.len() as u64) + (1 << 20);
-            let long = channels * bytes + margin > u64::from(u32::MAX);
-            // Without the time of day (1980-01-01), so that equal recordings give equal files.
-            let options = SimpleFileOptions::default()
-                .compression_method(CompressionMethod::Stored)
-                .large_file(long);
-            let mut zip = ZipWriter::new(BufWriter::with_capacity(1 << 18, &mut self.output));
-            for (at, channel) in layout.channels.iter().enumerate() {
-                zip.start_file(format!("{}.npy", channel.name), options)?;
-                zip.write_all(&array)?;
-                copy_column(
-                    &mut self.spool,
-                    &mut zip,
-                    at as u64,
-                    channels,
-                    self.rows,
-                    self.piece as u64,
-                )?;
+    fn finish(mut self) -> io::Result<File> {
+        let layout = &self.layout;
+        let array = header::write("<f8", &[self.rows]);
+        let bytes = array.len() as u64 + self.rows * F8;
+        let texts = texts(layout);
+        // Directories and scalars take less than the margin.
+        let channels = layout.channels.len() as u64;
+        let margin = (1 << 16) * (channels + texts.len() as u64) + (1 << 20);
+        let long = channels * bytes + margin > u64::from(u32::MAX);
+        // Without the time of day (1980-01-01), so that equal recordings give equal files.
+        let options = SimpleFileOptions::default()
+            .compression_method(CompressionMethod::Stored)
+            .large_file(long);
+        let mut zip = ZipWriter::new(BufWriter::with_capacity(1 << 18, &mut self.output));
+        for (at, channel) in layout.channels.iter().enumerate() {
+            zip.start_file(format!("{}.npy", channel.name), options)?;
+            zip.write_all(&array)?;
+            let (spool, piece) = (&mut self.spool, self.piece as u64);
+            copy_column(spool, &mut zip, at as u64, channels, self.rows, piece)?;
+        }
+        // A channel may have the name of the rate.
+        let free = !layout.channels.iter().any(|c| is_sample_rate(&c.name));
+        if let Some(rate) = layout.common_rate_hz().filter(|_| free) {
+            zip.start_file("sample_rate_hz.npy", options)?;
+            zip.write_all(&header::write("<f8", &[]))?;
+            zip.write_all(&rate.to_le_bytes())?;
+        }
+        for (name, text) in texts {
+            zip.start_file(format!("{name}.npy"), options)?;
+            zip.write_all(&header::write(&format!("<U{}", text.chars().count()), &[]))?;
+            for character in text.chars() {
+                zip.write_all(&u32::from(character).to_le_bytes())?;
             }
-            if let Some(rate) = common_rate(layout) {
-                zip.start_file("sample_rate_hz.npy", options)?;
-                zip.write_all(&header::write("<f8", &[]))?;
-                zip.write_all(&rate.to_le_bytes())?;
-            }
-            for (name, text) in texts {
-                zip.start_file(format!("{name}.npy"), options)?;
-                zip.write_all(&header::write(&format!("<U{}", text.chars().count()), &[]))?;
-                for character in text.chars() {
-                    zip.write_all(&u32::from(character).to_le_bytes())?;
-                }
-            }
-            zip.finish()?.flush()
-        };
-        complete().map_err(|source| Error::io(&self.path, source))?;
-        self.draft.keep(&self.output)
+        }
+        zip.finish()?.flush()?;
+        Ok(self.output)
     }
 }
 
@@ -229,20 +168,6 @@ fn copy_column(
         at += count;
     }
     Ok(())
-}
-
-/// The rate of all channels, time stamps aside, unless a channel has its name.
-fn common_rate(layout: &Layout) -> Option<f64> {
-    let mut rates = layout
-        .channels
-        .iter()
-        .enumerate()
-        .filter(|(at, _)| Some(*at) != layout.time)
-        .map(|(_, channel)| channel.sample_rate_hz);
-    let first = rates.next()??;
-    let same = rates.all(|rate| rate == Some(first));
-    let free = !layout.channels.iter().any(|c| is_sample_rate(&c.name));
-    (first.is_finite() && first > 0.0 && same && free).then_some(first)
 }
 
 /// Units and properties, without those whose name is a channel's.

@@ -120,15 +120,14 @@ impl Stream {
         let Some(expected) = self.expected else {
             return Ok(());
         };
-        if self.read(&mut [0])? != 0 {
-            let cause = "more bytes than its directory says";
-            return Err(io::Error::new(io::ErrorKind::InvalidData, cause));
-        }
-        if self.crc.sum() != expected {
-            let cause = "its checksum is wrong: the file is damaged";
-            return Err(io::Error::new(io::ErrorKind::InvalidData, cause));
-        }
-        Ok(())
+        let cause = if self.read(&mut [0])? != 0 {
+            "more bytes than its directory says"
+        } else if self.crc.sum() != expected {
+            "its checksum is wrong: the file is damaged"
+        } else {
+            return Ok(());
+        };
+        Err(io::Error::new(io::ErrorKind::InvalidData, cause))
     }
 }
 

@@ -1,9 +1,10 @@
 //! An array as channels.
 
-use super::dtype::{Element, Number};
+use super::dtype::Element;
 use super::header::Header;
 use super::stream::Body;
 use crate::channel::MOST_CHANNELS;
+use crate::numbers::Number;
 
 /// A channel within an array.
 #[derive(Debug, Clone)]
@@ -102,7 +103,7 @@ pub fn arrange(header: &Header, body: Body, member: Option<String>) -> Result<Ta
                                 .as_ref()
                                 .map_or(name.clone(), |m| format!("{m}/{name}")),
                             number: *number,
-                            offset: offset.saturating_add(at * number.bytes() as u64),
+                            offset: offset.saturating_add(at * number.kind.size() as u64),
                         });
                     }
                     if fields.len() > MOST_CHANNELS {

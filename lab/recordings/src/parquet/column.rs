@@ -137,7 +137,7 @@ pub(super) fn append(
         }
         ColumnReader::FixedLenByteArrayColumnReader(reader) => {
             convert(reader, rows, out, |v| match *v.data() {
-                [low, high] => half(u16::from_le_bytes([low, high])),
+                [low, high] => half::f16::from_le_bytes([low, high]).to_f64(),
                 _ => f64::NAN,
             })
         }
@@ -173,20 +173,4 @@ fn pull<T: DataType>(
         ));
     }
     Ok(present)
-}
-
-/// IEEE binary16 as f64, exactly.
-fn half(bits: u16) -> f64 {
-    let fraction = f64::from(bits & 0x3ff);
-    let magnitude = match (bits >> 10) & 0x1f {
-        0 => fraction * 2f64.powi(-24),
-        0x1f if fraction == 0.0 => f64::INFINITY,
-        0x1f => f64::NAN,
-        exponent => (1024.0 + fraction) * 2f64.powi(i32::from(exponent) - 25),
-    };
-    if bits & 0x8000 == 0 {
-        magnitude
-    } else {
-        -magnitude
-    }
 }

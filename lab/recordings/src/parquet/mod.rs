@@ -17,34 +17,18 @@
 //! | `pages` | pages from the file, sizes checked, zstd |
 //! | `source`, `sink` | reading and writing |
 
-use std::path::Path;
-
-use crate::channel::Layout;
-use crate::error::Result;
-use crate::sink::Sink;
-use crate::source::Source;
-
 mod arrow;
 mod column;
-mod keys;
 mod pages;
 mod sink;
 mod source;
 
-pub use keys::LEFT_OUT;
+pub(crate) use sink::create;
+pub(crate) use source::open;
 
-/// Opens a Parquet file.
-///
-/// # Errors
-/// Those of [`Source`]; [`Error::Unsupported`](crate::Error::Unsupported) for an encrypted file or one without a numeric column.
-pub(crate) fn open(path: &Path) -> Result<Box<dyn Source>> {
-    Ok(Box::new(source::ParquetSource::open(path)?))
-}
-
-/// Starts a Parquet file: one DOUBLE column per channel, snappy.
-///
-/// # Errors
-/// [`Error::Io`](crate::Error::Io); [`Error::Unsupported`](crate::Error::Unsupported) for a layout without channels.
-pub(crate) fn create(path: &Path, layout: &Layout) -> Result<Box<dyn Sink>> {
-    Ok(Box::new(sink::ParquetSink::create(path, layout)?))
-}
+/// Property that names the columns which are no channels, each with its type.
+pub const LEFT_OUT: &str = "columns left out";
+/// Samples per second, of the file or of one column.
+const RATE_KEY: &str = "sample_rate_hz";
+/// Time of the first sample, s.
+const OFFSET_KEY: &str = "start_offset_s";

@@ -12,11 +12,11 @@ use ::parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader};
 
 use super::arrow;
 use super::column::{Meaning, Trouble, append, meaning};
-use super::keys::{LEFT_OUT, OFFSET_KEY, RATE_KEY};
 use super::pages::page_reader;
-use crate::channel::{Block, Channel, Layout, is_sample_rate, make_unique, time_channel};
+use super::{LEFT_OUT, OFFSET_KEY, RATE_KEY};
+use crate::channel::{Channel, Layout, is_sample_rate};
 use crate::error::{Error, Place, Result};
-use crate::source::Source;
+use crate::source::{Decoder, Source, reading};
 
 /// Key-value metadata that describe the columns to one library or another, not the recording to a person.
 const TECHNICAL_KEYS: [&str; 3] = [
@@ -25,14 +25,17 @@ const TECHNICAL_KEYS: [&str; 3] = [
     "org.apache.spark.sql.parquet.row.metadata",
 ];
 
-/// A Parquet file.
-pub(super) struct ParquetSource {
+/// A Parquet file, open for reading.
+struct Parquet {
     path: PathBuf,
     file: File,
     metadata: ParquetMetaData,
-    layout: Layout,
     /// Column of the file and meaning of each channel.
     columns: Vec<(usize, Meaning)>,
+}
+
+/// Where reading stands.
+struct Position {
     selected: Vec<Reading>,
     /// Row group being read, and how many of its rows have been.
     group: usize,
@@ -69,60 +72,48 @@ fn refused(path: &Path, place: Place, what: &str, error: &ParquetError) -> Error
     }
 }
 
-impl ParquetSource {
-    pub(super) fn open(path: &Path) -> Result<Self> {
-        let io = |source| Error::io(path, source);
-        let file = File::open(path).map_err(io)?;
-        let length = file.metadata().map_err(io)?.len();
-        let metadata = guarded(path, Place::Whole, || {
-            ParquetMetaDataReader::new().parse_and_finish(&file)
-        })?
-        .map_err(|error| refused(path, Place::Byte(length), "footer", &error))?;
-        let (layout, columns) = arrange(path, &metadata)?;
-        let mut source = Self {
-            path: path.to_owned(),
-            file,
-            metadata,
-            selected: Vec::new(),
-            group: 0,
-            group_rows_read: 0,
-            rows_read: 0,
-            columns,
-            layout,
-        };
-        let all: Vec<_> = (0..source.columns.len()).collect();
-        source.select(&all)?;
-        Ok(source)
-    }
+/// Opens a Parquet file.
+///
+/// # Errors
+/// Those of [`Source`]; [`Error::Unsupported`] for an encrypted file or one without a numeric column.
+pub(crate) fn open(path: &Path) -> Result<Box<dyn Source>> {
+    let io = |source| Error::io(path, source);
+    let file = File::open(path).map_err(io)?;
+    let length = file.metadata().map_err(io)?.len();
+    let metadata = guarded(path, Place::Whole, || {
+        ParquetMetaDataReader::new().parse_and_finish(&file)
+    })?
+    .map_err(|error| refused(path, Place::Byte(length), "footer", &error))?;
+    let (layout, columns) = arrange(path, &metadata)?;
+    let parquet = Parquet {
+        path: path.to_owned(),
+        file,
+        metadata,
+        columns,
+    };
+    Ok(reading(path, layout, parquet))
+}
 
+impl Parquet {
     /// Opens the selected channels' chunks of the current row group.
-    fn open_group(&mut self) -> Result<()> {
-        let group = self.metadata.row_group(self.group);
-        for reading in &mut self.selected {
-            let channel = &self.layout.channels[reading.channel];
+    fn open_group(&self, at: &mut Position, layout: &Layout) -> Result<()> {
+        let group = self.metadata.row_group(at.group);
+        let place = Place::Sample(at.rows_read);
+        let malformed = |cause| Error::malformed(&self.path, place, cause);
+        for reading in &mut at.selected {
+            let name = &layout.channels[reading.channel].name;
             let (column, _) = self.columns[reading.channel];
-            let what = format!("channel {:?}, row group {}", channel.name, self.group);
-            let place = Place::Sample(self.rows_read);
+            let what = format!("channel {name:?}, row group {}", at.group);
             let Some(chunk) = group.columns().get(column) else {
-                return Err(Error::malformed(
-                    &self.path,
-                    place,
-                    format!("{what} is missing"),
-                ));
+                return Err(malformed(format!("{what} is missing")));
             };
-            check_codec(&self.path, &channel.name, chunk.compression())?;
-            if chunk.num_values() != group.num_rows() {
-                return Err(Error::malformed(
-                    &self.path,
-                    place,
-                    format!(
-                        "{what} has {} samples, the row group {}",
-                        chunk.num_values(),
-                        group.num_rows()
-                    ),
-                ));
+            check_codec(&self.path, name, chunk.compression())?;
+            let (samples, rows) = (chunk.num_values(), group.num_rows());
+            if samples != rows {
+                let cause = format!("{what} has {samples} samples, the row group {rows}");
+                return Err(malformed(cause));
             }
-            let rows = usize::try_from(group.num_rows()).unwrap_or(usize::MAX);
+            let rows = usize::try_from(rows).unwrap_or(usize::MAX);
             let reader = guarded(&self.path, place, || {
                 page_reader(&self.file, chunk, rows)
                     .map(|pages| get_column_reader(chunk.column_descr_ptr(), pages))
@@ -132,52 +123,42 @@ impl ParquetSource {
         }
         Ok(())
     }
-    /// Appends the next rows of each selected channel.
-    fn fill(&mut self, block: &mut Block, rows: usize) -> Result<()> {
-        for (reading, column) in self.selected.iter_mut().zip(&mut block.columns) {
-            let name = &self.layout.channels[reading.channel].name;
-            let (_, meaning) = self.columns[reading.channel];
-            let place = Place::Sample(self.rows_read);
-            let Some(reader) = &mut reading.reader else {
-                return Err(Error::malformed(
-                    &self.path,
-                    place,
-                    "reading went on after an error; select the channels anew",
-                ));
-            };
-            let first = &mut reading.first_stamp;
-            let read = guarded(&self.path, place, || {
-                append(reader, meaning, first, rows, column)
-            })?;
-            match read {
-                Ok(read) if read == rows => {}
-                Ok(read) => {
-                    return Err(Error::malformed(
-                        &self.path,
-                        Place::Sample(self.rows_read + read as u64),
-                        format!("channel {name:?} ends here, before its row group does"),
-                    ));
-                }
-                Err(Trouble::Null(at)) => {
-                    return Err(Error::malformed(
-                        &self.path,
-                        Place::Sample(self.rows_read + at as u64),
-                        format!(
-                            "channel {name:?} has no value here (null); a recording has no holes, fill it or cut it"
-                        ),
-                    ));
-                }
-                Err(Trouble::Library(error)) => {
-                    return Err(refused(
-                        &self.path,
-                        place,
-                        &format!("channel {name:?}"),
-                        &error,
-                    ));
-                }
+
+    /// Appends the next rows of a channel.
+    fn fill(
+        &self,
+        reading: &mut Reading,
+        name: &str,
+        before: u64,
+        rows: usize,
+        column: &mut Vec<f64>,
+    ) -> Result<()> {
+        let (_, meaning) = self.columns[reading.channel];
+        let Some(reader) = &mut reading.reader else {
+            return Ok(());
+        };
+        let read = guarded(&self.path, Place::Sample(before), || {
+            append(reader, meaning, &mut reading.first_stamp, rows, column)
+        })?;
+        let (at, cause) = match read {
+            Ok(read) if read == rows => return Ok(()),
+            Ok(read) => (
+                read,
+                format!("channel {name:?} ends here, before its row group does"),
+            ),
+            Err(Trouble::Null(at)) => (
+                at,
+                format!(
+                    "channel {name:?} has no value here (null); a recording has no holes, fill it or cut it"
+                ),
+            ),
+            Err(Trouble::Library(error)) => {
+                let what = format!("channel {name:?}");
+                return Err(refused(&self.path, Place::Sample(before), &what, &error));
             }
-        }
-        Ok(())
+        };
+        let place = Place::Sample(before + at as u64);
+        Err(Error::malformed(&self.path, place, cause))
     }
 }
 
@@ -196,7 +177,7 @@ fn arrange(path: &Path, metadata: &ParquetMetaData) -> Result<(Layout, Vec<(usiz
             format!("{rows} rows announced, and row groups of another sum"),
         ));
     }
-    let mut properties: BTreeMap<String, String> = file
+    let properties: BTreeMap<String, String> = file
         .key_value_metadata()
         .into_iter()
         .flatten()
@@ -239,7 +220,8 @@ fn arrange(path: &Path, metadata: &ParquetMetaData) -> Result<(Layout, Vec<(usiz
             "store each channel as a column of floats or integers",
         ));
     }
-    make_unique(&mut channels);
+    let mut layout = Layout::new("Parquet", channels, properties);
+    let properties = &mut layout.properties;
     for (key, set) in [
         (
             RATE_KEY,
@@ -252,7 +234,7 @@ fn arrange(path: &Path, metadata: &ParquetMetaData) -> Result<(Layout, Vec<(usiz
             .find(|name| *name == key || (key == RATE_KEY && is_sample_rate(name)))
             .cloned();
         let of_all = name.and_then(|name| properties.remove(&name));
-        for channel in &mut channels {
+        for channel in &mut layout.channels {
             let own = properties.remove(&format!("{key}:{}", channel.name));
             let Some(text) = own.as_ref().or(of_all.as_ref()) else {
                 continue;
@@ -273,12 +255,6 @@ fn arrange(path: &Path, metadata: &ParquetMetaData) -> Result<(Layout, Vec<(usiz
     if !left_out.is_empty() {
         properties.insert(LEFT_OUT.to_owned(), left_out.join(", "));
     }
-    let layout = Layout {
-        format: "Parquet".to_owned(),
-        time: time_channel(&channels),
-        channels,
-        properties,
-    };
     Ok((layout, columns))
 }
 
@@ -293,54 +269,51 @@ fn check_codec(path: &Path, channel: &str, codec: Compression) -> Result<()> {
     }
 }
 
-impl Source for ParquetSource {
-    fn layout(&self) -> &Layout {
-        &self.layout
+impl Decoder for Parquet {
+    type Position = Position;
+
+    fn start(&mut self, _layout: &Layout, selected: &[usize], _samples: u64) -> Result<Position> {
+        let readings = selected.iter().map(|&channel| Reading {
+            channel,
+            reader: None,
+            first_stamp: None,
+        });
+        Ok(Position {
+            selected: readings.collect(),
+            group: 0,
+            group_rows_read: 0,
+            rows_read: 0,
+        })
     }
 
-    fn select(&mut self, channels: &[usize]) -> Result<()> {
-        self.layout.common_length(&self.path, channels)?;
-        self.selected = channels
-            .iter()
-            .map(|&channel| Reading {
-                channel,
-                reader: None,
-                first_stamp: None,
-            })
-            .collect();
-        (self.group, self.group_rows_read, self.rows_read) = (0, 0, 0);
-        Ok(())
-    }
-
-    fn read(&mut self, block: &mut Block, limit: usize) -> Result<usize> {
-        block.clear(self.selected.len());
-        if limit == 0 || self.selected.is_empty() {
-            return Ok(0);
-        }
+    fn next(
+        &mut self,
+        at: &mut Position,
+        layout: &Layout,
+        columns: &mut [Vec<f64>],
+        limit: usize,
+    ) -> Result<usize> {
         let left = loop {
-            let Some(group) = self.metadata.row_groups().get(self.group) else {
+            let Some(group) = self.metadata.row_groups().get(at.group) else {
                 return Ok(0);
             };
             let rows = u64::try_from(group.num_rows()).unwrap_or(0);
-            if self.group_rows_read < rows {
-                break rows - self.group_rows_read;
+            if at.group_rows_read < rows {
+                break rows - at.group_rows_read;
             }
-            self.group += 1;
-            self.group_rows_read = 0;
+            at.group += 1;
+            at.group_rows_read = 0;
         };
-        if self.group_rows_read == 0 {
-            self.open_group()?;
+        if at.group_rows_read == 0 {
+            self.open_group(at, layout)?;
         }
         let rows = usize::try_from(left).map_or(limit, |left| left.min(limit));
-        if let Err(error) = self.fill(block, rows) {
-            // Some columns are ahead of others now: none is read any further.
-            for reading in &mut self.selected {
-                reading.reader = None;
-            }
-            return Err(error);
+        for (reading, column) in at.selected.iter_mut().zip(columns) {
+            let name = &layout.channels[reading.channel].name;
+            self.fill(reading, name, at.rows_read, rows, column)?;
         }
-        self.group_rows_read += rows as u64;
-        self.rows_read += rows as u64;
+        at.group_rows_read += rows as u64;
+        at.rows_read += rows as u64;
         Ok(rows)
     }
 }

@@ -100,18 +100,20 @@ impl Cursor {
         })
     }
 
-    /// A text with its length before it. Bytes that are not UTF-8 become replacement characters.
-    pub fn text(&mut self) -> Result<String> {
-        let length = self.u32()?;
-        self.claim(u64::from(length))?;
-        let mut bytes = vec![0; length as usize];
+    pub fn bytes(&mut self, count: u64) -> Result<Vec<u8>> {
+        self.claim(count)?;
+        let mut bytes = vec![0; count as usize];
         self.reader
             .read_exact(&mut bytes)
             .map_err(|source| Error::io(&self.path, source))?;
-        self.at += u64::from(length);
-        Ok(match String::from_utf8(bytes) {
-            Ok(text) => text,
-            Err(error) => String::from_utf8_lossy(error.as_bytes()).into_owned(),
-        })
+        self.at += count;
+        Ok(bytes)
+    }
+
+    /// A text with its length before it. Bytes that are not UTF-8 become replacement characters.
+    pub fn text(&mut self) -> Result<String> {
+        let length = self.u32()?;
+        let bytes = self.bytes(u64::from(length))?;
+        Ok(String::from_utf8_lossy(&bytes).into_owned())
     }
 }

@@ -3,6 +3,8 @@
 use std::fs::File;
 use std::path::Path;
 
+use indexmap::IndexSet;
+
 use super::chunk::Chunk;
 use super::cursor::Cursor;
 use super::object::Object;
@@ -24,7 +26,7 @@ pub struct Run {
 pub struct Index {
     pub objects: Vec<Object>,
     /// All different ones.
-    pub layouts: Vec<Chunk>,
+    pub layouts: IndexSet<Chunk>,
     /// In the file's order.
     pub runs: Vec<Run>,
     /// The last segment was cut off.
@@ -37,15 +39,13 @@ impl Index {
         let io = |source| Error::io(path, source);
         let file = File::open(path).map_err(io)?;
         let length = file.metadata().map_err(io)?.len();
-        let mut walk = Walk::new(Cursor::new(path, file), length);
-        walk.all()?;
-        let (index, cursor) = walk.finish();
-        Ok((index, cursor.into_file(), length))
+        let (index, file) = Walk::new(Cursor::new(path, file), length).all()?;
+        Ok((index, file, length))
     }
 
     /// The layout of a run.
     pub fn layout(&self, run: Run) -> Option<&Chunk> {
-        self.layouts.get(run.layout as usize)
+        self.layouts.get_index(run.layout as usize)
     }
 
     /// The first run from number `from` on in which an object has samples, and its number.

@@ -46,30 +46,5 @@ mod value;
 mod walk;
 mod window;
 
-use std::path::Path;
-
-use crate::channel::Layout;
-use crate::error::Result;
-use crate::sink::Sink;
-use crate::source::Source;
-
-/// Opens a TDMS file and indexes it. Its `.tdms_index` neighbour is neither needed nor looked at.
-///
-/// # Errors
-/// [`Error::Io`](crate::Error::Io); [`Error::Malformed`](crate::Error::Malformed) where the file breaks the format's rules;
-/// [`Error::Unsupported`](crate::Error::Unsupported) for a version or a data type whose size is not known.
-pub(crate) fn open(path: &Path) -> Result<Box<dyn Source>> {
-    Ok(Box::new(source::Reader::open(path)?))
-}
-
-/// Starts a TDMS file, version 4713: contiguous f64 segments of at most 65,536 rows.
-///
-/// A channel `group/channel` is written under that group, split at the first slash; one without a group goes into
-/// `recording`. Unit, sample rate and start offset become `unit_string`, `wf_increment` and `wf_start_offset`, a property
-/// `wf_start_time` (as this reader gives it) that of every channel with a rate; all other properties become texts of the file.
-///
-/// # Errors
-/// [`Error::Io`](crate::Error::Io); [`Error::Unsupported`](crate::Error::Unsupported) if two channels get the same name.
-pub(crate) fn create(path: &Path, layout: &Layout) -> Result<Box<dyn Sink>> {
-    Ok(Box::new(sink::Writer::create(path, layout)?))
-}
+pub(crate) use sink::create;
+pub(crate) use source::open;

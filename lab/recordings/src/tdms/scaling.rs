@@ -14,31 +14,39 @@ const MAX_SCALES: usize = 64;
 #[derive(Debug, Clone, PartialEq)]
 pub enum Scale {
     Raw,
+    /// Of what another scale gives.
+    Of(Function, Box<Scale>),
+    Add(Box<Scale>, Box<Scale>),
+    /// Right minus left: that is what NI's own readers do with these names.
+    Subtract(Box<Scale>, Box<Scale>),
+}
+
+/// A function of one value.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Function {
     Linear {
         slope: f64,
         intercept: f64,
-        input: Box<Scale>,
     },
     /// Coefficients from the constant up.
-    Polynomial {
-        coefficients: Vec<f64>,
-        input: Box<Scale>,
-    },
+    Polynomial(Vec<f64>),
     /// Linear between its points (ascending inputs), constant outside them.
     Table {
         inputs: Vec<f64>,
         outputs: Vec<f64>,
-        input: Box<Scale>,
     },
-    Add {
-        left: Box<Scale>,
-        right: Box<Scale>,
-    },
-    /// Right minus left: that is what NI's own readers do with these names.
-    Subtract {
-        left: Box<Scale>,
-        right: Box<Scale>,
-    },
+}
+
+impl Function {
+    fn at(&self, x: f64) -> f64 {
+        match self {
+            Self::Linear { slope, intercept } => x * slope + intercept,
+            Self::Polynomial(coefficients) => {
+                coefficients.iter().rev().fold(0.0, |sum, c| c + sum * x)
+            }
+            Self::Table { inputs, outputs } => interpolate(inputs, outputs, x),
+        }
+    }
 }
 
 impl Scale {
@@ -79,52 +87,21 @@ impl Scale {
     pub fn apply(&self, values: &mut [f64]) {
         match self {
             Self::Raw => {}
-            Self::Linear {
-                slope,
-                intercept,
-                input,
-            } => {
+            Self::Of(function, input) => {
                 input.apply(values);
-                for value in values {
-                    *value = *value * slope + intercept;
-                }
+                values.iter_mut().for_each(|x| *x = function.at(*x));
             }
-            Self::Polynomial {
-                coefficients,
-                input,
-            } => {
-                input.apply(values);
-                for value in values {
-                    *value = coefficients
-                        .iter()
-                        .rev()
-                        .fold(0.0, |sum, c| c + sum * *value);
-                }
-            }
-            Self::Table {
-                inputs,
-                outputs,
-                input,
-            } => {
-                input.apply(values);
-                for value in values {
-                    *value = interpolate(inputs, outputs, *value);
-                }
-            }
-            Self::Add { left, right } => {
+            Self::Add(left, right) | Self::Subtract(left, right) => {
                 let mut other = values.to_vec();
                 left.apply(values);
                 right.apply(&mut other);
+                let subtract = matches!(self, Self::Subtract(..));
                 for (value, other) in values.iter_mut().zip(other) {
-                    *value += other;
-                }
-            }
-            Self::Subtract { left, right } => {
-                let mut other = values.to_vec();
-                left.apply(values);
-                right.apply(&mut other);
-                for (value, other) in values.iter_mut().zip(other) {
-                    *value = other - *value;
+                    *value = if subtract {
+                        other - *value
+                    } else {
+                        *value + other
+                    };
                 }
             }
         }
@@ -192,12 +169,11 @@ impl Builder<'_> {
             }
         };
         let prefix = format!("NI_Scale[{at}]_{kind}");
-        match kind {
-            "Linear" => Ok(Scale::Linear {
+        let function = match kind {
+            "Linear" => Function::Linear {
                 slope: self.number(&format!("{prefix}_Slope"))?,
                 intercept: self.number(&format!("{prefix}_Y_Intercept"))?,
-                input: self.input(&format!("{prefix}_Input_Source"))?,
-            }),
+            },
             "Polynomial" => {
                 let size = format!("{prefix}_Coefficients_Size");
                 let size = if self.properties.contains_key(&size) {
@@ -205,43 +181,45 @@ impl Builder<'_> {
                 } else {
                     4
                 };
-                Ok(Scale::Polynomial {
-                    coefficients: self.list(&format!("{prefix}_Coefficients"), size)?,
-                    input: self.input(&format!("{prefix}_Input_Source"))?,
-                })
+                Function::Polynomial(self.list(&format!("{prefix}_Coefficients"), size)?)
             }
-            "Table" => {
-                let size = self.whole(&format!("{prefix}_Pre_Scaled_Values_Size"))?;
-                if self.whole(&format!("{prefix}_Scaled_Values_Size"))? != size || size == 0 {
-                    return Err(format!(
-                        "scale {at} (Table) with columns of different or no length"
-                    ));
-                }
-                let mut inputs = self.list(&format!("{prefix}_Pre_Scaled_Values"), size)?;
-                let mut outputs = self.list(&format!("{prefix}_Scaled_Values"), size)?;
-                if inputs.first() > inputs.last() {
-                    inputs.reverse();
-                    outputs.reverse();
-                }
-                if !inputs.is_sorted_by(|a, b| a < b) || inputs.iter().any(|x| x.is_nan()) {
-                    return Err(format!("scale {at} (Table) that is not monotonic"));
-                }
-                Ok(Scale::Table {
-                    inputs,
-                    outputs,
-                    input: self.input(&format!("{prefix}_Input_Source"))?,
-                })
+            "Table" => self.table(at, &prefix)?,
+            "Add" | "Subtract" => {
+                let left = self.operand(&format!("{prefix}_Left_Operand_Input_Source"))?;
+                let right = self.operand(&format!("{prefix}_Right_Operand_Input_Source"))?;
+                return Ok(match kind {
+                    "Add" => Scale::Add(left, right),
+                    _ => Scale::Subtract(left, right),
+                });
             }
-            "Add" => Ok(Scale::Add {
-                left: self.operand(&format!("{prefix}_Left_Operand_Input_Source"))?,
-                right: self.operand(&format!("{prefix}_Right_Operand_Input_Source"))?,
-            }),
-            "Subtract" => Ok(Scale::Subtract {
-                left: self.operand(&format!("{prefix}_Left_Operand_Input_Source"))?,
-                right: self.operand(&format!("{prefix}_Right_Operand_Input_Source"))?,
-            }),
-            other => Err(format!("scale {at} ({other})")),
+            other => return Err(format!("scale {at} ({other})")),
+        };
+        let input = format!("{prefix}_Input_Source");
+        let input = if self.properties.contains_key(&input) {
+            self.operand(&input)?
+        } else {
+            Box::new(self.scale(RAW)?)
+        };
+        Ok(Scale::Of(function, input))
+    }
+
+    fn table(&self, at: u64, prefix: &str) -> Result<Function, String> {
+        let size = self.whole(&format!("{prefix}_Pre_Scaled_Values_Size"))?;
+        if self.whole(&format!("{prefix}_Scaled_Values_Size"))? != size || size == 0 {
+            return Err(format!(
+                "scale {at} (Table) with columns of different or no length"
+            ));
         }
+        let mut inputs = self.list(&format!("{prefix}_Pre_Scaled_Values"), size)?;
+        let mut outputs = self.list(&format!("{prefix}_Scaled_Values"), size)?;
+        if inputs.first() > inputs.last() {
+            inputs.reverse();
+            outputs.reverse();
+        }
+        if !inputs.is_sorted_by(|a, b| a < b) || inputs.iter().any(|x| x.is_nan()) {
+            return Err(format!("scale {at} (Table) that is not monotonic"));
+        }
+        Ok(Function::Table { inputs, outputs })
     }
 
     fn number(&self, name: &str) -> Result<f64, String> {
@@ -263,14 +241,6 @@ impl Builder<'_> {
         (0..size)
             .map(|at| self.number(&format!("{name}[{at}]")))
             .collect()
-    }
-
-    fn input(&mut self, name: &str) -> Result<Box<Scale>, String> {
-        if self.properties.contains_key(name) {
-            self.operand(name)
-        } else {
-            self.scale(RAW).map(Box::new)
-        }
     }
 
     fn operand(&mut self, name: &str) -> Result<Box<Scale>, String> {

@@ -3,14 +3,13 @@
 use std::collections::HashSet;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::object::{join_path, split_path};
 use super::value::Timestamp;
-use crate::channel::{Block, Channel, Layout};
-use crate::draft::Draft;
-use crate::error::{Error, Place, Result};
-use crate::sink::Sink;
+use crate::channel::{Channel, Layout};
+use crate::error::{Error, Result};
+use crate::sink::{self, Encoder, Sink};
 
 /// Rows in a segment, at most.
 const MAX_ROWS: usize = 1 << 16;
@@ -33,64 +32,77 @@ const TEXT: u32 = 0x20;
 const TIME: u32 = 0x44;
 
 /// A TDMS file being written.
-pub struct Writer {
-    path: PathBuf,
-    draft: Draft,
+struct Writer {
     file: BufWriter<File>,
     layout: Layout,
     /// Group and name of each channel.
     names: Vec<[String; 2]>,
-    /// Rows of a full segment.
-    full: usize,
     /// Rows of the segment written last; none before the first.
     last: Option<usize>,
-    waiting: Vec<Vec<f64>>,
     /// Numbers as bytes, on their way out.
     bytes: Vec<u8>,
 }
 
-impl Writer {
-    pub fn create(path: &Path, layout: &Layout) -> Result<Self> {
-        let names: Vec<[String; 2]> = layout
-            .channels
-            .iter()
-            .map(|channel| names(&channel.name))
-            .collect();
-        let mut seen = HashSet::new();
-        if let Some([group, name]) = names.iter().find(|names| !seen.insert(*names)) {
-            return Err(Error::unsupported(
-                path,
-                format!("a second channel {name:?} in group {group:?}"),
-                "give the channels different names",
-            ));
-        }
-        let (draft, file) = Draft::create(path)?;
-        let channels = names.len();
-        Ok(Self {
-            path: path.to_owned(),
-            draft,
+/// Starts a TDMS file, version 4713: contiguous f64 segments of at most 65,536 rows.
+///
+/// A channel `group/channel` is written under that group, split at the first slash; one without a group goes into
+/// `recording`. Unit, sample rate and start offset become `unit_string`, `wf_increment` and `wf_start_offset`, a property
+/// `wf_start_time` (as this reader gives it) that of every channel with a rate; all other properties become texts of the file.
+///
+/// # Errors
+/// Those of [`sink::create`]; [`Error::Unsupported`] if two channels get the same name.
+pub(crate) fn create(path: &Path, layout: &Layout) -> Result<Box<dyn Sink>> {
+    let names: Vec<[String; 2]> = layout
+        .channels
+        .iter()
+        .map(|channel| names(&channel.name))
+        .collect();
+    let mut seen = HashSet::new();
+    if let Some([group, name]) = names.iter().find(|names| !seen.insert(*names)) {
+        return Err(Error::unsupported(
+            path,
+            format!("a second channel {name:?} in group {group:?}"),
+            "give the channels different names",
+        ));
+    }
+    sink::create(path, layout, |file| {
+        Ok(Writer {
             file: BufWriter::new(file),
             layout: layout.clone(),
             names,
-            full: (MAX_NUMBERS / channels.max(1)).clamp(1, MAX_ROWS),
             last: None,
-            waiting: vec![Vec::new(); channels],
             bytes: vec![0; 8 * PIECE],
         })
+    })
+}
+
+impl Encoder for Writer {
+    fn rows(&self) -> usize {
+        (MAX_NUMBERS / self.names.len().max(1)).clamp(1, MAX_ROWS)
     }
 
-    /// Writes a segment of what is waiting.
-    fn flush(&mut self) -> io::Result<()> {
-        let rows = self.waiting.first().map_or(0, Vec::len);
-        if rows == 0 && self.last.is_some() {
-            return Ok(());
+    fn piece(&mut self, columns: &[Vec<f64>]) -> io::Result<()> {
+        self.segment(columns.first().map_or(0, Vec::len), columns)
+    }
+
+    fn finish(mut self) -> io::Result<File> {
+        if self.last.is_none() {
+            self.segment(0, &[])?;
         }
+        self.file
+            .into_inner()
+            .map_err(io::IntoInnerError::into_error)
+    }
+}
+
+impl Writer {
+    fn segment(&mut self, rows: usize, columns: &[Vec<f64>]) -> io::Result<()> {
         let metadata = match self.last {
             // What a segment does not say holds from the one before.
             Some(last) if last == rows => Vec::new(),
             last => self.metadata(rows, last.is_none())?,
         };
-        let data = rows as u64 * self.waiting.len() as u64 * 8;
+        let data = rows as u64 * columns.len() as u64 * 8;
         let mut flags = 0;
         if !metadata.is_empty() {
             flags |= HAS_METADATA | NEW_OBJECTS;
@@ -106,15 +118,12 @@ impl Writer {
         self.file
             .write_all(&(metadata.len() as u64).to_le_bytes())?;
         self.file.write_all(&metadata)?;
-        for column in &mut self.waiting {
-            for values in column.chunks(PIECE) {
-                let bytes = &mut self.bytes[..8 * values.len()];
-                for (bytes, value) in bytes.chunks_exact_mut(8).zip(values) {
-                    bytes.copy_from_slice(&value.to_le_bytes());
-                }
-                self.file.write_all(bytes)?;
+        for values in columns.iter().flat_map(|column| column.chunks(PIECE)) {
+            let bytes = &mut self.bytes[..8 * values.len()];
+            for (bytes, value) in bytes.chunks_exact_mut(8).zip(values) {
+                bytes.copy_from_slice(&value.to_le_bytes());
             }
-            column.clear();
+            self.file.write_all(bytes)?;
         }
         self.last = Some(rows);
         Ok(())
@@ -254,39 +263,4 @@ fn names(name: &str) -> [String; 2] {
     }
     let (group, name) = name.split_once('/').unwrap_or((GROUP, name));
     [group.to_owned(), name.to_owned()]
-}
-
-impl Sink for Writer {
-    /// Besides the errors of [`Sink`]: [`Error::Malformed`] for a block with other channels than the layout's, or with
-    /// columns of different lengths.
-    fn write(&mut self, block: &Block) -> Result<()> {
-        let rows = block.rows();
-        if block.columns.len() != self.waiting.len()
-            || block.columns.iter().any(|column| column.len() != rows)
-        {
-            let cause = "a block to be written does not fit the channels of the file";
-            return Err(Error::malformed(&self.path, Place::Whole, cause));
-        }
-        let mut done = 0;
-        while done < rows {
-            let waiting = self.waiting.first().map_or(0, Vec::len);
-            let end = rows.min(done + (self.full - waiting));
-            for (column, values) in self.waiting.iter_mut().zip(&block.columns) {
-                column.extend_from_slice(&values[done..end]);
-            }
-            done = end;
-            if self.waiting.first().map_or(0, Vec::len) == self.full {
-                self.flush()
-                    .map_err(|source| Error::io(&self.path, source))?;
-            }
-        }
-        Ok(())
-    }
-
-    fn finish(mut self: Box<Self>) -> Result<()> {
-        self.flush()
-            .and_then(|()| self.file.flush())
-            .map_err(|source| Error::io(&self.path, source))?;
-        self.draft.keep(self.file.get_ref())
-    }
 }

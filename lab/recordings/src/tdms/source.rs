@@ -8,9 +8,9 @@ use super::index::{Index, Run};
 use super::kind::Kind;
 use super::value::Timestamp;
 use super::window::{WINDOW, Window};
-use crate::channel::{Block, Layout};
+use crate::channel::Layout;
 use crate::error::{Error, Result};
-use crate::source::Source;
+use crate::source::{Decoder, Source, reading};
 
 /// Samples that follow each other in the file are read on their own from this many bytes on; shorter pieces together with
 /// what lies between them.
@@ -19,16 +19,11 @@ const OWN_READ: u64 = 1 << 14;
 const MAX_NUMBERS: usize = 1 << 23;
 
 /// An open TDMS file.
-#[derive(Debug)]
-pub struct Reader {
+struct Tdms {
     path: PathBuf,
     index: Index,
-    layout: Layout,
     readings: Vec<Reading>,
     window: Window,
-    /// Where each selected channel is to be read next; none before the first selection.
-    selected: Option<Vec<Position>>,
-    left: u64,
 }
 
 /// Where a channel is to be read next.
@@ -44,55 +39,45 @@ struct Position {
     value: u64,
 }
 
-impl Reader {
-    pub fn open(path: &Path) -> Result<Self> {
-        let (index, file, length) = Index::read(path)?;
-        let (layout, readings) = describe(&index);
-        let mut reader = Self {
-            path: path.to_owned(),
-            index,
-            layout,
-            readings,
-            window: Window::new(file, length),
-            selected: None,
-            left: 0,
-        };
-        for channel in 0..reader.readings.len() {
-            reader.find_origin(channel)?;
-        }
-        Ok(reader)
+/// Opens a TDMS file and indexes it. Its `.tdms_index` neighbour is neither needed nor looked at.
+///
+/// # Errors
+/// [`Error::Io`]; [`Error::Malformed`] where the file breaks the format's rules; [`Error::Unsupported`] for a version or a
+/// data type whose size is not known.
+pub(crate) fn open(path: &Path) -> Result<Box<dyn Source>> {
+    let (index, file, length) = Index::read(path)?;
+    let (mut layout, readings) = describe(&index);
+    let mut tdms = Tdms {
+        path: path.to_owned(),
+        index,
+        readings,
+        window: Window::new(file, length),
+    };
+    for channel in 0..tdms.readings.len() {
+        tdms.find_origin(channel, &mut layout)?;
     }
+    Ok(reading(path, layout, tdms))
+}
 
+impl Tdms {
     /// Reads the first time stamp of a channel.
-    fn find_origin(&mut self, channel: usize) -> Result<()> {
-        let Some(reading) = self
-            .readings
-            .get_mut(channel)
-            .filter(|r| r.kind == Kind::Time)
-        else {
+    fn find_origin(&mut self, channel: usize, layout: &mut Layout) -> Result<()> {
+        let reading = &mut self.readings[channel];
+        if reading.kind != Kind::Time {
             return Ok(());
-        };
+        }
         let position = Position::start(&self.index, channel, reading.object);
         if let Some((_, run, ..)) = position.run
-            && let Some(layout) = self.index.layout(run)
+            && let Some(chunk) = self.index.layout(run)
         {
             let bytes = self
                 .window
                 .bytes(position.byte(), 16, 16)
                 .map_err(|source| Error::io(&self.path, source))?;
             if let Some(first) = bytes.first_chunk() {
-                let time = if layout.big_endian {
-                    i128::from_be_bytes(*first)
-                } else {
-                    i128::from_le_bytes(*first)
-                };
-                reading.origin = Timestamp(time);
-                if let Some(channel) = self.layout.channels.get(channel) {
-                    let name = format!("{}/first_timestamp", channel.name);
-                    self.layout
-                        .properties
-                        .insert(name, reading.origin.to_string());
-                }
+                reading.origin = Timestamp::from_bytes(*first, chunk.big_endian);
+                let name = format!("{}/first_timestamp", layout.channels[channel].name);
+                layout.properties.insert(name, reading.origin.to_string());
             }
         }
         Ok(())
@@ -216,61 +201,52 @@ impl Position {
     }
 }
 
-impl Source for Reader {
-    fn layout(&self) -> &Layout {
-        &self.layout
-    }
+impl Decoder for Tdms {
+    /// Where each selected channel is to be read next, and the rows left.
+    type Position = (Vec<Position>, u64);
 
-    /// Besides the errors of [`Source`]: [`Error::Unsupported`] for a channel whose scale or type is not known.
-    fn select(&mut self, channels: &[usize]) -> Result<()> {
-        let samples = self.layout.common_length(&self.path, channels)?;
-        let mut positions = Vec::with_capacity(channels.len());
-        for &channel in channels {
-            let (Some(reading), Some(described)) = (
-                self.readings.get(channel),
-                self.layout.channels.get(channel),
-            ) else {
-                continue;
-            };
-            if let Some(obstacle) = &reading.obstacle {
+    /// [`Error::Unsupported`] for a channel whose scale or type is not known.
+    fn check(&self, layout: &Layout, selected: &[usize]) -> Result<()> {
+        for &channel in selected {
+            if let Some(obstacle) = &self.readings[channel].obstacle {
                 return Err(Error::unsupported(
                     &self.path,
-                    format!("{obstacle} of channel {:?}", described.name),
+                    format!("{obstacle} of channel {:?}", layout.channels[channel].name),
                     "select other channels, or save this one as scaled DBL values with LabVIEW or DIAdem",
                 ));
             }
-            positions.push(Position::start(&self.index, channel, reading.object));
         }
-        self.selected = Some(positions);
-        self.left = samples;
         Ok(())
     }
 
-    fn read(&mut self, block: &mut Block, limit: usize) -> Result<usize> {
-        if self.selected.is_none() {
-            let all: Vec<usize> = (0..self.readings.len()).collect();
-            self.select(&all)?;
-        }
-        // Away while it is being advanced, so that after an error reading starts over.
-        let mut positions = self.selected.take().unwrap_or_default();
-        block.clear(positions.len());
-        let most = MAX_NUMBERS / positions.len().max(1);
-        let rows = self.left.min(limit.min(most.max(1)) as u64);
+    fn start(
+        &mut self,
+        _layout: &Layout,
+        selected: &[usize],
+        samples: u64,
+    ) -> Result<Self::Position> {
+        let start = |&channel| Position::start(&self.index, channel, self.readings[channel].object);
+        Ok((selected.iter().map(start).collect(), samples))
+    }
+
+    fn next(
+        &mut self,
+        (positions, left): &mut Self::Position,
+        _layout: &Layout,
+        columns: &mut [Vec<f64>],
+        limit: usize,
+    ) -> Result<usize> {
+        let most = (MAX_NUMBERS / positions.len()).max(1);
+        let rows = (*left).min(limit.min(most) as u64);
         let mut done = 0;
         while done < rows {
-            let tile = self.rows_together(&positions, rows - done);
-            let together = shares(&positions);
+            let tile = self.rows_together(positions, rows - done);
+            let together = shares(positions);
             let mut order: Vec<usize> = (0..positions.len()).collect();
-            order.sort_by_key(|at| positions.get(*at).map(Position::byte));
+            order.sort_by_key(|at| positions[*at].byte());
             for at in order {
-                let (Some(position), Some(column)) =
-                    (positions.get_mut(at), block.columns.get_mut(at))
-                else {
-                    continue;
-                };
-                let Some(reading) = self.readings.get(position.channel) else {
-                    continue;
-                };
+                let (position, column) = (&mut positions[at], &mut columns[at]);
+                let reading = &self.readings[position.channel];
                 let start = column.len();
                 column.reserve((rows - done) as usize);
                 position
@@ -283,14 +259,13 @@ impl Source for Reader {
                         column,
                     )
                     .map_err(|source| Error::io(&self.path, source))?;
-                if let (Some(scale), Some(values)) = (&reading.scale, column.get_mut(start..)) {
-                    scale.apply(values);
+                if let Some(scale) = &reading.scale {
+                    scale.apply(&mut column[start..]);
                 }
             }
             done += tile;
         }
-        self.left -= rows;
-        self.selected = Some(positions);
+        *left -= rows;
         Ok(rows as usize)
     }
 }

@@ -1,7 +1,7 @@
 //! Lead-ins and object lists, segment after segment.
 
 use std::collections::HashMap;
-use std::hash::{DefaultHasher, Hash, Hasher};
+use std::fs::File;
 
 use super::chunk::Chunk;
 use super::cursor::Cursor;
@@ -41,7 +41,6 @@ pub struct Walk {
     started: bool,
     /// Layout of the current list under these flags, unless something changed since.
     current: Option<(u32, u32)>,
-    by_hash: HashMap<u64, Vec<u32>>,
     /// Chunks of each layout.
     chunks: Vec<u64>,
     columns: usize,
@@ -59,15 +58,14 @@ impl Walk {
             places: HashMap::new(),
             started: false,
             current: None,
-            by_hash: HashMap::new(),
             chunks: Vec::new(),
             columns: 0,
             revisits: 0,
         }
     }
 
-    /// All segments.
-    pub fn all(&mut self) -> Result<()> {
+    /// All segments, and hands back the file.
+    pub fn all(mut self) -> Result<(Index, File)> {
         let mut at = 0;
         while at < self.length {
             match self.segment(at)? {
@@ -78,20 +76,14 @@ impl Walk {
                 }
             }
         }
-        Ok(())
-    }
-
-    pub fn finish(mut self) -> (Index, Cursor) {
         for (layout, chunks) in self.index.layouts.iter().zip(&self.chunks) {
             for column in &layout.columns {
-                if let Some(object) = self.index.objects.get_mut(column.object as usize) {
-                    object.samples = object
-                        .samples
-                        .saturating_add(column.values.saturating_mul(*chunks));
-                }
+                let object = &mut self.index.objects[column.object as usize];
+                let samples = column.values.saturating_mul(*chunks);
+                object.samples = object.samples.saturating_add(samples);
             }
         }
-        (self.index, self.cursor)
+        Ok((self.index, self.cursor.into_file()))
     }
 
     /// One segment; the byte where the next begins, or none if it ends within its lead-in or its metadata.
@@ -317,7 +309,7 @@ impl Walk {
                 id
             }
         };
-        let Some(chunk) = self.index.layouts.get(id as usize) else {
+        let Some(chunk) = self.index.layouts.get_index(id as usize) else {
             return Ok(());
         };
         if chunk.bytes == 0 {
@@ -368,26 +360,16 @@ impl Walk {
 
     /// The number of a layout, an old one if it was there before.
     fn intern(&mut self, chunk: Chunk) -> Result<u32> {
-        let mut hasher = DefaultHasher::new();
-        chunk.hash(&mut hasher);
-        let known = self.by_hash.entry(hasher.finish()).or_default();
-        let layouts = &mut self.index.layouts;
-        if let Some(id) = known
-            .iter()
-            .find(|id| layouts.get(**id as usize) == Some(&chunk))
-        {
-            return Ok(*id);
+        let columns = chunk.columns.len();
+        let (id, new) = self.index.layouts.insert_full(chunk);
+        if new {
+            self.columns += columns;
+            if self.columns > MAX_COLUMNS {
+                return Err(self.restless());
+            }
+            self.chunks.push(0);
         }
-        self.columns += chunk.columns.len();
-        if self.columns > MAX_COLUMNS {
-            return Err(self.restless());
-        }
-        let id = u32::try_from(layouts.len())
-            .map_err(|_| self.cursor.malformed("more than 2^32 layouts"))?;
-        known.push(id);
-        layouts.push(chunk);
-        self.chunks.push(0);
-        Ok(id)
+        u32::try_from(id).map_err(|_| self.cursor.malformed("more than 2^32 layouts"))
     }
 
     fn restless(&self) -> Error {

@@ -1,6 +1,6 @@
 //! Which dialect the first lines are written in, and which of them are headings.
 
-use super::dialect::{Decimal, Dialect, Separator, number, split, text};
+use super::dialect::{Decimal, Dialect, Separator, number, split, texts};
 
 /// A line with its number.
 pub type Numbered = (u64, Vec<u8>);
@@ -153,7 +153,8 @@ fn arrange(lines: &[Numbered], best: &Score) -> Result<Found, (u64, String)> {
         before: 0,
     };
     for (at, (line, bytes)) in lines.iter().take(2).enumerate() {
-        let names = texts(bytes, best.dialect.separator).map_err(|cause| (*line, cause))?;
+        let names =
+            texts(bytes, best.dialect.separator).map_err(|cause| (*line, cause.to_owned()))?;
         if !is_words(&names, best, at == 0) {
             break;
         }
@@ -184,15 +185,6 @@ fn differing(names: usize, best: &Score) -> String {
         best.columns,
         best.dialect.describe()
     )
-}
-
-fn texts(line: &[u8], separator: Separator) -> Result<Vec<String>, String> {
-    let mut cells = Vec::new();
-    split(line, separator, &mut cells)?;
-    Ok(cells
-        .iter()
-        .map(|&(begin, end)| text(line.get(begin..end).unwrap_or_default()))
-        .collect())
 }
 
 /// Whether a line is headings (or units) and not a row.
@@ -242,7 +234,8 @@ fn names_only(lines: &[Numbered], candidates: &[Separator]) -> Result<Found, (u6
             break;
         }
     }
-    let read = |line: u64, bytes: &[u8]| texts(bytes, separator).map_err(|cause| (line, cause));
+    let read =
+        |line: u64, bytes: &[u8]| texts(bytes, separator).map_err(|cause| (line, cause.to_owned()));
     let headings = read(*line, first)?;
     let units = match lines.get(1) {
         Some((line, bytes)) => {

@@ -191,6 +191,16 @@ pub fn text(cell: &[u8]) -> String {
     text.replace("\"\"", "\"")
 }
 
+/// The cells of a line as a person reads them. Fails on a quote that does not end.
+pub fn texts(line: &[u8], separator: Separator) -> Result<Vec<String>, &'static str> {
+    let mut cells = Vec::new();
+    split(line, separator, &mut cells)?;
+    let cells = cells.iter();
+    Ok(cells
+        .map(|&(begin, end)| text(line.get(begin..end).unwrap_or_default()))
+        .collect())
+}
+
 /// [`text`], shortened for a message.
 pub fn excerpt(cell: &[u8]) -> String {
     let text = text(cell);

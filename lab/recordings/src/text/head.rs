@@ -1,13 +1,14 @@
 //! Everything before the first row: comments, properties, headings.
 
+use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 use std::path::Path;
 
 use super::detect::{Found, Numbered, detect};
-use super::dialect::{Dialect, Separator, split, text};
+use super::dialect::{Dialect, Separator, text, texts};
 use super::lines::{LINE, Lines};
 use super::lvm;
-use crate::channel::{Channel, Layout, MOST_CHANNELS, is_sample_rate, make_unique, time_channel};
+use crate::channel::{Channel, Layout, MOST_CHANNELS, is_sample_rate, sample_rate};
 use crate::error::{Error, Place, Result};
 
 /// Lines other than comments that decide the dialect.
@@ -16,8 +17,6 @@ const SAMPLE: usize = 100;
 /// What a file says of its rows.
 #[derive(Debug)]
 pub struct Table {
-    /// Channels and properties.
-    pub layout: Layout,
     /// Separator and decimal sign.
     pub dialect: Dialect,
     /// Cells of a row.
@@ -34,7 +33,7 @@ pub struct Table {
 ///
 /// # Errors
 /// [`Error::Malformed`], [`Error::Unsupported`], [`Error::Io`].
-pub fn read(path: &Path) -> Result<Table> {
+pub fn read(path: &Path) -> Result<(Layout, Table)> {
     let mut lines = Lines::open(path)?;
     let mut comments: Vec<Numbered> = Vec::new();
     let mut sample: Vec<Numbered> = Vec::new();
@@ -88,25 +87,21 @@ pub fn read(path: &Path) -> Result<Table> {
         0 => begin,
         before => sample.get(before - 1).map_or(begin, |line| line.0 + 1),
     };
-    let mut layout = Layout {
-        format: format!("{kind} ({})", found.dialect.describe()),
-        channels: channels(&found),
-        ..Layout::default()
-    };
-    layout.time = time_channel(&layout.channels);
+    let format = format!("{kind} ({})", found.dialect.describe());
+    let mut layout = Layout::new(format, channels(&found), BTreeMap::new());
     for (number, line) in &comments {
         if let Some((key, value)) = property(line) {
             apply(path, *number, &mut layout, key, value)?;
         }
     }
-    Ok(Table {
-        layout,
+    let table = Table {
         dialect: found.dialect,
         cells: found.columns..=found.columns,
         first_cell: 0,
         loose: found.dialect.separator != Separator::Tab,
         first_line,
-    })
+    };
+    Ok((layout, table))
 }
 
 /// Whether a line is a comment.
@@ -142,14 +137,8 @@ fn property(line: &[u8]) -> Option<(String, String)> {
 /// Keeps a property, and the sample rate if it is that.
 fn apply(path: &Path, line: u64, layout: &mut Layout, key: String, value: String) -> Result<()> {
     if is_sample_rate(&key) {
-        let rate = value
-            .parse()
-            .ok()
-            .filter(|r: &f64| r.is_finite() && *r > 0.0);
-        let Some(rate) = rate else {
-            let cause = format!("{key} is {value:?}, not a positive number of samples per second");
-            return Err(Error::malformed(path, Place::Line(line), cause));
-        };
+        let rate = sample_rate(&key, &value)
+            .map_err(|cause| Error::malformed(path, Place::Line(line), cause))?;
         for channel in &mut layout.channels {
             channel.sample_rate_hz = Some(rate);
         }
@@ -168,12 +157,7 @@ fn commented_headings(line: &[u8], found: &Found) -> Option<Vec<String>> {
         .iter()
         .position(|byte| *byte != b'#' && *byte != b'%')?;
     let line = line.get(start..)?;
-    let mut cells = Vec::new();
-    split(line, found.dialect.separator, &mut cells).ok()?;
-    let names: Vec<String> = cells
-        .iter()
-        .map(|&(begin, end)| text(line.get(begin..end).unwrap_or_default()))
-        .collect();
+    let names = texts(line, found.dialect.separator).ok()?;
     let named = names
         .iter()
         .all(|n| !n.is_empty() && n.parse::<f64>().is_err());
@@ -181,15 +165,13 @@ fn commented_headings(line: &[u8], found: &Found) -> Option<Vec<String>> {
 }
 
 fn channels(found: &Found) -> Vec<Channel> {
-    let mut channels: Vec<Channel> = (0..found.columns)
+    (0..found.columns)
         .map(|at| {
             let heading = found.headings.as_ref().and_then(|h| h.get(at));
             let unit = found.units.as_ref().and_then(|u| u.get(at));
             channel(at, heading.map_or("", String::as_str), unit)
         })
-        .collect();
-    make_unique(&mut channels);
-    channels
+        .collect()
 }
 
 /// A channel from its heading and its cell in the line of units.

@@ -1,11 +1,12 @@
 //! The header of LabVIEW Measurement files: lines of key and values, one value per channel.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::dialect::{Decimal, Dialect, Separator, number, split, text};
+use super::dialect::{Decimal, Dialect, Separator, number, texts};
 use super::head::{Table, is_blank};
 use super::lines::Lines;
-use crate::channel::{Channel, Layout, MOST_CHANNELS, make_unique};
+use crate::channel::{Channel, Layout, MOST_CHANNELS};
 use crate::error::{Error, Place, Result};
 
 const END: &str = "***End_of_Header***";
@@ -37,10 +38,9 @@ impl Header {
 ///
 /// # Errors
 /// [`Error::Unsupported`] for an X column per channel; [`Error::Malformed`], [`Error::Io`].
-pub fn read(path: &Path, lines: &mut Lines) -> Result<Table> {
+pub fn read(path: &Path, lines: &mut Lines) -> Result<(Layout, Table)> {
     let mut header = Header::default();
     let mut separator = Separator::Tab;
-    let mut cells = Vec::new();
     let mut ends = 0;
     let headings = loop {
         let Some((at, line)) = lines.next()? else {
@@ -54,12 +54,8 @@ pub fn read(path: &Path, lines: &mut Lines) -> Result<Table> {
         if is_blank(line) || line.iter().all(|byte| b"\t, ".contains(byte)) {
             continue;
         }
-        split(line, separator, &mut cells)
+        let mut words = texts(line, separator)
             .map_err(|cause| Error::malformed(path, Place::Line(at), cause))?;
-        let mut words: Vec<String> = cells
-            .iter()
-            .map(|&(begin, end)| text(line.get(begin..end).unwrap_or_default()))
-            .collect();
         let key = words.first().cloned().unwrap_or_default();
         if key.starts_with(END) {
             ends += 1;
@@ -83,7 +79,7 @@ fn table(
     header: &Header,
     separator: Separator,
     (line, mut names): (u64, Vec<String>),
-) -> Result<Table> {
+) -> Result<(Layout, Table)> {
     if header.value("X_Columns") == "Multi" {
         return Err(Error::unsupported(
             path,
@@ -141,14 +137,8 @@ fn table(
     if has_x {
         channels.insert(0, Channel::new("X_Value", time.then_some("s")));
     }
-    make_unique(&mut channels);
     let dialect = Dialect { separator, decimal };
-    let mut layout = Layout {
-        format: format!("LabVIEW Measurement ({})", dialect.describe()),
-        channels,
-        time: time.then_some(0),
-        ..Layout::default()
-    };
+    let mut properties = BTreeMap::new();
     for key in [
         "Project",
         "Operator",
@@ -159,15 +149,20 @@ fn table(
     ] {
         let value = header.value(key);
         if !value.is_empty() {
-            layout.properties.insert(key.to_owned(), value.to_owned());
+            properties.insert(key.to_owned(), value.to_owned());
         }
     }
-    Ok(Table {
-        layout,
+    let format = format!("LabVIEW Measurement ({})", dialect.describe());
+    let layout = Layout {
+        time: time.then_some(0),
+        ..Layout::new(format, channels, properties)
+    };
+    let table = Table {
         dialect,
         cells: names.len()..=names.len() + 1,
         first_cell: usize::from(!has_x),
         loose: true,
         first_line: line + 1,
-    })
+    };
+    Ok((layout, table))
 }

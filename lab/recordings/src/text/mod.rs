@@ -36,27 +36,5 @@ mod lvm;
 mod sink;
 mod source;
 
-use std::path::Path;
-
-use crate::channel::Layout;
-use crate::error::Result;
-use crate::sink::Sink;
-use crate::source::Source;
-
-/// Opens a file of text, gzip or not.
-///
-/// # Errors
-/// [`crate::Error::Malformed`], [`crate::Error::Unsupported`], [`crate::Error::Io`].
-pub(crate) fn open(path: &Path) -> Result<Box<dyn Source>> {
-    Ok(Box::new(source::TextSource::open(path)?))
-}
-
-/// Starts a file of comma-separated values, compressed if its name ends with `.gz`. Properties and the sample rate, if all
-/// channels have the same, are comments at the top; headings are `name [unit]`; numbers are the shortest that read back the
-/// same.
-///
-/// # Errors
-/// [`crate::Error::Io`]; [`crate::Error::Unsupported`] for no channels or more than 4096.
-pub(crate) fn create(path: &Path, layout: &Layout) -> Result<Box<dyn Sink>> {
-    Ok(Box::new(sink::TextSink::create(path, layout)?))
-}
+pub(crate) use sink::create;
+pub(crate) use source::open;

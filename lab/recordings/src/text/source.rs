@@ -5,107 +5,107 @@ use std::path::{Path, PathBuf};
 use super::dialect::{Decimal, excerpt, number, split};
 use super::head::{self, Table, is_blank, is_comment};
 use super::lines::Lines;
-use crate::channel::{Block, Layout};
+use crate::channel::Layout;
 use crate::error::{Error, Place, Result};
-use crate::source::Source;
+use crate::source::{Decoder, Source, reading};
+
+/// Opens a file of text, gzip or not.
+///
+/// # Errors
+/// [`Error::Malformed`], [`Error::Unsupported`], [`Error::Io`].
+pub(crate) fn open(path: &Path) -> Result<Box<dyn Source>> {
+    let (layout, table) = head::read(path)?;
+    let text = Text {
+        path: path.to_owned(),
+        table,
+    };
+    Ok(reading(path, layout, text))
+}
 
 /// A file of text, open for reading.
-pub struct TextSource {
+struct Text {
     path: PathBuf,
     table: Table,
-    /// Channels to be read, in this order.
-    selected: Vec<usize>,
-    state: State,
 }
 
-enum State {
-    /// Nothing read since the selection.
-    Fresh,
-    /// Somewhere in the rows.
-    Reading(Box<Rows>),
-    /// A row could not be read; what follows would be out of step.
-    Failed,
-}
-
+/// Somewhere in the rows.
 struct Rows {
     lines: Lines,
     decimal: Decimal,
     cells: Vec<(usize, usize)>,
-    /// Which channels are parsed.
-    needed: Vec<bool>,
-    values: Vec<f64>,
+    /// Columns of the block that each channel goes to; none if it is not parsed.
+    targets: Vec<Vec<usize>>,
     scratch: String,
 }
 
-impl TextSource {
-    /// Opens a file and reads its head.
-    ///
-    /// # Errors
-    /// [`Error::Malformed`], [`Error::Unsupported`], [`Error::Io`].
-    pub fn open(path: &Path) -> Result<Self> {
-        let table = head::read(path)?;
-        Ok(Self {
-            path: path.to_owned(),
-            selected: (0..table.layout.channels.len()).collect(),
-            table,
-            state: State::Fresh,
-        })
-    }
+impl Decoder for Text {
+    type Position = Rows;
 
-    fn start(&self) -> Result<Box<Rows>> {
-        let channels = self.table.layout.channels.len();
-        let mut needed = vec![false; channels];
-        for &channel in &self.selected {
-            if let Some(needed) = needed.get_mut(channel) {
-                *needed = true;
-            }
+    fn start(&mut self, layout: &Layout, selected: &[usize], _samples: u64) -> Result<Rows> {
+        let mut targets = vec![Vec::new(); layout.channels.len()];
+        for (column, &channel) in selected.iter().enumerate() {
+            targets[channel].push(column);
         }
         let mut lines = Lines::open(&self.path)?;
         for _ in 1..self.table.first_line {
             lines.next()?;
         }
-        Ok(Box::new(Rows {
+        Ok(Rows {
             lines,
             decimal: self.table.dialect.decimal,
             cells: Vec::new(),
-            needed,
-            values: vec![0.0; channels],
+            targets,
             scratch: String::new(),
-        }))
+        })
+    }
+
+    fn next(
+        &mut self,
+        at: &mut Rows,
+        _layout: &Layout,
+        columns: &mut [Vec<f64>],
+        limit: usize,
+    ) -> Result<usize> {
+        let mut rows = 0;
+        while rows < limit && self.row(at, columns)? {
+            rows += 1;
+        }
+        Ok(rows)
     }
 }
 
-impl Rows {
-    /// Reads the next row into `values`; false at the end.
-    fn next(&mut self, path: &Path, table: &Table) -> Result<bool> {
+impl Text {
+    /// Appends the next row; false at the end.
+    fn row(&self, rows: &mut Rows, columns: &mut [Vec<f64>]) -> Result<bool> {
+        let table = &self.table;
         loop {
-            let Some((at, line)) = self.lines.next()? else {
+            let Some((at, line)) = rows.lines.next()? else {
                 return Ok(false);
             };
             if is_comment(line) || is_blank(line) || (table.loose && line.trim_ascii().is_empty()) {
                 continue;
             }
-            split(line, table.dialect.separator, &mut self.cells)
-                .map_err(|cause| Error::malformed(path, Place::Line(at), cause))?;
-            if !table.cells.contains(&self.cells.len()) {
-                let cause = format!(
-                    "{} columns, {} were expected",
-                    self.cells.len(),
-                    table.cells.start()
-                );
-                return Err(Error::malformed(path, Place::Line(at), cause));
+            let malformed = |place, cause: String| Error::malformed(&self.path, place, cause);
+            split(line, table.dialect.separator, &mut rows.cells)
+                .map_err(|cause| malformed(Place::Line(at), cause.to_owned()))?;
+            let (found, expected) = (rows.cells.len(), &table.cells);
+            if !expected.contains(&found) {
+                let cause = format!("{found} columns, {} were expected", expected.start());
+                return Err(malformed(Place::Line(at), cause));
             }
-            let cells = self.cells.iter().enumerate().skip(table.first_cell);
-            let wanted = self.needed.iter().zip(&mut self.values);
-            for ((column, &(begin, end)), (&needed, value)) in cells.zip(wanted) {
-                if needed {
-                    let cell = line.get(begin..end).unwrap_or_default();
-                    *value =
-                        number(cell, &mut self.decimal, &mut self.scratch).ok_or_else(|| {
-                            let place = Place::Cell(at, column + 1);
-                            Error::malformed(path, place, not_a_number(cell, self.decimal))
-                        })?;
+            let cells = rows.cells.iter().enumerate().skip(table.first_cell);
+            for ((cell_at, &(begin, end)), targets) in cells.zip(&rows.targets) {
+                if targets.is_empty() {
+                    continue;
                 }
+                let cell = line.get(begin..end).unwrap_or_default();
+                let Some(value) = number(cell, &mut rows.decimal, &mut rows.scratch) else {
+                    let cause = not_a_number(cell, rows.decimal);
+                    return Err(malformed(Place::Cell(at, cell_at + 1), cause));
+                };
+                targets
+                    .iter()
+                    .for_each(|&target| columns[target].push(value));
             }
             return Ok(true);
         }
@@ -124,39 +124,4 @@ fn not_a_number(cell: &[u8], decimal: Decimal) -> String {
         "{} is not a number (decimal sign: {sign}, no thousands separators)",
         excerpt(cell)
     )
-}
-
-impl Source for TextSource {
-    fn layout(&self) -> &Layout {
-        &self.table.layout
-    }
-
-    fn select(&mut self, channels: &[usize]) -> Result<()> {
-        self.table.layout.common_length(&self.path, channels)?;
-        self.selected = channels.to_vec();
-        self.state = State::Fresh;
-        Ok(())
-    }
-
-    fn read(&mut self, block: &mut Block, limit: usize) -> Result<usize> {
-        block.clear(self.selected.len());
-        let mut rows = match std::mem::replace(&mut self.state, State::Failed) {
-            State::Fresh => self.start()?,
-            State::Reading(rows) => rows,
-            State::Failed => {
-                let cause =
-                    "an earlier row could not be read; select the channels again to start anew";
-                return Err(Error::malformed(&self.path, Place::Whole, cause));
-            }
-        };
-        let mut count = 0;
-        while count < limit && !self.selected.is_empty() && rows.next(&self.path, &self.table)? {
-            for (column, &channel) in block.columns.iter_mut().zip(&self.selected) {
-                column.push(rows.values.get(channel).copied().unwrap_or(f64::NAN));
-            }
-            count += 1;
-        }
-        self.state = State::Reading(rows);
-        Ok(count)
-    }
 }

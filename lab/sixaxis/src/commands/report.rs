@@ -144,7 +144,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     for figure in page.figures() {
         files.push((
             figures.join(&figure.id).with_extension("svg"),
-            standalone(figure)?.into_bytes(),
+            standalone(figure).into_bytes(),
         ));
     }
     for (path, bytes) in files {

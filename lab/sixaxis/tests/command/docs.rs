@@ -193,7 +193,11 @@ fn on_one_line(page: &str) -> String {
 }
 
 fn published(name: &str) -> serde_json::Value {
-    serde_json::from_str(&read(&format!("props/results/{name}.json"))).expect("JSON")
+    json(&format!("props/results/{name}.json"))
+}
+
+fn json(path: &str) -> serde_json::Value {
+    serde_json::from_str(&read(path)).expect("JSON")
 }
 
 #[test]
@@ -276,4 +280,90 @@ fn the_figures_from_the_field_are_the_published_ones() {
     ] {
         assert!(docs.contains(&sentence), "{sentence}");
     }
+}
+
+/// Peers by their names in the published file and in the table of docs/speed.md.
+const PEERS: [(&str, &str); 8] = [
+    (
+        "closed_form",
+        "the same formulas in plain C++, `g++ -O3 -march=native`",
+    ),
+    ("closed_form_fast_math", "the same with `-ffast-math`"),
+    ("numba_lean", "the same in numba, nothing allocated"),
+    ("jax_scan", "the same in JAX, `lax.scan`, jitted"),
+    (
+        "numpy_vectorised",
+        "the same in NumPy, vectorised over the record",
+    ),
+    (
+        "eigen",
+        "the equations as printed in C++ with Eigen, pose by Gauss-Newton",
+    ),
+    (
+        "mujoco_inverse",
+        "MuJoCo's inverse dynamics of one body, state and limb forces given",
+    ),
+    ("pinocchio_rnea", "Pinocchio's, likewise"),
+];
+
+/// Two significant digits, thousands set off.
+fn two_digits(value: f64) -> String {
+    let text = format!("{value:.1e}");
+    let (_, exponent) = text.split_once('e').expect("a power of ten");
+    let exponent: usize = exponent.parse().unwrap_or(0);
+    let rounded: f64 = text.parse().expect("a number");
+    let decimals = if rounded < 1.0 {
+        2
+    } else {
+        1_usize.saturating_sub(exponent)
+    };
+    let digits = format!("{rounded:.decimals$}");
+    match digits.len() {
+        4.. if rounded >= 1e3 => {
+            let (thousands, rest) = digits.split_at(digits.len() - 3);
+            format!("{thousands},{rest}")
+        }
+        _ => digits,
+    }
+}
+
+#[test]
+fn the_speeds_in_the_docs_are_the_published_ones() {
+    for (value, words) in [
+        (0.984, "0.98"),
+        (1.04, "1.0"),
+        (9.96, "10"),
+        (27.6, "28"),
+        (2328.0, "2,300"),
+    ] {
+        assert_eq!(two_digits(value), words);
+    }
+    let docs = read("docs/speed.md");
+    let published = json("benches/results/speed.json");
+    let peers = published["peers"]["peers"].as_array().expect("peers");
+    let ratios = |name: &str| {
+        let peer = peers.iter().find(|peer| peer["name"] == name).expect(name);
+        ["push", "record", "lanes"]
+            .map(|base| two_digits(peer["ratio_to"][base]["median"].as_f64().expect(base)))
+    };
+    let rows = PEERS.map(|(name, words)| format!("| {words} | {} |", ratios(name).join(" | ")));
+    let missing: Vec<_> = rows.iter().filter(|row| !docs.contains(*row)).collect();
+    assert!(
+        missing.is_empty(),
+        "docs/speed.md has not\n{}",
+        rows.join("\n")
+    );
+
+    let text = |value: &serde_json::Value| value.as_str().expect("text").to_owned();
+    let run = &published["peers"];
+    let measured = format!(
+        "{}, commit {}, {}",
+        text(&run["machine"]["cpu"]),
+        &text(&run["commit"])[..9],
+        &text(&run["date_utc"])[..10],
+    );
+    assert!(
+        on_one_line("docs/speed.md").contains(&measured),
+        "docs/speed.md: {measured}"
+    );
 }

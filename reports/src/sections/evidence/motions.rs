@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use sixaxis_page::number::count;
-use sixaxis_page::{Axis, Cell, Figure, Mark, Series, Table, Text};
+use sixaxis_page::{Axis, Cell, Figure, Table, Text};
 use sixaxis_props::evidence::{Quantiles, Row};
 
 use super::cells::{error, limit, margin};
@@ -84,15 +84,15 @@ fn figure(q: &Quantity<'_>, id: &str, range: (f64, f64)) -> Figure {
         Axis::log("error", "").range(range.0, range.1),
         Axis::linear("share of comparisons", "%").range(0.0, 100.0),
     )
-    .mark(Mark::vertical(smallest, label))
-    .series(Series::line("error", OURS, cumulated(ours, range)));
+    .vertical(smallest, label)
+    .line("error", OURS, cumulated(ours, range));
     match q.reference {
         None => figure,
-        Some(_) => figure.series(Series::dashed(
+        Some(_) => figure.dashed(
             "the reference's own error",
             REFERENCE,
             cumulated(reference, range),
-        )),
+        ),
     }
 }
 

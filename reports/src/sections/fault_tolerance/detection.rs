@@ -2,7 +2,7 @@
 
 use sixaxis_page::figure::paired;
 use sixaxis_page::number::{count, fixed, scientific, significant};
-use sixaxis_page::{Axis, Figure, Series, Table, Text};
+use sixaxis_page::{Axis, Figure, Table, Text};
 use sixaxis_props::faults::Name;
 use sixaxis_props::results::{Curve, Detection, FaultTally, OfClass};
 
@@ -37,9 +37,11 @@ fn operating(id: &str, curves: &[&Curve]) -> Figure {
         .fold(figure, |figure, (colour, curve)| {
             let label = format!("{} σ", significant(curve.sigmas, 1));
             let over = |values: &[f64]| paired(&curve.false_alarm, values);
-            figure
-                .series(Series::points(label, colour, over(&curve.detected)))
-                .series(Series::dashed("", colour, over(&curve.theory)))
+            figure.points(label, colour, over(&curve.detected)).dashed(
+                "",
+                colour,
+                over(&curve.theory),
+            )
         })
 }
 

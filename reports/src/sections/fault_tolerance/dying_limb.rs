@@ -1,7 +1,7 @@
 //! A limb that dies in mid-motion, as MuJoCo's truth sees it.
 
 use sixaxis_page::figure::{NEUTRAL, paired};
-use sixaxis_page::{Axis, Figure, Mark, Series, Text};
+use sixaxis_page::{Axis, Figure, Text};
 use sixaxis_props::results::DyingLimb;
 
 /// Values and figures.
@@ -16,15 +16,15 @@ pub fn fill(text: Text, d: &DyingLimb) -> Text {
 }
 
 fn over_time(d: &DyingLimb, id: &str, y: Axis) -> Figure {
-    let died = Mark::vertical(d.died_at_s, format!("limb {} dies", d.limb));
-    Figure::new(id, "", Axis::linear("time", "s"), y).mark(died)
+    let died = format!("limb {} dies", d.limb);
+    Figure::new(id, "", Axis::linear("time", "s"), y).vertical(d.died_at_s, died)
 }
 
 fn statistic(d: &DyingLimb) -> Figure {
     let y = Axis::log("largest squared whitened residual", "");
     over_time(d, "dying-limb-statistic", y)
-        .series(Series::line("", 0, paired(&d.time_s, &d.statistic)))
-        .mark(Mark::horizontal(d.threshold, "threshold of one sample"))
+        .line("", 0, paired(&d.time_s, &d.statistic))
+        .horizontal(d.threshold, "threshold of one sample")
 }
 
 /// The same three curves of an acceleration and of an attitude.
@@ -36,13 +36,9 @@ fn compared(
     truth: (&str, &[f64]),
 ) -> Figure {
     figure
-        .series(Series::line("all nine", 3, paired(time_s, nine)))
-        .series(Series::line(
-            "the limb excluded",
-            0,
-            paired(time_s, watched),
-        ))
-        .series(Series::dashed(truth.0, NEUTRAL, paired(time_s, truth.1)))
+        .line("all nine", 3, paired(time_s, nine))
+        .line("the limb excluded", 0, paired(time_s, watched))
+        .dashed(truth.0, NEUTRAL, paired(time_s, truth.1))
 }
 
 fn acceleration(d: &DyingLimb) -> Figure {

@@ -1,7 +1,7 @@
 //! All 129 sets of excluded limbs: which leave six axes, and what they do to noise and errors.
 
 use sixaxis_page::number::fixed;
-use sixaxis_page::{Axis, Cell, Figure, Mark, Series, State, Table, TableBuilder, Text};
+use sixaxis_page::{Axis, Cell, Figure, State, Table, TableBuilder, Text};
 use sixaxis_props::results::{ExcludedSet as Set, FailedLimbs};
 
 /// Growth of noise from which a set is marked.
@@ -117,7 +117,7 @@ fn noise(limbs: &FailedLimbs) -> Figure {
                 .filter(|set| set.failed.len() == size && set.lost.is_none())
                 .filter_map(|set| Some((set.amplification?, set.amplification_measured?)))
                 .flat_map(|(closed, measured)| closed.into_iter().zip(measured));
-            figure.series(Series::points(name, colour, points))
+            figure.points(name, colour, points)
         })
 }
 
@@ -132,15 +132,11 @@ fn errors(limbs: &FailedLimbs) -> Figure {
         Axis::linear("growth of noise", ""),
         Axis::linear("growth of the error", ""),
     )
-    .series(Series::points(
-        "as calibrated",
-        3,
-        points(|s| s.error_ratio),
-    ))
-    .series(Series::points(
+    .points("as calibrated", 3, points(|s| s.error_ratio))
+    .points(
         "consistent scale factors",
         0,
         points(|s| s.error_ratio_consistent),
-    ))
-    .mark(Mark::horizontal(LIMIT, "twice"))
+    )
+    .horizontal(LIMIT, "twice")
 }

@@ -1,11 +1,11 @@
 //! What step 2's neglect of the limbs' compliance does to its scale factors and to step 4.
 
 use sixaxis_page::number::{fixed, scientific};
-use sixaxis_page::{Series, Table, Text};
+use sixaxis_page::{Table, Text};
 
 use super::RECORDS;
-use crate::sections::STIFFNESS_UNIT_PER_S2;
 use crate::sections::stiffness::curves;
+use crate::sections::stiffness_text;
 use crate::study::results::identifiability::{Bias, Identifiability};
 
 /// Figure and tables.
@@ -16,12 +16,8 @@ pub fn fill(text: Text, study: &Identifiability) -> Text {
         let predicted = bias.curve_predicted.iter().copied();
         let name = name(bias);
         figure = figure
-            .series(Series::line(format!("{name}, measured"), colour, measured))
-            .series(Series::dashed(
-                format!("{name}, first-order theory"),
-                colour + 1,
-                predicted,
-            ));
+            .line(format!("{name}, measured"), colour, measured)
+            .dashed(format!("{name}, first-order theory"), colour + 1, predicted);
     }
     text.figure(figure)
         .table("bias-shares", shares(study))
@@ -53,7 +49,7 @@ fn shares(study: &Identifiability) -> Table {
 }
 
 fn shifts(study: &Identifiability) -> Table {
-    let k = |k: f64| fixed(k / STIFFNESS_UNIT_PER_S2, 5);
+    let k = |k: f64| stiffness_text(k, 5);
     let ends = |(low, high): (f64, f64)| format!("{} to {}", k(low), k(high));
     Table::of("records", &study.biases, |b| name(b).to_owned())
         .col(("torque of the compliance", "of n a"), |b| {

@@ -2,7 +2,7 @@
 
 use sixaxis_page::figure::NEUTRAL;
 use sixaxis_page::number::{fixed, scientific, significant};
-use sixaxis_page::{Axis, Figure, Mark, Series, Table, Text};
+use sixaxis_page::{Axis, Figure, Table, Text};
 
 use crate::study::results::identifiability::{BandBound, BoundStudy};
 
@@ -41,30 +41,22 @@ fn figure(study: &BoundStudy) -> Figure {
         Axis::log("upper end of the band", "Hz"),
         Axis::log("standard deviation of ln(k/m)", ""),
     )
-    .series(Series::line(
-        "three directions",
-        0,
-        over(|b| b.three_directions),
-    ))
-    .series(Series::line(
-        "six directions",
-        2,
-        over(|b| b.six_directions),
-    ))
-    .series(Series::dashed(
+    .line("three directions", 0, over(|b| b.three_directions))
+    .line("six directions", 2, over(|b| b.six_directions))
+    .dashed(
         "three directions, scale factors known",
         3,
         over(|b| b.scale_known),
-    ))
-    .series(Series::dashed(
+    )
+    .dashed(
         "three directions, all but k/m known",
         NEUTRAL,
         over(|b| b.all_else_known),
-    ))
-    .mark(Mark::vertical(PAPER_HZ.1, "paper: 4–5 Hz"))
-    .mark(Mark::vertical(PAPER_HZ.0, ""))
-    .mark(Mark::horizontal(WANTED, "1 %"))
-    .mark(Mark::slope(20.0, 1.0, -2.0, 0.5, "−2"))
+    )
+    .vertical(PAPER_HZ.1, "paper: 4–5 Hz")
+    .vertical(PAPER_HZ.0, "")
+    .horizontal(WANTED, "1 %")
+    .slope((20.0, 1.0), -2.0, 0.5, "−2")
 }
 
 fn table(study: &BoundStudy) -> Table {

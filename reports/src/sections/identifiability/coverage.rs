@@ -2,7 +2,7 @@
 
 use sixaxis_calibration::page::labels::symbol;
 use sixaxis_campaign::statistics::{Estimator, ParameterSummary};
-use sixaxis_page::{Axis, Figure, Mark, Series, Text};
+use sixaxis_page::{Axis, Figure, Text};
 
 use sixaxis_props::results::Campaign;
 
@@ -49,14 +49,10 @@ fn coverage(fitted: &[&ParameterSummary]) -> Figure {
     };
     let x = Axis::linear("share of cases", "%");
     by_parameter("coverage-by-parameter", x, fitted)
-        .series(Series::points("joint fit", 0, points(|p| p.joint.as_ref())))
-        .series(Series::points(
-            "four steps",
-            3,
-            points(|p| Some(&p.four_steps)),
-        ))
-        .mark(Mark::vertical(100.0 * BAND.0, "94"))
-        .mark(Mark::vertical(100.0 * BAND.1, "96"))
+        .points("joint fit", 0, points(|p| p.joint.as_ref()))
+        .points("four steps", 3, points(|p| Some(&p.four_steps)))
+        .vertical(100.0 * BAND.0, "94")
+        .vertical(100.0 * BAND.1, "96")
 }
 
 fn variance(fitted: &[&ParameterSummary], scatter: f64) -> Figure {
@@ -65,12 +61,8 @@ fn variance(fitted: &[&ParameterSummary], scatter: f64) -> Figure {
     let ratios = ratios.filter_map(|(i, p)| Some((ratio(p)?, i as f64)));
     let x = Axis::linear("variance over bound", "");
     by_parameter("variance-over-bound", x, fitted)
-        .series(Series::points(
-            "joint fit, told the accelerometer's gain",
-            0,
-            ratios,
-        ))
-        .mark(Mark::vertical(1.0 - scatter, "−2σ"))
-        .mark(Mark::vertical(1.0, ""))
-        .mark(Mark::vertical(1.0 + scatter, "+2σ"))
+        .points("joint fit, told the accelerometer's gain", 0, ratios)
+        .vertical(1.0 - scatter, "−2σ")
+        .vertical(1.0, "")
+        .vertical(1.0 + scatter, "+2σ")
 }

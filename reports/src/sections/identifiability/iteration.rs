@@ -1,11 +1,11 @@
 //! Steps 2 to 4 repeated: how k/m approaches the truth, and where it ends.
 
 use sixaxis_calibration::iteration::End;
-use sixaxis_page::number::{fixed, scientific};
-use sixaxis_page::{Axis, Figure, Series, Table, Text};
+use sixaxis_page::number::scientific;
+use sixaxis_page::{Axis, Figure, Table, Text};
 
 use super::RECORDS;
-use crate::sections::STIFFNESS_UNIT_PER_S2;
+use crate::sections::stiffness_text;
 use crate::study::results::identifiability::{Identifiability, IterationRun, Records};
 
 /// Ends of the ordinate of the trace.
@@ -30,7 +30,7 @@ fn runs(study: &Identifiability, records: Records) -> impl Iterator<Item = &Iter
 
 fn start(run: &IterationRun) -> String {
     let from = run.start_per_s2.map_or("step 4's own k/m".to_owned(), |k| {
-        format!("{} × 10⁸", fixed(k / STIFFNESS_UNIT_PER_S2, 1))
+        format!("{} × 10⁸", stiffness_text(k, 1))
     });
     match run.with_errors {
         true => format!("from {from}, laboratory errors"),
@@ -53,7 +53,7 @@ fn figure<'a>(id: &str, runs: impl Iterator<Item = &'a IterationRun>) -> Figure 
                 let k = own.unwrap_or(pass.found_per_s2);
                 (number as f64, (k / run.truth_per_s2 - 1.0).abs())
             });
-            figure.series(Series::line_points(start(run), colour, points))
+            figure.line_points(start(run), colour, points)
         })
 }
 
@@ -73,9 +73,7 @@ fn table(study: &Identifiability) -> Table {
             |(run, _)| start(run),
         )
         .col("repetitions", |(run, _)| (run.passes.len() - 1).to_string())
-        .col(("k/m", "10⁸ s⁻²"), |(_, k)| {
-            fixed(k / STIFFNESS_UNIT_PER_S2, 4)
-        })
+        .col(("k/m", "10⁸ s⁻²"), |(_, k)| stiffness_text(*k, 4))
         .col("over truth, less one", |(run, k)| {
             scientific(k / run.truth_per_s2 - 1.0, 1)
         })

@@ -1,7 +1,7 @@
 //! Each of the 25: what both estimators say of it, what bounds them, and how often the intervals hold the truth.
 
 use serde::Serialize;
-use sixaxis_calibration::page::labels::{symbol, with_interval};
+use sixaxis_calibration::page::labels::{by_kind, with_interval};
 use sixaxis_campaign::statistics::{ParameterSummary, Share};
 use sixaxis_core::Parameter;
 use sixaxis_core::dsp::outlier;
@@ -15,42 +15,6 @@ use crate::study::results::identifiability::{Interval, Known, KnownParameter};
 
 /// Standard errors that a coverage may be outside its band by chance.
 const CHANCE: f64 = 2.0;
-
-/// Parameters that share a unit and a cause.
-struct Family {
-    letter: char,
-    heading: &'static str,
-    per_si: f64,
-    /// Decimals of the truth.
-    decimals: usize,
-}
-
-const FAMILIES: [Family; 4] = [
-    Family {
-        letter: 'd',
-        heading: "Zero drift, mV",
-        per_si: 1e3,
-        decimals: 1,
-    },
-    Family {
-        letter: 's',
-        heading: "Scale factor over mass, kg⁻¹",
-        per_si: 1.0,
-        decimals: 4,
-    },
-    Family {
-        letter: 'I',
-        heading: "Inertia over mass, mm²",
-        per_si: 1e6,
-        decimals: 4,
-    },
-    Family {
-        letter: 'm',
-        heading: "Mass over stiffness, 10⁻⁹ s²",
-        per_si: 1e9,
-        decimals: 1,
-    },
-];
 
 /// What a family of parameters is known to, by the middle one: 95 % half width, and one standard deviation of what the
 /// trials leave.
@@ -118,45 +82,45 @@ pub fn fill(text: Text, known: &Known, campaign: &Campaign) -> Text {
 }
 
 fn table(known: &Known, campaign: &Campaign) -> Table {
-    let table = FAMILIES
-        .iter()
-        .fold(Table::grouped("parameter"), |table, family| {
-            let all = known.parameters.iter();
-            let rows = all.filter(|p| p.parameter.symbol() == family.letter);
-            table.group(family.heading, rows.map(|p| (p, family)), |(p, _)| {
-                symbol(p.parameter)
-            })
-        });
     let digits = |p: &KnownParameter, si: f64| format!("{si} {}", p.unit);
-    let interval = |interval: &Interval, family: &Family| {
+    let interval = |interval: &Interval, per_si: f64| {
         let half = half_width(interval);
-        with_interval(interval.estimate * family.per_si, half * family.per_si)
+        with_interval(interval.estimate * per_si, half * per_si)
     };
-    let estimate = |p: &KnownParameter, i: &Interval, family: &Family| {
-        Cell::from(interval(i, family).0).title(digits(p, i.estimate))
+    let estimate = |p: &KnownParameter, i: &Interval, per_si: f64| {
+        Cell::from(interval(i, per_si).0).title(digits(p, i.estimate))
     };
-    let width = |p: &KnownParameter, i: &Interval, family: &Family| {
-        Cell::from(interval(i, family).1).title(digits(p, half_width(i)))
+    let width = |p: &KnownParameter, i: &Interval, per_si: f64| {
+        Cell::from(interval(i, per_si).1).title(digits(p, half_width(i)))
     };
     let covered = |p: &KnownParameter, share: fn(&ParameterSummary) -> Option<Share>| {
         let mut all = campaign.parameters.iter();
         let found = all.find(|q| q.parameter == p.parameter).and_then(share);
         Cell::or_dash(found.map(coverage))
     };
-    table
-        .col("truth", |(p, family)| {
-            let shown = fixed(p.truth * family.per_si, family.decimals);
-            Cell::from(shown).title(digits(p, p.truth))
+    by_kind(&known.parameters, |p| p.parameter)
+        .col("truth", |(p, per_si)| {
+            let decimals = match p.parameter {
+                Parameter::Drift(_) | Parameter::Compliance => 1,
+                _ => 4,
+            };
+            Cell::from(fixed(p.truth * per_si, decimals)).title(digits(p, p.truth))
         })
         .under("four steps")
-        .col("estimate", |(p, f)| estimate(p, &p.four_steps, f))
-        .col("±\u{a0}95\u{a0}%", |(p, f)| width(p, &p.four_steps, f))
+        .col("estimate", |(p, per_si)| {
+            estimate(p, &p.four_steps, *per_si)
+        })
+        .col("±\u{a0}95\u{a0}%", |(p, per_si)| {
+            width(p, &p.four_steps, *per_si)
+        })
         .under("joint fit")
-        .col("estimate", |(p, f)| estimate(p, &p.joint, f))
-        .col("±\u{a0}95\u{a0}%", |(p, f)| width(p, &p.joint, f))
+        .col("estimate", |(p, per_si)| estimate(p, &p.joint, *per_si))
+        .col("±\u{a0}95\u{a0}%", |(p, per_si)| {
+            width(p, &p.joint, *per_si)
+        })
         .under("gain known")
-        .col(("bound", "1σ"), |(p, family)| {
-            Cell::from(significant(p.bound * family.per_si, 2)).title(digits(p, p.bound))
+        .col(("bound", "1σ"), |(p, per_si)| {
+            Cell::from(significant(p.bound * per_si, 2)).title(digits(p, p.bound))
         })
         .col(("error", "σ"), |(p, _)| {
             Cell::of(p.joint_error_over_bound, |e| fixed(e, 1))

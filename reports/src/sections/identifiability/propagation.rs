@@ -2,7 +2,7 @@
 
 use sixaxis_calibration::page::labels::symbol;
 use sixaxis_page::number::{MISSING, count, fixed};
-use sixaxis_page::{Axis, Cell, Figure, Mark, Series, Table, Text};
+use sixaxis_page::{Axis, Cell, Figure, Table, Text};
 use sixaxis_props::results::{Band, Propagation, PropagationSet as Set};
 
 /// Departure of a standard deviation that is allowed.
@@ -42,13 +42,13 @@ fn figure(published: &Propagation) -> Figure {
         Axis::linear("ratio", ""),
         Axis::names("parameter", names),
     )
-    .mark(Mark::vertical(1.0 - BAND, "−2 %"))
-    .mark(Mark::vertical(1.0, ""))
-    .mark(Mark::vertical(1.0 + BAND, "+2 %"));
+    .vertical(1.0 - BAND, "−2 %")
+    .vertical(1.0, "")
+    .vertical(1.0 + BAND, "+2 %");
     for (set, colour) in published.sets.iter().take(DRAWN_SETS).zip([0, 3]) {
         let ratios = set.parameters.iter().enumerate();
         let points = ratios.map(|(i, p)| (p.ratio, i as f64));
-        figure = figure.series(Series::points(set.sources.clone(), colour, points));
+        figure = figure.points(set.sources.clone(), colour, points);
     }
     figure
 }

@@ -4,7 +4,7 @@ use sixaxis_page::number::{count, fixed, percent, scientific};
 use sixaxis_page::{Table, Text};
 use sixaxis_props::results::Taps;
 
-use crate::sections::STIFFNESS_UNIT_PER_S2;
+use crate::sections::stiffness_text;
 use crate::study::results::identifiability::KnownTap;
 
 /// Values and table.
@@ -16,7 +16,7 @@ pub fn fill(text: Text, taps: &Taps, here: &KnownTap) -> Text {
 
 /// What the tap on the study's own sensor came to.
 fn one(tap: &KnownTap) -> String {
-    let k = |per_s2: f64| fixed(per_s2 / STIFFNESS_UNIT_PER_S2, 4);
+    let k = |per_s2: f64| stiffness_text(per_s2, 4);
     match (&tap.found_per_s2, &tap.refused) {
         (Some((found, (low, high))), _) => format!(
             "One tap on this study's sensor, recorded with the laboratory's chain, gives k/m = ({} ± {}) × 10⁸ s⁻², truth {}.",

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use sixaxis_page::figure::NEUTRAL;
 use sixaxis_page::number::{MISSING, fixed, scientific, significant};
-use sixaxis_page::{Axis, Figure, Mark, Series, Table, Text};
+use sixaxis_page::{Axis, Figure, Table, Text};
 
 use super::RECORDS;
 use crate::study::results::identifiability::{
@@ -68,36 +68,29 @@ fn figure(study: &Identifiability, records: Records, id: &str) -> Figure {
         Axis::log("relative error put in", ""),
         Axis::log("|ln(k/m found / true)|", "").range(ERRORS.0, ERRORS.1),
     )
-    .series(Series::line_points(
-        "scale factors, median",
-        0,
-        scale(|p| p.median),
-    ))
-    .series(Series::dashed(
+    .line_points("scale factors, median", 0, scale(|p| p.median))
+    .dashed(
         "scale factors, smallest and largest",
         0,
         scale(|p| p.range.0),
-    ))
-    .series(Series::dashed("", 0, scale(|p| p.range.1)))
-    .series(Series::dashed(
+    )
+    .dashed("", 0, scale(|p| p.range.1))
+    .dashed(
         "the median by first-order theory",
         NEUTRAL,
         scale(|p| p.predicted_median.unwrap_or(f64::NAN)),
-    ))
-    .series(Series::line_points(
+    )
+    .line_points(
         "zero drifts over full scale, median",
         3,
         over_size(Erring::Drift, |p| p.median),
-    ))
-    .series(Series::line_points(
+    )
+    .line_points(
         "inertias over the largest, median",
         2,
         over_size(Erring::Inertia, |p| p.median),
-    ))
-    .mark(Mark::horizontal(
-        core::f64::consts::LN_2,
-        "lower edge of the grid",
-    ))
+    )
+    .horizontal(core::f64::consts::LN_2, "lower edge of the grid")
 }
 
 fn table(study: &Identifiability) -> Table {

@@ -1,6 +1,6 @@
 //! How the core's time depends on scheme and sample rate, on the length of a record, on the number of streams.
 
-use sixaxis_page::{Axis, Figure, Mark, Series, Text};
+use sixaxis_page::{Axis, Figure, Text};
 
 use sixaxis_props::results::{
     CoreSpeed, Length, LengthPoint, Spread, Streams, StreamsPoint, WorkPrecision,
@@ -74,11 +74,11 @@ fn work_precision(
     w: &WorkPrecision,
     way: fn(&WorkPrecisionPoint) -> (f64, f64),
 ) -> Figure {
-    let figure = figure.mark(Mark::horizontal(w.reference_error, "reference"));
+    let figure = figure.horizontal(w.reference_error, "reference");
     let curves = w.curves.iter().enumerate();
     curves.fold(figure, |figure, (colour, curve)| {
         let points = curve.points.iter().map(way);
-        figure.series(Series::line_points(curve.scheme.name(), colour, points))
+        figure.line_points(curve.scheme.name(), colour, points)
     })
 }
 
@@ -89,26 +89,26 @@ fn over_length(l: &Length, time: Axis) -> Figure {
         points.map(|p| (p.samples as f64, way(p).median)).collect()
     };
     Figure::new("speed-length", "", Axis::log("samples", ""), time)
-        .series(Series::line_points(
+        .line_points(
             "`push`, as samples arrive",
             PUSH,
             samples(&l.streamed, |p| p.push_ns),
-        ))
-        .series(Series::dashed(
+        )
+        .dashed(
             "`push`, all in memory",
             PUSH,
             samples(&l.held, |p| p.push_ns),
-        ))
-        .series(Series::line_points(
+        )
+        .line_points(
             "`push_record`, as samples arrive",
             RECORD,
             samples(&l.streamed, |p| p.record_ns),
-        ))
-        .series(Series::dashed(
+        )
+        .dashed(
             "`push_record`, all in memory",
             RECORD,
             samples(&l.held, |p| p.record_ns),
-        ))
+        )
 }
 
 /// Time against the number of streams.
@@ -130,7 +130,7 @@ fn over_streams(s: &Streams, time: Axis) -> Figure {
         .fold(figure, |figure, (label, colour, way)| {
             let points = s.points.iter();
             let points = points.filter_map(|p| Some((p.streams as f64, way(p)?.median)));
-            figure.series(Series::line_points(label, colour, points))
+            figure.line_points(label, colour, points)
         })
 }
 

@@ -7,10 +7,10 @@ use crate::joint::nuisances::{Found, WedgeFound};
 use crate::report::Estimator;
 use crate::report::ParameterReport;
 
-use super::parameters::{FAMILIES, with_half_width};
-use crate::page::labels::{direction, symbol, with_interval};
+use super::parameters::with_half_width;
+use crate::page::labels::{by_kind, direction, with_interval};
 use sixaxis_page::number::{MISSING, fixed, percent};
-use sixaxis_page::{Block, Cell, Section, State, Table};
+use sixaxis_page::{Block, Cell, Section, Table};
 
 /// An angle that the fit has moved from 0 by less than this share of its deviation is one that no trial tells.
 const UNMOVED: f64 = 1e-6;
@@ -48,16 +48,7 @@ fn fitted(mut section: Section, calibrated: &CalibratedSession, joint: &JointRep
 fn beside(calibrated: &CalibratedSession, joint: &JointReport) -> Table {
     let reports = joint.parameter_reports(&calibrated.four_steps);
     let all = |p: &ParameterReport| format!("{} {}", p.estimate, p.unit);
-    let mut table = Table::grouped("parameter");
-    for (letter, heading, per_si) in FAMILIES {
-        let pairs = reports.iter().zip(&calibrated.four_steps);
-        let family = pairs.filter(|(joint, _)| joint.parameter.symbol() == letter);
-        table = table.group(
-            heading,
-            family.map(|(joint, steps)| (joint, steps, per_si)),
-            |(joint, ..)| symbol(joint.parameter),
-        );
-    }
+    let pairs = reports.iter().zip(&calibrated.four_steps);
     let whose = if calibrated.calibration.is_none() {
         "No calibration was written."
     } else if calibrated.estimator == Estimator::FourSteps {
@@ -65,21 +56,21 @@ fn beside(calibrated: &CalibratedSession, joint: &JointReport) -> Table {
     } else {
         "The calibration has the joint fit's parameters."
     };
-    table
-        .col("joint fit", |(joint, _, per_si)| {
+    by_kind(pairs, |(joint, _)| joint.parameter)
+        .col("joint fit", |((joint, _), per_si)| {
             Cell::from(with_half_width(joint, *per_si).0).title(all(joint))
         })
-        .col("±\u{a0}95\u{a0}%", |(joint, _, per_si)| {
+        .col("±\u{a0}95\u{a0}%", |((joint, _), per_si)| {
             with_half_width(joint, *per_si).1
         })
-        .col("four steps", |(_, steps, per_si)| {
+        .col("four steps", |((_, steps), per_si)| {
             Cell::from(with_half_width(steps, *per_si).0).title(all(steps))
         })
-        .col("±\u{a0}95\u{a0}%", |(_, steps, per_si)| {
+        .col("±\u{a0}95\u{a0}%", |((_, steps), per_si)| {
             with_half_width(steps, *per_si).1
         })
-        .col("apart", |(joint, steps, _)| apart(joint, steps))
-        .text("joint fit limited by", |(joint, ..)| joint.dominated_by.clone())
+        .col("apart", |((joint, steps), _)| apart(joint, steps))
+        .text("joint fit limited by", |((joint, _), _)| joint.dominated_by.clone())
         .caption("The joint fit beside the four steps")
         .footnote(format!(
             "Apart: the difference over the wider half width; above 1 is marked. What both owe to the accelerometer's gain does not \
@@ -93,12 +84,7 @@ fn apart(joint: &ParameterReport, steps: &ParameterReport) -> Cell {
         return Cell::from(MISSING);
     };
     let apart = (joint.estimate - steps.estimate).abs() / x.max(y);
-    let cell = Cell::from(fixed(apart, 2));
-    if apart > 1.0 {
-        cell.state(State::Warn)
-    } else {
-        cell
-    }
+    Cell::from(fixed(apart, 2)).warn_unless(apart <= 1.0)
 }
 
 /// What the fit found of an instrument or a wedge: value, deviation, remark.

@@ -4,18 +4,10 @@ use crate::calibrate::CalibratedSession;
 use crate::report::ParameterReport;
 use sixaxis_recordings::session::SessionFile;
 
-use crate::page::labels::{share, stated, symbol, with_interval};
+use crate::page::labels::{by_kind, share, stated, symbol, with_interval};
 use sixaxis_core::Parameter;
 use sixaxis_page::number::{MISSING, fixed, scientific};
-use sixaxis_page::{Axis, Block, Cell, Figure, Mark, Section, Series, State, Table};
-
-/// A kind of parameter: first letter, heading, and the paper's unit over SI.
-pub(super) const FAMILIES: [(char, &str, f64); 4] = [
-    ('d', "Zero drift $d$, mV", 1e3),
-    ('s', "Scale factor over mass $s$/$m$, 1/kg", 1.0),
-    ('I', "Inertia over mass $I$/$m$, mm²", 1e6),
-    ('k', "Stiffness over mass $k$/$m$, 1/s²", 1.0),
-];
+use sixaxis_page::{Axis, Block, Cell, Figure, Section, Table};
 
 /// The section.
 pub fn section(file: &SessionFile, calibrated: &CalibratedSession) -> Section {
@@ -53,14 +45,7 @@ pub fn section(file: &SessionFile, calibrated: &CalibratedSession) -> Section {
 
 fn table(parameters: &[ParameterReport], limit: f64) -> Table {
     let all = |si: f64, p: &ParameterReport| format!("{si} {}", p.unit);
-    let mut table = Table::grouped("parameter");
-    for (letter, heading, per_si) in FAMILIES {
-        let family = parameters.iter().filter(|p| p.parameter.symbol() == letter);
-        table = table.group(heading, family.map(|p| (p, per_si)), |(p, _)| {
-            symbol(p.parameter)
-        });
-    }
-    table
+    by_kind(parameters, |p| p.parameter)
         .col("estimate", |(p, per_si)| {
             Cell::from(with_half_width(p, *per_si).0).title(all(p.estimate, p))
         })
@@ -103,12 +88,7 @@ fn relative(p: &ParameterReport, limit: f64) -> Cell {
         }
         Some(half_width) if p.parameter.has_size() => {
             let ratio = half_width / p.estimate.abs();
-            let cell = Cell::from(share(Some(ratio)));
-            if ratio <= limit {
-                cell
-            } else {
-                cell.state(State::Warn)
-            }
+            Cell::from(share(Some(ratio))).warn_unless(ratio <= limit)
         }
         _ => Cell::from(MISSING),
     }
@@ -190,9 +170,9 @@ fn differences(parameters: &[ParameterReport]) -> Figure {
         Axis::linear("difference from the design", "%"),
         Axis::names("parameter", scaled.iter().map(|(p, _)| symbol(p.parameter))),
     )
-    .series(Series::line("95 % interval", 0, intervals))
-    .series(Series::points("estimate", 0, points))
-    .mark(Mark::vertical(0.0, "design"))
+    .line("95 % interval", 0, intervals)
+    .points("estimate", 0, points)
+    .vertical(0.0, "design")
     .caption("Products of inertia ($I$₄ to $I$₆) relative to the largest moment. A sensor differs from its design by tens of percent; an interval that is wide beside the others is what to work on.")
 }
 
@@ -211,17 +191,17 @@ fn limits(parameters: &[ParameterReport], limit: f64) -> Figure {
         Axis::log("half width, 95 %", "%"),
         Axis::names("parameter", scaled.iter().map(|(p, _)| symbol(p.parameter))),
     )
-    .series(Series::points("noise", 5, series(|p| p.from_noise)))
-    .series(Series::points(
+    .points("noise", 5, series(|p| p.from_noise))
+    .points(
         "differences between trials",
         1,
         series(|p| p.from_trials),
-    ))
-    .series(Series::points(
+    )
+    .points(
         "class of the standards",
         2,
         series(|p| p.from_standards),
-    ))
-    .mark(Mark::vertical(100.0 * limit, "acceptance limit"))
+    )
+    .vertical(100.0 * limit, "acceptance limit")
     .caption("Over the design, products of inertia over the largest moment. More trials help against noise and differences between trials; against the standards' class only better standards do.")
 }

@@ -11,7 +11,7 @@ use sixaxis_recordings::session::{Role, SessionFile};
 use crate::page::labels::{file_name, largest};
 use sixaxis_page::figure::NEUTRAL;
 use sixaxis_page::number::{count, fixed, percent, significant};
-use sixaxis_page::{Axis, Block, Figure, Panel, Section, Series, Table};
+use sixaxis_page::{Axis, Block, Figure, Section, Table};
 
 /// The section.
 pub fn section(file: &SessionFile, calibrated: &CalibratedSession) -> Section {
@@ -122,13 +122,7 @@ fn worst_of(
         .filter(|(trial, _)| wanted(trial.role))
         .filter_map(|(trial, conditioned)| Some((trial, conditioned.as_ref()?)))
         .collect();
-    let departure = |trial: &Trial| {
-        calibrated
-            .trials
-            .iter()
-            .find(|report| report.name == trial.name)
-            .and_then(|report| report.departure)
-    };
+    let departure = |trial: &Trial| calibrated.trial(&trial.name)?.departure;
     let worst = largest(
         candidates
             .iter()
@@ -179,13 +173,10 @@ fn figure(
         Axis::linear("time", "s"),
         Axis::linear(quantity, unit),
     )
-    .series(Series::line("before", NEUTRAL, curve(&|i| before[i])))
-    .series(Series::line("after", 0, curve(&|i| after[i])))
-    .below(Panel {
-        y: Axis::linear(difference, unit),
-        series: vec![Series::line("", 1, curve(&|i| before[i] - after[i]))],
-        marks: Vec::new(),
-    })
+    .line("before", NEUTRAL, curve(&|i| before[i]))
+    .line("after", 0, curve(&|i| after[i]))
+    .below(Axis::linear(difference, unit))
+    .line("", 1, curve(&|i| before[i] - after[i]))
 }
 
 fn table(

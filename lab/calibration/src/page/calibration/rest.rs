@@ -7,7 +7,7 @@ use sixaxis_core::dsp::spectrum::noise_floor;
 use sixaxis_recordings::session::Role;
 
 use sixaxis_page::number::{MISSING, count, fixed, significant};
-use sixaxis_page::{Axis, Block, Figure, Section, Series, Table};
+use sixaxis_page::{Axis, Block, Figure, Section, Table};
 
 /// Pieces whose means show the course of the record.
 const PIECES: usize = 60;
@@ -72,13 +72,13 @@ fn course(rest: &Trial) -> Figure {
         Axis::names("channel", (1..=LIMBS).map(|i| format!("channel {i}"))),
     );
     for limb in 0..LIMBS {
-        figure = figure.series(Series::line(
+        figure = figure.line(
             "",
             limb,
             means
                 .iter()
                 .map(|(t, values)| (*t, limb as f64 - values[limb] / row_v)),
-        ));
+        );
     }
     let piece_s = rest.voltage_v.len() as f64 / PIECES as f64 / rest.sample_rate_hz;
     figure.caption(format!(

@@ -2,12 +2,11 @@
 
 use crate::calibrate::CalibratedSession;
 use crate::steps::FourSteps;
-use sixaxis_core::Parameter;
 use sixaxis_recordings::session::Role;
 
 use crate::page::labels::verdict;
 use sixaxis_page::number::{MISSING, count, fixed, scientific, significant};
-use sixaxis_page::{Axis, Block, Figure, Mark, Section, Series, Table};
+use sixaxis_page::{Axis, Block, Figure, Section, Table};
 
 /// The section.
 pub fn section(calibrated: &CalibratedSession) -> Section {
@@ -117,16 +116,16 @@ fn curve(steps: &FourSteps) -> Figure {
         // From zero: a curve that is flat is to look flat.
         Axis::linear("mean |w*|", "rad/s").range(0.0, 1.08 * largest),
     )
-    .series(Series::line(
+    .line(
         "",
         0,
         steps.curve.iter().map(|(k, w)| (k * E8, *w)),
-    ))
-    .mark(Mark::vertical(
+    )
+    .vertical(
         steps.design_stiffness_per_mass_per_s2 * E8,
         "design",
-    ))
-    .mark(Mark::vertical(found * E8, "minimum"))
+    )
+    .vertical(found * E8, "minimum")
     .caption("Mean rotation rate that is decoupled from purely linear trials, for each candidate. A rotation that is not there should vanish at the true value: a sharp dip that nearly reaches zero determines it.")
 }
 
@@ -144,12 +143,8 @@ fn explanation(calibrated: &CalibratedSession, steps: &FourSteps) -> String {
             MISSING.to_owned()
         }
     );
-    let stiffness = calibrated
-        .parameters
-        .iter()
-        .find(|p| p.parameter == Parameter::Stiffness);
     let by_taps = calibrated.taps.stiffness.is_some();
-    if !by_taps && stiffness.is_some_and(|p| p.determined) {
+    if !by_taps && calibrated.stiffness().is_some_and(|p| p.determined) {
         return format!("{reached} The dip is deep enough: $k$/$m$ is determined.");
     }
     format!(

@@ -8,7 +8,7 @@ use sixaxis_recordings::session::{Limits, Role, SessionFile};
 
 use crate::page::labels::{self, direction, file_name, largest, share, stated, unbroken};
 use sixaxis_page::number::{MISSING, fixed, percent, significant};
-use sixaxis_page::{Axis, Block, Cell, Figure, Mark, Section, Series, State, Table};
+use sixaxis_page::{Axis, Block, Cell, Figure, Section, State, Table};
 
 const ROLES: [Role; 4] = [
     Role::Linear,
@@ -102,12 +102,8 @@ fn table(file: &SessionFile, calibrated: &CalibratedSession) -> Table {
         .under("recording")
         .col("range used", |l| {
             of(l, &|t| {
-                let range = Cell::from(percent(t.largest_over_full_scale, 2));
-                if t.largest_over_full_scale < POOR_RANGE {
-                    range.state(State::Warn)
-                } else {
-                    range
-                }
+                let range = t.largest_over_full_scale;
+                Cell::from(percent(range, 2)).warn_unless(range >= POOR_RANGE)
             })
         })
         .under("agreement with the others")
@@ -147,13 +143,8 @@ fn table(file: &SessionFile, calibrated: &CalibratedSession) -> Table {
 
 /// A share, marked where it is beyond its limit.
 fn within(value: Option<f64>, limit: f64) -> Cell {
-    let cell = Cell::from(share(value));
-    match value {
-        Some(value) if value <= limit => cell,
-        // NaN, too.
-        Some(_) => cell.state(State::Warn),
-        None => cell,
-    }
+    // NaN is marked, too.
+    Cell::from(share(value)).warn_unless(value.is_none_or(|value| value <= limit))
 }
 
 fn worst(values: Option<&[f64]>) -> Option<f64> {
@@ -175,15 +166,15 @@ fn figure(limits: &Limits, calibrated: &CalibratedSession) -> Figure {
         Axis::log("share of the trial's own size", "%"),
         Axis::names("trial", trials.iter().map(|t| file_name(&t.name))),
     )
-    .series(Series::points("departure from the others", 0, series(&|t| t.departure)))
-    .series(Series::points("hold-out error", 1, series(&|t| t.hold_out)))
-    .series(Series::points(
+    .points("departure from the others", 0, series(&|t| t.departure))
+    .points("hold-out error", 1, series(&|t| t.hold_out))
+    .points(
         "validation error, largest of six",
         2,
         series(&|t| largest(t.validation?.into_iter().map(|e| (e, ()))).map(|(e, ())| e)),
-    ))
-    .mark(Mark::vertical(100.0 * odd_trial::NOTICED, "departure noticed"))
-    .mark(Mark::vertical(limits.hold_out_percent, "hold-out limit"))
-    .mark(Mark::vertical(limits.validation_percent, "validation limit"))
+    )
+    .vertical(100.0 * odd_trial::NOTICED, "departure noticed")
+    .vertical(limits.hold_out_percent, "hold-out limit")
+    .vertical(limits.validation_percent, "validation limit")
     .caption("A trial that stands apart to the right does not fit in with the others. Its neighbours usually suffer with it: a fit that contains a bad trial predicts the good ones worse.")
 }

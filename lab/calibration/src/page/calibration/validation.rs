@@ -7,7 +7,7 @@ use sixaxis_recordings::session::SessionFile;
 use crate::page::labels::{self, file_name, stated};
 use sixaxis_page::figure::NEUTRAL;
 use sixaxis_page::number::{MISSING, significant};
-use sixaxis_page::{Axis, Block, Cell, Figure, Panel, Section, Series, State, Table};
+use sixaxis_page::{Axis, Block, Cell, Figure, Section, Table};
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 /// Palette indices of x, y and z.
@@ -53,13 +53,10 @@ pub fn section(file: &SessionFile, calibrated: &CalibratedSession) -> Section {
 
 fn heading(calibrated: &CalibratedSession, comparison: &ValidationRun) -> String {
     let name = file_name(&comparison.name);
-    calibrated
-        .trials
-        .iter()
-        .find(|t| t.name == comparison.name)
-        .map_or(name.clone(), |t| {
-            format!("{name}, {} Hz", significant(t.frequency_hz, 3))
-        })
+    match calibrated.trial(&comparison.name) {
+        Some(trial) => format!("{name}, {} Hz", significant(trial.frequency_hz, 3)),
+        None => name,
+    }
 }
 
 fn figure(
@@ -78,43 +75,28 @@ fn figure(
             })
             .collect()
     };
-    let mut figure = Figure::new(
+    let figure = Figure::new(
         format!("validation-{run}-{id}"),
         title,
         Axis::linear("time", "s"),
         Axis::linear("acceleration", unit),
     );
-    let mut errors = Vec::new();
-    for axis in 0..3 {
-        let column = from + axis;
-        figure = figure.series(Series::line(
-            format!("decoupled, {}", AXES[axis]),
-            COLOURS[axis],
-            curve(&|i| comparison.decoupled[i][column]),
-        ));
-        errors.push(Series::line(
-            "",
-            COLOURS[axis],
-            curve(&|i| comparison.decoupled[i][column] - comparison.standard[i][column]),
-        ));
-    }
-    for axis in 0..3 {
-        let column = from + axis;
-        let label = if axis == 0 {
-            "standard instruments"
-        } else {
-            ""
-        };
-        figure = figure.series(Series::dashed(
-            label,
-            NEUTRAL,
-            curve(&|i| comparison.standard[i][column]),
-        ));
-    }
-    figure.below(Panel {
-        y: Axis::linear("error", unit),
-        series: errors,
-        marks: Vec::new(),
+    let (decoupled, standard) = (&comparison.decoupled, &comparison.standard);
+    let axes = || (from..from + 3).zip(AXES).zip(COLOURS);
+    let figure = axes().fold(figure, |figure, ((column, axis), colour)| {
+        let label = format!("decoupled, {axis}");
+        figure.line(label, colour, curve(&|i| decoupled[i][column]))
+    });
+    let labels = ["standard instruments", "", ""];
+    let figure = axes()
+        .zip(labels)
+        .fold(figure, |figure, (((column, _), _), label)| {
+            figure.dashed(label, NEUTRAL, curve(&|i| standard[i][column]))
+        });
+    let figure = figure.below(Axis::linear("error", unit));
+    axes().fold(figure, |figure, ((column, _), colour)| {
+        let error = |i: usize| decoupled[i][column] - standard[i][column];
+        figure.line("", colour, curve(&error))
     })
 }
 
@@ -132,8 +114,7 @@ fn table(file: &SessionFile, calibrated: &CalibratedSession) -> Table {
     let limit = file.session.limits.validation_percent / 100.0;
     let mut table = Table::grouped("axis");
     for run in &calibrated.validation_runs {
-        let report = calibrated.trials.iter().find(|t| t.name == run.name);
-        let judged = report.and_then(|t| t.validation);
+        let judged = calibrated.trial(&run.name).and_then(|t| t.validation);
         table = table.group(
             heading(calibrated, run),
             (0..6).map(|axis| errors(run, judged, axis)),
@@ -153,12 +134,8 @@ fn table(file: &SessionFile, calibrated: &CalibratedSession) -> Table {
         .col("error, r.m.s.", |e| with_unit(e.axis, e.rms, 2))
         .col("largest error over peak", |e| {
             e.share.map_or(Cell::from(MISSING), |share| {
-                let cell = Cell::from(labels::share(Some(share))).title(share.to_string());
-                if share <= limit {
-                    cell
-                } else {
-                    cell.state(State::Warn)
-                }
+                let cell = Cell::of(share, |share| labels::share(Some(share)));
+                cell.warn_unless(share <= limit)
             })
         })
         .caption("Errors of the decoupled accelerations")

@@ -1,0 +1,203 @@
+//! The numbers by which [`super::reconstruct`] takes what the parity relations leave to strains, and these to force and torque.
+
+use super::constants::Constants;
+use super::number::{Real, Scalar};
+use super::order::{Limbs, to_kernel_order};
+use super::parity::{halves, left, second_order};
+use super::placement::{LimbLoad, by_nodes, nodes, shell_axes};
+use super::vec3::Vec3;
+use crate::geometry::LIMBS_PER_NODE;
+use crate::redundancy::parity::ROWS;
+use crate::redundancy::reconstruction::Reconstruction;
+
+/// The order in which [`super::parity`] has the rows: 1, 3, 2.
+const ORDER: [usize; ROWS] = [0, 2, 1];
+
+/// The weights K in kernel order.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StrainWeights<T: Real> {
+    /// Of each row, in the order 1, 3, 2.
+    weights: [Limbs<T>; ROWS],
+    /// The same times -1/2, for [`second_order`].
+    minus_half: [Limbs<T>; ROWS],
+    /// What they add to the difference of the relations' halves.
+    differences: [Vec3<T>; ROWS],
+}
+
+/// What strains K rho of limbs at rest add to force and torque.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LoadWeights<T: Real> {
+    /// To the resultant over chi.
+    force: [Vec3<T>; ROWS],
+    /// To the torque over the principal moments, principal axes.
+    torque: [Vec3<T>; ROWS],
+}
+
+impl<T: Scalar> StrainWeights<T> {
+    /// Rounded.
+    #[must_use]
+    pub(super) fn new(reconstruction: &Reconstruction) -> Self {
+        let of = reconstruction.weights();
+        let weights = ORDER
+            .map(|row| to_kernel_order(core::array::from_fn(|limb| T::from_f64(of[limb][row]))));
+        Self {
+            weights,
+            minus_half: weights.map(|row| row.map(|limbs| limbs.times(T::from_f64(-0.5)))),
+            differences: weights.map(|column| {
+                let [a, b] = halves(column);
+                a - b
+            }),
+        }
+    }
+}
+
+impl<T: Real> StrainWeights<T> {
+    /// The same numbers in another type.
+    #[inline(always)]
+    pub(super) fn map<U: Real>(&self, f: impl Fn(T) -> U) -> StrainWeights<U> {
+        let nine = |[k, l, m]: [Limbs<T>; ROWS]| [three(k, &f), three(l, &f), three(m, &f)];
+        StrainWeights {
+            weights: nine(self.weights),
+            minus_half: nine(self.minus_half),
+            differences: three(self.differences, &f),
+        }
+    }
+
+    /// The same number everywhere.
+    #[inline(always)]
+    pub(crate) fn splat(number: T) -> Self {
+        Self {
+            weights: [[Vec3::all(number); LIMBS_PER_NODE]; ROWS],
+            minus_half: [[Vec3::all(number); LIMBS_PER_NODE]; ROWS],
+            differences: [Vec3::all(number); ROWS],
+        }
+    }
+
+    /// Every number in its place, always in the same order.
+    #[inline(always)]
+    pub(crate) fn visit(&mut self, f: &mut impl FnMut(T) -> T) {
+        let Self {
+            weights: [k, l, m],
+            minus_half: [n, o, p],
+            differences,
+        } = self;
+        // Without a loop, through which they would go by memory.
+        for_three(k, f);
+        for_three(l, f);
+        for_three(m, f);
+        for_three(n, f);
+        for_three(o, f);
+        for_three(p, f);
+        for_three(differences, f);
+    }
+
+    /// Strains to second order from those of the limbs that are used, the others zero.
+    #[inline(always)]
+    pub fn to_second_order(&self, used: Limbs<T>, inverse_nu: T) -> Limbs<T> {
+        let [a, b] = halves(used);
+        let sums = a + b;
+        let [k, l, m] = self.differences;
+        let [s, t, u] = sums.components();
+        let difference = m.times_plus(u, l.times_plus(t, k.times_plus(s, a - b)));
+        let first = onto(used, &self.weights, sums);
+        onto(
+            first,
+            &self.minus_half,
+            second_order(first, difference, inverse_nu),
+        )
+    }
+}
+
+impl<T: Scalar> LoadWeights<T> {
+    /// Rounded.
+    #[must_use]
+    pub(super) fn new(reconstruction: &Reconstruction, constants: &Constants<f64>) -> Self {
+        let of = reconstruction.weights();
+        let row = |row: usize| to_kernel_order(core::array::from_fn(|limb| of[limb][row]));
+        let at_rest = ORDER.map(|r| shell_axes(row(r)));
+        Self {
+            force: at_rest.map(|[a, b, c]| (a + b + c).map(T::from_f64)),
+            torque: at_rest.map(|nodes| {
+                let torque = constants.torque_to_principal(Vec3::moment(nodes));
+                torque.map(T::from_f64)
+            }),
+        }
+    }
+}
+
+impl<T: Real> LoadWeights<T> {
+    /// The same numbers in another type.
+    #[inline(always)]
+    pub(super) fn map<U: Real>(&self, f: impl Fn(T) -> U) -> LoadWeights<U> {
+        LoadWeights {
+            force: three(self.force, &f),
+            torque: three(self.torque, &f),
+        }
+    }
+
+    /// The same number everywhere.
+    #[inline(always)]
+    pub(crate) fn splat(number: T) -> Self {
+        Self {
+            force: [Vec3::all(number); ROWS],
+            torque: [Vec3::all(number); ROWS],
+        }
+    }
+
+    /// Every number in its place, always in the same order.
+    #[inline(always)]
+    pub(crate) fn visit(&mut self, f: &mut impl FnMut(T) -> T) {
+        let Self { force, torque } = self;
+        for_three(force, f);
+        for_three(torque, f);
+    }
+
+    /// Places the mass by strains that are right to second order, and adds the third order to force and torque.
+    #[inline(always)]
+    pub fn by_strains(&self, constants: &Constants<T>, strain: Limbs<T>) -> LimbLoad<T> {
+        let (displacement, force, squares) = nodes(strain);
+        // Before the pose: three numbers are kept longer then, and not nine.
+        let [a, b] = halves(displacement);
+        let sums = a + b;
+        let placed = by_nodes(constants, displacement, force, squares);
+        let third = left(sums, placed.rotation, constants.nu);
+        LimbLoad {
+            force: along(placed.force, &self.force, third),
+            torque: along(placed.torque, &self.torque, third),
+            ..placed
+        }
+    }
+}
+
+#[inline(always)]
+fn three<T: Real, U: Real>([a, b, c]: [Vec3<T>; 3], f: impl Fn(T) -> U) -> [Vec3<U>; 3] {
+    [a.map(&f), b.map(&f), c.map(&f)]
+}
+
+#[inline(always)]
+fn for_three<T: Real>([a, b, c]: &mut [Vec3<T>; 3], f: &mut impl FnMut(T) -> T) {
+    a.visit(f);
+    b.visit(f);
+    c.visit(f);
+}
+
+/// `to` + a matrix of three columns times the rows.
+#[inline(always)]
+fn along<T: Real>(to: Vec3<T>, columns: &[Vec3<T>; ROWS], rows: Vec3<T>) -> Vec3<T> {
+    let [k, l, m] = *columns;
+    let [a, b, c] = rows.components();
+    m.times_plus(c, l.times_plus(b, k.times_plus(a, to)))
+}
+
+/// `to` + K rows.
+#[inline(always)]
+fn onto<T: Real>(to: Limbs<T>, weights: &[Limbs<T>; ROWS], rows: Vec3<T>) -> Limbs<T> {
+    let [[k, l, m], [n, o, p], [q, r, s]] = *weights;
+    let [u, v, w] = to;
+    let [a, b, c] = rows.components();
+    [
+        q.times_plus(c, n.times_plus(b, k.times_plus(a, u))),
+        r.times_plus(c, o.times_plus(b, l.times_plus(a, v))),
+        s.times_plus(c, p.times_plus(b, m.times_plus(a, w))),
+    ]
+}
