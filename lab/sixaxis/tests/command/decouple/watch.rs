@@ -4,7 +4,9 @@ use std::path::Path;
 
 use sixaxis_calibration::calibration::Calibration;
 
-use super::session::{LIMBS, calibration, columns, compound, session, voltages, write};
+use super::session::{
+    BLOCKS_AND_SAMPLES, LIMBS, apart, calibration, columns, compound, session, voltages, write,
+};
 use crate::program::{Folder, done, run, stderr, text};
 
 /// The limb that dies, from 0, and where in the run.
@@ -34,7 +36,7 @@ fn ref_a_limb_that_dies_is_named_and_done_without() {
         }
         stderr(&done(&arguments))
     };
-    // A sound run: nothing is said, and every row is the decoupler's own.
+    // A sound run: nothing is said, and every row is the decoupler's own but for rounding.
     let names = [
         "ax", "ay", "az", "alpha_x", "alpha_y", "alpha_z", "wx", "wy", "wz",
     ];
@@ -43,7 +45,8 @@ fn ref_a_limb_that_dies_is_named_and_done_without() {
     let said = decouple(&sound, &watched, true);
     assert!(!said.contains("limb"), "{said}");
     let (expected, _) = columns(&plain, &names);
-    assert_eq!(columns(&watched, &names).0, expected);
+    let apart = apart(&columns(&watched, &names).0, &expected);
+    assert!(apart <= BLOCKS_AND_SAMPLES, "{apart:e}");
     // A limb dies.
     let survived = out("survived.csv");
     let said = decouple(&failed, &survived, true);
