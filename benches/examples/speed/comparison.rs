@@ -1,5 +1,6 @@
 //! Every path is held against push before it is timed.
 
+use glam::DVec3;
 use sixaxis_core::Decoupler;
 use sixaxis_core::six_axis::SixAxisColumns;
 
@@ -41,23 +42,27 @@ impl<'a, I: Iterator<Item = &'a Voltages>> Beside<I> {
 
     pub fn compare(&mut self, answers: SixAxisColumns) {
         for answer in answers.iter() {
-            let ours = loop {
-                let voltage = self.voltage_v.next().expect("no more answers than samples");
-                if let Some(sample) = self.decoupler.push(voltage).expect("a recorded sample") {
-                    break [sample.linear_ground_m_s2, sample.angular_ground_rad_s2];
-                }
-            };
-            let theirs = [answer.linear_ground_m_s2, answer.angular_ground_rad_s2];
-            for (half, (ours, theirs)) in ours.into_iter().zip(theirs).enumerate() {
-                let difference = (ours - theirs).length();
-                // NaN, once there, stays.
-                if difference > self.difference[half] || difference.is_nan() {
-                    self.difference[half] = difference;
-                }
-                self.peak[half] = self.peak[half].max(ours.length());
-            }
-            self.samples += 1;
+            self.compare_one(answer.linear_ground_m_s2, answer.angular_ground_rad_s2);
         }
+    }
+
+    pub fn compare_one(&mut self, linear_ground_m_s2: DVec3, angular_ground_rad_s2: DVec3) {
+        let ours = loop {
+            let voltage = self.voltage_v.next().expect("no more answers than samples");
+            if let Some(sample) = self.decoupler.push(voltage).expect("a recorded sample") {
+                break [sample.linear_ground_m_s2, sample.angular_ground_rad_s2];
+            }
+        };
+        let theirs = [linear_ground_m_s2, angular_ground_rad_s2];
+        for (half, (ours, theirs)) in ours.into_iter().zip(theirs).enumerate() {
+            let difference = (ours - theirs).length();
+            // NaN, once there, stays.
+            if difference > self.difference[half] || difference.is_nan() {
+                self.difference[half] = difference;
+            }
+            self.peak[half] = self.peak[half].max(ours.length());
+        }
+        self.samples += 1;
     }
 
     /// The larger of both differences over their peaks.

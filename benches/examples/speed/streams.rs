@@ -5,6 +5,7 @@ use std::sync::Barrier;
 use std::thread;
 use std::time::Instant;
 
+use glam::DVec3;
 use sixaxis_core::decouple::lanes::push_lanes;
 use sixaxis_core::kernel::simd::LANES;
 use sixaxis_core::{Decoupler, Scheme};
@@ -101,7 +102,10 @@ pub fn judge_lanes(ready: &Decoupler, eights: &[[&[Voltages]; LANES]]) {
         push_lanes(&mut streams, *rows, &mut |samples| {
             for sample in samples {
                 for (lane, one) in beside.iter_mut().enumerate() {
-                    one.compare(&[core::array::from_fn(|i| sample[i].0[lane])]);
+                    let vector = |from: usize| {
+                        DVec3::from_array(core::array::from_fn(|i| sample[from + i].0[lane]))
+                    };
+                    one.compare_one(vector(0), vector(3));
                 }
             }
         })
