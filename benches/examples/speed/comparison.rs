@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use sixaxis_core::Decoupler;
-use sixaxis_core::six_axis::SixAxisColumns;
+use sixaxis_core::six_axis::Accelerations;
 
 use crate::timing::Voltages;
 
@@ -40,9 +40,23 @@ impl<'a, I: Iterator<Item = &'a Voltages>> Beside<I> {
         }
     }
 
-    pub fn compare(&mut self, answers: SixAxisColumns) {
-        for answer in answers.iter() {
-            self.compare_one(answer.linear_ground_m_s2, answer.angular_ground_rad_s2);
+    pub fn compare(&mut self, rows: impl IntoIterator<Item = Accelerations>) {
+        for row in rows {
+            let ours = loop {
+                let voltage = self.voltage_v.next().expect("no more answers than samples");
+                if let Some(sample) = self.decoupler.push(voltage).expect("a recorded sample") {
+                    break [sample.linear_ground_m_s2, sample.angular_ground_rad_s2];
+                }
+            };
+            for (half, ours) in ours.into_iter().enumerate() {
+                let difference = (ours - DVec3::from_slice(&row[3 * half..])).length();
+                // NaN, once there, stays.
+                if difference > self.difference[half] || difference.is_nan() {
+                    self.difference[half] = difference;
+                }
+                self.peak[half] = self.peak[half].max(ours.length());
+            }
+            self.samples += 1;
         }
     }
 
@@ -89,7 +103,9 @@ pub fn judge_record<'a>(
     let mut decoupler = ready.clone();
     for piece in given {
         decoupler
-            .push_record(piece, &mut |answers| beside.compare(answers))
+            .push_record(piece, &mut |done| {
+                beside.compare(done.iter().map(|answer| answer.accelerations()));
+            })
             .expect("samples of a recorded run");
     }
     beside.judge(what, samples)

@@ -102,10 +102,7 @@ pub fn judge_lanes(ready: &Decoupler, eights: &[[&[Voltages]; LANES]]) {
         push_lanes(&mut streams, *rows, &mut |samples| {
             for sample in samples {
                 for (lane, one) in beside.iter_mut().enumerate() {
-                    let vector = |from: usize| {
-                        DVec3::from_array(core::array::from_fn(|i| sample[from + i].0[lane]))
-                    };
-                    one.compare_one(vector(0), vector(3));
+                    one.compare([core::array::from_fn(|i| sample[i].0[lane])]);
                 }
             }
         })
