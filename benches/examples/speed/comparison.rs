@@ -60,25 +60,6 @@ impl<'a, I: Iterator<Item = &'a Voltages>> Beside<I> {
         }
     }
 
-    pub fn compare_one(&mut self, linear_ground_m_s2: DVec3, angular_ground_rad_s2: DVec3) {
-        let ours = loop {
-            let voltage = self.voltage_v.next().expect("no more answers than samples");
-            if let Some(sample) = self.decoupler.push(voltage).expect("a recorded sample") {
-                break [sample.linear_ground_m_s2, sample.angular_ground_rad_s2];
-            }
-        };
-        let theirs = [linear_ground_m_s2, angular_ground_rad_s2];
-        for (half, (ours, theirs)) in ours.into_iter().zip(theirs).enumerate() {
-            let difference = (ours - theirs).length();
-            // NaN, once there, stays.
-            if difference > self.difference[half] || difference.is_nan() {
-                self.difference[half] = difference;
-            }
-            self.peak[half] = self.peak[half].max(ours.length());
-        }
-        self.samples += 1;
-    }
-
     /// The larger of both differences over their peaks.
     pub fn judge(self, what: &str, samples: usize) -> f64 {
         assert_eq!(self.samples + 2, samples, "{what}: answers are missing");

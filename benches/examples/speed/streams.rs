@@ -5,7 +5,6 @@ use std::sync::Barrier;
 use std::thread;
 use std::time::Instant;
 
-use glam::DVec3;
 use sixaxis_core::decouple::lanes::push_lanes;
 use sixaxis_core::kernel::simd::LANES;
 use sixaxis_core::{Decoupler, Scheme};
