@@ -1,11 +1,22 @@
-//! The pen: strokes, texts and markers in page units, written as SVG in the theme's colours.
+//! The pen: plotters' elements in page units, on a backend that writes SVG in the theme's colours.
 //!
-//! Coordinates are whole numbers of a unit [`FINE`] times as fine as the page's, which the view box takes back: files stay
-//! small. Each [`Ink`] becomes a CSS variable with a fallback: a figure follows the page's theme and is still readable
-//! without one.
+//! plotters knows fixed colours and whole pixels only. Here everything is drawn [`FINE`] times larger, which the view box
+//! takes back, and each [`Ink`] travels as a colour of its own, from which the backend writes a CSS variable with a
+//! fallback: a figure follows the page's theme and is still readable without one.
+
+use core::cell::RefCell;
+use core::convert::Infallible;
+use std::rc::Rc;
 
 use super::markup;
 use super::trace::Point;
+use plotters::coord::Shift;
+use plotters::element::{Drawable, PointCollection};
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters_backend::{
+    BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingBackend, DrawingErrorKind,
+};
 
 /// How many colours the palette has.
 ///
@@ -36,29 +47,159 @@ pub enum Ink {
     Mark,
 }
 
+/// The theme's variable of each ink that is no curve, the light theme's colour, and further attributes.
+const PLAIN: [(Ink, &str, &str, &str); 5] = [
+    (Ink::Text, "--ink", "#1c1c1a", ""),
+    (Ink::Muted, "--ink-2", "#5c5c58", " class=\"halo\""),
+    (Ink::Axis, "--axis", "#8a8a84", ""),
+    (Ink::Grid, "--grid", "#e6e6e2", ""),
+    (Ink::Mark, "--mark", "#6a6a66", " stroke-dasharray=\"8 14\""),
+];
+
 /// Light theme's colours of the curves.
 const CURVES: [&str; PALETTE] = [
     "#1e50aa", "#a8471a", "#00a586", "#753369", "#ac8c1a", "#087fb1", "#696865", "#79000c",
 ];
 
 impl Ink {
-    /// Attributes that draw `property` (stroke or fill) in this ink.
-    fn attributes(self, property: &str) -> String {
-        let curve = |index: usize| {
-            let place = index % PALETTE;
-            format!(" style=\"{property}:var(--s{place},{})\"", CURVES[place])
-        };
-        let plain =
-            |name: &str, fallback: &str| format!(" style=\"{property}:var({name},{fallback})\"");
+    /// The colour that it travels as: kind and index.
+    fn colour(self) -> RGBColor {
+        let of_curve = |index: usize| (index % PALETTE) as u8;
         match self {
-            Self::Series(index) => curve(index),
-            Self::Dashed(index) => curve(index) + " stroke-dasharray=\"26 16\"",
-            Self::Text => plain("--ink", "#1c1c1a"),
-            Self::Muted => plain("--ink-2", "#5c5c58") + " class=\"halo\"",
-            Self::Axis => plain("--axis", "#8a8a84"),
-            Self::Grid => plain("--grid", "#e6e6e2"),
-            Self::Mark => plain("--mark", "#6a6a66") + " stroke-dasharray=\"8 14\"",
+            Self::Series(index) => RGBColor(0, of_curve(index), 0),
+            Self::Dashed(index) => RGBColor(1, of_curve(index), 0),
+            other => {
+                let place = PLAIN.iter().position(|(ink, ..)| *ink == other);
+                RGBColor(2, place.unwrap_or(0) as u8, 0)
+            }
         }
+    }
+
+    /// Attributes that draw `property` (stroke or fill) in the ink that travels as a colour.
+    fn attributes(colour: BackendColor, property: &str) -> String {
+        let (kind, index, _) = colour.rgb;
+        let place = usize::from(index);
+        if kind == 2 {
+            let (_, name, fallback, more) = PLAIN[place];
+            return format!(" style=\"{property}:var({name},{fallback})\"{more}");
+        }
+        let dash = if kind == 1 {
+            " stroke-dasharray=\"26 16\""
+        } else {
+            ""
+        };
+        format!(
+            " style=\"{property}:var(--s{index},{})\"{dash}",
+            CURVES[place]
+        )
+    }
+}
+
+/// plotters' backend: SVG elements, one a line.
+#[derive(Default)]
+struct Themed {
+    svg: Rc<RefCell<String>>,
+}
+
+type Drawn = Result<(), DrawingErrorKind<Infallible>>;
+
+impl Themed {
+    fn element(&mut self, element: &str) -> Drawn {
+        let mut svg = self.svg.borrow_mut();
+        svg.push_str(element);
+        svg.push('\n');
+        Ok(())
+    }
+}
+
+fn points(path: impl IntoIterator<Item = BackendCoord>) -> String {
+    let points: Vec<String> = path.into_iter().map(|(x, y)| format!("{x},{y}")).collect();
+    points.join(" ")
+}
+
+impl DrawingBackend for Themed {
+    type ErrorType = Infallible;
+
+    fn get_size(&self) -> (u32, u32) {
+        // Nobody asks: there is no layout by plotters.
+        (1, 1)
+    }
+
+    fn ensure_prepared(&mut self) -> Drawn {
+        Ok(())
+    }
+
+    fn present(&mut self) -> Drawn {
+        Ok(())
+    }
+
+    fn draw_pixel(&mut self, point: BackendCoord, colour: BackendColor) -> Drawn {
+        self.draw_circle(point, 1, &colour, true)
+    }
+
+    fn draw_path<S: BackendStyle, I: IntoIterator<Item = BackendCoord>>(
+        &mut self,
+        path: I,
+        style: &S,
+    ) -> Drawn {
+        self.element(&format!(
+            "<polyline fill=\"none\"{} stroke-width=\"{}\" points=\"{}\"/>",
+            Ink::attributes(style.color(), "stroke"),
+            style.stroke_width(),
+            points(path)
+        ))
+    }
+
+    fn draw_circle<S: BackendStyle>(
+        &mut self,
+        (x, y): BackendCoord,
+        radius: u32,
+        style: &S,
+        fill: bool,
+    ) -> Drawn {
+        let look = if fill {
+            Ink::attributes(style.color(), "fill")
+        } else {
+            let stroke = Ink::attributes(style.color(), "stroke");
+            format!(
+                " fill=\"none\"{stroke} stroke-width=\"{}\"",
+                style.stroke_width()
+            )
+        };
+        self.element(&format!(
+            "<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\"{look}/>"
+        ))
+    }
+
+    fn fill_polygon<S: BackendStyle, I: IntoIterator<Item = BackendCoord>>(
+        &mut self,
+        corners: I,
+        style: &S,
+    ) -> Drawn {
+        self.element(&format!(
+            "<polygon{} points=\"{}\"/>",
+            Ink::attributes(style.color(), "fill"),
+            points(corners)
+        ))
+    }
+
+    fn draw_text<S: BackendTextStyle>(
+        &mut self,
+        text: &str,
+        style: &S,
+        (x, y): BackendCoord,
+    ) -> Drawn {
+        let anchor = match style.anchor().h_pos {
+            HPos::Left => "start",
+            HPos::Center => "middle",
+            HPos::Right => "end",
+        };
+        self.element(&format!(
+            "<text x=\"{x}\" y=\"{y}\" dy=\"0.35em\" text-anchor=\"{anchor}\" font-size=\"{:.1}\"{}>{}</text>",
+            style.size(),
+            Ink::attributes(style.color(), "fill"),
+            markup::svg(text)
+        ))
     }
 }
 
@@ -73,53 +214,68 @@ pub enum Anchor {
     End,
 }
 
-/// A pen on a sheet measured in page units, and the elements that it has drawn, one a line.
-#[derive(Debug, Default)]
+/// A pen on a sheet measured in page units.
 pub struct Pen {
-    svg: String,
+    svg: Rc<RefCell<String>>,
+    area: DrawingArea<Themed, Shift>,
+}
+
+impl Default for Pen {
+    fn default() -> Self {
+        let backend = Themed::default();
+        Self {
+            svg: Rc::clone(&backend.svg),
+            area: backend.into_drawing_area(),
+        }
+    }
 }
 
 impl Pen {
     /// The content of the SVG element.
     #[must_use]
     pub fn into_svg(self) -> String {
-        self.svg
+        self.svg.take()
     }
 
-    fn element(&mut self, element: &str) {
-        self.svg.push_str(element);
-        self.svg.push('\n');
+    fn draw<E>(&self, element: &E)
+    where
+        for<'e> &'e E: PointCollection<'e, BackendCoord>,
+        E: Drawable<Themed>,
+    {
+        self.area
+            .draw(element)
+            .expect("writing to a String cannot fail");
     }
 
     /// A stroke.
     pub fn stroke(&mut self, points: &[Point], ink: Ink, width: f64) {
-        self.element(&format!(
-            "<polyline fill=\"none\"{} points=\"{}\"/>",
-            stroke(ink, width),
-            list(points.iter().copied())
-        ));
+        let fine: Vec<_> = points.iter().map(|p| fine(*p)).collect();
+        self.draw(&PathElement::new(fine, stroke_of(ink, width)));
     }
 
     /// A text, vertically centred on its anchor.
     pub fn text(&mut self, text: &str, at: Point, anchor: Anchor, size: f64, ink: Ink) {
-        let (x, y) = fine(at);
-        let anchor = match anchor {
-            Anchor::Start => "start",
-            Anchor::Middle => "middle",
-            Anchor::End => "end",
+        let h_pos = match anchor {
+            Anchor::Start => HPos::Left,
+            Anchor::Middle => HPos::Center,
+            Anchor::End => HPos::Right,
         };
-        self.element(&format!(
-            "<text x=\"{x}\" y=\"{y}\" dy=\"0.35em\" text-anchor=\"{anchor}\" font-size=\"{:.1}\"{}>{}</text>",
-            (size * FINE).trunc(),
-            ink.attributes("fill"),
-            markup::svg(text)
-        ));
+        let colour = ink.colour();
+        let style = ("sans-serif", size * FINE)
+            .into_text_style(&self.area)
+            .color(&colour)
+            .pos(Pos::new(h_pos, VPos::Center));
+        self.draw(&Text::new(text.to_owned(), fine(at), style));
     }
 
     /// The marker that belongs to a palette index.
     pub fn marker(&mut self, at: Point, colour: usize, radius: f64) {
         let ink = Ink::Series(colour);
-        let placed = |(x, y): &Point| (at.0 + x * radius, at.1 + y * radius);
+        let (full, thin) = (ink.colour().filled(), stroke_of(ink, 1.6));
+        let corners = |shape: &[(f64, f64)]| -> Vec<BackendCoord> {
+            let corner = |(x, y): &(f64, f64)| fine((at.0 + x * radius, at.1 + y * radius));
+            shape.iter().map(corner).collect()
+        };
         let filled: &[(f64, f64)] = match colour % PALETTE {
             1 => &[(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)],
             2 => &[(0.0, -1.25), (1.2, 0.85), (-1.2, 0.85)],
@@ -133,48 +289,33 @@ impl Pen {
             _ => &[],
         };
         if !filled.is_empty() {
-            self.element(&format!(
-                "<polygon{} points=\"{}\"/>",
-                ink.attributes("fill"),
-                list(filled.iter().map(placed))
-            ));
+            self.draw(&Polygon::new(corners(filled), full));
         } else if crossed.is_empty() {
-            let look = match colour.is_multiple_of(PALETTE) {
-                true => ink.attributes("fill"),
-                false => format!(" fill=\"none\"{}", stroke(ink, MARKER_STROKE)),
+            let style = if colour.is_multiple_of(PALETTE) {
+                full
+            } else {
+                thin
             };
-            let ((x, y), radius) = (fine(at), whole(radius));
-            self.element(&format!(
-                "<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\"{look}/>"
-            ));
+            let radius = (radius * FINE).round() as i32;
+            self.draw(&Circle::new(fine(at), radius, style));
         }
-        for line in crossed {
-            self.stroke(&line.each_ref().map(placed), ink, MARKER_STROKE);
+        for stroke in crossed {
+            self.draw(&PathElement::new(corners(stroke), thin));
         }
     }
 }
 
-/// Width of a marker's strokes, page units.
-const MARKER_STROKE: f64 = 1.6;
-
-/// Attributes of a line of a width in page units.
-fn stroke(ink: Ink, width: f64) -> String {
-    let ink = ink.attributes("stroke");
-    format!("{ink} stroke-width=\"{}\"", whole(width))
+/// A line of a width in page units.
+fn stroke_of(ink: Ink, width: f64) -> ShapeStyle {
+    ShapeStyle {
+        color: ink.colour().to_rgba(),
+        filled: false,
+        stroke_width: (width * FINE).round() as u32,
+    }
 }
 
-/// A length in drawing units.
-fn whole(length: f64) -> i32 {
-    (length * FINE).round() as i32
-}
-
-fn fine((x, y): Point) -> (i32, i32) {
-    (whole(x), whole(y))
-}
-
-fn list(path: impl Iterator<Item = Point>) -> String {
-    let points: Vec<String> = path.map(fine).map(|(x, y)| format!("{x},{y}")).collect();
-    points.join(" ")
+fn fine((x, y): Point) -> BackendCoord {
+    ((x * FINE).round() as i32, (y * FINE).round() as i32)
 }
 
 #[cfg(test)]

@@ -10,6 +10,8 @@
 
 mod reconstruct;
 mod state;
+#[cfg(test)]
+mod tests;
 
 use ::wide::f64x4;
 use pulp::{Arch, Simd, WithSimd};
