@@ -121,8 +121,8 @@ impl DrawingBackend for Themed {
     type ErrorType = Infallible;
 
     fn get_size(&self) -> (u32, u32) {
-        // Nobody asks: there is no layout by plotters.
-        (1, 1)
+        // plotters clamps points to the sheet; this one is larger than any figure.
+        (1 << 20, 1 << 20)
     }
 
     fn ensure_prepared(&mut self) -> Drawn {
