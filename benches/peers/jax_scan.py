@@ -26,7 +26,7 @@ UNROLL = 4
 
 
 def decoder(k: form.Constants) -> Callable[[jax.Array], jax.Array]:
-    """From voltages (n, 9) to rows (n - 2, 6)."""
+    """From voltages (n, 9) to columns (6, n - 2)."""
 
     def heun(state: Any, torque: form.Vec) -> Any:
         state = form.heun(k, *state, torque)
@@ -51,7 +51,7 @@ def decoder(k: form.Constants) -> Callable[[jax.Array], jax.Array]:
         w, w_dot, force = form.motion(k, before, now, after, spin, spin_dot)
         q = scanned(follow, k.attitude, form.steps(w, w_dot))
         linear, angular = form.ground(k, q, force, w_dot)
-        return jnp.stack([*linear, *angular], axis=1)
+        return jnp.stack([*linear, *angular])
 
     return decode
 
@@ -66,7 +66,7 @@ class Decoder:
         if self.jitted is None:
             self.jitted = decoder(form.constants(p))
             self.voltage = jnp.asarray(p.voltage_v)
-        return np.asarray(self.jitted(self.voltage))
+        return np.asarray(self.jitted(self.voltage)).T
 
 
 if __name__ == "__main__":

@@ -48,7 +48,7 @@ def decode(p: Problem) -> Array:
     w, w_dot, force = form.motion(k, before, now, after, *scanned(k, first, now.torque))
     q = attitudes(k.attitude, form.steps(w, w_dot))
     linear, angular = form.ground(k, q, force, w_dot)
-    return np.stack([*linear, *angular], axis=1)
+    return np.stack([*linear, *angular]).T
 
 
 if __name__ == "__main__":

@@ -26,20 +26,46 @@ pub fn push(input: &Input) -> Box<dyn Peer> {
     })
 }
 
-pub fn record(input: &Input, portable: bool) -> Box<dyn Peer> {
-    let ready = input.recorded.decoupler(Scheme::Heun);
-    let voltage_v = input.recorded.recording.voltage_v.clone();
-    Decoder::boxed(voltage_v.len(), move |rows| {
-        let mut decoupler = black_box(&ready).clone();
-        let mut sink =
-            |done: SixAxisColumns| rows.extend(done.iter().map(|answer| answer.accelerations()));
-        let voltage_v = black_box(&voltage_v);
-        let done = if portable {
+/// The record path, which answers in columns: those of the accelerations are kept as they come.
+struct Record {
+    ready: Decoupler,
+    portable: bool,
+    voltage_v: Vec<[f64; LIMBS]>,
+    columns: Vec<Row>,
+}
+
+impl Peer for Record {
+    fn decode(&mut self) {
+        let mut decoupler = black_box(&self.ready).clone();
+        let columns = &mut self.columns;
+        columns.clear();
+        let mut sink = |done: SixAxisColumns| {
+            let six: [&[f64]; 6] = from_fn(|c| done.columns()[c]);
+            let n = done.len();
+            let [a, b, c, d, e, f] = six.map(|s| &s[..n]);
+            columns.extend((0..n).map(|i| [a[i], b[i], c[i], d[i], e[i], f[i]]));
+        };
+        let voltage_v = black_box(&self.voltage_v);
+        let done = if self.portable {
             decoupler.push_record_portable(voltage_v, &mut sink)
         } else {
             decoupler.push_record(voltage_v, &mut sink)
         };
         done.expect("a recorded run");
+    }
+
+    fn rows(&self) -> Vec<Row> {
+        self.columns.clone()
+    }
+}
+
+pub fn record(input: &Input, portable: bool) -> Box<dyn Peer> {
+    let voltage_v = input.recorded.recording.voltage_v.clone();
+    Box::new(Record {
+        ready: input.recorded.decoupler(Scheme::Heun),
+        portable,
+        columns: Vec::with_capacity(voltage_v.len()),
+        voltage_v,
     })
 }
 
