@@ -31,19 +31,18 @@ struct Record {
     ready: Decoupler,
     portable: bool,
     voltage_v: Vec<[f64; LIMBS]>,
-    columns: Vec<Row>,
+    columns: [Vec<f64>; 6],
 }
 
 impl Peer for Record {
     fn decode(&mut self) {
         let mut decoupler = black_box(&self.ready).clone();
         let columns = &mut self.columns;
-        columns.clear();
+        columns.iter_mut().for_each(Vec::clear);
         let mut sink = |done: SixAxisColumns| {
-            let six: [&[f64]; 6] = from_fn(|c| done.columns()[c]);
-            let n = done.len();
-            let [a, b, c, d, e, f] = six.map(|s| &s[..n]);
-            columns.extend((0..n).map(|i| [a[i], b[i], c[i], d[i], e[i], f[i]]));
+            for (kept, column) in columns.iter_mut().zip(done.columns()) {
+                kept.extend_from_slice(column);
+            }
         };
         let voltage_v = black_box(&self.voltage_v);
         let done = if self.portable {
@@ -55,7 +54,10 @@ impl Peer for Record {
     }
 
     fn rows(&self) -> Vec<Row> {
-        self.columns.clone()
+        let samples = 0..self.columns[0].len();
+        samples
+            .map(|i| from_fn(|column| self.columns[column][i]))
+            .collect()
     }
 }
 
@@ -64,7 +66,7 @@ pub fn record(input: &Input, portable: bool) -> Box<dyn Peer> {
     Box::new(Record {
         ready: input.recorded.decoupler(Scheme::Heun),
         portable,
-        columns: Vec::with_capacity(voltage_v.len()),
+        columns: from_fn(|_| Vec::with_capacity(voltage_v.len())),
         voltage_v,
     })
 }
