@@ -58,26 +58,39 @@ pub fn run(plan: &Plan, progress: &Progress<'_>) -> Result<Results> {
     let perfect = Laboratory::noise_free(truth::sensor(&truth));
     let laboratory = Laboratory::with_errors(truth::sensor(&truth), plan.seed);
 
-    let exact = session::record(&perfect, &simulations.campaign, Preset::None)?.campaign;
-    let noise_free = steps.step("campaign without errors", || {
-        Ok(exact.identify(GyroscopeGain::Trusted)?)
-    })?;
-    let repeated = steps.step(
-        "the same, steps repeated",
-        || Ok(exact.repeat(&noise_free)?),
-    )?;
-    let coarse = steps.step("the same, doubled step", || coarse(simulations, &perfect))?;
-    let recorded = session::record(&laboratory, &simulations.campaign, Preset::Session)?;
-    let with_errors = steps.step("campaign with errors", || {
-        Ok(recorded.campaign.identify(GyroscopeGain::Identified)?)
-    })?;
-    let iterations = steps.step("the same, iterated", || {
-        identifiability::iteration::with_errors(&recorded.campaign, &with_errors, &truth)
-    })?;
-    let known = steps.step("the same, joint fit", || {
-        identifiability::known::study(&recorded, &laboratory)
-    })?;
-    drop(recorded);
+    // Branches that need nothing of each other run side by side.
+    let (without_errors, with_errors) = rayon::join(
+        || {
+            let exact = session::record(&perfect, &simulations.campaign, Preset::None)?.campaign;
+            let found = steps.step("campaign without errors", || {
+                Ok(exact.identify(GyroscopeGain::Trusted)?)
+            })?;
+            let repeated = steps.step("the same, steps repeated", || Ok(exact.repeat(&found)?))?;
+            let coarse = steps.step("the same, doubled step", || coarse(simulations, &perfect))?;
+            anyhow::Ok((exact, found, repeated, coarse))
+        },
+        || {
+            let recorded = session::record(&laboratory, &simulations.campaign, Preset::Session)?;
+            let found = steps.step("campaign with errors", || {
+                Ok(recorded.campaign.identify(GyroscopeGain::Identified)?)
+            })?;
+            let (iterations, known) = rayon::join(
+                || {
+                    steps.step("the same, iterated", || {
+                        identifiability::iteration::with_errors(&recorded.campaign, &found, &truth)
+                    })
+                },
+                || {
+                    steps.step("the same, joint fit", || {
+                        identifiability::known::study(&recorded, &laboratory)
+                    })
+                },
+            );
+            anyhow::Ok((found, iterations?, known?))
+        },
+    );
+    let (exact, noise_free, repeated, coarse) = without_errors?;
+    let (with_errors, iterations, known) = with_errors?;
 
     let exact_ways = compound::ways(&truth, &noise_free, Some(&repeated), Gravity::Kept);
     let laboratory_ways = compound::ways(&truth, &with_errors, None, Gravity::Neglected);
@@ -86,27 +99,44 @@ pub fn run(plan: &Plan, progress: &Progress<'_>) -> Result<Results> {
             compound::study(simulations, mounting, laboratory, preset, ways)
         })
     };
-    let vertical = Mounting::AxisVertical;
-    let compound_noise_free = compound(vertical, &perfect, Preset::None, &exact_ways)?;
-    let compound_laboratory = compound(vertical, &laboratory, Preset::Session, &laboratory_ways)?;
-    let compound_axis_level = compound(Mounting::AxisLevel, &perfect, Preset::None, &exact_ways)?;
-
-    let searches = steps.step("search for k/m", || {
-        let stride = plan.search_stride();
-        searches::study(&exact, &noise_free, &with_errors, &truth, stride)
-    })?;
-    let identifiability = steps.step("identifiability", || {
-        identifiability::study(plan, &exact, &noise_free, known, iterations, &truth)
-    })?;
-    let orders = steps.step("order of the schemes", || {
-        let run = simulations.compound_halved.last();
-        let run = run.context("no compound run was simulated")?;
-        orders::study(run, &truth, &plan.order_divisors())
-    })?;
-    let history = steps.step("time histories", || {
-        history::study(simulations, &perfect, &repeated, &laboratory, &with_errors)
-    })?;
-    let defects = steps.step("defects", || checks::defects(simulations, &truth))?;
+    let (of_k, of_runs) = rayon::join(
+        || {
+            let searches = steps.step("search for k/m", || {
+                let stride = plan.search_stride();
+                searches::study(&exact, &noise_free, &with_errors, &truth, stride)
+            })?;
+            let identifiability = steps.step("identifiability", || {
+                identifiability::study(plan, &exact, &noise_free, known, iterations, &truth)
+            })?;
+            anyhow::Ok((searches, identifiability))
+        },
+        || {
+            let vertical = Mounting::AxisVertical;
+            let level = Mounting::AxisLevel;
+            let compounds = [
+                compound(vertical, &perfect, Preset::None, &exact_ways)?,
+                compound(vertical, &laboratory, Preset::Session, &laboratory_ways)?,
+                compound(level, &perfect, Preset::None, &exact_ways)?,
+            ];
+            let orders = steps.step("order of the schemes", || {
+                let run = simulations.compound_halved.last();
+                let run = run.context("no compound run was simulated")?;
+                orders::study(run, &truth, &plan.order_divisors())
+            })?;
+            let history = steps.step("time histories", || {
+                history::study(simulations, &perfect, &repeated, &laboratory, &with_errors)
+            })?;
+            let defects = steps.step("defects", || checks::defects(simulations, &truth))?;
+            anyhow::Ok((compounds, orders, history, defects))
+        },
+    );
+    let (searches, identifiability) = of_k?;
+    let (compounds, orders, history, defects) = of_runs?;
+    let [
+        compound_noise_free,
+        compound_laboratory,
+        compound_axis_level,
+    ] = compounds;
     let found = |steps| identification::found(&truth, steps, &noise_free, coarse.as_ref());
     let mut results = Results {
         seed: plan.seed,

@@ -213,18 +213,20 @@ fn tasks(plan: &Plan) -> Vec<Task> {
 /// The first simulation that fails, by name.
 pub fn simulate(plan: &Plan, progress: &Progress<'_>) -> Result<Simulations> {
     let mut tasks = tasks(plan);
-    // Longest first, so that no thread is left alone with a long run at the end.
+    // Longest first, each to the thread that is free next, so that none is left alone with a long run at the end.
     tasks.sort_by_key(|task| core::cmp::Reverse(task.steps()));
     let total = tasks.iter().map(Task::steps).sum();
-    let outcomes = tasks
-        .par_iter()
-        .with_max_len(1)
-        .map(|task| {
-            let outcome = task.run();
+    let mut outcomes = tasks
+        .iter()
+        .enumerate()
+        .par_bridge()
+        .map(|(place, task)| {
+            let outcome = task.run()?;
             progress("MuJoCo", total, task.steps());
-            outcome
+            Ok((place, outcome))
         })
         .collect::<Result<Vec<_>>>()?;
+    outcomes.sort_by_key(|(place, _)| *place);
 
     let mut result = Simulations {
         campaign: Vec::new(),
@@ -239,7 +241,7 @@ pub fn simulate(plan: &Plan, progress: &Progress<'_>) -> Result<Simulations> {
             measured_hz: f64::NAN,
         }; 6]; 2],
     };
-    for (task, outcome) in tasks.iter().zip(outcomes) {
+    for (task, (_, outcome)) in tasks.iter().zip(outcomes) {
         match (task, outcome) {
             (Task::Run { list, trial, .. }, Outcome::Run(run)) => match list {
                 List::Campaign => result.campaign.push((trial.clone(), run)),
