@@ -3,6 +3,7 @@
 //! The files are embedded when a program is built, so that a report is the same wherever it is made. Each takes minutes to
 //! hours to make anew; [`Published::MAKE`] is the command.
 
+mod accuracy;
 mod calibration;
 mod digest;
 mod faults;
@@ -12,6 +13,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 pub use sixaxis_campaign::statistics::Summary as Campaign;
 
+pub use self::accuracy::*;
 pub use self::calibration::*;
 pub use self::digest::core_digest;
 pub use self::faults::*;
@@ -66,6 +68,13 @@ impl Published for Campaign {
                                 sixaxis campaign summary campaign --json";
 }
 
+impl Published for Laboratories {
+    const FILE: &'static str = "props/results/laboratories.json";
+    const TEXT: &'static str = include_str!("../../results/laboratories.json");
+    const MAKE: &'static str =
+        "cargo run --release -p sixaxis-reports --example laboratories -- --publish";
+}
+
 impl Published for Speed {
     const FILE: &'static str = "benches/results/speed.json";
     const TEXT: &'static str = include_str!("../../../benches/results/speed.json");
@@ -93,6 +102,7 @@ mod tests {
         same::<DyingLimb>();
         same::<FailedLimbs>();
         same::<Joint>();
+        same::<Laboratories>();
         same::<Propagation>();
         same::<SelfCalibration>();
         same::<Speed>();

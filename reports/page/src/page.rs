@@ -156,7 +156,9 @@ pub enum Verdict {
     Reproduced,
     /// Holds once a stated error is mended.
     ReproducedWithCorrection,
-    /// Contradicts something else that is printed.
+    /// Holds under one reading of what is not printed.
+    Compatible,
+    /// Contradicts something else that is printed, or the mathematics.
     Inconsistent,
     /// Cannot be checked or does not follow from what is printed.
     NotReproducible,

@@ -6,7 +6,9 @@ use sixaxis_page::{Cell, Section, State, Table, Text, Tile};
 use sixaxis_reference::rig::run::Mode;
 
 use super::{met, stiffness_text};
-use crate::study::results::{FOUR_STEPS, MEASURED, REPEATED, Results, worst};
+use crate::study::results::{
+    Correction, FOUR_STEPS, LimitKind, ParameterSet, REPEATED, Results, Standard, substepped, worst,
+};
 
 /// The tiles at the top.
 pub fn tiles(r: &Results) -> Vec<Tile> {
@@ -15,23 +17,35 @@ pub fn tiles(r: &Results) -> Vec<Tile> {
         let sweep = design.find(|s| s.mode == mode);
         fixed(sweep.and_then(|s| s.crossing_hz).unwrap_or(f64::NAN), 2)
     };
-    let laboratory = worst(&r.compound_laboratory, MEASURED);
+    let laboratory = |correction| {
+        let way = substepped(ParameterSet::Identified, correction, Standard::Instruments);
+        worst(&r.compound_laboratory, way)
+    };
+    let corrected = laboratory(Correction::RestToRest);
     let four_steps = worst(&r.compound_noise_free, FOUR_STEPS);
     let repeated = worst(&r.compound_noise_free, REPEATED);
     let stiffness = stiffness_text(r.noise_free.found.stiffness_per_mass_per_s2, 1);
-    let limits_met = r.acceptance.iter().filter(|limit| limit.met).count();
+    let required = || {
+        let mut all = r.acceptance.iter();
+        core::iter::from_fn(move || all.find(|limit| limit.kind == LimitKind::Required))
+    };
+    let limits_met = required().filter(|limit| limit.met).count();
     vec![
         Tile::new(
             "Error with laboratory errors",
-            percent(laboratory, 2),
-            "largest of 18 cells, as the paper compares; the paper: 7.479 %, the limit: 1 %",
-            met(laboratory <= 0.01),
+            percent(corrected, 2),
+            format!(
+                "seed {}, largest of 18 cells, corrected rest to rest; open loop, as the paper compares: {}; the paper: 7.479 %",
+                r.seed,
+                percent(laboratory(Correction::OpenLoop), 2)
+            ),
+            met(corrected <= 0.01),
         ),
         Tile::new(
             "The same without errors",
             scientific(four_steps, 2),
-            "four steps as printed, against truth; the limit: 10⁻⁵",
-            met(four_steps <= 1e-5),
+            "four steps as printed, against truth; aimed at: 10⁻⁵",
+            State::Neutral,
         ),
         Tile::new(
             "Steps 2 to 4 repeated",
@@ -59,10 +73,10 @@ pub fn tiles(r: &Results) -> Vec<Tile> {
             State::Neutral,
         ),
         Tile::new(
-            "Acceptance limits met",
-            format!("{limits_met} of {}", r.acceptance.len()),
+            "Required limits met",
+            format!("{limits_met} of {}", required().count()),
             "each with its measured value below",
-            State::Neutral,
+            met(limits_met == required().count()),
         ),
     ]
 }
@@ -74,20 +88,31 @@ pub fn tiles(r: &Results) -> Vec<Tile> {
 pub fn section(r: &Results) -> Result<Section> {
     Text::new(include_str!("acceptance.md"))
         .value("quick", r.quick)
-        .table("limits", table(r))
+        .table("limits", table(r, LimitKind::Required))
+        .table("aims", table(r, LimitKind::Aim))
         .section("acceptance")
 }
 
-fn table(r: &Results) -> Table {
+fn table(r: &Results, kind: LimitKind) -> Table {
     let with_unit = |value: f64, unit: &str| match unit {
         "" => scientific(value, 2),
         unit => format!("{} {unit}", scientific(value, 2)),
     };
-    Table::of("quantity", &r.acceptance, |limit| limit.name.clone())
+    let of_kind = r.acceptance.iter().filter(|limit| limit.kind == kind);
+    Table::of("quantity", of_kind, |limit| limit.name.clone())
         .col("measured", |l| {
-            Cell::of(l.value, |v| with_unit(v, &l.unit)).state(met(l.met))
+            Cell::of(l.value, |v| with_unit(v, &l.unit)).state(match kind {
+                LimitKind::Required => met(l.met),
+                LimitKind::Aim => State::Neutral,
+            })
         })
-        .col("limit", |l| with_unit(l.limit, &l.unit))
+        .col(
+            match kind {
+                LimitKind::Required => "limit",
+                LimitKind::Aim => "aimed at",
+            },
+            |l| with_unit(l.limit, &l.unit),
+        )
         .text("remark", |l| l.note.clone())
         .into()
 }

@@ -1,5 +1,7 @@
 //! The compound runs of Tables 4 to 6, decoupled in several ways and compared.
 
+use std::borrow::Cow;
+
 use anyhow::{Context, Result};
 use rayon::prelude::*;
 use sixaxis_calibration::conditioning::Conditioned;
@@ -19,24 +21,29 @@ use super::decoupling::{
     SixSeries, decouple, difference, harmonic, harmonic_error, largest_error, peaks, six_series,
     standards, truth,
 };
-use super::results::{Comparison, Compound, Gravity, ParameterSet, Standard};
+use super::results::{Comparison, Compound, Correction, Gravity, ParameterSet, Standard};
 use super::session::{self, Preset};
 use super::simulations::Simulations;
 
 /// Number of the first compound run in the laboratory's count of runs: its random streams do not depend on how many
 /// trials the steps had.
 const FIRST_RUN: usize = 1000;
-/// Decimation of a compound run to the 10 kHz at which Tables 4 to 6 are compared.
+/// Decimation of a compound run to the 10 kHz at which Tables 4 to 6 are compared without errors.
 pub const COMPARED_DIVISOR: usize = 2;
+/// With errors all 20 kHz are kept: at a given noise of one sample, a higher rate is a quieter channel.
+pub const LABORATORY_DIVISOR: usize = 1;
 
-/// Compares all runs of one mounting as a laboratory records them. With errors it keeps all 20 kHz: at a given noise of
-/// one sample, a higher rate is a quieter channel.
+/// Schemes whose own errors are judged.
+pub const SCHEMES: [Scheme; 3] = [Scheme::Heun, Scheme::HeunSubstepped, Scheme::AdamsMoulton4];
+
+/// Compares all runs of one mounting as a laboratory records them, every `divisor`-th sample of them.
 ///
 /// # Errors
 /// Those of recording and decoupling, with the run.
 pub fn study(
     simulations: &Simulations,
     mounting: Mounting,
+    divisor: usize,
     laboratory: &Laboratory,
     conditioning: Preset,
     ways: &[Way],
@@ -44,10 +51,6 @@ pub fn study(
     let (full, halved) = match mounting {
         Mounting::AxisVertical => (&simulations.compound, &simulations.compound_halved),
         Mounting::AxisLevel => (&simulations.axis_level, &simulations.axis_level_halved),
-    };
-    let divisor = match conditioning {
-        Preset::None => COMPARED_DIVISOR,
-        _ => 1,
     };
     full.iter()
         .zip(halved)
@@ -90,18 +93,27 @@ pub fn ways(
         parameters,
         scheme,
         gravity,
+        correction: Correction::OpenLoop,
     };
-    let mut ways = vec![way(ParameterSet::Design, design, Scheme::Heun)];
     if gravity == Gravity::Neglected {
-        // The laboratory: one scheme will do, its errors are larger than any scheme's.
-        for (set, parameters) in [
+        // The laboratory: one scheme will do, its errors are larger than any scheme's. Before and after are treated alike.
+        return [
+            (ParameterSet::Design, design),
             (ParameterSet::Identified, found.used()),
             (ParameterSet::True, *truth),
-        ] {
-            ways.push(way(set, parameters, Scheme::HeunSubstepped));
-        }
-        return ways;
+        ]
+        .into_iter()
+        .flat_map(|(set, parameters)| {
+            let open = way(set, parameters, Scheme::HeunSubstepped);
+            let corrected = Way {
+                correction: Correction::RestToRest,
+                ..open
+            };
+            [open, corrected]
+        })
+        .collect();
     }
+    let mut ways = vec![way(ParameterSet::Design, design, Scheme::Heun)];
     ways.push(way(
         ParameterSet::DesignDriftRemoved,
         Parameters {
@@ -116,7 +128,7 @@ pub fn ways(
     ];
     sets.extend(repeated.map(|r| (ParameterSet::Repeated, r.used())));
     for (set, parameters) in sets {
-        for scheme in [Scheme::Heun, Scheme::HeunSubstepped, Scheme::AdamsMoulton4] {
+        for scheme in SCHEMES {
             ways.push(way(set, parameters, scheme));
         }
     }
@@ -125,8 +137,23 @@ pub fn ways(
         parameters: *truth,
         scheme: Scheme::AdamsMoulton4,
         gravity: Gravity::Neglected,
+        correction: Correction::OpenLoop,
     });
     ways
+}
+
+/// With the true parameters by every scheme: what is left is the scheme's own.
+#[must_use]
+pub fn ways_of_schemes(truth: &Parameters) -> Vec<Way> {
+    SCHEMES
+        .map(|scheme| Way {
+            set: ParameterSet::True,
+            parameters: *truth,
+            scheme,
+            gravity: Gravity::Kept,
+            correction: Correction::OpenLoop,
+        })
+        .to_vec()
 }
 
 /// One way of decoupling a run.
@@ -140,6 +167,8 @@ pub struct Way {
     pub scheme: Scheme,
     /// Whether gravity is reckoned with.
     pub gravity: Gravity,
+    /// What is done about drift.
+    pub correction: Correction,
 }
 
 /// One compound run with everything that is decoupled from it.
@@ -154,7 +183,7 @@ pub struct Case<'a> {
     pub mounting: Mounting,
     /// The laboratory that records it.
     pub laboratory: &'a Laboratory,
-    /// How it is conditioned; unless it is left alone, drift is corrected from rest to rest, too.
+    /// How it is conditioned.
     pub conditioning: Preset,
 }
 
@@ -171,27 +200,27 @@ impl Case<'_> {
         Ok((recording, conditioned))
     }
 
-    /// Voltages ready to be decoupled with the given parameters.
+    /// Voltages ready to be decoupled in this way.
     ///
     /// # Errors
     /// Those of the detrending.
-    pub fn voltages(
+    pub fn voltages<'v>(
         &self,
         recording: &SimulatedRecording,
-        conditioned: &Conditioned,
-        parameters: &Parameters,
-    ) -> Result<Vec<[f64; LIMBS]>> {
-        if self.conditioning == Preset::None {
-            return Ok(conditioned.voltage_v.clone());
+        conditioned: &'v Conditioned,
+        way: &Way,
+    ) -> Result<Cow<'v, [[f64; LIMBS]]>> {
+        if way.correction == Correction::OpenLoop {
+            return Ok(Cow::Borrowed(&conditioned.voltage_v));
         }
         let (rows, _) = rest_to_rest::detrend(
             &recording.sensor(),
-            parameters,
+            &way.parameters,
             // Plain Heun finds the line as well as any: its error is a thousandth of the noise's.
             &recording.settings(Scheme::Heun),
             &conditioned.voltage_v,
         )?;
-        Ok(rows)
+        Ok(Cow::Owned(rows))
     }
 
     /// Decouples with each parameter set and scheme and compares.
@@ -205,11 +234,7 @@ impl Case<'_> {
         let comparisons = ways
             .par_iter()
             .map(|way| {
-                // Drift that nobody took off is part of what the design columns are shown for.
-                let voltages = match way.set {
-                    ParameterSet::Design => conditioned.voltage_v.clone(),
-                    _ => self.voltages(&recording, &conditioned, &way.parameters)?,
-                };
+                let voltages = self.voltages(&recording, &conditioned, way)?;
                 let samples = decouple(
                     &recording,
                     &voltages,
@@ -226,6 +251,7 @@ impl Case<'_> {
                     parameters: way.set,
                     scheme: way.scheme,
                     gravity: way.gravity,
+                    correction: way.correction,
                     against,
                     error: largest_error(&ours, standard),
                     harmonic_error: harmonic_error(&ours, standard, &self.run),

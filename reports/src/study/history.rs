@@ -7,10 +7,10 @@ use sixaxis_reference::laboratory::Laboratory;
 use sixaxis_reference::motion::SimulatedRun;
 use sixaxis_reference::rig::run::Mounting;
 
-use super::compound::{COMPARED_DIVISOR, Case};
+use super::compound::{COMPARED_DIVISOR, Case, Way};
 use super::decoupling::{SixSeries, decouple, difference, six_series, truth};
 use super::plan::COMPOUND_RATE_HZ;
-use super::results::{Gravity, History};
+use super::results::{Correction, Gravity, History, ParameterSet};
 use super::session::Preset;
 use super::simulations::Simulations;
 
@@ -32,7 +32,16 @@ pub fn study(
     let run: SimulatedRun = simulations.compound[index].decimated(COMPARED_DIVISOR);
     let truth = truth(&run);
     let ours = |laboratory, found: &FourSteps, conditioning, gravity| -> Result<SixSeries> {
-        let scheme = Scheme::HeunSubstepped;
+        let way = Way {
+            set: ParameterSet::Identified,
+            parameters: found.used(),
+            scheme: Scheme::HeunSubstepped,
+            gravity,
+            correction: match conditioning {
+                Preset::None => Correction::OpenLoop,
+                _ => Correction::RestToRest,
+            },
+        };
         let case = Case {
             run: run.clone(),
             halved: run.clone(),
@@ -42,9 +51,8 @@ pub fn study(
             conditioning,
         };
         let (recording, conditioned) = case.record(&run)?;
-        let parameters = found.used();
-        let voltages = case.voltages(&recording, &conditioned, &parameters)?;
-        let samples = decouple(&recording, &voltages, &parameters, scheme, gravity)?;
+        let voltages = case.voltages(&recording, &conditioned, &way)?;
+        let samples = decouple(&recording, &voltages, &way.parameters, way.scheme, gravity)?;
         Ok(six_series(&samples))
     };
     let exact = ours(perfect, noise_free, Preset::None, Gravity::Kept)?;

@@ -2,16 +2,18 @@
 //! and holds the outcome against the truth.
 //!
 //! [`plan`] says what is played, [`simulations`] plays it, [`session`] is the laboratory's analysis and
-//! [`identification`] what it finds, [`compound`], [`searches`], [`identifiability`], [`orders`], [`history`] and [`checks`] make the comparisons,
-//! [`acceptance`] judges them, and [`results`] is all of it as data. Nothing here draws.
+//! [`identification`] what it finds, [`compound`], [`searches`], [`identifiability`], [`orders`], [`history`] and [`checks`] make the comparisons, [`arithmetic`] decides what needs no campaign,
+//! [`laboratories`] says what one seed is worth, [`acceptance`] judges them, and [`results`] is all of it as data. Nothing here draws.
 
 pub mod acceptance;
+pub mod arithmetic;
 pub mod checks;
 pub mod compound;
 pub mod decoupling;
 pub mod history;
 pub mod identifiability;
 pub mod identification;
+pub mod laboratories;
 pub mod orders;
 pub mod plan;
 pub mod results;
@@ -26,6 +28,7 @@ use sixaxis_reference::laboratory::Laboratory;
 use sixaxis_reference::mujoco::version;
 use sixaxis_reference::rig::run::Mounting;
 
+use compound::{COMPARED_DIVISOR, LABORATORY_DIVISOR};
 use plan::Plan;
 use results::{Gravity, Results};
 use session::Preset;
@@ -94,9 +97,9 @@ pub fn run(plan: &Plan, progress: &Progress<'_>) -> Result<Results> {
 
     let exact_ways = compound::ways(&truth, &noise_free, Some(&repeated), Gravity::Kept);
     let laboratory_ways = compound::ways(&truth, &with_errors, None, Gravity::Neglected);
-    let compound = |mounting, laboratory, preset, ways: &[compound::Way]| {
+    let compound = |mounting, divisor, laboratory, preset, ways: &[compound::Way]| {
         steps.step("compound runs", || {
-            compound::study(simulations, mounting, laboratory, preset, ways)
+            compound::study(simulations, mounting, divisor, laboratory, preset, ways)
         })
     };
     let (of_k, of_runs) = rayon::join(
@@ -113,11 +116,25 @@ pub fn run(plan: &Plan, progress: &Progress<'_>) -> Result<Results> {
         || {
             let vertical = Mounting::AxisVertical;
             let level = Mounting::AxisLevel;
-            let compounds = [
-                compound(vertical, &perfect, Preset::None, &exact_ways)?,
-                compound(vertical, &laboratory, Preset::Session, &laboratory_ways)?,
-                compound(level, &perfect, Preset::None, &exact_ways)?,
-            ];
+            let perfectly = |mounting, divisor, ways: &[compound::Way]| {
+                compound(mounting, divisor, &perfect, Preset::None, ways)
+            };
+            let schemes = compound::ways_of_schemes(&truth);
+            let upright = perfectly(vertical, COMPARED_DIVISOR, &exact_ways)?;
+            let lying = perfectly(level, COMPARED_DIVISOR, &exact_ways)?;
+            let at_half_rate = [vertical, level]
+                .into_iter()
+                .map(|mounting| perfectly(mounting, 2 * COMPARED_DIVISOR, &schemes))
+                .collect::<Result<Vec<_>>>()?
+                .concat();
+            let recorded = compound(
+                vertical,
+                LABORATORY_DIVISOR,
+                &laboratory,
+                Preset::Session,
+                &laboratory_ways,
+            )?;
+            let compounds = [upright, lying, at_half_rate, recorded];
             let orders = steps.step("order of the schemes", || {
                 let run = simulations.compound_halved.last();
                 let run = run.context("no compound run was simulated")?;
@@ -134,8 +151,9 @@ pub fn run(plan: &Plan, progress: &Progress<'_>) -> Result<Results> {
     let (compounds, orders, history, defects) = of_runs?;
     let [
         compound_noise_free,
-        compound_laboratory,
         compound_axis_level,
+        compound_half_rate,
+        compound_laboratory,
     ] = compounds;
     let found = |steps| identification::found(&truth, steps, &noise_free, coarse.as_ref());
     let mut results = Results {
@@ -152,12 +170,14 @@ pub fn run(plan: &Plan, progress: &Progress<'_>) -> Result<Results> {
         compound_noise_free,
         compound_laboratory,
         compound_axis_level,
+        compound_half_rate,
         thresholds: checks::sweeps(simulations),
         searches,
         identifiability,
         orders,
         history,
         defects,
+        arithmetic: arithmetic::study(),
         acceptance: Vec::new(),
     };
     results.acceptance = acceptance::judge(&results);

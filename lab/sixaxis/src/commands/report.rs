@@ -12,9 +12,13 @@ use sixaxis_page::standalone::standalone;
 use sixaxis_props::{evidence, motions, tolerance};
 use sixaxis_recordings::draft::write_atomically;
 use sixaxis_reports::sections;
-use sixaxis_reports::study::{self, plan::Plan, results::Results};
+use sixaxis_reports::study::results::{AcceptanceLimit, LimitKind, Results};
+use sixaxis_reports::study::{self, plan::Plan};
 
 use crate::progress::Progress;
+
+/// Exit code where a required limit is broken; the report is written all the same.
+const BROKEN: u8 = 5;
 
 /// What to play and where to write.
 #[derive(clap::Args)]
@@ -153,7 +157,13 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     }
     print_summary(&results);
     println!("\n{}", html.display());
-    Ok(ExitCode::SUCCESS)
+    Ok(
+        if results.acceptance.iter().any(AcceptanceLimit::is_broken) {
+            ExitCode::from(BROKEN)
+        } else {
+            ExitCode::SUCCESS
+        },
+    )
 }
 
 /// `results.json`: the numbers and the ledger.
@@ -175,17 +185,21 @@ impl<'a> Document<'a> {
 
 fn print_summary(results: &Results) {
     println!(
-        "{:<52} {:>12} {:>10}",
+        "{:<66} {:>12} {:>10}",
         "acceptance limit", "measured", "limit"
     );
     for bar in &results.acceptance {
         println!(
-            "{:<52} {:>12.2e} {:>10.1e} {:<2} {}",
+            "{:<66} {:>12.2e} {:>10.1e} {:<2} {}",
             bar.name,
             bar.value,
             bar.limit,
             bar.unit,
-            if bar.met { "met" } else { "MISSED" }
+            match (bar.met, bar.kind) {
+                (true, _) => "met",
+                (false, LimitKind::Required) => "BROKEN",
+                (false, LimitKind::Aim) => "missed: a finding",
+            }
         );
     }
 }

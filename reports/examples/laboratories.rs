@@ -1,0 +1,45 @@
+//! The largest error of Tables 4 to 6 in many laboratories, before and after identification, open loop and corrected alike.
+//!
+//! ```text
+//! cargo run --release -p sixaxis-reports --example laboratories [-- --count N] [--first SEED] [--publish]
+//! ```
+//!
+//! `--publish` writes `props/results/laboratories.json`.
+
+use std::process::ExitCode;
+
+use sixaxis_props::publication::{Arguments, end};
+use sixaxis_props::results::Laboratories;
+use sixaxis_reports::study::plan::Plan;
+use sixaxis_reports::study::{laboratories, simulations};
+
+fn main() -> ExitCode {
+    end(run())
+}
+
+fn run() -> Result<(), String> {
+    let arguments = Arguments::given();
+    let first = arguments.number("--first", 1)?;
+    let count = arguments.number("--count", 100)?;
+    let plan = Plan {
+        seed: first,
+        quick: false,
+    };
+    let silent = |_: &str, _, _| {};
+    let say = |error: anyhow::Error| format!("{error:#}");
+    let simulations = simulations::simulate(&plan, &silent).map_err(say)?;
+    let result = laboratories::study(&simulations, first, count, &silent).map_err(say)?;
+    println!(
+        "largest of 18 cells, seeds {first} to {}",
+        first + count - 1
+    );
+    for (name, way) in result.ways() {
+        for (standard, errors) in [("instruments", &way.instruments), ("truth", &way.truth)] {
+            let Some(quantiles) = Laboratories::quantiles(errors) else {
+                continue;
+            };
+            println!("{name}, against the {standard}: {quantiles}");
+        }
+    }
+    arguments.publish(&result)
+}

@@ -1,0 +1,216 @@
+//! Printed claims that a page of arithmetic decides, and no campaign shows.
+
+use core::f64::consts::TAU;
+
+use glam::DVec3;
+use nalgebra::DMatrix;
+use serde::Serialize;
+use sixaxis_core::identify::inertia;
+use sixaxis_reference::linear_theory::relative_acceleration;
+use sixaxis_reference::paper::{ANGULAR_THRESHOLD_RAD_S2, COMPOUND_TABLES, LINEAR_THRESHOLD_M_S2};
+use sixaxis_reference::rig::run::{Mode, ROTATION_AMPLITUDE_RAD, Run};
+use sixaxis_reference::sensor::TrueSensor;
+
+/// Directions over which a threshold's range is sought: an even spread over half the sphere.
+const DIRECTIONS: u32 = 4000;
+/// Instants of a turn.
+const INSTANTS: u32 = 360;
+/// A singular value below this share of the largest is none.
+const RANK: f64 = 1e-9;
+/// Length of the connecting rod over the crank's for which the ledger states an example.
+const ROD_OVER_CRANK: f64 = 5.0;
+/// Distance of the sensor's centre from the pinion's axis for which the ledger states an example, m.
+const OFF_AXIS_M: f64 = 1e-3;
+/// The rig's highest frequency, Hz.
+const HIGHEST_HZ: f64 = 5.0;
+
+/// The arithmetic.
+#[derive(Debug, Clone, Serialize)]
+pub struct Arithmetic {
+    /// Rank of step 3's regressor (18) for turns about two axes, three axes of one plane, three axes that span space.
+    pub inertia_rank: [usize; 3],
+    /// The same for two instants whose rate and angular acceleration point anywhere.
+    pub inertia_rank_free: usize,
+    /// Frequencies at which the design sensor crosses the paper's thresholds, over all directions.
+    pub thresholds: Thresholds,
+    /// A slider's acceleration at twice the crank's frequency over that at the crank's, for a rod of `rod_over_crank`.
+    pub rod_harmonic: f64,
+    /// Length of that rod over the crank's.
+    pub rod_over_crank: f64,
+    /// Largest linear acceleration of a centre `off_axis_mm` off the axis in angular motion at 5 Hz, m/s^2.
+    pub off_axis_m_s2: f64,
+    /// Distance from the axis, mm.
+    pub off_axis_mm: f64,
+    /// Error before over error after identification as printed: in the cell of the largest error before, smallest, largest of all.
+    pub printed_improvement: [f64; 3],
+}
+
+/// Smallest and largest threshold frequency over all directions, Hz, by linear theory.
+#[derive(Debug, Clone, Serialize)]
+pub struct Thresholds {
+    /// Amplitude: half the slider's stroke, its true one.
+    pub linear_half_stroke: (f64, f64),
+    /// Amplitude: the slider's whole stroke, as the paper says.
+    pub linear_stroke: (f64, f64),
+    /// Amplitude: the pinion's true one.
+    pub angular_single: (f64, f64),
+    /// Twice that, as the slider's is doubled.
+    pub angular_double: (f64, f64),
+    /// The identified sensor along z, whole stroke.
+    pub identified_along_z: f64,
+}
+
+/// All of it.
+#[must_use]
+pub fn study() -> Arithmetic {
+    let [x, y, z] = DVec3::AXES;
+    let plane = [x, y, (x + y).normalize()];
+    let anywhere = [
+        (DVec3::new(1.0, 2.0, -1.0), DVec3::new(0.5, -1.0, 3.0)),
+        (DVec3::new(-2.0, 1.0, 0.5), DVec3::new(1.0, 1.0, -2.0)),
+    ];
+    Arithmetic {
+        inertia_rank: [&[x, y][..], &plane, &[x, y, z]].map(|axes| rank(turns(axes))),
+        inertia_rank_free: rank(anywhere),
+        thresholds: thresholds(),
+        rod_harmonic: rod_harmonic(),
+        rod_over_crank: ROD_OVER_CRANK,
+        off_axis_m_s2: off_axis_m_s2(),
+        off_axis_mm: 1e3 * OFF_AXIS_M,
+        printed_improvement: printed_improvement(),
+    }
+}
+
+/// Rate and angular acceleration of a rig that swings about each axis in turn, at many instants.
+fn turns(axes: &[DVec3]) -> impl Iterator<Item = (DVec3, DVec3)> {
+    axes.iter().flat_map(|&axis| {
+        (0..INSTANTS).map(move |i| {
+            let (sin, cos) = (TAU * f64::from(i) / f64::from(INSTANTS)).sin_cos();
+            (axis * cos, axis * -sin)
+        })
+    })
+}
+
+/// Rank of the regressor (18) of these samples.
+fn rank(samples: impl IntoIterator<Item = (DVec3, DVec3)>) -> usize {
+    let rows: Vec<f64> = samples
+        .into_iter()
+        .flat_map(|(rate, derivative)| inertia::regressor(rate, derivative))
+        .flatten()
+        .collect();
+    let values = DMatrix::from_row_slice(rows.len() / 6, 6, &rows).singular_values();
+    values.iter().filter(|v| **v > RANK * values.max()).count()
+}
+
+fn thresholds() -> Thresholds {
+    let design = TrueSensor::design();
+    let range = |mode, times: f64| {
+        (0..DIRECTIONS)
+            .map(|i| threshold_hz(&design, mode, times, direction(i)))
+            .fold((f64::INFINITY, 0.0_f64), |(low, high), hz| {
+                (low.min(hz), high.max(hz))
+            })
+    };
+    Thresholds {
+        linear_half_stroke: range(Mode::Linear, 1.0),
+        linear_stroke: range(Mode::Linear, 2.0),
+        angular_single: range(Mode::Angular, 1.0),
+        angular_double: range(Mode::Angular, 2.0),
+        identified_along_z: threshold_hz(&TrueSensor::identified(), Mode::Linear, 2.0, DVec3::Z),
+    }
+}
+
+/// Where the relative acceleration, which grows as the fourth power of the frequency, reaches the paper's threshold, Hz.
+fn threshold_hz(sensor: &TrueSensor, mode: Mode, times: f64, direction: DVec3) -> f64 {
+    let mut run = Run::new(mode, 1.0, direction);
+    run.slider_amplitude_m *= times;
+    run.rotation_amplitude_rad *= times;
+    let threshold = match mode {
+        Mode::Angular => ANGULAR_THRESHOLD_RAD_S2,
+        _ => LINEAR_THRESHOLD_M_S2,
+    };
+    (threshold / relative_acceleration(sensor, &run)).powf(0.25)
+}
+
+/// One of [`DIRECTIONS`], on a spiral of golden angles.
+fn direction(i: u32) -> DVec3 {
+    let z = (f64::from(i) + 0.5) / f64::from(DIRECTIONS);
+    let golden = TAU * (3.0 - 5.0_f64.sqrt()) / 2.0;
+    let (sin, cos) = (golden * f64::from(i)).sin_cos();
+    let radius = (1.0 - z * z).sqrt();
+    DVec3::new(radius * cos, radius * sin, z)
+}
+
+/// From the slider's place r cos q + sqrt(l^2 - (r sin q)^2), turn by turn: amplitudes of its first two harmonics, times their order
+/// squared.
+fn rod_harmonic() -> f64 {
+    let amplitude = |order: f64| {
+        let sum: f64 = (0..INSTANTS)
+            .map(|i| {
+                let q = TAU * f64::from(i) / f64::from(INSTANTS);
+                let place = q.cos() + (ROD_OVER_CRANK.powi(2) - q.sin().powi(2)).sqrt();
+                place * (order * q).cos()
+            })
+            .sum();
+        2.0 * sum / f64::from(INSTANTS) * order * order
+    };
+    amplitude(2.0) / amplitude(1.0)
+}
+
+fn printed_improvement() -> [f64; 3] {
+    let cells = COMPOUND_TABLES.iter().flat_map(|table| {
+        let after = table.error_after_percent;
+        table.error_before_percent.into_iter().zip(after)
+    });
+    let (mut worst, mut found) = (0.0, [0.0, f64::INFINITY, 0.0_f64]);
+    for (before, after) in cells {
+        let times = before / after;
+        if before > worst {
+            (worst, found[0]) = (before, times);
+        }
+        found = [found[0], found[1].min(times), found[2].max(times)];
+    }
+    found
+}
+
+fn off_axis_m_s2() -> f64 {
+    let w = TAU * HIGHEST_HZ;
+    (0..INSTANTS)
+        .map(|i| {
+            let (sin, cos) = (TAU * f64::from(i) / f64::from(INSTANTS)).sin_cos();
+            let rate = ROTATION_AMPLITUDE_RAD * w * cos;
+            let derivative = ROTATION_AMPLITUDE_RAD * w * w * sin;
+            OFF_AXIS_M * derivative.hypot(rate * rate)
+        })
+        .fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Figures that another program found.
+    #[test]
+    fn what_arithmetic_decides() {
+        let c = study();
+        assert_eq!(c.inertia_rank, [5, 5, 6]);
+        assert_eq!(c.inertia_rank_free, 6);
+        let near = |found: (f64, f64), known: (f64, f64)| {
+            assert!(
+                (found.0 - known.0).abs() < 2e-3 && (found.1 - known.1).abs() < 2e-3,
+                "{found:?} {known:?}"
+            );
+        };
+        near(c.thresholds.linear_half_stroke, (2.380, 2.830));
+        near(c.thresholds.linear_stroke, (2.001, 2.380));
+        near(c.thresholds.angular_single, (2.431, 2.902));
+        near(c.thresholds.angular_double, (2.044, 2.440));
+        // Crank over rod, to first order.
+        assert!((c.rod_harmonic - 0.2).abs() < 0.01, "{}", c.rod_harmonic);
+        assert!(
+            (c.off_axis_m_s2 - 3.009).abs() < 1e-3,
+            "{}",
+            c.off_axis_m_s2
+        );
+    }
+}
