@@ -37,7 +37,7 @@ const AFTER_HELP: &str = "\
   sixaxis campaign --help                        thousands of calibrations: do the intervals hold?
 
 Exit codes: 0 done, and the verdict is good; 1 it could not be done; 2 the command line is not understood; 3 done, good with
-reservations; 4 done, not good.";
+reservations; 4 done, not good; 5 the report is written and a limit that it requires is broken.";
 
 #[derive(Subcommand)]
 enum Task {
