@@ -61,3 +61,8 @@ pub use unobservable::{LostLoad, UnobservableDirections};
 #[cfg(doctest)]
 #[doc = include_str!("../../README.md")]
 struct Readme;
+
+/// The example of docs/microcontroller.md, likewise.
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/microcontroller.md")]
+struct Microcontroller;

@@ -1,5 +1,7 @@
 //! The result as a file: `calibration.json`, what `sixaxis decouple` reads and a laboratory keeps.
 
+mod rust_source;
+
 use sixaxis_core::parameter::{DRIFT, INERTIA, PARAMETERS, SCALE};
 use std::path::Path;
 

@@ -32,9 +32,12 @@ pub struct Arguments {
     /// Session file
     #[arg(required_unless_present = "schema")]
     session: Option<PathBuf>,
-    /// Calibration to write [default: calibration.json next to the session file]
+    /// Calibration to write [default: calibration.json, or calibration.rs, next to the session file]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+    /// Format of the calibration
+    #[arg(long, value_enum, default_value_t = Format::Json)]
+    format: Format,
     /// Report to write, one HTML file that needs no network [default: calibration.html next to the session file]
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
@@ -56,7 +59,7 @@ pub struct Arguments {
     #[arg(long, short)]
     quiet: bool,
     /// Print the JSON schema of a file format and do nothing else
-    #[arg(long, value_name = "FORMAT", conflicts_with_all = ["session", "out", "report", "iterate", "estimator", "robust", "json"])]
+    #[arg(long, value_name = "FORMAT", conflicts_with_all = ["session", "out", "format", "report", "iterate", "estimator", "robust", "json"])]
     schema: Option<Schema>,
 }
 
@@ -70,6 +73,7 @@ Examples:
   sixaxis calibrate day/session.toml --json --quiet | jq .verdict
   sixaxis calibrate day/session.toml --iterate 10
   sixaxis calibrate day/session.toml --estimator joint --robust
+  sixaxis calibrate day/session.toml --format rust --out firmware/src/calibration.rs
   sixaxis calibrate --schema session > session.schema.json
 
 A calibration that is not good is written all the same, with its verdict and what was found in it; none is written where the
@@ -85,6 +89,15 @@ enum Method {
     FourSteps,
     /// All trials at once
     Joint,
+}
+
+/// A format of the calibration by its name on the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// What the other commands read
+    Json,
+    /// Constants for a firmware
+    Rust,
 }
 
 /// A file format with a schema.
@@ -125,7 +138,10 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         calibration: arguments
             .out
             .clone()
-            .unwrap_or_else(|| beside("calibration.json")),
+            .unwrap_or_else(|| match arguments.format {
+                Format::Json => beside("calibration.json"),
+                Format::Rust => beside("calibration.rs"),
+            }),
         report: arguments
             .report
             .clone()
@@ -144,7 +160,10 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     // The calibration last: whoever sees a new one finds its report beside it.
     write_atomically(&targets.report, page.as_bytes())?;
     if let Some(calibration) = &calibrated.calibration {
-        calibration.write(&targets.calibration)?;
+        match arguments.format {
+            Format::Json => calibration.write(&targets.calibration),
+            Format::Rust => calibration.write_rust(&targets.calibration),
+        }?;
     }
     if arguments.json {
         print_json(&Summary::new(&calibrated, &targets))?;

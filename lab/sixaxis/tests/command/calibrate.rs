@@ -73,6 +73,21 @@ fn healthy_session_is_good_and_its_files_stand_beside_it() {
     }
     assert!(html.contains("tile good"));
     assert!(!html.contains("tile bad") && !html.contains("tile warn"));
+
+    // The same as constants for a firmware; a test of `sixaxis-calibration` compiles such a file.
+    let output = calibrate(&[text(&session), "--format", "rust"]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let source = session.with_file_name("calibration.rs");
+    let source = std::fs::read_to_string(source).expect("a source beside the session file");
+    for (key, value) in calibration["parameters"].as_object().expect("an object") {
+        let numbers = value
+            .as_array()
+            .map_or(std::slice::from_ref(value), Vec::as_slice);
+        for number in numbers {
+            let literal = format!("{:?}", number.as_f64().expect("a number"));
+            assert!(source.contains(&literal), "{key}: {literal}");
+        }
+    }
 }
 
 #[test]
