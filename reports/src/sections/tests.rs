@@ -3,8 +3,8 @@
 use sixaxis_core::{Parameter, Scheme};
 use sixaxis_page::render;
 use sixaxis_props::results::{
-    Campaign, Detection, DyingLimb, Propagation, PropagationSet, Published, SchemeCurve,
-    SelfCalibration, Speed,
+    Campaign, Detection, DyingLimb, Growth, GrowthPoint, Propagation, PropagationSet, Published,
+    SchemeCurve, SelfCalibration, Speed, Work,
 };
 
 use super::*;
@@ -162,4 +162,17 @@ fn what_ratios_are_taken_to_is_there() {
     }
     let counts = snapshot.instructions.expect("instruction counts");
     assert!(counts.per_sample.contains_key(speed::COUNTED_BASE));
+}
+
+#[test]
+fn growth_is_whole() {
+    let growth: Growth = embedded();
+    assert!(!growth.quick, "{} was measured in a hurry", Growth::FILE);
+    for work in Work::ALL {
+        let curve = growth.of(work).expect("every kind of work");
+        assert!(curve.points.is_sorted_by_key(|p| p.size), "{work:?}");
+        let positive = |p: &GrowthPoint| p.processor_s.q1 > 0.0 && p.peak_memory_bytes > 0;
+        assert!(curve.points.iter().all(positive), "{work:?}");
+        assert!(curve.power_law().is_some(), "{work:?}");
+    }
 }
