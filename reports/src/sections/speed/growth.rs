@@ -27,6 +27,7 @@ pub fn fill(text: Text, growth: &Growth) -> Text {
     let memory_mb: Vec<f64> = decouple.iter().map(memory_mb).collect();
     let most = memory_mb.iter().copied().fold(0.0, f64::max);
     text.value("growth", growth)
+        .value("growth_scheme", growth.scheme.name())
         .value("million_h", million_h)
         .value("decouple_most_mb", most)
         .value("decouple_most_samples", decouple.last().map(|p| p.size))
