@@ -176,3 +176,38 @@ fn growth_is_whole() {
         assert!(curve.power_law().is_some(), "{work:?}");
     }
 }
+
+/// A cost in proportion has the slope one, the square of anything two. Fixed costs at the small end and caches at the large one bend a
+/// curve of three or four decades by some hundredths.
+const SLOPE_OF_PROPORTION: core::ops::RangeInclusive<f64> = 0.9..=1.1;
+/// The memory of blocks, whatever the samples: over a hundred times as many it may vary by what the allocator keeps, not double.
+const FLAT: f64 = 2.0;
+
+#[test]
+fn cost_grows_in_proportion_and_the_memory_of_decouple_does_not() {
+    let growth: Growth = embedded();
+    let curve = |work| growth.of(work).expect("every kind of work");
+    for work in [
+        Work::Decouple,
+        Work::PushRecord,
+        Work::PushLanes,
+        Work::Campaign,
+    ] {
+        let law = curve(work).power_law().expect("a line");
+        assert!(
+            SLOPE_OF_PROPORTION.contains(&law.exponent),
+            "{work:?}: {law:?}"
+        );
+    }
+    // Trials have the joint fit's own fixed cost: no lower end, and squares show at the upper.
+    let trials = curve(Work::Calibrate).power_law().expect("a line");
+    assert!(trials.exponent <= *SLOPE_OF_PROPORTION.end(), "{trials:?}");
+    let over = |work| {
+        let points = &curve(work).points;
+        let (last, before) = (points.last().expect("a point"), &points[points.len() - 3]);
+        last.peak_memory_bytes as f64 / before.peak_memory_bytes as f64
+    };
+    assert!(over(Work::Decouple) < FLAT);
+    // What holds the record must show, or memory is not measured.
+    assert!(over(Work::PushRecord) > FLAT);
+}
