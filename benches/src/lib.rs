@@ -12,7 +12,9 @@
 
 pub mod free_sensor;
 pub mod gauss_newton;
+pub mod machine;
 pub mod pseudo_inverse;
+pub mod spread;
 pub mod validate;
 
 use std::time::Duration;

@@ -7,10 +7,10 @@ use sixaxis_props::problem::recorded::Recorded;
 use sixaxis_props::results::{Length, LengthPoint};
 
 use crate::comparison::{judge_record, pieces};
-use crate::machine::peak_memory_bytes;
 use crate::timing::{
     Effort, Progress, Voltages, push_all, record_all, repeated, rounded, spread, time,
 };
+use sixaxis_benches::machine::peak_memory_bytes;
 
 /// Scheme of the longest records. Heun's error of the rate adds up from one repetition of the run to the next and runs
 /// away after 1.3e7 samples, twenty minutes of being shaken at 5 Hz without a rest; this one's error stays small.

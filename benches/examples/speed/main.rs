@@ -12,7 +12,6 @@
 
 mod comparison;
 mod length;
-mod machine;
 mod precision;
 mod streams;
 mod timing;
@@ -28,8 +27,8 @@ use sixaxis_core::Scheme;
 use sixaxis_props::results::{CoreSpeed, Instructions, Peers, Published, Speed, core_digest};
 
 use length::{LONG_SCHEME, length};
-use machine::{date_utc, machine, output, workspace};
 use precision::{validated, work_precision};
+use sixaxis_benches::machine::{date_utc, machine, output, workspace};
 use streams::streams;
 use timing::{FULL, Progress, QUICK};
 

@@ -12,10 +12,10 @@ use sixaxis_props::problem::recorded::Recorded;
 use sixaxis_props::results::{Streams, StreamsPoint};
 
 use crate::comparison::{Beside, judge_record};
-use crate::machine::logical_cores;
 use crate::timing::{
     Effort, Progress, Voltages, push_all, record_all, repeated, rounded, spread, time,
 };
+use sixaxis_benches::machine::logical_cores;
 
 /// Turns of mere arithmetic on each thread, long enough that starting a thread does not count.
 pub const SPINS: usize = 20;

@@ -4,8 +4,8 @@ use std::hint::black_box;
 use std::io::Write;
 use std::time::Instant;
 
+pub use sixaxis_benches::spread::{rounded, spread};
 use sixaxis_core::{Decoupler, LIMBS};
-use sixaxis_props::results::Spread;
 
 pub type Voltages = [f64; LIMBS];
 
@@ -41,28 +41,6 @@ pub const QUICK: Effort = Effort {
     held: &[1_000, 10_000, 100_000],
     streams: &[1, 8, 64, 512],
 };
-
-/// Median and quartiles of scaled values, to four digits: more are noise.
-pub fn spread(mut values: Vec<f64>, scale: f64) -> Spread {
-    values.sort_by(f64::total_cmp);
-    let at = |share: f64| {
-        let place = share * (values.len() - 1) as f64;
-        let (low, high) = (
-            values[place.floor() as usize],
-            values[place.ceil() as usize],
-        );
-        rounded(scale * (low + place.fract() * (high - low)))
-    };
-    Spread {
-        median: at(0.5),
-        q1: at(0.25),
-        q3: at(0.75),
-    }
-}
-
-pub fn rounded(value: f64) -> f64 {
-    format!("{value:.3e}").parse().unwrap_or(value)
-}
 
 /// One line on a terminal that says how far things are.
 pub struct Progress {

@@ -94,10 +94,10 @@ type Fits<const N: usize> = (Vec<Option<[f64; N]>>, Vec<[f64; N]>);
 type Fit<'a, const N: usize> = dyn Fn(&dyn Fn(usize) -> bool) -> Option<[f64; N]> + 'a;
 
 /// `wedges` holds for each trial the first trial of its direction.
+///
+/// A trial is left out alone only where its wedge cannot be left out, or where wedges are too few: a fit takes as long as there are trials, and
+/// one for each of them takes as long as their square.
 fn leave_out<const N: usize>(wedges: &[usize], fit: &Fit<N>) -> Fits<N> {
-    let alone: Vec<Option<[f64; N]>> = (0..wedges.len())
-        .map(|out| fit(&|index| index != out))
-        .collect();
     let without_wedge: Vec<Option<[f64; N]>> = (0..wedges.len())
         .map(|trial| {
             (wedges[trial] == trial)
@@ -106,7 +106,14 @@ fn leave_out<const N: usize>(wedges: &[usize], fit: &Fit<N>) -> Fits<N> {
         })
         .collect();
     let by_wedge: Vec<[f64; N]> = without_wedge.iter().flatten().copied().collect();
-    let spread = if by_wedge.len() >= WEDGES_WANTED {
+    let enough = by_wedge.len() >= WEDGES_WANTED;
+    let alone: Vec<Option<[f64; N]>> = (0..wedges.len())
+        .map(|out| {
+            let wanted = !enough || without_wedge[wedges[out]].is_none();
+            wanted.then(|| fit(&|index| index != out)).flatten()
+        })
+        .collect();
+    let spread = if enough {
         by_wedge
     } else {
         alone.iter().flatten().copied().collect()

@@ -7,6 +7,7 @@ mod accuracy;
 mod calibration;
 mod digest;
 mod faults;
+mod growth;
 mod speed;
 
 use serde::Serialize;
@@ -17,6 +18,7 @@ pub use self::accuracy::*;
 pub use self::calibration::*;
 pub use self::digest::core_digest;
 pub use self::faults::*;
+pub use self::growth::*;
 pub use self::speed::*;
 
 /// A result that is kept as a file.
@@ -82,6 +84,13 @@ impl Published for Speed {
                                 cargo run --release -p sixaxis-benches --example speed -- --publish";
 }
 
+impl Published for Growth {
+    const FILE: &'static str = "benches/results/growth.json";
+    const TEXT: &'static str = include_str!("../../../benches/results/growth.json");
+    const MAKE: &'static str =
+        "cargo run --release -p sixaxis-benches --example growth -- --publish";
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -101,6 +110,7 @@ mod tests {
         same::<Detection>();
         same::<DyingLimb>();
         same::<FailedLimbs>();
+        same::<Growth>();
         same::<Joint>();
         same::<Laboratories>();
         same::<Propagation>();

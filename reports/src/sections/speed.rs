@@ -4,13 +4,14 @@
 //! Ratios lead and nanoseconds stand behind, small: ratios are more nearly the same elsewhere.
 
 mod figures;
+mod growth;
 
 use anyhow::{Context, Result};
 use serde::Serialize;
 use sixaxis_core::Scheme;
 use sixaxis_page::number::{count, fixed, scientific, significant};
 use sixaxis_page::{Cell, Section, Table, Text};
-use sixaxis_props::results::{Instructions, Peer, Peers, Published, Speed};
+use sixaxis_props::results::{Growth, Instructions, Peer, Peers, Published, Speed};
 
 /// What ratios are taken to, by its name among the peers and among the instruction counts.
 pub const PUSH: &str = "push";
@@ -37,6 +38,7 @@ struct Difference<'a> {
 /// If the measurements cannot be read or the text does not fit them.
 pub fn section() -> Result<Section> {
     let snapshot = &Speed::embedded()?;
+    let growth = &Growth::embedded()?;
     let Speed {
         core_digest: _,
         speed,
@@ -64,7 +66,10 @@ pub fn section() -> Result<Section> {
         .value("instructions", instructions)
         .table("peers", peers_table(peers))
         .table("instructions", instructions_table(instructions));
-    figures::fill(text, speed).section("speed")
+    let text = text
+        .value("growth_commit", short(&growth.commit))
+        .value("growth_day", day(&growth.date_utc));
+    growth::fill(figures::fill(text, speed), growth).section("speed")
 }
 
 fn short(commit: &str) -> &str {

@@ -3,8 +3,8 @@
 use sixaxis_core::{Parameter, Scheme};
 use sixaxis_page::render;
 use sixaxis_props::results::{
-    Campaign, Detection, DyingLimb, Propagation, PropagationSet, Published, SchemeCurve,
-    SelfCalibration, Speed,
+    Campaign, Detection, DyingLimb, Growth, GrowthPoint, Propagation, PropagationSet, Published,
+    SchemeCurve, SelfCalibration, Speed, Work,
 };
 
 use super::*;
@@ -162,4 +162,52 @@ fn what_ratios_are_taken_to_is_there() {
     }
     let counts = snapshot.instructions.expect("instruction counts");
     assert!(counts.per_sample.contains_key(speed::COUNTED_BASE));
+}
+
+#[test]
+fn growth_is_whole() {
+    let growth: Growth = embedded();
+    assert!(!growth.quick, "{} was measured in a hurry", Growth::FILE);
+    for work in Work::ALL {
+        let curve = growth.of(work).expect("every kind of work");
+        assert!(curve.points.is_sorted_by_key(|p| p.size), "{work:?}");
+        let positive = |p: &GrowthPoint| p.processor_s.q1 > 0.0 && p.peak_memory_bytes > 0;
+        assert!(curve.points.iter().all(positive), "{work:?}");
+        assert!(curve.power_law().is_some(), "{work:?}");
+    }
+}
+
+/// A cost in proportion has the slope one, the square of anything two. Fixed costs at the small end and caches at the large one bend a
+/// curve of three or four decades by some hundredths.
+const SLOPE_OF_PROPORTION: core::ops::RangeInclusive<f64> = 0.9..=1.1;
+/// The memory of blocks, whatever the samples: over a hundred times as many it may vary by what the allocator keeps, not double.
+const FLAT: f64 = 2.0;
+
+#[test]
+fn cost_grows_in_proportion_and_the_memory_of_decouple_does_not() {
+    let growth: Growth = embedded();
+    let curve = |work| growth.of(work).expect("every kind of work");
+    for work in [
+        Work::Decouple,
+        Work::PushRecord,
+        Work::PushLanes,
+        Work::Campaign,
+    ] {
+        let law = curve(work).power_law().expect("a line");
+        assert!(
+            SLOPE_OF_PROPORTION.contains(&law.exponent),
+            "{work:?}: {law:?}"
+        );
+    }
+    // Trials have the joint fit's own fixed cost: no lower end, and squares show at the upper.
+    let trials = curve(Work::Calibrate).power_law().expect("a line");
+    assert!(trials.exponent <= *SLOPE_OF_PROPORTION.end(), "{trials:?}");
+    let over = |work| {
+        let points = &curve(work).points;
+        let (last, before) = (points.last().expect("a point"), &points[points.len() - 3]);
+        last.peak_memory_bytes as f64 / before.peak_memory_bytes as f64
+    };
+    assert!(over(Work::Decouple) < FLAT);
+    // What holds the record must show, or memory is not measured.
+    assert!(over(Work::PushRecord) > FLAT);
 }

@@ -9,24 +9,43 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use sixaxis_props::results::Machine;
 
+/// Logical cores, 1 where that is not known.
+#[must_use]
 pub fn logical_cores() -> usize {
     thread::available_parallelism().map_or(1, usize::from)
 }
 
 /// The value of a line of a file of `name: value` lines, if there is such a file.
+#[must_use]
 pub fn line_of(path: &str, name: &str) -> Option<String> {
     let text = fs::read_to_string(path).ok()?;
     let line = text.lines().find(|line| line.starts_with(name))?;
     Some(line.split_once(':')?.1.trim().to_owned())
 }
 
+/// The largest memory that this process has had so far (resident set, `VmHWM`); none where the system does not say.
+#[must_use]
 pub fn peak_memory_bytes() -> Option<u64> {
     let value = line_of("/proc/self/status", "VmHWM")?;
     let kib: u64 = value.strip_suffix("kB")?.trim().parse().ok()?;
     Some(1024 * kib)
 }
 
-/// What a command prints, if there is such a command and it succeeds.
+/// Processor time of all threads of this process so far, s, in steps of 10 ms (`utime` and `stime`); none where the system
+/// does not say.
+#[must_use]
+pub fn processor_s() -> Option<f64> {
+    // What the clock of /proc ticks at, whatever the kernel's own does.
+    const TICKS_PER_S: f64 = 100.0;
+    let text = fs::read_to_string("/proc/self/stat").ok()?;
+    // The program's name, in brackets, may have spaces in it.
+    let mut fields = text.rsplit_once(')')?.1.split_whitespace().skip(11);
+    let mut ticks = || fields.next()?.parse::<u64>().ok();
+    Some((ticks()? + ticks()?) as f64 / TICKS_PER_S)
+}
+
+/// What a command prints in the workspace, if there is such a command and it succeeds.
+#[must_use]
 pub fn output(program: &str, arguments: &[&str]) -> Option<String> {
     let output = Command::new(program)
         .args(arguments)
@@ -37,6 +56,8 @@ pub fn output(program: &str, arguments: &[&str]) -> Option<String> {
     Some(String::from_utf8(output.stdout).ok()?.trim().to_owned())
 }
 
+/// This machine.
+#[must_use]
 pub fn machine() -> Machine {
     let mut compiled_for = Vec::new();
     let mut processor_has = Vec::new();
@@ -64,6 +85,7 @@ pub fn machine() -> Machine {
 }
 
 /// The time now as `2026-01-31T23:59:59Z`.
+#[must_use]
 pub fn date_utc() -> String {
     let since = SystemTime::now().duration_since(UNIX_EPOCH);
     let seconds = since.map_or(0, |time| time.as_secs());
@@ -84,6 +106,8 @@ pub fn date_utc() -> String {
     )
 }
 
+/// The workspace's folder.
+#[must_use]
 pub fn workspace() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
