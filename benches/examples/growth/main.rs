@@ -129,15 +129,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             _ => return Err("arguments are --quick and --publish, both or none".into()),
         }
     }
-    let before = load();
-    let target =
-        workspace().join(env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into()));
-    let given = Given::new(&target.join("growth/work"))?;
-    let curves: Result<Vec<_>, _> = Work::ALL
-        .into_iter()
-        .map(|work| curve(work, quick, &given))
-        .collect();
-    drop(given);
+    // Of what is measured, not of what is committed meanwhile.
+    let commit = output("git", &["rev-parse", "HEAD"]).unwrap_or_else(|| "unknown".to_owned());
     let sources = [
         "diff",
         "--quiet",
@@ -147,10 +140,20 @@ fn main() -> Result<(), Box<dyn Error>> {
         "lab",
         "benches/examples/growth",
     ];
+    let changed_since_commit = output("git", &sources).is_none();
+    let before = load();
+    let target =
+        workspace().join(env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into()));
+    let given = Given::new(&target.join("growth/work"))?;
+    let curves: Result<Vec<_>, _> = Work::ALL
+        .into_iter()
+        .map(|work| curve(work, quick, &given))
+        .collect();
+    drop(given);
     let growth = Growth {
         date_utc: date_utc(),
-        commit: output("git", &["rev-parse", "HEAD"]).unwrap_or_else(|| "unknown".to_owned()),
-        changed_since_commit: output("git", &sources).is_none(),
+        commit,
+        changed_since_commit,
         command: Growth::MAKE.to_owned(),
         quick,
         machine: machine(),
