@@ -2,10 +2,12 @@
 
 mod excluded_limbs;
 mod state;
+mod wider;
 
 use state::Start;
 pub(crate) use state::State;
 
+use super::record::BlockCount;
 use crate::error::{Error, Result};
 use crate::geometry::LIMBS;
 use crate::kernel::attitude::{
@@ -18,9 +20,9 @@ use crate::kernel::order::to_kernel_order;
 use crate::kernel::placement::{self, LimbLoad, STRAIN_LIMIT};
 use crate::kernel::rate::{RateIntegrator, Torques};
 use crate::kernel::reconstruct;
-
 use crate::kernel::shell::{self, RelativePose, ShellMotion};
 use crate::kernel::vec3::Vec3;
+use crate::kernel::wider::Wider;
 use crate::limb_set::LimbSet;
 use crate::model::{Model, Parameters, Sensor, Settings};
 use crate::scheme::Scheme;
@@ -48,6 +50,9 @@ pub struct Decoupler<T: Scalar = f64> {
     recent: [[T; LIMBS]; 2],
     /// No limb is excluded and the first answer is out: most samples take the shortest way.
     fast: bool,
+    /// The constants once more where the processor has wider registers than the program was compiled for.
+    wider: Option<T::Wider>,
+    pub(crate) blocks: BlockCount,
     /// Of all limbs and in f64, for samples beyond the series.
     exact: Constants<f64>,
 }
@@ -88,15 +93,16 @@ impl<T: Scalar> Decoupler<T> {
         let exact = Constants::new(&Model::new(sensor, parameters, settings)?)?;
         let constants = exact.rounded();
         let start = Start::new(settings);
-        let zeros = Vec3::default();
+        let mask = ChannelMask::excluding(LimbSet::EMPTY, &exact)?;
         Ok(Self {
+            wider: T::Wider::new(&constants, &mask.strains),
             constants,
-            mask: ChannelMask::excluding(LimbSet::EMPTY, &exact)?,
+            mask,
             state: State {
                 received: 0,
                 before: RelativePose::default(),
                 now: LimbLoad::default(),
-                spin: RateIntegrator::start(constants.gyroscopic, zeros, zeros),
+                spin: RateIntegrator::start(constants.gyroscopic, Vec3::default(), Vec3::default()),
                 shell: ShellMotion::default(),
                 attitude: start.attitude,
             },
@@ -104,6 +110,7 @@ impl<T: Scalar> Decoupler<T> {
             start,
             recent: [[T::default(); LIMBS]; 2],
             fast: false,
+            blocks: BlockCount::default(),
             exact,
         })
     }
@@ -118,14 +125,25 @@ impl<T: Scalar> Decoupler<T> {
     #[inline(always)]
     pub fn push(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<Answer<T>>> {
         if self.fast {
-            let after = placement::by_series(&self.constants, to_kernel_order(*voltage_v));
-            if in_range(&after) {
-                return self.take::<true>(after, voltage_v);
+            if let Some(wider) = &self.wider {
+                return self.push_wider::<false>(wider.proof(), voltage_v);
             }
-            self.push_checked(voltage_v)
+            if T::Wider::POSSIBLE {
+                return self.push_narrow(voltage_v);
+            }
+            self.push_fast(voltage_v)
         } else {
             self.push_excluding(voltage_v)
         }
+    }
+
+    #[inline(always)]
+    fn push_fast(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<Answer<T>>> {
+        let after = placement::by_series(&self.constants, to_kernel_order(*voltage_v));
+        if in_range(&after) {
+            return self.take::<true>(after, voltage_v);
+        }
+        self.push_checked(voltage_v)
     }
 
     /// [`Decoupler::push`] for every row of a recording or a piece of one; `sink` takes the answers in order.
@@ -149,6 +167,9 @@ impl<T: Scalar> Decoupler<T> {
     #[inline(never)]
     fn push_excluding(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<Answer<T>>> {
         if self.state.received > 2 {
+            if let Some(wider) = &self.wider {
+                return self.push_wider::<true>(wider.proof(), voltage_v);
+            }
             let used = self.mask.voltages(to_kernel_order(*voltage_v));
             let after = self.mask.strains.by_series(&self.constants, used);
             if in_range(&after) {
@@ -162,7 +183,7 @@ impl<T: Scalar> Decoupler<T> {
     /// would have to keep in memory what it has in registers.
     #[cold]
     #[inline(never)]
-    fn push_checked(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<Answer<T>>> {
+    pub(super) fn push_checked(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<Answer<T>>> {
         let mut after = self.place(voltage_v);
         if !in_range(&after) {
             after = self.place_exactly(voltage_v, self.state.received)?;
@@ -217,7 +238,8 @@ impl<T: Scalar> Decoupler<T> {
         let attitude = self.state.attitude.after(turn);
         self.state.spin.take(self.scheme, step);
         self.remember(voltage_v);
-        Ok(Some(self.advance(after, motion, attitude)))
+        let ground = to_ground(&self.constants, &motion, attitude);
+        Ok(Some(self.advance(after, motion, attitude, ground)))
     }
 
     #[inline(always)]
@@ -268,7 +290,9 @@ impl<T: Scalar> Decoupler<T> {
         self.state.spin = spin;
         self.remember(voltage_v);
         self.fast = self.mask.all();
-        Ok(Some(self.advance(*after, motion, self.start.attitude)))
+        let start = self.start.attitude;
+        let ground = to_ground(&self.constants, &motion, start);
+        Ok(Some(self.advance(*after, motion, start, ground)))
     }
 
     #[inline(always)]
@@ -284,13 +308,14 @@ impl<T: Scalar> Decoupler<T> {
         )
     }
 
-    /// Moves on by one sample and turns the answer to ground axes and SI.
+    /// Moves on by one sample, whose answer in ground axes and SI is given.
     #[inline(always)]
     fn advance(
         &mut self,
         after: LimbLoad<T>,
         motion: ShellMotion<T>,
         attitude: Quaternion<T>,
+        [linear, angular, rate]: [Vec3<T>; 3],
     ) -> Answer<T> {
         let state = &mut self.state;
         let sample = state.received - 1;
@@ -299,8 +324,6 @@ impl<T: Scalar> Decoupler<T> {
         state.now = after;
         state.shell = motion;
         state.attitude = attitude;
-        let ground = to_ground(&self.constants, &motion, attitude);
-        let [linear, angular, rate] = ground;
         SixAxis {
             sample,
             linear_ground_m_s2: T::vector(linear),

@@ -64,6 +64,15 @@ pub fn exp_exactly<T: Scalar>(half: Vec3<T>, scale: T) -> Option<Quaternion<T>> 
 }
 
 impl<T: Real> Quaternion<T> {
+    /// Converted to another number type.
+    #[inline(always)]
+    pub(crate) fn map<U: Real>(self, f: impl Fn(T) -> U) -> Quaternion<U> {
+        Quaternion {
+            w: f(self.w),
+            v: self.v.map(&f),
+        }
+    }
+
     /// First `other`, then `self`.
     #[inline(always)]
     pub fn after(self, other: Self) -> Self {
