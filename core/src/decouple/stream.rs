@@ -11,11 +11,11 @@ use super::record::BlockCount;
 use crate::error::{Error, Result};
 use crate::geometry::LIMBS;
 use crate::kernel::attitude::{
-    HALF_ANGLE_SQUARED_LIMIT, Quaternion, exp, exp_exactly, half_rotation,
+    HALF_ANGLE_SQUARED_LIMIT, Quaternion, exp, exp_exactly, half_rotation, to_ground,
 };
 use crate::kernel::channel_mask::ChannelMask;
 use crate::kernel::constants::Constants;
-use crate::kernel::number::{Real, Scalar};
+use crate::kernel::number::Scalar;
 use crate::kernel::order::to_kernel_order;
 use crate::kernel::placement::{self, LimbLoad, STRAIN_LIMIT};
 use crate::kernel::rate::{RateIntegrator, Torques};
@@ -238,8 +238,9 @@ impl<T: Scalar> Decoupler<T> {
         let attitude = self.state.attitude.after(turn);
         self.state.spin.take(self.scheme, step);
         self.remember(voltage_v);
+        let sample = self.advance(after, motion, attitude);
         let ground = to_ground(&self.constants, &motion, attitude);
-        Ok(Some(self.advance(after, motion, attitude, ground)))
+        Ok(Some(answer(sample, ground, attitude)))
     }
 
     #[inline(always)]
@@ -290,9 +291,10 @@ impl<T: Scalar> Decoupler<T> {
         self.state.spin = spin;
         self.remember(voltage_v);
         self.fast = self.mask.all();
-        let start = self.start.attitude;
-        let ground = to_ground(&self.constants, &motion, start);
-        Ok(Some(self.advance(*after, motion, start, ground)))
+        let attitude = self.start.attitude;
+        let sample = self.advance(*after, motion, attitude);
+        let ground = to_ground(&self.constants, &motion, attitude);
+        Ok(Some(answer(sample, ground, attitude)))
     }
 
     #[inline(always)]
@@ -308,15 +310,14 @@ impl<T: Scalar> Decoupler<T> {
         )
     }
 
-    /// Moves on by one sample, whose answer in ground axes and SI is given.
+    /// Moves on by one sample and says which one that is.
     #[inline(always)]
     fn advance(
         &mut self,
         after: LimbLoad<T>,
         motion: ShellMotion<T>,
         attitude: Quaternion<T>,
-        [linear, angular, rate]: [Vec3<T>; 3],
-    ) -> Answer<T> {
+    ) -> u64 {
         let state = &mut self.state;
         let sample = state.received - 1;
         state.received += 1;
@@ -324,13 +325,7 @@ impl<T: Scalar> Decoupler<T> {
         state.now = after;
         state.shell = motion;
         state.attitude = attitude;
-        SixAxis {
-            sample,
-            linear_ground_m_s2: T::vector(linear),
-            angular_ground_rad_s2: T::vector(angular),
-            rate_shell_rad_s: T::vector(rate),
-            attitude: T::quaternion(attitude.w, attitude.v),
-        }
+        sample
     }
 
     /// A sample beyond the series, or one that is not a number.
@@ -382,19 +377,18 @@ pub(crate) fn in_range<T: Scalar>(placed: &LimbLoad<T>) -> bool {
     placed.strain_squares <= T::from_f64(STRAIN_LIMIT * STRAIN_LIMIT)
 }
 
-/// a, w' in ground axes and w* in shell axes, SI.
+/// A sample whose accelerations in ground axes and rate in shell axes are given, SI.
 #[inline(always)]
-pub(crate) fn to_ground<T: Real>(
-    constants: &Constants<T>,
-    motion: &ShellMotion<T>,
+fn answer<T: Scalar>(
+    sample: u64,
+    [linear, angular, rate]: [Vec3<T>; 3],
     attitude: Quaternion<T>,
-) -> [Vec3<T>; 3] {
-    let twice = attitude.twice_v();
-    let force = attitude.rotate(twice, motion.specific_force);
-    let angular = attitude.rotate(twice, motion.rate_derivative);
-    [
-        force.times_plus(constants.m_per_s2, constants.gravity_ground_m_s2),
-        angular.times(constants.per_s2),
-        motion.rate.times(constants.per_s),
-    ]
+) -> Answer<T> {
+    SixAxis {
+        sample,
+        linear_ground_m_s2: T::vector(linear),
+        angular_ground_rad_s2: T::vector(angular),
+        rate_shell_rad_s: T::vector(rate),
+        attitude: T::quaternion(attitude.w, attitude.v),
+    }
 }

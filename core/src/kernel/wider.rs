@@ -13,6 +13,7 @@ use core::fmt::Debug;
 use super::constants::Constants;
 use super::number::Real;
 use super::reconstruct::StrainReconstruction;
+use super::vec3::Vec3;
 
 /// Constants in wider registers.
 pub trait Wider<T: Real>: Clone + PartialEq + Debug {
@@ -38,6 +39,10 @@ pub trait Wider<T: Real>: Clone + PartialEq + Debug {
     fn widen(&self) -> impl Fn(T) -> Self::Number + Copy + use<Self, T>;
     /// Out of it.
     fn narrow(number: Self::Number) -> T;
+    /// Keeps accelerations and rate of a sample for who is outside of [`Self::run`].
+    fn keep(&mut self, ground: [Vec3<Self::Number>; 3]);
+    /// What was kept last.
+    fn kept(&self) -> [Vec3<T>; 3];
 }
 
 /// What a double-precision stream may find.
@@ -87,5 +92,13 @@ impl<T: Real> Wider<T> for Infallible {
     #[inline(always)]
     fn narrow(number: T) -> T {
         number
+    }
+
+    #[inline(always)]
+    fn keep(&mut self, _: [Vec3<T>; 3]) {}
+
+    #[inline(always)]
+    fn kept(&self) -> [Vec3<T>; 3] {
+        match *self {}
     }
 }

@@ -17,9 +17,9 @@ mod tests;
 use ::wide::f64x4;
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::decouple::stream::{Decoupler, to_ground};
+use crate::decouple::stream::Decoupler;
 use crate::geometry::LIMBS;
-use crate::kernel::attitude::{HALF_ANGLE_SQUARED_LIMIT, exp, half_rotation};
+use crate::kernel::attitude::{HALF_ANGLE_SQUARED_LIMIT, exp, half_rotation, to_ground};
 use crate::kernel::constants::Constants;
 use crate::kernel::placement::{self, STRAIN_LIMIT};
 use crate::kernel::rate::Torques;

@@ -2,9 +2,11 @@
 
 use super::series::{BLOCK, FIRST, IDENTITIES, Quaternions, Series, Vectors, ZEROS, all};
 use super::voltages::{Room, Voltages};
-use crate::decouple::stream::{Decoupler, State, to_ground};
+use crate::decouple::stream::{Decoupler, State};
 use crate::geometry::LIMBS;
-use crate::kernel::attitude::{HALF_ANGLE_SQUARED_LIMIT, Quaternion, exp, half_rotation};
+use crate::kernel::attitude::{
+    HALF_ANGLE_SQUARED_LIMIT, Quaternion, exp, half_rotation, to_ground,
+};
 use crate::kernel::constants::Constants;
 use crate::kernel::order::to_kernel_order;
 use crate::kernel::placement::{self, STRAIN_LIMIT};

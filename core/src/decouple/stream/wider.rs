@@ -1,15 +1,14 @@
 //! A sample in wider registers than the program was compiled for: [`crate::kernel::wider`].
 
-use super::{Answer, Decoupler, to_ground};
+use super::{Answer, Decoupler, State, answer};
 use crate::error::Result;
 use crate::geometry::LIMBS;
-use crate::kernel::attitude::{HALF_ANGLE_SQUARED_LIMIT, exp, half_rotation};
+use crate::kernel::attitude::{HALF_ANGLE_SQUARED_LIMIT, exp, half_rotation, to_ground};
 use crate::kernel::number::Scalar;
 use crate::kernel::order::to_kernel_order;
 use crate::kernel::placement::{self, STRAIN_LIMIT};
 use crate::kernel::rate::Torques;
 use crate::kernel::shell;
-use crate::kernel::vec3::Vec3;
 use crate::kernel::wider::Wider;
 
 impl<T: Scalar> Decoupler<T> {
@@ -20,14 +19,21 @@ impl<T: Scalar> Decoupler<T> {
         proof: <T::Wider as Wider<T>>::Proof,
         voltage_v: &[T; LIMBS],
     ) -> Result<Option<Answer<T>>> {
-        T::Wider::run(
+        let done = T::Wider::run(
             proof,
             #[inline(always)]
-            || {
-                self.in_wider_registers::<EXCLUDING>(voltage_v)
-                    .map_or_else(|| self.push_checked(voltage_v), |answer| Ok(Some(answer)))
-            },
-        )
+            || self.in_wider_registers::<EXCLUDING>(voltage_v).is_some(),
+        );
+        match &self.wider {
+            // Put together here, where it goes straight to its place.
+            Some(wider) if done => {
+                let State {
+                    received, attitude, ..
+                } = self.state;
+                Ok(Some(answer(received - 2, wider.kept(), attitude)))
+            }
+            _ => self.push_checked(voltage_v),
+        }
     }
 
     /// Where wider registers were looked for in vain: rare, and not worth a copy at each place that pushes.
@@ -36,12 +42,9 @@ impl<T: Scalar> Decoupler<T> {
         self.push_fast(voltage_v)
     }
 
-    /// Nothing, and nothing done, where series and polynomials do not hold.
+    /// Leaves accelerations and rate with [`Wider::keep`]. Nothing, and nothing done, where series and polynomials do not hold.
     #[inline(always)]
-    fn in_wider_registers<const EXCLUDING: bool>(
-        &mut self,
-        voltage_v: &[T; LIMBS],
-    ) -> Option<Answer<T>> {
+    fn in_wider_registers<const EXCLUDING: bool>(&mut self, voltage_v: &[T; LIMBS]) -> Option<()> {
         let wider = self.wider.as_ref()?;
         let widen = wider.widen();
         let narrow = T::Wider::narrow;
@@ -82,16 +85,12 @@ impl<T: Scalar> Decoupler<T> {
             return None;
         }
         let attitude = attitude.after(turn);
-        let [linear, angular, rate] = to_ground(constants, &motion, attitude);
-        let ground: [Vec3<T>; 3] = [linear.map(narrow), angular.map(narrow), rate.map(narrow)];
+        let ground = to_ground(constants, &motion, attitude);
+        self.wider.as_mut()?.keep(ground);
         self.state.spin.take(self.scheme, step.map(narrow));
         self.remember(voltage_v);
-        Some(self.advance(
-            after.map(narrow),
-            motion.map(narrow),
-            attitude.map(narrow),
-            ground,
-        ))
+        self.advance(after.map(narrow), motion.map(narrow), attitude.map(narrow));
+        Some(())
     }
 }
 

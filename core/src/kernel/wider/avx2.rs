@@ -9,6 +9,7 @@ use crate::kernel::number::Real;
 use crate::kernel::packed_vec3::{Four, PackedVec3};
 use crate::kernel::reconstruct::StrainReconstruction;
 use crate::kernel::simd::{Single, Wide};
+use crate::kernel::vec3::Vec3;
 
 /// A number with the proof that there are registers for it and its neighbours.
 type Number = Single<false, V3>;
@@ -19,6 +20,7 @@ pub struct Avx2 {
     v3: V3,
     constants: Constants<Number>,
     strains: StrainReconstruction<Number>,
+    kept: [Vec3<Number>; 3],
 }
 
 /// Equal where the numbers are that these were made of, which their owner compares.
@@ -40,6 +42,7 @@ impl Wider<f64> for Avx2 {
             v3,
             constants: constants.map(|value| Single::new(value, v3)),
             strains: strains.map(|value| Single::new(value, v3)),
+            kept: [Vec3::all(Single::new(0.0, v3)); 3],
         })
     }
 
@@ -72,6 +75,16 @@ impl Wider<f64> for Avx2 {
     #[inline(always)]
     fn narrow(number: Number) -> f64 {
         number.value
+    }
+
+    #[inline(always)]
+    fn keep(&mut self, ground: [Vec3<Number>; 3]) {
+        self.kept = ground;
+    }
+
+    #[inline(always)]
+    fn kept(&self) -> [Vec3<f64>; 3] {
+        self.kept.map(|v| v.map(Self::narrow))
     }
 }
 
