@@ -7,7 +7,7 @@ use std::array::from_fn;
 use std::hint::black_box;
 
 use glam::DVec3;
-use sixaxis_core::decouple::lanes::push_lanes;
+use sixaxis_core::decouple::lanes::{push_lanes, push_lanes_portable};
 use sixaxis_core::identify::inertia::InertiaIdentification;
 use sixaxis_core::identify::scale::ScaleIdentification;
 use sixaxis_core::kernel::simd::LANES;
@@ -21,6 +21,9 @@ use sixaxis_core::{
 /// Samples of one repetition: blocks of a record and chunks of lanes come out even after the first three.
 const SAMPLES: usize = 2048 + 3;
 const RATE_HZ: f64 = 1e4;
+
+/// From one sample to the next by more than the block's polynomials hold for.
+const RUN_AWAY_RAD_S: DVec3 = DVec3::new(1800.0, 600.0, -900.0);
 
 const SCHEMES: [(&str, Scheme); 6] = [
     ("euler", Scheme::Euler),
@@ -77,7 +80,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             "record/without/3",
             "lanes/without/3",
             "record/portable",
+            "record/run_away",
             "lanes",
+            "lanes/portable",
             "pose",
         ] {
             println!("{name}");
@@ -115,12 +120,16 @@ fn run(
     let scheme = SCHEMES.iter().find(|(s, _)| Some(*s) == scheme);
     let settings = Settings {
         scheme: scheme.map_or(Scheme::Heun, |(_, scheme)| *scheme),
+        initial_rate_shell_rad_s: match name {
+            "record/run_away" => RUN_AWAY_RAD_S,
+            _ => DVec3::ZERO,
+        },
         ..Settings::new(RATE_HZ)
     };
     let mut decoupler = Decoupler::new(&SENSOR, &parameters(), &settings)?;
     decoupler.set_excluded(without)?;
     match name {
-        "record" => decoupler.push_record(rows, &mut |done| {
+        "record" | "record/run_away" => decoupler.push_record(rows, &mut |done| {
             black_box(done);
         })?,
         "record/columns" => decoupler.push_columns(columns.map(|c| &c[..]), &mut |done| {
@@ -135,6 +144,12 @@ fn run(
         "lanes" => {
             let mut streams: [Decoupler; LANES] = from_fn(|_| decoupler.clone());
             push_lanes(&mut streams, [rows; LANES], &mut |done| {
+                black_box(done);
+            })?;
+        }
+        "lanes/portable" => {
+            let mut streams: [Decoupler; LANES] = from_fn(|_| decoupler.clone());
+            push_lanes_portable(&mut streams, [rows; LANES], &mut |done| {
                 black_box(done);
             })?;
         }

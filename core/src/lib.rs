@@ -28,6 +28,8 @@ pub mod decouple;
 #[cfg(feature = "alloc")]
 pub mod dsp;
 pub mod error;
+#[cfg(test)]
+mod fixture;
 mod float;
 pub mod geometry;
 pub mod identify;

@@ -2,25 +2,27 @@
 
 mod excluded_limbs;
 mod state;
+mod wider;
 
 use state::Start;
 pub(crate) use state::State;
 
+use super::record::BlockCount;
 use crate::error::{Error, Result};
 use crate::geometry::LIMBS;
 use crate::kernel::attitude::{
-    HALF_ANGLE_SQUARED_LIMIT, Quaternion, exp, exp_exactly, half_rotation,
+    HALF_ANGLE_SQUARED_LIMIT, Quaternion, exp, exp_exactly, half_rotation, to_ground,
 };
 use crate::kernel::channel_mask::ChannelMask;
 use crate::kernel::constants::Constants;
-use crate::kernel::number::{Real, Scalar};
+use crate::kernel::number::Scalar;
 use crate::kernel::order::to_kernel_order;
 use crate::kernel::placement::{self, LimbLoad, STRAIN_LIMIT};
 use crate::kernel::rate::{RateIntegrator, Torques};
 use crate::kernel::reconstruct;
-
 use crate::kernel::shell::{self, RelativePose, ShellMotion};
 use crate::kernel::vec3::Vec3;
+use crate::kernel::wider::Wider;
 use crate::limb_set::LimbSet;
 use crate::model::{Model, Parameters, Sensor, Settings};
 use crate::scheme::Scheme;
@@ -48,6 +50,9 @@ pub struct Decoupler<T: Scalar = f64> {
     recent: [[T; LIMBS]; 2],
     /// No limb is excluded and the first answer is out: most samples take the shortest way.
     fast: bool,
+    /// The constants once more where the processor has wider registers than the program was compiled for.
+    wider: Option<T::Wider>,
+    pub(crate) blocks: BlockCount,
     /// Of all limbs and in f64, for samples beyond the series.
     exact: Constants<f64>,
 }
@@ -88,15 +93,16 @@ impl<T: Scalar> Decoupler<T> {
         let exact = Constants::new(&Model::new(sensor, parameters, settings)?)?;
         let constants = exact.rounded();
         let start = Start::new(settings);
-        let zeros = Vec3::default();
+        let mask = ChannelMask::excluding(LimbSet::EMPTY, &exact)?;
         Ok(Self {
+            wider: T::Wider::new(&constants, &mask.strains),
             constants,
-            mask: ChannelMask::excluding(LimbSet::EMPTY, &exact)?,
+            mask,
             state: State {
                 received: 0,
                 before: RelativePose::default(),
                 now: LimbLoad::default(),
-                spin: RateIntegrator::start(constants.gyroscopic, zeros, zeros),
+                spin: RateIntegrator::start(constants.gyroscopic, Vec3::default(), Vec3::default()),
                 shell: ShellMotion::default(),
                 attitude: start.attitude,
             },
@@ -104,6 +110,7 @@ impl<T: Scalar> Decoupler<T> {
             start,
             recent: [[T::default(); LIMBS]; 2],
             fast: false,
+            blocks: BlockCount::default(),
             exact,
         })
     }
@@ -118,14 +125,25 @@ impl<T: Scalar> Decoupler<T> {
     #[inline(always)]
     pub fn push(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<Answer<T>>> {
         if self.fast {
-            let after = placement::by_series(&self.constants, to_kernel_order(*voltage_v));
-            if in_range(&after) {
-                return self.take::<true>(after, voltage_v);
+            if let Some(wider) = &self.wider {
+                return self.push_wider::<false>(wider.proof(), voltage_v);
             }
-            self.push_checked(voltage_v)
+            if T::Wider::POSSIBLE {
+                return self.push_narrow(voltage_v);
+            }
+            self.push_fast(voltage_v)
         } else {
             self.push_excluding(voltage_v)
         }
+    }
+
+    #[inline(always)]
+    fn push_fast(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<Answer<T>>> {
+        let after = placement::by_series(&self.constants, to_kernel_order(*voltage_v));
+        if in_range(&after) {
+            return self.take::<true>(after, voltage_v);
+        }
+        self.push_checked(voltage_v)
     }
 
     /// [`Decoupler::push`] for every row of a recording or a piece of one; `sink` takes the answers in order.
@@ -149,6 +167,9 @@ impl<T: Scalar> Decoupler<T> {
     #[inline(never)]
     fn push_excluding(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<Answer<T>>> {
         if self.state.received > 2 {
+            if let Some(wider) = &self.wider {
+                return self.push_wider::<true>(wider.proof(), voltage_v);
+            }
             let used = self.mask.voltages(to_kernel_order(*voltage_v));
             let after = self.mask.strains.by_series(&self.constants, used);
             if in_range(&after) {
@@ -162,7 +183,7 @@ impl<T: Scalar> Decoupler<T> {
     /// would have to keep in memory what it has in registers.
     #[cold]
     #[inline(never)]
-    fn push_checked(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<Answer<T>>> {
+    pub(super) fn push_checked(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<Answer<T>>> {
         let mut after = self.place(voltage_v);
         if !in_range(&after) {
             after = self.place_exactly(voltage_v, self.state.received)?;
@@ -217,7 +238,9 @@ impl<T: Scalar> Decoupler<T> {
         let attitude = self.state.attitude.after(turn);
         self.state.spin.take(self.scheme, step);
         self.remember(voltage_v);
-        Ok(Some(self.advance(after, motion, attitude)))
+        let sample = self.advance(after, motion, attitude);
+        let ground = to_ground(&self.constants, &motion, attitude);
+        Ok(Some(answer(sample, ground, attitude)))
     }
 
     #[inline(always)]
@@ -268,7 +291,10 @@ impl<T: Scalar> Decoupler<T> {
         self.state.spin = spin;
         self.remember(voltage_v);
         self.fast = self.mask.all();
-        Ok(Some(self.advance(*after, motion, self.start.attitude)))
+        let attitude = self.start.attitude;
+        let sample = self.advance(*after, motion, attitude);
+        let ground = to_ground(&self.constants, &motion, attitude);
+        Ok(Some(answer(sample, ground, attitude)))
     }
 
     #[inline(always)]
@@ -284,14 +310,14 @@ impl<T: Scalar> Decoupler<T> {
         )
     }
 
-    /// Moves on by one sample and turns the answer to ground axes and SI.
+    /// Moves on by one sample and says which one that is.
     #[inline(always)]
     fn advance(
         &mut self,
         after: LimbLoad<T>,
         motion: ShellMotion<T>,
         attitude: Quaternion<T>,
-    ) -> Answer<T> {
+    ) -> u64 {
         let state = &mut self.state;
         let sample = state.received - 1;
         state.received += 1;
@@ -299,15 +325,7 @@ impl<T: Scalar> Decoupler<T> {
         state.now = after;
         state.shell = motion;
         state.attitude = attitude;
-        let ground = to_ground(&self.constants, &motion, attitude);
-        let [linear, angular, rate] = ground;
-        SixAxis {
-            sample,
-            linear_ground_m_s2: T::vector(linear),
-            angular_ground_rad_s2: T::vector(angular),
-            rate_shell_rad_s: T::vector(rate),
-            attitude: T::quaternion(attitude.w, attitude.v),
-        }
+        sample
     }
 
     /// A sample beyond the series, or one that is not a number.
@@ -359,19 +377,18 @@ pub(crate) fn in_range<T: Scalar>(placed: &LimbLoad<T>) -> bool {
     placed.strain_squares <= T::from_f64(STRAIN_LIMIT * STRAIN_LIMIT)
 }
 
-/// a, w' in ground axes and w* in shell axes, SI.
+/// A sample whose accelerations in ground axes and rate in shell axes are given, SI.
 #[inline(always)]
-pub(crate) fn to_ground<T: Real>(
-    constants: &Constants<T>,
-    motion: &ShellMotion<T>,
+fn answer<T: Scalar>(
+    sample: u64,
+    [linear, angular, rate]: [Vec3<T>; 3],
     attitude: Quaternion<T>,
-) -> [Vec3<T>; 3] {
-    let twice = attitude.twice_v();
-    let force = attitude.rotate(twice, motion.specific_force);
-    let angular = attitude.rotate(twice, motion.rate_derivative);
-    [
-        force.times_plus(constants.m_per_s2, constants.gravity_ground_m_s2),
-        angular.times(constants.per_s2),
-        motion.rate.times(constants.per_s),
-    ]
+) -> Answer<T> {
+    SixAxis {
+        sample,
+        linear_ground_m_s2: T::vector(linear),
+        angular_ground_rad_s2: T::vector(angular),
+        rate_shell_rad_s: T::vector(rate),
+        attitude: T::quaternion(attitude.w, attitude.v),
+    }
 }

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::constants::Constants;
 use super::number::{Real, Scalar};
 use super::shell::ShellMotion;
 use super::vec3::{Vec3, vec3};
@@ -64,6 +65,15 @@ pub fn exp_exactly<T: Scalar>(half: Vec3<T>, scale: T) -> Option<Quaternion<T>> 
 }
 
 impl<T: Real> Quaternion<T> {
+    /// Converted to another number type.
+    #[inline(always)]
+    pub(crate) fn map<U: Real>(self, f: impl Fn(T) -> U) -> Quaternion<U> {
+        Quaternion {
+            w: f(self.w),
+            v: self.v.map(&f),
+        }
+    }
+
     /// First `other`, then `self`.
     #[inline(always)]
     pub fn after(self, other: Self) -> Self {
@@ -94,4 +104,21 @@ impl<T: Real> Quaternion<T> {
     pub fn twice_v(self) -> Vec3<T> {
         self.v + self.v
     }
+}
+
+/// a, w' in ground axes and w* in shell axes, SI.
+#[inline(always)]
+pub(crate) fn to_ground<T: Real>(
+    constants: &Constants<T>,
+    motion: &ShellMotion<T>,
+    attitude: Quaternion<T>,
+) -> [Vec3<T>; 3] {
+    let twice = attitude.twice_v();
+    let force = attitude.rotate(twice, motion.specific_force);
+    let angular = attitude.rotate(twice, motion.rate_derivative);
+    [
+        force.times_plus(constants.m_per_s2, constants.gravity_ground_m_s2),
+        angular.times(constants.per_s2),
+        motion.rate.times(constants.per_s),
+    ]
 }

@@ -25,7 +25,7 @@ pub mod channel_mask;
 pub mod constants;
 pub mod number;
 pub mod order;
-#[cfg(target_feature = "avx")]
+#[cfg(any(target_feature = "avx", all(feature = "std", target_arch = "x86_64")))]
 mod packed_vec3;
 pub mod parity;
 pub mod placement;
@@ -35,3 +35,4 @@ pub mod shell;
 pub mod simd;
 pub mod vec3;
 pub mod weights;
+pub mod wider;

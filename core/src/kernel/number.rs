@@ -3,9 +3,11 @@
 //! Every formula stands once. What differs between a microcontroller, a server's vector unit and a plain loop is the
 //! type behind it, and with it the rounding of a product that is added to something: fused where the processor fuses.
 
+use core::convert::Infallible;
 use core::ops::{Add, Mul, Neg, Sub};
 
 use super::vec3::{Select, SplitVec3, Vec3, Vec3F64, Vec3Storage};
+use super::wider::{Wider, WiderF64};
 use glam::{DQuat, DVec3, Quat, Vec3 as GlamVec3};
 
 /// A real number, or several side by side.
@@ -36,6 +38,8 @@ pub trait Scalar:
     type Vector: Copy + PartialEq + core::fmt::Debug;
     /// Quaternion type of the public interface.
     type Quaternion: Copy + PartialEq + core::fmt::Debug;
+    /// Registers beyond those that the program was compiled for.
+    type Wider: Wider<Self>;
 
     /// Rounded from f64.
     fn from_f64(value: f64) -> Self;
@@ -53,7 +57,7 @@ pub trait Scalar:
 }
 
 macro_rules! scalar {
-    ($float:ty, $bits:ty, $three:ty, $vector:ty, $quaternion:ty) => {
+    ($float:ty, $bits:ty, $three:ty, $vector:ty, $quaternion:ty, $wider:ty) => {
         impl Real for $float {
             type Storage = $three;
 
@@ -95,6 +99,7 @@ macro_rules! scalar {
         impl Scalar for $float {
             type Vector = $vector;
             type Quaternion = $quaternion;
+            type Wider = $wider;
 
             #[inline(always)]
             fn from_f64(value: f64) -> Self {
@@ -129,5 +134,5 @@ macro_rules! scalar {
     };
 }
 
-scalar!(f64, u64, Vec3F64, DVec3, DQuat);
-scalar!(f32, u32, SplitVec3<f32>, GlamVec3, Quat);
+scalar!(f64, u64, Vec3F64, DVec3, DQuat, WiderF64);
+scalar!(f32, u32, SplitVec3<f32>, GlamVec3, Quat, Infallible);

@@ -58,9 +58,10 @@ pub struct LimbLoad<T: Real> {
     pub strain_squares: T,
 }
 
-impl LimbLoad<f64> {
+impl<T: Real> LimbLoad<T> {
     /// Converted to another number type.
-    pub(crate) fn map<U: Real>(self, f: impl Fn(f64) -> U) -> LimbLoad<U> {
+    #[inline(always)]
+    pub(crate) fn map<U: Real>(self, f: impl Fn(T) -> U) -> LimbLoad<U> {
         LimbLoad {
             position_thrice: self.position_thrice.map(&f),
             rotation: self.rotation.map(&f),

@@ -62,6 +62,19 @@ pub struct Step<T: Real> {
     end: Vec3<T>,
 }
 
+impl<T: Real> Step<T> {
+    /// Converted to another number type.
+    #[inline(always)]
+    pub(crate) fn map<U: Real>(self, f: impl Fn(T) -> U) -> Step<U> {
+        Step {
+            rate: self.rate.map(&f),
+            derivative: self.derivative.map(&f),
+            torque: self.torque.map(&f),
+            end: self.end.map(&f),
+        }
+    }
+}
+
 impl<T: Real> RateIntegrator<T> {
     /// Every number in its place, always in the same order.
     #[inline(always)]

@@ -142,31 +142,14 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
+    use crate::fixture;
     use crate::geometry::LIMBS_PER_NODE;
     use crate::kernel::vec3::Vec3;
-    use crate::model::{Gains, Model};
-    use crate::model::{InertiaPerMass, Parameters};
-    use crate::model::{Sensor, Settings};
     use crate::redundancy::reconstruction::MOST_EXCLUDED;
 
     /// One volt is one strain.
     fn constants() -> Constants<f64> {
-        let sensor = Sensor {
-            geometry: Geometry::PAPER,
-            gains: Gains::uniform(1.0),
-        };
-        let parameters = Parameters {
-            zero_drift_v: [0.0; LIMBS],
-            scale_per_mass_per_kg: [5.0; LIMBS],
-            inertia_per_mass: InertiaPerMass::from_paper_order([
-                191e-6, 236e-6, 327e-6, 0.1e-6, -0.4e-6, 1.6e-6,
-            ]),
-            stiffness_per_mass_per_s2: 2e8,
-        };
-        let numbers = Constants::new(
-            &Model::new(&sensor, &parameters, &Settings::new(1e4)).expect("a sound sensor"),
-        )
-        .expect("a sound sensor");
+        let numbers = Constants::new(&fixture::model()).expect("a sound sensor");
         Constants {
             strain_per_v: [Vec3::all(1.0); LIMBS_PER_NODE],
             strain_at_zero: [Vec3::all(0.0); LIMBS_PER_NODE],

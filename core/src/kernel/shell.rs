@@ -25,6 +25,18 @@ pub struct ShellMotion<T: Real> {
     pub specific_force: Vec3<T>,
 }
 
+impl<T: Real> ShellMotion<T> {
+    /// Converted to another number type.
+    #[inline(always)]
+    pub(crate) fn map<U: Real>(self, f: impl Fn(T) -> U) -> ShellMotion<U> {
+        ShellMotion {
+            rate: self.rate.map(&f),
+            rate_derivative: self.rate_derivative.map(&f),
+            specific_force: self.specific_force.map(&f),
+        }
+    }
+}
+
 /// Pose of the mass in the shell without the forces: what the central differences take from neighbouring samples.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct RelativePose<T: Real> {
@@ -32,6 +44,17 @@ pub struct RelativePose<T: Real> {
     pub position_thrice: Vec3<T>,
     /// phi.
     pub rotation: Vec3<T>,
+}
+
+impl<T: Real> RelativePose<T> {
+    /// Converted to another number type.
+    #[inline(always)]
+    pub(crate) fn map<U: Real>(self, f: impl Fn(T) -> U) -> RelativePose<U> {
+        RelativePose {
+            position_thrice: self.position_thrice.map(&f),
+            rotation: self.rotation.map(&f),
+        }
+    }
 }
 
 impl<T: Real> LimbLoad<T> {

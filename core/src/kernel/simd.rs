@@ -53,9 +53,23 @@ pub trait Register: Real {
 
 /// As many lanes as one register of this processor holds, found out at run time.
 #[derive(Debug, Clone, Copy)]
-pub struct Wide<S: Simd> {
+pub struct Wide<S: Simd, const FUSED: bool = true> {
     simd: S,
     value: S::f64s,
+}
+
+impl<S: Simd, const FUSED: bool> Wide<S, FUSED> {
+    /// A register as it is.
+    #[inline(always)]
+    pub fn new(simd: S, value: S::f64s) -> Self {
+        Self { simd, value }
+    }
+
+    /// The inverse of [`Wide::new`].
+    #[inline(always)]
+    pub fn parts(self) -> (S, S::f64s) {
+        (self.simd, self.value)
+    }
 }
 
 impl<S: Simd> Register for Wide<S> {
@@ -183,7 +197,7 @@ impl Real for f64x4 {
     }
 }
 
-impl<S: Simd> Add for Wide<S> {
+impl<S: Simd, const FUSED: bool> Add for Wide<S, FUSED> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
@@ -192,7 +206,7 @@ impl<S: Simd> Add for Wide<S> {
     }
 }
 
-impl<S: Simd> Sub for Wide<S> {
+impl<S: Simd, const FUSED: bool> Sub for Wide<S, FUSED> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
@@ -201,7 +215,7 @@ impl<S: Simd> Sub for Wide<S> {
     }
 }
 
-impl<S: Simd> Mul for Wide<S> {
+impl<S: Simd, const FUSED: bool> Mul for Wide<S, FUSED> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
@@ -210,7 +224,7 @@ impl<S: Simd> Mul for Wide<S> {
     }
 }
 
-impl<S: Simd> Neg for Wide<S> {
+impl<S: Simd, const FUSED: bool> Neg for Wide<S, FUSED> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
@@ -219,22 +233,28 @@ impl<S: Simd> Neg for Wide<S> {
     }
 }
 
-impl<S: Simd> Real for Wide<S> {
+impl<S: Simd, const FUSED: bool> Real for Wide<S, FUSED> {
     type Storage = SplitVec3<Self>;
 
     #[inline(always)]
     fn constant(self, value: f64) -> Self {
-        Self::splat(self.simd, value)
+        Self::new(self.simd, self.simd.splat_f64s(value))
     }
 
     #[inline(always)]
     fn times_plus(self, factor: Self, term: Self) -> Self {
+        if !FUSED {
+            return self * factor + term;
+        }
         let value = self.simd.mul_add_f64s(self.value, factor.value, term.value);
         Self { value, ..self }
     }
 
     #[inline(always)]
     fn neg_mul_add(self, factor: Self, term: Self) -> Self {
+        if !FUSED {
+            return term - self * factor;
+        }
         let value = self
             .simd
             .negate_mul_add_f64s(self.value, factor.value, term.value);
@@ -244,51 +264,76 @@ impl<S: Simd> Real for Wide<S> {
 
 /// One number by itself, kept apart from its neighbours: for the one stage that goes from sample to sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Single<const FUSED: bool>(f64);
+pub struct Single<const FUSED: bool, P = ()> {
+    /// The number.
+    pub value: f64,
+    /// What vectors of such numbers need: a proof that the processor has registers for them.
+    pub proof: P,
+}
+
+impl<const FUSED: bool, P> Single<FUSED, P> {
+    /// A number with its proof.
+    #[inline(always)]
+    pub fn new(value: f64, proof: P) -> Self {
+        Self { value, proof }
+    }
+}
 
 impl<const FUSED: bool> From<f64> for Single<FUSED> {
     #[inline(always)]
     fn from(value: f64) -> Self {
-        Self(value)
+        Self::new(value, ())
     }
 }
 
 impl<const FUSED: bool> From<Single<FUSED>> for f64 {
     #[inline(always)]
     fn from(value: Single<FUSED>) -> Self {
-        value.0
+        value.value
     }
 }
 
-impl<const FUSED: bool> Add for Single<FUSED> {
+impl<const FUSED: bool, P> Add for Single<FUSED, P> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        Self(self.0 + other.0)
+        Self {
+            value: self.value + other.value,
+            ..self
+        }
     }
 }
 
-impl<const FUSED: bool> Sub for Single<FUSED> {
+impl<const FUSED: bool, P> Sub for Single<FUSED, P> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        Self(self.0 - other.0)
+        Self {
+            value: self.value - other.value,
+            ..self
+        }
     }
 }
 
-impl<const FUSED: bool> Mul for Single<FUSED> {
+impl<const FUSED: bool, P> Mul for Single<FUSED, P> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        Self(self.0 * other.0)
+        Self {
+            value: self.value * other.value,
+            ..self
+        }
     }
 }
 
-impl<const FUSED: bool> Neg for Single<FUSED> {
+impl<const FUSED: bool, P> Neg for Single<FUSED, P> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        Self(-self.0)
+        Self {
+            value: -self.value,
+            ..self
+        }
     }
 }
 
@@ -297,24 +342,24 @@ impl<const FUSED: bool> Real for Single<FUSED> {
 
     #[inline(always)]
     fn constant(self, value: f64) -> Self {
-        Self(value)
+        Self::from(value)
     }
 
     #[inline(always)]
     fn times_plus(self, factor: Self, term: Self) -> Self {
         #[cfg(feature = "std")]
         if FUSED {
-            return Self(self.0.mul_add(factor.0, term.0));
+            return Self::from(self.value.mul_add(factor.value, term.value));
         }
-        Self(self.0.times_plus(factor.0, term.0))
+        Self::from(self.value.times_plus(factor.value, term.value))
     }
 
     #[inline(always)]
     fn neg_mul_add(self, factor: Self, term: Self) -> Self {
         #[cfg(feature = "std")]
         if FUSED {
-            return Self((-self.0).mul_add(factor.0, term.0));
+            return Self::from((-self.value).mul_add(factor.value, term.value));
         }
-        Self(self.0.neg_mul_add(factor.0, term.0))
+        Self::from(self.value.neg_mul_add(factor.value, term.value))
     }
 }

@@ -24,6 +24,17 @@ pub trait Vec3Storage<T: Real>: Copy {
     fn new(x: T, y: T, z: T) -> Self;
     /// Its components.
     fn components(self) -> [T; 3];
+    /// Its components and padding.
+    #[inline(always)]
+    fn padded(self) -> [T; 4] {
+        let [x, y, z] = self.components();
+        [x, y, z, z]
+    }
+    /// The inverse of [`Self::padded`].
+    #[inline(always)]
+    fn from_padded([x, y, z, _]: [T; 4]) -> Self {
+        Self::new(x, y, z)
+    }
     /// Component by component.
     #[must_use]
     fn plus(self, other: Self) -> Self;
@@ -292,8 +303,9 @@ impl<T: Real> Vec3<T> {
     /// Another number type, component by component.
     #[inline(always)]
     pub fn map<U: Real>(self, f: impl Fn(T) -> U) -> Vec3<U> {
-        let [x, y, z] = self.components();
-        vec3(f(x), f(y), f(z))
+        // With the padding: between two packed vectors it is one move.
+        let [x, y, z, w] = self.0.padded();
+        Vec3(U::Storage::from_padded([f(x), f(y), f(z), f(w)]))
     }
 }
 
@@ -344,9 +356,9 @@ impl<T: Real + fmt::Debug> fmt::Debug for Vec3<T> {
     }
 }
 
-/// How three f64 are stored: packed where the program is compiled for registers of four.
-#[cfg(target_feature = "avx")]
-pub type Vec3F64 = super::packed_vec3::PackedVec3;
-/// How three f64 are stored: packed where the program is compiled for registers of four.
-#[cfg(not(target_feature = "avx"))]
+/// How three f64 are stored: packed where the program is compiled for registers of four or may find them.
+#[cfg(any(target_feature = "avx", all(feature = "std", target_arch = "x86_64")))]
+pub type Vec3F64 = super::packed_vec3::PackedVec3<wide::f64x4>;
+/// How three f64 are stored: packed where the program is compiled for registers of four or may find them.
+#[cfg(not(any(target_feature = "avx", all(feature = "std", target_arch = "x86_64"))))]
 pub type Vec3F64 = SplitVec3<f64>;

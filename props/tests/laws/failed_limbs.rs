@@ -6,7 +6,7 @@ use std::array::from_fn;
 use glam::DVec3;
 use nalgebra::{DMatrix, DVector, SMatrix};
 use sixaxis_core::LimbSet;
-use sixaxis_core::decouple::lanes::push_lanes;
+use sixaxis_core::decouple::lanes::{LaneSample, push_lanes, push_lanes_portable};
 use sixaxis_core::geometry::{DIRECTIONS_SHELL, LIMBS_PER_NODE, NODE_DIRECTIONS_MASS};
 use sixaxis_core::kernel::simd::LANES;
 use sixaxis_core::redundancy::reconstruction::MOST_EXCLUDED;
@@ -229,27 +229,30 @@ fn inv_every_path_does_without_limbs_alike() {
             &answers[answers.len() - LANES..],
         )])
     {
-        let mut streams: [Decoupler; LANES] = from_fn(|lane| excluding(&case, sets[lane]));
         let rows: [Vec<_>; LANES] = from_fn(|lane| spoilt(&case, sets[lane]));
-        let mut lanes: [Vec<Accelerations>; LANES] = from_fn(|_| Vec::new());
-        push_lanes(
-            &mut streams,
-            from_fn(|lane| &rows[lane][..]),
-            &mut |chunk| {
+        for (what, portable) in [
+            ("lanes without limbs", false),
+            ("portable lanes without limbs", true),
+        ] {
+            let mut streams: [Decoupler; LANES] = from_fn(|lane| excluding(&case, sets[lane]));
+            let mut lanes: [Vec<Accelerations>; LANES] = from_fn(|_| Vec::new());
+            let mut sink = |chunk: &[LaneSample]| {
                 for sample in chunk {
                     for (lane, answers) in lanes.iter_mut().enumerate() {
                         answers.push(from_fn(|i| sample[i].0[lane]));
                     }
                 }
-            },
-        )
-        .expect("sound samples");
-        for (ours, stream) in lanes.iter().zip(answers) {
-            within(
-                "lanes without limbs",
-                beyond(ours, stream),
-                tolerance::PATHS,
-            );
+            };
+            let rows = from_fn(|lane| &rows[lane][..]);
+            let pushed = if portable {
+                push_lanes_portable(&mut streams, rows, &mut sink)
+            } else {
+                push_lanes(&mut streams, rows, &mut sink)
+            };
+            pushed.expect("sound samples");
+            for (ours, stream) in lanes.iter().zip(answers) {
+                within(what, beyond(ours, stream), tolerance::PATHS);
+            }
         }
     }
 }

@@ -3,8 +3,10 @@
 
 use std::array::from_fn;
 
+use glam::DVec3;
 use proptest::prelude::*;
-use sixaxis_core::decouple::lanes::push_lanes;
+use sixaxis_core::decouple::lanes::{LaneSample, push_lanes, push_lanes_portable};
+use sixaxis_core::decouple::record::BlockCount;
 use sixaxis_core::kernel::constants::Constants;
 use sixaxis_core::kernel::order::to_kernel_order;
 use sixaxis_core::kernel::placement::{self, LimbLoad};
@@ -140,22 +142,29 @@ proptest! {
             record::<NUMBERS>(case, split, Given::Columns),
             record(case, split, Given::Rows)
         );
-        let mut decouplers: [Decoupler; LANES] = from_fn(|lane| cases[lane].decoupler());
-        let mut lanes: [Vec<[f64; 9]>; LANES] = from_fn(|_| Vec::new());
-        let pieces = [0..split, split..samples];
-        for piece in pieces {
-            let rows = from_fn(|lane| &cases[lane].voltage_v[piece.clone()]);
-            push_lanes(&mut decouplers, rows, &mut |chunk| {
-                for sample in chunk {
-                    for (lane, answers) in lanes.iter_mut().enumerate() {
-                        answers.push(from_fn(|i| sample[i].0[lane]));
+        for (what, portable) in [("lanes", false), ("lanes, portable", true)] {
+            let mut decouplers: [Decoupler; LANES] = from_fn(|lane| cases[lane].decoupler());
+            let mut lanes: [Vec<[f64; 9]>; LANES] = from_fn(|_| Vec::new());
+            for piece in [0..split, split..samples] {
+                let rows = from_fn(|lane| &cases[lane].voltage_v[piece.clone()]);
+                let mut sink = |chunk: &[LaneSample]| {
+                    for sample in chunk {
+                        for (lane, answers) in lanes.iter_mut().enumerate() {
+                            answers.push(from_fn(|i| sample[i].0[lane]));
+                        }
                     }
-                }
-            }).expect("sound samples");
-        }
-        for (answers, case) in lanes.iter().zip(&cases) {
-            let error = difference(answers, &stream(case));
-            judge("lanes", scheme.name(), error, tolerance::PATHS);
+                };
+                let pushed = if portable {
+                    push_lanes_portable(&mut decouplers, rows, &mut sink)
+                } else {
+                    push_lanes(&mut decouplers, rows, &mut sink)
+                };
+                pushed.expect("sound samples");
+            }
+            for (answers, case) in lanes.iter().zip(&cases) {
+                let error = difference(answers, &stream(case));
+                judge(what, scheme.name(), error, tolerance::PATHS);
+            }
         }
     }
 
@@ -261,6 +270,45 @@ fn ref_the_paths_are_the_printed_formulas() {
             tolerance::PRINTED_FORMULAS,
         );
     }
+}
+
+/// Which way blocks go: from rest, across the rate at which the polynomials end, and beyond it, where the bits are the stream's.
+#[test]
+fn law_blocks_go_sample_by_sample_where_the_shell_turns_far() {
+    // Half a turn's angle of 0.05 from one sample to the next is 1000 rad/s at the rig's 10 kHz.
+    let direction = DVec3::new(2.0, 1.0, 2.0) / 3.0;
+    let ways = |rate_rad_s: f64| {
+        let mut case = on_the_rig(Scheme::Heun);
+        case.settings.initial_rate_shell_rad_s = direction * rate_rad_s;
+        let mut decoupler = case.decoupler();
+        let mut answers = Vec::new();
+        decoupler
+            .push_record(&case.voltage_v, &mut |done| answers.extend(done.iter()))
+            .expect("sound samples");
+        let blocks = decoupler.blocks();
+        let all = blocks.whole + blocks.again + blocks.singly;
+        assert_eq!(all as usize, (case.voltage_v.len() - 3) / 128, "{blocks:?}");
+        let same_bits = numbers::<NUMBERS>(&answers) == stream(&case);
+        (blocks, all, same_bits)
+    };
+    let (slow, all, _) = ways(0.0);
+    let whole = BlockCount {
+        whole: all,
+        ..BlockCount::default()
+    };
+    assert_eq!(slow, whole);
+    let (fast, all, same_bits) = ways(2000.0);
+    let singly = BlockCount {
+        singly: all,
+        ..BlockCount::default()
+    };
+    assert_eq!(fast, singly);
+    assert!(same_bits, "sample by sample is the stream");
+    let (across, ..) = ways(1000.0);
+    assert!(
+        across.whole > 0 && across.again > 0 && across.singly > 0,
+        "{across:?}"
+    );
 }
 
 #[test]

@@ -8,6 +8,7 @@
 // The largest error says in which direction nothing is known: nine numbers, and no heap to put them on.
 #![allow(clippy::result_large_err)]
 
+mod extent;
 mod reconstruct;
 mod state;
 #[cfg(test)]
@@ -16,9 +17,9 @@ mod tests;
 use ::wide::f64x4;
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::decouple::stream::{Decoupler, to_ground};
+use crate::decouple::stream::Decoupler;
 use crate::geometry::LIMBS;
-use crate::kernel::attitude::{HALF_ANGLE_SQUARED_LIMIT, exp, half_rotation};
+use crate::kernel::attitude::{HALF_ANGLE_SQUARED_LIMIT, exp, half_rotation, to_ground};
 use crate::kernel::constants::Constants;
 use crate::kernel::placement::{self, STRAIN_LIMIT};
 use crate::kernel::rate::Torques;
@@ -26,6 +27,7 @@ use crate::kernel::shell;
 use crate::kernel::simd::{LANES, Register, Row, Wide};
 use crate::kernel::weights::LoadWeights;
 use crate::scheme::Scheme;
+use extent::Extent;
 use reconstruct::LaneWeights;
 use state::LaneState;
 
@@ -68,16 +70,7 @@ pub fn push_lanes(
     voltage_v: [&[[f64; LIMBS]]; LANES],
     sink: &mut impl FnMut(&[LaneSample]),
 ) -> core::result::Result<(), Refused> {
-    let first = &streams[0];
-    let alike = streams.iter().zip(&voltage_v).all(|(stream, rows)| {
-        stream.received() == first.received()
-            && stream.scheme() == first.scheme()
-            && rows.len() == voltage_v[0].len()
-    });
-    assert!(
-        alike,
-        "streams in lanes go in step: samples received, scheme and length"
-    );
+    assert_in_step(streams, &voltage_v);
     if streams.iter().all(|stream| stream.mask.all()) {
         Arch::new().dispatch(Push::<_, false> {
             streams,
@@ -91,6 +84,49 @@ pub fn push_lanes(
             sink,
         })
     }
+}
+
+/// The same without the processor's special instructions: what [`push_lanes`] is where there are none.
+///
+/// # Errors
+/// As [`push_lanes`].
+///
+/// # Panics
+/// As [`push_lanes`].
+pub fn push_lanes_portable(
+    streams: &mut [Decoupler; LANES],
+    voltage_v: [&[[f64; LIMBS]]; LANES],
+    sink: &mut impl FnMut(&[LaneSample]),
+) -> core::result::Result<(), Refused> {
+    assert_in_step(streams, &voltage_v);
+    if streams.iter().all(|stream| stream.mask.all()) {
+        let job = Push::<_, false> {
+            streams,
+            voltage_v,
+            sink,
+        };
+        push::<f64x4, false>((), job)
+    } else {
+        let job = Push::<_, true> {
+            streams,
+            voltage_v,
+            sink,
+        };
+        push::<f64x4, true>((), job)
+    }
+}
+
+fn assert_in_step(streams: &[Decoupler; LANES], voltage_v: &[&[[f64; LIMBS]]; LANES]) {
+    let first = &streams[0];
+    let alike = streams.iter().zip(voltage_v).all(|(stream, rows)| {
+        stream.received() == first.received()
+            && stream.scheme() == first.scheme()
+            && rows.len() == voltage_v[0].len()
+    });
+    assert!(
+        alike,
+        "streams in lanes go in step: samples received, scheme and length"
+    );
 }
 
 /// `EXCLUDING` says whether any of them excludes a limb: each case in functions of its own.
@@ -227,7 +263,11 @@ impl<R: Register, const EXCLUDING: bool> Chunk<R, EXCLUDING> {
         while rows[0].len() - taken >= CHUNK {
             self.transpose(&rows.map(|rows| &rows[taken..taken + CHUNK]));
             for part in 0..R::PARTS {
-                self.run(now, next, part);
+                // What other schemes remember is not carried through the loop of the usual one.
+                match self.scheme {
+                    Scheme::Heun => self.run(Scheme::Heun, now, next, part),
+                    scheme => self.run(scheme, now, next, part),
+                }
             }
             let sound = self.strain_squares.is_at_most(STRAIN_LIMIT * STRAIN_LIMIT)
                 && self.half_angle_squared.is_at_most(HALF_ANGLE_SQUARED_LIMIT);
@@ -262,7 +302,7 @@ impl<R: Register, const EXCLUDING: bool> Chunk<R, EXCLUDING> {
     }
 
     #[inline(always)]
-    fn run(&mut self, from: &LaneState, to: &mut LaneState, part: usize) {
+    fn run(&mut self, scheme: Scheme, from: &LaneState, to: &mut LaneState, part: usize) {
         let proof = self.proof;
         let mut constants = Constants::splat(R::splat(proof, 0.0));
         let mut rows = self.constants.iter();
@@ -290,8 +330,8 @@ impl<R: Register, const EXCLUDING: bool> Chunk<R, EXCLUDING> {
                 now: state.now.torque,
                 next: after.torque,
             };
-            let next = state.spin.step(self.scheme, constants.gyroscopic, torques);
-            state.spin.take(self.scheme, next);
+            let next = state.spin.step(scheme, constants.gyroscopic, torques);
+            state.spin.take(scheme, next);
             let motion = shell::motion(
                 &constants,
                 &state.before,
@@ -347,47 +387,4 @@ fn side_by_side<const N: usize>(
         });
     }
     rows
-}
-
-/// How large the squares of a chunk are, stream by stream.
-#[derive(Clone, Copy)]
-struct Extent<T> {
-    largest: T,
-    /// NaN if one of them is: the largest of a number and NaN may be the number.
-    sum: T,
-}
-
-impl<T: Copy> Extent<T> {
-    #[inline(always)]
-    fn of(zero: T) -> Self {
-        Self {
-            largest: zero,
-            sum: zero,
-        }
-    }
-}
-
-impl<R: Register> Extent<R> {
-    #[inline(always)]
-    fn with(self, square: R) -> Self {
-        Self {
-            largest: square.larger(self.largest),
-            sum: self.sum + square,
-        }
-    }
-
-    #[inline(always)]
-    fn store(self, rows: &mut Extent<Row>, part: usize) {
-        self.largest.store(&mut rows.largest, part);
-        self.sum.store(&mut rows.sum, part);
-    }
-}
-
-impl Extent<Row> {
-    /// Whether every square is; NaN is not.
-    fn is_at_most(&self, limit: f64) -> bool {
-        let Row(largest) = self.largest;
-        let Row(sum) = self.sum;
-        largest.iter().all(|x| *x <= limit) && !sum.iter().any(|x| x.is_nan())
-    }
 }

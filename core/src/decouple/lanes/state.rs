@@ -155,22 +155,12 @@ fn visit<T: Real>(state: &mut State<T>, f: &mut impl FnMut(T) -> T) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::{Gains, Parameters, Sensor, Settings};
-    use crate::{Geometry, InertiaPerMass, LIMBS};
+    use crate::Scheme;
+    use crate::fixture::decoupler;
 
     #[test]
     fn there_is_room_for_every_number() {
-        let sensor = Sensor {
-            geometry: Geometry::PAPER,
-            gains: Gains::uniform(1.0),
-        };
-        let parameters = Parameters {
-            zero_drift_v: [0.0; LIMBS],
-            scale_per_mass_per_kg: [5.0; LIMBS],
-            inertia_per_mass: InertiaPerMass::from_paper_order([2e-4, 2e-4, 2e-4, 0.0, 0.0, 0.0]),
-            stiffness_per_mass_per_s2: 2e8,
-        };
-        let stream = Decoupler::new(&sensor, &parameters, &Settings::new(1e4)).expect("sound");
+        let stream = decoupler(Scheme::Heun);
         let mut visited = [0; 4];
         let [state, constants, strain, load] = &mut visited;
         let counted = |count: &mut usize, number: f64| {

@@ -2,17 +2,20 @@
 
 use super::series::{BLOCK, FIRST, IDENTITIES, Quaternions, Series, Vectors, ZEROS, all};
 use super::voltages::{Room, Voltages};
-use crate::decouple::stream::{Decoupler, State, to_ground};
+use crate::decouple::stream::{Decoupler, State};
 use crate::geometry::LIMBS;
-use crate::kernel::attitude::{HALF_ANGLE_SQUARED_LIMIT, Quaternion, exp, half_rotation};
+use crate::kernel::attitude::{
+    HALF_ANGLE_SQUARED_LIMIT, Quaternion, exp, half_rotation, to_ground,
+};
 use crate::kernel::constants::Constants;
 use crate::kernel::order::to_kernel_order;
 use crate::kernel::placement::{self, STRAIN_LIMIT};
-use crate::kernel::rate::Torques;
+use crate::kernel::rate::{RateIntegrator, Torques};
 use crate::kernel::reconstruct::StrainReconstruction;
 use crate::kernel::shell::{self, RelativePose, ShellMotion};
 use crate::kernel::simd::{LANES, Register};
-use crate::kernel::vec3::vec3;
+use crate::kernel::vec3::{Vec3, vec3};
+use crate::scheme::Scheme;
 use crate::six_axis::{NUMBERS, SixAxisColumns};
 
 /// The last sample of a block.
@@ -161,9 +164,27 @@ impl<R: Register, const EXCLUDING: bool> Block<R, EXCLUDING> {
     /// The only stage in the order of time: each sample's successor has brought its torque along.
     #[inline(always)]
     fn spin(&mut self, decoupler: &Decoupler, state: &mut State<f64>) {
-        let scheme = decoupler.scheme();
         let g = decoupler.constants.gyroscopic.map(R::Single::from);
-        let mut spin = state.spin.map(R::Single::from);
+        let spin = state.spin.map(R::Single::from);
+        // A loop for each scheme: one for all would carry what any of them remembers.
+        let spin = match decoupler.scheme() {
+            Scheme::Euler => self.spin_by(Scheme::Euler, g, spin),
+            Scheme::Heun => self.spin_by(Scheme::Heun, g, spin),
+            Scheme::HeunSubstepped => self.spin_by(Scheme::HeunSubstepped, g, spin),
+            Scheme::AdamsBashforth2 => self.spin_by(Scheme::AdamsBashforth2, g, spin),
+            Scheme::AdamsMoulton4 => self.spin_by(Scheme::AdamsMoulton4, g, spin),
+            Scheme::RungeKutta4 => self.spin_by(Scheme::RungeKutta4, g, spin),
+        };
+        state.spin = spin.map(Into::into);
+    }
+
+    #[inline(always)]
+    fn spin_by(
+        &mut self,
+        scheme: Scheme,
+        g: Vec3<R::Single>,
+        mut spin: RateIntegrator<R::Single>,
+    ) -> RateIntegrator<R::Single> {
         for at in FIRST..=LAST {
             let torques: Torques<R::Single> = Torques {
                 now: self.torque.get(at - 1),
@@ -174,7 +195,7 @@ impl<R: Register, const EXCLUDING: bool> Block<R, EXCLUDING> {
             self.spin_rate.set(at, next.rate);
             self.spin_derivative.set(at, next.derivative);
         }
-        state.spin = spin.map(Into::into);
+        spin
     }
 
     /// The shell's motion at the sample before each: the middle of three.

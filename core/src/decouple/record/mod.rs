@@ -26,6 +26,7 @@ use pulp::{Arch, Simd, WithSimd};
 use crate::decouple::stream::Decoupler;
 use crate::error::{Error, Result};
 use crate::geometry::LIMBS;
+use crate::kernel::attitude::HALF_ANGLE_SQUARED_LIMIT;
 use crate::kernel::simd::{Register, Wide};
 use crate::six_axis::SixAxisColumns;
 use ::wide::f64x4;
@@ -36,7 +37,24 @@ use voltages::{Columns, Voltages};
 /// Takes answers in order and in pieces of any length.
 type Sink<'a> = &'a mut dyn FnMut(SixAxisColumns<'_>);
 
+/// How the blocks of a stream's recordings were decoded. Which way a block goes depends on its samples and the state before it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct BlockCount {
+    /// As a block.
+    pub whole: u64,
+    /// As a block at first, then once more sample by sample: the series or polynomials do not hold for one of its samples.
+    pub again: u64,
+    /// Sample by sample from the first: the shell turns too far in a sample when the block begins.
+    pub singly: u64,
+}
+
 impl Decoupler {
+    /// How the blocks of all recordings so far were decoded. Samples of less than a block are not in it.
+    #[must_use]
+    pub fn blocks(&self) -> BlockCount {
+        self.blocks
+    }
+
     /// Takes the next samples, as many as there are, and hands the answers that they complete to `sink`, in order and in
     /// pieces of any length.
     ///
@@ -108,6 +126,15 @@ impl Decoupler {
         }
     }
 
+    /// Whether the shell turns further in a sample than the polynomials of the rotation hold for: the fast ways are of no use then.
+    fn turns_far(&self) -> bool {
+        let rate = self.state.shell.rate;
+        // Half of it is the half angle of a step.
+        rate.dot(rate) > 4.0 * HALF_ANGLE_SQUARED_LIMIT
+    }
+
+    // A function of its own: the loops of a block are laid out better without it.
+    #[inline(never)]
     fn push_each(
         &mut self,
         voltage_v: &dyn Voltages,
@@ -115,7 +142,13 @@ impl Decoupler {
         sink: Sink,
     ) -> Result<()> {
         for sample in samples {
-            if let Some(answer) = self.push(&voltage_v.row(sample))? {
+            let row = voltage_v.row(sample);
+            let answer = if self.turns_far() {
+                self.push_checked(&row)
+            } else {
+                self.push(&row)
+            };
+            if let Some(answer) = answer? {
                 let numbers = answer.numbers().map(|number| [number]);
                 sink(SixAxisColumns::new(answer.sample, &numbers));
             }
@@ -161,9 +194,26 @@ fn decode<R: Register, const EXCLUDING: bool>(
         let mut block = Block::<R, EXCLUDING>::new(proof, decoupler);
         let mut room = [[0.0; BLOCK]; LIMBS];
         while samples - first >= BLOCK {
-            match block.decode(decoupler, voltage_v, first, &mut room) {
-                Some(done) => sink(done),
-                None => decoupler.push_each(voltage_v, first..first + BLOCK, sink)?,
+            // Where the open loop has run away no block would succeed, and none is tried.
+            let tried = !decoupler.turns_far();
+            let done = if tried {
+                block.decode(decoupler, voltage_v, first, &mut room)
+            } else {
+                None
+            };
+            match done {
+                Some(done) => {
+                    sink(done);
+                    decoupler.blocks.whole += 1;
+                }
+                None => {
+                    decoupler.push_each(voltage_v, first..first + BLOCK, sink)?;
+                    if tried {
+                        decoupler.blocks.again += 1;
+                    } else {
+                        decoupler.blocks.singly += 1;
+                    }
+                }
             }
             first += BLOCK;
         }

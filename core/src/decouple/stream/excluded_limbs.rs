@@ -15,6 +15,7 @@ use crate::kernel::number::Scalar;
 use crate::kernel::placement::{LimbLoad, turn};
 use crate::kernel::shell;
 use crate::kernel::vec3::Vec3;
+use crate::kernel::wider::Wider;
 use crate::limb_set::LimbSet;
 
 impl<T: Scalar> Decoupler<T> {
@@ -38,6 +39,7 @@ impl<T: Scalar> Decoupler<T> {
             fast: excluded.is_empty() && received >= 3,
             ..self.clone()
         };
+        switched.wider = T::Wider::new(&switched.constants, &switched.mask.strains);
         if received >= 1 {
             switched.state.now = switched.place_again(received - 1)?;
         }
@@ -49,6 +51,7 @@ impl<T: Scalar> Decoupler<T> {
         }
         self.mask = switched.mask;
         self.constants = switched.constants;
+        self.wider = switched.wider;
         self.fast = switched.fast;
         self.state = switched.state;
         Ok(())
