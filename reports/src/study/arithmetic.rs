@@ -56,8 +56,8 @@ pub struct Thresholds {
     pub angular_single: (f64, f64),
     /// Twice that, as the slider's is doubled.
     pub angular_double: (f64, f64),
-    /// The identified sensor along z, whole stroke.
-    pub identified_along_z: f64,
+    /// The identified sensor at the rig's own amplitudes, in the direction of each that crosses first: linear, angular.
+    pub identified_first: [f64; 2],
 }
 
 /// All of it.
@@ -103,20 +103,22 @@ fn rank(samples: impl IntoIterator<Item = (DVec3, DVec3)>) -> usize {
 }
 
 fn thresholds() -> Thresholds {
-    let design = TrueSensor::design();
-    let range = |mode, times: f64| {
+    let (design, identified) = (TrueSensor::design(), TrueSensor::identified());
+    let over_directions = |sensor, mode, times| {
         (0..DIRECTIONS)
-            .map(|i| threshold_hz(&design, mode, times, direction(i)))
+            .map(|i| threshold_hz(sensor, mode, times, direction(i)))
             .fold((f64::INFINITY, 0.0_f64), |(low, high), hz| {
                 (low.min(hz), high.max(hz))
             })
     };
+    let range = |mode, times| over_directions(&design, mode, times);
     Thresholds {
         linear_half_stroke: range(Mode::Linear, 1.0),
         linear_stroke: range(Mode::Linear, 2.0),
         angular_single: range(Mode::Angular, 1.0),
         angular_double: range(Mode::Angular, 2.0),
-        identified_along_z: threshold_hz(&TrueSensor::identified(), Mode::Linear, 2.0, DVec3::Z),
+        identified_first: [Mode::Linear, Mode::Angular]
+            .map(|mode| over_directions(&identified, mode, 1.0).0),
     }
 }
 
