@@ -57,7 +57,7 @@ pub fn report(results: &Results, evidence: Section, facts: Vec<(String, String)>
                    six-axis accelerometer (2013), beside what this project measures on simulated truth."
             .to_owned(),
         facts,
-        tiles: acceptance::tiles(results),
+        tiles: acceptance::tiles(results)?,
         sections: vec![
             acceptance::section(results)?,
             parameters::section(results)?,
