@@ -42,14 +42,14 @@ pub fn tiles(r: &Results) -> Result<Vec<Tile>> {
     Ok(vec![
         Tile::new(
             "Error with laboratory errors",
-            percent(open_loop.median, 1),
+            percent(open_loop.median, 2),
             format!(
                 "largest of 18 cells as the paper compares, median of {} laboratories; worst {}, this seed {}; corrected rest to rest {}, {} and {}; the paper: 7.479 %",
                 open_loop.count,
-                percent(open_loop.max, 1),
-                percent(laboratory(Correction::OpenLoop), 1),
-                percent(corrected.median, 1),
-                percent(corrected.max, 1),
+                percent(open_loop.max, 2),
+                percent(laboratory(Correction::OpenLoop), 2),
+                percent(corrected.median, 2),
+                percent(corrected.max, 2),
                 percent(laboratory(Correction::RestToRest), 2),
             ),
             State::Neutral,
