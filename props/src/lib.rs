@@ -15,6 +15,7 @@ pub mod manufactured;
 pub mod motions;
 pub mod problem;
 pub mod propagation;
+pub mod provenance;
 pub mod publication;
 pub mod results;
 pub mod rigid;
