@@ -16,11 +16,15 @@ use std::sync::{LazyLock, Mutex, PoisonError};
 
 use serde::{Deserialize, Serialize};
 
+use crate::provenance::revision;
 use crate::tolerance::{Gate, Tolerance};
 
 /// One comparison.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Row {
+    /// The code that was tested: [`revision`].
+    #[serde(default)]
+    pub commit: String,
     /// Module of the test.
     pub suite: String,
     /// Test, and within it the case.
@@ -68,6 +72,7 @@ impl Row {
         tolerance: Tolerance,
     ) -> Self {
         Self {
+            commit: revision().to_owned(),
             suite: suite.to_owned(),
             case: case.into(),
             quantity: quantity.into(),
@@ -153,8 +158,11 @@ impl Row {
     pub fn recorded(self) -> Self {
         if std::env::var_os("SIXAXIS_RESIDUALS").is_some() {
             eprintln!(
-                "residual: {}: {:.3e} of {:.3e}",
-                self.quantity, self.error, self.limit
+                "residual: {}: {:.3e} of {:.3e}, margin {:.3}",
+                self.quantity,
+                self.error,
+                self.limit,
+                self.share().recip()
             );
         }
         write(&self);

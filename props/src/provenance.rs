@@ -24,6 +24,22 @@ pub struct Provenance {
     pub samples: Vec<Sample>,
 }
 
+impl Provenance {
+    /// Code that is not any more what it was.
+    ///
+    /// # Errors
+    /// The path that cannot be read, and why.
+    pub fn changed(&self) -> Result<Vec<&str>, String> {
+        let mut changed = Vec::new();
+        for source in &self.sources {
+            if Source::now(&source.path)? != *source {
+                changed.push(&source.path[..]);
+            }
+        }
+        Ok(changed)
+    }
+}
+
 /// Code that a result depends on.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Source {

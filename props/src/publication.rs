@@ -142,14 +142,8 @@ fn check<S: Studied>(study: impl Fn(u64, u64) -> Result<S, String>) -> Result<()
     let published = S::file()
         .map_err(|e| format!("{}: {e}", S::FILE))?
         .provenance;
-    let mut stale = Vec::new();
-    for source in &published.sources {
-        if Source::now(&source.path)? != *source {
-            stale.push(&source.path[..]);
-        }
-    }
     let name = Path::new(S::FILE).file_name().unwrap_or_default().display();
-    let since = match &stale[..] {
+    let since = match &published.changed()?[..] {
         [] => "its code is unchanged".to_owned(),
         changed => format!("changed since: {}", changed.join(", ")),
     };

@@ -79,7 +79,7 @@ fn law_93_of_129_sets_leave_six_axes() {
                 within(
                     "the lost load's motion against the singular vector",
                     (1.0 - (idle.dot(&motion) / motion.norm()).abs()).abs(),
-                    tolerance::ROUNDING,
+                    tolerance::LAST_DIGITS,
                 );
                 lost.push(set);
             }
@@ -343,21 +343,28 @@ fn inv_switching_over_leaves_no_jump() {
                 kept
             };
             let [rate, turn] = jump(&after(&ours), &after(&healthy));
-            let limit = tolerance::SWITCH_OVER;
             within(
                 format!("rate after switching over, {}", scheme.name()),
                 rate,
-                limit,
+                tolerance::SWITCH_OVER_RATE,
             );
             within(
                 format!("attitude after switching over, {}", scheme.name()),
                 turn,
-                limit,
+                tolerance::SWITCH_OVER,
             );
             if sound - breaks > 20 {
                 let [rate, turn] = jump(&after(&run(false)), &after(&healthy));
-                fails_clearly("rate with a broken channel", rate, limit);
-                fails_clearly("attitude with a broken channel", turn, limit);
+                fails_clearly(
+                    "rate with a broken channel",
+                    rate,
+                    tolerance::SWITCH_OVER_RATE,
+                );
+                fails_clearly(
+                    "attitude with a broken channel",
+                    turn,
+                    tolerance::SWITCH_OVER,
+                );
             }
         }
     }

@@ -133,9 +133,13 @@ fn inv_voltages_become_the_forces_that_made_them() {
             (0..LIMBS).map(move |i| (found[i] - force[i]) / 10.0)
         }))
     };
-    within("forces", off(&parameters), tolerance::ROUNDING);
+    within("forces", off(&parameters), tolerance::LAST_DIGITS);
     parameters.scale_per_mass_per_kg[3] *= 1.01;
-    fails_clearly("a scale off by 1 %", off(&parameters), tolerance::ROUNDING);
+    fails_clearly(
+        "a scale off by 1 %",
+        off(&parameters),
+        tolerance::LAST_DIGITS,
+    );
 }
 
 #[test]

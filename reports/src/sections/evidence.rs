@@ -19,12 +19,16 @@ use sixaxis_page::figure::NEUTRAL;
 use sixaxis_page::number::count;
 use sixaxis_page::{Axis, Cell, Figure, Section, State, Table, Text};
 use sixaxis_props::evidence::Row;
+use sixaxis_props::provenance::revision;
+use sixaxis_props::results;
 
 use cells::{error, limit, margin, words};
 use quantity::Quantity;
 
 /// More rows beyond their limits than this are counted only.
 const LISTED: usize = 12;
+/// Limits that are named because they are far from what is seen.
+const LOOSEST: usize = 20;
 /// Room right of the limit on an axis of shares.
 const BEYOND_LIMIT: f64 = 3.0;
 
@@ -45,13 +49,17 @@ struct Suite {
     zeros: usize,
 }
 
-/// The section. `unreadable` says why the suites' rows are not among `rows`: the report is worth having without them.
+/// The section. Rows that other code left are counted and not shown. `unreadable` says why the suites' rows are not among `rows`:
+/// the report is worth having without them.
 ///
 /// # Errors
 /// If the text does not fit the rows.
 pub fn section(rows: &[Row], unreadable: Option<&dyn Display>) -> Result<Section> {
+    let (ours, others): (Vec<&Row>, Vec<&Row>) =
+        rows.iter().partition(|row| row.commit == revision());
     let (controls, rows): (Vec<&Row>, Vec<&Row>) =
-        rows.iter().partition(|row| row.control.is_some());
+        ours.into_iter().partition(|row| row.control.is_some());
+    let commits: BTreeSet<&str> = others.iter().map(|row| &row.commit[..]).collect();
     let mut by_suite: BTreeMap<&str, Vec<&Row>> = BTreeMap::new();
     for row in &rows {
         by_suite.entry(&row.suite).or_default().push(row);
@@ -74,7 +82,14 @@ pub fn section(rows: &[Row], unreadable: Option<&dyn Display>) -> Result<Section
         .value("unlisted", failed.len().saturating_sub(LISTED))
         .value("controls", controls.len())
         .value("harmless", harmless)
-        .value("unreadable", unreadable.map(ToString::to_string));
+        .value("unreadable", unreadable.map(ToString::to_string))
+        .value("others", others.len())
+        .value(
+            "commits",
+            commits.into_iter().collect::<Vec<_>>().join(", "),
+        )
+        .value("revision", revision())
+        .table("published", published()?);
     if !failed.is_empty() {
         text = text.table("beyond", listed(&failed));
     }
@@ -83,6 +98,7 @@ pub fn section(rows: &[Row], unreadable: Option<&dyn Display>) -> Result<Section
     }
     text = motions::fill(text, &rows);
     let mut suites = Vec::new();
+    let mut loose = Vec::new();
     let mut anchors = BTreeSet::new();
     for (suite, rows) in by_suite {
         let rows = rows.into_iter().filter(|row| !motions::holds(row));
@@ -101,9 +117,62 @@ pub fn section(rows: &[Row], unreadable: Option<&dyn Display>) -> Result<Section
         text = text
             .figure(figure(&suite, &quantities))
             .table(&suite.table, table(&suite, &quantities));
+        let judged = quantities
+            .iter()
+            .filter(|q| q.share.max > 0.0 && !q.is_required());
+        loose.extend(judged.map(|q| Loose {
+            suite: suite.name.clone(),
+            quantity: q.name.to_owned(),
+            share: q.share.max,
+            limit: q.limits,
+            largest: q.error.max,
+            reason: q.reason(),
+        }));
         suites.push(suite);
     }
-    text.value("suites", suites).section("evidence")
+    if !loose.is_empty() {
+        text = text.table("loosest", loosest(loose));
+    }
+    text.value("suites", suites)
+        .value("loosest", LOOSEST)
+        .section("evidence")
+}
+
+/// Where the limit is farthest from what is seen.
+struct Loose {
+    suite: String,
+    quantity: String,
+    share: f64,
+    limit: (f64, f64),
+    largest: f64,
+    reason: String,
+}
+
+fn loosest(mut loose: Vec<Loose>) -> Table {
+    loose.sort_by(|a, b| a.share.total_cmp(&b.share));
+    loose.truncate(LOOSEST);
+    Table::of("quantity", &loose, |l| l.quantity.clone())
+        .col("margin", |l| margin(l.share))
+        .col("limit", |l| limit(l.limit.0, l.limit.1))
+        .col("largest error", |l| error(l.largest, 2))
+        .text("suite", |l| l.suite.clone())
+        .text("why the limit", |l| l.reason.clone())
+        .into()
+}
+
+/// Where published results are from.
+fn published() -> Result<Table> {
+    let files = results::provenances()?;
+    Ok(Table::of("file", &files, |(file, _)| (*file).to_owned())
+        .text("made on", |(_, from)| from.date_utc.clone())
+        .text("by the commit", |(_, from)| from.commit.clone())
+        .text("code changed since", |(_, from)| match from.changed() {
+            Ok(changed) if changed.is_empty() => "none".to_owned(),
+            Ok(changed) => changed.join(", "),
+            // Not in a checkout.
+            Err(_) => "unknown".to_owned(),
+        })
+        .into())
 }
 
 /// The rows that fail, worst first.

@@ -1,7 +1,7 @@
 //! `sixaxis report`: the paper's campaign on MuJoCo, as an offline HTML page.
 
 use std::path::PathBuf;
-use std::process::{Command, ExitCode};
+use std::process::ExitCode;
 use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
@@ -9,6 +9,7 @@ use serde::Serialize;
 use sixaxis_core::Scheme;
 use sixaxis_page::render;
 use sixaxis_page::standalone::standalone;
+use sixaxis_props::provenance::revision;
 use sixaxis_props::{evidence, motions, tolerance};
 use sixaxis_recordings::draft::write_atomically;
 use sixaxis_reports::sections;
@@ -114,7 +115,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     drop(progress);
     let run = Run {
         sixaxis_version: results.sixaxis_version.clone(),
-        commit: commit(),
+        commit: revision().to_owned(),
         mujoco_version: results.mujoco_version.clone(),
         seed: plan.seed,
         quick: plan.quick,
@@ -202,23 +203,6 @@ fn print_summary(results: &Results) {
             }
         );
     }
-}
-
-/// The commit this was built from, if it was built and run in a checkout.
-fn commit() -> String {
-    Command::new("git")
-        .args([
-            "-C",
-            env!("CARGO_MANIFEST_DIR"),
-            "describe",
-            "--always",
-            "--dirty",
-        ])
-        .output()
-        .ok()
-        .filter(|output| output.status.success())
-        .and_then(|output| String::from_utf8(output.stdout).ok())
-        .map_or_else(|| "unknown".to_owned(), |text| text.trim().to_owned())
 }
 
 /// Processor and number of cores, as the system names them.

@@ -71,6 +71,13 @@ impl<'a> Quantity<'a> {
         reasons.join("; ")
     }
 
+    /// Whether somebody asks for the limit, however far below it the errors stay.
+    pub fn is_required(&self) -> bool {
+        self.rows
+            .iter()
+            .all(|row| row.reason.starts_with("required"))
+    }
+
     /// All shares.
     pub fn shares(&self) -> impl Iterator<Item = f64> {
         self.rows.iter().map(|row| row.share())

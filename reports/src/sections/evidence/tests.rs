@@ -6,6 +6,7 @@ use sixaxis_page::{Block, Page, render};
 
 fn row(suite: &str, quantity: &str, error: f64, limit: f64) -> Row {
     Row {
+        commit: revision().to_owned(),
         suite: suite.to_owned(),
         case: "a case".to_owned(),
         quantity: quantity.to_owned(),

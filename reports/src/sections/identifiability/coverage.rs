@@ -4,7 +4,7 @@ use sixaxis_calibration::page::labels::symbol;
 use sixaxis_campaign::statistics::{Estimator, ParameterSummary};
 use sixaxis_page::{Axis, Figure, Text};
 
-use sixaxis_props::results::Campaign;
+use sixaxis_props::results::{Campaign, Published};
 
 /// What 95 % intervals are wanted to hold.
 pub const BAND: (f64, f64) = (0.94, 0.96);
@@ -25,6 +25,7 @@ pub fn fill(text: Text, campaign: &Campaign) -> Text {
     // Variance of a mean of n squares of a normal variable.
     let scatter = (2.0_f64 / cases.max(1) as f64).sqrt();
     text.value("campaign", campaign)
+        .value("campaign_make", Campaign::MAKE)
         .value("stiffness_fitted", stiffness.map_or(0, |joint| joint.cases))
         .value(
             "coverage_scatter",
