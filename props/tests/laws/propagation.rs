@@ -15,6 +15,7 @@ use sixaxis_core::decouple::uncertainty::{ChannelNoise, SampleUncertainty};
 use sixaxis_core::identify::compliance_fit::ComplianceFit;
 use sixaxis_core::{Error, Geometry, LIMBS, Scheme};
 use sixaxis_props::compare::{fails_clearly, largest, within};
+use sixaxis_props::evidence::Row;
 use sixaxis_props::propagation::monte_carlo::{ClosedForm, Tally, departures, of_campaign};
 use sixaxis_props::propagation::{Size, World, calibrate};
 use sixaxis_props::statistics::chi_square_departure;
@@ -207,25 +208,23 @@ fn law_influences_are_derivatives_of_the_whole_pipeline() {
         let touched: Vec<usize> = (0..PARAMETERS).filter(|i| ours[(*i, *i)] > 0.0).collect();
         assert!(!touched.is_empty(), "{what} reaches nothing");
         for i in &touched {
-            within(
-                format!("deviation of parameter {i} by {what}"),
-                ((ours[(*i, *i)] / theirs[(*i, *i)]).sqrt() - 1.0).abs(),
-                if *i == COMPLIANCE && role == Role::Linear {
-                    tolerance::COMPLIANCE_DERIVATIVE
-                } else {
-                    limit
-                },
-            );
+            let (of, limit) = match *i == COMPLIANCE && role == Role::Linear {
+                true => ("compliance", tolerance::COMPLIANCE_DERIVATIVE),
+                false => ("a parameter", limit),
+            };
+            let error = ((ours[(*i, *i)] / theirs[(*i, *i)]).sqrt() - 1.0).abs();
+            Row::new(format!("deviation of {of} by {what}"), error, limit)
+                .case(i)
+                .judge();
         }
         // What the closed form says is not reached is reached by far less than by anything that is.
         let size = |i: usize| theirs[(i, i)].sqrt() / calibrate(&WORLD.clean)[i].abs();
         let reached = touched.iter().map(|i| size(*i)).fold(0.0, f64::max);
         for i in (0..PARAMETERS).filter(|i| !touched.contains(i)) {
-            within(
-                format!("parameter {i}, which {what} does not reach"),
-                size(i) / reached,
-                tolerance::NOT_REACHED,
-            );
+            let what = format!("a parameter that {what} does not reach");
+            Row::new(what, size(i) / reached, tolerance::NOT_REACHED)
+                .case(i)
+                .judge();
         }
     }
 }
