@@ -29,6 +29,13 @@ pub const fn rod_slope(phase_step_rad: f64) -> Tolerance {
 }
 /// Net force of nine limbs from voltages without noise, over the largest of the trial.
 pub const WRENCH_SUM: Tolerance = measured(1e-12, 3.2e-14, "");
+/// What a defect of size 0 changes of a simulated day, in relative means, summed over 22 recordings.
+pub const NO_DEFECT: Tolerance = measured(1e-11, 1e-12, "directions that are normalized once more");
+/// What a defect of the largest size that is drawn changes at least, in the same measure.
+pub const SEEN: Tolerance = required(1e-3, "far above rounding");
+/// Tail of a binomial distribution at an end of an interval, over what it should be, less one.
+pub const BETA_QUANTILE: Tolerance =
+    measured(1e-9, 1e-10, "iteration of the incomplete beta function");
 /// Pose from elongations and back, over the size of the displacement.
 pub const POSE_ROUND_TRIP: Tolerance = measured(1e-12, 1e-15, "");
 /// Relative rate against a differenced rotation matrix, rad/s, at 0.02 rad and 1.7 rad/s.

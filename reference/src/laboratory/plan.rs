@@ -1,5 +1,7 @@
 //! The plan of a session: all that the simulation can be told, with the paper's values as defaults.
 
+use rand::RngExt;
+use rand::seq::IndexedRandom;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
@@ -161,6 +163,14 @@ pub struct ChainPlan {
     /// Standard deviation of the limbs' stiffnesses about their mean, relative. Only for [`Engine::Rigid`]: the reference's
     /// MuJoCo model has one stiffness for all limbs.
     pub stiffness_spread: f64,
+    /// Share of its neighbour's charge that a channel shows at most, either sign, evenly drawn for each.
+    pub cross_talk: f64,
+    /// Amplitude of 50 Hz hum on every channel, V.
+    pub hum_v: f64,
+    /// Standard deviation of a channel's zero in each trial about that of the static record, V.
+    pub zero_spread_v: f64,
+    /// Standard deviation of what a channel's sensitivity changes by from the day's first trial to its last, relative.
+    pub sensitivity_drift: f64,
 }
 
 /// What becomes of the load at rest on its way to the converter.
@@ -183,6 +193,10 @@ impl Default for ChainPlan {
             coupling: CouplingChoice::Tared,
             amplifier_high_pass_hz: 0.0,
             stiffness_spread: 0.0,
+            cross_talk: 0.0,
+            hum_v: 0.0,
+            zero_spread_v: 0.0,
+            sensitivity_drift: 0.0,
         }
     }
 }
@@ -224,6 +238,9 @@ pub enum DefectChoice {
     Exactly(Defect),
 }
 
+/// Random streams of a defect's kind, and of all else that is drawn of it.
+const KIND_STREAM: u128 = 8;
+const DEFECT_STREAM: u128 = 11;
 /// Random stream of the sensor; the campaign's own streams are in [`super::session`].
 const SENSOR_STREAM: u128 = 3;
 /// Random stream of the limbs' stiffnesses.
@@ -232,6 +249,26 @@ const STIFFNESS_STREAM: u128 = 4;
 const INSTRUMENT_STREAM: u128 = 6;
 
 impl SessionPlan {
+    /// The defect, drawn if only its kind is given or not even that.
+    #[must_use]
+    pub fn true_defect(&self) -> Option<Defect> {
+        let stream = |stream| Pcg64::new(u128::from(self.seed), stream);
+        let kind = match self.defect {
+            DefectChoice::None => return None,
+            DefectChoice::Exactly(defect) => return Some(defect),
+            DefectChoice::Kind(kind) => kind,
+            DefectChoice::Random => {
+                let mut rng = stream(KIND_STREAM);
+                let kind = *Kind::ALL.choose(&mut rng)?;
+                if rng.random_bool(0.5) {
+                    return None;
+                }
+                kind
+            }
+        };
+        Some(Defect::draw(kind, self, &mut stream(DEFECT_STREAM)))
+    }
+
     /// The sensor as it truly is.
     #[must_use]
     pub fn true_sensor(&self) -> TrueSensor {
@@ -281,16 +318,12 @@ impl SessionPlan {
 
     /// The reference instruments as they are, drawn from their class with the seed.
     #[must_use]
-    pub(super) fn true_instruments(&self, defect: Option<&Defect>) -> Instruments {
+    pub(super) fn true_instruments(&self) -> Instruments {
         let InstrumentPlan {
             class_percent,
             signal_to_noise_db,
-            ..
+            gyroscope_bandwidth_hz: bandwidth_hz,
         } = self.instruments;
-        let bandwidth_hz = match defect {
-            Some(Defect::GyroscopeLag { bandwidth_hz }) => *bandwidth_hz,
-            _ => self.instruments.gyroscope_bandwidth_hz,
-        };
         let mut rng = Pcg64::new(u128::from(self.seed), INSTRUMENT_STREAM);
         Instruments {
             gyroscope_bandwidth_hz: (bandwidth_hz > 0.0).then_some(bandwidth_hz),

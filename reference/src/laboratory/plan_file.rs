@@ -66,9 +66,9 @@ static_rate_hz
 # What is wrong: \"none\", \"random\" (one of any kind or none; only the truth folder says which), { kind = \"...\" } with one of
 KINDS
 # or one in particular, counted from 0, such as
-#   { exactly = { inverted_channel = { channel = 4, place = \"everywhere\" } } }
-#   { exactly = { wrong_gain = { channel = 4, place = { trial = 2 }, factor = 10.0 } } }
-# All of them with their fields: documentation of sixaxis_reference::laboratory::defect::Defect.
+#   { exactly = { kind = \"dead_limb\", magnitude = 1.0, channel = 4 } }
+#   { exactly = { kind = \"wrong_gain_in_trial\", magnitude = 2.3, channel = 4, place = { trial = 2 } } }
+# Magnitudes, their units and ranges: documentation of sixaxis_reference::laboratory::defect::Kind.
 defect
 
 # The rig.
@@ -115,6 +115,14 @@ coupling
 amplifier_high_pass_hz
 # Standard deviation of the nine stiffnesses over their mean, relative; engine \"rigid\" only.
 stiffness_spread
+# Share of its neighbour's charge that a channel shows at most; evenly drawn for each channel.
+cross_talk
+# Amplitude of 50 Hz on every channel, V.
+hum_v
+# Standard deviation of each channel's zero in each trial about the static record's, V.
+zero_spread_v
+# Standard deviation of the change of each channel's sensitivity over the day, relative.
+sensitivity_drift
 
 # Standard accelerometer and gyroscope.
 [instruments]
