@@ -70,7 +70,7 @@ fn play(arguments: &Arguments, engine: Engine) -> Result<Vec<Outcome>, String> {
         .map(|seed| {
             let outcome = run(*seed, engine, &folder);
             let done = 1 + done.fetch_add(1, Ordering::Relaxed);
-            if done % PROGRESS == 0 {
+            if done.is_multiple_of(PROGRESS) {
                 let _ = writeln!(std::io::stderr(), "{done} of {} sessions", seeds.len());
             }
             outcome

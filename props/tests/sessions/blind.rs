@@ -241,13 +241,13 @@ fn invented(seed: u64) -> Outcome {
         cell,
         magnitude,
         grade,
-        cause: (seed % 3 == 0).then_some(Cause::DeadLimb),
+        cause: seed.is_multiple_of(3).then_some(Cause::DeadLimb),
         harm: grade.map(|_| Harm {
             parameter: share / 3.0,
-            over_interval: (seed % 5 > 0).then_some(share * 7.0),
+            over_interval: (!seed.is_multiple_of(5)).then_some(share * 7.0),
             drift_v: share * 1e-5,
             drift_over_interval: Some(share),
-            decoupling: (seed % 7 > 0).then_some(share / 11.0),
+            decoupling: (!seed.is_multiple_of(7)).then_some(share / 11.0),
         }),
     }
 }
