@@ -48,6 +48,13 @@ impl Arguments {
         self.0.iter().any(|argument| argument == name)
     }
 
+    /// The word behind an option.
+    #[must_use]
+    pub fn text(&self, name: &str) -> Option<&str> {
+        let at = self.0.iter().position(|argument| argument == name)?;
+        self.0.get(at + 1).map(String::as_str)
+    }
+
     /// The whole number behind an option, or another where the option is not there.
     ///
     /// # Errors

@@ -10,7 +10,9 @@
 //! | [`plan`] | what is simulated, and [`plan_file`], the plan as TOML with comments |
 //! | [`check`] | the plans that are refused |
 //! | [`schedule`] | the trials that a plan asks for |
-//! | [`defect`] | what may be wrong with a session, and [`effect`], whether it does harm |
+//! | `mount` | how the sensor truly stands on each wedge |
+//! | [`defect`] | what may be wrong with a session, and `spoil`, how it acts |
+//! | [`room`] | the gentle and the usual room |
 //! | `trial`, `tap`, [`mod@tumble`] | one trial of the rig, one tap, one tumble from the field |
 //! | [`session`] | all trials of a day |
 //! | `session_file` | what the laboratory writes down of it |
@@ -20,15 +22,17 @@ pub mod chain;
 pub mod check;
 mod continuous;
 pub mod defect;
-pub mod effect;
 pub mod error;
 pub mod instruments;
+mod mount;
 pub mod plan;
 pub mod plan_file;
 pub mod recording;
+pub mod room;
 pub mod schedule;
 pub mod session;
 mod session_file;
+mod spoil;
 mod tap;
 mod trial;
 pub mod tumble;
@@ -133,22 +137,30 @@ impl Laboratory {
     #[must_use]
     pub fn record(&self, simulated: &SimulatedRun, index: usize) -> SimulatedRecording {
         let mut rng = Pcg64::new(u128::from(self.seed), FIRST_RUN_STREAM + index as u128);
-        let mut recording = self.record_voltages(simulated, &mut rng);
+        let forces = &simulated.limb_force_per_mass_m_s2;
+        let mut recording = self.record_voltages(simulated, forces, &mut rng);
         self.read_instruments(simulated, &mut recording, &mut rng);
         recording
     }
 
-    /// The voltages of a run, in amplifier ranges that fit it; the instruments are still to be read.
-    fn record_voltages(&self, simulated: &SimulatedRun, rng: &mut Pcg64) -> SimulatedRecording {
+    /// The voltages of a run of which the channels sense these forces per mass, m/s^2, in amplifier ranges that fit the true
+    /// ones; the instruments are still to be read.
+    fn record_voltages(
+        &self,
+        simulated: &SimulatedRun,
+        sensed: &[[f64; LIMBS]],
+        rng: &mut Pcg64,
+    ) -> SimulatedRecording {
         let forces = &simulated.limb_force_per_mass_m_s2;
         let full_scale_v = self.chain.full_scale_v;
         let rate = simulated.sample_rate_hz;
         let gains = self.chain.amplifier_ranges(forces, &self.sensor);
         SimulatedRecording {
             gain_n_per_v: gains,
-            voltage_v: self.chain.record(forces, &self.sensor, &gains, rate, rng),
+            voltage_v: self.chain.record(sensed, &self.sensor, &gains, rate, rng),
             direction_ground: simulated.motion.direction_ground,
             gravity_ground_m_s2: simulated.gravity_ground_m_s2,
+            true_gravity_ground_m_s2: simulated.gravity_ground_m_s2,
             frequency_hz: simulated.motion.frequency_hz,
             ..SimulatedRecording::of_nothing("", Role::Validation, rate, full_scale_v)
         }

@@ -53,7 +53,7 @@ pub fn calibrate(plan: &SessionPlan, seed: u64) -> Row {
         truth.instruments.gyroscope_gain_error,
     );
     if let Some(defect) = &truth.defect {
-        row.set_text(Text::Defect, defect.kind().name());
+        row.set_text(Text::Defect, defect.kind.name());
     }
     match found {
         Ok(found) => {

@@ -1,51 +1,11 @@
-//! Calibrations: blind trials of the grade, the joint fit, the propagation of errors, taps, self-calibration.
-
-use std::collections::BTreeMap;
+//! Calibrations: the joint fit, the propagation of errors, taps, self-calibration.
 
 use serde::{Deserialize, Serialize};
 use sixaxis_core::LIMBS;
 use sixaxis_core::Parameter;
-use sixaxis_reference::laboratory::plan::Engine;
 use sixaxis_reference::rig::field::Pace;
 
-pub use crate::blind::Outcome as BlindOutcome;
 pub use crate::taps::Tally as TapTally;
-
-/// Blind trials of the verdict.
-#[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct Blind {
-    /// First of the seeds.
-    pub first_seed: u64,
-    /// Number of sessions.
-    pub sessions: usize,
-    /// What played them.
-    pub engine: Engine,
-    /// Healthy sessions called good and sessions with a defect called bad.
-    pub right_verdict: usize,
-    /// Sessions of which the cause named first is the defect.
-    pub right_cause: usize,
-    /// Sessions with a defect that are called good.
-    pub broken_promises: usize,
-    /// Sessions without a defect.
-    pub healthy: usize,
-    /// Of those, the ones that are not called good.
-    pub false_alarms: usize,
-    /// By kind of defect.
-    pub kinds: BTreeMap<String, BlindKind>,
-    /// Sessions that were judged wrongly, in full.
-    pub wrong: Vec<BlindOutcome>,
-}
-
-/// Blind trials of one kind of defect.
-#[derive(Debug, Clone, Default, Serialize, Deserialize)]
-pub struct BlindKind {
-    /// Number of sessions.
-    pub sessions: usize,
-    /// Of those with the right verdict.
-    pub right_verdict: usize,
-    /// Of those with the right cause.
-    pub right_cause: usize,
-}
 
 /// Errors in variables: the bias of scale factors.
 #[derive(Debug, Clone, Serialize, Deserialize)]

@@ -4,6 +4,7 @@
 //! hours to make anew; [`Published::MAKE`] is the command.
 
 mod accuracy;
+mod blind;
 mod calibration;
 mod digest;
 mod faults;
@@ -15,6 +16,7 @@ use serde::de::DeserializeOwned;
 pub use sixaxis_campaign::statistics::Summary as Campaign;
 
 pub use self::accuracy::*;
+pub use self::blind::*;
 pub use self::calibration::*;
 pub use self::digest::{of_bytes, of_sources};
 pub use self::faults::*;

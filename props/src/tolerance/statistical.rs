@@ -25,6 +25,13 @@ pub const ROBUST_Z: Tolerance = required(ONE_IN_A_MILLION, CHANCE);
 pub const STIFFNESS_RATIO: Tolerance = required(5e-3, "half a per cent is asked for");
 /// Attained over asked-for rate of false alarms, less one.
 pub const FALSE_ALARMS: Tolerance = required(0.1, "a tenth of the rate that is asked for");
+/// Kolmogorov's distance of drawn numbers from their distribution, times the root of their count: 2 exp(-2 x^2) is a millionth.
+pub const KOLMOGOROV: Tolerance = required(2.694, CHANCE);
+/// Errors of a calibration of the blind trial's healthy corner: standards of class 1 %, wedges of 0.01 degrees, 60 dB.
+pub const CORNER: Tolerance = required(
+    0.03,
+    "a calibration as good as its standards, and a random sensor's weakest limb",
+);
 /// Share of failures of five standard deviations whose class is not named.
 pub const NOT_ISOLATED: Tolerance = required(0.01, "one failure in a hundred");
 /// Share of ambiguous pairs of which the wrong limb is named: odds of a thousand to one, and models that do not fit.

@@ -5,5 +5,6 @@
 mod campaign;
 mod motions;
 mod reference;
+mod rig_departures;
 mod rig_motion;
 mod threshold;

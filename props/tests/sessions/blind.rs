@@ -1,34 +1,308 @@
-//! The verdict, tried blind on sessions on disk. By the hundred: `cargo run --release -p sixaxis-props --example blind`.
+//! The instrument that tries the verdict: what it draws, what it measures, how it counts. By the thousand:
+//! `cargo run --release -p sixaxis-props --example blind`.
 
-use rayon::prelude::*;
-use sixaxis_props::blind::{Outcome, TUNING_SEEDS, defect_of, run};
-use sixaxis_reference::laboratory::defect::Kind;
-use sixaxis_reference::laboratory::plan::Engine;
+use std::path::PathBuf;
 
-/// Every kind of defect once or twice, and healthy sessions between them.
-const SESSIONS: u64 = 27;
-/// First seed: beyond those that thresholds were chosen with.
-const FIRST: u64 = TUNING_SEEDS.end + 1;
+use rand::SeedableRng;
+use rand_pcg::Pcg64;
+use sixaxis_calibration::finding::Cause;
+use sixaxis_calibration::report::Grade;
+use sixaxis_props::blind::harm::Harm;
+use sixaxis_props::blind::share::Share;
+use sixaxis_props::blind::{CYCLE, Cell, Outcome, TUNING_SEEDS, plan, table, try_out};
+use sixaxis_props::compare::{largest, within};
+use sixaxis_props::tolerance;
+use sixaxis_reference::laboratory::defect::{Defect, Kind, Spread, Where};
+use sixaxis_reference::laboratory::plan::{DefectChoice, Engine, SensorChoice, SessionPlan};
+use sixaxis_reference::laboratory::session::{SimulatedSession, simulate_session};
+
+/// Draws of each kind.
+const DRAWS: usize = 2000;
+/// Beyond the seeds that thresholds were chosen with.
+const SEED: u64 = TUNING_SEEDS.end + 1;
+
+/// Distance of drawn numbers from 0 to 1 from an even distribution, after Kolmogorov, times the root of their count.
+fn unevenness(mut places: Vec<f64>) -> f64 {
+    places.sort_by(f64::total_cmp);
+    let count = places.len() as f64;
+    let steps = places.iter().enumerate().flat_map(|(i, place)| {
+        let below = i as f64 / count;
+        [place - below, below + 1.0 / count - place]
+    });
+    count.sqrt() * largest(steps)
+}
 
 #[test]
-fn stat_verdicts_are_right() {
-    let seeds = FIRST..FIRST + SESSIONS;
+fn stat_magnitudes_are_log_uniform_over_their_ranges() {
+    let plan = SessionPlan::default();
     for kind in Kind::ALL {
+        let facts = kind.facts();
+        let (low, high) = facts.range;
+        let mut rng = Pcg64::seed_from_u64(SEED);
+        let drawn: Vec<Defect> = (0..DRAWS)
+            .map(|_| Defect::draw(*kind, &plan, &mut rng))
+            .collect();
+        let size = |defect: &Defect| defect.magnitude.abs();
+        let by_logarithm = drawn
+            .iter()
+            .map(|d| (size(d) / low).ln() / (high / low).ln());
+        within(
+            format!("log-uniform magnitudes of {}", facts.name),
+            unevenness(by_logarithm.collect()),
+            tolerance::KOLMOGOROV,
+        );
+        let evenly = drawn.iter().map(|d| (size(d) - low) / (high - low));
+        assert!(unevenness(evenly.collect()) > tolerance::KOLMOGOROV.limit);
+        assert_eq!(facts.signed, drawn.iter().any(|d| d.magnitude < 0.0));
+    }
+}
+
+/// A day without noise, on which nothing but a defect leaves a trace.
+fn silent() -> SessionPlan {
+    let mut plan = SessionPlan {
+        seed: SEED,
+        sensor: SensorChoice::Random,
+        engine: Engine::Rigid,
+        trials_per_step: 6,
+        sample_rate_hz: 200.0,
+        static_duration_s: 30.0,
+        static_rate_hz: 10.0,
+        ..SessionPlan::default()
+    };
+    plan.chain.signal_to_noise_db = f64::INFINITY;
+    plan.chain.resolution_bits = 0;
+    plan.instruments.signal_to_noise_db = f64::INFINITY;
+    plan.instruments.gyroscope_bandwidth_hz = 0.0;
+    plan
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for value in values {
+        sum += value.abs();
+        count += 1.0;
+    }
+    if count > 0.0 { sum / count } else { 0.0 }
+}
+
+/// How far two days are apart in all that a judge reads of them, as a sum of relative means.
+fn trace(a: &SimulatedSession, b: &SimulatedSession) -> f64 {
+    let ratio = |x: f64, y: f64| (x / y).ln().abs();
+    let mut sum = ratio(
+        a.session.sensor.limb_length_mm,
+        b.session.sensor.limb_length_mm,
+    ) + ratio(a.session.sensor.half_edge_mm, b.session.sensor.half_edge_mm);
+    for (a, b) in a.recordings.iter().zip(&b.recordings) {
+        let force = |r: &sixaxis_reference::laboratory::recording::SimulatedRecording| {
+            let gains = r.gain_n_per_v;
+            let rows = r.voltage_v.clone();
+            rows.into_iter().flat_map(move |row| {
+                row.into_iter()
+                    .zip(gains)
+                    .map(|(u, c)| u * c)
+                    .collect::<Vec<f64>>()
+            })
+        };
+        let series = [
+            (
+                force(a).collect::<Vec<f64>>(),
+                force(b).collect::<Vec<f64>>(),
+            ),
+            (a.accelerometer_m_s2.clone(), b.accelerometer_m_s2.clone()),
+            (a.gyroscope_rad_s.clone(), b.gyroscope_rad_s.clone()),
+        ];
+        for (a, b) in series {
+            let size = mean(a.iter().copied()).max(f64::MIN_POSITIVE);
+            sum += mean(a.iter().zip(&b).map(|(a, b)| a - b)) / size;
+            sum += (a.len() as f64 - b.len() as f64).abs();
+        }
+        sum += ratio(a.sample_rate_hz, b.sample_rate_hz);
+        sum += (a.direction_ground - b.direction_ground).length();
+        sum += (a.gravity_ground_m_s2 - b.gravity_ground_m_s2).length();
+    }
+    sum
+}
+
+#[test]
+fn prop_a_defect_grows_from_nothing() {
+    let plan = silent();
+    let play = |defect| {
+        let defect = DefectChoice::Exactly(defect);
+        simulate_session(&SessionPlan {
+            defect,
+            ..plan.clone()
+        })
+        .expect("the plan can be played")
+    };
+    let healthy = simulate_session(&plan).expect("the plan can be played");
+    for kind in Kind::ALL {
+        let facts = kind.facts();
+        let (low, high) = facts.range;
+        let of_size = |magnitude| Defect {
+            kind: *kind,
+            magnitude,
+            place: match facts.spread {
+                // A linear trial on a wedge that loads every limb.
+                Spread::OneTrial | Spread::OneIdentifying => Where::Trial(3),
+                Spread::Everywhere | Spread::EndOfDay => Where::Everywhere,
+            },
+            channel: 4,
+            seed: 1 << 30,
+        };
+        within(
+            format!("trace of a {} of size 0", facts.name),
+            trace(&healthy, &play(of_size(0.0))),
+            tolerance::NO_DEFECT,
+        );
+        let traces: Vec<f64> = [low, (low * high).sqrt(), high]
+            .map(|magnitude| trace(&healthy, &play(of_size(magnitude))))
+            .to_vec();
         assert!(
-            seeds.clone().any(|s| defect_of(s) == Some(kind)),
-            "{kind:?} is not tried"
+            traces.is_sorted() && traces[2] > traces[0] && traces[2] > tolerance::SEEN.limit,
+            "{}: {traces:?}",
+            facts.name
         );
     }
-    let folder = std::env::temp_dir().join(format!("sixaxis-blind-test-{}", std::process::id()));
-    let outcomes: Vec<Outcome> = seeds
-        .into_par_iter()
-        .map(|seed| run(seed, Engine::Rigid, &folder).expect("a session plays and is judged"))
-        .collect();
-    let _ = std::fs::remove_dir(&folder);
-    for outcome in &outcomes {
-        assert!(
-            outcome.verdict_is_right() && outcome.cause_is_right(),
-            "{outcome:#?}"
-        );
+}
+
+#[test]
+fn inv_a_cycle_tries_every_cell() {
+    let cells: Vec<Cell> = (SEED..SEED + CYCLE).map(Cell::of).collect();
+    for kind in Kind::ALL {
+        let count = cells.iter().filter(|c| c.kind() == Some(*kind)).count();
+        assert_eq!(count, 2, "{}", kind.name());
+    }
+    assert!(cells.contains(&Cell::Corner));
+}
+
+fn tried(cell: Cell, plan: &SessionPlan, name: &str) -> Outcome {
+    let own: PathBuf =
+        std::env::temp_dir().join(format!("sixaxis-blind-test-{}-{name}", std::process::id()));
+    try_out(cell, plan, "npz", &own).expect("a session plays and is judged")
+}
+
+#[test]
+fn prop_harm_is_what_the_truth_says() {
+    let corner = tried(
+        Cell::Corner,
+        &plan(Cell::Corner, SEED, Engine::Rigid),
+        "corner",
+    );
+    let harm = corner.harm.expect("a calibration");
+    assert_eq!(corner.grade, Some(Grade::Good), "{corner:?}");
+    within(
+        "scale and inertia of the corner",
+        harm.parameter,
+        tolerance::CORNER,
+    );
+    let decoupling = harm.decoupling.expect("it can be decoupled");
+    within("decoupling of the corner", decoupling, tolerance::CORNER);
+    assert!(!harm.breaks_the_promise());
+    // An accelerometer that reads a tenth too much makes every scale factor a tenth too large, but for its class.
+    let size = 0.1_f64;
+    let cell = Cell::Defect(Kind::AccelerometerGain);
+    let mut off = plan(cell, SEED, Engine::Rigid);
+    off.defect = DefectChoice::Exactly(Defect {
+        kind: Kind::AccelerometerGain,
+        magnitude: size,
+        place: Where::Everywhere,
+        channel: 0,
+        seed: 0,
+    });
+    let outcome = tried(cell, &off, "accelerometer");
+    let harm = outcome.harm.expect("a calibration");
+    let excess = harm.parameter - size.exp_m1();
+    within(
+        "scale by a wrong accelerometer",
+        excess.abs(),
+        tolerance::CORNER,
+    );
+    assert!(harm.breaks_the_promise());
+    assert_eq!(outcome.is_false_good(), outcome.grade == Some(Grade::Good));
+}
+
+/// Outcomes that nobody played.
+fn invented(seed: u64) -> Outcome {
+    let cell = Cell::of(seed);
+    let share = (seed % 17) as f64 / 17.0;
+    let magnitude = cell.kind().map(|kind| {
+        let (low, high) = kind.facts().range;
+        low * (high / low).powf(share)
+    });
+    let grades = [
+        Some(Grade::Good),
+        Some(Grade::Reserved),
+        Some(Grade::Bad),
+        None,
+    ];
+    let grade = grades[(seed % 4) as usize];
+    Outcome {
+        seed,
+        cell,
+        magnitude,
+        grade,
+        cause: seed.is_multiple_of(3).then_some(Cause::DeadLimb),
+        harm: grade.map(|_| Harm {
+            parameter: share / 3.0,
+            over_interval: (!seed.is_multiple_of(5)).then_some(share * 7.0),
+            drift_v: share * 1e-5,
+            drift_over_interval: Some(share),
+            decoupling: (!seed.is_multiple_of(7)).then_some(share / 11.0),
+        }),
+    }
+}
+
+#[test]
+fn inv_shards_make_the_same_bytes() {
+    let whole: Vec<Outcome> = (SEED..SEED + 2 * CYCLE).map(invented).collect();
+    let bytes = |outcomes| serde_json::to_string(&table::of(outcomes, Engine::Rigid)).ok();
+    // Through the rows' text, shard by shard, the last shard first.
+    let mut merged: Vec<Outcome> = Vec::new();
+    for shard in (0..3).rev() {
+        for outcome in whole.iter().skip(shard).step_by(3) {
+            let row = serde_json::to_string(outcome).expect("a row");
+            merged.push(serde_json::from_str(&row).expect("a row"));
+        }
+    }
+    assert_eq!(bytes(merged), bytes(whole.clone()));
+    assert_ne!(bytes(whole[1..].to_vec()), bytes(whole.clone()));
+    let table = table::of(whole.clone(), Engine::Rigid);
+    let healthy: usize = table.healthy.iter().map(|cell| cell.tally.sessions).sum();
+    let bins = table.kinds.iter().flat_map(|kind| &kind.bins);
+    let defective: usize = bins.map(|bin| bin.tally.sessions).sum();
+    assert_eq!(healthy + defective, whole.len());
+}
+
+#[test]
+fn prop_the_interval_of_a_share_is_clopper_and_pearsons() {
+    // At either end the other tail of the binomial distribution holds its share of the probability.
+    let tail = |n: usize, k: usize, p: f64| -> f64 {
+        (k..=n)
+            .map(|i| {
+                let ways: f64 = (0..i).map(|j| ((n - j) as f64 / (i - j) as f64).ln()).sum();
+                (ways + i as f64 * p.ln() + (n - i) as f64 * (1.0 - p).ln()).exp()
+            })
+            .sum()
+    };
+    for n in [1, 12, 44, 400] {
+        for k in [0, 1, n / 3, n - 1, n] {
+            let share = Share::new(k, n);
+            if k > 0 {
+                let error = tail(n, k, share.low_95) / 0.025 - 1.0;
+                within(
+                    "lower end of a share",
+                    error.abs(),
+                    tolerance::BETA_QUANTILE,
+                );
+            }
+            if k < n {
+                let error = (1.0 - tail(n, k + 1, share.high_95)) / 0.025 - 1.0;
+                within(
+                    "upper end of a share",
+                    error.abs(),
+                    tolerance::BETA_QUANTILE,
+                );
+            }
+        }
     }
 }

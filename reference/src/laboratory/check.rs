@@ -2,12 +2,12 @@
 
 use core::ops::RangeInclusive;
 
-use super::defect::{Defect, Where};
+use super::defect::{Defect, Kind, Where};
 use super::error::SessionError;
 use super::plan::{CouplingChoice, DefectChoice, Engine, SessionPlan};
-use super::schedule::trials;
+use super::schedule::{trial_count, trials};
+use super::spoil::played;
 use crate::geometry::LIMBS;
-use crate::rig::run::WEDGES;
 
 /// Samples of all trials together: what 16 GB of memory hold.
 const MOST_SAMPLES: f64 = 5e7;
@@ -21,8 +21,16 @@ const TRIALS_PER_STEP: RangeInclusive<usize> = 3..=1000;
 const MOST_BITS: u32 = 52;
 /// Largest wedge error, degrees; a wedge that is further off is another wedge.
 const LARGEST_WEDGE_ERROR_DEG: f64 = 20.0;
+/// Largest tilt of the axis, degrees: beyond it the mounting is another one.
+const LARGEST_TILT_DEG: f64 = 90.0;
+/// Largest distance of the sensor's centre from the axis, mm.
+const LARGEST_OFFSET_MM: f64 = 1e3;
+/// Longest crank over its rod: a crank as long as the rod locks.
+const LONGEST_CRANK: f64 = 0.95;
 /// Amplitudes of the rig, m and rad, and the converter's limit, V, at most.
 const LARGEST: f64 = 1e3;
+/// Largest magnitude of a defect that is given exactly, over the largest that is drawn.
+const LARGEST_OF_RANGE: f64 = 2.0;
 /// Taps, at most.
 const MOST_TAPS: usize = 100;
 /// Periods of a run, and seconds of rest, at most.
@@ -114,6 +122,21 @@ fn rig(plan: &SessionPlan) -> Result<(), SessionError> {
         rig.wedge_error_deg,
         0.0..=LARGEST_WEDGE_ERROR_DEG,
     )?;
+    within(
+        "rig.axis_tilt_deg",
+        rig.axis_tilt_deg,
+        0.0..=LARGEST_TILT_DEG,
+    )?;
+    within(
+        "rig.centre_offset_mm",
+        rig.centre_offset_mm,
+        0.0..=LARGEST_OFFSET_MM,
+    )?;
+    within(
+        "rig.crank_over_rod",
+        rig.crank_over_rod,
+        0.0..=LONGEST_CRANK,
+    )?;
     if rig.taps > MOST_TAPS {
         let cause = format!("{} is more than {MOST_TAPS}", rig.taps);
         return Err(SessionError::plan("rig.taps", cause));
@@ -178,6 +201,18 @@ fn chain(plan: &SessionPlan) -> Result<(), SessionError> {
         plan.chain.stiffness_spread,
         0.0..=1.0,
     )?;
+    for (key, value, most) in [
+        ("chain.cross_talk", plan.chain.cross_talk, 1.0),
+        ("chain.hum_v", plan.chain.hum_v, plan.chain.full_scale_v),
+        (
+            "chain.zero_spread_v",
+            plan.chain.zero_spread_v,
+            plan.chain.full_scale_v,
+        ),
+        ("chain.sensitivity_drift", plan.chain.sensitivity_drift, 1.0),
+    ] {
+        within(key, value, 0.0..=most)?;
+    }
     if plan.chain.stiffness_spread > 0.0 {
         if plan.engine == Engine::Mujoco {
             return Err(SessionError::plan(
@@ -248,9 +283,8 @@ fn sizes(plan: &SessionPlan) -> Result<(), SessionError> {
     Ok(())
 }
 
-/// A defect written down by hand.
+/// A defect written down by hand, and the rig and chain that it makes.
 fn check_defect(plan: &SessionPlan, defect: &Defect) -> Result<(), SessionError> {
-    let count = trials(&plan.rig, plan.trials_per_step, None).len();
     let below = |name: &str, index: usize, limit: usize| {
         if index < limit {
             Ok(())
@@ -261,81 +295,28 @@ fn check_defect(plan: &SessionPlan, defect: &Defect) -> Result<(), SessionError>
             ))
         }
     };
-    let channel = |c: usize| below("channel", c, LIMBS);
-    let trial = |t: usize| below("trial", t, count);
-    let place = |place: &Where| match place {
-        Where::Everywhere => Ok(()),
-        Where::From(t) | Where::Trial(t) => below("place", *t, count),
+    let (size, key) = (defect.magnitude, "defect.exactly: magnitude");
+    let facts = defect.kind.facts();
+    let most = if facts.unit == "share" {
+        1.0
+    } else {
+        LARGEST_OF_RANGE * facts.range.1
     };
-    let number = |name: &str, value: f64, range: RangeInclusive<f64>| {
-        within(&format!("defect.exactly: {name}"), value, range)
-    };
-    let factor = |f: f64| number("factor", f, 1e-9..=1e9);
-    match defect {
-        Defect::DeadLimb {
-            channel: c,
-            place: p,
-        }
-        | Defect::InvertedChannel {
-            channel: c,
-            place: p,
-        } => channel(*c).and(place(p)),
-        Defect::SwappedChannels {
-            channels: [a, b],
-            place: p,
-        } => channel(*a).and(channel(*b)).and(place(p)),
-        Defect::ClippedConverter {
-            channel: c,
-            trial: t,
-            share,
-        } => channel(*c)
-            .and(trial(*t))
-            .and(number("share", *share, 0.0..=1.0)),
-        Defect::WrongGain {
-            channel: c,
-            place: p,
-            factor: f,
-        } => channel(*c).and(place(p)).and(factor(*f)),
-        Defect::WrongAccelerometer { factor: f } | Defect::WrongGyroscope { factor: f } => {
-            number("factor", f.abs(), 1e-9..=1e9)
-        }
-        Defect::MillivoltMixUp {
-            channel: c,
-            place: p,
-            factor: f,
-        } => c.map_or(Ok(()), channel).and(place(p)).and(factor(*f)),
-        Defect::GravityNotHandled { .. } => Ok(()),
-        Defect::UnderExcitedAxis { axis, .. } => below("axis", *axis, 3),
-        Defect::LooseWedge {
-            wedge,
-            angle_deg,
-            azimuth_rad,
-        } => below("wedge", *wedge, WEDGES.len())
-            .and(number("angle_deg", *angle_deg, 0.0..=90.0))
-            .and(number("azimuth_rad", *azimuth_rad, -1e3..=1e3)),
-        Defect::ReferenceClock {
-            place: p,
-            late_s,
-            rate_error,
-        } => place(p)
-            .and(number("late_s", *late_s, -1e3..=1e3))
-            .and(number("rate_error", *rate_error, -0.5..=0.5)),
-        Defect::WrongSampleRate {
-            place: p,
-            factor: f,
-        } => place(p).and(factor(*f)),
-        Defect::GyroscopeLag { bandwidth_hz } => corner(
-            "defect.exactly: bandwidth_hz",
-            *bandwidth_hz,
-            plan.sample_rate_hz,
-        ),
-        Defect::DriftDuringRun {
-            channel: c,
-            trial: t,
-            share,
-        } => channel(*c)
-            .and(t.map_or(Ok(()), trial))
-            .and(number("share", *share, -10.0..=10.0)),
-        Defect::ForeignTrial { trial: t, .. } => trial(*t),
+    within(key, size, if facts.signed { -most } else { 0.0 }..=most)?;
+    below("channel", defect.channel, LIMBS)?;
+    if let Where::From(trial) | Where::Trial(trial) = defect.place {
+        below("place", trial, trial_count(plan.trials_per_step))?;
     }
+    let played = played(plan, Some(defect));
+    // A gyroscope may be faster than its samples show: then it has no lag.
+    let chain = |plan: &SessionPlan| match defect.kind {
+        Kind::GyroscopeLag => Ok(()),
+        _ => chain(plan),
+    };
+    rig(&played).and_then(|()| chain(&played)).map_err(|_| {
+        SessionError::plan(
+            key,
+            format!("{size} makes a laboratory that cannot be played"),
+        )
+    })
 }

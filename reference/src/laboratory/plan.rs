@@ -1,5 +1,7 @@
 //! The plan of a session: all that the simulation can be told, with the paper's values as defaults.
 
+use rand::RngExt;
+use rand::seq::IndexedRandom;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
@@ -97,6 +99,13 @@ pub struct RigPlan {
     pub mounting: Mounting,
     /// Largest error of a wedge as its workshop made it, degrees.
     pub wedge_error_deg: f64,
+    /// Angle between the axis and what [`Mounting`] says of it: the plumb line, or a level. Travel stays along the axis, gravity
+    /// does not; towards another side on each wedge. Degrees.
+    pub axis_tilt_deg: f64,
+    /// From the pinion's axis to the sensor's centre, in another direction on each wedge, mm.
+    pub centre_offset_mm: f64,
+    /// Crank over connecting rod of both crank-sliders; 0 for an endless rod.
+    pub crank_over_rod: f64,
     /// Frequencies of steps 2 and 3, from and to, Hz.
     pub low_band_hz: (f64, f64),
     /// Frequencies of step 4, from and to, Hz.
@@ -115,6 +124,9 @@ impl Default for RigPlan {
             steady_periods: 3.0,
             mounting: Mounting::AxisVertical,
             wedge_error_deg: 0.0,
+            axis_tilt_deg: 0.0,
+            centre_offset_mm: 0.0,
+            crank_over_rod: 0.0,
             low_band_hz: (1.0, 2.0),
             high_band_hz: (4.0, 5.0),
             taps: 0,
@@ -151,6 +163,14 @@ pub struct ChainPlan {
     /// Standard deviation of the limbs' stiffnesses about their mean, relative. Only for [`Engine::Rigid`]: the reference's
     /// MuJoCo model has one stiffness for all limbs.
     pub stiffness_spread: f64,
+    /// Share of its neighbour's charge that a channel shows at most, either sign, evenly drawn for each.
+    pub cross_talk: f64,
+    /// Amplitude of 50 Hz hum on every channel, V.
+    pub hum_v: f64,
+    /// Standard deviation of a channel's zero in each trial about that of the static record, V.
+    pub zero_spread_v: f64,
+    /// Standard deviation of what a channel's sensitivity changes by from the day's first trial to its last, relative.
+    pub sensitivity_drift: f64,
 }
 
 /// What becomes of the load at rest on its way to the converter.
@@ -173,6 +193,10 @@ impl Default for ChainPlan {
             coupling: CouplingChoice::Tared,
             amplifier_high_pass_hz: 0.0,
             stiffness_spread: 0.0,
+            cross_talk: 0.0,
+            hum_v: 0.0,
+            zero_spread_v: 0.0,
+            sensitivity_drift: 0.0,
         }
     }
 }
@@ -214,6 +238,9 @@ pub enum DefectChoice {
     Exactly(Defect),
 }
 
+/// Random streams of a defect's kind, and of all else that is drawn of it.
+const KIND_STREAM: u128 = 8;
+const DEFECT_STREAM: u128 = 11;
 /// Random stream of the sensor; the campaign's own streams are in [`super::session`].
 const SENSOR_STREAM: u128 = 3;
 /// Random stream of the limbs' stiffnesses.
@@ -222,6 +249,26 @@ const STIFFNESS_STREAM: u128 = 4;
 const INSTRUMENT_STREAM: u128 = 6;
 
 impl SessionPlan {
+    /// The defect, drawn if only its kind is given or not even that.
+    #[must_use]
+    pub fn true_defect(&self) -> Option<Defect> {
+        let stream = |stream| Pcg64::new(u128::from(self.seed), stream);
+        let kind = match self.defect {
+            DefectChoice::None => return None,
+            DefectChoice::Exactly(defect) => return Some(defect),
+            DefectChoice::Kind(kind) => kind,
+            DefectChoice::Random => {
+                let mut rng = stream(KIND_STREAM);
+                let kind = *Kind::ALL.choose(&mut rng)?;
+                if rng.random_bool(0.5) {
+                    return None;
+                }
+                kind
+            }
+        };
+        Some(Defect::draw(kind, self, &mut stream(DEFECT_STREAM)))
+    }
+
     /// The sensor as it truly is.
     #[must_use]
     pub fn true_sensor(&self) -> TrueSensor {
@@ -271,16 +318,12 @@ impl SessionPlan {
 
     /// The reference instruments as they are, drawn from their class with the seed.
     #[must_use]
-    pub(super) fn true_instruments(&self, defect: Option<&Defect>) -> Instruments {
+    pub(super) fn true_instruments(&self) -> Instruments {
         let InstrumentPlan {
             class_percent,
             signal_to_noise_db,
-            ..
+            gyroscope_bandwidth_hz: bandwidth_hz,
         } = self.instruments;
-        let bandwidth_hz = match defect {
-            Some(Defect::GyroscopeLag { bandwidth_hz }) => *bandwidth_hz,
-            _ => self.instruments.gyroscope_bandwidth_hz,
-        };
         let mut rng = Pcg64::new(u128::from(self.seed), INSTRUMENT_STREAM);
         Instruments {
             gyroscope_bandwidth_hz: (bandwidth_hz > 0.0).then_some(bandwidth_hz),

@@ -66,9 +66,9 @@ static_rate_hz
 # What is wrong: \"none\", \"random\" (one of any kind or none; only the truth folder says which), { kind = \"...\" } with one of
 KINDS
 # or one in particular, counted from 0, such as
-#   { exactly = { inverted_channel = { channel = 4, place = \"everywhere\" } } }
-#   { exactly = { wrong_gain = { channel = 4, place = { trial = 2 }, factor = 10.0 } } }
-# All of them with their fields: documentation of sixaxis_reference::laboratory::defect::Defect.
+#   { exactly = { kind = \"dead_limb\", magnitude = 1.0, channel = 4 } }
+#   { exactly = { kind = \"wrong_gain_in_trial\", magnitude = 2.3, channel = 4, place = { trial = 2 } } }
+# Magnitudes, their units and ranges: documentation of sixaxis_reference::laboratory::defect::Kind.
 defect
 
 # The rig.
@@ -87,6 +87,12 @@ steady_periods
 mounting
 # Largest error of a wedge as its workshop made it, degrees.
 wedge_error_deg
+# Angle of the axis off the plumb line (or off the level, where it is level), towards another side on each wedge, degrees.
+axis_tilt_deg
+# Distance of the sensor's centre from the axis, in another direction on each wedge, mm.
+centre_offset_mm
+# Length of the crank over that of the connecting rod; 0 for an endless rod.
+crank_over_rod
 # Crank frequencies of steps 2 and 3, first and last, Hz.
 low_band_hz
 # Crank frequencies of step 4, first and last, Hz.
@@ -109,6 +115,14 @@ coupling
 amplifier_high_pass_hz
 # Standard deviation of the nine stiffnesses over their mean, relative; engine \"rigid\" only.
 stiffness_spread
+# Share of its neighbour's charge that a channel shows at most; evenly drawn for each channel.
+cross_talk
+# Amplitude of 50 Hz on every channel, V.
+hum_v
+# Standard deviation of each channel's zero in each trial about the static record's, V.
+zero_spread_v
+# Standard deviation of the change of each channel's sensitivity over the day, relative.
+sensitivity_drift
 
 # Standard accelerometer and gyroscope.
 [instruments]

@@ -6,7 +6,7 @@ use sixaxis_recordings::session::{Entry, PerLimb, Role};
 use crate::geometry::LIMBS;
 use crate::motion::TrueMotion;
 
-/// A simulated recording. Everything but `truth` is what the laboratory writes down, which a defect may have made wrong.
+/// A simulated recording. Everything but `truth` and true gravity is what the laboratory writes down, which a defect may have made wrong.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SimulatedRecording {
     /// Name of its file, without extension.
@@ -31,6 +31,8 @@ pub struct SimulatedRecording {
     pub gravity_ground_m_s2: DVec3,
     /// Crank frequency, Hz; zero where the rig has no part in it.
     pub frequency_hz: f64,
+    /// True gravity in the sensor's axes at rest, m/s^2, which no laboratory writes down; zero at rest.
+    pub true_gravity_ground_m_s2: DVec3,
     /// True motion; empty for the static record.
     pub truth: Vec<TrueMotion>,
 }
@@ -60,6 +62,7 @@ impl SimulatedRecording {
             direction_ground: DVec3::ZERO,
             gravity_ground_m_s2: DVec3::ZERO,
             frequency_hz: 0.0,
+            true_gravity_ground_m_s2: DVec3::ZERO,
             truth: Vec::new(),
         }
     }

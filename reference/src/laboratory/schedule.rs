@@ -4,7 +4,7 @@ use glam::{DQuat, DVec3};
 use rand_pcg::Pcg64;
 use sixaxis_recordings::session::Role;
 
-use super::defect::Defect;
+use super::defect::{Defect, Kind};
 use super::plan::RigPlan;
 use crate::paper;
 use crate::rig::run::{Mode, Mounting, Run, WEDGES};
@@ -43,6 +43,7 @@ impl RigPlan {
             rest_s: self.rest_s,
             ramp_periods: self.ramp_periods,
             steady_periods: self.steady_periods,
+            crank_over_rod: self.crank_over_rod,
             ..Run::new(mode, frequency_hz, direction)
         }
     }
@@ -62,33 +63,38 @@ pub fn trials(rig: &RigPlan, per_step: usize, defect: Option<&Defect>) -> Vec<Pl
             rig.high_band_hz,
         ),
     ] {
-        let plane = match defect {
-            Some(Defect::UnderExcitedAxis {
-                axis,
-                linear,
-                angular,
-            }) if (*linear && mode == Mode::Linear) || (*angular && mode == Mode::Angular) => {
-                Some(planar_wedges(*axis))
+        let flattened = match defect {
+            Some(defect)
+                if defect.kind == Kind::UnderExcitedAxis && role != Role::HighFrequencyLinear =>
+            {
+                Some((defect.channel % 3, defect.magnitude))
             }
             _ => None,
         };
         for i in 0..per_step {
             let share = i as f64 / (per_step.max(2) - 1) as f64;
-            let (wedge, direction) = match &plane {
-                Some(wedges) => (None, wedges[i % wedges.len()]),
-                None => (Some(i % WEDGES.len()), WEDGES[i % WEDGES.len()]),
+            let wedge = i % WEDGES.len();
+            let direction = match flattened {
+                Some((axis, times)) => flat(WEDGES[wedge], axis, times),
+                None => WEDGES[wedge],
             };
             trials.push(PlannedTrial {
                 name: format!("{word}-{:02}", i + 1),
                 role,
                 run: rig.run(mode, low + (high - low) * share, direction),
-                wedge,
+                wedge: Some(wedge),
                 mounting: rig.mounting,
             });
         }
     }
     trials.extend(compound_trials(rig));
     trials
+}
+
+/// Number of [`trials`].
+#[must_use]
+pub const fn trial_count(per_step: usize) -> usize {
+    3 * per_step + paper::COMPOUND_TABLES.len()
 }
 
 /// The three runs of Tables 4 to 6.
@@ -108,18 +114,17 @@ pub fn compound_trials(rig: &RigPlan) -> [PlannedTrial; 3] {
 
 /// The sensor of a trial that is another sensor's.
 #[must_use]
-pub(super) fn foreign_sensor(seed: u64) -> TrueSensor {
+pub(super) fn foreign_sensor(seed: u32) -> TrueSensor {
     TrueSensor::random(&mut Pcg64::new(u128::from(seed), 1))
 }
 
-/// Wedges that lie in the plane square to an axis.
-fn planar_wedges(axis: usize) -> [DVec3; 4] {
-    let (a, b) = ((axis + 1) % 3, (axis + 2) % 3);
-    [(1.0, 0.0), (0.0, 1.0), (1.0, 2.0), (2.0, 1.0)].map(|(x, y)| {
-        let mut v = [0.0; 3];
-        (v[a], v[b]) = (x, y);
-        DVec3::from_array(v)
-    })
+/// A direction whose share of an axis is one and so many times smaller; what is lost goes to the bisector of the other two axes,
+/// so that a wedge along the axis ends up in the plane, too.
+fn flat(direction: DVec3, axis: usize, times: f64) -> DVec3 {
+    let axis = DVec3::AXES[axis];
+    let along = direction.dot(axis);
+    let lost = along * times / (1.0 + times);
+    (direction - axis * lost + (DVec3::ONE - axis) * (0.5 * lost)).normalize()
 }
 
 /// A direction tilted by an angle towards an azimuth about itself.

@@ -7,18 +7,17 @@ use sixaxis_recordings::session::Session;
 
 use super::Laboratory;
 use super::check::check;
-use super::defect::{Defect, Where};
-use super::effect::drawn_defect;
+use super::defect::Defect;
 use super::error::SessionError;
 use super::instruments::Instruments;
+use super::mount::mounts;
 use super::plan::SessionPlan;
 use super::recording::SimulatedRecording;
 use super::schedule::{PlannedTrial, trials};
 use super::session_file::session;
+use super::spoil::{at_rest, played};
 use super::tap;
-use super::trial::{Recorder, wedge_errors};
-use crate::geometry::LIMBS;
-use crate::rig::run::Mounting;
+use super::trial::Recorder;
 use crate::sensor::TrueSensor;
 
 /// Random stream of the static record.
@@ -82,27 +81,23 @@ pub fn simulate_session_watched(
     done_ms: &(dyn Fn(u64) + Sync),
 ) -> Result<SimulatedSession, SessionError> {
     check(plan)?;
-    let defect = drawn_defect(plan);
+    let defect = plan.true_defect();
     let defect = defect.as_ref();
+    let played = &played(plan, defect);
     let laboratory = Laboratory {
         sensor: plan.true_sensor(),
-        chain: plan.measuring_chain(),
-        instruments: plan.true_instruments(defect),
+        chain: played.measuring_chain(),
+        instruments: played.true_instruments(),
         seed: plan.seed,
     };
     let recorder = Recorder {
-        plan,
+        plan: played,
         defect,
         laboratory,
-        mounting: match defect {
-            Some(Defect::GravityNotHandled { level: true }) => Mounting::AxisLevel,
-            Some(Defect::GravityNotHandled { level: false }) => Mounting::AxisVertical,
-            _ => plan.rig.mounting,
-        },
-        wedge_errors: wedge_errors(plan),
+        mounts: mounts(played),
     };
     let mut recordings = vec![static_record(plan, &laboratory, defect)];
-    let of_trials: Vec<SimulatedRecording> = trials(&plan.rig, plan.trials_per_step, defect)
+    let of_trials: Vec<SimulatedRecording> = trials(&played.rig, plan.trials_per_step, defect)
         .par_iter()
         .enumerate()
         .map(|(index, trial)| {
@@ -139,43 +134,16 @@ fn static_record(
     laboratory: &Laboratory,
     defect: Option<&Defect>,
 ) -> SimulatedRecording {
-    let mut drift = laboratory.sensor.zero_drift_v;
-    let mut slope = [0.0; LIMBS];
-    let mut factor = [1.0; LIMBS];
-    match defect {
-        Some(Defect::InvertedChannel {
-            channel,
-            place: Where::Everywhere,
-        }) => factor[*channel] = -1.0,
-        Some(Defect::SwappedChannels {
-            channels: [a, b],
-            place: Where::Everywhere,
-        }) => drift.swap(*a, *b),
-        Some(Defect::MillivoltMixUp {
-            channel,
-            place: Where::Everywhere,
-            factor: f,
-        }) => {
-            for (limb, own) in factor.iter_mut().enumerate() {
-                if channel.is_none_or(|c| c == limb) {
-                    *own = *f;
-                }
-            }
-        }
-        Some(Defect::DriftDuringRun {
-            channel,
-            trial: None,
-            share,
-        }) => slope[*channel] = share * plan.chain.full_scale_v,
-        _ => {}
-    }
+    let zero = laboratory.sensor.zero_drift_v;
     let mut recording = laboratory.record_at_rest(
         plan.static_duration_s,
         plan.static_rate_hz,
-        |share| core::array::from_fn(|limb| drift[limb] + slope[limb] * (share - 0.5)),
+        |share| at_rest(plan, zero, defect, share).0,
         &mut Pcg64::new(u128::from(plan.seed), STATIC_STREAM),
     );
-    for row in &mut recording.voltage_v {
+    let samples = recording.voltage_v.len() as f64;
+    for (sample, row) in recording.voltage_v.iter_mut().enumerate() {
+        let (_, factor) = at_rest(plan, zero, defect, sample as f64 / samples);
         *row = core::array::from_fn(|limb| factor[limb] * row[limb]);
     }
     recording

@@ -6,10 +6,11 @@ use sixaxis_recordings::session::{
 };
 
 use super::STATIC_GAIN_N_PER_V;
-use super::defect::Defect;
+use super::defect::{Defect, Kind};
 use super::instruments::GAIN_SHARE;
 use super::plan::SessionPlan;
 use super::recording::{SimulatedRecording, tidy};
+use super::spoil::size_of;
 use crate::geometry::Geometry;
 use crate::paper;
 
@@ -19,8 +20,9 @@ pub(super) fn session(
     defect: Option<&Defect>,
     recordings: &[SimulatedRecording],
 ) -> Session {
+    let size = |kind| size_of(defect, kind);
     let stated_bandwidth = match defect {
-        Some(Defect::GyroscopeLag { .. }) => None,
+        Some(defect) if defect.kind == Kind::GyroscopeLag => None,
         _ => (plan.instruments.gyroscope_bandwidth_hz > 0.0)
             .then_some(plan.instruments.gyroscope_bandwidth_hz),
     };
@@ -28,8 +30,10 @@ pub(super) fn session(
         title: format!("Simulated session, seed {}", plan.seed),
         sensor: SensorCard {
             serial: format!("simulated-{}", plan.seed),
-            limb_length_mm: tidy(Geometry::PAPER.limb_length_m * 1e3),
-            half_edge_mm: tidy(Geometry::PAPER.half_edge_m * 1e3),
+            limb_length_mm: tidy(
+                Geometry::PAPER.limb_length_m * 1e3 * size(Kind::WrongLimbLength).exp(),
+            ),
+            half_edge_mm: tidy(Geometry::PAPER.half_edge_m * 1e3 * size(Kind::WrongHalfEdge).exp()),
             full_scale_v: plan.chain.full_scale_v,
             gain_n_per_v: PerLimb::All(STATIC_GAIN_N_PER_V),
             design: Design {

@@ -3,10 +3,11 @@
 use rand_pcg::Pcg64;
 use sixaxis_recordings::session::Role;
 
-use super::defect::{Defect, Where};
+use super::defect::Kind;
 use super::error::SessionError;
 use super::recording::SimulatedRecording;
-use super::trial::{Recorder, swap_limbs};
+use super::spoil::size_of;
+use super::trial::Recorder;
 use crate::motion::SimulatedMotion;
 use crate::rig::tap::{SAMPLE_RATE_HZ, Tap};
 use crate::sensor::TrueSensor;
@@ -23,21 +24,17 @@ impl Recorder<'_> {
         let seed = u128::from(self.plan.seed);
         let mut rng = Pcg64::new(seed, FIRST_TAP_STREAM + index as u128);
         let mut laboratory = self.laboratory;
+        laboratory.sensor = self.sensor_of(None);
         let mut motion = in_mujoco(&Tap::random(&mut rng), &laboratory.sensor)?;
         let forces = &mut motion.limb_force_per_mass_m_s2;
-        if let Some(Defect::SwappedChannels {
-            channels,
-            place: Where::Everywhere,
-        }) = self.defect
-        {
-            swap_limbs(*channels, forces, &mut laboratory.sensor);
-        }
+        self.exchange(None, forces, &mut laboratory.sensor);
         let chain = &laboratory.chain;
         let sensor = &laboratory.sensor;
         let gains = chain.amplifier_ranges(forces, sensor);
+        let forces = self.sensed(None, forces, SAMPLE_RATE_HZ, sensor);
         let mut recording = SimulatedRecording {
             gain_n_per_v: gains,
-            voltage_v: chain.record(forces, sensor, &gains, SAMPLE_RATE_HZ, &mut rng),
+            voltage_v: chain.record(&forces, sensor, &gains, SAMPLE_RATE_HZ, &mut rng),
             truth: motion.truth,
             ..SimulatedRecording::of_nothing(
                 &format!("tap-{:02}", index + 1),
@@ -46,14 +43,8 @@ impl Recorder<'_> {
                 chain.full_scale_v,
             )
         };
-        self.spoil_voltages(None, &mut recording, &laboratory, &mut rng);
-        if let Some(Defect::WrongSampleRate {
-            place: Where::Everywhere,
-            factor,
-        }) = self.defect
-        {
-            recording.sample_rate_hz *= factor;
-        }
+        self.spoil_voltages(None, &mut recording, &laboratory);
+        recording.sample_rate_hz *= size_of(self.defect, Kind::SampleRate).exp();
         Ok(recording)
     }
 }

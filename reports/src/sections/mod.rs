@@ -3,6 +3,7 @@
 //! tables.
 
 mod acceptance;
+mod blind;
 mod compound;
 pub mod evidence;
 mod fault_tolerance;
@@ -67,6 +68,7 @@ pub fn report(results: &Results, evidence: Section, facts: Vec<(String, String)>
             identifiability::section(results)?,
             self_calibration::section()?,
             fault_tolerance::section()?,
+            blind::section()?,
             histories::section(results)?,
             orders::section(results)?,
             reference::section(results)?,

@@ -19,6 +19,7 @@ fn sections_of_published_results_are_drawn() {
         speed::section(),
         fault_tolerance::section(),
         self_calibration::section(),
+        blind::section(),
     ];
     let page = Page {
         sections: sections.map(|s| s.expect("a section")).to_vec(),
@@ -30,7 +31,13 @@ fn sections_of_published_results_are_drawn() {
     }
     let dying: DyingLimb = embedded();
     let dies = format!("limb {} dies", dying.limb);
-    for words in ["Eigen (C++)", "not on this machine", "brisk, 2 s", &dies] {
+    for words in [
+        "Eigen (C++)",
+        "not on this machine",
+        "brisk, 2 s",
+        "usual room",
+        &dies,
+    ] {
         assert!(html.contains(words), "{words}");
     }
     // As a number: a cell, its title, a place in a drawing. What differs of a peer may speak of it.

@@ -126,14 +126,14 @@ fn drift(text: &str) -> Result<(usize, f64), String> {
 fn defect_choice() -> impl TypedValueParser<Value = DefectChoice> {
     let words = ["none", "random"]
         .into_iter()
-        .chain(Kind::ALL.map(Kind::name));
+        .chain(Kind::ALL.iter().map(|kind| kind.name()));
     PossibleValuesParser::new(words).map(|word| match word.as_str() {
         "none" => DefectChoice::None,
         "random" => DefectChoice::Random,
         _ => Kind::ALL
-            .into_iter()
+            .iter()
             .find(|kind| kind.name() == word)
-            .map_or(DefectChoice::None, DefectChoice::Kind),
+            .map_or(DefectChoice::None, |kind| DefectChoice::Kind(*kind)),
     })
 }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Output;
 
-use sixaxis_reference::laboratory::defect::Kind;
+use sixaxis_reference::laboratory::defect::{Defect, Kind, Where};
 use sixaxis_reference::laboratory::plan::{DefectChoice, Engine, SensorChoice, SessionPlan};
 use sixaxis_reference::laboratory::session::simulate_session;
 
@@ -92,7 +92,14 @@ fn healthy_session_is_good_and_its_files_stand_beside_it() {
 
 #[test]
 fn defect_is_not_good_and_nothing_is_green() {
-    let session = session("inverted", DefectChoice::Kind(Kind::InvertedChannel));
+    let all_day = Defect {
+        kind: Kind::InvertedChannel,
+        magnitude: 1.0,
+        place: Where::Everywhere,
+        channel: 4,
+        seed: 0,
+    };
+    let session = session("inverted", DefectChoice::Exactly(all_day));
     let folder = session.parent().expect("a folder");
     let (out, report) = (folder.join("to/c.json"), folder.join("to/r.html"));
     let output = calibrate(&[

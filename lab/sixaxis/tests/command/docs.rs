@@ -204,19 +204,32 @@ fn json(path: &str) -> serde_json::Value {
 fn the_grades_in_the_docs_are_the_published_ones() {
     let docs = on_one_line("docs/session.md");
     let published = published("blind");
-    let number = |key: &str| published[key].as_u64().expect(key);
+    let share = |share: &serde_json::Value| {
+        let number = |key: &str| share[key].as_f64().expect(key);
+        let (count, of) = (number("count"), number("of"));
+        let [low, high] = ["low_95", "high_95"].map(|key| 100.0 * number(key));
+        format!("{count} of {of} ({low:.1} to {high:.1} %)")
+    };
+    let cell = |cell: serde_json::Value| {
+        let rows = published["healthy"].as_array().expect("healthy rows");
+        let row = rows.iter().find(|row| row["cell"] == cell).expect("a cell");
+        share(&row["tally"]["good"])
+    };
     for sentence in [
-        format!("Of {} sessions", number("sessions")),
-        format!("{} healthy", number("healthy")),
+        format!("{} sessions", published["sessions"]),
         format!(
-            "{} grades and {} causes were right",
-            number("right_verdict"),
-            number("right_cause")
+            "called good and are not: {}",
+            share(&published["false_good"])
         ),
-        format!("{} defects were called good", number("broken_promises")),
+        format!("wrong cause: {}", share(&published["wrong_cause_of_named"])),
+        format!("in the corner {}", cell("corner".into())),
         format!(
-            "{} healthy sessions were called anything else",
-            number("false_alarms")
+            "in the gentle room {}",
+            cell(serde_json::json!({"room": "gentle"}))
+        ),
+        format!(
+            "in the usual room {}",
+            cell(serde_json::json!({"room": "usual"}))
         ),
     ] {
         assert!(docs.contains(&sentence), "{sentence}");

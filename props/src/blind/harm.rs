@@ -1,0 +1,135 @@
+//! What a calibration is worth in truth: its parameters against the true sensor, and a validation run decoupled with it against
+//! the simulator's state.
+
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+use sixaxis_calibration::calibrate::CalibratedSession;
+use sixaxis_calibration::calibration::Calibration;
+use sixaxis_core::decouple::rest_to_rest;
+use sixaxis_core::parameter::{DRIFT, INERTIA, SCALE};
+use sixaxis_core::{Decoupler, Scheme};
+use sixaxis_reference::laboratory::session::SimulatedSession;
+use sixaxis_reference::motion::TrueMotion;
+
+/// The validation run that is decoupled: 3 Hz, the middle one of Tables 4 to 6.
+const RUN: &str = "compound-02";
+/// Interval widths by which a parameter of a good calibration may be off.
+pub const WIDTHS: f64 = 2.0;
+/// What "good" states of a decoupled validation run, of the peak: the session's limit as it is left out.
+pub const STATED_DECOUPLING: f64 = 0.075;
+
+/// Errors of a calibration, magnitudes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Harm {
+    /// Largest error of scale factors and inertias, relative; products of inertia over the mean moment.
+    pub parameter: f64,
+    /// Largest of these errors over the half width of the parameter's 95 % interval; none if an interval is missing.
+    pub over_interval: Option<f64>,
+    /// Largest error of the zero drifts, V.
+    pub drift_v: f64,
+    /// Largest of them over its interval.
+    pub drift_over_interval: Option<f64>,
+    /// Largest error of the accelerations of [`RUN`], corrected from rest to rest as the verdict's own are, in sensor axes, over the
+    /// peak of the vector: the change of the specific force, or the angular acceleration. None if it cannot be decoupled.
+    pub decoupling: Option<f64>,
+}
+
+impl Harm {
+    /// Of what was judged; none without a calibration.
+    #[must_use]
+    pub fn of(judged: &CalibratedSession, played: &SimulatedSession) -> Option<Self> {
+        let calibration = judged.calibration.as_ref()?;
+        let truth = played.truth.parameters.to_paper_order();
+        let inertia = &played.truth.parameters.inertia_per_mass;
+        let moment_m2 = (inertia.xx_m2 + inertia.yy_m2 + inertia.zz_m2) / 3.0;
+        let found = calibration.parameters.to_paper_order();
+        let intervals = &calibration.intervals;
+        let error = |i: usize| (found[i] - truth[i]).abs();
+        let size = |i: usize| {
+            if i < INERTIA.start + 3 {
+                truth[i].abs()
+            } else {
+                moment_m2
+            }
+        };
+        let over_interval = |mut all: core::ops::Range<usize>| {
+            all.try_fold(0.0_f64, |worst, i| {
+                let half_width = intervals.get(i)?.half_width_95?;
+                Some(worse(worst, error(i) / half_width))
+            })
+        };
+        let of_fits = SCALE.start..INERTIA.end;
+        Some(Self {
+            parameter: of_fits.clone().map(|i| error(i) / size(i)).fold(0.0, worse),
+            over_interval: over_interval(of_fits).filter(|x| x.is_finite()),
+            drift_v: DRIFT.map(error).fold(0.0, worse),
+            drift_over_interval: over_interval(DRIFT).filter(|x| x.is_finite()),
+            decoupling: decoupling(judged, calibration, played).filter(|x| x.is_finite()),
+        })
+    }
+
+    /// A parameter beyond twice its interval, or a decoupled run beyond what is stated.
+    #[must_use]
+    pub fn breaks_the_promise(&self) -> bool {
+        self.over_interval.is_none_or(|x| x > WIDTHS)
+            || self.decoupling.is_none_or(|x| x > STATED_DECOUPLING)
+    }
+}
+
+fn worse(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() {
+        f64::NAN
+    } else {
+        a.max(b)
+    }
+}
+
+fn decoupling(
+    judged: &CalibratedSession,
+    calibration: &Calibration,
+    played: &SimulatedSession,
+) -> Option<f64> {
+    let (trial, conditioned) = judged
+        .recordings
+        .iter()
+        .find(|(trial, _)| trial.name.starts_with(RUN))?;
+    let recording = played.recordings.iter().find(|r| r.name == RUN)?;
+    let parameters = calibration.parameters();
+    let sensor = trial.sensor(calibration.sensor().geometry);
+    let settings = trial.settings(Scheme::HeunSubstepped);
+    let voltage_v = &conditioned.as_ref()?.voltage_v;
+    let (rows, _) = rest_to_rest::detrend(&sensor, &parameters, &settings, voltage_v).ok()?;
+    let mut decoupler = Decoupler::new(&sensor, &parameters, &settings).ok()?;
+    let stated_m_s2 = settings.gravity_ground_m_s2;
+    let (mut off, mut peak) = ([0.0_f64; 2], [0.0_f64; 2]);
+    for row in &rows {
+        let Some(out) = decoupler.push(row).ok()? else {
+            continue;
+        };
+        let truth = recording.truth.get(out.sample as usize)?;
+        let back = out.attitude.inverse();
+        let ours = [
+            back * (out.linear_ground_m_s2 - stated_m_s2) + stated_m_s2,
+            back * out.angular_ground_rad_s2,
+        ];
+        for (i, (ours, truth)) in ours
+            .into_iter()
+            .zip(felt(truth, recording.true_gravity_ground_m_s2))
+            .enumerate()
+        {
+            off[i] = worse(off[i], (ours - truth).length());
+            peak[i] = worse(peak[i], truth.length());
+        }
+    }
+    Some(worse(off[0] / peak[0], off[1] / peak[1]))
+}
+
+/// What a sensor that keeps its axes feels: the change of the specific force since the rest, m/s^2, and the angular acceleration,
+/// rad/s^2, shell axes.
+fn felt(truth: &TrueMotion, gravity_m_s2: DVec3) -> [DVec3; 2] {
+    let back = truth.attitude.inverse();
+    [
+        back * (truth.linear_ground_m_s2 - gravity_m_s2) + gravity_m_s2,
+        back * truth.angular_ground_rad_s2,
+    ]
+}
