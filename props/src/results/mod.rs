@@ -4,6 +4,7 @@
 //! hours to make anew; [`Published::MAKE`] is the command.
 
 mod accuracy;
+mod budget;
 mod calibration;
 mod digest;
 mod faults;
@@ -15,6 +16,7 @@ use serde::de::DeserializeOwned;
 pub use sixaxis_campaign::statistics::Summary as Campaign;
 
 pub use self::accuracy::*;
+pub use self::budget::*;
 pub use self::calibration::*;
 pub use self::digest::core_digest;
 pub use self::faults::*;
@@ -77,6 +79,13 @@ impl Published for Laboratories {
         "cargo run --release -p sixaxis-reports --example laboratories -- --publish";
 }
 
+impl Published for Budget {
+    const FILE: &'static str = "props/results/budget.json";
+    const TEXT: &'static str = include_str!("../../results/budget.json");
+    const MAKE: &'static str =
+        "cargo run --release -p sixaxis-reports --example budget -- --publish";
+}
+
 impl Published for Speed {
     const FILE: &'static str = "benches/results/speed.json";
     const TEXT: &'static str = include_str!("../../../benches/results/speed.json");
@@ -106,6 +115,7 @@ mod tests {
     #[test]
     fn files_are_what_their_types_write() {
         same::<Blind>();
+        same::<Budget>();
         same::<Campaign>();
         same::<Detection>();
         same::<DyingLimb>();
