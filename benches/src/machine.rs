@@ -2,11 +2,9 @@
 
 use std::env;
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::Command;
 use std::thread;
-use std::time::{SystemTime, UNIX_EPOCH};
 
+use sixaxis_props::provenance::output;
 use sixaxis_props::results::Machine;
 
 /// Logical cores, 1 where that is not known.
@@ -44,18 +42,6 @@ pub fn processor_s() -> Option<f64> {
     Some((ticks()? + ticks()?) as f64 / TICKS_PER_S)
 }
 
-/// What a command prints in the workspace, if there is such a command and it succeeds.
-#[must_use]
-pub fn output(program: &str, arguments: &[&str]) -> Option<String> {
-    let output = Command::new(program)
-        .args(arguments)
-        .current_dir(workspace())
-        .output()
-        .ok()
-        .filter(|output| output.status.success())?;
-    Some(String::from_utf8(output.stdout).ok()?.trim().to_owned())
-}
-
 /// This machine.
 #[must_use]
 pub fn machine() -> Machine {
@@ -82,32 +68,4 @@ pub fn machine() -> Machine {
         compiled_for,
         processor_has,
     }
-}
-
-/// The time now as `2026-01-31T23:59:59Z`.
-#[must_use]
-pub fn date_utc() -> String {
-    let since = SystemTime::now().duration_since(UNIX_EPOCH);
-    let seconds = since.map_or(0, |time| time.as_secs());
-    let (days, second) = (seconds / 86_400, seconds % 86_400);
-    // Days into the calendar, with years that begin in March so that the leap day is the last.
-    let day = days + 719_468;
-    let (era, of_era) = (day / 146_097, day % 146_097);
-    let year_of_era = (of_era - of_era / 1_460 + of_era / 36_524 - of_era / 146_096) / 365;
-    let of_year = of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
-    let month = (5 * of_year + 2) / 153;
-    let day = of_year - (153 * month + 2) / 5 + 1;
-    let month = if month < 10 { month + 3 } else { month - 9 };
-    let year = year_of_era + era * 400 + u64::from(month <= 2);
-    let (hour, minute) = (second / 3_600, second / 60 % 60);
-    format!(
-        "{year}-{month:02}-{day:02}T{hour:02}:{minute:02}:{:02}Z",
-        second % 60
-    )
-}
-
-/// The workspace's folder.
-#[must_use]
-pub fn workspace() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }

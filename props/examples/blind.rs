@@ -8,19 +8,24 @@ use std::process::ExitCode;
 
 use rayon::prelude::*;
 use sixaxis_props::blind::{Outcome, REPORTED_FROM, run};
-use sixaxis_props::publication::{Arguments, end};
+use sixaxis_props::publication::{Arguments, Seeds, run as publish};
 use sixaxis_props::results::{Blind, BlindKind};
 use sixaxis_reference::laboratory::plan::Engine;
 
 fn main() -> ExitCode {
-    end(try_all())
+    let (first, count) = (REPORTED_FROM, 300);
+    publish(
+        Seeds {
+            first,
+            count,
+            sample: 3,
+        },
+        try_all,
+    )
 }
 
-fn try_all() -> Result<(), String> {
-    let arguments = Arguments::given();
-    let first = arguments.number("--first", REPORTED_FROM)?;
-    let count = arguments.number("--count", 300)?;
-    let engine = if arguments.has("--mujoco") {
+fn try_all(first: u64, count: u64) -> Result<Blind, String> {
+    let engine = if Arguments::given().has("--mujoco") {
         Engine::Mujoco
     } else {
         Engine::Rigid
@@ -90,5 +95,5 @@ fn try_all() -> Result<(), String> {
         published.false_alarms,
         published.healthy,
     );
-    arguments.publish(&published)
+    Ok(published)
 }

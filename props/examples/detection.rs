@@ -7,12 +7,14 @@ use std::process::ExitCode;
 use sixaxis_props::faults::null::{curve, false_alarms};
 use sixaxis_props::faults::tally::{WITHIN, of_classes, play, tally};
 use sixaxis_props::faults::{FALSE_ALARMS_PER_HOUR, Name, SAMPLE_RATE_HZ};
-use sixaxis_props::publication::{Arguments, end};
+use sixaxis_props::publication::{Seeds, run};
 use sixaxis_props::results::Detection;
 
 /// Seeds below were looked at while limits were chosen.
 const REPORTED_FROM: u64 = 10_000_000;
-/// Rates of false alarms per sample and stretches of 2^20 samples that count them to 3 %.
+/// Trials of a kind and size.
+const COUNT: u64 = 160;
+/// Rates of false alarms per sample and stretches of 2^20 samples that count them to 3 %, with [`COUNT`] trials.
 const RATES: [(f64, u64); 2] = [(1e-3, 4), (1e-4, 16)];
 /// Channels' noise, largest over smallest.
 const UNEQUAL: [f64; 2] = [1.0, 5.0];
@@ -22,20 +24,32 @@ const SIZES: [f64; 3] = [2.0, 5.0, 10.0];
 const CLASS_SIGMAS: f64 = 5.0;
 /// Operating curves: window, sizes.
 const CURVES: [(u64, [f64; 3]); 2] = [(1, [3.0, 5.0, 8.0]), (64, [0.3, 0.5, 1.0])];
-const DRAWS: u64 = 40_000;
+/// Draws of a point of them, a trial.
+const DRAWS: u64 = 250;
 
 fn main() -> ExitCode {
-    end(run())
+    let (first, count) = (REPORTED_FROM, COUNT);
+    run(
+        Seeds {
+            first,
+            count,
+            sample: 1,
+        },
+        study,
+    )
 }
 
-fn run() -> Result<(), String> {
-    let arguments = Arguments::given();
-    let first = arguments.number("--first", REPORTED_FROM)?;
-    let each = arguments.number("--count", 160)?;
+fn study(first: u64, each: u64) -> Result<Detection, String> {
     let mut alarms = Vec::new();
     for unequal in UNEQUAL {
         for (rate, stretches) in RATES {
-            let counted = false_alarms(rate, unequal, 1.0, stretches, first);
+            let counted = false_alarms(
+                rate,
+                unequal,
+                1.0,
+                (stretches * each).div_ceil(COUNT),
+                first,
+            );
             println!(
                 "{rate:.0e} a sample, noise up to {unequal} to 1: {} alarms in {} samples, {:.3} of those asked for",
                 counted.alarms,
@@ -81,9 +95,11 @@ fn run() -> Result<(), String> {
     }
     let curves = CURVES
         .iter()
-        .flat_map(|&(window, sizes)| sizes.map(|sigmas| curve(window, 4, sigmas, DRAWS, first)))
+        .flat_map(|&(window, sizes)| {
+            sizes.map(|sigmas| curve(window, 4, sigmas, DRAWS * each, first))
+        })
         .collect();
-    let published = Detection {
+    Ok(Detection {
         first_seed: first,
         sample_rate_hz: SAMPLE_RATE_HZ,
         false_alarms_per_hour: FALSE_ALARMS_PER_HOUR,
@@ -93,6 +109,5 @@ fn run() -> Result<(), String> {
         class_sigmas: CLASS_SIGMAS,
         classes,
         curves,
-    };
-    arguments.publish(&published)
+    })
 }

@@ -1,6 +1,6 @@
 //! A limb that dies in mid-motion: `cargo run --release -p sixaxis-props --example dying_limb`.
 //!
-//! Prints the attitude's error at the end for some seeds, and with `--publish` writes the first one's history, which the report
+//! Prints the attitude's error at the end for each seed, and with `--publish` writes the first one's history, which the report
 //! shows.
 
 use std::process::ExitCode;
@@ -11,26 +11,32 @@ use sixaxis_core::redundancy::tolerant::{FaultTolerant, ROWS_KEPT};
 use sixaxis_core::{Decoupler, SixAxis};
 use sixaxis_props::faults::SAMPLE_RATE_HZ;
 use sixaxis_props::faults::dying::{DIES_AT_S, Played, angle_rad};
-use sixaxis_props::publication::{Arguments, end};
+use sixaxis_props::publication::{Seeds, run};
 use sixaxis_props::results::DyingLimb;
 
 /// Seeds below were looked at.
 const REPORTED_FROM: u64 = 1_000;
 /// Samples that one published point stands for.
 const STRIDE: usize = 20;
+/// The limb, from 1.
+const LIMB: usize = 7;
 
 fn main() -> ExitCode {
-    end(run())
+    let (first, count) = (REPORTED_FROM, 10);
+    run(
+        Seeds {
+            first,
+            count,
+            sample: 1,
+        },
+        study,
+    )
 }
 
-fn run() -> Result<(), String> {
-    let arguments = Arguments::given();
-    let first = arguments.number("--first", REPORTED_FROM)?;
-    let count = arguments.number("--count", 10)?;
-    let limb = arguments.number("--limb", 7)? as usize;
+fn study(first: u64, count: u64) -> Result<DyingLimb, String> {
     let histories: Vec<DyingLimb> = (first..first + count)
         .into_par_iter()
-        .map(|seed| history(seed, limb))
+        .map(|seed| history(seed, LIMB))
         .collect::<Result<_, String>>()?;
     for h in &histories {
         let last = |values: &[f64]| values.last().copied().unwrap_or(f64::NAN);
@@ -45,7 +51,10 @@ fn run() -> Result<(), String> {
             last(&h.nine_rad)
         );
     }
-    arguments.publish(&histories[0])
+    histories
+        .into_iter()
+        .next()
+        .ok_or_else(|| "no seed".to_owned())
 }
 
 fn history(seed: u64, limb: usize) -> Result<DyingLimb, String> {

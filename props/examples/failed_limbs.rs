@@ -25,7 +25,7 @@ use sixaxis_core::{
 use sixaxis_props::joint::{Fitted, small};
 use sixaxis_props::manufactured::examples;
 use sixaxis_props::problem::rig;
-use sixaxis_props::publication::{Arguments, end};
+use sixaxis_props::publication::{Seeds, run};
 use sixaxis_props::results::{ExcludedSet, FailedLimbs};
 use sixaxis_props::truth;
 use sixaxis_props::truth::InCore;
@@ -45,13 +45,18 @@ const RUN: usize = 1002;
 type Six = Vec<[f64; 6]>;
 
 fn main() -> ExitCode {
-    end(run())
+    let (first, count) = (1_000, 10);
+    run(
+        Seeds {
+            first,
+            count,
+            sample: 1,
+        },
+        study,
+    )
 }
 
-fn run() -> Result<(), String> {
-    let arguments = Arguments::given();
-    let first_seed = arguments.number("--first", 1_000)?;
-    let seeds = arguments.number("--count", 10)?;
+fn study(first_seed: u64, seeds: u64) -> Result<FailedLimbs, String> {
     let sets: Vec<LimbSet> = (1..=MOST_EXCLUDED).flat_map(LimbSet::of_size).collect();
     let free = noise_free(&sets)?;
     let noise = noise(&sets)?;
@@ -133,7 +138,7 @@ fn run() -> Result<(), String> {
         result.largest_noise_free_excess,
         result.healthy_largest_error
     );
-    arguments.publish(&result)
+    Ok(result)
 }
 
 fn median(mut values: Vec<f64>) -> Option<f64> {

@@ -2,7 +2,7 @@
 //!
 //! Three sets of campaigns: noise alone; gains and wedges, too; a hundredth of all of it. Prints the 25 parameters' standard deviations,
 //! closed form and drawn, and how near the accelerations of six compound runs come, sample by sample; with `--publish`
-//! writes them for the report. `--draws N`, `--rate HZ` and `--first SEED` change the campaigns.
+//! writes them for the report. `--count N` and `--first SEED` change the campaigns.
 
 use std::process::ExitCode;
 
@@ -13,13 +13,19 @@ use sixaxis_props::propagation::monte_carlo::{
     AXES, ClosedForm, Tally, correlations, departures, run_departure,
 };
 use sixaxis_props::propagation::{Size, World, calibrate};
-use sixaxis_props::publication::{Arguments, end};
+use sixaxis_props::publication::{Seeds, run};
 use sixaxis_props::results::{
     Band, Propagation, PropagationAxis, PropagationParameter, PropagationRun, PropagationSet,
 };
 
 /// Edges of the bands, rad.
 const EDGES_RAD: [f64; 6] = [0.01, 0.03, 0.1, 0.3, 1.0, 3.0];
+/// Sample rate, trials a step, samples at rest.
+const SIZE: Size = Size {
+    rate_hz: 250.0,
+    per_step: 6,
+    static_samples: 256,
+};
 /// The share in the third set.
 const SMALL: f64 = 0.01;
 
@@ -176,32 +182,30 @@ fn set(world: &World, sources: &Sources, what: &str, first: u64, draws: u64) -> 
 }
 
 fn main() -> ExitCode {
-    end(run())
+    let (first, count) = (1, 20_000);
+    run(
+        Seeds {
+            first,
+            count,
+            sample: 50,
+        },
+        study,
+    )
 }
 
-fn run() -> Result<(), String> {
-    let arguments = Arguments::given();
-    let (draws, first) = (
-        arguments.number("--draws", 20_000)?,
-        arguments.number("--first", 1)?,
-    );
-    let size = Size {
-        rate_hz: arguments.number("--rate", 250)? as f64,
-        per_step: 6,
-        static_samples: 256,
-    };
+fn study(first: u64, draws: u64) -> Result<Propagation, String> {
     println!(
         "seeds {first} (closed form), {} to {}",
         first + 1,
         first + draws
     );
-    let world = World::play(size);
+    let world = World::play(SIZE);
     let small = world.times(SMALL);
-    let published = Propagation {
+    Ok(Propagation {
         draws,
         first_seed: first,
-        sample_rate_hz: size.rate_hz,
-        trials_per_step: size.per_step,
+        sample_rate_hz: SIZE.rate_hz,
+        trials_per_step: SIZE.per_step,
         drawn_to: 1.0 / (2.0 * draws as f64).sqrt(),
         sets: vec![
             set(&world, &world.noise_alone(), "noise alone", first, draws),
@@ -220,6 +224,5 @@ fn run() -> Result<(), String> {
                 draws,
             ),
         ],
-    };
-    arguments.publish(&published)
+    })
 }

@@ -13,7 +13,7 @@ use sixaxis_core::redundancy::self_calibration::{
 };
 use sixaxis_core::significance::NORMAL_95;
 use sixaxis_core::{Error, LIMBS};
-use sixaxis_props::publication::{Arguments, end};
+use sixaxis_props::publication::{Seeds, run};
 use sixaxis_props::results::{
     SelfCalibration, TumbleDrift, TumbleLength, TumbleMotion, TumbleStiffness,
 };
@@ -51,13 +51,18 @@ const DRIFT_OF_LIMB: (usize, f64) = (4, 3e-3);
 const STREAM: u128 = 31;
 
 fn main() -> ExitCode {
-    end(run())
+    let (first, count) = (REPORTED_FROM, 3000);
+    run(
+        Seeds {
+            first,
+            count,
+            sample: 10,
+        },
+        study,
+    )
 }
 
-fn run() -> Result<(), String> {
-    let arguments = Arguments::given();
-    let first = arguments.number("--first", REPORTED_FROM)?;
-    let count = arguments.number("--count", 3000)?;
+fn study(first: u64, count: u64) -> Result<SelfCalibration, String> {
     println!(
         "{:>6} {:>5} {:>6} {:>7} {:>9} {:>9} {:>9} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7}",
         "pace",
@@ -124,7 +129,7 @@ fn run() -> Result<(), String> {
             m.open.as_deref().unwrap_or("nothing open")
         );
     }
-    let published = SelfCalibration {
+    Ok(SelfCalibration {
         first_seed: first,
         noise_over_peak: NOISE_SHARE,
         sample_rate_hz: SAMPLE_RATE_HZ,
@@ -137,8 +142,7 @@ fn run() -> Result<(), String> {
         stiffness,
         drift,
         motions,
-    };
-    arguments.publish(&published)
+    })
 }
 
 /// What one draw says.

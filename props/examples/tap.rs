@@ -5,7 +5,7 @@
 use std::process::ExitCode;
 
 use rayon::prelude::*;
-use sixaxis_props::publication::{Arguments, end};
+use sixaxis_props::publication::{Seeds, run};
 use sixaxis_props::results::Taps;
 use sixaxis_props::taps::{Case, NOISE_SHARE, Outcome, Tally, bound_ln};
 use sixaxis_reference::mujoco::model::DAMPING_RATIO;
@@ -19,13 +19,18 @@ const OTHER_DAMPINGS: [f64; 3] = [0.005, 0.01, 0.05];
 const HALVED: u64 = 20;
 
 fn main() -> ExitCode {
-    end(run())
+    let (first, count) = (REPORTED_FROM, 500);
+    run(
+        Seeds {
+            first,
+            count,
+            sample: 5,
+        },
+        study,
+    )
 }
 
-fn run() -> Result<(), String> {
-    let arguments = Arguments::given();
-    let first = arguments.number("--first", REPORTED_FROM)?;
-    let count = arguments.number("--count", 500)?;
+fn study(first: u64, count: u64) -> Result<Taps, String> {
     println!(
         "seeds {first} to {}, noise {NOISE_SHARE} of the peak",
         first + count - 1
@@ -85,15 +90,14 @@ fn run() -> Result<(), String> {
         );
         tallies.push(t);
     }
-    let published = Taps {
+    Ok(Taps {
         first_seed: first,
         noise_over_peak: NOISE_SHARE,
         sample_rate_hz: SAMPLE_RATE_HZ,
         duration_s: DURATION_S,
         reference_error_over_bound,
         tallies,
-    };
-    arguments.publish(&published)
+    })
 }
 
 /// Change of ln k/m from the same noise on forces simulated with half the step, over the bound.

@@ -7,6 +7,7 @@
 //! Without the feature `strategies` nothing here needs proptest, so that a report can be made without it.
 
 pub mod blind;
+pub mod campaign;
 pub mod compare;
 pub mod evidence;
 pub mod faults;
@@ -15,6 +16,7 @@ pub mod manufactured;
 pub mod motions;
 pub mod problem;
 pub mod propagation;
+pub mod provenance;
 pub mod publication;
 pub mod results;
 pub mod rigid;

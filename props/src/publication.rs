@@ -1,9 +1,35 @@
 //! What the examples of this crate share: how they are asked, and how a result becomes one of `props/results`.
+//!
+//! A study is a function of its seeds. `--publish` runs it over all of them, then over a few samples, and writes the result with its
+//! [`Provenance`]. `--check` says what of the code it depends on has changed since, runs one of the samples again, drawn by the
+//! commit that the workspace is at, and fails where that gives other bits than when it was published.
 
 use std::path::Path;
 use std::process::ExitCode;
 
-use crate::results::Published;
+use serde::Serialize;
+
+use crate::provenance::{Provenance, Sample, Source, date_utc, output, revision, workspace};
+use crate::results::{Studied, of_bytes};
+
+/// Samples of a published result.
+const SAMPLES: u64 = 8;
+
+/// Seeds of a study.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Seeds {
+    /// The first that is reported.
+    pub first: u64,
+    /// How many.
+    pub count: u64,
+    /// How many of them make a sample.
+    pub sample: u64,
+}
+
+/// A program that does one study: `--first` and `--count` give other seeds, `--publish` and `--check` are told above.
+pub fn run<S: Studied>(seeds: Seeds, study: impl Fn(u64, u64) -> Result<S, String>) -> ExitCode {
+    end(Arguments::given().obey(seeds, study))
+}
 
 /// The command line.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,19 +61,120 @@ impl Arguments {
             .map_err(|_| format!("{name} wants a whole number and has {text:?}"))
     }
 
-    /// Writes a result to its file if `--publish` is there.
-    ///
-    /// # Errors
-    /// The file and what the system says of it.
-    pub fn publish<P: Published>(&self, result: &P) -> Result<(), String> {
-        if !self.has("--publish") {
-            return Ok(());
+    fn obey<S: Studied>(
+        &self,
+        seeds: Seeds,
+        study: impl Fn(u64, u64) -> Result<S, String>,
+    ) -> Result<(), String> {
+        if self.has("--check") {
+            return check(study);
         }
-        let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-            .join("..")
-            .join(P::FILE);
-        let text = serde_json::to_string_pretty(result).map_err(|e| e.to_string())?;
-        std::fs::write(&path, text + "\n").map_err(|e| format!("{}: {e}", path.display()))
+        let first = self.number("--first", seeds.first)?;
+        let count = self.number("--count", seeds.count)?;
+        let publish = self.has("--publish");
+        if !publish {
+            return study(first, count).map(drop);
+        }
+        // Of the code that runs, not of what is written meanwhile.
+        let mut provenance = Provenance {
+            commit: committed(S::SOURCES)?,
+            date_utc: date_utc(),
+            command: S::MAKE.to_owned(),
+            sources: S::SOURCES
+                .iter()
+                .map(|path| Source::now(path))
+                .collect::<Result<_, _>>()?,
+            samples: Vec::new(),
+        };
+        let result = study(first, count)?;
+        let step = (count / SAMPLES).max(1);
+        for i in 0..SAMPLES.min(count) {
+            let (first, count) = (first + i * step, seeds.sample);
+            let digest = digest(&study(first, count)?)?;
+            provenance.samples.push(Sample {
+                first,
+                count,
+                digest,
+            });
+        }
+        write(S::FILE, &File { provenance, result })
+    }
+}
+
+/// A published file.
+#[derive(Debug, Clone, PartialEq, Serialize, serde::Deserialize)]
+pub struct File<S> {
+    /// Where the result is from.
+    pub provenance: Provenance,
+    /// The result.
+    pub result: S,
+}
+
+/// Digest of a result.
+fn digest(result: &impl Serialize) -> Result<String, String> {
+    let text = serde_json::to_vec(result).map_err(|e| e.to_string())?;
+    Ok(of_bytes(text))
+}
+
+fn write(file: &str, content: &impl Serialize) -> Result<(), String> {
+    let path = workspace().join(file);
+    let text = serde_json::to_string_pretty(content).map_err(|e| e.to_string())?;
+    std::fs::write(&path, text + "\n").map_err(|e| format!("{}: {e}", path.display()))
+}
+
+/// The commit that has the code as it lies there: a published figure names it.
+fn committed(sources: &[&str]) -> Result<String, String> {
+    let asked = [&["status", "--porcelain", "--"], sources].concat();
+    match (
+        output("git", &["rev-parse", "--short=12", "HEAD"]),
+        output("git", &asked),
+    ) {
+        (Some(commit), Some(changes)) if changes.is_empty() => Ok(commit),
+        (_, Some(changes)) if !changes.is_empty() => Err(format!(
+            "commit first, so that the result can name its code:\n{changes}"
+        )),
+        _ => Err("results are published from a checkout".to_owned()),
+    }
+}
+
+/// What has changed since a result was published, and whether that changes the result.
+fn check<S: Studied>(study: impl Fn(u64, u64) -> Result<S, String>) -> Result<(), String> {
+    let published = S::file()
+        .map_err(|e| format!("{}: {e}", S::FILE))?
+        .provenance;
+    let mut stale = Vec::new();
+    for source in &published.sources {
+        if Source::now(&source.path)? != *source {
+            stale.push(&source.path[..]);
+        }
+    }
+    let name = Path::new(S::FILE).file_name().unwrap_or_default().display();
+    let since = match &stale[..] {
+        [] => "its code is unchanged".to_owned(),
+        changed => format!("changed since: {}", changed.join(", ")),
+    };
+    let from = format!(
+        "{name}: published at {} on {}, {since}",
+        published.commit, published.date_utc
+    );
+    let samples = published.samples.len() as u64;
+    let drawn = of_bytes(revision().bytes());
+    let drawn = u64::from_str_radix(&drawn, 16)
+        .unwrap_or(0)
+        .checked_rem(samples);
+    let Some(sample) = drawn.and_then(|i| published.samples.get(i as usize)) else {
+        return Err(format!("{from}; it has no samples"));
+    };
+    let last = sample.first + sample.count - 1;
+    let seeds = format!("seeds {} to {last} once more", sample.first);
+    if digest(&study(sample.first, sample.count)?)? == sample.digest {
+        eprintln!("{from}; {seeds}: the same bits");
+        Ok(())
+    } else {
+        Err(format!(
+            "{from}; {seeds}: OTHER BITS. Publish it again: {}",
+            S::MAKE
+        ))
     }
 }
 

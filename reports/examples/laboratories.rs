@@ -8,21 +8,26 @@
 
 use std::process::ExitCode;
 
-use sixaxis_props::publication::{Arguments, end};
+use sixaxis_props::publication::{Seeds, run};
 use sixaxis_props::results::Laboratories;
 use sixaxis_reports::study::plan::Plan;
 use sixaxis_reports::study::{laboratories, simulations};
 
 fn main() -> ExitCode {
-    end(run())
+    let (first, count) = (1, 100);
+    run(
+        Seeds {
+            first,
+            count,
+            sample: 1,
+        },
+        study,
+    )
 }
 
-fn run() -> Result<(), String> {
-    let arguments = Arguments::given();
-    let first = arguments.number("--first", 1)?;
-    let count = arguments.number("--count", 100)?;
+fn study(first: u64, count: u64) -> Result<Laboratories, String> {
     let plan = Plan {
-        seed: first,
+        seed: 1,
         quick: false,
     };
     let silent = |_: &str, _, _| {};
@@ -41,5 +46,5 @@ fn run() -> Result<(), String> {
             println!("{name}, against the {standard}: {quantiles}");
         }
     }
-    arguments.publish(&result)
+    Ok(result)
 }

@@ -19,8 +19,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use serde::{Deserialize, Serialize};
-use sixaxis_benches::machine::{date_utc, machine, output, workspace};
+use sixaxis_benches::machine::machine;
 use sixaxis_benches::spread::spread;
+use sixaxis_props::provenance::{date_utc, output, workspace};
 use sixaxis_props::results::{Growth, GrowthCurve, GrowthPoint, Published, Work};
 
 use given::{Given, LONG_SCHEME};

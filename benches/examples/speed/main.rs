@@ -24,11 +24,12 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use sixaxis_core::Scheme;
-use sixaxis_props::results::{CoreSpeed, Instructions, Peers, Published, Speed, core_digest};
+use sixaxis_props::results::{CoreSpeed, Instructions, Peers, Published, Speed, of_sources};
 
 use length::{LONG_SCHEME, length};
 use precision::{validated, work_precision};
-use sixaxis_benches::machine::{date_utc, machine, output, workspace};
+use sixaxis_benches::machine::machine;
+use sixaxis_props::provenance::{date_utc, output, workspace};
 use streams::streams;
 use timing::{FULL, Progress, QUICK};
 
@@ -84,7 +85,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let core_changed = output("git", &["diff", "--quiet", "HEAD", "--", "core"]).is_none();
     // Before minutes of work, not after them.
     let peers = publish.then(|| peers(&commit, core_changed)).transpose()?;
-    let core_digest = core_digest(&workspace())?;
+    let core_digest = of_sources(&workspace(), "core/src")?;
     let effort = if quick { &QUICK } else { &FULL };
     let progress = Progress {
         shown: std::io::stderr().is_terminal(),

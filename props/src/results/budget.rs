@@ -1,73 +1,42 @@
-//! The budget of 7.479 %: what imperfections of sensor, rig and laboratory, one at a time, do to the decoupled accelerations.
+//! The budget of 7.479 %: what imperfections of sensor, rig and laboratory do to the decoupled accelerations.
 
 use serde::{Deserialize, Serialize};
 
 /// The paper's largest error after identification, of 18.
 pub const PRINTED: f64 = 0.07479;
 
-/// Compound runs of Tables 4 to 6 played by MuJoCo in imperfect laboratories.
+/// Compound runs of Tables 4 to 6 played by MuJoCo in imperfect laboratories, one imperfection at a time and in combinations.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Budget {
-    /// First seed; an imperfection that is drawn takes as many from here on as it has draws.
-    pub first_seed: u64,
-    /// Trials for each of steps 2 to 4 in every laboratory.
-    pub trials_per_step: usize,
-    /// A laboratory without any of the imperfections.
-    pub nothing: Errors,
-    /// One imperfection after the other, each over its sizes.
-    pub ladders: Vec<Ladder>,
-    /// Several together that come near to [`PRINTED`].
-    pub combinations: Vec<Combination>,
+    /// One after the other; draws of one size stand together.
+    pub laboratories: Vec<Imperfect>,
 }
 
-/// One imperfection over a ladder of sizes.
+/// A laboratory.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct Ladder {
-    /// What is imperfect.
-    pub name: String,
-    /// What a size is measured in.
-    pub unit: String,
-    /// Laboratories at each size: more than one where the imperfection is drawn.
-    pub draws: u64,
-    /// Ascending.
-    pub steps: Vec<Step>,
-    /// Size that alone makes the largest error [`PRINTED`], open loop and identified on the same laboratory, by interpolation on
-    /// log axes. None if none of the ladder does.
-    pub alone: Option<f64>,
-}
-
-/// One size.
-#[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct Step {
-    /// The size, in the ladder's unit.
-    pub size: f64,
-    /// What it does.
-    pub errors: Errors,
-}
-
-/// Several imperfections together, each at a size that does a part of the harm.
-#[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct Combination {
-    /// What they have in common.
-    pub name: String,
-    /// Each with its size and unit.
+pub struct Imperfect {
+    /// Its seed, which also says which of the study's laboratories it is.
+    pub seed: u64,
+    /// What is imperfect: nothing, one thing, or several together.
     pub parts: Vec<Part>,
-    /// What they do together.
-    pub errors: Errors,
+    /// What that does; none where the four steps or the decoupling refuse, with the reason.
+    pub errors: Option<Errors>,
+    /// Why there are no errors.
+    pub refused: Option<String>,
 }
 
-/// An imperfection in a combination.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+/// An imperfection.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Part {
-    /// Name of its ladder.
+    /// What.
     pub name: String,
-    /// Its size.
+    /// How much.
     pub size: f64,
-    /// Unit of that.
+    /// In which unit.
     pub unit: String,
 }
 
-/// Errors of the decoupled accelerations against truth over the peak of the axis; of drawn imperfections the median laboratory's.
+/// Errors of the decoupled accelerations against truth over the peak of the axis.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub struct Errors {
     /// With the sensor's true parameters.
@@ -94,26 +63,105 @@ pub struct Cells {
     pub median: f64,
 }
 
+/// The laboratories of one imperfection.
+#[derive(Debug, Clone)]
+pub struct Ladder<'a> {
+    /// Name.
+    pub name: &'a str,
+    /// Unit of the sizes.
+    pub unit: &'a str,
+    /// Ascending; the laboratories of each size.
+    pub steps: Vec<(f64, Vec<&'a Imperfect>)>,
+}
+
 impl Budget {
-    /// The ladder of this name.
+    /// Imperfections that were played alone, in the study's order.
     #[must_use]
-    pub fn ladder(&self, name: &str) -> Option<&Ladder> {
-        self.ladders.iter().find(|ladder| ladder.name == name)
+    pub fn ladders(&self) -> Vec<Ladder<'_>> {
+        let mut ladders: Vec<Ladder<'_>> = Vec::new();
+        for laboratory in &self.laboratories {
+            let [part] = &laboratory.parts[..] else {
+                continue;
+            };
+            if ladders.last().is_none_or(|last| last.name != part.name) {
+                ladders.push(Ladder {
+                    name: &part.name,
+                    unit: &part.unit,
+                    steps: Vec::new(),
+                });
+            }
+            let Some(ladder) = ladders.last_mut() else {
+                continue;
+            };
+            match ladder.steps.last_mut() {
+                Some((size, draws)) if *size == part.size => draws.push(laboratory),
+                _ => ladder.steps.push((part.size, vec![laboratory])),
+            }
+        }
+        ladders
+    }
+
+    /// Laboratories without and with several imperfections: draws of the same ones together.
+    #[must_use]
+    pub fn combined(&self, several: bool) -> Vec<Vec<&Imperfect>> {
+        let wanted = |parts: &[Part]| match several {
+            true => parts.len() > 1,
+            false => parts.is_empty(),
+        };
+        let mut groups: Vec<Vec<&Imperfect>> = Vec::new();
+        for laboratory in self.laboratories.iter().filter(|l| wanted(&l.parts)) {
+            match groups.last_mut() {
+                Some(group) if group[0].parts == laboratory.parts => group.push(laboratory),
+                _ => groups.push(vec![laboratory]),
+            }
+        }
+        groups
     }
 }
 
-impl Ladder {
-    /// Size at which an error that grows along `points` crosses `error`, by interpolation on log axes.
+/// The median of a number over some laboratories; a refusal counts as an error without bound. None of no laboratories, and where
+/// most refuse.
+#[must_use]
+pub fn median_of(draws: &[&Imperfect], of: impl Fn(&Errors) -> f64) -> Option<f64> {
+    let errors = draws.iter().map(|l| l.errors.as_ref());
+    let mut values: Vec<f64> = errors.map(|e| e.map_or(f64::INFINITY, &of)).collect();
+    values.sort_by(f64::total_cmp);
+    let middle = values.get(values.len().checked_sub(1)? / 2)?;
+    middle.is_finite().then_some(*middle)
+}
+
+/// What stands beside the paper's figure: identified, open loop, the largest of 18.
+#[must_use]
+pub fn headline(errors: &Errors) -> f64 {
+    errors.identified.open_loop.largest
+}
+
+impl Ladder<'_> {
+    /// Sizes with the median laboratory's number.
     #[must_use]
-    pub fn crossing(points: &[(f64, f64)], error: f64) -> Option<f64> {
-        points.windows(2).find_map(|pair| {
-            let [(x, y), (more, above)] = [pair[0], pair[1]];
-            (y < error && above >= error).then(|| {
-                let share = (error / y).ln() / (above / y).ln();
-                x * (more / x).powf(share)
-            })
-        })
+    pub fn points(&self, of: impl Fn(&Errors) -> f64) -> Vec<(f64, f64)> {
+        let steps = self.steps.iter();
+        steps
+            .filter_map(|(size, draws)| Some((*size, median_of(draws, &of)?)))
+            .collect()
     }
+
+    /// Size that alone makes a number as large as [`PRINTED`], by interpolation on log axes; none if none of the ladder does.
+    #[must_use]
+    pub fn alone(&self, of: impl Fn(&Errors) -> f64) -> Option<f64> {
+        crossing(&self.points(of), PRINTED)
+    }
+}
+
+/// Where an error that grows along `points` crosses `error`, by interpolation on log axes.
+fn crossing(points: &[(f64, f64)], error: f64) -> Option<f64> {
+    points.windows(2).find_map(|pair| {
+        let [(x, y), (more, above)] = [pair[0], pair[1]];
+        (y < error && above >= error).then(|| {
+            let share = (error / y).ln() / (above / y).ln();
+            x * (more / x).powf(share)
+        })
+    })
 }
 
 #[cfg(test)]
@@ -123,9 +171,9 @@ mod tests {
     #[test]
     fn a_crossing_lies_on_the_power_law() {
         let points = [1.0, 10.0, 100.0].map(|x: f64| (x, 1e-4 * x * x));
-        let found = Ladder::crossing(&points, 0.04).expect("between 10 and 100");
+        let found = crossing(&points, 0.04).expect("between 10 and 100");
         assert!((found - 20.0).abs() < 20.0 * 1e-12, "{found}");
-        assert_eq!(Ladder::crossing(&points, 10.0), None);
-        assert_eq!(Ladder::crossing(&points, 1e-6), None);
+        assert_eq!(crossing(&points, 10.0), None);
+        assert_eq!(crossing(&points, 1e-6), None);
     }
 }

@@ -1,4 +1,5 @@
-//! What the timed code was: a digest of `core`'s sources, so that nobody takes the figures of another core for its own.
+//! Digests of source code and of results, so that nobody takes the figures of other code for its own. 64-bit FNV-1a hashes: they
+//! find changes that happen, not forgeries.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -7,17 +8,27 @@ use std::path::{Path, PathBuf};
 const OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
 const PRIME: u64 = 0x0000_0100_0000_01b3;
 
-/// Digest of the code below `core/src`, 16 hexadecimal digits; `root` is the workspace's.
-///
-/// The 64-bit FNV-1a hash of every Rust file's path and text, in the order of the paths. Empty lines and lines that are a comment do
-/// not count: they change no time. It finds changes that happen, not forgeries.
+/// The hash of some bytes, 16 hexadecimal digits.
+pub fn of_bytes(bytes: impl IntoIterator<Item = u8>) -> String {
+    let hash = bytes.into_iter().fold(OFFSET, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(PRIME)
+    });
+    format!("{hash:016x}")
+}
+
+/// Digest of the Rust files below a folder, or of one file, of the workspace at `root`: their paths and texts in the order of the
+/// paths. Empty lines and lines that are a comment do not count: they change no figure.
 ///
 /// # Errors
 /// If a source cannot be read.
-pub fn core_digest(root: &Path) -> io::Result<String> {
-    let folder = root.join("core/src");
+pub fn of_sources(root: &Path, source: &str) -> io::Result<String> {
+    let folder = root.join(source);
     let mut paths = Vec::new();
-    sources(&folder, &mut paths)?;
+    if folder.is_file() {
+        paths.push(folder.clone());
+    } else {
+        sources(&folder, &mut paths)?;
+    }
     let files: io::Result<Vec<_>> = paths
         .iter()
         .map(|path| {
@@ -50,11 +61,7 @@ fn digest(mut files: Vec<(String, String)>) -> String {
         let code = lines.filter(|line| !line.is_empty() && !line.trim_start().starts_with("//"));
         std::iter::once(&name[..]).chain(code)
     });
-    let bytes = code.flat_map(|line| line.bytes().chain([b'\n']));
-    let hash = bytes.fold(OFFSET, |hash, byte| {
-        (hash ^ u64::from(byte)).wrapping_mul(PRIME)
-    });
-    format!("{hash:016x}")
+    of_bytes(code.flat_map(|line| line.bytes().chain([b'\n'])))
 }
 
 #[cfg(test)]

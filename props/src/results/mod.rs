@@ -9,6 +9,7 @@ mod calibration;
 mod digest;
 mod faults;
 mod growth;
+mod mujoco_campaign;
 mod speed;
 
 use serde::Serialize;
@@ -18,10 +19,13 @@ pub use sixaxis_campaign::statistics::Summary as Campaign;
 pub use self::accuracy::*;
 pub use self::budget::*;
 pub use self::calibration::*;
-pub use self::digest::core_digest;
+pub use self::digest::{of_bytes, of_sources};
 pub use self::faults::*;
 pub use self::growth::*;
+pub use self::mujoco_campaign::*;
 pub use self::speed::*;
+use crate::provenance::Provenance;
+use crate::publication::File;
 
 /// A result that is kept as a file.
 pub trait Published: Serialize + DeserializeOwned {
@@ -41,50 +45,72 @@ pub trait Published: Serialize + DeserializeOwned {
     }
 }
 
-/// A result that the example of the same name publishes.
-macro_rules! published_by_example {
-    ($($of:ty = $name:literal),* $(,)?) => {$(
+/// A result that depends on seeds and code alone, so that anybody can make the same bits: its file has a
+/// [`Provenance`](crate::provenance::Provenance).
+pub trait Studied: Published {
+    /// Code that it depends on, folders and files below the workspace's root.
+    const SOURCES: &'static [&'static str];
+
+    /// The whole file.
+    ///
+    /// # Errors
+    /// If it is not of this type.
+    fn file() -> serde_json::Result<File<Self>> {
+        serde_json::from_str(Self::TEXT)
+    }
+}
+
+/// Results of studies, each published by the example of its name of a package.
+macro_rules! studies {
+    ($($of:ty = $name:literal by $package:literal from [$($source:literal),*]),* $(,)?) => {
+    $(
         impl Published for $of {
             const FILE: &'static str = concat!("props/results/", $name, ".json");
             const TEXT: &'static str = include_str!(concat!("../../results/", $name, ".json"));
             const MAKE: &'static str = concat!(
-                "cargo run --release -p sixaxis-props --example ", $name, " -- --publish"
+                "cargo run --release -p sixaxis-", $package, " --example ", $name, " -- --publish"
             );
+
+            fn embedded() -> serde_json::Result<Self> {
+                Ok(Self::file()?.result)
+            }
         }
-    )*};
+
+        impl Studied for $of {
+            const SOURCES: &'static [&'static str] = &[
+                "core/src", "reference/src", "lab/recordings/src", "lab/calibration/src", "props/src",
+                concat!($package, "/examples/", $name, ".rs"), $($source),*
+            ];
+        }
+    )*
+
+    /// Where each of these files is from: its path below the workspace's root, and what it says of itself.
+    ///
+    /// # Errors
+    /// If one is not of its type.
+    pub fn provenances() -> serde_json::Result<Vec<(&'static str, Provenance)>> {
+        Ok(vec![$((<$of>::FILE, <$of>::file()?.provenance)),*])
+    }
+
+    #[cfg(test)]
+    const STUDIES: &[fn()] = &[$(tests::same_file::<$of>),*];
+    };
 }
 
-published_by_example!(
-    Blind = "blind",
-    Detection = "detection",
-    DyingLimb = "dying_limb",
-    FailedLimbs = "failed_limbs",
-    Joint = "joint",
-    Propagation = "propagation",
-    SelfCalibration = "self_calibration",
-    Taps = "tap",
+studies!(
+    Blind = "blind" by "props" from [],
+    Budget = "budget" by "reports" from ["reports/src/study"],
+    Campaign = "campaign" by "props" from ["lab/campaign/src"],
+    Detection = "detection" by "props" from [],
+    DyingLimb = "dying_limb" by "props" from [],
+    FailedLimbs = "failed_limbs" by "props" from [],
+    Joint = "joint" by "props" from [],
+    Laboratories = "laboratories" by "reports" from ["reports/src/study"],
+    MujocoCampaign = "campaign_mujoco" by "props" from ["lab/campaign/src"],
+    Propagation = "propagation" by "props" from [],
+    SelfCalibration = "self_calibration" by "props" from [],
+    Taps = "tap" by "props" from [],
 );
-
-impl Published for Campaign {
-    const FILE: &'static str = "props/results/campaign.json";
-    const TEXT: &'static str = include_str!("../../results/campaign.json");
-    const MAKE: &'static str = "sixaxis campaign run --plan props/results/campaign.toml --count 10000 --out campaign; \
-                                sixaxis campaign summary campaign --json";
-}
-
-impl Published for Laboratories {
-    const FILE: &'static str = "props/results/laboratories.json";
-    const TEXT: &'static str = include_str!("../../results/laboratories.json");
-    const MAKE: &'static str =
-        "cargo run --release -p sixaxis-reports --example laboratories -- --publish";
-}
-
-impl Published for Budget {
-    const FILE: &'static str = "props/results/budget.json";
-    const TEXT: &'static str = include_str!("../../results/budget.json");
-    const MAKE: &'static str =
-        "cargo run --release -p sixaxis-reports --example budget -- --publish";
-}
 
 impl Published for Speed {
     const FILE: &'static str = "benches/results/speed.json";
@@ -103,37 +129,48 @@ impl Published for Growth {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::provenance::workspace;
 
     /// Neither the file nor the type has a field that the other has not, and no digit is lost.
-    fn same<P: Published>() {
-        let text: serde_json::Value = serde_json::from_str(P::TEXT).expect("JSON");
-        let ours = P::embedded().unwrap_or_else(|e| panic!("{}: {e}", P::FILE));
+    fn same<F: Serialize + DeserializeOwned>(file: &str, text: &str) {
+        let json: serde_json::Value = serde_json::from_str(text).expect("JSON");
+        let ours: F = serde_json::from_str(text).unwrap_or_else(|e| panic!("{file}: {e}"));
         let ours = serde_json::to_value(ours).expect("JSON");
-        assert!(ours == text, "{} is not what its type writes", P::FILE);
+        assert!(ours == json, "{file} is not what its type writes");
+    }
+
+    pub(super) fn same_file<S: Studied>() {
+        same::<File<S>>(S::FILE, S::TEXT);
+        let Provenance {
+            commit,
+            command,
+            sources,
+            samples,
+            ..
+        } = S::file().expect(S::FILE).provenance;
+        let file = S::FILE;
+        assert!(
+            !commit.contains("dirty") && commit != "unknown",
+            "{file} is from {commit}"
+        );
+        assert_eq!(command, S::MAKE, "{file}");
+        let sources: Vec<&str> = sources.iter().map(|source| &source.path[..]).collect();
+        assert_eq!(sources, S::SOURCES, "{file}");
+        assert!(!samples.is_empty(), "{file} has no samples");
     }
 
     #[test]
     fn files_are_what_their_types_write() {
-        same::<Blind>();
-        same::<Budget>();
-        same::<Campaign>();
-        same::<Detection>();
-        same::<DyingLimb>();
-        same::<FailedLimbs>();
-        same::<Growth>();
-        same::<Joint>();
-        same::<Laboratories>();
-        same::<Propagation>();
-        same::<SelfCalibration>();
-        same::<Speed>();
-        same::<Taps>();
+        STUDIES.iter().for_each(|study| study());
+        same::<Growth>(Growth::FILE, Growth::TEXT);
+        same::<Speed>(Speed::FILE, Speed::TEXT);
     }
+
     /// A change to the core wants its speed measured anew, on a quiet machine: [`Published::MAKE`].
     #[test]
     fn the_published_speed_is_that_of_this_core() {
         let published = Speed::embedded().expect("published speed");
-        let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-        let now = core_digest(&root).expect("core's sources");
+        let now = of_sources(&workspace(), "core/src").expect("core's sources");
         let (file, make) = (Speed::FILE, Speed::MAKE);
         assert_eq!(
             published.core_digest, now,

@@ -8,7 +8,7 @@ use sixaxis_core::Scheme;
 /// All of it.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Speed {
-    /// [`core_digest`](super::core_digest) of what was measured.
+    /// Digest of the code below `core/src`, [`of_sources`](super::of_sources).
     pub core_digest: String,
     /// What the core takes.
     pub speed: CoreSpeed,

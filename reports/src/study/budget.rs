@@ -9,9 +9,7 @@ use sixaxis_calibration::conditioning::Conditioned;
 use sixaxis_calibration::steps::GyroscopeGain;
 use sixaxis_core::decouple::rest_to_rest;
 use sixaxis_core::{Parameters, Scheme};
-use sixaxis_props::results::{
-    Budget, Cells, Combination, Errors, Ladder, PRINTED, Part, Step, Treatments,
-};
+use sixaxis_props::results::{Budget, Cells, Errors, Imperfect, Part, Treatments};
 use sixaxis_props::truth::{InCore, parameters};
 use sixaxis_recordings::session::Role;
 use sixaxis_reference::laboratory::plan::{
@@ -21,19 +19,21 @@ use sixaxis_reference::laboratory::recording::SimulatedRecording;
 use sixaxis_reference::laboratory::session::simulate_session;
 use sixaxis_reference::rig::run::Mounting;
 
-use super::Progress;
 use super::decoupling::{decouple, largest_error, six_series, truth_of};
 use super::results::Gravity;
 use super::session::{self, Preset};
 
-/// Trials for each of steps 2 to 4: one on each wedge.
-const TRIALS_PER_STEP: usize = 6;
+/// Trials for each of steps 2 to 4: along the sensor's own axes, the fewest that determine all parameters.
+const TRIALS_PER_STEP: usize = 3;
 /// Laboratories at each size of an imperfection that is drawn; odd, so that the median is one of them.
-const DRAWS: u64 = 3;
+const DRAWS: usize = 3;
 /// Class of instruments that are as good as perfect, %: a plan wants a positive one.
 const PERFECT_CLASS_PERCENT: f64 = 1e-9;
-/// Rounds in which a combination's common share is brought nearer to [`PRINTED`].
-const ROUNDS: usize = 3;
+/// Seed of the first laboratory of the list; the others follow. Any other multiple of [`LIST`] gives the same laboratories with other
+/// draws.
+pub const FIRST_SEED: u64 = 810_000;
+/// Longest list.
+const LIST: u64 = 1_000;
 
 /// An imperfection.
 #[derive(Clone, Copy)]
@@ -94,23 +94,14 @@ pub const ALL: &[Imperfection] = &[
     Imperfection {
         name: "noise of the channels",
         unit: "of a full-scale sine",
-        drawn: true,
+        drawn: false,
         sizes: &[1e-4, 1e-3, 1e-2, 0.1],
         apply: |plan, size| plan.chain.signal_to_noise_db = -20.0 * size.log10(),
     },
 ];
 
-/// Those that are combined, and what they have in common.
-const COMBINATIONS: &[(&str, &[&str])] = &[
-    (
-        "a sensor's limbs",
-        &["unequal stiffness", "flexures that bend", "limbs with mass"],
-    ),
-    (
-        "a workshop and its instruments",
-        &["wedges", "instruments", "noise of the channels"],
-    ),
-];
+/// Those that are combined, each at a size that was chosen, on other seeds, so that together they come near to the paper's figure.
+const COMBINATIONS: &[&[(&str, f64)]] = &[];
 
 fn perfect(seed: u64) -> SessionPlan {
     SessionPlan {
@@ -134,28 +125,46 @@ fn perfect(seed: u64) -> SessionPlan {
     }
 }
 
-/// Plays all ladders and combinations.
-///
-/// # Errors
-/// The first session, identification or decoupling that refuses, with what was imperfect.
-pub fn study(first_seed: u64, progress: &Progress<'_>) -> Result<Budget> {
-    let total = ALL.iter().map(Imperfection::laboratories).sum();
-    let nothing = of_laboratory(&perfect(first_seed)).context("a perfect laboratory")?;
-    let ladders = ALL
-        .iter()
-        .map(|imperfection| imperfection.ladder(first_seed, total, progress))
-        .collect::<Result<Vec<_>>>()?;
-    let combinations = COMBINATIONS
-        .iter()
-        .filter_map(|(name, parts)| combined(name, parts, &ladders, first_seed).transpose())
-        .collect::<Result<Vec<_>>>()?;
-    Ok(Budget {
-        first_seed,
-        trials_per_step: TRIALS_PER_STEP,
-        nothing,
-        ladders,
-        combinations,
-    })
+/// All laboratories: what is imperfect in each.
+fn list() -> Vec<Vec<(&'static Imperfection, f64)>> {
+    let mut list = vec![Vec::new()];
+    for imperfection in ALL {
+        for &size in imperfection.sizes {
+            let alone = core::iter::repeat_n(vec![(imperfection, size)], imperfection.draws());
+            list.extend(alone);
+        }
+    }
+    for parts in COMBINATIONS {
+        let parts: Vec<_> = parts
+            .iter()
+            .filter_map(|(name, size)| Some((Imperfection::named(name)?, *size)))
+            .collect();
+        let draws = parts.iter().map(|(of, _)| of.draws()).max().unwrap_or(1);
+        list.extend(core::iter::repeat_n(parts, draws));
+    }
+    list
+}
+
+/// Number of laboratories in the study.
+#[must_use]
+pub fn laboratories() -> u64 {
+    list().len() as u64
+}
+
+/// Plays `count` of the study's laboratories, the one of `first_seed` first, and says of each what came of it. Seeds that are none of
+/// the study's are left out.
+#[must_use]
+pub fn study(first_seed: u64, count: u64, say: &dyn Fn(&Imperfect)) -> Budget {
+    let list = list();
+    let played = (first_seed..first_seed + count).filter_map(|seed| {
+        let sized = list.get((seed % LIST) as usize)?;
+        let laboratory = imperfect(seed, sized);
+        say(&laboratory);
+        Some(laboratory)
+    });
+    Budget {
+        laboratories: played.collect(),
+    }
 }
 
 impl Imperfection {
@@ -163,119 +172,32 @@ impl Imperfection {
         ALL.iter().find(|imperfection| imperfection.name == name)
     }
 
-    fn draws(&self) -> u64 {
+    fn draws(&self) -> usize {
         if self.drawn { DRAWS } else { 1 }
     }
-
-    fn laboratories(&self) -> u64 {
-        self.draws() * self.sizes.len() as u64
-    }
-
-    fn ladder(&self, first_seed: u64, total: u64, progress: &Progress<'_>) -> Result<Ladder> {
-        let steps = self
-            .sizes
-            .iter()
-            .map(|&size| {
-                let errors = of_draws(first_seed, self.draws(), &[(self, size)])?;
-                progress("laboratories", total, self.draws());
-                Ok(Step { size, errors })
-            })
-            .collect::<Result<Vec<_>>>()?;
-        let points: Vec<(f64, f64)> = steps
-            .iter()
-            .map(|step| (step.size, headline(&step.errors)))
-            .collect();
-        Ok(Ladder {
-            name: self.name.to_owned(),
-            unit: self.unit.to_owned(),
-            draws: self.draws(),
-            alone: Ladder::crossing(&points, PRINTED),
-            steps,
-        })
-    }
 }
 
-/// What stands beside the paper's figure: identified, open loop, the largest of 18.
-fn headline(errors: &Errors) -> f64 {
-    errors.identified.open_loop.largest
-}
-
-/// Several imperfections at a common share of the sizes that would do alone, brought near to [`PRINTED`] by a few rounds. None if
-/// one of them does nothing by itself.
-fn combined(
-    name: &str,
-    parts: &[&str],
-    ladders: &[Ladder],
-    first_seed: u64,
-) -> Result<Option<Combination>> {
-    let alone: Option<Vec<(&Imperfection, f64)>> = parts
-        .iter()
-        .map(|part| {
-            let ladder = ladders.iter().find(|ladder| ladder.name == *part)?;
-            Some((Imperfection::named(part)?, ladder.alone?))
-        })
-        .collect();
-    let Some(alone) = alone else {
-        return Ok(None);
-    };
-    let draws = alone.iter().map(|(of, _)| of.draws()).max().unwrap_or(1);
-    // Where errors add up as squares do.
-    let mut share = (alone.len() as f64).sqrt().recip();
-    let mut best: Option<(f64, Combination)> = None;
-    for _ in 0..ROUNDS {
-        let sized: Vec<_> = alone.iter().map(|&(of, size)| (of, share * size)).collect();
-        let errors = of_draws(first_seed, draws, &sized)?;
-        let found = headline(&errors);
-        let off = (found / PRINTED).ln().abs();
-        if best.as_ref().is_none_or(|(least, _)| off < *least) {
-            let parts = sized.iter().map(|(of, size)| Part {
-                name: of.name.to_owned(),
-                size: *size,
-                unit: of.unit.to_owned(),
-            });
-            let name = name.to_owned();
-            let parts = parts.collect();
-            best = Some((
-                off,
-                Combination {
-                    name,
-                    parts,
-                    errors,
-                },
-            ));
-        }
-        share *= PRINTED / found;
+fn imperfect(seed: u64, sized: &[(&Imperfection, f64)]) -> Imperfect {
+    let mut plan = perfect(seed);
+    for (imperfection, size) in sized {
+        (imperfection.apply)(&mut plan, *size);
     }
-    Ok(best.map(|(_, combination)| combination))
-}
-
-/// The median over `draws` laboratories with these imperfections, number by number.
-fn of_draws(first_seed: u64, draws: u64, sized: &[(&Imperfection, f64)]) -> Result<Errors> {
-    let all = (first_seed..first_seed + draws)
-        .map(|seed| {
-            let mut plan = perfect(seed);
-            for (imperfection, size) in sized {
-                (imperfection.apply)(&mut plan, *size);
-            }
-            of_laboratory(&plan).with_context(|| {
-                let names = sized.iter().map(|(of, size)| format!("{} {size}", of.name));
-                format!("{}, seed {seed}", names.collect::<Vec<_>>().join(", "))
-            })
-        })
-        .collect::<Result<Vec<_>>>()?;
-    let median = |of: &dyn Fn(&Errors) -> f64| middle(all.iter().map(of).collect());
-    let cells = |of: &dyn Fn(&Errors) -> Cells| Cells {
-        largest: median(&|errors| of(errors).largest),
-        median: median(&|errors| of(errors).median),
+    let parts = sized.iter().map(|(of, size)| Part {
+        name: of.name.to_owned(),
+        size: *size,
+        unit: of.unit.to_owned(),
+    });
+    let parts = parts.collect();
+    let (errors, refused) = match of_laboratory(&plan) {
+        Ok(errors) => (Some(errors), None),
+        Err(error) => (None, Some(format!("{error:#}"))),
     };
-    let treatments = |of: fn(&Errors) -> Treatments| Treatments {
-        open_loop: cells(&|errors| of(errors).open_loop),
-        corrected: cells(&|errors| of(errors).corrected),
-    };
-    Ok(Errors {
-        with_truth: treatments(|errors| errors.with_truth),
-        identified: treatments(|errors| errors.identified),
-    })
+    Imperfect {
+        seed,
+        parts,
+        errors,
+        refused,
+    }
 }
 
 /// The median; NaN of nothing.
