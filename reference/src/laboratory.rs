@@ -10,6 +10,7 @@
 //! | [`plan`] | what is simulated, and [`plan_file`], the plan as TOML with comments |
 //! | [`check`] | the plans that are refused |
 //! | [`schedule`] | the trials that a plan asks for |
+//! | `mount` | how the sensor truly stands on each wedge |
 //! | [`defect`] | what may be wrong with a session, and [`effect`], whether it does harm |
 //! | `trial`, `tap`, [`mod@tumble`] | one trial of the rig, one tap, one tumble from the field |
 //! | [`session`] | all trials of a day |
@@ -23,6 +24,7 @@ pub mod defect;
 pub mod effect;
 pub mod error;
 pub mod instruments;
+mod mount;
 pub mod plan;
 pub mod plan_file;
 pub mod recording;

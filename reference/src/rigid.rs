@@ -8,7 +8,7 @@ use glam::{DMat3, DQuat, DVec3};
 use nalgebra::{SMatrix, SVector, Vector6};
 
 use crate::geometry::LIMBS;
-use crate::motion::{SimulatedRun, TrueMotion};
+use crate::motion::{Motion, SimulatedRun, TrueMotion};
 use crate::rig::run::Run;
 use crate::sensor::{InertiaPerMass, TrueSensor};
 
@@ -84,13 +84,15 @@ impl RigidSensor {
     ) -> SimulatedRun {
         let samples = (run.duration_s() * sample_rate_hz).floor() as usize + 1;
         let axis = run.direction_ground;
-        let (travel, rotation) = run.amplitudes();
+        let (_, rotation) = run.amplitudes();
         let (limb_force_per_mass_m_s2, truth) = (0..samples)
             .map(|sample| {
-                let [place, speed, acceleration] = run.stroke_share(sample as f64 / sample_rate_hz);
+                let time_s = sample as f64 / sample_rate_hz;
+                let [place, speed, _] = run.stroke_share(time_s);
+                let (linear_ground_m_s2, angular_ground_rad_s2) = run.acceleration(time_s);
                 let motion = TrueMotion {
-                    linear_ground_m_s2: axis * (travel * acceleration),
-                    angular_ground_rad_s2: axis * (rotation * acceleration),
+                    linear_ground_m_s2,
+                    angular_ground_rad_s2,
                     rate_shell_rad_s: axis * (rotation * speed),
                     attitude: DQuat::from_axis_angle(axis, rotation * place),
                 };

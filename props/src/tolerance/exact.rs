@@ -9,6 +9,26 @@ use super::{Tolerance, derived, measured, required};
 pub const ROUNDING: Tolerance = derived(1024.0 * f64::EPSILON, "a thousand roundings");
 /// A handful of operations on numbers of one size.
 pub const LAST_DIGITS: Tolerance = derived(8.0 * f64::EPSILON, "eight roundings");
+/// Second harmonic of a crank-slider's place by its series in the crank over the rod, to the seventh power.
+#[must_use]
+pub const fn rod_harmonic(crank_over_rod: f64) -> Tolerance {
+    let square = crank_over_rod * crank_over_rod;
+    let ninth = square * square * square * square * crank_over_rod;
+    derived(
+        ninth / 64.0 / (1.0 - square),
+        "the first term that is left out, 735/65536 of the ninth power, and all after it",
+    )
+}
+/// A slope by central differences, relative, for a phase step of the crank and a rod of three cranks or more.
+#[must_use]
+pub const fn rod_slope(phase_step_rad: f64) -> Tolerance {
+    derived(
+        4.0 * phase_step_rad * phase_step_rad,
+        "the third derivative over six of a sine whose harmonics add up to less than 24 times it",
+    )
+}
+/// Net force of nine limbs from voltages without noise, over the largest of the trial.
+pub const WRENCH_SUM: Tolerance = measured(1e-12, 3.2e-14, "");
 /// Pose from elongations and back, over the size of the displacement.
 pub const POSE_ROUND_TRIP: Tolerance = measured(1e-12, 1e-15, "");
 /// Relative rate against a differenced rotation matrix, rad/s, at 0.02 rad and 1.7 rad/s.

@@ -7,5 +7,6 @@ mod limbs;
 mod literals;
 mod motions;
 mod reference;
+mod rig_departures;
 mod rig_motion;
 mod threshold;

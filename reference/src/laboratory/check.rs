@@ -21,6 +21,12 @@ const TRIALS_PER_STEP: RangeInclusive<usize> = 3..=1000;
 const MOST_BITS: u32 = 52;
 /// Largest wedge error, degrees; a wedge that is further off is another wedge.
 const LARGEST_WEDGE_ERROR_DEG: f64 = 20.0;
+/// Largest tilt of the axis, degrees: beyond it the mounting is another one.
+const LARGEST_TILT_DEG: f64 = 90.0;
+/// Largest distance of the sensor's centre from the axis, mm.
+const LARGEST_OFFSET_MM: f64 = 1e3;
+/// Longest crank over its rod: a crank as long as the rod locks.
+const LONGEST_CRANK: f64 = 0.95;
 /// Amplitudes of the rig, m and rad, and the converter's limit, V, at most.
 const LARGEST: f64 = 1e3;
 /// Lateral stiffness and damping of a limb, and its mass, over the axial, critical and seismic ones at most.
@@ -116,6 +122,21 @@ fn rig(plan: &SessionPlan) -> Result<(), SessionError> {
         "rig.wedge_error_deg",
         rig.wedge_error_deg,
         0.0..=LARGEST_WEDGE_ERROR_DEG,
+    )?;
+    within(
+        "rig.axis_tilt_deg",
+        rig.axis_tilt_deg,
+        0.0..=LARGEST_TILT_DEG,
+    )?;
+    within(
+        "rig.centre_offset_mm",
+        rig.centre_offset_mm,
+        0.0..=LARGEST_OFFSET_MM,
+    )?;
+    within(
+        "rig.crank_over_rod",
+        rig.crank_over_rod,
+        0.0..=LONGEST_CRANK,
     )?;
     if rig.taps > MOST_TAPS {
         let cause = format!("{} is more than {MOST_TAPS}", rig.taps);

@@ -101,6 +101,13 @@ pub struct RigPlan {
     pub mounting: Mounting,
     /// Largest error of a wedge as its workshop made it, degrees.
     pub wedge_error_deg: f64,
+    /// Angle between the axis and what [`Mounting`] says of it: the plumb line, or a level. Travel stays along the axis, gravity
+    /// does not; towards another side on each wedge. Degrees.
+    pub axis_tilt_deg: f64,
+    /// From the pinion's axis to the sensor's centre, in another direction on each wedge, mm.
+    pub centre_offset_mm: f64,
+    /// Crank over connecting rod of both crank-sliders; 0 for an endless rod.
+    pub crank_over_rod: f64,
     /// Frequencies of steps 2 and 3, from and to, Hz.
     pub low_band_hz: (f64, f64),
     /// Frequencies of step 4, from and to, Hz.
@@ -119,6 +126,9 @@ impl Default for RigPlan {
             steady_periods: 3.0,
             mounting: Mounting::AxisVertical,
             wedge_error_deg: 0.0,
+            axis_tilt_deg: 0.0,
+            centre_offset_mm: 0.0,
+            crank_over_rod: 0.0,
             low_band_hz: (1.0, 2.0),
             high_band_hz: (4.0, 5.0),
             taps: 0,

@@ -87,6 +87,12 @@ steady_periods
 mounting
 # Largest error of a wedge as its workshop made it, degrees.
 wedge_error_deg
+# Angle of the axis off the plumb line (or off the level, where it is level), towards another side on each wedge, degrees.
+axis_tilt_deg
+# Distance of the sensor's centre from the axis, in another direction on each wedge, mm.
+centre_offset_mm
+# Length of the crank over that of the connecting rod; 0 for an endless rod.
+crank_over_rod
 # Crank frequencies of steps 2 and 3, first and last, Hz.
 low_band_hz
 # Crank frequencies of step 4, first and last, Hz.

@@ -43,6 +43,7 @@ impl RigPlan {
             rest_s: self.rest_s,
             ramp_periods: self.ramp_periods,
             steady_periods: self.steady_periods,
+            crank_over_rod: self.crank_over_rod,
             ..Run::new(mode, frequency_hz, direction)
         }
     }

@@ -11,12 +11,13 @@ use super::defect::{Defect, Where};
 use super::effect::drawn_defect;
 use super::error::SessionError;
 use super::instruments::Instruments;
+use super::mount::mounts;
 use super::plan::SessionPlan;
 use super::recording::SimulatedRecording;
 use super::schedule::{PlannedTrial, trials};
 use super::session_file::session;
 use super::tap;
-use super::trial::{Recorder, wedge_errors};
+use super::trial::Recorder;
 use crate::geometry::LIMBS;
 use crate::rig::run::Mounting;
 use crate::sensor::TrueSensor;
@@ -99,7 +100,7 @@ pub fn simulate_session_watched(
             Some(Defect::GravityNotHandled { level: false }) => Mounting::AxisVertical,
             _ => plan.rig.mounting,
         },
-        wedge_errors: wedge_errors(plan),
+        mounts: mounts(plan),
     };
     let mut recordings = vec![static_record(plan, &laboratory, defect)];
     let of_trials: Vec<SimulatedRecording> = trials(&plan.rig, plan.trials_per_step, defect)

@@ -1,9 +1,6 @@
 //! One trial recorded: the rig's run, the limbs' voltages, the instruments' readings and what a defect makes of them.
 
-use core::f64::consts::PI;
-
 use glam::{DQuat, DVec3};
-use rand::RngExt;
 use rand_pcg::Pcg64;
 use sixaxis_recordings::session::Role;
 
@@ -11,30 +8,20 @@ use super::Laboratory;
 use super::continuous::at;
 use super::defect::{Defect, Where};
 use super::error::SessionError;
+use super::mount::{MOUNTS, Mount};
 use super::plan::{Engine, SessionPlan};
 use super::recording::SimulatedRecording;
 use super::schedule::{PlannedTrial, foreign_sensor, tilted};
 use crate::geometry::LIMBS;
 use crate::limbs::Limbs;
 use crate::motion::SimulatedRun;
-use crate::rig::run::{Mounting, Run, WEDGES};
+use crate::paper::GRAVITY_M_S2;
+use crate::rig::run::{Mounting, Run};
 use crate::rigid::RigidSensor;
 use crate::sensor::TrueSensor;
 
-/// Random streams of a session.
-const WEDGE_STREAM: u128 = 5;
+/// Random stream of the first trial.
 const FIRST_TRIAL_STREAM: u128 = 64;
-
-/// The wedges as the workshop made them: tilt and where it goes to, rad.
-pub(super) fn wedge_errors(plan: &SessionPlan) -> [(f64, f64); WEDGES.len()] {
-    let mut rng = Pcg64::new(u128::from(plan.seed), WEDGE_STREAM);
-    core::array::from_fn(|_| {
-        (
-            plan.rig.wedge_error_deg.to_radians() * rng.random::<f64>(),
-            2.0 * PI * rng.random::<f64>(),
-        )
-    })
-}
 
 /// Records the trials of one session.
 pub(super) struct Recorder<'a> {
@@ -43,7 +30,8 @@ pub(super) struct Recorder<'a> {
     pub laboratory: Laboratory,
     /// How the sensor truly hangs.
     pub mounting: Mounting,
-    pub wedge_errors: [(f64, f64); WEDGES.len()],
+    /// How it stands on each wedge, and on what is no wedge.
+    pub mounts: [Mount; MOUNTS],
 }
 
 impl Recorder<'_> {
@@ -60,12 +48,14 @@ impl Recorder<'_> {
         {
             laboratory.sensor = foreign_sensor(*seed);
         }
+        let mount = &self.mounts[trial.wedge.unwrap_or(MOUNTS - 1)];
         let run = Run {
-            direction_ground: self.true_direction(trial),
+            direction_ground: self.true_direction(trial, mount),
+            centre_offset_shell_m: mount.centre_offset_shell_m,
             ..trial.run
         };
         let stated_direction = trial.run.direction_ground;
-        let mut simulated = self.simulate(&run, stated_direction, &laboratory.sensor)?;
+        let mut simulated = self.simulate(&run, stated_direction, mount, &laboratory.sensor)?;
         if let Some(Defect::SwappedChannels { channels, place }) = self.defect
             && here(place)
         {
@@ -98,13 +88,12 @@ impl Recorder<'_> {
     }
 
     /// The direction that wedge and workshop make of the stated one.
-    fn true_direction(&self, trial: &PlannedTrial) -> DVec3 {
+    fn true_direction(&self, trial: &PlannedTrial, mount: &Mount) -> DVec3 {
         let stated = trial.run.direction_ground;
         let Some(index) = trial.wedge else {
             return stated;
         };
-        let (angle, azimuth) = self.wedge_errors[index];
-        let direction = tilted(stated, angle, azimuth);
+        let direction = mount.wedge.of(stated);
         match self.defect {
             Some(Defect::LooseWedge {
                 wedge,
@@ -121,15 +110,21 @@ impl Recorder<'_> {
         &self,
         run: &Run,
         stated_direction: DVec3,
+        mount: &Mount,
         sensor: &TrueSensor,
     ) -> Result<SimulatedRun, SessionError> {
-        let gravity_ground_m_s2 = match self.mounting {
+        let gravity_by_mounting_m_s2 = match self.mounting {
             Mounting::AxisVertical => self.mounting.gravity_ground_m_s2(run.direction_ground),
             // A wedge that misses its direction carries the sensor along, and gravity stands in it elsewhere by as much.
             Mounting::AxisLevel => {
                 DQuat::from_rotation_arc(stated_direction, run.direction_ground)
                     * self.mounting.gravity_ground_m_s2(stated_direction)
             }
+        };
+        let gravity_ground_m_s2 = if self.plan.rig.axis_tilt_deg > 0.0 {
+            mount.plumb.of(gravity_by_mounting_m_s2.normalize()) * GRAVITY_M_S2
+        } else {
+            gravity_by_mounting_m_s2
         };
         let rate = self.plan.sample_rate_hz;
         match self.plan.engine {

@@ -1,12 +1,13 @@
 //! The calibration rig: two crank-sliders coupled by rack and pinion, and wedges that tilt the sensor.
 //!
 //! A crank runs up from rest to its speed, turns evenly and runs down again, so that every run begins and ends at
-//! rest where it began. Slider travel is A sin(phi); the crank angle phi(t) is a position law with four continuous
-//! derivatives, because an acceleration that merely starts as a sine drifts away for ever.
+//! rest where it began. With an endless connecting rod slider travel is A sin(phi); the crank angle phi(t) is a position law with
+//! four continuous derivatives, because an acceleration that merely starts as a sine drifts away for ever. A real rig departs
+//! from this in what a [`Run`] states besides: a rod of finite length, and a sensor whose centre is off the pinion's axis.
 
 use core::f64::consts::{PI, TAU};
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
 use crate::motion::Motion;
@@ -63,6 +64,10 @@ pub struct Run {
     pub ramp_periods: f64,
     /// Turns at full speed. A run ends where it began if these and `ramp_periods` make whole turns.
     pub steady_periods: f64,
+    /// Crank over connecting rod, 0 for an endless rod, below 1: travel then has a second harmonic.
+    pub crank_over_rod: f64,
+    /// From the pinion's axis to the sensor's centre, shell axes, m. What of it lies along the axis has no effect.
+    pub centre_offset_shell_m: DVec3,
 }
 
 impl Run {
@@ -80,6 +85,8 @@ impl Run {
             // each ramp the run makes two whole turns, and the slider ends where it began.
             ramp_periods: 1.0,
             steady_periods: 1.0,
+            crank_over_rod: 0.0,
+            centre_offset_shell_m: DVec3::ZERO,
         }
     }
 
@@ -100,11 +107,26 @@ impl Run {
     }
 
     /// Place on the stroke, from -1 to 1, and its first two derivatives: multiplied by the amplitudes, travel and angle.
+    ///
+    /// With c the crank over the rod, x = sin(phi) + (sqrt(1 - c^2 cos^2 phi) - sqrt(1 - c^2)) / c, which begins at 0, spans a
+    /// stroke of 2 whatever the rod, and has a second harmonic of c/4 + c^3/16 + ... of the crank.
     #[must_use]
     pub fn stroke_share(&self, time_s: f64) -> [f64; 3] {
         let [phase, rate, slope] = self.crank(time_s);
         let (sin, cos) = phase.sin_cos();
-        [sin, rate * cos, slope * cos - rate * rate * sin]
+        let c = self.crank_over_rod;
+        // The rod's shadow on the travel over its length.
+        let shadow = (1.0 - (c * cos).powi(2)).sqrt();
+        // As a difference of roots divided by c this would have no digits for a long rod.
+        let place = sin + c * sin * sin / (shadow + (1.0 - c * c).sqrt());
+        let by_phase = cos + c * sin * cos / shadow;
+        let by_phase_twice = -sin + c * (2.0 * cos * cos - 1.0) / shadow
+            - c.powi(3) * (sin * cos).powi(2) / shadow.powi(3);
+        [
+            place,
+            rate * by_phase,
+            slope * by_phase + rate * rate * by_phase_twice,
+        ]
     }
 
     /// Amplitudes that the mode makes use of: travel, m, and rotation, rad.
@@ -149,13 +171,15 @@ impl Run {
 
 impl Motion for Run {
     fn acceleration(&self, time_s: f64) -> (DVec3, DVec3) {
-        let [_, _, acceleration] = self.stroke_share(time_s);
+        let [place, speed, acceleration] = self.stroke_share(time_s);
         let (travel, rotation) = self.amplitudes();
         // The pinion turns about a fixed direction, which is the same in shell and ground axes.
-        (
-            self.direction_ground * (travel * acceleration),
-            self.direction_ground * (rotation * acceleration),
-        )
+        let axis = self.direction_ground;
+        let (rate, angular) = (axis * (rotation * speed), axis * (rotation * acceleration));
+        let arm = DQuat::from_axis_angle(axis, rotation * place) * self.centre_offset_shell_m;
+        // The centre swings about the axis: tangential and centripetal acceleration.
+        let swing = angular.cross(arm) + rate.cross(rate.cross(arm));
+        (axis * (travel * acceleration) + swing, angular)
     }
 }
 
