@@ -5,9 +5,11 @@ use serde::{Deserialize, Serialize};
 /// The paper's largest error after identification, of 18.
 pub const PRINTED: f64 = 0.07479;
 
-/// Compound runs of Tables 4 to 6 played by MuJoCo in imperfect laboratories, one imperfection at a time and in combinations.
+/// Compound runs of Tables 4 to 6 played in imperfect laboratories, one imperfection at a time and in combinations.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Budget {
+    /// Trials for each of steps 2 to 4 in every laboratory.
+    pub trials_per_step: usize,
     /// One after the other; draws of one size stand together.
     pub laboratories: Vec<Imperfect>,
 }
@@ -17,6 +19,8 @@ pub struct Budget {
 pub struct Imperfect {
     /// Its seed, which also says which of the study's laboratories it is.
     pub seed: u64,
+    /// Whether MuJoCo played it, or the rigid engine.
+    pub mujoco: bool,
     /// What is imperfect: nothing, one thing, or several together.
     pub parts: Vec<Part>,
     /// What that does; none where the four steps or the decoupling refuse, with the reason.

@@ -272,10 +272,24 @@ fn ref_limbs_with_mass_press_as_beams_do() {
     }
 }
 
+/// Damping that Runge-Kutta's step would blow up is refused, not simulated.
+#[test]
+fn inv_damping_beyond_the_step_is_refused() {
+    let damped = |lateral_damping| {
+        let limbs = Limbs {
+            lateral_damping,
+            ..Limbs::IDEAL
+        };
+        Simulation::new(&sensor(limbs), 1.0 / (RATE_HZ * STEPS as f64))
+    };
+    assert!(damped(0.02).is_ok());
+    assert!(damped(0.2).is_err(), "it grows from rounding");
+}
+
 #[test]
 fn ref_flexures_that_damp_take_their_share() {
     const DAMPED: Limbs = Limbs {
-        lateral_damping: 0.2,
+        lateral_damping: 0.02,
         ..Limbs::IDEAL
     };
     let (axial, wrenches) = axial();

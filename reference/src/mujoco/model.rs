@@ -5,6 +5,7 @@
 //! that [`super::simulation`] applies.
 //! Geoms are there to be looked at and take no part in the dynamics.
 
+use core::f64::consts::TAU;
 use std::fmt::Write as _;
 
 use glam::{DMat3, DVec3};
@@ -65,6 +66,18 @@ impl SensorModel {
     pub(super) fn modes(&self) -> [NaturalMode; 6] {
         let k = self.stiffness_per_mass_per_s2;
         modes(&self.geometry, &self.inertia_per_mass, k, &self.limbs)
+    }
+
+    /// Fastest decay that damping alone would make, the largest eigenvalue of C over M, 1/s.
+    pub(super) fn fastest_decay_per_s(&self) -> f64 {
+        let damping = Limbs {
+            stiffness_ratio: [self.damping_ratio; LIMBS],
+            lateral_stiffness: self.limbs.lateral_damping,
+            ..self.limbs
+        };
+        let unit_per_s = 2.0 * self.stiffness_per_mass_per_s2.sqrt();
+        let [.., last] = modes(&self.geometry, &self.inertia_per_mass, unit_per_s, &damping);
+        (TAU * last.frequency_hz).powi(2)
     }
 
     /// Damping of one limb over the mass, c/m, 1/s.

@@ -3,6 +3,7 @@
 //! tables.
 
 mod acceptance;
+mod budget;
 mod compound;
 pub mod evidence;
 mod fault_tolerance;
@@ -62,6 +63,7 @@ pub fn report(results: &Results, evidence: Section, facts: Vec<(String, String)>
             acceptance::section(results)?,
             parameters::section(results)?,
             compound::section(results)?,
+            budget::section()?,
             thresholds::section(results)?,
             stiffness::section(results)?,
             identifiability::section(results)?,
