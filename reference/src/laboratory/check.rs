@@ -217,16 +217,16 @@ fn chain(plan: &SessionPlan) -> Result<(), SessionError> {
         plan.chain.stiffness_spread,
         0.0..=1.0,
     )?;
-    if plan.chain.stiffness_spread > 0.0 {
-        if let Some(limb) = plan.stiffness_ratio().iter().position(|r| *r <= 0.0) {
-            return Err(SessionError::plan(
-                "chain.stiffness_spread",
-                format!(
-                    "with this seed it leaves limb {} no stiffness; make it smaller",
-                    limb + 1
-                ),
-            ));
-        }
+    if plan.chain.stiffness_spread > 0.0
+        && let Some(limb) = plan.stiffness_ratio().iter().position(|r| *r <= 0.0)
+    {
+        return Err(SessionError::plan(
+            "chain.stiffness_spread",
+            format!(
+                "with this seed it leaves limb {} no stiffness; make it smaller",
+                limb + 1
+            ),
+        ));
     }
     Ok(())
 }

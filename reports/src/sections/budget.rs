@@ -16,8 +16,11 @@ const OF_THE_SENSOR: [&str; 4] = [
     "limbs with mass",
 ];
 
-/// Columns: heading, and which number.
-const WAYS: [(&str, &str, fn(&Errors) -> Cells); 4] = [
+/// Two headings of a column, and which number stands in it.
+type Way = (&'static str, &'static str, fn(&Errors) -> Cells);
+
+/// Columns.
+const WAYS: [Way; 4] = [
     ("true parameters", "open loop", |e| e.with_truth.open_loop),
     ("true parameters", "corrected", |e| e.with_truth.corrected),
     ("identified", "open loop", |e| e.identified.open_loop),
