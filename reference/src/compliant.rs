@@ -7,6 +7,7 @@ use glam::DVec3;
 use nalgebra::Vector6;
 
 use crate::geometry::{Geometry, LIMBS};
+use crate::limbs::Limbs;
 use crate::linear_theory::stiffness_per_mass;
 use crate::rigid::Load;
 use crate::sensor::TrueSensor;
@@ -15,7 +16,7 @@ use crate::sensor::TrueSensor;
 #[must_use]
 pub fn compliant_forces_m_s2(sensor: &TrueSensor, loads: &[Load]) -> Option<Vec<[f64; LIMBS]>> {
     let k = sensor.stiffness_per_mass_per_s2;
-    let compliance = stiffness_per_mass(&sensor.geometry, k).try_inverse()?;
+    let compliance = stiffness_per_mass(&sensor.geometry, k, &Limbs::IDEAL).try_inverse()?;
     let forces = loads.iter().map(|load| {
         // Compression pushes along e, so the mass gives way against the load.
         let moved: Vector6<f64> = -(compliance * load.wrench());

@@ -6,6 +6,7 @@
 //! |---|---|
 //! | [`paper`] | the numbers that the paper prints |
 //! | [`geometry`], [`sensor`] | where the limbs are, equations (5) and (6); the true sensor with its 25 parameters |
+//! | [`limbs`] | what real limbs have beside one axial stiffness |
 //! | [`rig`] | motions prescribed to the shell: the paper's rig, taps, tumbles |
 //! | [`motion`] | what every engine takes and what it gives: a motion; limb forces and true motion, sample by sample |
 //! | [`mujoco`] | the engine: MuJoCo, limbs and all, behind the feature of that name (on by default) |
@@ -17,6 +18,7 @@
 pub mod compliant;
 pub mod geometry;
 pub mod laboratory;
+pub mod limbs;
 pub mod linear_theory;
 pub mod motion;
 #[cfg(feature = "mujoco")]

@@ -1,21 +1,22 @@
-//! Linear theory of the mass on nine equal limbs in a held or slowly driven shell, to hold MuJoCo against.
+//! Linear theory of the mass on nine limbs in a held or slowly driven shell, to hold MuJoCo against.
 
 use core::f64::consts::TAU;
 
 use nalgebra::{Matrix6, SymmetricEigen, Vector6};
 
 use crate::geometry::Geometry;
+use crate::limbs::Limbs;
 use crate::rig::run::{Mode as RigMode, Run};
 use crate::sensor::{InertiaPerMass, TrueSensor};
 
-/// K/m = (k/m) J^T J of the mass's six degrees of freedom with J the limbs' wrenches, shell axes: s^-2, m/s^2 and m^2/s^2.
+/// K/m of the mass's six degrees of freedom, shell axes: s^-2, m/s^2 and m^2/s^2. For ideal limbs (k/m) J^T J with J their wrenches.
 #[must_use]
 pub(crate) fn stiffness_per_mass(
     geometry: &Geometry,
     stiffness_per_mass_per_s2: f64,
+    limbs: &Limbs,
 ) -> Matrix6<f64> {
-    let wrenches = geometry.limb_wrenches();
-    wrenches.transpose() * wrenches * stiffness_per_mass_per_s2
+    limbs.stiffness(geometry) * stiffness_per_mass_per_s2
 }
 
 /// One natural mode of the mass in the held shell.
@@ -27,20 +28,24 @@ pub(crate) struct NaturalMode {
     pub shape: Vector6<f64>,
 }
 
-/// The six modes of M x'' + K x = 0 with M = diag(1, I/m), ascending in frequency.
+/// The six modes of M x'' + K x = 0 with M = diag(1, I/m) and what the limbs add to it, ascending in frequency.
 #[must_use]
 pub(crate) fn modes(
     geometry: &Geometry,
     inertia_per_mass: &InertiaPerMass,
     stiffness_per_mass_per_s2: f64,
+    limbs: &Limbs,
 ) -> [NaturalMode; 6] {
-    let stiffness = stiffness_per_mass(geometry, stiffness_per_mass_per_s2);
+    let stiffness = stiffness_per_mass(geometry, stiffness_per_mass_per_s2, limbs);
     let mut mass = Matrix6::<f64>::identity();
     let tensor = inertia_per_mass.tensor_m2();
     for row in 0..3 {
         for column in 0..3 {
             mass[(3 + row, 3 + column)] = tensor.col(column)[row];
         }
+    }
+    if limbs.mass > 0.0 {
+        mass += limbs.mass_matrix(geometry);
     }
     // M = C C^T turns the problem into an ordinary symmetric one: C^-1 K C^-T y = w^2 y, x = C^-T y.
     let lower = mass
@@ -65,7 +70,8 @@ pub fn mode_frequencies_hz(sensor: &TrueSensor) -> [f64; 6] {
         stiffness_per_mass_per_s2,
         ..
     } = sensor;
-    modes(geometry, inertia_per_mass, *stiffness_per_mass_per_s2).map(|mode| mode.frequency_hz)
+    let k = *stiffness_per_mass_per_s2;
+    modes(geometry, inertia_per_mass, k, &Limbs::IDEAL).map(|mode| mode.frequency_hz)
 }
 
 /// Amplitude of the mass's acceleration in the shell during a run at full speed, w^2 |K^-1 M a|: m/s^2 or, for pure angular
@@ -83,7 +89,8 @@ pub fn relative_acceleration(sensor: &TrueSensor, run: &Run) -> f64 {
         let force = d * (run.slider_amplitude_m * omega2);
         Vector6::new(force.x, force.y, force.z, 0.0, 0.0, 0.0)
     };
-    let stiffness = stiffness_per_mass(&sensor.geometry, sensor.stiffness_per_mass_per_s2);
+    let k = sensor.stiffness_per_mass_per_s2;
+    let stiffness = stiffness_per_mass(&sensor.geometry, k, &Limbs::IDEAL);
     let Some(cholesky) = stiffness.cholesky() else {
         return f64::NAN;
     };

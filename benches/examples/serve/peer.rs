@@ -87,6 +87,7 @@ impl Input {
             direction_ground: compound_5_hz().direction_ground,
             gravity_ground_m_s2: problem.gravity_ground_m_s2.into(),
             frequency_hz: compound_5_hz().frequency_hz,
+            true_gravity_ground_m_s2: problem.gravity_ground_m_s2.into(),
             truth: Vec::new(),
         };
         Ok(Self {

@@ -5,10 +5,12 @@
 
 mod accuracy;
 mod blind;
+mod budget;
 mod calibration;
 mod digest;
 mod faults;
 mod growth;
+mod mujoco_campaign;
 mod speed;
 
 use serde::Serialize;
@@ -17,10 +19,12 @@ pub use sixaxis_campaign::statistics::Summary as Campaign;
 
 pub use self::accuracy::*;
 pub use self::blind::*;
+pub use self::budget::*;
 pub use self::calibration::*;
 pub use self::digest::{of_bytes, of_sources};
 pub use self::faults::*;
 pub use self::growth::*;
+pub use self::mujoco_campaign::*;
 pub use self::speed::*;
 use crate::provenance::Provenance;
 use crate::publication::File;
@@ -97,12 +101,14 @@ macro_rules! studies {
 
 studies!(
     Blind = "blind" by "props" from [],
+    Budget = "budget" by "reports" from ["reports/src/study"],
     Campaign = "campaign" by "props" from ["lab/campaign/src"],
     Detection = "detection" by "props" from [],
     DyingLimb = "dying_limb" by "props" from [],
     FailedLimbs = "failed_limbs" by "props" from [],
     Joint = "joint" by "props" from [],
     Laboratories = "laboratories" by "reports" from ["reports/src/study"],
+    MujocoCampaign = "campaign_mujoco" by "props" from ["lab/campaign/src"],
     Propagation = "propagation" by "props" from [],
     SelfCalibration = "self_calibration" by "props" from [],
     Taps = "tap" by "props" from [],

@@ -5,6 +5,7 @@
 
 mod control;
 mod exact;
+mod limbs;
 mod mujoco;
 mod statistical;
 mod timing;
@@ -13,6 +14,7 @@ use std::fmt;
 
 pub use self::control::*;
 pub use self::exact::*;
+pub use self::limbs::*;
 pub use self::mujoco::*;
 pub use self::statistical::*;
 pub use self::timing::*;

@@ -3,6 +3,8 @@
 //! One module is one suite of evidence; see [`sixaxis_props::evidence`].
 
 mod campaign;
+mod limbs;
+mod literals;
 mod motions;
 mod reference;
 mod rig_departures;

@@ -377,6 +377,7 @@ fn inv_a_plan_that_cannot_be_played_is_refused() {
         refused(&|p| p.rig.wedge_error_deg = value);
         refused(&|p| p.rig.high_band_hz.1 = value);
         refused(&|p| p.chain.stiffness_spread = value);
+        refused(&|p| p.limbs.lateral_stiffness = value);
         refused(&|p| p.chain.amplifier_high_pass_hz = value);
         refused(&|p| p.instruments.class_percent = value);
         refused(&|p| p.instruments.gyroscope_bandwidth_hz = value);
@@ -386,8 +387,8 @@ fn inv_a_plan_that_cannot_be_played_is_refused() {
     refused(&|p| p.trials_per_step = 2);
     refused(&|p| p.trials_per_step = usize::MAX);
     refused(&|p| {
-        p.engine = Engine::Mujoco;
-        p.chain.stiffness_spread = 0.01;
+        p.engine = Engine::Rigid;
+        p.limbs.mass = 0.01;
     });
     for defect in [
         Defect {

@@ -31,6 +31,8 @@ const LONGEST_CRANK: f64 = 0.95;
 const LARGEST: f64 = 1e3;
 /// Largest magnitude of a defect that is given exactly, over the largest that is drawn.
 const LARGEST_OF_RANGE: f64 = 2.0;
+/// Lateral stiffness and damping of a limb, and its mass, over the axial, critical and seismic ones at most.
+const LARGEST_OF_LIMBS: f64 = 1.0;
 /// Taps, at most.
 const MOST_TAPS: usize = 100;
 /// Periods of a run, and seconds of rest, at most.
@@ -44,6 +46,7 @@ pub fn check(plan: &SessionPlan) -> Result<(), SessionError> {
     positive(plan)?;
     rig(plan)?;
     chain(plan)?;
+    limbs(plan)?;
     sizes(plan)?;
     if let DefectChoice::Exactly(defect) = &plan.defect {
         check_defect(plan, defect)?;
@@ -154,6 +157,21 @@ fn rig(plan: &SessionPlan) -> Result<(), SessionError> {
     Ok(())
 }
 
+fn limbs(plan: &SessionPlan) -> Result<(), SessionError> {
+    for (key, value) in [
+        ("limbs.lateral_stiffness", plan.limbs.lateral_stiffness),
+        ("limbs.lateral_damping", plan.limbs.lateral_damping),
+        ("limbs.mass", plan.limbs.mass),
+    ] {
+        within(key, value, 0.0..=LARGEST_OF_LIMBS)?;
+        if value > 0.0 && plan.engine == Engine::Rigid {
+            let cause = "limbs that do not give way have none of it; set engine = \"mujoco\"";
+            return Err(SessionError::plan(key, cause));
+        }
+    }
+    Ok(())
+}
+
 fn chain(plan: &SessionPlan) -> Result<(), SessionError> {
     for (key, value) in [
         ("chain.signal_to_noise_db", plan.chain.signal_to_noise_db),
@@ -213,22 +231,16 @@ fn chain(plan: &SessionPlan) -> Result<(), SessionError> {
     ] {
         within(key, value, 0.0..=most)?;
     }
-    if plan.chain.stiffness_spread > 0.0 {
-        if plan.engine == Engine::Mujoco {
-            return Err(SessionError::plan(
-                "chain.stiffness_spread",
-                "the MuJoCo model has one stiffness for all limbs; set engine = \"rigid\"",
-            ));
-        }
-        if let Some(limb) = plan.stiffness_ratio().iter().position(|r| *r <= 0.0) {
-            return Err(SessionError::plan(
-                "chain.stiffness_spread",
-                format!(
-                    "with this seed it leaves limb {} no stiffness; make it smaller",
-                    limb + 1
-                ),
-            ));
-        }
+    if plan.chain.stiffness_spread > 0.0
+        && let Some(limb) = plan.stiffness_ratio().iter().position(|r| *r <= 0.0)
+    {
+        return Err(SessionError::plan(
+            "chain.stiffness_spread",
+            format!(
+                "with this seed it leaves limb {} no stiffness; make it smaller",
+                limb + 1
+            ),
+        ));
     }
     Ok(())
 }

@@ -10,6 +10,7 @@ use super::chain::{Chain, Coupling};
 use super::defect::{Defect, Kind};
 use super::instruments::{GYROSCOPE_BANDWIDTH_HZ, Instruments};
 use crate::geometry::LIMBS;
+use crate::limbs::Limbs;
 use crate::rig::run::{Mounting, ROTATION_AMPLITUDE_RAD, SLIDER_AMPLITUDE_M};
 use crate::sensor::TrueSensor;
 
@@ -33,6 +34,8 @@ pub struct SessionPlan {
     pub static_rate_hz: f64,
     /// The rig.
     pub rig: RigPlan,
+    /// What the limbs have beside one axial stiffness.
+    pub limbs: LimbPlan,
     /// The measuring chain.
     pub chain: ChainPlan,
     /// The reference instruments.
@@ -52,6 +55,7 @@ impl Default for SessionPlan {
             static_duration_s: 600.0,
             static_rate_hz: 100.0,
             rig: RigPlan::default(),
+            limbs: LimbPlan::default(),
             chain: ChainPlan::default(),
             instruments: InstrumentPlan::default(),
             defect: DefectChoice::None,
@@ -146,6 +150,18 @@ impl RigPlan {
     }
 }
 
+/// What the limbs have beside one axial stiffness: only for [`Engine::Mujoco`]. Pure numbers, each as in [`Limbs`].
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct LimbPlan {
+    /// Stiffness of a limb square to its axis, of flexures that bend, over its axial one.
+    pub lateral_stiffness: f64,
+    /// Damping in the same directions over the critical damping of one limb under the whole mass.
+    pub lateral_damping: f64,
+    /// Mass of a limb over the seismic mass.
+    pub mass: f64,
+}
+
 /// The measuring chain.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -160,8 +176,7 @@ pub struct ChainPlan {
     pub coupling: CouplingChoice,
     /// Corner of the charge amplifier's first-order high-pass, Hz, which the session file states; 0 for none.
     pub amplifier_high_pass_hz: f64,
-    /// Standard deviation of the limbs' stiffnesses about their mean, relative. Only for [`Engine::Rigid`]: the reference's
-    /// MuJoCo model has one stiffness for all limbs.
+    /// Standard deviation of the limbs' stiffnesses about their mean, relative.
     pub stiffness_spread: f64,
     /// Share of its neighbour's charge that a channel shows at most, either sign, evenly drawn for each.
     pub cross_talk: f64,
@@ -289,6 +304,22 @@ impl SessionPlan {
             let unit: f64 = StandardNormal.sample(&mut rng);
             1.0 + self.chain.stiffness_spread * unit
         })
+    }
+
+    /// The limbs beside their mean axial stiffness.
+    #[must_use]
+    pub fn true_limbs(&self) -> Limbs {
+        let LimbPlan {
+            lateral_stiffness,
+            lateral_damping,
+            mass,
+        } = self.limbs;
+        Limbs {
+            stiffness_ratio: self.stiffness_ratio(),
+            lateral_stiffness,
+            lateral_damping,
+            mass,
+        }
     }
 
     /// The measuring chain.

@@ -100,6 +100,15 @@ high_band_hz
 # Taps on the shell, from which k/m is found; simulated in MuJoCo even with engine \"rigid\".
 taps
 
+# The limbs beside their axial stiffness; engine \"mujoco\" only.
+[limbs]
+# Stiffness of a limb square to its axis, of flexures that bend, over its axial one.
+lateral_stiffness
+# Damping in the same directions over the critical damping of one limb under the whole mass.
+lateral_damping
+# Mass of a limb over the seismic mass.
+mass
+
 # The measuring chain of the nine limbs.
 [chain]
 # Full-scale sine over the noise of one sample, dB; inf for none.
@@ -113,7 +122,7 @@ full_scale_v
 coupling
 # Corner of the charge amplifier's first-order high-pass, Hz, stated in the session file; 0 for none.
 amplifier_high_pass_hz
-# Standard deviation of the nine stiffnesses over their mean, relative; engine \"rigid\" only.
+# Standard deviation of the nine stiffnesses over their mean, relative.
 stiffness_spread
 # Share of its neighbour's charge that a channel shows at most; evenly drawn for each channel.
 cross_talk

@@ -8,6 +8,7 @@ use super::error::SessionError;
 use super::recording::SimulatedRecording;
 use super::spoil::size_of;
 use super::trial::Recorder;
+use crate::limbs::Limbs;
 use crate::motion::SimulatedMotion;
 use crate::rig::tap::{SAMPLE_RATE_HZ, Tap};
 use crate::sensor::TrueSensor;
@@ -25,7 +26,8 @@ impl Recorder<'_> {
         let mut rng = Pcg64::new(seed, FIRST_TAP_STREAM + index as u128);
         let mut laboratory = self.laboratory;
         laboratory.sensor = self.sensor_of(None);
-        let mut motion = in_mujoco(&Tap::random(&mut rng), &laboratory.sensor)?;
+        let limbs = self.plan.true_limbs();
+        let mut motion = in_mujoco(&Tap::random(&mut rng), &laboratory.sensor, limbs)?;
         let forces = &mut motion.limb_force_per_mass_m_s2;
         self.exchange(None, forces, &mut laboratory.sensor);
         let chain = &laboratory.chain;
@@ -50,17 +52,29 @@ impl Recorder<'_> {
 }
 
 #[cfg(feature = "mujoco")]
-fn in_mujoco(tap: &Tap, sensor: &TrueSensor) -> Result<SimulatedMotion<Tap>, SessionError> {
+fn in_mujoco(
+    tap: &Tap,
+    sensor: &TrueSensor,
+    limbs: Limbs,
+) -> Result<SimulatedMotion<Tap>, SessionError> {
+    use crate::mujoco::model::SensorModel;
     use crate::rig::run::Mounting;
     use crate::rig::tap::{DURATION_S, STEPS_PER_SAMPLE};
     let gravity = Mounting::AxisVertical.gravity_ground_m_s2(glam::DVec3::Z);
-    let model = crate::mujoco::model::SensorModel::new(sensor, gravity);
+    let model = SensorModel {
+        limbs,
+        ..SensorModel::new(sensor, gravity)
+    };
     let simulated =
         crate::mujoco::simulate(&model, tap, DURATION_S, SAMPLE_RATE_HZ, STEPS_PER_SAMPLE)?;
     Ok(simulated)
 }
 
 #[cfg(not(feature = "mujoco"))]
-fn in_mujoco(_tap: &Tap, _sensor: &TrueSensor) -> Result<SimulatedMotion<Tap>, SessionError> {
+fn in_mujoco(
+    _tap: &Tap,
+    _sensor: &TrueSensor,
+    _limbs: Limbs,
+) -> Result<SimulatedMotion<Tap>, SessionError> {
     Err(SessionError::without_mujoco("rig.taps"))
 }

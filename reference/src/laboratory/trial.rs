@@ -10,6 +10,7 @@ use super::mount::{MOUNTS, Mount};
 use super::plan::{Engine, SessionPlan};
 use super::recording::SimulatedRecording;
 use super::schedule::PlannedTrial;
+use crate::limbs::Limbs;
 use crate::motion::SimulatedRun;
 use crate::paper::GRAVITY_M_S2;
 use crate::rig::run::{Mounting, Run};
@@ -107,7 +108,10 @@ impl Recorder<'_> {
                 })?;
                 Ok(rigid.simulate(run, gravity_ground_m_s2, rate))
             }
-            Engine::Mujoco => in_mujoco(run, sensor, gravity_ground_m_s2, rate),
+            Engine::Mujoco => {
+                let limbs = self.plan.true_limbs();
+                in_mujoco(run, sensor, limbs, gravity_ground_m_s2, rate)
+            }
         }
     }
 }
@@ -116,12 +120,17 @@ impl Recorder<'_> {
 fn in_mujoco(
     run: &Run,
     sensor: &TrueSensor,
+    limbs: Limbs,
     gravity_ground_m_s2: DVec3,
     sample_rate_hz: f64,
 ) -> Result<SimulatedRun, SessionError> {
+    use crate::mujoco::model::SensorModel;
     /// Runge-Kutta steps are at most this long, s: the modes reach 6.7 kHz.
     const LONGEST_STEP_S: f64 = 2e-5;
-    let model = crate::mujoco::model::SensorModel::new(sensor, gravity_ground_m_s2);
+    let model = SensorModel {
+        limbs,
+        ..SensorModel::new(sensor, gravity_ground_m_s2)
+    };
     let steps = (1.0 / (sample_rate_hz * LONGEST_STEP_S)).ceil() as usize;
     Ok(crate::mujoco::simulate_run(
         &model,
@@ -135,6 +144,7 @@ fn in_mujoco(
 fn in_mujoco(
     _run: &Run,
     _sensor: &TrueSensor,
+    _limbs: Limbs,
     _gravity_ground_m_s2: DVec3,
     _sample_rate_hz: f64,
 ) -> Result<SimulatedRun, SessionError> {

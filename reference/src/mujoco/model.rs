@@ -1,14 +1,18 @@
 //! The 9-SPS sensor as a MuJoCo model, in MuJoCo's own XML.
 //!
-//! Shell and mass are two free bodies; nine spatial tendons with stiffness, damping and rest length are the limbs.
+//! Shell and mass are two free bodies; nine spatial tendons with stiffness, damping and rest length are the limbs. Flexures that bend
+//! are four more tendons a limb, as [`crate::limbs`] derives them; a limb's mass is partly on the mass, partly a force
+//! that [`super::simulation`] applies.
 //! Geoms are there to be looked at and take no part in the dynamics.
 
+use core::f64::consts::TAU;
 use std::fmt::Write as _;
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use nalgebra::{Matrix3, Quaternion, Rotation3, SymmetricEigen, UnitQuaternion};
 
 use crate::geometry::{Geometry, LIMBS};
+use crate::limbs::{Limbs, NEAR_SHARE};
 use crate::linear_theory::{NaturalMode, modes};
 use crate::sensor::{InertiaPerMass, MASS_KG, TrueSensor};
 
@@ -21,8 +25,10 @@ pub struct SensorModel {
     pub mass_kg: f64,
     /// I/m, mass axes.
     pub inertia_per_mass: InertiaPerMass,
-    /// k/m of every limb, s^-2.
+    /// k/m, s^-2: of every limb, or what [`Limbs::stiffness_ratio`] is over.
     pub stiffness_per_mass_per_s2: f64,
+    /// What the limbs have beside that.
+    pub limbs: Limbs,
     /// Damping of every limb as a fraction of the critical damping of one limb under the whole mass.
     ///
     /// The paper neglects damping; a little of it keeps rounding noise from walking into the modes.
@@ -41,7 +47,7 @@ pub const SHELL_INERTIA_KG_M2: f64 = 1e-3;
 pub const DAMPING_RATIO: f64 = 0.02;
 
 impl SensorModel {
-    /// A true sensor with the design's mass and the reference's [`DAMPING_RATIO`] under gravity in ground axes, m/s^2.
+    /// A true sensor of ideal limbs with the design's mass and the reference's [`DAMPING_RATIO`] under gravity in ground axes, m/s^2.
     #[must_use]
     pub fn new(sensor: &TrueSensor, gravity_ground_m_s2: DVec3) -> Self {
         Self {
@@ -49,6 +55,7 @@ impl SensorModel {
             mass_kg: MASS_KG,
             inertia_per_mass: sensor.inertia_per_mass,
             stiffness_per_mass_per_s2: sensor.stiffness_per_mass_per_s2,
+            limbs: Limbs::IDEAL,
             damping_ratio: DAMPING_RATIO,
             gravity_ground_m_s2,
         }
@@ -58,7 +65,19 @@ impl SensorModel {
     #[must_use]
     pub(super) fn modes(&self) -> [NaturalMode; 6] {
         let k = self.stiffness_per_mass_per_s2;
-        modes(&self.geometry, &self.inertia_per_mass, k)
+        modes(&self.geometry, &self.inertia_per_mass, k, &self.limbs)
+    }
+
+    /// Fastest decay that damping alone would make, the largest eigenvalue of C over M, 1/s.
+    pub(super) fn fastest_decay_per_s(&self) -> f64 {
+        let damping = Limbs {
+            stiffness_ratio: [self.damping_ratio; LIMBS],
+            lateral_stiffness: self.limbs.lateral_damping,
+            ..self.limbs
+        };
+        let unit_per_s = 2.0 * self.stiffness_per_mass_per_s2.sqrt();
+        let [.., last] = modes(&self.geometry, &self.inertia_per_mass, unit_per_s, &damping);
+        (TAU * last.frequency_hz).powi(2)
     }
 
     /// Damping of one limb over the mass, c/m, 1/s.
@@ -79,7 +98,8 @@ impl SensorModel {
     fn write_mjcf(&self, xml: &mut String, step_s: f64) -> std::fmt::Result {
         let g = self.gravity_ground_m_s2;
         let n = self.geometry.half_edge_m;
-        let (principal, quaternion) = self.principal_inertia_kg_m2();
+        let (mass_kg, centre, tensor) = self.inertial();
+        let (principal, quaternion) = principal_inertia_kg_m2(&tensor);
         writeln!(xml, "<mujoco model=\"sixaxis 9-SPS accelerometer\">")?;
         writeln!(xml, "  <compiler angle=\"radian\" autolimits=\"true\"/>")?;
         writeln!(
@@ -118,6 +138,9 @@ impl SensorModel {
                 hinge.x, hinge.y, hinge.z
             )?;
         }
+        if self.limbs.bend() {
+            self.write_flexure_sites(xml, "shell", self.geometry.limb_length_m)?;
+        }
         writeln!(xml, "    </body>")?;
 
         writeln!(
@@ -126,8 +149,11 @@ impl SensorModel {
         )?;
         writeln!(
             xml,
-            "      <inertial pos=\"0 0 0\" mass=\"{}\" quat=\"{} {} {} {}\" diaginertia=\"{} {} {}\"/>",
-            self.mass_kg,
+            "      <inertial pos=\"{} {} {}\" mass=\"{}\" quat=\"{} {} {} {}\" diaginertia=\"{} {} {}\"/>",
+            centre.x,
+            centre.y,
+            centre.z,
+            mass_kg,
             quaternion.w,
             quaternion.i,
             quaternion.j,
@@ -148,40 +174,108 @@ impl SensorModel {
                 hinge.x, hinge.y, hinge.z
             )?;
         }
+        if self.limbs.bend() {
+            self.write_flexure_sites(xml, "mass", 0.0)?;
+        }
         writeln!(xml, "    </body>\n  </worldbody>\n  <tendon>")?;
 
         let stiffness_n_per_m = self.stiffness_per_mass_per_s2 * self.mass_kg;
         let damping_n_s_per_m = self.damping_per_mass_per_s() * self.mass_kg;
-        for i in 1..=LIMBS {
+        for (limb, ratio) in self.limbs.stiffness_ratio.into_iter().enumerate() {
+            let i = limb + 1;
             writeln!(
                 xml,
-                "    <spatial name=\"limb_{i}\" stiffness=\"{stiffness_n_per_m}\" damping=\"{damping_n_s_per_m}\" springlength=\"{}\" width=\"0.001\"><site site=\"shell_hinge_{i}\"/><site site=\"mass_hinge_{i}\"/></spatial>",
+                "    <spatial name=\"limb_{i}\" stiffness=\"{}\" damping=\"{damping_n_s_per_m}\" springlength=\"{}\" width=\"0.001\"><site site=\"shell_hinge_{i}\"/><site site=\"mass_hinge_{i}\"/></spatial>",
+                stiffness_n_per_m * ratio,
                 self.geometry.limb_length_m
             )?;
+        }
+        if self.limbs.bend() {
+            self.write_flexures(xml)?;
         }
         writeln!(xml, "  </tendon>\n</mujoco>")
     }
 
-    /// Principal moments, kg m^2, and the quaternion of the principal axes in mass axes.
-    ///
-    /// MuJoCo would diagonalise a full tensor itself, but only down to an absolute 1e-12 kg m^2, 2e-8 of this
-    /// tensor; handing it the principal axes keeps the truth at rounding.
-    fn principal_inertia_kg_m2(&self) -> ([f64; 3], Quaternion<f64>) {
-        let tensor = self.inertia_per_mass.tensor_m2().to_cols_array();
-        let eigen = SymmetricEigen::new(Matrix3::from_column_slice(&tensor) * self.mass_kg);
-        let mut axes = eigen.eigenvectors;
-        if axes.determinant() < 0.0 {
-            axes.column_mut(2).neg_mut();
-        }
-        let rotation = Rotation3::from_matrix_unchecked(axes);
-        let q = UnitQuaternion::from_rotation_matrix(&rotation);
-        (
-            [
-                eigen.eigenvalues[0],
-                eigen.eigenvalues[1],
-                eigen.eigenvalues[2],
-            ],
-            q.into_inner(),
-        )
+    /// Damping of a limb square to it over the mass, 1/s.
+    fn lateral_damping_per_mass_per_s(&self) -> f64 {
+        2.0 * self.limbs.lateral_damping * self.stiffness_per_mass_per_s2.sqrt()
     }
+
+    /// A site for each end of a limb and each direction square to it, on one of the bodies; `away` is how far off the springs begin, m.
+    fn write_flexure_sites(&self, xml: &mut String, body: &str, away_m: f64) -> std::fmt::Result {
+        self.for_each_flexure(|name, point, direction| {
+            let site = point + direction * away_m;
+            writeln!(
+                xml,
+                "      <site name=\"{body}_{name}\" pos=\"{} {} {}\" rgba=\"0 0 0 0\"/>",
+                site.x, site.y, site.z
+            )
+        })
+    }
+
+    /// Springs and dampers square to the limbs: half of each at either end.
+    fn write_flexures(&self, xml: &mut String) -> std::fmt::Result {
+        let lateral = self.limbs.lateral_stiffness * self.stiffness_per_mass_per_s2;
+        let stiffness = 0.5 * lateral * self.mass_kg;
+        let damping = 0.5 * self.lateral_damping_per_mass_per_s() * self.mass_kg;
+        let length_m = self.geometry.limb_length_m;
+        self.for_each_flexure(|name, _, _| {
+            writeln!(
+                xml,
+                "    <spatial name=\"{name}\" stiffness=\"{stiffness}\" damping=\"{damping}\" springlength=\"{length_m}\" width=\"0.0001\"><site site=\"shell_{name}\"/><site site=\"mass_{name}\"/></spatial>"
+            )
+        })
+    }
+
+    fn for_each_flexure(
+        &self,
+        mut write: impl FnMut(&str, DVec3, DVec3) -> std::fmt::Result,
+    ) -> std::fmt::Result {
+        for limb in 0..LIMBS {
+            let (points, directions) = Limbs::lateral_points(&self.geometry, limb);
+            for (end, point) in ["mass", "shell"].into_iter().zip(points) {
+                for (side, direction) in ["u", "v"].into_iter().zip(directions) {
+                    let name = format!("flexure_{}_{end}_{side}", limb + 1);
+                    write(&name, point, direction)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Mass, kg, its centre, m, and its inertia about that, kg m^2, of the mass with what moves with it of the limbs.
+    fn inertial(&self) -> (f64, DVec3, DMat3) {
+        let tensor = self.inertia_per_mass.tensor_m2() * self.mass_kg;
+        if self.limbs.mass == 0.0 {
+            return (self.mass_kg, DVec3::ZERO, tensor);
+        }
+        let added_kg = NEAR_SHARE * self.limbs.mass * self.mass_kg;
+        let ends = self.geometry.mass_hinges_m();
+        let mass_kg = self.mass_kg + LIMBS as f64 * added_kg;
+        let centre = ends.into_iter().sum::<DVec3>() * (added_kg / mass_kg);
+        let about = |point: DVec3, mass_kg: f64| {
+            let outer = DMat3::from_cols(point * point.x, point * point.y, point * point.z);
+            (DMat3::from_diagonal(DVec3::splat(point.length_squared())) - outer) * mass_kg
+        };
+        let origin = ends
+            .into_iter()
+            .fold(tensor, |sum, end| sum + about(end, added_kg));
+        (mass_kg, centre, origin - about(centre, mass_kg))
+    }
+}
+
+/// Principal moments, kg m^2, and the quaternion of the principal axes in mass axes, of a tensor of inertia.
+///
+/// MuJoCo would diagonalise a full tensor itself, but only down to an absolute 1e-12 kg m^2, 2e-8 of this
+/// tensor; handing it the principal axes keeps the truth at rounding.
+fn principal_inertia_kg_m2(tensor_kg_m2: &DMat3) -> ([f64; 3], Quaternion<f64>) {
+    let eigen = SymmetricEigen::new(Matrix3::from_column_slice(&tensor_kg_m2.to_cols_array()));
+    let mut axes = eigen.eigenvectors;
+    if axes.determinant() < 0.0 {
+        axes.column_mut(2).neg_mut();
+    }
+    let rotation = Rotation3::from_matrix_unchecked(axes);
+    let q = UnitQuaternion::from_rotation_matrix(&rotation);
+    let [a, b, c] = [0, 1, 2].map(|i| eigen.eigenvalues[i]);
+    ([a, b, c], q.into_inner())
 }

@@ -39,9 +39,9 @@ pub enum SimulationError {
     /// MuJoCo refuses the model.
     #[error("MuJoCo refused the sensor model: {0}")]
     Model(String),
-    /// The step is longer than the integrator's stability limit for the stiffest mode.
+    /// The step is longer than the integrator's stability limit for the stiffest mode and the damping.
     #[error(
-        "step {step_s} s is unstable: the stiffest mode, {highest_mode_hz:.0} Hz, allows at most {limit_s:.2e} s"
+        "step {step_s} s is unstable: the stiffest mode, {highest_mode_hz:.0} Hz, and damping allow at most {limit_s:.2e} s"
     )]
     StepTooLong {
         /// The step asked for.
@@ -51,6 +51,9 @@ pub enum SimulationError {
         /// Longest stable step.
         limit_s: f64,
     },
+    /// Limbs with mass in a shell that nobody drives: what reaches the mass of their inertia depends on the shell's acceleration.
+    #[error("limbs with mass need a shell whose motion is prescribed")]
+    MassOfFreeLimbs,
     /// A state is no longer finite.
     #[error("the simulated state is not finite at {time_s} s")]
     Diverged {
@@ -118,8 +121,10 @@ impl Simulation {
     /// [`SimulationError::Model`] or [`SimulationError::StepTooLong`].
     pub fn new(model: &SensorModel, step_s: f64) -> Result<Self, SimulationError> {
         let highest_mode_hz = model.modes()[5].frequency_hz;
-        // RK4 is stable up to 2.785 on the imaginary axis; a twentieth is left for damping and geometry.
-        let limit_s = 2.65 / (core::f64::consts::TAU * highest_mode_hz);
+        // RK4 is stable up to 2.828 on the imaginary axis, and to 2.785 on the negative real one; a twentieth is left for what
+        // damping and stiffness do together and for geometry.
+        let fastest = (core::f64::consts::TAU * highest_mode_hz).max(model.fastest_decay_per_s());
+        let limit_s = 2.65 / fastest;
         if !(step_s > 0.0 && step_s <= limit_s) {
             return Err(SimulationError::StepTooLong {
                 step_s,
@@ -149,17 +154,23 @@ impl Simulation {
     fn settle(&mut self) {
         let k = self.model.stiffness_per_mass_per_s2;
         let tensor = self.model.inertia_per_mass.tensor_m2();
-        let Some(cholesky) = stiffness_per_mass(&self.model.geometry, k).cholesky() else {
+        let SensorModel {
+            geometry, limbs, ..
+        } = &self.model;
+        let Some(cholesky) = stiffness_per_mass(geometry, k, limbs).cholesky() else {
             return;
         };
+        let of_limbs = (limbs.mass > 0.0).then(|| limbs.mass_matrix(geometry));
         for _ in 0..EQUILIBRIUM_ITERATIONS {
             self.forward(DVec3::ZERO, DVec3::ZERO);
             let a = self.data.qacc();
             let force = DVec3::new(a[6], a[7], a[8]);
             let torque = tensor * DVec3::new(a[9], a[10], a[11]);
-            let step = cholesky.solve(&Vector6::new(
-                force.x, force.y, force.z, torque.x, torque.y, torque.z,
-            ));
+            let mut load = Vector6::new(force.x, force.y, force.z, torque.x, torque.y, torque.z);
+            if let Some(of_limbs) = of_limbs {
+                load += of_limbs * Vector6::from_column_slice(&a[BODY_DOFS..]);
+            }
+            let step = cholesky.solve(&load);
             let mut state = State::read(&self.data);
             state.mass.position_ground_m += DVec3::new(step[0], step[1], step[2]);
             state.mass.attitude = (state.mass.attitude
@@ -246,9 +257,27 @@ impl Simulation {
             let force = wanted[dof / 3][dof % 3] + data.qfrc_bias()[dof] - data.qfrc_passive()[dof];
             data.qfrc_applied_mut()[dof] = force;
         }
+        if self.model.limbs.mass > 0.0 {
+            self.apply_far_share(linear_ground_m_s2, angular_shell_rad_s2);
+        }
+        let data = &mut self.data;
         data.fwd_actuation();
         data.fwd_acceleration();
         data.fwd_constraint();
+    }
+
+    /// The share of the limbs' inertia and weight that follows their ends on the shell, as a force on the mass.
+    fn apply_far_share(&mut self, linear_ground_m_s2: DVec3, angular_shell_rad_s2: DVec3) {
+        let State { shell, mass } = State::read(&self.data);
+        let rate = shell.rate_body_rad_s;
+        let specific = |hinge: DVec3| {
+            let turning = angular_shell_rad_s2.cross(hinge) + rate.cross(rate.cross(hinge));
+            linear_ground_m_s2 - self.model.gravity_ground_m_s2 + shell.attitude * turning
+        };
+        let SensorModel { geometry, .. } = &self.model;
+        let load =
+            self.model.limbs.far_load(geometry, mass.attitude, specific) * self.model.mass_kg;
+        self.data.qfrc_applied_mut()[BODY_DOFS..].copy_from_slice(load.as_slice());
     }
 
     /// The simulator's state now, with the shell driven by `motion`.
@@ -274,7 +303,7 @@ impl Simulation {
             shell_acceleration_ground_m_s2: DVec3::new(a[0], a[1], a[2]),
             shell_angular_acceleration_shell_rad_s2: DVec3::new(a[3], a[4], a[5]),
             limb_force_per_mass_m_s2: core::array::from_fn(|i| {
-                -(k * limb_elongation_m[i] + c * velocity[i])
+                -(k * self.model.limbs.stiffness_ratio[i] * limb_elongation_m[i] + c * velocity[i])
             }),
             limb_elongation_m,
         }
@@ -294,22 +323,31 @@ impl Simulation {
     /// As [`Self::step`], with nothing holding or driving the shell: two free bodies joined by nine limbs.
     ///
     /// # Errors
-    /// [`SimulationError::Diverged`].
+    /// [`SimulationError::Diverged`], [`SimulationError::MassOfFreeLimbs`].
     pub fn step_free(&mut self) -> Result<Snapshot, SimulationError> {
+        self.refuse_massive_limbs()?;
         self.step_under(|simulation, _| simulation.forward_free())
     }
 
     /// As [`Self::step_free`], with the step that MuJoCo itself would take (`mj_step`, integrator RK4).
     ///
     /// # Errors
-    /// [`SimulationError::Diverged`].
+    /// [`SimulationError::Diverged`], [`SimulationError::MassOfFreeLimbs`].
     pub fn step_as_mujoco(&mut self) -> Result<Snapshot, SimulationError> {
+        self.refuse_massive_limbs()?;
         self.forward_free();
         let snapshot = self.read_snapshot();
         self.data.step();
         self.time_s += self.step_s;
         self.check_finite()?;
         Ok(snapshot)
+    }
+
+    fn refuse_massive_limbs(&self) -> Result<(), SimulationError> {
+        match self.model.limbs.mass > 0.0 {
+            true => Err(SimulationError::MassOfFreeLimbs),
+            false => Ok(()),
+        }
     }
 
     fn step_under(

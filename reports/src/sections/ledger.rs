@@ -8,6 +8,7 @@ use core::f64::consts::TAU;
 use serde::Serialize;
 use sixaxis_core::Scheme;
 use sixaxis_page::{Block, Claim, Section, Text, Verdict};
+use sixaxis_props::results::{Budget, Published, headline};
 use sixaxis_reference::paper::{self, COMPOUND_TABLES, GRAVITY_M_S2, THRESHOLD_FREQUENCY_HZ};
 use sixaxis_reference::rig::run::{Mode, ROTATION_AMPLITUDE_RAD, SLIDER_AMPLITUDE_M};
 
@@ -44,7 +45,7 @@ pub fn section(r: &Results) -> Result<Section> {
 /// # Errors
 /// If the text does not fit the results.
 pub fn claims(r: &Results) -> Result<Vec<Claim>> {
-    let found = Found::of(r);
+    let found = Found::of(r, alone()?);
     Text::new(include_str!("ledger.md"))
         .values(&found)
         .claims(|id| found.verdict(id))
@@ -66,9 +67,31 @@ struct Crossings {
     identified_angular: f64,
 }
 
+/// What of an imperfection makes the paper's largest error by itself.
+#[derive(Serialize)]
+struct Alone {
+    name: String,
+    unit: String,
+    size: Option<f64>,
+}
+
+/// All of them, as published.
+fn alone() -> Result<Vec<Alone>> {
+    let budget = Budget::embedded()?;
+    let ladders = budget.ladders();
+    let alone = ladders.iter().map(|ladder| Alone {
+        name: ladder.name.to_owned(),
+        unit: ladder.unit.to_owned(),
+        size: ladder.alone(headline),
+    });
+    Ok(alone.collect())
+}
+
 /// What the claims are held against.
 #[derive(Serialize)]
 struct Found {
+    /// Imperfections with the size that alone makes the paper's largest error.
+    alone: Vec<Alone>,
     printed_hz: (f64, f64),
     crossing_hz: Crossings,
     /// Relative accelerations of the identified sensor at 2 and 4 Hz.
@@ -110,7 +133,7 @@ struct Found {
 }
 
 impl Found {
-    fn of(r: &Results) -> Self {
+    fn of(r: &Results, alone: Vec<Alone>) -> Self {
         let sweep = |sensor: &str, mode: Mode| {
             let mut all = r.thresholds.iter();
             all.find(|s| s.sensor == sensor && s.mode == mode)
@@ -149,6 +172,7 @@ impl Found {
         let heun = with_truth(Scheme::Heun);
         let omega = TAU * 5.0;
         Self {
+            alone,
             printed_hz: THRESHOLD_FREQUENCY_HZ,
             crossing_hz: Crossings {
                 linear: crossing("design", Mode::Linear),
@@ -195,6 +219,15 @@ impl Found {
         }
     }
 
+    /// Whether each of these imperfections makes the paper's largest error at some size that was played.
+    fn enough(&self, names: &[&str]) -> bool {
+        let some = |name: &&str| {
+            let mut all = self.alone.iter();
+            all.any(|alone| alone.name == **name && alone.size.is_some())
+        };
+        names.iter().all(some)
+    }
+
     fn verdict(&self, id: &str) -> Option<Verdict> {
         let near = |found: f64, printed: f64| (found - printed).abs() <= READING_HZ;
         let close = |found: f64, printed: f64| (found / printed - 1.0).abs() < 1e-3;
@@ -221,8 +254,12 @@ impl Found {
                     && close(self.rig.rate_deg_s, 3142.86)
                     && close(self.rig.angular_deg_s2, 98_735.80)
             }
-            "largest-error" | "before" | "remaining-errors" | "other-sensors"
-            | "standing-voltages" => false,
+            "largest-error" | "before" | "other-sensors" | "standing-voltages" => false,
+            // Noise and hinges, each of some size, are enough; which sizes they had is not printed.
+            "remaining-errors" if self.enough(&["flexures that bend", "noise of the channels"]) => {
+                return Some(Verdict::Compatible);
+            }
+            "remaining-errors" => false,
             "sign" if self.printed_sign_has_minimum => true,
             "sign" if self.other_sign_finds_truth => {
                 return Some(Verdict::ReproducedWithCorrection);

@@ -4,6 +4,7 @@
 
 mod acceptance;
 mod blind;
+mod budget;
 mod compound;
 pub mod evidence;
 mod fault_tolerance;
@@ -63,6 +64,7 @@ pub fn report(results: &Results, evidence: Section, facts: Vec<(String, String)>
             acceptance::section(results)?,
             parameters::section(results)?,
             compound::section(results)?,
+            budget::section()?,
             thresholds::section(results)?,
             stiffness::section(results)?,
             identifiability::section(results)?,

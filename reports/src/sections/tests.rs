@@ -16,6 +16,7 @@ fn embedded<P: Published>() -> P {
 #[test]
 fn sections_of_published_results_are_drawn() {
     let sections = [
+        budget::section(),
         speed::section(),
         fault_tolerance::section(),
         self_calibration::section(),

@@ -6,7 +6,7 @@ use sixaxis_calibration::conditioning::Conditioned;
 use sixaxis_core::{LIMBS, Parameters, Scheme, SixAxis};
 use sixaxis_props::truth::InCore;
 use sixaxis_reference::laboratory::recording::SimulatedRecording;
-use sixaxis_reference::motion::SimulatedRun;
+use sixaxis_reference::motion::{SimulatedRun, TrueMotion};
 
 use super::results::Gravity;
 
@@ -27,12 +27,14 @@ fn split(linear: impl Iterator<Item = (DVec3, DVec3)>) -> SixSeries {
 /// The true six accelerations of samples 1 to n - 2, which are those that the decoupler yields.
 #[must_use]
 pub fn truth(run: &SimulatedRun) -> SixSeries {
-    let n = run.truth.len();
-    split(
-        run.truth[1..n - 1]
-            .iter()
-            .map(|t| (t.linear_ground_m_s2, t.angular_ground_rad_s2)),
-    )
+    truth_of(&run.truth)
+}
+
+/// The same of a recording's true motion.
+#[must_use]
+pub fn truth_of(motion: &[TrueMotion]) -> SixSeries {
+    let decoupled = motion.iter().skip(1).take(motion.len().saturating_sub(2));
+    split(decoupled.map(|t| (t.linear_ground_m_s2, t.angular_ground_rad_s2)))
 }
 
 /// What the standard instruments say of the same samples.

@@ -3,10 +3,11 @@
 //!
 //! [`plan`] says what is played, [`simulations`] plays it, [`session`] is the laboratory's analysis and
 //! [`identification`] what it finds, [`compound`], [`searches`], [`identifiability`], [`orders`], [`history`] and [`checks`] make the comparisons, [`arithmetic`] decides what needs no campaign,
-//! [`laboratories`] says what one seed is worth, [`acceptance`] judges them, and [`results`] is all of it as data. Nothing here draws.
+//! [`laboratories`] says what one seed is worth, [`budget`] what one imperfection costs, [`acceptance`] judges them, and [`results`] is all of it as data. Nothing here draws.
 
 pub mod acceptance;
 pub mod arithmetic;
+pub mod budget;
 pub mod checks;
 pub mod compound;
 pub mod decoupling;

@@ -1,0 +1,325 @@
+//! Limbs that are not ideal: MuJoCo against statics, the energy of bent hinges and rods integrated point by point.
+
+use core::f64::consts::TAU;
+
+use glam::DVec3;
+use nalgebra::{Matrix3x6, Matrix6, SMatrix, SymmetricEigen, Vector3, Vector6};
+use sixaxis_core::LIMBS;
+use sixaxis_props::compare::{fails_clearly, largest, within};
+use sixaxis_props::problem::rig::{RATE_HZ, STEPS, model, short_run};
+use sixaxis_props::tolerance;
+use sixaxis_props::truth;
+use sixaxis_reference::geometry::Geometry;
+use sixaxis_reference::limbs::Limbs;
+use sixaxis_reference::motion::SimulatedRun;
+use sixaxis_reference::mujoco::model::SensorModel;
+use sixaxis_reference::mujoco::ring_down;
+use sixaxis_reference::mujoco::simulate_run;
+use sixaxis_reference::mujoco::simulation::Simulation;
+use sixaxis_reference::rig::run::{Mode, Mounting, Run};
+use sixaxis_reference::rigid::{RigidSensor, torque_per_mass};
+
+const DIRECTION: DVec3 = DVec3::new(2.0, 1.0, 1.0);
+/// Limbs that bend: a twentieth of the axial stiffness, both flexures together.
+const BENDING: Limbs = Limbs {
+    lateral_stiffness: 0.05,
+    ..Limbs::IDEAL
+};
+/// Limbs of a fiftieth of the seismic mass each.
+const MASSIVE: Limbs = Limbs {
+    mass: 0.02,
+    ..Limbs::IDEAL
+};
+
+fn sensor(limbs: Limbs) -> SensorModel {
+    let parameters = truth::identified_parameters();
+    SensorModel {
+        limbs,
+        ..model(&parameters, DIRECTION, Mounting::AxisVertical)
+    }
+}
+
+fn played(limbs: Limbs, mode: Mode) -> SimulatedRun {
+    let run = short_run(mode, DIRECTION);
+    simulate_run(&sensor(limbs), &run, RATE_HZ, STEPS).expect("the step is stable")
+}
+
+fn departure(ours: &[[f64; LIMBS]], truth: &[[f64; LIMBS]]) -> f64 {
+    assert_eq!(ours.len(), truth.len());
+    let pairs = ours.iter().zip(truth);
+    let apart = pairs.flat_map(|(a, b)| (0..LIMBS).map(move |i| a[i] - b[i]));
+    largest(apart) / largest(truth.iter().flatten().copied())
+}
+
+#[test]
+fn ref_unequal_limbs_share_loads_by_their_stiffness() {
+    let stiffness_ratio = [1.05, 0.93, 1.0, 0.98, 1.1, 0.9, 1.02, 0.97, 1.05];
+    let limbs = Limbs {
+        stiffness_ratio,
+        ..Limbs::IDEAL
+    };
+    let parameters = truth::identified_parameters();
+    let limit = tolerance::rigid_limbs(5.0, parameters.stiffness_per_mass_per_s2);
+    for mode in [Mode::Linear, Mode::Compound] {
+        let played = played(limbs, mode);
+        let rigid = |ratio| {
+            RigidSensor::new(&truth::sensor(&parameters), ratio)
+                .expect("three nodes hold a body")
+                .simulate(&played.motion, played.gravity_ground_m_s2, RATE_HZ)
+                .limb_force_per_mass_m_s2
+        };
+        let off = |ratio| departure(&played.limb_force_per_mass_m_s2, &rigid(ratio));
+        within("forces of unequal limbs", off(&stiffness_ratio), limit);
+        fails_clearly("as if they were equal", off(&[1.0; LIMBS]), limit);
+    }
+}
+
+/// The rotation vectors of both hinges of a limb, rad, for each unit of the mass's displacement and rotation, m and rad.
+fn hinge_angles(limb: usize) -> [Matrix3x6<f64>; 2] {
+    let geometry = Geometry::PAPER;
+    let along = Geometry::directions_shell()[limb];
+    let end = geometry.mass_hinges_m()[limb];
+    let columns = [0, 1, 2, 3, 4, 5].map(|i| {
+        let mut unit = [0.0; 6];
+        unit[i] = 1.0;
+        let (moved, turned) = (DVec3::from_slice(&unit[..3]), DVec3::from_slice(&unit[3..]));
+        let tilt = along.cross(moved + turned.cross(end)) / geometry.limb_length_m;
+        let bent = tilt - (turned - along * along.dot(turned));
+        [tilt, bent].map(|angle| Vector3::from(angle.to_array()))
+    });
+    [0, 1].map(|hinge| Matrix3x6::from_columns(&columns.map(|column| column[hinge])))
+}
+
+/// What hinges of one unit of bending stiffness, N m/rad, make of the stiffness of the mass's six degrees of freedom.
+fn bending() -> Matrix6<f64> {
+    let hinges = (0..LIMBS).flat_map(hinge_angles);
+    hinges.map(|angles| angles.transpose() * angles).sum()
+}
+
+/// Axial stiffness over k of the mass's six degrees of freedom, and the limbs' wrenches.
+fn axial() -> (Matrix6<f64>, SMatrix<f64, LIMBS, 6>) {
+    let wrenches = Geometry::PAPER.limb_wrenches();
+    (wrenches.transpose() * wrenches, wrenches)
+}
+
+/// Bending stiffness of one hinge over k, m^2, that makes a limb as stiff square to its axis as stated.
+fn hinge_over_k(lateral: f64) -> f64 {
+    0.5 * lateral * Geometry::PAPER.limb_length_m.powi(2)
+}
+
+/// Six frequencies by the eigenproblem of K and M over the mass, ascending, Hz.
+fn frequencies_hz(stiffness: Matrix6<f64>, mass: Matrix6<f64>) -> Vec<f64> {
+    let lower = mass.cholesky().expect("a mass matrix").l();
+    let inverse = lower.try_inverse().expect("a triangle");
+    let eigen = SymmetricEigen::new(inverse * stiffness * inverse.transpose());
+    let mut found: Vec<f64> = eigen
+        .eigenvalues
+        .iter()
+        .map(|square| square.sqrt() / TAU)
+        .collect();
+    found.sort_by(f64::total_cmp);
+    found
+}
+
+fn mass_alone() -> Matrix6<f64> {
+    let tensor = sensor(Limbs::IDEAL).inertia_per_mass.tensor_m2();
+    Matrix6::from_fn(|row, column| match (row, column) {
+        (3.., 3..) => tensor.col(column - 3)[row - 3],
+        _ => f64::from(u8::from(row == column)),
+    })
+}
+
+fn ring_against(what: &str, limbs: Limbs, stiffness: Matrix6<f64>, mass: Matrix6<f64>) {
+    let k = sensor(limbs).stiffness_per_mass_per_s2;
+    let rung = ring_down::measure(&sensor(limbs)).expect("the step is stable");
+    let off = |mass: Matrix6<f64>, stiffness: Matrix6<f64>| {
+        let predicted = frequencies_hz(stiffness * k, mass);
+        let pairs = rung.iter().zip(predicted);
+        largest(pairs.map(|(mode, hz)| mode.measured_hz / hz - 1.0))
+    };
+    within(
+        format!("modes, {what}"),
+        off(mass, stiffness),
+        tolerance::LIMB_MODES,
+    );
+    fails_clearly(
+        format!("modes as without: {what}"),
+        off(mass_alone(), axial().0),
+        tolerance::LIMB_MODES,
+    );
+}
+
+#[test]
+fn ref_flexures_that_bend_raise_the_modes() {
+    let stiffness = axial().0 + bending() * hinge_over_k(BENDING.lateral_stiffness);
+    ring_against("flexures that bend", BENDING, stiffness, mass_alone());
+}
+
+#[test]
+fn ref_flexures_that_bend_carry_part_of_the_weight() {
+    let (axial, wrenches) = axial();
+    for direction in [DVec3::X, DVec3::Y, DVec3::new(1.0, 2.0, -1.0)] {
+        let gravity = Mounting::AxisVertical.gravity_ground_m_s2(direction);
+        let model = SensorModel {
+            gravity_ground_m_s2: gravity,
+            ..sensor(BENDING)
+        };
+        let mut simulation = Simulation::new(&model, 1e-5).expect("the step is stable");
+        let held = Run::new(Mode::Rest, 1.0, direction);
+        let measured = simulation.snapshot(&held).limb_force_per_mass_m_s2;
+        let weight = Vector6::new(gravity.x, gravity.y, gravity.z, 0.0, 0.0, 0.0);
+        let off = |lateral: f64| {
+            let stiffness = axial + bending() * hinge_over_k(lateral);
+            let moved = stiffness.cholesky().expect("it holds").solve(&weight);
+            let force = wrenches * -moved;
+            largest((0..LIMBS).map(|i| measured[i] - force[i])) / largest(measured)
+        };
+        let lateral = BENDING.lateral_stiffness;
+        within("forces at rest", off(lateral), tolerance::BENT_AT_REST);
+        fails_clearly(
+            "a tenth softer",
+            off(0.9 * lateral),
+            tolerance::BENT_AT_REST,
+        );
+    }
+}
+
+/// Points of a Gauss rule along a rod, from the shell to the mass, and their weights: exact for cubics.
+fn rod() -> [(f64, f64); 2] {
+    let offset = 0.5 / 3.0_f64.sqrt();
+    [(0.5 - offset, 0.5), (0.5 + offset, 0.5)]
+}
+
+/// What rods add to the mass matrix if their ends on the shell stand still.
+fn rods_at_rest(mass: f64) -> Matrix6<f64> {
+    let ends = Geometry::PAPER.mass_hinges_m();
+    let mut sum = Matrix6::zeros();
+    for end in ends {
+        let t = Vector3::from(end.to_array());
+        let mut velocity = Matrix3x6::zeros();
+        velocity.fixed_columns_mut::<3>(0).fill_with_identity();
+        velocity
+            .fixed_columns_mut::<3>(3)
+            .copy_from(&-t.cross_matrix());
+        for (share, weight) in rod() {
+            sum += velocity.transpose() * velocity * (mass * weight * share * share);
+        }
+    }
+    sum
+}
+
+#[test]
+fn ref_a_third_of_a_limb_moves_with_the_mass() {
+    let mass = mass_alone() + rods_at_rest(MASSIVE.mass);
+    ring_against("limbs with mass", MASSIVE, axial().0, mass);
+}
+
+/// Forces of limbs that do not give way under the mass's inertia and that of rods, each point of which presses on the rod's ends as
+/// on the supports of a beam. `ends_only` lumps half of each rod at its end instead.
+fn beam_forces(run: &SimulatedRun, mass: f64, ends_only: bool) -> Vec<[f64; LIMBS]> {
+    let geometry = Geometry::PAPER;
+    let (axial, wrenches) = axial();
+    let sharing = wrenches * axial.try_inverse().expect("three nodes hold a body");
+    let inertia = sensor(MASSIVE).inertia_per_mass;
+    let hinges: Vec<_> = geometry
+        .shell_hinges_m()
+        .into_iter()
+        .zip(geometry.mass_hinges_m())
+        .collect();
+    let points = match ends_only {
+        true => [(1.0, 0.25), (1.0, 0.25)],
+        false => rod(),
+    };
+    run.truth
+        .iter()
+        .map(|truth| {
+            let back = truth.attitude.inverse();
+            let rate = truth.rate_shell_rad_s;
+            let angular = back * truth.angular_ground_rad_s2;
+            let specific = back * (truth.linear_ground_m_s2 - run.gravity_ground_m_s2);
+            let mut force = specific;
+            let mut torque = torque_per_mass(&inertia, rate, angular);
+            for (from, to) in &hinges {
+                for (share, weight) in points {
+                    let place = from.lerp(*to, share);
+                    let field = angular.cross(place) + rate.cross(rate.cross(place));
+                    let pressed = (specific + field) * (mass * weight * share);
+                    force += pressed;
+                    torque += to.cross(pressed);
+                }
+            }
+            let load = Vector6::new(force.x, force.y, force.z, torque.x, torque.y, torque.z);
+            (sharing * load).into()
+        })
+        .collect()
+}
+
+#[test]
+fn ref_limbs_with_mass_press_as_beams_do() {
+    let k = sensor(MASSIVE).stiffness_per_mass_per_s2;
+    let limit = tolerance::rigid_limbs(5.0, k);
+    for mode in [Mode::Linear, Mode::Angular, Mode::Compound] {
+        let played = played(MASSIVE, mode);
+        let off = |mass, ends_only| {
+            let forces = beam_forces(&played, mass, ends_only);
+            departure(&played.limb_force_per_mass_m_s2, &forces)
+        };
+        within("forces of limbs with mass", off(MASSIVE.mass, false), limit);
+        fails_clearly("as without mass", off(0.0, false), limit);
+        if mode != Mode::Linear {
+            fails_clearly("half of it at the end", off(MASSIVE.mass, true), limit);
+        }
+    }
+}
+
+/// Damping that Runge-Kutta's step would blow up is refused, not simulated.
+#[test]
+fn inv_damping_beyond_the_step_is_refused() {
+    let damped = |lateral_damping| {
+        let limbs = Limbs {
+            lateral_damping,
+            ..Limbs::IDEAL
+        };
+        Simulation::new(&sensor(limbs), 1.0 / (RATE_HZ * STEPS as f64))
+    };
+    assert!(damped(0.02).is_ok());
+    assert!(damped(0.2).is_err(), "it grows from rounding");
+}
+
+#[test]
+fn ref_flexures_that_damp_take_their_share() {
+    const DAMPED: Limbs = Limbs {
+        lateral_damping: 0.02,
+        ..Limbs::IDEAL
+    };
+    let (axial, wrenches) = axial();
+    let compliance = axial.try_inverse().expect("three nodes hold a body");
+    let free = played(Limbs::IDEAL, Mode::Compound);
+    let damped = played(DAMPED, Mode::Compound);
+    let k = sensor(DAMPED).stiffness_per_mass_per_s2;
+    // Damping over stiffness, s, as a lateral stiffness over k would be.
+    let share = bending() * hinge_over_k(2.0 * DAMPED.lateral_damping / k.sqrt());
+    let forces = &free.limb_force_per_mass_m_s2;
+    let effect = |sign: f64| {
+        let apart = (1..forces.len() - 1).flat_map(|now| {
+            let slope: SMatrix<f64, LIMBS, 1> = core::array::from_fn::<f64, LIMBS, _>(|i| {
+                0.5 * RATE_HZ * (forces[now + 1][i] - forces[now - 1][i])
+            })
+            .into();
+            // The mass moves by the compliance times the load, and what damps the motion is not felt by the limbs.
+            let load = wrenches.transpose() * slope;
+            let lost = wrenches * (compliance * (share * (compliance * load)));
+            let seen = damped.limb_force_per_mass_m_s2[now];
+            (0..LIMBS).map(move |i| (seen[i] - forces[now][i], -sign * lost[i]))
+        });
+        let pairs: Vec<(f64, f64)> = apart.collect();
+        let size = largest(pairs.iter().map(|(seen, _)| *seen));
+        largest(pairs.iter().map(|(seen, said)| seen - said)) / size
+    };
+    within(
+        "what damping takes",
+        effect(1.0),
+        tolerance::LATERAL_DAMPING,
+    );
+    fails_clearly("given", effect(-1.0), tolerance::LATERAL_DAMPING);
+}
