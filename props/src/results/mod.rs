@@ -61,6 +61,7 @@ published_by_example!(
     Propagation = "propagation",
     SelfCalibration = "self_calibration",
     Taps = "tap",
+    WatchedLaboratories = "watch",
 );
 
 impl Published for Campaign {
@@ -117,6 +118,7 @@ mod tests {
         same::<SelfCalibration>();
         same::<Speed>();
         same::<Taps>();
+        same::<WatchedLaboratories>();
     }
     /// A change to the core wants its speed measured anew, on a quiet machine: [`Published::MAKE`].
     #[test]
