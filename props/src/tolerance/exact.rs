@@ -116,3 +116,24 @@ pub const ANALOGUE_LAG: Tolerance =
     measured(1e-6, 1.6e-7, "the cubic between samples, at the ends");
 /// An analogue high-pass undone by the core's recursion, over the signal's peak.
 pub const UNDONE_ANALOGUE: Tolerance = measured(1e-6, 1.3e-7, "linear between samples, and cubic");
+/// Rounding of 10,000 decoded samples against fifty digits, units of the last place of the vector's peak: linear and angular
+/// acceleration, rate, attitude.
+pub const DECODED_ULP: [Tolerance; 4] = [
+    measured(1e9, 1e3, ""),
+    measured(1e9, 1e3, ""),
+    measured(1e9, 1e3, ""),
+    measured(1e9, 1e3, ""),
+];
+/// Rounding of the four steps against fifty digits, units of the last place of each parameter.
+pub const IDENTIFIED_ULP: [Tolerance; 4] = [
+    measured(1e9, 1e3, ""),
+    measured(1e9, 1e3, ""),
+    measured(1e9, 1e3, ""),
+    measured(1e9, 1e3, ""),
+];
+/// d(f/m) / d ln(k/m) with tilted limbs at 5 Hz against MuJoCo, over the largest.
+pub const TILTED_BY_STIFFNESS: Tolerance = measured(1e-2, 1e-3, "");
+/// Bound of ln(k/m) with tilted limbs against differences of an exact equilibrium, relative.
+pub const TILTED_BOUND: Tolerance = measured(1e-3, 1e-4, "");
+/// By how many limits linear theory misses those forces.
+pub const NO_TILT: f64 = 10.0;
