@@ -9,9 +9,9 @@ use rayon::prelude::*;
 use sixaxis_calibration::report::Grade;
 use sixaxis_props::faults::FALSE_ALARMS_PER_HOUR;
 use sixaxis_props::faults::laboratories::{
-    Corner, Course, RECORDING_S, RIG_HZ, Recording, STIFFNESS_SPREAD, WEDGE_ERROR_DEG, Watched,
-    plan, watch,
+    Corner, Course, RECORDING_S, RIG_HZ, Recording, STIFFNESS_SPREAD, WEDGE_ERROR_DEG, plan, watch,
 };
+use sixaxis_props::faults::watched::Watched;
 use sixaxis_props::publication::{Arguments, end};
 use sixaxis_props::results::{WatchedCorner, WatchedLaboratories};
 

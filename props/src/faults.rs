@@ -8,6 +8,7 @@ pub mod dying;
 pub mod laboratories;
 pub mod null;
 pub mod tally;
+pub mod watched;
 
 use core::f64::consts::TAU;
 

@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use sixaxis_calibration::report::Grade;
 
-pub use crate::faults::laboratories::{Corner, Course, Watched};
+pub use crate::faults::laboratories::{Corner, Course};
 pub use crate::faults::null::{Curve, FalseAlarms};
 pub use crate::faults::tally::{Counts, OfClass, Tally as FaultTally, WITHIN};
+pub use crate::faults::watched::Watched;
 
 /// False alarms, detection, isolation and naming of failed limbs.
 #[derive(Debug, Clone, Serialize, Deserialize)]

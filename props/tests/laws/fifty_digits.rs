@@ -20,7 +20,9 @@ use sixaxis_core::decouple::lanes::{LaneSample, push_lanes};
 use sixaxis_core::kernel::simd::LANES;
 use sixaxis_core::paper::RateVariable;
 use sixaxis_core::parameter::PARAMETERS;
-use sixaxis_core::{Decoupler, InertiaPerMass, LIMBS, Model, Parameter, Parameters, Scheme, SixAxis};
+use sixaxis_core::{
+    Decoupler, InertiaPerMass, LIMBS, Model, Parameter, Parameters, Scheme, SixAxis,
+};
 use sixaxis_props::compare::{fails_clearly, largest};
 use sixaxis_props::evidence::Row;
 use sixaxis_props::problem::{Problem, rig};
@@ -77,10 +79,15 @@ fn moved(rng: &mut Pcg64, value: f64) -> f64 {
 /// The same problem with voltages and parameters moved.
 fn moved_problem(problem: &Problem) -> Problem {
     let mut rng = Pcg64::seed_from_u64(1);
-    let values = problem.parameters.to_paper_order().map(|x| moved(&mut rng, x));
+    let values = problem
+        .parameters
+        .to_paper_order()
+        .map(|x| moved(&mut rng, x));
     let voltage_v = problem.voltage_v.iter();
     Problem {
-        voltage_v: voltage_v.map(|row| row.map(|u| moved(&mut rng, u))).collect(),
+        voltage_v: voltage_v
+            .map(|row| row.map(|u| moved(&mut rng, u)))
+            .collect(),
         parameters: Parameters {
             zero_drift_v: from_fn(|i| values[i]),
             scale_per_mass_per_kg: from_fn(|i| values[LIMBS + i]),
@@ -110,7 +117,11 @@ fn paths(problem: &Problem) -> Vec<(&'static str, Vec<Numbers>)> {
     let mut decouplers: [Decoupler; LANES] = from_fn(|_| problem.decoupler());
     let rows = [&problem.voltage_v[..]; LANES];
     push_lanes(&mut decouplers, rows, &mut |chunk: &[LaneSample]| {
-        lanes.extend(chunk.iter().map(|sample| from_fn(|i| sample[i].0[LANES - 1])));
+        lanes.extend(
+            chunk
+                .iter()
+                .map(|sample| from_fn(|i| sample[i].0[LANES - 1])),
+        );
     })
     .expect("sound samples");
     let model = Model::new(&problem.sensor, &problem.parameters, &problem.settings);
@@ -138,7 +149,11 @@ fn in_single_precision(problem: &Problem) -> Vec<Numbers> {
     let answers = voltage_v.filter_map(|row| decoupler.push(&row).expect("a sound sample"));
     answers
         .map(|s| {
-            let vectors = [s.linear_ground_m_s2, s.angular_ground_rad_s2, s.rate_shell_rad_s];
+            let vectors = [
+                s.linear_ground_m_s2,
+                s.angular_ground_rad_s2,
+                s.rate_shell_rad_s,
+            ];
             from_fn(|i| f64::from(vectors[i / 3].to_array()[i % 3]))
         })
         .collect()
@@ -189,13 +204,21 @@ fn law_decoders_round_by_so_much() {
     assert_eq!(truth.len(), SAMPLES);
     let streamed = problem.decouple();
     // What errors of the input do, over their size.
-    let elsewhere: Vec<Numbers> = moved_problem(&problem).decouple().iter().map(numbers).collect();
+    let elsewhere: Vec<Numbers> = moved_problem(&problem)
+        .decouple()
+        .iter()
+        .map(numbers)
+        .collect();
     let condition = off(&elsewhere, &truth).map(|ulp| ulp * f64::EPSILON / MOVED);
     for (path, answers) in paths(&problem) {
         for (v, ulp) in off(&answers, &truth).into_iter().enumerate() {
-            Row::new(format!("{}, ulp", VECTORS[v]), ulp, tolerance::DECODED_ULP[v])
-                .case(format_args!("{path}, condition number {:.0}", condition[v]))
-                .judge();
+            Row::new(
+                format!("{}, ulp", VECTORS[v]),
+                ulp,
+                tolerance::DECODED_ULP[v],
+            )
+            .case(format_args!("{path}, condition number {:.0}", condition[v]))
+            .judge();
         }
     }
     Row::new(
@@ -308,19 +331,45 @@ fn law_the_four_steps_round_by_so_much() {
                 error / last_place(value),
                 tolerance::IDENTIFIED_ULP[step],
             )
-            .case(format_args!(
-                "{parameter}, condition number {condition:.1}"
-            ))
+            .case(format_args!("{parameter}, condition number {condition:.1}"))
             .sides(value, ours.values[i], parameter.unit())
             .judge();
         }
     }
-    // Negative control: the mean of a record summed up from its first sample to its last, without an origin.
-    let naive = recorded.at_rest_v.iter().map(|row| row[0]).sum::<f64>() / recorded.at_rest_v.len() as f64;
-    let error = near(&(big(naive) - &truth.values[0])).abs();
+    // Step 4 without the interpolation between four decodes: what of its error is rounding.
+    let alone = &ours.values[PARAMETERS - 1];
+    let (value, decoded) = (
+        &truth.values[PARAMETERS - 1],
+        ours.decoded_one_by_one_per_s2,
+    );
+    let ulp = |ours: f64| near(&(big(ours) - value)).abs() / last_place(near(value));
+    Row::new(
+        "stiffness per mass, every candidate decoded, ulp",
+        ulp(decoded),
+        tolerance::IDENTIFIED_ULP[3],
+    )
+    .sides(near(value), decoded, "s^-2")
+    .judge();
+    eprintln!(
+        "k/m: {:e} ulp by interpolation, {:e} without",
+        ulp(*alone),
+        ulp(decoded)
+    );
+    // Negative controls: the same record's mean in 24 bits, and in 53 from the first sample to the last without an origin.
+    let voltage_v = || recorded.at_rest_v.iter().map(|row| row[0]);
+    let count = recorded.at_rest_v.len() as f64;
+    let off = |mean: f64| near(&(big(mean) - &truth.values[0])).abs() / last_place(mean);
+    let single = f64::from(voltage_v().map(|u| u as f32).sum::<f32>() / count as f32);
     fails_clearly(
-        "zero drift, a plain sum, ulp",
-        error / last_place(naive),
+        "zero drift in single precision, ulp",
+        off(single),
         tolerance::IDENTIFIED_ULP[0],
     );
+    Row::new(
+        "zero drift by a plain sum, ulp",
+        off(voltage_v().sum::<f64>() / count),
+        tolerance::IDENTIFIED_ULP[0],
+    )
+    .control(1.0)
+    .judge();
 }

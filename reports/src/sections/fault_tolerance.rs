@@ -7,9 +7,7 @@ mod watched;
 
 use anyhow::Result;
 use sixaxis_page::{Section, Text};
-use sixaxis_props::results::{
-    Detection, DyingLimb, FailedLimbs, Published, WatchedLaboratories,
-};
+use sixaxis_props::results::{Detection, DyingLimb, FailedLimbs, Published, WatchedLaboratories};
 
 /// The section.
 ///

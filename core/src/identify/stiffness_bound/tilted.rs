@@ -36,10 +36,7 @@ fn stacked(force: DVec3, torque: DVec3) -> Vector6<f64> {
 }
 
 fn parts(v: &Vector6<f64>) -> [DVec3; 2] {
-    [
-        DVec3::new(v[0], v[1], v[2]),
-        DVec3::new(v[3], v[4], v[5]),
-    ]
+    [DVec3::new(v[0], v[1], v[2]), DVec3::new(v[3], v[4], v[5])]
 }
 
 impl LinearSensor {
@@ -60,7 +57,12 @@ impl LinearSensor {
     ) -> Result<Response> {
         let linear = self.response(excitation)?;
         let omega = TAU * excitation.frequency_hz;
-        require(omega > 0.0, "frequency_hz", excitation.frequency_hz, "positive")?;
+        require(
+            omega > 0.0,
+            "frequency_hz",
+            excitation.frequency_hz,
+            "positive",
+        )?;
         let axis = excitation.angular_shell_rad_s2;
         let across = gravity_shell_m_s2.cross(axis).length();
         let along = gravity_shell_m_s2.length() * axis.length();
@@ -114,9 +116,13 @@ impl LinearSensor {
         Instant {
             w: b * (-cos / omega),
             w_dot: b * sin,
-            load: stacked(a * sin - gravity_shell_m_s2, euler * sin + centrifugal * (cos * cos)),
+            load: stacked(
+                a * sin - gravity_shell_m_s2,
+                euler * sin + centrifugal * (cos * cos),
+            ),
             load_slope: stacked(a * cos, euler * cos - centrifugal * (2.0 * sin * cos)) * omega,
-            centrifugal_curvature: stacked(DVec3::ZERO, centrifugal) * (-2.0 * omega * omega * twice),
+            centrifugal_curvature: stacked(DVec3::ZERO, centrifugal)
+                * (-2.0 * omega * omega * twice),
         }
     }
 
@@ -149,8 +155,8 @@ impl LinearSensor {
             let swung = phi.cross(t);
             let p = r + swung;
             let along = e.dot(p);
-            second[limb] =
-                0.5 * e.dot(phi.cross(swung)) + (p.length_squared() - along * along) / (2.0 * length);
+            second[limb] = 0.5 * e.dot(phi.cross(swung))
+                + (p.length_squared() - along * along) / (2.0 * length);
             let tilt = (p - e * along) / length;
             unbalanced += stacked(tilt, (swung.cross(e) + t.cross(tilt)) / n) * rigid[limb];
         }

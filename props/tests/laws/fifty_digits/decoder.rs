@@ -52,7 +52,9 @@ impl Drawing {
         };
         let directions =
             Geometry::directions_shell().map(|direction| Vector::new(direction.to_array()));
-        let ends = geometry.mass_hinges_m().map(|end| Vector::new(end.to_array()));
+        let ends = geometry
+            .mass_hinges_m()
+            .map(|end| Vector::new(end.to_array()));
         let nodes: [&Vector; 3] = core::array::from_fn(|node| &ends[node * AT_A_NODE]);
         let third = big(1.0) / big(3.0);
         let middle = &(&(nodes[0] + nodes[1]) + nodes[2]) * &third;
@@ -131,9 +133,8 @@ impl Drawing {
     /// Vector along each displaced limb, m, and the displacement of its end.
     fn displaced(&self, pose: &Pose) -> [(Vector, Vector); LIMBS] {
         let turn = Turn::by(pose.rotation.clone());
-        let nodes: [Vector; 3] = core::array::from_fn(|node| {
-            &pose.position + &turn.added(&self.ends[node * AT_A_NODE])
-        });
+        let nodes: [Vector; 3] =
+            core::array::from_fn(|node| &pose.position + &turn.added(&self.ends[node * AT_A_NODE]));
         core::array::from_fn(|limb| {
             let p = &nodes[limb / AT_A_NODE];
             (&(&self.directions[limb] * &self.length) + p, p.clone())
@@ -333,7 +334,8 @@ impl Decoder {
         };
         let stepped = slope(&total);
         let rate = &mass.turned(&total) - &relative.rate;
-        let derivative = &(&mass.turned(&stepped) - &relative.angular) - &rate.cross(&relative.rate);
+        let derivative =
+            &(&mass.turned(&stepped) - &relative.angular) - &rate.cross(&relative.rate);
         // (9): Hermite's quadrature of the rate and the first commutator of the Magnus series.
         let attitude = match &self.last {
             None => Matrix([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(Vector::new)),

@@ -143,7 +143,9 @@ impl Matrix {
     pub fn inverse(&self) -> Self {
         let rows: Vec<Vec<Big>> = self.0.iter().map(|row| row.0.to_vec()).collect();
         Self::of_columns(core::array::from_fn(|axis| {
-            let unit = (0..3).map(|i| big(f64::from(u8::from(i == axis)))).collect();
+            let unit = (0..3)
+                .map(|i| big(f64::from(u8::from(i == axis))))
+                .collect();
             let column = solve(rows.clone(), unit);
             Vector(core::array::from_fn(|i| column[i].clone()))
         }))
@@ -155,7 +157,11 @@ pub fn solve(mut rows: Vec<Vec<Big>>, mut right: Vec<Big>) -> Vec<Big> {
     let size = rows.len();
     for pivot in 0..size {
         let largest = (pivot..size)
-            .max_by(|&a, &b| near(&rows[a][pivot]).abs().total_cmp(&near(&rows[b][pivot]).abs()))
+            .max_by(|&a, &b| {
+                near(&rows[a][pivot])
+                    .abs()
+                    .total_cmp(&near(&rows[b][pivot]).abs())
+            })
             .expect("a row");
         rows.swap(pivot, largest);
         right.swap(pivot, largest);

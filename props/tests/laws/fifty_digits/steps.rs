@@ -3,7 +3,7 @@
 use glam::DVec3;
 use sixaxis_core::identify::inertia::InertiaIdentification;
 use sixaxis_core::identify::scale::ScaleIdentification;
-use sixaxis_core::identify::stiffness::{judge, paper_grid};
+use sixaxis_core::identify::stiffness::{judge, paper_grid, rate_norm_sum};
 use sixaxis_core::identify::stiffness_search::{Trial, rate_norm_sums};
 use sixaxis_core::identify::zero_drift;
 use sixaxis_core::paper::signal::SignalChain;
@@ -31,6 +31,8 @@ pub struct Recorded {
 pub struct Found<T> {
     pub values: [T; PARAMETERS],
     pub grid_minimum_per_s2: f64,
+    /// k/m of three candidates about it, each decoded by itself.
+    pub decoded_one_by_one_per_s2: f64,
 }
 
 /// With core.
@@ -56,7 +58,9 @@ pub fn by_core(recorded: &Recorded) -> Found<f64> {
         let chain = SignalChain::new(&sensor.gains, &parameters);
         for (voltage_v, rate, derivative) in rows {
             let force = chain.force_per_mass_m_s2(voltage_v);
-            inertia.push(&force, *rate, *derivative).expect("finite rows");
+            inertia
+                .push(&force, *rate, *derivative)
+                .expect("finite rows");
         }
     }
     let inertia = inertia.solve().expect("three axes");
@@ -72,10 +76,25 @@ pub fn by_core(recorded: &Recorded) -> Found<f64> {
     let means = norms.sums.iter().map(|sum| sum / norms.samples as f64);
     let curve: Vec<(f64, f64)> = grid.iter().copied().zip(means).collect();
     let stiffness = judge(&curve).expect("a curve");
+    let about = grid
+        .iter()
+        .position(|k| *k == stiffness.grid_minimum_per_s2);
+    let about = about
+        .filter(|at| (1..grid.len() - 1).contains(at))
+        .expect("inside the grid");
+    let mut singly = Vec::new();
+    for &k in &grid[about - 1..=about + 1] {
+        parameters.stiffness_per_mass_per_s2 = k;
+        let (sum, count) =
+            rate_norm_sum(sensor, &parameters, settings, voltage_v).expect("sound samples");
+        singly.push((k, sum / count as f64));
+    }
+    let singly = judge(&singly).expect("a curve");
     parameters.stiffness_per_mass_per_s2 = stiffness.interpolated_per_s2;
     Found {
         values: parameters.to_paper_order(),
         grid_minimum_per_s2: stiffness.grid_minimum_per_s2,
+        decoded_one_by_one_per_s2: singly.interpolated_per_s2,
     }
 }
 
@@ -84,7 +103,10 @@ pub fn by_core(recorded: &Recorded) -> Found<f64> {
 pub fn in_fifty_digits(recorded: &Recorded, grid_minimum_per_s2: f64) -> Found<Big> {
     let count = big(recorded.at_rest_v.len() as f64);
     let drift: [Big; LIMBS] = core::array::from_fn(|i| {
-        let sum = recorded.at_rest_v.iter().fold(big(0.0), |sum, row| sum + big(row[i]));
+        let sum = recorded
+            .at_rest_v
+            .iter()
+            .fold(big(0.0), |sum, row| sum + big(row[i]));
         sum / &count
     });
     let measured = |sensor: &Sensor, voltage_v: &[f64; LIMBS], i: usize| {
@@ -126,8 +148,11 @@ pub fn in_fifty_digits(recorded: &Recorded, grid_minimum_per_s2: f64) -> Found<B
                 &times(&dw) + &w.cross(&times(&w))
             });
             for axis in 0..3 {
-                let row: Vec<(usize, Big)> =
-                    columns.iter().map(|c| c.0[axis].clone()).enumerate().collect();
+                let row: Vec<(usize, Big)> = columns
+                    .iter()
+                    .map(|c| c.0[axis].clone())
+                    .enumerate()
+                    .collect();
                 normal.push(&row, &torque.0[axis]);
             }
         }
@@ -149,8 +174,11 @@ pub fn in_fifty_digits(recorded: &Recorded, grid_minimum_per_s2: f64) -> Found<B
                 stiffness_per_mass_per_s2: k,
                 ..truth::identified_parameters()
             };
-            let mut decoder = Decoder::new(sensor, &parameters, settings)
-                .with(drift.clone(), scale.clone(), &inertia);
+            let mut decoder = Decoder::new(sensor, &parameters, settings).with(
+                drift.clone(),
+                scale.clone(),
+                &inertia,
+            );
             let (mut sum, mut count) = (big(0.0), 0);
             for answer in voltage_v.iter().filter_map(|row| decoder.push(row)) {
                 sum = sum + answer.rate.length();
@@ -175,6 +203,7 @@ pub fn in_fifty_digits(recorded: &Recorded, grid_minimum_per_s2: f64) -> Found<B
     Found {
         values: values.try_into().expect("25"),
         grid_minimum_per_s2,
+        decoded_one_by_one_per_s2: f64::NAN,
     }
 }
 

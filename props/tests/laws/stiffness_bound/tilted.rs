@@ -96,7 +96,9 @@ fn ref_tilted_limbs_are_mujocos() {
         let sensor = linear_sensor(&truth);
         let ours = |get: fn(&Response) -> [f64; LIMBS]| -> Vec<(f64, [f64; LIMBS])> {
             let tilted = |phase| sensor.tilted(&excitation, gravity, phase).expect("sound");
-            (theirs.iter()).map(|(phase, _)| (*phase, get(&tilted(*phase)))).collect()
+            (theirs.iter())
+                .map(|(phase, _)| (*phase, get(&tilted(*phase))))
+                .collect()
         };
         let (theirs, ours) = (
             harmonics(&theirs),
@@ -111,7 +113,10 @@ fn ref_tilted_limbs_are_mujocos() {
         )
         .case(format_args!("{mode:?}"))
         .judge();
-        let linear = sensor.response(&excitation).expect("sound").by_log_stiffness_m_s2;
+        let linear = sensor
+            .response(&excitation)
+            .expect("sound")
+            .by_log_stiffness_m_s2;
         let apart = largest((0..LIMBS).map(|i| linear[i] - theirs[0][i]));
         let missing = largest(theirs[1]);
         Row::new(
@@ -139,7 +144,10 @@ fn linear_trials(frequencies: usize) -> Vec<Trial> {
                     linear_shell_m_s2: *direction * (SLIDER_AMPLITUDE_M * omega2),
                     angular_shell_rad_s2: DVec3::ZERO,
                 };
-                (excitation, Mounting::AxisVertical.gravity_ground_m_s2(*direction))
+                (
+                    excitation,
+                    Mounting::AxisVertical.gravity_ground_m_s2(*direction),
+                )
             })
         })
         .collect()
@@ -149,7 +157,11 @@ fn linear_trials(frequencies: usize) -> Vec<Trial> {
 ///
 /// J^T f = load with f = -k dl(x) and J = d(dl)/dx at x, by differences; the mass's own acceleration is that of its first-order
 /// motion.
-fn exact(parameters: &Parameters, (excitation, gravity): &Trial, phase: f64) -> SVector<f64, LIMBS> {
+fn exact(
+    parameters: &Parameters,
+    (excitation, gravity): &Trial,
+    phase: f64,
+) -> SVector<f64, LIMBS> {
     /// Displacements that elongations are differenced over, m and rad.
     const STEP: f64 = 1e-7;
     const ITERATIONS: usize = 4;
@@ -166,7 +178,9 @@ fn exact(parameters: &Parameters, (excitation, gravity): &Trial, phase: f64) -> 
         }))
     };
     let at_rest = jacobian(&Vector6::zeros());
-    let inverse = (at_rest.transpose() * at_rest).try_inverse().expect("limbs that hold");
+    let inverse = (at_rest.transpose() * at_rest)
+        .try_inverse()
+        .expect("limbs that hold");
     let sin = phase.sin();
     let a = excitation.linear_shell_m_s2;
     let stacked = |v: DVec3| Vector6::new(v.x, v.y, v.z, 0.0, 0.0, 0.0);
@@ -198,11 +212,15 @@ fn shown(trials: &[Trial], x: &DVector<f64>) -> DVector<f64> {
     parameters.stiffness_per_mass_per_s2 *= x[0].exp();
     let rows = trials.iter().flat_map(|trial| {
         let phase = |i: usize| TAU * i as f64 / PHASES as f64;
-        let forces: Vec<_> = (0..PHASES).map(|i| exact(&parameters, trial, phase(i))).collect();
+        let forces: Vec<_> = (0..PHASES)
+            .map(|i| exact(&parameters, trial, phase(i)))
+            .collect();
         let mean = forces.iter().sum::<SVector<f64, LIMBS>>() / PHASES as f64;
         forces.into_iter().flat_map(move |f| {
             let f = f - mean;
-            (0..LIMBS).map(move |i| f[i] * (-x[1 + i]).exp()).collect::<Vec<_>>()
+            (0..LIMBS)
+                .map(move |i| f[i] * (-x[1 + i]).exp())
+                .collect::<Vec<_>>()
         })
     });
     DVector::from_vec(rows.collect())
@@ -211,7 +229,13 @@ fn shown(trials: &[Trial], x: &DVector<f64>) -> DVector<f64> {
 /// Noise of each trial, m/s^2: a share of the largest channel's amplitude.
 fn noise(sensor: &LinearSensor, trials: &[Trial], share: f64) -> Vec<f64> {
     let of = |(excitation, _): &Trial| {
-        share * largest(sensor.response(excitation).expect("sound").force_per_mass_m_s2)
+        share
+            * largest(
+                sensor
+                    .response(excitation)
+                    .expect("sound")
+                    .force_per_mass_m_s2,
+            )
     };
     trials.iter().map(of).collect()
 }
@@ -259,7 +283,9 @@ fn ref_the_tilted_bound_is_that_of_an_exact_equilibrium() {
         let noise = noise(&sensor, &trials, share);
         let [ours, linear] = bound(&sensor, &trials, &noise, SAMPLES);
         let regressor = regressor(&trials, &noise);
-        let inverse = regressor.pseudo_inverse(f64::EPSILON).expect("the iteration ends");
+        let inverse = regressor
+            .pseudo_inverse(f64::EPSILON)
+            .expect("the iteration ends");
         let theirs = inverse.row(0).norm() * (PHASES as f64 / SAMPLES as f64).sqrt();
         eprintln!("{what}: {ours} by core, {theirs} by differences, {linear} in linear theory");
         Row::new(
@@ -289,7 +315,9 @@ fn stat_the_tilted_bound_is_attained() {
     let trials = linear_trials(2);
     let noise = noise(&sensor, &trials, SHARE);
     let [bound, _] = bound(&sensor, &trials, &noise, SAMPLES);
-    let inverse = regressor(&trials, &noise).pseudo_inverse(f64::EPSILON).expect("the iteration ends");
+    let inverse = regressor(&trials, &noise)
+        .pseudo_inverse(f64::EPSILON)
+        .expect("the iteration ends");
     let mut rng = Pcg64::seed_from_u64(seed());
     let mut squares = 0.0;
     for _ in 0..DRAWS {

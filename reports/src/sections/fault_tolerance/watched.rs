@@ -48,9 +48,7 @@ fn corners(d: &WatchedLaboratories) -> Table {
         .col("alarms", |c| count(c.total.alarms))
         .col("an hour", |c| significant(c.total.per_hour, 2))
         .col(("95 %", "Poisson"), |c| interval(&c.total))
-        .col(("answers flagged", "%"), |c| {
-            percent(c.total.flagged_share, 2)
-        })
+        .col("answers flagged", |c| percent(c.total.flagged_share, 2))
         .into()
 }
 
@@ -77,13 +75,15 @@ fn courses(d: &WatchedLaboratories) -> Table {
         Course::Shaken => "tumble, shaken",
     };
     let shipped = d.corners.first().map_or(&[][..], |c| &c.courses);
-    Table::of("motion", shipped, |w| w.course.map_or("all", names).to_owned())
-        .col("recordings", |w| count(w.recordings))
-        .col("with an alarm", |w| count(w.recordings_with_alarm))
-        .col("hours", |w| fixed(w.hours, 1))
-        .col("alarms", |w| count(w.alarms))
-        .col("an hour", |w| significant(w.per_hour, 2))
-        .col(("95 %", "Poisson"), |w| interval(w))
-        .col(("answers flagged", "%"), |w| percent(w.flagged_share, 2))
-        .into()
+    Table::of("motion", shipped, |w| {
+        w.course.map_or("all", names).to_owned()
+    })
+    .col("recordings", |w| count(w.recordings))
+    .col("with an alarm", |w| count(w.recordings_with_alarm))
+    .col("hours", |w| fixed(w.hours, 1))
+    .col("alarms", |w| count(w.alarms))
+    .col("an hour", |w| significant(w.per_hour, 2))
+    .col(("95 %", "Poisson"), |w| interval(w))
+    .col("answers flagged", |w| percent(w.flagged_share, 2))
+    .into()
 }

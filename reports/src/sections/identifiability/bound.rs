@@ -24,9 +24,18 @@ pub fn fill(text: Text, study: &BoundStudy) -> Text {
         bands.find(|band| band.to_hz == to_hz).map_or(f64::NAN, of)
     };
     text.value("bound", study)
-        .value("paper_band", band(PAPER_HZ.1, |b| b.tilted_three_directions))
-        .value("paper_linear_motion", band(PAPER_HZ.1, |b| b.tilted_linear_motion))
-        .value("paper_linear_theory", band(PAPER_HZ.1, |b| b.three_directions))
+        .value(
+            "paper_band",
+            band(PAPER_HZ.1, |b| b.tilted_three_directions),
+        )
+        .value(
+            "paper_linear_motion",
+            band(PAPER_HZ.1, |b| b.tilted_linear_motion),
+        )
+        .value(
+            "paper_linear_theory",
+            band(PAPER_HZ.1, |b| b.three_directions),
+        )
         .value("fast_band", band(500.0, |b| b.tilted_three_directions))
         .value("quiet", NOISE_60_DB / study.noise_over_largest)
         .figure(figure(study))
@@ -48,11 +57,7 @@ fn figure(study: &BoundStudy) -> Figure {
         1,
         over(|b| b.three_directions),
     )
-    .dashed(
-        "the same, scale factors known",
-        3,
-        over(|b| b.scale_known),
-    )
+    .dashed("the same, scale factors known", 3, over(|b| b.scale_known))
     .dashed(
         "the same, all but k/m known",
         NEUTRAL,
@@ -74,9 +79,10 @@ fn table(study: &BoundStudy) -> Table {
     })
     .col("three directions", |b| small(b.tilted_three_directions))
     .col("six directions", |b| small(b.tilted_six_directions))
-    .col(("three directions", "linear motion alone, I/m known"), |b| {
-        small(b.tilted_linear_motion)
-    })
+    .col(
+        ("three directions", "linear motion alone, I/m known"),
+        |b| small(b.tilted_linear_motion),
+    )
     .col(("three directions", "linear theory"), |b| {
         small(b.three_directions)
     })
