@@ -167,9 +167,9 @@ pub fn solve(mut rows: Vec<Vec<Big>>, mut right: Vec<Big>) -> Vec<Big> {
         right.swap(pivot, largest);
         for row in pivot + 1..size {
             let factor = &rows[row][pivot] / &rows[pivot][pivot];
-            for column in pivot..size {
-                let taken = &factor * &rows[pivot][column];
-                rows[row][column] = &rows[row][column] - &taken;
+            let (above, below) = rows.split_at_mut(row);
+            for (value, other) in below[0].iter_mut().zip(&above[pivot]).skip(pivot) {
+                *value -= &factor * other;
             }
             right[row] = &right[row] - &(&factor * &right[pivot]);
         }

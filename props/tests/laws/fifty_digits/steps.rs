@@ -14,15 +14,20 @@ use sixaxis_props::truth;
 use super::decoder::{Decoder, Drawing};
 use super::number::{Big, Normal, Vector, big, near};
 
+/// Voltages, V, and the shell's acceleration, m/s^2.
+pub type Linear = ([f64; LIMBS], DVec3);
+/// Voltages, V, rate, rad/s, and its derivative, rad/s^2.
+pub type Angular = ([f64; LIMBS], DVec3, DVec3);
+
 /// What a laboratory has recorded.
 #[derive(Clone)]
 pub struct Recorded {
     /// Nine voltages at rest, V.
     pub at_rest_v: Vec<[f64; LIMBS]>,
     /// Pure linear motion: the sensor with its ranges, voltages, V, and the shell's acceleration, m/s^2.
-    pub linear: Vec<(Sensor, Vec<([f64; LIMBS], DVec3)>)>,
+    pub linear: Vec<(Sensor, Vec<Linear>)>,
     /// Pure angular motion: the same with rate, rad/s, and its derivative, rad/s^2.
-    pub angular: Vec<(Sensor, Vec<([f64; LIMBS], DVec3, DVec3)>)>,
+    pub angular: Vec<(Sensor, Vec<Angular>)>,
     /// Pure linear motion above the threshold.
     pub fast: (Sensor, Settings, Vec<[f64; LIMBS]>),
 }
@@ -181,7 +186,7 @@ pub fn in_fifty_digits(recorded: &Recorded, grid_minimum_per_s2: f64) -> Found<B
             );
             let (mut sum, mut count) = (big(0.0), 0);
             for answer in voltage_v.iter().filter_map(|row| decoder.push(row)) {
-                sum = sum + answer.rate.length();
+                sum += answer.rate.length();
                 count += 1;
             }
             let mean = sum / big(f64::from(count));
