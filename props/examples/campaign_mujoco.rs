@@ -14,7 +14,7 @@ const PLAN: &str = include_str!("../results/campaign_mujoco.toml");
 
 fn main() -> ExitCode {
     let seeds = Seeds {
-        first: 700_001,
+        first: 710_001,
         count: 100,
         sample: 1,
     };

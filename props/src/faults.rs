@@ -5,8 +5,10 @@
 //! the nine elongations of a pose are exact. So the rows are held to second order, and truth needs no simulator.
 
 pub mod dying;
+pub mod laboratories;
 pub mod null;
 pub mod tally;
+pub mod watched;
 
 use core::f64::consts::TAU;
 

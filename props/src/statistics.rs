@@ -3,6 +3,7 @@
 use glam::DVec3;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
+use sixaxis_core::significance::chi_square_limit;
 
 /// Three independent numbers of unit variance.
 pub fn normal(rng: &mut Pcg64) -> DVec3 {
@@ -27,4 +28,37 @@ fn chi_square_interval(degrees_of_freedom: usize, z: f64) -> (f64, f64) {
 pub fn chi_square_departure(value: f64, degrees_of_freedom: usize) -> f64 {
     let (low, high) = chi_square_interval(degrees_of_freedom, ONE_IN_A_MILLION);
     (value - 0.5 * (low + high)).abs() / (0.5 * (high - low))
+}
+
+/// Ends of the exact two-sided interval, of the given confidence, for the mean of a Poisson variable of which `count` was seen
+/// (Garwood): halves of chi-square quantiles with twice the count, and two more above, degrees of freedom.
+///
+/// # Panics
+/// For a confidence that is not between 0 and 1.
+#[must_use]
+pub fn poisson_interval(count: u64, confidence: f64) -> [f64; 2] {
+    let beyond = 0.5 * (1.0 - confidence);
+    let half = |tail: f64, freedom: u64| {
+        0.5 * chi_square_limit(tail, freedom as usize).expect("a probability")
+    };
+    let low = match count {
+        0 => 0.0,
+        _ => half(1.0 - beyond, 2 * count),
+    };
+    [low, half(beyond, 2 * count + 2)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn poisson_intervals_are_those_of_the_tables() {
+        // Garwood 1936: 95 % of 0, 1 and 10.
+        for (count, low, high) in [(0, 0.0, 3.6889), (1, 0.0253, 5.5716), (10, 4.7954, 18.3904)] {
+            let [l, h] = poisson_interval(count, 0.95);
+            let near = |a: f64, b: f64| (a - b).abs() < 1e-4;
+            assert!(near(l, low) && near(h, high), "{count}: {l} {h}");
+        }
+    }
 }

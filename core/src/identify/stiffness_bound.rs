@@ -22,13 +22,17 @@
 //! # The bound
 //! Nine channels with white noise of standard deviation sigma in f/m, N samples over whole periods: a trial adds
 //! N / (2 sigma^2) D^T D to the information, where the columns of D are the derivatives above. The inverse's diagonal
-//! bounds every unbiased estimate. The shell's motion counts as known exactly, zero drift costs nothing (it is at
-//! another frequency), there is no damping: reality is worse. What linear theory leaves out on the other side is the tilt of
-//! loaded limbs, a share a/(L k/m) of the signals, quadratic in the motion: at 5 Hz and 9 g 3.6 times w^2/(k/m), so that the
-//! bound there is no better than an order of magnitude; at one acceleration it falls behind with the square of the
-//! frequency, to a thirtieth at 50 Hz.
+//! bounds every unbiased estimate. The shell's motion counts as known exactly, there is no damping: reality is worse.
+//!
+//! # Limbs that tilt
+//! Linear theory leaves out the tilt of loaded limbs, a share a/(L k/m) of the signals, quadratic in the motion: at 5 Hz and 9 g
+//! 3.6 times w^2/(k/m), and at twice the frequency, where it is not taken for anything else. The linear figure is therefore no
+//! bound there: an estimate that looks at the second harmonic does better ([`tilted`], [`Information::push_trial`]; drifts are
+//! unknown with it). At one acceleration tilt falls behind with the square of the frequency, to a thirtieth at 50 Hz.
 
-use glam::DVec3;
+mod tilted;
+
+use glam::{DMat3, DVec3};
 use nalgebra::{Cholesky, Matrix6, SMatrix, Vector6};
 
 use super::bias::limb_jacobian;
@@ -42,14 +46,18 @@ pub const UNKNOWNS: usize = 1 + LIMBS + INERTIAS;
 const INERTIAS: usize = 6;
 const TAU: f64 = 2.0 * core::f64::consts::PI;
 
-/// The sensor as a linear system: no damping, small motion, no gravity.
+/// The sensor without damping: as a linear system in small motion without gravity ([`Self::response`]), and with the tilt of its
+/// limbs ([`Self::tilted`]).
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearSensor {
+    geometry: Geometry,
     /// Rows (e_i, t_i x e_i / n): lengths in half edges n of the mass keep forces and torques of one size.
     jacobian: SMatrix<f64, LIMBS, 6>,
     normal: Matrix6<f64>,
+    /// Its inverse.
+    inverse: Matrix6<f64>,
     mass: Matrix6<f64>,
-    half_edge_m: f64,
+    tensor_m2: DMat3,
     compliance_s2: f64,
 }
 
@@ -64,7 +72,8 @@ pub struct Excitation {
     pub angular_shell_rad_s2: DVec3,
 }
 
-/// Amplitudes of nine forces and what moves them. Without damping all are in phase with the shell's acceleration.
+/// Amplitudes of nine forces, or the forces of one instant, and what moves them. Without damping all are in phase with the
+/// shell's acceleration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Response {
     /// f_i/m, positive in compression, m/s^2.
@@ -102,11 +111,17 @@ impl LinearSensor {
         for axis in 0..3 {
             mass[(axis, axis)] = 1.0;
         }
+        let normal = jacobian.transpose() * jacobian;
         Ok(Self {
-            normal: jacobian.transpose() * jacobian,
+            geometry: *geometry,
+            inverse: normal.try_inverse().ok_or(Error::NotConverged {
+                what: "inverse of J^T J",
+                iterations: 0,
+            })?,
+            normal,
             jacobian,
             mass,
-            half_edge_m,
+            tensor_m2: inertia_per_mass.matrix_mass_m2(),
             compliance_s2,
         })
     }
@@ -140,7 +155,7 @@ impl LinearSensor {
                 frequency_hz,
                 "not negative and below the sensor's lowest mode",
             ))?;
-        let n = self.half_edge_m;
+        let n = self.geometry.half_edge_m;
         let shell = Vector6::new(a.x, a.y, a.z, alpha.x * n, alpha.y * n, alpha.z * n);
         let load = dynamic.solve(&(self.mass * shell));
         let moved = dynamic.solve(&(self.mass * load));
@@ -212,23 +227,59 @@ impl Information {
     /// # Errors
     /// [`Error::OutOfRange`] for noise that is not positive and finite.
     pub fn push(&mut self, response: &Response, noise_m_s2: f64, samples: usize) -> Result<()> {
-        let weight = 0.5 * samples as f64 / (noise_m_s2 * noise_m_s2);
-        require(
-            noise_m_s2 > 0.0 && noise_m_s2.is_finite() && weight.is_finite(),
-            "noise_m_s2",
-            noise_m_s2,
-            "positive and finite, and its square, too",
-        )?;
+        // The mean square of a sine is a half.
+        let weight = 0.5 * samples as f64 / square(noise_m_s2)?;
         for channel in 0..LIMBS {
-            let mut row = SMatrix::<f64, UNKNOWNS, 1>::zeros();
-            row[0] = response.by_log_stiffness_m_s2[channel];
-            row[1 + channel] = -response.force_per_mass_m_s2[channel];
-            for (entry, by) in response.by_inertia.iter().enumerate() {
-                row[1 + LIMBS + entry] = by[channel] * self.inertia_size_m2;
-            }
+            let row = self.row(response, channel);
             self.matrix += row * row.transpose() * weight;
         }
         Ok(())
+    }
+
+    /// Adds a trial of `samples` samples over whole periods from its forces at evenly spaced phases of one period
+    /// ([`LinearSensor::tilted`]), with nine zero drifts of the trial's own unknown, too.
+    ///
+    /// # Errors
+    /// As [`Self::push`]; [`Error::TooFewSamples`] below five phases, which do not tell the second harmonic from a constant.
+    pub fn push_trial(
+        &mut self,
+        phases: &[Response],
+        noise_m_s2: f64,
+        samples: usize,
+    ) -> Result<()> {
+        const FEWEST: usize = 5;
+        let count = phases.len();
+        if count < FEWEST {
+            return Err(Error::TooFewSamples {
+                what: "phases of a period",
+                needed: FEWEST,
+                got: count,
+            });
+        }
+        let weight = samples as f64 / (count as f64 * square(noise_m_s2)?);
+        for channel in 0..LIMBS {
+            let rows = || phases.iter().map(|phase| self.row(phase, channel));
+            let sum = rows().fold(SMatrix::<f64, UNKNOWNS, 1>::zeros(), |sum, row| sum + row);
+            let mean = sum / count as f64;
+            let information = rows().fold(SMatrix::zeros(), |sum, row| {
+                // An unknown constant takes the mean.
+                let row = row - mean;
+                sum + row * row.transpose()
+            });
+            self.matrix += information * weight;
+        }
+        Ok(())
+    }
+
+    /// Derivatives of one channel by all unknowns.
+    fn row(&self, response: &Response, channel: usize) -> SMatrix<f64, UNKNOWNS, 1> {
+        let mut row = SMatrix::zeros();
+        row[0] = response.by_log_stiffness_m_s2[channel];
+        row[1 + channel] = -response.force_per_mass_m_s2[channel];
+        for (entry, by) in response.by_inertia.iter().enumerate() {
+            row[1 + LIMBS + entry] = by[channel] * self.inertia_size_m2;
+        }
+        row
     }
 
     /// The bounds on ln(k/m).
@@ -242,6 +293,14 @@ impl Information {
             scale_known: 1.0 / sqrt(self.left_of_first(|unknown| unknown > LIMBS)?),
             all_else_known: 1.0 / sqrt(alone),
         })
+    }
+
+    /// The bound on ln(k/m) together with nine scale factors, the inertias known: linear motion alone does not show them.
+    ///
+    /// # Errors
+    /// As [`Self::bound`].
+    pub fn bound_with_inertia_known(&self) -> Result<f64> {
+        Ok(1.0 / sqrt(self.left_of_first(|unknown| unknown <= LIMBS)?))
     }
 
     /// Information on the first unknown that is left when those others that are `open` are unknown: the square of the
@@ -273,6 +332,17 @@ impl Information {
             lost_direction,
         })
     }
+}
+
+fn square(noise_m_s2: f64) -> Result<f64> {
+    let square = noise_m_s2 * noise_m_s2;
+    require(
+        noise_m_s2 > 0.0 && square.is_normal(),
+        "noise_m_s2",
+        noise_m_s2,
+        "positive and finite, and its square, too",
+    )?;
+    Ok(square)
 }
 
 /// Share of the information on k/m, left after all other unknowns, that is no more than rounding.

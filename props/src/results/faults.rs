@@ -1,9 +1,14 @@
 //! Failed limbs: detected, excluded, and dying in mid-motion.
 
-use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
+use serde::{Deserialize, Serialize};
+use sixaxis_calibration::report::Grade;
+
+pub use crate::faults::laboratories::{Corner, Course};
 pub use crate::faults::null::{Curve, FalseAlarms};
 pub use crate::faults::tally::{Counts, OfClass, Tally as FaultTally, WITHIN};
+pub use crate::faults::watched::Watched;
 
 /// False alarms, detection, isolation and naming of failed limbs.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -26,6 +31,53 @@ pub struct Detection {
     pub classes: Vec<OfClass>,
     /// Operating curves.
     pub curves: Vec<Curve>,
+}
+
+/// False alarms of `decouple --watch` on healthy laboratories.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct WatchedLaboratories {
+    /// First of the seeds.
+    pub first_seed: u64,
+    /// Laboratories that were played, as many again with equal limbs.
+    pub laboratories: u64,
+    /// Samples per second.
+    pub sample_rate_hz: f64,
+    /// Rate of false alarms that is asked for: the command's default.
+    pub false_alarms_per_hour: f64,
+    /// Length of one recording, s.
+    pub recording_s: f64,
+    /// Crank frequencies of the rig, from and to, Hz.
+    pub rig_hz: (f64, f64),
+    /// Largest error of a wedge, degrees.
+    pub wedge_error_deg: f64,
+    /// Standard deviation of the limbs' stiffnesses about their mean, relative, where they are not equal.
+    pub stiffness_spread: f64,
+    /// Each corner.
+    pub corners: Vec<WatchedCorner>,
+}
+
+/// The laboratories of one corner.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct WatchedCorner {
+    /// In which respects they are better than real ones.
+    pub corner: Corner,
+    /// Calibrations of each grade. Those that are not good are not watched.
+    pub grades: BTreeMap<String, usize>,
+    /// All recordings.
+    pub total: Watched,
+    /// Those of each course of motion.
+    pub courses: Vec<Watched>,
+}
+
+impl WatchedCorner {
+    /// Counts grades by their words.
+    #[must_use]
+    pub fn grades(grades: &[Grade]) -> BTreeMap<String, usize> {
+        grades.iter().fold(BTreeMap::new(), |mut counts, grade| {
+            *counts.entry(grade.word().to_owned()).or_default() += 1;
+            counts
+        })
+    }
 }
 
 /// A limb that dies in mid-motion. Histories hold one point for a stretch of samples.

@@ -112,6 +112,7 @@ studies!(
     Propagation = "propagation" by "props" from [],
     SelfCalibration = "self_calibration" by "props" from [],
     Taps = "tap" by "props" from [],
+    WatchedLaboratories = "watch" by "props" from [],
 );
 
 impl Published for Speed {

@@ -166,3 +166,40 @@ pub const ANALOGUE_LAG: Tolerance =
     measured(1e-6, 1.6e-7, "the cubic between samples, at the ends");
 /// An analogue high-pass undone by the core's recursion, over the signal's peak.
 pub const UNDONE_ANALOGUE: Tolerance = measured(1e-6, 1.3e-7, "linear between samples, and cubic");
+/// Rounding of 10,000 decoded samples against fifty digits, units of the last place of the vector's peak: linear and angular
+/// acceleration, rate, attitude.
+pub const DECODED_ULP: [Tolerance; 4] = [
+    measured(2000.0, 478.0, "condition number 35"),
+    measured(2500.0, 630.0, "condition number 47"),
+    measured(240.0, 59.0, "condition number 14"),
+    measured(1500.0, 368.0, "of the whole of it, one"),
+];
+/// Rounding of the four steps against fifty digits, units of the last place of each parameter.
+pub const IDENTIFIED_ULP: [Tolerance; 4] = [
+    measured(2.0, 0.41, ""),
+    measured(40.0, 10.3, ""),
+    measured(
+        1200.0,
+        297.0,
+        "products of inertia, a thousandth of the moments",
+    ),
+    measured(
+        7e9,
+        1.72e9,
+        "4e-7 of k/m, to 1e-5 of it the same by both of core's searches: no rounding; its cause is open",
+    ),
+];
+/// d(f/m) / d ln(k/m) with tilted limbs at 5 Hz against MuJoCo, over the largest.
+pub const TILTED_BY_STIFFNESS: Tolerance = measured(
+    1.2e-3,
+    2.9e-4,
+    "harmonics that a cosine of twice the phase is not",
+);
+/// Bound of ln(k/m) with tilted limbs against differences of an exact equilibrium, relative.
+pub const TILTED_BOUND: Tolerance = measured(
+    2.5e-5,
+    6.3e-6,
+    "differences over a hundredth of m/k, and its second order",
+);
+/// By how many limits linear theory misses those forces.
+pub const NO_TILT: f64 = 100.0;

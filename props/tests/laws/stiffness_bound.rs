@@ -1,5 +1,8 @@
 //! What harmonic motion can say of k/m: the response against differences, statics and MuJoCo, the bound against estimates.
 
+#[path = "stiffness_bound/tilted.rs"]
+mod tilted;
+
 use glam::DVec3;
 use nalgebra::{DMatrix, DVector, Vector6};
 use proptest::prelude::*;

@@ -3,10 +3,11 @@
 mod detection;
 mod dying_limb;
 mod excluded;
+mod watched;
 
 use anyhow::Result;
 use sixaxis_page::{Section, Text};
-use sixaxis_props::results::{Detection, DyingLimb, FailedLimbs, Published};
+use sixaxis_props::results::{Detection, DyingLimb, FailedLimbs, Published, WatchedLaboratories};
 
 /// The section.
 ///
@@ -16,6 +17,7 @@ pub fn section() -> Result<Section> {
     let mut text = Text::new(include_str!("fault_tolerance.md"));
     text = excluded::fill(text, &FailedLimbs::embedded()?);
     text = detection::fill(text, &Detection::embedded()?);
+    text = watched::fill(text, &WatchedLaboratories::embedded()?);
     text = dying_limb::fill(text, &DyingLimb::embedded()?);
     text.section("fault-tolerance")
 }

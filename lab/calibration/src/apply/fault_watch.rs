@@ -27,6 +27,8 @@ pub struct FaultWatch {
     stream: FaultTolerant<Vec<[f64; LIMBS]>>,
     /// Its messages, each with its sample.
     pub messages: Vec<String>,
+    /// Alarms that began an isolation, those among them that were dismissed without a message.
+    pub alarms: u64,
     samples: u64,
 }
 
@@ -71,6 +73,7 @@ impl FaultWatch {
         Ok(Self {
             stream,
             messages: Vec::new(),
+            alarms: 0,
             samples: 0,
         })
     }
@@ -92,6 +95,10 @@ impl FaultWatch {
         let text = match watched.event {
             Some(Event::Identified(verdict)) => Some(verdict.to_string()),
             Some(Event::Quiet) => Some("all nine have been quiet for long".to_owned()),
+            Some(Event::Alarm(_)) => {
+                self.alarms += 1;
+                None
+            }
             _ => None,
         };
         self.messages

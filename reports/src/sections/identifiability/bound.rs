@@ -19,15 +19,24 @@ const RATE_HZ: f64 = 10_000.0;
 
 /// Values, figure and table.
 pub fn fill(text: Text, study: &BoundStudy) -> Text {
-    let band = |to_hz: f64| {
+    let band = |to_hz: f64, of: fn(&BandBound) -> f64| {
         let mut bands = study.bands.iter();
-        bands
-            .find(|band| band.to_hz == to_hz)
-            .map_or(f64::NAN, |b| b.three_directions)
+        bands.find(|band| band.to_hz == to_hz).map_or(f64::NAN, of)
     };
     text.value("bound", study)
-        .value("paper_band", band(PAPER_HZ.1))
-        .value("fast_band", band(500.0))
+        .value(
+            "paper_band",
+            band(PAPER_HZ.1, |b| b.tilted_three_directions),
+        )
+        .value(
+            "paper_linear_motion",
+            band(PAPER_HZ.1, |b| b.tilted_linear_motion),
+        )
+        .value(
+            "paper_linear_theory",
+            band(PAPER_HZ.1, |b| b.three_directions),
+        )
+        .value("fast_band", band(500.0, |b| b.tilted_three_directions))
         .value("quiet", NOISE_60_DB / study.noise_over_largest)
         .figure(figure(study))
         .table("bound", table(study))
@@ -41,15 +50,16 @@ fn figure(study: &BoundStudy) -> Figure {
         Axis::log("upper end of the band", "Hz"),
         Axis::log("standard deviation of ln(k/m)", ""),
     )
-    .line("three directions", 0, over(|b| b.three_directions))
-    .line("six directions", 2, over(|b| b.six_directions))
+    .line("three directions", 0, over(|b| b.tilted_three_directions))
+    .line("six directions", 2, over(|b| b.tilted_six_directions))
     .dashed(
-        "three directions, scale factors known",
-        3,
-        over(|b| b.scale_known),
+        "three directions, linear theory",
+        1,
+        over(|b| b.three_directions),
     )
+    .dashed("the same, scale factors known", 3, over(|b| b.scale_known))
     .dashed(
-        "three directions, all but k/m known",
+        "the same, all but k/m known",
         NEUTRAL,
         over(|b| b.all_else_known),
     )
@@ -67,15 +77,26 @@ fn table(study: &BoundStudy) -> Table {
     Table::of("band", &study.bands, |b| {
         format!("{} to {} Hz", BAND * b.to_hz, b.to_hz)
     })
-    .col("three directions", |b| small(b.three_directions))
-    .col("six directions", |b| small(b.six_directions))
-    .col("scale factors known", |b| small(b.scale_known))
-    .col("all but k/m known", |b| small(b.all_else_known))
+    .col("three directions", |b| small(b.tilted_three_directions))
+    .col("six directions", |b| small(b.tilted_six_directions))
+    .col(
+        ("three directions", "linear motion alone, I/m known"),
+        |b| small(b.tilted_linear_motion),
+    )
+    .col(("three directions", "linear theory"), |b| {
+        small(b.three_directions)
+    })
+    .col(("scale factors known", "linear theory"), |b| {
+        small(b.scale_known)
+    })
+    .col(("all but k/m known", "linear theory"), |b| {
+        small(b.all_else_known)
+    })
     .col("three directions at 60 dB", |b| {
-        small(b.three_directions * NOISE_60_DB / study.noise_over_largest)
+        small(b.tilted_three_directions * NOISE_60_DB / study.noise_over_largest)
     })
     .col(("length of a trial for 1 %", "at 10 kHz"), |b| {
-        let samples = study.samples as f64 * (b.three_directions / WANTED).powi(2);
+        let samples = study.samples as f64 * (b.tilted_three_directions / WANTED).powi(2);
         duration(samples / RATE_HZ)
     })
     .into()

@@ -1,11 +1,14 @@
-//! What any method could know of k/m: the Cramer-Rao bound over the frequency of the excitation.
+//! What any method could know of k/m: the Cramer-Rao bound over the frequency of the excitation, with the limbs' tilt and in linear
+//! theory.
 
 use anyhow::Result;
 use core::f64::consts::TAU;
 use glam::DVec3;
-use sixaxis_core::identify::stiffness_bound::{Bound, Excitation, Information, LinearSensor};
-use sixaxis_core::{Geometry, Parameters};
-use sixaxis_reference::rig::run::WEDGES;
+use sixaxis_core::identify::stiffness_bound::{
+    Bound, Excitation, Information, LinearSensor, Response,
+};
+use sixaxis_core::{Geometry, LIMBS, Parameters};
+use sixaxis_reference::rig::run::{Mounting, WEDGES};
 use sixaxis_reference::rig::run::{ROTATION_AMPLITUDE_RAD, SLIDER_AMPLITUDE_M};
 
 use crate::study::results::identifiability::{BandBound, BoundStudy};
@@ -23,6 +26,8 @@ const NAMED_HZ: [f64; 4] = [5.0, 50.0, 500.0, 2000.0];
 /// Ends of the curve, Hz, and points a decade on it.
 const CURVE_HZ: (f64, f64) = (1.0, 2000.0);
 const POINTS_PER_DECADE: f64 = 10.0;
+/// Phases of a period that the tilted forces are taken at: they hold its second harmonic, and of the square of it the fourth.
+const PHASES: usize = 16;
 /// Highest frequency of the rig, Hz: from there on its largest acceleration, below it its stroke is the limit.
 const RIG_HZ: f64 = 5.0;
 
@@ -45,6 +50,19 @@ pub fn study(truth: &Parameters) -> Result<BoundStudy> {
             six_directions: band(&sensor, size_m2, to_hz, &WEDGES)?.all_unknown,
             scale_known: three.scale_known,
             all_else_known: three.all_else_known,
+            tilted_three_directions: tilted(&sensor, size_m2, trials(to_hz, &WEDGES[..3]))?
+                .bound()?
+                .all_unknown,
+            tilted_six_directions: tilted(&sensor, size_m2, trials(to_hz, &WEDGES))?
+                .bound()?
+                .all_unknown,
+            tilted_linear_motion: tilted(
+                &sensor,
+                size_m2,
+                trials(to_hz, &WEDGES[..3])
+                    .filter(|(excitation, _)| excitation.angular_shell_rad_s2 == DVec3::ZERO),
+            )?
+            .bound_with_inertia_known()?,
         })
     };
     let decades = (CURVE_HZ.1 / CURVE_HZ.0).log10();
@@ -63,30 +81,63 @@ pub fn study(truth: &Parameters) -> Result<BoundStudy> {
     })
 }
 
-/// The bound from linear and angular trials in one band.
+/// The bound from linear and angular trials in one band, in linear theory.
 fn band(sensor: &LinearSensor, size_m2: f64, to_hz: f64, directions: &[DVec3]) -> Result<Bound> {
     let mut information = Information::new(size_m2)?;
-    for step in 0..FREQUENCIES {
+    for (excitation, _) in trials(to_hz, directions) {
+        let response = sensor.response(&excitation)?;
+        let noise_m_s2 = NOISE_OVER_LARGEST * largest(&response.force_per_mass_m_s2);
+        information.push(&response, noise_m_s2, SAMPLES)?;
+    }
+    Ok(information.bound()?)
+}
+
+/// Information of trials with tilted limbs, centrifugal torque and gravity, and nine zero drifts of each trial unknown.
+fn tilted(
+    sensor: &LinearSensor,
+    size_m2: f64,
+    trials: impl Iterator<Item = (Excitation, DVec3)>,
+) -> Result<Information> {
+    let mut information = Information::new(size_m2)?;
+    for (excitation, gravity) in trials {
+        // The same noise: the amplifiers are set to the motion.
+        let noise_m_s2 =
+            NOISE_OVER_LARGEST * largest(&sensor.response(&excitation)?.force_per_mass_m_s2);
+        let phase = |i: usize| TAU * i as f64 / PHASES as f64;
+        let phases = (0..PHASES)
+            .map(|i| sensor.tilted(&excitation, gravity, phase(i)))
+            .collect::<sixaxis_core::Result<Vec<Response>>>()?;
+        information.push_trial(&phases, noise_m_s2, SAMPLES)?;
+    }
+    Ok(information)
+}
+
+/// Linear and angular trials of a band, each with gravity along its direction, as the rig hangs the sensor.
+fn trials(to_hz: f64, directions: &[DVec3]) -> impl Iterator<Item = (Excitation, DVec3)> {
+    (0..FREQUENCIES).flat_map(move |step| {
         let share = step as f64 / (FREQUENCIES - 1) as f64;
         let frequency_hz = to_hz * (BAND + (1.0 - BAND) * share);
         let omega2 = (TAU * frequency_hz.min(RIG_HZ)).powi(2);
-        for direction in directions {
+        directions.iter().flat_map(move |direction| {
             let along = direction.normalize() * omega2;
+            let gravity = Mounting::AxisVertical.gravity_ground_m_s2(*direction);
             let still = DVec3::ZERO;
-            for (linear, angular) in [
+            [
                 (along * SLIDER_AMPLITUDE_M, still),
                 (still, along * ROTATION_AMPLITUDE_RAD),
-            ] {
-                let response = sensor.response(&Excitation {
+            ]
+            .map(|(linear, angular)| {
+                let excitation = Excitation {
                     frequency_hz,
                     linear_shell_m_s2: linear,
                     angular_shell_rad_s2: angular,
-                })?;
-                let forces = response.force_per_mass_m_s2;
-                let largest = forces.iter().fold(0.0_f64, |a, f| a.max(f.abs()));
-                information.push(&response, NOISE_OVER_LARGEST * largest, SAMPLES)?;
-            }
-        }
-    }
-    Ok(information.bound()?)
+                };
+                (excitation, gravity)
+            })
+        })
+    })
+}
+
+fn largest(forces: &[f64; LIMBS]) -> f64 {
+    forces.iter().fold(0.0, |a, f| a.max(f.abs()))
 }

@@ -105,6 +105,12 @@ pub struct BandBound {
     pub scale_known: f64,
     /// Three directions, everything but k/m known.
     pub all_else_known: f64,
+    /// Three directions with the limbs' tilt, everything unknown, nine zero drifts a trial among it. The others: linear theory.
+    pub tilted_three_directions: f64,
+    /// Six directions, the same.
+    pub tilted_six_directions: f64,
+    /// Three directions with the limbs' tilt, linear motion alone, the inertias known.
+    pub tilted_linear_motion: f64,
 }
 
 /// What step 2's neglect does, measured and by first-order theory.

@@ -1,0 +1,110 @@
+//! What the fault monitor said of healthy laboratories, counted.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::laboratories::{Course, Recording};
+
+/// The verdict in a message of the monitor without limbs and samples; none of a message that is no verdict.
+#[must_use]
+pub fn verdict(message: &str) -> Option<&str> {
+    let (_, said) = message.split_once(": ")?;
+    let (said, _) = said.split_once(" since sample ")?;
+    Some(match said.starts_with("limb") {
+        true => said.rsplit_once(": ").map_or(said, |(_, kind)| kind),
+        false => said,
+    })
+}
+
+/// Counts over some of the recordings.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Watched {
+    /// The motion; all of them where there is none.
+    pub course: Option<Course>,
+    /// Recordings.
+    pub recordings: usize,
+    /// Recordings with an alarm.
+    pub recordings_with_alarm: usize,
+    /// Laboratories.
+    pub sessions: usize,
+    /// Laboratories with an alarm.
+    pub sessions_with_alarm: usize,
+    /// Hours watched.
+    pub hours: f64,
+    /// Alarms that began an isolation.
+    pub alarms: u64,
+    /// Alarms an hour.
+    pub per_hour: f64,
+    /// Ends of the exact 95 % interval of that for a Poisson process. Alarms come in clusters, a laboratory a cluster: it is a
+    /// lower limit of what chance may do.
+    pub per_hour_95: [f64; 2],
+    /// Share of the answers with a limb excluded or suspected.
+    pub flagged_share: f64,
+    /// Verdicts that were told, by what was said.
+    pub said: BTreeMap<String, u64>,
+}
+
+impl Watched {
+    /// Counts the recordings of a course, or of all.
+    #[must_use]
+    pub fn of(course: Option<Course>, recordings: &[&Recording], sample_rate_hz: f64) -> Self {
+        let asked = |r: &&&Recording| course.is_none_or(|course| r.course == course);
+        let chosen: Vec<&Recording> = recordings.iter().filter(asked).copied().collect();
+        let sum = |of: fn(&Recording) -> u64| chosen.iter().map(|r| of(r)).sum::<u64>();
+        let seeds = |of: fn(&&&Recording) -> bool| {
+            let mut seeds: Vec<u64> = chosen.iter().filter(of).map(|r| r.seed).collect();
+            seeds.dedup();
+            seeds.len()
+        };
+        let samples = sum(|r| r.samples);
+        let hours = samples as f64 / sample_rate_hz / 3600.0;
+        let alarms = sum(|r| r.alarms);
+        let mut said = BTreeMap::new();
+        for text in chosen.iter().flat_map(|r| &r.messages) {
+            if let Some(kind) = verdict(text) {
+                *said.entry(kind.to_owned()).or_default() += 1;
+            }
+        }
+        Self {
+            course,
+            recordings: chosen.len(),
+            recordings_with_alarm: chosen.iter().filter(|r| r.alarms > 0).count(),
+            sessions: seeds(|_| true),
+            sessions_with_alarm: seeds(|r| r.alarms > 0),
+            hours,
+            alarms,
+            per_hour: alarms as f64 / hours,
+            per_hour_95: crate::statistics::poisson_interval(alarms, 0.95).map(|n| n / hours),
+            flagged_share: sum(|r| r.flagged) as f64 / samples as f64,
+            said,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verdicts_are_read_off_messages() {
+        let read = |text: &str| verdict(text).map(str::to_owned);
+        let kind = |text: &str| Some(text.to_owned());
+        assert_eq!(
+            read("sample 9: limb 5: dead since sample 3 to 8"),
+            kind("dead")
+        );
+        assert_eq!(
+            read("sample 9: limb 2 or 4: its zero drifts since sample 1; forces cannot tell which"),
+            kind("its zero drifts")
+        );
+        assert_eq!(
+            read("sample 9: no limb by itself explains the rows since sample 1"),
+            kind("no limb by itself explains the rows")
+        );
+        assert_eq!(
+            read("sample 9: decoded without limb 5 from sample 0 on"),
+            None
+        );
+    }
+}
