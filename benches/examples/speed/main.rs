@@ -24,7 +24,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use sixaxis_core::Scheme;
-use sixaxis_props::results::{CoreSpeed, Instructions, Peers, Published, Speed, of_sources};
+use sixaxis_props::results::{CoreSpeed, Instructions, Peers, Published, Speed, of_timed};
 
 use length::{LONG_SCHEME, length};
 use precision::{validated, work_precision};
@@ -85,7 +85,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let core_changed = output("git", &["diff", "--quiet", "HEAD", "--", "core"]).is_none();
     // Before minutes of work, not after them.
     let peers = publish.then(|| peers(&commit, core_changed)).transpose()?;
-    let core_digest = of_sources(&workspace(), "core/src")?;
+    let core_digest = of_timed(&workspace())?;
     let effort = if quick { &QUICK } else { &FULL };
     let progress = Progress {
         shown: std::io::stderr().is_terminal(),

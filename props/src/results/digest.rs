@@ -22,22 +22,40 @@ pub fn of_bytes(bytes: impl IntoIterator<Item = u8>) -> String {
 /// # Errors
 /// If a source cannot be read.
 pub fn of_sources(root: &Path, source: &str) -> io::Result<String> {
-    let folder = root.join(source);
+    Ok(digest(files(&root.join(source))?))
+}
+
+/// Digest of what is timed: the core without `identify`, which is not, and without the unit tests at the end of a file.
+///
+/// # Errors
+/// If a source cannot be read.
+pub fn of_timed(root: &Path) -> io::Result<String> {
+    let mut files = files(&root.join("core/src"))?;
+    files.retain(|(name, _)| !name.starts_with("identify/"));
+    for (_, text) in &mut files {
+        if let Some(end) = text.find("\n#[cfg(test)]\nmod ") {
+            text.truncate(end);
+        }
+    }
+    Ok(digest(files))
+}
+
+/// Names, within the folder, and texts of the Rust files below it; of one file, if it is one.
+fn files(folder: &Path) -> io::Result<Vec<(String, String)>> {
     let mut paths = Vec::new();
     if folder.is_file() {
-        paths.push(folder.clone());
+        paths.push(folder.to_owned());
     } else {
-        sources(&folder, &mut paths)?;
+        sources(folder, &mut paths)?;
     }
-    let files: io::Result<Vec<_>> = paths
+    paths
         .iter()
         .map(|path| {
-            let inside = path.strip_prefix(&folder).unwrap_or(path);
+            let inside = path.strip_prefix(folder).unwrap_or(path);
             let name: Vec<_> = inside.iter().map(|part| part.to_string_lossy()).collect();
             Ok((name.join("/"), std::fs::read_to_string(path)?))
         })
-        .collect();
-    Ok(digest(files?))
+        .collect()
 }
 
 /// All Rust files below a folder.

@@ -21,7 +21,7 @@ pub use self::accuracy::*;
 pub use self::blind::*;
 pub use self::budget::*;
 pub use self::calibration::*;
-pub use self::digest::{of_bytes, of_sources};
+pub use self::digest::{of_bytes, of_sources, of_timed};
 pub use self::faults::*;
 pub use self::growth::*;
 pub use self::mujoco_campaign::*;
@@ -173,7 +173,7 @@ mod tests {
     #[test]
     fn the_published_speed_is_that_of_this_core() {
         let published = Speed::embedded().expect("published speed");
-        let now = of_sources(&workspace(), "core/src").expect("core's sources");
+        let now = of_timed(&workspace()).expect("core's sources");
         let (file, make) = (Speed::FILE, Speed::MAKE);
         assert_eq!(
             published.core_digest, now,

@@ -8,7 +8,7 @@ use sixaxis_core::Scheme;
 /// All of it.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Speed {
-    /// Digest of the code below `core/src`, [`of_sources`](super::of_sources).
+    /// Digest of the code that was timed, [`of_timed`](super::of_timed).
     pub core_digest: String,
     /// What the core takes.
     pub speed: CoreSpeed,
