@@ -33,7 +33,7 @@ pub fn of_timed(root: &Path) -> io::Result<String> {
     let mut files = files(&root.join("core/src"))?;
     files.retain(|(name, _)| !name.starts_with("identify/"));
     for (_, text) in &mut files {
-        if let Some(end) = text.find("\n#[cfg(test)]\nmod ") {
+        if let Some(end) = text.find("\nmod tests {") {
             text.truncate(end);
         }
     }
