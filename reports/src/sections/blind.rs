@@ -3,8 +3,8 @@
 use anyhow::Result;
 use sixaxis_page::number::{count, fixed, significant};
 use sixaxis_page::{Axis, Cell, Figure, Section, Table, Text};
-use sixaxis_props::blind::Cell as Corner;
 use sixaxis_props::blind::share::Share;
+use sixaxis_props::blind::{Cell as Corner, cause_of};
 use sixaxis_props::results::{Blind, BlindBin, BlindKind, BlindTally, Published};
 use sixaxis_reference::laboratory::room::Room;
 
@@ -29,9 +29,11 @@ pub fn section() -> Result<Section> {
         |tally| tally.false_good,
         f64::MIN_POSITIVE,
     );
+    let unnamed = p.kinds.iter().filter(|k| cause_of(k.kind).is_none());
     Text::new(include_str!("blind.md"))
         .value("p", p)
         .value("kinds", p.kinds.len())
+        .value("unnamed", unnamed.count())
         .value("false_good_of_good", p.false_good_of_good.value())
         .figure(good)
         .figure(false_good)
@@ -46,7 +48,7 @@ fn by_size(p: &Blind, id: &str, share: fn(&BlindTally) -> Share, least: f64) -> 
     let figure = Figure::new(
         id,
         "",
-        Axis::linear("seventh of the range, from small to large", "").range(0.5, 7.5),
+        Axis::linear("size: seventh of the range", "").range(0.5, 7.5),
         Axis::names("", names),
     );
     let mut above = f64::INFINITY;
