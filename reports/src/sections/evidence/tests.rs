@@ -57,12 +57,39 @@ fn html(section: &Section) -> String {
 fn without_rows_there_is_a_note() {
     let section = section(&[], None).expect("a section");
     assert!(
-        matches!(&section.blocks[..], [Block::Note(text)] if text.contains("cargo test --workspace"))
+        matches!(section.blocks.last(), Some(Block::Note(text)) if text.contains("cargo test --workspace"))
     );
     assert!(
         html(&super::section(&[], Some(&"line 7: <no row>")).expect("a section"))
             .contains("line 7: &lt;no row&gt;")
     );
+}
+
+#[test]
+fn rows_of_other_code_are_counted_and_not_shown() {
+    let others = Row {
+        commit: "0123456789ab".to_owned(),
+        ..row("s", "of another commit", 1.0, 1e-9)
+    };
+    let rows = [row("s", "of this commit", 1e-12, 1e-9), others];
+    let section = section(&rows, None).expect("a section");
+    assert!(section.lead.starts_with("One comparison, all within"));
+    let html = html(&section);
+    assert!(html.contains("1 rows are of other code (0123456789ab)"));
+    assert!(!html.contains("of another commit"));
+}
+
+#[test]
+fn the_loosest_limits_are_named_unless_they_are_asked_for() {
+    let mut rows = vec![row("s", "near", 1e-10, 1e-9), row("s", "far", 1e-14, 1e-9)];
+    rows.push(Row {
+        reason: "required: somebody asks for it".to_owned(),
+        ..row("s", "asked for", 1e-20, 1e-9)
+    });
+    let section = section(&rows, None).expect("a section");
+    let tables = tables(&section);
+    let names: Vec<_> = tables[1].rows.iter().map(|row| &row.header[..]).collect();
+    assert_eq!(names, ["far", "near"]);
 }
 
 #[test]
@@ -184,8 +211,8 @@ fn random_motions_come_first_and_once() {
     let curve = &figure.series[0].points;
     assert_eq!(curve.first().map(|p| p.1), Some(0.5));
     assert_eq!(curve.last().map(|p| p.1), Some(99.5));
-    // Beyond the limit, the motions, suite a; no table for suite b, which holds nothing else.
-    assert_eq!(tables(&section).len(), 3);
+    // Beyond the limit, the motions, suite a, the loosest, what is published; no table for suite b, which holds nothing else.
+    assert_eq!(tables(&section).len(), 5);
     assert!(!html(&section).contains("Errors of the suite b"));
 }
 
@@ -213,7 +240,7 @@ fn a_control_that_does_not_fail_is_beyond() {
     };
     let good = section_of(1e-6);
     assert!(good.lead.contains("2 negative controls") && good.lead.contains("all within"));
-    let [errors, controls] = tables(&good)[..] else {
+    let [errors, controls, _loosest, _published] = tables(&good)[..] else {
         panic!("errors and controls")
     };
     // No control passes for a comparison.
@@ -227,7 +254,7 @@ fn a_control_that_does_not_fail_is_beyond() {
                 .contains("**1 of 2 negative controls do not fail**"),
             "{bad}"
         );
-        let [beyond, .., controls] = tables(&section)[..] else {
+        let [beyond, _errors, controls, ..] = tables(&section)[..] else {
             panic!("a table of what is beyond")
         };
         assert_eq!(beyond.rows[0].header, "swapped");
