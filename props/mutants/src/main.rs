@@ -5,10 +5,10 @@
 //! without a mutant and says which mutants it comes by (`suites`); a mutant is tried with these only, until one fails
 //! (`trial`). Mutants in constants cannot be switched and are counted as not tried.
 //!
-//! `.ci/mutants [draw|build|run] [--share X] [--jobs N] [--longest S] [--seed COMMIT]
+//! `.ci/mutants [draw|build|run] [--share X] [--jobs N] [--longest S] [--budget S] [--seed COMMIT]
 //! [--again]`: `draw` lists the sample, `build` stops
 //! after the build, `run` does everything and goes on where an earlier run stopped; `--again` tries survivors once more; `--seed`
-//! repeats an earlier sample; `--longest` leaves out tests of more processor time, s.
+//! repeats an earlier sample; `--longest` leaves out tests of more processor time, s, and `--budget` bounds what a mutant may cost.
 
 mod cfg;
 mod draw;
@@ -32,6 +32,7 @@ struct Options {
     share: f64,
     jobs: usize,
     longest_s: f64,
+    budget_s: f64,
     again: bool,
     seed: Option<String>,
 }
@@ -42,6 +43,7 @@ fn options() -> Option<Options> {
         share: 1.0,
         jobs: 2,
         longest_s: 60.0,
+        budget_s: 300.0,
         again: false,
         seed: None,
     };
@@ -52,6 +54,7 @@ fn options() -> Option<Options> {
             "--share" => options.share = words.next()?.parse().ok()?,
             "--jobs" => options.jobs = words.next()?.parse().ok()?,
             "--longest" => options.longest_s = words.next()?.parse().ok()?,
+            "--budget" => options.budget_s = words.next()?.parse().ok()?,
             "--seed" => options.seed = Some(words.next()?),
             "--again" => options.again = true,
             _ => return None,
@@ -63,7 +66,7 @@ fn options() -> Option<Options> {
 fn main() {
     let Some(options) = options() else {
         eprintln!(
-            "usage: .ci/mutants [draw|build|run] [--share X] [--jobs N] [--longest S] [--seed COMMIT] [--again]"
+            "usage: .ci/mutants [draw|build|run] [--share X] [--jobs N] [--longest S] [--budget S] [--seed COMMIT] [--again]"
         );
         exit(2)
     };
@@ -116,13 +119,17 @@ fn main() {
         eprintln!("{} survives: the trial sees nothing", fatal.mutant);
         exit(1);
     }
-    let due = |one: &&&Drawn| -> bool {
-        let known = results.get(&one.mutant.name());
-        known.is_none_or(|r| options.again && r.caught_by.is_none())
-    };
-    let due: Vec<&Drawn> = wanted.iter().filter(due).copied().collect();
-    let new = trial::run(&out, &due, &passing, options.jobs);
-    results.extend(new.into_iter().map(|r| (r.mutant.clone(), r)));
+    if options.again {
+        results.retain(|_, r| r.caught_by.is_some());
+    }
+    trial::run(
+        &out,
+        &wanted,
+        &passing,
+        options.jobs,
+        options.budget_s,
+        &mut results,
+    );
     let text = report::report(&report::Run {
         draw: &draw,
         wanted: &wanted,

@@ -27,6 +27,7 @@ pub struct Run<'a> {
 struct Count {
     tried: usize,
     caught: usize,
+    open: usize,
     cost_s: f64,
 }
 
@@ -34,6 +35,7 @@ impl Count {
     fn add(&mut self, result: &Result) {
         self.tried += 1;
         self.caught += usize::from(result.caught_by.is_some());
+        self.open += usize::from(!result.complete);
         self.cost_s += result.cost_s;
     }
 
@@ -59,8 +61,8 @@ pub fn report(run: &Run) -> String {
     let _ = writeln!(line, "Seed {}.\n", run.draw.seed);
     let _ = writeln!(
         line,
-        "| crate and module | mutants, all | in constants | tried | caught | survive | caught, % | s each |\n\
-         |---|--:|--:|--:|--:|--:|--:|--:|"
+        "| crate and module | mutants, all | in constants | tried | caught | survive | open | caught, % | s each |\n\
+         |---|--:|--:|--:|--:|--:|--:|--:|--:|"
     );
     let mut crates: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
     for (i, module) in run.draw.modules.iter().enumerate() {
@@ -85,6 +87,7 @@ pub fn report(run: &Run) -> String {
             let (module, of) = (&run.draw.modules[i], by_module[i]);
             count.tried += of.tried;
             count.caught += of.caught;
+            count.open += of.open;
             count.cost_s += of.cost_s;
             let able = (module.all - module.constants) as f64;
             if of.tried > 0 {
@@ -96,7 +99,7 @@ pub fn report(run: &Run) -> String {
         row(line, &format!("**{package}**"), all, constants, count);
         let _ = writeln!(
             line,
-            "| {package}, modules by their size | | | | | | {:.1} | |",
+            "| {package}, modules by their size | | | | | | | {:.1} | |",
             weighted / weight
         );
     }
@@ -119,8 +122,10 @@ pub fn report(run: &Run) -> String {
     for (one, result) in survivors {
         let _ = writeln!(
             line,
-            "- `{}`: {} tests come by",
+            "- {}`{}`: {} tests of {} that come by",
+            if result.complete { "" } else { "open: " },
             one.mutant.name(),
+            result.passed.len(),
             result.reached_by
         );
     }
@@ -128,11 +133,16 @@ pub fn report(run: &Run) -> String {
 }
 
 fn row(out: &mut String, name: &str, all: usize, constants: usize, count: Count) {
-    let Count { tried, caught, .. } = count;
+    let Count {
+        tried,
+        caught,
+        open,
+        ..
+    } = count;
     let _ = writeln!(
         out,
-        "| {name} | {all} | {constants} | {tried} | {caught} | {} | {:.1} | {:.1} |",
-        tried - caught,
+        "| {name} | {all} | {constants} | {tried} | {caught} | {} | {open} | {:.1} | {:.1} |",
+        tried - caught - open,
         count.share(),
         count.cost_s / tried as f64
     );

@@ -36,6 +36,8 @@ pub struct Test {
 
 /// Cases of a property: the same for the run without mutants and with.
 const CASES: &str = "4";
+/// Tests that hold published files against the sources' digests: those of the copy are others.
+const ABOUT_FILES: &str = "results::tests::";
 /// Address space of a test, KiB: a mutant may ask for any amount.
 const MEMORY_KIB: &str = "8000000";
 
@@ -108,8 +110,10 @@ pub fn trace(out: &Path, programs: &[Program], jobs: usize, longest_s: f64) -> V
             scope.spawn(move || {
                 while let Some(test) = listed.get(next.fetch_add(1, Ordering::Relaxed)) {
                     let key = (test.program.clone(), test.written, test.name.clone());
-                    let test = old
+                    let known = old
                         .get(&key)
+                        .filter(|t| t.passes || t.cost_s >= 0.9 * longest_s);
+                    let test = known
                         .cloned()
                         .unwrap_or_else(|| traced(out, test.clone(), job, longest_s));
                     let mut done = done.lock().expect("no job panics");
@@ -152,7 +156,7 @@ fn list(program: &Program) -> Vec<Test> {
         .map_or(0, |d| d.as_nanos());
     names(&[])
         .into_iter()
-        .filter(|name| !ignored.contains(name))
+        .filter(|name| !ignored.contains(name) && !name.starts_with(ABOUT_FILES))
         .map(|name| Test {
             program: program.path.clone(),
             written,
@@ -175,7 +179,10 @@ fn traced(out: &Path, mut test: Test, job: usize, longest_s: f64) -> Test {
         longest_s,
     );
     let text = fs::read_to_string(&trace).unwrap_or_default();
-    test.passes = ended.passed;
+    // To be traced takes memory, which some tests count.
+    test.passes = ended.passed
+        || (ended.cost_s < 0.9 * longest_s
+            && test.run(out, ("SIXAXIS_MUTANT", "0"), longest_s).passed);
     test.cost_s = ended.cost_s;
     test.reached = text.lines().filter_map(|l| l.parse().ok()).collect();
     test

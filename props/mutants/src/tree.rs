@@ -12,7 +12,12 @@ use crate::draw::{CRATES, Draw, Drawn};
 use crate::rewrite::{self, Written};
 
 /// Packages whose tests are run.
-const TESTED: [&str; 3] = ["sixaxis-core", "sixaxis-calibration", "sixaxis-props"];
+const TESTED: [&str; 4] = [
+    "sixaxis-core",
+    "sixaxis-calibration",
+    "sixaxis-campaign",
+    "sixaxis-props",
+];
 
 /// Lints that refuse a program which surely overflows or panics: that is for the tests to find.
 const LINTS: &str = "[workspace.lints.rust]\narithmetic_overflow = \"allow\"\nunconditional_panic = \"allow\"\n\
