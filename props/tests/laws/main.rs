@@ -7,6 +7,7 @@ mod attitude;
 mod covariance;
 mod detection;
 mod failed_limbs;
+mod fast_ways;
 mod fifty_digits;
 mod formulations;
 mod identification;

@@ -72,6 +72,8 @@ fn ref_the_search_by_interpolation_is_the_search() {
                 }
             }
             assert_eq!(ours.samples, samples);
+            // Decoded one by one they would have each other's bits.
+            assert_ne!(ours.sums, theirs, "candidates were decoded one by one");
             let top = largest(theirs.iter().copied());
             let error = largest(ours.sums.iter().zip(&theirs).map(|(a, b)| (a - b).abs())) / top;
             Row::new("sums of |w*| by interpolation", error, tolerance::SEARCH)
