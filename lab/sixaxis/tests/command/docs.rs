@@ -460,3 +460,30 @@ fn the_speeds_in_the_readme_are_the_published_ones() {
         assert!(readme.contains(&sentence), "README has not: {sentence}");
     }
 }
+
+#[test]
+fn the_false_alarms_in_the_docs_are_the_published_ones() {
+    let field = on_one_line("docs/field.md");
+    let published = published("watch");
+    let corners = published["corners"].as_array().expect("corners");
+    let corner = |equal_limbs: bool| {
+        let wanted = serde_json::json!({"equal_limbs": equal_limbs, "true_parameters": false});
+        corners
+            .iter()
+            .find(|c| c["corner"] == wanted)
+            .expect("a corner")
+    };
+    let per_hour = |line: &serde_json::Value| line["per_hour"].as_f64().expect("a rate");
+    let course = |name: &str| {
+        let all = corner(false)["courses"].as_array().expect("courses");
+        per_hour(all.iter().find(|line| line["course"] == name).expect(name))
+    };
+    let sentence = format!(
+        "{:.0} an hour with limbs unequal by 0.2 %, of which {:.1} at rest and up to {:.0} in a brisk tumble; {:.1} an hour with equal limbs",
+        per_hour(&corner(false)["total"]),
+        course("rest"),
+        course("brisk"),
+        per_hour(&corner(true)["total"]),
+    );
+    assert!(field.contains(&sentence), "{sentence}");
+}
