@@ -48,7 +48,7 @@ pub trait Published: Serialize + DeserializeOwned {
 }
 
 /// A result that depends on seeds and code alone, so that anybody can make the same bits: its file has a
-/// [`Provenance`](crate::provenance::Provenance).
+/// [`Provenance`].
 pub trait Studied: Published {
     /// Code that it depends on, folders and files below the workspace's root.
     const SOURCES: &'static [&'static str];
