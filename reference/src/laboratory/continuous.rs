@@ -83,3 +83,15 @@ fn lag_weights(ratio: f64) -> [f64; 4] {
     }
     weights
 }
+
+/// A series as a recorder takes it whose samples come late and at another rate. At the ends the first and the last value stand.
+pub(super) fn on_other_clock(
+    series: &[f64],
+    rate_hz: f64,
+    late_s: f64,
+    rate_error: f64,
+) -> Vec<f64> {
+    (0..series.len())
+        .map(|i| at(series, i as f64 / (1.0 + rate_error) + late_s * rate_hz))
+        .collect()
+}

@@ -8,7 +8,7 @@ use super::defect::{Defect, Kind};
 use super::plan::RigPlan;
 use crate::paper;
 use crate::rig::run::{Mode, Mounting, Run, WEDGES};
-use crate::sensor::TrueSensor;
+use crate::sensor::{InertiaPerMass, TrueSensor};
 
 /// One trial to be simulated.
 #[derive(Debug, Clone, PartialEq)]
@@ -133,4 +133,25 @@ pub(super) fn tilted(direction: DVec3, angle_rad: f64, azimuth_rad: f64) -> DVec
     let side = direction.any_orthonormal_vector();
     let towards = DQuat::from_axis_angle(direction, azimuth_rad) * side;
     (direction * angle_rad.cos() + towards * angle_rad.sin()).normalize()
+}
+
+/// A sensor so far on the way to another one, by logarithms where numbers have a size.
+pub(super) fn blended(own: &TrueSensor, other: &TrueSensor, share: f64) -> TrueSensor {
+    let (a, b) = (
+        own.inertia_per_mass.to_paper_order(),
+        other.inertia_per_mass.to_paper_order(),
+    );
+    TrueSensor {
+        scale_per_mass_per_kg: core::array::from_fn(|i| {
+            let own = own.scale_per_mass_per_kg[i];
+            own * (other.scale_per_mass_per_kg[i] / own).powf(share)
+        }),
+        zero_drift_v: core::array::from_fn(|i| {
+            own.zero_drift_v[i] + share * (other.zero_drift_v[i] - own.zero_drift_v[i])
+        }),
+        inertia_per_mass: InertiaPerMass::from_paper_order(core::array::from_fn(|i| {
+            a[i] + share * (b[i] - a[i])
+        })),
+        ..*own
+    }
 }

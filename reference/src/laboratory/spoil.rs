@@ -10,16 +10,16 @@ use rand_pcg::Pcg64;
 use sixaxis_recordings::session::Role;
 
 use super::Laboratory;
-use super::continuous::at;
+use super::continuous::{at, on_other_clock};
 use super::defect::{Defect, Kind};
 use super::mount::{Mount, Tilt};
 use super::plan::SessionPlan;
 use super::recording::SimulatedRecording;
-use super::schedule::{PlannedTrial, foreign_sensor, trial_count};
+use super::schedule::{PlannedTrial, blended, foreign_sensor, trial_count};
 use super::trial::Recorder;
 use crate::geometry::LIMBS;
 use crate::rig::run::WEDGES;
-use crate::sensor::{InertiaPerMass, TrueSensor};
+use crate::sensor::TrueSensor;
 
 /// Random streams: of what holds all day, and of each recording's zeros.
 const ROOM_STREAM: u128 = 10;
@@ -396,32 +396,4 @@ pub(super) fn at_rest(
         _ => {}
     }
     (drift, factor)
-}
-
-/// A sensor so far on the way to another one, by logarithms where numbers have a size.
-fn blended(own: &TrueSensor, other: &TrueSensor, share: f64) -> TrueSensor {
-    let (a, b) = (
-        own.inertia_per_mass.to_paper_order(),
-        other.inertia_per_mass.to_paper_order(),
-    );
-    TrueSensor {
-        scale_per_mass_per_kg: core::array::from_fn(|i| {
-            let own = own.scale_per_mass_per_kg[i];
-            own * (other.scale_per_mass_per_kg[i] / own).powf(share)
-        }),
-        zero_drift_v: core::array::from_fn(|i| {
-            own.zero_drift_v[i] + share * (other.zero_drift_v[i] - own.zero_drift_v[i])
-        }),
-        inertia_per_mass: InertiaPerMass::from_paper_order(core::array::from_fn(|i| {
-            a[i] + share * (b[i] - a[i])
-        })),
-        ..*own
-    }
-}
-
-/// A series as a recorder takes it whose samples come late and at another rate. At the ends the first and the last value stand.
-fn on_other_clock(series: &[f64], rate_hz: f64, late_s: f64, rate_error: f64) -> Vec<f64> {
-    (0..series.len())
-        .map(|i| at(series, i as f64 / (1.0 + rate_error) + late_s * rate_hz))
-        .collect()
 }
