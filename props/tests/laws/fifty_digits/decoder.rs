@@ -2,6 +2,7 @@
 //!
 //! Written from the equations, in the discretisation of `sixaxis_core::Decoupler` with Heun's scheme, so that what is left
 //! between the two is rounding and what core's series drop. Limb directions and nodes are the reference's, from (5) and (6).
+//! Which way a loaded limb points has two answers, see [`Directions`].
 
 use sixaxis_core::{LIMBS, Parameters, Sensor, Settings};
 use sixaxis_reference::geometry::Geometry;
@@ -28,6 +29,16 @@ pub struct Drawing {
     turning: Matrix,
     /// Rows of (J^T J), wrenches of the limbs.
     wrenches: [Vec<Big>; LIMBS],
+}
+
+/// Which way loaded limbs point. The same for nine elongations that belong to a pose, and apart by what they miss one by, times the
+/// strain, where scale factors are off, limbs unequal or signals noisy.
+#[derive(Clone, Copy)]
+pub enum Directions {
+    /// To the nodes of the pose that fits best: (3) and (8) as printed, and `core/paper`.
+    OfPose,
+    /// To where the three limbs of a node put it: core's kernel, which needs no pose for that.
+    OfNodes,
 }
 
 /// Pose of the mass in the shell.
@@ -92,10 +103,10 @@ impl Drawing {
         &self.directions[limb]
     }
 
-    /// The pose that elongations of the limbs, m, belong to.
-    fn pose(&self, elongation: &[Big; LIMBS]) -> Pose {
+    /// Displacements of the nodes that their own limbs' elongations, m, ask for.
+    fn nodes(&self, elongation: &[Big; LIMBS]) -> [Vector; 3] {
         let two = big(2.0);
-        let moved: [Vector; 3] = core::array::from_fn(|node| {
+        core::array::from_fn(|node| {
             let first = node * AT_A_NODE;
             // l^2 - L^2 = 2 L p_i + |p|^2, summed and squared: a quadratic in |p|^2 of which the smaller root holds.
             let q: [Big; AT_A_NODE] = core::array::from_fn(|i| {
@@ -109,13 +120,17 @@ impl Drawing {
                 let along = (&q[i] - &s) / (&two * &self.length);
                 &sum + &(&self.directions[first + i] * &along)
             })
-        });
+        })
+    }
+
+    /// The pose that fits the nodes' displacements best.
+    fn pose(&self, moved: &[Vector; 3]) -> Pose {
         let third = big(1.0) / big(3.0);
         let mean = &(&(&moved[0] + &moved[1]) + &moved[2]) * &third;
         let mut rotation = Vector::new([0.0; 3]);
         for _ in 0..ITERATIONS {
             let turn = Turn::by(rotation.clone());
-            let moment = self.arms.iter().zip(&moved).fold(
+            let moment = self.arms.iter().zip(moved).fold(
                 Vector::new([0.0; 3]),
                 |sum, (arm, displacement)| {
                     let beyond = &turn.added(arm) - &rotation.cross(arm);
@@ -130,27 +145,24 @@ impl Drawing {
         }
     }
 
-    /// Vector along each displaced limb, m, and the displacement of its end.
-    fn displaced(&self, pose: &Pose) -> [(Vector, Vector); LIMBS] {
+    /// Displacements of the nodes at a pose.
+    fn placed(&self, pose: &Pose) -> [Vector; 3] {
         let turn = Turn::by(pose.rotation.clone());
-        let nodes: [Vector; 3] =
-            core::array::from_fn(|node| &pose.position + &turn.added(&self.ends[node * AT_A_NODE]));
-        core::array::from_fn(|limb| {
-            let p = &nodes[limb / AT_A_NODE];
-            (&(&self.directions[limb] * &self.length) + p, p.clone())
-        })
+        core::array::from_fn(|node| &pose.position + &turn.added(&self.ends[node * AT_A_NODE]))
     }
 
-    /// Sums of (3) and (8) at a pose.
-    fn wrench(&self, pose: &Pose, force_per_mass: &[Big; LIMBS]) -> Wrench {
+    /// Sums of (3) and (8) at a pose, limbs pointing to nodes that are so displaced.
+    fn wrench(&self, pose: &Pose, nodes: &[Vector; 3], force_per_mass: &[Big; LIMBS]) -> Wrench {
         let zero = || Vector::new([0.0; 3]);
         let mut wrench = Wrench {
             force: zero(),
             torque: zero(),
         };
-        for (limb, (along, p)) in self.displaced(pose).iter().enumerate() {
-            let force = along * &(&force_per_mass[limb] / along.length());
-            let arm = &self.ends[limb] + &(p - &pose.position);
+        let turn = Turn::by(pose.rotation.clone());
+        for limb in 0..LIMBS {
+            let along = &(&self.directions[limb] * &self.length) + &nodes[limb / AT_A_NODE];
+            let force = &along * &(&force_per_mass[limb] / along.length());
+            let arm = turn.turned(&self.ends[limb]);
             wrench.torque = &wrench.torque + &arm.cross(&force);
             wrench.force = &wrench.force + &force;
         }
@@ -165,11 +177,14 @@ impl Drawing {
         };
         let mut forces = core::array::from_fn(|_| big(0.0));
         for _ in 0..ITERATIONS {
-            for (limb, (along, p)) in self.displaced(&pose).iter().enumerate() {
+            let nodes = self.placed(&pose);
+            for limb in 0..LIMBS {
+                let p = &nodes[limb / AT_A_NODE];
+                let along = &(&self.directions[limb] * &self.length) + p;
                 let q = &self.directions[limb].dot(p) * &(&big(2.0) * &self.length) + p.dot(p);
                 forces[limb] = -(stiffness * q / (&self.length + along.length()));
             }
-            let wrench = self.wrench(&pose, &forces);
+            let wrench = self.wrench(&pose, &nodes, &forces);
             let missing: Vec<Big> = [&wrench.force + gravity, wrench.torque]
                 .iter()
                 .flat_map(|v| v.0.each_ref().map(|x| x / stiffness))
@@ -253,8 +268,9 @@ pub struct Decoder {
     inverse_inertia: Matrix,
     gravity: Vector,
     step: Big,
-    /// The two samples before the newest, the older first.
-    window: Vec<(Pose, [Big; LIMBS])>,
+    directions: Directions,
+    /// The two samples before the newest, the older first: pose, forces, and nodes as their limbs put them.
+    window: Vec<(Pose, [Big; LIMBS], [Vector; 3])>,
     last: Option<State>,
 }
 
@@ -266,7 +282,12 @@ struct State {
 
 impl Decoder {
     /// For a tared sensor that starts at rest with its axes along the ground's.
-    pub fn new(sensor: &Sensor, parameters: &Parameters, settings: &Settings) -> Self {
+    pub fn new(
+        sensor: &Sensor,
+        parameters: &Parameters,
+        settings: &Settings,
+        directions: Directions,
+    ) -> Self {
         let drawing = Drawing::new(sensor);
         let gravity = Vector::new(settings.gravity_ground_m_s2.to_array());
         let stiffness = big(parameters.stiffness_per_mass_per_s2);
@@ -282,6 +303,7 @@ impl Decoder {
             stiffness,
             gravity,
             step: big(1.0) / big(settings.sample_rate_hz),
+            directions,
             window: Vec::new(),
             last: None,
         }
@@ -303,12 +325,17 @@ impl Decoder {
         });
         // (2), compression positive.
         let elongation = core::array::from_fn(|i| -(&force[i] / &self.stiffness));
-        self.window.push((self.drawing.pose(&elongation), force));
+        let nodes = self.drawing.nodes(&elongation);
+        self.window.push((self.drawing.pose(&nodes), force, nodes));
         let [before, now, after] = self.window.as_slice() else {
             return None;
         };
         let relative = Relative::of([&before.0, &now.0, &after.0], &self.step);
-        let wrench = self.drawing.wrench(&now.0, &now.1);
+        let (pose, force, asked) = now;
+        let wrench = match self.directions {
+            Directions::OfPose => self.drawing.wrench(pose, &self.drawing.placed(pose), force),
+            Directions::OfNodes => self.drawing.wrench(pose, asked, force),
+        };
         self.window.remove(0);
         Some(self.step(&relative, &wrench))
     }

@@ -7,11 +7,12 @@ use sixaxis_core::identify::stiffness::{judge, paper_grid, rate_norm_sum};
 use sixaxis_core::identify::stiffness_search::{Trial, rate_norm_sums};
 use sixaxis_core::identify::zero_drift;
 use sixaxis_core::paper::signal::SignalChain;
+use sixaxis_core::paper::{RateVariable, decouple};
 use sixaxis_core::parameter::PARAMETERS;
-use sixaxis_core::{InertiaPerMass, LIMBS, Parameters, Sensor, Settings};
+use sixaxis_core::{InertiaPerMass, LIMBS, Model, Parameters, Sensor, Settings};
 use sixaxis_props::truth;
 
-use super::decoder::{Decoder, Drawing};
+use super::decoder::{Decoder, Directions, Drawing};
 use super::number::{Big, Normal, Vector, big, near};
 
 /// Voltages, V, and the shell's acceleration, m/s^2.
@@ -37,7 +38,9 @@ pub struct Found<T> {
     pub values: [T; PARAMETERS],
     pub grid_minimum_per_s2: f64,
     /// k/m of three candidates about it, each decoded by itself.
-    pub decoded_one_by_one_per_s2: f64,
+    pub decoded_one_by_one_per_s2: T,
+    /// The same with limbs pointing to the nodes of the pose, as printed.
+    pub as_printed_per_s2: T,
 }
 
 /// With core.
@@ -87,19 +90,25 @@ pub fn by_core(recorded: &Recorded) -> Found<f64> {
     let about = about
         .filter(|at| (1..grid.len() - 1).contains(at))
         .expect("inside the grid");
-    let mut singly = Vec::new();
+    let (mut singly, mut printed) = (Vec::new(), Vec::new());
     for &k in &grid[about - 1..=about + 1] {
         parameters.stiffness_per_mass_per_s2 = k;
         let (sum, count) =
             rate_norm_sum(sensor, &parameters, settings, voltage_v).expect("sound samples");
         singly.push((k, sum / count as f64));
+        let model = Model::new(sensor, &parameters, settings).expect("a sound sensor");
+        let answers = decouple(&model, RateVariable::Mass, voltage_v).expect("sound samples");
+        let sum: f64 = answers.iter().map(|s| s.rate_shell_rad_s.length()).sum();
+        printed.push((k, sum / answers.len() as f64));
     }
-    let singly = judge(&singly).expect("a curve");
+    let [singly, printed] =
+        [singly, printed].map(|curve| judge(&curve).expect("a curve").interpolated_per_s2);
     parameters.stiffness_per_mass_per_s2 = stiffness.interpolated_per_s2;
     Found {
         values: parameters.to_paper_order(),
         grid_minimum_per_s2: stiffness.grid_minimum_per_s2,
-        decoded_one_by_one_per_s2: singly.interpolated_per_s2,
+        decoded_one_by_one_per_s2: singly,
+        as_printed_per_s2: printed,
     }
 }
 
@@ -163,15 +172,14 @@ pub fn in_fifty_digits(recorded: &Recorded, grid_minimum_per_s2: f64) -> Found<B
         }
     }
     let inertia = normal.solve();
-    // (20) at three points, then the vertex of the squares over 1/(k/m).
     let places: Vec<f64> = paper_grid().collect();
     let best = places
         .iter()
         .position(|k| *k == grid_minimum_per_s2)
         .expect("a point of the grid");
-    let curve: Vec<(Big, Big)> = places[best - 1..=best + 1]
-        .iter()
-        .map(|&k| {
+    // (20) at three points, then the vertex of the squares over 1/(k/m).
+    let stiffness = |directions: Directions| {
+        let mean_square = |k: f64| {
             let parameters = Parameters {
                 inertia_per_mass: InertiaPerMass::from_paper_order(core::array::from_fn(|i| {
                     near(&inertia[i])
@@ -179,11 +187,8 @@ pub fn in_fifty_digits(recorded: &Recorded, grid_minimum_per_s2: f64) -> Found<B
                 stiffness_per_mass_per_s2: k,
                 ..truth::identified_parameters()
             };
-            let mut decoder = Decoder::new(sensor, &parameters, settings).with(
-                drift.clone(),
-                scale.clone(),
-                &inertia,
-            );
+            let decoder = Decoder::new(sensor, &parameters, settings, directions);
+            let mut decoder = decoder.with(drift.clone(), scale.clone(), &inertia);
             let (mut sum, mut count) = (big(0.0), 0);
             for answer in voltage_v.iter().filter_map(|row| decoder.push(row)) {
                 sum += answer.rate.length();
@@ -191,24 +196,28 @@ pub fn in_fifty_digits(recorded: &Recorded, grid_minimum_per_s2: f64) -> Found<B
             }
             let mean = sum / big(f64::from(count));
             (big(1.0) / big(k), &mean * &mean)
-        })
-        .collect();
-    let at = |i: usize| near(&curve[i].1);
-    assert!(at(1) <= at(0) && at(1) <= at(2), "the minimum is elsewhere");
-    let slope = |i: usize| (&curve[i + 1].1 - &curve[i].1) / (&curve[i + 1].0 - &curve[i].0);
-    let curvature = (slope(1) - slope(0)) / (&curve[2].0 - &curve[0].0);
-    let half = big(0.5);
-    let vertex = &half * (&curve[0].0 + &curve[1].0) - &half * slope(0) / curvature;
+        };
+        let curve = [best - 1, best, best + 1].map(|place| mean_square(places[place]));
+        let at = |i: usize| near(&curve[i].1);
+        assert!(at(1) <= at(0) && at(1) <= at(2), "the minimum is elsewhere");
+        let slope = |i: usize| (&curve[i + 1].1 - &curve[i].1) / (&curve[i + 1].0 - &curve[i].0);
+        let curvature = (slope(1) - slope(0)) / (&curve[2].0 - &curve[0].0);
+        let half = big(0.5);
+        big(1.0) / (&half * (&curve[0].0 + &curve[1].0) - &half * slope(0) / curvature)
+    };
+    let of_nodes = stiffness(Directions::OfNodes);
+    let as_printed_per_s2 = stiffness(Directions::OfPose);
     let values: Vec<Big> = drift
         .into_iter()
         .chain(scale)
         .chain(inertia)
-        .chain([big(1.0) / vertex])
+        .chain([of_nodes.clone()])
         .collect();
     Found {
         values: values.try_into().expect("25"),
         grid_minimum_per_s2,
-        decoded_one_by_one_per_s2: f64::NAN,
+        decoded_one_by_one_per_s2: of_nodes,
+        as_printed_per_s2,
     }
 }
 

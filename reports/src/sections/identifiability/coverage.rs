@@ -4,7 +4,7 @@ use sixaxis_calibration::page::labels::symbol;
 use sixaxis_campaign::statistics::{Estimator, ParameterSummary};
 use sixaxis_page::{Axis, Figure, Text};
 
-use sixaxis_props::results::{Campaign, Published};
+use sixaxis_props::results::{Campaign, MujocoCampaign, Published};
 
 /// What 95 % intervals are wanted to hold.
 pub const BAND: (f64, f64) = (0.94, 0.96);
@@ -12,7 +12,7 @@ pub const BAND: (f64, f64) = (0.94, 0.96);
 const SCATTER: f64 = 2.0;
 
 /// Values and figures.
-pub fn fill(text: Text, campaign: &Campaign) -> Text {
+pub fn fill(text: Text, campaign: &Campaign, played: &MujocoCampaign) -> Text {
     let all = campaign.parameters.iter();
     let fitted: Vec<&ParameterSummary> = all.filter(|p| p.joint.is_some()).collect();
     let stiffness = campaign.parameters.last();
@@ -26,6 +26,8 @@ pub fn fill(text: Text, campaign: &Campaign) -> Text {
     let scatter = (2.0_f64 / cases.max(1) as f64).sqrt();
     text.value("campaign", campaign)
         .value("campaign_make", Campaign::MAKE)
+        .value("played", played)
+        .value("played_make", MujocoCampaign::MAKE)
         .value("stiffness_fitted", stiffness.map_or(0, |joint| joint.cases))
         .value(
             "coverage_scatter",
