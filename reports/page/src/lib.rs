@@ -39,7 +39,7 @@ pub mod text;
 pub mod trace;
 
 pub use figure::{Axis, Figure, Kind, Mark, Panel, Scale, Series};
-pub use page::{Block, Claim, Listing, Page, Section, State, Tile, Verdict};
+pub use page::{Basis, Block, Claim, Listing, Page, Section, State, Tile, Verdict};
 pub use render::render;
 pub use table::{Cell, Table, TableBuilder};
 pub use text::Text;

@@ -164,6 +164,16 @@ pub enum Verdict {
     NotReproducible,
 }
 
+/// What decides a verdict.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Basis {
+    /// A number, which could have come out otherwise.
+    Measured,
+    /// An argument: the verdict stands in the text, whatever is measured.
+    Judged,
+}
+
 /// One row of a ledger.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Claim {
@@ -175,6 +185,8 @@ pub struct Claim {
     pub measured: String,
     /// What became of it.
     pub verdict: Verdict,
+    /// Whether a measured number decides that; if not, the reason does.
+    pub basis: Basis,
     /// Why.
     pub reason: String,
 }

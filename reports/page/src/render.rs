@@ -142,7 +142,7 @@ fn prose(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Axis, Claim, Section, Verdict};
+    use crate::{Axis, Basis, Claim, Section, Verdict};
 
     fn page(block: Block) -> Page {
         Page {
@@ -178,6 +178,7 @@ mod tests {
             printed: "p".into(),
             measured: "m".into(),
             verdict,
+            basis: Basis::Judged,
             reason: String::new(),
         };
         let claims = [
@@ -189,6 +190,7 @@ mod tests {
         let html = render(&page(ledger)).expect("renders");
         assert!(html.contains("<b>1</b> reproduced</span>"));
         assert!(html.contains("<b>2</b> not reproducible</span>"));
+        assert_eq!(html.matches("judged</small>").count(), 3);
         assert!(!html.contains("inconsistent</span>"));
     }
 

@@ -22,7 +22,7 @@ use serde::Serialize;
 
 use super::figure::Figure;
 use super::number;
-use super::page::{Block, Claim, Section, Verdict};
+use super::page::{Basis, Block, Claim, Section, Verdict};
 use super::table::Table;
 
 /// A section's text with what stands in it.
@@ -107,7 +107,7 @@ impl Text {
     ///
     /// # Errors
     /// If the text asks for a value that is not there, or if a claim has no verdict or not both values.
-    pub fn claims(self, verdict: impl Fn(&str) -> Option<Verdict>) -> Result<Vec<Claim>> {
+    pub fn claims(self, verdict: impl Fn(&str) -> Option<(Verdict, Basis)>) -> Result<Vec<Claim>> {
         let text = self.filled().context("text of the claims")?;
         let entries = paragraphs(&text).map(|paragraph| {
             let [entry] = &entries(paragraph)[..] else {
@@ -116,12 +116,14 @@ impl Text {
             let [printed, measured] = &entry.cells[..] else {
                 bail!("claim {:?} wants two values", entry.id);
             };
+            let (verdict, basis) = verdict(entry.id)
+                .with_context(|| format!("claim {:?} has no verdict", entry.id))?;
             Ok(Claim {
                 claim: entry.words.clone(),
                 printed: printed.clone(),
                 measured: measured.clone(),
-                verdict: verdict(entry.id)
-                    .with_context(|| format!("claim {:?} has no verdict", entry.id))?,
+                verdict,
+                basis,
                 reason: entry.remark.clone(),
             })
         });
@@ -331,7 +333,8 @@ mod tests {
     #[test]
     fn claims_are_judged_by_name() {
         let source = "[one] Eq. (1)\n= 2.3 Hz\n= {{ share|fixed(2) }} Hz\n: because\nof it\n\n[two] Eq. (2)\n= a\n= b\n";
-        let of = |id: &str| (id == "one" || id == "two").then_some(Verdict::Reproduced);
+        let of =
+            |id: &str| (id == "one" || id == "two").then_some((Verdict::Reproduced, Basis::Judged));
         let claims = Text::new(source)
             .value("share", 0.25)
             .claims(of)

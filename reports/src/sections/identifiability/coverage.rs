@@ -22,12 +22,26 @@ pub fn fill(text: Text, campaign: &Campaign, played: &MujocoCampaign) -> Text {
         .filter_map(|p| p.joint.as_ref()?.within_stated_95);
     let told = fitted.iter().filter_map(|p| p.joint_gain_known.as_ref());
     let cases = told.map(|joint| joint.cases).min().unwrap_or(0);
+    let played_fitted: Vec<&ParameterSummary> = played.summary.parameters.iter().collect();
+    let held = |p: &&ParameterSummary| Some((symbol(p.parameter), p.four_steps.within_stated_95?));
+    let mut lowest: Vec<_> = played_fitted.iter().filter_map(held).collect();
+    lowest.sort_by(|a, b| a.1.value.total_cmp(&b.1.value));
+    let lowest = lowest.first();
     // Variance of a mean of n squares of a normal variable.
     let scatter = (2.0_f64 / cases.max(1) as f64).sqrt();
     text.value("campaign", campaign)
         .value("campaign_make", Campaign::MAKE)
         .value("played", played)
         .value("played_make", MujocoCampaign::MAKE)
+        .value(
+            "played_lowest",
+            lowest.map(|(name, share)| (name, share.value)),
+        )
+        .value(
+            "played_scatter",
+            (0.95_f64 * 0.05 / played.summary.cases.max(1) as f64).sqrt(),
+        )
+        .figure(coverage("coverage-by-parameter-mujoco", &played_fitted))
         .value("stiffness_fitted", stiffness.map_or(0, |joint| joint.cases))
         .value(
             "coverage_scatter",
@@ -35,7 +49,7 @@ pub fn fill(text: Text, campaign: &Campaign, played: &MujocoCampaign) -> Text {
         )
         .value("variance_scatter", scatter)
         .value("variance_cases", cases)
-        .figure(coverage(&fitted))
+        .figure(coverage("coverage-by-parameter", &fitted))
         .figure(variance(&fitted, SCATTER * scatter))
 }
 
@@ -45,13 +59,13 @@ fn by_parameter(id: &str, x: Axis, fitted: &[&ParameterSummary]) -> Figure {
     Figure::new(id, "", x, Axis::names("parameter", names))
 }
 
-fn coverage(fitted: &[&ParameterSummary]) -> Figure {
+fn coverage(id: &str, fitted: &[&ParameterSummary]) -> Figure {
     let points = |of: fn(&ParameterSummary) -> Option<&Estimator>| {
         let shares = fitted.iter().enumerate();
         shares.filter_map(move |(i, p)| Some((100.0 * of(p)?.within_stated_95?.value, i as f64)))
     };
     let x = Axis::linear("share of cases", "%");
-    by_parameter("coverage-by-parameter", x, fitted)
+    by_parameter(id, x, fitted)
         .points("joint fit", 0, points(|p| p.joint.as_ref()))
         .points("four steps", 3, points(|p| Some(&p.four_steps)))
         .vertical(100.0 * BAND.0, "94")
