@@ -161,11 +161,39 @@ pub const RATIOS_CLOSED_FORM: Tolerance =
     measured(1e-11, 8e-13, "the third order of the strains, and rounding");
 /// What the parity rows keep of a failure that is taken off the wrong limb of an ambiguous pair, over the failure.
 pub const TWIN_TRACE: Tolerance = measured(1e-4, 3.9e-5, "curvature of strains of 1e-5");
-/// A simulated instrument's lag against the analogue filter's closed form, over the signal's amplitude.
-pub const ANALOGUE_LAG: Tolerance =
-    measured(1e-6, 1.6e-7, "the cubic between samples, at the ends");
-/// An analogue high-pass undone by the core's recursion, over the signal's peak.
-pub const UNDONE_ANALOGUE: Tolerance = measured(1e-6, 1.3e-7, "linear between samples, and cubic");
+/// Two harmonics of a simulated lag against the filter's differential equation, over the peak of what it shows.
+#[must_use]
+pub const fn simulated_lag(drive_hz: f64, rate_hz: f64) -> Tolerance {
+    let radians = 2.0 * core::f64::consts::PI * drive_hz / rate_hz;
+    derived(
+        2.0 * 9.0 * 3.0 / 128.0 * radians * radians * radians * radians,
+        "twice the cubic's 3/128 (2 pi f h)^4, over both harmonics",
+    )
+}
+/// The same of a high-pass, over the signal's peak.
+#[must_use]
+pub const fn simulated_high_pass(corner_hz: f64, drive_hz: f64, rate_hz: f64) -> Tolerance {
+    let radians = 2.0 * core::f64::consts::PI * drive_hz / rate_hz;
+    derived(
+        2.0 * 5.0 * 3.0 / 128.0 * radians * radians * radians * radians * corner_hz / drive_hz,
+        "twice the cubic's 3/128 (2 pi f h)^4 times corner over f, over both harmonics",
+    )
+}
+/// A high-pass undone by the core, over the signal's peak: two harmonics that are taken for straight between samples.
+#[must_use]
+pub const fn undone_high_pass(corner_hz: f64, drive_hz: f64, rate_hz: f64) -> Tolerance {
+    let radians = 2.0 * core::f64::consts::PI / rate_hz;
+    derived(
+        corner_hz * 2.0 * drive_hz * radians * radians / 6.0,
+        "twice corner over f times (2 pi f h)^2/12, over both harmonics",
+    )
+}
+/// A lag of 10 Hz undone at 1 kHz by the core's differentiator, over the signal's peak, away from the ends of the record: harmonics
+/// of 1 and 2 Hz, of 5 and 10 Hz.
+pub const UNDONE_LAG: [Tolerance; 2] = [
+    measured(2e-6, 4.7e-7, "the differentiator's window of 21 samples"),
+    measured(5e-4, 1.1e-4, "the differentiator's window of 21 samples"),
+];
 /// Rounding of 10,000 decoded samples against fifty digits, units of the last place of the vector's peak: linear and angular
 /// acceleration, rate, attitude.
 pub const DECODED_ULP: [Tolerance; 4] = [

@@ -5,7 +5,6 @@ use core::f64::consts::TAU;
 use glam::DVec3;
 use proptest::prelude::*;
 use rand_pcg::Pcg64;
-use sixaxis_core::dsp::lag::undo_high_pass;
 use sixaxis_core::geometry::DIRECTIONS_SHELL;
 use sixaxis_core::identify::inertia::euler_torque;
 use sixaxis_core::paper::pose::Pose;
@@ -16,8 +15,7 @@ use sixaxis_props::strategy::{config, parameters};
 use sixaxis_props::tolerance;
 use sixaxis_props::truth;
 use sixaxis_reference::compliant::elongations_m;
-use sixaxis_reference::laboratory::chain::{Chain, Coupling};
-use sixaxis_reference::laboratory::instruments::Instruments;
+use sixaxis_reference::laboratory::chain::Chain;
 use sixaxis_reference::rigid::torque_per_mass;
 use sixaxis_reference::{geometry, sensor::TrueSensor};
 
@@ -139,70 +137,5 @@ fn inv_voltages_become_the_forces_that_made_them() {
         "a scale off by 1 %",
         off(&parameters),
         tolerance::LAST_DIGITS,
-    );
-}
-
-#[test]
-fn ref_an_analogue_high_pass_is_undone() {
-    const CORNER_HZ: f64 = 0.1;
-    let mut sensor = TrueSensor::identified();
-    sensor.zero_drift_v = [0.0; LIMBS];
-    sensor.scale_per_mass_per_kg = [1.0; LIMBS];
-    let (rate_hz, forces) = (2000.0, forces(6000, 2000.0));
-    let chain = Chain {
-        coupling: Coupling::AlternatingCurrent {
-            corner_hz: CORNER_HZ,
-        },
-        full_scale_v: f64::INFINITY,
-        ..Chain::noise_free()
-    };
-    let shown = chain.record(
-        &forces,
-        &sensor,
-        &[1.0; LIMBS],
-        rate_hz,
-        &mut Pcg64::new(1, 1),
-    );
-    let shown: Vec<f64> = shown.iter().map(|row| row[0]).collect();
-    let undone = undo_high_pass(&shown, CORNER_HZ, rate_hz).expect("finite samples");
-    let peak = largest(forces.iter().map(|force| force[0]));
-    let off = |record: &[f64]| {
-        largest(
-            record
-                .iter()
-                .zip(&forces)
-                .map(|(u, force)| (u - force[0]) / peak),
-        )
-    };
-    within("undone high-pass", off(&undone), tolerance::UNDONE_ANALOGUE);
-    fails_clearly("left alone", off(&shown), tolerance::UNDONE_ANALOGUE);
-}
-
-#[test]
-fn ref_a_lagging_gyroscope_is_an_analogue_low_pass() {
-    const CORNER_HZ: f64 = 10.0;
-    const DRIVE_HZ: f64 = 5.0;
-    const RATE_HZ: f64 = 2000.0;
-    let gyroscope = Instruments {
-        gyroscope_bandwidth_hz: Some(CORNER_HZ),
-        ..Instruments::perfect()
-    };
-    let (w, pole) = (TAU * DRIVE_HZ, TAU * CORNER_HZ);
-    let time_s = |i: usize| i as f64 / RATE_HZ;
-    let true_rad_s: Vec<f64> = (0..2000).map(|i| 1.0 - (w * time_s(i)).cos()).collect();
-    let shown = gyroscope.read_gyroscope(&true_rad_s, RATE_HZ, &mut Pcg64::new(1, 1));
-    // x'/corner = u - x with u = 1 - cos w t, from rest.
-    let exact = |i: usize, corner: f64| {
-        let (t, ratio) = (time_s(i), w / corner);
-        let share = 1.0 / (1.0 + ratio * ratio);
-        let turning = (w * t).cos() + ratio * (w * t).sin();
-        1.0 - share * turning - (1.0 - share) * (-corner * t).exp()
-    };
-    let off = |corner| largest((0..shown.len()).map(|i| shown[i] - exact(i, corner)));
-    within("analogue lag", off(pole), tolerance::ANALOGUE_LAG);
-    fails_clearly(
-        "a corner off by 1 %",
-        off(1.01 * pole),
-        tolerance::ANALOGUE_LAG,
     );
 }

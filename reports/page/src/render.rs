@@ -190,7 +190,7 @@ mod tests {
         let html = render(&page(ledger)).expect("renders");
         assert!(html.contains("<b>1</b> reproduced</span>"));
         assert!(html.contains("<b>2</b> not reproducible</span>"));
-        assert_eq!(html.matches("judged</small>").count(), 3);
+        assert_eq!(html.matches("<small>judged</small>").count(), 3);
         assert!(!html.contains("inconsistent</span>"));
     }
 

@@ -85,8 +85,14 @@ impl Found {
                     defects.gyroscope_lag_left_alone,
                     defects.gyroscope_lag_undone,
                 );
-                let holds = mended(left_alone, undone);
-                (holds, ReproducedWithCorrection, NotReproducible)
+                match left_alone > WANTS_CORRECTION {
+                    true => (
+                        mended(left_alone, undone),
+                        ReproducedWithCorrection,
+                        NotReproducible,
+                    ),
+                    false => (true, Reproduced, NotReproducible),
+                }
             }
             "step-4" => (self.stiffness_is_determined, Reproduced, NotReproducible),
             "targets" => {
