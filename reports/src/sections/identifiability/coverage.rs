@@ -22,7 +22,8 @@ pub fn fill(text: Text, campaign: &Campaign, played: &MujocoCampaign) -> Text {
         .filter_map(|p| p.joint.as_ref()?.within_stated_95);
     let told = fitted.iter().filter_map(|p| p.joint_gain_known.as_ref());
     let cases = told.map(|joint| joint.cases).min().unwrap_or(0);
-    let played_fitted: Vec<&ParameterSummary> = played.summary.parameters.iter().collect();
+    let played_fitted = played.summary.parameters.iter();
+    let played_fitted: Vec<_> = played_fitted.filter(|p| p.joint.is_some()).collect();
     let held = |p: &&ParameterSummary| Some((symbol(p.parameter), p.four_steps.within_stated_95?));
     let mut lowest: Vec<_> = played_fitted.iter().filter_map(held).collect();
     lowest.sort_by(|a, b| a.1.value.total_cmp(&b.1.value));
