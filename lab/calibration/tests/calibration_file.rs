@@ -66,8 +66,11 @@ fn refusal(name: &str, file: &Value) -> (String, String) {
 fn regress_the_high_pass_needs_no_session_text() {
     for corner_hz in [Some(CORNER_HZ), None] {
         let calibration = read("value", &file(json!(corner_hz))).expect("it can be read");
-        let setup =
-            Setup::new(&calibration, None, None, &Overrides::default()).expect("it is set up");
+        let gains = Overrides {
+            gain_n_per_v: vec![0.1],
+            ..Overrides::default()
+        };
+        let setup = Setup::new(&calibration, None, None, &gains).expect("it is set up");
         assert_eq!(setup.conditioning.amplifier_high_pass_hz, corner_hz);
     }
 }

@@ -5,6 +5,7 @@ use anyhow::{Context, Result, ensure};
 use sixaxis_core::LIMBS;
 use sixaxis_core::dsp::causal::Causal;
 use sixaxis_core::dsp::delay::Delay;
+use sixaxis_core::dsp::outlier::Hampel;
 use sixaxis_core::dsp::zero_phase::ZeroPhase;
 use sixaxis_core::dsp::{self, butterworth};
 
@@ -12,6 +13,7 @@ use super::Row;
 use super::voltages::Voltages;
 use crate::conditioning::Stage;
 use crate::conditioning::high_pass::UndoneHighPass;
+use sixaxis_recordings::session::Outliers;
 
 /// Longest lag or lead, samples; a converter's channels are a few samples apart at most.
 const LONGEST_LAG: f64 = 10_000.0;
@@ -24,6 +26,8 @@ pub const LOW_PASS_ORDER: usize = 4;
 pub struct ConditioningConfig {
     /// Delay of each limb's channel against the clock, s.
     pub delays_s: Option<Row>,
+    /// Wild samples are replaced.
+    pub outliers: Option<Outliers>,
     /// Corner of the amplifiers' high-pass that is to be undone, Hz.
     pub amplifier_high_pass_hz: Option<f64>,
     /// Corner of a low-pass, Hz.
@@ -134,9 +138,14 @@ fn streaming(
             }
             None => None,
         },
-        // A wild sample is for the user or the fault monitor to see, and a trend is known only when the run is over
-        // (`--rest-to-rest` takes it off).
-        Stage::Outliers | Stage::Trend => None,
+        Stage::Outliers => match config.outliers {
+            Some(test) => Some(Box::new(
+                Hampel::new(test.half_width, test.sigmas).context("outliers")?,
+            )),
+            None => None,
+        },
+        // Known only when the run is over; `--rest-to-rest` takes it off.
+        Stage::Trend => None,
         // A recording to be decoupled has no standards.
         Stage::AccelerometerLag | Stage::GyroscopeLag | Stage::Derivative => None,
     })

@@ -12,6 +12,9 @@ use sixaxis_recordings::unit::STANDARD_GRAVITY_M_S2;
 
 use super::conditioning_stream::{self, ConditioningConfig};
 
+/// Lengths that are further apart are of two drawings, relative: a file may have rounded them.
+const SAME_LENGTH: f64 = 1e-6;
+
 /// What the user says of the recording; each overrules the session, which overrules the calibration.
 #[derive(Debug, Clone, Default)]
 pub struct Overrides {
@@ -40,6 +43,8 @@ pub struct Setup {
     pub full_scale_v: f64,
     /// What is to be done to the voltages because of how they were recorded.
     pub conditioning: ConditioningConfig,
+    /// Whether the session takes a line off its runs, which is known only when a run is over.
+    pub detrends: bool,
     /// What was taken for granted, in sentences.
     pub notes: Vec<String>,
 }
@@ -48,8 +53,8 @@ impl Setup {
     /// Puts together what calibration, session and user say. `recording` is none for a stream.
     ///
     /// # Errors
-    /// A recording that the session does not have, gains that are neither one nor nine or cannot be, a direction without
-    /// length.
+    /// A session of another sensor, a recording that the session does not have, gains that nobody says, that are neither one nor nine
+    /// or cannot be, a direction without length.
     pub fn new(
         calibration: &Calibration,
         session: Option<&SessionFile>,
@@ -61,6 +66,9 @@ impl Setup {
             (Some(file), Some(path)) => Some(entry_of(file, path)?),
             _ => None,
         };
+        if let Some(file) = session {
+            same_sensor(calibration, file)?;
+        }
         let mut sensor = calibration.sensor();
         match (overrides.gain_n_per_v.as_slice(), session, entry) {
             ([], Some(file), Some(entry)) => {
@@ -71,10 +79,12 @@ impl Setup {
                     gain_n_per_v: gains.each(),
                 };
             }
-            ([], ..) => notes.push(format!(
-                "neither --gain nor --session: the calibration's default gains are used, {} N/V",
+            // The amplifiers may have been switched since, and nothing in the voltages tells.
+            ([], ..) => bail!(
+                "nobody says the gains of this recording's amplifier ranges: give --gain, or the --session that has the recording; the \
+                 session of the calibration has {} N/V by default",
                 list(&sensor.gains.gain_n_per_v)
-            )),
+            ),
             ([one], ..) => sensor.gains = Gains::uniform(*one),
             (several, ..) => match <[f64; LIMBS]>::try_from(several) {
                 Ok(gain_n_per_v) => sensor.gains = Gains { gain_n_per_v },
@@ -115,6 +125,7 @@ impl Setup {
                 .unwrap_or_else(|| file.session.channels.clone()),
             _ => calibration.channels.clone(),
         };
+        let stages = session.map(|file| &file.session.preprocessing);
         let amplifier_high_pass_hz = match session {
             Some(file) => file.session.preprocessing.amplifier_high_pass_hz,
             // The amplifiers are those of the calibration unless somebody says otherwise.
@@ -133,8 +144,10 @@ impl Setup {
                     .limbs_lag_us
                     .map(|delays| delays.each().map(|us| us * 1e-6)),
                 amplifier_high_pass_hz,
+                outliers: stages.and_then(|stages| stages.outliers.settings().copied()),
                 ..ConditioningConfig::default()
             },
+            detrends: stages.is_some_and(|stages| stages.detrend.settings().is_some()),
             channels,
             notes,
         })
@@ -182,6 +195,32 @@ impl Setup {
             ..Settings::new(sample_rate_hz)
         }
     }
+}
+
+/// Refuses a session whose sensor is not the one that was calibrated.
+fn same_sensor(calibration: &Calibration, file: &SessionFile) -> Result<()> {
+    let (ours, theirs) = (&calibration.sensor, &file.session.sensor);
+    let path = file.path.display();
+    if ours.serial != theirs.serial && !ours.serial.is_empty() && !theirs.serial.is_empty() {
+        bail!(
+            "{path}: it is a session of sensor {:?}, and the calibration is of {:?}",
+            theirs.serial,
+            ours.serial
+        );
+    }
+    let lengths = [
+        ("limb_length_mm", ours.limb_length_m, theirs.limb_length_mm),
+        ("half_edge_mm", ours.half_edge_m, theirs.half_edge_mm),
+    ];
+    for (key, calibrated_m, stated_mm) in lengths {
+        if (1e3 * calibrated_m / stated_mm - 1.0).abs() > SAME_LENGTH {
+            bail!(
+                "{path}: {key} is {stated_mm}, and the calibration is of a sensor with {}",
+                1e3 * calibrated_m
+            );
+        }
+    }
+    Ok(())
 }
 
 /// The recording's entry in the session: the same file, or else the only one of that name.

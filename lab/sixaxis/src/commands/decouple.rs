@@ -135,6 +135,16 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let mut setup = Setup::new(&calibration, session.as_ref(), recording, &overrides)?;
     setup.conditioning.low_pass_hz = arguments.low_pass;
     setup.conditioning.causal = streams;
+    ensure!(
+        !setup.detrends || arguments.rest_to_rest,
+        "the session takes a line off its runs (preprocessing.detrend), which this does not: --rest-to-rest takes off the drift that \
+         contradicts rest, or use a session without detrend"
+    );
+    if arguments.watch && setup.conditioning.outliers.take().is_some() {
+        setup
+            .notes
+            .push("--watch sees the channels as they are: outliers are not replaced".to_owned());
+    }
     say("note", &setup.notes);
     let numbers = arguments.excluded.iter().copied();
     let excluded = LimbSet::from_numbers(numbers).context("--excluded")?;

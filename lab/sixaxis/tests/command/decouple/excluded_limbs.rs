@@ -90,6 +90,8 @@ fn inv_sets_that_cannot_be_done_without_are_refused() {
             "decouple",
             &calibration(),
             text(&compound()),
+            "--gain",
+            "0.01",
             "--excluded",
             failed,
             "--out",

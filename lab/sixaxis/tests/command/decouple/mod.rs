@@ -3,6 +3,7 @@
 mod clocks;
 mod deviations;
 mod excluded_limbs;
+mod guards;
 mod refusals;
 mod results;
 mod session;

@@ -7,7 +7,7 @@ use sixaxis_calibration::calibration::Calibration;
 use sixaxis_calibration::report::Grade;
 
 use super::session::{LIMBS, calibration, voltages, write};
-use crate::program::{Folder, done, run, sixaxis, stderr, text};
+use crate::program::{Folder, run, sixaxis, stderr, text};
 
 #[test]
 fn inv_what_is_wrong_is_named() {
@@ -44,21 +44,24 @@ fn inv_what_is_wrong_is_named() {
     let warned = decouple(&[]);
     assert!(warned.status.success());
     assert!(stderr(&warned).contains("7 of u3"), "{}", stderr(&warned));
-    // Gains that nobody says: a note; and said: none.
+    // Gains that nobody says.
     write(&recording, &LIMBS, "V", &volts, rate_hz);
-    let noted = done(&[
+    std::fs::remove_file(&out).expect("the result of before");
+    let refused = run(&[
         "decouple",
         &calibration,
         text(&recording),
         "--out",
         text(&out),
     ]);
+    assert_eq!(refused.status.code(), Some(1));
     assert!(
-        stderr(&noted).contains("default gains"),
+        stderr(&refused).contains("give --gain"),
         "{}",
-        stderr(&noted)
+        stderr(&refused)
     );
-    assert!(!stderr(&decouple(&[])).contains("default gains"));
+    assert!(!out.exists());
+    assert!(decouple(&[]).status.success());
     // The recording itself is no place for the result; --rate may not contradict the file.
     let itself = run(&[
         "decouple",
@@ -78,6 +81,8 @@ fn inv_what_is_wrong_is_named() {
         "decouple",
         text(&bad),
         text(&recording),
+        "--gain",
+        "0.1",
         "--out",
         text(&out),
     ];
