@@ -145,6 +145,17 @@ fn inv_a_cascade_forgets_within_its_settling() -> Result<()> {
             );
         }
     }
+    // Without a pole an impulse is answered for as long as the numerator is.
+    let average = Section {
+        b: [0.25, 0.5, 0.25],
+        a: [0.0, 0.0],
+    };
+    let samples = settling_samples(&[average]);
+    check_below(
+        "what a mean has not forgotten",
+        rings_on(&[average], samples)?,
+        tolerance::FORGOTTEN,
+    );
     let mut unstable = low_pass(2, 30.0, RATE_HZ)?;
     unstable[0].a[1] = 1.0;
     assert_eq!(settling_samples(&unstable), usize::MAX);

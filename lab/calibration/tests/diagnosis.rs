@@ -27,7 +27,7 @@ const SAMPLES: usize = 4000;
 /// Amplitudes of travel and rotation.
 const TRAVEL_M: f64 = 0.02;
 const TURN_RAD: f64 = 0.4;
-const GAIN_N_PER_V: f64 = 10.0;
+const GAIN_N_PER_V: f64 = 1.0;
 const FULL_SCALE_V: f64 = 5.0;
 const GRAVITY_M_S2: f64 = 9.80665;
 /// Spread of the channels' noise, evenly distributed: without any, what carries no load shows the rounding's flat tops.
@@ -35,7 +35,7 @@ const NOISE_V: f64 = 2e-5;
 
 const DESIGN: Parameters = Parameters {
     zero_drift_v: [0.0; LIMBS],
-    scale_per_mass_per_kg: [0.5, 0.52, 0.54, 0.56, 0.58, 0.6, 0.62, 0.64, 0.66],
+    scale_per_mass_per_kg: [5.0, 5.2, 5.4, 5.6, 5.8, 6.0, 6.2, 6.4, 6.6],
     inertia_per_mass: InertiaPerMass {
         xx_m2: 240e-6,
         yy_m2: 250e-6,
@@ -424,7 +424,7 @@ fn inv_channels_that_are_not_their_limbs_are_named() {
         Cause::InvertedChannel,
         &[],
         &[4],
-        "scale factor -0.580 1/kg, of the other sign than the design's 0.580 1/kg",
+        "scale factor -5.800 1/kg, of the other sign than the design's 5.800 1/kg",
     );
     with(ALL, |_, _, u| -u).shows(
         Cause::WrongScaling,
@@ -738,6 +738,145 @@ fn inv_odd_trials_are_told_by_what_explains_them() {
             &[odd],
             &[],
             "of the signal follows neither",
+        );
+    }
+}
+
+#[test]
+fn inv_trials_with_one_cause_make_one_finding() {
+    let found = with([4, 10].into_iter(), one(5, |u| 1.5 * u)).findings();
+    assert_eq!(found.len(), 1, "{found:#?}");
+    assert_eq!(found[0].recordings, [name(4), name(10)]);
+    assert_eq!(found[0].channels, [6]);
+    // The same cause in other channels is another finding.
+    let mut day = Day::of(&healthy());
+    change(&mut day.trials, 4..5, one(5, |u| 1.5 * u));
+    change(&mut day.trials, 10..11, one(6, |u| 1.5 * u));
+    let found = day.findings();
+    assert_eq!(found.len(), 2, "{found:#?}");
+    // A wedge is loose in all of its trials, another wedge is another finding.
+    let loose = |which: &[usize]| {
+        where_runs(which.iter().copied(), |run| {
+            let about = run.stated.any_orthogonal_vector().normalize();
+            run.moved = DQuat::from_axis_angle(about, 5.0_f64.to_radians()) * run.stated;
+            run.gravity = -run.moved * GRAVITY_M_S2;
+        })
+        .findings()
+    };
+    let found = loose(&[4, 10]);
+    assert_eq!(found.len(), 1, "{found:#?}");
+    assert_eq!(found[0].recordings, [name(4), name(10)]);
+    assert_eq!(loose(&[4, 11]).len(), 2);
+}
+
+/// What turns lags where the gyroscope does: the compound run shows it, too, and is not told of.
+#[test]
+fn inv_a_gyroscopes_lag_is_told_of_what_only_turns() {
+    where_runs(ANGULAR.start..COMPOUND + 1, |run| run.late_s = 2e-3).shows(
+        Cause::GyroscopeLag,
+        &[],
+        &[],
+        "in all 6 angular trials the gyroscope is 2.0 ms behind the sensor",
+    );
+    let day = where_runs(2..3, |run| run.late_s = 0.3e-3);
+    let lags = day.examined(|diagnosis| {
+        let lags = diagnosis
+            .cases
+            .iter()
+            .map(sixaxis_calibration::diagnosis::timing::lag_of);
+        lags.collect::<Vec<_>>()
+    });
+    for (index, lag) in lags.into_iter().enumerate() {
+        let expected = if index == 2 { 0.3e-3 } else { 0.0 };
+        assert!(
+            lag.is_some_and(|lag| (lag - expected).abs() < 1e-5),
+            "{index}: {lag:?}"
+        );
+    }
+}
+
+#[test]
+fn inv_what_is_like_a_cause_but_is_none_is_not_named_after_it() {
+    // Two channels' millivolts are theirs alone.
+    with(ALL, |i, _, u| if i == 2 || i == 6 { 1000.0 * u } else { u }).shows(
+        Cause::MillivoltMixUp,
+        &[],
+        &[2, 6],
+        "from a converter that ends at 5 V",
+    );
+    // A ninth is neither a g nor a decade.
+    for factor in [9.0, 1.0 / 9.0] {
+        let mut day = with(ALL, |_, _, u| u / factor);
+        for (trial, _) in &mut day.trials {
+            trial.full_scale_v = 1000.0;
+        }
+        let found = day.findings();
+        assert_eq!(found.len(), 1, "{found:#?}");
+        assert!(
+            found[0]
+                .evidence
+                .contains("check gains, sensitivities and units"),
+            "{found:#?}"
+        );
+    }
+    // Exchanged and one of them inverted is not exchanged.
+    let mut day = Day::of(&healthy());
+    for (trial, conditioned) in &mut day.trials {
+        for row in &mut trial.voltage_v {
+            row.swap(1, 6);
+            row[1] = -row[1];
+        }
+        conditioned.voltage_v.clone_from(&trial.voltage_v);
+    }
+    let found = day.findings();
+    assert!(!found.is_empty());
+    assert!(
+        found.iter().all(|f| f.cause != Cause::SwappedChannels),
+        "{found:#?}"
+    );
+    // Two channels that depart are no other sensor's; three are.
+    for (channels, cause) in [
+        ([3, 5, 5], Cause::Unexplained),
+        ([3, 5, 7], Cause::ForeignTrial),
+    ] {
+        let factor = move |i: usize| match channels.iter().position(|c| *c == i) {
+            Some(place) => 1.2 + 0.3 * place as f64,
+            None => 1.0,
+        };
+        with(4..5, move |i, _, u| factor(i) * u).shows(cause, &[4], &[], "depart");
+    }
+}
+
+/// Without linear trials there is no table; what moves is noticed all the same.
+#[test]
+fn inv_drift_is_seen_without_a_table() {
+    let mut day = Day::of(&healthy()[ANGULAR]);
+    let place = |n: usize| n as f64 / (SAMPLES - 1) as f64;
+    change(&mut day.trials, 1..2, |i, n, u| {
+        if i == 2 { u + 0.06 * place(n) } else { u }
+    });
+    let found = day.findings();
+    let own = |f: &&Finding| f.cause == Cause::DriftDuringRun && f.channels == [3];
+    assert_eq!(found.iter().filter(own).count(), 1, "{found:#?}");
+}
+
+/// Where weight turns, what the error of its angle leaves of it, three thousandths here, is no drift; more than that is.
+#[test]
+fn inv_drift_beside_turning_weight() {
+    let place = |n: usize| n as f64 / (SAMPLES - 1) as f64;
+    for (size_v, told) in [(1e-3, 0), (1e-2, 1)] {
+        let mut day = where_runs(8..9, |run| {
+            let side = run.moved.any_orthogonal_vector().normalize() * GRAVITY_M_S2;
+            (run.gravity, run.stated_gravity) = (side, side);
+        });
+        change(&mut day.trials, 8..9, |i, n, u| {
+            if i == 2 { u + size_v * place(n) } else { u }
+        });
+        let found = day.findings();
+        assert_eq!(found.len(), told, "{found:#?}");
+        assert!(
+            found.iter().all(|f| f.cause == Cause::DriftDuringRun),
+            "{found:#?}"
         );
     }
 }

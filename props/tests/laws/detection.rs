@@ -333,7 +333,11 @@ fn ref_after_the_verdict_no_trace_is_left() {
 fn alarm_of(detector: &mut Detector, test: Test, row: f64, strain: f64) -> Option<Alarm> {
     let mut last = None;
     for sample in 0..test.samples() {
-        let sign = if matches!(sample % 4, 0 | 3) { 1.0 } else { -1.0 };
+        let sign = if matches!(sample % 4, 0 | 3) {
+            1.0
+        } else {
+            -1.0
+        };
         let alarms = detector.push(&[sign * row, 0.0, 0.0], &[sign * strain; LIMBS]);
         last = alarms.iter().find(|alarm| alarm.test == test);
     }
