@@ -133,7 +133,11 @@ fn inv_the_channel_and_the_sample_are_named() {
         );
         rows[20][limb] = 1.0;
         for (n, row) in rows.iter_mut().enumerate() {
-            row[limb] = if n % 2 == 0 { f64::MAX } else { f64::MAX / 2.0 };
+            row[limb] = if n.is_multiple_of(2) {
+                f64::MAX
+            } else {
+                f64::MAX / 2.0
+            };
         }
         let error = each_channel(&mut rows, |x| detrend::constant(x).map(|_| ()));
         assert!(

@@ -652,7 +652,11 @@ fn inv_zeros_that_move_are_told_by_their_size() {
         let samples = day.rest.voltage_v.len();
         for (n, row) in day.rest.voltage_v.iter_mut().enumerate() {
             // Pieces of a hundred samples lie above and below the line by turns.
-            let sign = if (n / 100) % 2 == 0 { 1.0 } else { -1.0 };
+            let sign = if (n / 100).is_multiple_of(2) {
+                1.0
+            } else {
+                -1.0
+            };
             row[7] = size * (n as f64 / samples as f64 - 0.5) + sign * noise;
         }
         day
