@@ -1,14 +1,14 @@
 //! Stages over a stream: the same samples however the stream is cut, and those of the whole record.
 
 use sixaxis_core::Result;
-use sixaxis_core::dsp::butterworth::low_pass;
+use sixaxis_core::dsp::butterworth::{Section, low_pass};
 use sixaxis_core::dsp::causal::Causal;
 use sixaxis_core::dsp::delay::{Delay, delayed};
 use sixaxis_core::dsp::lag::{UndoHighPass, undo_high_pass};
 use sixaxis_core::dsp::outlier::{Hampel, hampel};
 use sixaxis_core::dsp::spectrum::{Welch, welch};
 use sixaxis_core::dsp::stage::Stage;
-use sixaxis_core::dsp::zero_phase::{ZeroPhase, zero_phase};
+use sixaxis_core::dsp::zero_phase::{ZeroPhase, settling_samples, zero_phase};
 
 use crate::tolerance;
 use crate::{check_above, check_below, distance, record};
@@ -104,5 +104,60 @@ fn inv_a_streamed_spectrum_is_that_of_the_whole() -> Result<()> {
     let mut stream = Welch::new(64)?;
     stream.push(&gap);
     assert_eq!(stream.left_out(), 2);
+    Ok(())
+}
+
+#[test]
+fn inv_without_a_segment_there_is_no_spectrum() -> Result<()> {
+    let mut stream = Welch::new(64)?;
+    stream.push(&record(63, RATE_HZ));
+    assert_eq!(stream.spectrum(RATE_HZ), None);
+    stream.push(&[0.0]);
+    assert!(stream.spectrum(RATE_HZ).is_some());
+    Ok(())
+}
+
+/// Largest answer to an impulse so many samples after it, of the largest at all.
+fn rings_on(sections: &[Section], samples: usize) -> Result<f64> {
+    let mut series = vec![0.0; 3 * samples + 100];
+    // A cascade begins in the steady state of its first sample.
+    series[1] = 1.0;
+    let answer = streamed(Causal::new(sections.to_vec()), &series, 1000)?;
+    Ok(crate::peak(&answer[1 + samples..]) / crate::peak(&answer))
+}
+
+#[test]
+fn inv_a_cascade_forgets_within_its_settling() -> Result<()> {
+    for corner_hz in [2.0, 30.0, 300.0] {
+        for (order, copies) in [(1, 1), (1, 8), (2, 1), (2, 8), (5, 1), (8, 3)] {
+            let sections = low_pass(order, corner_hz, RATE_HZ)?.repeat(copies);
+            let samples = settling_samples(&sections);
+            check_below(
+                "what a cascade has not forgotten",
+                rings_on(&sections, samples)?,
+                tolerance::FORGOTTEN,
+            );
+            // Control: a third of it is not enough, and so it is no needless wait.
+            check_above(
+                "a third of the settling",
+                rings_on(&sections, samples / 3)?,
+                tolerance::FORGOTTEN,
+            );
+        }
+    }
+    // Without a pole an impulse is answered for as long as the numerator is.
+    let average = Section {
+        b: [0.25, 0.5, 0.25],
+        a: [0.0, 0.0],
+    };
+    let samples = settling_samples(&[average]);
+    check_below(
+        "what a mean has not forgotten",
+        rings_on(&[average], samples)?,
+        tolerance::FORGOTTEN,
+    );
+    let mut unstable = low_pass(2, 30.0, RATE_HZ)?;
+    unstable[0].a[1] = 1.0;
+    assert_eq!(settling_samples(&unstable), usize::MAX);
     Ok(())
 }

@@ -1,6 +1,7 @@
 //! A copy of the workspace with the sample in it, built once.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::env;
 use std::fs;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -22,6 +23,9 @@ const TESTED: [&str; 4] = [
 /// Lints that refuse a program which surely overflows or panics: that is for the tests to find.
 const LINTS: &str = "[workspace.lints.rust]\narithmetic_overflow = \"allow\"\nunconditional_panic = \"allow\"\n\
                      unconditional_recursion = \"allow\"";
+
+/// Where mujoco-rs looks for its library.
+const LINKS: &str = "MUJOCO_DYNAMIC_LINK_DIR";
 
 /// In the list of what earlier builds refused, before mutants in functions that must stay constant.
 const CONST: &str = "const: ";
@@ -62,7 +66,7 @@ pub fn build(root: &Path, out: &Path, draw: &Draw) -> Built {
     kept.retain(|id| !lost.contains(id) && !needed_const.contains(id));
     for round in 1.. {
         let written = write(root, &tree, draw, &kept);
-        let (messages, success) = cargo(&tree, out);
+        let (messages, success) = cargo(root, &tree, out);
         let (lost, constant) = refused(&messages, &written, draw, &kept);
         println!(
             "build {round}: {} mutants in it, {} do not compile, {} are needed by constants",
@@ -167,8 +171,14 @@ fn put(path: &Path, bytes: &[u8]) {
     fs::write(path, bytes).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
 }
 
-fn cargo(tree: &Path, out: &Path) -> (Vec<Value>, bool) {
-    let output = Command::new("cargo")
+fn cargo(root: &Path, tree: &Path, out: &Path) -> (Vec<Value>, bool) {
+    let mut command = Command::new("cargo");
+    // Cargo, which started this program, names the workspace's own folder of links here; the copy has one of its own, and takes any
+    // other for its user's.
+    if env::var_os(LINKS).is_some_and(|dir| Path::new(&dir) == root.join("reference/link")) {
+        command.env_remove(LINKS);
+    }
+    let output = command
         .current_dir(tree)
         .args(["test", "--release", "--no-run", "--lib", "--tests"])
         .args(["--no-fail-fast", "--message-format=json"])

@@ -1,6 +1,8 @@
 //! Failed limbs: false alarms, detection, isolation and naming against failures that were injected.
 
-use sixaxis_core::redundancy::fault::class::{CLASS_OF, members};
+use sixaxis_core::redundancy::fault::class::{CLASS_OF, CLASSES, members};
+use sixaxis_core::redundancy::fault::detector::{Alarm, CalibrationErrors, Detector, Test};
+use sixaxis_core::redundancy::fault::noise::RowNoise;
 use sixaxis_core::redundancy::fault::{Event, Kind};
 use sixaxis_core::redundancy::parity::ROWS;
 use sixaxis_core::redundancy::residual;
@@ -324,4 +326,62 @@ fn ref_after_the_verdict_no_trace_is_left() {
             tolerance::NOISY_ATTITUDE_RAD,
         );
     }
+}
+
+/// The test that fails at the last of so many samples of rows along the first, when all of them and all strains are these numbers
+/// times the sign of +, -, -, +, ...: that has neither mean nor slope over four samples.
+fn alarm_of(detector: &mut Detector, test: Test, row: f64, strain: f64) -> Option<Alarm> {
+    let mut last = None;
+    for sample in 0..test.samples() {
+        let sign = if matches!(sample % 4, 0 | 3) {
+            1.0
+        } else {
+            -1.0
+        };
+        let alarms = detector.push(&[sign * row, 0.0, 0.0], &[sign * strain; LIMBS]);
+        last = alarms.iter().find(|alarm| alarm.test == test);
+    }
+    last
+}
+
+/// Errors of the scale factors add 3 sum of x^2 e^2/sigma^2 to the energy of a window where all limbs have one noise sigma, one
+/// strain x, one error e: Q^-1 W^T W is the unit matrix over sigma^2.
+#[test]
+fn law_calibrations_errors_take_their_share_of_the_energy() {
+    const NOISE: f64 = 1e-8;
+    let noise = RowNoise::from_channels(&[NOISE; LIMBS]).expect("noise");
+    let test = Test::Energy(64);
+    let (row, strain, scale) = (10.0, 3e-5, 1e-3);
+    let errors = CalibrationErrors {
+        scale: [scale; LIMBS],
+        drift: [0.0; LIMBS],
+    };
+    let statistic = |errors: Option<CalibrationErrors>| {
+        let mut detector = Detector::new(noise, RATES[0].0, errors).expect("a rate");
+        let alarm = alarm_of(&mut detector, test, row, strain).expect("far beyond the noise");
+        assert_eq!(alarm.sample, test.samples() - 1);
+        alarm.statistic
+    };
+    let energy = 64.0 * row * row;
+    within(
+        "energy of a window",
+        (statistic(None) / energy - 1.0).abs(),
+        tolerance::ROUNDING,
+    );
+    let share = 3.0 * 64.0 * (strain * scale / NOISE).powi(2) / test.freedom() as f64;
+    within(
+        "energy that calibration's errors explain in part",
+        (statistic(Some(errors)) * (1.0 + share) / energy - 1.0).abs(),
+        tolerance::ROUNDING,
+    );
+}
+
+#[test]
+fn law_beyond_the_classes_stands_the_first() {
+    let noise = RowNoise::from_channels(&core::array::from_fn(|i| 1e-8 * (1.0 + i as f64)));
+    let noise = noise.expect("noise");
+    let (first, direction) = (noise.length(0), noise.direction(0));
+    assert!((1..CLASSES).all(|class| noise.length(class) != first));
+    assert_eq!(noise.length(CLASSES), first);
+    assert_eq!(noise.direction(CLASSES), direction);
 }

@@ -144,6 +144,38 @@ fn inv_splitting_the_stream_changes_no_bit() {
     }
 }
 
+/// Histories that differ in one part of what is kept of them: column, explained right side, residual, number, row that waits.
+#[test]
+fn law_other_histories_are_not_equal() {
+    let unit = |j: usize, size: f64| core::array::from_fn(|k| if j == k { size } else { 0.0 });
+    let history = |size: f64, explained: f64, left: f64, blocks: usize, waiting: &[f64]| {
+        let mut rows = vec![([0.0; 9], 0.0); blocks * BLOCK];
+        for (j, row) in rows.iter_mut().enumerate().take(9) {
+            *row = (unit(j, size), explained);
+        }
+        rows[9].1 = left;
+        rows.extend(waiting.iter().map(|right| ([0.0; 9], *right)));
+        accumulated(&rows)
+    };
+    let histories = || {
+        [
+            history(1.0, 0.0, 0.0, 1, &[]),
+            history(2.0, 0.0, 0.0, 1, &[]),
+            history(1.0, 1.0, 0.0, 1, &[]),
+            history(1.0, 0.0, 1.0, 1, &[]),
+            history(1.0, 0.0, 0.0, 2, &[]),
+            history(1.0, 0.0, 0.0, 1, &[1.0]),
+            history(1.0, 0.0, 0.0, 1, &[2.0]),
+            history(2.0, 0.0, 0.0, 1, &[1.0]),
+        ]
+    };
+    for (i, a) in histories().iter().enumerate() {
+        for (j, b) in histories().iter().enumerate() {
+            assert_eq!(a == b, i == j, "{i} and {j}");
+        }
+    }
+}
+
 #[test]
 fn law_appending_equals_pushing() {
     let rows = many_rows(1000);

@@ -1,0 +1,331 @@
+//! The joint estimate as it is reported: intervals, covariances, k/m and instruments of a fit whose numbers are made up, so that
+//! every answer has a closed form.
+
+use glam::DVec3;
+use nalgebra::{DMatrix, DVector};
+use sixaxis_calibration::joint::JointReport;
+use sixaxis_calibration::report::ParameterReport;
+use sixaxis_core::identify::joint::estimate::JointEstimate;
+use sixaxis_core::identify::joint::unknowns::{
+    ACCELEROMETER_GAIN, AMPLIFIER_CORNER, ANGLES, COMPLIANCE, GYROSCOPE_GAIN, GYROSCOPE_LAG,
+    INERTIA, MASS_PER_SCALE, Unknowns, WEDGES, Wedge,
+};
+use sixaxis_core::parameter::{PARAMETERS, Parameter};
+use sixaxis_core::significance::NORMAL_95;
+
+/// Rounding of products of a few numbers.
+const ROUNDING: f64 = 1e-12;
+/// Midpoints of 256 parts of an even spread, and a quantile between two of them.
+const QUADRATURE: f64 = 5e-3;
+/// The certificate's limit.
+const LIMIT: f64 = 0.01;
+/// Relative standard deviation of every unknown.
+const SHARE: f64 = 1e-3;
+/// Correlation of any two.
+const CORRELATION: f64 = 0.2;
+const DEGREES: usize = 20_000;
+
+/// A fit without contradiction whose scale factors, and nothing else, go with the accelerometer's gain.
+fn estimate() -> JointEstimate {
+    let mut values = DVector::from_element(WEDGES + ANGLES, 1e-3);
+    for i in 0..9 {
+        values[MASS_PER_SCALE + i] = 2.0 + 0.25 * i as f64;
+    }
+    for j in 0..6 {
+        values[INERTIA + j] = 1e-4 * (j + 1) as f64;
+    }
+    values[COMPLIANCE] = 4e-9;
+    values[ACCELEROMETER_GAIN] = 0.0;
+    values[GYROSCOPE_GAIN] = 2e-3;
+    values[GYROSCOPE_LAG] = 1e-4;
+    values[AMPLIFIER_CORNER] = core::f64::consts::TAU * 0.5;
+    let n = values.len();
+    let covariance = DMatrix::from_fn(n, n, |a, b| {
+        let correlation = if a == b { 1.0 } else { CORRELATION };
+        correlation * SHARE * SHARE * values[a] * values[b]
+    });
+    let mut by_accelerometer_gain = DVector::zeros(n);
+    for i in 0..9 {
+        by_accelerometer_gain[MASS_PER_SCALE + i] = -values[MASS_PER_SCALE + i];
+    }
+    JointEstimate {
+        unknowns: Unknowns {
+            values,
+            wedges: vec![Wedge {
+                nominal: DVec3::Z,
+                sideways: [DVec3::X, DVec3::Y],
+            }],
+        },
+        covariance,
+        by_accelerometer_gain,
+        accelerometer_gain_seen: 0.0,
+        accelerometer_gain_information: 0.0,
+        compliance_from_elsewhere: false,
+        squares: DEGREES as f64,
+        degrees_of_freedom: DEGREES,
+        iterations: 4,
+    }
+}
+
+/// What the four steps say of all 25: determined, and other than anything here.
+fn four_steps() -> Vec<ParameterReport> {
+    Parameter::all()
+        .map(|parameter| ParameterReport {
+            parameter,
+            unit: parameter.unit().to_owned(),
+            estimate: 77.0,
+            design: 88.0,
+            half_width_95: Some(1.0),
+            from_noise: None,
+            from_trials: None,
+            from_standards: None,
+            dominated_by: "four steps".to_owned(),
+            determined: true,
+            remark: "four steps".to_owned(),
+        })
+        .collect()
+}
+
+fn close(what: &str, ours: f64, expected: f64, tolerance: f64) {
+    let off = (ours - expected).abs();
+    assert!(
+        off <= tolerance * expected.abs(),
+        "{what}: {ours}, not {expected}"
+    );
+}
+
+#[test]
+fn inv_noise_and_gain_make_the_deviations() {
+    let report = JointReport::new(estimate(), LIMIT);
+    let (noise, gain) = (report.noise_covariance(), report.gain_covariance());
+    for a in 0..PARAMETERS {
+        let together = noise[(a, a)] + gain[(a, a)];
+        close("variance", together, report.deviations[a].powi(2), ROUNDING);
+        for b in 0..PARAMETERS {
+            let root = (noise[(a, a)] * noise[(b, b)]).sqrt();
+            let sign = if (9..18).contains(&a) == (9..18).contains(&b) {
+                1.0
+            } else {
+                -1.0
+            };
+            let expected = if a == b { 1.0 } else { sign * CORRELATION };
+            close(
+                "correlation by noise",
+                noise[(a, b)] / root,
+                expected,
+                ROUNDING,
+            );
+            // All scale factors move together with the gain, and by their own size.
+            let relative = gain[(a, b)] / (report.values[a] * report.values[b]);
+            let scales = (9..18).contains(&a) && (9..18).contains(&b);
+            let expected = if scales { LIMIT * LIMIT / 3.0 } else { 0.0 };
+            close(
+                "relative covariance by the gain",
+                relative,
+                expected,
+                QUADRATURE,
+            );
+        }
+        // A reciprocal has the same relative deviation.
+        close(
+            "relative deviation",
+            noise[(a, a)].sqrt(),
+            SHARE * report.values[a],
+            ROUNDING,
+        );
+    }
+}
+
+/// Twelve squares in excess for each of the fifteen parameters that forces tell, and twice as many that hide: 1 + 2 x 12 is the
+/// square of five. Among two hundred degrees of freedom they contradict; among twenty thousand they are noise.
+#[test]
+fn inv_a_contradiction_widens_all_but_a_compliance_from_elsewhere() {
+    let own = JointReport::new(estimate(), LIMIT).noise_covariance();
+    for (degrees, wider) in [(200, 5.0), (DEGREES, 1.0)] {
+        for compliance_from_elsewhere in [false, true] {
+            let wide = JointReport::new(
+                JointEstimate {
+                    squares: (12 * 15 + degrees) as f64,
+                    degrees_of_freedom: degrees,
+                    compliance_from_elsewhere,
+                    ..estimate()
+                },
+                LIMIT,
+            );
+            assert_eq!(wide.misfit.contradicts(), wider > 1.0);
+            let given = |p: usize| compliance_from_elsewhere && p == PARAMETERS - 1;
+            let width = |p: usize| if given(p) { 1.0 } else { wider };
+            let noise = wide.noise_covariance();
+            for a in 0..PARAMETERS {
+                for b in 0..PARAMETERS {
+                    let expected = width(a) * width(b) * own[(a, b)];
+                    close("covariance", noise[(a, b)], expected, ROUNDING);
+                }
+            }
+        }
+    }
+}
+
+/// What the trials tell of the gain is information that a contradiction takes back, too.
+#[test]
+fn inv_trials_tell_the_gain_where_they_narrow_its_certificate() {
+    let spread = LIMIT / 3.0_f64.sqrt();
+    let told = |share: f64, wider: f64| {
+        let squares = (wider * wider - 1.0) / 2.0 * 15.0 + 200.0;
+        let report = JointReport::new(
+            JointEstimate {
+                accelerometer_gain_seen: 0.2 * LIMIT,
+                accelerometer_gain_information: (wider / (share * spread)).powi(2),
+                squares,
+                degrees_of_freedom: 200,
+                ..estimate()
+            },
+            LIMIT,
+        );
+        (report.gain_is_told(), report)
+    };
+    for wider in [1.0, 5.0] {
+        let (yes, report) = told(0.3, wider);
+        assert!(yes);
+        close("mean", report.gain.mean(), 0.2 * LIMIT, QUADRATURE);
+        close(
+            "deviation",
+            report.gain.deviation(),
+            0.3 * spread,
+            QUADRATURE,
+        );
+        assert!(!told(0.6, wider).0);
+    }
+    let report = JointReport::new(estimate(), LIMIT);
+    assert!(!report.gain_is_told());
+    close("even spread", report.gain.deviation(), spread, QUADRATURE);
+}
+
+#[test]
+fn inv_reports_carry_noise_and_certificate() {
+    let report = JointReport::new(estimate(), LIMIT);
+    let ours = report.parameter_reports(&four_steps());
+    assert_eq!(ours.len(), PARAMETERS);
+    for (p, own) in ours.iter().enumerate() {
+        assert_eq!(own.parameter.place(), p);
+        assert!(own.determined);
+        // A scale factor's slope over itself is one: 95 % of an even spread.
+        let certificate = if (9..18).contains(&p) {
+            0.95 * LIMIT
+        } else {
+            0.0
+        };
+        let size = own.estimate;
+        let noise = own.from_noise.expect("noise");
+        let gain = own.from_standards.expect("gain");
+        let half = own.half_width_95.expect("determined");
+        close("noise", noise / size, NORMAL_95 * SHARE, ROUNDING);
+        close("certificate", gain / size, certificate, QUADRATURE);
+        let at_least = noise.max(gain) / size;
+        let at_most = (noise + gain) / size;
+        assert!(
+            half / size > at_least * (1.0 - QUADRATURE)
+                && half / size < at_most * (1.0 + QUADRATURE)
+        );
+        let expected = if certificate > 0.0 {
+            "certificate of the accelerometer"
+        } else {
+            "noise"
+        };
+        assert_eq!(own.dominated_by, expected);
+    }
+    let stiffness = &ours[PARAMETERS - 1];
+    close("k/m", stiffness.estimate, 1.0 / 4e-9, ROUNDING);
+    assert_eq!(stiffness.remark, "from all trials");
+    // An interval as wide as the value.
+    let mut vague = estimate();
+    vague.covariance *= 1e6;
+    vague.covariance[(COMPLIANCE, COMPLIANCE)] *= 1e-6;
+    let ours = JointReport::new(vague, LIMIT).parameter_reports(&four_steps());
+    for (p, own) in ours.iter().enumerate() {
+        assert_eq!(
+            own.determined,
+            !own.parameter.has_size() || p == PARAMETERS - 1
+        );
+    }
+}
+
+#[test]
+fn inv_a_compliance_that_is_open_leaves_the_design() {
+    let with = |share: f64| {
+        let mut fit = estimate();
+        let place = (COMPLIANCE, COMPLIANCE);
+        fit.covariance[place] = (share * fit.unknowns.values[COMPLIANCE]).powi(2);
+        JointReport::new(fit, LIMIT)
+    };
+    assert!(with(0.09).compliance_is_determined);
+    close(
+        "k/m",
+        with(0.09).parameters(5.0).stiffness_per_mass_per_s2,
+        1.0 / 4e-9,
+        ROUNDING,
+    );
+    let open = with(0.11);
+    assert!(!open.compliance_is_determined);
+    close(
+        "k/m",
+        open.parameters(5.0).stiffness_per_mass_per_s2,
+        5.0,
+        ROUNDING,
+    );
+    let last = |four: &[ParameterReport]| open.parameter_reports(four)[PARAMETERS - 1].clone();
+    // Taps have determined it.
+    let mut four = four_steps();
+    assert_eq!(last(&four), four[PARAMETERS - 1]);
+    for (determined, half_width_95) in [(false, Some(1.0)), (true, None)] {
+        four[PARAMETERS - 1].determined = determined;
+        four[PARAMETERS - 1].half_width_95 = half_width_95;
+        let left = last(&four);
+        assert!(!left.determined && left.half_width_95.is_none());
+        close("design", left.estimate, 88.0, ROUNDING);
+    }
+    let mut negative = estimate();
+    negative.unknowns.values[COMPLIANCE] *= -1.0;
+    assert!(!JointReport::new(negative, LIMIT).compliance_is_determined);
+}
+
+#[test]
+fn inv_instruments_are_told_in_their_own_units() {
+    let mut fit = estimate();
+    fit.accelerometer_gain_seen = 4e-3;
+    fit.accelerometer_gain_information = 1e10;
+    fit.by_accelerometer_gain[GYROSCOPE_GAIN] = 0.5;
+    let angle = WEDGES;
+    fit.unknowns.values[angle] = 0.0;
+    fit.unknowns.values[angle + 1] = 0.0;
+    let lag = (GYROSCOPE_LAG, GYROSCOPE_LAG);
+    fit.covariance[lag] = 0.0;
+    let found = JointReport::new(fit, LIMIT).nuisances();
+    close(
+        "accelerometer",
+        found.accelerometer_gain.value,
+        4e-3,
+        QUADRATURE,
+    );
+    assert!(found.accelerometer_gain_is_told);
+    // The fit was made at a gain of nothing.
+    let gyroscope = found.gyroscope_gain.expect("free");
+    close("gyroscope", gyroscope.value, 2e-3 + 0.5 * 4e-3, QUADRATURE);
+    let expected = (SHARE * 2e-3_f64).hypot(0.5 * 1e-5);
+    close("its deviation", gyroscope.deviation, expected, QUADRATURE);
+    assert_eq!(found.gyroscope_lag_s, None);
+    let corner = found.amplifier_corner_hz.expect("free");
+    close("corner", corner.value, 0.5, ROUNDING);
+    close("its deviation", corner.deviation, SHARE * 0.5, ROUNDING);
+    let [wedge] = &found.wedges[..] else {
+        panic!("one wedge")
+    };
+    assert_eq!(wedge.direction, [0.0, 0.0, 1.0]);
+    let [_, _, about] = wedge.angles_deg.expect("free");
+    close(
+        "angle",
+        about.value,
+        1e-3 * 180.0 / core::f64::consts::PI,
+        ROUNDING,
+    );
+}
