@@ -4,7 +4,11 @@ use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use sixaxis_calibration::diagnosis::still::still;
+use sixaxis_calibration::report::Grade;
 use sixaxis_core::LIMBS;
+use sixaxis_props::blind::{Cell, Naming, TUNING_SEEDS, plan, try_out};
+use sixaxis_reference::laboratory::defect::{Defect, Kind, Where};
+use sixaxis_reference::laboratory::plan::{DefectChoice, Engine};
 
 const SAMPLES: usize = 12_000;
 /// 16 bits of +-10 V, and the noise of 60 dB in it.
@@ -72,4 +76,34 @@ fn prop_an_open_input_is_found() {
         row[7] = quiet[7];
     }
     assert_eq!(found(&rows, STEP_V), [7]);
+}
+
+/// From a hundredth of the record to all of it; beside it a healthy session whose converter is coarser than its noise.
+#[test]
+fn prop_a_session_with_a_dead_static_channel_is_not_good() {
+    let seed = TUNING_SEEDS.end + 2;
+    let own = |name: &str| {
+        std::env::temp_dir().join(format!("sixaxis-still-{}-{name}", std::process::id()))
+    };
+    let cell = Cell::Defect(Kind::DeadStatic);
+    for magnitude in [0.01, 1.0] {
+        let mut dead = plan(cell, seed, Engine::Rigid);
+        dead.defect = DefectChoice::Exactly(Defect {
+            kind: Kind::DeadStatic,
+            magnitude,
+            place: Where::Everywhere,
+            channel: 4,
+            seed: 0,
+        });
+        let outcome = try_out(cell, &dead, "npz", &own("dead")).expect("it plays");
+        assert_eq!(outcome.naming(), Naming::Right, "{outcome:?}");
+        assert_ne!(outcome.grade, Some(Grade::Good));
+        let harm = outcome.harm.expect("a calibration");
+        assert!(harm.breaks_it_at_rest() && harm.breaks_the_promise());
+    }
+    let mut coarse = plan(Cell::Corner, seed, Engine::Rigid);
+    coarse.chain.resolution_bits = 8;
+    let outcome = try_out(Cell::Corner, &coarse, "npz", &own("coarse")).expect("it plays");
+    assert_eq!(outcome.naming(), Naming::None, "{outcome:?}");
+    assert!(!outcome.harm.expect("a calibration").breaks_it_at_rest());
 }
