@@ -2,7 +2,7 @@
 //!
 //! `--first` and `--count` say which seeds. In shards: `--shard 2/8 --rows FILE` plays every eighth of them from the second on and
 //! writes a row a session; `--merge FILE,FILE,...` plays nothing and counts the rows of all. The published file is the same bytes
-//! either way. `blind_mujoco` plays some of them with MuJoCo, too.
+//! either way.
 
 use std::process::ExitCode;
 

@@ -5,9 +5,7 @@ use sixaxis_page::number::{count, fixed, significant};
 use sixaxis_page::{Axis, Cell, Figure, Section, Table, Text};
 use sixaxis_props::blind::share::Share;
 use sixaxis_props::blind::{Cell as Corner, cause_of};
-use sixaxis_props::results::{
-    Blind, BlindBin, BlindKind, BlindPairs, BlindTally, BlindVerdict, Published,
-};
+use sixaxis_props::results::{Blind, BlindBin, BlindKind, BlindTally, Published};
 use sixaxis_reference::laboratory::room::Room;
 
 /// Shares that one mark stands for: from, its words, its place in the palette.
@@ -24,8 +22,6 @@ const SHARES: [(f64, &str, usize); 4] = [
 /// If the published result cannot be read or the text does not fit it.
 pub fn section() -> Result<Section> {
     let p = &Blind::embedded()?;
-    let pairs = &BlindPairs::embedded()?;
-    let of = |share: Share| format!("{} of {}", share.count, share.of);
     let good = by_size(p, "blind-good", |tally| tally.good, 0.0);
     let false_good = by_size(
         p,
@@ -39,13 +35,8 @@ pub fn section() -> Result<Section> {
         .value("kinds", p.kinds.len())
         .value("unnamed", unnamed.count())
         .value("false_good_of_good", p.false_good_of_good.value())
-        .value("pairs", pairs)
-        .value("same_grade", of(pairs.same_grade))
-        .value("same_cause", of(pairs.same_cause))
-        .value("same_promise", of(pairs.same_promise))
         .figure(good)
         .figure(false_good)
-        .table("blind-pairs", differing(pairs))
         .table("blind-healthy", healthy(p))
         .table("blind-kinds", kinds(p))
         .section("blind")
@@ -93,29 +84,6 @@ fn cell_words(cell: Corner) -> String {
         Corner::Room(Room::Usual) => "usual room".to_owned(),
         Corner::Defect(kind) => kind.name().replace('_', " "),
     }
-}
-
-fn differing(pairs: &BlindPairs) -> Table {
-    let verdict = |v: BlindVerdict| {
-        let grade = v.grade.map_or("refused", |grade| grade.word());
-        let cause = v
-            .cause
-            .map_or(String::new(), |cause| format!(", {}", cause.name()));
-        let promise = match v.breaks_the_promise {
-            Some(true) => ", breaks it",
-            Some(false) => ", keeps it",
-            None => "",
-        };
-        format!("{grade}{cause}{promise}")
-    };
-    Table::of("session", &pairs.differing, |pair| cell_words(pair.cell))
-        .col("seed", |pair| count(pair.seed))
-        .col("size", |pair| {
-            Cell::or_dash(pair.magnitude.map(|size| significant(size, 2)))
-        })
-        .text("by MuJoCo", move |pair| verdict(pair.mujoco))
-        .text("by rigid limbs", move |pair| verdict(pair.rigid))
-        .into()
 }
 
 fn healthy(p: &Blind) -> Table {
