@@ -68,14 +68,15 @@ fn study(first: u64, count: u64) -> Result<WatchedLaboratories, String> {
         };
         println!("{corner:?}, grades {:?}", counted.grades);
         for line in core::iter::once(&counted.total).chain(&counted.courses) {
+            let [low, high] = line.per_alarm_hour_95();
             println!(
-                "  {:<9} {:6.2} h {:6} alarms, {:8.2} an hour [{:.2}, {:.2}], in {} of {} recordings and {} of {} laboratories, flagged {:.4}: {:?}",
+                "  {:<9} {:6.2} h {:6} alarms, {:8.2} an hour unflagged [{:.2}, {:.2}], in {} of {} recordings and {} of {} laboratories, flagged {:.4}: {:?}",
                 line.course.map_or("all".to_owned(), |c| format!("{c:?}")),
                 line.hours,
                 line.alarms,
-                line.per_hour,
-                line.per_hour_95[0],
-                line.per_hour_95[1],
+                line.per_alarm_hour(),
+                low,
+                high,
                 line.recordings_with_alarm,
                 line.recordings,
                 line.sessions_with_alarm,

@@ -5,18 +5,20 @@
 //! and what it explains is not reported again.
 //!
 //! 1. [`raw`]: what one recording shows by itself: clipped, constant.
-//! 2. [`structure`]: what all trials together show of a channel: silent, exchanged, inverted, under-excited axes.
-//! 3. [`gravity`]: weight that turns in the sensor although the session says it does not.
-//! 4. [`timing`]: lags and clocks.
-//! 5. [`level`]: factors that all trials share: units, sensitivities, gains.
-//! 6. [`drift`]: rests that are not where they were.
-//! 7. [`odd_trial`]: trials that do not fit in with the others.
+//! 2. [`still`]: channels of the static record that read nothing, not even noise.
+//! 3. [`structure`]: what all trials together show of a channel: silent, exchanged, inverted, under-excited axes.
+//! 4. [`gravity`]: weight that turns in the sensor although the session says it does not.
+//! 5. [`timing`]: lags and clocks.
+//! 6. [`level`]: factors that all trials share: units, sensitivities, gains.
+//! 7. [`drift`]: rests that are not where they were.
+//! 8. [`odd_trial`]: trials that do not fit in with the others.
 
 pub mod drift;
 pub mod gravity;
 pub mod level;
 pub mod odd_trial;
 pub mod raw;
+pub mod still;
 pub mod structure;
 pub mod table;
 pub mod timing;
@@ -70,6 +72,10 @@ pub fn examine<'a>(
         })
         .collect();
     raw::examine(at_rest, &mut cases, &mut findings);
+    if let Some(rest) = at_rest {
+        let moving = trials.iter().map(|(trial, _)| trial);
+        still::examine(rest, &still::steps_v(rest, moving), &mut findings);
+    }
     let drift = at_rest.and_then(|rest| zero_drift::identify(&rest.voltage_v).ok());
     measure(&mut cases, drift.as_ref(), None);
     let Ok(shares) = StaticLoadSharing::new(&facts.geometry) else {

@@ -3,7 +3,9 @@
 use sixaxis_core::decouple::uncertainty::Covariance;
 use sixaxis_recordings::session::Session;
 
+use crate::diagnosis::still;
 use crate::error::Result;
+use crate::interval::rest::put_rest;
 use crate::interval::{LeftOut, put_taps, report};
 use crate::joint::{self, JointReport, Knowledge, Loss};
 use crate::prepare::PreparedSession;
@@ -59,6 +61,10 @@ impl Estimate {
             &four_steps,
         );
         put_taps(&mut four_steps, &taps);
+        if let Some(rest) = &prepared.at_rest {
+            let moving = campaign.trials.iter().map(|(trial, _)| trial);
+            put_rest(&mut four_steps, rest, &still::steps_v(rest, moving));
+        }
         progress.stage("joint fit", 1);
         let mut knowledge = Knowledge::of(session);
         knowledge.take_taps(&taps);

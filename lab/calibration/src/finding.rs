@@ -83,6 +83,15 @@ pub struct Finding {
     pub advice: String,
 }
 
+impl Finding {
+    /// Whether it concerns a channel, from 1, of a recording.
+    #[must_use]
+    pub fn concerns(&self, recording: &str, channel: usize) -> bool {
+        (self.recordings.is_empty() || self.recordings.iter().any(|name| name == recording))
+            && (self.channels.is_empty() || self.channels.contains(&channel))
+    }
+}
+
 /// Recordings in a sentence: of more than two, the first and how many more; none for none.
 pub(crate) fn in_a_sentence(recordings: &[impl AsRef<str>]) -> Option<String> {
     Some(match recordings {

@@ -5,6 +5,8 @@
 //! is the same in all trials does not show: the standards' gain errors, for which the certificates' classes stand. A class is
 //! a limit, not a standard deviation: 95 % of an even spread within it lie within 0.95 of it.
 
+pub(crate) mod rest;
+
 use glam::DVec3;
 use sixaxis_core::decouple::uncertainty::Covariance;
 use sixaxis_core::parameter::{INERTIA, Parameter, SCALE};

@@ -23,11 +23,11 @@ pub const STATED_DECOUPLING: f64 = 0.075;
 pub struct Harm {
     /// Largest error of scale factors and inertias, relative; products of inertia over the mean moment.
     pub parameter: f64,
-    /// Largest of these errors over the half width of the parameter's 95 % interval; none if an interval is missing.
+    /// Largest of these errors over the half width of the parameter's 95 % interval; none if an interval is missing or 0.
     pub over_interval: Option<f64>,
     /// Largest error of the zero drifts, V.
     pub drift_v: f64,
-    /// Largest of them over its interval.
+    /// Largest of them over its interval; none if an interval is missing or 0.
     pub drift_over_interval: Option<f64>,
     /// Largest error of the accelerations of [`RUN`], corrected from rest to rest as the verdict's own are, in sensor axes, over the
     /// peak of the vector: the change of the specific force, or the angular acceleration. None if it cannot be decoupled.
@@ -71,8 +71,15 @@ impl Harm {
     /// A parameter beyond twice its interval, or a decoupled run beyond what is stated.
     #[must_use]
     pub fn breaks_the_promise(&self) -> bool {
-        self.over_interval.is_none_or(|x| x > WIDTHS)
+        self.breaks_it_at_rest()
+            || self.over_interval.is_none_or(|x| x > WIDTHS)
             || self.decoupling.is_none_or(|x| x > STATED_DECOUPLING)
+    }
+
+    /// A zero drift beyond twice its interval. One that is right although its interval is 0 keeps nothing: nobody measured it.
+    #[must_use]
+    pub fn breaks_it_at_rest(&self) -> bool {
+        self.drift_over_interval.is_none_or(|x| x > WIDTHS)
     }
 }
 

@@ -42,6 +42,9 @@ pub fn of(mut outcomes: Vec<Outcome>, engine: Engine) -> Blind {
         promised_widths: WIDTHS,
         promised_decoupling: STATED_DECOUPLING,
         false_good: Share::of(&outcomes, Outcome::is_false_good),
+        false_good_at_rest: Share::of(&outcomes, |o| {
+            o.is_false_good() && o.harm.as_ref().is_some_and(Harm::breaks_it_at_rest)
+        }),
         false_good_of_good: Share::of(&good, |o| o.is_false_good()),
         wrong_cause_of_named: Share::of(&named, |o| o.naming() == Naming::Wrong),
         healthy,

@@ -34,7 +34,7 @@ pub struct Watched {
     pub hours: f64,
     /// Alarms that began an isolation.
     pub alarms: u64,
-    /// Alarms an hour.
+    /// Alarms an hour watched; see [`Self::per_alarm_hour`].
     pub per_hour: f64,
     /// Ends of the exact 95 % interval of that for a Poisson process. Alarms come in clusters, a laboratory a cluster: it is a
     /// lower limit of what chance may do.
@@ -46,6 +46,25 @@ pub struct Watched {
 }
 
 impl Watched {
+    /// Hours during which an alarm can be raised: while a limb is excluded or suspected none can.
+    #[must_use]
+    pub fn alarm_hours(&self) -> f64 {
+        self.hours * (1.0 - self.flagged_share)
+    }
+
+    /// Alarms in an hour of these. What alarms at once and stays flagged has few alarms an hour watched, however bad it is.
+    #[must_use]
+    pub fn per_alarm_hour(&self) -> f64 {
+        self.alarms as f64 / self.alarm_hours()
+    }
+
+    /// Ends of the Poisson interval of that; as narrow as [`Self::per_hour_95`].
+    #[must_use]
+    pub fn per_alarm_hour_95(&self) -> [f64; 2] {
+        self.per_hour_95
+            .map(|end| end * self.hours / self.alarm_hours())
+    }
+
     /// Counts the recordings of a course, or of all.
     #[must_use]
     pub fn of(course: Option<Course>, recordings: &[&Recording], sample_rate_hz: f64) -> Self {
@@ -85,6 +104,30 @@ impl Watched {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Two hours, of which one and a half with a limb excluded: alarms of half an hour.
+    #[test]
+    fn dead_time_is_no_time() {
+        let recording = Recording {
+            seed: 1,
+            corner: super::super::laboratories::Corner {
+                equal_limbs: false,
+                true_parameters: false,
+            },
+            course: Course::Calm,
+            samples: 7200,
+            alarms: 3,
+            flagged: 5400,
+            messages: Vec::new(),
+        };
+        let watched = Watched::of(None, &[&recording], 1.0);
+        assert_eq!(watched.hours, 2.0);
+        assert_eq!(watched.alarm_hours(), 0.5);
+        assert_eq!(watched.per_alarm_hour(), 6.0);
+        let [low, high] = watched.per_alarm_hour_95();
+        assert!(low < 6.0 && 6.0 < high);
+        assert_eq!([low, high], watched.per_hour_95.map(|end| 4.0 * end));
+    }
 
     #[test]
     fn verdicts_are_read_off_messages() {

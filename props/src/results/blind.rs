@@ -1,6 +1,8 @@
 //! Blind trials of the verdict: healthy laboratories, and defects by their size.
 
 use serde::{Deserialize, Serialize};
+use sixaxis_calibration::finding::Cause;
+use sixaxis_calibration::report::Grade;
 use sixaxis_reference::laboratory::defect::Kind;
 use sixaxis_reference::laboratory::plan::Engine;
 
@@ -26,6 +28,8 @@ pub struct Blind {
     pub promised_decoupling: f64,
     /// Sessions called good that break this, of all.
     pub false_good: Share,
+    /// Those among them of which a zero drift breaks it, of all.
+    pub false_good_at_rest: Share,
     /// Of those that are called good.
     pub false_good_of_good: Share,
     /// Sessions whose cause named first is not the defect, of all of which a cause is named.
@@ -96,4 +100,45 @@ pub struct BlindTally {
     pub median_over_interval: Option<f64>,
     /// Error of the decoupled validation run in sensor axes, of the peak: median.
     pub median_decoupling_error: Option<f64>,
+}
+
+/// The same sessions played by MuJoCo and by the engine with rigid limbs.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct BlindPairs {
+    /// As MuJoCo played them.
+    pub mujoco: Blind,
+    /// Sessions that are called the same, or are refused, whichever engine played them.
+    pub same_grade: Share,
+    /// Of which the same cause is named first, or none.
+    pub same_cause: Share,
+    /// Of which the calibration keeps what good states, or breaks it, either way; without one it does neither.
+    pub same_promise: Share,
+    /// Those that differ in any of these.
+    pub differing: Vec<BlindPair>,
+}
+
+/// One session whose verdict or worth depends on the engine.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct BlindPair {
+    /// Its seed.
+    pub seed: u64,
+    /// What it was drawn from.
+    pub cell: Cell,
+    /// Size of the defect in its kind's unit, without sign.
+    pub magnitude: Option<f64>,
+    /// As MuJoCo played it.
+    pub mujoco: BlindVerdict,
+    /// As the engine with rigid limbs did.
+    pub rigid: BlindVerdict,
+}
+
+/// Verdict on a session and what it is worth.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct BlindVerdict {
+    /// The verdict; none if the session is refused.
+    pub grade: Option<Grade>,
+    /// The cause named first.
+    pub cause: Option<Cause>,
+    /// Whether the calibration breaks what good states; none without one.
+    pub breaks_the_promise: Option<bool>,
 }

@@ -9,7 +9,7 @@ use sixaxis_calibration::finding::Cause;
 use sixaxis_calibration::report::Grade;
 use sixaxis_props::blind::harm::Harm;
 use sixaxis_props::blind::share::Share;
-use sixaxis_props::blind::{CYCLE, Cell, Outcome, TUNING_SEEDS, plan, table, try_out};
+use sixaxis_props::blind::{CYCLE, Cell, Outcome, TUNING_SEEDS, pairs, plan, table, try_out};
 use sixaxis_props::compare::{largest, within};
 use sixaxis_props::tolerance;
 use sixaxis_reference::laboratory::defect::{Defect, Kind, Spread, Where};
@@ -271,6 +271,28 @@ fn inv_shards_make_the_same_bytes() {
     let bins = table.kinds.iter().flat_map(|kind| &kind.bins);
     let defective: usize = bins.map(|bin| bin.tally.sessions).sum();
     assert_eq!(healthy + defective, whole.len());
+}
+
+#[test]
+fn inv_pairs_differ_where_an_engine_does() {
+    let rigid: Vec<Outcome> = (SEED..SEED + CYCLE).map(invented).collect();
+    let same = pairs::of(rigid.clone(), &rigid);
+    assert_eq!(same.differing.len(), 0);
+    assert_eq!(same.same_promise.count as u64, CYCLE);
+    let mut other = rigid.clone();
+    let good = |o: &&mut Outcome| o.grade == Some(Grade::Good) && !o.is_false_good();
+    let changed = other.iter_mut().find(good).expect("one is good");
+    changed.grade = Some(Grade::Bad);
+    changed.cause = Some(Cause::Unexplained);
+    let drift = changed.harm.as_mut().expect("a calibration");
+    drift.drift_over_interval = None;
+    let seed = changed.seed;
+    let found = pairs::of(other, &rigid);
+    assert_eq!(found.differing.len(), 1);
+    assert_eq!(found.differing[0].seed, seed);
+    for share in [found.same_grade, found.same_cause, found.same_promise] {
+        assert_eq!(share.count as u64, CYCLE - 1);
+    }
 }
 
 #[test]

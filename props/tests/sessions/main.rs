@@ -6,5 +6,6 @@ mod blind;
 mod joint;
 mod self_calibration;
 mod sessions;
+mod still;
 mod tap_sessions;
 mod unequal_stiffness;

@@ -71,8 +71,8 @@ fn words(kind: &BlindKind) -> String {
     kind.kind.name().replace('_', " ")
 }
 
-fn healthy(p: &Blind) -> Table {
-    Table::of("laboratory", &p.healthy, |row| match row.cell {
+fn cell_words(cell: Corner) -> String {
+    match cell {
         Corner::Corner => "the corner".to_owned(),
         Corner::WedgeDeg(deg) => format!("wedges {deg}°"),
         Corner::StiffnessSpread(spread) => {
@@ -82,28 +82,32 @@ fn healthy(p: &Blind) -> Table {
         Corner::SignalToNoiseDb(db) => format!("{db} dB"),
         Corner::Room(Room::Gentle) => "gentle room".to_owned(),
         Corner::Room(Room::Usual) => "usual room".to_owned(),
-        Corner::Defect(kind) => kind.name().to_owned(),
-    })
-    .col("sessions", |row| count(row.tally.sessions))
-    .col(("good", "%, 95 %"), |row| range(row.tally.good))
-    .col(("with reservations", "%, 95 %"), |row| {
-        range(row.tally.reserved)
-    })
-    .col(("not good or refused", "%, 95 %"), |row| {
-        let [bad, refused] = [row.tally.not_good, row.tally.refused];
-        range(Share::new(bad.count + refused.count, bad.of))
-    })
-    .col(("wrong cause", "%, 95 %"), |row| {
-        range(row.tally.wrong_cause)
-    })
-    .col(("false good", "%, 95 %"), |row| range(row.tally.false_good))
-    .col(("s/m, I/m off by", "%"), |row| {
-        percent(row.tally.median_parameter_error)
-    })
-    .col(("decoupled to", "% of peak"), |row| {
-        percent(row.tally.median_decoupling_error)
-    })
-    .into()
+        Corner::Defect(kind) => kind.name().replace('_', " "),
+    }
+}
+
+fn healthy(p: &Blind) -> Table {
+    Table::of("laboratory", &p.healthy, |row| cell_words(row.cell))
+        .col("sessions", |row| count(row.tally.sessions))
+        .col(("good", "%, 95 %"), |row| range(row.tally.good))
+        .col(("with reservations", "%, 95 %"), |row| {
+            range(row.tally.reserved)
+        })
+        .col(("not good or refused", "%, 95 %"), |row| {
+            let [bad, refused] = [row.tally.not_good, row.tally.refused];
+            range(Share::new(bad.count + refused.count, bad.of))
+        })
+        .col(("wrong cause", "%, 95 %"), |row| {
+            range(row.tally.wrong_cause)
+        })
+        .col(("false good", "%, 95 %"), |row| range(row.tally.false_good))
+        .col(("s/m, I/m off by", "%"), |row| {
+            percent(row.tally.median_parameter_error)
+        })
+        .col(("decoupled to", "% of peak"), |row| {
+            percent(row.tally.median_decoupling_error)
+        })
+        .into()
 }
 
 fn kinds(p: &Blind) -> Table {

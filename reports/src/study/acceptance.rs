@@ -158,16 +158,17 @@ pub fn judge(r: &Results) -> Vec<AcceptanceLimit> {
     limits
 }
 
-/// Largest magnitude; NaN if any value is.
-fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+/// Largest magnitude; NaN of nothing, and if any value is.
+pub(super) fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     let larger = |a: f64, b: f64| {
         if a.is_nan() || b.is_nan() {
             f64::NAN
         } else {
-            a.max(b.abs())
+            a.max(b)
         }
     };
-    values.into_iter().fold(0.0, larger)
+    let magnitudes = values.into_iter().map(f64::abs);
+    magnitudes.reduce(larger).unwrap_or(f64::NAN)
 }
 
 /// Noise-free, open loop, against truth.
@@ -175,11 +176,65 @@ fn of_scheme(parameters: ParameterSet, scheme: Scheme) -> Way {
     (parameters, scheme, Correction::OpenLoop, Standard::Truth)
 }
 
-/// Largest error with true parameters less the reference's own, cell by cell.
+/// Largest error with true parameters less the reference's own, cell by cell; NaN where one was not compared.
 fn beyond_reference(runs: &[Compound], scheme: Scheme) -> f64 {
     let way = of_scheme(ParameterSet::True, scheme);
-    runs.iter()
-        .filter_map(|run| Some((run.comparison(way)?.error, run.reference_error)))
-        .flat_map(|(errors, references)| errors.into_iter().zip(references))
-        .fold(0.0, |a, (error, reference)| a.max(error - reference))
+    let beyond = |(error, reference): (f64, f64)| match error - reference {
+        within if within < 0.0 => 0.0,
+        beyond => beyond,
+    };
+    largest(runs.iter().flat_map(|run| {
+        let cells = run.error(way).into_iter().zip(run.reference_error);
+        cells.map(beyond)
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::results::{Comparison, Gravity};
+
+    fn compared(error: f64, reference_error: f64, parameters: &[ParameterSet]) -> Compound {
+        let (_, scheme, correction, against) = of_scheme(ParameterSet::True, Scheme::Heun);
+        Compound {
+            table: 4,
+            frequency_hz: 2.0,
+            mounting: Mounting::AxisVertical,
+            sample_rate_hz: 1000.0,
+            peak: [1.0; 6],
+            amplitude: [1.0; 6],
+            comparisons: parameters
+                .iter()
+                .map(|parameters| Comparison {
+                    parameters: *parameters,
+                    scheme,
+                    gravity: Gravity::Kept,
+                    correction,
+                    against,
+                    error: [error; 6],
+                    harmonic_error: [error; 6],
+                })
+                .collect(),
+            reference_error: [reference_error; 6],
+        }
+    }
+
+    #[test]
+    fn what_nobody_compared_meets_no_limit() {
+        let way = of_scheme(ParameterSet::True, Scheme::Heun);
+        let there = compared(3e-6, 1e-6, &[ParameterSet::True]);
+        let missing = compared(3e-6, 1e-6, &[ParameterSet::Identified]);
+        let unknown = compared(3e-6, f64::NAN, &[ParameterSet::True]);
+        let both = [there.clone(), missing.clone()];
+        assert_eq!(worst(core::slice::from_ref(&there), way), 3e-6);
+        assert_eq!(beyond_reference(&[there], Scheme::Heun), 3e-6 - 1e-6);
+        for runs in [&both[..], &[missing], &[]] {
+            assert!(worst(runs, way).is_nan());
+            assert!(beyond_reference(runs, Scheme::Heun).is_nan());
+        }
+        assert!(beyond_reference(&[unknown], Scheme::Heun).is_nan());
+        // Less than the reference's own error is none.
+        let within = compared(1e-7, 1e-6, &[ParameterSet::True]);
+        assert_eq!(beyond_reference(&[within], Scheme::Heun), 0.0);
+    }
 }

@@ -14,6 +14,7 @@ use sixaxis_reference::laboratory::instruments::Instruments;
 use sixaxis_reference::mujoco::threshold::SweepPoint;
 use sixaxis_reference::rig::run::{Mode, Mounting};
 
+use super::acceptance::largest;
 use super::arithmetic::Arithmetic;
 
 /// The whole study.
@@ -252,15 +253,19 @@ impl Compound {
                 .unwrap_or(first),
         )
     }
+
+    /// Its errors, over the axes' peaks; NaN where nothing was compared in this way.
+    #[must_use]
+    pub fn error(&self, way: Way) -> [f64; 6] {
+        self.comparison(way).map_or([f64::NAN; 6], |c| c.error)
+    }
 }
 
-/// Largest error of a set of runs decoupled and compared in one way, over the axes' peaks; 0 without such runs.
+/// Largest error of a set of runs decoupled and compared in one way, over the axes' peaks. NaN without runs and where one of them was
+/// not compared in this way: what nobody compared meets no limit.
 #[must_use]
 pub fn worst(runs: &[Compound], way: Way) -> f64 {
-    runs.iter()
-        .filter_map(|run| run.comparison(way))
-        .flat_map(|c| c.error)
-        .fold(0.0, f64::max)
+    largest(runs.iter().flat_map(|run| run.error(way)))
 }
 
 /// One sweep of Fig. 7.

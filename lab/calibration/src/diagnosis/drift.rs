@@ -36,7 +36,10 @@ pub fn examine(
 ) {
     if let (Some(rest), Some(drift)) = (at_rest, drift) {
         for channel in 0..LIMBS {
-            if let Some(change) = course(rest, channel) {
+            let dead = findings.iter().any(|finding| {
+                finding.cause == Cause::DeadLimb && finding.concerns(&rest.name, channel + 1)
+            });
+            if let (false, Some(change)) = (dead, course(rest, channel)) {
                 findings.push(Finding {
                     cause: Cause::DriftDuringRun,
                     recordings: vec![rest.name.clone()],

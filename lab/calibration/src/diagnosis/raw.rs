@@ -166,6 +166,16 @@ fn beyond_converter(
     channels
 }
 
+/// The converter's step, V: the smallest difference that occurs between neighbours; infinite for a channel that never changes.
+pub(crate) fn converter_step_v(trial: &Trial, channel: usize) -> f64 {
+    trial
+        .voltage_v
+        .windows(2)
+        .map(|pair| (pair[1][channel] - pair[0][channel]).abs())
+        .filter(|d| *d > 0.0)
+        .fold(f64::INFINITY, f64::min)
+}
+
 fn clipped(trial: &Trial, channel: usize) -> Option<Clipping> {
     let (low, high) = trial
         .voltage_v
@@ -184,13 +194,7 @@ fn clipped(trial: &Trial, channel: usize) -> Option<Clipping> {
     if trial.role == Role::Static {
         return None;
     }
-    // The converter's step: the smallest difference that occurs between neighbours.
-    let step = trial
-        .voltage_v
-        .windows(2)
-        .map(|pair| (pair[1][channel] - pair[0][channel]).abs())
-        .filter(|d| *d > 0.0)
-        .fold(f64::INFINITY, f64::min);
+    let step = converter_step_v(trial, channel);
     if high - low <= STEPS_SPANNED * step {
         return None;
     }

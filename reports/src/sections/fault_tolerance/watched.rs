@@ -14,11 +14,17 @@ pub fn fill(text: Text, d: &WatchedLaboratories) -> Text {
         equal_limbs,
         true_parameters,
     };
+    let rate = |watched: Option<&Watched>| watched.map(Watched::per_alarm_hour);
+    let equal = d.corners.iter().find(|c| c.corner == corner(true, false));
+    let linear = equal.and_then(|c| c.courses.iter().find(|w| w.course == Some(Course::Linear)));
     let shipped = d.corners.first();
     let said = shipped.map_or_else(String::new, |c| said(&c.total));
     text.value("watched", d)
         .value("watched_shipped", total(corner(false, false)))
-        .value("watched_exact", total(corner(true, true)))
+        .value("watched_rate", rate(total(corner(false, false))))
+        .value("watched_exact_rate", rate(total(corner(true, true))))
+        .value("watched_equal_rate", rate(total(corner(true, false))))
+        .value("watched_equal_linear_rate", rate(linear))
         .value("watched_said", said)
         .table("watched-corners", corners(d))
         .table("watched-courses", courses(d))
@@ -36,7 +42,7 @@ fn said(watched: &Watched) -> String {
 }
 
 fn interval(w: &Watched) -> String {
-    let [low, high] = w.per_hour_95.map(|end| significant(end, 2));
+    let [low, high] = w.per_alarm_hour_95().map(|end| significant(end, 2));
     format!("{low} to {high}")
 }
 
@@ -45,8 +51,11 @@ fn corners(d: &WatchedLaboratories) -> Table {
         .col("laboratories", |c| count(c.total.sessions))
         .col("with an alarm", |c| count(c.total.sessions_with_alarm))
         .col("hours", |c| fixed(c.total.hours, 1))
+        .col("unflagged", |c| fixed(c.total.alarm_hours(), 1))
         .col("alarms", |c| count(c.total.alarms))
-        .col("an hour", |c| significant(c.total.per_hour, 2))
+        .col("an hour unflagged", |c| {
+            significant(c.total.per_alarm_hour(), 2)
+        })
         .col(("95 %", "Poisson"), |c| interval(&c.total))
         .col("answers flagged", |c| percent(c.total.flagged_share, 2))
         .into()
@@ -81,8 +90,9 @@ fn courses(d: &WatchedLaboratories) -> Table {
     .col("recordings", |w| count(w.recordings))
     .col("with an alarm", |w| count(w.recordings_with_alarm))
     .col("hours", |w| fixed(w.hours, 1))
+    .col("unflagged", |w| fixed(w.alarm_hours(), 1))
     .col("alarms", |w| count(w.alarms))
-    .col("an hour", |w| significant(w.per_hour, 2))
+    .col("an hour unflagged", |w| significant(w.per_alarm_hour(), 2))
     .col(("95 %", "Poisson"), |w| interval(w))
     .col("answers flagged", |w| percent(w.flagged_share, 2))
     .into()
