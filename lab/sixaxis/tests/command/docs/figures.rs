@@ -12,16 +12,24 @@ fn the_grades_in_the_docs_are_the_published_ones() {
         let [low, high] = ["low_95", "high_95"].map(|key| 100.0 * number(key));
         format!("{count} of {of} ({low:.1} to {high:.1} %)")
     };
-    let cell = |cell: serde_json::Value| {
+    let tally = |cell: serde_json::Value, what: &str| {
         let rows = published["healthy"].as_array().expect("healthy rows");
         let row = rows.iter().find(|row| row["cell"] == cell).expect("a cell");
-        share(&row["tally"]["good"])
+        share(&row["tally"][what])
     };
+    let cell = |cell| tally(cell, "good");
+    let false_good = |cell| tally(cell, "false_good");
     for sentence in [
         format!("{} sessions", published["sessions"]),
+        format!("{} of all", share(&published["false_good"])),
         format!(
-            "called good and are not: {}",
-            share(&published["false_good"])
+            "{} of those that are called good",
+            share(&published["false_good_of_good"])
+        ),
+        format!(
+            "In the corner {}, in the gentle room {} are called good and are not",
+            false_good("corner".into()),
+            false_good(serde_json::json!({"room": "gentle"})),
         ),
         format!("wrong cause: {}", share(&published["wrong_cause_of_named"])),
         format!("in the corner {}", cell("corner".into())),
@@ -281,17 +289,25 @@ fn the_false_alarms_in_the_docs_are_the_published_ones() {
             .find(|c| c["corner"] == wanted)
             .expect("a corner")
     };
-    let per_hour = |line: &serde_json::Value| line["per_hour"].as_f64().expect("a rate");
-    let course = |name: &str| {
-        let all = corner(false)["courses"].as_array().expect("courses");
-        per_hour(all.iter().find(|line| line["course"] == name).expect(name))
+    // Over the hours in which no limb is excluded.
+    let per_hour = |line: &serde_json::Value| {
+        let of = |key: &str| line[key].as_f64().expect(key);
+        of("alarms") / (of("hours") * (1.0 - of("flagged_share")))
     };
+    let courses = |equal_limbs| corner(equal_limbs)["courses"].as_array().expect("courses");
+    let course = |equal_limbs, name: &str| {
+        let mut all = courses(equal_limbs).iter();
+        per_hour(all.find(|line| line["course"] == name).expect(name))
+    };
+    let worst = courses(false).iter().map(per_hour).fold(0.0, f64::max);
+    assert_eq!(worst, course(false, "shaken"));
     let sentence = format!(
-        "{:.0} an hour with limbs unequal by 0.2 %, of which {:.1} at rest and up to {:.0} in a brisk tumble; {:.1} an hour with equal limbs",
+        "{:.0} an hour with limbs unequal by 0.2 %, of which {:.1} at rest and up to {worst:.0} shaken by hand; {:.1} an hour with equal limbs, \
+         of which {:.1} in linear rig runs",
         per_hour(&corner(false)["total"]),
-        course("rest"),
-        course("brisk"),
+        course(false, "rest"),
         per_hour(&corner(true)["total"]),
+        course(true, "linear"),
     );
     assert!(field.contains(&sentence), "{sentence}");
 }
