@@ -333,3 +333,6 @@ impl Unknowns {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
