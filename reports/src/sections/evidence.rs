@@ -164,7 +164,9 @@ fn loosest(mut loose: Vec<Loose>) -> Table {
 fn published() -> Result<Table> {
     let files = results::provenances()?;
     Ok(Table::of("file", &files, |(file, _)| (*file).to_owned())
-        .text("made on", |(_, from)| from.date_utc.clone())
+        .text("made on", |(_, from)| {
+            from.date_utc.chars().take(10).collect::<String>()
+        })
         .text("by the commit", |(_, from)| from.commit.clone())
         .text("code changed since", |(_, from)| match from.changed() {
             Ok(changed) if changed.is_empty() => "none".to_owned(),
