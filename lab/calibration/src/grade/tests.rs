@@ -1,3 +1,5 @@
+//! Limits, reservations and failures on a session in closed form.
+
 use std::path::Path;
 
 use glam::DVec3;

@@ -1,3 +1,5 @@
+//! Intervals of a campaign without noise, whose spread has a closed form.
+
 use super::*;
 use crate::grade::tests::{session, steps};
 use crate::tap::Stiffness;
