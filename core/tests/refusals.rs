@@ -6,6 +6,7 @@ use sixaxis_core::dsp::resample::CubicSpline;
 use sixaxis_core::dsp::stage::Stage;
 use sixaxis_core::dsp::{detrend, each_channel};
 use sixaxis_core::identify::compliance_fit::ComplianceFit;
+use sixaxis_core::identify::joint::room::Room;
 use sixaxis_core::identify::joint::{AtRest, Certificates, Joint};
 use sixaxis_core::paper::limb_stream::LimbStream;
 use sixaxis_core::{
@@ -42,6 +43,7 @@ const CERTIFICATES: Certificates = Certificates {
     amplifier_corner_rad_s: None,
     wedge_deviation_rad: 1e-3,
     compliance_s2: None,
+    room: Room::NONE,
 };
 
 #[test]

@@ -1,10 +1,11 @@
-//! How equally stiff limbs share a load: P = J (J^T J)^-1 with rows \[e_i^T, (t_i x e_i)^T\] of J.
+//! How limbs share a load: P = K J (J^T K J)^-1 with rows \[e_i^T, (t_i x e_i)^T\] of J and K = diag(k_i/k).
 //!
-//! Of nine forces statics leave three open; equal stiffness closes them, and a wrench per mass W asks for the forces P W. The mass
-//! gives way by -(1/(k/m)) (J^T J)^-1 W, which moves it against the shell and, at first order, adds
-//! -(1/(k/m)) P M (J^T J)^-1 W'' to the forces, M = diag(1, I/m).
+//! Of nine forces statics leave three open; the ratios of the stiffnesses close them, and a wrench per mass W asks for the forces
+//! P W. The mass gives way by -(1/(k/m)) G W, G = (J^T K J)^-1, which moves it against the shell and, at first order, adds
+//! -(1/(k/m)) P M G W'' to the forces, M = diag(1, I/m). A limb j that is stiffer by a share changes the forces by that share of
+//! (e_j - P J_j^T) (J_j G W): it takes over what the others lose, and no wrench comes of it.
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use nalgebra::{Matrix6, SMatrix, Vector6};
 
 use crate::error::{Error, Result};
@@ -13,8 +14,11 @@ use crate::geometry::{Geometry, LIMBS};
 /// How the nine limbs share a load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StaticLoadSharing {
+    /// J.
+    jacobian: SMatrix<f64, LIMBS, 6>,
+    /// P.
     matrix: SMatrix<f64, LIMBS, 6>,
-    /// (J^T J)^-1.
+    /// G.
     flexibility: Matrix6<f64>,
 }
 
@@ -25,17 +29,25 @@ impl StaticLoadSharing {
     /// [`Error::OutOfRange`] for lengths that mean nothing.
     pub fn new(geometry: &Geometry) -> Result<Self> {
         geometry.validate()?;
-        let jacobian = geometry.limb_jacobian();
-        let flexibility =
-            (jacobian.transpose() * jacobian)
-                .try_inverse()
-                .ok_or(Error::out_of_range(
-                    "half_edge_m",
-                    geometry.half_edge_m,
-                    "of a size at which nine limbs hold the mass",
-                ))?;
-        Ok(Self {
-            matrix: jacobian * flexibility,
+        Self::of(geometry.limb_jacobian(), &[1.0; LIMBS]).ok_or(Error::out_of_range(
+            "half_edge_m",
+            geometry.half_edge_m,
+            "of a size at which nine limbs hold the mass",
+        ))
+    }
+
+    /// The same limbs with stiffnesses k_i/k; none if these do not hold the mass.
+    #[must_use]
+    pub fn with_stiffness(&self, ratio: &[f64; LIMBS]) -> Option<Self> {
+        Self::of(self.jacobian, ratio)
+    }
+
+    fn of(jacobian: SMatrix<f64, LIMBS, 6>, ratio: &[f64; LIMBS]) -> Option<Self> {
+        let weighted = SMatrix::<f64, LIMBS, 6>::from_fn(|i, j| ratio[i] * jacobian[(i, j)]);
+        let flexibility = (jacobian.transpose() * weighted).try_inverse()?;
+        Some(Self {
+            jacobian,
+            matrix: weighted * flexibility,
             flexibility,
         })
     }
@@ -60,32 +72,41 @@ impl StaticLoadSharing {
         )
     }
 
-    /// Force per mass of each limb over the compliance and the second derivative, negative, of a linear acceleration along
-    /// `direction`: a linear function of the inertia tensor, m^2, and of the direction.
+    /// Displacement and rotation, negative, under a force and a torque per mass at unit stiffness over mass: G W.
     #[must_use]
-    pub fn of_compliance(&self, tensor: DMat3, direction: DVec3) -> [f64; LIMBS] {
-        let [moved, turned] = self.given_way(direction);
-        self.of_wrench(moved, tensor * turned)
+    pub fn given_way(&self, force: DVec3, torque: DVec3) -> [DVec3; 2] {
+        halves(&(self.flexibility * wrench(force, torque)))
     }
 
-    /// Derivative of [`Self::of_compliance`] by the tensor along `change`.
+    /// Derivative of [`Self::given_way`] by a limb's k_i/k.
     #[must_use]
-    pub fn of_compliance_by_inertia(&self, change: DMat3, direction: DVec3) -> [f64; LIMBS] {
-        let [_, turned] = self.given_way(direction);
-        self.of_wrench(DVec3::ZERO, change * turned)
+    pub fn given_way_by_stiffness(&self, limb: usize, force: DVec3, torque: DVec3) -> [DVec3; 2] {
+        let row = self.jacobian.row(limb);
+        let shortened = (row * self.flexibility * wrench(force, torque))[0];
+        halves(&(self.flexibility * row.transpose() * -shortened))
     }
 
-    /// Displacement and rotation under a unit acceleration at unit stiffness over mass.
-    fn given_way(&self, direction: DVec3) -> [DVec3; 2] {
-        let d = direction;
-        let moved = self.flexibility * Vector6::new(d.x, d.y, d.z, 0.0, 0.0, 0.0);
-        [0, 3].map(|from| DVec3::new(moved[from], moved[from + 1], moved[from + 2]))
+    /// Derivative of [`Self::of_wrench`] by a limb's k_i/k.
+    #[must_use]
+    pub fn of_wrench_by_stiffness(&self, limb: usize, force: DVec3, torque: DVec3) -> [f64; LIMBS] {
+        let row = self.jacobian.row(limb);
+        let shortened = (row * self.flexibility * wrench(force, torque))[0];
+        let mut forces = -(self.matrix * row.transpose()) * shortened;
+        forces[limb] += shortened;
+        forces.into()
     }
 
     /// Force per mass of each limb, m/s^2, under a force per mass, m/s^2, and a torque per mass, m^2/s^2, on the mass.
     #[must_use]
     pub fn of_wrench(&self, force: DVec3, torque: DVec3) -> [f64; LIMBS] {
-        let wrench = Vector6::new(force.x, force.y, force.z, torque.x, torque.y, torque.z);
-        (self.matrix * wrench).into()
+        (self.matrix * wrench(force, torque)).into()
     }
+}
+
+fn halves(six: &Vector6<f64>) -> [DVec3; 2] {
+    [0, 3].map(|from| DVec3::new(six[from], six[from + 1], six[from + 2]))
+}
+
+fn wrench(force: DVec3, torque: DVec3) -> Vector6<f64> {
+    Vector6::new(force.x, force.y, force.z, torque.x, torque.y, torque.z)
 }

@@ -17,6 +17,7 @@ use rayon::prelude::*;
 use sixaxis_core::Parameters;
 use sixaxis_core::identify::joint::estimate::JointEstimate;
 use sixaxis_core::identify::joint::robust::USUAL_LIMIT;
+use sixaxis_core::identify::joint::room::Room;
 use sixaxis_core::identify::joint::{AtRest, Certificates, Drive, Joint, Known, Record};
 use sixaxis_core::identify::zero_drift::ZeroDrift;
 use sixaxis_core::parameter::PARAMETERS;
@@ -95,6 +96,7 @@ impl Knowledge {
                     .map(|hz| known(core::f64::consts::TAU * hz)),
                 wedge_deviation_rad: wedge_deg.to_radians(),
                 compliance_s2: None,
+                room: Room::ORDINARY,
             },
         }
     }

@@ -3,6 +3,7 @@
 use crate::parameter::PARAMETERS;
 use nalgebra::{DMatrix, DVector, SMatrix};
 
+use super::room::Spreads;
 use super::unknowns::{ACCELEROMETER_GAIN, COMPLIANCE, DRIFT, INERTIA, MASS_PER_SCALE, Unknowns};
 use crate::float::sqrt;
 use crate::geometry::LIMBS;
@@ -30,6 +31,8 @@ pub struct JointEstimate {
     pub degrees_of_freedom: usize,
     /// Gauss-Newton steps taken.
     pub iterations: usize,
+    /// Spreads of what nobody states, as the trials show them.
+    pub spreads: Spreads,
 }
 
 impl JointEstimate {

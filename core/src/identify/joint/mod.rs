@@ -3,9 +3,11 @@
 //! The four steps use each trial once, one after the other, and take the standard instruments for the truth. Here
 //! - the true motion of every trial is unknown, too: the standard measures it with noise, a gain and a lag, and so do the nine
 //!   channels (errors in variables). Least squares with noise in the regressor is biased towards zero; this estimate is not;
-//! - every channel is predicted by itself, by the static load sharing of equally stiff limbs, instead of three sums of nine;
+//! - every channel is predicted by itself, by the limbs' static load sharing, instead of three sums of nine;
 //! - the gyroscope's gain and lag, the amplifiers' time constant and the wedges' misalignment are unknowns beside the 25, with
-//!   priors from certificates.
+//!   priors from certificates;
+//! - limbs that are not equally stiff, channels that show a little of each other, a centre off the axis, an axis off the plumb line,
+//!   zeros and sensitivities that move from trial to trial are unknowns, too, with the spreads of an ordinary [`room`].
 //!
 //! | file | holds |
 //! |---|---|
@@ -13,6 +15,9 @@
 //! | `motion` | the latent motion and the series that limbs feel |
 //! | [`super::static_load_sharing`] | how nine limbs share a load |
 //! | [`unknowns`] | what is estimated |
+//! | [`room`] | spreads of what nobody states, themselves estimated |
+//! | `own` | what one trial has for itself |
+//! | `load` | what the motion asks of the limbs, and what the channels show of it |
 //! | `trial` | one trial's data and what the model makes of its motion |
 //! | `normal` | its part in the normal equations, the motion eliminated |
 //! | `solve` | Gauss-Newton over all trials |
@@ -32,16 +37,15 @@
 //! # What is neglected
 //! Relative motion enters linear trials to first order in 1/(k/m) and angular ones not at all: 2e-7 of a force at 2 Hz.
 //! Limbs that tilt add 5e-6 of a force at twice the drive's frequency at 5 Hz.
-//!
-//! Two properties of the rig are assumed that matter more: an upright axis is plumb (a tenth of a degree turns 0.02 m/s^2 of gravity
-//! in the sensor), and the centre of the mass lies on the axis (a millimetre is 0.1 m/s^2 at 2 Hz). Either error shows in [`estimate::JointEstimate::misfit`].
-
 pub mod estimate;
 pub mod harmonics;
+mod load;
 mod motion;
 mod normal;
+mod own;
 mod record;
 pub mod robust;
+pub mod room;
 
 mod solve;
 mod trial;
@@ -55,10 +59,11 @@ pub use self::record::{Prepared, Record};
 pub use self::trial::Drive;
 
 use self::estimate::JointEstimate;
+use self::room::{Room, Spread, Spreads};
 use self::trial::Trial;
 use self::unknowns::{
-    AMPLIFIER_CORNER, ANGLES, COMPLIANCE, DRIFT, GYROSCOPE_GAIN, GYROSCOPE_LAG, INERTIA,
-    MASS_PER_SCALE, Unknowns, WEDGES, Wedge,
+    AMPLIFIER_CORNER, ANGLES, COMPLIANCE, CROSS_TALK, DRIFT, GYROSCOPE_GAIN, GYROSCOPE_LAG,
+    INERTIA, MASS_PER_SCALE, STIFFNESS, Unknowns, WEDGES, Wedge,
 };
 use super::static_load_sharing::StaticLoadSharing;
 use crate::error::{Error, Result, require_not_negative, require_positive};
@@ -67,6 +72,9 @@ use crate::model::Parameters;
 
 /// Two unit vectors nearer than this are the same wedge's.
 const SAME_WEDGE: f64 = 1e-3;
+/// What a stated tolerance of wedges is worth, in angles, against the wedges' own word.
+const WEDGE_WORTH: f64 = 4.0;
+
 /// A value and its standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Known {
@@ -91,6 +99,8 @@ pub struct Certificates {
     pub wedge_deviation_rad: f64,
     /// 1/(k/m), s^2, from elsewhere: a tap on the shell.
     pub compliance_s2: Option<Known>,
+    /// What nobody states.
+    pub room: Room,
 }
 
 /// Zero drifts from a record at rest, V.
@@ -141,6 +151,12 @@ impl Joint {
         for (name, value) in [
             ("wedge_deviation_rad", certificates.wedge_deviation_rad),
             ("accelerometer_lag_s", certificates.accelerometer_lag_s),
+            ("room.stiffness", certificates.room.stiffness.usual),
+            ("room.cross_talk", certificates.room.cross_talk.usual),
+            ("room.sensitivity", certificates.room.sensitivity.usual),
+            ("room.zero_v", certificates.room.zero_v),
+            ("room.centre_m", certificates.room.centre_m),
+            ("room.plumb_rad", certificates.room.plumb_rad),
         ] {
             require_not_negative(name, value)?;
         }
@@ -227,11 +243,34 @@ impl Joint {
             values,
             wedges: self.wedges.clone(),
         };
-        solve::fit(&self.shares, &self.trials, unknowns, &self.priors())
+        solve::fit(self, unknowns)
+    }
+
+    fn wedge_angles(&self) -> core::ops::Range<usize> {
+        WEDGES..WEDGES + ANGLES * self.wedges.len()
+    }
+
+    /// Spread of each of a wedge's angles, rad.
+    fn wedge_spread(&self) -> Spread {
+        Spread {
+            usual: self.certificates.wedge_deviation_rad,
+            worth: WEDGE_WORTH,
+        }
+    }
+
+    /// Spreads before any trial has said anything.
+    fn usual_spreads(&self) -> Spreads {
+        let room = &self.certificates.room;
+        Spreads {
+            stiffness: room.stiffness.usual,
+            cross_talk: room.cross_talk.usual,
+            sensitivity: room.sensitivity.usual,
+            wedge_rad: self.wedge_spread().usual,
+        }
     }
 
     /// Measurements of single unknowns; an unknown with deviation 0 is not free.
-    fn priors(&self) -> Vec<(usize, Known)> {
+    fn priors(&self, spreads: &Spreads) -> Vec<(usize, Known)> {
         let c = &self.certificates;
         let held = Known {
             value: 0.0,
@@ -254,12 +293,16 @@ impl Joint {
         priors.push((GYROSCOPE_LAG, c.gyroscope_lag_s.unwrap_or(held)));
         priors.push((AMPLIFIER_CORNER, c.amplifier_corner_rad_s.unwrap_or(held)));
         priors.extend(c.compliance_s2.map(|known| (COMPLIANCE, known)));
-        for angle in 0..ANGLES * self.wedges.len() {
-            let known = Known {
+        for (range, deviation) in [
+            (STIFFNESS..CROSS_TALK, spreads.stiffness),
+            (CROSS_TALK..WEDGES, spreads.cross_talk),
+            (self.wedge_angles(), spreads.wedge_rad),
+        ] {
+            let about_0 = Known {
                 value: 0.0,
-                deviation: c.wedge_deviation_rad,
+                deviation,
             };
-            priors.push((WEDGES + angle, known));
+            priors.extend(range.map(|unknown| (unknown, about_0)));
         }
         priors
     }

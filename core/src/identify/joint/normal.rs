@@ -1,6 +1,6 @@
 //! One trial's part in the normal equations, its latent motion eliminated.
 //!
-//! Gauss-Newton's normal matrix is an arrow: the motion of a trial and its amplifiers' transients touch no other trial, so they
+//! Gauss-Newton's normal matrix is an arrow: the motion of a trial and what else it has for itself touch no other trial, so they
 //! are eliminated here (Schur complement) and what remains is a matrix in the common unknowns alone. Its inverse is the
 //! Cramer-Rao bound of the common unknowns with the motion unknown.
 
@@ -9,6 +9,7 @@ use alloc::vec::Vec;
 use nalgebra::{Cholesky, Complex, DMatrix, DVector, Dyn};
 
 use super::motion::Operator;
+use super::own::Own;
 use super::trial::{Drive, Parts, Standard, Trial};
 use super::unknowns::{GYROSCOPE_LAG, Unknowns};
 use crate::geometry::LIMBS;
@@ -30,10 +31,10 @@ struct Back {
     latent: Cholesky<f64, Dyn>,
     coupling: DMatrix<f64>,
     descent: DVector<f64>,
-    transient: Option<Eliminated>,
+    own: Option<Eliminated>,
 }
 
-/// The arrow before elimination: common unknowns and transients, the motion, and what couples them.
+/// The arrow before elimination: common unknowns and own ones, the motion, and what couples them.
 struct Arrow {
     information: DMatrix<f64>,
     descent: DVector<f64>,
@@ -46,50 +47,66 @@ struct Arrow {
 impl Trial {
     /// The trial's part at the present unknowns, common and own.
     ///
-    /// None if the motion is not determined by the data, which no data with noise leave open.
+    /// None if the motion is not determined by the data, which no data with noise leave open, or if the limbs' stiffnesses do not
+    /// hold the mass.
     pub fn contribution(
         &self,
         unknowns: &Unknowns,
         shares: &StaticLoadSharing,
     ) -> Option<Contribution> {
-        self.arrow(unknowns, shares).eliminate(unknowns.len())
+        self.arrow(unknowns, shares)?.eliminate(unknowns.len())
     }
 
-    fn arrow(&self, unknowns: &Unknowns, shares: &StaticLoadSharing) -> Arrow {
-        let common = unknowns.len();
-        let transients = self.transients();
+    fn arrow(&self, unknowns: &Unknowns, shares: &StaticLoadSharing) -> Option<Arrow> {
+        let outer = unknowns.len() + self.own.len();
         let count = 2 * self.grid.harmonics;
         let mut arrow = Arrow {
-            information: DMatrix::zeros(common + transients, common + transients),
-            descent: DVector::zeros(common + transients),
+            information: DMatrix::zeros(outer, outer),
+            descent: DVector::zeros(outer),
             own: DMatrix::zeros(count, count),
             own_descent: DVector::zeros(count),
-            coupling: DMatrix::zeros(count, common + transients),
+            coupling: DMatrix::zeros(count, outer),
             squares: 0.0,
         };
-        let parts = self.parts(unknowns, shares);
+        let parts = self.parts(unknowns, shares)?;
         arrow.add_channels(self, unknowns, &parts);
         arrow.add_standard(self, unknowns);
-        arrow
+        arrow.add_priors(&self.own, unknowns.len());
+        Some(arrow)
     }
 
     /// Moves the trial's own unknowns along with a step of the common ones.
     pub fn follow(&mut self, contribution: &Contribution, step: &DVector<f64>, share: f64) {
         let back = &contribution.back;
         let mut whole = step.clone();
-        if let Some((factor, across, down)) = &back.transient {
-            let own = factor.solve(&(down - across * step));
-            for (b, change) in self.transient.iter_mut().zip(own.iter()) {
-                *b += share * change;
+        if let Some((factor, across, down)) = &back.own {
+            let changes = factor.solve(&(down - across * step));
+            for (own, change) in self.own.iter_mut().zip(changes.iter()) {
+                own.value += share * change;
             }
             let common = step.len();
-            whole = whole.resize_vertically(common + own.len(), 0.0);
-            whole.rows_mut(common, own.len()).copy_from(&own);
+            whole = whole.resize_vertically(common + changes.len(), 0.0);
+            whole.rows_mut(common, changes.len()).copy_from(&changes);
         }
         let change = back
             .latent
             .solve(&(&back.descent - &back.coupling * &whole));
         self.latent.axpy(share, &change, 1.0);
+    }
+}
+
+impl Contribution {
+    /// Variances of the trial's own unknowns but the motion, given the covariance of the common ones.
+    pub fn own_variances(&self, common: &DMatrix<f64>) -> Vec<f64> {
+        let Some((factor, across, _)) = &self.back.own else {
+            return Vec::new();
+        };
+        let slopes = factor.solve(across);
+        let spread = &slopes * common;
+        let alone = factor.inverse();
+        (0..alone.nrows())
+            .map(|i| alone[(i, i)] + spread.row(i).dot(&slopes.row(i)))
+            .collect()
     }
 }
 
@@ -190,29 +207,39 @@ impl Arrow {
         }
     }
 
-    /// Takes the motion out, then the transients.
+    /// What is known of own unknowns beforehand.
+    fn add_priors(&mut self, own: &[Own], common: usize) {
+        for (place, own) in own.iter().enumerate() {
+            let weight = 1.0 / (own.deviation * own.deviation);
+            self.information[(common + place, common + place)] += weight;
+            self.descent[common + place] -= weight * own.value;
+            self.squares += weight * own.value * own.value;
+        }
+    }
+
+    /// Takes the motion out, then the other own unknowns.
     fn eliminate(mut self, common: usize) -> Option<Contribution> {
         let latent = Cholesky::new(self.own)?;
         let solved = latent.solve(&self.coupling);
         self.information.gemm_tr(-1.0, &self.coupling, &solved, 1.0);
         self.descent.gemv_tr(-1.0, &solved, &self.own_descent, 1.0);
-        let transients = self.descent.len() - common;
+        let count = self.descent.len() - common;
         let mut information = self
             .information
             .view((0, 0), (common, common))
             .clone_owned();
         let mut descent = self.descent.rows(0, common).clone_owned();
-        let transient = if transients == 0 {
+        let own = if count == 0 {
             None
         } else {
-            let block = (transients, transients);
+            let block = (count, count);
             let factor =
                 Cholesky::new(self.information.view((common, common), block).clone_owned())?;
             let across = self
                 .information
-                .view((common, 0), (transients, common))
+                .view((common, 0), (count, common))
                 .clone_owned();
-            let down = self.descent.rows(common, transients).clone_owned();
+            let down = self.descent.rows(common, count).clone_owned();
             let solved = factor.solve(&across);
             information.gemm_tr(-1.0, &across, &solved, 1.0);
             descent.gemv_tr(-1.0, &solved, &down, 1.0);
@@ -226,7 +253,7 @@ impl Arrow {
                 latent,
                 coupling: self.coupling,
                 descent: self.own_descent,
-                transient,
+                own,
             },
         })
     }

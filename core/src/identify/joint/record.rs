@@ -4,6 +4,7 @@ use glam::DVec3;
 use nalgebra::DVector;
 
 use super::harmonics::{Grid, project};
+use super::own;
 use super::trial::{Drive, Trial};
 use super::{Certificates, WHAT};
 use crate::error::{Error, Result, require, require_positive};
@@ -96,6 +97,8 @@ impl Record<'_> {
             *variance = variance.max(floor);
         }
         let nominal = self.direction_ground.normalize();
+        let amplifier = certificates.amplifier_corner_rad_s.is_some();
+        let room = &certificates.room;
         let g = self.gravity_ground_m_s2;
         Ok(Prepared {
             nominal,
@@ -108,10 +111,10 @@ impl Record<'_> {
                 wedge: 0,
                 gravity_m_s2: g,
                 gravity_turns: self.drive == Drive::Angular
-                    && g.cross(nominal).length() > TURNS * g.length(),
-                amplifier: certificates.amplifier_corner_rad_s.is_some(),
+                    && (room.plumb_rad > 0.0 || g.cross(nominal).length() > TURNS * g.length()),
+                amplifier,
                 accelerometer_lag_s: certificates.accelerometer_lag_s,
-                transient: [0.0; LIMBS],
+                own: own::of(self.drive, amplifier, room),
             },
         })
     }

@@ -68,7 +68,6 @@ impl Joint {
                 return mismatch(samples, record.voltage_v.len().min(record.standard.len()));
             }
         }
-        let priors = self.priors();
         let (mut estimate, mut fitted) = self.fit_trials(start)?;
         for _ in 0..ROUNDS {
             let mut expected = 0.0;
@@ -79,7 +78,7 @@ impl Joint {
                 expected += share / records.len() as f64;
             }
             let unknowns = estimate.unknowns.clone();
-            let (mut next, next_fitted) = solve::refit(&self.shares, fitted, unknowns, &priors)?;
+            let (mut next, next_fitted) = solve::refit(self, fitted, unknowns, estimate.spreads)?;
             next.squares /= expected;
             let still = (0..next.unknowns.len()).all(|u| {
                 let change = next.unknowns.values[u] - estimate.unknowns.values[u];
@@ -105,7 +104,10 @@ fn cut_off(
     shares: &StaticLoadSharing,
     limit: f64,
 ) -> (Projection<{ LIMBS + 1 }>, f64) {
-    let parts = trial.parts(unknowns, shares);
+    let Some(parts) = trial.parts(unknowns, shares) else {
+        // No fit ends with stiffnesses that do not hold the mass.
+        return (trial.data.clone(), 1.0);
+    };
     let mut whole = [0.0; LIMBS + 1];
     let values: [Vec<f64>; LIMBS + 1] = core::array::from_fn(|channel| {
         let coordinates: DVector<f64> = if channel < LIMBS {

@@ -7,16 +7,22 @@ use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 
 use super::estimate::JointEstimate;
 use super::normal::Contribution;
+use super::own::Kind;
+use super::room::{Spreads, found};
 use super::trial::Trial;
-use super::unknowns::{ACCELEROMETER_GAIN, COMPLIANCE, Unknowns};
-use super::{Known, WHAT};
+use super::unknowns::{ACCELEROMETER_GAIN, COMPLIANCE, CROSS_TALK, STIFFNESS, Unknowns, WEDGES};
+use super::{Joint, Known, WHAT};
 use crate::error::{Error, Result};
 use crate::float::sqrt;
 use crate::identify::least_squares::gauss_newton::{Limits, Nonlinear, Outcome, iterate};
 use crate::identify::static_load_sharing::StaticLoadSharing;
 
-/// Steps at most; a campaign takes four.
+/// Steps at most for one set of spreads; a campaign takes four for the first.
 const STEPS: usize = 30;
+/// Sets of spreads at most.
+const ROUNDS: usize = 60;
+/// Relative change of a spread that moves no interval that anybody reads.
+const SPREAD_SETTLED: f64 = 0.02;
 /// A step whose square, measured in the estimate's own covariance, is below this changes nothing that could be told: a
 /// thousandth of a standard deviation.
 const SETTLED: f64 = 1e-6;
@@ -153,79 +159,101 @@ impl Normal {
     }
 }
 
-pub(super) fn fit(
-    shares: &StaticLoadSharing,
-    trials: &[Trial],
-    start: Unknowns,
-    priors: &[(usize, Known)],
-) -> Result<(JointEstimate, Vec<Trial>)> {
-    if trials.is_empty() {
+pub(super) fn fit(joint: &Joint, start: Unknowns) -> Result<(JointEstimate, Vec<Trial>)> {
+    if joint.trials.is_empty() {
         return Err(Error::TooFewSamples {
             what: WHAT,
             needed: 1,
             got: 0,
         });
     }
-    let mut trials = trials.to_vec();
+    let mut trials = joint.trials.clone();
     for trial in &mut trials {
         trial.start(&start);
     }
-    refit(shares, trials, start, priors)
+    refit(joint, trials, start, joint.usual_spreads())
 }
 
 /// As [`fit`], with the trials' motions as they stand.
 pub(super) fn refit(
-    shares: &StaticLoadSharing,
+    joint: &Joint,
     trials: Vec<Trial>,
     start: Unknowns,
-    priors: &[(usize, Known)],
+    spreads: Spreads,
 ) -> Result<(JointEstimate, Vec<Trial>)> {
-    let campaign = Campaign { shares, priors };
+    let mut campaign = Campaign::new(joint, spreads);
     let mut at = campaign.point(start, trials)?;
     let mut steps = 0;
-    loop {
+    for round in 0..ROUNDS {
         let limits = Limits {
-            steps: STEPS - steps,
+            steps: STEPS,
             shares: SHARES,
         };
         let end = iterate(&campaign, at, limits)?;
         steps += end.steps;
-        let not_converged = Error::NotConverged {
-            what: WHAT,
-            iterations: steps,
-        };
         if end.outcome != Outcome::Converged {
-            return Err(not_converged);
+            break;
         }
         // The last step is negligible, and free.
         let last = campaign.moved(&end.at, &end.step, 1.0)?;
-        let estimate = finish(
-            &last.trials,
-            last.unknowns.clone(),
-            &last.normal,
-            priors,
-            steps,
-        )?;
+        let estimate = finish(&last, &campaign, steps)?;
+        let spreads = next_spreads(joint, &estimate, &last);
         // Where gravity turns in the sensor the trials know the accelerometer's gain, and the fit has to be made at it.
         let held = last.unknowns.values[ACCELEROMETER_GAIN];
         let information = estimate.accelerometer_gain_information;
         let change = estimate.accelerometer_gain_seen - held;
-        if information * GAIN_TOLD * GAIN_TOLD < 1.0 || information * change * change < SETTLED {
+        let gain_settled =
+            information * GAIN_TOLD * GAIN_TOLD < 1.0 || information * change * change < SETTLED;
+        let spreads_settled = campaign.spreads.change(&spreads) < SPREAD_SETTLED;
+        if gain_settled && (spreads_settled || round + 1 == ROUNDS) {
             return Ok((estimate, last.trials));
         }
-        if steps >= STEPS {
-            return Err(not_converged);
-        }
         let mut unknowns = last.unknowns;
-        unknowns.values[ACCELEROMETER_GAIN] = estimate.accelerometer_gain_seen;
+        if !gain_settled {
+            unknowns.values[ACCELEROMETER_GAIN] = estimate.accelerometer_gain_seen;
+        }
+        campaign = Campaign::new(joint, spreads);
         at = campaign.point(unknowns, last.trials)?;
+    }
+    Err(Error::NotConverged {
+        what: WHAT,
+        iterations: steps,
+    })
+}
+
+/// Spreads from what the fit says of the unknowns that have them.
+fn next_spreads(joint: &Joint, estimate: &JointEstimate, at: &Point) -> Spreads {
+    let room = &joint.certificates.room;
+    let variances = estimate.covariance.diagonal();
+    let of = |range| found(range, &at.unknowns.values, &variances);
+    let sensitivities =
+        at.trials
+            .iter()
+            .zip(&at.normal.contributions)
+            .flat_map(|(trial, contribution)| {
+                let variances = contribution.own_variances(&estimate.covariance);
+                let own: Vec<(f64, f64)> = trial
+                    .own
+                    .iter()
+                    .zip(variances)
+                    .filter(|(own, _)| matches!(own.kind, Kind::Sensitivity(_)))
+                    .map(|(own, variance)| (own.value, variance))
+                    .collect();
+                own
+            });
+    Spreads {
+        stiffness: room.stiffness.next(of(STIFFNESS..CROSS_TALK)),
+        cross_talk: room.cross_talk.next(of(CROSS_TALK..WEDGES)),
+        sensitivity: room.sensitivity.next(sensitivities),
+        wedge_rad: joint.wedge_spread().next(of(joint.wedge_angles())),
     }
 }
 
 /// The fit over all trials with the accelerometer's gain held.
 struct Campaign<'a> {
-    shares: &'a StaticLoadSharing,
-    priors: &'a [(usize, Known)],
+    joint: &'a Joint,
+    spreads: Spreads,
+    priors: Vec<(usize, Known)>,
 }
 
 /// Common unknowns, trials with their own, and the normal equations there.
@@ -241,9 +269,23 @@ struct Step {
     size: f64,
 }
 
-impl Campaign<'_> {
-    fn point(&self, unknowns: Unknowns, trials: Vec<Trial>) -> Result<Point> {
-        let normal = normal(self.shares, &trials, &unknowns, self.priors)?;
+impl<'a> Campaign<'a> {
+    fn new(joint: &'a Joint, spreads: Spreads) -> Self {
+        Self {
+            joint,
+            spreads,
+            priors: joint.priors(&spreads),
+        }
+    }
+
+    /// Trials take the spread of their sensitivities from here.
+    fn point(&self, unknowns: Unknowns, mut trials: Vec<Trial>) -> Result<Point> {
+        for own in trials.iter_mut().flat_map(|trial| &mut trial.own) {
+            if matches!(own.kind, Kind::Sensitivity(_)) {
+                own.deviation = self.spreads.sensitivity;
+            }
+        }
+        let normal = normal(&self.joint.shares, &trials, &unknowns, &self.priors)?;
         Ok(Point {
             unknowns,
             trials,
@@ -284,13 +326,13 @@ impl Nonlinear for Campaign<'_> {
     }
 }
 
-fn finish(
-    trials: &[Trial],
-    unknowns: Unknowns,
-    normal: &Normal,
-    priors: &[(usize, Known)],
-    iterations: usize,
-) -> Result<JointEstimate> {
+fn finish(at: &Point, campaign: &Campaign<'_>, iterations: usize) -> Result<JointEstimate> {
+    let Point {
+        unknowns,
+        trials,
+        normal,
+    } = at;
+    let priors = &campaign.priors;
     let covariance = normal.covariance()?;
     let gain = ACCELEROMETER_GAIN;
     let across = DVector::from_iterator(
@@ -320,13 +362,16 @@ fn finish(
     }
     let measured: usize = trials
         .iter()
-        .map(|t| 10 * t.grid.coordinates() - 1)
+        .map(|t| {
+            let known = t.own.iter().filter(|own| own.deviation.is_finite());
+            10 * t.grid.coordinates() - 1 + known.count()
+        })
         .sum::<usize>()
         + priors.iter().filter(|p| p.1.deviation > 0.0).count();
     let fitted: usize = normal.free.len()
         + trials
             .iter()
-            .map(|t| t.latent.len() + if t.amplifier { t.transient.len() } else { 0 })
+            .map(|t| t.latent.len() + t.own.len())
             .sum::<usize>();
     Ok(JointEstimate {
         compliance_from_elsewhere: priors.iter().any(|p| p.0 == COMPLIANCE),
@@ -337,6 +382,7 @@ fn finish(
         squares: normal.squares,
         degrees_of_freedom: measured.saturating_sub(fitted),
         iterations,
-        unknowns,
+        spreads: campaign.spreads,
+        unknowns: unknowns.clone(),
     })
 }

@@ -3,11 +3,11 @@
 //! With H the amplifier's response and X_m = H phi_m the series as the amplifier passes them on, channel i is
 //!
 //! ```text
-//! z_i = d_i sqrt(N) e_0 + (m/s_i)/c_i sum_m C_im X_m(q) + b_i E + noise,
+//! z_i = (d_i + u_i) sqrt(N) e_0 + (1 + h_i) (m/s_i)/c_i sum_m C_im X_m(q) + b_i E + noise,
 //! ```
 //!
-//! b_i E being what is left of the amplifier's own transient, and the standard is (1 + gamma) A q + noise, A its lag. The
-//! coefficients C depend on inertia, compliance and wedge.
+//! u_i and h_i being what zero and sensitivity have moved by, b_i E what is left of the amplifier's own transient, and the standard
+//! is (1 + gamma) A q + noise, A its lag. The coefficients C are in [`super::load`].
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -16,10 +16,12 @@ use glam::DVec3;
 use nalgebra::{Complex, DVector};
 
 use super::harmonics::{Grid, Projection, harmonic};
+use super::load::Share;
 use super::motion::{self, Operator, Series};
+use super::own::{Kind, Own};
 use super::unknowns::{
-    ACCELEROMETER_GAIN, AMPLIFIER_CORNER, COMPLIANCE, DRIFT, GYROSCOPE_GAIN, GYROSCOPE_LAG,
-    INERTIA, MASS_PER_SCALE, Unknowns, inertia_entry,
+    ACCELEROMETER_GAIN, AMPLIFIER_CORNER, DRIFT, GYROSCOPE_GAIN, GYROSCOPE_LAG, MASS_PER_SCALE,
+    Unknowns,
 };
 use crate::float::{exp, sin_cos, sqrt};
 use crate::geometry::LIMBS;
@@ -53,8 +55,8 @@ pub(super) struct Trial {
     pub accelerometer_lag_s: f64,
     /// Harmonics of the motion, the unknowns of this trial alone.
     pub latent: DVector<f64>,
-    /// Transients b_i of the amplifiers.
-    pub transient: [f64; LIMBS],
+    /// The other unknowns of this trial alone.
+    pub own: Vec<Own>,
 }
 
 /// A combination of a trial's parts: their places and weights.
@@ -66,7 +68,7 @@ pub(super) struct Parts {
     pub all: Vec<DVector<f64>>,
     /// Derivatives of the series by the motion.
     pub by_latent: Vec<Operator>,
-    /// StaticLoadSharing of the series.
+    /// Shares of the series in the channels.
     pub shares: Vec<Share>,
 }
 
@@ -80,98 +82,15 @@ pub(super) struct Standard {
     pub gain: usize,
 }
 
-/// A share of a series in a channel and how it depends on the common unknowns.
-pub(super) struct Share {
-    /// C_im for each limb.
-    pub value: [f64; LIMBS],
-    /// Derivatives by common unknowns.
-    pub slopes: Vec<(usize, [f64; LIMBS])>,
-}
-
 impl Trial {
-    /// Common unknowns that this trial depends on.
-    fn shares(&self, unknowns: &Unknowns, shares: &StaticLoadSharing) -> Vec<Share> {
-        let tensor = unknowns.inertia().matrix_mass_m2();
-        let (n, sideways) = unknowns.direction(self.wedge);
-        let angles = unknowns.angles(self.wedge);
-        let linear = |d: DVec3| core::array::from_fn(|i| shares.of_acceleration(i).dot(d));
-        let torque = |m: DVec3| core::array::from_fn(|i| shares.of_torque_per_m(i).dot(m));
-        match self.drive {
-            Drive::Linear => {
-                let compliance = unknowns.values[COMPLIANCE];
-                let given_way = shares.of_compliance(tensor, n);
-                let mut slopes = vec![(COMPLIANCE, given_way)];
-                slopes.extend((0..6).map(|j| {
-                    let by = shares.of_compliance_by_inertia(inertia_entry(j), n);
-                    (INERTIA + j, by.map(|g| compliance * g))
-                }));
-                slopes.extend((0..2).map(|side| {
-                    let by = shares.of_compliance(tensor, sideways[side]);
-                    (angles + side, by.map(|g| compliance * g))
-                }));
-                vec![
-                    Share {
-                        value: linear(n),
-                        slopes: (0..2)
-                            .map(|side| (angles + side, linear(sideways[side])))
-                            .collect(),
-                    },
-                    Share {
-                        value: given_way.map(|g| compliance * g),
-                        slopes,
-                    },
-                ]
-            }
-            Drive::Angular => {
-                let mut slopes: Vec<(usize, [f64; LIMBS])> = (0..6)
-                    .map(|j| (INERTIA + j, torque(inertia_entry(j) * n)))
-                    .collect();
-                slopes.extend((0..2).map(|side| (angles + side, torque(tensor * sideways[side]))));
-                let whirl = |d: DVec3, i: DVec3| d.cross(i);
-                let mut quadratic: Vec<(usize, [f64; LIMBS])> = (0..6)
-                    .map(|j| (INERTIA + j, torque(whirl(n, inertia_entry(j) * n))))
-                    .collect();
-                quadratic.extend((0..2).map(|side| {
-                    let b = sideways[side];
-                    (
-                        angles + side,
-                        torque(whirl(b, tensor * n) + whirl(n, tensor * b)),
-                    )
-                }));
-                let mut all = vec![
-                    Share {
-                        value: torque(tensor * n),
-                        slopes,
-                    },
-                    Share {
-                        value: torque(whirl(n, tensor * n)),
-                        slopes: quadratic,
-                    },
-                ];
-                if self.gravity_turns {
-                    let (g, by) = unknowns.gravity(self.wedge, self.gravity_m_s2);
-                    // About the third angle the direction stays.
-                    let turned = [sideways[0], sideways[1], DVec3::ZERO];
-                    let slopes = |of: &dyn Fn(DVec3, DVec3) -> DVec3| {
-                        turned
-                            .iter()
-                            .zip(by)
-                            .enumerate()
-                            .map(|(angle, (b, dg))| (angles + angle, linear(of(*b, dg))))
-                            .collect()
-                    };
-                    all.push(Share {
-                        value: linear(n.cross(g)),
-                        slopes: slopes(&|b, dg| b.cross(g) + n.cross(dg)),
-                    });
-                    all.push(Share {
-                        value: linear(g - n * n.dot(g)),
-                        slopes: slopes(&|b, dg| dg - b * n.dot(g) - n * (b.dot(g) + n.dot(dg))),
-                    });
-                }
-                all
-            }
-        }
+    /// Place of an own unknown; none if the trial does not have it.
+    pub fn own_place(&self, kind: Kind) -> Option<usize> {
+        self.own.iter().position(|own| own.kind == kind)
+    }
+
+    /// Value of an own unknown; 0 if the trial does not have it.
+    pub fn own_value(&self, kind: Kind) -> f64 {
+        self.own_place(kind).map_or(0.0, |at| self.own[at].value)
     }
 
     /// H and dH by the corner: at the mean and at each harmonic.
@@ -253,13 +172,8 @@ impl Trial {
         }
     }
 
-    /// Number of amplifiers with a transient of their own.
-    pub fn transients(&self) -> usize {
-        if self.amplifier { LIMBS } else { 0 }
-    }
-
-    /// What the channels are combined of at the present motion.
-    pub fn parts(&self, unknowns: &Unknowns, shares: &StaticLoadSharing) -> Parts {
+    /// What the channels are combined of at the present motion; none if the limbs' stiffnesses do not hold the mass.
+    pub fn parts(&self, unknowns: &Unknowns, shares: &StaticLoadSharing) -> Option<Parts> {
         let corner = unknowns.values[AMPLIFIER_CORNER];
         let (h_mean, h, dh) = self.amplifier(corner);
         let series = self.series();
@@ -271,25 +185,27 @@ impl Trial {
             all.extend(series.iter().map(|s| filtered(&s.value, 0.0, &dh)));
             all.extend(self.decay(corner));
         }
-        Parts {
+        Some(Parts {
             all,
             by_latent: series
                 .into_iter()
                 .map(|s| s.by_latent.filtered(h_mean, &h))
                 .collect(),
-            shares: self.shares(unknowns, shares),
-        }
+            shares: self.shares(unknowns, shares)?,
+        })
     }
 
     /// A channel's coordinates as the model has them.
     pub fn prediction(&self, unknowns: &Unknowns, parts: &Parts, limb: usize) -> DVector<f64> {
         let gain = self.volts_per_force(unknowns, limb);
-        let mut z = &parts.all[0] * unknowns.values[DRIFT + limb];
+        let zero_v = unknowns.values[DRIFT + limb] + self.own_value(Kind::Zero(limb));
+        let mut z = &parts.all[0] * zero_v;
         for (part, share) in parts.all[1..].iter().zip(&parts.shares) {
             z.axpy(gain * share.value[limb], part, 1.0);
         }
         if self.amplifier {
-            z.axpy(self.transient[limb], &parts.all[parts.decay()], 1.0);
+            let transient_v = self.own_value(Kind::Transient(limb));
+            z.axpy(transient_v, &parts.all[parts.decay()], 1.0);
         }
         z
     }
@@ -307,50 +223,66 @@ impl Trial {
         self.grid.vector(self.data.coordinates[LIMBS][0], &z)
     }
 
-    /// (m/s_i)/c_i, V per m/s^2.
-    pub fn volts_per_force(&self, unknowns: &Unknowns, limb: usize) -> f64 {
-        unknowns.values[MASS_PER_SCALE + limb] / self.gains.gain_n_per_v[limb]
+    /// (1 + h_i)/c_i, V/N.
+    fn volts_per_newton(&self, limb: usize) -> f64 {
+        (1.0 + self.own_value(Kind::Sensitivity(limb))) / self.gains.gain_n_per_v[limb]
     }
 
-    /// Derivatives of a channel by the common unknowns and, behind them, by its own transient.
+    /// (1 + h_i) (m/s_i)/c_i, V per m/s^2.
+    pub fn volts_per_force(&self, unknowns: &Unknowns, limb: usize) -> f64 {
+        unknowns.values[MASS_PER_SCALE + limb] * self.volts_per_newton(limb)
+    }
+
+    /// Derivatives of a channel by the common unknowns and, behind them, by the trial's own.
     pub fn columns(
         &self,
         unknowns: &Unknowns,
         parts: &Parts,
         limb: usize,
     ) -> Vec<(usize, Combination)> {
-        let per_gain = 1.0 / self.gains.gain_n_per_v[limb];
         let gain = self.volts_per_force(unknowns, limb);
-        let shape = || {
-            parts
-                .shares
-                .iter()
-                .enumerate()
-                .map(|(m, share)| (1 + m, share.value[limb]))
+        let shape = |factor: f64| -> Combination {
+            let shares = parts.shares.iter().enumerate();
+            shares
+                .map(|(m, share)| (1 + m, factor * share.value[limb]))
+                .collect()
         };
         let mut columns = vec![
             (DRIFT + limb, vec![(0, 1.0)]),
-            (
-                MASS_PER_SCALE + limb,
-                shape().map(|(part, c)| (part, c * per_gain)).collect(),
-            ),
+            (MASS_PER_SCALE + limb, shape(self.volts_per_newton(limb))),
         ];
+        let mut add =
+            |unknown: usize, entry: (usize, f64)| match columns.iter_mut().find(|c| c.0 == unknown)
+            {
+                Some(column) => column.1.push(entry),
+                None => columns.push((unknown, vec![entry])),
+            };
         for (m, share) in parts.shares.iter().enumerate() {
             for (unknown, slope) in &share.slopes {
-                let entry = (1 + m, gain * slope[limb]);
-                match columns.iter_mut().find(|c| c.0 == *unknown) {
-                    Some(column) => column.1.push(entry),
-                    None => columns.push((*unknown, vec![entry])),
-                }
+                add(*unknown, (1 + m, gain * slope[limb]));
+            }
+            for (unknown, slope) in share.by_cross_talk(limb) {
+                add(unknown, (1 + m, gain * slope));
             }
         }
         if self.amplifier {
             let series = parts.shares.len();
-            let mut by_corner: Combination =
-                shape().map(|(part, c)| (part + series, c * gain)).collect();
-            by_corner.push((parts.decay() + 1, self.transient[limb]));
-            columns.push((AMPLIFIER_CORNER, by_corner));
-            columns.push((unknowns.len() + limb, vec![(parts.decay(), 1.0)]));
+            for (part, share) in shape(gain) {
+                add(AMPLIFIER_CORNER, (part + series, share));
+            }
+            let transient_v = self.own_value(Kind::Transient(limb));
+            add(AMPLIFIER_CORNER, (parts.decay() + 1, transient_v));
+        }
+        let own = |kind| Some(unknowns.len() + self.own_place(kind)?);
+        if let Some(zero) = own(Kind::Zero(limb)) {
+            columns.push((zero, vec![(0, 1.0)]));
+        }
+        if let Some(sensitivity) = own(Kind::Sensitivity(limb)) {
+            let usual = gain / (1.0 + self.own_value(Kind::Sensitivity(limb)));
+            columns.push((sensitivity, shape(usual)));
+        }
+        if let Some(transient) = own(Kind::Transient(limb)) {
+            columns.push((transient, vec![(parts.decay(), 1.0)]));
         }
         columns
     }

@@ -5,7 +5,7 @@
 
 use alloc::vec::Vec;
 
-use glam::{DMat3, DQuat, DVec3};
+use glam::{DMat3, DVec3};
 use nalgebra::DVector;
 
 use crate::geometry::LIMBS;
@@ -27,11 +27,16 @@ pub const GYROSCOPE_GAIN: usize = ACCELEROMETER_GAIN + 1;
 pub const GYROSCOPE_LAG: usize = GYROSCOPE_GAIN + 1;
 /// Corner of the charge amplifiers' high-pass, rad/s: one over their time constant.
 pub const AMPLIFIER_CORNER: usize = GYROSCOPE_LAG + 1;
-/// [`ANGLES`] angles for each wedge, rad: two by which it misses its direction, and one about that direction, which only turning
-/// gravity makes observable.
-pub const WEDGES: usize = AMPLIFIER_CORNER + 1;
+/// k_i/k of the nine limbs, less one.
+pub const STIFFNESS: usize = AMPLIFIER_CORNER + 1;
+/// Share of each other limb's force that a channel shows, channel by channel: [`Unknowns::cross_talk`].
+pub const CROSS_TALK: usize = STIFFNESS + LIMBS;
+/// [`ANGLES`] angles for each wedge, rad, by which it misses its direction.
+pub const WEDGES: usize = CROSS_TALK + LIMBS * OTHERS;
+/// Limbs beside one.
+pub const OTHERS: usize = LIMBS - 1;
 /// Angles of a wedge.
-pub const ANGLES: usize = 3;
+pub const ANGLES: usize = 2;
 
 /// A wedge: the direction it is meant to set, and two directions square to it along which it may be off.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -97,16 +102,26 @@ impl Unknowns {
         (n, sideways.map(|b| (b - n * n.dot(b)) / length))
     }
 
-    /// Gravity in the sensor on a wedge that carries it along when it misses its direction, and its derivatives by the three
-    /// angles. These are those of small angles.
+    /// k_i/k.
     #[must_use]
-    pub fn gravity(&self, wedge: usize, nominal_m_s2: DVec3) -> (DVec3, [DVec3; ANGLES]) {
-        let (n, sideways) = self.direction(wedge);
-        let carried = DQuat::from_rotation_arc(self.wedges[wedge].nominal, n);
-        let about = DQuat::from_axis_angle(n, self.values[self.angles(wedge) + 2]);
-        let g = about * (carried * nominal_m_s2);
-        let by = |b: DVec3| n.cross(b).cross(g);
-        (g, [by(sideways[0]), by(sideways[1]), n.cross(g)])
+    pub fn stiffness_ratio(&self) -> [f64; LIMBS] {
+        core::array::from_fn(|i| 1.0 + self.values[STIFFNESS + i])
+    }
+
+    /// Place of the share of limb `from`'s force that channel `into` shows, which is another limb's.
+    #[must_use]
+    pub const fn cross_talk(into: usize, from: usize) -> usize {
+        CROSS_TALK + OTHERS * into + if from < into { from } else { from - 1 }
+    }
+
+    /// What the channels show of limb forces: their own and a share of every other one.
+    #[must_use]
+    pub fn shown(&self, forces: &[f64; LIMBS]) -> [f64; LIMBS] {
+        core::array::from_fn(|into| {
+            let others = (0..LIMBS).filter(|from| *from != into);
+            let share = |from: usize| self.values[Self::cross_talk(into, from)] * forces[from];
+            forces[into] + others.map(share).sum::<f64>()
+        })
     }
 }
 

@@ -32,8 +32,7 @@ pub struct WedgeFound {
     pub nominal: [f64; 3],
     /// Unit vector that it sets.
     pub direction: [f64; 3],
-    /// Angles by which it misses its direction, two, and about it, degrees; none where the session says that wedges are right.
-    /// The third is observable only where gravity turns in the sensor; elsewhere it keeps its prior deviation.
+    /// Angles by which it misses its direction, degrees; none where the session says that wedges are right.
     pub angles_deg: Option<[Found; ANGLES]>,
 }
 
@@ -74,7 +73,7 @@ impl JointReport {
                     nominal: wedge.nominal.to_array(),
                     direction: unknowns.direction(index).0.to_array(),
                     angles_deg: match angles {
-                        [Some(a), Some(b), Some(c)] => Some([a, b, c]),
+                        [Some(a), Some(b)] => Some([a, b]),
                         _ => None,
                     },
                 }

@@ -13,7 +13,6 @@ use sixaxis_page::number::{MISSING, fixed, percent};
 use sixaxis_page::{Block, Cell, Section, Table};
 
 /// An angle that the fit has moved from 0 by less than this share of its deviation is one that no trial tells.
-const UNMOVED: f64 = 1e-6;
 
 /// The section; empty where the four steps could not be done.
 pub fn section(calibrated: &CalibratedSession) -> Section {
@@ -145,27 +144,20 @@ fn nuisances(joint: &JointReport) -> Table {
         .caption("What the instruments and wedges turned out to be")
         .footnote(
             "Certificates and the workshop's tolerance are part of what is known here; where trials say nothing, they stand as \
-             they were. A wedge's two angles lead along two directions square to its own; the one about itself is told only by \
-             gravity that turns.",
+             they were. A wedge's two angles lead along two directions square to its own.",
         )
         .into()
 }
 
 fn wedge(wedge: &WedgeFound) -> Told {
-    let Some([a, b, about]) = wedge.angles_deg else {
+    let Some([a, b]) = wedge.angles_deg else {
         let right = "the session says that it is right".to_owned();
         return [MISSING.to_owned(), MISSING.to_owned(), right];
     };
     let [a, b] = [a, b].map(|f| with_interval(f.value, f.deviation));
-    let about_itself = if about.value.abs() < UNMOVED * about.deviation {
-        "about itself: nothing tells".to_owned()
-    } else {
-        let (angle, deviation) = with_interval(about.value, about.deviation);
-        format!("about itself {angle}° ± {deviation}°")
-    };
     [
         format!("{}°, {}°", a.0, b.0),
         format!("{}°, {}°", a.1, b.1),
-        about_itself,
+        String::new(),
     ]
 }
