@@ -172,8 +172,12 @@ impl Trial {
     /// Gravity square to the axis and in it.
     fn weight_loads(&self, unknowns: &Unknowns, n: DVec3, sideways: [DVec3; 2]) -> [Load; 2] {
         let angles = unknowns.angles(self.wedge);
-        let turns = [0, 1].map(|side| self.own_value(Kind::Plumb(side)));
-        let (g, by_turn) = plumb(self.gravity_m_s2, turns);
+        let size = self.gravity_m_s2.length();
+        let by_turn = plumb(unknowns.wedges[self.wedge].nominal, self.gravity_m_s2)
+            .map(|direction| direction * size);
+        let g = (0..2).fold(self.gravity_m_s2, |g, side| {
+            g + by_turn[side] * self.own_value(Kind::Plumb(side))
+        });
         let force_alone = |force: DVec3| [force, DVec3::ZERO];
         let slopes = |by_direction: &dyn Fn(DVec3) -> DVec3,
                       by_gravity: &dyn Fn(DVec3) -> DVec3| {

@@ -12,6 +12,9 @@ use super::room::Room;
 use super::trial::Drive;
 use crate::geometry::LIMBS;
 
+/// Sine of the angle between gravity and axis below which they span no plane.
+const UPRIGHT: f64 = 1e-6;
+
 /// What an own unknown is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
@@ -23,7 +26,8 @@ pub(super) enum Kind {
     Transient(usize),
     /// From the axis to the sensor's centre along one of the wedge's two sideways directions, m.
     Centre(usize),
-    /// Turn of gravity's direction in the sensor at rest, rad, along one of two directions square to it.
+    /// What gravity in the sensor at rest has more of, over its size, along one of two directions square to the axis: of the
+    /// plane that holds both, and out of it. What it has along the axis no turn about it shows.
     Plumb(usize),
 }
 
@@ -37,7 +41,13 @@ pub(super) struct Own {
 }
 
 /// Those that a trial has in a room. A centre off the axis and a tilted axis show only where the sensor turns.
-pub(super) fn of(drive: Drive, amplifier: bool, room: &Room) -> Vec<Own> {
+pub(super) fn of(
+    drive: Drive,
+    amplifier: bool,
+    room: &Room,
+    axis: DVec3,
+    gravity_m_s2: DVec3,
+) -> Vec<Own> {
     let mut all = Vec::new();
     let mut add = |kind, deviation: f64| {
         if deviation > 0.0 {
@@ -58,22 +68,25 @@ pub(super) fn of(drive: Drive, amplifier: bool, room: &Room) -> Vec<Own> {
     if drive == Drive::Angular {
         for side in 0..2 {
             add(Kind::Centre(side), room.centre_m);
-            add(Kind::Plumb(side), room.plumb_rad);
         }
+        // Gravity square to the axis already loses by a turn only its square's half.
+        let turn = room.plumb_rad;
+        let along = gravity_m_s2.normalize_or_zero().dot(axis).abs();
+        add(Kind::Plumb(0), (turn * along).max(0.5 * turn * turn));
+        add(Kind::Plumb(1), turn);
     }
     all
 }
 
-/// Gravity turned by two small angles about directions square to it, and its derivatives by them. It keeps its size.
-pub(super) fn plumb(nominal_m_s2: DVec3, angles_rad: [f64; 2]) -> (DVec3, [DVec3; 2]) {
-    let size = nominal_m_s2.length();
-    let Some(down) = nominal_m_s2.try_normalize() else {
-        return (nominal_m_s2, [DVec3::ZERO; 2]);
+/// Directions square to the axis in which gravity may have more than it should: in the plane of both, and out of it.
+pub(super) fn plumb(axis: DVec3, gravity_m_s2: DVec3) -> [DVec3; 2] {
+    let square = gravity_m_s2 - axis * axis.dot(gravity_m_s2);
+    // Where the axis is upright, any two will do.
+    let upright = square.length() <= UPRIGHT * gravity_m_s2.length();
+    let within = if upright {
+        axis.any_orthonormal_vector()
+    } else {
+        square.normalize()
     };
-    let (a, b) = down.any_orthonormal_pair();
-    let long = down + a * angles_rad[0] + b * angles_rad[1];
-    let length = long.length();
-    let turned = long / length;
-    let by = |side: DVec3| (side - turned * turned.dot(side)) * (size / length);
-    (turned * size, [by(a), by(b)])
+    [within, axis.cross(within)]
 }

@@ -114,7 +114,7 @@ impl Record<'_> {
                     && (room.plumb_rad > 0.0 || g.cross(nominal).length() > TURNS * g.length()),
                 amplifier,
                 accelerometer_lag_s: certificates.accelerometer_lag_s,
-                own: own::of(self.drive, amplifier, room),
+                own: own::of(self.drive, amplifier, room, nominal, g),
             },
         })
     }

@@ -86,7 +86,7 @@ impl Room {
         },
         zero_v: 1.0,
         centre_m: 5e-3,
-        plumb_rad: 0.05,
+        plumb_rad: 0.02,
     };
 }
 

@@ -21,6 +21,7 @@ const FINITE_DIFFERENCES: f64 = 1e-5;
 /// Rounds of the trial's own Gauss-Newton; the motion alone settles in three.
 const ROUNDS: usize = 60;
 
+const GRAVITY_M_S2: DVec3 = DVec3::new(0.0, 3.0, -9.0);
 /// Drive, whether gravity turns, whether the amplifiers are high-passes.
 const CASES: [(Drive, bool, bool); 5] = [
     (Drive::Linear, false, false),
@@ -88,11 +89,17 @@ fn trial(drive: Drive, gravity_turns: bool, amplifier: bool) -> (Trial, Unknowns
         data,
         gains: Gains::uniform(0.5),
         wedge: 0,
-        gravity_m_s2: DVec3::new(0.0, 3.0, -9.0),
+        gravity_m_s2: GRAVITY_M_S2,
         gravity_turns,
         amplifier,
         accelerometer_lag_s: 1e-3,
-        own: own::of(drive, amplifier, &Room::ORDINARY),
+        own: own::of(
+            drive,
+            amplifier,
+            &Room::ORDINARY,
+            wedge.nominal,
+            GRAVITY_M_S2,
+        ),
         grid,
     };
     for (place, own) in trial.own.iter_mut().enumerate() {
