@@ -192,13 +192,6 @@ pub(super) fn refit(
         let end = iterate(&campaign, at, limits)?;
         steps += end.steps;
         if end.outcome != Outcome::Converged {
-            std::eprintln!(
-                "DBG round {round} steps {} outcome {:?} size {} squares {}",
-                end.steps,
-                end.outcome,
-                end.step.size,
-                end.at.normal.squares
-            );
             break;
         }
         // The last step is negligible, and free.
