@@ -25,14 +25,14 @@ use choice::{Chosen, stiffness};
 
 use crate::calibration::Calibration;
 use crate::conditioning::Conditioned;
-use crate::diagnosis::trial_case::Facts;
+use crate::diagnosis::trial_case::{Facts, Standard};
 use crate::diagnosis::{Diagnosis, examine};
 use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::finding::{Cause, Finding, in_a_sentence};
-use crate::grade::{failures, grade, reservations};
+use crate::grade::{JudgedBy, failures, grade, reservations};
 use crate::iteration::{Criterion, Iteration};
-use crate::joint::JointReport;
+use crate::joint::{self, JointReport};
 use crate::prepare::PreparedSession;
 use crate::progress::Progress;
 use crate::report::{Estimator, Grade, ParameterReport, TrialReport, ValidationRun};
@@ -47,9 +47,9 @@ use sixaxis_recordings::session::{Session, SessionFile};
 pub struct Options {
     /// How far steps 2 to 4 are repeated. The repetition is shown, not used: grade, parameters and calibration are the same.
     pub repeat: Option<Criterion>,
-    /// Whose parameters the calibration has; validation runs are decoupled with them. Trials are held out by the four steps
-    /// either way.
-    pub estimator: Estimator,
+    /// Whose parameters the calibration has; validation runs are decoupled with them. None: those of the joint fit where it
+    /// accounts for the trials, those of the four steps where it does not.
+    pub estimator: Option<Estimator>,
 }
 
 /// A calibrated and graded session.
@@ -71,7 +71,7 @@ pub struct CalibratedSession {
     pub obstacle: Option<String>,
     /// Steps 2 to 4 repeated, where that was asked for and the four steps could be done; otherwise why they could not be.
     pub iteration: Option<core::result::Result<Iteration, String>>,
-    /// Whose parameters were asked for.
+    /// Whose parameters were asked for or, where nobody asked, chosen.
     pub estimator: Estimator,
     /// The 25 parameters, by that estimator unless it refused; empty if the steps could not be done.
     pub parameters: Vec<ParameterReport>,
@@ -121,7 +121,8 @@ pub fn calibrate(
     progress.stage("diagnosis", 1);
     let mut findings = prepared.findings.clone();
     let Diagnosis {
-        findings: diagnosed,
+        findings: certain,
+        suspected,
         cases,
         departures,
     } = examine(
@@ -129,7 +130,7 @@ pub fn calibrate(
         prepared.at_rest.as_ref(),
         &prepared.campaign.trials,
     );
-    findings.extend(diagnosed);
+    findings.extend(certain);
     let mut trials: Vec<TrialReport> = cases
         .iter()
         .zip(departures)
@@ -141,9 +142,14 @@ pub fn calibrate(
     let (chosen, obstacle) = match Estimate::of(session, &prepared, loss, progress) {
         Ok(estimate) => {
             let chosen = Chosen::of(estimate, options.estimator, &prepared.campaign.design);
+            match chosen.accounting_joint() {
+                Some(joint) => findings.extend(extraordinary(joint, session, &prepared)),
+                None => findings.extend(suspected),
+            }
             (Some(chosen), None)
         }
         Err(error) => {
+            findings.extend(suspected);
             if findings.is_empty() {
                 findings.push(unexplained(error.to_string()));
             }
@@ -167,9 +173,12 @@ pub fn calibrate(
         }
     }
 
-    let steps = chosen.as_ref().map(|chosen| &chosen.estimate.steps);
+    let judged_by = match &chosen {
+        Some(chosen) if chosen.accounting_joint().is_some() => JudgedBy::Joint,
+        chosen => JudgedBy::FourSteps(chosen.as_ref().map(|c| &c.estimate.steps)),
+    };
     if findings.is_empty() {
-        findings = failures(session, &trials, steps);
+        findings = failures(session, &trials, judged_by);
     }
     if let Some(chosen) = &chosen {
         if findings.is_empty() {
@@ -179,7 +188,8 @@ pub fn calibrate(
     }
     findings.sort_by_key(|finding| finding.cause);
     let parameters = chosen.as_ref().map_or(&[][..], |chosen| &chosen.parameters);
-    let mut reservations = reservations(&prepared.campaign, session, parameters, &trials);
+    let mut reservations =
+        reservations(&prepared.campaign, session, parameters, &trials, judged_by);
     if let Some(chosen) = &chosen {
         reservations.extend(chosen.reservations());
     }
@@ -205,7 +215,9 @@ pub fn calibrate(
         steps: None,
         obstacle,
         iteration,
-        estimator: options.estimator,
+        estimator: chosen
+            .as_ref()
+            .map_or(options.estimator.unwrap_or_default(), |c| c.estimator),
         parameters: Vec::new(),
         four_steps: Vec::new(),
         joint: None,
@@ -226,13 +238,50 @@ pub fn calibrate(
 }
 
 fn facts<'a>(session: &'a Session, prepared: &'a PreparedSession) -> Facts<'a> {
+    let Session {
+        accelerometer,
+        gyroscope,
+        ..
+    } = session;
+    let standard = |gain: Option<f64>, class: f64, bandwidth_hz: Option<f64>| Standard {
+        gain_limit: gain.unwrap_or(class) / 100.0,
+        lag_s: bandwidth_hz.map_or(0.0, |hz| 1.0 / (core::f64::consts::TAU * hz)),
+    };
     Facts {
+        accelerometer: standard(
+            accelerometer.gain_percent,
+            accelerometer.class_percent,
+            accelerometer.bandwidth_hz,
+        ),
+        gyroscope: standard(
+            gyroscope.gain_percent,
+            gyroscope.class_percent,
+            gyroscope.bandwidth_hz,
+        ),
         geometry: prepared.campaign.geometry,
         design: &prepared.campaign.design,
         rig: session.rig.as_ref(),
         gyroscope_class: session.gyroscope.class_percent / 100.0,
         gyroscope_lag_undone: session.gyroscope.bandwidth_hz.is_some(),
     }
+}
+
+/// What is out of the ordinary by a joint fit that accounts for the trials.
+fn extraordinary(
+    joint: &JointReport,
+    session: &Session,
+    prepared: &PreparedSession,
+) -> Vec<Finding> {
+    let names: Vec<&str> = prepared
+        .campaign
+        .trials
+        .iter()
+        .filter(|(trial, _)| joint::record(trial).is_some())
+        .map(|(trial, _)| trial.name.as_str())
+        .collect();
+    let gyroscope = &session.gyroscope;
+    let limit = gyroscope.gain_percent.unwrap_or(gyroscope.class_percent) / 100.0;
+    joint.extraordinary(&names, session.sensor.full_scale_v, limit)
 }
 
 /// The four steps refuse and nothing says why.

@@ -36,8 +36,8 @@ pub struct Calibration {
     pub findings: Vec<Finding>,
     /// The sensor.
     pub sensor: CalibratedSensor,
-    /// Which estimator they are by; left out for the four steps.
-    #[serde(default, skip_serializing_if = "Estimator::is_default")]
+    /// Which estimator they are by; files that do not say so have the four steps'.
+    #[serde(default)]
     pub estimator: Estimator,
     /// The 25 parameters to decouple with.
     pub parameters: CalibratedParameters,

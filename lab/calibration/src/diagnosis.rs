@@ -8,16 +8,23 @@
 //! 2. [`still`]: channels of the static record that read nothing, not even noise.
 //! 3. [`structure`]: what all trials together show of a channel: silent, exchanged, inverted, under-excited axes.
 //! 4. [`gravity`]: weight that turns in the sensor although the session says it does not.
-//! 5. [`timing`]: lags and clocks.
-//! 6. [`level`]: factors that all trials share: units, sensitivities, gains.
-//! 7. [`drift`]: rests that are not where they were.
-//! 8. [`odd_trial`]: trials that do not fit in with the others.
+//! 5. [`rig`]: standards and sample rate against stroke and rotation, by the [`fundamental`] of each trial.
+//! 6. [`timing`]: lags and clocks.
+//! 7. [`level`]: factors that all trials share: units, sensitivities, gains.
+//! 8. [`drift`]: rests that are not where they were.
+//! 9. [`odd_trial`]: trials that do not fit in with the others.
+//!
+//! What a recording or the rig says by itself is certain, and so are silent channels and factors that no sensor has. What comes of holding trials
+//! against each other is *suspected*: an ordinary room departs from equal limbs, true wedges and a plumb axis as well, and the joint
+//! fit, which knows of these, has the last word ([`crate::joint::account`]).
 
 pub mod drift;
+pub mod fundamental;
 pub mod gravity;
 pub mod level;
 pub mod odd_trial;
 pub mod raw;
+pub mod rig;
 pub mod still;
 pub mod structure;
 pub mod table;
@@ -44,12 +51,53 @@ const LAG_ANGLE_ERROR: f64 = 3e-3;
 /// What the diagnosis found.
 #[derive(Debug, Clone)]
 pub struct Diagnosis<'a> {
-    /// What is wrong, worst first.
+    /// What is wrong for certain, worst first.
     pub findings: Vec<Finding>,
+    /// What is wrong unless the joint fit accounts for it, worst first.
+    pub suspected: Vec<Finding>,
     /// The trials with their responses.
     pub cases: Vec<TrialCase<'a>>,
     /// For each trial, how far it departs from that, relative to its own size.
     pub departures: Vec<Option<f64>>,
+}
+
+impl Diagnosis<'_> {
+    /// Both, worst first.
+    #[must_use]
+    pub fn all(&self) -> Vec<Finding> {
+        let mut all = [self.findings.clone(), self.suspected.clone()].concat();
+        all.sort_by_key(|finding| finding.cause);
+        all
+    }
+}
+
+/// Findings in the order in which they were made, and which of them are certain.
+#[derive(Default)]
+struct Found {
+    findings: Vec<Finding>,
+    certain: Vec<bool>,
+}
+
+impl Found {
+    /// Notes whether what has been found since is certain.
+    fn mark(&mut self, certain: bool) {
+        self.certain.resize(self.findings.len(), certain);
+    }
+
+    /// What is certain and what is not, each worst first.
+    fn parted(self) -> [Vec<Finding>; 2] {
+        let (mut certain, mut suspected) = (Vec::new(), Vec::new());
+        for (finding, is_certain) in self.findings.into_iter().zip(self.certain) {
+            if is_certain {
+                certain.push(finding);
+            } else {
+                suspected.push(finding);
+            }
+        }
+        certain.sort_by_key(|finding| finding.cause);
+        suspected.sort_by_key(|finding| finding.cause);
+        [certain, suspected]
+    }
 }
 
 /// Examines a campaign.
@@ -59,7 +107,7 @@ pub fn examine<'a>(
     at_rest: Option<&Trial>,
     trials: &'a [(Trial, Conditioned)],
 ) -> Diagnosis<'a> {
-    let mut findings = Vec::new();
+    let mut found = Found::default();
     let mut cases: Vec<TrialCase<'a>> = trials
         .par_iter()
         .map(|(trial, conditioned)| TrialCase {
@@ -71,68 +119,72 @@ pub fn examine<'a>(
             explained: false,
         })
         .collect();
-    raw::examine(at_rest, &mut cases, &mut findings);
+    raw::examine(at_rest, &mut cases, &mut found.findings);
+    let drift = at_rest.and_then(|rest| zero_drift::identify(&rest.voltage_v).ok());
     if let Some(rest) = at_rest {
         let moving = trials.iter().map(|(trial, _)| trial);
-        still::examine(rest, &still::steps_v(rest, moving), &mut findings);
+        still::examine(rest, &still::steps_v(rest, moving), &mut found.findings);
+        if let Some(drift) = &drift {
+            drift::examine_static(rest, drift, &mut found.findings);
+        }
     }
-    let drift = at_rest.and_then(|rest| zero_drift::identify(&rest.voltage_v).ok());
     measure(&mut cases, drift.as_ref(), None);
-    let Ok(shares) = StaticLoadSharing::new(&facts.geometry) else {
-        return unfinished(findings, cases);
-    };
-    structure::excitation(&cases, &mut findings);
-    let silent = structure::silent(&shares, facts, &mut cases, &mut findings);
-    // Scale factors come from the linear trials alone, and gravity's turn needs them before the angular ones can be read.
-    let mut table = Table::linear(&shares, &cases, &silent);
-    if let Some(table) = &mut table {
-        table.angle_error = facts.gyroscope_class + LAG_ANGLE_ERROR;
-        gravity::examine(table, &mut cases, &mut findings);
-    }
-    measure(&mut cases, drift.as_ref(), table.as_ref());
-    if let Some(linear) = table {
-        table = Some(structure::exchanged(
-            linear,
-            facts,
-            &silent,
-            &mut cases,
-            &mut findings,
-        ));
-    }
-    timing::examine(facts, &mut cases, &mut findings);
-    if let Some(table) = &table {
-        structure::inverted(table, facts, &silent, &mut findings);
-        level::examine(table, facts, &silent, &mut cases, &mut findings);
-    }
-    drift::examine(
-        at_rest,
-        drift.as_ref(),
-        table.as_ref(),
-        &mut cases,
-        &mut findings,
-    );
-    let departures = match &table {
-        Some(table) => odd_trial::examine(table, &mut cases, &mut findings),
-        None => vec![None; cases.len()],
+    rig::examine(facts, &mut cases, &mut found.findings);
+    found.mark(true);
+    let departures = match StaticLoadSharing::new(&facts.geometry) {
+        Ok(shares) => against_each_other(facts, &shares, drift.as_ref(), &mut cases, &mut found),
+        Err(_) => vec![None; cases.len()],
     };
     // As large as the recordings themselves, and of no further use.
     for case in &mut cases {
         case.force_n = Vec::new();
     }
-    findings.sort_by_key(|finding| finding.cause);
+    let [findings, suspected] = found.parted();
     Diagnosis {
         findings,
+        suspected,
         cases,
         departures,
     }
 }
 
-fn unfinished<'a>(findings: Vec<Finding>, cases: Vec<TrialCase<'a>>) -> Diagnosis<'a> {
-    Diagnosis {
-        departures: vec![None; cases.len()],
-        findings,
-        cases,
+/// Holds the trials against each other. Returns how far each departs.
+fn against_each_other(
+    facts: &Facts<'_>,
+    shares: &StaticLoadSharing,
+    drift: Option<&ZeroDrift>,
+    cases: &mut [TrialCase<'_>],
+    found: &mut Found,
+) -> Vec<Option<f64>> {
+    structure::excitation(cases, &mut found.findings);
+    found.mark(false);
+    let silent = structure::silent(shares, facts, cases, &mut found.findings);
+    found.mark(true);
+    // Scale factors come from the linear trials alone, and gravity's turn needs them before the angular ones can be read.
+    let mut table = Table::linear(shares, cases, &silent);
+    if let Some(table) = &mut table {
+        table.angle_error = facts.gyroscope_class + LAG_ANGLE_ERROR;
+        gravity::examine(table, cases, &mut found.findings);
     }
+    measure(cases, drift, table.as_ref());
+    if let Some(linear) = table {
+        let exchanged = structure::exchanged(linear, facts, &silent, cases, &mut found.findings);
+        table = Some(exchanged);
+    }
+    timing::examine(facts, cases, &mut found.findings);
+    found.mark(false);
+    if let Some(table) = &table {
+        structure::inverted(table, facts, &silent, &mut found.findings);
+        level::examine(table, facts, &silent, &mut found.findings);
+    }
+    found.mark(true);
+    drift::examine(drift, table.as_ref(), cases, &mut found.findings);
+    let departures = match &table {
+        Some(table) => odd_trial::examine(table, cases, &mut found.findings),
+        None => vec![None; cases.len()],
+    };
+    found.mark(false);
+    departures
 }
 
 /// Measures the responses, with gravity's share taken off where scale factors to do it with are known.

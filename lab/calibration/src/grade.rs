@@ -25,17 +25,34 @@ pub(crate) fn worst(errors: &[f64]) -> f64 {
     })
 }
 
+/// Whose word decides whether trials agree with each other.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum JudgedBy<'a> {
+    /// A joint fit that accounts for them: they do.
+    Joint,
+    /// The four steps, which hold one trial out after the other; none if they could not be done.
+    FourSteps(Option<&'a FourSteps>),
+}
+
 /// Evidence that fails so badly that no reservation will do.
 pub(crate) fn failures(
     session: &Session,
     reports: &[TrialReport],
-    steps: Option<&FourSteps>,
+    judged_by: JudgedBy<'_>,
 ) -> Vec<Finding> {
+    let steps = match judged_by {
+        JudgedBy::Joint => None,
+        JudgedBy::FourSteps(steps) => steps,
+    };
+    let by_joint = matches!(judged_by, JudgedBy::Joint);
     let limits = &session.limits;
     let gyroscope_class = session.gyroscope.class_percent / 100.0;
     let mut failures = Vec::new();
     for report in reports {
-        let hold_out = report.hold_out.map(|error| worst(&[error]));
+        let hold_out = report
+            .hold_out
+            .filter(|_| !by_joint)
+            .map(|error| worst(&[error]));
         let validation = report.validation.map(|errors| worst(&errors));
         for (error, limit, what) in [
             (
@@ -85,7 +102,9 @@ pub(crate) fn reservations(
     session: &Session,
     parameters: &[ParameterReport],
     reports: &[TrialReport],
+    judged_by: JudgedBy<'_>,
 ) -> Vec<String> {
+    let by_steps = matches!(judged_by, JudgedBy::FourSteps(_));
     let limits = &session.limits;
     let rig_is_known = session
         .rig
@@ -138,7 +157,7 @@ pub(crate) fn reservations(
     let uneven: Vec<(&TrialReport, f64)> = reports
         .iter()
         .filter_map(|r| Some((r, worst(&r.coordination?))))
-        .filter(|(_, worst)| *worst > COORDINATION_LIMIT)
+        .filter(|(_, worst)| by_steps && *worst > COORDINATION_LIMIT)
         .collect();
     if let Some((report, worst)) = uneven.iter().max_by(|a, b| a.1.total_cmp(&b.1)) {
         reservations.push(format!(
@@ -154,7 +173,7 @@ pub(crate) fn reservations(
         .map(|r| r.name.as_str())
         .collect();
     let enough = count(Role::Linear).min(count(Role::Angular)) >= TRIALS_WANTED;
-    if !resting.is_empty() && enough && !parameters.is_empty() {
+    if by_steps && !resting.is_empty() && enough && !parameters.is_empty() {
         reservations.push(format!(
             "{}: without it a direction is not excited, so that nothing tests it: record another on its wedge",
             resting.join(", ")
@@ -162,6 +181,7 @@ pub(crate) fn reservations(
     }
     for report in reports {
         if let Some(error) = report.hold_out
+            && by_steps
             && error > limits.hold_out_percent / 100.0
         {
             reservations.push(format!(

@@ -3,10 +3,12 @@
 //!
 //! | file | holds |
 //! |---|---|
+//! | [`account`] | whether the fit accounts for the session, and what is out of the ordinary |
 //! | [`misfit`] | what to make of channels that contradict the model |
 //! | [`nuisances`] | what the instruments and wedges turned out to be |
 //! | [`reports`] | the 25 in the form that the four steps report them in |
 
+pub mod account;
 pub mod misfit;
 pub mod nuisances;
 pub mod reports;

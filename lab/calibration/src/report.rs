@@ -43,12 +43,6 @@ pub enum Estimator {
 }
 
 impl Estimator {
-    /// Whether it is the one that files had before there was another.
-    #[must_use]
-    pub fn is_default(&self) -> bool {
-        *self == Self::default()
-    }
-
     /// The name.
     #[must_use]
     pub const fn name(self) -> &'static str {

@@ -1,13 +1,31 @@
 //! The joint estimate in the paper's parameters.
 
+use alloc::vec::Vec;
+
 use crate::parameter::PARAMETERS;
 use nalgebra::{DMatrix, DVector, SMatrix};
 
+use super::Known;
 use super::room::Spreads;
 use super::unknowns::{ACCELEROMETER_GAIN, COMPLIANCE, DRIFT, INERTIA, MASS_PER_SCALE, Unknowns};
 use crate::float::sqrt;
 use crate::geometry::LIMBS;
 use crate::model::Parameters;
+
+/// What one trial turned out to have for itself.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TrialEstimate {
+    /// Its wedge.
+    pub wedge: usize,
+    /// Zeros against those of the static record, V.
+    pub zero_v: [Known; LIMBS],
+    /// Sensitivities against the usual ones, relative.
+    pub sensitivity: [Known; LIMBS],
+    /// From the axis to the sensor's centre in the wedge's two sideways directions, m; none where nothing turns.
+    pub centre_m: Option<[Known; 2]>,
+    /// What gravity in the sensor has more of square to the axis, over its size; none where nothing turns.
+    pub plumb: Option<[Known; 2]>,
+}
 
 /// Result of the fit.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,6 +51,8 @@ pub struct JointEstimate {
     pub iterations: usize,
     /// Spreads of what nobody states, as the trials show them.
     pub spreads: Spreads,
+    /// What each trial has for itself, in the order in which they were added.
+    pub trials: Vec<TrialEstimate>,
 }
 
 impl JointEstimate {

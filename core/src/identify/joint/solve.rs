@@ -226,21 +226,11 @@ fn next_spreads(joint: &Joint, estimate: &JointEstimate, at: &Point) -> Spreads 
     let room = &joint.certificates.room;
     let variances = estimate.covariance.diagonal();
     let of = |range| found(range, &at.unknowns.values, &variances);
-    let sensitivities =
-        at.trials
-            .iter()
-            .zip(&at.normal.contributions)
-            .flat_map(|(trial, contribution)| {
-                let variances = contribution.own_variances(&estimate.covariance);
-                let own: Vec<(f64, f64)> = trial
-                    .own
-                    .iter()
-                    .zip(variances)
-                    .filter(|(own, _)| matches!(own.kind, Kind::Sensitivity(_)))
-                    .map(|(own, variance)| (own.value, variance))
-                    .collect();
-                own
-            });
+    let sensitivities = estimate.trials.iter().flat_map(|trial| {
+        trial
+            .sensitivity
+            .map(|known| (known.value, known.deviation * known.deviation))
+    });
     Spreads {
         stiffness: room.stiffness.next(of(STIFFNESS..CROSS_TALK)),
         cross_talk: room.cross_talk.next(of(CROSS_TALK..WEDGES)),
@@ -360,6 +350,11 @@ fn finish(at: &Point, campaign: &Campaign<'_>, iterations: usize) -> Result<Join
             full[(*row, *column)] = covariance[(a, b)];
         }
     }
+    let own = trials
+        .iter()
+        .zip(&normal.contributions)
+        .map(|(trial, part)| trial.estimate(&part.own_variances(&full)))
+        .collect();
     let measured: usize = trials
         .iter()
         .map(|t| {
@@ -383,6 +378,7 @@ fn finish(at: &Point, campaign: &Campaign<'_>, iterations: usize) -> Result<Join
         degrees_of_freedom: measured.saturating_sub(fitted),
         iterations,
         spreads: campaign.spreads,
+        trials: own,
         unknowns: unknowns.clone(),
     })
 }

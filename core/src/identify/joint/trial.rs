@@ -15,6 +15,8 @@ use alloc::vec::Vec;
 use glam::DVec3;
 use nalgebra::{Complex, DVector};
 
+use super::Known;
+use super::estimate::TrialEstimate;
 use super::harmonics::{Grid, Projection, harmonic};
 use super::load::Share;
 use super::motion::{self, Operator, Series};
@@ -86,6 +88,30 @@ impl Trial {
     /// Place of an own unknown; none if the trial does not have it.
     pub fn own_place(&self, kind: Kind) -> Option<usize> {
         self.own.iter().position(|own| own.kind == kind)
+    }
+
+    /// What became of the own unknowns, of which these are the variances.
+    pub fn estimate(&self, variances: &[f64]) -> TrialEstimate {
+        let known = |kind| {
+            self.own_place(kind).map(|at| Known {
+                value: self.own[at].value,
+                deviation: sqrt(variances[at]),
+            })
+        };
+        let held = Known {
+            value: 0.0,
+            deviation: 0.0,
+        };
+        let pair = |[a, b]: [Option<Known>; 2]| Some([a?, b?]);
+        TrialEstimate {
+            wedge: self.wedge,
+            zero_v: core::array::from_fn(|limb| known(Kind::Zero(limb)).unwrap_or(held)),
+            sensitivity: core::array::from_fn(|limb| {
+                known(Kind::Sensitivity(limb)).unwrap_or(held)
+            }),
+            centre_m: pair([0, 1].map(|side| known(Kind::Centre(side)))),
+            plumb: pair([0, 1].map(|side| known(Kind::Plumb(side)))),
+        }
     }
 
     /// Value of an own unknown; 0 if the trial does not have it.

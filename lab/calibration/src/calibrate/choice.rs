@@ -10,17 +10,17 @@ use crate::joint::{JointReport, Loss};
 use crate::report::{Estimator, ParameterReport};
 
 /// The loss of the joint fit; beside the four steps it is shown by least squares.
-pub(super) const fn loss(estimator: Estimator) -> Loss {
+pub(super) const fn loss(estimator: Option<Estimator>) -> Loss {
     match estimator {
-        Estimator::FourSteps | Estimator::Joint => Loss::Squares,
-        Estimator::JointRobust => Loss::Huber,
+        None | Some(Estimator::FourSteps | Estimator::Joint) => Loss::Squares,
+        Some(Estimator::JointRobust) => Loss::Huber,
     }
 }
 
 /// An estimate and what is used of it.
 pub(super) struct Chosen {
     pub estimate: Estimate,
-    /// Whose parameters were asked for.
+    /// Whose parameters were asked for or, where nobody asked, chosen.
     pub estimator: Estimator,
     /// The 25 parameters, by the four steps where the joint fit refuses.
     pub parameters: Vec<ParameterReport>,
@@ -29,7 +29,11 @@ pub(super) struct Chosen {
 }
 
 impl Chosen {
-    pub fn of(estimate: Estimate, estimator: Estimator, design: &Parameters) -> Self {
+    pub fn of(estimate: Estimate, asked_for: Option<Estimator>, design: &Parameters) -> Self {
+        let estimator = asked_for.unwrap_or(match &estimate.joint {
+            Ok(joint) if joint.accounts() => Estimator::Joint,
+            _ => Estimator::FourSteps,
+        });
         let four_steps = &estimate.four_steps;
         let (parameters, used) = match &estimate.joint {
             Ok(joint) if estimator != Estimator::FourSteps => {
@@ -62,6 +66,11 @@ impl Chosen {
     pub fn used_joint(&self) -> Option<&JointReport> {
         let joint = self.estimate.joint.as_ref().ok();
         joint.filter(|_| self.estimator != Estimator::FourSteps)
+    }
+
+    /// The joint fit where its parameters are used and it accounts for the trials.
+    pub fn accounting_joint(&self) -> Option<&JointReport> {
+        self.used_joint().filter(|joint| joint.accounts())
     }
 
     /// Why the joint fit that was asked for refuses.

@@ -26,34 +26,35 @@ const FEWEST_AT_REST: usize = 8;
 /// Pieces of a static record whose means are compared.
 const PIECES: usize = 16;
 
-/// Looks at the ends of all runs, and at the course of the static record.
+/// Looks at the course of the static record.
+pub fn examine_static(rest: &Trial, drift: &ZeroDrift, findings: &mut Vec<Finding>) {
+    for channel in 0..LIMBS {
+        let dead = findings.iter().any(|finding| {
+            finding.cause == Cause::DeadLimb && finding.concerns(&rest.name, channel + 1)
+        });
+        if let (false, Some(change)) = (dead, course(rest, channel)) {
+            findings.push(Finding {
+                cause: Cause::DriftDuringRun,
+                recordings: vec![rest.name.clone()],
+                channels: vec![channel + 1],
+                evidence: format!(
+                    "the zero wanders by {:.2} mV during the static record, with noise of {:.2} mV a sample",
+                    1e3 * change,
+                    1e3 * drift.noise_v[channel]
+                ),
+                advice: "let sensor and amplifiers warm up, then record at rest again".to_owned(),
+            });
+        }
+    }
+}
+
+/// Looks at the ends of all runs.
 pub fn examine(
-    at_rest: Option<&Trial>,
     drift: Option<&ZeroDrift>,
     table: Option<&Table>,
     cases: &mut [TrialCase<'_>],
     findings: &mut Vec<Finding>,
 ) {
-    if let (Some(rest), Some(drift)) = (at_rest, drift) {
-        for channel in 0..LIMBS {
-            let dead = findings.iter().any(|finding| {
-                finding.cause == Cause::DeadLimb && finding.concerns(&rest.name, channel + 1)
-            });
-            if let (false, Some(change)) = (dead, course(rest, channel)) {
-                findings.push(Finding {
-                    cause: Cause::DriftDuringRun,
-                    recordings: vec![rest.name.clone()],
-                    channels: vec![channel + 1],
-                    evidence: format!(
-                        "the zero wanders by {:.2} mV during the static record, with noise of {:.2} mV a sample",
-                        1e3 * change,
-                        1e3 * drift.noise_v[channel]
-                    ),
-                    advice: "let sensor and amplifiers warm up, then record at rest again".to_owned(),
-                });
-            }
-        }
-    }
     for case in cases.iter_mut() {
         let Some(response) = &case.response else {
             continue;

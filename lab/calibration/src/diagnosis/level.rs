@@ -1,16 +1,12 @@
 //! Factors that all trials share, or all channels of one: units, sensitivities, gains.
 //!
-//! A piezo's scale factor is known to a factor of two before it is calibrated; an inertia follows from the drawing, the
-//! slider's acceleration from stroke and frequency. Whatever is further off than those is no sensor but a mistake in writing.
-
-use core::f64::consts::TAU;
+//! A piezo's scale factor is known to a factor of two before it is calibrated; an inertia follows from the drawing. Whatever is further off than those is no sensor but a mistake in writing.
 
 use sixaxis_core::LIMBS;
 
 use super::table::{Table, weighted_median};
-use super::trial_case::{Facts, TrialCase, names};
+use super::trial_case::Facts;
 use crate::finding::{Cause, Finding};
-use sixaxis_recordings::session::Role;
 
 /// Largest factor by which all scale factors together may differ from the design's.
 const COMMON: f64 = 2.2;
@@ -18,8 +14,6 @@ const COMMON: f64 = 2.2;
 const SINGLE: f64 = 3.5;
 /// Largest relative departure of the inertias, all together, from the design's.
 const INERTIA: f64 = 0.35;
-/// Largest relative departure of an amplitude from the rig's: a finite connecting rod changes it by a tenth.
-const RIG: f64 = 0.12;
 
 /// Whether a factor is a thousand, within what a sensor may differ.
 #[must_use]
@@ -29,7 +23,7 @@ pub fn is_thousand(factor: f64) -> bool {
 }
 
 /// The factor in words.
-fn factor_in_words(factor: f64) -> String {
+pub(super) fn factor_in_words(factor: f64) -> String {
     if factor.abs() >= 1.0 {
         format!("{factor:.3} times")
     } else {
@@ -48,7 +42,7 @@ pub fn cause_of(factor: f64) -> Cause {
 }
 
 /// What a factor of this size usually is.
-fn reason(factor: f64) -> &'static str {
+pub(super) fn reason(factor: f64) -> &'static str {
     if is_thousand(factor) {
         return "volts and millivolts are that far apart";
     }
@@ -72,14 +66,15 @@ pub fn examine(
     table: &Table,
     facts: &Facts<'_>,
     silent: &[bool; LIMBS],
-    cases: &mut [TrialCase<'_>],
     findings: &mut Vec<Finding>,
 ) {
-    // A wrong clock makes wrong accelerations.
-    let mut found = findings
-        .iter()
-        .any(|finding| finding.cause == Cause::ClockMismatch);
-    found |= against_rig(facts, cases, findings);
+    // A wrong clock makes wrong accelerations, and so does a wrong standard.
+    let mut found = findings.iter().any(|finding| {
+        matches!(
+            finding.cause,
+            Cause::ClockMismatch | Cause::WrongScaling | Cause::MillivoltMixUp
+        )
+    });
     let design = &facts.design.scale_per_mass_per_kg;
     let ratio: [f64; LIMBS] = core::array::from_fn(|channel| {
         1.0 / (table.mass_over_scale_kg[channel] * design[table.limb_of[channel]])
@@ -142,82 +137,4 @@ pub fn examine(
             });
         }
     }
-}
-
-/// Amplitudes of the standards against stroke and rotation of the rig.
-fn against_rig(
-    facts: &Facts<'_>,
-    cases: &mut [TrialCase<'_>],
-    findings: &mut Vec<Finding>,
-) -> bool {
-    let Some(rig) = facts.rig else {
-        return false;
-    };
-    let mut found = false;
-    for (what, travels, amplitude) in [
-        (
-            "accelerometer",
-            true,
-            rig.stroke_mm.map(|stroke| 0.5e-3 * stroke),
-        ),
-        (
-            "gyroscope",
-            false,
-            rig.rotation_amplitude_deg.map(f64::to_radians),
-        ),
-    ] {
-        let Some(amplitude) = amplitude else {
-            continue;
-        };
-        let factors: Vec<(usize, f64)> = cases
-            .iter()
-            .enumerate()
-            .filter_map(|(index, case)| {
-                let response = case.response.as_ref()?;
-                let role = case.trial.role;
-                if response.travels != travels || role == Role::Validation {
-                    return None;
-                }
-                let omega = TAU * case.trial.frequency_hz;
-                let (seen, expected) = if travels {
-                    (response.peak_linear_m_s2, amplitude * omega * omega)
-                } else {
-                    (response.peak_rate_rad_s, amplitude * omega)
-                };
-                Some((index, seen / expected))
-            })
-            .collect();
-        let odd: Vec<(usize, f64)> = factors
-            .iter()
-            .copied()
-            .filter(|(_, f)| f.ln().abs() > (1.0 + RIG).ln())
-            .collect();
-        if odd.is_empty() {
-            continue;
-        }
-        found = true;
-        let mut all: Vec<(f64, f64)> = odd.iter().map(|(_, f)| (*f, 1.0)).collect();
-        let usual = weighted_median(&mut all).unwrap_or(1.0);
-        let everywhere = odd.len() == factors.len();
-        findings.push(Finding {
-            cause: cause_of(usual),
-            recordings: if everywhere {
-                Vec::new()
-            } else {
-                names(odd.iter().map(|(i, _)| &cases[*i]))
-            },
-            channels: Vec::new(),
-            evidence: format!(
-                "the standard {what} shows {} what the rig's {} and the drive's frequency ask for; {}",
-                factor_in_words(usual),
-                if travels { "stroke" } else { "rotation" },
-                reason(usual)
-            ),
-            advice: format!("check unit and sensitivity of the {what} against its certificate"),
-        });
-        for (index, _) in odd {
-            cases[index].explained = true;
-        }
-    }
-    found
 }

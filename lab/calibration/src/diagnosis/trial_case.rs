@@ -7,6 +7,15 @@ use crate::conditioning::Conditioned;
 use crate::response::Response;
 use crate::trial::Trial;
 
+/// What the session says of a standard.
+#[derive(Debug, Clone, Copy)]
+pub struct Standard {
+    /// Largest relative error of its sensitivity.
+    pub gain_limit: f64,
+    /// First-order lag, s.
+    pub lag_s: f64,
+}
+
 /// Facts of the session that the diagnosis uses.
 #[derive(Debug, Clone, Copy)]
 pub struct Facts<'a> {
@@ -16,6 +25,10 @@ pub struct Facts<'a> {
     pub design: &'a Parameters,
     /// What is known of the rig.
     pub rig: Option<&'a Rig>,
+    /// The standard accelerometer.
+    pub accelerometer: Standard,
+    /// The standard gyroscope.
+    pub gyroscope: Standard,
     /// Largest relative error that the gyroscope's certificate allows.
     pub gyroscope_class: f64,
     /// Whether a gyroscope's lag is being undone.

@@ -19,10 +19,11 @@ impl JointReport {
             .take(PARAMETERS)
             .enumerate()
             .map(|(p, other)| {
-                if other.parameter == Parameter::Stiffness {
-                    self.stiffness_report(p, other)
-                } else {
-                    self.report_on(p, other)
+                match other.parameter {
+                    Parameter::Stiffness => self.stiffness_report(p, other),
+                    // Of the static record both estimators know the same.
+                    Parameter::Drift(_) => other.clone(),
+                    _ => self.report_on(p, other),
                 }
             })
             .collect()

@@ -46,9 +46,10 @@ pub struct Arguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MOST_PASSES))]
     iterate: Option<u16>,
     /// Whose 25 parameters are written: the paper's four steps', or those of all trials at once by maximum likelihood, which
-    /// finds wedges, gyroscope and amplifiers' corner along with them, and takes limbs for equally stiff and noise for white
-    #[arg(long, value_enum, default_value_t = Method::FourSteps)]
-    estimator: Method,
+    /// finds wedges, axis, centre, limbs' stiffness, cross-talk and the standards' errors along with them [default: joint where it
+    /// leaves nothing over but noise, four-steps where it does not]
+    #[arg(long, value_enum)]
+    estimator: Option<Method>,
     /// Keep wild samples from bending the joint fit (Huber's loss); takes several times as long
     #[arg(long)]
     robust: bool,
@@ -120,10 +121,11 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         return Ok(ExitCode::SUCCESS);
     }
     let estimator = match (arguments.estimator, arguments.robust) {
-        (Method::FourSteps, false) => Estimator::FourSteps,
-        (Method::Joint, false) => Estimator::Joint,
-        (Method::Joint, true) => Estimator::JointRobust,
-        (Method::FourSteps, true) => bail!(
+        (None, false) => None,
+        (Some(Method::FourSteps), false) => Some(Estimator::FourSteps),
+        (Some(Method::Joint), false) => Some(Estimator::Joint),
+        (Some(Method::Joint), true) => Some(Estimator::JointRobust),
+        (None | Some(Method::FourSteps), true) => bail!(
             "--robust is a loss of the joint fit: add --estimator joint; the four steps mend wild samples as the session's \
              preprocessing.outliers says"
         ),

@@ -12,8 +12,6 @@ use crate::page::labels::{by_kind, direction, with_interval};
 use sixaxis_page::number::{MISSING, fixed, percent};
 use sixaxis_page::{Block, Cell, Section, Table};
 
-/// An angle that the fit has moved from 0 by less than this share of its deviation is one that no trial tells.
-
 /// The section; empty where the four steps could not be done.
 pub fn section(calibrated: &CalibratedSession) -> Section {
     let section = Section::new(

@@ -1,0 +1,118 @@
+//! The fundamental of a standard's reading while the drive is up to speed.
+//!
+//! A crank's fundamental is its radius over the sine of its angle, whatever the length of its rod, so that amplitude and frequency
+//! of the fundamental tell the rig's stroke where the largest reading does not: harmonics of the rod and noise are in that.
+
+use core::f64::consts::TAU;
+
+use nalgebra::{DMatrix, DVector};
+
+/// Cycles in the middle of the run that are fitted.
+const CYCLES: f64 = 2.0;
+/// Harmonics of the fit: a rod of three cranks leaves a thousandth beyond.
+const HARMONICS: usize = 4;
+/// Corrections of the frequency; it settles in three.
+const CORRECTIONS: usize = 8;
+/// Relative change of the frequency at which it stands.
+const SETTLED: f64 = 1e-9;
+/// Departure from the frequency where it was looked for at which it is another one.
+const ELSEWHERE: f64 = 0.25;
+
+/// Amplitude and frequency of a sine.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fundamental {
+    /// In the unit of the series.
+    pub amplitude: f64,
+    /// rad/s.
+    pub rate_rad_s: f64,
+}
+
+/// Fits a series near a frequency; none where the middle of it holds no such sine.
+#[must_use]
+pub fn measure(series: &[f64], sample_rate_hz: f64, frequency_hz: f64) -> Option<Fundamental> {
+    let wanted = (CYCLES * sample_rate_hz / frequency_hz).round();
+    if !(wanted >= (4 * HARMONICS) as f64 && wanted <= series.len() as f64) {
+        return None;
+    }
+    let count = wanted as usize;
+    let first = (series.len() - count) / 2;
+    let values = DVector::from_column_slice(&series[first..first + count]);
+    // About the middle, so that a change of the frequency does not turn the phase.
+    let time_s = |n: usize| (n as f64 - 0.5 * (count - 1) as f64) / sample_rate_hz;
+    let start_rad_s = TAU * frequency_hz;
+    let mut rate_rad_s = start_rad_s;
+    for _ in 0..CORRECTIONS {
+        let phases = |n: usize, k: usize| (k as f64 * rate_rad_s * time_s(n)).sin_cos();
+        let design = DMatrix::from_fn(count, 2 * HARMONICS + 1, |n, column| match column {
+            0 => 1.0,
+            odd if odd % 2 == 1 => phases(n, odd.div_ceil(2)).1,
+            even => phases(n, even / 2).0,
+        });
+        let normal = (design.transpose() * &design).cholesky()?;
+        let shape = normal.solve(&(design.transpose() * &values));
+        let residual = &values - &design * &shape;
+        // What is left along the derivative by the rate, less what the other columns explain of it.
+        let slope = DVector::from_fn(count, |n, _| {
+            (1..=HARMONICS)
+                .map(|k| {
+                    let (sin, cos) = phases(n, k);
+                    let by_phase = shape[2 * k] * cos - shape[2 * k - 1] * sin;
+                    k as f64 * time_s(n) * by_phase
+                })
+                .sum::<f64>()
+        });
+        let explained = &design * normal.solve(&(design.transpose() * &slope));
+        let own = &slope - explained;
+        let change = own.dot(&residual) / own.norm_squared();
+        rate_rad_s += change;
+        let elsewhere = (rate_rad_s / start_rad_s - 1.0).abs();
+        if elsewhere.is_nan() || elsewhere > ELSEWHERE {
+            return None;
+        }
+        if change.abs() < SETTLED * rate_rad_s {
+            return Some(Fundamental {
+                amplitude: shape[1].hypot(shape[2]),
+                rate_rad_s,
+            });
+        }
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Harmonics beyond the fit's and rounding leave this of the amplitude of a crank with a rod of five cranks.
+    const LEFT: f64 = 1e-5;
+
+    /// A crank of 1 with a rod of `rod`, its angle off the start by 0.3.
+    fn crank(rod: f64, frequency_hz: f64) -> Vec<f64> {
+        (0..3000)
+            .map(|n| {
+                let (sin, cos) = (TAU * frequency_hz * n as f64 * 1e-3 + 0.3).sin_cos();
+                cos + (rod * rod - sin * sin).sqrt() + 7.0
+            })
+            .collect()
+    }
+
+    #[test]
+    fn inv_a_crank_tells_its_radius_whatever_its_rod() {
+        for (rod, stated_hz) in [(1e6, 1.9), (5.0, 1.9), (5.0, 1.95), (3.0, 1.85)] {
+            let found = measure(&crank(rod, 1.9), 1000.0, stated_hz).expect("two cycles");
+            assert!((found.amplitude - 1.0).abs() < LEFT, "{found:?}");
+            assert!(
+                (found.rate_rad_s / (TAU * 1.9) - 1.0).abs() < LEFT,
+                "{found:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn neg_no_sine_there() {
+        assert_eq!(measure(&[0.0; 3000], 1000.0, 1.9), None);
+        assert_eq!(measure(&crank(5.0, 1.9), 1000.0, 0.5), None);
+        assert_eq!(measure(&crank(5.0, 1.9), 1000.0, f64::NAN), None);
+        assert_eq!(measure(&[], 1000.0, 1.9), None);
+    }
+}

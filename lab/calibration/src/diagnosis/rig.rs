@@ -1,0 +1,145 @@
+//! The standards against the rig: what a crank of known radius, turning at the frequency that is seen, makes them read.
+//!
+//! Nothing else checks a certificate. The accelerometer alone sets the scale of all that is identified; if it reads too much by a
+//! share, every s_i/m and I/m is off by it, and no trial shows that. Written sample rates are checked along: a clock that is fast
+//! by a share m makes the accelerometer read too little by 2 m and the gyroscope by m, and the drive turn faster by it.
+
+use super::fundamental;
+use super::level::{cause_of, factor_in_words, reason};
+use super::table::weighted_median;
+use super::trial_case::{Facts, Standard, TrialCase, names};
+use crate::finding::{Cause, Finding};
+use sixaxis_recordings::session::Role;
+
+/// Relative tolerance of stroke and rotation amplitude: a workshop's.
+const TOLERANCE: f64 = 3e-3;
+/// Part of an error by which two errors may differ that have one cause.
+const ALIKE: f64 = 0.3;
+
+/// What one trial's standard reads over what the rig makes it read, less one.
+struct Reading {
+    case: usize,
+    excess: f64,
+    /// Frequency of the drive over the session's, less one.
+    faster: f64,
+}
+
+/// Standards and clock against the rig's stroke and rotation.
+pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
+    let Some(rig) = facts.rig else {
+        return;
+    };
+    let half = |whole: f64| 0.5 * whole;
+    let slider = rig.stroke_mm.map(|stroke| half(stroke * 1e-3));
+    let pinion = rig.rotation_amplitude_deg.map(f64::to_radians);
+    let linear = readings(cases, slider, &facts.accelerometer, true);
+    let angular = readings(cases, pinion, &facts.gyroscope, false);
+    if let Some(finding) = wrong_clock(&linear, &angular, facts) {
+        findings.push(finding);
+        for case in cases {
+            case.explained = true;
+        }
+        return;
+    }
+    for (what, of, standard, readings) in [
+        ("accelerometer", "stroke", &facts.accelerometer, linear),
+        ("gyroscope", "rotation", &facts.gyroscope, angular),
+    ] {
+        let limit = standard.gain_limit + TOLERANCE;
+        let odd: Vec<&Reading> = readings.iter().filter(|r| r.excess.abs() > limit).collect();
+        let Some(usual) = median(odd.iter().copied()) else {
+            continue;
+        };
+        let factor = 1.0 + usual;
+        findings.push(Finding {
+            cause: cause_of(factor),
+            recordings: if odd.len() == readings.len() {
+                Vec::new()
+            } else {
+                names(odd.iter().map(|r| &cases[r.case]))
+            },
+            channels: Vec::new(),
+            evidence: format!(
+                "the standard {what} shows {} what the rig's {of} and the drive's frequency ask for, where certificate and workshop leave {:.1} %; {}",
+                factor_in_words(factor),
+                100.0 * limit,
+                reason(factor)
+            ),
+            advice: format!("check unit and sensitivity of the {what} against its certificate, and the rig's {of}"),
+        });
+        for reading in odd {
+            cases[reading.case].explained = true;
+        }
+    }
+}
+
+/// One error of the clock that explains what both standards and the drive show.
+fn wrong_clock(linear: &[Reading], angular: &[Reading], facts: &Facts<'_>) -> Option<Finding> {
+    let accelerometer = median(linear.iter())?;
+    let gyroscope = median(angular.iter())?;
+    let mut faster: Vec<(f64, f64)> = linear
+        .iter()
+        .chain(angular)
+        .map(|r| (r.faster, 1.0))
+        .collect();
+    let faster = weighted_median(&mut faster)?;
+    let allowed = TOLERANCE + facts.accelerometer.gain_limit;
+    if accelerometer.abs() <= allowed {
+        return None;
+    }
+    // The accelerometer's word counts twice; certificates leave each its own part.
+    let by_reading = 1.0 / (1.0 + accelerometer).sqrt() - 1.0;
+    let near = |other: f64, certificate: f64| {
+        (other - by_reading).abs() < ALIKE * by_reading.abs() + certificate
+    };
+    let by_gyroscope = 1.0 / (1.0 + gyroscope) - 1.0;
+    (near(faster, TOLERANCE) && near(by_gyroscope, facts.gyroscope.gain_limit)).then(|| Finding {
+        cause: Cause::ClockMismatch,
+        recordings: Vec::new(),
+        channels: Vec::new(),
+        evidence: format!(
+            "by the recordings' clock the drive turns {:+.2} % faster than the session says, and both standards read what a clock that is fast by {:.2} % makes of the rig's stroke and rotation",
+            100.0 * faster,
+            100.0 * by_reading
+        ),
+        advice: "check sample_rate_hz against the recorder".to_owned(),
+    })
+}
+
+fn readings(
+    cases: &[TrialCase<'_>],
+    amplitude: Option<f64>,
+    standard: &Standard,
+    travels: bool,
+) -> Vec<Reading> {
+    let Some(amplitude) = amplitude else {
+        return Vec::new();
+    };
+    let of = |(index, case): (usize, &TrialCase<'_>)| -> Option<Reading> {
+        let trial = case.trial;
+        let (series, whole) = match trial.role {
+            Role::Linear | Role::HighFrequencyLinear if travels => (&trial.accelerometer_m_s2, 2),
+            Role::Angular if !travels => (&trial.gyroscope_rad_s, 1),
+            _ => return None,
+        };
+        let seen_hz = case
+            .response
+            .as_ref()
+            .and_then(|response| response.frequency_hz)
+            .unwrap_or(trial.frequency_hz);
+        let found = fundamental::measure(series, trial.sample_rate_hz, seen_hz)?;
+        let followed = 1.0_f64.hypot(found.rate_rad_s * standard.lag_s);
+        let expected = amplitude * found.rate_rad_s.powi(whole);
+        Some(Reading {
+            case: index,
+            excess: followed * found.amplitude / expected - 1.0,
+            faster: found.rate_rad_s / (core::f64::consts::TAU * trial.frequency_hz) - 1.0,
+        })
+    };
+    cases.iter().enumerate().filter_map(of).collect()
+}
+
+fn median<'a>(readings: impl Iterator<Item = &'a Reading>) -> Option<f64> {
+    let mut all: Vec<(f64, f64)> = readings.map(|r| (r.excess, 1.0)).collect();
+    weighted_median(&mut all)
+}
