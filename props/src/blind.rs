@@ -175,13 +175,13 @@ pub const fn cause_of(kind: Kind) -> Option<Cause> {
         | Kind::LateCard
         | Kind::DroppedSamples => Cause::ClockMismatch,
         Kind::GyroscopeLag => Cause::GyroscopeLag,
+        Kind::AmplifierHighPass => Cause::HighPassNotStated,
         Kind::DriftDuringRun | Kind::DriftAtRest | Kind::ZeroMoved => Cause::DriftDuringRun,
         Kind::ForeignTrial => Cause::ForeignTrial,
         Kind::CentreOffset
         | Kind::ConnectingRod
         | Kind::WrongLimbLength
         | Kind::WrongHalfEdge
-        | Kind::AmplifierHighPass
         | Kind::FadingSensitivity
         | Kind::CrossTalk
         | Kind::CubicNonlinearity

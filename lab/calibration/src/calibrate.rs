@@ -32,7 +32,7 @@ use crate::estimate::Estimate;
 use crate::finding::{Cause, Finding, in_a_sentence};
 use crate::grade::{JudgedBy, failures, grade, reservations};
 use crate::iteration::{Criterion, Iteration};
-use crate::joint::{self, JointReport};
+use crate::joint::{self, JointReport, hypotheses};
 use crate::prepare::PreparedSession;
 use crate::progress::Progress;
 use crate::report::{Estimator, Grade, ParameterReport, TrialReport, ValidationRun};
@@ -143,8 +143,15 @@ pub fn calibrate(
         Ok(estimate) => {
             let chosen = Chosen::of(estimate, options.estimator, &prepared.campaign.design);
             match chosen.accounting_joint() {
-                Some(joint) => findings.extend(extraordinary(joint, session, &prepared)),
-                None => findings.extend(suspected),
+                Some(joint) => {
+                    let more = extraordinary(joint, session, &prepared);
+                    // A standard or a clock that the rig contradicts makes the other standard look wrong, too.
+                    let scaled =
+                        |f: &Finding| matches!(f.cause, Cause::WrongScaling | Cause::ClockMismatch);
+                    let explained = findings.iter().any(scaled);
+                    findings.extend(more.into_iter().filter(|f| !(explained && scaled(f))));
+                }
+                None => findings.extend(explained(&chosen, &prepared).unwrap_or(suspected)),
             }
             (Some(chosen), None)
         }
@@ -264,6 +271,18 @@ fn facts<'a>(session: &'a Session, prepared: &'a PreparedSession) -> Facts<'a> {
         gyroscope_class: session.gyroscope.class_percent / 100.0,
         gyroscope_lag_undone: session.gyroscope.bandwidth_hz.is_some(),
     }
+}
+
+/// The one thing that the session does not state and the trials need, where the joint fit does not account for them without.
+fn explained(chosen: &Chosen, prepared: &PreparedSession) -> Option<Vec<Finding>> {
+    let Estimate {
+        steps, knowledge, ..
+    } = &chosen.estimate;
+    Some(vec![hypotheses::explain(
+        &prepared.campaign,
+        steps,
+        knowledge,
+    )?])
 }
 
 /// What is out of the ordinary by a joint fit that accounts for the trials.

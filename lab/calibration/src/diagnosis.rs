@@ -72,15 +72,16 @@ impl Diagnosis<'_> {
 }
 
 /// Findings in the order in which they were made, and which of them are certain.
-#[derive(Default)]
-struct Found {
-    findings: Vec<Finding>,
+#[derive(Debug, Default)]
+pub struct Found {
+    /// What was found.
+    pub findings: Vec<Finding>,
     certain: Vec<bool>,
 }
 
 impl Found {
     /// Notes whether what has been found since is certain.
-    fn mark(&mut self, certain: bool) {
+    pub fn mark(&mut self, certain: bool) {
         self.certain.resize(self.findings.len(), certain);
     }
 
@@ -129,8 +130,8 @@ pub fn examine<'a>(
         }
     }
     measure(&mut cases, drift.as_ref(), None);
-    rig::examine(facts, &mut cases, &mut found.findings);
     found.mark(true);
+    rig::examine(facts, &mut cases, &mut found);
     let departures = match StaticLoadSharing::new(&facts.geometry) {
         Ok(shares) => against_each_other(facts, &shares, drift.as_ref(), &mut cases, &mut found),
         Err(_) => vec![None; cases.len()],

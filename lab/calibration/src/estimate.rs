@@ -28,6 +28,8 @@ pub struct Estimate {
     pub four_steps: Vec<ParameterReport>,
     /// The taps.
     pub taps: Taps,
+    /// What the joint fit knows beforehand.
+    pub knowledge: Knowledge,
     /// The joint fit, which starts from the four steps, or why it refuses; parameters that are no sensor's are refused, too.
     pub joint: core::result::Result<JointReport, String>,
 }
@@ -84,6 +86,7 @@ impl Estimate {
             propagated,
             four_steps,
             taps,
+            knowledge,
             joint,
         })
     }

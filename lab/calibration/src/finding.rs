@@ -31,6 +31,8 @@ pub enum Cause {
     ClockMismatch,
     /// The gyroscope lags and nothing undoes it.
     GyroscopeLag,
+    /// The amplifiers are high-passes and the session does not say so.
+    HighPassNotStated,
     /// A channel's zero moved during a run or since the static record.
     DriftDuringRun,
     /// The motion was not along the direction that the wedge sets.
@@ -59,6 +61,7 @@ impl Cause {
             Self::WrongScaling => "wrong unit or scaling",
             Self::ClockMismatch => "clocks disagree",
             Self::GyroscopeLag => "gyroscope's lag not undone",
+            Self::HighPassNotStated => "amplifiers' high-pass not stated",
             Self::DriftDuringRun => "zero drifts",
             Self::LooseWedge => "wedge loose or wrong",
             Self::ForeignTrial => "trial of another sensor",

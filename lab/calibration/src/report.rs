@@ -119,7 +119,8 @@ pub struct TrialReport {
     pub validation: Option<[f64; 6]>,
 }
 
-/// What a validation run looks like, for the report: time, s; standards and decoupled, m/s^2 and rad/s^2.
+/// What a validation run looks like in sensor axes, for the report: time, s; change of the specific force since the rest, m/s^2, and
+/// angular acceleration, rad/s^2.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ValidationRun {
     /// File.
@@ -128,8 +129,8 @@ pub struct ValidationRun {
     pub sample_rate_hz: f64,
     /// First sample that is decoupled.
     pub first: usize,
-    /// Six accelerations of the standards.
+    /// By the standards.
     pub standard: Vec<[f64; 6]>,
-    /// Six accelerations decoupled.
+    /// Decoupled.
     pub decoupled: Vec<[f64; 6]>,
 }

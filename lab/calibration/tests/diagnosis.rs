@@ -7,7 +7,7 @@ use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::{DQuat, DVec3};
 use sixaxis_calibration::conditioning::Conditioned;
-use sixaxis_calibration::diagnosis::trial_case::Facts;
+use sixaxis_calibration::diagnosis::trial_case::{Facts, Standard};
 use sixaxis_calibration::diagnosis::{Diagnosis, examine};
 use sixaxis_calibration::finding::{Cause, Finding};
 use sixaxis_calibration::trial::Trial;
@@ -230,6 +230,12 @@ const RIG: Rig = Rig {
     wedge_deg: None,
 };
 
+/// A standard without error.
+const EXACT: Standard = Standard {
+    gain_limit: 0.0,
+    lag_s: 0.0,
+};
+
 struct Day {
     trials: Played,
     rest: Trial,
@@ -252,6 +258,8 @@ impl Day {
             geometry: Geometry::PAPER,
             design: &self.design,
             rig: self.rig.as_ref(),
+            accelerometer: EXACT,
+            gyroscope: EXACT,
             gyroscope_class: 0.0,
             gyroscope_lag_undone: false,
         };
@@ -259,7 +267,7 @@ impl Day {
     }
 
     fn findings(&self) -> Vec<Finding> {
-        self.examined(|diagnosis| diagnosis.findings.clone())
+        self.examined(|diagnosis| diagnosis.all())
     }
 
     /// The one finding, with trials and channels counted from 0.
@@ -531,7 +539,12 @@ fn inv_clocks_are_told_by_their_lag() {
 fn inv_factors_that_all_share_are_told_by_their_size() {
     let scaled = |linear: f64, rate: f64| {
         let mut day = Day::of(&healthy());
-        for (_, conditioned) in &mut day.trials {
+        for (trial, conditioned) in &mut day.trials {
+            trial
+                .accelerometer_m_s2
+                .iter_mut()
+                .for_each(|a| *a *= linear);
+            trial.gyroscope_rad_s.iter_mut().for_each(|w| *w *= rate);
             conditioned
                 .linear_ground_m_s2
                 .iter_mut()
@@ -562,6 +575,26 @@ fn inv_factors_that_all_share_are_told_by_their_size() {
         };
         assert!(found[0].evidence.contains(reason), "{found:#?}");
         assert_eq!(found[0].cause, Cause::WrongScaling);
+    }
+    // A clock that is fast by 2 %: rates and accelerations are what they were, and the drive seems to turn faster.
+    let mut fast = Day::of(&healthy());
+    for (trial, _) in &mut fast.trials {
+        trial.sample_rate_hz *= 1.02;
+    }
+    let found = fast.findings();
+    let clock = found
+        .iter()
+        .filter(|f| f.evidence.contains("a clock that is fast by 2.00 %"));
+    assert_eq!(clock.count(), 1, "{found:#?}");
+    assert!(
+        found.iter().all(|f| f.cause == Cause::ClockMismatch),
+        "{found:#?}"
+    );
+    // One standard alone, by what no certificate leaves it.
+    for (linear, rate) in [(1.02, 1.0), (0.98, 1.0), (1.0, 1.02), (1.0, 0.98)] {
+        let found = scaled(linear, rate).findings();
+        assert_eq!(found[0].cause, Cause::WrongScaling, "{found:#?}");
+        assert!(found[0].recordings.is_empty(), "{found:#?}");
     }
     // The accelerometer alone, where nothing is known of the rig.
     let mut day = with(ALL, |_, _, u| u / 5.0);

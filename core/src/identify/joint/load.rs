@@ -172,10 +172,12 @@ impl Trial {
     /// Gravity square to the axis and in it.
     fn weight_loads(&self, unknowns: &Unknowns, n: DVec3, sideways: [DVec3; 2]) -> [Load; 2] {
         let angles = unknowns.angles(self.wedge);
+        let nominal = unknowns.wedges[self.wedge].nominal;
         let size = self.gravity_m_s2.length();
-        let by_turn = plumb(unknowns.wedges[self.wedge].nominal, self.gravity_m_s2)
-            .map(|direction| direction * size);
-        let g = (0..2).fold(self.gravity_m_s2, |g, side| {
+        let by_turn = plumb(nominal, self.gravity_m_s2).map(|direction| direction * size);
+        // A wedge that misses its direction carries along what gravity has along the axis.
+        let along = self.gravity_m_s2.dot(nominal);
+        let g = (0..2).fold(self.gravity_m_s2 + (n - nominal) * along, |g, side| {
             g + by_turn[side] * self.own_value(Kind::Plumb(side))
         });
         let force_alone = |force: DVec3| [force, DVec3::ZERO];
@@ -195,11 +197,14 @@ impl Trial {
         [
             Load {
                 wrench: force_alone(n.cross(g)),
-                slopes: slopes(&|b| b.cross(g), &|dg| n.cross(dg)),
+                slopes: slopes(&|b| b.cross(g) + n.cross(b * along), &|dg| n.cross(dg)),
             },
             Load {
                 wrench: force_alone(square(g)),
-                slopes: slopes(&|b| -(b * n.dot(g) + n * b.dot(g)), &square),
+                slopes: slopes(
+                    &|b| square(b * along) - (b * n.dot(g) + n * b.dot(g)),
+                    &square,
+                ),
             },
         ]
     }

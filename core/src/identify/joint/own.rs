@@ -15,6 +15,9 @@ use crate::geometry::LIMBS;
 /// Sine of the angle between gravity and axis below which they span no plane.
 const UPRIGHT: f64 = 1e-6;
 
+/// Times its usual spread that a turn is left open which the trial itself tells.
+const TOLD: f64 = 10.0;
+
 /// What an own unknown is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
@@ -69,11 +72,12 @@ pub(super) fn of(
         for side in 0..2 {
             add(Kind::Centre(side), room.centre_m);
         }
-        // Gravity square to the axis already loses by a turn only its square's half.
+        // What each trial tells by itself, the room must not tell: else gravity's size would, and with it the accelerometer's
+        // gain. Gravity that is square to the axis already loses by a turn only its square's half, and that the room does tell.
         let turn = room.plumb_rad;
         let along = gravity_m_s2.normalize_or_zero().dot(axis).abs();
-        add(Kind::Plumb(0), (turn * along).max(0.5 * turn * turn));
-        add(Kind::Plumb(1), turn);
+        add(Kind::Plumb(0), (TOLD * turn * along).max(0.5 * turn * turn));
+        add(Kind::Plumb(1), TOLD * turn);
     }
     all
 }

@@ -1,10 +1,15 @@
 //! Runs that were never fitted, decoupled and held against the standards.
+//!
+//! They are compared in sensor axes, where no attitude is needed: the change of the specific force since the rest, and the angular
+//! acceleration. In ground axes an axis that is a tenth of a degree off the plumb line weighs as much as everything else together,
+//! and that is the rig's.
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use sixaxis_core::decouple::rest_to_rest;
 use sixaxis_core::{Decoupler, Parameters, Scheme};
 
 use crate::conditioning::Conditioned;
+use crate::diagnosis::trial_case::angles;
 use crate::finding::{Cause, Finding};
 use crate::grade::worst;
 use crate::report::{TrialReport, ValidationRun};
@@ -64,17 +69,25 @@ fn compare(
         standard: Vec::new(),
         decoupled: Vec::new(),
     };
+    let gravity = settings.gravity_ground_m_s2;
+    // The sensor begins in its own axes and turns about one that keeps its direction: what the gyroscope has turned is its attitude.
+    let turned: Vec<f64> = angles(conditioned, trial).collect();
     for row in &rows {
         let Some(out) = decoupler.push(row)? else {
             continue;
         };
         let index = out.sample as usize;
-        // The axis is the same in ground and shell.
+        let attitude = DQuat::from_axis_angle(trial.direction_ground, turned[index]);
+        let felt = |back: DQuat, linear: DVec3| back * (linear - gravity) + gravity;
+        let back = out.attitude.inverse();
         let standard = [
-            conditioned.linear_ground_m_s2[index],
+            felt(attitude.inverse(), conditioned.linear_ground_m_s2[index]),
             conditioned.angular_shell_rad_s2[index],
         ];
-        let decoupled = [out.linear_ground_m_s2, out.angular_ground_rad_s2];
+        let decoupled = [
+            felt(back, out.linear_ground_m_s2),
+            back * out.angular_ground_rad_s2,
+        ];
         let six = |pair: [DVec3; 2]| -> [f64; 6] { core::array::from_fn(|i| pair[i / 3][i % 3]) };
         run.standard.push(six(standard));
         run.decoupled.push(six(decoupled));

@@ -22,6 +22,9 @@ const SIGNIFICANT: f64 = 6.0;
 /// Share of a trial's signal that its fit may leave unexplained.
 const RESIDUAL: f64 = 0.02;
 
+/// Largest share of the trials that may be another sensor's.
+const AMONG: f64 = 0.25;
+
 /// Looks at every trial by itself. Returns each one's departure from the table.
 pub fn examine(
     table: &Table,
@@ -57,7 +60,15 @@ pub fn examine(
             None => told.push((direction, finding)),
         }
     }
-    findings.extend(told.into_iter().map(|(_, finding)| finding));
+    for (_, mut finding) in told {
+        // Another sensor's trial is odd among many that agree. Where many do not, the others are no measure.
+        let concerned = finding.recordings.len() as f64;
+        if finding.cause == Cause::ForeignTrial && concerned > AMONG * cases.len() as f64 {
+            finding.cause = Cause::Unexplained;
+            "look at the curves of these trials in the report".clone_into(&mut finding.advice);
+        }
+        findings.push(finding);
+    }
     departures
 }
 

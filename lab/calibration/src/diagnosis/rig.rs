@@ -4,6 +4,7 @@
 //! share, every s_i/m and I/m is off by it, and no trial shows that. Written sample rates are checked along: a clock that is fast
 //! by a share m makes the accelerometer read too little by 2 m and the gyroscope by m, and the drive turn faster by it.
 
+use super::Found;
 use super::fundamental;
 use super::level::{cause_of, factor_in_words, reason};
 use super::table::weighted_median;
@@ -22,10 +23,13 @@ struct Reading {
     excess: f64,
     /// Frequency of the drive over the session's, less one.
     faster: f64,
+    /// That frequency.
+    rate_rad_s: f64,
 }
 
-/// Standards and clock against the rig's stroke and rotation.
-pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
+/// Standards and clock against the rig's stroke and rotation. What they show in all trials is certain, what they show in some is
+/// suspected: `found` keeps them apart.
+pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], found: &mut Found) {
     let Some(rig) = facts.rig else {
         return;
     };
@@ -35,7 +39,8 @@ pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], findings: &mut Ve
     let linear = readings(cases, slider, &facts.accelerometer, true);
     let angular = readings(cases, pinion, &facts.gyroscope, false);
     if let Some(finding) = wrong_clock(&linear, &angular, facts) {
-        findings.push(finding);
+        found.findings.push(finding);
+        found.mark(true);
         for case in cases {
             case.explained = true;
         }
@@ -50,10 +55,14 @@ pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], findings: &mut Ve
         let Some(usual) = median(odd.iter().copied()) else {
             continue;
         };
+        if what == "gyroscope" && shows_a_lag(&readings) {
+            continue;
+        }
         let factor = 1.0 + usual;
-        findings.push(Finding {
+        let everywhere = odd.len() == readings.len();
+        found.findings.push(Finding {
             cause: cause_of(factor),
-            recordings: if odd.len() == readings.len() {
+            recordings: if everywhere {
                 Vec::new()
             } else {
                 names(odd.iter().map(|r| &cases[r.case]))
@@ -67,10 +76,26 @@ pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], findings: &mut Ve
             ),
             advice: format!("check unit and sensitivity of the {what} against its certificate, and the rig's {of}"),
         });
+        found.mark(everywhere);
         for reading in odd {
             cases[reading.case].explained = true;
         }
     }
+}
+
+/// Whether a first-order lag that nobody stated explains the readings better than a factor does: what is missing grows with the
+/// frequency. Lags are [`super::timing`]'s to name.
+fn shows_a_lag(readings: &[Reading]) -> bool {
+    // 1/|1 + i w T|^2 is less than 1 by w^2 T^2 of itself.
+    let missing = |r: &Reading| (1.0 + r.excess).powi(-2) - 1.0;
+    let squared = |r: &Reading| r.rate_rad_s * r.rate_rad_s;
+    let product: f64 = readings.iter().map(|r| squared(r) * missing(r)).sum();
+    let squares: f64 = readings.iter().map(|r| squared(r).powi(2)).sum();
+    let mean = readings.iter().map(missing).sum::<f64>() / readings.len() as f64;
+    let left = |of: &dyn Fn(&Reading) -> f64| -> f64 {
+        readings.iter().map(|r| (missing(r) - of(r)).powi(2)).sum()
+    };
+    product > 0.0 && left(&|r| product / squares * squared(r)) < left(&|_| mean)
 }
 
 /// One error of the clock that explains what both standards and the drive show.
@@ -134,6 +159,7 @@ fn readings(
             case: index,
             excess: followed * found.amplitude / expected - 1.0,
             faster: found.rate_rad_s / (core::f64::consts::TAU * trial.frequency_hz) - 1.0,
+            rate_rad_s: found.rate_rad_s,
         })
     };
     cases.iter().enumerate().filter_map(of).collect()

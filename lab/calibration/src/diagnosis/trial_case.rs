@@ -53,7 +53,7 @@ pub struct TrialCase<'a> {
 }
 
 /// Angle turned since the first sample, rad, by the trapezoidal rule.
-pub(super) fn angles(conditioned: &Conditioned, trial: &Trial) -> impl Iterator<Item = f64> {
+pub(crate) fn angles(conditioned: &Conditioned, trial: &Trial) -> impl Iterator<Item = f64> {
     let step_s = 1.0 / trial.sample_rate_hz;
     let direction = trial.direction_ground;
     let (mut angle, mut before) = (0.0, 0.0);

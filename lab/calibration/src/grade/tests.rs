@@ -179,11 +179,14 @@ fn inv_what_is_no_number_is_worst() {
 
 #[test]
 fn inv_twice_the_limit_fails() {
-    assert_eq!(failures(&session(), &reports(), None), []);
+    assert_eq!(
+        failures(&session(), &reports(), JudgedBy::FourSteps(None)),
+        []
+    );
     let evidence = |change: &dyn Fn(&mut TrialReport)| -> Vec<(Vec<String>, String)> {
         let mut reports = reports();
         change(&mut reports[12]);
-        let found = failures(&session(), &reports, None);
+        let found = failures(&session(), &reports, JudgedBy::FourSteps(None));
         let told = found.into_iter().map(|f| {
             assert_eq!(f.cause, Cause::Unexplained);
             (f.recordings, f.evidence)
@@ -213,7 +216,10 @@ fn inv_twice_the_limit_fails() {
 
 #[test]
 fn inv_a_gyroscope_beyond_its_class_by_five_deviations_fails() {
-    let found = |gain: f64| failures(&session(), &[], Some(&steps(Some((gain, 0.01)))));
+    let found = |gain: f64| {
+        let steps = steps(Some((gain, 0.01)));
+        failures(&session(), &[], JudgedBy::FourSteps(Some(&steps)))
+    };
     for (gain, fails) in [
         (0.93, true),
         (0.95, false),
@@ -231,7 +237,9 @@ fn inv_a_gyroscope_beyond_its_class_by_five_deviations_fails() {
         finding.evidence,
         "by Euler's equation the true rate is 1.070 ± 0.010 times the gyroscope's reading, beyond its class of 1.0 %"
     );
-    assert_eq!(failures(&session(), &[], Some(&steps(None))), []);
+    let by_steps = steps(None);
+    let judged_by = JudgedBy::FourSteps(Some(&by_steps));
+    assert_eq!(failures(&session(), &[], judged_by), []);
 }
 
 #[test]
@@ -240,7 +248,13 @@ fn inv_what_is_missing_is_one_point_each() {
                roles: &[Role],
                parameters: &[ParameterReport],
                reports: &[TrialReport]| {
-        reservations(&campaign(roles), session, parameters, reports)
+        reservations(
+            &campaign(roles),
+            session,
+            parameters,
+            reports,
+            JudgedBy::FourSteps(None),
+        )
     };
     let good = || all(&session(), &ROLES, &parameters(), &reports());
     assert_eq!(good(), Vec::<String>::new());

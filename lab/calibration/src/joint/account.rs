@@ -39,6 +39,21 @@ impl JointReport {
         !self.misfit.contradicts()
             && spreads.stiffness <= STIFFNESS
             && spreads.cross_talk <= CROSS_TALK
+            && self.odd_channels_are_single()
+    }
+
+    /// A sensitivity of its own that one channel has in one trial is that channel's there. Several in one trial, or one channel's in
+    /// several, are something else's doing: an exchange, a turned polarity, a sensitivity that fades.
+    fn odd_channels_are_single(&self) -> bool {
+        let trials = &self.estimate.trials;
+        let odd: Vec<[bool; LIMBS]> = trials
+            .iter()
+            .map(|trial| trial.sensitivity.map(is_odd))
+            .collect();
+        let count = |all: &mut dyn Iterator<Item = bool>| all.filter(|odd| *odd).count();
+        odd.iter()
+            .all(|trial| count(&mut trial.iter().copied()) <= 1)
+            && (0..LIMBS).all(|limb| count(&mut odd.iter().map(|trial| trial[limb])) <= 1)
     }
 
     /// What is out of the ordinary in a fit that accounts for its trials, whose names these are.
@@ -145,8 +160,7 @@ impl JointReport {
             let mut most_v = 0.0_f64;
             for (trial, name) in self.estimate.trials.iter().zip(names) {
                 let own = trial.sensitivity[limb];
-                let certain = own.value.abs() > SIGNIFICANT * own.deviation;
-                if certain && own.value.abs() > SENSITIVITY {
+                if is_odd(own) {
                     findings.push(one_channel(limb, name, 1.0 + own.value));
                 }
                 let zero = trial.zero_v[limb];
@@ -188,6 +202,11 @@ impl JointReport {
             advice: "check unit and sensitivity of the gyroscope against its certificate".to_owned(),
         })
     }
+}
+
+/// Whether a sensitivity is none that an ordinary room gives a channel.
+fn is_odd(own: Known) -> bool {
+    own.value.abs() > SENSITIVITY && own.value.abs() > SIGNIFICANT * own.deviation
 }
 
 /// One channel in one trial shows so many times what it shows in the others.

@@ -19,7 +19,7 @@ pub fn section(file: &SessionFile, calibrated: &CalibratedSession) -> Section {
         "validation",
         "Validation runs",
         "Runs that no step has seen, decoupled with this calibration and held against the standard instruments, from rest to rest, \
-         in ground axes at the sensor's rest. The error contains the instruments' own, and their class is its share.",
+         in sensor axes: the change of the specific force since the rest, and the angular acceleration. The error contains the instruments' own, and their class is its share.",
     );
     if calibrated.validation_runs.is_empty() {
         // Without parameters there is nothing to say that the parameters' own section does not.
