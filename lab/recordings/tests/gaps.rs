@@ -72,10 +72,31 @@ fn found(folder: &Path, stamps_s: &[f64]) -> [i64; 3] {
     let noticed = inspection
         .told(Severity::Noticed)
         .any(|fact| fact.kind == "gap");
+    if let Some(fact) = inspection.facts.iter().find(|fact| fact.kind == "gap") {
+        assert!(
+            fact.text.starts_with("gap before sample 200 (line 202): "),
+            "{}",
+            fact.text
+        );
+    }
     let clock = inspection.groups[0].time_stamps.as_ref().expect("stamps");
     assert_eq!(noticed, clock.gaps > 0);
     let refused = |error: Error| match error {
-        Error::Sample { sample, cause, .. } if cause.contains("gap") => sample as i64,
+        Error::Sample {
+            sample,
+            line,
+            cause,
+            ..
+        } if cause.contains("gap") => {
+            // One line of headings, and lines count from 1.
+            assert_eq!(line, Some(sample + 2));
+            let before_s = stamps_s[sample as usize - 1];
+            assert!(
+                cause.contains(&format!("after time {before_s} s")),
+                "{cause}"
+            );
+            sample as i64
+        }
         other => panic!("{other}"),
     };
     let whole = readings::read(&session, 0);

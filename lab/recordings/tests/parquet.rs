@@ -336,3 +336,97 @@ fn broken_files_are_survived() {
         }
     }
 }
+
+/// Names of the columns in the file, and what is read of a copy of it without the metadata.
+fn copied(channels: &[(&str, Option<&str>)]) -> (Vec<String>, Vec<Channel>) {
+    let mut layout = Layout::default();
+    layout.channels = channels
+        .iter()
+        .map(|(name, unit)| Channel::new(*name, *unit))
+        .collect();
+    let path = own("names.parquet");
+    write(&path, &layout, &vec![vec![1.0]; channels.len()], 1);
+    assert_eq!(
+        open(&path)
+            .unwrap()
+            .layout()
+            .channels
+            .iter()
+            .map(|c| (c.name.as_str(), c.unit.as_deref()))
+            .collect::<Vec<_>>(),
+        channels,
+    );
+    let file =
+        ::parquet::file::reader::SerializedFileReader::new(fs::File::open(&path).unwrap()).unwrap();
+    let schema = ::parquet::file::reader::FileReader::metadata(&file)
+        .file_metadata()
+        .schema_descr_ptr();
+    let names: Vec<String> = schema
+        .columns()
+        .iter()
+        .map(|c| c.name().to_owned())
+        .collect();
+    let bare = Layout {
+        channels: names
+            .iter()
+            .map(|name| Channel::new(name.clone(), None))
+            .collect(),
+        ..Layout::default()
+    };
+    // A column called by its bare name needs no heading in the metadata.
+    write(&path, &bare, &vec![vec![1.0]; channels.len()], 1);
+    (names, open(&path).unwrap().layout().channels.clone())
+}
+
+#[test]
+fn inv_columns_are_called_without_blanks_and_brackets() {
+    let channels = [
+        ("time", Some("s")),
+        ("ax", Some("m/s^2")),
+        ("alpha_x", Some("rad/s^2")),
+        ("wx", Some("rad/s")),
+        ("qw", Some("1")),
+        ("rig/u 1", Some("mV")),
+        ("rig_u_1", Some("mV")),
+        ("(x)", Some("°/s")),
+        ("1", None),
+        ("-", None),
+    ];
+    let (names, copied) = copied(&channels);
+    assert_eq!(
+        names,
+        [
+            "time_s",
+            "ax_m_s2",
+            "alpha_x_rad_s2",
+            "wx_rad_s",
+            "qw",
+            "rig_u_1_mV",
+            "rig_u_1_mV_2",
+            "x_deg_s",
+            "column_1",
+            "column_10",
+        ]
+    );
+    let units: Vec<Option<&str>> = copied.iter().map(|c| c.unit.as_deref()).collect();
+    assert_eq!(
+        units[..5],
+        [
+            Some("s"),
+            Some("m/s^2"),
+            Some("rad/s^2"),
+            Some("rad/s"),
+            None
+        ]
+    );
+    let layout = Layout {
+        channels: copied,
+        ..Layout::default()
+    };
+    for (at, name) in ["time", "ax", "alpha_x", "wx", "qw"]
+        .into_iter()
+        .enumerate()
+    {
+        assert_eq!(layout.position(name), Some(at), "{name}");
+    }
+}

@@ -18,6 +18,9 @@ const NAMED: usize = 12;
 #[must_use]
 pub fn of(inspection: &Inspection, expected: Option<&Expected>) -> Vec<Fact> {
     let mut facts = Facts(Vec::new());
+    if let Some(cut) = &inspection.cut {
+        facts.notice("cut", None, cut.clone());
+    }
     for refused in &inspection.unreadable {
         let text = format!("{} cannot be read: {}", refused.channel, refused.cause);
         facts.notice("unreadable", [&refused.channel], text);
@@ -118,8 +121,10 @@ impl Facts {
                 String::new()
             };
             let text = format!(
-                "gap before sample {}: {} from time {} on, {} samples missing{more}",
+                "gap before sample {}{}: {} from time {} on, {} samples missing{more}",
                 gap.sample,
+                gap.line
+                    .map_or_else(String::new, |line| format!(" (line {line})")),
                 seconds(gap.length_s),
                 seconds(gap.time_s),
                 gap.missing,

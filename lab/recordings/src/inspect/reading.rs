@@ -85,6 +85,7 @@ pub fn inspect(
         file: path.display().to_string(),
         format: layout.format.clone(),
         properties: layout.properties.clone(),
+        cut: layout.cut.clone(),
         groups,
         unreadable: reader.unreadable,
         twins: one_signal,
@@ -95,12 +96,13 @@ pub fn inspect(
     Ok(inspection)
 }
 
-/// Channels of one length and one rate, in the file's order. The time stamps go with all groups of their length.
+/// Channels of one length, one rate and one start, in the file's order. The time stamps go with all groups of their length.
 fn selections(layout: &Layout) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     let alike = |a: usize, b: usize| {
         let (a, b) = (&layout.channels[a], &layout.channels[b]);
         a.samples == b.samples
+            && a.start_offset_s == b.start_offset_s
             && a.sample_rate_hz.map(f64::to_bits) == b.sample_rate_hz.map(f64::to_bits)
     };
     for index in (0..layout.channels.len()).filter(|index| Some(*index) != layout.time) {
@@ -228,7 +230,10 @@ impl Reader<'_> {
                 self.columns.read_as_it_is(rows)?
             };
         }
-        let stamps = self.columns.stamps();
+        let mut stamps = self.columns.stamps();
+        if let Some(gap) = stamps.as_mut().and_then(|s| s.first_gaps.first_mut()) {
+            gap.line = self.columns.line(gap.sample);
+        }
         let (rate, origin) = rate(by_file, by_session, stamps.as_ref());
         let group = Group {
             samples,
