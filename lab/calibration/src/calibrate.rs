@@ -180,6 +180,7 @@ pub fn calibrate(
     findings.sort_by_key(|finding| finding.cause);
     let parameters = chosen.as_ref().map_or(&[][..], |chosen| &chosen.parameters);
     let mut reservations = reservations(&prepared.campaign, session, parameters, &trials);
+    reservations.extend(prepared.reservations.iter().cloned());
     if let Some(chosen) = &chosen {
         reservations.extend(chosen.reservations());
     }

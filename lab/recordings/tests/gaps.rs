@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use sixaxis_recordings::Error;
 use sixaxis_recordings::ingest::columns::stamps;
 use sixaxis_recordings::ingest::{find, readings};
-use sixaxis_recordings::inspect::{Severity, inspect};
+use sixaxis_recordings::inspect::{Expected, Severity, inspect};
 use sixaxis_recordings::session::SessionFile;
 
 /// A folder that is removed at the end.
@@ -68,7 +68,8 @@ fn found(folder: &Path, stamps_s: &[f64]) -> [i64; 3] {
     std::fs::write(&run, text).expect("writes");
     let session = SessionFile::parse(&folder.join("session.toml"), SESSION.to_owned());
     let session = session.expect("a session");
-    let inspection = inspect(&run, Some(&session), &mut |_, _| {}).expect("it can be read");
+    let inspection =
+        inspect(&run, Some(Expected::of(&session, &run)), &mut |_, _| {}).expect("it can be read");
     let noticed = inspection
         .told(Severity::Noticed)
         .any(|fact| fact.kind == "gap");

@@ -314,14 +314,13 @@ impl Facts {
     }
 
     fn of_sensor(&mut self, inspection: &Inspection, expected: Option<&Expected>) {
-        if let Some(expected) = expected.filter(|e| !e.listed) {
-            let session = expected.session.display();
-            self.remark(format!("not among the recordings of {session}"));
+        if let Some(session) = expected.and_then(|e| e.foreign_to.as_deref()) {
+            self.remark(format!("not among the recordings of {}", session.display()));
         }
         let Some(sensor) = &inspection.sensor else {
             if let Some(expected) = expected {
                 self.remark(format!(
-                    "the session's nine limbs, {}, are not all in this file",
+                    "the nine limbs, {}, are not all in this file",
                     list(&expected.channels.limbs)
                 ));
             }

@@ -18,7 +18,6 @@ use crate::ingest::columns::{BLOCK, Columns};
 use crate::ingest::find::Column;
 use crate::ingest::units;
 use crate::open;
-use crate::session::SessionFile;
 
 /// Values of a block at most.
 const VALUES: usize = 1 << 21;
@@ -31,7 +30,7 @@ const SHORT_SEGMENT: usize = 1 << 14;
 /// Channels up to which a group that cannot be read is tried channel by channel.
 const RETRIED: usize = 64;
 
-/// Reads a recording once and states what is in it. The session, if there is one, says what its file leaves open.
+/// Reads a recording once and states what is in it. Session and options, if there are any, say what its file leaves open.
 ///
 /// `advance` is told the rows of each block and the rows of all groups together.
 ///
@@ -39,12 +38,11 @@ const RETRIED: usize = 64;
 /// Those of a file that cannot be opened or of which no channel can be read.
 pub fn inspect(
     path: &Path,
-    session: Option<&SessionFile>,
+    expected: Option<Expected>,
     advance: &mut dyn FnMut(u64, u64),
 ) -> Result<Inspection> {
     let source = open(path)?;
     let mut layout = source.layout().clone();
-    let expected = session.map(|session| Expected::of(session, path));
     if let Some(expected) = &expected {
         expected.complete(&mut layout);
     }

@@ -79,8 +79,8 @@ Examples:
 A calibration that is not good is written all the same, with its verdict and what was found in it; none is written where the
 four steps, or the joint fit that was asked for, could not be done.
 
-Exit codes: 0 good; 3 good with reservations; 4 not good; 1 it could not be done, nothing was written; 2 the command line is not
-understood.";
+Exit codes: 0 good; 3 good with reservations; 4 not good; 1 it could not be done, no calibration was written (the report is, where
+the recordings could be read); 2 the command line is not understood.";
 
 /// An estimator by its name on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -132,7 +132,6 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         .session
         .as_deref()
         .context("no session file was named")?;
-    let file = SessionFile::read(path)?;
     let beside = |name: &str| path.with_file_name(name);
     let targets = Targets {
         calibration: arguments
@@ -147,16 +146,43 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
             .clone()
             .unwrap_or_else(|| beside("calibration.html")),
     };
+    let file = SessionFile::read(path).inspect_err(|_| targets.mention_earlier(path))?;
     targets.check(&file)?;
+    let calibrated = judge(arguments, &file, estimator, &targets)
+        .inspect_err(|_| targets.mention_earlier(path))?;
+    if arguments.json {
+        print_json(&Summary::new(&calibrated, &targets))?;
+    } else if !arguments.quiet {
+        print(summary(&calibrated, &targets))?;
+    }
+    if calibrated.calibration.is_none() {
+        targets.mention_earlier(path);
+        let cause = calibrated.obstacle.as_ref().unwrap_or(&calibrated.sentence);
+        bail!("{}: no calibration is written: {cause}", path.display());
+    }
+    Ok(ExitCode::from(match calibrated.grade {
+        Grade::Good => 0,
+        Grade::Reserved => 3,
+        Grade::Bad => 4,
+    }))
+}
+
+/// Calibrates and writes report and calibration.
+fn judge(
+    arguments: &Arguments,
+    file: &SessionFile,
+    estimator: Estimator,
+    targets: &Targets,
+) -> Result<CalibratedSession> {
     let calibrated = {
         let progress = Progress::new(arguments.quiet);
         let repeat = arguments.iterate.map(|passes| Criterion {
             passes: usize::from(passes),
             ..Criterion::default()
         });
-        calibrate(&file, &Options { repeat, estimator }, &progress)?
+        calibrate(file, &Options { repeat, estimator }, &progress)?
     };
-    let page = render(&page::calibration::page(&file, &calibrated))?;
+    let page = render(&page::calibration::page(file, &calibrated))?;
     // The calibration last: whoever sees a new one finds its report beside it.
     write_atomically(&targets.report, page.as_bytes())?;
     if let Some(calibration) = &calibrated.calibration {
@@ -165,16 +191,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
             Format::Rust => calibration.write_rust(&targets.calibration),
         }?;
     }
-    if arguments.json {
-        print_json(&Summary::new(&calibrated, &targets))?;
-    } else if !arguments.quiet {
-        print(summary(&calibrated, &targets))?;
-    }
-    Ok(ExitCode::from(match calibrated.grade {
-        Grade::Good => 0,
-        Grade::Reserved => 3,
-        Grade::Bad => 4,
-    }))
+    Ok(calibrated)
 }
 
 /// What is written where.
@@ -184,6 +201,16 @@ struct Targets {
 }
 
 impl Targets {
+    /// Says that the calibration that is there is not this session's.
+    fn mention_earlier(&self, session: &Path) {
+        if self.calibration.exists() && self.calibration != session {
+            eprintln!(
+                "warning: {} is of an earlier run; it stays as it is",
+                self.calibration.display()
+            );
+        }
+    }
+
     /// Refuses to write one over the other, or over what is read.
     fn check(&self, file: &SessionFile) -> Result<()> {
         let entries = file.session.recording.iter();

@@ -96,6 +96,9 @@ Limbs 2 and 4, 3 and 7, 6 and 8 are ambiguous pairs: the forces alone do not det
 --excluded takes up to three limbs whose loads the others determine; otherwise an error names the load that would be
 unobservable. The noise of the remaining channels is amplified up to three times.
 
+The same three sums are always looked at, on one row in 61: a warning on standard error says when they are broken by far more than
+limbs unequal by a few percent explain, as by the calibration of another sensor, a dead channel or plugs that were exchanged.
+
 A recording may be of any length: it passes through in blocks. Only --rest-to-rest holds the whole run in the memory, 2 million
 samples at most. A result appears whole or not at all: it is written to a neighbour named .NAME.RANDOM.part, which takes
 its name at the end. A killed run may leave such a neighbour; it is never read and can be deleted.
