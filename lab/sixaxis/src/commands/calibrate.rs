@@ -20,7 +20,7 @@ use sixaxis_page::render;
 use sixaxis_recordings::draft::write_atomically;
 use sixaxis_recordings::session::{self, SessionFile};
 
-use super::common::{check_outputs, print, print_json, wrapped};
+use super::common::{check_outputs, mention_earlier, print, print_json, wrapped};
 use crate::progress::Progress;
 
 use repetition::Repetition;
@@ -146,17 +146,17 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
             .clone()
             .unwrap_or_else(|| beside("calibration.html")),
     };
-    let file = SessionFile::read(path).inspect_err(|_| targets.mention_earlier(path))?;
+    let earlier = || mention_earlier(&targets.calibration);
+    let file = SessionFile::read(path).inspect_err(|_| earlier())?;
     targets.check(&file)?;
-    let calibrated = judge(arguments, &file, estimator, &targets)
-        .inspect_err(|_| targets.mention_earlier(path))?;
+    let calibrated = judge(arguments, &file, estimator, &targets).inspect_err(|_| earlier())?;
     if arguments.json {
         print_json(&Summary::new(&calibrated, &targets))?;
     } else if !arguments.quiet {
         print(summary(&calibrated, &targets))?;
     }
     if calibrated.calibration.is_none() {
-        targets.mention_earlier(path);
+        earlier();
         let cause = calibrated.obstacle.as_ref().unwrap_or(&calibrated.sentence);
         bail!("{}: no calibration is written: {cause}", path.display());
     }
@@ -201,16 +201,6 @@ struct Targets {
 }
 
 impl Targets {
-    /// Says that the calibration that is there is not this session's.
-    fn mention_earlier(&self, session: &Path) {
-        if self.calibration.exists() && self.calibration != session {
-            eprintln!(
-                "warning: {} is of an earlier run; it stays as it is",
-                self.calibration.display()
-            );
-        }
-    }
-
     /// Refuses to write one over the other, or over what is read.
     fn check(&self, file: &SessionFile) -> Result<()> {
         let entries = file.session.recording.iter();

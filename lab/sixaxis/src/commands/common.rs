@@ -139,6 +139,16 @@ pub fn print_json(value: &impl serde::Serialize) -> Result<()> {
     print(serde_json::to_string_pretty(value)? + "\n")
 }
 
+/// Says that a result that was not written is there all the same, from before.
+pub fn mention_earlier(output: &Path) {
+    if output.is_file() {
+        eprintln!(
+            "warning: {} is of an earlier run; it stays as it is",
+            output.display()
+        );
+    }
+}
+
 /// Prints to standard error, a line for each text.
 pub fn say(kind: &str, texts: &[String]) {
     for text in texts {

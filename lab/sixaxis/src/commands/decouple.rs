@@ -21,7 +21,7 @@ use sixaxis_page::render;
 use sixaxis_recordings::draft::write_atomically;
 use sixaxis_recordings::{Layout, Sink};
 
-use super::common::{Beside, check_outputs, print, print_json, say};
+use super::common::{Beside, check_outputs, mention_earlier, print, print_json, say};
 use super::integrator::Integrator;
 use crate::progress::Progress;
 
@@ -214,7 +214,9 @@ fn file(arguments: &Arguments, job: &Job) -> Result<()> {
         Ok(sixaxis_recordings::create(&out, layout)?)
     };
     let progress = Progress::shown();
-    let decoupled = job.run(path, &create, &progress.callback("decoupling"))?;
+    let decoupled = job
+        .run(path, &create, &progress.callback("decoupling"))
+        .inspect_err(|_| mention_earlier(&out))?;
     drop(progress);
     let summary = Summary {
         recording: path.display().to_string(),
