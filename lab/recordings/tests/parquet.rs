@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use ::parquet::file::reader::{FileReader, SerializedFileReader};
 use sixaxis_recordings::channel::{Block, Channel, Layout};
 use sixaxis_recordings::error::{Error, Place};
 use sixaxis_recordings::{Source, create, open, parquet};
@@ -339,33 +340,22 @@ fn broken_files_are_survived() {
 
 /// Names of the columns in the file, and what is read of a copy of it without the metadata.
 fn copied(channels: &[(&str, Option<&str>)]) -> (Vec<String>, Vec<Channel>) {
-    let mut layout = Layout::default();
-    layout.channels = channels
+    let written = channels
         .iter()
-        .map(|(name, unit)| Channel::new(*name, *unit))
-        .collect();
+        .map(|(name, unit)| Channel::new(*name, *unit));
+    let layout = Layout {
+        channels: written.collect(),
+        ..Layout::default()
+    };
     let path = own("names.parquet");
     write(&path, &layout, &vec![vec![1.0]; channels.len()], 1);
-    assert_eq!(
-        open(&path)
-            .unwrap()
-            .layout()
-            .channels
-            .iter()
-            .map(|c| (c.name.as_str(), c.unit.as_deref()))
-            .collect::<Vec<_>>(),
-        channels,
-    );
-    let file =
-        ::parquet::file::reader::SerializedFileReader::new(fs::File::open(&path).unwrap()).unwrap();
-    let schema = ::parquet::file::reader::FileReader::metadata(&file)
-        .file_metadata()
-        .schema_descr_ptr();
-    let names: Vec<String> = schema
-        .columns()
-        .iter()
-        .map(|c| c.name().to_owned())
-        .collect();
+    let read = open(&path).unwrap().layout().channels.clone();
+    let read = read.iter().map(|c| (c.name.as_str(), c.unit.as_deref()));
+    assert_eq!(read.collect::<Vec<_>>(), channels);
+    let file = SerializedFileReader::new(fs::File::open(&path).unwrap()).unwrap();
+    let schema = file.metadata().file_metadata().schema_descr();
+    let columns = schema.columns().iter();
+    let names: Vec<String> = columns.map(|c| c.name().to_owned()).collect();
     let bare = Layout {
         channels: names
             .iter()

@@ -99,7 +99,8 @@ impl Text {
 
     /// Whether a line is neither a comment nor blank.
     fn is_row(&self, line: &[u8]) -> bool {
-        !is_comment(line) && !is_blank(line) && !(self.table.loose && line.trim_ascii().is_empty())
+        let blank = is_blank(line) || self.table.loose && line.trim_ascii().is_empty();
+        !(blank || is_comment(line))
     }
 
     /// What is to be said of a last line that breaks off. The end of a compressed file is known only when it has been read.
@@ -158,18 +159,16 @@ impl Text {
             if !self.is_row(line) {
                 continue;
             }
-            if let Err(cause) = split(line, table.dialect.separator, &mut rows.cells) {
-                if table.cut && rows.lines.is_unterminated() {
-                    return Ok(false);
-                }
-                return Err(self.refused(rows, at, Place::Line(at), cause.to_owned()));
-            }
+            let parted = split(line, table.dialect.separator, &mut rows.cells);
             let (found, expected) = (rows.cells.len(), &table.cells);
-            if !expected.contains(&found) {
+            if parted.is_err() || !expected.contains(&found) {
                 if table.cut && rows.lines.is_unterminated() {
                     return Ok(false);
                 }
-                let cause = format!("{found} columns, {} were expected", expected.start());
+                let cause = match parted {
+                    Err(cause) => cause.to_owned(),
+                    Ok(()) => format!("{found} columns, {} were expected", expected.start()),
+                };
                 return Err(self.refused(rows, at, Place::Line(at), cause));
             }
             for (column, targets) in table.columns.iter().zip(&rows.targets) {
