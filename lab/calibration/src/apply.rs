@@ -10,6 +10,7 @@
 //! | [`recording`] | nine voltages on one clock from a file, block by block, with what is wrong with them |
 //! | [`conditioning_stream`] | delays, the amplifier's high-pass, a low-pass, as streams |
 //! | [`decoding`] | voltages to rows of the answer |
+//! | [`coordination`] | whether the limb forces add up to zero where they must |
 //! | [`fault_watch`] | the same with the fault monitor |
 //! | [`pipeline`] | the same, with a thread for reading and one for writing |
 //! | [`rest_to_rest`] | a whole run in memory, with the rest-to-rest correction |
@@ -21,6 +22,7 @@
 
 pub mod check_grade;
 pub mod conditioning_stream;
+pub mod coordination;
 pub mod decoding;
 pub mod fault_watch;
 pub mod job;

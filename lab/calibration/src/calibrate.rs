@@ -197,6 +197,7 @@ pub fn calibrate(
     let parameters = chosen.as_ref().map_or(&[][..], |chosen| &chosen.parameters);
     let mut reservations =
         reservations(&prepared.campaign, session, parameters, &trials, judged_by);
+    reservations.extend(prepared.reservations.iter().cloned());
     if let Some(chosen) = &chosen {
         reservations.extend(chosen.reservations());
     }

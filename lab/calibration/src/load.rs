@@ -11,6 +11,11 @@ use crate::trial::{Readings, Trial};
 /// # Errors
 /// [`crate::Error::Recording`]: those of [`readings::read`].
 pub fn trial(file: &SessionFile, index: usize) -> Result<Trial> {
+    trial_and_cut(file, index).map(|(trial, _)| trial)
+}
+
+/// As [`trial`], with how its file was cut short, if it was.
+pub(crate) fn trial_and_cut(file: &SessionFile, index: usize) -> Result<(Trial, Option<String>)> {
     let read = readings::read(file, index)?;
     let rows = read.voltage_v[0].len();
     let readings = Readings {
@@ -22,5 +27,6 @@ pub fn trial(file: &SessionFile, index: usize) -> Result<Trial> {
         gyroscope_rad_s: read.gyroscope_rad_s,
     };
     let session = &file.session;
-    Ok(Trial::of(session, &session.recording[index], readings))
+    let trial = Trial::of(session, &session.recording[index], readings);
+    Ok((trial, read.cut))
 }

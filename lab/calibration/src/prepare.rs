@@ -7,7 +7,7 @@ use sixaxis_core::{Geometry, Parameters};
 
 use crate::conditioning::{Conditioned, Conditioning};
 use crate::error::{Error, Result};
-use crate::finding::{Cause, Finding};
+use crate::finding::{Cause, Finding, in_a_sentence};
 use crate::load;
 use crate::progress::Progress;
 use crate::steps::Campaign;
@@ -29,8 +29,10 @@ pub struct PreparedSession {
     pub taps: Vec<Trial>,
     /// The conditioning of all trials but validation runs.
     pub conditioning: Conditioning,
-    /// Recordings that cannot be used.
+    /// Recordings that cannot be used, those of one cause together.
     pub findings: Vec<Finding>,
+    /// Recordings that can be used and are not whole.
+    pub reservations: Vec<String>,
 }
 
 impl PreparedSession {
@@ -41,25 +43,42 @@ impl PreparedSession {
     pub fn read(file: &SessionFile, progress: &dyn Progress) -> Result<Self> {
         let entries = &file.session.recording;
         progress.stage("reading", entries.len());
-        let loaded: Vec<Result<Trial>> = (0..entries.len())
+        let loaded: Vec<Result<(Trial, Option<String>)>> = (0..entries.len())
             .into_par_iter()
             .map(|index| {
-                let trial = load::trial(file, index);
+                let trial = load::trial_and_cut(file, index);
                 progress.part();
                 trial
             })
             .collect();
         let mut findings = Vec::new();
         let mut trials = Vec::new();
+        let mut cuts: Vec<(String, Vec<String>)> = Vec::new();
         for (entry, trial) in entries.iter().zip(loaded) {
             match trial {
-                Ok(trial) => trials.push(trial),
+                Ok((trial, cut)) => {
+                    if let Some(cut) = cut {
+                        match cuts.iter_mut().find(|(other, _)| *other == cut) {
+                            Some((_, names)) => names.push(trial.name.clone()),
+                            None => cuts.push((cut, vec![trial.name.clone()])),
+                        }
+                    }
+                    trials.push(trial);
+                }
                 Err(error @ Error::Recording(sixaxis_recordings::Error::Session { .. })) => {
                     return Err(error);
                 }
                 Err(error) => {
                     let name = entry.file.display().to_string();
-                    findings.push(unreadable(&name, error.to_string()));
+                    let error = error.to_string();
+                    let path = file.resolve(&entry.file).display().to_string();
+                    // The finding names the recording; without it, one cause is one sentence.
+                    let cause = error.strip_prefix(&path).unwrap_or(&error);
+                    unreadable(
+                        &mut findings,
+                        &name,
+                        cause.trim_start_matches([':', ',', ' ']),
+                    );
                 }
             }
         }
@@ -78,6 +97,11 @@ impl PreparedSession {
         let mut prepared = Self::of(&file.session, trials, progress);
         findings.append(&mut prepared.findings);
         prepared.findings = findings;
+        let cut_short = cuts.iter().map(|(cut, names)| {
+            let names = in_a_sentence(names).unwrap_or_default();
+            format!("{names}: {cut}; record it again, or see that nothing of the trial is missing")
+        });
+        prepared.reservations.extend(cut_short);
         Ok(prepared)
     }
 
@@ -128,7 +152,7 @@ impl PreparedSession {
         for (trial, conditioned) in conditioned {
             match conditioned {
                 Ok(conditioned) => trials.push((trial, conditioned)),
-                Err(error) => findings.push(unreadable(&trial.name, error.to_string())),
+                Err(error) => unreadable(&mut findings, &trial.name, &error.to_string()),
             }
         }
         let static_voltage_v = at_rest.as_ref().map(|rest| rest.voltage_v.clone());
@@ -143,6 +167,7 @@ impl PreparedSession {
             taps,
             conditioning,
             findings,
+            reservations: Vec::new(),
         }
     }
 }
@@ -159,12 +184,17 @@ fn for_role(conditioning: &Conditioning, role: Role) -> Conditioning {
     own
 }
 
-fn unreadable(name: &str, evidence: String) -> Finding {
-    Finding {
+/// Adds a recording to the finding of its cause.
+fn unreadable(findings: &mut Vec<Finding>, name: &str, evidence: &str) {
+    if let Some(known) = findings.iter_mut().find(|known| known.evidence == evidence) {
+        known.recordings.push(name.to_owned());
+        return;
+    }
+    findings.push(Finding {
         cause: Cause::Unreadable,
         recordings: vec![name.to_owned()],
         channels: Vec::new(),
-        evidence,
+        evidence: evidence.to_owned(),
         advice: "mend or replace the recording; `sixaxis inspect` shows what is in it".to_owned(),
-    }
+    });
 }

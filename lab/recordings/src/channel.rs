@@ -3,7 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Place, Result};
+use crate::unit::in_name;
 
 /// Most channels of a table, a matrix or a file; what has more is no recording.
 pub(crate) const MOST_CHANNELS: usize = 4096;
@@ -74,6 +75,8 @@ pub struct Layout {
     pub time: Option<usize>,
     /// Properties of the file itself: title, author, comments, start time.
     pub properties: BTreeMap<String, String>,
+    /// How the file was cut short, if it was and could be read up to there: a sentence without the file's name.
+    pub cut: Option<String>,
 }
 
 impl Layout {
@@ -89,6 +92,7 @@ impl Layout {
             time: time_channel(&channels),
             channels,
             properties,
+            cut: None,
         }
     }
 
@@ -102,8 +106,8 @@ impl Layout {
         (is_rate(first) && rates.all(|rate| rate == Some(first))).then_some(first)
     }
 
-    /// Index of a channel by name: as written; or else regardless of case, or without the group of a TDMS name, if only one
-    /// fits.
+    /// Index of a channel by name: as written; or else regardless of case, without the group of a TDMS name, or without the unit
+    /// at its end, if only one fits.
     #[must_use]
     pub fn position(&self, name: &str) -> Option<usize> {
         self.channels
@@ -111,6 +115,7 @@ impl Layout {
             .position(|c| c.name == name)
             .or_else(|| self.only(|own| own.eq_ignore_ascii_case(name)))
             .or_else(|| self.only(|own| own.rsplit('/').next() == Some(name)))
+            .or_else(|| self.only(|own| in_name(own).is_some_and(|(own, _)| own == name)))
     }
 
     /// Index of the only channel whose name fits.
@@ -136,19 +141,31 @@ impl Layout {
         }
     }
 
-    /// The number of samples that the channels of a selection share; 0 where the file does not say it.
+    /// The number of samples that the channels of a selection share, each without its first `skipped`; 0 where the file does not
+    /// say it. Channels of which some begin later than others need not end together.
     ///
     /// # Errors
     /// [`Error::NoSuchChannel`] for an index that is not there, [`Error::LengthMismatch`].
-    pub(crate) fn common_length(&self, path: &Path, selected: &[usize]) -> Result<u64> {
+    pub(crate) fn common_length(
+        &self,
+        path: &Path,
+        selected: &[usize],
+        skipped: &[u64],
+    ) -> Result<u64> {
+        let together = skipped.iter().all(|skipped| *skipped == 0);
         let mut common = None;
-        for &index in selected {
+        for (&index, skipped) in selected.iter().zip(skipped) {
             let channel = self
                 .channels
                 .get(index)
                 .ok_or_else(|| self.no_such_channel(path, format!("#{index}")))?;
-            let samples = channel.samples.unwrap_or(0);
-            let expected = *common.get_or_insert(samples);
+            let samples = channel.samples.unwrap_or(0).saturating_sub(*skipped);
+            let expected = common.get_or_insert(samples);
+            if !together {
+                *expected = samples.min(*expected);
+                continue;
+            }
+            let expected = *expected;
             if samples != expected {
                 return Err(Error::LengthMismatch {
                     path: path.to_owned(),
@@ -160,7 +177,62 @@ impl Layout {
         }
         Ok(common.unwrap_or(0))
     }
+
+    /// When the last of some channels begins, s against the file's start.
+    #[must_use]
+    pub fn start_s(&self, selected: &[usize]) -> f64 {
+        let starts = selected.iter().map(|at| self.channels[*at].start_offset_s);
+        starts.reduce(f64::max).unwrap_or(0.0)
+    }
+
+    /// Samples of each channel of a selection before the last of them begins. Channels without a rate of their own, such as
+    /// time stamps, go with the others where these begin together.
+    ///
+    /// # Errors
+    /// [`Error::Malformed`] for channels whose starts are apart by no whole number of samples, or which have no common rate.
+    pub(crate) fn alignment(&self, path: &Path, selected: &[usize]) -> Result<Vec<u64>> {
+        let clocked = selected
+            .iter()
+            .filter_map(|at| self.channels.get(*at))
+            .filter(|channel| channel.sample_rate_hz.is_some());
+        let latest = clocked
+            .clone()
+            .max_by(|a, b| a.start_offset_s.total_cmp(&b.start_offset_s));
+        let together = |c: &Channel| latest.is_some_and(|l| c.start_offset_s == l.start_offset_s);
+        let Some(latest) = latest.filter(|_| !clocked.clone().all(together)) else {
+            return Ok(vec![0; selected.len()]);
+        };
+        let skipped = selected.iter().map(|at| {
+            let channel = &self.channels[*at];
+            let late_s = latest.start_offset_s - channel.start_offset_s;
+            let refuse = |cause: &str| {
+                let cause = format!(
+                    "channel {:?} begins {late_s} s before {:?}, and {cause}",
+                    channel.name, latest.name
+                );
+                Err(Error::malformed(path, Place::Whole, cause))
+            };
+            if channel.sample_rate_hz != latest.sample_rate_hz {
+                return refuse("they have no common sample rate: they cannot be read side by side");
+            }
+            let samples = late_s * latest.sample_rate_hz.unwrap_or(0.0);
+            if (samples - samples.round()).abs() > BETWEEN_SAMPLES {
+                return refuse(
+                    "that is no whole number of samples: record both with one clock, or save them resampled to one",
+                );
+            }
+            if channel.samples.is_some_and(|all| samples > all as f64) {
+                return refuse("ends before that begins");
+            }
+            Ok(samples.round() as u64)
+        });
+        skipped.collect()
+    }
 }
+
+/// Share of a sample by which channels that are taken for simultaneous may be apart: start times are rounded, and multiplexed
+/// converters take their channels one after the other.
+const BETWEEN_SAMPLES: f64 = 0.1;
 
 /// Names by which a time column is known.
 const TIME_NAMES: [&str; 7] = [

@@ -106,7 +106,11 @@ pub enum Error {
         cause: String,
     },
     /// A sample that nothing can be computed from: a value that is not finite, a time stamp that is no clock's.
-    #[error("{}: channel {channel:?}, sample {sample}: {cause}", path.display())]
+    #[error(
+        "{}{}: channel {channel:?}, sample {sample}: {cause}",
+        path.display(),
+        line.map_or(Place::Whole, Place::Line)
+    )]
     Sample {
         /// The recording.
         path: PathBuf,
@@ -114,6 +118,8 @@ pub enum Error {
         channel: String,
         /// The sample, from 0.
         sample: u64,
+        /// Its line, from 1, in a file of text.
+        line: Option<u64>,
         /// What is wrong, and what to do.
         cause: String,
     },

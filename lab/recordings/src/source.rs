@@ -17,7 +17,21 @@ pub trait Source: Send {
     /// # Errors
     /// [`crate::Error::LengthMismatch`] if they differ in length; [`crate::Error::NoSuchChannel`] for an index that is not there;
     /// [`crate::Error::Unsupported`] for a channel that is not understood; [`crate::Error::Io`].
-    fn select(&mut self, channels: &[usize]) -> Result<()>;
+    fn select(&mut self, channels: &[usize]) -> Result<()> {
+        self.select_from(channels, &vec![0; channels.len()])
+    }
+
+    /// As [`Self::select`], without the first so many samples of each channel. Channels may then differ in length: reading
+    /// stops where the first of them ends.
+    ///
+    /// # Errors
+    /// Those of [`Self::select`]; [`crate::Error::Unsupported`] in a format whose channels cannot be read from different samples on.
+    fn select_from(&mut self, channels: &[usize], skipped: &[u64]) -> Result<()>;
+
+    /// Line of a sample, from 1, in a file of text; none in any other, and where it cannot be read again.
+    fn line(&self, _sample: u64) -> Option<u64> {
+        None
+    }
 
     /// Replaces the contents of `block` with the next samples of the selected channels, at most `limit` of them (a source may
     /// return fewer, but none only at the end), and returns their number. After an error the channels are to be selected anew.
@@ -45,6 +59,16 @@ pub(crate) trait Decoder: Send + 'static {
         samples: u64,
     ) -> Result<Self::Position>;
 
+    /// Passes over the first so many samples of each selected channel; false if it cannot. Only asked for if there are any.
+    fn skip(&self, _at: &mut Self::Position, _skipped: &[u64]) -> bool {
+        false
+    }
+
+    /// As [`Source::line`].
+    fn line(&self, _sample: u64) -> Option<u64> {
+        None
+    }
+
     /// Appends the next samples to the selected channels' columns, which are empty, at least one and at most `limit` unless
     /// none is left. Returns their number.
     fn next(
@@ -67,8 +91,8 @@ struct Reading<D: Decoder> {
 enum State<Position> {
     /// Nothing was selected: all channels are read.
     Whole,
-    /// These channels, of so many samples, from the first sample on.
-    Selected(Vec<usize>, u64),
+    /// These channels, without so many samples each, and the samples left of each.
+    Selected(Vec<usize>, Vec<u64>, u64),
     /// So many channels, from there on.
     Reading(usize, Position),
     /// A sample could not be read; the channels are out of step.
@@ -90,11 +114,15 @@ impl<D: Decoder> Source for Reading<D> {
         &self.layout
     }
 
-    fn select(&mut self, channels: &[usize]) -> Result<()> {
-        let samples = self.layout.common_length(&self.path, channels)?;
+    fn select_from(&mut self, channels: &[usize], skipped: &[u64]) -> Result<()> {
+        let samples = self.layout.common_length(&self.path, channels, skipped)?;
         self.decoder.check(&self.layout, channels)?;
-        self.state = State::Selected(channels.to_vec(), samples);
+        self.state = State::Selected(channels.to_vec(), skipped.to_vec(), samples);
         Ok(())
+    }
+
+    fn line(&self, sample: u64) -> Option<u64> {
+        self.decoder.line(sample)
     }
 
     fn read(&mut self, block: &mut Block, limit: usize) -> Result<usize> {
@@ -102,8 +130,17 @@ impl<D: Decoder> Source for Reading<D> {
             self.select(&Vec::from_iter(0..self.layout.channels.len()))?;
         }
         let (channels, mut at) = match replace(&mut self.state, State::Failed) {
-            State::Selected(channels, samples) => {
-                let start = self.decoder.start(&self.layout, &channels, samples)?;
+            State::Selected(channels, skipped, samples) => {
+                let mut start = self.decoder.start(&self.layout, &channels, samples)?;
+                if skipped.iter().any(|skipped| *skipped > 0)
+                    && !self.decoder.skip(&mut start, &skipped)
+                {
+                    return Err(Error::unsupported(
+                        &self.path,
+                        "a table of channels that begin at different times",
+                        "save them aligned, or as TDMS",
+                    ));
+                }
                 (channels.len(), start)
             }
             State::Reading(channels, at) => (channels, at),

@@ -73,6 +73,29 @@ pub fn named(name: &str) -> Option<Unit> {
     Some(unit)
 }
 
+/// Units at the end of a column's name, as they can be written without signs, and as they are.
+const IN_NAMES: [(&str, &str); 10] = [
+    ("m_s2", "m/s^2"),
+    ("rad_s2", "rad/s^2"),
+    ("deg_s2", "deg/s^2"),
+    ("rad_s", "rad/s"),
+    ("deg_s", "deg/s"),
+    ("V", "V"),
+    ("mV", "mV"),
+    ("uV", "uV"),
+    ("g", "g"),
+    ("s", "s"),
+];
+
+/// Parts `ax_m_s2` into `ax` and `m/s^2`. None: no unit stands at its end.
+#[must_use]
+pub fn in_name(column: &str) -> Option<(&str, &'static str)> {
+    IN_NAMES.iter().find_map(|(plain, unit)| {
+        let name = column.strip_suffix(plain)?.strip_suffix('_')?;
+        (!name.is_empty()).then_some((name, *unit))
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use sixaxis_recordings::Error;
 use sixaxis_recordings::ingest::columns::stamps;
 use sixaxis_recordings::ingest::{find, readings};
-use sixaxis_recordings::inspect::{Severity, inspect};
+use sixaxis_recordings::inspect::{Expected, Severity, inspect};
 use sixaxis_recordings::session::SessionFile;
 
 /// A folder that is removed at the end.
@@ -68,14 +68,36 @@ fn found(folder: &Path, stamps_s: &[f64]) -> [i64; 3] {
     std::fs::write(&run, text).expect("writes");
     let session = SessionFile::parse(&folder.join("session.toml"), SESSION.to_owned());
     let session = session.expect("a session");
-    let inspection = inspect(&run, Some(&session), &mut |_, _| {}).expect("it can be read");
+    let inspection =
+        inspect(&run, Some(Expected::of(&session, &run)), &mut |_, _| {}).expect("it can be read");
     let noticed = inspection
         .told(Severity::Noticed)
         .any(|fact| fact.kind == "gap");
+    if let Some(fact) = inspection.facts.iter().find(|fact| fact.kind == "gap") {
+        assert!(
+            fact.text.starts_with("gap before sample 200 (line 202): "),
+            "{}",
+            fact.text
+        );
+    }
     let clock = inspection.groups[0].time_stamps.as_ref().expect("stamps");
     assert_eq!(noticed, clock.gaps > 0);
     let refused = |error: Error| match error {
-        Error::Sample { sample, cause, .. } if cause.contains("gap") => sample as i64,
+        Error::Sample {
+            sample,
+            line,
+            cause,
+            ..
+        } if cause.contains("gap") => {
+            // One line of headings, and lines count from 1.
+            assert_eq!(line, Some(sample + 2));
+            let before_s = stamps_s[sample as usize - 1];
+            assert!(
+                cause.contains(&format!("after time {before_s} s")),
+                "{cause}"
+            );
+            sample as i64
+        }
         other => panic!("{other}"),
     };
     let whole = readings::read(&session, 0);

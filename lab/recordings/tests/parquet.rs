@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use ::parquet::file::reader::{FileReader, SerializedFileReader};
 use sixaxis_recordings::channel::{Block, Channel, Layout};
 use sixaxis_recordings::error::{Error, Place};
 use sixaxis_recordings::{Source, create, open, parquet};
@@ -334,5 +335,88 @@ fn broken_files_are_survived() {
             }
             survive(&path, &bytes);
         }
+    }
+}
+
+/// Names of the columns in the file, and what is read of a copy of it without the metadata.
+fn copied(channels: &[(&str, Option<&str>)]) -> (Vec<String>, Vec<Channel>) {
+    let written = channels
+        .iter()
+        .map(|(name, unit)| Channel::new(*name, *unit));
+    let layout = Layout {
+        channels: written.collect(),
+        ..Layout::default()
+    };
+    let path = own("names.parquet");
+    write(&path, &layout, &vec![vec![1.0]; channels.len()], 1);
+    let read = open(&path).unwrap().layout().channels.clone();
+    let read = read.iter().map(|c| (c.name.as_str(), c.unit.as_deref()));
+    assert_eq!(read.collect::<Vec<_>>(), channels);
+    let file = SerializedFileReader::new(fs::File::open(&path).unwrap()).unwrap();
+    let schema = file.metadata().file_metadata().schema_descr();
+    let columns = schema.columns().iter();
+    let names: Vec<String> = columns.map(|c| c.name().to_owned()).collect();
+    let bare = Layout {
+        channels: names
+            .iter()
+            .map(|name| Channel::new(name.clone(), None))
+            .collect(),
+        ..Layout::default()
+    };
+    // A column called by its bare name needs no heading in the metadata.
+    write(&path, &bare, &vec![vec![1.0]; channels.len()], 1);
+    (names, open(&path).unwrap().layout().channels.clone())
+}
+
+#[test]
+fn inv_columns_are_called_without_blanks_and_brackets() {
+    let channels = [
+        ("time", Some("s")),
+        ("ax", Some("m/s^2")),
+        ("alpha_x", Some("rad/s^2")),
+        ("wx", Some("rad/s")),
+        ("qw", Some("1")),
+        ("rig/u 1", Some("mV")),
+        ("rig_u_1", Some("mV")),
+        ("(x)", Some("°/s")),
+        ("1", None),
+        ("-", None),
+    ];
+    let (names, copied) = copied(&channels);
+    assert_eq!(
+        names,
+        [
+            "time_s",
+            "ax_m_s2",
+            "alpha_x_rad_s2",
+            "wx_rad_s",
+            "qw",
+            "rig_u_1_mV",
+            "rig_u_1_mV_2",
+            "x_deg_s",
+            "column_1",
+            "column_10",
+        ]
+    );
+    let units: Vec<Option<&str>> = copied.iter().map(|c| c.unit.as_deref()).collect();
+    assert_eq!(
+        units[..5],
+        [
+            Some("s"),
+            Some("m/s^2"),
+            Some("rad/s^2"),
+            Some("rad/s"),
+            None
+        ]
+    );
+    let layout = Layout {
+        channels: copied,
+        ..Layout::default()
+    };
+    for (at, name) in ["time", "ax", "alpha_x", "wx", "qw"]
+        .into_iter()
+        .enumerate()
+    {
+        assert_eq!(layout.position(name), Some(at), "{name}");
     }
 }

@@ -3,6 +3,9 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use sixaxis_recordings::ingest::columns::Columns;
+use sixaxis_recordings::ingest::find::Column;
+use sixaxis_recordings::inspect::inspect;
 use sixaxis_recordings::{Block, Channel, Error, Layout, Source, create, open};
 
 /// Each limit for one read; block sizes must not change the values.
@@ -426,4 +429,96 @@ fn inv_equal_names_are_refused() {
     layout.channels.push(Channel::new("time", None));
     let error = create(&scratch("equal.tdms"), &layout).err().unwrap();
     assert!(matches!(error, Error::Unsupported { .. }), "{error}");
+}
+
+/// A file of one channel that begins at a time, counting up from a number in steps of one.
+fn counting(name: &str, start: &str, first: usize, rows: usize) -> Vec<u8> {
+    let path = scratch("counting.tdms");
+    let mut layout = Layout {
+        channels: vec![Channel {
+            sample_rate_hz: Some(1000.0),
+            ..Channel::new(name, Some("V"))
+        }],
+        ..Layout::default()
+    };
+    layout
+        .properties
+        .insert("wf_start_time".into(), start.into());
+    let mut sink = create(&path, &layout).unwrap();
+    let column = (first..first + rows).map(|i| i as f64).collect();
+    sink.write(&Block {
+        columns: vec![column],
+    })
+    .unwrap();
+    sink.finish().unwrap();
+    let bytes = fs::read(&path).unwrap();
+    fs::remove_file(path).unwrap();
+    bytes
+}
+
+/// Two groups that begin at different times, of different lengths, as `calibrate` and `decouple` read them.
+fn side_by_side(early: &str, late: &str) -> Result<Vec<Vec<f64>>, Error> {
+    let path = scratch(&format!("starts_{}.tdms", late.replace(':', "-")));
+    // Segments of one file follow those of another.
+    let mut bytes = counting("a/u", early, 0, 150_000);
+    bytes.extend(counting("b/v", late, 70_300, 60_000));
+    fs::write(&path, bytes).unwrap();
+    let source = open(&path).unwrap();
+    let wanted = [0, 1].map(|at| Column::new(source.layout(), at, 1.0));
+    let read = || {
+        let mut columns = Columns::new(&path, source, wanted.to_vec(), None, None)?;
+        let mut all = vec![Vec::new(); 2];
+        while columns.read(4096)? > 0 {
+            for (k, all) in all.iter_mut().enumerate() {
+                all.extend_from_slice(columns.column(k));
+            }
+        }
+        Ok(all)
+    };
+    let read = read();
+    let inspection = inspect(&path, None, &mut |_, _| {}).unwrap();
+    let samples: Vec<u64> = inspection.groups.iter().map(|g| g.samples).collect();
+    assert_eq!(
+        samples,
+        [150_000, 60_000],
+        "what is in the file is shown whole"
+    );
+    fs::remove_file(path).unwrap();
+    read
+}
+
+#[test]
+fn inv_groups_are_aligned_by_their_start_times() {
+    let early = "2026-01-31T10:00:00.000000000Z";
+    let read = side_by_side(early, "2026-01-31T10:01:10.300000000Z").unwrap();
+    assert_eq!(read[0].len(), 60_000);
+    assert_eq!(read[0], read[1]);
+    assert_eq!(read[0][0], 70_300.0);
+    let error = side_by_side(early, "2026-01-31T10:01:10.300400000Z").unwrap_err();
+    let said = error.to_string();
+    for words in [
+        "\"a/u\" begins 70.3004 s before \"b/v\"",
+        "no whole number of samples",
+    ] {
+        assert!(said.contains(words), "{said}");
+    }
+    let error = side_by_side(early, "2026-01-31T11:00:00.000000000Z").unwrap_err();
+    assert!(error.to_string().contains("ends before"), "{error}");
+}
+
+#[test]
+fn inv_a_cut_file_is_read_and_said_to_be_cut() {
+    let bytes = counting("a/u", "2026-01-31T10:00:00.000000000Z", 0, 1000);
+    let path = scratch("cut.tdms");
+    for (length, cut) in [(bytes.len(), false), (bytes.len() - 4001, true)] {
+        fs::write(&path, &bytes[..length]).unwrap();
+        let mut source = open(&path).unwrap();
+        assert_eq!(source.layout().cut.is_some(), cut);
+        let samples = read_all(&mut *source, &[0], 4096)[0].len();
+        assert_eq!(samples, if cut { 499 } else { 1000 });
+        let inspection = inspect(&path, None, &mut |_, _| {}).unwrap();
+        let noticed = inspection.facts.iter().any(|fact| fact.kind == "cut");
+        assert_eq!(noticed, cut);
+    }
+    fs::remove_file(path).unwrap();
 }

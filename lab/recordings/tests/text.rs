@@ -147,11 +147,7 @@ fn inv_what_is_not_understood_is_refused_with_its_place() {
 #[test]
 fn inv_text_may_stand_in_a_channel_that_is_not_selected() {
     let path = scratch("text_dates").join("file.csv");
-    std::fs::write(
-        &path,
-        "when,u\n2024-01-01 10:00:00,1.5\n2024-01-01 10:00:01,2.5\n",
-    )
-    .unwrap();
+    std::fs::write(&path, "when,u\nMonday,1.5\nTuesday,2.5\n").unwrap();
     let mut source = open(&path).unwrap();
     assert!(source.read(&mut Block::default(), 1).is_err());
     assert!(
@@ -259,4 +255,116 @@ fn inv_damaged_files_end_in_an_error_or_in_numbers() {
         &bad.join("members.csv.gz"),
     );
     assert!(accepted <= 14, "{accepted}");
+}
+
+#[test]
+fn inv_time_stamps_of_a_calendar_are_seconds_since_the_first() {
+    for (name, text, names, seconds, first) in [
+        (
+            "iso",
+            "when,u\n2024-05-31T23:59:59.999,1.5\n2024-06-01T00:00:00.001,2.5\n",
+            &["when", "u"][..],
+            0.002,
+            "2024-05-31T23:59:59.999",
+        ),
+        (
+            "german",
+            "Zeit;u\n31.05.2024 23:59:59,999;1,5\n01.06.2024 00:00:00,001;2,5\n",
+            &["Zeit", "u"],
+            0.002,
+            "31.05.2024 23:59:59,999",
+        ),
+        (
+            "apart",
+            "Datum;Zeit;u\n31.05.2024;23:59:59;1,5\n01.06.2024;00:00:01;2,5\n",
+            &["Zeit", "u"],
+            2.0,
+            "31.05.2024 23:59:59",
+        ),
+        (
+            "blanks",
+            "2024-05-31 23:59:59.5 1.5\n2024-06-01 00:00:00.0 2.5\n",
+            &["column_2", "column_3"],
+            0.5,
+            "2024-05-31 23:59:59.5",
+        ),
+        (
+            "of_the_day",
+            "t\tu\n10:00:00.25\t1.5\n10:00:01\t2.5\n",
+            &["t", "u"],
+            0.75,
+            "10:00:00.25",
+        ),
+        (
+            "zones",
+            "u,stamp\n1.5,2024-10-27T02:59:59+02:00\n2.5,2024-10-27T02:00:00+01:00\n",
+            &["u", "stamp"],
+            1.0,
+            "2024-10-27T02:59:59+02:00",
+        ),
+    ] {
+        let (layout, columns) = read(&format!("stamps_{name}"), text.as_bytes()).unwrap();
+        let found: Vec<&str> = layout.channels.iter().map(|c| c.name.as_str()).collect();
+        assert_eq!(found, names, "{name}");
+        let time = layout.time.expect("time stamps");
+        assert_eq!(columns[time], [0.0, seconds], "{name}");
+        assert_eq!(columns[1 - time], [1.5, 2.5], "{name}");
+        assert_eq!(layout.channels[time].unit.as_deref(), Some("s"));
+        let property = format!("{}/first_timestamp", names[time]);
+        assert_eq!(layout.properties[&property], first, "{name}");
+    }
+    let broken =
+        b"t,u\n2024-05-31T23:59:58,1\n2024-05-31T23:59:59,2\nlater,3\n2024-06-01T00:00:01,4\n";
+    let error = read("stamps_broken", broken).unwrap_err().to_string();
+    assert!(
+        error.ends_with("line 4, column 1: \"later\" is no time stamp as in the first row"),
+        "{error}"
+    );
+}
+
+#[test]
+fn inv_a_last_line_that_breaks_off_is_left_out_and_said() {
+    let whole = "a,b,c\n1,2,3\n4,5,6\n7,8,9";
+    let (layout, columns) = read("cut_not", whole.as_bytes()).unwrap();
+    assert_eq!((layout.cut, columns[0].len()), (None, 3));
+    for fewer in 2..=3 {
+        let text = &whole[..whole.len() - fewer];
+        let (layout, columns) = read("cut", text.as_bytes()).unwrap();
+        let cut = layout.cut.expect("it is said");
+        assert!(cut.starts_with("its last line breaks off after"), "{cut}");
+        assert!(
+            cut.ends_with(&format!("{:?}", text.lines().last().unwrap())),
+            "{cut}"
+        );
+        assert_eq!(columns, [[1.0, 4.0], [2.0, 5.0], [3.0, 6.0]]);
+    }
+    // With a line's end, somebody meant it.
+    assert!(read("cut_meant", b"a,b,c\n1,2,3\n4,5,6\n7,8\n").is_err());
+    let error = read("cut_cell", b"a,b,c\n1,2,3\n4,5,6\n7,8,")
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("line 4, column 3: an empty cell"), "{error}");
+    assert!(error.contains("was it cut short?"), "{error}");
+}
+
+#[test]
+fn inv_a_footer_is_told_from_a_broken_row() {
+    let rows = format!("a,b\n{}", "1,2\n".repeat(8));
+    for (name, text, footer) in [
+        ("words", "end,of,file\n", true),
+        ("two_lines", "\nMeasured by,Ada\nChecked,Grace\n", true),
+        ("between", "end,of,file\n5,6\n", false),
+        ("empty_cell", "5,\n", false),
+    ] {
+        let error = read(
+            &format!("footer_{name}"),
+            format!("{rows}{text}").as_bytes(),
+        )
+        .unwrap_err()
+        .to_string();
+        let line = if name == "two_lines" { 11 } else { 10 };
+        assert!(error.contains(&format!("line {line}")), "{error}");
+        let said = error.contains(&format!("if line {line} begins a footer"));
+        assert_eq!(said, footer, "{error}");
+    }
 }

@@ -244,6 +244,7 @@ impl Recorded {
             gain_n_per_v: self.gain_n_per_v.to_vec(),
             rate_hz: Some(self.sample_rate_hz),
             down: Some(self.down.to_array()),
+            ..Overrides::default()
         }
     }
 

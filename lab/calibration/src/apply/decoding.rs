@@ -8,6 +8,7 @@ use sixaxis_recordings::motion::MOTION_CHANNELS;
 use sixaxis_recordings::{Block, Channel, Layout};
 
 use super::Row;
+use super::coordination::Coordination;
 use super::fault_watch::{FLAGS, FaultWatch};
 
 /// Which columns are wanted beside the time.
@@ -66,6 +67,8 @@ pub struct Decoding {
     uncertainty: Option<Box<(SampleUncertainty, Row)>>,
     /// Decodes in the decoupler's place where failures are to be seen.
     watching: Option<FaultWatch>,
+    /// Looks at the voltages before they are decoded.
+    coordination: Option<Coordination>,
     /// Stamps of the samples that have not been answered.
     times_s: Vec<f64>,
     /// Rows answered.
@@ -85,6 +88,7 @@ impl Decoding {
             columns,
             uncertainty: None,
             watching: None,
+            coordination: None,
             times_s: Vec::new(),
             rows: 0,
             first_s: None,
@@ -104,6 +108,18 @@ impl Decoding {
     pub fn with_watching(mut self, watching: FaultWatch) -> Self {
         self.watching = Some(watching);
         self
+    }
+
+    /// Checks the coordination equations on the way.
+    #[must_use]
+    pub fn with_coordination(mut self, coordination: Coordination) -> Self {
+        self.coordination = Some(coordination);
+        self
+    }
+
+    /// What the coordination equations say, if they are checked.
+    pub fn coordination(&mut self) -> Option<&mut Coordination> {
+        self.coordination.as_mut()
     }
 
     /// Messages of the fault monitor since the last call.
@@ -131,6 +147,9 @@ impl Decoding {
         let deviations = self.uncertainty.as_ref().map_or(0, |_| DEVIATIONS.len());
         let flags = self.watching.as_ref().map_or(0, |_| FLAGS.len());
         block.clear(1 + self.columns.count() + deviations + flags);
+        if let Some(coordination) = &mut self.coordination {
+            coordination.look(voltage_v);
+        }
         let done = if self.watching.is_some() {
             self.watched(voltage_v, block)
         } else {

@@ -9,6 +9,7 @@ use sixaxis_recordings::envelope::Envelope;
 use sixaxis_recordings::{Channel, Layout, Sink};
 
 use super::conditioning_stream::ConditioningStream;
+use super::coordination::Coordination;
 use super::decoding::{Columns, DEVIATIONS, Decoding};
 use super::fault_watch::{FaultWatch, flags};
 use super::pipeline::{self, Busy};
@@ -94,6 +95,10 @@ impl Job<'_> {
             .transpose()
     }
 
+    fn coordination(&self) -> Coordination {
+        Coordination::new(self.setup, self.calibration, self.excluded)
+    }
+
     /// Decouples a stream of rows of text at a known rate.
     ///
     /// # Errors
@@ -103,6 +108,7 @@ impl Job<'_> {
         Ok(TextStream {
             conditioning: ConditioningStream::new(&self.setup.conditioning, sample_rate_hz)?,
             watching: self.monitor(&settings)?,
+            coordination: self.coordination(),
             decoupler: self.decoupler(&settings)?,
             columns: self.columns,
             sample_rate_hz,
@@ -131,7 +137,8 @@ impl Job<'_> {
         let rate_hz = recording.sample_rate_hz;
         let settings = setup.settings(rate_hz, self.scheme);
         let conditioning = ConditioningStream::new(&setup.conditioning, rate_hz)?;
-        let mut decoding = Decoding::new(self.decoupler(&settings)?, self.columns, self.picture);
+        let mut decoding = Decoding::new(self.decoupler(&settings)?, self.columns, self.picture)
+            .with_coordination(self.coordination());
         let mut layout = self.columns.layout(rate_hz);
         if self.uncertainty {
             decoding = decoding.with_uncertainty(setup.uncertainty(self.calibration, &settings)?);
@@ -163,6 +170,8 @@ impl Job<'_> {
         }
         let mut warnings = recording.warnings();
         warnings.extend(decoding.messages());
+        let broken = decoding.coordination().and_then(Coordination::verdict);
+        warnings.extend(broken.map(|broken| format!("{}: {broken}", path.display())));
         if decoding.rows == 0 {
             warnings.push(format!(
                 "{}: {} samples; a row needs three, the result is empty",

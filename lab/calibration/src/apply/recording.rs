@@ -30,6 +30,8 @@ pub struct Recording {
     pub watched: bool,
     columns: Columns,
     start_s: f64,
+    /// How the file was cut short, if it was.
+    cut: Option<String>,
     full_scale_v: f64,
 }
 
@@ -81,12 +83,12 @@ impl Recording {
                 path.display()
             );
         };
-        let first = &layout.channels[limbs[0].index];
         Ok(Self {
             path: path.to_owned(),
             sample_rate_hz,
-            samples: first.samples,
-            start_s: first.start_offset_s,
+            samples: layout.channels[limbs[0].index].samples,
+            start_s: layout.start_s(&limbs.each_ref().map(|limb| limb.index)),
+            cut: layout.cut.clone(),
             names: limbs.each_ref().map(|limb| limb.name.clone()),
             seen: Seen::default(),
             without: LimbSet::EMPTY,
@@ -142,7 +144,10 @@ impl Recording {
     /// What a person should know of what was read, in sentences.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
-        let mut warnings = Vec::new();
+        let cut = self.cut.iter();
+        let mut warnings: Vec<String> = cut
+            .map(|cut| format!("{}: {cut}", self.path.display()))
+            .collect();
         let clipped: Vec<String> = self
             .seen
             .clipped

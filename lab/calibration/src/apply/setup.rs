@@ -24,6 +24,10 @@ pub struct Overrides {
     pub rate_hz: Option<f64>,
     /// Where down is in the sensor's axes at rest.
     pub down: Option<[f64; 3]>,
+    /// Names of the limbs' channels.
+    pub limbs: Option<[String; LIMBS]>,
+    /// Unit of the limbs' channels where the file does not say.
+    pub limbs_unit: Option<String>,
 }
 
 /// Everything but the samples.
@@ -118,13 +122,14 @@ impl Setup {
                 DVec3::ZERO
             }
         };
-        let channels = match (session, entry) {
+        let mut channels = match (session, entry) {
             (Some(file), Some(entry)) => entry
                 .channels
                 .clone()
                 .unwrap_or_else(|| file.session.channels.clone()),
             _ => calibration.channels.clone(),
         };
+        channels.state(overrides.limbs.as_ref(), overrides.limbs_unit.as_ref());
         let stages = session.map(|file| &file.session.preprocessing);
         let amplifier_high_pass_hz = match session {
             Some(file) => file.session.preprocessing.amplifier_high_pass_hz,

@@ -10,6 +10,7 @@ use sixaxis_recordings::session::Channels;
 use sixaxis_recordings::{Block, Channel};
 
 use super::conditioning_stream::ConditioningStream;
+use super::coordination::Coordination;
 use super::decoding::{Columns, Decoding};
 use super::fault_watch::{FaultWatch, flags};
 use super::voltages::Voltages;
@@ -36,6 +37,8 @@ pub struct TextStream {
     pub conditioning: ConditioningStream,
     /// The decoder.
     pub decoupler: Decoupler,
+    /// Checks that the limb forces add up.
+    pub coordination: Coordination,
     /// Decodes in its place, if channels are to be watched.
     pub watching: Option<FaultWatch>,
     /// What is written.
@@ -89,7 +92,8 @@ impl TextStream {
         warn: &dyn Fn(String),
     ) -> Result<End> {
         let mut layout = self.columns.layout(self.sample_rate_hz);
-        let mut decoding = Decoding::new(self.decoupler.clone(), self.columns, false);
+        let mut decoding = Decoding::new(self.decoupler.clone(), self.columns, false)
+            .with_coordination(self.coordination.clone());
         let watched = self.watching.is_some();
         if let Some(watching) = self.watching.take() {
             layout.channels.extend(flags(self.sample_rate_hz));
@@ -153,6 +157,10 @@ impl TextStream {
                 explain(&error, &format!("{PLACE}, line {number}"), &places.names())
             })?;
             decoding.messages().into_iter().for_each(warn);
+            let broken = decoding.coordination();
+            if let Some(broken) = broken.and_then(Coordination::verdict_so_far) {
+                warn(format!("{PLACE}, line {number}: {broken}"));
+            }
             write_rows(output, &block)?;
         }
         // What the stages still hold is answered, too.
@@ -163,6 +171,9 @@ impl TextStream {
                 .decode(ready.all(), &mut block)
                 .map_err(|error| explain(&error, PLACE, &places.names()))?;
             write_rows(output, &block)?;
+        }
+        if let Some(broken) = decoding.coordination().and_then(Coordination::verdict) {
+            warn(format!("{PLACE}: {broken}"));
         }
         if clipped > 1 {
             warn(format!(

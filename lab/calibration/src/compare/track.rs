@@ -26,6 +26,8 @@ pub struct Track {
     pub sample_rate_hz: f64,
     /// Time of its first sample, s.
     pub start_s: f64,
+    /// How its file was cut short, if it was.
+    pub cut: Option<String>,
     /// Whether the file has each column.
     present: [bool; COLUMNS],
     columns: columns::Columns,
@@ -48,7 +50,8 @@ impl Track {
         let wanted: Vec<find::Column> = motion.into_iter().flatten().collect();
         let first = &wanted[..1];
         let mut rate = stated_rate_hz(layout, first, None).map_err(|cause| anyhow!(cause))?;
-        let mut start_s = layout.channels[first[0].index].start_offset_s;
+        let mut start_s = layout.start_s(&wanted.iter().map(|c| c.index).collect::<Vec<_>>());
+        let cut = layout.cut.clone();
         let time = find::time(path, layout, None)?;
         if let Some(time) = &time {
             if rate.is_none() {
@@ -72,6 +75,7 @@ impl Track {
             path: path.to_owned(),
             sample_rate_hz,
             start_s,
+            cut,
             present,
             columns: columns::Columns::new(path, source, wanted, None, None)?,
             row: 0,

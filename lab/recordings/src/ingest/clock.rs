@@ -30,6 +30,9 @@ const STAMPS_TOLERANCE: f64 = 1e-3;
 pub struct Gap {
     /// Sample after it.
     pub sample: u64,
+    /// Its line, from 1, where it was looked up in a file of text.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub line: Option<u64>,
     /// Time stamp before it, s.
     pub time_s: f64,
     /// From the stamp before to the stamp after, s.
@@ -197,8 +200,8 @@ impl Clock {
         let gap = self.stamps.first_gaps.first().map(|gap| StampFault {
             sample: gap.sample,
             cause: format!(
-                "a gap of {:.6} s, in which samples are missing ({}, to the nearest); make the parts before and after it recordings of their own",
-                gap.length_s, gap.missing
+                "a gap of {:.6} s after time {} s, in which samples are missing ({}, to the nearest); make the parts before and after it recordings of their own",
+                gap.length_s, gap.time_s, gap.missing
             ),
         });
         [not_finite, standing, gap]
@@ -236,6 +239,7 @@ impl Clock {
         } else if step > GAP_STEPS * usual && usual > 0.0 {
             let gap = Gap {
                 sample: row,
+                line: None,
                 time_s: previous,
                 length_s: step,
                 missing: (step / usual).round() as u64 - 1,

@@ -24,10 +24,13 @@ pub struct Columns {
     /// Samples read before the block, and in it.
     before: u64,
     rows: usize,
+    /// Samples of each selected channel before the last of them begins; they are not read.
+    skipped: Vec<u64>,
 }
 
 impl Columns {
-    /// Selects channels and, if there are any, time stamps, which are held against a rate where one is known.
+    /// Selects channels and, if there are any, time stamps, which are held against a rate where one is known. Channels that
+    /// begin at different times are read from the last beginning on.
     ///
     /// # Errors
     /// Those of [`Source::select`].
@@ -47,6 +50,7 @@ impl Columns {
             piece: Block::default(),
             before: 0,
             rows: 0,
+            skipped: Vec::new(),
         };
         columns.select(wanted, time, rate_hz)?;
         Ok(columns)
@@ -73,14 +77,15 @@ impl Columns {
     /// Starts again at the first sample.
     ///
     /// # Errors
-    /// Those of [`Source::select`].
+    /// Those of [`Source::select`]; [`Error::Malformed`] for channels that cannot be aligned.
     pub fn rewind(&mut self) -> Result<()> {
         let mut selection: Vec<usize> = self.wanted.iter().map(|c| c.index).collect();
         if let Some((time, rate_hz, clock)) = &mut self.time {
             selection.push(time.index);
             *clock = Clock::new(time, *rate_hz);
         }
-        self.source.select(&selection)?;
+        self.skipped = self.source.layout().alignment(&self.path, &selection)?;
+        self.source.select_from(&selection, &self.skipped)?;
         self.block.clear(selection.len());
         (self.before, self.rows) = (0, 0);
         Ok(())
@@ -101,6 +106,7 @@ impl Columns {
                     path: self.path.clone(),
                     channel: time.name.clone(),
                     sample: fault.sample,
+                    line: self.source.line(fault.sample),
                     cause: fault.cause,
                 });
             }
@@ -190,13 +196,20 @@ impl Columns {
             Some(at) => Err(Error::Sample {
                 path: self.path.clone(),
                 channel: self.wanted[k].name.clone(),
-                sample: self.before + at as u64,
+                sample: self.skipped[k] + self.before + at as u64,
+                line: self.source.line(self.before + at as u64),
                 cause: format!(
                     "{} is not a finite number; cut the recording there or mend it",
                     column[at]
                 ),
             }),
         }
+    }
+
+    /// As [`Source::line`].
+    #[must_use]
+    pub fn line(&self, sample: u64) -> Option<u64> {
+        self.source.line(sample)
     }
 
     /// Usual step of the time stamps so far, s.

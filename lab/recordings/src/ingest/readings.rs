@@ -29,6 +29,8 @@ pub struct Readings {
     pub accelerometer_m_s2: Vec<f64>,
     /// Standard gyroscope about the pinion's axis, rad/s; empty for a static record and a tap.
     pub gyroscope_rad_s: Vec<f64>,
+    /// How the file, or that of the standards, was cut short, if it was.
+    pub cut: Option<String>,
 }
 
 /// Reads one recording of a session. Jittering time stamps are resampled to an even clock; a static record is averaged
@@ -126,6 +128,7 @@ impl Reader<'_> {
     fn moving(&self) -> Result<Readings> {
         let path = self.file.resolve(&self.entry.file);
         let source = open(&path)?;
+        let mut cut = source.layout().cut.clone();
         let mut wanted = find::limbs(&path, source.layout(), self.channels())?.to_vec();
         let reference = match self.entry.role {
             // A tap has no standards.
@@ -143,7 +146,7 @@ impl Reader<'_> {
         let mut standards = columns.split_off(LIMBS);
         if let Some(reference) = reference {
             let samples = columns[0].len();
-            let (read, covered) = self.reference(reference, sample_rate_hz, samples)?;
+            let (read, covered) = self.reference(reference, sample_rate_hz, samples, &mut cut)?;
             standards = read;
             for column in &mut columns {
                 column.truncate(covered.end);
@@ -170,6 +173,7 @@ impl Reader<'_> {
             voltage_v: nine(columns),
             accelerometer_m_s2,
             gyroscope_rad_s,
+            cut,
         })
     }
 
@@ -183,9 +187,13 @@ impl Reader<'_> {
         reference: &Path,
         rate_hz: f64,
         samples: usize,
+        cut: &mut Option<String>,
     ) -> Result<(Vec<Vec<f64>>, core::ops::Range<usize>)> {
         let path = self.file.resolve(reference);
         let source = open(&path)?;
+        if let Some(own) = &source.layout().cut {
+            *cut = Some(format!("{}: {own}", reference.display()));
+        }
         let wanted = self.standards(&path, source.layout())?.to_vec();
         let stated_hz = self.entry.reference_sample_rate_hz;
         let own = self.series(&path, source, wanted, stated_hz, "reference_sample_rate_hz")?;
@@ -217,6 +225,7 @@ impl Reader<'_> {
         let source = open(&path)?;
         let layout = source.layout();
         let limbs = find::limbs(&path, layout, self.channels())?;
+        let cut = layout.cut.clone();
         let rate = stated_rate_hz(layout, &limbs, self.entry.sample_rate_hz)
             .map_err(|cause| self.refuse("sample_rate_hz", cause))?
             .unwrap_or(1.0);
@@ -236,6 +245,7 @@ impl Reader<'_> {
             voltage_v: averaged.map(Averaged::finish),
             accelerometer_m_s2: Vec::new(),
             gyroscope_rad_s: Vec::new(),
+            cut,
         })
     }
 }

@@ -21,7 +21,9 @@ pub struct Inspection {
     pub format: String,
     /// What it says of itself.
     pub properties: BTreeMap<String, String>,
-    /// Channels that go side by side: of one length and one rate.
+    /// How it was cut short, if it was.
+    pub cut: Option<String>,
+    /// Channels that go side by side: of one length, one rate and one start.
     pub groups: Vec<Group>,
     /// Channels that cannot be read.
     pub unreadable: Vec<Unreadable>,
@@ -54,7 +56,7 @@ pub enum Severity {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Fact {
     /// One word for scripts: `clipped`, `constant`, `not_finite`, `drift`, `mains`, `identical`, `opposite`, `gap`,
-    /// `not_advancing`, `jitter`, `rate`, `unreadable`, `empty`; `remark` for what is no defect.
+    /// `not_advancing`, `jitter`, `rate`, `unreadable`, `empty`, `cut`; `remark` for what is no defect.
     pub kind: &'static str,
     /// Channels concerned.
     pub channels: Vec<String>,
@@ -111,7 +113,7 @@ impl RateOrigin {
     }
 }
 
-/// Channels of one length and one rate.
+/// Channels of one length, one rate and one start.
 #[derive(Debug, Clone, Serialize)]
 pub struct Group {
     /// Samples of each channel.

@@ -136,7 +136,12 @@ pub fn heading(group: &Group) -> String {
     let duration = group
         .duration_s
         .map_or_else(String::new, |duration| format!(", {}", seconds(duration)));
-    format!("{channels} of {samples}, {rate}{duration}")
+    let start_s = group.channels.first().map_or(0.0, |c| c.start_offset_s);
+    let start = match start_s == 0.0 {
+        true => String::new(),
+        false => format!(", from {} after the file's start on", seconds(start_s)),
+    };
+    format!("{channels} of {samples}, {rate}{duration}{start}")
 }
 
 /// Without zeros at the end of a fraction.

@@ -36,3 +36,4 @@ mod spectrum;
 
 pub use facts::{Inspection, Severity};
 pub use reading::inspect;
+pub use sensor::Expected;

@@ -18,6 +18,9 @@ const NAMED: usize = 12;
 #[must_use]
 pub fn of(inspection: &Inspection, expected: Option<&Expected>) -> Vec<Fact> {
     let mut facts = Facts(Vec::new());
+    if let Some(cut) = &inspection.cut {
+        facts.notice("cut", None, cut.clone());
+    }
     for refused in &inspection.unreadable {
         let text = format!("{} cannot be read: {}", refused.channel, refused.cause);
         facts.notice("unreadable", [&refused.channel], text);
@@ -118,8 +121,10 @@ impl Facts {
                 String::new()
             };
             let text = format!(
-                "gap before sample {}: {} from time {} on, {} samples missing{more}",
+                "gap before sample {}{}: {} from time {} on, {} samples missing{more}",
                 gap.sample,
+                gap.line
+                    .map_or_else(String::new, |line| format!(" (line {line})")),
                 seconds(gap.length_s),
                 seconds(gap.time_s),
                 gap.missing,
@@ -309,14 +314,13 @@ impl Facts {
     }
 
     fn of_sensor(&mut self, inspection: &Inspection, expected: Option<&Expected>) {
-        if let Some(expected) = expected.filter(|e| !e.listed) {
-            let session = expected.session.display();
-            self.remark(format!("not among the recordings of {session}"));
+        if let Some(session) = expected.and_then(|e| e.foreign_to.as_deref()) {
+            self.remark(format!("not among the recordings of {}", session.display()));
         }
         let Some(sensor) = &inspection.sensor else {
             if let Some(expected) = expected {
                 self.remark(format!(
-                    "the session's nine limbs, {}, are not all in this file",
+                    "the nine limbs, {}, are not all in this file",
                     list(&expected.channels.limbs)
                 ));
             }

@@ -18,7 +18,6 @@ use crate::ingest::columns::{BLOCK, Columns};
 use crate::ingest::find::Column;
 use crate::ingest::units;
 use crate::open;
-use crate::session::SessionFile;
 
 /// Values of a block at most.
 const VALUES: usize = 1 << 21;
@@ -31,7 +30,7 @@ const SHORT_SEGMENT: usize = 1 << 14;
 /// Channels up to which a group that cannot be read is tried channel by channel.
 const RETRIED: usize = 64;
 
-/// Reads a recording once and states what is in it. The session, if there is one, says what its file leaves open.
+/// Reads a recording once and states what is in it. Session and options, if there are any, say what its file leaves open.
 ///
 /// `advance` is told the rows of each block and the rows of all groups together.
 ///
@@ -39,12 +38,11 @@ const RETRIED: usize = 64;
 /// Those of a file that cannot be opened or of which no channel can be read.
 pub fn inspect(
     path: &Path,
-    session: Option<&SessionFile>,
+    expected: Option<Expected>,
     advance: &mut dyn FnMut(u64, u64),
 ) -> Result<Inspection> {
     let source = open(path)?;
     let mut layout = source.layout().clone();
-    let expected = session.map(|session| Expected::of(session, path));
     if let Some(expected) = &expected {
         expected.complete(&mut layout);
     }
@@ -85,6 +83,7 @@ pub fn inspect(
         file: path.display().to_string(),
         format: layout.format.clone(),
         properties: layout.properties.clone(),
+        cut: layout.cut.clone(),
         groups,
         unreadable: reader.unreadable,
         twins: one_signal,
@@ -95,12 +94,13 @@ pub fn inspect(
     Ok(inspection)
 }
 
-/// Channels of one length and one rate, in the file's order. The time stamps go with all groups of their length.
+/// Channels of one length, one rate and one start, in the file's order. The time stamps go with all groups of their length.
 fn selections(layout: &Layout) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     let alike = |a: usize, b: usize| {
         let (a, b) = (&layout.channels[a], &layout.channels[b]);
         a.samples == b.samples
+            && a.start_offset_s == b.start_offset_s
             && a.sample_rate_hz.map(f64::to_bits) == b.sample_rate_hz.map(f64::to_bits)
     };
     for index in (0..layout.channels.len()).filter(|index| Some(*index) != layout.time) {
@@ -228,7 +228,10 @@ impl Reader<'_> {
                 self.columns.read_as_it_is(rows)?
             };
         }
-        let stamps = self.columns.stamps();
+        let mut stamps = self.columns.stamps();
+        if let Some(gap) = stamps.as_mut().and_then(|s| s.first_gaps.first_mut()) {
+            gap.line = self.columns.line(gap.sample);
+        }
         let (rate, origin) = rate(by_file, by_session, stamps.as_ref());
         let group = Group {
             samples,

@@ -12,13 +12,11 @@ const STILL: f64 = 1.5;
 /// Limbs that move show more than so many times theirs.
 const MOVES: f64 = 30.0;
 
-/// What a session says of one file.
-#[derive(Debug, Clone)]
+/// What a session, or the options of a command, say of one file.
+#[derive(Debug, Clone, Default)]
 pub struct Expected {
-    /// The session file.
-    pub session: PathBuf,
-    /// The file is among its recordings.
-    pub listed: bool,
+    /// The session file that does not have the file among its recordings.
+    pub foreign_to: Option<PathBuf>,
     /// What it is for.
     pub role: Option<Role>,
     /// Names and units of its channels.
@@ -26,7 +24,7 @@ pub struct Expected {
     /// Sample rate where the file does not say.
     pub sample_rate_hz: Option<f64>,
     /// Limit of the limbs' converter, V.
-    pub full_scale_v: f64,
+    pub full_scale_v: Option<f64>,
 }
 
 impl Expected {
@@ -42,8 +40,7 @@ impl Expected {
         });
         let entry = own.or(standards);
         Self {
-            session: file.path.clone(),
-            listed: entry.is_some(),
+            foreign_to: entry.is_none().then(|| file.path.clone()),
             role: own.map(|e| e.role),
             channels: entry
                 .and_then(|e| e.channels.as_ref())
@@ -52,7 +49,7 @@ impl Expected {
             sample_rate_hz: own
                 .and_then(|e| e.sample_rate_hz)
                 .or_else(|| standards.and_then(|e| e.reference_sample_rate_hz)),
-            full_scale_v: session.sensor.full_scale_v,
+            full_scale_v: Some(session.sensor.full_scale_v),
         }
     }
 
@@ -95,7 +92,9 @@ impl Expected {
         let mut limbs = self.channels.limbs.iter();
         let limb = limbs.any(|name| layout.position(name) == Some(index));
         match layout.channels[index].unit.as_deref().and_then(unit::named) {
-            Some(Unit::Voltage(volts)) if limb => self.full_scale_v / volts,
+            Some(Unit::Voltage(volts)) if limb => self
+                .full_scale_v
+                .map_or(f64::INFINITY, |limit| limit / volts),
             _ => f64::INFINITY,
         }
     }

@@ -1,6 +1,7 @@
 //! Parquet files, as pandas, Polars and DuckDB write them.
 //!
-//! A flat numeric column is a channel; its name may carry the unit, `u1 [mV]`, or Arrow's metadata of the field under `unit`. A column in which a sample is missing (null,
+//! A flat numeric column is a channel; its name may carry the unit, `u1 [mV]`, or Arrow's metadata of the field under `unit`.
+//! Columns that this crate writes are called `u1_mV`, `ax_m_s2`; the key `heading:NAME` holds `u1 [mV]`. A column in which a sample is missing (null,
 //! which is also what pandas makes of NaN) is refused where it is read: a recording has no holes. Time stamps become seconds
 //! since the column's first sample, durations and times of day seconds. Integers beyond 2^53 are rounded to the nearest f64. Text, dates, decimals and nested
 //! columns are no channels; the property [`LEFT_OUT`] names them.
@@ -30,5 +31,7 @@ pub(crate) use source::open;
 pub const LEFT_OUT: &str = "columns left out";
 /// Samples per second, of the file or of one column.
 const RATE_KEY: &str = "sample_rate_hz";
+/// Name and unit of one column's channel, `ax [m/s^2]`.
+const HEADING_KEY: &str = "heading";
 /// Time of the first sample, s.
 const OFFSET_KEY: &str = "start_offset_s";

@@ -1,5 +1,6 @@
 //! Writing.
 
+use std::collections::BTreeSet;
 use std::fs::File;
 use std::io;
 use std::path::Path;
@@ -13,7 +14,7 @@ use ::parquet::file::properties::{EnabledStatistics, WriterProperties};
 use ::parquet::file::writer::SerializedFileWriter;
 use ::parquet::schema::types::Type;
 
-use super::{LEFT_OUT, OFFSET_KEY, RATE_KEY};
+use super::{HEADING_KEY, LEFT_OUT, OFFSET_KEY, RATE_KEY};
 use crate::channel::{Channel, Layout};
 use crate::sink::{self, Encoder, Sink};
 
@@ -33,11 +34,11 @@ pub(crate) fn create(path: &Path, layout: &Layout) -> crate::Result<Box<dyn Sink
 }
 
 fn writer(file: File, layout: &Layout) -> Result<SerializedFileWriter<File>> {
-    let fields = layout
-        .channels
+    let names = column_names(layout);
+    let fields = names
         .iter()
-        .map(|channel| {
-            Type::primitive_type_builder(&channel.heading(), Physical::DOUBLE)
+        .map(|name| {
+            Type::primitive_type_builder(name, Physical::DOUBLE)
                 .with_repetition(Repetition::REQUIRED)
                 .build()
                 .map(Arc::new)
@@ -56,7 +57,7 @@ fn writer(file: File, layout: &Layout) -> Result<SerializedFileWriter<File>> {
         .set_created_by(
             concat!("sixaxis-recordings version ", env!("CARGO_PKG_VERSION")).to_owned(),
         )
-        .set_key_value_metadata(Some(key_values(layout)))
+        .set_key_value_metadata(Some(key_values(layout, &names)))
         .build();
     SerializedFileWriter::new(file, Arc::new(schema), Arc::new(properties))
 }
@@ -100,14 +101,54 @@ fn io_error(error: ParquetError) -> io::Error {
     }
 }
 
-/// Properties, rates and offsets. What all channels have in common stands once, the rest per channel.
-fn key_values(layout: &Layout) -> Vec<KeyValue> {
+/// Names of the columns: of letters, digits and underscores, with the unit at the end, so that they can be written without
+/// quotes in Python and SQL.
+fn column_names(layout: &Layout) -> Vec<String> {
+    let mut taken = BTreeSet::new();
+    let channels = layout.channels.iter().enumerate();
+    let names = channels.map(|(at, channel)| {
+        let plain = plain_name(channel, at);
+        let mut name = plain.clone();
+        for again in 2.. {
+            if taken.insert(name.clone()) {
+                break;
+            }
+            name = format!("{plain}_{again}");
+        }
+        name
+    });
+    names.collect()
+}
+
+/// `ax_m_s2` of `ax` in `m/s^2`.
+fn plain_name(channel: &Channel, at: usize) -> String {
+    let unit = channel.unit.as_deref().filter(|unit| *unit != "1");
+    let unit = unit.unwrap_or_default().replace('^', "").replace('²', "2");
+    let unit = unit.replace('°', "deg").replace('µ', "u");
+    let both = format!("{} {unit}", channel.name);
+    let words = both.split(|c: char| !c.is_alphanumeric() && c != '_');
+    let words: Vec<&str> = words.filter(|word| !word.is_empty()).collect();
+    match words.join("_") {
+        name if name.is_empty() => format!("column_{}", at + 1),
+        name if name.starts_with(|c: char| c.is_numeric()) => format!("column_{name}"),
+        name => name,
+    }
+}
+
+/// Headings that the columns' names do not show, properties, rates and offsets. What all channels have in common stands once, the rest per channel.
+fn key_values(layout: &Layout, names: &[String]) -> Vec<KeyValue> {
     let mut pairs: Vec<_> = layout
         .properties
         .iter()
         .filter(|(key, _)| !matches!(key.as_str(), LEFT_OUT | RATE_KEY | OFFSET_KEY))
         .map(|(key, value)| KeyValue::new(key.clone(), value.clone()))
         .collect();
+    for (channel, name) in layout.channels.iter().zip(names) {
+        let heading = channel.heading();
+        if heading != *name {
+            pairs.push(KeyValue::new(format!("{HEADING_KEY}:{name}"), heading));
+        }
+    }
     let rate: fn(&Channel) -> Option<f64> = |c| c.sample_rate_hz;
     let offset: fn(&Channel) -> Option<f64> =
         |c| (c.start_offset_s != 0.0).then_some(c.start_offset_s);

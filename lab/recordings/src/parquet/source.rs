@@ -13,10 +13,11 @@ use ::parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader};
 use super::arrow;
 use super::column::{Meaning, Trouble, append, meaning};
 use super::pages::page_reader;
-use super::{LEFT_OUT, OFFSET_KEY, RATE_KEY};
+use super::{HEADING_KEY, LEFT_OUT, OFFSET_KEY, RATE_KEY};
 use crate::channel::{Channel, Layout, is_sample_rate};
 use crate::error::{Error, Place, Result};
 use crate::source::{Decoder, Source, reading};
+use crate::unit::in_name;
 
 /// Key-value metadata that describe the columns to one library or another, not the recording to a person.
 const TECHNICAL_KEYS: [&str; 3] = [
@@ -177,7 +178,7 @@ fn arrange(path: &Path, metadata: &ParquetMetaData) -> Result<(Layout, Vec<(usiz
             format!("{rows} rows announced, and row groups of another sum"),
         ));
     }
-    let properties: BTreeMap<String, String> = file
+    let mut properties: BTreeMap<String, String> = file
         .key_value_metadata()
         .into_iter()
         .flatten()
@@ -195,7 +196,14 @@ fn arrange(path: &Path, metadata: &ParquetMetaData) -> Result<(Layout, Vec<(usiz
     for (index, column) in file.schema_descr().columns().iter().enumerate() {
         match meaning(column) {
             Ok(mut meaning) => {
-                let mut channel = Channel::from_heading(column.name());
+                let heading = properties.remove(&format!("{HEADING_KEY}:{}", column.name()));
+                let mut channel =
+                    Channel::from_heading(heading.as_deref().unwrap_or(column.name()));
+                if heading.is_none() && channel.unit.is_none() {
+                    // Software that copies a file may keep the columns' names and not the metadata.
+                    let unit = in_name(&channel.name).map(|(_, unit)| unit.to_owned());
+                    channel.unit = unit;
+                }
                 if let Some(field) = described.iter().find(|f| f.name == column.name()) {
                     channel.unit = channel.unit.or_else(|| field.unit.clone());
                     if let (Meaning::Plain, Some(rate)) = (meaning, field.duration) {

@@ -33,6 +33,18 @@ pub struct Channels {
     pub limbs_lag_us: Option<PerLimb>,
 }
 
+impl Channels {
+    /// Takes over what somebody says of the limbs' channels beside the session.
+    pub fn state(&mut self, limbs: Option<&[String; LIMBS]>, unit: Option<&String>) {
+        if let Some(limbs) = limbs {
+            self.limbs.clone_from(limbs);
+        }
+        if let Some(unit) = unit {
+            self.limbs_unit = Some(unit.clone());
+        }
+    }
+}
+
 impl Default for Channels {
     fn default() -> Self {
         Self {

@@ -94,6 +94,9 @@ pub fn describe(index: &Index) -> (Layout, Vec<Reading>) {
     }
     if index.incomplete {
         note("incomplete_last_segment", "true".into());
+        layout.cut = Some(
+            "its last segment is cut short; it is read as far as all its channels reach".into(),
+        );
     }
     layout.time = time_channel(&layout.channels)
         .or_else(|| readings.iter().position(|r| r.kind == Kind::Time));

@@ -30,7 +30,8 @@
 //! [`Error::Unsupported`](crate::Error::Unsupported) when it is selected, or read because nothing was selected; its raw counts are never handed out.
 //!
 //! A last segment that was cut off (power loss, crash) is read as far as all its channels reach, and the property
-//! `incomplete_last_segment` is `true`.
+//! `incomplete_last_segment` is `true`. Channels that start at different times (`wf_start_time`, `wf_start_offset`) are read from
+//! the last start on.
 
 mod chunk;
 mod cursor;

@@ -134,6 +134,21 @@ impl Position {
         });
     }
 
+    /// Passes over samples.
+    fn skip(&mut self, index: &Index, mut samples: u64) {
+        while let Some((number, run, _, column)) = self.run {
+            let left = (run.chunks - self.chunk) * column.values - self.value;
+            if samples < left {
+                let at = self.value + samples;
+                self.chunk += at / column.values;
+                self.value = at % column.values;
+                return;
+            }
+            samples -= left;
+            self.enter(index, number + 1);
+        }
+    }
+
     /// Byte of the next sample.
     fn byte(&self) -> u64 {
         self.run.map_or(u64::MAX, |(_, run, bytes, column)| {
@@ -227,6 +242,13 @@ impl Decoder for Tdms {
     ) -> Result<Self::Position> {
         let start = |&channel| Position::start(&self.index, channel, self.readings[channel].object);
         Ok((selected.iter().map(start).collect(), samples))
+    }
+
+    fn skip(&self, (positions, _): &mut Self::Position, skipped: &[u64]) -> bool {
+        for (position, skipped) in positions.iter_mut().zip(skipped) {
+            position.skip(&self.index, *skipped);
+        }
+        true
     }
 
     fn next(

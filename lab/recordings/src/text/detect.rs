@@ -1,6 +1,7 @@
 //! Which dialect the first lines are written in, and which of them are headings.
 
 use super::dialect::{Decimal, Dialect, Separator, number, split, texts};
+use super::stamp::{date, time_of_day, whole};
 
 /// A line with its number.
 pub type Numbered = (u64, Vec<u8>);
@@ -73,7 +74,7 @@ struct Score {
     columns: usize,
     /// Which columns are numbers.
     numeric: Vec<bool>,
-    /// Share of the cells that are numbers.
+    /// Share of the cells that are numbers or times of a calendar.
     share: f64,
 }
 
@@ -89,7 +90,7 @@ fn score(body: &[Numbered], separator: Separator) -> Option<Score> {
         return None;
     }
     let decimal = decimal_sign(body, separator);
-    let (mut hits, mut rows) = (vec![0_usize; columns], 0_usize);
+    let (mut hits, mut rows, mut stamps) = (vec![0_usize; columns], 0_usize, 0_usize);
     let mut scratch = String::new();
     for (_, line) in body {
         if split(line, separator, &mut cells).is_err() || cells.len() != columns {
@@ -98,16 +99,23 @@ fn score(body: &[Numbered], separator: Separator) -> Option<Score> {
         rows += 1;
         for (hits, &(begin, end)) in hits.iter_mut().zip(&cells) {
             let cell = line.get(begin..end).unwrap_or_default();
-            *hits += usize::from(number(cell, &mut decimal.clone(), &mut scratch).is_some());
+            let is_number = number(cell, &mut decimal.clone(), &mut scratch).is_some();
+            *hits += usize::from(is_number);
+            stamps += usize::from(!is_number && is_stamp(cell));
         }
     }
-    let share = hits.iter().sum::<usize>() as f64 / (columns * body.len()) as f64;
+    let share = (hits.iter().sum::<usize>() + stamps) as f64 / (columns * body.len()) as f64;
     (share > 0.0).then(|| Score {
         dialect: Dialect { separator, decimal },
         columns,
         numeric: hits.iter().map(|&hits| 2 * hits > rows).collect(),
         share,
     })
+}
+
+/// Whether a cell is a date, a time of day or both.
+fn is_stamp(cell: &[u8]) -> bool {
+    whole(cell).is_some() || date(cell).is_some() || time_of_day(cell).is_some()
 }
 
 fn most_common(counts: &[usize]) -> Option<usize> {

@@ -1,13 +1,14 @@
 //! Everything before the first row: comments, properties, headings.
 
 use std::collections::BTreeMap;
-use std::ops::RangeInclusive;
+use std::ops::{Range, RangeInclusive};
 use std::path::Path;
 
 use super::detect::{Found, Numbered, detect};
-use super::dialect::{Dialect, Separator, text, texts};
+use super::dialect::{Dialect, Separator, split, text, texts};
 use super::lines::{LINE, Lines};
 use super::lvm;
+use super::stamp::{Stamps, date, time_of_day, whole};
 use crate::channel::{Channel, Layout, MOST_CHANNELS, is_sample_rate, sample_rate};
 use crate::error::{Error, Place, Result};
 
@@ -21,12 +22,30 @@ pub struct Table {
     pub dialect: Dialect,
     /// Cells of a row.
     pub cells: RangeInclusive<usize>,
-    /// Cell of the first channel.
-    pub first_cell: usize,
+    /// Where each channel is.
+    pub columns: Vec<Column>,
     /// Whether a line of tabs is blank, and not a row of empty cells.
     pub loose: bool,
     /// Number of the line where the rows begin.
     pub first_line: u64,
+    /// Whether the last line breaks off and is left out.
+    pub cut: bool,
+}
+
+/// Where a channel is in a row.
+#[derive(Debug)]
+pub struct Column {
+    /// Its cell.
+    pub cell: usize,
+    /// How its time stamps are written, and the first of them, if it is a column of these.
+    pub stamps: Option<(Stamps, i128)>,
+}
+
+impl Column {
+    /// Columns of numbers.
+    pub fn plain(cells: Range<usize>) -> Vec<Self> {
+        cells.map(|cell| Self { cell, stamps: None }).collect()
+    }
 }
 
 /// Reads up to the first row and decides.
@@ -88,7 +107,16 @@ pub fn read(path: &Path) -> Result<(Layout, Table)> {
         before => sample.get(before - 1).map_or(begin, |line| line.0 + 1),
     };
     let format = format!("{kind} ({})", found.dialect.describe());
-    let mut layout = Layout::new(format, channels(&found), BTreeMap::new());
+    let mut channels = channels(&found);
+    let mut properties = BTreeMap::new();
+    let columns = match sample.get(found.before) {
+        Some((_, row)) => columns(row, found.dialect.separator, &mut channels, &mut properties),
+        None => Column::plain(0..found.columns),
+    };
+    let mut layout = Layout::new(format, channels, properties);
+    layout.time = layout
+        .time
+        .or_else(|| columns.iter().position(|column| column.stamps.is_some()));
     for (number, line) in &comments {
         if let Some((key, value)) = property(line) {
             apply(path, *number, &mut layout, key, value)?;
@@ -97,11 +125,55 @@ pub fn read(path: &Path) -> Result<(Layout, Table)> {
     let table = Table {
         dialect: found.dialect,
         cells: found.columns..=found.columns,
-        first_cell: 0,
+        columns,
         loose: found.dialect.separator != Separator::Tab,
         first_line,
+        cut: false,
     };
     Ok((layout, table))
+}
+
+/// Columns of numbers and of time stamps, as the first row shows them. A date goes with the time of day of its row and is no
+/// channel by itself.
+fn columns(
+    row: &[u8],
+    separator: Separator,
+    channels: &mut Vec<Channel>,
+    properties: &mut BTreeMap<String, String>,
+) -> Vec<Column> {
+    let mut cells = Vec::new();
+    let mut columns = Column::plain(0..channels.len());
+    if split(row, separator, &mut cells).is_err() || cells.len() != channels.len() {
+        return columns;
+    }
+    let cell = |at: usize| {
+        let place = cells.get(at).and_then(|&(begin, end)| row.get(begin..end));
+        place.unwrap_or_default()
+    };
+    let day = (0..cells.len()).find(|at| date(cell(*at)).is_some());
+    for (column, channel) in columns.iter_mut().zip(channels.iter_mut()) {
+        let own = cell(column.cell);
+        let stamps = match (whole(own), time_of_day(own)) {
+            (Some(_), _) => Stamps::Whole,
+            (_, Some(_)) => Stamps::TimeOfDay(day),
+            _ => continue,
+        };
+        column.stamps = stamps.read(own, cell).map(|first| (stamps, first));
+        channel.unit = Some("s".to_owned());
+        let mut first = text(own);
+        if let Stamps::TimeOfDay(Some(day)) = stamps {
+            first = format!("{} {first}", text(cell(day)));
+        }
+        properties.insert(format!("{}/first_timestamp", channel.name), first);
+    }
+    let goes_along = |column: &Column| matches!(column.stamps, Some((Stamps::TimeOfDay(_), _)));
+    if let Some(day) = day
+        && columns.iter().any(goes_along)
+    {
+        columns.remove(day);
+        channels.remove(day);
+    }
+    columns
 }
 
 /// Whether a line is a comment.

@@ -12,6 +12,9 @@ use crate::error::{Error, Place, Result};
 /// Longest line, bytes; also the size of the buffer.
 pub const LINE: usize = 1 << 20;
 
+/// First bytes of a compressed file.
+const GZIP: [u8; 2] = [0x1f, 0x8b];
+
 /// Lines of a file, numbered from 1, without their terminators.
 pub struct Lines {
     path: PathBuf,
@@ -24,6 +27,30 @@ pub struct Lines {
     line: u64,
     terminator: u8,
     ended: bool,
+    /// Whether the line handed out last ends with the file, not with a terminator.
+    unterminated: bool,
+}
+
+/// What stands behind the last line's end of a file that is not compressed.
+///
+/// # Errors
+/// [`Error::Io`].
+pub fn fragment(path: &Path) -> Result<Option<Vec<u8>>> {
+    let io = |source| Error::io(path, source);
+    let mut file = File::open(path).map_err(io)?;
+    let mut magic = Vec::new();
+    (&file).take(2).read_to_end(&mut magic).map_err(io)?;
+    if magic == GZIP {
+        return Ok(None);
+    }
+    let length = file.metadata().map_err(io)?.len();
+    let mut tail = Vec::new();
+    file.seek(SeekFrom::Start(length.saturating_sub(LINE as u64)))
+        .and_then(|_| file.read_to_end(&mut tail))
+        .map_err(io)?;
+    let ends = memchr::memrchr2(b'\n', b'\r', &tail);
+    let last = ends.and_then(|end| tail.get(end + 1..));
+    Ok(last.filter(|last| !last.is_empty()).map(<[u8]>::to_vec))
 }
 
 impl Lines {
@@ -37,7 +64,7 @@ impl Lines {
         let mut magic = Vec::new();
         (&file).take(2).read_to_end(&mut magic).map_err(io)?;
         file.seek(SeekFrom::Start(0)).map_err(io)?;
-        let gzip = magic == [0x1f, 0x8b];
+        let gzip = magic == GZIP;
         let input: Box<dyn Read + Send> = if gzip {
             Box::new(MultiGzDecoder::new(BufReader::with_capacity(1 << 16, file)))
         } else {
@@ -53,6 +80,7 @@ impl Lines {
             line: 0,
             terminator: b'\n',
             ended: false,
+            unterminated: false,
         };
         lines.begin()?;
         Ok(lines)
@@ -61,6 +89,11 @@ impl Lines {
     /// Whether the file is compressed.
     pub fn is_gzip(&self) -> bool {
         self.gzip
+    }
+
+    /// Whether the line handed out last has no terminator.
+    pub fn is_unterminated(&self) -> bool {
+        self.unterminated
     }
 
     /// The next line with its number; a last line without terminator counts.
@@ -93,6 +126,7 @@ impl Lines {
                 let begin = self.start;
                 self.start = self.end;
                 self.line += 1;
+                self.unterminated = true;
                 return Ok(Some(begin..self.end));
             }
             seen = waiting.len();

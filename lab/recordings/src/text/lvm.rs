@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::dialect::{Decimal, Dialect, Separator, number, texts};
-use super::head::{Table, is_blank};
+use super::head::{Column, Table, is_blank};
 use super::lines::Lines;
 use crate::channel::{Channel, Layout, MOST_CHANNELS};
 use crate::error::{Error, Place, Result};
@@ -160,9 +160,10 @@ fn table(
     let table = Table {
         dialect,
         cells: names.len()..=names.len() + 1,
-        first_cell: usize::from(!has_x),
+        columns: Column::plain(usize::from(!has_x)..names.len()),
         loose: true,
         first_line: line + 1,
+        cut: false,
     };
     Ok((layout, table))
 }

@@ -6,6 +6,9 @@
 //!   `# key = value` become properties; `sample_rate_hz` (or `fs`, `fs_hz`) is the rate of all channels.
 //! * One line of headings or none (then `column_1` ...), with units in brackets or in a second line of units (`s;V;V`).
 //!   Without a line of headings, a last comment with as many names as there are columns is one (`numpy.savetxt`).
+//! * Time stamps of a calendar, ISO 8601 or `31.05.2024 14:03:07,25`, in one column or in two for date and time of day, are
+//!   one channel: seconds since the first row, whose stamp is the property `NAME/first_timestamp`. It is the clock if no
+//!   channel has the name of one.
 //! * LabVIEW Measurement files (`.lvm`) with one header and at most one X column.
 //! * gzip by content, of any number of members. A damaged or shortened stream is an error.
 //!
@@ -24,8 +27,10 @@
 //!
 //! # What is refused, with line and column
 //! Empty cells (missing values are to be written `nan`), text in a channel that is read (one that is not selected may be
-//! text, such as dates), rows with more or fewer cells than the others, more than 4096 columns, lines over 1 MiB, quotes that
+//! text), a footer, rows with more or fewer cells than the others, more than 4096 columns, lines over 1 MiB, quotes that
 //! span lines, UTF-16, and anything with zero bytes. `nan` and `inf` are numbers here.
+//!
+//! A last line that breaks off, with fewer cells than the others and no line's end, is left out, and the layout says so.
 
 mod detect;
 mod dialect;
@@ -35,6 +40,7 @@ mod lines;
 mod lvm;
 mod sink;
 mod source;
+mod stamp;
 
 pub(crate) use sink::create;
 pub(crate) use source::open;

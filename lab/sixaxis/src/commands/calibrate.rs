@@ -20,7 +20,7 @@ use sixaxis_page::render;
 use sixaxis_recordings::draft::write_atomically;
 use sixaxis_recordings::session::{self, SessionFile};
 
-use super::common::{check_outputs, print, print_json, wrapped};
+use super::common::{check_outputs, mention_earlier, print, print_json, wrapped};
 use crate::progress::Progress;
 
 use repetition::Repetition;
@@ -80,8 +80,8 @@ Examples:
 A calibration that is not good is written all the same, with its verdict and what was found in it; none is written where the
 four steps, or the joint fit that was asked for, could not be done.
 
-Exit codes: 0 good; 3 good with reservations; 4 not good; 1 it could not be done, nothing was written; 2 the command line is not
-understood.";
+Exit codes: 0 good; 3 good with reservations; 4 not good; 1 it could not be done, no calibration was written (the report is, where
+the recordings could be read); 2 the command line is not understood.";
 
 /// An estimator by its name on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -134,7 +134,6 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         .session
         .as_deref()
         .context("no session file was named")?;
-    let file = SessionFile::read(path)?;
     let beside = |name: &str| path.with_file_name(name);
     let targets = Targets {
         calibration: arguments
@@ -149,16 +148,43 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
             .clone()
             .unwrap_or_else(|| beside("calibration.html")),
     };
+    let earlier = || mention_earlier(&targets.calibration);
+    let file = SessionFile::read(path).inspect_err(|_| earlier())?;
     targets.check(&file)?;
+    let calibrated = judge(arguments, &file, estimator, &targets).inspect_err(|_| earlier())?;
+    if arguments.json {
+        print_json(&Summary::new(&calibrated, &targets))?;
+    } else if !arguments.quiet {
+        print(summary(&calibrated, &targets))?;
+    }
+    if calibrated.calibration.is_none() {
+        earlier();
+        let cause = calibrated.obstacle.as_ref().unwrap_or(&calibrated.sentence);
+        bail!("{}: no calibration is written: {cause}", path.display());
+    }
+    Ok(ExitCode::from(match calibrated.grade {
+        Grade::Good => 0,
+        Grade::Reserved => 3,
+        Grade::Bad => 4,
+    }))
+}
+
+/// Calibrates and writes report and calibration.
+fn judge(
+    arguments: &Arguments,
+    file: &SessionFile,
+    estimator: Estimator,
+    targets: &Targets,
+) -> Result<CalibratedSession> {
     let calibrated = {
         let progress = Progress::new(arguments.quiet);
         let repeat = arguments.iterate.map(|passes| Criterion {
             passes: usize::from(passes),
             ..Criterion::default()
         });
-        calibrate(&file, &Options { repeat, estimator }, &progress)?
+        calibrate(file, &Options { repeat, estimator }, &progress)?
     };
-    let page = render(&page::calibration::page(&file, &calibrated))?;
+    let page = render(&page::calibration::page(file, &calibrated))?;
     // The calibration last: whoever sees a new one finds its report beside it.
     write_atomically(&targets.report, page.as_bytes())?;
     if let Some(calibration) = &calibrated.calibration {
@@ -167,16 +193,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
             Format::Rust => calibration.write_rust(&targets.calibration),
         }?;
     }
-    if arguments.json {
-        print_json(&Summary::new(&calibrated, &targets))?;
-    } else if !arguments.quiet {
-        print(summary(&calibrated, &targets))?;
-    }
-    Ok(ExitCode::from(match calibrated.grade {
-        Grade::Good => 0,
-        Grade::Reserved => 3,
-        Grade::Bad => 4,
-    }))
+    Ok(calibrated)
 }
 
 /// What is written where.

@@ -5,7 +5,40 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 use sixaxis_calibration::apply::setup::Overrides;
+use sixaxis_core::LIMBS;
 use sixaxis_recordings::session::SessionFile;
+use sixaxis_recordings::unit::{self, Unit};
+
+/// What the limbs' channels are called and measured in, where neither file nor session says it.
+#[derive(clap::Args)]
+pub struct Naming {
+    /// Names of the nine limbs' channels in the file, with commas
+    #[arg(long, value_name = "NAMES", value_parser = nine_names)]
+    pub channels: Option<[String; LIMBS]>,
+    /// Unit of the limbs' channels where the file does not state it: V or mV
+    #[arg(long, value_name = "UNIT", value_parser = voltage)]
+    pub unit: Option<String>,
+}
+
+fn nine_names(text: &str) -> Result<[String; LIMBS], String> {
+    let names: Vec<String> = text.split(',').map(|name| name.trim().to_owned()).collect();
+    if let Some(twice) = names
+        .iter()
+        .enumerate()
+        .find(|(at, name)| names[..*at].contains(name))
+    {
+        return Err(format!("{:?} stands there twice", twice.1));
+    }
+    <[String; LIMBS]>::try_from(names)
+        .map_err(|other| format!("{} names, nine were expected", other.len()))
+}
+
+fn voltage(text: &str) -> Result<String, String> {
+    match unit::named(text) {
+        Some(Unit::Voltage(_)) => Ok(text.to_owned()),
+        _ => Err("a unit of voltage is expected: V, mV or uV".to_owned()),
+    }
+}
 
 /// What is known of a recording beside the file itself.
 #[derive(clap::Args)]
@@ -27,6 +60,8 @@ pub struct Beside {
     /// Direction of gravity in the sensor's axes at rest, a vector of any length
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
     down: Option<[f64; 3]>,
+    #[command(flatten)]
+    naming: Naming,
 }
 
 fn vector(text: &str) -> Result<[f64; 3], String> {
@@ -43,6 +78,8 @@ impl Beside {
             gain_n_per_v: self.gain.clone(),
             rate_hz: self.rate,
             down: self.down,
+            limbs: self.naming.channels.clone(),
+            limbs_unit: self.naming.unit.clone(),
         }
     }
 
@@ -100,6 +137,16 @@ pub fn print(text: impl AsRef<[u8]>) -> Result<()> {
 /// Prints a value as JSON.
 pub fn print_json(value: &impl serde::Serialize) -> Result<()> {
     print(serde_json::to_string_pretty(value)? + "\n")
+}
+
+/// Says that a result that was not written is there all the same, from before.
+pub fn mention_earlier(output: &Path) {
+    if output.is_file() {
+        eprintln!(
+            "warning: {} is of an earlier run; it stays as it is",
+            output.display()
+        );
+    }
 }
 
 /// Prints to standard error, a line for each text.

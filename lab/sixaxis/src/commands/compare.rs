@@ -11,6 +11,8 @@ use sixaxis_calibration::page;
 use sixaxis_page::render;
 use sixaxis_recordings::draft::write_atomically;
 
+use super::common::say;
+
 /// What is held against what.
 #[derive(clap::Args)]
 #[command(after_help = AFTER_HELP)]
@@ -41,6 +43,13 @@ Example:
 pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let result = Track::open(&arguments.result)?;
     let truth = Track::open(&arguments.truth)?;
+    for track in [&result, &truth] {
+        let cut = track.cut.iter();
+        let said: Vec<String> = cut
+            .map(|cut| format!("{}: {cut}", track.path.display()))
+            .collect();
+        say("warning", &said);
+    }
     let mut aligned = Aligned::new(result, truth)?;
     let comparison = compare(
         &mut aligned,

@@ -21,7 +21,7 @@ use sixaxis_page::render;
 use sixaxis_recordings::draft::write_atomically;
 use sixaxis_recordings::{Layout, Sink};
 
-use super::common::{Beside, check_outputs, print, print_json, say};
+use super::common::{Beside, check_outputs, mention_earlier, print, print_json, say};
 use super::integrator::Integrator;
 use crate::progress::Progress;
 
@@ -95,6 +95,9 @@ Limbs 2 and 4, 3 and 7, 6 and 8 are ambiguous pairs: the forces alone do not det
 
 --excluded takes up to three limbs whose loads the others determine; otherwise an error names the load that would be
 unobservable. The noise of the remaining channels is amplified up to three times.
+
+The same three sums are always looked at, on one row in 61: a warning on standard error says when they are broken by far more than
+limbs unequal by a few percent explain, as by the calibration of another sensor, a dead channel or plugs that were exchanged.
 
 A recording may be of any length: it passes through in blocks. Only --rest-to-rest holds the whole run in the memory, 2 million
 samples at most. A result appears whole or not at all: it is written to a neighbour named .NAME.RANDOM.part, which takes
@@ -211,7 +214,9 @@ fn file(arguments: &Arguments, job: &Job) -> Result<()> {
         Ok(sixaxis_recordings::create(&out, layout)?)
     };
     let progress = Progress::shown();
-    let decoupled = job.run(path, &create, &progress.callback("decoupling"))?;
+    let decoupled = job
+        .run(path, &create, &progress.callback("decoupling"))
+        .inspect_err(|_| mention_earlier(&out))?;
     drop(progress);
     let summary = Summary {
         recording: path.display().to_string(),

@@ -8,10 +8,10 @@ use serde::Serialize;
 use sixaxis_page::render;
 use sixaxis_recordings::draft::write_atomically;
 use sixaxis_recordings::ingest::columns::BLOCK;
-use sixaxis_recordings::inspect::{Inspection, Severity, inspect, listing, page};
+use sixaxis_recordings::inspect::{Expected, Inspection, Severity, inspect, listing, page};
 use sixaxis_recordings::session::SessionFile;
 
-use super::common::{check_outputs, print, print_json};
+use super::common::{Naming, check_outputs, print, print_json};
 use crate::progress::Progress;
 
 /// Which recordings, and in what form the answer is wanted.
@@ -33,6 +33,8 @@ pub struct Arguments {
     /// Session that the recordings belong to: names, units and full scale where the files do not say
     #[arg(long, value_name = "SESSION")]
     session: Option<PathBuf>,
+    #[command(flatten)]
+    naming: Naming,
     /// Exit with 4 if anything is noticed
     #[arg(long)]
     strict: bool,
@@ -43,6 +45,7 @@ Examples:
   sixaxis inspect run.tdms
   sixaxis inspect day/*.npz --session day/session.toml --strict
   sixaxis inspect run.csv --picture run.html
+  sixaxis inspect run.csv --channels a1,a2,a3,a4,a5,a6,a7,a8,a9 --unit mV
   sixaxis inspect run.parquet --json | jq '.files[].noticed'
 
 Columns: noise is the standard deviation of the white noise (median over pieces of 4,096 samples, from third differences);
@@ -84,7 +87,8 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
                 progress.report("inspect", total, rows);
             }
         };
-        match inspect(file, session.as_ref(), &mut advance) {
+        let expected = expected(&arguments.naming, session.as_ref(), file);
+        match inspect(file, expected, &mut advance) {
             Ok(mut inspection) => {
                 if !arguments.json {
                     let between = if index > 0 { "\n" } else { "" };
@@ -137,6 +141,16 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
             (false, false) => 0,
         },
     ))
+}
+
+/// What session and options say of a file.
+fn expected(naming: &Naming, session: Option<&SessionFile>, file: &Path) -> Option<Expected> {
+    let mut expected = session.map(|session| Expected::of(session, file));
+    if naming.channels.is_some() || naming.unit.is_some() {
+        let channels = &mut expected.get_or_insert_default().channels;
+        channels.state(naming.channels.as_ref(), naming.unit.as_ref());
+    }
+    expected
 }
 
 fn draw(picture: &Path, outcomes: &[Outcome]) -> Result<()> {

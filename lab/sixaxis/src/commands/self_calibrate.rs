@@ -9,7 +9,7 @@ use sixaxis_calibration::calibration::Calibration;
 use sixaxis_calibration::self_calibrate::{Check, Finding, Known, Rest};
 use sixaxis_recordings::draft::write_atomically;
 
-use super::common::{Beside, check_outputs, print, print_json, say};
+use super::common::{Beside, check_outputs, mention_earlier, print, print_json, say};
 use crate::progress::Progress;
 
 /// Which calibration is checked with which recording.
@@ -114,9 +114,13 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let (mut summary, corrected) = check.run(correct, &advance)?;
     drop(advance);
     drop(progress);
-    if let (Some(path), Some(corrected)) = (&arguments.write_calibration, corrected) {
-        corrected.write(path)?;
-        summary.written = Some(path.display().to_string());
+    match (&arguments.write_calibration, corrected) {
+        (Some(path), Some(corrected)) => {
+            corrected.write(path)?;
+            summary.written = Some(path.display().to_string());
+        }
+        (Some(path), None) => mention_earlier(path),
+        (None, _) => {}
     }
     if let Some(path) = &arguments.out {
         let text = serde_json::to_string_pretty(&summary)? + "\n";

@@ -6,6 +6,9 @@ use std::process::Output;
 use sixaxis_reference::laboratory::defect::{Defect, Kind, Where};
 use sixaxis_reference::laboratory::plan::{DefectChoice, Engine, SensorChoice, SessionPlan};
 use sixaxis_reference::laboratory::session::simulate_session;
+use sixaxis_reference::laboratory::write::write;
+
+use sixaxis_recordings::{Block, Layout, create, open};
 
 use crate::program::{Folder, Session, code, run, stderr, stdout, text};
 
@@ -221,4 +224,114 @@ fn repetition_ends_with_a_verdict_on_k_over_m() {
     assert!(summary["iteration"]["stiffness_per_mass_per_s2"].is_null());
     let output = calibrate(&[text(&session), "--iterate", "0"]);
     assert_eq!(code(&output), 2, "{}", stderr(&output));
+}
+
+/// Takes a channel out of a recording.
+fn without_channel(path: &Path, name: &str) {
+    let mut source = open(path).expect("opens");
+    let layout = source.layout().clone();
+    let kept: Vec<usize> = (0..layout.channels.len())
+        .filter(|at| layout.channels[*at].name != name)
+        .collect();
+    source.select(&kept).expect("selects");
+    let mut rows = Block::default();
+    let mut all = Block::new(kept.len());
+    while source.read(&mut rows, 1 << 20).expect("reads") > 0 {
+        for (all, column) in all.columns.iter_mut().zip(&rows.columns) {
+            all.extend_from_slice(column);
+        }
+    }
+    let channels = kept.iter().map(|at| layout.channels[*at].clone()).collect();
+    let layout = Layout { channels, ..layout };
+    let mut sink = create(path, &layout).expect("creates");
+    sink.write(&all).expect("writes");
+    sink.finish().expect("finishes");
+}
+
+#[test]
+fn one_cause_in_many_recordings_is_one_finding() {
+    let session = session("one-cause", DefectChoice::None);
+    for number in 1..=6 {
+        without_channel(
+            &session.with_file_name(format!("linear-0{number}.npz")),
+            "u7",
+        );
+    }
+    without_channel(&session.with_file_name("angular-01.npz"), "u2");
+    let output = calibrate(&[text(&session), "--json", "--quiet"]);
+    let summary: serde_json::Value = serde_json::from_str(&stdout(&output)).expect("JSON");
+    let findings: Vec<(usize, &str)> = summary["findings"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .filter(|finding| finding["cause"] == "unreadable")
+        .map(|finding| {
+            let recordings = finding["recordings"].as_array().expect("a list");
+            (
+                recordings.len(),
+                finding["evidence"].as_str().expect("text"),
+            )
+        })
+        .collect();
+    assert_eq!(findings.len(), 2, "{findings:?}");
+    for ((recordings, evidence), (expected, channel)) in findings.iter().zip([(6, "u7"), (1, "u2")])
+    {
+        assert_eq!(*recordings, expected);
+        let start = format!("no channel \"{channel}\"; it has u1");
+        assert!(evidence.starts_with(&start), "{evidence}");
+    }
+}
+
+#[test]
+fn unusable_session_is_an_error_and_an_earlier_calibration_is_mentioned() {
+    let session = session("unusable", DefectChoice::None);
+    let calibration = session.with_file_name("calibration.json");
+    let toml = std::fs::read_to_string(&*session).expect("a session");
+    std::fs::write(session.with_file_name("static.npz"), b"PK").expect("a broken record");
+    let refused = || {
+        let output = calibrate(&[text(&session), "--quiet"]);
+        assert_eq!((code(&output), stdout(&output)), (1, String::new()));
+        stderr(&output)
+    };
+    let said = refused();
+    assert!(said.contains("no calibration is written"), "{said}");
+    assert!(!said.contains("earlier run"), "{said}");
+    assert!(!calibration.exists());
+    std::fs::write(&calibration, "that of yesterday").expect("a file");
+    for broken in [
+        toml.clone(),
+        toml.replace("limb_length_mm", "limb_lenght_mm"),
+    ] {
+        std::fs::write(&*session, broken).expect("a session");
+        let said = refused();
+        let words = format!("{} is of an earlier run", text(&calibration));
+        assert!(said.contains(&words), "{said}");
+    }
+    let kept = std::fs::read_to_string(&calibration).expect("it is still there");
+    assert_eq!(kept, "that of yesterday");
+}
+
+#[test]
+fn recording_that_was_cut_short_is_a_reservation() {
+    let plan = SessionPlan {
+        seed: 14,
+        sensor: SensorChoice::Random,
+        engine: Engine::Rigid,
+        static_duration_s: 60.0,
+        ..SessionPlan::default()
+    };
+    let folder = Folder::new("calibrate-cut-short");
+    let played = simulate_session(&plan).expect("a session is played");
+    let session = write(&played, &folder, "tdms").expect("a session is written");
+    for name in ["linear-03.tdms", "angular-02.tdms"] {
+        let cut = folder.join(name);
+        let bytes = std::fs::read(&cut).expect("a recording");
+        std::fs::write(&cut, &bytes[..bytes.len() - 800]).expect("a shorter one");
+    }
+    let output = calibrate(&[text(&session), "--json", "--quiet"]);
+    assert_eq!(code(&output), 3, "{}", stdout(&output));
+    let summary: serde_json::Value = serde_json::from_str(&stdout(&output)).expect("JSON");
+    let reservations = summary["reservations"].to_string();
+    let words = "linear-03.tdms and angular-02.tdms: its last segment is cut short";
+    assert!(reservations.contains(words), "{reservations}");
 }

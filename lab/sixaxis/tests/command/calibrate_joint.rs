@@ -203,7 +203,7 @@ fn refusals_are_sentences() {
     let played = simulate_session(&plan).expect("a session is played");
     let session = written("slow", &played);
     let output = calibrate(&session, &["--estimator", "joint"]);
-    assert_eq!(code(&output), 4, "{}", stdout(&output));
+    assert_eq!(code(&output), 1, "{}", stdout(&output));
     assert!(
         stdout(&output).contains("joint fit refused"),
         "{}",

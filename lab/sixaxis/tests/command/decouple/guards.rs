@@ -1,9 +1,14 @@
 //! What a session says is honoured or refused, and another sensor's session is no session.
 
+use std::io::Write as _;
+use std::process::Stdio;
+
+use sixaxis_calibration::calibration::Calibration;
+
 use super::session::{
     ACCELERATIONS, LIMBS, apart, calibration, columns, compound, session, voltages, write,
 };
-use crate::program::{Folder, done, run, stderr, text};
+use crate::program::{Folder, done, run, sixaxis, stderr, text};
 
 /// The session's file with something in it replaced, in a folder of its own.
 fn session_with(folder: &Folder, name: &str, from: &str, to: &str) -> String {
@@ -120,4 +125,192 @@ fn inv_conditioning_of_a_session_is_honoured_or_refused() {
         &trend,
     ];
     done(&[&first[..], &["--rest-to-rest", "--out", text(&out)]].concat());
+}
+
+/// What is said of sums of forces that do not add up.
+const BROKEN_SUMS: &str = "limb forces that add up to zero in any motion do not";
+
+#[test]
+fn inv_limb_forces_that_do_not_add_up_are_named() {
+    let folder = Folder::new("decouple-guards-sums");
+    let healthy = calibration();
+    let session = text(&session().join("session.toml")).to_owned();
+    let recording = folder.join(compound().file_name().expect("a name"));
+    let (volts, rate_hz) = voltages();
+    let said = |volts: &[Vec<f64>], calibration: &str, more: &[&str]| {
+        write(&recording, &LIMBS, "V", volts, rate_hz);
+        let out = folder.file("out.parquet");
+        let first = ["decouple", calibration, text(&recording), "--out", &out];
+        stderr(&done(
+            &[&first[..], &["--session", &session], more].concat(),
+        ))
+    };
+    let sound = said(&volts, &healthy, &[]);
+    assert!(!sound.contains(BROKEN_SUMS), "{sound}");
+    // Nothing but noise adds up to noise.
+    let still: Vec<Vec<f64>> = (0..9)
+        .map(|limb| {
+            let noise = (0..20_000_u32).map(|k| (k * 7919 + limb * 104_729) % 1013);
+            noise.map(|k| 1e-5 * f64::from(k)).collect()
+        })
+        .collect();
+    let sound = said(&still, &healthy, &[]);
+    assert!(!sound.contains(BROKEN_SUMS), "{sound}");
+    // Limbs unequal by a few percent look like this.
+    let mut unequal = volts.clone();
+    for (limb, column) in unequal.iter_mut().enumerate() {
+        let gain = 1.0 + 0.03 * f64::from(limb as i32 % 3 - 1);
+        column.iter_mut().for_each(|u| *u *= gain);
+    }
+    let sound = said(&unequal, &healthy, &[]);
+    assert!(!sound.contains(BROKEN_SUMS), "{sound}");
+    let mut swapped = volts.clone();
+    swapped.swap(0, 5);
+    let mut dead = volts.clone();
+    dead[0].fill(0.02);
+    let mut inverted = volts.clone();
+    inverted[8].iter_mut().for_each(|u| *u = -*u);
+    for (name, broken) in [
+        ("swapped", &swapped),
+        ("dead", &dead),
+        ("inverted", &inverted),
+    ] {
+        for more in [&[][..], &["--rest-to-rest"]] {
+            let said = said(broken, &healthy, more);
+            assert!(said.contains(BROKEN_SUMS), "{name}: {said}");
+        }
+    }
+    // A sum with a limb that is not read says nothing.
+    let excluded = said(&dead, &healthy, &["--excluded", "1"]);
+    assert!(!excluded.contains(BROKEN_SUMS), "{excluded}");
+    // A sensor of the same drawing with other limbs.
+    let mut another = Calibration::read(healthy.as_ref()).expect("a calibration");
+    for (limb, scale) in another
+        .parameters
+        .scale_per_mass_per_kg
+        .iter_mut()
+        .enumerate()
+    {
+        *scale *= 1.0 + 0.3 * f64::from(limb as i32 % 3 - 1);
+    }
+    let path = folder.join("another.json");
+    another.write(&path).expect("writes");
+    let said = said(&volts, text(&path), &[]);
+    assert!(said.contains(BROKEN_SUMS), "{said}");
+}
+
+#[test]
+fn inv_a_stream_is_told_of_broken_sums_before_it_ends() {
+    let (volts, rate_hz) = voltages();
+    let mut child = sixaxis()
+        .args(["decouple", &calibration(), "-", "--gain", "0.1"])
+        .args(["--rate", &rate_hz.to_string()])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("starts");
+    let mut input = child.stdin.take().expect("a pipe");
+    let mut rows = String::new();
+    // Twice the run, to be long enough for a verdict before the end.
+    for k in (0..volts[0].len()).chain(0..volts[0].len()) {
+        let mut row: Vec<String> = volts.iter().map(|column| column[k].to_string()).collect();
+        row.swap(0, 5);
+        rows += &(row.join(",") + "\n");
+    }
+    input.write_all(rows.as_bytes()).expect("takes it");
+    drop(input);
+    let ended = child.wait_with_output().expect("ends");
+    let said = stderr(&ended);
+    assert!(said.contains(&format!("{BROKEN_SUMS}: limbs")), "{said}");
+    assert!(said.contains("warning: standard input, line "), "{said}");
+    assert_eq!(said.matches(BROKEN_SUMS).count(), 1, "{said}");
+}
+
+#[test]
+fn inv_a_recording_that_was_cut_short_is_told() {
+    let folder = Folder::new("decouple-guards-cut");
+    let (volts, rate_hz) = voltages();
+    let path = folder.join("run.tdms");
+    write(&path, &LIMBS, "V", &volts, rate_hz);
+    let decouple = |out: &str| {
+        let out = folder.file(out);
+        let first = ["decouple", &calibration(), text(&path), "--out", &out];
+        stderr(&done(&[&first[..], &["--gain", "0.1"]].concat()))
+    };
+    assert!(!decouple("whole.csv").contains("cut short"));
+    let bytes = std::fs::read(&path).expect("a recording");
+    std::fs::write(&path, &bytes[..bytes.len() - 800]).expect("a shorter one");
+    let said = decouple("cut.csv");
+    let words = format!("warning: {}: its last segment is cut short", text(&path));
+    assert!(said.contains(&words), "{said}");
+    // A result that was cut is compared up to there.
+    let (whole, cut) = (folder.file("whole.csv"), folder.file("broken.csv"));
+    let rows = std::fs::read(&whole).expect("a result");
+    std::fs::write(&cut, &rows[..rows.len() - 40]).expect("a shorter one");
+    let page = folder.file("page.html");
+    let said = stderr(&done(&["compare", &cut, &whole, "--out", &page]));
+    let words = format!("warning: {cut}: its last line breaks off");
+    assert!(said.contains(&words), "{said}");
+}
+
+#[test]
+fn inv_names_and_units_can_be_stated() {
+    const NAMES: [&str; 9] = ["a", "b", "c", "d", "e", "f", "g", "h", "i"];
+    let folder = Folder::new("decouple-guards-names");
+    let (volts, rate_hz) = voltages();
+    let (plain, other) = (folder.join("plain.npz"), folder.join("other.csv"));
+    write(&plain, &LIMBS, "V", &volts, rate_hz);
+    let mut text_of = format!("# sample_rate_hz = {rate_hz}\n{}\n", NAMES.join(","));
+    for k in 0..volts[0].len() {
+        let row: Vec<String> = volts.iter().map(|u| (1e3 * u[k]).to_string()).collect();
+        text_of += &(row.join(",") + "\n");
+    }
+    std::fs::write(&other, text_of).expect("writes");
+    let names = NAMES.join(",");
+    let stated = ["--channels", &names, "--unit", "mV"];
+    let decouple = |path: &std::path::Path, out: &str, more: &[&str]| {
+        let out = folder.join(out);
+        let calibration = calibration();
+        let first = ["decouple", &calibration, text(path), "--out", text(&out)];
+        (run(&[&first[..], &["--gain", "0.1"], more].concat()), out)
+    };
+    let (_, expected) = decouple(&plain, "plain.parquet", &[]);
+    let (_, found) = decouple(&other, "other.parquet", &stated);
+    let off = apart(
+        &columns(&found, &ACCELERATIONS).0,
+        &columns(&expected, &ACCELERATIONS).0,
+    );
+    assert!(off < 1e-9, "{off:e}");
+    let (refused, _) = decouple(&other, "refused.parquet", &stated[..2]);
+    assert!(stderr(&refused).contains("--unit"), "{}", stderr(&refused));
+    assert!(!stderr(&refused).contains("earlier run"));
+    std::fs::write(folder.join("refused.parquet"), "that of yesterday").expect("writes");
+    let (refused, out) = decouple(&plain, "refused.parquet", &["--unit", "mV"]);
+    let said = stderr(&refused);
+    assert!(said.contains("the file says \"V\""), "{said}");
+    let words = format!("{} is of an earlier run", text(&out));
+    assert!(said.contains(&words), "{said}");
+    for (option, value) in [
+        ("--unit", "g"),
+        ("--channels", "a,b"),
+        ("--channels", "a,b,c,d,e,f,g,h,h"),
+    ] {
+        assert_eq!(
+            decouple(&other, "no.csv", &[option, value]).0.status.code(),
+            Some(2)
+        );
+    }
+    let inspect = |more: &[&str]| {
+        let output = done(&[&["inspect", "--json", text(&other)], more].concat());
+        let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        json["files"][0].clone()
+    };
+    assert!(inspect(&[])["sensor"].is_null());
+    let file = inspect(&stated);
+    assert_eq!(file["sensor"]["limbs"][8], "i");
+    assert_eq!(
+        file["groups"][0]["channels"][0]["unit"]["measures"],
+        "voltage"
+    );
 }
