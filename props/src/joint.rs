@@ -6,6 +6,7 @@ use sixaxis_calibration::joint::{JointReport, Knowledge, Loss, fit};
 use sixaxis_calibration::steps::{Campaign, FourSteps, GyroscopeGain};
 use sixaxis_campaign::prepared::prepare;
 use sixaxis_core::LIMBS;
+use sixaxis_core::identify::joint::room::Room;
 use sixaxis_core::identify::scale::ScaleIdentification;
 use sixaxis_core::parameter::PARAMETERS;
 use sixaxis_recordings::session::{Role, Session};
@@ -60,11 +61,19 @@ pub struct Fitted {
 }
 
 impl Fitted {
-    /// Plays and fits a plan.
+    /// Plays a plan and fits it with nothing open that the plan does not spoil: what the fit states is then its bound.
     ///
     /// # Errors
     /// What stops it, in words.
     pub fn of(plan: &SessionPlan) -> Result<Self, String> {
+        Self::in_room(plan, Room::NONE)
+    }
+
+    /// Plays a plan and fits it with what a room leaves open.
+    ///
+    /// # Errors
+    /// What stops it, in words.
+    pub fn in_room(plan: &SessionPlan, room: Room) -> Result<Self, String> {
         let played = simulate_session(plan).map_err(|e| e.to_string())?;
         let truth = played.truth.parameters.to_paper_order();
         let campaign = prepare(&played.session, played.recordings).campaign;
@@ -72,13 +81,9 @@ impl Fitted {
         let steps = campaign
             .identify(GyroscopeGain::Certified { class })
             .map_err(|e| e.to_string())?;
-        let joint = fit(
-            &campaign,
-            &steps,
-            &Knowledge::of(&played.session),
-            Loss::Squares,
-        )
-        .map_err(|e| e.to_string())?;
+        let mut knowledge = Knowledge::of(&played.session);
+        knowledge.certificates.room = room;
+        let joint = fit(&campaign, &steps, &knowledge, Loss::Squares).map_err(|e| e.to_string())?;
         Ok(Self {
             session: played.session,
             campaign,

@@ -74,7 +74,11 @@ fn setup(
     calibration: &Calibration,
     gravity_ground_m_s2: [f64; 3],
 ) -> Result<Setup, Box<dyn Error>> {
-    let mut setup = Setup::new(calibration, None, None, &Overrides::default())?;
+    let overrides = Overrides {
+        gain_n_per_v: calibration.sensor.gain_n_per_v.to_vec(),
+        ..Overrides::default()
+    };
+    let mut setup = Setup::new(calibration, None, None, &overrides)?;
     setup.gravity_ground_m_s2 = DVec3::from_array(gravity_ground_m_s2);
     Ok(setup)
 }
@@ -176,7 +180,7 @@ fn lanes(streams: usize, folder: &Path) -> Result<Measured, Box<dyn Error>> {
 
 fn calibrated(trials: usize, folder: &Path) -> Result<Measured, Box<dyn Error>> {
     let options = Options {
-        estimator: Estimator::Joint,
+        estimator: Some(Estimator::Joint),
         ..Options::default()
     };
     let path = session_folder(folder).join("session.toml");

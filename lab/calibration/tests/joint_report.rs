@@ -358,8 +358,11 @@ fn inv_instruments_are_told_in_their_own_units() {
     );
 }
 
-/// Findings of a fit after a change.
-fn found(change: impl FnOnce(&mut JointEstimate)) -> Option<Vec<(Cause, Vec<String>, Vec<usize>)>> {
+/// Cause, recordings and channels of a finding.
+type Short = (Cause, Vec<String>, Vec<usize>);
+
+/// Findings of a fit after a change; none where it does not account for its trials.
+fn found(change: impl FnOnce(&mut JointEstimate)) -> Option<Vec<Short>> {
     let mut fit = estimate();
     fit.unknowns.values.rows_mut(WEDGES, ANGLES).fill(0.0);
     change(&mut fit);

@@ -4,8 +4,10 @@
 use rayon::prelude::*;
 use sixaxis_calibration::joint::{Knowledge, at_rest, record};
 use sixaxis_core::identify::joint::robust::USUAL_LIMIT;
+use sixaxis_core::identify::joint::room::Room;
 use sixaxis_core::identify::joint::{AtRest, Certificates, Drive, Joint, Record};
 use sixaxis_core::parameter::PARAMETERS;
+use sixaxis_core::significance::NORMAL_95;
 use sixaxis_core::{Error, Gains, Geometry, LIMBS, Parameters};
 use sixaxis_props::compare::largest;
 use sixaxis_props::compare::within;
@@ -15,12 +17,16 @@ use sixaxis_props::statistics::{ONE_IN_A_MILLION, chi_square_departure};
 use sixaxis_props::tolerance;
 use sixaxis_recordings::session::Role;
 use sixaxis_reference::laboratory::plan::{Engine, SessionPlan};
+use sixaxis_reference::laboratory::room as rooms;
 use sixaxis_reference::rig::run::Mounting;
 
 /// Campaigns over which errors are judged.
 const CASES: u64 = 24;
 /// Campaigns for the bias: its mean scatters by one over the root of them.
 const BIAS_CASES: u64 = 48;
+/// Shares of 95 % intervals that hold: the 24 of a campaign err together, as if they were five, and spreads that are estimated
+/// themselves leave out a hundredth or two.
+const STATED: core::ops::Range<f64> = 0.87..0.99;
 /// Channels' ratio of signal to noise, dB, at which errors in variables bend plain least squares.
 const NOISY_DB: f64 = 34.0;
 
@@ -107,6 +113,44 @@ fn stat_errors_are_what_the_bound_states() {
     }
 }
 
+/// In both ordinary rooms, which have all of it at once, the fit finds the rooms' spreads and states its errors rightly.
+#[test]
+fn stat_errors_are_what_is_stated_in_ordinary_rooms() {
+    let first = seed();
+    for room in rooms::Room::ALL {
+        let cases: Vec<Fitted> = (first..first + CASES)
+            .into_par_iter()
+            .map(|seed| {
+                let plan = room.holding(small(seed));
+                Fitted::in_room(&plan, Room::ORDINARY)
+                    .unwrap_or_else(|cause| panic!("{room:?}, seed {seed}: {cause}"))
+            })
+            .collect();
+        let share_within = |factor: f64| {
+            let z = cases.iter().flat_map(Fitted::standardised);
+            let within = z.filter(|z| z.abs() < factor * NORMAL_95).count();
+            within as f64 / (CASES as usize * (PARAMETERS - 1)) as f64
+        };
+        let share = share_within(1.0);
+        eprintln!("{room:?}: {share:.3} within 95 % intervals");
+        assert!(STATED.contains(&share), "{room:?}: {share}");
+        // Deviations half or twice as large would not pass.
+        for factor in [0.5, 2.0] {
+            assert!(
+                !STATED.contains(&share_within(factor)),
+                "{room:?}: {factor}"
+            );
+        }
+        let accounted = cases.iter().filter(|case| case.joint.accounts()).count();
+        assert_eq!(accounted, CASES as usize, "{room:?}");
+        let stiffness = cases.iter().map(|c| c.joint.estimate.spreads.stiffness);
+        let found = (stiffness.map(|s| s * s).sum::<f64>() / CASES as f64).sqrt();
+        let true_one = room.holding(small(first)).chain.stiffness_spread;
+        // The root of a mean of 24 times nine squares, with a scatter of its own in each.
+        assert!((found / true_one - 1.0).abs() < 0.25, "{room:?}: {found}");
+    }
+}
+
 #[test]
 fn law_turning_gravity_determines_the_accelerometers_gain() {
     let first = seed();
@@ -150,7 +194,8 @@ fn stat_wild_samples_do_not_bias_the_robust_fit() {
             }
         }
     }
-    let knowledge = Knowledge::of(&case.session);
+    let mut knowledge = Knowledge::of(&case.session);
+    knowledge.certificates.room = Room::NONE;
     let rest = at_rest(&case.steps.drift);
     let mut joint =
         Joint::new(&Geometry::PAPER, knowledge.certificates, rest).expect("sound certificates");
@@ -199,6 +244,7 @@ const CERTIFICATES: Certificates = Certificates {
     amplifier_corner_rad_s: None,
     wedge_deviation_rad: 1e-3,
     compliance_s2: None,
+    room: Room::NONE,
 };
 /// Samples of a made-up record, and of one that leaves nothing to tell the noise from.
 const SAMPLES: usize = 600;

@@ -173,7 +173,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
 fn judge(
     arguments: &Arguments,
     file: &SessionFile,
-    estimator: Estimator,
+    estimator: Option<Estimator>,
     targets: &Targets,
 ) -> Result<CalibratedSession> {
     let calibrated = {
