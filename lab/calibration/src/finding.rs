@@ -35,6 +35,8 @@ pub enum Cause {
     HighPassNotStated,
     /// A channel's zero moved during a run or since the static record.
     DriftDuringRun,
+    /// A channel's sensitivity changes from trial to trial.
+    FadingSensitivity,
     /// The motion was not along the direction that the wedge sets.
     LooseWedge,
     /// A trial is another sensor's.
@@ -63,6 +65,7 @@ impl Cause {
             Self::GyroscopeLag => "gyroscope's lag not undone",
             Self::HighPassNotStated => "amplifiers' high-pass not stated",
             Self::DriftDuringRun => "zero drifts",
+            Self::FadingSensitivity => "sensitivity changes over the day",
             Self::LooseWedge => "wedge loose or wrong",
             Self::ForeignTrial => "trial of another sensor",
             Self::Unexplained => "does not fit, cause unknown",

@@ -413,6 +413,18 @@ fn inv_what_is_out_of_the_ordinary_is_named_by_the_unknown_that_took_it_up() {
             (cause, one("b"), vec![5])
         );
     }
+    let torn = |fit: &mut JointEstimate| {
+        for zero in &mut fit.trials[1].zero_v[2..6] {
+            zero.value = 0.1;
+        }
+    };
+    assert_eq!(first(&torn), (Cause::Unexplained, one("b"), vec![]));
+    let fading = |fit: &mut JointEstimate| {
+        for (trial, value) in fit.trials.iter_mut().zip([-0.02, 0.001, 0.02]) {
+            trial.sensitivity[4].value = value;
+        }
+    };
+    assert_eq!(first(&fading), (Cause::FadingSensitivity, vec![], vec![5]));
     assert_eq!(
         first(&|fit| fit.trials[2].zero_v[0].value = 0.1),
         (Cause::DriftDuringRun, one("c"), vec![1])
@@ -437,13 +449,13 @@ fn neg_what_no_room_explains_is_not_accounted_for() {
         &|fit| fit.squares *= 1.1,
         &|fit| fit.spreads.stiffness = 0.1,
         &|fit| fit.spreads.cross_talk = 0.02,
-        // An exchange of plugs in one trial, a channel that fades.
+        // An exchange of plugs in one trial, a channel that is another in two of three.
         &|fit| {
             fit.trials[1].sensitivity[4].value = 0.5;
             fit.trials[1].sensitivity[7].value = -0.3;
         },
         &|fit| {
-            fit.trials[1].sensitivity[4].value = 0.02;
+            fit.trials[0].sensitivity[4].value = 0.04;
             fit.trials[2].sensitivity[4].value = 0.04;
         },
     ];

@@ -42,6 +42,10 @@ pub fn of(mut outcomes: Vec<Outcome>, engine: Engine) -> Blind {
         promised_widths: WIDTHS,
         promised_decoupling: STATED_DECOUPLING,
         false_good: Share::of(&outcomes, Outcome::is_false_good),
+        false_good_that_could_show: {
+            let could = select(&Outcome::could_show);
+            Share::of(&could, |o| o.is_false_good())
+        },
         false_good_at_rest: Share::of(&outcomes, |o| {
             o.is_false_good() && o.harm.as_ref().is_some_and(Harm::breaks_it_at_rest)
         }),

@@ -28,7 +28,9 @@ pub struct Blind {
     pub promised_decoupling: f64,
     /// Sessions called good that break this, of all.
     pub false_good: Share,
-    /// Those among them of which a zero drift breaks it, of all.
+    /// The same of the sessions whose defect, if they have one, a recording of the day could show.
+    pub false_good_that_could_show: Share,
+    /// Those among all of which a zero drift breaks it, of all.
     pub false_good_at_rest: Share,
     /// Of those that are called good.
     pub false_good_of_good: Share,

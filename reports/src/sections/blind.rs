@@ -29,7 +29,8 @@ pub fn section() -> Result<Section> {
         |tally| tally.false_good,
         f64::MIN_POSITIVE,
     );
-    let unnamed = p.kinds.iter().filter(|k| cause_of(k.kind).is_none());
+    // A magnitude decides between words, not whether there is one.
+    let unnamed = p.kinds.iter().filter(|k| cause_of(k.kind, 1.0).is_none());
     Text::new(include_str!("blind.md"))
         .value("p", p)
         .value("kinds", p.kinds.len())

@@ -7,6 +7,7 @@
 
 use sixaxis_core::LIMBS;
 use sixaxis_core::identify::joint::Known;
+use sixaxis_core::identify::joint::estimate::TrialEstimate;
 use sixaxis_core::identify::joint::unknowns::ANGLES;
 
 use super::JointReport;
@@ -28,6 +29,10 @@ const WEDGE_DEG: f64 = 0.5;
 const PLUMB_DEG: f64 = 0.5;
 /// From the axis to the sensor's centre, m.
 const CENTRE_M: f64 = 5e-3;
+/// Channels of one trial whose zeros may well have drifted together.
+const DRIFT_TOGETHER: usize = 2;
+/// Share of its sensitivities' scatter that a line over the day explains where a channel fades.
+const ALONG_A_LINE: f64 = 0.9;
 /// Change of a zero since the static record over the converter's range.
 const ZERO: f64 = 5e-3;
 
@@ -42,18 +47,43 @@ impl JointReport {
             && self.odd_channels_are_single()
     }
 
-    /// A sensitivity of its own that one channel has in one trial is that channel's there. Several in one trial, or one channel's in
-    /// several, are something else's doing: an exchange, a turned polarity, a sensitivity that fades.
+    /// A sensitivity of its own that one channel has in one trial is that channel's there, and one that goes along with the day is
+    /// fading. Others, several in one trial or in several, are something else's doing: an exchange, a turned polarity.
     fn odd_channels_are_single(&self) -> bool {
-        let trials = &self.estimate.trials;
-        let odd: Vec<[bool; LIMBS]> = trials
+        let fading: [bool; LIMBS] = core::array::from_fn(|limb| self.fading(limb).is_some());
+        let odd: Vec<[bool; LIMBS]> = self
+            .estimate
+            .trials
             .iter()
-            .map(|trial| trial.sensitivity.map(is_odd))
+            .map(|trial| {
+                core::array::from_fn(|limb| !fading[limb] && is_odd(trial.sensitivity[limb]))
+            })
             .collect();
         let count = |all: &mut dyn Iterator<Item = bool>| all.filter(|odd| *odd).count();
         odd.iter()
             .all(|trial| count(&mut trial.iter().copied()) <= 1)
             && (0..LIMBS).all(|limb| count(&mut odd.iter().map(|trial| trial[limb])) <= 1)
+    }
+
+    /// By how much a channel's sensitivity changes from the first trial to the last, if it does so along a line and by more than
+    /// an ordinary room's.
+    fn fading(&self, limb: usize) -> Option<f64> {
+        let trials = &self.estimate.trials;
+        let last = trials.len().checked_sub(1).filter(|last| *last > 0)? as f64;
+        let values: Vec<f64> = trials.iter().map(|t| t.sensitivity[limb].value).collect();
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        let place = |trial: usize| trial as f64 / last - 0.5;
+        let (mut product, mut squares) = (0.0, 0.0);
+        for (trial, value) in values.iter().enumerate() {
+            product += place(trial) * (value - mean);
+            squares += place(trial) * place(trial);
+        }
+        let change = product / squares;
+        let whole: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+        let explained = change * product;
+        let certain = trials.iter().any(|t| is_odd(t.sensitivity[limb]));
+        (certain && change.abs() > SENSITIVITY && explained > ALONG_A_LINE * whole)
+            .then_some(change)
     }
 
     /// What is out of the ordinary in a fit that accounts for its trials, whose names these are.
@@ -66,7 +96,8 @@ impl JointReport {
     ) -> Vec<Finding> {
         let mut findings = self.wedges(names);
         findings.extend(self.plumb(names));
-        findings.extend(self.channels(names, full_scale_v));
+        findings.extend(self.sensitivities(names));
+        findings.extend(self.zeros(names, full_scale_v));
         findings.extend(self.gyroscope(gyroscope_gain_limit));
         findings
     }
@@ -152,37 +183,83 @@ impl JointReport {
         findings
     }
 
-    /// Sensitivities and zeros that are one trial's, or have moved since the static record.
-    fn channels(&self, names: &[&str], full_scale_v: f64) -> Vec<Finding> {
+    /// Sensitivities that fade, or that are one trial's.
+    fn sensitivities(&self, names: &[&str]) -> Vec<Finding> {
         let mut findings = Vec::new();
         for limb in 0..LIMBS {
-            let mut moved = Vec::new();
-            let mut most_v = 0.0_f64;
+            let fading = self.fading(limb);
+            findings.extend(fading.map(|change| Finding {
+                cause: Cause::FadingSensitivity,
+                recordings: Vec::new(),
+                channels: vec![limb + 1],
+                evidence: format!(
+                    "the channel's sensitivity changes by {:+.2} % from the first trial to the last",
+                    100.0 * change
+                ),
+                advice: "let the sensor come to the room's temperature, and look for moisture in its connector"
+                    .to_owned(),
+            }));
             for (trial, name) in self.estimate.trials.iter().zip(names) {
                 let own = trial.sensitivity[limb];
-                if is_odd(own) {
+                if fading.is_none() && is_odd(own) {
                     findings.push(one_channel(limb, name, 1.0 + own.value));
                 }
-                let zero = trial.zero_v[limb];
-                if zero.value.abs() > ZERO * full_scale_v + SIGNIFICANT * zero.deviation {
-                    moved.push((*name).to_owned());
-                    if zero.value.abs() > most_v.abs() {
-                        most_v = zero.value;
-                    }
-                }
             }
-            if !moved.is_empty() {
-                findings.push(Finding {
-                    cause: Cause::DriftDuringRun,
-                    recordings: moved,
-                    channels: vec![limb + 1],
-                    evidence: format!(
-                        "the zero is {:+.1} mV from that of the static record",
-                        1e3 * most_v
-                    ),
-                    advice: "warm up, and record at rest right before the trials".to_owned(),
-                });
-            }
+        }
+        findings
+    }
+
+    /// Zeros that have moved since the static record.
+    fn zeros(&self, names: &[&str], full_scale_v: f64) -> Vec<Finding> {
+        let trials: Vec<(&TrialEstimate, &str)> = self
+            .estimate
+            .trials
+            .iter()
+            .zip(names.iter().copied())
+            .collect();
+        let moved =
+            |zero: Known| zero.value.abs() > ZERO * full_scale_v + SIGNIFICANT * zero.deviation;
+        // Many channels of one trial have not drifted together: the trial is not whole, or does not end where it began.
+        let torn = |trial: &TrialEstimate| {
+            trial.zero_v.into_iter().filter(|zero| moved(*zero)).count() > DRIFT_TOGETHER
+        };
+        let names_of = |wanted: &dyn Fn(&TrialEstimate) -> bool| -> Vec<String> {
+            let all = trials.iter().filter(|(trial, _)| wanted(trial));
+            all.map(|(_, name)| (*name).to_owned()).collect()
+        };
+        let mut findings = Vec::new();
+        let all_torn = names_of(&torn);
+        let torn_alone = all_torn.len() < trials.len();
+        if torn_alone && !all_torn.is_empty() {
+            findings.push(Finding {
+                cause: Cause::Unexplained,
+                recordings: all_torn,
+                channels: Vec::new(),
+                evidence: format!(
+                    "the means of more than {DRIFT_TOGETHER} channels stand elsewhere than in the other trials, as if samples were missing"
+                ),
+                advice: "look for a gap in the recording, and repeat the trial".to_owned(),
+            });
+        }
+        for limb in 0..LIMBS {
+            let drifted =
+                |trial: &TrialEstimate| moved(trial.zero_v[limb]) && !(torn_alone && torn(trial));
+            let recordings = names_of(&drifted);
+            let most_v = trials
+                .iter()
+                .filter(|(trial, _)| drifted(trial))
+                .map(|(trial, _)| trial.zero_v[limb].value)
+                .max_by(|a, b| a.abs().total_cmp(&b.abs()));
+            findings.extend(most_v.map(|volts| Finding {
+                cause: Cause::DriftDuringRun,
+                recordings,
+                channels: vec![limb + 1],
+                evidence: format!(
+                    "the zero is {:+.1} mV from that of the static record",
+                    1e3 * volts
+                ),
+                advice: "warm up, and record at rest right before the trials".to_owned(),
+            }));
         }
         findings
     }

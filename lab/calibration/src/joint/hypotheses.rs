@@ -1,8 +1,8 @@
 //! What a joint fit that does not account for its trials lacks.
 //!
 //! Each hypothesis is one more freedom of the model: something that the session does not state and that every recording may have.
-//! The trials are fitted again with it, and it is believed if that leaves nothing over but noise and no other hypothesis does as
-//! much. Where none does, or more than one, nothing is said.
+//! The trials are fitted again with it, and it is believed if that leaves nothing over but noise, if its unknown is told beyond
+//! doubt, and if no other hypothesis does as much. Where none does, or more than one, nothing is said.
 
 use core::f64::consts::TAU;
 
@@ -18,20 +18,43 @@ const CORNER_HZ: (f64, f64) = (0.05, 1.0);
 /// Lag of a gyroscope that nobody stated, s: the same.
 const LAG_S: (f64, f64) = (2e-3, 0.05);
 
-/// A freedom, if the session leaves room for it.
-type Hypothesis = (
-    fn(&Knowledge) -> Option<Knowledge>,
-    fn(&JointReport) -> Finding,
-);
+/// Standard deviations of its unknown from which a freedom is needed: one that is not takes up what is left of anything, but little.
+const BEYOND_DOUBT: f64 = 30.0;
 
-const HYPOTHESES: [Hypothesis; 2] = [(high_pass, amplifier), (lag, gyroscope)];
+/// A freedom.
+struct Hypothesis {
+    /// With it, if the session leaves room for it.
+    freed: fn(&Knowledge) -> Option<Knowledge>,
+    /// Its unknown.
+    unknown: usize,
+    /// What is said of it, by the fit.
+    finding: fn(&JointReport) -> Finding,
+}
+
+const HYPOTHESES: [Hypothesis; 2] = [
+    Hypothesis {
+        freed: high_pass,
+        unknown: AMPLIFIER_CORNER,
+        finding: amplifier,
+    },
+    Hypothesis {
+        freed: lag,
+        unknown: GYROSCOPE_LAG,
+        finding: gyroscope,
+    },
+];
 
 /// The one hypothesis that accounts for the trials.
 #[must_use]
 pub fn explain(campaign: &Campaign, steps: &FourSteps, knowledge: &Knowledge) -> Option<Finding> {
-    let mut accounting = HYPOTHESES.iter().filter_map(|(freed, finding)| {
-        let joint = fit(campaign, steps, &freed(knowledge)?, Loss::Squares).ok()?;
-        joint.accounts().then(|| finding(&joint))
+    let mut accounting = HYPOTHESES.iter().filter_map(|hypothesis| {
+        let freed = (hypothesis.freed)(knowledge)?;
+        let joint = fit(campaign, steps, &freed, Loss::Squares).ok()?;
+        let estimate = &joint.estimate;
+        let at = hypothesis.unknown;
+        let deviation = estimate.covariance[(at, at)].sqrt();
+        let told = estimate.unknowns.values[at] > BEYOND_DOUBT * deviation;
+        (told && joint.accounts()).then(|| (hypothesis.finding)(&joint))
     });
     let only = accounting.next()?;
     accounting.next().is_none().then_some(only)
