@@ -21,17 +21,21 @@ pub(super) struct Contribution {
     /// Minus half the gradient of the sum of squares.
     pub descent: DVector<f64>,
     pub squares: f64,
-    back: Back,
+    own: Option<Eliminated>,
+    seen: MotionFree,
 }
 
 /// Unknowns eliminated from the normal equations: their factored information, what couples them to the rest, their descent.
 type Eliminated = (Cholesky<f64, Dyn>, DMatrix<f64>, DVector<f64>);
 
-struct Back {
+/// The trial's part with its motion eliminated and its other own unknowns still in it, nothing known of these beforehand.
+struct MotionFree {
+    information: DMatrix<f64>,
+    descent: DVector<f64>,
+    squares: f64,
     latent: Cholesky<f64, Dyn>,
     coupling: DMatrix<f64>,
-    descent: DVector<f64>,
-    own: Option<Eliminated>,
+    latent_descent: DVector<f64>,
 }
 
 /// The arrow before elimination: common unknowns and own ones, the motion, and what couples them.
@@ -54,7 +58,8 @@ impl Trial {
         unknowns: &Unknowns,
         shares: &StaticLoadSharing,
     ) -> Option<Contribution> {
-        self.arrow(unknowns, shares)?.eliminate(unknowns.len())
+        let seen = self.arrow(unknowns, shares)?.without_motion()?;
+        seen.contribution(&self.own, unknowns.len())
     }
 
     fn arrow(&self, unknowns: &Unknowns, shares: &StaticLoadSharing) -> Option<Arrow> {
@@ -71,16 +76,13 @@ impl Trial {
         let parts = self.parts(unknowns, shares)?;
         arrow.add_channels(self, unknowns, &parts);
         arrow.add_standard(self, unknowns);
-        arrow.add_priors(&self.own, unknowns.len());
         Some(arrow)
     }
 
     /// Moves the trial's own unknowns along with a step of the common ones.
     pub fn follow(&mut self, contribution: &Contribution, step: &DVector<f64>, share: f64) {
-        let back = &contribution.back;
         let mut whole = step.clone();
-        if let Some((factor, across, down)) = &back.own {
-            let changes = factor.solve(&(down - across * step));
+        if let Some(changes) = contribution.own_step(step) {
             for (own, change) in self.own.iter_mut().zip(changes.iter()) {
                 own.value += share * change;
             }
@@ -88,17 +90,30 @@ impl Trial {
             whole = whole.resize_vertically(common + changes.len(), 0.0);
             whole.rows_mut(common, changes.len()).copy_from(&changes);
         }
-        let change = back
+        let seen = &contribution.seen;
+        let change = seen
             .latent
-            .solve(&(&back.descent - &back.coupling * &whole));
+            .solve(&(&seen.latent_descent - &seen.coupling * &whole));
         self.latent.axpy(share, &change, 1.0);
     }
 }
 
 impl Contribution {
+    /// The same with other spreads of the own unknowns.
+    pub fn repriced(self, own: &[Own]) -> Option<Self> {
+        let common = self.descent.len();
+        self.seen.contribution(own, common)
+    }
+
+    /// The own unknowns' part of a step of the common ones.
+    pub fn own_step(&self, step: &DVector<f64>) -> Option<DVector<f64>> {
+        let (factor, across, down) = self.own.as_ref()?;
+        Some(factor.solve(&(down - across * step)))
+    }
+
     /// Variances of the trial's own unknowns but the motion, given the covariance of the common ones.
     pub fn own_variances(&self, common: &DMatrix<f64>) -> Vec<f64> {
-        let Some((factor, across, _)) = &self.back.own else {
+        let Some((factor, across, _)) = &self.own else {
             return Vec::new();
         };
         let slopes = factor.solve(across);
@@ -107,6 +122,43 @@ impl Contribution {
         (0..alone.nrows())
             .map(|i| alone[(i, i)] + spread.row(i).dot(&slopes.row(i)))
             .collect()
+    }
+}
+
+impl MotionFree {
+    /// With what is known of the own unknowns beforehand, and these eliminated.
+    fn contribution(self, own: &[Own], common: usize) -> Option<Contribution> {
+        let block = |rows: usize, columns: usize, size: (usize, usize)| {
+            self.information.view((rows, columns), size).clone_owned()
+        };
+        let count = own.len();
+        let mut information = block(0, 0, (common, common));
+        let mut descent = self.descent.rows(0, common).clone_owned();
+        let mut squares = self.squares;
+        let mut eliminated = None;
+        if count > 0 {
+            let mut of_own = block(common, common, (count, count));
+            let mut down = self.descent.rows(common, count).clone_owned();
+            for (place, own) in own.iter().enumerate() {
+                let weight = 1.0 / (own.deviation * own.deviation);
+                of_own[(place, place)] += weight;
+                down[place] -= weight * own.value;
+                squares += weight * own.value * own.value;
+            }
+            let factor = Cholesky::new(of_own)?;
+            let across = block(common, 0, (count, common));
+            let solved = factor.solve(&across);
+            information.gemm_tr(-1.0, &across, &solved, 1.0);
+            descent.gemv_tr(-1.0, &solved, &down, 1.0);
+            eliminated = Some((factor, across, down));
+        }
+        Some(Contribution {
+            information,
+            descent,
+            squares,
+            own: eliminated,
+            seen: self,
+        })
     }
 }
 
@@ -127,17 +179,20 @@ impl Arrow {
             let columns = trial.columns(unknowns, parts, limb);
             let residual = &trial.data.coordinates[limb] - trial.prediction(unknowns, parts, limb);
             self.squares += weight * residual.norm_squared();
-            let toward: Vec<f64> = parts.all.iter().map(|p| p.dot(&residual)).collect();
-            for (a, from_a) in &columns {
-                self.descent[*a] +=
-                    weight * from_a.iter().map(|(s, c)| c * toward[*s]).sum::<f64>();
-                for (b, from_b) in &columns {
-                    self.information[(*a, *b)] += weight
-                        * from_a
-                            .iter()
-                            .flat_map(|(s, c)| from_b.iter().map(move |(t, d)| (*s, *t, c * d)))
-                            .map(|(s, t, product)| product * gram[(s, t)])
-                            .sum::<f64>();
+            let toward = DVector::from_iterator(all, parts.all.iter().map(|p| p.dot(&residual)));
+            // Columns as combinations of the parts, so that the parts' products serve all of them.
+            let mut of_parts = DMatrix::<f64>::zeros(all, columns.len());
+            for (place, (_, combination)) in columns.iter().enumerate() {
+                for (part, factor) in combination {
+                    of_parts[(*part, place)] += factor;
+                }
+            }
+            let products = of_parts.tr_mul(&(&gram * &of_parts));
+            let descents = of_parts.tr_mul(&toward);
+            for (i, (a, _)) in columns.iter().enumerate() {
+                self.descent[*a] += weight * descents[i];
+                for (j, (b, _)) in columns.iter().enumerate() {
+                    self.information[(*a, *b)] += weight * products[(i, j)];
                 }
             }
             for (m, share) in parts.shares.iter().enumerate() {
@@ -207,54 +262,19 @@ impl Arrow {
         }
     }
 
-    /// What is known of own unknowns beforehand.
-    fn add_priors(&mut self, own: &[Own], common: usize) {
-        for (place, own) in own.iter().enumerate() {
-            let weight = 1.0 / (own.deviation * own.deviation);
-            self.information[(common + place, common + place)] += weight;
-            self.descent[common + place] -= weight * own.value;
-            self.squares += weight * own.value * own.value;
-        }
-    }
-
-    /// Takes the motion out, then the other own unknowns.
-    fn eliminate(mut self, common: usize) -> Option<Contribution> {
+    /// Takes the motion out.
+    fn without_motion(mut self) -> Option<MotionFree> {
         let latent = Cholesky::new(self.own)?;
         let solved = latent.solve(&self.coupling);
         self.information.gemm_tr(-1.0, &self.coupling, &solved, 1.0);
         self.descent.gemv_tr(-1.0, &solved, &self.own_descent, 1.0);
-        let count = self.descent.len() - common;
-        let mut information = self
-            .information
-            .view((0, 0), (common, common))
-            .clone_owned();
-        let mut descent = self.descent.rows(0, common).clone_owned();
-        let own = if count == 0 {
-            None
-        } else {
-            let block = (count, count);
-            let factor =
-                Cholesky::new(self.information.view((common, common), block).clone_owned())?;
-            let across = self
-                .information
-                .view((common, 0), (count, common))
-                .clone_owned();
-            let down = self.descent.rows(common, count).clone_owned();
-            let solved = factor.solve(&across);
-            information.gemm_tr(-1.0, &across, &solved, 1.0);
-            descent.gemv_tr(-1.0, &solved, &down, 1.0);
-            Some((factor, across, down))
-        };
-        Some(Contribution {
-            information,
-            descent,
+        Some(MotionFree {
+            information: self.information,
+            descent: self.descent,
             squares: self.squares,
-            back: Back {
-                latent,
-                coupling: self.coupling,
-                descent: self.own_descent,
-                own,
-            },
+            latent,
+            coupling: self.coupling,
+            latent_descent: self.own_descent,
         })
     }
 }

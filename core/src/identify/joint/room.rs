@@ -13,6 +13,8 @@
 
 use nalgebra::DVector;
 
+use crate::float::{exp, ln, sqrt};
+
 /// Standard deviation of unknowns of one kind: the usual one and how many of them it is worth. 0 holds them at 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spread {
@@ -38,7 +40,7 @@ impl Spread {
             (sum + x * x + variance, count + 1.0)
         });
         let squares = sum + self.worth * self.usual * self.usual;
-        crate::float::sqrt(squares / (count + self.worth))
+        sqrt(squares / (count + self.worth))
     }
 }
 
@@ -104,6 +106,23 @@ pub struct Spreads {
 }
 
 impl Spreads {
+    /// From these toward others: each times its ratio to a power.
+    pub(super) fn toward(&self, next: &Self, power: f64) -> Self {
+        let of = |from: f64, to: f64| {
+            if from > 0.0 {
+                from * exp(power * ln(to / from))
+            } else {
+                from
+            }
+        };
+        Self {
+            stiffness: of(self.stiffness, next.stiffness),
+            cross_talk: of(self.cross_talk, next.cross_talk),
+            sensitivity: of(self.sensitivity, next.sensitivity),
+            wedge_rad: of(self.wedge_rad, next.wedge_rad),
+        }
+    }
+
     /// Largest relative change.
     pub(super) fn change(&self, other: &Self) -> f64 {
         let pairs = [

@@ -15,12 +15,15 @@ use super::{Joint, Known, WHAT};
 use crate::error::{Error, Result};
 use crate::float::sqrt;
 use crate::identify::least_squares::gauss_newton::{Limits, Nonlinear, Outcome, iterate};
-use crate::identify::static_load_sharing::StaticLoadSharing;
 
 /// Steps at most for one set of spreads; a campaign takes four for the first.
 const STEPS: usize = 30;
 /// Sets of spreads at most.
-const ROUNDS: usize = 60;
+const ROUNDS: usize = 20;
+/// Expectation-maximisation steps at most for one set, all at one linearisation.
+const SPREAD_STEPS: usize = 200;
+/// Power of a spread's change that is taken: above 1 the steps overreach, which from 2 on they would not outlive.
+const OVERREACH: f64 = 1.6;
 /// Relative change of a spread that moves no interval that anybody reads.
 const SPREAD_SETTLED: f64 = 0.02;
 /// A step whose square, measured in the estimate's own covariance, is below this changes nothing that could be told: a
@@ -43,9 +46,14 @@ struct Normal {
     contributions: Vec<Contribution>,
 }
 
+/// Some trial's motion is not determined, or limbs do not hold the mass.
+const UNDETERMINED: Error = Error::NotConverged {
+    what: WHAT,
+    iterations: 0,
+};
+
 fn normal(
-    shares: &StaticLoadSharing,
-    trials: &[Trial],
+    contributions: Vec<Contribution>,
     unknowns: &Unknowns,
     priors: &[(usize, Known)],
 ) -> Result<Normal> {
@@ -55,18 +63,10 @@ fn normal(
     let mut squares = 0.0;
     let mut held = vec![false; common];
     held[ACCELEROMETER_GAIN] = true;
-    let mut contributions = Vec::with_capacity(trials.len());
-    for trial in trials {
-        let part = trial
-            .contribution(unknowns, shares)
-            .ok_or(Error::NotConverged {
-                what: WHAT,
-                iterations: 0,
-            })?;
+    for part in &contributions {
         information += &part.information;
         descent += &part.descent;
         squares += part.squares;
-        contributions.push(part);
     }
     for (unknown, known) in priors {
         if known.deviation > 0.0 {
@@ -110,6 +110,24 @@ impl Normal {
         let scaled = DMatrix::from_fn(n, n, |a, b| {
             self.information[(self.free[a], self.free[b])] * scale[a] * scale[b]
         });
+        // The smallest eigenvalue is at least one over the inverse's trace, the largest at most the number of unknowns: where that
+        // bounds the condition, which is nearly always, the eigenvalues themselves are not needed.
+        let inverse = Cholesky::new(scaled.clone())
+            .map(|factor| factor.inverse())
+            .filter(|inverse| inverse.trace() * (n as f64) < CONDITION_LIMIT);
+        let inverse = match inverse {
+            Some(inverse) => inverse,
+            None => self.inverse_if_determined(scaled)?,
+        };
+        Ok(DMatrix::from_fn(n, n, |a, b| {
+            inverse[(a, b)] * scale[a] * scale[b]
+        }))
+    }
+
+    /// Inverse of the scaled information where its condition allows one; names the unknown that is most of the direction that is
+    /// open where it does not.
+    fn inverse_if_determined(&self, scaled: DMatrix<f64>) -> Result<DMatrix<f64>> {
+        let n = self.free.len();
         let eigen = SymmetricEigen::new(scaled.clone());
         let (mut low, mut high) = (0, 0);
         for i in 1..n {
@@ -124,17 +142,13 @@ impl Normal {
         let factor = (condition > 0.0 && condition < CONDITION_LIMIT)
             .then(|| Cholesky::new(scaled))
             .flatten();
-        let Some(factor) = factor else {
+        factor.map(|factor| factor.inverse()).ok_or_else(|| {
             let direction = eigen.eigenvectors.column(low);
             let open = (0..n)
                 .max_by(|a, b| direction[*a].abs().total_cmp(&direction[*b].abs()))
                 .unwrap_or(0);
-            return Err(self.indeterminate(open, condition.abs()));
-        };
-        let inverse = factor.inverse();
-        Ok(DMatrix::from_fn(n, n, |a, b| {
-            inverse[(a, b)] * scale[a] * scale[b]
-        }))
+            self.indeterminate(open, condition.abs())
+        })
     }
 
     fn indeterminate(&self, free: usize, condition: f64) -> Error {
@@ -147,6 +161,17 @@ impl Normal {
 
     fn free_descent(&self) -> DVector<f64> {
         DVector::from_iterator(self.free.len(), self.free.iter().map(|u| self.descent[*u]))
+    }
+
+    /// A covariance of all unknowns from one of the free ones.
+    fn full(&self, covariance: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut full = DMatrix::zeros(self.descent.len(), self.descent.len());
+        for (a, row) in self.free.iter().enumerate() {
+            for (b, column) in self.free.iter().enumerate() {
+                full[(*row, *column)] = covariance[(a, b)];
+            }
+        }
+        full
     }
 
     /// A vector of all unknowns from one of the free ones.
@@ -194,49 +219,34 @@ pub(super) fn refit(
         if end.outcome != Outcome::Converged {
             break;
         }
+        let before = campaign.spreads;
+        let settled;
+        (campaign, settled) = campaign.settle(end.at)?;
+        if round + 1 < ROUNDS && before.change(&campaign.spreads) >= SPREAD_SETTLED {
+            at = settled;
+            continue;
+        }
         // The last step is negligible, and free.
-        let last = campaign.moved(&end.at, &end.step, 1.0)?;
+        let step = campaign.step(&settled)?;
+        let last = campaign.moved(&settled, &step, 1.0)?;
         let estimate = finish(&last, &campaign, steps)?;
-        let spreads = next_spreads(joint, &estimate, &last);
         // Where gravity turns in the sensor the trials know the accelerometer's gain, and the fit has to be made at it.
         let held = last.unknowns.values[ACCELEROMETER_GAIN];
         let information = estimate.accelerometer_gain_information;
         let change = estimate.accelerometer_gain_seen - held;
         let gain_settled =
             information * GAIN_TOLD * GAIN_TOLD < 1.0 || information * change * change < SETTLED;
-        let spreads_settled = campaign.spreads.change(&spreads) < SPREAD_SETTLED;
-        if gain_settled && (spreads_settled || round + 1 == ROUNDS) {
+        if gain_settled {
             return Ok((estimate, last.trials));
         }
         let mut unknowns = last.unknowns;
-        if !gain_settled {
-            unknowns.values[ACCELEROMETER_GAIN] = estimate.accelerometer_gain_seen;
-        }
-        campaign = Campaign::new(joint, spreads);
+        unknowns.values[ACCELEROMETER_GAIN] = estimate.accelerometer_gain_seen;
         at = campaign.point(unknowns, last.trials)?;
     }
     Err(Error::NotConverged {
         what: WHAT,
         iterations: steps,
     })
-}
-
-/// Spreads from what the fit says of the unknowns that have them.
-fn next_spreads(joint: &Joint, estimate: &JointEstimate, at: &Point) -> Spreads {
-    let room = &joint.certificates.room;
-    let variances = estimate.covariance.diagonal();
-    let of = |range| found(range, &at.unknowns.values, &variances);
-    let sensitivities = estimate.trials.iter().flat_map(|trial| {
-        trial
-            .sensitivity
-            .map(|known| (known.value, known.deviation * known.deviation))
-    });
-    Spreads {
-        stiffness: room.stiffness.next(of(STIFFNESS..CROSS_TALK)),
-        cross_talk: room.cross_talk.next(of(CROSS_TALK..WEDGES)),
-        sensitivity: room.sensitivity.next(sensitivities),
-        wedge_rad: joint.wedge_spread().next(of(joint.wedge_angles())),
-    }
 }
 
 /// The fit over all trials with the accelerometer's gain held.
@@ -269,13 +279,94 @@ impl<'a> Campaign<'a> {
     }
 
     /// Trials take the spread of their sensitivities from here.
-    fn point(&self, unknowns: Unknowns, mut trials: Vec<Trial>) -> Result<Point> {
+    fn spread(&self, trials: &mut [Trial]) {
         for own in trials.iter_mut().flat_map(|trial| &mut trial.own) {
             if matches!(own.kind, Kind::Sensitivity(_)) {
                 own.deviation = self.spreads.sensitivity;
             }
         }
-        let normal = normal(&self.joint.shares, &trials, &unknowns, &self.priors)?;
+    }
+
+    /// A point that was linearised with other spreads.
+    fn repriced(&self, at: Point) -> Result<Point> {
+        let Point {
+            unknowns,
+            mut trials,
+            normal: before,
+        } = at;
+        self.spread(&mut trials);
+        let contributions = before
+            .contributions
+            .into_iter()
+            .zip(&trials)
+            .map(|(part, trial)| part.repriced(&trial.own).ok_or(UNDETERMINED))
+            .collect::<Result<_>>()?;
+        let normal = normal(contributions, &unknowns, &self.priors)?;
+        Ok(Point {
+            unknowns,
+            trials,
+            normal,
+        })
+    }
+
+    /// The spreads that maximise the marginal likelihood of the problem as it is linearised at a point, and the point with these.
+    fn settle(mut self, mut at: Point) -> Result<(Self, Point)> {
+        for _ in 0..SPREAD_STEPS {
+            let next = self.next_spreads(&at)?;
+            let change = self.spreads.change(&next);
+            if change < SPREAD_SETTLED {
+                break;
+            }
+            self = Self::new(self.joint, self.spreads.toward(&next, OVERREACH));
+            at = self.repriced(at)?;
+        }
+        Ok((self, at))
+    }
+
+    /// Spreads from what the linearised problem says of the unknowns that have them.
+    fn next_spreads(&self, at: &Point) -> Result<Spreads> {
+        let normal = &at.normal;
+        let covariance = normal.full(&normal.covariance()?);
+        let step = &covariance * &normal.descent;
+        let values = &at.unknowns.values + &step;
+        let variances = covariance.diagonal();
+        let of = |range| found(range, &values, &variances);
+        let mut sensitivities = Vec::new();
+        for (trial, part) in at.trials.iter().zip(&normal.contributions) {
+            let variances = part.own_variances(&covariance);
+            let changes = part.own_step(&step);
+            for (own, (variance, change)) in trial
+                .own
+                .iter()
+                .zip(variances.iter().zip(changes.iter().flat_map(|c| c.iter())))
+            {
+                if matches!(own.kind, Kind::Sensitivity(_)) {
+                    sensitivities.push((own.value + change, *variance));
+                }
+            }
+        }
+        let room = &self.joint.certificates.room;
+        Ok(Spreads {
+            stiffness: room.stiffness.next(of(STIFFNESS..CROSS_TALK)),
+            cross_talk: room.cross_talk.next(of(CROSS_TALK..WEDGES)),
+            sensitivity: room.sensitivity.next(sensitivities.into_iter()),
+            wedge_rad: self
+                .joint
+                .wedge_spread()
+                .next(of(self.joint.wedge_angles())),
+        })
+    }
+
+    fn point(&self, unknowns: Unknowns, mut trials: Vec<Trial>) -> Result<Point> {
+        self.spread(&mut trials);
+        let contributions = trials
+            .iter()
+            .map(|trial| {
+                let part = trial.contribution(&unknowns, &self.joint.shares);
+                part.ok_or(UNDETERMINED)
+            })
+            .collect::<Result<_>>()?;
+        let normal = normal(contributions, &unknowns, &self.priors)?;
         Ok(Point {
             unknowns,
             trials,
@@ -344,12 +435,7 @@ fn finish(at: &Point, campaign: &Campaign<'_>, iterations: usize) -> Result<Join
     } else {
         held
     };
-    let mut full = DMatrix::zeros(unknowns.len(), unknowns.len());
-    for (a, row) in normal.free.iter().enumerate() {
-        for (b, column) in normal.free.iter().enumerate() {
-            full[(*row, *column)] = covariance[(a, b)];
-        }
-    }
+    let full = normal.full(&covariance);
     let own = trials
         .iter()
         .zip(&normal.contributions)

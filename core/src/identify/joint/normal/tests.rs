@@ -265,6 +265,12 @@ fn inv_elimination_solves_the_arrow() {
         let arrow = trial.arrow(&unknowns, &shares).expect("held");
         let common = unknowns.len();
         let (outer, inner) = (arrow.descent.len(), arrow.own_descent.len());
+        let mut arrow = arrow;
+        for (place, own) in trial.own.iter().enumerate() {
+            let weight = 1.0 / (own.deviation * own.deviation);
+            arrow.information[(common + place, common + place)] += weight;
+            arrow.descent[common + place] -= weight * own.value;
+        }
         // A little of everything beforehand, as certificates give it, makes the whole regular.
         let beforehand = arrow.information.diagonal().rows(0, common).amax();
         let mut whole = DMatrix::zeros(outer + inner, outer + inner);
