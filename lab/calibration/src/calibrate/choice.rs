@@ -115,7 +115,7 @@ pub(super) fn refused(cause: &str) -> Finding {
 pub fn contradiction(misfit: &Misfit) -> Option<String> {
     misfit.contradicts().then(|| {
         format!(
-            "the channels contradict equal stiffness or white noise (misfit {:.2}, noise alone leaves at most {:.2}): the joint fit's own intervals would be too narrow and have been made {:.0} times as wide; use the four steps",
+            "the channels contradict straight and unhurried sensors, an ordinary room and white noise (misfit {:.2}, noise alone leaves at most {:.2}): the joint fit's own intervals would be too narrow and have been made {:.0} times as wide; use the four steps",
             misfit.per_degree,
             misfit.limit(),
             misfit.wider()
