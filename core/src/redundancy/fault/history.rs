@@ -1,9 +1,11 @@
 //! Statistics of a failure and of each channel since the alarm, as running sums.
 
 use super::class::{CLASS_OF, CLASSES};
+use super::misfit::limit;
 use super::noise::{RowNoise, add_outer, apply, dot};
 use crate::float::sqrt;
 use crate::geometry::LIMBS;
+use crate::limb_set::LimbSet;
 use crate::redundancy::parity::ROWS;
 
 /// Sums of one channel, in its noise; the signal counts from no force.
@@ -35,9 +37,6 @@ pub struct History {
     zero_sd: [f64; LIMBS],
 }
 
-/// Standard deviations of a sum of squares within which there is only noise.
-const STILL: f64 = 4.0;
-
 /// Variance of a fourth difference of unit white noise: 1 + 16 + 36 + 16 + 1.
 pub(super) const FOURTH: f64 = 70.0;
 
@@ -52,6 +51,12 @@ impl History {
             zero_sd,
             ..Self::default()
         }
+    }
+
+    /// None of the samples so far.
+    #[must_use]
+    pub fn anew(&self) -> Self {
+        Self::new(self.zero_sd)
     }
 
     /// Takes whitened rows and the nine signals in units of their noise.
@@ -104,7 +109,24 @@ impl History {
     #[must_use]
     pub fn is_flat(&self, limb: usize) -> bool {
         let n = self.samples as f64;
-        self.own(limb) < n + STILL * sqrt(2.0 * n)
+        self.own(limb) < limit(n, 0.0)
+    }
+
+    /// Channels that are.
+    #[must_use]
+    pub fn flat(&self) -> LimbSet {
+        (0..LIMBS)
+            .filter(|&limb| self.is_flat(limb))
+            .fold(LimbSet::EMPTY, LimbSet::with)
+    }
+
+    /// Mean of a channel's signal.
+    #[must_use]
+    pub fn mean(&self, limb: usize) -> f64 {
+        let n = self.samples as f64;
+        self.channels
+            .get(limb)
+            .map_or(0.0, |channel| channel.sum / n.max(1.0))
     }
 
     /// Whether a channel shows no more than its noise about its zero.
@@ -112,10 +134,9 @@ impl History {
     pub fn is_at_zero(&self, limb: usize) -> bool {
         let n = self.samples as f64;
         let zero = self.zero_sd.get(limb).copied().unwrap_or(0.0);
-        let limit = sqrt(n + STILL * sqrt(2.0 * n)) + STILL * zero * sqrt(n);
         self.channels
             .get(limb)
-            .is_some_and(|channel| channel.square < limit * limit)
+            .is_some_and(|channel| channel.square < limit(n, n * zero * zero))
     }
 
     /// Standard deviations by which a channel is rougher than its noise.

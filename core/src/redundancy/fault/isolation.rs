@@ -15,7 +15,7 @@ use super::misfit::Misfit;
 use super::moments::Moments;
 use super::monitor::Event;
 use super::noise::{RowNoise, dot};
-use super::silent::{Before, sets};
+use super::silent::{Before, may_hide, sets};
 use super::step::Ring;
 use super::swap::Swaps;
 use super::verdict::{Kind, Verdict};
@@ -30,6 +30,8 @@ pub const ACCEPTED: f64 = 9.2;
 const LOOK: u64 = 32;
 /// Samples after the alarm from which exchanged channels are told from dead ones in slow motion.
 const SWAP_LOOK: u64 = 256;
+/// Samples after the alarm at which the statistics begin anew if nothing is decided by then.
+const ANEW: u64 = 256;
 /// Samples after the alarm at which a verdict falls however uncertain: that many at least, and as many windows of the test that failed.
 const LAST_LOOK: u64 = 2048;
 const LAST_WINDOWS: u64 = 16;
@@ -52,6 +54,7 @@ pub(super) struct Isolation {
     history: History,
     swaps: Swaps,
     steps: [f64; LIMBS],
+    anew: bool,
     found: Option<Found>,
 }
 
@@ -71,6 +74,13 @@ pub(super) struct Sample<'a> {
 }
 
 impl Isolation {
+    /// When it began, and the channels before that, as a later alarm of the same failure finds it.
+    pub const fn origin(&self) -> Origin {
+        let mut origin = self.origin;
+        origin.before.long_ago = true;
+        origin
+    }
+
     /// Begins with the window that raised the alarm, or with its sample; `zero_sd` are errors of the zeros in the channels' noise.
     pub fn new(
         alarm: Alarm,
@@ -96,6 +106,7 @@ impl Isolation {
             history: History::new(zero_sd),
             swaps: Swaps::default(),
             steps: [0.0; LIMBS],
+            anew: false,
             found: None,
         }
     }
@@ -116,18 +127,13 @@ impl Isolation {
 
     /// Searches the channels for steps about the alarm, once, when enough samples follow it; `per_v` is one over their noise, 1/V.
     pub fn look_for_steps(&mut self, ring: &Ring, per_v: &[f64; LIMBS]) {
-        if self.window.rows.samples() == LOOK {
+        if self.window.rows.samples() == LOOK && !self.anew {
             let (from, to) = self.origin.since;
             // A step within a window may show up to a sample beside it.
             self.steps = core::array::from_fn(|limb| {
                 per_v[limb] * ring.largest_step(limb, from.saturating_sub(1), to + 1)
             });
         }
-    }
-
-    /// When it began, and the channels before that.
-    pub const fn origin(&self) -> Origin {
-        self.origin
     }
 
     /// Limbs of which one has failed, if that is known.
@@ -191,6 +197,7 @@ impl Isolation {
             && swap_lead > ACCEPTED
             && n >= SWAP_LOOK
             && dead.count == 0
+            && !self.origin.before.long_ago
             && (!one.explains || swap_score > one.score + ACCEPTED)
             && !one.limbs.indices().any(|limb| self.history.is_flat(limb));
         if swapped {
@@ -209,14 +216,28 @@ impl Isolation {
             let verdict = self.verdict(sample, one.limbs, Kind::Unknown, one.margin);
             return Some(Event::Isolated(verdict));
         }
-        if one.limbs.is_empty() && dead.count == 1 && !swap_leaves_noise {
+        let believed = dead.believed.filter(|_| dead.count == 1);
+        if let Some(limbs) = believed
+            && one.limbs.is_empty()
+            && !swap_leaves_noise
+            && !may_hide(noise, &self.history, limbs, gone)
+        {
             let at_zero = |limb| self.history.is_at_zero(limb);
-            let kind = if dead.first.indices().all(at_zero) {
+            let kind = if limbs.indices().all(at_zero) {
                 Kind::Dead
             } else {
                 Kind::Stuck
             };
-            return Some(self.decided(sample, dead.first, kind, f64::INFINITY));
+            return Some(self.decided(sample, limbs, kind, f64::INFINITY));
+        }
+        if n == ANEW && !self.anew {
+            // What began with the alarm may have gone on to other limbs before it settled.
+            self.anew = true;
+            self.before = [0.0; CLASSES];
+            self.window = Window::default();
+            self.history = self.history.anew();
+            self.swaps = Swaps::default();
+            return None;
         }
         self.is_last_look().then(|| {
             if misfit.is_quiet_everywhere() {

@@ -136,7 +136,10 @@ pub fn judge(
                 _ => (0, 0.0),
             }
         }
-        Kind::ScaleJump => lead(limbs, |limb| scale[limb], |best, next| best - next),
+        // The load of a flat limb, which may be dead, goes along with the signal of another for a while.
+        Kind::ScaleJump if limbs.minus(history.flat()) == limbs => {
+            lead(limbs, |limb| scale[limb], |best, next| best - next)
+        }
         Kind::NoiseBurst => lead(
             limbs,
             |limb| history.roughness(limb),

@@ -119,7 +119,7 @@ const NOTHING: Parts<f64> = Parts {
 };
 
 /// The largest sum of squares of n coefficients that is noise and calibration's errors.
-fn limit(n: f64, added: f64) -> f64 {
+pub(super) fn limit(n: f64, added: f64) -> f64 {
     let root = sqrt(n + NOISE * sqrt(2.0 * n) + SKEWNESS) + ERRORS * sqrt(added.max(0.0));
     root * root
 }

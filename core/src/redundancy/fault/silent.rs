@@ -1,16 +1,16 @@
 //! Two or three limbs dead at once, by what their own channels show: such limbs span a plane of the rows or all of them, and the
 //! rows alone cannot say which they are.
 //!
-//! A set explains a failure if each of its channels is flat since the alarm, each of its limbs is what the rows miss, and the rows
-//! that are free of the set are quiet. A channel is flat where the load is constant, too: that it failed is believed if it was
-//! loud before the alarm and is at zero since, if it moved before for as long as it is flat since, or, as long as the set leaves a
-//! relation to contradict it, if the load that the other limbs imply moves.
+//! A set may explain a failure if each of its channels is flat since the alarm and was not so before, each of its limbs is what the
+//! rows miss, and the rows that are free of the set are quiet. But a channel is flat where its load is constant, too. It is believed to
+//! have failed if it was loud just before the alarm and is at zero since, if it moved before and is flat for longer since, or, as long
+//! as the set leaves a relation to contradict it, if it is flat for long while the load that the other limbs imply moves.
 
 use super::class::CLASS_OF;
 use super::history::History;
 use super::misfit::Misfit;
 use super::noise::{RowNoise, cross, dot, unit};
-use super::step::{KEPT, Ring};
+use super::step::Ring;
 use crate::geometry::LIMBS;
 use crate::limb_set::LimbSet;
 use crate::redundancy::parity::ROWS;
@@ -19,6 +19,10 @@ use crate::redundancy::parity::ROWS;
 const MARGIN: u64 = 16;
 const LOUD: u64 = 32;
 const MOVED: u64 = 192;
+/// Samples for which no channel is flat in the turn of a motion, and standard deviations by which its mean has changed when it
+/// was another before.
+const STOPPED: u64 = 512;
+const CHANGED: f64 = 1.5;
 /// Mean square over that of noise from which a channel was loud, or moved.
 const BEYOND_NOISE: f64 = 3.0;
 /// Correlation of neighbouring sizes from which a course is a motion and not noise.
@@ -29,6 +33,9 @@ const SMOOTH_COURSE: f64 = 0.5;
 pub(super) struct Before {
     loud: LimbSet,
     moved: LimbSet,
+    mean: [f64; LIMBS],
+    /// Whether the alarm is not the first one of this failure, so that all this is of long before.
+    pub long_ago: bool,
 }
 
 impl Before {
@@ -39,11 +46,12 @@ impl Before {
         for limb in 0..LIMBS {
             let sums = |from: u64| {
                 let stretch = ring.stretch(limb, from, end).map(|v| signal(limb, v));
-                stretch.fold((0.0, 0.0, 0.0), |(n, sum, square), y| {
+                stretch.fold((0.0_f64, 0.0, 0.0), |(n, sum, square), y| {
                     (n + 1.0, sum + y, square + y * y)
                 })
             };
-            let (n, _, square) = sums(end.saturating_sub(LOUD));
+            let (n, sum, square) = sums(end.saturating_sub(LOUD));
+            before.mean[limb] = sum / n.max(1.0);
             if n > 0.5 * LOUD as f64 && square > BEYOND_NOISE * n {
                 before.loud = before.loud.with(limb);
             }
@@ -56,15 +64,15 @@ impl Before {
     }
 }
 
-/// The sets that explain the rows and no subset of which does.
+/// The sets that may explain the rows and no subset of which does.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Sets {
     /// How many there are.
     pub count: usize,
-    /// The first one.
-    pub first: LimbSet,
     /// Limbs that are in all of them.
     pub common: LimbSet,
+    /// The first one, if its limbs are believed to have failed.
+    pub believed: Option<LimbSet>,
 }
 
 /// Looks for sets of two and three dead limbs; those in `gone` are out of the question.
@@ -75,58 +83,64 @@ pub(super) fn sets(
     before: &Before,
     gone: LimbSet,
 ) -> Sets {
-    let flat = (0..LIMBS)
-        .filter(|&limb| history.is_flat(limb))
-        .fold(LimbSet::EMPTY, LimbSet::with)
-        .minus(gone);
+    let flat = history.flat().minus(gone);
     let mut found = Sets::default();
     let mut pairs = [LimbSet::EMPTY; LIMBS * (LIMBS - 1) / 2];
     let mut count = 0;
     for size in 2..=noise.relations() {
         for set in LimbSet::of_size(size).filter(|set| set.minus(flat).is_empty()) {
             let minimal = pairs.iter().take(count).all(|p| !p.minus(set).is_empty());
-            if !minimal || !explains(noise, misfit, history, before, set) {
+            if !minimal {
                 continue;
             }
+            let Some(believed) = explains(noise, misfit, history, before, set) else {
+                continue;
+            };
             if let Some(place) = pairs.get_mut(count).filter(|_| size == 2) {
                 *place = set;
                 count += 1;
             }
-            found.common = match found.count {
-                0 => set,
-                _ => found.common.minus(found.common.minus(set)),
-            };
             if found.count == 0 {
-                found.first = set;
+                found.common = set;
+                found.believed = believed.then_some(set);
             }
+            found.common = found.common.minus(found.common.minus(set));
             found.count += 1;
         }
     }
     found
 }
 
+/// Whether some flat limb shows in no relation that is left without `limbs`, so that it may have failed with them unseen.
+pub(super) fn may_hide(noise: &RowNoise, history: &History, limbs: LimbSet, gone: LimbSet) -> bool {
+    let left = noise.without(limbs);
+    let shows = |limb: usize| {
+        let class = CLASS_OF.get(limb).copied().unwrap_or(0);
+        left.length(class) > 0.0
+    };
+    let others = history.flat().minus(limbs).minus(gone);
+    others.indices().any(|limb| !shows(limb))
+}
+
+/// Whether a set may explain the rows, and then whether its limbs are believed to have failed.
 fn explains(
     noise: &RowNoise,
     misfit: &Misfit<'_>,
     history: &History,
     before: &Before,
     set: LimbSet,
-) -> bool {
+) -> Option<bool> {
     let contradicted = noise.relations() > set.len();
     let direction = |limb: usize| {
         let class = CLASS_OF.get(limb).copied().unwrap_or(0);
         *noise.direction(class)
     };
     let mut others = set.indices();
-    let (Some(a), Some(b)) = (others.next(), others.next()) else {
-        return false;
-    };
+    let (a, b) = (others.next()?, others.next()?);
     let third = others.next();
-    let Some(normal) = unit(&cross(&direction(a), &direction(b))) else {
-        return false;
-    };
+    let normal = unit(&cross(&direction(a), &direction(b)))?;
     if third.is_none() && contradicted && !misfit.is_quiet_along(&normal) {
-        return false;
+        return None;
     }
     // The direction in which only one limb of the set shows.
     let own = |limb: usize, others: [usize; 2]| -> Option<[f64; ROWS]> {
@@ -138,18 +152,21 @@ fn explains(
         (dot(&own, &direction(limb)).abs() > 1e-6).then_some(own)
     };
     let fails = |limb: usize, others: [usize; 2]| {
-        let Some(own) = own(limb, others) else {
-            return false;
-        };
+        let own = own(limb, others)?;
         let [loud, moves] = misfit.is_loud_along(&own);
         let moves =
             moves && history.lagged_along(&own) > SMOOTH_COURSE * history.energy_along(&own);
+        let moved = before.moved.contains(limb);
+        let mean = before.mean.get(limb).copied().unwrap_or(0.0);
+        let changed = moved || (history.mean(limb) - mean).abs() > CHANGED;
         let stepped = before.loud.contains(limb) && history.is_at_zero(limb);
-        let stopped = before.moved.contains(limb) && history.samples >= KEPT as u64;
-        loud && (stepped || stopped || (moves && contradicted))
+        let long = history.samples >= STOPPED;
+        let shown = (stepped || (moved && long)) && !before.long_ago;
+        let believed = shown || (moves && contradicted && long);
+        (loud && (changed || moves)).then_some(believed)
     };
-    match third {
-        None => fails(a, [b, b]) && fails(b, [a, a]),
-        Some(c) => fails(a, [b, c]) && fails(b, [c, a]) && fails(c, [a, b]),
-    }
+    Some(match third {
+        None => fails(a, [b, b])? & fails(b, [a, a])?,
+        Some(c) => fails(a, [b, c])? & fails(b, [c, a])? & fails(c, [a, b])?,
+    })
 }
