@@ -28,10 +28,10 @@ use crate::redundancy::parity::ROWS;
 pub const ACCEPTED: f64 = 9.2;
 /// Samples from one look at the hypotheses to the next. Channels that stand still have shown it by the first.
 const LOOK: u64 = 32;
-/// Samples after the alarm from which exchanged channels are told from dead ones in slow motion.
-const SWAP_LOOK: u64 = 256;
 /// Samples after the alarm at which the statistics begin anew if nothing is decided by then.
 const ANEW: u64 = 256;
+/// Samples after that from which exchanged channels are told from dead ones in slow motion.
+const SWAP_LOOK: u64 = 256;
 /// Samples after the alarm at which a verdict falls however uncertain: that many at least, and as many windows of the test that failed.
 const LAST_LOOK: u64 = 2048;
 const LAST_WINDOWS: u64 = 16;
@@ -196,6 +196,8 @@ impl Isolation {
         let swapped = swap_leaves_noise
             && swap_lead > ACCEPTED
             && n >= SWAP_LOOK
+            && self.anew
+            && noise.relations() == ROWS
             && dead.count == 0
             && !self.origin.before.long_ago
             && (!one.explains || swap_score > one.score + ACCEPTED)
@@ -207,6 +209,10 @@ impl Isolation {
         let swap_competes = swap_leaves_noise && swap_score > one.score - ACCEPTED;
         // A set with a limb that explains the rows by itself is more than is needed.
         let dead_compete = dead.count > 0 && dead.common.minus(one.limbs) == dead.common;
+        // A limb that stopped when the failure began is not cleared by another that explains the rows long after.
+        let stopped = self.origin.before.stopped(&self.history);
+        let dead_compete = dead_compete
+            || self.origin.before.long_ago && !stopped.minus(one.limbs).minus(gone).is_empty();
         if one.explains && one.margin > ACCEPTED && !swap_competes && !dead_compete {
             self.found = Some(Found {
                 class: one.class,

@@ -62,6 +62,12 @@ impl Before {
         }
         before
     }
+
+    /// Limbs that moved and are flat now.
+    pub fn stopped(&self, history: &History) -> LimbSet {
+        let flat = history.flat();
+        flat.minus(flat.minus(self.moved))
+    }
 }
 
 /// The sets that may explain the rows and no subset of which does.
