@@ -25,6 +25,9 @@ use crate::significance::chi_square_limit;
 /// Lengths of the windows, samples.
 pub const WINDOWS: [u64; 4] = [8, 64, 512, 4096];
 
+/// Samples of the shortest window.
+const BLOCK: usize = WINDOWS[0] as usize;
+
 /// A statistic of the rows that is tested.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Test {
@@ -120,6 +123,9 @@ pub struct Detector {
     thresholds: [f64; TESTS.len()],
     /// How many times their expectation the errors of one calibration may add to an energy.
     energy_margin: f64,
+    /// The rows and strains of the window that is being filled, of the shortest ones.
+    block: [([f64; ROWS], [f64; LIMBS]); BLOCK],
+    filled: usize,
     windows: [Window; WINDOWS.len()],
     received: u64,
 }
@@ -156,6 +162,8 @@ impl Detector {
             rate,
             thresholds: [0.0; TESTS.len()],
             energy_margin: 0.0,
+            block: [([0.0; ROWS], [0.0; LIMBS]); BLOCK],
+            filled: 0,
             windows: [Window::default(); WINDOWS.len()],
             received: 0,
         };
@@ -225,44 +233,66 @@ impl Detector {
     }
 
     /// Takes the whitened rows and the strains of a sample and makes the tests that are due.
-    #[inline]
     pub fn push(&mut self, z: &[f64; ROWS], strain: &[f64; LIMBS]) -> Alarms {
-        self.received += 1;
-        let [shortest, ..] = &mut self.windows;
-        // A full window stays to be looked at until the next sample.
-        if shortest.rows.samples() == WINDOWS[0] {
-            self.empty_full_windows();
+        if self.take(z, strain) {
+            self.tests(z, strain)
+        } else {
+            Alarms::default()
         }
-        let [shortest, ..] = &mut self.windows;
-        shortest.push(z, strain);
-        if shortest.rows.samples() < WINDOWS[0] && dot(z, z) <= self.thresholds[0] {
-            return Alarms::default();
-        }
-        self.tests(z, strain)
     }
 
+    /// The same, of the alarms the first.
+    #[inline]
+    pub(super) fn first_alarm(&mut self, z: &[f64; ROWS], strain: &[f64; LIMBS]) -> Option<Alarm> {
+        if self.take(z, strain) {
+            self.tests(z, strain).first()
+        } else {
+            None
+        }
+    }
+
+    /// Whether a test is due of which the outcome is open.
+    #[inline]
+    fn take(&mut self, z: &[f64; ROWS], strain: &[f64; LIMBS]) -> bool {
+        self.received += 1;
+        if let Some(row) = self.block.get_mut(self.filled) {
+            *row = (*z, *strain);
+        }
+        self.filled += 1;
+        if self.filled < BLOCK {
+            return dot(z, z) > self.thresholds[0];
+        }
+        self.end_block();
+        // Mostly the shortest window alone is full, and quiet.
+        let [shortest, next, ..] = &self.windows;
+        next.rows.samples() == WINDOWS[1]
+            || dot(z, z) > self.thresholds[0]
+            || shortest.rows.energy_of_mean() > self.thresholds[1]
+    }
+
+    /// Each window is made of those before it: eight of one are the next. A full one stays to be looked at until the next block.
     #[inline(never)]
-    fn empty_full_windows(&mut self) {
-        for (window, length) in self.windows.iter_mut().zip(WINDOWS) {
+    fn end_block(&mut self) {
+        self.filled = 0;
+        let [shortest, longer @ ..] = &mut self.windows;
+        *shortest = Window::of(&self.block);
+        let mut earlier = Some(&*shortest);
+        for (window, length) in longer.iter_mut().zip(WINDOWS.into_iter().skip(1)) {
             if window.rows.samples() == length {
                 *window = Window::default();
             }
+            let Some(full) = earlier.take() else {
+                continue;
+            };
+            window.append(full);
+            if window.rows.samples() == length {
+                earlier = Some(&*window);
+            }
         }
     }
 
-    /// Each window is made of those before it: eight of one are the next.
     #[inline(never)]
     fn tests(&mut self, z: &[f64; ROWS], strain: &[f64; LIMBS]) -> Alarms {
-        let mut earlier: Option<Window> = None;
-        for (window, length) in self.windows.iter_mut().zip(WINDOWS) {
-            if let Some(earlier) = &earlier {
-                window.append(earlier);
-            }
-            if window.rows.samples() < length {
-                break;
-            }
-            earlier = Some(*window);
-        }
         let mut alarms = Alarms::default();
         for ((test, &threshold), alarm) in TESTS.iter().zip(&self.thresholds).zip(&mut alarms.0) {
             if !self.is_due(*test) {
@@ -283,17 +313,21 @@ impl Detector {
 
     /// Begins all windows anew.
     pub fn restart(&mut self) {
+        self.filled = 0;
         self.windows = [Window::default(); WINDOWS.len()];
     }
 
     fn is_due(&self, test: Test) -> bool {
         let mut windows = self.windows.iter().zip(WINDOWS);
         let window = windows.find(|(_, length)| *length == test.samples());
-        window.is_none_or(|(window, length)| window.rows.samples() == length)
+        window.is_none_or(|(window, length)| self.filled == 0 && window.rows.samples() == length)
     }
 
     /// Calibration's errors only lessen a statistic: where it is below the threshold without them they are left out.
     fn statistic(&self, test: Test, threshold: f64, z: &[f64; ROWS], strain: &[f64; LIMBS]) -> f64 {
+        if test == Test::Sample && dot(z, z) <= threshold {
+            return dot(z, z);
+        }
         let mut windows = self.windows.iter().zip(WINDOWS);
         let mut one = Window::default();
         let window = match windows.find(|(_, length)| *length == test.samples()) {

@@ -65,6 +65,18 @@ impl Moments {
         [mean, slope]
     }
 
+    /// Square of the coefficients of the constant.
+    #[inline]
+    #[must_use]
+    pub fn energy_of_mean(&self) -> f64 {
+        let n = self.samples as f64;
+        if n > 0.0 {
+            dot(&self.sum, &self.sum) / n
+        } else {
+            0.0
+        }
+    }
+
     /// Sum of squares.
     #[must_use]
     pub fn energy(&self) -> f64 {

@@ -235,7 +235,7 @@ impl Monitor {
             return self.attend(voltage_v, strain);
         }
         let z = self.whole.noise().whiten(&residual(&strain, self.nu));
-        let alarm = self.whole.push(&z, &strain).first()?;
+        let alarm = self.whole.first_alarm(&z, &strain)?;
         self.begin(alarm, &z)
     }
 
@@ -370,7 +370,7 @@ impl Monitor {
         let strain = self.strains(voltage_v);
         let sound = silent.is_empty() && {
             let z = self.whole.noise().whiten(&residual(&strain, self.nu));
-            self.whole.push(&z, &strain).first().is_none()
+            self.whole.first_alarm(&z, &strain).is_none()
         };
         if !sound || self.quiet == 0 {
             self.quiet = u64::from(sound);
@@ -426,7 +426,7 @@ impl Monitor {
         };
         let z = detector.noise().whiten(&residual(strain, self.nu));
         let State::Isolating(isolation) = &mut self.state else {
-            return match detector.push(&z, strain).first() {
+            return match detector.first_alarm(&z, strain) {
                 Some(alarm) => self.begin(alarm, &z),
                 None => self.is_untold_over(),
             };

@@ -25,6 +25,29 @@ pub(super) struct Window {
 }
 
 impl Window {
+    /// Of some samples: whitened rows and strains.
+    pub fn of(samples: &[([f64; ROWS], [f64; LIMBS])]) -> Self {
+        let mut window = Self::default();
+        for (z, _) in samples {
+            window.rows.push(z);
+        }
+        // Limb by limb, which keeps the sums in registers.
+        for limb in 0..LIMBS {
+            let (mut place, mut sum, mut ramp, mut square) = (0.0, 0.0, 0.0, 0.0);
+            for (_, strain) in samples {
+                let x = strain[limb];
+                sum += x;
+                ramp += place * x;
+                square += x * x;
+                place += 1.0;
+            }
+            window.strain[limb] = sum;
+            window.strain_ramp[limb] = ramp;
+            window.strain_square[limb] = square;
+        }
+        window
+    }
+
     /// Takes a sample: whitened rows and strains.
     #[inline]
     pub fn push(&mut self, z: &[f64; ROWS], strain: &[f64; LIMBS]) {
@@ -136,6 +159,8 @@ mod tests {
             let half = if k < 8 { &mut first } else { &mut second };
             half.push(&z, &strain);
         }
+        let samples: [_; 8] = core::array::from_fn(|k| at(k as u32));
+        assert_eq!(Window::of(&samples), first);
         first.append(&second);
         let noise = RowNoise::from_channels(&[1e-8; LIMBS]).expect("noise");
         let errors = CalibrationErrors {
