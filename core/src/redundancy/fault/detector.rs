@@ -232,7 +232,7 @@ impl Detector {
             .unwrap_or_default()
     }
 
-    /// Takes the whitened rows and the strains of a sample and makes the tests that are due.
+    /// Takes the whitened rows and the strains, counted from rest, of a sample and makes the tests that are due.
     pub fn push(&mut self, z: &[f64; ROWS], strain: &[f64; LIMBS]) -> Alarms {
         if self.take(z, strain) {
             self.tests(z, strain)

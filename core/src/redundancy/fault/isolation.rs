@@ -32,6 +32,9 @@ const LOOK: u64 = 32;
 const ANEW: u64 = 256;
 /// Samples after that from which exchanged channels are told from dead ones in slow motion.
 const SWAP_LOOK: u64 = 256;
+/// Samples from which a failure of which it could not be told which limbs it is may be told after all: a hum, which is of no limb,
+/// looks like one for a part of its period.
+const LATE_LOOK: u64 = 1024;
 /// Samples after the alarm at which a verdict falls however uncertain: that many at least, and as many windows of the test that failed.
 const LAST_LOOK: u64 = 2048;
 const LAST_WINDOWS: u64 = 16;
@@ -66,11 +69,12 @@ struct Found {
     ln_odds: f64,
 }
 
-/// One sample in all its forms: whitened rows, signals in their noise, strains.
+/// One sample in all its forms: whitened rows, signals in their noise, strains, and strains counted from rest.
 pub(super) struct Sample<'a> {
     pub z: &'a [f64; ROWS],
     pub signal: &'a [f64; LIMBS],
     pub strain: &'a [f64; LIMBS],
+    pub from_rest: &'a [f64; LIMBS],
 }
 
 impl Isolation {
@@ -118,7 +122,7 @@ impl Isolation {
         sample: &Sample<'_>,
         strain_of: impl Fn(usize, usize) -> f64,
     ) {
-        self.window.push(sample.z, sample.strain);
+        self.window.push(sample.z, sample.from_rest);
         self.history.push(noise, sample.z, sample.signal);
         if self.found.is_none() {
             self.swaps.push(noise, sample.z, sample.strain, strain_of);
@@ -183,6 +187,9 @@ impl Isolation {
         gone: LimbSet,
     ) -> Option<Event> {
         let n = self.window.rows.samples();
+        if self.origin.before.long_ago && n < LATE_LOOK {
+            return None;
+        }
         let misfit = Misfit::new(noise, &self.window, errors);
         let since = likelihood(noise, &self.window.rows);
         let scores: [f64; CLASSES] = core::array::from_fn(|i| self.before[i] + since[i]);

@@ -84,6 +84,8 @@ enum State {
 pub struct Monitor {
     strain_per_v: [f64; LIMBS],
     strain_at_zero: [f64; LIMBS],
+    /// Strain at rest. A scale factor's error is one of what is counted from there, and so is what unequal stiffness makes of the rows.
+    strain_at_rest: [f64; LIMBS],
     zero_drift_v: [f64; LIMBS],
     /// One over a channel's noise, 1/V, and the error of its zero in its noise.
     per_noise: [f64; LIMBS],
@@ -137,10 +139,14 @@ impl Monitor {
             .iter()
             .chain(&errors.drift)
             .all(|&sd| sd == 0.0);
+        let strain_at_zero = from_kernel_order(constants.strain_at_zero);
         let per_sample = watch.false_alarms_per_hour / 3600.0 / settings.sample_rate_hz;
         Ok(Self {
             strain_per_v,
-            strain_at_zero: from_kernel_order(constants.strain_at_zero),
+            strain_at_zero,
+            strain_at_rest: core::array::from_fn(|i| {
+                strain_per_v[i] * parameters.zero_drift_v[i] + strain_at_zero[i]
+            }),
             zero_drift_v: parameters.zero_drift_v,
             per_noise: watch.noise_v.map(|sd| 1.0 / sd),
             zero_sd: core::array::from_fn(|i| watch.zero_drift_sd_v[i] / watch.noise_v[i]),
@@ -216,6 +222,11 @@ impl Monitor {
         self.strain_per_v[limb] * voltage_v + self.strain_at_zero[limb]
     }
 
+    #[inline]
+    fn counted_from_rest(&self, strain: &[f64; LIMBS]) -> [f64; LIMBS] {
+        core::array::from_fn(|i| strain[i] - self.strain_at_rest[i])
+    }
+
     /// A channel's signal, counted from no force, in its noise.
     fn signal(&self, limb: usize, voltage_v: f64) -> f64 {
         (voltage_v - self.zero_drift_v[limb]) * self.per_noise[limb]
@@ -235,7 +246,8 @@ impl Monitor {
             return self.attend(voltage_v, strain);
         }
         let z = self.whole.noise().whiten(&residual(&strain, self.nu));
-        let alarm = self.whole.first_alarm(&z, &strain)?;
+        let from_rest = self.counted_from_rest(&strain);
+        let alarm = self.whole.first_alarm(&z, &from_rest)?;
         self.begin(alarm, &z)
     }
 
@@ -265,7 +277,7 @@ impl Monitor {
         }
         for limb in self.failed.indices() {
             // To second order only, which is far below the noise, do the relations that are left contain it.
-            strain[limb] = 0.0;
+            strain[limb] = self.strain_at_rest[limb];
         }
         if !self.gone().is_empty() && self.is_over(voltage_v, unreadable.union(held)) {
             self.failed = LimbSet::EMPTY;
@@ -370,7 +382,8 @@ impl Monitor {
         let strain = self.strains(voltage_v);
         let sound = silent.is_empty() && {
             let z = self.whole.noise().whiten(&residual(&strain, self.nu));
-            self.whole.first_alarm(&z, &strain).is_none()
+            let from_rest = self.counted_from_rest(&strain);
+            self.whole.first_alarm(&z, &from_rest).is_none()
         };
         if !sound || self.quiet == 0 {
             self.quiet = u64::from(sound);
@@ -419,6 +432,7 @@ impl Monitor {
     /// The relations that are watched, tested or looked into.
     fn test(&mut self, strain: &[f64; LIMBS], voltage_v: &[f64; LIMBS]) -> Option<Event> {
         let gone = self.gone();
+        let from_rest = self.counted_from_rest(strain);
         let detector = if gone.is_empty() {
             &mut self.whole
         } else {
@@ -426,7 +440,7 @@ impl Monitor {
         };
         let z = detector.noise().whiten(&residual(strain, self.nu));
         let State::Isolating(isolation) = &mut self.state else {
-            return match detector.first_alarm(&z, strain) {
+            return match detector.first_alarm(&z, &from_rest) {
                 Some(alarm) => self.begin(alarm, &z),
                 None => self.is_untold_over(),
             };
@@ -437,6 +451,7 @@ impl Monitor {
             z: &z,
             signal: &signal,
             strain,
+            from_rest: &from_rest,
         };
         let (slope, zero) = (&self.strain_per_v, &self.strain_at_zero);
         isolation.push(detector.noise(), &sample, |limb, channel| {
