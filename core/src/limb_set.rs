@@ -63,6 +63,21 @@ impl LimbSet {
         index < LIMBS && self.0 >> index & 1 == 1
     }
 
+    /// All nine.
+    pub const ALL: Self = Self((1 << LIMBS) - 1);
+
+    /// Those of both sets.
+    #[must_use]
+    pub const fn union(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// Those that are not in the other set.
+    #[must_use]
+    pub const fn minus(self, other: Self) -> Self {
+        Self(self.0 & !other.0)
+    }
+
     /// How many there are.
     #[must_use]
     pub const fn len(self) -> usize {

@@ -159,6 +159,7 @@ impl Scene {
             noise_v: self.noise_v,
             scale_sd: [0.0; LIMBS],
             zero_drift_sd_v: [0.0; LIMBS],
+            stiffness_sd: 0.0,
         };
         (watch, Settings::new(SAMPLE_RATE_HZ))
     }

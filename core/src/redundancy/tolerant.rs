@@ -5,8 +5,10 @@
 //! repeated from a state before the failure, with the limb excluded ([`Decoupler::set_excluded`]). Answers given in between are not
 //! revised; later ones are free of the failure.
 //!
-//! Of an ambiguous pair neither limb is excluded until it is known which has failed, and the two together cannot be excluded
-//! ([`crate::redundancy::reconstruction`]): such answers are decoded from all nine limbs and marked.
+//! Several limbs may fail, at once or one after another; up to three can be excluded. Answers are marked from the alarm until the limbs
+//! are known, and for as long as it cannot be told which limbs have failed: of an ambiguous pair neither limb is excluded until it is
+//! known which of the two it is, nor are limbs excluded that cannot be done without together
+//! ([`crate::redundancy::reconstruction`]). Such answers are decoded from the limbs that are not excluded, failed ones among them.
 
 use crate::decouple::Decoupler;
 use crate::error::{Error, Result};
@@ -14,7 +16,7 @@ use crate::geometry::LIMBS;
 use crate::limb_set::LimbSet;
 use crate::model::Parameters;
 use crate::model::{Sensor, Settings};
-use crate::redundancy::fault::{Event, Kind, Monitor, Verdict, Watch};
+use crate::redundancy::fault::{Event, Kind, Monitor, Watch};
 use crate::six_axis::SixAxis;
 
 /// Rows to keep where nothing else is known: the longest window of the monitor, and as much again.
@@ -29,7 +31,7 @@ pub struct Watched {
     pub event: Option<Event>,
     /// Limbs excluded from this answer.
     pub excluded: LimbSet,
-    /// Ambiguous pair: at least one limb has failed, which is unknown, so neither is excluded. Treat `answer` as invalid.
+    /// Limbs that may have failed and are not excluded. Treat `answer` as invalid unless it is empty.
     pub suspected: LimbSet,
     /// Set where the excluded limbs changed with this row.
     pub switched: Option<Switch>,
@@ -54,7 +56,9 @@ pub struct FaultTolerant<B> {
     /// Earlier states, the older first, half of the rows apart.
     before: [Decoupler; 2],
     rows: B,
-    suspected: LimbSet,
+    /// Limbs that the caller excludes, and failed ones that cannot be excluded beside the others.
+    given: LimbSet,
+    refused: LimbSet,
 }
 
 impl<B: AsRef<[[f64; LIMBS]]> + AsMut<[[f64; LIMBS]]>> FaultTolerant<B> {
@@ -84,7 +88,8 @@ impl<B: AsRef<[[f64; LIMBS]]> + AsMut<[[f64; LIMBS]]>> FaultTolerant<B> {
             before: [decoupler.clone(), decoupler.clone()],
             decoupler,
             rows,
-            suspected: LimbSet::EMPTY,
+            given: LimbSet::EMPTY,
+            refused: LimbSet::EMPTY,
         })
     }
 
@@ -109,32 +114,27 @@ impl<B: AsRef<[[f64; LIMBS]]> + AsMut<[[f64; LIMBS]]>> FaultTolerant<B> {
         let sample = self.decoupler.received();
         self.keep(sample, voltage_v);
         let event = self.monitor.push(voltage_v);
-        // Rows that were refused have a number with the monitor and none with the decoupler.
-        let refused = self.monitor.received().saturating_sub(sample + 1);
         let mut switched = None;
-        let answer = match event.and_then(|event| self.wanted(event)) {
-            Some((limbs, since)) => match self.switch(
-                self.joined(limbs),
-                since.map(|since| since.saturating_sub(refused)),
-                sample,
-            ) {
+        let answer = match event.and_then(|event| self.wanted(&event, sample)) {
+            Some((limbs, since)) => match self.switch(limbs, since, sample) {
                 Ok((answer, switch)) => {
-                    self.suspected = LimbSet::EMPTY;
+                    self.refused = LimbSet::EMPTY;
                     switched = Some(switch);
                     answer
                 }
                 Err(_) => {
-                    self.suspected = limbs;
+                    self.refused = limbs.minus(self.excluded());
                     self.decoupler.push(voltage_v)?
                 }
             },
             None => self.decoupler.push(voltage_v)?,
         };
+        let excluded = self.excluded();
         Ok(Watched {
             answer,
             event,
-            excluded: self.excluded(),
-            suspected: self.suspected,
+            excluded,
+            suspected: self.monitor.suspected().union(self.refused).minus(excluded),
             switched,
         })
     }
@@ -145,7 +145,7 @@ impl<B: AsRef<[[f64; LIMBS]]> + AsMut<[[f64; LIMBS]]>> FaultTolerant<B> {
     /// Those of [`Decoupler::set_excluded`].
     pub fn set_excluded(&mut self, limbs: LimbSet) -> Result<()> {
         self.decoupler.set_excluded(limbs)?;
-        self.suspected = LimbSet::EMPTY;
+        self.given = limbs;
         self.before = [self.decoupler.clone(), self.decoupler.clone()];
         Ok(())
     }
@@ -163,41 +163,20 @@ impl<B: AsRef<[[f64; LIMBS]]> + AsMut<[[f64; LIMBS]]>> FaultTolerant<B> {
     }
 
     /// Limbs to exclude from now on, and since when; none if nothing changes.
-    fn wanted(&mut self, event: Event) -> Option<(LimbSet, Option<u64>)> {
-        let of = |verdict: &Verdict| (verdict.limbs, Some(verdict.since.0));
-        match event {
-            Event::Isolated(verdict) if verdict.limb().is_some() => Some(of(&verdict)),
-            Event::Isolated(verdict) => {
-                self.suspected = verdict.limbs;
-                None
+    #[cold]
+    fn wanted(&self, event: &Event, sample: u64) -> Option<(LimbSet, Option<u64>)> {
+        let limbs = self.given.union(self.monitor.failed());
+        // Rows that were refused have a number with the monitor and none with the decoupler.
+        let refused = self.monitor.received().saturating_sub(sample + 1);
+        let since = match event {
+            Event::Isolated(verdict) | Event::Identified(verdict)
+                if verdict.kind != Kind::Passed =>
+            {
+                Some(verdict.since.0.saturating_sub(refused))
             }
-            Event::Identified(verdict) => match verdict.kind {
-                Kind::Passed => {
-                    self.suspected = LimbSet::EMPTY;
-                    (!self.excluded().is_empty()).then_some((LimbSet::EMPTY, None))
-                }
-                _ if verdict.limbs == self.excluded() => None,
-                _ if verdict.is_open() || verdict.limbs.is_empty() => {
-                    self.suspected = verdict.limbs;
-                    None
-                }
-                _ => Some(of(&verdict)),
-            },
-            Event::Quiet => {
-                self.suspected = LimbSet::EMPTY;
-                (!self.excluded().is_empty()).then_some((LimbSet::EMPTY, None))
-            }
-            Event::Alarm(_) | Event::Dismissed => None,
-        }
-    }
-
-    /// Together with those excluded already; the empty set includes all limbs again.
-    fn joined(&self, limbs: LimbSet) -> LimbSet {
-        if limbs.is_empty() {
-            limbs
-        } else {
-            self.excluded().indices().fold(limbs, LimbSet::with)
-        }
+            _ => None,
+        };
+        (limbs != self.excluded()).then_some((limbs, since))
     }
 
     /// Decodes again from before `since`, or from here on, with the row of `sample` as the last.

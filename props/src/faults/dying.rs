@@ -125,6 +125,7 @@ impl Played {
             noise_v: self.noise_v,
             scale_sd: [0.0; LIMBS],
             zero_drift_sd_v: [0.0; LIMBS],
+            stiffness_sd: 0.0,
         }
     }
 }

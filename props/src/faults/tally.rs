@@ -109,7 +109,10 @@ pub fn isolated(fault: &Fault, outcome: &Outcome) -> Option<bool> {
         _ => members(CLASS_OF[fault.limb]),
     };
     let pair = verdict.kind == Kind::Swapped;
-    Some(verdict.limbs == expected && pair == (fault.kind == Name::Swapped))
+    // A channel that stands still is named without its partner.
+    let alone = !pair && verdict.limb() == Some(fault.limb);
+    let right = verdict.limbs == expected || alone;
+    Some(right && pair == (fault.kind == Name::Swapped))
 }
 
 /// Whether the last word names the kind; none for what has passed or is unknown.

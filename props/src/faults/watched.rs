@@ -142,8 +142,8 @@ mod tests {
             kind("its zero drifts")
         );
         assert_eq!(
-            read("sample 9: no limb by itself explains the rows since sample 1"),
-            kind("no limb by itself explains the rows")
+            read("sample 9: it cannot be told which limbs have failed since sample 1"),
+            kind("it cannot be told which limbs have failed")
         );
         assert_eq!(
             read("sample 9: decoded without limb 5 from sample 0 on"),

@@ -1,11 +1,12 @@
 //! Failed limbs: false alarms, detection, isolation and naming against failures that were injected.
 
 use sixaxis_core::redundancy::fault::class::{CLASS_OF, CLASSES, members};
-use sixaxis_core::redundancy::fault::detector::{Alarm, CalibrationErrors, Detector, Test};
+use sixaxis_core::redundancy::fault::detector::{Alarm, CalibrationErrors, Detector, TESTS, Test};
 use sixaxis_core::redundancy::fault::noise::RowNoise;
 use sixaxis_core::redundancy::fault::{Event, Kind};
 use sixaxis_core::redundancy::parity::ROWS;
 use sixaxis_core::redundancy::residual;
+use sixaxis_core::significance::chi_square_limit;
 use sixaxis_core::{Error, Geometry, LIMBS};
 use sixaxis_props::compare::{all_finite, fails_clearly, largest, within};
 use sixaxis_props::faults::null::{curve, false_alarms, noncentral_survival};
@@ -345,13 +346,14 @@ fn alarm_of(detector: &mut Detector, test: Test, row: f64, strain: f64) -> Optio
 }
 
 /// Errors of the scale factors add 3 sum of x^2 e^2/sigma^2 to the energy of a window where all limbs have one noise sigma, one
-/// strain x, one error e: Q^-1 W^T W is the unit matrix over sigma^2.
+/// strain x, one error e: Q^-1 W^T W is the unit matrix over sigma^2. They are the same in all samples, so that the energy is
+/// allowed as many times that as chi-square with one degree of freedom exceeds one as often as the test may fail.
 #[test]
 fn law_calibrations_errors_take_their_share_of_the_energy() {
     const NOISE: f64 = 1e-8;
     let noise = RowNoise::from_channels(&[NOISE; LIMBS]).expect("noise");
     let test = Test::Energy(64);
-    let (row, strain, scale) = (10.0, 3e-5, 1e-3);
+    let (row, strain, scale) = (100.0, 3e-5, 1e-3);
     let errors = CalibrationErrors {
         scale: [scale; LIMBS],
         drift: [0.0; LIMBS],
@@ -368,7 +370,9 @@ fn law_calibrations_errors_take_their_share_of_the_energy() {
         (statistic(None) / energy - 1.0).abs(),
         tolerance::ROUNDING,
     );
-    let share = 3.0 * 64.0 * (strain * scale / NOISE).powi(2) / test.freedom() as f64;
+    let probability = RATES[0].0 / TESTS.len() as f64 * test.samples() as f64;
+    let margin = chi_square_limit(probability, 1).expect("a probability");
+    let share = margin * 3.0 * 64.0 * (strain * scale / NOISE).powi(2) / test.freedom() as f64;
     within(
         "energy that calibration's errors explain in part",
         (statistic(Some(errors)) * (1.0 + share) / energy - 1.0).abs(),

@@ -6,6 +6,7 @@
 mod analogue;
 mod attitude;
 mod covariance;
+mod deaths;
 mod detection;
 mod failed_limbs;
 mod fast_ways;

@@ -9,18 +9,24 @@
 //!
 //! Errors of calibration are not noise: they persist. Relative errors of the scale factors and errors of the zero drifts add
 //! W^T diag(x^2 sd_scale^2 + sd_drift^2) W to the covariance of a sample or of a mean, and the same of a slope with the strains'
-//! slope. With [`CalibrationErrors`] given, the tests keep their distribution over calibrations.
+//! slope. With [`CalibrationErrors`] given, these tests keep their distribution over calibrations. A limb stiffer than the others by
+//! a share e makes rows as a scale factor off by -e does: a spread of the stiffnesses is such an error, too. To the energy of a window
+//! the errors of one calibration, which are the same in all of its samples, may add many times their expectation: as often as the test
+//! may fail, they do not exceed it by more than chi-square with one degree of freedom exceeds one, which the test allows for.
 
-use super::moments::Moments;
 use super::noise::{RowNoise, apply, dot, inverse_root};
+use super::window::Window;
 use crate::error::{Result, require, require_not_negative};
-use crate::float::sqrt;
 use crate::geometry::LIMBS;
+use crate::limb_set::LimbSet;
 use crate::redundancy::parity::ROWS;
 use crate::significance::chi_square_limit;
 
 /// Lengths of the windows, samples.
 pub const WINDOWS: [u64; 4] = [8, 64, 512, 4096];
+
+/// Samples of the shortest window.
+const BLOCK: usize = WINDOWS[0] as usize;
 
 /// A statistic of the rows that is tested.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -59,7 +65,7 @@ impl Test {
         }
     }
 
-    /// Degrees of freedom of its statistic.
+    /// Degrees of freedom of its statistic, of three relations.
     #[must_use]
     pub const fn freedom(self) -> usize {
         match self {
@@ -72,7 +78,7 @@ impl Test {
 /// Standard deviations of the errors that calibration leaves, per limb.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CalibrationErrors {
-    /// Of the scale factor, relative.
+    /// Relative: of the scale factor, and of the stiffness from the mean of the nine.
     pub scale: [f64; LIMBS],
     /// Of the zero drift, strain.
     pub drift: [f64; LIMBS],
@@ -108,21 +114,18 @@ impl Alarms {
     }
 }
 
-/// Sums over one window.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Window {
-    rows: Moments,
-    strain: [f64; LIMBS],
-    strain_ramp: [f64; LIMBS],
-    strain_square: [f64; LIMBS],
-}
-
 /// The tests.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Detector {
     noise: RowNoise,
     errors: Option<CalibrationErrors>,
+    rate: f64,
     thresholds: [f64; TESTS.len()],
+    /// How many times their expectation the errors of one calibration may add to an energy.
+    energy_margin: f64,
+    /// The rows and strains of the window that is being filled, of the shortest ones.
+    block: [([f64; ROWS], [f64; LIMBS]); BLOCK],
+    filled: usize,
     windows: [Window; WINDOWS.len()],
     received: u64,
 }
@@ -153,18 +156,53 @@ impl Detector {
         {
             require_not_negative("standard deviation of a calibration error", value)?;
         }
-        let share = rate / TESTS.len() as f64;
-        let mut thresholds = [0.0; TESTS.len()];
-        for (threshold, test) in thresholds.iter_mut().zip(TESTS) {
-            *threshold = chi_square_limit(share * test.samples() as f64, test.freedom())?;
-        }
-        Ok(Self {
+        let mut detector = Self {
             noise,
             errors,
-            thresholds,
+            rate,
+            thresholds: [0.0; TESTS.len()],
+            energy_margin: 0.0,
+            block: [([0.0; ROWS], [0.0; LIMBS]); BLOCK],
+            filled: 0,
             windows: [Window::default(); WINDOWS.len()],
             received: 0,
-        })
+        };
+        detector.set_thresholds()?;
+        Ok(detector)
+    }
+
+    /// The same tests of the relations that are left without some limbs, begun anew.
+    ///
+    /// # Errors
+    /// [`crate::Error::OutOfRange`] where none is left.
+    pub fn without(&self, limbs: LimbSet) -> Result<Self> {
+        let mut detector = Self {
+            noise: self.noise.without(limbs),
+            ..self.clone()
+        };
+        detector.restart();
+        detector.set_thresholds()?;
+        Ok(detector)
+    }
+
+    fn set_thresholds(&mut self) -> Result<()> {
+        let share = self.rate / TESTS.len() as f64;
+        let mut thresholds = [0.0; TESTS.len()];
+        for (threshold, test) in thresholds.iter_mut().zip(TESTS) {
+            let probability = share * test.samples() as f64;
+            *threshold = chi_square_limit(probability, self.freedom(test))?;
+            if let Test::Energy(_) = test {
+                self.energy_margin = chi_square_limit(probability, 1)?;
+            }
+        }
+        self.thresholds = thresholds;
+        Ok(())
+    }
+
+    /// The errors of calibration that it allows for.
+    #[must_use]
+    pub const fn errors(&self) -> Option<&CalibrationErrors> {
+        self.errors.as_ref()
     }
 
     /// The noise it was made for.
@@ -185,44 +223,85 @@ impl Detector {
         self.received
     }
 
-    /// The window of that length as it was filled last or is being filled: what a test looked at.
-    pub(super) fn rows_of(&self, test: Test) -> Moments {
+    /// The window of that length as it was filled last: what a test looked at.
+    pub(super) fn window_of(&self, test: Test) -> Window {
         let place = WINDOWS.iter().position(|&n| n == test.samples());
         place
             .and_then(|place| self.windows.get(place))
-            .map_or(Moments::default(), |window| window.rows)
+            .copied()
+            .unwrap_or_default()
     }
 
-    /// Takes the whitened rows and the strains of a sample and makes the tests that are due.
+    /// Takes the whitened rows and the strains, counted from rest, of a sample and makes the tests that are due.
     pub fn push(&mut self, z: &[f64; ROWS], strain: &[f64; LIMBS]) -> Alarms {
-        let sample = self.received;
+        if self.take(z, strain) {
+            self.tests(z, strain)
+        } else {
+            Alarms::default()
+        }
+    }
+
+    /// The same, of the alarms the first.
+    #[inline]
+    pub(super) fn first_alarm(&mut self, z: &[f64; ROWS], strain: &[f64; LIMBS]) -> Option<Alarm> {
+        if self.take(z, strain) {
+            self.tests(z, strain).first()
+        } else {
+            None
+        }
+    }
+
+    /// Whether a test is due of which the outcome is open.
+    #[inline]
+    fn take(&mut self, z: &[f64; ROWS], strain: &[f64; LIMBS]) -> bool {
         self.received += 1;
-        for (window, length) in self.windows.iter_mut().zip(WINDOWS) {
-            // A full window stays to be looked at until the next sample.
+        if let Some(row) = self.block.get_mut(self.filled) {
+            *row = (*z, *strain);
+        }
+        self.filled += 1;
+        if self.filled < BLOCK {
+            return dot(z, z) > self.thresholds[0];
+        }
+        self.end_block();
+        // Mostly the shortest window alone is full, and quiet.
+        let [shortest, next, ..] = &self.windows;
+        next.rows.samples() == WINDOWS[1]
+            || dot(z, z) > self.thresholds[0]
+            || shortest.rows.energy_of_mean() > self.thresholds[1]
+    }
+
+    /// Each window is made of those before it: eight of one are the next. A full one stays to be looked at until the next block.
+    #[inline(never)]
+    fn end_block(&mut self) {
+        self.filled = 0;
+        let [shortest, longer @ ..] = &mut self.windows;
+        *shortest = Window::of(&self.block);
+        let mut earlier = Some(&*shortest);
+        for (window, length) in longer.iter_mut().zip(WINDOWS.into_iter().skip(1)) {
             if window.rows.samples() == length {
                 *window = Window::default();
             }
-            let place = window.rows.samples() as f64;
-            window.rows.push(z);
-            if self.errors.is_some() {
-                let sums = window.strain.iter_mut().zip(&mut window.strain_ramp);
-                for (((sum, ramp), squares), &x) in sums.zip(&mut window.strain_square).zip(strain)
-                {
-                    *sum += x;
-                    *ramp += place * x;
-                    *squares += x * x;
-                }
+            let Some(full) = earlier.take() else {
+                continue;
+            };
+            window.append(full);
+            if window.rows.samples() == length {
+                earlier = Some(&*window);
             }
         }
+    }
+
+    #[inline(never)]
+    fn tests(&mut self, z: &[f64; ROWS], strain: &[f64; LIMBS]) -> Alarms {
         let mut alarms = Alarms::default();
         for ((test, &threshold), alarm) in TESTS.iter().zip(&self.thresholds).zip(&mut alarms.0) {
             if !self.is_due(*test) {
                 continue;
             }
-            let statistic = self.statistic(*test, z, strain);
+            let statistic = self.statistic(*test, threshold, z, strain);
             if statistic > threshold {
                 *alarm = Some(Alarm {
-                    sample,
+                    sample: self.received.saturating_sub(1),
                     test: *test,
                     statistic,
                     threshold,
@@ -234,79 +313,65 @@ impl Detector {
 
     /// Begins all windows anew.
     pub fn restart(&mut self) {
+        self.filled = 0;
         self.windows = [Window::default(); WINDOWS.len()];
     }
 
     fn is_due(&self, test: Test) -> bool {
         let mut windows = self.windows.iter().zip(WINDOWS);
         let window = windows.find(|(_, length)| *length == test.samples());
-        window.is_none_or(|(window, length)| window.rows.samples() == length)
+        window.is_none_or(|(window, length)| self.filled == 0 && window.rows.samples() == length)
     }
 
-    fn statistic(&self, test: Test, z: &[f64; ROWS], strain: &[f64; LIMBS]) -> f64 {
+    /// Calibration's errors only lessen a statistic: where it is below the threshold without them they are left out.
+    fn statistic(&self, test: Test, threshold: f64, z: &[f64; ROWS], strain: &[f64; LIMBS]) -> f64 {
+        if test == Test::Sample && dot(z, z) <= threshold {
+            return dot(z, z);
+        }
         let mut windows = self.windows.iter().zip(WINDOWS);
-        let Some((window, _)) = windows.find(|(_, length)| *length == test.samples()) else {
-            return self.weighted(z, |limb, errors| {
-                square(strain[limb] * errors.scale[limb]) + square(errors.drift[limb])
-            });
+        let mut one = Window::default();
+        let window = match windows.find(|(_, length)| *length == test.samples()) {
+            Some((window, _)) => window,
+            None => {
+                one.push(z, strain);
+                &one
+            }
         };
-        let n = window.rows.samples() as f64;
         let [mean, slope] = window.rows.mean_and_slope();
-        // Coefficients of a limb's strain in the same two shapes.
-        let strain_mean = |limb: usize| window.strain[limb] / sqrt(n);
-        let strain_slope = |limb: usize| {
-            (window.strain_ramp[limb] - 0.5 * (n - 1.0) * window.strain[limb])
-                / sqrt(n * (n * n - 1.0) / 12.0)
+        let all = window.all();
+        let alone = match test {
+            Test::Sample | Test::Mean(_) => all.mean,
+            Test::Slope(_) => all.slope,
+            Test::Energy(_) => all.rest,
         };
+        let Some(errors) = self.errors.as_ref().filter(|_| alone > threshold) else {
+            return alone;
+        };
+        let added = window.errors(&self.noise, errors);
         match test {
-            Test::Sample | Test::Mean(_) => self.weighted(&mean, |limb, errors| {
-                square(strain_mean(limb) * errors.scale[limb]) + n * square(errors.drift[limb])
-            }),
-            Test::Slope(_) => self.weighted(&slope, |limb, errors| {
-                square(strain_slope(limb) * errors.scale[limb])
-            }),
+            Test::Sample | Test::Mean(_) => weighted(&mean, added.mean),
+            Test::Slope(_) => weighted(&slope, added.slope),
             Test::Energy(_) => {
-                let rest = window.rows.energy() - dot(&mean, &mean) - dot(&slope, &slope);
-                let Some(errors) = &self.errors else {
-                    return rest;
-                };
-                // The errors' expected share, taken off: the test stays on the safe side in expectation only.
-                let sum = self.noise.whitened_sum(&core::array::from_fn(|limb| {
-                    let rest = window.strain_square[limb]
-                        - square(strain_mean(limb))
-                        - square(strain_slope(limb));
-                    rest.max(0.0) * square(errors.scale[limb])
-                }));
-                let share = (sum[0][0] + sum[1][1] + sum[2][2]) / (3.0 * n - 6.0);
-                rest / (1.0 + share)
+                let share = added.rest[0][0] + added.rest[1][1] + added.rest[2][2];
+                alone / (1.0 + self.energy_margin * share / self.freedom(test) as f64)
             }
         }
     }
 
-    /// v^T (1 + what errors of calibration add)^-1 v.
-    fn weighted(
-        &self,
-        v: &[f64; ROWS],
-        variance: impl Fn(usize, &CalibrationErrors) -> f64,
-    ) -> f64 {
-        let Some(errors) = &self.errors else {
-            return dot(v, v);
-        };
-        let mut sum = self
-            .noise
-            .whitened_sum(&core::array::from_fn(|limb| variance(limb, errors)));
-        for (i, row) in sum.iter_mut().enumerate() {
-            row[i] += 1.0;
-        }
-        // One plus a sum of squares has a root unless it overflowed, which is no strain of a healthy limb.
-        let Some(root) = inverse_root(&sum) else {
-            return f64::INFINITY;
-        };
-        let white = apply(&root, v);
-        dot(&white, &white)
+    fn freedom(&self, test: Test) -> usize {
+        test.freedom() / ROWS * self.noise.relations()
     }
 }
 
-fn square(x: f64) -> f64 {
-    x * x
+/// v^T (1 + what errors of calibration add)^-1 v.
+fn weighted(v: &[f64; ROWS], mut added: [[f64; ROWS]; ROWS]) -> f64 {
+    for (i, row) in added.iter_mut().enumerate() {
+        row[i] += 1.0;
+    }
+    // One plus a sum of squares has a root unless it overflowed, which is no strain of a healthy limb.
+    let Some(root) = inverse_root(&added) else {
+        return f64::INFINITY;
+    };
+    let white = apply(&root, v);
+    dot(&white, &white)
 }

@@ -1,9 +1,11 @@
 //! Statistics of a failure and of each channel since the alarm, as running sums.
 
 use super::class::{CLASS_OF, CLASSES};
-use super::noise::{RowNoise, dot};
+use super::misfit::limit;
+use super::noise::{RowNoise, add_outer, apply, dot};
 use crate::float::sqrt;
 use crate::geometry::LIMBS;
+use crate::limb_set::LimbSet;
 use crate::redundancy::parity::ROWS;
 
 /// Sums of one channel, in its noise; the signal counts from no force.
@@ -26,10 +28,13 @@ pub struct History {
     pub samples: u64,
     /// Of each channel.
     pub channels: [Channel; LIMBS],
-    /// Sum of the products of neighbouring sizes of a failure of each class: near the sum of squares where its course is smooth.
-    pub lagged: [f64; CLASSES],
+    /// Sum of the products of the rows, and of the rows and those of the sample before.
+    square: [[f64; ROWS]; ROWS],
+    lagged: [[f64; ROWS]; ROWS],
     last: [[f64; LIMBS]; 4],
-    last_size: [f64; CLASSES],
+    last_rows: [f64; ROWS],
+    /// Standard deviation of the error of each channel's zero.
+    zero_sd: [f64; LIMBS],
 }
 
 /// Variance of a fourth difference of unit white noise: 1 + 16 + 36 + 16 + 1.
@@ -40,6 +45,20 @@ pub(super) const FOURTH: f64 = 70.0;
 pub(super) const ROUGH_SPREAD: f64 = 2.0 * 12870.0 / 4900.0;
 
 impl History {
+    /// For zeros known to so many standard deviations of the channels' noise.
+    pub fn new(zero_sd: [f64; LIMBS]) -> Self {
+        Self {
+            zero_sd,
+            ..Self::default()
+        }
+    }
+
+    /// None of the samples so far.
+    #[must_use]
+    pub fn anew(&self) -> Self {
+        Self::new(self.zero_sd)
+    }
+
     /// Takes whitened rows and the nine signals in units of their noise.
     pub fn push(&mut self, noise: &RowNoise, z: &[f64; ROWS], signal: &[f64; LIMBS]) {
         let size: [f64; CLASSES] = core::array::from_fn(|class| dot(noise.direction(class), z));
@@ -54,12 +73,70 @@ impl History {
                 channel.rough += fourth * fourth / FOURTH;
             }
         }
-        for ((lagged, now), before) in self.lagged.iter_mut().zip(size).zip(self.last_size) {
-            *lagged += now * before;
+        add_outer(&mut self.square, z, 1.0);
+        for (row, &now) in self.lagged.iter_mut().zip(z) {
+            for (entry, &before) in row.iter_mut().zip(&self.last_rows) {
+                *entry += now * before;
+            }
         }
         self.last = [*signal, a, b, c];
-        self.last_size = size;
+        self.last_rows = *z;
         self.samples += 1;
+    }
+
+    /// Sum of squares of the rows along a unit vector.
+    #[must_use]
+    pub fn energy_along(&self, direction: &[f64; ROWS]) -> f64 {
+        dot(direction, &apply(&self.square, direction))
+    }
+
+    /// Sum of the products of neighbouring sizes along a unit vector: near the sum of squares where the course is smooth.
+    #[must_use]
+    pub fn lagged_along(&self, direction: &[f64; ROWS]) -> f64 {
+        dot(direction, &apply(&self.lagged, direction))
+    }
+
+    /// Sum of squares of a channel's departures from its mean.
+    #[must_use]
+    pub fn own(&self, limb: usize) -> f64 {
+        let n = self.samples as f64;
+        self.channels.get(limb).map_or(0.0, |channel| {
+            channel.square - channel.sum * channel.sum / n.max(1.0)
+        })
+    }
+
+    /// Whether a channel shows no more than its noise about some value.
+    #[must_use]
+    pub fn is_flat(&self, limb: usize) -> bool {
+        let n = self.samples as f64;
+        self.own(limb) < limit(n, 0.0)
+    }
+
+    /// Channels that are.
+    #[must_use]
+    pub fn flat(&self) -> LimbSet {
+        (0..LIMBS)
+            .filter(|&limb| self.is_flat(limb))
+            .fold(LimbSet::EMPTY, LimbSet::with)
+    }
+
+    /// Mean of a channel's signal.
+    #[must_use]
+    pub fn mean(&self, limb: usize) -> f64 {
+        let n = self.samples as f64;
+        self.channels
+            .get(limb)
+            .map_or(0.0, |channel| channel.sum / n.max(1.0))
+    }
+
+    /// Whether a channel shows no more than its noise about its zero.
+    #[must_use]
+    pub fn is_at_zero(&self, limb: usize) -> bool {
+        let n = self.samples as f64;
+        let zero = self.zero_sd.get(limb).copied().unwrap_or(0.0);
+        self.channels
+            .get(limb)
+            .is_some_and(|channel| channel.square < limit(n, n * zero * zero))
     }
 
     /// Standard deviations by which a channel is rougher than its noise.

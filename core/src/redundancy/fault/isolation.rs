@@ -1,54 +1,102 @@
-//! Isolation of a failure: the sequence of decisions from an alarm until class, kind and limb are known.
+//! Isolation of a failure: the sequence of decisions from an alarm until the limbs and the kind are known.
+//!
+//! The hypotheses are a failure of one limb, of whatever course ([`super::likelihood`]), two channels exchanged ([`super::swap`]) and
+//! two or three limbs dead at once ([`super::silent`]). A hypothesis is accepted if what it leaves of the rows is noise, if no other
+//! leaves noise, and if its likelihood leads. Exchanged channels leave noise without any free parameter: they are accepted before a
+//! limb of a course of its own, but not where a flat channel may be a dead one. As long as there is another explanation the isolation
+//! waits for the motion to decide; at last the answer is that it cannot be told.
 
 use super::class::{CLASSES, members};
-use super::detector::Alarm;
+use super::detector::{Alarm, CalibrationErrors, Detector};
 use super::history::History;
 use super::kind::judge;
-use super::likelihood::{lead, likelihood};
+use super::likelihood::likelihood;
+use super::misfit::Misfit;
 use super::moments::Moments;
 use super::monitor::Event;
-use super::noise::RowNoise;
+use super::noise::{RowNoise, dot};
+use super::silent::{Before, may_hide, sets};
 use super::step::Ring;
-use super::swap::{PAIRED, PAIRS, Swaps};
+use super::swap::Swaps;
 use super::verdict::{Kind, Verdict};
+use super::window::Window;
 use crate::geometry::LIMBS;
 use crate::limb_set::LimbSet;
 use crate::redundancy::parity::ROWS;
 
-/// ln of the odds from which a class is accepted: ten thousand to one.
-pub const CLASS: f64 = 9.2;
-/// Samples after the alarm from which the kind is estimated, and at which it is reported however uncertain: the latter at least,
-/// and as many windows of the test that failed.
-const FIRST_LOOK: u64 = 32;
+/// ln of the odds from which a hypothesis is accepted: ten thousand to one.
+pub const ACCEPTED: f64 = 9.2;
+/// Samples from one look at the hypotheses to the next. Channels that stand still have shown it by the first.
+const LOOK: u64 = 32;
+/// Samples after the alarm at which the statistics begin anew if nothing is decided by then.
+const ANEW: u64 = 256;
+/// Samples after that from which exchanged channels are told from dead ones in slow motion.
+const SWAP_LOOK: u64 = 256;
+/// Samples from which a failure of which it could not be told which limbs it is may be told after all: a hum, which is of no limb,
+/// looks like one for a part of its period.
+const LATE_LOOK: u64 = 1024;
+/// Samples after the alarm at which a verdict falls however uncertain: that many at least, and as many windows of the test that failed.
 const LAST_LOOK: u64 = 2048;
 const LAST_WINDOWS: u64 = 16;
-/// Samples after the alarm at which the channels are searched for a step about it: a step needs 32 samples after it.
-const STEP_LOOK: u64 = FIRST_LOOK;
+
+/// Where a failure came from: when, and what the channels were like before.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Origin {
+    pub since: (u64, u64),
+    pub before: Before,
+}
 
 /// An alarm, and the statistics since.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Isolation {
     alarm: Alarm,
+    origin: Origin,
+    /// Likelihood of the classes by the window that raised the alarm.
     before: [f64; CLASSES],
-    rows: Moments,
+    window: Window,
     history: History,
     swaps: Swaps,
     steps: [f64; LIMBS],
+    anew: bool,
     found: Option<Found>,
 }
 
-/// The class, once it leads.
+/// The limbs of which one has failed, once they lead.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Found {
     class: usize,
+    limbs: LimbSet,
     ln_odds: f64,
 }
 
+/// One sample in all its forms: whitened rows, signals in their noise, strains, and strains counted from rest.
+pub(super) struct Sample<'a> {
+    pub z: &'a [f64; ROWS],
+    pub signal: &'a [f64; LIMBS],
+    pub strain: &'a [f64; LIMBS],
+    pub from_rest: &'a [f64; LIMBS],
+}
+
 impl Isolation {
-    /// Begins with the window that raised the alarm, or with its sample.
-    pub fn new(alarm: Alarm, noise: &RowNoise, window: &Moments, z: &[f64; ROWS]) -> Self {
+    /// When it began, and the channels before that, as a later alarm of the same failure finds it.
+    pub const fn origin(&self) -> Origin {
+        let mut origin = self.origin;
+        origin.before.long_ago = true;
+        origin
+    }
+
+    /// Begins with the window that raised the alarm, or with its sample; `zero_sd` are errors of the zeros in the channels' noise.
+    pub fn new(
+        alarm: Alarm,
+        origin: Origin,
+        detector: &Detector,
+        z: &[f64; ROWS],
+        zero_sd: [f64; LIMBS],
+    ) -> Self {
+        let noise = detector.noise();
+        let window = detector.window_of(alarm.test).rows;
         let before = if window.samples() > 0 {
-            likelihood(noise, window)
+            likelihood(noise, &window)
         } else {
             let mut one = Moments::default();
             one.push(z);
@@ -56,58 +104,57 @@ impl Isolation {
         };
         Self {
             alarm,
+            origin,
             before,
-            rows: Moments::default(),
-            history: History::default(),
+            window: Window::default(),
+            history: History::new(zero_sd),
             swaps: Swaps::default(),
             steps: [0.0; LIMBS],
+            anew: false,
             found: None,
         }
     }
 
-    /// Takes whitened rows, signals in their noise, and strains; `strain_of` is what strain a limb's sensitivity makes of a
-    /// channel's voltage.
+    /// Takes a sample; `strain_of` is what strain a limb's sensitivity makes of a channel's voltage.
     pub fn push(
         &mut self,
         noise: &RowNoise,
-        z: &[f64; ROWS],
-        signal: &[f64; LIMBS],
-        strain: &[f64; LIMBS],
+        sample: &Sample<'_>,
         strain_of: impl Fn(usize, usize) -> f64,
     ) {
-        self.rows.push(z);
-        self.history.push(noise, z, signal);
+        self.window.push(sample.z, sample.from_rest);
+        self.history.push(noise, sample.z, sample.signal);
         if self.found.is_none() {
-            self.swaps.push(noise, z, strain, strain_of);
+            self.swaps.push(noise, sample.z, sample.strain, strain_of);
         }
     }
 
-    /// Searches the channels for steps about the alarm, once, when enough samples follow it.
-    pub fn look_for_steps(&mut self, ring: &Ring) {
-        if self.rows.samples() == STEP_LOOK {
-            let (from, to) = self.since();
+    /// Searches the channels for steps about the alarm, once, when enough samples follow it; `per_v` is one over their noise, 1/V.
+    pub fn look_for_steps(&mut self, ring: &Ring, per_v: &[f64; LIMBS]) {
+        if self.window.rows.samples() == LOOK && !self.anew {
+            let (from, to) = self.origin.since;
             // A step within a window may show up to a sample beside it.
             self.steps = core::array::from_fn(|limb| {
-                ring.largest_step(limb, from.saturating_sub(1), to + 1)
+                per_v[limb] * ring.largest_step(limb, from.saturating_sub(1), to + 1)
             });
         }
     }
 
-    /// First and last sample at which the failure may have begun: the window of the test that failed.
-    fn since(&self) -> (u64, u64) {
-        let alarm = &self.alarm;
-        (alarm.sample + 1 - alarm.test.samples(), alarm.sample)
+    /// Limbs of which one has failed, if that is known.
+    pub fn found(&self) -> Option<LimbSet> {
+        self.found.map(|found| found.limbs)
     }
 
-    fn last_look(&self) -> u64 {
-        (LAST_WINDOWS * self.alarm.test.samples()).max(LAST_LOOK)
+    fn is_last_look(&self) -> bool {
+        let last = (LAST_WINDOWS * self.alarm.test.samples()).max(LAST_LOOK);
+        self.window.rows.samples() >= last
     }
 
     fn verdict(&self, sample: u64, limbs: LimbSet, kind: Kind, class_ln_odds: f64) -> Verdict {
         Verdict {
             limbs,
             kind,
-            since: self.since(),
+            since: self.origin.since,
             said_at: sample,
             class_ln_odds,
             kind_ln_odds: 0.0,
@@ -115,72 +162,139 @@ impl Isolation {
         }
     }
 
-    /// The event of this sample, if one is decided.
-    pub fn event(&mut self, noise: &RowNoise, sample: u64) -> Option<Event> {
+    /// The event of this sample, if one is decided. Limbs in `gone` are out of the question.
+    pub fn event(
+        &mut self,
+        noise: &RowNoise,
+        errors: Option<&CalibrationErrors>,
+        sample: u64,
+        gone: LimbSet,
+    ) -> Option<Event> {
+        if !self.window.rows.samples().is_multiple_of(LOOK) {
+            return None;
+        }
         match self.found {
-            None => self.isolate(noise, sample),
-            Some(found) => self.identify(noise, sample, found),
+            None => self.isolate(noise, errors, sample, gone),
+            Some(found) => self.identify(noise, errors, sample, found),
         }
     }
 
-    fn isolate(&mut self, noise: &RowNoise, sample: u64) -> Option<Event> {
-        let since = likelihood(noise, &self.rows);
-        let mut scores = [0.0; CLASSES + PAIRS];
-        // The window that alarmed holds no strains, so that a pair cannot be scored by it: it is given the best class's score.
-        let best_before = self.before.iter().copied().fold(0.0, f64::max);
-        let classes = self.before.iter().zip(since).map(|(a, b)| a + b);
-        let pairs = self
-            .swaps
-            .likelihood()
-            .iter()
-            .map(|pair| best_before + pair);
-        for (score, value) in scores.iter_mut().zip(classes.chain(pairs)) {
-            *score = value;
-        }
-        let (best, margin) = lead(&scores);
-        let over = self.rows.samples() >= self.last_look();
-        if margin > CLASS {
-            let pair = best.checked_sub(CLASSES).and_then(|pair| PAIRED.get(pair));
-            if let Some(&[i, j]) = pair {
-                let limbs = LimbSet::EMPTY.with(i).with(j);
-                let mut verdict = self.verdict(sample, limbs, Kind::Swapped, margin);
-                verdict.kind_ln_odds = margin;
-                return Some(Event::Identified(verdict));
-            }
-            if self.explains(noise, best) {
-                self.found = Some(Found {
-                    class: best,
-                    ln_odds: margin,
-                });
-                let verdict = self.verdict(sample, members(best), Kind::Unknown, margin);
-                return Some(Event::Isolated(verdict));
-            }
-        }
-        if !over {
+    fn isolate(
+        &mut self,
+        noise: &RowNoise,
+        errors: Option<&CalibrationErrors>,
+        sample: u64,
+        gone: LimbSet,
+    ) -> Option<Event> {
+        let n = self.window.rows.samples();
+        if self.origin.before.long_ago && n < LATE_LOOK {
             return None;
         }
-        Some(if since.iter().any(|&score| score > CLASS) {
-            Event::Identified(self.verdict(sample, LimbSet::EMPTY, Kind::Unknown, 0.0))
-        } else {
-            Event::Dismissed
+        let misfit = Misfit::new(noise, &self.window, errors);
+        let since = likelihood(noise, &self.window.rows);
+        let scores: [f64; CLASSES] = core::array::from_fn(|i| self.before[i] + since[i]);
+        let one = OneLimb::new(noise, &misfit, &scores, gone);
+        let dead = sets(noise, &misfit, &self.history, &self.origin.before, gone);
+        let (pair, swap, swap_lead) = self.swaps.lead(gone);
+        let energy = self.window.rows.energy();
+        // The window that alarmed holds no strains, so that a pair cannot be scored by it: it is given the best class's score.
+        let swap_score = swap + self.before.iter().copied().fold(0.0, f64::max);
+        let swap_leaves_noise = swap > ACCEPTED && misfit.is_noise(energy - 2.0 * swap);
+        let swapped = swap_leaves_noise
+            && swap_lead > ACCEPTED
+            && n >= SWAP_LOOK
+            && self.anew
+            && noise.relations() == ROWS
+            && dead.count == 0
+            && !self.origin.before.long_ago
+            && (!one.explains || swap_score > one.score + ACCEPTED)
+            && !one.limbs.indices().any(|limb| self.history.is_flat(limb));
+        if swapped {
+            let limbs = pair.into_iter().fold(LimbSet::EMPTY, LimbSet::with);
+            return Some(self.decided(sample, limbs, Kind::Swapped, swap_lead));
+        }
+        let swap_competes = swap_leaves_noise && swap_score > one.score - ACCEPTED;
+        // A set with a limb that explains the rows by itself is more than is needed.
+        let dead_compete = dead.count > 0 && dead.common.minus(one.limbs) == dead.common;
+        // A limb that stopped when the failure began is not cleared by another that explains the rows long after.
+        let stopped = self.origin.before.stopped(&self.history);
+        let dead_compete = dead_compete
+            || self.origin.before.long_ago && !stopped.minus(one.limbs).minus(gone).is_empty();
+        if one.explains && one.margin > ACCEPTED && !swap_competes && !dead_compete {
+            self.found = Some(Found {
+                class: one.class,
+                limbs: one.limbs,
+                ln_odds: one.margin,
+            });
+            let verdict = self.verdict(sample, one.limbs, Kind::Unknown, one.margin);
+            return Some(Event::Isolated(verdict));
+        }
+        let believed = dead.believed.filter(|_| dead.count == 1);
+        if let Some(limbs) = believed
+            && one.limbs.is_empty()
+            && !swap_leaves_noise
+            && !may_hide(noise, &self.history, limbs, gone)
+        {
+            let at_zero = |limb| self.history.is_at_zero(limb);
+            let kind = if limbs.indices().all(at_zero) {
+                Kind::Dead
+            } else {
+                Kind::Stuck
+            };
+            return Some(self.decided(sample, limbs, kind, f64::INFINITY));
+        }
+        if n == ANEW && !self.anew {
+            // What began with the alarm may have gone on to other limbs before it settled.
+            self.anew = true;
+            self.before = [0.0; CLASSES];
+            self.window = Window::default();
+            self.history = self.history.anew();
+            self.swaps = Swaps::default();
+            return None;
+        }
+        self.is_last_look().then(|| {
+            if misfit.is_quiet_everywhere() {
+                Event::Dismissed
+            } else {
+                Event::Identified(self.verdict(sample, LimbSet::EMPTY, Kind::Unknown, 0.0))
+            }
         })
     }
 
-    /// Whether the rows less a failure of the class are noise: chi-square with two degrees of freedom a sample.
-    fn explains(&self, noise: &RowNoise, class: usize) -> bool {
-        let left = self.rows.energy() - self.rows.energy_along(noise.direction(class));
-        let n = 2.0 * self.rows.samples() as f64;
-        // Five standard deviations, and room for the skewness of few.
-        left < n + 5.0 * crate::float::sqrt(2.0 * n) + 20.0
+    fn decided(&self, sample: u64, limbs: LimbSet, kind: Kind, ln_odds: f64) -> Event {
+        Event::Identified(Verdict {
+            kind_ln_odds: ln_odds,
+            partner_ln_odds: f64::INFINITY,
+            ..self.verdict(sample, limbs, kind, ln_odds)
+        })
     }
 
-    fn identify(&self, noise: &RowNoise, sample: u64, found: Found) -> Option<Event> {
-        let n = self.rows.samples();
-        let over = n >= self.last_look();
-        if n < FIRST_LOOK || !(n.is_power_of_two() || over) {
+    fn identify(
+        &self,
+        noise: &RowNoise,
+        errors: Option<&CalibrationErrors>,
+        sample: u64,
+        found: Found,
+    ) -> Option<Event> {
+        let n = self.window.rows.samples();
+        let over = self.is_last_look();
+        if !(n.is_power_of_two() || over) {
             return None;
         }
-        let judged = judge(noise, found.class, &self.rows, &self.history, &self.steps);
+        let misfit = Misfit::new(noise, &self.window, errors);
+        if !misfit.is_quiet_beside(noise.direction(found.class)) {
+            // A second failure has joined this one: the relations that are left will tell, kind and partner are lost.
+            let verdict = self.verdict(sample, found.limbs, Kind::Unknown, found.ln_odds);
+            return Some(Event::Identified(verdict));
+        }
+        let judged = judge(
+            noise,
+            found.class,
+            found.limbs,
+            &self.window.rows,
+            &self.history,
+            &self.steps,
+        );
         if !(judged.is_firm() || over) {
             return None;
         }
@@ -188,5 +302,51 @@ impl Isolation {
         verdict.kind_ln_odds = judged.kind_ln_odds;
         verdict.partner_ln_odds = judged.partner_ln_odds;
         Some(Event::Identified(verdict))
+    }
+}
+
+/// The best class of limbs.
+struct OneLimb {
+    class: usize,
+    score: f64,
+    /// Limbs of all classes that leave noise.
+    limbs: LimbSet,
+    /// Whether the best class leaves noise, and no class of another direction does.
+    explains: bool,
+    /// ln of the odds against classes of another direction.
+    margin: f64,
+}
+
+impl OneLimb {
+    fn new(noise: &RowNoise, misfit: &Misfit<'_>, scores: &[f64; CLASSES], gone: LimbSet) -> Self {
+        let shows = |class: &usize| noise.length(*class) > 0.0;
+        let (mut class, mut score) = (0, f64::NEG_INFINITY);
+        for (place, &value) in scores.iter().enumerate() {
+            if shows(&place) && value > score {
+                (class, score) = (place, value);
+            }
+        }
+        let best = noise.direction(class);
+        let (mut limbs, mut explains, mut margin) = (LimbSet::EMPTY, true, f64::INFINITY);
+        for (other, &value) in scores.iter().enumerate().filter(|(c, _)| shows(c)) {
+            let direction = noise.direction(other);
+            // Without limbs that have failed before, two classes may show alike.
+            let alike = dot(direction, best).abs() > 1.0 - 1e-9;
+            let quiet = misfit.is_quiet_beside(direction);
+            if quiet {
+                limbs = limbs.union(members(other));
+            }
+            explains &= quiet == alike;
+            if !alike {
+                margin = margin.min(score - value);
+            }
+        }
+        Self {
+            class,
+            score,
+            limbs: limbs.minus(gone),
+            explains,
+            margin,
+        }
     }
 }

@@ -1,4 +1,4 @@
-//! The kind of a failure, and the limb of an ambiguous pair, from the statistics of the failure and of the channels since the alarm.
+//! The kind of a failure, and the limb among those that share a signature, from the statistics of the failure and of the channels since the alarm.
 //!
 //! Every sample gives the failure's size a_t = e_t + noise. Each kind restricts the course e_t: constant (the zero jumped), constant
 //! and ramp (the zero drifts), in proportion to the channel's own signal (the sensitivity jumped), white (noise), zero (it has
@@ -15,10 +15,11 @@
 //! * one channel is constant (stuck, or dead while the load that the other limbs imply moves as no drift does);
 //! * one channel is rough where the motion is smooth (noise), or steps (zero).
 //!
-//! A slow drift has none of these; the result is then the pair.
+//! A slow drift has none of these; the result is then the pair. Without limbs that have failed before, more limbs than two share a
+//! signature, and are distinguished, or not, likewise.
 
-use super::class::members;
 use super::history::History;
+use super::misfit::MORE;
 use super::moments::Moments;
 use super::noise::{RowNoise, dot};
 use super::verdict::Kind;
@@ -30,9 +31,6 @@ use crate::limb_set::LimbSet;
 const KIND: f64 = 4.6;
 /// ln of the odds from which a limb of an ambiguous pair is accepted: a thousand to one.
 const LIMB_OF_PAIR: f64 = 6.9;
-/// Standard deviations of a sum of squares within which there is only noise, and beyond which there is more.
-const STILL: f64 = 4.0;
-const MOVES: f64 = 8.0;
 /// Share of its noise that a channel has at most if it is stuck: of 32 samples of noise one in 10^9 has so little.
 const NOISELESS: f64 = 0.25;
 /// Mean square of a signal over that of its noise from which a sensitivity is observable.
@@ -70,11 +68,13 @@ impl Judgement {
     }
 }
 
-/// Judges a class by the statistics since the alarm; `steps` are the channels' largest steps about it, in standard deviations.
+/// Judges a class by the statistics since the alarm: one of `limbs` has failed; `steps` are the channels' largest steps about the
+/// alarm, in standard deviations.
 #[must_use]
 pub fn judge(
     noise: &RowNoise,
     class: usize,
+    limbs: LimbSet,
     rows: &Moments,
     history: &History,
     steps: &[f64; LIMBS],
@@ -93,72 +93,67 @@ pub fn judge(
         0.5 * (mean * mean + slope * slope) - 2.0 * cost,
     );
     best.offer(Kind::NoiseBurst, super::likelihood::gain(energy, n) - cost);
-    let members = members(class);
     let spread = sqrt(2.0 * n);
-    let fails = energy > n + MOVES * spread;
+    let fails = energy > n + MORE * spread;
     // The load of a dead limb in motion: neither a zero that jumps or drifts nor noise.
-    let moves = energy - mean * mean - slope * slope > n + MOVES * spread
-        && history.lagged.get(class).copied().unwrap_or(0.0) > SMOOTH_COURSE * energy;
-    let mut scale = [f64::NEG_INFINITY; 2];
-    let mut fell = [None; 2];
+    let moves = energy - mean * mean - slope * slope > n + MORE * spread
+        && history.lagged_along(direction) > SMOOTH_COURSE * energy;
+    let mut scale = [f64::NEG_INFINITY; LIMBS];
+    let mut fell = [None; LIMBS];
     let mut open = false;
-    for ((scale, fell), limb) in scale.iter_mut().zip(&mut fell).zip(members.indices()) {
-        let Some(channel) = history.channels.get(limb) else {
-            continue;
-        };
+    for limb in limbs.indices() {
+        let channel = &history.channels[limb];
         // Where the signal is little but noise, the failure's size, which has the same noise in it, goes along with it.
         if channel.square > LOUD * n {
             let gain = channel.with_size * channel.with_size / channel.square;
-            *scale = 0.5 * gain - cost;
-            best.offer(Kind::ScaleJump, *scale);
+            scale[limb] = 0.5 * gain - cost;
+            best.offer(Kind::ScaleJump, scale[limb]);
         }
-        let own = channel.square - channel.sum * channel.sum / n;
-        let at_zero = channel.square < n + STILL * spread;
         // The other limb of a pair at rest is at its zero, too.
-        let resolved = moves || members.len() == 1;
-        *fell = if !fails {
+        let resolved = moves || limbs.len() == 1;
+        fell[limb] = if !fails {
             None
-        } else if at_zero && resolved {
+        } else if history.is_at_zero(limb) && resolved {
             Some(Kind::Dead)
-        } else if own < NOISELESS * n {
+        } else if history.own(limb) < NOISELESS * n || (history.is_flat(limb) && moves) {
             Some(Kind::Stuck)
         } else {
-            open |= own < n + STILL * spread;
+            open |= history.is_flat(limb);
             None
         };
         // The course is the limb's load: nothing of it is left to explain.
-        if let Some(kind) = *fell {
+        if let Some(kind) = fell[limb] {
             best.offer(kind, 0.5 * energy);
         }
     }
     let kind = best.kind;
-    let (limbs, partner_ln_odds) = match members.len() {
-        2 => {
-            let mut pair = members.indices();
-            let limb = [pair.next().unwrap_or(0), pair.next().unwrap_or(0)];
-            let favour = match kind {
-                Kind::Dead | Kind::Stuck => match fell.map(|f| f == Some(kind)) {
-                    [true, false] => f64::INFINITY,
-                    [false, true] => f64::NEG_INFINITY,
-                    _ => 0.0,
-                },
-                Kind::ScaleJump => scale[0] - scale[1],
-                Kind::NoiseBurst => contrast(limb.map(|l| history.roughness(l)), ROUGH, SMOOTH),
-                Kind::Offset => contrast(
-                    limb.map(|l| steps.get(l).copied().unwrap_or(0.0)),
-                    STEPS,
-                    NO_STEP,
-                ),
-                _ => 0.0,
-            };
-            if favour.abs() > LIMB_OF_PAIR {
-                let named = limb[usize::from(favour < 0.0)];
-                (LimbSet::EMPTY.with(named), favour.abs())
-            } else {
-                (members, 0.0)
+    let step = |limb: usize| steps.get(limb).copied().unwrap_or(0.0);
+    let (named, partner_ln_odds) = match kind {
+        Kind::Dead | Kind::Stuck => {
+            let mut fallen = limbs.indices().filter(|&limb| fell[limb].is_some());
+            match (fallen.next(), fallen.next()) {
+                (Some(limb), None) => (limb, f64::INFINITY),
+                _ => (0, 0.0),
             }
         }
-        _ => (members, f64::INFINITY),
+        // The load of a flat limb, which may be dead, goes along with the signal of another for a while.
+        Kind::ScaleJump if limbs.minus(history.flat()) == limbs => {
+            lead(limbs, |limb| scale[limb], |best, next| best - next)
+        }
+        Kind::NoiseBurst => lead(
+            limbs,
+            |limb| history.roughness(limb),
+            contrast(ROUGH, SMOOTH),
+        ),
+        Kind::Offset => lead(limbs, step, contrast(STEPS, NO_STEP)),
+        _ => (0, 0.0),
+    };
+    let (limbs, partner_ln_odds) = if limbs.len() == 1 {
+        (limbs, f64::INFINITY)
+    } else if partner_ln_odds > LIMB_OF_PAIR {
+        (LimbSet::EMPTY.with(named), partner_ln_odds)
+    } else {
+        (limbs, 0.0)
     };
     Judgement {
         kind,
@@ -169,14 +164,33 @@ pub fn judge(
     }
 }
 
-/// ln of the odds for the first of two by what only one of them may have; 0 where both have it or neither.
-fn contrast(size: [f64; 2], has: f64, has_not: f64) -> f64 {
-    let odds = 0.5 * (size[0] * size[0] - size[1] * size[1]);
-    let (larger, smaller) = (size[0].max(size[1]), size[0].min(size[1]));
-    if larger > has && smaller < has_not {
-        odds
-    } else {
-        0.0
+/// The limb of which something is largest, and ln of the odds for it by that and by what it is of the next one.
+fn lead(
+    limbs: LimbSet,
+    size: impl Fn(usize) -> f64,
+    odds: impl Fn(f64, f64) -> f64,
+) -> (usize, f64) {
+    let (mut named, mut best, mut next) = (0, f64::NEG_INFINITY, f64::NEG_INFINITY);
+    for limb in limbs.indices() {
+        let size = size(limb);
+        if size > best {
+            (named, next, best) = (limb, best, size);
+        } else if size > next {
+            next = size;
+        }
+    }
+    let odds = odds(best, next);
+    (named, if odds.is_nan() { 0.0 } else { odds })
+}
+
+/// ln of the odds for a limb by what only one of them may have; 0 where another has it, too, or none.
+fn contrast(has: f64, has_not: f64) -> impl Fn(f64, f64) -> f64 {
+    move |best, next| {
+        if best > has && next < has_not {
+            0.5 * (best * best - next * next)
+        } else {
+            0.0
+        }
     }
 }
 

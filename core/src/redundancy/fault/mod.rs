@@ -5,29 +5,36 @@
 //! | file | holds |
 //! |---|---|
 //! | [`class`] | the six directions in the parity rows along which nine limbs fail |
-//! | [`noise`] | the covariance of the rows, and their whitening |
-//! | [`moments`] | sums over a stretch of whitened rows |
+//! | [`noise`] | the covariance of the rows, their whitening, and the relations that excluded limbs leave |
+//! | [`moments`], [`window`] | sums over a stretch of whitened rows, and what calibration's errors add to them |
 //! | [`detector`] | detection: tests, thresholds, alarms |
+//! | [`held`] | channels that stand still to the last bit |
+//! | [`misfit`] | what a hypothesis leaves of the rows |
 //! | [`likelihood`] | the likelihood of a failure of each class |
 //! | [`swap`] | the likelihood that two channels are exchanged |
+//! | [`silent`] | sets of two or three limbs that are dead at once |
 //! | [`history`], [`step`] | statistics of the failure's course and of each channel |
-//! | [`kind`] | the kind of failure, and the limb of an ambiguous pair |
-//! | [`isolation`] | the sequence of decisions after an alarm: class, kind, limb |
+//! | [`kind`] | the kind of failure, and the limb among those that share a signature |
+//! | [`isolation`] | the sequence of decisions after an alarm: hypotheses, kind, limb |
 //! | [`verdict`] | the result of an isolation |
 //! | [`monitor`] | all of it as a stream |
 
 pub mod class;
 pub mod detector;
+mod held;
 pub mod history;
 pub mod isolation;
 pub mod kind;
 pub mod likelihood;
+mod misfit;
 pub mod moments;
 pub mod monitor;
 pub mod noise;
+mod silent;
 pub mod step;
 pub mod swap;
 pub mod verdict;
+mod window;
 
 pub use detector::{Alarm, CalibrationErrors, Detector, Test};
 pub use monitor::{Event, Monitor, Watch};

@@ -27,6 +27,20 @@ impl Moments {
         add_outer(&mut self.square, z, 1.0);
     }
 
+    /// Takes a later stretch, which follows upon this one.
+    #[inline]
+    pub fn append(&mut self, later: &Self) {
+        let place = self.samples as f64;
+        self.samples += later.samples;
+        for i in 0..ROWS {
+            self.ramp[i] += later.ramp[i] + place * later.sum[i];
+            self.sum[i] += later.sum[i];
+            for j in 0..ROWS {
+                self.square[i][j] += later.square[i][j];
+            }
+        }
+    }
+
     /// Samples taken.
     #[must_use]
     pub const fn samples(&self) -> u64 {
@@ -49,6 +63,18 @@ impl Moments {
             }
         });
         [mean, slope]
+    }
+
+    /// Square of the coefficients of the constant.
+    #[inline]
+    #[must_use]
+    pub fn energy_of_mean(&self) -> f64 {
+        let n = self.samples as f64;
+        if n > 0.0 {
+            dot(&self.sum, &self.sum) / n
+        } else {
+            0.0
+        }
     }
 
     /// Sum of squares.

@@ -1,24 +1,38 @@
 //! The fault monitor as a stream: nine voltages in, events out.
 //!
-//! An alarm of the [`Detector`] begins an isolation. With each sample, every class of limbs and every pair of channels that may
-//! be exchanged is scored by the rows since the alarm, together with those of the window that raised it, until one leads by
-//! [`super::isolation::CLASS`]. Then, each time the number of samples has doubled, the kind of failure is estimated, until it is
-//! certain or no more samples are waited for. If no class leads, the alarm is dismissed when the rows have become quiet again, and
-//! reported as beyond a single limb when they have not.
+//! Channels that stand still to the last bit while the others have their noise have failed, several at once if need be, whatever the
+//! rows say ([`super::held`]); so have those that are not readable. An alarm of the [`Detector`] begins an isolation
+//! ([`super::isolation`]), in which the limbs are named and then the kind of failure, or the answer is that it cannot be told.
+//! Afterwards the relations that are left without the failed limbs are watched in the same way: two, one, or none. None is left
+//! without three limbs of independent signatures; then only channels that stand still or are unreadable are noticed.
 
 use super::detector::{Alarm, CalibrationErrors, Detector};
-use super::isolation::Isolation;
+use super::held::{HELD, Held};
+use super::history::FOURTH;
+use super::isolation::{Isolation, Origin, Sample};
 use super::noise::RowNoise;
+use super::silent::Before;
 use super::step::Ring;
 use super::verdict::{Kind, Verdict};
-use crate::error::Result;
+use crate::error::{Result, require_not_negative};
+use crate::float::sqrt;
 use crate::geometry::LIMBS;
 use crate::kernel::constants::Constants;
 use crate::kernel::order::from_kernel_order;
 use crate::kernel::placement::OVERSTRAIN;
 use crate::limb_set::LimbSet;
 use crate::model::{Model, Parameters, Sensor, Settings};
+use crate::redundancy::parity::ROWS;
 use crate::redundancy::residual;
+
+/// Channels that must move and have their noise for others that stand still to have failed.
+const WITNESSES: usize = 5;
+/// Samples from one look at them to the next.
+const ASKED: u32 = 8;
+/// Share of its noise that such a channel has at least.
+const NOISY: f64 = 0.05;
+/// Standard deviations of its noise by which an excluded channel must move before it is believed again.
+const STIRS: f64 = 8.0;
 
 /// Samples without any alarm after which a failure is over: two of the longest windows.
 pub const QUIET: u64 = 8192;
@@ -28,13 +42,13 @@ pub const QUIET: u64 = 8192;
 pub enum Event {
     /// A test failed; its isolation follows.
     Alarm(Alarm),
-    /// The class of limbs is known, how it failed is not.
+    /// The limb, or those that share its signature, is known, how it failed is not.
     Isolated(Verdict),
     /// The isolation is complete.
     Identified(Verdict),
     /// The rows became quiet again before any class led: to all appearances a false alarm.
     Dismissed,
-    /// All nine have been quiet for [`QUIET`] samples after a failure.
+    /// All nine have been quiet for [`QUIET`] samples after a failure, and those that had failed move again.
     Quiet,
 }
 
@@ -47,6 +61,9 @@ pub struct Watch {
     pub noise_v: [f64; LIMBS],
     /// Standard deviation of each scale factor after calibration, relative; zeros to take it for exact.
     pub scale_sd: [f64; LIMBS],
+    /// Standard deviation of a limb's stiffness about the mean of the nine, relative; zero for limbs that are equal. No calibration
+    /// determines it.
+    pub stiffness_sd: f64,
     /// The same of each zero drift, V.
     pub zero_drift_sd_v: [f64; LIMBS],
 }
@@ -59,19 +76,36 @@ pub struct Watch {
 enum State {
     Watching,
     Isolating(Isolation),
-    Known { limbs: LimbSet, quiet: u64 },
 }
 
-/// Monitors nine channels without allocation, at constant work per sample except for a few samples after an alarm.
+/// Monitors nine channels without allocation, at constant work per sample except for some samples after an alarm, and while limbs
+/// are excluded.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Monitor {
     strain_per_v: [f64; LIMBS],
     strain_at_zero: [f64; LIMBS],
+    /// Strain at rest. A scale factor's error is one of what is counted from there, and so is what unequal stiffness makes of the rows.
+    strain_at_rest: [f64; LIMBS],
     zero_drift_v: [f64; LIMBS],
+    /// One over a channel's noise, 1/V, and the error of its zero in its noise.
+    per_noise: [f64; LIMBS],
+    zero_sd: [f64; LIMBS],
     nu: f64,
-    detector: Detector,
+    /// Tests of all three relations, and of those that are left without failed limbs.
+    whole: Detector,
+    left: Option<Detector>,
     ring: Ring,
+    held: Held,
     state: State,
+    /// Limbs that have failed, and limbs of which one has.
+    failed: LimbSet,
+    open: LimbSet,
+    /// Of a failure of which it cannot be told which limbs it is, and samples without an alarm since.
+    untold: Option<(Origin, u64)>,
+    /// Samples for which all nine have been quiet after a failure, the voltages at the first, channels that have moved since.
+    quiet: u64,
+    quiet_from_v: [f64; LIMBS],
+    stirred: LimbSet,
     received: u64,
 }
 
@@ -91,8 +125,11 @@ impl Monitor {
         let noise = RowNoise::from_channels(&core::array::from_fn(|limb| {
             (strain_per_v[limb] * watch.noise_v[limb]).abs()
         }))?;
+        require_not_negative("spread of the limbs' stiffnesses", watch.stiffness_sd)?;
         let errors = CalibrationErrors {
-            scale: watch.scale_sd,
+            scale: watch
+                .scale_sd
+                .map(|sd| sqrt(sd * sd + watch.stiffness_sd * watch.stiffness_sd)),
             drift: core::array::from_fn(|limb| {
                 (strain_per_v[limb] * watch.zero_drift_sd_v[limb]).abs()
             }),
@@ -102,29 +139,70 @@ impl Monitor {
             .iter()
             .chain(&errors.drift)
             .all(|&sd| sd == 0.0);
+        let strain_at_zero = from_kernel_order(constants.strain_at_zero);
         let per_sample = watch.false_alarms_per_hour / 3600.0 / settings.sample_rate_hz;
         Ok(Self {
             strain_per_v,
-            strain_at_zero: from_kernel_order(constants.strain_at_zero),
+            strain_at_zero,
+            strain_at_rest: core::array::from_fn(|i| {
+                strain_per_v[i] * parameters.zero_drift_v[i] + strain_at_zero[i]
+            }),
             zero_drift_v: parameters.zero_drift_v,
+            per_noise: watch.noise_v.map(|sd| 1.0 / sd),
+            zero_sd: core::array::from_fn(|i| watch.zero_drift_sd_v[i] / watch.noise_v[i]),
             nu: constants.nu,
-            detector: Detector::new(noise, per_sample, (!exact).then_some(errors))?,
+            whole: Detector::new(noise, per_sample, (!exact).then_some(errors))?,
+            left: None,
             ring: Ring::default(),
+            held: Held::default(),
             state: State::Watching,
+            failed: LimbSet::EMPTY,
+            open: LimbSet::EMPTY,
+            untold: None,
+            quiet: 0,
+            quiet_from_v: [0.0; LIMBS],
+            stirred: LimbSet::EMPTY,
             received: 0,
         })
     }
 
-    /// The tests.
+    /// The tests of all three relations.
     #[must_use]
     pub const fn detector(&self) -> &Detector {
-        &self.detector
+        &self.whole
     }
 
     /// Samples taken, unreadable ones among them.
     #[must_use]
     pub const fn received(&self) -> u64 {
         self.received
+    }
+
+    /// Limbs that are known to have failed.
+    #[must_use]
+    pub fn failed(&self) -> LimbSet {
+        match &self.state {
+            State::Isolating(isolation) => match isolation.found() {
+                Some(limbs) if limbs.len() == 1 => self.failed.union(limbs),
+                _ => self.failed,
+            },
+            State::Watching => self.failed,
+        }
+    }
+
+    /// Limbs that may have failed, without being known to: from an alarm until it is explained or dismissed all that have not failed,
+    /// and limbs that share a signature of which one has failed.
+    #[inline]
+    #[must_use]
+    pub fn suspected(&self) -> LimbSet {
+        match &self.state {
+            State::Watching if self.untold.is_none() => self.open,
+            State::Isolating(isolation) => match isolation.found() {
+                Some(limbs) => self.open.union(limbs).minus(self.failed()),
+                None => LimbSet::ALL.minus(self.failed),
+            },
+            State::Watching => LimbSet::ALL.minus(self.failed),
+        }
     }
 
     /// Strains of nine voltages.
@@ -137,104 +215,291 @@ impl Monitor {
     #[must_use]
     pub fn whitened(&self, voltage_v: &[f64; LIMBS]) -> [f64; 3] {
         let rows = residual(&self.strains(voltage_v), self.nu);
-        self.detector.noise().whiten(&rows)
+        self.whole.noise().whiten(&rows)
     }
 
     fn strain(&self, limb: usize, voltage_v: f64) -> f64 {
         self.strain_per_v[limb] * voltage_v + self.strain_at_zero[limb]
     }
 
+    #[inline]
+    fn counted_from_rest(&self, strain: &[f64; LIMBS]) -> [f64; LIMBS] {
+        core::array::from_fn(|i| strain[i] - self.strain_at_rest[i])
+    }
+
+    /// A channel's signal, counted from no force, in its noise.
+    fn signal(&self, limb: usize, voltage_v: f64) -> f64 {
+        (voltage_v - self.zero_drift_v[limb]) * self.per_noise[limb]
+    }
+
     /// Takes the next nine voltages. A limb whose voltage is NaN, infinite or beyond any strain has failed at once; the rows of such
     /// a sample are not used.
+    #[inline]
     pub fn push(&mut self, voltage_v: &[f64; LIMBS]) -> Option<Event> {
-        let sample = self.received;
         self.received += 1;
+        self.held.push(voltage_v, self.ring.last());
+        self.ring.push(voltage_v);
         let strain = self.strains(voltage_v);
+        let borne = strain.iter().all(|x| x.abs() < OVERSTRAIN);
+        let calm = matches!(self.state, State::Watching) && self.untold.is_none();
+        if !borne || !calm || !self.gone().is_empty() || self.held.is_running() {
+            return self.attend(voltage_v, strain);
+        }
+        let z = self.whole.noise().whiten(&residual(&strain, self.nu));
+        let from_rest = self.counted_from_rest(&strain);
+        let alarm = self.whole.first_alarm(&z, &from_rest)?;
+        self.begin(alarm, &z)
+    }
+
+    /// Limbs that the relations that are watched do not contain.
+    const fn gone(&self) -> LimbSet {
+        self.failed.union(self.open)
+    }
+
+    /// What [`Self::push`] does where there is more to do than to test the rows.
+    #[inline(never)]
+    fn attend(&mut self, voltage_v: &[f64; LIMBS], mut strain: [f64; LIMBS]) -> Option<Event> {
+        let sample = self.received.saturating_sub(1);
         let unreadable = (0..LIMBS)
             .filter(|&limb| {
                 let borne = strain[limb].abs() < OVERSTRAIN;
                 !borne
             })
             .fold(LimbSet::EMPTY, LimbSet::with);
-        if !unreadable.is_empty() {
-            return self.unreadable(unreadable, sample);
+        let silent = unreadable.minus(self.failed);
+        if !silent.is_empty() {
+            return Some(self.fail(silent, Kind::Unreadable, (sample, sample)));
         }
-        let noise = *self.detector.noise();
-        let z = noise.whiten(&residual(&strain, self.nu));
-        let signal = core::array::from_fn(|i| {
-            self.strain_per_v[i] * (voltage_v[i] - self.zero_drift_v[i]) / noise.channel_sd()[i]
-        });
-        self.ring.push(&signal);
-        match &mut self.state {
-            State::Watching => {
-                let mut alarm = self.detector.push(&z, &strain).first()?;
-                alarm.sample = sample;
-                let window = self.detector.rows_of(alarm.test);
-                self.state = State::Isolating(Isolation::new(alarm, &noise, &window, &z));
-                Some(Event::Alarm(alarm))
-            }
-            State::Isolating(isolation) => {
-                let (slope, zero) = (&self.strain_per_v, &self.strain_at_zero);
-                isolation.push(&noise, &z, &signal, &strain, |limb, channel| {
-                    slope[limb] * voltage_v[channel] + zero[limb]
-                });
-                isolation.look_for_steps(&self.ring);
-                let event = isolation.event(&noise, sample);
-                match &event {
-                    Some(Event::Dismissed) => {
-                        self.detector.restart();
-                        self.state = State::Watching;
-                    }
-                    Some(Event::Identified(verdict)) => {
-                        self.detector.restart();
-                        self.state = match verdict.kind {
-                            Kind::Passed => State::Watching,
-                            _ => State::Known {
-                                limbs: verdict.limbs,
-                                quiet: 0,
-                            },
-                        };
-                    }
-                    _ => {}
-                }
-                event
-            }
-            State::Known { quiet, .. } => {
-                *quiet += 1;
-                if self.detector.push(&z, &strain).first().is_some() {
-                    *quiet = 0;
-                }
-                if *quiet < QUIET {
-                    return None;
-                }
-                self.detector.restart();
-                self.state = State::Watching;
-                Some(Event::Quiet)
-            }
+        let held = self.held.held();
+        let silent = held.minus(self.failed);
+        if !silent.is_empty() && self.is_witnessed(silent) {
+            return Some(self.fail_held(silent, voltage_v));
         }
+        for limb in self.failed.indices() {
+            // To second order only, which is far below the noise, do the relations that are left contain it.
+            strain[limb] = self.strain_at_rest[limb];
+        }
+        if !self.gone().is_empty() && self.is_over(voltage_v, unreadable.union(held)) {
+            self.failed = LimbSet::EMPTY;
+            self.open = LimbSet::EMPTY;
+            self.untold = None;
+            self.watch();
+            return Some(Event::Quiet);
+        }
+        self.test(&strain, voltage_v)
+    }
+
+    /// Whether most of the channels have their noise and all move while some stand still to the last bit.
+    #[cold]
+    fn is_witnessed(&self, still: LimbSet) -> bool {
+        // The limit is a multiple of this; what is not witnessed need not be asked with each sample.
+        let due = |limb| self.held.run(limb).is_multiple_of(ASKED);
+        if !still.indices().any(due) || !self.held.pausing().minus(self.failed).is_empty() {
+            return false;
+        }
+        let noisy = |limb: usize| {
+            let from = self.received.saturating_sub(u64::from(HELD));
+            let mut last = [0.0; 4];
+            let (mut n, mut rough) = (0.0, 0.0);
+            for y in self.ring.stretch(limb, from, self.received) {
+                let y = self.signal(limb, y);
+                let [a, b, c, d] = last;
+                if n >= 4.0 {
+                    let fourth = y - 4.0 * a + 6.0 * b - 4.0 * c + d;
+                    rough += fourth * fourth / FOURTH;
+                }
+                last = [y, a, b, c];
+                n += 1.0;
+            }
+            rough > NOISY * n
+        };
+        let others = LimbSet::ALL.minus(self.held.held());
+        others.indices().filter(|&limb| noisy(limb)).count() >= WITNESSES
     }
 
     #[cold]
-    fn unreadable(&mut self, limbs: LimbSet, sample: u64) -> Option<Event> {
-        self.detector.restart();
-        if let State::Known {
-            limbs: known,
-            quiet,
-        } = &mut self.state
-            && *known == limbs
-        {
-            *quiet = 0;
-            return None;
-        }
-        self.state = State::Known { limbs, quiet: 0 };
-        Some(Event::Identified(Verdict {
+    fn fail_held(&mut self, limbs: LimbSet, voltage_v: &[f64; LIMBS]) -> Event {
+        let sample = self.received.saturating_sub(1);
+        let runs = || limbs.indices().map(|limb| u64::from(self.held.run(limb)));
+        let (longest, shortest) = (runs().max().unwrap_or(0), runs().min().unwrap_or(0));
+        // The first of equal values may be the last sound one.
+        let since = (
+            sample.saturating_sub(longest),
+            sample.saturating_sub(shortest) + 1,
+        );
+        let at_zero = |limb: usize| {
+            let zero = STIRS * (1.0 + self.zero_sd[limb]);
+            voltage_v[limb] == 0.0 || self.signal(limb, voltage_v[limb]).abs() < zero
+        };
+        let kind = if limbs.indices().all(at_zero) {
+            Kind::Dead
+        } else {
+            Kind::Stuck
+        };
+        self.fail(limbs, kind, since)
+    }
+
+    /// Limbs have failed by what their channels show, whatever the rows say.
+    #[cold]
+    fn fail(&mut self, limbs: LimbSet, kind: Kind, since: (u64, u64)) -> Event {
+        self.add_failed(limbs);
+        self.untold = None;
+        self.watch();
+        Event::Identified(Verdict {
             limbs,
-            kind: Kind::Unreadable,
-            since: (sample, sample),
-            said_at: sample,
+            kind,
+            since,
+            said_at: self.received.saturating_sub(1),
             class_ln_odds: f64::INFINITY,
             kind_ln_odds: f64::INFINITY,
             partner_ln_odds: f64::INFINITY,
-        }))
+        })
+    }
+
+    fn add_failed(&mut self, limbs: LimbSet) {
+        self.failed = self.failed.union(limbs);
+        // A limb of which it was not known whether it or another had failed explains that.
+        if limbs.minus(self.open) != limbs {
+            self.open = LimbSet::EMPTY;
+        }
+    }
+
+    /// Watches the relations that are left from here on.
+    fn watch(&mut self) {
+        self.state = State::Watching;
+        self.quiet = 0;
+        self.whole.restart();
+        let gone = self.gone();
+        self.left = if gone.is_empty() {
+            None
+        } else {
+            self.whole.without(gone).ok()
+        };
+    }
+
+    /// Whether all nine have been quiet for long, and those that had failed move again.
+    fn is_over(&mut self, voltage_v: &[f64; LIMBS], silent: LimbSet) -> bool {
+        let strain = self.strains(voltage_v);
+        let sound = silent.is_empty() && {
+            let z = self.whole.noise().whiten(&residual(&strain, self.nu));
+            let from_rest = self.counted_from_rest(&strain);
+            self.whole.first_alarm(&z, &from_rest).is_none()
+        };
+        if !sound || self.quiet == 0 {
+            self.quiet = u64::from(sound);
+            self.quiet_from_v = *voltage_v;
+            self.stirred = LimbSet::EMPTY;
+            return false;
+        }
+        self.quiet += 1;
+        self.stirred = self
+            .failed
+            .indices()
+            .filter(|&limb| {
+                let moved = (voltage_v[limb] - self.quiet_from_v[limb]) * self.per_noise[limb];
+                moved.abs() > STIRS
+            })
+            .fold(self.stirred, LimbSet::with);
+        self.quiet >= QUIET && self.failed.minus(self.stirred).is_empty()
+    }
+
+    /// Begins an isolation. A failure of which it could not be told which limbs it is goes on: that is no new alarm.
+    #[cold]
+    #[inline(never)]
+    fn begin(&mut self, mut alarm: Alarm, z: &[f64; ROWS]) -> Option<Event> {
+        alarm.sample = self.received.saturating_sub(1);
+        let since = (alarm.sample + 1).saturating_sub(alarm.test.samples());
+        let origin = match &mut self.untold {
+            Some((origin, quiet)) => {
+                *quiet = 0;
+                *origin
+            }
+            None => Origin {
+                since: (since, alarm.sample),
+                before: Before::new(&self.ring, since, |limb, v| self.signal(limb, v)),
+            },
+        };
+        let gone = self.gone();
+        let detector = if gone.is_empty() {
+            &self.whole
+        } else {
+            self.left.as_ref()?
+        };
+        self.state = State::Isolating(Isolation::new(alarm, origin, detector, z, self.zero_sd));
+        self.untold.is_none().then_some(Event::Alarm(alarm))
+    }
+
+    /// The relations that are watched, tested or looked into.
+    fn test(&mut self, strain: &[f64; LIMBS], voltage_v: &[f64; LIMBS]) -> Option<Event> {
+        let gone = self.gone();
+        let from_rest = self.counted_from_rest(strain);
+        let detector = if gone.is_empty() {
+            &mut self.whole
+        } else {
+            self.left.as_mut()?
+        };
+        let z = detector.noise().whiten(&residual(strain, self.nu));
+        let State::Isolating(isolation) = &mut self.state else {
+            return match detector.first_alarm(&z, &from_rest) {
+                Some(alarm) => self.begin(alarm, &z),
+                None => self.is_untold_over(),
+            };
+        };
+        let signal =
+            core::array::from_fn(|i| (voltage_v[i] - self.zero_drift_v[i]) * self.per_noise[i]);
+        let sample = Sample {
+            z: &z,
+            signal: &signal,
+            strain,
+            from_rest: &from_rest,
+        };
+        let (slope, zero) = (&self.strain_per_v, &self.strain_at_zero);
+        isolation.push(detector.noise(), &sample, |limb, channel| {
+            slope[limb] * voltage_v[channel] + zero[limb]
+        });
+        isolation.look_for_steps(&self.ring, &self.per_noise);
+        // What may be a channel that stands still is waited for.
+        if !self.held.pausing().minus(gone).is_empty() {
+            return None;
+        }
+        let said_at = self.received.saturating_sub(1);
+        let event = isolation.event(detector.noise(), detector.errors(), said_at, gone)?;
+        let origin = isolation.origin();
+        self.settle(event, origin)
+    }
+
+    /// Draws the consequences of an event.
+    #[cold]
+    fn settle(&mut self, event: Event, origin: Origin) -> Option<Event> {
+        let told = match &event {
+            Event::Dismissed => self.untold.is_none(),
+            Event::Identified(verdict) if verdict.limbs.is_empty() => {
+                self.untold.replace((origin, 0)).is_none()
+            }
+            Event::Identified(verdict) => {
+                self.untold = None;
+                if verdict.kind == Kind::Passed {
+                } else if verdict.is_open() {
+                    self.open = self.open.union(verdict.limbs);
+                } else {
+                    self.add_failed(verdict.limbs);
+                }
+                true
+            }
+            _ => return Some(event),
+        };
+        self.watch();
+        told.then_some(event)
+    }
+
+    /// A failure of which it could not be told which limbs it is may pass.
+    fn is_untold_over(&mut self) -> Option<Event> {
+        let (_, quiet) = self.untold.as_mut()?;
+        *quiet += 1;
+        if *quiet < QUIET {
+            return None;
+        }
+        self.untold = None;
+        Some(Event::Quiet)
     }
 }

@@ -1,9 +1,14 @@
-//! The parity rows of a healthy sensor: noise of covariance Q = W^T diag(sigma^2) W.
+//! The parity rows of a healthy sensor: noise of covariance Q = W^T diag(sigma^2) W, and the relations that excluded limbs leave.
+//!
+//! A limb of unknown course spoils one direction of the whitened rows, that of its signature. What is orthogonal to it is free of the
+//! limb and still white: eight limbs leave two relations, seven one, six none. [`RowNoise::without`] turns the rows so that the
+//! relations that are left come first and the others are zero; whatever works on three rows then works on those.
 
 use super::class::{CLASSES, signature};
 use crate::error::{Error, Result, require};
 use crate::float::sqrt;
 use crate::geometry::LIMBS;
+use crate::limb_set::LimbSet;
 use crate::redundancy::parity::{ROWS, SIGNATURES};
 
 /// Noise of nine channels as the three rows show it.
@@ -12,6 +17,7 @@ use crate::redundancy::parity::{ROWS, SIGNATURES};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RowNoise {
     channel: [f64; LIMBS],
+    relations: usize,
     whitener: [[f64; ROWS]; ROWS],
     direction: [[f64; ROWS]; CLASSES],
     length: [f64; CLASSES],
@@ -41,19 +47,66 @@ impl RowNoise {
             covariance[0][0],
             "positive definite",
         ))?;
+        Ok(Self::of(channel, ROWS, whitener))
+    }
+
+    fn of(channel: [f64; LIMBS], relations: usize, whitener: [[f64; ROWS]; ROWS]) -> Self {
         let mut direction = [[0.0; ROWS]; CLASSES];
         let mut length = [0.0; CLASSES];
-        for class in 0..CLASSES {
+        for (class, (direction, length)) in direction.iter_mut().zip(&mut length).enumerate() {
             let along = apply(&whitener, &signature(class).map(f64::from));
-            length[class] = sqrt(dot(&along, &along));
-            direction[class] = along.map(|x| x / length[class]);
+            let size = sqrt(dot(&along, &along));
+            // A limb that no relation is left of shows by rounding at most.
+            if size > ROUNDING * frobenius(&whitener) {
+                (*direction, *length) = (along.map(|x| x / size), size);
+            }
         }
-        Ok(Self {
+        Self {
             channel,
+            relations,
             whitener,
             direction,
             length,
-        })
+        }
+    }
+
+    /// The relations that are left without some limbs.
+    #[must_use]
+    pub fn without(&self, limbs: LimbSet) -> Self {
+        let (mut whitener, mut relations) = (self.whitener, self.relations);
+        let rounding = ROUNDING * frobenius(&whitener);
+        for limb in limbs.indices() {
+            let along = apply(&whitener, &SIGNATURES[limb].map(f64::from));
+            let length = sqrt(dot(&along, &along));
+            if length <= rounding || relations == 0 {
+                continue;
+            }
+            relations -= 1;
+            // Householder's reflection takes the limb's direction into the last row that is left, which is dropped.
+            let mut mirror = along.map(|x| x / length);
+            if let Some(last) = mirror.get_mut(relations) {
+                *last += if *last < 0.0 { -1.0 } else { 1.0 };
+            }
+            let square = dot(&mirror, &mirror);
+            let across: [f64; ROWS] = core::array::from_fn(|column| {
+                2.0 / square * dot(&mirror, &whitener.map(|row| row[column]))
+            });
+            for (row, &m) in whitener.iter_mut().zip(&mirror) {
+                for (entry, &a) in row.iter_mut().zip(&across) {
+                    *entry -= m * a;
+                }
+            }
+            if let Some(row) = whitener.get_mut(relations) {
+                *row = [0.0; ROWS];
+            }
+        }
+        Self::of(self.channel, relations, whitener)
+    }
+
+    /// Number of relations that are left: of a limb and its ambiguous partner, both excluded, there are two.
+    #[must_use]
+    pub const fn relations(&self) -> usize {
+        self.relations
     }
 
     /// Standard deviation of each channel, in strain.
@@ -69,7 +122,7 @@ impl RowNoise {
         apply(&self.whitener, rows)
     }
 
-    /// Unit vector along which a failure of a class shows in z.
+    /// Unit vector along which a failure of a class shows in z, zero where it does not show.
     #[must_use]
     pub fn direction(&self, class: usize) -> &[f64; ROWS] {
         // Cannot panic: an index beyond the classes gives the first.
@@ -94,6 +147,13 @@ impl RowNoise {
     }
 }
 
+/// Share of a matrix below which there is but rounding.
+const ROUNDING: f64 = 1e-9;
+
+fn frobenius(m: &[[f64; ROWS]; ROWS]) -> f64 {
+    sqrt(m.as_flattened().iter().map(|x| x * x).sum())
+}
+
 fn outer_sum(variance: &[f64; LIMBS]) -> [[f64; ROWS]; ROWS] {
     let mut sum = [[0.0; ROWS]; ROWS];
     for (signature, &variance) in SIGNATURES.iter().zip(variance) {
@@ -115,6 +175,21 @@ pub(super) fn add_outer(sum: &mut [[f64; ROWS]; ROWS], v: &[f64; ROWS], weight: 
 #[inline]
 pub(super) fn dot(a: &[f64; ROWS], b: &[f64; ROWS]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[inline]
+pub(super) fn cross(a: &[f64; ROWS], b: &[f64; ROWS]) -> [f64; ROWS] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+/// v over its length; none for nothing.
+pub(super) fn unit(v: &[f64; ROWS]) -> Option<[f64; ROWS]> {
+    let length = sqrt(dot(v, v));
+    (length > ROUNDING).then(|| v.map(|x| x / length))
 }
 
 #[inline]
@@ -142,6 +217,7 @@ pub(super) fn inverse_root(q: &[[f64; ROWS]; ROWS]) -> Option<[[f64; ROWS]; ROWS
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::redundancy::fault::class::CLASS_OF;
 
     #[test]
     fn whitened_covariance_is_one() {
@@ -152,6 +228,38 @@ mod tests {
             for (j, entry) in row.iter().enumerate() {
                 let unit = if i == j { 1.0 } else { 0.0 };
                 assert!((entry - unit).abs() < 1e-12, "{sum:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn relations_without_limbs_are_white_and_free_of_them() {
+        let sd = core::array::from_fn(|i| 1e-8 * (1.0 + i as f64));
+        let noise = RowNoise::from_channels(&sd).expect("noise");
+        for (numbers, left) in [
+            (&[5][..], 2),
+            (&[2, 4], 2),
+            (&[2, 4, 9], 1),
+            (&[1, 2, 3], 1),
+            (&[1, 5, 9], 0),
+        ] {
+            let limbs = LimbSet::from_numbers(numbers.iter().copied()).expect("limbs");
+            let without = noise.without(limbs);
+            assert_eq!(without.relations(), left);
+            // One limb after another is the same as all at once.
+            let one_by_one = limbs.indices().fold(noise, |noise, limb| {
+                noise.without(LimbSet::EMPTY.with(limb))
+            });
+            assert_eq!(one_by_one, without);
+            for limb in limbs.indices() {
+                assert_eq!(without.length(CLASS_OF[limb]), 0.0, "{limbs}");
+            }
+            let sum = without.whitened_sum(&sd.map(|s| s * s));
+            for (i, row) in sum.iter().enumerate() {
+                for (j, entry) in row.iter().enumerate() {
+                    let unit = if i == j && i < left { 1.0 } else { 0.0 };
+                    assert!((entry - unit).abs() < 1e-12, "{limbs}: {sum:?}");
+                }
             }
         }
     }

@@ -13,7 +13,7 @@ const SIDE: usize = 32;
 /// The whole stretch.
 const STRETCH: usize = 2 * SIDE;
 
-/// The last signals of the nine channels, in units of their noise.
+/// The last voltages of the nine channels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ring {
     rows: [[f64; LIMBS]; KEPT],
@@ -31,12 +31,27 @@ impl Default for Ring {
 
 impl Ring {
     /// Takes a row and forgets the oldest.
-    pub fn push(&mut self, signal: &[f64; LIMBS]) {
+    #[inline]
+    pub fn push(&mut self, voltage_v: &[f64; LIMBS]) {
         let place = (self.received % KEPT as u64) as usize;
         if let Some(row) = self.rows.get_mut(place) {
-            *row = *signal;
+            *row = *voltage_v;
         }
         self.received += 1;
+    }
+
+    /// The row taken last.
+    #[inline]
+    #[must_use]
+    pub fn last(&self) -> &[f64; LIMBS] {
+        let place = (self.received.wrapping_sub(1) % KEPT as u64) as usize;
+        self.rows.get(place).unwrap_or(&self.rows[0])
+    }
+
+    /// Voltages of a channel from sample `from` to before `to`, as far as they are kept.
+    pub fn stretch(&self, limb: usize, from: u64, to: u64) -> impl Iterator<Item = f64> {
+        let oldest = self.received.saturating_sub(KEPT as u64);
+        (from.max(oldest)..to.min(self.received)).map(move |sample| self.at(sample, limb))
     }
 
     fn at(&self, sample: u64, limb: usize) -> f64 {
@@ -47,7 +62,7 @@ impl Ring {
             .unwrap_or(0.0)
     }
 
-    /// The largest step of a channel, in standard deviations, that begins with one of the samples `from` to `to`.
+    /// The largest step of a channel, V, that begins with one of the samples `from` to `to`.
     #[must_use]
     pub fn largest_step(&self, limb: usize, from: u64, to: u64) -> f64 {
         let oldest = self.received.saturating_sub(KEPT as u64);

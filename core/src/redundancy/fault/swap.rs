@@ -7,6 +7,7 @@
 
 use super::noise::{RowNoise, dot};
 use crate::geometry::LIMBS;
+use crate::limb_set::LimbSet;
 use crate::redundancy::parity::{ROWS, SIGNATURES};
 
 /// Number of pairs.
@@ -61,9 +62,20 @@ impl Swaps {
         }
     }
 
-    /// ln of the likelihood ratio of each of [`PAIRED`] against no failure.
+    /// The pair that leads, of channels not in `gone`: its ln of the likelihood ratio against no failure, and by how much it leads.
     #[must_use]
-    pub const fn likelihood(&self) -> &[f64; PAIRS] {
-        &self.0
+    pub fn lead(&self, gone: LimbSet) -> ([usize; 2], f64, f64) {
+        let (mut best, mut first, mut second) = ([0; 2], f64::NEG_INFINITY, f64::NEG_INFINITY);
+        for (pair, &score) in PAIRED.into_iter().zip(&self.0) {
+            if pair.into_iter().any(|limb| gone.contains(limb)) {
+                continue;
+            }
+            if score > first {
+                (best, second, first) = (pair, first, score);
+            } else if score > second {
+                second = score;
+            }
+        }
+        (best, first, first - second)
     }
 }

@@ -49,8 +49,8 @@ impl fmt::Display for Kind {
 /// Which limb has failed, how, since when.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Verdict {
-    /// The limb; an ambiguous pair that was not resolved; both channels of an exchanged pair; none where no single limb explains the
-    /// rows.
+    /// The limb or limbs; those that forces cannot distinguish, of which one has failed ([`Self::is_open`]); both channels of an
+    /// exchanged pair; none where several explanations are left, or none.
     pub limbs: LimbSet,
     /// How.
     pub kind: Kind,
@@ -62,7 +62,7 @@ pub struct Verdict {
     pub class_ln_odds: f64,
     /// ln of the odds of this kind against the next best, 0 while it is open.
     pub kind_ln_odds: f64,
-    /// ln of the odds of this limb against the other of its ambiguous pair; infinite where it is in none, 0 while it is open.
+    /// ln of the odds of this limb against those that share its signature; infinite where none does, 0 while it is open.
     pub partner_ln_odds: f64,
 }
 
@@ -74,30 +74,39 @@ impl Verdict {
         indices.next().filter(|_| self.limbs.len() == 1)
     }
 
-    /// Whether it is an ambiguous pair that was not resolved.
+    /// Whether only one of the limbs has failed, and it is not known which.
     #[must_use]
     pub fn is_open(&self) -> bool {
-        self.limbs.len() == 2 && !matches!(self.kind, Kind::Swapped | Kind::Unreadable)
+        self.limbs.len() > 1 && self.partner_ln_odds == 0.0
     }
 }
 
 /// "limb 5: dead since sample 1234", "limb 2 or 4: its zero drifts since sample 0 to 63; forces cannot tell which".
 impl fmt::Display for Verdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut numbers = self.limbs.numbers();
-        match (numbers.next(), numbers.next()) {
-            (None, _) => {
+        match self.limbs.len() {
+            0 => {
                 return write!(
                     f,
-                    "no limb by itself explains the rows{}",
+                    "it cannot be told which limbs have failed{}",
                     Since(self.since)
                 );
             }
-            (Some(a), Some(b)) if self.is_open() => write!(f, "limb {a} or {b}: ")?,
-            (Some(_), Some(_)) => write!(f, "limbs {}: ", self.limbs)?,
-            (Some(a), None) => write!(f, "limb {a}: ")?,
+            1 => write!(f, "limb {}", self.limbs)?,
+            size if self.is_open() => {
+                f.write_str("limb ")?;
+                for (place, number) in self.limbs.numbers().enumerate() {
+                    f.write_str(match place {
+                        0 => "",
+                        _ if place + 1 == size => " or ",
+                        _ => ", ",
+                    })?;
+                    write!(f, "{number}")?;
+                }
+            }
+            _ => write!(f, "limbs {}", self.limbs)?,
         }
-        write!(f, "{}{}", self.kind, Since(self.since))?;
+        write!(f, ": {}{}", self.kind, Since(self.since))?;
         if self.is_open() {
             f.write_str("; forces cannot tell which")?;
         }
@@ -137,7 +146,11 @@ mod tests {
                 said_at: 1300,
                 class_ln_odds: 10.0,
                 kind_ln_odds: 10.0,
-                partner_ln_odds: 0.0,
+                partner_ln_odds: if matches!(kind, Kind::Swapped | Kind::Stuck) {
+                    f64::INFINITY
+                } else {
+                    0.0
+                },
             };
             format!("{verdict}")
         };
@@ -155,7 +168,15 @@ mod tests {
         );
         assert_eq!(
             said(&[], Kind::Unknown, (8, 8)),
-            "no limb by itself explains the rows since sample 8"
+            "it cannot be told which limbs have failed since sample 8"
+        );
+        assert_eq!(
+            said(&[2, 5, 9], Kind::Stuck, (8, 9)),
+            "limbs 2, 5 and 9: stuck since sample 8 to 9"
+        );
+        assert_eq!(
+            said(&[1, 3, 7], Kind::Offset, (8, 8)),
+            "limb 1, 3 or 7: its zero jumped since sample 8; forces cannot tell which"
         );
     }
 }

@@ -4,12 +4,17 @@ use crate::calibration::Calibration;
 use anyhow::{Context, Result, ensure};
 use sixaxis_core::limb_set::LimbSet;
 use sixaxis_core::redundancy::fault::{Event, Watch};
+use sixaxis_core::redundancy::reconstruction::MOST_EXCLUDED;
 use sixaxis_core::redundancy::tolerant::{FaultTolerant, ROWS_KEPT, Watched};
 use sixaxis_core::{LIMBS, Settings, SixAxis};
 use sixaxis_recordings::Channel;
 
 use super::Row;
 use super::setup::Setup;
+
+/// Standard deviation of the limbs' stiffnesses about their mean, relative, in an ordinary laboratory. Calibration against known
+/// accelerations determines the limbs' forces, not their stiffnesses.
+pub const STIFFNESS_SD: f64 = 0.005;
 
 /// Columns of the excluded and of the suspected limbs: their numbers as digits of one number, 0 for none.
 pub const FLAGS: [(&str, &str); 2] = [("excluded_limbs", ""), ("suspected_limbs", "")];
@@ -58,6 +63,7 @@ impl FaultWatch {
             false_alarms_per_hour,
             noise_v: propagated.channel_noise_v,
             zero_drift_sd_v: core::array::from_fn(deviation),
+            stiffness_sd: STIFFNESS_SD,
             scale_sd: core::array::from_fn(|i| {
                 deviation(LIMBS + i) / setup.parameters.scale_per_mass_per_kg[i].abs()
             }),
@@ -101,30 +107,37 @@ impl FaultWatch {
             }
             _ => None,
         };
-        self.messages
-            .extend(text.map(|text| format!("sample {sample}: {text}")));
-        let Some(switch) = watched.switched else {
-            if watched.event.is_some() && !watched.suspected.is_empty() {
-                self.messages.push(format!(
-                    "sample {sample}: limbs {} cannot be done without together; all nine are decoded on, and not to be trusted",
-                    watched.suspected
+        let verdict = text.is_some();
+        let mut say = |text: String| self.messages.push(format!("sample {sample}: {text}"));
+        if let Some(text) = text {
+            say(text);
+        }
+        if let Some(switch) = watched.switched {
+            if watched.excluded.is_empty() {
+                say("decoded with all nine again".to_owned());
+            } else {
+                let trace = if switch.reaches_onset {
+                    ""
+                } else {
+                    "; the failure is older than that, its trace stays in rate and attitude"
+                };
+                let last = if watched.excluded.len() == MOST_EXCLUDED {
+                    "; no relation is left that could show a further failure"
+                } else {
+                    ""
+                };
+                say(format!(
+                    "decoded without limb {} from sample {} on{trace}{last}",
+                    watched.excluded, switch.from_sample
                 ));
             }
-            return;
-        };
-        self.messages.push(if watched.excluded.is_empty() {
-            format!("sample {sample}: decoded with all nine again")
-        } else {
-            let trace = if switch.reaches_onset {
-                ""
-            } else {
-                "; the failure is older than that, its trace stays in rate and attitude"
-            };
-            format!(
-                "sample {sample}: decoded without limb {} from sample {} on{trace}",
-                watched.excluded, switch.from_sample
-            )
-        });
+        }
+        if verdict && !watched.suspected.is_empty() {
+            say(format!(
+                "limb {} may have failed and cannot be excluded; answers are not to be trusted",
+                watched.suspected
+            ));
+        }
     }
 }
 

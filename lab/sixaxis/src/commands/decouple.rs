@@ -89,9 +89,11 @@ gains of the standards. The attitude is integrated without a reference and its e
 radian, the deviations are estimates of a size. Wedges are not in them, nor what --rest-to-rest would take off.
 
 --watch holds the three sums of limb forces that are zero in any motion to the noise and the uncertainty that the calibration
-states. A limb that fails is named with the kind and the time of its failure, and excluded; rate and attitude continue without a step.
-`excluded_limbs` and `suspected_limbs` hold the limbs' numbers as digits, 0 for none; rows with suspected limbs are not reliable.
-Limbs 2 and 4, 3 and 7, 6 and 8 are ambiguous pairs: the forces alone do not determine which of the two has failed.
+states, and to limbs unequally stiff by 0.5 %. Limbs that fail, up to three, are named with the kind and the time of the failure and
+excluded; rate and attitude continue without a step. A channel that stands still to the last bit while others have their noise has failed
+in any case. `excluded_limbs` and `suspected_limbs` hold the limbs' numbers as digits, 0 for none; rows with suspected limbs are not
+reliable: from an alarm until it is explained, and where it cannot be told which limbs have failed. Limbs 2 and 4, 3 and 7, 6 and 8 are
+ambiguous pairs: the forces alone do not determine which of the two has failed, and once one is excluded they do not check the other.
 
 --excluded takes up to three limbs whose loads the others determine; otherwise an error names the load that would be
 unobservable. The noise of the remaining channels is amplified up to three times.

@@ -1,0 +1,184 @@
+//! A stretch of whitened rows, and what calibration's errors make of the strains in it.
+
+use super::detector::CalibrationErrors;
+use super::moments::Moments;
+use super::noise::{RowNoise, dot};
+use crate::float::sqrt;
+use crate::geometry::LIMBS;
+use crate::redundancy::parity::ROWS;
+
+/// What a quantity of three rows is made of in a stretch: its mean, its slope, and the energy of the rest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Parts<T> {
+    pub mean: T,
+    pub slope: T,
+    pub rest: T,
+}
+
+/// Sums over one stretch.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Window {
+    pub rows: Moments,
+    strain: [f64; LIMBS],
+    strain_ramp: [f64; LIMBS],
+    strain_square: [f64; LIMBS],
+}
+
+impl Window {
+    /// Of some samples: whitened rows and strains.
+    pub fn of(samples: &[([f64; ROWS], [f64; LIMBS])]) -> Self {
+        let mut window = Self::default();
+        for (z, _) in samples {
+            window.rows.push(z);
+        }
+        // Limb by limb, which keeps the sums in registers.
+        for limb in 0..LIMBS {
+            let (mut place, mut sum, mut ramp, mut square) = (0.0, 0.0, 0.0, 0.0);
+            for (_, strain) in samples {
+                let x = strain[limb];
+                sum += x;
+                ramp += place * x;
+                square += x * x;
+                place += 1.0;
+            }
+            window.strain[limb] = sum;
+            window.strain_ramp[limb] = ramp;
+            window.strain_square[limb] = square;
+        }
+        window
+    }
+
+    /// Takes a sample: whitened rows and strains.
+    #[inline]
+    pub fn push(&mut self, z: &[f64; ROWS], strain: &[f64; LIMBS]) {
+        let place = self.rows.samples() as f64;
+        self.rows.push(z);
+        for (i, &x) in strain.iter().enumerate() {
+            self.strain[i] += x;
+            self.strain_ramp[i] += place * x;
+            self.strain_square[i] += x * x;
+        }
+    }
+
+    /// Takes a later stretch, which follows upon this one.
+    pub fn append(&mut self, later: &Self) {
+        let place = self.rows.samples() as f64;
+        self.rows.append(&later.rows);
+        for i in 0..LIMBS {
+            self.strain_ramp[i] += later.strain_ramp[i] + place * later.strain[i];
+            self.strain[i] += later.strain[i];
+            self.strain_square[i] += later.strain_square[i];
+        }
+    }
+
+    /// Covariances that calibration's errors add, in whitened units: to the coefficients of mean and slope, and to the sum of squares
+    /// of the rest.
+    pub fn errors(
+        &self,
+        noise: &RowNoise,
+        errors: &CalibrationErrors,
+    ) -> Parts<[[f64; ROWS]; ROWS]> {
+        let n = self.rows.samples() as f64;
+        let spread = sqrt(n * (n * n - 1.0) / 12.0);
+        let mut of = [Parts {
+            mean: 0.0,
+            slope: 0.0,
+            rest: 0.0,
+        }; LIMBS];
+        for (limb, of) in of.iter_mut().enumerate() {
+            let mean = if n > 0.0 {
+                self.strain[limb] / sqrt(n)
+            } else {
+                0.0
+            };
+            let slope = if spread > 0.0 {
+                (self.strain_ramp[limb] - 0.5 * (n - 1.0) * self.strain[limb]) / spread
+            } else {
+                0.0
+            };
+            let (mean, slope) = (mean * mean, slope * slope);
+            let scale = errors.scale[limb] * errors.scale[limb];
+            *of = Parts {
+                mean: mean * scale + n * errors.drift[limb] * errors.drift[limb],
+                slope: slope * scale,
+                rest: (self.strain_square[limb] - mean - slope).max(0.0) * scale,
+            };
+        }
+        Parts {
+            mean: noise.whitened_sum(&of.map(|p| p.mean)),
+            slope: noise.whitened_sum(&of.map(|p| p.slope)),
+            rest: noise.whitened_sum(&of.map(|p| p.rest)),
+        }
+    }
+
+    /// Sums of squares along a unit vector.
+    pub fn along(&self, direction: &[f64; ROWS]) -> Parts<f64> {
+        let [mean, slope] = self.rows.mean_and_slope();
+        let square = |v: &[f64; ROWS]| {
+            let along = dot(v, direction);
+            along * along
+        };
+        let (mean, slope) = (square(&mean), square(&slope));
+        Parts {
+            mean,
+            slope,
+            rest: self.rows.energy_along(direction) - mean - slope,
+        }
+    }
+
+    /// Sums of squares in all rows.
+    pub fn all(&self) -> Parts<f64> {
+        let [mean, slope] = self.rows.mean_and_slope();
+        let (mean, slope) = (dot(&mean, &mean), dot(&slope, &slope));
+        Parts {
+            mean,
+            slope,
+            rest: self.rows.energy() - mean - slope,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stretch_appended_is_a_stretch_continued() {
+        let at = |k: u32| {
+            let t = f64::from(k);
+            (
+                [t, 1.0 - t * t, (0.7 * t).sin()],
+                core::array::from_fn(|i| 1e-6 * (t + i as f64).cos()),
+            )
+        };
+        let (mut whole, mut first, mut second) =
+            (Window::default(), Window::default(), Window::default());
+        for k in 0..24 {
+            let (z, strain) = at(k);
+            whole.push(&z, &strain);
+            let half = if k < 8 { &mut first } else { &mut second };
+            half.push(&z, &strain);
+        }
+        let samples: [_; 8] = core::array::from_fn(|k| at(k as u32));
+        assert_eq!(Window::of(&samples), first);
+        first.append(&second);
+        let noise = RowNoise::from_channels(&[1e-8; LIMBS]).expect("noise");
+        let errors = CalibrationErrors {
+            scale: [1e-3; LIMBS],
+            drift: [1e-9; LIMBS],
+        };
+        let close = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-11, "{a} {b}");
+        for (a, b) in [
+            (first.all(), whole.all()),
+            (first.along(&[0.0, 1.0, 0.0]), whole.along(&[0.0, 1.0, 0.0])),
+        ] {
+            close(a.mean, b.mean);
+            close(a.slope, b.slope);
+            close(a.rest, b.rest);
+        }
+        let (a, b) = (first.errors(&noise, &errors), whole.errors(&noise, &errors));
+        for (a, b) in [(a.mean, b.mean), (a.slope, b.slope), (a.rest, b.rest)] {
+            close(a[0][0], b[0][0]);
+        }
+    }
+}
