@@ -3,6 +3,8 @@
 //! A channel with a converter's noise repeats a value now and then, and the more often the coarser the converter is. A run of equal
 //! values is therefore held to the longest run that any channel has ended so far, and to [`HELD`].
 
+use super::history::FOURTH;
+use super::step::Ring;
 use crate::geometry::LIMBS;
 use crate::limb_set::LimbSet;
 
@@ -13,6 +15,12 @@ const TIMES: u32 = 8;
 const LONGEST: u32 = 4 * HELD;
 /// Repetitions from which a channel may become held, and below which it moves.
 const PAUSE: u32 = 8;
+/// Channels that must move and have their noise for others that stand still to have failed.
+const WITNESSES: usize = 5;
+/// Samples from one look at them to the next.
+const ASKED: u32 = 8;
+/// Share of its noise that such a channel has at least.
+const NOISY: f64 = 0.05;
 
 /// Lengths of the runs of equal values.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -77,6 +85,52 @@ impl Held {
     /// Channels that pause and may become held.
     pub fn pausing(&self) -> LimbSet {
         self.from(PAUSE).minus(self.held())
+    }
+
+    /// Whether most of the channels have their noise and all that have not failed move while some stand still to the last bit;
+    /// `signal` is a channel's voltage in its noise.
+    #[cold]
+    pub fn witnessed(
+        &self,
+        still: LimbSet,
+        failed: LimbSet,
+        ring: &Ring,
+        signal: impl Fn(usize, f64) -> f64,
+    ) -> bool {
+        // The limit is a multiple of this; what is not witnessed need not be asked with each sample.
+        let due = |limb| self.run(limb).is_multiple_of(ASKED);
+        if !still.indices().any(due) || !self.pausing().minus(failed).is_empty() {
+            return false;
+        }
+        let noisy = |limb: usize| {
+            let to = ring.received();
+            let mut last = [0.0; 4];
+            let (mut n, mut rough) = (0.0, 0.0);
+            for y in ring.stretch(limb, to.saturating_sub(u64::from(HELD)), to) {
+                let y = signal(limb, y);
+                let [a, b, c, d] = last;
+                if n >= 4.0 {
+                    let fourth = y - 4.0 * a + 6.0 * b - 4.0 * c + d;
+                    rough += fourth * fourth / FOURTH;
+                }
+                last = [y, a, b, c];
+                n += 1.0;
+            }
+            rough > NOISY * n
+        };
+        let others = LimbSet::ALL.minus(self.held());
+        others.indices().filter(|&limb| noisy(limb)).count() >= WITNESSES
+    }
+
+    /// First and last sample at which channels that stand still at a sample may have begun to.
+    pub fn since(&self, limbs: LimbSet, sample: u64) -> (u64, u64) {
+        let runs = || limbs.indices().map(|limb| u64::from(self.run(limb)));
+        let (longest, shortest) = (runs().max().unwrap_or(0), runs().min().unwrap_or(0));
+        // The first of equal values may be the last sound one.
+        (
+            sample.saturating_sub(longest),
+            sample.saturating_sub(shortest) + 1,
+        )
     }
 }
 

@@ -16,7 +16,9 @@
 //! | [`history`], [`step`] | statistics of the failure's course and of each channel |
 //! | [`kind`] | the kind of failure, and the limb among those that share a signature |
 //! | [`isolation`] | the sequence of decisions after an alarm: hypotheses, kind, limb |
-//! | [`verdict`] | the result of an isolation |
+//! | [`verdict`] | events, and the result of an isolation |
+//! | [`recovery`] | when a failure is over |
+//! | [`settings`] | what the monitor is told of noise and of calibration's errors |
 //! | [`monitor`] | all of it as a stream |
 
 pub mod class;
@@ -30,6 +32,8 @@ mod misfit;
 pub mod moments;
 pub mod monitor;
 pub mod noise;
+mod recovery;
+mod settings;
 mod silent;
 pub mod step;
 pub mod swap;

@@ -6,16 +6,14 @@
 //! Afterwards the relations that are left without the failed limbs are watched in the same way: two, one, or none. None is left
 //! without three limbs of independent signatures; then only channels that stand still or are unreadable are noticed.
 
-use super::detector::{Alarm, CalibrationErrors, Detector};
-use super::held::{HELD, Held};
-use super::history::FOURTH;
+use super::detector::{Alarm, Detector};
+use super::held::Held;
 use super::isolation::{Isolation, Origin, Sample};
-use super::noise::RowNoise;
+use super::recovery::Recovery;
 use super::silent::Before;
 use super::step::Ring;
 use super::verdict::{Kind, Verdict};
-use crate::error::{Result, require_not_negative};
-use crate::float::sqrt;
+use crate::error::Result;
 use crate::geometry::LIMBS;
 use crate::kernel::constants::Constants;
 use crate::kernel::order::from_kernel_order;
@@ -25,48 +23,12 @@ use crate::model::{Model, Parameters, Sensor, Settings};
 use crate::redundancy::parity::ROWS;
 use crate::redundancy::residual;
 
-/// Channels that must move and have their noise for others that stand still to have failed.
-const WITNESSES: usize = 5;
-/// Samples from one look at them to the next.
-const ASKED: u32 = 8;
-/// Share of its noise that such a channel has at least.
-const NOISY: f64 = 0.05;
-/// Standard deviations of its noise by which an excluded channel must move before it is believed again.
-const STIRS: f64 = 8.0;
+pub use super::recovery::QUIET;
+pub use super::settings::Watch;
+pub use super::verdict::Event;
 
-/// Samples without any alarm after which a failure is over: two of the longest windows.
-pub const QUIET: u64 = 8192;
-
-/// An event of the monitored sensor.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Event {
-    /// A test failed; its isolation follows.
-    Alarm(Alarm),
-    /// The limb, or those that share its signature, is known, how it failed is not.
-    Isolated(Verdict),
-    /// The isolation is complete.
-    Identified(Verdict),
-    /// The rows became quiet again before any class led: to all appearances a false alarm.
-    Dismissed,
-    /// All nine have been quiet for [`QUIET`] samples after a failure, and those that had failed move again.
-    Quiet,
-}
-
-/// Settings of a monitor.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Watch {
-    /// Expected number of alarms of a healthy sensor.
-    pub false_alarms_per_hour: f64,
-    /// Standard deviation of the noise of each channel, V.
-    pub noise_v: [f64; LIMBS],
-    /// Standard deviation of each scale factor after calibration, relative; zeros to take it for exact.
-    pub scale_sd: [f64; LIMBS],
-    /// Standard deviation of a limb's stiffness about the mean of the nine, relative; zero for limbs that are equal. No calibration
-    /// determines it.
-    pub stiffness_sd: f64,
-    /// The same of each zero drift, V.
-    pub zero_drift_sd_v: [f64; LIMBS],
-}
+/// Standard deviations, of noise and of the error of the zero, within which a channel that stands still is at its zero.
+const AT_ZERO: f64 = 8.0;
 
 #[derive(Debug, Clone, PartialEq)]
 #[expect(
@@ -102,10 +64,7 @@ pub struct Monitor {
     open: LimbSet,
     /// Of a failure of which it cannot be told which limbs it is, and samples without an alarm since.
     untold: Option<(Origin, u64)>,
-    /// Samples for which all nine have been quiet after a failure, the voltages at the first, channels that have moved since.
-    quiet: u64,
-    quiet_from_v: [f64; LIMBS],
-    stirred: LimbSet,
+    recovery: Recovery,
     received: u64,
 }
 
@@ -113,7 +72,7 @@ impl Monitor {
     /// For a sensor whose channels' noise is known.
     ///
     /// # Errors
-    /// Those of [`crate::Decoupler::new`], [`RowNoise::from_channels`] and [`Detector::new`].
+    /// Those of [`crate::Decoupler::new`], [`super::RowNoise::from_channels`] and [`Detector::new`].
     pub fn new(
         sensor: &Sensor,
         parameters: &Parameters,
@@ -122,23 +81,8 @@ impl Monitor {
     ) -> Result<Self> {
         let constants = Constants::new(&Model::new(sensor, parameters, settings)?)?;
         let strain_per_v = from_kernel_order(constants.strain_per_v);
-        let noise = RowNoise::from_channels(&core::array::from_fn(|limb| {
-            (strain_per_v[limb] * watch.noise_v[limb]).abs()
-        }))?;
-        require_not_negative("spread of the limbs' stiffnesses", watch.stiffness_sd)?;
-        let errors = CalibrationErrors {
-            scale: watch
-                .scale_sd
-                .map(|sd| sqrt(sd * sd + watch.stiffness_sd * watch.stiffness_sd)),
-            drift: core::array::from_fn(|limb| {
-                (strain_per_v[limb] * watch.zero_drift_sd_v[limb]).abs()
-            }),
-        };
-        let exact = errors
-            .scale
-            .iter()
-            .chain(&errors.drift)
-            .all(|&sd| sd == 0.0);
+        let noise = watch.row_noise(&strain_per_v)?;
+        let errors = watch.errors(&strain_per_v)?;
         let strain_at_zero = from_kernel_order(constants.strain_at_zero);
         let per_sample = watch.false_alarms_per_hour / 3600.0 / settings.sample_rate_hz;
         Ok(Self {
@@ -151,7 +95,7 @@ impl Monitor {
             per_noise: watch.noise_v.map(|sd| 1.0 / sd),
             zero_sd: core::array::from_fn(|i| watch.zero_drift_sd_v[i] / watch.noise_v[i]),
             nu: constants.nu,
-            whole: Detector::new(noise, per_sample, (!exact).then_some(errors))?,
+            whole: Detector::new(noise, per_sample, errors)?,
             left: None,
             ring: Ring::default(),
             held: Held::default(),
@@ -159,9 +103,7 @@ impl Monitor {
             failed: LimbSet::EMPTY,
             open: LimbSet::EMPTY,
             untold: None,
-            quiet: 0,
-            quiet_from_v: [0.0; LIMBS],
-            stirred: LimbSet::EMPTY,
+            recovery: Recovery::default(),
             received: 0,
         })
     }
@@ -272,7 +214,8 @@ impl Monitor {
         }
         let held = self.held.held();
         let silent = held.minus(self.failed);
-        if !silent.is_empty() && self.is_witnessed(silent) {
+        let signal = |limb: usize, v: f64| self.signal(limb, v);
+        if self.held.witnessed(silent, self.failed, &self.ring, signal) {
             return Some(self.fail_held(silent, voltage_v));
         }
         for limb in self.failed.indices() {
@@ -289,46 +232,11 @@ impl Monitor {
         self.test(&strain, voltage_v)
     }
 
-    /// Whether most of the channels have their noise and all move while some stand still to the last bit.
-    #[cold]
-    fn is_witnessed(&self, still: LimbSet) -> bool {
-        // The limit is a multiple of this; what is not witnessed need not be asked with each sample.
-        let due = |limb| self.held.run(limb).is_multiple_of(ASKED);
-        if !still.indices().any(due) || !self.held.pausing().minus(self.failed).is_empty() {
-            return false;
-        }
-        let noisy = |limb: usize| {
-            let from = self.received.saturating_sub(u64::from(HELD));
-            let mut last = [0.0; 4];
-            let (mut n, mut rough) = (0.0, 0.0);
-            for y in self.ring.stretch(limb, from, self.received) {
-                let y = self.signal(limb, y);
-                let [a, b, c, d] = last;
-                if n >= 4.0 {
-                    let fourth = y - 4.0 * a + 6.0 * b - 4.0 * c + d;
-                    rough += fourth * fourth / FOURTH;
-                }
-                last = [y, a, b, c];
-                n += 1.0;
-            }
-            rough > NOISY * n
-        };
-        let others = LimbSet::ALL.minus(self.held.held());
-        others.indices().filter(|&limb| noisy(limb)).count() >= WITNESSES
-    }
-
     #[cold]
     fn fail_held(&mut self, limbs: LimbSet, voltage_v: &[f64; LIMBS]) -> Event {
-        let sample = self.received.saturating_sub(1);
-        let runs = || limbs.indices().map(|limb| u64::from(self.held.run(limb)));
-        let (longest, shortest) = (runs().max().unwrap_or(0), runs().min().unwrap_or(0));
-        // The first of equal values may be the last sound one.
-        let since = (
-            sample.saturating_sub(longest),
-            sample.saturating_sub(shortest) + 1,
-        );
+        let since = self.held.since(limbs, self.received.saturating_sub(1));
         let at_zero = |limb: usize| {
-            let zero = STIRS * (1.0 + self.zero_sd[limb]);
+            let zero = AT_ZERO * (1.0 + self.zero_sd[limb]);
             voltage_v[limb] == 0.0 || self.signal(limb, voltage_v[limb]).abs() < zero
         };
         let kind = if limbs.indices().all(at_zero) {
@@ -367,7 +275,7 @@ impl Monitor {
     /// Watches the relations that are left from here on.
     fn watch(&mut self) {
         self.state = State::Watching;
-        self.quiet = 0;
+        self.recovery = Recovery::default();
         self.whole.restart();
         let gone = self.gone();
         self.left = if gone.is_empty() {
@@ -385,22 +293,8 @@ impl Monitor {
             let from_rest = self.counted_from_rest(&strain);
             self.whole.first_alarm(&z, &from_rest).is_none()
         };
-        if !sound || self.quiet == 0 {
-            self.quiet = u64::from(sound);
-            self.quiet_from_v = *voltage_v;
-            self.stirred = LimbSet::EMPTY;
-            return false;
-        }
-        self.quiet += 1;
-        self.stirred = self
-            .failed
-            .indices()
-            .filter(|&limb| {
-                let moved = (voltage_v[limb] - self.quiet_from_v[limb]) * self.per_noise[limb];
-                moved.abs() > STIRS
-            })
-            .fold(self.stirred, LimbSet::with);
-        self.quiet >= QUIET && self.failed.minus(self.stirred).is_empty()
+        let moved = |limb: usize, from_v: f64| (voltage_v[limb] - from_v) * self.per_noise[limb];
+        self.recovery.push(sound, voltage_v, self.failed, moved)
     }
 
     /// Begins an isolation. A failure of which it could not be told which limbs it is goes on: that is no new alarm.

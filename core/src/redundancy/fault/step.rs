@@ -40,6 +40,12 @@ impl Ring {
         self.received += 1;
     }
 
+    /// Rows taken.
+    #[must_use]
+    pub const fn received(&self) -> u64 {
+        self.received
+    }
+
     /// The row taken last.
     #[inline]
     #[must_use]

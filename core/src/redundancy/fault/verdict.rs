@@ -1,8 +1,24 @@
-//! The result of an isolation: limb, kind, onset, and the odds.
+//! What the monitor says: its events, and the result of an isolation with limb, kind, onset, and the odds.
 
 use core::fmt;
 
+use super::detector::Alarm;
 use crate::limb_set::LimbSet;
+
+/// An event of the monitored sensor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Event {
+    /// A test failed; its isolation follows.
+    Alarm(Alarm),
+    /// The limb, or those that share its signature, is known, how it failed is not.
+    Isolated(Verdict),
+    /// The isolation is complete.
+    Identified(Verdict),
+    /// The rows became quiet again before any class led: to all appearances a false alarm.
+    Dismissed,
+    /// All nine have been quiet for [`super::monitor::QUIET`] samples after a failure, and those that had failed move again.
+    Quiet,
+}
 
 /// How a channel has failed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
