@@ -1,16 +1,17 @@
 //! Channels that contradict the model, and how much wider that makes the intervals.
 //!
-//! Squares per degree of freedom scatter about 1 by root(2/n) where limbs are equally stiff and noise is white. Where they are
+//! Squares per degree of freedom scatter about 1 by root(2/n) where an ordinary room and white noise are all there is. Where they are
 //! larger, Birge's ratio would widen all deviations by their root. That is right for noise that is larger than was thought and
-//! far too little here: unequal stiffness is the same in all trials, so that its share is not spread over all residuals but lies
-//! in a few directions, where nothing averages it. What is taken instead is the size of the disagreement itself.
+//! far too little for a channel that bends, lags or sticks: it does so in all trials alike, so that its share is not spread over
+//! all residuals but lies in a few directions, where nothing averages it. What is taken instead is the size of the disagreement.
 //!
 //! Of nine forces statics leave three open, and these alone can contradict; the other six look like other parameters. A
 //! disagreement of any direction therefore has 6/3 of the visible squares in excess where no residual shows them. Shared out
 //! evenly among the 15 parameters that forces tell, every variance grows by that over 15, in units of its own.
 //!
-//! Measured: with stiffnesses that differ by 0.2 % the misfit is 7 to 50, estimates are off by 80 to 190 of the fit's own
-//! deviations, root mean square, and these are widened 140 to 390 times; with 0.02 %, 1.16 to 1.49, 10 to 19, and 22 to 38.
+//! Measured when unequal stiffness was such a disagreement, before it became an unknown: with stiffnesses that differ by 0.2 %
+//! estimates are off by 80 to 190 of the fit's own deviations, root mean square, and these are widened 140 to 390 times; with
+//! 0.02 %, 10 to 19, and 22 to 38.
 
 use sixaxis_core::LIMBS;
 use sixaxis_core::identify::joint::estimate::JointEstimate;
@@ -47,7 +48,7 @@ impl Misfit {
         1.0 + CONTRADICTION * (2.0 / self.degrees_of_freedom.max(1) as f64).sqrt()
     }
 
-    /// True if the residuals reject equal stiffness or white noise, or if the statistic is NaN.
+    /// True if the residuals reject an ordinary room or white noise, or if the statistic is NaN.
     #[must_use]
     pub fn contradicts(&self) -> bool {
         self.per_degree.is_nan() || self.per_degree > self.limit()

@@ -1,6 +1,8 @@
 //! What the instruments and wedges turned out to be: the unknowns of the joint fit beside the 25.
 
 use serde::Serialize;
+use sixaxis_core::identify::joint::Known;
+use sixaxis_core::identify::joint::estimate::TrialEstimate;
 use sixaxis_core::identify::joint::unknowns::{
     AMPLIFIER_CORNER, ANGLES, GYROSCOPE_GAIN, GYROSCOPE_LAG,
 };
@@ -36,9 +38,28 @@ pub struct WedgeFound {
     pub angles_deg: Option<[Found; ANGLES]>,
 }
 
+/// The room as the trials show it. Spreads are standard deviations.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct RoomFound {
+    /// Of the limbs' stiffnesses, relative.
+    pub stiffness_spread: f64,
+    /// Of the shares that channels show of each other.
+    pub cross_talk_spread: f64,
+    /// Of a channel's sensitivity from trial to trial, relative.
+    pub sensitivity_spread: f64,
+    /// Of each of a wedge's angles, degrees.
+    pub wedge_spread_deg: f64,
+    /// Farthest that the sensor's centre is from the axis in any trial, m.
+    pub centre_off_axis_m: f64,
+    /// Most that gravity is off where the session has it, degrees.
+    pub off_plumb_deg: f64,
+}
+
 /// Everything beside the 25.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Nuisances {
+    /// What nobody states.
+    pub room: RoomFound,
     /// Reading over truth of the standard accelerometer, less one.
     pub accelerometer_gain: Found,
     /// Whether the trials say more of that than the certificate.
@@ -79,7 +100,23 @@ impl JointReport {
                 }
             })
             .collect();
+        let trials = &self.estimate.trials;
+        let farthest = |of: fn(&TrialEstimate) -> Option<[Known; 2]>| {
+            let sizes = trials.iter().filter_map(of);
+            sizes
+                .map(|[a, b]| a.value.hypot(b.value))
+                .fold(0.0, f64::max)
+        };
+        let spreads = &self.estimate.spreads;
         Nuisances {
+            room: RoomFound {
+                stiffness_spread: spreads.stiffness,
+                cross_talk_spread: spreads.cross_talk,
+                sensitivity_spread: spreads.sensitivity,
+                wedge_spread_deg: spreads.wedge_rad.to_degrees(),
+                centre_off_axis_m: farthest(|trial| trial.centre_m),
+                off_plumb_deg: farthest(|trial| trial.plumb).to_degrees(),
+            },
             accelerometer_gain: Found {
                 value: self.gain.mean(),
                 deviation: self.gain.deviation(),

@@ -118,9 +118,14 @@ fn ref_parameters_are_within_their_intervals() {
         let fitted = &summary["joint"]["fitted"];
         let wedges = fitted["nuisances"]["wedges"].as_array().expect("wedges");
         assert!(wedges.iter().all(|w| w["angles_deg"].is_array()));
+        let room = &fitted["nuisances"]["room"];
+        assert!(
+            room["off_plumb_deg"].as_f64().is_some_and(|deg| deg < 0.1),
+            "{room}"
+        );
         let html = page(&session);
         assert!(html.contains("The joint fit beside the four steps"));
-        assert!(html.contains("What the instruments and wedges turned out to be"));
+        assert!(html.contains("What instruments, room and wedges turned out to be"));
     }
 }
 

@@ -9,7 +9,7 @@ use crate::report::ParameterReport;
 
 use super::parameters::with_half_width;
 use crate::page::labels::{by_kind, direction, with_interval};
-use sixaxis_page::number::{MISSING, fixed, percent};
+use sixaxis_page::number::{MISSING, fixed, percent, significant};
 use sixaxis_page::{Block, Cell, Section, Table};
 
 /// The section; empty where the four steps could not be done.
@@ -18,7 +18,8 @@ pub fn section(calibrated: &CalibratedSession) -> Section {
         "joint",
         "All trials at once",
         "The joint fit: maximum likelihood over all 25 parameters together with the motions, the gyroscope, the amplifiers and the \
-         wedges, where the four steps take the standards and the wedges for right. It takes limbs for equally stiff and noise for white.",
+         wedges, where the four steps take the standards and the wedges for right. Limbs that are not equally stiff, cross-talk, a centre off the \
+         axis and an axis off the plumb line are unknowns, too; noise is taken for white.",
     );
     match &calibrated.joint {
         None => section,
@@ -125,12 +126,52 @@ fn nuisances(joint: &JointReport) -> Table {
         .wedges
         .iter()
         .map(|w| (direction(w.nominal), wedge(w)));
-    Table::grouped("instrument or wedge")
+    let room = [
+        (
+            "limbs' stiffnesses differ by",
+            100.0 * found.room.stiffness_spread,
+            "%",
+            "standard deviation",
+        ),
+        (
+            "channels show of each other",
+            100.0 * found.room.cross_talk_spread,
+            "%",
+            "standard deviation",
+        ),
+        (
+            "sensitivities move by",
+            100.0 * found.room.sensitivity_spread,
+            "%",
+            "standard deviation, from trial to trial",
+        ),
+        (
+            "centre off the axis by",
+            1e3 * found.room.centre_off_axis_m,
+            "mm",
+            "at most",
+        ),
+        (
+            "axis off the plumb line, or the level, by",
+            found.room.off_plumb_deg,
+            "°",
+            "at most",
+        ),
+    ];
+    let room = room.map(|(name, value, unit, remark)| {
+        let value = format!("{}\u{a0}{unit}", significant(value, 2));
+        (
+            name.to_owned(),
+            [value, MISSING.to_owned(), remark.to_owned()],
+        )
+    });
+    Table::grouped("instrument, room or wedge")
         .group(
             "Instruments",
             instruments.map(|(name, told)| (name.to_owned(), told)),
             |(name, _)| name.clone(),
         )
+        .group("Room", room.into_iter(), |(name, _)| name.clone())
         .group(
             "Wedges: angles by which they miss",
             wedges,
@@ -139,7 +180,7 @@ fn nuisances(joint: &JointReport) -> Table {
         .col("found", |(_, told)| told[0].clone())
         .col("±\u{a0}one s.d.", |(_, told)| told[1].clone())
         .text("remark", |(_, told)| told[2].clone())
-        .caption("What the instruments and wedges turned out to be")
+        .caption("What instruments, room and wedges turned out to be")
         .footnote(
             "Certificates and the workshop's tolerance are part of what is known here; where trials say nothing, they stand as \
              they were. A wedge's two angles lead along two directions square to its own.",

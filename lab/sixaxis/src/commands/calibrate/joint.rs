@@ -13,7 +13,7 @@ use crate::commands::common::wrapped;
 pub enum Summary<'a> {
     /// It was done.
     Fitted {
-        /// Squares per degree of freedom: 1 where limbs are equally stiff and noise is white.
+        /// Squares per degree of freedom: 1 where an ordinary room and white noise are all there is.
         misfit: f64,
         /// What noise alone leaves of that at most.
         misfit_limit: f64,
