@@ -171,7 +171,7 @@ fn nuisances(joint: &JointReport) -> Table {
             instruments.map(|(name, told)| (name.to_owned(), told)),
             |(name, _)| name.clone(),
         )
-        .group("Room", room.into_iter(), |(name, _)| name.clone())
+        .group("Room", room, |(name, _)| name.clone())
         .group(
             "Wedges: angles by which they miss",
             wedges,

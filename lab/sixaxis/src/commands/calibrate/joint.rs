@@ -22,7 +22,7 @@ pub enum Summary<'a> {
         degrees_of_freedom: usize,
         parameters: Vec<ParameterReport>,
         /// What instruments and wedges turned out to be.
-        nuisances: Nuisances,
+        nuisances: Box<Nuisances>,
     },
     /// Why not.
     Refused(&'a str),
@@ -38,7 +38,7 @@ impl<'a> Summary<'a> {
                 intervals_widened: joint.misfit.wider(),
                 degrees_of_freedom: joint.misfit.degrees_of_freedom,
                 parameters: joint.parameter_reports(&calibrated.four_steps),
-                nuisances: joint.nuisances(),
+                nuisances: Box::new(joint.nuisances()),
             },
             Err(cause) => Self::Refused(cause),
         })
