@@ -21,6 +21,7 @@
 //! | `trial` | one trial's data and what the model makes of its motion |
 //! | `normal` | its part in the normal equations, the motion eliminated |
 //! | `solve` | Gauss-Newton over all trials |
+//! | `settle` | the spreads at one linearisation |
 //! | [`robust`] | the same with wild values cut off |
 //! | [`estimate`] | the result |
 //!
@@ -46,7 +47,7 @@ mod own;
 mod record;
 pub mod robust;
 pub mod room;
-
+mod settle;
 mod solve;
 mod trial;
 pub mod unknowns;

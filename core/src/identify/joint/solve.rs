@@ -7,10 +7,10 @@ use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 
 use super::estimate::JointEstimate;
 use super::normal::Contribution;
-use super::own::Kind;
-use super::room::{Spreads, found};
+use super::room::Spreads;
+use super::settle::SPREAD_SETTLED;
 use super::trial::Trial;
-use super::unknowns::{ACCELEROMETER_GAIN, COMPLIANCE, CROSS_TALK, STIFFNESS, Unknowns, WEDGES};
+use super::unknowns::{ACCELEROMETER_GAIN, COMPLIANCE, Unknowns};
 use super::{Joint, Known, WHAT};
 use crate::error::{Error, Result};
 use crate::float::sqrt;
@@ -20,12 +20,6 @@ use crate::identify::least_squares::gauss_newton::{Limits, Nonlinear, Outcome, i
 const STEPS: usize = 30;
 /// Sets of spreads at most.
 const ROUNDS: usize = 20;
-/// Expectation-maximisation steps at most for one set, all at one linearisation.
-const SPREAD_STEPS: usize = 200;
-/// Power of a spread's change that is taken: above 1 the steps overreach, which from 2 on they would not outlive.
-const OVERREACH: f64 = 1.6;
-/// Relative change of a spread that moves no interval that anybody reads.
-const SPREAD_SETTLED: f64 = 0.02;
 /// A step whose square, measured in the estimate's own covariance, is below this changes nothing that could be told: a
 /// thousandth of a standard deviation.
 const SETTLED: f64 = 1e-6;
@@ -37,22 +31,22 @@ const GAIN_TOLD: f64 = 0.05;
 const CONDITION_LIMIT: f64 = 1e13;
 
 /// The free unknowns' normal equations.
-struct Normal {
+pub(super) struct Normal {
     free: Vec<usize>,
     /// Whole information, free or not.
     information: DMatrix<f64>,
-    descent: DVector<f64>,
+    pub(super) descent: DVector<f64>,
     squares: f64,
-    contributions: Vec<Contribution>,
+    pub(super) contributions: Vec<Contribution>,
 }
 
 /// Some trial's motion is not determined, or limbs do not hold the mass.
-const UNDETERMINED: Error = Error::NotConverged {
+pub(super) const UNDETERMINED: Error = Error::NotConverged {
     what: WHAT,
     iterations: 0,
 };
 
-fn normal(
+pub(super) fn normal(
     contributions: Vec<Contribution>,
     unknowns: &Unknowns,
     priors: &[(usize, Known)],
@@ -97,7 +91,7 @@ fn normal(
 
 impl Normal {
     /// Inverse of the free unknowns' information.
-    fn covariance(&self) -> Result<DMatrix<f64>> {
+    pub(super) fn covariance(&self) -> Result<DMatrix<f64>> {
         let n = self.free.len();
         let scale: Vec<f64> = self
             .free
@@ -164,7 +158,7 @@ impl Normal {
     }
 
     /// A covariance of all unknowns from one of the free ones.
-    fn full(&self, covariance: &DMatrix<f64>) -> DMatrix<f64> {
+    pub(super) fn full(&self, covariance: &DMatrix<f64>) -> DMatrix<f64> {
         let mut full = DMatrix::zeros(self.descent.len(), self.descent.len());
         for (a, row) in self.free.iter().enumerate() {
             for (b, column) in self.free.iter().enumerate() {
@@ -250,111 +244,32 @@ pub(super) fn refit(
 }
 
 /// The fit over all trials with the accelerometer's gain held.
-struct Campaign<'a> {
-    joint: &'a Joint,
-    spreads: Spreads,
-    priors: Vec<(usize, Known)>,
+pub(super) struct Campaign<'a> {
+    pub(super) joint: &'a Joint,
+    pub(super) spreads: Spreads,
+    pub(super) priors: Vec<(usize, Known)>,
 }
 
 /// Common unknowns, trials with their own, and the normal equations there.
-struct Point {
-    unknowns: Unknowns,
-    trials: Vec<Trial>,
-    normal: Normal,
+pub(super) struct Point {
+    pub(super) unknowns: Unknowns,
+    pub(super) trials: Vec<Trial>,
+    pub(super) normal: Normal,
 }
 
 /// A step of the common unknowns, and its square in the estimate's own covariance.
-struct Step {
+pub(super) struct Step {
     whole: DVector<f64>,
     size: f64,
 }
 
 impl<'a> Campaign<'a> {
-    fn new(joint: &'a Joint, spreads: Spreads) -> Self {
+    pub(super) fn new(joint: &'a Joint, spreads: Spreads) -> Self {
         Self {
             joint,
             spreads,
             priors: joint.priors(&spreads),
         }
-    }
-
-    /// Trials take the spread of their sensitivities from here.
-    fn spread(&self, trials: &mut [Trial]) {
-        for own in trials.iter_mut().flat_map(|trial| &mut trial.own) {
-            if matches!(own.kind, Kind::Sensitivity(_)) {
-                own.deviation = self.spreads.sensitivity;
-            }
-        }
-    }
-
-    /// A point that was linearised with other spreads.
-    fn repriced(&self, at: Point) -> Result<Point> {
-        let Point {
-            unknowns,
-            mut trials,
-            normal: before,
-        } = at;
-        self.spread(&mut trials);
-        let contributions = before
-            .contributions
-            .into_iter()
-            .zip(&trials)
-            .map(|(part, trial)| part.repriced(&trial.own).ok_or(UNDETERMINED))
-            .collect::<Result<_>>()?;
-        let normal = normal(contributions, &unknowns, &self.priors)?;
-        Ok(Point {
-            unknowns,
-            trials,
-            normal,
-        })
-    }
-
-    /// The spreads that maximise the marginal likelihood of the problem as it is linearised at a point, and the point with these.
-    fn settle(mut self, mut at: Point) -> Result<(Self, Point)> {
-        for _ in 0..SPREAD_STEPS {
-            let next = self.next_spreads(&at)?;
-            let change = self.spreads.change(&next);
-            if change < SPREAD_SETTLED {
-                break;
-            }
-            self = Self::new(self.joint, self.spreads.toward(&next, OVERREACH));
-            at = self.repriced(at)?;
-        }
-        Ok((self, at))
-    }
-
-    /// Spreads from what the linearised problem says of the unknowns that have them.
-    fn next_spreads(&self, at: &Point) -> Result<Spreads> {
-        let normal = &at.normal;
-        let covariance = normal.full(&normal.covariance()?);
-        let step = &covariance * &normal.descent;
-        let values = &at.unknowns.values + &step;
-        let variances = covariance.diagonal();
-        let of = |range| found(range, &values, &variances);
-        let mut sensitivities = Vec::new();
-        for (trial, part) in at.trials.iter().zip(&normal.contributions) {
-            let variances = part.own_variances(&covariance);
-            let changes = part.own_step(&step);
-            for (own, (variance, change)) in trial
-                .own
-                .iter()
-                .zip(variances.iter().zip(changes.iter().flat_map(|c| c.iter())))
-            {
-                if matches!(own.kind, Kind::Sensitivity(_)) {
-                    sensitivities.push((own.value + change, *variance));
-                }
-            }
-        }
-        let room = &self.joint.certificates.room;
-        Ok(Spreads {
-            stiffness: room.stiffness.next(of(STIFFNESS..CROSS_TALK)),
-            cross_talk: room.cross_talk.next(of(CROSS_TALK..WEDGES)),
-            sensitivity: room.sensitivity.next(sensitivities.into_iter()),
-            wedge_rad: self
-                .joint
-                .wedge_spread()
-                .next(of(self.joint.wedge_angles())),
-        })
     }
 
     fn point(&self, unknowns: Unknowns, mut trials: Vec<Trial>) -> Result<Point> {
