@@ -87,7 +87,7 @@ static_rate_hz = 10.0
 #[test]
 fn inv_a_killed_run_goes_on_to_the_same_bytes() {
     let folder = prepared("campaign-killed");
-    let count = 4 * PART;
+    let count = 2 * PART;
     folder.run("undisturbed", count, &["--threads", "2"]);
     let mut child = command(
         &folder,
@@ -100,7 +100,7 @@ fn inv_a_killed_run_goes_on_to_the_same_bytes() {
             "--out",
             "killed",
             "--threads",
-            "2",
+            "1",
         ],
     )
     .stdout(Stdio::null())
@@ -148,7 +148,7 @@ fn inv_a_killed_run_goes_on_to_the_same_bytes() {
 #[test]
 fn inv_shards_in_any_order_are_the_whole_campaign() {
     let folder = prepared("campaign-shards");
-    let count = PART + 35;
+    let count = PART + 8;
     folder.run("whole", count, &[]);
     for (out, shard) in [("third", "3/3"), ("first", "1/3"), ("second", "2/3")] {
         folder.run(out, count, &["--shard", shard]);
