@@ -5,6 +5,7 @@ mod common;
 use common::{Folder, small};
 use sixaxis_calibration::calibrate::{CalibratedSession, Options, calibrate as calibrate_files};
 use sixaxis_calibration::progress::NoProgress;
+use sixaxis_calibration::report::Estimator;
 use sixaxis_campaign::case::calibrate;
 use sixaxis_campaign::row::{Group, Row, Scalar, Status, Text, Values};
 use sixaxis_core::parameter::{PARAMETERS, Parameter};
@@ -48,7 +49,11 @@ fn on_disk(plan: &SessionPlan, seed: u64, folder: &Folder) -> CalibratedSession 
     let played = simulate_session(&plan).expect("it can be played");
     let session = write(&played, &folder.0, "parquet").expect("it can be written");
     let file = SessionFile::read(&session).expect("it can be read");
-    calibrate_files(&file, &Options::default(), &NoProgress).expect("it can be calibrated")
+    let options = Options {
+        estimator: Some(Estimator::FourSteps),
+        ..Options::default()
+    };
+    calibrate_files(&file, &options, &NoProgress).expect("it can be calibrated")
 }
 
 fn bits(values: &Values) -> Vec<Option<u64>> {
