@@ -41,6 +41,32 @@ pub fn cause_of(factor: f64) -> Cause {
     }
 }
 
+/// What a factor on one channel of one recording is a sign of, and what to check there.
+#[must_use]
+pub fn of_one_channel(factor: f64) -> (Cause, &'static str) {
+    if (factor + 1.0).abs() < 0.1 {
+        (
+            Cause::InvertedChannel,
+            "check the channel's polarity in this recording",
+        )
+    } else if is_thousand(factor) {
+        (
+            Cause::MillivoltMixUp,
+            "check the channel's unit in this recording",
+        )
+    } else if factor.abs() < 0.03 {
+        (
+            Cause::DeadLimb,
+            "check the channel's cable in this recording",
+        )
+    } else {
+        (
+            Cause::WrongScaling,
+            "check the channel's gain_n_per_v in this recording against the amplifier's panel",
+        )
+    }
+}
+
 /// What a factor of this size usually is.
 pub(super) fn reason(factor: f64) -> &'static str {
     if is_thousand(factor) {

@@ -4,7 +4,7 @@ use glam::DVec3;
 use nalgebra::{Matrix3, Vector3};
 use sixaxis_core::LIMBS;
 
-use super::level::{cause_of, is_thousand};
+use super::level::{cause_of, of_one_channel};
 use super::structure::departure;
 use super::table::Table;
 use super::trial_case::TrialCase;
@@ -190,27 +190,7 @@ impl<'a> Odd<'a> {
             return None;
         }
         let factor = seen[worst] / expected[worst];
-        let (cause, advice) = if (factor + 1.0).abs() < 0.1 {
-            (
-                Cause::InvertedChannel,
-                "check the channel's polarity in this recording",
-            )
-        } else if is_thousand(factor) {
-            (
-                Cause::MillivoltMixUp,
-                "check the channel's unit in this recording",
-            )
-        } else if factor.abs() < 0.03 {
-            (
-                Cause::DeadLimb,
-                "check the channel's cable in this recording",
-            )
-        } else {
-            (
-                Cause::WrongScaling,
-                "check the channel's gain_n_per_v in this recording against the amplifier's panel",
-            )
-        };
+        let (cause, advice) = of_one_channel(factor);
         Some(Finding {
             recordings: vec![self.case.trial.name.clone()],
             cause,

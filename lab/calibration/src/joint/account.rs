@@ -11,6 +11,7 @@ use sixaxis_core::identify::joint::estimate::TrialEstimate;
 use sixaxis_core::identify::joint::unknowns::ANGLES;
 
 use super::JointReport;
+use crate::diagnosis::level::of_one_channel;
 use crate::finding::{Cause, Finding};
 
 /// Standard deviations from which something is there and not noise.
@@ -288,22 +289,7 @@ fn is_odd(own: Known) -> bool {
 
 /// One channel in one trial shows so many times what it shows in the others.
 fn one_channel(limb: usize, name: &str, factor: f64) -> Finding {
-    let (cause, advice) = if (factor + 1.0).abs() < 0.1 {
-        (
-            Cause::InvertedChannel,
-            "check the channel's polarity in this recording",
-        )
-    } else if factor.abs() < 0.03 {
-        (
-            Cause::DeadLimb,
-            "check the channel's cable in this recording",
-        )
-    } else {
-        (
-            Cause::WrongScaling,
-            "check the channel's gain_n_per_v in this recording against the amplifier's panel",
-        )
-    };
+    let (cause, advice) = of_one_channel(factor);
     Finding {
         cause,
         recordings: vec![name.to_owned()],
