@@ -4,6 +4,7 @@ use glam::DVec3;
 use sixaxis_core::geometry::DIRECTIONS_SHELL;
 use sixaxis_core::identify::inertia::euler_torque;
 use sixaxis_core::paper::signal::SignalChain;
+use sixaxis_core::redundancy::parity::COORDINATION;
 use sixaxis_core::{InertiaPerMass, LIMBS, Parameters};
 
 use crate::conditioning::Conditioned;
@@ -141,9 +142,7 @@ fn residuals(series: &[(DVec3, DVec3)]) -> (f64, Option<f64>) {
     )
 }
 
-/// The three coordination equations, which no step uses: equal stiffness asks for them.
-const COORDINATION: [[usize; 4]; 3] = [[0, 1, 3, 4], [0, 2, 6, 8], [4, 5, 7, 8]];
-
+/// Residuals of the three coordination equations, which no step uses: equal stiffness asks for them.
 pub(super) fn coordination(campaign: &Campaign, p: &Parameters, reports: &mut [TrialReport]) {
     for ((trial, conditioned), report) in campaign.trials.iter().zip(reports) {
         let chain = SignalChain::new(&trial.gains, p);
