@@ -78,11 +78,12 @@ impl Operator {
                 }
             }
             (Self::Dense(a), Self::Dense(b)) => {
-                if same {
-                    out.gemm_tr(weight, a, b, 1.0);
-                } else {
-                    out.gemm_tr(weight, a, b, 1.0);
-                    out.gemm_tr(weight, b, a, 1.0);
+                let product = a.transpose() * b;
+                for row in 0..out.nrows() {
+                    for column in 0..out.ncols() {
+                        let mirrored = if same { 0.0 } else { product[(column, row)] };
+                        out[(row, column)] += weight * (product[(row, column)] + mirrored);
+                    }
                 }
             }
             (Self::Diagonal(a), Self::Dense(b)) | (Self::Dense(b), Self::Diagonal(a)) => {

@@ -147,9 +147,7 @@ impl MotionFree {
             }
             let factor = Cholesky::new(of_own)?;
             let across = block(common, 0, (count, common));
-            let solved = factor.solve(&across);
-            information.gemm_tr(-1.0, &across, &solved, 1.0);
-            descent.gemv_tr(-1.0, &solved, &down, 1.0);
+            eliminate(&factor, &across, &down, &mut information, &mut descent);
             eliminated = Some((factor, across, down));
         }
         Some(Contribution {
@@ -265,9 +263,13 @@ impl Arrow {
     /// Takes the motion out.
     fn without_motion(mut self) -> Option<MotionFree> {
         let latent = Cholesky::new(self.own)?;
-        let solved = latent.solve(&self.coupling);
-        self.information.gemm_tr(-1.0, &self.coupling, &solved, 1.0);
-        self.descent.gemv_tr(-1.0, &solved, &self.own_descent, 1.0);
+        eliminate(
+            &latent,
+            &self.coupling,
+            &self.own_descent,
+            &mut self.information,
+            &mut self.descent,
+        );
         Some(MotionFree {
             information: self.information,
             descent: self.descent,
@@ -277,6 +279,24 @@ impl Arrow {
             latent_descent: self.own_descent,
         })
     }
+}
+
+/// Takes the Schur complement of eliminated unknowns, B^T A^-1 B with A = L L^T, as the square of L^-1 B: half the triangular
+/// systems, and symmetric to the bit.
+fn eliminate(
+    factor: &Cholesky<f64, Dyn>,
+    coupling: &DMatrix<f64>,
+    down: &DVector<f64>,
+    information: &mut DMatrix<f64>,
+    descent: &mut DVector<f64>,
+) {
+    let lower = factor.l_dirty();
+    let (mut across, mut down) = (coupling.clone(), down.clone());
+    lower.solve_lower_triangular_unchecked_mut(&mut across);
+    lower.solve_lower_triangular_unchecked_mut(&mut down);
+    descent.gemv_tr(-1.0, &across, &down, 1.0);
+    // Transposed first: the product of two matrices is blocked for the caches, that with a transpose is not.
+    information.gemm(-1.0, &across.transpose(), &across, 1.0);
 }
 
 #[cfg(test)]
