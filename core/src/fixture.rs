@@ -4,12 +4,12 @@ use crate::{
     Decoupler, Gains, Geometry, InertiaPerMass, LIMBS, Model, Parameters, Scheme, Sensor, Settings,
 };
 
-const SENSOR: Sensor = Sensor {
+pub const SENSOR: Sensor = Sensor {
     geometry: Geometry::PAPER,
     gains: Gains::uniform(10.0),
 };
 
-fn parameters() -> Parameters {
+pub fn parameters() -> Parameters {
     let inertia = [191e-6, 236e-6, 327e-6, 0.1e-6, -0.4e-6, 1.6e-6];
     Parameters {
         zero_drift_v: [0.01; LIMBS],

@@ -51,7 +51,7 @@ pub use error::{Error, Result};
 pub use geometry::{Geometry, LIMBS};
 pub use limb_set::LimbSet;
 pub use model::{
-    Gains, InertiaPerMass, LimbLaw, Model, Parameters, Sensor, Settings, StaticResponse,
+    CrossTalk, Gains, InertiaPerMass, LimbLaw, Model, Parameters, Sensor, Settings, StaticResponse,
 };
 pub use parameter::Parameter;
 pub use redundancy::FaultTolerant;

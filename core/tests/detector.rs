@@ -22,10 +22,10 @@ fn statistic(
     strain: impl Fn(f64) -> f64,
 ) -> f64 {
     let noise = RowNoise::from_channels(&[NOISE; LIMBS]).expect("noise");
-    let errors = errors.then_some(CalibrationErrors {
-        scale: [SCALE; LIMBS],
-        drift: [DRIFT; LIMBS],
-    });
+    let errors = errors.then_some(CalibrationErrors::independent(
+        [SCALE; LIMBS],
+        [DRIFT; LIMBS],
+    ));
     let mut detector = Detector::new(noise, Detector::LARGEST_RATE, errors).expect("a rate");
     let mut last = None;
     for sample in 0..test.samples() {

@@ -154,13 +154,7 @@ impl Scene {
     }
 
     fn watch(&self, false_alarms_per_hour: f64) -> (Watch, Settings) {
-        let watch = Watch {
-            false_alarms_per_hour,
-            noise_v: self.noise_v,
-            scale_sd: [0.0; LIMBS],
-            zero_drift_sd_v: [0.0; LIMBS],
-            stiffness_sd: 0.0,
-        };
+        let watch = Watch::exact(false_alarms_per_hour, self.noise_v);
         (watch, Settings::new(SAMPLE_RATE_HZ))
     }
 }

@@ -3,10 +3,12 @@
 //! Both the plain decoder ([`crate::paper`]) and the constants of the fast one are made from a [`Model`], so that neither
 //! checks anything again.
 
+mod cross_talk;
 mod parameters;
 mod sensor;
 mod settings;
 
+pub use cross_talk::CrossTalk;
 pub use parameters::{InertiaPerMass, Parameters, STIFFNESS_PER_MASS_RANGE_PER_S2};
 pub use sensor::{Gains, Sensor};
 pub use settings::{LimbLaw, Settings, StaticResponse};

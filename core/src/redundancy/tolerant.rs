@@ -14,8 +14,7 @@ use crate::decouple::Decoupler;
 use crate::error::{Error, Result};
 use crate::geometry::LIMBS;
 use crate::limb_set::LimbSet;
-use crate::model::Parameters;
-use crate::model::{Sensor, Settings};
+use crate::model::{CrossTalk, Parameters, Sensor, Settings};
 use crate::redundancy::fault::{Event, Kind, Monitor, Watch};
 use crate::six_axis::SixAxis;
 
@@ -53,6 +52,8 @@ pub struct Switch {
 pub struct FaultTolerant<B> {
     decoupler: Decoupler,
     monitor: Monitor,
+    /// What a failed channel shows must not reach the others: cross-talk is undone here, beside the excluded limbs.
+    cross_talk: Option<CrossTalk>,
     /// Earlier states, the older first, half of the rows apart.
     before: [Decoupler; 2],
     rows: B,
@@ -87,10 +88,18 @@ impl<B: AsRef<[[f64; LIMBS]]> + AsMut<[[f64; LIMBS]]>> FaultTolerant<B> {
             monitor: Monitor::new(sensor, parameters, settings, watch)?,
             before: [decoupler.clone(), decoupler.clone()],
             decoupler,
+            cross_talk: None,
             rows,
             given: LimbSet::EMPTY,
             refused: LimbSet::EMPTY,
         })
+    }
+
+    /// Undoes cross-talk before a row is decoded. The monitor sees the rows as they are.
+    #[must_use]
+    pub fn with_cross_talk(mut self, cross_talk: Option<CrossTalk>) -> Self {
+        self.cross_talk = cross_talk;
+        self
     }
 
     /// The monitor.
@@ -124,10 +133,10 @@ impl<B: AsRef<[[f64; LIMBS]]> + AsMut<[[f64; LIMBS]]>> FaultTolerant<B> {
                 }
                 Err(_) => {
                     self.refused = limbs.minus(self.excluded());
-                    self.decoupler.push(voltage_v)?
+                    self.decode(voltage_v)?
                 }
             },
-            None => self.decoupler.push(voltage_v)?,
+            None => self.decode(voltage_v)?,
         };
         let excluded = self.excluded();
         Ok(Watched {
@@ -148,6 +157,17 @@ impl<B: AsRef<[[f64; LIMBS]]> + AsMut<[[f64; LIMBS]]>> FaultTolerant<B> {
         self.given = limbs;
         self.before = [self.decoupler.clone(), self.decoupler.clone()];
         Ok(())
+    }
+
+    fn decode(&mut self, voltage_v: &[f64; LIMBS]) -> Result<Option<SixAxis>> {
+        match &self.cross_talk {
+            None => self.decoupler.push(voltage_v),
+            Some(cross_talk) => {
+                let excluded = self.decoupler.excluded();
+                let row = cross_talk.undo_without(voltage_v, excluded);
+                self.decoupler.push(&row)
+            }
+        }
     }
 
     fn keep(&mut self, sample: u64, voltage_v: &[f64; LIMBS]) {
@@ -207,7 +227,10 @@ impl<B: AsRef<[[f64; LIMBS]]> + AsMut<[[f64; LIMBS]]>> FaultTolerant<B> {
         let rows = self.rows.as_ref();
         for at in from_sample..=sample {
             if let Some(row) = rows.get((at % rows.len() as u64) as usize) {
-                answer = decoupler.push(row)?;
+                answer = match &self.cross_talk {
+                    None => decoupler.push(row)?,
+                    Some(cross_talk) => decoupler.push(&cross_talk.undo_without(row, limbs))?,
+                };
             }
         }
         self.before = [start.clone(), start];

@@ -170,7 +170,15 @@ pub fn calibrate(
         progress.stage("holding against the standards", 1);
         evidence::hold_out(campaign, steps, &chosen.estimate.left_out, &mut trials);
         evidence::coordination(campaign, &chosen.used, &mut trials);
-        validation_runs = validation::validate(campaign, &chosen.used, &mut trials, &mut findings);
+        let limbs = chosen.used_joint().map(JointReport::limbs);
+        let cross_talk = limbs.as_ref().map(|limbs| &limbs.cross_talk);
+        validation_runs = validation::validate(
+            campaign,
+            &chosen.used,
+            cross_talk,
+            &mut trials,
+            &mut findings,
+        );
         progress.part();
         if let Some(criterion) = &options.repeat {
             progress.stage("repeating", 1);

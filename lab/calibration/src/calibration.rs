@@ -1,6 +1,9 @@
 //! The result as a file: `calibration.json`, what `sixaxis decouple` reads and a laboratory keeps.
 
+mod limbs;
 mod rust_source;
+
+pub use limbs::{CalibratedLimbs, Square};
 
 use sixaxis_core::parameter::{DRIFT, INERTIA, PARAMETERS, SCALE};
 use std::path::Path;
@@ -8,7 +11,7 @@ use std::path::Path;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sixaxis_core::decouple::uncertainty::{self};
-use sixaxis_core::{Gains, Geometry, InertiaPerMass, LIMBS, Parameters, Sensor};
+use sixaxis_core::{CrossTalk, Gains, Geometry, InertiaPerMass, LIMBS, Parameters, Sensor};
 use sixaxis_recordings::draft::write_atomically;
 
 use crate::error::{Error, Result};
@@ -45,6 +48,9 @@ pub struct Calibration {
     pub intervals: Vec<ParameterReport>,
     /// Covariance of the fits, noise alone.
     pub covariance: Covariance,
+    /// Limbs and channels beside the 25; none by the four steps, which take limbs for equally stiff and channels for apart.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub limbs: Option<CalibratedLimbs>,
     /// Channel names and units of the session's recordings.
     pub channels: Channels,
     /// Where it comes from.
@@ -218,6 +224,9 @@ impl Calibration {
             .validate()
             .and_then(|()| sensor.gains.validate())
             .map_err(|e| refuse(None, "sensor", e.to_string()))?;
+        calibration
+            .cross_talk(&sensor)
+            .map_err(|e| refuse(None, "limbs", e.to_string()))?;
         if let Some(corner_hz) = calibration.sensor.amplifier_high_pass_hz
             && !(corner_hz > 0.0 && corner_hz.is_finite())
         {
@@ -261,6 +270,18 @@ impl Calibration {
                 gain_n_per_v: self.sensor.gain_n_per_v,
             },
         }
+    }
+}
+
+impl Calibration {
+    /// What undoes the cross-talk of a recording of the sensor with its gains, where a fit has determined it.
+    ///
+    /// # Errors
+    /// Those of [`CrossTalk::new`].
+    pub fn cross_talk(&self, sensor: &Sensor) -> sixaxis_core::Result<Option<CrossTalk>> {
+        let of =
+            |limbs: &CalibratedLimbs| CrossTalk::new(sensor, &self.parameters(), &limbs.cross_talk);
+        self.limbs.as_ref().map(of).transpose()
     }
 }
 

@@ -5,12 +5,14 @@
 //! |---|---|
 //! | [`account`] | whether the fit accounts for the session, and what is out of the ordinary |
 //! | [`hypotheses`] | what it lacks where it does not |
+//! | [`limbs`] | limbs and channels as a calibration keeps them |
 //! | [`misfit`] | what to make of channels that contradict the model |
 //! | [`nuisances`] | what the instruments and wedges turned out to be |
 //! | [`reports`] | the 25 in the form that the four steps report them in |
 
 pub mod account;
 pub mod hypotheses;
+mod limbs;
 pub mod misfit;
 pub mod nuisances;
 pub mod reports;

@@ -120,13 +120,7 @@ impl Played {
     /// What the monitor is told.
     #[must_use]
     pub fn watch(&self) -> Watch {
-        Watch {
-            false_alarms_per_hour: FALSE_ALARMS_PER_HOUR,
-            noise_v: self.noise_v,
-            scale_sd: [0.0; LIMBS],
-            zero_drift_sd_v: [0.0; LIMBS],
-            stiffness_sd: 0.0,
-        }
+        Watch::exact(FALSE_ALARMS_PER_HOUR, self.noise_v)
     }
 }
 

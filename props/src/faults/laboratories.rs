@@ -15,7 +15,7 @@ use sixaxis_calibration::apply::check_grade::check_grade;
 use sixaxis_calibration::apply::fault_watch::FaultWatch;
 use sixaxis_calibration::apply::setup::{Overrides, Setup};
 use sixaxis_calibration::calibrate::{Options, calibrate};
-use sixaxis_calibration::calibration::{CalibratedParameters, Calibration};
+use sixaxis_calibration::calibration::{CalibratedLimbs, CalibratedParameters, Calibration};
 use sixaxis_calibration::progress::NoProgress;
 use sixaxis_calibration::report::Grade;
 use sixaxis_core::parameter::PARAMETERS;
@@ -171,7 +171,7 @@ pub fn calibrated(plan: &SessionPlan, folder: &Path) -> Result<Calibration, Stri
     calibration.ok_or_else(|| at("judging", &"no calibration"))
 }
 
-/// The same calibration with the true parameters and the chain's own noise, all of them stated as exact.
+/// The same calibration with the true parameters and stiffnesses and the chain's own noise, all of them stated as exact.
 #[must_use]
 pub fn exact(calibration: &Calibration, plan: &SessionPlan) -> Calibration {
     let chain = Chain::laboratory();
@@ -188,6 +188,10 @@ pub fn exact(calibration: &Calibration, plan: &SessionPlan) -> Calibration {
         propagated.standards = nothing;
         propagated.channel_noise_v = [noise_v; LIMBS];
     }
+    exact.limbs = Some(CalibratedLimbs {
+        stiffness_ratio: plan.stiffness_ratio(),
+        ..CalibratedLimbs::EXACT
+    });
     exact
 }
 

@@ -156,13 +156,10 @@ fn stat_unequal_stiffness_is_no_alarm_where_it_is_expected() {
     let alarms = |stiffness_sd: f64| -> u64 {
         let of = |k: u64| {
             let scene = Scene::random(seed() + k, 1.0);
-            let watch = Watch {
-                false_alarms_per_hour: FALSE_ALARMS_PER_HOUR,
-                noise_v: scene.noise_v,
-                scale_sd: [0.0; LIMBS],
-                zero_drift_sd_v: [0.0; LIMBS],
-                stiffness_sd,
-            };
+            let mut watch = Watch::exact(FALSE_ALARMS_PER_HOUR, scene.noise_v);
+            for (limb, row) in watch.strain_covariance.iter_mut().enumerate() {
+                row[limb] = stiffness_sd * stiffness_sd;
+            }
             let settings = Settings::new(SAMPLE_RATE_HZ);
             let monitor = Monitor::new(&scene.sensor, &scene.parameters, &settings, &watch);
             let mut monitor = monitor.expect("a sound sensor");

@@ -209,10 +209,7 @@ fn law_settings_without_meaning_are_refused() {
     }
     let mut scale = [0.0; LIMBS];
     scale[3] = f64::NAN;
-    let errors = CalibrationErrors {
-        scale,
-        drift: [0.0; LIMBS],
-    };
+    let errors = CalibrationErrors::independent(scale, [0.0; LIMBS]);
     assert!(Detector::new(noise, 1e-6, Some(errors)).is_err());
 }
 
@@ -354,10 +351,7 @@ fn law_calibrations_errors_take_their_share_of_the_energy() {
     let noise = RowNoise::from_channels(&[NOISE; LIMBS]).expect("noise");
     let test = Test::Energy(64);
     let (row, strain, scale) = (100.0, 3e-5, 1e-3);
-    let errors = CalibrationErrors {
-        scale: [scale; LIMBS],
-        drift: [0.0; LIMBS],
-    };
+    let errors = CalibrationErrors::independent([scale; LIMBS], [0.0; LIMBS]);
     let statistic = |errors: Option<CalibrationErrors>| {
         let mut detector = Detector::new(noise, RATES[0].0, errors).expect("a rate");
         let alarm = alarm_of(&mut detector, test, row, strain).expect("far beyond the noise");

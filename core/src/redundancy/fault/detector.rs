@@ -7,10 +7,16 @@
 //! The rate of false alarms is the expected number of failed tests, a sum over the tests of how often each is made times its
 //! probability. This is linear, and hence exact however the tests depend on one another; each test has an equal share of it.
 //!
-//! Errors of calibration are not noise: they persist. Relative errors of the scale factors and errors of the zero drifts add
-//! W^T diag(x^2 sd_scale^2 + sd_drift^2) W to the covariance of a sample or of a mean, and the same of a slope with the strains'
-//! slope. With [`CalibrationErrors`] given, these tests keep their distribution over calibrations. A limb stiffer than the others by
-//! a share e makes rows as a scale factor off by -e does: a spread of the stiffnesses is such an error, too. To the energy of a window
+//! Errors of calibration are not noise: they persist. Relative errors of covariance E in the strain that a volt of each channel is,
+//! shares of cross-talk of deviation c and errors of the zero drifts add
+//!
+//! ```text
+//! W^T (diag(x) E diag(x) + diag(c^2 (|x|^2 - x_i^2) + sd_drift^2)) W
+//! ```
+//!
+//! to the covariance of a sample or of a mean, and the same of a slope with the strains' slope. With [`CalibrationErrors`] given,
+//! these tests keep their distribution over calibrations. A limb stiffer than the others by a share e makes rows as a scale factor
+//! off by -e does: an error of its stiffness is one of E, too. To the energy of a window
 //! the errors of one calibration, which are the same in all of its samples, may add many times their expectation: as often as the test
 //! may fail, they do not exceed it by more than chi-square with one degree of freedom exceeds one, which the test allows for.
 
@@ -75,13 +81,32 @@ impl Test {
     }
 }
 
-/// Standard deviations of the errors that calibration leaves, per limb.
+/// The errors that calibration leaves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CalibrationErrors {
-    /// Relative: of the scale factor, and of the stiffness from the mean of the nine.
-    pub scale: [f64; LIMBS],
-    /// Of the zero drift, strain.
+    /// Covariance of the limbs' relative errors of strain per volt.
+    pub strain: [[f64; LIMBS]; LIMBS],
+    /// Standard deviations of independent errors that add as much to an energy.
+    pub alone: [f64; LIMBS],
+    /// Standard deviation of the share of another limb's strain that a channel shows.
+    pub cross_talk: f64,
+    /// Standard deviation of each zero drift, strain.
     pub drift: [f64; LIMBS],
+}
+
+impl CalibrationErrors {
+    /// Independent relative errors of strain per volt, and of the zero drifts, strain; standard deviations.
+    #[must_use]
+    pub fn independent(strain: [f64; LIMBS], drift: [f64; LIMBS]) -> Self {
+        Self {
+            strain: core::array::from_fn(|i| {
+                core::array::from_fn(|j| if i == j { strain[i] * strain[i] } else { 0.0 })
+            }),
+            alone: strain,
+            cross_talk: 0.0,
+            drift,
+        }
+    }
 }
 
 /// A test that failed.
@@ -152,7 +177,7 @@ impl Detector {
         )?;
         for value in errors
             .iter()
-            .flat_map(|e| e.scale.into_iter().chain(e.drift))
+            .flat_map(|e| e.alone.into_iter().chain(e.drift))
         {
             require_not_negative("standard deviation of a calibration error", value)?;
         }

@@ -80,17 +80,25 @@ impl Monitor {
         watch: &Watch,
     ) -> Result<Self> {
         let constants = Constants::new(&Model::new(sensor, parameters, settings)?)?;
-        let strain_per_v = from_kernel_order(constants.strain_per_v);
-        let noise = watch.row_noise(&strain_per_v)?;
+        let (slope, zero) = (
+            from_kernel_order(constants.strain_per_v),
+            from_kernel_order(constants.strain_at_zero),
+        );
+        let drift_v = &parameters.zero_drift_v;
+        let strain_at_rest: [f64; LIMBS] =
+            core::array::from_fn(|i| slope[i] * drift_v[i] + zero[i]);
+        // A limb gives way by its own stiffness.
+        let strain_per_v: [f64; LIMBS] =
+            core::array::from_fn(|i| slope[i] / watch.stiffness_ratio[i]);
+        let strain_at_zero =
+            core::array::from_fn(|i| strain_at_rest[i] - strain_per_v[i] * drift_v[i]);
         let errors = watch.errors(&strain_per_v)?;
-        let strain_at_zero = from_kernel_order(constants.strain_at_zero);
+        let noise = watch.row_noise(&strain_per_v)?;
         let per_sample = watch.false_alarms_per_hour / 3600.0 / settings.sample_rate_hz;
         Ok(Self {
             strain_per_v,
             strain_at_zero,
-            strain_at_rest: core::array::from_fn(|i| {
-                strain_per_v[i] * parameters.zero_drift_v[i] + strain_at_zero[i]
-            }),
+            strain_at_rest,
             zero_drift_v: parameters.zero_drift_v,
             per_noise: watch.noise_v.map(|sd| 1.0 / sd),
             zero_sd: core::array::from_fn(|i| watch.zero_drift_sd_v[i] / watch.noise_v[i]),

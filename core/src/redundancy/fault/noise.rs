@@ -147,6 +147,33 @@ impl RowNoise {
     }
 }
 
+impl RowNoise {
+    /// W^T (C + diag(variance)) W in whitened units, C the covariance of errors that the channels share in part.
+    pub(super) fn whitened_errors(
+        &self,
+        covariance: impl Fn(usize, usize) -> f64,
+        variance: &[f64; LIMBS],
+    ) -> [[f64; ROWS]; ROWS] {
+        let mut sum = self.whitened_sum(variance);
+        let along = SIGNATURES.map(|signature| apply(&self.whitener, &signature.map(f64::from)));
+        for (i, a) in along.iter().enumerate() {
+            let mut across = [0.0; ROWS];
+            for (j, b) in along.iter().enumerate() {
+                let weight = covariance(i, j);
+                for (across, b) in across.iter_mut().zip(b) {
+                    *across += weight * b;
+                }
+            }
+            for (row, a) in sum.iter_mut().zip(a) {
+                for (entry, across) in row.iter_mut().zip(&across) {
+                    *entry += a * across;
+                }
+            }
+        }
+        sum
+    }
+}
+
 /// Share of a matrix below which there is but rounding.
 const ROUNDING: f64 = 1e-9;
 

@@ -2,9 +2,10 @@
 
 use super::detector::CalibrationErrors;
 use super::noise::RowNoise;
-use crate::error::{Result, require_not_negative};
+use crate::error::{Result, require_not_negative, require_positive};
 use crate::float::sqrt;
 use crate::geometry::LIMBS;
+use crate::redundancy::parity::{GRAM_DENOMINATOR, GRAM_INVERSE, ROWS, SIGNATURES};
 
 /// Settings of a monitor.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -13,16 +14,31 @@ pub struct Watch {
     pub false_alarms_per_hour: f64,
     /// Standard deviation of the noise of each channel, V.
     pub noise_v: [f64; LIMBS],
-    /// Standard deviation of each scale factor after calibration, relative; zeros to take it for exact.
-    pub scale_sd: [f64; LIMBS],
-    /// Standard deviation of a limb's stiffness about the mean of the nine, relative; zero for limbs that are equal. No calibration
-    /// determines it.
-    pub stiffness_sd: f64,
-    /// The same of each zero drift, V.
+    /// Standard deviation of each zero drift after calibration, V.
     pub zero_drift_sd_v: [f64; LIMBS],
+    /// Stiffness of each limb over the mean of the nine.
+    pub stiffness_ratio: [f64; LIMBS],
+    /// Covariance of the limbs' relative errors of strain per volt, those of scale factor and stiffness together. An error that all
+    /// limbs share leaves the relations as they are.
+    pub strain_covariance: [[f64; LIMBS]; LIMBS],
+    /// Standard deviation of the share of another limb's strain that a channel shows.
+    pub cross_talk_sd: f64,
 }
 
 impl Watch {
+    /// Of a sensor that is known exactly, its limbs equally stiff and its channels apart.
+    #[must_use]
+    pub const fn exact(false_alarms_per_hour: f64, noise_v: [f64; LIMBS]) -> Self {
+        Self {
+            false_alarms_per_hour,
+            noise_v,
+            zero_drift_sd_v: [0.0; LIMBS],
+            stiffness_ratio: [1.0; LIMBS],
+            strain_covariance: [[0.0; LIMBS]; LIMBS],
+            cross_talk_sd: 0.0,
+        }
+    }
+
     /// The rows' noise by what strain a volt is.
     pub(super) fn row_noise(&self, strain_per_v: &[f64; LIMBS]) -> Result<RowNoise> {
         RowNoise::from_channels(&core::array::from_fn(|limb| {
@@ -32,20 +48,71 @@ impl Watch {
 
     /// The errors that are expected, none where all is taken for exact.
     pub(super) fn errors(&self, strain_per_v: &[f64; LIMBS]) -> Result<Option<CalibrationErrors>> {
-        require_not_negative("spread of the limbs' stiffnesses", self.stiffness_sd)?;
+        require_not_negative("standard deviation of cross-talk", self.cross_talk_sd)?;
+        for (limb, row) in self.strain_covariance.iter().enumerate() {
+            require_not_negative("variance of a strain per volt", row[limb])?;
+        }
+        for ratio in self.stiffness_ratio {
+            require_positive("stiffness ratio", ratio)?;
+        }
         let errors = CalibrationErrors {
-            scale: self
-                .scale_sd
-                .map(|sd| sqrt(sd * sd + self.stiffness_sd * self.stiffness_sd)),
+            strain: self.strain_covariance,
+            alone: alone(&self.strain_covariance),
+            cross_talk: self.cross_talk_sd,
             drift: core::array::from_fn(|limb| {
                 (strain_per_v[limb] * self.zero_drift_sd_v[limb]).abs()
             }),
         };
-        let exact = errors
-            .scale
-            .iter()
-            .chain(&errors.drift)
-            .all(|&sd| sd == 0.0);
+        let all = errors.strain.as_flattened().iter().chain(&errors.drift);
+        let exact = all.chain([&errors.cross_talk]).all(|&x| x == 0.0);
         Ok((!exact).then_some(errors))
+    }
+}
+
+/// Standard deviations of independent errors that add as much to the energy of the rows as errors of this covariance, over strains
+/// of all motions alike.
+fn alone(covariance: &[[f64; LIMBS]; LIMBS]) -> [f64; LIMBS] {
+    // Strains of unit variance in the six directions that obey the relations have the covariance 1 - W (W^T W)^-1 W^T.
+    let shown = |i: usize, j: usize| {
+        let (a, b) = (SIGNATURES[i], SIGNATURES[j]);
+        let mut across = 0;
+        for row in 0..ROWS {
+            for column in 0..ROWS {
+                across += a[row] * GRAM_INVERSE[row][column] * b[column];
+            }
+        }
+        let own = if i == j { 1.0 } else { 0.0 };
+        let strains = own - f64::from(across) / f64::from(GRAM_DENOMINATOR);
+        let rows: i32 = a.iter().zip(b).map(|(a, b)| a * b).sum();
+        f64::from(rows) * strains * covariance[i][j]
+    };
+    let diagonal: f64 = (0..LIMBS).map(|i| shown(i, i)).sum();
+    let all: f64 = (0..LIMBS)
+        .flat_map(|i| (0..LIMBS).map(move |j| (i, j)))
+        .map(|(i, j)| shown(i, j))
+        .sum();
+    let share = if diagonal > 0.0 {
+        (all / diagonal).max(0.0)
+    } else {
+        0.0
+    };
+    core::array::from_fn(|i| sqrt(share * covariance[i][i]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_that_all_limbs_share_does_not_show() {
+        let shared = [[1e-6; LIMBS]; LIMBS];
+        assert!(alone(&shared).iter().all(|&sd| sd < 1e-10));
+        let own =
+            core::array::from_fn(|i| core::array::from_fn(|j| if i == j { 1e-6 } else { 0.0 }));
+        assert!(alone(&own).iter().all(|&sd| (sd - 1e-3).abs() < 1e-12));
+        let both: [[f64; LIMBS]; LIMBS] =
+            core::array::from_fn(|i| core::array::from_fn(|j| own[i][j] + 100.0 * shared[i][j]));
+        let energy = |sd: [f64; LIMBS]| sd.map(|sd| sd * sd).iter().sum::<f64>();
+        assert!((energy(alone(&both)) / energy(alone(&own)) - 1.0).abs() < 1e-9);
     }
 }

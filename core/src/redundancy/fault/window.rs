@@ -80,34 +80,34 @@ impl Window {
     ) -> Parts<[[f64; ROWS]; ROWS]> {
         let n = self.rows.samples() as f64;
         let spread = sqrt(n * (n * n - 1.0) / 12.0);
-        let mut of = [Parts {
-            mean: 0.0,
-            slope: 0.0,
-            rest: 0.0,
-        }; LIMBS];
-        for (limb, of) in of.iter_mut().enumerate() {
-            let mean = if n > 0.0 {
-                self.strain[limb] / sqrt(n)
-            } else {
-                0.0
-            };
-            let slope = if spread > 0.0 {
-                (self.strain_ramp[limb] - 0.5 * (n - 1.0) * self.strain[limb]) / spread
-            } else {
-                0.0
-            };
-            let (mean, slope) = (mean * mean, slope * slope);
-            let scale = errors.scale[limb] * errors.scale[limb];
-            *of = Parts {
-                mean: mean * scale + n * errors.drift[limb] * errors.drift[limb],
-                slope: slope * scale,
-                rest: (self.strain_square[limb] - mean - slope).max(0.0) * scale,
-            };
-        }
+        let over = |x: f64, by: f64| if by > 0.0 { x / by } else { 0.0 };
+        let mean = self.strain.map(|sum| over(sum, sqrt(n)));
+        let slope = core::array::from_fn(|limb| {
+            let ramp = self.strain_ramp[limb] - 0.5 * (n - 1.0) * self.strain[limb];
+            over(ramp, spread)
+        });
+        let rest: [f64; LIMBS] = core::array::from_fn(|i| {
+            (self.strain_square[i] - mean[i] * mean[i] - slope[i] * slope[i]).max(0.0)
+        });
+        let drift = errors.drift.map(|sd| n * sd * sd);
+        let shown = |square: [f64; LIMBS]| {
+            let all: f64 = square.iter().sum();
+            square.map(|own| errors.cross_talk * errors.cross_talk * (all - own))
+        };
+        let along = |x: &[f64; LIMBS], further: [f64; LIMBS]| {
+            let shown = shown(x.map(|x| x * x));
+            noise.whitened_errors(
+                |i, j| x[i] * errors.strain[i][j] * x[j],
+                &core::array::from_fn(|i| shown[i] + further[i]),
+            )
+        };
+        let crossed = shown(rest);
+        let rest =
+            core::array::from_fn(|i| rest[i] * errors.alone[i] * errors.alone[i] + crossed[i]);
         Parts {
-            mean: noise.whitened_sum(&of.map(|p| p.mean)),
-            slope: noise.whitened_sum(&of.map(|p| p.slope)),
-            rest: noise.whitened_sum(&of.map(|p| p.rest)),
+            mean: along(&mean, drift),
+            slope: along(&slope, [0.0; LIMBS]),
+            rest: noise.whitened_sum(&rest),
         }
     }
 
@@ -163,10 +163,7 @@ mod tests {
         assert_eq!(Window::of(&samples), first);
         first.append(&second);
         let noise = RowNoise::from_channels(&[1e-8; LIMBS]).expect("noise");
-        let errors = CalibrationErrors {
-            scale: [1e-3; LIMBS],
-            drift: [1e-9; LIMBS],
-        };
+        let errors = CalibrationErrors::independent([1e-3; LIMBS], [1e-9; LIMBS]);
         let close = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-11, "{a} {b}");
         for (a, b) in [
             (first.all(), whole.all()),

@@ -2,12 +2,12 @@
 //! those that need no more than a bounded stretch of a recording, in the same order ([`Stage::ORDER`]).
 
 use anyhow::{Context, Result, ensure};
-use sixaxis_core::LIMBS;
 use sixaxis_core::dsp::causal::Causal;
 use sixaxis_core::dsp::delay::Delay;
 use sixaxis_core::dsp::outlier::Hampel;
 use sixaxis_core::dsp::zero_phase::ZeroPhase;
 use sixaxis_core::dsp::{self, butterworth};
+use sixaxis_core::{CrossTalk, LIMBS, LimbSet};
 
 use super::Row;
 use super::voltages::Voltages;
@@ -30,15 +30,19 @@ pub struct ConditioningConfig {
     pub outliers: Option<Outliers>,
     /// Corner of the amplifiers' high-pass that is to be undone, Hz.
     pub amplifier_high_pass_hz: Option<f64>,
+    /// What undoes the cross-talk.
+    pub cross_talk: Option<CrossTalk>,
     /// Corner of a low-pass, Hz.
     pub low_pass_hz: Option<f64>,
     /// The low-pass runs forwards only, for live use: it delays.
     pub causal: bool,
 }
 
-/// The stages of nine channels, each in [`Stage::ORDER`].
+/// The stages of nine channels, each in [`Stage::ORDER`], and what undoes their cross-talk after them.
 pub struct ConditioningStream {
     channels: [Chain; LIMBS],
+    cross_talk: Option<CrossTalk>,
+    excluded: LimbSet,
 }
 
 /// One channel's stages.
@@ -165,13 +169,33 @@ impl ConditioningStream {
                     .extend(streaming(stage, limb, config, sample_rate_hz)?);
             }
         }
-        Ok(Self { channels })
+        Ok(Self {
+            channels,
+            cross_talk: config.cross_talk,
+            excluded: LimbSet::EMPTY,
+        })
+    }
+
+    /// Takes nothing that some channels show for cross-talk of the others.
+    #[must_use]
+    pub fn excluding(mut self, limbs: LimbSet) -> Self {
+        self.excluded = limbs;
+        self
+    }
+
+    /// Leaves cross-talk to whoever watches for channels that fail.
+    #[must_use]
+    pub fn without_cross_talk(mut self) -> Self {
+        self.cross_talk = None;
+        self
     }
 
     /// Takes all samples out of `voltage_v` and appends those that are ready to `out`.
     pub fn push(&mut self, voltage_v: &mut Voltages, out: &mut Voltages) {
         if self.channels.iter().all(|chain| chain.stages.is_empty()) {
+            let before = out.samples();
             out.append(voltage_v);
+            self.undo_cross_talk(out, before);
             return;
         }
         for (chain, column) in self.channels.iter_mut().zip(&voltage_v.columns) {
@@ -201,8 +225,22 @@ impl ConditioningStream {
             .map(|c| c.ready.len())
             .min()
             .unwrap_or(0);
+        let before = out.samples();
         for (column, chain) in out.columns.iter_mut().zip(&mut self.channels) {
             column.extend(chain.ready.drain(..samples));
+        }
+        self.undo_cross_talk(out, before);
+    }
+
+    fn undo_cross_talk(&self, voltage_v: &mut Voltages, from: usize) {
+        let Some(cross_talk) = &self.cross_talk else {
+            return;
+        };
+        for sample in from..voltage_v.samples() {
+            let row = cross_talk.undo_without(&voltage_v.row(sample), self.excluded);
+            for (column, undone) in voltage_v.columns.iter_mut().zip(row) {
+                column[sample] = undone;
+            }
         }
     }
 }

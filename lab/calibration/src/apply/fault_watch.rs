@@ -1,6 +1,6 @@
 //! Decoupling with the fault monitor: `sixaxis decouple --watch`.
 
-use crate::calibration::Calibration;
+use crate::calibration::{CalibratedLimbs, Calibration};
 use anyhow::{Context, Result, ensure};
 use sixaxis_core::limb_set::LimbSet;
 use sixaxis_core::redundancy::fault::{Event, Watch};
@@ -11,10 +11,6 @@ use sixaxis_recordings::Channel;
 
 use super::Row;
 use super::setup::Setup;
-
-/// Standard deviation of the limbs' stiffnesses about their mean, relative, in an ordinary laboratory. Calibration against known
-/// accelerations determines the limbs' forces, not their stiffnesses.
-pub const STIFFNESS_SD: f64 = 0.005;
 
 /// Columns of the excluded and of the suspected limbs: their numbers as digits of one number, 0 for none.
 pub const FLAGS: [(&str, &str); 2] = [("excluded_limbs", ""), ("suspected_limbs", "")];
@@ -59,14 +55,18 @@ impl FaultWatch {
             .total()
             .context("--watch: the calibration's covariance is not 25 by 25")?;
         let deviation = |i: usize| covariance[(i, i)].max(0.0).sqrt();
+        let limbs = calibration.limbs.unwrap_or_else(|| {
+            CalibratedLimbs::ordinary(core::array::from_fn(|i| {
+                deviation(LIMBS + i) / setup.parameters.scale_per_mass_per_kg[i].abs()
+            }))
+        });
         let watch = Watch {
             false_alarms_per_hour,
             noise_v: propagated.channel_noise_v,
-            zero_drift_sd_v: core::array::from_fn(deviation),
-            stiffness_sd: STIFFNESS_SD,
-            scale_sd: core::array::from_fn(|i| {
-                deviation(LIMBS + i) / setup.parameters.scale_per_mass_per_kg[i].abs()
-            }),
+            zero_drift_sd_v: core::array::from_fn(|i| deviation(i).hypot(limbs.zero_spread_v[i])),
+            stiffness_ratio: limbs.stiffness_ratio,
+            strain_covariance: limbs.strain_covariance,
+            cross_talk_sd: limbs.cross_talk_spread,
         };
         let stream = FaultTolerant::new(
             &setup.sensor,
@@ -75,7 +75,8 @@ impl FaultWatch {
             &watch,
             vec![[0.0; LIMBS]; ROWS_KEPT],
         )
-        .context("--watch")?;
+        .context("--watch")?
+        .with_cross_talk(setup.conditioning.cross_talk);
         Ok(Self {
             stream,
             messages: Vec::new(),

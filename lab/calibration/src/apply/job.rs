@@ -95,6 +95,16 @@ impl Job<'_> {
             .transpose()
     }
 
+    fn conditioning(&self, sample_rate_hz: f64) -> Result<ConditioningStream> {
+        let stream = ConditioningStream::new(&self.setup.conditioning, sample_rate_hz)?;
+        // The monitor's decoder undoes cross-talk itself: it knows which channels have failed.
+        Ok(if self.false_alarms_per_hour.is_some() {
+            stream.without_cross_talk()
+        } else {
+            stream.excluding(self.excluded)
+        })
+    }
+
     fn coordination(&self) -> Coordination {
         Coordination::new(self.setup, self.calibration, self.excluded)
     }
@@ -106,7 +116,7 @@ impl Job<'_> {
     pub fn live(&self, sample_rate_hz: f64) -> Result<TextStream> {
         let settings = self.setup.settings(sample_rate_hz, self.scheme);
         Ok(TextStream {
-            conditioning: ConditioningStream::new(&self.setup.conditioning, sample_rate_hz)?,
+            conditioning: self.conditioning(sample_rate_hz)?,
             watching: self.monitor(&settings)?,
             coordination: self.coordination(),
             decoupler: self.decoupler(&settings)?,
@@ -136,7 +146,7 @@ impl Job<'_> {
         recording.watched = self.false_alarms_per_hour.is_some();
         let rate_hz = recording.sample_rate_hz;
         let settings = setup.settings(rate_hz, self.scheme);
-        let conditioning = ConditioningStream::new(&setup.conditioning, rate_hz)?;
+        let conditioning = self.conditioning(rate_hz)?;
         let mut decoding = Decoding::new(self.decoupler(&settings)?, self.columns, self.picture)
             .with_coordination(self.coordination());
         let mut layout = self.columns.layout(rate_hz);

@@ -136,6 +136,7 @@ impl Setup {
             // The amplifiers are those of the calibration unless somebody says otherwise.
             None => calibration.sensor.amplifier_high_pass_hz,
         };
+        let cross_talk = calibration.cross_talk(&sensor).context("cross-talk")?;
         Ok(Self {
             sensor,
             parameters: calibration.parameters(),
@@ -149,6 +150,7 @@ impl Setup {
                     .limbs_lag_us
                     .map(|delays| delays.each().map(|us| us * 1e-6)),
                 amplifier_high_pass_hz,
+                cross_talk,
                 outliers: stages.and_then(|stages| stages.outliers.settings().copied()),
                 ..ConditioningConfig::default()
             },

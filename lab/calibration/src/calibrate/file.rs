@@ -6,6 +6,7 @@ use super::choice::Chosen;
 use super::covariance;
 use crate::calibration::{CalibratedSensor, Calibration, FORMAT, Provenance};
 use crate::finding::Finding;
+use crate::joint::JointReport;
 use crate::report::Grade;
 use sixaxis_recordings::session::SessionFile;
 
@@ -32,6 +33,7 @@ pub(super) fn to_file(
         parameters: chosen.used.into(),
         intervals: chosen.parameters.to_vec(),
         covariance: covariance::of(chosen),
+        limbs: chosen.used_joint().map(JointReport::limbs),
         channels: file.session.channels.clone(),
         provenance: Provenance {
             sixaxis_version: env!("CARGO_PKG_VERSION").to_owned(),

@@ -6,8 +6,9 @@
 
 use glam::{DQuat, DVec3};
 use sixaxis_core::decouple::rest_to_rest;
-use sixaxis_core::{Decoupler, Parameters, Scheme};
+use sixaxis_core::{CrossTalk, Decoupler, Parameters, Scheme};
 
+use crate::calibration::Square;
 use crate::conditioning::Conditioned;
 use crate::diagnosis::trial_case::angles;
 use crate::finding::{Cause, Finding};
@@ -24,6 +25,7 @@ const FLOOR: f64 = 0.1;
 pub(super) fn validate(
     campaign: &Campaign,
     parameters: &Parameters,
+    cross_talk: Option<&Square>,
     reports: &mut [TrialReport],
     findings: &mut Vec<Finding>,
 ) -> Vec<ValidationRun> {
@@ -32,7 +34,7 @@ pub(super) fn validate(
         if trial.role != Role::Validation {
             continue;
         }
-        match compare(campaign, trial, conditioned, parameters) {
+        match compare(campaign, trial, conditioned, parameters, cross_talk) {
             Ok(run) => {
                 report.validation = Some(errors(&run, arm_m(&campaign.design)));
                 validation_runs.push(run);
@@ -56,11 +58,19 @@ fn compare(
     trial: &Trial,
     conditioned: &Conditioned,
     parameters: &Parameters,
+    cross_talk: Option<&Square>,
 ) -> sixaxis_core::Result<ValidationRun> {
     let sensor = trial.sensor(campaign.geometry);
     let settings = trial.settings(Scheme::HeunSubstepped);
+    let mut rows = conditioned.voltage_v.clone();
+    if let Some(shares) = cross_talk {
+        let cross_talk = CrossTalk::new(&sensor, parameters, shares)?;
+        for row in &mut rows {
+            *row = cross_talk.undo(row);
+        }
+    }
     // A run of the rig ends as it began, at rest: what the open loop has gathered by then is drift.
-    let (rows, _) = rest_to_rest::detrend(&sensor, parameters, &settings, &conditioned.voltage_v)?;
+    let (rows, _) = rest_to_rest::detrend(&sensor, parameters, &settings, &rows)?;
     let mut decoupler = Decoupler::new(&sensor, parameters, &settings)?;
     let mut run = ValidationRun {
         name: trial.name.clone(),

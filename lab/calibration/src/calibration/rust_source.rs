@@ -66,6 +66,9 @@ pub const PARAMETERS: sixaxis_core::Parameters = sixaxis_core::Parameters {{
     stiffness_per_mass_per_s2: {stiffness_per_mass_per_s2:?},
 }};
 
+/// Share of each limb's force (column) that each channel (row) shows: what `sixaxis_core::CrossTalk` undoes before the decoupler.
+pub const CROSS_TALK: [[f64; {LIMBS}]; {LIMBS}] = {cross_talk:?};
+
 /// Limit of the converter, V.
 pub const FULL_SCALE_V: f64 = {full_scale_v:?};
 
@@ -85,6 +88,10 @@ pub const LIMBS_LAG_US: Option<[f64; {LIMBS}]> = {limbs_lag_us:?};
             scale_per_mass_per_kg = array(&p.scale_per_mass_per_kg),
             inertia_per_mass_m2 = array(&p.inertia_per_mass_m2),
             stiffness_per_mass_per_s2 = p.stiffness_per_mass_per_s2,
+            cross_talk = self
+                .limbs
+                .as_ref()
+                .map_or([[0.0; LIMBS]; LIMBS], |limbs| limbs.cross_talk),
             full_scale_v = self.sensor.full_scale_v,
             amplifier_high_pass_hz = self.sensor.amplifier_high_pass_hz,
             limbs_lag_us = self.channels.limbs_lag_us.map(|lag| lag.each()),

@@ -52,6 +52,9 @@ pub fn corrected(
         if ln == 0.0 {
             continue;
         }
+        if let Some(limbs) = &mut calibration.limbs {
+            limbs.loosen(limb, deviation);
+        }
         let scale = &mut calibration.parameters.scale_per_mass_per_kg[limb];
         *scale *= ln.exp();
         if let Some(report) = calibration.intervals.get_mut(LIMBS + limb) {

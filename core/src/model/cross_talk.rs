@@ -1,0 +1,152 @@
+//! Cross-talk: what a channel shows of the other limbs' forces, and how it is undone.
+//!
+//! Of the limb forces f over the mass, channel i shows f_i + sum over j of X_ij f_j, so that f = (1 + X)^-1 times what is shown. In
+//! volts, with F the diagonal of forces over the mass per volt and d the zero drifts,
+//!
+//! ```text
+//! v' = d + F^-1 (1 + X)^-1 F (v - d).
+//! ```
+
+use nalgebra::SMatrix;
+
+use super::{Parameters, Sensor};
+use crate::error::{Error, Result, require_finite};
+use crate::geometry::LIMBS;
+use crate::limb_set::LimbSet;
+
+/// Undoes the cross-talk of one recording, of which the gains are known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CrossTalk {
+    zero_drift_v: [f64; LIMBS],
+    /// What is to be added to the nine voltages for a volt of each channel from its zero.
+    by_channel: [[f64; LIMBS]; LIMBS],
+}
+
+impl CrossTalk {
+    /// From the share of each limb's force (column) that each channel shows (row); the diagonal, a limb's own force, is passed over.
+    ///
+    /// # Errors
+    /// Those of [`Parameters::validate`] and of the gains; [`Error::NotFinite`] for a share that is none; [`Error::OutOfRange`] for
+    /// shares that cannot be told apart.
+    pub fn new(
+        sensor: &Sensor,
+        parameters: &Parameters,
+        shares: &[[f64; LIMBS]; LIMBS],
+    ) -> Result<Self> {
+        parameters.validate()?;
+        sensor.gains.validate()?;
+        for &share in shares.as_flattened() {
+            require_finite("share of cross-talk", share)?;
+        }
+        let shown = SMatrix::<f64, LIMBS, LIMBS>::from_fn(|into, from| {
+            if into == from {
+                1.0
+            } else {
+                shares[into][from]
+            }
+        });
+        let undone = shown.try_inverse().ok_or(Error::out_of_range(
+            "cross-talk",
+            shown.determinant(),
+            "less than the limbs' own forces",
+        ))?;
+        let force_per_v: [f64; LIMBS] = core::array::from_fn(|i| {
+            parameters.scale_per_mass_per_kg[i] * sensor.gains.gain_n_per_v[i]
+        });
+        Ok(Self {
+            zero_drift_v: parameters.zero_drift_v,
+            by_channel: core::array::from_fn(|from| {
+                core::array::from_fn(|into| {
+                    let own = if into == from { 1.0 } else { 0.0 };
+                    (undone[(into, from)] - own) * force_per_v[from] / force_per_v[into]
+                })
+            }),
+        })
+    }
+
+    /// Nine voltages, V, free of cross-talk. One that is not finite stays so and is not seen in the others.
+    #[must_use]
+    pub fn undo(&self, voltage_v: &[f64; LIMBS]) -> [f64; LIMBS] {
+        self.undo_without(voltage_v, LimbSet::EMPTY)
+    }
+
+    /// The same where some channels have failed: nothing that they show is taken for a force.
+    #[must_use]
+    pub fn undo_without(&self, voltage_v: &[f64; LIMBS], failed: LimbSet) -> [f64; LIMBS] {
+        let mut out = *voltage_v;
+        let channels = voltage_v
+            .iter()
+            .zip(&self.zero_drift_v)
+            .zip(&self.by_channel);
+        for (limb, ((voltage_v, zero_v), shown)) in channels.enumerate() {
+            let from_zero = voltage_v - zero_v;
+            if from_zero.is_finite() && !failed.contains(limb) {
+                for (out, shown) in out.iter_mut().zip(shown) {
+                    *out += shown * from_zero;
+                }
+            }
+        }
+        out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixture;
+
+    fn shares() -> [[f64; LIMBS]; LIMBS] {
+        core::array::from_fn(|i| core::array::from_fn(|j| 1e-2 * ((5 * i + 3 * j) as f64).sin()))
+    }
+
+    /// Voltages that nine forces over the mass, m/s^2, cause with and without cross-talk.
+    fn voltages(force: &[f64; LIMBS]) -> (CrossTalk, [f64; LIMBS], [f64; LIMBS]) {
+        let (sensor, parameters) = (fixture::SENSOR, fixture::parameters());
+        let shares = shares();
+        let volts = |force: &[f64; LIMBS]| {
+            core::array::from_fn(|i| {
+                let per_v = parameters.scale_per_mass_per_kg[i] * sensor.gains.gain_n_per_v[i];
+                parameters.zero_drift_v[i] + force[i] / per_v
+            })
+        };
+        let shown = core::array::from_fn(|i| {
+            let others = (0..LIMBS).filter(|j| *j != i);
+            force[i] + others.map(|j| shares[i][j] * force[j]).sum::<f64>()
+        });
+        let cross_talk = CrossTalk::new(&sensor, &parameters, &shares).expect("small shares");
+        (cross_talk, volts(force), volts(&shown))
+    }
+
+    #[test]
+    fn what_a_channel_shows_of_others_is_taken_off() {
+        let force = core::array::from_fn(|i| 3.0 * (i as f64 + 0.5).cos());
+        let (cross_talk, own, shown) = voltages(&force);
+        for (limb, (undone, own)) in cross_talk.undo(&shown).iter().zip(&own).enumerate() {
+            assert!((undone - own).abs() < 1e-13, "limb {}", limb + 1);
+            assert!((shown[limb] - own).abs() > 1e-5, "limb {}", limb + 1);
+        }
+    }
+
+    #[test]
+    fn a_channel_that_failed_is_not_seen_in_the_others() {
+        let force = core::array::from_fn(|i| 3.0 * (i as f64 + 0.5).cos());
+        let (cross_talk, _, mut shown) = voltages(&force);
+        let before = cross_talk.undo_without(&shown, LimbSet::EMPTY.with(4));
+        shown[4] = f64::NAN;
+        let after = cross_talk.undo(&shown);
+        assert!(after[4].is_nan());
+        for limb in (0..LIMBS).filter(|limb| *limb != 4) {
+            assert_eq!(before[limb], after[limb], "limb {}", limb + 1);
+        }
+    }
+
+    #[test]
+    fn shares_that_cannot_be_told_apart_are_refused() {
+        let (sensor, parameters) = (fixture::SENSOR, fixture::parameters());
+        let equal = [[1.0; LIMBS]; LIMBS];
+        assert!(CrossTalk::new(&sensor, &parameters, &equal).is_err());
+        let mut unknown = shares();
+        unknown[2][7] = f64::NAN;
+        assert!(CrossTalk::new(&sensor, &parameters, &unknown).is_err());
+    }
+}

@@ -1,0 +1,55 @@
+//! Limbs and channels as the joint fit found them, beside the 25 parameters.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sixaxis_core::LIMBS;
+
+/// Standard deviation of the limbs' stiffnesses about their mean, relative, where no fit has determined them: an ordinary
+/// laboratory's.
+const STIFFNESS_SD: f64 = 0.005;
+
+/// Nine rows of nine numbers.
+pub type Square = [[f64; LIMBS]; LIMBS];
+
+/// What the 25 leave out: the limbs' stiffnesses, cross-talk, and how steady the channels are from trial to trial.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CalibratedLimbs {
+    /// Stiffness of each limb over the mean of the nine.
+    pub stiffness_ratio: [f64; LIMBS],
+    /// Share of each limb's force (column) that each channel (row) shows beside its own.
+    pub cross_talk: Square,
+    /// Spread of these shares, a standard deviation.
+    pub cross_talk_spread: f64,
+    /// Covariance of the relative errors of the strains per volt, (s_i/m)/(k_i/k), the accelerometer's gain left out, which is
+    /// the same for all; with what a channel's sensitivity changes by from trial to trial.
+    pub strain_covariance: Square,
+    /// What a channel's zero changes by from trial to trial, V, a standard deviation.
+    pub zero_spread_v: [f64; LIMBS],
+}
+
+impl CalibratedLimbs {
+    /// Of limbs that are equally stiff and channels that show nothing of each other, their parameters known exactly.
+    pub const EXACT: Self = Self {
+        stiffness_ratio: [1.0; LIMBS],
+        cross_talk: [[0.0; LIMBS]; LIMBS],
+        cross_talk_spread: 0.0,
+        strain_covariance: [[0.0; LIMBS]; LIMBS],
+        zero_spread_v: [0.0; LIMBS],
+    };
+
+    /// Where nothing is known but the scale factors, to these relative standard deviations: limbs as an ordinary laboratory has them.
+    #[must_use]
+    pub fn ordinary(scale_sd: [f64; LIMBS]) -> Self {
+        let mut limbs = Self::EXACT;
+        for (limb, sd) in scale_sd.into_iter().enumerate() {
+            limbs.loosen(limb, sd);
+        }
+        limbs
+    }
+
+    /// Takes note that a limb's scale factor has been set by relations that hold for equal stiffnesses only.
+    pub fn loosen(&mut self, limb: usize, scale_sd: f64) {
+        self.strain_covariance[limb][limb] += scale_sd * scale_sd + STIFFNESS_SD * STIFFNESS_SD;
+    }
+}

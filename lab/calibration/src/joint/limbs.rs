@@ -1,0 +1,84 @@
+//! The limbs and channels that the fit found, as a calibration keeps them.
+
+use sixaxis_core::identify::joint::Known;
+use sixaxis_core::identify::joint::unknowns::{MASS_PER_SCALE, STIFFNESS, Unknowns};
+
+use super::JointReport;
+use crate::calibration::CalibratedLimbs;
+
+impl JointReport {
+    /// Limbs and channels beside the 25.
+    #[must_use]
+    pub fn limbs(&self) -> CalibratedLimbs {
+        let estimate = &self.estimate;
+        let unknowns = &estimate.unknowns;
+        let stiffness_ratio = unknowns.stiffness_ratio();
+        let spreads = &estimate.spreads;
+        // ln of (s_i/m)/(k_i/k) by m/s_i and k_i/k.
+        let slopes = |limb: usize| {
+            let (scale, stiffness) = (MASS_PER_SCALE + limb, STIFFNESS + limb);
+            [
+                (scale, -1.0 / unknowns.values[scale]),
+                (stiffness, -1.0 / stiffness_ratio[limb]),
+            ]
+        };
+        let wider = self.misfit.wider();
+        let covariance = |i: usize, j: usize| {
+            let pairs = slopes(i)
+                .into_iter()
+                .flat_map(|a| slopes(j).map(|b| (a, b)));
+            let sum: f64 = pairs
+                .map(|((a, by_a), (b, by_b))| by_a * estimate.covariance[(a, b)] * by_b)
+                .sum();
+            wider * wider * sum
+        };
+        CalibratedLimbs {
+            stiffness_ratio,
+            cross_talk: core::array::from_fn(|into| {
+                core::array::from_fn(|from| {
+                    if into == from {
+                        0.0
+                    } else {
+                        unknowns.values[Unknowns::cross_talk(into, from)]
+                    }
+                })
+            }),
+            cross_talk_spread: spreads.cross_talk,
+            strain_covariance: core::array::from_fn(|i| {
+                core::array::from_fn(|j| {
+                    let trial = if i == j { spreads.sensitivity } else { 0.0 };
+                    covariance(i, j) + trial * trial
+                })
+            }),
+            zero_spread_v: core::array::from_fn(|limb: usize| {
+                spread(estimate.trials.iter().map(|trial| trial.zero_v[limb]))
+            }),
+        }
+    }
+}
+
+/// Spread about zero of what is known with errors of its own.
+fn spread(of: impl Iterator<Item = Known>) -> f64 {
+    let (sum, count) = of.fold((0.0, 0.0), |(sum, count), known| {
+        let square = known.value * known.value - known.deviation * known.deviation;
+        (sum + square, count + 1.0)
+    });
+    if count > 0.0 {
+        f64::max(sum / count, 0.0).sqrt()
+    } else {
+        0.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_are_no_spread() {
+        let known = |value: f64, deviation: f64| Known { value, deviation };
+        assert_eq!(spread([known(1.0, 1.0), known(-1.0, 1.0)].into_iter()), 0.0);
+        assert_eq!(spread([known(3.0, 0.0), known(-3.0, 0.0)].into_iter()), 3.0);
+        assert_eq!(spread(core::iter::empty()), 0.0);
+    }
+}
