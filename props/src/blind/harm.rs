@@ -5,6 +5,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use sixaxis_calibration::calibrate::CalibratedSession;
 use sixaxis_calibration::calibration::Calibration;
+use sixaxis_calibration::report::Estimator;
 use sixaxis_core::decouple::rest_to_rest;
 use sixaxis_core::parameter::{DRIFT, INERTIA, SCALE};
 use sixaxis_core::{Decoupler, Scheme};
@@ -32,6 +33,8 @@ pub struct Harm {
     /// Largest error of the accelerations of [`RUN`], corrected from rest to rest as the verdict's own are, in sensor axes, over the
     /// peak of the vector: the change of the specific force, or the angular acceleration. None if it cannot be decoupled.
     pub decoupling: Option<f64>,
+    /// The same of the linear and of the angular accelerations, but for what the accelerometer's gain makes of the scale factors.
+    pub beyond_gain: Option<[f64; 2]>,
 }
 
 impl Harm {
@@ -59,12 +62,21 @@ impl Harm {
             })
         };
         let of_fits = SCALE.start..INERTIA.end;
+        let finite = |errors: &[f64; 2]| errors.iter().all(|x| x.is_finite());
+        let assumed = match (&judged.joint, judged.estimator) {
+            (Some(Ok(joint)), Estimator::Joint | Estimator::JointRobust) => joint.gain.mean(),
+            _ => 0.0,
+        };
+        let scaled = (1.0 + played.truth.instruments.accelerometer_gain_error) / (1.0 + assumed);
+        let decoupling =
+            |scaled: f64| decoupling(judged, calibration, played, scaled).filter(finite);
         Some(Self {
             parameter: of_fits.clone().map(|i| error(i) / size(i)).fold(0.0, worse),
             over_interval: over_interval(of_fits).filter(|x| x.is_finite()),
             drift_v: DRIFT.map(error).fold(0.0, worse),
             drift_over_interval: over_interval(DRIFT).filter(|x| x.is_finite()),
-            decoupling: decoupling(judged, calibration, played).filter(|x| x.is_finite()),
+            decoupling: decoupling(1.0).map(|[linear, angular]| worse(linear, angular)),
+            beyond_gain: decoupling(scaled),
         })
     }
 
@@ -91,11 +103,14 @@ fn worse(a: f64, b: f64) -> f64 {
     }
 }
 
+/// Largest errors of the run's linear and angular accelerations over their peaks, where the linear ones are to be `scaled` times
+/// the true ones.
 fn decoupling(
     judged: &CalibratedSession,
     calibration: &Calibration,
     played: &SimulatedSession,
-) -> Option<f64> {
+    scaled: f64,
+) -> Option<[f64; 2]> {
     let (trial, conditioned) = judged
         .recordings
         .iter()
@@ -104,8 +119,13 @@ fn decoupling(
     let parameters = calibration.parameters();
     let sensor = trial.sensor(calibration.sensor().geometry);
     let settings = trial.settings(Scheme::HeunSubstepped);
-    let voltage_v = &conditioned.as_ref()?.voltage_v;
-    let (rows, _) = rest_to_rest::detrend(&sensor, &parameters, &settings, voltage_v).ok()?;
+    let mut rows = conditioned.as_ref()?.voltage_v.clone();
+    if let Some(cross_talk) = calibration.cross_talk(&sensor).ok()? {
+        for row in &mut rows {
+            *row = cross_talk.undo(row);
+        }
+    }
+    let (rows, _) = rest_to_rest::detrend(&sensor, &parameters, &settings, &rows).ok()?;
     let mut decoupler = Decoupler::new(&sensor, &parameters, &settings).ok()?;
     let stated_m_s2 = settings.gravity_ground_m_s2;
     let (mut off, mut peak) = ([0.0_f64; 2], [0.0_f64; 2]);
@@ -119,16 +139,14 @@ fn decoupling(
             back * (out.linear_ground_m_s2 - stated_m_s2) + stated_m_s2,
             back * out.angular_ground_rad_s2,
         ];
-        for (i, (ours, truth)) in ours
-            .into_iter()
-            .zip(felt(truth, recording.true_gravity_ground_m_s2))
-            .enumerate()
-        {
-            off[i] = worse(off[i], (ours - truth).length());
+        let truth = felt(truth, recording.true_gravity_ground_m_s2);
+        for (i, (ours, truth)) in ours.into_iter().zip(truth).enumerate() {
+            let expected = if i == 0 { truth * scaled } else { truth };
+            off[i] = worse(off[i], (ours - expected).length());
             peak[i] = worse(peak[i], truth.length());
         }
     }
-    Some(worse(off[0] / peak[0], off[1] / peak[1]))
+    Some([off[0] / peak[0], off[1] / peak[1]])
 }
 
 /// What a sensor that keeps its axes feels: the change of the specific force since the rest, m/s^2, and the angular acceleration,

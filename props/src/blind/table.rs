@@ -91,13 +91,23 @@ fn by_magnitude(kind: Kind, outcomes: &[&Outcome]) -> BlindKind {
 fn tally(outcomes: &[&Outcome]) -> BlindTally {
     let graded = |grade| Share::of(outcomes, |o| o.grade == grade);
     let named = |naming| Share::of(outcomes, |o| o.naming() == naming);
-    let median = |of: &dyn Fn(&Harm) -> Option<f64>| {
+    let ordered = |of: &dyn Fn(&Harm) -> Option<f64>| {
         let mut values: Vec<f64> = outcomes
             .iter()
             .filter_map(|o| o.harm.as_ref().and_then(of))
             .collect();
         values.sort_by(f64::total_cmp);
-        (!values.is_empty()).then(|| values[(values.len() - 1) / 2])
+        values
+    };
+    let median = |of: &dyn Fn(&Harm) -> Option<f64>| {
+        let values = ordered(of);
+        values.get(values.len().saturating_sub(1) / 2).copied()
+    };
+    let in_95 = |kind: usize| {
+        let values = ordered(&|h| Some(h.beyond_gain?[kind]));
+        values
+            .get((19 * values.len()).div_ceil(20).saturating_sub(1))
+            .copied()
     };
     BlindTally {
         sessions: outcomes.len(),
@@ -112,5 +122,8 @@ fn tally(outcomes: &[&Outcome]) -> BlindTally {
         median_parameter_error: median(&|h| Some(h.parameter)),
         median_over_interval: median(&|h| h.over_interval),
         median_decoupling_error: median(&|h| h.decoupling),
+        beyond_gain_95: in_95(0)
+            .zip(in_95(1))
+            .map(|(linear, angular)| [linear, angular]),
     }
 }

@@ -102,6 +102,9 @@ pub struct BlindTally {
     pub median_over_interval: Option<f64>,
     /// Error of the decoupled validation run in sensor axes, of the peak: median.
     pub median_decoupling_error: Option<f64>,
+    /// What it exceeds in 5 % of the sessions with a calibration, but for what the accelerometer's gain makes of the scale factors:
+    /// linear and angular accelerations.
+    pub beyond_gain_95: Option<[f64; 2]>,
 }
 
 /// The same sessions played by MuJoCo and by the engine with rigid limbs.

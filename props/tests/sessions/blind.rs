@@ -248,6 +248,7 @@ fn invented(seed: u64) -> Outcome {
             drift_v: share * 1e-5,
             drift_over_interval: Some(share),
             decoupling: (!seed.is_multiple_of(7)).then_some(share / 11.0),
+            beyond_gain: (!seed.is_multiple_of(7)).then_some([share / 13.0, share / 17.0]),
         }),
     }
 }

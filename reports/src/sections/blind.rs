@@ -108,6 +108,12 @@ fn healthy(p: &Blind) -> Table {
         .col(("decoupled to", "% of peak"), |row| {
             percent(row.tally.median_decoupling_error)
         })
+        .col(("in 95 %", "linear, %"), |row| {
+            percent(row.tally.beyond_gain_95.map(|[linear, _]| linear))
+        })
+        .col(("in 95 %", "angular, %"), |row| {
+            percent(row.tally.beyond_gain_95.map(|[_, angular]| angular))
+        })
         .into()
 }
 
