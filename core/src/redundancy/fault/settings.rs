@@ -2,7 +2,7 @@
 
 use super::detector::CalibrationErrors;
 use super::noise::RowNoise;
-use crate::error::{Result, require_not_negative, require_positive};
+use crate::error::{Result, require, require_not_negative};
 use crate::float::sqrt;
 use crate::geometry::LIMBS;
 use crate::redundancy::parity::{GRAM_DENOMINATOR, GRAM_INVERSE, ROWS, SIGNATURES};
@@ -53,7 +53,8 @@ impl Watch {
             require_not_negative("variance of a strain per volt", row[limb])?;
         }
         for ratio in self.stiffness_ratio {
-            require_positive("stiffness ratio", ratio)?;
+            let sound = ratio > 0.0 && ratio.is_finite();
+            require(sound, "stiffness ratio", ratio, "positive and finite")?;
         }
         let errors = CalibrationErrors {
             strain: self.strain_covariance,
