@@ -137,7 +137,7 @@ fn nuisances(joint: &JointReport) -> Table {
             "channels show of each other",
             100.0 * found.room.cross_talk_spread,
             "%",
-            "standard deviation",
+            "standard deviation; undone before decoupling",
         ),
         (
             "sensitivities move by",
