@@ -25,9 +25,12 @@ pub fn of_sources(root: &Path, source: &str) -> io::Result<String> {
     Ok(digest(files(&root.join(source))?))
 }
 
-/// What no speed is published of: identification, the monitor of failures and the decoder that listens to it, self-calibration, the
-/// names of limbs.
-const NOT_TIMED: [&str; 5] = [
+/// What no speed is published of: identification, the monitor of failures and the decoder that listens to it, self-calibration,
+/// cross-talk, the names of limbs and of modules, what unit tests share.
+const NOT_TIMED: [&str; 8] = [
+    "lib.rs",
+    "fixture.rs",
+    "model/cross_talk.rs",
     "identify/",
     "redundancy/fault/",
     "redundancy/tolerant.rs",
@@ -35,7 +38,8 @@ const NOT_TIMED: [&str; 5] = [
     "limb_set.rs",
 ];
 
-/// Digest of what is timed: the core without [`NOT_TIMED`] and without the unit tests at the end of a file.
+/// Digest of what is timed: the core without [`NOT_TIMED`], without the unit tests at the end of a file and without lines that only
+/// say which modules there are and what they show.
 ///
 /// # Errors
 /// If a source cannot be read.
@@ -46,8 +50,15 @@ pub fn of_timed(root: &Path) -> io::Result<String> {
         if let Some(end) = text.find("\nmod tests {") {
             text.truncate(end);
         }
+        let code = text.lines().filter(|line| !names_modules(line));
+        *text = code.map(|line| format!("{line}\n")).collect();
     }
     Ok(digest(files))
+}
+
+fn names_modules(line: &str) -> bool {
+    let names = ["mod ", "pub mod ", "pub use "];
+    line.ends_with(';') && names.iter().any(|name| line.starts_with(name))
 }
 
 /// Names, within the folder, and texts of the Rust files below it; of one file, if it is one.
