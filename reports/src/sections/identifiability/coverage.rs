@@ -77,7 +77,7 @@ fn variance(fitted: &[&ParameterSummary], scatter: f64) -> Figure {
     let ratio = |p: &ParameterSummary| p.joint_gain_known.as_ref()?.variance_over_stated;
     let ratios = fitted.iter().enumerate();
     let ratios = ratios.filter_map(|(i, p)| Some((ratio(p)?, i as f64)));
-    let x = Axis::linear("variance over bound", "");
+    let x = Axis::linear("variance over stated", "");
     by_parameter("variance-over-bound", x, fitted)
         .points("joint fit, told the accelerometer's gain", 0, ratios)
         .vertical(1.0 - scatter, "−2σ")
