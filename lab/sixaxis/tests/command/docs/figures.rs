@@ -12,13 +12,22 @@ fn the_grades_in_the_docs_are_the_published_ones() {
         let [low, high] = ["low_95", "high_95"].map(|key| 100.0 * number(key));
         format!("{count} of {of} ({low:.1} to {high:.1} %)")
     };
-    let tally = |cell: serde_json::Value, what: &str| {
+    let row_of = |cell: &serde_json::Value| {
         let rows = published["healthy"].as_array().expect("healthy rows");
-        let row = rows.iter().find(|row| row["cell"] == cell).expect("a cell");
-        share(&row["tally"][what])
+        rows.iter()
+            .find(|row| row["cell"] == *cell)
+            .expect("a cell")
     };
+    let tally = |cell: serde_json::Value, what: &str| share(&row_of(&cell)["tally"][what]);
     let cell = |cell| tally(cell, "good");
     let false_good = |cell| tally(cell, "false_good");
+    let decoupled = |room: &str, kind: usize| {
+        let row = row_of(&serde_json::json!({ "room": room }));
+        100.0
+            * row["tally"]["beyond_gain_95"][kind]
+                .as_f64()
+                .expect("errors")
+    };
     for sentence in [
         format!("{} sessions", published["sessions"]),
         format!("{} of all", share(&published["false_good"])),
@@ -40,6 +49,17 @@ fn the_grades_in_the_docs_are_the_published_ones() {
         format!(
             "in the usual room {}",
             cell(serde_json::json!({"room": "usual"}))
+        ),
+        format!(
+            "of the other sessions it is {}",
+            share(&published["false_good_that_could_show"])
+        ),
+        format!(
+            "to {:.2} % (linear) and {:.2} % (angular) of the peak in the gentle room, {:.2} % and {:.2} % in the usual one",
+            decoupled("gentle", 0),
+            decoupled("gentle", 1),
+            decoupled("usual", 0),
+            decoupled("usual", 1),
         ),
     ] {
         assert!(docs.contains(&sentence), "{sentence}");
