@@ -108,11 +108,11 @@ fn healthy(p: &Blind) -> Table {
         .col(("decoupled to", "% of peak"), |row| {
             percent(row.tally.median_decoupling_error)
         })
-        .col(("in 95 %", "linear, %"), |row| {
-            percent(row.tally.beyond_gain_95.map(|[linear, _]| linear))
-        })
-        .col(("in 95 %", "angular, %"), |row| {
-            percent(row.tally.beyond_gain_95.map(|[_, angular]| angular))
+        .col(("95 % to", "lin., ang., %"), |row| {
+            Cell::or_dash(row.tally.beyond_gain_95.map(|errors| {
+                let [linear, angular] = errors.map(|error| significant(100.0 * error, 2));
+                format!("{linear}, {angular}")
+            }))
         })
         .into()
 }
