@@ -105,10 +105,7 @@ fn healthy(p: &Blind) -> Table {
         .col(("s/m, I/m off by", "%"), |row| {
             percent(row.tally.median_parameter_error)
         })
-        .col(("decoupled to", "% of peak"), |row| {
-            percent(row.tally.median_decoupling_error)
-        })
-        .col(("95 % to", "lin., ang., %"), |row| {
+        .col(("decoupled to", "%, of 95 %"), |row| {
             Cell::or_dash(row.tally.beyond_gain_95.map(|errors| {
                 let [linear, angular] = errors.map(|error| significant(100.0 * error, 2));
                 format!("{linear}, {angular}")
