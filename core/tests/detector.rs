@@ -4,7 +4,8 @@
 //! statistic by 1 + v/sigma^2.
 
 use sixaxis_core::LIMBS;
-use sixaxis_core::redundancy::fault::detector::{CalibrationErrors, Detector, Test};
+use sixaxis_core::redundancy::fault::CalibrationErrors;
+use sixaxis_core::redundancy::fault::detector::{Detector, Test};
 use sixaxis_core::redundancy::fault::noise::RowNoise;
 
 const NOISE: f64 = 1e-8;

@@ -1,7 +1,8 @@
 //! Failed limbs: false alarms, detection, isolation and naming against failures that were injected.
 
+use sixaxis_core::redundancy::fault::CalibrationErrors;
 use sixaxis_core::redundancy::fault::class::{CLASS_OF, CLASSES, members};
-use sixaxis_core::redundancy::fault::detector::{Alarm, CalibrationErrors, Detector, TESTS, Test};
+use sixaxis_core::redundancy::fault::detector::{Alarm, Detector, TESTS, Test};
 use sixaxis_core::redundancy::fault::noise::RowNoise;
 use sixaxis_core::redundancy::fault::{Event, Kind};
 use sixaxis_core::redundancy::parity::ROWS;

@@ -20,6 +20,7 @@
 //! the errors of one calibration, which are the same in all of its samples, may add many times their expectation: as often as the test
 //! may fail, they do not exceed it by more than chi-square with one degree of freedom exceeds one, which the test allows for.
 
+use super::calibration_errors::CalibrationErrors;
 use super::noise::{RowNoise, apply, dot, inverse_root};
 use super::window::Window;
 use crate::error::{Result, require, require_not_negative};
@@ -77,34 +78,6 @@ impl Test {
         match self {
             Self::Sample | Self::Mean(_) | Self::Slope(_) => 3,
             Self::Energy(n) => 3 * n as usize - 6,
-        }
-    }
-}
-
-/// The errors that calibration leaves.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CalibrationErrors {
-    /// Covariance of the limbs' relative errors of strain per volt.
-    pub strain: [[f64; LIMBS]; LIMBS],
-    /// Standard deviations of independent errors that add as much to an energy.
-    pub alone: [f64; LIMBS],
-    /// Standard deviation of the share of another limb's strain that a channel shows.
-    pub cross_talk: f64,
-    /// Standard deviation of each zero drift, strain.
-    pub drift: [f64; LIMBS],
-}
-
-impl CalibrationErrors {
-    /// Independent relative errors of strain per volt, and of the zero drifts, strain; standard deviations.
-    #[must_use]
-    pub fn independent(strain: [f64; LIMBS], drift: [f64; LIMBS]) -> Self {
-        Self {
-            strain: core::array::from_fn(|i| {
-                core::array::from_fn(|j| if i == j { strain[i] * strain[i] } else { 0.0 })
-            }),
-            alone: strain,
-            cross_talk: 0.0,
-            drift,
         }
     }
 }

@@ -6,8 +6,9 @@
 //! limb of a course of its own, but not where a flat channel may be a dead one. As long as there is another explanation the isolation
 //! waits for the motion to decide; at last the answer is that it cannot be told.
 
+use super::calibration_errors::CalibrationErrors;
 use super::class::{CLASSES, members};
-use super::detector::{Alarm, CalibrationErrors, Detector};
+use super::detector::{Alarm, Detector};
 use super::history::History;
 use super::kind::judge;
 use super::likelihood::likelihood;

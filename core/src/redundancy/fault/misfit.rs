@@ -4,7 +4,7 @@
 //! of a sample counts as much as a burst. Calibration's errors are the same in all samples of a stretch and may add several of their
 //! standard deviations.
 
-use super::detector::CalibrationErrors;
+use super::calibration_errors::CalibrationErrors;
 use super::noise::{RowNoise, apply, dot};
 use super::window::{Parts, Window};
 use crate::float::sqrt;

@@ -7,6 +7,7 @@
 //! | [`class`] | the six directions in the parity rows along which nine limbs fail |
 //! | [`noise`] | the covariance of the rows, their whitening, and the relations that excluded limbs leave |
 //! | [`moments`], [`window`] | sums over a stretch of whitened rows, and what calibration's errors add to them |
+//! | [`calibration_errors`] | the errors that calibration leaves, by themselves and in an energy |
 //! | [`detector`] | detection: tests, thresholds, alarms |
 //! | [`held`] | channels that stand still to the last bit |
 //! | [`misfit`] | what a hypothesis leaves of the rows |
@@ -21,6 +22,7 @@
 //! | [`settings`] | what the monitor is told of noise and of calibration's errors |
 //! | [`monitor`] | all of it as a stream |
 
+mod calibration_errors;
 pub mod class;
 pub mod detector;
 mod held;
@@ -40,7 +42,8 @@ pub mod swap;
 pub mod verdict;
 mod window;
 
-pub use detector::{Alarm, CalibrationErrors, Detector, Test};
+pub use calibration_errors::CalibrationErrors;
+pub use detector::{Alarm, Detector, Test};
 pub use monitor::{Event, Monitor, Watch};
 pub use noise::RowNoise;
 pub use verdict::{Kind, Verdict};

@@ -1,6 +1,6 @@
 //! A stretch of whitened rows, and what calibration's errors make of the strains in it.
 
-use super::detector::CalibrationErrors;
+use super::calibration_errors::CalibrationErrors;
 use super::moments::Moments;
 use super::noise::{RowNoise, dot};
 use crate::float::sqrt;
