@@ -4,6 +4,7 @@
 //!
 //! | file | holds |
 //! |---|---|
+//! | [`strains`] | strains of nine voltages, each limb giving way by its own stiffness |
 //! | [`class`] | the six directions in the parity rows along which nine limbs fail |
 //! | [`noise`] | the covariance of the rows, their whitening, and the relations that excluded limbs leave |
 //! | [`moments`], [`window`] | sums over a stretch of whitened rows, and what calibration's errors add to them |
@@ -38,6 +39,7 @@ mod recovery;
 mod settings;
 mod silent;
 pub mod step;
+mod strains;
 pub mod swap;
 pub mod verdict;
 mod window;

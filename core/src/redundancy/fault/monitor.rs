@@ -12,11 +12,11 @@ use super::isolation::{Isolation, Origin, Sample};
 use super::recovery::Recovery;
 use super::silent::Before;
 use super::step::Ring;
+use super::strains::Strains;
 use super::verdict::{Kind, Verdict};
 use crate::error::Result;
 use crate::geometry::LIMBS;
 use crate::kernel::constants::Constants;
-use crate::kernel::order::from_kernel_order;
 use crate::kernel::placement::OVERSTRAIN;
 use crate::limb_set::LimbSet;
 use crate::model::{Model, Parameters, Sensor, Settings};
@@ -44,10 +44,7 @@ enum State {
 /// are excluded.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Monitor {
-    strain_per_v: [f64; LIMBS],
-    strain_at_zero: [f64; LIMBS],
-    /// Strain at rest. A scale factor's error is one of what is counted from there, and so is what unequal stiffness makes of the rows.
-    strain_at_rest: [f64; LIMBS],
+    strains: Strains,
     zero_drift_v: [f64; LIMBS],
     /// One over a channel's noise, 1/V, and the error of its zero in its noise.
     per_noise: [f64; LIMBS],
@@ -80,25 +77,12 @@ impl Monitor {
         watch: &Watch,
     ) -> Result<Self> {
         let constants = Constants::new(&Model::new(sensor, parameters, settings)?)?;
-        let (slope, zero) = (
-            from_kernel_order(constants.strain_per_v),
-            from_kernel_order(constants.strain_at_zero),
-        );
-        let drift_v = &parameters.zero_drift_v;
-        let strain_at_rest: [f64; LIMBS] =
-            core::array::from_fn(|i| slope[i] * drift_v[i] + zero[i]);
-        // A limb gives way by its own stiffness.
-        let strain_per_v: [f64; LIMBS] =
-            core::array::from_fn(|i| slope[i] / watch.stiffness_ratio[i]);
-        let strain_at_zero =
-            core::array::from_fn(|i| strain_at_rest[i] - strain_per_v[i] * drift_v[i]);
-        let errors = watch.errors(&strain_per_v)?;
-        let noise = watch.row_noise(&strain_per_v)?;
+        let strains = Strains::new(&constants, &parameters.zero_drift_v, &watch.stiffness_ratio);
+        let errors = watch.errors(&strains.per_v)?;
+        let noise = watch.row_noise(&strains.per_v)?;
         let per_sample = watch.false_alarms_per_hour / 3600.0 / settings.sample_rate_hz;
         Ok(Self {
-            strain_per_v,
-            strain_at_zero,
-            strain_at_rest,
+            strains,
             zero_drift_v: parameters.zero_drift_v,
             per_noise: watch.noise_v.map(|sd| 1.0 / sd),
             zero_sd: core::array::from_fn(|i| watch.zero_drift_sd_v[i] / watch.noise_v[i]),
@@ -158,7 +142,7 @@ impl Monitor {
     /// Strains of nine voltages.
     #[must_use]
     pub fn strains(&self, voltage_v: &[f64; LIMBS]) -> [f64; LIMBS] {
-        core::array::from_fn(|i| self.strain(i, voltage_v[i]))
+        self.strains.of(voltage_v)
     }
 
     /// The parity rows of nine voltages, whitened.
@@ -166,15 +150,6 @@ impl Monitor {
     pub fn whitened(&self, voltage_v: &[f64; LIMBS]) -> [f64; 3] {
         let rows = residual(&self.strains(voltage_v), self.nu);
         self.whole.noise().whiten(&rows)
-    }
-
-    fn strain(&self, limb: usize, voltage_v: f64) -> f64 {
-        self.strain_per_v[limb] * voltage_v + self.strain_at_zero[limb]
-    }
-
-    #[inline]
-    fn counted_from_rest(&self, strain: &[f64; LIMBS]) -> [f64; LIMBS] {
-        core::array::from_fn(|i| strain[i] - self.strain_at_rest[i])
     }
 
     /// A channel's signal, counted from no force, in its noise.
@@ -196,7 +171,7 @@ impl Monitor {
             return self.attend(voltage_v, strain);
         }
         let z = self.whole.noise().whiten(&residual(&strain, self.nu));
-        let from_rest = self.counted_from_rest(&strain);
+        let from_rest = self.strains.counted_from_rest(&strain);
         let alarm = self.whole.first_alarm(&z, &from_rest)?;
         self.begin(alarm, &z)
     }
@@ -228,7 +203,7 @@ impl Monitor {
         }
         for limb in self.failed.indices() {
             // To second order only, which is far below the noise, do the relations that are left contain it.
-            strain[limb] = self.strain_at_rest[limb];
+            strain[limb] = self.strains.at_rest[limb];
         }
         if !self.gone().is_empty() && self.is_over(voltage_v, unreadable.union(held)) {
             self.failed = LimbSet::EMPTY;
@@ -298,7 +273,7 @@ impl Monitor {
         let strain = self.strains(voltage_v);
         let sound = silent.is_empty() && {
             let z = self.whole.noise().whiten(&residual(&strain, self.nu));
-            let from_rest = self.counted_from_rest(&strain);
+            let from_rest = self.strains.counted_from_rest(&strain);
             self.whole.first_alarm(&z, &from_rest).is_none()
         };
         let moved = |limb: usize, from_v: f64| (voltage_v[limb] - from_v) * self.per_noise[limb];
@@ -334,7 +309,7 @@ impl Monitor {
     /// The relations that are watched, tested or looked into.
     fn test(&mut self, strain: &[f64; LIMBS], voltage_v: &[f64; LIMBS]) -> Option<Event> {
         let gone = self.gone();
-        let from_rest = self.counted_from_rest(strain);
+        let from_rest = self.strains.counted_from_rest(strain);
         let detector = if gone.is_empty() {
             &mut self.whole
         } else {
@@ -355,9 +330,9 @@ impl Monitor {
             strain,
             from_rest: &from_rest,
         };
-        let (slope, zero) = (&self.strain_per_v, &self.strain_at_zero);
+        let strains = &self.strains;
         isolation.push(detector.noise(), &sample, |limb, channel| {
-            slope[limb] * voltage_v[channel] + zero[limb]
+            strains.of_limb(limb, voltage_v[channel])
         });
         isolation.look_for_steps(&self.ring, &self.per_noise);
         // What may be a channel that stands still is waited for.
