@@ -39,6 +39,7 @@ fn settings() -> Settings {
 const CERTIFICATES: Certificates = Certificates {
     gyroscope_gain_deviation: 0.01,
     gyroscope_lag_s: None,
+    channel_delay_s: 0.0,
     accelerometer_lag_s: 0.0,
     amplifier_corner_rad_s: None,
     wedge_deviation_rad: 1e-3,

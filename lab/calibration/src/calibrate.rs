@@ -32,7 +32,8 @@ use crate::estimate::Estimate;
 use crate::finding::{Cause, Finding, in_a_sentence};
 use crate::grade::{JudgedBy, failures, grade, reservations};
 use crate::iteration::{Criterion, Iteration};
-use crate::joint::{self, JointReport, hypotheses};
+use crate::joint::hypotheses::{self, Unaccounted};
+use crate::joint::{self, JointReport, Knowledge};
 use crate::prepare::PreparedSession;
 use crate::progress::Progress;
 use crate::report::{Estimator, Grade, ParameterReport, TrialReport, ValidationRun};
@@ -40,6 +41,7 @@ use crate::steps::FourSteps;
 use crate::tap::Taps;
 use crate::trial::Trial;
 use sixaxis_core::Parameter;
+use sixaxis_core::identify::zero_drift;
 use sixaxis_recordings::session::{Session, SessionFile};
 
 /// What may be asked for.
@@ -122,7 +124,8 @@ pub fn calibrate(
     let mut findings = prepared.findings.clone();
     let Diagnosis {
         findings: certain,
-        suspected,
+        of_the_table,
+        mut suspected,
         cases,
         departures,
     } = examine(
@@ -144,6 +147,7 @@ pub fn calibrate(
             let chosen = Chosen::of(estimate, options.estimator, &prepared.campaign.design);
             match chosen.accounting_joint() {
                 Some(joint) => {
+                    findings.extend(of_the_table);
                     let more = extraordinary(joint, session, &prepared);
                     // A standard or a clock that the rig contradicts makes the other standard look wrong, too.
                     let scaled =
@@ -151,12 +155,54 @@ pub fn calibrate(
                     let explained = findings.iter().any(scaled);
                     findings.extend(more.into_iter().filter(|f| !(explained && scaled(f))));
                 }
-                None => findings.extend(explained(&chosen, &prepared).unwrap_or(suspected)),
+                None => {
+                    suspected.extend(of_the_table);
+                    suspected.sort_by_key(|finding| finding.cause);
+                    let Estimate {
+                        steps,
+                        knowledge,
+                        joint,
+                        ..
+                    } = &chosen.estimate;
+                    let joint = joint.as_ref().map_err(String::as_str);
+                    let day = Unaccounted {
+                        campaign: &prepared.campaign,
+                        drift: &steps.drift,
+                        start: joint::start(&prepared.campaign, steps),
+                        knowledge,
+                        cases: &cases,
+                        joint,
+                    };
+                    // The four steps' parameters may have been asked for.
+                    let explained = if joint.is_ok_and(JointReport::accounts) {
+                        suspected
+                    } else {
+                        hypotheses::explain(&day, &findings, suspected)
+                    };
+                    findings.extend(explained);
+                }
             }
             (Some(chosen), None)
         }
         Err(error) => {
-            findings.extend(suspected);
+            suspected.extend(of_the_table);
+            suspected.sort_by_key(|finding| finding.cause);
+            let explained = match zero_drift::identify(&prepared.campaign.static_voltage_v) {
+                Ok(drift) => {
+                    let refusal = error.to_string();
+                    let day = Unaccounted {
+                        campaign: &prepared.campaign,
+                        drift: &drift,
+                        start: prepared.campaign.design,
+                        knowledge: &Knowledge::of(session),
+                        cases: &cases,
+                        joint: Err(&refusal),
+                    };
+                    hypotheses::explain(&day, &findings, suspected)
+                }
+                Err(_) => suspected,
+            };
+            findings.extend(explained);
             if findings.is_empty() {
                 findings.push(unexplained(error.to_string()));
             }
@@ -282,18 +328,6 @@ fn facts<'a>(session: &'a Session, prepared: &'a PreparedSession) -> Facts<'a> {
     }
 }
 
-/// The one thing that the session does not state and the trials need, where the joint fit does not account for them without.
-fn explained(chosen: &Chosen, prepared: &PreparedSession) -> Option<Vec<Finding>> {
-    let Estimate {
-        steps, knowledge, ..
-    } = &chosen.estimate;
-    Some(vec![hypotheses::explain(
-        &prepared.campaign,
-        steps,
-        knowledge,
-    )?])
-}
-
 /// What is out of the ordinary by a joint fit that accounts for the trials.
 fn extraordinary(
     joint: &JointReport,
@@ -325,15 +359,22 @@ fn unexplained(evidence: String) -> Finding {
 
 /// Parameters other than k/m that the trials do not determine.
 fn undetermined(parameters: &[ParameterReport]) -> Option<Finding> {
-    let names: Vec<String> = parameters
+    let open: Vec<Parameter> = parameters
         .iter()
-        .filter(|p| !p.determined && p.parameter != Parameter::Stiffness)
-        .map(|p| p.parameter.to_string())
+        .map(|p| (p.parameter, p.determined))
+        .filter(|(parameter, determined)| !determined && *parameter != Parameter::Stiffness)
+        .map(|(parameter, _)| parameter)
         .collect();
+    let names: Vec<String> = open.iter().map(Parameter::to_string).collect();
+    // No direction loads one limb alone: where one scale factor is open, it is the channel that shows nothing.
+    let (cause, channels) = match open[..] {
+        [Parameter::Scale(limb)] => (Cause::Unexplained, vec![limb + 1]),
+        _ => (Cause::UnderExcitedAxis, Vec::new()),
+    };
     (!names.is_empty()).then(|| Finding {
-        cause: Cause::UnderExcitedAxis,
+        cause,
         recordings: Vec::new(),
-        channels: Vec::new(),
+        channels,
         evidence: format!(
             "the trials leave {} open: their 95 % intervals are wider than the values themselves",
             names.join(", ")

@@ -14,7 +14,8 @@
 //! 8. [`drift`]: rests that are not where they were.
 //! 9. [`odd_trial`]: trials that do not fit in with the others.
 //!
-//! What a recording or the rig says by itself is certain, and so are silent channels and factors that no sensor has. What comes of holding trials
+//! What a recording or the rig says by itself is certain, and so are silent channels. Signs and factors that no sensor has are those of
+//! a [`Table`] that all trials agree on, and worth as much as they do. What comes of holding trials
 //! against each other is *suspected*: an ordinary room departs from equal limbs, true wedges and a plumb axis as well, and the joint
 //! fit, which knows of these, has the last word ([`crate::joint::account`]).
 
@@ -53,6 +54,8 @@ const LAG_ANGLE_ERROR: f64 = 3e-3;
 pub struct Diagnosis<'a> {
     /// What is wrong for certain, worst first.
     pub findings: Vec<Finding>,
+    /// What is wrong if the trials agree on their scale factors, worst first.
+    pub of_the_table: Vec<Finding>,
     /// What is wrong unless the joint fit accounts for it, worst first.
     pub suspected: Vec<Finding>,
     /// The trials with their responses.
@@ -62,42 +65,49 @@ pub struct Diagnosis<'a> {
 }
 
 impl Diagnosis<'_> {
-    /// Both, worst first.
+    /// All of them, worst first.
     #[must_use]
     pub fn all(&self) -> Vec<Finding> {
-        let mut all = [self.findings.clone(), self.suspected.clone()].concat();
+        let mut all = [&self.findings[..], &self.of_the_table, &self.suspected].concat();
         all.sort_by_key(|finding| finding.cause);
         all
     }
 }
 
-/// Findings in the order in which they were made, and which of them are certain.
+/// What a finding rests on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Word {
+    /// A recording by itself, or the rig.
+    Certain,
+    /// Scale factors and inertias that all trials agree on.
+    OfTheTable,
+    /// Trials held against each other.
+    Suspected,
+}
+
+/// Findings in the order in which they were made, and what each rests on.
 #[derive(Debug, Default)]
 pub struct Found {
     /// What was found.
     pub findings: Vec<Finding>,
-    certain: Vec<bool>,
+    words: Vec<Word>,
 }
 
 impl Found {
-    /// Notes whether what has been found since is certain.
-    pub fn mark(&mut self, certain: bool) {
-        self.certain.resize(self.findings.len(), certain);
+    /// Notes what rests on what, of all that has been found since.
+    pub fn mark(&mut self, word: Word) {
+        self.words.resize(self.findings.len(), word);
     }
 
-    /// What is certain and what is not, each worst first.
-    fn parted(self) -> [Vec<Finding>; 2] {
-        let (mut certain, mut suspected) = (Vec::new(), Vec::new());
-        for (finding, is_certain) in self.findings.into_iter().zip(self.certain) {
-            if is_certain {
-                certain.push(finding);
-            } else {
-                suspected.push(finding);
-            }
-        }
-        certain.sort_by_key(|finding| finding.cause);
-        suspected.sort_by_key(|finding| finding.cause);
-        [certain, suspected]
+    /// What rests on each, worst first.
+    fn resting_on(&self, wanted: Word) -> Vec<Finding> {
+        let all = self.findings.iter().zip(&self.words);
+        let mut findings: Vec<Finding> = all
+            .filter(|(_, word)| **word == wanted)
+            .map(|(finding, _)| finding.clone())
+            .collect();
+        findings.sort_by_key(|finding| finding.cause);
+        findings
     }
 }
 
@@ -120,8 +130,9 @@ pub fn examine<'a>(
             explained: false,
         })
         .collect();
-    raw::examine(at_rest, &mut cases, &mut found.findings);
     let drift = at_rest.and_then(|rest| zero_drift::identify(&rest.voltage_v).ok());
+    measure(&mut cases, drift.as_ref(), None);
+    raw::examine(facts, at_rest, &mut cases, &mut found.findings);
     if let Some(rest) = at_rest {
         let moving = trials.iter().map(|(trial, _)| trial);
         still::examine(rest, &still::steps_v(rest, moving), &mut found.findings);
@@ -129,8 +140,7 @@ pub fn examine<'a>(
             drift::examine_static(rest, drift, &mut found.findings);
         }
     }
-    measure(&mut cases, drift.as_ref(), None);
-    found.mark(true);
+    found.mark(Word::Certain);
     rig::examine(facts, &mut cases, &mut found);
     let departures = match StaticLoadSharing::new(&facts.geometry) {
         Ok(shares) => against_each_other(facts, &shares, drift.as_ref(), &mut cases, &mut found),
@@ -140,10 +150,10 @@ pub fn examine<'a>(
     for case in &mut cases {
         case.force_n = Vec::new();
     }
-    let [findings, suspected] = found.parted();
     Diagnosis {
-        findings,
-        suspected,
+        findings: found.resting_on(Word::Certain),
+        of_the_table: found.resting_on(Word::OfTheTable),
+        suspected: found.resting_on(Word::Suspected),
         cases,
         departures,
     }
@@ -158,9 +168,9 @@ fn against_each_other(
     found: &mut Found,
 ) -> Vec<Option<f64>> {
     structure::excitation(cases, &mut found.findings);
-    found.mark(false);
+    found.mark(Word::Suspected);
     let silent = structure::silent(shares, facts, cases, &mut found.findings);
-    found.mark(true);
+    found.mark(Word::Certain);
     // Scale factors come from the linear trials alone, and gravity's turn needs them before the angular ones can be read.
     let mut table = Table::linear(shares, cases, &silent);
     if let Some(table) = &mut table {
@@ -173,18 +183,18 @@ fn against_each_other(
         table = Some(exchanged);
     }
     timing::examine(facts, cases, &mut found.findings);
-    found.mark(false);
+    found.mark(Word::Suspected);
     if let Some(table) = &table {
         structure::inverted(table, facts, &silent, &mut found.findings);
-        level::examine(table, facts, &silent, &mut found.findings);
+        level::examine(table, facts, cases, &mut found.findings);
     }
-    found.mark(true);
+    found.mark(Word::OfTheTable);
     drift::examine(drift, table.as_ref(), cases, &mut found.findings);
     let departures = match &table {
         Some(table) => odd_trial::examine(table, cases, &mut found.findings),
         None => vec![None; cases.len()],
     };
-    found.mark(false);
+    found.mark(Word::Suspected);
     departures
 }
 

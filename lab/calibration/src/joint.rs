@@ -4,7 +4,7 @@
 //! | file | holds |
 //! |---|---|
 //! | [`account`] | whether the fit accounts for the session, and what is out of the ordinary |
-//! | [`hypotheses`] | what it lacks where it does not |
+//! | [`hypotheses`] | what accounts for the trials where it does not |
 //! | [`limbs`] | limbs and channels as a calibration keeps them |
 //! | [`misfit`] | what to make of channels that contradict the model |
 //! | [`nuisances`] | what the instruments and wedges turned out to be |
@@ -20,7 +20,6 @@ pub mod reports;
 use misfit::Misfit;
 use nalgebra::SMatrix;
 use rayon::prelude::*;
-use sixaxis_core::Parameters;
 use sixaxis_core::identify::joint::estimate::JointEstimate;
 use sixaxis_core::identify::joint::robust::USUAL_LIMIT;
 use sixaxis_core::identify::joint::room::Room;
@@ -28,6 +27,7 @@ use sixaxis_core::identify::joint::{AtRest, Certificates, Drive, Joint, Known, R
 use sixaxis_core::identify::zero_drift::ZeroDrift;
 use sixaxis_core::parameter::PARAMETERS;
 use sixaxis_core::significance::NORMAL_95;
+use sixaxis_core::{Geometry, Parameters};
 
 use crate::error::{Error, Result};
 use crate::gain_prior::BoundedGain;
@@ -100,6 +100,7 @@ impl Knowledge {
                     .preprocessing
                     .amplifier_high_pass_hz
                     .map(|hz| known(core::f64::consts::TAU * hz)),
+                channel_delay_s: 0.0,
                 wedge_deviation_rad: wedge_deg.to_radians(),
                 compliance_s2: None,
                 room: Room::ORDINARY,
@@ -258,20 +259,47 @@ pub fn fit(
     knowledge: &Knowledge,
     loss: Loss,
 ) -> Result<JointReport> {
+    let trials: Vec<&Trial> = campaign.trials.iter().map(|(trial, _)| trial).collect();
+    fit_trials(
+        &campaign.geometry,
+        &trials,
+        &at_rest(&steps.drift),
+        &start(campaign, steps),
+        knowledge,
+        loss,
+    )
+}
+
+/// Where a fit starts: from the four steps' answer, with the design's k/m where theirs is none.
+#[must_use]
+pub fn start(campaign: &Campaign, steps: &FourSteps) -> Parameters {
+    let mut start = steps.used();
+    if start.validate().is_err() {
+        start.stiffness_per_mass_per_s2 = campaign.design.stiffness_per_mass_per_s2;
+    }
+    start
+}
+
+/// The same of these trials, of a sensor with these lengths and this static record, from any start.
+///
+/// # Errors
+/// Those of [`fit`].
+pub(crate) fn fit_trials(
+    geometry: &Geometry,
+    trials: &[&Trial],
+    at_rest: &AtRest,
+    start: &Parameters,
+    knowledge: &Knowledge,
+    loss: Loss,
+) -> Result<JointReport> {
     let refuse = |source| Error::Step {
         step: "joint estimator",
         source: Box::new(source),
     };
-    let mut joint = Joint::new(
-        &campaign.geometry,
-        knowledge.certificates,
-        at_rest(&steps.drift),
-    )
-    .map_err(refuse)?;
-    let records: Vec<(&str, Record)> = campaign
-        .trials
+    let mut joint = Joint::new(geometry, knowledge.certificates, *at_rest).map_err(refuse)?;
+    let records: Vec<(&str, Record)> = trials
         .iter()
-        .filter_map(|(trial, _)| Some((trial.name.as_str(), record(trial)?)))
+        .filter_map(|trial| Some((trial.name.as_str(), record(trial)?)))
         .collect();
     // Side by side, added in their own order.
     let prepared: Vec<_> = records
@@ -286,15 +314,11 @@ pub fn fit(
     for trial in prepared {
         joint.add(trial);
     }
-    let mut start = steps.used();
-    if start.validate().is_err() {
-        start.stiffness_per_mass_per_s2 = campaign.design.stiffness_per_mass_per_s2;
-    }
     let estimate = match loss {
-        Loss::Squares => joint.fit(&start),
+        Loss::Squares => joint.fit(start),
         Loss::Huber => {
             let records: Vec<Record> = records.iter().map(|(_, record)| *record).collect();
-            joint.fit_robust(&start, &records, USUAL_LIMIT)
+            joint.fit_robust(start, &records, USUAL_LIMIT)
         }
     }
     .map_err(refuse)?;

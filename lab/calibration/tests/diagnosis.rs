@@ -372,6 +372,14 @@ fn inv_what_a_recording_shows_by_itself_is_named() {
         &[],
         "from a converter that ends at 5 V",
     );
+    // A factor that is none of a unit, and leaves the converter's range.
+    for factor in [5.0, 8.0] {
+        let found = with(2..3, |_, _, u| factor * u).findings();
+        let beyond = |f: &&Finding| f.evidence.contains("from a converter that ends at 5 V");
+        assert_eq!(found.iter().filter(beyond).count(), 1, "{found:#?}");
+        let scaled = |f: &Finding| f.cause == Cause::WrongScaling && f.recordings == [name(2)];
+        assert!(found.iter().all(scaled), "{found:#?}");
+    }
     with(2..3, |_, _, u| 1000.0 * u).shows(
         Cause::MillivoltMixUp,
         &[2],
@@ -612,12 +620,14 @@ fn inv_factors_that_all_share_are_told_by_their_size() {
         "all scale factors come out at 1000.000 times the design's; volts and millivolts",
     );
     assert_eq!(with(ALL, |_, _, u| u / 2.0).findings(), []);
-    with(ALL, one(5, |u| u / 100.0)).shows(
-        Cause::WrongScaling,
-        &[],
-        &[5],
-        "its scale factor comes out at 100.000 times what the other channels make of the design; a decade",
-    );
+    // One channel of little force: of little voltage, which may be the limb's or the amplifier's, or of a written gain.
+    let of_one = "its scale factor comes out at 100.000 times what the other channels make of the design; a decade";
+    with(ALL, one(5, |u| u / 100.0)).shows(Cause::Unexplained, &[], &[5], of_one);
+    let mut day = Day::of(&healthy());
+    for (trial, _) in &mut day.trials {
+        trial.gains.gain_n_per_v[5] /= 100.0;
+    }
+    day.shows_first(Cause::WrongScaling, &[], &[5], of_one);
     assert_eq!(with(ALL, one(5, |u| u / 3.0)).findings(), []);
     for (factor, evidence) in [
         (

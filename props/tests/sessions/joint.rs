@@ -300,6 +300,7 @@ const QUIET: AtRest = AtRest {
 const CERTIFICATES: Certificates = Certificates {
     gyroscope_gain_deviation: 3e-3,
     gyroscope_lag_s: None,
+    channel_delay_s: 0.0,
     accelerometer_lag_s: 0.0,
     amplifier_corner_rad_s: None,
     wedge_deviation_rad: 1e-3,

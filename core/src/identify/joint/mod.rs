@@ -96,6 +96,8 @@ pub struct Certificates {
     pub accelerometer_lag_s: f64,
     /// Corner of the charge amplifiers' high-pass, rad/s; none if the channels are tared instead.
     pub amplifier_corner_rad_s: Option<Known>,
+    /// Standard deviation of the time by which each channel is behind the standards, s; 0 for channels on their clock.
+    pub channel_delay_s: f64,
     /// Standard deviation of each of a wedge's angles, rad; 0 for exact wedges.
     pub wedge_deviation_rad: f64,
     /// 1/(k/m), s^2, from elsewhere: a tap on the shell.
@@ -152,6 +154,7 @@ impl Joint {
         for (name, value) in [
             ("wedge_deviation_rad", certificates.wedge_deviation_rad),
             ("accelerometer_lag_s", certificates.accelerometer_lag_s),
+            ("channel_delay_s", certificates.channel_delay_s),
             ("room.stiffness", certificates.room.stiffness.usual),
             ("room.cross_talk", certificates.room.cross_talk.usual),
             ("room.sensitivity", certificates.room.sensitivity.usual),
@@ -223,7 +226,7 @@ impl Joint {
     /// The fit, and the trials with their motions as it has them.
     fn fit_trials(&self, start: &Parameters) -> Result<(JointEstimate, Vec<Trial>)> {
         start.validate()?;
-        let mut values = DVector::zeros(WEDGES + ANGLES * self.wedges.len());
+        let mut values = DVector::zeros(self.delays().end);
         for limb in 0..LIMBS {
             values[DRIFT + limb] = self.at_rest.drift_v[limb];
             values[MASS_PER_SCALE + limb] = 1.0 / start.scale_per_mass_per_kg[limb];
@@ -249,6 +252,13 @@ impl Joint {
 
     fn wedge_angles(&self) -> core::ops::Range<usize> {
         WEDGES..WEDGES + ANGLES * self.wedges.len()
+    }
+
+    /// Places of the channels' delays; empty where these are not free.
+    fn delays(&self) -> core::ops::Range<usize> {
+        let first = self.wedge_angles().end;
+        let free = self.certificates.channel_delay_s > 0.0;
+        first..first + if free { LIMBS } else { 0 }
     }
 
     /// Spread of each of a wedge's angles, rad.
@@ -298,6 +308,7 @@ impl Joint {
             (STIFFNESS..CROSS_TALK, spreads.stiffness),
             (CROSS_TALK..WEDGES, spreads.cross_talk),
             (self.wedge_angles(), spreads.wedge_rad),
+            (self.delays(), c.channel_delay_s),
         ] {
             let about_0 = Known {
                 value: 0.0,

@@ -175,7 +175,8 @@ impl Arrow {
             let weight = 1.0 / trial.data.variance[limb];
             let gain = trial.volts_per_force(unknowns, limb);
             let columns = trial.columns(unknowns, parts, limb);
-            let residual = &trial.data.coordinates[limb] - trial.prediction(unknowns, parts, limb);
+            let residual =
+                trial.shown(unknowns, limb).as_ref() - trial.prediction(unknowns, parts, limb);
             self.squares += weight * residual.norm_squared();
             let toward = DVector::from_iterator(all, parts.all.iter().map(|p| p.dot(&residual)));
             // Columns as combinations of the parts, so that the parts' products serve all of them.

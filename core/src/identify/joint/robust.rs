@@ -111,7 +111,11 @@ fn cut_off(
     let mut whole = [0.0; LIMBS + 1];
     let values: [Vec<f64>; LIMBS + 1] = core::array::from_fn(|channel| {
         let coordinates: DVector<f64> = if channel < LIMBS {
-            trial.prediction(unknowns, &parts, channel)
+            let prediction = trial.prediction(unknowns, &parts, channel);
+            match unknowns.delay(channel) {
+                None => prediction,
+                Some(delay) => trial.sooner(&prediction, -unknowns.values[delay]),
+            }
         } else {
             trial.standard_prediction(unknowns)
         };

@@ -7,8 +7,10 @@
 //! ```
 //!
 //! u_i and h_i being what zero and sensitivity have moved by, b_i E what is left of the amplifier's own transient, and the standard
-//! is (1 + gamma) A q + noise, A its lag. The coefficients C are in [`super::load`].
+//! is (1 + gamma) A q + noise, A its lag. The coefficients C are in [`super::load`]. A channel that is behind the standards is brought
+//! forward before it is compared: its harmonics are turned by w_k times its delay, which leaves noise as white as it was.
 
+use alloc::borrow::Cow;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -66,8 +68,11 @@ pub(super) type Combination = Vec<(usize, f64)>;
 
 /// Everything that the channels of a trial are combinations of, at the present motion.
 pub(super) struct Parts {
-    /// The drift's part, then the series, then their derivatives by the amplifier's corner, its transient and its derivative.
+    /// The drift's part, then the series, then what they change by in a second that a channel is late, then their derivatives by the
+    /// amplifier's corner, its transient and its derivative. Delays and corner are there where they are free.
     pub all: Vec<DVector<f64>>,
+    /// Whether the delays are.
+    late: bool,
     /// Derivatives of the series by the motion.
     pub by_latent: Vec<Operator>,
     /// Shares of the series in the channels.
@@ -207,12 +212,21 @@ impl Trial {
         offset[0] = sqrt(self.grid.samples as f64);
         let mut all = vec![offset];
         all.extend(series.iter().map(|s| filtered(&s.value, h_mean, &h)));
+        let late = unknowns.delay(0).is_some();
+        if late {
+            let slope: Vec<Complex<f64>> = (1..=self.grid.harmonics)
+                .map(|k| Complex::new(0.0, -self.grid.rate_rad_s(k)))
+                .collect();
+            let slopes: Vec<_> = all[1..].iter().map(|p| filtered(p, 0.0, &slope)).collect();
+            all.extend(slopes);
+        }
         if self.amplifier {
             all.extend(series.iter().map(|s| filtered(&s.value, 0.0, &dh)));
             all.extend(self.decay(corner));
         }
         Some(Parts {
             all,
+            late,
             by_latent: series
                 .into_iter()
                 .map(|s| s.by_latent.filtered(h_mean, &h))
@@ -221,7 +235,27 @@ impl Trial {
         })
     }
 
-    /// A channel's coordinates as the model has them.
+    /// A channel's coordinates as it showed them, brought forward by its delay.
+    pub fn shown(&self, unknowns: &Unknowns, limb: usize) -> Cow<'_, DVector<f64>> {
+        let shown = &self.data.coordinates[limb];
+        match unknowns.delay(limb) {
+            None => Cow::Borrowed(shown),
+            Some(delay) => Cow::Owned(self.sooner(shown, unknowns.values[delay])),
+        }
+    }
+
+    /// Coordinates of what comes a time sooner. A record is one period of what it shows: it begins and ends at rest.
+    pub fn sooner(&self, v: &DVector<f64>, by_s: f64) -> DVector<f64> {
+        let turns: Vec<Complex<f64>> = (1..=self.grid.harmonics)
+            .map(|k| {
+                let (sin, cos) = sin_cos(self.grid.rate_rad_s(k) * by_s);
+                Complex::new(cos, sin)
+            })
+            .collect();
+        filtered(v, 1.0, &turns)
+    }
+
+    /// A channel's coordinates as the model has them, were it not behind the standards.
     pub fn prediction(&self, unknowns: &Unknowns, parts: &Parts, limb: usize) -> DVector<f64> {
         let gain = self.volts_per_force(unknowns, limb);
         let zero_v = unknowns.values[DRIFT + limb] + self.own_value(Kind::Zero(limb));
@@ -291,10 +325,16 @@ impl Trial {
                 add(unknown, (1 + m, gain * slope));
             }
         }
-        if self.amplifier {
-            let series = parts.shares.len();
+        let series = parts.shares.len();
+        if let Some(delay) = unknowns.delay(limb) {
             for (part, share) in shape(gain) {
-                add(AMPLIFIER_CORNER, (part + series, share));
+                add(delay, (part + series, share));
+            }
+        }
+        if self.amplifier {
+            let before = if parts.late { 2 * series } else { series };
+            for (part, share) in shape(gain) {
+                add(AMPLIFIER_CORNER, (part + before, share));
             }
             let transient_v = self.own_value(Kind::Transient(limb));
             add(AMPLIFIER_CORNER, (parts.decay() + 1, transient_v));

@@ -31,7 +31,8 @@ pub const AMPLIFIER_CORNER: usize = GYROSCOPE_LAG + 1;
 pub const STIFFNESS: usize = AMPLIFIER_CORNER + 1;
 /// Share of each other limb's force that a channel shows, channel by channel: [`Unknowns::cross_talk`].
 pub const CROSS_TALK: usize = STIFFNESS + LIMBS;
-/// [`ANGLES`] angles for each wedge, rad, by which it misses its direction.
+/// [`ANGLES`] angles for each wedge, rad, by which it misses its direction. Behind them, where they are free, nine delays, s:
+/// [`Unknowns::delay`].
 pub const WEDGES: usize = CROSS_TALK + LIMBS * OTHERS;
 /// Limbs beside one.
 pub const OTHERS: usize = LIMBS - 1;
@@ -89,6 +90,13 @@ impl Unknowns {
     #[must_use]
     pub fn angles(&self, wedge: usize) -> usize {
         WEDGES + ANGLES * wedge
+    }
+
+    /// Place of the time by which a channel is behind the standards, s; none in a fit that takes all channels to be on their clock.
+    #[must_use]
+    pub fn delay(&self, limb: usize) -> Option<usize> {
+        let at = self.angles(self.wedges.len()) + limb;
+        (at < self.len()).then_some(at)
     }
 
     /// Direction that a wedge truly sets, and its derivatives by the first two of its angles.

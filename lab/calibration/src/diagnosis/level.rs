@@ -5,7 +5,7 @@
 use sixaxis_core::LIMBS;
 
 use super::table::{Table, weighted_median};
-use super::trial_case::Facts;
+use super::trial_case::{Facts, TrialCase};
 use crate::finding::{Cause, Finding};
 
 /// Largest factor by which all scale factors together may differ from the design's.
@@ -87,13 +87,40 @@ pub(super) fn reason(factor: f64) -> &'static str {
     }
 }
 
+/// What one channel's factor is a sign of. A voltage of the usual size says that the written gain is wrong. A channel of little voltage
+/// has lost its signal in the limb, in its cable or by the amplifier's range: which of these, no recording says.
+fn of_a_channel(factor: f64, over_usual_gain: f64) -> Cause {
+    if factor > 1.0 && factor * over_usual_gain > SINGLE {
+        Cause::Unexplained
+    } else {
+        cause_of(factor)
+    }
+}
+
+/// The channels' gains over the usual one of the day, which is their median.
+fn over_usual_gain(cases: &[TrialCase<'_>]) -> [f64; LIMBS] {
+    let over = |case: &TrialCase<'_>, channel: usize| {
+        let gains = case.trial.gains.gain_n_per_v.map(f64::abs);
+        let mut all = gains.map(|gain| (gain, 1.0));
+        gains[channel] / weighted_median(&mut all).unwrap_or(1.0)
+    };
+    core::array::from_fn(|channel| {
+        let mut day: Vec<(f64, f64)> = cases
+            .iter()
+            .map(|case| (over(case, channel), 1.0))
+            .collect();
+        weighted_median(&mut day).unwrap_or(1.0)
+    })
+}
+
 /// Looks at all factors.
 pub fn examine(
     table: &Table,
     facts: &Facts<'_>,
-    silent: &[bool; LIMBS],
+    cases: &[TrialCase<'_>],
     findings: &mut Vec<Finding>,
 ) {
+    let silent = &table.silent;
     // A wrong clock makes wrong accelerations, and so does a wrong standard.
     let mut found = findings.iter().any(|finding| {
         matches!(
@@ -124,6 +151,7 @@ pub fn examine(
             advice: "check the unit of the limbs' channels, gain_n_per_v and the accelerometer's sensitivity".to_owned(),
         });
     }
+    let over_usual_gain = over_usual_gain(cases);
     for channel in 0..LIMBS {
         let own = ratio[channel].abs() / common;
         if silent[channel] || (1.0 / SINGLE..=SINGLE).contains(&own) {
@@ -131,7 +159,7 @@ pub fn examine(
         }
         found = true;
         findings.push(Finding {
-            cause: cause_of(own),
+            cause: of_a_channel(own, over_usual_gain[channel]),
             recordings: Vec::new(),
             channels: vec![channel + 1],
             evidence: format!(
@@ -139,7 +167,10 @@ pub fn examine(
                 factor_in_words(own),
                 reason(own)
             ),
-            advice: format!("check unit and gain of channel {}", channel + 1),
+            advice: format!(
+                "check unit, gain, cable and piezo of channel {}",
+                channel + 1
+            ),
         });
     }
     if let Some(inertia) = table.inertia_m2

@@ -1,8 +1,12 @@
 //! What one recording shows by itself.
 
 use sixaxis_core::LIMBS;
+use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
 
-use super::trial_case::TrialCase;
+use super::level::{cause_of, factor_in_words, is_thousand};
+use super::structure::over_design;
+use super::table::weighted_median;
+use super::trial_case::{Facts, TrialCase};
 use crate::finding::{Cause, Finding};
 use crate::trial::Trial;
 use sixaxis_recordings::session::Role;
@@ -18,8 +22,13 @@ const ROUNDED_TOP: f64 = 12.0;
 const STEPS_SPANNED: f64 = 64.0;
 
 /// Clipped and constant channels.
-pub fn examine(at_rest: Option<&Trial>, cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
-    let beyond = beyond_converter(at_rest, cases, findings);
+pub fn examine(
+    facts: &Facts<'_>,
+    at_rest: Option<&Trial>,
+    cases: &mut [TrialCase<'_>],
+    findings: &mut Vec<Finding>,
+) {
+    let beyond = beyond_converter(facts, at_rest, cases, findings);
     if let Some(rest) = at_rest {
         for channel in (0..LIMBS).filter(|channel| !beyond[*channel]) {
             if clipped(rest, channel) == Some(Clipping::AtLimit) {
@@ -99,9 +108,10 @@ fn clipping(trial: &Trial, channel: usize, how: Clipping) -> Finding {
     }
 }
 
-/// Values that no converter of the stated range delivers: they are in another unit than the file or the session says. Returns
-/// the channels concerned.
+/// Values that no converter of the stated range delivers: they are in another unit than the file or the session says, or times a
+/// factor. Returns the channels concerned.
 fn beyond_converter(
+    facts: &Facts<'_>,
     at_rest: Option<&Trial>,
     cases: &mut [TrialCase<'_>],
     findings: &mut Vec<Finding>,
@@ -115,6 +125,8 @@ fn beyond_converter(
     let mut recordings = Vec::new();
     let mut channels = [false; LIMBS];
     let mut most = (0.0, 0.0);
+    let shares = StaticLoadSharing::new(&facts.geometry).ok();
+    let mut factors: Vec<(f64, f64)> = Vec::new();
     let mut look = |trial: &Trial| -> [bool; LIMBS] {
         let peaks: [f64; LIMBS] = core::array::from_fn(|channel| largest(trial, channel));
         let beyond = peaks.map(|peak| peak > BEYOND * trial.full_scale_v);
@@ -134,8 +146,12 @@ fn beyond_converter(
     }
     for case in cases.iter_mut() {
         let beyond = look(case.trial);
-        for (ignored, beyond) in case.ignored.iter_mut().zip(beyond) {
-            *ignored |= beyond;
+        for channel in (0..LIMBS).filter(|channel| beyond[*channel]) {
+            case.ignored[channel] = true;
+            let over = shares
+                .as_ref()
+                .and_then(|shares| over_design(shares, facts, case, channel));
+            factors.extend(over.map(|over| (over, 1.0)));
         }
         // Channels of one recorder share its unit; those that stay within the range by chance are no better.
         case.explained |= beyond.iter().filter(|b| **b).count() > LIMBS / 2;
@@ -143,8 +159,10 @@ fn beyond_converter(
     if recordings.is_empty() {
         return channels;
     }
+    // By the design, which is right to a factor of two, and by the range alone where no trial moves these channels.
+    let factor = weighted_median(&mut factors).unwrap_or(most.0 / most.1);
     findings.push(Finding {
-        cause: Cause::MillivoltMixUp,
+        cause: cause_of(factor),
         recordings: if recordings.len() > cases.len() / 2 {
             Vec::new()
         } else {
@@ -156,12 +174,17 @@ fn beyond_converter(
             (1..=LIMBS).filter(|i| channels[i - 1]).collect()
         },
         evidence: format!(
-            "voltages up to {:.0} V from a converter that ends at {} V",
-            most.0, most.1
+            "voltages up to {:.1} V from a converter that ends at {} V, {} what the design makes one expect",
+            most.0,
+            most.1,
+            factor_in_words(factor)
         ),
-        advice:
+        advice: if is_thousand(factor) {
             "the numbers are millivolts: say so in the file's heading or in [channels] limbs_unit"
-                .to_owned(),
+        } else {
+            "check the unit of the limbs' channels and sensor.full_scale_v"
+        }
+        .to_owned(),
     });
     channels
 }
@@ -184,17 +207,19 @@ fn clipped(trial: &Trial, channel: usize) -> Option<Clipping> {
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), u| {
             (l.min(u), h.max(u))
         });
-    if high.max(-low) > BEYOND * trial.full_scale_v {
+    let (peak, limit) = (high.max(-low), trial.full_scale_v);
+    if peak > BEYOND * limit {
         return None;
     }
+    let step = converter_step_v(trial, channel);
+    // What stands at the limit does not go beyond it: a converter that does has another limit.
     let series = || trial.voltage_v.iter().map(|row| row[channel]);
-    if series().any(|u| u.abs() >= trial.full_scale_v) {
+    if peak >= limit && !(peak > limit + 0.5 * step) {
         return Some(Clipping::AtLimit);
     }
     if trial.role == Role::Static {
         return None;
     }
-    let step = converter_step_v(trial, channel);
     if high - low <= STEPS_SPANNED * step {
         return None;
     }

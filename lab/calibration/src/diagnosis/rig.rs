@@ -4,11 +4,11 @@
 //! share, every s_i/m and I/m is off by it, and no trial shows that. Written sample rates are checked along: a clock that is fast
 //! by a share m makes the accelerometer read too little by 2 m and the gyroscope by m, and the drive turn faster by it.
 
-use super::Found;
 use super::fundamental;
 use super::level::{cause_of, factor_in_words, reason};
 use super::table::weighted_median;
 use super::trial_case::{Facts, Standard, TrialCase, names};
+use super::{Found, Word};
 use crate::finding::{Cause, Finding};
 use sixaxis_recordings::session::Role;
 
@@ -40,7 +40,7 @@ pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], found: &mut Found
     let angular = readings(cases, pinion, &facts.gyroscope, false);
     if let Some(finding) = wrong_clock(&linear, &angular, facts) {
         found.findings.push(finding);
-        found.mark(true);
+        found.mark(Word::Certain);
         for case in cases {
             case.explained = true;
         }
@@ -76,7 +76,11 @@ pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], found: &mut Found
             ),
             advice: format!("check unit and sensitivity of the {what} against its certificate, and the rig's {of}"),
         });
-        found.mark(everywhere);
+        found.mark(if everywhere {
+            Word::Certain
+        } else {
+            Word::Suspected
+        });
         for reading in odd {
             cases[reading.case].explained = true;
         }

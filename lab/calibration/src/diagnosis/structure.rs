@@ -89,6 +89,31 @@ pub fn excitation(cases: &[TrialCase<'_>], findings: &mut Vec<Finding>) {
     }
 }
 
+/// Size of a channel's response over what the design makes one expect; none where that is too little to be a measure.
+#[must_use]
+pub fn over_design(
+    shares: &StaticLoadSharing,
+    facts: &Facts<'_>,
+    case: &TrialCase<'_>,
+    channel: usize,
+) -> Option<f64> {
+    let response = case.response.as_ref()?;
+    let d = case.trial.direction_ground;
+    // The inertia's share is left out.
+    let expected = if response.travels {
+        shares.of_acceleration(channel).dot(d).abs()
+    } else {
+        let inertia = facts.design.inertia_per_mass.matrix_mass_m2();
+        shares.of_torque_per_m(channel).dot(inertia * d).abs()
+    };
+    let design = facts.design.scale_per_mass_per_kg[channel];
+    let seen = (response.channels[channel].response * design).abs();
+    // Shares of the size of a tenth of the largest are the first that a twisted wedge or a neighbour's error leaves alone.
+    let largest = if response.travels { 0.58 } else { 6.6e-3 };
+    // In a compound run the two shares may cancel.
+    (case.trial.role != Role::Validation && expected > 0.15 * largest).then_some(seen / expected)
+}
+
 /// Channels that show no signal in any trial, or none in some.
 pub fn silent(
     shares: &StaticLoadSharing,
@@ -96,24 +121,7 @@ pub fn silent(
     cases: &mut [TrialCase<'_>],
     findings: &mut Vec<Finding>,
 ) -> [bool; LIMBS] {
-    // Size of each channel's response over what the design makes one expect; the inertia's share is left out.
-    let design = &facts.design.scale_per_mass_per_kg;
-    let ratio = |case: &TrialCase<'_>, channel: usize| -> Option<f64> {
-        let response = case.response.as_ref()?;
-        let d = case.trial.direction_ground;
-        let expected = if response.travels {
-            shares.of_acceleration(channel).dot(d).abs()
-        } else {
-            let inertia = facts.design.inertia_per_mass.matrix_mass_m2();
-            shares.of_torque_per_m(channel).dot(inertia * d).abs()
-        };
-        let seen = (response.channels[channel].response * design[channel]).abs();
-        // Shares of the size of a tenth of the largest are the first that a twisted wedge or a neighbour's error leaves alone.
-        let largest = if response.travels { 0.58 } else { 6.6e-3 };
-        // In a compound run the two shares may cancel.
-        (case.trial.role != Role::Validation && expected > 0.15 * largest)
-            .then_some(seen / expected)
-    };
+    let ratio = |case: &TrialCase<'_>, channel| over_design(shares, facts, case, channel);
     let mut silent = [false; LIMBS];
     for (channel, silent) in silent.iter_mut().enumerate() {
         let mut quiet: Vec<usize> = Vec::new();

@@ -1,109 +1,122 @@
-//! What a joint fit that does not account for its trials lacks.
+//! What accounts for trials that the joint fit does not account for.
 //!
-//! Each hypothesis is one more freedom of the model: something that the session does not state and that every recording may have.
-//! The trials are fitted again with it, and it is believed if that leaves nothing over but noise, if its unknown is told beyond
-//! doubt, and if no other hypothesis does as much. Where none does, or more than one, nothing is said.
+//! Hypotheses compete. Each is one thing that the session does not state and that the recordings may have; the trials are fitted
+//! again with it, and it is believed if that leaves nothing over but noise, if its unknown is told beyond doubt, and if no other
+//! hypothesis does as much. Where none explains all trials, those that stand out are left aside: what was suspected of them is
+//! believed if the others agree to the noise. Where neither succeeds the cause is unknown, and that is what is said.
+//!
+//! | file | hypothesis |
+//! |---|---|
+//! | [`freedoms`] | the model has one freedom more: an amplifier's high-pass, a gyroscope's lag, channels that are late |
+//! | [`exchange`] | two channels are exchanged from one trial on |
+//! | [`apart`] | a few trials are wrong and the others are not |
 
-use core::f64::consts::TAU;
+pub mod apart;
+pub mod exchange;
+pub mod freedoms;
 
-use sixaxis_core::identify::joint::Known;
-use sixaxis_core::identify::joint::unknowns::{AMPLIFIER_CORNER, GYROSCOPE_LAG};
+use sixaxis_core::Parameters;
+use sixaxis_core::identify::joint::AtRest;
+use sixaxis_core::identify::zero_drift::ZeroDrift;
 
-use super::{JointReport, Knowledge, Loss, fit};
+use super::{JointReport, Knowledge, Loss, fit_trials};
+use crate::diagnosis::trial_case::TrialCase;
 use crate::finding::{Cause, Finding};
-use crate::steps::{Campaign, FourSteps};
+use crate::steps::Campaign;
+use crate::trial::Trial;
 
-/// Corner of an amplifier that nobody stated, Hz: where it is looked for first, and how far about.
-const CORNER_HZ: (f64, f64) = (0.05, 1.0);
-/// Lag of a gyroscope that nobody stated, s: the same.
-const LAG_S: (f64, f64) = (2e-3, 0.05);
-
-/// Standard deviations of its unknown from which a freedom is needed: one that is not takes up what is left of anything, but little.
-const BEYOND_DOUBT: f64 = 30.0;
-
-/// A freedom.
-struct Hypothesis {
-    /// With it, if the session leaves room for it.
-    freed: fn(&Knowledge) -> Option<Knowledge>,
-    /// Its unknown.
-    unknown: usize,
-    /// What is said of it, by the fit.
-    finding: fn(&JointReport) -> Finding,
+/// A day that the joint fit does not account for.
+#[derive(Debug, Clone, Copy)]
+pub struct Unaccounted<'a> {
+    /// Its trials.
+    pub campaign: &'a Campaign,
+    /// What step 1 makes of the static record.
+    pub drift: &'a ZeroDrift,
+    /// Where the fits start.
+    pub start: Parameters,
+    /// What the session says.
+    pub knowledge: &'a Knowledge,
+    /// The trials with what each channel shows of them, in the campaign's order.
+    pub cases: &'a [TrialCase<'a>],
+    /// The fit, or why there is none.
+    pub joint: core::result::Result<&'a JointReport, &'a str>,
 }
 
-const HYPOTHESES: [Hypothesis; 2] = [
-    Hypothesis {
-        freed: high_pass,
-        unknown: AMPLIFIER_CORNER,
-        finding: amplifier,
-    },
-    Hypothesis {
-        freed: lag,
-        unknown: GYROSCOPE_LAG,
-        finding: gyroscope,
-    },
-];
-
-/// The one hypothesis that accounts for the trials.
-#[must_use]
-pub fn explain(campaign: &Campaign, steps: &FourSteps, knowledge: &Knowledge) -> Option<Finding> {
-    let mut accounting = HYPOTHESES.iter().filter_map(|hypothesis| {
-        let freed = (hypothesis.freed)(knowledge)?;
-        let joint = fit(campaign, steps, &freed, Loss::Squares).ok()?;
-        let estimate = &joint.estimate;
-        let at = hypothesis.unknown;
-        let deviation = estimate.covariance[(at, at)].sqrt();
-        let told = estimate.unknowns.values[at] > BEYOND_DOUBT * deviation;
-        (told && joint.accounts()).then(|| (hypothesis.finding)(&joint))
-    });
-    let only = accounting.next()?;
-    accounting.next().is_none().then_some(only)
-}
-
-fn about((value, deviation): (f64, f64)) -> Known {
-    Known { value, deviation }
-}
-
-fn high_pass(knowledge: &Knowledge) -> Option<Knowledge> {
-    let mut freed = *knowledge;
-    let stated = &mut freed.certificates.amplifier_corner_rad_s;
-    let free = about((TAU * CORNER_HZ.0, TAU * CORNER_HZ.1));
-    stated.replace(free).is_none().then_some(freed)
-}
-
-fn amplifier(joint: &JointReport) -> Finding {
-    let corner_hz = joint.estimate.unknowns.values[AMPLIFIER_CORNER] / TAU;
-    Finding {
-        cause: Cause::HighPassNotStated,
-        recordings: Vec::new(),
-        channels: Vec::new(),
-        evidence: format!(
-            "with a high-pass of {corner_hz:.4} Hz on every channel all trials agree to the noise, and without one they do not"
-        ),
-        advice: "state preprocessing.amplifier_high_pass_hz as the amplifier's manual has it"
-            .to_owned(),
+impl Unaccounted<'_> {
+    /// The fit of these trials with what is known of them, if it accounts for them.
+    fn accounting(
+        &self,
+        trials: &[&Trial],
+        rest: &AtRest,
+        start: &Parameters,
+        knowledge: &Knowledge,
+    ) -> Option<JointReport> {
+        let geometry = &self.campaign.geometry;
+        let joint = fit_trials(geometry, trials, rest, start, knowledge, Loss::Squares);
+        joint.ok().filter(JointReport::accounts)
     }
 }
 
-fn lag(knowledge: &Knowledge) -> Option<Knowledge> {
-    let mut freed = *knowledge;
-    let stated = &mut freed.certificates.gyroscope_lag_s;
-    stated.replace(about(LAG_S)).is_none().then_some(freed)
+/// What is wrong with such a day, beside what is `certain`. What was `suspected` by holding its trials against each other is taken up
+/// only as far as a fit bears it out. Empty if nothing is to be said.
+#[must_use]
+pub fn explain(
+    day: &Unaccounted<'_>,
+    certain: &[Finding],
+    suspected: Vec<Finding>,
+) -> Vec<Finding> {
+    let mut accounting = freedoms::tried(day);
+    accounting.extend(exchange::tried(day));
+    match &accounting[..] {
+        [_] => return accounting,
+        [first, second, ..] => {
+            let evidence = format!(
+                "either of two things accounts for all trials: {}; or {}",
+                first.evidence, second.evidence
+            );
+            return vec![unknown(evidence)];
+        }
+        [] => {}
+    }
+    if suspected.is_empty() {
+        return suspected;
+    }
+    let suspicion = suspected
+        .first()
+        .map_or(String::new(), |first| first.evidence.clone());
+    if let Some(borne_out) = apart::tried(day, certain, suspected) {
+        return borne_out;
+    }
+    if certain.is_empty() {
+        vec![unknown(format!(
+            "{}; to look at: {suspicion}",
+            contradiction(day)
+        ))]
+    } else {
+        Vec::new()
+    }
 }
 
-fn gyroscope(joint: &JointReport) -> Finding {
-    let lag_s = joint.estimate.unknowns.values[GYROSCOPE_LAG];
+/// How far the day is from being accounted for, in words.
+fn contradiction(day: &Unaccounted<'_>) -> String {
+    match day.joint {
+        Ok(joint) => format!(
+            "the trials contradict each other (misfit {:.2}, noise alone leaves at most {:.2}), and no one cause that was tried accounts for that",
+            joint.misfit.per_degree,
+            joint.misfit.limit()
+        ),
+        Err(refusal) => format!(
+            "no fit to all trials can be made ({refusal}), and no one cause that was tried accounts for that"
+        ),
+    }
+}
+
+fn unknown(evidence: String) -> Finding {
     Finding {
-        cause: Cause::GyroscopeLag,
+        cause: Cause::Unexplained,
         recordings: Vec::new(),
         channels: Vec::new(),
-        evidence: format!(
-            "with a gyroscope that is {:.2} ms behind, as a first-order bandwidth of {:.1} Hz has it, all trials agree to the noise, and without that they do not",
-            1e3 * lag_s,
-            1.0 / (TAU * lag_s)
-        ),
-        advice:
-            "state the gyroscope's bandwidth_hz as its certificate has it; its lag is then undone"
-                .to_owned(),
+        evidence,
+        advice: "look at the table of trials in the report".to_owned(),
     }
 }

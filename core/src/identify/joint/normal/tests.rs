@@ -22,13 +22,15 @@ const FINITE_DIFFERENCES: f64 = 1e-5;
 const ROUNDS: usize = 60;
 
 const GRAVITY_M_S2: DVec3 = DVec3::new(0.0, 3.0, -9.0);
-/// Drive, whether gravity turns, whether the amplifiers are high-passes.
-const CASES: [(Drive, bool, bool); 5] = [
-    (Drive::Linear, false, false),
-    (Drive::Linear, false, true),
-    (Drive::Angular, false, false),
-    (Drive::Angular, true, false),
-    (Drive::Angular, true, true),
+/// Drive, whether gravity turns, whether the amplifiers are high-passes, whether the channels are late.
+const CASES: [(Drive, bool, bool, bool); 7] = [
+    (Drive::Linear, false, false, false),
+    (Drive::Linear, false, true, false),
+    (Drive::Linear, false, true, true),
+    (Drive::Angular, false, false, false),
+    (Drive::Angular, true, false, false),
+    (Drive::Angular, true, true, false),
+    (Drive::Angular, true, false, true),
 ];
 
 fn size_of_unknown(u: usize) -> f64 {
@@ -37,6 +39,7 @@ fn size_of_unknown(u: usize) -> f64 {
         u if u < INERTIA => 0.2,
         u if u < COMPLIANCE => 2e-4,
         COMPLIANCE => 1e-5,
+        u if u >= WEDGES + ANGLES => 1e-2,
         _ => 0.1,
     }
 }
@@ -49,7 +52,7 @@ fn size_of_own(kind: Kind) -> f64 {
     }
 }
 
-fn trial(drive: Drive, gravity_turns: bool, amplifier: bool) -> (Trial, Unknowns) {
+fn trial((drive, gravity_turns, amplifier, late): (Drive, bool, bool, bool)) -> (Trial, Unknowns) {
     let grid = Grid {
         samples: 400,
         step_s: 2e-3,
@@ -62,7 +65,11 @@ fn trial(drive: Drive, gravity_turns: bool, amplifier: bool) -> (Trial, Unknowns
     };
     let data = project(&grid, |n| core::array::from_fn(|c| wave(n, c)));
     let wedge = Wedge::new(DVec3::new(1.0, 2.0, 1.0).normalize());
-    let mut values = DVector::zeros(WEDGES + ANGLES);
+    let delays = if late { LIMBS } else { 0 };
+    let mut values = DVector::zeros(WEDGES + ANGLES + delays);
+    for limb in 0..delays {
+        values[WEDGES + ANGLES + limb] = 1e-3 * (limb as f64 - 3.0);
+    }
     for limb in 0..LIMBS {
         values[DRIFT + limb] = 0.01 * limb as f64;
         values[MASS_PER_SCALE + limb] = 0.2 + 0.01 * limb as f64;
@@ -119,8 +126,8 @@ fn trial(drive: Drive, gravity_turns: bool, amplifier: bool) -> (Trial, Unknowns
 #[test]
 fn inv_descent_is_the_gradient() {
     let shares = StaticLoadSharing::new(&Geometry::PAPER).expect("the paper's drawing");
-    for (drive, turns, amplifier) in CASES {
-        let (mut trial, unknowns) = trial(drive, turns, amplifier);
+    for case in CASES {
+        let (mut trial, unknowns) = trial(case);
         // Waves that are no motion's would lead what is loosely known far away.
         for own in &mut trial.own {
             own.deviation = 1e-2 * size_of_own(own.kind);
@@ -154,7 +161,7 @@ fn inv_descent_is_the_gradient() {
                 / size;
             assert!(
                 (numeric - analytic[u]).abs() < FINITE_DIFFERENCES * scale,
-                "{drive:?} {turns} {amplifier}: unknown {u}: {numeric:e} by differences, {:e}",
+                "{case:?}: unknown {u}: {numeric:e} by differences, {:e}",
                 analytic[u]
             );
         }
@@ -169,11 +176,13 @@ const BLOCKS: f64 = 1e-6;
 #[test]
 fn inv_blocks_are_the_descents_derivatives() {
     let shares = StaticLoadSharing::new(&Geometry::PAPER).expect("the paper's drawing");
-    for (drive, turns, amplifier) in CASES {
-        let (mut trial, unknowns) = trial(drive, turns, amplifier);
+    for case in CASES {
+        let (mut trial, unknowns) = trial(case);
         let parts = trial.parts(&unknowns, &shares).expect("held");
         for limb in 0..LIMBS {
-            trial.data.coordinates[limb] = trial.prediction(&unknowns, &parts, limb);
+            let sooner = trial.prediction(&unknowns, &parts, limb);
+            let delay = unknowns.delay(limb).map_or(0.0, |at| unknowns.values[at]);
+            trial.data.coordinates[limb] = trial.sooner(&sooner, -delay);
         }
         trial.data.coordinates[LIMBS] = trial.standard_prediction(&unknowns);
         let arrow = trial.arrow(&unknowns, &shares).expect("held");
@@ -201,7 +210,7 @@ fn inv_blocks_are_the_descents_derivatives() {
                 let off = (differences + column).amax() * size;
                 assert!(
                     off <= BLOCKS * blocks[block],
-                    "{drive:?} {turns} {amplifier}: block {block}: {off:e} of {:e}",
+                    "{case:?}: block {block}: {off:e} of {:e}",
                     blocks[block]
                 );
             };
@@ -260,8 +269,8 @@ fn inv_blocks_are_the_descents_derivatives() {
 #[test]
 fn inv_elimination_solves_the_arrow() {
     let shares = StaticLoadSharing::new(&Geometry::PAPER).expect("the paper's drawing");
-    for (drive, turns, amplifier) in CASES {
-        let (trial, unknowns) = trial(drive, turns, amplifier);
+    for case in CASES {
+        let (trial, unknowns) = trial(case);
         let arrow = trial.arrow(&unknowns, &shares).expect("held");
         let common = unknowns.len();
         let (outer, inner) = (arrow.descent.len(), arrow.own_descent.len());

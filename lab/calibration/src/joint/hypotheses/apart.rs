@@ -1,0 +1,42 @@
+//! A few trials are wrong and the others are not.
+//!
+//! What was suspected of single trials by holding them against the others is worth something only if the others agree. That
+//! they do is for the joint fit to say, to which the trials in question are not shown.
+
+use super::Unaccounted;
+use crate::finding::Finding;
+use crate::joint::{at_rest, record};
+use crate::trial::Trial;
+
+/// Largest share of the trials that may be wrong: of two halves that contradict each other, neither is the measure.
+const AMONG: f64 = 0.5;
+
+/// What was suspected of single trials, if a fit accounts for all others. Trials that something `certain` concerns are left
+/// aside as well.
+#[must_use]
+pub fn tried(
+    day: &Unaccounted<'_>,
+    certain: &[Finding],
+    suspected: Vec<Finding>,
+) -> Option<Vec<Finding>> {
+    let of_single_trials: Vec<Finding> = suspected
+        .into_iter()
+        .filter(|finding| !finding.recordings.is_empty())
+        .collect();
+    if of_single_trials.is_empty() {
+        return None;
+    }
+    let concerned = |name: &String| {
+        let mut all = certain.iter().chain(&of_single_trials);
+        all.any(|finding| finding.recordings.contains(name))
+    };
+    let fitted = day.campaign.trials.iter().map(|(trial, _)| trial);
+    let (aside, others): (Vec<&Trial>, Vec<&Trial>) = fitted
+        .filter(|trial| record(trial).is_some())
+        .partition(|trial| concerned(&trial.name));
+    if aside.is_empty() || aside.len() as f64 > AMONG * (aside.len() + others.len()) as f64 {
+        return None;
+    }
+    day.accounting(&others, &at_rest(day.drift), &day.start, day.knowledge)?;
+    Some(of_single_trials)
+}

@@ -1,0 +1,171 @@
+//! One freedom more: something that the session does not state and that all recordings may have, with an unknown of its own.
+
+use core::f64::consts::TAU;
+
+use sixaxis_core::LIMBS;
+use sixaxis_core::identify::joint::Known;
+use sixaxis_core::identify::joint::unknowns::{AMPLIFIER_CORNER, GYROSCOPE_LAG};
+
+use super::Unaccounted;
+use crate::finding::{Cause, Finding};
+use crate::joint::{JointReport, Knowledge, at_rest};
+use crate::trial::Trial;
+
+/// Corner of an amplifier that nobody stated, Hz: where it is looked for first, and how far about.
+const CORNER_HZ: (f64, f64) = (0.05, 1.0);
+/// Lag of a gyroscope that nobody stated, s: the same.
+const LAG_S: (f64, f64) = (2e-3, 0.05);
+/// Delay of a channel that nobody stated, s: how far about none it is looked for.
+const DELAY_S: f64 = 0.02;
+
+/// Standard deviations of its unknown from which a freedom is needed: one that is not takes up what is left of anything, but little.
+const BEYOND_DOUBT: f64 = 30.0;
+/// Share of a channel's signal that its delay puts into quadrature, at the fastest drive, from which it is worth a word. Converters
+/// that take their channels in turn do less.
+const WORTH_A_WORD: f64 = 1e-3;
+
+/// A freedom.
+struct Freedom {
+    /// With it, if the session leaves room for it.
+    freed: fn(&Knowledge) -> Option<Knowledge>,
+    /// What is said of it, by the fit and the fastest drive, rad/s; none if its unknown is not told beyond doubt.
+    finding: fn(&JointReport, f64) -> Option<Finding>,
+}
+
+const FREEDOMS: [Freedom; 3] = [
+    Freedom {
+        freed: high_pass,
+        finding: amplifier,
+    },
+    Freedom {
+        freed: lag,
+        finding: gyroscope,
+    },
+    Freedom {
+        freed: delays,
+        finding: late_channels,
+    },
+];
+
+/// The freedoms that account for all trials.
+#[must_use]
+pub fn tried(day: &Unaccounted<'_>) -> Vec<Finding> {
+    let trials: Vec<&Trial> = day.campaign.trials.iter().map(|(trial, _)| trial).collect();
+    let rest = at_rest(day.drift);
+    let fastest_hz = trials
+        .iter()
+        .map(|trial| trial.frequency_hz)
+        .fold(0.0, f64::max);
+    let of = |freedom: &Freedom| {
+        let freed = (freedom.freed)(day.knowledge)?;
+        let joint = day.accounting(&trials, &rest, &day.start, &freed)?;
+        (freedom.finding)(&joint, TAU * fastest_hz)
+    };
+    FREEDOMS.iter().filter_map(of).collect()
+}
+
+/// An unknown with its standard deviation.
+fn known(joint: &JointReport, at: usize) -> Known {
+    Known {
+        value: joint.estimate.unknowns.values[at],
+        deviation: joint.estimate.covariance[(at, at)].sqrt(),
+    }
+}
+
+/// An unknown that is beyond doubt, if it is positive.
+fn told(joint: &JointReport, at: usize) -> Option<f64> {
+    let found = known(joint, at);
+    (found.value > BEYOND_DOUBT * found.deviation).then_some(found.value)
+}
+
+fn about((value, deviation): (f64, f64)) -> Known {
+    Known { value, deviation }
+}
+
+fn high_pass(knowledge: &Knowledge) -> Option<Knowledge> {
+    let mut freed = *knowledge;
+    let stated = &mut freed.certificates.amplifier_corner_rad_s;
+    let free = about((TAU * CORNER_HZ.0, TAU * CORNER_HZ.1));
+    stated.replace(free).is_none().then_some(freed)
+}
+
+fn amplifier(joint: &JointReport, _: f64) -> Option<Finding> {
+    let corner_hz = told(joint, AMPLIFIER_CORNER)? / TAU;
+    Some(Finding {
+        cause: Cause::HighPassNotStated,
+        recordings: Vec::new(),
+        channels: Vec::new(),
+        evidence: format!(
+            "with a high-pass of {corner_hz:.4} Hz on every channel all trials agree to the noise, and without one they do not"
+        ),
+        advice: "state preprocessing.amplifier_high_pass_hz as the amplifier's manual has it"
+            .to_owned(),
+    })
+}
+
+fn lag(knowledge: &Knowledge) -> Option<Knowledge> {
+    let mut freed = *knowledge;
+    let stated = &mut freed.certificates.gyroscope_lag_s;
+    stated.replace(about(LAG_S)).is_none().then_some(freed)
+}
+
+fn gyroscope(joint: &JointReport, _: f64) -> Option<Finding> {
+    let lag_s = told(joint, GYROSCOPE_LAG)?;
+    Some(Finding {
+        cause: Cause::GyroscopeLag,
+        recordings: Vec::new(),
+        channels: Vec::new(),
+        evidence: format!(
+            "with a gyroscope that is {:.2} ms behind, as a first-order bandwidth of {:.1} Hz has it, all trials agree to the noise, and without that they do not",
+            1e3 * lag_s,
+            1.0 / (TAU * lag_s)
+        ),
+        advice:
+            "state the gyroscope's bandwidth_hz as its certificate has it; its lag is then undone"
+                .to_owned(),
+    })
+}
+
+fn delays(knowledge: &Knowledge) -> Option<Knowledge> {
+    let mut freed = *knowledge;
+    freed.certificates.channel_delay_s = DELAY_S;
+    Some(freed)
+}
+
+/// Channels that are behind the standards or ahead of them. One clock for all nine is the standards' to be late.
+fn late_channels(joint: &JointReport, fastest_rad_s: f64) -> Option<Finding> {
+    let mut late: Vec<(usize, f64)> = Vec::new();
+    for limb in 0..LIMBS {
+        let delay = known(joint, joint.estimate.unknowns.delay(limb)?);
+        if delay.value.abs() > BEYOND_DOUBT * delay.deviation {
+            late.push((limb, delay.value));
+        }
+    }
+    if !late
+        .iter()
+        .any(|(_, delay)| delay.abs() * fastest_rad_s > WORTH_A_WORD)
+    {
+        return None;
+    }
+    let times = late.iter().map(|(_, delay)| 1e3 * delay);
+    let (least, most) = times.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), t| {
+        (least.min(t), most.max(t))
+    });
+    let (channels, who) = match late.len() {
+        LIMBS => (Vec::new(), "all nine channels are"),
+        _ => (
+            late.iter().map(|(limb, _)| limb + 1).collect(),
+            "these channels are, and no others,",
+        ),
+    };
+    Some(Finding {
+        cause: Cause::ClockMismatch,
+        recordings: Vec::new(),
+        channels,
+        evidence: format!(
+            "with delays all trials agree to the noise, and without they do not: {who} {least:.3} to {most:.3} ms behind the standards"
+        ),
+        advice: "record all channels and the standards on one clock, started at once, or put the delay right before calibrating"
+            .to_owned(),
+    })
+}
