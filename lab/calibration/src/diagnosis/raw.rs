@@ -214,7 +214,7 @@ fn clipped(trial: &Trial, channel: usize) -> Option<Clipping> {
     let step = converter_step_v(trial, channel);
     // What stands at the limit does not go beyond it: a converter that does has another limit.
     let series = || trial.voltage_v.iter().map(|row| row[channel]);
-    if peak >= limit && !(peak > limit + 0.5 * step) {
+    if peak >= limit && peak <= limit + 0.5 * step {
         return Some(Clipping::AtLimit);
     }
     if trial.role == Role::Static {
