@@ -213,16 +213,20 @@ impl Trial {
         let mut all = vec![offset];
         all.extend(series.iter().map(|s| filtered(&s.value, h_mean, &h)));
         let late = unknowns.delay(0).is_some();
+        let slope: Vec<Complex<f64>> = (1..=self.grid.harmonics)
+            .map(|k| Complex::new(0.0, -self.grid.rate_rad_s(k)))
+            .collect();
         if late {
-            let slope: Vec<Complex<f64>> = (1..=self.grid.harmonics)
-                .map(|k| Complex::new(0.0, -self.grid.rate_rad_s(k)))
-                .collect();
             let slopes: Vec<_> = all[1..].iter().map(|p| filtered(p, 0.0, &slope)).collect();
             all.extend(slopes);
         }
         if self.amplifier {
             all.extend(series.iter().map(|s| filtered(&s.value, 0.0, &dh)));
-            all.extend(self.decay(corner));
+            let decay = self.decay(corner);
+            if late {
+                all.push(filtered(&decay[0], 0.0, &slope));
+            }
+            all.extend(decay);
         }
         Some(Parts {
             all,
@@ -329,6 +333,10 @@ impl Trial {
         if let Some(delay) = unknowns.delay(limb) {
             for (part, share) in shape(gain) {
                 add(delay, (part + series, share));
+            }
+            if self.amplifier {
+                let transient_v = self.own_value(Kind::Transient(limb));
+                add(delay, (parts.decay() - 1, transient_v));
             }
         }
         if self.amplifier {
