@@ -167,6 +167,7 @@ pub fn calibrate(
                     let joint = joint.as_ref().map_err(String::as_str);
                     let day = Unaccounted {
                         campaign: &prepared.campaign,
+                        conditioning: &prepared.conditioning,
                         drift: &steps.drift,
                         start: joint::start(&prepared.campaign, steps),
                         knowledge,
@@ -192,6 +193,7 @@ pub fn calibrate(
                     let refusal = error.to_string();
                     let day = Unaccounted {
                         campaign: &prepared.campaign,
+                        conditioning: &prepared.conditioning,
                         drift: &drift,
                         start: prepared.campaign.design,
                         knowledge: &Knowledge::of(session),

@@ -5,7 +5,7 @@ use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::path::Path;
 
 use glam::DVec3;
-use sixaxis_calibration::conditioning::Conditioned;
+use sixaxis_calibration::conditioning::{Conditioned, Conditioning};
 use sixaxis_calibration::diagnosis::examine;
 use sixaxis_calibration::diagnosis::trial_case::{Facts, Standard};
 use sixaxis_calibration::finding::{Cause, Finding};
@@ -78,6 +78,8 @@ struct Wrong {
     lag_s: f64,
     /// Corner of the amplifiers, Hz.
     corner_hz: f64,
+    /// Time by which the standards are late, s, and how much faster than stated they are sampled.
+    clock: (f64, f64),
     /// Channels that are exchanged, and the trial from which on they are.
     exchanged: Option<(usize, usize, usize)>,
     /// A trial of another sensor.
@@ -214,9 +216,10 @@ fn played(index: usize, wrong: &Wrong, noise: &mut Noise) -> (Trial, Conditioned
     {
         channels.swap(a, b);
     }
-    let mut linear = each(&|t| course(t, omega)[2] * omega * omega * TRAVEL_M);
-    let mut rate = each(&|t| course(t, omega)[1] * omega * TURN_RAD);
-    let mut angular = each(&|t| course(t, omega)[2] * omega * omega * TURN_RAD);
+    let standard = |t: f64| course((t - wrong.clock.0) / (1.0 + wrong.clock.1), omega);
+    let mut linear = each(&|t| standard(t)[2] * omega * omega * TRAVEL_M);
+    let mut rate = each(&|t| standard(t)[1] * omega * TURN_RAD);
+    let mut angular = each(&|t| standard(t)[2] * omega * omega * TURN_RAD);
     if wrong.lag_s > 0.0 {
         followed(&mut rate, wrong.lag_s);
         followed(&mut angular, wrong.lag_s);
@@ -306,6 +309,7 @@ fn said(wrong: &Wrong) -> (Vec<Finding>, bool) {
     let accounts = joint.as_ref().is_ok_and(|joint| joint.accounts());
     let day = Unaccounted {
         campaign: &campaign,
+        conditioning: &Conditioning::of(&session),
         drift: &drift,
         start: steps
             .as_ref()
@@ -386,6 +390,27 @@ fn inv_an_exchange_is_named() {
         ..Wrong::default()
     };
     one(wrong, Cause::SwappedChannels, &[2, 7], 0);
+    let from_the_fifth = Wrong {
+        exchanged: Some((1, 6, LINEAR)),
+        ..Wrong::default()
+    };
+    one(
+        from_the_fifth,
+        Cause::SwappedChannels,
+        &[2, 7],
+        TRIALS - LINEAR,
+    );
+}
+
+#[test]
+fn inv_a_clock_of_the_standards_is_named() {
+    let late_and_fast = Wrong {
+        clock: (2e-3, 3e-3),
+        ..Wrong::default()
+    };
+    let clock = one(late_and_fast, Cause::ClockMismatch, &[], 0);
+    assert!((number(&clock, "ms behind the channels") - 2.0).abs() < 0.02);
+    assert!((number(&clock, "times their stated rate") - 1.003).abs() < 1e-5);
 }
 
 #[test]

@@ -2,9 +2,12 @@
 
 use core::f64::consts::TAU;
 
+use sixaxis_core::LIMBS;
+
 use super::trial_case::{Facts, TrialCase, names};
 use crate::finding::{Cause, Finding};
 use crate::response::Response;
+use crate::trial::Trial;
 use sixaxis_recordings::session::Role;
 
 /// Lag between sensor and standards that is noticed: at 2 Hz, 0.6 % of the signal in quadrature.
@@ -19,10 +22,11 @@ const ROUNDING: f64 = 1e-9;
 const FREQUENCY: f64 = 0.02;
 
 /// Lag of a trial's standards and how much it grows over the run, s, and the standard errors of both.
-fn lag(case: &TrialCase<'_>, response: &Response) -> [(f64, f64); 2] {
+#[must_use]
+pub fn lag(trial: &Trial, response: &Response, ignored: &[bool; LIMBS]) -> [(f64, f64); 2] {
     // All nine channels agree on the lag; each counts by how well it is known.
     let (mut along, mut across, mut growth) = (0.0, 0.0, 0.0);
-    for (channel, ignored) in response.channels.iter().zip(&case.ignored) {
+    for (channel, ignored) in response.channels.iter().zip(ignored) {
         if *ignored || channel.response == 0.0 {
             continue;
         }
@@ -35,7 +39,7 @@ fn lag(case: &TrialCase<'_>, response: &Response) -> [(f64, f64); 2] {
     if along == 0.0 {
         return [(0.0, f64::INFINITY); 2];
     }
-    let omega = TAU * case.trial.frequency_hz;
+    let omega = TAU * trial.frequency_hz;
     // A sine's derivative is omega times the sine in size, and s has a root mean square of 3^(-1/2).
     let error = 1.0 / (omega * along.sqrt());
     [
@@ -48,7 +52,7 @@ fn lag(case: &TrialCase<'_>, response: &Response) -> [(f64, f64); 2] {
 #[must_use]
 pub fn lag_of(case: &TrialCase<'_>) -> Option<f64> {
     let response = case.response.as_ref()?;
-    let [(lag, error), _] = lag(case, response);
+    let [(lag, error), _] = lag(case.trial, response, &case.ignored);
     error.is_finite().then_some(lag)
 }
 
@@ -72,7 +76,7 @@ pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], findings: &mut Ve
                 continue;
             }
         }
-        let [(lag, lag_error), (growth, growth_error)] = lag(case, response);
+        let [(lag, lag_error), (growth, growth_error)] = lag(case.trial, response, &case.ignored);
         if lag.abs() > LAG_S + SIGNIFICANT * lag_error
             || growth.abs() > GROWTH_S + SIGNIFICANT * growth_error
         {

@@ -8,10 +8,12 @@
 //! | file | hypothesis |
 //! |---|---|
 //! | [`freedoms`] | the model has one freedom more: an amplifier's high-pass, a gyroscope's lag, channels that are late |
+//! | [`clock`] | the standards have a clock of their own |
 //! | [`exchange`] | two channels are exchanged from one trial on |
 //! | [`apart`] | a few trials are wrong and the others are not |
 
 pub mod apart;
+pub mod clock;
 pub mod exchange;
 pub mod freedoms;
 
@@ -20,6 +22,7 @@ use sixaxis_core::identify::joint::AtRest;
 use sixaxis_core::identify::zero_drift::ZeroDrift;
 
 use super::{JointReport, Knowledge, Loss, fit_trials};
+use crate::conditioning::Conditioning;
 use crate::diagnosis::trial_case::TrialCase;
 use crate::finding::{Cause, Finding};
 use crate::steps::Campaign;
@@ -30,6 +33,8 @@ use crate::trial::Trial;
 pub struct Unaccounted<'a> {
     /// Its trials.
     pub campaign: &'a Campaign,
+    /// What is done to its trials before they are compared.
+    pub conditioning: &'a Conditioning,
     /// What step 1 makes of the static record.
     pub drift: &'a ZeroDrift,
     /// Where the fits start.
@@ -66,7 +71,10 @@ pub fn explain(
     suspected: Vec<Finding>,
 ) -> Vec<Finding> {
     let mut accounting = freedoms::tried(day);
+    accounting.extend(clock::tried(day));
     accounting.extend(exchange::tried(day));
+    // The first one of its cause is the narrowest.
+    accounting.dedup_by_key(|finding| finding.cause);
     match &accounting[..] {
         [_] => return accounting,
         [first, second, ..] => {

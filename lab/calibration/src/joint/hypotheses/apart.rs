@@ -26,8 +26,22 @@ pub fn tried(
     if of_single_trials.is_empty() {
         return None;
     }
+    // The one thing that is wrong, if there is one; all that was suspected only if it takes all of it.
+    let borne_out: Vec<&Finding> = of_single_trials
+        .iter()
+        .filter(|finding| others_agree(day, certain, std::slice::from_ref(*finding)))
+        .collect();
+    match borne_out[..] {
+        [one] => Some(vec![one.clone()]),
+        [_, _, ..] => None,
+        [] => others_agree(day, certain, &of_single_trials).then_some(of_single_trials),
+    }
+}
+
+/// Whether a fit accounts for the trials that neither concerns.
+fn others_agree(day: &Unaccounted<'_>, certain: &[Finding], suspected: &[Finding]) -> bool {
     let concerned = |name: &String| {
-        let mut all = certain.iter().chain(&of_single_trials);
+        let mut all = certain.iter().chain(suspected);
         all.any(|finding| finding.recordings.contains(name))
     };
     let fitted = day.campaign.trials.iter().map(|(trial, _)| trial);
@@ -35,8 +49,8 @@ pub fn tried(
         .filter(|trial| record(trial).is_some())
         .partition(|trial| concerned(&trial.name));
     if aside.is_empty() || aside.len() as f64 > AMONG * (aside.len() + others.len()) as f64 {
-        return None;
+        return false;
     }
-    day.accounting(&others, &at_rest(day.drift), &day.start, day.knowledge)?;
-    Some(of_single_trials)
+    day.accounting(&others, &at_rest(day.drift), &day.start, day.knowledge)
+        .is_some()
 }

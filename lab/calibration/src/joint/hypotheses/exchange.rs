@@ -1,6 +1,6 @@
 //! Two channels that are exchanged from one trial on, or all day: limb and piezo come along, the amplifier stays.
 //!
-//! Which two, and from which trial on, is looked for among the channels' responses, where a pair and a trial cost microseconds; the
+//! Which two, and from which trial on, is looked for among the channels' responses, where a pair and a trial cost less than a millisecond; the
 //! joint fit then says whether the trials agree to the noise with these two put right.
 
 use std::borrow::Cow;
@@ -89,35 +89,24 @@ fn likeliest(shares: &StaticLoadSharing, cases: &[TrialCase<'_>]) -> Option<(Exc
             ..case.clone()
         })
         .collect();
-    let linear = |cases: &[TrialCase<'_>]| Table::linear(shares, cases, &[false; LIMBS]);
-    let cost = |table: &Table, cases: &[TrialCase<'_>]| table.cost(cases, COST_CAP);
-    // The pair by the trials that travel, which do without inertias.
-    let mut best: Option<((usize, usize), f64)> = None;
+    let of = |cases: &[TrialCase<'_>]| {
+        let table = Table::linear(shares, cases, &[false; LIMBS])?.exchanged(cases, None);
+        Some((table.cost(cases, COST_CAP), table))
+    };
+    let (as_they_are, _) = of(&cases)?;
+    let mut best: Option<(Exchange, f64, Table)> = None;
     for a in 0..LIMBS {
         for b in a + 1..LIMBS {
-            each_from_the_end(&mut cases, (a, b), |_, cases| {
-                let Some(table) = linear(cases) else { return };
-                let cost = cost(&table, cases);
-                if best.is_none_or(|(_, least)| cost < least) {
-                    best = Some(((a, b), cost));
+            each_from_the_end(&mut cases, (a, b), |from, cases| {
+                let Some((cost, table)) = of(cases) else {
+                    return;
+                };
+                if best.as_ref().is_none_or(|(_, least, _)| cost < *least) {
+                    best = Some((Exchange { pair: (a, b), from }, cost, table));
                 }
             });
         }
     }
-    let (pair, _) = best?;
-    let own = linear(&cases)?.exchanged(&cases, None);
-    let as_they_are = cost(&own, &cases);
-    // The trial by all of them.
-    let mut best: Option<(Exchange, f64, Table)> = None;
-    each_from_the_end(&mut cases, pair, |from, cases| {
-        let Some(table) = linear(cases).map(|table| table.exchanged(cases, None)) else {
-            return;
-        };
-        let cost = cost(&table, cases);
-        if best.as_ref().is_none_or(|(_, least, _)| cost < *least) {
-            best = Some((Exchange { pair, from }, cost, table));
-        }
-    });
     let (exchange, least, table) = best?;
     (least < WORTH_A_FIT * as_they_are).then_some((exchange, table))
 }
