@@ -37,12 +37,12 @@ use crate::joint::{self, JointReport, Knowledge};
 use crate::prepare::PreparedSession;
 use crate::progress::Progress;
 use crate::report::{Estimator, Grade, ParameterReport, TrialReport, ValidationRun};
-use crate::steps::FourSteps;
+use crate::steps::{Campaign, FourSteps};
 use crate::tap::Taps;
 use crate::trial::Trial;
 use sixaxis_core::Parameter;
 use sixaxis_core::identify::zero_drift;
-use sixaxis_recordings::session::{Session, SessionFile};
+use sixaxis_recordings::session::{Role, Session, SessionFile};
 
 /// What may be asked for.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -148,6 +148,7 @@ pub fn calibrate(
             match chosen.accounting_joint() {
                 Some(joint) => {
                     findings.extend(of_the_table);
+                    findings.extend(of_validation_runs(suspected, &prepared.campaign));
                     let more = extraordinary(joint, session, &prepared);
                     // A standard or a clock that the rig contradicts makes the other standard look wrong, too.
                     let scaled =
@@ -328,6 +329,24 @@ fn facts<'a>(session: &'a Session, prepared: &'a PreparedSession) -> Facts<'a> {
         gyroscope_class: session.gyroscope.class_percent / 100.0,
         gyroscope_lag_undone: session.gyroscope.bandwidth_hz.is_some(),
     }
+}
+
+/// What was suspected of single channels in validation runs, which the joint fit does not see: the trials that they were held against
+/// are right by its word.
+fn of_validation_runs(
+    suspected: Vec<Finding>,
+    campaign: &Campaign,
+) -> impl Iterator<Item = Finding> {
+    let runs: Vec<String> = campaign
+        .of(Role::Validation)
+        .map(|(trial, _)| trial.name.clone())
+        .collect();
+    suspected.into_iter().filter(move |finding| {
+        let recordings = &finding.recordings;
+        !finding.channels.is_empty()
+            && !recordings.is_empty()
+            && recordings.iter().all(|name| runs.contains(name))
+    })
 }
 
 /// What is out of the ordinary by a joint fit that accounts for the trials.

@@ -108,6 +108,11 @@ pub fn explain(
 /// How far the day is from being accounted for, in words.
 fn contradiction(day: &Unaccounted<'_>) -> String {
     match day.joint {
+        Ok(joint) if !joint.misfit.contradicts() => format!(
+            "the trials agree only as those of a sensor beyond the ordinary (stiffnesses that differ by {:.2} %, cross-talk of {:.2} %, or several channels whose sensitivity is another in single trials), and no one cause that was tried accounts for that",
+            100.0 * joint.estimate.spreads.stiffness,
+            100.0 * joint.estimate.spreads.cross_talk
+        ),
         Ok(joint) => format!(
             "the trials contradict each other (misfit {:.2}, noise alone leaves at most {:.2}), and no one cause that was tried accounts for that",
             joint.misfit.per_degree,
