@@ -25,7 +25,7 @@ const CROSS_TALK: f64 = 5e-3;
 /// Change of one channel's sensitivity in one trial, relative.
 const SENSITIVITY: f64 = 0.01;
 /// Angle by which a wedge misses its direction, degrees.
-const WEDGE_DEG: f64 = 0.5;
+pub(crate) const WEDGE_DEG: f64 = 0.5;
 /// Angle of the axis off the plumb line, or of a level axis off the level, degrees.
 const PLUMB_DEG: f64 = 0.5;
 /// From the axis to the sensor's centre, m.
