@@ -3,6 +3,7 @@
 //!
 //! | file | holds |
 //! |---|---|
+//! | [`cause`] | what is wrong with the day, as far as an estimate bears it out |
 //! | [`evidence`] | each trial's fit, its prediction by a fit without it, the coordination equations |
 //! | [`validation`] | runs that were never fitted, decoupled and held against the standards |
 //! | [`choice`] | the parameters of the estimator that was asked for |
@@ -13,6 +14,7 @@
 //! that: the paper's band does not determine it, and what is decoupled there does not notice. A tap that was recorded must
 //! determine it, though.
 
+mod cause;
 mod choice;
 mod covariance;
 mod evidence;
@@ -21,6 +23,7 @@ mod validation;
 
 pub use choice::{beyond_certificate, contradiction};
 
+use cause::Day;
 use choice::{Chosen, stiffness};
 
 use crate::calibration::Calibration;
@@ -32,17 +35,15 @@ use crate::estimate::Estimate;
 use crate::finding::{Cause, Finding, in_a_sentence};
 use crate::grade::{JudgedBy, failures, grade, reservations};
 use crate::iteration::{Criterion, Iteration};
-use crate::joint::hypotheses::{self, Unaccounted};
-use crate::joint::{self, JointReport, Knowledge};
+use crate::joint::JointReport;
 use crate::prepare::PreparedSession;
 use crate::progress::Progress;
 use crate::report::{Estimator, Grade, ParameterReport, TrialReport, ValidationRun};
-use crate::steps::{Campaign, FourSteps};
+use crate::steps::FourSteps;
 use crate::tap::Taps;
 use crate::trial::Trial;
 use sixaxis_core::Parameter;
-use sixaxis_core::identify::zero_drift;
-use sixaxis_recordings::session::{Role, Session, SessionFile};
+use sixaxis_recordings::session::{Session, SessionFile};
 
 /// What may be asked for.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -142,74 +143,22 @@ pub fn calibrate(
     progress.part();
 
     let loss = choice::loss(options.estimator);
+    let day = Day {
+        session,
+        prepared: &prepared,
+        cases: &cases,
+    };
     let (chosen, obstacle) = match Estimate::of(session, &prepared, loss, progress) {
         Ok(estimate) => {
             let chosen = Chosen::of(estimate, options.estimator, &prepared.campaign.design);
-            match chosen.accounting_joint() {
-                Some(joint) => {
-                    findings.extend(of_the_table);
-                    findings.extend(of_validation_runs(suspected, &prepared.campaign));
-                    let more = extraordinary(joint, session, &prepared);
-                    // A standard or a clock that the rig contradicts makes the other standard look wrong, too.
-                    let scaled =
-                        |f: &Finding| matches!(f.cause, Cause::WrongScaling | Cause::ClockMismatch);
-                    let explained = findings.iter().any(scaled);
-                    findings.extend(more.into_iter().filter(|f| !(explained && scaled(f))));
-                }
-                None => {
-                    suspected.extend(of_the_table);
-                    suspected.sort_by_key(|finding| finding.cause);
-                    let Estimate {
-                        steps,
-                        knowledge,
-                        joint,
-                        ..
-                    } = &chosen.estimate;
-                    let joint = joint.as_ref().map_err(String::as_str);
-                    let day = Unaccounted {
-                        campaign: &prepared.campaign,
-                        conditioning: &prepared.conditioning,
-                        drift: &steps.drift,
-                        start: joint::start(&prepared.campaign, steps),
-                        knowledge,
-                        cases: &cases,
-                        joint,
-                    };
-                    // The four steps' parameters may have been asked for.
-                    let explained = if joint.is_ok_and(JointReport::accounts) {
-                        suspected
-                    } else {
-                        hypotheses::explain(&day, &findings, suspected)
-                    };
-                    findings.extend(explained);
-                }
-            }
+            day.causes_by_estimate(&chosen, &mut findings, of_the_table, suspected);
             (Some(chosen), None)
         }
         Err(error) => {
+            let obstacle = error.to_string();
             suspected.extend(of_the_table);
-            suspected.sort_by_key(|finding| finding.cause);
-            let explained = match zero_drift::identify(&prepared.campaign.static_voltage_v) {
-                Ok(drift) => {
-                    let refusal = error.to_string();
-                    let day = Unaccounted {
-                        campaign: &prepared.campaign,
-                        conditioning: &prepared.conditioning,
-                        drift: &drift,
-                        start: prepared.campaign.design,
-                        knowledge: &Knowledge::of(session),
-                        cases: &cases,
-                        joint: Err(&refusal),
-                    };
-                    hypotheses::explain(&day, &findings, suspected)
-                }
-                Err(_) => suspected,
-            };
-            findings.extend(explained);
-            if findings.is_empty() {
-                findings.push(unexplained(error.to_string()));
-            }
-            (None, Some(error.to_string()))
+            day.causes_without_estimate(&obstacle, &mut findings, suspected);
+            (None, Some(obstacle))
         }
     };
     let mut validation_runs = Vec::new();
@@ -328,53 +277,6 @@ fn facts<'a>(session: &'a Session, prepared: &'a PreparedSession) -> Facts<'a> {
         rig: session.rig.as_ref(),
         gyroscope_class: session.gyroscope.class_percent / 100.0,
         gyroscope_lag_undone: session.gyroscope.bandwidth_hz.is_some(),
-    }
-}
-
-/// What was suspected of single channels in validation runs, which the joint fit does not see: the trials that they were held against
-/// are right by its word.
-fn of_validation_runs(
-    suspected: Vec<Finding>,
-    campaign: &Campaign,
-) -> impl Iterator<Item = Finding> {
-    let runs: Vec<String> = campaign
-        .of(Role::Validation)
-        .map(|(trial, _)| trial.name.clone())
-        .collect();
-    suspected.into_iter().filter(move |finding| {
-        let recordings = &finding.recordings;
-        !finding.channels.is_empty()
-            && !recordings.is_empty()
-            && recordings.iter().all(|name| runs.contains(name))
-    })
-}
-
-/// What is out of the ordinary by a joint fit that accounts for the trials.
-fn extraordinary(
-    joint: &JointReport,
-    session: &Session,
-    prepared: &PreparedSession,
-) -> Vec<Finding> {
-    let names: Vec<&str> = prepared
-        .campaign
-        .trials
-        .iter()
-        .filter(|(trial, _)| joint::record(trial).is_some())
-        .map(|(trial, _)| trial.name.as_str())
-        .collect();
-    let gyroscope = &session.gyroscope;
-    let limit = gyroscope.gain_percent.unwrap_or(gyroscope.class_percent) / 100.0;
-    joint.extraordinary(&names, session.sensor.full_scale_v, limit)
-}
-
-/// The four steps refuse and nothing says why.
-fn unexplained(evidence: String) -> Finding {
-    Finding {
-        cause: Cause::Unexplained,
-        recordings: Vec::new(),
-        channels: Vec::new(),
-        evidence,
-        advice: "look at the table of trials in the report".to_owned(),
     }
 }
 

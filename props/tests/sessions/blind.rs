@@ -9,7 +9,9 @@ use sixaxis_calibration::finding::Cause;
 use sixaxis_calibration::report::Grade;
 use sixaxis_props::blind::harm::Harm;
 use sixaxis_props::blind::share::Share;
-use sixaxis_props::blind::{CYCLE, Cell, Outcome, TUNING_SEEDS, pairs, plan, table, try_out};
+use sixaxis_props::blind::{
+    CYCLE, Cell, Naming, Outcome, TUNING_SEEDS, pairs, plan, table, try_out,
+};
 use sixaxis_props::compare::{largest, within};
 use sixaxis_props::tolerance;
 use sixaxis_reference::laboratory::defect::{Defect, Kind, Spread, Where};
@@ -219,6 +221,29 @@ fn prop_harm_is_what_the_truth_says() {
     );
     assert!(harm.breaks_the_promise());
     assert_eq!(outcome.is_false_good(), outcome.grade == Some(Grade::Good));
+}
+
+/// What the joint fit accounts for only with one freedom more, and what it does not see: exchanged or inverted in the last run alone.
+#[test]
+fn prop_what_the_joint_fit_lacks_is_named() {
+    for (kind, magnitude) in [
+        (Kind::TurnedFlange, 2.0),
+        (Kind::ReferenceRate, 3e-3),
+        (Kind::SwappedChannels, 0.02),
+        (Kind::InvertedChannel, 0.02),
+    ] {
+        let cell = Cell::Defect(kind);
+        let mut plan = plan(cell, SEED, Engine::Rigid);
+        plan.defect = DefectChoice::Exactly(Defect {
+            kind,
+            magnitude,
+            place: Where::Everywhere,
+            channel: 4,
+            seed: 0,
+        });
+        let outcome = tried(cell, &plan, kind.name());
+        assert_eq!(outcome.naming(), Naming::Right, "{outcome:?}");
+    }
 }
 
 /// Outcomes that nobody played.

@@ -7,7 +7,7 @@
 //!
 //! | file | hypothesis |
 //! |---|---|
-//! | [`freedoms`] | the model has one freedom more: an amplifier's high-pass, a gyroscope's lag, channels that are late |
+//! | [`freedoms`] | the model has one freedom more: an amplifier's high-pass, a gyroscope's lag, channels that are late, a turned flange |
 //! | [`clock`] | the standards have a clock of their own |
 //! | [`exchange`] | two channels are exchanged from one trial on |
 //! | [`apart`] | a few trials are wrong and the others are not |
@@ -124,7 +124,8 @@ fn contradiction(day: &Unaccounted<'_>) -> String {
     }
 }
 
-fn unknown(evidence: String) -> Finding {
+/// Something is wrong, and nothing says what.
+pub(crate) fn unknown(evidence: String) -> Finding {
     Finding {
         cause: Cause::Unexplained,
         recordings: Vec::new(),

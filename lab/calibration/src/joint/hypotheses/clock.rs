@@ -45,7 +45,8 @@ pub fn tried(day: &Unaccounted<'_>) -> Option<Finding> {
             .abs()
             .max((clock.faster / faster.1).abs());
     }
-    if !(significance > WORTH_A_FIT) {
+    let worth_a_fit = significance > WORTH_A_FIT;
+    if !worth_a_fit {
         return None;
     }
     let trials: Vec<Trial> = (day.campaign.trials.iter())

@@ -1,0 +1,123 @@
+//! What is wrong with a day, as far as an estimate bears it out.
+//!
+//! Recordings held against each other raise suspicions; the joint fit, which knows of ordinary rooms, has the last word. Where it
+//! accounts for the trials, what it needed beyond such a room is named and suspicions of its trials are dropped; where it does
+//! not, hypotheses compete for what it lacks.
+
+use sixaxis_core::Parameters;
+use sixaxis_core::identify::zero_drift::{self, ZeroDrift};
+use sixaxis_recordings::session::{Role, Session};
+
+use super::choice::Chosen;
+use crate::diagnosis::trial_case::TrialCase;
+use crate::finding::{Cause, Finding};
+use crate::joint::hypotheses::{self, Unaccounted};
+use crate::joint::{self, JointReport, Knowledge};
+use crate::prepare::PreparedSession;
+
+/// A session under judgement.
+pub(super) struct Day<'a> {
+    pub session: &'a Session,
+    pub prepared: &'a PreparedSession,
+    pub cases: &'a [TrialCase<'a>],
+}
+
+impl Day<'_> {
+    /// Adds what is wrong by an estimate to what is certain.
+    pub fn causes_by_estimate(
+        &self,
+        chosen: &Chosen,
+        findings: &mut Vec<Finding>,
+        of_the_table: Vec<Finding>,
+        mut suspected: Vec<Finding>,
+    ) {
+        if let Some(joint) = chosen.accounting_joint() {
+            findings.extend(of_the_table);
+            findings.extend(suspected.into_iter().filter(|f| self.is_of_validation(f)));
+            // A standard or a clock that the rig contradicts makes the other standard look wrong, too.
+            let scaled =
+                |f: &Finding| matches!(f.cause, Cause::WrongScaling | Cause::ClockMismatch);
+            let explained = findings.iter().any(scaled);
+            let more = self.extraordinary(joint);
+            findings.extend(more.into_iter().filter(|f| !(explained && scaled(f))));
+            return;
+        }
+        suspected.extend(of_the_table);
+        suspected.sort_by_key(|finding| finding.cause);
+        let estimate = &chosen.estimate;
+        let joint = estimate.joint.as_ref().map_err(String::as_str);
+        // The four steps' parameters may have been asked for.
+        findings.extend(if joint.is_ok_and(JointReport::accounts) {
+            suspected
+        } else {
+            let start = joint::start(&self.prepared.campaign, &estimate.steps);
+            let drift = &estimate.steps.drift;
+            let day = self.unaccounted(drift, start, &estimate.knowledge, joint);
+            hypotheses::explain(&day, findings, suspected)
+        });
+    }
+
+    /// Adds what is wrong where no estimate can be made to what is certain; never nothing.
+    pub fn causes_without_estimate(
+        &self,
+        obstacle: &str,
+        findings: &mut Vec<Finding>,
+        mut suspected: Vec<Finding>,
+    ) {
+        suspected.sort_by_key(|finding| finding.cause);
+        let campaign = &self.prepared.campaign;
+        findings.extend(match zero_drift::identify(&campaign.static_voltage_v) {
+            Ok(drift) => {
+                let knowledge = Knowledge::of(self.session);
+                let day = self.unaccounted(&drift, campaign.design, &knowledge, Err(obstacle));
+                hypotheses::explain(&day, findings, suspected)
+            }
+            Err(_) => suspected,
+        });
+        if findings.is_empty() {
+            findings.push(hypotheses::unknown(obstacle.to_owned()));
+        }
+    }
+
+    fn unaccounted<'a>(
+        &'a self,
+        drift: &'a ZeroDrift,
+        start: Parameters,
+        knowledge: &'a Knowledge,
+        joint: core::result::Result<&'a JointReport, &'a str>,
+    ) -> Unaccounted<'a> {
+        Unaccounted {
+            campaign: &self.prepared.campaign,
+            conditioning: &self.prepared.conditioning,
+            drift,
+            start,
+            knowledge,
+            cases: self.cases,
+            joint,
+        }
+    }
+
+    /// Whether it is about single channels in validation runs. These the joint fit does not see, and the trials that they were held
+    /// against are right by its word.
+    fn is_of_validation(&self, finding: &Finding) -> bool {
+        let is_one = |name: &String| {
+            let mut runs = self.prepared.campaign.of(Role::Validation);
+            runs.any(|(trial, _)| trial.name == *name)
+        };
+        !finding.channels.is_empty()
+            && !finding.recordings.is_empty()
+            && finding.recordings.iter().all(is_one)
+    }
+
+    /// What is out of the ordinary by a joint fit that accounts for the trials.
+    fn extraordinary(&self, joint: &JointReport) -> Vec<Finding> {
+        let trials = self.prepared.campaign.trials.iter();
+        let names: Vec<&str> = trials
+            .filter(|(trial, _)| joint::record(trial).is_some())
+            .map(|(trial, _)| trial.name.as_str())
+            .collect();
+        let gyroscope = &self.session.gyroscope;
+        let limit = gyroscope.gain_percent.unwrap_or(gyroscope.class_percent) / 100.0;
+        joint.extraordinary(&names, self.session.sensor.full_scale_v, limit)
+    }
+}
