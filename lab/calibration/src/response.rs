@@ -46,6 +46,21 @@ pub struct ChannelResponse {
     pub drift_error_n: f64,
 }
 
+impl core::ops::Neg for ChannelResponse {
+    type Output = Self;
+
+    /// Of a channel whose polarity is turned.
+    fn neg(self) -> Self {
+        Self {
+            drift_n: -self.drift_n,
+            response: -self.response,
+            lagging: -self.lagging,
+            lagging_growth: -self.lagging_growth,
+            ..self
+        }
+    }
+}
+
 /// All channels' responses to one trial.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Response {

@@ -82,6 +82,8 @@ struct Wrong {
     clock: (f64, f64),
     /// Channels that are exchanged, and the trial from which on they are.
     exchanged: Option<(usize, usize, usize)>,
+    /// A channel that is inverted, and the trial from which on it is.
+    inverted: Option<(usize, usize)>,
     /// A trial of another sensor.
     foreign: Option<usize>,
     /// Share of its peak by which every channel bends.
@@ -215,6 +217,11 @@ fn played(index: usize, wrong: &Wrong, noise: &mut Noise) -> (Trial, Conditioned
         && index >= from
     {
         channels.swap(a, b);
+    }
+    if let Some((channel, from)) = wrong.inverted
+        && index >= from
+    {
+        channels[channel].iter_mut().for_each(|u| *u = -*u);
     }
     let standard = |t: f64| course((t - wrong.clock.0) / (1.0 + wrong.clock.1), omega);
     let mut linear = each(&|t| standard(t)[2] * omega * omega * TRAVEL_M);
@@ -400,6 +407,15 @@ fn inv_an_exchange_is_named() {
         &[2, 7],
         TRIALS - LINEAR,
     );
+}
+
+#[test]
+fn inv_an_inversion_from_mid_day_is_named() {
+    let wrong = Wrong {
+        inverted: Some((3, LINEAR)),
+        ..Wrong::default()
+    };
+    one(wrong, Cause::InvertedChannel, &[4], TRIALS - LINEAR);
 }
 
 #[test]

@@ -9,13 +9,14 @@
 //! |---|---|
 //! | [`freedoms`] | the model has one freedom more: an amplifier's high-pass, a gyroscope's lag, channels that are late, a turned flange |
 //! | [`clock`] | the standards have a clock of their own |
-//! | [`exchange`] | two channels are exchanged from one trial on |
+//! | [`plugs`] | two channels are exchanged, or one is inverted, from one trial on |
 //! | [`apart`] | a few trials are wrong and the others are not |
 
 pub mod apart;
 pub mod clock;
-pub mod exchange;
+
 pub mod freedoms;
+pub mod plugs;
 
 use sixaxis_core::Parameters;
 use sixaxis_core::identify::joint::AtRest;
@@ -72,7 +73,7 @@ pub fn explain(
 ) -> Vec<Finding> {
     let mut accounting = freedoms::tried(day);
     accounting.extend(clock::tried(day));
-    accounting.extend(exchange::tried(day));
+    accounting.extend(plugs::tried(day));
     // The first one of its cause is the narrowest.
     accounting.dedup_by_key(|finding| finding.cause);
     match &accounting[..] {

@@ -1,0 +1,198 @@
+//! Plugs that were put in otherwise from one trial on, or all day: two channels exchanged, where limb and piezo come along and the
+//! amplifier stays, or one with its polarity turned.
+//!
+//! Which, and from which trial on, is looked for among the channels' responses, where a pair and a trial cost less than a millisecond; the
+//! joint fit then says whether the trials agree to the noise with these put right.
+
+use std::borrow::Cow;
+
+use sixaxis_core::identify::joint::AtRest;
+use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
+use sixaxis_core::{InertiaPerMass, LIMBS, Parameters};
+
+use super::Unaccounted;
+use crate::diagnosis::table::Table;
+use crate::diagnosis::trial_case::TrialCase;
+use crate::finding::{Cause, Finding};
+use crate::joint::{at_rest, record};
+use crate::trial::Trial;
+
+/// Departure of a channel, relative to its trial, beyond which more makes no difference to who belongs where.
+const COST_CAP: f64 = 0.2;
+/// Share of the squared departures that an exchange may leave to be worth a fit.
+const WORTH_A_FIT: f64 = 0.5;
+
+/// What was done to plugs. Either is put right by doing it again.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Plugs {
+    Exchanged(usize, usize),
+    Inverted(usize),
+}
+
+impl Plugs {
+    /// All that can be done to one or two.
+    fn all() -> impl Iterator<Item = Self> {
+        let exchanged = (0..LIMBS).flat_map(|a| (a + 1..LIMBS).map(move |b| Self::Exchanged(a, b)));
+        exchanged.chain((0..LIMBS).map(Self::Inverted))
+    }
+
+    fn put_right<T: Copy + core::ops::Neg<Output = T>>(self, channels: &mut [T; LIMBS]) {
+        match self {
+            Self::Exchanged(a, b) => channels.swap(a, b),
+            Self::Inverted(a) => channels[a] = -channels[a],
+        }
+    }
+
+    /// The trial with each limb's signal in its own channel, and with the gain of the amplifier that it went through.
+    fn trial_put_right(self, trial: &Trial) -> Trial {
+        let mut right = trial.clone();
+        right
+            .voltage_v
+            .iter_mut()
+            .for_each(|row| self.put_right(row));
+        if let Self::Exchanged(a, b) = self {
+            right.gains.gain_n_per_v.swap(a, b);
+        }
+        right
+    }
+
+    /// Cause, channels from 1, what makes the trials agree, what to do.
+    fn in_words(self) -> (Cause, Vec<usize>, String, String) {
+        match self {
+            Self::Exchanged(a, b) => {
+                let (a, b) = (a + 1, b + 1);
+                (
+                    Cause::SwappedChannels,
+                    vec![a, b],
+                    format!("channels {a} and {b} exchanged"),
+                    format!(
+                        "exchange channels {a} and {b} in the [channels] of the session or of these recordings, or their plugs"
+                    ),
+                )
+            }
+            Self::Inverted(a) => (
+                Cause::InvertedChannel,
+                vec![a + 1],
+                format!("channel {} inverted", a + 1),
+                format!("turn channel {} in these recordings, or its plug", a + 1),
+            ),
+        }
+    }
+}
+
+/// That, in the trials from this one on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Replugged {
+    plugs: Plugs,
+    from: usize,
+}
+
+/// The exchange that accounts for all trials.
+#[must_use]
+pub fn tried(day: &Unaccounted<'_>) -> Option<Finding> {
+    let shares = StaticLoadSharing::new(&day.campaign.geometry).ok()?;
+    let (found, table) = likeliest(&shares, day.cases)?;
+    let trials: Vec<Cow<'_, Trial>> = day
+        .campaign
+        .trials
+        .iter()
+        .enumerate()
+        .map(|(index, (trial, _))| {
+            if index < found.from {
+                Cow::Borrowed(trial)
+            } else {
+                Cow::Owned(found.plugs.trial_put_right(trial))
+            }
+        })
+        .collect();
+    let fitted = |trial: &&Cow<'_, Trial>| record(trial).is_some();
+    let all_day = !trials[..found.from].iter().any(|trial| fitted(&trial));
+    let mut rest = at_rest(day.drift);
+    if all_day {
+        found.plugs.put_right(&mut rest.drift_v);
+        found.plugs.put_right(&mut rest.deviation_v);
+        rest.deviation_v = rest.deviation_v.map(f64::abs);
+    }
+    let start = start(&table, &rest, &day.campaign.design);
+    let borrowed: Vec<&Trial> = trials.iter().map(AsRef::as_ref).collect();
+    let joint = day.accounting(&borrowed, &rest, &start, day.knowledge)?;
+    let names = trials[found.from..].iter().map(|trial| trial.name.clone());
+    let (cause, channels, with, advice) = found.plugs.in_words();
+    Some(Finding {
+        cause,
+        recordings: if all_day { Vec::new() } else { names.collect() },
+        channels,
+        evidence: format!(
+            "with {with} all trials agree to the noise (misfit {:.2}), and as they are they do not",
+            joint.misfit.per_degree
+        ),
+        advice,
+    })
+}
+
+/// The exchange with which the trials' responses agree best, and the scale factors and inertias they then have.
+fn likeliest(shares: &StaticLoadSharing, cases: &[TrialCase<'_>]) -> Option<(Replugged, Table)> {
+    // What was found of trials before was found with channels taken for each other.
+    let mut cases: Vec<TrialCase<'_>> = cases
+        .iter()
+        .map(|case| TrialCase {
+            ignored: [false; LIMBS],
+            explained: false,
+            ..case.clone()
+        })
+        .collect();
+    let of = |cases: &[TrialCase<'_>]| {
+        let table = Table::linear(shares, cases, &[false; LIMBS])?.exchanged(cases, None);
+        Some((table.cost(cases, COST_CAP), table))
+    };
+    let (as_they_are, _) = of(&cases)?;
+    let mut best: Option<(Replugged, f64, Table)> = None;
+    for plugs in Plugs::all() {
+        each_from_the_end(&mut cases, plugs, |from, cases| {
+            let Some((cost, table)) = of(cases) else {
+                return;
+            };
+            if best.as_ref().is_none_or(|(_, least, _)| cost < *least) {
+                best = Some((Replugged { plugs, from }, cost, table));
+            }
+        });
+    }
+    let (found, least, table) = best?;
+    (least < WORTH_A_FIT * as_they_are).then_some((found, table))
+}
+
+/// Shows the cases put right in the last one, in the last two ... in all of them, and leaves them as they were.
+fn each_from_the_end<'a>(
+    cases: &mut [TrialCase<'a>],
+    plugs: Plugs,
+    mut show: impl FnMut(usize, &[TrialCase<'a>]),
+) {
+    let put_right = |case: &mut TrialCase<'_>| {
+        if let Some(response) = &mut case.response {
+            plugs.put_right(&mut response.channels);
+        }
+    };
+    for from in (0..cases.len()).rev() {
+        put_right(&mut cases[from]);
+        show(from, cases);
+    }
+    cases.iter_mut().for_each(put_right);
+}
+
+/// Where the fit starts: as the responses have it, and as designed where they leave something open.
+fn start(table: &Table, rest: &AtRest, design: &Parameters) -> Parameters {
+    let inertia = table.inertia_m2.map(|i| InertiaPerMass {
+        xx_m2: i.x_axis.x,
+        yy_m2: i.y_axis.y,
+        zz_m2: i.z_axis.z,
+        xy_m2: i.x_axis.y,
+        xz_m2: i.x_axis.z,
+        yz_m2: i.y_axis.z,
+    });
+    Parameters {
+        zero_drift_v: rest.drift_v,
+        scale_per_mass_per_kg: table.mass_over_scale_kg.map(|h| 1.0 / h),
+        inertia_per_mass: inertia.unwrap_or(design.inertia_per_mass),
+        ..*design
+    }
+}
