@@ -1,11 +1,15 @@
 //! The `sixaxis` command.
 
+// What cannot be written to standard output is an error in words: `commands::common::print`.
+#![deny(clippy::print_stdout)]
+
 use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
 
 mod commands;
 mod progress;
+use commands::common::print;
 use commands::{
     calibrate, campaign, compare, completions, decouple, inspect, man, self_calibrate, simulate,
 };
@@ -75,10 +79,7 @@ enum Task {
 
 fn main() -> ExitCode {
     let done = match Arguments::parse().command {
-        None => Arguments::command()
-            .print_help()
-            .map(|()| ExitCode::SUCCESS)
-            .map_err(anyhow::Error::from),
+        None => print(Arguments::command().render_help().to_string()).map(|()| ExitCode::SUCCESS),
         #[cfg(feature = "harness")]
         Some(Task::Report(arguments)) => report::run(&arguments),
         Some(Task::Simulate(arguments)) => simulate::run(&arguments),

@@ -1,6 +1,6 @@
 //! `sixaxis compare`: a result against the truth, or against another result.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context, Result};
@@ -11,7 +11,7 @@ use sixaxis_calibration::page;
 use sixaxis_page::render;
 use sixaxis_recordings::draft::write_atomically;
 
-use super::common::say;
+use super::common::{check_outputs, print, say};
 
 /// What is held against what.
 #[derive(clap::Args)]
@@ -36,11 +36,20 @@ their `time` column, or else by their start and rate. One rate must be a whole m
 
 Example:
   sixaxis simulate --out day && sixaxis calibrate day/session.toml
-  sixaxis decouple calibration.json day/compound-03.npz --session day/session.toml --low-pass 30 --rest-to-rest --out run.csv
-  sixaxis compare run.csv day/truth/compound-03.npz";
+  sixaxis decouple day/calibration.json day/compound-03.csv --session day/session.toml --low-pass 30 --rest-to-rest --out run.csv
+  sixaxis compare run.csv day/truth/compound-03.csv";
 
 /// Compares, prints the table, writes the page.
 pub fn run(arguments: &Arguments) -> Result<ExitCode> {
+    let json = arguments.json.as_deref().map(|path| ("--json", path));
+    let outputs: Vec<(&str, &Path)> = json
+        .into_iter()
+        .chain([("--out", arguments.out.as_path())])
+        .collect();
+    check_outputs(
+        &outputs,
+        [arguments.result.as_path(), arguments.truth.as_path()],
+    )?;
     let result = Track::open(&arguments.result)?;
     let truth = Track::open(&arguments.truth)?;
     for track in [&result, &truth] {
@@ -63,31 +72,36 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         write_atomically(path, &serde_json::to_vec_pretty(&comparison)?)
             .with_context(|| format!("cannot write {}", path.display()))?;
     }
-    print_table(&comparison);
-    println!("\n{}", arguments.out.display());
+    print(format!(
+        "{}\n{}\n",
+        table(&comparison),
+        arguments.out.display()
+    ))?;
     Ok(ExitCode::SUCCESS)
 }
 
-fn print_table(comparison: &Comparison) {
-    println!(
-        "{} common instants from {} s at {} Hz\n",
-        comparison.instants, comparison.start_s, comparison.rate_hz
-    );
-    println!(
-        "{:<8} {:>8} {:>12} {:>12} {:>12}   {:^39}",
-        "", "", "peak of", "largest", "rms of", "error over the peak, %"
-    );
-    println!(
-        "{:<8} {:>8} {:>12} {:>12} {:>12}   {:>9} {:>9} {:>9} {:>9}",
-        "axis", "unit", "the truth", "error", "the error", "50 %", "90 %", "99 %", "largest"
-    );
-    for axis in &comparison.axes {
+fn table(comparison: &Comparison) -> String {
+    let mut lines = vec![
+        format!(
+            "{} common instants from {} s at {} Hz\n",
+            comparison.instants, comparison.start_s, comparison.rate_hz
+        ),
+        format!(
+            "{:<8} {:>8} {:>12} {:>12} {:>12}   {:^39}",
+            "", "", "peak of", "largest", "rms of", "error over the peak, %"
+        ),
+        format!(
+            "{:<8} {:>8} {:>12} {:>12} {:>12}   {:>9} {:>9} {:>9} {:>9}",
+            "axis", "unit", "the truth", "error", "the error", "50 %", "90 %", "99 %", "largest"
+        ),
+    ];
+    lines.extend(comparison.axes.iter().map(|axis| {
         let share = |figure: f64| {
             axis.percent(figure)
                 .map_or("-".to_owned(), |percent| format!("{percent:.3}"))
         };
         let [half, most, nearly_all] = axis.error_quantiles;
-        println!(
+        format!(
             "{:<8} {:>8} {:>12.5} {:>12.3e} {:>12.3e}   {:>9} {:>9} {:>9} {:>9}",
             axis.name,
             axis.unit,
@@ -98,9 +112,10 @@ fn print_table(comparison: &Comparison) {
             share(most),
             share(nearly_all),
             share(axis.largest_error)
-        );
-    }
+        )
+    }));
     if let Some(angle) = comparison.largest_attitude_error_deg {
-        println!("\nattitude: at most {angle:.3e} deg apart");
+        lines.push(format!("\nattitude: at most {angle:.3e} deg apart"));
     }
+    lines.join("\n") + "\n"
 }

@@ -11,6 +11,8 @@ use sixaxis_reference::rig::run::Mounting;
 use sixaxis_reference::sensor::TrueSensor;
 use sixaxis_reports::study;
 
+use super::common::print;
+
 /// Which sensor and where to.
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -36,6 +38,6 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let xml = SensorModel::new(&sensor, gravity).to_mjcf(step_s);
     write_atomically(out, xml.as_bytes())
         .with_context(|| format!("cannot write {}", out.display()))?;
-    println!("{}", out.display());
+    print(format!("{}\n", out.display()))?;
     Ok(ExitCode::SUCCESS)
 }

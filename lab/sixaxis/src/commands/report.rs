@@ -16,6 +16,7 @@ use sixaxis_reports::sections;
 use sixaxis_reports::study::results::{AcceptanceLimit, LimitKind, Results};
 use sixaxis_reports::study::{self, plan::Plan};
 
+use super::common::print;
 use crate::progress::Progress;
 
 /// Exit code where a required limit is broken; the report is written all the same.
@@ -156,8 +157,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         write_atomically(&path, &bytes)
             .with_context(|| format!("cannot write {}", path.display()))?;
     }
-    print_summary(&results);
-    println!("\n{}", html.display());
+    print(format!("{}\n{}\n", summary(&results), html.display()))?;
     Ok(
         if results.acceptance.iter().any(AcceptanceLimit::is_broken) {
             ExitCode::from(BROKEN)
@@ -184,14 +184,15 @@ impl<'a> Document<'a> {
     }
 }
 
-fn print_summary(results: &Results) {
-    println!(
-        "{:<66} {:>12} {:>10}",
+/// Every acceptance limit with what was measured, a line each.
+fn summary(results: &Results) -> String {
+    let heading = format!(
+        "{:<66} {:>12} {:>10}\n",
         "acceptance limit", "measured", "limit"
     );
-    for bar in &results.acceptance {
-        println!(
-            "{:<66} {:>12.2e} {:>10.1e} {:<2} {}",
+    let line = |bar: &AcceptanceLimit| {
+        format!(
+            "{:<66} {:>12.2e} {:>10.1e} {:<2} {}\n",
             bar.name,
             bar.value,
             bar.limit,
@@ -201,8 +202,9 @@ fn print_summary(results: &Results) {
                 (false, LimitKind::Required) => "BROKEN",
                 (false, LimitKind::Aim) => "missed: a finding",
             }
-        );
-    }
+        )
+    };
+    heading + &results.acceptance.iter().map(line).collect::<String>()
 }
 
 /// Processor and number of cores, as the system names them.

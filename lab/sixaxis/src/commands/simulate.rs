@@ -18,6 +18,7 @@ use sixaxis_reference::laboratory::session::{simulate_session_watched, work_ms};
 use sixaxis_reference::laboratory::tumble::record_tumble;
 use sixaxis_reference::laboratory::write::{SESSION_FILE, TRUTH_FOLDER, write, write_beside};
 
+use super::common::print;
 use crate::progress::Progress;
 
 /// What to play and where to write.
@@ -141,7 +142,7 @@ fn defect_choice() -> impl TypedValueParser<Value = DefectChoice> {
 pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let plan = plan(arguments)?;
     if arguments.print_plan {
-        print!("{}", plan_file::with_comments(&plan));
+        print(plan_file::with_comments(&plan))?;
         return Ok(ExitCode::SUCCESS);
     }
     let out = &arguments.out;
@@ -163,20 +164,15 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         Some(duration_s) => Some(from_the_field(arguments, &plan, duration_s)?),
         None => None,
     };
-    println!(
-        "{}: {} recordings, .{}, and {SESSION_FILE}",
+    let field = field.map_or(String::new(), |command| format!("then: {command}\n"));
+    print(format!(
+        "{}: {} recordings, .{}, and {SESSION_FILE}\nnext: sixaxis calibrate {}\n{field}{} holds what a laboratory does not know: not to be looked at before the verdict\n",
         out.display(),
         played.recordings.len(),
-        arguments.format
-    );
-    println!("next: sixaxis calibrate {}", quoted(&session));
-    if let Some(command) = field {
-        println!("then: {command}");
-    }
-    println!(
-        "{} holds what a laboratory does not know: not to be looked at before the verdict",
+        arguments.format,
+        quoted(&session),
         out.join(TRUTH_FOLDER).display()
-    );
+    ))?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -8,6 +8,7 @@ mod decouple;
 mod docs;
 mod help;
 mod inspect;
+mod outputs;
 mod program;
 mod self_calibrate;
 mod simulate;

@@ -9,6 +9,7 @@ use sixaxis_campaign::plan::{CampaignPlan, LARGEST_SEED, Shard};
 use sixaxis_campaign::run::{Order, Watch, run as work};
 use sixaxis_reference::laboratory::plan_file;
 
+use crate::commands::common::print;
 use crate::progress::Progress;
 
 /// Which cases and where to write.
@@ -72,25 +73,26 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         return Ok(ExitCode::SUCCESS);
     }
     let seconds = started.elapsed().as_secs_f64();
-    println!(
-        "{}: {} cases, {} found done, {} done in {seconds:.0} s{}",
-        arguments.out.display(),
+    let rate = if done.cases > 0 {
+        format!(", {:.1} a second", done.cases as f64 / seconds)
+    } else {
+        String::new()
+    };
+    let failed = if done.failed > 0 {
+        format!(
+            "{} of them could not be calibrated: columns status and failure say why\n",
+            done.failed
+        )
+    } else {
+        String::new()
+    };
+    let out = arguments.out.display();
+    print(format!(
+        "{out}: {} cases, {} found done, {} done in {seconds:.0} s{rate}\n{failed}next: sixaxis campaign summary {out}\n",
         done.found + done.cases,
         done.found,
         done.cases,
-        if done.cases > 0 {
-            format!(", {:.1} a second", done.cases as f64 / seconds)
-        } else {
-            String::new()
-        },
-    );
-    if done.failed > 0 {
-        println!(
-            "{} of them could not be calibrated: columns status and failure say why",
-            done.failed
-        );
-    }
-    println!("next: sixaxis campaign summary {}", arguments.out.display());
+    ))?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -1,0 +1,92 @@
+//! Where the command writes: never over what it reads, and in words where it cannot.
+
+use std::fs::{self, File};
+use std::process::{Command, Stdio};
+
+use crate::program::{Folder, code, done, run, sixaxis, stderr, stdout};
+
+/// A decoupled recording of a few samples.
+const DECOUPLED: &str = "time,ax,ay,az,alpha_x,alpha_y,alpha_z\ns,m/s^2,m/s^2,m/s^2,rad/s^2,rad/s^2,rad/s^2\n\
+    0.000,0,1,2,3,4,5\n0.001,1,2,3,4,5,6\n0.002,2,3,4,5,6,7\n0.003,1,2,3,4,5,6\n";
+
+#[test]
+fn neg_a_comparison_writes_over_nothing_that_it_reads() {
+    let folder = Folder::new("compare_outputs");
+    let (a, b) = (folder.file("a.csv"), folder.file("b.csv"));
+    for file in [&a, &b] {
+        fs::write(file, DECOUPLED).expect("writes");
+    }
+    let page = folder.file("page");
+    done(&["compare", &a, &b, "--out", &page]);
+    for outputs in [
+        &["--out", &a][..],
+        &["--out", &b],
+        &["--out", &page, "--json", &a],
+        &["--out", &page, "--json", &page],
+    ] {
+        let said = run(&[&["compare", &a, &b][..], outputs].concat());
+        assert_eq!(code(&said), 1, "{outputs:?}");
+        for file in [&a, &b] {
+            assert_eq!(fs::read_to_string(file).expect("reads"), DECOUPLED);
+        }
+    }
+}
+
+/// `compare --help` says how to come by what is compared.
+#[test]
+fn inv_the_example_of_compare_runs() {
+    let folder = Folder::new("compare_example");
+    let help = stdout(&done(&["compare", "--help"]));
+    let example = help.split("Example:\n").nth(1).expect("an example");
+    // The same day in a closed form takes a hundredth of the time.
+    let lines = example.replace("simulate", "simulate --engine rigid");
+    let output = Command::new("bash")
+        .args([
+            "-ec",
+            &format!("sixaxis() {{ \"$SIXAXIS\" \"$@\"; }}\n{lines}"),
+        ])
+        .env("SIXAXIS", env!("CARGO_BIN_EXE_sixaxis"))
+        .current_dir(&*folder)
+        .output()
+        .expect("bash starts");
+    assert!(output.status.success(), "{}", stderr(&output));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn neg_standard_output_that_takes_nothing_is_an_error_in_words() {
+    let folder = Folder::new("full_output");
+    let a = folder.file("a.csv");
+    fs::write(&a, DECOUPLED).expect("writes");
+    let page = folder.file("page");
+    let mut asked = vec![
+        vec!["simulate", "--print-plan"],
+        vec!["compare", &a, &a, "--out", &page],
+        vec!["man"],
+        vec![],
+    ];
+    let model = folder.file("model.xml");
+    if cfg!(feature = "harness") {
+        asked.push(vec!["model", "--out", &model]);
+    }
+    for arguments in asked {
+        let full = File::create("/dev/full").expect("opens");
+        let said = sixaxis().args(&arguments).stdout(full).output();
+        let said = said.expect("the program starts");
+        assert_eq!(code(&said), 1, "{arguments:?}");
+        let words = stderr(&said);
+        assert!(
+            words.starts_with("error: cannot write to standard output"),
+            "{arguments:?}: {words}"
+        );
+        // A reader that has gone away is no error.
+        let mut gone = sixaxis();
+        gone.args(&arguments)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped());
+        let mut gone = gone.spawn().expect("the program starts");
+        drop(gone.stdout.take());
+        let said = gone.wait_with_output().expect("it ends");
+        assert_eq!(code(&said), 0, "{arguments:?}: {}", stderr(&said));
+    }
+}
