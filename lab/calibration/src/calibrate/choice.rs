@@ -5,6 +5,7 @@ use sixaxis_core::{Parameter, Parameters};
 use crate::estimate::Estimate;
 use crate::finding::{Cause, Finding};
 use crate::gain_prior::BoundedGain;
+use crate::joint::hypotheses;
 use crate::joint::misfit::Misfit;
 use crate::joint::{JointReport, Loss};
 use crate::report::{Estimator, ParameterReport};
@@ -22,6 +23,8 @@ pub(super) struct Chosen {
     pub estimate: Estimate,
     /// Whose parameters were asked for or, where nobody asked, chosen.
     pub estimator: Estimator,
+    /// The four steps, for want of a joint fit that accounts for the trials.
+    fell_back: bool,
     /// The 25 parameters, by the four steps where the joint fit refuses.
     pub parameters: Vec<ParameterReport>,
     /// The parameters to decouple with: where k/m is not determined, the design's.
@@ -34,6 +37,7 @@ impl Chosen {
             Ok(joint) if joint.accounts() => Estimator::Joint,
             _ => Estimator::FourSteps,
         });
+        let fell_back = asked_for.is_none() && estimator == Estimator::FourSteps;
         let four_steps = &estimate.four_steps;
         let (parameters, used) = match &estimate.joint {
             Ok(joint) if estimator != Estimator::FourSteps => {
@@ -57,6 +61,7 @@ impl Chosen {
         Self {
             estimate,
             estimator,
+            fell_back,
             parameters,
             used,
         }
@@ -87,6 +92,13 @@ impl Chosen {
         if let Some(joint) = self.used_joint() {
             reservations.extend(contradiction(&joint.misfit));
             reservations.extend(beyond_certificate(&joint.gain));
+        }
+        if self.fell_back {
+            let joint = self.estimate.joint.as_ref().map_err(String::as_str);
+            reservations.push(format!(
+                "{}: the four steps' parameters are used, whose own spread says nothing of that",
+                hypotheses::contradiction(joint)
+            ));
         }
         reservations
     }

@@ -79,8 +79,11 @@ fn explain(
     departure: f64,
 ) -> Option<Finding> {
     let odd = Odd::new(table, case, response, departure);
+    // A factor on all channels leaves nothing over of their course.
+    let course = unexplained_in_time(table, case, response);
     let explained = odd
         .one_factor()
+        .map(|factor| course.unwrap_or(factor))
         .or_else(|| odd.one_channel())
         .or_else(|| odd.exchanged());
     if explained.is_some() {

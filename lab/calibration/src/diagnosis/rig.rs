@@ -129,7 +129,9 @@ fn wrong_clock(linear: &[Reading], angular: &[Reading], facts: &Facts<'_>) -> Op
         (other - by_reading).abs() < ALIKE * by_reading.abs() + certificate
     };
     let by_gyroscope = 1.0 / (1.0 + gyroscope) - 1.0;
-    (near(faster, TOLERANCE) && near(by_gyroscope, facts.gyroscope.gain_limit)).then(|| Finding {
+    // A drive that turns as the session says is no word for another clock, however small its error.
+    let shows = faster * by_reading.signum() > ALIKE * by_reading.abs();
+    (shows && near(faster, TOLERANCE) && near(by_gyroscope, facts.gyroscope.gain_limit)).then(|| Finding {
         cause: Cause::ClockMismatch,
         recordings: Vec::new(),
         channels: Vec::new(),

@@ -32,6 +32,8 @@ const PLUMB_DEG: f64 = 0.5;
 const CENTRE_M: f64 = 5e-3;
 /// Channels of one trial whose zeros may well have drifted together.
 const DRIFT_TOGETHER: usize = 2;
+/// Share of a channel's change that others of the same trial may have beside it.
+const BESIDE: f64 = 0.2;
 /// Share of its sensitivities' scatter that a line over the day explains where a channel fades.
 const ALONG_A_LINE: f64 = 0.9;
 /// Change of a zero since the static record over the converter's range.
@@ -203,7 +205,11 @@ impl JointReport {
             for (trial, name) in self.estimate.trials.iter().zip(names) {
                 let own = trial.sensitivity[limb];
                 if fading.is_none() && is_odd(own) {
-                    findings.push(one_channel(limb, name, 1.0 + own.value));
+                    findings.push(if is_alone(limb, &trial.sensitivity) {
+                        one_channel(limb, name, 1.0 + own.value)
+                    } else {
+                        several_channels(limb, name, own.value)
+                    });
                 }
             }
         }
@@ -285,6 +291,28 @@ impl JointReport {
 /// Whether a sensitivity is none that an ordinary room gives a channel.
 fn is_odd(own: Known) -> bool {
     own.value.abs() > SENSITIVITY && own.value.abs() > SIGNIFICANT * own.deviation
+}
+
+/// Whether no two other channels of the trial have left their sensitivities as well, by a share of what this one has.
+fn is_alone(limb: usize, sensitivity: &[Known; LIMBS]) -> bool {
+    let least = BESIDE * sensitivity[limb].value.abs();
+    let moved = |own: &Known| own.value.abs() > least.max(SIGNIFICANT * own.deviation);
+    sensitivity.iter().filter(|own| moved(own)).count() <= 2
+}
+
+/// Several channels in one trial show other than in the others, this one most.
+fn several_channels(limb: usize, name: &str, by: f64) -> Finding {
+    Finding {
+        cause: Cause::Unexplained,
+        recordings: vec![name.to_owned()],
+        channels: Vec::new(),
+        evidence: format!(
+            "several channels show more or less than in the other trials, channel {} by {:+.2} %",
+            limb + 1,
+            100.0 * by
+        ),
+        advice: "check that this recording is this sensor's, in this state".to_owned(),
+    }
 }
 
 /// One channel in one trial shows so many times what it shows in the others.

@@ -98,30 +98,28 @@ pub fn explain(
     }
     if certain.is_empty() {
         vec![unknown(format!(
-            "{}; to look at: {suspicion}",
-            contradiction(day)
+            "{}, and no one cause that was tried accounts for that; to look at: {suspicion}",
+            contradiction(day.joint)
         ))]
     } else {
         Vec::new()
     }
 }
 
-/// How far the day is from being accounted for, in words.
-fn contradiction(day: &Unaccounted<'_>) -> String {
-    match day.joint {
+/// How far a day is from being accounted for, in words.
+pub(crate) fn contradiction(joint: core::result::Result<&JointReport, &str>) -> String {
+    match joint {
         Ok(joint) if !joint.misfit.contradicts() => format!(
-            "the trials agree only as those of a sensor beyond the ordinary (stiffnesses that differ by {:.2} %, cross-talk of {:.2} %, or several channels whose sensitivity is another in single trials), and no one cause that was tried accounts for that",
+            "the trials agree only as those of a sensor beyond the ordinary (stiffnesses that differ by {:.2} %, cross-talk of {:.2} %, or several channels whose sensitivity is another in single trials)",
             100.0 * joint.estimate.spreads.stiffness,
             100.0 * joint.estimate.spreads.cross_talk
         ),
         Ok(joint) => format!(
-            "the trials contradict each other (misfit {:.2}, noise alone leaves at most {:.2}), and no one cause that was tried accounts for that",
+            "the trials contradict each other (misfit {:.2}, noise alone leaves at most {:.2})",
             joint.misfit.per_degree,
             joint.misfit.limit()
         ),
-        Err(refusal) => format!(
-            "no fit to all trials can be made ({refusal}), and no one cause that was tried accounts for that"
-        ),
+        Err(refusal) => format!("no fit to all trials can be made ({refusal})"),
     }
 }
 

@@ -24,16 +24,16 @@ const TURN_RAD: f64 = 0.1;
 
 /// Standard deviations of its unknown from which a freedom is needed: one that is not takes up what is left of anything, but little.
 const BEYOND_DOUBT: f64 = 30.0;
-/// Share of a channel's signal that its delay puts into quadrature, at the fastest drive, from which it is worth a word. Converters
-/// that take their channels in turn do less.
+/// Share of a channel's signal that its delay puts into quadrature at the fastest drive, or a high-pass at the slowest, from which it is
+/// worth a word. Converters that take their channels in turn do less.
 const WORTH_A_WORD: f64 = 1e-3;
 
 /// A freedom.
 struct Freedom {
     /// With it, if the session leaves room for it.
     freed: fn(&Knowledge) -> Option<Knowledge>,
-    /// What is said of it, by the fit and the fastest drive, rad/s; none if its unknown is not told beyond doubt.
-    finding: fn(&JointReport, f64) -> Option<Finding>,
+    /// What is said of it, by the fit and the slowest and the fastest drive, rad/s; none if its unknown is not told beyond doubt.
+    finding: fn(&JointReport, [f64; 2]) -> Option<Finding>,
 }
 
 const FREEDOMS: [Freedom; 4] = [
@@ -60,14 +60,15 @@ const FREEDOMS: [Freedom; 4] = [
 pub fn tried(day: &Unaccounted<'_>) -> Vec<Finding> {
     let trials: Vec<&Trial> = day.campaign.trials.iter().map(|(trial, _)| trial).collect();
     let rest = at_rest(day.drift);
-    let fastest_hz = trials
-        .iter()
-        .map(|trial| trial.frequency_hz)
-        .fold(0.0, f64::max);
+    let drives = || trials.iter().map(|trial| TAU * trial.frequency_hz);
+    let drives_rad_s = [
+        drives().fold(f64::INFINITY, f64::min),
+        drives().fold(0.0, f64::max),
+    ];
     let of = |freedom: &Freedom| {
         let freed = (freedom.freed)(day.knowledge)?;
         let joint = day.accounting(&trials, &rest, &day.start, &freed)?;
-        (freedom.finding)(&joint, TAU * fastest_hz)
+        (freedom.finding)(&joint, drives_rad_s)
     };
     FREEDOMS.iter().filter_map(of).collect()
 }
@@ -97,9 +98,11 @@ fn high_pass(knowledge: &Knowledge) -> Option<Knowledge> {
     stated.replace(free).is_none().then_some(freed)
 }
 
-fn amplifier(joint: &JointReport, _: f64) -> Option<Finding> {
-    let corner_hz = told(joint, AMPLIFIER_CORNER)? / TAU;
-    Some(Finding {
+/// A corner too low for its lead to show lends each channel a straight line of its own, which other things have as well.
+fn amplifier(joint: &JointReport, [slowest_rad_s, _]: [f64; 2]) -> Option<Finding> {
+    let corner_rad_s = told(joint, AMPLIFIER_CORNER)?;
+    let corner_hz = corner_rad_s / TAU;
+    (corner_rad_s > WORTH_A_WORD * slowest_rad_s).then(|| Finding {
         cause: Cause::HighPassNotStated,
         recordings: Vec::new(),
         channels: Vec::new(),
@@ -117,7 +120,7 @@ fn lag(knowledge: &Knowledge) -> Option<Knowledge> {
     stated.replace(about(LAG_S)).is_none().then_some(freed)
 }
 
-fn gyroscope(joint: &JointReport, _: f64) -> Option<Finding> {
+fn gyroscope(joint: &JointReport, _: [f64; 2]) -> Option<Finding> {
     let lag_s = told(joint, GYROSCOPE_LAG)?;
     Some(Finding {
         cause: Cause::GyroscopeLag,
@@ -141,7 +144,7 @@ fn delays(knowledge: &Knowledge) -> Option<Knowledge> {
 }
 
 /// Channels that are behind the standards or ahead of them. One clock for all nine is the standards' to be late.
-fn late_channels(joint: &JointReport, fastest_rad_s: f64) -> Option<Finding> {
+fn late_channels(joint: &JointReport, [_, fastest_rad_s]: [f64; 2]) -> Option<Finding> {
     let mut late: Vec<(usize, f64)> = Vec::new();
     for limb in 0..LIMBS {
         let delay = known(joint, joint.estimate.unknowns.delay(limb)?);
@@ -185,7 +188,7 @@ fn wedges(knowledge: &Knowledge) -> Option<Knowledge> {
 }
 
 /// Wedges that stand elsewhere, or the sensor on all of them.
-fn turned_wedges(joint: &JointReport, _: f64) -> Option<Finding> {
+fn turned_wedges(joint: &JointReport, _: [f64; 2]) -> Option<Finding> {
     let unknowns = &joint.estimate.unknowns;
     let turned = (0..unknowns.wedges.len()).filter_map(|wedge| {
         let angles = unknowns.angles(wedge)..unknowns.angles(wedge) + ANGLES;
