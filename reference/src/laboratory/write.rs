@@ -33,6 +33,9 @@ pub fn write(
     extension: &str,
 ) -> sixaxis_recordings::Result<PathBuf> {
     let path = folder.join(SESSION_FILE);
+    let truth_folder = folder.join(TRUTH_FOLDER);
+    std::fs::create_dir_all(&truth_folder)
+        .map_err(|e| sixaxis_recordings::Error::io(&truth_folder, e))?;
     match std::fs::remove_file(&path) {
         Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
             return Err(sixaxis_recordings::Error::io(&path, e));
@@ -44,16 +47,16 @@ pub fn write(
         let name = format!("{}.{extension}", entry.file.display());
         write_recording(recording, &folder.join(&name))?;
         if !recording.truth.is_empty() {
-            write_truth(recording, &folder.join(TRUTH_FOLDER).join(&name))?;
+            write_truth(recording, &truth_folder.join(&name))?;
         }
         entry.file = PathBuf::from(name);
     }
-    let truth_path = folder.join(TRUTH_FOLDER).join("truth.json");
+    let truth_path = truth_folder.join("truth.json");
     let truth = serde_json::to_vec_pretty(&simulated.truth)
         .map_err(|e| sixaxis_recordings::Error::io(&truth_path, std::io::Error::other(e)))?;
     write_atomically(&truth_path, &truth)?;
     write_atomically(
-        &folder.join(TRUTH_FOLDER).join(PLAN_FILE),
+        &truth_folder.join(PLAN_FILE),
         with_comments(&simulated.truth.plan).as_bytes(),
     )?;
     let text = toml::to_string(&session)
