@@ -15,7 +15,7 @@
 //! | [`room`] | the gentle and the usual room |
 //! | `trial`, `tap`, [`mod@tumble`] | one trial of the rig, one tap, one tumble from the field |
 //! | [`session`] | all trials of a day |
-//! | `session_file` | what the laboratory writes down of it |
+//! | [`session_file`] | what the laboratory writes down of it |
 //! | [`mod@write`] | all of it on disk |
 
 pub mod chain;
@@ -31,7 +31,7 @@ pub mod recording;
 pub mod room;
 pub mod schedule;
 pub mod session;
-mod session_file;
+pub mod session_file;
 mod spoil;
 mod tap;
 mod trial;
@@ -96,6 +96,17 @@ impl Laboratory {
             chain: Chain::laboratory(),
             instruments: Instruments::of_class(&mut rng),
             seed,
+        }
+    }
+
+    /// The healthy laboratory of a plan: its sensor, measuring chain and instruments.
+    #[must_use]
+    pub fn of_plan(plan: &plan::SessionPlan) -> Self {
+        Self {
+            sensor: plan.true_sensor(),
+            chain: plan.measuring_chain(),
+            instruments: plan.true_instruments(),
+            seed: plan.seed,
         }
     }
 

@@ -11,7 +11,8 @@ mod commands;
 mod progress;
 use commands::common::print;
 use commands::{
-    calibrate, campaign, compare, completions, decouple, inspect, man, self_calibrate, simulate,
+    calibrate, campaign, compare, completions, decouple, inspect, man, panel, self_calibrate,
+    simulate,
 };
 #[cfg(feature = "harness")]
 use commands::{model, report};
@@ -38,6 +39,7 @@ const AFTER_HELP: &str = "\
 \x20 sixaxis simulate --out day                     a laboratory's day: recordings and session file
   sixaxis calibrate day/session.toml             25 parameters, their intervals, a verdict
   sixaxis decouple calibration.json run.tdms     six accelerations from nine voltages
+  sixaxis panel                                  the instrument live, in a browser
   sixaxis campaign --help                        thousands of calibrations: do the intervals hold?
 
 Exit codes: 0 done, and the verdict is good; 1 it could not be done; 2 the command line is not understood; 3 done, good with
@@ -64,6 +66,10 @@ enum Task {
     SelfCalibrate(self_calibrate::Arguments),
     /// Run thousands of seeded calibrations in parallel and in shards, and sum up whether the intervals hold
     Campaign(campaign::Arguments),
+    /// Show the instrument live in a browser: acquire, preprocess, identify, decouple
+    ///
+    /// Serves one page on the loopback address and prints its link. Without another source a simulated laboratory is run by hand.
+    Panel(panel::Arguments),
     /// Compare a decoupled recording with the truth, or with another
     Compare(compare::Arguments),
     /// Write the simulated sensor as MJCF; `python -m mujoco.viewer --mjcf=FILE` opens it
@@ -88,6 +94,7 @@ fn main() -> ExitCode {
         Some(Task::Decouple(arguments)) => decouple::run(&arguments),
         Some(Task::SelfCalibrate(arguments)) => self_calibrate::run(&arguments),
         Some(Task::Campaign(arguments)) => campaign::run(&arguments),
+        Some(Task::Panel(arguments)) => panel::run(&arguments),
         Some(Task::Compare(arguments)) => compare::run(&arguments),
         #[cfg(feature = "harness")]
         Some(Task::Model(arguments)) => model::run(&arguments),

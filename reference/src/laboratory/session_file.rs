@@ -14,8 +14,9 @@ use super::spoil::size_of;
 use crate::geometry::Geometry;
 use crate::paper;
 
-/// The session file.
-pub(super) fn session(
+/// The session file of recordings that were made to a plan.
+#[must_use]
+pub fn session(
     plan: &SessionPlan,
     defect: Option<&Defect>,
     recordings: &[SimulatedRecording],

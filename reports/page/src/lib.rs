@@ -40,6 +40,6 @@ pub mod trace;
 
 pub use figure::{Axis, Figure, Kind, Mark, Panel, Scale, Series};
 pub use page::{Basis, Block, Claim, Listing, Page, Section, State, Tile, Verdict};
-pub use render::render;
+pub use render::{render, theme};
 pub use table::{Cell, Table, TableBuilder};
 pub use text::Text;

@@ -11,6 +11,20 @@ use minijinja::{Environment, Value, context};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
+/// The colours and fonts of all pages, light and dark, as CSS variables: for a page that is not rendered here.
+///
+/// # Errors
+/// None that a caller could cause: the style sheet is part of the program.
+pub fn theme() -> Result<String> {
+    let sheet = include_str!("style.css");
+    let tokens = sheet.split("\n*, ::before").next().unwrap_or(sheet);
+    let mut env = Environment::new();
+    env.add_template("theme.css", tokens)?;
+    env.get_template("theme.css")?
+        .render(context! {})
+        .context("filling the theme")
+}
+
 /// A figure as the template needs it.
 #[derive(Serialize)]
 struct Drawing {

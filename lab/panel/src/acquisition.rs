@@ -1,0 +1,522 @@
+//! The acquisition: takes every sample from the source, and of each makes statistics, conditioned voltages, accelerations, a row of
+//! the history and of the recording. It waits for nobody but the source: browsers read what it leaves in [`Board`], files are
+//! written by threads of their own.
+
+use std::path::PathBuf;
+use std::sync::mpsc::{Receiver, Sender as JobSender, SyncSender};
+use std::sync::{Arc, PoisonError};
+use std::time::{Duration, Instant};
+
+use serde::Serialize;
+use sixaxis_calibration::calibration::Calibration;
+use sixaxis_core::LIMBS;
+use sixaxis_recordings::session::Session;
+
+use crate::board::{Board, Live, Post};
+use crate::campaign::{Job, Outcome};
+use crate::chain::{Chain, Choice};
+use crate::columns::{self, Batch, COLUMNS};
+use crate::control::{Command, FileFormat, LabCommand, Parameters, Stages};
+use crate::history::History;
+use crate::recorder::{self, Progress, Recorder};
+use crate::source::{Begin, Event, Start};
+use crate::statistics::{Channel, Statistics};
+
+/// Time between two statuses.
+const STATUS: Duration = Duration::from_millis(200);
+/// Messages that are kept for browsers that come later.
+const NOTES: usize = 50;
+/// Longest trial that is kept in memory, s.
+const LONGEST_TRIAL_S: f64 = 900.0;
+
+/// What the acquisition is told when it begins.
+pub struct Setup {
+    /// Folder of everything that is written.
+    pub out: PathBuf,
+    /// Sensor, converter, design; gains where no run says others.
+    pub session: Session,
+    /// The calibration file of the command line.
+    pub calibration: Option<Calibration>,
+    /// The simulated laboratory's commands, if there is one.
+    pub laboratory: Option<SyncSender<LabCommand>>,
+    /// The campaign's worker.
+    pub campaign: JobSender<Job>,
+}
+
+/// What all browsers are told five times a second.
+#[derive(Debug, Clone, Serialize)]
+struct Status<'a> {
+    start: &'a Start,
+    samples: u64,
+    kept_s: f64,
+    received_per_s: f64,
+    channels: &'a [Channel; LIMBS],
+    full_scale_v: f64,
+    at_rest: bool,
+    run: Option<String>,
+    trial: Option<usize>,
+    gains_n_per_v: [f64; LIMBS],
+    stages: Stages,
+    delay_s: f64,
+    parameters: Parameters,
+    available: [bool; 3],
+    watch: bool,
+    watched: [f64; 2],
+    errors: Option<[f64; 6]>,
+    parity_rms: [f64; 3],
+    recording: Option<Progress>,
+    notes: Vec<(u64, String)>,
+    laboratory: bool,
+}
+
+/// The state of the acquisition.
+struct Acquisition {
+    setup: Setup,
+    board: Arc<Board>,
+    start: Start,
+    statistics: Statistics,
+    chain: Chain,
+    stages: Stages,
+    choice: Parameters,
+    watch: bool,
+    campaign_calibration: Option<Calibration>,
+    /// The run under way, and the last one's gains and gravity.
+    begin: Option<Begin>,
+    last: Option<Begin>,
+    capture: Option<(usize, Batch)>,
+    recorder: Option<Recorder>,
+    notes: Vec<(u64, String)>,
+    noted: u64,
+    rested: u32,
+    rate: (Instant, u64, f64),
+}
+
+/// Works until the source and all who hold the way to it are gone, or `over` says so.
+pub fn run(events: &Receiver<Event>, board: &Arc<Board>, setup: Setup) {
+    let start = Start {
+        title: "waiting for a source".to_owned(),
+        sample_rate_hz: 1000.0,
+        standards: false,
+        truth: false,
+    };
+    let full_scale_v = setup.session.sensor.full_scale_v;
+    let choice = if setup.calibration.is_some() {
+        Parameters::File
+    } else {
+        Parameters::Design
+    };
+    let stages = Stages::default();
+    let mut acquisition = Acquisition {
+        statistics: Statistics::new(full_scale_v, start.sample_rate_hz),
+        chain: Chain::idle(),
+        board: Arc::clone(board),
+        setup,
+        start,
+        stages,
+        choice,
+        watch: false,
+        campaign_calibration: None,
+        begin: None,
+        last: None,
+        capture: None,
+        recorder: None,
+        notes: Vec::new(),
+        noted: 0,
+        rested: 0,
+        rate: (Instant::now(), 0, 0.0),
+    };
+    acquisition.rebuild();
+    let mut told = Instant::now();
+    acquisition.tell();
+    while !board.is_over() {
+        match events.recv_timeout(STATUS.saturating_sub(told.elapsed())) {
+            Ok(event) => acquisition.take(event),
+            Err(std::sync::mpsc::RecvTimeoutError::Timeout) => {}
+            Err(std::sync::mpsc::RecvTimeoutError::Disconnected) => break,
+        }
+        if told.elapsed() >= STATUS {
+            acquisition.tell();
+            told = Instant::now();
+        }
+    }
+}
+
+impl Acquisition {
+    fn take(&mut self, event: Event) {
+        match event {
+            Event::Start(start) => self.start(start),
+            Event::Samples(batch) => self.samples(batch),
+            Event::Begin(begin) => self.begin(*begin),
+            Event::End { complete } => self.end(complete),
+            Event::Note(text) => self.note(text),
+            Event::Control(command) => self.obey(command),
+            Event::Calibrated(outcome) => self.calibrated(*outcome),
+        }
+    }
+
+    fn note(&mut self, text: String) {
+        self.noted += 1;
+        self.notes.push((self.noted, text));
+        let old = self.notes.len().saturating_sub(NOTES);
+        self.notes.drain(..old);
+    }
+
+    fn start(&mut self, start: Start) {
+        if self.recorder.is_some() {
+            self.obey(Command::StopRecording);
+        }
+        self.note(format!(
+            "{}: {} samples per second",
+            start.title, start.sample_rate_hz
+        ));
+        self.statistics =
+            Statistics::new(self.setup.session.sensor.full_scale_v, start.sample_rate_hz);
+        *self
+            .board
+            .history
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner) = History::new(start.sample_rate_hz);
+        self.board.next_source();
+        (self.begin, self.last, self.capture) = (None, None, None);
+        self.start = start;
+        self.rebuild();
+    }
+
+    /// Whose parameters, with their calibration.
+    fn chosen(&self) -> Choice<'_> {
+        let calibration = match self.choice {
+            Parameters::Design => None,
+            Parameters::File => self.setup.calibration.as_ref(),
+            Parameters::Campaign => self.campaign_calibration.as_ref(),
+        };
+        let gains = match self.begin.as_ref().or(self.last.as_ref()) {
+            Some(begin) => begin.gain_n_per_v,
+            None => self.setup.session.sensor.gain_n_per_v.each(),
+        };
+        let begin = self.begin.as_ref().or(self.last.as_ref());
+        Choice {
+            session: &self.setup.session,
+            calibration,
+            gain_n_per_v: gains,
+            gravity_ground_m_s2: begin.map_or(glam::DVec3::ZERO, |begin| begin.gravity_ground_m_s2),
+            watch: self.watch,
+        }
+    }
+
+    /// Another source or other stages: conditioning and decoding begin anew.
+    fn rebuild(&mut self) {
+        if let Err(error) = self
+            .chain
+            .condition(&self.stages, self.start.sample_rate_hz)
+        {
+            self.note(format!("cannot condition: {error:#}"));
+        }
+        self.restart();
+    }
+
+    /// Other parameters or gains, or a rest: decoding begins anew.
+    fn restart(&mut self) {
+        let mut chain = std::mem::replace(&mut self.chain, Chain::idle());
+        let restarted = chain.restart(&self.chosen());
+        self.chain = chain;
+        if let Err(error) = restarted {
+            self.note(format!("cannot decode: {error:#}"));
+        }
+    }
+
+    fn begin(&mut self, begin: Begin) {
+        // The zeros of the rest before the run; a run begins with too short a rest of its own.
+        if let Some(trial) = begin.trial {
+            self.capture = Some((trial, Batch::default()));
+        }
+        self.begin = Some(begin);
+        self.restart();
+    }
+
+    fn end(&mut self, complete: bool) {
+        let begin = self.begin.take();
+        self.last.clone_from(&begin);
+        match (self.capture.take(), begin) {
+            (Some((trial, samples)), Some(begin)) if complete => {
+                let job = Job::Captured {
+                    trial,
+                    begin: Box::new(begin),
+                    samples,
+                    sample_rate_hz: self.start.sample_rate_hz,
+                };
+                if self.setup.campaign.send(job).is_err() {
+                    self.note("the campaign's worker is gone".to_owned());
+                }
+            }
+            (Some(_), _) => self.note("the run was stopped: its trial is not taken".to_owned()),
+            (None, _) => {}
+        }
+    }
+
+    fn calibrated(&mut self, outcome: Outcome) {
+        if let Ok(text) = serde_json::to_string(&serde_json::json!({ "campaign": &outcome })) {
+            self.board.post(Post::Campaign, text);
+        }
+        if let Some(calibration) = outcome.calibration {
+            let first = self.campaign_calibration.is_none();
+            self.campaign_calibration = Some(calibration);
+            if first && self.choice == Parameters::Design {
+                self.choice = Parameters::Campaign;
+            }
+            if self.begin.is_none() {
+                self.restart();
+            }
+        }
+    }
+
+    fn samples(&mut self, batch: Batch) {
+        let standards = batch.standard[0].len() == batch.samples();
+        let truth = batch.truth.len() == batch.samples();
+        if let Some(recorder) = &mut self.recorder {
+            let width = LIMBS + if self.start.standards { 2 } else { 0 };
+            let mut rows = Vec::with_capacity(batch.samples() * width);
+            for k in 0..batch.samples() {
+                rows.extend(batch.voltage_v.row(k));
+                if self.start.standards {
+                    rows.extend(
+                        batch
+                            .standard
+                            .each_ref()
+                            .map(|s| s.get(k).copied().unwrap_or(f64::NAN)),
+                    );
+                }
+            }
+            recorder.push(rows);
+        }
+        self.capture(&batch);
+        let mut rows: Vec<[f32; COLUMNS]> = Vec::with_capacity(batch.samples());
+        for k in 0..batch.samples() {
+            let raw = batch.voltage_v.row(k);
+            if self.statistics.push(&raw) {
+                self.window();
+            }
+            let mut row = [f32::NAN; COLUMNS];
+            for (cell, u) in row[columns::VOLTAGE].iter_mut().zip(raw) {
+                *cell = u as f32;
+            }
+            if standards {
+                for (cell, readings) in row[columns::STANDARD].iter_mut().zip(&batch.standard) {
+                    *cell = readings[k] as f32;
+                }
+            }
+            self.chain
+                .push(&raw, truth.then(|| &batch.truth[k]), &mut row);
+            rows.push(row);
+        }
+        for message in self.chain.messages() {
+            self.note(message);
+        }
+        let live = Live {
+            arrived: Some(Instant::now()),
+            ..self.chain.live()
+        };
+        let mut history = self
+            .board
+            .history
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        for row in &rows {
+            history.push(row);
+        }
+        drop(history);
+        *self
+            .board
+            .live
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner) = live;
+        self.rate.1 += rows.len() as u64;
+    }
+
+    /// A window of the statistics is complete.
+    fn window(&mut self) {
+        let resting = self.statistics.at_rest && self.begin.is_none();
+        self.rested = if resting { self.rested + 1 } else { 0 };
+        // Two windows of rest, so that the first of them holds no end of a motion.
+        if self.rested >= 2 {
+            self.chain.zero_v = Some(self.statistics.channels.map(|c| c.mean_v));
+            if self.stages.hold_at_rest {
+                self.restart();
+            }
+        }
+    }
+
+    fn capture(&mut self, batch: &Batch) {
+        let most = (LONGEST_TRIAL_S * self.start.sample_rate_hz) as usize;
+        let Some((_, captured)) = &mut self.capture else {
+            return;
+        };
+        if captured.samples() > most {
+            self.capture = None;
+            self.note(format!(
+                "a trial is at most {LONGEST_TRIAL_S} s long: it is not taken"
+            ));
+            return;
+        }
+        for (column, more) in captured
+            .voltage_v
+            .columns
+            .iter_mut()
+            .zip(&batch.voltage_v.columns)
+        {
+            column.extend_from_slice(more);
+        }
+        for (readings, more) in captured.standard.iter_mut().zip(&batch.standard) {
+            readings.extend_from_slice(more);
+        }
+    }
+
+    fn obey(&mut self, command: Command) {
+        match command {
+            Command::Laboratory(command) => self.laboratory(command),
+            Command::Record(name, format) => self.record(&name, format),
+            Command::StopRecording => {
+                if let Some(recorder) = &mut self.recorder {
+                    recorder.stop();
+                }
+            }
+            Command::Stages(stages) => {
+                self.stages = stages;
+                self.rebuild();
+            }
+            Command::Parameters(choice) => {
+                self.choice = choice;
+                self.restart();
+            }
+            Command::Watch(on) => {
+                self.watch = on;
+                self.restart();
+            }
+            Command::Restart => {
+                self.chain.zero_v = Some(self.statistics.channels.map(|c| c.mean_v));
+                self.restart();
+            }
+            Command::Capture { trial, done } => self.by_hand(trial, done),
+            Command::Discard(trial) => {
+                let _ = self.setup.campaign.send(Job::Discard(trial));
+            }
+            Command::ClearCounts => self.statistics.clear_counts(),
+        }
+    }
+
+    fn laboratory(&mut self, command: LabCommand) {
+        match &self.setup.laboratory {
+            None => self.note("the source is no simulated laboratory".to_owned()),
+            // Its queue is drained many times a second; a browser that fills it all the same is not waited for.
+            Some(laboratory) => {
+                if laboratory.try_send(command).is_err() {
+                    self.note("the simulated laboratory does not listen".to_owned());
+                }
+            }
+        }
+    }
+
+    fn record(&mut self, name: &str, format: FileFormat) {
+        if self
+            .recorder
+            .as_ref()
+            .is_some_and(|r| r.progress().finished.is_none() && r.progress().failed.is_none())
+        {
+            self.note("a recording is under way".to_owned());
+            return;
+        }
+        let names: Vec<String> = (1..=LIMBS).map(|i| format!("u{i}")).collect();
+        let mut columns: Vec<(&str, &str)> =
+            names.iter().map(|name| (name.as_str(), "V")).collect();
+        if self.start.standards {
+            columns.extend([("accelerometer", "m/s^2"), ("gyroscope", "rad/s")]);
+        }
+        let head = recorder::head(&columns, self.start.sample_rate_hz, format);
+        match Recorder::start(&self.setup.out, name, head) {
+            Ok(recorder) => self.recorder = Some(recorder),
+            Err(error) => self.note(error.to_string()),
+        }
+    }
+
+    /// A trial from hardware, or the rig's of the simulated laboratory.
+    fn by_hand(&mut self, trial: usize, done: bool) {
+        if self.setup.laboratory.is_some() {
+            self.laboratory(if done {
+                LabCommand::Stop
+            } else {
+                LabCommand::Trial(trial)
+            });
+            return;
+        }
+        if done {
+            self.end(true);
+            return;
+        }
+        let Some(entry) = self.setup.session.recording.get(trial).cloned() else {
+            self.note("the session has no such recording".to_owned());
+            return;
+        };
+        let gains = entry
+            .gain_n_per_v
+            .unwrap_or(self.setup.session.sensor.gain_n_per_v);
+        let down = entry.down.or(entry.direction.map(|d| d.map(|x| -x)));
+        let gravity = down.map_or(glam::DVec3::ZERO, |down| {
+            glam::DVec3::from_array(down).normalize_or_zero()
+                * sixaxis_recordings::unit::STANDARD_GRAVITY_M_S2
+        });
+        self.begin(Begin {
+            gain_n_per_v: gains.each(),
+            gravity_ground_m_s2: gravity,
+            trial: Some(trial),
+            entry,
+        });
+    }
+
+    fn tell(&mut self) {
+        let (since, samples, _) = self.rate;
+        let elapsed = since.elapsed().as_secs_f64();
+        if elapsed >= 1.0 {
+            self.rate = (Instant::now(), 0, samples as f64 / elapsed);
+        }
+        let history = self
+            .board
+            .history
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        let (count, kept_s) = (history.count(), history.kept_s);
+        drop(history);
+        let run = self
+            .begin
+            .as_ref()
+            .map(|begin| begin.entry.file.display().to_string());
+        let status = Status {
+            start: &self.start,
+            samples: count,
+            kept_s,
+            received_per_s: self.rate.2,
+            channels: &self.statistics.channels,
+            full_scale_v: self.setup.session.sensor.full_scale_v,
+            at_rest: self.statistics.at_rest,
+            run,
+            trial: self.capture.as_ref().map(|(trial, _)| *trial),
+            gains_n_per_v: self.chosen().gain_n_per_v,
+            stages: self.stages,
+            delay_s: self.chain.delay_s(),
+            parameters: self.choice,
+            available: [
+                true,
+                self.setup.calibration.is_some(),
+                self.campaign_calibration.is_some(),
+            ],
+            watch: self.watch,
+            watched: self.chain.flags(),
+            errors: self.chain.errors(),
+            parity_rms: self.chain.parity_rms(),
+            recording: self.recorder.as_ref().map(Recorder::progress),
+            notes: self.notes.clone(),
+            laboratory: self.setup.laboratory.is_some(),
+        };
+        if let Ok(text) = serde_json::to_string(&serde_json::json!({ "status": &status })) {
+            self.board.post(Post::Status, text);
+        }
+    }
+}

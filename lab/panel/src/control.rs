@@ -1,0 +1,450 @@
+//! What a browser may say: typed, bounded, and nothing else.
+
+use serde::{Deserialize, Serialize};
+use sixaxis_core::LIMBS;
+use thiserror::Error;
+
+use crate::columns::COLUMNS;
+
+/// Longest message, bytes.
+pub const LONGEST_MESSAGE: usize = 4096;
+/// Most columns and points of a picture.
+const MOST_COLUMNS: usize = 16;
+const MOST_POINTS: u16 = 4096;
+
+/// A message that is refused, and why.
+#[derive(Debug, Error, PartialEq)]
+pub enum Refusal {
+    /// Not a message of the protocol.
+    #[error("not understood: {0}")]
+    Syntax(String),
+    /// A number or a name out of bounds.
+    #[error("{0}")]
+    Range(&'static str),
+}
+
+/// How the rig moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Motion {
+    /// Along the wedge's direction.
+    Linear,
+    /// About it.
+    Angular,
+    /// Both.
+    Compound,
+}
+
+/// A run that a person asks for.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct FreeRun {
+    /// How the rig moves.
+    pub motion: Motion,
+    /// Which wedge, from 0.
+    pub wedge: usize,
+    /// Crank frequency, Hz.
+    pub frequency_hz: f64,
+    /// Share of the rig's amplitude.
+    pub amplitude: f64,
+    /// Time at full speed, s.
+    pub seconds: f64,
+}
+
+/// What may go wrong in the simulated laboratory. Limbs are counted from 1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum Defect {
+    /// A channel shows no load any more.
+    Dead {
+        /// Which.
+        limb: usize,
+    },
+    /// A channel's zero drifts by 5 mV/s.
+    Drift {
+        /// Which.
+        limb: usize,
+    },
+    /// The wedge is off by 3 degrees, from the next run on.
+    Slip {},
+}
+
+/// For the simulated laboratory.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LabCommand {
+    /// A run.
+    Run(FreeRun),
+    /// A recording of the campaign, 0 the static one.
+    Trial(usize),
+    /// The rig stands still.
+    Stop,
+    /// A defect, or none any more.
+    Defect(Option<Defect>),
+    /// Laboratory time over real time.
+    Speed(f64),
+}
+
+/// The stages before the decoder.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Stages {
+    /// Corner of the causal low-pass, Hz.
+    pub low_pass_hz: Option<f64>,
+    /// Single wild samples are replaced (Hampel's test, 5 samples on either side, 5 standard deviations).
+    pub outliers: bool,
+    /// Corner of the amplifiers' high-pass that is undone, Hz.
+    pub high_pass_hz: Option<f64>,
+    /// Rate and attitude are held at zero while the sensor rests.
+    pub hold_at_rest: bool,
+}
+
+impl Default for Stages {
+    fn default() -> Self {
+        Self {
+            low_pass_hz: Some(100.0),
+            outliers: false,
+            high_pass_hz: None,
+            hold_at_rest: true,
+        }
+    }
+}
+
+/// Whose 25 parameters are decoded with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Parameters {
+    /// The design's, with the zeros of the last second.
+    Design,
+    /// Those of the calibration file that the command was given.
+    File,
+    /// Those of the campaign so far.
+    Campaign,
+}
+
+/// Format of a finished recording.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FileFormat {
+    /// LabVIEW's.
+    Tdms,
+    /// Columns.
+    Parquet,
+    /// Text.
+    Csv,
+}
+
+impl FileFormat {
+    /// Ending of a file's name.
+    #[must_use]
+    pub const fn extension(self) -> &'static str {
+        match self {
+            Self::Tdms => "tdms",
+            Self::Parquet => "parquet",
+            Self::Csv => "csv",
+        }
+    }
+}
+
+/// What a browser wants drawn: any may say that.
+#[derive(Debug, Clone, PartialEq, Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+pub struct View {
+    /// Columns.
+    pub columns: Vec<usize>,
+    /// Time from left to right, s.
+    pub span_s: f64,
+    /// Time at the right edge, s; none for now.
+    pub end_s: Option<f64>,
+    /// Points from left to right.
+    pub points: u16,
+}
+
+/// For the instrument: only the browser that holds the controls may say that.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Command {
+    /// For the simulated laboratory.
+    Laboratory(LabCommand),
+    /// Start a recording under a name without ending.
+    Record(String, FileFormat),
+    /// End it.
+    StopRecording,
+    /// Other stages.
+    Stages(Stages),
+    /// Other parameters.
+    Parameters(Parameters),
+    /// The fault monitor on or off.
+    Watch(bool),
+    /// Decode from rest, identity attitude, zero rate; take the zeros of the last second for the design's parameters.
+    Restart,
+    /// Record a trial of the campaign: begin, or with `done` end.
+    Capture {
+        /// Which, 0 the static one.
+        trial: usize,
+        /// Whether it is to end.
+        done: bool,
+    },
+    /// Take a trial out of the campaign.
+    Discard(usize),
+    /// Clear counts of clipped samples.
+    ClearCounts,
+}
+
+/// A message.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Message {
+    /// What is to be drawn.
+    View(View),
+    /// A picture has been drawn.
+    Seen(u32),
+    /// The browser wants to hold the controls.
+    Take,
+    /// It does not any more.
+    Release,
+    /// A command.
+    Command(Command),
+}
+
+/// Messages as they are written.
+#[derive(Deserialize)]
+#[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]
+enum Written {
+    View {
+        columns: Vec<usize>,
+        span_s: f64,
+        end_s: Option<f64>,
+        points: u16,
+    },
+    Seen {
+        picture: u32,
+    },
+    Take {},
+    Release {},
+    Run {
+        run: FreeRun,
+    },
+    Stop {},
+    Defect {
+        defect: Option<Defect>,
+    },
+    Speed {
+        speed: f64,
+    },
+    Record {
+        name: String,
+        format: FileFormat,
+    },
+    StopRecording {},
+    Stages {
+        stages: Stages,
+    },
+    Parameters {
+        parameters: Parameters,
+    },
+    Watch {
+        on: bool,
+    },
+    Restart {},
+    Capture {
+        trial: usize,
+        done: bool,
+    },
+    Discard {
+        trial: usize,
+    },
+    ClearCounts {},
+}
+
+impl Message {
+    /// Reads a message and checks its bounds.
+    ///
+    /// # Errors
+    /// [`Refusal`].
+    pub fn parse(text: &str) -> Result<Self, Refusal> {
+        if text.len() > LONGEST_MESSAGE {
+            return Err(Refusal::Range("a message is at most 4096 bytes"));
+        }
+        let written = serde_json::from_str(text).map_err(|e| Refusal::Syntax(e.to_string()))?;
+        let within = |ok: bool, cause: &'static str| {
+            if ok {
+                Ok(())
+            } else {
+                Err(Refusal::Range(cause))
+            }
+        };
+        let lab = |command| Self::Command(Command::Laboratory(command));
+        Ok(match written {
+            Written::View {
+                columns,
+                span_s,
+                end_s,
+                points,
+            } => {
+                within(columns.len() <= MOST_COLUMNS, "at most 16 columns")?;
+                within(columns.iter().all(|c| *c < COLUMNS), "no such column")?;
+                within((1e-3..=3600.0).contains(&span_s), "a span is 1 ms to 1 h")?;
+                within(
+                    end_s.is_none_or(|s| (0.0..=1e9).contains(&s)),
+                    "no such time",
+                )?;
+                within((2..=MOST_POINTS).contains(&points), "2 to 4096 points")?;
+                Self::View(View {
+                    columns,
+                    span_s,
+                    end_s,
+                    points,
+                })
+            }
+            Written::Seen { picture } => Self::Seen(picture),
+            Written::Take {} => Self::Take,
+            Written::Release {} => Self::Release,
+            Written::Run { run } => {
+                within(
+                    (0.1..=5.0).contains(&run.frequency_hz),
+                    "the rig turns at 0.1 to 5 Hz",
+                )?;
+                within(
+                    (0.001..=1.0).contains(&run.amplitude),
+                    "an amplitude is 0.1 % to 100 %",
+                )?;
+                within((0.0..=60.0).contains(&run.seconds), "a run is at most 60 s")?;
+                within(run.wedge < 6, "there are six wedges")?;
+                lab(LabCommand::Run(run))
+            }
+            Written::Stop {} => lab(LabCommand::Stop),
+            Written::Defect { defect } => {
+                if let Some(Defect::Dead { limb } | Defect::Drift { limb }) = defect {
+                    within((1..=LIMBS).contains(&limb), "limbs are 1 to 9")?;
+                }
+                lab(LabCommand::Defect(defect))
+            }
+            Written::Speed { speed } => {
+                within((0.1..=100.0).contains(&speed), "a speed is 0.1 to 100")?;
+                lab(LabCommand::Speed(speed))
+            }
+            Written::Record { name, format } => {
+                within(
+                    is_name(&name),
+                    "a name is 1 to 80 letters, digits, - _ or .; the first no dot",
+                )?;
+                Self::Command(Command::Record(name, format))
+            }
+            Written::StopRecording {} => Self::Command(Command::StopRecording),
+            Written::Stages { stages } => {
+                let corner = |hz: Option<f64>| hz.is_none_or(|hz| (1e-3..=5e4).contains(&hz));
+                within(corner(stages.low_pass_hz), "a corner is 0.001 to 50000 Hz")?;
+                within(corner(stages.high_pass_hz), "a corner is 0.001 to 50000 Hz")?;
+                Self::Command(Command::Stages(stages))
+            }
+            Written::Parameters { parameters } => Self::Command(Command::Parameters(parameters)),
+            Written::Watch { on } => Self::Command(Command::Watch(on)),
+            Written::Restart {} => Self::Command(Command::Restart),
+            Written::Capture { trial, done } => {
+                within(trial < 1000, "no such trial")?;
+                Self::Command(Command::Capture { trial, done })
+            }
+            Written::Discard { trial } => {
+                within(trial < 1000, "no such trial")?;
+                Self::Command(Command::Discard(trial))
+            }
+            Written::ClearCounts {} => Self::Command(Command::ClearCounts),
+        })
+    }
+}
+
+/// Whether a recording may be called so: one part of a path that hides nowhere and leads nowhere else.
+#[must_use]
+pub fn is_name(name: &str) -> bool {
+    (1..=80).contains(&name.len())
+        && !name.starts_with('.')
+        && name
+            .bytes()
+            .all(|b| b.is_ascii_alphanumeric() || b"-_.".contains(&b))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn law_messages_are_read() {
+        let view = r#"{"do":"view","columns":[0,8],"span_s":10,"end_s":null,"points":800}"#;
+        assert!(matches!(Message::parse(view), Ok(Message::View(v)) if v.columns == [0, 8]));
+        let dead = r#"{"do":"defect","defect":{"kind":"dead","limb":4}}"#;
+        let expected = LabCommand::Defect(Some(Defect::Dead { limb: 4 }));
+        assert_eq!(
+            Message::parse(dead),
+            Ok(Message::Command(Command::Laboratory(expected)))
+        );
+    }
+
+    #[test]
+    fn law_anything_else_is_refused() {
+        for text in [
+            "",
+            "null",
+            "[]",
+            r#"{"do":"shutdown"}"#,
+            r#"{"do":"take","please":true}"#,
+            r#"{"do":"run","run":{"motion":"linear","wedge":0,"frequency_hz":6,"amplitude":1,"seconds":3}}"#,
+            r#"{"do":"run","run":{"motion":"linear","wedge":9,"frequency_hz":1,"amplitude":1,"seconds":3}}"#,
+            r#"{"do":"run","run":{"motion":"linear","wedge":0,"frequency_hz":1,"amplitude":1,"seconds":3,"x":1}}"#,
+            r#"{"do":"defect","defect":{"kind":"dead","limb":10}}"#,
+            r#"{"do":"defect","defect":{"kind":"slip","limb":1}}"#,
+            r#"{"do":"view","columns":[38],"span_s":1,"end_s":null,"points":10}"#,
+            r#"{"do":"view","columns":[0],"span_s":0,"end_s":null,"points":10}"#,
+            r#"{"do":"view","columns":[0],"span_s":1,"end_s":null,"points":1}"#,
+            r#"{"do":"speed","speed":1e999}"#,
+            r#"{"do":"record","name":"../evil","format":"csv"}"#,
+            r#"{"do":"record","name":"a","format":"exe"}"#,
+            r#"{"do":"capture","trial":-1,"done":false}"#,
+        ] {
+            assert!(Message::parse(text).is_err(), "{text}");
+        }
+        let long = format!(r#"{{"do":"take","a":"{}"}}"#, "x".repeat(LONGEST_MESSAGE));
+        assert_eq!(
+            Message::parse(&long),
+            Err(Refusal::Range("a message is at most 4096 bytes"))
+        );
+    }
+
+    #[test]
+    fn law_names_stay_in_their_folder() {
+        assert!(is_name("run-01.a_B"));
+        for name in [
+            "", ".", "..", "../a", "a/b", "a\\b", ".hidden", "a b", "ä", "a\0",
+        ] {
+            assert!(!is_name(name), "{name:?}");
+        }
+        assert!(!is_name(&"a".repeat(81)));
+    }
+
+    #[test]
+    fn prop_no_text_makes_it_panic() {
+        let words = [
+            "{",
+            "}",
+            "\"do\"",
+            ":",
+            "\"view\"",
+            ",",
+            "1e400",
+            "-0",
+            "null",
+            "[",
+            "]",
+            "\"\\ud800\"",
+            "\u{0}",
+        ];
+        let mut state = 3_u64;
+        for _ in 0..1_000 {
+            let mut text = String::new();
+            for _ in 0..12 {
+                state = state
+                    .wrapping_mul(6_364_136_223_846_793_005)
+                    .wrapping_add(1);
+                text += words[(state >> 33) as usize % words.len()];
+            }
+            let _ = Message::parse(&text);
+        }
+    }
+}

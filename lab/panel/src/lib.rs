@@ -1,0 +1,282 @@
+//! The virtual instrument: acquisition, preprocessing, identification and decoupling as one live front panel, a page that this
+//! program serves and any browser shows.
+//!
+//! A sample passes through the files in this order:
+//!
+//! | file | holds |
+//! |---|---|
+//! | [`source`] | where samples come from: simulated laboratory, TCP port, standard input, growing file, recording |
+//! | [`columns`] | what is kept of a sample |
+//! | [`acquisition`] | the one thread that takes every sample |
+//! | [`statistics`] | range, noise, clipping, rest |
+//! | [`chain`], [`decoding`] | stages and decoder, the truth beside them |
+//! | [`recorder`] | recordings that survive the program's death |
+//! | [`pyramid`], [`history`] | ten minutes of all columns, at any zoom |
+//! | [`campaign`] | trials collected, checked and calibrated |
+//! | [`board`], [`picture`], [`spectrum`] | what is left for browsers |
+//! | [`control`] | what a browser may say |
+//! | [`server`] | page and WebSocket |
+//!
+//! The acquisition waits for nobody: browsers, disk and calibration each have threads of their own, and what a browser cannot take
+//! are pictures, never samples.
+
+pub mod acquisition;
+pub mod board;
+pub mod campaign;
+pub mod chain;
+pub mod columns;
+pub mod control;
+pub mod decoding;
+pub mod history;
+pub mod picture;
+pub mod pyramid;
+pub mod recorder;
+pub mod server;
+pub mod source;
+pub mod spectrum;
+pub mod statistics;
+
+use std::net::{SocketAddr, TcpListener};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::mpsc::{channel, sync_channel};
+use std::thread::Builder;
+
+use anyhow::{Context, Result, ensure};
+use sixaxis_calibration::calibration::Calibration;
+use sixaxis_recordings::session::Session;
+
+use board::{Board, Post};
+use campaign::{Campaign, Plan};
+use server::Server;
+use server::guard::Guard;
+use source::laboratory::LiveLaboratory;
+use source::{Event, WAITING};
+
+/// Commands that may wait for the simulated laboratory.
+const LAB_COMMANDS: usize = 64;
+
+/// Where samples come from.
+#[derive(Debug, Clone)]
+pub enum SourceChoice {
+    /// The simulated laboratory.
+    Laboratory(source::laboratory::Settings),
+    /// A TCP port on the loopback address.
+    Port(SocketAddr),
+    /// Standard input.
+    StandardInput,
+    /// A growing file.
+    Follow(PathBuf),
+    /// A recording, so many times as fast as it was made.
+    Play(PathBuf, f64),
+}
+
+/// What the panel is to be.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// Where samples come from.
+    pub source: SourceChoice,
+    /// Samples per second, where a file does not say.
+    pub rate_hz: Option<f64>,
+    /// Where browsers connect; a port of 0 is any that is free.
+    pub listen: SocketAddr,
+    /// The token; none for one that is drawn.
+    pub token: Option<String>,
+    /// Folder of everything that is written.
+    pub out: PathBuf,
+    /// Sensor, converter, gains, rig and campaign; none for the paper's sensor.
+    pub session: Option<Session>,
+    /// A calibration to decode with.
+    pub calibration: Option<Calibration>,
+}
+
+/// A panel that is running.
+pub struct Panel {
+    /// The link to open.
+    pub link: String,
+    /// Where senders connect, for a source of that kind.
+    pub input: Option<SocketAddr>,
+    /// What was found in the output folder.
+    pub notes: Vec<String>,
+    board: Arc<Board>,
+    acquisition: Option<std::thread::JoinHandle<()>>,
+}
+
+impl Panel {
+    /// Waits until the instrument is shut down: for ever, where nobody does that.
+    pub fn wait(&mut self) {
+        if let Some(thread) = self.acquisition.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+impl Drop for Panel {
+    fn drop(&mut self) {
+        self.board.end();
+        self.wait();
+    }
+}
+
+/// Starts the panel.
+///
+/// # Errors
+/// An address that cannot be listened on; one beyond the loopback without a token of at least 16 characters; an output folder that cannot be
+/// made; a file that cannot be played or followed.
+pub fn start(options: Options) -> Result<Panel> {
+    let loopback = options.listen.ip().is_loopback();
+    if let Some(token) = &options.token {
+        let plain = token
+            .bytes()
+            .all(|b| b.is_ascii_alphanumeric() || b"-_.~".contains(&b));
+        ensure!(
+            (16..=128).contains(&token.len()) && plain,
+            "a token is 16 to 128 letters and digits"
+        );
+    }
+    ensure!(
+        loopback || options.token.is_some(),
+        "--listen beyond the loopback address needs a --token"
+    );
+    std::fs::create_dir_all(&options.out)
+        .with_context(|| format!("cannot create the output folder {}", options.out.display()))?;
+    let notes = recorder::recover(&options.out);
+
+    let listener = TcpListener::bind(options.listen)
+        .with_context(|| format!("cannot listen on {}", options.listen))?;
+    let address = listener.local_addr()?;
+    let token = match options.token {
+        Some(token) => token,
+        None => Guard::random_token()?,
+    };
+    let link = format!("http://{address}/?token={token}");
+
+    let (sender, events) = sync_channel(WAITING);
+    let board = Arc::new(Board::default());
+    let laboratory = match &options.source {
+        SourceChoice::Laboratory(settings) => Some(*settings),
+        _ => None,
+    };
+    let session = match (options.session, &laboratory) {
+        (_, Some(settings)) => settings.session(),
+        (Some(session), None) => session,
+        (None, None) => source::laboratory::Settings {
+            seed: 1,
+            sample_rate_hz: 1000.0,
+            trials_per_step: 1,
+        }
+        .session(),
+    };
+    let plan = match &laboratory {
+        Some(settings) => Plan {
+            session: session.clone(),
+            entries: settings
+                .campaign()
+                .into_iter()
+                .map(|(e, s)| (e, Some(s)))
+                .collect(),
+        },
+        None => Plan::of_session(&session),
+    };
+    let channels = options
+        .calibration
+        .as_ref()
+        .map_or(session.channels.clone(), |c| c.channels.clone());
+
+    let hello = serde_json::json!({ "hello": {
+        "columns": columns::described(),
+        "version": env!("CARGO_PKG_VERSION"),
+        "laboratory": laboratory.is_some(),
+        "file": options.calibration.is_some(),
+        "out": options.out.display().to_string(),
+        "wedges": sixaxis_reference::rig::run::WEDGES.map(|w| w.to_array()),
+        "limb_length_m": session.sensor.geometry().limb_length_m,
+        "half_edge_m": session.sensor.geometry().half_edge_m,
+    }});
+    board.post(Post::Hello, hello.to_string());
+    let nothing = campaign::Outcome::recorded(&plan, &Default::default(), None);
+    board.post(
+        Post::Campaign,
+        serde_json::json!({ "campaign": nothing }).to_string(),
+    );
+
+    let (jobs, to_do) = channel();
+    let worker = Campaign::new(plan, &options.out);
+    let to_acquisition = sender.clone();
+    spawn("campaign", move || worker.run(&to_do, &to_acquisition))?;
+
+    let (lab_sender, lab_commands) = sync_channel(LAB_COMMANDS);
+    let setup = acquisition::Setup {
+        out: options.out,
+        session,
+        calibration: options.calibration,
+        laboratory: laboratory.is_some().then_some(lab_sender),
+        campaign: jobs,
+    };
+    let to_source = sender.clone();
+    let rate_hz = options.rate_hz;
+    let mut input = None;
+    match options.source {
+        SourceChoice::Laboratory(settings) => {
+            let live = LiveLaboratory::new(&settings).context("the limbs do not hold the mass")?;
+            spawn("source", move || live.run(&lab_commands, &to_source))?;
+        }
+        SourceChoice::Port(address) => {
+            ensure!(
+                address.ip().is_loopback(),
+                "samples are taken from the loopback address only"
+            );
+            let listener = TcpListener::bind(address)
+                .with_context(|| format!("cannot listen on {address}"))?;
+            input = Some(listener.local_addr()?);
+            spawn("source", move || {
+                source::stream::listen(&listener, &channels, &to_source)
+            })?;
+        }
+        SourceChoice::StandardInput => {
+            spawn("source", move || {
+                source::stream::read(
+                    &mut std::io::stdin().lock(),
+                    "standard input",
+                    &channels,
+                    &to_source,
+                );
+            })?;
+        }
+        SourceChoice::Follow(path) => {
+            let follower = source::follow::Follower::open(&path, &channels, rate_hz)?;
+            spawn("source", move || follower.run(&path, &to_source))?;
+        }
+        SourceChoice::Play(path, speed) => {
+            let player = source::play::Player::open(&path, &channels, rate_hz)?;
+            spawn("source", move || player.run(speed, &to_source))?;
+        }
+    }
+    for note in &notes {
+        let _ = sender.send(Event::Note(note.clone()));
+    }
+    let of_thread = Arc::clone(&board);
+    let acquisition = spawn("acquisition", move || {
+        acquisition::run(&events, &of_thread, setup)
+    })?;
+    let of_thread = Arc::clone(&board);
+    spawn("spectrum", move || spectrum::run(&of_thread))?;
+    let server = Arc::new(Server::new(
+        Guard::new(token, loopback),
+        Arc::clone(&board),
+        sender,
+    ));
+    spawn("server", move || server.serve(&listener))?;
+    Ok(Panel {
+        link,
+        input,
+        notes,
+        board,
+        acquisition: Some(acquisition),
+    })
+}
+
+fn spawn(name: &str, work: impl FnOnce() + Send + 'static) -> Result<std::thread::JoinHandle<()>> {
+    let thread = Builder::new().name(name.to_owned()).spawn(work);
+    thread.with_context(|| format!("cannot start the {name} thread"))
+}

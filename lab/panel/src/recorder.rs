@@ -1,0 +1,407 @@
+//! Recording to disk, so that what was acknowledged survives the program's death: rows go to a journal first, appended and
+//! flushed, and become a TDMS, Parquet or CSV file when the recording is stopped or, after a crash, when the panel starts again.
+//!
+//! A journal is [`HEAD`] bytes of text, a JSON object padded with blanks to a line, and then rows of little-endian 64-bit numbers:
+//! NumPy reads it by `fromfile(path, "<f8", offset=1024).reshape(-1, columns)`.
+
+use std::fs::{File, OpenOptions};
+use std::io::{BufReader, Read, Write};
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use serde::{Deserialize, Serialize};
+use sixaxis_recordings::{Block, Channel, Layout, create};
+use thiserror::Error;
+
+use crate::control::FileFormat;
+
+/// Bytes before the first row of a journal.
+pub const HEAD: usize = 1024;
+/// Ending of a journal's name.
+pub const ENDING: &str = "journal";
+/// Time between two flushes to disk.
+const FLUSH: Duration = Duration::from_millis(500);
+/// Pieces that may wait for the disk: some seconds.
+const WAITING: usize = 1024;
+/// Rows of a finished file that are converted at a time.
+const ROWS: usize = 1 << 14;
+
+/// What can go wrong.
+#[derive(Debug, Error)]
+pub enum RecorderError {
+    /// The system says no.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// There is a file of that name.
+    #[error("{0} is there already; give another name")]
+    Exists(String),
+    /// Not a journal.
+    #[error("{}: not a journal of this program: {cause}", path.display())]
+    Journal {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        cause: String,
+    },
+    /// The finished file cannot be written.
+    #[error(transparent)]
+    Finish(#[from] sixaxis_recordings::Error),
+}
+
+/// The head of a journal.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Head {
+    /// `sixaxis-journal-1`.
+    pub journal: String,
+    /// Samples per second.
+    pub sample_rate_hz: f64,
+    /// Names and units.
+    pub columns: Vec<(String, String)>,
+    /// What it is to become.
+    pub format: FileFormat,
+}
+
+const JOURNAL: &str = "sixaxis-journal-1";
+
+/// How far a recording is.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
+pub struct Progress {
+    /// Its name without ending.
+    pub name: String,
+    /// Rows that the disk has confirmed: they survive even a loss of power.
+    pub on_disk: u64,
+    /// Rows that could not be taken since the disk is too slow. The recording ends with the first.
+    pub lost: u64,
+    /// The finished file.
+    pub finished: Option<String>,
+    /// Why it failed; the journal holds what was acknowledged.
+    pub failed: Option<String>,
+}
+
+/// A recording under way.
+pub struct Recorder {
+    rows: Option<SyncSender<Vec<f64>>>,
+    progress: Arc<Mutex<Progress>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Recorder {
+    /// Starts a recording, which replaces nothing.
+    ///
+    /// # Errors
+    /// [`RecorderError::Exists`], [`RecorderError::Io`].
+    pub fn start(folder: &Path, name: &str, head: Head) -> Result<Self, RecorderError> {
+        let finished = folder.join(format!("{name}.{}", head.format.extension()));
+        let path = folder.join(format!("{name}.{ENDING}"));
+        if finished.exists() || path.exists() {
+            return Err(RecorderError::Exists(name.to_owned()));
+        }
+        let io = |source| RecorderError::Io {
+            path: path.clone(),
+            source,
+        };
+        let mut file = OpenOptions::new()
+            .write(true)
+            .create_new(true)
+            .open(&path)
+            .map_err(io)?;
+        // While it is locked, no other panel takes it for one that a crash has left.
+        file.try_lock().map_err(|e| io(e.into()))?;
+        file.write_all(&head_bytes(&head)).map_err(io)?;
+        file.sync_all().map_err(io)?;
+        let progress = Arc::new(Mutex::new(Progress {
+            name: name.to_owned(),
+            ..Progress::default()
+        }));
+        let (rows, received) = sync_channel(WAITING);
+        let of_thread = Arc::clone(&progress);
+        let thread = std::thread::Builder::new()
+            .name("record".to_owned())
+            .spawn(move || {
+                let done = append(&mut file, &head, &received, &of_thread)
+                    .map_err(|source| RecorderError::Io {
+                        path: path.clone(),
+                        source,
+                    })
+                    .and_then(|()| finish(&path, &finished));
+                let mut progress = locked(&of_thread);
+                match done {
+                    Ok(()) => progress.finished = Some(finished.display().to_string()),
+                    Err(error) => progress.failed = Some(error.to_string()),
+                }
+            })
+            .map_err(|source| RecorderError::Io {
+                path: folder.to_owned(),
+                source,
+            })?;
+        Ok(Self {
+            rows: Some(rows),
+            progress,
+            thread: Some(thread),
+        })
+    }
+
+    /// Takes rows, one after the other in one vector. Never waits: a disk that is behind by [`WAITING`] pieces ends the recording.
+    pub fn push(&mut self, rows: Vec<f64>) {
+        if let Some(sender) = &self.rows
+            && let Err(error) = sender.try_send(rows)
+        {
+            if let TrySendError::Full(rows) = error {
+                let mut progress = locked(&self.progress);
+                progress.lost = rows.len() as u64;
+                progress.failed = Some("the disk is too slow; the recording has ended".to_owned());
+            }
+            self.rows = None;
+        }
+    }
+
+    /// No more rows: the file is finished on its thread.
+    pub fn stop(&mut self) {
+        self.rows = None;
+    }
+
+    /// How far it is.
+    #[must_use]
+    pub fn progress(&self) -> Progress {
+        locked(&self.progress).clone()
+    }
+
+    /// Waits until the file is finished.
+    pub fn wait(&mut self) {
+        self.stop();
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+impl Drop for Recorder {
+    fn drop(&mut self) {
+        self.wait();
+    }
+}
+
+fn head_bytes(head: &Head) -> Vec<u8> {
+    let mut bytes = serde_json::to_vec(head).unwrap_or_default();
+    bytes.resize(HEAD - 1, b' ');
+    bytes.push(b'\n');
+    bytes
+}
+
+/// A head for columns with these names and units.
+#[must_use]
+pub fn head(columns: &[(&str, &str)], sample_rate_hz: f64, format: FileFormat) -> Head {
+    let owned = |(name, unit): &(&str, &str)| ((*name).to_owned(), (*unit).to_owned());
+    Head {
+        journal: JOURNAL.to_owned(),
+        sample_rate_hz,
+        columns: columns.iter().map(owned).collect(),
+        format,
+    }
+}
+
+fn append(
+    file: &mut File,
+    head: &Head,
+    received: &Receiver<Vec<f64>>,
+    progress: &Mutex<Progress>,
+) -> std::io::Result<()> {
+    let width = head.columns.len().max(1) as u64;
+    let (mut written, mut bytes) = (0_u64, Vec::new());
+    let mut flushed = Instant::now();
+    loop {
+        let wait = FLUSH.saturating_sub(flushed.elapsed());
+        let over = match received.recv_timeout(wait) {
+            Ok(rows) => {
+                bytes.clear();
+                bytes.extend(rows.iter().flat_map(|value| value.to_le_bytes()));
+                file.write_all(&bytes)?;
+                written += rows.len() as u64 / width;
+                false
+            }
+            Err(RecvTimeoutError::Timeout) => false,
+            Err(RecvTimeoutError::Disconnected) => true,
+        };
+        if over || flushed.elapsed() >= FLUSH {
+            file.sync_data()?;
+            locked(progress).on_disk = written;
+            flushed = Instant::now();
+        }
+        if over {
+            return Ok(());
+        }
+    }
+}
+
+/// Reads the head of a journal.
+fn read_head(file: &mut impl Read, path: &Path) -> Result<Head, RecorderError> {
+    let refuse = |cause: String| RecorderError::Journal {
+        path: path.to_owned(),
+        cause,
+    };
+    let mut bytes = [0; HEAD];
+    file.read_exact(&mut bytes)
+        .map_err(|e| refuse(e.to_string()))?;
+    let head: Head = serde_json::from_slice(&bytes).map_err(|e| refuse(e.to_string()))?;
+    if head.journal != JOURNAL || head.columns.is_empty() {
+        return Err(refuse("another version".to_owned()));
+    }
+    Ok(head)
+}
+
+/// Makes a file of a journal and removes the journal. A row that was cut off is left out.
+fn finish(journal: &Path, finished: &Path) -> Result<(), RecorderError> {
+    let io = |source| RecorderError::Io {
+        path: journal.to_owned(),
+        source,
+    };
+    let mut file = BufReader::with_capacity(1 << 20, File::open(journal).map_err(io)?);
+    let head = read_head(&mut file, journal)?;
+    let channel = |(name, unit): &(String, String)| Channel {
+        sample_rate_hz: Some(head.sample_rate_hz),
+        ..Channel::new(name.clone(), Some(unit))
+    };
+    let layout = Layout {
+        channels: head.columns.iter().map(channel).collect(),
+        ..Layout::default()
+    };
+    let mut sink = create(finished, &layout)?;
+    let width = head.columns.len();
+    let mut bytes = Vec::new();
+    let mut block = Block::new(width);
+    loop {
+        bytes.clear();
+        let piece = (ROWS * width * 8) as u64;
+        let got = Read::take(&mut file, piece)
+            .read_to_end(&mut bytes)
+            .map_err(io)?;
+        block.clear(width);
+        let (numbers, _) = bytes.as_chunks::<8>();
+        for row in numbers.chunks_exact(width) {
+            for (column, number) in block.columns.iter_mut().zip(row) {
+                column.push(f64::from_le_bytes(*number));
+            }
+        }
+        sink.write(&block)?;
+        if (got as u64) < piece {
+            break;
+        }
+    }
+    sink.finish()?;
+    std::fs::remove_file(journal).map_err(io)
+}
+
+/// Finishes the journals that a crash has left in a folder; says of each what became of it.
+#[must_use]
+pub fn recover(folder: &Path) -> Vec<String> {
+    let Ok(entries) = std::fs::read_dir(folder) else {
+        return Vec::new();
+    };
+    let journals = entries.filter_map(|entry| Some(entry.ok()?.path()));
+    journals
+        .filter(|path| path.extension().is_some_and(|e| e == ENDING))
+        .filter_map(|path| {
+            let mut file = File::open(&path).ok()?;
+            // Locked: it is being written by another panel.
+            file.try_lock().ok()?;
+            let made = read_head(&mut file, &path).and_then(|head| {
+                let finished = path.with_extension(head.format.extension());
+                if finished.exists() {
+                    return Err(RecorderError::Exists(finished.display().to_string()));
+                }
+                finish(&path, &finished)?;
+                Ok(finished)
+            });
+            Some(match made {
+                Ok(finished) => format!("{}: finished after a crash", finished.display()),
+                Err(error) => format!("{}: left as it is: {error}", path.display()),
+            })
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sixaxis_recordings::open;
+
+    const COLUMNS: [(&str, &str); 2] = [("u1", "V"), ("u2", "V")];
+
+    fn read_back(path: &Path) -> Vec<Vec<f64>> {
+        let mut source = open(path).expect("opens");
+        let (mut block, mut all) = (Block::default(), vec![Vec::new(); 2]);
+        while source.read(&mut block, 1000).expect("reads") > 0 {
+            for (all, column) in all.iter_mut().zip(&block.columns) {
+                all.extend_from_slice(column);
+            }
+        }
+        all
+    }
+
+    #[test]
+    fn law_what_is_recorded_reads_back_bit_for_bit() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let rows: Vec<f64> = (0..20_000).map(|k| (f64::from(k) * 0.1).sin()).collect();
+        for format in [FileFormat::Tdms, FileFormat::Parquet, FileFormat::Csv] {
+            let head = head(&COLUMNS, 1000.0, format);
+            let mut recorder =
+                Recorder::start(folder.path(), format.extension(), head.clone()).expect("starts");
+            rows.chunks(14)
+                .for_each(|part| recorder.push(part.to_vec()));
+            assert!(matches!(
+                Recorder::start(folder.path(), format.extension(), head),
+                Err(RecorderError::Exists(_))
+            ));
+            recorder.wait();
+            let progress = recorder.progress();
+            assert_eq!(
+                (progress.on_disk, progress.failed, progress.lost),
+                (10_000, None, 0)
+            );
+            let path = folder.path().join(format!("{0}.{0}", format.extension()));
+            let back = read_back(&path);
+            assert!(
+                back[0]
+                    .iter()
+                    .zip(&back[1])
+                    .flat_map(|(a, b)| [a, b])
+                    .eq(&rows),
+                "{path:?}"
+            );
+            assert!(!path.with_extension(ENDING).exists());
+        }
+    }
+
+    #[test]
+    fn law_a_journal_that_was_cut_is_finished_up_to_there() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut bytes = head_bytes(&head(&COLUMNS, 1000.0, FileFormat::Csv));
+        bytes.extend(
+            [1.0_f64, 2.0, 3.0, 4.0, 5.0]
+                .iter()
+                .flat_map(|v| v.to_le_bytes()),
+        );
+        std::fs::write(folder.path().join("a.journal"), &bytes[..bytes.len() - 3]).expect("writes");
+        std::fs::write(folder.path().join("b.journal"), "nothing").expect("writes");
+        let said = recover(folder.path());
+        assert_eq!(said.len(), 2, "{said:?}");
+        assert_eq!(
+            read_back(&folder.path().join("a.csv")),
+            [[1.0, 3.0], [2.0, 4.0]]
+        );
+        assert!(folder.path().join("b.journal").exists());
+    }
+}

@@ -1,0 +1,189 @@
+//! The page and its WebSocket, over plain threads: one for each connection, at most [`MOST`].
+//!
+//! | file | holds |
+//! |---|---|
+//! | [`guard`] | Host, Origin and token: whose requests are answered |
+//! | [`request`] | the head of a request, bounded in size and time |
+//! | [`assets`] | the page's files |
+//! | [`controls`] | which browser holds the controls |
+//! | [`client`] | one browser: pictures out, messages in |
+
+pub mod assets;
+pub mod client;
+pub mod controls;
+pub mod guard;
+pub mod request;
+
+use std::io::Write;
+use std::net::{TcpListener, TcpStream};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
+
+use tungstenite::handshake::derive_accept_key;
+use tungstenite::protocol::{Role, WebSocketConfig};
+use tungstenite::{Message, WebSocket};
+
+use crate::board::Board;
+use crate::control::LONGEST_MESSAGE;
+use crate::source::Sender;
+use controls::Controls;
+use guard::{Guard, Refused};
+use request::Request;
+
+/// Connections at a time; more are closed at once.
+pub const MOST: usize = 160;
+/// Time that a browser may take to take a message in.
+const PATIENCE: Duration = Duration::from_secs(2);
+
+/// What all connections share.
+pub struct Server {
+    /// Whose requests are answered.
+    pub guard: Guard,
+    /// What browsers are shown.
+    pub board: Arc<Board>,
+    /// The way to the acquisition.
+    pub sender: Sender,
+    /// Who holds the controls.
+    pub controls: Controls,
+    open: AtomicUsize,
+}
+
+impl Server {
+    /// Nobody is connected.
+    #[must_use]
+    pub fn new(guard: Guard, board: Arc<Board>, sender: Sender) -> Self {
+        Self {
+            guard,
+            board,
+            sender,
+            controls: Controls::default(),
+            open: AtomicUsize::new(0),
+        }
+    }
+
+    /// Answers until the process ends.
+    pub fn serve(self: Arc<Self>, listener: &TcpListener) {
+        for connection in listener.incoming() {
+            let Ok(connection) = connection else {
+                // Out of file handles, for one: others will be given back.
+                std::thread::sleep(Duration::from_millis(20));
+                continue;
+            };
+            if self.board.is_over() {
+                return;
+            }
+            if self.open.fetch_add(1, Ordering::Relaxed) >= MOST {
+                self.open.fetch_sub(1, Ordering::Relaxed);
+                continue;
+            }
+            let server = Arc::clone(&self);
+            let spawned = std::thread::Builder::new()
+                .name("browser".to_owned())
+                .stack_size(256 << 10)
+                .spawn(move || {
+                    server.answer(connection);
+                    server.open.fetch_sub(1, Ordering::Relaxed);
+                });
+            if spawned.is_err() {
+                self.open.fetch_sub(1, Ordering::Relaxed);
+            }
+        }
+    }
+
+    fn answer(&self, mut connection: TcpStream) {
+        let _ = connection.set_nodelay(true);
+        let _ = connection.set_write_timeout(Some(PATIENCE));
+        let request = match request::read(&mut connection) {
+            Ok(request) => request,
+            Err(error) => {
+                let _ = respond(
+                    &mut connection,
+                    error.status(),
+                    "text/plain",
+                    error.to_string().as_bytes(),
+                );
+                return;
+            }
+        };
+        if let Err(refused) = self.guard.host(&request) {
+            let _ = respond(
+                &mut connection,
+                "403 Forbidden",
+                "text/plain",
+                refused.to_string().as_bytes(),
+            );
+            return;
+        }
+        if request.path == "/socket" {
+            self.socket(connection, &request);
+            return;
+        }
+        let _ = match assets::find(&request.path) {
+            Some((kind, body)) => respond(&mut connection, "200 OK", kind, body.as_bytes()),
+            None => respond(
+                &mut connection,
+                "404 Not Found",
+                "text/plain",
+                b"no such page",
+            ),
+        };
+    }
+
+    fn socket(&self, mut connection: TcpStream, request: &Request) {
+        let admitted = self
+            .guard
+            .origin(request)
+            .and_then(|()| self.guard.token(request));
+        let key = request.header("sec-websocket-key").ok_or(Refused::NoSocket);
+        match admitted.and(key) {
+            Err(refused) => {
+                let _ = respond(
+                    &mut connection,
+                    "403 Forbidden",
+                    "text/plain",
+                    refused.to_string().as_bytes(),
+                );
+            }
+            Ok(key) => {
+                let accept = derive_accept_key(key.as_bytes());
+                let head = format!(
+                    "HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Accept: {accept}\r\n\r\n"
+                );
+                if connection.write_all(head.as_bytes()).is_err() {
+                    return;
+                }
+                let config = WebSocketConfig::default()
+                    .max_message_size(Some(2 * LONGEST_MESSAGE))
+                    .max_frame_size(Some(2 * LONGEST_MESSAGE))
+                    .max_write_buffer_size(8 << 20);
+                let socket = WebSocket::from_raw_socket(connection, Role::Server, Some(config));
+                client::Client::new(self, socket).run();
+            }
+        }
+    }
+}
+
+/// A whole answer. The page may load nothing that is not served here, and nobody may show it in a frame.
+fn respond(
+    connection: &mut TcpStream,
+    status: &str,
+    kind: &str,
+    body: &[u8],
+) -> std::io::Result<()> {
+    let head = format!(
+        "HTTP/1.1 {status}\r\nContent-Type: {kind}; charset=utf-8\r\nContent-Length: {}\r\nConnection: close\r\n\
+         Cache-Control: no-store\r\nX-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer\r\n\
+         Content-Security-Policy: default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; \
+         connect-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'\r\n\r\n",
+        body.len()
+    );
+    connection.write_all(head.as_bytes())?;
+    connection.write_all(body)?;
+    connection.flush()
+}
+
+/// A text as a message.
+fn text(text: &str) -> Message {
+    Message::text(text)
+}

@@ -1,0 +1,82 @@
+//! Where samples come from. A source runs on a thread of its own and hands batches to the acquisition, which takes all of them:
+//! a full queue makes the source wait, never lose.
+//!
+//! | file | holds |
+//! |---|---|
+//! | [`laboratory`] | the simulated laboratory in real time, its runs and defects |
+//! | [`wire`] | rows of text or little-endian numbers behind a line that describes them |
+//! | [`stream`] | that from a loopback TCP port or standard input |
+//! | [`play`] | a recording at its own speed or faster |
+//! | [`follow`] | a CSV or TDMS file that grows |
+
+pub mod follow;
+pub mod laboratory;
+pub mod play;
+pub mod stream;
+pub mod wire;
+
+use std::sync::mpsc::SyncSender;
+
+use glam::DVec3;
+use serde::Serialize;
+use sixaxis_core::LIMBS;
+use sixaxis_recordings::session::Entry;
+
+use crate::columns::Batch;
+use crate::control::Command;
+
+/// Batches that may wait for the acquisition.
+pub const WAITING: usize = 256;
+/// Samples of a batch at most.
+pub const LONGEST_BATCH: usize = 4096;
+
+/// What a source is, told when it starts: histories begin anew.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Start {
+    /// In words: `simulated laboratory, seed 7`.
+    pub title: String,
+    /// Samples per second.
+    pub sample_rate_hz: f64,
+    /// Whether samples have readings of the reference instruments.
+    pub standards: bool,
+    /// Whether the truth stands beside them.
+    pub truth: bool,
+}
+
+/// A run of the rig begins with the next sample, from rest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Begin {
+    /// What the session file is to say of it.
+    pub entry: Entry,
+    /// c_i of the amplifier ranges, N/V.
+    pub gain_n_per_v: [f64; LIMBS],
+    /// Gravity in the sensor's axes at rest, m/s^2.
+    pub gravity_ground_m_s2: DVec3,
+    /// Which trial of the campaign it is, if it is one.
+    pub trial: Option<usize>,
+}
+
+/// What reaches the acquisition.
+#[derive(Debug)]
+pub enum Event {
+    /// A source starts.
+    Start(Start),
+    /// Samples.
+    Samples(Batch),
+    /// A run begins.
+    Begin(Box<Begin>),
+    /// The run is over, or was stopped before.
+    End {
+        /// Whether it ran to its end.
+        complete: bool,
+    },
+    /// Something to be shown: a connection, a refused row, the end of a file.
+    Note(String),
+    /// From the browser that holds the controls.
+    Control(Command),
+    /// A calibration that was computed beside, or why there is none.
+    Calibrated(Box<crate::campaign::Outcome>),
+}
+
+/// The way to the acquisition. A send waits while the queue is full; it fails when the instrument is shut down.
+pub type Sender = SyncSender<Event>;

@@ -1,0 +1,102 @@
+//! A recording, played at its own speed or faster.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use anyhow::{Result, anyhow, bail};
+use sixaxis_core::LIMBS;
+use sixaxis_recordings::ingest::clock::stated_rate_hz;
+use sixaxis_recordings::ingest::columns::{Columns, stamps};
+use sixaxis_recordings::ingest::find;
+use sixaxis_recordings::session::Channels;
+
+use super::wire::standards;
+use super::{Event, Sender, Start};
+use crate::columns::Batch;
+
+/// Time between two batches.
+const TICK: Duration = Duration::from_millis(10);
+
+/// An open recording, and what it is.
+pub struct Player {
+    columns: Columns,
+    start: Start,
+}
+
+impl Player {
+    /// Opens a recording; nine limbs are needed, reference instruments are shown where it has them.
+    ///
+    /// # Errors
+    /// A file that cannot be read, a missing channel, a rate that nobody says.
+    pub fn open(path: &Path, channels: &Channels, rate_hz: Option<f64>) -> Result<Self> {
+        let source = sixaxis_recordings::open(path)?;
+        let layout = source.layout();
+        let limbs = find::limbs(path, layout, channels)?;
+        let time = find::time(path, layout, channels.time.as_deref())?;
+        let mut rate = stated_rate_hz(layout, &limbs, rate_hz)
+            .map_err(|cause| anyhow!("{}: the rate is {cause}", path.display()))?;
+        if rate.is_none()
+            && let Some(time) = &time
+        {
+            rate = stamps(path, time, None)?.and_then(|stamps| stamps.mean_rate_hz);
+        }
+        let Some(sample_rate_hz) = rate else {
+            bail!(
+                "{}: the file does not say how fast it was sampled; give --rate",
+                path.display()
+            );
+        };
+        let standards = standards(layout, channels);
+        let mut wanted = limbs.to_vec();
+        wanted.extend(standards.iter().flatten().cloned());
+        Ok(Self {
+            start: Start {
+                title: format!(
+                    "recording {}",
+                    path.file_name().unwrap_or_default().to_string_lossy()
+                ),
+                sample_rate_hz,
+                standards: standards.is_some(),
+                truth: false,
+            },
+            columns: Columns::new(path, source, wanted, None, rate)?,
+        })
+    }
+
+    /// Plays it once, so many times as fast as it was recorded; not waiting at all for an infinite speed.
+    pub fn run(mut self, speed: f64, sender: &Sender) {
+        let rate = self.start.sample_rate_hz;
+        let standards = self.start.standards;
+        if sender.send(Event::Start(self.start.clone())).is_err() {
+            return;
+        }
+        let piece = ((rate * speed * TICK.as_secs_f64()) as usize).clamp(1, super::LONGEST_BATCH);
+        let began = Instant::now();
+        let mut played = 0_u64;
+        let over = loop {
+            match self.columns.read(piece) {
+                Ok(0) => break "the recording is over".to_owned(),
+                Err(error) => break error.to_string(),
+                Ok(rows) => {
+                    let mut batch = Batch::default();
+                    for limb in 0..LIMBS {
+                        batch.voltage_v.columns[limb].extend_from_slice(self.columns.column(limb));
+                    }
+                    if standards {
+                        batch.standard =
+                            [LIMBS, LIMBS + 1].map(|k| self.columns.column(k).to_vec());
+                    }
+                    played += rows as u64;
+                    if sender.send(Event::Samples(batch)).is_err() {
+                        return;
+                    }
+                }
+            }
+            if speed.is_finite() {
+                let due = Duration::from_secs_f64(played as f64 / (rate * speed));
+                std::thread::sleep(due.saturating_sub(began.elapsed()));
+            }
+        };
+        let _ = sender.send(Event::Note(over));
+    }
+}

@@ -1,0 +1,88 @@
+//! Samples from a TCP port or from standard input.
+
+use std::io::Read;
+use std::net::TcpListener;
+
+use sixaxis_recordings::session::Channels;
+
+use super::wire::{Wire, taken};
+use super::{Event, Sender, Start};
+use crate::columns::Batch;
+
+/// Refused rows that are told one by one; the rest is counted.
+const TOLD: u64 = 5;
+/// Bytes read at a time.
+const PIECE: usize = 1 << 16;
+
+/// Takes one connection after the other; a sender that breaks the rules is hung up on.
+pub fn listen(listener: &TcpListener, channels: &Channels, sender: &Sender) {
+    for connection in listener.incoming() {
+        let Ok(mut connection) = connection else {
+            continue;
+        };
+        let from = connection
+            .peer_addr()
+            .map_or_else(|_| "a sender".to_owned(), |a| a.to_string());
+        if !read(&mut connection, &from, channels, sender) {
+            return;
+        }
+    }
+}
+
+/// Reads to the end. False when the instrument is shut down.
+pub fn read(input: &mut dyn Read, from: &str, channels: &Channels, sender: &Sender) -> bool {
+    let mut wire = Wire::new(channels);
+    let mut batch = Batch::default();
+    let mut bytes = vec![0; PIECE];
+    let mut started = false;
+    let over = loop {
+        let got = match input.read(&mut bytes) {
+            Ok(0) => break "ended".to_owned(),
+            Ok(got) => got,
+            Err(error) if error.kind() == std::io::ErrorKind::Interrupted => continue,
+            Err(error) => break error.to_string(),
+        };
+        let mut told = Vec::new();
+        let before = wire.refused;
+        let taken_in = wire.take(&bytes[..got], &mut batch, &mut |error| {
+            if before + (told.len() as u64) < TOLD {
+                told.push(error.to_string());
+            }
+        });
+        if !started && let Some(head) = wire.head() {
+            started = true;
+            let start = Start {
+                title: format!("stream from {from}"),
+                sample_rate_hz: head.sample_rate_hz,
+                standards: head.has_standards(),
+                truth: false,
+            };
+            if sender.send(Event::Start(start)).is_err() {
+                return false;
+            }
+        }
+        for told in told {
+            if sender
+                .send(Event::Note(format!(
+                    "{from}, {told}; the row is passed over"
+                )))
+                .is_err()
+            {
+                return false;
+            }
+        }
+        if batch.samples() > 0 && sender.send(Event::Samples(taken(&mut batch))).is_err() {
+            return false;
+        }
+        if let Err(error) = taken_in {
+            break error.to_string();
+        }
+    };
+    let refused = match wire.refused {
+        0 => String::new(),
+        rows => format!("; {rows} rows were refused"),
+    };
+    sender
+        .send(Event::Note(format!("{from}: {over}{refused}")))
+        .is_ok()
+}
