@@ -9,7 +9,7 @@ use crate::columns::COLUMNS;
 /// Longest message, bytes.
 pub const LONGEST_MESSAGE: usize = 4096;
 /// Most columns and points of a picture.
-const MOST_COLUMNS: usize = 16;
+const MOST_COLUMNS: usize = 24;
 const MOST_POINTS: u16 = 4096;
 
 /// A message that is refused, and why.
@@ -279,7 +279,7 @@ impl Message {
                 end_s,
                 points,
             } => {
-                within(columns.len() <= MOST_COLUMNS, "at most 16 columns")?;
+                within(columns.len() <= MOST_COLUMNS, "at most 24 columns")?;
                 within(columns.iter().all(|c| *c < COLUMNS), "no such column")?;
                 within((1e-3..=3600.0).contains(&span_s), "a span is 1 ms to 1 h")?;
                 within(

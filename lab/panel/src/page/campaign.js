@@ -1,0 +1,146 @@
+// Identification: the guided list, the check of each trial, the 25 parameters and the verdict.
+import { number } from "/chart.js";
+
+const $ = (id) => document.getElementById(id);
+let outcome = null, inTurn = false, allowed = false, busy = false, lastDone = null, asked = null;
+const MOTIONS = { static: "at rest", linear: "linear, slow", angular: "angular, slow", high_frequency_linear: "linear, fast", validation: "compound, for validation", tap: "tap" };
+
+// The wedge's direction as it is engraved: small whole numbers.
+function wedge(direction) {
+  if (!direction) return "–";
+  const least = Math.min(...direction.filter((x) => Math.abs(x) > 1e-6).map(Math.abs));
+  return `(${direction.map((x) => number(Math.round(1e3 * x / least) / 1e3, 3)).join(", ")})`;
+}
+const text = (tag, content, kind = "") => { const e = document.createElement(tag); e.textContent = content; e.className = kind; return e; };
+const hertz = (f) => (f === null ? "–" : `${number(f, 3)} Hz`);
+
+function record(state, command, trial) { asked = trial; command("capture", { trial, done: false }); }
+
+export function start(state, command) {
+  $("next-go").onclick = () => { inTurn = false; if (outcome?.next !== null) record(state, command, outcome.next); };
+  $("next-end").onclick = () => { inTurn = false; command("capture", { trial: 0, done: true }); };
+  $("next-all").onclick = () => { inTurn = !inTurn; step(state, command); buttons(state); };
+}
+function step(state, command) {
+  if (inTurn && allowed && !busy && outcome && outcome.next !== null) record(state, command, outcome.next);
+  if (outcome?.next === null) inTurn = false;
+}
+export function allow(yours) { allowed = yours; if (!yours) inTurn = false; buttons(null); }
+function buttons(state) {
+  const laboratory = state?.hello?.laboratory ?? true;
+  const all = outcome?.next === null || !outcome?.trials.length;
+  $("next-go").disabled = !allowed || busy || all || inTurn;
+  $("next-end").disabled = !allowed || !busy;
+  $("next-all").disabled = !allowed || (all && !inTurn);
+  $("next-all").hidden = !laboratory;
+  $("next-all").textContent = inTurn ? "Stop after this trial" : "Record all that is left";
+  for (const button of document.querySelectorAll("#trials button")) button.disabled = !allowed || busy;
+}
+export function running(status, state) {
+  const was = busy;
+  busy = status.run !== null;
+  if (was !== busy) { next(state, status); buttons(state); }
+}
+
+function next(state, status) {
+  if (!outcome) return;
+  const trial = outcome.trials[outcome.next];
+  const running = status ?? state.status;
+  if (running?.trial !== null && running?.trial !== undefined && busy) {
+    $("next-text").textContent = `Recording ${outcome.trials[running.trial]?.name ?? "a trial"} …`;
+  } else if (!outcome.trials.length) {
+    $("next-text").textContent = "No campaign: start the panel with --session, whose recordings are then made anew.";
+  } else if (!trial) {
+    $("next-text").textContent = "All recordings are there.";
+  } else {
+    const seconds = trial.seconds === null ? "" : `, ${number(trial.seconds, 3)} s`;
+    $("next-text").textContent = trial.role === "static"
+      ? `${trial.name}: leave the sensor at rest${seconds}.`
+      : `${trial.name}: mount wedge ${wedge(trial.direction)}, run the rig at ${hertz(trial.frequency_hz)}, ${MOTIONS[trial.role]}${seconds}.`;
+  }
+}
+
+export function take(campaign, state, command) {
+  const before = outcome;
+  // A state that has been recorded and not yet calibrated keeps the parameters of the one before.
+  outcome = campaign.calibrated || !before?.calibrated ? campaign
+    : { ...before, trials: campaign.trials.map((t, k) => ({ ...t, error: before.trials[k]?.error ?? null })), next: campaign.next, problem: campaign.problem };
+  const newest = outcome.trials.findIndex((t, k) => t.check && JSON.stringify(t.check) !== JSON.stringify(before?.trials[k]?.check));
+  if (newest >= 0) lastDone = newest;
+  next(state); trials(state, command); check(); verdict(); parameters(); buttons(state);
+  if (before && !campaign.calibrated) step(state, command);
+}
+
+function check() {
+  const trial = outcome.trials[lastDone];
+  const rows = trial?.check?.lines ?? [];
+  $("check").hidden = !rows.length;
+  $("check").tBodies[0].replaceChildren(...rows.map((line, k) => {
+    const row = document.createElement("tr");
+    row.append(text("th", `${k ? "" : `${trial.name}: `}${line.what}`), text("td", line.found), text("td", line.asked), text("td", line.ok ? "✓" : "✕", line.ok ? "good" : "bad"));
+    return row;
+  }));
+}
+
+function trials(state, command) {
+  $("trials").tBodies[0].replaceChildren(...outcome.trials.map((trial, k) => {
+    const row = document.createElement("tr");
+    if (k === outcome.next) row.setAttribute("aria-current", "true");
+    const wrong = trial.check?.lines.filter((line) => !line.ok).map((line) => line.what) ?? [];
+    const mark = !trial.check ? text("td", "–") : wrong.length ? text("td", `✕ ${wrong.join(", ")}`, "bad") : text("td", "✓", "good");
+    const action = document.createElement("td");
+    const again = text("button", trial.check ? "Repeat" : "Record");
+    again.onclick = () => { inTurn = false; record(state, command, k); };
+    action.append(again);
+    if (trial.check) {
+      const drop = text("button", "Discard");
+      drop.onclick = () => command("discard", { trial: k });
+      action.append(" ", drop);
+    }
+    row.append(text("th", trial.name), text("td", MOTIONS[trial.role]), text("td", wedge(trial.direction)), text("td", hertz(trial.frequency_hz), "number"), mark,
+      text("td", trial.error === null ? "–" : `${(100 * trial.error).toFixed(2)} %`, "number"), action);
+    return row;
+  }));
+}
+
+function verdict() {
+  const kind = { good: "good", reserved: "warn", bad: "bad" }[outcome.grade];
+  if (kind) {
+    $("verdict").className = kind;
+    $("verdict").textContent = `${{ good: "✓", warn: "!", bad: "✕" }[kind]} ${outcome.sentence}`;
+  }
+  const items = outcome.findings.map((f) => text("li", `${f.cause}, ${f.place}: ${f.evidence}. What to do: ${f.advice}.`));
+  items.push(...outcome.reservations.map((r) => text("li", r)));
+  if (outcome.problem) items.push(text("li", outcome.problem, "bad"));
+  $("findings").replaceChildren(...items);
+  $("cal-file").textContent = outcome.file ? `By ${outcome.estimator}. Written to ${outcome.file}; decode recordings with it: sixaxis decouple.` : "";
+}
+
+// Half widths on a logarithmic axis, the first calibration at the left.
+function spark(widths) {
+  const NS = "http://www.w3.org/2000/svg";
+  const svg = document.createElementNS(NS, "svg");
+  svg.setAttribute("class", "spark"); svg.setAttribute("viewBox", "0 0 100 20"); svg.setAttribute("preserveAspectRatio", "none");
+  const known = widths.map((w, k) => [k, w]).filter(([, w]) => w > 0);
+  if (known.length > 1) {
+    const logs = known.map(([, w]) => Math.log(w));
+    const low = Math.min(...logs), high = Math.max(...logs, low + 0.7);
+    const line = document.createElementNS(NS, "polyline");
+    line.setAttribute("points", known.map(([k, w]) => `${2 + 96 * k / (widths.length - 1)},${18 - 16 * (Math.log(w) - low) / (high - low)}`).join(" "));
+    line.setAttribute("fill", "none"); line.setAttribute("style", "stroke: var(--s0)"); line.setAttribute("stroke-width", "1.5"); line.setAttribute("vector-effect", "non-scaling-stroke");
+    svg.append(line);
+  }
+  return svg;
+}
+function parameters() {
+  $("parameters").tBodies[0].replaceChildren(...outcome.parameters.map((p) => {
+    const row = document.createElement("tr");
+    const curve = document.createElement("td");
+    curve.append(spark(p.widths));
+    row.append(text("th", p.name), text("td", number(p.estimate, 5), "number"),
+      text("td", p.determined && p.half_width !== null ? number(p.half_width, 2) : "not determined", `number${p.determined ? "" : " warn"}`),
+      text("td", p.unit), text("td", number(p.design, 5), "number"), curve, text("td", p.limited_by));
+    return row;
+  }));
+  $("parameters").hidden = !outcome.parameters.length;
+}

@@ -9,6 +9,7 @@ mod docs;
 mod help;
 mod inspect;
 mod outputs;
+mod panel;
 mod program;
 mod self_calibrate;
 mod simulate;

@@ -1,0 +1,310 @@
+//! The panel over a real socket: samples in, pictures out, a campaign, and everybody who must not be let in.
+
+mod browser;
+
+use std::io::Write;
+use std::net::{Ipv4Addr, SocketAddr, TcpStream};
+use std::time::{Duration, Instant};
+
+use browser::{Browser, ask, parts};
+use sixaxis_calibration::calibration::Calibration;
+use sixaxis_panel::source::laboratory::Settings;
+use sixaxis_panel::{Options, Panel, SourceChoice, start};
+
+fn panel(source: SourceChoice, out: &std::path::Path) -> Panel {
+    start(Options {
+        source,
+        rate_hz: None,
+        listen: SocketAddr::from((Ipv4Addr::LOCALHOST, 0)),
+        token: None,
+        out: out.to_owned(),
+        session: None,
+        calibration: None,
+    })
+    .expect("starts")
+}
+
+fn laboratory(trials_per_step: usize) -> SourceChoice {
+    SourceChoice::Laboratory(Settings {
+        seed: 7,
+        sample_rate_hz: 1000.0,
+        trials_per_step,
+    })
+}
+
+fn port() -> SourceChoice {
+    SourceChoice::Port(SocketAddr::from((Ipv4Addr::LOCALHOST, 0)))
+}
+
+const VIEW: &str =
+    r#"{"do":"view","columns":[0,1,2,3,4,5,6,7,8],"span_s":10,"end_s":null,"points":2000}"#;
+
+#[test]
+fn law_a_stalled_browser_loses_pictures_and_no_samples() {
+    const ROWS: u64 = 30_000;
+    let folder = tempfile::tempdir().expect("a folder");
+    let panel = panel(port(), folder.path());
+    let mut stalled = Browser::open(&panel.link);
+    stalled.say(VIEW);
+    let mut other = Browser::open(&panel.link);
+    other.say(VIEW);
+    let input = panel.input.expect("a port");
+    let sender = std::thread::spawn(move || {
+        let mut stream = TcpStream::connect(input).expect("connects");
+        stream
+            .write_all(b"sixaxis rate=10000 format=f64\n")
+            .expect("writes");
+        for row in 0..ROWS {
+            let bytes: Vec<u8> = (0..9)
+                .flat_map(|limb| (f64::from(limb) + row as f64 * 1e-6).to_le_bytes())
+                .collect();
+            stream.write_all(&bytes).expect("writes");
+            if row % 100 == 0 {
+                std::thread::sleep(Duration::from_millis(10));
+            }
+        }
+    });
+    other.wait("all samples", 60, |b| {
+        b.status("samples").and_then(|v| v.as_u64()) == Some(ROWS)
+    });
+    sender.join().expect("sends");
+    assert!(other.pictures > 20, "{}", other.pictures);
+    // It has answered none, and so three were under way; all later ones were dropped.
+    while stalled
+        .texts
+        .get("status")
+        .is_none_or(|s| s["samples"] != ROWS)
+    {
+        stalled.listen(false);
+    }
+    assert!(stalled.pictures <= 3, "{}", stalled.pictures);
+    stalled.say(r#"{"do":"seen","picture":3}"#);
+    let shown = stalled.pictures;
+    stalled.wait("a picture after the answer", 10, |b| b.pictures > shown);
+    assert!(stalled.dropped > 20, "{}", stalled.dropped);
+}
+
+#[test]
+fn law_nobody_without_the_token_or_from_elsewhere_is_let_in() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let panel = panel(laboratory(3), folder.path());
+    let (address, token) = parts(&panel.link);
+    let socket = "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n";
+    let cases = [
+        (
+            format!("GET / HTTP/1.1\r\nHost: {address}\r\n\r\n"),
+            "200 OK",
+        ),
+        (
+            format!(
+                "GET / HTTP/1.1\r\nHost: evil.example:{}\r\n\r\n",
+                address.port()
+            ),
+            "403",
+        ),
+        ("GET / HTTP/1.1\r\n\r\n".to_owned(), "403"),
+        (
+            format!("GET /../../etc/passwd HTTP/1.1\r\nHost: {address}\r\n\r\n"),
+            "404",
+        ),
+        (format!("POST / HTTP/1.1\r\nHost: {address}\r\n\r\n"), "400"),
+        (
+            format!("GET /socket HTTP/1.1\r\nHost: {address}\r\n{socket}\r\n"),
+            "403",
+        ),
+        (
+            format!("GET /socket?token={token}x HTTP/1.1\r\nHost: {address}\r\n{socket}\r\n"),
+            "403",
+        ),
+        (
+            format!(
+                "GET /socket?token={token} HTTP/1.1\r\nHost: {address}\r\nOrigin: http://evil.example\r\n{socket}\r\n"
+            ),
+            "403",
+        ),
+        (
+            format!("GET /socket?token={token} HTTP/1.1\r\nHost: {address}\r\n\r\n"),
+            "403",
+        ),
+        (
+            format!(
+                "GET /{} HTTP/1.1\r\nHost: {address}\r\n\r\n",
+                "a".repeat(10_000)
+            ),
+            "431",
+        ),
+        ("\u{1}\u{2}\u{3} nonsense\r\n\r\n".to_owned(), "400"),
+    ];
+    for (request, expected) in cases {
+        let answer = ask(address, &request);
+        let first = answer.lines().next().unwrap_or_default();
+        assert!(first.contains(expected), "{request:.80}: {first:?}");
+        assert!(!answer.contains(&token), "{request:.80}");
+    }
+}
+
+#[test]
+fn law_slow_and_broken_clients_change_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let panel = panel(laboratory(3), folder.path());
+    let (address, _) = parts(&panel.link);
+    // Heads that never end.
+    let slow: Vec<TcpStream> = (0..50)
+        .map(|_| {
+            let mut stream = TcpStream::connect(address).expect("connects");
+            stream.write_all(b"GET / HTTP/1.1\r\nHo").expect("writes");
+            stream
+        })
+        .collect();
+    let mut holder = Browser::open(&panel.link);
+    let mut browsers: Vec<Browser> = (0..50).map(|_| Browser::open(&panel.link)).collect();
+    for (k, browser) in browsers.iter_mut().enumerate() {
+        for text in [
+            "{",
+            "{\"do\":\"format_disk\"}",
+            "null",
+            "{\"do\":\"view\",\"columns\":[99],\"span_s\":1,\"end_s\":null,\"points\":9}",
+        ] {
+            browser.say(text);
+        }
+        browser.say(r#"{"do":"restart"}"#);
+        if k % 2 == 0 {
+            browser.say(VIEW);
+        }
+    }
+    holder.say(VIEW);
+    let first = &mut browsers[0];
+    first.wait("a refusal", 20, |b| {
+        b.texts
+            .get("refused")
+            .is_some_and(|r| r == "another browser holds the controls")
+    });
+    first.say(r#"{"do":"take"}"#);
+    first.wait("the controls", 20, |b| {
+        b.texts.get("controls").is_some_and(|c| c["yours"] == true)
+    });
+    holder.wait("their loss", 20, |b| {
+        b.texts.get("controls").is_some_and(|c| c["yours"] == false)
+    });
+    let before = Instant::now();
+    holder.wait("samples all the while", 20, |b| {
+        b.status("samples").and_then(|s| s.as_u64()) > Some(1_000)
+    });
+    assert!(before.elapsed() < Duration::from_secs(20));
+    drop(slow);
+}
+
+#[test]
+fn law_a_broken_stream_is_told_and_the_next_one_taken() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let panel = panel(port(), folder.path());
+    let mut browser = Browser::open(&panel.link);
+    let input = panel.input.expect("a port");
+    for (bytes, told) in [
+        (&b"GET / HTTP/1.1\r\n\r\n"[..], "sixaxis"),
+        (
+            &b"sixaxis rate=1000 format=text\n1,2,3\n"[..],
+            "3 numbers, 9 were expected",
+        ),
+        (&[0xff; 9000][..], "longer than"),
+    ] {
+        TcpStream::connect(input)
+            .expect("connects")
+            .write_all(bytes)
+            .expect("writes");
+        browser.wait(told, 20, |b| {
+            b.status("notes")
+                .is_some_and(|notes| notes.to_string().contains(told))
+        });
+    }
+    let mut text = "sixaxis rate=1000 format=text\n".to_owned();
+    text += &"1,2,3,4,5,6,7,8,9\n".repeat(2_000);
+    TcpStream::connect(input)
+        .expect("connects")
+        .write_all(text.as_bytes())
+        .expect("writes");
+    browser.wait("2000 samples", 20, |b| {
+        b.status("samples").and_then(|v| v.as_u64()) == Some(2_000)
+    });
+}
+
+#[test]
+fn law_a_campaign_by_hand_ends_good_and_names_a_defect() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let panel = panel(laboratory(6), folder.path());
+    let mut browser = Browser::open(&panel.link);
+    browser.say(VIEW);
+    browser.wait("the list", 20, |b| b.texts.contains_key("campaign"));
+    let trials = browser.texts["campaign"]["trials"]
+        .as_array()
+        .expect("a list")
+        .len();
+    assert_eq!(trials, 1 + 3 * 6 + 3);
+    browser.say(r#"{"do":"speed","speed":50}"#);
+    for trial in 0..trials {
+        browser.say(&format!(
+            r#"{{"do":"capture","trial":{trial},"done":false}}"#
+        ));
+        browser.wait("the trial", 60, |b| {
+            let check = &b.texts["campaign"]["trials"][trial]["check"];
+            !check.is_null()
+        });
+        let check = &browser.texts["campaign"]["trials"][trial]["check"];
+        let good = check["lines"]
+            .as_array()
+            .expect("lines")
+            .iter()
+            .all(|line| line["ok"] == true);
+        assert!(good, "trial {trial}: {check}");
+    }
+    let all = |b: &Browser| {
+        let campaign = &b.texts["campaign"];
+        campaign["calibrated"] == true && campaign["next"].is_null()
+    };
+    browser.wait("the verdict", 300, all);
+    let campaign = browser.texts["campaign"].clone();
+    assert_eq!(
+        campaign["grade"], "good",
+        "{} {}",
+        campaign["sentence"], campaign["reservations"]
+    );
+    assert_eq!(campaign["parameters"].as_array().map(Vec::len), Some(25));
+    let calibration = Calibration::read(&folder.path().join("campaign/calibration.json"));
+    assert_eq!(calibration.expect("a calibration").intervals.len(), 25);
+
+    // Decoded with it, the truth beside it.
+    browser.say(r#"{"do":"run","run":{"motion":"compound","wedge":3,"frequency_hz":3,"amplitude":1,"seconds":1}}"#);
+    browser.wait("the run", 60, |b| {
+        b.status("run").is_some_and(|run| run.is_string())
+    });
+    browser.wait("its end", 60, |b| {
+        b.status("run").is_some_and(serde_json::Value::is_null)
+    });
+    browser.wait("its errors", 20, |b| {
+        b.status("errors").is_some_and(serde_json::Value::is_array)
+    });
+    let errors = browser
+        .status("errors")
+        .and_then(|e| e.as_array())
+        .expect("six")
+        .clone();
+    for error in errors {
+        assert!(error.as_f64().expect("a number") < 0.05, "{error}");
+    }
+
+    // A limb dies; the trial that has it is found out.
+    browser.say(r#"{"do":"defect","defect":{"kind":"dead","limb":5}}"#);
+    let before = browser.texts["campaign"]["trials"][2].clone();
+    browser.say(r#"{"do":"capture","trial":2,"done":false}"#);
+    browser.wait("the trial again", 60, |b| {
+        b.texts["campaign"]["trials"][2]["check"] != before["check"]
+    });
+    browser.wait("the verdict again", 300, |b| {
+        b.texts["campaign"]["grade"] == "bad"
+    });
+    let findings = browser.texts["campaign"]["findings"].to_string();
+    assert!(
+        findings.contains("linear-02") && findings.contains('5'),
+        "{findings}"
+    );
+}
