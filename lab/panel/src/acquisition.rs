@@ -51,6 +51,7 @@ struct Status<'a> {
     kept_s: f64,
     received_per_s: f64,
     channels: &'a [Channel; LIMBS],
+    conditioned_deviation_v: [f64; LIMBS],
     full_scale_v: f64,
     at_rest: bool,
     run: Option<String>,
@@ -75,6 +76,8 @@ struct Acquisition {
     board: Arc<Board>,
     start: Start,
     statistics: Statistics,
+    /// Of the voltages behind the stages.
+    conditioned: Statistics,
     chain: Chain,
     stages: Stages,
     choice: Parameters,
@@ -108,6 +111,7 @@ pub fn run(events: &Receiver<Event>, board: &Arc<Board>, setup: Setup) {
     let stages = Stages::default();
     let mut acquisition = Acquisition {
         statistics: Statistics::new(full_scale_v, start.sample_rate_hz),
+        conditioned: Statistics::new(full_scale_v, start.sample_rate_hz),
         chain: Chain::idle(),
         board: Arc::clone(board),
         setup,
@@ -171,6 +175,7 @@ impl Acquisition {
         ));
         self.statistics =
             Statistics::new(self.setup.session.sensor.full_scale_v, start.sample_rate_hz);
+        self.conditioned = self.statistics.clone();
         *self
             .board
             .history
@@ -235,6 +240,7 @@ impl Acquisition {
 
     fn end(&mut self, complete: bool) {
         let begin = self.begin.take();
+        self.chain.run_ended();
         self.last.clone_from(&begin);
         match (self.capture.take(), begin) {
             (Some((trial, samples)), Some(begin)) if complete => {
@@ -306,6 +312,8 @@ impl Acquisition {
             }
             self.chain
                 .push(&raw, truth.then(|| &batch.truth[k]), &mut row);
+            let after = core::array::from_fn(|k| f64::from(row[columns::CONDITIONED.start + k]));
+            self.conditioned.push(&after);
             rows.push(row);
         }
         for message in self.chain.messages() {
@@ -494,6 +502,7 @@ impl Acquisition {
             kept_s,
             received_per_s: self.rate.2,
             channels: &self.statistics.channels,
+            conditioned_deviation_v: self.conditioned.channels.map(|c| c.deviation_v),
             full_scale_v: self.setup.session.sensor.full_scale_v,
             at_rest: self.statistics.at_rest,
             run,

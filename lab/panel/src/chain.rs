@@ -69,6 +69,8 @@ pub struct Chain {
     peaks: [f64; 6],
     departures: [f64; 6],
     last_errors: Option<[f64; 6]>,
+    /// Whether departures are counted: an open loop drifts on when the run is over.
+    counting: bool,
     messages: Vec<String>,
 }
 
@@ -94,6 +96,7 @@ impl Chain {
             peaks: [0.0; 6],
             departures: [0.0; 6],
             last_errors: None,
+            counting: true,
             messages: Vec::new(),
         }
     }
@@ -135,6 +138,7 @@ impl Chain {
     pub fn restart(&mut self, choice: &Choice<'_>) -> anyhow::Result<()> {
         self.last_errors = self.errors();
         (self.peaks, self.departures) = ([0.0; 6], [0.0; 6]);
+        self.counting = true;
         (self.decoder, self.answer, self.filtered) = (None, None, None);
         let card = &choice.session.sensor;
         let parameters = match choice.calibration {
@@ -221,7 +225,7 @@ impl Chain {
             for (cell, value) in row[MOTION].iter_mut().zip(numbers) {
                 *cell = value as f32;
             }
-            if let Some(before) = before {
+            if let Some(before) = before.filter(|_| self.counting) {
                 for (k, (value, truth)) in numbers.iter().zip(before).enumerate() {
                     self.peaks[k] = self.peaks[k].max(truth.abs());
                     self.departures[k] = self.departures[k].max((value - truth).abs());
@@ -241,6 +245,11 @@ impl Chain {
             }
             None => core::array::from_fn(|k| truth[k]),
         }
+    }
+
+    /// The run is over: its errors stay as they are.
+    pub const fn run_ended(&mut self) {
+        self.counting = false;
     }
 
     /// Largest departure from the truth since the run began, over that axis' peak; of the last run while the sensor rests.

@@ -9,21 +9,22 @@ const MOTIONS = { static: "at rest", linear: "linear, slow", angular: "angular, 
 function wedge(direction) {
   if (!direction) return "–";
   const least = Math.min(...direction.filter((x) => Math.abs(x) > 1e-6).map(Math.abs));
-  return `(${direction.map((x) => number(Math.round(1e3 * x / least) / 1e3, 3)).join(", ")})`;
+  return `(${direction.map((x) => String(Math.round(1e2 * x / least) / 1e2)).join(", ")})`;
 }
 const text = (tag, content, kind = "") => { const e = document.createElement(tag); e.textContent = content; e.className = kind; return e; };
-const hertz = (f) => (f === null ? "–" : `${number(f, 3)} Hz`);
+const hertz = (f) => (f === null ? "–" : `${f.toFixed(2)} Hz`);
 
 function record(state, command, trial) { asked = trial; command("capture", { trial, done: false }); }
 
 export function start(state, command) {
   $("next-go").onclick = () => { inTurn = false; if (outcome?.next !== null) record(state, command, outcome.next); };
   $("next-end").onclick = () => { inTurn = false; command("capture", { trial: 0, done: true }); };
-  $("next-all").onclick = () => { inTurn = !inTurn; step(state, command); buttons(state); };
+  $("next-all").onclick = () => { inTurn = !inTurn; asked = null; step(state, command); buttons(state); };
 }
+// The next trial, once the rig stands and the one before is in the list, whichever is told last.
 function step(state, command) {
-  if (inTurn && allowed && !busy && outcome && outcome.next !== null) record(state, command, outcome.next);
   if (outcome?.next === null) inTurn = false;
+  if (inTurn && allowed && !busy && outcome && outcome.next !== asked) record(state, command, outcome.next);
 }
 export function allow(yours) { allowed = yours; if (!yours) inTurn = false; buttons(null); }
 function buttons(state) {
@@ -36,10 +37,10 @@ function buttons(state) {
   $("next-all").textContent = inTurn ? "Stop after this trial" : "Record all that is left";
   for (const button of document.querySelectorAll("#trials button")) button.disabled = !allowed || busy;
 }
-export function running(status, state) {
+export function running(status, state, command) {
   const was = busy;
   busy = status.run !== null;
-  if (was !== busy) { next(state, status); buttons(state); }
+  if (was !== busy) { next(state, status); step(state, command); buttons(state); }
 }
 
 function next(state, status) {
@@ -53,7 +54,7 @@ function next(state, status) {
   } else if (!trial) {
     $("next-text").textContent = "All recordings are there.";
   } else {
-    const seconds = trial.seconds === null ? "" : `, ${number(trial.seconds, 3)} s`;
+    const seconds = trial.seconds === null ? "" : `, ${trial.seconds.toFixed(1)} s`;
     $("next-text").textContent = trial.role === "static"
       ? `${trial.name}: leave the sensor at rest${seconds}.`
       : `${trial.name}: mount wedge ${wedge(trial.direction)}, run the rig at ${hertz(trial.frequency_hz)}, ${MOTIONS[trial.role]}${seconds}.`;
@@ -68,7 +69,7 @@ export function take(campaign, state, command) {
   const newest = outcome.trials.findIndex((t, k) => t.check && JSON.stringify(t.check) !== JSON.stringify(before?.trials[k]?.check));
   if (newest >= 0) lastDone = newest;
   next(state); trials(state, command); check(); verdict(); parameters(); buttons(state);
-  if (before && !campaign.calibrated) step(state, command);
+  step(state, command);
 }
 
 function check() {
@@ -132,14 +133,17 @@ function spark(widths) {
   }
   return svg;
 }
+// As people write them: mV and mm².
+const SHOWN = { V: [1e3, "mV"], "m²": [1e6, "mm²"], "m^2": [1e6, "mm²"] };
 function parameters() {
   $("parameters").tBodies[0].replaceChildren(...outcome.parameters.map((p) => {
     const row = document.createElement("tr");
     const curve = document.createElement("td");
     curve.append(spark(p.widths));
-    row.append(text("th", p.name), text("td", number(p.estimate, 5), "number"),
-      text("td", p.determined && p.half_width !== null ? number(p.half_width, 2) : "not determined", `number${p.determined ? "" : " warn"}`),
-      text("td", p.unit), text("td", number(p.design, 5), "number"), curve, text("td", p.limited_by));
+    const [times, unit] = SHOWN[p.unit] ?? [1, p.unit];
+    row.append(text("th", p.name), text("td", number(times * p.estimate, 5), "number"),
+      text("td", p.determined && p.half_width !== null ? number(times * p.half_width, 2) : "not determined", `number${p.determined ? "" : " warn"}`),
+      text("td", unit), text("td", number(times * p.design, 5), "number"), curve, text("td", p.limited_by));
     return row;
   }));
   $("parameters").hidden = !outcome.parameters.length;

@@ -33,6 +33,9 @@ function ticks(low, high, wanted) {
   return out;
 }
 
+// A tick's label: as many digits as it has.
+const tick = (x) => (x === 0 ? "0" : Math.abs(x) >= 1e6 || Math.abs(x) < 1e-4 ? number(x, 3) : String(Number(x.toPrecision(10))).replace("-", "−"));
+
 class CanvasPen {
   constructor(ctx) { this.ctx = ctx; }
   path(points, colour, width, dash) {
@@ -49,8 +52,11 @@ class CanvasPen {
   }
   text(x, y, text, colour, align = "left", size = 12) {
     const { ctx } = this;
-    ctx.fillStyle = colour; ctx.font = `${size}px ${FONT}`; ctx.textAlign = align; ctx.textBaseline = "middle";
-    ctx.fillText(text, x, y);
+    ctx.font = `${size}px ${FONT}`; ctx.textAlign = align; ctx.textBaseline = "middle";
+    // A halo, so that a label is read over a curve.
+    ctx.strokeStyle = css("--paper"); ctx.lineWidth = 4; ctx.lineJoin = "round"; ctx.setLineDash([]);
+    ctx.strokeText(text, x, y);
+    ctx.fillStyle = colour; ctx.fillText(text, x, y);
   }
   clip(x, y, w, h) { const { ctx } = this; ctx.save(); ctx.beginPath(); ctx.rect(x, y, w, h); ctx.clip(); }
   unclip() { this.ctx.restore(); }
@@ -70,7 +76,7 @@ class SvgPen {
   }
   text(x, y, text, colour, align = "left", size = 12) {
     const anchor = { left: "start", center: "middle", right: "end" }[align];
-    this.out.push(`<text x="${x}" y="${y}" dy="0.35em" fill="${colour}" font-size="${size}" text-anchor="${anchor}">${this.escape(text)}</text>`);
+    this.out.push(`<text x="${x}" y="${y}" dy="0.35em" fill="${colour}" font-size="${size}" text-anchor="${anchor}" paint-order="stroke" stroke="${css("--paper")}" stroke-width="4" stroke-linejoin="round">${this.escape(text)}</text>`);
   }
   clip(x, y, w, h) {
     this.clips += 1;
@@ -87,7 +93,8 @@ export class Strip {
     this.scale = "own"; this.fullScale = 10;
     this.left = 64; this.right = 8; this.foot = 26;
     canvas.addEventListener("pointermove", (e) => { this.pointer = [e.offsetX, e.offsetY]; this.draw(); });
-    canvas.addEventListener("pointerleave", () => { this.pointer = null; this.draw(); });
+    const hint = readout.textContent;
+    canvas.addEventListener("pointerleave", () => { this.pointer = null; readout.textContent = hint; this.draw(); });
   }
   show(panels) { this.panels = panels; this.ranges = []; this.picture = null; this.size(); this.draw(); }
   size() {
@@ -149,9 +156,9 @@ export class Strip {
       const [low, high] = ranges[k];
       const y = (v) => bottom - (v - low) / (high - low) * (bottom - top);
       for (const t of times) pen.path([x(t), top, x(t), bottom], grid, 1);
-      for (const v of ticks(low, high, 2)) {
+      for (const v of ticks(low, high, 3)) {
         pen.path([left, y(v), width - right, y(v)], grid, 1);
-        if (y(v) > top + 4 && y(v) < bottom - 4) pen.text(left - 6, y(v), number(v, 3), quiet, "right", 11);
+        if (y(v) > top + 3 && y(v) < bottom - 3) pen.text(left - 6, y(v), tick(v), quiet, "right", 11);
       }
       pen.path([left, top, left, bottom, width - right, bottom], axis, 1);
       pen.clip(left, top - 1, wide, bottom - top + 2);
@@ -170,7 +177,7 @@ export class Strip {
       pen.text(left + 6, top + 8, `${panel.title}  ${panel.unit}`, ink, "left", 12);
     });
     const foot = this.panels.length * each + 10;
-    for (const t of times) pen.text(Math.min(Math.max(x(t), left + 8), width - 24), foot, `${number(t, Math.max(3, 1 + Math.ceil(Math.log10(Math.max(1, t) / (t1 - t0))) + 2))} s`, quiet, "center", 11);
+    for (const t of times) pen.text(Math.min(Math.max(x(t), left + 8), width - 24), foot, `${tick(t)} s`, quiet, "center", 11);
   }
   draw() {
     const ctx = this.canvas.getContext("2d");

@@ -86,9 +86,9 @@ const PANELS = {
 };
 const LEGENDS = {
   acquisition: [],
-  preprocessing: [["before the stages", "--axis"], ["behind them", "--s0"]],
+  preprocessing: [["before the stages", "--axis"], ["behind them, in the limb's colour", "--s0"]],
   identification: nine.map((k) => [`u${k + 1}`, colourOf(k), dashedOf(k)]),
-  decoupling: [["decoupled", "--s0"], ["truth, behind the same low-pass", "--ink", true], ["x or first relation", "--s0"], ["y or second", "--s1"], ["z or third", "--s2"]],
+  decoupling: [["x, or first relation", "--s0"], ["y, or second", "--s1"], ["z, or third", "--s2"], ["truth, behind the same low-pass", "--ink", true]],
 };
 
 const strip = new Strip($("strip"), $("cursor"));
@@ -177,7 +177,7 @@ function status(s) {
   state.status = s;
   if (!before || before.start.standards !== s.start.standards || before.start.truth !== s.start.truth) panels();
   strip.fullScale = s.full_scale_v;
-  $("source").textContent = `${s.start.title}, ${number(s.start.sample_rate_hz, 6)} samples/s`;
+  $("source").textContent = `${s.start.title}, ${s.start.sample_rate_hz.toLocaleString("en")} samples/s`;
   $("run").hidden = !s.run;
   $("run").textContent = s.run ? `running: ${s.run}` : "";
   $("f-rate").textContent = `${Math.round(s.received_per_s).toLocaleString("en")} /s`;
@@ -190,6 +190,11 @@ function status(s) {
       c.not_finite ? `${c.clipped}, ${c.not_finite} not finite` : String(c.clipped),
     ]));
     s.channels.forEach((c, k) => { $("channels").tBodies[0].rows[k].cells[6].className = `number ${c.clipped || c.not_finite ? "bad" : ""}`; });
+  }
+  if (state.tab === "preprocessing") {
+    fill($("beside"), s.channels.map((c, k) => [
+      swatch(k), volts(c.deviation_v), volts(s.conditioned_deviation_v[k]), `${(100 * s.conditioned_deviation_v[k] / c.deviation_v).toFixed(1)} %`,
+    ]));
   }
   notes(s.notes);
   const delay = s.delay_s > 0 ? `The stages run forwards only and delay by ${number(1e3 * s.delay_s, 3)} ms.` : "No stage delays.";
@@ -209,7 +214,7 @@ function status(s) {
   $("watched").className = suspected ? "bad" : excluded ? "warn" : "quiet";
   $("watched").textContent = !s.watch ? "The monitor is off." : suspected ? `Limb ${suspected} may have failed and cannot be excluded.`
     : excluded ? `Limb ${excluded} has failed and is excluded.` : "The monitor hears nothing.";
-  campaign.running(s, state);
+  campaign.running(s, state, command);
 }
 
 function notes(all) {
