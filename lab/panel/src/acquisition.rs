@@ -13,10 +13,10 @@ use sixaxis_core::LIMBS;
 use sixaxis_recordings::session::Session;
 
 use crate::board::{Board, Live, Post};
-use crate::campaign::{Job, Outcome};
 use crate::chain::{Chain, Choice};
 use crate::columns::{self, Batch, COLUMNS};
 use crate::control::{Command, FileFormat, LabCommand, Parameters, Stages};
+use crate::day::{Job, Outcome};
 use crate::history::History;
 use crate::recorder::{self, Progress, Recorder};
 use crate::source::{Begin, Event, Start};
@@ -39,8 +39,8 @@ pub struct Setup {
     pub calibration: Option<Calibration>,
     /// The simulated laboratory's commands, if there is one.
     pub laboratory: Option<SyncSender<LabCommand>>,
-    /// The campaign's worker.
-    pub campaign: JobSender<Job>,
+    /// The calibration day's worker.
+    pub day: JobSender<Job>,
 }
 
 /// What all browsers are told five times a second.
@@ -82,7 +82,7 @@ struct Acquisition {
     stages: Stages,
     choice: Parameters,
     watch: bool,
-    campaign_calibration: Option<Calibration>,
+    day_calibration: Option<Calibration>,
     /// The run under way, and the last one's gains and gravity.
     begin: Option<Begin>,
     last: Option<Begin>,
@@ -119,7 +119,7 @@ pub fn run(events: &Receiver<Event>, board: &Arc<Board>, setup: Setup) {
         stages,
         choice,
         watch: false,
-        campaign_calibration: None,
+        day_calibration: None,
         begin: None,
         last: None,
         capture: None,
@@ -192,7 +192,7 @@ impl Acquisition {
         let calibration = match self.choice {
             Parameters::Design => None,
             Parameters::File => self.setup.calibration.as_ref(),
-            Parameters::Campaign => self.campaign_calibration.as_ref(),
+            Parameters::Day => self.day_calibration.as_ref(),
         };
         let gains = match self.begin.as_ref().or(self.last.as_ref()) {
             Some(begin) => begin.gain_n_per_v,
@@ -250,8 +250,8 @@ impl Acquisition {
                     samples,
                     sample_rate_hz: self.start.sample_rate_hz,
                 };
-                if self.setup.campaign.send(job).is_err() {
-                    self.note("the campaign's worker is gone".to_owned());
+                if self.setup.day.send(job).is_err() {
+                    self.note("the calibration day's worker is gone".to_owned());
                 }
             }
             (Some(_), _) => self.note("the run was stopped: its trial is not taken".to_owned()),
@@ -260,14 +260,14 @@ impl Acquisition {
     }
 
     fn calibrated(&mut self, outcome: Outcome) {
-        if let Ok(text) = serde_json::to_string(&serde_json::json!({ "campaign": &outcome })) {
-            self.board.post(Post::Campaign, text);
+        if let Ok(text) = serde_json::to_string(&serde_json::json!({ "day": &outcome })) {
+            self.board.post(Post::Day, text);
         }
         if let Some(calibration) = outcome.calibration {
-            let first = self.campaign_calibration.is_none();
-            self.campaign_calibration = Some(calibration);
+            let first = self.day_calibration.is_none();
+            self.day_calibration = Some(calibration);
             if first && self.choice == Parameters::Design {
-                self.choice = Parameters::Campaign;
+                self.choice = Parameters::Day;
             }
             if self.begin.is_none() {
                 self.restart();
@@ -405,7 +405,7 @@ impl Acquisition {
             }
             Command::Capture { trial, done } => self.by_hand(trial, done),
             Command::Discard(trial) => {
-                let _ = self.setup.campaign.send(Job::Discard(trial));
+                let _ = self.setup.day.send(Job::Discard(trial));
             }
             Command::ClearCounts => self.statistics.clear_counts(),
         }
@@ -514,7 +514,7 @@ impl Acquisition {
             available: [
                 true,
                 self.setup.calibration.is_some(),
-                self.campaign_calibration.is_some(),
+                self.day_calibration.is_some(),
             ],
             watch: self.watch,
             watched: self.chain.flags(),

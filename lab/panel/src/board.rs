@@ -15,8 +15,8 @@ pub enum Post {
     Status,
     /// Spectra.
     Spectrum,
-    /// The campaign.
-    Campaign,
+    /// The calibration day.
+    Day,
 }
 
 /// Number of kinds.

@@ -74,7 +74,7 @@ pub enum Defect {
 pub enum LabCommand {
     /// A run.
     Run(FreeRun),
-    /// A recording of the campaign, 0 the static one.
+    /// A recording of the calibration day, 0 the static one.
     Trial(usize),
     /// The rig stands still.
     Stop,
@@ -117,8 +117,8 @@ pub enum Parameters {
     Design,
     /// Those of the calibration file that the command was given.
     File,
-    /// Those of the campaign so far.
-    Campaign,
+    /// Those of the calibration day so far.
+    Day,
 }
 
 /// Format of a finished recording.
@@ -176,14 +176,14 @@ pub enum Command {
     Watch(bool),
     /// Decode from rest, identity attitude, zero rate; take the zeros of the last second for the design's parameters.
     Restart,
-    /// Record a trial of the campaign: begin, or with `done` end.
+    /// Record a trial of the calibration day: begin, or with `done` end.
     Capture {
         /// Which, 0 the static one.
         trial: usize,
         /// Whether it is to end.
         done: bool,
     },
-    /// Take a trial out of the campaign.
+    /// Take a trial out of the calibration day.
     Discard(usize),
     /// Clear counts of clipped samples.
     ClearCounts,

@@ -12,7 +12,7 @@
 //! | [`chain`], [`decoding`] | stages and decoder, the truth beside them |
 //! | [`recorder`] | recordings that survive the program's death |
 //! | [`pyramid`], [`history`] | ten minutes of all columns, at any zoom |
-//! | [`campaign`] | trials collected, checked and calibrated |
+//! | [`day`] | trials collected, checked and calibrated |
 //! | [`board`], [`picture`], [`spectrum`] | what is left for browsers |
 //! | [`control`] | what a browser may say |
 //! | [`server`] | page and WebSocket |
@@ -22,10 +22,10 @@
 
 pub mod acquisition;
 pub mod board;
-pub mod campaign;
 pub mod chain;
 pub mod columns;
 pub mod control;
+pub mod day;
 pub mod decoding;
 pub mod history;
 pub mod picture;
@@ -47,7 +47,7 @@ use sixaxis_calibration::calibration::Calibration;
 use sixaxis_recordings::session::Session;
 
 use board::{Board, Post};
-use campaign::{Campaign, Plan};
+use day::{Day, Plan};
 use server::Server;
 use server::guard::Guard;
 use source::laboratory::LiveLaboratory;
@@ -84,7 +84,7 @@ pub struct Options {
     pub token: Option<String>,
     /// Folder of everything that is written.
     pub out: PathBuf,
-    /// Sensor, converter, gains, rig and campaign; none for the paper's sensor.
+    /// Sensor, converter, gains, rig and day; none for the paper's sensor.
     pub session: Option<Session>,
     /// A calibration to decode with.
     pub calibration: Option<Calibration>,
@@ -171,7 +171,7 @@ pub fn start(options: Options) -> Result<Panel> {
         Some(settings) => Plan {
             session: session.clone(),
             entries: settings
-                .campaign()
+                .day()
                 .into_iter()
                 .map(|(e, s)| (e, Some(s)))
                 .collect(),
@@ -194,16 +194,13 @@ pub fn start(options: Options) -> Result<Panel> {
         "half_edge_m": session.sensor.geometry().half_edge_m,
     }});
     board.post(Post::Hello, hello.to_string());
-    let nothing = campaign::Outcome::recorded(&plan, &Default::default(), None);
-    board.post(
-        Post::Campaign,
-        serde_json::json!({ "campaign": nothing }).to_string(),
-    );
+    let nothing = day::Outcome::recorded(&plan, &Default::default(), None);
+    board.post(Post::Day, serde_json::json!({ "day": nothing }).to_string());
 
     let (jobs, to_do) = channel();
-    let worker = Campaign::new(plan, &options.out);
+    let worker = Day::new(plan, &options.out);
     let to_acquisition = sender.clone();
-    spawn("campaign", move || worker.run(&to_do, &to_acquisition))?;
+    spawn("day", move || worker.run(&to_do, &to_acquisition))?;
 
     let (lab_sender, lab_commands) = sync_channel(LAB_COMMANDS);
     let setup = acquisition::Setup {
@@ -211,7 +208,7 @@ pub fn start(options: Options) -> Result<Panel> {
         session,
         calibration: options.calibration,
         laboratory: laboratory.is_some().then_some(lab_sender),
-        campaign: jobs,
+        day: jobs,
     };
     let to_source = sender.clone();
     let rate_hz = options.rate_hz;

@@ -1,4 +1,4 @@
-//! The panel over a real socket: samples in, pictures out, a campaign, and everybody who must not be let in.
+//! The panel over a real socket: samples in, pictures out, a calibration day, and everybody who must not be let in.
 
 mod browser;
 
@@ -10,6 +10,7 @@ use browser::{Browser, ask, parts};
 use sixaxis_calibration::calibration::Calibration;
 use sixaxis_panel::source::laboratory::Settings;
 use sixaxis_panel::{Options, Panel, SourceChoice, start};
+use sixaxis_recordings::{Block, Channel, Layout, create};
 
 fn panel(source: SourceChoice, out: &std::path::Path) -> Panel {
     start(Options {
@@ -229,13 +230,13 @@ fn law_a_broken_stream_is_told_and_the_next_one_taken() {
 }
 
 #[test]
-fn law_a_campaign_by_hand_ends_good_and_names_a_defect() {
+fn law_a_day_by_hand_ends_good_and_names_a_defect() {
     let folder = tempfile::tempdir().expect("a folder");
     let panel = panel(laboratory(6), folder.path());
     let mut browser = Browser::open(&panel.link);
     browser.say(VIEW);
-    browser.wait("the list", 20, |b| b.texts.contains_key("campaign"));
-    let trials = browser.texts["campaign"]["trials"]
+    browser.wait("the list", 20, |b| b.texts.contains_key("day"));
+    let trials = browser.texts["day"]["trials"]
         .as_array()
         .expect("a list")
         .len();
@@ -246,10 +247,10 @@ fn law_a_campaign_by_hand_ends_good_and_names_a_defect() {
             r#"{{"do":"capture","trial":{trial},"done":false}}"#
         ));
         browser.wait("the trial", 60, |b| {
-            let check = &b.texts["campaign"]["trials"][trial]["check"];
+            let check = &b.texts["day"]["trials"][trial]["check"];
             !check.is_null()
         });
-        let check = &browser.texts["campaign"]["trials"][trial]["check"];
+        let check = &browser.texts["day"]["trials"][trial]["check"];
         let good = check["lines"]
             .as_array()
             .expect("lines")
@@ -258,18 +259,18 @@ fn law_a_campaign_by_hand_ends_good_and_names_a_defect() {
         assert!(good, "trial {trial}: {check}");
     }
     let all = |b: &Browser| {
-        let campaign = &b.texts["campaign"];
-        campaign["calibrated"] == true && campaign["next"].is_null()
+        let day = &b.texts["day"];
+        day["calibrated"] == true && day["next"].is_null()
     };
     browser.wait("the verdict", 300, all);
-    let campaign = browser.texts["campaign"].clone();
+    let day = browser.texts["day"].clone();
     assert_eq!(
-        campaign["grade"], "good",
+        day["grade"], "good",
         "{} {}",
-        campaign["sentence"], campaign["reservations"]
+        day["sentence"], day["reservations"]
     );
-    assert_eq!(campaign["parameters"].as_array().map(Vec::len), Some(25));
-    let calibration = Calibration::read(&folder.path().join("campaign/calibration.json"));
+    assert_eq!(day["parameters"].as_array().map(Vec::len), Some(25));
+    let calibration = Calibration::read(&folder.path().join("day/calibration.json"));
     assert_eq!(calibration.expect("a calibration").intervals.len(), 25);
 
     // Decoded with it, the truth beside it.
@@ -294,17 +295,84 @@ fn law_a_campaign_by_hand_ends_good_and_names_a_defect() {
 
     // A limb dies; the trial that has it is found out.
     browser.say(r#"{"do":"defect","defect":{"kind":"dead","limb":5}}"#);
-    let before = browser.texts["campaign"]["trials"][2].clone();
+    let before = browser.texts["day"]["trials"][2].clone();
     browser.say(r#"{"do":"capture","trial":2,"done":false}"#);
     browser.wait("the trial again", 60, |b| {
-        b.texts["campaign"]["trials"][2]["check"] != before["check"]
+        b.texts["day"]["trials"][2]["check"] != before["check"]
     });
     browser.wait("the verdict again", 300, |b| {
-        b.texts["campaign"]["grade"] == "bad"
+        b.texts["day"]["grade"] == "bad"
     });
-    let findings = browser.texts["campaign"]["findings"].to_string();
+    let findings = browser.texts["day"]["findings"].to_string();
     assert!(
         findings.contains("linear-02") && findings.contains('5'),
         "{findings}"
     );
+}
+
+/// A recording of so many rows in a file.
+fn recorded(path: &std::path::Path, rows: u64) {
+    let channel = |i: usize| Channel {
+        sample_rate_hz: Some(1000.0),
+        ..Channel::new(format!("u{i}"), Some("V"))
+    };
+    let layout = Layout {
+        channels: (1..=9).map(channel).collect(),
+        ..Layout::default()
+    };
+    let mut sink = create(path, &layout).expect("begins");
+    let column: Vec<f64> = (0..rows).map(|k| (k as f64 * 0.01).sin()).collect();
+    sink.write(&Block {
+        columns: vec![column; 9],
+    })
+    .expect("writes");
+    sink.finish().expect("finishes");
+}
+
+fn samples(browser: &Browser) -> Option<u64> {
+    browser
+        .status("samples")
+        .and_then(serde_json::Value::as_u64)
+}
+
+#[test]
+fn law_a_recording_is_played_to_its_end() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for name in ["run.tdms", "run.parquet", "run.csv"] {
+        let path = folder.path().join(name);
+        recorded(&path, 3_000);
+        let panel = panel(SourceChoice::Play(path, 1e3), folder.path());
+        let mut browser = Browser::open(&panel.link);
+        browser.wait(name, 20, |b| samples(b) == Some(3_000));
+    }
+}
+
+#[test]
+fn law_a_growing_file_is_followed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("growing.csv");
+    recorded(&path, 500);
+    let panel = panel(SourceChoice::Follow(path.clone()), folder.path());
+    let mut browser = Browser::open(&panel.link);
+    browser.wait("what is there", 20, |b| samples(b) == Some(500));
+    let mut file = std::fs::OpenOptions::new()
+        .append(true)
+        .open(&path)
+        .expect("opens");
+    file.write_all(b"1,2,3,4,5,6,7,8,9\n1,2,3,4,5")
+        .expect("writes");
+    browser.wait("a row", 20, |b| samples(b) == Some(501));
+    file.write_all(b",6,7,8,9\n").expect("writes");
+    browser.wait("the row that was broken off", 20, |b| {
+        samples(b) == Some(502)
+    });
+
+    // Longer TDMS files replace shorter ones: the rows that were seen are not taken again.
+    let path = folder.path().join("growing.tdms");
+    recorded(&path, 500);
+    let panel = self::panel(SourceChoice::Follow(path.clone()), folder.path());
+    let mut browser = Browser::open(&panel.link);
+    browser.wait("what is there", 20, |b| samples(b) == Some(500));
+    recorded(&path, 1_700);
+    browser.wait("what has come", 20, |b| samples(b) == Some(1_700));
 }

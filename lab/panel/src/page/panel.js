@@ -1,6 +1,6 @@
 // The panel: one WebSocket, four tabs, one strip chart. All that comes from data is text and never markup.
 import { Strip, read, number, volts, colourOf, dashedOf } from "/chart.js";
-import * as campaign from "/campaign.js";
+import * as day from "/day.js";
 import * as cube from "/cube.js";
 import * as spectrum from "/spectrum.js";
 
@@ -49,7 +49,7 @@ function connect() {
     if (message.hello) hello(message.hello);
     if (message.status) status(message.status);
     if (message.spectrum) { state.spectrum = message.spectrum; if (state.tab === "acquisition") spectrum.draw($("spectrum"), state.spectrum); }
-    if (message.campaign) { campaign.take(message.campaign, state, command); }
+    if (message.day) { day.take(message.day, state, command); }
     if (message.controls) controls(message.controls);
     if (message.refused) banner(`Refused: ${message.refused}.`);
   };
@@ -214,7 +214,7 @@ function status(s) {
   $("watched").className = suspected ? "bad" : excluded ? "warn" : "quiet";
   $("watched").textContent = !s.watch ? "The monitor is off." : suspected ? `Limb ${suspected} may have failed and cannot be excluded.`
     : excluded ? `Limb ${excluded} has failed and is excluded.` : "The monitor hears nothing.";
-  campaign.running(s, state, command);
+  day.running(s, state, command);
 }
 
 function notes(all) {
@@ -243,7 +243,7 @@ function controls({ yours, held }) {
   $("holder").textContent = yours ? "You hold the controls." : held ? "Another browser holds the controls." : "Nobody holds the controls.";
   $("take").hidden = yours;
   for (const id of ["go", "stop", "speed", "spoil", "record", "clear", "s-apply", "whose", "restart"]) $(id).disabled = !yours;
-  campaign.allow(yours);
+  day.allow(yours);
 }
 
 function decoupling(p) {
@@ -379,6 +379,6 @@ $("theme").onclick = () => {
   themeShown(); strip.draw();
 };
 themeShown();
-campaign.start(state, command);
+day.start(state, command);
 tab(location.hash.slice(1) in PANELS ? location.hash.slice(1) : "acquisition");
 connect();

@@ -12,7 +12,7 @@ pub fn find(path: &str) -> Option<(&'static str, Cow<'static, str>)> {
         "/panel.css" => ("text/css", include_str!("../page/panel.css").into()),
         "/chart.js" => (SCRIPT, include_str!("../page/chart.js").into()),
         "/panel.js" => (SCRIPT, include_str!("../page/panel.js").into()),
-        "/campaign.js" => (SCRIPT, include_str!("../page/campaign.js").into()),
+        "/day.js" => (SCRIPT, include_str!("../page/day.js").into()),
         "/cube.js" => (SCRIPT, include_str!("../page/cube.js").into()),
         "/spectrum.js" => (SCRIPT, include_str!("../page/spectrum.js").into()),
         _ => return None,
@@ -38,7 +38,7 @@ mod tests {
             "/panel.css",
             "/chart.js",
             "/panel.js",
-            "/campaign.js",
+            "/day.js",
             "/cube.js",
             "/spectrum.js",
         ] {

@@ -63,9 +63,9 @@ impl Settings {
         session_file::session(&self.plan(), None, &[])
     }
 
-    /// The campaign: each recording with its length, s.
+    /// The calibration day: each recording with its length, s.
     #[must_use]
-    pub fn campaign(&self) -> Vec<(Entry, f64)> {
+    pub fn day(&self) -> Vec<(Entry, f64)> {
         let plan = self.plan();
         let at_rest = Entry {
             file: "static".into(),

@@ -52,7 +52,7 @@ pub struct Begin {
     pub gain_n_per_v: [f64; LIMBS],
     /// Gravity in the sensor's axes at rest, m/s^2.
     pub gravity_ground_m_s2: DVec3,
-    /// Which trial of the campaign it is, if it is one.
+    /// Which trial of the calibration day it is, if it is one.
     pub trial: Option<usize>,
 }
 
@@ -75,7 +75,7 @@ pub enum Event {
     /// From the browser that holds the controls.
     Control(Command),
     /// A calibration that was computed beside, or why there is none.
-    Calibrated(Box<crate::campaign::Outcome>),
+    Calibrated(Box<crate::day::Outcome>),
 }
 
 /// The way to the acquisition. A send waits while the queue is full; it fails when the instrument is shut down.

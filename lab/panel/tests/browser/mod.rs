@@ -11,7 +11,7 @@ use tungstenite::{Message, WebSocket};
 /// A connected browser.
 pub struct Browser {
     socket: WebSocket<TcpStream>,
-    /// The last text of each kind: `hello`, `status`, `campaign`, `controls`, `refused`.
+    /// The last text of each kind: `hello`, `status`, `day`, `controls`, `refused`.
     pub texts: std::collections::BTreeMap<String, Value>,
     /// Pictures seen, and dropped as the last one says.
     pub pictures: u32,

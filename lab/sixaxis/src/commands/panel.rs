@@ -37,16 +37,16 @@ pub struct Arguments {
     /// Seed of the simulated laboratory: its sensor, instruments and noise
     #[arg(long, value_name = "N", default_value_t = 7)]
     seed: u64,
-    /// Trials of each of steps 2 to 4 in the simulated laboratory's campaign
+    /// Trials of each of steps 2 to 4 in the simulated laboratory's calibration day
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u8).range(3..=30))]
     trials: u8,
-    /// Session file: sensor, gains, instruments, and the recordings that the campaign makes anew
+    /// Session file: sensor, gains, instruments, and the recordings that the calibration day makes anew
     #[arg(long, value_name = "FILE")]
     session: Option<PathBuf>,
     /// Calibration to decode with
     #[arg(long, value_name = "FILE")]
     calibration: Option<PathBuf>,
-    /// Folder for recordings and the campaign
+    /// Folder for recordings and the calibration day
     #[arg(long, value_name = "FOLDER", default_value = "sixaxis-panel")]
     out: PathBuf,
     /// Port of the page; 0 for any that is free

@@ -1,4 +1,4 @@
-//! The calibration campaign: which recordings it needs, what has been recorded, and the calibration of what there is so far.
+//! The calibration day: which recordings it needs, what has been recorded, and the calibration of what there is so far.
 //!
 //! A worker thread writes each trial into the output folder, checks it, and runs the one pipeline of `sixaxis-calibration` over the
 //! session that is being collected. The acquisition never waits for it.
@@ -27,8 +27,8 @@ use crate::source::{Begin, Event, Sender};
 pub use check::Check;
 pub use outcome::Outcome;
 
-/// Folder of the campaign below the output folder.
-pub const FOLDER: &str = "campaign";
+/// Folder of the calibration day below the output folder.
+pub const FOLDER: &str = "day";
 /// Trials of steps 2 and 3 each from which a calibration is tried.
 const FEWEST: usize = 3;
 
@@ -71,7 +71,7 @@ pub enum Job {
 }
 
 /// The worker's state.
-pub struct Campaign {
+pub struct Day {
     plan: Plan,
     folder: PathBuf,
     done: BTreeMap<usize, (Entry, Check)>,
@@ -79,7 +79,7 @@ pub struct Campaign {
     widths: Vec<Vec<Option<f64>>>,
 }
 
-impl Campaign {
+impl Day {
     /// Nothing recorded.
     #[must_use]
     pub fn new(plan: Plan, out: &Path) -> Self {

@@ -50,7 +50,7 @@ function next(state, status) {
   if (running?.trial !== null && running?.trial !== undefined && busy) {
     $("next-text").textContent = `Recording ${outcome.trials[running.trial]?.name ?? "a trial"} …`;
   } else if (!outcome.trials.length) {
-    $("next-text").textContent = "No campaign: start the panel with --session, whose recordings are then made anew.";
+    $("next-text").textContent = "No calibration day: start the panel with --session, whose recordings are then made anew.";
   } else if (!trial) {
     $("next-text").textContent = "All recordings are there.";
   } else {
@@ -61,11 +61,11 @@ function next(state, status) {
   }
 }
 
-export function take(campaign, state, command) {
+export function take(day, state, command) {
   const before = outcome;
   // A state that has been recorded and not yet calibrated keeps the parameters of the one before.
-  outcome = campaign.calibrated || !before?.calibrated ? campaign
-    : { ...before, trials: campaign.trials.map((t, k) => ({ ...t, error: before.trials[k]?.error ?? null })), next: campaign.next, problem: campaign.problem };
+  outcome = day.calibrated || !before?.calibrated ? day
+    : { ...before, trials: day.trials.map((t, k) => ({ ...t, error: before.trials[k]?.error ?? null })), next: day.next, problem: day.problem };
   const newest = outcome.trials.findIndex((t, k) => t.check && JSON.stringify(t.check) !== JSON.stringify(before?.trials[k]?.check));
   if (newest >= 0) lastDone = newest;
   next(state); trials(state, command); check(); verdict(); parameters(); buttons(state);

@@ -1,4 +1,4 @@
-//! What the browser is shown of a campaign.
+//! What the browser is shown of a calibration day.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -64,7 +64,7 @@ pub struct Finding {
     pub advice: String,
 }
 
-/// The campaign so far.
+/// The calibration day so far.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct Outcome {
     /// The list.
