@@ -16,7 +16,7 @@ use crate::board::{Board, Live, Post};
 use crate::chain::{Chain, Choice};
 use crate::columns::{self, Batch, COLUMNS};
 use crate::control::{Command, FileFormat, LabCommand, Parameters, Stages};
-use crate::day::{Job, Outcome};
+use crate::day::{Captured, Job, Outcome};
 use crate::history::History;
 use crate::recorder::{self, Progress, Recorder};
 use crate::source::{Begin, Event, Start};
@@ -149,7 +149,7 @@ impl Acquisition {
     fn take(&mut self, event: Event) {
         match event {
             Event::Start(start) => self.start(start),
-            Event::Samples(batch) => self.samples(batch),
+            Event::Samples(batch) => self.samples(&batch),
             Event::Begin(begin) => self.begin(*begin),
             Event::End { complete } => self.end(complete),
             Event::Note(text) => self.note(text),
@@ -244,12 +244,12 @@ impl Acquisition {
         self.last.clone_from(&begin);
         match (self.capture.take(), begin) {
             (Some((trial, samples)), Some(begin)) if complete => {
-                let job = Job::Captured {
+                let job = Job::Captured(Box::new(Captured {
                     trial,
-                    begin: Box::new(begin),
+                    begin,
                     samples,
                     sample_rate_hz: self.start.sample_rate_hz,
-                };
+                }));
                 if self.setup.day.send(job).is_err() {
                     self.note("the calibration day's worker is gone".to_owned());
                 }
@@ -275,7 +275,7 @@ impl Acquisition {
         }
     }
 
-    fn samples(&mut self, batch: Batch) {
+    fn samples(&mut self, batch: &Batch) {
         let standards = batch.standard[0].len() == batch.samples();
         let truth = batch.truth.len() == batch.samples();
         if let Some(recorder) = &mut self.recorder {
@@ -294,7 +294,7 @@ impl Acquisition {
             }
             recorder.push(rows);
         }
-        self.capture(&batch);
+        self.capture(batch);
         let mut rows: Vec<[f32; COLUMNS]> = Vec::with_capacity(batch.samples());
         for k in 0..batch.samples() {
             let raw = batch.voltage_v.row(k);

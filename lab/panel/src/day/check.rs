@@ -180,7 +180,7 @@ impl Motion {
     fn of(readings: &[f64], rate_hz: f64) -> Option<Self> {
         let peak = readings.iter().fold(0.0, |a: f64, x| a.max(x.abs()));
         let end = (REST_S * rate_hz) as usize;
-        if !(peak > 0.0) || readings.len() < 8 * end.max(1) {
+        if peak <= 0.0 || peak.is_nan() || readings.len() < 8 * end.max(1) {
             return None;
         }
         let rms = |part: &[f64]| {
@@ -194,14 +194,16 @@ impl Motion {
         // up and down are left out, and noise about zero is none.
         let mut swings: Vec<(usize, f64)> = Vec::new();
         for (k, x) in readings.iter().enumerate() {
-            match swings.last_mut() {
-                Some((at, largest)) if *largest * x > 0.0 || x.abs() < 0.5 * peak => {
-                    if *largest * x > 0.0 && x.abs() > largest.abs() {
-                        (*at, *largest) = (k, *x);
+            if x.abs() < 0.5 * peak {
+                continue;
+            }
+            match swings.last_mut().filter(|(_, largest)| *largest * x > 0.0) {
+                Some(swing) => {
+                    if x.abs() > swing.1.abs() {
+                        *swing = (k, *x);
                     }
                 }
-                _ if x.abs() >= 0.5 * peak => swings.push((k, *x)),
-                _ => {}
+                None => swings.push((k, *x)),
             }
         }
         let full: Vec<&(usize, f64)> = swings

@@ -53,19 +53,22 @@ impl Plan {
     }
 }
 
+/// A trial that has been recorded.
+pub struct Captured {
+    /// Which.
+    pub trial: usize,
+    /// How it was.
+    pub begin: Begin,
+    /// Its samples.
+    pub samples: Batch,
+    /// Samples per second.
+    pub sample_rate_hz: f64,
+}
+
 /// Something for the worker.
 pub enum Job {
     /// A trial that has been recorded.
-    Captured {
-        /// Which.
-        trial: usize,
-        /// How it was.
-        begin: Box<Begin>,
-        /// Its samples.
-        samples: Batch,
-        /// Samples per second.
-        sample_rate_hz: f64,
-    },
+    Captured(Box<Captured>),
     /// A trial that is to be left out.
     Discard(usize),
 }
@@ -123,12 +126,13 @@ impl Day {
                 self.done.remove(&trial);
                 Ok(())
             }
-            Job::Captured {
-                trial,
-                begin,
-                samples,
-                sample_rate_hz,
-            } => {
+            Job::Captured(captured) => {
+                let Captured {
+                    trial,
+                    begin,
+                    samples,
+                    sample_rate_hz,
+                } = *captured;
                 let Some((planned, _)) = self.plan.entries.get(trial) else {
                     return Err("no such trial".to_owned());
                 };

@@ -92,7 +92,7 @@ impl Follower {
     fn hand_over(&self, rows: &mut Batch, sender: &Sender) -> bool {
         rows.samples() == 0
             || sender
-                .send(Event::Samples(super::wire::taken(rows)))
+                .send(Event::Samples(Box::new(super::wire::taken(rows))))
                 .is_ok()
     }
 

@@ -179,7 +179,7 @@ impl LiveLaboratory {
                 let batch = self.next(samples);
                 due -= batch.samples() as f64;
                 let ended = self.ended();
-                if sender.send(Event::Samples(batch)).is_err() {
+                if sender.send(Event::Samples(Box::new(batch))).is_err() {
                     return;
                 }
                 if ended {

@@ -62,7 +62,7 @@ pub enum Event {
     /// A source starts.
     Start(Start),
     /// Samples.
-    Samples(Batch),
+    Samples(Box<Batch>),
     /// A run begins.
     Begin(Box<Begin>),
     /// The run is over, or was stopped before.

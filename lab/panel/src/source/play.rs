@@ -87,7 +87,7 @@ impl Player {
                             [LIMBS, LIMBS + 1].map(|k| self.columns.column(k).to_vec());
                     }
                     played += rows as u64;
-                    if sender.send(Event::Samples(batch)).is_err() {
+                    if sender.send(Event::Samples(Box::new(batch))).is_err() {
                         return;
                     }
                 }

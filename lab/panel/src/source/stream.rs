@@ -71,7 +71,11 @@ pub fn read(input: &mut dyn Read, from: &str, channels: &Channels, sender: &Send
                 return false;
             }
         }
-        if batch.samples() > 0 && sender.send(Event::Samples(taken(&mut batch))).is_err() {
+        if batch.samples() > 0
+            && sender
+                .send(Event::Samples(Box::new(taken(&mut batch))))
+                .is_err()
+        {
             return false;
         }
         if let Err(error) = taken_in {
