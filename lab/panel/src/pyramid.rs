@@ -223,7 +223,11 @@ mod tests {
                     .wrapping_mul(6_364_136_223_846_793_005)
                     .wrapping_add(1);
                 let value = (state >> 40) as f32 / 1000.0 - 8000.0;
-                if state.is_multiple_of(97) { f32::NAN } else { value }
+                if state.is_multiple_of(97) {
+                    f32::NAN
+                } else {
+                    value
+                }
             })
             .collect()
     }

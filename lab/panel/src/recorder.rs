@@ -359,7 +359,7 @@ mod tests {
             let head = head(&COLUMNS, 1000.0, format);
             let mut recorder =
                 Recorder::start(folder.path(), format.extension(), head.clone()).expect("starts");
-            rows.chunks(14)
+            rows.chunks(140)
                 .for_each(|part| recorder.push(part.to_vec()));
             assert!(matches!(
                 Recorder::start(folder.path(), format.extension(), head),

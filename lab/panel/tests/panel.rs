@@ -273,7 +273,8 @@ fn law_a_day_by_hand_ends_good_and_names_a_defect() {
     let calibration = Calibration::read(&folder.path().join("day/calibration.json"));
     assert_eq!(calibration.expect("a calibration").intervals.len(), 25);
 
-    // Decoded with it, the truth beside it.
+    // Decoded with it, the truth beside it. In real time, so that the run is seen.
+    browser.say(r#"{"do":"speed","speed":1}"#);
     browser.say(r#"{"do":"run","run":{"motion":"compound","wedge":3,"frequency_hz":3,"amplitude":1,"seconds":1}}"#);
     browser.wait("the run", 60, |b| {
         b.status("run").is_some_and(|run| run.is_string())
@@ -293,6 +294,7 @@ fn law_a_day_by_hand_ends_good_and_names_a_defect() {
         assert!(error.as_f64().expect("a number") < 0.05, "{error}");
     }
 
+    browser.say(r#"{"do":"speed","speed":50}"#);
     // A limb dies; the trial that has it is found out.
     browser.say(r#"{"do":"defect","defect":{"kind":"dead","limb":5}}"#);
     let before = browser.texts["day"]["trials"][2].clone();

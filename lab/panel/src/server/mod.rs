@@ -14,8 +14,8 @@ pub mod controls;
 pub mod guard;
 pub mod request;
 
-use std::io::Write;
-use std::net::{TcpListener, TcpStream};
+use std::io::{Read, Write};
+use std::net::{Shutdown, TcpListener, TcpStream};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
@@ -35,6 +35,8 @@ use request::Request;
 pub const MOST: usize = 160;
 /// Time that a browser may take to take a message in.
 const PATIENCE: Duration = Duration::from_secs(2);
+/// Time that a connection is kept after an answer.
+const FAREWELL: Duration = Duration::from_millis(200);
 
 /// What all connections share.
 pub struct Server {
@@ -180,7 +182,13 @@ fn respond(
     );
     connection.write_all(head.as_bytes())?;
     connection.write_all(body)?;
-    connection.flush()
+    connection.shutdown(Shutdown::Write)?;
+    // What is left of an over-long request is read and thrown away for a moment: a connection that is closed before takes the
+    // answer along.
+    connection.set_read_timeout(Some(FAREWELL))?;
+    let mut left = [0; 1 << 14];
+    let _ = connection.read(&mut left)?;
+    Ok(())
 }
 
 /// A text as a message.
