@@ -114,11 +114,11 @@ pub fn read(connection: &mut TcpStream) -> Result<Request, RequestError> {
             Ok(0) | Err(_) => return Err(RequestError::Gone),
             Ok(got) => bytes.extend_from_slice(&piece[..got]),
         }
-        if let Some(request) = Request::parse(&bytes)? {
-            return Ok(request);
-        }
         if bytes.len() > LONGEST {
             return Err(RequestError::Long);
+        }
+        if let Some(request) = Request::parse(&bytes)? {
+            return Ok(request);
         }
     }
 }
