@@ -10,10 +10,10 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 use sixaxis_calibration::calibration::Calibration;
 use sixaxis_core::LIMBS;
-use sixaxis_recordings::session::Session;
+use sixaxis_recordings::session::{Channels, Session};
 
 use crate::board::{Board, Live, Post};
-use crate::chain::{Chain, Choice};
+use crate::chain::{AxisError, Chain, Choice};
 use crate::columns::{self, Batch, COLUMNS};
 use crate::control::{Command, FileFormat, LabCommand, Parameters, Stages};
 use crate::day::{Captured, Job, Outcome};
@@ -35,6 +35,8 @@ pub struct Setup {
     pub out: PathBuf,
     /// Sensor, converter, design; gains where no run says others.
     pub session: Session,
+    /// Names, units and delays of the channels.
+    pub channels: Channels,
     /// The calibration file of the command line.
     pub calibration: Option<Calibration>,
     /// The simulated laboratory's commands, if there is one.
@@ -63,7 +65,7 @@ struct Status<'a> {
     available: [bool; 3],
     watch: bool,
     watched: [f64; 2],
-    errors: Option<[f64; 6]>,
+    errors: Option<[AxisError; 6]>,
     parity_rms: [f64; 3],
     recording: Option<Progress>,
     notes: Vec<(u64, String)>,
@@ -210,10 +212,13 @@ impl Acquisition {
 
     /// Another source or other stages: conditioning and decoding begin anew.
     fn rebuild(&mut self) {
-        if let Err(error) = self
-            .chain
-            .condition(&self.stages, self.start.sample_rate_hz)
-        {
+        let delays_s = self
+            .setup
+            .channels
+            .limbs_lag_us
+            .map(|lags| lags.each().map(|us| us * 1e-6));
+        let rate_hz = self.start.sample_rate_hz;
+        if let Err(error) = self.chain.condition(&self.stages, delays_s, rate_hz) {
             self.note(format!("cannot condition: {error:#}"));
         }
         self.restart();

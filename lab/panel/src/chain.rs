@@ -7,6 +7,7 @@
 use std::collections::VecDeque;
 
 use glam::DVec3;
+use serde::Serialize;
 use sixaxis_calibration::apply::conditioning_stream::{
     ConditioningConfig, ConditioningStream, LOW_PASS_ORDER, causal_delay_s,
 };
@@ -29,8 +30,8 @@ const OUTLIERS: Outliers = Outliers {
 };
 /// Time that the shown size of the parity rows is about, s.
 const PARITY_S: f64 = 0.25;
-/// An axis that moves less than this share of the largest has its error measured by that share.
-const FLOOR: f64 = 0.1;
+/// An axis that moves less than this share of the largest of its three has no error relative to its peak.
+const MOVES: f64 = 0.1;
 /// Accelerations, m/s^2 and rad/s^2, below which nothing moves.
 const STANDS_STILL: f64 = 1e-2;
 
@@ -48,9 +49,19 @@ pub struct Choice<'a> {
     pub watch: bool,
 }
 
+/// How far an axis has been from the truth in a run.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct AxisError {
+    /// Largest departure, m/s^2 or rad/s^2.
+    pub departure: f64,
+    /// The same over the axis' peak; none for an axis that the run does not move.
+    pub share: Option<f64>,
+}
+
 /// Stages and decoder.
 pub struct Chain {
     conditioning: Option<ConditioningStream>,
+    /// Delay of the low-pass, s.
     delay_s: f64,
     sample_rate_hz: f64,
     received: Voltages,
@@ -68,7 +79,7 @@ pub struct Chain {
     parity_squares: [f64; 3],
     peaks: [f64; 6],
     departures: [f64; 6],
-    last_errors: Option<[f64; 6]>,
+    last_errors: Option<[AxisError; 6]>,
     /// Whether departures are counted: an open loop drifts on when the run is over.
     counting: bool,
     messages: Vec<String>,
@@ -101,11 +112,16 @@ impl Chain {
         }
     }
 
-    /// Begins with other stages.
+    /// Begins with other stages; `delays_s` are those of the channels against the clock.
     ///
     /// # Errors
     /// Corners that the sample rate does not allow; the stages are then off.
-    pub fn condition(&mut self, stages: &Stages, sample_rate_hz: f64) -> anyhow::Result<()> {
+    pub fn condition(
+        &mut self,
+        stages: &Stages,
+        delays_s: Option<[f64; LIMBS]>,
+        sample_rate_hz: f64,
+    ) -> anyhow::Result<()> {
         self.conditioning = None;
         self.filter = None;
         self.sample_rate_hz = sample_rate_hz;
@@ -113,6 +129,7 @@ impl Chain {
         self.truths.clear();
         self.ready.clear();
         let config = ConditioningConfig {
+            delays_s,
             outliers: stages.outliers.then_some(OUTLIERS),
             amplifier_high_pass_hz: stages.high_pass_hz,
             low_pass_hz: stages.low_pass_hz,
@@ -123,10 +140,7 @@ impl Chain {
         if let Some(corner_hz) = stages.low_pass_hz {
             let sections = butterworth::low_pass(LOW_PASS_ORDER, corner_hz, sample_rate_hz)?;
             self.filter = Some((0..6).map(|_| SectionsState::at_rest(&sections)).collect());
-            self.delay_s += causal_delay_s(corner_hz);
-        }
-        if stages.outliers {
-            self.delay_s += OUTLIERS.half_width as f64 / sample_rate_hz;
+            self.delay_s = causal_delay_s(corner_hz);
         }
         Ok(())
     }
@@ -141,20 +155,11 @@ impl Chain {
         self.counting = true;
         (self.decoder, self.answer, self.filtered) = (None, None, None);
         let card = &choice.session.sensor;
-        let parameters = match choice.calibration {
-            Some(calibration) => calibration.parameters(),
-            None => {
-                let mut design = card.design();
-                design.zero_drift_v = self.zero_v.unwrap_or_default();
-                design
-            }
-        };
-        let geometry = choice
-            .calibration
-            .map_or(card.geometry(), |c| c.sensor().geometry);
+        let mut design = card.design();
+        design.zero_drift_v = self.zero_v.unwrap_or_default();
         self.decoder = Some(LiveDecoder::new(&Config {
-            sensor: sensor(geometry, choice.gain_n_per_v),
-            parameters,
+            sensor: sensor(card.geometry(), choice.gain_n_per_v),
+            design,
             calibration: choice.calibration,
             gravity_ground_m_s2: choice.gravity_ground_m_s2,
             sample_rate_hz: self.sample_rate_hz,
@@ -252,9 +257,9 @@ impl Chain {
         self.counting = false;
     }
 
-    /// Largest departure from the truth since the run began, over that axis' peak; of the last run while the sensor rests.
+    /// Errors since the run began; of the last run while the sensor rests.
     #[must_use]
-    pub fn errors(&self) -> Option<[f64; 6]> {
+    pub fn errors(&self) -> Option<[AxisError; 6]> {
         let largest = [0, 3].map(|first| {
             self.peaks[first..first + 3]
                 .iter()
@@ -265,14 +270,19 @@ impl Chain {
             return self.last_errors;
         }
         Some(core::array::from_fn(|k| {
-            self.departures[k] / self.peaks[k].max(FLOOR * largest[k / 3]).max(STANDS_STILL)
+            let (departure, peak, largest) = (self.departures[k], self.peaks[k], largest[k / 3]);
+            let moves = largest >= STANDS_STILL && peak >= MOVES * largest;
+            AxisError {
+                departure,
+                share: moves.then(|| departure / peak),
+            }
         }))
     }
 
-    /// Time by which the stages delay, s.
+    /// Time by which the stages delay, s: of the low-pass, and of the samples that they hold back.
     #[must_use]
-    pub const fn delay_s(&self) -> f64 {
-        self.delay_s
+    pub fn delay_s(&self) -> f64 {
+        self.delay_s + self.truths.len() as f64 / self.sample_rate_hz
     }
 
     /// Root mean squares of the parity rows, m/s^2.

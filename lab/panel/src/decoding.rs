@@ -7,7 +7,10 @@ use sixaxis_calibration::calibration::Calibration;
 use sixaxis_core::paper::pose::Pose;
 use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::redundancy::parity::{COORDINATION, ROWS};
-use sixaxis_core::{Decoupler, Gains, Geometry, LIMBS, LimbLaw, Sensor, Settings, SixAxis};
+use sixaxis_core::{
+    CrossTalk, Decoupler, Gains, Geometry, LIMBS, LimbLaw, Parameters, Scheme, Sensor, Settings,
+    SixAxis,
+};
 
 /// False alarms of the monitor, per hour.
 const FALSE_ALARMS_PER_HOUR: f64 = 1.0;
@@ -17,9 +20,9 @@ const FALSE_ALARMS_PER_HOUR: f64 = 1.0;
 pub struct Config<'a> {
     /// Lengths and the gains in use.
     pub sensor: Sensor,
-    /// The 25 parameters.
-    pub parameters: sixaxis_core::Parameters,
-    /// Where they come from, if that is a calibration: without one there is no monitor.
+    /// The 25 parameters where there is no calibration.
+    pub design: Parameters,
+    /// The calibration: without one there is no monitor.
     pub calibration: Option<&'a Calibration>,
     /// Gravity in the sensor's axes at rest, m/s^2; zero if nobody says where down is.
     pub gravity_ground_m_s2: DVec3,
@@ -27,6 +30,19 @@ pub struct Config<'a> {
     pub sample_rate_hz: f64,
     /// Whether the monitor runs.
     pub watch: bool,
+}
+
+impl Config<'_> {
+    fn setup(&self, calibration: &Calibration) -> anyhow::Result<Setup> {
+        let gravity = self.gravity_ground_m_s2;
+        let overrides = Overrides {
+            gain_n_per_v: self.sensor.gains.gain_n_per_v.to_vec(),
+            rate_hz: Some(self.sample_rate_hz),
+            down: (gravity != DVec3::ZERO).then(|| gravity.to_array()),
+            ..Overrides::default()
+        };
+        Setup::new(calibration, None, None, &overrides)
+    }
 }
 
 enum Decoder {
@@ -40,6 +56,8 @@ enum Decoder {
 pub struct LiveDecoder {
     decoder: Decoder,
     chain: SignalChain,
+    /// What undoes the cross-talk that the calibration has found.
+    cross_talk: Option<CrossTalk>,
     geometry: Geometry,
     stiffness_per_mass_per_s2: f64,
     /// What the monitor has said, or why decoding has stopped, since the last look.
@@ -49,38 +67,40 @@ pub struct LiveDecoder {
 }
 
 impl LiveDecoder {
-    /// From rest, with shell axes along the ground's.
+    /// From rest, with shell axes along the ground's. What a calibration says is put together as `sixaxis decouple` does it.
     ///
     /// # Errors
     /// Parameters or settings that the decoupler refuses; a monitor without a calibration that states noise and covariance.
     pub fn new(config: &Config<'_>) -> anyhow::Result<Self> {
-        let settings = Settings {
-            gravity_ground_m_s2: config.gravity_ground_m_s2,
-            ..Settings::new(config.sample_rate_hz)
+        let setup = config.calibration.map(|c| config.setup(c)).transpose()?;
+        let (sensor, parameters, settings) = match &setup {
+            Some(setup) => (
+                setup.sensor,
+                setup.parameters,
+                setup.settings(config.sample_rate_hz, Scheme::Heun),
+            ),
+            None => (
+                config.sensor,
+                config.design,
+                Settings {
+                    gravity_ground_m_s2: config.gravity_ground_m_s2,
+                    ..Settings::new(config.sample_rate_hz)
+                },
+            ),
         };
-        let decoder = match config.calibration.filter(|_| config.watch) {
-            Some(calibration) => {
-                let gravity = config.gravity_ground_m_s2;
-                let overrides = Overrides {
-                    gain_n_per_v: config.sensor.gains.gain_n_per_v.to_vec(),
-                    rate_hz: Some(config.sample_rate_hz),
-                    down: (gravity != DVec3::ZERO).then(|| gravity.to_array()),
-                    ..Overrides::default()
-                };
-                let setup = Setup::new(calibration, None, None, &overrides)?;
-                let watch = FaultWatch::new(&setup, calibration, &settings, FALSE_ALARMS_PER_HOUR)?;
+        let decoder = match (&setup, config.calibration) {
+            (Some(setup), Some(calibration)) if config.watch => {
+                let watch = FaultWatch::new(setup, calibration, &settings, FALSE_ALARMS_PER_HOUR)?;
                 Decoder::Watched(Box::new(watch))
             }
-            None => {
-                let decoupler = Decoupler::new(&config.sensor, &config.parameters, &settings)?;
-                Decoder::Plain(Box::new(decoupler))
-            }
+            _ => Decoder::Plain(Box::new(Decoupler::new(&sensor, &parameters, &settings)?)),
         };
         Ok(Self {
             decoder,
-            chain: SignalChain::new(&config.sensor.gains, &config.parameters),
-            geometry: config.sensor.geometry,
-            stiffness_per_mass_per_s2: config.parameters.stiffness_per_mass_per_s2,
+            chain: SignalChain::new(&sensor.gains, &parameters),
+            cross_talk: setup.and_then(|setup| setup.conditioning.cross_talk),
+            geometry: sensor.geometry,
+            stiffness_per_mass_per_s2: parameters.stiffness_per_mass_per_s2,
             messages: Vec::new(),
             flags: [0.0; 2],
         })
@@ -88,8 +108,10 @@ impl LiveDecoder {
 
     /// Takes a row; the answer to the row before.
     pub fn push(&mut self, row: &[f64; LIMBS]) -> Option<SixAxis> {
+        let undone = self.undone(row);
         let answer = match &mut self.decoder {
-            Decoder::Plain(decoupler) => decoupler.push(row),
+            Decoder::Plain(decoupler) => decoupler.push(&undone),
+            // It undoes cross-talk itself: it knows which channels have failed.
             Decoder::Watched(watch) => {
                 let answered = watch.push(row);
                 self.messages.append(&mut watch.messages);
@@ -109,10 +131,16 @@ impl LiveDecoder {
         })
     }
 
+    fn undone(&self, row: &[f64; LIMBS]) -> [f64; LIMBS] {
+        self.cross_talk
+            .as_ref()
+            .map_or(*row, |cross_talk| cross_talk.undo(row))
+    }
+
     /// The three sums of limb forces per mass, m/s^2.
     #[must_use]
     pub fn parity_m_s2(&self, row: &[f64; LIMBS]) -> [f64; ROWS] {
-        let force = self.chain.force_per_mass_m_s2(row);
+        let force = self.chain.force_per_mass_m_s2(&self.undone(row));
         COORDINATION.map(|limbs| limbs.iter().map(|limb| force[*limb]).sum())
     }
 
@@ -120,7 +148,7 @@ impl LiveDecoder {
     /// carries.
     #[must_use]
     pub fn pose(&self, row: &[f64; LIMBS]) -> Pose {
-        let force = self.chain.force_per_mass_m_s2(row);
+        let force = self.chain.force_per_mass_m_s2(&self.undone(row));
         let law = LimbLaw::CompressionShortens;
         let elongation_m = law.elongations_m(&force, self.stiffness_per_mass_per_s2);
         Pose::from_elongations(&self.geometry, &elongation_m).unwrap_or_default()

@@ -206,6 +206,7 @@ pub fn start(options: Options) -> Result<Panel> {
     let setup = acquisition::Setup {
         out: options.out,
         session,
+        channels: channels.clone(),
         calibration: options.calibration,
         laboratory: laboratory.is_some().then_some(lab_sender),
         day: jobs,
@@ -235,6 +236,7 @@ pub fn start(options: Options) -> Result<Panel> {
                 source::stream::read(
                     &mut std::io::stdin().lock(),
                     "standard input",
+                    None,
                     &channels,
                     &to_source,
                 );

@@ -4,13 +4,19 @@ mod browser;
 
 use std::io::Write;
 use std::net::{Ipv4Addr, SocketAddr, TcpStream};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use browser::{Browser, ask, parts};
+use sixaxis_calibration::apply::decoding::Columns;
+use sixaxis_calibration::apply::job::Job;
+use sixaxis_calibration::apply::setup::{Overrides, Setup};
 use sixaxis_calibration::calibration::Calibration;
+use sixaxis_core::{LimbSet, Scheme};
+use sixaxis_panel::control::Stages;
 use sixaxis_panel::source::laboratory::Settings;
 use sixaxis_panel::{Options, Panel, SourceChoice, start};
-use sixaxis_recordings::{Block, Channel, Layout, create};
+use sixaxis_recordings::session::SessionFile;
+use sixaxis_recordings::{Block, Channel, Layout, create, open};
 
 fn panel(source: SourceChoice, out: &std::path::Path) -> Panel {
     start(Options {
@@ -145,54 +151,21 @@ fn law_nobody_without_the_token_or_from_elsewhere_is_let_in() {
 }
 
 #[test]
-fn law_slow_and_broken_clients_change_nothing() {
+fn law_one_browser_holds_the_controls_and_another_takes_them() {
     let folder = tempfile::tempdir().expect("a folder");
     let panel = panel(laboratory(3), folder.path());
-    let (address, _) = parts(&panel.link);
-    // Heads that never end.
-    let slow: Vec<TcpStream> = (0..50)
-        .map(|_| {
-            let mut stream = TcpStream::connect(address).expect("connects");
-            stream.write_all(b"GET / HTTP/1.1\r\nHo").expect("writes");
-            stream
-        })
-        .collect();
-    let mut holder = Browser::open(&panel.link);
-    let mut browsers: Vec<Browser> = (0..50).map(|_| Browser::open(&panel.link)).collect();
-    for (k, browser) in browsers.iter_mut().enumerate() {
-        for text in [
-            "{",
-            "{\"do\":\"format_disk\"}",
-            "null",
-            "{\"do\":\"view\",\"columns\":[99],\"span_s\":1,\"end_s\":null,\"points\":9}",
-        ] {
-            browser.say(text);
-        }
-        browser.say(r#"{"do":"restart"}"#);
-        if k % 2 == 0 {
-            browser.say(VIEW);
-        }
-    }
-    holder.say(VIEW);
-    let first = &mut browsers[0];
-    first.wait("a refusal", 20, |b| {
+    let (mut holder, mut other) = (Browser::open(&panel.link), Browser::open(&panel.link));
+    let yours = |b: &Browser| b.texts.get("controls").map(|c| c["yours"] == true);
+    holder.wait("the controls", 20, |b| yours(b) == Some(true));
+    other.say(r#"{"do":"restart"}"#);
+    other.wait("a refusal", 20, |b| {
         b.texts
             .get("refused")
             .is_some_and(|r| r == "another browser holds the controls")
     });
-    first.say(r#"{"do":"take"}"#);
-    first.wait("the controls", 20, |b| {
-        b.texts.get("controls").is_some_and(|c| c["yours"] == true)
-    });
-    holder.wait("their loss", 20, |b| {
-        b.texts.get("controls").is_some_and(|c| c["yours"] == false)
-    });
-    let before = Instant::now();
-    holder.wait("samples all the while", 20, |b| {
-        b.status("samples").and_then(|s| s.as_u64()) > Some(1_000)
-    });
-    assert!(before.elapsed() < Duration::from_secs(20));
-    drop(slow);
+    other.say(r#"{"do":"take"}"#);
+    other.wait("the controls", 20, |b| yours(b) == Some(true));
+    holder.wait("their loss", 20, |b| yours(b) == Some(false));
 }
 
 #[test]
@@ -273,25 +246,27 @@ fn law_a_day_by_hand_ends_good_and_names_a_defect() {
     let calibration = Calibration::read(&folder.path().join("day/calibration.json"));
     assert_eq!(calibration.expect("a calibration").intervals.len(), 25);
 
-    // Decoded with it, the truth beside it. In real time, so that the run is seen.
+    // Decoded with it, the truth beside it: a validation run once more, whose samples are then in a file.
+    let run = trials - 2;
+    // In real time, so that the run is seen.
     browser.say(r#"{"do":"speed","speed":1}"#);
-    browser.say(r#"{"do":"run","run":{"motion":"compound","wedge":3,"frequency_hz":3,"amplitude":1,"seconds":1}}"#);
+    browser.say(&format!(r#"{{"do":"capture","trial":{run},"done":false}}"#));
     browser.wait("the run", 60, |b| {
         b.status("run").is_some_and(|run| run.is_string())
     });
     browser.wait("its end", 60, |b| {
         b.status("run").is_some_and(serde_json::Value::is_null)
     });
-    browser.wait("its errors", 20, |b| {
-        b.status("errors").is_some_and(serde_json::Value::is_array)
-    });
-    let errors = browser
-        .status("errors")
-        .and_then(|e| e.as_array())
-        .expect("six")
-        .clone();
-    for error in errors {
-        assert!(error.as_f64().expect("a number") < 0.05, "{error}");
+    let errors = browser.status("errors").expect("six").clone();
+    let name = browser.texts["day"]["trials"][run]["name"].clone();
+    let stated = stated(&folder.path().join("day"), name.as_str().expect("a name"));
+    for (axis, stated) in stated.iter().enumerate() {
+        let departure = errors[axis]["departure"].as_f64().expect("a number");
+        assert!(
+            departure < DEVIATIONS * stated,
+            "axis {axis}: {departure}, and {stated} is stated"
+        );
+        assert!(departure > 0.0);
     }
 
     browser.say(r#"{"do":"speed","speed":50}"#);
@@ -310,6 +285,49 @@ fn law_a_day_by_hand_ends_good_and_names_a_defect() {
         findings.contains("linear-02") && findings.contains('5'),
         "{findings}"
     );
+}
+
+/// Standard deviations, of which the largest of some thousand samples of six axes stays within so many: four leave a chance of 6e-5 for
+/// one sample, and neighbours in an open loop depart together.
+const DEVIATIONS: f64 = 4.0;
+
+/// The largest standard deviation of each acceleration that `sixaxis decouple --uncertainty` states for a recording of the day, behind the
+/// panel's low-pass.
+fn stated(day: &std::path::Path, name: &str) -> [f64; 6] {
+    let calibration = Calibration::read(&day.join("calibration.json")).expect("a calibration");
+    let session = SessionFile::read(&day.join("session.toml")).expect("a session");
+    let path = day.join(format!("{name}.tdms"));
+    let mut setup = Setup::new(
+        &calibration,
+        Some(&session),
+        Some(&path),
+        &Overrides::default(),
+    )
+    .expect("is set up");
+    setup.conditioning.low_pass_hz = Stages::default().low_pass_hz;
+    let job = Job {
+        calibration: &calibration,
+        calibration_name: std::path::Path::new("calibration.json"),
+        setup: &setup,
+        columns: Columns::Accelerations,
+        scheme: Scheme::Heun,
+        rest_to_rest: false,
+        uncertainty: true,
+        false_alarms_per_hour: None,
+        excluded: LimbSet::EMPTY,
+        picture: false,
+    };
+    let out = day.join("motion.parquet");
+    job.run(&path, &|layout| Ok(create(&out, layout)?), &|_, _| {})
+        .expect("decouples");
+    let mut source = open(&out).expect("opens");
+    let (mut block, mut largest) = (Block::default(), [0.0_f64; 6]);
+    while source.read(&mut block, 1000).expect("reads") > 0 {
+        for (largest, column) in largest.iter_mut().zip(&block.columns[7..13]) {
+            *largest = column.iter().copied().fold(*largest, f64::max);
+        }
+    }
+    largest
 }
 
 /// A recording of so many rows in a file.

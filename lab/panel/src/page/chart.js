@@ -8,29 +8,43 @@ const FONT = 'system-ui, "Segoe UI", Roboto, "Liberation Sans", Arial, sans-seri
 export const colourOf = (k) => `--s${k % 8}`;
 export const dashedOf = (k) => k >= 8;
 
+export const superscript = (k) => String(k).replace(/./g, (c) => "⁰¹²³⁴⁵⁶⁷⁸⁹⁻"["0123456789-".indexOf(c)]);
+
 export function number(x, digits = 4) {
   if (!Number.isFinite(x)) return "–";
   if (x === 0) return "0";
   const size = Math.abs(x);
-  if (size >= 1e5 || size < 1e-4) return x.toExponential(Math.max(0, digits - 2)).replace("e+", "e").replace("-", "−");
+  if (size >= 1e5 || size < 1e-4) {
+    const [mantissa, exponent] = x.toExponential(Math.max(0, digits - 2)).split("e");
+    return `${mantissa.replace("-", "−")} × 10${superscript(Number(exponent))}`;
+  }
   return x.toFixed(Math.max(0, digits - 1 - Math.floor(Math.log10(size)))).replace("-", "−");
 }
 
-// A voltage with its prefix.
-export function volts(x) {
-  const size = Math.abs(x);
-  if (!Number.isFinite(x)) return "–";
-  return size < 1e-3 && size > 0 ? `${number(x * 1e6, 3)} µV` : size < 1 ? `${number(x * 1e3, 3)} mV` : `${number(x, 3)} V`;
+// Voltages that stand below each other: one prefix, one number of decimals.
+export function volts(all) {
+  const size = Math.max(...all.filter(Number.isFinite).map(Math.abs), 1e-6);
+  const [times, unit] = size < 1e-3 ? [1e6, "µV"] : size < 1 ? [1e3, "mV"] : [1, "V"];
+  const decimals = Math.max(0, 2 - Math.floor(Math.log10(size * times)));
+  return all.map((x) => (Number.isFinite(x) ? `${(x * times).toFixed(decimals).replace("-", "−")} ${unit}` : "–"));
 }
 
-function ticks(low, high, wanted) {
+function ticks(low, high, wanted, step = null) {
   const raw = (high - low) / Math.max(1, wanted);
   if (!(raw > 0) || !Number.isFinite(raw)) return [];
   const decade = 10 ** Math.floor(Math.log10(raw));
-  const step = [1, 2, 5, 10].map((s) => s * decade).find((s) => s >= raw);
+  step ??= [1, 2, 5, 10].map((s) => s * decade).find((s) => s >= raw);
   const out = [];
   for (let k = Math.ceil(low / step); k * step <= high; k++) out.push(k * step);
   return out;
+}
+
+// The coarsest ticks of which at least two are well inside, so that an axis has a scale and not only a zero.
+function levels(low, high, edge) {
+  const inside = (step) => ticks(low + edge, high - edge, 0, step);
+  const decade = 10 ** Math.floor(Math.log10(high - low));
+  const step = [5, 2, 1, 0.5, 0.2, 0.1].map((s) => s * decade).find((s) => inside(s).length >= 2);
+  return step ? inside(step) : [];
 }
 
 // A tick's label: as many digits as it has.
@@ -91,7 +105,7 @@ export class Strip {
     this.canvas = canvas; this.readout = readout;
     this.panels = []; this.picture = null; this.ranges = []; this.pointer = null;
     this.scale = "own"; this.fullScale = 10;
-    this.left = 64; this.right = 8; this.foot = 26;
+    this.left = 140; this.right = 8; this.foot = 26; this.head = 0;
     canvas.addEventListener("pointermove", (e) => { this.pointer = [e.offsetX, e.offsetY]; this.draw(); });
     const hint = readout.textContent;
     canvas.addEventListener("pointerleave", () => { this.pointer = null; readout.textContent = hint; this.draw(); });
@@ -100,14 +114,16 @@ export class Strip {
   size() {
     const width = this.canvas.parentElement.clientWidth;
     const narrow = width < 600;
-    const each = this.panels.length > 6 ? (narrow ? 44 : 46) : (narrow ? 64 : 66);
+    // Titles stand at the left, or above where there is no room.
+    this.head = narrow ? 15 : 0;
+    const each = (this.panels.length > 6 ? 46 : 66) + this.head;
     const height = this.panels.length * each + this.foot;
     const scale = Math.min(2, window.devicePixelRatio || 1);
     if (this.canvas.width !== Math.round(width * scale) || this.canvas.height !== Math.round(height * scale)) {
       this.canvas.width = Math.round(width * scale); this.canvas.height = Math.round(height * scale);
       this.canvas.style.height = `${height}px`;
     }
-    this.left = narrow ? 54 : 64;
+    this.left = narrow ? 46 : 140;
     [this.width, this.height, this.each, this.ratio] = [width, height, each, scale];
   }
   points() { return Math.max(50, Math.min(2000, Math.round((this.width || 800) - this.left - this.right))); }
@@ -152,13 +168,13 @@ export class Strip {
     const x = (t) => left + (t - t0) / (t1 - t0) * wide;
     const times = ticks(t0, t1, wide / 110);
     this.panels.forEach((panel, k) => {
-      const top = k * each + 3, bottom = (k + 1) * each - 3;
+      const top = k * each + this.head + 3, bottom = (k + 1) * each - 3;
       const [low, high] = ranges[k];
       const y = (v) => bottom - (v - low) / (high - low) * (bottom - top);
       for (const t of times) pen.path([x(t), top, x(t), bottom], grid, 1);
-      for (const v of ticks(low, high, 3)) {
+      for (const v of levels(low, high, 5 / (bottom - top) * (high - low))) {
         pen.path([left, y(v), width - right, y(v)], grid, 1);
-        if (y(v) > top + 3 && y(v) < bottom - 3) pen.text(left - 6, y(v), tick(v), quiet, "right", 11);
+        pen.text(left - 6, y(v), tick(v), quiet, "right", 11);
       }
       pen.path([left, top, left, bottom, width - right, bottom], axis, 1);
       pen.clip(left, top - 1, wide, bottom - top + 2);
@@ -174,7 +190,11 @@ export class Strip {
         pen.path(points, css(curve.colour), curve.quiet ? 1 : 1.4, curve.dashed);
       }
       pen.unclip();
-      pen.text(left + 6, top + 8, `${panel.title}  ${panel.unit}`, ink, "left", 12);
+      if (this.head) pen.text(left, top - 9, `${panel.title}, ${panel.unit}`, ink, "left", 12);
+      else {
+        pen.text(2, (top + bottom) / 2 - 8, panel.title, ink, "left", 13);
+        pen.text(2, (top + bottom) / 2 + 9, panel.unit, quiet, "left", 12);
+      }
     });
     const foot = this.panels.length * each + 10;
     for (const t of times) pen.text(Math.min(Math.max(x(t), left + 8), width - 24), foot, `${tick(t)} s`, quiet, "center", 11);

@@ -128,22 +128,25 @@ function spark(widths) {
     const low = Math.min(...logs), high = Math.max(...logs, low + 0.7);
     const line = document.createElementNS(NS, "polyline");
     line.setAttribute("points", known.map(([k, w]) => `${2 + 96 * k / (widths.length - 1)},${18 - 16 * (Math.log(w) - low) / (high - low)}`).join(" "));
-    line.setAttribute("fill", "none"); line.setAttribute("style", "stroke: var(--s0)"); line.setAttribute("stroke-width", "1.5"); line.setAttribute("vector-effect", "non-scaling-stroke");
+    line.setAttribute("fill", "none"); line.style.stroke = "var(--s0)"; line.setAttribute("stroke-width", "1.5"); line.setAttribute("vector-effect", "non-scaling-stroke");
     svg.append(line);
   }
   return svg;
 }
 // As people write them: mV and mm².
-const SHOWN = { V: [1e3, "mV"], "m²": [1e6, "mm²"], "m^2": [1e6, "mm²"] };
+const SHOWN = { V: [1e3, "mV"], "m²": [1e6, "mm²"], "m^2": [1e6, "mm²"], "1/kg": [1, "kg⁻¹"], "1/s²": [1, "s⁻²"], "1/s^2": [1, "s⁻²"] };
+// An estimate with as many decimals as two digits of its interval have.
+const known = (x, half) => (half > 0 && half < 1e4 ? x.toFixed(Math.max(0, 1 - Math.floor(Math.log10(half)))).replace("-", "−") : number(x, 4));
+const plain = (x) => (Math.abs(x) < 1e5 ? String(Number(x.toPrecision(5))).replace("-", "−") : number(x, 4));
 function parameters() {
   $("parameters").tBodies[0].replaceChildren(...outcome.parameters.map((p) => {
     const row = document.createElement("tr");
     const curve = document.createElement("td");
     curve.append(spark(p.widths));
     const [times, unit] = SHOWN[p.unit] ?? [1, p.unit];
-    row.append(text("th", p.name), text("td", number(times * p.estimate, 5), "number"),
+    row.append(text("th", p.name), text("td", p.determined && p.half_width !== null ? known(times * p.estimate, times * p.half_width) : number(times * p.estimate, 4), "number"),
       text("td", p.determined && p.half_width !== null ? number(times * p.half_width, 2) : "not determined", `number${p.determined ? "" : " warn"}`),
-      text("td", unit), text("td", number(times * p.design, 5), "number"), curve, text("td", p.limited_by));
+      text("td", unit), text("td", plain(times * p.design), "number"), curve, text("td", p.limited_by));
     return row;
   }));
   $("parameters").hidden = !outcome.parameters.length;

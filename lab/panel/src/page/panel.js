@@ -29,6 +29,13 @@ function banner(text) {
   $("banner").textContent = text || "";
 }
 
+let refusals = 0;
+function refused(cause) {
+  const mine = ++refusals;
+  banner(`Refused: ${cause}.`);
+  setTimeout(() => { if (mine === refusals && socket?.readyState === WebSocket.OPEN) banner(""); }, 6000);
+}
+
 function connect() {
   if (!state.token) {
     banner("This page needs the link that sixaxis panel has printed: its token is missing.");
@@ -51,7 +58,7 @@ function connect() {
     if (message.spectrum) { state.spectrum = message.spectrum; if (state.tab === "acquisition") spectrum.draw($("spectrum"), state.spectrum); }
     if (message.day) { day.take(message.day, state, command); }
     if (message.controls) controls(message.controls);
-    if (message.refused) banner(`Refused: ${message.refused}.`);
+    if (message.refused) refused(message.refused);
   };
 }
 
@@ -63,8 +70,8 @@ const PANELS = {
   acquisition: () => [
     ...nine.map((k) => ({ title: `u${k + 1}`, unit: "V", curves: [limb(0, k, "u")] })),
     ...(state.status?.start.standards ? [
-      { title: "reference accelerometer", unit: "m/s²", curves: [{ column: 9, colour: "--ink", name: "accelerometer" }] },
-      { title: "reference gyroscope", unit: "rad/s", curves: [{ column: 10, colour: "--ink", name: "gyroscope" }] },
+      { title: "accelerometer", unit: "m/s²", curves: [{ column: 9, colour: "--ink", name: "accelerometer" }] },
+      { title: "gyroscope", unit: "rad/s", curves: [{ column: 10, colour: "--ink", name: "gyroscope" }] },
     ] : []),
   ],
   preprocessing: () => nine.map((k) => ({ title: `limb ${k + 1}`, unit: "V", curves: [
@@ -72,16 +79,16 @@ const PANELS = {
   ] })),
   identification: () => [
     { title: "nine limbs", unit: "V", curves: nine.map((k) => limb(0, k, "u")) },
-    { title: "reference accelerometer", unit: "m/s²", curves: [{ column: 9, colour: "--ink", name: "accelerometer" }] },
-    { title: "reference gyroscope", unit: "rad/s", curves: [{ column: 10, colour: "--ink", name: "gyroscope" }] },
+    { title: "accelerometer", unit: "m/s²", curves: [{ column: 9, colour: "--ink", name: "accelerometer" }] },
+    { title: "gyroscope", unit: "rad/s", curves: [{ column: 10, colour: "--ink", name: "gyroscope" }] },
   ],
   decoupling: () => [
     ...AXES.map((name, k) => ({ title: name, unit: k < 3 ? "m/s²" : "rad/s²", curves: [
       { column: 20 + k, colour: colourOf(k % 3), name: "decoupled" },
       ...(state.status?.start.truth ? [{ column: 32 + k, colour: "--ink", dashed: true, name: "truth" }] : []),
     ] })),
-    { title: "rate, shell axes", unit: "rad/s", curves: ["ωx", "ωy", "ωz"].map((name, k) => ({ column: 26 + k, colour: colourOf(k), name })) },
-    { title: "parity relations", unit: "m/s²", curves: ["1+2+4+5", "1+3+7+9", "5+6+8+9"].map((name, k) => ({ column: 29 + k, colour: colourOf(k), name })) },
+    { title: "rate, shell", unit: "rad/s", curves: ["ωx", "ωy", "ωz"].map((name, k) => ({ column: 26 + k, colour: colourOf(k), name })) },
+    { title: "parity", unit: "m/s²", curves: ["1+2+4+5", "1+3+7+9", "5+6+8+9"].map((name, k) => ({ column: 29 + k, colour: colourOf(k), name })) },
   ],
 };
 const LEGENDS = {
@@ -184,16 +191,18 @@ function status(s) {
   $("f-rest").textContent = s.at_rest ? "at rest" : "moving";
   recording(s.recording);
   if (state.tab === "acquisition") {
+    const [mean, least, most, noise] = ["mean_v", "min_v", "max_v", "noise_v"].map((key) => volts(s.channels.map((c) => c[key])));
     fill($("channels"), s.channels.map((c, k) => [
-      swatch(k), volts(c.mean_v), volts(c.min_v), volts(c.max_v), volts(c.noise_v),
+      swatch(k), mean[k], least[k], most[k], noise[k],
       `${(100 * Math.max(Math.abs(c.min_v), Math.abs(c.max_v)) / s.full_scale_v).toFixed(1)} %`,
       c.not_finite ? `${c.clipped}, ${c.not_finite} not finite` : String(c.clipped),
     ]));
     s.channels.forEach((c, k) => { $("channels").tBodies[0].rows[k].cells[6].className = `number ${c.clipped || c.not_finite ? "bad" : ""}`; });
   }
   if (state.tab === "preprocessing") {
+    const [before, behind] = [volts(s.channels.map((c) => c.deviation_v)), volts(s.conditioned_deviation_v)];
     fill($("beside"), s.channels.map((c, k) => [
-      swatch(k), volts(c.deviation_v), volts(s.conditioned_deviation_v[k]), `${(100 * s.conditioned_deviation_v[k] / c.deviation_v).toFixed(1)} %`,
+      swatch(k), before[k], behind[k], `${(100 * s.conditioned_deviation_v[k] / c.deviation_v).toFixed(0)} %`,
     ]));
   }
   notes(s.notes);
@@ -213,7 +222,7 @@ function status(s) {
   const [excluded, suspected] = s.watched.map((digits) => String(digits).split("").filter((d) => d !== "0").join(", "));
   $("watched").className = suspected ? "bad" : excluded ? "warn" : "quiet";
   $("watched").textContent = !s.watch ? "The monitor is off." : suspected ? `Limb ${suspected} may have failed and cannot be excluded.`
-    : excluded ? `Limb ${excluded} has failed and is excluded.` : "The monitor hears nothing.";
+    : excluded ? `Limb ${excluded} has failed and is excluded.` : "The monitor has found no failed limb.";
   day.running(s, state, command);
 }
 
@@ -249,10 +258,11 @@ function controls({ yours, held }) {
 function decoupling(p) {
   const newest = (column) => { const v = p.values.get(column); return v ? 0.5 * (v.at(-2) + v.at(-1)) : NaN; };
   const last = (column) => { const v = p.values.get(column); for (let k = (v?.length ?? 0) - 2; k >= 0; k -= 2) if (!Number.isNaN(v[k])) return 0.5 * (v[k] + v[k + 1]); return newest(column); };
+  const fixed = (x, decimals) => x.toFixed(decimals).replace("-", "−");
   const errors = state.status?.errors;
   fill($("now"), AXES.map((name, k) => [
-    `${name}, ${k < 3 ? "m/s²" : "rad/s²"}`, last(20 + k).toFixed(3), p.truth ? last(32 + k).toFixed(3) : "–",
-    errors ? `${(100 * errors[k]).toFixed(2)} %` : "–",
+    `${name}, ${k < 3 ? "m/s²" : "rad/s²"}`, fixed(last(20 + k), k < 3 ? 3 : 2), p.truth ? fixed(last(32 + k), k < 3 ? 3 : 2) : "–",
+    errors ? number(errors[k].departure, 2) : "–", errors && errors[k].share !== null ? `${number(100 * errors[k].share, 2)} %` : "–",
   ]));
   if (!state.hello) return;
   const times = Number($("exaggerate").value);

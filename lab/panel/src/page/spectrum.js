@@ -1,7 +1,5 @@
 // Nine amplitude densities over frequency, both axes logarithmic.
-import { fit, colourOf, dashedOf } from "/chart.js";
-
-const superscript = (k) => String(k).replace(/./g, (c) => "⁰¹²³⁴⁵⁶⁷⁸⁹⁻"["0123456789-".indexOf(c)]);
+import { fit, superscript, colourOf, dashedOf } from "/chart.js";
 
 export function draw(canvas, spectrum) {
   const { w, h, pen, css } = fit(canvas);

@@ -1,7 +1,8 @@
 //! Samples from a TCP port or from standard input.
 
-use std::io::Read;
+use std::io::{ErrorKind, Read};
 use std::net::TcpListener;
+use std::time::{Duration, Instant};
 
 use sixaxis_recordings::session::Channels;
 
@@ -11,6 +12,8 @@ use crate::columns::Batch;
 
 /// Refused rows that are told one by one; the rest is counted.
 const TOLD: u64 = 5;
+/// Time that a sender on a port has for its first line.
+const PATIENCE: Duration = Duration::from_secs(5);
 /// Bytes read at a time.
 const PIECE: usize = 1 << 16;
 
@@ -23,23 +26,42 @@ pub fn listen(listener: &TcpListener, channels: &Channels, sender: &Sender) {
         let from = connection
             .peer_addr()
             .map_or_else(|_| "a sender".to_owned(), |a| a.to_string());
-        if !read(&mut connection, &from, channels, sender) {
+        // A sender that says nothing keeps no other waiting.
+        let _ = connection.set_read_timeout(Some(Duration::from_secs(1)));
+        if !read(&mut connection, &from, Some(PATIENCE), channels, sender) {
             return;
         }
     }
 }
 
-/// Reads to the end. False when the instrument is shut down.
-pub fn read(input: &mut dyn Read, from: &str, channels: &Channels, sender: &Sender) -> bool {
+/// Reads to the end, or until `patience` is over and no first line has come. False when the instrument is shut down.
+pub fn read(
+    input: &mut dyn Read,
+    from: &str,
+    patience: Option<Duration>,
+    channels: &Channels,
+    sender: &Sender,
+) -> bool {
+    let began = Instant::now();
     let mut wire = Wire::new(channels);
     let mut batch = Batch::default();
     let mut bytes = vec![0; PIECE];
     let mut started = false;
     let over = loop {
+        if !started && patience.is_some_and(|patience| began.elapsed() > patience) {
+            break "no first line has come".to_owned();
+        }
         let got = match input.read(&mut bytes) {
             Ok(0) => break "ended".to_owned(),
             Ok(got) => got,
-            Err(error) if error.kind() == std::io::ErrorKind::Interrupted => continue,
+            Err(error)
+                if matches!(
+                    error.kind(),
+                    ErrorKind::Interrupted | ErrorKind::WouldBlock | ErrorKind::TimedOut
+                ) =>
+            {
+                continue;
+            }
             Err(error) => break error.to_string(),
         };
         let mut told = Vec::new();

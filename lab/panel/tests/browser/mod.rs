@@ -93,11 +93,7 @@ impl Browser {
     pub fn wait(&mut self, what: &str, seconds: u64, done: impl Fn(&Self) -> bool) {
         let until = Instant::now() + Duration::from_secs(seconds);
         while !done(self) {
-            assert!(
-                Instant::now() < until,
-                "{what}: {:?}",
-                self.texts.get("status")
-            );
+            assert!(Instant::now() < until, "{what}: {:?}", self.status("notes"));
             self.listen(true);
         }
     }
