@@ -39,12 +39,14 @@ function ticks(low, high, wanted, step = null) {
   return out;
 }
 
-// The coarsest ticks of which at least two are well inside, so that an axis has a scale and not only a zero.
+// The coarsest ticks of which at least two are well inside, so that an axis has a scale and not only a zero; of many every second.
 function levels(low, high, edge) {
   const inside = (step) => ticks(low + edge, high - edge, 0, step);
   const decade = 10 ** Math.floor(Math.log10(high - low));
   const step = [5, 2, 1, 0.5, 0.2, 0.1].map((s) => s * decade).find((s) => inside(s).length >= 2);
-  return step ? inside(step) : [];
+  if (!step) return [];
+  const all = inside(step);
+  return all.length > 3 ? inside(2 * step) : all;
 }
 
 // A tick's label: as many digits as it has.

@@ -322,8 +322,8 @@ $("forward").onclick = () => move(0.5);
 $("live").onclick = () => pause(false);
 $("scale").onchange = () => { strip.scale = $("scale").value; strip.ranges = []; strip.draw(); };
 $("save-png").onclick = async () => save(`${state.tab}.png`, await strip.png());
-$("save-svg").onclick = () => state.picture && save(`${state.tab}.svg`, new Blob([strip.svg()], { type: "image/svg+xml" }));
-$("save-csv").onclick = () => state.picture && save(`${state.tab}.csv`, new Blob([strip.csv()], { type: "text/csv" }));
+$("save-svg").onclick = () => strip.picture && save(`${state.tab}.svg`, new Blob([strip.svg()], { type: "image/svg+xml" }));
+$("save-csv").onclick = () => strip.picture && save(`${state.tab}.csv`, new Blob([strip.csv()], { type: "text/csv" }));
 $("take").onclick = () => command("take");
 $("go").onclick = () => command("run", { run: {
   motion: $("motion").value, wedge: Number($("wedge").value), frequency_hz: Number($("frequency").value),
