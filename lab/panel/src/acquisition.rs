@@ -13,10 +13,11 @@ use sixaxis_core::LIMBS;
 use sixaxis_recordings::session::{Channels, Session};
 
 use crate::board::{Board, Live, Post};
-use crate::chain::{AxisError, Chain, Choice};
+use crate::chain::{Chain, Choice};
 use crate::columns::{self, Batch, COLUMNS};
 use crate::control::{Command, FileFormat, LabCommand, Parameters, Stages};
 use crate::day::{Captured, Job, Outcome};
+use crate::departures::AxisError;
 use crate::history::History;
 use crate::recorder::{self, Progress, Recorder};
 use crate::source::{Begin, Event, Start};
@@ -65,7 +66,7 @@ struct Status<'a> {
     available: [bool; 3],
     watch: bool,
     watched: [f64; 2],
-    errors: Option<[AxisError; 6]>,
+    errors: Option<[[AxisError; 6]; 2]>,
     parity_rms: [f64; 3],
     recording: Option<Progress>,
     notes: Vec<(u64, String)>,

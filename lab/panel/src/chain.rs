@@ -6,8 +6,7 @@
 
 use std::collections::VecDeque;
 
-use glam::DVec3;
-use serde::Serialize;
+use glam::{DQuat, DVec3};
 use sixaxis_calibration::apply::conditioning_stream::{
     ConditioningConfig, ConditioningStream, LOW_PASS_ORDER, causal_delay_s,
 };
@@ -22,6 +21,7 @@ use crate::board::Live;
 use crate::columns::{COLUMNS, CONDITIONED, MOTION, PARITY, TRUTH, TRUTH_NUMBERS};
 use crate::control::Stages;
 use crate::decoding::{Config, LiveDecoder, sensor};
+use crate::departures::{AxisError, Departures};
 
 /// Hampel's test of the outlier stage: samples on either side, standard deviations.
 const OUTLIERS: Outliers = Outliers {
@@ -30,10 +30,6 @@ const OUTLIERS: Outliers = Outliers {
 };
 /// Time that the shown size of the parity rows is about, s.
 const PARITY_S: f64 = 0.25;
-/// An axis that moves less than this share of the largest of its three has no error relative to its peak.
-const MOVES: f64 = 0.1;
-/// Accelerations, m/s^2 and rad/s^2, below which nothing moves.
-const STANDS_STILL: f64 = 1e-2;
 
 /// What is to be decoded with.
 pub struct Choice<'a> {
@@ -49,13 +45,13 @@ pub struct Choice<'a> {
     pub watch: bool,
 }
 
-/// How far an axis has been from the truth in a run.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
-pub struct AxisError {
-    /// Largest departure, m/s^2 or rad/s^2.
-    pub departure: f64,
-    /// The same over the axis' peak; none for an axis that the run does not move.
-    pub share: Option<f64>,
+/// Accelerations as a tared sensor feels them in its own axes, from those in ground axes.
+fn in_sensor_axes(ground: &[f64; 6], attitude: DQuat, gravity_ground_m_s2: DVec3) -> [f64; 6] {
+    let [linear, angular] = [0, 3].map(|first| DVec3::from_slice(&ground[first..first + 3]));
+    let back = attitude.inverse();
+    let felt = back * (linear - gravity_ground_m_s2) + gravity_ground_m_s2;
+    let pair = [felt, back * angular];
+    core::array::from_fn(|k| pair[k / 3][k % 3])
 }
 
 /// Stages and decoder.
@@ -67,7 +63,7 @@ pub struct Chain {
     received: Voltages,
     ready: Voltages,
     truths: VecDeque<Option<[f64; TRUTH_NUMBERS]>>,
-    /// The low-pass of the truth, one state for each acceleration.
+    /// The low-pass of the truth, one state for each acceleration in ground axes and in sensor axes.
     filter: Option<Vec<SectionsState>>,
     decoder: Option<LiveDecoder>,
     /// Means at the last rest, V: the zeros where the design is decoded with.
@@ -75,11 +71,12 @@ pub struct Chain {
     answer: Option<SixAxis>,
     conditioned: [f64; LIMBS],
     truth: Option<[f64; TRUTH_NUMBERS]>,
-    filtered: Option<[f64; 6]>,
+    filtered: Option<[[f64; 6]; 2]>,
     parity_squares: [f64; 3],
-    peaks: [f64; 6],
-    departures: [f64; 6],
-    last_errors: Option<[AxisError; 6]>,
+    /// In ground and in sensor axes.
+    departures: [Departures; 2],
+    last_errors: Option<[[AxisError; 6]; 2]>,
+    gravity_ground_m_s2: DVec3,
     /// Whether departures are counted: an open loop drifts on when the run is over.
     counting: bool,
     messages: Vec<String>,
@@ -104,8 +101,8 @@ impl Chain {
             truth: None,
             filtered: None,
             parity_squares: [0.0; 3],
-            peaks: [0.0; 6],
-            departures: [0.0; 6],
+            departures: Default::default(),
+            gravity_ground_m_s2: DVec3::ZERO,
             last_errors: None,
             counting: true,
             messages: Vec::new(),
@@ -139,7 +136,7 @@ impl Chain {
         self.conditioning = Some(ConditioningStream::new(&config, sample_rate_hz)?);
         if let Some(corner_hz) = stages.low_pass_hz {
             let sections = butterworth::low_pass(LOW_PASS_ORDER, corner_hz, sample_rate_hz)?;
-            self.filter = Some((0..6).map(|_| SectionsState::at_rest(&sections)).collect());
+            self.filter = Some((0..12).map(|_| SectionsState::at_rest(&sections)).collect());
             self.delay_s = causal_delay_s(corner_hz);
         }
         Ok(())
@@ -151,7 +148,8 @@ impl Chain {
     /// Those of [`LiveDecoder::new`]; nothing is decoded then.
     pub fn restart(&mut self, choice: &Choice<'_>) -> anyhow::Result<()> {
         self.last_errors = self.errors();
-        (self.peaks, self.departures) = ([0.0; 6], [0.0; 6]);
+        self.departures = Default::default();
+        self.gravity_ground_m_s2 = choice.gravity_ground_m_s2;
         self.counting = true;
         (self.decoder, self.answer, self.filtered) = (None, None, None);
         let card = &choice.session.sensor;
@@ -204,7 +202,7 @@ impl Chain {
         self.truth = truth;
         self.filtered = truth.map(|truth| self.filtered_truth(&truth));
         if let Some(before) = before {
-            for (cell, value) in row[TRUTH].iter_mut().zip(before) {
+            for (cell, value) in row[TRUTH].iter_mut().zip(before[0]) {
                 *cell = value as f32;
             }
         }
@@ -231,25 +229,28 @@ impl Chain {
                 *cell = value as f32;
             }
             if let Some(before) = before.filter(|_| self.counting) {
-                for (k, (value, truth)) in numbers.iter().zip(before).enumerate() {
-                    self.peaks[k] = self.peaks[k].max(truth.abs());
-                    self.departures[k] = self.departures[k].max((value - truth).abs());
+                let ground: [f64; 6] = core::array::from_fn(|k| numbers[k]);
+                let sensor = in_sensor_axes(&ground, answer.attitude, self.gravity_ground_m_s2);
+                for ((departures, value), truth) in
+                    self.departures.iter_mut().zip([ground, sensor]).zip(before)
+                {
+                    departures.push(&value, &truth);
                 }
             }
         }
     }
 
-    fn filtered_truth(&mut self, truth: &[f64; TRUTH_NUMBERS]) -> [f64; 6] {
-        match &mut self.filter {
-            Some(states) => {
-                let mut filtered = [0.0; 6];
-                for ((out, state), value) in filtered.iter_mut().zip(states).zip(truth) {
-                    *out = state.step(*value);
-                }
-                filtered
+    fn filtered_truth(&mut self, truth: &[f64; TRUTH_NUMBERS]) -> [[f64; 6]; 2] {
+        let ground: [f64; 6] = core::array::from_fn(|k| truth[k]);
+        let attitude = DQuat::from_xyzw(truth[10], truth[11], truth[12], truth[9]);
+        let sensor = in_sensor_axes(&ground, attitude, self.gravity_ground_m_s2);
+        let mut both = [ground, sensor];
+        if let Some(states) = &mut self.filter {
+            for (value, state) in both.as_flattened_mut().iter_mut().zip(states) {
+                *value = state.step(*value);
             }
-            None => core::array::from_fn(|k| truth[k]),
         }
+        both
     }
 
     /// The run is over: its errors stay as they are.
@@ -257,26 +258,13 @@ impl Chain {
         self.counting = false;
     }
 
-    /// Errors since the run began; of the last run while the sensor rests.
+    /// Errors since the run began, in ground axes and in sensor axes; of the last run while the sensor rests.
     #[must_use]
-    pub fn errors(&self) -> Option<[AxisError; 6]> {
-        let largest = [0, 3].map(|first| {
-            self.peaks[first..first + 3]
-                .iter()
-                .copied()
-                .fold(0.0, f64::max)
-        });
-        if largest[0] < STANDS_STILL && largest[1] < STANDS_STILL {
-            return self.last_errors;
+    pub fn errors(&self) -> Option<[[AxisError; 6]; 2]> {
+        match self.departures.each_ref().map(Departures::errors) {
+            [Some(ground), Some(sensor)] => Some([ground, sensor]),
+            _ => self.last_errors,
         }
-        Some(core::array::from_fn(|k| {
-            let (departure, peak, largest) = (self.departures[k], self.peaks[k], largest[k / 3]);
-            let moves = largest >= STANDS_STILL && peak >= MOVES * largest;
-            AxisError {
-                departure,
-                share: moves.then(|| departure / peak),
-            }
-        }))
     }
 
     /// Time by which the stages delay, s: of the low-pass, and of the samples that they hold back.

@@ -9,7 +9,7 @@
 //! | [`columns`] | what is kept of a sample |
 //! | [`acquisition`] | the one thread that takes every sample |
 //! | [`statistics`] | range, noise, clipping, rest |
-//! | [`chain`], [`decoding`] | stages and decoder, the truth beside them |
+//! | [`chain`], [`decoding`], [`departures`] | stages and decoder, the truth beside them |
 //! | [`recorder`] | recordings that survive the program's death |
 //! | [`pyramid`], [`history`] | ten minutes of all columns, at any zoom |
 //! | [`day`] | trials collected, checked and calibrated |
@@ -27,6 +27,7 @@ pub mod columns;
 pub mod control;
 pub mod day;
 pub mod decoding;
+pub mod departures;
 pub mod history;
 pub mod picture;
 pub mod pyramid;
