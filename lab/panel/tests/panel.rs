@@ -154,9 +154,10 @@ fn law_nobody_without_the_token_or_from_elsewhere_is_let_in() {
 fn law_one_browser_holds_the_controls_and_another_takes_them() {
     let folder = tempfile::tempdir().expect("a folder");
     let panel = panel(laboratory(3), folder.path());
-    let (mut holder, mut other) = (Browser::open(&panel.link), Browser::open(&panel.link));
     let yours = |b: &Browser| b.texts.get("controls").map(|c| c["yours"] == true);
+    let mut holder = Browser::open(&panel.link);
     holder.wait("the controls", 20, |b| yours(b) == Some(true));
+    let mut other = Browser::open(&panel.link);
     other.say(r#"{"do":"restart"}"#);
     other.wait("a refusal", 20, |b| {
         b.texts
