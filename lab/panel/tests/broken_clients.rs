@@ -266,8 +266,6 @@ fn law_a_thousand_broken_clients_lose_no_sample_and_control_nothing() {
     requests(&mut dice, address, &token);
     frames(&mut dice, address, &token);
     messages(&mut dice, &mut browsers);
-    slow_over.store(true, Ordering::Relaxed);
-    slow.join().expect("is slow");
 
     // Every sample is there, and the instrument is as it was.
     holder.wait("samples for a second", 20, |b| count(b) > Some(10_000));
@@ -294,6 +292,8 @@ fn law_a_thousand_broken_clients_lose_no_sample_and_control_nothing() {
     holder.wait("the sender after the broken ones", 30, |b| {
         count(b) == Some(2_000)
     });
+    slow_over.store(true, Ordering::Relaxed);
+    slow.join().expect("is slow");
     assert_eq!(PANICS.load(Ordering::Relaxed), 0, "panics");
 }
 

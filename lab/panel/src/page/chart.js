@@ -46,7 +46,9 @@ function levels(low, high, edge) {
   const step = [5, 2, 1, 0.5, 0.2, 0.1].map((s) => s * decade).find((s) => inside(s).length >= 2);
   if (!step) return [];
   const all = inside(step);
-  return all.length > 3 ? inside(2 * step) : all;
+  if (all.length > 3) return inside(2 * step);
+  // Labels are 11 pixels high, the edge 5.
+  return step < 11 / 5 * edge ? [all[0], all.at(-1)] : all;
 }
 
 // A tick's label: as many digits as it has.

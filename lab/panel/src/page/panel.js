@@ -259,11 +259,12 @@ function decoupling(p) {
   const newest = (column) => { const v = p.values.get(column); return v ? 0.5 * (v.at(-2) + v.at(-1)) : NaN; };
   const last = (column) => { const v = p.values.get(column); for (let k = (v?.length ?? 0) - 2; k >= 0; k -= 2) if (!Number.isNaN(v[k])) return 0.5 * (v[k] + v[k + 1]); return newest(column); };
   const fixed = (x, decimals) => x.toFixed(decimals).replace("-", "−");
-  const share = (error) => (typeof error?.share === "number" ? `${number(100 * error.share, 2)} %` : "–");
+  // An axis that the run does not move has an error and no peak.
+  const error = (six, k) => (!six ? "–" : six[k].share === null ? `${number(six[k].departure, 2)} ${k < 3 ? "m/s²" : "rad/s²"}` : `${number(100 * six[k].share, 2)} %`);
   const errors = state.status?.errors;
   fill($("now"), AXES.map((name, k) => [
     `${name}, ${k < 3 ? "m/s²" : "rad/s²"}`, fixed(last(20 + k), k < 3 ? 3 : 2), p.truth ? fixed(last(32 + k), k < 3 ? 3 : 2) : "–",
-    errors ? number(errors[0][k].departure, 2) : "–", share(errors?.[0][k]), share(errors?.[1][k]),
+    error(errors?.[0], k), error(errors?.[1], k),
   ]));
   if (!state.hello) return;
   const times = Number($("exaggerate").value);
