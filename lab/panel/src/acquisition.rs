@@ -1,13 +1,15 @@
 //! The acquisition: takes every sample from the source, and of each makes statistics, conditioned voltages, accelerations, a row of
 //! the history and of the recording. It waits for nobody but the source: browsers read what it leaves in [`Board`], files are
-//! written by threads of their own.
+//! written by threads of their own. What it does at a command stands in `commands.rs`, what browsers are told in `status.rs`.
+
+mod commands;
+mod status;
 
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, Sender as JobSender, SyncSender};
 use std::sync::{Arc, PoisonError};
 use std::time::{Duration, Instant};
 
-use serde::Serialize;
 use sixaxis_calibration::calibration::Calibration;
 use sixaxis_core::LIMBS;
 use sixaxis_recordings::session::{Channels, Session};
@@ -15,13 +17,12 @@ use sixaxis_recordings::session::{Channels, Session};
 use crate::board::{Board, Live, Post};
 use crate::chain::{Chain, Choice};
 use crate::columns::{self, Batch, COLUMNS};
-use crate::control::{Command, FileFormat, LabCommand, Parameters, Stages};
+use crate::control::{Command, LabCommand, Parameters, Stages};
 use crate::day::{Captured, Job, Outcome};
-use crate::departures::AxisError;
 use crate::history::History;
-use crate::recorder::{self, Progress, Recorder};
+use crate::recorder::Recorder;
 use crate::source::{Begin, Event, Start};
-use crate::statistics::{Channel, Statistics};
+use crate::statistics::Statistics;
 
 /// Time between two statuses.
 const STATUS: Duration = Duration::from_millis(200);
@@ -44,33 +45,6 @@ pub struct Setup {
     pub laboratory: Option<SyncSender<LabCommand>>,
     /// The calibration day's worker.
     pub day: JobSender<Job>,
-}
-
-/// What all browsers are told five times a second.
-#[derive(Debug, Clone, Serialize)]
-struct Status<'a> {
-    start: &'a Start,
-    samples: u64,
-    kept_s: f64,
-    received_per_s: f64,
-    channels: &'a [Channel; LIMBS],
-    conditioned_deviation_v: [f64; LIMBS],
-    full_scale_v: f64,
-    at_rest: bool,
-    run: Option<String>,
-    trial: Option<usize>,
-    gains_n_per_v: [f64; LIMBS],
-    stages: Stages,
-    delay_s: f64,
-    parameters: Parameters,
-    available: [bool; 3],
-    watch: bool,
-    watched: [f64; 2],
-    errors: Option<[[AxisError; 6]; 2]>,
-    parity_rms: [f64; 3],
-    recording: Option<Progress>,
-    notes: Vec<(u64, String)>,
-    laboratory: bool,
 }
 
 /// The state of the acquisition.
@@ -381,157 +355,6 @@ impl Acquisition {
         }
         for (readings, more) in captured.standard.iter_mut().zip(&batch.standard) {
             readings.extend_from_slice(more);
-        }
-    }
-
-    fn obey(&mut self, command: Command) {
-        match command {
-            Command::Laboratory(command) => self.laboratory(command),
-            Command::Record(name, format) => self.record(&name, format),
-            Command::StopRecording => {
-                if let Some(recorder) = &mut self.recorder {
-                    recorder.stop();
-                }
-            }
-            Command::Stages(stages) => {
-                self.stages = stages;
-                self.rebuild();
-            }
-            Command::Parameters(choice) => {
-                self.choice = choice;
-                self.restart();
-            }
-            Command::Watch(on) => {
-                self.watch = on;
-                self.restart();
-            }
-            Command::Restart => {
-                self.chain.zero_v = Some(self.statistics.channels.map(|c| c.mean_v));
-                self.restart();
-            }
-            Command::Capture { trial, done } => self.by_hand(trial, done),
-            Command::Discard(trial) => {
-                let _ = self.setup.day.send(Job::Discard(trial));
-            }
-            Command::ClearCounts => self.statistics.clear_counts(),
-        }
-    }
-
-    fn laboratory(&mut self, command: LabCommand) {
-        match &self.setup.laboratory {
-            None => self.note("the source is no simulated laboratory".to_owned()),
-            // Its queue is drained many times a second; a browser that fills it all the same is not waited for.
-            Some(laboratory) => {
-                if laboratory.try_send(command).is_err() {
-                    self.note("the simulated laboratory does not listen".to_owned());
-                }
-            }
-        }
-    }
-
-    fn record(&mut self, name: &str, format: FileFormat) {
-        if self
-            .recorder
-            .as_ref()
-            .is_some_and(|r| r.progress().finished.is_none() && r.progress().failed.is_none())
-        {
-            self.note("a recording is under way".to_owned());
-            return;
-        }
-        let names: Vec<String> = (1..=LIMBS).map(|i| format!("u{i}")).collect();
-        let mut columns: Vec<(&str, &str)> =
-            names.iter().map(|name| (name.as_str(), "V")).collect();
-        if self.start.standards {
-            columns.extend([("accelerometer", "m/s^2"), ("gyroscope", "rad/s")]);
-        }
-        let head = recorder::head(&columns, self.start.sample_rate_hz, format);
-        match Recorder::start(&self.setup.out, name, head) {
-            Ok(recorder) => self.recorder = Some(recorder),
-            Err(error) => self.note(error.to_string()),
-        }
-    }
-
-    /// A trial from hardware, or the rig's of the simulated laboratory.
-    fn by_hand(&mut self, trial: usize, done: bool) {
-        if self.setup.laboratory.is_some() {
-            self.laboratory(if done {
-                LabCommand::Stop
-            } else {
-                LabCommand::Trial(trial)
-            });
-            return;
-        }
-        if done {
-            self.end(true);
-            return;
-        }
-        let Some(entry) = self.setup.session.recording.get(trial).cloned() else {
-            self.note("the session has no such recording".to_owned());
-            return;
-        };
-        let gains = entry
-            .gain_n_per_v
-            .unwrap_or(self.setup.session.sensor.gain_n_per_v);
-        let down = entry.down.or(entry.direction.map(|d| d.map(|x| -x)));
-        let gravity = down.map_or(glam::DVec3::ZERO, |down| {
-            glam::DVec3::from_array(down).normalize_or_zero()
-                * sixaxis_recordings::unit::STANDARD_GRAVITY_M_S2
-        });
-        self.begin(Begin {
-            gain_n_per_v: gains.each(),
-            gravity_ground_m_s2: gravity,
-            trial: Some(trial),
-            entry,
-        });
-    }
-
-    fn tell(&mut self) {
-        let (since, samples, _) = self.rate;
-        let elapsed = since.elapsed().as_secs_f64();
-        if elapsed >= 1.0 {
-            self.rate = (Instant::now(), 0, samples as f64 / elapsed);
-        }
-        let history = self
-            .board
-            .history
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner);
-        let (count, kept_s) = (history.count(), history.kept_s);
-        drop(history);
-        let run = self
-            .begin
-            .as_ref()
-            .map(|begin| begin.entry.file.display().to_string());
-        let status = Status {
-            start: &self.start,
-            samples: count,
-            kept_s,
-            received_per_s: self.rate.2,
-            channels: &self.statistics.channels,
-            conditioned_deviation_v: self.conditioned.channels.map(|c| c.deviation_v),
-            full_scale_v: self.setup.session.sensor.full_scale_v,
-            at_rest: self.statistics.at_rest,
-            run,
-            trial: self.capture.as_ref().map(|(trial, _)| *trial),
-            gains_n_per_v: self.chosen().gain_n_per_v,
-            stages: self.stages,
-            delay_s: self.chain.delay_s(),
-            parameters: self.choice,
-            available: [
-                true,
-                self.setup.calibration.is_some(),
-                self.day_calibration.is_some(),
-            ],
-            watch: self.watch,
-            watched: self.chain.flags(),
-            errors: self.chain.errors(),
-            parity_rms: self.chain.parity_rms(),
-            recording: self.recorder.as_ref().map(Recorder::progress),
-            notes: self.notes.clone(),
-            laboratory: self.setup.laboratory.is_some(),
-        };
-        if let Ok(text) = serde_json::to_string(&serde_json::json!({ "status": &status })) {
-            self.board.post(Post::Status, text);
         }
     }
 }

@@ -7,7 +7,8 @@ use sixaxis_core::LIMBS;
 pub const WINDOW_S: f64 = 0.25;
 /// At rest, a channel's standard deviation is at most so many times its white noise.
 const REST: f64 = 1.5;
-/// Variance of third differences over that of white noise: 1 + 9 + 9 + 1.
+/// Variance of third differences over that of white noise: 1 + 9 + 9 + 1. Their mean square and not the median of the core's
+/// `noise_floor`, which may be 0 below half a converter's step: such a sensor would never rest.
 const THIRD_DIFFERENCES: f64 = 20.0;
 
 /// One channel in one window.

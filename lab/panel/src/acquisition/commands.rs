@@ -1,0 +1,113 @@
+//! What the acquisition does at a command.
+
+use sixaxis_core::LIMBS;
+
+use super::Acquisition;
+use crate::control::{Command, FileFormat, LabCommand};
+use crate::day::Job;
+use crate::recorder::{self, Recorder};
+use crate::source::Begin;
+
+impl Acquisition {
+    /// Does it.
+    pub(super) fn obey(&mut self, command: Command) {
+        match command {
+            Command::Laboratory(command) => self.laboratory(command),
+            Command::Record(name, format) => self.record(&name, format),
+            Command::StopRecording => {
+                if let Some(recorder) = &mut self.recorder {
+                    recorder.stop();
+                }
+            }
+            Command::Stages(stages) => {
+                self.stages = stages;
+                self.rebuild();
+            }
+            Command::Parameters(choice) => {
+                self.choice = choice;
+                self.restart();
+            }
+            Command::Watch(on) => {
+                self.watch = on;
+                self.restart();
+            }
+            Command::Restart => {
+                self.chain.zero_v = Some(self.statistics.channels.map(|c| c.mean_v));
+                self.restart();
+            }
+            Command::Capture { trial, done } => self.by_hand(trial, done),
+            Command::Discard(trial) => {
+                let _ = self.setup.day.send(Job::Discard(trial));
+            }
+            Command::ClearCounts => self.statistics.clear_counts(),
+        }
+    }
+
+    fn laboratory(&mut self, command: LabCommand) {
+        match &self.setup.laboratory {
+            None => self.note("the source is no simulated laboratory".to_owned()),
+            // Its queue is drained many times a second; a browser that fills it all the same is not waited for.
+            Some(laboratory) => {
+                if laboratory.try_send(command).is_err() {
+                    self.note("the simulated laboratory does not listen".to_owned());
+                }
+            }
+        }
+    }
+
+    fn record(&mut self, name: &str, format: FileFormat) {
+        if self
+            .recorder
+            .as_ref()
+            .is_some_and(|r| r.progress().finished.is_none() && r.progress().failed.is_none())
+        {
+            self.note("a recording is under way".to_owned());
+            return;
+        }
+        let names: Vec<String> = (1..=LIMBS).map(|i| format!("u{i}")).collect();
+        let mut columns: Vec<(&str, &str)> =
+            names.iter().map(|name| (name.as_str(), "V")).collect();
+        if self.start.standards {
+            columns.extend([("accelerometer", "m/s^2"), ("gyroscope", "rad/s")]);
+        }
+        let head = recorder::head(&columns, self.start.sample_rate_hz, format);
+        match Recorder::start(&self.setup.out, name, head) {
+            Ok(recorder) => self.recorder = Some(recorder),
+            Err(error) => self.note(error.to_string()),
+        }
+    }
+
+    /// A trial from hardware, or the rig's of the simulated laboratory.
+    fn by_hand(&mut self, trial: usize, done: bool) {
+        if self.setup.laboratory.is_some() {
+            self.laboratory(if done {
+                LabCommand::Stop
+            } else {
+                LabCommand::Trial(trial)
+            });
+            return;
+        }
+        if done {
+            self.end(true);
+            return;
+        }
+        let Some(entry) = self.setup.session.recording.get(trial).cloned() else {
+            self.note("the session has no such recording".to_owned());
+            return;
+        };
+        let gains = entry
+            .gain_n_per_v
+            .unwrap_or(self.setup.session.sensor.gain_n_per_v);
+        let down = entry.down.or(entry.direction.map(|d| d.map(|x| -x)));
+        let gravity = down.map_or(glam::DVec3::ZERO, |down| {
+            glam::DVec3::from_array(down).normalize_or_zero()
+                * sixaxis_recordings::unit::STANDARD_GRAVITY_M_S2
+        });
+        self.begin(Begin {
+            gain_n_per_v: gains.each(),
+            gravity_ground_m_s2: gravity,
+            trial: Some(trial),
+            entry,
+        });
+    }
+}
