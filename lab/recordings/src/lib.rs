@@ -23,6 +23,7 @@
 //! | [`mod@unit`] | units that channels come in |
 //! | [`ingest`] | names, units, clock: from a file to columns that can be computed with |
 //! | [`inspect`] | what is in a recording, whoever made it |
+//! | [`printable`] | text from files, fit for a terminal |
 //! | [`envelope`] | a series of any length, kept for drawing |
 //! | [`session`] | the session file: which recordings belong together, and what they do not say themselves |
 
@@ -39,6 +40,7 @@ mod numbers;
 pub mod numpy;
 mod open;
 pub mod parquet;
+pub mod printable;
 pub mod session;
 mod sink;
 mod source;

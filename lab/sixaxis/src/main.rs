@@ -9,7 +9,7 @@ use clap::{CommandFactory, Parser, Subcommand};
 
 mod commands;
 mod progress;
-use commands::common::print;
+use commands::common::{print, tell};
 use commands::{
     calibrate, campaign, compare, completions, decouple, inspect, man, panel, self_calibrate,
     simulate,
@@ -102,7 +102,7 @@ fn main() -> ExitCode {
         Some(Task::Man(arguments)) => man::run(&arguments, Arguments::command()),
     };
     done.unwrap_or_else(|error| {
-        eprintln!("error: {}", in_words(&error));
+        tell("error", &in_words(&error));
         ExitCode::FAILURE
     })
 }

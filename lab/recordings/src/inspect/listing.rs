@@ -2,6 +2,7 @@
 
 use super::facts::{ChannelFacts, Group, Inspection, NUMBERS, Severity};
 use crate::ingest::clock::Stamps;
+use crate::printable::line;
 
 /// Significant digits of a table.
 const DIGITS: usize = 4;
@@ -65,28 +66,16 @@ pub(super) fn plural(n: u64, one: &str) -> String {
     }
 }
 
-/// A name from a file without what a terminal would take for a command, cut to so many characters.
-#[must_use]
-pub fn printable(text: &str, most: usize) -> String {
-    let clean = |c: char| if c.is_control() { '\u{fffd}' } else { c };
-    let mut shown: String = text.chars().take(most).map(clean).collect();
-    if text.chars().nth(most).is_some() {
-        shown.pop();
-        shown.push('…');
-    }
-    shown
-}
-
 /// The whole text, one line break at its end.
 #[must_use]
 pub fn text(inspection: &Inspection) -> String {
     let mut lines = vec![
-        printable(&inspection.file, 4096),
-        format!("  {}", printable(&inspection.format, 256)),
+        line(&inspection.file, 4096),
+        format!("  {}", line(&inspection.format, 256)),
     ];
     for (name, value) in inspection.properties.iter().take(PROPERTIES) {
         let value = value.split_whitespace().collect::<Vec<_>>().join(" ");
-        let (name, value) = (printable(name, NAME), printable(&value, PROPERTY));
+        let (name, value) = (line(name, NAME), line(&value, PROPERTY));
         lines.push(format!("  {name}: {value}"));
     }
     if let Some(more @ 1..) = inspection.properties.len().checked_sub(PROPERTIES) {
@@ -105,7 +94,7 @@ pub fn text(inspection: &Inspection) -> String {
     lines.push(String::new());
     let told = |severity| {
         let facts = inspection.told(severity);
-        facts.map(|fact| format!("  - {}", printable(&fact.text, 1024)))
+        facts.map(|fact| format!("  - {}", line(&fact.text, 1024)))
     };
     if inspection.told(Severity::Noticed).next().is_none() {
         lines.push("  nothing noticed".to_owned());
@@ -155,7 +144,7 @@ fn trimmed(number: &str) -> &str {
 
 /// Steps, jitter and gaps of the time stamps.
 fn clock(stamps: &Stamps) -> Vec<String> {
-    let name = printable(&stamps.channel, NAME);
+    let name = line(&stamps.channel, NAME);
     let steps = match (stamps.mean_step_s, stamps.jitter_rms_s, stamps.jitter_max_s) {
         (Some(step), Some(rms), Some(most)) => {
             let jitter = if most > ROUNDING * step {
@@ -192,8 +181,8 @@ fn clock(stamps: &Stamps) -> Vec<String> {
 pub fn unit(channel: &ChannelFacts) -> String {
     match &channel.unit {
         None => "-".to_owned(),
-        Some(unit) if unit.measures.is_some() => printable(&unit.name, NAME),
-        Some(unit) => format!("{}?", printable(&unit.name, NAME)),
+        Some(unit) if unit.measures.is_some() => line(&unit.name, NAME),
+        Some(unit) => format!("{}?", line(&unit.name, NAME)),
     }
 }
 
@@ -208,7 +197,7 @@ fn table(group: &Group) -> Vec<String> {
         None => "/sample",
     };
     for channel in &group.channels {
-        let mut row = vec![printable(&channel.name, NAME), unit(channel)];
+        let mut row = vec![line(&channel.name, NAME), unit(channel)];
         row.extend(
             NUMBERS.map(|(_, digits, value)| {
                 value(channel).map_or("-".to_owned(), |x| brief(x, digits))
@@ -247,6 +236,5 @@ mod tests {
         assert_eq!(brief(-0.0, 4), "0");
         assert_eq!(seconds(1.234_56e-5), "12.35 us");
         assert_eq!(trimmed("1000.000"), "1000");
-        assert_eq!(printable("a\u{1b}[2Jb", 10), "a\u{fffd}[2Jb");
     }
 }

@@ -4,7 +4,8 @@ use sixaxis_page::number::{MISSING, count, significant, with_unit};
 use sixaxis_page::{Axis, Block, Cell, Figure, Page, Section, State, Table, Tile};
 
 use super::facts::{ChannelFacts, Group, Inspection, NUMBERS, Severity};
-use super::listing::{self, printable};
+use super::listing;
+use crate::printable::line;
 
 /// Channels drawn of a file; the others are in the table.
 const DRAWN: usize = 64;
@@ -47,7 +48,7 @@ pub fn page(inspections: &[&Inspection]) -> Page {
 
 /// A text from a file: no control characters, and no marks of this page's.
 fn text(words: &str, most: usize) -> String {
-    printable(words, most)
+    line(words, most)
         .chars()
         .map(|c| match c {
             '`' => '\'',

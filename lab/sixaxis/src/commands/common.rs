@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, ensure};
 use sixaxis_calibration::apply::setup::Overrides;
 use sixaxis_core::LIMBS;
+use sixaxis_recordings::printable;
 use sixaxis_recordings::session::SessionFile;
 use sixaxis_recordings::unit::{self, Unit};
 
@@ -123,10 +124,11 @@ pub fn check_outputs<'a>(
     Ok(())
 }
 
-/// Prints to standard output. A reader that has gone away, such as `head`, is no error.
-pub fn print(text: impl AsRef<[u8]>) -> Result<()> {
+/// Prints to standard output, whatever the names in it. A reader that has gone away, such as `head`, is no error.
+pub fn print(text: impl AsRef<str>) -> Result<()> {
+    let text = printable::lines(text.as_ref(), usize::MAX);
     let mut out = std::io::stdout().lock();
-    match out.write_all(text.as_ref()).and_then(|()| out.flush()) {
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             Err(error).context("cannot write to standard output")
         }
@@ -134,25 +136,43 @@ pub fn print(text: impl AsRef<[u8]>) -> Result<()> {
     }
 }
 
-/// Prints a value as JSON.
+/// Prints a value as JSON, its text in escapes where a terminal would not print it.
 pub fn print_json(value: &impl serde::Serialize) -> Result<()> {
-    print(serde_json::to_string_pretty(value)? + "\n")
+    let mut json = String::new();
+    for c in serde_json::to_string_pretty(value)?.chars() {
+        match c {
+            '\n' => json.push(c),
+            // Outside of strings JSON has none of these, and none is beyond the first plane.
+            c if !printable::is_printable(c) => json += &format!("\\u{:04x}", u32::from(c)),
+            c => json.push(c),
+        }
+    }
+    print(json + "\n")
 }
 
 /// Says that a result that was not written is there all the same, from before.
 pub fn mention_earlier(output: &Path) {
     if output.is_file() {
-        eprintln!(
-            "warning: {} is of an earlier run; it stays as it is",
-            output.display()
+        let output = output.display();
+        tell(
+            "warning",
+            &format!("{output} is of an earlier run; it stays as it is"),
         );
     }
+}
+
+/// Characters of a message: a file of 20,000 columns has a long list of names.
+const MESSAGE: usize = 4000;
+
+/// Prints a message to standard error, whatever the names in it.
+pub fn tell(kind: &str, text: &str) {
+    eprintln!("{kind}: {}", printable::lines(text, MESSAGE));
 }
 
 /// Prints to standard error, a line for each text.
 pub fn say(kind: &str, texts: &[String]) {
     for text in texts {
-        eprintln!("{kind}: {text}");
+        tell(kind, text);
     }
 }
 

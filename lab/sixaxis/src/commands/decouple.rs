@@ -21,7 +21,7 @@ use sixaxis_page::render;
 use sixaxis_recordings::draft::write_atomically;
 use sixaxis_recordings::{Layout, Sink};
 
-use super::common::{Beside, check_outputs, mention_earlier, print, print_json, say};
+use super::common::{Beside, check_outputs, mention_earlier, print, print_json, say, tell};
 use super::integrator::Integrator;
 use crate::progress::Progress;
 
@@ -64,10 +64,10 @@ pub struct Arguments {
     #[arg(
         long,
         value_name = "LIMBS",
-        value_delimiter = ',',
+        value_parser = limbs,
         conflicts_with_all = ["rest_to_rest", "uncertainty"]
     )]
-    excluded: Vec<usize>,
+    excluded: Option<LimbSet>,
     /// Picture of the six accelerations: a page that needs no network
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
@@ -126,12 +126,28 @@ struct Summary<'a> {
     notes: &'a [String],
 }
 
+/// Limbs by number, with commas.
+fn limbs(text: &str) -> core::result::Result<LimbSet, String> {
+    let mut set = LimbSet::EMPTY;
+    for word in text.split(',').map(str::trim) {
+        let number = word
+            .parse()
+            .map_err(|_| format!("{word:?} is no limb's number"))?;
+        let one = LimbSet::from_numbers([number]).map_err(|error| error.to_string())?;
+        if set.minus(one) != set {
+            return Err(format!("limb {number} stands there twice"));
+        }
+        set = set.union(one);
+    }
+    Ok(set)
+}
+
 /// Decouples.
 pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let calibration = Calibration::read(&arguments.calibration)?;
     let name = arguments.calibration.display().to_string();
     if let Some(doubt) = check_grade(&name, &calibration, arguments.force)? {
-        eprintln!("warning: {doubt}");
+        tell("warning", &doubt);
     }
     let session = arguments.beside.read_session()?;
     let streams = arguments.recording == Path::new("-");
@@ -151,8 +167,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
             .push("--watch sees the channels as they are: outliers are not replaced".to_owned());
     }
     say("note", &setup.notes);
-    let numbers = arguments.excluded.iter().copied();
-    let excluded = LimbSet::from_numbers(numbers).context("--excluded")?;
+    let excluded = arguments.excluded.unwrap_or(LimbSet::EMPTY);
     if !excluded.is_empty() {
         let limbs = if excluded.len() == 1 { "limb" } else { "limbs" };
         eprintln!("note: without {limbs} {excluded}");
@@ -301,7 +316,7 @@ fn stream(arguments: &Arguments, job: &Job) -> Result<()> {
     // Lines may be long in coming: nothing may wait in a buffer.
     let mut input = BufReader::new(io::stdin());
     let mut output = io::BufWriter::new(io::stdout().lock());
-    let warn = |text: String| eprintln!("warning: {text}");
+    let warn = |text: String| tell("warning", &text);
     match job.live(rate_hz)?.run(&mut input, &mut output, &warn)? {
         End::Input { rows: 0 } => {
             warn("standard input: a row needs three samples, there is none".to_owned());

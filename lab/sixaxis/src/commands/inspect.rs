@@ -11,7 +11,7 @@ use sixaxis_recordings::ingest::columns::BLOCK;
 use sixaxis_recordings::inspect::{Expected, Inspection, Severity, inspect, listing, page};
 use sixaxis_recordings::session::SessionFile;
 
-use super::common::{Naming, check_outputs, print, print_json};
+use super::common::{Naming, check_outputs, print, print_json, tell};
 use crate::progress::Progress;
 
 /// Which recordings, and in what form the answer is wanted.
@@ -100,7 +100,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
                 outcomes.push(Outcome::Read(Box::new(inspection)));
             }
             Err(error) => {
-                eprintln!("error: {error}");
+                tell("error", &error.to_string());
                 outcomes.push(Outcome::Failed {
                     file: file.display().to_string(),
                     error: error.to_string(),

@@ -39,7 +39,7 @@ pub fn run(arguments: &Arguments, mut command: Command) -> Result<ExitCode> {
         while let Some(command) = open.pop() {
             let (name, page) = page(&command)?;
             let path = folder.join(format!("{name}.1"));
-            write_atomically(&path, &page)?;
+            write_atomically(&path, page.as_bytes())?;
             print(format!("{}\n", path.display()))?;
             open.extend(documented(&command).cloned());
         }
@@ -62,11 +62,11 @@ fn documented(command: &Command) -> impl Iterator<Item = &Command> {
 }
 
 /// The name of a command's page and the page, roff.
-fn page(command: &Command) -> Result<(String, Vec<u8>)> {
+fn page(command: &Command) -> Result<(String, String)> {
     let name = command.get_display_name().unwrap_or("sixaxis").to_owned();
     let mut page = Vec::new();
     Man::new(command.clone())
         .title(name.to_uppercase())
         .render(&mut page)?;
-    Ok((name, page))
+    Ok((name, String::from_utf8(page)?))
 }

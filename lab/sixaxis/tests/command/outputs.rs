@@ -32,6 +32,42 @@ fn neg_a_comparison_writes_over_nothing_that_it_reads() {
     }
 }
 
+/// What a file is called, and what it holds, moves no cursor and rings no bell.
+#[test]
+fn neg_no_name_commands_the_terminal() {
+    let folder = Folder::new("terminal");
+    let hostile = ["\u{1b}[2J", "\u{7}", "\u{9b}2J", "\u{202e}"];
+    for (at, hostile) in hostile.iter().enumerate() {
+        let file = folder.file(&format!("{at}{hostile}.csv"));
+        fs::write(
+            &file,
+            format!("time,u{hostile}1\ns,V{hostile}\n0,1\n1,x\n2,3\n"),
+        )
+        .expect("writes");
+        for arguments in [
+            &["inspect", &file][..],
+            &["inspect", "--json", &file],
+            &["compare", &file, &file],
+            &["decouple", &file, &file],
+            &["calibrate", &file],
+        ] {
+            let said = run(arguments);
+            let words = stdout(&said) + &stderr(&said);
+            assert!(
+                !words.is_empty() && !words.contains(hostile),
+                "{arguments:?}: {words:?}"
+            );
+        }
+    }
+    // Twenty thousand columns are not all listed in an error.
+    let wide = folder.file("wide.csv");
+    let names: Vec<String> = (0..20_000).map(|n| format!("column{n}")).collect();
+    fs::write(&wide, names.join(",") + "\n").expect("writes");
+    let said = run(&["compare", &wide, &wide]);
+    assert_eq!(code(&said), 1);
+    assert!(stderr(&said).len() < 20_000, "{}", stderr(&said).len());
+}
+
 /// `compare --help` says how to come by what is compared.
 #[test]
 fn inv_the_example_of_compare_runs() {

@@ -84,7 +84,6 @@ fn inv_sets_that_cannot_be_done_without_are_refused() {
         ),
         ("1,2,3", "limbs 1, 2 and 3 excluded"),
         ("1,2,3,4", "at most three"),
-        ("10", "from 1 to 9"),
     ] {
         let refused = run(&[
             "decouple",
@@ -104,10 +103,24 @@ fn inv_sets_that_cannot_be_done_without_are_refused() {
 }
 
 #[test]
+fn neg_limbs_are_numbers_that_stand_there_once() {
+    for (wrong, said) in [
+        ("1,1", "limb 1 stands there twice"),
+        ("5,x", "\"x\" is no limb's number"),
+        ("5,", "\"\" is no limb's number"),
+        ("10", "10"),
+    ] {
+        let refused = run(&["decouple", &calibration(), "none.csv", "--excluded", wrong]);
+        assert_eq!(code(&refused), 2, "{wrong}");
+        assert!(stderr(&refused).contains(said), "{}", stderr(&refused));
+    }
+}
+
+#[test]
 fn inv_a_stream_does_not_read_a_lost_channel() {
     let mut child = sixaxis()
         .args(["decouple", &calibration(), "-", "--rate", "1000"])
-        .args(["--gain", "0.01", "--excluded", "5,9"])
+        .args(["--gain", "0.01", "--excluded", "5 , 9"])
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
