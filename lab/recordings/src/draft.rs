@@ -27,10 +27,11 @@ pub struct Draft {
 }
 
 impl Draft {
-    /// Creates the neighbour, `.NAME.RANDOM.part`, for writing, and clears away those that killed runs left of the same name.
+    /// Creates the neighbour, `.NAME.RANDOM.part`, for writing, and clears away those that killed runs left of the same name. Missing
+    /// folders are made.
     ///
     /// # Errors
-    /// [`Error::Io`]: the folder is not there, or what stands there cannot be written.
+    /// [`Error::Io`].
     pub fn create(path: &Path) -> Result<(Self, File)> {
         let io = |source| Error::io(path, source);
         let path = followed(path).map_err(io)?;
@@ -47,7 +48,7 @@ impl Draft {
             .file_name()
             .ok_or_else(|| io(ErrorKind::InvalidFilename.into()))?;
         let folder = folder_of(&path);
-        fs::metadata(folder).map_err(|source| Error::io(folder, source))?;
+        fs::create_dir_all(folder).map_err(|source| Error::io(folder, source))?;
         let prefix = format!(".{}.", name.to_string_lossy());
         clear_away(folder, &prefix);
         let mut builder = Builder::new();

@@ -34,8 +34,6 @@ pub fn write(
 ) -> sixaxis_recordings::Result<PathBuf> {
     let path = folder.join(SESSION_FILE);
     let truth_folder = folder.join(TRUTH_FOLDER);
-    std::fs::create_dir_all(&truth_folder)
-        .map_err(|e| sixaxis_recordings::Error::io(&truth_folder, e))?;
     match std::fs::remove_file(&path) {
         Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
             return Err(sixaxis_recordings::Error::io(&path, e));

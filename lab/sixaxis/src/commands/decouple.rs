@@ -103,7 +103,8 @@ limbs unequal by a few percent explain, as by the calibration of another sensor,
 
 A recording may be of any length: it passes through in blocks. Only --rest-to-rest holds the whole run in the memory, 2 million
 samples at most. A result appears whole or not at all: it is written to a neighbour named .NAME.RANDOM.part, which takes
-its name at the end. A killed run may leave such a neighbour; it is never read and can be deleted.
+its name at the end. What a killed run left of it is cleared away by the next run that writes the same file. A device or a pipe is
+written into, a link is followed.
 
 A stream has nine numbers a line, or a line of headings first; --rate is needed. Each row goes out when its successor has come
 in. The first line that cannot be read ends it with exit code 1; all rows before it are out by then.

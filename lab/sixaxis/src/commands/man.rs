@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use clap::Command;
 use clap_mangen::Man;
 use sixaxis_recordings::draft::write_atomically;
@@ -33,8 +33,6 @@ pub fn run(arguments: &Arguments, mut command: Command) -> Result<ExitCode> {
     // Gives each subcommand the name under which it is called: `sixaxis-campaign-run`.
     command.build();
     if let Some(folder) = &arguments.out {
-        std::fs::create_dir_all(folder)
-            .with_context(|| format!("cannot create the output folder {}", folder.display()))?;
         let mut open = vec![command];
         while let Some(command) = open.pop() {
             let (name, page) = page(&command)?;
