@@ -2,11 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Result, anyhow, bail};
+use anyhow::{Context, Result, anyhow};
 use sixaxis_core::{LIMBS, LimbSet};
+use sixaxis_recordings::Layout;
 use sixaxis_recordings::ingest::clock::stated_rate_hz;
 use sixaxis_recordings::ingest::columns::{Columns, stamps};
-use sixaxis_recordings::ingest::find;
+use sixaxis_recordings::ingest::find::{self, Column};
 use sixaxis_recordings::session::Channels;
 
 use super::CHUNK;
@@ -70,19 +71,7 @@ impl Recording {
         let layout = source.layout();
         let limbs = find::limbs(path, layout, channels)?;
         let time = find::time(path, layout, channels.time.as_deref())?;
-        let mut rate = stated_rate_hz(layout, &limbs, stated_hz)
-            .map_err(|cause| anyhow!("{}: the rate is {cause}", path.display()))?;
-        if rate.is_none()
-            && let Some(time) = &time
-        {
-            rate = stamps(path, time, None)?.and_then(|stamps| stamps.mean_rate_hz);
-        }
-        let Some(sample_rate_hz) = rate else {
-            bail!(
-                "{}: the file does not say how fast it was sampled; give --rate",
-                path.display()
-            );
-        };
+        let sample_rate_hz = rate_hz(path, layout, &limbs, time.as_ref(), stated_hz)?;
         Ok(Self {
             path: path.to_owned(),
             sample_rate_hz,
@@ -93,7 +82,7 @@ impl Recording {
             seen: Seen::default(),
             without: LimbSet::EMPTY,
             watched: false,
-            columns: Columns::new(path, source, limbs.to_vec(), time, rate)?,
+            columns: Columns::new(path, source, limbs.to_vec(), time, Some(sample_rate_hz))?,
             full_scale_v,
         })
     }
@@ -176,4 +165,30 @@ impl Recording {
         }
         warnings
     }
+}
+
+/// Samples per second: as a user, the file or its time stamps say.
+///
+/// # Errors
+/// A rate that nobody says or that is said twice, differently.
+pub fn rate_hz(
+    path: &Path,
+    layout: &Layout,
+    limbs: &[Column],
+    time: Option<&Column>,
+    stated_hz: Option<f64>,
+) -> Result<f64> {
+    let mut rate = stated_rate_hz(layout, limbs, stated_hz)
+        .map_err(|cause| anyhow!("{}: the rate is {cause}", path.display()))?;
+    if rate.is_none()
+        && let Some(time) = time
+    {
+        rate = stamps(path, time, None)?.and_then(|stamps| stamps.mean_rate_hz);
+    }
+    rate.with_context(|| {
+        format!(
+            "{}: the file does not say how fast it was sampled; give --rate",
+            path.display()
+        )
+    })
 }

@@ -5,10 +5,10 @@ use std::io::{BufRead, BufReader, Seek, SeekFrom};
 use std::path::Path;
 use std::time::Duration;
 
-use anyhow::{Result, anyhow, bail};
+use anyhow::{Result, bail};
+use sixaxis_calibration::apply::recording;
 use sixaxis_core::LIMBS;
 use sixaxis_recordings::Block;
-use sixaxis_recordings::ingest::clock::stated_rate_hz;
 use sixaxis_recordings::ingest::find::{self, Column};
 use sixaxis_recordings::session::Channels;
 
@@ -48,14 +48,7 @@ impl Follower {
             );
         };
         let limbs = find::limbs(path, layout, channels)?;
-        let rate = stated_rate_hz(layout, &limbs, rate_hz)
-            .map_err(|cause| anyhow!("{}: the rate is {cause}", path.display()))?;
-        let Some(sample_rate_hz) = rate else {
-            bail!(
-                "{}: the file does not say how fast it is sampled; give --rate",
-                path.display()
-            );
-        };
+        let sample_rate_hz = recording::rate_hz(path, layout, &limbs, None, rate_hz)?;
         let standards = standards(layout, channels);
         let mut wanted = limbs.to_vec();
         wanted.extend(standards.iter().flatten().cloned());

@@ -3,10 +3,10 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use anyhow::{Result, anyhow, bail};
+use anyhow::Result;
+use sixaxis_calibration::apply::recording;
 use sixaxis_core::LIMBS;
-use sixaxis_recordings::ingest::clock::stated_rate_hz;
-use sixaxis_recordings::ingest::columns::{Columns, stamps};
+use sixaxis_recordings::ingest::columns::Columns;
 use sixaxis_recordings::ingest::find;
 use sixaxis_recordings::session::Channels;
 
@@ -33,19 +33,7 @@ impl Player {
         let layout = source.layout();
         let limbs = find::limbs(path, layout, channels)?;
         let time = find::time(path, layout, channels.time.as_deref())?;
-        let mut rate = stated_rate_hz(layout, &limbs, rate_hz)
-            .map_err(|cause| anyhow!("{}: the rate is {cause}", path.display()))?;
-        if rate.is_none()
-            && let Some(time) = &time
-        {
-            rate = stamps(path, time, None)?.and_then(|stamps| stamps.mean_rate_hz);
-        }
-        let Some(sample_rate_hz) = rate else {
-            bail!(
-                "{}: the file does not say how fast it was sampled; give --rate",
-                path.display()
-            );
-        };
+        let sample_rate_hz = recording::rate_hz(path, layout, &limbs, time.as_ref(), rate_hz)?;
         let standards = standards(layout, channels);
         let mut wanted = limbs.to_vec();
         wanted.extend(standards.iter().flatten().cloned());
@@ -59,7 +47,7 @@ impl Player {
                 standards: standards.is_some(),
                 truth: false,
             },
-            columns: Columns::new(path, source, wanted, None, rate)?,
+            columns: Columns::new(path, source, wanted, None, Some(sample_rate_hz))?,
         })
     }
 
