@@ -3,7 +3,9 @@
 //! Limbs share the load by statics, standards read the motion itself, channels have next to no noise: whatever a finding says beside
 //! the one thing is an invention of the judge's.
 
-use core::f64::consts::{FRAC_PI_2, PI, TAU};
+mod waveform;
+
+use core::f64::consts::{PI, TAU};
 
 use glam::{DQuat, DVec3};
 use sixaxis_calibration::conditioning::Conditioned;
@@ -16,13 +18,16 @@ use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
 use sixaxis_core::{Gains, Geometry, InertiaPerMass, LIMBS, Parameters};
 use sixaxis_recordings::session::{Rig, Role};
 
+use waveform::Timing;
+
 const RATE_HZ: f64 = 1000.0;
 const FREQUENCY_HZ: f64 = 5.0;
 const OMEGA: f64 = TAU * FREQUENCY_HZ;
-/// Rest before and after, run-up and run-down, and all of a run, s.
-const REST_S: f64 = 0.2;
-const RAMP_S: f64 = 0.4;
-const RUN_S: f64 = 4.0;
+const TIMING: Timing = Timing {
+    rest_s: 0.2,
+    ramp_s: 0.4,
+    run_s: 4.0,
+};
 const SAMPLES: usize = 4000;
 /// Amplitudes of travel and rotation.
 const TRAVEL_M: f64 = 0.02;
@@ -63,35 +68,6 @@ struct Run {
     stated_frequency_hz: f64,
 }
 
-/// Displacement over its amplitude: a sine that rises and falls smoothly, with its first two derivatives over omega and its square.
-fn course(t: f64) -> [f64; 3] {
-    let end = RUN_S - REST_S;
-    let inside = (t - REST_S).min(end - t);
-    if inside <= 0.0 {
-        return [0.0; 3];
-    }
-    let sign = if t - REST_S < end - t { 1.0 } else { -1.0 };
-    let x = (inside / RAMP_S).min(1.0);
-    let k = PI / RAMP_S / OMEGA;
-    // sin^4 of a quarter turn: four times smooth.
-    let (s, c) = (FRAC_PI_2 * x).sin_cos();
-    let (ramp, slope, bend) = if x < 1.0 {
-        (
-            s.powi(4),
-            sign * 2.0 * k * s.powi(3) * c,
-            k * k * (3.0 * s * s * c * c - s.powi(4)),
-        )
-    } else {
-        (1.0, 0.0, 0.0)
-    };
-    let (sine, cosine) = (OMEGA * (t - REST_S)).sin_cos();
-    [
-        ramp * sine,
-        ramp * cosine + slope * sine,
-        bend * sine + 2.0 * slope * cosine - ramp * sine,
-    ]
-}
-
 impl Run {
     fn new(role: Role, direction: DVec3) -> Self {
         let direction = direction.normalize();
@@ -112,7 +88,7 @@ impl Run {
     fn played(&self, name: &str) -> (Trial, Conditioned) {
         let shares = StaticLoadSharing::new(&Geometry::PAPER).expect("the paper's sensor");
         let voltage = |t: f64| -> [f64; LIMBS] {
-            let [angle, rate, acceleration] = course(t);
+            let [angle, rate, acceleration] = TIMING.course(t, OMEGA);
             let a = self.moved * (acceleration * OMEGA * OMEGA * self.travel_m);
             let w = self.moved * (rate * OMEGA * self.turn_rad);
             let dw = self.moved * (acceleration * OMEGA * OMEGA * self.turn_rad);
@@ -129,9 +105,9 @@ impl Run {
         let time = |n: usize| n as f64 / RATE_HZ;
         let each =
             |f: &dyn Fn(f64) -> f64| -> Vec<f64> { (0..SAMPLES).map(|n| f(time(n))).collect() };
-        let linear = each(&|t| course(t)[2] * OMEGA * OMEGA * self.travel_m);
-        let rate = each(&|t| course(t)[1] * OMEGA * self.turn_rad);
-        let angular = each(&|t| course(t)[2] * OMEGA * OMEGA * self.turn_rad);
+        let linear = each(&|t| TIMING.course(t, OMEGA)[2] * OMEGA * OMEGA * self.travel_m);
+        let rate = each(&|t| TIMING.course(t, OMEGA)[1] * OMEGA * self.turn_rad);
+        let angular = each(&|t| TIMING.course(t, OMEGA)[2] * OMEGA * OMEGA * self.turn_rad);
         let along = |series: &[f64]| series.iter().map(|x| self.stated * *x).collect();
         let mut state = 20_261_123_u64;
         let mut noise = || {
@@ -142,7 +118,7 @@ impl Run {
         };
         let voltage_v: Vec<[f64; LIMBS]> = (0..SAMPLES)
             .map(|n| {
-                let place = time(n) / RUN_S - 0.5;
+                let place = time(n) / TIMING.run_s - 0.5;
                 let row = voltage(time(n) + self.late_s + place * self.later_s);
                 row.map(|u| u + noise())
             })

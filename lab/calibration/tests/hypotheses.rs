@@ -1,7 +1,9 @@
 //! Days in closed form, with noise, that the joint fit does not account for: the one hypothesis that does is named with its unknown,
 //! and where none does nothing is.
 
-use core::f64::consts::{FRAC_PI_2, PI, TAU};
+mod waveform;
+
+use core::f64::consts::TAU;
 use std::path::Path;
 
 use glam::DVec3;
@@ -18,6 +20,8 @@ use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
 use sixaxis_core::identify::zero_drift;
 use sixaxis_core::{Gains, Geometry, LIMBS};
 use sixaxis_recordings::session::{Role, Session, SessionFile};
+
+use waveform::Timing;
 
 const SESSION: &str = r#"
 [sensor]
@@ -45,10 +49,11 @@ role = "static"
 const RATE_HZ: f64 = 500.0;
 /// Of the trials on each wedge: more than one, for a mass that gives way is told from one that does not by how they differ.
 const FREQUENCIES_HZ: [f64; 6] = [3.0, 5.0, 3.4, 4.6, 3.8, 4.2];
-/// Rest before and after, run-up and run-down, and all of a run, s.
-const REST_S: f64 = 0.05;
-const RAMP_S: f64 = 0.35;
-const RUN_S: f64 = 1.5;
+const TIMING: Timing = Timing {
+    rest_s: 0.05,
+    ramp_s: 0.35,
+    run_s: 1.5,
+};
 const SAMPLES: usize = 750;
 /// Steps of a sample in which instruments follow: the trapezoidal rule is right to a twelfth of a step's phase squared.
 const FINE: usize = 16;
@@ -88,32 +93,6 @@ struct Wrong {
     foreign: Option<usize>,
     /// Share of its peak by which every channel bends.
     bent: f64,
-}
-
-/// Displacement over its amplitude with its first two derivatives over omega and its square.
-fn course(t: f64, omega: f64) -> [f64; 3] {
-    let inside = (t - REST_S).min(RUN_S - REST_S - t);
-    if inside <= 0.0 {
-        return [0.0; 3];
-    }
-    let sign = if t < RUN_S / 2.0 { 1.0 } else { -1.0 };
-    let k = PI / RAMP_S / omega;
-    let (s, c) = (FRAC_PI_2 * (inside / RAMP_S).min(1.0)).sin_cos();
-    let (ramp, slope, bend) = if inside < RAMP_S {
-        (
-            s.powi(4),
-            sign * 2.0 * k * s.powi(3) * c,
-            k * k * (3.0 * s * s * c * c - s.powi(4)),
-        )
-    } else {
-        (1.0, 0.0, 0.0)
-    };
-    let (sine, cosine) = (omega * (t - REST_S)).sin_cos();
-    [
-        ramp * sine,
-        ramp * cosine + slope * sine,
-        bend * sine + 2.0 * slope * cosine - ramp * sine,
-    ]
 }
 
 /// Noise that is the same on every machine.
@@ -176,7 +155,7 @@ fn played(index: usize, wrong: &Wrong, noise: &mut Noise) -> (Trial, Conditioned
         }
     };
     let channel = |limb: usize, t: f64| {
-        let [_, rate, acceleration] = course(t, omega);
+        let [_, rate, acceleration] = TIMING.course(t, omega);
         let force = if turns {
             let w = n * (rate * omega * TURN_RAD);
             let dw = n * (acceleration * omega * omega * TURN_RAD);
@@ -223,7 +202,7 @@ fn played(index: usize, wrong: &Wrong, noise: &mut Noise) -> (Trial, Conditioned
     {
         channels[channel].iter_mut().for_each(|u| *u = -*u);
     }
-    let standard = |t: f64| course((t - wrong.clock.0) / (1.0 + wrong.clock.1), omega);
+    let standard = |t: f64| TIMING.course((t - wrong.clock.0) / (1.0 + wrong.clock.1), omega);
     let mut linear = each(&|t| standard(t)[2] * omega * omega * TRAVEL_M);
     let mut rate = each(&|t| standard(t)[1] * omega * TURN_RAD);
     let mut angular = each(&|t| standard(t)[2] * omega * omega * TURN_RAD);
