@@ -6,7 +6,7 @@
 //!
 //! 1. [`raw`]: what one recording shows by itself: clipped, constant.
 //! 2. [`still`]: channels of the static record that read nothing, not even noise.
-//! 3. [`structure`]: what all trials together show of a channel: silent, exchanged, inverted, under-excited axes.
+//! 3. [`structure`]: what all trials together show of a channel: silent, inverted, under-excited axes.
 //! 4. [`gravity`]: weight that turns in the sensor although the session says it does not.
 //! 5. [`rig`]: standards and sample rate against stroke and rotation, by the [`fundamental`] of each trial.
 //! 6. [`timing`]: lags and clocks.
@@ -178,10 +178,7 @@ fn against_each_other(
         gravity::examine(table, cases, &mut found.findings);
     }
     measure(cases, drift, table.as_ref());
-    if let Some(linear) = table {
-        let exchanged = structure::exchanged(linear, facts, &silent, cases, &mut found.findings);
-        table = Some(exchanged);
-    }
+    let table = table.map(|linear| linear.fitted(cases));
     timing::examine(facts, cases, &mut found.findings);
     found.mark(Word::Suspected);
     if let Some(table) = &table {
@@ -218,10 +215,7 @@ fn measure(cases: &mut [TrialCase<'_>], drift: Option<&ZeroDrift>, scale: Option
                 let weight = turned_gravity_m_s2(gravity, trial.direction_ground, angle);
                 for (limb, force) in force.iter_mut().enumerate() {
                     *force -= table.mass_over_scale_kg[limb]
-                        * table
-                            .shares
-                            .of_acceleration(table.limb_of[limb])
-                            .dot(weight);
+                        * table.shares.of_acceleration(limb).dot(weight);
                 }
             }
         }

@@ -40,8 +40,6 @@ use sixaxis_recordings::session::{Role, Session};
 pub const WEDGE_DEG: f64 = 0.1;
 /// Relative standard deviation of a stated bandwidth or time constant: what a data sheet's typical value means.
 const TIME_CONSTANT: f64 = 0.1;
-/// Standard error by batches over that of white noise above which a static record's noise is not white.
-const NOT_WHITE: f64 = 1.6;
 /// Standard deviation of a zero drift from a record without noise, V: below every converter, above every underflow.
 const LEAST_DRIFT_V: f64 = 1e-12;
 /// 1/(k/m) whose standard deviation is below this share of it is known; what is below a tenth is a measurement.
@@ -211,19 +209,11 @@ fn widths(estimate: &JointEstimate, wider: f64) -> [f64; PARAMETERS] {
 /// What a static record says of the drift.
 #[must_use]
 pub fn at_rest(drift: &ZeroDrift) -> AtRest {
-    let root = (drift.samples as f64).sqrt();
     AtRest {
         drift_v: drift.drift_v,
-        // Thirty-two batches know a standard error to an eighth; white noise's own is known to a thousandth.
         deviation_v: core::array::from_fn(|i| {
-            let white = drift.noise_v[i] / root;
-            let batches = drift.standard_error_v[i];
-            let least = LEAST_DRIFT_V.max(f64::EPSILON * drift.drift_v[i].abs());
-            if batches > NOT_WHITE * white {
-                batches.max(least)
-            } else {
-                white.max(least)
-            }
+            let least = f64::EPSILON * drift.drift_v[i].abs();
+            drift.standard_error_v[i].max(least).max(LEAST_DRIFT_V)
         }),
     }
 }

@@ -2,10 +2,14 @@
 
 use glam::DVec3;
 use proptest::prelude::*;
+use rand::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64;
 use sixaxis_core::identify::inertia::{InertiaIdentification, euler_torque, regressor};
 use sixaxis_core::identify::scale::ScaleIdentification;
 use sixaxis_core::identify::{stiffness, zero_drift};
 use sixaxis_core::paper::wrench::LimbWrench;
+use sixaxis_core::significance::NORMAL_95;
 use sixaxis_core::{Geometry, InertiaPerMass, LIMBS, Parameters};
 use sixaxis_props::compare::{largest, within};
 use sixaxis_props::rigid::forces;
@@ -14,6 +18,34 @@ use sixaxis_props::tolerance;
 
 fn measured_n(force: &[f64; LIMBS], parameters: &Parameters) -> [f64; LIMBS] {
     core::array::from_fn(|i| force[i] / parameters.scale_per_mass_per_kg[i])
+}
+
+/// Static records of white noise, and samples of each.
+const RECORDS: usize = 3000;
+const AT_REST: usize = 640;
+
+/// 95 % intervals keep what they say in the middle and in the tails, where a standard error from a few batches has too many.
+#[test]
+fn stat_a_zero_drifts_interval_has_normal_tails() {
+    let mut rng = Pcg64::seed_from_u64(0x7a11);
+    let (mut beyond_one, mut beyond_two) = (0_u32, 0_u32);
+    for _ in 0..RECORDS {
+        let rows: Vec<[f64; LIMBS]> = (0..AT_REST)
+            .map(|_| core::array::from_fn(|_| StandardNormal.sample(&mut rng)))
+            .collect();
+        let found = zero_drift::identify(&rows).expect("the record is long enough");
+        for limb in 0..LIMBS {
+            let widths = (found.drift_v[limb] / found.standard_error_v[limb]).abs() / NORMAL_95;
+            beyond_one += u32::from(widths > 1.0);
+            beyond_two += u32::from(widths > 2.0);
+        }
+    }
+    // Of the larger of two standard errors a little less than one in twenty is beyond; of a normal one's, 2.4 of 27,000 are beyond
+    // twice that, of one by 32 batches alone 12.
+    let of = (RECORDS * LIMBS) as f64;
+    let outside = f64::from(beyond_one) / of;
+    assert!((0.03..0.05).contains(&outside), "{outside}");
+    assert!(beyond_two <= 6, "{beyond_two} of {of}");
 }
 
 proptest! {

@@ -76,6 +76,9 @@ const SAME_WEDGE: f64 = 1e-3;
 /// What a stated tolerance of wedges is worth, in angles, against the wedges' own word.
 const WEDGE_WORTH: f64 = 4.0;
 
+/// Spread of the wedges' angles that a fit begins with, rad: far beyond any workshop's.
+const FIRST_WEDGES_RAD: f64 = 0.1;
+
 /// A value and its standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Known {
@@ -269,14 +272,20 @@ impl Joint {
         }
     }
 
-    /// Spreads before any trial has said anything.
-    fn usual_spreads(&self) -> Spreads {
+    /// Spreads before any trial has said anything. Wedges come first: a sensor turned on its flange looks to limbs like cross-talk,
+    /// and 72 shares held too loosely would take it up before twelve angles held too tightly have moved.
+    fn first_spreads(&self) -> Spreads {
         let room = &self.certificates.room;
+        let usual_rad = self.wedge_spread().usual;
         Spreads {
             stiffness: room.stiffness.usual,
             cross_talk: room.cross_talk.usual,
             sensitivity: room.sensitivity.usual,
-            wedge_rad: self.wedge_spread().usual,
+            wedge_rad: if usual_rad > 0.0 {
+                usual_rad.max(FIRST_WEDGES_RAD)
+            } else {
+                0.0
+            },
         }
     }
 

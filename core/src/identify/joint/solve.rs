@@ -190,7 +190,7 @@ pub(super) fn fit(joint: &Joint, start: Unknowns) -> Result<(JointEstimate, Vec<
     for trial in &mut trials {
         trial.start(&start);
     }
-    refit(joint, trials, start, joint.usual_spreads())
+    refit(joint, trials, start, joint.first_spreads())
 }
 
 /// As [`fit`], with the trials' motions as they stand.

@@ -63,9 +63,7 @@ fn weight(table: &Table, case: &TrialCase<'_>) -> Option<DVec3> {
         .iter()
         .map(|force| {
             (0..LIMBS)
-                .map(|i| {
-                    DIRECTIONS_SHELL[table.limb_of[i]] * (force[i] / table.mass_over_scale_kg[i])
-                })
+                .map(|i| DIRECTIONS_SHELL[i] * (force[i] / table.mass_over_scale_kg[i]))
                 .sum()
         })
         .collect();

@@ -129,9 +129,8 @@ pub fn examine(
         )
     });
     let design = &facts.design.scale_per_mass_per_kg;
-    let ratio: [f64; LIMBS] = core::array::from_fn(|channel| {
-        1.0 / (table.mass_over_scale_kg[channel] * design[table.limb_of[channel]])
-    });
+    let ratio: [f64; LIMBS] =
+        core::array::from_fn(|channel| 1.0 / (table.mass_over_scale_kg[channel] * design[channel]));
     let mut sizes: Vec<(f64, f64)> = (0..LIMBS)
         .filter(|i| !silent[*i])
         .map(|i| (ratio[i].abs(), 1.0))

@@ -4,7 +4,7 @@ use glam::{DMat3, DVec3};
 use sixaxis_core::LIMBS;
 use sixaxis_core::dsp::spectrum::noise_floor;
 
-use super::table::{Table, norm, usable, weighted_median};
+use super::table::{Table, norm, weighted_median};
 use super::trial_case::{Facts, TrialCase, names};
 use crate::finding::{Cause, Finding};
 use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
@@ -22,13 +22,6 @@ const SILENT: f64 = 0.03;
 /// A channel that varies by less than so many times its noise from sample to sample shows nothing but noise. A channel that
 /// is merely scaled down shows its signal still.
 const ONLY_NOISE: f64 = 1.5;
-/// Departure from the table, relative to a trial, beyond which more makes no difference to who belongs where.
-const COST_CAP: f64 = 0.2;
-/// Mean departure a channel must have for an exchange to be looked for, and what an exchange must bring it down to.
-const SUSPICIOUS_COST: f64 = 0.02;
-/// See [`SUSPICIOUS_COST`].
-const EXPLAINED: f64 = 0.25;
-
 /// Directions that the trials of steps 2 and 3 leave out.
 pub fn excitation(cases: &[TrialCase<'_>], findings: &mut Vec<Finding>) {
     for (role, what, step) in [
@@ -183,64 +176,6 @@ fn only_noise(case: &TrialCase<'_>, channel: usize) -> bool {
     noise_floor(&series).is_ok_and(|noise| square.sqrt() <= ONLY_NOISE * noise)
 }
 
-/// Channels that were taken for each other in the whole campaign: the table with them put right.
-pub fn exchanged(
-    linear: Table,
-    facts: &Facts<'_>,
-    silent: &[bool; LIMBS],
-    cases: &mut [TrialCase<'_>],
-    findings: &mut Vec<Finding>,
-) -> Table {
-    let own = linear.exchanged(cases, None);
-    let observations = usable(cases).count().max(1) as f64;
-    let mean = |table: &Table| (table.cost(cases, COST_CAP) / observations).sqrt();
-    let cost = mean(&own);
-    if cost < SUSPICIOUS_COST {
-        return own;
-    }
-    let design = &facts.design.scale_per_mass_per_kg;
-    let mut best: Option<((usize, usize), f64, Table)> = None;
-    for a in 0..LIMBS {
-        for b in a + 1..LIMBS {
-            if silent[a] || silent[b] {
-                continue;
-            }
-            let table = linear.exchanged(cases, Some((a, b)));
-            let cost = mean(&table);
-            if best.as_ref().is_none_or(|(_, least, _)| cost < *least) {
-                best = Some(((a, b), cost, table));
-            }
-        }
-    }
-    match best {
-        Some(((a, b), least, table)) if least < EXPLAINED * cost => {
-            let sign = |i: usize| table.mass_over_scale_kg[i] * design[i] > 0.0;
-            if sign(a) && sign(b) {
-                findings.push(Finding {
-                    cause: Cause::SwappedChannels,
-                    recordings: Vec::new(),
-                    channels: vec![a + 1, b + 1],
-                    evidence: format!(
-                        "channel {} responds as limb {} should and the other way round: exchanged, the trials depart by {:.2} % from what the geometry asks for, as they are by {:.1} %",
-                        a + 1,
-                        b + 1,
-                        100.0 * least,
-                        100.0 * cost
-                    ),
-                    advice: format!(
-                        "exchange channels {} and {} in the session's [channels], or their plugs",
-                        a + 1,
-                        b + 1
-                    ),
-                });
-                return table;
-            }
-            own
-        }
-        _ => own,
-    }
-}
-
 /// Channels whose scale factor has the other sign than the design's.
 pub fn inverted(
     table: &Table,
@@ -249,9 +184,7 @@ pub fn inverted(
     findings: &mut Vec<Finding>,
 ) {
     let reversed = |channel: usize| {
-        table.mass_over_scale_kg[channel]
-            * facts.design.scale_per_mass_per_kg[table.limb_of[channel]]
-            < 0.0
+        table.mass_over_scale_kg[channel] * facts.design.scale_per_mass_per_kg[channel] < 0.0
     };
     let judged = silent.iter().filter(|silent| !**silent).count();
     if (0..LIMBS).filter(|i| !silent[*i] && reversed(*i)).count() == judged {
@@ -265,10 +198,7 @@ pub fn inverted(
         return;
     }
     for (channel, silent) in silent.iter().enumerate() {
-        let limb = table.limb_of[channel];
-        if !silent
-            && table.mass_over_scale_kg[channel] * facts.design.scale_per_mass_per_kg[limb] < 0.0
-        {
+        if !silent && reversed(channel) {
             findings.push(Finding {
                 cause: Cause::InvertedChannel,
                 recordings: Vec::new(),
@@ -276,7 +206,7 @@ pub fn inverted(
                 evidence: format!(
                     "scale factor {:.3} 1/kg, of the other sign than the design's {:.3} 1/kg",
                     1.0 / table.mass_over_scale_kg[channel],
-                    facts.design.scale_per_mass_per_kg[limb]
+                    facts.design.scale_per_mass_per_kg[channel]
                 ),
                 advice: "turn the channel's polarity round, or give its gain_n_per_v a minus sign"
                     .to_owned(),

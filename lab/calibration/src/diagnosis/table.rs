@@ -26,8 +26,6 @@ const ROUNDS: usize = 12;
 pub struct Table {
     /// How the limbs share a load.
     pub shares: StaticLoadSharing,
-    /// Which limb each channel is believed to belong to, from 0: its own, unless channels were found exchanged.
-    pub limb_of: [usize; LIMBS],
     /// m/s_i of each channel: measured force over force per mass, kg.
     pub mass_over_scale_kg: [f64; LIMBS],
     /// Inertia per mass, m^2, if angular trials gave one.
@@ -48,7 +46,6 @@ impl Table {
     ) -> Option<Self> {
         let mut table = Self {
             shares: *shares,
-            limb_of: core::array::from_fn(|i| i),
             mass_over_scale_kg: [0.0; LIMBS],
             inertia_m2: None,
             angle_error: 0.0,
@@ -63,16 +60,12 @@ impl Table {
             .then_some(table)
     }
 
-    /// The same campaign with two channels taken for each other's, or none.
+    /// With what is no longer taken to be usable left out, and with the inertias.
     #[must_use]
-    pub fn exchanged(&self, cases: &[TrialCase<'_>], pair: Option<(usize, usize)>) -> Self {
-        let mut table = self.clone();
-        if let Some((a, b)) = pair {
-            table.limb_of.swap(a, b);
-        }
-        table.fit_scale(cases);
-        table.fit_inertia(cases);
-        table
+    pub fn fitted(mut self, cases: &[TrialCase<'_>]) -> Self {
+        self.fit_scale(cases);
+        self.fit_inertia(cases);
+        self
     }
 
     fn fit_scale(&mut self, cases: &[TrialCase<'_>]) {
@@ -80,7 +73,7 @@ impl Table {
             if self.silent[channel] {
                 continue;
             }
-            let share_of = |d: DVec3| self.shares.of_acceleration(self.limb_of[channel]).dot(d);
+            let share_of = |d: DVec3| self.shares.of_acceleration(channel).dot(d);
             let mut ratios: Vec<(f64, f64)> = usable(cases)
                 .filter(|(case, response)| {
                     response.travels
@@ -107,7 +100,7 @@ impl Table {
                 (0..LIMBS)
                     .filter(|channel| !self.silent[*channel] && !case.ignored[*channel])
                     .map(|channel| {
-                        let t = self.shares.of_torque_per_m(self.limb_of[channel]);
+                        let t = self.shares.of_torque_per_m(channel);
                         // t . I n, linear in the six entries in the paper's order.
                         let row = [
                             t.x * n.x,
@@ -174,9 +167,8 @@ impl Table {
     /// its m/s: m/s^2 over m/s^2, or m^2 over 1.
     #[must_use]
     pub fn share(&self, channel: usize, response: &Response) -> DVec3 {
-        let limb = self.limb_of[channel];
         let linear = if response.travels {
-            self.shares.of_acceleration(limb)
+            self.shares.of_acceleration(channel)
         } else {
             DVec3::ZERO
         };
@@ -184,7 +176,7 @@ impl Table {
         match self.inertia_m2 {
             // I is symmetric: t . I n = (I t) . n.
             Some(inertia) if turning != 0.0 => {
-                linear + turning * (inertia * self.shares.of_torque_per_m(limb))
+                linear + turning * (inertia * self.shares.of_torque_per_m(channel))
             }
             _ => linear,
         }
@@ -243,8 +235,7 @@ impl Table {
         norm(expected) + HUNDRED_FOLD * turning
     }
 
-    /// Departure of all trials from the table, each relative to its own size and none counting for more than `cap`: what the
-    /// right assignment of channels makes smallest.
+    /// Departure of all trials from the table, each relative to its own size and none counting for more than `cap`.
     #[must_use]
     pub fn cost(&self, cases: &[TrialCase<'_>], cap: f64) -> f64 {
         usable(cases)

@@ -5,10 +5,11 @@
 //! down to a wedge that stands elsewhere, to one channel of one trial or to a standard beyond its certificate is named here,
 //! each by the unknown that took it up.
 
+use glam::{DMat3, DQuat, DVec3};
+use nalgebra::{Matrix3, Vector3};
 use sixaxis_core::LIMBS;
 use sixaxis_core::identify::joint::Known;
 use sixaxis_core::identify::joint::estimate::TrialEstimate;
-use sixaxis_core::identify::joint::unknowns::ANGLES;
 
 use super::JointReport;
 use crate::diagnosis::level::of_one_channel;
@@ -25,7 +26,11 @@ const CROSS_TALK: f64 = 5e-3;
 /// Change of one channel's sensitivity in one trial, relative.
 const SENSITIVITY: f64 = 0.01;
 /// Angle by which a wedge misses its direction, degrees.
-pub(crate) const WEDGE_DEG: f64 = 0.5;
+const WEDGE_DEG: f64 = 0.5;
+/// Share of a rotation of all wedges by which each may be off it.
+const ALIKE: f64 = 0.2;
+/// Share of the largest singular value of all directions' products that the second one has at least where they are not one line.
+const OPEN: f64 = 1e-3;
 /// Angle of the axis off the plumb line, or of a level axis off the level, degrees.
 const PLUMB_DEG: f64 = 0.5;
 /// From the axis to the sensor's centre, m.
@@ -105,32 +110,55 @@ impl JointReport {
         findings
     }
 
+    /// Wedges that stand elsewhere, or the sensor on its flange if they all do by one rotation.
     fn wedges(&self, names: &[&str]) -> Vec<Finding> {
         let unknowns = &self.estimate.unknowns;
-        let mut findings = Vec::new();
-        for wedge in 0..unknowns.wedges.len() {
-            let at = unknowns.angles(wedge);
-            let off_deg = (0..ANGLES)
-                .map(|j| unknowns.values[at + j].powi(2))
-                .sum::<f64>()
-                .sqrt()
-                .to_degrees();
-            if off_deg > WEDGE_DEG {
-                let n = unknowns.direction(wedge).0;
-                findings.push(Finding {
-                    cause: Cause::LooseWedge,
-                    recordings: self.named(names, |trial| trial == wedge),
-                    channels: Vec::new(),
-                    evidence: format!(
-                        "the sensor moves along and about ({:.4}, {:.4}, {:.4}), {off_deg:.2}° from the stated direction",
-                        n.x, n.y, n.z
-                    ),
-                    advice: "tighten the wedge and repeat its trials, or check the stated direction"
-                        .to_owned(),
-                });
-            }
+        let pairs: Vec<(DVec3, DVec3)> = (unknowns.wedges.iter().enumerate())
+            .map(|(wedge, stated)| (stated.nominal, unknowns.direction(wedge).0))
+            .collect();
+        let off_deg = |(from, to): &(DVec3, DVec3)| from.angle_between(*to).to_degrees();
+        let flange = rotation(&pairs).filter(|turned| {
+            let left_over = |(from, to): &(DVec3, DVec3)| off_deg(&(*turned * *from, *to));
+            let most_deg = pairs.iter().map(left_over).fold(0.0, f64::max);
+            turned.to_axis_angle().1.to_degrees() > WEDGE_DEG.max(most_deg / ALIKE)
+        });
+        let finding = |recordings, evidence, advice: &str| Finding {
+            cause: Cause::LooseWedge,
+            recordings,
+            channels: Vec::new(),
+            evidence,
+            advice: advice.to_owned(),
+        };
+        if let Some(turned) = flange {
+            let (axis, angle_rad) = turned.to_axis_angle();
+            let evidence = format!(
+                "all directions are turned alike, by {:.2}° about ({:.2}, {:.2}, {:.2}), as those of a sensor are that is turned on its flange",
+                angle_rad.to_degrees(),
+                axis.x,
+                axis.y,
+                axis.z
+            );
+            let advice = "set the sensor straight on its flange, or state the directions as they are in its axes";
+            return vec![finding(Vec::new(), evidence, advice)];
         }
-        findings
+        let loose = pairs
+            .iter()
+            .enumerate()
+            .filter(|(_, pair)| off_deg(pair) > WEDGE_DEG);
+        loose
+            .map(|(wedge, pair)| {
+                let n = pair.1;
+                let evidence = format!(
+                    "the sensor moves along and about ({:.4}, {:.4}, {:.4}), {:.2}° from the stated direction",
+                    n.x,
+                    n.y,
+                    n.z,
+                    off_deg(pair)
+                );
+                let advice = "tighten the wedge and repeat its trials, or check the stated direction";
+                finding(self.named(names, |trial| trial == wedge), evidence, advice)
+            })
+            .collect()
     }
 
     /// Recordings of wedges.
@@ -286,6 +314,25 @@ impl JointReport {
             advice: "check unit and sensitivity of the gyroscope against its certificate".to_owned(),
         })
     }
+}
+
+/// The rotation that takes the first of each pair of unit vectors as near the second as one rotation can; none of fewer than three
+/// pairs, and of such as leave it open.
+fn rotation(pairs: &[(DVec3, DVec3)]) -> Option<DQuat> {
+    if pairs.len() < 3 {
+        return None;
+    }
+    let column = |v: DVec3| Vector3::from(v.to_array());
+    let sum: Matrix3<f64> = pairs
+        .iter()
+        .map(|(from, to)| column(*to) * column(*from).transpose())
+        .sum();
+    let svd = sum.svd(true, true);
+    let (u, v_t) = (svd.u?, svd.v_t?);
+    let right_handed = Vector3::new(1.0, 1.0, (u * v_t).determinant().signum());
+    let turned = u * Matrix3::from_diagonal(&right_handed) * v_t;
+    let open = svd.singular_values[1] < OPEN * svd.singular_values[0];
+    (!open).then(|| DQuat::from_mat3(&DMat3::from_cols_slice(turned.as_slice())))
 }
 
 /// Whether a sensitivity is none that an ordinary room gives a channel.

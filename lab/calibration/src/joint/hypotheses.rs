@@ -7,14 +7,13 @@
 //!
 //! | file | hypothesis |
 //! |---|---|
-//! | [`freedoms`] | the model has one freedom more: an amplifier's high-pass, a gyroscope's lag, channels that are late, a turned flange |
+//! | [`freedoms`] | the model has one freedom more: an amplifier's high-pass, a gyroscope's lag, channels that are late |
 //! | [`clock`] | the standards have a clock of their own |
 //! | [`plugs`] | two channels are exchanged, or one is inverted, from one trial on |
 //! | [`apart`] | a few trials are wrong and the others are not |
 
 pub mod apart;
 pub mod clock;
-
 pub mod freedoms;
 pub mod plugs;
 

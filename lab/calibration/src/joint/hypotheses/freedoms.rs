@@ -4,11 +4,10 @@ use core::f64::consts::TAU;
 
 use sixaxis_core::LIMBS;
 use sixaxis_core::identify::joint::Known;
-use sixaxis_core::identify::joint::unknowns::{AMPLIFIER_CORNER, ANGLES, GYROSCOPE_LAG};
+use sixaxis_core::identify::joint::unknowns::{AMPLIFIER_CORNER, GYROSCOPE_LAG};
 
 use super::Unaccounted;
 use crate::finding::{Cause, Finding};
-use crate::joint::account::WEDGE_DEG;
 use crate::joint::{JointReport, Knowledge, at_rest};
 use crate::trial::Trial;
 
@@ -18,9 +17,6 @@ const CORNER_HZ: (f64, f64) = (0.05, 1.0);
 const LAG_S: (f64, f64) = (2e-3, 0.05);
 /// Delay of a channel that nobody stated, s: how far about none it is looked for.
 const DELAY_S: f64 = 0.02;
-
-/// Angle by which a wedge, or the flange under all of them, may be turned, rad.
-const TURN_RAD: f64 = 0.1;
 
 /// Standard deviations of its unknown from which a freedom is needed: one that is not takes up what is left of anything, but little.
 const BEYOND_DOUBT: f64 = 30.0;
@@ -36,7 +32,7 @@ struct Freedom {
     finding: fn(&JointReport, [f64; 2]) -> Option<Finding>,
 }
 
-const FREEDOMS: [Freedom; 4] = [
+const FREEDOMS: [Freedom; 3] = [
     Freedom {
         freed: high_pass,
         finding: amplifier,
@@ -48,10 +44,6 @@ const FREEDOMS: [Freedom; 4] = [
     Freedom {
         freed: delays,
         finding: late_channels,
-    },
-    Freedom {
-        freed: wedges,
-        finding: turned_wedges,
     },
 ];
 
@@ -178,38 +170,5 @@ fn late_channels(joint: &JointReport, [_, fastest_rad_s]: [f64; 2]) -> Option<Fi
         ),
         advice: "record all channels and the standards on one clock, started at once, or put the delay right before calibrating"
             .to_owned(),
-    })
-}
-
-fn wedges(knowledge: &Knowledge) -> Option<Knowledge> {
-    let mut freed = *knowledge;
-    freed.certificates.wedge_deviation_rad = TURN_RAD;
-    Some(freed)
-}
-
-/// Wedges that stand elsewhere, or the sensor on all of them.
-fn turned_wedges(joint: &JointReport, _: [f64; 2]) -> Option<Finding> {
-    let unknowns = &joint.estimate.unknowns;
-    let turned = (0..unknowns.wedges.len()).filter_map(|wedge| {
-        let angles = unknowns.angles(wedge)..unknowns.angles(wedge) + ANGLES;
-        let told = |at: usize| {
-            let angle = known(joint, at);
-            angle.value.abs() > BEYOND_DOUBT * angle.deviation
-        };
-        let squares = |at: usize| unknowns.values[at].powi(2);
-        angles
-            .clone()
-            .any(told)
-            .then(|| angles.map(squares).sum::<f64>().sqrt().to_degrees())
-    });
-    let most_deg = turned.fold(0.0, f64::max);
-    (most_deg > WEDGE_DEG).then(|| Finding {
-        cause: Cause::LooseWedge,
-        recordings: Vec::new(),
-        channels: Vec::new(),
-        evidence: format!(
-            "with wedges, or a sensor on its flange, that are turned by up to {most_deg:.2}° from the stated directions all trials agree to the noise, and as stated they do not"
-        ),
-        advice: "check how the sensor stands on its flange, and each recording's direction".to_owned(),
     })
 }

@@ -142,7 +142,7 @@ fn likeliest(shares: &StaticLoadSharing, cases: &[TrialCase<'_>]) -> Option<(Rep
         })
         .collect();
     let of = |cases: &[TrialCase<'_>]| {
-        let table = Table::linear(shares, cases, &[false; LIMBS])?.exchanged(cases, None);
+        let table = Table::linear(shares, cases, &[false; LIMBS])?.fitted(cases);
         Some((table.cost(cases, COST_CAP), table))
     };
     let (as_they_are, _) = of(&cases)?;
