@@ -15,7 +15,7 @@ use sixaxis_core::LIMBS;
 use sixaxis_recordings::session::{Channels, Session};
 
 use crate::board::{Board, Live, Post};
-use crate::chain::{Chain, Choice};
+use crate::chain::{Beside, Chain, Choice};
 use crate::columns::{self, Batch, COLUMNS};
 use crate::control::{Command, LabCommand, Parameters, Stages};
 use crate::day::{Captured, Job, Outcome};
@@ -181,6 +181,9 @@ impl Acquisition {
             calibration,
             gain_n_per_v: gains,
             gravity_ground_m_s2: begin.map_or(glam::DVec3::ZERO, |begin| begin.gravity_ground_m_s2),
+            direction: begin
+                .and_then(|begin| begin.entry.direction)
+                .and_then(|direction| glam::DVec3::from_array(direction).try_normalize()),
             watch: self.watch,
         }
     }
@@ -290,8 +293,11 @@ impl Acquisition {
                     *cell = readings[k] as f32;
                 }
             }
-            self.chain
-                .push(&raw, truth.then(|| &batch.truth[k]), &mut row);
+            let beside = Beside {
+                truth: truth.then(|| batch.truth[k]),
+                standard: standards.then(|| batch.standard.each_ref().map(|s| s[k])),
+            };
+            self.chain.push(&raw, beside, &mut row);
             let after = core::array::from_fn(|k| f64::from(row[columns::CONDITIONED.start + k]));
             self.conditioned.push(&after);
             rows.push(row);

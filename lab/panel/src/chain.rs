@@ -1,7 +1,7 @@
 //! What becomes of nine voltages on their way through the instrument: stages, decoder, parity rows, and beside them the truth of a
-//! simulated laboratory behind the same low-pass.
+//! simulated laboratory and the reference instruments' readings behind the same low-pass.
 //!
-//! The stages run forwards only and delay; motion, parity and truth are filed when they come out, so that they stand beside each
+//! The stages run forwards only and delay; motion, parity, truth and readings are filed when they come out, so that they stand beside each
 //! other and lag behind the voltages by [`Chain::delay_s`].
 
 use std::collections::VecDeque;
@@ -14,11 +14,15 @@ use sixaxis_calibration::apply::voltages::Voltages;
 use sixaxis_calibration::calibration::Calibration;
 use sixaxis_core::dsp::butterworth;
 use sixaxis_core::dsp::causal::SectionsState;
+use sixaxis_core::dsp::lag::FirstOrder;
 use sixaxis_core::{LIMBS, SixAxis};
 use sixaxis_recordings::session::{Outliers, Session};
 
 use crate::board::Live;
-use crate::columns::{COLUMNS, CONDITIONED, MOTION, PARITY, TRUTH, TRUTH_NUMBERS};
+use crate::columns::{
+    ALONG, COLUMNS, CONDITIONED, FELT, MOTION, PARITY, STANDARD_BEHIND, TRULY_FELT, TRUTH,
+    TRUTH_NUMBERS,
+};
 use crate::control::Stages;
 use crate::decoding::{Config, LiveDecoder, sensor};
 use crate::departures::{AxisError, Departures};
@@ -41,9 +45,31 @@ pub struct Choice<'a> {
     pub gain_n_per_v: [f64; LIMBS],
     /// Gravity in the sensor's axes at rest, m/s^2.
     pub gravity_ground_m_s2: DVec3,
+    /// Unit vector along which the rig travels and about which it turns, the instruments' axis; none while nobody says.
+    pub direction: Option<DVec3>,
     /// Whether the fault monitor is wanted.
     pub watch: bool,
 }
+
+/// What stands beside a sample.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Beside {
+    /// The true motion.
+    pub truth: Option<[f64; TRUTH_NUMBERS]>,
+    /// Readings of accelerometer, m/s^2, and gyroscope, rad/s.
+    pub standard: Option<[f64; 2]>,
+}
+
+/// The same behind the low-pass.
+#[derive(Debug, Clone, Copy, Default)]
+struct Behind {
+    /// True accelerations in ground and in sensor axes.
+    truth: Option<[[f64; 6]; 2]>,
+    standard: Option<[f64; 2]>,
+}
+
+/// States of the low-pass for [`Behind`]: twelve accelerations, two readings.
+const BEHIND: usize = 14;
 
 /// Accelerations as a tared sensor feels them in its own axes, from those in ground axes.
 fn in_sensor_axes(ground: &[f64; 6], attitude: DQuat, gravity_ground_m_s2: DVec3) -> [f64; 6] {
@@ -54,6 +80,13 @@ fn in_sensor_axes(ground: &[f64; 6], attitude: DQuat, gravity_ground_m_s2: DVec3
     core::array::from_fn(|k| pair[k / 3][k % 3])
 }
 
+/// Files numbers as a history keeps them.
+fn file(cells: &mut [f32], numbers: &[f64]) {
+    for (cell, number) in cells.iter_mut().zip(numbers) {
+        *cell = *number as f32;
+    }
+}
+
 /// Stages and decoder.
 pub struct Chain {
     conditioning: Option<ConditioningStream>,
@@ -62,8 +95,8 @@ pub struct Chain {
     sample_rate_hz: f64,
     received: Voltages,
     ready: Voltages,
-    truths: VecDeque<Option<[f64; TRUTH_NUMBERS]>>,
-    /// The low-pass of the truth, one state for each acceleration in ground axes and in sensor axes.
+    beside: VecDeque<Beside>,
+    /// The low-pass of what stands beside the samples.
     filter: Option<Vec<SectionsState>>,
     decoder: Option<LiveDecoder>,
     /// Means at the last rest, V: the zeros where the design is decoded with.
@@ -71,12 +104,18 @@ pub struct Chain {
     answer: Option<SixAxis>,
     conditioned: [f64; LIMBS],
     truth: Option<[f64; TRUTH_NUMBERS]>,
-    filtered: Option<[[f64; 6]; 2]>,
+    behind: Behind,
     parity_squares: [f64; 3],
-    /// In ground and in sensor axes.
-    departures: [Departures; 2],
+    /// From the truth in ground and in sensor axes.
+    departures: [Departures<6>; 2],
     last_errors: Option<[[AxisError; 6]; 2]>,
+    /// From the instruments along and about the direction.
+    from_standards: Departures<2>,
+    last_from_standards: Option<[AxisError; 2]>,
     gravity_ground_m_s2: DVec3,
+    direction: Option<DVec3>,
+    /// The instruments' own first-order bandwidths, so that what is decoupled along their axis is as slow as they are.
+    bandwidths: [Option<FirstOrder>; 2],
     /// Whether departures are counted: an open loop drifts on when the run is over.
     counting: bool,
     messages: Vec<String>,
@@ -92,18 +131,22 @@ impl Chain {
             sample_rate_hz: 1.0,
             received: Voltages::default(),
             ready: Voltages::default(),
-            truths: VecDeque::new(),
+            beside: VecDeque::new(),
             filter: None,
             decoder: None,
             zero_v: None,
             answer: None,
             conditioned: [0.0; LIMBS],
             truth: None,
-            filtered: None,
+            behind: Behind::default(),
             parity_squares: [0.0; 3],
             departures: Default::default(),
-            gravity_ground_m_s2: DVec3::ZERO,
             last_errors: None,
+            from_standards: Departures::default(),
+            last_from_standards: None,
+            gravity_ground_m_s2: DVec3::ZERO,
+            direction: None,
+            bandwidths: [None; 2],
             counting: true,
             messages: Vec::new(),
         }
@@ -123,7 +166,7 @@ impl Chain {
         self.filter = None;
         self.sample_rate_hz = sample_rate_hz;
         self.delay_s = 0.0;
-        self.truths.clear();
+        self.beside.clear();
         self.ready.clear();
         let config = ConditioningConfig {
             delays_s,
@@ -136,7 +179,7 @@ impl Chain {
         self.conditioning = Some(ConditioningStream::new(&config, sample_rate_hz)?);
         if let Some(corner_hz) = stages.low_pass_hz {
             let sections = butterworth::low_pass(LOW_PASS_ORDER, corner_hz, sample_rate_hz)?;
-            self.filter = Some((0..12).map(|_| SectionsState::at_rest(&sections)).collect());
+            self.filter = Some(vec![SectionsState::at_rest(&sections); BEHIND]);
             self.delay_s = causal_delay_s(corner_hz);
         }
         Ok(())
@@ -148,10 +191,22 @@ impl Chain {
     /// Those of [`LiveDecoder::new`]; nothing is decoded then.
     pub fn restart(&mut self, choice: &Choice<'_>) -> anyhow::Result<()> {
         self.last_errors = self.errors();
+        self.last_from_standards = self.errors_of_standards();
         self.departures = Default::default();
+        self.from_standards = Departures::default();
         self.gravity_ground_m_s2 = choice.gravity_ground_m_s2;
+        self.direction = choice.direction;
+        let Session {
+            accelerometer,
+            gyroscope,
+            ..
+        } = choice.session;
+        self.bandwidths = [accelerometer.bandwidth_hz, gyroscope.bandwidth_hz].map(|hz| {
+            let corner_hz = hz.filter(|hz| *hz < 0.5 * self.sample_rate_hz)?;
+            FirstOrder::low_pass(corner_hz, self.sample_rate_hz).ok()
+        });
         self.counting = true;
-        (self.decoder, self.answer, self.filtered) = (None, None, None);
+        (self.decoder, self.answer, self.behind) = (None, None, Behind::default());
         let card = &choice.session.sensor;
         let mut design = card.design();
         design.zero_drift_v = self.zero_v.unwrap_or_default();
@@ -167,56 +222,42 @@ impl Chain {
     }
 
     /// Takes a sample and fills in what comes out of the stages with it.
-    pub fn push(
-        &mut self,
-        voltage_v: &[f64; LIMBS],
-        truth: Option<&[f64; TRUTH_NUMBERS]>,
-        row: &mut [f32; COLUMNS],
-    ) {
+    pub fn push(&mut self, voltage_v: &[f64; LIMBS], beside: Beside, row: &mut [f32; COLUMNS]) {
         let Some(conditioning) = &mut self.conditioning else {
             return;
         };
         self.received.push(voltage_v);
-        self.truths.push_back(truth.copied());
+        self.beside.push_back(beside);
         conditioning.push(&mut self.received, &mut self.ready);
         for sample in 0..self.ready.samples() {
             let conditioned = self.ready.row(sample);
-            let truth = self.truths.pop_front().flatten();
-            self.sample(&conditioned, truth, row);
+            let beside = self.beside.pop_front().unwrap_or_default();
+            self.sample(&conditioned, beside, row);
         }
         self.ready.clear();
     }
 
-    fn sample(
-        &mut self,
-        conditioned: &[f64; LIMBS],
-        truth: Option<[f64; TRUTH_NUMBERS]>,
-        row: &mut [f32; COLUMNS],
-    ) {
+    fn sample(&mut self, conditioned: &[f64; LIMBS], beside: Beside, row: &mut [f32; COLUMNS]) {
         self.conditioned = *conditioned;
-        for (cell, u) in row[CONDITIONED].iter_mut().zip(conditioned) {
-            *cell = *u as f32;
-        }
+        file(&mut row[CONDITIONED], conditioned);
         // The decoder answers the sample before.
-        let before = self.filtered;
-        self.truth = truth;
-        self.filtered = truth.map(|truth| self.filtered_truth(&truth));
-        if let Some(before) = before {
-            for (cell, value) in row[TRUTH].iter_mut().zip(before[0]) {
-                *cell = value as f32;
-            }
+        let before = self.behind;
+        self.truth = beside.truth;
+        self.behind = self.filtered(&beside);
+        if let Some([ground, sensor]) = &before.truth {
+            file(&mut row[TRUTH], ground);
+            file(&mut row[TRULY_FELT], sensor);
+        }
+        if let Some(standard) = &before.standard {
+            file(&mut row[STANDARD_BEHIND], standard);
         }
         let Some(decoder) = &mut self.decoder else {
             return;
         };
         let parity = decoder.parity_m_s2(conditioned);
         let share = 1.0 / (PARITY_S * self.sample_rate_hz).max(1.0);
-        for ((cell, value), squares) in row[PARITY]
-            .iter_mut()
-            .zip(parity)
-            .zip(&mut self.parity_squares)
-        {
-            *cell = value as f32;
+        file(&mut row[PARITY], &parity);
+        for (value, squares) in parity.into_iter().zip(&mut self.parity_squares) {
             if value.is_finite() {
                 *squares += share * (value * value - *squares);
             }
@@ -225,32 +266,62 @@ impl Chain {
         self.messages.append(&mut decoder.messages);
         if let Some(answer) = &self.answer {
             let numbers = answer.numbers();
-            for (cell, value) in row[MOTION].iter_mut().zip(numbers) {
-                *cell = value as f32;
-            }
-            if let Some(before) = before.filter(|_| self.counting) {
-                let ground: [f64; 6] = core::array::from_fn(|k| numbers[k]);
-                let sensor = in_sensor_axes(&ground, answer.attitude, self.gravity_ground_m_s2);
-                for ((departures, value), truth) in
-                    self.departures.iter_mut().zip([ground, sensor]).zip(before)
-                {
-                    departures.push(&value, &truth);
+            file(&mut row[MOTION], &numbers);
+            let ground: [f64; 6] = core::array::from_fn(|k| numbers[k]);
+            let sensor = in_sensor_axes(&ground, answer.attitude, self.gravity_ground_m_s2);
+            file(&mut row[FELT], &sensor);
+            // A rig's direction is the same in ground and in shell axes: it is what the shell turns about.
+            let along = self.direction.map(|n| {
+                let rate = DVec3::from_slice(&numbers[6..9]);
+                let mut along = [DVec3::from_slice(&sensor[..3]).dot(n), rate.dot(n)];
+                for (value, bandwidth) in along.iter_mut().zip(&mut self.bandwidths) {
+                    *value = bandwidth.as_mut().map_or(*value, |b| b.step(*value));
                 }
+                along
+            });
+            if let Some(along) = &along {
+                file(&mut row[ALONG], along);
+            }
+            if !self.counting {
+                return;
+            }
+            if let Some(truth) = &before.truth {
+                for (departures, (value, truth)) in self
+                    .departures
+                    .iter_mut()
+                    .zip([ground, sensor].iter().zip(truth))
+                {
+                    departures.push(value, truth);
+                }
+            }
+            if let (Some(along), Some(standard)) = (along, before.standard) {
+                self.from_standards.push(&along, &standard);
             }
         }
     }
 
-    fn filtered_truth(&mut self, truth: &[f64; TRUTH_NUMBERS]) -> [[f64; 6]; 2] {
-        let ground: [f64; 6] = core::array::from_fn(|k| truth[k]);
-        let attitude = DQuat::from_xyzw(truth[10], truth[11], truth[12], truth[9]);
-        let sensor = in_sensor_axes(&ground, attitude, self.gravity_ground_m_s2);
-        let mut both = [ground, sensor];
-        if let Some(states) = &mut self.filter {
-            for (value, state) in both.as_flattened_mut().iter_mut().zip(states) {
+    fn filtered(&mut self, beside: &Beside) -> Behind {
+        let mut truth = beside.truth.map(|truth| {
+            let ground: [f64; 6] = core::array::from_fn(|k| truth[k]);
+            let attitude = DQuat::from_xyzw(truth[10], truth[11], truth[12], truth[9]);
+            [
+                ground,
+                in_sensor_axes(&ground, attitude, self.gravity_ground_m_s2),
+            ]
+        });
+        let mut standard = beside.standard;
+        if let Some((of_truth, of_standard)) = self
+            .filter
+            .as_mut()
+            .and_then(|states| states.split_at_mut_checked(BEHIND - 2))
+        {
+            let truths = truth.iter_mut().flatten().flatten().zip(of_truth);
+            let readings = standard.iter_mut().flatten().zip(of_standard);
+            for (value, state) in truths.chain(readings) {
                 *value = state.step(*value);
             }
         }
-        both
+        Behind { truth, standard }
     }
 
     /// The run is over: its errors stay as they are.
@@ -267,10 +338,16 @@ impl Chain {
         }
     }
 
+    /// Departures from the reference instruments in this run, along the direction and about it; of the last run while the sensor rests.
+    #[must_use]
+    pub fn errors_of_standards(&self) -> Option<[AxisError; 2]> {
+        self.from_standards.errors().or(self.last_from_standards)
+    }
+
     /// Time by which the stages delay, s: of the low-pass, and of the samples that they hold back.
     #[must_use]
     pub fn delay_s(&self) -> f64 {
-        self.delay_s + self.truths.len() as f64 / self.sample_rate_hz
+        self.delay_s + self.beside.len() as f64 / self.sample_rate_hz
     }
 
     /// Root mean squares of the parity rows, m/s^2.

@@ -18,8 +18,16 @@ pub const MOTION: Range<usize> = 20..29;
 pub const PARITY: Range<usize> = 29..32;
 /// True linear and angular acceleration, ground axes, of a simulated laboratory, behind the same low-pass.
 pub const TRUTH: Range<usize> = 32..38;
+/// The accelerations of [`MOTION`] as a tared sensor feels them in its own axes, and the true ones.
+pub const FELT: Range<usize> = 38..44;
+/// See [`FELT`].
+pub const TRULY_FELT: Range<usize> = 44..50;
+/// Acceleration along the run's direction and rate about it, m/s^2 and rad/s, as decoupled.
+pub const ALONG: Range<usize> = 50..52;
+/// What the reference instruments show of them, behind the same low-pass.
+pub const STANDARD_BEHIND: Range<usize> = 52..54;
 /// All of them.
-pub const COLUMNS: usize = 38;
+pub const COLUMNS: usize = 54;
 
 /// Numbers of a true motion: accelerations, rate, attitude as w, x, y, z.
 pub const TRUTH_NUMBERS: usize = 13;
@@ -50,6 +58,15 @@ pub fn described() -> Vec<Column> {
     all.extend(axes(["f1+f2+f4+f5", "f1+f3+f7+f9", "f5+f6+f8+f9"], "m/s²"));
     all.extend(axes(["true ax", "true ay", "true az"], "m/s²"));
     all.extend(axes(["true αx", "true αy", "true αz"], "rad/s²"));
+    for prefix in ["felt", "truly felt"] {
+        let three = |name: &str| ["x", "y", "z"].map(|axis| format!("{prefix} {name}{axis}"));
+        all.extend(three("a").map(|name| column(name, "m/s²")));
+        all.extend(three("α").map(|name| column(name, "rad/s²")));
+    }
+    for whose in ["decoupled", "instrument"] {
+        all.push(column(format!("{whose}, along the direction"), "m/s²"));
+        all.push(column(format!("{whose}, about the direction"), "rad/s"));
+    }
     all
 }
 
@@ -79,8 +96,9 @@ mod tests {
     #[test]
     fn inv_every_column_has_a_name() {
         assert_eq!(described().len(), COLUMNS);
-        assert_eq!(TRUTH.end, COLUMNS);
+        assert_eq!(STANDARD_BEHIND.end, COLUMNS);
         assert_eq!(described()[MOTION.start].name, "ax");
         assert_eq!(described()[TRUTH.start].name, "true ax");
+        assert_eq!(described()[TRULY_FELT.start].name, "truly felt ax");
     }
 }

@@ -1,32 +1,42 @@
-//! How far the decoupled accelerations are from the truth of a simulated laboratory, in one run.
+//! How far decoupled motion is from what it is held against in one run: the truth of a simulated laboratory, or the reference
+//! instruments.
 
 use serde::Serialize;
 
-/// An axis that moves less than this share of the largest of its three has no error relative to its peak.
+/// An axis that moves less than this share of the largest of its kind has no error relative to its peak.
 const MOVES: f64 = 0.1;
-/// Accelerations, m/s^2 and rad/s^2, below which nothing moves.
+/// Accelerations, m/s^2 and rad/s^2, or a rate, rad/s, below which nothing moves.
 const STANDS_STILL: f64 = 1e-2;
 
-/// How far an axis has been from the truth.
+/// How far an axis has been off.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct AxisError {
-    /// Largest departure, m/s^2 or rad/s^2.
+    /// Largest departure, m/s^2, rad/s^2 or rad/s.
     pub departure: f64,
     /// The same over the axis' peak; none for an axis that the run does not move.
     pub share: Option<f64>,
 }
 
-/// Peaks of the truth and largest departures from it, of three linear and three angular accelerations.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Departures {
-    peaks: [f64; 6],
-    largest: [f64; 6],
+/// Peaks of what is right and largest departures from it, of `N` axes: half of them linear, half angular.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Departures<const N: usize> {
+    peaks: [f64; N],
+    largest: [f64; N],
 }
 
-impl Departures {
-    /// Takes a sample and its truth.
-    pub fn push(&mut self, value: &[f64; 6], truth: &[f64; 6]) {
-        for axis in 0..6 {
+impl<const N: usize> Default for Departures<N> {
+    fn default() -> Self {
+        Self {
+            peaks: [0.0; N],
+            largest: [0.0; N],
+        }
+    }
+}
+
+impl<const N: usize> Departures<N> {
+    /// Takes a sample and what is right.
+    pub fn push(&mut self, value: &[f64; N], truth: &[f64; N]) {
+        for axis in 0..N {
             self.peaks[axis] = self.peaks[axis].max(truth[axis].abs());
             self.largest[axis] = self.largest[axis].max((value[axis] - truth[axis]).abs());
         }
@@ -34,16 +44,13 @@ impl Departures {
 
     /// The errors so far; none while nothing has moved.
     #[must_use]
-    pub fn errors(&self) -> Option<[AxisError; 6]> {
-        let largest = |first: usize| {
-            let three = &self.peaks[first..first + 3];
-            three.iter().copied().fold(0.0, f64::max)
-        };
-        let peaks = [largest(0), largest(3)];
+    pub fn errors(&self) -> Option<[AxisError; N]> {
+        let (linear, angular) = self.peaks.split_at(N / 2);
+        let peaks = [linear, angular].map(|kind| kind.iter().copied().fold(0.0, f64::max));
         peaks.iter().any(|peak| *peak >= STANDS_STILL).then(|| {
             core::array::from_fn(|axis| {
                 let (departure, peak) = (self.largest[axis], self.peaks[axis]);
-                let moves = peak >= STANDS_STILL.max(MOVES * peaks[axis / 3]);
+                let moves = peak >= STANDS_STILL.max(MOVES * peaks[2 * axis / N]);
                 AxisError {
                     departure,
                     share: moves.then(|| departure / peak),
@@ -59,7 +66,7 @@ mod tests {
 
     #[test]
     fn law_an_axis_at_rest_has_no_relative_error() {
-        let mut departures = Departures::default();
+        let mut departures = Departures::<6>::default();
         assert_eq!(departures.errors(), None);
         departures.push(&[0.1, 0.0, 0.0, 0.0, 0.0, 0.0], &[0.0; 6]);
         assert_eq!(departures.errors(), None);

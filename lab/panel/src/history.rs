@@ -5,9 +5,9 @@ use crate::pyramid::{Grid, Pyramid, bytes};
 
 /// Time that is kept for drawing, and with every sample, s.
 pub const KEPT_S: f64 = 600.0;
-const WHOLE_S: f64 = 30.0;
+const WHOLE_S: f64 = 20.0;
 /// Memory at most, bytes: beyond 10 kHz less time is kept.
-const MOST_BYTES: usize = 230 << 20;
+const MOST_BYTES: usize = 250 << 20;
 
 /// Columns side by side.
 pub struct History {

@@ -46,6 +46,7 @@ use std::thread::Builder;
 use anyhow::{Context, Result, ensure};
 use sixaxis_calibration::calibration::Calibration;
 use sixaxis_recordings::session::Session;
+use sixaxis_reference::laboratory::plan::Engine;
 
 use board::{Board, Post};
 use day::{Day, Plan};
@@ -61,7 +62,7 @@ const LAB_COMMANDS: usize = 64;
 #[derive(Debug, Clone)]
 pub enum SourceChoice {
     /// The simulated laboratory.
-    Laboratory(source::laboratory::Settings),
+    Laboratory(source::settings::Settings),
     /// A TCP port on the loopback address.
     Port(SocketAddr),
     /// Standard input.
@@ -161,10 +162,11 @@ pub fn start(options: Options) -> Result<Panel> {
     let session = match (options.session, &laboratory) {
         (_, Some(settings)) => settings.session(),
         (Some(session), None) => session,
-        (None, None) => source::laboratory::Settings {
+        (None, None) => source::settings::Settings {
             seed: 1,
             sample_rate_hz: 1000.0,
             trials_per_step: 1,
+            engine: Engine::Rigid,
         }
         .session(),
     };
@@ -217,7 +219,7 @@ pub fn start(options: Options) -> Result<Panel> {
     let mut input = None;
     match options.source {
         SourceChoice::Laboratory(settings) => {
-            let live = LiveLaboratory::new(&settings).context("the limbs do not hold the mass")?;
+            let live = LiveLaboratory::new(&settings);
             spawn("source", move || live.run(&lab_commands, &to_source))?;
         }
         SourceChoice::Port(address) => {

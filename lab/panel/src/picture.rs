@@ -32,23 +32,59 @@ pub struct Pace {
     pub per_second: f32,
 }
 
-/// Draws a view. The history is locked while bins are read, not while anything is sent.
+/// What a view shows.
+#[derive(Debug, Clone)]
+pub struct Seen {
+    /// Where the bins are.
+    pub grid: Grid,
+    /// Samples per second, and samples so far.
+    sample_rate_hz: f64,
+    count: u64,
+    /// Column after column, smallest and largest sample of each bin.
+    pub values: Vec<f32>,
+}
+
+impl Seen {
+    /// Reads a view; the history is locked meanwhile.
+    #[must_use]
+    pub fn of(board: &Board, view: &View) -> Self {
+        let history = board.history.lock().unwrap_or_else(PoisonError::into_inner);
+        let (rate, count) = (history.sample_rate_hz, history.count());
+        let last = match view.end_s {
+            Some(end_s) => (end_s * rate).max(0.0) as u64,
+            None => count,
+        };
+        let span = (view.span_s * rate).max(1.0) as u64;
+        let grid = Grid::covering(last.saturating_sub(span), last, usize::from(view.points));
+        let mut values = Vec::with_capacity(2 * grid.bins * view.columns.len());
+        for column in &view.columns {
+            history.draw(*column, &grid, &mut values);
+        }
+        Self {
+            grid,
+            sample_rate_hz: rate,
+            count,
+            values,
+        }
+    }
+
+    /// Time of the first sample of each bin, s.
+    pub fn times_s(&self) -> impl Iterator<Item = f64> {
+        let Grid { first, step, bins } = self.grid;
+        (0..bins as u64).map(move |bin| (first + bin * step) as f64 / self.sample_rate_hz)
+    }
+}
+
+/// Draws a view. Nothing is locked while it is sent.
 #[must_use]
 pub fn draw(board: &Board, view: &View, pace: &Pace) -> (Vec<u8>, Live) {
     let live = *board.live.lock().unwrap_or_else(PoisonError::into_inner);
-    let history = board.history.lock().unwrap_or_else(PoisonError::into_inner);
-    let (rate, count) = (history.sample_rate_hz, history.count());
-    let last = match view.end_s {
-        Some(end_s) => (end_s * rate).max(0.0) as u64,
-        None => count,
-    };
-    let span = (view.span_s * rate).max(1.0) as u64;
-    let grid = Grid::covering(last.saturating_sub(span), last, usize::from(view.points));
-    let mut values = Vec::with_capacity(2 * grid.bins * view.columns.len());
-    for column in &view.columns {
-        history.draw(*column, &grid, &mut values);
-    }
-    drop(history);
+    let Seen {
+        grid,
+        sample_rate_hz: rate,
+        count,
+        values,
+    } = Seen::of(board, view);
     let mut bytes = Vec::with_capacity(HEAD + 4 * (view.columns.len() + values.len()));
     let words = |bytes: &mut Vec<u8>, words: &[u32]| {
         words.iter().for_each(|w| bytes.extend(w.to_le_bytes()))
@@ -103,7 +139,7 @@ mod tests {
     fn law_a_picture_is_as_long_as_it_says() {
         let board = Board::default();
         let view = View {
-            columns: vec![0, 37],
+            columns: vec![0, COLUMNS - 1],
             span_s: 1.0,
             end_s: None,
             points: 100,

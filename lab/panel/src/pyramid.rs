@@ -1,4 +1,4 @@
-//! The last minutes of one column in bounded memory, for drawing at any zoom: samples of the last half minute, and smallest and
+//! The last minutes of one column in bounded memory, for drawing at any zoom: samples of the last seconds, and smallest and
 //! largest sample of bins of 16, 64, 256 ... samples for longer.
 
 /// Samples in a bin of the lowest level, and bins of a level in one of the next.

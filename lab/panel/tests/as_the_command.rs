@@ -8,15 +8,18 @@ use sixaxis_calibration::apply::job::Job;
 use sixaxis_calibration::apply::setup::{Overrides, Setup};
 use sixaxis_calibration::calibration::Calibration;
 use sixaxis_core::{LIMBS, LimbSet, Scheme};
-use sixaxis_panel::chain::{Chain, Choice};
-use sixaxis_panel::columns::{COLUMNS, MOTION};
+use sixaxis_panel::chain::{Beside, Chain, Choice};
+use sixaxis_panel::columns::{ALONG, COLUMNS, FELT, MOTION};
 use sixaxis_panel::control::Stages;
-use sixaxis_panel::source::laboratory::Settings;
+use sixaxis_panel::source::settings::Settings;
 use sixaxis_recordings::{Block, Channel, Layout, create, open};
+use sixaxis_reference::laboratory::plan::Engine;
 
 const RATE_HZ: f64 = 1000.0;
 const SAMPLES: u32 = 1500;
 const GAIN_N_PER_V: f64 = 5.0;
+/// Direction of the instruments.
+const ALONG_N: glam::DVec3 = glam::DVec3::new(0.6, 0.0, 0.8);
 /// Samples that the delays hold back, which the panel never sees and the command takes at the end.
 const HELD: usize = 8;
 /// Rounding to the 32 bits of the charts, and that of whole records against streams.
@@ -134,6 +137,7 @@ fn by_the_panel(calibration: &Calibration, rows: &[[f64; LIMBS]]) -> Vec<Vec<f64
         seed: 1,
         sample_rate_hz: RATE_HZ,
         trials_per_step: 3,
+        engine: Engine::Rigid,
     }
     .session();
     let mut chain = Chain::idle();
@@ -146,14 +150,18 @@ fn by_the_panel(calibration: &Calibration, rows: &[[f64; LIMBS]]) -> Vec<Vec<f64
             calibration: Some(calibration),
             gain_n_per_v: [GAIN_N_PER_V; LIMBS],
             gravity_ground_m_s2: glam::DVec3::ZERO,
+            direction: Some(ALONG_N),
             watch: false,
         })
         .expect("begins");
     let mut shown = Vec::new();
     for voltage_v in rows {
         let mut row = [f32::NAN; COLUMNS];
-        chain.push(voltage_v, None, &mut row);
+        chain.push(voltage_v, Beside::default(), &mut row);
         if row[MOTION.start].is_finite() {
+            let felt = glam::DVec3::from_array([0, 1, 2].map(|k| f64::from(row[FELT.start + k])));
+            let along = f64::from(row[ALONG.start]);
+            assert!((felt.dot(ALONG_N) - along).abs() <= 1e-5 * felt.length().max(1e-3));
             shown.push(row[MOTION][..9].iter().map(|x| f64::from(*x)).collect());
         }
     }

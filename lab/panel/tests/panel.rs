@@ -13,10 +13,11 @@ use sixaxis_calibration::apply::setup::{Overrides, Setup};
 use sixaxis_calibration::calibration::Calibration;
 use sixaxis_core::{LimbSet, Scheme};
 use sixaxis_panel::control::Stages;
-use sixaxis_panel::source::laboratory::Settings;
+use sixaxis_panel::source::settings::Settings;
 use sixaxis_panel::{Options, Panel, SourceChoice, start};
 use sixaxis_recordings::session::SessionFile;
 use sixaxis_recordings::{Block, Channel, Layout, create, open};
+use sixaxis_reference::laboratory::plan::Engine;
 
 fn panel(source: SourceChoice, out: &std::path::Path) -> Panel {
     start(Options {
@@ -36,6 +37,7 @@ fn laboratory(trials_per_step: usize) -> SourceChoice {
         seed: 7,
         sample_rate_hz: 1000.0,
         trials_per_step,
+        engine: Engine::Rigid,
     })
 }
 
@@ -96,6 +98,7 @@ fn law_nobody_without_the_token_or_from_elsewhere_is_let_in() {
     let folder = tempfile::tempdir().expect("a folder");
     let panel = panel(laboratory(3), folder.path());
     let (address, token) = parts(&panel.link);
+    let seen = "columns=0,20&span_s=1&end_s=null&points=50";
     let socket = "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n";
     let cases = [
         (
@@ -115,6 +118,30 @@ fn law_nobody_without_the_token_or_from_elsewhere_is_let_in() {
             "404",
         ),
         (format!("POST / HTTP/1.1\r\nHost: {address}\r\n\r\n"), "400"),
+        (
+            format!("GET /seen.parquet?token={token}&{seen} HTTP/1.1\r\nHost: {address}\r\n\r\n"),
+            "200 OK",
+        ),
+        (
+            format!(
+                "GET /seen.parquet?token={token}&{seen}0000 HTTP/1.1\r\nHost: {address}\r\n\r\n"
+            ),
+            "400",
+        ),
+        (
+            format!("GET /seen.parquet?token={token} HTTP/1.1\r\nHost: {address}\r\n\r\n"),
+            "400",
+        ),
+        (
+            format!("GET /seen.parquet?{seen} HTTP/1.1\r\nHost: {address}\r\n\r\n"),
+            "403",
+        ),
+        (
+            format!(
+                "GET /seen.parquet?token={token}&{seen} HTTP/1.1\r\nHost: {address}\r\nOrigin: http://evil.example\r\n\r\n"
+            ),
+            "403",
+        ),
         (
             format!("GET /socket HTTP/1.1\r\nHost: {address}\r\n{socket}\r\n"),
             "403",
@@ -146,6 +173,8 @@ fn law_nobody_without_the_token_or_from_elsewhere_is_let_in() {
         let answer = ask(address, &request);
         let first = answer.lines().next().unwrap_or_default();
         assert!(first.contains(expected), "{request:.80}: {first:?}");
+        let file = request.contains("seen.parquet") && expected == "200 OK";
+        assert_eq!(answer.contains("PAR1"), file, "{request:.80}");
         assert!(!answer.contains(&token), "{request:.80}");
     }
 }

@@ -99,19 +99,31 @@ impl Recorder<'_> {
         } else {
             gravity_by_mounting_m_s2
         };
-        let rate = self.plan.sample_rate_hz;
-        match self.plan.engine {
+        self.plan.simulate(run, sensor, gravity_ground_m_s2)
+    }
+}
+
+impl SessionPlan {
+    /// A run of a sensor in the plan's engine, with the plan's limbs.
+    ///
+    /// # Errors
+    /// [`SessionError`]: limbs that do not hold the mass, MuJoCo's own errors, a build without MuJoCo.
+    pub fn simulate(
+        &self,
+        run: &Run,
+        sensor: &TrueSensor,
+        gravity_ground_m_s2: DVec3,
+    ) -> Result<SimulatedRun, SessionError> {
+        let rate = self.sample_rate_hz;
+        match self.engine {
             Engine::Rigid => {
-                let rigid = RigidSensor::new(sensor, &self.plan.stiffness_ratio());
+                let rigid = RigidSensor::new(sensor, &self.stiffness_ratio());
                 let rigid = rigid.ok_or_else(|| {
                     SessionError::plan("chain.stiffness_spread", "the limbs do not hold the mass")
                 })?;
                 Ok(rigid.simulate(run, gravity_ground_m_s2, rate))
             }
-            Engine::Mujoco => {
-                let limbs = self.plan.true_limbs();
-                in_mujoco(run, sensor, limbs, gravity_ground_m_s2, rate)
-            }
+            Engine::Mujoco => in_mujoco(run, sensor, self.true_limbs(), gravity_ground_m_s2, rate),
         }
     }
 }

@@ -64,7 +64,7 @@ impl JointReport {
             return ParameterReport {
                 estimate: other.design,
                 half_width_95: None,
-                dominated_by: "what the trials say of it".to_owned(),
+                dominated_by: "trials too slow to load it".to_owned(),
                 determined: false,
                 remark: format!(
                     "not determined: all trials together tell m/k as {compliance:.1e} ± {:.1e} s²; the design's value is used, which the decoupled accelerations do not notice at the rig's frequencies. {TAP_IT}",

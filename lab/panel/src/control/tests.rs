@@ -27,7 +27,7 @@ fn law_anything_else_is_refused() {
         r#"{"do":"run","run":{"motion":"linear","wedge":0,"frequency_hz":1,"amplitude":1,"seconds":3,"x":1}}"#,
         r#"{"do":"defect","defect":{"kind":"dead","limb":10}}"#,
         r#"{"do":"defect","defect":{"kind":"slip","limb":1}}"#,
-        r#"{"do":"view","columns":[38],"span_s":1,"end_s":null,"points":10}"#,
+        r#"{"do":"view","columns":[54],"span_s":1,"end_s":null,"points":10}"#,
         r#"{"do":"view","columns":[0],"span_s":0,"end_s":null,"points":10}"#,
         r#"{"do":"view","columns":[0],"span_s":1,"end_s":null,"points":1}"#,
         r#"{"do":"speed","speed":1e999}"#,

@@ -6,10 +6,12 @@
 //! | file | holds |
 //! |---|---|
 //! | [`check`] | whether a trial is the one that was asked for: frequency, amplitude, direction, rest, range |
+//! | [`worth`] | what a trial that is still to come would tell |
 //! | [`outcome`] | what the browser is shown of it |
 
 pub mod check;
 pub mod outcome;
+pub mod worth;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -17,6 +19,7 @@ use std::sync::mpsc::Receiver;
 
 use sixaxis_calibration::calibrate::{Options, calibrate};
 use sixaxis_calibration::progress::NoProgress;
+use sixaxis_calibration::report::ParameterReport;
 use sixaxis_core::LIMBS;
 use sixaxis_recordings::draft::write_atomically;
 use sixaxis_recordings::session::{Entry, Role, Session, SessionFile};
@@ -26,6 +29,7 @@ use crate::columns::Batch;
 use crate::source::{Begin, Event, Sender};
 pub use check::Check;
 pub use outcome::Outcome;
+use worth::Information;
 
 /// Folder of the calibration day below the output folder.
 pub const FOLDER: &str = "day";
@@ -189,10 +193,27 @@ impl Day {
                         Some(Err(error)) => Some(error.to_string()),
                         _ => None,
                     };
-                    recorded.with(&calibrated, &self.widths, &path, problem)
+                    let mut outcome = recorded.with(&calibrated, &self.widths, &path, problem);
+                    self.price(&mut outcome, &calibrated.parameters);
+                    outcome
                 }
             },
         })
+    }
+
+    /// Says of the trials that are to come what they are worth.
+    fn price(&self, outcome: &mut Outcome, parameters: &[ParameterReport]) {
+        let Some(none) = Information::none(&self.plan.session) else {
+            return;
+        };
+        let recorded = self.done.values().map(|(entry, _)| entry);
+        let told = recorded.fold(none, Information::with);
+        for (index, trial) in outcome.trials.iter_mut().enumerate() {
+            let (entry, _) = &self.plan.entries[index];
+            if !self.done.contains_key(&index) {
+                trial.worth = told.worth(entry, parameters);
+            }
+        }
     }
 
     /// The session of what there is, written beside its recordings.

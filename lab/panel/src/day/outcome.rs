@@ -10,6 +10,7 @@ use sixaxis_recordings::session::{Entry, Role};
 
 use super::Plan;
 use super::check::Check;
+use super::worth::Worth;
 
 /// One recording of the list.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -28,6 +29,8 @@ pub struct Trial {
     pub check: Option<Check>,
     /// Error of its prediction by a fit without it, over its signal; for a validation run the largest error over the peak.
     pub error: Option<f64>,
+    /// What it would add to what has been recorded.
+    pub worth: Option<Worth>,
 }
 
 /// One of the 25 parameters.
@@ -110,6 +113,7 @@ impl Outcome {
             seconds: *seconds,
             check: done.get(&index).map(|(_, check)| check.clone()),
             error: None,
+            worth: None,
         };
         Self {
             trials: plan.entries.iter().enumerate().map(trial).collect(),

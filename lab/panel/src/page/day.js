@@ -12,6 +12,7 @@ function wedge(direction) {
   return `(${direction.map((x) => String(Math.round(1e2 * x / least) / 1e2)).join(", ")})`;
 }
 const text = (tag, content, kind = "") => { const e = document.createElement(tag); e.textContent = content; e.className = kind; return e; };
+const percent = (x) => `${number(100 * x, 2)} %`;
 const hertz = (f) => (f === null ? "–" : `${f.toFixed(2)} Hz`);
 
 function record(state, command, trial) { asked = trial; command("capture", { trial, done: false }); }
@@ -57,7 +58,8 @@ function next(state, status) {
     const seconds = trial.seconds === null ? "" : `, ${trial.seconds.toFixed(1)} s`;
     $("next-text").textContent = trial.role === "static"
       ? `${trial.name}: leave the sensor at rest${seconds}.`
-      : `${trial.name}: mount wedge ${wedge(trial.direction)}, run the rig at ${hertz(trial.frequency_hz)}, ${MOTIONS[trial.role]}${seconds}.`;
+      : `${trial.name}: mount wedge ${wedge(trial.direction)}, run the rig at ${hertz(trial.frequency_hz)}, ${MOTIONS[trial.role]}${seconds}.${
+        trial.worth ? ` It would narrow the interval of ${trial.worth.parameter} by ${percent(trial.worth.most)}, those of scale factors and inertias by ${percent(trial.worth.mean)} on average.` : ""}`;
   }
 }
 
@@ -65,7 +67,7 @@ export function take(day, state, command) {
   const before = outcome;
   // A state that has been recorded and not yet calibrated keeps the parameters of the one before.
   outcome = day.calibrated || !before?.calibrated ? day
-    : { ...before, trials: day.trials.map((t, k) => ({ ...t, error: before.trials[k]?.error ?? null })), next: day.next, problem: day.problem };
+    : { ...before, trials: day.trials.map((t, k) => ({ ...t, error: before.trials[k]?.error ?? null, worth: t.check ? null : before.trials[k]?.worth ?? null })), next: day.next, problem: day.problem };
   const newest = outcome.trials.findIndex((t, k) => t.check && JSON.stringify(t.check) !== JSON.stringify(before?.trials[k]?.check));
   if (newest >= 0) lastDone = newest;
   next(state); trials(state, command); check(); verdict(); parameters(); buttons(state);
@@ -99,7 +101,8 @@ function trials(state, command) {
       action.append(" ", drop);
     }
     row.append(text("th", trial.name), text("td", MOTIONS[trial.role]), text("td", wedge(trial.direction)), text("td", hertz(trial.frequency_hz), "number"), mark,
-      text("td", trial.error === null ? "–" : `${(100 * trial.error).toFixed(2)} %`, "number"), action);
+      text("td", trial.error === null ? "–" : `${(100 * trial.error).toFixed(2)} %`, "number"),
+      text("td", trial.worth ? `${percent(trial.worth.most)} of ${trial.worth.parameter}` : "–"), action);
     return row;
   }));
 }

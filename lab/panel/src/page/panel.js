@@ -84,18 +84,23 @@ const PANELS = {
   ],
   decoupling: () => [
     ...AXES.map((name, k) => ({ title: name, unit: k < 3 ? "m/s²" : "rad/s²", curves: [
-      { column: 20 + k, colour: colourOf(k % 3), name: "decoupled" },
-      ...(state.status?.start.truth ? [{ column: 32 + k, colour: "--ink", dashed: true, name: "truth" }] : []),
+      { column: accelerations()[0] + k, colour: colourOf(k % 3), name: "decoupled" },
+      ...(state.status?.start.truth ? [{ column: accelerations()[1] + k, colour: "--ink", dashed: true, name: "truth" }] : []),
     ] })),
+    ...(state.status?.start.standards ? [["along the run", "m/s²"], ["rate about it", "rad/s"]].map(([title, unit], k) => ({ title, unit, curves: [
+      { column: 50 + k, colour: "--s3", name: "decoupled" }, { column: 52 + k, colour: "--ink", dashed: true, name: "instrument" },
+    ] })) : []),
     { title: "rate, shell", unit: "rad/s", curves: ["ωx", "ωy", "ωz"].map((name, k) => ({ column: 26 + k, colour: colourOf(k), name })) },
     { title: "parity", unit: "m/s²", curves: ["1+2+4+5", "1+3+7+9", "5+6+8+9"].map((name, k) => ({ column: 29 + k, colour: colourOf(k), name })) },
   ],
 };
+// First columns of the accelerations and of the truth, in the axes that are looked at.
+const accelerations = () => (state.axes === "sensor" ? [38, 44] : [20, 32]);
 const LEGENDS = {
   acquisition: [],
   preprocessing: [["before the stages", "--axis"], ["behind them, in the limb's colour", "--s0"]],
   identification: nine.map((k) => [`u${k + 1}`, colourOf(k), dashedOf(k)]),
-  decoupling: [["x, or first relation", "--s0"], ["y, or second", "--s1"], ["z, or third", "--s2"], ["truth, behind the same low-pass", "--ink", true]],
+  decoupling: [["x, or first relation", "--s0"], ["y, or second", "--s1"], ["z, or third", "--s2"], ["along the run", "--s3"], ["truth or instrument, behind the same low-pass", "--ink", true]],
 };
 
 const strip = new Strip($("strip"), $("cursor"));
@@ -108,6 +113,7 @@ function panels() {
     return item;
   });
   $("legend").replaceChildren(...legend);
+  $("axes-label").hidden = state.tab !== "decoupling";
   $("scale-label").hidden = !["acquisition", "preprocessing"].includes(state.tab);
   view = ""; ask();
 }
@@ -263,8 +269,15 @@ function decoupling(p) {
   const error = (six, k) => (!six ? "–" : six[k].share === null ? `${number(six[k].departure, 2)} ${k < 3 ? "m/s²" : "rad/s²"}` : `${number(100 * six[k].share, 2)} %`);
   const errors = state.status?.errors;
   fill($("now"), AXES.map((name, k) => [
-    `${name}, ${k < 3 ? "m/s²" : "rad/s²"}`, fixed(last(20 + k), k < 3 ? 3 : 2), p.truth ? fixed(last(32 + k), k < 3 ? 3 : 2) : "–",
+    `${name}, ${k < 3 ? "m/s²" : "rad/s²"}`, fixed(last(accelerations()[0] + k), k < 3 ? 3 : 2), p.truth ? fixed(last(accelerations()[1] + k), k < 3 ? 3 : 2) : "–",
     error(errors?.[0], k), error(errors?.[1], k),
+  ]));
+  const standards = state.status?.errors_of_standards;
+  $("beside-standards").hidden = !state.status?.start.standards;
+  const beside = (x) => (Number.isNaN(x) ? "–" : fixed(x, 3));
+  fill($("standards"), [["acceleration, m/s²", "m/s²"], ["rate, rad/s", "rad/s"]].map(([name, unit], k) => [
+    name, beside(last(50 + k)), beside(last(52 + k)),
+    !standards ? "–" : standards[k].share === null ? `${number(standards[k].departure, 2)} ${unit}` : `${number(100 * standards[k].share, 2)} %`,
   ]));
   if (!state.hello) return;
   const times = Number($("exaggerate").value);
@@ -326,6 +339,16 @@ $("scale").onchange = () => { strip.scale = $("scale").value; strip.ranges = [];
 $("save-png").onclick = async () => save(`${state.tab}.png`, await strip.png());
 $("save-svg").onclick = () => strip.picture && save(`${state.tab}.svg`, new Blob([strip.svg()], { type: "image/svg+xml" }));
 $("save-csv").onclick = () => strip.picture && save(`${state.tab}.csv`, new Blob([strip.csv()], { type: "text/csv" }));
+$("save-parquet").onclick = async () => {
+  const asked = view && JSON.parse(view);
+  if (!asked) return;
+  const end = state.end ?? state.picture?.now ?? 0;
+  const query = new URLSearchParams({ token: state.token, columns: asked.columns.join(), span_s: asked.span_s, end_s: end, points: asked.points });
+  // Numbers stand in it, and commas between them.
+  const answer = await fetch(`/seen.parquet?${decodeURIComponent(query)}`);
+  if (answer.ok) save(`${state.tab}.parquet`, await answer.blob()); else refused(await answer.text());
+};
+$("axes").onchange = () => { state.axes = $("axes").value; panels(); };
 $("take").onclick = () => command("take");
 $("go").onclick = () => command("run", { run: {
   motion: $("motion").value, wedge: Number($("wedge").value), frequency_hz: Number($("frequency").value),

@@ -5,6 +5,7 @@
 //! | [`guard`] | Host, Origin and token: whose requests are answered |
 //! | [`request`] | the head of a request, bounded in size and time |
 //! | [`assets`] | the page's files |
+//! | [`seen`] | what a browser sees as a file |
 //! | [`controls`] | which browser holds the controls |
 //! | [`client`] | one browser: pictures out, messages in |
 
@@ -13,6 +14,7 @@ pub mod client;
 pub mod controls;
 pub mod guard;
 pub mod request;
+pub mod seen;
 
 use std::io::{Read, Write};
 use std::net::{Shutdown, TcpListener, TcpStream};
@@ -121,6 +123,31 @@ impl Server {
             self.socket(connection, &request);
             return;
         }
+        if request.path == "/seen.parquet" {
+            let _ = match self.admitted(&request) {
+                Err(refused) => respond(
+                    &mut connection,
+                    "403 Forbidden",
+                    "text/plain",
+                    refused.to_string().as_bytes(),
+                ),
+                Ok(()) => match seen::parquet(&self.board, &request) {
+                    Ok(file) => respond(
+                        &mut connection,
+                        "200 OK",
+                        "application/vnd.apache.parquet",
+                        &file,
+                    ),
+                    Err(error) => respond(
+                        &mut connection,
+                        "400 Bad Request",
+                        "text/plain",
+                        error.to_string().as_bytes(),
+                    ),
+                },
+            };
+            return;
+        }
         let _ = match assets::find(&request.path) {
             Some((kind, body)) => respond(&mut connection, "200 OK", kind, body.as_bytes()),
             None => respond(
@@ -132,13 +159,15 @@ impl Server {
         };
     }
 
+    /// Whether a request comes from the page and knows the token.
+    fn admitted(&self, request: &Request) -> Result<(), Refused> {
+        self.guard.origin(request)?;
+        self.guard.token(request)
+    }
+
     fn socket(&self, mut connection: TcpStream, request: &Request) {
-        let admitted = self
-            .guard
-            .origin(request)
-            .and_then(|()| self.guard.token(request));
         let key = request.header("sec-websocket-key").ok_or(Refused::NoSocket);
-        match admitted.and(key) {
+        match self.admitted(request).and(key) {
             Err(refused) => {
                 let _ = respond(
                     &mut connection,

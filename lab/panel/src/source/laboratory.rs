@@ -1,28 +1,29 @@
-//! The simulated laboratory in real time: at rest until a run is asked for, then that run sample by sample, as the rigid engine,
-//! the measuring chain and the instruments of `reference` make it; with defects at the press of a button.
+//! The simulated laboratory in real time: at rest until a run is asked for, then that run sample by sample, as MuJoCo or the rigid
+//! engine, the measuring chain and the instruments of `reference` make it; with defects at the press of a button.
+//!
+//! A run is computed on a thread of its own while the rig still stands: MuJoCo takes about as long for it as the run itself.
 
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant};
 
 use glam::{DQuat, DVec3};
 use rand_pcg::Pcg64;
 use sixaxis_core::LIMBS;
-use sixaxis_recordings::session::{Entry, Role, Session};
+use sixaxis_recordings::session::Role;
 use sixaxis_reference::laboratory::Laboratory;
 use sixaxis_reference::laboratory::chain::Converter;
-use sixaxis_reference::laboratory::plan::{Engine, SensorChoice, SessionPlan};
+use sixaxis_reference::laboratory::error::SessionError;
+use sixaxis_reference::laboratory::plan::{Engine, SessionPlan};
 use sixaxis_reference::laboratory::recording::SimulatedRecording;
 use sixaxis_reference::laboratory::schedule::{PlannedTrial, trials};
-use sixaxis_reference::laboratory::session_file;
 use sixaxis_reference::rig::run::{Mode, Run, WEDGES};
-use sixaxis_reference::rigid::RigidSensor;
 
+use super::settings::{STATIC_S, Settings};
 use super::{Begin, Event, LONGEST_BATCH, Sender, Start};
 use crate::columns::{Batch, TRUTH_NUMBERS};
 use crate::control::{Defect, FreeRun, LabCommand, Motion};
 
-/// Length of the static record, s.
-pub const STATIC_S: f64 = 30.0;
 /// Time between two batches.
 const TICK: Duration = Duration::from_millis(5);
 /// Random streams: of the rest between runs, and the number of the first run of this room.
@@ -32,85 +33,26 @@ const DRIFT_V_PER_S: f64 = 5e-3;
 /// A wedge that slips does so by this, degrees.
 const SLIP_DEG: f64 = 3.0;
 
-/// What is simulated.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Settings {
-    /// Seed of sensor, instruments and noise.
-    pub seed: u64,
-    /// Samples per second.
-    pub sample_rate_hz: f64,
-    /// Trials of each of steps 2 to 4.
-    pub trials_per_step: usize,
-}
-
-impl Settings {
-    /// The plan: a sensor scattered about the design, rigid limbs, everything else as the paper has it.
-    #[must_use]
-    pub fn plan(&self) -> SessionPlan {
-        SessionPlan {
-            seed: self.seed,
-            sensor: SensorChoice::Random,
-            engine: Engine::Rigid,
-            trials_per_step: self.trials_per_step,
-            sample_rate_hz: self.sample_rate_hz,
-            ..SessionPlan::default()
-        }
-    }
-
-    /// What the laboratory writes down beforehand: sensor, instruments, rig, no recordings.
-    #[must_use]
-    pub fn session(&self) -> Session {
-        session_file::session(&self.plan(), None, &[])
-    }
-
-    /// The calibration day: each recording with its length, s.
-    #[must_use]
-    pub fn day(&self) -> Vec<(Entry, f64)> {
-        let plan = self.plan();
-        let at_rest = Entry {
-            file: "static".into(),
-            role: Role::Static,
-            direction: None,
-            down: None,
-            frequency_hz: None,
-            sample_rate_hz: None,
-            gain_n_per_v: None,
-            reference_file: None,
-            reference_start_s: None,
-            reference_sample_rate_hz: None,
-            channels: None,
-        };
-        let moving = |trial: &PlannedTrial| {
-            let entry = Entry {
-                file: trial.name.clone().into(),
-                role: trial.role,
-                direction: Some(trial.run.direction_ground.to_array()),
-                frequency_hz: Some(trial.run.frequency_hz),
-                ..at_rest.clone()
-            };
-            (entry, trial.run.duration_s())
-        };
-        let planned = trials(&plan.rig, plan.trials_per_step, None);
-        let mut all = vec![(at_rest.clone(), STATIC_S)];
-        all.extend(planned.iter().map(moving));
-        all
-    }
-}
-
 /// What is being played.
 struct Playing {
     recording: SimulatedRecording,
     next: usize,
 }
 
+/// A run that is being computed.
+struct Computing {
+    number: Option<usize>,
+    thread: JoinHandle<Result<SimulatedRecording, SessionError>>,
+}
+
 /// The laboratory on its thread.
 pub struct LiveLaboratory {
     plan: SessionPlan,
     laboratory: Laboratory,
-    rigid: RigidSensor,
     converter: Converter,
     rest: Pcg64,
     planned: Vec<PlannedTrial>,
+    computing: Option<Computing>,
     playing: Option<Playing>,
     runs: usize,
     defect: Option<Defect>,
@@ -120,16 +62,16 @@ pub struct LiveLaboratory {
 }
 
 impl LiveLaboratory {
-    /// At rest. None for a sensor whose limbs do not hold the mass, which no seed draws.
+    /// At rest.
     #[must_use]
-    pub fn new(settings: &Settings) -> Option<Self> {
+    pub fn new(settings: &Settings) -> Self {
         let plan = settings.plan();
         let laboratory = Laboratory::of_plan(&plan);
-        Some(Self {
-            rigid: RigidSensor::new(&laboratory.sensor, &plan.stiffness_ratio())?,
+        Self {
             converter: laboratory.chain.converter(),
             rest: Pcg64::new(u128::from(plan.seed), REST_STREAM),
             planned: trials(&plan.rig, plan.trials_per_step, None),
+            computing: None,
             playing: None,
             runs: 0,
             defect: None,
@@ -137,13 +79,20 @@ impl LiveLaboratory {
             speed: 1.0,
             plan,
             laboratory,
-        })
+        }
     }
 
     /// Works until the instrument is shut down. Samples are due by the clock; a command takes effect at once.
     pub fn run(mut self, commands: &Receiver<LabCommand>, sender: &Sender) {
         let start = Start {
-            title: format!("simulated laboratory, seed {}, rigid limbs", self.plan.seed),
+            title: format!(
+                "simulated laboratory, seed {}, {}",
+                self.plan.seed,
+                match self.plan.engine {
+                    Engine::Mujoco => "MuJoCo",
+                    Engine::Rigid => "rigid limbs",
+                }
+            ),
             sample_rate_hz: self.plan.sample_rate_hz,
             standards: true,
             truth: true,
@@ -162,6 +111,9 @@ impl LiveLaboratory {
                 }
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => return,
+            }
+            if !self.computed(sender) {
+                return;
             }
             let now = Instant::now();
             // Between runs there is nothing to be in a hurry for.
@@ -207,11 +159,13 @@ impl LiveLaboratory {
                 self.since = 0;
             }
             LabCommand::Stop => {
+                // What is being computed comes to its end and to nothing.
+                self.computing = None;
                 if self.playing.take().is_some() {
                     return sender.send(Event::End { complete: false }).is_ok();
                 }
             }
-            LabCommand::Trial(index) if self.playing.is_none() => {
+            LabCommand::Trial(index) if self.stands() => {
                 return match index.checked_sub(1) {
                     None => self.start_static(sender),
                     Some(moving) => match self.planned.get(moving).cloned() {
@@ -220,7 +174,7 @@ impl LiveLaboratory {
                     },
                 };
             }
-            LabCommand::Run(free) if self.playing.is_none() => {
+            LabCommand::Run(free) if self.stands() => {
                 let trial = self.free(&free);
                 return self.start(&trial, None, sender);
             }
@@ -230,6 +184,27 @@ impl LiveLaboratory {
             }
         }
         true
+    }
+
+    fn stands(&self) -> bool {
+        self.playing.is_none() && self.computing.is_none()
+    }
+
+    /// Begins the run that has been computed, if one has; false when the instrument is gone.
+    fn computed(&mut self, sender: &Sender) -> bool {
+        let done = |computing: &mut Computing| computing.thread.is_finished();
+        let Some(Computing { number, thread }) = self.computing.take_if(done) else {
+            return true;
+        };
+        match thread.join() {
+            Ok(Ok(recording)) => self.begin(recording, number, sender),
+            Ok(Err(error)) => sender
+                .send(Event::Note(format!("the run cannot be simulated: {error}")))
+                .is_ok(),
+            Err(_) => sender
+                .send(Event::Note("the run cannot be simulated".to_owned()))
+                .is_ok(),
+        }
     }
 
     /// A run that a person asks for.
@@ -269,16 +244,28 @@ impl LiveLaboratory {
             },
             ..trial.run
         };
-        let simulated = self.rigid.simulate(&run, gravity, self.plan.sample_rate_hz);
         self.runs += 1;
-        let recording = SimulatedRecording {
-            name: trial.name.clone(),
-            role: trial.role,
-            direction_ground: stated,
-            gravity_ground_m_s2: gravity,
-            ..self.laboratory.record(&simulated, self.runs)
+        let (plan, laboratory, runs) = (self.plan.clone(), self.laboratory, self.runs);
+        let (name, role) = (trial.name.clone(), trial.role);
+        let compute = move || {
+            let simulated = plan.simulate(&run, &laboratory.sensor, gravity)?;
+            Ok(SimulatedRecording {
+                name,
+                role,
+                direction_ground: stated,
+                gravity_ground_m_s2: gravity,
+                ..laboratory.record(&simulated, runs)
+            })
         };
-        self.begin(recording, number, sender)
+        match Builder::new().name("run".to_owned()).spawn(compute) {
+            Ok(thread) => {
+                self.computing = Some(Computing { number, thread });
+                true
+            }
+            Err(error) => sender
+                .send(Event::Note(format!("the run cannot be simulated: {error}")))
+                .is_ok(),
+        }
     }
 
     fn start_static(&mut self, sender: &Sender) -> bool {

@@ -3,7 +3,8 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | [`laboratory`] | the simulated laboratory in real time, its runs and defects |
+//! | [`settings`] | what the simulated laboratory is |
+//! | [`laboratory`] | it in real time, its runs and defects |
 //! | [`wire`] | rows of text or little-endian numbers behind a line that describes them |
 //! | [`stream`] | that from a loopback TCP port or standard input |
 //! | [`play`] | a recording at its own speed or faster |
@@ -12,6 +13,7 @@
 pub mod follow;
 pub mod laboratory;
 pub mod play;
+pub mod settings;
 pub mod stream;
 pub mod wire;
 

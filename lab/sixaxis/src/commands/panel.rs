@@ -6,11 +6,13 @@ use std::process::{Command, ExitCode, Stdio};
 
 use anyhow::Result;
 use sixaxis_calibration::calibration::Calibration;
-use sixaxis_panel::source::laboratory::Settings;
+use sixaxis_panel::source::settings::Settings;
 use sixaxis_panel::{Options, SourceChoice, start};
 use sixaxis_recordings::session::SessionFile;
+use sixaxis_reference::laboratory::plan::Engine;
 
 use super::common::print;
+use super::simulate::{ENGINES, USUAL_ENGINE, choice};
 
 /// Where samples come from, and who may look.
 #[derive(clap::Args)]
@@ -40,6 +42,9 @@ pub struct Arguments {
     /// Trials of each of steps 2 to 4 in the simulated laboratory's calibration day
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u8).range(3..=30))]
     trials: u8,
+    /// What computes the simulated laboratory's runs [default: mujoco, where it is compiled in]
+    #[arg(long, value_parser = choice::<Engine>(ENGINES))]
+    engine: Option<Engine>,
     /// Session file: sensor, gains, instruments, and the recordings that the calibration day makes anew
     #[arg(long, value_name = "FILE")]
     session: Option<PathBuf>,
@@ -121,6 +126,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
             seed: arguments.seed,
             sample_rate_hz: arguments.rate.unwrap_or(LABORATORY_HZ),
             trials_per_step: usize::from(arguments.trials),
+            engine: arguments.engine.unwrap_or(USUAL_ENGINE),
         }),
     };
     let mut panel = start(Options {

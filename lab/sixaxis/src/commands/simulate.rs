@@ -71,10 +71,17 @@ pub struct Arguments {
 }
 
 /// Engines that were compiled in, the default first.
-const ENGINES: &[&str] = if cfg!(feature = "harness") {
+pub const ENGINES: &[&str] = if cfg!(feature = "harness") {
     &["mujoco", "rigid"]
 } else {
     &["rigid"]
+};
+
+/// The engine where nobody asks for one.
+pub const USUAL_ENGINE: Engine = if cfg!(feature = "harness") {
+    Engine::Mujoco
+} else {
+    Engine::Rigid
 };
 
 const ENGINE_HELP: &str = if cfg!(feature = "harness") {
@@ -98,7 +105,7 @@ The folder's truth/ holds what no laboratory knows: true parameters and motions,
 last: a folder that has one is complete.";
 
 /// One of some words.
-fn choice<T>(words: &'static [&'static str]) -> impl TypedValueParser<Value = T> + use<T>
+pub fn choice<T>(words: &'static [&'static str]) -> impl TypedValueParser<Value = T> + use<T>
 where
     T: DeserializeOwned + Clone + Send + Sync + 'static,
 {
@@ -205,9 +212,8 @@ const LONGEST_TUMBLE_S: f64 = 600.0;
 fn plan(arguments: &Arguments) -> Result<SessionPlan> {
     let mut plan = match &arguments.plan {
         Some(path) => plan_file::read(path)?,
-        None if cfg!(feature = "harness") => SessionPlan::default(),
         None => SessionPlan {
-            engine: Engine::Rigid,
+            engine: USUAL_ENGINE,
             ..SessionPlan::default()
         },
     };
