@@ -280,7 +280,7 @@ impl Instant {
                 let effect = -0.5 * ((li + lj) * (cosine * a[j] + sine * b[j]) + modal[j]);
                 for (entry, n) in inertia
                     .iter_mut()
-                    .zip(between(ring.rotation[i], ring.rotation[j]))
+                    .zip(InertiaPerMass::between(ring.rotation[i], ring.rotation[j]))
                 {
                     entry[i] += n * effect;
                 }
@@ -294,16 +294,4 @@ impl Instant {
         }
         all
     }
-}
-
-/// u^T (dM/dI_k) v for the six entries in the paper's order.
-fn between(u: DVec3, v: DVec3) -> [f64; 6] {
-    [
-        u.x * v.x,
-        u.y * v.y,
-        u.z * v.z,
-        u.x * v.y + u.y * v.x,
-        u.x * v.z + u.z * v.x,
-        u.y * v.z + u.z * v.y,
-    ]
 }

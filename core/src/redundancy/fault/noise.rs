@@ -109,12 +109,6 @@ impl RowNoise {
         self.relations
     }
 
-    /// Standard deviation of each channel, in strain.
-    #[must_use]
-    pub const fn channel_sd(&self) -> &[f64; LIMBS] {
-        &self.channel
-    }
-
     /// z = L^-1 rho.
     #[inline]
     #[must_use]

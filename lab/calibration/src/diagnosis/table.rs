@@ -3,7 +3,7 @@
 
 use glam::{DMat3, DVec3};
 use nalgebra::{DMatrix, DVector};
-use sixaxis_core::LIMBS;
+use sixaxis_core::{InertiaPerMass, LIMBS};
 
 use super::trial_case::TrialCase;
 use crate::response::Response;
@@ -101,15 +101,7 @@ impl Table {
                     .filter(|channel| !self.silent[*channel] && !case.ignored[*channel])
                     .map(|channel| {
                         let t = self.shares.of_torque_per_m(channel);
-                        // t . I n, linear in the six entries in the paper's order.
-                        let row = [
-                            t.x * n.x,
-                            t.y * n.y,
-                            t.z * n.z,
-                            t.x * n.y + t.y * n.x,
-                            t.x * n.z + t.z * n.x,
-                            t.y * n.z + t.z * n.y,
-                        ];
+                        let row = InertiaPerMass::between(t, n);
                         let seen =
                             response.channels[channel].response / self.mass_over_scale_kg[channel];
                         (index, row, seen)

@@ -67,15 +67,7 @@ impl Information {
                 let arms: [DVec3; LIMBS] = core::array::from_fn(|i| self.shares.of_torque_per_m(i));
                 let range = largest(&arms.map(|t| t.dot(torque)));
                 for t in arms {
-                    // t . I n, linear in the six entries in the paper's order.
-                    let row = Vector6::new(
-                        t.x * n.x,
-                        t.y * n.y,
-                        t.z * n.z,
-                        t.x * n.y + t.y * n.x,
-                        t.x * n.z + t.z * n.x,
-                        t.y * n.z + t.z * n.y,
-                    ) / range;
+                    let row = Vector6::from(InertiaPerMass::between(t, n)) / range;
                     self.inertia += row * row.transpose();
                 }
             }
