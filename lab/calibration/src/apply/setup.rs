@@ -73,6 +73,9 @@ impl Setup {
         if let Some(file) = session {
             same_sensor(calibration, file)?;
         }
+        if let (Some(file), Some(entry)) = (session, entry) {
+            notes.extend(overruled(file, entry, overrides));
+        }
         let mut sensor = calibration.sensor();
         match (overrides.gain_n_per_v.as_slice(), session, entry) {
             ([], Some(file), Some(entry)) => {
@@ -204,6 +207,58 @@ impl Setup {
     }
 }
 
+/// What the user says otherwise than the session, in sentences: nothing is overruled in silence.
+fn overruled(file: &SessionFile, entry: &Entry, overrides: &Overrides) -> Vec<String> {
+    let session = &file.session;
+    let channels = entry.channels.as_ref().unwrap_or(&session.channels);
+    let gains = entry.gain_n_per_v.unwrap_or(session.sensor.gain_n_per_v);
+    let text = |numbers: &[f64]| {
+        numbers
+            .iter()
+            .map(f64::to_string)
+            .collect::<Vec<_>>()
+            .join(",")
+    };
+    let said = [
+        (
+            "--rate",
+            entry.sample_rate_hz.map(|hz| format!("{hz} Hz")),
+            overrides.rate_hz.map(|hz| format!("{hz} Hz")),
+        ),
+        (
+            "--gain",
+            Some(format!("{} N/V", list(&gains.each()))),
+            match overrides.gain_n_per_v.as_slice() {
+                [] => None,
+                [one] => Some(format!("{one} N/V")),
+                nine => Some(format!("{} N/V", text(nine))),
+            },
+        ),
+        (
+            "--down",
+            entry.down.map(|down| text(&down)),
+            overrides.down.map(|down| text(&down)),
+        ),
+        (
+            "--channels",
+            Some(channels.limbs.join(",")),
+            overrides.limbs.as_ref().map(|names| names.join(",")),
+        ),
+        (
+            "--unit",
+            channels.limbs_unit.clone(),
+            overrides.limbs_unit.clone(),
+        ),
+    ];
+    let path = file.path.display();
+    let differ = said.into_iter().filter_map(|(option, stated, used)| {
+        let (stated, used) = (stated?, used?);
+        (stated != used)
+            .then(|| format!("{path} states {stated}; {option} overrules it: {used} used"))
+    });
+    differ.collect()
+}
+
 /// Refuses a session whose sensor is not the one that was calibrated.
 fn same_sensor(calibration: &Calibration, file: &SessionFile) -> Result<()> {
     let (ours, theirs) = (&calibration.sensor, &file.session.sensor);
@@ -254,5 +309,5 @@ fn list(gains: &[f64; LIMBS]) -> String {
         return gains[0].to_string();
     }
     let texts: Vec<String> = gains.iter().map(f64::to_string).collect();
-    texts.join(", ")
+    texts.join(",")
 }

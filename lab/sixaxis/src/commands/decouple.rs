@@ -21,8 +21,9 @@ use sixaxis_page::render;
 use sixaxis_recordings::draft::write_atomically;
 use sixaxis_recordings::{Layout, Sink};
 
-use super::common::{Beside, check_outputs, mention_earlier, print, print_json, say, tell};
+use super::common::{Beside, print, print_json, say, tell};
 use super::integrator::Integrator;
+use super::output::{check_outputs, mention_earlier};
 use crate::progress::Progress;
 
 /// What is decoupled with what.

@@ -11,7 +11,8 @@ use sixaxis_recordings::ingest::columns::BLOCK;
 use sixaxis_recordings::inspect::{Expected, Inspection, Severity, inspect, listing, page};
 use sixaxis_recordings::session::SessionFile;
 
-use super::common::{Naming, check_outputs, print, print_json, tell};
+use super::common::{Naming, print, print_json, tell};
+use super::output::check_outputs;
 use crate::progress::Progress;
 
 /// Which recordings, and in what form the answer is wanted.

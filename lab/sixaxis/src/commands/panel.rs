@@ -11,6 +11,7 @@ use sixaxis_panel::{Options, SourceChoice, start};
 use sixaxis_recordings::session::SessionFile;
 
 use super::common::print;
+use super::output::make_folder;
 
 /// Where samples come from, and who may look.
 #[derive(clap::Args)]
@@ -123,6 +124,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
             trials_per_step: usize::from(arguments.trials),
         }),
     };
+    make_folder(&arguments.out)?;
     let mut panel = start(Options {
         source,
         rate_hz: arguments.rate,

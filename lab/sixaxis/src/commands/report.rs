@@ -17,6 +17,7 @@ use sixaxis_reports::study::results::{AcceptanceLimit, LimitKind, Results};
 use sixaxis_reports::study::{self, plan::Plan};
 
 use super::common::print;
+use super::output::claim_folder;
 use crate::progress::Progress;
 
 /// Exit code where a required limit is broken; the report is written all the same.
@@ -96,8 +97,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
             folder.display()
         );
     }
-    std::fs::create_dir_all(out)
-        .with_context(|| format!("cannot create the output folder {}", out.display()))?;
+    let _ours_alone = claim_folder(out)?;
     let started = Instant::now();
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(*threads)

@@ -19,6 +19,7 @@ use sixaxis_reference::laboratory::tumble::record_tumble;
 use sixaxis_reference::laboratory::write::{SESSION_FILE, TRUTH_FOLDER, write, write_beside};
 
 use super::common::print;
+use super::output::claim_folder;
 use crate::progress::Progress;
 
 /// What to play and where to write.
@@ -147,13 +148,12 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     }
     let out = &arguments.out;
     // Before minutes of work, not after them.
+    let _ours_alone = claim_folder(out)?;
     ensure!(
         arguments.force || !out.join(SESSION_FILE).exists(),
         "{} holds a session already; give another folder, or --force to replace it",
         out.display()
     );
-    std::fs::create_dir_all(out)
-        .with_context(|| format!("cannot create the output folder {}", out.display()))?;
     let progress = Progress::shown();
     let work = work_ms(&plan)?;
     let played = simulate_session_watched(&plan, &|ms| progress.report("simulating", work, ms))

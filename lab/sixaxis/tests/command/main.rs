@@ -7,7 +7,10 @@ mod campaign;
 mod decouple;
 mod docs;
 mod help;
+mod inputs;
 mod inspect;
+#[cfg(all(feature = "harness", target_os = "linux"))]
+mod moved;
 mod outputs;
 mod panel;
 mod program;
