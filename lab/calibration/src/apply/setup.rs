@@ -101,13 +101,7 @@ impl Setup {
         sensor.gains.validate().context("--gain")?;
         let down = match overrides.down {
             Some(down) => Some(("--down", down)),
-            None => entry.and_then(|entry| match (entry.role, entry.down, entry.direction) {
-                (Role::Static, ..) => None,
-                (_, Some(down), _) => Some(("down", down)),
-                // Without a word the rig's axis stands upright: gravity does not turn in the sensor.
-                (_, None, Some(direction)) => Some(("direction", direction.map(|x| -x))),
-                (_, None, None) => None,
-            }),
+            None => entry.and_then(stated_down),
         };
         let gravity_ground_m_s2 = match down {
             Some((key, down)) => {
@@ -207,6 +201,17 @@ impl Setup {
     }
 }
 
+/// Where down is by a session's entry, with the key that says it.
+fn stated_down(entry: &Entry) -> Option<(&'static str, [f64; 3])> {
+    match (entry.role, entry.down, entry.direction) {
+        (Role::Static, ..) => None,
+        (_, Some(down), _) => Some(("down", down)),
+        // Without a word the rig's axis stands upright: gravity does not turn in the sensor.
+        (_, None, Some(direction)) => Some(("direction", direction.map(|x| 0.0 - x))),
+        (_, None, None) => None,
+    }
+}
+
 /// What the user says otherwise than the session, in sentences: nothing is overruled in silence.
 fn overruled(file: &SessionFile, entry: &Entry, overrides: &Overrides) -> Vec<String> {
     let session = &file.session;
@@ -236,8 +241,8 @@ fn overruled(file: &SessionFile, entry: &Entry, overrides: &Overrides) -> Vec<St
         ),
         (
             "--down",
-            entry.down.map(|down| text(&down)),
-            overrides.down.map(|down| text(&down)),
+            stated_down(entry).map(|(key, down)| format!("{key} {}", text(&down))),
+            overrides.down.map(|down| format!("down {}", text(&down))),
         ),
         (
             "--channels",

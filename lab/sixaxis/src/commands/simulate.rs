@@ -148,6 +148,12 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     }
     let out = &arguments.out;
     // Before minutes of work, not after them.
+    if let Some(duration_s) = arguments.tumble {
+        ensure!(
+            (LEAST_TUMBLE_S..=LONGEST_TUMBLE_S).contains(&duration_s),
+            "--tumble: {duration_s} s; give {LEAST_TUMBLE_S} to {LONGEST_TUMBLE_S}"
+        );
+    }
     let _ours_alone = claim_folder(out)?;
     ensure!(
         arguments.force || !out.join(SESSION_FILE).exists(),
@@ -178,10 +184,6 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
 
 /// Writes a tumble beside the session and says how to check the calibration with it.
 fn from_the_field(arguments: &Arguments, plan: &SessionPlan, duration_s: f64) -> Result<String> {
-    ensure!(
-        (LEAST_TUMBLE_S..=LONGEST_TUMBLE_S).contains(&duration_s),
-        "--tumble: {duration_s} s; give {LEAST_TUMBLE_S} to {LONGEST_TUMBLE_S}"
-    );
     let mut drift = [0.0; LIMBS];
     for &(limb, share) in &arguments.drift_limb {
         drift[limb] = share;

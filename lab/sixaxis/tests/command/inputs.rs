@@ -11,7 +11,7 @@ fn day(name: &str) -> (Folder, String, String) {
     let folder = Folder::new(name);
     let out = folder.file("day");
     let quick = ["--engine", "rigid", "--trials", "3", "--rate", "500"];
-    done(&[&["simulate", "--out", &out, "--format", "npz"][..], &quick].concat());
+    done(&[&["simulate", "--out", &out, "--format", "csv"][..], &quick].concat());
     let session = folder.file("day/session.toml");
     run(&["calibrate", &session]);
     let calibration = folder.file("day/calibration.json");
@@ -58,7 +58,7 @@ fn neg_a_pipe_without_a_writer_holds_nobody_up() {
 #[test]
 fn neg_no_number_is_three_hundred_digits_long() {
     let (folder, session, calibration) = day("digits");
-    let run_npz = folder.file("day/compound-01.npz");
+    let recording = folder.file("day/compound-01.csv");
     let huge = folder.write(
         "huge.csv",
         "time,u1\ns,V\n0,1e308\n1e300,-1e308\n2e300,1e308\n3e300,5e-324\n",
@@ -78,7 +78,7 @@ fn neg_no_number_is_three_hundred_digits_long() {
         &[
             "decouple",
             &calibration,
-            &run_npz,
+            &recording,
             "--rate",
             "1e308",
             "--gain",
@@ -87,7 +87,7 @@ fn neg_no_number_is_three_hundred_digits_long() {
         &[
             "decouple",
             &calibration,
-            &run_npz,
+            &recording,
             "--session",
             &session,
             "--rate",
@@ -96,7 +96,7 @@ fn neg_no_number_is_three_hundred_digits_long() {
         &[
             "decouple",
             &calibration,
-            &run_npz,
+            &recording,
             "--session",
             &session,
             "--low-pass",
@@ -115,7 +115,19 @@ fn neg_no_number_is_three_hundred_digits_long() {
 #[test]
 fn inv_what_overrules_the_session_is_said() {
     let (folder, session, calibration) = day("overruled");
-    let recording = folder.file("day/compound-01.npz");
+    // Nobody but the session states the rate.
+    let recording = folder.file("day/compound-01.csv");
+    let text = fs::read_to_string(&recording).expect("reads");
+    folder.write(
+        "day/compound-01.csv",
+        text.replacen("# sample_rate_hz = 500\n", "", 1),
+    );
+    let stated = fs::read_to_string(&session).expect("reads");
+    let file = "file = \"compound-01.csv\"\n";
+    folder.write(
+        "day/session.toml",
+        stated.replacen(file, &format!("{file}sample_rate_hz = 500.0\n"), 1),
+    );
     let out = folder.file("out.csv");
     let fixed = [
         "decouple",
@@ -137,7 +149,7 @@ fn inv_what_overrules_the_session_is_said() {
     for (option, value, stated) in [
         ("--rate", "250", "500 Hz"),
         ("--gain", "3", "N/V"),
-        ("--down", "0,1,0", "states"),
+        ("--down", "0,1,0", "states direction"),
     ] {
         let words = stderr(&run(&[&fixed[..], &[option, value]].concat()));
         let line = words

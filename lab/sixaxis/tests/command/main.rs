@@ -6,6 +6,8 @@ mod calibrate_joint;
 mod campaign;
 mod decouple;
 mod docs;
+#[cfg(feature = "harness")]
+mod exit_codes;
 mod help;
 mod inputs;
 mod inspect;
