@@ -122,7 +122,15 @@ fn blocks(inspection: &Inspection, k: usize) -> Vec<Block> {
             }
             spectra.extend(spectrum(&id("spectrum", n), channel, group));
         }
-        for (heading, figures) in [("Time histories", histories), ("Spectra", spectra)] {
+        let stabilities = drawn.iter().enumerate();
+        let stabilities: Vec<Figure> = stabilities
+            .filter_map(|(n, channel)| stability(&id("allan", n), channel))
+            .collect();
+        for (heading, figures) in [
+            ("Time histories", histories),
+            ("Spectra", spectra),
+            ("Allan deviation", stabilities),
+        ] {
             if !figures.is_empty() {
                 let heading = Block::Heading(heading.to_owned());
                 blocks.extend([heading, Block::FigureGrid(figures)]);
@@ -180,7 +188,8 @@ fn numbers(inspection: &Inspection, group: &Group) -> Table {
         .caption(listing::heading(group))
         .footnote(
             "Each row in the channel's own unit; one with a question mark is not understood by the other commands. Noise: \
-             standard deviation of the white noise, from third differences. Step: smallest difference of two samples. Bits: \
+             standard deviation of the white noise, from third differences. Density: the same as a one-sided root density, per \
+             root hertz. Step: smallest difference of two samples. Bits: \
              what the range needs in such steps, where all samples stand on a grid of them. Drift: mean of the last tenth \
              less mean of the first. Peak: highest line of the spectrum, if one stands out.",
         )
@@ -215,6 +224,29 @@ fn history(id: &str, channel: &ChannelFacts, group: &Group) -> Figure {
         }
     }
     figure
+}
+
+/// Allan deviation over averaging time, with the share of white noise where it is known.
+fn stability(id: &str, channel: &ChannelFacts) -> Option<Figure> {
+    let found = channel.stability.as_ref()?;
+    let points = found.deviations.iter();
+    let points: Vec<_> = points.map(|d| (d.averaging_s, d.deviation)).collect();
+    if points.iter().all(|(_, deviation)| *deviation <= 0.0) {
+        return None;
+    }
+    let mut figure = Figure::new(
+        id,
+        text(&channel.name, NAME),
+        Axis::log("averaging time", "s"),
+        Axis::log("Allan deviation", text(channel.unit_name(), NAME)),
+    );
+    if let Some(density) = found.noise_density {
+        let white = points
+            .iter()
+            .map(|(tau, _)| (*tau, density.value / (2.0 * tau).sqrt()));
+        figure = figure.dashed("white noise", 1, white.collect::<Vec<_>>());
+    }
+    Some(figure.line_points("record", 0, points))
 }
 
 /// Root of the density, so that the ordinate is in the channel's unit.

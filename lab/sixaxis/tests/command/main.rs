@@ -13,6 +13,7 @@ mod inputs;
 mod inspect;
 #[cfg(all(feature = "harness", target_os = "linux"))]
 mod moved;
+mod noise;
 mod outputs;
 mod panel;
 mod program;

@@ -59,6 +59,27 @@ fn neg_no_name_commands_the_terminal() {
             );
         }
     }
+    // Nor do words of the command line that are not understood, nor are they repeated at any length.
+    for hostile in hostile {
+        for word in [
+            hostile.to_owned(),
+            format!("--{hostile}"),
+            hostile.repeat(20_000),
+        ] {
+            for said in [
+                run(&[&word]),
+                run(&["decouple", &word]),
+                run(&["simulate", "--seed", &word]),
+            ] {
+                let words = stderr(&said);
+                assert!(
+                    (1..=2).contains(&code(&said)) && words.len() < 20_000,
+                    "{word:.20?}"
+                );
+                assert!(!words.contains(hostile), "{words:.300?}");
+            }
+        }
+    }
     // Twenty thousand columns are not all listed in an error.
     let wide = folder.file("wide.csv");
     let names: Vec<String> = (0..20_000).map(|n| format!("column{n}")).collect();
@@ -100,6 +121,9 @@ fn neg_standard_output_that_takes_nothing_is_an_error_in_words() {
         vec!["compare", &a, &a, "--out", &page],
         vec!["man"],
         vec![],
+        vec!["--help"],
+        vec!["campaign", "run", "--help"],
+        vec!["--version"],
     ];
     let model = folder.file("model.xml");
     if cfg!(feature = "harness") {
@@ -124,6 +148,24 @@ fn neg_standard_output_that_takes_nothing_is_an_error_in_words() {
         drop(gone.stdout.take());
         let said = gone.wait_with_output().expect("it ends");
         assert_eq!(code(&said), 0, "{arguments:?}: {}", stderr(&said));
+    }
+}
+
+/// Numbers whose squares are none are no motion, and no table of `inf` with exit code 0.
+#[test]
+fn neg_what_is_no_motion_is_not_compared() {
+    let folder = Folder::new("no_motion");
+    let (a, b) = (folder.file("a.csv"), folder.file("b.csv"));
+    fs::write(&a, DECOUPLED).expect("writes");
+    fs::write(&b, DECOUPLED.replace("0.002,2,", "0.002,1e307,")).expect("writes");
+    for asked in [["compare", &a, &b], ["compare", &b, &a]] {
+        let said = run(&[&asked[..], &["--out", &folder.file("page.html")]].concat());
+        assert_eq!(code(&said), 1, "{}", stdout(&said));
+        assert!(
+            stderr(&said).contains("1e307 in SI units is no motion's"),
+            "{}",
+            stderr(&said)
+        );
     }
 }
 
