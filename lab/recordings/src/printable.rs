@@ -24,8 +24,9 @@ pub fn lines(text: &str, most: usize) -> String {
     cut(text, most, |c| is_printable(c) || matches!(c, '\n' | '\t'))
 }
 
-/// Digits from which a number is printed with a power of ten. Sums to the last bit have 17, counts at most 20.
+/// Digits from which a number is printed with a power of ten: a count has at most 20, and a double with a fraction 15 before it.
 const MANY_DIGITS: usize = 25;
+const BEFORE_A_FRACTION: usize = 15;
 
 /// The text with numbers of very many digits shortened: 1e308 would be a one and 308 zeros. A name in quotes or in a path, and
 /// digits within a word, stay.
@@ -40,7 +41,8 @@ pub fn short_numbers(text: &str) -> Cow<'_, str> {
         at = text.len() - rest.len();
         let number = text[start..at].trim_end_matches('.');
         let end = start + number.len();
-        if number.len() < MANY_DIGITS
+        let whole = number.find('.').filter(|whole| *whole > BEFORE_A_FRACTION);
+        if number.len() < MANY_DIGITS && whole.is_none()
             || text[..start].ends_with(of_a_name)
             || text[end..].starts_with(of_a_name)
         {
@@ -86,6 +88,10 @@ mod tests {
         assert_eq!(line("abcdef", 4), "abc…");
         let text = format!("{} Hz, {}, -{}.", 1e308, 1e-300, 1.234_567_8e30);
         assert_eq!(short_numbers(&text), "1e308 Hz, 1e-300, -1.23457e30.");
+        assert_eq!(
+            short_numbers("up to 18446744073709551616.0 V"),
+            "up to 1.84467e19 V"
+        );
         let digits = "1".repeat(40);
         for kept in [
             "0.1234567890123456 of 18446744073709551615..".to_owned(),

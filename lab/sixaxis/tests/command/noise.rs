@@ -62,7 +62,14 @@ fn stat_known_densities_are_found() {
         "{words}"
     );
     let drawn = std::fs::read_to_string(&page).expect("a page");
-    assert!(drawn.contains("Allan deviation") && drawn.contains("averaging time"));
+    for part in [
+        "Allan deviation",
+        "averaging time",
+        "bias instability",
+        "per √s",
+    ] {
+        assert!(drawn.contains(part), "{part}");
+    }
     let moving = inspected(&[&file]);
     assert!(
         moving["groups"][0]["channels"][0]
