@@ -35,7 +35,11 @@ fn wilson_95(value: f64, n: f64) -> (f64, f64) {
     let z2 = NORMAL_95 * NORMAL_95;
     let centre = (value + z2 / (2.0 * n)) / (1.0 + z2 / n);
     let half = NORMAL_95 / (1.0 + z2 / n) * (value * (1.0 - value) / n + z2 / (4.0 * n * n)).sqrt();
-    ((centre - half).max(0.0), (centre + half).min(1.0))
+    // Rounding must not leave the share itself outside.
+    (
+        (centre - half).clamp(0.0, value),
+        (centre + half).clamp(value, 1.0),
+    )
 }
 
 #[cfg(test)]
