@@ -1,13 +1,19 @@
 //! Finds MuJoCo's library, or fetches it once with pip, and tells the linker and the dependents where it is.
 //!
 //! mujoco-rs links against a MuJoCo that is already there. The Python wheel of the same version carries exactly the
-//! library needed; it is pinned by hash and unpacked into the target folder, so that neither an environment variable
-//! nor a system-wide installation is asked of anybody. Without the feature `mujoco` nothing is looked for.
+//! library needed; it is unpacked into the target folder, so that neither an environment variable nor a system-wide
+//! installation is asked of anybody. Wheel and library are pinned by hash, and compared with it whenever this runs.
+//! Without the feature `mujoco` nothing is looked for.
 
 use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, exit};
+
+#[path = "build/pinned.rs"]
+mod pinned;
+
+use pinned::{PLATFORMS, Pinned};
 
 /// The file name that binaries ask the loader for: the library's own name carries its version.
 const LIBRARY: &str = "libmujoco.so.3.17.0";
@@ -15,19 +21,18 @@ const FETCHED_DIR: &str = "mujoco-3.17.0";
 const OWN_LINK_DIR: &str = "link";
 const USER_VARIABLE: &str = "MUJOCO_DYNAMIC_LINK_DIR";
 
-/// Copies the library out of the wheel; argument 1 is the folder of the wheel, 2 the file to write. Cargo is told to
+/// Copies the library out of the wheel; argument 1 is the wheel, 2 the file to write. Cargo is told to
 /// watch that file, and takes one younger than the build script's run for a change: hence the date long gone.
 const UNPACK: &str = "
-import glob, os, shutil, sys, zipfile
-wheel = zipfile.ZipFile(glob.glob(os.path.join(glob.escape(sys.argv[1]), 'mujoco-*.whl'))[0])
-with wheel.open('mujoco/libmujoco.so.3.17.0') as library, open(sys.argv[2], 'wb') as out:
+import os, shutil, sys, zipfile
+with zipfile.ZipFile(sys.argv[1]).open('mujoco/libmujoco.so.3.17.0') as library, open(sys.argv[2], 'wb') as out:
     shutil.copyfileobj(library, out)
 os.utime(sys.argv[2], (315532800, 315532800))
 ";
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
-    println!("cargo::rerun-if-changed=mujoco-wheel.txt");
+    println!("cargo::rerun-if-changed=build");
     println!("cargo::rerun-if-env-changed={USER_VARIABLE}");
     if env::var_os("CARGO_FEATURE_MUJOCO").is_none() {
         return;
@@ -35,15 +40,15 @@ fn main() {
     let package = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default());
     let (dir, rpath) = match users_own(&package) {
         Some(dir) => {
-            let rpath = dir.display().to_string();
+            let rpath = format!("$ORIGIN:{}", dir.display());
             (dir, rpath)
         }
         None => {
-            let dir = fetched(&package);
-            // Relative to the binary first (in <profile>/, or in <profile>/deps/ and <profile>/examples/), so that a
-            // target folder can be moved; then where it was built.
+            let dir = fetched();
+            // Beside the binary first, so that the two can be copied; then relative to it (in <profile>/, or in
+            // <profile>/deps/ and <profile>/examples/), so that a target folder can be moved; then where it was built.
             let rpath = format!(
-                "$ORIGIN/../{FETCHED_DIR}:$ORIGIN/../../{FETCHED_DIR}:{}",
+                "$ORIGIN:$ORIGIN/../{FETCHED_DIR}:$ORIGIN/../../{FETCHED_DIR}:{}",
                 dir.display()
             );
             (dir, rpath)
@@ -82,18 +87,25 @@ fn users_own(package: &Path) -> Option<PathBuf> {
 }
 
 /// The library in the target folder, fetched if it is not there yet.
-fn fetched(package: &Path) -> PathBuf {
+fn fetched() -> PathBuf {
+    let pinned = platform();
     let out = PathBuf::from(env::var_os("OUT_DIR").unwrap_or_default());
     // OUT_DIR is <target>/<profile>/build/<package>/out: one library serves all profiles.
     let target = out.ancestors().nth(4).unwrap_or(&out);
     let dir = target.join(FETCHED_DIR);
     let library = dir.join(LIBRARY);
-    if library.is_file() {
+    if library.exists() {
+        let remedy = "delete it, and the next build fetches it anew";
+        checked(pinned::verify(&library, pinned.library, remedy));
         return dir;
     }
-    let platform = wheel_platform();
     let python = python_with_pip();
     let wheels = out.join("wheel");
+    // What a killed build left.
+    let _ = fs::remove_dir_all(&wheels);
+    let requirement = out.join("wheel.txt");
+    let line = format!("mujoco==3.17.0 --hash=sha256:{}\n", pinned.wheel);
+    written(&requirement, fs::write(&requirement, line));
     run(
         Command::new(python)
             .args(["-m", "pip", "download", "--quiet"])
@@ -101,48 +113,72 @@ fn fetched(package: &Path) -> PathBuf {
             .args(["--only-binary=:all:", "--require-hashes"])
             // One wheel for all, whatever Python the user has: only the library inside is used.
             .args(["--python-version", "3.11", "--implementation", "cp"])
-            .args(["--abi", "cp311", "--platform", platform])
+            .args(["--abi", "cp311", "--platform", pinned.wheel_platform])
             .arg("--requirement")
-            .arg(package.join("mujoco-wheel.txt"))
+            .arg(&requirement)
             .arg("--dest")
             .arg(&wheels),
-        &format!("`{python} -m pip download` of the wheel pinned in mujoco-wheel.txt failed"),
+        &format!("`{python} -m pip download` of the pinned wheel failed"),
     );
+    let wheel = checked(pinned::wheel(&wheels, pinned.wheel));
     // Written aside and moved into place, so that a build killed half-way leaves no broken library behind, and two at
     // once do not write into each other's.
     let unfinished = out.join(LIBRARY);
     run(
         Command::new(python)
             .args(["-c", UNPACK])
-            .arg(&wheels)
+            .arg(&wheel)
             .arg(&unfinished),
         "the downloaded wheel could not be unpacked",
     );
-    if let Err(error) = fs::create_dir_all(&dir).and_then(|()| fs::rename(&unfinished, &library)) {
-        stop(
-            &format!("{} could not be written", library.display()),
-            &error.to_string(),
-        );
-    }
+    checked(pinned::verify(
+        &unfinished,
+        pinned.library,
+        "the disk, or Python's zipfile, has changed it: build again",
+    ));
+    written(
+        &library,
+        fs::create_dir_all(&dir).and_then(|()| fs::rename(&unfinished, &library)),
+    );
     // 26 MB that nobody needs again; not worth failing over.
     let _ = fs::remove_dir_all(&wheels);
     dir
 }
 
-/// What pip calls the platform that is built for.
-fn wheel_platform() -> &'static str {
-    let cargo = |name: &str| env::var(format!("CARGO_CFG_TARGET_{name}")).unwrap_or_default();
-    let (os, env, arch) = (cargo("OS"), cargo("ENV"), cargo("ARCH"));
-    match (os.as_str(), env.as_str(), arch.as_str()) {
-        ("linux", "gnu", "x86_64") => "manylinux_2_28_x86_64",
-        ("linux", "gnu", "aarch64") => "manylinux_2_28_aarch64",
-        _ => stop(
-            &format!(
-                "no library is pinned for {os} {env} {arch}, only for linux gnu x86_64 and aarch64"
-            ),
-            "",
-        ),
+fn written(file: &Path, result: std::io::Result<()>) {
+    if let Err(error) = result {
+        stop(
+            &format!("{} could not be written", file.display()),
+            &error.to_string(),
+        );
     }
+}
+
+/// The value, or the end of the build with what is not as pinned.
+fn checked<T>(result: Result<T, String>) -> T {
+    result.unwrap_or_else(|cause| {
+        for line in cause.lines() {
+            println!("cargo::error={line}");
+        }
+        exit(0)
+    })
+}
+
+/// What is pinned for the platform that is built for.
+fn platform() -> &'static Pinned {
+    let target = ["OS", "ENV", "ARCH"]
+        .map(|name| env::var(format!("CARGO_CFG_TARGET_{name}")).unwrap_or_default());
+    PLATFORMS
+        .iter()
+        .find(|pinned| pinned.target[..] == target)
+        .unwrap_or_else(|| {
+            let [os, env, arch] = target;
+            let only = "only for linux gnu x86_64 and aarch64";
+            stop(
+                &format!("no library is pinned for {os} {env} {arch}, {only}"),
+                "",
+            )
+        })
 }
 
 /// The first Python that has pip: some systems keep the two in separate packages.

@@ -6,6 +6,7 @@
 //! |---|---|
 //! | [`check_grade`] | whether the calibration is one to decouple with |
 //! | [`setup`] | what is known of one recording: gains, gravity, channels, rate, and from where |
+//! | [`axis_noise`] | what the channels' noise makes of the accelerations at rest |
 //! | [`voltages`] | nine columns, as they go from file to decoder |
 //! | [`recording`] | nine voltages on one clock from a file, block by block, with what is wrong with them |
 //! | [`conditioning_stream`] | delays, the amplifier's high-pass, a low-pass, as streams |
@@ -20,6 +21,7 @@
 //! The answer to a recording does not depend on how it was cut into blocks nor on the timing of the threads: blocks are cut
 //! anew at fixed samples before anything is computed from them.
 
+pub mod axis_noise;
 pub mod check_grade;
 pub mod conditioning_stream;
 pub mod coordination;

@@ -189,8 +189,7 @@ impl Calibration {
     /// [`Error::Recording`] if it cannot be read, and with the line if it is no calibration of this format or
     /// its parameters are no sensor's. A file of version 1 is refused by its version.
     pub fn read(path: &Path) -> Result<Self> {
-        let text = std::fs::read_to_string(path)
-            .map_err(|source| sixaxis_recordings::Error::io(path, source))?;
+        let text = sixaxis_recordings::whole::read_text(path)?;
         let refuse = |line: Option<usize>, key: &str, cause: String| {
             Error::Recording(sixaxis_recordings::Error::Session {
                 path: path.to_owned(),

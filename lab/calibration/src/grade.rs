@@ -3,6 +3,7 @@
 use crate::finding::{Cause, Finding, in_a_sentence};
 use crate::report::{Grade, ParameterReport, TrialReport};
 use crate::steps::{Campaign, FourSteps};
+use sixaxis_page::number::decimals_apart;
 use sixaxis_recordings::session::{Role, Session};
 
 /// Largest coordination residual that a good calibration has: limbs whose stiffnesses differ by so much are not nine of a kind.
@@ -23,6 +24,12 @@ pub(crate) fn worst(errors: &[f64]) -> f64 {
             worst.max(*error)
         }
     })
+}
+
+/// A share as percent, with as many decimals as tell it from the limit that it misses.
+fn beside(share: f64, limit_percent: f64) -> String {
+    let percent = 100.0 * share;
+    format!("{percent:.*}", decimals_apart(percent, limit_percent, 1))
 }
 
 /// Whose word decides whether trials agree with each other.
@@ -73,7 +80,7 @@ pub(crate) fn failures(
                     cause: Cause::Unexplained,
                     recordings: vec![report.name.clone()],
                     channels: Vec::new(),
-                    evidence: format!("{what} {:.1} %, where the session asks for {limit} %", 100.0 * error),
+                    evidence: format!("{what} {} %, where the session asks for {limit} %", beside(error, limit)),
                     advice: "check wedges, mounting and preprocessing; with a level axis, or a wedge off by a tenth of a degree, the open loop is no better".to_owned(),
                 });
             }
@@ -147,8 +154,9 @@ pub(crate) fn reservations(
     if let Some((worst, share)) = wide.iter().max_by(|a, b| a.1.total_cmp(&b.1)) {
         let names: Vec<String> = wide.iter().map(|(p, _)| p.parameter.to_string()).collect();
         reservations.push(format!(
-            "{}: known only to ±{:.0} % at worst ({}), mostly because of {}; repeat trials that load them",
+            "{}: known only to ±{:.*} % at worst ({}), mostly because of {}; repeat trials that load them",
             names.join(", "),
+            decimals_apart(100.0 * share, limits.interval_percent, 0),
             100.0 * share,
             worst.parameter,
             worst.dominated_by
@@ -185,9 +193,9 @@ pub(crate) fn reservations(
             && error > limits.hold_out_percent / 100.0
         {
             reservations.push(format!(
-                "{}: the other trials predict it only to within {:.1} % (the session asks for {} %): repeat it",
+                "{}: the other trials predict it only to within {} % (the session asks for {} %): repeat it",
                 report.name,
-                100.0 * error,
+                beside(error, limits.hold_out_percent),
                 limits.hold_out_percent
             ));
         }
@@ -195,9 +203,9 @@ pub(crate) fn reservations(
             let worst = worst(&errors);
             if worst > limits.validation_percent / 100.0 {
                 reservations.push(format!(
-                    "{}: decoupled, it departs from the standards by {:.1} % (the session asks for {} %); at low frequency a wedge that is off by a tenth of a degree does as much as 15 %",
+                    "{}: decoupled, it departs from the standards by {} % (the session asks for {} %); at low frequency a wedge that is off by a tenth of a degree does as much as 15 %",
                     report.name,
-                    100.0 * worst,
+                    beside(worst, limits.validation_percent),
                     limits.validation_percent
                 ));
             }

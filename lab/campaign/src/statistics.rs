@@ -4,8 +4,10 @@
 //! to the next: the same cases give the same bits. What is held in memory is a few parts.
 
 mod moments;
+mod share;
 
-pub use moments::{Estimator, Share};
+pub use moments::Estimator;
+pub use share::Share;
 
 use core::ops::Range;
 use std::collections::BTreeMap;

@@ -8,6 +8,7 @@ use crate::channel::Layout;
 use crate::error::{Error, Result};
 use crate::sink::Sink;
 use crate::source::Source;
+use crate::whole::check_regular;
 use crate::{hdf5, matlab, numpy, parquet, tdms, text};
 
 /// Bytes that are enough to tell the formats apart.
@@ -16,8 +17,9 @@ const HEAD: usize = 16;
 /// Opens a recording. What it is, its first bytes decide; where they say nothing, its name.
 ///
 /// # Errors
-/// [`Error::UnknownFormat`], and those of the format.
+/// [`Error::UnknownFormat`], [`Error::Io`] for what is no regular file, and those of the format.
 pub fn open(path: &Path) -> Result<Box<dyn Source>> {
+    check_regular(path)?;
     let mut head = Vec::with_capacity(HEAD);
     File::open(path)
         .and_then(|file| file.take(HEAD as u64).read_to_end(&mut head))

@@ -84,7 +84,11 @@ enum Task {
 }
 
 fn main() -> ExitCode {
-    let done = match Arguments::parse().command {
+    let command = match Arguments::try_parse() {
+        Ok(arguments) => arguments.command,
+        Err(answer) => return answered(&answer),
+    };
+    let done = match command {
         None => print(Arguments::command().render_help().to_string()).map(|()| ExitCode::SUCCESS),
         #[cfg(feature = "harness")]
         Some(Task::Report(arguments)) => report::run(&arguments),
@@ -101,10 +105,24 @@ fn main() -> ExitCode {
         Some(Task::Completions(arguments)) => completions::run(&arguments, Arguments::command()),
         Some(Task::Man(arguments)) => man::run(&arguments, Arguments::command()),
     };
-    done.unwrap_or_else(|error| {
-        tell("error", &in_words(&error));
-        ExitCode::FAILURE
-    })
+    done.unwrap_or_else(failed)
+}
+
+fn failed(error: anyhow::Error) -> ExitCode {
+    tell("error", &in_words(&error));
+    ExitCode::FAILURE
+}
+
+/// Help that was asked for, or what is not understood: printed as everything else is, without commands to the terminal and with an
+/// error where standard output takes nothing.
+fn answered(answer: &clap::Error) -> ExitCode {
+    let text = answer.render().to_string();
+    if answer.use_stderr() {
+        let (kind, text) = text.split_once(": ").unwrap_or(("error", &text));
+        tell(kind, text.trim_end());
+        return ExitCode::from(2);
+    }
+    print(text).map_or_else(failed, |()| ExitCode::SUCCESS)
 }
 
 /// An error with its causes, each once: some errors say their cause themselves.

@@ -2,11 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 use sixaxis_campaign::row::{Group, Row};
-use sixaxis_campaign::statistics::Summary;
+use sixaxis_campaign::statistics::{Share, Summary};
 use sixaxis_core::parameter::PARAMETERS;
-
-/// Two-sided 95 % point of the normal distribution.
-const Z_95: f64 = 1.959_963_984_540_054;
+use sixaxis_core::significance::NORMAL_95;
 
 /// The campaign of `campaign_mujoco.toml`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -54,12 +52,12 @@ impl Pooled {
             .map(|&(inside, of)| (inside as f64 - share * of as f64).powi(2))
             .sum();
         let n = cases.len() as f64;
-        let half = Z_95 * (squares * n / (n - 1.0).max(1.0)).sqrt() / intervals as f64;
+        let half = NORMAL_95 * (squares * n / (n - 1.0).max(1.0)).sqrt() / intervals as f64;
         Self {
             estimator: estimator.to_owned(),
             intervals,
             inside,
-            wilson_95: wilson(inside as f64, intervals as f64),
+            wilson_95: Share::of(inside, intervals).map_or((0.0, 1.0), |share| share.wilson_95),
             by_case_95: (share - half, share + half),
         }
     }
@@ -85,26 +83,4 @@ pub fn joint_holds(row: &Row, i: usize) -> Option<bool> {
     let of = |group: Group| row.group(group)[i];
     let (low, high) = (of(Group::JointLow)?, of(Group::JointHigh)?);
     Some((low..=high).contains(&of(Group::Truth)?))
-}
-
-/// Wilson's 95 % interval of a share.
-fn wilson(inside: f64, n: f64) -> (f64, f64) {
-    let p = inside / n;
-    let z2 = Z_95 * Z_95;
-    let centre = (p + z2 / (2.0 * n)) / (1.0 + z2 / n);
-    let half = Z_95 / (1.0 + z2 / n) * (p * (1.0 - p) / n + z2 / (4.0 * n * n)).sqrt();
-    (centre - half, centre + half)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn wilson_s_interval_is_the_textbook_s() {
-        // Brown, Cai and DasGupta's formula for 1 of 10 by hand: 0.0179, 0.4042.
-        let (low, high) = wilson(1.0, 10.0);
-        assert!((low - 0.0179).abs() < 5e-5 && (high - 0.4042).abs() < 5e-5);
-        assert!(wilson(10.0, 10.0).1 <= 1.0 + f64::EPSILON);
-    }
 }

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use sixaxis_recordings::session::line_at;
+use sixaxis_recordings::whole::read_text;
 use thiserror::Error;
 use toml::{Table, Value};
 
@@ -26,10 +27,13 @@ pub struct PlanFileError {
 /// # Errors
 /// [`PlanFileError`] for a file that cannot be read, text that is no TOML, keys that are not known and values of the wrong kind.
 pub fn read(path: &Path) -> Result<SessionPlan, PlanFileError> {
-    let text = std::fs::read_to_string(path).map_err(|e| PlanFileError {
+    let text = read_text(path).map_err(|error| PlanFileError {
         path: path.to_owned(),
         line: None,
-        cause: e.to_string(),
+        cause: match error {
+            sixaxis_recordings::Error::Io { source, .. } => source.to_string(),
+            other => other.to_string(),
+        },
     })?;
     parse(path, &text)
 }

@@ -64,6 +64,31 @@ pub fn ppm(share: f64, digits: usize) -> String {
     suffixed(significant(share * 1e6, digits), "ppm")
 }
 
+/// Significant digits at which a value prints differently from the limit that it is held to, at least `least`: a limit of 5 % is not
+/// missed by "5.0 %".
+#[must_use]
+pub fn digits_apart(value: f64, limit: f64, least: usize) -> usize {
+    let print = |x: f64, digits: usize| format!("{x:.*e}", digits.max(1) - 1);
+    apart(least, |digits| print(value, digits) != print(limit, digits))
+}
+
+/// The same for a fixed number of decimals.
+#[must_use]
+pub fn decimals_apart(value: f64, limit: f64, least: usize) -> usize {
+    apart(least, |decimals| {
+        format!("{value:.decimals$}") != format!("{limit:.decimals$}")
+    })
+}
+
+/// Digits beyond which a double has none of its own.
+const MOST_DIGITS: usize = 15;
+
+fn apart(least: usize, differ: impl Fn(usize) -> bool) -> usize {
+    (least..=MOST_DIGITS)
+        .find(|digits| differ(*digits))
+        .unwrap_or(least)
+}
+
 /// With a unit and the SI prefix that leaves one to three digits before the point:
 /// `si(2.0e4, 3, "Hz")` is `20.0 kHz`. For units that take prefixes only.
 #[must_use]
@@ -183,6 +208,23 @@ fn dress(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_limit_that_is_missed_prints_otherwise_than_what_misses_it() {
+        for (value, limit, expected) in [
+            (0.0503, 0.05, "5.03\u{a0}%"),
+            (0.050_000_1, 0.05, "5.00001\u{a0}%"),
+            (0.0612, 0.05, "6.1\u{a0}%"),
+            (0.05, 0.05, "5.0\u{a0}%"),
+        ] {
+            assert_eq!(percent(value, digits_apart(value, limit, 2)), expected);
+        }
+        assert_eq!(
+            (decimals_apart(5.03, 5.0, 1), decimals_apart(7.0, 5.0, 1)),
+            (2, 1)
+        );
+        assert_eq!(decimals_apart(f64::NAN, 5.0, 1), 1);
+    }
 
     #[test]
     fn significant_digits() {

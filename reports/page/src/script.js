@@ -16,6 +16,14 @@
   button.hidden = false;
   show();
 
+  const tables = [...document.querySelectorAll(".scroll")];
+  const cut = () => {
+    for (const t of tables) t.parentElement.classList.toggle("cut", t.scrollWidth > t.clientWidth + 1);
+  };
+  addEventListener("resize", cut);
+  addEventListener("load", cut);
+  cut();
+
   const links = new Map([...document.querySelectorAll("nav a")].map((a) => [a.hash.slice(1), a]));
   const sections = [...document.querySelectorAll("main > section")];
   let waiting = false;

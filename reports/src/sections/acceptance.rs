@@ -1,14 +1,15 @@
 //! Key figures at the top of the page, and the acceptance limits of the study.
 
 use anyhow::{Context, Result};
-use sixaxis_page::number::{fixed, percent, scientific};
+use sixaxis_page::number::{digits_apart, fixed, percent, scientific};
 use sixaxis_page::{Cell, Section, State, Table, Text, Tile};
 use sixaxis_props::results::{Laboratories, Published};
 use sixaxis_reference::rig::run::Mode;
 
 use super::{met, stiffness_text};
 use crate::study::results::{
-    Correction, FOUR_STEPS, LimitKind, ParameterSet, REPEATED, Results, Standard, substepped, worst,
+    AcceptanceLimit, Correction, FOUR_STEPS, LimitKind, ParameterSet, REPEATED, Results, Standard,
+    substepped, worst,
 };
 
 /// The tiles at the top.
@@ -107,14 +108,17 @@ pub fn section(r: &Results) -> Result<Section> {
 }
 
 fn table(r: &Results, kind: LimitKind) -> Table {
-    let with_unit = |value: f64, unit: &str| match unit {
-        "" => scientific(value, 2),
-        unit => format!("{} {unit}", scientific(value, 2)),
+    let with_unit = |value: f64, l: &AcceptanceLimit| {
+        let number = scientific(value, digits_apart(l.value, l.limit, 2));
+        match l.unit.as_str() {
+            "" => number,
+            unit => format!("{number} {unit}"),
+        }
     };
     let of_kind = r.acceptance.iter().filter(|limit| limit.kind == kind);
     Table::of("quantity", of_kind, |limit| limit.name.clone())
         .col("measured", |l| {
-            Cell::of(l.value, |v| with_unit(v, &l.unit)).state(match kind {
+            Cell::of(l.value, |v| with_unit(v, l)).state(match kind {
                 LimitKind::Required => met(l.met),
                 LimitKind::Aim => State::Neutral,
             })
@@ -124,7 +128,7 @@ fn table(r: &Results, kind: LimitKind) -> Table {
                 LimitKind::Required => "limit",
                 LimitKind::Aim => "aimed at",
             },
-            |l| with_unit(l.limit, &l.unit),
+            |l| with_unit(l.limit, l),
         )
         .text("remark", |l| l.note.clone())
         .into()

@@ -73,6 +73,9 @@ impl Setup {
         if let Some(file) = session {
             same_sensor(calibration, file)?;
         }
+        if let (Some(file), Some(entry)) = (session, entry) {
+            notes.extend(overruled(file, entry, overrides));
+        }
         let mut sensor = calibration.sensor();
         match (overrides.gain_n_per_v.as_slice(), session, entry) {
             ([], Some(file), Some(entry)) => {
@@ -98,13 +101,7 @@ impl Setup {
         sensor.gains.validate().context("--gain")?;
         let down = match overrides.down {
             Some(down) => Some(("--down", down)),
-            None => entry.and_then(|entry| match (entry.role, entry.down, entry.direction) {
-                (Role::Static, ..) => None,
-                (_, Some(down), _) => Some(("down", down)),
-                // Without a word the rig's axis stands upright: gravity does not turn in the sensor.
-                (_, None, Some(direction)) => Some(("direction", direction.map(|x| -x))),
-                (_, None, None) => None,
-            }),
+            None => entry.and_then(stated_down),
         };
         let gravity_ground_m_s2 = match down {
             Some((key, down)) => {
@@ -204,6 +201,69 @@ impl Setup {
     }
 }
 
+/// Where down is by a session's entry, with the key that says it.
+fn stated_down(entry: &Entry) -> Option<(&'static str, [f64; 3])> {
+    match (entry.role, entry.down, entry.direction) {
+        (Role::Static, ..) => None,
+        (_, Some(down), _) => Some(("down", down)),
+        // Without a word the rig's axis stands upright: gravity does not turn in the sensor.
+        (_, None, Some(direction)) => Some(("direction", direction.map(|x| 0.0 - x))),
+        (_, None, None) => None,
+    }
+}
+
+/// What the user says otherwise than the session, in sentences: nothing is overruled in silence.
+fn overruled(file: &SessionFile, entry: &Entry, overrides: &Overrides) -> Vec<String> {
+    let session = &file.session;
+    let channels = entry.channels.as_ref().unwrap_or(&session.channels);
+    let gains = entry.gain_n_per_v.unwrap_or(session.sensor.gain_n_per_v);
+    let text = |numbers: &[f64]| {
+        numbers
+            .iter()
+            .map(f64::to_string)
+            .collect::<Vec<_>>()
+            .join(",")
+    };
+    let said = [
+        (
+            "--rate",
+            entry.sample_rate_hz.map(|hz| format!("{hz} Hz")),
+            overrides.rate_hz.map(|hz| format!("{hz} Hz")),
+        ),
+        (
+            "--gain",
+            Some(format!("{} N/V", list(&gains.each()))),
+            match overrides.gain_n_per_v.as_slice() {
+                [] => None,
+                [one] => Some(format!("{one} N/V")),
+                nine => Some(format!("{} N/V", text(nine))),
+            },
+        ),
+        (
+            "--down",
+            stated_down(entry).map(|(key, down)| format!("{key} {}", text(&down))),
+            overrides.down.map(|down| format!("down {}", text(&down))),
+        ),
+        (
+            "--channels",
+            Some(channels.limbs.join(",")),
+            overrides.limbs.as_ref().map(|names| names.join(",")),
+        ),
+        (
+            "--unit",
+            channels.limbs_unit.clone(),
+            overrides.limbs_unit.clone(),
+        ),
+    ];
+    let path = file.path.display();
+    let differ = said.into_iter().filter_map(|(option, stated, used)| {
+        let (stated, used) = (stated?, used?);
+        (stated != used)
+            .then(|| format!("{path} states {stated}; {option} overrules it: {used} used"))
+    });
+    differ.collect()
+}
+
 /// Refuses a session whose sensor is not the one that was calibrated.
 fn same_sensor(calibration: &Calibration, file: &SessionFile) -> Result<()> {
     let (ours, theirs) = (&calibration.sensor, &file.session.sensor);
@@ -254,5 +314,5 @@ fn list(gains: &[f64; LIMBS]) -> String {
         return gains[0].to_string();
     }
     let texts: Vec<String> = gains.iter().map(f64::to_string).collect();
-    texts.join(", ")
+    texts.join(",")
 }

@@ -18,6 +18,9 @@ pub type Motion = [f64; COLUMNS];
 /// Largest departure of a stamp from an even clock, samples.
 const UNEVEN_SAMPLES: f64 = 0.1;
 
+/// Values from which on something else than a motion was recorded: their squares would no longer be numbers.
+const LARGEST: f64 = 1e100;
+
 /// An open motion.
 pub struct Track {
     /// Its file.
@@ -122,6 +125,11 @@ impl Track {
             if !value.is_finite() {
                 self.columns.check_finite(k)?;
             }
+            ensure!(
+                value.abs() < LARGEST,
+                "{}: {value:e} in SI units is no motion's: check the units, or what wrote the file",
+                self.path.display()
+            );
         }
         self.row += 1;
         Ok(Some(motion))

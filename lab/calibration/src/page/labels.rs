@@ -4,7 +4,7 @@ use sixaxis_core::Parameter;
 use sixaxis_recordings::session::Role;
 
 use sixaxis_core::identify::Verdict;
-use sixaxis_page::number::{MISSING, fixed, percent};
+use sixaxis_page::number::{MISSING, digits_apart, fixed, percent};
 use sixaxis_page::{Table, TableBuilder};
 
 /// `3 things`, `1 thing`.
@@ -100,6 +100,14 @@ pub fn share(share: Option<f64>) -> String {
         Some(share) if share > 10.0 => "> 1000\u{a0}%".to_owned(),
         Some(share) => percent(share, 2),
         None => MISSING.to_owned(),
+    }
+}
+
+/// A share as percent beside the limit that it is held to: with as many digits as tell the two apart.
+pub fn share_beside(value: Option<f64>, limit: f64) -> String {
+    match value {
+        Some(value) if value <= 10.0 => percent(value, digits_apart(value, limit, 2)),
+        other => share(other),
     }
 }
 

@@ -8,6 +8,7 @@ use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::DataType;
 use parquet::file::metadata::KeyValue;
 use parquet::file::reader::{FileReader, RowGroupReader, SerializedFileReader};
+use sixaxis_recordings::whole::read_bytes;
 
 use super::{
     CHECKSUM_KEY, COUNT_KEY, FIRST_SEED_KEY, FORMAT, FORMAT_KEY, PLAN_KEY, Provenance, SEED,
@@ -29,13 +30,15 @@ pub struct Part {
 /// Why a part cannot be used, in words.
 type Refused<T> = std::result::Result<T, String>;
 
+/// Bytes of a part at most: one of 64 cases has 100 kB.
+const MOST: u64 = 1 << 30;
+
 /// Reads a part.
 ///
 /// # Errors
 /// [`Error::File`] if it cannot be opened; [`Error::Damaged`] for anything but what [`super::write`] wrote under this name.
 pub fn read(path: &Path) -> Result<Part> {
-    let bytes =
-        std::fs::read(path).map_err(|source| sixaxis_recordings::Error::io(path, source))?;
+    let bytes = read_bytes(path, MOST)?;
     // The library panics on some hostile files.
     catch_unwind(AssertUnwindSafe(|| parse(Bytes::from(bytes))))
         .unwrap_or_else(|_| Err("the Parquet library gave up on it".to_owned()))

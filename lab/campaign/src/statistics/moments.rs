@@ -3,14 +3,7 @@
 use serde::{Deserialize, Serialize};
 use sixaxis_core::significance::NORMAL_95;
 
-/// A share of cases.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Share {
-    /// The share.
-    pub value: f64,
-    /// Its binomial standard error, root of p (1 - p)/n; 0 where all cases or none are in it.
-    pub standard_error: f64,
-}
+use super::share::Share;
 
 /// One estimator of one parameter. Errors are estimate less truth.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -78,14 +71,7 @@ impl Covered {
     }
 
     fn share(self) -> Option<Share> {
-        (self.cases > 0).then(|| {
-            let n = self.cases as f64;
-            let value = self.inside as f64 / n;
-            Share {
-                value,
-                standard_error: (value * (1.0 - value) / n).sqrt(),
-            }
-        })
+        Share::of(self.inside, self.cases)
     }
 }
 

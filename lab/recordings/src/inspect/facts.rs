@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 
+use super::allan::Stability;
 use crate::envelope::Envelope;
 use crate::ingest::clock::Stamps;
 use crate::unit::{self, Unit};
@@ -31,6 +32,9 @@ pub struct Inspection {
     pub twins: Vec<Twins>,
     /// The nine limbs and the standards, where they can be told.
     pub sensor: Option<Sensor>,
+    /// Root density of the noise of the six accelerations that the limbs' noise makes, where somebody has a calibration.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub axis_noise: Vec<AxisNoise>,
     /// What a person should know, in sentences: `noticed` and `remarks` in JSON.
     #[serde(flatten, serialize_with = "noticed_and_remarks")]
     pub facts: Vec<Fact>,
@@ -75,6 +79,17 @@ fn noticed_and_remarks<S: Serializer>(facts: &[Fact], to: S) -> Result<S::Ok, S:
     map.serialize_entry("noticed", &noticed)?;
     map.serialize_entry("remarks", &remarks)?;
     map.end()
+}
+
+/// White noise of one decoupled acceleration at rest.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AxisNoise {
+    /// Axis: `ax` to `alpha_z`.
+    pub axis: &'static str,
+    /// One-sided root density.
+    pub noise_density: f64,
+    /// Its unit: m/s^2 or rad/s^2 per root(Hz).
+    pub unit: &'static str,
 }
 
 /// A channel that cannot be read.
@@ -280,6 +295,8 @@ pub struct ChannelFacts {
     pub standard_deviation: Option<f64>,
     /// Standard deviation of the white noise: median over pieces of 4,096 samples.
     pub noise_floor: Option<f64>,
+    /// One-sided density of the same, unit per root(Hz); null where no rate is known.
+    pub noise_density: Option<f64>,
     /// Smallest difference of two samples.
     pub smallest_step: Option<f64>,
     /// Bits that the range needs in such steps, where all samples stand on a grid of them.
@@ -302,6 +319,9 @@ pub struct ChannelFacts {
     pub mains: Vec<Line>,
     /// Welch's spectrum.
     pub spectrum: Option<Densities>,
+    /// At rest: how it keeps its value over averaging times.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stability: Option<Stability>,
     /// What tells its samples from another channel's.
     #[serde(skip)]
     pub prints: Prints,
@@ -338,12 +358,13 @@ impl ChannelFacts {
 pub type Number = (&'static str, usize, fn(&ChannelFacts) -> Option<f64>);
 
 /// The numbers of a channel in the order of a table.
-pub const NUMBERS: [Number; 8] = [
+pub const NUMBERS: [Number; 9] = [
     ("min", 4, |c| c.minimum),
     ("max", 4, |c| c.maximum),
     ("mean", 4, |c| c.mean),
     ("std dev", 4, |c| c.standard_deviation),
     ("noise", 4, |c| c.noise_floor),
+    ("density", 4, |c| c.noise_density),
     ("step", 4, |c| c.smallest_step),
     ("bits", 3, |c| c.bits_used),
     ("drift", 4, |c| c.drift),

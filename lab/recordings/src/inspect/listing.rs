@@ -1,5 +1,6 @@
 //! The facts as text for a terminal: plain characters, aligned columns.
 
+use super::allan::Coefficient;
 use super::facts::{ChannelFacts, Group, Inspection, NUMBERS, Severity};
 use crate::ingest::clock::Stamps;
 use crate::printable::line;
@@ -90,6 +91,14 @@ pub fn text(inspection: &Inspection) -> String {
             lines.push(String::new());
             lines.extend(table(group));
         }
+        lines.extend(at_rest(group));
+    }
+    if !inspection.axis_noise.is_empty() {
+        lines.push("\n  noise of the accelerations at rest, one-sided root density".to_owned());
+        lines.extend(inspection.axis_noise.iter().map(|noise| {
+            let density = brief(noise.noise_density, DIGITS);
+            format!("    {:<8} {density} {}", noise.axis, noise.unit)
+        }));
     }
     lines.push(String::new());
     let told = |severity| {
@@ -186,6 +195,64 @@ pub fn unit(channel: &ChannelFacts) -> String {
     }
 }
 
+/// What the channels of a group at rest show over averaging times, and why a coefficient is missing.
+fn at_rest(group: &Group) -> Vec<String> {
+    let at_rest: Vec<_> = group
+        .channels
+        .iter()
+        .filter_map(|channel| Some((channel, channel.stability.as_ref()?)))
+        .collect();
+    if at_rest.is_empty() {
+        return Vec::new();
+    }
+    let coefficient = |found: Option<Coefficient>| {
+        found.map_or("-".to_owned(), |c| {
+            format!(
+                "{} +- {}",
+                brief(c.value, DIGITS),
+                brief(c.standard_error, 2)
+            )
+        })
+    };
+    let heading = [
+        "channel",
+        "unit",
+        "density/rtHz",
+        "bias instability",
+        "at s",
+        "walk/rts",
+    ];
+    let mut rows = vec![heading.map(str::to_owned).to_vec()];
+    for (channel, found) in &at_rest {
+        rows.push(vec![
+            line(&channel.name, NAME),
+            unit(channel),
+            coefficient(found.noise_density),
+            coefficient(found.bias_instability.map(|(value, _)| value)),
+            found
+                .bias_instability
+                .map_or("-".to_owned(), |(_, at_s)| brief(at_s, DIGITS)),
+            coefficient(found.random_walk),
+        ]);
+    }
+    let mut lines = vec![String::new(), "  at rest (Allan deviation)".to_owned()];
+    lines.extend(aligned(&rows));
+    let mut said: Vec<(&str, &str, Vec<&str>)> = Vec::new();
+    for (channel, found) in &at_rest {
+        for (&name, why) in &found.absent {
+            match said.iter_mut().find(|(n, w, _)| *n == name && w == why) {
+                Some((.., channels)) => channels.push(&channel.name),
+                None => said.push((name, why, vec![&channel.name])),
+            }
+        }
+    }
+    lines.extend(said.iter().map(|(name, why, channels)| {
+        let channels = line(&channels.join(", "), PROPERTY);
+        format!("    no {} of {channels}: {why}", name.replace('_', " "))
+    }));
+    lines
+}
+
 /// The table of a group's channels. `-` stands for what does not exist.
 fn table(group: &Group) -> Vec<String> {
     let mut heading = vec!["channel", "unit"];
@@ -208,6 +275,11 @@ fn table(group: &Group) -> Vec<String> {
         }));
         rows.push(row);
     }
+    aligned(&rows)
+}
+
+/// Columns of equal width.
+fn aligned(rows: &[Vec<String>]) -> Vec<String> {
     let width = |k: usize| rows.iter().map(|row| row[k].chars().count()).max();
     let widths: Vec<usize> = (0..rows[0].len()).filter_map(width).collect();
     rows.iter()

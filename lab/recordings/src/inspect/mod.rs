@@ -12,6 +12,7 @@
 //! | `extreme` | flat tops |
 //! | `resolution` | smallest step, bits |
 //! | `spectrum` | highest line, mains |
+//! | [`allan`] | at rest: Allan deviation, noise density, bias instability, random walk |
 //! | `pairs` | correlation; channels that are one signal |
 //! | `sensor` | the nine limbs and the standards, where they can be told |
 //! | `notices` | the facts in sentences |
@@ -22,6 +23,7 @@
 //! samples with its window and spectrum, 2,048 bins and 4,096 samples for the resolution. At most 128 channels are read side by
 //! side; more take several passes.
 
+pub mod allan;
 mod extreme;
 pub mod facts;
 pub mod listing;

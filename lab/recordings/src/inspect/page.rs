@@ -3,6 +3,7 @@
 use sixaxis_page::number::{MISSING, count, significant, with_unit};
 use sixaxis_page::{Axis, Block, Cell, Figure, Page, Section, State, Table, Tile};
 
+use super::allan::Coefficient;
 use super::facts::{ChannelFacts, Group, Inspection, NUMBERS, Severity};
 use super::listing;
 use crate::printable::line;
@@ -112,6 +113,7 @@ fn blocks(inspection: &Inspection, k: usize) -> Vec<Block> {
     let mut left = DRAWN;
     for (g, group) in inspection.groups.iter().enumerate() {
         blocks.push(Block::Table(numbers(inspection, group)));
+        blocks.extend(at_rest(group).map(Block::Table));
         let drawn = &group.channels[..group.channels.len().min(left)];
         left -= drawn.len();
         let id = |kind: &str, n: usize| format!("{kind}-{k}-{}-{}", g + 1, n + 1);
@@ -122,12 +124,31 @@ fn blocks(inspection: &Inspection, k: usize) -> Vec<Block> {
             }
             spectra.extend(spectrum(&id("spectrum", n), channel, group));
         }
-        for (heading, figures) in [("Time histories", histories), ("Spectra", spectra)] {
+        let stabilities = drawn.iter().enumerate();
+        let stabilities: Vec<Figure> = stabilities
+            .filter_map(|(n, channel)| stability(&id("allan", n), channel))
+            .collect();
+        for (heading, figures) in [
+            ("Time histories", histories),
+            ("Spectra", spectra),
+            ("Allan deviation", stabilities),
+        ] {
             if !figures.is_empty() {
                 let heading = Block::Heading(heading.to_owned());
                 blocks.extend([heading, Block::FigureGrid(figures)]);
             }
         }
+    }
+    if !inspection.axis_noise.is_empty() {
+        blocks.push(Block::Table(
+            Table::of("axis", &inspection.axis_noise, |noise| {
+                noise.axis.to_owned()
+            })
+            .col("root density", |noise| significant(noise.noise_density, 4))
+            .text("unit", |noise| noise.unit)
+            .caption("Noise of the accelerations at rest, one-sided")
+            .into(),
+        ));
     }
     let all: usize = inspection.groups.iter().map(|g| g.channels.len()).sum();
     if all > DRAWN {
@@ -180,7 +201,8 @@ fn numbers(inspection: &Inspection, group: &Group) -> Table {
         .caption(listing::heading(group))
         .footnote(
             "Each row in the channel's own unit; one with a question mark is not understood by the other commands. Noise: \
-             standard deviation of the white noise, from third differences. Step: smallest difference of two samples. Bits: \
+             standard deviation of the white noise, from third differences. Density: the same as a one-sided root density, per \
+             root hertz. Step: smallest difference of two samples. Bits: \
              what the range needs in such steps, where all samples stand on a grid of them. Drift: mean of the last tenth \
              less mean of the first. Peak: highest line of the spectrum, if one stands out.",
         )
@@ -215,6 +237,70 @@ fn history(id: &str, channel: &ChannelFacts, group: &Group) -> Figure {
         }
     }
     figure
+}
+
+/// What the Allan deviation tells of the channels at rest.
+fn at_rest(group: &Group) -> Option<Table> {
+    let at_rest: Vec<_> = group
+        .channels
+        .iter()
+        .filter_map(|channel| Some((channel, channel.stability.as_ref()?)))
+        .collect();
+    let coefficient = |found: Option<Coefficient>, why: Option<&String>| match found {
+        Some(c) => Cell::from(format!(
+            "{} ± {}",
+            significant(c.value, 4),
+            significant(c.standard_error, 2)
+        )),
+        None => Cell::from(MISSING).title(why.cloned().unwrap_or_default()),
+    };
+    if at_rest.is_empty() {
+        return None;
+    }
+    let table = Table::of("channel", at_rest, |(c, _)| text(&c.name, NAME))
+        .text("unit", |(c, _)| text(&listing::unit(c), NAME))
+        .col(("noise density", "per √Hz"), |(_, s)| {
+            coefficient(s.noise_density, s.absent.get("noise_density"))
+        })
+        .col("bias instability", |(_, s)| {
+            let value = s.bias_instability.map(|(value, _)| value);
+            coefficient(value, s.absent.get("bias_instability"))
+        })
+        .col(("at", "s"), |(_, s)| {
+            Cell::or_dash(s.bias_instability.map(|(_, at_s)| significant(at_s, 4)))
+        })
+        .col(("random walk", "per √s"), |(_, s)| {
+            coefficient(s.random_walk, s.absent.get("random_walk"))
+        })
+        .caption("At rest")
+        .footnote(
+            "From the Allan deviation, ± one standard deviation. Bias instability: lowest deviation over 0.664, at this averaging time. \
+             A dash: the record does not tell it; why stands behind the pointer, and in the listing.",
+        );
+    Some(table.into())
+}
+
+/// Allan deviation over averaging time, with the share of white noise where it is known.
+fn stability(id: &str, channel: &ChannelFacts) -> Option<Figure> {
+    let found = channel.stability.as_ref()?;
+    let points = found.deviations.iter();
+    let points: Vec<_> = points.map(|d| (d.averaging_s, d.deviation)).collect();
+    if points.iter().all(|(_, deviation)| *deviation <= 0.0) {
+        return None;
+    }
+    let mut figure = Figure::new(
+        id,
+        text(&channel.name, NAME),
+        Axis::log("averaging time", "s"),
+        Axis::log("Allan deviation", text(channel.unit_name(), NAME)),
+    );
+    if let Some(density) = found.noise_density {
+        let white = points
+            .iter()
+            .map(|(tau, _)| (*tau, density.value / (2.0 * tau).sqrt()));
+        figure = figure.dashed("white noise", 1, white.collect::<Vec<_>>());
+    }
+    Some(figure.line_points("record", 0, points))
 }
 
 /// Root of the density, so that the ordinate is in the channel's unit.

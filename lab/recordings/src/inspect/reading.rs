@@ -18,6 +18,7 @@ use crate::ingest::columns::{BLOCK, Columns};
 use crate::ingest::find::Column;
 use crate::ingest::units;
 use crate::open;
+use crate::session::Role;
 
 /// Values of a block at most.
 const VALUES: usize = 1 << 21;
@@ -88,6 +89,7 @@ pub fn inspect(
         unreadable: reader.unreadable,
         twins: one_signal,
         sensor,
+        axis_noise: Vec::new(),
         facts: Vec::new(),
     };
     inspection.facts = notices::of(&inspection, expected.as_ref());
@@ -200,13 +202,14 @@ impl Reader<'_> {
         };
         let welch = segment(read as u64, read < rows, length, early)
             .and_then(|segment| Welch::new(segment.min(most)).ok());
+        let at_rest = self.expected.is_some_and(|e| e.role == Some(Role::Static));
         let mut series: Vec<Series> = selection
             .iter()
             .map(|&index| {
                 let full_scale = self
                     .expected
                     .map_or(f64::INFINITY, |e| e.full_scale(self.layout, index));
-                Series::new(welch.clone(), full_scale)
+                Series::new(welch.clone(), full_scale, at_rest)
             })
             .collect();
         let mut pairs = Pairs::new(selection.len());

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use sixaxis_core::dsp::spectrum::{MIN_NOISE_SAMPLES, Welch, noise_floor};
 
+use super::allan::Allan;
 use super::extreme::Extreme;
 use super::facts::{ChannelFacts, Densities, Line, Prints, UnitFacts};
 use super::resolution::{Steps, keep_every_second};
@@ -37,17 +38,20 @@ pub struct Series {
     envelope: Envelope,
     noise: Noise,
     welch: Option<Welch>,
+    /// Of a recording at rest.
+    allan: Option<Allan>,
     full_scale: f64,
     at_full_scale: u64,
 }
 
 impl Series {
     /// Nothing taken yet. `welch` is left out for a recording that is too short for a spectrum; `full_scale` is the converter's
-    /// limit in the channel's unit, infinite if it is not known.
+    /// limit in the channel's unit, infinite if it is not known. `at_rest`: Allan deviations, too.
     #[must_use]
-    pub fn new(welch: Option<Welch>, full_scale: f64) -> Self {
+    pub fn new(welch: Option<Welch>, full_scale: f64, at_rest: bool) -> Self {
         Self {
             welch,
+            allan: at_rest.then(Allan::default),
             full_scale,
             ..Self::default()
         }
@@ -94,6 +98,9 @@ impl Series {
             self.finite = all;
         }
         self.noise.extend(samples);
+        if let Some(allan) = &mut self.allan {
+            allan.extend(samples);
+        }
         if let Some(welch) = &mut self.welch {
             welch.push(samples);
         }
@@ -153,6 +160,9 @@ impl Series {
                 "",
             ),
             noise_floor,
+            noise_density: noise_floor
+                .zip(rate_hz)
+                .map(|(sigma, rate)| sigma * (2.0 / rate).sqrt()),
             smallest_step: number("smallest_step", resolution.smallest_step, "constant"),
             bits_used: number("bits_used", resolution.grid_step().map(bits), no_bits),
             constant,
@@ -164,6 +174,10 @@ impl Series {
             dominant: spectra.dominant,
             mains: spectra.mains,
             spectrum: spectra.densities,
+            stability: self
+                .allan
+                .zip(rate_hz)
+                .and_then(|(allan, rate)| allan.finish(self.rows, rate)),
             prints: Prints {
                 same: self.same,
                 turned: self.turned,

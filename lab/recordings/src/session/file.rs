@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use super::place;
 use super::schema::Session;
 use crate::error::{Error, Result};
+use crate::whole::read_text;
 
 /// A session file that has been read and checked.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,7 +25,7 @@ impl SessionFile {
     /// [`Error::Io`] if it cannot be read; [`Error::Session`] with line and key for text that is no TOML, for keys that are
     /// unknown or missing, and for values that are impossible.
     pub fn read(path: &Path) -> Result<Self> {
-        let text = std::fs::read_to_string(path).map_err(|source| Error::io(path, source))?;
+        let text = read_text(path)?;
         Self::parse(path, text)
     }
 

@@ -20,7 +20,8 @@ use sixaxis_page::render;
 use sixaxis_recordings::draft::write_atomically;
 use sixaxis_recordings::session::{self, SessionFile};
 
-use super::common::{check_outputs, mention_earlier, print, print_json, wrapped};
+use super::common::{print, print_json, wrapped};
+use super::output::{check_outputs, mention_earlier};
 use crate::progress::Progress;
 
 use repetition::Repetition;

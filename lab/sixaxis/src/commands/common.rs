@@ -1,12 +1,12 @@
-//! What several subcommands have in common: arguments, checks of paths, printing.
+//! What several subcommands have in common: arguments, printing.
 
 use std::io::{ErrorKind, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 use sixaxis_calibration::apply::setup::Overrides;
 use sixaxis_core::LIMBS;
-use sixaxis_recordings::printable;
+use sixaxis_recordings::printable::{self, short_numbers};
 use sixaxis_recordings::session::SessionFile;
 use sixaxis_recordings::unit::{self, Unit};
 
@@ -91,42 +91,12 @@ impl Beside {
     }
 }
 
-fn same_file(a: &Path, b: &Path) -> bool {
-    match (a.canonicalize(), b.canonicalize()) {
-        (Ok(a), Ok(b)) => a == b,
-        _ => a == b,
-    }
-}
-
-/// Refuses outputs, each with its option, that are one file, or that would replace an input.
-pub fn check_outputs<'a>(
-    outputs: &[(&str, &Path)],
-    inputs: impl IntoIterator<Item = &'a Path>,
-) -> Result<()> {
-    for (at, (option, output)) in outputs.iter().enumerate() {
-        for (other, earlier) in &outputs[..at] {
-            ensure!(
-                !same_file(output, earlier),
-                "{other} and {option} are the same file, {}",
-                output.display()
-            );
-        }
-    }
-    for input in inputs {
-        for (option, output) in outputs {
-            ensure!(
-                !same_file(output, input),
-                "{option}: {} is read and would be written over; name another file",
-                output.display()
-            );
-        }
-    }
-    Ok(())
-}
-
 /// Prints to standard output, whatever the names in it. A reader that has gone away, such as `head`, is no error.
 pub fn print(text: impl AsRef<str>) -> Result<()> {
-    let text = printable::lines(text.as_ref(), usize::MAX);
+    put(&printable::lines(&short_numbers(text.as_ref()), usize::MAX))
+}
+
+fn put(text: &str) -> Result<()> {
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
@@ -147,18 +117,7 @@ pub fn print_json(value: &impl serde::Serialize) -> Result<()> {
             c => json.push(c),
         }
     }
-    print(json + "\n")
-}
-
-/// Says that a result that was not written is there all the same, from before.
-pub fn mention_earlier(output: &Path) {
-    if output.is_file() {
-        let output = output.display();
-        tell(
-            "warning",
-            &format!("{output} is of an earlier run; it stays as it is"),
-        );
-    }
+    put(&(json + "\n"))
 }
 
 /// Characters of a message: a file of 20,000 columns has a long list of names.
@@ -166,7 +125,10 @@ const MESSAGE: usize = 4000;
 
 /// Prints a message to standard error, whatever the names in it.
 pub fn tell(kind: &str, text: &str) {
-    eprintln!("{kind}: {}", printable::lines(text, MESSAGE));
+    eprintln!(
+        "{kind}: {}",
+        printable::lines(&short_numbers(text), MESSAGE)
+    );
 }
 
 /// Prints to standard error, a line for each text.

@@ -11,7 +11,8 @@ use sixaxis_calibration::page;
 use sixaxis_page::render;
 use sixaxis_recordings::draft::write_atomically;
 
-use super::common::{check_outputs, print, say};
+use super::common::{print, say};
+use super::output::check_outputs;
 
 /// What is held against what.
 #[derive(clap::Args)]

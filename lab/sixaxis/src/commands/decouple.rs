@@ -19,10 +19,12 @@ use sixaxis_calibration::report::Grade;
 use sixaxis_core::LimbSet;
 use sixaxis_page::render;
 use sixaxis_recordings::draft::write_atomically;
+use sixaxis_recordings::inspect::listing::brief;
 use sixaxis_recordings::{Layout, Sink};
 
-use super::common::{Beside, check_outputs, mention_earlier, print, print_json, say, tell};
+use super::common::{Beside, print, print_json, say, tell};
 use super::integrator::Integrator;
+use super::output::{check_outputs, mention_earlier};
 use crate::progress::Progress;
 
 /// What is decoupled with what.
@@ -268,6 +270,11 @@ fn facts(summary: &Summary) -> Vec<(String, String)> {
         ("samples", decoupled.samples.to_string()),
         ("sample rate", format!("{} Hz", decoupled.sample_rate_hz)),
         ("scheme", decoupled.scheme.name().to_owned()),
+        ("gains of limbs 1 to 9, N/V", list(&decoupled.gain_n_per_v)),
+        (
+            "gravity, ground axes, m/s²",
+            list(&decoupled.gravity_ground_m_s2),
+        ),
     ];
     if let Some(corner_hz) = decoupled.low_pass_hz {
         facts.push(("low-pass", format!("{corner_hz} Hz, without phase")));
@@ -283,6 +290,11 @@ fn facts(summary: &Summary) -> Vec<(String, String)> {
         .into_iter()
         .map(|(name, value)| (name.to_owned(), value));
     owned.collect()
+}
+
+fn list(numbers: &[f64]) -> String {
+    let texts: Vec<String> = numbers.iter().map(|number| brief(*number, 6)).collect();
+    texts.join(", ")
 }
 
 fn stream(arguments: &Arguments, job: &Job) -> Result<()> {

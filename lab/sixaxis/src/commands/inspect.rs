@@ -3,15 +3,23 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use serde::Serialize;
+use sixaxis_calibration::apply::axis_noise::axis_noise_densities;
+use sixaxis_calibration::apply::setup::{Overrides, Setup};
+use sixaxis_calibration::calibration::Calibration;
+use sixaxis_core::LIMBS;
 use sixaxis_page::render;
 use sixaxis_recordings::draft::write_atomically;
 use sixaxis_recordings::ingest::columns::BLOCK;
+use sixaxis_recordings::inspect::facts::{AxisNoise, ChannelFacts};
 use sixaxis_recordings::inspect::{Expected, Inspection, Severity, inspect, listing, page};
-use sixaxis_recordings::session::SessionFile;
+use sixaxis_recordings::motion::MOTION_CHANNELS;
+use sixaxis_recordings::session::{Role, SessionFile};
+use sixaxis_recordings::unit::{self, Unit};
 
-use super::common::{Naming, check_outputs, print, print_json, tell};
+use super::common::{Naming, print, print_json, tell};
+use super::output::check_outputs;
 use crate::progress::Progress;
 
 /// Which recordings, and in what form the answer is wanted.
@@ -33,6 +41,13 @@ pub struct Arguments {
     /// Session that the recordings belong to: names, units and full scale where the files do not say
     #[arg(long, value_name = "SESSION")]
     session: Option<PathBuf>,
+    /// The recordings are of the sensor at rest: Allan deviation, noise density, bias instability, random walk; with --session those
+    /// of role static are
+    #[arg(long)]
+    at_rest: bool,
+    /// Calibration: what the limbs' noise makes of the six accelerations at rest, with the gains that the session states
+    #[arg(long, value_name = "FILE", requires = "session")]
+    calibration: Option<PathBuf>,
     #[command(flatten)]
     naming: Naming,
     /// Exit with 4 if anything is noticed
@@ -44,14 +59,19 @@ const AFTER_HELP: &str = "\
 Examples:
   sixaxis inspect run.tdms
   sixaxis inspect day/*.npz --session day/session.toml --strict
+  sixaxis inspect day/static.npz --session day/session.toml --calibration day/calibration.json
   sixaxis inspect run.csv --picture run.html
   sixaxis inspect run.csv --channels a1,a2,a3,a4,a5,a6,a7,a8,a9 --unit mV
   sixaxis inspect run.parquet --json | jq '.files[].noticed'
 
 Columns: noise is the standard deviation of the white noise (median over pieces of 4,096 samples, from third differences);
-step the smallest difference of two samples; bits what the range needs in such steps, where all samples stand on a grid of
+density the same as a one-sided root density, per root hertz: noise by the root of 2 over the rate; step the smallest difference of two samples; bits what the range needs in such steps, where all samples stand on a grid of
 them; drift the mean of the last tenth less that of the first; peak the highest line of the spectrum. A unit with a question
 mark is not understood by `calibrate`.
+
+At rest, the Allan deviation at averaging times of 1, 2, 4 ... samples (--json and --picture have it) gives the density of the white
+noise, the bias instability (lowest deviation over 0.664, and the averaging time) and the random walk (the unit per root second), each with
+one standard deviation, or why the record does not tell it. With --calibration the limbs' noise becomes that of the accelerations.
 
 Exit codes: 0 all could be read, whatever was noticed; 1 a file could not be read; 4 with --strict, something was noticed.";
 
@@ -78,6 +98,8 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     }
     let session = arguments.session.as_deref().map(SessionFile::read);
     let session = session.transpose()?;
+    let calibration = arguments.calibration.as_deref().map(Calibration::read);
+    let calibration = calibration.transpose()?;
     let mut outcomes = Vec::new();
     for (index, file) in arguments.files.iter().enumerate() {
         let progress = Progress::shown();
@@ -87,9 +109,15 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
                 progress.report("inspect", total, rows);
             }
         };
-        let expected = expected(&arguments.naming, session.as_ref(), file);
+        let expected = expected(arguments, session.as_ref(), file);
         match inspect(file, expected, &mut advance) {
             Ok(mut inspection) => {
+                if let Some(calibration) = &calibration {
+                    match axis_noise(calibration, session.as_ref(), file, &inspection) {
+                        Ok(noise) => inspection.axis_noise = noise,
+                        Err(error) => tell("warning", &format!("{error:#}")),
+                    }
+                }
                 if !arguments.json {
                     let between = if index > 0 { "\n" } else { "" };
                     print(format!("{between}{}", listing::text(&inspection)))?;
@@ -144,13 +172,56 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
 }
 
 /// What session and options say of a file.
-fn expected(naming: &Naming, session: Option<&SessionFile>, file: &Path) -> Option<Expected> {
+fn expected(arguments: &Arguments, session: Option<&SessionFile>, file: &Path) -> Option<Expected> {
+    let naming = &arguments.naming;
     let mut expected = session.map(|session| Expected::of(session, file));
     if naming.channels.is_some() || naming.unit.is_some() {
         let channels = &mut expected.get_or_insert_default().channels;
         channels.state(naming.channels.as_ref(), naming.unit.as_ref());
     }
+    if arguments.at_rest {
+        expected.get_or_insert_default().role = Some(Role::Static);
+    }
     expected
+}
+
+/// Noise of the six accelerations, from that of the nine limbs; of a recording that is not at rest nothing is said.
+fn axis_noise(
+    calibration: &Calibration,
+    session: Option<&SessionFile>,
+    file: &Path,
+    inspection: &Inspection,
+) -> Result<Vec<AxisNoise>> {
+    let Some(sensor) = &inspection.sensor else {
+        return Ok(Vec::new());
+    };
+    let channels: Vec<&ChannelFacts> = inspection.groups.iter().flat_map(|g| &g.channels).collect();
+    let mut densities = [0.0; LIMBS];
+    for (density, name) in densities.iter_mut().zip(&sensor.limbs) {
+        let channel = channels.iter().find(|c| &c.name == name);
+        let Some((channel, at_rest)) = channel.and_then(|c| Some((c, c.stability.as_ref()?)))
+        else {
+            return Ok(Vec::new());
+        };
+        let white = at_rest.noise_density.map(|found| found.value);
+        let volts = match unit::named(channel.unit_name()) {
+            Some(Unit::Voltage(volts)) => volts,
+            _ => 1.0,
+        };
+        *density = volts
+            * white
+                .or(channel.noise_density)
+                .with_context(|| format!("{}: {name} has no noise density", file.display()))?;
+    }
+    let setup = Setup::new(calibration, session, Some(file), &Overrides::default())?;
+    let axes = axis_noise_densities(&setup, &densities)?;
+    let named = MOTION_CHANNELS.iter().zip(axes).enumerate();
+    let noise = named.map(|(k, (&(axis, _), noise_density))| AxisNoise {
+        axis,
+        noise_density,
+        unit: if k < 3 { "m/s^2/rtHz" } else { "rad/s^2/rtHz" },
+    });
+    Ok(noise.collect())
 }
 
 fn draw(picture: &Path, outcomes: &[Outcome]) -> Result<()> {

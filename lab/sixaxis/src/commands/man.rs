@@ -9,6 +9,7 @@ use clap_mangen::Man;
 use sixaxis_recordings::draft::write_atomically;
 
 use super::common::print;
+use super::output::make_folder;
 
 /// Which pages, and where to.
 #[derive(clap::Args)]
@@ -33,6 +34,7 @@ pub fn run(arguments: &Arguments, mut command: Command) -> Result<ExitCode> {
     // Gives each subcommand the name under which it is called: `sixaxis-campaign-run`.
     command.build();
     if let Some(folder) = &arguments.out {
+        make_folder(folder)?;
         let mut open = vec![command];
         while let Some(command) = open.pop() {
             let (name, page) = page(&command)?;

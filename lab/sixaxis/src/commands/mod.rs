@@ -11,6 +11,7 @@ pub mod integrator;
 pub mod man;
 #[cfg(feature = "harness")]
 pub mod model;
+pub mod output;
 pub mod panel;
 #[cfg(feature = "harness")]
 pub mod report;

@@ -12,6 +12,7 @@ use sixaxis_recordings::session::SessionFile;
 use sixaxis_reference::laboratory::plan::Engine;
 
 use super::common::print;
+use super::output::make_folder;
 use super::simulate::{ENGINES, USUAL_ENGINE, choice};
 
 /// Where samples come from, and who may look.
@@ -129,6 +130,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
             engine: arguments.engine.unwrap_or(USUAL_ENGINE),
         }),
     };
+    make_folder(&arguments.out)?;
     let mut panel = start(Options {
         source,
         rate_hz: arguments.rate,

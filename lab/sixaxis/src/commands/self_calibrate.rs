@@ -9,7 +9,8 @@ use sixaxis_calibration::calibration::Calibration;
 use sixaxis_calibration::self_calibrate::{Check, Finding, Known, Rest};
 use sixaxis_recordings::draft::write_atomically;
 
-use super::common::{Beside, check_outputs, mention_earlier, print, print_json, say};
+use super::common::{Beside, print, print_json, say};
+use super::output::{check_outputs, mention_earlier};
 use crate::progress::Progress;
 
 /// Which calibration is checked with which recording.

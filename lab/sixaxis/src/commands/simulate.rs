@@ -19,6 +19,7 @@ use sixaxis_reference::laboratory::tumble::record_tumble;
 use sixaxis_reference::laboratory::write::{SESSION_FILE, TRUTH_FOLDER, write, write_beside};
 
 use super::common::print;
+use super::output::claim_folder;
 use crate::progress::Progress;
 
 /// What to play and where to write.
@@ -154,13 +155,18 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     }
     let out = &arguments.out;
     // Before minutes of work, not after them.
+    if let Some(duration_s) = arguments.tumble {
+        ensure!(
+            (LEAST_TUMBLE_S..=LONGEST_TUMBLE_S).contains(&duration_s),
+            "--tumble: {duration_s} s; give {LEAST_TUMBLE_S} to {LONGEST_TUMBLE_S}"
+        );
+    }
+    let _ours_alone = claim_folder(out)?;
     ensure!(
         arguments.force || !out.join(SESSION_FILE).exists(),
         "{} holds a session already; give another folder, or --force to replace it",
         out.display()
     );
-    std::fs::create_dir_all(out)
-        .with_context(|| format!("cannot create the output folder {}", out.display()))?;
     let progress = Progress::shown();
     let work = work_ms(&plan)?;
     let played = simulate_session_watched(&plan, &|ms| progress.report("simulating", work, ms))
@@ -185,10 +191,6 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
 
 /// Writes a tumble beside the session and says how to check the calibration with it.
 fn from_the_field(arguments: &Arguments, plan: &SessionPlan, duration_s: f64) -> Result<String> {
-    ensure!(
-        (LEAST_TUMBLE_S..=LONGEST_TUMBLE_S).contains(&duration_s),
-        "--tumble: {duration_s} s; give {LEAST_TUMBLE_S} to {LONGEST_TUMBLE_S}"
-    );
     let mut drift = [0.0; LIMBS];
     for &(limb, share) in &arguments.drift_limb {
         drift[limb] = share;

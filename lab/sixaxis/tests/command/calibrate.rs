@@ -105,6 +105,7 @@ fn defect_is_not_good_and_nothing_is_green() {
     let session = session("inverted", DefectChoice::Exactly(all_day));
     let folder = session.parent().expect("a folder");
     let (out, report) = (folder.join("to/c.json"), folder.join("to/r.html"));
+    std::fs::create_dir(folder.join("to")).expect("a folder");
     let output = calibrate(&[
         text(&session),
         "--out",

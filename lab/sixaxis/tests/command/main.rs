@@ -6,8 +6,14 @@ mod calibrate_joint;
 mod campaign;
 mod decouple;
 mod docs;
+#[cfg(feature = "harness")]
+mod exit_codes;
 mod help;
+mod inputs;
 mod inspect;
+#[cfg(all(feature = "harness", target_os = "linux"))]
+mod moved;
+mod noise;
 mod outputs;
 mod panel;
 mod program;

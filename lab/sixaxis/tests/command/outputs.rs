@@ -59,6 +59,27 @@ fn neg_no_name_commands_the_terminal() {
             );
         }
     }
+    // Nor do words of the command line that are not understood, nor are they repeated at any length.
+    for hostile in hostile {
+        for word in [
+            hostile.to_owned(),
+            format!("--{hostile}"),
+            hostile.repeat(20_000),
+        ] {
+            for said in [
+                run(&[&word]),
+                run(&["decouple", &word]),
+                run(&["simulate", "--seed", &word]),
+            ] {
+                let words = stderr(&said);
+                assert!(
+                    (1..=2).contains(&code(&said)) && words.len() < 20_000,
+                    "{word:.20?}"
+                );
+                assert!(!words.contains(hostile), "{words:.300?}");
+            }
+        }
+    }
     // Twenty thousand columns are not all listed in an error.
     let wide = folder.file("wide.csv");
     let names: Vec<String> = (0..20_000).map(|n| format!("column{n}")).collect();
@@ -100,6 +121,9 @@ fn neg_standard_output_that_takes_nothing_is_an_error_in_words() {
         vec!["compare", &a, &a, "--out", &page],
         vec!["man"],
         vec![],
+        vec!["--help"],
+        vec!["campaign", "run", "--help"],
+        vec!["--version"],
     ];
     let model = folder.file("model.xml");
     if cfg!(feature = "harness") {
@@ -125,4 +149,110 @@ fn neg_standard_output_that_takes_nothing_is_an_error_in_words() {
         let said = gone.wait_with_output().expect("it ends");
         assert_eq!(code(&said), 0, "{arguments:?}: {}", stderr(&said));
     }
+}
+
+/// Numbers whose squares are none are no motion, and no table of `inf` with exit code 0.
+#[test]
+fn neg_what_is_no_motion_is_not_compared() {
+    let folder = Folder::new("no_motion");
+    let (a, b) = (folder.file("a.csv"), folder.file("b.csv"));
+    fs::write(&a, DECOUPLED).expect("writes");
+    fs::write(&b, DECOUPLED.replace("0.002,2,", "0.002,1e307,")).expect("writes");
+    for asked in [["compare", &a, &b], ["compare", &b, &a]] {
+        let said = run(&[&asked[..], &["--out", &folder.file("page.html")]].concat());
+        assert_eq!(code(&said), 1, "{}", stdout(&said));
+        assert!(
+            stderr(&said).contains("1e307 in SI units is no motion's"),
+            "{}",
+            stderr(&said)
+        );
+    }
+}
+
+/// A folder that is made for an output is named, one that is there is not.
+#[test]
+fn inv_folders_are_not_made_in_silence() {
+    let folder = Folder::new("made_folders");
+    let a = folder.file("a.csv");
+    fs::write(&a, DECOUPLED).expect("writes");
+    let page = folder.file("new/deep/page.html");
+    let asked = ["compare", &a, &a, "--out", &page];
+    let words = stderr(&done(&asked));
+    let line = format!(
+        "note: --out: the folder {} is not there and will be made\n",
+        folder.file("new/deep")
+    );
+    assert!(words.contains(&line), "{words}");
+    assert!(!stderr(&done(&asked)).contains("will be made"));
+    let quick = ["--engine", "rigid", "--trials", "3", "--rate", "200"];
+    let simulate = |out: &str| {
+        let out = folder.file(out);
+        stderr(&done(&[&["simulate", "--out", &out][..], &quick].concat()))
+    };
+    assert!(simulate("days/first").contains("days is not there and will be made"));
+    assert!(!simulate("days/second").contains("will be made"));
+}
+
+/// Of two that would write into one folder the second is refused, and the first wins as a whole.
+#[cfg(target_os = "linux")]
+#[test]
+fn neg_two_do_not_write_into_one_folder() {
+    let folder = Folder::new("two_in_one");
+    let day = folder.join("day");
+    fs::create_dir(&day).expect("a folder");
+    let quick = [
+        "simulate", "--engine", "rigid", "--trials", "3", "--rate", "200", "--force",
+    ];
+    let second = || run(&[&quick[..], &["--out", &folder.file("day")]].concat());
+    let first = File::open(&day).expect("opens");
+    first.lock().expect("locks");
+    let said = second();
+    assert_eq!(code(&said), 1);
+    let words = stderr(&said);
+    assert!(
+        words.contains("another run is writing into this folder"),
+        "{words}"
+    );
+    assert_eq!(fs::read_dir(&day).expect("lists").count(), 0);
+    // However the first one ends, its lock ends with it.
+    drop(first);
+    assert_eq!(code(&second()), 0);
+    // At once, in earnest: each file is of one and the same run.
+    let mut begun: Vec<_> = ["8", "9"]
+        .iter()
+        .map(|seed| {
+            let mut command = sixaxis();
+            command
+                .args(quick)
+                .args(["--out", &folder.file("day"), "--seed", seed]);
+            (
+                seed,
+                command
+                    .stderr(Stdio::null())
+                    .stdout(Stdio::null())
+                    .spawn()
+                    .expect("starts"),
+            )
+        })
+        .collect();
+    let won: Vec<_> = begun
+        .iter_mut()
+        .filter_map(|(seed, child)| child.wait().expect("ends").success().then_some(**seed))
+        .collect();
+    let last = won.last().expect("one of them wins");
+    let alone = folder.file("alone");
+    done(&[&quick[..], &["--out", &alone, "--seed", last]].concat());
+    // Where both were done, one after the other, the files are the later one's: of one of the two seeds, all.
+    let same = |seed_folder: &str| {
+        fs::read_dir(seed_folder)
+            .expect("lists")
+            .flatten()
+            .filter(|e| e.path().is_file())
+            .all(|entry| fs::read(entry.path()).ok() == fs::read(day.join(entry.file_name())).ok())
+    };
+    let other = folder.file("other");
+    if won.len() == 2 {
+        done(&[&quick[..], &["--out", &other, "--seed", won[0]]].concat());
+    }
+    assert!(same(&alone) || (won.len() == 2 && same(&other)));
 }

@@ -13,9 +13,6 @@ use sixaxis_reference::laboratory::instruments::{GAIN_SHARE, INSTRUMENT_CLASS};
 use super::coverage::BAND;
 use crate::study::results::identifiability::{Interval, Known, KnownParameter};
 
-/// Standard errors that a coverage may be outside its band by chance.
-const CHANCE: f64 = 2.0;
-
 /// What a family of parameters is known to, by the middle one: 95 % half width, and one standard deviation of what the
 /// trials leave.
 #[derive(Serialize)]
@@ -138,12 +135,13 @@ fn table(known: &Known, campaign: &Campaign) -> Table {
 }
 
 fn coverage(share: Share) -> Cell {
-    let chance = CHANCE * share.standard_error;
-    let outside = share.value < BAND.0 - chance || share.value > BAND.1 + chance;
+    let (low, high) = share.wilson_95;
+    let outside = high < BAND.0 || low > BAND.1;
     Cell::from(fixed(100.0 * share.value, 1))
         .title(format!(
-            "± {} by chance (1σ)",
-            percent(share.standard_error, 2)
+            "{} to {} by Wilson's 95 % interval",
+            percent(low, 2),
+            percent(high, 2)
         ))
         .state(if outside { State::Warn } else { State::Neutral })
 }

@@ -4,7 +4,7 @@ use crate::calibrate::CalibratedSession;
 use crate::report::ParameterReport;
 use sixaxis_recordings::session::SessionFile;
 
-use crate::page::labels::{by_kind, share, stated, symbol, with_interval};
+use crate::page::labels::{by_kind, share, share_beside, stated, symbol, with_interval};
 use sixaxis_core::Parameter;
 use sixaxis_page::number::{MISSING, fixed, scientific};
 use sixaxis_page::{Axis, Block, Cell, Figure, Section, Table};
@@ -88,7 +88,7 @@ fn relative(p: &ParameterReport, limit: f64) -> Cell {
         }
         Some(half_width) if p.parameter.has_size() => {
             let ratio = half_width / p.estimate.abs();
-            Cell::from(share(Some(ratio))).warn_unless(ratio <= limit)
+            Cell::from(share_beside(Some(ratio), limit)).warn_unless(ratio <= limit)
         }
         _ => Cell::from(MISSING),
     }

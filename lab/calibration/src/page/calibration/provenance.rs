@@ -50,11 +50,28 @@ fn table(file: &SessionFile, calibrated: &CalibratedSession) -> Table {
             significant(t.voltage_v.len() as f64 / t.sample_rate_hz, 3)
         })
     })
+    .text("gains, N/V", |entry| {
+        list(&entry.gain_n_per_v.unwrap_or(file.session.sensor.gain_n_per_v).each())
+    })
+    .text("down", |entry| match (entry.down, entry.direction) {
+        (Some(down), _) => list(&down),
+        (None, Some(_)) => "along the rig's axis".to_owned(),
+        (None, None) => MISSING.to_owned(),
+    })
     .caption("Recordings")
     .footnote(
-        "Samples and rate as they were worked with: a long static record is averaged in groups.",
+        "Samples and rate as they were worked with: a long static record is averaged in groups. Gains of limbs 1 to 9, one number \
+         where all are the same; down in the sensor's axes at rest, where gravity of 9.80665 m/s² points.",
     )
     .into()
+}
+
+/// Numbers as the session states them, one where all are the same.
+fn list(numbers: &[f64]) -> String {
+    let same = numbers.windows(2).all(|pair| pair[0] == pair[1]);
+    let shown = if same { &numbers[..1] } else { numbers };
+    let texts: Vec<String> = shown.iter().map(f64::to_string).collect();
+    texts.join(", ")
 }
 
 fn session_name(file: &SessionFile) -> String {

@@ -6,7 +6,9 @@ use crate::grade::COORDINATION_LIMIT;
 use crate::report::TrialReport;
 use sixaxis_recordings::session::{Limits, Role, SessionFile};
 
-use crate::page::labels::{self, direction, file_name, largest, share, stated, unbroken};
+use crate::page::labels::{
+    self, direction, file_name, largest, share, share_beside, stated, unbroken,
+};
 use sixaxis_page::number::{MISSING, fixed, percent, significant};
 use sixaxis_page::{Axis, Block, Cell, Figure, Section, State, Table};
 
@@ -144,7 +146,7 @@ fn table(file: &SessionFile, calibrated: &CalibratedSession) -> Table {
 /// A share, marked where it is beyond its limit.
 fn within(value: Option<f64>, limit: f64) -> Cell {
     // NaN is marked, too.
-    Cell::from(share(value)).warn_unless(value.is_none_or(|value| value <= limit))
+    Cell::from(share_beside(value, limit)).warn_unless(value.is_none_or(|value| value <= limit))
 }
 
 fn worst(values: Option<&[f64]>) -> Option<f64> {

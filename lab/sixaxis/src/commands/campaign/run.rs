@@ -9,7 +9,8 @@ use sixaxis_campaign::plan::{CampaignPlan, LARGEST_SEED, Shard};
 use sixaxis_campaign::run::{Order, Watch, run as work};
 use sixaxis_reference::laboratory::plan_file;
 
-use crate::commands::common::print;
+use crate::commands::common::{print, tell};
+use crate::commands::output::make_folder;
 use crate::progress::Progress;
 
 /// Which cases and where to write.
@@ -57,6 +58,9 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let session = plan_file::read(&arguments.plan)?;
     let plan = CampaignPlan::new(&session, arguments.first_seed, arguments.count)
         .with_context(|| format!("{} cannot be run", arguments.plan.display()))?;
+    if !arguments.quiet {
+        make_folder(&arguments.out)?;
+    }
     let shown = Shown(Progress::new(arguments.quiet));
     let started = Instant::now();
     let done = work(
@@ -109,10 +113,8 @@ impl Watch for Shown {
     }
 
     fn set_aside(&self, part: &Path, now: &Path, cause: &str) {
-        eprintln!(
-            "warning: {}: {cause}; set aside as {}, its cases are done again",
-            part.display(),
-            now.display()
-        );
+        let (part, now) = (part.display(), now.display());
+        let words = format!("{part}: {cause}; set aside as {now}, its cases are done again");
+        tell("warning", &words);
     }
 }

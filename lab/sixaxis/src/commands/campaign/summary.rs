@@ -1,12 +1,13 @@
 //! `sixaxis campaign summary`: the parts of one campaign, from any number of folders, summed up.
 
 use std::fmt::Write as _;
-use std::io::{ErrorKind, Write as _};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use sixaxis_campaign::statistics::{Estimator, Share, Summary, summarise};
+
+use crate::commands::common::{print, print_json};
 
 /// Which folders.
 #[derive(clap::Args)]
@@ -29,7 +30,8 @@ The same cases give the same numbers, bit for bit, however they were split and i
 
 Errors are estimate less truth. `var/stated` is the mean of their squares, each over the variance that its fit states: of the four
 steps noise alone, of the joint fit with the certificate; `noise 95 %` is the share of cases within 1.96 of those; `stated 95 %` the share within
-the interval that is stated, which has wedges and the standards' certificates in it. `gain known` is the joint fit told the gain of
+the interval that is stated, which has wedges and the standards' certificates in it; in brackets the 95 % interval of the share itself,
+by Wilson, as far as so many cases know it. `gain known` is the joint fit told the gain of
 the accelerometer, which no trial can know: `var/stated` there is the attained variance over the Cramér-Rao bound.
 
 Exit codes: 0 all cases that were asked for are there; 3 some are missing, which are listed; 1 it could not be done: damaged
@@ -41,17 +43,10 @@ const MISSING_SHOWN: usize = 10;
 /// Sums up.
 pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let summary = summarise(&arguments.folders)?;
-    let text = if arguments.json {
-        format!("{}\n", serde_json::to_string_pretty(&summary)?)
+    if arguments.json {
+        print_json(&summary)?;
     } else {
-        table(&summary)
-    };
-    let mut out = std::io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            return Err(error).context("cannot print the summary");
-        }
-        _ => {}
+        print(table(&summary))?;
     }
     Ok(ExitCode::from(if summary.missing > 0 { 3 } else { 0 }))
 }
@@ -117,14 +112,14 @@ fn estimators<'a>(
 ) {
     let _ = writeln!(
         out,
-        "\n{title:<10} {:>5} {:>8} {:>7} {:>15} {:>10} {:>10} {:>15} {:>15}",
+        "\n{title:<10} {:>5} {:>8} {:>7} {:>15} {:>10} {:>10} {:>22} {:>22}",
         "unit", "cases", "failed", "bias/sd", "sd", "var/stated", "noise 95 %", "stated 95 %"
     );
     for parameter in &summary.parameters {
         let Some(e) = of(parameter) else { continue };
         let _ = writeln!(
             out,
-            "{:<10} {:>5} {:>8} {:>7} {:>15} {:>10} {:>10} {:>15} {:>15}",
+            "{:<10} {:>5} {:>8} {:>7} {:>15} {:>10} {:>10} {:>22} {:>22}",
             parameter.parameter.to_string(),
             parameter.unit,
             e.cases,
@@ -148,10 +143,12 @@ fn dash() -> String {
 
 fn percent(share: Option<Share>) -> String {
     share.map_or_else(dash, |share| {
+        let (low, high) = share.wilson_95;
         format!(
-            "{:.2} ± {:.2}",
+            "{:.2} ({:.2}-{:.2})",
             100.0 * share.value,
-            100.0 * share.standard_error
+            100.0 * low,
+            100.0 * high
         )
     })
 }

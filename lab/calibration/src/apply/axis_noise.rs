@@ -1,0 +1,44 @@
+//! What the channels' noise makes of the six accelerations of a sensor at rest.
+
+use anyhow::{Context, Result};
+use sixaxis_core::{Decoupler, LIMBS, Scheme};
+
+use super::setup::Setup;
+
+/// Step of a channel about its zero drift by which the decoupler's gradient is taken, V: at rest it is linear, far beyond this.
+const STEP_V: f64 = 1e-3;
+/// Rate at which it is taken, Hz: what a constant voltage makes of the accelerations at rest depends on none.
+const RATE_HZ: f64 = 1e6;
+
+/// One-sided root densities of ax to az, m/s^2/root(Hz), and alpha_x to alpha_z, rad/s^2/root(Hz), at rest, from those of the nine
+/// channels, V/root(Hz). Noise of different channels is independent.
+///
+/// # Errors
+/// Parameters that are no sensor's.
+pub fn axis_noise_densities(setup: &Setup, channels: &[f64; LIMBS]) -> Result<[f64; 6]> {
+    let settings = setup.settings(RATE_HZ, Scheme::default());
+    let rest = setup.parameters.zero_drift_v;
+    let at = |limb: usize, step: f64| -> Result<[f64; 6]> {
+        let mut voltage_v = rest;
+        voltage_v[limb] += step;
+        let mut decoupler = Decoupler::new(&setup.sensor, &setup.parameters, &settings)?;
+        let mut answer = None;
+        for _ in 0..3 {
+            answer = decoupler.push(&voltage_v)?.or(answer);
+        }
+        let answer = answer.context("three samples have an answer")?;
+        let (linear, angular) = (answer.linear_ground_m_s2, answer.angular_ground_rad_s2);
+        Ok([
+            linear.x, linear.y, linear.z, angular.x, angular.y, angular.z,
+        ])
+    };
+    let mut squares = [0.0; 6];
+    for (limb, density) in channels.iter().enumerate() {
+        let (more, less) = (at(limb, STEP_V)?, at(limb, -STEP_V)?);
+        for (axis, square) in squares.iter_mut().enumerate() {
+            let gradient = (more[axis] - less[axis]) / (2.0 * STEP_V);
+            *square += (gradient * density).powi(2);
+        }
+    }
+    Ok(squares.map(f64::sqrt))
+}
