@@ -67,6 +67,19 @@ fn row(axis: usize, terms: &[f64; TERMS], gamma: f64) -> [f64; 6] {
     }
 }
 
+/// What each entry of an inertia, paper's order, counts for in u . I v, which is linear in them.
+#[must_use]
+pub const fn between(u: DVec3, v: DVec3) -> [f64; 6] {
+    [
+        u.x * v.x,
+        u.y * v.y,
+        u.z * v.z,
+        u.x * v.y + u.y * v.x,
+        u.x * v.z + u.z * v.x,
+        u.y * v.z + u.z * v.y,
+    ]
+}
+
 /// Regressor W of (18) for one sample: three rows of (I/m) w' + w x (I/m) w in the unknowns I1..I6.
 ///
 /// `rate` is w*, rad/s, `rate_derivative` w*', rad/s^2, both in shell axes. W times the six entries equals

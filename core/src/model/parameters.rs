@@ -55,19 +55,6 @@ impl InertiaPerMass {
         ]
     }
 
-    /// What each entry, paper's order, counts for in u . I v, which is linear in them.
-    #[must_use]
-    pub const fn between(u: DVec3, v: DVec3) -> [f64; 6] {
-        [
-            u.x * v.x,
-            u.y * v.y,
-            u.z * v.z,
-            u.x * v.y + u.y * v.x,
-            u.x * v.z + u.z * v.x,
-            u.y * v.z + u.z * v.y,
-        ]
-    }
-
     /// The symmetric tensor in mass axes, m^2.
     #[must_use]
     pub fn matrix_mass_m2(&self) -> DMat3 {

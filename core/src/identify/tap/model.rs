@@ -40,6 +40,7 @@ use nalgebra::{Matrix6, SymmetricEigen};
 use crate::error::{Error, Result, require};
 use crate::float::{exp, sin_cos, sqrt};
 use crate::geometry::{Geometry, LIMBS};
+use crate::identify::inertia::between;
 use crate::model::{InertiaPerMass, STIFFNESS_PER_MASS_RANGE_PER_S2};
 
 /// Modes of the mass in its shell.
@@ -280,7 +281,7 @@ impl Instant {
                 let effect = -0.5 * ((li + lj) * (cosine * a[j] + sine * b[j]) + modal[j]);
                 for (entry, n) in inertia
                     .iter_mut()
-                    .zip(InertiaPerMass::between(ring.rotation[i], ring.rotation[j]))
+                    .zip(between(ring.rotation[i], ring.rotation[j]))
                 {
                     entry[i] += n * effect;
                 }

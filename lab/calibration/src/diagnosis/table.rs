@@ -3,7 +3,8 @@
 
 use glam::{DMat3, DVec3};
 use nalgebra::{DMatrix, DVector};
-use sixaxis_core::{InertiaPerMass, LIMBS};
+use sixaxis_core::LIMBS;
+use sixaxis_core::identify::inertia::between;
 
 use super::trial_case::TrialCase;
 use crate::response::Response;
@@ -101,7 +102,7 @@ impl Table {
                     .filter(|channel| !self.silent[*channel] && !case.ignored[*channel])
                     .map(|channel| {
                         let t = self.shares.of_torque_per_m(channel);
-                        let row = InertiaPerMass::between(t, n);
+                        let row = between(t, n);
                         let seen =
                             response.channels[channel].response / self.mass_over_scale_kg[channel];
                         (index, row, seen)

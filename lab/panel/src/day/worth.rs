@@ -8,6 +8,7 @@ use glam::DVec3;
 use nalgebra::{Matrix6, Vector6};
 use serde::Serialize;
 use sixaxis_calibration::report::ParameterReport;
+use sixaxis_core::identify::inertia::between;
 use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
 use sixaxis_core::{InertiaPerMass, LIMBS, Parameter};
 use sixaxis_recordings::session::{Entry, Role, Session};
@@ -67,7 +68,7 @@ impl Information {
                 let arms: [DVec3; LIMBS] = core::array::from_fn(|i| self.shares.of_torque_per_m(i));
                 let range = largest(&arms.map(|t| t.dot(torque)));
                 for t in arms {
-                    let row = Vector6::from(InertiaPerMass::between(t, n)) / range;
+                    let row = Vector6::from(between(t, n)) / range;
                     self.inertia += row * row.transpose();
                 }
             }
