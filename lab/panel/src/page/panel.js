@@ -264,7 +264,7 @@ function controls({ yours, held }) {
 function decoupling(p) {
   const newest = (column) => { const v = p.values.get(column); return v ? 0.5 * (v.at(-2) + v.at(-1)) : NaN; };
   const last = (column) => { const v = p.values.get(column); for (let k = (v?.length ?? 0) - 2; k >= 0; k -= 2) if (!Number.isNaN(v[k])) return 0.5 * (v[k] + v[k + 1]); return newest(column); };
-  const fixed = (x, decimals) => x.toFixed(decimals).replace("-", "−");
+  const fixed = (x, decimals) => (Math.abs(x) < 0.5 / 10 ** decimals ? 0 : x).toFixed(decimals).replace("-", "−");
   // An axis that the run does not move has an error and no peak.
   const error = (six, k) => (!six ? "–" : six[k].share === null ? `${number(six[k].departure, 2)} ${k < 3 ? "m/s²" : "rad/s²"}` : `${number(100 * six[k].share, 2)} %`);
   const errors = state.status?.errors;
