@@ -200,7 +200,30 @@ fn the_campaigns_in_the_docs_are_the_published_ones() {
         (100.0 * of("inside") / of("intervals"), low, high)
     };
     let ((four_steps, ..), (fit, fit_low, fit_high)) = (pooled(0), pooled(1));
+    let variance = |estimator: &str, letter: char| {
+        let all = campaign["parameters"]
+            .as_array()
+            .expect("parameters")
+            .iter();
+        let of = |p: &serde_json::Value| p[estimator]["variance_over_stated"].as_f64();
+        let such = all.filter(|p| p["name"].as_str().expect("a name").starts_with(letter));
+        let (low, high) = such
+            .map(|p| of(p).expect("a variance"))
+            .fold((f64::INFINITY, 0.0_f64), |(low, high), v| {
+                (low.min(v), high.max(v))
+            });
+        format!("{low:.2} to {high:.2}")
+    };
+    let of_joint = ['d', 's', 'I'].map(|letter| variance("joint", letter));
     for sentence in [
+        format!(
+            "| {} for drifts; thousands for the others",
+            variance("four_steps", 'd')
+        ),
+        format!(
+            "| {} for drifts; {} for scale factors, {} for inertias |",
+            of_joint[0], of_joint[1], of_joint[2]
+        ),
         format!("95 % intervals that hold the truth, drifts | {drift:.0} % | {joint}"),
         format!("scale factors | {scale:.0} % (too wide) | {joint}"),
         format!("inertias | {inertia_low:.0} to {inertia_high:.0} % (too narrow) | {joint}"),
