@@ -147,8 +147,8 @@ impl Job<'_> {
         let rate_hz = recording.sample_rate_hz;
         let settings = setup.settings(rate_hz, self.scheme);
         let conditioning = self.conditioning(rate_hz)?;
-        let mut decoding = Decoding::new(self.decoupler(&settings)?, self.columns, self.picture)
-            .with_coordination(self.coordination());
+        let mut decoding = Decoding::new(self.decoupler(&settings)?, self.columns, self.picture);
+        let mut coordination = self.coordination();
         let mut layout = self.columns.layout(rate_hz);
         if self.uncertainty {
             decoding = decoding.with_uncertainty(setup.uncertainty(self.calibration, &settings)?);
@@ -166,13 +166,23 @@ impl Job<'_> {
         let (mut trend, mut busy) = (None, None);
         if self.rest_to_rest {
             let mut stamps = Vec::new();
-            let (rows, found) =
-                rest_to_rest::read(&mut recording, conditioning, setup, &settings, &mut stamps)?;
+            let (rows, found) = rest_to_rest::read(
+                &mut recording,
+                conditioning,
+                setup,
+                &settings,
+                &mut |batch, rows| {
+                    stamps.extend_from_slice(&batch.times_s);
+                    // As it was recorded: a trend that is taken off wrong forces may drown what is wrong with them.
+                    coordination.look(rows.all());
+                },
+            )?;
             rest_to_rest::write(&recording, &rows, &stamps, &mut decoding, create(&layout)?)?;
             trend = Some(found);
         } else {
             let total = recording.samples.unwrap_or(0);
             let advance = |samples| advance(total, samples);
+            decoding = decoding.with_coordination(coordination.clone());
             let sink = create(&layout)?;
             let recording = &mut recording;
             let done = pipeline::run(recording, conditioning, &mut decoding, sink, &advance)?;
@@ -180,7 +190,10 @@ impl Job<'_> {
         }
         let mut warnings = recording.warnings();
         warnings.extend(decoding.messages());
-        let broken = decoding.coordination().and_then(Coordination::verdict);
+        let broken = decoding
+            .coordination()
+            .unwrap_or(&mut coordination)
+            .verdict();
         warnings.extend(broken.map(|broken| format!("{}: {broken}", path.display())));
         if decoding.rows == 0 {
             warnings.push(format!(

@@ -16,7 +16,7 @@ use super::{CHUNK, Row, explain};
 /// Samples of the longest run that is taken: 100 s at 20 kHz, 290 MB with the copy that is made of them.
 pub const LIMIT: u64 = 2_000_000;
 
-/// Reads and conditions a whole run and takes off the trend.
+/// Reads and conditions a whole run and takes off the trend. What is read, and what conditioning made of it so far, is `seen`.
 ///
 /// # Errors
 /// A run of more than [`LIMIT`] samples; those of reading; a run for which no trend makes it close.
@@ -25,7 +25,7 @@ pub fn read(
     mut conditioning: ConditioningStream,
     setup: &Setup,
     settings: &Settings,
-    stamps: &mut Vec<f64>,
+    seen: &mut dyn FnMut(&Batch, &Voltages),
 ) -> Result<(Vec<Row>, Trend)> {
     let place = recording.path.display().to_string();
     let refuse_length = |samples: u64| -> Result<()> {
@@ -41,8 +41,8 @@ pub fn read(
     let (mut batch, mut ready) = (Batch::default(), Voltages::default());
     while recording.read(&mut batch)? {
         refuse_length(recording.seen.samples)?;
-        stamps.extend_from_slice(&batch.times_s);
         conditioning.push(&mut batch.voltage_v, &mut ready);
+        seen(&batch, &ready);
         rows.extend(ready.rows());
         ready.clear();
     }
