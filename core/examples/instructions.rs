@@ -7,7 +7,9 @@ use std::array::from_fn;
 use std::hint::black_box;
 
 use glam::DVec3;
+use sixaxis_core::aided::{AidedDecoupler, ErrorFilter};
 use sixaxis_core::decouple::lanes::{push_lanes, push_lanes_portable};
+use sixaxis_core::decouple::uncertainty::{ChannelNoise, Covariance};
 use sixaxis_core::identify::inertia::InertiaIdentification;
 use sixaxis_core::identify::scale::ScaleIdentification;
 use sixaxis_core::kernel::simd::LANES;
@@ -54,11 +56,11 @@ fn excluded(limbs: usize) -> Result<LimbSet, NotALimb> {
     LimbSet::from_numbers([1, 6, 9].into_iter().take(limbs))
 }
 
-/// Sines of 5 Hz: nobody's motion, but forces of the rig's size.
-fn rows() -> Vec<[f64; LIMBS]> {
+/// Sines of 5 Hz: nobody's motion, but forces of the rig's size; or quiet ones, which turn little from one second to the next.
+fn rows(peak_v: f64) -> Vec<[f64; LIMBS]> {
     let phase = |i: usize| core::f64::consts::TAU * 5.0 * i as f64 / RATE_HZ;
     (0..SAMPLES)
-        .map(|i| from_fn(|c| 0.01 + 0.2 * (phase(i) + c as f64).sin()))
+        .map(|i| from_fn(|c| 0.01 + peak_v * (phase(i) + c as f64).sin()))
         .collect()
 }
 
@@ -83,6 +85,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             "record/run_away",
             "lanes",
             "lanes/portable",
+            "aided",
             "pose",
         ] {
             println!("{name}");
@@ -90,7 +93,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("identify/scale\nidentify/inertia");
         return Ok(());
     };
-    let rows = rows();
+    let rows = rows(if name == "aided" { 1e-3 } else { 0.2 });
     let columns: [Vec<f64>; LIMBS] = from_fn(|i| rows.iter().map(|row| row[i]).collect());
     for _ in 0..repeats.parse::<usize>()? {
         run(name, black_box(&rows), black_box(columns.each_ref()))?;
@@ -157,6 +160,16 @@ fn run(
             let mut single = Decoupler::new_f32(&SENSOR, &parameters(), &settings)?;
             for row in rows {
                 black_box(&single.push(black_box(&row.map(|u| u as f32)))?);
+            }
+        }
+        "aided" => {
+            let white = ChannelNoise::white([1e-4; LIMBS]);
+            let covariance = Covariance::identity() * 1e-12;
+            let filter =
+                ErrorFilter::new(&SENSOR, &parameters(), &settings, &covariance, &white, 1e-3)?;
+            let mut aided = AidedDecoupler::new(decoupler, filter, &parameters(), &settings);
+            for row in rows {
+                black_box(&aided.push(black_box(row))?);
             }
         }
         "switch" => {

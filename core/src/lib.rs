@@ -24,6 +24,7 @@
 #[cfg(feature = "alloc")]
 extern crate alloc;
 
+pub mod aided;
 pub mod decouple;
 #[cfg(feature = "alloc")]
 pub mod dsp;

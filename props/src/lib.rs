@@ -6,6 +6,7 @@
 //!
 //! Without the feature `strategies` nothing here needs proptest, so that a report can be made without it.
 
+pub mod aided;
 pub mod blind;
 pub mod campaign;
 pub mod compare;

@@ -4,6 +4,7 @@ use std::array::from_fn;
 use std::hint::black_box;
 
 use allocation_counter::measure;
+use sixaxis_core::aided::{AidedDecoupler, ErrorFilter, RestFinder};
 use sixaxis_core::decouple::lanes::push_lanes;
 use sixaxis_core::decouple::uncertainty::{ChannelNoise, Covariance, SampleUncertainty};
 use sixaxis_core::identify::inertia::InertiaIdentification;
@@ -12,7 +13,8 @@ use sixaxis_core::kernel::simd::LANES;
 use sixaxis_core::redundancy::self_calibration::{Accumulator, Limits};
 use sixaxis_core::six_axis::SixAxisColumns;
 use sixaxis_core::{
-    Decoupler, Gains, Geometry, LIMBS, LimbSet, Scheme, Sensor, Settings, StaticResponse,
+    Decoupler, Gains, Geometry, LIMBS, LimbSet, Parameters, Scheme, Sensor, Settings,
+    StaticResponse,
 };
 use sixaxis_props::faults::{FALSE_ALARMS_PER_HOUR, Scene};
 use sixaxis_props::manufactured::examples;
@@ -147,13 +149,17 @@ fn inv_self_calibration_allocates_nothing() {
     assert_eq!(allocated.count_total, 0);
 }
 
-#[test]
-fn inv_uncertainty_of_a_sample_allocates_nothing() {
-    let parameters = truth::identified_parameters();
+fn of_the_paper() -> (Parameters, Sensor) {
     let sensor = Sensor {
         geometry: Geometry::PAPER,
         gains: Gains::uniform(1.0),
     };
+    (truth::identified_parameters(), sensor)
+}
+
+#[test]
+fn inv_uncertainty_of_a_sample_allocates_nothing() {
+    let (parameters, sensor) = of_the_paper();
     let mut covariance = Covariance::zeros();
     for (i, drift) in parameters.zero_drift_v.iter().enumerate() {
         covariance[(i, i)] = drift * drift;
@@ -176,6 +182,32 @@ fn inv_uncertainty_of_a_sample_allocates_nothing() {
         }
     });
     assert_eq!(known, SAMPLES - 2, "samples with a deviation");
+    assert_eq!(allocated.count_total, 0);
+}
+
+#[test]
+fn inv_an_aided_stream_allocates_nothing() {
+    let (parameters, sensor) = of_the_paper();
+    let mut covariance = Covariance::zeros();
+    for (i, drift) in parameters.zero_drift_v.iter().enumerate() {
+        covariance[(i, i)] = 1e-6 * drift * drift;
+    }
+    let noise = ChannelNoise::white([1e-3; LIMBS]);
+    let settings = Settings::new(RATE_HZ);
+    let decoupler = Decoupler::new(&sensor, &parameters, &settings).expect("sound");
+    let filter =
+        ErrorFilter::new(&sensor, &parameters, &settings, &covariance, &noise, 0.0).expect("sound");
+    let mut rests = RestFinder::new(filter.model(), &noise.white_v, RATE_HZ);
+    let mut stream = AidedDecoupler::new(decoupler, filter, &parameters, &settings);
+    let mut taken = 0;
+    let allocated = measure(|| {
+        for _ in 0..10 * SAMPLES {
+            stream.push(&parameters.zero_drift_v).expect("at rest");
+            let rest = stream.block().and_then(|block| rests.push(block));
+            taken += usize::from(rest.is_some_and(|rest| stream.aid(&rest)));
+        }
+    });
+    assert!(taken > 5, "{taken} measurements");
     assert_eq!(allocated.count_total, 0);
 }
 

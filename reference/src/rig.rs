@@ -4,6 +4,7 @@
 //! rig holds; [`tumble`] a motion about all six axes at once, beyond the rig; [`field`] such a tumble by hand, under gravity.
 
 pub mod field;
+pub mod journey;
 pub mod run;
 pub mod tap;
 pub mod tumble;

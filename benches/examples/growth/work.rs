@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use glam::DVec3;
 use sixaxis_benches::machine::{peak_memory_bytes, processor_s};
-use sixaxis_calibration::apply::decoding::Columns;
+use sixaxis_calibration::apply::columns::Columns;
 use sixaxis_calibration::apply::job::Job;
 use sixaxis_calibration::apply::setup::{Overrides, Setup};
 use sixaxis_calibration::calibrate::{Options, calibrate};
@@ -91,12 +91,14 @@ fn decouple(samples: u64, folder: &Path) -> Result<Measured, Box<dyn Error>> {
         calibration: &calibration,
         calibration_name: &calibration_name,
         setup: &setup,
-        columns: Columns::All,
+        columns: Columns::MOTION,
         scheme: LONG_SCHEME,
         rest_to_rest: false,
         uncertainty: false,
         false_alarms_per_hour: None,
         excluded: LimbSet::EMPTY,
+        until_sd_deg: sixaxis_calibration::apply::attitude::UNTIL_SD_DEG,
+        aids: &[],
         picture: false,
     };
     let out = folder.join("decoupled.parquet");

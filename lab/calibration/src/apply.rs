@@ -10,6 +10,10 @@
 //! | [`voltages`] | nine columns, as they go from file to decoder |
 //! | [`recording`] | nine voltages on one clock from a file, block by block, with what is wrong with them |
 //! | [`conditioning_stream`] | delays, the amplifier's high-pass, a low-pass, as streams |
+//! | [`aids`] | what the user knows of the motion beside the recording |
+//! | [`attitude`] | how well the attitude is known, and what keeps it |
+//! | [`attitude_summary`] | what became of it |
+//! | [`columns`] | which columns are written, in which axes |
 //! | [`decoding`] | voltages to rows of the answer |
 //! | [`coordination`] | whether the limb forces add up to zero where they must |
 //! | [`fault_watch`] | the same with the fault monitor |
@@ -21,8 +25,12 @@
 //! The answer to a recording does not depend on how it was cut into blocks nor on the timing of the threads: blocks are cut
 //! anew at fixed samples before anything is computed from them.
 
+pub mod aids;
+pub mod attitude;
+pub mod attitude_summary;
 pub mod axis_noise;
 pub mod check_grade;
+pub mod columns;
 pub mod conditioning_stream;
 pub mod coordination;
 pub mod decoding;

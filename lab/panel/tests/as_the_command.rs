@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use serde_json::json;
-use sixaxis_calibration::apply::decoding::Columns;
+use sixaxis_calibration::apply::columns::Columns;
 use sixaxis_calibration::apply::job::Job;
 use sixaxis_calibration::apply::setup::{Overrides, Setup};
 use sixaxis_calibration::calibration::Calibration;
@@ -103,12 +103,14 @@ fn by_the_command(folder: &Path, calibration: &Calibration, recording: &Path) ->
         calibration,
         calibration_name: Path::new("calibration.json"),
         setup: &setup,
-        columns: Columns::All,
+        columns: Columns::MOTION,
         scheme: Scheme::Heun,
         rest_to_rest: false,
         uncertainty: false,
         false_alarms_per_hour: None,
         excluded: LimbSet::EMPTY,
+        until_sd_deg: sixaxis_calibration::apply::attitude::UNTIL_SD_DEG,
+        aids: &[],
         picture: false,
     };
     let out = folder.join("motion.parquet");

@@ -7,7 +7,7 @@ use std::net::{Ipv4Addr, SocketAddr, TcpStream};
 use std::time::Duration;
 
 use browser::{Browser, ask, parts};
-use sixaxis_calibration::apply::decoding::Columns;
+use sixaxis_calibration::apply::columns::Columns;
 use sixaxis_calibration::apply::job::Job;
 use sixaxis_calibration::apply::setup::{Overrides, Setup};
 use sixaxis_calibration::calibration::Calibration;
@@ -345,12 +345,14 @@ fn stated(day: &std::path::Path, name: &str) -> [f64; 6] {
         calibration: &calibration,
         calibration_name: std::path::Path::new("calibration.json"),
         setup: &setup,
-        columns: Columns::Accelerations,
+        columns: Columns::ACCELERATIONS,
         scheme: Scheme::Heun,
         rest_to_rest: false,
         uncertainty: true,
         false_alarms_per_hour: None,
         excluded: LimbSet::EMPTY,
+        until_sd_deg: sixaxis_calibration::apply::attitude::UNTIL_SD_DEG,
+        aids: &[],
         picture: false,
     };
     let out = day.join("motion.parquet");

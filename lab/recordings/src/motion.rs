@@ -17,3 +17,13 @@ pub const MOTION_CHANNELS: [(&str, &str); 13] = [
     ("qy", "1"),
     ("qz", "1"),
 ];
+
+/// Columns that need no attitude, in sensor axes: specific force a - g, and angular acceleration.
+pub const SENSOR_CHANNELS: [(&str, &str); 6] = [
+    ("fx", "m/s^2"),
+    ("fy", "m/s^2"),
+    ("fz", "m/s^2"),
+    ("alpha_sensor_x", "rad/s^2"),
+    ("alpha_sensor_y", "rad/s^2"),
+    ("alpha_sensor_z", "rad/s^2"),
+];

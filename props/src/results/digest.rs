@@ -27,8 +27,9 @@ pub fn of_sources(root: &Path, source: &str) -> io::Result<String> {
 
 /// What no speed is published of: identification, the monitor of failures and the decoder that listens to it, self-calibration,
 /// cross-talk, the names of limbs and of modules, what unit tests share.
-const NOT_TIMED: [&str; 8] = [
+const NOT_TIMED: [&str; 9] = [
     "lib.rs",
+    "aided/",
     "fixture.rs",
     "model/cross_talk.rs",
     "identify/",

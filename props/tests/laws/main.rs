@@ -3,6 +3,7 @@
 //!
 //! One module is one suite of evidence; see [`sixaxis_props::evidence`].
 
+mod aided;
 mod analogue;
 mod attitude;
 mod covariance;

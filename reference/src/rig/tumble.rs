@@ -26,7 +26,7 @@ pub struct Sine {
 
 impl Sine {
     /// Value and first two derivatives.
-    fn at(&self, time_s: f64) -> [DVec3; 3] {
+    pub(super) fn at(&self, time_s: f64) -> [DVec3; 3] {
         let omega = TAU * self.frequency_hz;
         let phase = (self.phase_rad + DVec3::splat(omega * time_s)).to_array();
         let sin = DVec3::from_array(phase.map(f64::sin)) * self.amplitude;
@@ -67,7 +67,8 @@ impl Tumble {
     }
 }
 
-fn sum(sines: &[Sine; SINES], time_s: f64) -> [DVec3; 3] {
+/// Value and first two derivatives of a sum of sines.
+pub(super) fn sum(sines: &[Sine; SINES], time_s: f64) -> [DVec3; 3] {
     sines
         .iter()
         .map(|sine| sine.at(time_s))

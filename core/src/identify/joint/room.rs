@@ -15,6 +15,9 @@ use nalgebra::DVector;
 
 use crate::float::{exp, ln, sqrt};
 
+/// Power of a spread's change that is taken: above 1 the steps overreach, which from 2 on they would not outlive.
+const OVERREACH: f64 = 1.6;
+
 /// Standard deviation of unknowns of one kind: the usual one and how many of them it is worth. 0 holds them at 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spread {
@@ -106,14 +109,16 @@ pub struct Spreads {
 }
 
 impl Spreads {
-    /// From these toward others: each times its ratio to a power.
-    pub(super) fn toward(&self, next: &Self, power: f64) -> Self {
+    /// From these past others: each times its ratio to a power. A ratio beyond e is taken as it is: overreached, the first guess of
+    /// a spread would leave it so small that other unknowns take up what is this kind's, and none would return from there.
+    pub(super) fn toward(&self, next: &Self) -> Self {
         let of = |from: f64, to: f64| {
-            if from > 0.0 {
-                from * exp(power * ln(to / from))
-            } else {
-                from
+            if from == 0.0 {
+                return from;
             }
+            let change = ln(to / from);
+            let power = if change.abs() < 1.0 { OVERREACH } else { 1.0 };
+            from * exp(power * change)
         };
         Self {
             stiffness: of(self.stiffness, next.stiffness),

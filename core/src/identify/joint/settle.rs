@@ -14,8 +14,6 @@ use crate::error::Result;
 
 /// Steps at most.
 const STEPS: usize = 200;
-/// Power of a spread's change that is taken: above 1 the steps overreach, which from 2 on they would not outlive.
-const OVERREACH: f64 = 1.6;
 /// Relative change of a spread that moves no interval that anybody reads.
 pub(super) const SPREAD_SETTLED: f64 = 0.02;
 
@@ -59,7 +57,7 @@ impl Campaign<'_> {
             if change < SPREAD_SETTLED {
                 break;
             }
-            self = Self::new(self.joint, self.spreads.toward(&next, OVERREACH));
+            self = Self::new(self.joint, self.spreads.toward(&next));
             at = self.repriced(at)?;
         }
         Ok((self, at))

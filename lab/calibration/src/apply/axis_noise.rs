@@ -1,7 +1,7 @@
 //! What the channels' noise makes of the six accelerations of a sensor at rest.
 
 use anyhow::{Context, Result};
-use sixaxis_core::{Decoupler, LIMBS, Scheme};
+use sixaxis_core::{Decoupler, LIMBS, Scheme, Settings};
 
 use super::setup::Setup;
 
@@ -38,6 +38,39 @@ pub fn axis_noise_densities(setup: &Setup, channels: &[f64; LIMBS]) -> Result<[f
         for (axis, square) in squares.iter_mut().enumerate() {
             let gradient = (more[axis] - less[axis]) / (2.0 * STEP_V);
             *square += (gradient * density).powi(2);
+        }
+    }
+    Ok(squares.map(f64::sqrt))
+}
+
+/// Standard deviations of a sample's ax to az, m/s^2, and alpha_x to alpha_z, rad/s^2, at rest, that white noise of the channels, V,
+/// gives it by itself: what it adds up to in rate and attitude is not in them.
+///
+/// # Errors
+/// Parameters that are no sensor's.
+pub fn sample_noise(
+    setup: &Setup,
+    settings: &Settings,
+    noise_v: &[f64; LIMBS],
+) -> Result<[f64; 6]> {
+    let mut squares = [0.0; 6];
+    for (limb, noise) in noise_v.iter().enumerate() {
+        // One sample among others that are at rest shows in its own answer and, by differences, in its neighbours'.
+        let answers = |step_v: f64| -> Result<Vec<[f64; 6]>> {
+            let mut decoupler = Decoupler::new(&setup.sensor, &setup.parameters, settings)?;
+            let mut answers = Vec::new();
+            for sample in 0..7 {
+                let mut voltage_v = setup.parameters.zero_drift_v;
+                voltage_v[limb] += if sample == 3 { step_v } else { 0.0 };
+                answers.extend(decoupler.push(&voltage_v)?.map(|a| a.accelerations()));
+            }
+            Ok(answers)
+        };
+        for (more, less) in answers(STEP_V)?.iter().zip(answers(-STEP_V)?) {
+            for (axis, square) in squares.iter_mut().enumerate() {
+                let gradient = (more[axis] - less[axis]) / (2.0 * STEP_V);
+                *square += (gradient * noise).powi(2);
+            }
         }
     }
     Ok(squares.map(f64::sqrt))

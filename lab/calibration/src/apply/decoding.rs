@@ -1,70 +1,33 @@
 //! Voltages to rows of the answer.
 
+use glam::DVec3;
 use sixaxis_core::decouple::uncertainty::SampleUncertainty;
 use sixaxis_core::six_axis::SixAxisColumns;
 use sixaxis_core::{Decoupler, LIMBS};
+use sixaxis_recordings::Block;
 use sixaxis_recordings::envelope::Envelope;
-use sixaxis_recordings::motion::MOTION_CHANNELS;
-use sixaxis_recordings::{Block, Channel, Layout};
 
 use super::Row;
+use super::attitude::AttitudeStream;
+use super::attitude_summary::AttitudeSummary;
+use super::columns::{Columns, DEVIATIONS};
 use super::coordination::Coordination;
 use super::fault_watch::{FLAGS, FaultWatch};
-
-/// Which columns are wanted beside the time.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Columns {
-    /// Accelerations, rates, attitude.
-    All,
-    /// The six accelerations.
-    Accelerations,
-}
-
-impl Columns {
-    /// Their number, without the time.
-    #[must_use]
-    pub const fn count(self) -> usize {
-        match self {
-            Self::All => MOTION_CHANNELS.len(),
-            Self::Accelerations => 6,
-        }
-    }
-
-    /// The layout of the answer: time, then accelerations in ground axes, rates in shell axes, attitude.
-    #[must_use]
-    pub fn layout(self, sample_rate_hz: f64) -> Layout {
-        let channels = [("time", "s")]
-            .into_iter()
-            .chain(MOTION_CHANNELS.into_iter().take(self.count()))
-            .map(|(name, unit)| Channel {
-                sample_rate_hz: Some(sample_rate_hz),
-                ..Channel::new(name, Some(unit))
-            })
-            .collect();
-        Layout {
-            channels,
-            time: Some(0),
-            ..Layout::default()
-        }
-    }
-}
-
-/// Columns that say how well the accelerations are known, with their units: one standard deviation each.
-pub const DEVIATIONS: [(&str, &str); 6] = [
-    ("sd_ax", "m/s^2"),
-    ("sd_ay", "m/s^2"),
-    ("sd_az", "m/s^2"),
-    ("sd_alpha_x", "rad/s^2"),
-    ("sd_alpha_y", "rad/s^2"),
-    ("sd_alpha_z", "rad/s^2"),
-];
 
 /// A decoupler with the clock of its recording.
 pub struct Decoding {
     decoupler: Decoupler,
     columns: Columns,
-    /// Runs beside the decoupler where it is asked how well each sample is known; the voltages of the last sample.
-    uncertainty: Option<Box<(SampleUncertainty, Row)>>,
+    gravity_ground_m_s2: DVec3,
+    /// Follows how well the attitude is known, and decodes in the decoupler's place where there are aids.
+    attitude: Option<AttitudeStream>,
+    /// Runs beside the decoupler where it is asked how well each sample is known.
+    uncertainty: Option<Box<SampleUncertainty>>,
+    /// Whether deviations are written.
+    deviates: bool,
+    said: Vec<String>,
+    /// Voltages of the last sample.
+    before: Row,
     /// Decodes in the decoupler's place where failures are to be seen.
     watching: Option<FaultWatch>,
     /// Looks at the voltages before they are decoded.
@@ -86,7 +49,12 @@ impl Decoding {
         Self {
             decoupler,
             columns,
+            gravity_ground_m_s2: DVec3::ZERO,
+            attitude: None,
             uncertainty: None,
+            deviates: false,
+            said: Vec::new(),
+            before: [0.0; LIMBS],
             watching: None,
             coordination: None,
             times_s: Vec::new(),
@@ -96,10 +64,25 @@ impl Decoding {
         }
     }
 
-    /// Writes each sample's standard deviations, too, into [`DEVIATIONS`].
+    /// Specific forces are accelerations less this gravity, ground axes, m/s^2.
     #[must_use]
-    pub fn with_uncertainty(mut self, uncertainty: SampleUncertainty) -> Self {
-        self.uncertainty = Some(Box::new((uncertainty, [0.0; LIMBS])));
+    pub const fn under(mut self, gravity_ground_m_s2: DVec3) -> Self {
+        self.gravity_ground_m_s2 = gravity_ground_m_s2;
+        self
+    }
+
+    /// Follows the attitude, too: where it is not known, ground axes are NaN.
+    #[must_use]
+    pub fn with_attitude(mut self, attitude: AttitudeStream) -> Self {
+        self.attitude = Some(attitude);
+        self
+    }
+
+    /// Writes each sample's standard deviations, too, into [`DEVIATIONS`]: from `uncertainty`, or from the aided attitude.
+    #[must_use]
+    pub fn with_deviations(mut self, uncertainty: Option<SampleUncertainty>) -> Self {
+        self.uncertainty = uncertainty.map(Box::new);
+        self.deviates = true;
         self
     }
 
@@ -122,16 +105,38 @@ impl Decoding {
         self.coordination.as_mut()
     }
 
-    /// Messages of the fault monitor since the last call.
+    /// Messages of the fault monitor and of the attitude since the last call.
     pub fn messages(&mut self) -> Vec<String> {
-        self.watching
-            .as_mut()
-            .map(|watching| std::mem::take(&mut watching.messages))
-            .unwrap_or_default()
+        let watching = self.watching.as_mut();
+        let mut all = watching.map_or_else(Vec::new, |w| std::mem::take(&mut w.messages));
+        all.append(&mut self.said);
+        all.extend(self.attitude.iter_mut().flat_map(AttitudeStream::messages));
+        all
+    }
+
+    /// Says something beside what it finds by itself.
+    pub fn say(&mut self, message: String) {
+        self.said.push(message);
+    }
+
+    /// The recording has ended.
+    pub fn finish(&mut self) {
+        self.attitude.iter_mut().for_each(AttitudeStream::finish);
+    }
+
+    /// What became of the attitude, where it was followed.
+    #[must_use]
+    pub fn attitude(&self) -> Option<&AttitudeSummary> {
+        self.attitude.as_ref().map(AttitudeStream::summary)
     }
 
     /// Queues the stamps of the next samples, which may be known before these are ready to be decoded.
     pub fn stamps(&mut self, times_s: &[f64]) {
+        if let (Some(attitude), 0, [], [first, ..]) =
+            (&mut self.attitude, self.rows, &self.times_s[..], times_s)
+        {
+            attitude.starts_at(*first);
+        }
         self.times_s.extend(times_s);
     }
 
@@ -144,14 +149,17 @@ impl Decoding {
         voltage_v: [&[f64]; LIMBS],
         block: &mut Block,
     ) -> sixaxis_core::Result<()> {
-        let deviations = self.uncertainty.as_ref().map_or(0, |_| DEVIATIONS.len());
+        let deviations = if self.deviates { DEVIATIONS.len() } else { 0 };
         let flags = self.watching.as_ref().map_or(0, |_| FLAGS.len());
         block.clear(1 + self.columns.count() + deviations + flags);
         if let Some(coordination) = &mut self.coordination {
             coordination.look(voltage_v);
         }
+        let aided = self.attitude.as_ref().is_some_and(AttitudeStream::decodes);
         let done = if self.watching.is_some() {
             self.watched(voltage_v, block)
+        } else if aided {
+            self.aided(voltage_v, block)
         } else {
             self.answers(voltage_v, block)
         };
@@ -185,29 +193,62 @@ impl Decoding {
     ) -> sixaxis_core::Result<()> {
         let first = self.decoupler.received();
         let (answers, deviations) = block.columns[1..].split_at_mut(self.columns.count());
-        let mut beside = self.uncertainty.as_deref_mut();
+        let (uncertainty, attitude) = (&mut self.uncertainty, &mut self.attitude);
+        let (before, gravity) = (self.before, self.gravity_ground_m_s2);
+        // Voltages of a sample that is answered: of this block, or the last one of the block before.
+        let row = |sample: u64| match sample.checked_sub(first) {
+            Some(here) => voltage_v.map(|column| column[here as usize]),
+            None => before,
+        };
         let mut refused = Ok(());
         let done = self.decoupler.push_columns(voltage_v, &mut |done| {
-            if let Some((stream, before)) = &mut beside
-                && refused.is_ok()
-            {
-                refused = spread(stream, done, deviations, |sample| {
-                    match sample.checked_sub(first) {
-                        Some(here) => voltage_v.map(|column| column[here as usize]),
-                        None => *before,
-                    }
-                });
+            if refused.is_err() {
+                return;
             }
-            if refused.is_ok() {
-                for (column, numbers) in answers.iter_mut().zip(done.columns()) {
-                    column.extend_from_slice(numbers);
+            if attitude.is_none() && !self.columns.in_sensor_axes() {
+                self.columns.extend(done, answers);
+            } else {
+                for answer in done.iter() {
+                    let known = attitude.as_mut().is_none_or(|attitude| {
+                        attitude.see(&row(answer.sample), &answer);
+                        attitude.counts()
+                    });
+                    self.columns.push(&answer, known, gravity, answers);
+                    if let (Some(column), Some(attitude)) =
+                        (deviations.last_mut(), attitude.as_ref())
+                    {
+                        column.extend(attitude.deviations().last());
+                    }
                 }
             }
+            if let Some(stream) = uncertainty {
+                refused = spread(stream, done, deviations, &row);
+            }
         });
-        if let (Some((_, before)), Some(last)) = (beside, voltage_v[0].len().checked_sub(1)) {
-            *before = voltage_v.map(|column| column[last]);
+        if let Some(last) = voltage_v[0].len().checked_sub(1) {
+            self.before = voltage_v.map(|column| column[last]);
         }
         refused.and(done)
+    }
+
+    fn aided(&mut self, voltage_v: [&[f64]; LIMBS], block: &mut Block) -> sixaxis_core::Result<()> {
+        let Some(attitude) = &mut self.attitude else {
+            return Ok(());
+        };
+        let (answers, deviations) = block.columns[1..].split_at_mut(self.columns.count());
+        for sample in 0..voltage_v[0].len() {
+            let row = voltage_v.map(|column| column[sample]);
+            let Some(motion) = attitude.push(&row)? else {
+                continue;
+            };
+            let known = attitude.counts();
+            self.columns
+                .push(&motion, known, self.gravity_ground_m_s2, answers);
+            for (column, value) in deviations.iter_mut().zip(attitude.deviations()) {
+                column.push(*value);
+            }
+        }
+        Ok(())
     }
 
     fn watched(
@@ -221,8 +262,10 @@ impl Decoding {
         for sample in 0..voltage_v[0].len() {
             let row = voltage_v.map(|column| column[sample]);
             if let Some((motion, flags)) = watching.push(&row)? {
-                let answer = motion.numbers().into_iter().take(self.columns.count());
-                for (column, value) in block.columns[1..].iter_mut().zip(answer.chain(flags)) {
+                let (answers, of_flags) = block.columns[1..].split_at_mut(self.columns.count());
+                self.columns
+                    .push(&motion, true, self.gravity_ground_m_s2, answers);
+                for (column, value) in of_flags.iter_mut().zip(flags) {
                     column.push(value);
                 }
             }
@@ -231,12 +274,12 @@ impl Decoding {
     }
 }
 
-/// Appends standard deviations of answers to their columns; `row` gives the voltages of a sample.
+/// Appends standard deviations of the accelerations of answers to their columns; `row` gives the voltages of a sample.
 fn spread(
     stream: &mut SampleUncertainty,
     answers: SixAxisColumns,
     deviations: &mut [Vec<f64>],
-    row: impl Fn(u64) -> Row,
+    row: &impl Fn(u64) -> Row,
 ) -> sixaxis_core::Result<()> {
     for motion in answers.iter() {
         let spread = stream.push(&row(motion.sample), &motion)?;

@@ -2,15 +2,21 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
+use glam::DVec3;
 use serde::Serialize;
 use sixaxis_core::{Decoupler, LimbSet, Scheme, Settings};
 use sixaxis_recordings::envelope::Envelope;
 use sixaxis_recordings::{Channel, Layout, Sink};
 
+use super::aids::AidChoice;
+use super::attitude::{AttitudeStream, DOWN_DEG};
+use super::attitude_summary::AttitudeSummary;
+use super::axis_noise::sample_noise;
+use super::columns::{Columns, DEVIATIONS};
 use super::conditioning_stream::ConditioningStream;
 use super::coordination::Coordination;
-use super::decoding::{Columns, DEVIATIONS, Decoding};
+use super::decoding::Decoding;
 use super::fault_watch::{FaultWatch, flags};
 use super::pipeline::{self, Busy};
 use super::recording::Recording;
@@ -39,6 +45,10 @@ pub struct Job<'a> {
     pub false_alarms_per_hour: Option<f64>,
     /// Limbs whose channels are not read.
     pub excluded: LimbSet,
+    /// Deviation of the attitude, degrees, up to which ground axes are given.
+    pub until_sd_deg: f64,
+    /// What else is known of the motion.
+    pub aids: &'a [AidChoice],
     /// Whether curves are kept for a picture.
     pub picture: bool,
 }
@@ -72,6 +82,8 @@ pub struct Decoupled {
     pub end_rate_before_rad_s: Option<[f64; 3]>,
     /// Rotation left there, a rotation vector, rad.
     pub end_rotation_before_rad: Option<[f64; 3]>,
+    /// How well the attitude was known, where that was followed.
+    pub attitude: Option<AttitudeSummary>,
     /// How long each of the three threads worked.
     pub busy: Option<Busy>,
     /// What is wrong with the recording or the result.
@@ -105,6 +117,56 @@ impl Job<'_> {
         })
     }
 
+    /// A decoding of the columns, with the attitude followed wherever its deviation is known: not with limbs excluded, whose
+    /// reconstruction has errors of its own, and not where the run is corrected from rest to rest.
+    fn decoding(&self, settings: &Settings) -> Result<Decoding> {
+        let decoupler = self.decoupler(settings)?;
+        let gravity = settings.gravity_ground_m_s2;
+        let mut decoding =
+            Decoding::new(decoupler.clone(), self.columns, self.picture).under(gravity);
+        if let Some(monitor) = self.monitor(settings)? {
+            return Ok(decoding.with_watching(monitor));
+        }
+        let aided = !self.aids.is_empty();
+        ensure!(
+            gravity != DVec3::ZERO || self.aids.iter().all(|aid| aid.file().is_some()),
+            "--aid rest and velocity are held against gravity, and nobody says where down is: give --down or --session"
+        );
+        if !self.rest_to_rest && self.excluded.is_empty() {
+            let down_rad = DOWN_DEG.to_radians();
+            let filter = self
+                .setup
+                .error_filter(self.calibration, settings, down_rad);
+            match filter {
+                Ok((filter, noise_v)) if aided => {
+                    let noise = sample_noise(self.setup, settings, &noise_v)?;
+                    decoding = decoding.with_attitude(AttitudeStream::aided(
+                        decoupler,
+                        filter,
+                        self.setup,
+                        settings,
+                        self.until_sd_deg,
+                        self.aids,
+                        (&noise_v, noise),
+                    )?);
+                }
+                Ok((filter, _)) => {
+                    let beside = AttitudeStream::beside(filter, settings, self.until_sd_deg);
+                    decoding = decoding.with_attitude(beside);
+                }
+                Err(error) if aided => return Err(error.context("--aid")),
+                Err(error) => decoding.say(format!(
+                    "how long the attitude is known to --until-sd is not followed: {error:#}"
+                )),
+            }
+        }
+        if self.uncertainty {
+            let open_loop = || self.setup.uncertainty(self.calibration, settings);
+            decoding = decoding.with_deviations((!aided).then(open_loop).transpose()?);
+        }
+        Ok(decoding)
+    }
+
     fn coordination(&self) -> Coordination {
         Coordination::new(self.setup, self.calibration, self.excluded)
     }
@@ -115,16 +177,34 @@ impl Job<'_> {
     /// Settings that do not fit the calibration or the rate.
     pub fn live(&self, sample_rate_hz: f64) -> Result<TextStream> {
         let settings = self.setup.settings(sample_rate_hz, self.scheme);
+        let watched = self.false_alarms_per_hour.is_some();
         Ok(TextStream {
             conditioning: self.conditioning(sample_rate_hz)?,
-            watching: self.monitor(&settings)?,
-            coordination: self.coordination(),
-            decoupler: self.decoupler(&settings)?,
-            columns: self.columns,
+            decoding: self
+                .decoding(&settings)?
+                .with_coordination(self.coordination()),
+            layout: self.layout(sample_rate_hz),
+            excluded: self.excluded,
+            watched,
             sample_rate_hz,
             channels: self.setup.channels.clone(),
             full_scale_v: self.setup.full_scale_v,
         })
+    }
+
+    fn layout(&self, sample_rate_hz: f64) -> Layout {
+        let mut layout = self.columns.layout(sample_rate_hz);
+        if self.uncertainty {
+            let deviations = DEVIATIONS.map(|(name, unit)| Channel {
+                sample_rate_hz: Some(sample_rate_hz),
+                ..Channel::new(name, Some(unit))
+            });
+            layout.channels.extend(deviations);
+        }
+        if self.false_alarms_per_hour.is_some() {
+            layout.channels.extend(flags(sample_rate_hz));
+        }
+        layout
     }
 
     /// Decouples a file into a sink, of which `create` is told the columns; `advance` is told of the
@@ -147,21 +227,9 @@ impl Job<'_> {
         let rate_hz = recording.sample_rate_hz;
         let settings = setup.settings(rate_hz, self.scheme);
         let conditioning = self.conditioning(rate_hz)?;
-        let mut decoding = Decoding::new(self.decoupler(&settings)?, self.columns, self.picture);
+        let mut decoding = self.decoding(&settings)?;
         let mut coordination = self.coordination();
-        let mut layout = self.columns.layout(rate_hz);
-        if self.uncertainty {
-            decoding = decoding.with_uncertainty(setup.uncertainty(self.calibration, &settings)?);
-            let deviations = DEVIATIONS.map(|(name, unit)| Channel {
-                sample_rate_hz: Some(rate_hz),
-                ..Channel::new(name, Some(unit))
-            });
-            layout.channels.extend(deviations);
-        }
-        if let Some(monitor) = self.monitor(&settings)? {
-            decoding = decoding.with_watching(monitor);
-            layout.channels.extend(flags(rate_hz));
-        }
+        let mut layout = self.layout(rate_hz);
         self.describe(path, &mut layout);
         let (mut trend, mut busy) = (None, None);
         if self.rest_to_rest {
@@ -188,6 +256,7 @@ impl Job<'_> {
             let done = pipeline::run(recording, conditioning, &mut decoding, sink, &advance)?;
             busy = Some(done);
         }
+        decoding.finish();
         let mut warnings = recording.warnings();
         warnings.extend(decoding.messages());
         let broken = decoding
@@ -216,6 +285,7 @@ impl Job<'_> {
             clipped_samples: recording.seen.clipped,
             end_rate_before_rad_s: trend.map(|t| t.end_rate_before_rad_s.to_array()),
             end_rotation_before_rad: trend.map(|t| t.end_rotation_before_rad.to_array()),
+            attitude: decoding.attitude().cloned(),
             busy,
             warnings,
             curves: decoding.picture,

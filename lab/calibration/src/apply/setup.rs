@@ -5,7 +5,8 @@ use std::path::Path;
 use crate::calibration::Calibration;
 use anyhow::{Context, Result, bail};
 use glam::DVec3;
-use sixaxis_core::decouple::uncertainty::{ChannelNoise, SampleUncertainty};
+use sixaxis_core::aided::ErrorFilter;
+use sixaxis_core::decouple::uncertainty::{ChannelNoise, Covariance, SampleUncertainty};
 use sixaxis_core::{Gains, LIMBS, Parameters, Scheme, Sensor, Settings};
 use sixaxis_recordings::session::{Channels, Entry, Role, SessionFile};
 use sixaxis_recordings::unit::STANDARD_GRAVITY_M_S2;
@@ -167,19 +168,9 @@ impl Setup {
         calibration: &Calibration,
         settings: &Settings,
     ) -> Result<SampleUncertainty> {
-        let propagated = calibration.covariance.propagated.as_ref().context(
-            "--uncertainty: the calibration has no covariance of all parameters; calibrate again",
-        )?;
-        let covariance = propagated
-            .total()
-            .context("--uncertainty: the calibration's covariance is not 25 by 25")?;
-        let noise = ChannelNoise {
-            white_v: propagated.channel_noise_v,
-            correlation: conditioning_stream::noise_correlation(
-                &self.conditioning,
-                settings.sample_rate_hz,
-            )?,
-        };
+        let (covariance, noise) = self
+            .errors(calibration, settings)
+            .context("--uncertainty")?;
         SampleUncertainty::new(
             &self.sensor,
             &self.parameters,
@@ -188,6 +179,52 @@ impl Setup {
             &noise,
         )
         .context("--uncertainty")
+    }
+
+    /// How well the calibration's parameters are known and how noisy its channels are after conditioning.
+    fn errors(
+        &self,
+        calibration: &Calibration,
+        settings: &Settings,
+    ) -> Result<(Covariance, ChannelNoise)> {
+        let propagated = calibration
+            .covariance
+            .propagated
+            .as_ref()
+            .context("the calibration has no covariance of all parameters; calibrate again")?;
+        let covariance = propagated
+            .total()
+            .context("the calibration's covariance is not 25 by 25")?;
+        let noise = ChannelNoise {
+            white_v: propagated.channel_noise_v,
+            correlation: conditioning_stream::noise_correlation(
+                &self.conditioning,
+                settings.sample_rate_hz,
+            )?,
+        };
+        Ok((covariance, noise))
+    }
+
+    /// A filter that says how well rate and attitude are known, beside the decoupler with these settings, and the channels' noise.
+    ///
+    /// # Errors
+    /// As [`Self::uncertainty`].
+    pub fn error_filter(
+        &self,
+        calibration: &Calibration,
+        settings: &Settings,
+        down_deviation_rad: f64,
+    ) -> Result<(ErrorFilter, [f64; LIMBS])> {
+        let (covariance, noise) = self.errors(calibration, settings)?;
+        let filter = ErrorFilter::new(
+            &self.sensor,
+            &self.parameters,
+            settings,
+            &covariance,
+            &noise,
+            down_deviation_rad,
+        )?;
+        Ok((filter, noise.white_v))
     }
 
     /// The decoupler's settings at a rate.

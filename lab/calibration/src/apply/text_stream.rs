@@ -3,7 +3,7 @@
 use std::io::{self, BufRead, Write};
 
 use anyhow::{Result, anyhow, bail, ensure};
-use sixaxis_core::{Decoupler, LIMBS, LimbSet};
+use sixaxis_core::{LIMBS, LimbSet};
 use sixaxis_recordings::channel::{Layout, time_channel};
 use sixaxis_recordings::ingest::find::{self, Column};
 use sixaxis_recordings::session::Channels;
@@ -11,8 +11,7 @@ use sixaxis_recordings::{Block, Channel};
 
 use super::conditioning_stream::ConditioningStream;
 use super::coordination::Coordination;
-use super::decoding::{Columns, Decoding};
-use super::fault_watch::{FaultWatch, flags};
+use super::decoding::Decoding;
 use super::voltages::Voltages;
 use super::{Row, explain};
 
@@ -35,14 +34,14 @@ pub enum End {
 pub struct TextStream {
     /// Stages before the decoder.
     pub conditioning: ConditioningStream,
-    /// The decoder.
-    pub decoupler: Decoupler,
-    /// Checks that the limb forces add up.
-    pub coordination: Coordination,
-    /// Decodes in its place, if channels are to be watched.
-    pub watching: Option<FaultWatch>,
-    /// What is written.
-    pub columns: Columns,
+    /// The decoder, with what runs beside it.
+    pub decoding: Decoding,
+    /// The columns that it answers in.
+    pub layout: Layout,
+    /// Limbs whose channels are not read.
+    pub excluded: LimbSet,
+    /// Whether channels may fail.
+    pub watched: bool,
     /// Samples per second.
     pub sample_rate_hz: f64,
     /// Names and units of the channels.
@@ -91,15 +90,7 @@ impl TextStream {
         output: &mut dyn Write,
         warn: &dyn Fn(String),
     ) -> Result<End> {
-        let mut layout = self.columns.layout(self.sample_rate_hz);
-        let mut decoding = Decoding::new(self.decoupler.clone(), self.columns, false)
-            .with_coordination(self.coordination.clone());
-        let watched = self.watching.is_some();
-        if let Some(watching) = self.watching.take() {
-            layout.channels.extend(flags(self.sample_rate_hz));
-            decoding = decoding.with_watching(watching);
-        }
-        write_headings(output, &layout)?;
+        write_headings(output, &self.layout)?;
         let mut places = None;
         let mut line = Vec::new();
         let (mut number, mut samples, mut clipped) = (0_u64, 0_u64, 0_u64);
@@ -137,7 +128,7 @@ impl TextStream {
                 }
             };
             let (row, stamp_s) = places
-                .read(&cells, self.decoupler.excluded(), watched)
+                .read(&cells, self.excluded, self.watched)
                 .map_err(at_line)?;
             if row.iter().any(|u| u.abs() >= self.full_scale_v) {
                 clipped += 1;
@@ -148,16 +139,19 @@ impl TextStream {
                     ));
                 }
             }
-            decoding.stamps(&[stamp_s.unwrap_or(samples as f64 / self.sample_rate_hz)]);
+            self.decoding
+                .stamps(&[stamp_s.unwrap_or(samples as f64 / self.sample_rate_hz)]);
             samples += 1;
             ready.clear();
             received.push(&row);
             self.conditioning.push(&mut received, &mut ready);
-            decoding.decode(ready.all(), &mut block).map_err(|error| {
-                explain(&error, &format!("{PLACE}, line {number}"), &places.names())
-            })?;
-            decoding.messages().into_iter().for_each(warn);
-            let broken = decoding.coordination();
+            self.decoding
+                .decode(ready.all(), &mut block)
+                .map_err(|error| {
+                    explain(&error, &format!("{PLACE}, line {number}"), &places.names())
+                })?;
+            self.decoding.messages().into_iter().for_each(warn);
+            let broken = self.decoding.coordination();
             if let Some(broken) = broken.and_then(Coordination::verdict_so_far) {
                 warn(format!("{PLACE}, line {number}: {broken}"));
             }
@@ -167,12 +161,14 @@ impl TextStream {
         ready.clear();
         self.conditioning.finish(&mut ready)?;
         if let Some(places) = &places {
-            decoding
+            self.decoding
                 .decode(ready.all(), &mut block)
                 .map_err(|error| explain(&error, PLACE, &places.names()))?;
             write_rows(output, &block)?;
         }
-        if let Some(broken) = decoding.coordination().and_then(Coordination::verdict) {
+        self.decoding.finish();
+        self.decoding.messages().into_iter().for_each(warn);
+        if let Some(broken) = self.decoding.coordination().and_then(Coordination::verdict) {
             warn(format!("{PLACE}: {broken}"));
         }
         if clipped > 1 {
@@ -181,7 +177,7 @@ impl TextStream {
             ));
         }
         Ok(End::Input {
-            rows: decoding.rows,
+            rows: self.decoding.rows,
         })
     }
 

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Result, anyhow, ensure};
+use anyhow::{Context, Result, anyhow, ensure};
 use sixaxis_recordings::ingest::clock::stated_rate_hz;
 use sixaxis_recordings::ingest::columns::{self, BLOCK};
 use sixaxis_recordings::ingest::find;
@@ -123,7 +123,9 @@ impl Track {
         for (k, (value, _)) in there.enumerate() {
             *value = self.columns.column(k)[self.row];
             if !value.is_finite() {
-                self.columns.check_finite(k)?;
+                self.columns.check_finite(k).context(
+                    "a comparison wants every sample; decouple leaves ground axes NaN where the attitude is less certain than --until-sd",
+                )?;
             }
             ensure!(
                 value.abs() < LARGEST,

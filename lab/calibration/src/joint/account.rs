@@ -23,7 +23,7 @@ const BEYOND_CERTIFICATE: f64 = 4.0;
 const STIFFNESS: f64 = 0.04;
 /// Spread of the shares that channels show of each other.
 const CROSS_TALK: f64 = 5e-3;
-/// Change of one channel's sensitivity in one trial, relative.
+/// Change of one channel's sensitivity in one trial, or along a line from the first to the last, relative.
 const SENSITIVITY: f64 = 0.01;
 /// Angle by which a wedge misses its direction, degrees.
 const WEDGE_DEG: f64 = 0.5;
@@ -89,7 +89,7 @@ impl JointReport {
         let change = product / squares;
         let whole: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
         let explained = change * product;
-        let certain = trials.iter().any(|t| is_odd(t.sensitivity[limb]));
+        let certain = trials.iter().any(|t| is_significant(t.sensitivity[limb]));
         (certain && change.abs() > SENSITIVITY && explained > ALONG_A_LINE * whole)
             .then_some(change)
     }
@@ -337,7 +337,12 @@ fn rotation(pairs: &[(DVec3, DVec3)]) -> Option<DQuat> {
 
 /// Whether a sensitivity is none that an ordinary room gives a channel.
 fn is_odd(own: Known) -> bool {
-    own.value.abs() > SENSITIVITY && own.value.abs() > SIGNIFICANT * own.deviation
+    own.value.abs() > SENSITIVITY && is_significant(own)
+}
+
+/// Whether a sensitivity is not the usual one.
+fn is_significant(own: Known) -> bool {
+    own.value.abs() > SIGNIFICANT * own.deviation
 }
 
 /// Whether no two other channels of the trial have left their sensitivities as well, by a share of what this one has.

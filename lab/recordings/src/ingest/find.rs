@@ -122,3 +122,18 @@ pub fn motion(path: &Path, layout: &Layout) -> Result<[Option<Column>; MOTION_CH
     }
     Ok(columns)
 }
+
+/// The columns of an attitude as a unit quaternion: qw, qx, qy, qz.
+///
+/// # Errors
+/// [`Error::NoSuchChannel`]; [`Error::Unit`].
+pub fn attitude(path: &Path, layout: &Layout) -> Result<Vec<Column>> {
+    let names = MOTION_CHANNELS.into_iter().skip(MOTION_CHANNELS.len() - 4);
+    names
+        .map(|(name, unit)| {
+            let index = position(path, layout, name)?;
+            let size = units::motion(path, &layout.channels[index], unit)?;
+            Ok(Column::new(layout, index, size))
+        })
+        .collect()
+}

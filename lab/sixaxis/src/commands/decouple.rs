@@ -7,9 +7,11 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
 use serde::Serialize;
+use sixaxis_calibration::apply::aids::AidChoice;
+use sixaxis_calibration::apply::attitude::UNTIL_SD_DEG;
 use sixaxis_calibration::apply::check_grade::check_grade;
+use sixaxis_calibration::apply::columns::Columns;
 use sixaxis_calibration::apply::conditioning_stream::causal_delay_s;
-use sixaxis_calibration::apply::decoding::Columns;
 use sixaxis_calibration::apply::job::{Decoupled, Job};
 use sixaxis_calibration::apply::setup::Setup;
 use sixaxis_calibration::apply::text_stream::{End, Printed, is_closed_pipe, refuse};
@@ -22,8 +24,8 @@ use sixaxis_recordings::draft::write_atomically;
 use sixaxis_recordings::inspect::listing::brief;
 use sixaxis_recordings::{Layout, Sink};
 
+use super::choices::{Axes, Integrator};
 use super::common::{Beside, print, print_json, say, tell};
-use super::integrator::Integrator;
 use super::output::{check_outputs, mention_earlier};
 use crate::progress::Progress;
 
@@ -50,10 +52,20 @@ pub struct Arguments {
     /// The run ends as it began, at rest in the same place: the drift that contradicts this is taken off
     #[arg(long)]
     rest_to_rest: bool,
-    /// The six accelerations only, without rates and attitude: a file of half the size
+    /// Axes of the accelerations: the ground's as far as the attitude is known, the sensor's, or both
+    #[arg(long, value_enum, default_value_t = Axes::Both)]
+    frame: Axes,
+    /// Standard deviation of the attitude, degrees, up to which ground axes are given, NaN from there on [default: 5]
+    #[arg(long, value_name = "DEGREES", conflicts_with_all = ["rest_to_rest", "watch", "excluded"])]
+    until_sd: Option<f64>,
+    /// What else is known of the motion: rest, velocity=SECONDS,M_PER_S or attitude=FILE,DEGREES; once of each kind
+    #[arg(long, value_name = "WHAT", conflicts_with_all = ["rest_to_rest", "watch", "excluded"])]
+    aid: Vec<AidChoice>,
+    /// The accelerations only, without rates and attitude
     #[arg(long)]
     accelerations: bool,
-    /// Six more columns: one standard deviation of each acceleration, from the calibration's covariance and the channels' noise
+    /// Seven more columns: one standard deviation of each acceleration in ground axes and of the attitude, from the calibration's
+    /// covariance and the channels' noise
     #[arg(long, conflicts_with = "rest_to_rest")]
     uncertainty: bool,
     /// Monitor the nine channels for faults: a limb that fails is named and excluded. Two more columns state which
@@ -83,11 +95,27 @@ pub struct Arguments {
 
 const AFTER_HELP: &str = "\
 Columns: time in s; ax, ay, az in m/s^2 and alpha_x, alpha_y, alpha_z in rad/s^2, ground axes; wx, wy, wz in rad/s, the sensor's
-axes; qw, qx, qy, qz, the sensor's axes to the ground's. A sample is decoupled from itself and its two neighbours: the first and
+axes; qw, qx, qy, qz, the sensor's axes to the ground's; fx, fy, fz in m/s^2 and alpha_sensor_x, ..._y, ..._z in rad/s^2, the sensor's
+axes: specific force, acceleration less gravity, and angular acceleration. Without --down the specific force lacks its value at the
+first sample. The ground's axes are the sensor's at the first sample. A sample is decoupled from itself and its two neighbours: the first and
 the last have no row, the first row is that of sample 1 (counted from 0), and `time` says which is which.
 
---uncertainty adds sd_ax to sd_alpha_z, one standard deviation each, to first order: noise of the calibration and of this recording,
-gains of the standards. The attitude is integrated without a reference and its error grows; once it is some hundredths of a
+Specific force in sensor axes is true for as long as one records; angular acceleration there needs the rate, by w x I w. Ground axes are as good as the attitude, which is integrated without a reference. How
+well it is known is followed from the calibration's covariance, the channels' noise and down known to 0.1 degrees at the first sample:
+from --until-sd on ax to alpha_z and the quaternion are NaN, and a warning says when and why; rates and sensor axes go on. Not with
+--rest-to-rest, --watch or --excluded: how well the attitude is known is not followed there.
+
+--aid holds rate, attitude, zero drifts and scale factors by what else is known, with a Kalman filter of the errors; one of each kind:
+  rest                      where nine channels show only noise for a quarter of a second the sensor is at rest, as far as noise can hide
+  velocity=SECONDS,M_PER_S  it moves about a place: velocities that far apart are independent, with mean 0 and this deviation
+  attitude=FILE,DEGREES     a file has attitudes on this recording's clock: time, qw, qx, qy, qz; deviation about each axis. They turn
+                            the sensor's axes to the ground's, in which --down holds: the sensor's own at the first sample
+Rest and velocity know down and no heading: its deviation grows. A velocity that contradicts all that is known is not used, a rest or an
+attitude counts little; where four of these in a row do, it is the filter that is doubted, and a steady turn about the plumb line is then
+taken for a rest. A warning counts what contradicted; --json has all counts and the last deviations.
+
+--uncertainty adds sd_ax to sd_alpha_z and sd_attitude, one standard deviation each, to first order: noise of the calibration and of this
+recording, gains of the standards; sd_attitude, and all of them with --aid, contain down's 0.1 degrees, too. Without --aid the attitude is integrated without a reference and its error grows; once it is some hundredths of a
 radian, the deviations are estimates of a size. Wedges are not in them, nor what --rest-to-rest would take off.
 
 --watch holds the three sums of limb forces that are zero in any motion to the noise and the uncertainty that the calibration
@@ -169,6 +197,15 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
             .notes
             .push("--watch sees the channels as they are: outliers are not replaced".to_owned());
     }
+    let until_sd_deg = arguments.until_sd.unwrap_or(UNTIL_SD_DEG);
+    ensure!(
+        until_sd_deg > 0.0,
+        "--until-sd {until_sd_deg}: must be positive"
+    );
+    ensure!(
+        arguments.picture.is_none() || arguments.frame != Axes::Sensor,
+        "--picture draws ground axes, which --frame sensor leaves out"
+    );
     say("note", &setup.notes);
     let excluded = arguments.excluded.unwrap_or(LimbSet::EMPTY);
     if !excluded.is_empty() {
@@ -179,15 +216,17 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         calibration: &calibration,
         calibration_name: &arguments.calibration,
         setup: &setup,
-        columns: match arguments.accelerations {
-            true => Columns::Accelerations,
-            false => Columns::All,
+        columns: Columns {
+            frame: arguments.frame.frame(),
+            accelerations_only: arguments.accelerations,
         },
         scheme: arguments.scheme.scheme(),
         rest_to_rest: arguments.rest_to_rest,
         uncertainty: arguments.uncertainty,
         false_alarms_per_hour: arguments.watch.then_some(arguments.false_alarms_per_hour),
         excluded,
+        until_sd_deg,
+        aids: &arguments.aid,
         picture: arguments.picture.is_some(),
     };
     let done = if streams {
@@ -224,7 +263,11 @@ fn file(arguments: &Arguments, job: &Job) -> Result<()> {
     let mut outputs = vec![("--out", out.as_path())];
     outputs.extend(arguments.picture.as_deref().map(|p| ("--picture", p)));
     let session = arguments.beside.session.as_deref();
-    let inputs = [path, &arguments.calibration].into_iter().chain(session);
+    let attitudes = arguments.aid.iter().filter_map(AidChoice::file);
+    let inputs = [path, &arguments.calibration]
+        .into_iter()
+        .chain(session)
+        .chain(attitudes);
     check_outputs(&outputs, inputs)?;
     let create = |layout: &Layout| -> Result<Box<dyn Sink>> {
         if to_output {
@@ -309,6 +352,13 @@ fn stream(arguments: &Arguments, job: &Job) -> Result<()> {
         ),
         (arguments.uncertainty, "--uncertainty"),
         (arguments.picture.is_some(), "--picture"),
+        (
+            arguments
+                .aid
+                .iter()
+                .any(|aid| matches!(aid, AidChoice::Attitude { .. })),
+            "--aid attitude, which needs the recording's clock,",
+        ),
         (
             arguments.beside.session.is_some(),
             "--session, which knows recordings by their files,",

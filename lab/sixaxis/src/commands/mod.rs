@@ -2,12 +2,12 @@
 
 pub mod calibrate;
 pub mod campaign;
+pub mod choices;
 pub mod common;
 pub mod compare;
 pub mod completions;
 pub mod decouple;
 pub mod inspect;
-pub mod integrator;
 pub mod man;
 #[cfg(feature = "harness")]
 pub mod model;

@@ -1,5 +1,6 @@
 //! `sixaxis decouple` and `sixaxis compare`, on one session that MuJoCo plays once.
 
+mod attitude;
 mod clocks;
 mod deviations;
 mod excluded_limbs;

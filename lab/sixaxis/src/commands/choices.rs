@@ -1,6 +1,7 @@
-//! Names of the integrators on the command line.
+//! Names of integrators and axes on the command line.
 
 use clap::ValueEnum;
+use sixaxis_calibration::apply::columns::Frame;
 use sixaxis_core::Scheme;
 
 /// [`Scheme`] as the command line names it.
@@ -31,6 +32,29 @@ impl Integrator {
             Self::AdamsBashforth2 => Scheme::AdamsBashforth2,
             Self::AdamsMoulton4 => Scheme::AdamsMoulton4,
             Self::RungeKutta4 => Scheme::RungeKutta4,
+        }
+    }
+}
+
+/// [`Frame`] as the command line names it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Axes {
+    /// The ground's, as far as the attitude is known
+    Ground,
+    /// The sensor's
+    Sensor,
+    /// Both
+    Both,
+}
+
+impl Axes {
+    /// The frame.
+    #[must_use]
+    pub const fn frame(self) -> Frame {
+        match self {
+            Self::Ground => Frame::Ground,
+            Self::Sensor => Frame::Sensor,
+            Self::Both => Frame::Both,
         }
     }
 }

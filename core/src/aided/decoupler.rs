@@ -1,0 +1,187 @@
+//! A decoupler and its filter in one stream.
+
+use glam::DVec3;
+
+use super::aid::Aid;
+use super::block::{Block, Gathering};
+use super::filter::{Correction, Deviations, ErrorFilter};
+use crate::decouple::stream::Decoupler;
+use crate::error::Result;
+use crate::geometry::LIMBS;
+use crate::model::{Parameters, Settings};
+use crate::six_axis::SixAxis;
+
+/// Length of a block, s: corrections come as often at most.
+const BLOCK_S: f64 = 0.01;
+/// Rests or attitudes in a row that contradict the filter, from which on it is the filter that is doubted.
+const BELIEVED_AFTER: u32 = 4;
+
+/// Zero drifts and scale factors as they turn out to be. The decoupler keeps those that it was made with, and is given the voltages
+/// that these would show.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Channels {
+    made_with: Parameters,
+    drift_v: [f64; LIMBS],
+    scale_per_mass_per_kg: [f64; LIMBS],
+}
+
+impl Channels {
+    const fn new(made_with: Parameters) -> Self {
+        Self {
+            made_with,
+            drift_v: made_with.zero_drift_v,
+            scale_per_mass_per_kg: made_with.scale_per_mass_per_kg,
+        }
+    }
+
+    fn mended(&self, voltage_v: &[f64; LIMBS]) -> [f64; LIMBS] {
+        core::array::from_fn(|i| {
+            let ratio = self.scale_per_mass_per_kg[i] / self.made_with.scale_per_mass_per_kg[i];
+            self.made_with.zero_drift_v[i] + ratio * (voltage_v[i] - self.drift_v[i])
+        })
+    }
+
+    fn take(&mut self, found: &Correction) {
+        for i in 0..LIMBS {
+            self.drift_v[i] -= found.drift_v[i];
+            self.scale_per_mass_per_kg[i] -= found.scale_per_mass_per_kg[i];
+        }
+    }
+}
+
+/// Nine voltages in, six accelerations out, held by what else is known: no allocation, no panic.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AidedDecoupler {
+    decoupler: Decoupler,
+    filter: ErrorFilter,
+    gathering: Gathering,
+    step_s: f64,
+    channels: Channels,
+    /// Voltages of the sample that is answered next.
+    before: [f64; LIMBS],
+    last: Option<(Block, SixAxis)>,
+    /// What the decoded accelerations add up to, m/s.
+    velocity: DVec3,
+    down: DVec3,
+    /// Rests and attitudes in a row that contradict what is known.
+    refused: [u32; 2],
+}
+
+impl AidedDecoupler {
+    /// Puts both together; both must be of the same sensor, parameters and settings, and new.
+    #[must_use]
+    pub fn new(
+        decoupler: Decoupler,
+        filter: ErrorFilter,
+        parameters: &Parameters,
+        settings: &Settings,
+    ) -> Self {
+        Self {
+            decoupler,
+            filter,
+            gathering: Gathering::new(settings.sample_rate_hz, BLOCK_S),
+            step_s: 1.0 / settings.sample_rate_hz,
+            channels: Channels::new(*parameters),
+            before: [0.0; LIMBS],
+            last: None,
+            velocity: DVec3::ZERO,
+            refused: [0; 2],
+            down: settings.gravity_ground_m_s2.normalize_or_zero(),
+        }
+    }
+
+    /// Takes the next nine voltages and returns the sample before them, once there are three.
+    ///
+    /// # Errors
+    /// Those of [`Decoupler::push`].
+    pub fn push(&mut self, voltage_v: &[f64; LIMBS]) -> Result<Option<SixAxis>> {
+        let mended = self.channels.mended(voltage_v);
+        let answer = self.decoupler.push(&mended)?;
+        let of_answer = core::mem::replace(&mut self.before, mended);
+        self.last = None;
+        if let Some(sample) = &answer {
+            self.velocity += sample.linear_ground_m_s2 * self.step_s;
+            if let Some(block) = self.gathering.push(&of_answer, sample) {
+                self.filter.advance(&block);
+                self.last = Some((block, *sample));
+            }
+        }
+        Ok(answer)
+    }
+
+    /// The block that the last sample completed: what is known can be used now, and deviations are those of this sample.
+    #[must_use]
+    pub fn block(&self) -> Option<&Block> {
+        self.last.as_ref().map(|(block, _)| block)
+    }
+
+    /// The last sample with its corrections, where it ends a block.
+    #[must_use]
+    pub fn last(&self) -> Option<&SixAxis> {
+        self.last.as_ref().map(|(_, sample)| sample)
+    }
+
+    /// Uses what is known of the last sample; false where no block ends there, or where it contradicts what was known.
+    pub fn aid(&mut self, aid: &Aid) -> bool {
+        let Some((_, sample)) = &self.last else {
+            return false;
+        };
+        self.aid_of(aid, &sample.clone())
+    }
+
+    /// Uses what is known of an earlier sample of the block, in which errors hardly grow. Nothing may have been used since that sample.
+    pub fn aid_of(&mut self, aid: &Aid, sample: &SixAxis) -> bool {
+        if self.last.is_none() {
+            return false;
+        }
+        let mut taken = true;
+        for part in 0..2 {
+            // Anew for the second one: the first has corrected what that is held against.
+            let all = aid.against(sample, self.velocity, self.down);
+            if let Some(measurement) = &all[part] {
+                match self.filter.take(measurement) {
+                    Some(found) => {
+                        taken &= !found.contradicts;
+                        self.correct(&found);
+                    }
+                    None => taken = false,
+                }
+            }
+        }
+        // A rest or an attitude that goes on contradicting is right.
+        let counter = match aid {
+            Aid::Rest { .. } => &mut self.refused[0],
+            Aid::Attitude { .. } => &mut self.refused[1],
+            Aid::Velocity { .. } => return taken,
+        };
+        *counter = if taken { 0 } else { *counter + 1 };
+        if *counter >= BELIEVED_AFTER {
+            self.filter.doubt();
+        }
+        taken
+    }
+
+    fn correct(&mut self, found: &Correction) {
+        let Some((_, now)) = &mut self.last else {
+            return;
+        };
+        let turn_shell = now.attitude.inverse() * -found.attitude_ground_rad;
+        self.decoupler.steer(turn_shell, -found.rate_shell_rad_s);
+        now.attitude = (now.attitude * crate::paper::attitude::exp(turn_shell)).normalize();
+        now.rate_shell_rad_s -= found.rate_shell_rad_s;
+        self.velocity -= found.velocity_ground_m_s;
+        self.channels.take(found);
+    }
+
+    /// How well rate, attitude and velocity are known.
+    #[must_use]
+    pub fn deviations(&self) -> Deviations {
+        self.filter.deviations()
+    }
+
+    /// The filter.
+    #[must_use]
+    pub fn filter(&self) -> &ErrorFilter {
+        &self.filter
+    }
+}

@@ -1,0 +1,359 @@
+//! The covariance of the errors, and what a measurement takes off them.
+
+use core::ops::Range;
+
+use glam::DVec3;
+use nalgebra::SMatrix;
+
+use super::aid::Measurement;
+use super::block::Block;
+use super::model::{
+    ATTITUDE, DYNAMIC, ERRORS, ErrorModel, PARAMETRIC, RATE, Transition, VELOCITY, column, matrix,
+    times, vector,
+};
+use crate::decouple::uncertainty::{ChannelNoise, Covariance};
+use crate::error::{Error, Result};
+use crate::float::sqrt;
+use crate::geometry::LIMBS;
+use crate::model::{Parameters, Sensor, Settings};
+use crate::parameter::SCALE;
+
+/// Those that a measurement corrects: the dynamic ones, zero drifts and scale factors.
+const CORRECTED: usize = DYNAMIC + SCALE.end;
+/// Innovations squared over their covariance that one of a thousand measurements of three numbers has.
+const ONE_OF_A_THOUSAND: f64 = 16.27;
+/// Deviation of the attitude beyond which nothing of first order is to be believed, rad.
+const FIRST_ORDER_RAD: f64 = 1.0;
+/// Deviation of an attitude of which nothing is known, rad.
+const TURN_RAD: f64 = core::f64::consts::TAU;
+
+/// The same of a rate, rad/s, and of a velocity, m/s.
+const UNKNOWN_RATE_RAD_S: f64 = 10.0;
+const UNKNOWN_VELOCITY_M_S: f64 = 1e3;
+
+/// Covariance of the errors.
+pub type ErrorCovariance = SMatrix<f64, ERRORS, ERRORS>;
+
+/// Standard deviations of the errors that are not parameters.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Deviations {
+    /// Of the attitude, about the ground's axes, rad.
+    pub attitude_ground_rad: DVec3,
+    /// Of w*, shell axes, rad/s.
+    pub rate_shell_rad_s: DVec3,
+    /// Of the velocity, ground axes, m/s.
+    pub velocity_ground_m_s: DVec3,
+}
+
+impl Deviations {
+    /// Of the attitude about any axis: root of the sum of the three variances, rad.
+    #[must_use]
+    pub fn attitude_rad(&self) -> f64 {
+        self.attitude_ground_rad.length()
+    }
+}
+
+/// What a measurement says of the errors, in the axes of [`Deviations`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Correction {
+    /// psi.
+    pub attitude_ground_rad: DVec3,
+    /// Of w*.
+    pub rate_shell_rad_s: DVec3,
+    /// Of the velocity.
+    pub velocity_ground_m_s: DVec3,
+    /// Of the zero drifts.
+    pub drift_v: [f64; LIMBS],
+    /// Of the scale factors.
+    pub scale_per_mass_per_kg: [f64; LIMBS],
+    /// Whether the measurement contradicts what was known.
+    pub contradicts: bool,
+}
+
+/// An error-state Kalman filter without the errors themselves: they are taken off the decoupler as soon as they are known.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ErrorFilter {
+    model: ErrorModel,
+    covariance: ErrorCovariance,
+    /// What the attitude's error has done to the velocity in second order since that was measured last, at most, m/s.
+    bent_m_s: f64,
+    /// Whether the attitude has been beyond first order since something told it: what the covariance says of it is not to be believed.
+    lost: bool,
+}
+
+impl ErrorFilter {
+    /// Beside a decoupler of the same sensor, parameters and settings.
+    ///
+    /// `covariance` is that of the parameters, in the order of [`crate::parameter`]. At the first sample the heading is known by
+    /// definition, and down within `down_deviation_rad` in each of two directions.
+    ///
+    /// # Errors
+    /// Those of [`ErrorModel::new`]; [`Error::OutOfRange`] for variances or deviations that are negative or not finite.
+    pub fn new(
+        sensor: &Sensor,
+        parameters: &Parameters,
+        settings: &Settings,
+        covariance: &Covariance,
+        noise: &ChannelNoise,
+        down_deviation_rad: f64,
+    ) -> Result<Self> {
+        let diagonal = (0..PARAMETRIC).map(|i| covariance[(i, i)]);
+        for value in diagonal.chain(noise.white_v).chain([down_deviation_rad]) {
+            if !(value.is_finite() && value >= 0.0) {
+                return Err(Error::out_of_range(
+                    "variance of a parameter or a channel",
+                    value,
+                    "finite and not negative",
+                ));
+            }
+        }
+        let model = ErrorModel::new(sensor, parameters, settings, noise)?;
+        let mut all = ErrorCovariance::zeros();
+        all.fixed_view_mut::<PARAMETRIC, PARAMETRIC>(DYNAMIC, DYNAMIC)
+            .copy_from(&covariance.fixed_view::<PARAMETRIC, PARAMETRIC>(0, 0));
+        let mut filter = Self {
+            model,
+            covariance: all,
+            bent_m_s: 0.0,
+            lost: false,
+        };
+        filter.open_down(settings, down_deviation_rad);
+        Ok(filter)
+    }
+
+    /// A start whose down is not quite where it is said to be. The channels are tared there: what they show later is wrong by the same
+    /// error of gravity, as if zero drifts were, so that nothing shows as long as the sensor does not turn.
+    fn open_down(&mut self, settings: &Settings, deviation_rad: f64) {
+        let g = settings.gravity_ground_m_s2;
+        let down = g.normalize_or_zero();
+        let across = SMatrix::<f64, 3, 3>::from_fn(|i, j| {
+            let one = if i == j { 1.0 } else { 0.0 };
+            one - down[i] * down[j]
+        });
+        if down == DVec3::ZERO || deviation_rad == 0.0 {
+            return;
+        }
+        let psi = across * (deviation_rad * deviation_rad);
+        // f = -R^T g: decoded less true is R^T (psi x g), to first order, in shell axes.
+        let turned = SMatrix::<f64, 3, 3>::from_fn(|i, j| DVec3::AXES[j].cross(g)[i]);
+        let to_shell = matrix(glam::DMat3::from_quat(settings.initial_attitude.inverse()));
+        let by_psi = self.model.drift_of_force() * to_shell * turned;
+        let mut causes = SMatrix::<f64, ERRORS, 3>::zeros();
+        causes
+            .fixed_view_mut::<3, 3>(ATTITUDE, 0)
+            .fill_with_identity();
+        causes
+            .fixed_view_mut::<LIMBS, 3>(DYNAMIC, 0)
+            .copy_from(&by_psi);
+        self.covariance += causes * psi * causes.transpose();
+    }
+
+    /// The model.
+    #[must_use]
+    pub fn model(&self) -> &ErrorModel {
+        &self.model
+    }
+
+    /// Carries the covariance over a block.
+    pub fn advance(&mut self, block: &Block) {
+        let Transition { by_errors, noise } = self.model.transition(block);
+        // It points the same way for as long as the attitude's error does; a turn about the force itself bends nothing.
+        let [force, _] = self.model.turned(block);
+        let across = self.across(ATTITUDE, force.normalize_or_zero());
+        self.bent_m_s += second_order(force, across * across) * block.duration_s;
+        let p = &mut self.covariance;
+        let carried = times(&by_errors, p);
+        let own = times(&carried, &by_errors.transpose()) + noise;
+        let crossed = carried.fixed_columns::<PARAMETRIC>(DYNAMIC);
+        p.fixed_view_mut::<DYNAMIC, PARAMETRIC>(0, DYNAMIC)
+            .copy_from(&crossed);
+        p.fixed_view_mut::<PARAMETRIC, DYNAMIC>(DYNAMIC, 0)
+            .tr_copy_from(&crossed);
+        p.fixed_view_mut::<DYNAMIC, DYNAMIC>(0, 0)
+            .copy_from(&((own + own.transpose()) * 0.5));
+        let sound = |variance: &f64| variance.is_finite() && *variance >= 0.0;
+        if !self.covariance.diagonal().iter().all(sound) {
+            self.forget();
+            self.lost = true;
+        }
+        let attitude = self.covariance.fixed_view::<3, 3>(ATTITUDE, ATTITUDE);
+        let unknown_rad = sqrt(attitude.trace().max(0.0));
+        self.lost |= unknown_rad > FIRST_ORDER_RAD;
+        if unknown_rad > TURN_RAD {
+            self.bound_unknown_turns();
+        }
+    }
+
+    /// Beyond a turn nothing more is unknown, and sums of first order would grow without end: directions of which less is known, as the
+    /// heading without a fix, are taken to be known so far, and the others as they are.
+    fn bound_unknown_turns(&mut self) {
+        let attitude = self.covariance.fixed_view::<3, 3>(ATTITUDE, ATTITUDE);
+        let found = attitude.into_owned().symmetric_eigen();
+        let mut bound = SMatrix::<f64, 3, 3>::identity();
+        for (direction, variance) in found.eigenvectors.column_iter().zip(&found.eigenvalues) {
+            let deviation = sqrt(variance.max(0.0));
+            if deviation > TURN_RAD {
+                bound -= direction * direction.transpose() * (1.0 - TURN_RAD / deviation);
+            }
+        }
+        let rows = times(&bound, &self.covariance.fixed_rows::<3>(ATTITUDE).into());
+        self.covariance
+            .fixed_rows_mut::<3>(ATTITUDE)
+            .copy_from(&rows);
+        let columns = times(&self.covariance.fixed_columns::<3>(ATTITUDE).into(), &bound);
+        self.covariance
+            .fixed_columns_mut::<3>(ATTITUDE)
+            .copy_from(&columns);
+    }
+
+    /// Takes a measurement, or none: one whose innovation happens once in a thousand times or less contradicts what was known. Unless it
+    /// insists it is not used; if it does, it counts as if it were so much less certain that it would just not contradict.
+    pub fn take(&mut self, measurement: &Measurement) -> Option<Correction> {
+        if self.lost && measurement.place == ATTITUDE {
+            self.forget();
+            self.lost = false;
+        }
+        let p = &self.covariance;
+        let shows = p.fixed_rows::<3>(measurement.place).into_owned();
+        let mut measured = measurement.covariance;
+        if measurement.place == VELOCITY {
+            measured += SMatrix::<f64, 3, 3>::identity() * (self.bent_m_s * self.bent_m_s);
+        }
+        let scatter = shows.fixed_columns::<3>(measurement.place).into_owned() + measured;
+        let mut weight = scatter.try_inverse()?;
+        let innovation = measurement.decoded_less_measured;
+        let size = (innovation.transpose() * weight * innovation)[(0, 0)];
+        let contradicts = size > ONE_OF_A_THOUSAND;
+        if !size.is_finite() || (contradicts && !measurement.insists) {
+            return None;
+        }
+        if contradicts {
+            let stretch = size / ONE_OF_A_THOUSAND;
+            weight /= stretch;
+            measured += scatter * (stretch - 1.0);
+        }
+        let mut gain = times(&shows.transpose(), &weight);
+        gain.fixed_rows_mut::<{ ERRORS - CORRECTED }>(CORRECTED)
+            .fill(0.0);
+        if let Some(down) = measurement.blind_about {
+            let along = SMatrix::<f64, 3, 1>::new(down.x, down.y, down.z);
+            let mut attitude = gain.fixed_rows_mut::<3>(ATTITUDE);
+            let off = along * (along.transpose() * &attitude);
+            attitude -= off;
+        }
+        let found = times(&gain, &innovation);
+        // (1 - K H) P (1 - K H)^T + K R K^T, which is right for any gain, one side after the other: little is left of what the first
+        // takes off, and the second takes its part of what is left.
+        let kept = p - times(&gain, &shows);
+        let seen = kept.fixed_columns::<3>(measurement.place).into_owned();
+        let lost = times(&(times(&gain, &measured) - seen), &gain.transpose());
+        let next = kept + lost;
+        self.covariance = (next + next.transpose()) * 0.5;
+        if measurement.place == VELOCITY {
+            self.bent_m_s = 0.0;
+        }
+        let three = |at: usize| vector(found.fixed_rows::<3>(at).into_owned());
+        Some(Correction {
+            attitude_ground_rad: three(ATTITUDE),
+            rate_shell_rad_s: three(RATE),
+            velocity_ground_m_s: three(VELOCITY),
+            drift_v: core::array::from_fn(|i| found[DYNAMIC + i]),
+            scale_per_mass_per_kg: core::array::from_fn(|i| found[DYNAMIC + SCALE.start + i]),
+            contradicts,
+        })
+    }
+
+    /// Doubles the standard deviations of attitude, rate and velocity: what was measured several times contradicts them.
+    pub fn doubt(&mut self) {
+        self.scale(0..DYNAMIC, 2.0);
+    }
+
+    /// A motion that nothing held for long leaves a covariance that means nothing, or that none can be: attitude, rate and velocity are
+    /// then unknown, and parameters as uncertain as before, each by itself.
+    fn forget(&mut self) {
+        let variances = self.covariance.diagonal();
+        let sound = |variance: f64| variance.is_finite() && variance >= 0.0;
+        let unknown = |place: usize| match place {
+            ATTITUDE..RATE => TURN_RAD,
+            RATE..VELOCITY => UNKNOWN_RATE_RAD_S,
+            _ => UNKNOWN_VELOCITY_M_S,
+        };
+        self.covariance = ErrorCovariance::from_diagonal(&SMatrix::from_fn(|place, _| {
+            if place < DYNAMIC {
+                unknown(place) * unknown(place)
+            } else if sound(variances[place]) {
+                variances[place]
+            } else {
+                0.0
+            }
+        }));
+    }
+
+    /// Standard deviations of some errors larger or smaller by a factor, their correlations as they are.
+    fn scale(&mut self, errors: Range<usize>, factor: f64) {
+        for i in errors {
+            self.covariance.row_mut(i).scale_mut(factor);
+            self.covariance.column_mut(i).scale_mut(factor);
+        }
+    }
+
+    /// Standard deviations now. Where the attitude's has been beyond first order, nothing is known of it until something tells it.
+    #[must_use]
+    pub fn deviations(&self) -> Deviations {
+        let of = |at: usize| {
+            let one = |i: usize| sqrt(self.covariance[(at + i, at + i)].max(0.0));
+            DVec3::new(one(0), one(1), one(2))
+        };
+        let unknown = DVec3::splat(TURN_RAD / sqrt(3.0));
+        Deviations {
+            attitude_ground_rad: if self.lost { unknown } else { of(ATTITUDE) },
+            rate_shell_rad_s: of(RATE),
+            velocity_ground_m_s: of(VELOCITY),
+        }
+    }
+
+    /// Standard deviation of the direction of gravity in the sensor, rad: of the attitude but for turns about a unit vector down.
+    #[must_use]
+    pub fn tilt_rad(&self, down_ground: DVec3) -> f64 {
+        self.across(ATTITUDE, down_ground)
+    }
+
+    /// Of the rate but for its part along a unit vector, rad/s.
+    #[must_use]
+    pub fn rate_across_rad_s(&self, along_shell: DVec3) -> f64 {
+        self.across(RATE, along_shell)
+    }
+
+    fn across(&self, place: usize, along: DVec3) -> f64 {
+        let all = self.covariance.fixed_view::<3, 3>(place, place);
+        let along = column(along);
+        sqrt((all.trace() - (along.transpose() * all * along)[(0, 0)]).max(0.0))
+    }
+
+    /// Standard deviations of a and w' in ground axes after a block, m/s^2 and rad/s^2, but for the noise of the sample itself.
+    #[must_use]
+    pub fn accelerations(&self, block: &Block) -> [f64; 6] {
+        let shown = self.model.shown(block);
+        let variances = times(&shown, &self.covariance)
+            .component_mul(&shown)
+            .column_sum();
+        let variance = self.deviations().attitude_ground_rad.length_squared();
+        let turned = self.model.turned(block);
+        let [linear, angular] = turned.map(|v| second_order(v, variance));
+        core::array::from_fn(|i| {
+            let second = if i < 3 { linear } else { angular };
+            sqrt(variances[i].max(0.0) + second * second)
+        })
+    }
+    /// The whole covariance, in the order that the [module](super) states.
+    #[must_use]
+    pub fn covariance(&self) -> &ErrorCovariance {
+        &self.covariance
+    }
+}
+
+/// Half of psi x (psi x v), root of the mean square at most, by the variance of psi: along v, where nothing is of first order, it is all
+/// there is. An error about one axis across v alone has most of it, three quarters of v^2 times the square of its variance.
+fn second_order(v: DVec3, variance: f64) -> f64 {
+    sqrt(0.75) * v.length() * variance
+}

@@ -1,0 +1,48 @@
+//! Decoupling for longer than seconds: how well rate and attitude are still known, and what else keeps them.
+//!
+//! The decoupler integrates angular acceleration to rate and rate to attitude with nothing to hold either. Specific
+//! force in *sensor axes* stays true for as long as one records; what is turned into *ground axes* is as good as the attitude. An
+//! error-state Kalman filter runs beside the decoupler, at a lower rate than it, and says how good that is. Where something else is
+//! known of the motion, rest, a bounded velocity or an attitude, the filter corrects rate, attitude, zero drifts and scale factors with it.
+//!
+//! | file | holds |
+//! |---|---|
+//! | [`block`] | means of consecutive samples, all that the filter sees of a recording |
+//! | [`model`] | how errors of parameters, rate, attitude and velocity grow from one block to the next |
+//! | [`filter`] | their covariance, and the gain of a measurement |
+//! | [`bound`] | what aids leave open at best, the sensor standing still |
+//! | [`aid`] | what a measurement is, and the one of a state at rest |
+//! | [`rest`] | whether the sensor is at rest, from its channels |
+//! | `steer` | a decoupler's rate and attitude changed in mid-stream |
+//! | [`decoupler`] | decoupler and filter in one stream |
+//!
+//! # Errors
+//! All errors are *decoded less true*, to first order:
+//!
+//! | places | error | axes, unit |
+//! |---|---|---|
+//! | 0 to 2 | attitude psi, R_decoded = exp(\[psi\]x) R | ground, rad |
+//! | 3 to 5 | rate | shell, rad/s |
+//! | 6 to 8 | velocity since the first sample | ground, m/s |
+//! | 9 to 17 | zero drifts | V |
+//! | 18 to 26 | scale factors | 1/kg |
+//! | 27 to 32 | inertias | m^2 |
+//!
+//! Inertias are considered and never corrected (Schmidt): all else is as uncertain as they make it. So is the heading, where gravity
+//! alone is measured against: to first order a turn about it seems to show once other errors are large, and it does not. Stiffness
+//! has no part.
+
+pub mod aid;
+pub mod block;
+pub mod bound;
+pub mod decoupler;
+pub mod filter;
+pub mod model;
+pub mod rest;
+mod steer;
+
+pub use aid::Aid;
+pub use bound::Bound;
+pub use decoupler::AidedDecoupler;
+pub use filter::{Deviations, ErrorFilter};
+pub use rest::RestFinder;

@@ -1,0 +1,330 @@
+//! How errors grow from one block of samples to the next, to first order.
+//!
+//! With f the specific force and w the rate in shell axes, d_w' the errors of parameters in w*' at once and d_f those in f,
+//!
+//! ```text
+//! psi' = R dw
+//! dw'  = (I/m)^-1 ([I/m w]x - [w]x I/m) dw + d_w'
+//! dv'  = psi x R f + R d_f.
+//! ```
+//!
+//! Attitude in ground axes and rate in shell axes leave next to nothing on the diagonal, a cube's inertias being nearly equal, so that
+//! a series of second order keeps its length over hours.
+
+use glam::{DMat3, DVec3};
+use nalgebra::{SMatrix, Vector3};
+use pulp::{Arch, Simd, WithSimd};
+
+use super::block::Block;
+use crate::decouple::uncertainty::ChannelNoise;
+use crate::error::Result;
+use crate::float::sqrt;
+use crate::geometry::{DIRECTIONS_SHELL, LIMBS};
+use crate::model::{InertiaPerMass, Model, Parameters, Sensor, Settings};
+use crate::paper::attitude;
+use crate::paper::preload::hidden_preload_m_s2;
+use crate::paper::signal::SignalChain;
+use crate::parameter::{DRIFT, INERTIA, SCALE};
+
+/// Errors that have dynamics: attitude, rate, velocity.
+pub const DYNAMIC: usize = 9;
+/// Parameters whose errors matter: all but the stiffness.
+pub const PARAMETRIC: usize = INERTIA.end;
+/// Place of the attitude's error.
+pub const ATTITUDE: usize = 0;
+/// Place of the rate's.
+pub const RATE: usize = 3;
+/// Place of the velocity's.
+pub const VELOCITY: usize = 6;
+
+/// Changes of dynamic errors with dynamic ones.
+pub type Dynamics = SMatrix<f64, DYNAMIC, DYNAMIC>;
+/// Changes of dynamic errors with those of parameters.
+pub type Drives = SMatrix<f64, DYNAMIC, PARAMETRIC>;
+
+/// All errors.
+pub const ERRORS: usize = DYNAMIC + PARAMETRIC;
+
+/// One block's part in the errors.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Transition {
+    /// Dynamic errors at the block's end by all those at its beginning.
+    pub by_errors: SMatrix<f64, DYNAMIC, ERRORS>,
+    /// Covariance that the channels' noise adds.
+    pub noise: Dynamics,
+}
+
+/// A sensor's errors.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ErrorModel {
+    chain: SignalChain,
+    scale_per_mass_per_kg: [f64; LIMBS],
+    arms_m: [DVec3; LIMBS],
+    preload_force: DVec3,
+    tensor: DMat3,
+    inverse: DMat3,
+    /// Spectral densities, per s, of the noise in w*' and f: 6 by 6.
+    density: SMatrix<f64, 6, 6>,
+}
+
+/// \[v\]x: cross product from the left.
+fn cross(v: DVec3) -> DMat3 {
+    DMat3::from_cols(v.cross(DVec3::X), v.cross(DVec3::Y), v.cross(DVec3::Z))
+}
+
+/// As nalgebra has it.
+pub(super) fn matrix(m: DMat3) -> SMatrix<f64, 3, 3> {
+    SMatrix::from_fn(|i, j| m.col(j)[i])
+}
+
+/// a b, column by column, in the widest registers of the processor: the same bits in all.
+pub(super) fn times<const R: usize, const K: usize, const C: usize>(
+    a: &SMatrix<f64, R, K>,
+    b: &SMatrix<f64, K, C>,
+) -> SMatrix<f64, R, C> {
+    Arch::new().dispatch(Product(a, b))
+}
+
+struct Product<'a, const R: usize, const K: usize, const C: usize>(
+    &'a SMatrix<f64, R, K>,
+    &'a SMatrix<f64, K, C>,
+);
+
+impl<const R: usize, const K: usize, const C: usize> WithSimd for Product<'_, R, K, C> {
+    type Output = SMatrix<f64, R, C>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> SMatrix<f64, R, C> {
+        let Self(a, b) = self;
+        let mut product = SMatrix::<f64, R, C>::zeros();
+        for (kept, of_b) in product.data.0.iter_mut().zip(&b.data.0) {
+            let mut sum = [0.0; R];
+            for (of_a, factor) in a.data.0.iter().zip(of_b) {
+                for i in 0..R {
+                    sum[i] += of_a[i] * factor;
+                }
+            }
+            *kept = sum;
+        }
+        product
+    }
+}
+
+pub(super) fn column(v: DVec3) -> Vector3<f64> {
+    Vector3::new(v.x, v.y, v.z)
+}
+
+pub(super) fn vector(v: Vector3<f64>) -> DVec3 {
+    DVec3::new(v.x, v.y, v.z)
+}
+
+impl ErrorModel {
+    /// Of the sensor that a decoupler is made for.
+    ///
+    /// # Errors
+    /// Those of [`Model::new`]; [`crate::Error::NotConverged`] if gravity finds no equilibrium.
+    pub fn new(
+        sensor: &Sensor,
+        parameters: &Parameters,
+        settings: &Settings,
+        noise: &ChannelNoise,
+    ) -> Result<Self> {
+        let preload = hidden_preload_m_s2(&Model::new(sensor, parameters, settings)?)?;
+        let chain = SignalChain::new(&sensor.gains, parameters);
+        let tensor = parameters.inertia_per_mass.matrix_mass_m2();
+        let inverse = tensor.inverse();
+        let arms_m = sensor.geometry.arms_m();
+        let mut density = SMatrix::<f64, 6, 6>::zeros();
+        for (limb, sensitivity) in chain.sensitivity_m_s2_per_v().iter().enumerate() {
+            let angular = column(inverse * arms_m[limb] * *sensitivity);
+            let linear = column(DIRECTIONS_SHELL[limb] * *sensitivity);
+            let both =
+                SMatrix::<f64, 6, 1>::from_fn(
+                    |i, _| {
+                        if i < 3 { angular[i] } else { linear[i - 3] }
+                    },
+                );
+            let white_v = noise.white_v[limb];
+            let variance_s = white_v * white_v / settings.sample_rate_hz;
+            density += both * both.transpose() * variance_s;
+        }
+        Ok(Self {
+            scale_per_mass_per_kg: parameters.scale_per_mass_per_kg,
+            arms_m,
+            preload_force: (0..LIMBS).map(|i| DIRECTIONS_SHELL[i] * preload[i]).sum(),
+            tensor,
+            inverse,
+            density,
+            chain,
+        })
+    }
+
+    /// Change of the zero drifts that changes the specific force by this, m/s^2, and no torque: the smallest.
+    pub(super) fn drift_of_force(&self) -> SMatrix<f64, LIMBS, 3> {
+        let wrench = SMatrix::<f64, 6, LIMBS>::from_fn(|row, limb| {
+            let per_volt = -self.chain.sensitivity_m_s2_per_v()[limb];
+            let unit = if row < 3 {
+                DIRECTIONS_SHELL[limb][row]
+            } else {
+                self.arms_m[limb][row - 3] / sqrt(self.tensor.col(0)[0])
+            };
+            unit * per_volt
+        });
+        let gram = wrench * wrench.transpose();
+        let pure = SMatrix::<f64, 6, 3>::from_fn(|i, j| if i == j { 1.0 } else { 0.0 });
+        gram.try_inverse().map_or_else(SMatrix::zeros, |inverse| {
+            wrench.transpose() * inverse * pure
+        })
+    }
+
+    /// How far the channels' noise lets rate, rad/s, and velocity, m/s, walk in a time: standard deviation of the component that walks most.
+    #[must_use]
+    pub fn walks(&self, time_s: f64) -> [f64; 2] {
+        let variance = self.density.diagonal() * time_s;
+        let most = |from: usize| sqrt(variance.fixed_rows::<3>(from).max());
+        [most(0), most(3)]
+    }
+
+    /// R^T (a - g) of mean voltages, shell axes, m/s^2, but for the mass's own motion in the shell.
+    fn specific_force(&self, voltage_v: &[f64; LIMBS]) -> DVec3 {
+        let sensed = self.chain.force_per_mass_m_s2(voltage_v);
+        let shown: DVec3 = (0..LIMBS).map(|i| DIRECTIONS_SHELL[i] * sensed[i]).sum();
+        self.preload_force + shown
+    }
+
+    /// Errors of w*' and f, shell axes, by the parameters' errors, at once.
+    fn at_once(&self, block: &Block, derivative: DVec3) -> [SMatrix<f64, 3, PARAMETRIC>; 2] {
+        let sensed = self.chain.force_per_mass_m_s2(&block.voltage_v);
+        let mut angular = SMatrix::<f64, 3, PARAMETRIC>::zeros();
+        let mut linear = SMatrix::<f64, 3, PARAMETRIC>::zeros();
+        let rate = block.rate_shell_rad_s;
+        for limb in 0..LIMBS {
+            let shares = [
+                (
+                    DRIFT.start + limb,
+                    -self.chain.sensitivity_m_s2_per_v()[limb],
+                ),
+                (
+                    SCALE.start + limb,
+                    sensed[limb] / self.scale_per_mass_per_kg[limb],
+                ),
+            ];
+            for (place, share) in shares {
+                angular.set_column(place, &column(self.inverse * self.arms_m[limb] * share));
+                linear.set_column(place, &column(DIRECTIONS_SHELL[limb] * share));
+            }
+        }
+        for entry in 0..INERTIA.len() {
+            let unit = InertiaPerMass::from_paper_order(core::array::from_fn(|i| {
+                if i == entry { 1.0 } else { 0.0 }
+            }))
+            .matrix_mass_m2();
+            let lacking = unit * derivative + rate.cross(unit * rate);
+            angular.set_column(INERTIA.start + entry, &column(self.inverse * -lacking));
+        }
+        [angular, linear]
+    }
+
+    /// d(dw*')/d(dw*).
+    fn gyroscopic(&self, rate: DVec3) -> DMat3 {
+        self.inverse * (cross(self.tensor * rate) - cross(rate) * self.tensor)
+    }
+
+    /// What one block does to the errors.
+    #[must_use]
+    pub fn transition(&self, block: &Block) -> Transition {
+        let h = block.duration_s;
+        let rate = block.rate_shell_rad_s;
+        // In its middle.
+        let turned = block.attitude * attitude::exp(rate * (-0.5 * h));
+        let r = DMat3::from_quat(turned);
+        let force_ground = r * self.specific_force(&block.voltage_v);
+        let [angular, linear] = self.at_once(block, turned.inverse() * block.angular_ground_rad_s2);
+        let mut n = Dynamics::zeros();
+        let mut put = |row: usize, column: usize, m: DMat3| {
+            n.fixed_view_mut::<3, 3>(row, column)
+                .copy_from(&(matrix(m) * h));
+        };
+        put(ATTITUDE, RATE, r);
+        put(RATE, RATE, self.gyroscopic(rate));
+        put(VELOCITY, ATTITUDE, -cross(force_ground));
+        let one = Dynamics::identity();
+        let square = times(&n, &n);
+        let mut drives = Drives::zeros();
+        drives
+            .fixed_view_mut::<3, PARAMETRIC>(RATE, 0)
+            .copy_from(&(angular * h));
+        drives
+            .fixed_view_mut::<3, PARAMETRIC>(VELOCITY, 0)
+            .copy_from(&(times(&matrix(r), &linear) * h));
+        let driven = times(&(one + n * 0.5 + square * (1.0 / 6.0)), &drives);
+        let mut by_errors = SMatrix::<f64, DYNAMIC, ERRORS>::zeros();
+        by_errors
+            .fixed_columns_mut::<DYNAMIC>(0)
+            .copy_from(&(one + n + square * 0.5));
+        by_errors
+            .fixed_columns_mut::<PARAMETRIC>(DYNAMIC)
+            .copy_from(&driven);
+        Transition {
+            by_errors,
+            noise: self.noise(&matrix(r), h),
+        }
+    }
+
+    /// White noise over a block: an integral of it in rate and velocity, a second one in attitude.
+    fn noise(&self, r: &SMatrix<f64, 3, 3>, h: f64) -> Dynamics {
+        let of = |row, column| self.density.fixed_view::<3, 3>(row, column).into_owned();
+        let (angular, linear, both) = (of(0, 0), of(3, 3), of(3, 0));
+        let mut q = Dynamics::zeros();
+        let mut put = |row: usize, column: usize, m: SMatrix<f64, 3, 3>| {
+            q.fixed_view_mut::<3, 3>(row, column).copy_from(&m);
+            q.fixed_view_mut::<3, 3>(column, row)
+                .copy_from(&m.transpose());
+        };
+        put(
+            ATTITUDE,
+            ATTITUDE,
+            r * angular * r.transpose() * (h * h * h / 3.0),
+        );
+        put(ATTITUDE, RATE, r * angular * (0.5 * h * h));
+        put(RATE, RATE, angular * h);
+        put(VELOCITY, VELOCITY, r * linear * r.transpose() * h);
+        put(VELOCITY, RATE, r * both * h);
+        put(VELOCITY, ATTITUDE, r * both * r.transpose() * (0.5 * h * h));
+        q
+    }
+
+    /// Errors of a and w', ground axes, by the errors after a block.
+    #[must_use]
+    pub fn shown(&self, block: &Block) -> SMatrix<f64, 6, ERRORS> {
+        let r = DMat3::from_quat(block.attitude);
+        let force_ground = r * self.specific_force(&block.voltage_v);
+        let rate = block.rate_shell_rad_s;
+        let derivative = block.attitude.inverse() * block.angular_ground_rad_s2;
+        let [angular, linear] = self.at_once(block, derivative);
+        let turned = matrix(r);
+        let mut shown = SMatrix::<f64, 6, ERRORS>::zeros();
+        let mut put = |row: usize, column: usize, m: DMat3| {
+            shown
+                .fixed_view_mut::<3, 3>(row, column)
+                .copy_from(&matrix(m));
+        };
+        put(0, ATTITUDE, -cross(force_ground));
+        put(3, ATTITUDE, -cross(block.angular_ground_rad_s2));
+        put(3, RATE, r * self.gyroscopic(rate));
+        shown
+            .fixed_view_mut::<3, PARAMETRIC>(0, DYNAMIC)
+            .copy_from(&times(&turned, &linear));
+        shown
+            .fixed_view_mut::<3, PARAMETRIC>(3, DYNAMIC)
+            .copy_from(&times(&turned, &angular));
+        shown
+    }
+
+    /// Specific force, m/s^2, and w', rad/s^2, in ground axes after a block: what an error of the attitude turns.
+    #[must_use]
+    pub fn turned(&self, block: &Block) -> [DVec3; 2] {
+        let force = block.attitude * self.specific_force(&block.voltage_v);
+        [force, block.angular_ground_rad_s2]
+    }
+}

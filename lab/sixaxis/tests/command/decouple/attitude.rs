@@ -1,0 +1,305 @@
+//! `--frame`, `--until-sd` and `--aid`: what stays true of a recording of minutes, and what is said of the rest.
+
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+use glam::{DQuat, DVec3};
+use rand::SeedableRng;
+use rand_pcg::Pcg64;
+use serde_json::Value;
+use sixaxis_reference::compliant::compliant_forces_m_s2;
+use sixaxis_reference::laboratory::chain::Chain;
+use sixaxis_reference::rig::journey::{Instant, Journey, Kind};
+use sixaxis_reference::sensor::TrueSensor;
+
+use super::session::{ACCELERATIONS, LIMBS, calibration, columns, write};
+use crate::program::{Folder, done, run, stderr, stdout, text};
+
+const RATE_HZ: f64 = 500.0;
+const DURATION_S: f64 = 90.0;
+const SENSOR_AXES: [&str; 6] = [
+    "fx",
+    "fy",
+    "fz",
+    "alpha_sensor_x",
+    "alpha_sensor_y",
+    "alpha_sensor_z",
+];
+/// Errors of sensor axes over the largest value: what the calibration states, 0.1 % for the forces, and noise of a sample.
+const OF_PEAK: [f64; 2] = [0.01, 0.05];
+/// Deviations that no ground axis may be off by.
+const NEVER: f64 = 6.0;
+
+/// A recording of a sensor that is picked up and put down, its gains and the motion.
+struct Recorded {
+    folder: Folder,
+    gains: String,
+    truth: Vec<Instant>,
+}
+
+impl Recorded {
+    fn path(&self) -> PathBuf {
+        self.folder.join("ride.csv")
+    }
+}
+
+fn recorded() -> &'static Recorded {
+    static RECORDED: OnceLock<Recorded> = OnceLock::new();
+    RECORDED.get_or_init(|| {
+        let folder = Folder::new("decouple-attitude");
+        let sensor = TrueSensor::identified();
+        let rng = &mut Pcg64::seed_from_u64(5);
+        let journey = Journey::random(Kind::PickAndPlace, rng);
+        let samples = (DURATION_S * RATE_HZ) as usize;
+        let truth: Vec<Instant> = journey.play(&sensor, RATE_HZ).take(samples).collect();
+        let loads: Vec<_> = truth.iter().map(|instant| instant.load).collect();
+        let forces = compliant_forces_m_s2(&sensor, &loads).expect("limbs that hold");
+        let chain = Chain::noise_free();
+        let gains = chain.amplifier_ranges(&forces, &sensor);
+        let volts = chain.record(&forces, &sensor, &gains, RATE_HZ, rng);
+        let columns: Vec<Vec<f64>> = (0..LIMBS.len())
+            .map(|limb| volts.iter().map(|row| row[limb]).collect())
+            .collect();
+        write(&folder.join("ride.csv"), &LIMBS, "V", &columns, RATE_HZ);
+        let gains: Vec<String> = gains.iter().map(f64::to_string).collect();
+        Recorded {
+            gains: gains.join(","),
+            folder,
+            truth,
+        }
+    })
+}
+
+/// Decouples it into a file of this name; what `--json` says.
+fn decoupled(name: &str, more: &[&str]) -> (PathBuf, Value) {
+    let recorded = recorded();
+    let out = recorded.folder.join(name);
+    let (calibration, path) = (calibration(), recorded.path());
+    let first = [
+        "decouple",
+        &calibration,
+        text(&path),
+        "--gain",
+        &recorded.gains,
+        "--down",
+        "0,0,-1",
+        "--out",
+        text(&out),
+        "--json",
+    ];
+    let output = done(&[&first[..], more].concat());
+    let said = serde_json::from_str(&stdout(&output)).expect("JSON");
+    (out, said)
+}
+
+/// Rows whose ground axes are given, and the largest error of an acceleration among them over its deviation.
+fn held_against_truth(path: &Path) -> (usize, f64) {
+    const DEVIATIONS: [&str; 3] = ["sd_ax", "sd_ay", "sd_az"];
+    let (found, _) = columns(path, &ACCELERATIONS[..3]);
+    let (deviations, _) = columns(path, &DEVIATIONS);
+    let (mut rows, mut worst) = (0, 0.0_f64);
+    // The first row is that of sample 1.
+    for (row, instant) in recorded().truth[1..]
+        .iter()
+        .take(found[0].len())
+        .enumerate()
+    {
+        if found[0][row].is_nan() {
+            continue;
+        }
+        rows += 1;
+        let truth = instant.truth.linear_ground_m_s2.to_array();
+        for axis in 0..3 {
+            let error = found[axis][row] - truth[axis];
+            worst = worst.max(error.abs() / deviations[axis][row]);
+        }
+    }
+    (rows, worst)
+}
+
+#[test]
+fn ref_sensor_axes_stay_true_and_ground_axes_end_where_the_attitude_is_lost() {
+    let (both, said) = decoupled("open.parquet", &[]);
+    let lost_s = said["attitude"]["unknown_from_s"]
+        .as_f64()
+        .expect("it is lost");
+    assert!(lost_s > 2.0 && lost_s < DURATION_S / 2.0, "{lost_s}");
+    let warning = said["warnings"][0].as_str().expect("a warning");
+    assert!(warning.contains("less certain than 5.0°"), "{warning}");
+    let (ground, _) = columns(&both, &ACCELERATIONS);
+    let given = ground[0].iter().filter(|a| a.is_finite()).count();
+    assert!(
+        (given as f64 / RATE_HZ - lost_s).abs() < 0.01,
+        "{given} rows, {lost_s} s"
+    );
+    for column in &ground {
+        assert!(column[..given].iter().all(|a| a.is_finite()));
+        assert!(column[given..].iter().all(|a| a.is_nan()));
+    }
+    let (rates, _) = columns(&both, &["wx"]);
+    assert!(rates[0].iter().all(|w| w.is_finite()));
+    let (sensor, _) = columns(&both, &SENSOR_AXES);
+    let (alone, said) = decoupled("sensor.parquet", &["--frame", "sensor"]);
+    assert_eq!(columns(&alone, &SENSOR_AXES).0, sensor);
+    assert!(said["attitude"]["unknown_rows"].as_u64() > Some(0));
+    let truth = &recorded().truth[1..=sensor[0].len()];
+    for (part, limit) in OF_PEAK.into_iter().enumerate() {
+        let true_value = |instant: &Instant| match part {
+            0 => instant.load.specific_force_m_s2,
+            _ => instant.truth.attitude.inverse() * instant.truth.angular_ground_rad_s2,
+        };
+        let peak = truth
+            .iter()
+            .map(|t| true_value(t).length())
+            .fold(0.0, f64::max);
+        let rows = truth.iter().enumerate();
+        let worst = rows
+            .map(|(row, t)| {
+                let at = |axis: usize| sensor[3 * part + axis][row];
+                (DVec3::new(at(0), at(1), at(2)) - true_value(t)).length()
+            })
+            .fold(0.0, f64::max);
+        assert!(worst < limit * peak, "{part}: {worst:e} of {peak:e}");
+    }
+}
+
+#[test]
+fn ref_rests_and_attitudes_keep_ground_axes_within_their_deviations() {
+    let (open, _) = decoupled("deviates.parquet", &["--uncertainty"]);
+    let (open_rows, worst) = held_against_truth(&open);
+    assert!(worst < NEVER, "open loop: {worst}");
+
+    let (rests, said) = decoupled("rests.parquet", &["--uncertainty", "--aid", "rest"]);
+    let (rows, worst) = held_against_truth(&rests);
+    assert!(worst < NEVER, "rests: {worst}");
+    // A rest is known no better than noise can hide the motion after it.
+    assert!(rows > 4 * open_rows, "{rows} rows after {open_rows}");
+    let used = |said: &Value, of: &str| said["attitude"][of]["taken"].as_u64().expect("a number");
+    assert!(used(&said, "rest") > 20);
+
+    // A camera that sees the sensor once in two seconds, on the recording's clock.
+    let fixes = recorded().folder.join("camera.csv");
+    let mut seen = vec![Vec::new(); 5];
+    for (sample, instant) in recorded().truth.iter().enumerate().skip(1).step_by(1000) {
+        let q = instant.truth.attitude * DQuat::from_rotation_x(2e-3);
+        let row = [sample as f64 / RATE_HZ, q.w, q.x, q.y, q.z];
+        for (column, number) in seen.iter_mut().zip(row) {
+            column.push(number);
+        }
+    }
+    let mut lines = "time [s],qw,qx,qy,qz\n".to_owned();
+    for row in 0..seen[0].len() {
+        let cells: Vec<String> = seen.iter().map(|column| column[row].to_string()).collect();
+        lines += &(cells.join(",") + "\n");
+    }
+    std::fs::write(&fixes, lines).expect("writes");
+    let aid = format!("attitude={},0.2", text(&fixes));
+    let (fixed, said) = decoupled("fixed.parquet", &["--uncertainty", "--aid", &aid]);
+    let (rows, worst) = held_against_truth(&fixed);
+    assert!(worst < NEVER, "attitudes: {worst}");
+    assert_eq!(rows, recorded().truth.len() - 2, "every row is given");
+    assert_eq!(used(&said, "attitude"), seen[0].len() as u64);
+
+    // Attitudes of another motion contradict everything: they are counted, not believed in silence.
+    let turned = std::fs::read_to_string(&fixes).expect("reads");
+    let backwards: Vec<&str> = turned.lines().skip(1).collect();
+    let times = backwards
+        .iter()
+        .map(|line| line.split_once(',').expect("cells").0);
+    let attitudes = backwards
+        .iter()
+        .rev()
+        .map(|line| line.split_once(',').expect("cells").1);
+    let lines: Vec<String> = times
+        .zip(attitudes)
+        .map(|(t, q)| format!("{t},{q}"))
+        .collect();
+    std::fs::write(
+        &fixes,
+        format!("time [s],qw,qx,qy,qz\n{}\n", lines.join("\n")),
+    )
+    .expect("writes");
+    let (_, said) = decoupled("wrong.parquet", &["--aid", &aid]);
+    let refused = said["attitude"]["attitude"]["refused"]
+        .as_u64()
+        .expect("a number");
+    assert!(refused > 5, "{refused}");
+    let warned = said["warnings"].to_string();
+    assert!(warned.contains("attitudes contradict"), "{warned}");
+
+    // Between samples, before and after the recording, and with rests beside.
+    let mut lines = "time [s],qw,qx,qy,qz\n-3,1,0,0,0\n".to_owned();
+    for pair in recorded().truth.windows(2).skip(1).step_by(1000) {
+        let between = pair[0].truth.attitude.slerp(pair[1].truth.attitude, 0.5);
+        let sample = recorded()
+            .truth
+            .iter()
+            .position(|i| i == &pair[0])
+            .expect("it is there");
+        let time_s = (sample as f64 + 0.5) / RATE_HZ;
+        lines += &format!(
+            "{time_s},{},{},{},{}\n",
+            between.w, between.x, between.y, between.z
+        );
+    }
+    lines += "1000,1,0,0,0\n";
+    std::fs::write(&fixes, lines).expect("writes");
+    let aid = format!("attitude={},0.1", text(&fixes));
+    let more = ["--uncertainty", "--aid", &aid, "--aid", "rest"];
+    let (both, said) = decoupled("both.parquet", &more);
+    let (rows, worst) = held_against_truth(&both);
+    assert!(worst < NEVER, "attitudes and rests: {worst}");
+    assert_eq!(rows, recorded().truth.len() - 2, "every row is given");
+    assert_eq!(said["attitude"]["attitude"]["unused"], 2);
+}
+
+#[test]
+fn prop_aids_that_say_nothing_are_refused() {
+    let recorded = recorded();
+    let (calibration, path) = (calibration(), recorded.path());
+    let bad = recorded.folder.join("bad.csv");
+    let with = |more: &[&str]| {
+        let first = [
+            "decouple",
+            &calibration,
+            text(&path),
+            "--gain",
+            &recorded.gains,
+        ];
+        run(&[&first[..], more].concat())
+    };
+    for (more, cause) in [
+        (&["--aid", "gravity"][..], "velocity=SECONDS,M_PER_S"),
+        (&["--aid", "velocity=0,1"], "no positive time"),
+        (&["--aid", "rest", "--rest-to-rest"], "cannot be used with"),
+        (&["--aid", "rest"], "where down is"),
+        (
+            &["--down", "0,0,-1", "--aid", "rest", "--aid", "rest"],
+            "twice",
+        ),
+        (&["--until-sd", "5", "--watch"], "cannot be used with"),
+        (&["--until-sd", "0"], "must be positive"),
+        (&["--frame", "sensor", "--picture", "p.html"], "leaves out"),
+    ] {
+        let output = with(more);
+        assert!(
+            !output.status.success() && stderr(&output).contains(cause),
+            "{more:?}: {output:?}"
+        );
+    }
+    let aid = format!("attitude={},1", text(&bad));
+    for (content, cause) in [
+        ("time [s],qw,qx,qy\n0,1,0,0\n", "qz"),
+        ("time [s],qw,qx,qy,qz\n0,2,0,0,0\n", "length 2.000"),
+        ("time [s],qw,qx,qy,qz\n1,1,0,0,0\n1,1,0,0,0\n", "not after"),
+        ("qw,qx,qy,qz\n1,0,0,0\n", "no column of times"),
+    ] {
+        std::fs::write(&bad, content).expect("writes");
+        let output = with(&["--aid", &aid]);
+        assert!(
+            !output.status.success() && stderr(&output).contains(cause),
+            "{content}: {output:?}"
+        );
+        assert!(stderr(&output).contains("bad.csv"), "{output:?}");
+    }
+}

@@ -1,0 +1,301 @@
+//! Hours of motion, decoupled with what else is known of them, against the motion itself.
+//!
+//! A calibration's errors are drawn anew for every run from the covariance that the decoupler is told, and so is the noise. What a
+//! deviation is worth is asked of squared errors over variances: their mean is 1 where it is right.
+
+mod watched;
+
+use glam::{DQuat, DVec3};
+use nalgebra::{DVector, SMatrix, SVector};
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64;
+use sixaxis_core::aided::{Aid, AidedDecoupler, Bound, ErrorFilter, RestFinder, bound};
+use sixaxis_core::decouple::uncertainty::{ChannelNoise, Covariance};
+use sixaxis_core::geometry::DIRECTIONS_SHELL;
+use sixaxis_core::parameter::{DRIFT, INERTIA, SCALE};
+use sixaxis_core::{
+    Decoupler, Gains, Geometry, InertiaPerMass, LIMBS, Parameters, Scheme, Sensor, Settings,
+};
+use sixaxis_reference::compliant::compliant_forces_m_s2;
+use sixaxis_reference::motion::TrueMotion;
+use sixaxis_reference::rig::journey::{Instant, Journey, Kind};
+use sixaxis_reference::sensor::TrueSensor;
+
+pub use self::watched::{Checked, KNOWN_RAD, Outcome};
+use self::watched::{Common, Run};
+use crate::truth;
+
+/// Random stream of the runs.
+const STREAM: u128 = 21;
+/// Random streams of what aids tell, one for each set of them.
+const FIXES: u128 = 2100;
+/// Samples of truth that are played at a time.
+const PIECE: usize = 4096;
+/// Time of the motion that amplifier ranges are chosen by, s: a vehicle takes its time.
+const RANGING_S: f64 = 60.0;
+
+/// What a calibration leaves open, standard deviations.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Quality {
+    /// Noise of a sample over the largest signal. A number and no power of ten: that is rounded otherwise where it is optimised.
+    pub noise_of_peak: f64,
+    /// Zero drifts, over the deviation of one sample's noise.
+    pub drift_of_noise: f64,
+    /// Scale factors, all together by the accelerometer's gain and each by itself, relative.
+    pub scale: [f64; 2],
+    /// Inertias over the mean moment.
+    pub inertia: f64,
+    /// Down at the first sample in each of two directions, rad.
+    pub down_rad: f64,
+    /// What the decoupler is told of all these, over what they are: 1 where it is told the truth.
+    pub told: f64,
+}
+
+impl Quality {
+    /// As good as the paper's day leaves it: 74 dB, two minutes at rest, intervals of 0.3 %.
+    pub const DAY: Self = Self {
+        noise_of_peak: 1.995_262_314_968_88e-4,
+        drift_of_noise: 0.01,
+        scale: [1e-3, 5e-5],
+        inertia: 2e-4,
+        down_rad: 0.001_75,
+        told: 1.0,
+    };
+}
+
+/// Which aids are used.
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
+pub struct Aids {
+    /// Time between two measurements of the velocity, s, and its deviation, m/s.
+    pub velocity: Option<(f64, f64)>,
+    /// Time between two fixes of the attitude, s, and their deviation, rad.
+    pub attitude: Option<(f64, f64)>,
+    /// Whether rests are used, as the motion has them.
+    pub rests: bool,
+}
+
+impl Aids {
+    /// In steady state, where there is one: what a sensor that stands still keeps open under them. None for rests, between which nothing
+    /// holds.
+    fn bound(
+        &self,
+        sensor: &Sensor,
+        parameters: &Parameters,
+        settings: &Settings,
+        noise: &ChannelNoise,
+    ) -> Option<Bound> {
+        let velocity = self
+            .velocity
+            .map(|(every_s, deviation_m_s)| (Aid::Velocity { deviation_m_s }, every_s));
+        let attitude = self.attitude.map(|(every_s, deviation_rad)| {
+            let attitude = DQuat::IDENTITY;
+            (
+                Aid::Attitude {
+                    attitude,
+                    deviation_rad,
+                },
+                every_s,
+            )
+        });
+        let all: Vec<_> = velocity.into_iter().chain(attitude).collect();
+        bound::steady(sensor, parameters, settings, noise, &all).expect("a sound sensor")
+    }
+}
+
+/// What is played.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ride {
+    /// Kind of the motion.
+    pub kind: Kind,
+    /// Its length, s.
+    pub duration_s: f64,
+    /// Samples per second.
+    pub rate_hz: f64,
+    /// What the calibration leaves open.
+    pub quality: Quality,
+}
+
+/// Plays one motion and decouples it once with each set of aids. Errors are looked at where a block ends after each of these times.
+///
+/// # Panics
+/// If the sensor cannot be loaded so.
+#[must_use]
+pub fn run(ride: &Ride, aids: &[Aids], times_s: &[f64], seed: u64) -> Vec<Outcome> {
+    let Ride {
+        kind,
+        duration_s,
+        rate_hz,
+        quality,
+    } = *ride;
+    let rng = &mut Pcg64::new(u128::from(seed), STREAM);
+    let journey = Journey::random(kind, rng);
+    let true_parameters = truth::identified_parameters();
+    let sensor = truth::sensor(&true_parameters);
+    // The ground in which down is where it is said to be: that of the truth is turned against it.
+    let off = crate::statistics::normal(rng) * quality.down_rad;
+    let said = DQuat::from_scaled_axis(off.reject_from(DVec3::Z));
+    let g = journey.gravity_ground_m_s2();
+    let mut instants = journey.play(&sensor, rate_hz);
+    let forces = |instants: &[Instant]| {
+        let loads: Vec<_> = instants.iter().map(|i| i.load).collect();
+        compliant_forces_m_s2(&sensor, &loads).expect("limbs that hold the mass")
+    };
+    let ranging = ranging_forces(kind, &journey, &sensor, rate_hz, &forces);
+    let rest = forces(&journey.play(&sensor, rate_hz).take(1).collect::<Vec<_>>())[0];
+    let tared = |force: &[f64; LIMBS]| core::array::from_fn(|i| force[i] - rest[i]);
+    let tares: Vec<[f64; LIMBS]> = ranging.iter().map(tared).collect();
+    let Gains { gain_n_per_v } = truth::amplifier_ranges(&tares, &true_parameters);
+    let signal = |force: &[f64; LIMBS]| sensor.voltage_v(&tared(force), &gain_n_per_v);
+    let peak_v = ranging
+        .iter()
+        .map(|force| {
+            let volts = signal(force);
+            (0..LIMBS)
+                .map(|i| (volts[i] - true_parameters.zero_drift_v[i]).abs())
+                .fold(0.0, f64::max)
+        })
+        .fold(0.0, f64::max);
+    let noise_v = peak_v * quality.noise_of_peak;
+    let (covariance, parameters) = calibrated(&true_parameters, noise_v, quality, rng);
+    let sensor_used = Sensor {
+        geometry: Geometry::PAPER,
+        gains: Gains { gain_n_per_v },
+    };
+    let settings = Settings {
+        gravity_ground_m_s2: said * g,
+        scheme: Scheme::HeunSubstepped,
+        ..Settings::new(rate_hz)
+    };
+    let noise_m_s2 = (0..3)
+        .map(|axis| {
+            let of_limb = |i: usize| {
+                let sensitivity = true_parameters.scale_per_mass_per_kg[i] * gain_n_per_v[i];
+                (DIRECTIONS_SHELL[i][axis] * sensitivity * noise_v).powi(2)
+            };
+            (0..LIMBS).map(of_limb).sum::<f64>().sqrt()
+        })
+        .fold(0.0, f64::max);
+    let noise = ChannelNoise::white([noise_v * quality.told; LIMBS]);
+    let decoupler = Decoupler::new(&sensor_used, &parameters, &settings).expect("a sound sensor");
+    let filter = ErrorFilter::new(
+        &sensor_used,
+        &parameters,
+        &settings,
+        &covariance,
+        &noise,
+        quality.down_rad * quality.told,
+    )
+    .expect("a sound covariance");
+    let mut runs: Vec<Run<'_>> = aids
+        .iter()
+        .enumerate()
+        .map(|(number, aids)| Run {
+            aids,
+            rng: Pcg64::new(u128::from(seed), FIXES + number as u128),
+            aided: AidedDecoupler::new(decoupler.clone(), filter.clone(), &parameters, &settings),
+            rests: RestFinder::new(filter.model(), &[noise_v; LIMBS], rate_hz),
+            next_velocity_s: 0.0,
+            next_fix_s: 0.0,
+            looks: 0.0,
+            blocks: 0,
+            ended: false,
+            outcome: Outcome {
+                looks: Vec::new(),
+                over_deviation: Vec::new(),
+                unknown_from_s: None,
+                bound: aids.bound(&sensor_used, &parameters, &settings, &noise),
+            },
+        })
+        .collect();
+    let common = Common {
+        times_s,
+        rate_hz,
+        gravity: said * g,
+        noise_m_s2,
+    };
+    let samples = (duration_s * rate_hz) as usize;
+    let (mut before, mut sample): (Option<Instant>, usize) = (None, 0);
+    while sample < samples && !runs.iter().all(|run| run.ended) {
+        let piece: Vec<Instant> = instants
+            .by_ref()
+            .take(PIECE.min(samples - sample))
+            .collect();
+        for (instant, force) in piece.iter().zip(forces(&piece)) {
+            let mut volts = signal(&force);
+            for v in &mut volts {
+                let unit: f64 = StandardNormal.sample(rng);
+                *v += noise_v * unit;
+            }
+            let truth = before.map(|before| TrueMotion {
+                linear_ground_m_s2: said * before.truth.linear_ground_m_s2,
+                attitude: said * before.truth.attitude,
+                ..before.truth
+            });
+            for run in &mut runs {
+                run.push(&volts, truth.as_ref(), &common);
+            }
+            before = Some(*instant);
+        }
+        sample += piece.len();
+    }
+    runs.into_iter().map(|run| run.outcome).collect()
+}
+
+/// Forces by which amplifier ranges are chosen: those of the motion's beginning, or of a shake where it does not move at all.
+fn ranging_forces(
+    kind: Kind,
+    journey: &Journey,
+    sensor: &TrueSensor,
+    rate_hz: f64,
+    forces: &impl Fn(&[Instant]) -> Vec<[f64; LIMBS]>,
+) -> Vec<[f64; LIMBS]> {
+    let samples = (RANGING_S * rate_hz) as usize;
+    let of = |journey: &Journey| {
+        forces(
+            &journey
+                .play(sensor, rate_hz)
+                .take(samples)
+                .collect::<Vec<_>>(),
+        )
+    };
+    if kind == Kind::Still {
+        // Of a seed of its own: which shake a range is made for is no part of the run.
+        of(&Journey::random(Kind::Shaken, &mut Pcg64::new(0, STREAM)))
+    } else {
+        of(journey)
+    }
+}
+
+/// Parameters as a calibration has them, with its covariance.
+fn calibrated(
+    truth: &Parameters,
+    noise_v: f64,
+    quality: Quality,
+    rng: &mut Pcg64,
+) -> (Covariance, Parameters) {
+    let exact = truth.to_paper_order();
+    let moment = exact[INERTIA.start..INERTIA.start + 3].iter().sum::<f64>() / 3.0;
+    let mut root = SMatrix::<f64, 25, 26>::zeros();
+    for i in DRIFT {
+        root[(i, i)] = noise_v * quality.drift_of_noise;
+    }
+    for i in SCALE {
+        root[(i, i)] = quality.scale[1] * exact[i];
+        root[(i, 25)] = quality.scale[0] * exact[i];
+    }
+    for i in INERTIA {
+        root[(i, i)] = quality.inertia * moment;
+    }
+    let draws = SVector::<f64, 26>::from_fn(|_, _| StandardNormal.sample(rng));
+    let errors = root * draws;
+    let found: DVector<f64> = DVector::from_fn(25, |i, _| exact[i] + errors[i]);
+    let parameters = Parameters {
+        zero_drift_v: core::array::from_fn(|i| found[DRIFT.start + i]),
+        scale_per_mass_per_kg: core::array::from_fn(|i| found[SCALE.start + i]),
+        inertia_per_mass: InertiaPerMass::from_paper_order(core::array::from_fn(|i| {
+            found[INERTIA.start + i]
+        })),
+        ..*truth
+    };
+    (root * root.transpose() * quality.told.powi(2), parameters)
+}

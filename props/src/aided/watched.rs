@@ -1,0 +1,180 @@
+//! One run with its aids: decoupled sample by sample, and its errors looked at.
+
+use glam::{DQuat, DVec3};
+use nalgebra::Vector3;
+use rand_pcg::Pcg64;
+use sixaxis_core::LIMBS;
+use sixaxis_core::aided::block::Block;
+use sixaxis_core::aided::model::{ATTITUDE, RATE};
+use sixaxis_core::aided::{Aid, AidedDecoupler, Bound, RestFinder};
+use sixaxis_reference::motion::TrueMotion;
+
+use super::Aids;
+
+/// Deviation of the attitude up to which errors are of first order, rad: `decouple`'s own limit.
+pub const KNOWN_RAD: f64 = 0.0873;
+/// Blocks from one look at an acceleration to the next: no motion has its frequency.
+const BLOCKS_FROM_LOOK_TO_LOOK: u64 = 97;
+/// Time after which nobody asks how wrong the open loop is, s.
+const OPEN_S: f64 = 65.0;
+
+/// Errors at one time of a run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Checked {
+    /// Time, s.
+    pub time_s: f64,
+    /// Squared error of the attitude over its covariance, three degrees of freedom.
+    pub attitude: f64,
+    /// The same of the rate.
+    pub rate: f64,
+    /// Error of the attitude, rad.
+    pub attitude_error_rad: f64,
+    /// Error of down, rad.
+    pub tilt_error_rad: f64,
+    /// Error of the rate, rad/s.
+    pub rate_error_rad_s: f64,
+    /// What the attitude's error makes of a, m/s^2.
+    pub linear_error_m_s2: f64,
+    /// Deviation of the attitude, rad.
+    pub attitude_deviation_rad: f64,
+    /// Of down, and of the rate across it.
+    pub across: Bound,
+}
+
+/// What became of one run with its aids.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outcome {
+    /// Errors at the times asked for, as far as it was decoupled.
+    pub looks: Vec<Checked>,
+    /// Errors of decoded a, component by component, over their deviations, about once a second while the attitude is known.
+    pub over_deviation: Vec<[f64; 3]>,
+    /// Time from which on the attitude was not known for the first time, s.
+    pub unknown_from_s: Option<f64>,
+    /// What its aids leave open in steady state.
+    pub bound: Option<Bound>,
+}
+
+/// A run with its aids, sample by sample.
+pub(super) struct Run<'a> {
+    pub(super) aids: &'a Aids,
+    pub(super) rng: Pcg64,
+    pub(super) aided: AidedDecoupler,
+    pub(super) rests: RestFinder,
+    pub(super) next_velocity_s: f64,
+    pub(super) next_fix_s: f64,
+    pub(super) looks: f64,
+    pub(super) blocks: u64,
+    pub(super) ended: bool,
+    pub(super) outcome: Outcome,
+}
+
+/// What all runs of a seed have in common.
+pub(super) struct Common<'a> {
+    pub(super) times_s: &'a [f64],
+    pub(super) rate_hz: f64,
+    pub(super) gravity: DVec3,
+    /// White noise of a sample in the direction that has most of it.
+    pub(super) noise_m_s2: f64,
+}
+
+impl Run<'_> {
+    /// Takes a sample; the truth is that of the one before, which is answered.
+    pub(super) fn push(
+        &mut self,
+        voltage_v: &[f64; LIMBS],
+        truth: Option<&TrueMotion>,
+        common: &Common<'_>,
+    ) {
+        if self.ended {
+            return;
+        }
+        // A rate without a hold may outgrow what can be decoded.
+        let Ok(answer) = self.aided.push(voltage_v) else {
+            self.ended = true;
+            return;
+        };
+        let (Some(answer), Some(truth), Some(block)) = (answer, truth, self.aided.block().copied())
+        else {
+            return;
+        };
+        let time_s = answer.sample as f64 / common.rate_hz;
+        let look = common
+            .times_s
+            .get(self.outcome.looks.len())
+            .is_some_and(|due_s| time_s >= *due_s);
+        let known = self.aided.deviations().attitude_rad() < KNOWN_RAD;
+        self.blocks += 1;
+        if known && self.blocks.is_multiple_of(BLOCKS_FROM_LOOK_TO_LOOK) {
+            // This sample was decoded before what is known of it is used.
+            let linear = answer.linear_ground_m_s2 - truth.linear_ground_m_s2;
+            let deviations = self.aided.filter().accelerations(&block);
+            self.outcome.over_deviation.push(core::array::from_fn(|i| {
+                linear[i].abs() / deviations[i].hypot(common.noise_m_s2)
+            }));
+        }
+        if !known && self.outcome.unknown_from_s.is_none() {
+            self.outcome.unknown_from_s = Some(time_s);
+        }
+        self.aid(&block, time_s, truth);
+        if look {
+            let found = check(time_s, &self.aided, truth, common.gravity);
+            self.outcome.looks.push(found);
+        }
+        self.ended = self.outcome.looks.len() == common.times_s.len()
+            || (*self.aids == Aids::default() && time_s > OPEN_S);
+    }
+
+    fn aid(&mut self, block: &Block, time_s: f64, truth: &TrueMotion) {
+        if let Some(rest) = self.rests.push(block)
+            && self.aids.rests
+        {
+            self.aided.aid(&rest);
+        }
+        if let Some((period, deviation_m_s)) = self.aids.velocity
+            && time_s >= self.next_velocity_s
+        {
+            self.looks += 1.0;
+            self.next_velocity_s =
+                time_s + period * (0.5 + (0.618_033_988_749_895 * self.looks) % 1.0);
+            self.aided.aid(&Aid::Velocity { deviation_m_s });
+        }
+        if let Some((period, deviation_rad)) = self.aids.attitude
+            && time_s >= self.next_fix_s
+        {
+            self.next_fix_s = time_s + period;
+            let off = crate::statistics::normal(&mut self.rng) * deviation_rad;
+            let attitude = DQuat::from_scaled_axis(off) * truth.attitude;
+            self.aided.aid(&Aid::Attitude {
+                attitude,
+                deviation_rad,
+            });
+        }
+    }
+}
+
+fn check(time_s: f64, aided: &AidedDecoupler, truth: &TrueMotion, gravity: DVec3) -> Checked {
+    let now = aided.last().expect("a block ends here");
+    let off = (now.attitude * truth.attitude.inverse())
+        .normalize()
+        .to_scaled_axis();
+    let rate = now.rate_shell_rad_s - truth.rate_shell_rad_s;
+    let covariance = aided.filter().covariance();
+    let normalised = |at: usize, e: DVec3| {
+        let block = covariance.fixed_view::<3, 3>(at, at).into_owned();
+        let e = Vector3::new(e.x, e.y, e.z);
+        (e.transpose() * block.try_inverse().expect("a covariance") * e)[(0, 0)]
+    };
+    let force = truth.attitude.inverse() * (truth.linear_ground_m_s2 - gravity);
+    let linear = now.attitude * force + gravity - truth.linear_ground_m_s2;
+    Checked {
+        time_s,
+        attitude: normalised(ATTITUDE, off),
+        rate: normalised(RATE, rate),
+        attitude_error_rad: off.length(),
+        tilt_error_rad: off.reject_from(gravity).length(),
+        rate_error_rad_s: rate.length(),
+        linear_error_m_s2: linear.length(),
+        attitude_deviation_rad: aided.deviations().attitude_rad(),
+        across: Bound::now(aided.filter(), now, gravity.normalize_or_zero()),
+    }
+}
