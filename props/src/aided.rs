@@ -19,7 +19,6 @@ use sixaxis_core::{
 use sixaxis_reference::compliant::compliant_forces_m_s2;
 use sixaxis_reference::motion::TrueMotion;
 use sixaxis_reference::rig::journey::{Instant, Journey, Kind};
-use sixaxis_reference::sensor::TrueSensor;
 
 pub use self::watched::{Checked, KNOWN_RAD, Outcome};
 use self::watched::{Common, Run};
@@ -135,13 +134,13 @@ pub fn run(ride: &Ride, aids: &[Aids], times_s: &[f64], seed: u64) -> Vec<Outcom
     let off = crate::statistics::normal(rng) * quality.down_rad;
     let said = DQuat::from_scaled_axis(off.reject_from(DVec3::Z));
     let g = journey.gravity_ground_m_s2();
-    let mut instants = journey.play(&sensor, rate_hz);
+    let mut instants = journey.play(rate_hz);
     let forces = |instants: &[Instant]| {
-        let loads: Vec<_> = instants.iter().map(|i| i.load).collect();
-        compliant_forces_m_s2(&sensor, &loads).expect("limbs that hold the mass")
+        let motion: Vec<_> = instants.iter().map(|i| i.truth).collect();
+        compliant_forces_m_s2(&sensor, g, &motion).expect("limbs that hold the mass")
     };
-    let ranging = ranging_forces(kind, &journey, &sensor, rate_hz, &forces);
-    let rest = forces(&journey.play(&sensor, rate_hz).take(1).collect::<Vec<_>>())[0];
+    let ranging = ranging_forces(kind, &journey, rate_hz, &forces);
+    let rest = forces(&journey.play(rate_hz).take(1).collect::<Vec<_>>())[0];
     let tared = |force: &[f64; LIMBS]| core::array::from_fn(|i| force[i] - rest[i]);
     let tares: Vec<[f64; LIMBS]> = ranging.iter().map(tared).collect();
     let Gains { gain_n_per_v } = truth::amplifier_ranges(&tares, &true_parameters);
@@ -245,19 +244,11 @@ pub fn run(ride: &Ride, aids: &[Aids], times_s: &[f64], seed: u64) -> Vec<Outcom
 fn ranging_forces(
     kind: Kind,
     journey: &Journey,
-    sensor: &TrueSensor,
     rate_hz: f64,
     forces: &impl Fn(&[Instant]) -> Vec<[f64; LIMBS]>,
 ) -> Vec<[f64; LIMBS]> {
     let samples = (RANGING_S * rate_hz) as usize;
-    let of = |journey: &Journey| {
-        forces(
-            &journey
-                .play(sensor, rate_hz)
-                .take(samples)
-                .collect::<Vec<_>>(),
-        )
-    };
+    let of = |journey: &Journey| forces(&journey.play(rate_hz).take(samples).collect::<Vec<_>>());
     if kind == Kind::Still {
         // Of a seed of its own: which shake a range is made for is no part of the run.
         of(&Journey::random(Kind::Shaken, &mut Pcg64::new(0, STREAM)))

@@ -7,8 +7,7 @@ use sixaxis_core::redundancy::self_calibration::{Limits, Moments, ScaleRatios};
 use sixaxis_core::{Gains, Geometry, LIMBS, Parameters, Result, Sensor, Settings};
 use sixaxis_reference::compliant::compliant_forces_m_s2;
 use sixaxis_reference::rig::field::{Field, Pace};
-use sixaxis_reference::rigid::Load;
-use sixaxis_reference::rigid::RigidSensor; // MOVED
+use sixaxis_reference::rigid::{Load, RigidSensor};
 
 /// Noise of one sample over its channel's peak: the 0.33 %.
 pub const NOISE_SHARE: f64 = 0.0033;
@@ -109,9 +108,10 @@ impl Case {
         rng: &mut Pcg64,
     ) -> Self {
         let field = Field::by_hand(rng, pace, duration_s, SAMPLE_RATE_HZ);
-        let (loads, _) = field.simulate(&truth::sensor(&truth));
-        let forces =
-            compliant_forces_m_s2(&truth::sensor(&truth), &loads).expect("the limbs hold the mass");
+        let sensor = truth::sensor(&truth);
+        let (loads, motion) = field.simulate(&sensor);
+        let forces = compliant_forces_m_s2(&sensor, field.gravity_ground_m_s2, &motion)
+            .expect("the limbs hold the mass");
         let gains = truth::amplifier_ranges(&forces, &truth);
         Self {
             seed,

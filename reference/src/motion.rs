@@ -25,6 +25,25 @@ pub struct TrueMotion {
     pub attitude: DQuat,
 }
 
+impl TrueMotion {
+    /// Held still, turned so.
+    #[must_use]
+    pub const fn at_rest(attitude: DQuat) -> Self {
+        Self {
+            linear_ground_m_s2: DVec3::ZERO,
+            angular_ground_rad_s2: DVec3::ZERO,
+            rate_shell_rad_s: DVec3::ZERO,
+            attitude,
+        }
+    }
+
+    /// Acceleration less gravity, shell axes, m/s^2.
+    #[must_use]
+    pub fn specific_force_shell_m_s2(&self, gravity_ground_m_s2: DVec3) -> DVec3 {
+        self.attitude.inverse() * (self.linear_ground_m_s2 - gravity_ground_m_s2)
+    }
+}
+
 /// A motion as a simulator saw it: limb forces and true motion at the sampling instants.
 #[derive(Debug, Clone)]
 pub struct SimulatedMotion<M> {

@@ -36,6 +36,12 @@ pub const SEEN: Tolerance = required(1e-3, "far above rounding");
 /// Tail of a binomial distribution at an end of an interval, over what it should be, less one.
 pub const BETA_QUANTILE: Tolerance =
     measured(1e-9, 1e-10, "iteration of the incomplete beta function");
+/// Rate after a minute of a vehicle's motion, decoded at 1 kHz from forces in equilibrium, rad/s.
+pub const COMPLIANT_RATE: Tolerance = measured(
+    1e-5,
+    3.5e-7,
+    "over 100 seeds: the mass's own motion, which the truth leaves out, and the scheme",
+);
 /// Pose from elongations and back, over the size of the displacement.
 pub const POSE_ROUND_TRIP: Tolerance = measured(1e-12, 1e-15, "");
 /// Relative rate against a differenced rotation matrix, rad/s, at 0.02 rad and 1.7 rad/s.

@@ -9,14 +9,16 @@ use sixaxis_core::geometry::DIRECTIONS_SHELL;
 use sixaxis_core::identify::inertia::euler_torque;
 use sixaxis_core::paper::pose::Pose;
 use sixaxis_core::paper::signal::SignalChain;
-use sixaxis_core::{Gains, LIMBS, Parameters};
+use sixaxis_core::{Decoupler, Gains, LIMBS, Parameters, Sensor, Settings};
 use sixaxis_props::compare::{fails_clearly, largest, within};
+use sixaxis_props::seed::seed;
 use sixaxis_props::strategy::{config, parameters};
 use sixaxis_props::tolerance;
 use sixaxis_props::truth;
-use sixaxis_reference::compliant::elongations_m;
+use sixaxis_reference::compliant::{compliant_forces_m_s2, elongations_m};
 use sixaxis_reference::laboratory::chain::Chain;
-use sixaxis_reference::rigid::torque_per_mass;
+use sixaxis_reference::rig::journey::{Journey, Kind};
+use sixaxis_reference::rigid::{Load, RigidSensor, torque_per_mass};
 use sixaxis_reference::{geometry, sensor::TrueSensor};
 
 /// Equations (5) and (6) as the paper prints them: limb by limb, n = 21 mm.
@@ -137,5 +139,64 @@ fn inv_voltages_become_the_forces_that_made_them() {
         "a scale off by 1 %",
         off(&parameters),
         tolerance::LAST_DIGITS,
+    );
+}
+
+#[test]
+fn inv_a_compliant_truth_is_decoded_for_a_minute() {
+    const RATE_HZ: f64 = 1000.0;
+    let sensor = TrueSensor::identified();
+    let journey = Journey::random(Kind::Vehicle, &mut Pcg64::new(u128::from(seed()), 1));
+    let gravity_ground_m_s2 = journey.gravity_ground_m_s2();
+    let instants = journey.play(RATE_HZ).take(60_000);
+    let motion: Vec<_> = instants.map(|instant| instant.truth).collect();
+    let settings = Settings {
+        gravity_ground_m_s2,
+        ..Settings::new(RATE_HZ)
+    };
+    let model = Sensor {
+        geometry: sixaxis_core::Geometry::PAPER,
+        gains: Gains {
+            gain_n_per_v: [20.0; LIMBS],
+        },
+    };
+    let decoupler = Decoupler::new(&model, &truth::parameters(&sensor), &settings).expect("sound");
+    let off_rad_s =
+        |forces: &[[f64; LIMBS]]| {
+            let mut decoupler = decoupler.clone();
+            let tared = |force: &[f64; LIMBS]| core::array::from_fn(|i| force[i] - forces[0][i]);
+            let decoded = forces.iter().filter_map(|force| {
+                let voltage_v = sensor.voltage_v(&tared(force), &model.gains.gain_n_per_v);
+                decoupler.push(&voltage_v).expect("finite")
+            });
+            largest(decoded.zip(&motion[1..]).map(|(decoded, truth)| {
+                (decoded.rate_shell_rad_s - truth.rate_shell_rad_s).length()
+            }))
+        };
+    let compliant = compliant_forces_m_s2(&sensor, gravity_ground_m_s2, &motion);
+    let compliant = compliant.expect("limbs that hold the mass");
+    within(
+        "rate, rad/s",
+        off_rad_s(&compliant),
+        tolerance::COMPLIANT_RATE,
+    );
+    // The forces of limbs that do not give way turn no arm: 1e-6 of gravity's torque, for a minute.
+    let rigid = RigidSensor::new(&sensor, &[1.0; LIMBS]).expect("limbs that hold the mass");
+    let undeformed = motion.iter().map(|truth| {
+        let angular = truth.attitude.inverse() * truth.angular_ground_rad_s2;
+        rigid.forces_m_s2(&Load {
+            specific_force_m_s2: truth.specific_force_shell_m_s2(gravity_ground_m_s2),
+            torque_m2_s2: torque_per_mass(
+                &sensor.inertia_per_mass,
+                truth.rate_shell_rad_s,
+                angular,
+            ),
+        })
+    });
+    let undeformed: Vec<_> = undeformed.collect();
+    fails_clearly(
+        "limbs that do not give way",
+        off_rad_s(&undeformed),
+        tolerance::COMPLIANT_RATE,
     );
 }

@@ -2,7 +2,7 @@
 
 use core::f64::consts::TAU;
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use sixaxis_core::paper::signal::SignalChain;
@@ -19,10 +19,9 @@ use sixaxis_props::statistics::chi_square_departure;
 use sixaxis_props::tolerance;
 use sixaxis_props::truth;
 use sixaxis_reference::compliant::compliant_forces_m_s2;
-use sixaxis_reference::motion::Motion;
+use sixaxis_reference::motion::{Motion, TrueMotion};
 use sixaxis_reference::paper;
 use sixaxis_reference::rig::field::{Field, Pace};
-use sixaxis_reference::rigid::Load;
 use sixaxis_reference::smooth_step::smooth_step;
 
 /// Length of short field recordings, s.
@@ -430,15 +429,10 @@ fn stat_a_known_turn_gives_the_common_factor() {
             let case = Case::random(seed, SHORT_S);
             let found = case.ratios(&case.noisy_v(NOISE_SHARE)).expect("rich");
             // Turned over at rest: 2 g along z.
-            let (up, down) = (
-                DVec3::Z * paper::GRAVITY_M_S2,
-                DVec3::NEG_Z * paper::GRAVITY_M_S2,
-            );
-            let loads = [up, down].map(|specific_force_m_s2| Load {
-                specific_force_m_s2,
-                torque_m2_s2: DVec3::ZERO,
-            });
-            let forces = compliant_forces_m_s2(&truth::sensor(&case.truth), &loads)
+            let turned_over = DQuat::from_rotation_x(core::f64::consts::PI);
+            let motion = [DQuat::IDENTITY, turned_over].map(TrueMotion::at_rest);
+            let gravity = case.field.gravity_ground_m_s2;
+            let forces = compliant_forces_m_s2(&truth::sensor(&case.truth), gravity, &motion)
                 .expect("the limbs hold the mass");
             let true_chain = SignalChain::new(&case.gains, &case.truth);
             let [a, b] = [0, 1].map(|i| true_chain.voltage_v(&forces[i]));

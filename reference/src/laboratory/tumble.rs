@@ -34,7 +34,7 @@ pub fn record_tumble(
         RigidSensor::new(&sensor, &plan.stiffness_ratio())
             .map(|rigid| loads.iter().map(|load| rigid.forces_m_s2(load)).collect())
     } else {
-        compliant_forces_m_s2(&sensor, &loads)
+        compliant_forces_m_s2(&sensor, field.gravity_ground_m_s2, &truth)
     };
     let forces = forces.ok_or_else(|| {
         SessionError::plan("chain.stiffness_spread", "limbs that do not hold the mass")

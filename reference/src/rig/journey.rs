@@ -10,8 +10,6 @@ use rand::{Rng, RngExt};
 
 use super::tumble::{SINES, Sine, sum};
 use crate::motion::TrueMotion;
-use crate::rigid::{Load, torque_per_mass};
-use crate::sensor::TrueSensor;
 use crate::smooth_step::smooth_step;
 
 /// Gauss' two points in an interval, from its middle, over its length.
@@ -84,8 +82,6 @@ pub struct Journey {
 /// One instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Instant {
-    /// What it asks of the limbs.
-    pub load: Load,
     /// The motion.
     pub truth: TrueMotion,
     /// Velocity, ground axes, m/s.
@@ -154,11 +150,7 @@ impl Journey {
     }
 
     /// All instants from the start on, without an end.
-    pub fn play<'a>(
-        &'a self,
-        sensor: &'a TrueSensor,
-        sample_rate_hz: f64,
-    ) -> impl Iterator<Item = Instant> + 'a {
+    pub fn play(&self, sample_rate_hz: f64) -> impl Iterator<Item = Instant> + '_ {
         let step_s = 1.0 / sample_rate_hz;
         let mut attitude = DQuat::IDENTITY;
         (0_u64..).map(move |sample| {
@@ -172,10 +164,6 @@ impl Journey {
             let linear = ddw * p + 2.0 * dw * dp + w * ddp;
             let [rate, angular] = self.rate(time_s);
             Instant {
-                load: Load {
-                    specific_force_m_s2: here.inverse() * (linear - self.gravity_ground_m_s2),
-                    torque_m2_s2: torque_per_mass(&sensor.inertia_per_mass, rate, angular),
-                },
                 truth: TrueMotion {
                     linear_ground_m_s2: linear,
                     angular_ground_rad_s2: here * angular,

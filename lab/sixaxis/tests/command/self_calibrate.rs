@@ -10,8 +10,7 @@ use sixaxis_core::LIMBS;
 use sixaxis_recordings::{Block, Channel, Layout, create};
 use sixaxis_reference::compliant::compliant_forces_m_s2;
 use sixaxis_reference::laboratory::chain::Chain;
-use sixaxis_reference::paper::GRAVITY_M_S2;
-use sixaxis_reference::rigid::Load;
+use sixaxis_reference::motion::TrueMotion;
 use sixaxis_reference::sensor::TrueSensor;
 
 use crate::program::{Folder, run, stdout, text};
@@ -167,15 +166,12 @@ fn turned_over() -> PathBuf {
         10.0,
         10_000.0,
     );
-    let at_rest = |specific_force_m_s2| Load {
-        specific_force_m_s2,
-        torque_m2_s2: glam::DVec3::ZERO,
-    };
-    let up = glam::DVec3::Z * GRAVITY_M_S2;
-    let mut loads = vec![at_rest(up); 10_000];
-    loads.extend(field.simulate(&sensor).0);
-    loads.extend(vec![at_rest(-up); 10_000]);
-    let forces = compliant_forces_m_s2(&sensor, &loads).expect("limbs that hold");
+    let turned_over = TrueMotion::at_rest(glam::DQuat::from_rotation_x(std::f64::consts::PI));
+    let mut motion = vec![TrueMotion::at_rest(glam::DQuat::IDENTITY); 10_000];
+    motion.extend(field.simulate(&sensor).1);
+    motion.extend(vec![turned_over; 10_000]);
+    let forces = compliant_forces_m_s2(&sensor, field.gravity_ground_m_s2, &motion)
+        .expect("limbs that hold");
     let chain = Chain::noise_free();
     let voltage_v = chain.record(&forces, &sensor, &gain_n_per_v, 10_000.0, &mut rng);
     let channels = (1..=LIMBS).map(|i| Channel {

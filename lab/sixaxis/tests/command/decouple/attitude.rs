@@ -9,6 +9,7 @@ use rand_pcg::Pcg64;
 use serde_json::Value;
 use sixaxis_reference::compliant::compliant_forces_m_s2;
 use sixaxis_reference::laboratory::chain::Chain;
+use sixaxis_reference::paper::GRAVITY_M_S2;
 use sixaxis_reference::rig::journey::{Instant, Journey, Kind};
 use sixaxis_reference::sensor::TrueSensor;
 
@@ -51,9 +52,10 @@ fn recorded() -> &'static Recorded {
         let rng = &mut Pcg64::seed_from_u64(5);
         let journey = Journey::random(Kind::PickAndPlace, rng);
         let samples = (DURATION_S * RATE_HZ) as usize;
-        let truth: Vec<Instant> = journey.play(&sensor, RATE_HZ).take(samples).collect();
-        let loads: Vec<_> = truth.iter().map(|instant| instant.load).collect();
-        let forces = compliant_forces_m_s2(&sensor, &loads).expect("limbs that hold");
+        let truth: Vec<Instant> = journey.play(RATE_HZ).take(samples).collect();
+        let motion: Vec<_> = truth.iter().map(|instant| instant.truth).collect();
+        let gravity = journey.gravity_ground_m_s2();
+        let forces = compliant_forces_m_s2(&sensor, gravity, &motion).expect("limbs that hold");
         let chain = Chain::noise_free();
         let gains = chain.amplifier_ranges(&forces, &sensor);
         let volts = chain.record(&forces, &sensor, &gains, RATE_HZ, rng);
@@ -145,7 +147,9 @@ fn ref_sensor_axes_stay_true_and_ground_axes_end_where_the_attitude_is_lost() {
     let truth = &recorded().truth[1..=sensor[0].len()];
     for (part, limit) in OF_PEAK.into_iter().enumerate() {
         let true_value = |instant: &Instant| match part {
-            0 => instant.load.specific_force_m_s2,
+            0 => instant
+                .truth
+                .specific_force_shell_m_s2(DVec3::NEG_Z * GRAVITY_M_S2),
             _ => instant.truth.attitude.inverse() * instant.truth.angular_ground_rad_s2,
         };
         let peak = truth
