@@ -20,7 +20,7 @@ use sixaxis_reference::compliant::compliant_forces_m_s2;
 use sixaxis_reference::motion::TrueMotion;
 use sixaxis_reference::rig::journey::{Instant, Journey, Kind};
 
-pub use self::watched::{Checked, KNOWN_RAD, Outcome};
+pub use self::watched::{Checked, KNOWN_RAD, OPEN_S, Outcome};
 use self::watched::{Common, Run};
 use crate::truth;
 

@@ -171,7 +171,7 @@ impl Row {
 }
 
 /// Distribution of the errors of one quantity.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Quantiles {
     /// Number of rows.
     pub count: usize,

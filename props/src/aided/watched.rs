@@ -16,7 +16,7 @@ pub const KNOWN_RAD: f64 = 0.0873;
 /// Blocks from one look at an acceleration to the next: no motion has its frequency.
 const BLOCKS_FROM_LOOK_TO_LOOK: u64 = 97;
 /// Time after which nobody asks how wrong the open loop is, s.
-const OPEN_S: f64 = 65.0;
+pub const OPEN_S: f64 = 65.0;
 
 /// Errors at one time of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,6 +33,8 @@ pub struct Checked {
     pub tilt_error_rad: f64,
     /// Error of the rate, rad/s.
     pub rate_error_rad_s: f64,
+    /// Of that, across the plumb line, rad/s.
+    pub rate_across_error_rad_s: f64,
     /// What the attitude's error makes of a, m/s^2.
     pub linear_error_m_s2: f64,
     /// Deviation of the attitude, rad.
@@ -173,6 +175,9 @@ fn check(time_s: f64, aided: &AidedDecoupler, truth: &TrueMotion, gravity: DVec3
         attitude_error_rad: off.length(),
         tilt_error_rad: off.reject_from(gravity).length(),
         rate_error_rad_s: rate.length(),
+        rate_across_error_rad_s: rate
+            .reject_from(now.attitude.inverse() * gravity.normalize_or_zero())
+            .length(),
         linear_error_m_s2: linear.length(),
         attitude_deviation_rad: aided.deviations().attitude_rad(),
         across: Bound::now(aided.filter(), now, gravity.normalize_or_zero()),

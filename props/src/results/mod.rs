@@ -10,6 +10,7 @@ mod calibration;
 mod digest;
 mod faults;
 mod growth;
+mod hours;
 mod mujoco_campaign;
 mod speed;
 
@@ -24,6 +25,7 @@ pub use self::calibration::*;
 pub use self::digest::{of_bytes, of_sources, of_timed};
 pub use self::faults::*;
 pub use self::growth::*;
+pub use self::hours::*;
 pub use self::mujoco_campaign::*;
 pub use self::speed::*;
 use crate::provenance::Provenance;
@@ -106,6 +108,7 @@ studies!(
     Detection = "detection" by "props" from [],
     DyingLimb = "dying_limb" by "props" from [],
     FailedLimbs = "failed_limbs" by "props" from [],
+    Hours = "hours" by "props" from [],
     Joint = "joint" by "props" from [],
     Laboratories = "laboratories" by "reports" from ["reports/src/study"],
     MujocoCampaign = "campaign_mujoco" by "props" from ["lab/campaign/src"],
