@@ -9,6 +9,7 @@ mod compound;
 pub mod evidence;
 mod fault_tolerance;
 mod histories;
+mod hours;
 mod identifiability;
 mod ledger;
 mod orders;
@@ -72,6 +73,7 @@ pub fn report(results: &Results, evidence: Section, facts: Vec<(String, String)>
             fault_tolerance::section()?,
             blind::section()?,
             histories::section(results)?,
+            hours::section()?,
             orders::section(results)?,
             reference::section(results)?,
             evidence,

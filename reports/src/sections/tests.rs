@@ -21,6 +21,7 @@ fn sections_of_published_results_are_drawn() {
         fault_tolerance::section(),
         self_calibration::section(),
         blind::section(),
+        hours::section(),
     ];
     let page = Page {
         sections: sections.map(|s| s.expect("a section")).to_vec(),
