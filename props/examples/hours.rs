@@ -78,6 +78,7 @@ fn study(first: u64, count: u64) -> Result<Hours, String> {
                     duration_s: DURATION_S,
                     rate_hz: RATE_HZ,
                     quality: Quality::DAY,
+                    smooth: false,
                 };
                 (kind, play(&ride, &aids(kind), &TIMES_S, seed))
             })
@@ -108,7 +109,10 @@ fn study(first: u64, count: u64) -> Result<Hours, String> {
 
 fn summary(kind: Kind, aids: Aids, runs: &[&Outcome]) -> AidedRide {
     let known = |look: &Checked| look.attitude_deviation_rad < KNOWN_RAD;
-    let looks = |place: usize| runs.iter().filter_map(move |run| run.looks.get(place));
+    let looks = |place: usize| {
+        runs.iter()
+            .filter_map(move |run| run.filtered.looks.get(place))
+    };
     let at = TIMES_S.iter().enumerate().map(|(place, time_s)| {
         let known: Vec<&Checked> = looks(place).filter(|look| known(look)).collect();
         let mean = |of: fn(&Checked) -> f64| {
@@ -123,13 +127,14 @@ fn summary(kind: Kind, aids: Aids, runs: &[&Outcome]) -> AidedRide {
     });
     let all = || {
         runs.iter()
-            .flat_map(|run| run.over_deviation.iter().flatten())
+            .flat_map(|run| run.filtered.over_deviation.iter().flatten())
     };
     let last: Vec<&Checked> = looks(TIMES_S.len() - 1)
         .filter(|look| known(look))
         .collect();
-    let to_the_end =
-        |run: &&&Outcome| run.unknown_from_s.is_none() && run.looks.len() == TIMES_S.len();
+    let to_the_end = |run: &&&Outcome| {
+        run.filtered.unknown_from_s.is_none() && run.filtered.looks.len() == TIMES_S.len()
+    };
     let of_last = |of: fn(&Checked) -> f64| Quantiles::of(last.iter().map(|look| of(look)));
     let root_mean_square = |of: fn(&Checked) -> f64| {
         (last.iter().map(|look| of(look).powi(2)).sum::<f64>() / last.len() as f64).sqrt()
@@ -142,7 +147,7 @@ fn summary(kind: Kind, aids: Aids, runs: &[&Outcome]) -> AidedRide {
         beyond_three: all().filter(|error| **error > 3.0).count() as u64,
         largest: all().copied().max_by(f64::total_cmp),
         known_to_the_end: runs.iter().filter(to_the_end).count() as u64,
-        unknown_from_s: Quantiles::of(runs.iter().filter_map(|run| run.unknown_from_s))
+        unknown_from_s: Quantiles::of(runs.iter().filter_map(|run| run.filtered.unknown_from_s))
             .map(|times| times.median),
         bound: runs[0].bound.map(|bound| Steady {
             tilt_rad: bound.tilt_rad,

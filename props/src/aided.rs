@@ -20,7 +20,7 @@ use sixaxis_reference::compliant::compliant_forces_m_s2;
 use sixaxis_reference::motion::TrueMotion;
 use sixaxis_reference::rig::journey::{Instant, Journey, Kind};
 
-pub use self::watched::{Checked, KNOWN_RAD, OPEN_S, Outcome};
+pub use self::watched::{Checked, Judged, KNOWN_RAD, OPEN_S, Outcome};
 use self::watched::{Common, Run};
 use crate::truth;
 
@@ -112,6 +112,8 @@ pub struct Ride {
     pub rate_hz: f64,
     /// What the calibration leaves open.
     pub quality: Quality,
+    /// Whether it is smoothed, too: several times the work.
+    pub smooth: bool,
 }
 
 /// Plays one motion and decouples it once with each set of aids. Errors are looked at where a block ends after each of these times.
@@ -125,6 +127,7 @@ pub fn run(ride: &Ride, aids: &[Aids], times_s: &[f64], seed: u64) -> Vec<Outcom
         duration_s,
         rate_hz,
         quality,
+        smooth,
     } = *ride;
     let rng = &mut Pcg64::new(u128::from(seed), STREAM);
     let journey = Journey::random(kind, rng);
@@ -185,23 +188,24 @@ pub fn run(ride: &Ride, aids: &[Aids], times_s: &[f64], seed: u64) -> Vec<Outcom
         quality.down_rad * quality.told,
     )
     .expect("a sound covariance");
+    let new = || AidedDecoupler::new(decoupler.clone(), filter.clone(), &parameters, &settings);
     let mut runs: Vec<Run<'_>> = aids
         .iter()
         .enumerate()
         .map(|(number, aids)| Run {
             aids,
             rng: Pcg64::new(u128::from(seed), FIXES + number as u128),
-            aided: AidedDecoupler::new(decoupler.clone(), filter.clone(), &parameters, &settings),
+            aided: if smooth { new().remembering() } else { new() },
             rests: RestFinder::new(filter.model(), &[noise_v; LIMBS], rate_hz),
             next_velocity_s: 0.0,
             next_fix_s: 0.0,
             looks: 0.0,
             blocks: 0,
             ended: false,
+            times: Vec::new(),
             outcome: Outcome {
-                looks: Vec::new(),
-                over_deviation: Vec::new(),
-                unknown_from_s: None,
+                filtered: Judged::default(),
+                smoothed: None,
                 bound: aids.bound(&sensor_used, &parameters, &settings, &noise),
             },
         })
@@ -237,7 +241,15 @@ pub fn run(ride: &Ride, aids: &[Aids], times_s: &[f64], seed: u64) -> Vec<Outcom
         }
         sample += piece.len();
     }
-    runs.into_iter().map(|run| run.outcome).collect()
+    runs.into_iter()
+        .map(|run| {
+            if smooth {
+                run.smooth(&common)
+            } else {
+                run.outcome
+            }
+        })
+        .collect()
 }
 
 /// Forces by which amplifier ranges are chosen: those of the motion's beginning, or of a shake where it does not move at all.

@@ -23,6 +23,20 @@ pub struct Block {
     pub attitude: DQuat,
 }
 
+impl Block {
+    /// One decoupled sample with its voltages: what an error does there.
+    #[must_use]
+    pub const fn of_sample(voltage_v: &[f64; LIMBS], sample: &SixAxis) -> Self {
+        Self {
+            duration_s: 0.0,
+            voltage_v: *voltage_v,
+            rate_shell_rad_s: sample.rate_shell_rad_s,
+            angular_ground_rad_s2: sample.angular_ground_rad_s2,
+            attitude: sample.attitude,
+        }
+    }
+}
+
 /// Adds up samples until a block is full.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gathering {

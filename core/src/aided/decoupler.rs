@@ -1,10 +1,18 @@
 //! A decoupler and its filter in one stream.
 
+#[cfg(feature = "alloc")]
+use alloc::{boxed::Box, vec::Vec};
+
 use glam::DVec3;
 
 use super::aid::Aid;
 use super::block::{Block, Gathering};
+use super::channels::Channels;
 use super::filter::{Correction, Deviations, ErrorFilter};
+#[cfg(feature = "alloc")]
+use super::history::{Event, History};
+#[cfg(feature = "alloc")]
+use super::smoother::{Smoothed, smooth};
 use crate::decouple::stream::Decoupler;
 use crate::error::Result;
 use crate::geometry::LIMBS;
@@ -16,39 +24,6 @@ const BLOCK_S: f64 = 0.01;
 /// Rests or attitudes in a row that contradict the filter, from which on it is the filter that is doubted.
 const BELIEVED_AFTER: u32 = 4;
 
-/// Zero drifts and scale factors as they turn out to be. The decoupler keeps those that it was made with, and is given the voltages
-/// that these would show.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Channels {
-    made_with: Parameters,
-    drift_v: [f64; LIMBS],
-    scale_per_mass_per_kg: [f64; LIMBS],
-}
-
-impl Channels {
-    const fn new(made_with: Parameters) -> Self {
-        Self {
-            made_with,
-            drift_v: made_with.zero_drift_v,
-            scale_per_mass_per_kg: made_with.scale_per_mass_per_kg,
-        }
-    }
-
-    fn mended(&self, voltage_v: &[f64; LIMBS]) -> [f64; LIMBS] {
-        core::array::from_fn(|i| {
-            let ratio = self.scale_per_mass_per_kg[i] / self.made_with.scale_per_mass_per_kg[i];
-            self.made_with.zero_drift_v[i] + ratio * (voltage_v[i] - self.drift_v[i])
-        })
-    }
-
-    fn take(&mut self, found: &Correction) {
-        for i in 0..LIMBS {
-            self.drift_v[i] -= found.drift_v[i];
-            self.scale_per_mass_per_kg[i] -= found.scale_per_mass_per_kg[i];
-        }
-    }
-}
-
 /// Nine voltages in, six accelerations out, held by what else is known: no allocation, no panic.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AidedDecoupler {
@@ -57,14 +32,17 @@ pub struct AidedDecoupler {
     gathering: Gathering,
     step_s: f64,
     channels: Channels,
-    /// Voltages of the sample that is answered next.
+    /// Voltages of the sample that is answered next, and of the one that was answered last.
     before: [f64; LIMBS],
+    answered: [f64; LIMBS],
     last: Option<(Block, SixAxis)>,
     /// What the decoded accelerations add up to, m/s.
     velocity: DVec3,
     down: DVec3,
     /// Rests and attitudes in a row that contradict what is known.
     refused: [u32; 2],
+    #[cfg(feature = "alloc")]
+    history: Option<Box<History>>,
 }
 
 impl AidedDecoupler {
@@ -83,9 +61,12 @@ impl AidedDecoupler {
             step_s: 1.0 / settings.sample_rate_hz,
             channels: Channels::new(*parameters),
             before: [0.0; LIMBS],
+            answered: [0.0; LIMBS],
             last: None,
             velocity: DVec3::ZERO,
             refused: [0; 2],
+            #[cfg(feature = "alloc")]
+            history: None,
             down: settings.gravity_ground_m_s2.normalize_or_zero(),
         }
     }
@@ -97,11 +78,11 @@ impl AidedDecoupler {
     pub fn push(&mut self, voltage_v: &[f64; LIMBS]) -> Result<Option<SixAxis>> {
         let mended = self.channels.mended(voltage_v);
         let answer = self.decoupler.push(&mended)?;
-        let of_answer = core::mem::replace(&mut self.before, mended);
-        self.last = None;
+        self.answered = core::mem::replace(&mut self.before, mended);
+        self.pass();
         if let Some(sample) = &answer {
             self.velocity += sample.linear_ground_m_s2 * self.step_s;
-            if let Some(block) = self.gathering.push(&of_answer, sample) {
+            if let Some(block) = self.gathering.push(&self.answered, sample) {
                 self.filter.advance(&block);
                 self.last = Some((block, *sample));
             }
@@ -139,6 +120,10 @@ impl AidedDecoupler {
             // Anew for the second one: the first has corrected what that is held against.
             let all = aid.against(sample, self.velocity, self.down);
             if let Some(measurement) = &all[part] {
+                #[cfg(feature = "alloc")]
+                if let Some(history) = &mut self.history {
+                    history.happened(Event::Measured(*measurement));
+                }
                 match self.filter.take(measurement) {
                     Some(found) => {
                         taken &= !found.contradicts;
@@ -156,6 +141,10 @@ impl AidedDecoupler {
         };
         *counter = if taken { 0 } else { *counter + 1 };
         if *counter >= BELIEVED_AFTER {
+            #[cfg(feature = "alloc")]
+            if let Some(history) = &mut self.history {
+                history.happened(Event::Doubted);
+            }
             self.filter.doubt();
         }
         taken
@@ -179,9 +168,42 @@ impl AidedDecoupler {
         self.filter.deviations()
     }
 
+    /// Standard deviations of a and w' of the sample that was answered last, ground axes, m/s^2 and rad/s^2, but for its own noise.
+    #[must_use]
+    pub fn accelerations(&self, answered: &SixAxis) -> [f64; 6] {
+        self.filter.accelerations(&self.answered, answered)
+    }
+
     /// The filter.
     #[must_use]
     pub fn filter(&self) -> &ErrorFilter {
         &self.filter
+    }
+
+    /// Nothing more is used of the last sample.
+    fn pass(&mut self) {
+        let _last = self.last.take();
+        #[cfg(feature = "alloc")]
+        if let (Some(history), Some((block, corrected))) = (&mut self.history, _last) {
+            history.pass(block, corrected, &self.filter);
+        }
+    }
+}
+
+#[cfg(feature = "alloc")]
+impl AidedDecoupler {
+    /// Remembers what [`Self::smoothed`] needs: some 300 bytes a block. To be called before the first sample.
+    #[must_use]
+    pub fn remembering(mut self) -> Self {
+        self.history = Some(Box::new(History::new(&self.filter)));
+        self
+    }
+
+    /// Attitude and rate at the end of each block by all aids together, those that came later, too, from the last block to the first.
+    /// Nothing without [`Self::remembering`].
+    #[must_use]
+    pub fn smoothed(mut self) -> Option<Vec<Smoothed>> {
+        self.pass();
+        self.history.as_deref().map(smooth)
     }
 }

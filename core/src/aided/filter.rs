@@ -17,9 +17,10 @@ use crate::float::sqrt;
 use crate::geometry::LIMBS;
 use crate::model::{Parameters, Sensor, Settings};
 use crate::parameter::SCALE;
+use crate::six_axis::SixAxis;
 
 /// Those that a measurement corrects: the dynamic ones, zero drifts and scale factors.
-const CORRECTED: usize = DYNAMIC + SCALE.end;
+pub(super) const CORRECTED: usize = DYNAMIC + SCALE.end;
 /// Innovations squared over their covariance that one of a thousand measurements of three numbers has.
 const ONE_OF_A_THOUSAND: f64 = 16.27;
 /// Deviation of the attitude beyond which nothing of first order is to be believed, rad.
@@ -68,6 +69,34 @@ pub struct Correction {
     pub scale_per_mass_per_kg: [f64; LIMBS],
     /// Whether the measurement contradicts what was known.
     pub contradicts: bool,
+}
+
+/// What a measurement does to the errors: those that it finds are taken off.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Update {
+    /// Place of the first of the three errors that it shows.
+    pub(super) place: usize,
+    pub(super) gain: SMatrix<f64, ERRORS, 3>,
+    /// Covariance of the measurement, as it counted.
+    pub(super) noise: SMatrix<f64, 3, 3>,
+    /// The errors found.
+    pub(super) found: SMatrix<f64, ERRORS, 1>,
+    contradicts: bool,
+}
+
+impl Update {
+    fn correction(&self) -> Correction {
+        let found = &self.found;
+        let three = |at: usize| vector(found.fixed_rows::<3>(at).into_owned());
+        Correction {
+            attitude_ground_rad: three(ATTITUDE),
+            rate_shell_rad_s: three(RATE),
+            velocity_ground_m_s: three(VELOCITY),
+            drift_v: core::array::from_fn(|i| found[DYNAMIC + i]),
+            scale_per_mass_per_kg: core::array::from_fn(|i| found[DYNAMIC + SCALE.start + i]),
+            contradicts: self.contradicts,
+        }
+    }
 }
 
 /// An error-state Kalman filter without the errors themselves: they are taken off the decoupler as soon as they are known.
@@ -156,13 +185,19 @@ impl ErrorFilter {
 
     /// Carries the covariance over a block.
     pub fn advance(&mut self, block: &Block) {
-        let Transition { by_errors, noise } = self.model.transition(block);
+        let transition = self.model.transition(block);
+        self.advance_by(block, &transition);
+    }
+
+    /// The same where the block's transition is wanted besides.
+    pub(super) fn advance_by(&mut self, block: &Block, transition: &Transition) {
+        let Transition { by_errors, noise } = transition;
         // It points the same way for as long as the attitude's error does; a turn about the force itself bends nothing.
         let [force, _] = self.model.turned(block);
         let across = self.across(ATTITUDE, force.normalize_or_zero());
         self.bent_m_s += second_order(force, across * across) * block.duration_s;
         let p = &mut self.covariance;
-        let carried = times(&by_errors, p);
+        let carried = times(by_errors, p);
         let own = times(&carried, &by_errors.transpose()) + noise;
         let crossed = carried.fixed_columns::<PARAMETRIC>(DYNAMIC);
         p.fixed_view_mut::<DYNAMIC, PARAMETRIC>(0, DYNAMIC)
@@ -209,6 +244,10 @@ impl ErrorFilter {
     /// Takes a measurement, or none: one whose innovation happens once in a thousand times or less contradicts what was known. Unless it
     /// insists it is not used; if it does, it counts as if it were so much less certain that it would just not contradict.
     pub fn take(&mut self, measurement: &Measurement) -> Option<Correction> {
+        self.update(measurement).map(|update| update.correction())
+    }
+
+    pub(super) fn update(&mut self, measurement: &Measurement) -> Option<Update> {
         if self.lost && measurement.place == ATTITUDE {
             self.forget();
             self.lost = false;
@@ -252,13 +291,11 @@ impl ErrorFilter {
         if measurement.place == VELOCITY {
             self.bent_m_s = 0.0;
         }
-        let three = |at: usize| vector(found.fixed_rows::<3>(at).into_owned());
-        Some(Correction {
-            attitude_ground_rad: three(ATTITUDE),
-            rate_shell_rad_s: three(RATE),
-            velocity_ground_m_s: three(VELOCITY),
-            drift_v: core::array::from_fn(|i| found[DYNAMIC + i]),
-            scale_per_mass_per_kg: core::array::from_fn(|i| found[DYNAMIC + SCALE.start + i]),
+        Some(Update {
+            place: measurement.place,
+            gain,
+            noise: measured,
+            found,
             contradicts,
         })
     }
@@ -330,9 +367,11 @@ impl ErrorFilter {
         sqrt((all.trace() - (along.transpose() * all * along)[(0, 0)]).max(0.0))
     }
 
-    /// Standard deviations of a and w' in ground axes after a block, m/s^2 and rad/s^2, but for the noise of the sample itself.
+    /// Standard deviations of a sample's a and w' in ground axes, m/s^2 and rad/s^2, but for its own noise. A mean over samples says too
+    /// little of those that are far from it.
     #[must_use]
-    pub fn accelerations(&self, block: &Block) -> [f64; 6] {
+    pub fn accelerations(&self, voltage_v: &[f64; LIMBS], sample: &SixAxis) -> [f64; 6] {
+        let block = &Block::of_sample(voltage_v, sample);
         let shown = self.model.shown(block);
         let variances = times(&shown, &self.covariance)
             .component_mul(&shown)
@@ -345,6 +384,13 @@ impl ErrorFilter {
             sqrt(variances[i].max(0.0) + second * second)
         })
     }
+
+    /// Whether the attitude is beyond first order: what the covariance says of it is not to be believed.
+    #[cfg(feature = "alloc")]
+    pub(super) fn is_lost(&self) -> bool {
+        self.lost
+    }
+
     /// The whole covariance, in the order that the [module](super) states.
     #[must_use]
     pub fn covariance(&self) -> &ErrorCovariance {

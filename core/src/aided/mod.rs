@@ -15,6 +15,9 @@
 //! | [`rest`] | whether the sensor is at rest, from its channels |
 //! | `steer` | a decoupler's rate and attitude changed in mid-stream |
 //! | [`decoupler`] | decoupler and filter in one stream |
+//! | `channels` | zero drifts and scale factors that the filter has corrected |
+//! | `history` | what is remembered of a recording that is to be smoothed |
+//! | [`smoother`] | what the whole of it says of each of its times |
 //!
 //! # Errors
 //! All errors are *decoded less true*, to first order:
@@ -35,10 +38,15 @@
 pub mod aid;
 pub mod block;
 pub mod bound;
+mod channels;
 pub mod decoupler;
 pub mod filter;
+#[cfg(feature = "alloc")]
+mod history;
 pub mod model;
 pub mod rest;
+#[cfg(feature = "alloc")]
+pub mod smoother;
 mod steer;
 
 pub use aid::Aid;
@@ -46,3 +54,5 @@ pub use bound::Bound;
 pub use decoupler::AidedDecoupler;
 pub use filter::{Deviations, ErrorFilter};
 pub use rest::RestFinder;
+#[cfg(feature = "alloc")]
+pub use smoother::Smoothed;

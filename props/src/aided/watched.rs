@@ -1,7 +1,7 @@
 //! One run with its aids: decoupled sample by sample, and its errors looked at.
 
 use glam::{DQuat, DVec3};
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use rand_pcg::Pcg64;
 use sixaxis_core::LIMBS;
 use sixaxis_core::aided::block::Block;
@@ -43,15 +43,24 @@ pub struct Checked {
     pub across: Bound,
 }
 
-/// What became of one run with its aids.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Outcome {
+/// How far an estimate of one run was right.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Judged {
     /// Errors at the times asked for, as far as it was decoupled.
     pub looks: Vec<Checked>,
     /// Errors of decoded a, component by component, over their deviations, about once a second while the attitude is known.
     pub over_deviation: Vec<[f64; 3]>,
     /// Time from which on the attitude was not known for the first time, s.
     pub unknown_from_s: Option<f64>,
+}
+
+/// What became of one run with its aids.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outcome {
+    /// As it was decoupled sample by sample.
+    pub filtered: Judged,
+    /// Attitude and rate by the whole of it, where that was asked for.
+    pub smoothed: Option<Judged>,
     /// What its aids leave open in steady state.
     pub bound: Option<Bound>,
 }
@@ -67,6 +76,8 @@ pub(super) struct Run<'a> {
     pub(super) looks: f64,
     pub(super) blocks: u64,
     pub(super) ended: bool,
+    /// Samples at the times asked for, with the truth.
+    pub(super) times: Vec<(u64, TrueMotion)>,
     pub(super) outcome: Outcome,
 }
 
@@ -102,28 +113,69 @@ impl Run<'_> {
         let time_s = answer.sample as f64 / common.rate_hz;
         let look = common
             .times_s
-            .get(self.outcome.looks.len())
+            .get(self.outcome.filtered.looks.len())
             .is_some_and(|due_s| time_s >= *due_s);
         let known = self.aided.deviations().attitude_rad() < KNOWN_RAD;
         self.blocks += 1;
         if known && self.blocks.is_multiple_of(BLOCKS_FROM_LOOK_TO_LOOK) {
             // This sample was decoded before what is known of it is used.
             let linear = answer.linear_ground_m_s2 - truth.linear_ground_m_s2;
-            let deviations = self.aided.filter().accelerations(&block);
-            self.outcome.over_deviation.push(core::array::from_fn(|i| {
-                linear[i].abs() / deviations[i].hypot(common.noise_m_s2)
-            }));
+            let deviations = self.aided.accelerations(&answer);
+            let off =
+                core::array::from_fn(|i| linear[i].abs() / deviations[i].hypot(common.noise_m_s2));
+            self.outcome.filtered.over_deviation.push(off);
         }
-        if !known && self.outcome.unknown_from_s.is_none() {
-            self.outcome.unknown_from_s = Some(time_s);
+        if !known && self.outcome.filtered.unknown_from_s.is_none() {
+            self.outcome.filtered.unknown_from_s = Some(time_s);
         }
         self.aid(&block, time_s, truth);
         if look {
-            let found = check(time_s, &self.aided, truth, common.gravity);
-            self.outcome.looks.push(found);
+            self.times.push((answer.sample, *truth));
+            let found = self.now().check(time_s, truth, common.gravity);
+            self.outcome.filtered.looks.push(found);
         }
-        self.ended = self.outcome.looks.len() == common.times_s.len()
+        self.ended = self.outcome.filtered.looks.len() == common.times_s.len()
             || (*self.aids == Aids::default() && time_s > OPEN_S);
+    }
+
+    fn now(&self) -> State {
+        let now = self.aided.last().expect("a block ends here");
+        let covariance = self.aided.filter().covariance();
+        let of = |at: usize| covariance.fixed_view::<3, 3>(at, at).into_owned();
+        State {
+            attitude: now.attitude,
+            rate_shell_rad_s: now.rate_shell_rad_s,
+            attitude_covariance: of(ATTITUDE),
+            rate_covariance: of(RATE),
+            attitude_deviation_rad: self.aided.deviations().attitude_rad(),
+        }
+    }
+
+    /// The same with what its whole says.
+    pub(super) fn smooth(self, common: &Common<'_>) -> Outcome {
+        let mut outcome = self.outcome;
+        let mut judged = Judged::default();
+        let mut times = self.times.iter().peekable();
+        for state in self.aided.smoothed().expect("it remembers").iter().rev() {
+            let time_s = state.sample as f64 / common.rate_hz;
+            if state.attitude_rad() > KNOWN_RAD && judged.unknown_from_s.is_none() {
+                judged.unknown_from_s = Some(time_s);
+            }
+            if let Some((_, truth)) = times.next_if(|(sample, _)| *sample == state.sample) {
+                let state = State {
+                    attitude: state.attitude,
+                    rate_shell_rad_s: state.rate_shell_rad_s,
+                    attitude_covariance: state.attitude_covariance.unwrap_or_default(),
+                    rate_covariance: state.rate_covariance,
+                    attitude_deviation_rad: state.attitude_rad(),
+                };
+                judged
+                    .looks
+                    .push(state.check(time_s, truth, common.gravity));
+            }
+        }
+        outcome.smoothed = Some(judged);
+        outcome
     }
 
     fn aid(&mut self, block: &Block, time_s: f64, truth: &TrueMotion) {
@@ -154,32 +206,50 @@ impl Run<'_> {
     }
 }
 
-fn check(time_s: f64, aided: &AidedDecoupler, truth: &TrueMotion, gravity: DVec3) -> Checked {
-    let now = aided.last().expect("a block ends here");
-    let off = (now.attitude * truth.attitude.inverse())
-        .normalize()
-        .to_scaled_axis();
-    let rate = now.rate_shell_rad_s - truth.rate_shell_rad_s;
-    let covariance = aided.filter().covariance();
-    let normalised = |at: usize, e: DVec3| {
-        let block = covariance.fixed_view::<3, 3>(at, at).into_owned();
-        let e = Vector3::new(e.x, e.y, e.z);
-        (e.transpose() * block.try_inverse().expect("a covariance") * e)[(0, 0)]
-    };
-    let force = truth.attitude.inverse() * (truth.linear_ground_m_s2 - gravity);
-    let linear = now.attitude * force + gravity - truth.linear_ground_m_s2;
-    Checked {
-        time_s,
-        attitude: normalised(ATTITUDE, off),
-        rate: normalised(RATE, rate),
-        attitude_error_rad: off.length(),
-        tilt_error_rad: off.reject_from(gravity).length(),
-        rate_error_rad_s: rate.length(),
-        rate_across_error_rad_s: rate
-            .reject_from(now.attitude.inverse() * gravity.normalize_or_zero())
-            .length(),
-        linear_error_m_s2: linear.length(),
-        attitude_deviation_rad: aided.deviations().attitude_rad(),
-        across: Bound::now(aided.filter(), now, gravity.normalize_or_zero()),
+/// An estimate at one time, with its covariance.
+struct State {
+    attitude: DQuat,
+    rate_shell_rad_s: DVec3,
+    attitude_covariance: Matrix3<f64>,
+    rate_covariance: Matrix3<f64>,
+    attitude_deviation_rad: f64,
+}
+
+impl State {
+    fn check(&self, time_s: f64, truth: &TrueMotion, gravity: DVec3) -> Checked {
+        let off = (self.attitude * truth.attitude.inverse())
+            .normalize()
+            .to_scaled_axis();
+        let rate = self.rate_shell_rad_s - truth.rate_shell_rad_s;
+        let column = |v: DVec3| Vector3::new(v.x, v.y, v.z);
+        let normalised = |covariance: &Matrix3<f64>, e: DVec3| {
+            let inverse = covariance.try_inverse();
+            inverse.map_or(f64::INFINITY, |inverse| {
+                column(e).dot(&(inverse * column(e)))
+            })
+        };
+        let across = |covariance: &Matrix3<f64>, along: DVec3| {
+            let of_along = column(along).dot(&(covariance * column(along)));
+            (covariance.trace() - of_along).max(0.0).sqrt()
+        };
+        let force = truth.attitude.inverse() * (truth.linear_ground_m_s2 - gravity);
+        let linear = self.attitude * force + gravity - truth.linear_ground_m_s2;
+        let down = gravity.normalize_or_zero();
+        let down_shell = self.attitude.inverse() * down;
+        Checked {
+            time_s,
+            attitude: normalised(&self.attitude_covariance, off),
+            rate: normalised(&self.rate_covariance, rate),
+            attitude_error_rad: off.length(),
+            tilt_error_rad: off.reject_from(gravity).length(),
+            rate_error_rad_s: rate.length(),
+            rate_across_error_rad_s: rate.reject_from(down_shell).length(),
+            linear_error_m_s2: linear.length(),
+            attitude_deviation_rad: self.attitude_deviation_rad,
+            across: Bound {
+                tilt_rad: across(&self.attitude_covariance, down),
+                rate_rad_s: across(&self.rate_covariance, down_shell),
+            },
+        }
     }
 }

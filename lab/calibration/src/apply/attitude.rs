@@ -59,12 +59,10 @@ pub struct AttitudeStream {
     start_s: f64,
     down: DVec3,
     until_rad: f64,
-    /// Standard deviations of a single sample's accelerations by its own noise.
-    noise: [f64; 6],
-    /// Of accelerations and attitude since the last block.
+    /// Standard deviations of a single sample's accelerations by its own noise, where theirs are asked for.
+    noise: Option<[f64; 6]>,
+    /// Of accelerations and attitude of the last sample.
     deviations: [f64; 7],
-    /// What the aids of the last block left of them: for the samples after it.
-    after_aids: Option<[f64; 7]>,
     summary: AttitudeSummary,
     messages: Vec<String>,
 }
@@ -81,7 +79,8 @@ impl AttitudeStream {
         )
     }
 
-    /// In a decoder's place, with aids. `noise` has the standard deviations that a sample's own noise gives its accelerations.
+    /// In a decoder's place, with aids. `noise` has the standard deviations that a sample's own noise gives its accelerations, where
+    /// theirs are asked for.
     ///
     /// # Errors
     /// A file of attitudes that cannot be read.
@@ -92,7 +91,7 @@ impl AttitudeStream {
         settings: &Settings,
         until_deg: f64,
         aids: &[AidChoice],
-        (channel_noise_v, noise): (&Row, [f64; 6]),
+        (channel_noise_v, noise): (&Row, Option<[f64; 6]>),
     ) -> Result<Self> {
         let mut aided = Aided {
             decoder: AidedDecoupler::new(decoupler, filter, &setup.parameters, settings),
@@ -137,11 +136,8 @@ impl AttitudeStream {
                 } => aided.fixes = fixes(file, *deviation_deg)?,
             }
         }
-        let [ax, ay, az, bx, by, bz] = noise;
         let mut stream = Self::of(How::Aided(Box::new(aided)), settings, until_deg);
-        let start = stream.deviations[6];
         stream.noise = noise;
-        stream.deviations = [ax, ay, az, bx, by, bz, start];
         Ok(stream)
     }
 
@@ -162,13 +158,12 @@ impl AttitudeStream {
                 0.0,
                 summary.sd_attitude_deg.to_radians(),
             ],
-            after_aids: None,
             how,
             rate_hz: settings.sample_rate_hz,
             start_s: 0.0,
             down,
             until_rad: until_deg.to_radians(),
-            noise: [0.0; 6],
+            noise: None,
             summary,
             messages: Vec::new(),
         }
@@ -198,9 +193,16 @@ impl AttitudeStream {
             return Ok(answer);
         };
         let time_s = self.start_s + sample.sample as f64 / self.rate_hz;
-        if let Some(after) = self.after_aids.take() {
-            self.deviations = after;
+        // This sample was decoded before what is known of it is used.
+        if let Some(noise) = &self.noise {
+            let by_errors = aided.decoder.accelerations(sample);
+            for (deviation, (by_errors, noise)) in
+                self.deviations.iter_mut().zip(by_errors.iter().zip(noise))
+            {
+                *deviation = by_errors.hypot(*noise);
+            }
         }
+        self.deviations[6] = aided.decoder.deviations().attitude_rad();
         aided.see_fixes(
             sample,
             time_s,
@@ -208,12 +210,8 @@ impl AttitudeStream {
             &mut self.summary.attitude,
         );
         if let Some(block) = aided.decoder.block().copied() {
-            // This sample was decoded before what is known of it is used.
-            self.deviations = deviations(aided.decoder.filter(), &block, &self.noise);
-            let used = aided.use_all(&block, time_s, &mut self.summary);
-            let filter = aided.decoder.filter();
-            self.after_aids = used.then(|| deviations(filter, &block, &self.noise));
-            self.summary.see(filter, self.down);
+            aided.use_all(&block, time_s, &mut self.summary);
+            self.summary.see(aided.decoder.filter(), self.down);
             self.tell(time_s);
         }
         Ok(answer)
@@ -287,7 +285,7 @@ impl AttitudeStream {
     }
 
     /// Standard deviations of the last sample: a, m/s^2, w', rad/s^2, in ground axes, and of the attitude, rad. Those of the accelerations
-    /// are 0 where another decoder has decoded.
+    /// are 0 where nobody asked for them.
     #[must_use]
     pub const fn deviations(&self) -> &[f64; 7] {
         &self.deviations
@@ -303,14 +301,6 @@ impl AttitudeStream {
     pub const fn summary(&self) -> &AttitudeSummary {
         &self.summary
     }
-}
-
-/// Standard deviations of a and w' in ground axes, with a sample's own noise, and of the attitude.
-fn deviations(filter: &ErrorFilter, block: &Block, noise: &[f64; 6]) -> [f64; 7] {
-    let by_errors = filter.accelerations(block);
-    let [ax, ay, az, bx, by, bz] = core::array::from_fn(|i| by_errors[i].hypot(noise[i]));
-    let attitude_rad = filter.deviations().attitude_rad();
-    [ax, ay, az, bx, by, bz, attitude_rad]
 }
 
 impl Aided {
@@ -333,25 +323,20 @@ impl Aided {
     }
 
     /// Uses what is known at the end of a block, if anything: an attitude first, since what was decoded at its time is not corrected since.
-    fn use_all(&mut self, block: &Block, time_s: f64, summary: &mut AttitudeSummary) -> bool {
-        let mut used = false;
+    fn use_all(&mut self, block: &Block, time_s: f64, summary: &mut AttitudeSummary) {
         if let Some((then, aid)) = self.pending.take() {
-            used = true;
             summary.attitude.count(self.decoder.aid_of(&aid, &then));
         }
         if let Some(rest) = self.rests.as_mut().and_then(|rests| rests.push(block)) {
-            used = true;
             summary.rest.count(self.decoder.aid(&rest));
         }
         if let Some(velocity) = &mut self.velocity
             && time_s >= velocity.next_s
         {
-            used = true;
             velocity.taken += 1.0;
             let share = 0.5 + (GOLDEN * velocity.taken).fract();
             velocity.next_s = time_s + velocity.every_s * share;
             summary.velocity.count(self.decoder.aid(&velocity.aid));
         }
-        used
     }
 }

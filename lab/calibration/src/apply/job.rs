@@ -139,7 +139,10 @@ impl Job<'_> {
                 .error_filter(self.calibration, settings, down_rad);
             match filter {
                 Ok((filter, noise_v)) if aided => {
-                    let noise = sample_noise(self.setup, settings, &noise_v)?;
+                    let noise = self
+                        .uncertainty
+                        .then(|| sample_noise(self.setup, settings, &noise_v))
+                        .transpose()?;
                     decoding = decoding.with_attitude(AttitudeStream::aided(
                         decoupler,
                         filter,
