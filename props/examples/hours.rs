@@ -59,7 +59,7 @@ fn main() -> ExitCode {
     run(
         Seeds {
             first: REPORTED_FROM,
-            count: 4,
+            count: 32,
             sample: 1,
         },
         study,

@@ -215,6 +215,7 @@ pub fn run(ride: &Ride, aids: &[Aids], times_s: &[f64], seed: u64) -> Vec<Outcom
         rate_hz,
         gravity: said * g,
         noise_m_s2,
+        scale_per_mass_per_kg: true_parameters.scale_per_mass_per_kg,
     };
     let samples = (duration_s * rate_hz) as usize;
     let (mut before, mut sample): (Option<Instant>, usize) = (None, 0);

@@ -29,6 +29,14 @@ impl Channels {
         })
     }
 
+    pub(super) fn parameters(&self) -> Parameters {
+        Parameters {
+            zero_drift_v: self.drift_v,
+            scale_per_mass_per_kg: self.scale_per_mass_per_kg,
+            ..self.made_with
+        }
+    }
+
     pub(super) fn take(&mut self, found: &Correction) {
         for i in 0..LIMBS {
             self.drift_v[i] -= found.drift_v[i];

@@ -174,6 +174,12 @@ impl AidedDecoupler {
         self.filter.accelerations(&self.answered, answered)
     }
 
+    /// The parameters, with zero drifts and scale factors as they have been corrected.
+    #[must_use]
+    pub fn parameters(&self) -> Parameters {
+        self.channels.parameters()
+    }
+
     /// The filter.
     #[must_use]
     pub fn filter(&self) -> &ErrorFilter {

@@ -274,6 +274,12 @@ impl ErrorFilter {
         let mut gain = times(&shows.transpose(), &weight);
         gain.fixed_rows_mut::<{ ERRORS - CORRECTED }>(CORRECTED)
             .fill(0.0);
+        // A velocity that is taken for zero, and is not, goes with the motion, as errors of scale factors do, which would be corrected until
+        // there is no motion; at a rest, what attitudes have bent in second order goes with gravity.
+        if measurement.place == VELOCITY {
+            gain.fixed_rows_mut::<LIMBS>(DYNAMIC + SCALE.start)
+                .fill(0.0);
+        }
         if let Some(down) = measurement.blind_about {
             let along = SMatrix::<f64, 3, 1>::new(down.x, down.y, down.z);
             let mut attitude = gain.fixed_rows_mut::<3>(ATTITUDE);

@@ -1,12 +1,13 @@
 //! One run with its aids: decoupled sample by sample, and its errors looked at.
 
 use glam::{DQuat, DVec3};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, SVector, Vector3};
 use rand_pcg::Pcg64;
 use sixaxis_core::LIMBS;
 use sixaxis_core::aided::block::Block;
-use sixaxis_core::aided::model::{ATTITUDE, RATE};
+use sixaxis_core::aided::model::{ATTITUDE, DYNAMIC, RATE};
 use sixaxis_core::aided::{Aid, AidedDecoupler, Bound, RestFinder};
+use sixaxis_core::parameter::SCALE;
 use sixaxis_reference::motion::TrueMotion;
 
 use super::Aids;
@@ -27,6 +28,8 @@ pub struct Checked {
     pub attitude: f64,
     /// The same of the rate.
     pub rate: f64,
+    /// The same of the scale factors, nine degrees of freedom: of a filter's, which corrects them.
+    pub scale: Option<f64>,
     /// Error of the attitude, rad.
     pub attitude_error_rad: f64,
     /// Error of down, rad.
@@ -88,6 +91,8 @@ pub(super) struct Common<'a> {
     pub(super) gravity: DVec3,
     /// White noise of a sample in the direction that has most of it.
     pub(super) noise_m_s2: f64,
+    /// Scale factors as they are.
+    pub(super) scale_per_mass_per_kg: [f64; LIMBS],
 }
 
 impl Run<'_> {
@@ -132,7 +137,10 @@ impl Run<'_> {
         if look {
             self.times.push((answer.sample, *truth));
             let found = self.now().check(time_s, truth, common.gravity);
-            self.outcome.filtered.looks.push(found);
+            self.outcome.filtered.looks.push(Checked {
+                scale: self.scale(&common.scale_per_mass_per_kg),
+                ..found
+            });
         }
         self.ended = self.outcome.filtered.looks.len() == common.times_s.len()
             || (*self.aids == Aids::default() && time_s > OPEN_S);
@@ -149,6 +157,16 @@ impl Run<'_> {
             rate_covariance: of(RATE),
             attitude_deviation_rad: self.aided.deviations().attitude_rad(),
         }
+    }
+
+    fn scale(&self, truth: &[f64; LIMBS]) -> Option<f64> {
+        const SCALES: usize = DYNAMIC + SCALE.start;
+        let found = self.aided.parameters().scale_per_mass_per_kg;
+        let off = SVector::<f64, LIMBS>::from_fn(|i, _| found[i] - truth[i]);
+        let covariance = self.aided.filter().covariance();
+        let own = covariance.fixed_view::<LIMBS, LIMBS>(SCALES, SCALES);
+        let inverse = own.into_owned().try_inverse()?;
+        Some(off.dot(&(inverse * off)))
     }
 
     /// The same with what its whole says.
@@ -240,6 +258,7 @@ impl State {
             time_s,
             attitude: normalised(&self.attitude_covariance, off),
             rate: normalised(&self.rate_covariance, rate),
+            scale: None,
             attitude_error_rad: off.length(),
             tilt_error_rad: off.reject_from(gravity).length(),
             rate_error_rad_s: rate.length(),

@@ -156,15 +156,17 @@ fn as_large_as_stated<'a>(what: &str, looks: &[Checked], runs: impl Iterator<Ite
         mean(|c| c.rate),
         3.0 * mean(|c| c.across.tilt_rad),
     );
-    for (quantity, of) in [
-        ("attitude", (|c| c.attitude) as fn(&Checked) -> f64),
-        ("rate", |c| c.rate),
-    ] {
-        within(
-            format!("chi-square of the {quantity}, {what}"),
-            departure(looks, of),
-            tolerance::CHI_SQUARE,
-        );
+    let judge = |quantity: &str, departure: f64| {
+        let what = format!("chi-square of the {quantity}, {what}");
+        within(what, departure, tolerance::CHI_SQUARE);
+    };
+    judge("attitude", departure(looks, |c| c.attitude));
+    judge("rate", departure(looks, |c| c.rate));
+    let scale: Vec<f64> = looks.iter().filter_map(|c| c.scale).collect();
+    if !scale.is_empty() {
+        let sum: f64 = scale.iter().sum();
+        println!("  scale {:.2}", sum / (9 * scale.len()) as f64);
+        judge("scale", chi_square_departure(sum, 9 * scale.len()));
     }
     let mut all: Vec<f64> = runs
         .flat_map(|run| run.over_deviation.iter().flatten().copied())
