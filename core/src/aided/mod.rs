@@ -32,8 +32,8 @@
 //! | 27 to 32 | inertias | m^2 |
 //!
 //! Inertias are considered and never corrected (Schmidt): all else is as uncertain as they make it. So is the heading, where gravity
-//! alone is measured against: to first order a turn about it seems to show once other errors are large, and it does not. Velocities leave
-//! scale factors alone, too, with the correlations that they have. Stiffness has no part.
+//! alone is measured against: to first order a turn about it seems to show once other errors are large, and it does not. Velocities,
+//! those of rests, too, leave scale factors alone. Stiffness has no part.
 
 pub mod aid;
 pub mod block;

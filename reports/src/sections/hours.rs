@@ -1,6 +1,7 @@
 //! How long ground axes stay true: hours of motion, open loop and with what else is known of them.
 
 use anyhow::Result;
+use sixaxis_core::significance::chi_square_limit;
 use sixaxis_page::number::{count, fixed, significant};
 use sixaxis_page::{Axis, Figure, Section, Table, Text};
 use sixaxis_props::results::{AidedRide, Aids, Hours, Published, Steady};
@@ -14,9 +15,12 @@ use super::DEG_PER_RAD;
 /// If the published result cannot be read or the text does not fit it.
 pub fn section() -> Result<Section> {
     let p = &Hours::embedded()?;
+    let freedom = 3 * p.runs as usize;
+    let limit = |tail| chi_square_limit(tail, freedom).map(|limit| limit / freedom as f64);
     let text = Text::new(include_str!("hours.md"))
         .value("p", p)
         .value("known_deg", p.known_rad * DEG_PER_RAD)
+        .value("chance", [limit(0.975)?, limit(0.025)?])
         .value("last_seed", p.first_seed + p.runs - 1);
     let kinds = p.rides.chunk_by(|a, b| a.kind == b.kind);
     kinds
