@@ -116,10 +116,6 @@ impl AidedDecoupler {
         if self.last.is_none() {
             return false;
         }
-        // By the decoded attitude, of which nothing is known then, a velocity that is only bounded would be held against gravity.
-        if matches!(aid, Aid::Velocity { .. }) && self.filter.is_lost() {
-            return false;
-        }
         let mut taken = true;
         for part in 0..2 {
             // Anew for the second one: the first has corrected what that is held against.

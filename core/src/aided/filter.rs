@@ -352,6 +352,7 @@ impl ErrorFilter {
     }
 
     /// Whether the attitude is beyond first order: what the covariance says of it is not to be believed.
+    #[cfg(feature = "alloc")]
     pub(super) fn is_lost(&self) -> bool {
         self.lost
     }

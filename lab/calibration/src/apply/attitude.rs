@@ -22,6 +22,8 @@ use super::setup::Setup;
 pub const UNTIL_SD_DEG: f64 = 5.0;
 /// How well down is known at the first sample, in each of two directions, degrees: as a bubble level shows it.
 pub const DOWN_DEG: f64 = 0.1;
+/// Deviation of the attitude beyond which a correction is not even roughly right, rad.
+const FIRST_ORDER_RAD: f64 = 1.0;
 /// Blocks where nothing but the deviation is asked, s.
 const UNAIDED_BLOCK_S: f64 = 0.1;
 /// From one measurement of the velocity to the next are 0.5 to 1.5 of the stated time, each time this share of it further on, so that
@@ -404,8 +406,12 @@ impl Aided {
         if let Some(rest) = self.rests.as_mut().and_then(|rests| rests.push(block)) {
             summary.rest.count(self.decoder.aid(&rest));
         }
+        // By a decoded attitude of which nothing is known a velocity that is only bounded would be held against gravity in any
+        // direction: the rate runs away by it.
+        let lost = self.decoder.deviations().attitude_rad() > FIRST_ORDER_RAD;
         if let Some(velocity) = &mut self.velocity
             && time_s >= velocity.next_s
+            && !lost
         {
             velocity.taken += 1.0;
             let share = 0.5 + (GOLDEN * velocity.taken).fract();
