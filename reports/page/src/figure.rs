@@ -91,6 +91,8 @@ pub enum Kind {
     Points,
     /// Markers joined by a thin line.
     LinePoints,
+    /// An area between two ordinates: samples stand in pairs, the lower one first.
+    Band,
 }
 
 impl Kind {
@@ -106,6 +108,8 @@ impl Kind {
 pub struct Series {
     /// Legend text; a series with an empty label has no legend entry.
     pub label: String,
+    /// What a read-out calls it; if empty, as the legend does, or as the series of the same colour is called.
+    pub name: String,
     /// Samples in drawing order. A point with a non-finite coordinate (or, on a logarithmic axis,
     /// a non-positive one) is not drawn and breaks the line.
     #[serde(skip_serializing)]
@@ -244,6 +248,19 @@ impl Figure {
         self.curve(label, Kind::LinePoints, colour, points)
     }
 
+    /// Adds an area: abscissa, lower and upper ordinate.
+    #[must_use]
+    pub fn band(
+        self,
+        label: impl Into<String>,
+        colour: usize,
+        points: impl IntoIterator<Item = (f64, f64, f64)>,
+    ) -> Self {
+        let pairs = points.into_iter();
+        let pairs = pairs.flat_map(|(x, low, high)| [(x, low), (x, high)]);
+        self.curve(label, Kind::Band, colour, pairs)
+    }
+
     fn curve(
         mut self,
         label: impl Into<String>,
@@ -255,10 +272,22 @@ impl Figure {
         let series = panel.map_or(&mut self.series, |panel| &mut panel.series);
         series.push(Series {
             label: label.into(),
+            name: String::new(),
             points: points.into_iter().collect(),
             kind,
             colour,
         });
+        self
+    }
+
+    /// Names the curve that was added last for a read-out.
+    #[must_use]
+    pub fn named(mut self, name: impl Into<String>) -> Self {
+        let panel = self.below.as_mut();
+        let series = panel.map_or(&mut self.series, |panel| &mut panel.series);
+        if let Some(last) = series.last_mut() {
+            last.name = name.into();
+        }
         self
     }
 

@@ -1,7 +1,7 @@
 //! How samples become strokes: gaps, decimation, simplification, clipping.
 //!
-//! Works in page units (CSS pixels of the unscaled figure). A long record keeps, for each pixel
-//! column, its first, smallest, largest and last sample, so that no peak is lost.
+//! Works in page units (CSS pixels of the unscaled figure). A long record keeps, for each column of
+//! half a pixel, its first, smallest, largest and last sample, so that no peak is lost.
 
 /// A point in page units.
 pub type Point = (f64, f64);
@@ -18,6 +18,12 @@ pub struct Frame {
     /// Lower edge.
     pub bottom: f64,
 }
+
+/// Columns in which a long record is looked at, per page unit: more than one, so that a drawing can be enlarged.
+const COLUMNS: f64 = 2.0;
+
+/// Distance that nobody sees, in page units: strokes pass their samples by no more.
+pub const NOTHING: f64 = 0.1;
 
 /// What rounding may put a point on an edge beyond it, in page units.
 const HAIR: f64 = 1e-6;
@@ -82,7 +88,7 @@ pub fn strokes(placed: &[Option<Point>], frame: &Frame) -> Vec<Vec<Point>> {
         .filter(|run| !run.is_empty())
         .map(|run| if run.len() == 1 { vec![run[0]; 2] } else { run })
         .flat_map(|run| clip(&thin(&run), frame))
-        .map(|stroke| simplify(&stroke, 0.1))
+        .map(|stroke| simplify(&stroke, NOTHING))
         .collect()
 }
 
@@ -99,7 +105,12 @@ pub fn markers(placed: &[Option<Point>], frame: &Frame) -> Vec<Point> {
         .collect()
 }
 
-/// First, smallest, largest and last sample of each pixel column, in their order.
+/// The column of a point.
+fn column_of((x, _): Point) -> i64 {
+    (x * COLUMNS).floor() as i64
+}
+
+/// First, smallest, largest and last sample of each column, in their order.
 fn thin(run: &[Point]) -> Vec<Point> {
     if run.windows(2).any(|w| w[1].0 < w[0].0) {
         // A curve that runs back has no columns; it loses only what no eye can tell apart.
@@ -109,7 +120,7 @@ fn thin(run: &[Point]) -> Vec<Point> {
             .map(|group| group[0])
             .collect();
     }
-    run.chunk_by(|a, b| a.0.floor() == b.0.floor())
+    run.chunk_by(|a, b| column_of(*a) == column_of(*b))
         .flat_map(|column| {
             let by_y = |a: &usize, b: &usize| column[*a].1.total_cmp(&column[*b].1);
             let low = (0..column.len()).min_by(by_y).unwrap_or(0);
@@ -123,6 +134,41 @@ fn thin(run: &[Point]) -> Vec<Point> {
                 .collect::<Vec<_>>()
         })
         .collect()
+}
+
+/// Outlines of the areas between pairs of placed samples, the lower first; a pair without a place parts them. Of each pixel
+/// column stands the widest extent. What lies above or below the frame ends at its edge; what lies beside it is left out.
+#[must_use]
+pub fn bands(placed: &[Option<Point>], frame: &Frame) -> Vec<Vec<Point>> {
+    let inside = |(x, y): Point| (x, y.clamp(frame.top, frame.bottom));
+    let beside = |x: f64| x < frame.left - HAIR || x > frame.right + HAIR;
+    let (pairs, _) = placed.as_chunks::<2>();
+    let pairs: Vec<Option<[Point; 2]>> = pairs
+        .iter()
+        .map(|[low, high]| Some([inside((*low)?), inside((*high)?)]))
+        .map(|pair| pair.filter(|[low, _]| !beside(low.0)))
+        .collect();
+    let mut areas = Vec::new();
+    for run in pairs.split(Option::is_none) {
+        let run: Vec<[Point; 2]> = run.iter().copied().flatten().collect();
+        // Page units count downwards: the lower edge has the larger ordinates.
+        let (mut below, mut above) = (Vec::new(), Vec::new());
+        for column in run.chunk_by(|a, b| column_of(a[0]) == column_of(b[0])) {
+            let ends = [column.first(), column.last()].into_iter().flatten();
+            let low = column.iter().fold(f64::MIN, |y, pair| y.max(pair[0].1));
+            let high = column.iter().fold(f64::MAX, |y, pair| y.min(pair[1].1));
+            for [(x, _), _] in ends.take(column.len()) {
+                below.push((*x, low));
+                above.push((*x, high));
+            }
+        }
+        if !below.is_empty() {
+            let mut outline = simplify(&below, NOTHING);
+            outline.extend(simplify(&above, NOTHING).into_iter().rev());
+            areas.push(outline);
+        }
+    }
+    areas
 }
 
 fn clip(run: &[Point], frame: &Frame) -> Vec<Vec<Point>> {
