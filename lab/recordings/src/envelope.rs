@@ -35,15 +35,15 @@ impl Bin {
         }
     }
 
-    fn take(&mut self, at: f64, low: f64, high: f64) {
-        if low.is_finite() && high.is_finite() {
-            if low < self.smallest.1 {
-                self.smallest = (at, low);
+    fn take(&mut self, at: f64, value: f64) {
+        if value.is_finite() {
+            if value < self.smallest.1 {
+                self.smallest = (at, value);
             }
-            if high > self.largest.1 {
-                self.largest = (at, high);
+            if value > self.largest.1 {
+                self.largest = (at, value);
             }
-            self.sum += 0.5 * (low + high);
+            self.sum += value;
             self.count += 1;
         }
     }
@@ -97,15 +97,10 @@ impl Default for Envelope {
 impl Envelope {
     /// Takes the next sample, which stands after all before it. A value that is not finite leaves a hole.
     pub fn push(&mut self, at: f64, value: f64) {
-        self.push_range(at, value, value);
-    }
-
-    /// The same of a value that is known to lie in a range. A range without finite ends leaves a hole.
-    pub fn push_range(&mut self, at: f64, low: f64, high: f64) {
         if self.in_current == 0 {
             self.current = Bin::empty(at);
         }
-        self.current.take(at, low, high);
+        self.current.take(at, value);
         self.in_current += 1;
         if self.in_current == self.width {
             self.bins.push(self.current);
@@ -123,7 +118,8 @@ impl Envelope {
     #[must_use]
     pub fn points(&self) -> Vec<Point> {
         let mut points = Vec::with_capacity(2 * self.bins.len() + 2);
-        for bin in self.all() {
+        let current = (self.in_current > 0).then_some(self.current);
+        for bin in self.bins.iter().copied().chain(current) {
             let (a, b) = (bin.smallest, bin.largest);
             if bin.count == 0 {
                 points.push((bin.start, f64::NAN));
@@ -134,21 +130,6 @@ impl Envelope {
             }
         }
         points
-    }
-
-    /// Start, smallest and largest value of each bin; NaN in both for a bin without a finite value.
-    #[must_use]
-    pub fn ranges(&self) -> Vec<(f64, f64, f64)> {
-        let of = |bin: Bin| match bin.count {
-            0 => (bin.start, f64::NAN, f64::NAN),
-            _ => (bin.start, bin.smallest.1, bin.largest.1),
-        };
-        self.all().map(of).collect()
-    }
-
-    fn all(&self) -> impl Iterator<Item = Bin> {
-        let current = (self.in_current > 0).then_some(self.current);
-        self.bins.iter().copied().chain(current)
     }
 
     /// Mean of the last tenth of the bins less mean of the first, and whether it stands out of their scatter, of `noise` and of
@@ -227,26 +208,6 @@ mod tests {
             counted + found.current.count * u64::from(found.in_current > 0),
             990_000
         );
-    }
-
-    #[test]
-    fn ranges_hold_every_range() {
-        let mut envelope = Envelope::default();
-        for k in 0..10_000 {
-            let x = f64::from(k);
-            match k {
-                5000..6000 => envelope.push_range(x, f64::NAN, 1.0),
-                _ => envelope.push_range(x, x.sin() - 0.1 * x, x.sin() + 0.1 * x),
-            }
-        }
-        let ranges = envelope.ranges();
-        assert!(ranges.len() <= BINS && ranges.iter().any(|r| r.1.is_nan() && r.2.is_nan()));
-        let holds = |x: f64| {
-            let after = ranges.iter().rposition(|r| r.0 <= x);
-            let (_, low, high) = ranges[after.expect("the first bin starts at 0")];
-            low <= x.sin() - 0.1 * x && x.sin() + 0.1 * x <= high
-        };
-        assert!((0..5000).chain(6000..10_000).all(|k| holds(f64::from(k))));
     }
 
     #[test]

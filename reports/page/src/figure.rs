@@ -91,7 +91,7 @@ pub enum Kind {
     Points,
     /// Markers joined by a thin line.
     LinePoints,
-    /// An area between two ordinates: samples stand in pairs, the lower one first.
+    /// An area: samples go once round it, along the lower edge and back along the upper one.
     Band,
 }
 
@@ -248,17 +248,23 @@ impl Figure {
         self.curve(label, Kind::LinePoints, colour, points)
     }
 
-    /// Adds an area: abscissa, lower and upper ordinate.
+    /// Adds an area between two edges, the lower one and the upper one, each in drawing order. A point that is not finite parts it
+    /// and stands in both.
     #[must_use]
     pub fn band(
         self,
         label: impl Into<String>,
         colour: usize,
-        points: impl IntoIterator<Item = (f64, f64, f64)>,
+        [lower, upper]: [Vec<(f64, f64)>; 2],
     ) -> Self {
-        let pairs = points.into_iter();
-        let pairs = pairs.flat_map(|(x, low, high)| [(x, low), (x, high)]);
-        self.curve(label, Kind::Band, colour, pairs)
+        let gap = |point: &(f64, f64)| !point.1.is_finite();
+        let mut outline = Vec::new();
+        for (lower, upper) in lower.split(gap).zip(upper.split(gap)) {
+            outline.extend_from_slice(lower);
+            outline.extend(upper.iter().rev());
+            outline.push((f64::NAN, f64::NAN));
+        }
+        self.curve(label, Kind::Band, colour, outline)
     }
 
     fn curve(

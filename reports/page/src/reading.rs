@@ -248,25 +248,44 @@ pub(crate) mod tests {
 
     #[test]
     fn a_band_is_drawn_as_wide_as_it_is() {
-        let samples = (0..1000).map(|k| {
-            let (x, wide) = (f64::from(k), 1.0 + f64::from(k % 7));
-            if k == 500 {
-                (x, f64::NAN, f64::NAN)
-            } else {
-                (x, -wide, wide)
-            }
-        });
+        let edge = |sign: f64| {
+            let samples = (0..1000).map(|k| {
+                let wide = 1.0 + f64::from(k % 7);
+                let y = if k == 500 { f64::NAN } else { sign * wide };
+                (f64::from(k), y)
+            });
+            samples.collect()
+        };
         let figure = Figure::new("f", "t", Axis::linear("t", "s"), Axis::linear("a", "g"));
-        let figure = figure.band("± one", 0, samples);
+        let figure = figure.band("± one", 0, [edge(-1.0), edge(1.0)]);
         let svg = to_svg(&figure, Size::STANDARD);
         let areas = strokes(series(&svg, "± one"));
         assert_eq!(areas.len(), 2);
-        let y = attribute_of(&svg, "data-y");
-        let ordinates = areas.concat().into_iter().map(|p| value(&y, p.1));
+        let (x, y) = (attribute_of(&svg, "data-x"), attribute_of(&svg, "data-y"));
+        let values: Vec<Vec<(f64, f64)>> = areas
+            .iter()
+            .map(|area| {
+                area.iter()
+                    .map(|p| (value(&x, p.0), value(&y, p.1)))
+                    .collect()
+            })
+            .collect();
+        let ordinates = values.iter().flatten().map(|p| p.1);
         let (low, high) = ordinates.fold((f64::MAX, f64::MIN), |(a, b), y| (a.min(y), b.max(y)));
         assert!(
             (low + 7.0).abs() < 0.02 && (high - 7.0).abs() < 0.02,
             "{low} {high}"
         );
+        // Once round: what a planimeter shows, against twice the widths between the samples.
+        let round = |area: &Vec<(f64, f64)>| -> f64 {
+            let after = area.iter().cycle().skip(1);
+            let steps = area.iter().zip(after);
+            steps.map(|(a, b)| a.0 * b.1 - b.0 * a.1).sum::<f64>() / 2.0
+        };
+        let wide = |k: u32| 1.0 + f64::from(k % 7);
+        let between = |k: u32| wide(k) + wide(k + 1);
+        let expected: f64 = (0..499).chain(501..999).map(between).sum();
+        let area: f64 = values.iter().map(round).sum();
+        assert!((area / expected - 1.0).abs() < 0.02, "{area} {expected}");
     }
 }

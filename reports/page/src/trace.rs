@@ -136,35 +136,27 @@ fn thin(run: &[Point]) -> Vec<Point> {
         .collect()
 }
 
-/// Outlines of the areas between pairs of placed samples, the lower first; a pair without a place parts them. Of each pixel
-/// column stands the widest extent. What lies above or below the frame ends at its edge; what lies beside it is left out.
+/// Outlines of areas whose placed samples go along the lower edge and back along the upper one; `None` parts them. What lies above or
+/// below the frame ends at its edge; what lies beside it is left out.
 #[must_use]
 pub fn bands(placed: &[Option<Point>], frame: &Frame) -> Vec<Vec<Point>> {
-    let inside = |(x, y): Point| (x, y.clamp(frame.top, frame.bottom));
     let beside = |x: f64| x < frame.left - HAIR || x > frame.right + HAIR;
-    let (pairs, _) = placed.as_chunks::<2>();
-    let pairs: Vec<Option<[Point; 2]>> = pairs
-        .iter()
-        .map(|[low, high]| Some([inside((*low)?), inside((*high)?)]))
-        .map(|pair| pair.filter(|[low, _]| !beside(low.0)))
-        .collect();
     let mut areas = Vec::new();
-    for run in pairs.split(Option::is_none) {
-        let run: Vec<[Point; 2]> = run.iter().copied().flatten().collect();
-        // Page units count downwards: the lower edge has the larger ordinates.
-        let (mut below, mut above) = (Vec::new(), Vec::new());
-        for column in run.chunk_by(|a, b| column_of(a[0]) == column_of(b[0])) {
-            let ends = [column.first(), column.last()].into_iter().flatten();
-            let low = column.iter().fold(f64::MIN, |y, pair| y.max(pair[0].1));
-            let high = column.iter().fold(f64::MAX, |y, pair| y.min(pair[1].1));
-            for [(x, _), _] in ends.take(column.len()) {
-                below.push((*x, low));
-                above.push((*x, high));
-            }
-        }
-        if !below.is_empty() {
-            let mut outline = simplify(&below, NOTHING);
-            outline.extend(simplify(&above, NOTHING).into_iter().rev());
+    for run in placed.split(Option::is_none) {
+        let inside = run.iter().copied().flatten().filter(|(x, _)| !beside(*x));
+        let mut lower: Vec<Point> = inside
+            .map(|(x, y)| (x, y.clamp(frame.top, frame.bottom)))
+            .collect();
+        let turn = lower.windows(2).position(|w| w[1].0 < w[0].0);
+        let mut upper = lower.split_off(turn.map_or(lower.len(), |last| last + 1));
+        upper.reverse();
+        let edges = [lower, upper].map(|edge| match edge.len() {
+            0 => edge,
+            _ => simplify(&thin(&edge), NOTHING),
+        });
+        let [mut outline, upper] = edges;
+        outline.extend(upper.into_iter().rev());
+        if !outline.is_empty() {
             areas.push(outline);
         }
     }

@@ -54,8 +54,8 @@ pub struct Curves {
 /// How well an acceleration is known over time.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Band {
-    /// From one standard deviation below it to one above.
-    pub about: Envelope,
+    /// One standard deviation below it and above it.
+    pub edges: [Envelope; 2],
     /// One standard deviation.
     pub deviation: Envelope,
 }
@@ -75,8 +75,9 @@ impl Curves {
         let columns = accelerations.iter().zip(deviations);
         for (band, (values, deviations)) in bands.iter_mut().zip(columns) {
             for ((time_s, value), deviation) in times_s.iter().zip(values).zip(deviations) {
-                band.about
-                    .push_range(*time_s, value - deviation, value + deviation);
+                let [below, above] = &mut band.edges;
+                below.push(*time_s, value - deviation);
+                above.push(*time_s, value + deviation);
                 band.deviation.push(*time_s, *deviation);
             }
         }

@@ -5,6 +5,7 @@ use crate::compare::measure::{Axis as Measured, Comparison, Quantity};
 use sixaxis_page::figure::NEUTRAL;
 use sixaxis_page::number::{MISSING, count, significant};
 use sixaxis_page::{Axis, Block, Cell, Figure, Page, Section, State, Table, Tile};
+use sixaxis_recordings::envelope::Envelope;
 
 /// Palette indices of the result and of its error.
 const RESULT: usize = 0;
@@ -195,9 +196,13 @@ pub fn picture(recording: &str, curves: &Curves, facts: Vec<(String, String)>) -
             let Some(bands) = &curves.bands else {
                 return figure.line("", RESULT, points);
             };
-            let Band { about, deviation } = &bands[index];
+            let Band { edges, deviation } = &bands[index];
             figure
-                .band("± one standard deviation", RESULT, about.ranges())
+                .band(
+                    "± one standard deviation",
+                    RESULT,
+                    edges.each_ref().map(Envelope::points),
+                )
                 .line("acceleration", RESULT, points)
                 .below(Axis::linear("one standard deviation", unit))
                 .line("one standard deviation", ERROR, deviation.points())
