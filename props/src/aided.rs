@@ -203,6 +203,7 @@ pub fn run(ride: &Ride, aids: &[Aids], times_s: &[f64], seed: u64) -> Vec<Outcom
             blocks: 0,
             ended: false,
             times: Vec::new(),
+            looked: Vec::new(),
             outcome: Outcome {
                 filtered: Judged::default(),
                 smoothed: None,
@@ -218,6 +219,7 @@ pub fn run(ride: &Ride, aids: &[Aids], times_s: &[f64], seed: u64) -> Vec<Outcom
         scale_per_mass_per_kg: true_parameters.scale_per_mass_per_kg,
     };
     let samples = (duration_s * rate_hz) as usize;
+    let mut played = Vec::new();
     let (mut before, mut sample): (Option<Instant>, usize) = (None, 0);
     while sample < samples && !runs.iter().all(|run| run.ended) {
         let piece: Vec<Instant> = instants
@@ -235,6 +237,9 @@ pub fn run(ride: &Ride, aids: &[Aids], times_s: &[f64], seed: u64) -> Vec<Outcom
                 attitude: said * before.truth.attitude,
                 ..before.truth
             });
+            if smooth {
+                played.push(volts);
+            }
             for run in &mut runs {
                 run.push(&volts, truth.as_ref(), &common);
             }
@@ -245,7 +250,7 @@ pub fn run(ride: &Ride, aids: &[Aids], times_s: &[f64], seed: u64) -> Vec<Outcom
     runs.into_iter()
         .map(|run| {
             if smooth {
-                run.smooth(&common)
+                run.smooth(&played, decoupler.clone(), &settings, &common)
             } else {
                 run.outcome
             }

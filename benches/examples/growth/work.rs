@@ -97,7 +97,8 @@ fn decouple(samples: u64, folder: &Path) -> Result<Measured, Box<dyn Error>> {
         uncertainty: false,
         false_alarms_per_hour: None,
         excluded: LimbSet::EMPTY,
-        until_sd_deg: sixaxis_calibration::apply::attitude::UNTIL_SD_DEG,
+        // An hour of open loop is asked for, however little its attitude is known.
+        until_sd_deg: f64::INFINITY,
         aids: &[],
         picture: false,
     };

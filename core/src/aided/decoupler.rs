@@ -1,18 +1,19 @@
 //! A decoupler and its filter in one stream.
 
 #[cfg(feature = "alloc")]
-use alloc::{boxed::Box, vec::Vec};
+use alloc::boxed::Box;
 
 use glam::DVec3;
 
 use super::aid::Aid;
 use super::block::{Block, Gathering};
 use super::channels::Channels;
-use super::filter::{Correction, Deviations, ErrorFilter};
+use super::deviations::Deviations;
+use super::filter::{Correction, ErrorFilter};
 #[cfg(feature = "alloc")]
 use super::history::{Event, History};
 #[cfg(feature = "alloc")]
-use super::smoother::{Smoothed, smooth};
+use super::second_pass::SmoothedDecoupler;
 use crate::decouple::stream::Decoupler;
 use crate::error::Result;
 use crate::geometry::LIMBS;
@@ -115,6 +116,10 @@ impl AidedDecoupler {
         if self.last.is_none() {
             return false;
         }
+        // By the decoded attitude, of which nothing is known then, a velocity that is only bounded would be held against gravity.
+        if matches!(aid, Aid::Velocity { .. }) && self.filter.is_lost() {
+            return false;
+        }
         let mut taken = true;
         for part in 0..2 {
             // Anew for the second one: the first has corrected what that is held against.
@@ -191,7 +196,7 @@ impl AidedDecoupler {
         let _last = self.last.take();
         #[cfg(feature = "alloc")]
         if let (Some(history), Some((block, corrected))) = (&mut self.history, _last) {
-            history.pass(block, corrected, &self.filter);
+            history.pass(block, corrected, &self.filter, &self.channels);
         }
     }
 }
@@ -201,15 +206,15 @@ impl AidedDecoupler {
     /// Remembers what [`Self::smoothed`] needs: some 300 bytes a block. To be called before the first sample.
     #[must_use]
     pub fn remembering(mut self) -> Self {
-        self.history = Some(Box::new(History::new(&self.filter)));
+        self.history = Some(Box::new(History::new(&self.filter, &self.channels)));
         self
     }
 
-    /// Attitude and rate at the end of each block by all aids together, those that came later, too, from the last block to the first.
-    /// Nothing without [`Self::remembering`].
+    /// Decouples the same recording once more, from its first sample, each sample by all aids together, those that came later, too. `again` is a
+    /// new decoupler like the one that this was made with. Nothing without [`Self::remembering`].
     #[must_use]
-    pub fn smoothed(mut self) -> Option<Vec<Smoothed>> {
+    pub fn smoothed(mut self, again: Decoupler, settings: &Settings) -> Option<SmoothedDecoupler> {
         self.pass();
-        self.history.as_deref().map(smooth)
+        SmoothedDecoupler::new(*self.history?, again, settings)
     }
 }

@@ -7,9 +7,10 @@ use nalgebra::SMatrix;
 
 use super::aid::Measurement;
 use super::block::Block;
+use super::deviations::{Deviations, TURN_RAD, accelerations, across, second_order};
 use super::model::{
-    ATTITUDE, DYNAMIC, ERRORS, ErrorModel, PARAMETRIC, RATE, Transition, VELOCITY, column, matrix,
-    times, vector,
+    ATTITUDE, DYNAMIC, ERRORS, ErrorModel, PARAMETRIC, RATE, Transition, VELOCITY, matrix, times,
+    vector,
 };
 use crate::decouple::uncertainty::{ChannelNoise, Covariance};
 use crate::error::{Error, Result};
@@ -25,34 +26,12 @@ pub(super) const CORRECTED: usize = DYNAMIC + SCALE.end;
 const ONE_OF_A_THOUSAND: f64 = 16.27;
 /// Deviation of the attitude beyond which nothing of first order is to be believed, rad.
 const FIRST_ORDER_RAD: f64 = 1.0;
-/// Deviation of an attitude of which nothing is known, rad.
-const TURN_RAD: f64 = core::f64::consts::TAU;
-
-/// The same of a rate, rad/s, and of a velocity, m/s.
+/// Deviation of a rate of which nothing is known, rad/s, and of a velocity, m/s.
 const UNKNOWN_RATE_RAD_S: f64 = 10.0;
 const UNKNOWN_VELOCITY_M_S: f64 = 1e3;
 
 /// Covariance of the errors.
 pub type ErrorCovariance = SMatrix<f64, ERRORS, ERRORS>;
-
-/// Standard deviations of the errors that are not parameters.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Deviations {
-    /// Of the attitude, about the ground's axes, rad.
-    pub attitude_ground_rad: DVec3,
-    /// Of w*, shell axes, rad/s.
-    pub rate_shell_rad_s: DVec3,
-    /// Of the velocity, ground axes, m/s.
-    pub velocity_ground_m_s: DVec3,
-}
-
-impl Deviations {
-    /// Of the attitude about any axis: root of the sum of the three variances, rad.
-    #[must_use]
-    pub fn attitude_rad(&self) -> f64 {
-        self.attitude_ground_rad.length()
-    }
-}
 
 /// What a measurement says of the errors, in the axes of [`Deviations`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,18 +63,23 @@ pub(super) struct Update {
     contradicts: bool,
 }
 
-impl Update {
-    fn correction(&self) -> Correction {
-        let found = &self.found;
+impl Correction {
+    pub(super) fn of(found: &SMatrix<f64, ERRORS, 1>, contradicts: bool) -> Self {
         let three = |at: usize| vector(found.fixed_rows::<3>(at).into_owned());
-        Correction {
+        Self {
             attitude_ground_rad: three(ATTITUDE),
             rate_shell_rad_s: three(RATE),
             velocity_ground_m_s: three(VELOCITY),
             drift_v: core::array::from_fn(|i| found[DYNAMIC + i]),
             scale_per_mass_per_kg: core::array::from_fn(|i| found[DYNAMIC + SCALE.start + i]),
-            contradicts: self.contradicts,
+            contradicts,
         }
+    }
+}
+
+impl Update {
+    pub(super) fn correction(&self) -> Correction {
+        Correction::of(&self.found, self.contradicts)
     }
 }
 
@@ -194,7 +178,7 @@ impl ErrorFilter {
         let Transition { by_errors, noise } = transition;
         // It points the same way for as long as the attitude's error does; a turn about the force itself bends nothing.
         let [force, _] = self.model.turned(block);
-        let across = self.across(ATTITUDE, force.normalize_or_zero());
+        let across = across(&self.covariance, ATTITUDE, force.normalize_or_zero());
         self.bent_m_s += second_order(force, across * across) * block.duration_s;
         let p = &mut self.covariance;
         let carried = times(by_errors, p);
@@ -343,56 +327,31 @@ impl ErrorFilter {
     /// Standard deviations now. Where the attitude's has been beyond first order, nothing is known of it until something tells it.
     #[must_use]
     pub fn deviations(&self) -> Deviations {
-        let of = |at: usize| {
-            let one = |i: usize| sqrt(self.covariance[(at + i, at + i)].max(0.0));
-            DVec3::new(one(0), one(1), one(2))
-        };
-        let unknown = DVec3::splat(TURN_RAD / sqrt(3.0));
-        Deviations {
-            attitude_ground_rad: if self.lost { unknown } else { of(ATTITUDE) },
-            rate_shell_rad_s: of(RATE),
-            velocity_ground_m_s: of(VELOCITY),
-        }
+        let found = Deviations::of(&self.covariance);
+        if self.lost { found.lost() } else { found }
     }
 
     /// Standard deviation of the direction of gravity in the sensor, rad: of the attitude but for turns about a unit vector down.
     #[must_use]
     pub fn tilt_rad(&self, down_ground: DVec3) -> f64 {
-        self.across(ATTITUDE, down_ground)
+        across(&self.covariance, ATTITUDE, down_ground)
     }
 
     /// Of the rate but for its part along a unit vector, rad/s.
     #[must_use]
     pub fn rate_across_rad_s(&self, along_shell: DVec3) -> f64 {
-        self.across(RATE, along_shell)
-    }
-
-    fn across(&self, place: usize, along: DVec3) -> f64 {
-        let all = self.covariance.fixed_view::<3, 3>(place, place);
-        let along = column(along);
-        sqrt((all.trace() - (along.transpose() * all * along)[(0, 0)]).max(0.0))
+        across(&self.covariance, RATE, along_shell)
     }
 
     /// Standard deviations of a sample's a and w' in ground axes, m/s^2 and rad/s^2, but for its own noise. A mean over samples says too
     /// little of those that are far from it.
     #[must_use]
     pub fn accelerations(&self, voltage_v: &[f64; LIMBS], sample: &SixAxis) -> [f64; 6] {
-        let block = &Block::of_sample(voltage_v, sample);
-        let shown = self.model.shown(block);
-        let variances = times(&shown, &self.covariance)
-            .component_mul(&shown)
-            .column_sum();
         let variance = self.deviations().attitude_ground_rad.length_squared();
-        let turned = self.model.turned(block);
-        let [linear, angular] = turned.map(|v| second_order(v, variance));
-        core::array::from_fn(|i| {
-            let second = if i < 3 { linear } else { angular };
-            sqrt(variances[i].max(0.0) + second * second)
-        })
+        accelerations(&self.model, &self.covariance, variance, voltage_v, sample)
     }
 
     /// Whether the attitude is beyond first order: what the covariance says of it is not to be believed.
-    #[cfg(feature = "alloc")]
     pub(super) fn is_lost(&self) -> bool {
         self.lost
     }
@@ -402,10 +361,4 @@ impl ErrorFilter {
     pub fn covariance(&self) -> &ErrorCovariance {
         &self.covariance
     }
-}
-
-/// Half of psi x (psi x v), root of the mean square at most, by the variance of psi: along v, where nothing is of first order, it is all
-/// there is. An error about one axis across v alone has most of it, three quarters of v^2 times the square of its variance.
-fn second_order(v: DVec3, variance: f64) -> f64 {
-    sqrt(0.75) * v.length() * variance
 }

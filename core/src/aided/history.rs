@@ -4,7 +4,9 @@ use alloc::vec::Vec;
 
 use super::aid::Measurement;
 use super::block::Block;
+use super::channels::Channels;
 use super::filter::ErrorFilter;
+use super::model::ErrorModel;
 use crate::six_axis::SixAxis;
 
 /// Blocks from one filter that is kept to the next: those between are carried over again.
@@ -27,20 +29,28 @@ pub(super) struct Passed {
     pub(super) corrected: SixAxis,
 }
 
-/// Blocks, what happened after each, and the filter from time to time.
+/// Blocks, what happened after each, and filter and channels from time to time.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct History {
     /// Before the first block of each segment.
-    pub(super) filters: Vec<ErrorFilter>,
-    pub(super) blocks: Vec<Passed>,
+    before: Vec<(ErrorFilter, Channels)>,
+    blocks: Vec<Passed>,
     /// With the number of the block, in order.
-    pub(super) events: Vec<(usize, Event)>,
+    events: Vec<(usize, Event)>,
+}
+
+/// Consecutive blocks, from filter and channels before the first of them on.
+pub(super) struct Segment<'a> {
+    pub(super) before: &'a (ErrorFilter, Channels),
+    pub(super) first: usize,
+    pub(super) blocks: &'a [Passed],
+    pub(super) events: &'a [(usize, Event)],
 }
 
 impl History {
-    pub(super) fn new(filter: &ErrorFilter) -> Self {
+    pub(super) fn new(filter: &ErrorFilter, channels: &Channels) -> Self {
         Self {
-            filters: [filter.clone()].into(),
+            before: [(filter.clone(), *channels)].into(),
             blocks: Vec::new(),
             events: Vec::new(),
         }
@@ -50,11 +60,45 @@ impl History {
         self.events.push((self.blocks.len(), event));
     }
 
-    /// Nothing more happens after this block; the filter is carried over the next one from here.
-    pub(super) fn pass(&mut self, block: Block, corrected: SixAxis, filter: &ErrorFilter) {
+    /// Nothing more happens after this block; filter and channels go on from here.
+    pub(super) fn pass(
+        &mut self,
+        block: Block,
+        corrected: SixAxis,
+        filter: &ErrorFilter,
+        channels: &Channels,
+    ) {
         self.blocks.push(Passed { block, corrected });
         if self.blocks.len().is_multiple_of(SEGMENT) {
-            self.filters.push(filter.clone());
+            self.before.push((filter.clone(), *channels));
         }
+    }
+
+    /// Segments with at least one block.
+    pub(super) fn segments(&self) -> usize {
+        self.blocks.len().div_ceil(SEGMENT)
+    }
+
+    /// One of them.
+    pub(super) fn segment(&self, number: usize) -> Option<Segment<'_>> {
+        let (first, end) = (number * SEGMENT, (number + 1) * SEGMENT);
+        let blocks = self.blocks.get(first..end.min(self.blocks.len()))?;
+        let event = |block: usize| self.events.partition_point(|(of, _)| *of < block);
+        Some(Segment {
+            before: self.before.get(number)?,
+            first,
+            blocks,
+            events: self.events.get(event(first)..event(end))?,
+        })
+    }
+
+    /// The model of the errors.
+    pub(super) fn model(&self) -> Option<&ErrorModel> {
+        self.begin().map(|(filter, _)| filter.model())
+    }
+
+    /// Filter and channels before the first block.
+    pub(super) fn begin(&self) -> Option<&(ErrorFilter, Channels)> {
+        self.before.first()
     }
 }

@@ -9,6 +9,7 @@
 //! |---|---|
 //! | [`block`] | means of consecutive samples, all that the filter sees of a recording |
 //! | [`model`] | how errors of parameters, rate, attitude and velocity grow from one block to the next |
+//! | `deviations` | what that covariance says of attitude, rate and accelerations |
 //! | [`filter`] | their covariance, and the gain of a measurement |
 //! | [`bound`] | what aids leave open at best, the sensor standing still |
 //! | [`aid`] | what a measurement is, and the one of a state at rest |
@@ -17,7 +18,8 @@
 //! | [`decoupler`] | decoupler and filter in one stream |
 //! | `channels` | zero drifts and scale factors that the filter has corrected |
 //! | `history` | what is remembered of a recording that is to be smoothed |
-//! | [`smoother`] | what the whole of it says of each of its times |
+//! | `smoother` | what the whole of it says of each of its times |
+//! | [`second_pass`] | the same recording decoupled with that |
 //!
 //! # Errors
 //! All errors are *decoded less true*, to first order:
@@ -40,19 +42,25 @@ pub mod block;
 pub mod bound;
 mod channels;
 pub mod decoupler;
+mod deviations;
 pub mod filter;
 #[cfg(feature = "alloc")]
 mod history;
 pub mod model;
 pub mod rest;
 #[cfg(feature = "alloc")]
-pub mod smoother;
+pub mod second_pass;
+#[cfg(feature = "alloc")]
+mod smoother;
 mod steer;
 
 pub use aid::Aid;
 pub use bound::Bound;
 pub use decoupler::AidedDecoupler;
-pub use filter::{Deviations, ErrorFilter};
+pub use deviations::Deviations;
+pub use filter::ErrorFilter;
 pub use rest::RestFinder;
+#[cfg(feature = "alloc")]
+pub use second_pass::SmoothedDecoupler;
 #[cfg(feature = "alloc")]
 pub use smoother::Smoothed;

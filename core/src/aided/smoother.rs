@@ -19,51 +19,65 @@
 //!
 //! and what is left, (1 - D) e - n, has the covariance (1 - D) P (1 - D)^T + N, whatever the gains.
 //!
-//! Phi turns rates by the filter's attitude. Where that is less certain than first order bears, nothing goes back: of the time before
-//! that, nothing is said.
+//! Phi turns rates by the filter's attitude. Where that is less certain than first order bears, or would be better known without what came
+//! later, nothing goes back: what was before is known by what came until then.
+//!
+//! A recording's states are too many for the memory, 9 kB each. What goes back is kept from segment to segment, and a segment's states are
+//! made when they are wanted.
 
 use alloc::vec::Vec;
 
 use glam::{DQuat, DVec3};
-use nalgebra::{Cholesky, Matrix3, SMatrix, SVector};
+use nalgebra::{Cholesky, SMatrix, SVector};
 
-use super::filter::{CORRECTED, ErrorCovariance, ErrorFilter, Update};
-use super::history::{Event, History, Passed, SEGMENT};
-use super::model::{
-    ATTITUDE, DYNAMIC, ERRORS, PARAMETRIC, RATE, Transition, VELOCITY, times, vector,
-};
+use super::channels::Channels;
+use super::deviations::{Deviations, across};
+use super::filter::{CORRECTED, Correction, ErrorCovariance, Update};
+use super::history::{Event, History, Segment};
+use super::model::{ATTITUDE, DYNAMIC, ERRORS, PARAMETRIC, Transition, times};
 use crate::float::sqrt;
+use crate::model::Parameters;
+use crate::six_axis::SixAxis;
 
 /// Added to the correlation of each error with itself: some are known by others, drifts by down at the first sample.
 const JITTER: f64 = 1e-12;
-/// Deviation of the filter's attitude up to which errors are taken back, rad.
-const FIRST_ORDER_RAD: f64 = 0.2;
-/// Attitude and rate, the errors before that of the velocity.
-const WANTED: usize = VELOCITY;
+/// Deviation of the filter's attitude up to which errors are taken back, rad. Half its square is what second order makes of it, and a
+/// smoothed attitude is known better than that of the filter.
+const FIRST_ORDER_RAD: f64 = 0.05;
 
 /// What is known of the end of a block when all is known.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Smoothed {
-    /// The block's last sample.
+    /// The block's last sample; of the beginning, the first one.
     pub sample: u64,
     /// R.
     pub attitude: DQuat,
     /// w*, shell axes, rad/s.
     pub rate_shell_rad_s: DVec3,
-    /// Covariance of the attitude's error, ground axes, rad^2; nothing where it is, or later is, beyond first order.
-    pub attitude_covariance: Option<Matrix3<f64>>,
-    /// Of the rate's, shell axes, rad^2/s^2.
-    pub rate_covariance: Matrix3<f64>,
+    /// Of the errors, in the order that the [module](super) states.
+    pub covariance: ErrorCovariance,
+    pub(super) channels: Channels,
+    lost: bool,
 }
 
 impl Smoothed {
-    /// Standard deviation of the attitude about all axes together, rad.
+    /// The parameters, with zero drifts and scale factors as they turned out to be.
     #[must_use]
-    pub fn attitude_rad(&self) -> f64 {
-        self.attitude_covariance
-            .map_or(f64::INFINITY, |covariance| {
-                sqrt(covariance.trace().max(0.0))
-            })
+    pub fn parameters(&self) -> Parameters {
+        self.channels.parameters()
+    }
+
+    /// Standard deviation of the direction of gravity in the sensor, rad: of the attitude but for turns about a unit vector down.
+    #[must_use]
+    pub fn tilt_rad(&self, down_ground: DVec3) -> f64 {
+        across(&self.covariance, ATTITUDE, down_ground)
+    }
+
+    /// Standard deviations of attitude, rate and velocity.
+    #[must_use]
+    pub fn deviations(&self) -> Deviations {
+        let found = Deviations::of(&self.covariance);
+        if self.lost { found.lost() } else { found }
     }
 }
 
@@ -73,63 +87,97 @@ struct Step {
     predicted: ErrorCovariance,
     updates: Vec<Update>,
     filtered: ErrorCovariance,
+    channels: Channels,
     lost: bool,
 }
 
 /// An estimate of the errors by what came later.
+#[derive(Debug, Clone, PartialEq)]
 struct Backwards {
     found: SVector<f64, ERRORS>,
     share: SMatrix<f64, ERRORS, ERRORS>,
     noise: ErrorCovariance,
-    /// Whether the attitude has been beyond first order at a later time.
-    cut: bool,
 }
 
-/// Goes back over a recording: the ends of its blocks, from the last one to the first.
-pub(super) fn smooth(history: &History) -> Vec<Smoothed> {
-    let mut states = Vec::with_capacity(history.blocks.len());
-    let mut back = Backwards::nothing();
-    let mut events = &history.events[..];
-    let segments = history.blocks.chunks(SEGMENT).zip(&history.filters);
-    for (number, (blocks, before)) in segments.enumerate().rev() {
-        let first = number * SEGMENT;
-        let (earlier, own) = events.split_at(events.partition_point(|(block, _)| *block < first));
-        events = earlier;
-        let steps = carried(first, blocks, own, before.clone());
-        for (passed, step) in blocks.iter().zip(&steps).rev() {
-            if step.lost {
-                back = Backwards::cut();
+/// A recording's past, and what its end says of each segment's end.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Smoother {
+    history: History,
+    /// What later segments say of each one's end.
+    later: Vec<Backwards>,
+    /// The same of the first sample.
+    begin: Backwards,
+}
+
+impl Smoother {
+    /// Goes back over a recording.
+    pub(super) fn new(history: History) -> Self {
+        let mut back = Backwards::nothing();
+        let mut later = Vec::with_capacity(history.segments());
+        for segment in (0..history.segments())
+            .rev()
+            .filter_map(|number| history.segment(number))
+        {
+            later.push(back.clone());
+            for step in carried(&segment).iter().rev() {
+                back.reach(step);
+                back.cross(step);
             }
-            states.push(back.state(passed, &step.filtered));
-            for update in step.updates.iter().rev() {
-                back.take_back(update);
-            }
-            if attitude_variance(&step.predicted) > FIRST_ORDER_RAD * FIRST_ORDER_RAD {
-                back = Backwards::cut();
-            }
-            back.carry(step);
+        }
+        later.reverse();
+        Self {
+            history,
+            later,
+            begin: back,
         }
     }
-    states
+
+    /// What is known of the first sample, which was decoded as this one.
+    pub(super) fn begin(&self, decoded: &SixAxis) -> Option<Smoothed> {
+        let (filter, channels) = self.history.begin()?;
+        Some(
+            self.begin
+                .state(decoded, filter.covariance(), channels, false),
+        )
+    }
+
+    /// Ends of a segment's blocks, from the first to the last; none beyond the last segment.
+    pub(super) fn ends(&self, number: usize) -> Vec<Smoothed> {
+        let (Some(segment), Some(later)) = (self.history.segment(number), self.later.get(number))
+        else {
+            return Vec::new();
+        };
+        let mut back = later.clone();
+        let mut states = Vec::with_capacity(segment.blocks.len());
+        for (passed, step) in segment.blocks.iter().zip(&carried(&segment)).rev() {
+            back.reach(step);
+            states.push(back.state(&passed.corrected, &step.filtered, &step.channels, step.lost));
+            back.cross(step);
+        }
+        states.reverse();
+        states
+    }
 }
 
 /// A segment's blocks from its first filter on: the same bits as the first time.
-fn carried(
-    first: usize,
-    blocks: &[Passed],
-    events: &[(usize, Event)],
-    mut filter: ErrorFilter,
-) -> Vec<Step> {
-    let mut events = events.iter().peekable();
-    let mut steps = Vec::with_capacity(blocks.len());
-    for (number, passed) in blocks.iter().enumerate() {
+fn carried(segment: &Segment<'_>) -> Vec<Step> {
+    let (mut filter, mut channels) = segment.before.clone();
+    let mut events = segment.events.iter().peekable();
+    let mut steps = Vec::with_capacity(segment.blocks.len());
+    for (number, passed) in segment.blocks.iter().enumerate() {
         let transition = filter.model().transition(&passed.block);
         filter.advance_by(&passed.block, &transition);
         let predicted = *filter.covariance();
         let mut updates = Vec::new();
-        while let Some((_, event)) = events.next_if(|(block, _)| *block == first + number) {
+        while let Some((_, event)) = events.next_if(|(block, _)| *block == segment.first + number) {
             match event {
-                Event::Measured(measurement) => updates.extend(filter.update(measurement)),
+                Event::Measured(measurement) => {
+                    let update = filter.update(measurement);
+                    if let Some(update) = &update {
+                        channels.take(&update.correction());
+                    }
+                    updates.extend(update);
+                }
                 Event::Doubted => filter.doubt(),
             }
         }
@@ -138,6 +186,7 @@ fn carried(
             predicted,
             updates,
             filtered: *filter.covariance(),
+            channels,
             lost: filter.is_lost(),
         });
     }
@@ -150,19 +199,33 @@ impl Backwards {
             found: SVector::zeros(),
             share: SMatrix::zeros(),
             noise: ErrorCovariance::zeros(),
-            cut: false,
         }
     }
 
-    fn cut() -> Self {
-        Self {
-            cut: true,
-            ..Self::nothing()
+    /// At a block's end. The gain is right for a filter whose gains are, and this one's are not: where the filter alone knows the attitude
+    /// better, what came later is left.
+    fn reach(&mut self, step: &Step) {
+        let mut left = SMatrix::<f64, 3, ERRORS>::zeros();
+        left.fixed_columns_mut::<3>(ATTITUDE).fill_with_identity();
+        left -= self.share.fixed_rows::<3>(ATTITUDE);
+        let smoothed = times(&times(&left, &step.filtered), &left.transpose()).trace()
+            + attitude_variance(&self.noise);
+        let better = smoothed <= attitude_variance(&step.filtered);
+        if step.lost || !better {
+            *self = Self::nothing();
         }
     }
 
-    fn attitude(&self) -> DVec3 {
-        vector(self.found.fixed_rows::<3>(ATTITUDE).into_owned())
+    /// From a block's end to its beginning.
+    fn cross(&mut self, step: &Step) {
+        for update in step.updates.iter().rev() {
+            self.take_back(update);
+        }
+        if attitude_variance(&step.predicted) > FIRST_ORDER_RAD * FIRST_ORDER_RAD {
+            *self = Self::nothing();
+        } else {
+            self.carry(step);
+        }
     }
 
     fn take_back(&mut self, update: &Update) {
@@ -202,21 +265,27 @@ impl Backwards {
         self.share = shares;
     }
 
-    fn state(&self, passed: &Passed, filtered: &ErrorCovariance) -> Smoothed {
-        let corrected = &passed.corrected;
-        let mut left = SMatrix::<f64, WANTED, ERRORS>::identity();
-        left -= self.share.fixed_rows::<WANTED>(0);
-        let covariance = times(&times(&left, filtered), &left.transpose())
-            + self.noise.fixed_view::<WANTED, WANTED>(0, 0);
-        let three = |at: usize| covariance.fixed_view::<3, 3>(at, at).into_owned();
-        let rate = vector(self.found.fixed_rows::<3>(RATE).into_owned());
-        let off = DQuat::from_scaled_axis(-self.attitude());
+    /// Of a sample that was decoded so, with the filter's covariance and the channels as they were corrected by then.
+    fn state(
+        &self,
+        decoded: &SixAxis,
+        filtered: &ErrorCovariance,
+        channels: &Channels,
+        lost: bool,
+    ) -> Smoothed {
+        let left = SMatrix::<f64, ERRORS, ERRORS>::identity() - self.share;
+        let covariance = times(&times(&left, filtered), &left.transpose()) + self.noise;
+        let found = Correction::of(&self.found, false);
+        let off = DQuat::from_scaled_axis(-found.attitude_ground_rad);
+        let mut channels = *channels;
+        channels.take(&found);
         Smoothed {
-            sample: corrected.sample,
-            attitude: (off * corrected.attitude).normalize(),
-            rate_shell_rad_s: corrected.rate_shell_rad_s - rate,
-            attitude_covariance: (!self.cut).then(|| three(ATTITUDE)),
-            rate_covariance: three(RATE),
+            sample: decoded.sample,
+            attitude: (off * decoded.attitude).normalize(),
+            rate_shell_rad_s: decoded.rate_shell_rad_s - found.rate_shell_rad_s,
+            covariance,
+            channels,
+            lost,
         }
     }
 }

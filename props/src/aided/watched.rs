@@ -3,11 +3,12 @@
 use glam::{DQuat, DVec3};
 use nalgebra::{Matrix3, SVector, Vector3};
 use rand_pcg::Pcg64;
-use sixaxis_core::LIMBS;
 use sixaxis_core::aided::block::Block;
+use sixaxis_core::aided::filter::ErrorCovariance;
 use sixaxis_core::aided::model::{ATTITUDE, DYNAMIC, RATE};
-use sixaxis_core::aided::{Aid, AidedDecoupler, Bound, RestFinder};
+use sixaxis_core::aided::{Aid, AidedDecoupler, Bound, RestFinder, Smoothed};
 use sixaxis_core::parameter::SCALE;
+use sixaxis_core::{Decoupler, LIMBS, Settings, SixAxis};
 use sixaxis_reference::motion::TrueMotion;
 
 use super::Aids;
@@ -28,8 +29,8 @@ pub struct Checked {
     pub attitude: f64,
     /// The same of the rate.
     pub rate: f64,
-    /// The same of the scale factors, nine degrees of freedom: of a filter's, which corrects them.
-    pub scale: Option<f64>,
+    /// The same of the scale factors, nine degrees of freedom.
+    pub scale: f64,
     /// Error of the attitude, rad.
     pub attitude_error_rad: f64,
     /// Error of down, rad.
@@ -62,7 +63,7 @@ pub struct Judged {
 pub struct Outcome {
     /// As it was decoupled sample by sample.
     pub filtered: Judged,
-    /// Attitude and rate by the whole of it, where that was asked for.
+    /// As it was decoupled with what its whole says, where that was asked for.
     pub smoothed: Option<Judged>,
     /// What its aids leave open in steady state.
     pub bound: Option<Bound>,
@@ -79,8 +80,9 @@ pub(super) struct Run<'a> {
     pub(super) looks: f64,
     pub(super) blocks: u64,
     pub(super) ended: bool,
-    /// Samples at the times asked for, with the truth.
+    /// Samples at the times asked for, with the truth, and those whose acceleration is looked at.
     pub(super) times: Vec<(u64, TrueMotion)>,
+    pub(super) looked: Vec<(u64, TrueMotion)>,
     pub(super) outcome: Outcome,
 }
 
@@ -122,13 +124,14 @@ impl Run<'_> {
             .is_some_and(|due_s| time_s >= *due_s);
         let known = self.aided.deviations().attitude_rad() < KNOWN_RAD;
         self.blocks += 1;
-        if known && self.blocks.is_multiple_of(BLOCKS_FROM_LOOK_TO_LOOK) {
-            // This sample was decoded before what is known of it is used.
-            let linear = answer.linear_ground_m_s2 - truth.linear_ground_m_s2;
-            let deviations = self.aided.accelerations(&answer);
-            let off =
-                core::array::from_fn(|i| linear[i].abs() / deviations[i].hypot(common.noise_m_s2));
-            self.outcome.filtered.over_deviation.push(off);
+        if self.blocks.is_multiple_of(BLOCKS_FROM_LOOK_TO_LOOK) {
+            self.looked.push((answer.sample, *truth));
+            if known {
+                // This sample was decoded before what is known of it is used.
+                let deviations = self.aided.accelerations(&answer);
+                let off = common.over_deviation(&answer, truth, &deviations);
+                self.outcome.filtered.over_deviation.push(off);
+            }
         }
         if !known && self.outcome.filtered.unknown_from_s.is_none() {
             self.outcome.filtered.unknown_from_s = Some(time_s);
@@ -136,60 +139,60 @@ impl Run<'_> {
         self.aid(&block, time_s, truth);
         if look {
             self.times.push((answer.sample, *truth));
-            let found = self.now().check(time_s, truth, common.gravity);
-            self.outcome.filtered.looks.push(Checked {
-                scale: self.scale(&common.scale_per_mass_per_kg),
-                ..found
-            });
+            let found = self.now().check(time_s, truth, common);
+            self.outcome.filtered.looks.push(found);
         }
         self.ended = self.outcome.filtered.looks.len() == common.times_s.len()
             || (*self.aids == Aids::default() && time_s > OPEN_S);
     }
 
-    fn now(&self) -> State {
+    fn now(&self) -> State<'_> {
         let now = self.aided.last().expect("a block ends here");
-        let covariance = self.aided.filter().covariance();
-        let of = |at: usize| covariance.fixed_view::<3, 3>(at, at).into_owned();
         State {
             attitude: now.attitude,
             rate_shell_rad_s: now.rate_shell_rad_s,
-            attitude_covariance: of(ATTITUDE),
-            rate_covariance: of(RATE),
+            scale_per_mass_per_kg: self.aided.parameters().scale_per_mass_per_kg,
+            covariance: self.aided.filter().covariance(),
             attitude_deviation_rad: self.aided.deviations().attitude_rad(),
         }
     }
 
-    fn scale(&self, truth: &[f64; LIMBS]) -> Option<f64> {
-        const SCALES: usize = DYNAMIC + SCALE.start;
-        let found = self.aided.parameters().scale_per_mass_per_kg;
-        let off = SVector::<f64, LIMBS>::from_fn(|i, _| found[i] - truth[i]);
-        let covariance = self.aided.filter().covariance();
-        let own = covariance.fixed_view::<LIMBS, LIMBS>(SCALES, SCALES);
-        let inverse = own.into_owned().try_inverse()?;
-        Some(off.dot(&(inverse * off)))
-    }
-
-    /// The same with what its whole says.
-    pub(super) fn smooth(self, common: &Common<'_>) -> Outcome {
+    /// The same once more, with what its whole says.
+    pub(super) fn smooth(
+        self,
+        voltages_v: &[[f64; LIMBS]],
+        again: Decoupler,
+        settings: &Settings,
+        common: &Common<'_>,
+    ) -> Outcome {
         let mut outcome = self.outcome;
         let mut judged = Judged::default();
-        let mut times = self.times.iter().peekable();
-        for state in self.aided.smoothed().expect("it remembers").iter().rev() {
+        let (mut times, mut looked) = (self.times.iter().peekable(), self.looked.iter().peekable());
+        let mut second = self.aided.smoothed(again, settings).expect("it remembers");
+        for voltage_v in voltages_v {
+            let Ok(answer) = second.push(voltage_v) else {
+                break;
+            };
+            let state = second.state();
             let time_s = state.sample as f64 / common.rate_hz;
-            if state.attitude_rad() > KNOWN_RAD && judged.unknown_from_s.is_none() {
+            let deviation_rad = state.deviations().attitude_rad();
+            if deviation_rad > KNOWN_RAD && judged.unknown_from_s.is_none() {
                 judged.unknown_from_s = Some(time_s);
             }
             if let Some((_, truth)) = times.next_if(|(sample, _)| *sample == state.sample) {
-                let state = State {
-                    attitude: state.attitude,
-                    rate_shell_rad_s: state.rate_shell_rad_s,
-                    attitude_covariance: state.attitude_covariance.unwrap_or_default(),
-                    rate_covariance: state.rate_covariance,
-                    attitude_deviation_rad: state.attitude_rad(),
-                };
                 judged
                     .looks
-                    .push(state.check(time_s, truth, common.gravity));
+                    .push(State::of(state).check(time_s, truth, common));
+            }
+            let Some(answer) = answer else {
+                continue;
+            };
+            if let Some((_, truth)) = looked.next_if(|(sample, _)| *sample == answer.sample)
+                && deviation_rad < KNOWN_RAD
+            {
+                let deviations = second.accelerations(&answer);
+                let off = common.over_deviation(&answer, truth, &deviations);
+                judged.over_deviation.push(off);
             }
         }
         outcome.smoothed = Some(judged);
@@ -224,17 +227,52 @@ impl Run<'_> {
     }
 }
 
+impl Common<'_> {
+    /// Errors of a sample's a over what is said of them, its own noise with it.
+    fn over_deviation(
+        &self,
+        answer: &SixAxis,
+        truth: &TrueMotion,
+        deviations: &[f64; 6],
+    ) -> [f64; 3] {
+        let linear = answer.linear_ground_m_s2 - truth.linear_ground_m_s2;
+        core::array::from_fn(|i| linear[i].abs() / deviations[i].hypot(self.noise_m_s2))
+    }
+}
+
 /// An estimate at one time, with its covariance.
-struct State {
+struct State<'a> {
     attitude: DQuat,
     rate_shell_rad_s: DVec3,
-    attitude_covariance: Matrix3<f64>,
-    rate_covariance: Matrix3<f64>,
+    scale_per_mass_per_kg: [f64; LIMBS],
+    covariance: &'a ErrorCovariance,
     attitude_deviation_rad: f64,
 }
 
-impl State {
-    fn check(&self, time_s: f64, truth: &TrueMotion, gravity: DVec3) -> Checked {
+impl<'a> State<'a> {
+    fn of(smoothed: &'a Smoothed) -> Self {
+        Self {
+            attitude: smoothed.attitude,
+            rate_shell_rad_s: smoothed.rate_shell_rad_s,
+            scale_per_mass_per_kg: smoothed.parameters().scale_per_mass_per_kg,
+            covariance: &smoothed.covariance,
+            attitude_deviation_rad: smoothed.deviations().attitude_rad(),
+        }
+    }
+
+    /// Squared error of the scale factors over its covariance.
+    fn scale(&self, truth: &[f64; LIMBS]) -> f64 {
+        const SCALES: usize = DYNAMIC + SCALE.start;
+        let off = SVector::<f64, LIMBS>::from_fn(|i, _| self.scale_per_mass_per_kg[i] - truth[i]);
+        let own = self.covariance.fixed_view::<LIMBS, LIMBS>(SCALES, SCALES);
+        let inverse = own.into_owned().try_inverse();
+        inverse.map_or(f64::INFINITY, |inverse| off.dot(&(inverse * off)))
+    }
+
+    fn check(&self, time_s: f64, truth: &TrueMotion, common: &Common<'_>) -> Checked {
+        let gravity = common.gravity;
+        let of = |at: usize| self.covariance.fixed_view::<3, 3>(at, at).into_owned();
+        let (attitude_covariance, rate_covariance) = (of(ATTITUDE), of(RATE));
         let off = (self.attitude * truth.attitude.inverse())
             .normalize()
             .to_scaled_axis();
@@ -256,9 +294,9 @@ impl State {
         let down_shell = self.attitude.inverse() * down;
         Checked {
             time_s,
-            attitude: normalised(&self.attitude_covariance, off),
-            rate: normalised(&self.rate_covariance, rate),
-            scale: None,
+            attitude: normalised(&attitude_covariance, off),
+            rate: normalised(&rate_covariance, rate),
+            scale: self.scale(&common.scale_per_mass_per_kg),
             attitude_error_rad: off.length(),
             tilt_error_rad: off.reject_from(gravity).length(),
             rate_error_rad_s: rate.length(),
@@ -266,8 +304,8 @@ impl State {
             linear_error_m_s2: linear.length(),
             attitude_deviation_rad: self.attitude_deviation_rad,
             across: Bound {
-                tilt_rad: across(&self.attitude_covariance, down),
-                rate_rad_s: across(&self.rate_covariance, down_shell),
+                tilt_rad: across(&attitude_covariance, down),
+                rate_rad_s: across(&rate_covariance, down_shell),
             },
         }
     }

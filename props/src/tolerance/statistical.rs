@@ -47,3 +47,13 @@ pub const SURVIVED_RAD: Tolerance = measured(
 );
 /// Attitude from the truth after 1.2 s of noise 60 dB below full scale, most of it from the rate at the first sample, rad.
 pub const NOISY_ATTITUDE_RAD: Tolerance = measured(0.1, 0.023, "without a failure, too");
+/// Error of an acceleration in ground axes over its deviation, of all samples whose attitude is known.
+pub const OVER_DEVIATION: Tolerance = required(
+    6.0,
+    "no ground-axis sample is off by more than six of its deviations",
+);
+/// Error of a with rests over that of the open loop, late in a minute.
+pub const RESTS_OF_OPEN_LOOP: Tolerance = required(
+    0.1,
+    "a second of rest in ten takes nine tenths of the error off",
+);

@@ -21,16 +21,36 @@ pub fn section() -> Result<Section> {
         .value("p", p)
         .value("known_deg", p.known_rad * DEG_PER_RAD)
         .value("chance", [limit(0.975)?, limit(0.025)?])
-        .value("last_seed", p.first_seed + p.runs - 1);
+        .value("last_seed", p.first_seed + p.runs - 1)
+        .value("lost", lost(p));
     let kinds = p.rides.chunk_by(|a, b| a.kind == b.kind);
     kinds
-        .fold(text, |text, rides| text.figure(errors(rides)))
+        .fold(text, |text, rides| text.figure(errors(rides, p.runs)))
         .table("hours-deviations", deviations(p))
         .table("hours-bounds", bounds(p))
         .section("hours")
 }
 
-fn errors(rides: &[AidedRide]) -> Figure {
+/// Which rides lost runs that ended on an error, in words: how many were left when the first were missing, and at the end.
+fn lost(p: &Hours) -> Vec<String> {
+    let words = |ride: &AidedRide| {
+        let followed = ride.at.iter();
+        let followed = followed.filter_map(|at| Some((at.time_s, at.linear_m_s2?.count as u64)));
+        let fewer: Vec<_> = followed.filter(|(_, left)| *left < p.runs).collect();
+        let ((first_s, left), (last_s, at_last)) = (fewer.first()?, fewer.last()?);
+        Some(format!(
+            "of {} runs “{}” {left} at {} s, {at_last} at {} s",
+            p.runs,
+            name(ride),
+            fixed(*first_s, 0),
+            fixed(*last_s, 0),
+        ))
+    };
+    p.rides.iter().filter_map(words).collect()
+}
+
+/// Medians of all runs: where some are missing they would be of those that went well.
+fn errors(rides: &[AidedRide], runs: u64) -> Figure {
     let figure = Figure::new(
         format!("hours-{}", id(rides[0].kind)),
         "",
@@ -39,7 +59,7 @@ fn errors(rides: &[AidedRide]) -> Figure {
     );
     rides.iter().fold(figure, |figure, ride| {
         let medians = ride.at.iter().filter_map(|at| {
-            let errors = at.linear_m_s2?;
+            let errors = at.linear_m_s2.filter(|e| e.count as u64 == runs)?;
             Some((at.time_s, errors.median))
         });
         // The same colour for the same aid in every figure.

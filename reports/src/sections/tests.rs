@@ -2,9 +2,10 @@
 
 use sixaxis_core::{Parameter, Scheme};
 use sixaxis_page::render;
+use sixaxis_props::evidence::Quantiles;
 use sixaxis_props::results::{
-    Campaign, Detection, DyingLimb, Growth, GrowthPoint, Propagation, PropagationSet, Published,
-    SchemeCurve, SelfCalibration, Speed, Work,
+    Campaign, Detection, DyingLimb, Growth, GrowthPoint, Hours, Propagation, PropagationSet,
+    Published, SchemeCurve, SelfCalibration, Speed, Work,
 };
 
 use super::*;
@@ -42,6 +43,12 @@ fn sections_of_published_results_are_drawn() {
     ] {
         assert!(html.contains(words), "{words}");
     }
+    // Runs that ended on an error are said, and medians of the others are not drawn.
+    let hours: Hours = embedded();
+    let looks = hours.rides.iter().flat_map(|ride| &ride.at);
+    let fewer = |errors: Quantiles| (errors.count as u64) < hours.runs;
+    let lost = looks.filter_map(|at| at.linear_m_s2).any(fewer);
+    assert_eq!(html.contains("could still be decoded"), lost);
     // As a number: a cell, its title, a place in a drawing. What differs of a peer may speak of it.
     for number in [">NaN", "\"NaN", ",NaN", " NaN,"] {
         assert!(!html.contains(number), "{number}");

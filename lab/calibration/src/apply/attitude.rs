@@ -8,7 +8,9 @@ use std::collections::VecDeque;
 use anyhow::{Result, ensure};
 use glam::{DQuat, DVec3};
 use sixaxis_core::aided::block::{Block, Gathering};
-use sixaxis_core::aided::{Aid, AidedDecoupler, ErrorFilter, RestFinder};
+use sixaxis_core::aided::{
+    Aid, AidedDecoupler, Bound, Deviations, ErrorFilter, RestFinder, SmoothedDecoupler,
+};
 use sixaxis_core::{Decoupler, Settings, SixAxis};
 
 use super::Row;
@@ -49,6 +51,8 @@ enum How {
     Beside(Box<(ErrorFilter, Gathering)>),
     /// In its place.
     Aided(Box<Aided>),
+    /// In its place, a second time.
+    Smoothed(Box<SmoothedDecoupler>),
 }
 
 /// Follows the attitude and its deviation.
@@ -72,14 +76,11 @@ impl AttitudeStream {
     #[must_use]
     pub fn beside(filter: ErrorFilter, settings: &Settings, until_deg: f64) -> Self {
         let gathering = Gathering::new(settings.sample_rate_hz, UNAIDED_BLOCK_S);
-        Self::of(
-            How::Beside(Box::new((filter, gathering))),
-            settings,
-            until_deg,
-        )
+        let how = How::Beside(Box::new((filter, gathering)));
+        Self::of(how, settings, until_deg)
     }
 
-    /// In a decoder's place, with aids. `noise` has the standard deviations that a sample's own noise gives its accelerations, where
+    /// In a decoder's place, with aids; remembering what [`Self::smoothed`] needs if it is to be smoothed. `noise` has the standard deviations that a sample's own noise gives its accelerations, where
     /// theirs are asked for.
     ///
     /// # Errors
@@ -90,11 +91,16 @@ impl AttitudeStream {
         setup: &Setup,
         settings: &Settings,
         until_deg: f64,
-        aids: &[AidChoice],
+        (aids, smooth): (&[AidChoice], bool),
         (channel_noise_v, noise): (&Row, Option<[f64; 6]>),
     ) -> Result<Self> {
+        let decoder = AidedDecoupler::new(decoupler, filter, &setup.parameters, settings);
         let mut aided = Aided {
-            decoder: AidedDecoupler::new(decoupler, filter, &setup.parameters, settings),
+            decoder: if smooth {
+                decoder.remembering()
+            } else {
+                decoder
+            },
             rests: None,
             velocity: None,
             fixes: VecDeque::new(),
@@ -141,32 +147,61 @@ impl AttitudeStream {
         Ok(stream)
     }
 
-    fn of(how: How, settings: &Settings, until_deg: f64) -> Self {
-        let filter = match &how {
-            How::Beside(beside) => &beside.0,
-            How::Aided(aided) => aided.decoder.filter(),
+    /// For the same recording once more, from its first sample, when it has been decoded to its end: all of it by all aids.
+    /// `again` is a new decoupler like the one that this was made with.
+    #[must_use]
+    pub fn smoothed(self, again: Decoupler, settings: &Settings) -> Option<Self> {
+        let How::Aided(aided) = self.how else {
+            return None;
         };
+        let second = aided.decoder.smoothed(again, settings)?;
+        let how = How::Smoothed(Box::new(second));
+        Some(Self {
+            summary: self.summary.again(),
+            noise: self.noise,
+            ..Self::of(how, settings, self.until_rad.to_degrees())
+        })
+    }
+
+    fn of(how: How, settings: &Settings, until_deg: f64) -> Self {
         let down = settings.gravity_ground_m_s2.normalize_or_zero();
-        let summary = AttitudeSummary::of(filter, down);
-        Self {
-            deviations: [
-                0.0,
-                0.0,
-                0.0,
-                0.0,
-                0.0,
-                0.0,
-                summary.sd_attitude_deg.to_radians(),
-            ],
+        let mut new = Self {
+            deviations: [0.0; 7],
             how,
             rate_hz: settings.sample_rate_hz,
             start_s: 0.0,
             down,
             until_rad: until_deg.to_radians(),
             noise: None,
-            summary,
+            summary: AttitudeSummary::default(),
             messages: Vec::new(),
-        }
+        };
+        let first = new.how.deviations();
+        new.deviations[6] = first.attitude_rad();
+        new.summary.see(&first, new.how.tilt_rad(down));
+        new
+    }
+
+    /// Aids that come again and again, with the time from one to the next, s.
+    #[must_use]
+    pub fn periodic(&self) -> Vec<(Aid, f64)> {
+        let How::Aided(aided) = &self.how else {
+            return Vec::new();
+        };
+        let velocity = aided.velocity.as_ref().map(|v| (v.aid, v.every_s));
+        let fixes = match (aided.fixes.front(), aided.fixes.back()) {
+            (Some(first), Some(last)) if aided.fixes.len() > 1 => {
+                let steps = (aided.fixes.len() - 1) as f64;
+                Some((first.aid, (last.time_s - first.time_s) / steps))
+            }
+            _ => None,
+        };
+        velocity.into_iter().chain(fixes).collect()
+    }
+
+    /// What these leave open at best.
+    pub fn bounded_by(&mut self, bound: Option<Bound>) {
+        self.summary.bounded_by(bound);
     }
 
     /// The recording's clock shows this at the first sample, s.
@@ -177,7 +212,7 @@ impl AttitudeStream {
     /// Whether it decodes itself.
     #[must_use]
     pub const fn decodes(&self) -> bool {
-        matches!(self.how, How::Aided(_))
+        !matches!(self.how, How::Beside(_))
     }
 
     /// Takes the next nine voltages, where it decodes itself, and returns the sample before them.
@@ -185,36 +220,30 @@ impl AttitudeStream {
     /// # Errors
     /// Those of [`Decoupler::push`].
     pub fn push(&mut self, voltage_v: &Row) -> sixaxis_core::Result<Option<SixAxis>> {
-        let How::Aided(aided) = &mut self.how else {
+        let Some(sample) = self.how.push(voltage_v)? else {
             return Ok(None);
-        };
-        let answer = aided.decoder.push(voltage_v)?;
-        let Some(sample) = &answer else {
-            return Ok(answer);
         };
         let time_s = self.start_s + sample.sample as f64 / self.rate_hz;
         // This sample was decoded before what is known of it is used.
         if let Some(noise) = &self.noise {
-            let by_errors = aided.decoder.accelerations(sample);
+            let by_errors = self.how.accelerations(&sample);
             for (deviation, (by_errors, noise)) in
                 self.deviations.iter_mut().zip(by_errors.iter().zip(noise))
             {
                 *deviation = by_errors.hypot(*noise);
             }
         }
-        self.deviations[6] = aided.decoder.deviations().attitude_rad();
-        aided.see_fixes(
-            sample,
-            time_s,
-            0.5 / self.rate_hz,
-            &mut self.summary.attitude,
-        );
-        if let Some(block) = aided.decoder.block().copied() {
+        self.deviations[6] = self.how.deviations().attitude_rad();
+        if let How::Aided(aided) = &mut self.how {
+            let half_step_s = 0.5 / self.rate_hz;
+            aided.see_fixes(&sample, time_s, half_step_s, &mut self.summary.attitude);
+            let Some(block) = aided.decoder.block().copied() else {
+                return Ok(Some(sample));
+            };
             aided.use_all(&block, time_s, &mut self.summary);
-            self.summary.see(aided.decoder.filter(), self.down);
-            self.tell(time_s);
         }
-        Ok(answer)
+        self.look(time_s);
+        Ok(Some(sample))
     }
 
     /// Takes a sample that another decoder has decoded, with the voltages of that same sample.
@@ -223,10 +252,15 @@ impl AttitudeStream {
             && let Some(block) = beside.1.push(voltage_v, sample)
         {
             beside.0.advance(&block);
-            self.deviations[6] = beside.0.deviations().attitude_rad();
-            self.summary.see(&beside.0, self.down);
-            self.tell(self.start_s + sample.sample as f64 / self.rate_hz);
+            self.deviations[6] = self.how.deviations().attitude_rad();
+            self.look(self.start_s + sample.sample as f64 / self.rate_hz);
         }
+    }
+
+    fn look(&mut self, time_s: f64) {
+        self.summary
+            .see(&self.how.deviations(), self.how.tilt_rad(self.down));
+        self.tell(time_s);
     }
 
     fn tell(&mut self, time_s: f64) {
@@ -279,6 +313,11 @@ impl AttitudeStream {
         known
     }
 
+    /// Counts rows that could not be decoded.
+    pub(super) fn skips(&mut self, rows: u64) {
+        self.summary.unknown_rows += rows;
+    }
+
     fn is_known(&self) -> bool {
         // NaN is not known.
         self.deviations[6] <= self.until_rad
@@ -300,6 +339,41 @@ impl AttitudeStream {
     #[must_use]
     pub const fn summary(&self) -> &AttitudeSummary {
         &self.summary
+    }
+}
+
+impl How {
+    fn push(&mut self, voltage_v: &Row) -> sixaxis_core::Result<Option<SixAxis>> {
+        match self {
+            Self::Beside(_) => Ok(None),
+            Self::Aided(aided) => aided.decoder.push(voltage_v),
+            Self::Smoothed(second) => second.push(voltage_v),
+        }
+    }
+
+    /// Of a sample that it has decoded itself.
+    fn accelerations(&self, sample: &SixAxis) -> [f64; 6] {
+        match self {
+            Self::Beside(_) => [0.0; 6],
+            Self::Aided(aided) => aided.decoder.accelerations(sample),
+            Self::Smoothed(second) => second.accelerations(sample),
+        }
+    }
+
+    fn deviations(&self) -> Deviations {
+        match self {
+            Self::Beside(beside) => beside.0.deviations(),
+            Self::Aided(aided) => aided.decoder.deviations(),
+            Self::Smoothed(second) => second.deviations(),
+        }
+    }
+
+    fn tilt_rad(&self, down: DVec3) -> f64 {
+        match self {
+            Self::Beside(beside) => beside.0.tilt_rad(down),
+            Self::Aided(aided) => aided.decoder.filter().tilt_rad(down),
+            Self::Smoothed(second) => second.state().tilt_rad(down),
+        }
     }
 }
 

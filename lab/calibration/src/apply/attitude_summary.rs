@@ -1,7 +1,6 @@
 //! What became of the attitude of a recording: how well it was known, and what was used to keep it.
 
-use glam::DVec3;
-use sixaxis_core::aided::ErrorFilter;
+use sixaxis_core::aided::{Bound, Deviations};
 
 /// Measurements of a kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
@@ -25,14 +24,21 @@ impl Used {
 }
 
 /// What became of the attitude. Serialized, it is part of what `sixaxis decouple --json` prints.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
 pub struct AttitudeSummary {
     /// Its standard deviation at the end, about all axes together, degrees.
     pub sd_attitude_deg: f64,
+    /// The largest of all times.
+    pub largest_sd_attitude_deg: f64,
     /// Of the direction of gravity in the sensor, degrees.
     pub sd_tilt_deg: f64,
     /// Of the rate, all components together, rad/s.
     pub sd_rate_rad_s: f64,
+    /// Of gravity's direction at best: in the steady state of a sensor that stands still, its parameters exact, under the same velocities
+    /// and attitudes; none where there is no steady state.
+    pub bound_tilt_deg: Option<f64>,
+    /// Of the rate across the plumb line there, rad/s.
+    pub bound_rate_rad_s: Option<f64>,
     /// Time from which on the attitude was first less certain than asked, s; none if it never was.
     pub unknown_from_s: Option<f64>,
     /// Rows without ground axes.
@@ -46,25 +52,42 @@ pub struct AttitudeSummary {
 }
 
 impl AttitudeSummary {
-    pub(super) fn of(filter: &ErrorFilter, down: DVec3) -> Self {
-        let mut new = Self {
-            sd_attitude_deg: 0.0,
-            sd_tilt_deg: 0.0,
-            sd_rate_rad_s: 0.0,
+    /// The same with what was used, but that nothing has been decoded yet.
+    pub(super) const fn again(self) -> Self {
+        Self {
+            largest_sd_attitude_deg: 0.0,
             unknown_from_s: None,
             unknown_rows: 0,
-            rest: Used::default(),
-            velocity: Used::default(),
-            attitude: Used::default(),
-        };
-        new.see(filter, down);
-        new
+            ..self
+        }
     }
 
-    pub(super) fn see(&mut self, filter: &ErrorFilter, down: DVec3) {
-        let found = filter.deviations();
+    pub(super) fn bounded_by(&mut self, bound: Option<Bound>) {
+        self.bound_tilt_deg = bound.map(|b| b.tilt_rad.to_degrees());
+        self.bound_rate_rad_s = bound.map(|b| b.rate_rad_s);
+    }
+
+    /// How well the attitude was known, in a sentence.
+    #[must_use]
+    pub fn sentence(&self) -> String {
+        let Self {
+            sd_attitude_deg,
+            largest_sd_attitude_deg,
+            sd_tilt_deg,
+            ..
+        } = self;
+        let bound = self.bound_tilt_deg.map_or_else(String::new, |tilt| {
+            format!("; a still sensor with exact parameters would have {tilt:.2}° of down under these aids")
+        });
+        format!(
+            "one standard deviation of the attitude is {sd_attitude_deg:.2}° at the end, {largest_sd_attitude_deg:.2}° at most, that of down              {sd_tilt_deg:.2}° at the end{bound}"
+        )
+    }
+
+    pub(super) fn see(&mut self, found: &Deviations, tilt_rad: f64) {
         self.sd_attitude_deg = found.attitude_rad().to_degrees();
-        self.sd_tilt_deg = filter.tilt_rad(down).to_degrees();
+        self.largest_sd_attitude_deg = self.largest_sd_attitude_deg.max(self.sd_attitude_deg);
+        self.sd_tilt_deg = tilt_rad.to_degrees();
         self.sd_rate_rad_s = found.rate_shell_rad_s.length();
     }
 }

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use sixaxis_core::decouple::uncertainty::SampleUncertainty;
 use sixaxis_core::six_axis::SixAxisColumns;
-use sixaxis_core::{Decoupler, LIMBS};
+use sixaxis_core::{Decoupler, Error, LIMBS, Settings};
 use sixaxis_recordings::Block;
 use sixaxis_recordings::envelope::Envelope;
 
@@ -34,6 +34,10 @@ pub struct Decoding {
     coordination: Option<Coordination>,
     /// Stamps of the samples that have not been answered.
     times_s: Vec<f64>,
+    /// Samples taken.
+    samples: u64,
+    /// Whether the rate has run away, after which no sample can be decoded.
+    ran_away: bool,
     /// Rows answered.
     pub rows: u64,
     /// Time of the first row, s.
@@ -100,6 +104,8 @@ impl Decoding {
             watching: None,
             coordination: None,
             times_s: Vec::new(),
+            samples: 0,
+            ran_away: false,
             rows: 0,
             first_s: None,
             picture: picture.then(Box::default),
@@ -166,6 +172,12 @@ impl Decoding {
         self.attitude.iter_mut().for_each(AttitudeStream::finish);
     }
 
+    /// The attitude of the recording that has been decoded, for the same recording once more.
+    #[must_use]
+    pub fn smoothed(self, again: Decoupler, settings: &Settings) -> Option<AttitudeStream> {
+        self.attitude?.smoothed(again, settings)
+    }
+
     /// What became of the attitude, where it was followed.
     #[must_use]
     pub fn attitude(&self) -> Option<&AttitudeSummary> {
@@ -184,6 +196,8 @@ impl Decoding {
 
     /// Decodes the next samples, nine columns of voltages, and replaces the contents of `block` with the rows they complete.
     ///
+    /// Where the attitude has been lost and the rate then runs away, rows are NaN from there on and a message says so.
+    ///
     /// # Errors
     /// Those of [`Decoupler::push_columns`]; the rows before the refused sample are in the block.
     pub fn decode(
@@ -198,13 +212,17 @@ impl Decoding {
             coordination.look(voltage_v);
         }
         let aided = self.attitude.as_ref().is_some_and(AttitudeStream::decodes);
-        let done = if self.watching.is_some() {
+        self.samples += voltage_v[0].len() as u64;
+        let done = if self.ran_away {
+            Ok(())
+        } else if self.watching.is_some() {
             self.watched(voltage_v, block)
         } else if aided {
             self.aided(voltage_v, block)
         } else {
             self.answers(voltage_v, block)
         };
+        let done = self.without_run_away(done, block);
         let answered = block.columns[1].len();
         if answered > 0 && self.rows == 0 {
             // The first sample is never answered.
@@ -220,6 +238,38 @@ impl Decoding {
             picture.extend(times_s, answers, &more[..deviations]);
         }
         done
+    }
+
+    /// A rate that runs away after the attitude was given up is what was announced: the rows that are left are NaN. Before, it is an error of
+    /// the calibration, the gains or the recording.
+    fn without_run_away(
+        &mut self,
+        done: sixaxis_core::Result<()>,
+        block: &mut Block,
+    ) -> sixaxis_core::Result<()> {
+        let Some(attitude) = &mut self.attitude else {
+            return done;
+        };
+        if let Err(Error::Overflow { .. }) = done
+            && attitude.summary().unknown_from_s.is_some()
+        {
+            let first = self.times_s.get(block.columns[1].len());
+            let from = first.map_or_else(String::new, |time_s| format!("from {time_s:.2} s on "));
+            self.said.push(format!(
+                "{from}nothing is decoupled: the rate, which is integrated without a reference, has run away, and all columns are NaN"
+            ));
+            self.ran_away = true;
+        } else if !self.ran_away {
+            return done;
+        }
+        // Each sample but the first and the last has a row.
+        let rows = self.samples.saturating_sub(2) - self.rows;
+        let columns = &mut block.columns[1..];
+        attitude.skips(rows - columns[0].len() as u64);
+        for column in columns {
+            column.resize(rows as usize, f64::NAN);
+        }
+        Ok(())
     }
 
     fn answers(

@@ -6,7 +6,7 @@ use anyhow::{Context, Result, ensure};
 use glam::DVec3;
 use serde::Serialize;
 use sixaxis_core::{Decoupler, LimbSet, Scheme, Settings};
-use sixaxis_recordings::{Channel, Layout, Sink};
+use sixaxis_recordings::{Block, Channel, Layout, Sink};
 
 use super::aids::AidChoice;
 use super::attitude::{AttitudeStream, DOWN_DEG};
@@ -48,8 +48,23 @@ pub struct Job<'a> {
     pub until_sd_deg: f64,
     /// What else is known of the motion.
     pub aids: &'a [AidChoice],
+    /// Whether each sample is decoupled by what was known later, too, in a second pass.
+    pub smooth: bool,
     /// Whether curves are kept for a picture.
     pub picture: bool,
+}
+
+/// Takes what a first pass decodes and nobody wants.
+struct Nowhere;
+
+impl Sink for Nowhere {
+    fn write(&mut self, _: &Block) -> sixaxis_recordings::Result<()> {
+        Ok(())
+    }
+
+    fn finish(self: Box<Self>) -> sixaxis_recordings::Result<()> {
+        Ok(())
+    }
 }
 
 /// A recording that has been decoupled. Serialized, it is what `sixaxis decouple --json` prints.
@@ -142,15 +157,18 @@ impl Job<'_> {
                         .uncertainty
                         .then(|| sample_noise(self.setup, settings, &noise_v))
                         .transpose()?;
-                    decoding = decoding.with_attitude(AttitudeStream::aided(
+                    let mut attitude = AttitudeStream::aided(
                         decoupler,
                         filter,
                         self.setup,
                         settings,
                         self.until_sd_deg,
-                        self.aids,
+                        (self.aids, self.smooth),
                         (&noise_v, noise),
-                    )?);
+                    )?;
+                    let aids = attitude.periodic();
+                    attitude.bounded_by(self.setup.bound(self.calibration, settings, &aids)?);
+                    decoding = decoding.with_attitude(attitude);
                 }
                 Ok((filter, _)) => {
                     let beside = AttitudeStream::beside(filter, settings, self.until_sd_deg);
@@ -167,6 +185,18 @@ impl Job<'_> {
             decoding = decoding.with_deviations((!aided).then(open_loop).transpose()?);
         }
         Ok(decoding)
+    }
+
+    /// The same by a smoothed attitude.
+    fn smoothed_decoding(&self, attitude: AttitudeStream, settings: &Settings) -> Result<Decoding> {
+        let decoding = Decoding::new(self.decoupler(settings)?, self.columns, self.picture)
+            .under(settings.gravity_ground_m_s2)
+            .with_attitude(attitude);
+        Ok(if self.uncertainty {
+            decoding.with_deviations(None)
+        } else {
+            decoding
+        })
     }
 
     fn coordination(&self) -> Coordination {
@@ -222,13 +252,17 @@ impl Job<'_> {
         advance: &dyn Fn(u64, u64),
     ) -> Result<Decoupled> {
         let setup = self.setup;
-        let mut recording =
-            Recording::open(path, &setup.channels, setup.rate_hz, setup.full_scale_v)?;
-        recording.without = self.excluded;
-        recording.watched = self.false_alarms_per_hour.is_some();
+        let open = || -> Result<Recording> {
+            let stated_hz = setup.rate_hz;
+            let mut new = Recording::open(path, &setup.channels, stated_hz, setup.full_scale_v)?;
+            new.without = self.excluded;
+            new.watched = self.false_alarms_per_hour.is_some();
+            Ok(new)
+        };
+        let mut recording = open()?;
         let rate_hz = recording.sample_rate_hz;
         let settings = setup.settings(rate_hz, self.scheme);
-        let conditioning = self.conditioning(rate_hz)?;
+        let mut conditioning = self.conditioning(rate_hz)?;
         let mut decoding = self.decoding(&settings)?;
         let mut coordination = self.coordination();
         let mut layout = self.layout(rate_hz);
@@ -251,7 +285,25 @@ impl Job<'_> {
             trend = Some(found);
         } else {
             let total = recording.samples.unwrap_or(0);
-            let advance = |samples| advance(total, samples);
+            let passes = if self.smooth { 2 } else { 1 };
+            let advance = |samples| advance(passes * total, samples);
+            if self.smooth {
+                // The first pass is remembered, and nothing of it written.
+                let first = &mut decoding;
+                pipeline::run(
+                    &mut recording,
+                    conditioning,
+                    first,
+                    Box::new(Nowhere),
+                    &advance,
+                )?;
+                decoding.finish();
+                let attitude = decoding.smoothed(self.decoupler(&settings)?, &settings);
+                let attitude = attitude.context("--smooth without --aid")?;
+                decoding = self.smoothed_decoding(attitude, &settings)?;
+                recording = open()?;
+                conditioning = self.conditioning(rate_hz)?;
+            }
             decoding = decoding.with_coordination(coordination.clone());
             let sink = create(&layout)?;
             let recording = &mut recording;

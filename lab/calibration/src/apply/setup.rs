@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::calibration::Calibration;
 use anyhow::{Context, Result, bail};
 use glam::DVec3;
-use sixaxis_core::aided::ErrorFilter;
+use sixaxis_core::aided::{Aid, Bound, ErrorFilter, bound};
 use sixaxis_core::decouple::uncertainty::{ChannelNoise, Covariance, SampleUncertainty};
 use sixaxis_core::{Gains, LIMBS, Parameters, Scheme, Sensor, Settings};
 use sixaxis_recordings::session::{Channels, Entry, Role, SessionFile};
@@ -225,6 +225,26 @@ impl Setup {
             down_deviation_rad,
         )?;
         Ok((filter, noise.white_v))
+    }
+
+    /// What aids that come again and again leave open at best, each with the time from one to the next, s.
+    ///
+    /// # Errors
+    /// As [`Self::uncertainty`].
+    pub fn bound(
+        &self,
+        calibration: &Calibration,
+        settings: &Settings,
+        aids: &[(Aid, f64)],
+    ) -> Result<Option<Bound>> {
+        let (_, noise) = self.errors(calibration, settings)?;
+        Ok(bound::steady(
+            &self.sensor,
+            &self.parameters,
+            settings,
+            &noise,
+            aids,
+        )?)
     }
 
     /// The decoupler's settings at a rate.

@@ -61,6 +61,9 @@ pub struct Arguments {
     /// What else is known of the motion: rest, velocity=SECONDS,M_PER_S or attitude=FILE,DEGREES; once of each kind
     #[arg(long, value_name = "WHAT", conflicts_with_all = ["rest_to_rest", "watch", "excluded"])]
     aid: Vec<AidChoice>,
+    /// Decouple each sample by all that --aid tells of the whole recording, what comes later with it; reads it twice
+    #[arg(long, requires = "aid")]
+    smooth: bool,
     /// The accelerations only, without rates and attitude
     #[arg(long)]
     accelerations: bool,
@@ -227,6 +230,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         excluded,
         until_sd_deg,
         aids: &arguments.aid,
+        smooth: arguments.smooth,
         picture: arguments.picture.is_some(),
     };
     let done = if streams {
@@ -295,6 +299,10 @@ fn file(arguments: &Arguments, job: &Job) -> Result<()> {
         write_atomically(picture, render(&page)?.as_bytes())?;
     }
     say("warning", &decoupled.warnings);
+    let aided = decoupled.attitude.filter(|_| !arguments.aid.is_empty());
+    if let Some(attitude) = aided {
+        tell("note", &attitude.sentence());
+    }
     match (arguments.json, to_output) {
         (true, _) => print_json(&summary),
         (false, true) => Ok(()),
@@ -351,6 +359,7 @@ fn stream(arguments: &Arguments, job: &Job) -> Result<()> {
             "--rest-to-rest, which needs the whole run,",
         ),
         (arguments.uncertainty, "--uncertainty"),
+        (arguments.smooth, "--smooth, which reads a recording twice,"),
         (arguments.picture.is_some(), "--picture"),
         (
             arguments

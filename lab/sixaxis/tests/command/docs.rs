@@ -1,6 +1,7 @@
 //! README and docs say what the program does: every command in them is run, every path and link exists, and figures that were
 //! published are the published ones.
 
+mod field;
 mod figures;
 mod speeds;
 
@@ -96,6 +97,13 @@ fn every_command_of_the_docs_runs() {
                 stdout(&output),
                 stderr(&output)
             );
+            // The page quotes what this one says.
+            if line.starts_with("sixaxis self-calibrate") {
+                let said = stdout(&output);
+                let first = said.lines().next().unwrap_or_default();
+                let quoted = on_one_line(&page).contains(first.trim_end_matches('.'));
+                assert!(quoted && !first.is_empty(), "{page} has not: {first}");
+            }
             run += 1;
         }
     }
@@ -190,6 +198,27 @@ fn the_session_in_the_docs_is_accepted() {
         .unwrap_or_else(|error| panic!("{error}"));
     // At rest, a linear trial and a tap.
     assert_eq!(file.session.recording.len(), 3);
+}
+
+/// Every module of a test binary of `props` is a suite with a truth of its own.
+#[test]
+fn every_suite_stands_in_the_docs() {
+    let docs = read("docs/evidence.md");
+    let rows = docs.lines().filter(|line| line.starts_with("| `"));
+    let rows: Vec<&str> = rows.filter_map(|line| line.split('|').nth(1)).collect();
+    for folder in ["laws", "reference", "sessions"] {
+        let main = read(&format!("props/tests/{folder}/main.rs"));
+        let modules = main
+            .lines()
+            .filter_map(|line| line.strip_prefix("mod ")?.strip_suffix(';'));
+        for suite in modules {
+            let named = rows.iter().any(|row| row.contains(&format!("`{suite}`")));
+            assert!(
+                named || suite == "fast_ways",
+                "docs/evidence.md has not the suite {suite}"
+            );
+        }
+    }
 }
 
 /// A page on one line, so that a sentence is found wherever it is broken.

@@ -14,7 +14,7 @@ pub fn fill(text: Text, d: &WatchedLaboratories) -> Text {
         equal_limbs,
         true_parameters,
     };
-    let rate = |watched: Option<&Watched>| watched.map(Watched::per_alarm_hour);
+    let rate = |watched: Option<&Watched>| watched.map(rate);
     let equal = d.corners.iter().find(|c| c.corner == corner(true, false));
     let linear = equal.and_then(|c| c.courses.iter().find(|w| w.course == Some(Course::Linear)));
     let shipped = d.corners.first();
@@ -39,6 +39,12 @@ fn said(watched: &Watched) -> String {
         .map(|(words, times)| format!("“{words}” {}", count(*times)))
         .collect();
     said.join(", ")
+}
+
+/// Alarms an hour with their number and interval.
+fn rate(w: &Watched) -> String {
+    let (rate, alarms) = (significant(w.per_alarm_hour(), 2), count(w.alarms));
+    format!("{rate} ({alarms} alarms, {})", interval(w))
 }
 
 fn interval(w: &Watched) -> String {

@@ -1,6 +1,7 @@
 //! Steps 2 to 4 repeated until k/m stands still, from several starts.
 
 use anyhow::{Context, Result};
+use rayon::prelude::*;
 use sixaxis_calibration::iteration::Criterion;
 use sixaxis_calibration::steps::{Campaign, FourSteps};
 use sixaxis_core::Parameters;
@@ -22,10 +23,10 @@ pub fn noise_free(
     truth: &Parameters,
 ) -> Result<Vec<IterationRun>> {
     let truth_per_s2 = truth.stiffness_per_mass_per_s2;
-    let starts = [None, Some(first.design_stiffness_per_mass_per_s2)]
-        .into_iter()
-        .chain(STARTS_OVER_TRUTH.map(|share| Some(share * truth_per_s2)));
-    runs(records, campaign, first, truth, starts, false)
+    let [half, double] = STARTS_OVER_TRUTH.map(|share| Some(share * truth_per_s2));
+    let design = Some(first.design_stiffness_per_mass_per_s2);
+    let starts = [None, design, half, double];
+    runs(records, campaign, first, truth, &starts, false)
 }
 
 /// On records with a laboratory's errors: from step 4's own k/m and the design's.
@@ -37,21 +38,13 @@ pub fn with_errors(
     first: &FourSteps,
     truth: &Parameters,
 ) -> Result<Vec<IterationRun>> {
-    let mut all = Vec::new();
-    for records in RECORDS {
+    let all = RECORDS.into_par_iter().map(|records| {
         let campaign = recorded(campaign, records);
         let first = searched(&campaign, first)?;
         let starts = [None, Some(first.design_stiffness_per_mass_per_s2)];
-        all.extend(runs(
-            records,
-            &campaign,
-            &first,
-            truth,
-            starts.into_iter(),
-            true,
-        )?);
-    }
-    Ok(all)
+        runs(records, &campaign, &first, truth, &starts, true)
+    });
+    Ok(all.collect::<Result<Vec<_>>>()?.concat())
 }
 
 fn runs(
@@ -59,11 +52,12 @@ fn runs(
     campaign: &Campaign,
     first: &FourSteps,
     truth: &Parameters,
-    starts: impl Iterator<Item = Option<f64>>,
+    starts: &[Option<f64>],
     with_errors: bool,
 ) -> Result<Vec<IterationRun>> {
     starts
-        .map(|start_per_s2| {
+        .par_iter()
+        .map(|&start_per_s2| {
             let iteration = campaign
                 .repeat_until(first, start_per_s2, &Criterion::default())
                 .context("steps 2 to 4, repeated")?;

@@ -15,6 +15,7 @@ pub mod tap;
 pub mod tolerance;
 
 use anyhow::Result;
+use rayon::prelude::*;
 use sixaxis_calibration::steps::{Campaign, FourSteps};
 use sixaxis_core::identify::stiffness;
 use sixaxis_core::{LimbLaw, Parameters, Scheme};
@@ -39,22 +40,29 @@ pub fn study(
     with_errors: Vec<IterationRun>,
     truth: &Parameters,
 ) -> Result<Identifiability> {
-    let mut study = Identifiability {
-        known,
-        tolerances: Vec::new(),
-        bound: bound::study(truth)?,
-        biases: Vec::new(),
-        iterations: Vec::new(),
-    };
-    for records in RECORDS {
+    let of_records = RECORDS.into_par_iter().map(|records| {
         let campaign = recorded(noise_free, records);
         let found = searched(&campaign, found)?;
         let theory = bias::FirstOrderSearch::new(&campaign, truth)?;
         let tolerances = tolerance::study(plan, records, &campaign, truth, &theory)?;
-        study.tolerances.extend(tolerances);
         let bias = bias::study(records, &campaign, &found, truth, &theory)?;
-        study.biases.push(bias);
         let runs = iteration::noise_free(records, &campaign, &found, truth)?;
+        anyhow::Ok((tolerances, bias, runs))
+    });
+    let (bound, of_records) = rayon::join(
+        || bound::study(truth),
+        || of_records.collect::<Result<Vec<_>>>(),
+    );
+    let mut study = Identifiability {
+        known,
+        tolerances: Vec::new(),
+        bound: bound?,
+        biases: Vec::new(),
+        iterations: Vec::new(),
+    };
+    for (tolerances, bias, runs) in of_records? {
+        study.tolerances.extend(tolerances);
+        study.biases.push(bias);
         study.iterations.extend(runs);
     }
     study.iterations.extend(with_errors);

@@ -28,6 +28,8 @@ const SENSOR_AXES: [&str; 6] = [
 ];
 /// Errors of sensor axes over the largest value: what the calibration states, 0.1 % for the forces, and noise of a sample.
 const OF_PEAK: [f64; 2] = [0.01, 0.05];
+/// Errors of a filter over those of a second pass, at least.
+const SMOOTHED_AT_LEAST: f64 = 1.2;
 /// Deviations that no ground axis may be off by.
 const NEVER: f64 = 6.0;
 
@@ -94,12 +96,21 @@ fn decoupled(name: &str, more: &[&str]) -> (PathBuf, Value) {
     (out, said)
 }
 
-/// Rows whose ground axes are given, and the largest error of an acceleration among them over its deviation.
-fn held_against_truth(path: &Path) -> (usize, f64) {
+/// What ground axes are worth.
+struct Held {
+    /// Rows in which they are given.
+    rows: usize,
+    /// The largest error of an acceleration among them, over its deviation.
+    worst: f64,
+    /// Root mean square of the error, m/s^2.
+    rms_m_s2: f64,
+}
+
+fn held_against_truth(path: &Path) -> Held {
     const DEVIATIONS: [&str; 3] = ["sd_ax", "sd_ay", "sd_az"];
     let (found, _) = columns(path, &ACCELERATIONS[..3]);
     let (deviations, _) = columns(path, &DEVIATIONS);
-    let (mut rows, mut worst) = (0, 0.0_f64);
+    let (mut rows, mut worst, mut squares) = (0, 0.0_f64, 0.0);
     // The first row is that of sample 1.
     for (row, instant) in recorded().truth[1..]
         .iter()
@@ -114,9 +125,14 @@ fn held_against_truth(path: &Path) -> (usize, f64) {
         for axis in 0..3 {
             let error = found[axis][row] - truth[axis];
             worst = worst.max(error.abs() / deviations[axis][row]);
+            squares += error * error;
         }
     }
-    (rows, worst)
+    Held {
+        rows,
+        worst,
+        rms_m_s2: (squares / rows as f64).sqrt(),
+    }
 }
 
 #[test]
@@ -170,11 +186,15 @@ fn ref_sensor_axes_stay_true_and_ground_axes_end_where_the_attitude_is_lost() {
 #[test]
 fn ref_rests_and_attitudes_keep_ground_axes_within_their_deviations() {
     let (open, _) = decoupled("deviates.parquet", &["--uncertainty"]);
-    let (open_rows, worst) = held_against_truth(&open);
+    let Held {
+        rows: open_rows,
+        worst,
+        ..
+    } = held_against_truth(&open);
     assert!(worst < NEVER, "open loop: {worst}");
 
     let (rests, said) = decoupled("rests.parquet", &["--uncertainty", "--aid", "rest"]);
-    let (rows, worst) = held_against_truth(&rests);
+    let Held { rows, worst, .. } = held_against_truth(&rests);
     assert!(worst < NEVER, "rests: {worst}");
     // A rest is known no better than noise can hide the motion after it.
     assert!(rows > 4 * open_rows, "{rows} rows after {open_rows}");
@@ -199,7 +219,7 @@ fn ref_rests_and_attitudes_keep_ground_axes_within_their_deviations() {
     std::fs::write(&fixes, lines).expect("writes");
     let aid = format!("attitude={},0.2", text(&fixes));
     let (fixed, said) = decoupled("fixed.parquet", &["--uncertainty", "--aid", &aid]);
-    let (rows, worst) = held_against_truth(&fixed);
+    let Held { rows, worst, .. } = held_against_truth(&fixed);
     assert!(worst < NEVER, "attitudes: {worst}");
     assert_eq!(rows, recorded().truth.len() - 2, "every row is given");
     assert_eq!(used(&said, "attitude"), seen[0].len() as u64);
@@ -251,10 +271,39 @@ fn ref_rests_and_attitudes_keep_ground_axes_within_their_deviations() {
     let aid = format!("attitude={},0.1", text(&fixes));
     let more = ["--uncertainty", "--aid", &aid, "--aid", "rest"];
     let (both, said) = decoupled("both.parquet", &more);
-    let (rows, worst) = held_against_truth(&both);
+    let Held { rows, worst, .. } = held_against_truth(&both);
     assert!(worst < NEVER, "attitudes and rests: {worst}");
     assert_eq!(rows, recorded().truth.len() - 2, "every row is given");
     assert_eq!(said["attitude"]["attitude"]["unused"], 2);
+}
+
+#[test]
+fn ref_a_second_pass_knows_what_came_later() {
+    let aids = ["--uncertainty", "--aid", "rest"];
+    let (filtered, _) = decoupled("filtered.parquet", &aids);
+    let filtered = held_against_truth(&filtered);
+    let (smoothed, said) = decoupled("smoothed.parquet", &[&aids[..], &["--smooth"]].concat());
+    let smoothed = held_against_truth(&smoothed);
+    println!(
+        "filter: {} rows, {:.4} m/s^2; second pass: {} rows, {:.4} m/s^2, worst {:.2}",
+        filtered.rows, filtered.rms_m_s2, smoothed.rows, smoothed.rms_m_s2, smoothed.worst
+    );
+    assert!(smoothed.worst < NEVER, "{}", smoothed.worst);
+    assert!(
+        smoothed.rows >= filtered.rows,
+        "{} rows after {}",
+        smoothed.rows,
+        filtered.rows
+    );
+    assert!(
+        SMOOTHED_AT_LEAST * smoothed.rms_m_s2 < filtered.rms_m_s2,
+        "{} after {} m/s^2",
+        smoothed.rms_m_s2,
+        filtered.rms_m_s2
+    );
+    // Rests are counted once, of the first pass.
+    let (_, once) = decoupled("once.parquet", &aids);
+    assert_eq!(said["attitude"]["rest"], once["attitude"]["rest"]);
 }
 
 #[test]
@@ -281,6 +330,7 @@ fn prop_aids_that_say_nothing_are_refused() {
             &["--down", "0,0,-1", "--aid", "rest", "--aid", "rest"],
             "twice",
         ),
+        (&["--smooth"], "--aid"),
         (&["--until-sd", "5", "--watch"], "cannot be used with"),
         (&["--until-sd", "0"], "must be positive"),
         (&["--frame", "sensor", "--picture", "p.html"], "leaves out"),

@@ -27,7 +27,7 @@ const PEERS: [(&str, &str); 8] = [
 ];
 
 /// Two significant digits, thousands set off.
-fn two_digits(value: f64) -> String {
+pub(super) fn two_digits(value: f64) -> String {
     let text = format!("{value:.1e}");
     let (_, exponent) = text.split_once('e').expect("a power of ten");
     let exponent: usize = exponent.parse().unwrap_or(0);
@@ -89,6 +89,43 @@ fn the_speeds_in_the_docs_are_the_published_ones() {
 }
 
 #[test]
+fn the_counts_in_the_docs_are_the_published_ones() {
+    let docs = on_one_line("docs/speed.md");
+    let counts = json("benches/instructions.json");
+    let count = |name: &str| counts["per_sample"][name].as_f64().expect(name).round();
+    let growth = json("benches/results/growth.json");
+    let curves = growth["curves"].as_array().expect("curves").iter();
+    let points = curves
+        .filter(|curve| curve["work"] == "decouple")
+        .flat_map(|curve| curve["points"].as_array().expect("points"));
+    let memory_mb = points
+        .filter(|point| point["size"].as_f64() >= Some(1e6))
+        .map(|point| point["peak_memory_bytes"].as_f64().expect("bytes") / 1e6);
+    let (least, most) = memory_mb.fold((f64::INFINITY, 0.0_f64), |(least, most), mb| {
+        (least.min(mb), most.max(mb))
+    });
+    let (push, record, lanes) = (count("push/full/heun"), count("record"), count("lanes"));
+    let plain = count("plain/push/full/heun");
+    for sentence in [
+        format!(
+            "`push` takes {push}, since it works on three components in one register, `push_record` {record} and a stream in lanes {lanes}"
+        ),
+        format!("`push` takes {plain} instructions there"),
+        format!("Of the {} instructions more", plain - push),
+        format!(
+            "{push} on x86-64-v3, {} with one to three limbs excluded",
+            count("push/full/heun/without/1")
+        ),
+        format!("Memory: {least:.0} to {most:.0} MB from 10⁶ to 10⁸ samples"),
+    ] {
+        assert!(
+            docs.contains(&sentence),
+            "docs/speed.md has not: {sentence}"
+        );
+    }
+}
+
+#[test]
 fn the_speeds_in_the_readme_are_the_published_ones() {
     let readme = on_one_line("README.md");
     let instructions = json("benches/instructions.json");
@@ -114,13 +151,13 @@ fn the_speeds_in_the_readme_are_the_published_ones() {
     let cells: Vec<_> = row.split('|').map(str::trim).collect();
     for sentence in [
         format!(
-            "takes {} instructions a sample, a build for any x86-64, which finds wider registers at run time, {}.",
+            "takes {} instructions a sample; in a build for any x86-64, which finds wider registers at run time, it takes {}.",
             count("push/full/heun"),
             count("plain/push/full/heun"),
         ),
         format!(
-            "it is {push} times as fast as the same formulas in plain C++ with `-ffast-math` in the same run, whole recordings {record}, lanes \
-             {lanes} times"
+            "`push` is {push} times as fast as the same formulas in plain C++ with `-ffast-math` in the same run, `push_record` {record} times and \
+             each of eight lanes {lanes} times"
         ),
         format!(
             "`push` takes {} instructions a sample in f64 (Cortex-M7) and {} in f32 (Cortex-M4F)",
