@@ -100,6 +100,7 @@ fn decouple(samples: u64, folder: &Path) -> Result<Measured, Box<dyn Error>> {
         // An hour of open loop is asked for, however little its attitude is known.
         until_sd_deg: f64::INFINITY,
         aids: &[],
+        smooth: false,
         picture: false,
     };
     let out = folder.join("decoupled.parquet");

@@ -19,9 +19,6 @@ const ALIKE: f64 = 1.6;
 /// Squared difference of the last blocks' mean from that of the others, over its variance, summed up over channels: chance exceeds
 /// that once in two thousand times, which costs a rest.
 const LAST_ALIKE: f64 = 30.0;
-/// Deviations of rate and velocity at a rest, over what noise lets them walk by in that time. A motion that sets in evenly over the last 0.2 s
-/// is found where it has made 5.6 times as much; in a pick and place a run in twenty met one that had made five.
-const HIDDEN: f64 = 3.0;
 /// Deviations of rate, rad/s, and velocity, m/s, of the floor on which a sensor is at rest.
 const FLOOR: [f64; 2] = [1e-4, 1e-3];
 
@@ -51,8 +48,8 @@ impl RestFinder {
 
     /// Takes the next block; what is known of the sensor if this ends [`BLOCKS`] blocks of rest, none of which has been counted before.
     ///
-    /// A motion that has just begun is not seen as long as noise hides it, so that rate and velocity are known to some times what noise lets
-    /// them walk by in the time of these blocks, and not better.
+    /// A motion that has just begun is not seen as long as noise hides it, so that rate and velocity are known as well as noise lets
+    /// them walk in the time of these blocks, and not better.
     pub fn push(&mut self, block: &Block) -> Option<Aid> {
         self.recent[self.seen % BLOCKS] = block.voltage_v;
         self.seen += 1;
@@ -83,7 +80,7 @@ impl RestFinder {
         }
         self.seen = 0;
         let time_s = BLOCKS as f64 * block.duration_s;
-        let [rate, velocity] = self.walks_in_1_s.map(|walk| HIDDEN * walk * sqrt(time_s));
+        let [rate, velocity] = self.walks_in_1_s.map(|walk| walk * sqrt(time_s));
         Some(Aid::Rest {
             deviation_rad_s: rate.max(FLOOR[0]),
             deviation_m_s: velocity.max(FLOOR[1]),

@@ -111,6 +111,7 @@ fn by_the_command(folder: &Path, calibration: &Calibration, recording: &Path) ->
         excluded: LimbSet::EMPTY,
         until_sd_deg: sixaxis_calibration::apply::attitude::UNTIL_SD_DEG,
         aids: &[],
+        smooth: false,
         picture: false,
     };
     let out = folder.join("motion.parquet");

@@ -111,8 +111,9 @@ fn rides() -> Vec<(&'static str, (Ride, Aids))> {
 fn stat_errors_are_as_large_as_their_deviations_while_the_attitude_is_known() {
     println!("seeds {SEED} to {}", SEED + RUNS - 1);
     for (what, (ride, aids)) in rides() {
+        // Where rests are used, second order bends what a second pass says: the command refuses it.
         let ride = Ride {
-            smooth: true,
+            smooth: !aids.rests,
             ..ride
         };
         let runs = play(&(ride, aids));
@@ -124,11 +125,13 @@ fn stat_errors_are_as_large_as_their_deviations_while_the_attitude_is_known() {
             &last_known(filtered()),
             filtered(),
         );
-        as_large_as_stated(
-            &format!("{what}, smoother"),
-            &any_known(smoothed()),
-            smoothed(),
-        );
+        if ride.smooth {
+            as_large_as_stated(
+                &format!("{what}, smoother"),
+                &any_known(smoothed()),
+                smoothed(),
+            );
+        }
     }
 }
 

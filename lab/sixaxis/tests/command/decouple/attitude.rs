@@ -135,6 +135,20 @@ fn held_against_truth(path: &Path) -> Held {
     }
 }
 
+/// Attitudes by a camera that sees the sensor once in two seconds, on the recording's clock: the file and their number.
+fn camera(name: &str) -> (PathBuf, u64) {
+    let path = recorded().folder.join(name);
+    let (mut lines, mut seen) = ("time [s],qw,qx,qy,qz\n".to_owned(), 0);
+    for (sample, instant) in recorded().truth.iter().enumerate().skip(1).step_by(1000) {
+        let q = instant.truth.attitude * DQuat::from_rotation_x(2e-3);
+        let time_s = sample as f64 / RATE_HZ;
+        lines += &format!("{time_s},{},{},{},{}\n", q.w, q.x, q.y, q.z);
+        seen += 1;
+    }
+    std::fs::write(&path, lines).expect("writes");
+    (path, seen)
+}
+
 #[test]
 fn ref_sensor_axes_stay_true_and_ground_axes_end_where_the_attitude_is_lost() {
     let (both, said) = decoupled("open.parquet", &[]);
@@ -201,28 +215,13 @@ fn ref_rests_and_attitudes_keep_ground_axes_within_their_deviations() {
     let used = |said: &Value, of: &str| said["attitude"][of]["taken"].as_u64().expect("a number");
     assert!(used(&said, "rest") > 20);
 
-    // A camera that sees the sensor once in two seconds, on the recording's clock.
-    let fixes = recorded().folder.join("camera.csv");
-    let mut seen = vec![Vec::new(); 5];
-    for (sample, instant) in recorded().truth.iter().enumerate().skip(1).step_by(1000) {
-        let q = instant.truth.attitude * DQuat::from_rotation_x(2e-3);
-        let row = [sample as f64 / RATE_HZ, q.w, q.x, q.y, q.z];
-        for (column, number) in seen.iter_mut().zip(row) {
-            column.push(number);
-        }
-    }
-    let mut lines = "time [s],qw,qx,qy,qz\n".to_owned();
-    for row in 0..seen[0].len() {
-        let cells: Vec<String> = seen.iter().map(|column| column[row].to_string()).collect();
-        lines += &(cells.join(",") + "\n");
-    }
-    std::fs::write(&fixes, lines).expect("writes");
+    let (fixes, seen) = camera("camera.csv");
     let aid = format!("attitude={},0.2", text(&fixes));
     let (fixed, said) = decoupled("fixed.parquet", &["--uncertainty", "--aid", &aid]);
     let Held { rows, worst, .. } = held_against_truth(&fixed);
     assert!(worst < NEVER, "attitudes: {worst}");
     assert_eq!(rows, recorded().truth.len() - 2, "every row is given");
-    assert_eq!(used(&said, "attitude"), seen[0].len() as u64);
+    assert_eq!(used(&said, "attitude"), seen);
 
     // Attitudes of another motion contradict everything: they are counted, not believed in silence.
     let turned = std::fs::read_to_string(&fixes).expect("reads");
@@ -279,8 +278,9 @@ fn ref_rests_and_attitudes_keep_ground_axes_within_their_deviations() {
 
 #[test]
 fn ref_a_second_pass_knows_what_came_later() {
-    let aids = ["--uncertainty", "--aid", "rest"];
-    let (filtered, _) = decoupled("filtered.parquet", &aids);
+    let aid = format!("attitude={},0.2", text(&camera("smooth.csv").0));
+    let aids = ["--uncertainty", "--aid", &aid];
+    let (filtered, once) = decoupled("filtered.parquet", &aids);
     let filtered = held_against_truth(&filtered);
     let (smoothed, said) = decoupled("smoothed.parquet", &[&aids[..], &["--smooth"]].concat());
     let smoothed = held_against_truth(&smoothed);
@@ -301,9 +301,10 @@ fn ref_a_second_pass_knows_what_came_later() {
         smoothed.rms_m_s2,
         filtered.rms_m_s2
     );
-    // Rests are counted once, of the first pass.
-    let (_, once) = decoupled("once.parquet", &aids);
-    assert_eq!(said["attitude"]["rest"], once["attitude"]["rest"]);
+    // Attitudes are counted once, of the first pass.
+    assert_eq!(said["attitude"]["attitude"], once["attitude"]["attitude"]);
+    let largest = |said: &Value| said["attitude"]["largest_sd_attitude_deg"].as_f64();
+    assert!(largest(&said) < largest(&once), "{said} {once}");
 }
 
 #[test]
@@ -331,6 +332,10 @@ fn prop_aids_that_say_nothing_are_refused() {
             "twice",
         ),
         (&["--smooth"], "--aid"),
+        (
+            &["--down", "0,0,-1", "--aid", "rest", "--smooth"],
+            "not to be believed",
+        ),
         (&["--until-sd", "5", "--watch"], "cannot be used with"),
         (&["--until-sd", "0"], "must be positive"),
         (&["--frame", "sensor", "--picture", "p.html"], "leaves out"),
