@@ -28,6 +28,7 @@ use choice::{Chosen, stiffness};
 
 use crate::calibration::Calibration;
 use crate::conditioning::Conditioned;
+use crate::diagnosis::table::Table;
 use crate::diagnosis::trial_case::{Facts, Standard};
 use crate::diagnosis::{Diagnosis, examine};
 use crate::error::Result;
@@ -88,6 +89,8 @@ pub struct CalibratedSession {
     pub trials: Vec<TrialReport>,
     /// Validation runs in full.
     pub validation_runs: Vec<ValidationRun>,
+    /// What all trials agree on, by which they were held against each other.
+    pub table: Option<Table>,
     /// Recordings as read and as conditioned, for before and after; the static one last.
     pub recordings: Vec<(Trial, Option<Conditioned>)>,
     /// The calibration to be written, if there is one.
@@ -128,6 +131,7 @@ pub fn calibrate(
         of_the_table,
         mut suspected,
         cases,
+        table,
         departures,
     } = examine(
         &facts(session, &prepared),
@@ -238,6 +242,7 @@ pub fn calibrate(
         taps: Taps::default(),
         trials,
         validation_runs,
+        table,
         recordings,
         calibration,
     };

@@ -60,6 +60,8 @@ pub struct Diagnosis<'a> {
     pub suspected: Vec<Finding>,
     /// The trials with their responses.
     pub cases: Vec<TrialCase<'a>>,
+    /// What all trials agree on, where they can be held against each other.
+    pub table: Option<Table>,
     /// For each trial, how far it departs from that, relative to its own size.
     pub departures: Vec<Option<f64>>,
 }
@@ -142,10 +144,13 @@ pub fn examine<'a>(
     }
     found.mark(Word::Certain);
     rig::examine(facts, &mut cases, &mut found);
-    let departures = match StaticLoadSharing::new(&facts.geometry) {
-        Ok(shares) => against_each_other(facts, &shares, drift.as_ref(), &mut cases, &mut found),
-        Err(_) => vec![None; cases.len()],
-    };
+    let judged = StaticLoadSharing::new(&facts.geometry)
+        .ok()
+        .and_then(|shares| {
+            against_each_other(facts, &shares, drift.as_ref(), &mut cases, &mut found)
+        });
+    let (table, departures) = judged.unzip();
+    let departures = departures.unwrap_or_else(|| vec![None; cases.len()]);
     // As large as the recordings themselves, and of no further use.
     for case in &mut cases {
         case.force_n = Vec::new();
@@ -155,18 +160,19 @@ pub fn examine<'a>(
         of_the_table: found.resting_on(Word::OfTheTable),
         suspected: found.resting_on(Word::Suspected),
         cases,
+        table,
         departures,
     }
 }
 
-/// Holds the trials against each other. Returns how far each departs.
+/// Holds the trials against each other. Returns what they agree on, and how far each departs from that.
 fn against_each_other(
     facts: &Facts<'_>,
     shares: &StaticLoadSharing,
     drift: Option<&ZeroDrift>,
     cases: &mut [TrialCase<'_>],
     found: &mut Found,
-) -> Vec<Option<f64>> {
+) -> Option<(Table, Vec<Option<f64>>)> {
     structure::excitation(cases, &mut found.findings);
     found.mark(Word::Suspected);
     let silent = structure::silent(shares, facts, cases, &mut found.findings);
@@ -187,12 +193,12 @@ fn against_each_other(
     }
     found.mark(Word::OfTheTable);
     drift::examine(drift, table.as_ref(), cases, &mut found.findings);
-    let departures = match &table {
-        Some(table) => odd_trial::examine(table, cases, &mut found.findings),
-        None => vec![None; cases.len()],
-    };
+    let judged = table.map(|table| {
+        let departures = odd_trial::examine(&table, cases, &mut found.findings);
+        (table, departures)
+    });
     found.mark(Word::Suspected);
-    departures
+    judged
 }
 
 /// Measures the responses, with gravity's share taken off where scale factors to do it with are known.

@@ -1,13 +1,12 @@
 //! One list of conditioning stages: the code runs them in its order, and the page says what the code runs.
 
+mod bare;
+
 use std::path::Path;
 
 use glam::DVec3;
-use sixaxis_calibration::calibrate::CalibratedSession;
 use sixaxis_calibration::conditioning::{Conditioning, Stage};
 use sixaxis_calibration::page::calibration::page;
-use sixaxis_calibration::report::{Estimator, Grade};
-use sixaxis_calibration::tap::Taps;
 use sixaxis_calibration::trial::Trial;
 
 use sixaxis_core::Gains;
@@ -155,31 +154,6 @@ fn inv_limbs_pass_the_stages_in_the_listed_order() {
     }
 }
 
-fn calibrated(
-    trial: Trial,
-    conditioned: sixaxis_calibration::conditioning::Conditioned,
-) -> CalibratedSession {
-    CalibratedSession {
-        grade: Grade::Bad,
-        sentence: String::new(),
-        findings: Vec::new(),
-        reservations: Vec::new(),
-        next: Vec::new(),
-        steps: None,
-        obstacle: None,
-        iteration: None,
-        estimator: Estimator::FourSteps,
-        parameters: Vec::new(),
-        four_steps: Vec::new(),
-        joint: None,
-        taps: Taps::default(),
-        trials: Vec::new(),
-        validation_runs: Vec::new(),
-        recordings: vec![(trial, Some(conditioned))],
-        calibration: None,
-    }
-}
-
 /// The page's section on conditioning.
 fn section() -> Section {
     let file = session();
@@ -187,7 +161,7 @@ fn section() -> Section {
     let conditioned = Conditioning::of(&file.session)
         .condition(&trial)
         .expect("it is conditioned");
-    page(&file, &calibrated(trial, conditioned))
+    page(&file, &bare::calibrated(vec![(trial, Some(conditioned))]))
         .sections
         .into_iter()
         .find(|section| section.id == "preprocessing")

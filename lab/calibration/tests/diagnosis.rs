@@ -3,20 +3,24 @@
 //! Limbs share the load by statics, standards read the motion itself, channels have next to no noise: whatever a finding says beside
 //! the one thing is an invention of the judge's.
 
+mod bare;
 mod waveform;
 
 use core::f64::consts::{PI, TAU};
+use std::path::Path;
 
 use glam::{DQuat, DVec3};
 use sixaxis_calibration::conditioning::Conditioned;
 use sixaxis_calibration::diagnosis::trial_case::{Facts, Standard};
 use sixaxis_calibration::diagnosis::{Diagnosis, examine};
 use sixaxis_calibration::finding::{Cause, Finding};
+use sixaxis_calibration::page::calibration::page;
 use sixaxis_calibration::trial::Trial;
 use sixaxis_core::identify::inertia::euler_torque;
 use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
 use sixaxis_core::{Gains, Geometry, InertiaPerMass, LIMBS, Parameters};
-use sixaxis_recordings::session::{Rig, Role};
+use sixaxis_page::{Block, Figure};
+use sixaxis_recordings::session::{Rig, Role, SessionFile};
 
 use waveform::Timing;
 
@@ -51,6 +55,29 @@ const DESIGN: Parameters = Parameters {
     },
     stiffness_per_mass_per_s2: 1e9,
 };
+
+/// What the page needs of a session: the design.
+const SESSION: &str = r#"title = "a day in closed form"
+[sensor]
+serial = "7"
+limb_length_mm = 25.5
+half_edge_mm = 21.0
+full_scale_v = 5.0
+gain_n_per_v = 1.0
+[sensor.design]
+scale_per_mass_per_kg = 5.8
+inertia_per_mass_mm2 = [240.0, 250.0, 260.0, 8.0, -12.0, 16.0]
+stiffness_per_mass_per_s2 = 1e9
+[accelerometer]
+class_percent = 1.0
+[gyroscope]
+class_percent = 1.0
+[[recording]]
+file = "run 1"
+role = "linear"
+direction = [1, 0, 0]
+frequency_hz = 5.0
+"#;
 
 /// One run as it was, and as the session has it.
 #[derive(Clone)]
@@ -267,6 +294,84 @@ impl Day {
         let numbers: Vec<usize> = channels.iter().map(|i| i + 1).collect();
         assert_eq!(finding.channels, numbers, "{finding:?}");
         assert!(finding.evidence.contains(evidence), "{finding:?}");
+        self.is_drawn(finding, trials, channels);
+    }
+
+    /// The page shows the trial and the channel that a finding names, as recorded, beside a neighbour that departs less from what is
+    /// expected.
+    #[track_caller]
+    fn is_drawn(&self, finding: &Finding, trials: &[usize], channels: &[usize]) {
+        let recordings = self.trials.iter().cloned();
+        let recordings = recordings.map(|(trial, conditioned)| (trial, Some(conditioned)));
+        let mut calibrated = bare::calibrated(recordings.collect());
+        calibrated.recordings.push((self.rest.clone(), None));
+        calibrated.findings = vec![finding.clone()];
+        calibrated.table = self.examined(|diagnosis| diagnosis.table.clone());
+        let path = Path::new("day/session.toml");
+        let file = SessionFile::parse(path, SESSION.to_owned()).expect("it can be parsed");
+        let sections = page(&file, &calibrated).sections;
+        let blocks = sections.iter().flat_map(|section| &section.blocks);
+        let figures = blocks.clone().filter_map(|block| match block {
+            Block::FigureGrid(figures) if figures[0].id.starts_with("finding-") => Some(figures),
+            _ => None,
+        });
+        let figures: Vec<&Figure> = figures.flatten().collect();
+        if finding.recordings.is_empty() && channels.is_empty() {
+            assert!(figures.is_empty(), "{finding:?}");
+            return;
+        }
+        let subjects = channels.len().max(1);
+        let (of_finding, neighbours) = figures.split_at(subjects);
+        let numbers = channels.iter().map(|c| Some(c + 1)).chain([None]);
+        for (figure, number) in of_finding.iter().zip(numbers) {
+            let title = figure
+                .title
+                .split_once(", channel ")
+                .expect("it names both");
+            let place = calibrated
+                .recordings
+                .iter()
+                .position(|(t, _)| t.name == title.0);
+            let place = place.expect("a recording of the day");
+            let channel: usize = title.1.parse().expect("a number");
+            assert!(number.is_none_or(|number| number == channel), "{finding:?}");
+            assert!(
+                trials.first().is_none_or(|trial| *trial == place),
+                "{finding:?}"
+            );
+            let recorded = &calibrated.recordings[place].0.voltage_v;
+            for (time_s, voltage_v) in &figure.series[0].points {
+                let row = (time_s * RATE_HZ).round() as usize;
+                assert_eq!(recorded[row][channel - 1].to_bits(), voltage_v.to_bits());
+            }
+        }
+        let departs = |figure: &Figure| {
+            let below = figure.below.as_ref().expect("what is not expected");
+            let points = below.series[0].points.iter();
+            points.fold(0.0_f64, |most, (_, y)| most.max(y.abs()))
+        };
+        let [neighbour] = neighbours else {
+            panic!("{} neighbours: {finding:?}", neighbours.len())
+        };
+        let mut texts = blocks.filter_map(|block| match block {
+            Block::Text(text) => Some(text),
+            _ => None,
+        });
+        let in_vain = texts.any(|text| text.contains("does not show here"));
+        if finding.cause == Cause::Unreadable {
+            // Standards that stand still do so as they are read; what was conditioned is the motion's.
+            return;
+        }
+        // A drive that turns otherwise than the session says.
+        let hidden = finding.evidence.contains("by the session");
+        assert_eq!(in_vain, hidden, "{finding:?}");
+        assert!(
+            hidden
+                || of_finding
+                    .iter()
+                    .all(|f| departs(f) > 2.0 * departs(neighbour)),
+            "{finding:?}"
+        );
     }
 }
 

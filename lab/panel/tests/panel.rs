@@ -353,6 +353,7 @@ fn stated(day: &std::path::Path, name: &str) -> [f64; 6] {
         excluded: LimbSet::EMPTY,
         until_sd_deg: sixaxis_calibration::apply::attitude::UNTIL_SD_DEG,
         aids: &[],
+        smooth: false,
         picture: false,
     };
     let out = day.join("motion.parquet");

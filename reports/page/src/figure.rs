@@ -91,6 +91,8 @@ pub enum Kind {
     Points,
     /// Markers joined by a thin line.
     LinePoints,
+    /// An area: samples go once round it, along the lower edge and back along the upper one.
+    Band,
 }
 
 impl Kind {
@@ -106,6 +108,8 @@ impl Kind {
 pub struct Series {
     /// Legend text; a series with an empty label has no legend entry.
     pub label: String,
+    /// What a read-out calls it; if empty, as the legend does, or as the series of the same colour is called.
+    pub name: String,
     /// Samples in drawing order. A point with a non-finite coordinate (or, on a logarithmic axis,
     /// a non-positive one) is not drawn and breaks the line.
     #[serde(skip_serializing)]
@@ -244,6 +248,25 @@ impl Figure {
         self.curve(label, Kind::LinePoints, colour, points)
     }
 
+    /// Adds an area between two edges, the lower one and the upper one, each in drawing order. A point that is not finite parts it
+    /// and stands in both.
+    #[must_use]
+    pub fn band(
+        self,
+        label: impl Into<String>,
+        colour: usize,
+        [lower, upper]: [Vec<(f64, f64)>; 2],
+    ) -> Self {
+        let gap = |point: &(f64, f64)| !point.1.is_finite();
+        let mut outline = Vec::new();
+        for (lower, upper) in lower.split(gap).zip(upper.split(gap)) {
+            outline.extend_from_slice(lower);
+            outline.extend(upper.iter().rev());
+            outline.push((f64::NAN, f64::NAN));
+        }
+        self.curve(label, Kind::Band, colour, outline)
+    }
+
     fn curve(
         mut self,
         label: impl Into<String>,
@@ -255,10 +278,22 @@ impl Figure {
         let series = panel.map_or(&mut self.series, |panel| &mut panel.series);
         series.push(Series {
             label: label.into(),
+            name: String::new(),
             points: points.into_iter().collect(),
             kind,
             colour,
         });
+        self
+    }
+
+    /// Names the curve that was added last for a read-out.
+    #[must_use]
+    pub fn named(mut self, name: impl Into<String>) -> Self {
+        let panel = self.below.as_mut();
+        let series = panel.map_or(&mut self.series, |panel| &mut panel.series);
+        if let Some(last) = series.last_mut() {
+            last.name = name.into();
+        }
         self
     }
 

@@ -25,8 +25,8 @@ use plotters_backend::{
 /// at least 3:1 against the light paper and 4.5:1 against the dark one.
 pub const PALETTE: usize = 8;
 
-/// Drawing units per page unit.
-pub const FINE: f64 = 4.0;
+/// Drawing units per page unit: what is read back from a drawing is as fine, so that it can be read and enlarged.
+pub const FINE: f64 = 16.0;
 
 /// What a stroke or a text means; the theme decides its colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,6 +35,8 @@ pub enum Ink {
     Series(usize),
     /// The same, broken.
     Dashed(usize),
+    /// The area of a band in the curve's colour, which lets through what is behind it.
+    Band(usize),
     /// Axis labels.
     Text,
     /// Tick labels and labels of guides.
@@ -53,7 +55,12 @@ const PLAIN: [(Ink, &str, &str, &str); 5] = [
     (Ink::Muted, "--ink-2", "#5c5c58", " class=\"halo\""),
     (Ink::Axis, "--axis", "#8a8a84", ""),
     (Ink::Grid, "--grid", "#e6e6e2", ""),
-    (Ink::Mark, "--mark", "#6a6a66", " stroke-dasharray=\"8 14\""),
+    (
+        Ink::Mark,
+        "--mark",
+        "#6a6a66",
+        " stroke-dasharray=\"32 56\"",
+    ),
 ];
 
 /// Light theme's colours of the curves.
@@ -68,6 +75,7 @@ impl Ink {
         match self {
             Self::Series(index) => RGBColor(0, of_curve(index), 0),
             Self::Dashed(index) => RGBColor(1, of_curve(index), 0),
+            Self::Band(index) => RGBColor(3, of_curve(index), 0),
             other => {
                 let place = PLAIN.iter().position(|(ink, ..)| *ink == other);
                 RGBColor(2, place.unwrap_or(0) as u8, 0)
@@ -83,13 +91,13 @@ impl Ink {
             let (_, name, fallback, more) = PLAIN[place];
             return format!(" style=\"{property}:var({name},{fallback})\"{more}");
         }
-        let dash = if kind == 1 {
-            " stroke-dasharray=\"26 16\""
-        } else {
-            ""
+        let more = match kind {
+            1 => " stroke-dasharray=\"104 64\"",
+            3 => " fill-opacity=\"0.3\"",
+            _ => "",
         };
         format!(
-            " style=\"{property}:var(--s{index},{})\"{dash}",
+            " style=\"{property}:var(--s{index},{})\"{more}",
             CURVES[place]
         )
     }
@@ -112,9 +120,26 @@ impl Themed {
     }
 }
 
-fn points(path: impl IntoIterator<Item = BackendCoord>) -> String {
-    let points: Vec<String> = path.into_iter().map(|(x, y)| format!("{x},{y}")).collect();
-    points.join(" ")
+/// Path data of a stroke: its first point, and from each point to the next, which takes fewer digits.
+fn outline(path: impl IntoIterator<Item = BackendCoord>) -> String {
+    let mut data = String::new();
+    let mut last = None;
+    for (x, y) in path {
+        let (from, command) = match last {
+            None => ((0, 0), "M"),
+            Some((from, first)) => (from, if first { "l" } else { "" }),
+        };
+        data += command;
+        for (number, parted) in [(x - from.0, command.is_empty()), (y - from.1, true)] {
+            // A minus sign parts by itself.
+            if parted && number >= 0 {
+                data.push(' ');
+            }
+            data += &number.to_string();
+        }
+        last = Some(((x, y), last.is_none()));
+    }
+    data
 }
 
 impl DrawingBackend for Themed {
@@ -143,10 +168,10 @@ impl DrawingBackend for Themed {
         style: &S,
     ) -> Drawn {
         self.element(&format!(
-            "<polyline fill=\"none\"{} stroke-width=\"{}\" points=\"{}\"/>",
+            "<path fill=\"none\"{} stroke-width=\"{}\" d=\"{}\"/>",
             Ink::attributes(style.color(), "stroke"),
             style.stroke_width(),
-            points(path)
+            outline(path)
         ))
     }
 
@@ -177,9 +202,9 @@ impl DrawingBackend for Themed {
         style: &S,
     ) -> Drawn {
         self.element(&format!(
-            "<polygon{} points=\"{}\"/>",
+            "<path{} d=\"{}z\"/>",
             Ink::attributes(style.color(), "fill"),
-            points(corners)
+            outline(corners)
         ))
     }
 
@@ -245,6 +270,37 @@ impl Pen {
         self.area
             .draw(element)
             .expect("writing to a String cannot fail");
+    }
+
+    /// Begins a group of elements with these attributes.
+    pub fn begin(&mut self, attributes: &str) {
+        *self.svg.borrow_mut() += &format!("<g{attributes}>\n");
+    }
+
+    /// Ends the group that was begun last.
+    pub fn end(&mut self) {
+        self.svg.borrow_mut().push_str("</g>\n");
+    }
+
+    /// An area, from its corners.
+    pub fn area(&mut self, corners: &[Point], ink: Ink) {
+        let fine: Vec<_> = corners.iter().map(|p| fine(*p)).collect();
+        self.draw(&Polygon::new(fine, ink.colour().filled()));
+    }
+
+    /// Markers of one series: the shape once, under an anchor, and its places.
+    pub fn markers(&mut self, id: &str, places: &[Point], colour: usize, radius: f64) {
+        // plotters draws on the sheet only: the shape is drawn there and moved to the origin.
+        let middle = 2.0 * radius;
+        let back = -fine((middle, middle)).0;
+        *self.svg.borrow_mut() +=
+            &format!("<defs><g id=\"{id}\" transform=\"translate({back} {back})\">\n");
+        self.marker((middle, middle), colour, radius);
+        let mut svg = self.svg.borrow_mut();
+        svg.push_str("</g></defs>\n");
+        for (x, y) in places.iter().map(|place| fine(*place)) {
+            *svg += &format!("<use href=\"#{id}\" x=\"{x}\" y=\"{y}\"/>\n");
+        }
     }
 
     /// A stroke.
@@ -334,7 +390,7 @@ mod tests {
         assert!(!svg.contains("\"#"), "{svg}");
         assert!(svg.contains("var(--s7,") && svg.contains("var(--ink-2,"));
         assert!(svg.contains("stroke-dasharray"));
-        assert!(svg.contains("points=\"0,0 4,1\""), "{svg}");
+        assert!(svg.contains("d=\"M0 0l16 2\""), "{svg}");
         assert!(svg.contains(">a &lt; 10<tspan"), "{svg}");
     }
 }

@@ -18,6 +18,7 @@
 //! | [`layout`] | where everything of a figure stands |
 //! | [`guide`] | guide lines and a free place for their labels |
 //! | [`ink`] | the pen: strokes, texts and markers as SVG in the theme's colours |
+//! | [`reading`] | what a drawing says of itself, so that it can be read by a pointer |
 //! | [`plot`] | a figure as SVG |
 //! | [`render()`] | the page as HTML |
 //!
@@ -31,6 +32,7 @@ pub mod markup;
 pub mod number;
 pub mod page;
 pub mod plot;
+pub mod reading;
 mod render;
 pub mod scale;
 pub mod standalone;
@@ -40,6 +42,6 @@ pub mod trace;
 
 pub use figure::{Axis, Figure, Kind, Mark, Panel, Scale, Series};
 pub use page::{Basis, Block, Claim, Listing, Page, Section, State, Tile, Verdict};
-pub use render::{render, theme};
+pub use render::{AXIS_SCRIPT, render, theme};
 pub use table::{Cell, Table, TableBuilder};
 pub use text::Text;

@@ -11,6 +11,7 @@ use super::ink::{Anchor, FINE, Ink, Pen};
 use super::layout::{Field, Layout, Naming, Size};
 use super::markup;
 use super::number;
+use super::reading;
 use super::scale::Span;
 use super::trace::{self, Point};
 
@@ -20,17 +21,18 @@ pub fn to_svg(figure: &Figure, size: Size) -> String {
     let layout = Layout::of(figure, size);
     let height = layout.height();
     let mut pen = Pen::default();
-    draw(&layout, &mut pen);
-    let body = pen.into_svg();
     let id = format!("{}-{}", markup::escape(&figure.id), size.name);
+    draw(&layout, &id, &mut pen);
+    let body = pen.into_svg();
     format!(
         "<svg class=\"plot\" xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" \
-         aria-labelledby=\"{id}-t {id}-d\" viewBox=\"0 0 {:.0} {:.0}\" \
+         aria-labelledby=\"{id}-t {id}-d\" viewBox=\"0 0 {:.0} {:.0}\"{} \
          style=\"font-family:var(--sans,system-ui,sans-serif)\" stroke-linejoin=\"round\" \
          stroke-linecap=\"round\">\n<title id=\"{id}-t\">{}</title>\n<desc id=\"{id}-d\">{}</desc>\n\
          {body}</svg>",
         size.width * FINE,
         height * FINE,
+        reading::of_abscissa(&layout),
         markup::escape(&markup::plain(&figure.title)),
         markup::escape(&description(&layout)),
     )
@@ -45,6 +47,11 @@ pub fn legend(series: &Series) -> String {
     };
     let middle = height / 2.0;
     let mut pen = Pen::default();
+    if series.kind == Kind::Band {
+        let (left, right, top, bottom) = (2.0, width - 2.0, 2.0, height - 2.0);
+        let corners = [(left, top), (right, top), (right, bottom), (left, bottom)];
+        pen.area(&corners, Ink::Band(series.colour));
+    }
     draw_line(&mut pen, series, &[(2.0, middle), (width - 2.0, middle)]);
     if series.kind.has_markers() {
         pen.marker((width / 2.0, middle), series.colour, 4.0);
@@ -63,15 +70,17 @@ fn draw_line(pen: &mut Pen, series: &Series, points: &[Point]) {
         Kind::Line => pen.stroke(points, Ink::Series(series.colour), 1.75),
         Kind::Dashed => pen.stroke(points, Ink::Dashed(series.colour), 1.75),
         Kind::LinePoints => pen.stroke(points, Ink::Series(series.colour), 1.25),
-        Kind::Points => {}
+        Kind::Points | Kind::Band => {}
     }
 }
 
-fn draw(layout: &Layout<'_>, pen: &mut Pen) {
+fn draw(layout: &Layout<'_>, id: &str, pen: &mut Pen) {
     let em = layout.size.font;
     for (i, field) in layout.fields.iter().enumerate() {
+        pen.begin(&reading::of_ordinate(field));
         draw_axes(layout, pen, field, i + 1 == layout.fields.len());
-        draw_data(layout, pen, field);
+        draw_data(layout, &format!("{id}-{i}"), pen, field);
+        pen.end();
         if field.naming.is_some() {
             // What the names are, they say themselves.
             draw_names(layout, pen, field);
@@ -88,12 +97,16 @@ fn draw(layout: &Layout<'_>, pen: &mut Pen) {
         );
     }
     let top = layout.fields[0].frame.top;
+    // Strokes first: a label's halo parts those that pass it.
     for above in &layout.above {
         let foot = top - above.row as f64 * 1.25 * em;
+        pen.begin(&reading::of_guide(above));
         pen.stroke(&[(above.x, top), (above.x, foot)], Ink::Mark, 1.25);
+        pen.end();
     }
     for above in &layout.above {
         let y = top - (0.75 + above.row as f64 * 1.25) * em;
+        pen.begin(&reading::of_guide(above));
         pen.text(
             above.label,
             (above.centre, y),
@@ -101,6 +114,7 @@ fn draw(layout: &Layout<'_>, pen: &mut Pen) {
             0.92 * em,
             Ink::Muted,
         );
+        pen.end();
     }
     if layout.is_empty() {
         let f = layout.fields[0].frame;
@@ -129,6 +143,7 @@ fn draw_axes(layout: &Layout<'_>, pen: &mut Pen, field: &Field<'_>, lowest: bool
             None => pen.stroke(&[(f.left, y), (f.left + 4.0, y)], Ink::Axis, 0.75),
         }
     }
+    pen.begin(reading::TICKS);
     for tick in &layout.x_ticks.ticks {
         let x = f.across(tick.at);
         match &tick.label {
@@ -142,6 +157,7 @@ fn draw_axes(layout: &Layout<'_>, pen: &mut Pen, field: &Field<'_>, lowest: bool
             None => pen.stroke(&[(x, f.bottom - 4.0), (x, f.bottom)], Ink::Axis, 0.75),
         }
     }
+    pen.end();
     pen.stroke(
         &[(f.left, f.top), (f.left, f.bottom), (f.right, f.bottom)],
         Ink::Axis,
@@ -171,12 +187,18 @@ fn draw_names(layout: &Layout<'_>, pen: &mut Pen, field: &Field<'_>) {
     }
 }
 
-fn draw_data(layout: &Layout<'_>, pen: &mut Pen, field: &Field<'_>) {
+fn draw_data(layout: &Layout<'_>, id: &str, pen: &mut Pen, field: &Field<'_>) {
+    pen.begin(reading::DATA);
     guide::lines(layout, pen, field);
     let mut all = Vec::new();
-    for series in field.series {
+    for (i, series) in field.series.iter().enumerate() {
         let placed = layout.placed(field, series);
-        if series.kind != Kind::Points {
+        pen.begin(&reading::of_series(layout.figure, field, series));
+        if series.kind == Kind::Band {
+            for area in trace::bands(&placed, &field.frame) {
+                pen.area(&area, Ink::Band(series.colour));
+            }
+        } else if series.kind != Kind::Points {
             let strokes = trace::strokes(&placed, &field.frame);
             for stroke in &strokes {
                 draw_line(pen, series, stroke);
@@ -190,12 +212,12 @@ fn draw_data(layout: &Layout<'_>, pen: &mut Pen, field: &Field<'_>) {
                 100..400 => 2.4,
                 _ => 1.6,
             };
-            for at in &markers {
-                pen.marker(*at, series.colour, radius);
-                all.push(vec![*at]);
-            }
+            pen.markers(&format!("{id}-{i}"), &markers, series.colour, radius);
+            all.extend(markers.iter().map(|at| vec![*at]));
         }
+        pen.end();
     }
+    pen.end();
     guide::labels(layout, pen, field, &all);
 }
 
@@ -274,17 +296,9 @@ mod tests {
         );
         for size in [Size::STANDARD, Size::COMPACT] {
             let svg = to_svg(&figure, size);
-            for list in svg
-                .split("points=\"")
-                .skip(1)
-                .filter_map(|s| s.split('"').next())
-            {
-                for pair in list.split(' ') {
-                    let (x, y) = pair.split_once(',').expect("a pair");
-                    let (x, y): (f64, f64) = (x.parse().expect("x"), y.parse().expect("y"));
-                    assert!((0.0..=size.width * FINE).contains(&x), "{pair}");
-                    assert!((0.0..=size.height * FINE).contains(&y), "{pair}");
-                }
+            for (x, y) in crate::reading::tests::points(&svg) {
+                assert!((0.0..=size.width * FINE).contains(&x), "{x}");
+                assert!((0.0..=size.height * FINE).contains(&y), "{y}");
             }
         }
     }

@@ -11,6 +11,9 @@ use minijinja::{Environment, Value, context};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
+/// Numbers and ticks of charts, a script module: for a page that is not rendered here.
+pub const AXIS_SCRIPT: &str = include_str!("axis.js");
+
 /// The colours and fonts of all pages, light and dark, as CSS variables: for a page that is not rendered here.
 ///
 /// # Errors
@@ -86,6 +89,8 @@ pub fn render(page: &Page) -> Result<String> {
     env.add_template("page.html", include_str!("template.html"))?;
     env.add_template("style.css", include_str!("style.css"))?;
     env.add_template("script.js", include_str!("script.js"))?;
+    env.add_template("axis.js", AXIS_SCRIPT)?;
+    env.add_template("figure.js", include_str!("figure.js"))?;
     let html = env
         .get_template("page.html")?
         .render(context! { page => Serde(page), drawings => Serde(drawings) })
@@ -175,8 +180,18 @@ mod tests {
         );
         let html = render(&page(Block::Figure(figure))).expect("renders");
         assert!(html.contains("T &amp; &lt;T&gt;") && html.contains("a &amp; b"));
-        for forbidden in ["<f>", "<T>", "src=", "@import", "url(", "href=\"http"] {
-            assert!(!html.contains(forbidden), "{forbidden}");
+        // A figure that is enlarged refers to its own frame.
+        let foreign = html.replace("url(#", "");
+        for forbidden in [
+            "<f>",
+            "<T>",
+            "src=",
+            "@import",
+            "import ",
+            "url(",
+            "href=\"http",
+        ] {
+            assert!(!foreign.contains(forbidden), "{forbidden}");
         }
         let namespaced = html.matches("http://www.w3.org/2000/svg").count();
         assert_eq!(

@@ -1,7 +1,7 @@
 //! How samples become strokes: gaps, decimation, simplification, clipping.
 //!
-//! Works in page units (CSS pixels of the unscaled figure). A long record keeps, for each pixel
-//! column, its first, smallest, largest and last sample, so that no peak is lost.
+//! Works in page units (CSS pixels of the unscaled figure). A long record keeps, for each column of
+//! half a pixel, its first, smallest, largest and last sample, so that no peak is lost.
 
 /// A point in page units.
 pub type Point = (f64, f64);
@@ -18,6 +18,12 @@ pub struct Frame {
     /// Lower edge.
     pub bottom: f64,
 }
+
+/// Columns in which a long record is looked at, per page unit: more than one, so that a drawing can be enlarged.
+const COLUMNS: f64 = 2.0;
+
+/// Distance that nobody sees, in page units: strokes pass their samples by no more.
+pub const NOTHING: f64 = 0.1;
 
 /// What rounding may put a point on an edge beyond it, in page units.
 const HAIR: f64 = 1e-6;
@@ -82,7 +88,7 @@ pub fn strokes(placed: &[Option<Point>], frame: &Frame) -> Vec<Vec<Point>> {
         .filter(|run| !run.is_empty())
         .map(|run| if run.len() == 1 { vec![run[0]; 2] } else { run })
         .flat_map(|run| clip(&thin(&run), frame))
-        .map(|stroke| simplify(&stroke, 0.1))
+        .map(|stroke| simplify(&stroke, NOTHING))
         .collect()
 }
 
@@ -99,7 +105,12 @@ pub fn markers(placed: &[Option<Point>], frame: &Frame) -> Vec<Point> {
         .collect()
 }
 
-/// First, smallest, largest and last sample of each pixel column, in their order.
+/// The column of a point.
+fn column_of((x, _): Point) -> i64 {
+    (x * COLUMNS).floor() as i64
+}
+
+/// First, smallest, largest and last sample of each column, in their order.
 fn thin(run: &[Point]) -> Vec<Point> {
     if run.windows(2).any(|w| w[1].0 < w[0].0) {
         // A curve that runs back has no columns; it loses only what no eye can tell apart.
@@ -109,7 +120,7 @@ fn thin(run: &[Point]) -> Vec<Point> {
             .map(|group| group[0])
             .collect();
     }
-    run.chunk_by(|a, b| a.0.floor() == b.0.floor())
+    run.chunk_by(|a, b| column_of(*a) == column_of(*b))
         .flat_map(|column| {
             let by_y = |a: &usize, b: &usize| column[*a].1.total_cmp(&column[*b].1);
             let low = (0..column.len()).min_by(by_y).unwrap_or(0);
@@ -123,6 +134,33 @@ fn thin(run: &[Point]) -> Vec<Point> {
                 .collect::<Vec<_>>()
         })
         .collect()
+}
+
+/// Outlines of areas whose placed samples go along the lower edge and back along the upper one; `None` parts them. What lies above or
+/// below the frame ends at its edge; what lies beside it is left out.
+#[must_use]
+pub fn bands(placed: &[Option<Point>], frame: &Frame) -> Vec<Vec<Point>> {
+    let beside = |x: f64| x < frame.left - HAIR || x > frame.right + HAIR;
+    let mut areas = Vec::new();
+    for run in placed.split(Option::is_none) {
+        let inside = run.iter().copied().flatten().filter(|(x, _)| !beside(*x));
+        let mut lower: Vec<Point> = inside
+            .map(|(x, y)| (x, y.clamp(frame.top, frame.bottom)))
+            .collect();
+        let turn = lower.windows(2).position(|w| w[1].0 < w[0].0);
+        let mut upper = lower.split_off(turn.map_or(lower.len(), |last| last + 1));
+        upper.reverse();
+        let edges = [lower, upper].map(|edge| match edge.len() {
+            0 => edge,
+            _ => simplify(&thin(&edge), NOTHING),
+        });
+        let [mut outline, upper] = edges;
+        outline.extend(upper.into_iter().rev());
+        if !outline.is_empty() {
+            areas.push(outline);
+        }
+    }
+    areas
 }
 
 fn clip(run: &[Point], frame: &Frame) -> Vec<Vec<Point>> {

@@ -92,14 +92,14 @@ fn deviations(p: &Hours) -> Table {
 fn bounds(p: &Hours) -> Table {
     let bounded = p.rides.iter().filter(|r| r.stated.is_some());
     let tilt = |of: Option<Steady>| optional(of.map(|s| s.tilt_rad * DEG_PER_RAD), 2);
-    let rate = |of: Option<Steady>| optional(of.map(|s| s.rate_rad_s * DEG_PER_RAD), 2);
+    let rate = |of: Option<Steady>| optional(of.map(|s| 1e3 * s.rate_rad_s), 2);
     Table::of("motion, aids", bounded, |r| name(r))
         .col(("tilt: bound", "°"), move |r| tilt(r.bound))
         .col(("stated", "°"), move |r| tilt(r.stated))
         .col(("attained", "°"), move |r| tilt(r.attained))
-        .col(("rate: bound", "°/s"), move |r| rate(r.bound))
-        .col(("stated", "°/s"), move |r| rate(r.stated))
-        .col(("attained", "°/s"), move |r| rate(r.attained))
+        .col(("rate: bound", "mrad/s"), move |r| rate(r.bound))
+        .col(("stated", "mrad/s"), move |r| rate(r.stated))
+        .col(("attained", "mrad/s"), move |r| rate(r.attained))
         .into()
 }
 

@@ -43,7 +43,49 @@ pub struct Decoding {
     /// Time of the first row, s.
     pub first_s: Option<f64>,
     /// What a picture of the six accelerations needs, if one is wanted.
-    pub picture: Option<Box<[Envelope; 6]>>,
+    pub picture: Option<Box<Curves>>,
+}
+
+/// Six accelerations over time, for a picture, m/s^2 and rad/s^2.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Curves {
+    /// The answers.
+    pub accelerations: [Envelope; 6],
+    /// How well each is known, where deviations are written.
+    pub bands: Option<[Band; 6]>,
+}
+
+/// How well an acceleration is known over time.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Band {
+    /// One standard deviation below it and above it.
+    pub edges: [Envelope; 2],
+    /// One standard deviation.
+    pub deviation: Envelope,
+}
+
+impl Curves {
+    /// Takes the next rows: accelerations by themselves or with their deviations.
+    fn extend(&mut self, times_s: &[f64], accelerations: &[Vec<f64>], deviations: &[Vec<f64>]) {
+        for (envelope, column) in self.accelerations.iter_mut().zip(accelerations) {
+            for (time_s, value) in times_s.iter().zip(column) {
+                envelope.push(*time_s, *value);
+            }
+        }
+        if deviations.is_empty() {
+            return;
+        }
+        let bands = self.bands.get_or_insert_default();
+        let columns = accelerations.iter().zip(deviations);
+        for (band, (values, deviations)) in bands.iter_mut().zip(columns) {
+            for ((time_s, value), deviation) in times_s.iter().zip(values).zip(deviations) {
+                let [below, above] = &mut band.edges;
+                below.push(*time_s, value - deviation);
+                above.push(*time_s, value + deviation);
+                band.deviation.push(*time_s, *deviation);
+            }
+        }
+    }
 }
 
 impl Decoding {
@@ -191,15 +233,9 @@ impl Decoding {
         let waiting = answered.min(self.times_s.len());
         block.columns[0].extend(self.times_s.drain(..waiting));
         self.rows += answered as u64;
-        if let Some(picture) = &mut self.picture {
-            let [times_s, columns @ ..] = block.columns.as_slice() else {
-                return done;
-            };
-            for (envelope, column) in picture.iter_mut().zip(columns) {
-                for (time_s, value) in times_s.iter().zip(column) {
-                    envelope.push(*time_s, *value);
-                }
-            }
+        if let (Some(picture), [times_s, columns @ ..]) = (&mut self.picture, &block.columns[..]) {
+            let (answers, more) = columns.split_at(self.columns.count());
+            picture.extend(times_s, answers, &more[..deviations]);
         }
         done
     }

@@ -6,7 +6,6 @@ use anyhow::{Context, Result, ensure};
 use glam::DVec3;
 use serde::Serialize;
 use sixaxis_core::{Decoupler, LimbSet, Scheme, Settings};
-use sixaxis_recordings::envelope::Envelope;
 use sixaxis_recordings::{Block, Channel, Layout, Sink};
 
 use super::aids::AidChoice;
@@ -16,7 +15,7 @@ use super::axis_noise::sample_noise;
 use super::columns::{Columns, DEVIATIONS};
 use super::conditioning_stream::ConditioningStream;
 use super::coordination::Coordination;
-use super::decoding::Decoding;
+use super::decoding::{Curves, Decoding};
 use super::fault_watch::{FaultWatch, flags};
 use super::pipeline::{self, Busy};
 use super::recording::Recording;
@@ -105,7 +104,7 @@ pub struct Decoupled {
     pub warnings: Vec<String>,
     /// The curves of a picture.
     #[serde(skip)]
-    pub curves: Option<Box<[Envelope; 6]>>,
+    pub curves: Option<Box<Curves>>,
 }
 
 impl Job<'_> {

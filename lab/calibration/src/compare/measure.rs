@@ -3,7 +3,6 @@
 use anyhow::Result;
 use glam::DQuat;
 use serde::Serialize;
-use sixaxis_recordings::unit::STANDARD_GRAVITY_M_S2;
 
 use super::aligned::Aligned;
 use super::quantile::Coarse;
@@ -11,7 +10,7 @@ use super::track::{ACCELERATIONS, Motion};
 use sixaxis_recordings::envelope::Envelope;
 
 /// Format of the figures as a file.
-pub const FORMAT: &str = "sixaxis-comparison-1";
+pub const FORMAT: &str = "sixaxis-comparison-2";
 
 /// Shares of all instants whose errors are given, beside the largest.
 pub const SHARES: [f64; 3] = [0.5, 0.9, 0.99];
@@ -19,15 +18,15 @@ pub const SHARES: [f64; 3] = [0.5, 0.9, 0.99];
 /// Peak over the largest of its three, below which an axis hardly moves and its relative error is left out.
 const HARDLY: f64 = 1e-3;
 
-/// A kind of quantity and the unit that the paper gives it in.
+/// A kind of quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Quantity {
-    /// Linear acceleration, ground axes, g.
+    /// Linear acceleration, ground axes, m/s^2.
     Linear,
-    /// Angular acceleration, ground axes, deg/s^2.
+    /// Angular acceleration, ground axes, rad/s^2.
     Angular,
-    /// Angular rate, shell axes, deg/s.
+    /// Angular rate, shell axes, rad/s.
     Rate,
 }
 
@@ -35,27 +34,18 @@ impl Quantity {
     /// All of them, in the order of a motion's columns.
     pub const ALL: [Self; 3] = [Self::Linear, Self::Angular, Self::Rate];
 
-    /// Its unit in the paper.
+    /// Its unit.
     #[must_use]
     pub const fn unit(self) -> &'static str {
         match self {
-            Self::Linear => "g",
-            Self::Angular => "deg/s^2",
-            Self::Rate => "deg/s",
-        }
-    }
-
-    /// SI units in one of the paper's.
-    #[must_use]
-    pub const fn si_per_unit(self) -> f64 {
-        match self {
-            Self::Linear => STANDARD_GRAVITY_M_S2,
-            Self::Angular | Self::Rate => core::f64::consts::PI / 180.0,
+            Self::Linear => "m/s^2",
+            Self::Angular => "rad/s^2",
+            Self::Rate => "rad/s",
         }
     }
 }
 
-/// One axis, in the paper's units.
+/// One axis, in SI units.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Axis {
     /// Name of the column.
@@ -150,14 +140,11 @@ pub fn compare(aligned: &mut Aligned, result: String, truth: String) -> Result<C
         ACCELERATIONS
     };
     let attitude = aligned.has(ATTITUDE..ATTITUDE + 4);
-    let scale: Vec<f64> = (0..axes)
-        .map(|axis| 1.0 / Quantity::ALL[axis / 3].si_per_unit())
-        .collect();
     let mut all: Vec<Sums> = (0..axes).map(|_| Sums::default()).collect();
     let mut turned = 0.0_f64;
     let instants = aligned.each(|time_s, result, truth| {
         for (axis, sums) in all.iter_mut().enumerate() {
-            let (r, t) = (result[axis] * scale[axis], truth[axis] * scale[axis]);
+            let (r, t) = (result[axis], truth[axis]);
             let error = r - t;
             sums.peak = sums.peak.max(t.abs());
             if error.abs() > sums.largest {
@@ -177,7 +164,7 @@ pub fn compare(aligned: &mut Aligned, result: String, truth: String) -> Result<C
     let mut fine: Vec<_> = all.iter().map(|s| s.counted.refine(&SHARES)).collect();
     aligned.each(|_, result, truth| {
         for (axis, fine) in fine.iter_mut().enumerate() {
-            fine.count(result[axis] * scale[axis] - truth[axis] * scale[axis]);
+            fine.count(result[axis] - truth[axis]);
         }
     })?;
     let peaks: Vec<f64> = all.iter().map(|sums| sums.peak).collect();

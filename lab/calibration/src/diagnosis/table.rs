@@ -6,8 +6,11 @@ use nalgebra::{DMatrix, DVector};
 use sixaxis_core::LIMBS;
 use sixaxis_core::identify::inertia::between;
 
-use super::trial_case::TrialCase;
+use super::gravity::turned_gravity_m_s2;
+use super::trial_case::{TrialCase, angles};
+use crate::conditioning::Conditioned;
 use crate::response::Response;
+use crate::trial::Trial;
 use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
 use sixaxis_recordings::session::Role;
 
@@ -173,6 +176,37 @@ impl Table {
             }
             _ => linear,
         }
+    }
+
+    /// Force per mass that the standards of a trial make one expect of a channel at each of its samples, m/s^2, with the weight that
+    /// turns; none where something turns and no inertia is known. w x I w is left out.
+    #[must_use]
+    pub fn force_per_mass_m_s2(
+        &self,
+        channel: usize,
+        trial: &Trial,
+        conditioned: &Conditioned,
+    ) -> Option<Vec<f64>> {
+        let linear = self.shares.of_acceleration(channel);
+        let turns = matches!(trial.role, Role::Angular | Role::Validation);
+        let turning = match turns {
+            true => self.inertia_m2? * self.shares.of_torque_per_m(channel),
+            false => DVec3::ZERO,
+        };
+        let motion = conditioned
+            .linear_ground_m_s2
+            .iter()
+            .zip(&conditioned.angular_shell_rad_s2);
+        let force = motion.zip(angles(conditioned, trial));
+        let force = force.map(|((acceleration, angular), angle)| {
+            let (gravity, axis) = (trial.gravity_ground_m_s2, trial.direction_ground);
+            let weight = match turns {
+                true => turned_gravity_m_s2(gravity, axis, angle),
+                false => DVec3::ZERO,
+            };
+            linear.dot(*acceleration + weight) + turning.dot(*angular)
+        });
+        Some(force.collect())
     }
 
     /// Observed and expected responses of a trial, both over m/s.

@@ -4,6 +4,7 @@
 mod findings;
 mod joint;
 mod parameters;
+mod pictures;
 mod preprocessing;
 mod provenance;
 mod rest;
@@ -29,7 +30,7 @@ use sixaxis_page::{Page, State, Tile};
 pub fn page(file: &SessionFile, calibrated: &CalibratedSession) -> Page {
     let session = &file.session;
     let mut sections = vec![
-        findings::section(calibrated),
+        findings::section(file, calibrated),
         parameters::section(file, calibrated),
         joint::section(calibrated),
         trials::section(file, calibrated),

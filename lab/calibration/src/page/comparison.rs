@@ -1,5 +1,6 @@
 //! Decoupled motions as a page: by themselves, or beside the truth.
 
+use crate::apply::decoding::{Band, Curves};
 use crate::compare::measure::{Axis as Measured, Comparison, Quantity};
 use sixaxis_page::figure::NEUTRAL;
 use sixaxis_page::number::{MISSING, count, significant};
@@ -25,9 +26,9 @@ struct Words {
 
 const fn words(quantity: Quantity) -> Words {
     let (title, short, unit) = match quantity {
-        Quantity::Linear => ("Linear acceleration", "acceleration", "g"),
-        Quantity::Angular => ("Angular acceleration", "angular acceleration", "°/s²"),
-        Quantity::Rate => ("Angular rate", "rate", "°/s"),
+        Quantity::Linear => ("Linear acceleration", "acceleration", "m/s²"),
+        Quantity::Angular => ("Angular acceleration", "angular acceleration", "rad/s²"),
+        Quantity::Rate => ("Angular rate", "rate", "rad/s"),
     };
     Words { title, short, unit }
 }
@@ -180,15 +181,38 @@ fn curves(comparison: &Comparison) -> Section {
     .block(Block::FigureGrid(figures.collect()))
 }
 
-/// The page of one decoupled recording: six accelerations over time, and in words how they came about.
+/// The page of one decoupled recording: six accelerations over time, with one standard deviation on either side where deviations
+/// were asked for, and in words how they came about.
 #[must_use]
-pub fn picture(recording: &str, curves: &[Envelope; 6], facts: Vec<(String, String)>) -> Page {
-    let figures = curves.iter().enumerate().map(|(index, curve)| {
-        let quantity = Quantity::ALL[index / 3];
-        let scale = 1.0 / quantity.si_per_unit();
-        let points = curve.points().into_iter().map(|(t, v)| (t, v * scale));
-        figure(index, quantity).line("", RESULT, points)
-    });
+pub fn picture(recording: &str, curves: &Curves, facts: Vec<(String, String)>) -> Page {
+    let figures = curves
+        .accelerations
+        .iter()
+        .enumerate()
+        .map(|(index, curve)| {
+            let quantity = Quantity::ALL[index / 3];
+            let (figure, unit) = (figure(index, quantity), words(quantity).unit);
+            let points = curve.points();
+            let Some(bands) = &curves.bands else {
+                return figure.line("", RESULT, points);
+            };
+            let Band { edges, deviation } = &bands[index];
+            figure
+                .band(
+                    "± one standard deviation",
+                    RESULT,
+                    edges.each_ref().map(Envelope::points),
+                )
+                .line("acceleration", RESULT, points)
+                .below(Axis::linear("one standard deviation", unit))
+                .line("one standard deviation", ERROR, deviation.points())
+        });
+    let known = if curves.bands.is_some() {
+        " The band is one standard deviation on either side, to first order: noise of the calibration and of this recording, gains of the \
+         standards. Where it is narrower than the line, the deviation stands below."
+    } else {
+        ""
+    };
     Page {
         title: "Decoupled accelerations".to_owned(),
         subtitle: format!("{}, in the axes of the ground.", name_of(recording)),
@@ -198,7 +222,9 @@ pub fn picture(recording: &str, curves: &[Envelope; 6], facts: Vec<(String, Stri
             Section::new(
                 "curves",
                 "Six accelerations",
-                "Long recordings are drawn by the smallest and the largest sample of each stretch; no peak is lost.",
+                format!(
+                    "Long recordings are drawn by the smallest and the largest sample of each stretch; no peak is lost.{known}"
+                ),
             )
             .block(Block::FigureGrid(figures.collect())),
         ],

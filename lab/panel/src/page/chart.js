@@ -1,6 +1,8 @@
 // Strip charts over one time axis: smallest and largest sample of each bin as one stroke. The same drawing goes to a canvas, and to
 // an SVG to be saved; what it draws goes to a CSV.
 
+import { number, reading, tick, ticks } from "/axis.js";
+
 const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 const FONT = 'system-ui, "Segoe UI", Roboto, "Liberation Sans", Arial, sans-serif';
 
@@ -8,35 +10,12 @@ const FONT = 'system-ui, "Segoe UI", Roboto, "Liberation Sans", Arial, sans-seri
 export const colourOf = (k) => `--s${k % 8}`;
 export const dashedOf = (k) => k >= 8;
 
-export const superscript = (k) => String(k).replace(/./g, (c) => "⁰¹²³⁴⁵⁶⁷⁸⁹⁻"["0123456789-".indexOf(c)]);
-
-export function number(x, digits = 4) {
-  if (!Number.isFinite(x)) return "–";
-  if (x === 0) return "0";
-  const size = Math.abs(x);
-  if (size >= 1e5 || size < 1e-4) {
-    const [mantissa, exponent] = x.toExponential(Math.max(0, digits - 2)).split("e");
-    return `${mantissa.replace("-", "−")} × 10${superscript(Number(exponent))}`;
-  }
-  return x.toFixed(Math.max(0, digits - 1 - Math.floor(Math.log10(size)))).replace("-", "−");
-}
-
 // Voltages that stand below each other: one prefix, one number of decimals.
 export function volts(all) {
   const size = Math.max(...all.filter(Number.isFinite).map(Math.abs), 1e-6);
   const [times, unit] = size < 1e-3 ? [1e6, "µV"] : size < 1 ? [1e3, "mV"] : [1, "V"];
   const decimals = Math.max(0, 2 - Math.floor(Math.log10(size * times)));
   return all.map((x) => (Number.isFinite(x) ? `${(x * times).toFixed(decimals).replace("-", "−")} ${unit}` : "–"));
-}
-
-function ticks(low, high, wanted, step = null) {
-  const raw = (high - low) / Math.max(1, wanted);
-  if (!(raw > 0) || !Number.isFinite(raw)) return [];
-  const decade = 10 ** Math.floor(Math.log10(raw));
-  step ??= [1, 2, 5, 10].map((s) => s * decade).find((s) => s >= raw);
-  const out = [];
-  for (let k = Math.ceil(low / step); k * step <= high; k++) out.push(k * step);
-  return out;
 }
 
 // The coarsest ticks of which at least two are well inside, so that an axis has a scale and not only a zero; of many every second.
@@ -50,9 +29,6 @@ function levels(low, high, edge) {
   // Labels are 11 pixels high, the edge 5.
   return step < 11 / 5 * edge ? [all[0], all.at(-1)] : all;
 }
-
-// A tick's label: as many digits as it has.
-const tick = (x) => (x === 0 ? "0" : Math.abs(x) >= 1e6 || Math.abs(x) < 1e-4 ? number(x, 3) : String(Number(x.toPrecision(10))).replace("-", "−"));
 
 class CanvasPen {
   constructor(ctx) { this.ctx = ctx; }
@@ -229,9 +205,7 @@ export class Strip {
     const said = panel.curves.map((curve) => {
       const values = p.values.get(curve.column);
       if (!values) return "";
-      const [a, b] = [values[2 * bin], values[2 * bin + 1]];
-      const value = a === b ? number(a, 5) : `${number(a, 5)} to ${number(b, 5)}`;
-      return `${curve.name} ${value} ${panel.unit}`;
+      return reading(curve.name, values[2 * bin], values[2 * bin + 1], panel.unit, (x) => number(x, 5));
     });
     this.readout.textContent = `${number(t, 6)} s: ${said.join(";  ")}`;
   }

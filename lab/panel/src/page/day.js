@@ -1,5 +1,5 @@
 // Identification: the guided list, the check of each trial, the 25 parameters and the verdict.
-import { number } from "/chart.js";
+import { number } from "/axis.js";
 
 const $ = (id) => document.getElementById(id);
 let outcome = null, inTurn = false, allowed = false, busy = false, lastDone = null, asked = null;

@@ -1,5 +1,6 @@
 // The panel: one WebSocket, four tabs, one strip chart. All that comes from data is text and never markup.
-import { Strip, read, number, volts, colourOf, dashedOf } from "/chart.js";
+import { number } from "/axis.js";
+import { Strip, read, volts, colourOf, dashedOf } from "/chart.js";
 import * as day from "/day.js";
 import * as cube from "/cube.js";
 import * as spectrum from "/spectrum.js";

@@ -1,5 +1,6 @@
 // Nine amplitude densities over frequency, both axes logarithmic.
-import { fit, superscript, colourOf, dashedOf } from "/chart.js";
+import { superscript } from "/axis.js";
+import { fit, colourOf, dashedOf } from "/chart.js";
 
 export function draw(canvas, spectrum) {
   const { w, h, pen, css } = fit(canvas);

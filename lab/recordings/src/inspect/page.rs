@@ -62,6 +62,11 @@ fn text(words: &str, most: usize) -> String {
         .replace("^{", "^ {")
 }
 
+/// A unit from a file, as pages write it.
+fn unit_text(unit: &str) -> String {
+    text(unit, NAME).replace("^2", "²")
+}
+
 fn name_of(file: &str) -> &str {
     file.rsplit(['/', '\\']).next().unwrap_or(file)
 }
@@ -175,7 +180,7 @@ fn numbers(inspection: &Inspection, group: &Group) -> Table {
         Table::of("channel", &group.channels, |c| text(&c.name, NAME)).text("unit", |c| {
             match listing::unit(c).as_str() {
                 "-" => Cell::from(MISSING),
-                unit => Cell::from(text(unit, NAME)),
+                unit => Cell::from(unit_text(unit)),
             }
         });
     for (label, digits, value) in NUMBERS {
@@ -221,14 +226,21 @@ fn history(id: &str, channel: &ChannelFacts, group: &Group) -> Figure {
         id,
         text(&channel.name, NAME),
         Axis::linear(label, unit),
-        Axis::linear("value", text(channel.unit_name(), NAME)),
+        Axis::linear("value", unit_text(channel.unit_name())),
     )
     .line("", 0, points.collect::<Vec<_>>());
     for top in [&channel.flat_bottom, &channel.flat_top]
         .into_iter()
         .flatten()
     {
-        figure = figure.horizontal(top.value, "flat");
+        let first_s = channel.start_offset_s + top.first_sample as f64 * step;
+        figure = figure
+            .horizontal(top.value, "flat")
+            .vertical(first_s, "first flat");
+    }
+    if let Some(first) = channel.first_not_finite {
+        let first_s = channel.start_offset_s + first as f64 * step;
+        figure = figure.vertical(first_s, "first not finite");
     }
     // Samples after a gap stand where the count of samples puts them, not where the clock does.
     if let Some(stamps) = &group.time_stamps {
@@ -258,7 +270,7 @@ fn at_rest(group: &Group) -> Option<Table> {
         return None;
     }
     let table = Table::of("channel", at_rest, |(c, _)| text(&c.name, NAME))
-        .text("unit", |(c, _)| text(&listing::unit(c), NAME))
+        .text("unit", |(c, _)| unit_text(&listing::unit(c)))
         .col(("noise density", "per √Hz"), |(_, s)| {
             coefficient(s.noise_density, s.absent.get("noise_density"))
         })
@@ -292,7 +304,7 @@ fn stability(id: &str, channel: &ChannelFacts) -> Option<Figure> {
         id,
         text(&channel.name, NAME),
         Axis::log("averaging time", "s"),
-        Axis::log("Allan deviation", text(channel.unit_name(), NAME)),
+        Axis::log("Allan deviation", unit_text(channel.unit_name())),
     );
     if let Some(density) = found.noise_density {
         let white = points
@@ -320,9 +332,9 @@ fn spectrum(id: &str, channel: &ChannelFacts, group: &Group) -> Option<Figure> {
     let unit = match (channel.unit_name(), hertz) {
         ("", true) => "1/√Hz".to_owned(),
         ("", false) => String::new(),
-        (unit, true) if unit.contains(['/', '*', ' ']) => format!("({})/√Hz", text(unit, NAME)),
-        (unit, true) => format!("{}/√Hz", text(unit, NAME)),
-        (unit, false) => format!("{}·√sample", text(unit, NAME)),
+        (unit, true) if unit.contains(['/', '*', ' ']) => format!("({})/√Hz", unit_text(unit)),
+        (unit, true) => format!("{}/√Hz", unit_text(unit)),
+        (unit, false) => format!("{}·√sample", unit_text(unit)),
     };
     let mut figure = Figure::new(
         id,

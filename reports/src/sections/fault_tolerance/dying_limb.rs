@@ -4,10 +4,15 @@ use sixaxis_page::figure::{NEUTRAL, paired};
 use sixaxis_page::{Axis, Figure, Text};
 use sixaxis_props::results::DyingLimb;
 
+use super::super::DEG_PER_RAD;
+
 /// Values and figures.
 pub fn fill(text: Text, d: &DyingLimb) -> Text {
     let milliseconds = |samples: u64| 1e3 * samples as f64 / d.sample_rate_hz;
+    let at_the_end = [&d.watched_rad, &d.never_failed_rad, &d.nine_rad]
+        .map(|angles| angles.last().map(|rad| rad * DEG_PER_RAD));
     text.value("dying", d)
+        .value("off_deg", at_the_end)
         .value("isolated_ms", milliseconds(d.isolated_after_samples))
         .value("switched_ms", milliseconds(d.switched_after_samples))
         .figure(statistic(d))
@@ -49,8 +54,20 @@ fn acceleration(d: &DyingLimb) -> Figure {
 }
 
 fn attitude(d: &DyingLimb) -> Figure {
-    let y = Axis::log("rotation from the truth", "rad").range(1e-5, 10.0);
+    let y = Axis::log("rotation from the truth", "°").range(1e-3, 180.0);
     let figure = over_time(d, "dying-limb-attitude", y);
-    let never_failed = ("no failure", &d.never_failed_rad[..]);
-    compared(figure, &d.time_s, &d.nine_rad, &d.watched_rad, never_failed)
+    let [nine, watched, never_failed] =
+        [&d.nine_rad, &d.watched_rad, &d.never_failed_rad].map(|angles| {
+            angles
+                .iter()
+                .map(|rad| rad * DEG_PER_RAD)
+                .collect::<Vec<_>>()
+        });
+    compared(
+        figure,
+        &d.time_s,
+        &nine,
+        &watched,
+        ("no failure", &never_failed),
+    )
 }

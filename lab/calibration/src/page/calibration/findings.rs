@@ -4,14 +4,16 @@ use crate::calibrate::CalibratedSession;
 use crate::finding::Finding;
 use crate::report::Grade;
 
+use super::pictures;
 use crate::page::labels::{count, file_name};
 use sixaxis_page::{Block, Cell, Listing, Section, State, Table};
+use sixaxis_recordings::session::SessionFile;
 
 /// Recordings named in full in a cell; of more, the first and a number.
 const NAMED: usize = 4;
 
 /// The section.
-pub fn section(calibrated: &CalibratedSession) -> Section {
+pub fn section(file: &SessionFile, calibrated: &CalibratedSession) -> Section {
     let lead = match calibrated.grade {
         Grade::Good => {
             "Nothing: the calibration can be used. Keep the session file and the recordings with it, and repeat one trial now and \
@@ -54,7 +56,9 @@ pub fn section(calibrated: &CalibratedSession) -> Section {
     } else {
         Block::Table(table(&calibrated.findings))
     };
-    section.block(table)
+    section.blocks.push(table);
+    section.blocks.extend(pictures::blocks(file, calibrated));
+    section
 }
 
 fn table(findings: &[Finding]) -> Table {
@@ -108,7 +112,7 @@ pub fn place(finding: &Finding) -> String {
 }
 
 /// The first letter of a sentence; a file's name keeps its own.
-fn capital(text: &str) -> String {
+pub(super) fn capital(text: &str) -> String {
     let first_word = text.split([' ', ':']).next().unwrap_or_default();
     if first_word.contains('.') || first_word.contains('/') {
         return text.to_owned();

@@ -90,13 +90,16 @@ fn figure(
     let labels = ["standard instruments", "", ""];
     let figure = axes()
         .zip(labels)
-        .fold(figure, |figure, (((column, _), _), label)| {
-            figure.dashed(label, NEUTRAL, curve(&|i| standard[i][column]))
+        .fold(figure, |figure, (((column, axis), _), label)| {
+            let curve = curve(&|i| standard[i][column]);
+            let name = format!("standard instruments, {axis}");
+            figure.dashed(label, NEUTRAL, curve).named(name)
         });
     let figure = figure.below(Axis::linear("error", unit));
-    axes().fold(figure, |figure, ((column, _), colour)| {
+    axes().fold(figure, |figure, ((column, axis), colour)| {
         let error = |i: usize| decoupled[i][column] - standard[i][column];
-        figure.line("", colour, curve(&error))
+        let name = format!("error, {axis}");
+        figure.line("", colour, curve(&error)).named(name)
     })
 }
 
