@@ -77,17 +77,18 @@ impl AttitudeSummary {
             ..
         } = self;
         let bound = self.bound_tilt_deg.map_or_else(String::new, |tilt| {
-            format!("; a still sensor with exact parameters would have {tilt:.2}° of down under these aids")
+            format!(" (a sensor that stands still, under these aids: {tilt:.2}°)")
         });
         format!(
-            "one standard deviation of the attitude is {sd_attitude_deg:.2}° at the end, {largest_sd_attitude_deg:.2}° at most, that of down              {sd_tilt_deg:.2}° at the end{bound}"
+            "one standard deviation of the attitude is {largest_sd_attitude_deg:.2}° at most and {sd_attitude_deg:.2}° at the end, \
+             that of down {sd_tilt_deg:.2}° there{bound}"
         )
     }
 
     pub(super) fn see(&mut self, found: &Deviations, tilt_rad: f64) {
         self.sd_attitude_deg = found.attitude_rad().to_degrees();
         self.largest_sd_attitude_deg = self.largest_sd_attitude_deg.max(self.sd_attitude_deg);
-        self.sd_tilt_deg = tilt_rad.to_degrees();
+        self.sd_tilt_deg = tilt_rad.to_degrees().min(self.sd_attitude_deg);
         self.sd_rate_rad_s = found.rate_shell_rad_s.length();
     }
 }
