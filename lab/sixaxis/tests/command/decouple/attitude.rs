@@ -308,6 +308,37 @@ fn ref_a_second_pass_knows_what_came_later() {
 }
 
 #[test]
+fn regress_a_rate_that_runs_away_keeps_what_came_before() {
+    let recorded = recorded();
+    let (calibration, path) = (calibration(), recorded.path());
+    let out = recorded.folder.join("away.parquet");
+    let with = |until_deg: &str| {
+        let of_another_range = ["--gain", "20", "--down", "0,0,-1", "--json"];
+        let first = ["decouple", &calibration, text(&path), "--out", text(&out)];
+        let last = ["--until-sd", until_deg];
+        run(&[&first[..], &of_another_range, &last].concat())
+    };
+    // The attitude is given up long before.
+    let output = with("0.15");
+    assert!(output.status.success(), "{}", stderr(&output));
+    let said: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
+    let warned = said["warnings"].to_string();
+    assert!(warned.contains("has run away"), "{warned}");
+    let (found, _) = columns(&out, &["wx", "fx"]);
+    let given = found[0].iter().filter(|w| w.is_finite()).count();
+    assert_eq!(found[0].len(), recorded.truth.len() - 2);
+    assert!(given > 0 && given < found[0].len(), "{given}");
+    for column in &found {
+        assert!(column[..given].iter().all(|v| v.is_finite()));
+        assert!(column[given..].iter().all(|v| v.is_nan()));
+    }
+    // While the attitude counts as known, a wrong gain is an error.
+    let output = with("1e9");
+    assert!(!output.status.success());
+    assert!(stderr(&output).contains("has run away"), "{output:?}");
+}
+
+#[test]
 fn prop_aids_that_say_nothing_are_refused() {
     let recorded = recorded();
     let (calibration, path) = (calibration(), recorded.path());
