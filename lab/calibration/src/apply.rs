@@ -11,7 +11,8 @@
 //! | [`recording`] | nine voltages on one clock from a file, block by block, with what is wrong with them |
 //! | [`conditioning_stream`] | delays, the amplifier's high-pass, a low-pass, as streams |
 //! | [`aids`] | what the user knows of the motion beside the recording |
-//! | [`attitude`] | how well the attitude is known, and what keeps it |
+//! | [`aided`] | a decoder that uses it, each at its time |
+//! | [`attitude`] | how well the attitude is known |
 //! | [`attitude_summary`] | what became of it |
 //! | [`columns`] | which columns are written, in which axes |
 //! | [`decoding`] | voltages to rows of the answer |
@@ -25,6 +26,7 @@
 //! The answer to a recording does not depend on how it was cut into blocks nor on the timing of the threads: blocks are cut
 //! anew at fixed samples before anything is computed from them.
 
+pub mod aided;
 pub mod aids;
 pub mod attitude;
 pub mod attitude_summary;

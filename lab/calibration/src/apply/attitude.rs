@@ -1,52 +1,23 @@
-//! How well the attitude is known while a recording is decoupled, and what keeps it.
+//! How well the attitude is known while a recording is decoupled.
 //!
 //! Ground-axis columns are accelerations that the attitude has turned. From the sample on where the attitude is less certain than asked
 //! they are NaN; what is said in sensor axes is not touched.
 
-use std::collections::VecDeque;
-
-use anyhow::{Result, ensure};
-use glam::{DQuat, DVec3};
-use sixaxis_core::aided::block::{Block, Gathering};
-use sixaxis_core::aided::{
-    Aid, AidedDecoupler, Bound, Deviations, ErrorFilter, RestFinder, SmoothedDecoupler,
-};
+use glam::DVec3;
+use sixaxis_core::aided::block::Gathering;
+use sixaxis_core::aided::{Bound, Deviations, ErrorFilter, SmoothedDecoupler};
 use sixaxis_core::{Decoupler, Settings, SixAxis};
 
 use super::Row;
-use super::aids::{AidChoice, Fix, fixes};
-use super::attitude_summary::{AttitudeSummary, Used};
-use super::setup::Setup;
+use super::aided::Aided;
+use super::attitude_summary::AttitudeSummary;
 
 /// Deviation of the attitude up to which ground axes are given unless told otherwise, degrees.
 pub const UNTIL_SD_DEG: f64 = 5.0;
 /// How well down is known at the first sample, in each of two directions, degrees: as a bubble level shows it.
 pub const DOWN_DEG: f64 = 0.1;
-/// Deviation of the attitude beyond which a correction is not even roughly right, rad.
-const FIRST_ORDER_RAD: f64 = 1.0;
 /// Blocks where nothing but the deviation is asked, s.
 const UNAIDED_BLOCK_S: f64 = 0.1;
-/// From one measurement of the velocity to the next are 0.5 to 1.5 of the stated time, each time this share of it further on, so that
-/// no periodic motion is always met in the same place.
-const GOLDEN: f64 = 0.618_033_988_749_895;
-
-/// Measurements of the velocity as they come due.
-struct Velocity {
-    every_s: f64,
-    aid: Aid,
-    next_s: f64,
-    taken: f64,
-}
-
-/// A decoder with its aids.
-struct Aided {
-    decoder: AidedDecoupler,
-    rests: Option<RestFinder>,
-    velocity: Option<Velocity>,
-    fixes: VecDeque<Fix>,
-    /// A fix of this block, with what was decoded at its time.
-    pending: Option<(SixAxis, Aid)>,
-}
 
 enum How {
     /// Beside a decoder.
@@ -82,71 +53,19 @@ impl AttitudeStream {
         Self::of(how, settings, until_deg)
     }
 
-    /// In a decoder's place, with aids; remembering what [`Self::smoothed`] needs if it is to be smoothed. `noise` has the standard deviations that a sample's own noise gives its accelerations, where
+    /// In a decoder's place, with aids. `noise` has the standard deviations that a sample's own noise gives its accelerations, where
     /// theirs are asked for.
-    ///
-    /// # Errors
-    /// A file of attitudes that cannot be read.
+    #[must_use]
     pub fn aided(
-        decoupler: Decoupler,
-        filter: ErrorFilter,
-        setup: &Setup,
+        aided: Aided,
         settings: &Settings,
         until_deg: f64,
-        (aids, smooth): (&[AidChoice], bool),
-        (channel_noise_v, noise): (&Row, Option<[f64; 6]>),
-    ) -> Result<Self> {
-        let decoder = AidedDecoupler::new(decoupler, filter, &setup.parameters, settings);
-        let mut aided = Aided {
-            decoder: if smooth {
-                decoder.remembering()
-            } else {
-                decoder
-            },
-            rests: None,
-            velocity: None,
-            fixes: VecDeque::new(),
-            pending: None,
-        };
-        for (place, choice) in aids.iter().enumerate() {
-            let same =
-                |other: &AidChoice| std::mem::discriminant(other) == std::mem::discriminant(choice);
-            ensure!(
-                !aids[..place].iter().any(same),
-                "--aid: {} stands there twice",
-                choice.word()
-            );
-            match choice {
-                AidChoice::Rest => {
-                    let model = aided.decoder.filter().model();
-                    aided.rests = Some(RestFinder::new(
-                        model,
-                        channel_noise_v,
-                        settings.sample_rate_hz,
-                    ));
-                }
-                AidChoice::Velocity {
-                    every_s,
-                    deviation_m_s,
-                } => {
-                    aided.velocity = Some(Velocity {
-                        every_s: *every_s,
-                        aid: Aid::Velocity {
-                            deviation_m_s: *deviation_m_s,
-                        },
-                        next_s: f64::NEG_INFINITY,
-                        taken: 0.0,
-                    });
-                }
-                AidChoice::Attitude {
-                    file,
-                    deviation_deg,
-                } => aided.fixes = fixes(file, *deviation_deg)?,
-            }
+        noise: Option<[f64; 6]>,
+    ) -> Self {
+        Self {
+            noise,
+            ..Self::of(How::Aided(Box::new(aided)), settings, until_deg)
         }
-        let mut stream = Self::of(How::Aided(Box::new(aided)), settings, until_deg);
-        stream.noise = noise;
-        Ok(stream)
     }
 
     /// For the same recording once more, from its first sample, when it has been decoded to its end: all of it by all aids.
@@ -184,24 +103,7 @@ impl AttitudeStream {
         new
     }
 
-    /// Aids that come again and again, with the time from one to the next, s.
-    #[must_use]
-    pub fn periodic(&self) -> Vec<(Aid, f64)> {
-        let How::Aided(aided) = &self.how else {
-            return Vec::new();
-        };
-        let velocity = aided.velocity.as_ref().map(|v| (v.aid, v.every_s));
-        let fixes = match (aided.fixes.front(), aided.fixes.back()) {
-            (Some(first), Some(last)) if aided.fixes.len() > 1 => {
-                let steps = (aided.fixes.len() - 1) as f64;
-                Some((first.aid, (last.time_s - first.time_s) / steps))
-            }
-            _ => None,
-        };
-        velocity.into_iter().chain(fixes).collect()
-    }
-
-    /// What these leave open at best.
+    /// What its aids leave open at best.
     pub fn bounded_by(&mut self, bound: Option<Bound>) {
         self.summary.bounded_by(bound);
     }
@@ -236,15 +138,13 @@ impl AttitudeStream {
             }
         }
         self.deviations[6] = self.how.deviations().attitude_rad();
-        if let How::Aided(aided) = &mut self.how {
-            let half_step_s = 0.5 / self.rate_hz;
-            aided.see_fixes(&sample, time_s, half_step_s, &mut self.summary.attitude);
-            let Some(block) = aided.decoder.block().copied() else {
-                return Ok(Some(sample));
-            };
-            aided.use_all(&block, time_s, &mut self.summary);
+        let looks = match &mut self.how {
+            How::Aided(aided) => aided.see(&sample, time_s, 1.0 / self.rate_hz, &mut self.summary),
+            _ => true,
+        };
+        if looks {
+            self.look(time_s);
         }
-        self.look(time_s);
         Ok(Some(sample))
     }
 
@@ -279,7 +179,7 @@ impl AttitudeStream {
     /// The recording has ended: what was not used is said.
     pub fn finish(&mut self) {
         if let How::Aided(aided) = &self.how {
-            self.summary.attitude.unused += aided.fixes.len() as u64;
+            self.summary.attitude.unused += aided.unused();
         }
         let AttitudeSummary {
             rest,
@@ -375,48 +275,6 @@ impl How {
             Self::Beside(beside) => beside.0.tilt_rad(down),
             Self::Aided(aided) => aided.decoder.filter().tilt_rad(down),
             Self::Smoothed(second) => second.state().tilt_rad(down),
-        }
-    }
-}
-
-impl Aided {
-    /// Takes attitudes whose time a sample has reached: what was decoded then is that sample turned back.
-    fn see_fixes(&mut self, sample: &SixAxis, time_s: f64, half_step_s: f64, used: &mut Used) {
-        while let Some(fix) = self.fixes.pop_front_if(|fix| fix.time_s <= time_s) {
-            let late_s = time_s - fix.time_s;
-            if late_s > 4.0 * half_step_s {
-                used.unused += 1;
-                continue;
-            }
-            used.unused += u64::from(self.pending.is_some());
-            let back = DQuat::from_scaled_axis(-late_s * sample.rate_shell_rad_s);
-            let then = SixAxis {
-                attitude: sample.attitude * back,
-                ..*sample
-            };
-            self.pending = Some((then, fix.aid));
-        }
-    }
-
-    /// Uses what is known at the end of a block, if anything: an attitude first, since what was decoded at its time is not corrected since.
-    fn use_all(&mut self, block: &Block, time_s: f64, summary: &mut AttitudeSummary) {
-        if let Some((then, aid)) = self.pending.take() {
-            summary.attitude.count(self.decoder.aid_of(&aid, &then));
-        }
-        if let Some(rest) = self.rests.as_mut().and_then(|rests| rests.push(block)) {
-            summary.rest.count(self.decoder.aid(&rest));
-        }
-        // By a decoded attitude of which nothing is known a velocity that is only bounded would be held against gravity in any
-        // direction: the rate runs away by it.
-        let lost = self.decoder.deviations().attitude_rad() > FIRST_ORDER_RAD;
-        if let Some(velocity) = &mut self.velocity
-            && time_s >= velocity.next_s
-            && !lost
-        {
-            velocity.taken += 1.0;
-            let share = 0.5 + (GOLDEN * velocity.taken).fract();
-            velocity.next_s = time_s + velocity.every_s * share;
-            summary.velocity.count(self.decoder.aid(&velocity.aid));
         }
     }
 }

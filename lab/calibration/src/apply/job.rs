@@ -5,9 +5,11 @@ use std::path::Path;
 use anyhow::{Context, Result, ensure};
 use glam::DVec3;
 use serde::Serialize;
+use sixaxis_core::aided::AidedDecoupler;
 use sixaxis_core::{Decoupler, LimbSet, Scheme, Settings};
 use sixaxis_recordings::{Block, Channel, Layout, Sink};
 
+use super::aided::Aided;
 use super::aids::AidChoice;
 use super::attitude::{AttitudeStream, DOWN_DEG};
 use super::attitude_summary::AttitudeSummary;
@@ -161,16 +163,18 @@ impl Job<'_> {
                         .uncertainty
                         .then(|| sample_noise(self.setup, settings, &noise_v))
                         .transpose()?;
-                    let mut attitude = AttitudeStream::aided(
-                        decoupler,
-                        filter,
-                        self.setup,
-                        settings,
-                        self.until_sd_deg,
-                        (self.aids, self.smooth),
-                        (&noise_v, noise),
-                    )?;
-                    let aids = attitude.periodic();
+                    let parameters = &self.setup.parameters;
+                    let decoder = AidedDecoupler::new(decoupler, filter, parameters, settings);
+                    let decoder = if self.smooth {
+                        decoder.remembering()
+                    } else {
+                        decoder
+                    };
+                    let rate_hz = settings.sample_rate_hz;
+                    let aided = Aided::new(decoder, self.aids, &noise_v, rate_hz)?;
+                    let aids = aided.periodic();
+                    let until_deg = self.until_sd_deg;
+                    let mut attitude = AttitudeStream::aided(aided, settings, until_deg, noise);
                     attitude.bounded_by(self.setup.bound(self.calibration, settings, &aids)?);
                     decoding = decoding.with_attitude(attitude);
                 }

@@ -96,60 +96,7 @@ pub struct Arguments {
     json: bool,
 }
 
-const AFTER_HELP: &str = "\
-Columns: time in s; ax, ay, az in m/s^2 and alpha_x, alpha_y, alpha_z in rad/s^2, ground axes; wx, wy, wz in rad/s, the sensor's
-axes; qw, qx, qy, qz, the sensor's axes to the ground's; fx, fy, fz in m/s^2 and alpha_sensor_x, ..._y, ..._z in rad/s^2, the sensor's
-axes: specific force, acceleration less gravity, and angular acceleration. Without --down the specific force lacks its value at the
-first sample. The ground's axes are the sensor's at the first sample. A sample is decoupled from itself and its two neighbours: the first and
-the last have no row, the first row is that of sample 1 (counted from 0), and `time` says which is which.
-
-Specific force in sensor axes is true for as long as one records; angular acceleration there needs the rate, by w x I w. Ground axes are
-as good as the attitude, which is integrated without a reference. How well it is known follows from the calibration's covariance, the
-channels' noise and down known to 0.1 degrees at the first sample: from --until-sd on ax to alpha_z and the quaternion are NaN, and a
-warning says when and why; rates and sensor axes go on. A rate that runs away after that makes all columns NaN from there on. Not with
---rest-to-rest, --watch or --excluded: how well the attitude is known is not followed there.
-
---aid holds rate, attitude, zero drifts and scale factors by what else is known, with a Kalman filter of the errors; one of each kind:
-  rest                      where nine channels show only noise for a quarter of a second the sensor is at rest, as far as noise can hide
-  velocity=SECONDS,M_PER_S  it moves about a place: velocities that far apart are independent, with mean 0 and this deviation
-  attitude=FILE,DEGREES     a file has attitudes on this recording's clock: time, qw, qx, qy, qz; deviation about each axis. They turn
-                            the sensor's axes to the ground's, in which --down holds: the sensor's own at the first sample
-Rest and velocity know down and no heading: its deviation grows. A velocity that contradicts the filter is ignored, and so are all once
-the attitude is lost; a rest or an attitude is given little weight. After four contradictions in a row the filter's own errors are widened.
-Then a steady turn about the plumb line may pass for a rest. A warning counts what contradicted; --json has all counts and the last
-deviations. --smooth reads the recording twice and decouples each sample by all aids, those that come later with it; not with rests.
-
---uncertainty adds sd_ax to sd_alpha_z and sd_attitude, one standard deviation each, to first order: noise of the calibration and of this
-recording, gains of the standards; sd_attitude, and all of them with --aid, contain down's 0.1 degrees, too. Without --aid the attitude is integrated without a reference and its error grows; once it is some hundredths of a
-radian, the deviations are estimates of a size. The covariance is that of the estimator: a joint fit's contains wedges and unequal limbs,
-that of the four steps does not.
-
---watch holds the three sums of limb forces that are zero in any motion to the noise and the uncertainty that the calibration
-states: that of a joint fit knows unequal limbs; to one of the four steps, limbs unequally stiff by 0.5 % are ordinary. Limbs that fail, up
-to three, are named with the kind and the time of the failure and excluded; rate and attitude continue without a step. A channel that
-stands still to the last bit while others have their noise has failed in any case. `excluded_limbs` and `suspected_limbs` hold the limbs'
-numbers as digits, 0 for none; rows with suspected limbs are not reliable: from an alarm until it is explained, and where it cannot be told
-which limbs have failed. Limbs 2 and 4, 3 and 7, 6 and 8 are ambiguous pairs: the forces alone do not determine which of the two has failed,
-and once one is excluded they do not check the other.
-
---excluded takes up to three limbs whose loads the others determine; otherwise an error names the load that would be
-unobservable. The noise of the remaining channels is amplified up to 3.3 times.
-
-The same three sums are always looked at, on one row in 61: a warning on standard error says when they are broken by far more than
-limbs unequal by a few percent explain, as by the calibration of another sensor, a dead channel or plugs that were exchanged.
-
-A recording may be of any length: it passes through in blocks. Only --rest-to-rest holds the whole run in the memory, 2 million
-samples at most. A result appears whole or not at all: it is written to a neighbour named .NAME.RANDOM.part, which takes
-its name at the end. What a killed run left of it is cleared away by the next run that writes the same file. A device or a pipe is
-written into, a link is followed.
-
-A stream has nine numbers a line, or a line of headings first; --rate is needed. Each row goes out when its successor has come
-in. The first line that cannot be read ends it with exit code 1; all rows before it are out by then.
-
-Examples:
-  sixaxis decouple calibration.json run.tdms --gain 0.05 --down 0,0,-1
-  sixaxis decouple calibration.json day/compound-03.npz --session day/session.toml --rest-to-rest --low-pass 30
-  acquire | sixaxis decouple calibration.json - --rate 2000 --gain 0.05 | display";
+const AFTER_HELP: &str = include_str!("decouple.txt");
 
 /// What `--json` prints.
 #[derive(Serialize)]
