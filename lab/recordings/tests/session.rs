@@ -101,6 +101,19 @@ fn refusals_name_line_and_key() {
             "sensor.half_edge_mm",
             "half_edge_mm",
         ),
+        // Metres, of which a calibration would still be good and what it decouples wrong.
+        (
+            "limb_length_mm = 25.5",
+            "limb_length_mm = 0.0255",
+            "sensor.limb_length_mm",
+            "limb_length_mm",
+        ),
+        (
+            "half_edge_mm = 21.0",
+            "half_edge_mm = 0.021",
+            "sensor.half_edge_mm",
+            "half_edge_mm",
+        ),
         (
             "gain_n_per_v = 10.0",
             "gain_n_per_v = 0.0",

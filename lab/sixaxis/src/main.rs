@@ -1,7 +1,8 @@
 //! The `sixaxis` command.
 
-// What cannot be written to standard output is an error in words: `commands::common::print`.
-#![deny(clippy::print_stdout)]
+// What cannot be written to standard output is an error in words, `commands::common::print`; what cannot be written to standard error
+// is lost, and nothing else: `commands::common::tell`.
+#![deny(clippy::print_stdout, clippy::print_stderr)]
 
 use std::process::ExitCode;
 

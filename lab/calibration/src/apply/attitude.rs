@@ -195,8 +195,13 @@ impl AttitudeStream {
             let all = used.taken + used.refused;
             if used.refused > 0 {
                 self.messages.push(format!(
-                    "{} of {all} {what} contradict what was known: velocities are not used, rests and attitudes count little (--aid)",
-                    used.refused
+                    "{} of {all} {what} contradict what was known: velocities are not used, rests and attitudes count little (--aid){}",
+                    used.refused,
+                    if what == "attitudes" {
+                        "; are they from the sensor's axes to the ground's, qw first, and 1, 0, 0, 0 at the first sample?"
+                    } else {
+                        ""
+                    }
                 ));
             }
         }

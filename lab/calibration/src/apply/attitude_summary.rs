@@ -76,12 +76,22 @@ impl AttitudeSummary {
             sd_tilt_deg,
             ..
         } = self;
+        // Beyond a quarter of a turn nothing is known.
+        let degrees = |sd_deg: f64| {
+            if sd_deg < 90.0 {
+                format!("{sd_deg:.2}°")
+            } else {
+                "unknown".to_owned()
+            }
+        };
         let bound = self.bound_tilt_deg.map_or_else(String::new, |tilt| {
             format!(" (a sensor that stands still, under these aids: {tilt:.2}°)")
         });
         format!(
-            "one standard deviation of the attitude is {largest_sd_attitude_deg:.2}° at most and {sd_attitude_deg:.2}° at the end, \
-             that of down {sd_tilt_deg:.2}° there{bound}"
+            "one standard deviation of the attitude is {} at most and {} at the end, that of down {} there{bound}",
+            degrees(*largest_sd_attitude_deg),
+            degrees(*sd_attitude_deg),
+            degrees(*sd_tilt_deg)
         )
     }
 

@@ -96,7 +96,10 @@ impl Setup {
             ([one], ..) => sensor.gains = Gains::uniform(*one),
             (several, ..) => match <[f64; LIMBS]>::try_from(several) {
                 Ok(gain_n_per_v) => sensor.gains = Gains { gain_n_per_v },
-                Err(_) => bail!("--gain: {} numbers; give one or nine", several.len()),
+                Err(_) => bail!(
+                    "--gain: {} numbers; give one or nine (a decimal mark is a point)",
+                    several.len()
+                ),
             },
         }
         sensor.gains.validate().context("--gain")?;

@@ -124,7 +124,7 @@ impl Track {
             *value = self.columns.column(k)[self.row];
             if !value.is_finite() {
                 self.columns.check_finite(k).context(
-                    "a comparison wants every sample; decouple leaves ground axes NaN where the attitude is less certain than --until-sd",
+                    "a comparison wants every sample; decouple leaves ground axes NaN where the attitude is less certain than --until-sd: give it a larger one, or --aid",
                 )?;
             }
             ensure!(

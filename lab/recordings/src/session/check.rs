@@ -90,6 +90,14 @@ impl Session {
             })?;
         }
         check_gains("sensor.gain_n_per_v", &sensor.gain_n_per_v)?;
+        for (key, length_mm) in [
+            ("sensor.limb_length_mm", sensor.limb_length_mm),
+            ("sensor.half_edge_mm", sensor.half_edge_mm),
+        ] {
+            require((1.0..=1000.0).contains(&length_mm), key, || {
+                format!("{length_mm}: must be from 1 to 1000, in millimetres")
+            })?;
+        }
         accepted("sensor.limb_length_mm", sensor.geometry().validate())?;
         accepted("sensor.design", sensor.design().validate())?;
         check_stages(&self.preprocessing)?;

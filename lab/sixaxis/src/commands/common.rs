@@ -58,7 +58,7 @@ pub struct Beside {
     /// Samples per second, where the file does not state them
     #[arg(long, value_name = "HZ")]
     pub rate: Option<f64>,
-    /// Direction of gravity in the sensor's axes at rest, a vector of any length
+    /// Direction in which gravity pulls, in the sensor's axes at rest, such as 0,0,-1 with z up; of any length
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
     down: Option<[f64; 3]>,
     #[command(flatten)]
@@ -125,10 +125,13 @@ const MESSAGE: usize = 4000;
 
 /// Prints a message to standard error, whatever the names in it.
 pub fn tell(kind: &str, text: &str) {
-    eprintln!(
-        "{kind}: {}",
-        printable::lines(&short_numbers(text), MESSAGE)
-    );
+    let text = printable::lines(&short_numbers(text), MESSAGE);
+    mention(&format!("{kind}: {text}"));
+}
+
+/// Prints a line to standard error. Where nobody reads it or it cannot be written, the work goes on.
+pub fn mention(line: &str) {
+    let _ = writeln!(std::io::stderr(), "{line}");
 }
 
 /// Prints to standard error, a line for each text.

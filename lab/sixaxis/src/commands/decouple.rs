@@ -164,7 +164,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let excluded = arguments.excluded.unwrap_or(LimbSet::EMPTY);
     if !excluded.is_empty() {
         let limbs = if excluded.len() == 1 { "limb" } else { "limbs" };
-        eprintln!("note: without {limbs} {excluded}");
+        tell("note", &format!("without {limbs} {excluded}"));
     }
     let job = Job {
         calibration: &calibration,
@@ -331,10 +331,11 @@ fn stream(arguments: &Arguments, job: &Job) -> Result<()> {
         .rate
         .context("--rate: a stream does not state how fast it is sampled")?;
     if let Some(corner_hz) = job.setup.conditioning.low_pass_hz {
-        eprintln!(
-            "note: --low-pass runs forwards only on a stream and delays by {:.2e} s; `time` is the sample's, not the motion's",
+        let note = format!(
+            "--low-pass runs forwards only on a stream and delays by {:.2e} s; `time` is the sample's, not the motion's",
             causal_delay_s(corner_hz)
         );
+        tell("note", &note);
     }
     // Lines may be long in coming: nothing may wait in a buffer.
     let mut input = BufReader::new(io::stdin());

@@ -18,7 +18,7 @@ use sixaxis_recordings::motion::MOTION_CHANNELS;
 use sixaxis_recordings::session::{Role, SessionFile};
 use sixaxis_recordings::unit::{self, Unit};
 
-use super::common::{Naming, print, print_json, tell};
+use super::common::{Naming, mention, print, print_json, tell};
 use super::output::check_outputs;
 use crate::progress::Progress;
 
@@ -139,7 +139,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     if let Some(picture) = &arguments.picture {
         draw(picture, &outcomes)?;
         if arguments.json {
-            eprintln!("{}", picture.display());
+            mention(&picture.display().to_string());
         } else {
             print(format!("\n{}\n", picture.display()))?;
         }

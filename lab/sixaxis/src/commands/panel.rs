@@ -11,7 +11,7 @@ use sixaxis_panel::{Options, SourceChoice, start};
 use sixaxis_recordings::session::SessionFile;
 use sixaxis_reference::laboratory::plan::Engine;
 
-use super::common::print;
+use super::common::{mention, print};
 use super::output::make_folder;
 use super::simulate::{ENGINES, USUAL_ENGINE, choice};
 
@@ -141,14 +141,14 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         calibration,
     })?;
     for note in &panel.notes {
-        eprintln!("{note}");
+        mention(note);
     }
     print(format!("panel: {}\n", panel.link))?;
     if let Some(input) = panel.input {
         print(format!("samples: {input}\n"))?;
     }
     if !arguments.no_open && !open(&panel.link) {
-        eprintln!("no browser could be opened; open the link yourself");
+        mention("no browser could be opened; open the link yourself");
     }
     panel.wait();
     Ok(ExitCode::SUCCESS)

@@ -151,6 +151,35 @@ fn neg_standard_output_that_takes_nothing_is_an_error_in_words() {
     }
 }
 
+/// Standard error that cannot be written, or that nobody reads, costs no result and no exit code.
+#[test]
+fn regress_messages_that_cannot_be_printed_cost_nothing() {
+    let folder = Folder::new("mute");
+    let (a, out) = (folder.file("a.csv"), folder.file("page.html"));
+    fs::write(&a, DECOUPLED).expect("writes");
+    let missing = folder.file("missing.csv");
+    let done = ["compare", &a, &a, "--out", &out];
+    let failed = ["inspect", &a, &missing];
+    for (arguments, expected) in [(&done[..], 0), (&failed[..], 1)] {
+        let full = File::create("/dev/full").expect("opens");
+        let said = sixaxis().args(arguments).stderr(full).output();
+        assert_eq!(
+            code(&said.expect("the program starts")),
+            expected,
+            "{arguments:?}"
+        );
+        let mut gone = sixaxis();
+        gone.args(arguments)
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped());
+        let mut gone = gone.spawn().expect("the program starts");
+        drop(gone.stderr.take());
+        let ended = gone.wait().expect("it ends");
+        assert_eq!(ended.code(), Some(expected), "{arguments:?}");
+    }
+    assert!(fs::exists(&out).expect("looks"));
+}
+
 /// Numbers whose squares are none are no motion, and no table of `inf` with exit code 0.
 #[test]
 fn neg_what_is_no_motion_is_not_compared() {

@@ -66,7 +66,8 @@ impl Plugs {
                     vec![a, b],
                     format!("channels {a} and {b} exchanged"),
                     format!(
-                        "exchange channels {a} and {b} in the [channels] of the session or of these recordings, or their plugs"
+                        "exchange channels {a} and {b} in the [channels] of the session or of these recordings, and with them entries {a} and {b} of \
+                         each gain_n_per_v, since a range stays with its amplifier; or exchange the plugs and record again"
                     ),
                 )
             }
