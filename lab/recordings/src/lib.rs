@@ -25,6 +25,7 @@
 //! | [`inspect`] | what is in a recording, whoever made it |
 //! | [`printable`] | text from files, fit for a terminal |
 //! | [`envelope`] | a series of any length, kept for drawing |
+//! | [`unwinding`] | libraries that panic on hostile files |
 //! | [`whole`] | files that are read whole, up to a limit |
 //! | [`session`] | the session file: which recordings belong together, and what they do not say themselves |
 
@@ -48,6 +49,7 @@ mod source;
 pub mod tdms;
 pub mod text;
 pub mod unit;
+pub mod unwinding;
 mod variables;
 pub mod whole;
 

@@ -1,6 +1,5 @@
 //! Reading, every value and the checksum over them.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use bytes::Bytes;
@@ -8,6 +7,7 @@ use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::DataType;
 use parquet::file::metadata::KeyValue;
 use parquet::file::reader::{FileReader, RowGroupReader, SerializedFileReader};
+use sixaxis_recordings::unwinding::caught;
 use sixaxis_recordings::whole::read_bytes;
 
 use super::{
@@ -40,8 +40,8 @@ const MOST: u64 = 1 << 30;
 pub fn read(path: &Path) -> Result<Part> {
     let bytes = read_bytes(path, MOST)?;
     // The library panics on some hostile files.
-    catch_unwind(AssertUnwindSafe(|| parse(Bytes::from(bytes))))
-        .unwrap_or_else(|_| Err("the Parquet library gave up on it".to_owned()))
+    caught(|| parse(Bytes::from(bytes)))
+        .unwrap_or_else(|| Err("the Parquet library gave up on it".to_owned()))
         .and_then(|part| {
             let seeds = part.rows.iter().map(|row| row.seed);
             match seeds_of(path) {

@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
 use ::parquet::basic::Compression;
@@ -18,6 +17,7 @@ use crate::channel::{Channel, Layout, is_sample_rate};
 use crate::error::{Error, Place, Result};
 use crate::source::{Decoder, Source, reading};
 use crate::unit::in_name;
+use crate::unwinding::caught;
 
 /// Key-value metadata that describe the columns to one library or another, not the recording to a person.
 const TECHNICAL_KEYS: [&str; 3] = [
@@ -54,8 +54,7 @@ struct Reading {
 
 /// Runs the library, whose panics on hostile files become errors of the file.
 fn guarded<T>(path: &Path, place: Place, work: impl FnOnce() -> T) -> Result<T> {
-    catch_unwind(AssertUnwindSafe(work))
-        .map_err(|_| Error::malformed(path, place, "the Parquet library gave up on it"))
+    caught(work).ok_or_else(|| Error::malformed(path, place, "the Parquet library gave up on it"))
 }
 
 fn refused(path: &Path, place: Place, what: &str, error: &ParquetError) -> Error {
