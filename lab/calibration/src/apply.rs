@@ -16,6 +16,7 @@
 //! | [`attitude_summary`] | what became of it |
 //! | [`columns`] | which columns are written, in which axes |
 //! | [`decoding`] | voltages to rows of the answer |
+//! | [`mean_acceleration`] | whether the accelerations are those of a motion |
 //! | [`coordination`] | whether the limb forces add up to zero where they must |
 //! | [`fault_watch`] | the same with the fault monitor |
 //! | [`pipeline`] | the same, with a thread for reading and one for writing |
@@ -38,6 +39,7 @@ pub mod coordination;
 pub mod decoding;
 pub mod fault_watch;
 pub mod job;
+pub mod mean_acceleration;
 pub mod rest_to_rest;
 pub mod text_stream;
 pub mod voltages;

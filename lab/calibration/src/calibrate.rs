@@ -34,7 +34,7 @@ use crate::diagnosis::{Diagnosis, examine};
 use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::finding::{Cause, Finding, in_a_sentence};
-use crate::grade::{JudgedBy, failures, grade, reservations};
+use crate::grade::{JudgedBy, failures, grade, misstated_drives, reservations};
 use crate::iteration::{Criterion, Iteration};
 use crate::joint::JointReport;
 use crate::prepare::PreparedSession;
@@ -208,6 +208,8 @@ pub fn calibrate(
     let mut reservations =
         reservations(&prepared.campaign, session, parameters, &trials, judged_by);
     reservations.extend(prepared.reservations.iter().cloned());
+    let clocks = findings.iter().any(|f| f.cause == Cause::ClockMismatch);
+    reservations.extend(misstated_drives(&trials).filter(|_| !clocks));
     if let Some(chosen) = &chosen {
         reservations.extend(chosen.reservations());
     }

@@ -3,6 +3,7 @@
 mod limbs;
 mod rust_source;
 
+pub(crate) use limbs::STIFFNESS_SD;
 pub use limbs::{CalibratedLimbs, Square};
 
 use sixaxis_core::parameter::{DRIFT, INERTIA, PARAMETERS, SCALE};
@@ -13,6 +14,7 @@ use serde::{Deserialize, Serialize};
 use sixaxis_core::decouple::uncertainty::{self};
 use sixaxis_core::{CrossTalk, Gains, Geometry, InertiaPerMass, LIMBS, Parameters, Sensor};
 use sixaxis_recordings::draft::write_atomically;
+use sixaxis_recordings::kind::Kind;
 
 use crate::error::{Error, Result};
 use crate::finding::Finding;
@@ -187,8 +189,15 @@ impl Calibration {
     ///
     /// # Errors
     /// [`Error::Recording`] if it cannot be read, and with the line if it is no calibration of this format or
-    /// its parameters are no sensor's. A file of version 1 is refused by its version.
+    /// its parameters are no sensor's. A file of version 1 is refused by its version, another of the project's files by its kind.
     pub fn read(path: &Path) -> Result<Self> {
+        Self::parse(path).map_err(|error| match Kind::Calibration.refuses(path) {
+            Some(other_kind) => Error::Recording(other_kind),
+            None => error,
+        })
+    }
+
+    fn parse(path: &Path) -> Result<Self> {
         let text = sixaxis_recordings::whole::read_text(path)?;
         let refuse = |line: Option<usize>, key: &str, cause: String| {
             Error::Recording(sixaxis_recordings::Error::Session {

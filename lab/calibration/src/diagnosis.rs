@@ -4,7 +4,7 @@
 //! left over is tried against one cause after the other. The order matters: a fault that explains others is looked for first,
 //! and what it explains is not reported again.
 //!
-//! 1. [`raw`]: what one recording shows by itself: clipped, constant.
+//! 1. [`raw`]: what one recording shows by itself: clipped; and [`role`]: whether it does what its role says.
 //! 2. [`still`]: channels of the static record that read nothing, not even noise.
 //! 3. [`structure`]: what all trials together show of a channel: silent, inverted, under-excited axes.
 //! 4. [`gravity`]: weight that turns in the sensor although the session says it does not.
@@ -26,6 +26,7 @@ pub mod level;
 pub mod odd_trial;
 pub mod raw;
 pub mod rig;
+pub mod role;
 pub mod still;
 pub mod structure;
 pub mod table;
@@ -135,6 +136,7 @@ pub fn examine<'a>(
     let drift = at_rest.and_then(|rest| zero_drift::identify(&rest.voltage_v).ok());
     measure(&mut cases, drift.as_ref(), None);
     raw::examine(facts, at_rest, &mut cases, &mut found.findings);
+    role::examine(&mut cases, &mut found.findings);
     if let Some(rest) = at_rest {
         let moving = trials.iter().map(|(trial, _)| trial);
         still::examine(rest, &still::steps_v(rest, moving), &mut found.findings);

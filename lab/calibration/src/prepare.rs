@@ -2,6 +2,8 @@
 //!
 //! A recording that cannot be used is a finding, not an error: the rest can still be calibrated with.
 
+use std::io::ErrorKind;
+
 use rayon::prelude::*;
 use sixaxis_core::{Geometry, Parameters};
 
@@ -70,15 +72,13 @@ impl PreparedSession {
                 }
                 Err(error) => {
                     let name = entry.file.display().to_string();
+                    let advice = advice(&error, &name);
                     let error = error.to_string();
                     let path = file.resolve(&entry.file).display().to_string();
                     // The finding names the recording; without it, one cause is one sentence.
                     let cause = error.strip_prefix(&path).unwrap_or(&error);
-                    unreadable(
-                        &mut findings,
-                        &name,
-                        cause.trim_start_matches([':', ',', ' ']),
-                    );
+                    let cause = cause.trim_start_matches([':', ',', ' ']);
+                    unreadable(&mut findings, &name, cause, advice);
                 }
             }
         }
@@ -152,7 +152,9 @@ impl PreparedSession {
         for (trial, conditioned) in conditioned {
             match conditioned {
                 Ok(conditioned) => trials.push((trial, conditioned)),
-                Err(error) => unreadable(&mut findings, &trial.name, &error.to_string()),
+                Err(error) => {
+                    unreadable(&mut findings, &trial.name, &error.to_string(), MEND);
+                }
             }
         }
         let static_voltage_v = at_rest.as_ref().map(|rest| rest.voltage_v.clone());
@@ -184,9 +186,34 @@ fn for_role(conditioning: &Conditioning, role: Role) -> Conditioning {
     own
 }
 
+/// What to do about a recording that cannot be used, where it says no more.
+const MEND: &str = "mend or replace the recording; `sixaxis inspect` shows what is in it";
+
+/// What to do about one that was refused so.
+fn advice(error: &Error, name: &str) -> &'static str {
+    use sixaxis_recordings::Error as Refusal;
+    match error {
+        Error::Recording(Refusal::Io { source, .. }) if source.kind() == ErrorKind::NotFound => {
+            if name.contains('\\') {
+                "write / between the folders of `file` in the session"
+            } else {
+                "correct `file` in the session, which is relative to the session file, or put the recording there"
+            }
+        }
+        Error::Recording(Refusal::NoSuchChannel { .. }) => {
+            "correct the names in the session's [channels], or give the recording its own"
+        }
+        Error::Recording(Refusal::Unit { .. }) => {
+            "see that each name in the session's [channels] is that of its channel, accelerometer and gyroscope above all, and state the unit there if the file has none"
+        }
+        _ => MEND,
+    }
+}
+
 /// Adds a recording to the finding of its cause.
-fn unreadable(findings: &mut Vec<Finding>, name: &str, evidence: &str) {
-    if let Some(known) = findings.iter_mut().find(|known| known.evidence == evidence) {
+fn unreadable(findings: &mut Vec<Finding>, name: &str, evidence: &str, advice: &str) {
+    let known = |other: &&mut Finding| other.evidence == evidence && other.advice == advice;
+    if let Some(known) = findings.iter_mut().find(known) {
         known.recordings.push(name.to_owned());
         return;
     }
@@ -195,6 +222,6 @@ fn unreadable(findings: &mut Vec<Finding>, name: &str, evidence: &str) {
         recordings: vec![name.to_owned()],
         channels: Vec::new(),
         evidence: evidence.to_owned(),
-        advice: "mend or replace the recording; `sixaxis inspect` shows what is in it".to_owned(),
+        advice: advice.to_owned(),
     });
 }

@@ -92,6 +92,9 @@ pub struct TrialReport {
     pub role: Role,
     /// Crank frequency, Hz.
     pub frequency_hz: f64,
+    /// The same by the recording's clock, where its standards show three cycles or more.
+    #[serde(default)]
+    pub seen_hz: Option<f64>,
     /// Unit vector of travel and axis, sensor axes at rest.
     pub direction: [f64; 3],
     /// Samples per second.

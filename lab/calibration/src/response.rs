@@ -46,17 +46,21 @@ pub struct ChannelResponse {
     pub drift_error_n: f64,
 }
 
-impl core::ops::Neg for ChannelResponse {
+impl core::ops::Mul<f64> for ChannelResponse {
     type Output = Self;
 
-    /// Of a channel whose polarity is turned.
-    fn neg(self) -> Self {
+    /// Of a channel by another gain, or of turned polarity.
+    fn mul(self, factor: f64) -> Self {
+        let size = factor.abs();
         Self {
-            drift_n: -self.drift_n,
-            response: -self.response,
-            lagging: -self.lagging,
-            lagging_growth: -self.lagging_growth,
-            ..self
+            drift_n: factor * self.drift_n,
+            response: factor * self.response,
+            standard_error: size * self.standard_error,
+            lagging: factor * self.lagging,
+            lagging_growth: factor * self.lagging_growth,
+            residual_n: size * self.residual_n,
+            signal_n: size * self.signal_n,
+            drift_error_n: size * self.drift_error_n,
         }
     }
 }
@@ -198,7 +202,7 @@ const TURNING_RAD_S: f64 = 2e-3;
 /// Frequency of a waveform once up to speed: the median of its cycles, of which the run-up and the run-down have one each.
 ///
 /// None for less than three whole cycles.
-fn frequency(waveform: &[f64], sample_rate_hz: f64) -> Option<f64> {
+pub(crate) fn frequency(waveform: &[f64], sample_rate_hz: f64) -> Option<f64> {
     let peak = waveform.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
     // Upward crossings of zero, each after a dip below a third of the peak, so that noise about zero does not count.
     let mut crossings = Vec::new();

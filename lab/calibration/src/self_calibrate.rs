@@ -24,6 +24,8 @@ pub use summary::{Finding, Summary};
 const MISFIT: f64 = 1e-6;
 /// Correlation of neighbouring blocks, in deviations and as such, from which the intervals are reported as too narrow.
 const CORRELATED: (f64, f64) = (5.0, 0.1);
+/// Logarithm of a factor from which a change is hardly a limb's own.
+const NO_DRIFT: f64 = 0.1;
 /// Largest logarithm of a common factor that is accepted: half as much again.
 const LARGEST_COMMON: f64 = 0.4;
 
@@ -45,6 +47,8 @@ pub struct Check<'a> {
     pub false_alarm: f64,
     /// Whether the calibration's own errors are left out.
     pub calibration_exact: bool,
+    /// Whether a calibration is corrected by changes that are hardly drift, too.
+    pub force: bool,
 }
 
 /// A known change of acceleration.
@@ -85,6 +89,18 @@ impl Check<'_> {
             }
             Err(error) => return Err(error).with_context(|| self.recording.display().to_string()),
         };
+        let (ln_stiffness, stated) = correction::strains_per_v(self.calibration)?;
+        let stated = if self.calibration_exact {
+            PerLimbs::zeros()
+        } else {
+            stated
+        };
+        // A stiffer limb shows less of a force, as one of a smaller scale factor does.
+        let with_stiffness = |ratios: ScaleRatios| ScaleRatios {
+            ln_ratio: core::array::from_fn(|i| ratios.ln_ratio[i] + ln_stiffness[i]),
+            ..ratios
+        };
+        let now = with_stiffness(now);
         let ratios = match self.since {
             None => now,
             Some(path) => {
@@ -93,6 +109,7 @@ impl Check<'_> {
                 let then = then
                     .moments
                     .ratios(&Limits::default())
+                    .map(with_stiffness)
                     .with_context(|| path.display().to_string())?;
                 ScaleRatios {
                     ln_ratio: core::array::from_fn(|i| now.ln_ratio[i] - then.ln_ratio[i]),
@@ -101,10 +118,9 @@ impl Check<'_> {
                 }
             }
         };
-        let calibrated = if self.calibration_exact || self.since.is_some() {
-            PerLimbs::zeros()
-        } else {
-            correction::covariance_of_ln_scale(self.calibration)?
+        let calibrated = match self.since {
+            None => stated,
+            Some(_) => PerLimbs::zeros(),
         };
         note_misfit(&mut summary, &now);
         let found = drifted(&ratios, &calibrated, self.false_alarm).context("--false-alarm")?;
@@ -112,13 +128,17 @@ impl Check<'_> {
         let scales = match (self.known_change, &measured.change) {
             (Some(known), Some(change)) => {
                 let chain = SignalChain::new(&own.sensor.gains, &own.parameters);
+                let with_errors = ScaleRatios {
+                    covariance: now.covariance + stated,
+                    ..now
+                };
                 let scales = KnownChange {
                     voltage_change_v: change.voltage_v,
                     voltage_deviation_v: change.deviation_v,
                     length_m_s2: known.length_m_s2,
                     length_deviation_m_s2: known.deviation_m_s2,
                 }
-                .scales(&chain, &now)
+                .scales(&chain, &with_errors)
                 .context("--known-change")?;
                 ensure!(
                     scales.ln_common.abs() < LARGEST_COMMON,
@@ -131,11 +151,35 @@ impl Check<'_> {
             }
             _ => None,
         };
+        let doubt = no_drift(&found, scales.as_ref());
+        ensure!(
+            !correct || self.force || doubt.is_none(),
+            "--write-calibration: {} --force writes it nonetheless",
+            doubt.unwrap_or_default()
+        );
+        summary.warnings.extend(doubt);
         let corrected = correct
             .then(|| corrected(self.calibration, &summary, &found, scales.as_ref()))
             .transpose()?;
         Ok((summary, corrected))
     }
+}
+
+/// Why what was found is hardly a drift: a change as large as a step of an amplifier's range, and none of a few years.
+fn no_drift(found: &Drifted, scales: Option<&Scales>) -> Option<String> {
+    let ln = |limb: usize| match scales {
+        Some(scales) => scales.ln_scale[limb],
+        None if found.limbs.contains(limb) => found.ln_change[limb],
+        None => 0.0,
+    };
+    let worst = (0..LIMBS).max_by(|a, b| ln(*a).abs().total_cmp(&ln(*b).abs()))?;
+    (ln(worst).abs() > NO_DRIFT).then(|| {
+        format!(
+            "limb {} would have changed by {:+.1} %, and limbs rarely drift that far: is its gain (--gain or --session) the range that this recording was made with?",
+            worst + 1,
+            1e2 * ln(worst).exp_m1()
+        )
+    })
 }
 
 /// Warns of what contradicts the equations or the model of the noise.

@@ -87,6 +87,9 @@ struct Wrong {
     clock: (f64, f64),
     /// Channels that are exchanged, and the trial from which on they are.
     exchanged: Option<(usize, usize, usize)>,
+    /// How many times the gain of the channel before it each channel's is, none for equal gains, and whether gains stay with the limbs
+    /// where channels are exchanged: the names were, in writing.
+    ranges: Option<(f64, bool)>,
     /// A channel that is inverted, and the trial from which on it is.
     inverted: Option<(usize, usize)>,
     /// A trial of another sensor.
@@ -192,9 +195,24 @@ fn played(index: usize, wrong: &Wrong, noise: &mut Noise) -> (Trial, Conditioned
     for series in &mut channels {
         noise.on(series, strongest);
     }
-    if let Some((a, b, from)) = wrong.exchanged
-        && index >= from
+    let mut gains = Gains::uniform(1.0);
+    let (range, by_name) = wrong.ranges.unwrap_or((1.0, false));
+    for (limb, gain) in gains.gain_n_per_v.iter_mut().enumerate() {
+        *gain = range.powi(limb as i32);
+    }
+    // Whose amplifier a limb is plugged into.
+    let mut amplifier: [usize; LIMBS] = core::array::from_fn(|limb| limb);
+    let exchanged = wrong.exchanged.filter(|(.., from)| index >= *from);
+    if let Some((a, b, _)) = exchanged
+        && !by_name
     {
+        amplifier.swap(a, b);
+    }
+    for (series, amplifier) in channels.iter_mut().zip(amplifier) {
+        let gain = gains.gain_n_per_v[amplifier];
+        series.iter_mut().for_each(|u| *u /= gain);
+    }
+    if let Some((a, b, _)) = exchanged {
         channels.swap(a, b);
     }
     if let Some((channel, from)) = wrong.inverted
@@ -238,7 +256,7 @@ fn played(index: usize, wrong: &Wrong, noise: &mut Noise) -> (Trial, Conditioned
         name: format!("run {}", index + 1),
         role: if turns { Role::Angular } else { Role::Linear },
         sample_rate_hz: RATE_HZ,
-        gains: Gains::uniform(1.0),
+        gains,
         full_scale_v: 10.0,
         voltage_v,
         accelerometer_m_s2: linear,
@@ -386,6 +404,20 @@ fn inv_an_exchange_is_named() {
         &[2, 7],
         TRIALS - LINEAR,
     );
+}
+
+#[test]
+fn inv_exchanged_names_are_told_from_exchanged_plugs() {
+    for by_name in [false, true] {
+        let wrong = Wrong {
+            exchanged: Some((1, 6, 0)),
+            ranges: Some((1.3, by_name)),
+            ..Wrong::default()
+        };
+        let found = one(wrong, Cause::SwappedChannels, &[2, 7], 0);
+        let leaves_gains = found.advice.contains("leave gain_n_per_v as it is");
+        assert_eq!(leaves_gains, by_name, "{found:?}");
+    }
 }
 
 #[test]

@@ -53,6 +53,16 @@ pub enum Error {
         /// The file.
         path: PathBuf,
     },
+    /// A file of another kind than the one expected there.
+    #[error("{}: no {expected}; it looks like a {found}", path.display())]
+    OtherKind {
+        /// The file.
+        path: PathBuf,
+        /// What was expected.
+        expected: &'static str,
+        /// What it seems to be.
+        found: &'static str,
+    },
     /// The file breaks its format's rules, or ends too early.
     #[error("{}{place}: {cause}", path.display())]
     Malformed {

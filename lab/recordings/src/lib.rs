@@ -9,6 +9,7 @@
 //! |---|---|
 //! | [`channel`] | what a file says of its channels |
 //! | `source`, `sink` | the traits [`Source`] and [`Sink`], and what all formats have in common of them |
+//! | [`kind`] | what a file is that was named where another was expected |
 //! | `open` | [`open()`] and [`create`]: which format a file has |
 //! | [`motion`] | columns of a motion: accelerations, rate, attitude |
 //! | [`draft`] | a file that appears whole or not at all |
@@ -36,6 +37,7 @@ pub mod error;
 pub mod hdf5;
 pub mod ingest;
 pub mod inspect;
+pub mod kind;
 pub mod matlab;
 pub mod motion;
 mod numbers;

@@ -129,7 +129,7 @@ pub struct Joint {
 }
 
 /// Name of the estimator in errors.
-const WHAT: &str = "joint estimator";
+const WHAT: &str = "the estimate from all trials";
 
 impl Joint {
     /// Starts a campaign.

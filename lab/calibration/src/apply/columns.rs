@@ -65,6 +65,12 @@ impl Columns {
         !matches!(self.frame, Frame::Ground)
     }
 
+    /// Whether accelerations in ground axes are written, which come first then.
+    #[must_use]
+    pub const fn in_ground_axes(self) -> bool {
+        !matches!(self.frame, Frame::Sensor)
+    }
+
     /// Their number, without the time.
     #[must_use]
     pub fn count(self) -> usize {

@@ -101,7 +101,7 @@ pub fn noise_correlation(config: &ConditioningConfig, sample_rate_hz: f64) -> Re
 
 fn low_pass(corner_hz: f64, sample_rate_hz: f64) -> Result<Vec<butterworth::Section>> {
     butterworth::low_pass(LOW_PASS_ORDER, corner_hz, sample_rate_hz)
-        .map_err(|e| anyhow::anyhow!("--low-pass: {e}"))
+        .map_err(|e| anyhow::anyhow!("--low-pass: {e}; the recording has {sample_rate_hz} Hz"))
 }
 
 /// One limb's stage as a stream, where it is asked for.

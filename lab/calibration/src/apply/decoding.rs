@@ -13,6 +13,7 @@ use super::attitude_summary::AttitudeSummary;
 use super::columns::{Columns, DEVIATIONS};
 use super::coordination::Coordination;
 use super::fault_watch::{FLAGS, FaultWatch};
+use super::mean_acceleration::MeanAcceleration;
 
 /// A decoupler with the clock of its recording.
 pub struct Decoding {
@@ -32,6 +33,7 @@ pub struct Decoding {
     watching: Option<FaultWatch>,
     /// Looks at the voltages before they are decoded.
     coordination: Option<Coordination>,
+    mean: MeanAcceleration,
     /// Stamps of the samples that have not been answered.
     times_s: Vec<f64>,
     /// Samples taken.
@@ -103,6 +105,7 @@ impl Decoding {
             before: [0.0; LIMBS],
             watching: None,
             coordination: None,
+            mean: MeanAcceleration::default(),
             times_s: Vec::new(),
             samples: 0,
             ran_away: false,
@@ -151,6 +154,13 @@ impl Decoding {
     /// What the coordination equations say, if they are checked.
     pub fn coordination(&mut self) -> Option<&mut Coordination> {
         self.coordination.as_mut()
+    }
+
+    /// What the accelerations in ground axes are no motion's by, if they are not.
+    #[must_use]
+    pub fn no_motion(&self, sample_rate_hz: f64) -> Option<String> {
+        let down_is_stated = self.gravity_ground_m_s2 != DVec3::ZERO;
+        self.mean.verdict(sample_rate_hz, down_is_stated)
     }
 
     /// Messages of the fault monitor and of the attitude since the last call.
@@ -229,6 +239,11 @@ impl Decoding {
             let unanswered = self.times_s.len().min(1);
             self.times_s.drain(..unanswered);
             self.first_s = self.times_s.first().copied();
+        }
+        if self.columns.in_ground_axes()
+            && let [x, y, z, ..] = &block.columns[1..]
+        {
+            self.mean.look([x, y, z]);
         }
         let waiting = answered.min(self.times_s.len());
         block.columns[0].extend(self.times_s.drain(..waiting));

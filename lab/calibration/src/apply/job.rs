@@ -321,6 +321,8 @@ impl Job<'_> {
         decoding.finish();
         let mut warnings = recording.warnings();
         warnings.extend(decoding.messages());
+        let no_motion = decoding.no_motion(rate_hz);
+        warnings.extend(no_motion.map(|why| format!("{}: {why}", path.display())));
         let broken = decoding
             .coordination()
             .unwrap_or(&mut coordination)

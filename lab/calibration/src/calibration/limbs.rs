@@ -6,7 +6,7 @@ use sixaxis_core::LIMBS;
 
 /// Standard deviation of the limbs' stiffnesses about their mean, relative, where no fit has determined them: an ordinary
 /// laboratory's.
-const STIFFNESS_SD: f64 = 0.005;
+pub(crate) const STIFFNESS_SD: f64 = 0.005;
 
 /// Nine rows of nine numbers.
 pub type Square = [[f64; LIMBS]; LIMBS];
@@ -43,13 +43,13 @@ impl CalibratedLimbs {
     pub fn ordinary(scale_sd: [f64; LIMBS]) -> Self {
         let mut limbs = Self::EXACT;
         for (limb, sd) in scale_sd.into_iter().enumerate() {
-            limbs.loosen(limb, sd);
+            limbs.loosen(limb, sd.hypot(STIFFNESS_SD));
         }
         limbs
     }
 
-    /// Takes note that a limb's scale factor has been set by relations that hold for equal stiffnesses only.
-    pub fn loosen(&mut self, limb: usize, scale_sd: f64) {
-        self.strain_covariance[limb][limb] += scale_sd * scale_sd + STIFFNESS_SD * STIFFNESS_SD;
+    /// Takes note that a limb's strain per volt is less certain by a relative standard deviation of its own.
+    pub fn loosen(&mut self, limb: usize, sd: f64) {
+        self.strain_covariance[limb][limb] += sd * sd;
     }
 }

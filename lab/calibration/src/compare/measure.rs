@@ -129,6 +129,12 @@ struct Sums {
 /// First column of the attitude.
 const ATTITUDE: usize = 9;
 
+/// A rate or a time without what a mean of time stamps in text leaves of rounding.
+#[must_use]
+pub fn to_a_millionth(number: f64) -> f64 {
+    (number * 1e6).round() / 1e6
+}
+
 /// Compares in two passes: figures and curves, then quantiles.
 ///
 /// # Errors

@@ -6,7 +6,7 @@ use anyhow::{Context, Result, anyhow, ensure};
 use sixaxis_recordings::ingest::clock::stated_rate_hz;
 use sixaxis_recordings::ingest::columns::{self, BLOCK};
 use sixaxis_recordings::ingest::find;
-use sixaxis_recordings::motion::MOTION_CHANNELS;
+use sixaxis_recordings::motion::{MOTION_CHANNELS, SENSOR_CHANNELS};
 
 pub use sixaxis_recordings::ingest::find::ACCELERATIONS;
 
@@ -48,7 +48,19 @@ impl Track {
         let place = path.display();
         let source = sixaxis_recordings::open(path)?;
         let layout = source.layout();
-        let motion = find::motion(path, layout)?;
+        let in_sensor_axes = || {
+            layout
+                .channels
+                .iter()
+                .any(|c| c.name == SENSOR_CHANNELS[0].0)
+        };
+        let motion = find::motion(path, layout).map_err(|error| {
+            let hint = match in_sensor_axes() {
+                true => "; motions are compared in ground axes: decouple with --frame both",
+                false => "",
+            };
+            anyhow!("{error}{hint}")
+        })?;
         let present = motion.each_ref().map(Option::is_some);
         let wanted: Vec<find::Column> = motion.into_iter().flatten().collect();
         let first = &wanted[..1];

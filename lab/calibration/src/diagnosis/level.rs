@@ -15,11 +15,14 @@ const SINGLE: f64 = 3.5;
 /// Largest relative departure of the inertias, all together, from the design's.
 const INERTIA: f64 = 0.35;
 
+/// Factor about a thousand that is still one: sensors of a kind differ by a third.
+const THOUSAND: f64 = 1.4;
+
 /// Whether a factor is a thousand, within what a sensor may differ.
 #[must_use]
 pub fn is_thousand(factor: f64) -> bool {
-    let off = (factor.abs().ln() / 1e3_f64.ln()).abs();
-    (0.85..1.15).contains(&off)
+    let size = factor.abs();
+    (1e3 / THOUSAND..=1e3 * THOUSAND).contains(&size.max(1.0 / size))
 }
 
 /// The factor in words.
@@ -191,6 +194,21 @@ pub fn examine(
                 ),
                 advice: "one of the standards is scaled wrongly: check unit and sensitivity of accelerometer and gyroscope".to_owned(),
             });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn inv_a_thousand_is_not_any_large_factor() {
+        for factor in [1000.0, -1e-3, 750.0, 1.0 / 1350.0] {
+            assert_eq!(cause_of(factor), Cause::MillivoltMixUp, "{factor}");
+        }
+        for factor in [573.0, 1.0 / 1673.0, 98.0665, 1e4, 1.0, 0.0, f64::NAN] {
+            assert_eq!(cause_of(factor), Cause::WrongScaling, "{factor}");
         }
     }
 }

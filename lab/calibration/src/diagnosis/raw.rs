@@ -1,4 +1,4 @@
-//! What one recording shows by itself.
+//! What one recording shows by itself: channels at the converter's limit or beyond it.
 
 use sixaxis_core::LIMBS;
 use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
@@ -21,7 +21,7 @@ const ROUNDED_TOP: f64 = 12.0;
 /// A flat top is expected of a channel that spans no more than so many converter steps.
 const STEPS_SPANNED: f64 = 64.0;
 
-/// Clipped and constant channels.
+/// Clipped channels.
 pub fn examine(
     facts: &Facts<'_>,
     at_rest: Option<&Trial>,
@@ -41,33 +41,6 @@ pub fn examine(
             if let Some(how) = clipped(case.trial, channel) {
                 findings.push(clipping(case.trial, channel, how));
                 case.ignored[channel] = true;
-            }
-        }
-        for (what, series, moves) in [
-            (
-                "standard accelerometer",
-                &case.trial.accelerometer_m_s2,
-                matches!(case.trial.role, Role::Linear | Role::HighFrequencyLinear),
-            ),
-            (
-                "standard gyroscope",
-                &case.trial.gyroscope_rad_s,
-                case.trial.role == Role::Angular,
-            ),
-        ] {
-            let constant = series.iter().all(|x| Some(x) == series.first());
-            if moves && constant {
-                findings.push(Finding {
-                    cause: Cause::Unreadable,
-                    recordings: vec![case.trial.name.clone()],
-                    channels: Vec::new(),
-                    evidence: format!(
-                        "the {what} reads {:.4} throughout",
-                        series.first().copied().unwrap_or_default()
-                    ),
-                    advice: format!("check the cable of the {what} and record the trial again"),
-                });
-                case.explained = true;
             }
         }
     }

@@ -98,6 +98,7 @@ fn campaign(roles: &[Role]) -> Campaign {
 
 fn reports() -> Vec<TrialReport> {
     let of = |(i, role): (usize, &Role)| TrialReport {
+        seen_hz: None,
         name: format!("run {i}"),
         role: *role,
         frequency_hz: 1.0,

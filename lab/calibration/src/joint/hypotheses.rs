@@ -9,7 +9,7 @@
 //! |---|---|
 //! | [`freedoms`] | the model has one freedom more: an amplifier's high-pass, a gyroscope's lag, channels that are late |
 //! | [`clock`] | the standards have a clock of their own |
-//! | [`plugs`] | two channels are exchanged, or one is inverted, from one trial on |
+//! | [`plugs`] | two channels, or their names, are exchanged, or one is inverted, from one trial on |
 //! | [`apart`] | a few trials are wrong and the others are not |
 
 pub mod apart;

@@ -1,7 +1,7 @@
 //! Decoupled motions as a page: by themselves, or beside the truth.
 
 use crate::apply::decoding::{Band, Curves};
-use crate::compare::measure::{Axis as Measured, Comparison, Quantity};
+use crate::compare::measure::{Axis as Measured, Comparison, Quantity, to_a_millionth};
 use sixaxis_page::figure::NEUTRAL;
 use sixaxis_page::number::{MISSING, count, significant};
 use sixaxis_page::{Axis, Block, Cell, Figure, Page, Section, State, Table, Tile};
@@ -63,11 +63,11 @@ pub fn page(comparison: &Comparison) -> Page {
             ("truth".to_owned(), comparison.truth.clone()),
             (
                 "common instants per second".to_owned(),
-                comparison.rate_hz.to_string(),
+                to_a_millionth(comparison.rate_hz).to_string(),
             ),
             (
                 "first common instant".to_owned(),
-                format!("{} s", comparison.start_s),
+                format!("{} s", to_a_millionth(comparison.start_s)),
             ),
         ],
         tiles: tiles(comparison),

@@ -1,17 +1,34 @@
 //! What a calibration says of its own scale factors, and a calibration with others.
 
-use crate::calibration::Calibration;
+use crate::calibration::{Calibration, STIFFNESS_SD};
 use crate::report::Grade;
 use anyhow::{Result, ensure};
 use sixaxis_core::LIMBS;
 use sixaxis_core::redundancy::self_calibration::PerLimbs;
 use sixaxis_core::significance::NORMAL_95;
 
+/// What the coordination equations are held against: ln of each limb's stiffness over the mean, and the covariance of
+/// ln (s_i/m)/(k_i/k), both by the joint fit; of a calibration that knows no stiffnesses, those of an ordinary laboratory.
+///
+/// # Errors
+/// Those of [`covariance_of_ln_scale`].
+pub fn strains_per_v(calibration: &Calibration) -> Result<([f64; LIMBS], PerLimbs)> {
+    if let Some(limbs) = &calibration.limbs {
+        let covariance = PerLimbs::from_fn(|i, j| limbs.strain_covariance[i][j]);
+        return Ok((limbs.stiffness_ratio.map(f64::ln), covariance));
+    }
+    let ordinary = PerLimbs::identity() * STIFFNESS_SD.powi(2);
+    Ok((
+        [0.0; LIMBS],
+        covariance_of_ln_scale(calibration)? + ordinary,
+    ))
+}
+
 /// Covariance of ln s_i/m by noise and by what differs between trials; the standards' gain, which all nine share, drops out.
 ///
 /// # Errors
 /// A table that is not nine by nine.
-pub fn covariance_of_ln_scale(calibration: &Calibration) -> Result<PerLimbs> {
+fn covariance_of_ln_scale(calibration: &Calibration) -> Result<PerLimbs> {
     let table = &calibration.covariance.scale_per_mass_per_kg2;
     ensure!(
         table.len() == LIMBS && table.iter().all(|row| row.len() == LIMBS),

@@ -17,6 +17,10 @@ const WEDGE_LIMIT_DEG: f64 = 45.0;
 /// Shortest vector that still has a direction.
 const SHORTEST_DIRECTION: f64 = 1e-6;
 
+/// What a path of another system comes to in TOML.
+pub(super) const BACKSLASH: &str =
+    "a backslash begins an escape; in paths write / or put them into 'single quotes'";
+
 /// An impossible value.
 pub(super) struct Impossible {
     /// Its key, as in `recording[3].direction`.
@@ -194,6 +198,16 @@ fn check_entry(key: &str, entry: &Entry) -> Result {
                 format!("{v:?} has no direction")
             })?;
         }
+    }
+    for (name, file) in [
+        ("file", Some(&entry.file)),
+        ("reference_file", entry.reference_file.as_ref()),
+    ] {
+        let path = file.map(|file| file.to_string_lossy());
+        let possible = path.is_none_or(|path| !path.contains(char::is_control));
+        require(possible, &format!("{key}.{name}"), || {
+            format!("a control character: {BACKSLASH}")
+        })?;
     }
     if !matches!(entry.role, Role::Static | Role::Tap) {
         for (name, given) in [

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use super::place;
 use super::schema::Session;
 use crate::error::{Error, Result};
+use crate::kind::Kind;
 use crate::whole::read_text;
 
 /// A session file that has been read and checked.
@@ -22,17 +23,17 @@ impl SessionFile {
     /// Reads and checks a session file.
     ///
     /// # Errors
-    /// [`Error::Io`] if it cannot be read; [`Error::Session`] with line and key for text that is no TOML, for keys that are
+    /// [`Error::Io`] if it cannot be read; [`Error::OtherKind`] for another of the project's files; [`Error::Session`] with line and key for text that is no TOML, for keys that are
     /// unknown or missing, and for values that are impossible.
     pub fn read(path: &Path) -> Result<Self> {
-        let text = read_text(path)?;
-        Self::parse(path, text)
+        let read = read_text(path).and_then(|text| Self::parse(path, text));
+        read.map_err(|error| Kind::Session.refuses(path).unwrap_or(error))
     }
 
     /// Parses and checks a session from text; recordings are relative to `path`.
     ///
     /// # Errors
-    /// As [`Self::read`].
+    /// [`Error::Session`], as [`Self::read`].
     pub fn parse(path: &Path, text: String) -> Result<Self> {
         let session: Session =
             toml::from_str(&text).map_err(|error| place::refused(path, &text, &error))?;

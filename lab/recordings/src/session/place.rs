@@ -4,6 +4,7 @@ use std::path::Path;
 
 use toml::de::{DeTable, DeValue};
 
+use super::check::BACKSLASH;
 use crate::error::Error;
 
 /// A parser's refusal with its line and, as far as it can be told, its key.
@@ -17,7 +18,10 @@ pub fn refused(path: &Path, text: &str, error: &toml::de::Error) -> Error {
         path: path.to_owned(),
         line: span.map(|span| line_at(text, span.start)),
         key,
-        cause: error.message().to_owned(),
+        cause: match error.message() {
+            about if about.contains("escape") => format!("{about}: {BACKSLASH}"),
+            message => message.to_owned(),
+        },
     }
 }
 

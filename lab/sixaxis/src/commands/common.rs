@@ -1,10 +1,12 @@
 //! What several subcommands have in common: arguments, printing.
 
 use std::io::{ErrorKind, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow};
+use sixaxis_calibration::Error;
 use sixaxis_calibration::apply::setup::Overrides;
+use sixaxis_calibration::calibration::Calibration;
 use sixaxis_core::LIMBS;
 use sixaxis_recordings::printable::{self, short_numbers};
 use sixaxis_recordings::session::SessionFile;
@@ -16,7 +18,7 @@ pub struct Naming {
     /// Names of the nine limbs' channels in the file, with commas
     #[arg(long, value_name = "NAMES", value_parser = nine_names)]
     pub channels: Option<[String; LIMBS]>,
-    /// Unit of the limbs' channels where the file does not state it: V or mV
+    /// Unit of the limbs' channels where the file does not state it: V, mV or uV
     #[arg(long, value_name = "UNIT", value_parser = voltage)]
     pub unit: Option<String>,
 }
@@ -89,6 +91,16 @@ impl Beside {
         let path = self.session.as_deref();
         Ok(path.map(SessionFile::read).transpose()?)
     }
+}
+
+/// The calibration that a command takes before a recording.
+pub fn read_calibration(path: &Path) -> Result<Calibration> {
+    Calibration::read(path).map_err(|error| match error {
+        Error::Recording(sixaxis_recordings::Error::OtherKind { .. }) => {
+            anyhow!("{error}; the calibration comes first, and then the recording")
+        }
+        other => other.into(),
+    })
 }
 
 /// Prints to standard output, whatever the names in it. A reader that has gone away, such as `head`, is no error.

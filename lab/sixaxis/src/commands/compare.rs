@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result};
 use sixaxis_calibration::compare::aligned::Aligned;
-use sixaxis_calibration::compare::measure::{Comparison, compare};
+use sixaxis_calibration::compare::measure::{Comparison, compare, to_a_millionth};
 use sixaxis_calibration::compare::track::Track;
 use sixaxis_calibration::page;
 use sixaxis_page::render;
@@ -85,7 +85,9 @@ fn table(comparison: &Comparison) -> String {
     let mut lines = vec![
         format!(
             "{} common instants from {} s at {} Hz\n",
-            comparison.instants, comparison.start_s, comparison.rate_hz
+            comparison.instants,
+            to_a_millionth(comparison.start_s),
+            to_a_millionth(comparison.rate_hz)
         ),
         format!(
             "{:<8} {:>8} {:>12} {:>12} {:>12}   {:^39}",

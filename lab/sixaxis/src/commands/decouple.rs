@@ -15,7 +15,6 @@ use sixaxis_calibration::apply::conditioning_stream::causal_delay_s;
 use sixaxis_calibration::apply::job::{Decoupled, Job};
 use sixaxis_calibration::apply::setup::Setup;
 use sixaxis_calibration::apply::text_stream::{End, Printed, is_closed_pipe, refuse};
-use sixaxis_calibration::calibration::Calibration;
 use sixaxis_calibration::page;
 use sixaxis_calibration::report::Grade;
 use sixaxis_core::LimbSet;
@@ -25,7 +24,7 @@ use sixaxis_recordings::inspect::listing::brief;
 use sixaxis_recordings::{Layout, Sink};
 
 use super::choices::{Axes, Integrator};
-use super::common::{Beside, print, print_json, say, tell};
+use super::common::{Beside, print, print_json, read_calibration, say, tell};
 use super::output::{check_outputs, mention_earlier};
 use crate::progress::Progress;
 
@@ -129,7 +128,7 @@ fn limbs(text: &str) -> core::result::Result<LimbSet, String> {
 
 /// Decouples.
 pub fn run(arguments: &Arguments) -> Result<ExitCode> {
-    let calibration = Calibration::read(&arguments.calibration)?;
+    let calibration = read_calibration(&arguments.calibration)?;
     let name = arguments.calibration.display().to_string();
     if let Some(doubt) = check_grade(&name, &calibration, arguments.force)? {
         tell("warning", &doubt);

@@ -5,11 +5,10 @@ use std::process::ExitCode;
 
 use anyhow::{Result, bail};
 use sixaxis_calibration::apply::setup::Setup;
-use sixaxis_calibration::calibration::Calibration;
 use sixaxis_calibration::self_calibrate::{Check, Finding, Known, Rest};
 use sixaxis_recordings::draft::write_atomically;
 
-use super::common::{Beside, print, print_json, say};
+use super::common::{Beside, print, print_json, read_calibration, say};
 use super::output::{check_outputs, mention_earlier};
 use crate::progress::Progress;
 
@@ -52,6 +51,9 @@ pub struct Arguments {
     /// Write the calibration with the scale factors that were found: of the limbs that drifted, or of all with --known-change
     #[arg(long, value_name = "FILE")]
     write_calibration: Option<PathBuf>,
+    /// Write it even where limbs would have changed by more than 10 %, which a wrong gain does and drift hardly ever
+    #[arg(long, requires = "write_calibration")]
+    force: bool,
     /// Print the result as JSON
     #[arg(long)]
     json: bool,
@@ -87,7 +89,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let inputs = [&arguments.calibration, &arguments.recording].into_iter();
     let inputs = inputs.chain(optional.into_iter().flatten());
     check_outputs(&outputs, inputs.map(PathBuf::as_path))?;
-    let calibration = Calibration::read(&arguments.calibration)?;
+    let calibration = read_calibration(&arguments.calibration)?;
     let session = arguments.beside.read_session()?;
     let overrides = arguments.beside.overrides();
     let known_change = match (arguments.known_change, arguments.rests.as_slice()) {
@@ -108,6 +110,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         known_change,
         false_alarm: arguments.false_alarm,
         calibration_exact: arguments.calibration_exact,
+        force: arguments.force,
     };
     let progress = Progress::shown();
     let correct = arguments.write_calibration.is_some();

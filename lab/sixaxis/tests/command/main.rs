@@ -12,6 +12,7 @@ mod help;
 mod inputs;
 mod inspect;
 #[cfg(all(feature = "harness", target_os = "linux"))]
+mod mistakes;
 mod moved;
 mod noise;
 mod outputs;

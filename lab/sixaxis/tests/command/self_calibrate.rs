@@ -13,10 +13,10 @@ use sixaxis_reference::laboratory::chain::Chain;
 use sixaxis_reference::motion::TrueMotion;
 use sixaxis_reference::sensor::TrueSensor;
 
-use crate::program::{Folder, run, stdout, text};
+use crate::program::{Folder, run, stderr, stdout, text};
 
 /// A day in the laboratory and a tumble after it, limb 4 off by 0.3 %: the folder, and the gains of the tumble.
-fn day() -> &'static (Folder, String) {
+pub fn day() -> &'static (Folder, String) {
     static DAY: OnceLock<(Folder, String)> = OnceLock::new();
     DAY.get_or_init(|| {
         let folder = Folder::new("self-calibrate");
@@ -111,6 +111,51 @@ fn a_drifted_limb_is_named_with_its_interval() {
         &day().1,
     ]);
     assert_eq!(again.status.code(), Some(0), "{again:?}");
+}
+
+#[test]
+fn neg_a_wrong_gain_is_no_drift() {
+    let (folder, gains) = day();
+    let mut wrong: Vec<f64> = gains
+        .split(',')
+        .map(|gain| gain.trim().parse().expect("a gain"))
+        .collect();
+    wrong[5] *= 2.5;
+    let wrong = wrong
+        .iter()
+        .map(f64::to_string)
+        .collect::<Vec<_>>()
+        .join(",");
+    let [calibration, tumble, new] =
+        ["calibration.json", "tumble.csv", "by-gain.json"].map(|name| folder.file(name));
+    let of = |more: &[&str]| {
+        let arguments = [
+            "self-calibrate",
+            &calibration,
+            &tumble,
+            "--gain",
+            &wrong,
+            "--down",
+            "0,0,-1",
+        ];
+        run(&[&arguments[..], more].concat())
+    };
+    let asks = "is its gain (--gain or --session) the range that this recording was made with?";
+    let told = of(&[]);
+    assert_eq!(told.status.code(), Some(3), "{told:?}");
+    assert!(
+        stderr(&told).contains("limb 6") && stderr(&told).contains(asks),
+        "{told:?}"
+    );
+    let refused = of(&["--write-calibration", &new]);
+    assert_eq!(refused.status.code(), Some(1), "{refused:?}");
+    assert!(
+        stderr(&refused).contains(asks) && !Path::new(&new).exists(),
+        "{refused:?}"
+    );
+    let forced = of(&["--write-calibration", &new, "--force"]);
+    assert_eq!(forced.status.code(), Some(3), "{forced:?}");
+    assert!(Path::new(&new).exists());
 }
 
 #[test]

@@ -1,5 +1,5 @@
 //! Plugs that were put in otherwise from one trial on, or all day: two channels exchanged, where limb and piezo come along and the
-//! amplifier stays, or one with its polarity turned.
+//! amplifier stays, or one with its polarity turned; and two names exchanged in writing, where gains stay with the limbs.
 //!
 //! Which, and from which trial on, is looked for among the channels' responses, where a pair and a trial cost less than a millisecond; the
 //! joint fit then says whether the trials agree to the noise with these put right.
@@ -8,13 +8,14 @@ use std::borrow::Cow;
 
 use sixaxis_core::identify::joint::AtRest;
 use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
-use sixaxis_core::{InertiaPerMass, LIMBS, Parameters};
+use sixaxis_core::{Gains, InertiaPerMass, LIMBS, Parameters};
 
 use super::Unaccounted;
 use crate::diagnosis::table::Table;
 use crate::diagnosis::trial_case::TrialCase;
 use crate::finding::{Cause, Finding};
 use crate::joint::{at_rest, record};
+use crate::response::ChannelResponse;
 use crate::trial::Trial;
 
 /// Departure of a channel, relative to its trial, beyond which more makes no difference to who belongs where.
@@ -22,24 +23,47 @@ const COST_CAP: f64 = 0.2;
 /// Share of the squared departures that an exchange may leave to be worth a fit.
 const WORTH_A_FIT: f64 = 0.5;
 
-/// What was done to plugs. Either is put right by doing it again.
+/// What was done to plugs, or to names. Each is put right by doing it again.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Plugs {
     Exchanged(usize, usize),
+    /// In writing only: what stands in one channel came through the other's amplifier.
+    Misnamed(usize, usize),
     Inverted(usize),
 }
 
 impl Plugs {
-    /// All that can be done to one or two.
-    fn all() -> impl Iterator<Item = Self> {
-        let exchanged = (0..LIMBS).flat_map(|a| (a + 1..LIMBS).map(move |b| Self::Exchanged(a, b)));
-        exchanged.chain((0..LIMBS).map(Self::Inverted))
+    /// All that can be done to one or two. Of equal ranges names and plugs are the same.
+    fn all(cases: &[TrialCase<'_>]) -> impl Iterator<Item = Self> {
+        let pairs = || (0..LIMBS).flat_map(|a| (a + 1..LIMBS).map(move |b| (a, b)));
+        let of_equal_ranges = |(a, b): (usize, usize)| {
+            let mut gains = cases.iter().map(|case| &case.trial.gains.gain_n_per_v);
+            gains.all(|gain| gain[a] == gain[b])
+        };
+        let exchanged = pairs().map(|(a, b)| Self::Exchanged(a, b));
+        let misnamed = pairs().filter(move |pair| !of_equal_ranges(*pair));
+        exchanged
+            .chain(misnamed.map(|(a, b)| Self::Misnamed(a, b)))
+            .chain((0..LIMBS).map(Self::Inverted))
     }
 
-    fn put_right<T: Copy + core::ops::Neg<Output = T>>(self, channels: &mut [T; LIMBS]) {
+    /// Voltages.
+    fn put_right(self, channels_v: &mut [f64; LIMBS]) {
+        match self {
+            Self::Exchanged(a, b) | Self::Misnamed(a, b) => channels_v.swap(a, b),
+            Self::Inverted(a) => channels_v[a] = -channels_v[a],
+        }
+    }
+
+    /// Responses, which are forces by the gains that are written.
+    fn responses_put_right(self, channels: &mut [ChannelResponse; LIMBS], gains: &Gains) {
         match self {
             Self::Exchanged(a, b) => channels.swap(a, b),
-            Self::Inverted(a) => channels[a] = -channels[a],
+            Self::Misnamed(a, b) => {
+                let over = gains.gain_n_per_v[a] / gains.gain_n_per_v[b];
+                (channels[a], channels[b]) = (channels[b] * over, channels[a] * (1.0 / over));
+            }
+            Self::Inverted(a) => channels[a] = channels[a] * -1.0,
         }
     }
 
@@ -68,6 +92,20 @@ impl Plugs {
                     format!(
                         "exchange channels {a} and {b} in the [channels] of the session or of these recordings, and with them entries {a} and {b} of \
                          each gain_n_per_v, since a range stays with its amplifier; or exchange the plugs and record again"
+                    ),
+                )
+            }
+            Self::Misnamed(a, b) => {
+                let (a, b) = (a + 1, b + 1);
+                (
+                    Cause::SwappedChannels,
+                    vec![a, b],
+                    format!(
+                        "the names of channels {a} and {b} exchanged and the gains left as they are"
+                    ),
+                    format!(
+                        "exchange names {a} and {b} in the [channels] of the session or of these recordings, and leave gain_n_per_v as it is: its \
+                         entries are the limbs' already"
                     ),
                 )
             }
@@ -134,7 +172,7 @@ pub fn tried(day: &Unaccounted<'_>) -> Option<Finding> {
 /// The exchange with which the trials' responses agree best, and the scale factors and inertias they then have.
 fn likeliest(shares: &StaticLoadSharing, cases: &[TrialCase<'_>]) -> Option<(Replugged, Table)> {
     // What was found of trials before was found with channels taken for each other.
-    let mut cases: Vec<TrialCase<'_>> = cases
+    let cases: Vec<TrialCase<'_>> = cases
         .iter()
         .map(|case| TrialCase {
             ignored: [false; LIMBS],
@@ -148,8 +186,8 @@ fn likeliest(shares: &StaticLoadSharing, cases: &[TrialCase<'_>]) -> Option<(Rep
     };
     let (as_they_are, _) = of(&cases)?;
     let mut best: Option<(Replugged, f64, Table)> = None;
-    for plugs in Plugs::all() {
-        each_from_the_end(&mut cases, plugs, |from, cases| {
+    for plugs in Plugs::all(&cases) {
+        each_from_the_end(&cases, plugs, |from, cases| {
             let Some((cost, table)) = of(cases) else {
                 return;
             };
@@ -162,22 +200,20 @@ fn likeliest(shares: &StaticLoadSharing, cases: &[TrialCase<'_>]) -> Option<(Rep
     (least < WORTH_A_FIT * as_they_are).then_some((found, table))
 }
 
-/// Shows the cases put right in the last one, in the last two ... in all of them, and leaves them as they were.
-fn each_from_the_end<'a>(
-    cases: &mut [TrialCase<'a>],
+/// Shows the cases put right in the last one, in the last two ... in all of them.
+fn each_from_the_end(
+    cases: &[TrialCase<'_>],
     plugs: Plugs,
-    mut show: impl FnMut(usize, &[TrialCase<'a>]),
+    mut show: impl FnMut(usize, &[TrialCase<'_>]),
 ) {
-    let put_right = |case: &mut TrialCase<'_>| {
-        if let Some(response) = &mut case.response {
-            plugs.put_right(&mut response.channels);
-        }
-    };
+    let mut cases = cases.to_vec();
     for from in (0..cases.len()).rev() {
-        put_right(&mut cases[from]);
-        show(from, cases);
+        let case = &mut cases[from];
+        if let Some(response) = &mut case.response {
+            plugs.responses_put_right(&mut response.channels, &case.trial.gains);
+        }
+        show(from, &cases);
     }
-    cases.iter_mut().for_each(put_right);
 }
 
 /// Where the fit starts: as the responses have it, and as designed where they leave something open.

@@ -1,0 +1,104 @@
+//! Whether a trial does what its role says: by the standards, a linear trial travels and an angular one turns.
+
+use core::f64::consts::TAU;
+
+use super::trial_case::{TrialCase, names};
+use crate::finding::{Cause, Finding};
+use crate::trial::Trial;
+use sixaxis_recordings::session::Role;
+
+/// Travel, m, and turn, rad, that a rig makes: where the other standard moves by a tenth of its own, the trial is of the other kind.
+const RIG: (f64, f64) = (0.1, 1.0);
+/// Share of that, and of the motion of the other kind, from which something moves.
+const MOVES: f64 = 0.1;
+
+/// Root mean square about the mean.
+fn size(series: &[f64]) -> f64 {
+    let count = series.len() as f64;
+    let mean = series.iter().sum::<f64>() / count;
+    let squares: f64 = series.iter().map(|x| (x - mean).powi(2)).sum();
+    (squares / count).sqrt()
+}
+
+/// Travel and turn of a trial over those of a rig.
+fn moved(trial: &Trial) -> (f64, f64) {
+    let omega = TAU * trial.frequency_hz;
+    (
+        size(&trial.accelerometer_m_s2) / (omega * omega * RIG.0),
+        size(&trial.gyroscope_rad_s) / (omega * RIG.1),
+    )
+}
+
+/// Trials of the other kind, and standards that read one value throughout.
+pub fn examine(cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
+    let is_linear = |trial: &Trial| match trial.role {
+        Role::Linear | Role::HighFrequencyLinear => Some(true),
+        Role::Angular => Some(false),
+        _ => None,
+    };
+    let (mut other, mut judged) = (Vec::new(), 0);
+    for (index, case) in cases.iter().enumerate() {
+        let Some(linear) = is_linear(case.trial) else {
+            continue;
+        };
+        judged += 1;
+        let (travel, turn) = moved(case.trial);
+        let (own, others) = if linear {
+            (travel, turn)
+        } else {
+            (turn, travel)
+        };
+        if others > MOVES && own < MOVES * others {
+            other.push((index, linear));
+        }
+    }
+    if !other.is_empty() {
+        let linear = other.iter().filter(|(_, linear)| *linear).count();
+        findings.push(Finding {
+            cause: Cause::Unreadable,
+            recordings: names(other.iter().map(|(index, _)| &cases[*index])),
+            channels: Vec::new(),
+            evidence: format!(
+                "by the standards {} linear and {} angular of these trials do what the other kind does",
+                linear,
+                other.len() - linear
+            ),
+            advice: if other.len() == judged {
+                "accelerometer and gyroscope are exchanged in the session's [channels], or the files or roles of linear and angular trials are"
+            } else {
+                "see whether files or roles of linear and angular trials are exchanged in the session"
+            }
+            .to_owned(),
+        });
+        for (index, _) in other {
+            cases[index].explained = true;
+        }
+    }
+    for (linear, what) in [(true, "accelerometer"), (false, "gyroscope")] {
+        let constant: Vec<usize> = (0..cases.len())
+            .filter(|index| {
+                let case = &cases[*index];
+                let series = if linear {
+                    &case.trial.accelerometer_m_s2
+                } else {
+                    &case.trial.gyroscope_rad_s
+                };
+                let moves = !case.explained && is_linear(case.trial) == Some(linear);
+                moves && series.iter().all(|x| Some(x) == series.first())
+            })
+            .collect();
+        if constant.is_empty() {
+            continue;
+        }
+        findings.push(Finding {
+            cause: Cause::Unreadable,
+            recordings: names(constant.iter().map(|index| &cases[*index])),
+            channels: Vec::new(),
+            evidence: format!("the standard {what} reads one value throughout"),
+            advice: format!("check the cable of the standard {what} and record again"),
+        });
+        for index in constant {
+            cases[index].explained = true;
+        }
+    }
+}
