@@ -1,7 +1,7 @@
 //! Decoupling for longer than seconds: how well rate and attitude are still known, and what else keeps them.
 //!
 //! The decoupler integrates angular acceleration to rate and rate to attitude with nothing to hold either. Specific
-//! force in *sensor axes* stays true for as long as one records; what is turned into *ground axes* is as good as the attitude. An
+//! force in *sensor axes* needs neither, and its errors, those of zeros and sensitivities, are not integrated; what is turned into *ground axes* is as good as the attitude. An
 //! error-state Kalman filter runs beside the decoupler, at a lower rate than it, and says how good that is. Where something else is
 //! known of the motion, rest, a bounded velocity or an attitude, the filter corrects rate, attitude, zero drifts and scale factors with it.
 //!

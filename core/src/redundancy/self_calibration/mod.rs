@@ -17,8 +17,9 @@
 //! | [`stiffness`] | a test of equal stiffness: ratios from the balance of forces beside those from the rows |
 //!
 //! # Assumptions
-//! The limbs are equally stiff. Where the k_i differ, the result is c_i/k_i, and no residual shows it. *Changes* of c_i since a
-//! calibration need only stiffnesses that have not changed: `drift` does not depend on equal stiffness except at second order.
+//! The result is c_i/k_i over the calibration's c_i: where the k_i are known from elsewhere (a joint fit), ln(k_i/k) is to be added to
+//! its logarithm, and where they are not, unequal ones look like a drift; no residual shows them. *Changes* of c_i from one recording to
+//! another need only stiffnesses that have not changed: they do not depend on equal stiffness except at second order.
 //! Zero drifts need not be known, but must be constant; the noise must be white above the length of a block.
 
 pub mod common_scale;

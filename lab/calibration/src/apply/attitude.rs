@@ -170,7 +170,7 @@ impl AttitudeStream {
             self.summary.unknown_from_s = Some(time_s);
             self.messages.push(format!(
                 "from {time_s:.2} s on the attitude is less certain than {:.1}° (--until-sd): it is integrated without a reference, and \
-                 ground-axis columns are NaN where it is. Specific force in sensor axes (--frame sensor or both) stays true; --aid tells what else is known",
+                 ground-axis columns are NaN where it is. Specific force in sensor axes (--frame sensor or both) needs no attitude; --aid tells what else is known",
                 self.until_rad.to_degrees()
             ));
         }

@@ -68,6 +68,8 @@ pub struct Summary {
     /// What the measurement comes to.
     pub finding: Finding,
     false_alarm: f64,
+    /// Whether the calibration has the limbs' stiffness ratios.
+    stiffnesses_calibrated: bool,
     limbs: Vec<Limb>,
     /// Another set of limbs that would explain the data.
     rival: Option<Vec<usize>>,
@@ -103,6 +105,7 @@ impl Summary {
             block_samples: measured.block,
             finding: Finding::Nothing,
             false_alarm: check.false_alarm,
+            stiffnesses_calibrated: check.calibration.limbs.is_some(),
             limbs: Vec::new(),
             rival: None,
             chi_square_of_none: None,
@@ -230,10 +233,13 @@ impl Summary {
             1.0 / self.false_alarm
         );
         if self.since.is_none() {
-            let _ = writeln!(
-                out,
-                "  limbs taken for equally stiff: otherwise their stiffness shows as a change; --since does without"
-            );
+            let stiffnesses = match self.stiffnesses_calibrated {
+                true => "stiffnesses are those of the joint fit",
+                false => {
+                    "the calibration knows no stiffnesses: they are taken to differ by 0.5 %, and smaller drifts do not show; --since does without"
+                }
+            };
+            let _ = writeln!(out, "  {stiffnesses}");
         }
         if let (Some(common), Some(half)) = (self.common_percent, self.common_half_width_95_percent)
         {

@@ -60,13 +60,14 @@ pub struct Arguments {
 }
 
 const AFTER_HELP: &str = "\
-Limbs of equal stiffness obey three coordination equations in any motion, and a motion rich enough tells the ratios of all nine
-scale factors from them. Turn the sensor about all axes, as fast as you can, for a minute: translation alone, or turning about one
+The strains of nine limbs obey three coordination equations in any motion, and a motion rich enough tells the ratios of all nine
+scale factors over stiffnesses from them. The stiffnesses are those of the calibration's joint fit; to a calibration by the four steps,
+which knows none, limbs that differ by 0.5 % (one standard deviation) are ordinary, and smaller drifts do not show without --since. Turn the sensor about all axes, as fast as you can, for a minute: translation alone, or turning about one
 axis, leaves ratios open, and which is said. Zero drifts need not be known, but must stand still.
 
 A common change of all nine does not show: limbs are named as drifted against the others, at most four, which are taken to have
-kept their scale. Limbs of unequal stiffness show as a change of that size unless --since is given. Intervals are of 95 % and hold
-the recording's noise and, unless --calibration-exact, what the calibration says of its own.
+kept their scale. A stiffness that has changed shows as a drift. Intervals are of 95 % and hold the recording's noise and, unless
+--calibration-exact, what the calibration says of its own; so does the rate of --false-alarm.
 
 Examples:
   sixaxis self-calibrate calibration.json tumble.tdms --gain 0.05 --down 0,0,-1

@@ -113,6 +113,59 @@ fn a_drifted_limb_is_named_with_its_interval() {
     assert_eq!(again.status.code(), Some(0), "{again:?}");
 }
 
+/// A day in the laboratory with limbs unequal by 0.2 % and wedges within 0.01 degrees, and a tumble of 20 s after it: what is said.
+fn of_unequal_limbs(name: &str, drift: &[&str]) -> Output {
+    let folder = Folder::new(name);
+    let printed = run(&[
+        "simulate",
+        "--print-plan",
+        "--engine",
+        "rigid",
+        "--seed",
+        "11",
+    ]);
+    let plan = stdout(&printed)
+        .replace("stiffness_spread = 0.0", "stiffness_spread = 0.002")
+        .replace("wedge_error_deg = 0.0", "wedge_error_deg = 0.01");
+    let plan = folder.write("plan.toml", plan);
+    let out = folder.file("day");
+    let arguments = ["--plan", &plan, "--out", &out, "--tumble", "20"];
+    let said = stdout(&run(&[&["simulate"], &arguments[..], drift].concat()));
+    let gains = said.split("--gain ").nth(1).expect("says how to go on");
+    let gains = gains.split_whitespace().next().expect("gains");
+    run(&["calibrate", &folder.file("day/session.toml"), "--quiet"]);
+    let [calibration, tumble] = ["day/calibration.json", "day/tumble.csv"].map(|f| folder.file(f));
+    run(&[
+        "self-calibrate",
+        &calibration,
+        &tumble,
+        "--gain",
+        gains,
+        "--down",
+        "0,0,-1",
+        "--json",
+    ])
+}
+
+#[test]
+fn ref_limbs_that_the_joint_fit_knows_to_be_unequal_have_not_drifted() {
+    let healthy = of_unequal_limbs("unequal", &[]);
+    assert_eq!(healthy.status.code(), Some(0), "{healthy:?}");
+    let drifted = of_unequal_limbs("unequal-drifted", &["--drift-limb", "4=0.3%"]);
+    assert_eq!(drifted.status.code(), Some(3), "{drifted:?}");
+    let said: Value = serde_json::from_slice(&drifted.stdout).expect("JSON");
+    let limbs = said["limbs"].as_array().expect("nine limbs");
+    for limb in limbs {
+        assert_eq!(limb["drifted"], limb["limb"] == 4, "{limb}");
+    }
+    let number = |key: &str| limbs[3][key].as_f64().expect("a number");
+    let (change, half) = (number("change_percent"), number("half_width_95_percent"));
+    assert!(
+        (change - 0.3).abs() < 2.5 * half && half < 0.05,
+        "{change} +- {half}"
+    );
+}
+
 #[test]
 fn neg_a_wrong_gain_is_no_drift() {
     let (folder, gains) = day();
