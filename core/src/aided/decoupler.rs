@@ -9,7 +9,7 @@ use super::aid::Aid;
 use super::block::{Block, Gathering};
 use super::channels::Channels;
 use super::deviations::Deviations;
-use super::filter::{Correction, ErrorFilter};
+use super::filter::{Correction, ErrorFilter, FIRST_ORDER_RAD};
 #[cfg(feature = "alloc")]
 use super::history::{Event, History};
 #[cfg(feature = "alloc")]
@@ -103,7 +103,8 @@ impl AidedDecoupler {
         self.last.as_ref().map(|(_, sample)| sample)
     }
 
-    /// Uses what is known of the last sample; false where no block ends there, or where it contradicts what was known.
+    /// Uses what is known of the last sample; false where no block ends there, where it contradicts what was known, or where it is a velocity and
+    /// the attitude is lost.
     pub fn aid(&mut self, aid: &Aid) -> bool {
         let Some((_, sample)) = &self.last else {
             return false;
@@ -113,7 +114,8 @@ impl AidedDecoupler {
 
     /// Uses what is known of an earlier sample of the block, in which errors hardly grow. Nothing may have been used since that sample.
     pub fn aid_of(&mut self, aid: &Aid, sample: &SixAxis) -> bool {
-        if self.last.is_none() {
+        if self.last.is_none() || (matches!(aid, Aid::Velocity { .. }) && self.has_lost_attitude())
+        {
             return false;
         }
         let mut taken = true;
@@ -149,6 +151,13 @@ impl AidedDecoupler {
             self.filter.doubt();
         }
         taken
+    }
+
+    /// Whether nothing of first order is known of the attitude. A velocity that is only bounded would be held against gravity in any
+    /// direction then, and the rate run away by it: it is not used.
+    #[must_use]
+    pub fn has_lost_attitude(&self) -> bool {
+        self.deviations().attitude_rad() > FIRST_ORDER_RAD
     }
 
     fn correct(&mut self, found: &Correction) {

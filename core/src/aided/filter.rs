@@ -9,8 +9,8 @@ use super::aid::Measurement;
 use super::block::Block;
 use super::deviations::{Deviations, TURN_RAD, accelerations, across, second_order};
 use super::model::{
-    ATTITUDE, DYNAMIC, ERRORS, ErrorModel, PARAMETRIC, RATE, Transition, VELOCITY, matrix, times,
-    vector,
+    ATTITUDE, DYNAMIC, ERRORS, ErrorModel, PARAMETRIC, RATE, Transition, VELOCITY, column, matrix,
+    times, vector,
 };
 use crate::decouple::uncertainty::{ChannelNoise, Covariance};
 use crate::error::{Error, Result};
@@ -25,7 +25,9 @@ pub(super) const CORRECTED: usize = DYNAMIC + SCALE.end;
 /// Innovations squared over their covariance that one of a thousand measurements of three numbers has.
 const ONE_OF_A_THOUSAND: f64 = 16.27;
 /// Deviation of the attitude beyond which nothing of first order is to be believed, rad.
-const FIRST_ORDER_RAD: f64 = 1.0;
+pub(super) const FIRST_ORDER_RAD: f64 = 1.0;
+/// Times that a correction by the velocity is held against what it bends, which converges by the error in rad.
+const BENDINGS: usize = 3;
 /// Deviation of a rate of which nothing is known, rad/s, and of a velocity, m/s.
 const UNKNOWN_RATE_RAD_S: f64 = 10.0;
 const UNKNOWN_VELOCITY_M_S: f64 = 1e3;
@@ -60,7 +62,24 @@ pub(super) struct Update {
     pub(super) noise: SMatrix<f64, 3, 3>,
     /// The errors found.
     pub(super) found: SMatrix<f64, ERRORS, 1>,
+    /// What the attitude's has done to the velocity in second order, m/s.
+    bent_m_s: DVec3,
+    /// The same of what is left of it, which is of first order about what was found.
+    pub(super) bending: SMatrix<f64, 3, 3>,
     contradicts: bool,
+}
+
+/// The covariance where so much of the attitude's error is one of the velocity besides.
+pub(super) fn shear(covariance: &mut ErrorCovariance, bending: &SMatrix<f64, 3, 3>) {
+    let rows = times(bending, &covariance.fixed_rows::<3>(ATTITUDE).into());
+    let mut velocity = covariance.fixed_rows_mut::<3>(VELOCITY);
+    velocity += rows;
+    let columns = times(
+        &covariance.fixed_columns::<3>(ATTITUDE).into(),
+        &bending.transpose(),
+    );
+    let mut velocity = covariance.fixed_columns_mut::<3>(VELOCITY);
+    velocity += columns;
 }
 
 impl Correction {
@@ -79,7 +98,11 @@ impl Correction {
 
 impl Update {
     pub(super) fn correction(&self) -> Correction {
-        Correction::of(&self.found, self.contradicts)
+        let found = Correction::of(&self.found, self.contradicts);
+        Correction {
+            velocity_ground_m_s: found.velocity_ground_m_s + self.bent_m_s,
+            ..found
+        }
     }
 }
 
@@ -88,8 +111,9 @@ impl Update {
 pub struct ErrorFilter {
     model: ErrorModel,
     covariance: ErrorCovariance,
-    /// What the attitude's error has done to the velocity in second order since that was measured last, at most, m/s.
-    bent_m_s: f64,
+    /// Integral of the specific force since the velocity was measured last, each part weighted by the square of what the attitude's error
+    /// was over what it is now: what that error has done to the velocity in second order goes by it, m/s.
+    bent_m_s: DVec3,
     /// Whether the attitude has been beyond first order since something told it: what the covariance says of it is not to be believed.
     lost: bool,
 }
@@ -127,7 +151,7 @@ impl ErrorFilter {
         let mut filter = Self {
             model,
             covariance: all,
-            bent_m_s: 0.0,
+            bent_m_s: DVec3::ZERO,
             lost: false,
         };
         filter.open_down(settings, down_deviation_rad);
@@ -176,10 +200,9 @@ impl ErrorFilter {
     /// The same where the block's transition is wanted besides.
     pub(super) fn advance_by(&mut self, block: &Block, transition: &Transition) {
         let Transition { by_errors, noise } = transition;
-        // It points the same way for as long as the attitude's error does; a turn about the force itself bends nothing.
         let [force, _] = self.model.turned(block);
-        let across = across(&self.covariance, ATTITUDE, force.normalize_or_zero());
-        self.bent_m_s += second_order(force, across * across) * block.duration_s;
+        let variance = |p: &ErrorCovariance| p.fixed_view::<3, 3>(ATTITUDE, ATTITUDE).trace();
+        let before = variance(&self.covariance);
         let p = &mut self.covariance;
         let carried = times(by_errors, p);
         let own = times(&carried, &by_errors.transpose()) + noise;
@@ -190,6 +213,11 @@ impl ErrorFilter {
             .tr_copy_from(&crossed);
         p.fixed_view_mut::<DYNAMIC, DYNAMIC>(0, 0)
             .copy_from(&((own + own.transpose()) * 0.5));
+        // An error that grows keeps its direction.
+        let grown = (before / variance(&self.covariance)).min(1.0);
+        if grown.is_finite() {
+            self.bent_m_s = self.bent_m_s * grown + force * block.duration_s;
+        }
         let sound = |variance: &f64| variance.is_finite() && *variance >= 0.0;
         if !self.covariance.diagonal().iter().all(sound) {
             self.forget();
@@ -240,7 +268,9 @@ impl ErrorFilter {
         let shows = p.fixed_rows::<3>(measurement.place).into_owned();
         let mut measured = measurement.covariance;
         if measurement.place == VELOCITY {
-            measured += SMatrix::<f64, 3, 3>::identity() * (self.bent_m_s * self.bent_m_s);
+            let across = across(p, ATTITUDE, self.bent_m_s.normalize_or_zero());
+            let bent_m_s = second_order(self.bent_m_s, across * across);
+            measured += SMatrix::<f64, 3, 3>::identity() * (bent_m_s * bent_m_s);
         }
         let scatter = shows.fixed_columns::<3>(measurement.place).into_owned() + measured;
         let mut weight = scatter.try_inverse()?;
@@ -270,7 +300,16 @@ impl ErrorFilter {
             let off = along * (along.transpose() * &attitude);
             attitude -= off;
         }
-        let found = times(&gain, &innovation);
+        let turned =
+            |found: &SMatrix<f64, ERRORS, 1>| vector(found.fixed_rows::<3>(ATTITUDE).into_owned());
+        let mut found = times(&gain, &innovation);
+        if measurement.place == VELOCITY {
+            for _ in 0..BENDINGS {
+                let bent = column(self.bent_by(turned(&found)));
+                found = times(&gain, &(innovation - bent));
+            }
+        }
+        let psi = turned(&found);
         // (1 - K H) P (1 - K H)^T + K R K^T, which is right for any gain, one side after the other: little is left of what the first
         // takes off, and the second takes its part of what is left.
         let kept = p - times(&gain, &shows);
@@ -278,16 +317,42 @@ impl ErrorFilter {
         let lost = times(&(times(&gain, &measured) - seen), &gain.transpose());
         let next = kept + lost;
         self.covariance = (next + next.transpose()) * 0.5;
+        let (bent_m_s, bending) = (self.bent_by(psi), self.bending(psi));
+        shear(&mut self.covariance, &bending);
         if measurement.place == VELOCITY {
-            self.bent_m_s = 0.0;
+            self.bent_m_s = DVec3::ZERO;
         }
         Some(Update {
             place: measurement.place,
             gain,
             noise: measured,
             found,
+            bent_m_s,
+            bending,
             contradicts,
         })
+    }
+
+    /// What an error of the attitude has done to the velocity in second order, m/s.
+    fn bent_by(&self, psi: DVec3) -> DVec3 {
+        if psi.length() < FIRST_ORDER_RAD {
+            psi.cross(psi.cross(self.bent_m_s)) * -0.5
+        } else {
+            DVec3::ZERO
+        }
+    }
+
+    /// Derivative of that by the error, m/s.
+    fn bending(&self, psi: DVec3) -> SMatrix<f64, 3, 3> {
+        let bent = self.bent_m_s;
+        if psi.length() < FIRST_ORDER_RAD {
+            SMatrix::from_fn(|i, j| {
+                let one = DVec3::AXES[j];
+                -0.5 * (psi.cross(one.cross(bent)) + one.cross(psi.cross(bent)))[i]
+            })
+        } else {
+            SMatrix::zeros()
+        }
     }
 
     /// Doubles the standard deviations of attitude, rate and velocity: what was measured several times contradicts them.

@@ -32,9 +32,9 @@ use nalgebra::{Cholesky, SMatrix, SVector};
 
 use super::channels::Channels;
 use super::deviations::{Deviations, across};
-use super::filter::{CORRECTED, Correction, ErrorCovariance, Update};
+use super::filter::{CORRECTED, Correction, ErrorCovariance, Update, shear};
 use super::history::{Event, History, Segment};
-use super::model::{ATTITUDE, DYNAMIC, ERRORS, PARAMETRIC, Transition, times};
+use super::model::{ATTITUDE, DYNAMIC, ERRORS, PARAMETRIC, Transition, VELOCITY, times};
 use crate::float::sqrt;
 use crate::model::Parameters;
 use crate::six_axis::SixAxis;
@@ -229,11 +229,30 @@ impl Backwards {
     }
 
     fn take_back(&mut self, update: &Update) {
+        self.bend_back(&update.bending);
         let left = update.gain - times(&self.share, &update.gain);
         let mut shown = self.share.fixed_columns_mut::<3>(update.place);
         shown += left;
         self.noise += times(&times(&left, &update.noise), &left.transpose());
         self.found += update.found;
+    }
+
+    /// From errors about what was found to those about what was decoded: the velocity's lack what the attitude's do to it about that.
+    fn bend_back(&mut self, bending: &SMatrix<f64, 3, 3>) {
+        let back = -bending;
+        let of_found = times(&back, &self.found.fixed_rows::<3>(ATTITUDE).into_owned());
+        let mut velocity = self.found.fixed_rows_mut::<3>(VELOCITY);
+        velocity += of_found;
+        let of_share = times(&back, &self.share.fixed_rows::<3>(ATTITUDE).into_owned());
+        let mut velocity = self.share.fixed_rows_mut::<3>(VELOCITY);
+        velocity += of_share;
+        let by_velocity = times(
+            &self.share.fixed_columns::<3>(VELOCITY).into_owned(),
+            bending,
+        );
+        let mut attitude = self.share.fixed_columns_mut::<3>(ATTITUDE);
+        attitude += by_velocity;
+        shear(&mut self.noise, &back);
     }
 
     fn carry(&mut self, step: &Step) {

@@ -15,15 +15,14 @@ use super::attitude_summary::{AttitudeSummary, Used};
 /// From one measurement of the velocity to the next are 0.5 to 1.5 of the stated time, each time this share of it further on, so that
 /// no periodic motion is always met in the same place.
 const GOLDEN: f64 = 0.618_033_988_749_895;
-/// Deviation of the attitude beyond which a correction is not even roughly right, rad.
-const FIRST_ORDER_RAD: f64 = 1.0;
 
 /// Measurements of the velocity as they come due.
 struct Velocity {
     every_s: f64,
     aid: Aid,
     next_s: f64,
-    taken: f64,
+    /// How many have been.
+    due: f64,
 }
 
 /// A decoder with its aids.
@@ -77,7 +76,7 @@ impl Aided {
                             deviation_m_s: *deviation_m_s,
                         },
                         next_s: f64::NEG_INFINITY,
-                        taken: 0.0,
+                        due: 0.0,
                     });
                 }
                 AidChoice::Attitude {
@@ -150,17 +149,17 @@ impl Aided {
         if let Some(rest) = self.rests.as_mut().and_then(|rests| rests.push(block)) {
             summary.rest.count(self.decoder.aid(&rest));
         }
-        // By a decoded attitude of which nothing is known a velocity that is only bounded would be held against gravity in any
-        // direction: the rate runs away by it.
-        let lost = self.decoder.deviations().attitude_rad() > FIRST_ORDER_RAD;
         if let Some(velocity) = &mut self.velocity
             && time_s >= velocity.next_s
-            && !lost
         {
-            velocity.taken += 1.0;
-            let share = 0.5 + (GOLDEN * velocity.taken).fract();
+            velocity.due += 1.0;
+            let share = 0.5 + (GOLDEN * velocity.due).fract();
             velocity.next_s = time_s + velocity.every_s * share;
-            summary.velocity.count(self.decoder.aid(&velocity.aid));
+            if self.decoder.has_lost_attitude() {
+                summary.velocity.unused += 1;
+            } else {
+                summary.velocity.count(self.decoder.aid(&velocity.aid));
+            }
         }
     }
 }

@@ -9,7 +9,8 @@ pub struct Used {
     pub taken: u64,
     /// Contradict what was known: a velocity is not used, a rest or an attitude counts little.
     pub refused: u64,
-    /// Not used, since there was no sample at their time, or another one within a hundredth of a second.
+    /// Not used, since there was no sample at their time, or another one within a hundredth of a second; of velocities, since the
+    /// attitude was lost.
     pub unused: u64,
 }
 

@@ -148,10 +148,6 @@ impl Job<'_> {
             gravity != DVec3::ZERO || self.aids.iter().all(|aid| aid.file().is_some()),
             "--aid rest and velocity are held against gravity, and nobody says where down is: give --down or --session"
         );
-        ensure!(
-            !self.smooth || !self.aids.contains(&AidChoice::Rest),
-            "--smooth with --aid rest: its deviations are not to be believed, one run of 24 was off by seven of them"
-        );
         if !self.rest_to_rest && self.excluded.is_empty() {
             let down_rad = DOWN_DEG.to_radians();
             let filter = self
