@@ -36,6 +36,9 @@
 //! Inertias are considered and never corrected (Schmidt): all else is as uncertain as they make it. So is the heading, where gravity
 //! alone is measured against: to first order a turn about it seems to show once other errors are large, and it does not. Velocities,
 //! those of rests, too, leave scale factors alone. Stiffness has no part.
+//!
+//! One thing is of second order: an error of the attitude, once it is found, has bent gravity into the velocity by half its square, which
+//! a rest tells to a millimetre a second. It is taken off the velocity with that error, and what is left counts about the corrected attitude.
 
 pub mod aid;
 pub mod block;

@@ -17,7 +17,8 @@
 //! D' = D + (1 - D) K H      N' = N + (1 - D) K R K^T (1 - D)^T,
 //! ```
 //!
-//! and what is left, (1 - D) e - n, has the covariance (1 - D) P (1 - D)^T + N, whatever the gains.
+//! and what is left, (1 - D) e - n, has the covariance (1 - D) P (1 - D)^T + N, whatever the gains. Behind an update, errors of the velocity are
+//! those about the corrected attitude, which has bent it less: they go back by T^-1 e, D by T^-1 D T and N by T^-1 N T^-T.
 //!
 //! Phi turns rates by the filter's attitude. Where that is less certain than first order bears, or would be better known without what came
 //! later, nothing goes back: what was before is known by what came until then.

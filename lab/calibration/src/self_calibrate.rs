@@ -26,6 +26,8 @@ const MISFIT: f64 = 1e-6;
 const CORRELATED: (f64, f64) = (5.0, 0.1);
 /// Logarithm of a factor from which a change is hardly a limb's own.
 const NO_DRIFT: f64 = 0.1;
+/// What breaks the equations.
+const NO_MODEL: &str = "Cross-talk, a bent frame, a channel that is dead or not linear";
 /// Largest logarithm of a common factor that is accepted: half as much again.
 const LARGEST_COMMON: f64 = 0.4;
 
@@ -85,6 +87,14 @@ impl Check<'_> {
                 summary.finding = Finding::TooPoor;
                 summary.open = directions.pairs().map(Into::into).collect();
                 summary.open_in_words = Some(directions.to_string());
+                return Ok((summary, None));
+            }
+            Err(error @ Error::NotConverged { .. }) => {
+                summary.finding = Finding::Misfit;
+                let place = self.recording.display();
+                summary
+                    .warnings
+                    .push(format!("{place}: {error}: {NO_MODEL}"));
                 return Ok((summary, None));
             }
             Err(error) => return Err(error).with_context(|| self.recording.display().to_string()),
@@ -187,7 +197,7 @@ fn note_misfit(summary: &mut Summary, ratios: &ScaleRatios) {
     if ratios.misfit.chance() < MISFIT {
         summary.finding = Finding::Misfit;
         summary.warnings.push(format!(
-            "the three equations contradict each other: limb 1 would have to count {:+.3} % more in its first row than in its second ({:.0} standard deviations). Crosstalk, a bent frame or a channel that is not linear",
+            "the three equations contradict each other: limb 1 would have to count {:+.3} % more in its first row than in its second ({:.0} standard deviations). {NO_MODEL}",
             1e2 * ratios.misfit.ln_ratio,
             ratios.misfit.z().abs()
         ));

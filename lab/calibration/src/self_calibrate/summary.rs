@@ -130,10 +130,11 @@ impl Summary {
                 (false, _) => Finding::TooMany,
             };
         }
+        let named = self.finding == Finding::Drifted;
         self.limbs = (0..LIMBS)
             .map(|i| Limb {
                 limb: i + 1,
-                drifted: said.limbs.contains(i),
+                drifted: named && said.limbs.contains(i),
                 change_percent: percent(said.ln_change[i]),
                 half_width_95_percent: 1e2 * z * said.deviation[i],
                 absolute_percent: None,

@@ -113,45 +113,66 @@ fn a_drifted_limb_is_named_with_its_interval() {
     assert_eq!(again.status.code(), Some(0), "{again:?}");
 }
 
-/// A day in the laboratory with limbs unequal by 0.2 % and wedges within 0.01 degrees, and a tumble of 20 s after it: what is said.
-fn of_unequal_limbs(name: &str, drift: &[&str]) -> Output {
+/// A day in the laboratory by the plan with these lines changed, and a tumble of so many seconds after it: what is said.
+fn of_a_day(name: &str, lines: &[(&str, &str)], tumble_s: &str, drift: &[&str]) -> Output {
     let folder = Folder::new(name);
-    let printed = run(&[
-        "simulate",
-        "--print-plan",
-        "--engine",
-        "rigid",
-        "--seed",
-        "11",
-    ]);
-    let plan = stdout(&printed)
-        .replace("stiffness_spread = 0.0", "stiffness_spread = 0.002")
-        .replace("wedge_error_deg = 0.0", "wedge_error_deg = 0.01");
+    let printed = run(&["simulate", "--print-plan", "--engine", "rigid"]);
+    let mut plan = stdout(&printed);
+    for (key, value) in lines {
+        let line = plan
+            .lines()
+            .find(|line| line.starts_with(&format!("{key} = ")));
+        let line = line.expect(key).to_owned();
+        plan = plan.replacen(&line, &format!("{key} = {value}"), 1);
+    }
     let plan = folder.write("plan.toml", plan);
     let out = folder.file("day");
-    let arguments = ["--plan", &plan, "--out", &out, "--tumble", "20"];
+    let arguments = ["--plan", &plan, "--out", &out, "--tumble", tumble_s];
     let said = stdout(&run(&[&["simulate"], &arguments[..], drift].concat()));
     let gains = said.split("--gain ").nth(1).expect("says how to go on");
     let gains = gains.split_whitespace().next().expect("gains");
     run(&["calibrate", &folder.file("day/session.toml"), "--quiet"]);
-    let [calibration, tumble] = ["day/calibration.json", "day/tumble.csv"].map(|f| folder.file(f));
-    run(&[
-        "self-calibrate",
-        &calibration,
-        &tumble,
-        "--gain",
-        gains,
-        "--down",
-        "0,0,-1",
-        "--json",
-    ])
+    let [calibration, tumble] =
+        ["day/calibration.json", "day/tumble.csv"].map(|file| folder.file(file));
+    let arguments = ["--gain", gains, "--down", "0,0,-1", "--json"];
+    run(&[&["self-calibrate", &calibration, &tumble], &arguments[..]].concat())
+}
+
+#[test]
+fn neg_cross_talk_that_breaks_the_equations_says_nothing_of_limbs() {
+    let room = [
+        ("seed", "500"),
+        ("sensor", "\"random\""),
+        ("wedge_error_deg", "0.05"),
+        ("stiffness_spread", "0.01"),
+        ("cross_talk", "0.005"),
+        ("sensitivity_drift", "0.0005"),
+    ];
+    let output = of_a_day("cross-talk", &room, "5", &[]);
+    assert_eq!(output.status.code(), Some(4), "{output:?}");
+    let said: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(said["finding"], "misfit");
+    assert!(
+        said["limbs"]
+            .as_array()
+            .expect("limbs")
+            .iter()
+            .all(|limb| limb["drifted"] == false)
+    );
+    assert!(stderr(&output).contains("Cross-talk"), "{output:?}");
 }
 
 #[test]
 fn ref_limbs_that_the_joint_fit_knows_to_be_unequal_have_not_drifted() {
-    let healthy = of_unequal_limbs("unequal", &[]);
+    let unequal = [
+        ("seed", "11"),
+        ("stiffness_spread", "0.002"),
+        ("wedge_error_deg", "0.01"),
+    ];
+    let healthy = of_a_day("unequal", &unequal, "20", &[]);
     assert_eq!(healthy.status.code(), Some(0), "{healthy:?}");
-    let drifted = of_unequal_limbs("unequal-drifted", &["--drift-limb", "4=0.3%"]);
+    let drift = ["--drift-limb", "4=0.3%"];
+    let drifted = of_a_day("unequal-drifted", &unequal, "20", &drift);
     assert_eq!(drifted.status.code(), Some(3), "{drifted:?}");
     let said: Value = serde_json::from_slice(&drifted.stdout).expect("JSON");
     let limbs = said["limbs"].as_array().expect("nine limbs");

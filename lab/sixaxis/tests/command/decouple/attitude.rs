@@ -307,6 +307,16 @@ fn ref_a_second_pass_knows_what_came_later() {
     );
     // Attitudes are counted once, of the first pass.
     assert_eq!(said["attitude"]["attitude"], once["attitude"]["attitude"]);
+    let with_rests = [&aids[..], &["--aid", "rest", "--smooth"]].concat();
+    let (rested, _) = decoupled("rested.parquet", &with_rests);
+    let (worst_attitude, sd_rested) = attitudes_against_truth(&rested);
+    let worst = held_against_truth(&rested).worst;
+    println!("{sd_rested:.2e} rad with rests, {worst_attitude:.2} and {worst:.2} deviations");
+    assert!(worst < NEVER && worst_attitude < NEVER);
+    assert!(
+        sd_rested <= sd_smoothed,
+        "{sd_rested} after {sd_smoothed} rad"
+    );
 }
 
 #[test]
