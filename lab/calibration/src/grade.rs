@@ -1,5 +1,6 @@
 //! From evidence to a grade: what fails, what is missing, what is good.
 
+use crate::drive;
 use crate::finding::{Cause, Finding, in_a_sentence};
 use crate::report::{Grade, ParameterReport, TrialReport};
 use crate::steps::{Campaign, FourSteps};
@@ -32,47 +33,11 @@ fn beside(share: f64, limit_percent: f64) -> String {
     format!("{percent:.*}", decimals_apart(percent, limit_percent, 1))
 }
 
-/// Share by which a stated frequency may be off: a corner of the low-pass that is off by it takes as much off.
-const FREQUENCY_OFF: f64 = 0.05;
-
-/// The drive's frequency as seen, where the session states another.
-fn misstated_hz(report: &TrialReport) -> Option<f64> {
-    let off = |seen_hz: &f64| (seen_hz / report.frequency_hz - 1.0).abs() > FREQUENCY_OFF;
-    report.seen_hz.filter(off)
-}
-
-/// What is wrong with a trial, unless its drive's frequency is misstated, which explains it: cause, evidence, what to do.
-pub(crate) fn unless_misstated(report: &TrialReport, evidence: String, advice: &str) -> Finding {
-    let (cause, evidence, advice) = match misstated_hz(report) {
-        Some(seen_hz) => (
-            Cause::ClockMismatch,
-            format!("{}; {evidence}", two_drives(report, seen_hz)),
-            "correct frequency_hz",
-        ),
-        None => (Cause::Unexplained, evidence, advice),
-    };
-    Finding {
-        cause,
-        recordings: vec![report.name.clone()],
-        channels: Vec::new(),
-        evidence,
-        advice: advice.to_owned(),
-    }
-}
-
-/// Both frequencies, and what the session's is used for.
-fn two_drives(report: &TrialReport, seen_hz: f64) -> String {
-    format!(
-        "the drive turns at {seen_hz:.3} Hz by the recording's clock and at {:.3} Hz by the session, by which the low-pass goes",
-        report.frequency_hz
-    )
-}
-
 /// What to do about trials whose drive turned at another frequency than stated.
 pub(crate) fn misstated_drives(reports: &[TrialReport]) -> Option<String> {
     let misstated: Vec<(&TrialReport, f64)> = reports
         .iter()
-        .filter_map(|report| Some((report, misstated_hz(report)?)))
+        .filter_map(|report| Some((report, drive::misstated_hz(report)?)))
         .collect();
     let (first, seen_hz) = misstated.first()?;
     let names: Vec<&str> = misstated.iter().map(|(r, _)| r.name.as_str()).collect();
@@ -84,7 +49,7 @@ pub(crate) fn misstated_drives(reports: &[TrialReport]) -> Option<String> {
     };
     Some(format!(
         "{names}: {in_the_first}{}: correct frequency_hz",
-        two_drives(first, *seen_hz)
+        drive::both_in_words(first.frequency_hz, *seen_hz)
     ))
 }
 
@@ -132,11 +97,13 @@ pub(crate) fn failures(
             if let Some(error) = error
                 && error > BEYOND_DOUBT * limit / 100.0
             {
-                failures.push(unless_misstated(
-                    report,
-                    format!("{what} {} %, where the session asks for {limit} %", beside(error, limit)),
-                    "check wedges, mounting and preprocessing; with a level axis, or a wedge off by a tenth of a degree, the open loop is no better",
-                ));
+                failures.push(Finding {
+                    cause: Cause::Unexplained,
+                    recordings: vec![report.name.clone()],
+                    channels: Vec::new(),
+                    evidence: format!("{what} {} %, where the session asks for {limit} %", beside(error, limit)),
+                    advice: "check wedges, mounting and preprocessing; with a level axis, or a wedge off by a tenth of a degree, the open loop is no better".to_owned(),
+                });
             }
         }
     }

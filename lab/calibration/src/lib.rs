@@ -9,6 +9,7 @@
 //! |---|---|
 //! | [`load`], [`trial`] | one recording in SI units on one clock |
 //! | [`conditioning`] | what is done to recordings beforehand, in one order |
+//! | [`drive`] | the frequency that the session states against the one that was recorded |
 //! | [`prepare`] | a session's recordings, sorted and conditioned |
 //! | [`response`] | what each channel shows of a known motion |
 //! | [`diagnosis`] | what is wrong, named as [`finding`]s |
@@ -29,6 +30,7 @@ pub mod calibration;
 pub mod compare;
 pub mod conditioning;
 pub mod diagnosis;
+pub mod drive;
 pub mod error;
 pub mod estimate;
 pub mod finding;

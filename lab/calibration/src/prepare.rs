@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use sixaxis_core::{Geometry, Parameters};
 
 use crate::conditioning::{Conditioned, Conditioning};
+use crate::drive;
 use crate::error::{Error, Result};
 use crate::finding::{Cause, Finding, in_a_sentence};
 use crate::load;
@@ -138,6 +139,7 @@ impl PreparedSession {
                 _ => moving.push(trial),
             }
         }
+        let mut findings = Vec::from_iter(drive::set_aside(&mut moving));
         progress.stage("conditioning", moving.len());
         let conditioned: Vec<(Trial, sixaxis_core::Result<Conditioned>)> = moving
             .into_par_iter()
@@ -148,7 +150,6 @@ impl PreparedSession {
             })
             .collect();
         let mut trials = Vec::new();
-        let mut findings = Vec::new();
         for (trial, conditioned) in conditioned {
             match conditioned {
                 Ok(conditioned) => trials.push((trial, conditioned)),

@@ -10,9 +10,10 @@ use sixaxis_core::{InertiaPerMass, LIMBS, Parameters};
 use crate::conditioning::Conditioned;
 use crate::diagnosis::timing;
 use crate::diagnosis::trial_case::TrialCase;
+use crate::drive;
 use crate::interval::LeftOut;
 use crate::report::TrialReport;
-use crate::response::{ChannelResponse, frequency};
+use crate::response::ChannelResponse;
 use crate::steps::{Campaign, FourSteps, rows};
 use crate::trial::Trial;
 use sixaxis_recordings::session::Role;
@@ -39,7 +40,7 @@ pub(super) fn trial_report(case: &TrialCase<'_>, departure: Option<f64>) -> Tria
         name: trial.name.clone(),
         role: trial.role,
         frequency_hz: trial.frequency_hz,
-        seen_hz: drive_hz(trial),
+        seen_hz: drive::seen_hz(trial),
         direction: trial.direction_ground.to_array(),
         sample_rate_hz: trial.sample_rate_hz,
         samples: trial.voltage_v.len(),
@@ -52,15 +53,6 @@ pub(super) fn trial_report(case: &TrialCase<'_>, departure: Option<f64>) -> Tria
         hold_out: None,
         coordination: None,
         validation: None,
-    }
-}
-
-/// Frequency of the drive by what was recorded, whatever frequency the session states, which conditioning goes by.
-fn drive_hz(trial: &Trial) -> Option<f64> {
-    let of = |series: &[f64]| frequency(series, trial.sample_rate_hz);
-    match trial.role {
-        Role::Linear | Role::HighFrequencyLinear => of(&trial.accelerometer_m_s2),
-        _ => of(&trial.gyroscope_rad_s),
     }
 }
 

@@ -11,8 +11,8 @@ use sixaxis_core::{CrossTalk, Decoupler, Parameters, Scheme};
 use crate::calibration::Square;
 use crate::conditioning::Conditioned;
 use crate::diagnosis::trial_case::angles;
-use crate::finding::Finding;
-use crate::grade::{unless_misstated, worst};
+use crate::finding::{Cause, Finding};
+use crate::grade::worst;
 use crate::report::{TrialReport, ValidationRun};
 use crate::steps::Campaign;
 use crate::trial::Trial;
@@ -40,11 +40,13 @@ pub(super) fn validate(
                 validation_runs.push(run);
             }
             // What made it fail has been found before, or else is news.
-            Err(error) if findings.is_empty() => findings.push(unless_misstated(
-                report,
-                format!("cannot be decoupled with this calibration: {error}"),
-                "look at the trial's curves in the report",
-            )),
+            Err(error) if findings.is_empty() => findings.push(Finding {
+                cause: Cause::Unexplained,
+                recordings: vec![trial.name.clone()],
+                channels: Vec::new(),
+                evidence: format!("cannot be decoupled with this calibration: {error}"),
+                advice: "look at the trial's curves in the report".to_owned(),
+            }),
             Err(_) => {}
         }
     }

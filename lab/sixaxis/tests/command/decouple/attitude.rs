@@ -375,10 +375,6 @@ fn prop_aids_that_say_nothing_are_refused() {
             "twice",
         ),
         (&["--smooth"], "--aid"),
-        (
-            &["--down", "0,0,-1", "--aid", "rest", "--smooth"],
-            "not to be believed",
-        ),
         (&["--until-sd", "5", "--watch"], "cannot be used with"),
         (&["--until-sd", "0"], "must be positive"),
         (&["--frame", "sensor", "--picture", "p.html"], "leaves out"),

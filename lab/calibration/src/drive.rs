@@ -1,0 +1,89 @@
+//! Frequency of the drive: what the session states of a trial, by which its low-pass and its harmonics go, against what was recorded.
+
+use crate::finding::{Cause, Finding};
+use crate::report::TrialReport;
+use crate::response::frequency;
+use crate::trial::Trial;
+use sixaxis_recordings::session::Role;
+
+/// Share by which a stated frequency may be off: a corner of the low-pass that is off by it takes as much off.
+const OFF: f64 = 0.05;
+/// Factor by which it is another motion's, and nothing can be done with the trial.
+const ANOTHER: f64 = 1.5;
+/// Largest over smallest ratio of seen to stated frequencies that have one cause.
+const ALIKE: f64 = 1.1;
+
+/// Frequency by a trial's own standards and clock, where one shows three cycles or more; of two, the one nearer to what is stated.
+#[must_use]
+pub fn seen_hz(trial: &Trial) -> Option<f64> {
+    let of = |series: &[f64]| frequency(series, trial.sample_rate_hz);
+    let far = |hz: &f64| (hz / trial.frequency_hz).ln().abs();
+    let linear = of(&trial.accelerometer_m_s2);
+    let angular = of(&trial.gyroscope_rad_s);
+    match trial.role {
+        Role::Linear | Role::HighFrequencyLinear => linear,
+        Role::Angular => angular,
+        Role::Validation => {
+            let both = [linear, angular].into_iter().flatten();
+            both.min_by(|a, b| far(a).total_cmp(&far(b)))
+        }
+        Role::Static | Role::Tap => None,
+    }
+}
+
+/// The frequency as seen, where the session states another.
+pub(crate) fn misstated_hz(report: &TrialReport) -> Option<f64> {
+    let off = |seen_hz: &f64| (seen_hz / report.frequency_hz - 1.0).abs() > OFF;
+    report.seen_hz.filter(off)
+}
+
+/// Both frequencies, and what the session's is used for.
+pub(crate) fn both_in_words(stated_hz: f64, seen_hz: f64) -> String {
+    format!(
+        "the drive turns at {seen_hz:.3} Hz by the recording's clock and at {stated_hz:.3} Hz by the session, by which the low-pass goes"
+    )
+}
+
+/// Takes out the trials whose drive is stated to be another's altogether, and says so.
+pub(crate) fn set_aside(trials: &mut Vec<Trial>) -> Option<Finding> {
+    let another = |trial: &Trial| {
+        let seen_hz = seen_hz(trial)?;
+        let factor = seen_hz / trial.frequency_hz;
+        let far = !(1.0 / ANOTHER..=ANOTHER).contains(&factor);
+        far.then_some((factor, seen_hz))
+    };
+    let (mut names, mut factors, mut first) = (Vec::new(), Vec::new(), None);
+    let all = trials.len();
+    trials.retain(|trial| {
+        let Some((factor, seen_hz)) = another(trial) else {
+            return true;
+        };
+        names.push(trial.name.clone());
+        factors.push(factor);
+        first.get_or_insert_with(|| both_in_words(trial.frequency_hz, seen_hz));
+        false
+    });
+    let most = factors.iter().copied().fold(0.0, f64::max);
+    let least = factors.iter().copied().fold(f64::INFINITY, f64::min);
+    let by_the_clock = names.len() == all && all > 1 && most < ALIKE * least;
+    Some(Finding {
+        cause: Cause::ClockMismatch,
+        evidence: format!(
+            "{}{}",
+            if names.len() > 1 {
+                "in the first of them "
+            } else {
+                ""
+            },
+            first?
+        ),
+        recordings: names,
+        channels: Vec::new(),
+        advice: if by_the_clock {
+            "check sample_rate_hz against the recorder: all recordings are off by the same factor"
+        } else {
+            "correct frequency_hz"
+        }
+        .to_owned(),
+    })
+}
