@@ -139,7 +139,8 @@ impl PreparedSession {
                 _ => moving.push(trial),
             }
         }
-        let mut findings = Vec::from_iter(drive::set_aside(&mut moving));
+        let mut findings = copies(&mut moving);
+        findings.extend(drive::set_aside(&mut moving));
         progress.stage("conditioning", moving.len());
         let conditioned: Vec<(Trial, sixaxis_core::Result<Conditioned>)> = moving
             .into_par_iter()
@@ -173,6 +174,24 @@ impl PreparedSession {
             reservations: Vec::new(),
         }
     }
+}
+
+/// Takes out trials that are another one's copy, sample by sample: they would count as evidence of their own.
+fn copies(trials: &mut Vec<Trial>) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    let mut at = 0;
+    while at < trials.len() {
+        let copied = |other: &&Trial| other.voltage_v == trials[at].voltage_v;
+        let Some(original) = trials[..at].iter().find(copied) else {
+            at += 1;
+            continue;
+        };
+        let evidence = format!("the same samples as {}", original.name);
+        let advice = "take the copy out of the session: each trial is a recording of its own";
+        let copy = trials.remove(at).name;
+        unreadable(&mut findings, &copy, &evidence, advice);
+    }
+    findings
 }
 
 /// Validation runs have a low-pass of their own.

@@ -182,6 +182,14 @@ fn no_drift(found: &Drifted, scales: Option<&Scales>) -> Option<String> {
         None if found.limbs.contains(limb) => found.ln_change[limb],
         None => 0.0,
     };
+    if let Some(scales) = scales
+        && scales.ln_common.abs() > NO_DRIFT
+    {
+        return Some(format!(
+            "all nine would have changed together by {:+.1} %, and limbs rarely do: is --known-change right, and was the sensor at rest in both --rests and turned in between?",
+            1e2 * scales.ln_common.exp_m1()
+        ));
+    }
     let worst = (0..LIMBS).max_by(|a, b| ln(*a).abs().total_cmp(&ln(*b).abs()))?;
     (ln(worst).abs() > NO_DRIFT).then(|| {
         format!(

@@ -13,6 +13,8 @@ use crate::response::Response;
 
 /// Departure, relative to the trial's own size, that is noticed: a wedge half a degree off.
 pub const NOTICED: f64 = 0.01;
+/// How near to -1 a factor on all channels is of a motion the other way.
+const OPPOSITE: f64 = 0.1;
 /// Share of the departure that may be left once a cause is taken into account.
 const LEFT: f64 = 0.1;
 /// Angle from which a wedge is called loose, degrees; what is below is its workshop's tolerance.
@@ -173,8 +175,12 @@ impl<'a> Odd<'a> {
             evidence: format!(
                 "all channels are {common:.4} times what the other trials make one expect"
             ),
-            advice: "check this recording's gains and units, and the sensitivity of the standard"
-                .to_owned(),
+            advice: if (common + 1.0).abs() < OPPOSITE {
+                "turn the sign of this recording's direction in the session, or see to the polarity of the standard"
+            } else {
+                "check this recording's gains and units, and the sensitivity of the standard"
+            }
+            .to_owned(),
         })
     }
 

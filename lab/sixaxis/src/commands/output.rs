@@ -7,7 +7,7 @@ use anyhow::{Context, Result, bail, ensure};
 
 use super::common::tell;
 
-fn same_file(a: &Path, b: &Path) -> bool {
+pub fn same_file(a: &Path, b: &Path) -> bool {
     match (a.canonicalize(), b.canonicalize()) {
         (Ok(a), Ok(b)) => a == b,
         _ => a == b,

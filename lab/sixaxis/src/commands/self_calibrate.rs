@@ -9,7 +9,7 @@ use sixaxis_calibration::self_calibrate::{Check, Finding, Known, Rest};
 use sixaxis_recordings::draft::write_atomically;
 
 use super::common::{Beside, print, print_json, read_calibration, say};
-use super::output::{check_outputs, mention_earlier};
+use super::output::{check_outputs, mention_earlier, same_file};
 use crate::progress::Progress;
 
 /// Which calibration is checked with which recording.
@@ -90,6 +90,11 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let inputs = [&arguments.calibration, &arguments.recording].into_iter();
     let inputs = inputs.chain(optional.into_iter().flatten());
     check_outputs(&outputs, inputs.map(PathBuf::as_path))?;
+    if let Some(since) = &arguments.since
+        && same_file(since, &arguments.recording)
+    {
+        bail!("--since {}: the recording itself", since.display());
+    }
     let calibration = read_calibration(&arguments.calibration)?;
     let session = arguments.beside.read_session()?;
     let overrides = arguments.beside.overrides();

@@ -193,3 +193,49 @@ fn neg_gravity_taken_off_the_wrong_way_is_no_motion() {
         stderr(&compared)
     );
 }
+
+#[test]
+fn neg_a_copy_is_no_trial_of_its_own() {
+    let folder = &day().0;
+    fs::copy(folder.join("linear-02.csv"), folder.join("again.csv")).expect("a copy");
+    let (code, said) = calibrated("copy", |s| {
+        let second = s
+            .split("[[recording]]")
+            .find(|entry| entry.contains("linear-02"));
+        format!(
+            "{s}\n[[recording]]{}",
+            second.expect("an entry").replace("linear-02", "again")
+        )
+    });
+    assert_eq!(code, 4, "{said}");
+    assert!(
+        said.contains("again.csv the same samples as linear-02.csv"),
+        "{said}"
+    );
+}
+
+#[test]
+fn neg_a_direction_of_the_wrong_sign_is_told() {
+    let (code, said) = calibrated("opposite", |s| {
+        let entries = s
+            .split("[[recording]]")
+            .map(|entry| match entry.contains("linear-04") {
+                true => {
+                    let (before, after) = entry.split_once("direction = [").expect("a direction");
+                    let (vector, after) = after.split_once(']').expect("its end");
+                    let vector = vector
+                        .split(", ")
+                        .map(|x| format!("-{x}"))
+                        .collect::<Vec<_>>();
+                    format!("{before}direction = [{}]{after}", vector.join(", "))
+                }
+                false => entry.to_owned(),
+            });
+        entries.collect::<Vec<_>>().join("[[recording]]")
+    });
+    assert_eq!(code, 4, "{said}");
+    assert!(
+        said.contains("turn the sign of this recording's direction"),
+        "{said}"
+    );
+}

@@ -235,8 +235,16 @@ fn neg_a_wrong_gain_is_no_drift() {
 #[test]
 fn the_same_tumble_before_and_after_cancels() {
     let tumble = day().0.join("tumble.csv");
-    let output = checked(&tumble, &["--since", text(&tumble)]);
+    let before = day().0.join("before.csv");
+    std::fs::copy(&tumble, &before).expect("a copy");
+    let output = checked(&tumble, &["--since", text(&before)]);
     assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let itself = checked(&tumble, &["--since", text(&tumble)]);
+    assert_eq!(itself.status.code(), Some(1), "{itself:?}");
+    assert!(
+        stderr(&itself).contains("the recording itself"),
+        "{itself:?}"
+    );
 }
 
 #[test]
