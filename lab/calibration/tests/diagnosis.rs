@@ -480,7 +480,7 @@ fn inv_what_a_recording_shows_by_itself_is_named() {
         Cause::Unreadable,
         &[1],
         &[],
-        "accelerometer reads 0.2500 throughout",
+        "accelerometer reads one value throughout",
     );
     let mut day = Day::of(&healthy());
     day.trials[7].0.gyroscope_rad_s.fill(0.25);
@@ -488,7 +488,7 @@ fn inv_what_a_recording_shows_by_itself_is_named() {
         Cause::Unreadable,
         &[7],
         &[],
-        "gyroscope reads 0.2500 throughout",
+        "gyroscope reads one value throughout",
     );
 }
 

@@ -156,8 +156,8 @@ fn the_speeds_in_the_readme_are_the_published_ones() {
             count("plain/push/full/heun"),
         ),
         format!(
-            "`push` is {push} times as fast as the same formulas in plain C++ with `-ffast-math` in the same run, `push_record` {record} times and \
-             each of eight lanes {lanes} times"
+            "`push` is {push} times as fast as the same formulas in plain C++ with `-ffast-math` in the same run, which sees one sample of one \
+             stream at a time; `push_record`, which sees a record, {record} times and each of eight lanes {lanes} times"
         ),
         format!(
             "`push` takes {} instructions a sample in f64 (Cortex-M7) and {} in f32 (Cortex-M4F)",
