@@ -216,7 +216,6 @@ fn the_budget_in_the_readme_is_the_published_one() {
     };
     let flexures = percent(alone("flexures that bend").expect("a size"), 1);
     let wedges = alone("wedges").expect("a size");
-    let of_class = ladder("instruments").steps.iter();
     let instruments = ladder("instruments");
     let class_1 = instruments.steps.iter().find(|(size, _)| *size == 1.0);
     let (_, draws) = class_1.expect("class 1");
