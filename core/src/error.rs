@@ -23,8 +23,7 @@ pub enum Error {
     },
     /// Finite input, but a result that no f64 holds.
     #[error(
-        "{what}: {}sample {sample}: finite input, but of a size whose result is not a finite number",
-        OfChannel(*channel)
+        "{what}: channel {channel}, sample {sample}: finite input, but of a size whose result is not a finite number"
     )]
     Overflow {
         /// The operation.
@@ -46,10 +45,7 @@ pub enum Error {
     },
     /// The inertia per mass is one that no rigid body can have.
     #[error(
-        "inertia per mass has principal moments {:.3e}, {:.3e} and {:.3e} m^2: a body needs all of them positive and none larger than the sum of the other two",
-        principal_m2[0],
-        principal_m2[1],
-        principal_m2[2]
+        "inertia per mass has principal moments {principal_m2:?} m^2: a body needs all of them positive and none larger than the sum of the other two"
     )]
     ImpossibleInertia {
         /// Principal moments per mass, ascending, m^2.
@@ -276,15 +272,3 @@ impl From<NotALimb> for Error {
 
 /// Result of every fallible function of this crate.
 pub type Result<T> = core::result::Result<T, Error>;
-
-/// A channel, from 1, before a sample; nothing where it is not one channel's.
-struct OfChannel(usize);
-
-impl core::fmt::Display for OfChannel {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self.0 {
-            0 => Ok(()),
-            channel => write!(f, "channel {channel}, "),
-        }
-    }
-}
