@@ -2,15 +2,16 @@
 
 use core::ops::Range;
 
-use glam::DVec3;
-use nalgebra::SMatrix;
+use glam::{DMat3, DVec3};
+use nalgebra::{SMatrix, SVector};
 
 use super::aid::Measurement;
+use super::bending::{BENT_BY, Bending, Form};
 use super::block::Block;
-use super::deviations::{Deviations, TURN_RAD, accelerations, across, second_order};
+use super::deviations::{Deviations, TURN_RAD, accelerations, across};
 use super::model::{
-    ATTITUDE, DYNAMIC, ERRORS, ErrorModel, PARAMETRIC, RATE, Transition, VELOCITY, column, matrix,
-    times, vector,
+    ATTITUDE, DYNAMIC, Dynamics, ERRORS, ErrorModel, PARAMETRIC, RATE, Transition, VELOCITY,
+    matrix, times, vector,
 };
 use crate::decouple::uncertainty::{ChannelNoise, Covariance};
 use crate::error::{Error, Result};
@@ -26,7 +27,7 @@ pub(super) const CORRECTED: usize = DYNAMIC + SCALE.end;
 const ONE_OF_A_THOUSAND: f64 = 16.27;
 /// Deviation of the attitude beyond which nothing of first order is to be believed, rad.
 pub(super) const FIRST_ORDER_RAD: f64 = 1.0;
-/// Times that a correction by the velocity is held against what it bends, which converges by the error in rad.
+/// Times that a correction is held against what it bends, which converges by the error in rad.
 const BENDINGS: usize = 3;
 /// Deviation of a rate of which nothing is known, rad/s, and of a velocity, m/s.
 const UNKNOWN_RATE_RAD_S: f64 = 10.0;
@@ -62,24 +63,24 @@ pub(super) struct Update {
     pub(super) noise: SMatrix<f64, 3, 3>,
     /// The errors found.
     pub(super) found: SMatrix<f64, ERRORS, 1>,
-    /// What the attitude's has done to the velocity in second order, m/s.
-    bent_m_s: DVec3,
-    /// The same of what is left of it, which is of first order about what was found.
-    pub(super) bending: SMatrix<f64, 3, 3>,
+    /// What they have done in second order to those that have dynamics.
+    bent: SVector<f64, DYNAMIC>,
+    /// Those that are left about what was found, by those of first order.
+    pub(super) about: Dynamics,
     contradicts: bool,
 }
 
-/// The covariance where so much of the attitude's error is one of the velocity besides.
-pub(super) fn shear(covariance: &mut ErrorCovariance, bending: &SMatrix<f64, 3, 3>) {
-    let rows = times(bending, &covariance.fixed_rows::<3>(ATTITUDE).into());
-    let mut velocity = covariance.fixed_rows_mut::<3>(VELOCITY);
-    velocity += rows;
+/// The covariance of errors that have dynamics by others.
+pub(super) fn change(covariance: &mut ErrorCovariance, by: &Dynamics) {
+    let rows = times(by, &covariance.fixed_rows::<DYNAMIC>(0).into());
+    covariance.fixed_rows_mut::<DYNAMIC>(0).copy_from(&rows);
     let columns = times(
-        &covariance.fixed_columns::<3>(ATTITUDE).into(),
-        &bending.transpose(),
+        &covariance.fixed_columns::<DYNAMIC>(0).into(),
+        &by.transpose(),
     );
-    let mut velocity = covariance.fixed_columns_mut::<3>(VELOCITY);
-    velocity += columns;
+    covariance
+        .fixed_columns_mut::<DYNAMIC>(0)
+        .copy_from(&columns);
 }
 
 impl Correction {
@@ -98,12 +99,20 @@ impl Correction {
 
 impl Update {
     pub(super) fn correction(&self) -> Correction {
-        let found = Correction::of(&self.found, self.contradicts);
-        Correction {
-            velocity_ground_m_s: found.velocity_ground_m_s + self.bent_m_s,
-            ..found
-        }
+        let mut found = self.found;
+        let mut dynamic = found.fixed_rows_mut::<DYNAMIC>(0);
+        dynamic += self.bent;
+        Correction::of(&found, self.contradicts)
     }
+}
+
+/// Those that bend.
+fn bend(errors: &SMatrix<f64, ERRORS, 1>) -> SVector<f64, BENT_BY> {
+    errors.fixed_rows::<BENT_BY>(0).into_owned()
+}
+
+fn bending_errors(covariance: &ErrorCovariance) -> Form {
+    covariance.fixed_view::<BENT_BY, BENT_BY>(0, 0).into_owned()
 }
 
 /// An error-state Kalman filter without the errors themselves: they are taken off the decoupler as soon as they are known.
@@ -111,9 +120,7 @@ impl Update {
 pub struct ErrorFilter {
     model: ErrorModel,
     covariance: ErrorCovariance,
-    /// Integral of the specific force since the velocity was measured last, each part weighted by the square of what the attitude's error
-    /// was over what it is now: what that error has done to the velocity in second order goes by it, m/s.
-    bent_m_s: DVec3,
+    bending: Bending,
     /// Whether the attitude has been beyond first order since something told it: what the covariance says of it is not to be believed.
     lost: bool,
 }
@@ -151,7 +158,7 @@ impl ErrorFilter {
         let mut filter = Self {
             model,
             covariance: all,
-            bent_m_s: DVec3::ZERO,
+            bending: Bending::none(),
             lost: false,
         };
         filter.open_down(settings, down_deviation_rad);
@@ -201,8 +208,9 @@ impl ErrorFilter {
     pub(super) fn advance_by(&mut self, block: &Block, transition: &Transition) {
         let Transition { by_errors, noise } = transition;
         let [force, _] = self.model.turned(block);
-        let variance = |p: &ErrorCovariance| p.fixed_view::<3, 3>(ATTITUDE, ATTITUDE).trace();
-        let before = variance(&self.covariance);
+        let to_ground = DMat3::from_quat(block.attitude);
+        let half_s = 0.5 * block.duration_s;
+        self.bending.grow(to_ground, force, half_s);
         let p = &mut self.covariance;
         let carried = times(by_errors, p);
         let own = times(&carried, &by_errors.transpose()) + noise;
@@ -213,11 +221,9 @@ impl ErrorFilter {
             .tr_copy_from(&crossed);
         p.fixed_view_mut::<DYNAMIC, DYNAMIC>(0, 0)
             .copy_from(&((own + own.transpose()) * 0.5));
-        // An error that grows keeps its direction.
-        let grown = (before / variance(&self.covariance)).min(1.0);
-        if grown.is_finite() {
-            self.bent_m_s = self.bent_m_s * grown + force * block.duration_s;
-        }
+        let with_before = carried.fixed_view::<BENT_BY, BENT_BY>(0, 0).into_owned();
+        self.bending.carry(&with_before, &bending_errors(p));
+        self.bending.grow(to_ground, force, half_s);
         let sound = |variance: &f64| variance.is_finite() && *variance >= 0.0;
         if !self.covariance.diagonal().iter().all(sound) {
             self.forget();
@@ -268,9 +274,8 @@ impl ErrorFilter {
         let shows = p.fixed_rows::<3>(measurement.place).into_owned();
         let mut measured = measurement.covariance;
         if measurement.place == VELOCITY {
-            let across = across(p, ATTITUDE, self.bent_m_s.normalize_or_zero());
-            let bent_m_s = second_order(self.bent_m_s, across * across);
-            measured += SMatrix::<f64, 3, 3>::identity() * (bent_m_s * bent_m_s);
+            let bent = self.bending.variance_m2_s2(&bending_errors(p));
+            measured += SMatrix::<f64, 3, 3>::identity() * bent;
         }
         let scatter = shows.fixed_columns::<3>(measurement.place).into_owned() + measured;
         let mut weight = scatter.try_inverse()?;
@@ -300,16 +305,12 @@ impl ErrorFilter {
             let off = along * (along.transpose() * &attitude);
             attitude -= off;
         }
-        let turned =
-            |found: &SMatrix<f64, ERRORS, 1>| vector(found.fixed_rows::<3>(ATTITUDE).into_owned());
         let mut found = times(&gain, &innovation);
-        if measurement.place == VELOCITY {
-            for _ in 0..BENDINGS {
-                let bent = column(self.bent_by(turned(&found)));
-                found = times(&gain, &(innovation - bent));
-            }
+        for _ in 0..BENDINGS {
+            let bent = self.bending.of(&bend(&found));
+            let shown = bent.fixed_rows::<3>(measurement.place);
+            found = times(&gain, &(innovation - shown));
         }
-        let psi = turned(&found);
         // (1 - K H) P (1 - K H)^T + K R K^T, which is right for any gain, one side after the other: little is left of what the first
         // takes off, and the second takes its part of what is left.
         let kept = p - times(&gain, &shows);
@@ -317,42 +318,19 @@ impl ErrorFilter {
         let lost = times(&(times(&gain, &measured) - seen), &gain.transpose());
         let next = kept + lost;
         self.covariance = (next + next.transpose()) * 0.5;
-        let (bent_m_s, bending) = (self.bent_by(psi), self.bending(psi));
-        shear(&mut self.covariance, &bending);
-        if measurement.place == VELOCITY {
-            self.bent_m_s = DVec3::ZERO;
-        }
+        let bent = self.bending.of(&bend(&found));
+        let about = self.bending.about(&bend(&found));
+        change(&mut self.covariance, &about);
+        self.bending.measured(measurement.place);
         Some(Update {
             place: measurement.place,
             gain,
             noise: measured,
             found,
-            bent_m_s,
-            bending,
+            bent,
+            about,
             contradicts,
         })
-    }
-
-    /// What an error of the attitude has done to the velocity in second order, m/s.
-    fn bent_by(&self, psi: DVec3) -> DVec3 {
-        if psi.length() < FIRST_ORDER_RAD {
-            psi.cross(psi.cross(self.bent_m_s)) * -0.5
-        } else {
-            DVec3::ZERO
-        }
-    }
-
-    /// Derivative of that by the error, m/s.
-    fn bending(&self, psi: DVec3) -> SMatrix<f64, 3, 3> {
-        let bent = self.bent_m_s;
-        if psi.length() < FIRST_ORDER_RAD {
-            SMatrix::from_fn(|i, j| {
-                let one = DVec3::AXES[j];
-                -0.5 * (psi.cross(one.cross(bent)) + one.cross(psi.cross(bent)))[i]
-            })
-        } else {
-            SMatrix::zeros()
-        }
     }
 
     /// Doubles the standard deviations of attitude, rate and velocity: what was measured several times contradicts them.
@@ -363,6 +341,7 @@ impl ErrorFilter {
     /// A motion that nothing held for long leaves a covariance that means nothing, or that none can be: attitude, rate and velocity are
     /// then unknown, and parameters as uncertain as before, each by itself.
     fn forget(&mut self) {
+        self.bending = Bending::none();
         let variances = self.covariance.diagonal();
         let sound = |variance: f64| variance.is_finite() && variance >= 0.0;
         let unknown = |place: usize| match place {

@@ -10,6 +10,7 @@
 //! | [`block`] | means of consecutive samples, all that the filter sees of a recording |
 //! | [`model`] | how errors of parameters, rate, attitude and velocity grow from one block to the next |
 //! | `deviations` | what that covariance says of attitude, rate and accelerations |
+//! | `bending` | what errors have done to attitude and velocity in second order |
 //! | [`filter`] | their covariance, and the gain of a measurement |
 //! | [`bound`] | what aids leave open at best, the sensor standing still |
 //! | [`aid`] | what a measurement is, and the one of a state at rest |
@@ -37,10 +38,12 @@
 //! alone is measured against: to first order a turn about it seems to show once other errors are large, and it does not. Velocities,
 //! those of rests, too, leave scale factors alone. Stiffness has no part.
 //!
-//! One thing is of second order: an error of the attitude, once it is found, has bent gravity into the velocity by half its square, which
-//! a rest tells to a millimetre a second. It is taken off the velocity with that error, and what is left counts about the corrected attitude.
+//! Two things are of second order: an error of the attitude has turned itself on, and has bent gravity into the velocity by half its
+//! square, which a rest tells to a millimetre a second. Both are taken off with an error that is found, and what is left counts about the
+//! corrected ones.
 
 pub mod aid;
+mod bending;
 pub mod block;
 pub mod bound;
 mod channels;

@@ -68,7 +68,7 @@ pub struct ErrorModel {
 }
 
 /// \[v\]x: cross product from the left.
-fn cross(v: DVec3) -> DMat3 {
+pub(super) fn cross(v: DVec3) -> DMat3 {
     DMat3::from_cols(v.cross(DVec3::X), v.cross(DVec3::Y), v.cross(DVec3::Z))
 }
 

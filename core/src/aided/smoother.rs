@@ -17,8 +17,8 @@
 //! D' = D + (1 - D) K H      N' = N + (1 - D) K R K^T (1 - D)^T,
 //! ```
 //!
-//! and what is left, (1 - D) e - n, has the covariance (1 - D) P (1 - D)^T + N, whatever the gains. Behind an update, errors of the velocity are
-//! those about the corrected attitude, which has bent it less: they go back by T^-1 e, D by T^-1 D T and N by T^-1 N T^-T.
+//! and what is left, (1 - D) e - n, has the covariance (1 - D) P (1 - D)^T + N, whatever the gains. Behind an update, errors
+//! are T e of those before it, about what was found, which has bent attitude and velocity less ([`super::bending`]): they go back by T^-1 e, D by T^-1 D T and N by T^-1 N T^-T.
 //!
 //! Phi turns rates by the filter's attitude. Where that is less certain than first order bears, or would be better known without what came
 //! later, nothing goes back: what was before is known by what came until then.
@@ -33,9 +33,9 @@ use nalgebra::{Cholesky, SMatrix, SVector};
 
 use super::channels::Channels;
 use super::deviations::{Deviations, across};
-use super::filter::{CORRECTED, Correction, ErrorCovariance, Update, shear};
+use super::filter::{CORRECTED, Correction, ErrorCovariance, Update, change};
 use super::history::{Event, History, Segment};
-use super::model::{ATTITUDE, DYNAMIC, ERRORS, PARAMETRIC, Transition, VELOCITY, times};
+use super::model::{ATTITUDE, DYNAMIC, Dynamics, ERRORS, PARAMETRIC, Transition, times};
 use crate::float::sqrt;
 use crate::model::Parameters;
 use crate::six_axis::SixAxis;
@@ -230,7 +230,7 @@ impl Backwards {
     }
 
     fn take_back(&mut self, update: &Update) {
-        self.bend_back(&update.bending);
+        self.change_back(&update.about);
         let left = update.gain - times(&self.share, &update.gain);
         let mut shown = self.share.fixed_columns_mut::<3>(update.place);
         shown += left;
@@ -238,22 +238,21 @@ impl Backwards {
         self.found += update.found;
     }
 
-    /// From errors about what was found to those about what was decoded: the velocity's lack what the attitude's do to it about that.
-    fn bend_back(&mut self, bending: &SMatrix<f64, 3, 3>) {
-        let back = -bending;
-        let of_found = times(&back, &self.found.fixed_rows::<3>(ATTITUDE).into_owned());
-        let mut velocity = self.found.fixed_rows_mut::<3>(VELOCITY);
-        velocity += of_found;
-        let of_share = times(&back, &self.share.fixed_rows::<3>(ATTITUDE).into_owned());
-        let mut velocity = self.share.fixed_rows_mut::<3>(VELOCITY);
-        velocity += of_share;
-        let by_velocity = times(
-            &self.share.fixed_columns::<3>(VELOCITY).into_owned(),
-            bending,
-        );
-        let mut attitude = self.share.fixed_columns_mut::<3>(ATTITUDE);
-        attitude += by_velocity;
-        shear(&mut self.noise, &back);
+    /// From errors about what was found to those about what was decoded.
+    fn change_back(&mut self, about: &Dynamics) {
+        let Some(back) = about.try_inverse() else {
+            *self = Self::nothing();
+            return;
+        };
+        let found = times(&back, &self.found.fixed_rows::<DYNAMIC>(0).into_owned());
+        self.found.fixed_rows_mut::<DYNAMIC>(0).copy_from(&found);
+        let rows = times(&back, &self.share.fixed_rows::<DYNAMIC>(0).into_owned());
+        self.share.fixed_rows_mut::<DYNAMIC>(0).copy_from(&rows);
+        let columns = times(&self.share.fixed_columns::<DYNAMIC>(0).into_owned(), about);
+        self.share
+            .fixed_columns_mut::<DYNAMIC>(0)
+            .copy_from(&columns);
+        change(&mut self.noise, &back);
     }
 
     fn carry(&mut self, step: &Step) {
