@@ -152,6 +152,11 @@ pub fn calibrate(
         prepared: &prepared,
         cases: &cases,
     };
+    let of_validation: Vec<Finding> = suspected
+        .iter()
+        .filter(|finding| day.is_of_validation(finding))
+        .cloned()
+        .collect();
     let (chosen, obstacle) = match Estimate::of(session, &prepared, loss, progress) {
         Ok(estimate) => {
             let chosen = Chosen::of(estimate, options.estimator, &prepared.campaign.design);
@@ -196,6 +201,9 @@ pub fn calibrate(
     };
     if findings.is_empty() {
         findings = failures(session, &trials, judged_by);
+        findings
+            .iter_mut()
+            .for_each(|finding| explain(finding, &of_validation));
     }
     if let Some(chosen) = &chosen {
         if findings.is_empty() {
@@ -256,6 +264,20 @@ pub fn calibrate(
         session.taps = chosen.estimate.taps;
     }
     Ok(session)
+}
+
+/// A run that fails with what is odd about it.
+fn explain(failure: &mut Finding, suspected: &[Finding]) {
+    let same = |finding: &&Finding| finding.recordings.contains(&failure.recordings[0]);
+    if failure.recordings.len() != 1 {
+        return;
+    }
+    if let Some(odd) = suspected.iter().find(same) {
+        failure.cause = odd.cause;
+        failure.channels.clone_from(&odd.channels);
+        failure.evidence = format!("{}; {}", failure.evidence, odd.evidence);
+        failure.advice.clone_from(&odd.advice);
+    }
 }
 
 fn facts<'a>(session: &'a Session, prepared: &'a PreparedSession) -> Facts<'a> {

@@ -6,13 +6,14 @@
 //!
 //! 1. [`raw`]: what one recording shows by itself: clipped; and [`role`]: whether it does what its role says.
 //! 2. [`still`]: channels of the static record that read nothing, not even noise.
-//! 3. [`structure`]: what all trials together show of a channel: silent, inverted, under-excited axes.
-//! 4. [`gravity`]: weight that turns in the sensor although the session says it does not.
-//! 5. [`rig`]: standards and sample rate against stroke and rotation, by the [`fundamental`] of each trial.
-//! 6. [`timing`]: lags and clocks.
-//! 7. [`level`]: factors that all trials share: units, sensitivities, gains.
-//! 8. [`drift`]: rests that are not where they were.
-//! 9. [`odd_trial`]: trials that do not fit in with the others.
+//! 3. [`zero`]: static records whose zeros are not those of the trials.
+//! 4. [`structure`]: what all trials together show of a channel: silent, inverted, under-excited axes.
+//! 5. [`gravity`]: weight that turns in the sensor although the session says it does not.
+//! 6. [`rig`]: standards and sample rate against stroke and rotation, by the [`fundamental`] of each trial.
+//! 7. [`timing`]: lags and clocks.
+//! 8. [`level`]: factors that all trials share: units, sensitivities, gains.
+//! 9. [`drift`]: rests that are not where they were.
+//! 10. [`odd_trial`]: trials that do not fit in with the others.
 //!
 //! What a recording or the rig says by itself is certain, and so are silent channels. Signs and factors that no sensor has are those of
 //! a [`Table`] that all trials agree on, and worth as much as they do. What comes of holding trials
@@ -32,6 +33,7 @@ pub mod structure;
 pub mod table;
 pub mod timing;
 pub mod trial_case;
+pub mod zero;
 
 use rayon::prelude::*;
 use sixaxis_core::LIMBS;
@@ -142,6 +144,7 @@ pub fn examine<'a>(
         still::examine(rest, &still::steps_v(rest, moving), &mut found.findings);
         if let Some(drift) = &drift {
             drift::examine_static(rest, drift, &mut found.findings);
+            zero::examine(rest, drift, &cases, &mut found.findings);
         }
     }
     found.mark(Word::Certain);

@@ -90,6 +90,19 @@ pub struct Finding {
 }
 
 impl Finding {
+    /// The evidence with where it was found.
+    #[must_use]
+    pub fn placed(&self) -> String {
+        let channels: Vec<String> = self.channels.iter().map(usize::to_string).collect();
+        let channels = (!channels.is_empty()).then(|| format!("channel {}", channels.join(", ")));
+        let places = [in_a_sentence(&self.recordings), channels];
+        let places: Vec<String> = places.into_iter().flatten().collect();
+        match places.is_empty() {
+            true => self.evidence.clone(),
+            false => format!("{}: {}", places.join(", "), self.evidence),
+        }
+    }
+
     /// Whether it concerns a channel, from 1, of a recording.
     #[must_use]
     pub fn concerns(&self, recording: &str, channel: usize) -> bool {

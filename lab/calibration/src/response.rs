@@ -28,6 +28,10 @@ const RESOLVED: f64 = 1e-9;
 /// One channel's response to one trial. Forces are measured ones, N.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ChannelResponse {
+    /// Offset in the middle of the run, N.
+    pub offset_n: f64,
+    /// Its standard error, N.
+    pub offset_error_n: f64,
     /// Drift from the beginning to the end of the run, N.
     pub drift_n: f64,
     /// x: force over the waveform.
@@ -53,6 +57,8 @@ impl core::ops::Mul<f64> for ChannelResponse {
     fn mul(self, factor: f64) -> Self {
         let size = factor.abs();
         Self {
+            offset_n: factor * self.offset_n,
+            offset_error_n: size * self.offset_error_n,
             drift_n: factor * self.drift_n,
             response: factor * self.response,
             standard_error: size * self.standard_error,
@@ -169,6 +175,8 @@ pub fn measure(
         let noise = (residual.norm_squared() / free).sqrt();
         let error = |term: usize| noise * variance(term).sqrt() / sizes[term];
         ChannelResponse {
+            offset_n: value(0),
+            offset_error_n: error(0),
             drift_n: 2.0 * value(1),
             response: value(2),
             standard_error: error(2),

@@ -33,7 +33,9 @@ impl Day<'_> {
     ) {
         if let Some(joint) = chosen.accounting_joint() {
             findings.extend(of_the_table);
-            findings.extend(suspected.into_iter().filter(|f| self.is_of_validation(f)));
+            // Whole runs are judged as they come out; what is odd about one that fails is told then.
+            let of_channels = |f: &Finding| !f.channels.is_empty() && self.is_of_validation(f);
+            findings.extend(suspected.into_iter().filter(of_channels));
             // A standard or a clock that the rig contradicts makes the other standard look wrong, too.
             let scaled =
                 |f: &Finding| matches!(f.cause, Cause::WrongScaling | Cause::ClockMismatch);
@@ -97,16 +99,14 @@ impl Day<'_> {
         }
     }
 
-    /// Whether it is about single channels in validation runs. These the joint fit does not see, and the trials that they were held
-    /// against are right by its word.
-    fn is_of_validation(&self, finding: &Finding) -> bool {
+    /// Whether it is about validation runs. These the joint fit does not see, and the trials that they were held against are right by
+    /// its word.
+    pub fn is_of_validation(&self, finding: &Finding) -> bool {
         let is_one = |name: &String| {
             let mut runs = self.prepared.campaign.of(Role::Validation);
             runs.any(|(trial, _)| trial.name == *name)
         };
-        !finding.channels.is_empty()
-            && !finding.recordings.is_empty()
-            && finding.recordings.iter().all(is_one)
+        !finding.recordings.is_empty() && finding.recordings.iter().all(is_one)
     }
 
     /// What is out of the ordinary by a joint fit that accounts for the trials.

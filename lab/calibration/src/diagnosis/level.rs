@@ -192,7 +192,7 @@ pub fn examine(
                     factor_in_words(off),
                     reason(off)
                 ),
-                advice: "one of the standards is scaled wrongly: check unit and sensitivity of accelerometer and gyroscope".to_owned(),
+                advice: "check unit and sensitivity of accelerometer and gyroscope, and of the sensor half_edge_mm and the design's inertia_per_mass_mm2".to_owned(),
             });
         }
     }

@@ -10,6 +10,7 @@ use super::table::Table;
 use super::trial_case::TrialCase;
 use crate::finding::{Cause, Finding};
 use crate::response::Response;
+use crate::trial::Trial;
 
 /// Departure, relative to the trial's own size, that is noticed: a wedge half a degree off.
 pub const NOTICED: f64 = 0.01;
@@ -36,6 +37,7 @@ pub fn examine(
     let departures: Vec<Option<f64>> = cases.iter().map(|s| departure(table, s)).collect();
     // Trials of one cause and one direction make one finding: a wedge is loose in all of them.
     let mut told: Vec<(DVec3, Finding)> = Vec::new();
+    let all: Vec<&Trial> = cases.iter().map(|case| case.trial).collect();
     for (case, departure) in cases.iter().zip(&departures) {
         let (Some(departure), Some(response)) = (departure, &case.response) else {
             continue;
@@ -44,7 +46,7 @@ pub fn examine(
             continue;
         }
         let found = if *departure > NOTICED + SIGNIFICANT * noise(table, case, response) {
-            explain(table, case, response, *departure)
+            explain(table, case, response, &all, *departure)
         } else {
             unexplained_in_time(table, case, response)
         };
@@ -55,6 +57,7 @@ pub fn examine(
         let known = told.iter_mut().find(|(d, known)| {
             known.cause == finding.cause
                 && known.channels == finding.channels
+                && known.advice == finding.advice
                 && (finding.cause != Cause::LooseWedge || *d == direction)
         });
         match known {
@@ -78,6 +81,7 @@ fn explain(
     table: &Table,
     case: &TrialCase<'_>,
     response: &Response,
+    all: &[&Trial],
     departure: f64,
 ) -> Option<Finding> {
     let odd = Odd::new(table, case, response, departure);
@@ -87,11 +91,13 @@ fn explain(
         .one_factor()
         .map(|factor| course.unwrap_or(factor))
         .or_else(|| odd.one_channel())
-        .or_else(|| odd.exchanged());
+        .or_else(|| odd.exchanged())
+        .or_else(|| odd.gains_of_none(all))
+        .or_else(|| odd.gains_of_another(all));
     if explained.is_some() {
         return explained;
     }
-    match odd.other_direction() {
+    match odd.other_direction(all) {
         OtherDirection::None => Some(odd.nothing_else()),
         OtherDirection::WithinPlay => None,
         OtherDirection::Loose(finding) => Some(finding),
@@ -244,8 +250,56 @@ impl<'a> Odd<'a> {
         None
     }
 
+    /// The gains that the session states for another trial.
+    fn gains_of_another(&self, all: &[&Trial]) -> Option<Finding> {
+        let own = &self.case.trial.gains.gain_n_per_v;
+        let left = |other: &&&Trial| {
+            let factor = |i: usize| other.gains.gain_n_per_v[i] / own[i];
+            let squares = self
+                .counts
+                .iter()
+                .map(|i| (self.seen[*i] * factor(*i) - self.expected[*i]).powi(2));
+            squares.sum::<f64>().sqrt() / self.size
+        };
+        let others = all.iter().filter(|other| other.gains.gain_n_per_v != *own);
+        let other = others.min_by(|a, b| left(a).total_cmp(&left(b)))?;
+        if left(&other) >= self.enough() {
+            return None;
+        }
+        Some(Finding {
+            recordings: vec![self.case.trial.name.clone()],
+            cause: Cause::WrongScaling,
+            channels: Vec::new(),
+            evidence: format!(
+                "with the gains that the session states for {} the channels agree with the other trials",
+                other.name
+            ),
+            advice: format!(
+                "correct this recording's gain_n_per_v, or see whether its file and that of {} are exchanged",
+                other.name
+            ),
+        })
+    }
+
+    /// One gain for all channels, where every other recording has a range of its own for each.
+    fn gains_of_none(&self, all: &[&Trial]) -> Option<Finding> {
+        let is_one = |trial: &Trial| trial.gains.gain_n_per_v.windows(2).all(|g| g[0] == g[1]);
+        let own = self.case.trial;
+        let alone = is_one(own) && all.iter().filter(|trial| is_one(trial)).count() == 1;
+        (alone && all.len() > 1).then(|| Finding {
+            recordings: vec![own.name.clone()],
+            cause: Cause::WrongScaling,
+            channels: Vec::new(),
+            evidence: format!(
+                "by the session all nine gains are {} N/V here, and ranges differ in every other recording",
+                own.gains.gain_n_per_v[0]
+            ),
+            advice: "state this recording's own gain_n_per_v".to_owned(),
+        })
+    }
+
     /// Another direction.
-    fn other_direction(&self) -> OtherDirection {
+    fn other_direction(&self, all: &[&Trial]) -> OtherDirection {
         let found = direction(
             self.table,
             self.response,
@@ -266,6 +320,17 @@ impl<'a> Odd<'a> {
         if angle <= LOOSE_DEG {
             return OtherDirection::WithinPlay;
         }
+        let near = |other: &&&Trial| {
+            other.role == self.case.trial.role
+                && v.angle_between(other.direction_ground).to_degrees() < LOOSE_DEG
+        };
+        let advice = match all.iter().find(near) {
+            Some(other) => format!(
+                "see whether its direction or its file is that of {}: that one is stated to move so",
+                other.name
+            ),
+            None => "tighten the wedge and repeat, or check the stated direction".to_owned(),
+        };
         OtherDirection::Loose(Finding {
             recordings: vec![self.case.trial.name.clone()],
             cause: Cause::LooseWedge,
@@ -274,7 +339,7 @@ impl<'a> Odd<'a> {
                 "the channels show motion along ({:.3}, {:.3}, {:.3}), {angle:.1}° from the stated direction",
                 v.x, v.y, v.z
             ),
-            advice: "tighten the wedge and repeat, or check the stated direction".to_owned(),
+            advice,
         })
     }
 

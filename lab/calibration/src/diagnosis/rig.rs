@@ -48,9 +48,21 @@ pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], found: &mut Found
         }
         return;
     }
-    for (what, of, standard, readings) in [
-        ("accelerometer", "stroke", &facts.accelerometer, linear),
-        ("gyroscope", "rotation", &facts.gyroscope, angular),
+    for (what, of, key, standard, readings) in [
+        (
+            "accelerometer",
+            "stroke",
+            "stroke_mm",
+            &facts.accelerometer,
+            linear,
+        ),
+        (
+            "gyroscope",
+            "rotation",
+            "rotation_amplitude_deg",
+            &facts.gyroscope,
+            angular,
+        ),
     ] {
         let limit = standard.gain_limit + TOLERANCE;
         let odd: Vec<&Reading> = readings.iter().filter(|r| r.excess.abs() > limit).collect();
@@ -81,7 +93,7 @@ pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], found: &mut Found
                 100.0 * limit,
                 reason(factor)
             ),
-            advice: format!("check unit and sensitivity of the {what} against its certificate, and the rig's {of}"),
+            advice: format!("check unit and sensitivity of the {what} against its certificate, and [rig] {key}"),
         });
         found.mark(if everywhere {
             Word::Certain

@@ -11,6 +11,8 @@ use sixaxis_recordings::session::Role;
 const RIG: (f64, f64) = (0.1, 1.0);
 /// Share of that, and of the motion of the other kind, from which something moves.
 const MOVES: f64 = 0.1;
+/// Share of a rig's turn from which a trial that travels is a compound run's.
+const TURNS: f64 = 0.3;
 
 /// Root mean square about the mean.
 fn size(series: &[f64]) -> f64 {
@@ -71,6 +73,27 @@ pub fn examine(cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
             .to_owned(),
         });
         for (index, _) in other {
+            cases[index].explained = true;
+        }
+    }
+    let both: Vec<usize> = (0..cases.len())
+        .filter(|index| {
+            let case = &cases[*index];
+            !case.explained && is_linear(case.trial) == Some(true) && moved(case.trial).1 > TURNS
+        })
+        .collect();
+    if !both.is_empty() {
+        findings.push(Finding {
+            cause: Cause::Unreadable,
+            recordings: names(both.iter().map(|index| &cases[*index])),
+            channels: Vec::new(),
+            evidence:
+                "by the standards this linear trial travels and turns, as a compound run does"
+                    .to_owned(),
+            advice: "see whether its role is \"validation\", or its file another trial's"
+                .to_owned(),
+        });
+        for index in both {
             cases[index].explained = true;
         }
     }

@@ -89,9 +89,7 @@ pub fn explain(
     if suspected.is_empty() {
         return suspected;
     }
-    let suspicion = suspected
-        .first()
-        .map_or(String::new(), |first| first.evidence.clone());
+    let suspicion = suspected.first().map_or(String::new(), Finding::placed);
     if let Some(borne_out) = apart::tried(day, certain, suspected) {
         return borne_out;
     }

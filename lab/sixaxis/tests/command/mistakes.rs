@@ -239,3 +239,163 @@ fn neg_a_direction_of_the_wrong_sign_is_told() {
         "{said}"
     );
 }
+
+/// A static record with other readings, of these by channel; the trials are as they were.
+fn with_static(name: &str, change: impl Fn([f64; 9]) -> [f64; 9]) -> (i32, String) {
+    let folder = &day().0;
+    let record = fs::read_to_string(folder.join("static.csv")).expect("reads");
+    let lines = record.lines().map(|line| {
+        let readings: Vec<f64> = line.split(',').map_while(|x| x.parse().ok()).collect();
+        match readings.try_into() {
+            Ok(readings) => change(readings).map(|x| x.to_string()).join(","),
+            Err(_) => line.to_owned(),
+        }
+    });
+    let lines: Vec<String> = lines.collect();
+    folder.write(&format!("{name}.csv"), lines.join("\n") + "\n");
+    calibrated(name, |s| s.replace("static.csv", &format!("{name}.csv")))
+}
+
+#[test]
+fn neg_a_static_record_whose_zeros_are_not_the_trials_is_refused() {
+    let exchanged = |u: [f64; 9]| core::array::from_fn(|i| u[(i + 4) % 9]);
+    for (name, change) in [
+        ("zeros", &(|_| [0.0; 9]) as &dyn Fn([f64; 9]) -> [f64; 9]),
+        ("as-volts", &|u| u.map(|x| 1e-3 * x)),
+        ("of-another-sensor", &exchanged),
+    ] {
+        let (code, said) = with_static(name, change);
+        assert_eq!(code, 4, "{name}: {said}");
+        assert!(
+            said.contains("mV from the static record's") && said.contains("record at rest again"),
+            "{name}: {said}"
+        );
+    }
+    // One channel's plug was seated again.
+    let (code, said) = with_static("one-zero", |u| {
+        core::array::from_fn(|i| if i == 4 { u[i] + 0.05 } else { u[i] })
+    });
+    assert_eq!(code, 4, "{said}");
+    assert!(said.contains("channel 5's zero -50"), "{said}");
+    assert!(said.contains("right before the trials"), "{said}");
+}
+
+#[test]
+fn neg_a_trial_is_no_static_record() {
+    let (code, said) = calibrated("static-moves", |s| {
+        s.replace("\"static.csv", "\"linear-06.csv")
+    });
+    assert_eq!(code, 4, "{said}");
+    assert!(said.contains("the sensor moved, or it is"), "{said}");
+}
+
+/// The entry of a recording, changed.
+fn with_entry(session: &str, recording: &str, change: impl Fn(&str) -> String) -> String {
+    let entries = session
+        .split("[[recording]]")
+        .map(|entry| match entry.contains(recording) {
+            true => change(entry),
+            false => entry.to_owned(),
+        });
+    entries.collect::<Vec<_>>().join("[[recording]]")
+}
+
+/// A line of an entry.
+fn line_of<'a>(session: &'a str, recording: &str, key: &str) -> &'a str {
+    let entry = session
+        .split("[[recording]]")
+        .find(|entry| entry.contains(recording));
+    let mut lines = entry.expect("an entry").lines();
+    let line = lines.find(|line| line.starts_with(key));
+    line.expect("a line of it")
+}
+
+/// A session in which one line stands in the entry of the other recording, and the other way round.
+fn with_exchanged(session: &str, [a, b]: [&str; 2], key: &str) -> String {
+    let lines = [a, b].map(|name| line_of(session, name, key).to_owned());
+    let changed = with_entry(session, a, |entry| entry.replace(&lines[0], &lines[1]));
+    with_entry(&changed, b, |entry| entry.replace(&lines[1], &lines[0]))
+}
+
+#[test]
+fn neg_names_in_another_order_are_put_in_order() {
+    let names = |order: [usize; 9]| order.map(|i| format!("\"u{i}\"")).join(", ");
+    let own = names([1, 2, 3, 4, 5, 6, 7, 8, 9]);
+    for (name, order, present) in [
+        (
+            "shifted",
+            [2, 3, 4, 5, 6, 7, 8, 9, 1],
+            "9, 1, 2, 3, 4, 5, 6, 7, 8",
+        ),
+        (
+            "shuffled",
+            [3, 2, 9, 1, 4, 5, 8, 7, 6],
+            "4, 2, 1, 5, 6, 9, 8, 7, 3",
+        ),
+    ] {
+        let (_, said) = calibrated(name, |s| s.replace(&own, &names(order)));
+        assert!(
+            said.contains(&format!("with channels {present} taken for limbs 1 to 9")),
+            "{said}"
+        );
+        assert!(said.contains("leave gain_n_per_v as it is"), "{said}");
+    }
+}
+
+#[test]
+fn neg_gains_of_another_recording_or_of_none_are_told() {
+    let (code, said) = calibrated("gains-exchanged", |s| {
+        with_exchanged(s, ["linear-02", "linear-03"], "gain_n_per_v")
+    });
+    assert_eq!(code, 4, "{said}");
+    for other in ["linear-02", "linear-03"] {
+        assert!(
+            said.contains(&format!(
+                "with the gains that the session states for {other}.csv"
+            )),
+            "{said}"
+        );
+    }
+    let (_, said) = calibrated("gains-missing", |s| {
+        let line = line_of(s, "linear-04", "gain_n_per_v").to_owned();
+        with_entry(s, "linear-04", |entry| entry.replace(&line, ""))
+    });
+    assert!(
+        said.contains("linear-04.csv: state this recording's own gain_n_per_v"),
+        "{said}"
+    );
+}
+
+#[test]
+fn neg_a_compound_run_is_no_linear_trial() {
+    let (code, said) = calibrated("compound-as-linear", |s| {
+        with_entry(s, "compound-01", |entry| {
+            entry.replace("\"validation\"", "\"linear\"")
+        })
+    });
+    assert_eq!(code, 4, "{said}");
+    assert!(said.contains("travels and turns"), "{said}");
+}
+
+#[test]
+fn neg_directions_of_other_wedges_are_told_by_where_they_point() {
+    let (code, said) = calibrated("directions-exchanged", |s| {
+        with_exchanged(s, ["linear-02", "linear-05"], "direction")
+    });
+    assert_eq!(code, 4, "{said}");
+    assert!(
+        said.contains("whether its direction or its file is that of linear-05.csv"),
+        "{said}"
+    );
+    // A run that is not fitted fails as a whole, and what is odd about it says why.
+    let (code, said) = calibrated("wedge-of-a-run", |s| {
+        let other = line_of(s, "linear-02", "direction").to_owned();
+        let own = line_of(s, "compound-01", "direction").to_owned();
+        with_entry(s, "compound-01", |entry| entry.replace(&own, &other))
+    });
+    assert_eq!(code, 4, "{said}");
+    assert!(
+        said.contains("the channels show motion along") && said.contains("compound-01.csv"),
+        "{said}"
+    );
+}

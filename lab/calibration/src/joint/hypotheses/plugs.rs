@@ -1,5 +1,6 @@
 //! Plugs that were put in otherwise from one trial on, or all day: two channels exchanged, where limb and piezo come along and the
-//! amplifier stays, or one with its polarity turned; and two names exchanged in writing, where gains stay with the limbs.
+//! amplifier stays, or one with its polarity turned; and two names exchanged in writing, where gains stay with the limbs. Several of these
+//! one after the other put right whatever order they are in.
 //!
 //! Which, and from which trial on, is looked for among the channels' responses, where a pair and a trial cost less than a millisecond; the
 //! joint fit then says whether the trials agree to the noise with these put right.
@@ -22,6 +23,10 @@ use crate::trial::Trial;
 const COST_CAP: f64 = 0.2;
 /// Share of the squared departures that an exchange may leave to be worth a fit.
 const WORTH_A_FIT: f64 = 0.5;
+/// Share of them that one more exchange may leave to be a part of the matter: a row of names that is out by one is eight exchanges.
+const ONE_MORE: f64 = 0.9;
+/// First ones of a whole day from which more are looked for.
+const ALL_DAY: usize = 3;
 
 /// What was done to plugs, or to names. Each is put right by doing it again.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -45,6 +50,11 @@ impl Plugs {
         exchanged
             .chain(misnamed.map(|(a, b)| Self::Misnamed(a, b)))
             .chain((0..LIMBS).map(Self::Inverted))
+    }
+
+    /// Whether trials that all have it disagree: a scale factor of the other sign goes with all of them.
+    const fn shows_all_day(self) -> bool {
+        !matches!(self, Self::Inverted(_))
     }
 
     /// Voltages.
@@ -119,11 +129,71 @@ impl Plugs {
     }
 }
 
-/// That, in the trials from this one on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// That, one after the other, in the trials from this one on.
+#[derive(Debug, Clone, PartialEq, Eq)]
 struct Replugged {
-    plugs: Plugs,
+    plugs: Vec<Plugs>,
     from: usize,
+}
+
+impl Replugged {
+    fn trial_put_right(&self, trial: &Trial) -> Trial {
+        let put_right = |trial: Trial, plugs: &Plugs| plugs.trial_put_right(&trial);
+        self.plugs.iter().fold(trial.clone(), put_right)
+    }
+
+    /// Channels, from 1, in which the limbs' signals stand, where several exchanges of one kind put them in order.
+    fn order(&self) -> Option<[usize; LIMBS]> {
+        let kind = |plugs: &Plugs| match plugs {
+            Plugs::Exchanged(..) => Some(true),
+            Plugs::Misnamed(..) => Some(false),
+            Plugs::Inverted(_) => None,
+        };
+        let first = kind(&self.plugs[0])?;
+        let of_one_kind = self.plugs.iter().all(|plugs| kind(plugs) == Some(first));
+        let mut order: [usize; LIMBS] = core::array::from_fn(|limb| limb + 1);
+        for plugs in &self.plugs {
+            if let Plugs::Exchanged(a, b) | Plugs::Misnamed(a, b) = *plugs {
+                order.swap(a, b);
+            }
+        }
+        (of_one_kind && self.plugs.len() > 1).then_some(order)
+    }
+
+    /// Cause, channels from 1, what makes the trials agree, what to do.
+    fn in_words(&self) -> Option<(Cause, Vec<usize>, String, String)> {
+        if let Some(order) = self.order() {
+            let moved = (1..=LIMBS).filter(|channel| order[channel - 1] != *channel);
+            let order = order.map(|channel| channel.to_string()).join(", ");
+            let (with, advice) = if matches!(self.plugs[0], Plugs::Exchanged(..)) {
+                (
+                    "each with its gain",
+                    "and those of each gain_n_per_v with them, since a range stays with its amplifier; or put the plugs right and record again",
+                )
+            } else {
+                (
+                    "and gains left as they are",
+                    "and leave gain_n_per_v as it is: its entries are the limbs' already",
+                )
+            };
+            return Some((
+                Cause::SwappedChannels,
+                moved.collect(),
+                format!("channels {order} taken for limbs 1 to 9, {with},"),
+                format!(
+                    "put the present entries of [channels] limbs into the order {order}, {advice}"
+                ),
+            ));
+        }
+        let each = self.plugs.iter().map(|plugs| plugs.in_words());
+        each.reduce(|(cause, mut channels, with, advice), next| {
+            channels.extend(next.1);
+            channels.sort_unstable();
+            channels.dedup();
+            let with = format!("{with}, then {}", next.2);
+            (cause, channels, with, format!("{advice}; then {}", next.3))
+        })
+    }
 }
 
 /// The exchange that accounts for all trials.
@@ -140,7 +210,7 @@ pub fn tried(day: &Unaccounted<'_>) -> Option<Finding> {
             if index < found.from {
                 Cow::Borrowed(trial)
             } else {
-                Cow::Owned(found.plugs.trial_put_right(trial))
+                Cow::Owned(found.trial_put_right(trial))
             }
         })
         .collect();
@@ -148,15 +218,17 @@ pub fn tried(day: &Unaccounted<'_>) -> Option<Finding> {
     let all_day = !trials[..found.from].iter().any(|trial| fitted(&trial));
     let mut rest = at_rest(day.drift);
     if all_day {
-        found.plugs.put_right(&mut rest.drift_v);
-        found.plugs.put_right(&mut rest.deviation_v);
+        for plugs in &found.plugs {
+            plugs.put_right(&mut rest.drift_v);
+            plugs.put_right(&mut rest.deviation_v);
+        }
         rest.deviation_v = rest.deviation_v.map(f64::abs);
     }
     let start = start(&table, &rest, &day.campaign.design);
     let borrowed: Vec<&Trial> = trials.iter().map(AsRef::as_ref).collect();
     let joint = day.accounting(&borrowed, &rest, &start, day.knowledge)?;
     let names = trials[found.from..].iter().map(|trial| trial.name.clone());
-    let (cause, channels, with, advice) = found.plugs.in_words();
+    let (cause, channels, with, advice) = found.in_words()?;
     Some(Finding {
         cause,
         recordings: if all_day { Vec::new() } else { names.collect() },
@@ -169,7 +241,7 @@ pub fn tried(day: &Unaccounted<'_>) -> Option<Finding> {
     })
 }
 
-/// The exchange with which the trials' responses agree best, and the scale factors and inertias they then have.
+/// What was done to plugs or names, so that the trials' responses agree best, and the scale factors and inertias they then have.
 fn likeliest(shares: &StaticLoadSharing, cases: &[TrialCase<'_>]) -> Option<(Replugged, Table)> {
     // What was found of trials before was found with channels taken for each other.
     let cases: Vec<TrialCase<'_>> = cases
@@ -180,24 +252,65 @@ fn likeliest(shares: &StaticLoadSharing, cases: &[TrialCase<'_>]) -> Option<(Rep
             ..case.clone()
         })
         .collect();
-    let of = |cases: &[TrialCase<'_>]| {
-        let table = Table::linear(shares, cases, &[false; LIMBS])?.fitted(cases);
-        Some((table.cost(cases, COST_CAP), table))
-    };
-    let (as_they_are, _) = of(&cases)?;
-    let mut best: Option<(Replugged, f64, Table)> = None;
+    let (as_they_are, _) = agreement(shares, &cases)?;
+    let mut firsts: Vec<(f64, Replugged)> = Vec::new();
     for plugs in Plugs::all(&cases) {
         each_from_the_end(&cases, plugs, |from, cases| {
-            let Some((cost, table)) = of(cases) else {
-                return;
-            };
-            if best.as_ref().is_none_or(|(_, least, _)| cost < *least) {
-                best = Some((Replugged { plugs, from }, cost, table));
+            if let Some((cost, _)) = agreement(shares, cases) {
+                let plugs = vec![plugs];
+                firsts.push((cost, Replugged { plugs, from }));
             }
         });
     }
-    let (found, least, table) = best?;
+    firsts.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // What many exchanges put in order was so all day, and the best of them alone need not be.
+    let first = firsts.first()?.clone();
+    let all_day = firsts
+        .into_iter()
+        .filter(|(_, found)| found.from == 0 && found.plugs[0].shows_all_day());
+    let starts = [first].into_iter().chain(all_day.take(ALL_DAY));
+    let (least, found, table) = starts
+        .filter_map(|(_, found)| one_after_the_other(shares, &cases, found))
+        .min_by(|a, b| a.0.total_cmp(&b.0))?;
     (least < WORTH_A_FIT * as_they_are).then_some((found, table))
+}
+
+/// How far trials are from agreeing, and on what.
+fn agreement(shares: &StaticLoadSharing, cases: &[TrialCase<'_>]) -> Option<(f64, Table)> {
+    let table = Table::linear(shares, cases, &[false; LIMBS])?.fitted(cases);
+    Some((table.cost(cases, COST_CAP), table))
+}
+
+/// With what else was done, as long as each makes the trials agree better.
+fn one_after_the_other(
+    shares: &StaticLoadSharing,
+    cases: &[TrialCase<'_>],
+    mut found: Replugged,
+) -> Option<(f64, Replugged, Table)> {
+    let mut cases = cases.to_vec();
+    for plugs in &found.plugs {
+        put_right(&mut cases[found.from..], *plugs);
+    }
+    let (mut least, mut table) = agreement(shares, &cases)?;
+    while found.plugs.len() < LIMBS - 1 {
+        let next = Plugs::all(&cases)
+            .filter(|plugs| found.from > 0 || plugs.shows_all_day())
+            .filter_map(|plugs| {
+                let mut cases = cases.clone();
+                put_right(&mut cases[found.from..], plugs);
+                let (cost, table) = agreement(shares, &cases)?;
+                Some((plugs, cost, table))
+            })
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .filter(|(_, cost, _)| *cost < ONE_MORE * least);
+        let Some((plugs, cost, of_next)) = next else {
+            break;
+        };
+        put_right(&mut cases[found.from..], plugs);
+        found.plugs.push(plugs);
+        (least, table) = (cost, of_next);
+    }
+    Some((least, found, table))
 }
 
 /// Shows the cases put right in the last one, in the last two ... in all of them.
@@ -208,11 +321,16 @@ fn each_from_the_end(
 ) {
     let mut cases = cases.to_vec();
     for from in (0..cases.len()).rev() {
-        let case = &mut cases[from];
+        put_right(&mut cases[from..=from], plugs);
+        show(from, &cases);
+    }
+}
+
+fn put_right(cases: &mut [TrialCase<'_>], plugs: Plugs) {
+    for case in cases {
         if let Some(response) = &mut case.response {
             plugs.responses_put_right(&mut response.channels, &case.trial.gains);
         }
-        show(from, &cases);
     }
 }
 
