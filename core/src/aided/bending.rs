@@ -1,7 +1,7 @@
 //! What errors have done to attitude and velocity in second order.
 //!
-//! An error of the attitude of 0.1 rad bends gravity by 5 cm/s^2 into the velocity, which a rest tells to a millimetre a second. With
-//! R_decoded = exp(\[psi\]x) R, an error e_w of the rate and the decoded specific force F in ground axes,
+//! An error of the attitude of 0.1 rad bends gravity by 5 cm/s^2 into the velocity, which a rest tells to a millimetre a second. With R
+//! the decoded attitude, exp(\[psi\]x) times the true one, an error e_w of the rate and the decoded specific force F in ground axes,
 //!
 //! ```text
 //! psi' = R e_w - psi x R e_w / 2        v' = psi x F - psi x (psi x F) / 2,
@@ -131,7 +131,7 @@ impl Bending {
             .fold(0.0, f64::max)
     }
 
-    /// Three errors have been measured: what was done to them until then is known.
+    /// Three errors have been measured: what was done to them until then is taken to be known, however well that was.
     pub(super) fn measured(&mut self, place: usize) {
         match place {
             ATTITUDE => self.attitude_rad = [Form::zeros(); 3],

@@ -141,10 +141,11 @@ pub fn examine<'a>(
     role::examine(&mut cases, &mut found.findings);
     if let Some(rest) = at_rest {
         let moving = trials.iter().map(|(trial, _)| trial);
-        still::examine(rest, &still::steps_v(rest, moving), &mut found.findings);
+        let steps_v = still::steps_v(rest, moving);
+        still::examine(rest, &steps_v, &mut found.findings);
         if let Some(drift) = &drift {
             drift::examine_static(rest, drift, &mut found.findings);
-            zero::examine(rest, drift, &cases, &mut found.findings);
+            zero::examine(rest, drift, &steps_v, &cases, &mut found.findings);
         }
     }
     found.mark(Word::Certain);

@@ -161,6 +161,8 @@ pub fn measure(
             .map(|k| (v_t[(k, term)] * inverse[k]).powi(2))
             .sum::<f64>()
     };
+    // What a standard reads in the mean of a run from rest to rest is its own offset.
+    let mean_waveform = rows.iter().map(|row| waveform[*row]).sum::<f64>() / rows.len() as f64;
     let channels = core::array::from_fn(|limb| {
         let right = DVector::from_iterator(rows.len(), rows.iter().map(|r| force_n[*r][limb]));
         let mut projected = u.transpose() * &right;
@@ -175,7 +177,7 @@ pub fn measure(
         let noise = (residual.norm_squared() / free).sqrt();
         let error = |term: usize| noise * variance(term).sqrt() / sizes[term];
         ChannelResponse {
-            offset_n: value(0),
+            offset_n: value(0) + value(2) * mean_waveform,
             offset_error_n: error(0),
             drift_n: 2.0 * value(1),
             response: value(2),

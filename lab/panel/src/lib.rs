@@ -144,8 +144,8 @@ pub fn start(options: Options) -> Result<Panel> {
         .with_context(|| format!("cannot create the output folder {}", options.out.display()))?;
     let notes = recorder::recover(&options.out);
 
-    let listener = TcpListener::bind(options.listen)
-        .with_context(|| format!("cannot listen on {}", options.listen))?;
+    let listener =
+        TcpListener::bind(options.listen).with_context(|| cannot_listen(options.listen))?;
     let address = listener.local_addr()?;
     let token = match options.token {
         Some(token) => token,
@@ -227,8 +227,7 @@ pub fn start(options: Options) -> Result<Panel> {
                 address.ip().is_loopback(),
                 "samples are taken from the loopback address only"
             );
-            let listener = TcpListener::bind(address)
-                .with_context(|| format!("cannot listen on {address}"))?;
+            let listener = TcpListener::bind(address).with_context(|| cannot_listen(address))?;
             input = Some(listener.local_addr()?);
             spawn("source", move || {
                 source::stream::listen(&listener, &channels, &to_source)
@@ -281,4 +280,9 @@ pub fn start(options: Options) -> Result<Panel> {
 fn spawn(name: &str, work: impl FnOnce() + Send + 'static) -> Result<std::thread::JoinHandle<()>> {
     let thread = Builder::new().name(name.to_owned()).spawn(work);
     thread.with_context(|| format!("cannot start the {name} thread"))
+}
+
+/// A port that another program has is the usual reason, and the remedy.
+fn cannot_listen(address: SocketAddr) -> String {
+    format!("cannot listen on {address}: another port may be free (--port, --tcp)")
 }

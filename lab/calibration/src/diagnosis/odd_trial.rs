@@ -25,6 +25,8 @@ const SIGNIFICANT: f64 = 6.0;
 /// Share of a trial's signal that its fit may leave unexplained.
 const RESIDUAL: f64 = 0.02;
 
+/// Factor within which a direction that the channels show is a unit vector's: a wedge does not scale.
+const LENGTH: f64 = 1.25;
 /// Largest share of the trials that may be another sensor's.
 const AMONG: f64 = 0.25;
 
@@ -92,13 +94,12 @@ fn explain(
         .map(|factor| course.unwrap_or(factor))
         .or_else(|| odd.one_channel())
         .or_else(|| odd.exchanged())
-        .or_else(|| odd.gains_of_none(all))
         .or_else(|| odd.gains_of_another(all));
     if explained.is_some() {
         return explained;
     }
     match odd.other_direction(all) {
-        OtherDirection::None => Some(odd.nothing_else()),
+        OtherDirection::None => odd.gains_of_none(all).or_else(|| Some(odd.nothing_else())),
         OtherDirection::WithinPlay => None,
         OtherDirection::Loose(finding) => Some(finding),
     }
@@ -263,7 +264,8 @@ impl<'a> Odd<'a> {
         };
         let others = all.iter().filter(|other| other.gains.gain_n_per_v != *own);
         let other = others.min_by(|a, b| left(a).total_cmp(&left(b)))?;
-        if left(&other) >= self.enough() {
+        // Of a trial that is off by fifty times its size the usual share would be anything.
+        if left(&other) >= self.enough().min(LEFT) {
             return None;
         }
         Some(Finding {
@@ -310,7 +312,8 @@ impl<'a> Odd<'a> {
         let Some((direction, left)) = found else {
             return OtherDirection::None;
         };
-        if left >= self.enough() || left.is_nan() {
+        let one = 1.0 / LENGTH..=LENGTH;
+        if left >= self.enough() || left.is_nan() || !one.contains(&direction.length()) {
             return OtherDirection::None;
         }
         let v = direction.normalize();

@@ -2,6 +2,7 @@
 
 use core::f64::consts::TAU;
 
+use super::fundamental;
 use super::trial_case::{TrialCase, names};
 use crate::finding::{Cause, Finding};
 use crate::trial::Trial;
@@ -11,7 +12,7 @@ use sixaxis_recordings::session::Role;
 const RIG: (f64, f64) = (0.1, 1.0);
 /// Share of that, and of the motion of the other kind, from which something moves.
 const MOVES: f64 = 0.1;
-/// Share of a rig's turn from which a trial that travels is a compound run's.
+/// Share of a rig's turn from which a linear trial is a compound run.
 const TURNS: f64 = 0.3;
 
 /// Root mean square about the mean.
@@ -29,6 +30,15 @@ fn moved(trial: &Trial) -> (f64, f64) {
         size(&trial.accelerometer_m_s2) / (omega * omega * RIG.0),
         size(&trial.gyroscope_rad_s) / (omega * RIG.1),
     )
+}
+
+/// Amplitude of the turn at the drive's frequency: a gyroscope that is not plugged in reads anything.
+fn turned_rad(case: &TrialCase<'_>) -> f64 {
+    let trial = case.trial;
+    let seen_hz = case.response.as_ref().and_then(|r| r.frequency_hz);
+    let hz = seen_hz.unwrap_or(trial.frequency_hz);
+    fundamental::measure(&trial.gyroscope_rad_s, trial.sample_rate_hz, hz)
+        .map_or(0.0, |found| found.amplitude / found.rate_rad_s)
 }
 
 /// Trials of the other kind, and standards that read one value throughout.
@@ -79,7 +89,9 @@ pub fn examine(cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
     let both: Vec<usize> = (0..cases.len())
         .filter(|index| {
             let case = &cases[*index];
-            !case.explained && is_linear(case.trial) == Some(true) && moved(case.trial).1 > TURNS
+            !case.explained
+                && is_linear(case.trial) == Some(true)
+                && turned_rad(case) > TURNS * RIG.1
         })
         .collect();
     if !both.is_empty() {
@@ -87,10 +99,9 @@ pub fn examine(cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
             cause: Cause::Unreadable,
             recordings: names(both.iter().map(|index| &cases[*index])),
             channels: Vec::new(),
-            evidence:
-                "by the standards this linear trial travels and turns, as a compound run does"
-                    .to_owned(),
-            advice: "see whether its role is \"validation\", or its file another trial's"
+            evidence: "the gyroscope turns at the drive's frequency, as in a compound run"
+                .to_owned(),
+            advice: "see whether the role is \"validation\", or the file another trial's"
                 .to_owned(),
         });
         for index in both {

@@ -4,7 +4,6 @@
 use sixaxis_core::LIMBS;
 use sixaxis_core::identify::zero_drift::ZeroDrift;
 
-use super::raw::converter_step_v;
 use super::table::{usable, weighted_median};
 use super::trial_case::TrialCase;
 use crate::finding::{Cause, Finding};
@@ -12,31 +11,36 @@ use crate::trial::Trial;
 use sixaxis_recordings::session::Role;
 
 /// Trials from which one says what is usual.
-const FEWEST: usize = 4;
-/// Times what zeros scatter by from trial to trial, the median of that, by which the static record's must be off: zeros that wander
-/// over the day wander among the trials, too.
+const FEWEST: usize = 6;
+/// Times that the static record's zero must be off by what the trials' zeros are from each other, in the mean.
 const ELSEWHERE: f64 = 8.0;
-/// Smallest share of the converter's range that is noticed.
-const NOTICED: f64 = 1e-4;
+/// Smallest share of the converter's range that is noticed where most channels show another zero altogether.
+const OF_MOST: f64 = 3e-4;
+/// Part of itself by which a zero is another one: amplifiers that warm up move theirs by less.
+const ANOTHER: f64 = 0.5;
+/// Smallest share of the converter's range that is noticed of single channels.
+const OF_ONE: f64 = 1e-3;
 /// Share of a linear trial's signal that a record at rest does not show.
-const MOVES: f64 = 0.25;
+const MOVES: f64 = 0.5;
 
-/// Holds the static record against the linear trials.
+/// Holds the static record, of converters with these steps, against the linear trials.
 pub fn examine(
     rest: &Trial,
     drift: &ZeroDrift,
+    steps_v: &[f64; LIMBS],
     cases: &[TrialCase<'_>],
     findings: &mut Vec<Finding>,
 ) {
-    let known = |channel: usize| {
+    let known = |channel: &usize| {
         let concerned = |f: &Finding| f.concerns(&rest.name, channel + 1);
         findings.iter().any(concerned)
     };
-    let ratios = (0..LIMBS)
-        .filter(|channel| !known(*channel))
-        .filter_map(|i| Some(drift.noise_v[i] / signal_v(cases, i)?));
-    let mut moves: Vec<(f64, f64)> = ratios.map(|ratio| (ratio, 1.0)).collect();
-    if let Some(share) = weighted_median(&mut moves).filter(|share| *share > MOVES) {
+    let open: Vec<usize> = (0..LIMBS).filter(|channel| !known(channel)).collect();
+    let shares = open
+        .iter()
+        .filter_map(|channel| share_of_a_trial(rest, drift, cases, *channel));
+    let mut shares: Vec<(f64, f64)> = shares.map(|share| (share, 1.0)).collect();
+    if let Some(share) = weighted_median(&mut shares).filter(|share| *share > MOVES) {
         findings.push(of_the_record(
             rest,
             format!(
@@ -46,34 +50,49 @@ pub fn examine(
         ));
         return;
     }
-    let off: Vec<(usize, Elsewhere)> = (0..LIMBS)
-        .filter(|channel| !known(*channel))
-        .filter_map(|channel| Some((channel, elsewhere(rest, channel, cases)?)))
+    let off: Vec<(usize, Elsewhere)> = open
+        .into_iter()
+        .filter_map(|channel| {
+            let found = elsewhere(drift, steps_v, channel, cases)?;
+            (found.off_v.abs() > OF_MOST * rest.full_scale_v).then_some((channel, found))
+        })
         .collect();
-    let Some((channel, largest)) = off
+    let others: Vec<&(usize, Elsewhere)> = off
         .iter()
-        .max_by(|(_, a), (_, b)| a.off_v.abs().total_cmp(&b.off_v.abs()))
-    else {
-        return;
-    };
-    let evidence = format!(
-        "the linear trials show channel {}'s zero {:+.3} mV from the static record's, and among themselves {:.3} mV from each other",
-        channel + 1,
-        1e3 * largest.off_v,
-        1e3 * largest.scatter_v
-    );
-    if off.len() > LIMBS / 2 {
-        let others = format!("{evidence}; {} channels do so", off.len());
-        findings.push(of_the_record(rest, others));
+        .filter(|(_, found)| found.off_v.abs() > ANOTHER * found.zero_v.abs())
+        .collect();
+    if others.len() > LIMBS / 2 {
+        let evidence = in_words(others.iter().copied());
+        let evidence = format!("{evidence}; {} channels show another one", others.len());
+        findings.push(of_the_record(rest, evidence));
         return;
     }
-    findings.push(Finding {
-        cause: Cause::DriftDuringRun,
-        recordings: vec![rest.name.clone()],
-        channels: off.iter().map(|(channel, _)| channel + 1).collect(),
-        evidence,
-        advice: "record at rest again, right before the trials".to_owned(),
-    });
+    let moved: Vec<&(usize, Elsewhere)> = off
+        .iter()
+        .filter(|(_, found)| found.off_v.abs() > OF_ONE * rest.full_scale_v)
+        .collect();
+    if !moved.is_empty() {
+        findings.push(Finding {
+            cause: Cause::DriftDuringRun,
+            recordings: vec![rest.name.clone()],
+            channels: moved.iter().map(|(channel, _)| channel + 1).collect(),
+            evidence: in_words(moved.iter().copied()),
+            advice: "record at rest again, right before the trials".to_owned(),
+        });
+    }
+}
+
+/// The one that is furthest off.
+fn in_words<'a>(found: impl Iterator<Item = &'a (usize, Elsewhere)>) -> String {
+    let furthest = found.max_by(|(_, a), (_, b)| a.off_v.abs().total_cmp(&b.off_v.abs()));
+    furthest.map_or(String::new(), |(channel, found)| {
+        format!(
+            "the linear trials show channel {}'s zero {:+.3} mV from the static record's, and {:.3} mV from each other in the mean",
+            channel + 1,
+            1e3 * found.off_v,
+            1e3 * found.scatter_v
+        )
+    })
 }
 
 fn of_the_record(rest: &Trial, evidence: String) -> Finding {
@@ -86,49 +105,67 @@ fn of_the_record(rest: &Trial, evidence: String) -> Finding {
     }
 }
 
-/// How far a channel's zero is from the static record's.
+/// A channel's zero by the trials.
 struct Elsewhere {
+    zero_v: f64,
+    /// From the static record's.
     off_v: f64,
+    /// From trial to trial, in the mean.
     scatter_v: f64,
 }
 
-fn elsewhere(rest: &Trial, channel: usize, cases: &[TrialCase<'_>]) -> Option<Elsewhere> {
+/// None where it is the static record's.
+fn elsewhere(
+    drift: &ZeroDrift,
+    steps_v: &[f64; LIMBS],
+    channel: usize,
+    cases: &[TrialCase<'_>],
+) -> Option<Elsewhere> {
     let mut offsets: Vec<(f64, f64)> = Vec::new();
     let mut errors: Vec<(f64, f64)> = Vec::new();
     for (case, response) in usable(cases) {
         let linear = matches!(case.trial.role, Role::Linear | Role::HighFrequencyLinear);
         if linear && !case.ignored[channel] {
-            let volts = |force_n: f64| force_n / case.trial.gains.gain_n_per_v[channel];
+            let gain = case.trial.gains.gain_n_per_v[channel];
             let own = &response.channels[channel];
-            offsets.push((volts(own.offset_n), 1.0));
-            errors.push((volts(own.offset_error_n), 1.0));
+            offsets.push((own.offset_n / gain, 1.0));
+            errors.push(((own.offset_error_n / gain).abs(), 1.0));
         }
     }
     if offsets.len() < FEWEST {
         return None;
     }
     let off_v = weighted_median(&mut offsets)?;
-    let mut away: Vec<(f64, f64)> = offsets
-        .iter()
-        .map(|(offset, weight)| ((offset - off_v).abs(), *weight))
-        .collect();
-    let scatter_v = weighted_median(&mut away)?;
-    let error_v = weighted_median(&mut errors)?;
+    let away = offsets.iter().map(|(offset, _)| (offset - off_v).abs());
+    let scatter_v = away.sum::<f64>() / offsets.len() as f64;
+    let error_v = weighted_median(&mut errors)?.max(drift.standard_error_v[channel]);
     // A converter whose steps are as coarse as the noise shows a zero to half a step.
-    let step_v = Some(converter_step_v(rest, channel)).filter(|step| step.is_finite());
+    let step_v = Some(steps_v[channel]).filter(|step| step.is_finite());
     let by_chance = ELSEWHERE * scatter_v.max(error_v) + step_v.unwrap_or(0.0);
-    (off_v.abs() > by_chance.max(NOTICED * rest.full_scale_v))
-        .then_some(Elsewhere { off_v, scatter_v })
+    (off_v.abs() > by_chance).then_some(Elsewhere {
+        zero_v: drift.drift_v[channel] + off_v,
+        off_v,
+        scatter_v,
+    })
 }
 
-/// What a channel shows in a linear trial, root mean square, V.
-fn signal_v(cases: &[TrialCase<'_>], channel: usize) -> Option<f64> {
-    let mut signals: Vec<(f64, f64)> = usable(cases)
-        .filter(|(case, _)| case.trial.role == Role::Linear)
+/// What a channel shows at rest over what it shows in a linear trial, root mean squares: of voltages or of forces, whichever is less, since
+/// noise of the converter grows with the range and hum of the limb does not.
+fn share_of_a_trial(
+    rest: &Trial,
+    drift: &ZeroDrift,
+    cases: &[TrialCase<'_>],
+    channel: usize,
+) -> Option<f64> {
+    let gain = |trial: &Trial| trial.gains.gain_n_per_v[channel].abs();
+    let at_rest_n = drift.noise_v[channel] * gain(rest);
+    let linear = usable(cases).filter(|(case, _)| case.trial.role == Role::Linear);
+    let mut shares: Vec<(f64, f64)> = linear
+        .filter(|(_, response)| response.channels[channel].signal_n > 0.0)
         .map(|(case, response)| {
-            let gain = case.trial.gains.gain_n_per_v[channel];
-            (response.channels[channel].signal_n / gain, 1.0)
+            let over_signal = at_rest_n / response.channels[channel].signal_n;
+            (over_signal * (gain(case.trial) / gain(rest)).min(1.0), 1.0)
         })
         .collect();
-    weighted_median(&mut signals)
+    weighted_median(&mut shares)
 }

@@ -22,7 +22,7 @@ fn of(path: &Path, channel: &Channel, stated: Option<&str>) -> Result<Unit> {
     match (channel.unit.as_deref(), stated) {
         (Some(own), stated) => match (unit::named(own), stated.and_then(unit::named)) {
             (Some(unit), Some(other)) if unit != other => refuse(format!(
-                "the file says {own:?}, the session or --unit says {:?}",
+                "the file says {own:?}, the session, or --unit, says {:?}",
                 stated.unwrap_or_default()
             )),
             (Some(unit), _) | (None, Some(unit)) => Ok(unit),
@@ -35,8 +35,8 @@ fn of(path: &Path, channel: &Channel, stated: Option<&str>) -> Result<Unit> {
             None => refuse(format!("unit {name:?} is not known")),
         },
         (None, None) => refuse(
-            "neither the file nor the session says its unit; set limbs_unit, accelerometer_unit or gyroscope_unit in [channels], or \
-             give the limbs' by --unit"
+            "neither the file nor a session says its unit; set limbs_unit, accelerometer_unit or gyroscope_unit in [channels] of the \
+             session, or where there is none give the limbs' by --unit"
                 .to_owned(),
         ),
     }

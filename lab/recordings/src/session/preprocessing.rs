@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// A stage that can be switched off with `false`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "false, or the settings of this stage")]
 pub enum Stage<T> {
     /// `false`: off. `true` is refused, since it says nothing.
     Switch(bool),

@@ -28,7 +28,7 @@ pub struct SensorCard {
 
 /// One number for all limbs or nine.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "one number, or nine in brackets")]
 pub enum PerLimb {
     /// The same for all.
     All(f64),

@@ -228,7 +228,7 @@ fn value(
 
 fn not_a_number(cell: &[u8], decimal: Decimal) -> String {
     if cell.is_empty() {
-        return "an empty cell; write missing values as nan".to_owned();
+        return "an empty cell; cut the recording there or mend it".to_owned();
     }
     let sign = match decimal {
         Decimal::Comma => "comma",

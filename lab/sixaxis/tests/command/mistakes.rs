@@ -374,7 +374,7 @@ fn neg_a_compound_run_is_no_linear_trial() {
         })
     });
     assert_eq!(code, 4, "{said}");
-    assert!(said.contains("travels and turns"), "{said}");
+    assert!(said.contains("as in a compound run"), "{said}");
 }
 
 #[test]

@@ -25,8 +25,8 @@ const COST_CAP: f64 = 0.2;
 const WORTH_A_FIT: f64 = 0.5;
 /// Share of them that one more exchange may leave to be a part of the matter: a row of names that is out by one is eight exchanges.
 const ONE_MORE: f64 = 0.9;
-/// First ones of a whole day from which more are looked for.
-const ALL_DAY: usize = 3;
+/// First ones from which more are looked for.
+const STARTS: usize = 3;
 
 /// What was done to plugs, or to names. Each is put right by doing it again.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -37,10 +37,14 @@ enum Plugs {
     Inverted(usize),
 }
 
+/// Two limbs.
+fn pairs() -> impl Iterator<Item = (usize, usize)> {
+    (0..LIMBS).flat_map(|a| (a + 1..LIMBS).map(move |b| (a, b)))
+}
+
 impl Plugs {
     /// All that can be done to one or two. Of equal ranges names and plugs are the same.
     fn all(cases: &[TrialCase<'_>]) -> impl Iterator<Item = Self> {
-        let pairs = || (0..LIMBS).flat_map(|a| (a + 1..LIMBS).map(move |b| (a, b)));
         let of_equal_ranges = |(a, b): (usize, usize)| {
             let mut gains = cases.iter().map(|case| &case.trial.gains.gain_n_per_v);
             gains.all(|gain| gain[a] == gain[b])
@@ -50,11 +54,6 @@ impl Plugs {
         exchanged
             .chain(misnamed.map(|(a, b)| Self::Misnamed(a, b)))
             .chain((0..LIMBS).map(Self::Inverted))
-    }
-
-    /// Whether trials that all have it disagree: a scale factor of the other sign goes with all of them.
-    const fn shows_all_day(self) -> bool {
-        !matches!(self, Self::Inverted(_))
     }
 
     /// Voltages.
@@ -129,7 +128,7 @@ impl Plugs {
     }
 }
 
-/// That, one after the other, in the trials from this one on.
+/// That, one after the other, in the trials from this one on. Several are exchanges of one kind, all day.
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct Replugged {
     plugs: Vec<Plugs>,
@@ -142,65 +141,70 @@ impl Replugged {
         self.plugs.iter().fold(trial.clone(), put_right)
     }
 
-    /// Channels, from 1, in which the limbs' signals stand, where several exchanges of one kind put them in order.
-    fn order(&self) -> Option<[usize; LIMBS]> {
-        let kind = |plugs: &Plugs| match plugs {
-            Plugs::Exchanged(..) => Some(true),
-            Plugs::Misnamed(..) => Some(false),
-            Plugs::Inverted(_) => None,
-        };
-        let first = kind(&self.plugs[0])?;
-        let of_one_kind = self.plugs.iter().all(|plugs| kind(plugs) == Some(first));
+    /// Cause, channels from 1, what makes the trials agree, what to do.
+    fn in_words(&self) -> (Cause, Vec<usize>, String, String) {
+        if let [one] = self.plugs[..] {
+            return one.in_words();
+        }
+        // Channels, from 1, in which the limbs' signals stand.
         let mut order: [usize; LIMBS] = core::array::from_fn(|limb| limb + 1);
         for plugs in &self.plugs {
             if let Plugs::Exchanged(a, b) | Plugs::Misnamed(a, b) = *plugs {
                 order.swap(a, b);
             }
         }
-        (of_one_kind && self.plugs.len() > 1).then_some(order)
-    }
-
-    /// Cause, channels from 1, what makes the trials agree, what to do.
-    fn in_words(&self) -> Option<(Cause, Vec<usize>, String, String)> {
-        if let Some(order) = self.order() {
-            let moved = (1..=LIMBS).filter(|channel| order[channel - 1] != *channel);
-            let order = order.map(|channel| channel.to_string()).join(", ");
-            let (with, advice) = if matches!(self.plugs[0], Plugs::Exchanged(..)) {
-                (
-                    "each with its gain",
-                    "and those of each gain_n_per_v with them, since a range stays with its amplifier; or put the plugs right and record again",
-                )
-            } else {
-                (
-                    "and gains left as they are",
-                    "and leave gain_n_per_v as it is: its entries are the limbs' already",
-                )
-            };
-            return Some((
-                Cause::SwappedChannels,
-                moved.collect(),
-                format!("channels {order} taken for limbs 1 to 9, {with},"),
-                format!(
-                    "put the present entries of [channels] limbs into the order {order}, {advice}"
-                ),
-            ));
-        }
-        let each = self.plugs.iter().map(|plugs| plugs.in_words());
-        each.reduce(|(cause, mut channels, with, advice), next| {
-            channels.extend(next.1);
-            channels.sort_unstable();
-            channels.dedup();
-            let with = format!("{with}, then {}", next.2);
-            (cause, channels, with, format!("{advice}; then {}", next.3))
-        })
+        let moved = (1..=LIMBS).filter(|channel| order[channel - 1] != *channel);
+        let list = order.map(|channel| channel.to_string()).join(", ");
+        let (with, advice) = if matches!(self.plugs.first(), Some(Plugs::Exchanged(..))) {
+            (
+                "each with its gain",
+                "and those of each gain_n_per_v with them, since a range stays with its amplifier; or put the plugs right and record again",
+            )
+        } else {
+            (
+                "and gains left as they are",
+                "and leave gain_n_per_v as it is: its entries are the limbs' already",
+            )
+        };
+        (
+            Cause::SwappedChannels,
+            moved.collect(),
+            format!("channels {list} taken for limbs 1 to 9, {with},"),
+            format!("put the present entries of [channels] limbs into the order {list}, {advice}"),
+        )
     }
 }
 
-/// The exchange that accounts for all trials.
+/// The exchange that accounts for all trials, or several that do.
 #[must_use]
 pub fn tried(day: &Unaccounted<'_>) -> Option<Finding> {
     let shares = StaticLoadSharing::new(&day.campaign.geometry).ok()?;
-    let (found, table) = likeliest(&shares, day.cases)?;
+    // What was found of trials before was found with channels taken for each other.
+    let cases: Vec<TrialCase<'_>> = day
+        .cases
+        .iter()
+        .map(|case| TrialCase {
+            ignored: [false; LIMBS],
+            explained: false,
+            ..case.clone()
+        })
+        .collect();
+    let (as_they_are, _) = agreement(&shares, &cases)?;
+    let worth_a_fit = |found: &Agreeing| found.cost < WORTH_A_FIT * as_they_are;
+    let accounting = |found: Agreeing| accounts(day, &found);
+    one(&shares, &cases)
+        .filter(worth_a_fit)
+        .and_then(accounting)
+        .or_else(|| {
+            several(&shares, &cases)
+                .filter(worth_a_fit)
+                .and_then(accounting)
+        })
+}
+
+/// Whether the trials agree to the noise with that put right.
+fn accounts(day: &Unaccounted<'_>, found: &Agreeing) -> Option<Finding> {
+    let Agreeing { found, table, .. } = found;
     let trials: Vec<Cow<'_, Trial>> = day
         .campaign
         .trials
@@ -224,11 +228,11 @@ pub fn tried(day: &Unaccounted<'_>) -> Option<Finding> {
         }
         rest.deviation_v = rest.deviation_v.map(f64::abs);
     }
-    let start = start(&table, &rest, &day.campaign.design);
+    let start = start(table, &rest, &day.campaign.design);
     let borrowed: Vec<&Trial> = trials.iter().map(AsRef::as_ref).collect();
     let joint = day.accounting(&borrowed, &rest, &start, day.knowledge)?;
     let names = trials[found.from..].iter().map(|trial| trial.name.clone());
-    let (cause, channels, with, advice) = found.in_words()?;
+    let (cause, channels, with, advice) = found.in_words();
     Some(Finding {
         cause,
         recordings: if all_day { Vec::new() } else { names.collect() },
@@ -241,76 +245,81 @@ pub fn tried(day: &Unaccounted<'_>) -> Option<Finding> {
     })
 }
 
-/// What was done to plugs or names, so that the trials' responses agree best, and the scale factors and inertias they then have.
-fn likeliest(shares: &StaticLoadSharing, cases: &[TrialCase<'_>]) -> Option<(Replugged, Table)> {
-    // What was found of trials before was found with channels taken for each other.
-    let cases: Vec<TrialCase<'_>> = cases
-        .iter()
-        .map(|case| TrialCase {
-            ignored: [false; LIMBS],
-            explained: false,
-            ..case.clone()
-        })
-        .collect();
-    let (as_they_are, _) = agreement(shares, &cases)?;
-    let mut firsts: Vec<(f64, Replugged)> = Vec::new();
-    for plugs in Plugs::all(&cases) {
-        each_from_the_end(&cases, plugs, |from, cases| {
-            if let Some((cost, _)) = agreement(shares, cases) {
+/// What was done, how far trials are from agreeing with that put right, and the scale factors and inertias they then have.
+#[derive(Debug, Clone)]
+struct Agreeing {
+    found: Replugged,
+    cost: f64,
+    table: Table,
+}
+
+/// The one thing with which the trials' responses agree best.
+fn one(shares: &StaticLoadSharing, cases: &[TrialCase<'_>]) -> Option<Agreeing> {
+    let mut best: Option<Agreeing> = None;
+    for plugs in Plugs::all(cases) {
+        each_from_the_end(cases, plugs, |from, cases| {
+            let Some((cost, table)) = agreement(shares, cases) else {
+                return;
+            };
+            if best.as_ref().is_none_or(|best| cost < best.cost) {
                 let plugs = vec![plugs];
-                firsts.push((cost, Replugged { plugs, from }));
+                let found = Replugged { plugs, from };
+                best = Some(Agreeing { found, cost, table });
             }
         });
     }
-    firsts.sort_by(|a, b| a.0.total_cmp(&b.0));
-    // What many exchanges put in order was so all day, and the best of them alone need not be.
-    let first = firsts.first()?.clone();
-    let all_day = firsts
-        .into_iter()
-        .filter(|(_, found)| found.from == 0 && found.plugs[0].shows_all_day());
-    let starts = [first].into_iter().chain(all_day.take(ALL_DAY));
-    let (least, found, table) = starts
-        .filter_map(|(_, found)| one_after_the_other(shares, &cases, found))
-        .min_by(|a, b| a.0.total_cmp(&b.0))?;
-    (least < WORTH_A_FIT * as_they_are).then_some((found, table))
+    best
+}
+
+/// The exchanges of one kind, one after the other and all day, with which they agree best.
+fn several(shares: &StaticLoadSharing, cases: &[TrialCase<'_>]) -> Option<Agreeing> {
+    let of_a_kind = |kind: fn(usize, usize) -> Plugs| {
+        let mut firsts: Vec<Agreeing> = pairs()
+            .filter_map(|(a, b)| with_one_more(shares, cases, &[], kind(a, b)))
+            .collect();
+        firsts.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        firsts.truncate(STARTS);
+        firsts.into_iter().map(move |mut best| {
+            while best.found.plugs.len() < LIMBS - 1 {
+                let next = pairs()
+                    .filter_map(|(a, b)| {
+                        with_one_more(shares, cases, &best.found.plugs, kind(a, b))
+                    })
+                    .min_by(|a, b| a.cost.total_cmp(&b.cost))
+                    .filter(|next| next.cost < ONE_MORE * best.cost);
+                match next {
+                    Some(next) => best = next,
+                    None => break,
+                }
+            }
+            best
+        })
+    };
+    of_a_kind(Plugs::Exchanged)
+        .chain(of_a_kind(Plugs::Misnamed))
+        .min_by(|a, b| a.cost.total_cmp(&b.cost))
+}
+
+fn with_one_more(
+    shares: &StaticLoadSharing,
+    cases: &[TrialCase<'_>],
+    before: &[Plugs],
+    more: Plugs,
+) -> Option<Agreeing> {
+    let plugs = [before, &[more]].concat();
+    let mut cases = cases.to_vec();
+    for plugs in &plugs {
+        put_right(&mut cases, *plugs);
+    }
+    let (cost, table) = agreement(shares, &cases)?;
+    let found = Replugged { plugs, from: 0 };
+    Some(Agreeing { found, cost, table })
 }
 
 /// How far trials are from agreeing, and on what.
 fn agreement(shares: &StaticLoadSharing, cases: &[TrialCase<'_>]) -> Option<(f64, Table)> {
     let table = Table::linear(shares, cases, &[false; LIMBS])?.fitted(cases);
     Some((table.cost(cases, COST_CAP), table))
-}
-
-/// With what else was done, as long as each makes the trials agree better.
-fn one_after_the_other(
-    shares: &StaticLoadSharing,
-    cases: &[TrialCase<'_>],
-    mut found: Replugged,
-) -> Option<(f64, Replugged, Table)> {
-    let mut cases = cases.to_vec();
-    for plugs in &found.plugs {
-        put_right(&mut cases[found.from..], *plugs);
-    }
-    let (mut least, mut table) = agreement(shares, &cases)?;
-    while found.plugs.len() < LIMBS - 1 {
-        let next = Plugs::all(&cases)
-            .filter(|plugs| found.from > 0 || plugs.shows_all_day())
-            .filter_map(|plugs| {
-                let mut cases = cases.clone();
-                put_right(&mut cases[found.from..], plugs);
-                let (cost, table) = agreement(shares, &cases)?;
-                Some((plugs, cost, table))
-            })
-            .min_by(|a, b| a.1.total_cmp(&b.1))
-            .filter(|(_, cost, _)| *cost < ONE_MORE * least);
-        let Some((plugs, cost, of_next)) = next else {
-            break;
-        };
-        put_right(&mut cases[found.from..], plugs);
-        found.plugs.push(plugs);
-        (least, table) = (cost, of_next);
-    }
-    Some((least, found, table))
 }
 
 /// Shows the cases put right in the last one, in the last two ... in all of them.
