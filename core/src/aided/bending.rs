@@ -14,7 +14,7 @@
 use glam::{DMat3, DVec3};
 use nalgebra::{Cholesky, SMatrix, SVector};
 
-use super::model::{ATTITUDE, DYNAMIC, Dynamics, RATE, VELOCITY, cross, matrix};
+use super::model::{ATTITUDE, DYNAMIC, Dynamics, RATE, VELOCITY, cross, matrix, times};
 use crate::float::sqrt;
 
 /// Errors that bend: attitude and rate.
@@ -79,15 +79,20 @@ impl Bending {
                 0.0
             }
         });
-        let scale = Form::from_diagonal(&over_deviation);
-        let correlation = scale * now * scale + Form::from_diagonal_element(JITTER);
+        let correlation = Form::from_fn(|i, j| {
+            let own = if i == j { JITTER } else { 0.0 };
+            over_deviation[i] * now[(i, j)] * over_deviation[j] + own
+        });
         let Some(correlation) = Cholesky::new(correlation) else {
             *self = Self::none();
             return;
         };
-        let transposed = scale * correlation.solve(&(scale * with_before));
+        let mut solved = Form::from_fn(|i, j| over_deviation[i] * with_before[(i, j)]);
+        correlation.solve_mut(&mut solved);
+        let before = Form::from_fn(|i, j| over_deviation[j] * solved[(j, i)]);
+        let transposed = before.transpose();
         for form in self.attitude_rad.iter_mut().chain(&mut self.velocity_m_s) {
-            *form = transposed * *form * transposed.transpose();
+            *form = times(&times(&transposed, form), &before);
         }
     }
 
@@ -125,8 +130,8 @@ impl Bending {
         self.velocity_m_s
             .iter()
             .map(|form| {
-                let by = form * now;
-                2.0 * (by * by).trace() + by.trace() * by.trace()
+                let by = times(form, now);
+                2.0 * times(&by, &by).trace() + by.trace() * by.trace()
             })
             .fold(0.0, f64::max)
     }
