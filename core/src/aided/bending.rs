@@ -14,7 +14,7 @@
 use glam::{DMat3, DVec3};
 use nalgebra::{Cholesky, SMatrix, SVector};
 
-use super::model::{ATTITUDE, DYNAMIC, Dynamics, RATE, VELOCITY, cross, matrix, times};
+use super::model::{ATTITUDE, DYNAMIC, Dynamics, ERRORS, RATE, VELOCITY, cross, matrix, times};
 use crate::float::sqrt;
 
 /// Errors that bend: attitude and rate.
@@ -26,6 +26,16 @@ const LARGEST_RAD: f64 = 1.0;
 
 /// z^T Q z of attitude's and rate's errors z.
 pub(super) type Form = SMatrix<f64, BENT_BY, BENT_BY>;
+
+/// Those that bend, of all errors.
+pub(super) fn errors(all: &SVector<f64, ERRORS>) -> SVector<f64, BENT_BY> {
+    all.fixed_rows::<BENT_BY>(0).into_owned()
+}
+
+/// Their covariance.
+pub(super) fn covariance(all: &SMatrix<f64, ERRORS, ERRORS>) -> Form {
+    all.fixed_view::<BENT_BY, BENT_BY>(0, 0).into_owned()
+}
 
 /// Since each was measured last, a form of each component.
 #[derive(Debug, Clone, PartialEq)]

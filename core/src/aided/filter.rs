@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3};
 use nalgebra::{SMatrix, SVector};
 
 use super::aid::Measurement;
-use super::bending::{BENT_BY, Bending, Form};
+use super::bending::{self, BENT_BY, Bending};
 use super::block::Block;
 use super::deviations::{Deviations, TURN_RAD, accelerations, across};
 use super::model::{
@@ -104,15 +104,6 @@ impl Update {
         dynamic += self.bent;
         Correction::of(&found, self.contradicts)
     }
-}
-
-/// Those that bend.
-fn bend(errors: &SMatrix<f64, ERRORS, 1>) -> SVector<f64, BENT_BY> {
-    errors.fixed_rows::<BENT_BY>(0).into_owned()
-}
-
-fn bending_errors(covariance: &ErrorCovariance) -> Form {
-    covariance.fixed_view::<BENT_BY, BENT_BY>(0, 0).into_owned()
 }
 
 /// An error-state Kalman filter without the errors themselves: they are taken off the decoupler as soon as they are known.
@@ -222,7 +213,7 @@ impl ErrorFilter {
         p.fixed_view_mut::<DYNAMIC, DYNAMIC>(0, 0)
             .copy_from(&((own + own.transpose()) * 0.5));
         let with_before = carried.fixed_view::<BENT_BY, BENT_BY>(0, 0).into_owned();
-        self.bending.carry(&with_before, &bending_errors(p));
+        self.bending.carry(&with_before, &bending::covariance(p));
         self.bending.grow(to_ground, force, half_s);
         let sound = |variance: &f64| variance.is_finite() && *variance >= 0.0;
         if !self.covariance.diagonal().iter().all(sound) {
@@ -274,7 +265,7 @@ impl ErrorFilter {
         let shows = p.fixed_rows::<3>(measurement.place).into_owned();
         let mut measured = measurement.covariance;
         if measurement.place == VELOCITY {
-            let bent = self.bending.variance_m2_s2(&bending_errors(p));
+            let bent = self.bending.variance_m2_s2(&bending::covariance(p));
             measured += SMatrix::<f64, 3, 3>::identity() * bent;
         }
         let scatter = shows.fixed_columns::<3>(measurement.place).into_owned() + measured;
@@ -307,7 +298,7 @@ impl ErrorFilter {
         }
         let mut found = times(&gain, &innovation);
         for _ in 0..BENDINGS {
-            let bent = self.bending.of(&bend(&found));
+            let bent = self.bending.of(&bending::errors(&found));
             let shown = bent.fixed_rows::<3>(measurement.place);
             found = times(&gain, &(innovation - shown));
         }
@@ -318,8 +309,8 @@ impl ErrorFilter {
         let lost = times(&(times(&gain, &measured) - seen), &gain.transpose());
         let next = kept + lost;
         self.covariance = (next + next.transpose()) * 0.5;
-        let bent = self.bending.of(&bend(&found));
-        let about = self.bending.about(&bend(&found));
+        let bent = self.bending.of(&bending::errors(&found));
+        let about = self.bending.about(&bending::errors(&found));
         change(&mut self.covariance, &about);
         self.bending.measured(measurement.place);
         Some(Update {

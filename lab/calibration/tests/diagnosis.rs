@@ -977,3 +977,58 @@ fn inv_drift_beside_turning_weight() {
         );
     }
 }
+
+/// What is said of the static record.
+fn of_the_static_record(trials: Played) -> Vec<Finding> {
+    let day = Day {
+        trials,
+        ..Day::of(&[])
+    };
+    let concerned = |finding: &Finding| finding.recordings == ["rest"];
+    day.findings().into_iter().filter(concerned).collect()
+}
+
+const LINEAR: core::ops::Range<usize> = 0..6;
+
+#[test]
+fn inv_zeros_that_are_not_the_static_record_s_are_told() {
+    let mut trials = played(&healthy());
+    change(
+        &mut trials,
+        LINEAR,
+        |channel, _, u| {
+            if channel == 4 { u + 0.01 } else { u }
+        },
+    );
+    let found = of_the_static_record(trials);
+    assert_eq!(found.len(), 1, "{found:#?}");
+    assert_eq!(found[0].cause, Cause::DriftDuringRun, "{found:#?}");
+    assert_eq!(found[0].channels, [5], "{found:#?}");
+    assert!(found[0].evidence.contains("+10.0"), "{found:#?}");
+
+    let mut trials = played(&healthy());
+    change(&mut trials, LINEAR, |channel, _, u| {
+        u + 1e-3 * (channel as f64 + 2.0)
+    });
+    let found = of_the_static_record(trials);
+    assert_eq!(found.len(), 1, "{found:#?}");
+    assert_eq!(found[0].cause, Cause::Unreadable, "{found:#?}");
+    assert!(found[0].evidence.contains("9 channels"), "{found:#?}");
+}
+
+#[test]
+fn inv_zeros_within_what_a_day_shows_are_not_told() {
+    // Amplifiers that warm up: from -6 to 14 mV over the linear trials.
+    let mut trials = played(&healthy());
+    for index in LINEAR {
+        let zero_v = 4e-3 * index as f64 - 6e-3;
+        change(&mut trials, index..=index, |_, _, u| u + zero_v);
+    }
+    assert_eq!(of_the_static_record(trials), []);
+    // A converter of 5 mV shows 2 mV as nothing at rest, and as 2 mV of a signal.
+    let mut trials = played(&healthy());
+    change(&mut trials, 0..COMPOUND, |_, _, u| {
+        ((u + 2e-3) / 5e-3).round() * 5e-3
+    });
+    assert_eq!(of_the_static_record(trials), []);
+}

@@ -124,6 +124,27 @@ fn inv_terms_of_the_fit_come_out_again() {
     }
 }
 
+/// The mean of a run from rest to rest is a standard's own offset, and no force is lacking for it.
+#[test]
+fn inv_an_offset_of_the_standard_is_none_of_the_channels() {
+    let d = DVec3::new(0.6, 0.0, -0.8);
+    let (trial, mut conditioned) = played(Role::Linear, d, LINEAR_M_S2, 0.0);
+    let force = forces(|i, _, sine, _| 10.0 * i + 2.0 * i * sine);
+    conditioned
+        .linear_ground_m_s2
+        .iter_mut()
+        .for_each(|a| *a += 0.05 * LINEAR_M_S2 * d);
+    let found = measure(&trial, &conditioned, &force).expect("long enough");
+    for (channel, i) in found.channels.iter().zip(1..) {
+        close(
+            "offset",
+            channel.offset_n,
+            10.0 * f64::from(i),
+            1e-3 * f64::from(i),
+        );
+    }
+}
+
 /// Noise that changes sign with every second row is square to all terms but for their ends.
 #[test]
 fn inv_errors_are_those_of_an_orthogonal_fit() {

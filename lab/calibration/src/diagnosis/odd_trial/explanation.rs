@@ -1,0 +1,316 @@
+//! What a trial that departs from the others is tried against: a factor, a channel, an exchange, other gains, another direction.
+
+use glam::DVec3;
+use nalgebra::{Matrix3, Vector3};
+use sixaxis_core::LIMBS;
+
+use super::NOTICED;
+use crate::diagnosis::level::{cause_of, of_one_channel};
+use crate::diagnosis::table::Table;
+use crate::diagnosis::trial_case::TrialCase;
+use crate::finding::{Cause, Finding};
+use crate::response::Response;
+use crate::trial::Trial;
+
+/// How near to -1 a factor on all channels is of a motion the other way.
+const OPPOSITE: f64 = 0.1;
+/// Share of the departure that may be left once a cause is taken into account.
+const LEFT: f64 = 0.1;
+/// Angle from which a wedge is called loose, degrees; what is below is its workshop's tolerance.
+const LOOSE_DEG: f64 = 0.7;
+/// Factor within which a direction that the channels show is a unit vector's: a wedge does not scale.
+const LENGTH: f64 = 1.25;
+
+/// A trial that departs from the others, and what it is tried against.
+pub(super) struct Odd<'a> {
+    table: &'a Table,
+    case: &'a TrialCase<'a>,
+    response: &'a Response,
+    departure: f64,
+    seen: [f64; LIMBS],
+    expected: [f64; LIMBS],
+    /// Channels that count.
+    counts: Vec<usize>,
+    size: f64,
+}
+
+/// Whether the trial moved in a direction other than the stated one.
+pub(super) enum OtherDirection {
+    /// Another direction explains nothing.
+    None,
+    /// It explains the departure and lies within a wedge's play: not reported.
+    WithinPlay,
+    /// It explains it and is another wedge's.
+    Loose(Finding),
+}
+
+impl<'a> Odd<'a> {
+    pub(super) fn new(
+        table: &'a Table,
+        case: &'a TrialCase<'a>,
+        response: &'a Response,
+        departure: f64,
+    ) -> Self {
+        let (seen, expected) = table.compare(case, response);
+        Self {
+            table,
+            case,
+            response,
+            departure,
+            seen,
+            expected,
+            counts: (0..LIMBS)
+                .filter(|i| !case.ignored[*i] && !table.silent[*i])
+                .collect(),
+            size: table.size(case, response, &expected),
+        }
+    }
+
+    /// What a hypothesis leaves of the departure, over the trial's size.
+    fn rest(&self, of: &dyn Fn(usize) -> f64) -> f64 {
+        self.counts
+            .iter()
+            .map(|i| (self.seen[*i] - of(*i)).powi(2))
+            .sum::<f64>()
+            .sqrt()
+            / self.size
+    }
+
+    /// What a hypothesis may leave to be taken for the explanation.
+    fn enough(&self) -> f64 {
+        (LEFT * self.departure).max(0.5 * NOTICED)
+    }
+
+    /// One factor on all channels.
+    pub(super) fn one_factor(&self) -> Option<Finding> {
+        let (seen, expected) = (&self.seen, &self.expected);
+        let product: f64 = self.counts.iter().map(|i| seen[*i] * expected[*i]).sum();
+        let squares: f64 = self
+            .counts
+            .iter()
+            .map(|i| expected[*i] * expected[*i])
+            .sum();
+        let common = product / squares;
+        (self.rest(&|i| common * expected[i]) < self.enough()).then(|| Finding {
+            recordings: vec![self.case.trial.name.clone()],
+            cause: cause_of(common),
+            channels: Vec::new(),
+            evidence: format!(
+                "all channels are {common:.4} times what the other trials make one expect"
+            ),
+            advice: if (common + 1.0).abs() < OPPOSITE {
+                "turn the sign of this recording's direction in the session, or see to the polarity of the standard"
+            } else {
+                "check this recording's gains and units, and the sensitivity of the standard"
+            }
+            .to_owned(),
+        })
+    }
+
+    /// One channel.
+    pub(super) fn one_channel(&self) -> Option<Finding> {
+        let (seen, expected) = (&self.seen, &self.expected);
+        let off = |i: usize| (seen[i] - expected[i]).abs();
+        let worst = self
+            .counts
+            .iter()
+            .copied()
+            .max_by(|a, b| off(*a).total_cmp(&off(*b)))
+            .unwrap_or(0);
+        let left = self.rest(&|i| if i == worst { seen[i] } else { expected[i] });
+        if left >= self.enough() || left.is_nan() {
+            return None;
+        }
+        let factor = seen[worst] / expected[worst];
+        let (cause, advice) = of_one_channel(factor);
+        Some(Finding {
+            recordings: vec![self.case.trial.name.clone()],
+            cause,
+            channels: vec![worst + 1],
+            evidence: format!(
+                "the channel shows {factor:.4} times what the other trials make one expect, the others agree"
+            ),
+            advice: advice.to_owned(),
+        })
+    }
+
+    /// Two channels exchanged in this recording alone: the gain stays with the amplifier, the limb comes along.
+    pub(super) fn exchanged(&self) -> Option<Finding> {
+        let h = &self.table.mass_over_scale_kg;
+        let other = |own: usize, from: usize| self.expected[from] * h[from] / h[own];
+        for (n, a) in self.counts.iter().copied().enumerate() {
+            for b in self.counts[n + 1..].iter().copied() {
+                let with = |i: usize| {
+                    if i == a {
+                        other(a, b)
+                    } else if i == b {
+                        other(b, a)
+                    } else {
+                        self.expected[i]
+                    }
+                };
+                if self.rest(&with) < self.enough() {
+                    return Some(Finding {
+                        recordings: vec![self.case.trial.name.clone()],
+                        cause: Cause::SwappedChannels,
+                        channels: vec![a + 1, b + 1],
+                        evidence:
+                            "exchanged in this recording, the two agree with the other trials"
+                                .to_owned(),
+                        advice:
+                            "check the plugs, or give this recording its own [recording.channels]"
+                                .to_owned(),
+                    });
+                }
+            }
+        }
+        None
+    }
+
+    /// The gains that the session states for another trial.
+    pub(super) fn gains_of_another(&self, all: &[&Trial]) -> Option<Finding> {
+        let own = &self.case.trial.gains.gain_n_per_v;
+        let left = |other: &&&Trial| {
+            let factor = |i: usize| other.gains.gain_n_per_v[i] / own[i];
+            let squares = self
+                .counts
+                .iter()
+                .map(|i| (self.seen[*i] * factor(*i) - self.expected[*i]).powi(2));
+            squares.sum::<f64>().sqrt() / self.size
+        };
+        let others = all.iter().filter(|other| other.gains.gain_n_per_v != *own);
+        // Of a trial that is off by fifty times its size the usual share would be anything.
+        let other = others
+            .min_by(|a, b| left(a).total_cmp(&left(b)))
+            .filter(|other| left(other) < self.enough().min(LEFT))?;
+        Some(Finding {
+            recordings: vec![self.case.trial.name.clone()],
+            cause: Cause::WrongScaling,
+            channels: Vec::new(),
+            evidence: format!(
+                "with the gains that the session states for {} the channels agree with the other trials",
+                other.name
+            ),
+            advice: format!(
+                "correct this recording's gain_n_per_v, or see whether its file and that of {} are exchanged",
+                other.name
+            ),
+        })
+    }
+
+    /// One gain for all channels, where every other recording has a range of its own for each.
+    pub(super) fn gains_of_none(&self, all: &[&Trial]) -> Option<Finding> {
+        let is_one = |trial: &Trial| trial.gains.gain_n_per_v.windows(2).all(|g| g[0] == g[1]);
+        let own = self.case.trial;
+        let alone = is_one(own) && all.iter().filter(|trial| is_one(trial)).count() == 1;
+        (alone && all.len() > 1).then(|| Finding {
+            recordings: vec![own.name.clone()],
+            cause: Cause::WrongScaling,
+            channels: Vec::new(),
+            evidence: format!(
+                "by the session all nine gains are {} N/V here, and ranges differ in every other recording",
+                own.gains.gain_n_per_v[0]
+            ),
+            advice: "state this recording's own gain_n_per_v".to_owned(),
+        })
+    }
+
+    /// Another direction.
+    pub(super) fn other_direction(&self, all: &[&Trial]) -> OtherDirection {
+        let found = direction(
+            self.table,
+            self.response,
+            &self.counts,
+            &self.seen,
+            self.size,
+        );
+        let Some((direction, left)) = found else {
+            return OtherDirection::None;
+        };
+        let one = 1.0 / LENGTH..=LENGTH;
+        if left >= self.enough() || left.is_nan() || !one.contains(&direction.length()) {
+            return OtherDirection::None;
+        }
+        let v = direction.normalize();
+        let angle = v
+            .angle_between(self.case.trial.direction_ground)
+            .to_degrees();
+        if angle <= LOOSE_DEG {
+            return OtherDirection::WithinPlay;
+        }
+        let near = |other: &&&Trial| {
+            other.role == self.case.trial.role
+                && v.angle_between(other.direction_ground).to_degrees() < LOOSE_DEG
+        };
+        let advice = match all.iter().find(near) {
+            Some(other) => format!(
+                "see whether its direction or its file is that of {}: that one is stated to move so",
+                other.name
+            ),
+            None => "tighten the wedge and repeat, or check the stated direction".to_owned(),
+        };
+        OtherDirection::Loose(Finding {
+            recordings: vec![self.case.trial.name.clone()],
+            cause: Cause::LooseWedge,
+            channels: Vec::new(),
+            evidence: format!(
+                "the channels show motion along ({:.3}, {:.3}, {:.3}), {angle:.1}° from the stated direction",
+                v.x, v.y, v.z
+            ),
+            advice,
+        })
+    }
+
+    /// Another sensor's where many channels depart; otherwise unexplained.
+    pub(super) fn nothing_else(&self) -> Finding {
+        let departs =
+            |i: &&usize| (self.seen[**i] - self.expected[**i]).abs() > 0.5 * NOTICED * self.size;
+        let percent = 100.0 * self.departure;
+        let (cause, evidence, advice) = if self.counts.iter().filter(departs).count() >= 3 {
+            (
+                Cause::ForeignTrial,
+                format!(
+                    "the channels depart by {percent:.1} % from what the other trials agree on, and neither a factor, an exchange nor another direction explains it"
+                ),
+                "check that this recording is this sensor's, in this state",
+            )
+        } else {
+            (
+                Cause::Unexplained,
+                format!("departs by {percent:.1} % from what the other trials agree on"),
+                "look at the trial's curves in the report, and repeat it",
+            )
+        };
+        Finding {
+            recordings: vec![self.case.trial.name.clone()],
+            cause,
+            channels: Vec::new(),
+            evidence,
+            advice: advice.to_owned(),
+        }
+    }
+}
+
+/// The direction, not normalised, that the channels show, and what it leaves.
+fn direction(
+    table: &Table,
+    response: &Response,
+    counts: &[usize],
+    seen: &[f64; LIMBS],
+    size: f64,
+) -> Option<(DVec3, f64)> {
+    let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
+    for &i in counts {
+        let share = Vector3::from(table.share(i, response).to_array());
+        normal += share * share.transpose();
+        right += share * seen[i];
+    }
+    let d = normal.try_inverse()? * right;
+    let d = DVec3::new(d[0], d[1], d[2]);
+    let left = counts
+        .iter()
+        .map(|&i| (seen[i] - table.share(i, response).dot(d)).powi(2))
+        .sum::<f64>()
+        .sqrt();
+    Some((d, left / size))
+}
