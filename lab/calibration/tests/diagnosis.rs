@@ -1025,10 +1025,10 @@ fn inv_zeros_within_what_a_day_shows_are_not_told() {
         change(&mut trials, index..=index, |_, _, u| u + zero_v);
     }
     assert_eq!(of_the_static_record(trials), []);
-    // A converter of 5 mV shows 2 mV as nothing at rest, and as 2 mV of a signal.
+    // A converter of 16 mV shows 7 mV as nothing at rest, and as 7 mV of a signal.
     let mut trials = played(&healthy());
-    change(&mut trials, 0..COMPOUND, |_, _, u| {
-        ((u + 2e-3) / 5e-3).round() * 5e-3
+    change(&mut trials, 0..=COMPOUND, |_, _, u| {
+        ((u + 7e-3) / 1.6e-2).round() * 1.6e-2
     });
     assert_eq!(of_the_static_record(trials), []);
 }
