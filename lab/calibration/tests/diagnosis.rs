@@ -1005,6 +1005,18 @@ fn inv_zeros_that_are_not_the_static_record_s_are_told() {
     assert_eq!(found[0].cause, Cause::DriftDuringRun, "{found:#?}");
     assert_eq!(found[0].channels, [5], "{found:#?}");
     assert!(found[0].evidence.contains("+10.0"), "{found:#?}");
+    // Once, however large it is beside the runs' signals.
+    let mut trials = played(&healthy());
+    change(&mut trials, 0..=COMPOUND, |channel, _, u| {
+        if channel == 4 { u + 0.1 } else { u }
+    });
+    let day = Day {
+        trials,
+        ..Day::of(&[])
+    };
+    let found = day.findings();
+    assert_eq!(found.len(), 1, "{found:#?}");
+    assert_eq!(found[0].recordings, ["rest"], "{found:#?}");
 
     let mut trials = played(&healthy());
     change(&mut trials, LINEAR, |channel, _, u| {

@@ -246,7 +246,7 @@ impl<'a> Day<'a> {
 const fn seen_at_rest(cause: Cause) -> &'static str {
     match cause {
         Cause::DeadLimb => "shows not even noise",
-        Cause::DriftDuringRun => "wanders where nothing moves",
+        Cause::DriftDuringRun => "does not keep its zero, or not that of the runs",
         _ => "as it was recorded at rest",
     }
 }
@@ -261,7 +261,7 @@ const fn seen_in_motion(cause: Cause) -> &'static str {
             "shows nothing where the dashed curve, which the motion asks for, goes up and down"
         }
         Cause::SwappedChannels => {
-            "and the other channel each miss their dashed curve, which the motion asks for, and follow the other's"
+            "is one of those that miss their dashed curve, which the motion asks for, and follow another's"
         }
         Cause::InvertedChannel => {
             "is the mirror image of the dashed curve, which the motion asks for"
