@@ -56,11 +56,11 @@ pub fn examine(
     findings: &mut Vec<Finding>,
 ) {
     // A zero that the static record has not, or not throughout, is off in every run.
-    let of_the_record: [bool; LIMBS] = core::array::from_fn(|channel| {
-        let concerned =
-            |f: &Finding| f.cause == Cause::DriftDuringRun && f.channels.contains(&(channel + 1));
-        findings.iter().any(concerned)
-    });
+    let of_the_record: Vec<usize> = findings
+        .iter()
+        .filter(|finding| finding.cause == Cause::DriftDuringRun)
+        .flat_map(|finding| finding.channels.clone())
+        .collect();
     for case in cases.iter_mut() {
         let Some(response) = &case.response else {
             continue;
@@ -93,7 +93,7 @@ pub fn examine(
                 || ends
                     .is_some_and(|(_, change)| change.abs() > limit && change * own.drift_n > 0.0);
             let by_level = drift.is_some()
-                && !of_the_record[channel]
+                && !of_the_record.contains(&(channel + 1))
                 && fits_in
                 && ends.is_some_and(|(level, _)| {
                     level.abs() > 2.0 * limit + CONTRADICTS * own.residual_n
