@@ -103,6 +103,7 @@ macro_rules! studies {
 
 studies!(
     Blind = "blind" by "props" from [],
+    BlindPairs = "blind_mujoco" by "props" from [],
     Budget = "budget" by "reports" from ["reports/src/study"],
     Campaign = "campaign" by "props" from ["lab/campaign/src"],
     Detection = "detection" by "props" from [],
