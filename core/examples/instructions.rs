@@ -15,6 +15,8 @@ use sixaxis_core::identify::scale::ScaleIdentification;
 use sixaxis_core::kernel::simd::LANES;
 use sixaxis_core::limb_set::NotALimb;
 use sixaxis_core::paper::pose::Pose;
+use sixaxis_core::redundancy::fault::Watch;
+use sixaxis_core::redundancy::tolerant::{FaultTolerant, ROWS_KEPT};
 use sixaxis_core::{
     Decoupler, Gains, Geometry, InertiaPerMass, LIMBS, LimbSet, Parameters, Scheme, Sensor,
     Settings,
@@ -76,6 +78,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             "push/full/heun/without/2",
             "push/full/heun/without/3",
             "switch",
+            "watch",
             "record",
             "record/columns",
             "record/heun_substepped",
@@ -95,7 +98,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let rows = rows(if name == "aided" { 1e-3 } else { 0.2 });
     let columns: [Vec<f64>; LIMBS] = from_fn(|i| rows.iter().map(|row| row[i]).collect());
-    for _ in 0..repeats.parse::<usize>()? {
+    let repeats = repeats.parse::<usize>()?;
+    if name == "watch" {
+        // Thresholds of a monitor take as many instructions as some hundred samples: they are made once.
+        return watch(black_box(&rows), repeats);
+    }
+    for _ in 0..repeats {
         run(name, black_box(&rows), black_box(columns.each_ref()))?;
     }
     Ok(())
@@ -106,6 +114,22 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 fn push_each(decoupler: &mut Decoupler, rows: &[[f64; LIMBS]]) -> sixaxis_core::Result<()> {
     for row in rows {
         black_box(&decoupler.push(black_box(row))?);
+    }
+    Ok(())
+}
+
+/// With so much noise that these rows, which are no motion's, raise no alarm.
+fn watch(rows: &[[f64; LIMBS]], repeats: usize) -> Result<(), Box<dyn std::error::Error>> {
+    let watch = Watch::exact(1.0, [1.0; LIMBS]);
+    let settings = Settings::new(RATE_HZ);
+    let room = vec![[0.0; LIMBS]; ROWS_KEPT];
+    let mut watched = FaultTolerant::new(&SENSOR, &parameters(), &settings, &watch, room)?;
+    for _ in 0..repeats {
+        for row in rows {
+            let answer = watched.push(black_box(row))?;
+            assert!(answer.event.is_none(), "an alarm is isolated");
+            black_box(&answer);
+        }
     }
     Ok(())
 }

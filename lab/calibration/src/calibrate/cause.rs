@@ -51,6 +51,8 @@ impl Day<'_> {
         // The four steps' parameters may have been asked for.
         findings.extend(if joint.is_ok_and(JointReport::accounts) {
             suspected
+        } else if self.has_no_rest(findings) {
+            Vec::new()
         } else {
             let start = joint::start(&self.prepared.campaign, &estimate.steps);
             let drift = &estimate.steps.drift;
@@ -69,6 +71,7 @@ impl Day<'_> {
         suspected.sort_by_key(|finding| finding.cause);
         let campaign = &self.prepared.campaign;
         findings.extend(match zero_drift::identify(&campaign.static_voltage_v) {
+            Ok(_) if self.has_no_rest(findings) => Vec::new(),
             Ok(drift) => {
                 let knowledge = Knowledge::of(self.session);
                 let day = self.unaccounted(&drift, campaign.design, &knowledge, Err(obstacle));
@@ -79,6 +82,19 @@ impl Day<'_> {
         if findings.is_empty() {
             findings.push(hypotheses::unknown(obstacle.to_owned()));
         }
+    }
+
+    /// Whether the static record as a whole is none of this sensor at rest: no fit can account for trials with its zeros.
+    fn has_no_rest(&self, findings: &[Finding]) -> bool {
+        let rest = self.prepared.at_rest.as_ref();
+        rest.is_some_and(|rest| {
+            let is_whole = |f: &Finding| {
+                f.cause == Cause::Unreadable
+                    && f.channels.is_empty()
+                    && f.recordings.contains(&rest.name)
+            };
+            findings.iter().any(is_whole)
+        })
     }
 
     fn unaccounted<'a>(
