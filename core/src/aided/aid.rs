@@ -81,11 +81,41 @@ impl Aid {
                 deviation_rad,
             } => {
                 let off = (sample.attitude * attitude.inverse()).normalize();
+                // A quaternion and its negative are one attitude: the way round that is shorter.
+                let off = if off.w < 0.0 { -off } else { off };
                 [
                     of(ATTITUDE, off.to_scaled_axis(), deviation_rad, None),
                     None,
                 ]
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_quaternion_and_its_negative_are_one_attitude() {
+        let of = |attitude| {
+            let aid = Aid::Attitude {
+                attitude,
+                deviation_rad: 0.01,
+            };
+            let sample = SixAxis {
+                sample: 0,
+                linear_ground_m_s2: DVec3::ZERO,
+                angular_ground_rad_s2: DVec3::ZERO,
+                rate_shell_rad_s: DVec3::ZERO,
+                attitude: DQuat::from_scaled_axis(DVec3::new(1.0, -2.0, 0.5)),
+            };
+            let [measured, _] = aid.against(&sample, DVec3::ZERO, DVec3::NEG_Z);
+            measured.map(|of| of.decoded_less_measured)
+        };
+        let attitude = DQuat::from_scaled_axis(DVec3::new(1.05, -2.0, 0.5));
+        let off = of(attitude).expect("a measurement");
+        assert_eq!(of(-attitude), Some(off));
+        assert!(off.norm() < 0.06, "{off}");
     }
 }

@@ -30,7 +30,7 @@ use crate::calibration::Calibration;
 use crate::conditioning::Conditioned;
 use crate::diagnosis::table::Table;
 use crate::diagnosis::trial_case::{Facts, Standard};
-use crate::diagnosis::{Diagnosis, examine};
+use crate::diagnosis::{Diagnosis, examine, zero};
 use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::finding::{Cause, Finding, in_a_sentence};
@@ -139,6 +139,11 @@ pub fn calibrate(
         &prepared.campaign.trials,
     );
     findings.extend(certain);
+    if let Some(first) = &prepared.at_rest {
+        let further = prepared.further_rests.iter();
+        findings.extend(further.filter_map(|rest| zero::of_a_further_record(first, rest)));
+    }
+    let certain = findings.clone();
     let mut trials: Vec<TrialReport> = cases
         .iter()
         .zip(departures)
@@ -170,6 +175,7 @@ pub fn calibrate(
             (None, Some(obstacle))
         }
     };
+    findings.retain(|finding| certain.contains(finding) || !says_more_of(finding, &certain));
     let mut validation_runs = Vec::new();
     let mut iteration = None;
     if let Some(chosen) = &chosen {
@@ -264,6 +270,18 @@ pub fn calibrate(
         session.taps = chosen.estimate.taps;
     }
     Ok(session)
+}
+
+/// Whether a finding is of channels of which something certain is known in the same recordings: that is all that need be said.
+fn says_more_of(finding: &Finding, certain: &[Finding]) -> bool {
+    let known = |name: &String, channel: usize| {
+        let mut of_channels = certain.iter().filter(|f| !f.channels.is_empty());
+        of_channels.any(|f| f.concerns(name, channel))
+    };
+    let mut places = finding.recordings.iter();
+    !finding.channels.is_empty()
+        && !finding.recordings.is_empty()
+        && places.all(|name| finding.channels.iter().all(|channel| known(name, *channel)))
 }
 
 /// A run that fails with what is odd about it.

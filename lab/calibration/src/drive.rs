@@ -79,11 +79,24 @@ pub(crate) fn set_aside(trials: &mut Vec<Trial>) -> Option<Finding> {
         ),
         recordings: names,
         channels: Vec::new(),
-        advice: if by_the_clock {
-            "check sample_rate_hz against the recorder: all recordings are off by the same factor"
-        } else {
-            "correct frequency_hz"
-        }
-        .to_owned(),
+        advice: what_to_correct((most * least).sqrt(), by_the_clock).to_owned(),
     })
+}
+
+/// Frequencies that were seen, over the stated ones, of one or of all recordings: what to correct.
+fn what_to_correct(factor: f64, all: bool) -> &'static str {
+    let is = |unit: f64| (factor / unit).ln().abs() < ANOTHER.ln();
+    if is(1e-3) {
+        "the time stamps are milliseconds: write them in seconds, or give sample_rate_hz and leave them out"
+    } else if is(1e-6) {
+        "the time stamps are microseconds: write them in seconds, or give sample_rate_hz and leave them out"
+    } else if is(1.0 / 60.0) {
+        "frequency_hz is in turns a minute: give turns a second"
+    } else if all {
+        "check the recordings' clock against the recorder, which all are off by the same factor: sample_rate_hz or \
+         reference_sample_rate_hz where the session has one, the rate or the time stamps in the files where it has none"
+    } else {
+        "correct frequency_hz if the drive ran so; if it ran as stated, the clock of these recordings: sample_rate_hz, \
+         reference_sample_rate_hz, or the time stamps; or name the right reference_file"
+    }
 }

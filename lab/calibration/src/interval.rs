@@ -250,7 +250,7 @@ pub(crate) fn is_determined(parameter: Parameter, estimate: f64, half_width: f64
 }
 
 /// Relative error of the scale factors at which step 4's minimum begins to mean something: relative motion changes the torques
-/// by about a millionth.
+/// by some millionths.
 pub const SCALE_ERROR_FOR_STIFFNESS: f64 = 1e-6;
 
 /// What to do where k/m is not determined.

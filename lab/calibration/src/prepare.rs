@@ -26,6 +26,8 @@ pub const VALIDATION_CORNER: f64 = 4.4;
 pub struct PreparedSession {
     /// The static record, if there is one.
     pub at_rest: Option<Trial>,
+    /// Further ones.
+    pub further_rests: Vec<Trial>,
     /// Trials of steps 2 to 4 and validation runs, conditioned, and the static record's voltages.
     pub campaign: Campaign,
     /// Taps.
@@ -127,14 +129,15 @@ impl PreparedSession {
         recordings: Vec<Trial>,
         progress: &dyn Progress,
     ) -> Self {
-        let mut at_rest = None;
+        let mut at_rest: Option<Trial> = None;
+        let mut further_rests = Vec::new();
         let mut moving = Vec::new();
         let mut taps = Vec::new();
         for trial in recordings {
             match trial.role {
-                // The first static record counts; one more at the end of the day does no harm.
+                // The first static record counts; one more at the end of the day says whether it still holds.
                 Role::Static if at_rest.is_none() => at_rest = Some(trial),
-                Role::Static => {}
+                Role::Static => further_rests.push(trial),
                 Role::Tap => taps.push(trial),
                 _ => moving.push(trial),
             }
@@ -168,6 +171,7 @@ impl PreparedSession {
                 trials,
             },
             at_rest,
+            further_rests,
             taps,
             conditioning,
             findings,
@@ -186,8 +190,18 @@ fn copies(trials: &mut Vec<Trial>) -> Vec<Finding> {
             at += 1;
             continue;
         };
-        let evidence = format!("the same samples as {}", original.name);
-        let advice = "take the copy out of the session: each trial is a recording of its own";
+        let twice = original.name == trials[at].name;
+        let (evidence, advice) = if twice {
+            (
+                "it stands in the session twice".to_owned(),
+                "see which file the second entry is meant to name: each trial is a recording of its own",
+            )
+        } else {
+            (
+                format!("the same samples as {}", original.name),
+                "take the copy out of the session: each trial is a recording of its own",
+            )
+        };
         let copy = trials.remove(at).name;
         unreadable(&mut findings, &copy, &evidence, advice);
     }

@@ -17,6 +17,8 @@ pub struct Readings {
     pub accelerometer_m_s2: Vec<f64>,
     /// Standard gyroscope about the pinion's axis, rad/s; empty for a static record.
     pub gyroscope_rad_s: Vec<f64>,
+    /// Frequency up to which noise of the standards is white, Hz: infinite unless they were resampled from a clock of their own that is no faster.
+    pub standards_band_hz: f64,
 }
 
 /// What the analysis sees of one recording.
@@ -38,6 +40,8 @@ pub struct Trial {
     pub accelerometer_m_s2: Vec<f64>,
     /// Standard gyroscope about the pinion's axis, rad/s; empty for a static record and a tap.
     pub gyroscope_rad_s: Vec<f64>,
+    /// Frequency up to which noise of the standards is white, Hz: infinite unless they were resampled from a clock of their own that is no faster.
+    pub standards_band_hz: f64,
     /// Unit vector of travel and axis in the sensor's axes at rest.
     pub direction_ground: DVec3,
     /// Gravity in the sensor's axes at rest, m/s^2.
@@ -82,6 +86,7 @@ impl Trial {
             voltage_v: readings.voltage_v,
             accelerometer_m_s2: readings.accelerometer_m_s2,
             gyroscope_rad_s: readings.gyroscope_rad_s,
+            standards_band_hz: readings.standards_band_hz,
             direction_ground,
             gravity_ground_m_s2,
             frequency_hz,

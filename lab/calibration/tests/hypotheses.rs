@@ -261,6 +261,7 @@ fn played(index: usize, wrong: &Wrong, noise: &mut Noise) -> (Trial, Conditioned
         voltage_v,
         accelerometer_m_s2: linear,
         gyroscope_rad_s: rate,
+        standards_band_hz: f64::INFINITY,
         direction_ground: n,
         gravity_ground_m_s2: n * -9.80665,
         frequency_hz,

@@ -56,7 +56,9 @@ pub fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>> {
 pub fn read_text(path: &Path) -> Result<String> {
     String::from_utf8(read_bytes(path, MOST_TEXT)?).map_err(|error| {
         let byte = error.utf8_error().valid_up_to();
-        let cause = format!("byte {byte} is not UTF-8 text");
+        let before = &error.as_bytes()[..byte];
+        let line = 1 + before.iter().filter(|b| **b == b'\n').count();
+        let cause = format!("line {line} is not text in UTF-8: save it as UTF-8");
         Error::io(path, io::Error::new(io::ErrorKind::InvalidData, cause))
     })
 }

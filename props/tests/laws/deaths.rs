@@ -1,5 +1,5 @@
-//! Limbs that die, one, two or three of them, at once or one after another: those and no others are excluded, or it is said that
-//! it cannot be told.
+//! Limbs that die, one, two or three of them, at once or one after another: no sound limb is excluded, and the dead ones are as far as
+//! their channels or the others show it.
 
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;

@@ -13,7 +13,7 @@ use super::instruments::Instruments;
 use super::mount::mounts;
 use super::plan::SessionPlan;
 use super::recording::SimulatedRecording;
-use super::schedule::{PlannedTrial, trials};
+use super::schedule::{PlannedTrial, trial_count, trials};
 use super::session_file::session;
 use super::spoil::{at_rest, played};
 use super::tap;
@@ -123,7 +123,11 @@ pub fn simulate_session_watched(
             plan: plan.clone(),
             parameters: laboratory.sensor,
             instruments: laboratory.instruments,
-            defect: defect.cloned(),
+            // A share of the day is told by the recordings that it has, which may be none.
+            defect: defect.map(|defect| Defect {
+                place: defect.place(trial_count(plan.trials_per_step)),
+                ..defect.clone()
+            }),
         },
     })
 }

@@ -9,6 +9,8 @@ mod propagation;
 mod tap;
 mod tolerance;
 
+pub use tolerance::lost_at;
+
 use anyhow::Result;
 use sixaxis_page::{Section, Text};
 use sixaxis_props::results::{Campaign, MujocoCampaign, Propagation, Published, Taps};

@@ -15,6 +15,7 @@ use sixaxis_reference::paper::{COMPOUND_TABLES, GRAVITY_M_S2, THRESHOLD_FREQUENC
 use sixaxis_reference::rig::run::{Mode, ROTATION_AMPLITUDE_RAD, SLIDER_AMPLITUDE_M};
 
 use super::DEG_PER_RAD;
+use super::identifiability::lost_at;
 use crate::study::arithmetic::Arithmetic;
 use crate::study::identifiability::RECORDS;
 use crate::study::results::identifiability::{Erring, Records};
@@ -101,8 +102,10 @@ struct Found {
     printed_sign_has_minimum: bool,
     other_sign_finds_truth: bool,
     largest_scale_error: f64,
-    /// Smallest error of the scale factors with which step 4 has no minimum any more.
-    lost_at: Option<f64>,
+    /// Smallest error of the scale factors with which most searches of step 4 have no minimum any more: whole runs, even turns.
+    lost_at: [Option<f64>; 2],
+    /// The torque that the limbs' compliance causes in step 4 over that of a limb.
+    torque_of_compliance: f64,
     stiffness_is_determined: bool,
     stiffness_per_s2: f64,
     /// Largest errors of the compound runs, over the peaks.
@@ -152,11 +155,8 @@ impl Found {
             let found = r.noise_free.found.scale_per_mass_per_kg[i];
             (found / truth.scale_per_mass_per_kg[i] - 1.0).abs()
         });
-        let lost = r
-            .searches
-            .iter()
-            .filter(|s| !s.sign_as_printed && !s.verdict.is_determined())
-            .filter_map(|s| s.scale_error);
+        let torques = r.identifiability.biases.iter();
+        let torques = torques.map(|bias| bias.torque_of_compliance / bias.torque_of_a_limb);
         let with_truth = |scheme| {
             worst(
                 &r.compound_noise_free,
@@ -187,7 +187,8 @@ impl Found {
                 s.verdict.is_determined() && (found - 1.0).abs() < 1e-9
             }),
             largest_scale_error: scale_errors.fold(0.0, f64::max),
-            lost_at: lost.reduce(f64::min),
+            lost_at: RECORDS.map(|records| lost_at(&r.identifiability, records, Erring::Scale)),
+            torque_of_compliance: torques.fold(0.0, f64::max),
             stiffness_is_determined: r.laboratory.stiffness_verdict.is_determined(),
             stiffness_per_s2: r.laboratory.found.stiffness_per_mass_per_s2,
             four_steps: worst(&r.compound_noise_free, FOUR_STEPS),

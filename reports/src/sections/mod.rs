@@ -56,7 +56,7 @@ fn met(met: bool) -> State {
 pub fn report(results: &Results, evidence: Section, facts: Vec<(String, String)>) -> Result<Page> {
     Ok(Page {
         title: "Parallel six-axis accelerometer: calibration and decoupling against MuJoCo".to_owned(),
-        subtitle: "Every table and figure of You, Li and Wu, Parameter identification of parallel type \
+        subtitle: "Tables 1 to 6 and Figs. 7 and 10 of You, Li and Wu, Parameter identification of parallel type \
                    six-axis accelerometer (2013), beside what this project measures on simulated truth."
             .to_owned(),
         facts,

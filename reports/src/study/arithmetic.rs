@@ -5,7 +5,10 @@ use core::f64::consts::TAU;
 use glam::DVec3;
 use nalgebra::DMatrix;
 use serde::Serialize;
+use sixaxis_core::Geometry;
+use sixaxis_core::geometry::DIRECTIONS_SHELL;
 use sixaxis_core::identify::inertia;
+use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
 use sixaxis_reference::linear_theory::relative_acceleration;
 use sixaxis_reference::paper::{ANGULAR_THRESHOLD_RAD_S2, COMPOUND_TABLES, LINEAR_THRESHOLD_M_S2};
 use sixaxis_reference::rig::run::{Mode, ROTATION_AMPLITUDE_RAD, Run};
@@ -23,16 +26,25 @@ const ROD_OVER_CRANK: f64 = 5.0;
 const OFF_AXIS_M: f64 = 1e-3;
 /// The rig's highest frequency, Hz.
 const HIGHEST_HZ: f64 = 5.0;
+/// Frequency up to which section 4.3 takes relative motion for nothing, Hz.
+const NEGLECTED_TO_HZ: f64 = 2.0;
 
 /// The arithmetic.
 #[derive(Debug, Clone, Serialize)]
 pub struct Arithmetic {
+    /// Rank of step 2's regressor (13) for two accelerations and for three that span space, those of the paper's wedges.
+    pub scale_rank: [usize; 2],
+    /// Condition number of the latter, columns scaled.
+    pub scale_condition: f64,
     /// Rank of step 3's regressor (18) for turns about two axes, three axes of one plane, three axes that span space.
     pub inertia_rank: [usize; 3],
     /// The same for two instants whose rate and angular acceleration point anywhere.
     pub inertia_rank_free: usize,
     /// Frequencies at which the design sensor crosses the paper's thresholds, over all directions.
     pub thresholds: Thresholds,
+    /// Largest relative linear acceleration of the identified sensor at 2 Hz over all directions, m/s^2: with half the slider's stroke
+    /// as amplitude, with the whole.
+    pub linear_at_2_hz_m_s2: [f64; 2],
     /// A slider's acceleration at twice the crank's frequency over that at the crank's, for a rod of `rod_over_crank`.
     pub rod_harmonic: f64,
     /// Length of that rod over the crank's.
@@ -69,9 +81,14 @@ pub fn study() -> Arithmetic {
         (DVec3::new(1.0, 2.0, -1.0), DVec3::new(0.5, -1.0, 3.0)),
         (DVec3::new(-2.0, 1.0, 0.5), DVec3::new(1.0, 1.0, -2.0)),
     ];
+    let wedges = [(1.0, 1.0, 2.0), (1.0, 2.0, 1.0), (2.0, 1.0, 1.0)].map(DVec3::from);
     Arithmetic {
-        inertia_rank: [&[x, y][..], &plane, &[x, y, z]].map(|axes| rank(turns(axes))),
-        inertia_rank_free: rank(anywhere),
+        scale_rank: [&wedges[..2], &wedges[..]].map(|all| rank(&scale_regressor(all))),
+        scale_condition: condition(&scale_regressor(&wedges)),
+        linear_at_2_hz_m_s2: [1.0, 2.0].map(linear_at_2_hz_m_s2),
+        inertia_rank: [&[x, y][..], &plane, &[x, y, z]]
+            .map(|axes| rank(&inertia_regressor(turns(axes)))),
+        inertia_rank_free: rank(&inertia_regressor(anywhere)),
         thresholds: thresholds(),
         rod_harmonic: rod_harmonic(),
         rod_over_crank: ROD_OVER_CRANK,
@@ -91,15 +108,52 @@ fn turns(axes: &[DVec3]) -> impl Iterator<Item = (DVec3, DVec3)> {
     })
 }
 
-/// Rank of the regressor (18) of these samples.
-fn rank(samples: impl IntoIterator<Item = (DVec3, DVec3)>) -> usize {
+/// The regressor (18) of these samples.
+fn inertia_regressor(samples: impl IntoIterator<Item = (DVec3, DVec3)>) -> DMatrix<f64> {
     let rows: Vec<f64> = samples
         .into_iter()
         .flat_map(|(rate, derivative)| inertia::regressor(rate, derivative))
         .flatten()
         .collect();
-    let values = DMatrix::from_row_slice(rows.len() / 6, 6, &rows).singular_values();
+    DMatrix::from_row_slice(rows.len() / 6, 6, &rows)
+}
+
+/// The regressor (13) of the forces by which nine equal limbs bear these accelerations, columns scaled.
+fn scale_regressor(accelerations: &[DVec3]) -> DMatrix<f64> {
+    let Ok(shares) = StaticLoadSharing::new(&Geometry::PAPER) else {
+        return DMatrix::zeros(0, 0);
+    };
+    let rows = 3 * accelerations.len();
+    let mut regressor = DMatrix::from_fn(rows, DIRECTIONS_SHELL.len(), |row, limb| {
+        let force = shares.of_acceleration(limb).dot(accelerations[row / 3]);
+        (force * DIRECTIONS_SHELL[limb])[row % 3]
+    });
+    for mut column in regressor.column_iter_mut() {
+        let length = column.norm();
+        column /= length;
+    }
+    regressor
+}
+
+fn rank(regressor: &DMatrix<f64>) -> usize {
+    let values = regressor.singular_values();
     values.iter().filter(|v| **v > RANK * values.max()).count()
+}
+
+fn condition(regressor: &DMatrix<f64>) -> f64 {
+    let values = regressor.singular_values();
+    values.max() / values.min()
+}
+
+/// Of the identified sensor, with so many times half the slider's stroke as amplitude.
+fn linear_at_2_hz_m_s2(times: f64) -> f64 {
+    (0..DIRECTIONS)
+        .map(|i| {
+            let mut run = Run::new(Mode::Linear, NEGLECTED_TO_HZ, direction(i));
+            run.slider_amplitude_m *= times;
+            relative_acceleration(&TrueSensor::identified(), &run)
+        })
+        .fold(0.0, f64::max)
 }
 
 fn thresholds() -> Thresholds {
@@ -195,6 +249,7 @@ mod tests {
     #[test]
     fn what_arithmetic_decides() {
         let c = study();
+        assert_eq!(c.scale_rank, [6, 9]);
         assert_eq!(c.inertia_rank, [5, 5, 6]);
         assert_eq!(c.inertia_rank_free, 6);
         let near = |found: (f64, f64), known: (f64, f64)| {

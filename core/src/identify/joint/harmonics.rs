@@ -172,6 +172,33 @@ pub fn project<const C: usize>(grid: &Grid, row: impl Fn(usize) -> [f64; C]) -> 
     }
 }
 
+/// Mean square of the coordinates of some harmonics of a series, from 1.
+pub(super) fn mean_square(
+    grid: &Grid,
+    series: &[f64],
+    harmonics: core::ops::RangeInclusive<usize>,
+) -> f64 {
+    let n = grid.samples;
+    let table = turn(n);
+    let (mut squares, mut coordinates) = (0.0, 0.0);
+    for k in harmonics {
+        let (mut re, mut im) = (0.0, 0.0);
+        let mut phase = 0;
+        for u in series {
+            let (sin, cos) = table[phase];
+            re += u * cos;
+            im -= u * sin;
+            phase += k;
+            if phase >= n {
+                phase -= n;
+            }
+        }
+        squares += (re * re + im * im) * 2.0 / n as f64;
+        coordinates += 2.0;
+    }
+    squares / coordinates
+}
+
 fn change<const C: usize>(row: [f64; C], origin: &[f64; C]) -> [f64; C] {
     core::array::from_fn(|c| row[c] - origin[c])
 }

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use nalgebra::DVector;
 
-use super::harmonics::{Grid, project};
+use super::harmonics::{Grid, mean_square, project};
 use super::own;
 use super::trial::{Drive, Trial};
 use super::{Certificates, WHAT};
@@ -38,6 +38,8 @@ pub struct Record<'a> {
     pub voltage_v: &'a [[f64; LIMBS]],
     /// Accelerometer along the travel, m/s^2, or gyroscope about the axis, rad/s.
     pub standard: &'a [f64],
+    /// Frequency up to which the standard's noise is white, Hz: infinite unless it was resampled from a clock that is no faster.
+    pub standard_band_hz: f64,
     /// Unit vector of travel and axis in the sensor's axes at rest.
     pub direction_ground: DVec3,
     /// Gravity in the sensor's axes at rest, m/s^2.
@@ -77,6 +79,12 @@ impl Record<'_> {
             let row = &self.voltage_v[n];
             core::array::from_fn(|c| if c < LIMBS { row[c] } else { self.standard[n] })
         });
+        // Resampled from a slower clock it has little noise above half of that one's rate, and more below than its samples show.
+        let duration_s = samples as f64 / self.sample_rate_hz;
+        let last = (self.standard_band_hz * duration_s).min((samples / 2) as f64) as usize;
+        if last < samples / 2 && 2 * last >= 2 * harmonics + FEWEST_FOR_NOISE {
+            data.variance[LIMBS] = mean_square(&grid, self.standard, harmonics + 1..=last);
+        }
         // A limb may well feel nothing in a trial, all of them may not.
         let largest =
             |values: &mut dyn Iterator<Item = f64>| values.fold(0.0_f64, |a, x| a.max(x.abs()));

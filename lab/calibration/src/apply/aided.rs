@@ -36,6 +36,10 @@ pub struct Aided {
 }
 
 impl Aided {
+    pub(super) const fn looks_for_rests(&self) -> bool {
+        self.rests.is_some()
+    }
+
     /// A decoder whose channels have this white noise, V.
     ///
     /// # Errors

@@ -198,12 +198,17 @@ impl AttitudeStream {
                     "{} of {all} {what} contradict what was known: velocities are not used, rests and attitudes count little (--aid){}",
                     used.refused,
                     if what == "attitudes" {
-                        "; are they from the sensor's axes to the ground's, qw first, and 1, 0, 0, 0 at the first sample?"
+                        "; are they from the sensor's axes to the ground's, qw first, 1, 0, 0, 0 at the first sample, and on the recording's clock?"
                     } else {
                         ""
                     }
                 ));
             }
+        }
+        if self.looks_for_rests() && rest.taken + rest.refused == 0 {
+            self.messages.push(
+                "no rest was found: nine channels nowhere show nothing but noise for a quarter of a second (--aid rest)".to_owned(),
+            );
         }
         if attitude.unused > 0 {
             self.messages.push(format!(
@@ -211,6 +216,10 @@ impl AttitudeStream {
                 attitude.unused
             ));
         }
+    }
+
+    fn looks_for_rests(&self) -> bool {
+        matches!(&self.how, How::Aided(aided) if aided.looks_for_rests())
     }
 
     /// Whether the attitude is as certain as asked. Counts rows where it is not.

@@ -82,14 +82,14 @@ impl AttitudeSummary {
             if sd_deg < 90.0 {
                 format!("{sd_deg:.2}°")
             } else {
-                "unknown".to_owned()
+                "more than 90°, so that nothing is known of it,".to_owned()
             }
         };
         let bound = self.bound_tilt_deg.map_or_else(String::new, |tilt| {
             format!(" (a sensor that stands still, under these aids: {tilt:.2}°)")
         });
         format!(
-            "one standard deviation of the attitude is {} at most and {} at the end, that of down {} there{bound}",
+            "one standard deviation of the attitude: {} at worst, {} at the end; that of down: {} there{bound}",
             degrees(*largest_sd_attitude_deg),
             degrees(*sd_attitude_deg),
             degrees(*sd_tilt_deg)

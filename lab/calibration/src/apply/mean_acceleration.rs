@@ -3,11 +3,13 @@
 
 use glam::DVec3;
 
-/// Shortest time that is judged, s.
-const SHORTEST_S: f64 = 5.0;
-/// Mean acceleration of no motion, m/s^2: 90 km/h after the shortest time. A tumble with the direction of gravity inverted has 13 to
-/// 19, and 0.2 with it as it is; 7 where a limb has drifted by 0.3 %.
+/// Shortest time that is judged, s: a throw is over by then.
+const SHORTEST_S: f64 = 2.0;
+/// Mean acceleration of no motion, m/s^2. A tumble with the direction of gravity inverted has 13 to 21, and 0.2 with it as it is; 7 where a
+/// limb has drifted by 0.3 %.
 const LARGEST_M_S2: f64 = 5.0;
+/// Velocity that it must end at besides, m/s: 90 km/h.
+const FASTEST_M_S: f64 = 25.0;
 
 /// Mean of the acceleration in ground axes, where it is known.
 #[derive(Debug, Clone, Copy, Default)]
@@ -39,7 +41,8 @@ impl MeanAcceleration {
         } else {
             "gravity turned in the sensor and nobody says where down is: give --down or --session"
         };
-        (duration_s > SHORTEST_S && mean_m_s2 > LARGEST_M_S2).then(|| {
+        let flies = mean_m_s2 > LARGEST_M_S2 && mean_m_s2 * duration_s > FASTEST_M_S;
+        (duration_s > SHORTEST_S && flies).then(|| {
             format!(
                 "over {duration_s:.1} s the acceleration in ground axes has a mean of {mean_m_s2:.1} m/s², which would end at {:.0} km/h: {check}",
                 3.6 * mean_m_s2 * duration_s

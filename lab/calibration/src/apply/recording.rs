@@ -70,7 +70,11 @@ impl Recording {
         let source = sixaxis_recordings::open(path)?;
         let layout = source.layout();
         let limbs = find::limbs(path, layout, channels)?;
-        let time = find::time(path, layout, channels.time.as_deref())?;
+        // A rate that is stated stands in for stamps that are not there, whatever the calibration's recordings called theirs.
+        let named = channels.time.as_deref();
+        let is_there = |name: &&str| layout.channels.iter().any(|c| c.name == *name);
+        let named = named.filter(|name| stated_hz.is_none() || is_there(name));
+        let time = find::time(path, layout, named)?;
         let sample_rate_hz = rate_hz(path, layout, &limbs, time.as_ref(), stated_hz)?;
         Ok(Self {
             path: path.to_owned(),

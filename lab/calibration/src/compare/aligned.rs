@@ -2,7 +2,7 @@
 
 use anyhow::{Result, bail, ensure};
 
-use super::track::{Motion, Track};
+use super::track::{Motion, Track, is_unknown};
 
 /// Departure of a ratio of rates from a whole number, relative, that is put down to rounding.
 const RATIO_TOLERANCE: f64 = 1e-6;
@@ -86,22 +86,34 @@ impl Aligned {
         self.result.has(columns.clone()) && self.truth.has(columns)
     }
 
-    /// Goes through all common instants from the first: time, result, truth. Returns their number.
+    /// Goes through all common instants from the first: time, result, truth. Returns their number, and that of instants where the attitude
+    /// of one of the two is not known, which are passed over.
     ///
     /// # Errors
     /// Those of reading; no instant at all.
-    pub fn each(&mut self, mut see: impl FnMut(f64, &Motion, &Motion)) -> Result<u64> {
+    pub fn each(&mut self, mut see: impl FnMut(f64, &Motion, &Motion)) -> Result<[u64; 2]> {
         self.result.rewind()?;
         self.truth.rewind()?;
-        let mut count = 0;
+        let (mut count, mut unknown) = (0, 0);
         let mut skip = self.first;
         while let (Some(result), Some(truth)) =
             (self.result.next(skip[0])?, self.truth.next(skip[1])?)
         {
-            see(self.start_s + count as f64 / self.rate_hz, &result, &truth);
-            count += 1;
+            let time_s = self.start_s + (count + unknown) as f64 / self.rate_hz;
+            if is_unknown(&result) || is_unknown(&truth) {
+                unknown += 1;
+            } else {
+                see(time_s, &result, &truth);
+                count += 1;
+            }
             skip = self.skip;
         }
+        ensure!(
+            count > 0 || unknown == 0,
+            "{} and {}: at none of {unknown} common instants is the attitude known (NaN in all ground axes)",
+            self.result.path.display(),
+            self.truth.path.display()
+        );
         if count == 0 {
             bail!(
                 "{} starts at {} s, {} at {} s: they have no instant in common",
@@ -111,6 +123,6 @@ impl Aligned {
                 self.truth.start_s
             );
         }
-        Ok(count)
+        Ok([count, unknown])
     }
 }

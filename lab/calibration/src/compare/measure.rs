@@ -91,6 +91,8 @@ pub struct Comparison {
     pub truth: String,
     /// Common instants.
     pub instants: u64,
+    /// Further ones that are left out, since the attitude is not known there: all ground axes are NaN.
+    pub unknown_instants: u64,
     /// The first of them, s.
     pub start_s: f64,
     /// Common instants per second.
@@ -102,6 +104,17 @@ pub struct Comparison {
     /// What a picture needs, for each axis, in its unit.
     #[serde(skip)]
     pub pictures: Vec<Picture>,
+}
+
+impl Comparison {
+    /// What is left out, in words that follow upon the number of instants; empty if nothing is.
+    #[must_use]
+    pub fn left_out(&self) -> String {
+        match self.unknown_instants {
+            0 => String::new(),
+            unknown => format!(", {unknown} more left out where the attitude is not known (NaN),"),
+        }
+    }
 }
 
 /// Curves of one axis.
@@ -148,7 +161,7 @@ pub fn compare(aligned: &mut Aligned, result: String, truth: String) -> Result<C
     let attitude = aligned.has(ATTITUDE..ATTITUDE + 4);
     let mut all: Vec<Sums> = (0..axes).map(|_| Sums::default()).collect();
     let mut turned = 0.0_f64;
-    let instants = aligned.each(|time_s, result, truth| {
+    let [instants, unknown_instants] = aligned.each(|time_s, result, truth| {
         for (axis, sums) in all.iter_mut().enumerate() {
             let (r, t) = (result[axis], truth[axis]);
             let error = r - t;
@@ -205,6 +218,7 @@ pub fn compare(aligned: &mut Aligned, result: String, truth: String) -> Result<C
         result,
         truth,
         instants,
+        unknown_instants,
         start_s: aligned.start_s,
         rate_hz: aligned.rate_hz,
         axes: measured,

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, anyhow, ensure};
+use anyhow::{Result, anyhow, ensure};
 use sixaxis_recordings::ingest::clock::stated_rate_hz;
 use sixaxis_recordings::ingest::columns::{self, BLOCK};
 use sixaxis_recordings::ingest::find;
@@ -12,8 +12,14 @@ pub use sixaxis_recordings::ingest::find::ACCELERATIONS;
 
 /// Columns of a motion.
 pub const COLUMNS: usize = MOTION_CHANNELS.len();
-/// One motion's values at one instant, NaN where the file has no such column.
+/// One motion's values at one instant, NaN where the file has no such column or the attitude is not known.
 pub type Motion = [f64; COLUMNS];
+
+/// Whether the attitude is not known there: `decouple` leaves all ground axes NaN then.
+#[must_use]
+pub fn is_unknown(motion: &Motion) -> bool {
+    motion[..ACCELERATIONS].iter().all(|a| a.is_nan())
+}
 
 /// Largest departure of a stamp from an even clock, samples.
 const UNEVEN_SAMPLES: f64 = 0.1;
@@ -115,7 +121,7 @@ impl Track {
     /// The sample that comes `skip` samples after the next one; none if the file ends before.
     ///
     /// # Errors
-    /// Those of reading; a value that is not a finite number.
+    /// Those of reading; a value that is not a finite number, unless all ground axes are NaN.
     pub fn next(&mut self, skip: u64) -> Result<Option<Motion>> {
         let mut left = skip;
         loop {
@@ -134,16 +140,19 @@ impl Track {
         let there = motion.iter_mut().zip(self.present).filter(|(_, p)| *p);
         for (k, (value, _)) in there.enumerate() {
             *value = self.columns.column(k)[self.row];
-            if !value.is_finite() {
-                self.columns.check_finite(k).context(
-                    "a comparison wants every sample; decouple leaves ground axes NaN where the attitude is less certain than --until-sd: give it a larger one, or --aid",
-                )?;
+        }
+        if !is_unknown(&motion) {
+            let there = motion.iter().zip(self.present).filter(|(_, p)| *p);
+            for (k, (value, _)) in there.enumerate() {
+                if !value.is_finite() {
+                    self.columns.check_finite(k)?;
+                }
+                ensure!(
+                    value.abs() < LARGEST,
+                    "{}: {value:e} in SI units is no motion's: check the units, or what wrote the file",
+                    self.path.display()
+                );
             }
-            ensure!(
-                value.abs() < LARGEST,
-                "{}: {value:e} in SI units is no motion's: check the units, or what wrote the file",
-                self.path.display()
-            );
         }
         self.row += 1;
         Ok(Some(motion))

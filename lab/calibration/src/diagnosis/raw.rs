@@ -1,4 +1,5 @@
-//! What one recording shows by itself: channels at the converter's limit or beyond it.
+//! What one recording shows by itself: channels at the converter's limit or beyond it, standards that are cut off, one channel that stands
+//! there twice.
 
 use sixaxis_core::LIMBS;
 use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
@@ -21,7 +22,7 @@ const ROUNDED_TOP: f64 = 12.0;
 /// A flat top is expected of a channel that spans no more than so many converter steps.
 const STEPS_SPANNED: f64 = 64.0;
 
-/// Clipped channels.
+/// Clipped channels and standards, and copied channels.
 pub fn examine(
     facts: &Facts<'_>,
     at_rest: Option<&Trial>,
@@ -36,12 +37,78 @@ pub fn examine(
             }
         }
     }
-    for case in cases {
+    for case in cases.iter_mut() {
         for channel in (0..LIMBS).filter(|channel| !beyond[*channel]) {
             if let Some(how) = clipped(case.trial, channel) {
                 findings.push(clipping(case.trial, channel, how));
                 case.ignored[channel] = true;
             }
+        }
+    }
+    twins(cases, findings);
+    standards(cases, findings);
+}
+
+/// Limbs' channels that are another one's copy.
+fn twins(cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
+    for (a, b) in (0..LIMBS).flat_map(|a| (a + 1..LIMBS).map(move |b| (a, b))) {
+        let mut recordings = Vec::new();
+        for case in cases.iter_mut() {
+            let rows = &case.trial.voltage_v;
+            let moves = rows.iter().any(|row| row[a] != rows[0][a]);
+            if moves && rows.iter().all(|row| row[a] == row[b]) {
+                (case.ignored[a], case.ignored[b]) = (true, true);
+                recordings.push(case.trial.name.clone());
+            }
+        }
+        if recordings.is_empty() {
+            continue;
+        }
+        if recordings.len() == cases.len() {
+            recordings.clear();
+        }
+        findings.push(Finding {
+            cause: Cause::Unreadable,
+            recordings,
+            channels: vec![a + 1, b + 1],
+            evidence: format!("channels {} and {} are the same, sample by sample", a + 1, b + 1),
+            advice: "see whether a column was copied, or one name stands twice in [channels]; export again".to_owned(),
+        });
+    }
+}
+
+/// Standards whose readings are cut off at their ends.
+fn standards(cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
+    let readings: [(&str, fn(&Trial) -> &[f64]); 2] = [
+        ("accelerometer", |trial| &trial.accelerometer_m_s2),
+        ("gyroscope", |trial| &trial.gyroscope_rad_s),
+    ];
+    for (name, of) in readings {
+        let mut recordings = Vec::new();
+        let mut largest = 0.0_f64;
+        for case in cases.iter_mut() {
+            let series = of(case.trial);
+            if let Some(top) = flat_top(series, step_of(series)) {
+                largest = largest.max(top.abs());
+                recordings.push(case.trial.name.clone());
+                case.explained = true;
+            }
+        }
+        if !recordings.is_empty() {
+            let unit = if name == "gyroscope" {
+                "rad/s"
+            } else {
+                "m/s²"
+            };
+            findings.push(Finding {
+                cause: Cause::ClippedConverter,
+                recordings,
+                channels: Vec::new(),
+                evidence: format!(
+                    "the standard {name} is cut off: it stands at its largest reading, up to {largest:.4} {unit}, for several samples together"
+                ),
+                advice: format!("set the range of the standard {name} or of its channel wider and record again"),
+            });
         }
     }
 }
@@ -164,10 +231,21 @@ fn beyond_converter(
 
 /// The converter's step, V: the smallest difference that occurs between neighbours; infinite for a channel that never changes.
 pub(crate) fn converter_step_v(trial: &Trial, channel: usize) -> f64 {
-    trial
-        .voltage_v
-        .windows(2)
-        .map(|pair| (pair[1][channel] - pair[0][channel]).abs())
+    smallest(
+        trial
+            .voltage_v
+            .windows(2)
+            .map(|pair| pair[1][channel] - pair[0][channel]),
+    )
+}
+
+fn step_of(series: &[f64]) -> f64 {
+    smallest(series.windows(2).map(|pair| pair[1] - pair[0]))
+}
+
+fn smallest(differences: impl Iterator<Item = f64>) -> f64 {
+    differences
+        .map(f64::abs)
         .filter(|d| *d > 0.0)
         .fold(f64::INFINITY, f64::min)
 }
@@ -186,25 +264,31 @@ fn clipped(trial: &Trial, channel: usize) -> Option<Clipping> {
     }
     let step = converter_step_v(trial, channel);
     // What stands at the limit does not go beyond it: a converter that does has another limit.
-    let series = || trial.voltage_v.iter().map(|row| row[channel]);
     if peak >= limit && peak <= limit + 0.5 * step {
         return Some(Clipping::AtLimit);
     }
     if trial.role == Role::Static {
         return None;
     }
-    if high - low <= STEPS_SPANNED * step {
+    let series: Vec<f64> = trial.voltage_v.iter().map(|row| row[channel]).collect();
+    flat_top(&series, step).map(Clipping::FlatTop)
+}
+
+/// The value at which readings of such a step are cut off.
+fn flat_top(series: &[f64], step: f64) -> Option<f64> {
+    let ends = (f64::INFINITY, f64::NEG_INFINITY);
+    let (low, high) = series.iter().fold(ends, |(l, h), u| (l.min(*u), h.max(*u)));
+    if series.is_empty() || high - low <= STEPS_SPANNED * step {
         return None;
     }
-    let series: Vec<f64> = series().collect();
     for extreme in [low, high] {
         let mut start = None;
         for (i, u) in series.iter().enumerate() {
             match (start, *u == extreme) {
                 (None, true) => start = Some(i),
                 (Some(from), false) => {
-                    if is_cut_off(&series, from, i, step) {
-                        return Some(Clipping::FlatTop(extreme));
+                    if is_cut_off(series, from, i, step) {
+                        return Some(extreme);
                     }
                     start = None;
                 }

@@ -152,7 +152,7 @@ fn wrong_clock(linear: &[Reading], angular: &[Reading], facts: &Facts<'_>) -> Op
             100.0 * faster,
             100.0 * by_reading
         ),
-        advice: "check sample_rate_hz against the recorder".to_owned(),
+        advice: "check the recordings' clock against the recorder: sample_rate_hz, or the rate or the time stamps in the files".to_owned(),
     })
 }
 

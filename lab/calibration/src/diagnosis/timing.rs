@@ -92,7 +92,9 @@ pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], findings: &mut Ve
                 "the drive turns at {seen_hz:.3} Hz by the recording's clock, at {:.3} Hz by the session",
                 cases[first].trial.frequency_hz
             ),
-            advice: "check sample_rate_hz against the recorder, and frequency_hz against the drive".to_owned(),
+            advice: "check frequency_hz against the drive, reference_file where the session has one, and the rate or time stamps of file and session \
+                     against the recorder"
+                .to_owned(),
         });
         for (index, _) in &wrong_rate {
             cases[*index].explained = true;

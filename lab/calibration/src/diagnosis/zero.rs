@@ -2,7 +2,7 @@
 //! zeros in the mean; a record of another sensor, of an open input, in another unit or of a moving sensor does not show them.
 
 use sixaxis_core::LIMBS;
-use sixaxis_core::identify::zero_drift::ZeroDrift;
+use sixaxis_core::identify::zero_drift::{self, ZeroDrift};
 
 use super::table::{usable, weighted_median};
 use super::trial_case::TrialCase;
@@ -50,49 +50,81 @@ pub fn examine(
         ));
         return;
     }
-    let off: Vec<(usize, Elsewhere)> = open
+    let off = open
         .into_iter()
-        .filter_map(|channel| {
-            let found = elsewhere(drift, steps_v, channel, cases)?;
-            (found.off_v.abs() > OF_MOST * rest.full_scale_v).then_some((channel, found))
-        })
+        .filter_map(|channel| Some((channel, elsewhere(drift, steps_v, channel, cases)?)));
+    findings.extend(judged(rest, off, in_words));
+}
+
+/// Holds a further static record against the first, whose zeros are taken. Both are of the same day.
+#[must_use]
+pub fn of_a_further_record(first: &Trial, further: &Trial) -> Option<Finding> {
+    let [zero, later] = [first, further].map(|rest| zero_drift::identify(&rest.voltage_v).ok());
+    let (zero, later) = (zero?, later?);
+    let off = (0..LIMBS).map(|channel| {
+        let found = Elsewhere {
+            zero_v: zero.drift_v[channel],
+            off_v: later.drift_v[channel] - zero.drift_v[channel],
+            scatter_v: 0.0,
+        };
+        (channel, found)
+    });
+    let in_words = |furthest: &(usize, Elsewhere)| {
+        let (channel, found) = furthest;
+        format!(
+            "channel {}'s zero is {:+.3} mV from that of {}",
+            channel + 1,
+            1e3 * found.off_v,
+            first.name
+        )
+    };
+    judged(further, off, in_words)
+}
+
+/// What zeros that are `off` say of a static record.
+fn judged(
+    rest: &Trial,
+    off: impl Iterator<Item = (usize, Elsewhere)>,
+    in_words: impl Fn(&(usize, Elsewhere)) -> String,
+) -> Option<Finding> {
+    let off: Vec<(usize, Elsewhere)> = off
+        .filter(|(_, found)| found.off_v.abs() > OF_MOST * rest.full_scale_v)
         .collect();
+    let furthest_of = |some: &[&(usize, Elsewhere)]| {
+        let furthest = some
+            .iter()
+            .max_by(|(_, a), (_, b)| a.off_v.abs().total_cmp(&b.off_v.abs()));
+        furthest.map_or(String::new(), |furthest| in_words(furthest))
+    };
     let others: Vec<&(usize, Elsewhere)> = off
         .iter()
         .filter(|(_, found)| found.off_v.abs() > ANOTHER * found.zero_v.abs())
         .collect();
     if others.len() > LIMBS / 2 {
-        let evidence = in_words(others.iter().copied());
+        let evidence = furthest_of(&others);
         let evidence = format!("{evidence}; {} channels show another one", others.len());
-        findings.push(of_the_record(rest, evidence));
-        return;
+        return Some(of_the_record(rest, evidence));
     }
     let moved: Vec<&(usize, Elsewhere)> = off
         .iter()
         .filter(|(_, found)| found.off_v.abs() > OF_ONE * rest.full_scale_v)
         .collect();
-    if !moved.is_empty() {
-        findings.push(Finding {
-            cause: Cause::DriftDuringRun,
-            recordings: vec![rest.name.clone()],
-            channels: moved.iter().map(|(channel, _)| channel + 1).collect(),
-            evidence: in_words(moved.iter().copied()),
-            advice: "record at rest again, right before the trials".to_owned(),
-        });
-    }
+    (!moved.is_empty()).then(|| Finding {
+        cause: Cause::DriftDuringRun,
+        recordings: vec![rest.name.clone()],
+        channels: moved.iter().map(|(channel, _)| channel + 1).collect(),
+        evidence: furthest_of(&moved),
+        advice: "record at rest again, right before the trials".to_owned(),
+    })
 }
 
-/// The one that is furthest off.
-fn in_words<'a>(found: impl Iterator<Item = &'a (usize, Elsewhere)>) -> String {
-    let furthest = found.max_by(|(_, a), (_, b)| a.off_v.abs().total_cmp(&b.off_v.abs()));
-    furthest.map_or(String::new(), |(channel, found)| {
-        format!(
-            "the linear trials show channel {}'s zero {:+.3} mV from the static record's, and {:.3} mV from each other in the mean",
-            channel + 1,
-            1e3 * found.off_v,
-            1e3 * found.scatter_v
-        )
-    })
+fn in_words((channel, found): &(usize, Elsewhere)) -> String {
+    format!(
+        "the linear trials show channel {}'s zero {:+.3} mV from the static record's, and {:.3} mV from each other in the mean",
+        channel + 1,
+        1e3 * found.off_v,
+        1e3 * found.scatter_v
+    )
 }
 
 fn of_the_record(rest: &Trial, evidence: String) -> Finding {

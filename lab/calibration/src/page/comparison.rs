@@ -47,14 +47,16 @@ fn figure(index: usize, quantity: Quantity) -> Figure {
 /// The page of a comparison.
 #[must_use]
 pub fn page(comparison: &Comparison) -> Page {
-    let duration_s = (comparison.instants.saturating_sub(1)) as f64 / comparison.rate_hz;
+    let instants = comparison.instants + comparison.unknown_instants;
+    let duration_s = (instants.saturating_sub(1)) as f64 / comparison.rate_hz;
     Page {
         title: "Decoupled motion against the truth".to_owned(),
         subtitle: format!(
-            "{} held against {}: {} common instants over {} s.",
+            "{} held against {}: {} common instants{} over {} s.",
             name_of(&comparison.result),
             name_of(&comparison.truth),
             count(comparison.instants),
+            comparison.left_out(),
             significant(duration_s, 4)
         ),
         facts: vec![

@@ -183,7 +183,8 @@ impl Summary {
             ),
             Finding::TooPoor => writeln!(
                 out,
-                "The motion is too poor: it leaves open {}. Turn the sensor about more axes, faster or longer.",
+                "The motion is too poor: it leaves open {}. Turn the sensor about more axes, faster or longer; if it did turn so, a channel is dead, inverted or \
+                 plugged in elsewhere (decouple --watch, inspect).",
                 self.open_in_words.as_deref().unwrap_or("ratios")
             ),
             Finding::Misfit => writeln!(

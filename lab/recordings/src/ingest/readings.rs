@@ -15,6 +15,8 @@ use crate::open;
 use crate::session::{Channels, Entry, LIMBS, Role, SessionFile};
 use crate::source::Source;
 
+/// Share of its rate up to which a resampled series has the noise of its own samples: the spline is flat to half a per cent there.
+const FLAT: f64 = 0.2;
 /// Samples below which no run of the rig can be.
 const FEWEST_SAMPLES: usize = 32;
 
@@ -29,6 +31,8 @@ pub struct Readings {
     pub accelerometer_m_s2: Vec<f64>,
     /// Standard gyroscope about the pinion's axis, rad/s; empty for a static record and a tap.
     pub gyroscope_rad_s: Vec<f64>,
+    /// Frequency up to which noise of the standards is white, Hz: infinite unless they were resampled from a clock of their own that is no faster.
+    pub standards_band_hz: f64,
     /// How the file, or that of the standards, was cut short, if it was.
     pub cut: Option<String>,
 }
@@ -144,10 +148,15 @@ impl Reader<'_> {
             sample_rate_hz,
         } = self.series(&path, source, wanted, stated_hz, "sample_rate_hz")?;
         let mut standards = columns.split_off(LIMBS);
+        let mut standards_band_hz = f64::INFINITY;
         if let Some(reference) = reference {
             let samples = columns[0].len();
             let (read, covered) = self.reference(reference, sample_rate_hz, samples, &mut cut)?;
-            standards = read;
+            // Of a faster clock what is read is white again.
+            if read.sample_rate_hz <= sample_rate_hz {
+                standards_band_hz = FLAT * read.sample_rate_hz;
+            }
+            standards = read.columns;
             for column in &mut columns {
                 column.truncate(covered.end);
                 column.drain(..covered.start);
@@ -173,6 +182,7 @@ impl Reader<'_> {
             voltage_v: nine(columns),
             accelerometer_m_s2,
             gyroscope_rad_s,
+            standards_band_hz,
             cut,
         })
     }
@@ -181,14 +191,15 @@ impl Reader<'_> {
         find::standards(path, layout, self.channels(), &self.file.session)
     }
 
-    /// Standards from a file of their own on the clock of so many samples of the limbs, and those samples that they cover.
+    /// Standards from a file of their own, of that file's rate, on the clock of so many samples of the limbs, and those samples that they
+    /// cover.
     fn reference(
         &self,
         reference: &Path,
         rate_hz: f64,
         samples: usize,
         cut: &mut Option<String>,
-    ) -> Result<(Vec<Vec<f64>>, core::ops::Range<usize>)> {
+    ) -> Result<(Series, core::ops::Range<usize>)> {
         let path = self.file.resolve(reference);
         let source = open(&path)?;
         if let Some(own) = &source.layout().cut {
@@ -217,6 +228,10 @@ impl Reader<'_> {
             })
             .collect::<sixaxis_core::Result<_>>()
             .map_err(resampling(&path))?;
+        let resampled = Series {
+            columns: resampled,
+            sample_rate_hz: own.sample_rate_hz,
+        };
         Ok((resampled, first..end))
     }
 
@@ -245,6 +260,7 @@ impl Reader<'_> {
             voltage_v: averaged.map(Averaged::finish),
             accelerometer_m_s2: Vec::new(),
             gyroscope_rad_s: Vec::new(),
+            standards_band_hz: f64::INFINITY,
             cut,
         })
     }

@@ -154,13 +154,27 @@ fn check_stages(stages: &Preprocessing) -> Result {
     fn switched_on<T>(stage: &Stage<T>) -> bool {
         matches!(stage, Stage::Switch(true))
     }
-    for (key, meaningless) in [
-        ("preprocessing.outliers", switched_on(&stages.outliers)),
-        ("preprocessing.detrend", switched_on(&stages.detrend)),
-        ("preprocessing.low_pass", switched_on(&stages.low_pass)),
+    for (key, meaningless, settings) in [
+        (
+            "preprocessing.outliers",
+            switched_on(&stages.outliers),
+            "{ half_width = 5, sigmas = 5.0 }",
+        ),
+        (
+            "preprocessing.detrend",
+            switched_on(&stages.detrend),
+            "{ rest_s = 0.5 }",
+        ),
+        (
+            "preprocessing.low_pass",
+            switched_on(&stages.low_pass),
+            "{ order = 4, times_drive = 4.0, plus_hz = 8.0 }",
+        ),
     ] {
         require(!meaningless, key, || {
-            "`true` says nothing: give its settings, or `false` to switch it off".to_owned()
+            format!(
+                "`true` says nothing: give its settings, {settings} for example, or `false` to switch it off"
+            )
         })?;
     }
     if let Stage::On(low_pass) = &stages.low_pass {

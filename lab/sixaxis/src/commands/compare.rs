@@ -33,7 +33,8 @@ pub struct Arguments {
 const AFTER_HELP: &str = "\
 Both files have the columns ax, ay, az, alpha_x, alpha_y, alpha_z, as `sixaxis decouple` and the truth folder of
 `sixaxis simulate` have them; wx, wy, wz and qw, qx, qy, qz are compared where both have them. They are laid side by side by
-their `time` column, or else by their start and rate. One rate must be a whole multiple of the other.
+their `time` column, or else by their start and rate. One rate must be a whole multiple of the other. Instants where `decouple`
+left ground axes NaN, since the attitude was not known well enough, are left out and counted.
 
 Example:
   sixaxis simulate --out day && sixaxis calibrate day/session.toml
@@ -84,8 +85,9 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
 fn table(comparison: &Comparison) -> String {
     let mut lines = vec![
         format!(
-            "{} common instants from {} s at {} Hz\n",
+            "{} common instants{} from {} s at {} Hz\n",
             comparison.instants,
+            comparison.left_out(),
             to_a_millionth(comparison.start_s),
             to_a_millionth(comparison.rate_hz)
         ),

@@ -159,6 +159,15 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         arguments.picture.is_none() || arguments.frame != Axes::Sensor,
         "--picture draws ground axes, which --frame sensor leaves out"
     );
+    let unfollowed = match &arguments.excluded {
+        Some(_) => Some("--excluded"),
+        None => arguments.watch.then_some("--watch"),
+    };
+    if let Some(option) = unfollowed.filter(|_| arguments.frame != Axes::Sensor) {
+        setup.notes.push(format!(
+            "with {option} nobody follows how well the attitude is known: ground axes go on to the end, however far off they are"
+        ));
+    }
     say("note", &setup.notes);
     let excluded = arguments.excluded.unwrap_or(LimbSet::EMPTY);
     if !excluded.is_empty() {

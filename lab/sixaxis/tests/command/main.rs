@@ -13,6 +13,8 @@ mod inputs;
 mod inspect;
 #[cfg(all(feature = "harness", target_os = "linux"))]
 mod mistakes;
+#[cfg(all(feature = "harness", target_os = "linux"))]
+mod mistakes_in_files;
 mod moved;
 mod noise;
 mod outputs;

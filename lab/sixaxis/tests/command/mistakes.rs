@@ -6,7 +6,7 @@ use crate::program::{Folder, code, run, stderr, stdout, text};
 use crate::self_calibrate::day;
 
 /// The day's session with something else in it, calibrated: exit code and what is printed.
-fn calibrated(name: &str, change: impl Fn(&str) -> String) -> (i32, String) {
+pub fn calibrated(name: &str, change: impl Fn(&str) -> String) -> (i32, String) {
     let folder = &day().0;
     let session = fs::read_to_string(folder.join("session.toml")).expect("reads");
     let changed = change(&session);
@@ -240,19 +240,31 @@ fn neg_a_direction_of_the_wrong_sign_is_told() {
     );
 }
 
-/// A static record with other readings, of these by channel; the trials are as they were.
-fn with_static(name: &str, change: impl Fn([f64; 9]) -> [f64; 9]) -> (i32, String) {
+/// Writes a recording with other readings, its columns from the first on, under another name.
+pub fn rewritten(recording: &str, name: &str, change: impl Fn(&mut [f64])) {
     let folder = &day().0;
-    let record = fs::read_to_string(folder.join("static.csv")).expect("reads");
+    let record = fs::read_to_string(folder.join(recording)).expect("reads");
     let lines = record.lines().map(|line| {
-        let readings: Vec<f64> = line.split(',').map_while(|x| x.parse().ok()).collect();
-        match readings.try_into() {
-            Ok(readings) => change(readings).map(|x| x.to_string()).join(","),
+        let readings = line.split(',').map(str::parse);
+        match readings.collect::<Result<Vec<f64>, _>>() {
+            Ok(mut readings) => {
+                change(&mut readings);
+                let cells: Vec<String> = readings.iter().map(f64::to_string).collect();
+                cells.join(",")
+            }
             Err(_) => line.to_owned(),
         }
     });
     let lines: Vec<String> = lines.collect();
-    folder.write(&format!("{name}.csv"), lines.join("\n") + "\n");
+    folder.write(name, lines.join("\n") + "\n");
+}
+
+/// A static record with other readings, of these by channel; the trials are as they were.
+fn with_static(name: &str, change: impl Fn([f64; 9]) -> [f64; 9]) -> (i32, String) {
+    rewritten("static.csv", &format!("{name}.csv"), |readings| {
+        let changed = change(core::array::from_fn(|i| readings[i]));
+        readings.copy_from_slice(&changed);
+    });
     calibrated(name, |s| s.replace("static.csv", &format!("{name}.csv")))
 }
 
@@ -290,7 +302,7 @@ fn neg_a_trial_is_no_static_record() {
 }
 
 /// The entry of a recording, changed.
-fn with_entry(session: &str, recording: &str, change: impl Fn(&str) -> String) -> String {
+pub fn with_entry(session: &str, recording: &str, change: impl Fn(&str) -> String) -> String {
     let entries = session
         .split("[[recording]]")
         .map(|entry| match entry.contains(recording) {

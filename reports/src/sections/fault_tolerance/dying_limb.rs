@@ -11,7 +11,21 @@ pub fn fill(text: Text, d: &DyingLimb) -> Text {
     let milliseconds = |samples: u64| 1e3 * samples as f64 / d.sample_rate_hz;
     let at_the_end = [&d.watched_rad, &d.never_failed_rad, &d.nine_rad]
         .map(|angles| angles.last().map(|rad| rad * DEG_PER_RAD));
+    let excluded_s = d.died_at_s + d.switched_after_samples as f64 / d.sample_rate_hz;
+    let after = d
+        .time_s
+        .iter()
+        .zip(d.watched_m_s2.iter().zip(&d.truth_m_s2));
+    let off_m_s2 = after
+        .filter(|(time_s, _)| **time_s > excluded_s)
+        .map(|(_, (watched, truth))| (watched - truth).abs())
+        .fold(0.0, f64::max);
+    let peak_m_s2 = d
+        .truth_m_s2
+        .iter()
+        .fold(0.0, |peak: f64, a| peak.max(a.abs()));
     text.value("dying", d)
+        .value("excluded_off", off_m_s2 / peak_m_s2)
         .value("off_deg", at_the_end)
         .value("isolated_ms", milliseconds(d.isolated_after_samples))
         .value("switched_ms", milliseconds(d.switched_after_samples))

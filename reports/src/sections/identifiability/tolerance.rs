@@ -25,9 +25,14 @@ struct LostAt {
 
 /// Values, figures and table.
 pub fn fill(text: Text, study: &Identifiability) -> Text {
+    let of_either = |erring| {
+        let all = RECORDS.into_iter();
+        let all = all.filter_map(|(records, ..)| lost_at(study, records, erring));
+        all.fold(f64::INFINITY, f64::min)
+    };
     let lost_at = LostAt {
-        scale: lost_at(study, Erring::Scale),
-        drift: lost_at(study, Erring::Drift),
+        scale: of_either(Erring::Scale),
+        drift: of_either(Erring::Drift),
     };
     let draws = study.tolerances.first().map_or(0, |t| t.draws);
     RECORDS
@@ -40,13 +45,10 @@ pub fn fill(text: Text, study: &Identifiability) -> Text {
         .table("tolerance", table(study))
 }
 
-fn lost_at(study: &Identifiability, erring: Erring) -> f64 {
-    let first = |(records, _, _)| {
-        let mut points = points(study, records, erring).iter();
-        Some(points.find(|point| point.determined < HALF)?.size)
-    };
-    let all = RECORDS.into_iter().filter_map(first);
-    all.fold(f64::INFINITY, f64::min)
+/// Smallest error with which most searches no longer determine k/m.
+pub fn lost_at(study: &Identifiability, records: Records, erring: Erring) -> Option<f64> {
+    let mut points = points(study, records, erring).iter();
+    Some(points.find(|point| point.determined < HALF)?.size)
 }
 
 /// From small errors to large ones.

@@ -135,6 +135,8 @@ fn camera(name: &str, every: usize, off_rad: f64) -> (PathBuf, u64) {
     let seen_at = recorded().truth.iter().enumerate().skip(1).step_by(every);
     for (sample, instant) in seen_at {
         let q = instant.truth.attitude * DQuat::from_rotation_x(off_rad);
+        // A quaternion and its negative are one attitude, and cameras give either.
+        let q = if seen % 2 == 1 { -q } else { q };
         let time_s = sample as f64 / RATE_HZ;
         lines += &format!("{time_s},{},{},{},{}\n", q.w, q.x, q.y, q.z);
         seen += 1;

@@ -214,8 +214,29 @@ fn the_budget_in_the_readme_is_the_published_one() {
         let draws = ladder(name).steps.iter().flat_map(|(_, draws)| draws);
         draws.map(|draw| draw.mujoco).collect::<Vec<_>>()
     };
-    let flexures = percent(alone("flexures that bend").expect("a size"), 1);
-    let wedges = alone("wedges").expect("a size");
+    // The sizes that were played on either side of the printed error.
+    let between = |name: &str| {
+        let of = ladder(name);
+        let crossing = alone(name).expect("a size");
+        let sizes = of.steps.iter().map(|(size, _)| *size);
+        let below = sizes.clone().filter(|size| *size < crossing);
+        let above = sizes.filter(|size| *size >= crossing);
+        [
+            below.fold(0.0, f64::max),
+            above.fold(f64::INFINITY, f64::min),
+        ]
+    };
+    let powers = between("flexures that bend").map(|size| {
+        let power = size.log10().round();
+        assert!((size.log10() - power).abs() < 1e-9, "{size}");
+        ["10⁻⁴", "10⁻³"][(power + 4.0) as usize]
+    });
+    let [wedges, more] = between("wedges");
+    let perfect = budget.combined(false)[0][0]
+        .errors
+        .as_ref()
+        .map(headline)
+        .expect("errors");
     let instruments = ladder("instruments");
     let class_1 = instruments.steps.iter().find(|(size, _)| *size == 1.0);
     let (_, draws) = class_1.expect("class 1");
@@ -228,11 +249,17 @@ fn the_budget_in_the_readme_is_the_published_one() {
     let [least, middle, most] = [least, middle, most].map(|share| format!("{:.1}", 100.0 * share));
     let equal = ladder("unequal stiffness").steps.last().expect("a size").0;
     for sentence in [
-        format!("Flexures whose lateral stiffness is {flexures} % of the axial one (in MuJoCo)"),
-        format!("wedges drawn up to {wedges:.2}° off (rigid limbs, median of three laboratories;"),
-        format!("instruments of class 1 % alone leave {least}, {middle} and {most} % in three"),
         format!(
-            "unequal limbs alone do not, tried to {} %",
+            "flexures whose lateral stiffness is {} and {} of the axial one (in MuJoCo)",
+            powers[0], powers[1]
+        ),
+        format!("wedges drawn up to {wedges}° and {more}° off (rigid limbs, median of three"),
+        format!(
+            "instruments of class 1 % alone leave {least}, {middle} and {most} % in three laboratories, perfect ones {} %",
+            percent(perfect, 2)
+        ),
+        format!(
+            "unequal limbs alone do not reach it, tried to {} %",
             percent(equal, 2)
         ),
     ] {
