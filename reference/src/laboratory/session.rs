@@ -126,7 +126,7 @@ pub fn simulate_session_watched(
             // A share of the day is told by the recordings that it has, which may be none.
             defect: defect.map(|defect| Defect {
                 place: defect.place(trial_count(plan.trials_per_step)),
-                ..defect.clone()
+                ..*defect
             }),
         },
     })

@@ -80,6 +80,9 @@ fn compare(
         decoupled: Vec::new(),
     };
     let gravity = settings.gravity_ground_m_s2;
+    // Of such a run the mean of the acceleration is none: what the standard shows of one is its own zero, or gravity on the rig's axis.
+    let readings = &conditioned.linear_ground_m_s2;
+    let zero = readings.iter().sum::<DVec3>() / readings.len().max(1) as f64;
     // The sensor begins in its own axes and turns about one that keeps its direction: what the gyroscope has turned is its attitude.
     let turned: Vec<f64> = angles(conditioned, trial).collect();
     for row in &rows {
@@ -91,7 +94,7 @@ fn compare(
         let felt = |back: DQuat, linear: DVec3| back * (linear - gravity) + gravity;
         let back = out.attitude.inverse();
         let standard = [
-            felt(attitude.inverse(), conditioned.linear_ground_m_s2[index]),
+            felt(attitude.inverse(), readings[index] - zero),
             conditioned.angular_shell_rad_s2[index],
         ];
         let decoupled = [

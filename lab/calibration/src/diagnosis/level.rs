@@ -78,7 +78,7 @@ pub(super) fn reason(factor: f64) -> &'static str {
     let near =
         |x: f64| (factor.abs() / x).ln().abs() < 0.08 || (factor.abs() * x).ln().abs() < 0.08;
     if near(9.80665) {
-        "g and m/s² are that far apart"
+        "g and m/s² are that far apart, or a digit is lost"
     } else if near(57.29578) {
         "degrees and radians are that far apart"
     } else if near(10.0) || near(100.0) {

@@ -79,15 +79,15 @@ fn twins(cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
 
 /// Standards whose readings are cut off at their ends.
 fn standards(cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
-    let readings: [(&str, fn(&Trial) -> &[f64]); 2] = [
-        ("accelerometer", |trial| &trial.accelerometer_m_s2),
-        ("gyroscope", |trial| &trial.gyroscope_rad_s),
-    ];
-    for (name, of) in readings {
+    for (name, unit) in [("accelerometer", "m/s²"), ("gyroscope", "rad/s")] {
         let mut recordings = Vec::new();
         let mut largest = 0.0_f64;
         for case in cases.iter_mut() {
-            let series = of(case.trial);
+            let series = if name == "gyroscope" {
+                &case.trial.gyroscope_rad_s
+            } else {
+                &case.trial.accelerometer_m_s2
+            };
             if let Some(top) = flat_top(series, step_of(series)) {
                 largest = largest.max(top.abs());
                 recordings.push(case.trial.name.clone());
@@ -95,11 +95,6 @@ fn standards(cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
             }
         }
         if !recordings.is_empty() {
-            let unit = if name == "gyroscope" {
-                "rad/s"
-            } else {
-                "m/s²"
-            };
             findings.push(Finding {
                 cause: Cause::ClippedConverter,
                 recordings,

@@ -48,7 +48,7 @@ pub fn examine(cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
         Role::Angular => Some(false),
         _ => None,
     };
-    let (mut other, mut judged) = (Vec::new(), 0);
+    let (mut other, mut standing, mut judged) = (Vec::new(), Vec::new(), 0);
     for (index, case) in cases.iter().enumerate() {
         let Some(linear) = is_linear(case.trial) else {
             continue;
@@ -62,7 +62,13 @@ pub fn examine(cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
         };
         if others > MOVES && own < MOVES * others {
             other.push((index, linear));
+        } else if own == 0.0 && others > 0.0 {
+            standing.push((index, linear));
         }
+    }
+    // Exchanged standards have each other's units, too, in which one of them may hardly move.
+    if other.len() + standing.len() == judged && !other.is_empty() {
+        other.append(&mut standing);
     }
     if !other.is_empty() {
         let linear = other.iter().filter(|(_, linear)| *linear).count();

@@ -120,12 +120,7 @@ fn neg_time_stamps_in_another_unit_are_told() {
 fn inv_standards_of_half_the_rate_calibrate_as_well() {
     let folder = &day().0;
     let session = fs::read_to_string(folder.join("session.toml")).expect("reads");
-    let mut names = Vec::new();
-    for entry in session.split("[[recording]]").skip(1) {
-        if entry.contains("\"static\"") {
-            continue;
-        }
-        let file = entry.split('"').nth(1).expect("a file");
+    for file in trials(&session) {
         let record = fs::read_to_string(folder.join(file)).expect("reads");
         let rows = record.lines().skip(1).enumerate();
         let standards = rows.filter(|(i, _)| *i == 0 || i % 2 == 1).map(|(_, row)| {
@@ -134,10 +129,9 @@ fn inv_standards_of_half_the_rate_calibrate_as_well() {
         });
         let text = format!("# sample_rate_hz = 1000\n{}", standards.collect::<String>());
         folder.write(&format!("standards-{file}"), text);
-        names.push(file.to_owned());
     }
     let (code, said) = calibrated("half-rate", |s| {
-        names.iter().fold(s.to_owned(), |s, file| {
+        trials(&session).into_iter().fold(s.to_owned(), |s, file| {
             let quoted = format!("\"{file}\"");
             with_entry(&s, &quoted, |entry| {
                 entry.replace(
@@ -234,4 +228,61 @@ fn inv_a_stated_rate_stands_in_for_stamps_that_are_not_there() {
     let without = run(&[&["decouple", &path, &tumble][..], &rest].concat());
     assert_eq!(code(&without), 1, "{}", stderr(&without));
     done(&[&["decouple", &path, &tumble, "--rate", "10000"][..], &rest].concat());
+}
+
+/// Files of the day's trials.
+fn trials(session: &str) -> Vec<&str> {
+    let entries = session.split("[[recording]]").skip(1);
+    let moving = entries.filter(|entry| !entry.contains("\"static\""));
+    moving.filter_map(|entry| entry.split('"').nth(1)).collect()
+}
+
+/// The session of trials of which each has another name.
+fn renamed(session: &str, prefix: &str) -> String {
+    trials(session)
+        .into_iter()
+        .fold(session.to_owned(), |s, file| {
+            s.replace(&format!("\"{file}\""), &format!("\"{prefix}-{file}\""))
+        })
+}
+
+#[test]
+fn neg_standards_that_are_exchanged_are_told() {
+    let folder = &day().0;
+    let session = fs::read_to_string(folder.join("session.toml")).expect("reads");
+    for file in trials(&session) {
+        let record = fs::read_to_string(folder.join(file)).expect("reads");
+        let record = record.replace("r [m/s^2]", "r").replace("e [rad/s]", "e");
+        folder.write(&format!("unitless-{file}"), record);
+    }
+    let (code, said) = calibrated("exchanged-standards", |s| {
+        let names = [
+            ("accelerometer = \"accelerometer\"", "accelerometer = \"x\""),
+            ("gyroscope = \"gyroscope\"", "gyroscope = \"accelerometer\""),
+            ("accelerometer = \"x\"", "accelerometer = \"gyroscope\""),
+            (
+                "[channels]\n",
+                "[channels]\naccelerometer_unit = \"g\"\ngyroscope_unit = \"deg/s\"\n",
+            ),
+        ];
+        let renamed = renamed(s, "unitless");
+        names.iter().fold(renamed, |s, (a, b)| s.replace(a, b))
+    });
+    assert!(matches!(code, 1 | 4), "{said}");
+    let wanted = "accelerometer and gyroscope are exchanged in the session's [channels]";
+    assert!(said.contains(wanted), "{said}");
+}
+
+/// A standard that shows gravity along the rig's axis, or has a zero of its own, measures changes as well as any.
+#[test]
+fn inv_an_offset_of_the_accelerometer_is_no_error_of_the_sensor() {
+    let folder = &day().0;
+    let session = fs::read_to_string(folder.join("session.toml")).expect("reads");
+    for file in trials(&session) {
+        rewritten(file, &format!("offset-{file}"), |row| {
+            row[ACCELEROMETER] += 9.8;
+        });
+    }
+    let (code, said) = calibrated("offset", |s| renamed(s, "offset"));
+    assert_eq!(code, 0, "{said}");
 }
