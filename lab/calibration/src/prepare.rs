@@ -240,6 +240,9 @@ fn advice(error: &Error, name: &str) -> &'static str {
         Error::Recording(Refusal::Unit { .. }) => {
             "see that each name in the session's [channels] is that of its channel, accelerometer and gyroscope above all, and state the unit there if the file has none"
         }
+        Error::Recording(Refusal::TooShort { which, .. }) if !which.is_empty() => {
+            "see whether reference_file is this trial's, and reference_start_s and reference_sample_rate_hz are right: in s and Hz"
+        }
         _ => MEND,
     }
 }

@@ -93,7 +93,10 @@ fn explain(
         return explained;
     }
     match odd.other_direction(all) {
-        OtherDirection::None => odd.gains_of_none(all).or_else(|| Some(odd.nothing_else())),
+        OtherDirection::None => odd
+            .gains_of_none(all)
+            .or_else(|| odd.gains_of_other_ranges())
+            .or_else(|| Some(odd.nothing_else())),
         OtherDirection::WithinPlay => None,
         OtherDirection::Loose(finding) => Some(finding),
     }

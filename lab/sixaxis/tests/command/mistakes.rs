@@ -376,6 +376,23 @@ fn neg_gains_of_another_recording_or_of_none_are_told() {
         said.contains("linear-04.csv: state this recording's own gain_n_per_v"),
         "{said}"
     );
+    // From the right to the left.
+    let session = fs::read_to_string(day().0.join("session.toml")).expect("reads");
+    let (code, said) = calibrated("gains-reversed", |s| {
+        let line = line_of(s, "linear-04", "gain_n_per_v").to_owned();
+        let mut list: Vec<&str> = line
+            .split(['[', ']'])
+            .nth(1)
+            .expect("nine")
+            .split(", ")
+            .collect();
+        list.reverse();
+        let reversed = format!("gain_n_per_v = [{}]", list.join(", "));
+        with_entry(s, "linear-04", |entry| entry.replace(&line, &reversed))
+    });
+    let gains = line_of(&session, "linear-04", "gain_n_per_v");
+    assert_eq!(code, 4, "{said}");
+    assert!(said.contains(&format!("with {gains} they agree")), "{said}");
 }
 
 #[test]

@@ -11,6 +11,7 @@ use crate::diagnosis::trial_case::TrialCase;
 use crate::finding::{Cause, Finding};
 use crate::response::Response;
 use crate::trial::Trial;
+use sixaxis_recordings::inspect::listing::brief;
 
 /// How near to -1 a factor on all channels is of a motion the other way.
 const OPPOSITE: f64 = 0.1;
@@ -20,6 +21,22 @@ const LEFT: f64 = 0.1;
 const LOOSE_DEG: f64 = 0.7;
 /// Factor within which a direction that the channels show is a unit vector's: a wedge does not scale.
 const LENGTH: f64 = 1.25;
+
+/// Ratios of one range of an amplifier to another.
+const RANGES: [f64; 9] = [1.0, 2.0, 2.5, 4.0, 5.0, 10.0, 20.0, 50.0, 100.0];
+/// How near to one of them a channel's factor is.
+const A_RANGE: f64 = 0.02;
+/// Share of a trial's size that a channel should show to be judged by its factor.
+const SHOWN: f64 = 0.05;
+/// Channels from which factors that are ranges are none by chance.
+const FEWEST_RANGES: usize = 6;
+
+/// The ratio of ranges that a factor is; none for another factor.
+fn ranges(factor: f64) -> Option<f64> {
+    let all = RANGES.into_iter().flat_map(|range| [range, 1.0 / range]);
+    let near = |range: &f64| (factor / range - 1.0).abs() < A_RANGE;
+    all.into_iter().find(near)
+}
 
 /// A trial that departs from the others, and what it is tried against.
 pub(super) struct Odd<'a> {
@@ -195,6 +212,29 @@ impl<'a> Odd<'a> {
                 "correct this recording's gain_n_per_v, or see whether its file and that of {} are exchanged",
                 other.name
             ),
+        })
+    }
+
+    /// Other gains: each channel is off by a step of an amplifier's range, or not at all.
+    pub(super) fn gains_of_other_ranges(&self) -> Option<Finding> {
+        let shown = |i: &&usize| self.expected[**i].abs() > SHOWN * self.size;
+        let mut factors = [1.0; LIMBS];
+        let mut judged = 0;
+        for i in self.counts.iter().filter(shown) {
+            factors[*i] = ranges(self.seen[*i] / self.expected[*i])?;
+            judged += 1;
+        }
+        let own = &self.case.trial.gains.gain_n_per_v;
+        let asked: [String; LIMBS] = core::array::from_fn(|i| brief(own[i] / factors[i], 6));
+        (judged >= FEWEST_RANGES).then(|| Finding {
+            recordings: vec![self.case.trial.name.clone()],
+            cause: Cause::WrongScaling,
+            channels: Vec::new(),
+            evidence: format!(
+                "each channel is off by a step of an amplifier's range or not at all: with gain_n_per_v = [{}] they agree with the other trials",
+                asked.join(", ")
+            ),
+            advice: "correct this recording's gain_n_per_v against the amplifiers' panel, or see whether the file is another trial's".to_owned(),
         })
     }
 
