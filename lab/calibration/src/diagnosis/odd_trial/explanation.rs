@@ -11,7 +11,6 @@ use crate::diagnosis::trial_case::TrialCase;
 use crate::finding::{Cause, Finding};
 use crate::response::Response;
 use crate::trial::Trial;
-use sixaxis_recordings::inspect::listing::brief;
 
 /// How near to -1 a factor on all channels is of a motion the other way.
 const OPPOSITE: f64 = 0.1;
@@ -225,7 +224,11 @@ impl<'a> Odd<'a> {
             judged += 1;
         }
         let own = &self.case.trial.gains.gain_n_per_v;
-        let asked: [String; LIMBS] = core::array::from_fn(|i| brief(own[i] / factors[i], 6));
+        // Without what a quotient of decimal numbers leaves of rounding.
+        let asked: [String; LIMBS] = core::array::from_fn(|i| {
+            let gain_n_per_v = (1e6 * own[i] / factors[i]).round() / 1e6;
+            gain_n_per_v.to_string()
+        });
         (judged >= FEWEST_RANGES).then(|| Finding {
             recordings: vec![self.case.trial.name.clone()],
             cause: Cause::WrongScaling,
