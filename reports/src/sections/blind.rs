@@ -1,15 +1,11 @@
 //! The verdict, tried blind: healthy laboratories in several corners, and defects by their size.
 
 use anyhow::Result;
-use sixaxis_calibration::finding::Cause;
-use sixaxis_calibration::report::Grade;
 use sixaxis_page::number::{count, fixed, significant};
 use sixaxis_page::{Axis, Cell, Figure, Section, Table, Text};
 use sixaxis_props::blind::share::Share;
 use sixaxis_props::blind::{Cell as Corner, cause_of};
-use sixaxis_props::results::{
-    Blind, BlindBin, BlindKind, BlindPair, BlindPairs, BlindTally, BlindVerdict, Published,
-};
+use sixaxis_props::results::{Blind, BlindBin, BlindKind, BlindPairs, BlindTally, Published};
 use sixaxis_reference::laboratory::room::Room;
 
 /// Shares that one mark stands for: from, its words, its place in the palette.
@@ -39,8 +35,6 @@ pub fn section() -> Result<Section> {
     Text::new(include_str!("blind.md"))
         .value("p", p)
         .value("pairs", pairs)
-        .value("false_good_rigid", false_good_rigid(pairs))
-        .table("blind-pairs", differing(pairs))
         .value("kinds", p.kinds.len())
         .value("unnamed", unnamed.count())
         .value("false_good_of_good", p.false_good_of_good.value())
@@ -49,36 +43,6 @@ pub fn section() -> Result<Section> {
         .table("blind-healthy", healthy(p))
         .table("blind-kinds", kinds(p))
         .section("blind")
-}
-
-/// Sessions with rigid limbs that are called good and are not: as many as with MuJoCo but for those that differ.
-fn false_good_rigid(pairs: &BlindPairs) -> usize {
-    let is = |v: &BlindVerdict| v.grade == Some(Grade::Good) && v.breaks_the_promise != Some(false);
-    let count = |of: fn(&BlindPair) -> &BlindVerdict| {
-        pairs.differing.iter().filter(|pair| is(of(pair))).count()
-    };
-    pairs.mujoco.false_good.count + count(|pair| &pair.rigid) - count(|pair| &pair.mujoco)
-}
-
-fn differing(pairs: &BlindPairs) -> Table {
-    let verdict = |v: &BlindVerdict| {
-        let grade = v.grade.map_or("refused", Grade::word);
-        let cause = v.cause.map_or("none", Cause::name);
-        let kept = match v.breaks_the_promise {
-            None => "no calibration",
-            Some(true) => "broken",
-            Some(false) => "kept",
-        };
-        format!("{grade}; {cause}; {kept}")
-    };
-    Table::of("laboratory", &pairs.differing, |pair| cell_words(pair.cell))
-        .col("seed", |pair| pair.seed.to_string())
-        .col("size", |pair| {
-            Cell::or_dash(pair.magnitude.map(|size| significant(size, 2)))
-        })
-        .col("MuJoCo", move |pair| verdict(&pair.mujoco))
-        .col("rigid limbs", move |pair| verdict(&pair.rigid))
-        .into()
 }
 
 /// A mark for each kind and size whose share is at least this, in the colour of its share.

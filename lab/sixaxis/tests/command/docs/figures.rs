@@ -45,7 +45,17 @@ fn the_grades_in_the_docs_are_the_published_ones() {
     let [cross_talk] = cross_talk.collect::<Vec<_>>()[..] else {
         panic!("nine of one size")
     };
+    let pairs = super::published("blind_mujoco");
+    let of_pairs = |what: &str| share(&pairs[what]);
+    let (same_grade, same_cause) = (of_pairs("same_grade"), of_pairs("same_cause"));
+    let (count, bounds) = same_grade.split_once(" of ").expect("a share");
+    let (of, bounds) = bounds.split_once(' ').expect("bounds");
+    let same_cause = same_cause.split(' ').next().expect("a count");
     for sentence in [
+        format!(
+            "Of {of} further sessions, played by MuJoCo, whose limbs yield, and once more with rigid limbs, {count} have the same grade {bounds} and {same_cause} the same \
+             cause named first"
+        ),
         format!("{} sessions", published["sessions"]),
         format!("{} of all", share(&published["false_good"])),
         format!(
