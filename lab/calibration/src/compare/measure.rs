@@ -112,7 +112,7 @@ impl Comparison {
     pub fn left_out(&self) -> String {
         match self.unknown_instants {
             0 => String::new(),
-            unknown => format!(", {unknown} more left out where the attitude is not known (NaN),"),
+            unknown => format!(", {unknown} more left out where the attitude is not known,"),
         }
     }
 }
