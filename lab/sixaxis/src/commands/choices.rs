@@ -58,3 +58,14 @@ impl Axes {
         }
     }
 }
+
+/// Most threads: more than any machine has cores, and few enough to be started.
+const MOST_THREADS: usize = 1024;
+
+/// A number of threads.
+pub fn threads(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(threads) if threads <= MOST_THREADS => Ok(threads),
+        _ => Err(format!("give a number of threads up to {MOST_THREADS}")),
+    }
+}

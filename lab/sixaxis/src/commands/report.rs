@@ -16,6 +16,7 @@ use sixaxis_reports::sections;
 use sixaxis_reports::study::results::{AcceptanceLimit, LimitKind, Results};
 use sixaxis_reports::study::{self, plan::Plan};
 
+use super::choices::threads;
 use super::common::print;
 use super::output::claim_folder;
 use crate::progress::Progress;
@@ -36,7 +37,7 @@ pub struct Arguments {
     #[arg(long)]
     quick: bool,
     /// Threads to use; 0 for one per core
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", value_parser = threads, default_value_t = 0)]
     threads: usize,
     /// Folder of the test suites' rows [default: where the tests of this checkout write]
     #[arg(long, value_name = "DIR")]

@@ -300,3 +300,14 @@ fn prop_the_table_has_all_parameters() {
         );
     }
 }
+
+#[test]
+fn neg_more_threads_than_can_be_started_are_refused() {
+    for command in [
+        &["campaign", "run", "--count", "1", "--out", "c"][..],
+        &["report"],
+    ] {
+        let arguments = [command, &["--threads", "4294967296"]].concat();
+        assert_eq!(crate::program::code(&crate::program::run(&arguments)), 2);
+    }
+}

@@ -9,6 +9,7 @@ use sixaxis_campaign::plan::{CampaignPlan, LARGEST_SEED, Shard};
 use sixaxis_campaign::run::{Order, Watch, run as work};
 use sixaxis_reference::laboratory::plan_file;
 
+use crate::commands::choices::threads;
 use crate::commands::common::{print, tell};
 use crate::commands::output::make_folder;
 use crate::progress::Progress;
@@ -34,7 +35,7 @@ pub struct Arguments {
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Threads; 0 for one for each core
-    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
+    #[arg(long, value_name = "N", value_parser = threads, default_value_t = 0, hide_default_value = true)]
     threads: usize,
     /// Print nothing but errors
     #[arg(long, short)]
