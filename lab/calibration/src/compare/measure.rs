@@ -107,12 +107,15 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// What is left out, in words that follow upon the number of instants; empty if nothing is.
+    /// What is left out, in words that follow upon the number of instants, with its number as `written`; empty if nothing is.
     #[must_use]
-    pub fn left_out(&self) -> String {
+    pub fn left_out(&self, written: impl Fn(u64) -> String) -> String {
         match self.unknown_instants {
             0 => String::new(),
-            unknown => format!(", {unknown} more left out where the attitude is not known,"),
+            unknown => format!(
+                ", {} more left out where the attitude is not known,",
+                written(unknown)
+            ),
         }
     }
 }

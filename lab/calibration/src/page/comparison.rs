@@ -56,7 +56,7 @@ pub fn page(comparison: &Comparison) -> Page {
             name_of(&comparison.result),
             name_of(&comparison.truth),
             count(comparison.instants),
-            comparison.left_out(),
+            comparison.left_out(count),
             significant(duration_s, 4)
         ),
         facts: vec![

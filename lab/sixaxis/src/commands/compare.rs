@@ -87,7 +87,7 @@ fn table(comparison: &Comparison) -> String {
         format!(
             "{} common instants{} from {} s at {} Hz\n",
             comparison.instants,
-            comparison.left_out(),
+            comparison.left_out(|instants| instants.to_string()),
             to_a_millionth(comparison.start_s),
             to_a_millionth(comparison.rate_hz)
         ),
