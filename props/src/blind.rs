@@ -223,6 +223,13 @@ pub struct Outcome {
     pub harm: Option<Harm>,
 }
 
+/// Whether anything of a day could show a defect: a limb that was always weaker is another scale factor, a gain or a drawing that is
+/// written wrongly all day stands in for another sensor, and what is decoupled with the same numbers is right.
+#[must_use]
+pub const fn could_show(kind: Kind) -> bool {
+    !matches!(kind, Kind::DeadLimb | Kind::WrongGain | Kind::WrongHalfEdge)
+}
+
 impl Outcome {
     /// What the cause named first is worth.
     #[must_use]
@@ -240,15 +247,10 @@ impl Outcome {
         cause_of(self.cell.kind()?, self.magnitude?)
     }
 
-    /// Whether anything of the day could have shown the defect: a limb that was always weaker is another scale factor, a gain or a
-    /// drawing that is written wrongly all day stands in for another sensor, and what is decoupled with the same numbers is right.
+    /// Whether anything of the day could have shown the defect.
     #[must_use]
     pub fn could_show(&self) -> bool {
-        let kind = self.cell.kind();
-        !matches!(
-            kind,
-            Some(Kind::DeadLimb | Kind::WrongGain | Kind::WrongHalfEdge)
-        )
+        self.cell.kind().is_none_or(could_show)
     }
 
     /// Called good although it does not keep what good states.

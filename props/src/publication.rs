@@ -2,7 +2,7 @@
 //!
 //! A study is a function of its seeds. `--publish` runs it over all of them, then over a few samples, and writes the result with its
 //! [`Provenance`]. `--check` says what of the code it depends on has changed since, runs one of the samples again, drawn by the
-//! commit that the workspace is at, and fails where that gives other bits than when it was published.
+//! commit that the workspace is at, and fails where that gives other bits than when it was published; `--check --all` runs all of them.
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -74,7 +74,7 @@ impl Arguments {
         study: impl Fn(u64, u64) -> Result<S, String>,
     ) -> Result<(), String> {
         if self.has("--check") {
-            return check(study);
+            return check(study, self.has("--all"));
         }
         let first = self.number("--first", seeds.first)?;
         let count = self.number("--count", seeds.count)?;
@@ -145,7 +145,10 @@ fn committed(sources: &[&str]) -> Result<String, String> {
 }
 
 /// What has changed since a result was published, and whether that changes the result.
-fn check<S: Studied>(study: impl Fn(u64, u64) -> Result<S, String>) -> Result<(), String> {
+fn check<S: Studied>(
+    study: impl Fn(u64, u64) -> Result<S, String>,
+    all: bool,
+) -> Result<(), String> {
     let published = S::file()
         .map_err(|e| format!("{}: {e}", S::FILE))?
         .provenance;
@@ -158,25 +161,25 @@ fn check<S: Studied>(study: impl Fn(u64, u64) -> Result<S, String>) -> Result<()
         "{name}: published at {} on {}, {since}",
         published.commit, published.date_utc
     );
-    let samples = published.samples.len() as u64;
-    let drawn = of_bytes(revision().bytes());
-    let drawn = u64::from_str_radix(&drawn, 16)
-        .unwrap_or(0)
-        .checked_rem(samples);
-    let Some(sample) = drawn.and_then(|i| published.samples.get(i as usize)) else {
-        return Err(format!("{from}; it has no samples"));
+    let samples = &published.samples[..];
+    let drawn = u64::from_str_radix(&of_bytes(revision().bytes()), 16).unwrap_or(0);
+    let samples = match (drawn.checked_rem(samples.len() as u64), all) {
+        (None, _) => return Err(format!("{from}; it has no samples")),
+        (Some(_), true) => samples,
+        (Some(drawn), false) => &samples[drawn as usize..=drawn as usize],
     };
-    let last = sample.first + sample.count - 1;
-    let seeds = format!("seeds {} to {last} once more", sample.first);
-    if digest(&study(sample.first, sample.count)?)? == sample.digest {
+    for sample in samples {
+        let last = sample.first + sample.count - 1;
+        let seeds = format!("seeds {} to {last} once more", sample.first);
+        if digest(&study(sample.first, sample.count)?)? != sample.digest {
+            return Err(format!(
+                "{from}; {seeds}: OTHER BITS. Publish it again: {}",
+                S::MAKE
+            ));
+        }
         eprintln!("{from}; {seeds}: the same bits");
-        Ok(())
-    } else {
-        Err(format!(
-            "{from}; {seeds}: OTHER BITS. Publish it again: {}",
-            S::MAKE
-        ))
     }
+    Ok(())
 }
 
 /// What the program ends with.

@@ -48,8 +48,8 @@ fn cells(errors: &Errors) -> String {
 fn print(found: &Budget) {
     for ladder in found.ladders() {
         match ladder.alone(headline) {
-            Some(size) => println!(
-                "{}: 7.479 % alone at {size:.3e} {}",
+            Some([less, more]) => println!(
+                "{}: 7.479 % alone between {less:e} and {more:e} {}",
                 ladder.name, ladder.unit
             ),
             None => println!("{}: never 7.479 % alone", ladder.name),

@@ -4,7 +4,8 @@
 //! left over is tried against one cause after the other. The order matters: a fault that explains others is looked for first,
 //! and what it explains is not reported again.
 //!
-//! 1. [`raw`]: what one recording shows by itself: clipped; and [`role`]: whether it does what its role says.
+//! 1. [`altered`]: what happened between converter and file; [`raw`]: what one recording shows by itself: clipped; and [`role`]:
+//!    whether it does what its role says.
 //! 2. [`still`]: channels of the static record that read nothing, not even noise.
 //! 3. [`zero`]: static records whose zeros are not those of the trials.
 //! 4. [`structure`]: what all trials together show of a channel: silent, inverted, under-excited axes.
@@ -20,6 +21,7 @@
 //! against each other is *suspected*: an ordinary room departs from equal limbs, true wedges and a plumb axis as well, and the joint
 //! fit, which knows of these, has the last word ([`crate::joint::account`]).
 
+pub mod altered;
 pub mod drift;
 pub mod fundamental;
 pub mod gravity;
@@ -137,6 +139,7 @@ pub fn examine<'a>(
         .collect();
     let drift = at_rest.and_then(|rest| zero_drift::identify(&rest.voltage_v).ok());
     measure(&mut cases, drift.as_ref(), None);
+    altered::examine(at_rest, &mut cases, &mut found.findings);
     raw::examine(facts, at_rest, &mut cases, &mut found.findings);
     role::examine(&mut cases, &mut found.findings);
     if let Some(rest) = at_rest {

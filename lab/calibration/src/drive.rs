@@ -10,6 +10,8 @@ use sixaxis_recordings::session::Role;
 const OFF: f64 = 0.05;
 /// Factor by which it is another motion's, and nothing can be done with the trial.
 const ANOTHER: f64 = 1.5;
+/// Share by which two drives at one setting may differ.
+const SAME: f64 = 0.01;
 /// Largest over smallest ratio of seen to stated frequencies that have one cause.
 const ALIKE: f64 = 1.1;
 
@@ -44,6 +46,30 @@ pub(crate) fn both_in_words(stated_hz: f64, seen_hz: f64) -> String {
     )
 }
 
+/// Recordings, each with its frequency as stated and as seen, of which each turns as another one should: in words.
+pub(crate) fn exchanged(recordings: &[(&str, f64, f64)]) -> Option<String> {
+    let turns_as = |seen_hz: f64| {
+        let mut others = recordings.iter();
+        others.find(|(_, stated_hz, _)| (seen_hz / stated_hz - 1.0).abs() < SAME)
+    };
+    let mut of: Vec<&str> = Vec::new();
+    for (_, _, seen_hz) in recordings {
+        of.push(turns_as(*seen_hz)?.0);
+    }
+    let each_once = recordings.iter().all(|(name, ..)| of.contains(name));
+    let (first, _, seen_hz) = recordings.first()?;
+    (each_once && recordings.len() > 1).then(|| {
+        format!(
+            "each turns as another of them should, {first} at the {seen_hz:.3} Hz of {}",
+            of[0]
+        )
+    })
+}
+
+/// What to do about recordings that were exchanged.
+pub(crate) const EXCHANGED: &str =
+    "see which recording each entry of the session names: file, or reference_file";
+
 /// Takes out the trials whose drive is stated to be another's altogether, and says so.
 pub(crate) fn set_aside(trials: &mut Vec<Trial>) -> Option<Finding> {
     let another = |trial: &Trial| {
@@ -52,7 +78,7 @@ pub(crate) fn set_aside(trials: &mut Vec<Trial>) -> Option<Finding> {
         let far = !(1.0 / ANOTHER..=ANOTHER).contains(&factor);
         far.then_some((factor, seen_hz))
     };
-    let (mut names, mut factors, mut first) = (Vec::new(), Vec::new(), None);
+    let (mut names, mut factors, mut drives) = (Vec::new(), Vec::new(), Vec::new());
     let all = trials.len();
     trials.retain(|trial| {
         let Some((factor, seen_hz)) = another(trial) else {
@@ -60,9 +86,24 @@ pub(crate) fn set_aside(trials: &mut Vec<Trial>) -> Option<Finding> {
         };
         names.push(trial.name.clone());
         factors.push(factor);
-        first.get_or_insert_with(|| both_in_words(trial.frequency_hz, seen_hz));
+        drives.push((trial.frequency_hz, seen_hz));
         false
     });
+    let &(stated_hz, seen_hz) = drives.first()?;
+    let each: Vec<(&str, f64, f64)> = names
+        .iter()
+        .zip(&drives)
+        .map(|(name, (stated_hz, seen_hz))| (name.as_str(), *stated_hz, *seen_hz))
+        .collect();
+    if let Some(evidence) = exchanged(&each) {
+        return Some(Finding {
+            cause: Cause::ClockMismatch,
+            evidence,
+            recordings: names,
+            channels: Vec::new(),
+            advice: EXCHANGED.to_owned(),
+        });
+    }
     let most = factors.iter().copied().fold(0.0, f64::max);
     let least = factors.iter().copied().fold(f64::INFINITY, f64::min);
     let by_the_clock = names.len() == all && all > 1 && most < ALIKE * least;
@@ -75,7 +116,7 @@ pub(crate) fn set_aside(trials: &mut Vec<Trial>) -> Option<Finding> {
             } else {
                 ""
             },
-            first?
+            both_in_words(stated_hz, seen_hz)
         ),
         recordings: names,
         channels: Vec::new(),

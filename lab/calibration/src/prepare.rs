@@ -185,11 +185,20 @@ fn copies(trials: &mut Vec<Trial>) -> Vec<Finding> {
     let mut findings = Vec::new();
     let mut at = 0;
     while at < trials.len() {
-        let copied = |other: &&Trial| other.voltage_v == trials[at].voltage_v;
-        let Some(original) = trials[..at].iter().find(copied) else {
+        let copied = |other: &Trial| other.voltage_v == trials[at].voltage_v;
+        let Some(first) = trials[..at].iter().position(copied) else {
             at += 1;
             continue;
         };
+        // The copy is the one that does not turn as the session says.
+        let far = |trial: &Trial| {
+            let seen_hz = drive::seen_hz(trial);
+            seen_hz.map_or(0.0, |seen_hz| (seen_hz / trial.frequency_hz).ln().abs())
+        };
+        if far(&trials[first]) > far(&trials[at]) {
+            trials.swap(first, at);
+        }
+        let original = &trials[first];
         let twice = original.name == trials[at].name;
         let (evidence, advice) = if twice {
             (

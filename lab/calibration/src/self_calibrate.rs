@@ -8,10 +8,11 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
 use sixaxis_core::paper::signal::SignalChain;
+use sixaxis_core::redundancy::parity::AMBIGUOUS_PAIRS;
 use sixaxis_core::redundancy::self_calibration::{
     Drifted, KnownChange, Limits, PerLimbs, ScaleRatios, Scales, drifted,
 };
-use sixaxis_core::{Error, LIMBS};
+use sixaxis_core::{Error, LIMBS, LimbSet};
 
 use crate::apply::setup::Setup;
 use crate::calibration::Calibration;
@@ -26,6 +27,8 @@ const MISFIT: f64 = 1e-6;
 const CORRELATED: (f64, f64) = (5.0, 0.1);
 /// Logarithm of a factor from which a change is hardly a limb's own.
 const NO_DRIFT: f64 = 0.1;
+/// Standard deviations within which two changes are what exchanged plugs would show.
+const EXCHANGED: f64 = 3.0;
 /// What breaks the equations.
 const NO_MODEL: &str = "Cross-talk, a bent frame, a channel that is dead or not linear";
 /// Largest logarithm of a common factor that is accepted: half as much again.
@@ -161,7 +164,8 @@ impl Check<'_> {
             }
             _ => None,
         };
-        let doubt = no_drift(&found, scales.as_ref());
+        let doubt = no_drift(&found, scales.as_ref())
+            .or_else(|| plugs_exchanged(&found, &own, &ln_stiffness));
         ensure!(
             !correct || self.force || doubt.is_none(),
             "--write-calibration: {} --force writes it nonetheless",
@@ -196,6 +200,30 @@ fn no_drift(found: &Drifted, scales: Option<&Scales>) -> Option<String> {
             "limb {} would have changed by {:+.1} %, and limbs rarely drift that far: is its gain (--gain or --session) the range that this recording was made with?",
             worst + 1,
             1e2 * ln(worst).exp_m1()
+        )
+    })
+}
+
+/// Why two changes are hardly drift: limbs of a pair stand in the same equations, so that each limb's signal in the other's
+/// channel, before the amplifiers or behind them, is two changes of opposite sign, of the size that their scale factors say.
+fn plugs_exchanged(found: &Drifted, setup: &Setup, ln_stiffness: &[f64; LIMBS]) -> Option<String> {
+    let [i, j] = AMBIGUOUS_PAIRS
+        .into_iter()
+        .find(|[i, j]| found.limbs == LimbSet::EMPTY.with(*i).with(*j))?;
+    let scale = &setup.parameters.scale_per_mass_per_kg;
+    let gain = &setup.sensor.gains.gain_n_per_v;
+    let before = (scale[j] / scale[i]).ln() + ln_stiffness[i] - ln_stiffness[j];
+    let behind = before + (gain[j] / gain[i]).ln();
+    let is = |expected: f64| {
+        [(i, expected), (j, -expected)]
+            .iter()
+            .all(|&(limb, x)| (found.ln_change[limb] - x).abs() < EXCHANGED * found.deviation[limb])
+    };
+    (is(before) || is(behind)).then(|| {
+        format!(
+            "limbs {} and {} would show the same with their plugs exchanged, which no motion tells from two drifts: is each in its own channel?",
+            i + 1,
+            j + 1
         )
     })
 }

@@ -45,6 +45,8 @@ pub struct Setup {
     pub laboratory: Option<SyncSender<LabCommand>>,
     /// The calibration day's worker.
     pub day: JobSender<Job>,
+    /// Is told what is noted.
+    pub tell: fn(&str),
 }
 
 /// The state of the acquisition.
@@ -136,6 +138,7 @@ impl Acquisition {
     }
 
     fn note(&mut self, text: String) {
+        (self.setup.tell)(&text);
         self.noted += 1;
         self.notes.push((self.noted, text));
         let old = self.notes.len().saturating_sub(NOTES);

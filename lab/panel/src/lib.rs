@@ -90,6 +90,8 @@ pub struct Options {
     pub session: Option<Session>,
     /// A calibration to decode with.
     pub calibration: Option<Calibration>,
+    /// Is told what the page notes: a stream that begins, is refused or ends, rows that are passed over.
+    pub tell: fn(&str),
 }
 
 /// A panel that is running.
@@ -98,8 +100,6 @@ pub struct Panel {
     pub link: String,
     /// Where senders connect, for a source of that kind.
     pub input: Option<SocketAddr>,
-    /// What was found in the output folder.
-    pub notes: Vec<String>,
     board: Arc<Board>,
     acquisition: Option<std::thread::JoinHandle<()>>,
 }
@@ -213,6 +213,7 @@ pub fn start(options: Options) -> Result<Panel> {
         calibration: options.calibration,
         laboratory: laboratory.is_some().then_some(lab_sender),
         day: jobs,
+        tell: options.tell,
     };
     let to_source = sender.clone();
     let rate_hz = options.rate_hz;
@@ -253,8 +254,8 @@ pub fn start(options: Options) -> Result<Panel> {
             spawn("source", move || player.run(speed, &to_source))?;
         }
     }
-    for note in &notes {
-        let _ = sender.send(Event::Note(note.clone()));
+    for note in notes {
+        let _ = sender.send(Event::Note(note));
     }
     let of_thread = Arc::clone(&board);
     let acquisition = spawn("acquisition", move || {
@@ -271,7 +272,6 @@ pub fn start(options: Options) -> Result<Panel> {
     Ok(Panel {
         link,
         input,
-        notes,
         board,
         acquisition: Some(acquisition),
     })

@@ -222,6 +222,7 @@ fn panel(out: &std::path::Path) -> Panel {
         out: out.to_owned(),
         session: None,
         calibration: None,
+        tell: |_| (),
     })
     .expect("starts")
 }

@@ -28,6 +28,7 @@ fn panel(source: SourceChoice, out: &std::path::Path) -> Panel {
         out: out.to_owned(),
         session: None,
         calibration: None,
+        tell: |_| (),
     })
     .expect("starts")
 }

@@ -64,6 +64,9 @@ impl Channel {
     }
 }
 
+/// Property that names what of a file is no channel, each with its kind.
+pub const LEFT_OUT: &str = "channels_left_out";
+
 /// Everything a file says before its samples are read.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Layout {
@@ -133,6 +136,9 @@ impl Layout {
         let mut available = names.join(", ");
         if more > 0 {
             available += &format!(" and {more} more");
+        }
+        if let Some(left_out) = self.properties.get(LEFT_OUT) {
+            available += &format!("; not read as numbers: {left_out}");
         }
         Error::NoSuchChannel {
             path: path.to_owned(),

@@ -3,12 +3,11 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use crate::channel::{Channel, Layout, MOST_CHANNELS, is_rate, is_sample_rate, time_channel};
+use crate::channel::{
+    Channel, LEFT_OUT, Layout, MOST_CHANNELS, is_rate, is_sample_rate, time_channel,
+};
 use crate::error::{Error, Result};
 use crate::source::{Decoder, Source, reading};
-
-/// Property that names the variables which are no channels, each with its kind.
-pub const LEFT_OUT: &str = "variables left out";
 
 /// The numbers of a variable, column by column as MATLAB has them.
 pub(crate) trait Elements: Send {

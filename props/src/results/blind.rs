@@ -6,8 +6,8 @@ use sixaxis_calibration::report::Grade;
 use sixaxis_reference::laboratory::defect::Kind;
 use sixaxis_reference::laboratory::plan::Engine;
 
-use crate::blind::Cell;
 use crate::blind::share::Share;
+use crate::blind::{Cell, could_show};
 
 /// Blind trials of the verdict.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -40,6 +40,20 @@ pub struct Blind {
     pub healthy: Vec<BlindCell>,
     /// Kinds of defects.
     pub kinds: Vec<BlindKind>,
+}
+
+impl Blind {
+    /// As `false_good_that_could_show`, of those that are called good.
+    #[must_use]
+    pub fn false_good_of_good_that_could_show(&self) -> Share {
+        let hidden = self.kinds.iter().filter(|kind| !could_show(kind.kind));
+        let hidden = hidden.flat_map(|kind| &kind.bins);
+        let hidden: usize = hidden.map(|bin| bin.tally.good.count).sum();
+        Share::new(
+            self.false_good_that_could_show.count,
+            self.false_good_of_good.of - hidden,
+        )
+    }
 }
 
 /// Healthy laboratories of one sort.
@@ -105,6 +119,18 @@ pub struct BlindTally {
     /// What it exceeds in 5 % of the sessions with a calibration, but for what the accelerometer's gain makes of the scale factors:
     /// linear and angular accelerations.
     pub beyond_gain_95: Option<[f64; 2]>,
+}
+
+impl BlindPairs {
+    /// Sessions of which the rigid engine's verdict names the same cause first, of all of which MuJoCo's names one.
+    #[must_use]
+    pub fn same_cause_of_named(&self) -> Share {
+        let named = self.mujoco.wrong_cause_of_named.of;
+        let other = self.differing.iter();
+        let other = other
+            .filter(|pair| pair.mujoco.cause.is_some() && pair.mujoco.cause != pair.rigid.cause);
+        Share::new(named.saturating_sub(other.count()), named)
+    }
 }
 
 /// The same sessions played by MuJoCo and by the engine with rigid limbs.

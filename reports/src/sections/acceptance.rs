@@ -6,6 +6,7 @@ use sixaxis_page::{Cell, Section, State, Table, Text, Tile};
 use sixaxis_props::results::{Laboratories, Published};
 use sixaxis_reference::rig::run::Mode;
 
+use super::compound::rate_khz;
 use super::{met, stiffness_text};
 use crate::study::results::{
     AcceptanceLimit, Correction, FOUR_STEPS, LimitKind, ParameterSet, REPEATED, Results, Standard,
@@ -45,7 +46,8 @@ pub fn tiles(r: &Results) -> Result<Vec<Tile>> {
             "Error with laboratory errors",
             percent(open_loop.median, 2),
             format!(
-                "largest of 18 cells as the paper compares, median of {} laboratories; worst {}, this seed {}; corrected rest to rest {}, {} and {}; the paper: 7.479 %",
+                "largest of 18 cells as the paper compares, 60 dB a sample at {} kHz, median of {} laboratories; worst {}, this seed {}; corrected rest to rest {}, {} and {}; the paper: 7.479 %",
+                fixed(rate_khz(r), 0),
                 open_loop.count,
                 percent(open_loop.max, 2),
                 percent(laboratory(Correction::OpenLoop), 2),

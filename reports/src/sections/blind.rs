@@ -35,6 +35,8 @@ pub fn section() -> Result<Section> {
     Text::new(include_str!("blind.md"))
         .value("p", p)
         .value("pairs", pairs)
+        .value("alike", pairs.same_cause_of_named())
+        .value("could_show", p.false_good_of_good_that_could_show())
         .value("kinds", p.kinds.len())
         .value("unnamed", unnamed.count())
         .value("false_good_of_good", p.false_good_of_good.value())

@@ -41,8 +41,7 @@ struct Nothing {
 pub fn section() -> Result<Section> {
     let budget = Budget::embedded()?;
     let ladders = budget.ladders();
-    let nothing = budget.combined(false).into_iter().flatten().next();
-    let nothing = nothing.and_then(|laboratory| laboratory.errors);
+    let nothing = nothing(&budget);
     let draws = ladders.iter().flat_map(|ladder| &ladder.steps);
     Text::new(include_str!("budget.md"))
         .value("make", Budget::MAKE)
@@ -61,6 +60,12 @@ pub fn section() -> Result<Section> {
         .table("budget", table(&ladders))
         .table("budget-combinations", combinations(&budget))
         .section("budget")
+}
+
+/// Errors of the laboratory without imperfections.
+pub fn nothing(budget: &Budget) -> Option<Errors> {
+    let laboratory = budget.combined(false).into_iter().flatten().next();
+    laboratory.and_then(|laboratory| laboratory.errors)
 }
 
 fn figure(id: &str, ladders: &[Ladder], of_the_sensor: bool) -> Figure {
@@ -91,8 +96,13 @@ fn alone(ladders: &[Ladder]) -> Table {
             table
                 .under(parameters)
                 .col(correction, move |ladder: &&Ladder| {
-                    let size = ladder.alone(|errors| of(errors).largest);
-                    size.map_or_else(|| MISSING.to_owned(), |size| significant(size, 2))
+                    let sizes = ladder.alone(|errors| of(errors).largest);
+                    sizes.map_or_else(
+                        || MISSING.to_owned(),
+                        |[less, more]| {
+                            format!("{} to {}", significant(less, 1), significant(more, 1))
+                        },
+                    )
                 })
         })
         .into()

@@ -38,6 +38,7 @@ pub fn section(r: &Results) -> Result<Section> {
     let text = Text::new(include_str!("compound.md"))
         .value("runs", runs)
         .value("seed", r.seed)
+        .value("rate_khz", rate_khz(r))
         .value("quick", r.quick)
         .value("seeds", published.identified.open_loop.truth.len())
         .value("first_seed", published.first_seed)
@@ -51,6 +52,12 @@ pub fn section(r: &Results) -> Result<Section> {
             text.table(&id, table(r, printed))
         })
         .section("compound")
+}
+
+/// Sample rate of the laboratory's runs.
+pub fn rate_khz(r: &Results) -> f64 {
+    let first = r.compound_laboratory.first();
+    first.map_or(f64::NAN, |run| run.sample_rate_hz / 1e3)
 }
 
 /// Linear in g, angular in deg/s².

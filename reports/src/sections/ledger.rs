@@ -15,6 +15,7 @@ use sixaxis_reference::paper::{COMPOUND_TABLES, GRAVITY_M_S2, THRESHOLD_FREQUENC
 use sixaxis_reference::rig::run::{Mode, ROTATION_AMPLITUDE_RAD, SLIDER_AMPLITUDE_M};
 
 use super::DEG_PER_RAD;
+use super::budget::nothing;
 use super::identifiability::lost_at;
 use crate::study::arithmetic::Arithmetic;
 use crate::study::identifiability::RECORDS;
@@ -45,7 +46,7 @@ pub fn section(r: &Results) -> Result<Section> {
 /// # Errors
 /// If the text does not fit the results.
 pub fn claims(r: &Results) -> Result<Vec<Claim>> {
-    let found = Found::of(r, alone()?);
+    let found = Found::of(r, &Budget::embedded()?);
     Text::new(include_str!("ledger.md"))
         .values(&found)
         .claims(|id| found.verdict(id))
@@ -67,31 +68,32 @@ struct Crossings {
     identified_angular: f64,
 }
 
-/// What of an imperfection makes the paper's largest error by itself.
+/// What of an imperfection makes the paper's largest error by itself: between which sizes.
 #[derive(Serialize)]
 struct Alone {
     name: String,
     unit: String,
-    size: Option<f64>,
+    sizes: Option<[f64; 2]>,
 }
 
 /// All of them, as published.
-fn alone() -> Result<Vec<Alone>> {
-    let budget = Budget::embedded()?;
+fn alone(budget: &Budget) -> Vec<Alone> {
     let ladders = budget.ladders();
     let alone = ladders.iter().map(|ladder| Alone {
         name: ladder.name.to_owned(),
         unit: ladder.unit.to_owned(),
-        size: ladder.alone(headline),
+        sizes: ladder.alone(headline),
     });
-    Ok(alone.collect())
+    alone.collect()
 }
 
 /// What the claims are held against.
 #[derive(Serialize)]
 struct Found {
-    /// Imperfections with the size that alone makes the paper's largest error.
+    /// Imperfections with the sizes between which each alone makes the paper's largest error.
     alone: Vec<Alone>,
+    /// What a perfect laboratory is left with: the low-pass.
+    conditioning: f64,
     printed_hz: (f64, f64),
     crossing_hz: Crossings,
     /// Relative accelerations of the identified sensor at 2 and 4 Hz.
@@ -113,10 +115,6 @@ struct Found {
     /// In the laboratory, against the instruments.
     before: Treated,
     after: Treated,
-    /// Errors of the 5 Hz run with the design's parameters and no drift, at the drive frequency, over the amplitude; as printed and here.
-    without_drift: [[f64; 6]; 2],
-    /// Largest departure of such an error from the printed one, all three runs.
-    without_drift_departs: f64,
     heun: f64,
     substepped: f64,
     /// Sample rate at which Heun would be good to 10⁻⁶: of second order, the rate grows with the root of the error.
@@ -135,7 +133,7 @@ struct Found {
 }
 
 impl Found {
-    fn of(r: &Results, alone: Vec<Alone>) -> Self {
+    fn of(r: &Results, budget: &Budget) -> Self {
         let sweep = |sensor: &str, mode: Mode| {
             let mut all = r.thresholds.iter();
             all.find(|s| s.sensor == sensor && s.mode == mode)
@@ -171,7 +169,8 @@ impl Found {
         let heun = with_truth(Scheme::Heun);
         let omega = TAU * 5.0;
         Self {
-            alone,
+            alone: alone(budget),
+            conditioning: nothing(budget).map_or(f64::NAN, |errors| headline(&errors)),
             printed_hz: THRESHOLD_FREQUENCY_HZ,
             crossing_hz: Crossings {
                 linear: crossing("design", Mode::Linear),
@@ -194,12 +193,6 @@ impl Found {
             four_steps: worst(&r.compound_noise_free, FOUR_STEPS),
             before: treated(r, ParameterSet::Design),
             after: treated(r, ParameterSet::Identified),
-            without_drift: without_drift(r).last().unwrap_or([[f64::NAN; 6]; 2]),
-            without_drift_departs: without_drift(r)
-                .flat_map(|[printed, here]| printed.into_iter().zip(here))
-                .fold(0.0, |largest: f64, (printed, here)| {
-                    largest.max((printed - here).abs())
-                }),
             heun,
             substepped: with_truth(Scheme::HeunSubstepped),
             heun_rate_khz: 10.0 * (heun / 1e-6).sqrt(),
@@ -219,13 +212,14 @@ impl Found {
         }
     }
 
-    /// Whether each of these imperfections makes the paper's largest error at some size that was played.
-    fn enough(&self, names: &[&str]) -> bool {
-        let some = |name: &&str| {
+    /// Whether each of these imperfections makes the paper's largest error at a size that is not beyond this one.
+    fn enough(&self, imperfections: &[(&str, f64)]) -> bool {
+        imperfections.iter().all(|(name, most)| {
             let mut all = self.alone.iter();
-            all.any(|alone| alone.name == **name && alone.size.is_some())
-        };
-        names.iter().all(some)
+            all.any(|alone| {
+                alone.name == *name && alone.sizes.is_some_and(|[_, size]| size <= *most)
+            })
+        })
     }
 }
 
@@ -253,21 +247,6 @@ fn treated(r: &Results, set: ParameterSet) -> Treated {
         open_loop: worst(Correction::OpenLoop),
         corrected: worst(Correction::RestToRest),
     }
-}
-
-/// Run by run the six errors before identification as printed, and those of the design's parameters without any drift.
-fn without_drift(r: &Results) -> impl DoubleEndedIterator<Item = [[f64; 6]; 2]> {
-    let way = (
-        ParameterSet::DesignDriftRemoved,
-        Scheme::Heun,
-        Correction::OpenLoop,
-        Standard::Truth,
-    );
-    r.compound_noise_free.iter().filter_map(move |run| {
-        let table = COMPOUND_TABLES.iter().find(|t| t.number == run.table)?;
-        let printed = table.error_before_percent.map(|percent| percent / 100.0);
-        Some([printed, run.comparison(way)?.harmonic_error])
-    })
 }
 
 /// Largest departure of the compound runs' accelerations from the 18 printed targets, relative.

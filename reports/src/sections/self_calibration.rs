@@ -5,6 +5,7 @@ use anyhow::{Context, Result};
 use sixaxis_page::number::{count, fixed, scientific, significant};
 use sixaxis_page::{Axis, Figure, Section, Table, Text};
 
+use sixaxis_props::blind::share::Share;
 use sixaxis_props::results::{Published, SelfCalibration, TumbleLength};
 use sixaxis_reference::rig::field::Pace;
 
@@ -21,9 +22,11 @@ pub fn section() -> Result<Section> {
     let longest = longest.context("no recording was evaluated")?;
     let scatter = 100.0 * (0.95 * 0.05 / longest.draws.max(1) as f64).sqrt();
     let rates = p.rates.map(|rate| significant(100.0 * rate, 1));
+    let named = (p.drift.named_alone * p.drift.draws as f64).round();
     Text::new(include_str!("self_calibration.md"))
         .value("p", p)
         .value("longest", longest)
+        .value("named", Share::new(named as usize, p.drift.draws as usize))
         .value("rates_percent", &rates)
         .value("share_scatter_percent", scatter)
         .figure(errors(p))

@@ -3,15 +3,17 @@
 use core::f64::consts::TAU;
 
 use glam::DVec3;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, SVector};
 use serde::Serialize;
-use sixaxis_core::Geometry;
 use sixaxis_core::geometry::DIRECTIONS_SHELL;
 use sixaxis_core::identify::inertia;
 use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
+use sixaxis_core::{Geometry, LIMBS};
 use sixaxis_reference::linear_theory::relative_acceleration;
-use sixaxis_reference::paper::{ANGULAR_THRESHOLD_RAD_S2, COMPOUND_TABLES, LINEAR_THRESHOLD_M_S2};
-use sixaxis_reference::rig::run::{Mode, ROTATION_AMPLITUDE_RAD, Run};
+use sixaxis_reference::paper::{
+    ANGULAR_THRESHOLD_RAD_S2, COMPOUND_TABLES, CompoundTable, LINEAR_THRESHOLD_M_S2,
+};
+use sixaxis_reference::rig::run::{Mode, ROTATION_AMPLITUDE_RAD, Run, SLIDER_AMPLITUDE_M};
 use sixaxis_reference::sensor::TrueSensor;
 
 /// Directions over which a threshold's range is sought: an even spread over half the sphere.
@@ -53,8 +55,23 @@ pub struct Arithmetic {
     pub off_axis_m_s2: f64,
     /// Distance from the axis, mm.
     pub off_axis_mm: f64,
+    /// Errors before identification with the drift taken off: Tables 4 to 6, as printed and by the parameters of Tables 1 to 3.
+    pub before_without_drift: [BeforeWithoutDrift; 3],
+    /// Largest difference of the two.
+    pub before_departs: f64,
     /// Error before over error after identification as printed: in the cell of the largest error before, smallest, largest of all.
     pub printed_improvement: [f64; 3],
+}
+
+/// Six errors of a compound run before identification, over the amplitudes.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct BeforeWithoutDrift {
+    /// Drive, Hz.
+    pub frequency_hz: f64,
+    /// As printed.
+    pub printed: [f64; 6],
+    /// Decoded in sensor axes, at the true rate, with the design's s/m and I/m.
+    pub by_parameters: [f64; 6],
 }
 
 /// Smallest and largest threshold frequency over all directions, Hz, by linear theory.
@@ -75,6 +92,7 @@ pub struct Thresholds {
 /// All of it.
 #[must_use]
 pub fn study() -> Arithmetic {
+    let before_without_drift = COMPOUND_TABLES.map(before_without_drift);
     let [x, y, z] = DVec3::AXES;
     let plane = [x, y, (x + y).normalize()];
     let anywhere = [
@@ -94,7 +112,42 @@ pub fn study() -> Arithmetic {
         rod_over_crank: ROD_OVER_CRANK,
         off_axis_m_s2: off_axis_m_s2(),
         off_axis_mm: 1e3 * OFF_AXIS_M,
+        before_departs: before_without_drift
+            .iter()
+            .flat_map(|run| run.printed.into_iter().zip(run.by_parameters))
+            .fold(0.0, |largest: f64, (printed, found)| {
+                largest.max((printed - found).abs())
+            }),
+        before_without_drift,
         printed_improvement: printed_improvement(),
+    }
+}
+
+/// At the drive frequency. Travel and rotation point one way in the sensor, so that the mass bears w^2 (x d, I/m phi d) there; the
+/// limbs' forces are read too large by s design over s identified each, and summed up again.
+fn before_without_drift(table: CompoundTable) -> BeforeWithoutDrift {
+    let (design, identified) = (TrueSensor::design(), TrueSensor::identified());
+    let direction = table.direction.normalize();
+    let (linear, angular) = (
+        direction * SLIDER_AMPLITUDE_M,
+        direction * ROTATION_AMPLITUDE_RAD,
+    );
+    let torque = identified.inertia_per_mass.tensor_m2() * angular;
+    let forces = StaticLoadSharing::new(&Geometry::PAPER)
+        .map_or([f64::NAN; LIMBS], |shares| shares.of_wrench(linear, torque));
+    let read = SVector::<f64, LIMBS>::from_fn(|i, _| {
+        forces[i] * design.scale_per_mass_per_kg[i] / identified.scale_per_mass_per_kg[i]
+    });
+    let wrench = Geometry::PAPER.limb_jacobian().transpose() * read;
+    let [found_linear, torque] =
+        [0, 3].map(|i| DVec3::new(wrench[i], wrench[i + 1], wrench[i + 2]));
+    let found_angular = design.inertia_per_mass.tensor_m2().inverse() * torque;
+    let errors = [(found_linear, linear), (found_angular, angular)]
+        .map(|(found, true_)| ((found - true_) / true_).abs().to_array());
+    BeforeWithoutDrift {
+        frequency_hz: table.frequency_hz,
+        printed: table.error_before_percent.map(|percent| percent / 100.0),
+        by_parameters: core::array::from_fn(|i| errors[i / 3][i % 3]),
     }
 }
 

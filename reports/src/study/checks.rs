@@ -125,13 +125,12 @@ pub fn defects(simulations: &Simulations, parameters: &Parameters) -> Result<Def
     let (amplifier_left_alone, amplifier_undone) = amplifier(&slow, parameters)?;
     let level = simulations.axis_level[0].decimated(COMPARED_DIVISOR);
     let recording = Laboratory::noise_free(truth::sensor(parameters)).record(&level, 0);
-    let neglected = decouple(
-        &recording,
-        &recording.voltage_v,
-        parameters,
-        Scheme::AdamsMoulton4,
-        Gravity::Neglected,
-    )?;
+    let level_axis = |gravity| -> Result<f64> {
+        let voltage_v = &recording.voltage_v;
+        let scheme = Scheme::AdamsMoulton4;
+        let samples = decouple(&recording, voltage_v, parameters, scheme, gravity)?;
+        Ok(worst(&largest_error(&six_series(&samples), &truth(&level))))
+    };
     Ok(Defects {
         amplifier_corner_hz: AMPLIFIER_CORNER_HZ,
         amplifier_left_alone,
@@ -139,7 +138,8 @@ pub fn defects(simulations: &Simulations, parameters: &Parameters) -> Result<Def
         gyroscope_lag_left_alone: lag(&simulations.campaign, parameters, false)?,
         gyroscope_lag_undone: lag(&simulations.campaign, parameters, true)?,
         gravity_neglected_frequency_hz: level.motion.frequency_hz,
-        gravity_neglected: worst(&largest_error(&six_series(&neglected), &truth(&level))),
+        gravity_neglected: level_axis(Gravity::Neglected)?,
+        gravity_kept: level_axis(Gravity::Kept)?,
         gyroscope_output_v: GYROSCOPE_V_PER_DEG_S
             * (ROTATION_AMPLITUDE_RAD * core::f64::consts::TAU * 5.0)
             * (180.0 / PI),

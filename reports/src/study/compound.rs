@@ -18,8 +18,7 @@ use sixaxis_reference::paper;
 use sixaxis_reference::rig::run::Mounting;
 
 use super::decoupling::{
-    SixSeries, decouple, difference, harmonic, harmonic_error, largest_error, peaks, six_series,
-    standards, truth,
+    SixSeries, decouple, difference, harmonic, largest_error, peaks, six_series, standards, truth,
 };
 use super::results::{Comparison, Compound, Correction, Gravity, ParameterSet, Standard};
 use super::session::{self, Preset};
@@ -114,14 +113,6 @@ pub fn ways(
         .collect();
     }
     let mut ways = vec![way(ParameterSet::Design, design, Scheme::Heun)];
-    ways.push(way(
-        ParameterSet::DesignDriftRemoved,
-        Parameters {
-            zero_drift_v: found.drift.drift_v,
-            ..design
-        },
-        Scheme::Heun,
-    ));
     let mut sets = vec![
         (ParameterSet::Identified, found.used()),
         (ParameterSet::True, *truth),
@@ -254,7 +245,6 @@ impl Case<'_> {
                     correction: way.correction,
                     against,
                     error: largest_error(&ours, standard),
-                    harmonic_error: harmonic_error(&ours, standard, &self.run),
                 }))
             })
             .collect::<Result<Vec<_>>>()?;

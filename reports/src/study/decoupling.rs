@@ -124,11 +124,3 @@ pub fn harmonic(series: &[f64], run: &SimulatedRun) -> (f64, f64) {
     }
     (2.0 * c / count as f64, 2.0 * s / count as f64)
 }
-
-/// Difference of the two complex amplitudes over the magnitude of the second, axis by axis.
-pub fn harmonic_error(ours: &SixSeries, standard: &SixSeries, run: &SimulatedRun) -> [f64; 6] {
-    core::array::from_fn(|i| {
-        let (a, b) = (harmonic(&ours[i], run), harmonic(&standard[i], run));
-        (a.0 - b.0).hypot(a.1 - b.1) / b.0.hypot(b.1)
-    })
-}

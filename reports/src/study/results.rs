@@ -162,8 +162,6 @@ pub struct Comparison {
     pub against: Standard,
     /// Largest error over the run, over the axis' peak.
     pub error: [f64; 6],
-    /// Amplitude of the error at the drive frequency at full speed, over the axis' amplitude.
-    pub harmonic_error: [f64; 6],
 }
 
 /// Parameters used to decouple.
@@ -172,8 +170,6 @@ pub struct Comparison {
 pub enum ParameterSet {
     /// The design columns, zero drift included.
     Design,
-    /// The design columns with the drift of step 1 taken off.
-    DesignDriftRemoved,
     /// What the four steps found.
     Identified,
     /// The truth.
@@ -357,6 +353,8 @@ pub struct Defects {
     pub gravity_neglected_frequency_hz: f64,
     /// Its largest error when gravity is neglected, over the peak.
     pub gravity_neglected: f64,
+    /// The same when it is reckoned with.
+    pub gravity_kept: f64,
     /// Largest voltage of the printed gyroscope sensitivity at the rig's largest rate, V.
     pub gyroscope_output_v: f64,
 }

@@ -1,8 +1,8 @@
 //! Whether the limb forces of a recording add up: the three coordination equations on a thinned sample of its rows.
 //!
 //! Limbs unequal by a few percent break the sums by as much. A calibration of another sensor, a channel that is dead, inverted or
-//! plugged in elsewhere breaks them by far more, and the accelerations are wrong then without looking so. Zeros that have moved
-//! are left to others: only the changes of forces are added up. A limb that the motion does not load, and plugs exchanged within an
+//! plugged in elsewhere breaks them by far more, and the accelerations are wrong then without looking so. Of the changes of forces this
+//! is asked of all of the recording; of their means, of its beginning: what these leave is the zeros'. A limb that the motion does not load, and plugs exchanged within an
 //! ambiguous pair, need not show: of simulated rig runs with one channel dead, four in five compound runs and all linear ones are
 //! told, of those with two plugs exchanged two in three.
 
@@ -30,6 +30,13 @@ const FIRST_VERDICT: f64 = 64.0;
 const NOISE: f64 = 1e-3;
 /// Standard deviations of noise that are no motion.
 const NOISE_DEVIATIONS: f64 = 3.0;
+
+/// Samples at the beginning whose mean shows the zeros.
+const BEGINNING: u64 = 4096;
+/// Part of the converter's range by which zeros may have moved.
+const ZEROS: f64 = 2e-4;
+/// Standard deviations of a mean that are no zero's.
+const MEAN_DEVIATIONS: f64 = 6.0;
 
 /// Mean and sum of squared departures from it, of values that come one by one.
 #[derive(Debug, Clone, Copy, Default)]
@@ -59,6 +66,10 @@ pub struct Coordination {
     next_verdict: f64,
     sums: [Moments; ROWS],
     forces: [Moments; LIMBS],
+    /// Sums over the beginning, V, and its samples.
+    beginning_v: Row,
+    begun: u64,
+    full_scale_v: f64,
     said: bool,
 }
 
@@ -85,6 +96,9 @@ impl Coordination {
             next_verdict: FIRST_VERDICT,
             sums: Default::default(),
             forces: Default::default(),
+            beginning_v: [0.0; LIMBS],
+            begun: 0,
+            full_scale_v: setup.full_scale_v,
             said: false,
         }
     }
@@ -92,6 +106,15 @@ impl Coordination {
     /// Looks at the next samples, nine columns of voltages. Rows that are not finite are passed over.
     pub fn look(&mut self, voltage_v: [&[f64]; LIMBS]) {
         let samples = voltage_v[0].len();
+        for at in 0..samples.min(BEGINNING.saturating_sub(self.samples) as usize) {
+            let row: Row = voltage_v.map(|column| column[at]);
+            if row.iter().all(|u| u.is_finite()) {
+                self.begun += 1;
+                for (sum, u) in self.beginning_v.iter_mut().zip(row) {
+                    *sum += u;
+                }
+            }
+        }
         let first = ((THINNED - self.samples % THINNED) % THINNED) as usize;
         for at in (first..samples).step_by(THINNED as usize) {
             let row: Row = voltage_v.map(|column| column[at]);
@@ -121,6 +144,30 @@ impl Coordination {
         })
     }
 
+    /// The furthest sum of four mean forces at the beginning, as the shift of one channel's zero that would make it, V; none where
+    /// noise, limbs unequal by a few percent or zeros that moved a little explain it.
+    fn zero_off_v(&self) -> Option<([usize; 4], f64)> {
+        if self.begun < FEWEST as u64 {
+            return None;
+        }
+        let mean_v = self.beginning_v.map(|sum| sum / self.begun as f64);
+        let force = self.chain.force_per_mass_m_s2(&mean_v);
+        let per_v = self.chain.sensitivity_m_s2_per_v();
+        let of_row = |k: usize| {
+            let limbs = COORDINATION[k];
+            let over = |of: &dyn Fn(usize) -> f64| limbs.iter().map(|limb| of(*limb)).sum::<f64>();
+            let sum = over(&|limb| force[limb]);
+            let by_limbs = COORDINATION_LIMIT * over(&|limb| force[limb].powi(2)).sqrt();
+            let by_noise = MEAN_DEVIATIONS * (self.noise[k] / self.begun as f64).sqrt();
+            let one_v = over(&|limb| per_v[limb].powi(2)).sqrt();
+            let off_v = sum.abs() / one_v;
+            let limit = by_limbs + by_noise + ZEROS * self.full_scale_v * one_v;
+            (self.whole[k] && sum.abs() > limit).then_some((limbs, off_v))
+        };
+        let off = (0..ROWS).filter_map(of_row);
+        off.max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
     /// What is to be said of the sums, once: a sentence without the recording's name.
     pub fn verdict(&mut self) -> Option<String> {
         let broken: Vec<String> = self
@@ -133,8 +180,17 @@ impl Coordination {
                 Some(format!("{limbs} by {:.0} %", 100.0 * by))
             })
             .collect();
-        if broken.is_empty() || self.said {
+        if self.said {
             return None;
+        }
+        if broken.is_empty() {
+            let (limbs, off_v) = self.zero_off_v()?;
+            self.said = true;
+            return Some(format!(
+                "the mean forces of limbs {} do not add up to zero, as if a zero were off by {:.1} mV: this recording's zeros are not the                  calibration's; were they taken off, have they moved, or are channels in another order? Open loop they make the rate run away",
+                limbs.map(|limb| (limb + 1).to_string()).join(" + "),
+                1e3 * off_v
+            ));
         }
         self.said = true;
         Some(format!(

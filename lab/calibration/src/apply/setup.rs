@@ -325,7 +325,10 @@ fn overruled(file: &SessionFile, entry: &Entry, overrides: &Overrides) -> Vec<St
 }
 
 /// Refuses a session whose sensor is not the one that was calibrated.
-fn same_sensor(calibration: &Calibration, file: &SessionFile) -> Result<()> {
+///
+/// # Errors
+/// The serial number or length that differs.
+pub fn same_sensor(calibration: &Calibration, file: &SessionFile) -> Result<()> {
     let (ours, theirs) = (&calibration.sensor, &file.session.sensor);
     let path = file.path.display();
     if ours.serial != theirs.serial && !ours.serial.is_empty() && !theirs.serial.is_empty() {

@@ -89,8 +89,10 @@ impl Day<'_> {
         let rest = self.prepared.at_rest.as_ref();
         rest.is_some_and(|rest| {
             let is_whole = |f: &Finding| {
-                f.cause == Cause::Unreadable
-                    && f.channels.is_empty()
+                matches!(
+                    f.cause,
+                    Cause::Unreadable | Cause::MillivoltMixUp | Cause::WrongScaling
+                ) && f.channels.is_empty()
                     && f.recordings.contains(&rest.name)
             };
             findings.iter().any(is_whole)

@@ -5,7 +5,7 @@ use sixaxis_core::identify::zero_drift::ZeroDrift;
 
 use super::odd_trial;
 use super::structure::departure;
-use super::table::Table;
+use super::table::{Table, weighted_median};
 use super::trial_case::TrialCase;
 use crate::finding::{Cause, Finding};
 use crate::response::Response;
@@ -26,8 +26,37 @@ const FEWEST_AT_REST: usize = 8;
 /// Pieces of a static record whose means are compared.
 const PIECES: usize = 16;
 
+/// Parts of a static record, one of which somebody may have touched.
+const PARTS: usize = 64;
+/// Times the parts' median distance from their median that a part must be off: a drift along a line has twice at its ends.
+const HIGH: f64 = 20.0;
+
 /// Looks at the course of the static record.
 pub fn examine_static(rest: &Trial, drift: &ZeroDrift, findings: &mut Vec<Finding>) {
+    let bumps = (0..LIMBS).filter_map(|channel| Some((channel, bump(rest, channel)?)));
+    let bumps: Vec<(usize, Bump)> = bumps.collect();
+    let highest = bumps
+        .iter()
+        .max_by(|(_, a), (_, b)| a.height_v.abs().total_cmp(&b.height_v.abs()));
+    if let Some((_, highest)) = highest {
+        let channels = bumps.iter().map(|(channel, _)| channel + 1);
+        findings.push(Finding {
+            cause: Cause::Unreadable,
+            recordings: vec![rest.name.clone()],
+            channels: if bumps.len() > LIMBS / 2 {
+                Vec::new()
+            } else {
+                channels.collect()
+            },
+            evidence: format!(
+                "about {:.0} s after its beginning the static record stands {:+.1} mV off the rest of it for a while",
+                highest.from_s,
+                1e3 * highest.height_v
+            ),
+            advice: "nobody must touch the sensor while it is at rest: record at rest again".to_owned(),
+        });
+        return;
+    }
     for channel in 0..LIMBS {
         let dead = findings.iter().any(|finding| {
             finding.cause == Cause::DeadLimb && finding.concerns(&rest.name, channel + 1)
@@ -158,6 +187,39 @@ fn ends_n(case: &TrialCase<'_>, channel: usize) -> Option<(f64, f64)> {
     let before = mean(&case.force_n[..first]);
     let after = mean(&case.force_n[samples - last..]);
     Some((before, after - before))
+}
+
+/// A part of a static channel that stands elsewhere.
+struct Bump {
+    from_s: f64,
+    height_v: f64,
+}
+
+/// The highest of a channel, if it exceeds what the other parts scatter by.
+fn bump(rest: &Trial, channel: usize) -> Option<Bump> {
+    let per_piece = rest.voltage_v.len() / PARTS;
+    if per_piece < 2 {
+        return None;
+    }
+    let means: Vec<f64> = rest
+        .voltage_v
+        .chunks_exact(per_piece)
+        .map(|piece| piece.iter().map(|row| row[channel]).sum::<f64>() / per_piece as f64)
+        .collect();
+    let median = |values: &[f64]| {
+        let mut all: Vec<(f64, f64)> = values.iter().map(|value| (*value, 1.0)).collect();
+        weighted_median(&mut all)
+    };
+    let middle = median(&means)?;
+    let away: Vec<f64> = means.iter().map(|mean| (mean - middle).abs()).collect();
+    let usual = median(&away)?;
+    let highest = (0..means.len()).max_by(|a, b| away[*a].total_cmp(&away[*b]))?;
+    (away[highest] > HIGH * usual && away[highest] > NOTICED_AT_REST * rest.full_scale_v).then(
+        || Bump {
+            from_s: (highest * per_piece) as f64 / rest.sample_rate_hz,
+            height_v: means[highest] - middle,
+        },
+    )
 }
 
 /// Change of a static channel along the line through its pieces' means, V, if it exceeds the noise.

@@ -1,4 +1,5 @@
-//! Weight that turns in the sensor. A pure rotation asks for no net force; what net force there is, is weight.
+//! Weight that turns in the sensor. A pure rotation asks for no net force; what net force there is, is weight. A run that travels along
+//! the axis, too, asks for none square to it.
 
 use glam::DVec3;
 use nalgebra::{Matrix3, Vector3};
@@ -16,10 +17,15 @@ const NOTICED_M_S2: f64 = 0.5;
 /// Share of the net force that a constant vector in the ground must explain to be gravity.
 const EXPLAINED: f64 = 0.8;
 
+/// Mean square of the sine and so on of its angles, summed over axes, from which a run turns far enough.
+const TURNS: f64 = 0.1;
+
 /// Looks for a gravity that the session does not know of. Where it is there, what turns cannot be examined further.
 pub fn examine(table: &Table, cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
     let mut seen = Vec::new();
-    for case in cases.iter().filter(|s| s.trial.role == Role::Angular) {
+    let turning =
+        |case: &&TrialCase<'_>| matches!(case.trial.role, Role::Angular | Role::Validation);
+    for case in cases.iter().filter(turning) {
         if let Some(found) = weight(table, case) {
             let declared = case.trial.gravity_ground_m_s2;
             let n = case.trial.direction_ground;
@@ -38,14 +44,20 @@ pub fn examine(table: &Table, cases: &mut [TrialCase<'_>], findings: &mut Vec<Fi
         recordings: names(seen.iter().map(|(case, ..)| *case)),
         channels: Vec::new(),
         evidence: format!(
-            "during pure rotation the limbs carry a net force that turns as a weight of {:.2} m/s² would, but by the directions in the session it should be {:.2} m/s²",
+            "during rotation the limbs carry a net force that turns as a weight of {:.2} m/s² would, but by the directions in the session it should be {:.2} m/s²",
             found.length(),
             declared.length()
         ),
         advice: "state where down was with `down` of these recordings, or mount the rig with its axis vertical".to_owned(),
     });
+    let of_runs = seen
+        .iter()
+        .all(|(case, ..)| case.trial.role == Role::Validation);
     for case in cases.iter_mut() {
-        case.explained |= matches!(case.trial.role, Role::Angular | Role::Validation);
+        case.explained |= match case.trial.role {
+            Role::Angular => !of_runs,
+            role => role == Role::Validation,
+        };
     }
 }
 
@@ -68,13 +80,18 @@ fn weight(table: &Table, case: &TrialCase<'_>) -> Option<DVec3> {
         })
         .collect();
     let rest = *net.first()?;
+    let travels = trial.role == Role::Validation;
+    let asked_for = |force: DVec3| match travels {
+        true => force - axis * force.dot(axis),
+        false => force,
+    };
     // Least squares for g in net - rest = g - R^T g: linear in g.
     let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
     let (mut total, mut samples) = (0.0, 0);
     let basis = [DVec3::X, DVec3::Y, DVec3::Z];
     for row in rows(trial) {
-        let columns = basis.map(|g| turned_gravity_m_s2(g, axis, angle[row]));
-        let change = net[row] - rest;
+        let columns = basis.map(|g| asked_for(turned_gravity_m_s2(g, axis, angle[row])));
+        let change = asked_for(net[row] - rest);
         for i in 0..3 {
             for j in 0..3 {
                 normal[(i, j)] += columns[i].dot(columns[j]);
@@ -83,6 +100,9 @@ fn weight(table: &Table, case: &TrialCase<'_>) -> Option<DVec3> {
         }
         total += change.length_squared();
         samples += 1;
+    }
+    if travels && normal.trace() < TURNS * f64::from(samples) {
+        return None;
     }
     // Gravity along the axis does not turn and cannot be seen: the smallest solution has none.
     let svd = normal.try_svd(true, true, f64::EPSILON, 1000)?;

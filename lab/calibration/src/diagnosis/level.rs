@@ -182,7 +182,18 @@ pub fn examine(
         let design = facts.design.inertia_per_mass;
         let expected = design.xx_m2 + design.yy_m2 + design.zz_m2;
         let off = trace / expected;
-        if (off - 1.0).abs() > INERTIA {
+        if off < 0.0 {
+            findings.push(Finding {
+                cause: Cause::InvertedChannel,
+                recordings: Vec::new(),
+                channels: Vec::new(),
+                evidence: "the inertias come out negative: the standard gyroscope turns the other way than the angular trials' directions say"
+                    .to_owned(),
+                advice: "turn the gyroscope's channel round, or give its sensitivity a minus sign; if it is right, turn the directions of the angular \
+                         trials round"
+                    .to_owned(),
+            });
+        } else if (off - 1.0).abs() > INERTIA {
             findings.push(Finding {
                 cause: cause_of(off),
                 recordings: Vec::new(),

@@ -37,13 +37,24 @@ pub fn examine(
             }
         }
     }
-    for case in cases.iter_mut() {
-        for channel in (0..LIMBS).filter(|channel| !beyond[*channel]) {
+    for channel in (0..LIMBS).filter(|channel| !beyond[*channel]) {
+        let mut of_channel: Option<Finding> = None;
+        for case in cases.iter_mut().filter(|case| !case.explained) {
             if let Some(how) = clipped(case.trial, channel) {
-                findings.push(clipping(case.trial, channel, how));
                 case.ignored[channel] = true;
+                match &mut of_channel {
+                    Some(first) => first.recordings.push(case.trial.name.clone()),
+                    none => *none = Some(clipping(case.trial, channel, how)),
+                }
             }
         }
+        findings.extend(of_channel.map(|finding| match finding.recordings.len() {
+            1 => finding,
+            _ => Finding {
+                evidence: format!("in the first of them {}", finding.evidence),
+                ..finding
+            },
+        }));
     }
     twins(cases, findings);
     standards(cases, findings);

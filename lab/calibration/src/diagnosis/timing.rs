@@ -5,6 +5,7 @@ use core::f64::consts::TAU;
 use sixaxis_core::LIMBS;
 
 use super::trial_case::{Facts, TrialCase, names};
+use crate::drive;
 use crate::finding::{Cause, Finding};
 use crate::response::Response;
 use crate::trial::Trial;
@@ -84,17 +85,27 @@ pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], findings: &mut Ve
         }
     }
     if let Some((first, seen_hz)) = wrong_rate.first().copied() {
+        let each = wrong_rate.iter().map(|(index, seen_hz)| {
+            let trial = cases[*index].trial;
+            (trial.name.as_str(), trial.frequency_hz, *seen_hz)
+        });
+        let (evidence, advice) = match drive::exchanged(&each.collect::<Vec<_>>()) {
+            Some(evidence) => (evidence, drive::EXCHANGED),
+            None => (
+                format!(
+                    "the drive turns at {seen_hz:.3} Hz by the recording's clock, at {:.3} Hz by the session",
+                    cases[first].trial.frequency_hz
+                ),
+                "check frequency_hz against the drive, reference_file where the session has one, and the rate or time stamps of file and session \
+                 against the recorder",
+            ),
+        };
         findings.push(Finding {
             cause: Cause::ClockMismatch,
             recordings: names(wrong_rate.iter().map(|(i, _)| &cases[*i])),
             channels: Vec::new(),
-            evidence: format!(
-                "the drive turns at {seen_hz:.3} Hz by the recording's clock, at {:.3} Hz by the session",
-                cases[first].trial.frequency_hz
-            ),
-            advice: "check frequency_hz against the drive, reference_file where the session has one, and the rate or time stamps of file and session \
-                     against the recorder"
-                .to_owned(),
+            evidence,
+            advice: advice.to_owned(),
         });
         for (index, _) in &wrong_rate {
             cases[*index].explained = true;

@@ -19,7 +19,7 @@ const OF_MOST: f64 = 3e-4;
 /// Part of itself by which a zero is another one: amplifiers that warm up move theirs by less.
 const ANOTHER: f64 = 0.5;
 /// Smallest share of the converter's range that is noticed of single channels.
-const OF_ONE: f64 = 1e-3;
+const OF_ONE: f64 = 5e-5;
 /// Share of a linear trial's signal that a record at rest does not show.
 const MOVES: f64 = 0.5;
 

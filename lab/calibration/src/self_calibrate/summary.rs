@@ -179,7 +179,8 @@ impl Summary {
             }),
             Finding::TooMany => writeln!(
                 out,
-                "More than four limbs have changed against each other {when}, or limbs are not equally stiff: nobody can be named."
+                "More than four limbs have changed against each other {when}, or limbs are not equally stiff: nobody can be named. So it looks, too, where \
+                 gains or the calibration are another recording's or another sensor's."
             ),
             Finding::TooPoor => writeln!(
                 out,

@@ -1,6 +1,6 @@
 //! Samples from a TCP port or from standard input.
 
-use std::io::{ErrorKind, Read};
+use std::io::{ErrorKind, Read, Write as _};
 use std::net::TcpListener;
 use std::time::{Duration, Instant};
 
@@ -28,20 +28,22 @@ pub fn listen(listener: &TcpListener, channels: &Channels, sender: &Sender) {
             .map_or_else(|_| "a sender".to_owned(), |a| a.to_string());
         // A sender that says nothing keeps no other waiting.
         let _ = connection.set_read_timeout(Some(Duration::from_secs(1)));
-        if !read(&mut connection, &from, Some(PATIENCE), channels, sender) {
+        let Some(over) = read(&mut connection, &from, Some(PATIENCE), channels, sender) else {
             return;
-        }
+        };
+        // A sender that has gone does not read it.
+        let _ = writeln!(connection, "{over}");
     }
 }
 
-/// Reads to the end, or until `patience` is over and no first line has come. False when the instrument is shut down.
+/// Reads to the end, or until `patience` is over and no first line has come. Says why it is over; nothing when the instrument is shut down.
 pub fn read(
     input: &mut dyn Read,
     from: &str,
     patience: Option<Duration>,
     channels: &Channels,
     sender: &Sender,
-) -> bool {
+) -> Option<String> {
     let began = Instant::now();
     let mut wire = Wire::new(channels);
     let mut batch = Batch::default();
@@ -79,26 +81,15 @@ pub fn read(
                 standards: head.has_standards(),
                 truth: false,
             };
-            if sender.send(Event::Start(start)).is_err() {
-                return false;
-            }
+            sender.send(Event::Start(start)).ok()?;
         }
         for told in told {
-            if sender
-                .send(Event::Note(format!(
-                    "{from}, {told}; the row is passed over"
-                )))
-                .is_err()
-            {
-                return false;
-            }
+            let told = format!("{from}, {told}; the row is passed over");
+            sender.send(Event::Note(told)).ok()?;
         }
-        if batch.samples() > 0
-            && sender
-                .send(Event::Samples(Box::new(taken(&mut batch))))
-                .is_err()
-        {
-            return false;
+        if batch.samples() > 0 {
+            let samples = Event::Samples(Box::new(taken(&mut batch)));
+            sender.send(samples).ok()?;
         }
         if let Err(error) = taken_in {
             break error.to_string();
@@ -108,7 +99,7 @@ pub fn read(
         0 => String::new(),
         rows => format!("; {rows} rows were refused"),
     };
-    sender
-        .send(Event::Note(format!("{from}: {over}{refused}")))
-        .is_ok()
+    let over = format!("{over}{refused}");
+    sender.send(Event::Note(format!("{from}: {over}"))).ok()?;
+    Some(over)
 }

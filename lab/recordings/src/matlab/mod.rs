@@ -12,9 +12,9 @@
 
 use std::path::Path;
 
+pub use crate::channel::LEFT_OUT;
 use crate::error::Result;
 use crate::source::Source;
-pub use crate::variables::LEFT_OUT;
 
 mod v5;
 

@@ -24,11 +24,10 @@ mod pages;
 mod sink;
 mod source;
 
+pub use crate::channel::LEFT_OUT;
 pub(crate) use sink::create;
 pub(crate) use source::open;
 
-/// Property that names the columns which are no channels, each with its type.
-pub const LEFT_OUT: &str = "columns left out";
 /// Samples per second, of the file or of one column.
 const RATE_KEY: &str = "sample_rate_hz";
 /// Name and unit of one column's channel, `ax [m/s^2]`.

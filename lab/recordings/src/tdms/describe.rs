@@ -7,7 +7,7 @@ use super::kind::Kind;
 use super::object::{Object, join_path};
 use super::scaling::Scale;
 use super::value::{Timestamp, Value};
-use crate::channel::{Channel, Layout, time_channel};
+use crate::channel::{Channel, LEFT_OUT, Layout, time_channel};
 
 /// How to read a channel of the layout.
 #[derive(Debug)]
@@ -84,7 +84,7 @@ pub fn describe(index: &Index) -> (Layout, Vec<Reading>) {
         .collect();
     let mut note = |name: &str, text: String| layout.properties.insert(name.into(), text);
     if !left_out.is_empty() {
-        note("channels_left_out", left_out.join(", "));
+        note(LEFT_OUT, left_out.join(", "));
     }
     if !not_readable.is_empty() {
         note("channels_not_readable", not_readable.join(", "));

@@ -62,7 +62,7 @@ for version in ("earliest", "latest"):
         columns,
         units=["mV" if key in shell else None for key in columns],
         rate=200.0,
-        properties={"fs": "200", "note": "Näherung", "title": "drop, 3 µm", "variables left out": left_out},
+        properties={"fs": "200", "note": "Näherung", "title": "drop, 3 µm", "channels_left_out": left_out},
     )
 
 # Samples that were never written are the fill value.

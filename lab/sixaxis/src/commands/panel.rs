@@ -5,13 +5,15 @@ use std::path::PathBuf;
 use std::process::{Command, ExitCode, Stdio};
 
 use anyhow::Result;
+use sixaxis_calibration::apply::check_grade::check_grade;
+use sixaxis_calibration::apply::setup::same_sensor;
 use sixaxis_calibration::calibration::Calibration;
 use sixaxis_panel::source::settings::Settings;
 use sixaxis_panel::{Options, SourceChoice, start};
 use sixaxis_recordings::session::SessionFile;
 use sixaxis_reference::laboratory::plan::Engine;
 
-use super::common::{mention, print};
+use super::common::{mention, print, tell};
 use super::output::make_folder;
 use super::simulate::{ENGINES, USUAL_ENGINE, choice};
 
@@ -52,6 +54,9 @@ pub struct Arguments {
     /// Calibration to decode with
     #[arg(long, value_name = "FILE")]
     calibration: Option<PathBuf>,
+    /// Decode with a calibration whose verdict is bad
+    #[arg(long, requires = "calibration")]
+    force: bool,
     /// Folder for recordings and the calibration day
     #[arg(long, value_name = "FOLDER", default_value = "sixaxis-panel")]
     out: PathBuf,
@@ -105,11 +110,20 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         .as_deref()
         .map(SessionFile::read)
         .transpose()?;
-    let calibration = arguments
-        .calibration
-        .as_deref()
-        .map(Calibration::read)
-        .transpose()?;
+    let calibration = match &arguments.calibration {
+        Some(path) => {
+            let calibration = Calibration::read(path)?;
+            let name = path.display().to_string();
+            if let Some(doubt) = check_grade(&name, &calibration, arguments.force)? {
+                tell("warning", &doubt);
+            }
+            if let Some(session) = &session {
+                same_sensor(&calibration, session)?;
+            }
+            Some(calibration)
+        }
+        None => None,
+    };
     let source = match arguments {
         Arguments {
             tcp: Some(port), ..
@@ -139,10 +153,8 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         out: arguments.out.clone(),
         session: session.map(|file| file.session),
         calibration,
+        tell: |text| tell("panel", text),
     })?;
-    for note in &panel.notes {
-        mention(note);
-    }
     print(format!("panel: {}\n", panel.link))?;
     if let Some(input) = panel.input {
         print(format!("samples: {input}\n"))?;

@@ -15,6 +15,8 @@ mod inspect;
 mod mistakes;
 #[cfg(all(feature = "harness", target_os = "linux"))]
 mod mistakes_in_files;
+#[cfg(all(feature = "harness", target_os = "linux"))]
+mod mistakes_on_the_way;
 mod moved;
 mod noise;
 mod outputs;

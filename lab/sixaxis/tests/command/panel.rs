@@ -1,6 +1,7 @@
 //! `sixaxis panel`: what was acknowledged survives the program's death, and what it refuses to begin with.
 
-use std::io::{BufRead, BufReader, Write};
+use std::fs;
+use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
@@ -10,6 +11,7 @@ use sixaxis_recordings::{Block, open};
 use tungstenite::{Message, WebSocket};
 
 use crate::program::{Folder, code, run, sixaxis, stderr};
+use crate::self_calibrate::day;
 
 /// A panel that takes samples from a port, and is killed when dropped.
 struct Running {
@@ -169,4 +171,57 @@ fn law_it_refuses_what_is_not_safe() {
         );
     }
     assert_eq!(code(&run(&["panel", "--tcp", "1", "--stdin"])), 2);
+    // What `decouple` refuses.
+    let (day, _) = day();
+    let calibration = fs::read_to_string(day.join("calibration.json")).expect("reads");
+    let grade = |to: &str| {
+        let graded = ["good", "reserved"]
+            .iter()
+            .fold(calibration.clone(), |text, from| {
+                text.replace(
+                    &format!("\"verdict\": \"{from}\""),
+                    &format!("\"verdict\": \"{to}\""),
+                )
+            });
+        folder.write(&format!("{to}.json"), graded)
+    };
+    let session = fs::read_to_string(day.join("session.toml")).expect("reads");
+    let longer = session.replace("half_edge_mm = ", "half_edge_mm = 1");
+    let (bad, good, longer) = (
+        grade("bad"),
+        grade("good"),
+        folder.write("longer.toml", longer),
+    );
+    for (arguments, part) in [
+        (&["--calibration", &bad][..], "its verdict is \"not good\""),
+        (
+            &["--calibration", &good, "--session", &longer],
+            "half_edge_mm is",
+        ),
+    ] {
+        let all = [
+            "panel",
+            "--no-open",
+            "--port",
+            "0",
+            "--tcp",
+            "0",
+            "--out",
+            &out,
+        ];
+        let output = run(&[&all[..], arguments].concat());
+        assert_eq!(code(&output), 1, "{arguments:?}");
+        assert!(stderr(&output).contains(part), "{}", stderr(&output));
+    }
+}
+
+#[test]
+fn neg_a_sender_is_told_why_it_is_hung_up_on() {
+    let folder = Folder::new("panel-refuses-a-stream");
+    let panel = Running::start(&folder.file("out"));
+    let mut sender = TcpStream::connect(&panel.input).expect("connects");
+    sender.write_all(b"hello\n").expect("writes");
+    let mut told = String::new();
+    sender.read_to_string(&mut told).expect("reads");
+    assert!(told.starts_with("the first line: "), "{told}");
 }

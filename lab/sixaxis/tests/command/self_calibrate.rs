@@ -233,6 +233,44 @@ fn neg_a_wrong_gain_is_no_drift() {
 }
 
 #[test]
+fn neg_plugs_exchanged_within_a_pair_are_not_told_as_two_drifts_alone() {
+    let (folder, gains) = day();
+    let [tumble, exchanged, new, again] = [
+        "tumble.csv",
+        "exchanged.csv",
+        "of-this-tumble.json",
+        "of-the-exchanged.json",
+    ]
+    .map(|name| folder.file(name));
+    let corrected = checked(Path::new(&tumble), &["--write-calibration", &new]);
+    assert_eq!(corrected.status.code(), Some(3), "{corrected:?}");
+    let of = |calibration: &str, recording: &str, more: &[&str]| {
+        let arguments = ["self-calibrate", calibration, recording, "--gain", gains];
+        run(&[&arguments[..], &["--down", "0,0,-1"], more].concat())
+    };
+    let lines = std::fs::read_to_string(&tumble).expect("the tumble");
+    let heading = lines.lines().find(|line| line.contains("u2"));
+    let heading = heading.expect("a heading");
+    let at = |name: &str| heading.split(',').position(|column| column.contains(name));
+    let (second, fourth) = (at("u2").expect("u2"), at("u4").expect("u4"));
+    let rows = lines.lines().map(|line| {
+        let mut cells: Vec<&str> = line.split(',').collect();
+        if !line.starts_with('#') && line != heading {
+            cells.swap(second, fourth);
+        }
+        cells.join(",") + "\n"
+    });
+    std::fs::write(&exchanged, rows.collect::<String>()).expect("the exchanged");
+    let asks = "limbs 2 and 4 would show the same with their plugs exchanged";
+    let told = of(&new, &exchanged, &["--write-calibration", &again]);
+    assert_eq!(told.status.code(), Some(1), "{told:?}");
+    assert!(stderr(&told).contains(asks), "{told:?}");
+    assert!(!Path::new(&again).exists());
+    // One limb that has drifted asks nothing of the kind.
+    assert!(!stderr(&corrected).contains("exchanged"), "{corrected:?}");
+}
+
+#[test]
 fn the_same_tumble_before_and_after_cancels() {
     let tumble = day().0.join("tumble.csv");
     let before = day().0.join("before.csv");

@@ -4,6 +4,7 @@ use sixaxis_calibration::page::labels::symbol;
 use sixaxis_campaign::statistics::{Estimator, ParameterSummary};
 use sixaxis_page::{Axis, Figure, Text};
 
+use sixaxis_props::blind::share::Share;
 use sixaxis_props::results::{Campaign, MujocoCampaign, Published};
 
 /// What 95 % intervals are wanted to hold.
@@ -15,7 +16,9 @@ const SCATTER: f64 = 2.0;
 pub fn fill(text: Text, campaign: &Campaign, played: &MujocoCampaign) -> Text {
     let all = campaign.parameters.iter();
     let fitted: Vec<&ParameterSummary> = all.filter(|p| p.joint.is_some()).collect();
-    let stiffness = campaign.parameters.last();
+    let determined = played.summary.step_4.get("determined").copied();
+    let determined = determined.unwrap_or(0);
+    let stiffness = played.summary.parameters.last();
     let stiffness = stiffness.and_then(|p| p.joint.as_ref());
     let shares = fitted
         .iter()
@@ -44,6 +47,10 @@ pub fn fill(text: Text, campaign: &Campaign, played: &MujocoCampaign) -> Text {
         )
         .figure(coverage("coverage-by-parameter-mujoco", &played_fitted))
         .value("stiffness_fitted", stiffness.map_or(0, |joint| joint.cases))
+        .value(
+            "step_4",
+            Share::new(determined as usize, played.summary.cases as usize),
+        )
         .value(
             "coverage_scatter",
             shares.map(|share| share.standard_error).fold(0.0, f64::max),

@@ -187,8 +187,11 @@ fn the_field_in_the_readme_is_the_published_one() {
             sets["sets"].as_array().expect("sets").len()
         ),
         format!(
-            "at most {:.1} times that of all nine limbs, or {:.2} times with the scale ratios fitted on the run",
-            worst("error_ratio"),
+            "at most {:.1} times that of all nine limbs (",
+            worst("error_ratio")
+        ),
+        format!(
+            "or {:.2} times with the scale ratios fitted on the run",
             worst("error_ratio_consistent")
         ),
         format!("all axes together, reaches 5° after {first_s:.0} to {last_s:.0} s"),

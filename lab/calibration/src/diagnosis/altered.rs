@@ -1,0 +1,246 @@
+//! What happened to a recording between the converter and its file: its zero was taken off, values were repeated or rounded, samples
+//! were lost. Noise of a converter does none of these.
+
+use sixaxis_core::LIMBS;
+use sixaxis_recordings::session::Role;
+
+use super::raw::converter_step_v;
+use super::trial_case::TrialCase;
+use crate::finding::{Cause, Finding};
+use crate::trial::Trial;
+
+/// Probability that a day without it is accused.
+const CHANCE: f64 = 1e-9;
+/// Samples that are at rest at the beginning of any recording.
+const AT_REST: usize = 16;
+/// Part of a converter's step within which a mean is exactly zero.
+const EXACTLY: f64 = 1e-2;
+/// Rows from which one says that all of them are repeated.
+const FEWEST: usize = 64;
+/// Significant digits that a converter's values have more of.
+const DIGITS: i32 = 3;
+/// Steps that a channel must span for its digits to be told from its steps.
+const SPANNED: f64 = 2e3;
+/// Samples in a row that are equal, from which some are lost.
+const FEWEST_LOST: usize = 8;
+/// Times the usual change from sample to sample by which a channel jumps where samples are lost.
+const JUMP: f64 = 4.0;
+/// Share of the changes that are usual.
+const USUAL: f64 = 0.99;
+
+/// Recordings that are not as the converter gave them.
+pub fn examine(at_rest: Option<&Trial>, cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
+    tared(at_rest, cases, findings);
+    for (how, advice) in [
+        (
+            repeated as fn(&Trial) -> Option<String>,
+            "export the recording at the rate at which it was recorded",
+        ),
+        (rounded, "export with all digits: %.9g or more"),
+    ] {
+        let recordings = at_rest
+            .into_iter()
+            .chain(cases.iter().map(|case| case.trial));
+        let found: Vec<(String, String)> = recordings
+            .filter_map(|trial| Some((trial.name.clone(), how(trial)?)))
+            .collect();
+        let Some((_, evidence)) = found.first().cloned() else {
+            continue;
+        };
+        for case in cases.iter_mut() {
+            case.explained |= found.iter().any(|(name, _)| *name == case.trial.name);
+        }
+        findings.push(Finding {
+            cause: Cause::Unreadable,
+            recordings: found.into_iter().map(|(name, _)| name).collect(),
+            channels: Vec::new(),
+            evidence,
+            advice: advice.to_owned(),
+        });
+    }
+    for case in cases.iter_mut().filter(|case| !case.explained) {
+        lost(case, findings);
+    }
+}
+
+/// Which zero was taken off.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Taken {
+    First,
+    Mean,
+}
+
+/// Recordings whose own zero was taken off, each.
+fn tared(at_rest: Option<&Trial>, cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
+    for taken in [Taken::First, Taken::Mean] {
+        let all = at_rest
+            .into_iter()
+            .chain(cases.iter().map(|case| case.trial));
+        let such: Vec<(&str, f64)> = all
+            .filter_map(|trial| Some((trial.name.as_str(), by_chance(trial, taken)?)))
+            .collect();
+        if such.iter().map(|(_, chance)| chance).product::<f64>() > CHANCE {
+            continue;
+        }
+        let recordings: Vec<String> = such.iter().map(|(name, _)| (*name).to_owned()).collect();
+        let what = match taken {
+            Taken::First => "the first sample",
+            Taken::Mean => "the mean",
+        };
+        findings.push(Finding {
+            cause: Cause::Unreadable,
+            evidence: format!(
+                "{what} is exactly 0 V in all nine channels: its own zero was taken off each recording, with the noise of that zero"
+            ),
+            recordings,
+            channels: Vec::new(),
+            advice: "export the voltages as they were recorded: zeros are those of the static record, and of it alone".to_owned(),
+        });
+    }
+}
+
+/// How often a recording of a sensor whose zeros are within half a step would be so, by its first samples, at rest; none where it is not.
+fn by_chance(trial: &Trial, taken: Taken) -> Option<f64> {
+    let rows = &trial.voltage_v;
+    let first = rows.first()?;
+    let at_rest = &rows[..rows.len().min(AT_REST)];
+    let mut chance = 1.0;
+    for channel in 0..LIMBS {
+        let zeros = at_rest.iter().filter(|row| row[channel] == 0.0).count();
+        match taken {
+            Taken::First if first[channel] == 0.0 => chance *= zeros as f64 / at_rest.len() as f64,
+            Taken::Mean if zeros < at_rest.len() => {
+                let mean = rows.iter().map(|row| row[channel]).sum::<f64>() / rows.len() as f64;
+                let step = converter_step_v(trial, channel);
+                // A channel that never changes has no step, and its mean is its value.
+                if !(step.is_finite() && mean.abs() <= EXACTLY * step) {
+                    return None;
+                }
+                chance *= 2.0 * EXACTLY;
+            }
+            Taken::First | Taken::Mean => return None,
+        }
+    }
+    Some(chance)
+}
+
+/// Each row stands there several times.
+fn repeated(trial: &Trial) -> Option<String> {
+    let rows = &trial.voltage_v;
+    let runs: Vec<usize> = rows.chunk_by(|a, b| a == b).map(<[_]>::len).collect();
+    // Cut anywhere, the first and the last may be shorter.
+    let inner = runs.get(1..runs.len().checked_sub(1)?)?;
+    let times = inner.iter().min().filter(|_| inner.len() >= FEWEST)?;
+    (*times > 1).then(|| {
+        format!(
+            "each row stands there {times} times: values were held, or repeated to a higher rate"
+        )
+    })
+}
+
+/// No value has more digits than a hand would write.
+fn rounded(trial: &Trial) -> Option<String> {
+    let few = |u: &f64| {
+        let leading = u.abs().log10().floor();
+        let scaled = u * 10_f64.powf(f64::from(DIGITS - 1) - leading);
+        // A zero has no digits, and its logarithm no floor.
+        *u == 0.0 || (scaled.round() - scaled).abs() < 1e-6
+    };
+    let spans = |channel: usize| {
+        let peak = trial.voltage_v.iter().map(|row| row[channel].abs());
+        peak.fold(0.0, f64::max) > SPANNED * converter_step_v(trial, channel)
+    };
+    let such = (0..LIMBS).filter(|channel| spans(*channel)).count() > LIMBS / 2;
+    (such && trial.voltage_v.iter().flatten().all(few))
+        .then(|| format!("no voltage has more than {DIGITS} significant digits"))
+}
+
+/// Samples that stand still while the motion goes on.
+struct Lost {
+    from: usize,
+    samples: usize,
+    value: f64,
+}
+
+impl Lost {
+    fn of(series: &[f64]) -> Option<Self> {
+        let mut changes: Vec<f64> = series.windows(2).map(|w| (w[1] - w[0]).abs()).collect();
+        changes.retain(|change| *change > 0.0);
+        let place = (USUAL * changes.len() as f64) as usize;
+        if place >= changes.len() {
+            return None;
+        }
+        let (_, usual, _) = changes.select_nth_unstable_by(place, f64::total_cmp);
+        let jumps = |a: usize, b: usize| (series[a] - series[b]).abs() > JUMP * *usual;
+        let mut from = 0;
+        let mut longest: Option<Self> = None;
+        for run in series.chunk_by(|a, b| a == b) {
+            let to = from + run.len();
+            let jumped =
+                (from > 0 && jumps(from - 1, from)) || (to < series.len() && jumps(to - 1, to));
+            if run.len() >= FEWEST_LOST
+                && jumped
+                && longest.as_ref().is_none_or(|lost| lost.samples < run.len())
+            {
+                longest = Some(Self {
+                    from,
+                    samples: run.len(),
+                    value: run[0],
+                });
+            }
+            from = to;
+        }
+        longest
+    }
+
+    fn in_words(&self, unit: &str) -> String {
+        format!(
+            "{} samples in a row, from sample {} on, stand at {:.4} {unit} to the last bit, with a jump before or after them",
+            self.samples, self.from, self.value
+        )
+    }
+}
+
+/// Samples of a trial's channels and standards that were lost.
+fn lost(case: &mut TrialCase<'_>, findings: &mut Vec<Finding>) {
+    let trial = case.trial;
+    if matches!(trial.role, Role::Static | Role::Tap) {
+        return;
+    }
+    let mut finding = |channels: Vec<usize>, evidence: String| {
+        findings.push(Finding {
+            cause: Cause::Unreadable,
+            recordings: vec![trial.name.clone()],
+            channels,
+            evidence,
+            advice: "samples were lost there: record the trial again, or leave it out".to_owned(),
+        });
+    };
+    let of_channels: Vec<(usize, Lost)> = (0..LIMBS)
+        .filter_map(|channel| {
+            let series: Vec<f64> = trial.voltage_v.iter().map(|row| row[channel]).collect();
+            Some((channel, Lost::of(&series)?))
+        })
+        .collect();
+    if let Some((_, lost)) = of_channels.first() {
+        for (channel, _) in &of_channels {
+            case.ignored[*channel] = true;
+        }
+        let numbers: Vec<usize> = of_channels.iter().map(|(channel, _)| channel + 1).collect();
+        let all = numbers.len() > LIMBS / 2;
+        case.explained |= all;
+        finding(if all { Vec::new() } else { numbers }, lost.in_words("V"));
+    }
+    for (name, unit, series) in [
+        ("accelerometer", "m/s²", &trial.accelerometer_m_s2),
+        ("gyroscope", "rad/s", &trial.gyroscope_rad_s),
+    ] {
+        if let Some(lost) = Lost::of(series) {
+            case.explained = true;
+            finding(
+                Vec::new(),
+                format!("of the standard {name}, {}", lost.in_words(unit)),
+            );
+        }
+    }
+}

@@ -1,0 +1,260 @@
+//! Recordings that something happened to between the converter and the file, and sessions that take one recording for another.
+
+use std::cell::Cell;
+use std::fs;
+
+use crate::mistakes::{calibrated, rewritten, with_entry};
+use crate::program::{run, stderr};
+use crate::self_calibrate::day;
+
+/// Writes a recording with other readings, of which the change knows the row.
+fn by_row(recording: &str, name: &str, change: impl Fn(usize, &mut [f64])) {
+    let row = Cell::new(0);
+    rewritten(recording, name, |readings| {
+        change(row.get(), readings);
+        row.set(row.get() + 1);
+    });
+}
+
+/// The numbers of a recording.
+fn rows_of(recording: &str) -> Vec<Vec<f64>> {
+    let record = fs::read_to_string(day().0.join(recording)).expect("reads");
+    let rows = record.lines().map(|line| line.split(',').map(str::parse));
+    rows.filter_map(|row| row.collect::<Result<Vec<f64>, _>>().ok())
+        .collect()
+}
+
+#[test]
+fn neg_a_zero_that_was_taken_off_is_told() {
+    for (name, of, what) in [
+        (
+            "tared",
+            (|rows: &[Vec<f64>], i| rows[0][i]) as fn(&[Vec<f64>], usize) -> f64,
+            "the first sample is exactly 0 V",
+        ),
+        (
+            "centred",
+            |rows, i| rows.iter().map(|row| row[i]).sum::<f64>() / rows.len() as f64,
+            "the mean is exactly 0 V",
+        ),
+    ] {
+        for recording in ["static", "linear-03"] {
+            let rows = rows_of(&format!("{recording}.csv"));
+            let zero: [f64; 9] = core::array::from_fn(|i| of(&rows, i));
+            rewritten(
+                &format!("{recording}.csv"),
+                &format!("{name}-{recording}.csv"),
+                |row| {
+                    row[..9]
+                        .iter_mut()
+                        .zip(zero)
+                        .for_each(|(u, zero)| *u -= zero)
+                },
+            );
+        }
+        let (code, said) = calibrated(name, |s| {
+            s.replace("\"static.csv", &format!("\"{name}-static.csv"))
+                .replace("\"linear-03.csv", &format!("\"{name}-linear-03.csv"))
+        });
+        assert_eq!(code, 4, "{said}");
+        let wanted = format!("{name}-static.csv, {name}-linear-03.csv {what}");
+        assert!(said.contains(&wanted), "{said}");
+    }
+}
+
+#[test]
+fn neg_repeated_and_rounded_values_are_told() {
+    let rows = rows_of("linear-04.csv");
+    by_row("linear-04.csv", "held.csv", |at, row| {
+        row[..9].copy_from_slice(&rows[at - at % 4][..9])
+    });
+    by_row("angular-05.csv", "rounded.csv", |_, row| {
+        for u in &mut row[..9] {
+            *u = format!("{u:.1e}").parse().expect("a number");
+        }
+    });
+    for (file, recording, wanted) in [
+        ("held", "linear-04", "each row stands there 4 times"),
+        (
+            "rounded",
+            "angular-05",
+            "no voltage has more than 3 significant digits",
+        ),
+    ] {
+        let (code, said) = calibrated(file, |s| {
+            s.replace(&format!("\"{recording}.csv"), &format!("\"{file}.csv"))
+        });
+        assert_eq!(code, 4, "{said}");
+        assert!(said.contains(&format!("{file}.csv {wanted}")), "{said}");
+        assert!(!said.contains("converter clips"), "{said}");
+    }
+}
+
+#[test]
+fn neg_samples_that_were_lost_are_told() {
+    let frozen = rows_of("linear-05.csv")[1500][4];
+    for (name, change, wanted) in [
+        (
+            "zeros",
+            (|at, row| {
+                if (1500..1600).contains(&at) {
+                    row[..9].fill(0.0);
+                }
+            }) as fn(usize, &mut [f64]),
+            "zeros.csv 100 samples in a row, from sample 1500 on, stand at 0.0000 V",
+        ),
+        (
+            "no-standard",
+            |at, row| {
+                if at >= 1500 {
+                    row[9] = 0.0;
+                }
+            },
+            "no-standard.csv of the standard accelerometer",
+        ),
+    ] {
+        by_row("linear-05.csv", &format!("{name}.csv"), change);
+        let (code, said) = calibrated(name, |s| {
+            s.replace("\"linear-05.csv", &format!("\"{name}.csv"))
+        });
+        assert_eq!(code, 4, "{said}");
+        assert!(said.contains(wanted), "{said}");
+    }
+    by_row("linear-05.csv", "frozen.csv", |at, row| {
+        if (1500..1700).contains(&at) {
+            row[4] = frozen;
+        }
+    });
+    let (code, said) = calibrated("frozen", |s| s.replace("\"linear-05.csv", "\"frozen.csv"));
+    assert_eq!(code, 4, "{said}");
+    assert!(
+        said.contains("frozen.csv; channel 5 200 samples in a row"),
+        "{said}"
+    );
+}
+
+#[test]
+fn neg_a_static_record_that_somebody_touched_is_told() {
+    let rows = rows_of("static.csv").len();
+    by_row("static.csv", "touched.csv", |at, row| {
+        if (rows / 3..rows / 3 + rows / 20).contains(&at) {
+            row.iter_mut().for_each(|u| *u += 0.5);
+        }
+    });
+    let (code, said) = calibrated("touched", |s| s.replace("\"static.csv", "\"touched.csv"));
+    assert_eq!(code, 4, "{said}");
+    assert!(
+        said.contains("touched.csv about") && said.contains("+500."),
+        "{said}"
+    );
+}
+
+#[test]
+fn neg_recordings_that_stand_for_each_other_are_told() {
+    let exchange = |s: &str, [a, b]: [&str; 2]| {
+        s.replace(&format!("\"{a}.csv"), "\"~")
+            .replace(&format!("\"{b}.csv"), &format!("\"{a}.csv"))
+            .replace("\"~", &format!("\"{b}.csv"))
+    };
+    for pair in [["linear-03", "linear-04"], ["compound-02", "compound-03"]] {
+        let (code, said) = calibrated(&format!("exchanged-{}", pair[0]), |s| exchange(s, pair));
+        assert_eq!(code, 4, "{said}");
+        assert!(
+            said.contains("each turns as another of them should")
+                && said.contains("see which recording each entry of the session names"),
+            "{said}"
+        );
+    }
+    // The file that was copied over another one is the copy, whichever comes first.
+    let folder = &day().0;
+    fs::copy(folder.join("linear-06.csv"), folder.join("copied-over.csv")).expect("copies");
+    let (code, said) = calibrated("copied-over", |s| {
+        s.replace("\"linear-05.csv", "\"copied-over.csv")
+    });
+    assert_eq!(code, 4, "{said}");
+    assert!(
+        said.contains("copied-over.csv the same samples as linear-06.csv"),
+        "{said}"
+    );
+}
+
+#[test]
+fn neg_a_gyroscope_that_turns_the_other_way_is_told() {
+    let (code, said) = calibrated("gyroscope-reversed", |s| {
+        let entries =
+            s.split("[[recording]]")
+                .map(|entry| match entry.contains("role = \"angular\"") {
+                    true => entry
+                        .lines()
+                        .map(|line| match line.strip_prefix("direction = ") {
+                            Some(direction) => {
+                                let numbers = direction.trim_matches(['[', ']']).split(',');
+                                let turned: Vec<String> = numbers
+                                    .map(|x| {
+                                        (-x.trim().parse::<f64>().expect("a number")).to_string()
+                                    })
+                                    .collect();
+                                format!("direction = [{}]\n", turned.join(", "))
+                            }
+                            None => format!("{line}\n"),
+                        })
+                        .collect(),
+                    false => entry.to_owned(),
+                });
+        entries.collect::<Vec<String>>().join("[[recording]]")
+    });
+    assert!(matches!(code, 1 | 4), "{said}");
+    assert!(
+        said.contains("the standard gyroscope turns the other way"),
+        "{said}"
+    );
+}
+
+#[test]
+fn neg_a_down_that_does_not_turn_so_is_told() {
+    let (code, said) = calibrated("down", |s| {
+        ["compound-01", "compound-02", "compound-03"]
+            .iter()
+            .fold(s.to_owned(), |s, run| {
+                let file = format!("file = \"{run}.csv\"\n");
+                with_entry(&s, &file, |entry| {
+                    entry.replace(&file, &format!("{file}down = [0, 0, -1]\n"))
+                })
+            })
+    });
+    assert_eq!(code, 4, "{said}");
+    assert!(
+        said.contains("gravity not handled") && !said.contains("clocks disagree"),
+        "{said}"
+    );
+}
+
+#[test]
+fn neg_zeros_that_are_not_the_calibrations_are_told() {
+    let (folder, gains) = day();
+    let calibration = folder.file("calibration.json");
+    let decoupled = |recording: &str| {
+        let [recording, out] = [recording, "zeros-out.csv"].map(|name| folder.file(name));
+        let arguments = ["--gain", gains, "--down", "0,0,-1", "--out", &out];
+        stderr(&run(&[
+            &["decouple", &calibration, &recording],
+            &arguments[..],
+        ]
+        .concat()))
+    };
+    let wanted = "this recording's zeros are not the calibration's";
+    assert!(!decoupled("compound-02.csv").contains(wanted));
+    // Tared to its first sample, with that sample's noise; a plug that was seated anew.
+    let first: [f64; 9] = core::array::from_fn(|i| rows_of("compound-02.csv")[0][i]);
+    rewritten("compound-02.csv", "tared-run.csv", |row| {
+        row[..9]
+            .iter_mut()
+            .zip(first)
+            .for_each(|(u, zero)| *u -= zero);
+    });
+    rewritten("compound-02.csv", "seated-anew.csv", |row| row[8] += 0.02);
+    for recording in ["tared-run.csv", "seated-anew.csv"] {
+        let said = decoupled(recording);
+        assert!(said.contains(wanted), "{recording}: {said}");
+    }
+}
