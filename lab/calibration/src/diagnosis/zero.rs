@@ -18,8 +18,10 @@ const ELSEWHERE: f64 = 8.0;
 const OF_MOST: f64 = 3e-4;
 /// Part of itself by which a zero is another one: amplifiers that warm up move theirs by less.
 const ANOTHER: f64 = 0.5;
-/// Smallest share of the converter's range that is noticed of single channels.
+/// Smallest share of the converter's range that is noticed of single channels, where many trials show their zeros.
 const OF_ONE: f64 = 5e-5;
+/// The same from one static record to the next, hours later.
+const OF_THE_DAY: f64 = 1e-3;
 /// Share of a linear trial's signal that a record at rest does not show.
 const MOVES: f64 = 0.5;
 
@@ -53,7 +55,7 @@ pub fn examine(
     let off = open
         .into_iter()
         .filter_map(|channel| Some((channel, elsewhere(drift, steps_v, channel, cases)?)));
-    findings.extend(judged(rest, off, in_words));
+    findings.extend(judged(rest, off, OF_ONE, in_words));
 }
 
 /// Holds a further static record against the first, whose zeros are taken. Both are of the same day.
@@ -78,18 +80,18 @@ pub fn of_a_further_record(first: &Trial, further: &Trial) -> Option<Finding> {
             first.name
         )
     };
-    judged(further, off, in_words)
+    judged(further, off, OF_THE_DAY, in_words)
 }
 
-/// What zeros that are `off` say of a static record.
+/// What zeros that are `off`, single ones by a share of the range at least, say of a static record.
 fn judged(
     rest: &Trial,
     off: impl Iterator<Item = (usize, Elsewhere)>,
+    of_one: f64,
     in_words: impl Fn(&(usize, Elsewhere)) -> String,
 ) -> Option<Finding> {
-    let off: Vec<(usize, Elsewhere)> = off
-        .filter(|(_, found)| found.off_v.abs() > OF_MOST * rest.full_scale_v)
-        .collect();
+    let off: Vec<(usize, Elsewhere)> = off.collect();
+    let beyond = |found: &Elsewhere, share: f64| found.off_v.abs() > share * rest.full_scale_v;
     let furthest_of = |some: &[&(usize, Elsewhere)]| {
         let furthest = some
             .iter()
@@ -98,7 +100,9 @@ fn judged(
     };
     let others: Vec<&(usize, Elsewhere)> = off
         .iter()
-        .filter(|(_, found)| found.off_v.abs() > ANOTHER * found.zero_v.abs())
+        .filter(|(_, found)| {
+            beyond(found, OF_MOST) && found.off_v.abs() > ANOTHER * found.zero_v.abs()
+        })
         .collect();
     if others.len() > LIMBS / 2 {
         let evidence = furthest_of(&others);
@@ -107,7 +111,7 @@ fn judged(
     }
     let moved: Vec<&(usize, Elsewhere)> = off
         .iter()
-        .filter(|(_, found)| found.off_v.abs() > OF_ONE * rest.full_scale_v)
+        .filter(|(_, found)| beyond(found, of_one))
         .collect();
     (!moved.is_empty()).then(|| Finding {
         cause: Cause::DriftDuringRun,

@@ -231,11 +231,15 @@ fn neg_a_down_that_does_not_turn_so_is_told() {
 
 #[test]
 fn neg_zeros_that_are_not_the_calibrations_are_told() {
-    let (folder, gains) = day();
+    let folder = &day().0;
     let calibration = folder.file("calibration.json");
+    let session = fs::read_to_string(folder.join("session.toml")).expect("reads");
     let decoupled = |recording: &str| {
+        // The session's entry of compound-02 stands for each of these.
+        let session = session.replace("compound-02.csv", recording);
+        let session = folder.write(&format!("zeros-of-{recording}.toml"), session);
         let [recording, out] = [recording, "zeros-out.csv"].map(|name| folder.file(name));
-        let arguments = ["--gain", gains, "--down", "0,0,-1", "--out", &out];
+        let arguments = ["--session", &session, "--out", &out];
         stderr(&run(&[
             &["decouple", &calibration, &recording],
             &arguments[..],
