@@ -96,7 +96,7 @@ impl Chosen {
         if self.fell_back {
             let joint = self.estimate.joint.as_ref().map_err(String::as_str);
             reservations.push(format!(
-                "{}: the four steps' parameters are used, whose own spread says nothing of that",
+                "{}: the four steps' parameters are used, and their intervals, which are of the spread among trials, do not contain it",
                 hypotheses::contradiction(joint)
             ));
         }

@@ -77,7 +77,7 @@ pub fn examine(cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
             recordings: names(other.iter().map(|(index, _)| &cases[*index])),
             channels: Vec::new(),
             evidence: format!(
-                "by the standards {} linear and {} angular of these trials do what the other kind does",
+                "by the standards these trials move as the other kind should: {} entered as linear turn, {} entered as angular travel",
                 linear,
                 other.len() - linear
             ),

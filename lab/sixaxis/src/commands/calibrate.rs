@@ -327,10 +327,10 @@ fn summary(calibrated: &CalibratedSession, targets: &Targets) -> String {
     if !consequences.is_empty() {
         let _ = writeln!(
             out,
-            "  - calibrate again: {} may come from the above (see the report)",
+            "  - then calibrate again: {} (see the report)",
             match consequences.len() {
-                1 => "one more point".to_owned(),
-                n => format!("{n} more points"),
+                1 => "another finding may be a consequence of the above".to_owned(),
+                n => format!("{n} more findings may be consequences of the above"),
             }
         );
     }

@@ -40,8 +40,8 @@ pub fn section(file: &SessionFile, calibrated: &CalibratedSession) -> Section {
     if !consequences.is_empty() {
         section = section.block(Block::Listing(Listing {
             caption: format!(
-                "{} that may come from the above: look again after it is mended",
-                count(consequences.len(), "more point", "more points")
+                "{} that may be consequences of the above: look again after it is mended",
+                count(consequences.len(), "more finding", "more findings")
             ),
             text: consequences.join("\n"),
         }));
