@@ -187,7 +187,7 @@ impl Coordination {
             let (limbs, off_v) = self.zero_off_v()?;
             self.said = true;
             return Some(format!(
-                "the mean forces of limbs {} do not add up to zero, as if a zero were off by {:.1} mV: this recording's zeros are not the                  calibration's; were they taken off, have they moved, or are channels in another order? Open loop they make the rate run away",
+                "the mean forces of limbs {} do not add up to zero, as if a zero were off by {:.1} mV: this recording's zeros are not the calibration's; were they taken off, have they moved, or are channels in another order? Open loop they make the rate run away",
                 limbs.map(|limb| (limb + 1).to_string()).join(" + "),
                 1e3 * off_v
             ));

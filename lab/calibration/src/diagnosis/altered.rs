@@ -171,17 +171,21 @@ impl Lost {
             return None;
         }
         let (_, usual, _) = changes.select_nth_unstable_by(place, f64::total_cmp);
-        let jumps = |a: usize, b: usize| (series[a] - series[b]).abs() > JUMP * *usual;
-        let mut from = 0;
+        // A spike is no jump: what comes after it is where it was.
+        let elsewhere = |at: usize, other: Option<usize>| {
+            other
+                .and_then(|other| series.get(other))
+                .is_some_and(|u| (u - series[at]).abs() > JUMP * *usual)
+        };
+        let (mut from, mut ordinary) = (0_usize, 0);
         let mut longest: Option<Self> = None;
         for run in series.chunk_by(|a, b| a == b) {
             let to = from + run.len();
-            let jumped =
-                (from > 0 && jumps(from - 1, from)) || (to < series.len() && jumps(to - 1, to));
-            if run.len() >= FEWEST_LOST
-                && jumped
-                && longest.as_ref().is_none_or(|lost| lost.samples < run.len())
-            {
+            let jumped = [1, 2].iter().all(|n| elsewhere(from, from.checked_sub(*n)))
+                || [0, 1].iter().all(|n| elsewhere(from, Some(to + n)));
+            if !jumped {
+                ordinary = ordinary.max(run.len());
+            } else if longest.as_ref().is_none_or(|lost| lost.samples < run.len()) {
                 longest = Some(Self {
                     from,
                     samples: run.len(),
@@ -190,7 +194,7 @@ impl Lost {
             }
             from = to;
         }
-        longest
+        longest.filter(|lost| lost.samples >= FEWEST_LOST && lost.samples > ordinary)
     }
 
     fn in_words(&self, unit: &str) -> String {

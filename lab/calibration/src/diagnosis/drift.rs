@@ -28,6 +28,8 @@ const PIECES: usize = 16;
 
 /// Parts of a static record, one of which somebody may have touched.
 const PARTS: usize = 64;
+/// Parts at either end in which a drift is highest.
+const ENDS: usize = 3;
 /// Times the parts' median distance from their median that a part must be off: a drift along a line has twice at its ends.
 const HIGH: f64 = 20.0;
 
@@ -214,12 +216,13 @@ fn bump(rest: &Trial, channel: usize) -> Option<Bump> {
     let away: Vec<f64> = means.iter().map(|mean| (mean - middle).abs()).collect();
     let usual = median(&away)?;
     let highest = (0..means.len()).max_by(|a, b| away[*a].total_cmp(&away[*b]))?;
-    (away[highest] > HIGH * usual && away[highest] > NOTICED_AT_REST * rest.full_scale_v).then(
-        || Bump {
+    // What is high at an end drifts.
+    let inside = (ENDS..means.len().saturating_sub(ENDS)).contains(&highest);
+    (inside && away[highest] > HIGH * usual && away[highest] > NOTICED_AT_REST * rest.full_scale_v)
+        .then(|| Bump {
             from_s: (highest * per_piece) as f64 / rest.sample_rate_hz,
             height_v: means[highest] - middle,
-        },
-    )
+        })
 }
 
 /// Change of a static channel along the line through its pieces' means, V, if it exceeds the noise.

@@ -140,7 +140,7 @@ fn neg_a_linear_trial_that_turns_is_another_s_file() {
     let (code, said) = calibrated("exchanged", exchanged);
     assert_eq!(code, 4, "{said}");
     assert!(
-        said.contains("angular-03.csv, linear-03.csv by the standards 1 linear and 1 angular"),
+        said.contains("angular-03.csv, linear-03.csv by the standards these trials move as the other kind should: 1 entered as linear turn, 1"),
         "{said}"
     );
     assert!(!said.contains("cable"), "{said}");
