@@ -26,7 +26,7 @@ pub fn section() -> Result<Section> {
     Text::new(include_str!("self_calibration.md"))
         .value("p", p)
         .value("longest", longest)
-        .value("named", Share::new(named as usize, p.drift.draws as usize))
+        .value("named", Share::new(named as usize, p.drift.draws))
         .value("rates_percent", &rates)
         .value("share_scatter_percent", scatter)
         .figure(errors(p))
