@@ -191,6 +191,18 @@ fn ends_n(case: &TrialCase<'_>, channel: usize) -> Option<(f64, f64)> {
     Some((before, after - before))
 }
 
+/// Samples of each of so many pieces of a static channel, and the pieces' means, V; none of a record that is too short.
+fn means(rest: &Trial, channel: usize, pieces: usize) -> Option<(usize, Vec<f64>)> {
+    let per_piece = rest.voltage_v.len() / pieces;
+    let mean = |piece: &[[f64; LIMBS]]| {
+        piece.iter().map(|row| row[channel]).sum::<f64>() / per_piece as f64
+    };
+    (per_piece > 1).then(|| {
+        let all = rest.voltage_v.chunks_exact(per_piece).take(pieces);
+        (per_piece, all.map(mean).collect())
+    })
+}
+
 /// A part of a static channel that stands elsewhere.
 struct Bump {
     from_s: f64,
@@ -199,15 +211,7 @@ struct Bump {
 
 /// The highest of a channel, if it exceeds what the other parts scatter by.
 fn bump(rest: &Trial, channel: usize) -> Option<Bump> {
-    let per_piece = rest.voltage_v.len() / PARTS;
-    if per_piece < 2 {
-        return None;
-    }
-    let means: Vec<f64> = rest
-        .voltage_v
-        .chunks_exact(per_piece)
-        .map(|piece| piece.iter().map(|row| row[channel]).sum::<f64>() / per_piece as f64)
-        .collect();
+    let (per_piece, means) = means(rest, channel, PARTS)?;
     let median = |values: &[f64]| {
         let mut all: Vec<(f64, f64)> = values.iter().map(|value| (*value, 1.0)).collect();
         weighted_median(&mut all)
@@ -227,16 +231,7 @@ fn bump(rest: &Trial, channel: usize) -> Option<Bump> {
 
 /// Change of a static channel along the line through its pieces' means, V, if it exceeds the noise.
 fn course(rest: &Trial, channel: usize) -> Option<f64> {
-    let per_piece = rest.voltage_v.len() / PIECES;
-    if per_piece < 2 {
-        return None;
-    }
-    let means: Vec<f64> = rest
-        .voltage_v
-        .chunks_exact(per_piece)
-        .take(PIECES)
-        .map(|piece| piece.iter().map(|row| row[channel]).sum::<f64>() / per_piece as f64)
-        .collect();
+    let (_, means) = means(rest, channel, PIECES)?;
     // Line through the pieces' means, judged by what they scatter about it.
     let n = PIECES as f64;
     let middle = (n - 1.0) / 2.0;
