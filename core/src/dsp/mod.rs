@@ -6,7 +6,8 @@
 //! | channels brought to one instant | [`delay::Delay`] | [`delay::delayed`] |
 //! | an amplifier's high-pass undone | [`lag::UndoHighPass`] | [`lag::undo_high_pass`] |
 //! | offset and trend | | [`detrend`] |
-//! | low-pass without phase | [`zero_phase::ZeroPhase`] | [`zero_phase::zero_phase`] |
+//! | low-pass without phase, ends as SciPy's | [`zero_phase::ZeroPhase`] | [`zero_phase::zero_phase`] |
+//! | low-pass without phase, ends without the noise of single samples | [`continued::ContinuedZeroPhase`] | [`continued::zero_phase`] |
 //! | low-pass forwards only | [`causal::Causal`] | |
 //! | an instrument's low-pass undone, derivative | | [`lag::undo_low_pass`], [`differentiate`] |
 //! | power spectrum | [`spectrum::Welch`] | [`spectrum::welch`] |
@@ -23,6 +24,7 @@ use alloc::vec;
 
 pub mod butterworth;
 pub mod causal;
+pub mod continued;
 pub mod delay;
 pub mod detrend;
 pub mod differentiate;

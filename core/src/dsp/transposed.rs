@@ -12,6 +12,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 use super::butterworth::Section;
+use super::continued::Continuation;
 use super::differentiate::Differentiator;
 use super::zero_phase::padding;
 use super::{check_answer, check_finite, check_length};
@@ -43,6 +44,36 @@ pub fn zero_phase(sections: &[Section], weights: &mut [f64]) -> Result<()> {
         weights[i] -= head[pad - i];
         weights[n - 1] += 2.0 * tail[i - 1];
         weights[n - 1 - i] -= tail[i - 1];
+    }
+    check_answer("zero-phase filter", weights.iter().copied())
+}
+
+/// Transpose of [`super::continued::zero_phase`], in place.
+///
+/// # Errors
+/// Those of `continued::zero_phase`.
+pub fn continued_zero_phase(sections: &[Section], weights: &mut [f64]) -> Result<()> {
+    check_length("zero-phase filter", padding(sections) + 1, weights.len())?;
+    let n = weights.len();
+    let continuation = Continuation::of_record(sections, n);
+    let extent = continuation.extent;
+    let mut extended = vec![0.0; n + 2 * extent];
+    extended[extent..extent + n].copy_from_slice(weights);
+    zero_phase(sections, &mut extended)?;
+    let (head, rest) = extended.split_at(extent);
+    let (middle, tail) = rest.split_at(n);
+    weights.copy_from_slice(middle);
+    // Beyond an end lies twice the fit less the record turned round.
+    for (w, h) in weights[1..].iter_mut().zip(head.iter().rev()) {
+        *w -= h;
+    }
+    for (w, t) in weights[..n - 1].iter_mut().rev().zip(tail) {
+        *w -= t;
+    }
+    let (before, after): (f64, f64) = (head.iter().sum(), tail.iter().sum());
+    for (i, of_fit) in continuation.weights().enumerate() {
+        weights[i] += 2.0 * before * of_fit;
+        weights[n - 1 - i] += 2.0 * after * of_fit;
     }
     check_answer("zero-phase filter", weights.iter().copied())
 }

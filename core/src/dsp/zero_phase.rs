@@ -54,7 +54,7 @@ pub fn settling_samples(sections: &[Section]) -> usize {
 /// Against SciPy 1e-13 of the peak at ordinary corners (test `ref_scipy_zero_phase`). At order 8 and a corner of 5e-4
 /// of the sample rate rounding shows: 2.3e-12 of the peak from the same filter in 50 digits, SciPy 2.5e-11 (test
 /// `ref_exact_narrow_zero_phase`). The samples within about one period of the corner from either end rest on the
-/// extension, not on the record.
+/// extension, not on the record: [`super::continued`] has one that is not made of the end sample.
 ///
 /// # Errors
 /// [`Error::TooFewSamples`] unless the series is longer than [`padding`], [`Error::NotFinite`];
@@ -62,7 +62,7 @@ pub fn settling_samples(sections: &[Section]) -> usize {
 pub fn zero_phase(sections: &[Section], series: &mut [f64]) -> Result<()> {
     check_length(WHAT, padding(sections) + 1, series.len())?;
     check_finite(series)?;
-    let mut stage = ZeroPhase::looking_ahead(sections, usize::MAX);
+    let mut stage = ZeroPhase::whole(sections);
     stage::whole(WHAT, &mut stage, series)
 }
 
@@ -101,6 +101,11 @@ impl ZeroPhase {
             ));
         }
         Ok(Self::looking_ahead(sections, look_ahead))
+    }
+
+    /// Over a whole record: nothing is handed out before its end.
+    pub(super) fn whole(sections: &[Section]) -> Self {
+        Self::looking_ahead(sections, usize::MAX)
     }
 
     fn looking_ahead(sections: &[Section], look_ahead: usize) -> Self {

@@ -3,6 +3,7 @@
 use sixaxis_core::Result;
 use sixaxis_core::dsp::butterworth::{Section, low_pass};
 use sixaxis_core::dsp::causal::SectionsState;
+use sixaxis_core::dsp::continued;
 use sixaxis_core::dsp::zero_phase::{padding, zero_phase};
 
 use crate::golden;
@@ -227,5 +228,83 @@ fn ref_scipy_padding() -> Result<()> {
         assert!(zero_phase(&sections, &mut record(pad, 1000.0)).is_err());
         assert!(zero_phase(&sections, &mut record(pad + 1, 1000.0)).is_ok());
     }
+    Ok(())
+}
+
+#[test]
+fn inv_an_end_has_the_noise_of_its_fit() -> Result<()> {
+    // Order 4 at 5e-3 of the sample rate delays by 83 samples, over which the parabola is fitted: 3/sqrt(83) = 0.33.
+    let (rate_hz, corner_hz, samples) = (1000.0, 5.0, 4000);
+    let sections = low_pass(4, corner_hz, rate_hz)?;
+    let filtered = |seed, filter: fn(&[Section], &mut [f64]) -> Result<()>| -> Result<_> {
+        let mut noise = crate::Noise(seed);
+        let mut series: Vec<f64> = (0..samples).map(|_| noise.next()).collect();
+        let raw = rms(&[series[0], series[samples - 1]]);
+        filter(&sections, &mut series)?;
+        Ok((raw, rms(&[series[0], series[samples - 1]])))
+    };
+    let ratio = |filter: fn(&[Section], &mut [f64]) -> Result<()>| -> Result<f64> {
+        let pairs = (1..=200)
+            .map(|seed| filtered(seed, filter))
+            .collect::<Result<Vec<_>>>()?;
+        let (raw, ours): (Vec<f64>, Vec<f64>) = pairs.into_iter().unzip();
+        Ok(rms(&ours) / rms(&raw))
+    };
+    let expected = 3.0 / 83.0_f64.sqrt();
+    let ours = ratio(continued::zero_phase)?;
+    check_below(
+        "noise of an end against the fit's",
+        (ours / expected - 1.0).abs(),
+        tolerance::END_NOISE,
+    );
+    check_above(
+        "noise of an end that is turned round its sample",
+        ratio(zero_phase)? / expected,
+        2.0,
+    );
+    Ok(())
+}
+
+fn rms(values: &[f64]) -> f64 {
+    (values.iter().map(|x| x * x).sum::<f64>() / values.len() as f64).sqrt()
+}
+
+#[test]
+fn inv_a_parabola_keeps_its_ends() -> Result<()> {
+    // Turned round the fit, a parabola goes on with its slope and without its bend, which is what the filter makes of it.
+    let sections = low_pass(4, 5.0, 1000.0)?;
+    let line: Vec<f64> = (0..3000).map(|i| 2.0 - 0.01 * f64::from(i)).collect();
+    let mut ours = line.clone();
+    continued::zero_phase(&sections, &mut ours)?;
+    // A record that long is continued for five delays, which leaves 0.7 % of where the filter begins.
+    check_below(
+        "a line, end to end",
+        distance(&ours, &line),
+        tolerance::CONTINUED_LINE,
+    );
+    let bend: Vec<f64> = (0..3000).map(|i| 1e-6 * f64::from(i * i)).collect();
+    let mut ours = bend.clone();
+    continued::zero_phase(&sections, &mut ours)?;
+    check_below(
+        "ends of a parabola",
+        distance(&ours, &bend),
+        tolerance::CONTINUED_LINE,
+    );
+    Ok(())
+}
+
+#[test]
+fn inv_a_wide_filter_has_scipys_ends() -> Result<()> {
+    // It delays by less than three samples: turned round its end sample like SciPy, for not quite as long.
+    let sections = low_pass(4, 200.0, 1000.0)?;
+    let mut ours = record(300, 1000.0);
+    let mut scipys = ours.clone();
+    continued::zero_phase(&sections, &mut ours)?;
+    zero_phase(&sections, &mut scipys)?;
+    check_below(
+        "wide filter",
+        distance(&ours, &scipys),
+        tolerance::WIDE_FILTER,
+    );
     Ok(())
 }

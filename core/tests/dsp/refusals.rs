@@ -3,12 +3,12 @@
 use sixaxis_core::dsp::differentiate::Differentiator;
 use sixaxis_core::dsp::lag::{FirstOrder, undo_high_pass, undo_low_pass};
 use sixaxis_core::dsp::zero_phase::zero_phase;
-use sixaxis_core::dsp::{butterworth, detrend, each_channel, outlier};
+use sixaxis_core::dsp::{butterworth, continued, detrend, each_channel, outlier};
 use sixaxis_core::{Error, Result};
 
 use crate::{Stage, record};
 
-fn stages() -> [(&'static str, Stage); 6] {
+fn stages() -> [(&'static str, Stage); 7] {
     [
         ("constant", |x| detrend::constant(x).map(|_| ())),
         ("between rests", |x| {
@@ -17,6 +17,9 @@ fn stages() -> [(&'static str, Stage); 6] {
         ("Hampel", |x| outlier::hampel(x, 3, 3.0).map(|_| ())),
         ("zero phase", |x| {
             zero_phase(&butterworth::low_pass(2, 50.0, 1000.0)?, x)
+        }),
+        ("continued", |x| {
+            continued::zero_phase(&butterworth::low_pass(2, 50.0, 1000.0)?, x)
         }),
         ("derivative", |x| {
             Differentiator::new(3, 2, 1000.0)?.derivative(x).map(|_| ())

@@ -3,6 +3,7 @@
 use sixaxis_core::Result;
 use sixaxis_core::dsp::butterworth::{Section, low_pass};
 use sixaxis_core::dsp::causal::Causal;
+use sixaxis_core::dsp::continued::{self, ContinuedZeroPhase};
 use sixaxis_core::dsp::delay::{Delay, delayed};
 use sixaxis_core::dsp::lag::{UndoHighPass, undo_high_pass};
 use sixaxis_core::dsp::outlier::{Hampel, hampel};
@@ -60,11 +61,19 @@ fn inv_a_zero_phase_stream_equals_the_whole() -> Result<()> {
         let series = record(samples, RATE_HZ);
         let mut whole = series.clone();
         zero_phase(&sections, &mut whole)?;
+        let mut continued = series.clone();
+        continued::zero_phase(&sections, &mut continued)?;
         for size in [1, 777, 100_000] {
             let ours = streamed(ZeroPhase::new(&sections)?, &series, size)?;
             check_below(
                 "stream against the whole",
                 distance(&ours, &whole),
+                tolerance::ZERO_PHASE_STREAM,
+            );
+            let ours = streamed(ContinuedZeroPhase::new(&sections)?, &series, size)?;
+            check_below(
+                "continued stream against the whole",
+                distance(&ours, &continued),
                 tolerance::ZERO_PHASE_STREAM,
             );
         }

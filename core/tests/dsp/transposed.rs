@@ -2,6 +2,7 @@
 
 use sixaxis_core::Result;
 use sixaxis_core::dsp::butterworth::low_pass;
+use sixaxis_core::dsp::continued;
 use sixaxis_core::dsp::detrend::rest_to_rest_trend;
 use sixaxis_core::dsp::differentiate::Differentiator;
 use sixaxis_core::dsp::lag::{undo_high_pass, undo_low_pass};
@@ -67,6 +68,31 @@ fn inv_zero_phase_transposed() {
             tolerance::ENDS_LEFT_OUT,
         );
     }
+}
+
+#[test]
+fn inv_continued_zero_phase_transposed() {
+    // Corners of which the record is long enough to be continued in full, and too short.
+    for (order, corner_hz) in [(1, 12.0), (4, 12.0), (5, 70.0), (4, 2.0)] {
+        let sections = low_pass(order, corner_hz, RATE_HZ).expect("the corner is sound");
+        check_below(
+            "continued zero-phase filter",
+            asymmetry(
+                in_place(|x| continued::zero_phase(&sections, x)),
+                in_place(|x| transposed::continued_zero_phase(&sections, x)),
+            ),
+            tolerance::TRANSPOSED,
+        );
+    }
+    let sections = low_pass(4, 12.0, RATE_HZ).expect("the corner is sound");
+    check_above(
+        "transpose of the filter that is not continued",
+        asymmetry(
+            in_place(|x| continued::zero_phase(&sections, x)),
+            in_place(|x| transposed::zero_phase(&sections, x)),
+        ),
+        tolerance::ENDS_LEFT_OUT,
+    );
 }
 
 #[test]

@@ -8,9 +8,9 @@ mod transposed;
 
 use glam::DVec3;
 use sixaxis_core::dsp::butterworth::{self, Section};
+use sixaxis_core::dsp::continued::zero_phase;
 use sixaxis_core::dsp::differentiate::Differentiator;
 use sixaxis_core::dsp::lag::undo_low_pass;
-use sixaxis_core::dsp::zero_phase::zero_phase;
 use sixaxis_core::dsp::{detrend, each_channel, outlier, stage::whole};
 use sixaxis_core::{LIMBS, Result};
 

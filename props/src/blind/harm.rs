@@ -9,7 +9,7 @@ use sixaxis_calibration::prepare::VALIDATION_CORNER;
 use sixaxis_calibration::report::Estimator;
 use sixaxis_core::decouple::rest_to_rest;
 use sixaxis_core::dsp::butterworth::{self, Section};
-use sixaxis_core::dsp::zero_phase::zero_phase;
+use sixaxis_core::dsp::continued::zero_phase;
 use sixaxis_core::parameter::{DRIFT, INERTIA, SCALE};
 use sixaxis_core::{Decoupler, Scheme};
 use sixaxis_recordings::session::LowPass;

@@ -3,9 +3,9 @@
 
 use anyhow::{Context, Result, ensure};
 use sixaxis_core::dsp::causal::Causal;
+use sixaxis_core::dsp::continued::ContinuedZeroPhase;
 use sixaxis_core::dsp::delay::Delay;
 use sixaxis_core::dsp::outlier::Hampel;
-use sixaxis_core::dsp::zero_phase::ZeroPhase;
 use sixaxis_core::dsp::{self, butterworth};
 use sixaxis_core::{CrossTalk, LIMBS, LimbSet};
 
@@ -137,7 +137,7 @@ fn streaming(
                 Some(if config.causal {
                     Box::new(Causal::new(sections))
                 } else {
-                    Box::new(ZeroPhase::new(&sections).context("--low-pass")?)
+                    Box::new(ContinuedZeroPhase::new(&sections).context("--low-pass")?)
                 })
             }
             None => None,

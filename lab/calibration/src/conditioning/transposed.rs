@@ -89,7 +89,7 @@ impl Conditioning {
         match stage {
             Stage::LowPass => {
                 if let Some(sections) = self.sections(trial)? {
-                    transposed::zero_phase(&sections, weights)?;
+                    transposed::continued_zero_phase(&sections, weights)?;
                 }
             }
             Stage::Trend => {
