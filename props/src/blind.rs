@@ -223,8 +223,9 @@ pub struct Outcome {
     pub harm: Option<Harm>,
 }
 
-/// Whether anything of a day could show a defect: a limb that was always weaker is another scale factor, a gain or a drawing that is
-/// written wrongly all day stands in for another sensor, and what is decoupled with the same numbers is right.
+/// Whether the recordings of a day could contradict one another: a limb that was always weaker is another scale factor, a gain or a drawing
+/// that is written wrongly all day stands in for another sensor, and what is decoupled with the same numbers is right. Only a design
+/// value can show these, if one scale factor stands out of the others.
 #[must_use]
 pub const fn could_show(kind: Kind) -> bool {
     !matches!(kind, Kind::DeadLimb | Kind::WrongGain | Kind::WrongHalfEdge)
@@ -247,7 +248,7 @@ impl Outcome {
         cause_of(self.cell.kind()?, self.magnitude?)
     }
 
-    /// Whether anything of the day could have shown the defect.
+    /// Whether the recordings of the day could have contradicted one another.
     #[must_use]
     pub fn could_show(&self) -> bool {
         self.cell.kind().is_none_or(could_show)

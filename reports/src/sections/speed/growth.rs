@@ -73,6 +73,16 @@ fn slope(curve: &GrowthCurve) -> String {
     })
 }
 
+/// Slope from the largest size but one to the largest, where caches and blocks no longer matter and fixed costs weigh nothing.
+fn last_slope(curve: &GrowthCurve) -> String {
+    let [.., before, last] = &curve.points[..] else {
+        return String::new();
+    };
+    let ratio = last.processor_s.median / before.processor_s.median;
+    let exponent = ratio.ln() / (last.size as f64 / before.size as f64).ln();
+    format!("{exponent:.SLOPE_DECIMALS$}")
+}
+
 fn memory_mb(point: &GrowthPoint) -> f64 {
     point.peak_memory_bytes as f64 / BYTES_PER_MB
 }
@@ -148,5 +158,6 @@ fn table(growth: &Growth) -> Table {
         })
         .under("")
         .col("slope", |(curve, ..)| slope(curve))
+        .col("of the last two sizes", |(curve, ..)| last_slope(curve))
         .into()
 }

@@ -187,7 +187,7 @@ fn the_field_in_the_readme_is_the_published_one() {
             sets["sets"].as_array().expect("sets").len()
         ),
         format!(
-            "at most {:.1} times that of all nine limbs (",
+            "the largest error is {:.1} times that of all nine limbs (",
             worst("error_ratio")
         ),
         format!(
