@@ -84,7 +84,7 @@ pub fn explain(error: &sixaxis_core::Error, place: &str, names: &[String; LIMBS]
             name(channel)
         ),
         Error::Overflow { sample, .. } => anyhow::anyhow!(
-            "{place}: sample {sample}: the rate, which is integrated in an open loop, has run away; check gains and zero drift, or try --rest-to-rest"
+            "{place}: sample {sample}: the rate, which is integrated in an open loop, has run away; check gains, signs of the channels and zero drift (--rest-to-rest takes off what is constant, between rests)"
         ),
         ref other => anyhow::anyhow!("{place}: {other}"),
     }

@@ -10,8 +10,8 @@ use sixaxis_calibration::page::calibration::page;
 use sixaxis_calibration::trial::Trial;
 
 use sixaxis_core::Gains;
+use sixaxis_core::dsp::continued::zero_phase;
 use sixaxis_core::dsp::lag::undo_high_pass;
-use sixaxis_core::dsp::zero_phase::zero_phase;
 use sixaxis_core::dsp::{butterworth, detrend, outlier};
 use sixaxis_page::{Block, Figure, Section};
 use sixaxis_recordings::session::{Role, SessionFile};

@@ -45,7 +45,7 @@ use std::thread::Builder;
 
 use anyhow::{Context, Result, ensure};
 use sixaxis_calibration::calibration::Calibration;
-use sixaxis_recordings::session::Session;
+use sixaxis_recordings::session::{Entry, Session};
 use sixaxis_reference::laboratory::plan::Engine;
 
 use board::{Board, Post};
@@ -53,7 +53,7 @@ use day::{Day, Plan};
 use server::Server;
 use server::guard::Guard;
 use source::laboratory::LiveLaboratory;
-use source::{Event, WAITING};
+use source::{Begin, Event, WAITING};
 
 /// Commands that may wait for the simulated laboratory.
 const LAB_COMMANDS: usize = 64;
@@ -88,6 +88,8 @@ pub struct Options {
     pub out: PathBuf,
     /// Sensor, converter, gains, rig and day; none for the paper's sensor.
     pub session: Option<Session>,
+    /// What the session says of the file that is played or followed, if it has it.
+    pub entry: Option<Entry>,
     /// A calibration to decode with.
     pub calibration: Option<Calibration>,
     /// Is told what the page notes: a stream that begins, is refused or ends, rows that are passed over.
@@ -142,7 +144,7 @@ pub fn start(options: Options) -> Result<Panel> {
     );
     std::fs::create_dir_all(&options.out)
         .with_context(|| format!("cannot create the output folder {}", options.out.display()))?;
-    let notes = recorder::recover(&options.out);
+    let mut notes = recorder::recover(&options.out);
 
     let listener =
         TcpListener::bind(options.listen).with_context(|| cannot_listen(options.listen))?;
@@ -159,6 +161,20 @@ pub fn start(options: Options) -> Result<Panel> {
         SourceChoice::Laboratory(settings) => Some(*settings),
         _ => None,
     };
+    let of_file = matches!(
+        options.source,
+        SourceChoice::Follow(_) | SourceChoice::Play(..)
+    );
+    if laboratory.is_none() && options.session.is_none() {
+        notes.push(
+            "no session states the amplifiers' gains: 1 N/V is taken for all (--session)"
+                .to_owned(),
+        );
+    } else if of_file && options.entry.is_none() {
+        notes.push(
+            "the session has no such recording: gains are those of its [sensor], and gravity is taken not to turn in the sensor".to_owned(),
+        );
+    }
     let session = match (options.session, &laboratory) {
         (_, Some(settings)) => settings.session(),
         (Some(session), None) => session,
@@ -181,10 +197,18 @@ pub fn start(options: Options) -> Result<Panel> {
         },
         None => Plan::of_session(&session),
     };
-    let channels = options
-        .calibration
-        .as_ref()
-        .map_or(session.channels.clone(), |c| c.channels.clone());
+    let channels = match (&options.entry, &options.calibration) {
+        (
+            Some(Entry {
+                channels: Some(own),
+                ..
+            }),
+            _,
+        ) => own.clone(),
+        (_, Some(calibration)) => calibration.channels.clone(),
+        (_, None) => session.channels.clone(),
+    };
+    let begin = options.entry.map(|entry| Begin::of(&session, entry, None));
 
     let hello = serde_json::json!({ "hello": {
         "columns": columns::described(),
@@ -247,11 +271,11 @@ pub fn start(options: Options) -> Result<Panel> {
         }
         SourceChoice::Follow(path) => {
             let follower = source::follow::Follower::open(&path, &channels, rate_hz)?;
-            spawn("source", move || follower.run(&path, &to_source))?;
+            spawn("source", move || follower.run(&path, begin, &to_source))?;
         }
         SourceChoice::Play(path, speed) => {
             let player = source::play::Player::open(&path, &channels, rate_hz)?;
-            spawn("source", move || player.run(speed, &to_source))?;
+            spawn("source", move || player.run(speed, begin, &to_source))?;
         }
     }
     for note in notes {

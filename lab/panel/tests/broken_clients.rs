@@ -220,6 +220,7 @@ fn panel(out: &std::path::Path) -> Panel {
         listen: SocketAddr::from((Ipv4Addr::LOCALHOST, 0)),
         token: None,
         out: out.to_owned(),
+        entry: None,
         session: None,
         calibration: None,
         tell: |_| (),

@@ -15,31 +15,39 @@ use sixaxis_core::{LimbSet, Scheme};
 use sixaxis_panel::control::Stages;
 use sixaxis_panel::source::settings::Settings;
 use sixaxis_panel::{Options, Panel, SourceChoice, start};
-use sixaxis_recordings::session::SessionFile;
+use sixaxis_recordings::session::{PerLimb, SessionFile};
 use sixaxis_recordings::{Block, Channel, Layout, create, open};
 use sixaxis_reference::laboratory::plan::Engine;
 
 fn panel(source: SourceChoice, out: &std::path::Path) -> Panel {
-    start(Options {
+    start(options(source, out)).expect("starts")
+}
+
+fn options(source: SourceChoice, out: &std::path::Path) -> Options {
+    Options {
         source,
         rate_hz: None,
         listen: SocketAddr::from((Ipv4Addr::LOCALHOST, 0)),
         token: None,
         out: out.to_owned(),
         session: None,
+        entry: None,
         calibration: None,
         tell: |_| (),
-    })
-    .expect("starts")
+    }
 }
 
 fn laboratory(trials_per_step: usize) -> SourceChoice {
-    SourceChoice::Laboratory(Settings {
+    SourceChoice::Laboratory(settings(trials_per_step))
+}
+
+const fn settings(trials_per_step: usize) -> Settings {
+    Settings {
         seed: 7,
         sample_rate_hz: 1000.0,
         trials_per_step,
         engine: Engine::Rigid,
-    })
+    }
 }
 
 fn port() -> SourceChoice {
@@ -404,6 +412,47 @@ fn law_a_recording_is_played_to_its_end() {
         let panel = panel(SourceChoice::Play(path, 1e3), folder.path());
         let mut browser = Browser::open(&panel.link);
         browser.wait(name, 20, |b| samples(b) == Some(3_000));
+    }
+}
+
+#[test]
+fn law_a_file_has_the_gains_of_its_entry_or_the_panel_says_which() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("run.tdms");
+    recorded(&path, 3_000);
+    let gains = core::array::from_fn(|limb| 0.1 * (1 + limb) as f64);
+    let mut entry = settings(3).day()[0].0.clone();
+    entry.gain_n_per_v = Some(PerLimb::Each(gains));
+    let (session, entry) = (Some(settings(3).session()), Some(entry));
+    let has = |browser: &Browser, key: &str, text: &str| {
+        let status = browser.status(key);
+        status.is_some_and(|status| status.to_string().contains(text))
+    };
+    for (play, session, entry, told) in [
+        (true, session.clone(), entry.clone(), None),
+        (false, session.clone(), entry, None),
+        (true, session, None, Some("has no such recording")),
+        (true, None, None, Some("1 N/V is taken for all")),
+    ] {
+        let source = if play {
+            SourceChoice::Play(path.clone(), 1e3)
+        } else {
+            SourceChoice::Follow(path.clone())
+        };
+        let stated = entry.is_some();
+        let options = Options {
+            session,
+            entry,
+            ..options(source, folder.path())
+        };
+        let panel = start(options).expect("starts");
+        let mut browser = Browser::open(&panel.link);
+        browser.wait("all samples", 20, |b| samples(b) == Some(3_000));
+        let shown = serde_json::to_string(&gains).expect("numbers");
+        assert_eq!(has(&browser, "gains_n_per_v", &shown), stated);
+        if let Some(told) = told {
+            assert!(has(&browser, "notes", told), "{told}");
+        }
     }
 }
 

@@ -169,8 +169,8 @@ impl AttitudeStream {
         if !self.is_known() && self.summary.unknown_from_s.is_none() {
             self.summary.unknown_from_s = Some(time_s);
             self.messages.push(format!(
-                "from {time_s:.2} s on the attitude is less certain than {:.1}° (--until-sd): it is integrated without a reference, and \
-                 ground-axis columns are NaN where it is. Specific force in sensor axes (--frame sensor or both) needs no attitude; --aid tells what else is known",
+                "from {time_s:.2} s on the attitude is less certain than {:.1}° (--until-sd): it is integrated without a reference. Where it is, \
+                 columns in ground axes and the quaternion are NaN; specific force in sensor axes (--frame sensor or both) needs no attitude, and --aid tells what else is known",
                 self.until_rad.to_degrees()
             ));
         }

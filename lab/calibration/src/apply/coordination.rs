@@ -69,6 +69,8 @@ pub struct Coordination {
     /// Sums over the beginning, V, and its samples.
     beginning_v: Row,
     begun: u64,
+    /// Least and largest voltage of each channel there.
+    ends_v: [[f64; 2]; LIMBS],
     full_scale_v: f64,
     said: bool,
 }
@@ -98,6 +100,7 @@ impl Coordination {
             forces: Default::default(),
             beginning_v: [0.0; LIMBS],
             begun: 0,
+            ends_v: [[f64::INFINITY, f64::NEG_INFINITY]; LIMBS],
             full_scale_v: setup.full_scale_v,
             said: false,
         }
@@ -112,6 +115,10 @@ impl Coordination {
                 self.begun += 1;
                 for (sum, u) in self.beginning_v.iter_mut().zip(row) {
                     *sum += u;
+                }
+                for ([least, largest], u) in self.ends_v.iter_mut().zip(row) {
+                    *least = least.min(u);
+                    *largest = largest.max(u);
                 }
             }
         }
@@ -186,9 +193,25 @@ impl Coordination {
         if broken.is_empty() {
             let (limbs, off_v) = self.zero_off_v()?;
             self.said = true;
+            let sum = limbs.map(|limb| (limb + 1).to_string()).join(" + ");
+            let still: Vec<String> = (limbs.into_iter())
+                .filter(|limb| self.ends_v[*limb][0] == self.ends_v[*limb][1])
+                .map(|limb| {
+                    format!(
+                        "limb {} reads {} V throughout",
+                        limb + 1,
+                        self.ends_v[limb][0]
+                    )
+                })
+                .collect();
+            if !still.is_empty() {
+                return Some(format!(
+                    "the mean forces of limbs {sum} do not add up to zero, and {}: is the channel dead? --excluded leaves a limb out, --watch finds it",
+                    still.join(", ")
+                ));
+            }
             return Some(format!(
-                "the mean forces of limbs {} do not add up to zero, as if a zero were off by {:.1} mV: this recording's zeros are not the calibration's; were they taken off, have they moved, or are channels in another order? Open loop they make the rate run away",
-                limbs.map(|limb| (limb + 1).to_string()).join(" + "),
+                "the mean forces of limbs {sum} do not add up to zero, as if a zero were off by {:.1} mV: this recording's zeros, gains or unit are not the calibration's; were zeros taken off, have they moved, are gains another recording's, or channels in another order? Open loop it makes the rate run away",
                 1e3 * off_v
             ));
         }

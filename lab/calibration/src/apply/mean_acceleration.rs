@@ -37,7 +37,7 @@ impl MeanAcceleration {
         let duration_s = self.rows as f64 / sample_rate_hz;
         let mean_m_s2 = self.sum_m_s2.length() / self.rows as f64;
         let check = if down_is_stated {
-            "is the direction of gravity inverted (--down is where it pulls, 0,0,-1 with z up), are gains another recording's, or has a limb drifted (self-calibrate)?"
+            "is the direction of gravity inverted (--down is where it pulls, 0,0,-1 with z up), are gains or the unit another recording's, has a limb drifted (self-calibrate), or has the attitude been lost, which an open loop holds for seconds?"
         } else {
             "gravity turned in the sensor and nobody says where down is: give --down or --session"
         };

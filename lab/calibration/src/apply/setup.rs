@@ -76,6 +76,14 @@ impl Setup {
         }
         if let (Some(file), Some(entry)) = (session, entry) {
             notes.extend(overruled(file, entry, overrides));
+            let own = recording.and_then(|path| file.namesake(entry, path));
+            notes.extend(own.map(|own| {
+                format!(
+                    "it is taken for the {} of {}, whose gains, rate and direction of gravity are used: the name is the same, the file is not",
+                    own.display(),
+                    file.path.display()
+                )
+            }));
         }
         let mut sensor = calibration.sensor();
         match (overrides.gain_n_per_v.as_slice(), session, entry) {
@@ -353,23 +361,14 @@ pub fn same_sensor(calibration: &Calibration, file: &SessionFile) -> Result<()> 
     Ok(())
 }
 
-/// The recording's entry in the session: the same file, or else the only one of that name.
 fn entry_of<'a>(file: &'a SessionFile, recording: &Path) -> Result<&'a Entry> {
-    let entries = &file.session.recording;
-    if let Some(entry) = entries.iter().find(|e| file.names(&e.file, recording)) {
-        return Ok(entry);
-    }
-    let mut named = entries
-        .iter()
-        .filter(|entry| entry.file.file_name() == recording.file_name());
-    match (named.next(), named.next()) {
-        (Some(entry), None) => Ok(entry),
-        _ => bail!(
+    file.entry(recording).with_context(|| {
+        format!(
             "{}: no recording {} in it; without --session, give --gain, --down and --rate as needed",
             file.path.display(),
             recording.display()
-        ),
-    }
+        )
+    })
 }
 
 fn list(gains: &[f64; LIMBS]) -> String {

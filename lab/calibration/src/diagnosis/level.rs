@@ -150,7 +150,7 @@ pub fn examine(
                 factor_in_words(common),
                 reason(common)
             ),
-            advice: "check the unit of the limbs' channels, gain_n_per_v and the accelerometer's sensitivity".to_owned(),
+            advice: "check the unit of the limbs' channels, gain_n_per_v, the accelerometer's sensitivity and scale_per_mass_per_kg in [sensor.design]".to_owned(),
         });
     }
     let over_usual_gain = over_usual_gain(cases);

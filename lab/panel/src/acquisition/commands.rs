@@ -95,19 +95,6 @@ impl Acquisition {
             self.note("the session has no such recording".to_owned());
             return;
         };
-        let gains = entry
-            .gain_n_per_v
-            .unwrap_or(self.setup.session.sensor.gain_n_per_v);
-        let down = entry.down.or(entry.direction.map(|d| d.map(|x| -x)));
-        let gravity = down.map_or(glam::DVec3::ZERO, |down| {
-            glam::DVec3::from_array(down).normalize_or_zero()
-                * sixaxis_recordings::unit::STANDARD_GRAVITY_M_S2
-        });
-        self.begin(Begin {
-            gain_n_per_v: gains.each(),
-            gravity_ground_m_s2: gravity,
-            trial: Some(trial),
-            entry,
-        });
+        self.begin(Begin::of(&self.setup.session, entry, Some(trial)));
     }
 }

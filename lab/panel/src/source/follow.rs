@@ -13,7 +13,7 @@ use sixaxis_recordings::ingest::find::{self, Column};
 use sixaxis_recordings::session::Channels;
 
 use super::wire::standards;
-use super::{Event, LONGEST_BATCH, Sender, Start};
+use super::{Begin, Event, LONGEST_BATCH, Sender, Start};
 use crate::columns::Batch;
 
 /// Time between two looks at the file.
@@ -68,9 +68,9 @@ impl Follower {
         })
     }
 
-    /// Follows it until the instrument is shut down or the file cannot be read any more.
-    pub fn run(self, path: &Path, sender: &Sender) {
-        if sender.send(Event::Start(self.start.clone())).is_err() {
+    /// Follows it until the instrument is shut down or the file cannot be read any more. `begin` is what a session says of it.
+    pub fn run(self, path: &Path, begin: Option<Begin>, sender: &Sender) {
+        if !super::starts(&self.start, begin, sender) {
             return;
         }
         let done = match self.text {

@@ -22,7 +22,8 @@ use std::sync::mpsc::SyncSender;
 use glam::DVec3;
 use serde::Serialize;
 use sixaxis_core::LIMBS;
-use sixaxis_recordings::session::Entry;
+use sixaxis_recordings::session::{Entry, Session};
+use sixaxis_recordings::unit::STANDARD_GRAVITY_M_S2;
 
 use crate::columns::Batch;
 use crate::control::Command;
@@ -58,6 +59,24 @@ pub struct Begin {
     pub trial: Option<usize>,
 }
 
+impl Begin {
+    /// What a session says of one of its recordings, made by hand or played.
+    #[must_use]
+    pub fn of(session: &Session, entry: Entry, trial: Option<usize>) -> Self {
+        let gains = entry.gain_n_per_v.unwrap_or(session.sensor.gain_n_per_v);
+        let down = entry.down.or(entry.direction.map(|d| d.map(|x| -x)));
+        let gravity_ground_m_s2 = down.map_or(DVec3::ZERO, |down| {
+            DVec3::from_array(down).normalize_or_zero() * STANDARD_GRAVITY_M_S2
+        });
+        Self {
+            gain_n_per_v: gains.each(),
+            gravity_ground_m_s2,
+            trial,
+            entry,
+        }
+    }
+}
+
 /// What reaches the acquisition.
 #[derive(Debug)]
 pub enum Event {
@@ -82,3 +101,12 @@ pub enum Event {
 
 /// The way to the acquisition. A send waits while the queue is full; it fails when the instrument is shut down.
 pub type Sender = SyncSender<Event>;
+
+/// Tells that a file starts, and what a session says of it; false when the instrument is shut down.
+fn starts(start: &Start, begin: Option<Begin>, sender: &Sender) -> bool {
+    let begin = begin.map(|begin| Event::Begin(Box::new(begin)));
+    let events = std::iter::once(Event::Start(start.clone())).chain(begin);
+    events
+        .map(|event| sender.send(event))
+        .all(|sent| sent.is_ok())
+}

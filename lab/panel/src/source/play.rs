@@ -11,7 +11,7 @@ use sixaxis_recordings::ingest::find;
 use sixaxis_recordings::session::Channels;
 
 use super::wire::standards;
-use super::{Event, Sender, Start};
+use super::{Begin, Event, Sender, Start};
 use crate::columns::Batch;
 
 /// Time between two batches.
@@ -51,11 +51,12 @@ impl Player {
         })
     }
 
-    /// Plays it once, so many times as fast as it was recorded; not waiting at all for an infinite speed.
-    pub fn run(mut self, speed: f64, sender: &Sender) {
+    /// Plays it once, so many times as fast as it was recorded; not waiting at all for an infinite speed. `begin` is what a session says
+    /// of it.
+    pub fn run(mut self, speed: f64, begin: Option<Begin>, sender: &Sender) {
         let rate = self.start.sample_rate_hz;
         let standards = self.start.standards;
-        if sender.send(Event::Start(self.start.clone())).is_err() {
+        if !super::starts(&self.start, begin, sender) {
             return;
         }
         let piece = ((rate * speed * TICK.as_secs_f64()) as usize).clamp(1, super::LONGEST_BATCH);

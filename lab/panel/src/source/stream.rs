@@ -99,7 +99,13 @@ pub fn read(
         0 => String::new(),
         rows => format!("; {rows} rows were refused"),
     };
-    let over = format!("{over}{refused}");
+    let rest = match wire.unfinished() {
+        bytes if bytes > 0 && started && over == "ended" => format!(
+            "; the last {bytes} bytes are no whole row: are format and columns those of the sender?"
+        ),
+        _ => String::new(),
+    };
+    let over = format!("{over}{refused}{rest}");
     sender.send(Event::Note(format!("{from}: {over}"))).ok()?;
     Some(over)
 }

@@ -197,6 +197,12 @@ impl Wire {
         self.head.as_ref()
     }
 
+    /// Bytes that have come and are no whole row, or no whole first line, yet.
+    #[must_use]
+    pub const fn unfinished(&self) -> usize {
+        self.pending.len()
+    }
+
     /// Takes the next bytes and appends the samples that they complete. A row of text that is none is counted in
     /// [`Self::refused`] and its error handed to `refuse`.
     ///

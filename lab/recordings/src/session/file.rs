@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::entry::Entry;
 use super::place;
 use super::schema::Session;
 use crate::error::{Error, Result};
@@ -62,6 +63,29 @@ impl SessionFile {
             (Ok(a), Ok(b)) => a == b,
             _ => listed == file,
         }
+    }
+
+    /// A recording's entry: the same file, or else the only one of that name.
+    #[must_use]
+    pub fn entry(&self, recording: &Path) -> Option<&Entry> {
+        let entries = &self.session.recording;
+        if let Some(entry) = entries.iter().find(|e| self.names(&e.file, recording)) {
+            return Some(entry);
+        }
+        let mut named = entries
+            .iter()
+            .filter(|entry| entry.file.file_name() == recording.file_name());
+        match (named.next(), named.next()) {
+            (Some(entry), None) => Some(entry),
+            _ => None,
+        }
+    }
+
+    /// The session's own file of an entry that another file is taken for by its name, if it has one.
+    #[must_use]
+    pub fn namesake(&self, entry: &Entry, recording: &Path) -> Option<PathBuf> {
+        let own = self.resolve(&entry.file);
+        (!self.names(&entry.file, recording) && own.exists()).then_some(own)
     }
 
     /// An error at a key such as `recording[3].direction`.

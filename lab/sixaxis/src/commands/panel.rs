@@ -48,7 +48,8 @@ pub struct Arguments {
     /// What computes the simulated laboratory's runs [default: mujoco, where it is compiled in]
     #[arg(long, value_parser = choice::<Engine>(ENGINES))]
     engine: Option<Engine>,
-    /// Session file: sensor, gains, instruments, and the recordings that the calibration day makes anew
+    /// Session file: sensor, gains, instruments, and the recordings that the calibration day makes anew; a file that is played or followed has
+    /// the gains and the direction of its own entry
     #[arg(long, value_name = "FILE")]
     session: Option<PathBuf>,
     /// Calibration to decode with
@@ -77,14 +78,14 @@ pub struct Arguments {
 const AFTER_HELP: &str = "\
 Examples:
   sixaxis panel                                     a simulated laboratory: run the rig, calibrate, decouple
-  sixaxis panel --tcp 5555 --calibration calibration.json
+  sixaxis panel --tcp 5555 --calibration calibration.json --session session.toml
                                                     samples that a program sends; see docs/panel.md
   daq-program | sixaxis panel --stdin
   sixaxis panel --follow growing.tdms
   sixaxis panel --play day/compound-03.tdms --speed 2 --session day/session.toml
   ssh -L 8765:localhost:8765 laboratory             then open the link that the panel printed there
 
-The link holds a token, without which nothing is shown. Several browsers may look; one holds the controls.";
+The link holds a token, without which the page stays empty. Several browsers may look; one holds the controls.";
 
 fn speed(text: &str) -> Result<f64, String> {
     match text.parse() {
@@ -145,6 +146,8 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         }),
     };
     make_folder(&arguments.out)?;
+    let file = arguments.play.as_deref().or(arguments.follow.as_deref());
+    let entry = file.and_then(|file| session.as_ref()?.entry(file).cloned());
     let mut panel = start(Options {
         source,
         rate_hz: arguments.rate,
@@ -152,6 +155,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         token: arguments.token.clone(),
         out: arguments.out.clone(),
         session: session.map(|file| file.session),
+        entry,
         calibration,
         tell: |text| tell("panel", text),
     })?;
