@@ -213,6 +213,7 @@ fn law_a_broken_stream_is_told_and_the_next_one_taken() {
     let panel = panel(port(), folder.path());
     let mut browser = Browser::open(&panel.link);
     let input = panel.input.expect("a port");
+    let broken_off = [&b"sixaxis rate=1000\n"[..], &[0; 35]].concat();
     for (bytes, told) in [
         (&b"GET / HTTP/1.1\r\n\r\n"[..], "sixaxis"),
         (
@@ -220,6 +221,7 @@ fn law_a_broken_stream_is_told_and_the_next_one_taken() {
             "3 numbers, 9 were expected",
         ),
         (&[0xff; 9000][..], "longer than"),
+        (&broken_off[..], "the last 35 bytes are no whole row"),
     ] {
         TcpStream::connect(input)
             .expect("connects")

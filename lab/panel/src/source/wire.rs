@@ -126,6 +126,11 @@ impl Head {
             channels: names.iter().map(channel).collect(),
             ..Layout::default()
         };
+        for (index, channel) in layout.channels.iter().enumerate() {
+            if layout.position(&channel.name) != Some(index) {
+                return Err(refuse(&format!("column {} is there twice", channel.name)));
+            }
+        }
         let place = Path::new(PLACE);
         let limbs = find::limbs(place, &layout, channels).map_err(|e| refuse(&e.to_string()))?;
         Ok(Self {

@@ -1,9 +1,13 @@
 //! What a person should know about a recording, each fact in one sentence with its numbers.
 
-use super::facts::{ChannelFacts, Fact, FlatTop, Group, Inspection, RateOrigin, Severity, Twins};
+use super::facts::{
+    ChannelFacts, Fact, FlatTop, Group, Inspection, RateOrigin, Sensor, Severity, Twins,
+};
 use super::listing::{brief, plural, seconds, with_unit};
-use super::sensor::Expected;
+use super::sensor::{Expected, last_part};
 use crate::ingest::clock::Stamps;
+use crate::session::Channels;
+use crate::unit;
 
 /// Jitter beyond this share of a step is noticed.
 const JITTER: f64 = 0.01;
@@ -313,6 +317,33 @@ impl Facts {
         }
     }
 
+    /// Names and unit that were stated, where nine voltages were found by others.
+    fn of_names(&mut self, stated: &Channels, sensor: &Sensor, inspection: &Inspection) {
+        let is = |name: &str, found: &String| {
+            found == name || last_part(found).eq_ignore_ascii_case(name)
+        };
+        let there = |name: &String| sensor.limbs.iter().any(|found| is(name, found));
+        if stated.limbs != Channels::default().limbs && !stated.limbs.iter().all(there) {
+            let text = format!(
+                "channels {} are not all in this file; its nine voltages, {}, were looked at instead",
+                list(&stated.limbs),
+                list(&sensor.limbs)
+            );
+            self.notice("names", &sensor.limbs, text);
+        }
+        let channels = inspection.groups.iter().flat_map(|group| &group.channels);
+        let found = channels.filter(|c| sensor.limbs.contains(&c.name));
+        let Some(stated) = &stated.limbs_unit else {
+            return;
+        };
+        for unit in found.filter_map(|channel| channel.unit.as_ref()) {
+            if unit::named(&unit.name) != unit::named(stated) {
+                let text = format!("the limbs are in {}, and {stated} is stated", unit.name);
+                self.notice("unit", &sensor.limbs, text);
+            }
+        }
+    }
+
     fn of_sensor(&mut self, inspection: &Inspection, expected: Option<&Expected>) {
         if let Some(session) = expected.and_then(|e| e.foreign_to.as_deref()) {
             self.remark(format!("not among the recordings of {}", session.display()));
@@ -326,6 +357,9 @@ impl Facts {
             }
             return;
         };
+        if let Some(expected) = expected {
+            self.of_names(&expected.channels, sensor, inspection);
+        }
         let standard = |name: &Option<String>, what: &str| match name {
             Some(name) => format!("{what} ({name})"),
             None => format!("no {what}"),

@@ -101,7 +101,7 @@ impl Expected {
 }
 
 /// A TDMS name without its group.
-fn last_part(name: &str) -> &str {
+pub(super) fn last_part(name: &str) -> &str {
     name.rsplit('/').next().unwrap_or(name)
 }
 

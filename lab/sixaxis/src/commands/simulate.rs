@@ -8,6 +8,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde::de::DeserializeOwned;
 use serde::de::value::{Error as ValueError, StrDeserializer};
 use sixaxis_core::LIMBS;
+use sixaxis_recordings::draft::write_atomically;
 use sixaxis_recordings::session::line_of;
 use sixaxis_reference::laboratory::check::check;
 use sixaxis_reference::laboratory::defect::Kind;
@@ -198,6 +199,9 @@ fn from_the_field(arguments: &Arguments, plan: &SessionPlan, duration_s: f64) ->
     }
     let played = record_tumble(plan, duration_s, &drift).context("cannot play the tumble")?;
     let path = write_beside(&played, &arguments.out, &arguments.format)?;
+    let truth = arguments.out.join(TRUTH_FOLDER).join("tumble.json");
+    let drifted = serde_json::json!({ "drift_of_scale": drift });
+    write_atomically(&truth, drifted.to_string().as_bytes())?;
     let gains = played.gain_n_per_v.map(|gain| gain.to_string());
     Ok(format!(
         "sixaxis self-calibrate {} {} --down 0,0,-1 --gain {}",

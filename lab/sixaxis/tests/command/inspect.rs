@@ -343,3 +343,31 @@ fn long_recording_in_bounded_memory() {
     );
     assert!(peak_kb > 0 && peak_kb < ALLOWED_KB, "{peak_kb} kB");
 }
+
+#[test]
+fn regress_names_and_unit_that_are_not_the_files_are_noticed() {
+    let folder = Folder::new("inspect-names");
+    let mut text = (1..=9)
+        .map(|limb| format!("u{limb} [V]"))
+        .collect::<Vec<_>>()
+        .join(",");
+    for k in 0..3000u64 {
+        let row: Vec<String> = (0..9).map(|limb| noise(k, limb).to_string()).collect();
+        write!(text, "\n{}", row.join(",")).expect("text");
+    }
+    let path = folder.write("run.csv", text);
+    let noticed = |options: &[&str]| {
+        let mut all = vec![&path[..], "--at-rest"];
+        all.extend(options);
+        let kinds = kinds(&json(&all)["files"][0]);
+        let of = |kind: &str| kinds.iter().any(|(found, _)| found == kind);
+        (of("names"), of("unit"))
+    };
+    assert_eq!(noticed(&[]), (false, false));
+    assert_eq!(
+        noticed(&["--channels", "u9,u8,u7,u6,u5,u4,u3,u2,u1", "--unit", "V"]),
+        (false, false)
+    );
+    assert_eq!(noticed(&["--channels", "a,b,c,d,e,f,g,h,i"]), (true, false));
+    assert_eq!(noticed(&["--unit", "mV"]), (false, true));
+}

@@ -188,6 +188,15 @@ fn ref_limbs_that_the_joint_fit_knows_to_be_unequal_have_not_drifted() {
 }
 
 #[test]
+fn regress_the_truth_of_a_day_says_which_limb_has_drifted() {
+    let (folder, _) = day();
+    let truth = std::fs::read(folder.join("truth/tumble.json")).expect("it is there");
+    let truth: Value = serde_json::from_slice(&truth).expect("JSON");
+    let expected = [0.0, 0.0, 0.0, 0.003, 0.0, 0.0, 0.0, 0.0, 0.0];
+    assert_eq!(truth, serde_json::json!({ "drift_of_scale": expected }));
+}
+
+#[test]
 fn neg_a_wrong_gain_is_no_drift() {
     let (folder, gains) = day();
     let mut wrong: Vec<f64> = gains

@@ -62,6 +62,10 @@ fn law_heads_that_are_none_are_refused() {
         ("sixaxis rate=1000 colour=red\n", "keys"),
         ("sixaxis rate=1000 columns=u1,u2\n", "u3"),
         (
+            "sixaxis rate=1000 columns=u1,u1,u2,u3,u4,u5,u6,u7,u8,u9\n",
+            "twice",
+        ),
+        (
             "sixaxis rate=1000 columns=u1[g],u2,u3,u4,u5,u6,u7,u8,u9\n",
             "u1",
         ),
