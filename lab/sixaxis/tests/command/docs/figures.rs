@@ -273,7 +273,7 @@ fn the_budget_in_the_readme_is_the_published_one() {
             percent(equal, 2)
         ),
         format!(
-            "a perfect laboratory is left with the {} % that the low-pass takes",
+            "a perfect laboratory is left with {} %, most of which the low-pass takes",
             percent(perfect, 2)
         ),
     ] {
