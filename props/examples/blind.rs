@@ -12,7 +12,7 @@ use sixaxis_props::results::{Blind, BlindTally};
 use sixaxis_reference::laboratory::plan::Engine;
 
 /// Sessions that are played unless told otherwise: whole cycles.
-const COUNT: u64 = 44 * CYCLE;
+const COUNT: u64 = 33 * CYCLE;
 
 fn main() -> ExitCode {
     let arguments = Arguments::given();

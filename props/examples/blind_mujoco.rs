@@ -1,6 +1,6 @@
 //! Blind trials whose sessions MuJoCo and the engine with rigid limbs both play: `cargo run --release -p sixaxis-props --example blind_mujoco`.
 //!
-//! One cycle of sessions, of which MuJoCo takes half a minute each. `--rows FILE`, with `--shard 2/8`, leaves MuJoCo's rows, and
+//! One session of each sort of laboratory and of each kind of defect, of which MuJoCo takes half a minute each. `--rows FILE`, with `--shard 2/8`, leaves MuJoCo's rows, and
 //! `--merge FILE,FILE,...` takes them up, as in the example `blind`. `--publish` writes `props/results/blind_mujoco.json`.
 
 use std::process::ExitCode;
@@ -8,20 +8,24 @@ use std::process::ExitCode;
 use sixaxis_props::blind::{CYCLE, pairs, rows};
 use sixaxis_props::publication::{self, Arguments, Seeds};
 use sixaxis_props::results::BlindPairs;
+use sixaxis_reference::laboratory::defect::Kind;
 use sixaxis_reference::laboratory::plan::Engine;
 
-/// No seed of the example `blind` is among these.
-const FIRST: u64 = 9_500_000;
+/// No seed of the example `blind` is among these. The second half of a cycle's defects begins here, and the laboratories of the next
+/// follow.
+const FIRST: u64 = 9_500_006;
+/// Each laboratory of a cycle, and each kind of defect once.
+const COUNT: u64 = CYCLE - Kind::ALL.len() as u64;
 
 fn main() -> ExitCode {
     let arguments = Arguments::given();
     if let Some(path) = arguments.text("--rows") {
-        let played = rows::write_shard(&arguments, (FIRST, CYCLE), Engine::Mujoco, path);
+        let played = rows::write_shard(&arguments, (FIRST, COUNT), Engine::Mujoco, path);
         return publication::end(played);
     }
     let seeds = Seeds {
         first: FIRST,
-        count: CYCLE,
+        count: COUNT,
         sample: 1,
     };
     publication::run(seeds, |first, count| study(first, count, &arguments))
@@ -30,7 +34,7 @@ fn main() -> ExitCode {
 fn study(first: u64, count: u64, arguments: &Arguments) -> Result<BlindPairs, String> {
     let seeds: Vec<u64> = (first..first + count).collect();
     let mujoco = match arguments.text("--merge") {
-        Some(files) if count >= CYCLE => rows::gathered(files, first, count)?,
+        Some(files) if count >= COUNT => rows::gathered(files, first, count)?,
         _ => rows::play(&seeds, Engine::Mujoco)?,
     };
     let found = pairs::of(mujoco, &rows::play(&seeds, Engine::Rigid)?);

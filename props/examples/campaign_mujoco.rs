@@ -15,7 +15,7 @@ const PLAN: &str = include_str!("../results/campaign_mujoco.toml");
 fn main() -> ExitCode {
     let seeds = Seeds {
         first: 710_001,
-        count: 100,
+        count: 48,
         sample: 1,
     };
     run(seeds, study)
