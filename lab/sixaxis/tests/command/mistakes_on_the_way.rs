@@ -246,7 +246,7 @@ fn neg_zeros_that_are_not_the_calibrations_are_told() {
         ]
         .concat()))
     };
-    let wanted = "this recording's zeros are not the calibration's";
+    let wanted = "zeros, gains or unit are not the calibration's";
     assert!(!decoupled("compound-02.csv").contains(wanted));
     // Tared to its first sample, with that sample's noise; a plug that was seated anew.
     let first: [f64; 9] = core::array::from_fn(|i| rows_of("compound-02.csv")[0][i]);
@@ -261,4 +261,25 @@ fn neg_zeros_that_are_not_the_calibrations_are_told() {
         let said = decoupled(recording);
         assert!(said.contains(wanted), "{recording}: {said}");
     }
+    rewritten("compound-02.csv", "dead-run.csv", |row| row[4] = 0.0);
+    let said = decoupled("dead-run.csv");
+    assert!(said.contains("dead") && !said.contains(wanted), "{said}");
+}
+
+#[test]
+fn neg_a_namesake_of_a_recording_is_told() {
+    let folder = &day().0;
+    let elsewhere = folder.join("elsewhere");
+    fs::create_dir_all(&elsewhere).expect("a folder");
+    let copy = elsewhere.join("compound-02.csv");
+    fs::copy(folder.join("compound-02.csv"), &copy).expect("copied");
+    let [calibration, session] = ["calibration.json", "session.toml"].map(|name| folder.file(name));
+    let out = folder.file("namesake-out.csv");
+    let told = |recording: &str| {
+        let arguments = ["--session", &session, "--out", &out];
+        let said = run(&[&["decouple", &calibration, recording], &arguments[..]].concat());
+        stderr(&said).contains("the name is the same, the file is not")
+    };
+    assert!(told(copy.to_str().expect("text")));
+    assert!(!told(&folder.file("compound-02.csv")));
 }
