@@ -9,7 +9,7 @@ use sixaxis_core::dsp::lag::{UndoHighPass, undo_high_pass};
 use sixaxis_core::dsp::outlier::{Hampel, hampel};
 use sixaxis_core::dsp::spectrum::{Welch, welch};
 use sixaxis_core::dsp::stage::Stage;
-use sixaxis_core::dsp::zero_phase::{ZeroPhase, settling_samples, zero_phase};
+use sixaxis_core::dsp::zero_phase::{ZeroPhase, padding, settling_samples, zero_phase};
 
 use crate::tolerance;
 use crate::{check_above, check_below, distance, record};
@@ -123,6 +123,24 @@ fn inv_without_a_segment_there_is_no_spectrum() -> Result<()> {
     assert_eq!(stream.spectrum(RATE_HZ), None);
     stream.push(&[0.0]);
     assert!(stream.spectrum(RATE_HZ).is_some());
+    Ok(())
+}
+
+#[test]
+fn neg_a_stream_too_short_to_continue_is_refused() -> Result<()> {
+    let sections = low_pass(4, 6.0, RATE_HZ)?;
+    let least = padding(&sections) + 1;
+    let series = record(least, RATE_HZ);
+    for samples in [0, 1, least - 1, least] {
+        let mut stage = ContinuedZeroPhase::new(&sections)?;
+        let mut out = Vec::new();
+        stage.push(&series[..samples], &mut out);
+        assert_eq!(
+            stage.finish(&mut out).is_ok(),
+            samples == least,
+            "{samples}"
+        );
+    }
     Ok(())
 }
 
