@@ -1,13 +1,11 @@
 //! What a person should know about a recording, each fact in one sentence with its numbers.
 
-use super::facts::{
-    ChannelFacts, Fact, FlatTop, Group, Inspection, RateOrigin, Sensor, Severity, Twins,
-};
+mod limbs;
+
+use super::facts::{ChannelFacts, Fact, FlatTop, Group, Inspection, RateOrigin, Severity, Twins};
 use super::listing::{brief, plural, seconds, with_unit};
-use super::sensor::{Expected, last_part};
+use super::sensor::Expected;
 use crate::ingest::clock::Stamps;
-use crate::session::Channels;
-use crate::unit;
 
 /// Jitter beyond this share of a step is noticed.
 const JITTER: f64 = 0.01;
@@ -315,78 +313,6 @@ impl Facts {
                 list(&unknown)
             ));
         }
-    }
-
-    /// Names and unit that were stated, where nine voltages were found by others.
-    fn of_names(&mut self, stated: &Channels, sensor: &Sensor, inspection: &Inspection) {
-        let is = |name: &str, found: &String| {
-            found == name || last_part(found).eq_ignore_ascii_case(name)
-        };
-        let there = |name: &String| sensor.limbs.iter().any(|found| is(name, found));
-        if stated.limbs != Channels::default().limbs && !stated.limbs.iter().all(there) {
-            let text = format!(
-                "channels {} are not all in this file; its nine voltages, {}, were looked at instead",
-                list(&stated.limbs),
-                list(&sensor.limbs)
-            );
-            self.notice("names", &sensor.limbs, text);
-        }
-        let channels = inspection.groups.iter().flat_map(|group| &group.channels);
-        let found = channels.filter(|c| sensor.limbs.contains(&c.name));
-        let Some(stated) = &stated.limbs_unit else {
-            return;
-        };
-        for unit in found.filter_map(|channel| channel.unit.as_ref()) {
-            if unit::named(&unit.name) != unit::named(stated) {
-                let text = format!("the limbs are in {}, and {stated} is stated", unit.name);
-                self.notice("unit", &sensor.limbs, text);
-            }
-        }
-    }
-
-    fn of_sensor(&mut self, inspection: &Inspection, expected: Option<&Expected>) {
-        if let Some(session) = expected.and_then(|e| e.foreign_to.as_deref()) {
-            self.remark(format!("not among the recordings of {}", session.display()));
-        }
-        let Some(sensor) = &inspection.sensor else {
-            if let Some(expected) = expected {
-                self.remark(format!(
-                    "the nine limbs, {}, are not all in this file",
-                    list(&expected.channels.limbs)
-                ));
-            }
-            return;
-        };
-        if let Some(expected) = expected {
-            self.of_names(&expected.channels, sensor, inspection);
-        }
-        let standard = |name: &Option<String>, what: &str| match name {
-            Some(name) => format!("{what} ({name})"),
-            None => format!("no {what}"),
-        };
-        self.remark(format!(
-            "nine limbs ({} to {}), {}, {}",
-            sensor.limbs.first().map_or("", String::as_str),
-            sensor.limbs.last().map_or("", String::as_str),
-            standard(&sensor.accelerometer, "accelerometer"),
-            standard(&sensor.gyroscope, "gyroscope")
-        ));
-        if !sensor.dead.is_empty() {
-            self.remark(format!("dead limbs: {}", list(&sensor.dead)));
-        }
-        if !sensor.silent.is_empty() {
-            let (shows, it) = match sensor.silent.as_slice() {
-                [_] => ("shows", "it"),
-                _ => ("show", "them"),
-            };
-            self.remark(format!(
-                "{} {shows} nothing but noise while most limbs move: dead, or this motion does not reach {it}",
-                list(&sensor.silent),
-            ));
-        }
-        self.remark(
-            "exchanged, inverted or wrongly scaled limbs do not show in one recording: `sixaxis calibrate SESSION` looks for them in all trials together",
-        );
     }
 }
 
