@@ -180,7 +180,7 @@ pub fn cause_of(kind: Kind, magnitude: f64) -> Option<Cause> {
         | Kind::LateCard
         | Kind::DroppedSamples => Cause::ClockMismatch,
         Kind::GyroscopeLag => Cause::GyroscopeLag,
-        Kind::AmplifierHighPass => Cause::HighPassNotStated,
+        Kind::AmplifierHighPass => Cause::HighPassMisstated,
         Kind::DriftDuringRun | Kind::DriftAtRest | Kind::ZeroMoved => Cause::DriftDuringRun,
         Kind::ForeignTrial => Cause::ForeignTrial,
         Kind::CentreOffset

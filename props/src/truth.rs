@@ -120,6 +120,7 @@ impl InCore for SimulatedRecording {
             voltage_v: self.voltage_v.clone(),
             accelerometer_m_s2: self.accelerometer_m_s2.clone(),
             gyroscope_rad_s: self.gyroscope_rad_s.clone(),
+            limbs_band_hz: f64::INFINITY,
             standards_band_hz: f64::INFINITY,
             direction_ground: self.direction_ground,
             gravity_ground_m_s2: self.gravity_ground_m_s2,

@@ -29,10 +29,10 @@ pub enum Cause {
     WrongScaling,
     /// Sensor and standards, or the recording and the session, do not agree on time.
     ClockMismatch,
-    /// The gyroscope lags and nothing undoes it.
+    /// The gyroscope lags and nothing undoes it, or another lag than its own is undone.
     GyroscopeLag,
-    /// The amplifiers are high-passes and the session does not say so.
-    HighPassNotStated,
+    /// The amplifiers are high-passes and the session does not say so, or the other way round.
+    HighPassMisstated,
     /// A channel's zero moved during a run or since the static record.
     DriftDuringRun,
     /// A channel's sensitivity changes from trial to trial.
@@ -62,8 +62,8 @@ impl Cause {
             Self::MillivoltMixUp => "volts and millivolts mixed up",
             Self::WrongScaling => "wrong unit or scaling",
             Self::ClockMismatch => "clocks disagree",
-            Self::GyroscopeLag => "gyroscope's lag not undone",
-            Self::HighPassNotStated => "amplifiers' high-pass not stated",
+            Self::GyroscopeLag => "gyroscope's lag not as stated",
+            Self::HighPassMisstated => "amplifiers' high-pass not as stated",
             Self::DriftDuringRun => "zero drifts",
             Self::FadingSensitivity => "sensitivity changes over the day",
             Self::LooseWedge => "wedge loose or wrong",

@@ -233,6 +233,7 @@ pub fn record(trial: &Trial) -> Option<Record<'_>> {
         gains: &trial.gains,
         voltage_v: &trial.voltage_v,
         standard,
+        limbs_band_hz: trial.limbs_band_hz,
         standard_band_hz: trial.standards_band_hz,
         direction_ground: trial.direction_ground,
         gravity_ground_m_s2: trial.gravity_ground_m_s2,

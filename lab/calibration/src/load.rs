@@ -25,6 +25,7 @@ pub(crate) fn trial_and_cut(file: &SessionFile, index: usize) -> Result<(Trial, 
             .collect(),
         accelerometer_m_s2: read.accelerometer_m_s2,
         gyroscope_rad_s: read.gyroscope_rad_s,
+        limbs_band_hz: read.limbs_band_hz,
         standards_band_hz: read.standards_band_hz,
     };
     let session = &file.session;

@@ -85,17 +85,8 @@ impl PreparedSession {
                 }
             }
         }
-        let at_rest = trials.iter().any(|trial| trial.role == Role::Static);
-        if !at_rest && findings.is_empty() {
-            findings.push(Finding {
-                cause: Cause::Unreadable,
-                recordings: Vec::new(),
-                channels: Vec::new(),
-                evidence: "the session has no static record, and step 1 needs one".to_owned(),
-                advice:
-                    "record the sensor at rest for ten minutes and enter it with role = \"static\""
-                        .to_owned(),
-            });
+        if findings.is_empty() {
+            findings.extend(missing(&trials));
         }
         let mut prepared = Self::of(&file.session, trials, progress);
         findings.append(&mut prepared.findings);
@@ -144,6 +135,9 @@ impl PreparedSession {
         }
         let mut findings = copies(&mut moving);
         findings.extend(drive::set_aside(&mut moving));
+        if let Some(line) = conditioning.stages.detrend.settings() {
+            findings.extend(moves_at_rest(&moving, line.rest_s));
+        }
         progress.stage("conditioning", moving.len());
         let conditioned: Vec<(Trial, sixaxis_core::Result<Conditioned>)> = moving
             .into_par_iter()
@@ -178,6 +172,72 @@ impl PreparedSession {
             reservations: Vec::new(),
         }
     }
+}
+
+/// What the four steps cannot do without and the session has no recording of.
+fn missing(trials: &[Trial]) -> impl Iterator<Item = Finding> {
+    let wanted = [
+        (
+            Role::Static,
+            "no static record, and step 1 needs one",
+            "record the sensor at rest for ten minutes and enter it with role = \"static\"",
+        ),
+        (
+            Role::Linear,
+            "no linear trial, and step 2 needs some along at least three directions that are not in one plane",
+            "record the sensor on the slider, on at least three wedges, and enter each trial with role = \"linear\"",
+        ),
+        (
+            Role::Angular,
+            "no angular trial, and step 3 needs some about at least three axes that are not in one plane",
+            "record the sensor on the pinion, on at least three wedges, and enter each trial with role = \"angular\"",
+        ),
+    ];
+    wanted
+        .into_iter()
+        .filter(|(role, ..)| !trials.iter().any(|trial| trial.role == *role))
+        .map(|(_, lacks, advice)| Finding {
+            cause: Cause::Unreadable,
+            recordings: Vec::new(),
+            channels: Vec::new(),
+            evidence: format!("the session has {lacks}"),
+            advice: advice.to_owned(),
+        })
+}
+
+/// Root mean square of a standard within what is taken for rest, over that of the whole run, beyond which it is none.
+const MOVES: f64 = 0.2;
+
+/// Runs that move where a line is laid through their rests.
+fn moves_at_rest(trials: &[Trial], rest_s: f64) -> Option<Finding> {
+    let size = |series: &[f64]| {
+        let squares = series.iter().map(|x| x * x).sum::<f64>();
+        (squares / series.len().max(1) as f64).sqrt()
+    };
+    let moves = |trial: &&Trial| {
+        let samples = (rest_s * trial.sample_rate_hz) as usize;
+        [&trial.accelerometer_m_s2, &trial.gyroscope_rad_s]
+            .into_iter()
+            .any(|series| {
+                let samples = samples.min(series.len());
+                let [first, last] = [&series[..samples], &series[series.len() - samples..]];
+                size(first).max(size(last)) > MOVES * size(series)
+            })
+    };
+    let moving: Vec<&Trial> = trials.iter().filter(moves).collect();
+    (!moving.is_empty()).then(|| Finding {
+        cause: Cause::Unreadable,
+        recordings: if moving.len() == trials.len() {
+            Vec::new()
+        } else {
+            moving.iter().map(|trial| trial.name.clone()).collect()
+        },
+        channels: Vec::new(),
+        evidence: format!(
+            "preprocessing.detrend lays a line through the first and the last {rest_s} s as rests, and the standards move there"
+        ),
+        advice: "take preprocessing.detrend out of the session, or state the rest_s that the runs have".to_owned(),
+    })
 }
 
 /// Takes out trials that are another one's copy, sample by sample: they would count as evidence of their own.

@@ -128,7 +128,7 @@ fn evaluate(
         }
     ) {
         Err(format!(
-            "what follows the blow is not the decay of six modes, {:.1} % of it is left over; the shell must be held still",
+            "what follows the blow is not the decay of six modes, {:.1} % of it is left over; the shell must be held still, and gain_n_per_v be this recording's",
             100.0 * tap.residual_over_signal
         ))
     } else {

@@ -17,7 +17,9 @@ pub struct Readings {
     pub accelerometer_m_s2: Vec<f64>,
     /// Standard gyroscope about the pinion's axis, rad/s; empty for a static record.
     pub gyroscope_rad_s: Vec<f64>,
-    /// Frequency up to which noise of the standards is white, Hz: infinite unless they were resampled from a clock of their own that is no faster.
+    /// Frequency up to which noise of the limbs is white, Hz: infinite unless they were read between their samples.
+    pub limbs_band_hz: f64,
+    /// The same of the standards: infinite, too, where they were resampled from a faster clock.
     pub standards_band_hz: f64,
 }
 
@@ -40,7 +42,9 @@ pub struct Trial {
     pub accelerometer_m_s2: Vec<f64>,
     /// Standard gyroscope about the pinion's axis, rad/s; empty for a static record and a tap.
     pub gyroscope_rad_s: Vec<f64>,
-    /// Frequency up to which noise of the standards is white, Hz: infinite unless they were resampled from a clock of their own that is no faster.
+    /// Frequency up to which noise of the limbs is white, Hz: infinite unless they were read between their samples.
+    pub limbs_band_hz: f64,
+    /// The same of the standards: infinite, too, where they were resampled from a faster clock.
     pub standards_band_hz: f64,
     /// Unit vector of travel and axis in the sensor's axes at rest.
     pub direction_ground: DVec3,
@@ -86,6 +90,7 @@ impl Trial {
             voltage_v: readings.voltage_v,
             accelerometer_m_s2: readings.accelerometer_m_s2,
             gyroscope_rad_s: readings.gyroscope_rad_s,
+            limbs_band_hz: readings.limbs_band_hz,
             standards_band_hz: readings.standards_band_hz,
             direction_ground,
             gravity_ground_m_s2,

@@ -92,6 +92,7 @@ fn trial() -> Trial {
         voltage_v,
         accelerometer_m_s2: (0..SAMPLES).map(|k| 0.1 + wave(k, 0.5)).collect(),
         gyroscope_rad_s: (0..SAMPLES).map(|k| 0.01 + wave(k, 0.7)).collect(),
+        limbs_band_hz: f64::INFINITY,
         standards_band_hz: f64::INFINITY,
         direction_ground: DVec3::X,
         gravity_ground_m_s2: DVec3::new(-9.80665, 0.0, 0.0),

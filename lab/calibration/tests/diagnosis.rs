@@ -166,6 +166,7 @@ impl Run {
             voltage_v,
             accelerometer_m_s2: linear,
             gyroscope_rad_s: rate,
+            limbs_band_hz: f64::INFINITY,
             standards_band_hz: f64::INFINITY,
             direction_ground: self.stated,
             gravity_ground_m_s2: self.stated_gravity,

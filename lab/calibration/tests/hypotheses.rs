@@ -261,6 +261,7 @@ fn played(index: usize, wrong: &Wrong, noise: &mut Noise) -> (Trial, Conditioned
         voltage_v,
         accelerometer_m_s2: linear,
         gyroscope_rad_s: rate,
+        limbs_band_hz: f64::INFINITY,
         standards_band_hz: f64::INFINITY,
         direction_ground: n,
         gravity_ground_m_s2: n * -9.80665,
@@ -361,7 +362,7 @@ fn inv_a_freedom_that_is_lacking_is_named_by_its_unknown() {
             corner_hz: 0.5,
             ..Wrong::default()
         },
-        Cause::HighPassNotStated,
+        Cause::HighPassMisstated,
         &[],
         0,
     );

@@ -368,7 +368,7 @@ fn found(change: impl FnOnce(&mut JointEstimate)) -> Option<Vec<Short>> {
     change(&mut fit);
     let report = JointReport::new(fit, LIMIT);
     report.accounts().then(|| {
-        let findings = report.extraordinary(&["a", "b", "c"], 10.0, LIMIT);
+        let findings = report.extraordinary(&["a", "b", "c"], 10.0, LIMIT, None);
         let short = findings.into_iter();
         short.map(|f| (f.cause, f.recordings, f.channels)).collect()
     })

@@ -43,6 +43,7 @@ fn played(role: Role, direction: DVec3, linear: f64, angular: f64) -> (Trial, Co
         voltage_v: vec![[0.0; LIMBS]; SAMPLES],
         accelerometer_m_s2: Vec::new(),
         gyroscope_rad_s: Vec::new(),
+        limbs_band_hz: f64::INFINITY,
         standards_band_hz: f64::INFINITY,
         direction_ground: direction,
         gravity_ground_m_s2: DVec3::ZERO,

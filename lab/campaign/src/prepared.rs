@@ -31,6 +31,7 @@ fn trial(session: &Session, recording: SimulatedRecording) -> Trial {
         voltage_v,
         accelerometer_m_s2: recording.accelerometer_m_s2,
         gyroscope_rad_s: recording.gyroscope_rad_s,
+        limbs_band_hz: f64::INFINITY,
         standards_band_hz: f64::INFINITY,
     };
     Trial::of(session, &entry, readings)

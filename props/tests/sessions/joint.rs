@@ -320,6 +320,7 @@ fn made_up(voltage_v: &[[f64; LIMBS]], standard: &[f64], refused: impl Fn(&Error
         gains: &gains,
         voltage_v,
         standard,
+        limbs_band_hz: f64::INFINITY,
         standard_band_hz: f64::INFINITY,
         direction_ground: glam::DVec3::X,
         gravity_ground_m_s2: glam::DVec3::ZERO,

@@ -1,5 +1,7 @@
 //! A trial as it was recorded, checked and projected on its harmonics: what the fit works with instead of samples.
 
+use alloc::vec::Vec;
+
 use glam::DVec3;
 use nalgebra::DVector;
 
@@ -38,7 +40,9 @@ pub struct Record<'a> {
     pub voltage_v: &'a [[f64; LIMBS]],
     /// Accelerometer along the travel, m/s^2, or gyroscope about the axis, rad/s.
     pub standard: &'a [f64],
-    /// Frequency up to which the standard's noise is white, Hz: infinite unless it was resampled from a clock that is no faster.
+    /// Frequency up to which the channels' noise is white, Hz: infinite unless they were read between their samples.
+    pub limbs_band_hz: f64,
+    /// The same of the standard: infinite, too, where it was resampled from a faster clock.
     pub standard_band_hz: f64,
     /// Unit vector of travel and axis in the sensor's axes at rest.
     pub direction_ground: DVec3,
@@ -79,11 +83,21 @@ impl Record<'_> {
             let row = &self.voltage_v[n];
             core::array::from_fn(|c| if c < LIMBS { row[c] } else { self.standard[n] })
         });
-        // Resampled from a slower clock it has little noise above half of that one's rate, and more below than its samples show.
+        // What was read between its samples has less noise at high frequencies, and more below than its samples show.
         let duration_s = samples as f64 / self.sample_rate_hz;
-        let last = (self.standard_band_hz * duration_s).min((samples / 2) as f64) as usize;
-        if last < samples / 2 && 2 * last >= 2 * harmonics + FEWEST_FOR_NOISE {
-            data.variance[LIMBS] = mean_square(&grid, self.standard, harmonics + 1..=last);
+        let white = |band_hz: f64| {
+            let last = (band_hz * duration_s).min((samples / 2) as f64) as usize;
+            let enough = last < samples / 2 && 2 * last >= 2 * harmonics + FEWEST_FOR_NOISE;
+            enough.then_some(harmonics + 1..=last)
+        };
+        if let Some(band) = white(self.limbs_band_hz) {
+            for limb in 0..LIMBS {
+                let channel: Vec<f64> = self.voltage_v.iter().map(|row| row[limb]).collect();
+                data.variance[limb] = mean_square(&grid, &channel, band.clone());
+            }
+        }
+        if let Some(band) = white(self.standard_band_hz) {
+            data.variance[LIMBS] = mean_square(&grid, self.standard, band);
         }
         // A limb may well feel nothing in a trial, all of them may not.
         let largest =

@@ -136,6 +136,11 @@ impl Day<'_> {
             .collect();
         let gyroscope = &self.session.gyroscope;
         let limit = gyroscope.gain_percent.unwrap_or(gyroscope.class_percent) / 100.0;
-        joint.extraordinary(&names, self.session.sensor.full_scale_v, limit)
+        joint.extraordinary(
+            &names,
+            self.session.sensor.full_scale_v,
+            limit,
+            gyroscope.bandwidth_hz,
+        )
     }
 }

@@ -5,6 +5,7 @@ mod explanation;
 use glam::DVec3;
 use sixaxis_core::LIMBS;
 
+pub(crate) use explanation::OTHER_RANGES;
 use explanation::{Odd, OtherDirection};
 
 use super::structure::departure;
@@ -88,7 +89,8 @@ fn explain(
         .map(|factor| course.unwrap_or(factor))
         .or_else(|| odd.one_channel())
         .or_else(|| odd.exchanged())
-        .or_else(|| odd.gains_of_another(all));
+        .or_else(|| odd.gains_of_another(all))
+        .or_else(|| odd.gains_inverted());
     if explained.is_some() {
         return explained;
     }

@@ -16,6 +16,9 @@ use sixaxis_recordings::session::Role;
 const TOLERANCE: f64 = 3e-3;
 /// Share of the trials from which what they show is said of a standard.
 const MOST: f64 = 0.5;
+/// Factor beyond which a standard's reading in a few trials is a unit or a range: no drive that slips and no samples that are missing make
+/// a stroke twice as long.
+const UNIT: f64 = 2.0;
 /// Part of an error by which two errors may differ that have one cause.
 const ALIKE: f64 = 0.3;
 
@@ -69,31 +72,41 @@ pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], found: &mut Found
         // What a few trials show beside the rig is theirs: a drive that slipped, samples that are missing. The limbs tell whether a
         // standard was at fault there.
         if odd.len() as f64 <= MOST * readings.len() as f64 {
+            let in_other_units = odd.into_iter().filter(|r| {
+                let factor = 1.0 + r.excess;
+                !(1.0 / UNIT..=UNIT).contains(&factor)
+            });
+            for reading in in_other_units {
+                let case = &mut cases[reading.case];
+                let factor = 1.0 + reading.excess;
+                found.findings.push(Finding {
+                    recordings: names([&*case]),
+                    advice: format!("check this recording's unit of the {what}, and whether its direction and role are its own"),
+                    ..of_a_standard(what, of, factor, limit)
+                });
+                found.mark(Word::Certain);
+                case.explained = true;
+            }
             continue;
         }
         let Some(usual) = median(odd.iter().copied()) else {
             continue;
         };
-        if what == "gyroscope" && shows_a_lag(&readings) {
+        if (what == "gyroscope" || standard.lag_s > 0.0) && shows_a_lag(&readings, standard) {
             continue;
         }
         let factor = 1.0 + usual;
         let everywhere = odd.len() == readings.len();
         found.findings.push(Finding {
-            cause: cause_of(factor),
             recordings: if everywhere {
                 Vec::new()
             } else {
                 names(odd.iter().map(|r| &cases[r.case]))
             },
-            channels: Vec::new(),
-            evidence: format!(
-                "the standard {what} shows {} what the rig's {of} and the drive's frequency ask for, where certificate and workshop leave {:.1} %; {}",
-                factor_in_words(factor),
-                100.0 * limit,
-                reason(factor)
+            advice: format!(
+                "check unit and sensitivity of the {what} against its certificate, and [rig] {key}"
             ),
-            advice: format!("check unit and sensitivity of the {what} against its certificate, and [rig] {key}"),
+            ..of_a_standard(what, of, factor, limit)
         });
         found.mark(if everywhere {
             Word::Certain
@@ -106,9 +119,25 @@ pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], found: &mut Found
     }
 }
 
-/// Whether a first-order lag that nobody stated explains the readings better than a factor does: what is missing grows with the
-/// frequency. Lags are [`super::timing`]'s to name.
-fn shows_a_lag(readings: &[Reading]) -> bool {
+/// A standard that shows so many times what the rig asks for, and what that usually is.
+fn of_a_standard(what: &str, of: &str, factor: f64, limit: f64) -> Finding {
+    Finding {
+        cause: cause_of(factor),
+        recordings: Vec::new(),
+        channels: Vec::new(),
+        evidence: format!(
+            "the standard {what} shows {} what the rig's {of} and the drive's frequency ask for, where certificate and workshop leave {:.1} %; {}",
+            factor_in_words(factor),
+            100.0 * limit,
+            reason(factor)
+        ),
+        advice: String::new(),
+    }
+}
+
+/// Whether a first-order lag that nobody stated, or one that was and is not there, explains the readings better than a factor does: what
+/// is missing, or too much, grows with the frequency. Lags are [`super::timing`]'s to name, and the joint fit's.
+fn shows_a_lag(readings: &[Reading], standard: &Standard) -> bool {
     // 1/|1 + i w T|^2 is less than 1 by w^2 T^2 of itself.
     let missing = |r: &Reading| (1.0 + r.excess).powi(-2) - 1.0;
     let squared = |r: &Reading| r.rate_rad_s * r.rate_rad_s;
@@ -118,7 +147,8 @@ fn shows_a_lag(readings: &[Reading]) -> bool {
     let left = |of: &dyn Fn(&Reading) -> f64| -> f64 {
         readings.iter().map(|r| (missing(r) - of(r)).powi(2)).sum()
     };
-    product > 0.0 && left(&|r| product / squares * squared(r)) < left(&|_| mean)
+    (product > 0.0 || standard.lag_s > 0.0)
+        && left(&|r| product / squares * squared(r)) < left(&|_| mean)
 }
 
 /// One error of the clock that explains what both standards and the drive show.

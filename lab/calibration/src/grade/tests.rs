@@ -75,6 +75,7 @@ fn campaign(roles: &[Role]) -> Campaign {
             voltage_v: Vec::new(),
             accelerometer_m_s2: Vec::new(),
             gyroscope_rad_s: Vec::new(),
+            limbs_band_hz: f64::INFINITY,
             standards_band_hz: f64::INFINITY,
             direction_ground: DVec3::X,
             gravity_ground_m_s2: DVec3::ZERO,

@@ -11,7 +11,7 @@ use sixaxis_core::LIMBS;
 use sixaxis_core::identify::joint::Known;
 use sixaxis_core::identify::joint::estimate::TrialEstimate;
 
-use super::JointReport;
+use super::{JointReport, TIME_CONSTANT};
 use crate::diagnosis::level::of_one_channel;
 use crate::finding::{Cause, Finding};
 
@@ -101,12 +101,14 @@ impl JointReport {
         names: &[&str],
         full_scale_v: f64,
         gyroscope_gain_limit: f64,
+        gyroscope_bandwidth_hz: Option<f64>,
     ) -> Vec<Finding> {
         let mut findings = self.wedges(names);
         findings.extend(self.plumb(names));
         findings.extend(self.sensitivities(names));
         findings.extend(self.zeros(names, full_scale_v));
         findings.extend(self.gyroscope(gyroscope_gain_limit));
+        findings.extend(self.gyroscope_lag(gyroscope_bandwidth_hz));
         findings
     }
 
@@ -312,6 +314,24 @@ impl JointReport {
                 100.0 * limit
             ),
             advice: "check unit and sensitivity of the gyroscope against its certificate".to_owned(),
+        })
+    }
+
+    /// A lag that is not the stated bandwidth's: the fit finds its own.
+    fn gyroscope_lag(&self, stated_hz: Option<f64>) -> Option<Finding> {
+        let (found, stated_hz) = (self.nuisances().gyroscope_lag_s?, stated_hz?);
+        let stated_s = 1.0 / (core::f64::consts::TAU * stated_hz);
+        let off_s = (found.value - stated_s).abs();
+        (off_s > BEYOND_CERTIFICATE * (TIME_CONSTANT * stated_s).hypot(found.deviation)).then(|| Finding {
+            cause: Cause::GyroscopeLag,
+            recordings: Vec::new(),
+            channels: Vec::new(),
+            evidence: format!(
+                "by Euler's equation the gyroscope is {:.2} ms behind, and by the stated bandwidth of {stated_hz} Hz it is {:.2} ms",
+                1e3 * found.value,
+                1e3 * stated_s
+            ),
+            advice: "correct the gyroscope's bandwidth_hz by its certificate".to_owned(),
         })
     }
 }

@@ -7,15 +7,17 @@
 //!
 //! | file | hypothesis |
 //! |---|---|
-//! | [`freedoms`] | the model has one freedom more: an amplifier's high-pass, a gyroscope's lag, channels that are late |
+//! | [`freedoms`] | the model has one freedom more or less: an amplifier's high-pass, a standard's lag, channels that are late |
 //! | [`clock`] | the standards have a clock of their own |
 //! | [`plugs`] | two channels, or their names, are exchanged, or one is inverted, from one trial on |
+//! | [`stated`] | a standard is the other way round, directions are stated in other axes, gains in V/N |
 //! | [`apart`] | a few trials are wrong and the others are not |
 
 pub mod apart;
 pub mod clock;
 pub mod freedoms;
 pub mod plugs;
+pub mod stated;
 
 use sixaxis_core::Parameters;
 use sixaxis_core::identify::joint::AtRest;
@@ -23,6 +25,7 @@ use sixaxis_core::identify::zero_drift::ZeroDrift;
 
 use super::{JointReport, Knowledge, Loss, fit_trials};
 use crate::conditioning::Conditioning;
+use crate::diagnosis::odd_trial::OTHER_RANGES;
 use crate::diagnosis::trial_case::TrialCase;
 use crate::finding::{Cause, Finding};
 use crate::steps::Campaign;
@@ -73,6 +76,9 @@ pub fn explain(
     let mut accounting = freedoms::tried(day);
     accounting.extend(clock::tried(day));
     accounting.extend(plugs::tried(day));
+    if accounting.is_empty() {
+        accounting.extend(stated::tried(day));
+    }
     // The first one of its cause is the narrowest.
     accounting.dedup_by_key(|finding| finding.cause);
     match &accounting[..] {
@@ -90,17 +96,36 @@ pub fn explain(
         return suspected;
     }
     let suspicion = suspected.first().map_or(String::new(), Finding::placed);
+    let of_gains = gains_apart(day, &suspected);
     if let Some(borne_out) = apart::tried(day, certain, suspected) {
         return borne_out;
     }
-    if certain.is_empty() {
-        vec![unknown(format!(
+    if !certain.is_empty() {
+        return Vec::new();
+    }
+    vec![of_gains.unwrap_or_else(|| {
+        unknown(format!(
             "{}, and no one cause that was tried accounts for that; to look at: {suspicion}",
             contradiction(day.joint)
-        ))]
-    } else {
-        Vec::new()
-    }
+        ))
+    })]
+}
+
+/// Recordings whose gains are off by steps of an amplifier's range from those of the others, as many of them as there may be: that no
+/// measure says which are right is no reason to doubt that they do not go together.
+fn gains_apart(day: &Unaccounted<'_>, suspected: &[Finding]) -> Option<Finding> {
+    let found = suspected.iter().find(|f| f.advice == OTHER_RANGES)?;
+    let gains = || day.cases.iter().map(|case| &case.trial.gains);
+    let alike = gains().zip(gains().skip(1)).all(|(a, b)| a == b);
+    (found.recordings.len() > 1).then(|| Finding {
+        evidence: format!("the gains do not go together: in the first of these {}", found.evidence),
+        advice: if alike {
+            "state the gains of each recording, by the amplifiers' panel: all have the same gain_n_per_v".to_owned()
+        } else {
+            "compare gain_n_per_v of every recording with the amplifiers' panel".to_owned()
+        },
+        ..found.clone()
+    })
 }
 
 /// How far a day is from being accounted for, in words.

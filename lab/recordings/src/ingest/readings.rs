@@ -15,7 +15,8 @@ use crate::open;
 use crate::session::{Channels, Entry, LIMBS, Role, SessionFile};
 use crate::source::Source;
 
-/// Share of its rate up to which a resampled series has the noise of its own samples: the spline is flat to half a per cent there.
+/// Share of its rate up to which a series that was read between its samples has their noise: a spline is flat to half a per cent there, the
+/// polynomial of a delay to two at the end and to a third of one in the mean.
 const FLAT: f64 = 0.2;
 /// Samples below which no run of the rig can be.
 const FEWEST_SAMPLES: usize = 32;
@@ -31,7 +32,9 @@ pub struct Readings {
     pub accelerometer_m_s2: Vec<f64>,
     /// Standard gyroscope about the pinion's axis, rad/s; empty for a static record and a tap.
     pub gyroscope_rad_s: Vec<f64>,
-    /// Frequency up to which noise of the standards is white, Hz: infinite unless they were resampled from a clock of their own that is no faster.
+    /// Frequency up to which noise of the limbs is white, Hz: infinite unless they were read between their samples.
+    pub limbs_band_hz: f64,
+    /// The same of the standards: infinite, too, where they were resampled from a faster clock.
     pub standards_band_hz: f64,
     /// How the file, or that of the standards, was cut short, if it was.
     pub cut: Option<String>,
@@ -63,6 +66,8 @@ struct Reader<'a> {
 struct Series {
     columns: Vec<Vec<f64>>,
     sample_rate_hz: f64,
+    /// Frequency up to which its noise is white, Hz.
+    band_hz: f64,
 }
 
 impl Reader<'_> {
@@ -112,11 +117,13 @@ impl Reader<'_> {
                 return Err(self.refuse(rate_key, cause));
             }
         };
+        let mut band_hz = f64::INFINITY;
         if let Some(stamps) = stamps {
             stamps
                 .check_rate(sample_rate_hz)
                 .map_err(|cause| self.refuse(rate_key, cause))?;
             if stamps.uneven(sample_rate_hz) {
+                band_hz = FLAT * sample_rate_hz;
                 for column in &mut series {
                     *column =
                         evenly(&stamps_s, column, sample_rate_hz).map_err(resampling(path))?;
@@ -126,6 +133,7 @@ impl Reader<'_> {
         Ok(Series {
             columns: series,
             sample_rate_hz,
+            band_hz,
         })
     }
 
@@ -146,16 +154,14 @@ impl Reader<'_> {
         let Series {
             mut columns,
             sample_rate_hz,
+            band_hz: mut limbs_band_hz,
         } = self.series(&path, source, wanted, stated_hz, "sample_rate_hz")?;
         let mut standards = columns.split_off(LIMBS);
-        let mut standards_band_hz = f64::INFINITY;
+        let mut standards_band_hz = limbs_band_hz;
         if let Some(reference) = reference {
             let samples = columns[0].len();
             let (read, covered) = self.reference(reference, sample_rate_hz, samples, &mut cut)?;
-            // Of a faster clock what is read is white again.
-            if read.sample_rate_hz <= sample_rate_hz {
-                standards_band_hz = FLAT * read.sample_rate_hz;
-            }
+            standards_band_hz = read.band_hz;
             standards = read.columns;
             for column in &mut columns {
                 column.truncate(covered.end);
@@ -163,6 +169,7 @@ impl Reader<'_> {
             }
         }
         if let Some(lags) = self.channels().limbs_lag_us {
+            limbs_band_hz = limbs_band_hz.min(FLAT * sample_rate_hz);
             for (column, lag_us) in columns.iter_mut().zip(lags.each()) {
                 // A value filed under t is that of t - lag: the value of t is filed under t + lag.
                 let (moved, _) =
@@ -182,6 +189,7 @@ impl Reader<'_> {
             voltage_v: nine(columns),
             accelerometer_m_s2,
             gyroscope_rad_s,
+            limbs_band_hz,
             standards_band_hz,
             cut,
         })
@@ -228,9 +236,16 @@ impl Reader<'_> {
             })
             .collect::<sixaxis_core::Result<_>>()
             .map_err(resampling(&path))?;
+        // Of a faster clock what is read is white again.
+        let faster = own.sample_rate_hz > rate_hz;
         let resampled = Series {
             columns: resampled,
             sample_rate_hz: own.sample_rate_hz,
+            band_hz: if faster {
+                f64::INFINITY
+            } else {
+                FLAT * own.sample_rate_hz
+            },
         };
         Ok((resampled, first..end))
     }
@@ -260,6 +275,7 @@ impl Reader<'_> {
             voltage_v: averaged.map(Averaged::finish),
             accelerometer_m_s2: Vec::new(),
             gyroscope_rad_s: Vec::new(),
+            limbs_band_hz: f64::INFINITY,
             standards_band_hz: f64::INFINITY,
             cut,
         })

@@ -30,6 +30,9 @@ const SHOWN: f64 = 0.05;
 /// Channels from which factors that are ranges are none by chance.
 const FEWEST_RANGES: usize = 6;
 
+/// What to do about gains of other ranges.
+pub(crate) const OTHER_RANGES: &str = "correct gain_n_per_v against the amplifiers' panel, or see whether the file is another trial's";
+
 /// The ratio of ranges that a factor is; none for another factor.
 fn ranges(factor: f64) -> Option<f64> {
     let all = RANGES.into_iter().flat_map(|range| [range, 1.0 / range]);
@@ -150,37 +153,53 @@ impl<'a> Odd<'a> {
         })
     }
 
-    /// Two channels exchanged in this recording alone: the gain stays with the amplifier, the limb comes along.
+    /// Two channels exchanged in this recording alone: the gain stays with the amplifier and the limb comes along, or two columns have
+    /// each other's names, and the gains are the limbs' already.
     pub(super) fn exchanged(&self) -> Option<Finding> {
         let h = &self.table.mass_over_scale_kg;
-        let other = |own: usize, from: usize| self.expected[from] * h[from] / h[own];
-        for (n, a) in self.counts.iter().copied().enumerate() {
-            for b in self.counts[n + 1..].iter().copied() {
-                let with = |i: usize| {
-                    if i == a {
-                        other(a, b)
-                    } else if i == b {
-                        other(b, a)
-                    } else {
-                        self.expected[i]
-                    }
-                };
-                if self.rest(&with) < self.enough() {
-                    return Some(Finding {
-                        recordings: vec![self.case.trial.name.clone()],
-                        cause: Cause::SwappedChannels,
-                        channels: vec![a + 1, b + 1],
-                        evidence:
-                            "exchanged in this recording, the two agree with the other trials"
-                                .to_owned(),
-                        advice:
-                            "check the plugs, or give this recording its own [recording.channels]"
-                                .to_owned(),
-                    });
-                }
-            }
-        }
-        None
+        let gain = &self.case.trial.gains.gain_n_per_v;
+        let plugs = |own: usize, from: usize| h[from] / h[own];
+        let names = |own: usize, from: usize| h[from] * gain[own] / (h[own] * gain[from]);
+        let of_plugs = self.exchanged_by(plugs).map(|pair| {
+            (
+                pair,
+                "exchanged in this recording, the two agree with the other trials",
+                "check the plugs, or give this recording its own [recording.channels]",
+            )
+        });
+        let of_names = || {
+            self.exchanged_by(names).map(|pair| {
+                (
+                    pair,
+                    "with their names exchanged in this recording, and gains left as they are, the two agree with the other trials",
+                    "give this recording its own [recording.channels]",
+                )
+            })
+        };
+        let ((a, b), evidence, advice) = of_plugs.or_else(of_names)?;
+        Some(Finding {
+            recordings: vec![self.case.trial.name.clone()],
+            cause: Cause::SwappedChannels,
+            channels: vec![a + 1, b + 1],
+            evidence: evidence.to_owned(),
+            advice: advice.to_owned(),
+        })
+    }
+
+    /// The pair whose exchange explains the trial, where a channel then shows so many times what is expected of the other.
+    fn exchanged_by(&self, factor: impl Fn(usize, usize) -> f64) -> Option<(usize, usize)> {
+        let other = |own: usize, from: usize| self.expected[from] * factor(own, from);
+        let explains = |(a, b): &(usize, usize)| {
+            let with = |i: usize| match i {
+                i if i == *a => other(*a, *b),
+                i if i == *b => other(*b, *a),
+                i => self.expected[i],
+            };
+            self.rest(&with) < self.enough()
+        };
+        let from = |n: usize, a: usize| self.counts[n + 1..].iter().map(move |b| (a, *b));
+        let mut pairs = (self.counts.iter().enumerate()).flat_map(|(n, a)| from(n, *a));
+        pairs.find(explains)
     }
 
     /// The gains that the session states for another trial.
@@ -214,6 +233,25 @@ impl<'a> Odd<'a> {
         })
     }
 
+    /// Gains written as volts per newton.
+    pub(super) fn gains_inverted(&self) -> Option<Finding> {
+        let own = &self.case.trial.gains.gain_n_per_v;
+        let squares = self
+            .counts
+            .iter()
+            .map(|i| (self.seen[*i] / own[*i].powi(2) - self.expected[*i]).powi(2));
+        let left = squares.sum::<f64>().sqrt() / self.size;
+        (left < self.enough().min(LEFT)).then(|| Finding {
+            recordings: vec![self.case.trial.name.clone()],
+            cause: Cause::WrongScaling,
+            channels: Vec::new(),
+            evidence:
+                "with one over each of its gain_n_per_v the channels agree with the other trials"
+                    .to_owned(),
+            advice: "state this recording's gains in N/V: they are written in V/N".to_owned(),
+        })
+    }
+
     /// Other gains: each channel is off by a step of an amplifier's range, or not at all.
     pub(super) fn gains_of_other_ranges(&self) -> Option<Finding> {
         let shown = |i: &&usize| self.expected[**i].abs() > SHOWN * self.size;
@@ -237,7 +275,7 @@ impl<'a> Odd<'a> {
                 "each channel is off by a step of an amplifier's range or not at all: with gain_n_per_v = [{}] they agree with the other trials",
                 asked.join(", ")
             ),
-            advice: "correct this recording's gain_n_per_v against the amplifiers' panel, or see whether the file is another trial's".to_owned(),
+            advice: OTHER_RANGES.to_owned(),
         })
     }
 
@@ -315,7 +353,7 @@ impl<'a> Odd<'a> {
                 format!(
                     "the channels depart by {percent:.1} % from what the other trials agree on, and neither a factor, an exchange nor another direction explains it"
                 ),
-                "check that this recording is this sensor's, in this state",
+                "check that this recording is this sensor's, in this state, and one run's alone",
             )
         } else {
             (

@@ -1,19 +1,20 @@
-//! One freedom more: something that the session does not state and that all recordings may have, with an unknown of its own.
+//! One freedom more: something that the session does not state and that all recordings may have, or that it states and they have not,
+//! with an unknown of its own.
 
 use core::f64::consts::TAU;
 
 use sixaxis_core::LIMBS;
-use sixaxis_core::identify::joint::Known;
 use sixaxis_core::identify::joint::unknowns::{AMPLIFIER_CORNER, GYROSCOPE_LAG};
+use sixaxis_core::identify::joint::{Certificates, Known};
 
 use super::Unaccounted;
 use crate::finding::{Cause, Finding};
 use crate::joint::{JointReport, Knowledge, at_rest};
 use crate::trial::Trial;
 
-/// Corner of an amplifier that nobody stated, Hz: where it is looked for first, and how far about.
+/// Corner of an amplifier that nobody stated, or that is not the stated one, Hz: where it is looked for first, and how far about.
 const CORNER_HZ: (f64, f64) = (0.05, 1.0);
-/// Lag of a gyroscope that nobody stated, s: the same.
+/// Lag of a gyroscope, s: the same.
 const LAG_S: (f64, f64) = (2e-3, 0.05);
 /// Delay of a channel that nobody stated, s: how far about none it is looked for.
 const DELAY_S: f64 = 0.02;
@@ -28,18 +29,27 @@ const WORTH_A_WORD: f64 = 1e-3;
 struct Freedom {
     /// With it, if the session leaves room for it.
     freed: fn(&Knowledge) -> Option<Knowledge>,
-    /// What is said of it, by the fit and the slowest and the fastest drive, rad/s; none if its unknown is not told beyond doubt.
-    finding: fn(&JointReport, [f64; 2]) -> Option<Finding>,
+    /// What is said of it, by the fit, what the session says and the slowest and the fastest drive, rad/s; none if its unknown is not
+    /// told beyond doubt.
+    finding: fn(&JointReport, &Certificates, [f64; 2]) -> Option<Finding>,
 }
 
-const FREEDOMS: [Freedom; 3] = [
+const FREEDOMS: [Freedom; 5] = [
     Freedom {
         freed: high_pass,
         finding: amplifier,
     },
     Freedom {
+        freed: no_high_pass,
+        finding: no_amplifier,
+    },
+    Freedom {
         freed: lag,
         finding: gyroscope,
+    },
+    Freedom {
+        freed: no_accelerometer_lag,
+        finding: accelerometer,
     },
     Freedom {
         freed: delays,
@@ -60,7 +70,7 @@ pub fn tried(day: &Unaccounted<'_>) -> Vec<Finding> {
     let of = |freedom: &Freedom| {
         let freed = (freedom.freed)(day.knowledge)?;
         let joint = day.accounting(&trials, &rest, &day.start, &freed)?;
-        (freedom.finding)(&joint, drives_rad_s)
+        (freedom.finding)(&joint, &day.knowledge.certificates, drives_rad_s)
     };
     FREEDOMS.iter().filter_map(of).collect()
 }
@@ -83,6 +93,17 @@ fn about((value, deviation): (f64, f64)) -> Known {
     Known { value, deviation }
 }
 
+/// What all recordings have alike.
+fn finding(cause: Cause, evidence: String, advice: &str) -> Option<Finding> {
+    Some(Finding {
+        cause,
+        recordings: Vec::new(),
+        channels: Vec::new(),
+        evidence,
+        advice: advice.to_owned(),
+    })
+}
+
 fn high_pass(knowledge: &Knowledge) -> Option<Knowledge> {
     let mut freed = *knowledge;
     let stated = &mut freed.certificates.amplifier_corner_rad_s;
@@ -91,42 +112,102 @@ fn high_pass(knowledge: &Knowledge) -> Option<Knowledge> {
 }
 
 /// A corner too low for its lead to show lends each channel a straight line of its own, which other things have as well.
-fn amplifier(joint: &JointReport, [slowest_rad_s, _]: [f64; 2]) -> Option<Finding> {
+fn amplifier(
+    joint: &JointReport,
+    _: &Certificates,
+    [slowest_rad_s, _]: [f64; 2],
+) -> Option<Finding> {
     let corner_rad_s = told(joint, AMPLIFIER_CORNER)?;
-    let corner_hz = corner_rad_s / TAU;
-    (corner_rad_s > WORTH_A_WORD * slowest_rad_s).then(|| Finding {
-        cause: Cause::HighPassNotStated,
-        recordings: Vec::new(),
-        channels: Vec::new(),
-        evidence: format!(
-            "with a high-pass of {corner_hz:.4} Hz on every channel all trials agree to the noise, and without one they do not"
+    if corner_rad_s <= WORTH_A_WORD * slowest_rad_s {
+        return None;
+    }
+    finding(
+        Cause::HighPassMisstated,
+        format!(
+            "with a high-pass of {:.4} Hz on every channel all trials agree to the noise, and without one they do not",
+            corner_rad_s / TAU
         ),
-        advice: "state preprocessing.amplifier_high_pass_hz as the amplifier's manual has it"
-            .to_owned(),
-    })
+        "state preprocessing.amplifier_high_pass_hz as the amplifier's manual has it",
+    )
+}
+
+fn no_high_pass(knowledge: &Knowledge) -> Option<Knowledge> {
+    let mut freed = *knowledge;
+    let stated = freed.certificates.amplifier_corner_rad_s.take();
+    stated.map(|_| freed)
+}
+
+fn no_amplifier(_: &JointReport, stated: &Certificates, _: [f64; 2]) -> Option<Finding> {
+    let corner_hz = stated.amplifier_corner_rad_s?.value / TAU;
+    finding(
+        Cause::HighPassMisstated,
+        format!(
+            "without the stated high-pass of {corner_hz} Hz all trials agree to the noise, and with it they do not"
+        ),
+        "take preprocessing.amplifier_high_pass_hz out of the session, if the amplifiers have none",
+    )
 }
 
 fn lag(knowledge: &Knowledge) -> Option<Knowledge> {
     let mut freed = *knowledge;
-    let stated = &mut freed.certificates.gyroscope_lag_s;
-    stated.replace(about(LAG_S)).is_none().then_some(freed)
+    freed.certificates.gyroscope_lag_s = Some(about(LAG_S));
+    Some(freed)
 }
 
-fn gyroscope(joint: &JointReport, _: [f64; 2]) -> Option<Finding> {
-    let lag_s = told(joint, GYROSCOPE_LAG)?;
-    Some(Finding {
-        cause: Cause::GyroscopeLag,
-        recordings: Vec::new(),
-        channels: Vec::new(),
-        evidence: format!(
-            "with a gyroscope that is {:.2} ms behind, as a first-order bandwidth of {:.1} Hz has it, all trials agree to the noise, and without that they do not",
-            1e3 * lag_s,
-            1.0 / (TAU * lag_s)
+fn gyroscope(joint: &JointReport, stated: &Certificates, _: [f64; 2]) -> Option<Finding> {
+    let found = known(joint, GYROSCOPE_LAG);
+    let Some(stated) = stated.gyroscope_lag_s else {
+        let lag_s = told(joint, GYROSCOPE_LAG)?;
+        return finding(
+            Cause::GyroscopeLag,
+            format!(
+                "with a gyroscope that is {}, all trials agree to the noise, and without that they do not",
+                behind(lag_s)
+            ),
+            "state the gyroscope's bandwidth_hz as its certificate has it; its lag is then undone",
+        );
+    };
+    let other = (found.value - stated.value).abs() > BEYOND_DOUBT * found.deviation;
+    let stated_hz = 1.0 / (TAU * stated.value);
+    let is = match told(joint, GYROSCOPE_LAG) {
+        Some(lag_s) => behind(lag_s),
+        None => "not behind at all".to_owned(),
+    };
+    if !other {
+        return None;
+    }
+    finding(
+        Cause::GyroscopeLag,
+        format!(
+            "with a gyroscope that is {is}, all trials agree to the noise, and with the stated bandwidth of {stated_hz:.1} Hz they do not"
         ),
-        advice:
-            "state the gyroscope's bandwidth_hz as its certificate has it; its lag is then undone"
-                .to_owned(),
-    })
+        "correct the gyroscope's bandwidth_hz by its certificate, or take it out",
+    )
+}
+
+fn behind(lag_s: f64) -> String {
+    format!(
+        "{:.2} ms behind, as a first-order bandwidth of {:.1} Hz has it",
+        1e3 * lag_s,
+        1.0 / (TAU * lag_s)
+    )
+}
+
+fn no_accelerometer_lag(knowledge: &Knowledge) -> Option<Knowledge> {
+    let mut freed = *knowledge;
+    let stated = core::mem::take(&mut freed.certificates.accelerometer_lag_s);
+    (stated > 0.0).then_some(freed)
+}
+
+fn accelerometer(_: &JointReport, stated: &Certificates, _: [f64; 2]) -> Option<Finding> {
+    finding(
+        Cause::ClockMismatch,
+        format!(
+            "with an accelerometer that follows at once all trials agree to the noise, and with the stated bandwidth of {:.1} Hz they do not",
+            1.0 / (TAU * stated.accelerometer_lag_s)
+        ),
+        "take the accelerometer's bandwidth_hz out of the session, or correct it by its certificate",
+    )
 }
 
 fn delays(knowledge: &Knowledge) -> Option<Knowledge> {
@@ -136,7 +217,11 @@ fn delays(knowledge: &Knowledge) -> Option<Knowledge> {
 }
 
 /// Channels that are behind the standards or ahead of them. One clock for all nine is the standards' to be late.
-fn late_channels(joint: &JointReport, [_, fastest_rad_s]: [f64; 2]) -> Option<Finding> {
+fn late_channels(
+    joint: &JointReport,
+    _: &Certificates,
+    [_, fastest_rad_s]: [f64; 2],
+) -> Option<Finding> {
     let mut late: Vec<(usize, f64)> = Vec::new();
     for limb in 0..LIMBS {
         let delay = known(joint, joint.estimate.unknowns.delay(limb)?);

@@ -20,7 +20,7 @@ use crate::response::ChannelResponse;
 use crate::trial::Trial;
 
 /// Departure of a channel, relative to its trial, beyond which more makes no difference to who belongs where.
-const COST_CAP: f64 = 0.2;
+pub(super) const COST_CAP: f64 = 0.2;
 /// Share of the squared departures that an exchange may leave to be worth a fit.
 const WORTH_A_FIT: f64 = 0.5;
 /// Share of them that one more exchange may leave to be a part of the matter: a row of names that is out by one is eight exchanges.
@@ -344,7 +344,7 @@ fn put_right(cases: &mut [TrialCase<'_>], plugs: Plugs) {
 }
 
 /// Where the fit starts: as the responses have it, and as designed where they leave something open.
-fn start(table: &Table, rest: &AtRest, design: &Parameters) -> Parameters {
+pub(super) fn start(table: &Table, rest: &AtRest, design: &Parameters) -> Parameters {
     let inertia = table.inertia_m2.map(|i| InertiaPerMass {
         xx_m2: i.x_axis.x,
         yy_m2: i.y_axis.y,

@@ -1,0 +1,234 @@
+//! All day alike, a standard the other way round, wedges' directions in other axes than the sensor's (two of them exchanged, or turned, or a
+//! left-handed set), or gains in V/N.
+//!
+//! As in [`super::plugs`], responses say which, and the joint fit whether the trials agree to the noise with that put right.
+
+use glam::{DMat3, DVec3};
+use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
+use sixaxis_core::{Gains, LIMBS, Parameters};
+
+use super::Unaccounted;
+use super::plugs::{COST_CAP, start};
+use crate::diagnosis::table::Table;
+use crate::diagnosis::trial_case::TrialCase;
+use crate::finding::{Cause, Finding};
+use crate::joint::at_rest;
+use crate::trial::Trial;
+use sixaxis_recordings::session::Role;
+
+/// Share of the squared departures that other axes may leave to be worth a fit.
+const WORTH_A_FIT: f64 = 0.5;
+
+/// What was stated otherwise than it was.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Stated {
+    Accelerometer,
+    Gyroscope,
+    /// Gains are one over the stated ones.
+    Gains,
+    /// Directions are these, of the stated ones.
+    Directions(DMat3),
+}
+
+impl Stated {
+    /// Both standards, the gains, and all axes that can be named by exchanging and reversing three, but those that are right.
+    fn all() -> Vec<Self> {
+        let mut all = vec![Self::Accelerometer, Self::Gyroscope, Self::Gains];
+        let unit = [DVec3::X, DVec3::Y, DVec3::Z];
+        for (a, b, c) in [
+            (0, 1, 2),
+            (1, 0, 2),
+            (0, 2, 1),
+            (2, 1, 0),
+            (1, 2, 0),
+            (2, 0, 1),
+        ] {
+            for signs in 0..8_u32 {
+                let sign = |bit: u32| if signs >> bit & 1 == 0 { 1.0 } else { -1.0 };
+                // Its rows are the axes as stated.
+                let rows = [sign(0) * unit[a], sign(1) * unit[b], sign(2) * unit[c]];
+                let axes = DMat3::from_cols(rows[0], rows[1], rows[2]).transpose();
+                if axes != DMat3::IDENTITY {
+                    all.push(Self::Directions(axes));
+                }
+            }
+        }
+        all
+    }
+
+    /// With a standard turned round its series are the other way, and nothing else.
+    fn put_right(self, trial: &mut Trial) {
+        let turn = |series: &mut Vec<f64>| series.iter_mut().for_each(|x| *x = -*x);
+        match self {
+            Self::Accelerometer => turn(&mut trial.accelerometer_m_s2),
+            Self::Gyroscope => turn(&mut trial.gyroscope_rad_s),
+            Self::Gains => {
+                trial.gains.gain_n_per_v = trial.gains.gain_n_per_v.map(f64::recip);
+            }
+            Self::Directions(axes) => {
+                trial.direction_ground = axes * trial.direction_ground;
+                trial.gravity_ground_m_s2 = axes * trial.gravity_ground_m_s2;
+            }
+        }
+    }
+
+    /// What the channels then show of a trial, with its stated gains, over what they show as they are.
+    fn factors(self, role: Role, stated: &Gains) -> [f64; LIMBS] {
+        let turned = match self {
+            Self::Accelerometer => matches!(role, Role::Linear | Role::HighFrequencyLinear),
+            Self::Gyroscope => role == Role::Angular,
+            Self::Gains => return stated.gain_n_per_v.map(|gain| 1.0 / (gain * gain)),
+            Self::Directions(_) => false,
+        };
+        [if turned { -1.0 } else { 1.0 }; LIMBS]
+    }
+
+    fn in_words(self) -> (Cause, String, String) {
+        match self {
+            Self::Accelerometer => (
+                Cause::WrongScaling,
+                "the standard accelerometer reversed".to_owned(),
+                "turn the accelerometer's polarity round, or the directions of the linear trials".to_owned(),
+            ),
+            Self::Gyroscope => (
+                Cause::WrongScaling,
+                "the standard gyroscope reversed".to_owned(),
+                "turn the gyroscope's channel round, or give its sensitivity a minus sign; if it is right, turn the directions of the angular \
+                 trials round"
+                    .to_owned(),
+            ),
+            Self::Gains => (
+                Cause::WrongScaling,
+                "one over each gain_n_per_v".to_owned(),
+                "state all gains in N/V: they are written in V/N".to_owned(),
+            ),
+            Self::Directions(axes) => {
+                let rows = axes.transpose();
+                let entry = |row: DVec3| {
+                    let at = row.abs().to_array().into_iter().position(|x| x > 0.5);
+                    let sign = if row.element_sum() < 0.0 { "-" } else { "" };
+                    format!("{sign}{}", ["x", "y", "z"][at.unwrap_or(0)])
+                };
+                let list = [rows.x_axis, rows.y_axis, rows.z_axis]
+                    .map(entry)
+                    .join(", ");
+                let or = if axes == -DMat3::IDENTITY {
+                    "; or, if they are right, both standards' polarity"
+                } else {
+                    ""
+                };
+                (
+                    Cause::LooseWedge,
+                    format!("each direction (x, y, z) read as ({list})"),
+                    format!("state the directions in the sensor's axes: ({list}) of what is written{or}"),
+                )
+            }
+        }
+    }
+}
+
+/// What accounts for all trials, if one of these does.
+#[must_use]
+pub fn tried(day: &Unaccounted<'_>) -> Option<Finding> {
+    let shares = StaticLoadSharing::new(&day.campaign.geometry).ok()?;
+    let (as_stated, table) = with(&shares, day.cases, None)?;
+    // Of what the channels show it makes no difference which way round a standard is: scale factors and inertias come out negative.
+    let enough = if is_a_sensor(&table, &day.campaign.design) {
+        WORTH_A_FIT * as_stated
+    } else {
+        as_stated
+    };
+    let (_, stated, table) = Stated::all()
+        .into_iter()
+        .filter_map(|stated| {
+            let (left, table) = with(&shares, day.cases, Some(stated))?;
+            Some((left, stated, table))
+        })
+        .filter(|(left, _, table)| *left <= enough && is_a_sensor(table, &day.campaign.design))
+        .min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let right: Vec<Trial> = day
+        .campaign
+        .trials
+        .iter()
+        .map(|(trial, _)| {
+            let mut right = trial.clone();
+            stated.put_right(&mut right);
+            right
+        })
+        .collect();
+    let rest = at_rest(day.drift);
+    let start = start(&table, &rest, &day.campaign.design);
+    let borrowed: Vec<&Trial> = right.iter().collect();
+    let joint = day.accounting(&borrowed, &rest, &start, day.knowledge)?;
+    let (cause, with, advice) = stated.in_words();
+    Some(Finding {
+        cause,
+        recordings: Vec::new(),
+        channels: Vec::new(),
+        evidence: format!(
+            "with {with} all trials agree to the noise (misfit {:.2}), and as they are they do not",
+            joint.misfit.per_degree
+        ),
+        advice,
+    })
+}
+
+/// Whether the factors have the design's signs, and the inertias are a body's as far as their sum says.
+fn is_a_sensor(table: &Table, design: &Parameters) -> bool {
+    let scale = (0..LIMBS).all(|limb| {
+        table.silent[limb]
+            || table.mass_over_scale_kg[limb] * design.scale_per_mass_per_kg[limb] > 0.0
+    });
+    let inertia = table
+        .inertia_m2
+        .is_none_or(|i| i.x_axis.x + i.y_axis.y + i.z_axis.z > 0.0);
+    scale && inertia
+}
+
+/// How far the responses are from agreeing with that put right, and what they then agree on.
+fn with(
+    shares: &StaticLoadSharing,
+    cases: &[TrialCase<'_>],
+    stated: Option<Stated>,
+) -> Option<(f64, Table)> {
+    // Directions are all that is asked of a trial from here on; its series stay where they are.
+    let trials: Vec<Trial> = cases
+        .iter()
+        .map(|case| {
+            let mut trial = Trial {
+                voltage_v: Vec::new(),
+                accelerometer_m_s2: Vec::new(),
+                gyroscope_rad_s: Vec::new(),
+                name: String::new(),
+                ..*case.trial
+            };
+            if let Some(stated) = stated {
+                stated.put_right(&mut trial);
+            }
+            trial
+        })
+        .collect();
+    let cases: Vec<TrialCase<'_>> = (cases.iter().zip(&trials))
+        .map(|(case, trial)| {
+            let mut response = case.response.clone();
+            if let Some(response) = &mut response
+                && let Some(stated) = stated
+            {
+                let factors = stated.factors(trial.role, &case.trial.gains);
+                let each = response.channels.iter_mut().zip(factors);
+                each.for_each(|(channel, factor)| *channel = *channel * factor);
+            }
+            TrialCase {
+                trial,
+                conditioned: case.conditioned,
+                force_n: Vec::new(),
+                response,
+                // What was found of trials before was found with other axes.
+                ignored: [false; LIMBS],
+                explained: false,
+            }
+        })
+        .collect();
+    let table = Table::linear(shares, &cases, &[false; LIMBS])?.fitted(&cases);
+    Some((table.cost(&cases, COST_CAP), table))
+}
