@@ -23,7 +23,7 @@ pub enum Error {
     },
     /// Finite input, but a result that no f64 holds.
     #[error(
-        "{what}: channel {channel}, sample {sample}: finite input, but of a size whose result is not a finite number"
+        "{what}: {}sample {sample}: finite input, but of a size whose result is not a finite number", OfChannel(*channel)
     )]
     Overflow {
         /// The operation.
@@ -217,6 +217,18 @@ impl Error {
             name,
             value,
             requirement,
+        }
+    }
+}
+
+/// A channel's number before what is said of it; nothing where it is no single channel's.
+struct OfChannel(usize);
+
+impl core::fmt::Display for OfChannel {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self.0 {
+            0 => Ok(()),
+            channel => write!(f, "channel {channel}, "),
         }
     }
 }

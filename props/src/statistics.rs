@@ -4,6 +4,7 @@ use glam::DVec3;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use sixaxis_core::significance::chi_square_limit;
+use statrs::function::beta::inv_beta_reg;
 
 /// Three independent numbers of unit variance.
 pub fn normal(rng: &mut Pcg64) -> DVec3 {
@@ -48,9 +49,29 @@ pub fn poisson_interval(count: u64, confidence: f64) -> [f64; 2] {
     [low, half(beyond, 2 * count + 2)]
 }
 
+/// The least share of which so many of so many may be seen, but for a chance of one in a million: the lower end of Clopper and
+/// Pearson's interval, a quantile of the beta distribution B(k, n - k + 1).
+#[must_use]
+pub fn least_share(count: usize, of: usize) -> f64 {
+    if count == 0 {
+        return 0.0;
+    }
+    inv_beta_reg(count as f64, (of - count + 1) as f64, 1e-6)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_least_share_has_the_chance_that_it_says() {
+        // All of n at least: p^n is the chance.
+        assert!((least_share(108, 108).powi(108) - 1e-6).abs() < 1e-12);
+        // One of n at least: 1 - (1 - p)^n.
+        let p = least_share(1, 72);
+        assert!((1.0 - (1.0 - p).powi(72) - 1e-6).abs() < 1e-12);
+        assert!(least_share(0, 72) == 0.0);
+    }
 
     #[test]
     fn poisson_intervals_are_those_of_the_tables() {

@@ -9,7 +9,7 @@ use super::vec3::{Vec3, vec3};
 use crate::paper::attitude;
 
 /// Half angle of one step, squared, up to which the polynomials below hold to rounding: a tenth of a radian from one
-/// sample to the next, twenty times the rig's fastest at 10 kHz.
+/// sample to the next, eighteen times the rig's fastest at 10 kHz.
 pub const HALF_ANGLE_SQUARED_LIMIT: f64 = 0.0025;
 
 /// A quaternion w + x i + y j + z k.

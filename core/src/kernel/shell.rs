@@ -69,7 +69,7 @@ impl<T: Real> LimbLoad<T> {
 }
 
 /// w_r and eps: the rotation vector's derivatives by central differences, times the left Jacobian of SO(3) to first
-/// order in phi; the next term is |phi|^2/6 of them, and they are 3e-4 of w* and w*' at the rig's 5 Hz.
+/// order in phi; the next term is |phi|^2/6 of them, and they are some 3e-6 of w* and w*' at the rig's 5 Hz.
 #[inline(always)]
 fn relative_rotation<T: Real>(before: Vec3<T>, now: Vec3<T>, after: Vec3<T>) -> (Vec3<T>, Vec3<T>) {
     let first = (after - before).times(now.constant(0.5));

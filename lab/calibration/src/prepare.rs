@@ -138,6 +138,7 @@ impl PreparedSession {
         if let Some(line) = conditioning.stages.detrend.settings() {
             findings.extend(moves_at_rest(&moving, line.rest_s));
         }
+        findings.extend(without_the_drive(&moving, &conditioning));
         progress.stage("conditioning", moving.len());
         let conditioned: Vec<(Trial, sixaxis_core::Result<Conditioned>)> = moving
             .into_par_iter()
@@ -203,6 +204,30 @@ fn missing(trials: &[Trial]) -> impl Iterator<Item = Finding> {
             evidence: format!("the session has {lacks}"),
             advice: advice.to_owned(),
         })
+}
+
+/// Corner of the low-pass over the drive's frequency below which less than a tenth of the motion is left.
+const DRIVE_LOST: f64 = 0.75;
+
+/// Trials whose low-pass takes off the motion itself.
+fn without_the_drive(trials: &[Trial], conditioning: &Conditioning) -> Option<Finding> {
+    let corner_hz = |trial: &Trial| {
+        let corner_hz = for_role(conditioning, trial.role).corner_hz(trial)?;
+        (corner_hz < DRIVE_LOST * trial.frequency_hz).then_some(corner_hz)
+    };
+    let first = trials.iter().find(|trial| corner_hz(trial).is_some())?;
+    let lost = trials.iter().filter(|trial| corner_hz(trial).is_some());
+    Some(Finding {
+        cause: Cause::Unreadable,
+        recordings: lost.map(|trial| trial.name.clone()).collect(),
+        channels: Vec::new(),
+        evidence: format!(
+            "preprocessing.low_pass takes off the motion itself: its corner is {:.2} Hz where the drive turns at {:.2} Hz",
+            corner_hz(first)?,
+            first.frequency_hz
+        ),
+        advice: "set times_drive and plus_hz so that the corner is some times the drive's frequency; 4 and 8 are taken without".to_owned(),
+    })
 }
 
 /// Root mean square of a standard within what is taken for rest, over that of the whole run, beyond which it is none.

@@ -67,7 +67,7 @@ pub(crate) fn format_of(path: &Path, head: &[u8]) -> Option<Opener> {
 /// Starts a recording in the format that the path's extension names: `.csv`, `.csv.gz`, `.parquet`, `.npy`, `.npz`, `.tdms`.
 ///
 /// # Errors
-/// [`Error::UnknownFormat`], [`Error::Unsupported`] for a format that is only read, [`Error::Io`].
+/// [`Error::Unsupported`] for any other format, [`Error::Io`].
 pub fn create(path: &Path, layout: &Layout) -> Result<Box<dyn Sink>> {
     let name = file_name(path);
     if name.ends_with(".csv") || name.ends_with(".csv.gz") {
@@ -78,16 +78,12 @@ pub fn create(path: &Path, layout: &Layout) -> Result<Box<dyn Sink>> {
         numpy::create(path, layout)
     } else if name.ends_with(".tdms") {
         tdms::create(path, layout)
-    } else if name.ends_with(".mat") {
+    } else {
         Err(Error::unsupported(
             path,
-            "writing MATLAB files",
-            "write .npz or .csv",
+            "writing files of this kind",
+            "write .csv, .csv.gz, .parquet, .npy, .npz or .tdms",
         ))
-    } else {
-        Err(Error::UnknownFormat {
-            path: path.to_owned(),
-        })
     }
 }
 

@@ -32,10 +32,13 @@ pub const CORNER: Tolerance = required(
     0.03,
     "a calibration as good as its standards, and a random sensor's weakest limb",
 );
-/// Share of failures of five standard deviations whose class is not named.
+/// Share of failures of five standard deviations whose class is not named, as far as it is no chance of one in a million.
 pub const NOT_ISOLATED: Tolerance = required(0.01, "one failure in a hundred");
-/// Share of ambiguous pairs of which the wrong limb is named: odds of a thousand to one, and models that do not fit.
+/// Share of ambiguous pairs of which the wrong limb is named: odds of a thousand to one, and models that do not fit. As far as it is no
+/// chance of one in a million.
 pub const TWIN_WRONG: Tolerance = required(0.01, "one pair in a hundred");
+/// Share of plays in which limbs die with their noise and a sound one is excluded, as far as it is no chance of one in a million.
+pub const SOUND_LIMB_EXCLUDED: Tolerance = required(1e-3, "one play in a thousand");
 /// Drawn against theoretical probability of detection, in standard errors.
 pub const DETECTION_Z: Tolerance = required(ONE_IN_A_MILLION, CHANCE);
 /// Attitude half a second after a limb died that was then excluded, from that of a sensor that never failed, noise 60 dB below

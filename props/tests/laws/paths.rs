@@ -227,8 +227,12 @@ proptest! {
         // NaN is not equal to itself.
         prop_assert_eq!(format!("{:?}", answer.err()), format!("{:?}", &refused));
         prop_assert_eq!(record.received(), stream.received());
-        if wanted.len() > 1 {
-            let error = difference(&numbers::<NUMBERS>(&got), &numbers(&wanted));
+        prop_assert_eq!(got.len(), wanted.len());
+        // A voltage that is accepted though it is a thousand times too large turns the sensor so fast that rounding grows to the size of
+        // the answer: what comes after it is no measure.
+        let before = at.min(wanted.len());
+        if before > 1 {
+            let error = difference(&numbers::<NUMBERS>(&got[..before]), &numbers(&wanted[..before]));
             judge("record up to a bad sample", bad, error, tolerance::PATHS);
         }
         let mut decouplers: [Decoupler; LANES] = from_fn(|_| case.decoupler());

@@ -15,12 +15,18 @@ use sixaxis_reference::mujoco::threshold::{
 use sixaxis_reference::paper;
 use sixaxis_reference::rig::run::{Mode, Mounting, Run};
 
+/// Of the paper's sensors, and of drawn ones, whose highest mode may be half as high again.
 const STEP_S: f64 = 5e-5;
+const STEP_OF_ANY_S: f64 = 2.5e-5;
 const MODES: [Mode; 2] = [Mode::Linear, Mode::Angular];
 
 fn measured(parameters: &Parameters, run: &Run) -> SweepPoint {
+    in_steps_of(STEP_S, parameters, run)
+}
+
+fn in_steps_of(step_s: f64, parameters: &Parameters, run: &Run) -> SweepPoint {
     let model = model(parameters, run.direction_ground, Mounting::AxisVertical);
-    measure(&model, run, STEP_S).expect("the step is stable")
+    measure(&model, run, step_s).expect("the step is stable")
 }
 
 fn theory(parameters: &Parameters, run: &Run) -> f64 {
@@ -138,7 +144,7 @@ proptest! {
         let mode = if angular { Mode::Angular } else { Mode::Linear };
         let mut run = excitation(mode, 5.0);
         run.direction_ground = direction.normalize();
-        let point = measured(&parameters, &run);
+        let point = in_steps_of(STEP_OF_ANY_S, &parameters, &run);
         within(
             "relative acceleration over linear theory's",
             (point.relative_acceleration / theory(&parameters, &run) - 1.0).abs(),

@@ -48,6 +48,8 @@ pub struct Setup {
     pub full_scale_v: f64,
     /// What is to be done to the voltages because of how they were recorded.
     pub conditioning: ConditioningConfig,
+    /// Frequency of the drive, Hz, where a session states one of this recording.
+    pub drive_hz: Option<f64>,
     /// Whether the session takes a line off its runs, which is known only when a run is over.
     pub detrends: bool,
     /// What was taken for granted, in sentences.
@@ -163,6 +165,7 @@ impl Setup {
                 outliers: stages.and_then(|stages| stages.outliers.settings().copied()),
                 ..ConditioningConfig::default()
             },
+            drive_hz: entry.and_then(|entry| entry.frequency_hz),
             detrends: stages.is_some_and(|stages| stages.detrend.settings().is_some()),
             channels,
             notes,

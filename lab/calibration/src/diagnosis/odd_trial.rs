@@ -89,6 +89,7 @@ fn explain(
         .map(|factor| course.unwrap_or(factor))
         .or_else(|| odd.one_channel())
         .or_else(|| odd.exchanged())
+        .or_else(|| odd.moved_on())
         .or_else(|| odd.gains_of_another(all))
         .or_else(|| odd.gains_inverted());
     if explained.is_some() {

@@ -17,6 +17,8 @@ use sixaxis_recordings::session::Role;
 const FLAT_TOP: usize = 4;
 /// Voltages beyond this multiple of the converter's limit did not come from it as volts.
 const BEYOND: f64 = 1.2;
+/// Samples of the day beyond it that are wild ones, each by itself.
+const WILD: usize = 10;
 /// Converter steps by which a top that was merely rounded has fallen as far out again as it is wide, with room for noise.
 const ROUNDED_TOP: f64 = 12.0;
 /// A flat top is expected of a channel that spans no more than so many converter steps.
@@ -171,6 +173,8 @@ fn beyond_converter(
     let mut recordings = Vec::new();
     let mut channels = [false; LIMBS];
     let mut most = (0.0, 0.0);
+    let mut samples = 0;
+    let mut first: Option<(String, usize)> = None;
     let shares = StaticLoadSharing::new(&facts.geometry).ok();
     let mut factors: Vec<(f64, f64)> = Vec::new();
     let mut look = |trial: &Trial| -> [bool; LIMBS] {
@@ -178,6 +182,12 @@ fn beyond_converter(
         let beyond = peaks.map(|peak| peak > BEYOND * trial.full_scale_v);
         if beyond.contains(&true) {
             recordings.push(trial.name.clone());
+            for (sample, row) in trial.voltage_v.iter().enumerate() {
+                if row.iter().any(|u| u.abs() > BEYOND * trial.full_scale_v) {
+                    samples += 1;
+                    first.get_or_insert_with(|| (trial.name.clone(), sample));
+                }
+            }
             for channel in 0..LIMBS {
                 channels[channel] |= beyond[channel];
                 if peaks[channel] > most.0 {
@@ -207,8 +217,29 @@ fn beyond_converter(
     }
     // By the design, which is right to a factor of two, and by the range alone where no trial moves these channels.
     let factor = weighted_median(&mut factors).unwrap_or(most.0 / most.1);
+    // A cell that lost its decimal mark is no unit.
+    let wild = first.filter(|_| samples <= WILD);
+    let (cause, what, advice) = match &wild {
+        Some((name, sample)) => (
+            Cause::Unreadable,
+            format!("in {samples} of all samples, the first of them sample {sample} of {name}"),
+            "mend these samples in the file, or take single wild ones out with [preprocessing] outliers",
+        ),
+        None => (
+            cause_of(factor),
+            format!(
+                "{} what the design makes one expect",
+                factor_in_words(factor)
+            ),
+            if is_thousand(factor) {
+                "the numbers are millivolts: say so in the file's heading or in [channels] limbs_unit"
+            } else {
+                "check the unit of the limbs' channels and sensor.full_scale_v"
+            },
+        ),
+    };
     findings.push(Finding {
-        cause: cause_of(factor),
+        cause,
         recordings: if recordings.len() > cases.len() / 2 {
             Vec::new()
         } else {
@@ -220,17 +251,10 @@ fn beyond_converter(
             (1..=LIMBS).filter(|i| channels[i - 1]).collect()
         },
         evidence: format!(
-            "voltages up to {:.1} V from a converter that ends at {} V, {} what the design makes one expect",
-            most.0,
-            most.1,
-            factor_in_words(factor)
+            "voltages up to {:.1} V from a converter that ends at {} V, {what}",
+            most.0, most.1
         ),
-        advice: if is_thousand(factor) {
-            "the numbers are millivolts: say so in the file's heading or in [channels] limbs_unit"
-        } else {
-            "check the unit of the limbs' channels and sensor.full_scale_v"
-        }
-        .to_owned(),
+        advice: advice.to_owned(),
     });
     channels
 }

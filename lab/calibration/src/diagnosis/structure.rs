@@ -171,6 +171,9 @@ fn only_noise(case: &TrialCase<'_>, channel: usize) -> bool {
         .iter()
         .map(|row| row[channel])
         .collect();
+    if series.iter().all(|u| *u == series[0]) {
+        return true;
+    }
     let mean = series.iter().sum::<f64>() / series.len() as f64;
     let square = series.iter().map(|u| (u - mean) * (u - mean)).sum::<f64>() / series.len() as f64;
     noise_floor(&series).is_ok_and(|noise| square.sqrt() <= ONLY_NOISE * noise)

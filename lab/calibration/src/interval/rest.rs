@@ -8,7 +8,7 @@ use crate::report::ParameterReport;
 use crate::trial::Trial;
 
 /// Noise, in steps of the converter, from which rounding is lost in it and means go on below a step: with half a step the
-/// mean of many is off by exp(-pi^2 / 2) / pi, 2e-3, steps at worst.
+/// mean of many is off by exp(-pi^2 / 2) / pi, 2.3e-3, steps at worst.
 const DITHERED: f64 = 0.5;
 
 /// Widens the zeros' intervals by half a step where noise does not carry the mean below one, and takes them away where the channel

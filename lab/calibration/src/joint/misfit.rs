@@ -18,6 +18,9 @@ use sixaxis_core::identify::joint::estimate::JointEstimate;
 
 /// Standard deviations of chi square by which the squares must be too many to be a contradiction.
 const CONTRADICTION: f64 = 5.0;
+/// Squares per degree of freedom below which noise is larger than what it is taken from shows in the drive's band: half of it is none of the
+/// trials' there.
+const FAR_TOO_FEW: f64 = 0.5;
 /// What a disagreement hides over what it shows: six combinations of nine forces over three.
 const HIDDEN_OVER_SHOWN: f64 = 6.0 / 3.0;
 /// s_i/m and I/m.
@@ -52,6 +55,19 @@ impl Misfit {
     #[must_use]
     pub fn contradicts(&self) -> bool {
         self.per_degree.is_nan() || self.per_degree > self.limit()
+    }
+
+    /// What is to be said of squares that are far too few: the noise of the recordings, which is told from above the drive's harmonics, is
+    /// not that of the fit.
+    #[must_use]
+    pub fn too_few(&self) -> Option<String> {
+        (self.per_degree < FAR_TOO_FEW).then(|| {
+            format!(
+                "above the drive's harmonics the recordings have {:.1} times the noise that is among them, as with mains hum: `sixaxis inspect` names its \
+                 frequency, and what is decoupled has it too",
+                self.per_degree.sqrt().recip()
+            )
+        })
     }
 
     /// Factor on the fit's own standard deviations: 1 where nothing is contradicted.

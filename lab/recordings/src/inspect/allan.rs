@@ -276,7 +276,9 @@ impl Stability {
             .min_by(|a, b| a.deviation.total_cmp(&b.deviation));
         let rises = |lowest: &&Deviation| {
             let stands_out = |fit: &Fit, k: usize| fit.squares[k] > SIGNIFICANT * fit.errors[k];
+            // Where the shortest one is the lowest there was no white noise to stand out of.
             lowest.averaging_s < longest_s
+                && lowest.averaging_s > deviations[0].averaging_s
                 && fit
                     .as_ref()
                     .is_some_and(|fit| stands_out(fit, 1) || stands_out(fit, 2))
@@ -289,8 +291,13 @@ impl Stability {
             (value, lowest.averaging_s)
         });
         if bias_instability.is_none() {
-            let why =
-                format!("record too short: no rise after the lowest deviation up to {longest_s} s");
+            let at_once = |lowest: &Deviation| lowest.averaging_s == deviations[0].averaging_s;
+            let why = if lowest.is_some_and(at_once) {
+                "the deviation rises from the shortest time on: no white noise to stand out of"
+                    .to_owned()
+            } else {
+                format!("record too short: no rise after the lowest deviation up to {longest_s} s")
+            };
             absent.insert("bias_instability", why);
         }
         Self {

@@ -11,7 +11,7 @@ use sixaxis_calibration::apply::aids::AidChoice;
 use sixaxis_calibration::apply::attitude::UNTIL_SD_DEG;
 use sixaxis_calibration::apply::check_grade::check_grade;
 use sixaxis_calibration::apply::columns::Columns;
-use sixaxis_calibration::apply::conditioning_stream::causal_delay_s;
+use sixaxis_calibration::apply::conditioning_stream::{LOW_PASS_ORDER, causal_delay_s};
 use sixaxis_calibration::apply::job::{Decoupled, Job};
 use sixaxis_calibration::apply::setup::Setup;
 use sixaxis_calibration::apply::text_stream::{End, Printed, is_closed_pipe, refuse};
@@ -54,7 +54,7 @@ pub struct Arguments {
     /// Axes of the accelerations: the ground's as far as the attitude is known, the sensor's, or both
     #[arg(long, value_enum, default_value_t = Axes::Both)]
     frame: Axes,
-    /// Standard deviation of the attitude, degrees, up to which ground axes are given, NaN from there on [default: 5]
+    /// Standard deviation of the attitude, degrees, up to which ground axes are given, NaN where it is larger [default: 5]
     #[arg(long, value_name = "DEGREES", conflicts_with_all = ["rest_to_rest", "watch", "excluded"])]
     until_sd: Option<f64>,
     /// What else is known of the motion: rest, velocity=SECONDS,M_PER_S or attitude=FILE,DEGREES; once of each kind
@@ -96,6 +96,9 @@ pub struct Arguments {
 }
 
 const AFTER_HELP: &str = include_str!("decouple.txt");
+
+/// Share of the motion that a low-pass takes off from which it is said.
+const WORTH_A_WARNING: f64 = 0.01;
 
 /// What `--json` prints.
 #[derive(Serialize)]
@@ -145,6 +148,19 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         "the session takes a line off its runs (preprocessing.detrend), which this does not: --rest-to-rest takes off the drift that \
          contradicts rest, or use a session without detrend"
     );
+    if let (Some(corner_hz), Some(drive_hz)) = (arguments.low_pass, setup.drive_hz) {
+        // Forwards and backwards, as the square of a Butterworth filter.
+        let left = 1.0 / (1.0 + (drive_hz / corner_hz).powi(2 * LOW_PASS_ORDER as i32));
+        if left < 1.0 - WORTH_A_WARNING {
+            tell(
+                "warning",
+                &format!(
+                    "--low-pass {corner_hz} takes {:.0} % of the motion itself: by the session the drive turns at {drive_hz} Hz",
+                    100.0 * (1.0 - left)
+                ),
+            );
+        }
+    }
     if arguments.watch && setup.conditioning.outliers.take().is_some() {
         setup
             .notes

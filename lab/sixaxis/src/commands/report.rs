@@ -158,7 +158,18 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         write_atomically(&path, &bytes)
             .with_context(|| format!("cannot write {}", path.display()))?;
     }
-    print(format!("{}\n{}\n", summary(&results), html.display()))?;
+    let missed = results.acceptance.iter().any(|bar| !bar.met);
+    let quick = match plan.quick && missed {
+        true => {
+            "this is a quick look with three trials a step on the three axes alone: the laboratory's limits need the full campaign, without --quick\n\n"
+        }
+        false => "",
+    };
+    print(format!(
+        "{}\n{quick}{}\n",
+        summary(&results),
+        html.display()
+    ))?;
     Ok(ExitCode::from(code(&results.acceptance)))
 }
 

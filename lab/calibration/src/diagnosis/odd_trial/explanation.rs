@@ -186,6 +186,29 @@ impl<'a> Odd<'a> {
         })
     }
 
+    /// All nine names moved on by some places, as by a heading that begins a column too early.
+    pub(super) fn moved_on(&self) -> Option<Finding> {
+        let h = &self.table.mass_over_scale_kg;
+        let gain = &self.case.trial.gains.gain_n_per_v;
+        let by = (1..LIMBS).find(|by| {
+            let with = |own: usize| {
+                let from = (own + by) % LIMBS;
+                self.expected[from] * h[from] * gain[own] / (h[own] * gain[from])
+            };
+            self.rest(&with) < self.enough()
+        })?;
+        Some(Finding {
+            recordings: vec![self.case.trial.name.clone()],
+            cause: Cause::SwappedChannels,
+            channels: Vec::new(),
+            evidence: format!(
+                "what stands in channel 1 of this recording is limb {}'s, and so on: with all nine names moved on they agree with the other trials",
+                by + 1
+            ),
+            advice: "see whether the headings of this file begin a column too early or too late, or give it its own [recording.channels]".to_owned(),
+        })
+    }
+
     /// The pair whose exchange explains the trial, where a channel then shows so many times what is expected of the other.
     fn exchanged_by(&self, factor: impl Fn(usize, usize) -> f64) -> Option<(usize, usize)> {
         let other = |own: usize, from: usize| self.expected[from] * factor(own, from);

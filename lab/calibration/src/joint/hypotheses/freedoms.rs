@@ -243,7 +243,7 @@ fn late_channels(
         LIMBS => (Vec::new(), "all nine channels are"),
         _ => (
             late.iter().map(|(limb, _)| limb + 1).collect(),
-            "these channels are, and no others,",
+            "these channels are, beyond doubt,",
         ),
     };
     Some(Finding {
@@ -253,7 +253,8 @@ fn late_channels(
         evidence: format!(
             "with delays all trials agree to the noise, and without they do not: {who} {least:.3} to {most:.3} ms behind the standards"
         ),
-        advice: "record all channels and the standards on one clock, started at once, or put the delay right before calibrating"
+        advice: "record all channels and the standards on one clock, started at once, or state the delays that there are: [channels] limbs_lag_us of the \
+             channels, reference_start_s of standards in a file of their own"
             .to_owned(),
     })
 }

@@ -33,9 +33,10 @@ fn fitted(mut section: Section, calibrated: &CalibratedSession, joint: &JointRep
     section = section.block(Block::Note(match contradiction(misfit) {
         Some(words) => format!("Against it: {words}."),
         None => format!(
-            "Nothing contradicts it: its squares per degree of freedom are {}, where noise alone leaves at most {}.",
+            "Nothing contradicts it: its squares per degree of freedom are {}, where noise alone leaves at most {}{}.",
             fixed(misfit.per_degree, 3),
-            fixed(misfit.limit(), 3)
+            fixed(misfit.limit(), 3),
+            misfit.too_few().map_or(String::new(), |words| format!("; {words}"))
         ),
     }));
     section

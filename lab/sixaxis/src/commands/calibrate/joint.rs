@@ -51,12 +51,16 @@ pub fn print(out: &mut String, calibrated: &CalibratedSession) {
         return;
     }
     let line = match &calibrated.joint {
-        Some(Ok(joint)) => format!(
-            "by {}: misfit {:.3}, where noise alone leaves at most {:.3}",
-            calibrated.estimator.name(),
-            joint.misfit.per_degree,
-            joint.misfit.limit()
-        ),
+        Some(Ok(joint)) => {
+            let too_few = joint.misfit.too_few();
+            format!(
+                "by {}: misfit {:.3}, where noise alone leaves at most {:.3}{}",
+                calibrated.estimator.name(),
+                joint.misfit.per_degree,
+                joint.misfit.limit(),
+                too_few.map_or(String::new(), |words| format!("; {words}"))
+            )
+        }
         _ => format!(
             "by the four steps, and not kept: {} refuses",
             calibrated.estimator.name()
