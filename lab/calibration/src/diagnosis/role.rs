@@ -5,7 +5,6 @@ use core::f64::consts::TAU;
 use super::fundamental;
 use super::trial_case::{TrialCase, names};
 use crate::finding::{Cause, Finding};
-use crate::response::frequency;
 use crate::trial::Trial;
 use sixaxis_recordings::session::Role;
 
@@ -40,40 +39,6 @@ fn turned_rad(case: &TrialCase<'_>) -> f64 {
     let hz = seen_hz.unwrap_or(trial.frequency_hz);
     fundamental::measure(&trial.gyroscope_rad_s, trial.sample_rate_hz, hz)
         .map_or(0.0, |found| found.amplitude / found.rate_rad_s)
-}
-
-/// Turns of the drive from which a standard shows cycles, however it runs up and down.
-const ENOUGH_TURNS: f64 = 6.0;
-
-/// Trials whose standard moves and shows no cycles.
-fn without_cycles(cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
-    let mut recordings = Vec::new();
-    for case in cases.iter_mut().filter(|case| !case.explained) {
-        let trial = case.trial;
-        let (Role::Linear | Role::HighFrequencyLinear | Role::Angular) = trial.role else {
-            continue;
-        };
-        let series = match trial.role {
-            Role::Angular => &trial.gyroscope_rad_s,
-            _ => &trial.accelerometer_m_s2,
-        };
-        let turns = series.len() as f64 / trial.sample_rate_hz * trial.frequency_hz;
-        let mean = series.iter().sum::<f64>() / series.len() as f64;
-        let about: Vec<f64> = series.iter().map(|x| x - mean).collect();
-        if turns > ENOUGH_TURNS && frequency(&about, trial.sample_rate_hz).is_none() {
-            recordings.push(trial.name.clone());
-            case.explained = true;
-        }
-    }
-    if !recordings.is_empty() {
-        findings.push(Finding {
-            cause: Cause::Unreadable,
-            recordings,
-            channels: Vec::new(),
-            evidence: "the standard shows no cycles of the drive, of which the run is long enough for six".to_owned(),
-            advice: "see whether the rows are in the order in which they were recorded, and export again".to_owned(),
-        });
-    }
 }
 
 /// Trials of the other kind, and standards that read one value throughout.
@@ -176,5 +141,4 @@ pub fn examine(cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
             cases[index].explained = true;
         }
     }
-    without_cycles(cases, findings);
 }
