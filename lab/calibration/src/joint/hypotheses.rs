@@ -73,9 +73,11 @@ pub fn explain(
     certain: &[Finding],
     suspected: Vec<Finding>,
 ) -> Vec<Finding> {
-    let mut accounting = freedoms::tried(day);
-    accounting.extend(clock::tried(day));
-    accounting.extend(plugs::tried(day));
+    let (mut accounting, (clock, plugs)) = rayon::join(
+        || freedoms::tried(day),
+        || rayon::join(|| clock::tried(day), || plugs::tried(day)),
+    );
+    accounting.extend(clock.into_iter().chain(plugs));
     if accounting.is_empty() {
         accounting.extend(stated::tried(day));
     }

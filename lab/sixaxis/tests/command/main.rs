@@ -16,6 +16,8 @@ mod mistakes;
 #[cfg(all(feature = "harness", target_os = "linux"))]
 mod mistakes_in_files;
 #[cfg(all(feature = "harness", target_os = "linux"))]
+mod mistakes_in_statements;
+#[cfg(all(feature = "harness", target_os = "linux"))]
 mod mistakes_on_the_way;
 mod moved;
 mod noise;

@@ -7,7 +7,15 @@ use crate::self_calibrate::day;
 
 /// The day's session with something else in it, calibrated: exit code and what is printed.
 pub fn calibrated(name: &str, change: impl Fn(&str) -> String) -> (i32, String) {
-    let folder = &day().0;
+    calibrated_in(&day().0, name, change)
+}
+
+/// The same of any day.
+pub fn calibrated_in(
+    folder: &Folder,
+    name: &str,
+    change: impl Fn(&str) -> String,
+) -> (i32, String) {
     let session = fs::read_to_string(folder.join("session.toml")).expect("reads");
     let changed = change(&session);
     assert_ne!(changed, session, "{name}");
@@ -242,7 +250,11 @@ fn neg_a_direction_of_the_wrong_sign_is_told() {
 
 /// Writes a recording with other readings, its columns from the first on, under another name.
 pub fn rewritten(recording: &str, name: &str, change: impl Fn(&mut [f64])) {
-    let folder = &day().0;
+    rewritten_in(&day().0, recording, name, change);
+}
+
+/// The same of any day.
+pub fn rewritten_in(folder: &Folder, recording: &str, name: &str, change: impl Fn(&mut [f64])) {
     let record = fs::read_to_string(folder.join(recording)).expect("reads");
     let lines = record.lines().map(|line| {
         let readings = line.split(',').map(str::parse);

@@ -205,7 +205,7 @@ fn neg_a_gyroscope_that_turns_the_other_way_is_told() {
     });
     assert!(matches!(code, 1 | 4), "{said}");
     assert!(
-        said.contains("the standard gyroscope turns the other way"),
+        said.contains("with the standard gyroscope reversed all trials agree"),
         "{said}"
     );
 }

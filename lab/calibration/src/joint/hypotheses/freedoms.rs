@@ -3,6 +3,7 @@
 
 use core::f64::consts::TAU;
 
+use rayon::prelude::*;
 use sixaxis_core::LIMBS;
 use sixaxis_core::identify::joint::unknowns::{AMPLIFIER_CORNER, GYROSCOPE_LAG};
 use sixaxis_core::identify::joint::{Certificates, Known};
@@ -72,7 +73,7 @@ pub fn tried(day: &Unaccounted<'_>) -> Vec<Finding> {
         let joint = day.accounting(&trials, &rest, &day.start, &freed)?;
         (freedom.finding)(&joint, &day.knowledge.certificates, drives_rad_s)
     };
-    FREEDOMS.iter().filter_map(of).collect()
+    FREEDOMS.par_iter().filter_map(of).collect()
 }
 
 /// An unknown with its standard deviation.

@@ -1,0 +1,285 @@
+//! What a session states and is not so, and recordings that are told by what the others agree on.
+
+use std::fs;
+use std::sync::OnceLock;
+
+use crate::mistakes::{calibrated_in, rewritten_in, with_entry};
+use crate::program::{Folder, run, stderr, text};
+
+/// A day of few samples: each mistake is a whole calibration, and what is wrong takes longer to tell than what is right.
+fn day() -> &'static Folder {
+    static DAY: OnceLock<Folder> = OnceLock::new();
+    DAY.get_or_init(|| {
+        let folder = Folder::new("statements");
+        let how = [
+            "--engine", "rigid", "--rate", "500", "--trials", "6", "--seed", "5",
+        ];
+        let simulated = run(&[&["simulate", "--out", text(&folder)], &how[..]].concat());
+        assert!(simulated.status.success(), "{simulated:?}");
+        let calibrated = run(&["calibrate", text(&folder.join("session.toml")), "--quiet"]);
+        assert!(calibrated.status.success(), "{calibrated:?}");
+        folder
+    })
+}
+
+fn calibrated(name: &str, change: impl Fn(&str) -> String) -> (i32, String) {
+    calibrated_in(day(), name, change)
+}
+
+fn rewritten(recording: &str, name: &str, change: impl Fn(&mut [f64])) {
+    rewritten_in(day(), recording, name, change);
+}
+
+/// The session with every line of a key written anew from its numbers.
+fn with_numbers(session: &str, key: &str, change: impl Fn(&[f64]) -> Vec<f64>) -> String {
+    let lines = session.lines().map(|line| {
+        let numbers = line
+            .strip_prefix(key)
+            .and_then(|line| line.strip_prefix(" = ["));
+        match numbers.and_then(|numbers| numbers.strip_suffix(']')) {
+            Some(numbers) => {
+                let numbers: Result<Vec<f64>, _> =
+                    numbers.split(',').map(|x| x.trim().parse()).collect();
+                let changed = change(&numbers.expect("numbers"));
+                let changed: Vec<String> = changed.iter().map(f64::to_string).collect();
+                format!("{key} = [{}]\n", changed.join(", "))
+            }
+            None => format!("{line}\n"),
+        }
+    });
+    lines.collect()
+}
+
+fn without_role(session: &str, role: &str) -> String {
+    let role = format!("role = \"{role}\"");
+    let entries = session.split("[[recording]]");
+    let kept: Vec<&str> = entries.filter(|entry| !entry.contains(&role)).collect();
+    kept.join("[[recording]]")
+}
+
+/// The recordings that move.
+fn recordings() -> Vec<String> {
+    let session = fs::read_to_string(day().join("session.toml")).expect("reads");
+    let files = session
+        .lines()
+        .filter_map(|line| line.strip_prefix("file = \"")?.strip_suffix('"'));
+    let moving = files.filter(|name| !name.starts_with("static"));
+    moving.map(str::to_owned).collect()
+}
+
+/// The session with what stands for them.
+fn renamed(session: &str, by: &str) -> String {
+    let renamed = session.replace("file = \"", &format!("file = \"{by}-"));
+    renamed.replace(&format!("{by}-static"), "static")
+}
+
+/// Calibrates the day with each change; it is not good, and says these words.
+fn told(cases: &[(&str, &dyn Fn(&str) -> String, &str)]) {
+    for (name, change, words) in cases {
+        let (code, said) = calibrated(name, change);
+        assert!(code == 4 || code == 1, "{name}: {said}");
+        assert!(said.starts_with("Not good:"), "{name}: {said}");
+        assert!(said.contains(words), "{name}: {said}");
+        assert!(!said.contains("cause unknown"), "{name}: {said}");
+    }
+}
+
+#[test]
+fn neg_statements_that_are_not_so_are_named() {
+    told(&[
+        (
+            "high-pass-not-there",
+            &|s| {
+                s.replace(
+                    "[preprocessing]\n",
+                    "[preprocessing]\namplifier_high_pass_hz = 0.1\n",
+                )
+            },
+            "without the stated high-pass of 0.1 Hz all trials agree",
+        ),
+        (
+            "no-rests",
+            &|s| s.replace("detrend = false", "detrend = { rest_s = 0.5 }"),
+            "the first and the last 0.5 s as rests, and the standards move there",
+        ),
+        (
+            "no-motion-left",
+            &|s| {
+                s.replace("times_drive = 4.0", "times_drive = 0.4")
+                    .replace("plus_hz = 8.0", "plus_hz = 0.0")
+            },
+            "preprocessing.low_pass takes off the motion itself",
+        ),
+        (
+            "bandwidth-100",
+            &|s| s.replace("bandwidth_hz = 10.0", "bandwidth_hz = 100.0"),
+            "correct the gyroscope's bandwidth_hz",
+        ),
+        (
+            "bandwidth-5",
+            &|s| s.replace("bandwidth_hz = 10.0", "bandwidth_hz = 5.0"),
+            "correct the gyroscope's bandwidth_hz",
+        ),
+        (
+            "accelerometer-bandwidth",
+            &|s| {
+                s.replace(
+                    "[accelerometer]\n",
+                    "[accelerometer]\nbandwidth_hz = 10.0\n",
+                )
+            },
+            "an accelerometer that follows at once",
+        ),
+        (
+            "delay-not-there",
+            &|s| s.replace("[channels]\n", "[channels]\nlimbs_lag_us = 100.0\n"),
+            "[channels] limbs_lag_us",
+        ),
+        (
+            "axes-exchanged",
+            &|s| with_numbers(s, "direction", |d| vec![d[1], d[0], d[2]]),
+            "each direction (x, y, z) read as (y, x, z)",
+        ),
+        (
+            "axes-left-handed",
+            &|s| with_numbers(s, "direction", |d| vec![-d[0], d[1], d[2]]),
+            "each direction (x, y, z) read as (-x, y, z)",
+        ),
+        (
+            "axes-reversed",
+            &|s| with_numbers(s, "direction", |d| d.iter().map(|x| -x).collect()),
+            "each direction (x, y, z) read as (-x, -y, -z)",
+        ),
+        (
+            "gains-in-volts-per-newton",
+            &|s| {
+                with_numbers(s, "gain_n_per_v", |gains| {
+                    gains.iter().map(|c| 1.0 / c).collect()
+                })
+            },
+            "state all gains in N/V",
+        ),
+        (
+            "gains-of-one-trial-in-volts-per-newton",
+            &|s| {
+                with_entry(s, "linear-05", |entry| {
+                    with_numbers(entry, "gain_n_per_v", |gains| {
+                        gains.iter().map(|c| 1.0 / c).collect()
+                    })
+                })
+            },
+            "linear-05.csv with one over each of its gain_n_per_v",
+        ),
+        (
+            "gains-all-alike",
+            &|s| with_numbers(s, "gain_n_per_v", |_| vec![0.05; 9]),
+            "state the gains of each recording, by the amplifiers' panel",
+        ),
+        (
+            "no-linear",
+            &|s| without_role(s, "linear"),
+            "the session has no linear trial",
+        ),
+        (
+            "no-angular",
+            &|s| without_role(s, "angular"),
+            "the session has no angular trial",
+        ),
+    ]);
+}
+
+#[test]
+fn neg_an_odd_recording_is_told_by_what_the_others_agree_on() {
+    rewritten("angular-04.csv", "exchanged-3-9.csv", |row| row.swap(2, 8));
+    rewritten("linear-04.csv", "moved-on.csv", |row| {
+        row[..9].rotate_left(1)
+    });
+    rewritten("linear-06.csv", "centimetres.csv", |row| row[9] *= 100.0);
+    for name in recordings() {
+        rewritten(&name, &format!("reversed-{name}"), |row| row[9] = -row[9]);
+    }
+    told(&[
+        (
+            "exchanged-3-9",
+            &|s| s.replace("angular-04.csv", "exchanged-3-9.csv"),
+            "exchanged-3-9.csv; channels 3 and 9",
+        ),
+        (
+            "moved-on",
+            &|s| s.replace("linear-04.csv", "moved-on.csv"),
+            "with all nine names moved on they agree",
+        ),
+        (
+            "centimetres",
+            &|s| s.replace("linear-06.csv", "centimetres.csv"),
+            "centimetres.csv the standard accelerometer shows 100.",
+        ),
+        (
+            "accelerometer-reversed",
+            &|s| renamed(s, "reversed"),
+            "with the standard accelerometer reversed all trials agree",
+        ),
+    ]);
+}
+
+#[test]
+fn neg_a_wild_cell_is_told_by_its_sample() {
+    let at = std::cell::Cell::new(0);
+    rewritten("linear-04.csv", "wild.csv", |row| {
+        if at.replace(at.get() + 1) == 498 {
+            row[3] = 3125.0;
+        }
+    });
+    let (code, said) = calibrated("wild", |s| s.replace("linear-04.csv", "wild.csv"));
+    assert_eq!(code, 4, "{said}");
+    let words = "voltages up to 3125.0 V from a converter that ends at 10 V, in 1 of all samples, the first of them sample 498 of wild.csv";
+    assert!(said.contains(words), "{said}");
+}
+
+#[test]
+fn neg_hum_is_told_by_a_misfit_that_is_too_small() {
+    let at = std::cell::Cell::new(0.0);
+    let hum = |row: &mut [f64]| {
+        let turns = 50.0 * at.replace(at.get() + 1.0) / 500.0;
+        let u = 0.1 * (core::f64::consts::TAU * turns).sin();
+        row[..9].iter_mut().for_each(|channel| *channel += u);
+    };
+    for name in recordings() {
+        rewritten(&name, &format!("hum-{name}"), hum);
+    }
+    let (_, said) = calibrated("hum", |s| renamed(s, "hum"));
+    assert!(
+        said.contains("times the noise that is among them, as with mains hum"),
+        "{said}"
+    );
+}
+
+#[test]
+fn neg_a_low_pass_that_takes_the_motion_is_told() {
+    let folder = day();
+    let of = |name: &str| folder.join(name);
+    let decoupled = |corner: &str| {
+        run(&[
+            "decouple",
+            text(&of("calibration.json")),
+            text(&of("compound-03.csv")),
+            "--session",
+            text(&of("session.toml")),
+            "--rest-to-rest",
+            "--low-pass",
+            corner,
+            "--out",
+            text(&of(&format!("low-passed-{corner}.csv"))),
+        ])
+    };
+    let few = decoupled("2");
+    assert!(
+        stderr(&few).contains("takes 100 % of the motion itself"),
+        "{few:?}"
+    );
+    let usual = decoupled("22");
+    assert!(
+        !stderr(&usual).contains("of the motion itself"),
+        "{usual:?}"
+    );
+}
