@@ -306,7 +306,9 @@ impl Acquisition {
             rows.push(row);
         }
         for message in self.chain.messages() {
-            self.note(message);
+            if !self.held() || self.chain.has_stopped() {
+                self.note(message);
+            }
         }
         let live = Live {
             arrived: Some(Instant::now()),
@@ -329,6 +331,12 @@ impl Acquisition {
         self.rate.1 += rows.len() as u64;
     }
 
+    /// Whether rate and attitude are held at zero. The fault monitor begins anew with each window then, and what it makes of so few
+    /// samples is no failure's.
+    const fn held(&self) -> bool {
+        self.rested >= 2 && self.stages.hold_at_rest
+    }
+
     /// A window of the statistics is complete.
     fn window(&mut self) {
         let resting = self.statistics.at_rest && self.begin.is_none();
@@ -336,9 +344,9 @@ impl Acquisition {
         // Two windows of rest, so that the first of them holds no end of a motion.
         if self.rested >= 2 {
             self.chain.zero_v = Some(self.statistics.channels.map(|c| c.mean_v));
-            if self.stages.hold_at_rest {
-                self.restart();
-            }
+        }
+        if self.held() {
+            self.restart();
         }
     }
 

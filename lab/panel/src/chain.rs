@@ -364,6 +364,12 @@ impl Chain {
             .map_or([0.0; 2], |decoder| decoder.flags)
     }
 
+    /// Whether nothing is decoded before the next start.
+    #[must_use]
+    pub fn has_stopped(&self) -> bool {
+        self.decoder.as_ref().is_some_and(LiveDecoder::has_stopped)
+    }
+
     /// What the decoder has said since the last call.
     pub fn messages(&mut self) -> Vec<String> {
         std::mem::take(&mut self.messages)

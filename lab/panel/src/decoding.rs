@@ -106,6 +106,12 @@ impl LiveDecoder {
         })
     }
 
+    /// Whether it has refused a sample.
+    #[must_use]
+    pub const fn has_stopped(&self) -> bool {
+        matches!(self.decoder, Decoder::Stopped)
+    }
+
     /// Takes a row; the answer to the row before.
     pub fn push(&mut self, row: &[f64; LIMBS]) -> Option<SixAxis> {
         let undone = self.undone(row);

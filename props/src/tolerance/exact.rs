@@ -115,8 +115,9 @@ pub const DIFFERENCED_TWICE: Tolerance =
     measured(5e-10, 1.7e-11, "rounding over the step's square");
 /// Rate and angular acceleration of a rotation on a parabola, by the same.
 pub const DIFFERENCED: Tolerance = measured(2e-8, 1.1e-8, "the fourth order in the rotation");
-/// Accelerations by another way through the kernel, any sensor and motion, over the peak of the vector.
-pub const PATHS: Tolerance = measured(1e-12, 1.8e-13, "");
+/// Accelerations by another way through the kernel, any sensor and motion, over the peak of the vector: the largest of 43 seeds, where a
+/// motion of 1,200 samples lets rounding grow.
+pub const PATHS: Tolerance = measured(1e-11, 1.5e-12, "");
 /// Dropped terms of the strain series, in units of the fourth power of the strains' root sum of squares.
 pub const STRAIN_SERIES: Tolerance = measured(1.0, 0.4, "");
 /// A decay's derivatives against differences, over their size, beyond what the modes themselves explain.

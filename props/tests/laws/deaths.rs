@@ -133,8 +133,8 @@ fn stat_noisy_dead_limbs_are_excluded_or_answers_marked() {
         tolerance::SOUND_LIMB_EXCLUDED,
     );
     fails_clearly(
-        "the same if it were a tenth of them",
-        least_share(plays / 10, plays),
+        "the same if it were half of them",
+        least_share(plays / 2, plays),
         tolerance::SOUND_LIMB_EXCLUDED,
     );
 }

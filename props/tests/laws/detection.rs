@@ -102,7 +102,7 @@ fn stat_failures_of_five_sigma_are_isolated() {
             .collect();
         fails_clearly(
             format!("{kind:?}, another class"),
-            missed(&tally(kind, None, &moved)),
+            tally(kind, None, &moved).isolated.missed(),
             tolerance::NOT_ISOLATED,
         );
         let wrong = trials

@@ -82,7 +82,11 @@ impl Acquisition {
                 self.day_calibration.is_some(),
             ],
             watch: self.watch,
-            watched: self.chain.flags(),
+            watched: if self.held() {
+                [0.0; 2]
+            } else {
+                self.chain.flags()
+            },
             errors: self.chain.errors(),
             errors_of_standards: self.chain.errors_of_standards(),
             parity_rms: self.chain.parity_rms(),
