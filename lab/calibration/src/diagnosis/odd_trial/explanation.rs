@@ -1,8 +1,13 @@
-//! What a trial that departs from the others is tried against: a factor, a channel, an exchange, other gains, another direction.
+//! What a trial that departs from the others is tried against: a factor, a channel, an exchange, another direction; other gains are in
+//! [`gains`].
+
+mod gains;
 
 use glam::DVec3;
 use nalgebra::{Matrix3, Vector3};
 use sixaxis_core::LIMBS;
+
+pub(crate) use gains::OTHER_RANGES;
 
 use super::NOTICED;
 use crate::diagnosis::level::{cause_of, of_one_channel};
@@ -20,25 +25,6 @@ const LEFT: f64 = 0.1;
 const LOOSE_DEG: f64 = 0.7;
 /// Factor within which a direction that the channels show is a unit vector's: a wedge does not scale.
 const LENGTH: f64 = 1.25;
-
-/// Ratios of one range of an amplifier to another.
-const RANGES: [f64; 9] = [1.0, 2.0, 2.5, 4.0, 5.0, 10.0, 20.0, 50.0, 100.0];
-/// How near to one of them a channel's factor is.
-const A_RANGE: f64 = 0.02;
-/// Share of a trial's size that a channel should show to be judged by its factor.
-const SHOWN: f64 = 0.05;
-/// Channels from which factors that are ranges are none by chance.
-const FEWEST_RANGES: usize = 6;
-
-/// What to do about gains of other ranges.
-pub(crate) const OTHER_RANGES: &str = "correct gain_n_per_v against the amplifiers' panel, or see whether the file is another trial's";
-
-/// The ratio of ranges that a factor is; none for another factor.
-fn ranges(factor: f64) -> Option<f64> {
-    let all = RANGES.into_iter().flat_map(|range| [range, 1.0 / range]);
-    let near = |range: &f64| (factor / range - 1.0).abs() < A_RANGE;
-    all.into_iter().find(near)
-}
 
 /// A trial that departs from the others, and what it is tried against.
 pub(super) struct Odd<'a> {
@@ -223,100 +209,6 @@ impl<'a> Odd<'a> {
         let from = |n: usize, a: usize| self.counts[n + 1..].iter().map(move |b| (a, *b));
         let mut pairs = (self.counts.iter().enumerate()).flat_map(|(n, a)| from(n, *a));
         pairs.find(explains)
-    }
-
-    /// The gains that the session states for another trial.
-    pub(super) fn gains_of_another(&self, all: &[&Trial]) -> Option<Finding> {
-        let own = &self.case.trial.gains.gain_n_per_v;
-        let left = |other: &&&Trial| {
-            let factor = |i: usize| other.gains.gain_n_per_v[i] / own[i];
-            let squares = self
-                .counts
-                .iter()
-                .map(|i| (self.seen[*i] * factor(*i) - self.expected[*i]).powi(2));
-            squares.sum::<f64>().sqrt() / self.size
-        };
-        let others = all.iter().filter(|other| other.gains.gain_n_per_v != *own);
-        // Of a trial that is off by fifty times its size the usual share would be anything.
-        let other = others
-            .min_by(|a, b| left(a).total_cmp(&left(b)))
-            .filter(|other| left(other) < self.enough().min(LEFT))?;
-        Some(Finding {
-            recordings: vec![self.case.trial.name.clone()],
-            cause: Cause::WrongScaling,
-            channels: Vec::new(),
-            evidence: format!(
-                "with the gains that the session states for {} the channels agree with the other trials",
-                other.name
-            ),
-            advice: format!(
-                "correct this recording's gain_n_per_v, or see whether its file and that of {} are exchanged",
-                other.name
-            ),
-        })
-    }
-
-    /// Gains written as volts per newton.
-    pub(super) fn gains_inverted(&self) -> Option<Finding> {
-        let own = &self.case.trial.gains.gain_n_per_v;
-        let squares = self
-            .counts
-            .iter()
-            .map(|i| (self.seen[*i] / own[*i].powi(2) - self.expected[*i]).powi(2));
-        let left = squares.sum::<f64>().sqrt() / self.size;
-        (left < self.enough().min(LEFT)).then(|| Finding {
-            recordings: vec![self.case.trial.name.clone()],
-            cause: Cause::WrongScaling,
-            channels: Vec::new(),
-            evidence:
-                "with one over each of its gain_n_per_v the channels agree with the other trials"
-                    .to_owned(),
-            advice: "state this recording's gains in N/V: they are written in V/N".to_owned(),
-        })
-    }
-
-    /// Other gains: each channel is off by a step of an amplifier's range, or not at all.
-    pub(super) fn gains_of_other_ranges(&self) -> Option<Finding> {
-        let shown = |i: &&usize| self.expected[**i].abs() > SHOWN * self.size;
-        let mut factors = [1.0; LIMBS];
-        let mut judged = 0;
-        for i in self.counts.iter().filter(shown) {
-            factors[*i] = ranges(self.seen[*i] / self.expected[*i])?;
-            judged += 1;
-        }
-        let own = &self.case.trial.gains.gain_n_per_v;
-        // Without what a quotient of decimal numbers leaves of rounding.
-        let asked: [String; LIMBS] = core::array::from_fn(|i| {
-            let gain_n_per_v = (1e6 * own[i] / factors[i]).round() / 1e6;
-            gain_n_per_v.to_string()
-        });
-        (judged >= FEWEST_RANGES).then(|| Finding {
-            recordings: vec![self.case.trial.name.clone()],
-            cause: Cause::WrongScaling,
-            channels: Vec::new(),
-            evidence: format!(
-                "each channel is off by a step of an amplifier's range or not at all: with gain_n_per_v = [{}] they agree with the other trials",
-                asked.join(", ")
-            ),
-            advice: OTHER_RANGES.to_owned(),
-        })
-    }
-
-    /// One gain for all channels, where every other recording has a range of its own for each.
-    pub(super) fn gains_of_none(&self, all: &[&Trial]) -> Option<Finding> {
-        let is_one = |trial: &Trial| trial.gains.gain_n_per_v.windows(2).all(|g| g[0] == g[1]);
-        let own = self.case.trial;
-        let alone = is_one(own) && all.iter().filter(|trial| is_one(trial)).count() == 1;
-        (alone && all.len() > 1).then(|| Finding {
-            recordings: vec![own.name.clone()],
-            cause: Cause::WrongScaling,
-            channels: Vec::new(),
-            evidence: format!(
-                "by the session all nine gains are {} N/V here, and ranges differ in every other recording",
-                own.gains.gain_n_per_v[0]
-            ),
-            advice: "state this recording's own gain_n_per_v".to_owned(),
-        })
     }
 
     /// Another direction.
