@@ -73,8 +73,11 @@ fn renamed(session: &str, by: &str) -> String {
     renamed.replace(&format!("{by}-static"), "static")
 }
 
+/// A name, what is done to the session, and what is said of it.
+type Case<'a> = (&'a str, &'a dyn Fn(&str) -> String, &'a str);
+
 /// Calibrates the day with each change; it is not good, and says these words.
-fn told(cases: &[(&str, &dyn Fn(&str) -> String, &str)]) {
+fn told(cases: &[Case<'_>]) {
     for (name, change, words) in cases {
         let (code, said) = calibrated(name, change);
         assert!(code == 4 || code == 1, "{name}: {said}");
