@@ -286,3 +286,27 @@ fn neg_a_low_pass_that_takes_the_motion_is_told() {
         "{usual:?}"
     );
 }
+
+/// Of every two rows the standards of the first and the limbs of the second: a converter whose channels come half a sample later, as the
+/// session then says. Read between its samples, noise is smaller than it is, which must not count.
+#[test]
+fn inv_delays_that_are_stated_and_there_leave_a_good_day() {
+    let folder = day();
+    for name in recordings() {
+        let record = fs::read_to_string(folder.join(&name)).expect("reads");
+        let lines: Vec<&str> = record.lines().collect();
+        let (heading, rows) = lines.split_at(2);
+        let mut half = heading.join("\n").replace("= 500", "= 250") + "\n";
+        for pair in rows.chunks_exact(2) {
+            let [standards, limbs] =
+                [pair[0], pair[1]].map(|row| row.split(',').collect::<Vec<_>>());
+            half += &([&limbs[..9], &standards[9..]].concat().join(",") + "\n");
+        }
+        folder.write(&format!("half-{name}"), half);
+    }
+    let (code, said) = calibrated("half", |s| {
+        renamed(s, "half").replace("[channels]\n", "[channels]\nlimbs_lag_us = -2000.0\n")
+    });
+    assert_eq!(code, 0, "{said}");
+    assert!(said.contains("by the joint fit"), "{said}");
+}
