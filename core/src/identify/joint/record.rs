@@ -85,10 +85,11 @@ impl Record<'_> {
         });
         // What was read between its samples has less noise at high frequencies, and more below than its samples show.
         let duration_s = samples as f64 / self.sample_rate_hz;
+        // A short run has too few coordinates below: those next to them are the nearest to white.
         let white = |band_hz: f64| {
             let last = (band_hz * duration_s).min((samples / 2) as f64) as usize;
-            let enough = last < samples / 2 && 2 * last >= 2 * harmonics + FEWEST_FOR_NOISE;
-            enough.then_some(harmonics + 1..=last)
+            let last = last.max(harmonics + FEWEST_FOR_NOISE / 2);
+            (last < samples / 2).then_some(harmonics + 1..=last)
         };
         if let Some(band) = white(self.limbs_band_hz) {
             for limb in 0..LIMBS {
