@@ -78,11 +78,13 @@ pub fn explain(
         || rayon::join(|| clock::tried(day), || plugs::tried(day)),
     );
     accounting.extend(clock.into_iter().chain(plugs));
-    if accounting.is_empty() {
-        accounting.extend(stated::tried(day));
-    }
     // The first one of its cause is the narrowest.
     accounting.dedup_by_key(|finding| finding.cause);
+    // A sensor looks alike from some sides: many channels in another order may be directions in other axes.
+    let many = |f: &Finding| f.cause == Cause::SwappedChannels && f.channels.len() > 2;
+    if accounting.iter().all(many) {
+        accounting.extend(stated::tried(day));
+    }
     match &accounting[..] {
         [_] => return accounting,
         [first, second, ..] => {
@@ -90,7 +92,10 @@ pub fn explain(
                 "either of two things accounts for all trials: {}; or {}",
                 first.evidence, second.evidence
             );
-            return vec![unknown(evidence)];
+            return vec![Finding {
+                advice: format!("either {}; or {}", first.advice, second.advice),
+                ..unknown(evidence)
+            }];
         }
         [] => {}
     }

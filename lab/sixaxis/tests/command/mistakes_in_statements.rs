@@ -191,6 +191,21 @@ fn neg_statements_that_are_not_so_are_named() {
     ]);
 }
 
+/// A third of a turn about the diagonal takes the limbs' layout to itself: directions so turned are told beside channels in another order.
+#[test]
+fn neg_directions_that_look_like_another_order_are_told_as_either() {
+    let (code, said) = calibrated("axes-turned", |s| {
+        with_numbers(s, "direction", |d| vec![d[1], d[2], d[0]])
+    });
+    assert!(matches!(code, 1 | 4), "{said}");
+    let or = "; or state the directions in the sensor's axes: (z, x, y) of what is written";
+    assert!(
+        said.contains("either put the present entries of [channels] limbs into the order"),
+        "{said}"
+    );
+    assert!(said.contains(or), "{said}");
+}
+
 #[test]
 fn neg_an_odd_recording_is_told_by_what_the_others_agree_on() {
     rewritten("angular-04.csv", "exchanged-3-9.csv", |row| row.swap(2, 8));
