@@ -230,20 +230,24 @@ fn without_the_drive(trials: &[Trial], conditioning: &Conditioning) -> Option<Fi
     })
 }
 
-/// Root mean square of a standard within what is taken for rest, over that of the whole run, beyond which it is none.
+/// Standard deviation of a standard within what is taken for rest, over that of the whole run, beyond which it is none.
 const MOVES: f64 = 0.2;
 
 /// Runs that move where a line is laid through their rests.
 fn moves_at_rest(trials: &[Trial], rest_s: f64) -> Option<Finding> {
+    // About the mean: a standard may have a zero of its own.
     let size = |series: &[f64]| {
-        let squares = series.iter().map(|x| x * x).sum::<f64>();
-        (squares / series.len().max(1) as f64).sqrt()
+        let count = series.len().max(1) as f64;
+        let mean = series.iter().sum::<f64>() / count;
+        (series.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / count).sqrt()
     };
+    // The standard of another motion shows noise, as much in a rest as in the run: it does not clear a trial, nor does it accuse one.
     let moves = |trial: &&Trial| {
         let samples = (rest_s * trial.sample_rate_hz) as usize;
-        [&trial.accelerometer_m_s2, &trial.gyroscope_rad_s]
-            .into_iter()
-            .any(|series| {
+        let standards = [&trial.accelerometer_m_s2, &trial.gyroscope_rad_s];
+        let mut shown = standards.into_iter().filter(|s| size(s) > 0.0).peekable();
+        shown.peek().is_some()
+            && shown.all(|series| {
                 let samples = samples.min(series.len());
                 let [first, last] = [&series[..samples], &series[series.len() - samples..]];
                 size(first).max(size(last)) > MOVES * size(series)

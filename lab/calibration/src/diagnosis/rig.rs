@@ -16,9 +16,11 @@ use sixaxis_recordings::session::Role;
 const TOLERANCE: f64 = 3e-3;
 /// Share of the trials from which what they show is said of a standard.
 const MOST: f64 = 0.5;
-/// Factor beyond which a standard's reading in a few trials is a unit or a range: no drive that slips and no samples that are missing make
-/// a stroke twice as long.
-const UNIT: f64 = 2.0;
+/// Units that are mistaken for each other: m/s^2 for g, radians for degrees, metres for centimetres or millimetres. Any other factor in a few
+/// trials may be another crank's.
+const UNITS: [f64; 4] = [9.80665, 57.29578, 100.0, 1000.0];
+/// How near to one of them a factor is.
+const A_UNIT: f64 = 0.03;
 /// Part of an error by which two errors may differ that have one cause.
 const ALIKE: f64 = 0.3;
 
@@ -74,7 +76,8 @@ pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], found: &mut Found
         if odd.len() as f64 <= MOST * readings.len() as f64 {
             let in_other_units = odd.into_iter().filter(|r| {
                 let factor = 1.0 + r.excess;
-                !(1.0 / UNIT..=UNIT).contains(&factor)
+                let near = |unit: &f64| (factor / unit - 1.0).abs() < A_UNIT;
+                UNITS.iter().any(|unit| near(unit) || near(&unit.recip()))
             });
             for reading in in_other_units {
                 let case = &mut cases[reading.case];

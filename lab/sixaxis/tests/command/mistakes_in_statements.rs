@@ -302,6 +302,26 @@ fn neg_a_low_pass_that_takes_the_motion_is_told() {
     );
 }
 
+/// Hundredths of a second of a run-up hardly move, and the gyroscope of a linear trial shows its noise in rest and motion alike.
+#[test]
+fn inv_rests_that_are_there_are_not_accused() {
+    let at = std::cell::Cell::new(0_u32);
+    for name in recordings()
+        .iter()
+        .filter(|name| name.starts_with("linear"))
+    {
+        rewritten(name, &format!("noisy-{name}"), |row| {
+            let n = at.replace(at.get().wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
+            row[10] = 1e-4 * (f64::from(n) / f64::from(u32::MAX) - 0.5);
+        });
+    }
+    let (_, said) = calibrated("rests", |s| {
+        s.replace("detrend = false", "detrend = { rest_s = 0.02 }")
+            .replace("\"linear-", "\"noisy-linear-")
+    });
+    assert!(!said.contains("the standards move there"), "{said}");
+}
+
 /// Of every two rows the standards of the first and the limbs of the second: a converter whose channels come half a sample later, as the
 /// session then says. Read between its samples, noise is smaller than it is, which must not count.
 #[test]
