@@ -1,7 +1,7 @@
 //! How far chance goes: tails of the normal and of the chi-square distribution, and the limits that they set.
 //!
 //! A limit is given by the probability of what lies beyond it, not of what lies below: a false alarm once in a month is a tail of
-//! 1e-11, which one minus itself would round to ten thousandths of its size.
+//! 1e-11, which one minus itself would round to some hundred thousandths of its size.
 
 use statrs::function::gamma::checked_gamma_ur;
 

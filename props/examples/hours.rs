@@ -5,6 +5,7 @@
 use std::process::ExitCode;
 
 use rayon::prelude::*;
+use sixaxis_core::LimbSet;
 use sixaxis_props::aided::{Aids, Checked, KNOWN_RAD, OPEN_S, Outcome, Quality, Ride, run as play};
 use sixaxis_props::evidence::Quantiles;
 use sixaxis_props::publication::{Seeds, run};
@@ -79,6 +80,7 @@ fn study(first: u64, count: u64) -> Result<Hours, String> {
                     rate_hz: RATE_HZ,
                     quality: Quality::DAY,
                     smooth: false,
+                    without: LimbSet::EMPTY,
                 };
                 (kind, play(&ride, &aids(kind), &TIMES_S, seed))
             })

@@ -13,8 +13,7 @@ use sixaxis_props::publication::{Seeds, run};
 use sixaxis_props::results::{Joint, JointLevel};
 use sixaxis_props::tolerance::{JOINT_BIAS, PLAIN_BIAS};
 
-/// Ratios of signal to noise of the channels, dB. At 60 dB plain least squares shows a quarter of a standard deviation only, and the
-/// reference's gyroscope, which takes the rate for straight between samples of 500 Hz, is itself off by a tenth.
+/// Ratios of signal to noise of the channels, dB. At 60 dB plain least squares shows a quarter of a standard deviation only.
 const NOISE_DB: [f64; 2] = [40.0, 34.0];
 
 fn main() -> ExitCode {

@@ -14,7 +14,8 @@ use sixaxis_core::decouple::uncertainty::{ChannelNoise, Covariance};
 use sixaxis_core::geometry::DIRECTIONS_SHELL;
 use sixaxis_core::parameter::{DRIFT, INERTIA, SCALE};
 use sixaxis_core::{
-    Decoupler, Gains, Geometry, InertiaPerMass, LIMBS, Parameters, Scheme, Sensor, Settings,
+    Decoupler, Gains, Geometry, InertiaPerMass, LIMBS, LimbSet, Parameters, Scheme, Sensor,
+    Settings,
 };
 use sixaxis_reference::compliant::compliant_forces_m_s2;
 use sixaxis_reference::motion::TrueMotion;
@@ -114,6 +115,8 @@ pub struct Ride {
     pub quality: Quality,
     /// Whether it is smoothed, too: several times the work.
     pub smooth: bool,
+    /// Limbs whose channels are not read.
+    pub without: LimbSet,
 }
 
 /// Plays one motion and decouples it once with each set of aids. Errors are looked at where a block ends after each of these times.
@@ -128,6 +131,7 @@ pub fn run(ride: &Ride, aids: &[Aids], times_s: &[f64], seed: u64) -> Vec<Outcom
         rate_hz,
         quality,
         smooth,
+        without,
     } = *ride;
     let rng = &mut Pcg64::new(u128::from(seed), STREAM);
     let journey = Journey::random(kind, rng);
@@ -178,8 +182,10 @@ pub fn run(ride: &Ride, aids: &[Aids], times_s: &[f64], seed: u64) -> Vec<Outcom
         })
         .fold(0.0, f64::max);
     let noise = ChannelNoise::white([noise_v * quality.told; LIMBS]);
-    let decoupler = Decoupler::new(&sensor_used, &parameters, &settings).expect("a sound sensor");
-    let filter = ErrorFilter::new(
+    let decoupler = Decoupler::new(&sensor_used, &parameters, &settings)
+        .and_then(|decoupler| decoupler.excluding(without))
+        .expect("a sound sensor");
+    let mut filter = ErrorFilter::new(
         &sensor_used,
         &parameters,
         &settings,
@@ -188,6 +194,9 @@ pub fn run(ride: &Ride, aids: &[Aids], times_s: &[f64], seed: u64) -> Vec<Outcom
         quality.down_rad * quality.told,
     )
     .expect("a sound covariance");
+    filter
+        .set_excluded(without)
+        .expect("limbs that are not needed");
     let new = || AidedDecoupler::new(decoupler.clone(), filter.clone(), &parameters, &settings);
     let mut runs: Vec<Run<'_>> = aids
         .iter()

@@ -41,7 +41,7 @@ const OTHER_FORMAT_EVERY: u64 = 50;
 /// Those formats, in turn.
 const OTHER_FORMATS: [&str; 3] = ["parquet", "tdms", "csv"];
 
-/// Wedges of the healthy corner, degrees: half an arc minute, which a workshop grinds.
+/// Wedges of the healthy corner, degrees: 0.6 of an arc minute, which a workshop grinds.
 pub const WEDGE_ERROR_DEG: f64 = 0.01;
 /// Its limbs are this equally stiff, relative.
 pub const STIFFNESS_SPREAD: f64 = 2e-3;

@@ -14,7 +14,7 @@ use sixaxis_reference::laboratory::instruments::Instruments;
 use sixaxis_reference::laboratory::plan::{Engine, SensorChoice, SessionPlan};
 use sixaxis_reference::laboratory::session::simulate_session;
 
-/// A plan that is fitted in hundredths of a second: a random sensor on limbs that do not give way, half of the paper's trials, a
+/// A plan that is fitted in hundredths of a second: a random sensor on limbs that do not give way, six of the paper's ten trials, a
 /// quarter of the sample rate. Enough of the latter that the run-up's harmonics are not folded back.
 #[must_use]
 pub fn small(seed: u64) -> SessionPlan {
@@ -31,7 +31,7 @@ pub fn small(seed: u64) -> SessionPlan {
     plan
 }
 
-/// A plan without noise, sampled fast enough that the reference's gyroscope, which takes the rate for straight between samples,
+/// A plan without noise, sampled fast enough that the reference's gyroscope, which takes the rate for a cubic between samples,
 /// is right to a millionth.
 #[must_use]
 pub fn noise_free(seed: u64) -> SessionPlan {

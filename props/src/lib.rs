@@ -1,8 +1,9 @@
 //! The judges: generators, tolerances and comparisons with which `sixaxis-core` is tested against `sixaxis-reference`.
 //!
 //! The suites themselves are in `tests/`: four programs, of which each module is a suite. A test's name begins with the class
-//! of its evidence: `ref_` MuJoCo, `paper_` a printed number, `prop_` any input that proptest draws, `law_` a statement about
-//! given input, `stat_` a statistic over seeded draws, `inv_` an invariant, `order_` a rate of convergence.
+//! of its evidence: `ref_` another implementation, `paper_` a printed number, `prop_` input that is drawn, `law_` a statement about
+//! given input, `stat_` a statistic over seeded draws, `inv_` an invariant, `order_` a rate of convergence, `neg_` something broken that
+//! fails, `regress_` a defect that stays mended.
 //!
 //! Without the feature `strategies` nothing here needs proptest, so that a report can be made without it.
 

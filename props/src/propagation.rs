@@ -35,7 +35,7 @@ use sixaxis_reference::sensor::TrueSensor;
 
 use crate::compare::largest;
 
-/// Ratio of a full-scale sine to the noise of one sample, in the channels and in the standards, dB: the paper's laboratory.
+/// Ratio of a full-scale sine to the noise of one sample, in the channels and in the standards, dB.
 const SIGNAL_TO_NOISE_DB: f64 = 60.0;
 /// Standard deviation of either standard's gain: even over half of the 1 % class, as the reference draws it.
 const GAIN_DEVIATION: f64 = 0.005 / 1.732_050_807_568_877_2;

@@ -87,7 +87,7 @@ impl Laboratory {
         }
     }
 
-    /// A laboratory with the paper's errors: 60 dB channels, instruments of the 1 % class, 10 Hz gyroscope.
+    /// A laboratory with the paper's instruments and this project's channels: 60 dB, instruments of the 1 % class, 10 Hz gyroscope.
     #[must_use]
     pub fn with_errors(sensor: TrueSensor, seed: u64) -> Self {
         let mut rng = Pcg64::new(u128::from(seed), INSTRUMENT_STREAM);

@@ -6,8 +6,8 @@
 //! mass bends by the tilt less the mass's own rotation, which is the displacement, over L, of the point of the mass that at rest lies at
 //! the limb's hinge on the *shell*. So the energy of both is that of two springs of stiffness b/L^2, square to the limb, at the
 //! two ends of the limb. This is exact for small displacements; the mass moves by 1e-6 m and so the error is of order 1e-4 of the
-//! effect. Torsion of the limbs is left out: round flexures of steel would add 0.38 b about each limb's axis, some 1/8 of what bending
-//! opposes to a rotation of the mass.
+//! effect. Torsion of the limbs is left out: round flexures of steel would add 0.38 b about each limb's axis, some 1/16 to 1/11 of what
+//! bending opposes to a rotation of the mass.
 //!
 //! # Mass
 //! A limb is a slender, uniform rod whose points move as a straight line between its ends does. Its inertia and weight reach

@@ -11,7 +11,7 @@ use crate::paper;
 /// Seismic mass that the design s/m implies at s = 1, kg. Only ratios to the mass matter.
 pub const MASS_KG: f64 = 1.0 / paper::DESIGN_SCALE_PER_MASS_PER_KG;
 
-/// Spread of a random sensor's scale factors: standard deviation of their logarithm. The paper's have 0.33.
+/// Spread of a random sensor's scale factors: standard deviation of their logarithm. The paper's have 0.31.
 const SCALE_SPREAD: f64 = 0.25;
 /// Largest zero drift of a random sensor, V: the paper's largest is 17 mV.
 const LARGEST_DRIFT_V: f64 = 20e-3;

@@ -17,6 +17,7 @@ use crate::decouple::uncertainty::{ChannelNoise, Covariance};
 use crate::error::{Error, Result};
 use crate::float::sqrt;
 use crate::geometry::LIMBS;
+use crate::limb_set::LimbSet;
 use crate::model::{Parameters, Sensor, Settings};
 use crate::parameter::SCALE;
 use crate::six_axis::SixAxis;
@@ -181,6 +182,15 @@ impl ErrorFilter {
             .fixed_view_mut::<LIMBS, 3>(DYNAMIC, 0)
             .copy_from(&by_psi);
         self.covariance += causes * psi * causes.transpose();
+    }
+
+    /// From here on without the channels of some limbs, as a decoupler is that excludes them: errors beyond then are as those of the others
+    /// make them.
+    ///
+    /// # Errors
+    /// Those of [`ErrorModel::set_excluded`].
+    pub fn set_excluded(&mut self, limbs: LimbSet) -> Result<()> {
+        self.model.set_excluded(limbs)
     }
 
     /// The model.

@@ -20,11 +20,14 @@ use crate::decouple::uncertainty::ChannelNoise;
 use crate::error::Result;
 use crate::float::sqrt;
 use crate::geometry::{DIRECTIONS_SHELL, LIMBS};
+use crate::limb_set::LimbSet;
 use crate::model::{InertiaPerMass, Model, Parameters, Sensor, Settings};
 use crate::paper::attitude;
 use crate::paper::preload::hidden_preload_m_s2;
 use crate::paper::signal::SignalChain;
 use crate::parameter::{DRIFT, INERTIA, SCALE};
+use crate::redundancy::parity::SIGNATURES;
+use crate::redundancy::reconstruction::Reconstruction;
 
 /// Errors that have dynamics: attitude, rate, velocity.
 pub const DYNAMIC: usize = 9;
@@ -60,9 +63,14 @@ pub struct ErrorModel {
     chain: SignalChain,
     scale_per_mass_per_kg: [f64; LIMBS],
     arms_m: [DVec3; LIMBS],
+    excluded: LimbSet,
+    /// Force and torque, shell axes, per force of each limb: its own and, as those are made of it, that of the excluded ones.
+    wrench: [[DVec3; 2]; LIMBS],
     preload_force: DVec3,
     tensor: DMat3,
     inverse: DMat3,
+    /// Spectral densities, per s, of each channel's noise, V^2.
+    noise_v2_s: [f64; LIMBS],
     /// Spectral densities, per s, of the noise in w*' and f: 6 by 6.
     density: SMatrix<f64, 6, 6>,
 }
@@ -134,46 +142,91 @@ impl ErrorModel {
         let tensor = parameters.inertia_per_mass.matrix_mass_m2();
         let inverse = tensor.inverse();
         let arms_m = sensor.geometry.arms_m();
-        let mut density = SMatrix::<f64, 6, 6>::zeros();
-        for (limb, sensitivity) in chain.sensitivity_m_s2_per_v().iter().enumerate() {
-            let angular = column(inverse * arms_m[limb] * *sensitivity);
-            let linear = column(DIRECTIONS_SHELL[limb] * *sensitivity);
+        let mut model = Self {
+            scale_per_mass_per_kg: parameters.scale_per_mass_per_kg,
+            arms_m,
+            excluded: LimbSet::EMPTY,
+            wrench: [[DVec3::ZERO; 2]; LIMBS],
+            preload_force: (0..LIMBS).map(|i| DIRECTIONS_SHELL[i] * preload[i]).sum(),
+            tensor,
+            inverse,
+            noise_v2_s: noise.white_v.map(|sd| sd * sd / settings.sample_rate_hz),
+            density: SMatrix::zeros(),
+            chain,
+        };
+        model.set_excluded(LimbSet::EMPTY)?;
+        Ok(model)
+    }
+
+    /// Limbs whose channels are not read: their forces are made of those of the others, and so are their errors.
+    ///
+    /// # Errors
+    /// Those of [`Reconstruction::new`].
+    pub fn set_excluded(&mut self, limbs: LimbSet) -> Result<()> {
+        let reconstruction = Reconstruction::new(limbs)?;
+        let own = |limb: usize| [DIRECTIONS_SHELL[limb], self.arms_m[limb]];
+        self.wrench = core::array::from_fn(|limb| {
+            if limbs.contains(limb) {
+                return [DVec3::ZERO; 2];
+            }
+            let mut all = own(limb);
+            for made in limbs.indices() {
+                let weights = reconstruction.weights()[made].iter();
+                let share: f64 = weights
+                    .zip(SIGNATURES[limb])
+                    .map(|(weight, sign)| weight * f64::from(sign))
+                    .sum();
+                all = core::array::from_fn(|part| all[part] + own(made)[part] * share);
+            }
+            all
+        });
+        self.excluded = limbs;
+        self.density = SMatrix::zeros();
+        let sensitivities = self.chain.sensitivity_m_s2_per_v();
+        for ((wrench, sensitivity), noise) in
+            self.wrench.iter().zip(sensitivities).zip(self.noise_v2_s)
+        {
+            let angular = column(self.inverse * wrench[1] * *sensitivity);
+            let linear = column(wrench[0] * *sensitivity);
             let both =
                 SMatrix::<f64, 6, 1>::from_fn(
                     |i, _| {
                         if i < 3 { angular[i] } else { linear[i - 3] }
                     },
                 );
-            let white_v = noise.white_v[limb];
-            let variance_s = white_v * white_v / settings.sample_rate_hz;
-            density += both * both.transpose() * variance_s;
+            self.density += both * both.transpose() * noise;
         }
-        Ok(Self {
-            scale_per_mass_per_kg: parameters.scale_per_mass_per_kg,
-            arms_m,
-            preload_force: (0..LIMBS).map(|i| DIRECTIONS_SHELL[i] * preload[i]).sum(),
-            tensor,
-            inverse,
-            density,
-            chain,
-        })
+        Ok(())
     }
 
-    /// Change of the zero drifts that changes the specific force by this, m/s^2, and no torque: the smallest.
+    /// Forces of the limbs over the mass, m/s^2, of those that are excluded none: theirs are in the others' wrench.
+    fn sensed(&self, voltage_v: &[f64; LIMBS]) -> [f64; LIMBS] {
+        let mut sensed = self.chain.force_per_mass_m_s2(voltage_v);
+        for (limb, force) in sensed.iter_mut().enumerate() {
+            if self.excluded.contains(limb) {
+                *force = 0.0;
+            }
+        }
+        sensed
+    }
+
+    /// Change of the zero drifts that changes the specific force by this, m/s^2, and no torque: as if the limbs bore it, so that it is the same
+    /// without the channels of some.
     pub(super) fn drift_of_force(&self) -> SMatrix<f64, LIMBS, 3> {
         let wrench = SMatrix::<f64, 6, LIMBS>::from_fn(|row, limb| {
-            let per_volt = -self.chain.sensitivity_m_s2_per_v()[limb];
-            let unit = if row < 3 {
+            if row < 3 {
                 DIRECTIONS_SHELL[limb][row]
             } else {
                 self.arms_m[limb][row - 3] / sqrt(self.tensor.col(0)[0])
-            };
-            unit * per_volt
+            }
         });
         let gram = wrench * wrench.transpose();
         let pure = SMatrix::<f64, 6, 3>::from_fn(|i, j| if i == j { 1.0 } else { 0.0 });
-        gram.try_inverse().map_or_else(SMatrix::zeros, |inverse| {
+        let forces = gram.try_inverse().map_or_else(SMatrix::zeros, |inverse| {
             wrench.transpose() * inverse * pure
+        });
+        SMatrix::from_fn(|limb, axis| {
+            -forces[(limb, axis)] / self.chain.sensitivity_m_s2_per_v()[limb]
         })
     }
 
@@ -187,14 +240,14 @@ impl ErrorModel {
 
     /// R^T (a - g) of mean voltages, shell axes, m/s^2, but for the mass's own motion in the shell.
     fn specific_force(&self, voltage_v: &[f64; LIMBS]) -> DVec3 {
-        let sensed = self.chain.force_per_mass_m_s2(voltage_v);
-        let shown: DVec3 = (0..LIMBS).map(|i| DIRECTIONS_SHELL[i] * sensed[i]).sum();
+        let sensed = self.sensed(voltage_v);
+        let shown: DVec3 = (0..LIMBS).map(|i| self.wrench[i][0] * sensed[i]).sum();
         self.preload_force + shown
     }
 
     /// Errors of w*' and f, shell axes, by the parameters' errors, at once.
     fn at_once(&self, block: &Block, derivative: DVec3) -> [SMatrix<f64, 3, PARAMETRIC>; 2] {
-        let sensed = self.chain.force_per_mass_m_s2(&block.voltage_v);
+        let sensed = self.sensed(&block.voltage_v);
         let mut angular = SMatrix::<f64, 3, PARAMETRIC>::zeros();
         let mut linear = SMatrix::<f64, 3, PARAMETRIC>::zeros();
         let rate = block.rate_shell_rad_s;
@@ -209,9 +262,10 @@ impl ErrorModel {
                     sensed[limb] / self.scale_per_mass_per_kg[limb],
                 ),
             ];
+            let [force, torque] = self.wrench[limb];
             for (place, share) in shares {
-                angular.set_column(place, &column(self.inverse * self.arms_m[limb] * share));
-                linear.set_column(place, &column(DIRECTIONS_SHELL[limb] * share));
+                angular.set_column(place, &column(self.inverse * torque * share));
+                linear.set_column(place, &column(force * share));
             }
         }
         for entry in 0..INERTIA.len() {

@@ -13,7 +13,7 @@ use crate::float::{sin_cos, sqrt};
 /// Shortest segment offered: the window's own line is four wide.
 pub const MIN_SEGMENT: usize = 8;
 
-/// Fewest samples of which a noise floor is told: it scatters by a third then.
+/// Fewest samples of which a noise floor is told: it scatters by a quarter then.
 pub const MIN_NOISE_SAMPLES: usize = 32;
 
 /// Power spectral density, one-sided: its sum times the distance of two lines is the mean square about the segments'

@@ -141,7 +141,7 @@ fn interpolated(
     };
     let weights = weights(candidates_per_s2, core::array::from_fn(y));
     let mut sums = Sums::new(weights, core::array::from_fn(|n| cos(3.0 * angle(n))));
-    // PackedVec3 for as long as both last, then the longer one beside itself.
+    // Together for as long as both last, then the longer one beside itself.
     let together = first.voltage_v.len().min(second.voltage_v.len());
     let head = [first, second].map(|t| &t.voltage_v[..together]);
     let rows = core::array::from_fn(|lane| head[lane / NODES]);

@@ -2,7 +2,7 @@
 //! `sixaxis decouple --watch` calls, at the rate of false alarms that it has by default.
 //!
 //! A laboratory is healthy as those of the blind trials: rigid limbs of slightly unequal stiffness, a random sensor, wedges of
-//! half an arc minute, 60 dB, 16 bits. Nothing in it fails, so that every alarm is false. Beside it, to tell causes apart, the
+//! 0.01 degrees, 60 dB, 16 bits. Nothing in it fails, so that every alarm is false. Beside it, to tell causes apart, the
 //! same with limbs equally stiff, and either with the true parameters in the calibration's place, known to be exact.
 
 use std::path::Path;

@@ -1,6 +1,7 @@
 //! What a deviation of attitude and rate is worth over minutes, with and without aids: squared errors over variances, run by run.
 
 use rayon::prelude::*;
+use sixaxis_core::LimbSet;
 use sixaxis_props::aided::{Aids, Checked, Judged, KNOWN_RAD, Outcome, Quality, Ride, run};
 use sixaxis_props::compare::within;
 use sixaxis_props::statistics::chi_square_departure;
@@ -18,6 +19,7 @@ fn ride(kind: Kind, duration_s: f64, aids: Aids) -> (Ride, Aids) {
         rate_hz: 1000.0,
         quality: Quality::DAY,
         smooth: false,
+        without: LimbSet::EMPTY,
     };
     (ride, aids)
 }
@@ -129,6 +131,25 @@ fn stat_errors_are_as_large_as_their_deviations_while_the_attitude_is_known() {
             &any_known(smoothed()),
             smoothed(),
         );
+    }
+}
+
+/// What excluded limbs bear is made of the others' forces, with their noise and errors.
+#[test]
+fn stat_errors_are_as_large_as_their_deviations_without_some_limbs() {
+    println!("seeds {SEED} to {}", SEED + RUNS - 1);
+    for limbs in [&[5][..], &[2, 3], &[1, 6, 9]] {
+        let without = LimbSet::from_numbers(limbs.iter().copied()).expect("limbs");
+        for kind in [Kind::Shaken, Kind::TumbleWithRests] {
+            let (ride, aids) = ride(kind, 8.0, Aids::default());
+            let runs = play(&(Ride { without, ..ride }, aids));
+            let filtered = || runs.iter().map(|run| &run.filtered);
+            as_large_as_stated(
+                &format!("without {without}, {kind:?}"),
+                &last_known(filtered()),
+                filtered(),
+            );
+        }
     }
 }
 

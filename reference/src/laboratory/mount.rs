@@ -44,8 +44,9 @@ pub(super) struct Mount {
     pub centre_offset_shell_m: DVec3,
 }
 
-/// The mounts of a plan: wedges tilt by evenly spread angles up to the plan's, axis and centre are off by just as much as it
-/// says, all of them towards anywhere. The last mount has no wedge that could be wrong.
+/// The mounts of a plan: wedges tilt by evenly spread angles up to the plan's, the axis by just as much as it says, and the centre is off by
+/// a vector of just that length, all of them towards anywhere. The centre's distance from the axis is what of the vector is across it: pi/4
+/// on average. The last mount has no wedge that could be wrong.
 pub(super) fn mounts(plan: &SessionPlan) -> [Mount; MOUNTS] {
     let rig = &plan.rig;
     let mut of_wedges = Pcg64::new(u128::from(plan.seed), WEDGE_STREAM);

@@ -106,7 +106,8 @@ pub struct RigPlan {
     /// Angle between the axis and what [`Mounting`] says of it: the plumb line, or a level. Travel stays along the axis, gravity
     /// does not; towards another side on each wedge. Degrees.
     pub axis_tilt_deg: f64,
-    /// From the pinion's axis to the sensor's centre, in another direction on each wedge, mm.
+    /// Length of the vector from a point of the pinion's axis to the sensor's centre, in another direction on each wedge, mm: what is along
+    /// the axis does nothing.
     pub centre_offset_mm: f64,
     /// Crank over connecting rod of both crank-sliders; 0 for an endless rod.
     pub crank_over_rod: f64,

@@ -93,7 +93,7 @@ mounting
 wedge_error_deg
 # Angle of the axis off the plumb line (or off the level, where it is level), towards another side on each wedge, degrees.
 axis_tilt_deg
-# Distance of the sensor's centre from the axis, in another direction on each wedge, mm.
+# Length of the vector from the axis to the sensor's centre, in another direction on each wedge, of which only what is across the axis counts, mm.
 centre_offset_mm
 # Length of the crank over that of the connecting rod; 0 for an endless rod.
 crank_over_rod

@@ -14,7 +14,7 @@ pub const STEP_S: f64 = 2e-6;
 /// Simulated periods of the mode.
 const PERIODS: f64 = 12.0;
 /// Displacement at the start, as the largest node displacement, m: small enough that the geometric nonlinearity,
-/// of relative order amplitude over limb length squared, is below 1e-11.
+/// of relative order amplitude over limb length squared, is below 2e-11.
 const AMPLITUDE_M: f64 = 1e-7;
 
 /// One mode, predicted and measured.

@@ -106,7 +106,7 @@ impl Run {
         2.0 * self.rest_s + (2.0 * self.ramp_periods + self.steady_periods) / self.frequency_hz
     }
 
-    /// Place on the stroke, from -1 to 1, and its first two derivatives: multiplied by the amplitudes, travel and angle.
+    /// Place on the stroke, 2 from end to end and 0 at the start, and its first two derivatives: multiplied by the amplitudes, travel and angle.
     ///
     /// With c the crank over the rod, x = sin(phi) + (sqrt(1 - c^2 cos^2 phi) - sqrt(1 - c^2)) / c, which begins at 0, spans a
     /// stroke of 2 whatever the rod, and has a second harmonic of c/4 + c^3/16 + ... of the crank.

@@ -13,7 +13,7 @@ use crate::motion::Motion;
 
 /// Samples per second of a tap's recording.
 pub const SAMPLE_RATE_HZ: f64 = 50_000.0;
-/// Runge-Kutta steps from sample to sample: as in a ring-down 2 us, whose phase error (w h)^4/120 is below 1 ppm of k/m.
+/// Runge-Kutta steps from sample to sample: as in a ring-down 2 us, whose phase error (w h)^4/120 is 1 ppm of k/m (3 of random sensors).
 pub const STEPS_PER_SAMPLE: usize = 10;
 /// Length of the recording, s.
 pub const DURATION_S: f64 = 0.03;
@@ -22,7 +22,7 @@ pub const DURATION_S: f64 = 0.03;
 const REST_S: (f64, f64) = (1e-3, 3e-3);
 /// Length of the contact, from and to, s: half of it each way.
 const CONTACT_S: (f64, f64) = (0.1e-3, 0.25e-3);
-/// Peak velocity of the shell, from and to, m/s: limb forces of 100 to 1000 m/s^2 over the mass.
+/// Peak velocity of the shell, from and to, m/s: limb forces of 50 to 600 m/s^2 over the mass.
 const SPEED_M_S: (f64, f64) = (5e-3, 30e-3);
 /// Arm of the tap about the shell's centre, from and to, m: a shell is some centimetres large.
 const ARM_M: (f64, f64) = (10e-3, 30e-3);

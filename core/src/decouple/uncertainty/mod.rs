@@ -9,7 +9,7 @@
 //! | [`parameters`] | the chain: each step uses the earlier ones, and their errors with them |
 //! | [`samples`] | the stream: the accelerations' standard deviations, sample by sample |
 //!
-//! The preprocessing between raw samples and rows is linear, too; its transposes are in `preprocess::transposed`.
+//! The preprocessing between raw samples and rows is linear, too; its transposes are in `dsp::transposed`.
 //!
 //! First order leaves out what noise does twice: it biases an estimate by the square of the noise over the signal, 1e-6 at
 //! 60 dB. Compliance enters where noise is differentiated twice, and not in the sensitivities, which below 5 Hz it changes

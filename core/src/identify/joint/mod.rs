@@ -36,7 +36,7 @@
 //! and every I/m larger by gamma and changes nothing else. It is therefore not fitted but carried along ([`estimate::JointEstimate::by_accelerometer_gain`]).
 //!
 //! # What is neglected
-//! Relative motion enters linear trials to first order in 1/(k/m) and angular ones not at all: 2e-7 of a force at 2 Hz.
+//! Relative motion enters linear trials to first order in 1/(k/m) and angular ones not at all: 2e-7 to 7e-7 of a force at 2 Hz.
 //! Limbs that tilt add 5e-6 of a force at twice the drive's frequency at 5 Hz.
 pub mod estimate;
 pub mod harmonics;

@@ -31,7 +31,7 @@ use crate::limb_set::LimbSet;
 const KIND: f64 = 4.6;
 /// ln of the odds from which a limb of an ambiguous pair is accepted: a thousand to one.
 const LIMB_OF_PAIR: f64 = 6.9;
-/// Share of its noise that a channel has at most if it is stuck: of 32 samples of noise one in 150,000 has so little.
+/// Share of its noise that a channel has at most if it is stuck: of 32 samples of noise one in 100,000 has so little.
 const NOISELESS: f64 = 0.25;
 /// Mean square of a signal over that of its noise from which a sensitivity is observable.
 const LOUD: f64 = 10.0;

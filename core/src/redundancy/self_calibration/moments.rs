@@ -267,7 +267,7 @@ impl Moments {
         Ok(taken.moments())
     }
 
-    /// PackedVec3 with another recording, taken with the same calibration, gains and block length. Either keeps zero drifts of
+    /// Together with another recording, taken with the same calibration, gains and block length. Either keeps zero drifts of
     /// its own: each may have been tared anew.
     #[must_use]
     pub fn and(&self, other: &Self) -> Self {

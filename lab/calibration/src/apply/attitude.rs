@@ -6,7 +6,7 @@
 use glam::DVec3;
 use sixaxis_core::aided::block::Gathering;
 use sixaxis_core::aided::{Bound, Deviations, ErrorFilter, SmoothedDecoupler};
-use sixaxis_core::{Decoupler, Settings, SixAxis};
+use sixaxis_core::{Decoupler, LimbSet, Settings, SixAxis};
 
 use super::Row;
 use super::aided::Aided;
@@ -18,6 +18,8 @@ pub const UNTIL_SD_DEG: f64 = 5.0;
 pub const DOWN_DEG: f64 = 0.1;
 /// Blocks where nothing but the deviation is asked, s.
 const UNAIDED_BLOCK_S: f64 = 0.1;
+/// Deviation beyond which nothing is known of an attitude, rad.
+const LOST_RAD: f64 = core::f64::consts::PI;
 
 enum How {
     /// Beside a decoder.
@@ -40,17 +42,33 @@ pub struct AttitudeStream {
     noise: Option<[f64; 6]>,
     /// Of accelerations and attitude of the last sample.
     deviations: [f64; 7],
+    /// Whether it could have been aided.
+    aidable: bool,
     summary: AttitudeSummary,
     messages: Vec<String>,
 }
 
 impl AttitudeStream {
-    /// Beside a decoder that has nothing else to go by.
+    /// Beside a decoder that has nothing else to go by, or that could have: `aidable`.
     #[must_use]
-    pub fn beside(filter: ErrorFilter, settings: &Settings, until_deg: f64) -> Self {
+    pub fn beside(filter: ErrorFilter, settings: &Settings, until_deg: f64, aidable: bool) -> Self {
         let gathering = Gathering::new(settings.sample_rate_hz, UNAIDED_BLOCK_S);
         let how = How::Beside(Box::new((filter, gathering)));
-        Self::of(how, settings, until_deg)
+        Self {
+            aidable,
+            ..Self::of(how, settings, until_deg)
+        }
+    }
+
+    /// The decoder beside goes on without the channels of these limbs.
+    ///
+    /// # Errors
+    /// Those of [`ErrorFilter::set_excluded`].
+    pub fn set_excluded(&mut self, limbs: LimbSet) -> sixaxis_core::Result<()> {
+        match &mut self.how {
+            How::Beside(beside) => beside.0.set_excluded(limbs),
+            How::Aided(_) | How::Smoothed(_) => Ok(()),
+        }
     }
 
     /// In a decoder's place, with aids. `noise` has the standard deviations that a sample's own noise gives its accelerations, where
@@ -88,6 +106,7 @@ impl AttitudeStream {
         let down = settings.gravity_ground_m_s2.normalize_or_zero();
         let mut new = Self {
             deviations: [0.0; 7],
+            aidable: true,
             how,
             rate_hz: settings.sample_rate_hz,
             start_s: 0.0,
@@ -148,9 +167,11 @@ impl AttitudeStream {
         Ok(Some(sample))
     }
 
-    /// Takes a sample that another decoder has decoded, with the voltages of that same sample.
+    /// Takes a sample that another decoder has decoded, with the voltages of that same sample. Without aids nothing brings a lost attitude
+    /// back: it is not followed any further, nor does its deviation grow.
     pub fn see(&mut self, voltage_v: &Row, sample: &SixAxis) {
         if let How::Beside(beside) = &mut self.how
+            && self.deviations[6] <= self.until_rad.max(LOST_RAD)
             && let Some(block) = beside.1.push(voltage_v, sample)
         {
             beside.0.advance(&block);
@@ -168,9 +189,14 @@ impl AttitudeStream {
     fn tell(&mut self, time_s: f64) {
         if !self.is_known() && self.summary.unknown_from_s.is_none() {
             self.summary.unknown_from_s = Some(time_s);
+            let aid = if self.aidable {
+                ", and --aid tells what else is known"
+            } else {
+                ""
+            };
             self.messages.push(format!(
                 "from {time_s:.2} s on the attitude is less certain than {:.1}° (--until-sd): it is integrated without a reference. Where it is, \
-                 columns in ground axes and the quaternion are NaN; specific force in sensor axes (--frame sensor or both) needs no attitude, and --aid tells what else is known",
+                 columns in ground axes and the quaternion are NaN; specific force in sensor axes (--frame sensor or both) needs no attitude{aid}",
                 self.until_rad.to_degrees()
             ));
         }

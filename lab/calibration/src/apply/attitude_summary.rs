@@ -27,7 +27,8 @@ impl Used {
 /// What became of the attitude. Serialized, it is part of what `sixaxis decouple --json` prints.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
 pub struct AttitudeSummary {
-    /// Its standard deviation at the end, about all axes together, degrees.
+    /// Its standard deviation at the end, about all axes together, degrees. Without aids it is followed to half a turn, or as far as was
+    /// asked for, beyond which nothing is known.
     pub sd_attitude_deg: f64,
     /// The largest of all times.
     pub largest_sd_attitude_deg: f64,

@@ -362,14 +362,26 @@ impl Decoding {
         };
         for sample in 0..voltage_v[0].len() {
             let row = voltage_v.map(|column| column[sample]);
-            if let Some((motion, flags)) = watching.push(&row)? {
+            let excluded = watching.excluded();
+            let answer = watching.push(&row)?;
+            if let Some(attitude) = &mut self.attitude
+                && watching.excluded() != excluded
+            {
+                attitude.set_excluded(watching.excluded())?;
+            }
+            if let Some((motion, flags)) = answer {
+                let known = self.attitude.as_mut().is_none_or(|attitude| {
+                    attitude.see(&self.before, &motion);
+                    attitude.counts()
+                });
                 let (answers, of_flags) = block.columns[1..].split_at_mut(self.columns.count());
                 self.columns
-                    .push(&motion, true, self.gravity_ground_m_s2, answers);
+                    .push(&motion, known, self.gravity_ground_m_s2, answers);
                 for (column, value) in of_flags.iter_mut().zip(flags) {
                     column.push(value);
                 }
             }
+            self.before = row;
         }
         Ok(())
     }

@@ -85,6 +85,12 @@ impl FaultWatch {
         })
     }
 
+    /// Limbs that are excluded.
+    #[must_use]
+    pub fn excluded(&self) -> LimbSet {
+        self.stream.excluded()
+    }
+
     /// Takes a row; the answer to the one before with its flags.
     ///
     /// # Errors

@@ -133,22 +133,24 @@ impl Job<'_> {
         })
     }
 
-    /// A decoding of the columns, with the attitude followed wherever its deviation is known: not with limbs excluded, whose
-    /// reconstruction has errors of its own, and not where the run is corrected from rest to rest.
+    /// A decoding of the columns, with the attitude followed wherever its deviation is known: not where the run is corrected from rest to
+    /// rest.
     fn decoding(&self, settings: &Settings) -> Result<Decoding> {
         let decoupler = self.decoupler(settings)?;
         let gravity = settings.gravity_ground_m_s2;
         let mut decoding =
             Decoding::new(decoupler.clone(), self.columns, self.picture).under(gravity);
-        if let Some(monitor) = self.monitor(settings)? {
-            return Ok(decoding.with_watching(monitor));
+        let monitor = self.monitor(settings)?;
+        let watches = monitor.is_some();
+        if let Some(monitor) = monitor {
+            decoding = decoding.with_watching(monitor);
         }
         let aided = !self.aids.is_empty();
         ensure!(
             gravity != DVec3::ZERO || self.aids.iter().all(|aid| aid.file().is_some()),
             "--aid rest and velocity are held against gravity, and nobody says where down is: give --down or --session"
         );
-        if !self.rest_to_rest && self.excluded.is_empty() {
+        if !self.rest_to_rest {
             let down_rad = DOWN_DEG.to_radians();
             let filter = self
                 .setup
@@ -174,8 +176,11 @@ impl Job<'_> {
                     attitude.bounded_by(self.setup.bound(self.calibration, settings, &aids)?);
                     decoding = decoding.with_attitude(attitude);
                 }
-                Ok((filter, _)) => {
-                    let beside = AttitudeStream::beside(filter, settings, self.until_sd_deg);
+                Ok((mut filter, _)) => {
+                    filter.set_excluded(self.excluded).context("--excluded")?;
+                    let aidable = !watches && self.excluded.is_empty();
+                    let until_deg = self.until_sd_deg;
+                    let beside = AttitudeStream::beside(filter, settings, until_deg, aidable);
                     decoding = decoding.with_attitude(beside);
                 }
                 Err(error) if aided => return Err(error.context("--aid")),

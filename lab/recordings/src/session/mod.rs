@@ -1,7 +1,7 @@
 //! The session: what the laboratory knows and no recording says.
 //!
 //! Which wedge was under the sensor, which range the amplifier was switched to, what the certificates of the standard
-//! instruments allow. A session file is TOML with the units in the names of its keys; README has a complete example,
+//! instruments allow. A session file is TOML with the units in the names of its keys; `docs/session.md` has a complete example,
 //! [`schema()`] the formal description. Paths in it are relative to the file. A value that is impossible is refused with file,
 //! line and key before any recording is opened.
 //!

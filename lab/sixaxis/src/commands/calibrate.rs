@@ -43,7 +43,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
     /// Repeat steps 2 to 4 with the limbs' compliance kept, up to N times, and say whether k/m stands still. Shown only: the
-    /// calibration is that of the four steps
+    /// calibration is the same without
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MOST_PASSES))]
     iterate: Option<u16>,
     /// Whose 25 parameters are written: the paper's four steps', or those of all trials at once by maximum likelihood, which

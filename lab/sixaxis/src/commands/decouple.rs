@@ -55,7 +55,7 @@ pub struct Arguments {
     #[arg(long, value_enum, default_value_t = Axes::Both)]
     frame: Axes,
     /// Standard deviation of the attitude, degrees, up to which ground axes are given, NaN where it is larger [default: 5]
-    #[arg(long, value_name = "DEGREES", conflicts_with_all = ["rest_to_rest", "watch", "excluded"])]
+    #[arg(long, value_name = "DEGREES", conflicts_with = "rest_to_rest")]
     until_sd: Option<f64>,
     /// What else is known of the motion: rest, velocity=SECONDS,M_PER_S or attitude=FILE,DEGREES; once of each kind
     #[arg(long, value_name = "WHAT", conflicts_with_all = ["rest_to_rest", "watch", "excluded"])]
@@ -175,15 +175,6 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         arguments.picture.is_none() || arguments.frame != Axes::Sensor,
         "--picture draws ground axes, which --frame sensor leaves out"
     );
-    let unfollowed = match &arguments.excluded {
-        Some(_) => Some("--excluded"),
-        None => arguments.watch.then_some("--watch"),
-    };
-    if let Some(option) = unfollowed.filter(|_| arguments.frame != Axes::Sensor) {
-        setup.notes.push(format!(
-            "with {option} nobody follows how well the attitude is known: ground axes go on to the end, however far off they are"
-        ));
-    }
     say("note", &setup.notes);
     let excluded = arguments.excluded.unwrap_or(LimbSet::EMPTY);
     if !excluded.is_empty() {

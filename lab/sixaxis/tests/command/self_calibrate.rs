@@ -386,6 +386,15 @@ fn a_known_turn_tells_all_nine() {
     // The calibration's own error is that of its accelerometer, of class 1 %: half of it either way.
     let common = said["common_percent"].as_f64().expect("a number");
     assert!((common - 1.0).abs() < 1.0, "{common}");
+    // No limb has drifted: all nine are off by what is common to them.
+    let limbs = said["limbs"].as_array().expect("a list");
+    assert_eq!(limbs.len(), LIMBS);
+    for limb in limbs {
+        let number = |key: &str| limb[key].as_f64().unwrap_or_else(|| panic!("{limb}"));
+        let off = number("absolute_percent") - common;
+        let known = number("absolute_half_width_95_percent");
+        assert!(known < 0.5 && off.abs() < 1.5 * known, "{common}: {limb}");
+    }
     // Told that it were twice as much, the rests are not believed.
     let wrong = checked(
         &path,
