@@ -33,6 +33,8 @@ const FIXES: u128 = 2100;
 const PIECE: usize = 4096;
 /// Time of the motion that amplifier ranges are chosen by, s: a vehicle takes its time.
 const RANGING_S: f64 = 60.0;
+/// Of its samples one in so many: peaks need no more.
+const RANGING_BY: f64 = 10.0;
 
 /// What a calibration leaves open, standard deviations.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -274,6 +276,7 @@ fn ranging_forces(
     rate_hz: f64,
     forces: &impl Fn(&[Instant]) -> Vec<[f64; LIMBS]>,
 ) -> Vec<[f64; LIMBS]> {
+    let rate_hz = rate_hz / RANGING_BY;
     let samples = (RANGING_S * rate_hz) as usize;
     let of = |journey: &Journey| forces(&journey.play(rate_hz).take(samples).collect::<Vec<_>>());
     if kind == Kind::Still {
