@@ -16,6 +16,7 @@
 //! | [`attitude_summary`] | what became of it |
 //! | [`columns`] | which columns are written, in which axes |
 //! | [`decoding`] | voltages to rows of the answer |
+//! | [`ends`] | whether a recording begins, or a run from rest to rest ends, in motion |
 //! | [`mean_acceleration`] | whether the accelerations are those of a motion |
 //! | [`coordination`] | whether the limb forces add up to zero where they must |
 //! | [`fault_watch`] | the same with the fault monitor |
@@ -37,6 +38,7 @@ pub mod columns;
 pub mod conditioning_stream;
 pub mod coordination;
 pub mod decoding;
+pub mod ends;
 pub mod fault_watch;
 pub mod job;
 pub mod mean_acceleration;

@@ -147,7 +147,7 @@ pub fn examine<'a>(
         let steps_v = still::steps_v(rest, moving);
         still::examine(rest, &steps_v, &mut found.findings);
         if let Some(drift) = &drift {
-            drift::examine_static(rest, drift, &mut found.findings);
+            drift::examine_static(rest, &mut found.findings);
             zero::examine(rest, drift, &steps_v, &cases, &mut found.findings);
         }
     }

@@ -1,5 +1,7 @@
 //! Frequency of the drive: what the session states of a trial, by which its low-pass and its harmonics go, against what was recorded.
 
+use sixaxis_core::LIMBS;
+
 use crate::finding::{Cause, Finding};
 use crate::report::TrialReport;
 use crate::response::frequency;
@@ -42,7 +44,7 @@ pub(crate) fn misstated_hz(report: &TrialReport) -> Option<f64> {
 /// Both frequencies, and what the session's is used for.
 pub(crate) fn both_in_words(stated_hz: f64, seen_hz: f64) -> String {
     format!(
-        "the drive turns at {seen_hz:.3} Hz by the recording's clock and at {stated_hz:.3} Hz by the session, by which the low-pass goes"
+        "the standards move at {seen_hz:.3} Hz by the recording's clock and the drive at {stated_hz:.3} Hz by the session, by which the low-pass goes"
     )
 }
 
@@ -70,55 +72,88 @@ pub(crate) fn exchanged(recordings: &[(&str, f64, f64)]) -> Option<String> {
 pub(crate) const EXCHANGED: &str =
     "see which recording each entry of the session names: file, or reference_file";
 
-/// Takes out the trials whose drive is stated to be another's altogether, and says so.
-pub(crate) fn set_aside(trials: &mut Vec<Trial>) -> Option<Finding> {
+/// Frequency by the nine channels of a trial, the middle one of those that show any.
+fn of_limbs_hz(trial: &Trial) -> Option<f64> {
+    let of = |limb: usize| {
+        let series: Vec<f64> = trial.voltage_v.iter().map(|row| row[limb]).collect();
+        frequency(&series, trial.sample_rate_hz)
+    };
+    let mut all: Vec<f64> = (0..LIMBS).filter_map(of).collect();
+    all.sort_unstable_by(f64::total_cmp);
+    all.get(all.len() / 2).copied()
+}
+
+/// Takes out the trials whose drive is stated to be another's altogether, or whose standard does not show it, and says so.
+pub(crate) fn set_aside(trials: &mut Vec<Trial>) -> Vec<Finding> {
     let another = |trial: &Trial| {
         let seen_hz = seen_hz(trial)?;
-        let factor = seen_hz / trial.frequency_hz;
-        let far = !(1.0 / ANOTHER..=ANOTHER).contains(&factor);
-        far.then_some((factor, seen_hz))
+        let far = !(1.0 / ANOTHER..=ANOTHER).contains(&(seen_hz / trial.frequency_hz));
+        far.then_some(seen_hz)
     };
-    let (mut names, mut factors, mut drives) = (Vec::new(), Vec::new(), Vec::new());
     let all = trials.len();
-    trials.retain(|trial| {
-        let Some((factor, seen_hz)) = another(trial) else {
-            return true;
-        };
-        names.push(trial.name.clone());
-        factors.push(factor);
-        drives.push((trial.frequency_hz, seen_hz));
-        false
+    let mut apart: Vec<(Trial, f64)> = Vec::new();
+    for trial in std::mem::take(trials) {
+        match another(&trial) {
+            Some(seen_hz) => apart.push((trial, seen_hz)),
+            None => trials.push(trial),
+        }
+    }
+    let each = apart.iter().map(|(trial, seen_hz)| {
+        let name = trial.name.as_str();
+        (name, trial.frequency_hz, *seen_hz)
     });
-    let &(stated_hz, seen_hz) = drives.first()?;
-    let each: Vec<(&str, f64, f64)> = names
-        .iter()
-        .zip(&drives)
-        .map(|(name, (stated_hz, seen_hz))| (name.as_str(), *stated_hz, *seen_hz))
-        .collect();
-    if let Some(evidence) = exchanged(&each) {
-        return Some(Finding {
+    if let Some(evidence) = exchanged(&each.collect::<Vec<_>>()) {
+        return vec![Finding {
             cause: Cause::ClockMismatch,
             evidence,
-            recordings: names,
+            recordings: apart.into_iter().map(|(trial, _)| trial.name).collect(),
             channels: Vec::new(),
             advice: EXCHANGED.to_owned(),
-        });
+        }];
     }
-    let most = factors.iter().copied().fold(0.0, f64::max);
-    let least = factors.iter().copied().fold(f64::INFINITY, f64::min);
-    let by_the_clock = names.len() == all && all > 1 && most < ALIKE * least;
+    let mut found = Vec::new();
+    apart.retain(|(trial, seen_hz)| {
+        let as_stated = |hz: &f64| (hz / trial.frequency_hz - 1.0).abs() < OFF;
+        let Some(limbs_hz) = of_limbs_hz(trial).filter(as_stated) else {
+            return true;
+        };
+        found.push(Finding {
+            cause: Cause::Unreadable,
+            recordings: vec![trial.name.clone()],
+            channels: Vec::new(),
+            evidence: format!(
+                "the nine channels move at {limbs_hz:.3} Hz, as stated, and the standard does not: by its signal it would be {seen_hz:.3} Hz"
+            ),
+            advice: "see the plug of the standard that this trial needs, reference_file and reference_start_s, and record the trial again".to_owned(),
+        });
+        false
+    });
+    found.extend(of_another_drive(&apart, all));
+    found
+}
+
+/// Trials, each with the frequency that was seen, of so many in all.
+fn of_another_drive(trials: &[(Trial, f64)], all: usize) -> Option<Finding> {
+    let (first, seen_hz) = trials.first()?;
+    let factors = || {
+        let each = trials.iter();
+        each.map(|(trial, seen_hz)| seen_hz / trial.frequency_hz)
+    };
+    let most = factors().fold(0.0, f64::max);
+    let least = factors().fold(f64::INFINITY, f64::min);
+    let by_the_clock = trials.len() == all && all > 1 && most < ALIKE * least;
     Some(Finding {
         cause: Cause::ClockMismatch,
         evidence: format!(
             "{}{}",
-            if names.len() > 1 {
+            if trials.len() > 1 {
                 "in the first of them "
             } else {
                 ""
             },
-            both_in_words(stated_hz, seen_hz)
+            both_in_words(first.frequency_hz, *seen_hz)
         ),
-        recordings: names,
+        recordings: trials.iter().map(|(trial, _)| trial.name.clone()).collect(),
         channels: Vec::new(),
         advice: what_to_correct((most * least).sqrt(), by_the_clock).to_owned(),
     })
@@ -133,6 +168,8 @@ fn what_to_correct(factor: f64, all: bool) -> &'static str {
         "the time stamps are microseconds: write them in seconds, or give sample_rate_hz and leave them out"
     } else if is(1.0 / 60.0) {
         "frequency_hz is in turns a minute: give turns a second"
+    } else if is(1.0 / core::f64::consts::TAU) && all {
+        "frequency_hz is in radians a second: give turns a second"
     } else if all {
         "check the recordings' clock against the recorder, which all are off by the same factor: sample_rate_hz or \
          reference_sample_rate_hz where the session has one, the rate or the time stamps in the files where it has none"

@@ -190,7 +190,7 @@ pub(crate) fn reservations(
         .collect();
     if let Some((report, worst)) = uneven.iter().max_by(|a, b| a.1.total_cmp(&b.1)) {
         reservations.push(format!(
-            "in {} recordings the forces break a coordination equation by up to {:.0} % ({}): the limbs are not equally stiff",
+            "in {} recordings the forces break a coordination equation by up to {:.0} % ({}): the limbs are not equally stiff, or a channel is not what it was in the other recordings",
             uneven.len(),
             100.0 * worst,
             report.name

@@ -138,6 +138,7 @@ impl Check<'_> {
         note_misfit(&mut summary, &now);
         let found = drifted(&ratios, &calibrated, self.false_alarm).context("--false-alarm")?;
         summary.put(&found);
+        summary.put_unknown(&found, NO_DRIFT);
         let scales = match (self.known_change, &measured.change) {
             (Some(known), Some(change)) => {
                 let chain = SignalChain::new(&own.sensor.gains, &own.parameters);
@@ -164,8 +165,8 @@ impl Check<'_> {
             }
             _ => None,
         };
-        let doubt = no_drift(&found, scales.as_ref())
-            .or_else(|| plugs_exchanged(&found, &own, &ln_stiffness));
+        let doubt = plugs_exchanged(&found, &own, &ln_stiffness)
+            .or_else(|| no_drift(&found, scales.as_ref()));
         ensure!(
             !correct || self.force || doubt.is_none(),
             "--write-calibration: {} --force writes it nonetheless",

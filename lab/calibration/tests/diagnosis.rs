@@ -603,7 +603,7 @@ fn inv_clocks_are_told_by_their_lag() {
         Cause::ClockMismatch,
         &[4],
         &[],
-        "the drive turns at 5.000 Hz by the recording's clock, at 5.250 Hz by the session",
+        "the drive turns at 5.000 Hz by the standard and the recording's clock, at 5.250 Hz by the session",
     );
     let mut day = where_runs(4..5, |run| run.stated_frequency_hz = 5.05);
     day.rig = None;

@@ -45,6 +45,7 @@ pub mod numpy;
 mod open;
 pub mod parquet;
 pub mod printable;
+pub mod runs;
 pub mod session;
 mod sink;
 mod source;

@@ -11,6 +11,7 @@ use super::laboratories::{Course, Recording};
 pub fn verdict(message: &str) -> Option<&str> {
     let (_, said) = message.split_once(": ")?;
     let (said, _) = said.split_once(" since sample ")?;
+    let said = said.strip_suffix(", which shows").unwrap_or(said);
     Some(match said.starts_with("limb") {
         true => said.rsplit_once(": ").map_or(said, |(_, kind)| kind),
         false => said,
@@ -138,7 +139,9 @@ mod tests {
             kind("dead")
         );
         assert_eq!(
-            read("sample 9: limb 2 or 4: its zero drifts since sample 1; forces cannot tell which"),
+            read(
+                "sample 9: limb 2 or 4: its zero drifts, which shows since sample 1; forces cannot tell which"
+            ),
             kind("its zero drifts")
         );
         assert_eq!(

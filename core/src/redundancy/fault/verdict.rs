@@ -51,8 +51,8 @@ impl fmt::Display for Kind {
             Self::Unreadable => "no readable value",
             Self::Dead => "dead",
             Self::Stuck => "stuck",
-            Self::ScaleJump => "its sensitivity jumped",
-            Self::Offset => "its zero jumped",
+            Self::ScaleJump => "its sensitivity is another",
+            Self::Offset => "its zero is another",
             Self::Drift => "its zero drifts",
             Self::NoiseBurst => "noise",
             Self::Swapped => "swapped",
@@ -70,7 +70,7 @@ pub struct Verdict {
     pub limbs: LimbSet,
     /// How.
     pub kind: Kind,
-    /// First and last sample at which it may have begun.
+    /// First and last sample at which it may have begun; of another sensitivity or zero, and of a zero that drifts, to show.
     pub since: (u64, u64),
     /// Sample at which this was decided.
     pub said_at: u64,
@@ -97,7 +97,7 @@ impl Verdict {
     }
 }
 
-/// "limb 5: dead since sample 1234", "limb 2 or 4: its zero drifts since sample 0 to 63; forces cannot tell which".
+/// "limb 5: dead since sample 1234", "limb 2 or 4: its zero drifts, which shows since sample 0 to 63; forces cannot tell which".
 impl fmt::Display for Verdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.limbs.len() {
@@ -122,7 +122,12 @@ impl fmt::Display for Verdict {
             }
             _ => write!(f, "limbs {}", self.limbs)?,
         }
-        write!(f, ": {}{}", self.kind, Since(self.since))?;
+        // What has changed little by little, or long before, shows where it has grown beyond the noise.
+        let shows = match self.kind {
+            Kind::ScaleJump | Kind::Offset | Kind::Drift => ", which shows",
+            _ => "",
+        };
+        write!(f, ": {}{shows}{}", self.kind, Since(self.since))?;
         if self.is_open() {
             f.write_str("; forces cannot tell which")?;
         }
@@ -176,7 +181,7 @@ mod tests {
         );
         assert_eq!(
             said(&[2, 4], Kind::Drift, (0, 63)),
-            "limb 2 or 4: its zero drifts since sample 0 to 63; forces cannot tell which"
+            "limb 2 or 4: its zero drifts, which shows since sample 0 to 63; forces cannot tell which"
         );
         assert_eq!(
             said(&[1, 6], Kind::Swapped, (8, 15)),
@@ -192,7 +197,7 @@ mod tests {
         );
         assert_eq!(
             said(&[1, 3, 7], Kind::Offset, (8, 8)),
-            "limb 1, 3 or 7: its zero jumped since sample 8; forces cannot tell which"
+            "limb 1, 3 or 7: its zero is another, which shows since sample 8; forces cannot tell which"
         );
     }
 }

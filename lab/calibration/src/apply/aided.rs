@@ -106,9 +106,9 @@ impl Aided {
         velocity.into_iter().chain(fixes).collect()
     }
 
-    /// Attitudes whose time no sample has reached.
+    /// Attitudes whose time no sample has reached, or behind which the recording ended before they were used.
     pub(super) fn unused(&self) -> u64 {
-        self.fixes.len() as u64
+        self.fixes.len() as u64 + u64::from(self.pending.is_some())
     }
 
     /// Uses what is known of a decoded sample; whether a block ends there.

@@ -11,6 +11,7 @@ use sixaxis_core::{Decoupler, LimbSet, Settings, SixAxis};
 use super::Row;
 use super::aided::Aided;
 use super::attitude_summary::AttitudeSummary;
+use super::columns::Columns;
 
 /// Deviation of the attitude up to which ground axes are given unless told otherwise, degrees.
 pub const UNTIL_SD_DEG: f64 = 5.0;
@@ -44,6 +45,8 @@ pub struct AttitudeStream {
     deviations: [f64; 7],
     /// Whether it could have been aided.
     aidable: bool,
+    /// What is written.
+    columns: Columns,
     summary: AttitudeSummary,
     messages: Vec<String>,
 }
@@ -58,6 +61,13 @@ impl AttitudeStream {
             aidable,
             ..Self::of(how, settings, until_deg)
         }
+    }
+
+    /// Of the columns that are written, those that need an attitude are told where it is not known.
+    #[must_use]
+    pub const fn written_to(mut self, columns: Columns) -> Self {
+        self.columns = columns;
+        self
     }
 
     /// The decoder beside goes on without the channels of these limbs.
@@ -107,6 +117,7 @@ impl AttitudeStream {
         let mut new = Self {
             deviations: [0.0; 7],
             aidable: true,
+            columns: Columns::default(),
             how,
             rate_hz: settings.sample_rate_hz,
             start_s: 0.0,
@@ -189,14 +200,18 @@ impl AttitudeStream {
     fn tell(&mut self, time_s: f64) {
         if !self.is_known() && self.summary.unknown_from_s.is_none() {
             self.summary.unknown_from_s = Some(time_s);
-            let aid = if self.aidable {
-                ", and --aid tells what else is known"
-            } else {
-                ""
+            let Some(lost) = self.columns.needing_attitude() else {
+                return;
+            };
+            let why = match (&self.how, self.aidable) {
+                (How::Beside(_), true) => {
+                    ": it is integrated without a reference, and --aid tells what else is known"
+                }
+                (How::Beside(_), false) => ": it is integrated without a reference",
+                (How::Aided(_) | How::Smoothed(_), _) => "",
             };
             self.messages.push(format!(
-                "from {time_s:.2} s on the attitude is less certain than {:.1}° (--until-sd): it is integrated without a reference. Where it is, \
-                 columns in ground axes and the quaternion are NaN; specific force in sensor axes (--frame sensor or both) needs no attitude{aid}",
+                "from {time_s:.2} s on the attitude is less certain than {:.1}° (--until-sd){why}. Where it is, {lost}",
                 self.until_rad.to_degrees()
             ));
         }
@@ -238,7 +253,7 @@ impl AttitudeStream {
         }
         if attitude.unused > 0 {
             self.messages.push(format!(
-                "{} attitudes were not used: no sample is at their time, or another one within a hundredth of a second (--aid)",
+                "attitudes that were not used: {}; no sample is at their time, or another one within a hundredth of a second (--aid)",
                 attitude.unused
             ));
         }

@@ -71,6 +71,26 @@ impl Columns {
         !matches!(self.frame, Frame::Sensor)
     }
 
+    /// What of them needs an attitude that is known, in words, and where else to look; none where nothing does.
+    pub(super) const fn needing_attitude(self) -> Option<&'static str> {
+        match (self.frame, self.accelerations_only) {
+            (Frame::Ground, false) => Some(
+                "columns in ground axes and the quaternion are NaN; specific force in sensor axes (--frame sensor or both) needs no attitude",
+            ),
+            (Frame::Ground, true) => Some(
+                "columns in ground axes are NaN; specific force in sensor axes (--frame sensor or both) needs no attitude",
+            ),
+            (Frame::Both, false) => Some(
+                "columns in ground axes and the quaternion are NaN; those in sensor axes need no attitude",
+            ),
+            (Frame::Both, true) => {
+                Some("columns in ground axes are NaN; those in sensor axes need no attitude")
+            }
+            (Frame::Sensor, false) => Some("the quaternion is NaN"),
+            (Frame::Sensor, true) => None,
+        }
+    }
+
     /// Their number, without the time.
     #[must_use]
     pub fn count(self) -> usize {

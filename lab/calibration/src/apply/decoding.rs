@@ -12,6 +12,7 @@ use super::attitude::AttitudeStream;
 use super::attitude_summary::AttitudeSummary;
 use super::columns::{Columns, DEVIATIONS};
 use super::coordination::Coordination;
+use super::ends::Ends;
 use super::fault_watch::{FLAGS, FaultWatch};
 use super::mean_acceleration::MeanAcceleration;
 
@@ -33,6 +34,7 @@ pub struct Decoding {
     watching: Option<FaultWatch>,
     /// Looks at the voltages before they are decoded.
     coordination: Option<Coordination>,
+    ends: Option<Ends>,
     mean: MeanAcceleration,
     /// Stamps of the samples that have not been answered.
     times_s: Vec<f64>,
@@ -105,6 +107,7 @@ impl Decoding {
             before: [0.0; LIMBS],
             watching: None,
             coordination: None,
+            ends: None,
             mean: MeanAcceleration::default(),
             times_s: Vec::new(),
             samples: 0,
@@ -125,7 +128,7 @@ impl Decoding {
     /// Follows the attitude, too: where it is not known, ground axes are NaN.
     #[must_use]
     pub fn with_attitude(mut self, attitude: AttitudeStream) -> Self {
-        self.attitude = Some(attitude);
+        self.attitude = Some(attitude.written_to(self.columns));
         self
     }
 
@@ -151,6 +154,13 @@ impl Decoding {
         self
     }
 
+    /// Sees whether the recording begins in motion.
+    #[must_use]
+    pub fn with_ends(mut self, ends: Ends) -> Self {
+        self.ends = Some(ends);
+        self
+    }
+
     /// What the coordination equations say, if they are checked.
     pub fn coordination(&mut self) -> Option<&mut Coordination> {
         self.coordination.as_mut()
@@ -168,6 +178,7 @@ impl Decoding {
         let watching = self.watching.as_mut();
         let mut all = watching.map_or_else(Vec::new, |w| std::mem::take(&mut w.messages));
         all.append(&mut self.said);
+        all.extend(self.ends.as_mut().and_then(Ends::begins_in_motion));
         all.extend(self.attitude.iter_mut().flat_map(AttitudeStream::messages));
         all
     }
@@ -220,6 +231,9 @@ impl Decoding {
         block.clear(1 + self.columns.count() + deviations + flags);
         if let Some(coordination) = &mut self.coordination {
             coordination.look(voltage_v);
+        }
+        if let Some(ends) = &mut self.ends {
+            ends.look(voltage_v);
         }
         let aided = self.attitude.as_ref().is_some_and(AttitudeStream::decodes);
         self.samples += voltage_v[0].len() as u64;

@@ -133,15 +133,25 @@ impl FaultWatch {
                 } else {
                     ""
                 };
+                let limbs = if watched.excluded.len() == 1 {
+                    "limb"
+                } else {
+                    "limbs"
+                };
                 say(format!(
-                    "decoded without limb {} from sample {} on{trace}{last}",
+                    "decoded without {limbs} {} from sample {} on{trace}{last}",
                     watched.excluded, switch.from_sample
                 ));
             }
         }
         if verdict && !watched.suspected.is_empty() {
+            let limbs = if watched.suspected.len() == 1 {
+                "limb"
+            } else {
+                "limbs"
+            };
             say(format!(
-                "limb {} may have failed and cannot be excluded; answers are not to be trusted",
+                "{limbs} {} may have failed and cannot be excluded; answers are not to be trusted",
                 watched.suspected
             ));
         }

@@ -18,6 +18,7 @@ use super::columns::{Columns, DEVIATIONS};
 use super::conditioning_stream::ConditioningStream;
 use super::coordination::Coordination;
 use super::decoding::{Curves, Decoding};
+use super::ends::Ends;
 use super::fault_watch::{FaultWatch, flags};
 use super::pipeline::{self, Busy};
 use super::recording::Recording;
@@ -140,6 +141,9 @@ impl Job<'_> {
         let gravity = settings.gravity_ground_m_s2;
         let mut decoding =
             Decoding::new(decoupler.clone(), self.columns, self.picture).under(gravity);
+        if !self.rest_to_rest {
+            decoding = decoding.with_ends(self.ends(settings.sample_rate_hz));
+        }
         let monitor = self.monitor(settings)?;
         let watches = monitor.is_some();
         if let Some(monitor) = monitor {
@@ -200,12 +204,17 @@ impl Job<'_> {
     fn smoothed_decoding(&self, attitude: AttitudeStream, settings: &Settings) -> Result<Decoding> {
         let decoding = Decoding::new(self.decoupler(settings)?, self.columns, self.picture)
             .under(settings.gravity_ground_m_s2)
+            .with_ends(self.ends(settings.sample_rate_hz))
             .with_attitude(attitude);
         Ok(if self.uncertainty {
             decoding.with_deviations(None)
         } else {
             decoding
         })
+    }
+
+    fn ends(&self, sample_rate_hz: f64) -> Ends {
+        Ends::new(self.setup, self.calibration, sample_rate_hz)
     }
 
     fn coordination(&self) -> Coordination {
@@ -276,9 +285,9 @@ impl Job<'_> {
         let mut coordination = self.coordination();
         let mut layout = self.layout(rate_hz);
         self.describe(path, &mut layout);
-        let (mut trend, mut busy) = (None, None);
+        let (mut trend, mut busy, mut of_aids) = (None, None, Vec::new());
         if self.rest_to_rest {
-            let mut stamps = Vec::new();
+            let (mut stamps, mut ends) = (Vec::new(), self.ends(rate_hz));
             let (rows, found) = rest_to_rest::read(
                 &mut recording,
                 conditioning,
@@ -288,9 +297,14 @@ impl Job<'_> {
                     stamps.extend_from_slice(&batch.times_s);
                     // As it was recorded: a trend that is taken off wrong forces may drown what is wrong with them.
                     coordination.look(rows.all());
+                    ends.look_to_the_end(rows.all());
                 },
             )?;
             rest_to_rest::write(&recording, &rows, &stamps, &mut decoding, create(&layout)?)?;
+            let moving = ends.begins_in_motion().into_iter();
+            for why in moving.chain(ends.ends_in_motion()) {
+                decoding.say(why);
+            }
             trend = Some(found);
         } else {
             let total = recording.samples.unwrap_or(0);
@@ -306,7 +320,10 @@ impl Job<'_> {
                     Box::new(Nowhere),
                     &advance,
                 )?;
+                // What the first pass has said the second says again, but for what became of the aids.
+                decoding.messages();
                 decoding.finish();
+                of_aids = decoding.messages();
                 let attitude = decoding.smoothed(self.decoupler(&settings)?, &settings);
                 let attitude = attitude.context("--smooth without --aid")?;
                 decoding = self.smoothed_decoding(attitude, &settings)?;
@@ -322,6 +339,7 @@ impl Job<'_> {
         decoding.finish();
         let mut warnings = recording.warnings();
         warnings.extend(decoding.messages());
+        warnings.append(&mut of_aids);
         let no_motion = decoding.no_motion(rate_hz);
         warnings.extend(no_motion.map(|why| format!("{}: {why}", path.display())));
         let broken = decoding
@@ -331,7 +349,7 @@ impl Job<'_> {
         warnings.extend(broken.map(|broken| format!("{}: {broken}", path.display())));
         if decoding.rows == 0 {
             warnings.push(format!(
-                "{}: {} samples; a row needs three, the result is empty",
+                "{}: samples: {}; a row needs three, the result is empty",
                 path.display(),
                 recording.seen.samples
             ));

@@ -13,6 +13,9 @@ use sixaxis_recordings::session::Channels;
 use super::CHUNK;
 use super::voltages::Voltages;
 
+/// Voltages over the converter's range that did not come from it as volts.
+const BEYOND: f64 = 1.2;
+
 /// An open recording of nine limbs.
 pub struct Recording {
     /// Its file.
@@ -43,6 +46,8 @@ pub struct Seen {
     pub samples: u64,
     /// Samples of each limb at the converter's limit or beyond.
     pub clipped: [u64; LIMBS],
+    /// Largest voltage of those, V.
+    pub largest_v: f64,
 }
 
 /// Consecutive samples.
@@ -108,8 +113,10 @@ impl Recording {
                 self.columns.check_finite(limb)?;
             }
             let clipped = |voltage_v: &&f64| voltage_v.abs() >= self.full_scale_v;
-            self.seen.clipped[limb] +=
-                self.columns.column(limb).iter().filter(clipped).count() as u64;
+            for voltage_v in self.columns.column(limb).iter().filter(clipped) {
+                self.seen.clipped[limb] += 1;
+                self.seen.largest_v = self.seen.largest_v.max(voltage_v.abs());
+            }
             self.columns.take(limb, column);
         }
         batch.times_s.clear();
@@ -134,6 +141,12 @@ impl Recording {
         Ok(count > 0)
     }
 
+    /// Whether there were voltages that no converter of the stated range gives.
+    #[must_use]
+    pub fn is_beyond_converter(&self) -> bool {
+        self.seen.largest_v > BEYOND * self.full_scale_v
+    }
+
     /// What a person should know of what was read, in sentences.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
@@ -149,7 +162,15 @@ impl Recording {
             .filter(|(count, _)| **count > 0)
             .map(|(count, name)| format!("{count} of {name}"))
             .collect();
-        if !clipped.is_empty() {
+        if self.is_beyond_converter() {
+            warnings.push(format!(
+                "{}: voltages up to {:.1} V, which a converter of {} V does not give; are they millivolts (--unit mV)? {}",
+                self.path.display(),
+                self.seen.largest_v,
+                self.full_scale_v,
+                clipped.join(", ")
+            ));
+        } else if !clipped.is_empty() {
             warnings.push(format!(
                 "{}: samples at the converter's limit of {} V, where the accelerations are wrong: {}",
                 self.path.display(),

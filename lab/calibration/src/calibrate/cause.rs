@@ -69,6 +69,14 @@ impl Day<'_> {
         mut suspected: Vec<Finding>,
     ) {
         suspected.sort_by_key(|finding| finding.cause);
+        // Where nothing else is certain, a direction that no trial has is why there is no estimate.
+        let left_out = suspected
+            .iter()
+            .find(|f| f.cause == Cause::UnderExcitedAxis);
+        if let (true, Some(left_out)) = (findings.is_empty(), left_out) {
+            findings.push(left_out.clone());
+            return;
+        }
         let campaign = &self.prepared.campaign;
         findings.extend(match zero_drift::identify(&campaign.static_voltage_v) {
             Ok(_) if self.has_no_rest(findings) => Vec::new(),

@@ -2,6 +2,7 @@
 //! were lost. Noise of a converter does none of these.
 
 use sixaxis_core::LIMBS;
+use sixaxis_recordings::runs::{Runs, stands_still};
 use sixaxis_recordings::session::Role;
 
 use super::raw::converter_step_v;
@@ -60,6 +61,7 @@ pub fn examine(at_rest: Option<&Trial>, cases: &mut [TrialCase<'_>], findings: &
     }
     for case in cases.iter_mut().filter(|case| !case.explained) {
         lost(case, findings);
+        stuck(case, findings);
     }
 }
 
@@ -202,6 +204,38 @@ impl Lost {
             "{} samples in a row, from sample {} on, stand at {:.4} {unit} to the last bit, with a jump before or after them",
             self.samples, self.from, self.value
         )
+    }
+}
+
+/// Channels of a trial that stand still for a while, or from some sample on, without a jump that would tell of lost samples.
+fn stuck(case: &mut TrialCase<'_>, findings: &mut Vec<Finding>) {
+    let trial = case.trial;
+    if matches!(trial.role, Role::Static | Role::Tap) {
+        return;
+    }
+    let runs: [Runs; LIMBS] =
+        core::array::from_fn(|channel| Runs::of(trial.voltage_v.iter().map(|row| row[channel])));
+    for channel in 0..LIMBS {
+        let Some(run) = stands_still(&runs, channel).filter(|_| !case.ignored[channel]) else {
+            continue;
+        };
+        case.ignored[channel] = true;
+        findings.push(Finding {
+            cause: Cause::DeadLimb,
+            recordings: vec![trial.name.clone()],
+            channels: vec![channel + 1],
+            evidence: format!(
+                "it stands at {:.4} V to the last bit for {} of {} samples, from sample {} on, while the other channels move",
+                trial.voltage_v[run.first as usize][channel],
+                run.samples,
+                trial.voltage_v.len(),
+                run.first
+            ),
+            advice: format!(
+                "see plugs, cable and amplifier of limb {}, and record the trial again",
+                channel + 1
+            ),
+        });
     }
 }
 

@@ -34,7 +34,7 @@ const ENDS: usize = 3;
 const HIGH: f64 = 20.0;
 
 /// Looks at the course of the static record.
-pub fn examine_static(rest: &Trial, drift: &ZeroDrift, findings: &mut Vec<Finding>) {
+pub fn examine_static(rest: &Trial, findings: &mut Vec<Finding>) {
     let bumps = (0..LIMBS).filter_map(|channel| Some((channel, bump(rest, channel)?)));
     let bumps: Vec<(usize, Bump)> = bumps.collect();
     let highest = bumps
@@ -69,9 +69,8 @@ pub fn examine_static(rest: &Trial, drift: &ZeroDrift, findings: &mut Vec<Findin
                 recordings: vec![rest.name.clone()],
                 channels: vec![channel + 1],
                 evidence: format!(
-                    "the zero wanders by {:.2} mV during the static record, with noise of {:.2} mV a sample",
-                    1e3 * change,
-                    1e3 * drift.noise_v[channel]
+                    "the zero wanders by {:.2} mV during the static record",
+                    1e3 * change
                 ),
                 advice: "let sensor and amplifiers warm up, then record at rest again".to_owned(),
             });

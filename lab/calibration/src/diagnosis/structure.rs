@@ -56,7 +56,8 @@ pub fn excitation(cases: &[TrialCase<'_>], findings: &mut Vec<Finding>) {
         let share = (eigen.eigenvalues[worst].max(0.0) / best).sqrt();
         // Written so that no trials at all, NaN, count as none excited.
         let excited = share >= EXCITED;
-        if !excited {
+        let unread = trials.is_empty() && findings.iter().any(|f| f.cause == Cause::Unreadable);
+        if !(excited || unread) {
             let lost = eigen.eigenvectors.column(worst);
             findings.push(Finding {
                 cause: Cause::UnderExcitedAxis,

@@ -93,7 +93,7 @@ pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], findings: &mut Ve
             Some(evidence) => (evidence, drive::EXCHANGED),
             None => (
                 format!(
-                    "the drive turns at {seen_hz:.3} Hz by the recording's clock, at {:.3} Hz by the session",
+                    "the drive turns at {seen_hz:.3} Hz by the standard and the recording's clock, at {:.3} Hz by the session",
                     cases[first].trial.frequency_hz
                 ),
                 "check frequency_hz against the drive, reference_file where the session has one, and the rate or time stamps of file and session \

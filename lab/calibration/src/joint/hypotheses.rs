@@ -122,10 +122,15 @@ pub fn explain(
 /// measure says which are right is no reason to doubt that they do not go together.
 fn gains_apart(day: &Unaccounted<'_>, suspected: &[Finding]) -> Option<Finding> {
     let found = suspected.iter().find(|f| f.advice == OTHER_RANGES)?;
+    // Which gains would agree with the others is no help where the others may be as wrong.
+    let of_one = found.evidence.split(": with gains of ").next();
     let gains = || day.cases.iter().map(|case| &case.trial.gains);
     let alike = gains().zip(gains().skip(1)).all(|(a, b)| a == b);
     (found.recordings.len() > 1).then(|| Finding {
-        evidence: format!("the gains do not go together: in the first of these {}", found.evidence),
+        evidence: format!(
+            "the gains do not go together: held against the others, in the first of these {}",
+            of_one.unwrap_or_default()
+        ),
         advice: if alike {
             "state the gains of each recording, by the amplifiers' panel: all have the same gain_n_per_v".to_owned()
         } else {

@@ -102,6 +102,8 @@ impl Means {
     }
 }
 
+/// Samples beyond the converter's range that may be wild ones.
+const WILD: u64 = 10;
 /// Blocks that a rest must have.
 const FEWEST_BLOCKS: f64 = 8.0;
 
@@ -171,8 +173,15 @@ impl Measured {
         let moments = taken.moments();
         ensure!(
             moments.blocks() > 0,
-            "{place}: {} samples are less than a block",
-            recording.seen.samples
+            "{place}: {} samples are less than a block of {}",
+            recording.seen.samples,
+            taken.block()
+        );
+        let beyond = recording.is_beyond_converter();
+        ensure!(
+            !beyond || recording.seen.clipped.iter().sum::<u64>() <= WILD,
+            "{}: nothing is said of limbs",
+            recording.warnings().join("; ")
         );
         Ok(Self {
             moments,

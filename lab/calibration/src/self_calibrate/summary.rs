@@ -70,6 +70,8 @@ pub struct Summary {
     false_alarm: f64,
     /// Whether the calibration has the limbs' stiffness ratios.
     stiffnesses_calibrated: bool,
+    /// Whether its own errors are left out.
+    calibration_exact: bool,
     limbs: Vec<Limb>,
     /// Another set of limbs that would explain the data.
     rival: Option<Vec<usize>>,
@@ -106,6 +108,7 @@ impl Summary {
             finding: Finding::Nothing,
             false_alarm: check.false_alarm,
             stiffnesses_calibrated: check.calibration.limbs.is_some(),
+            calibration_exact: check.calibration_exact,
             limbs: Vec::new(),
             rival: None,
             chi_square_of_none: None,
@@ -146,6 +149,20 @@ impl Summary {
         self.limit_of_none = Some(said.limit_of_none);
     }
 
+    /// Of no limb is it said that it has not drifted where a change as large as this, of its logarithm, would not show.
+    pub(super) fn put_unknown(&mut self, said: &Drifted, largest: f64) {
+        let unknown = (0..LIMBS).filter(|i| NORMAL_95 * said.deviation[*i] > largest);
+        let unknown = unknown.fold(LimbSet::EMPTY, LimbSet::with);
+        if self.finding == Finding::Nothing && !unknown.is_empty() {
+            self.finding = Finding::TooPoor;
+            self.open_in_words = Some(format!(
+                "what {} {unknown} would have changed by, to more than {:.0} %",
+                if unknown.len() == 1 { "limb" } else { "limbs" },
+                1e2 * largest
+            ));
+        }
+    }
+
     /// All nine.
     pub(super) fn put_scales(&mut self, scales: &Scales) {
         let z = NORMAL_95;
@@ -184,8 +201,8 @@ impl Summary {
             ),
             Finding::TooPoor => writeln!(
                 out,
-                "The motion is too poor: it leaves open {}. Turn the sensor about more axes, faster or longer; if it did turn so, a channel is dead, inverted or \
-                 plugged in elsewhere (decouple --watch, inspect).",
+                "The motion is too poor: it leaves open {}. Turn the sensor about more axes, faster or longer; if it did turn so, a channel is dead, inverted, \
+                 clipped, fading or plugged in elsewhere, or hums (inspect; decouple --watch), or the calibration is a poor one.",
                 self.open_in_words.as_deref().unwrap_or("ratios")
             ),
             Finding::Misfit => writeln!(
@@ -236,9 +253,12 @@ impl Summary {
             1.0 / self.false_alarm
         );
         if self.since.is_none() {
-            let stiffnesses = match self.stiffnesses_calibrated {
-                true => "stiffnesses are those of the joint fit",
-                false => {
+            let stiffnesses = match (self.stiffnesses_calibrated, self.calibration_exact) {
+                (true, _) => "stiffnesses are those of the joint fit",
+                (false, true) => {
+                    "the calibration knows no stiffnesses: they are taken to be equal, and where they are not, limbs seem to have drifted; --since does without"
+                }
+                (false, false) => {
                     "the calibration knows no stiffnesses: they are taken to differ by 0.5 %, and smaller drifts do not show; --since does without"
                 }
             };

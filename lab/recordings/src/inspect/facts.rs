@@ -11,6 +11,7 @@ use serde::ser::{SerializeMap, Serializer};
 use super::allan::Stability;
 use crate::envelope::Envelope;
 use crate::ingest::clock::Stamps;
+use crate::runs::Runs;
 use crate::unit::{self, Unit};
 
 /// Everything about one file.
@@ -59,7 +60,7 @@ pub enum Severity {
 /// One sentence about a recording.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Fact {
-    /// One word for scripts: `clipped`, `constant`, `not_finite`, `drift`, `mains`, `identical`, `opposite`, `gap`,
+    /// One word for scripts: `clipped`, `constant`, `still`, `not_finite`, `drift`, `mains`, `identical`, `opposite`, `gap`,
     /// `not_advancing`, `jitter`, `rate`, `unreadable`, `empty`, `cut`; `remark` for what is no defect.
     pub kind: &'static str,
     /// Channels concerned.
@@ -303,6 +304,9 @@ pub struct ChannelFacts {
     pub bits_used: Option<f64>,
     /// One value throughout.
     pub constant: bool,
+    /// Its runs of equal samples.
+    #[serde(skip)]
+    pub runs: Runs,
     /// Standing still at the smallest value.
     pub flat_bottom: Option<FlatTop>,
     /// Standing still at the largest value.

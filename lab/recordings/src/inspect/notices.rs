@@ -6,6 +6,7 @@ use super::facts::{ChannelFacts, Fact, FlatTop, Group, Inspection, RateOrigin, S
 use super::listing::{brief, plural, seconds, with_unit};
 use super::sensor::Expected;
 use crate::ingest::clock::Stamps;
+use crate::runs::stands_still;
 
 /// Jitter beyond this share of a step is noticed.
 const JITTER: f64 = 0.01;
@@ -182,6 +183,16 @@ impl Facts {
             text,
             "read one value each throughout",
         );
+        let runs: Vec<_> = channels.iter().map(|c| c.runs).collect();
+        for (at, channel) in channels.iter().enumerate() {
+            if let Some(run) = stands_still(&runs, at) {
+                let text = format!(
+                    "{} stands still to the last bit for {} samples from sample {} on, while other channels move",
+                    channel.name, run.samples, run.first
+                );
+                self.notice("still", [&channel.name], text);
+            }
+        }
         for channel in channels {
             self.of_clipping(channel);
         }

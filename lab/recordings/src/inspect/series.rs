@@ -11,6 +11,7 @@ use super::resolution::{Steps, keep_every_second};
 use super::spectrum;
 use crate::channel::Channel;
 use crate::envelope::Envelope;
+use crate::runs::Runs;
 
 /// Samples of which one noise floor is told.
 const NOISE_PIECE: usize = 4096;
@@ -33,6 +34,7 @@ pub struct Series {
     high: Extreme,
     low: Extreme,
     steps: Steps,
+    runs: Runs,
     same: u64,
     turned: u64,
     envelope: Envelope,
@@ -63,6 +65,7 @@ impl Series {
         for &x in samples {
             let row = self.rows;
             self.rows += 1;
+            self.runs.push(x);
             self.same = mix(self.same, x);
             self.turned = mix(self.turned, -x);
             self.envelope.push(row as f64, x);
@@ -166,6 +169,7 @@ impl Series {
             smallest_step: number("smallest_step", resolution.smallest_step, "constant"),
             bits_used: number("bits_used", resolution.grid_step().map(bits), no_bits),
             constant,
+            runs: self.runs,
             flat_bottom: self.low.flat(span, &resolution, !self.fractional, -1.0),
             flat_top: self.high.flat(span, &resolution, !self.fractional, 1.0),
             at_full_scale: self.full_scale.is_finite().then_some(self.at_full_scale),

@@ -2,7 +2,8 @@
 //!
 //! # What is read
 //! * UTF-8 with or without byte order mark (headings may be Latin-1); lines end with LF, CRLF or CR; blank lines are skipped.
-//! * Lines that begin with `#` or `%` are comments, wherever they stand. Before the numbers, `# key: value` and
+//! * Lines that begin with `#` or `%` are comments, wherever they stand; one between rows that has a row's numbers behind its first cell
+//!   is refused. Before the numbers, `# key: value` and
 //!   `# key = value` become properties; `sample_rate_hz` (or `fs`, `fs_hz`) is the rate of all channels.
 //! * One line of headings or none (then `column_1` ...), with units in brackets or in a second line of units (`s;V;V`).
 //!   Without a line of headings, a last comment with as many names as there are columns is one (`numpy.savetxt`).

@@ -39,6 +39,8 @@ struct Rows {
     /// Columns of the block that each channel goes to; none if it is not parsed.
     targets: Vec<Vec<usize>>,
     scratch: String,
+    /// Line and first cell of a comment that would be a row: harmless in a footer, a lost sample before another row.
+    hidden: Option<(u64, String)>,
 }
 
 impl Decoder for Text {
@@ -55,6 +57,7 @@ impl Decoder for Text {
             cells: Vec::new(),
             targets,
             scratch: String::new(),
+            hidden: None,
         })
     }
 
@@ -101,6 +104,20 @@ impl Text {
     fn is_row(&self, line: &[u8]) -> bool {
         let blank = is_blank(line) || self.table.loose && line.trim_ascii().is_empty();
         !(blank || is_comment(line))
+    }
+
+    /// Whether a line has a row's cells, all of them numbers but the first, which makes a comment of it: `#N/A` of a spreadsheet.
+    fn looks_like_a_row(&self, line: &[u8], cells: &mut Vec<(usize, usize)>) -> bool {
+        split(line, self.table.dialect.separator, cells).is_ok()
+            && cells.len() > 1
+            && self.table.cells.contains(&cells.len())
+            && (1..cells.len()).all(|at| {
+                let text = cell(line, cells, at).trim_ascii();
+                text.iter().any(u8::is_ascii_digit)
+                    && !text
+                        .iter()
+                        .any(|b| b.is_ascii_alphabetic() && !matches!(b, b'e' | b'E'))
+            })
     }
 
     /// What is to be said of a last line that breaks off. The end of a compressed file is known only when it has been read.
@@ -157,7 +174,16 @@ impl Text {
                 return Ok(false);
             };
             if !self.is_row(line) {
+                if rows.hidden.is_none() && self.looks_like_a_row(line, &mut rows.cells) {
+                    rows.hidden = Some((at, excerpt(cell(line, &rows.cells, 0))));
+                }
                 continue;
+            }
+            if let Some((at, cell)) = rows.hidden.take() {
+                let cause = format!(
+                    "{cell} is not a number, and a line that begins with # or % is none of the rows: delete it, or mend the cell"
+                );
+                return Err(Error::malformed(&self.path, Place::Cell(at, 1), cause));
             }
             let parted = split(line, table.dialect.separator, &mut rows.cells);
             let (found, expected) = (rows.cells.len(), &table.cells);

@@ -21,7 +21,7 @@ use sixaxis_recordings::draft::write_atomically;
 use sixaxis_recordings::session::{self, SessionFile};
 
 use super::common::{print, print_json, wrapped};
-use super::output::{check_outputs, mention_earlier};
+use super::output::{PAGE, check_ending, check_outputs, mention_earlier};
 use crate::progress::Progress;
 
 use repetition::Repetition;
@@ -213,7 +213,9 @@ impl Targets {
         check_outputs(
             &[("--out", &self.calibration), ("--report", &self.report)],
             inputs.map(PathBuf::as_path),
-        )
+        )?;
+        check_ending("--report", &self.report, PAGE)?;
+        check_ending("--out", &self.calibration, &["json", "rs"])
     }
 }
 

@@ -54,17 +54,32 @@ pub struct Beside {
         long,
         value_name = "N/V",
         value_delimiter = ',',
+        value_parser = number,
         allow_hyphen_values = true
     )]
     gain: Vec<f64>,
     /// Samples per second, where the file does not state them
-    #[arg(long, value_name = "HZ")]
+    #[arg(long, value_name = "HZ", value_parser = rate, allow_hyphen_values = true)]
     pub rate: Option<f64>,
     /// Direction in which gravity pulls, in the sensor's axes at rest, such as 0,0,-1 with z up; of any length
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
     down: Option<[f64; 3]>,
     #[command(flatten)]
     naming: Naming,
+}
+
+fn number(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse();
+    number.map_err(|_| "a number is expected".to_owned())
+}
+
+fn rate(text: &str) -> Result<f64, String> {
+    let hz = number(text)?;
+    if hz > 0.0 && hz.is_finite() {
+        Ok(hz)
+    } else {
+        Err("a positive number is expected".to_owned())
+    }
 }
 
 fn vector(text: &str) -> Result<[f64; 3], String> {

@@ -12,7 +12,7 @@ use sixaxis_page::render;
 use sixaxis_recordings::draft::write_atomically;
 
 use super::common::{print, say};
-use super::output::check_outputs;
+use super::output::{JSON, PAGE, check_ending, check_outputs};
 
 /// What is held against what.
 #[derive(clap::Args)]
@@ -52,6 +52,10 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         &outputs,
         [arguments.result.as_path(), arguments.truth.as_path()],
     )?;
+    check_ending("--out", &arguments.out, PAGE)?;
+    if let Some((option, path)) = json {
+        check_ending(option, path, JSON)?;
+    }
     let result = Track::open(&arguments.result)?;
     let truth = Track::open(&arguments.truth)?;
     for track in [&result, &truth] {

@@ -25,7 +25,7 @@ use sixaxis_recordings::{Layout, Sink};
 
 use super::choices::{Axes, Integrator};
 use super::common::{Beside, print, print_json, read_calibration, say, tell};
-use super::output::{check_outputs, mention_earlier};
+use super::output::{PAGE, check_ending, check_outputs, mention_earlier};
 use crate::progress::Progress;
 
 /// What is decoupled with what.
@@ -239,6 +239,21 @@ fn file(arguments: &Arguments, job: &Job) -> Result<()> {
         .chain(session)
         .chain(attitudes);
     check_outputs(&outputs, inputs)?;
+    if let Some(picture) = &arguments.picture {
+        check_ending("--picture", picture, PAGE)?;
+    }
+    // Of results nobody asks; a recording is not to be had again.
+    let recorded = out.is_file()
+        && sixaxis_recordings::open(&out).is_ok_and(|there| {
+            let channels = &job.setup.channels.limbs;
+            let layout = there.layout();
+            channels.iter().all(|name| layout.position(name).is_some())
+        });
+    ensure!(
+        !recorded,
+        "--out: {} is a recording of the nine limbs and would be written over; name another file",
+        out.display()
+    );
     let create = |layout: &Layout| -> Result<Box<dyn Sink>> {
         if to_output {
             let output = io::BufWriter::new(io::stdout());

@@ -19,7 +19,7 @@ use sixaxis_recordings::session::{Role, SessionFile};
 use sixaxis_recordings::unit::{self, Unit};
 
 use super::common::{Naming, mention, print, print_json, tell};
-use super::output::check_outputs;
+use super::output::{PAGE, check_ending, check_outputs};
 use crate::progress::Progress;
 
 /// Which recordings, and in what form the answer is wanted.
@@ -95,6 +95,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     if let Some(picture) = &arguments.picture {
         let files = arguments.files.iter().map(PathBuf::as_path);
         check_outputs(&[("--picture", picture)], files)?;
+        check_ending("--picture", picture, PAGE)?;
     }
     let session = arguments.session.as_deref().map(SessionFile::read);
     let session = session.transpose()?;

@@ -12,7 +12,7 @@ use sixaxis_reference::sensor::TrueSensor;
 use sixaxis_reports::study;
 
 use super::common::print;
-use super::output::check_outputs;
+use super::output::{check_ending, check_outputs};
 
 /// Which sensor and where to.
 #[derive(clap::Args)]
@@ -28,6 +28,7 @@ pub struct Arguments {
 /// Writes the model.
 pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let out = &arguments.out;
+    check_ending("--out", out, &["xml", "mjcf"])?;
     check_outputs(&[("--out", out)], [])?;
     let sensor = if arguments.design {
         TrueSensor::design()

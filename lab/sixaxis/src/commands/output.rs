@@ -14,6 +14,28 @@ pub fn same_file(a: &Path, b: &Path) -> bool {
     }
 }
 
+/// Endings of pages.
+pub const PAGE: &[&str] = &["html", "htm"];
+/// Endings of results for scripts.
+pub const JSON: &[&str] = &["json"];
+
+/// Refuses an output that is named as another kind of file: a shell's list of files may have given an option the first of them.
+pub fn check_ending(option: &str, output: &Path, endings: &[&str]) -> Result<()> {
+    let ending = output.extension().unwrap_or_default();
+    let named = endings
+        .iter()
+        .any(|known| ending.eq_ignore_ascii_case(known));
+    // Into a device or a FIFO anything may be written.
+    let special = output.metadata().is_ok_and(|data| !data.is_file());
+    ensure!(
+        named || special,
+        "{option}: {} is no name for what is written there, which ends in .{}",
+        output.display(),
+        endings.join(" or .")
+    );
+    Ok(())
+}
+
 /// Refuses outputs, each with its option, that are one file, or that would replace an input. Says which folders will be made for the
 /// others.
 pub fn check_outputs<'a>(

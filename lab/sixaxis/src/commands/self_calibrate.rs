@@ -3,13 +3,16 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use anyhow::{Result, bail};
+use anyhow::{Result, bail, ensure};
+use sixaxis_calibration::apply::check_grade::check_grade;
 use sixaxis_calibration::apply::setup::Setup;
+use sixaxis_calibration::calibration::Calibration;
+use sixaxis_calibration::report::Grade;
 use sixaxis_calibration::self_calibrate::{Check, Finding, Known, Rest};
 use sixaxis_recordings::draft::write_atomically;
 
 use super::common::{Beside, print, print_json, read_calibration, say};
-use super::output::{check_outputs, mention_earlier, same_file};
+use super::output::{JSON, check_ending, check_outputs, mention_earlier, same_file};
 use crate::progress::Progress;
 
 /// Which calibration is checked with which recording.
@@ -51,8 +54,9 @@ pub struct Arguments {
     /// Write the calibration with the scale factors that were found: of the limbs that drifted, or of all with --known-change
     #[arg(long, value_name = "FILE")]
     write_calibration: Option<PathBuf>,
-    /// Write it even where limbs would have changed by more than 10 %, which a wrong gain does and drift hardly ever
-    #[arg(long, requires = "write_calibration")]
+    /// Check a calibration that is not good, too, and write one even where limbs would have changed by more than 10 %, which a wrong gain
+    /// does and drift hardly ever
+    #[arg(long)]
     force: bool,
     /// Print the result as JSON
     #[arg(long)]
@@ -90,12 +94,25 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let inputs = [&arguments.calibration, &arguments.recording].into_iter();
     let inputs = inputs.chain(optional.into_iter().flatten());
     check_outputs(&outputs, inputs.map(PathBuf::as_path))?;
+    for (option, path) in &outputs {
+        check_ending(option, path, JSON)?;
+    }
+    if let Some(out) = &arguments.out {
+        ensure!(
+            Calibration::read(out).is_err(),
+            "--out: {} is a calibration and would be written over; name another file",
+            out.display()
+        );
+    }
     if let Some(since) = &arguments.since
         && same_file(since, &arguments.recording)
     {
         bail!("--since {}: the recording itself", since.display());
     }
     let calibration = read_calibration(&arguments.calibration)?;
+    let name = arguments.calibration.display().to_string();
+    let doubt = check_grade(&name, &calibration, arguments.force)?;
+    let doubt = doubt.filter(|_| calibration.verdict == Grade::Bad);
     let session = arguments.beside.read_session()?;
     let overrides = arguments.beside.overrides();
     let known_change = match (arguments.known_change, arguments.rests.as_slice()) {
@@ -136,6 +153,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         let text = serde_json::to_string_pretty(&summary)? + "\n";
         write_atomically(path, text.as_bytes())?;
     }
+    summary.warnings.extend(doubt);
     say("warning", &summary.warnings);
     if arguments.json {
         print_json(&summary)?;

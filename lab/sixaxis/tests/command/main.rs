@@ -17,6 +17,7 @@ mod mistakes;
 mod mistakes_in_files;
 #[cfg(all(feature = "harness", target_os = "linux"))]
 mod mistakes_in_statements;
+mod mistakes_in_the_field;
 #[cfg(all(feature = "harness", target_os = "linux"))]
 mod mistakes_on_the_way;
 mod moved;

@@ -101,6 +101,33 @@ fn neg_statements_that_are_not_so_are_named() {
             "without the stated high-pass of 0.1 Hz all trials agree",
         ),
         (
+            "radians",
+            &|s| {
+                let lines = s
+                    .lines()
+                    .map(|line| match line.strip_prefix("frequency_hz = ") {
+                        Some(hz) => {
+                            let hz: f64 = hz.parse().expect("a number");
+                            format!("frequency_hz = {}\n", core::f64::consts::TAU * hz)
+                        }
+                        None => format!("{line}\n"),
+                    });
+                lines.collect()
+            },
+            "frequency_hz is in radians a second",
+        ),
+        (
+            "one-wedge",
+            &|s| {
+                let linear = |entry: &&str| entry.contains("role = \"linear\"");
+                let first = s.split("[[recording]]").find(linear).map(str::to_owned);
+                let kept = s.split("[[recording]]");
+                let kept = kept.filter(|e| !linear(e) || Some(*e) == first.as_deref());
+                kept.collect::<Vec<_>>().join("[[recording]]")
+            },
+            "axis not excited",
+        ),
+        (
             "no-rests",
             &|s| s.replace("detrend = false", "detrend = { rest_s = 0.5 }"),
             "the first and the last 0.5 s as rests, and the standards move there",

@@ -4,7 +4,7 @@ use std::cell::Cell;
 use std::fs;
 
 use crate::mistakes::{calibrated, rewritten, with_entry};
-use crate::program::{run, stderr};
+use crate::program::{code, run, stderr, stdout, text};
 use crate::self_calibrate::day;
 
 /// Writes a recording with other readings, of which the change knows the row.
@@ -282,4 +282,59 @@ fn neg_a_namesake_of_a_recording_is_told() {
     };
     assert!(told(copy.to_str().expect("text")));
     assert!(!told(&folder.file("compound-02.csv")));
+}
+
+#[test]
+fn neg_a_channel_that_stands_still_from_some_sample_on_is_told() {
+    let rows = rows_of("linear-08.csv");
+    let held = rows[rows.len() / 2][7];
+    let half = rows.len() / 2;
+    by_row("linear-08.csv", "held.csv", |row, readings| {
+        if row >= half {
+            readings[7] = held;
+        }
+    });
+    let (status, said) = calibrated("held", |s| s.replace("linear-08.csv", "held.csv"));
+    assert_eq!(status, 4, "{said}");
+    assert!(said.contains("dead limb: held.csv; channel 8"), "{said}");
+    let from = format!("from sample {half} on, while the other channels move");
+    assert!(said.contains(&from), "{said}");
+    let inspected = run(&["inspect", text(&day().0.join("held.csv")), "--strict"]);
+    let said = stdout(&inspected);
+    assert!(said.contains("u8 stands still to the last bit"), "{said}");
+    assert_ne!(code(&inspected), 0);
+}
+
+#[test]
+fn neg_a_standard_that_shows_no_motion_is_told_from_a_drive_that_turns_otherwise() {
+    let noise = Cell::new(0.5_f64);
+    by_row("angular-06.csv", "deaf.csv", |_, readings| {
+        noise.set((noise.get() * 997.0 + 0.123).fract());
+        readings[10] = 1e-3 * (noise.get() - 0.5);
+    });
+    let (status, said) = calibrated("deaf", |s| s.replace("angular-06.csv", "deaf.csv"));
+    assert_eq!(status, 4, "{said}");
+    let wanted = "recording cannot be used: deaf.csv the nine channels move at";
+    assert!(said.contains(wanted), "{said}");
+}
+
+#[test]
+fn neg_an_error_of_a_spreadsheet_is_no_comment() {
+    let record = fs::read_to_string(day().0.join("linear-03.csv")).expect("reads");
+    let mut lines: Vec<String> = record.lines().map(str::to_owned).collect();
+    let cells: Vec<&str> = record.lines().nth(900).expect("a row").split(',').collect();
+    lines[900] = format!("#N/A,{}", cells[1..].join(","));
+    let path = day().0.write("spreadsheet.csv", lines.join("\n") + "\n");
+    let refused = run(&["inspect", &path]);
+    assert_ne!(code(&refused), 0);
+    let said = stderr(&refused);
+    assert!(
+        said.contains("line 901, column 1") && said.contains("#N/A"),
+        "{said}"
+    );
+    // Behind the last row it is a comment, as a footer is to be.
+    lines[900] = record.lines().nth(900).expect("a row").to_owned();
+    lines.push(format!("#mean,{}", cells[1..].join(",")));
+    let path = day().0.write("footer.csv", lines.join("\n") + "\n");
+    assert_eq!(code(&run(&["inspect", &path])), 0);
 }

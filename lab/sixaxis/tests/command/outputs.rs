@@ -16,7 +16,7 @@ fn neg_a_comparison_writes_over_nothing_that_it_reads() {
     for file in [&a, &b] {
         fs::write(file, DECOUPLED).expect("writes");
     }
-    let page = folder.file("page");
+    let page = folder.file("page.html");
     done(&["compare", &a, &b, "--out", &page]);
     for outputs in [
         &["--out", &a][..],
@@ -29,6 +29,51 @@ fn neg_a_comparison_writes_over_nothing_that_it_reads() {
         for file in [&a, &b] {
             assert_eq!(fs::read_to_string(file).expect("reads"), DECOUPLED);
         }
+    }
+}
+
+/// A shell's list of files gives an option the first of them, and another recording of a day is not to be had again.
+#[test]
+fn neg_no_page_and_no_result_is_written_over_a_recording_or_a_calibration() {
+    let (folder, gains) = crate::self_calibrate::day();
+    let at = |name: &str| folder.file(name);
+    let (calibration, tumble) = (at("calibration.json"), at("tumble.csv"));
+    let (first, second) = (at("linear-01.csv"), at("linear-02.csv"));
+    let session = at("session.toml");
+    let before = fs::read(&first).expect("reads");
+    let decouple = [
+        "decouple",
+        &calibration,
+        &tumble,
+        "--gain",
+        gains,
+        "--down",
+        "0,0,-1",
+    ];
+    let check = ["self-calibrate", &calibration, &tumble, "--gain", gains];
+    let other = at("other.json");
+    fs::copy(&calibration, &other).expect("copies");
+    for arguments in [
+        [&["inspect", "--picture", &first, &second][..], &[]],
+        [&decouple, &["--picture", &first, "--out", &at("o.csv")]],
+        [&decouple, &["--out", &first]],
+        [&["calibrate", &session][..], &["--report", &first]],
+        [&["calibrate", &session][..], &["--out", &first]],
+        [&["compare", &second, &second][..], &["--json", &first]],
+        [&check, &["--out", &first]],
+        [&check, &["--out", &other]],
+    ] {
+        let said = run(&arguments.concat());
+        assert_eq!(code(&said), 1, "{arguments:?}: {}", stderr(&said));
+        assert_eq!(fs::read(&first).expect("reads"), before, "{arguments:?}");
+    }
+    assert_eq!(
+        fs::read(&other).expect("reads"),
+        fs::read(&calibration).expect("reads")
+    );
+    // A result may be replaced.
+    for _ in 0..2 {
+        done(&[&decouple[..], &["--out", &at("replaced.csv")]].concat());
     }
 }
 
@@ -115,7 +160,7 @@ fn neg_standard_output_that_takes_nothing_is_an_error_in_words() {
     let folder = Folder::new("full_output");
     let a = folder.file("a.csv");
     fs::write(&a, DECOUPLED).expect("writes");
-    let page = folder.file("page");
+    let page = folder.file("page.html");
     let mut asked = vec![
         vec!["simulate", "--print-plan"],
         vec!["compare", &a, &a, "--out", &page],

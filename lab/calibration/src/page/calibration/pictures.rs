@@ -258,7 +258,7 @@ const fn seen_in_motion(cause: Cause) -> &'static str {
             "stands still where the dashed curve, which the motion asks for, goes on: what is missing peaks in the difference, below"
         }
         Cause::DeadLimb => {
-            "shows nothing where the dashed curve, which the motion asks for, goes up and down"
+            "shows nothing, throughout or for a while, where the dashed curve, which the motion asks for, goes up and down"
         }
         Cause::SwappedChannels => {
             "is one of those that miss their dashed curve, which the motion asks for, and follow another's"
@@ -267,7 +267,7 @@ const fn seen_in_motion(cause: Cause) -> &'static str {
             "is the mirror image of the dashed curve, which the motion asks for"
         }
         Cause::MillivoltMixUp | Cause::WrongScaling | Cause::FadingSensitivity => {
-            "has the course of the dashed curve, which the motion asks for, and another size"
+            "has another size than the dashed curve, which the motion asks for"
         }
         Cause::DriftDuringRun => {
             "does not keep its zero: what the motion does not ask for, below, ends elsewhere than it begins"

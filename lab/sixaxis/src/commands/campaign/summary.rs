@@ -89,8 +89,11 @@ fn table(summary: &Summary) -> String {
         };
         let _ = writeln!(
             out,
-            "{} cases are missing, seeds {}{more}",
-            summary.missing,
+            "{} missing, seeds {}{more}",
+            match summary.missing {
+                1 => "1 case is".to_owned(),
+                missing => format!("{missing} cases are"),
+            },
             shown.join(", ")
         );
     }

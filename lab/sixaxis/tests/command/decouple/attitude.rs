@@ -164,6 +164,15 @@ fn ref_sensor_axes_stay_true_and_ground_axes_end_where_the_attitude_is_lost() {
         assert!(column[..given].iter().all(|a| a.is_finite()));
         assert!(column[given..].iter().all(|a| a.is_nan()));
     }
+    // No limb fails: the monitor sees as much, and the attitude is lost when it was; made of six limbs it is lost sooner.
+    let (watched, said) = decoupled("watched.parquet", &["--watch"]);
+    assert_eq!(said["attitude"]["unknown_from_s"].as_f64(), Some(lost_s));
+    let (ground, _) = columns(&watched, &ACCELERATIONS);
+    assert!(ground[0][..given].iter().all(|a| a.is_finite()));
+    assert!(ground[0][given..].iter().all(|a| a.is_nan()));
+    let (_, said) = decoupled("excluded.parquet", &["--excluded", "1,6,9"]);
+    let sooner_s = said["attitude"]["unknown_from_s"].as_f64();
+    assert!(sooner_s.is_some_and(|s| s < lost_s), "{sooner_s:?}");
     let (rates, _) = columns(&both, &["wx"]);
     assert!(rates[0].iter().all(|w| w.is_finite()));
     let (sensor, _) = columns(&both, &SENSOR_AXES);
@@ -377,7 +386,10 @@ fn prop_aids_that_say_nothing_are_refused() {
             "twice",
         ),
         (&["--smooth"], "--aid"),
-        (&["--until-sd", "5", "--watch"], "cannot be used with"),
+        (
+            &["--until-sd", "5", "--rest-to-rest"],
+            "cannot be used with",
+        ),
         (&["--until-sd", "0"], "must be positive"),
         (&["--frame", "sensor", "--picture", "p.html"], "leaves out"),
     ] {

@@ -79,24 +79,24 @@ impl Odd<'_> {
     /// Other gains: each channel is off by a step of an amplifier's range, or not at all.
     pub(in super::super) fn gains_of_other_ranges(&self) -> Option<Finding> {
         let shown = |i: &&usize| self.expected[**i].abs() > SHOWN * self.size;
-        let mut factors = [1.0; LIMBS];
+        let mut factors = [None; LIMBS];
         let mut judged = 0;
         for i in self.counts.iter().filter(shown) {
-            factors[*i] = ranges(self.seen[*i] / self.expected[*i])?;
+            factors[*i] = Some(ranges(self.seen[*i] / self.expected[*i])?);
             judged += 1;
         }
         let own = &self.case.trial.gains.gain_n_per_v;
         // Without what a quotient of decimal numbers leaves of rounding.
         let asked: [String; LIMBS] = core::array::from_fn(|i| {
-            let gain_n_per_v = (1e6 * own[i] / factors[i]).round() / 1e6;
-            gain_n_per_v.to_string()
+            let rounded = |factor: f64| (1e6 * own[i] / factor).round() / 1e6;
+            factors[i].map_or_else(|| "?".to_owned(), |factor| rounded(factor).to_string())
         });
         (judged >= FEWEST_RANGES).then(|| Finding {
             recordings: vec![self.case.trial.name.clone()],
             cause: Cause::WrongScaling,
             channels: Vec::new(),
             evidence: format!(
-                "each channel is off by a step of an amplifier's range or not at all: with gain_n_per_v = [{}] they agree with the other trials",
+                "each channel is off by a step of an amplifier's range or not at all: with gains of {} N/V (?: its signal does not tell) they agree with the other trials",
                 asked.join(", ")
             ),
             advice: OTHER_RANGES.to_owned(),
