@@ -251,7 +251,7 @@ impl ErrorModel {
         let mut angular = SMatrix::<f64, 3, PARAMETRIC>::zeros();
         let mut linear = SMatrix::<f64, 3, PARAMETRIC>::zeros();
         let rate = block.rate_shell_rad_s;
-        for limb in 0..LIMBS {
+        for (limb, [force, torque]) in self.wrench.into_iter().enumerate() {
             let shares = [
                 (
                     DRIFT.start + limb,
@@ -262,7 +262,6 @@ impl ErrorModel {
                     sensed[limb] / self.scale_per_mass_per_kg[limb],
                 ),
             ];
-            let [force, torque] = self.wrench[limb];
             for (place, share) in shares {
                 angular.set_column(place, &column(self.inverse * torque * share));
                 linear.set_column(place, &column(force * share));

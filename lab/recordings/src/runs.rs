@@ -3,6 +3,9 @@
 /// Samples that stand still for a channel to have failed, at least, and times its second longest run.
 const FEWEST: u64 = 64;
 const TIMES: u64 = 8;
+/// Part of the recording that it stands still for at either end, at least: a coarse converter may hold a channel there for as long as the
+/// sensor is at rest, and not the others.
+const AT_AN_END: u64 = 4;
 
 /// Consecutive samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -71,7 +74,10 @@ impl Runs {
         let run = self.longest;
         let outside = self.samples - run.samples;
         let moves = outside >= FEWEST && 2 * self.changes >= outside;
-        (moves && run.samples >= FEWEST && run.samples >= TIMES * self.second).then_some(run)
+        let at_an_end = run.first == 0 || run.first + run.samples == self.samples;
+        let long = !at_an_end || AT_AN_END * run.samples >= self.samples;
+        let failed = moves && long && run.samples >= FEWEST.max(TIMES * self.second);
+        failed.then_some(run)
     }
 
     /// Whether it moves meanwhile: at rest a coarse converter holds every channel.
@@ -134,6 +140,8 @@ mod tests {
     fn rests_of_all_channels_constants_and_coarse_converters_are_not() {
         let rest = day(|at, _| at < 300);
         assert!((0..9).all(|channel| stands_still(&rest, channel).is_none()));
+        let coarse_at_rest = day(|at, channel| channel == 4 && at < 200);
+        assert_eq!(stands_still(&coarse_at_rest, 4), None);
         let constant = day(|_, channel| channel == 4);
         assert_eq!(stands_still(&constant, 4), None);
         // Each value stands for ten samples: that it once does for twenty is nothing.

@@ -34,7 +34,7 @@ use crate::progress::Progress;
 pub struct Arguments {
     /// Calibration, as `sixaxis calibrate` writes it
     calibration: PathBuf,
-    /// Recording, any format that is read; - for rows of text on standard input, answered at once
+    /// Recording that begins at rest, any format that is read; - for rows of text on standard input, answered at once
     recording: PathBuf,
     /// File to write: .csv, .csv.gz, .parquet, .npz, .npy or .tdms; - for standard output [default: the recording's name with
     /// -decoupled.csv]

@@ -6,6 +6,9 @@ use crate::mistakes::rewritten;
 use crate::program::{code, done, run, stderr};
 use crate::self_calibrate::day;
 
+/// Samples per second of the day's trials.
+const RATE_HZ: f64 = 2000.0;
+
 #[test]
 fn neg_a_run_that_begins_or_ends_in_motion_is_told() {
     let (folder, _) = day();
@@ -52,6 +55,23 @@ fn neg_a_run_that_begins_or_ends_in_motion_is_told() {
     );
     let whole = said("whole.csv", rows, &["--rest-to-rest"]);
     assert!(!whole.contains("in motion"), "{whole}");
+    // Hum is no motion.
+    let humming: Vec<String> = (rows.iter().enumerate())
+        .map(|(at, row)| {
+            let hum_v = 0.5 * (0.3 + core::f64::consts::TAU * 50.0 * at as f64 / RATE_HZ).sin();
+            let cells = row
+                .split(',')
+                .enumerate()
+                .map(|(column, cell)| match column {
+                    0..9 => (cell.parse::<f64>().expect("a number") + hum_v).to_string(),
+                    _ => cell.to_owned(),
+                });
+            cells.collect::<Vec<_>>().join(",")
+        })
+        .collect();
+    let humming: Vec<&str> = humming.iter().map(String::as_str).collect();
+    let hums = said("hums.csv", &humming, &["--rest-to-rest"]);
+    assert!(!hums.contains("in motion"), "{hums}");
 }
 
 #[test]
