@@ -1,6 +1,6 @@
 //! Zero drifts and scale factors that a filter has corrected.
 
-use super::filter::Correction;
+use super::correction::Correction;
 use crate::geometry::LIMBS;
 use crate::model::Parameters;
 

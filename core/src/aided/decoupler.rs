@@ -8,8 +8,9 @@ use glam::DVec3;
 use super::aid::Aid;
 use super::block::{Block, Gathering};
 use super::channels::Channels;
+use super::correction::Correction;
 use super::deviations::Deviations;
-use super::filter::{Correction, ErrorFilter, FIRST_ORDER_RAD};
+use super::filter::{ErrorFilter, FIRST_ORDER_RAD};
 #[cfg(feature = "alloc")]
 use super::history::{Event, History};
 #[cfg(feature = "alloc")]

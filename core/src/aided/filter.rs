@@ -3,15 +3,16 @@
 use core::ops::Range;
 
 use glam::{DMat3, DVec3};
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SMatrix;
 
 use super::aid::Measurement;
 use super::bending::{self, BENT_BY, Bending};
 use super::block::Block;
+use super::correction::{Correction, Update};
 use super::deviations::{Deviations, TURN_RAD, accelerations, across};
 use super::model::{
     ATTITUDE, DYNAMIC, Dynamics, ERRORS, ErrorModel, PARAMETRIC, RATE, Transition, VELOCITY,
-    matrix, times, vector,
+    matrix, times,
 };
 use crate::decouple::uncertainty::{ChannelNoise, Covariance};
 use crate::error::{Error, Result};
@@ -37,40 +38,6 @@ const UNKNOWN_VELOCITY_M_S: f64 = 1e3;
 /// Covariance of the errors.
 pub type ErrorCovariance = SMatrix<f64, ERRORS, ERRORS>;
 
-/// What a measurement says of the errors, in the axes of [`Deviations`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Correction {
-    /// psi.
-    pub attitude_ground_rad: DVec3,
-    /// Of w*.
-    pub rate_shell_rad_s: DVec3,
-    /// Of the velocity.
-    pub velocity_ground_m_s: DVec3,
-    /// Of the zero drifts.
-    pub drift_v: [f64; LIMBS],
-    /// Of the scale factors.
-    pub scale_per_mass_per_kg: [f64; LIMBS],
-    /// Whether the measurement contradicts what was known.
-    pub contradicts: bool,
-}
-
-/// What a measurement does to the errors: those that it finds are taken off.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Update {
-    /// Place of the first of the three errors that it shows.
-    pub(super) place: usize,
-    pub(super) gain: SMatrix<f64, ERRORS, 3>,
-    /// Covariance of the measurement, as it counted.
-    pub(super) noise: SMatrix<f64, 3, 3>,
-    /// The errors found.
-    pub(super) found: SMatrix<f64, ERRORS, 1>,
-    /// What they have done in second order to those that have dynamics.
-    bent: SVector<f64, DYNAMIC>,
-    /// Those that are left about what was found, by those of first order.
-    pub(super) about: Dynamics,
-    contradicts: bool,
-}
-
 /// The covariance of errors that have dynamics by others.
 pub(super) fn change(covariance: &mut ErrorCovariance, by: &Dynamics) {
     let rows = times(by, &covariance.fixed_rows::<DYNAMIC>(0).into());
@@ -82,29 +49,6 @@ pub(super) fn change(covariance: &mut ErrorCovariance, by: &Dynamics) {
     covariance
         .fixed_columns_mut::<DYNAMIC>(0)
         .copy_from(&columns);
-}
-
-impl Correction {
-    pub(super) fn of(found: &SMatrix<f64, ERRORS, 1>, contradicts: bool) -> Self {
-        let three = |at: usize| vector(found.fixed_rows::<3>(at).into_owned());
-        Self {
-            attitude_ground_rad: three(ATTITUDE),
-            rate_shell_rad_s: three(RATE),
-            velocity_ground_m_s: three(VELOCITY),
-            drift_v: core::array::from_fn(|i| found[DYNAMIC + i]),
-            scale_per_mass_per_kg: core::array::from_fn(|i| found[DYNAMIC + SCALE.start + i]),
-            contradicts,
-        }
-    }
-}
-
-impl Update {
-    pub(super) fn correction(&self) -> Correction {
-        let mut found = self.found;
-        let mut dynamic = found.fixed_rows_mut::<DYNAMIC>(0);
-        dynamic += self.bent;
-        Correction::of(&found, self.contradicts)
-    }
 }
 
 /// An error-state Kalman filter without the errors themselves: they are taken off the decoupler as soon as they are known.

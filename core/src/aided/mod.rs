@@ -11,6 +11,7 @@
 //! | [`model`] | how errors of parameters, rate, attitude and velocity grow from one block to the next |
 //! | `deviations` | what that covariance says of attitude, rate and accelerations |
 //! | `bending` | what errors have done to attitude and velocity in second order |
+//! | [`correction`] | what a measurement does: errors found, and what they have bent |
 //! | [`filter`] | their covariance, and the gain of a measurement |
 //! | [`bound`] | what aids leave open at best, the sensor standing still |
 //! | [`aid`] | what a measurement is, and the one of a state at rest |
@@ -47,6 +48,7 @@ mod bending;
 pub mod block;
 pub mod bound;
 mod channels;
+pub mod correction;
 pub mod decoupler;
 mod deviations;
 pub mod filter;

@@ -32,8 +32,9 @@ use glam::{DQuat, DVec3};
 use nalgebra::{Cholesky, SMatrix, SVector};
 
 use super::channels::Channels;
+use super::correction::{Correction, Update};
 use super::deviations::{Deviations, across};
-use super::filter::{CORRECTED, Correction, ErrorCovariance, Update, change};
+use super::filter::{CORRECTED, ErrorCovariance, change};
 use super::history::{Event, History, Segment};
 use super::model::{ATTITUDE, DYNAMIC, Dynamics, ERRORS, PARAMETRIC, Transition, times};
 use crate::float::sqrt;

@@ -15,6 +15,7 @@
 //! | [`attitude`] | how well the attitude is known |
 //! | [`attitude_summary`] | what became of it |
 //! | [`columns`] | which columns are written, in which axes |
+//! | [`curves`] | the accelerations over time, for a picture |
 //! | [`decoding`] | voltages to rows of the answer |
 //! | [`ends`] | whether a recording begins, or a run from rest to rest ends, in motion |
 //! | [`mean_acceleration`] | whether the accelerations are those of a motion |
@@ -37,6 +38,7 @@ pub mod check_grade;
 pub mod columns;
 pub mod conditioning_stream;
 pub mod coordination;
+pub mod curves;
 pub mod decoding;
 pub mod ends;
 pub mod fault_watch;

@@ -5,13 +5,13 @@ use sixaxis_core::decouple::uncertainty::SampleUncertainty;
 use sixaxis_core::six_axis::SixAxisColumns;
 use sixaxis_core::{Decoupler, Error, LIMBS, Settings};
 use sixaxis_recordings::Block;
-use sixaxis_recordings::envelope::Envelope;
 
 use super::Row;
 use super::attitude::AttitudeStream;
 use super::attitude_summary::AttitudeSummary;
 use super::columns::{Columns, DEVIATIONS};
 use super::coordination::Coordination;
+use super::curves::Curves;
 use super::ends::Ends;
 use super::fault_watch::{FLAGS, FaultWatch};
 use super::mean_acceleration::MeanAcceleration;
@@ -48,48 +48,6 @@ pub struct Decoding {
     pub first_s: Option<f64>,
     /// What a picture of the six accelerations needs, if one is wanted.
     pub picture: Option<Box<Curves>>,
-}
-
-/// Six accelerations over time, for a picture, m/s^2 and rad/s^2.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Curves {
-    /// The answers.
-    pub accelerations: [Envelope; 6],
-    /// How well each is known, where deviations are written.
-    pub bands: Option<[Band; 6]>,
-}
-
-/// How well an acceleration is known over time.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Band {
-    /// One standard deviation below it and above it.
-    pub edges: [Envelope; 2],
-    /// One standard deviation.
-    pub deviation: Envelope,
-}
-
-impl Curves {
-    /// Takes the next rows: accelerations by themselves or with their deviations.
-    fn extend(&mut self, times_s: &[f64], accelerations: &[Vec<f64>], deviations: &[Vec<f64>]) {
-        for (envelope, column) in self.accelerations.iter_mut().zip(accelerations) {
-            for (time_s, value) in times_s.iter().zip(column) {
-                envelope.push(*time_s, *value);
-            }
-        }
-        if deviations.is_empty() {
-            return;
-        }
-        let bands = self.bands.get_or_insert_default();
-        let columns = accelerations.iter().zip(deviations);
-        for (band, (values, deviations)) in bands.iter_mut().zip(columns) {
-            for ((time_s, value), deviation) in times_s.iter().zip(values).zip(deviations) {
-                let [below, above] = &mut band.edges;
-                below.push(*time_s, value - deviation);
-                above.push(*time_s, value + deviation);
-                band.deviation.push(*time_s, *deviation);
-            }
-        }
-    }
 }
 
 impl Decoding {

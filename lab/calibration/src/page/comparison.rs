@@ -1,6 +1,6 @@
 //! Decoupled motions as a page: by themselves, or beside the truth.
 
-use crate::apply::decoding::{Band, Curves};
+use crate::apply::curves::{Band, Curves};
 use crate::compare::measure::{Axis as Measured, Comparison, Quantity, to_a_millionth};
 use sixaxis_page::figure::NEUTRAL;
 use sixaxis_page::number::{MISSING, count, significant};
