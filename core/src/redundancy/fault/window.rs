@@ -25,7 +25,8 @@ pub(super) struct Window {
 }
 
 impl Window {
-    /// Of some samples: whitened rows and strains.
+    /// Of some samples: whitened rows and strains. By itself, its loops would be laid out for any number of them.
+    #[inline(always)]
     pub fn of(samples: &[([f64; ROWS], [f64; LIMBS])]) -> Self {
         let mut window = Self::default();
         for (z, _) in samples {
