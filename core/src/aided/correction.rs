@@ -7,7 +7,7 @@ use super::model::{ATTITUDE, DYNAMIC, Dynamics, ERRORS, RATE, VELOCITY, vector};
 use crate::geometry::LIMBS;
 use crate::parameter::SCALE;
 
-/// What a measurement says of the errors, in the axes of [`Deviations`].
+/// What a measurement says of the errors, in the axes of [`super::Deviations`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Correction {
     /// psi.
