@@ -30,7 +30,7 @@ use crate::calibration::Calibration;
 use crate::conditioning::Conditioned;
 use crate::diagnosis::table::Table;
 use crate::diagnosis::trial_case::{Facts, Standard};
-use crate::diagnosis::{Diagnosis, examine, zero};
+use crate::diagnosis::{Diagnosis, examine, rig, zero};
 use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::finding::{Cause, Finding, in_a_sentence};
@@ -206,10 +206,12 @@ pub fn calibrate(
         chosen => JudgedBy::FourSteps(chosen.as_ref().map(|c| &c.estimate.steps)),
     };
     if findings.is_empty() {
-        findings = failures(session, &trials, judged_by);
-        findings
-            .iter_mut()
-            .for_each(|finding| explain(finding, &of_validation));
+        let gyroscope = rig::gyroscope_reads(&facts(session, &prepared), &cases);
+        findings = failures(session, &trials, judged_by, gyroscope);
+        findings.iter_mut().for_each(|finding| {
+            explain(finding, &of_validation);
+            validation::explain_cut(finding, &prepared);
+        });
     }
     if let Some(chosen) = &chosen {
         if findings.is_empty() {
@@ -221,7 +223,7 @@ pub fn calibrate(
     let parameters = chosen.as_ref().map_or(&[][..], |chosen| &chosen.parameters);
     let mut reservations =
         reservations(&prepared.campaign, session, parameters, &trials, judged_by);
-    reservations.extend(prepared.reservations.iter().cloned());
+    reservations.extend(prepared.reservations());
     let clocks = findings.iter().any(|f| f.cause == Cause::ClockMismatch);
     reservations.extend(misstated_drives(&trials).filter(|_| !clocks));
     if let Some(chosen) = &chosen {

@@ -13,6 +13,8 @@ pub const COORDINATION_LIMIT: f64 = 0.1;
 const BEYOND_DOUBT: f64 = 2.0;
 /// Standard errors by which the gyroscope's gain must leave its class to be called wrong.
 const GAIN_SIGNIFICANT: f64 = 5.0;
+/// Tolerance of the rig's rotation, relative: a workshop's.
+const BY_RIG: f64 = 3e-3;
 /// Trials of a step from which leaving one out proves something.
 const TRIALS_WANTED: usize = 6;
 
@@ -62,11 +64,13 @@ pub(crate) enum JudgedBy<'a> {
     FourSteps(Option<&'a FourSteps>),
 }
 
-/// Evidence that fails so badly that no reservation will do.
+/// Evidence that fails so badly that no reservation will do. By the rig's rotation the gyroscope reads so many times what it should, if the
+/// session states one.
 pub(crate) fn failures(
     session: &Session,
     reports: &[TrialReport],
     judged_by: JudgedBy<'_>,
+    gyroscope_by_rig: Option<f64>,
 ) -> Vec<Finding> {
     let steps = match judged_by {
         JudgedBy::Joint => None,
@@ -110,15 +114,31 @@ pub(crate) fn failures(
     if let Some((gain, error)) = steps.and_then(|steps| steps.gyroscope_gain_seen)
         && (gain - 1.0).abs() > gyroscope_class + GAIN_SIGNIFICANT * error
     {
+        let by_euler = format!(
+            "by Euler's equation the true rate is {gain:.3} ± {error:.3} times the gyroscope's reading, beyond its class of {:.1} %",
+            100.0 * gyroscope_class
+        );
+        let certified = |reads: &f64| (reads - 1.0).abs() <= gyroscope_class + BY_RIG;
+        let (cause, evidence, advice) = match gyroscope_by_rig.filter(certified) {
+            None => (
+                Cause::WrongScaling,
+                by_euler,
+                "check unit and sensitivity of the gyroscope against its certificate",
+            ),
+            Some(reads) => (
+                Cause::Unexplained,
+                format!(
+                    "{by_euler}, and by the rig's rotation it reads {reads:.3} times what it should: linear and angular trials do not go together"
+                ),
+                "see whether a channel's gain, plug or sensitivity changed between the linear and the angular trials",
+            ),
+        };
         failures.push(Finding {
-            cause: Cause::WrongScaling,
+            cause,
             recordings: Vec::new(),
             channels: Vec::new(),
-            evidence: format!(
-                "by Euler's equation the true rate is {gain:.3} ± {error:.3} times the gyroscope's reading, beyond its class of {:.1} %",
-                100.0 * gyroscope_class
-            ),
-            advice: "check unit and sensitivity of the gyroscope against its certificate".to_owned(),
+            evidence,
+            advice: advice.to_owned(),
         });
     }
     failures

@@ -16,6 +16,7 @@ mod limbs;
 pub mod misfit;
 pub mod nuisances;
 pub mod reports;
+mod sensitivities;
 
 use misfit::Misfit;
 use nalgebra::SMatrix;
@@ -126,6 +127,8 @@ impl Knowledge {
 pub struct JointReport {
     /// The fit.
     pub estimate: JointEstimate,
+    /// Names of its trials' recordings, in order.
+    pub recordings: Vec<String>,
     /// What is known of the accelerometer's gain.
     pub gain: BoundedGain,
     /// The 25: d, V; s/m, 1/kg; I/m, m^2; 1/(k/m), s^2.
@@ -141,9 +144,13 @@ pub struct JointReport {
 }
 
 impl JointReport {
-    /// What the fit comes to.
+    /// What the fit to these recordings comes to.
     #[must_use]
-    pub fn new(estimate: JointEstimate, accelerometer_gain_limit: f64) -> Self {
+    pub fn new(
+        estimate: JointEstimate,
+        recordings: Vec<String>,
+        accelerometer_gain_limit: f64,
+    ) -> Self {
         let misfit = Misfit::of(&estimate);
         let wider = misfit.wider();
         let gain = BoundedGain {
@@ -166,6 +173,7 @@ impl JointReport {
             gain,
             misfit,
             estimate,
+            recordings,
         }
     }
 
@@ -314,8 +322,10 @@ pub(crate) fn fit_trials(
         }
     }
     .map_err(refuse)?;
+    let recordings = records.iter().map(|(name, _)| (*name).to_owned()).collect();
     Ok(JointReport::new(
         estimate,
+        recordings,
         knowledge.accelerometer_gain_limit,
     ))
 }

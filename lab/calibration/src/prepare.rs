@@ -3,6 +3,7 @@
 //! A recording that cannot be used is a finding, not an error: the rest can still be calibrated with.
 
 use std::io::ErrorKind;
+use std::path::Path;
 
 use rayon::prelude::*;
 use sixaxis_core::{Geometry, Parameters};
@@ -36,8 +37,8 @@ pub struct PreparedSession {
     pub conditioning: Conditioning,
     /// Recordings that cannot be used, those of one cause together.
     pub findings: Vec<Finding>,
-    /// Recordings that can be used and are not whole.
-    pub reservations: Vec<String>,
+    /// How files end that break off, each with its recordings.
+    pub broken_off: Vec<(String, Vec<String>)>,
 }
 
 impl PreparedSession {
@@ -75,9 +76,10 @@ impl PreparedSession {
                 }
                 Err(error) => {
                     let name = entry.file.display().to_string();
-                    let advice = advice(&error, &name);
+                    let path = file.resolve(&entry.file);
+                    let advice = advice(&error, &path);
                     let error = error.to_string();
-                    let path = file.resolve(&entry.file).display().to_string();
+                    let path = path.display().to_string();
                     // The finding names the recording; without it, one cause is one sentence.
                     let cause = error.strip_prefix(&path).unwrap_or(&error);
                     let cause = cause.trim_start_matches([':', ',', ' ']);
@@ -91,11 +93,7 @@ impl PreparedSession {
         let mut prepared = Self::of(&file.session, trials, progress);
         findings.append(&mut prepared.findings);
         prepared.findings = findings;
-        let cut_short = cuts.iter().map(|(cut, names)| {
-            let names = in_a_sentence(names).unwrap_or_default();
-            format!("{names}: {cut}; record it again, or see that nothing of the trial is missing")
-        });
-        prepared.reservations.extend(cut_short);
+        prepared.broken_off = cuts;
         Ok(prepared)
     }
 
@@ -170,8 +168,18 @@ impl PreparedSession {
             taps,
             conditioning,
             findings,
-            reservations: Vec::new(),
+            broken_off: Vec::new(),
         }
+    }
+}
+
+impl PreparedSession {
+    /// What recordings that can be used and are not whole leave to be desired.
+    pub(crate) fn reservations(&self) -> impl Iterator<Item = String> {
+        self.broken_off.iter().map(|(cut, names)| {
+            let names = in_a_sentence(names).unwrap_or_default();
+            format!("{names}: {cut}; record it again, or see that nothing of the trial is missing")
+        })
     }
 }
 
@@ -322,18 +330,23 @@ fn for_role(conditioning: &Conditioning, role: Role) -> Conditioning {
 const MEND: &str = "mend or replace the recording; `sixaxis inspect` shows what is in it";
 
 /// What to do about one that was refused so.
-fn advice(error: &Error, name: &str) -> &'static str {
+fn advice(error: &Error, recording: &Path) -> &'static str {
     use sixaxis_recordings::Error as Refusal;
     match error {
-        Error::Recording(Refusal::Io { source, .. }) if source.kind() == ErrorKind::NotFound => {
-            if name.contains('\\') {
-                "write / between the folders of `file` in the session"
+        Error::Recording(Refusal::Io { path, source }) if source.kind() == ErrorKind::NotFound => {
+            if path.to_string_lossy().contains('\\') {
+                "write / between the folders of the session's files"
+            } else if path != recording {
+                "correct `reference_file` in the session, which is relative to the session file, or put the recording of the standards there"
             } else {
                 "correct `file` in the session, which is relative to the session file, or put the recording there"
             }
         }
         Error::Recording(Refusal::NoSuchChannel { .. }) => {
             "correct the names in the session's [channels], or give the recording its own"
+        }
+        Error::Recording(Refusal::UnitContradicted { .. }) => {
+            "take the unit out of the session's [channels] where the files state theirs, or mend the file's heading if that is wrong"
         }
         Error::Recording(Refusal::Unit { .. }) => {
             "see that each name in the session's [channels] is that of its channel, accelerometer and gyroscope above all, and state the unit there if the file has none"

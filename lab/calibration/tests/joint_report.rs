@@ -87,6 +87,7 @@ fn quiet() -> TrialEstimate {
     };
     TrialEstimate {
         wedge: 0,
+        excess: 0.0,
         zero_v: [still(1e-4); LIMBS],
         sensitivity: [still(1e-4); LIMBS],
         centre_m: Some([still(1e-6); 2]),
@@ -123,7 +124,7 @@ fn close(what: &str, ours: f64, expected: f64, tolerance: f64) {
 
 #[test]
 fn inv_noise_and_gain_make_the_deviations() {
-    let report = JointReport::new(estimate(), LIMIT);
+    let report = report_of(estimate());
     let (noise, gain) = (report.noise_covariance(), report.gain_covariance());
     for a in 0..PARAMETERS {
         let together = noise[(a, a)] + gain[(a, a)];
@@ -167,18 +168,15 @@ fn inv_noise_and_gain_make_the_deviations() {
 /// square of five. Among two hundred degrees of freedom they contradict; among twenty thousand they are noise.
 #[test]
 fn inv_a_contradiction_widens_all_but_a_compliance_from_elsewhere() {
-    let own = JointReport::new(estimate(), LIMIT).noise_covariance();
+    let own = report_of(estimate()).noise_covariance();
     for (degrees, wider) in [(200, 5.0), (DEGREES, 1.0)] {
         for compliance_from_elsewhere in [false, true] {
-            let wide = JointReport::new(
-                JointEstimate {
-                    squares: (12 * 15 + degrees) as f64,
-                    degrees_of_freedom: degrees,
-                    compliance_from_elsewhere,
-                    ..estimate()
-                },
-                LIMIT,
-            );
+            let wide = report_of(JointEstimate {
+                squares: (12 * 15 + degrees) as f64,
+                degrees_of_freedom: degrees,
+                compliance_from_elsewhere,
+                ..estimate()
+            });
             assert_eq!(wide.misfit.contradicts(), wider > 1.0);
             let given = |p: usize| compliance_from_elsewhere && p == PARAMETERS - 1;
             let width = |p: usize| if given(p) { 1.0 } else { wider };
@@ -199,16 +197,13 @@ fn inv_trials_tell_the_gain_where_they_narrow_its_certificate() {
     let spread = LIMIT / 3.0_f64.sqrt();
     let told = |share: f64, wider: f64| {
         let squares = (wider * wider - 1.0) / 2.0 * 15.0 + 200.0;
-        let report = JointReport::new(
-            JointEstimate {
-                accelerometer_gain_seen: 0.2 * LIMIT,
-                accelerometer_gain_information: (wider / (share * spread)).powi(2),
-                squares,
-                degrees_of_freedom: 200,
-                ..estimate()
-            },
-            LIMIT,
-        );
+        let report = report_of(JointEstimate {
+            accelerometer_gain_seen: 0.2 * LIMIT,
+            accelerometer_gain_information: (wider / (share * spread)).powi(2),
+            squares,
+            degrees_of_freedom: 200,
+            ..estimate()
+        });
         (report.gain_is_told(), report)
     };
     for wider in [1.0, 5.0] {
@@ -223,14 +218,14 @@ fn inv_trials_tell_the_gain_where_they_narrow_its_certificate() {
         );
         assert!(!told(0.6, wider).0);
     }
-    let report = JointReport::new(estimate(), LIMIT);
+    let report = report_of(estimate());
     assert!(!report.gain_is_told());
     close("even spread", report.gain.deviation(), spread, QUADRATURE);
 }
 
 #[test]
 fn inv_reports_carry_noise_and_certificate() {
-    let report = JointReport::new(estimate(), LIMIT);
+    let report = report_of(estimate());
     let ours = report.parameter_reports(&four_steps());
     assert_eq!(ours.len(), PARAMETERS);
     // Of the static record both estimators know the same.
@@ -270,7 +265,7 @@ fn inv_reports_carry_noise_and_certificate() {
     let mut vague = estimate();
     vague.covariance *= 1e6;
     vague.covariance[(COMPLIANCE, COMPLIANCE)] *= 1e-6;
-    let ours = JointReport::new(vague, LIMIT).parameter_reports(&four_steps());
+    let ours = report_of(vague).parameter_reports(&four_steps());
     for (p, own) in ours.iter().enumerate() {
         assert_eq!(
             own.determined,
@@ -285,7 +280,7 @@ fn inv_a_compliance_that_is_open_leaves_the_design() {
         let mut fit = estimate();
         let place = (COMPLIANCE, COMPLIANCE);
         fit.covariance[place] = (share * fit.unknowns.values[COMPLIANCE]).powi(2);
-        JointReport::new(fit, LIMIT)
+        report_of(fit)
     };
     assert!(with(0.09).compliance_is_determined);
     close(
@@ -315,7 +310,7 @@ fn inv_a_compliance_that_is_open_leaves_the_design() {
     }
     let mut negative = estimate();
     negative.unknowns.values[COMPLIANCE] *= -1.0;
-    assert!(!JointReport::new(negative, LIMIT).compliance_is_determined);
+    assert!(!report_of(negative).compliance_is_determined);
 }
 
 #[test]
@@ -328,7 +323,7 @@ fn inv_instruments_are_told_in_their_own_units() {
     fit.unknowns.values[angle] = 0.0;
     let lag = (GYROSCOPE_LAG, GYROSCOPE_LAG);
     fit.covariance[lag] = 0.0;
-    let found = JointReport::new(fit, LIMIT).nuisances();
+    let found = report_of(fit).nuisances();
     close(
         "accelerometer",
         found.accelerometer_gain.value,
@@ -358,6 +353,13 @@ fn inv_instruments_are_told_in_their_own_units() {
     );
 }
 
+/// What a fit to recordings a, b, c and so on comes to.
+fn report_of(fit: JointEstimate) -> JointReport {
+    let names = ('a'..='z').take(fit.trials.len()).map(String::from);
+    let names = names.collect();
+    JointReport::new(fit, names, LIMIT)
+}
+
 /// Cause, recordings and channels of a finding.
 type Short = (Cause, Vec<String>, Vec<usize>);
 
@@ -366,9 +368,9 @@ fn found(change: impl FnOnce(&mut JointEstimate)) -> Option<Vec<Short>> {
     let mut fit = estimate();
     fit.unknowns.values.rows_mut(WEDGES, ANGLES).fill(0.0);
     change(&mut fit);
-    let report = JointReport::new(fit, LIMIT);
+    let report = report_of(fit);
     report.accounts().then(|| {
-        let findings = report.extraordinary(&["a", "b", "c"], 10.0, LIMIT, None);
+        let findings = report.extraordinary(10.0, LIMIT, None);
         let short = findings.into_iter();
         short.map(|f| (f.cause, f.recordings, f.channels)).collect()
     })
@@ -444,6 +446,50 @@ fn inv_what_is_out_of_the_ordinary_is_named_by_the_unknown_that_took_it_up() {
         first(&|fit| fit.unknowns.values[GYROSCOPE_GAIN] = 0.03),
         (Cause::WrongScaling, vec![], vec![])
     );
+}
+
+#[test]
+fn inv_one_channel_that_steps_is_named_and_several_are_not() {
+    // Eight trials, of which these channels show so much more from the fifth on.
+    let stepped = |channels: &'static [usize], by: f64| {
+        move |fit: &mut JointEstimate| {
+            fit.trials = vec![quiet(); 8];
+            for trial in &mut fit.trials[4..] {
+                channels
+                    .iter()
+                    .for_each(|limb| trial.sensitivity[*limb].value = by);
+            }
+        }
+    };
+    for by in [0.015, -0.1] {
+        let mut fit = estimate();
+        fit.unknowns.values.rows_mut(WEDGES, ANGLES).fill(0.0);
+        stepped(&[4], by)(&mut fit);
+        let report = report_of(fit);
+        assert!(report.accounts(), "{by}");
+        let found = report.extraordinary(10.0, LIMIT, None);
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert_eq!(
+            (found[0].cause, &found[0].channels[..]),
+            (Cause::FadingSensitivity, &[5][..])
+        );
+        assert!(found[0].evidence.contains("before e"), "{found:?}");
+    }
+    // Less than an ordinary room's is nothing; plugs that are exchanged, and a gain's step, are no sensor's doing.
+    assert_eq!(found(stepped(&[4], 0.005)), Some(Vec::new()));
+    assert_eq!(found(stepped(&[4, 7], 0.1)), None);
+    assert_eq!(found(stepped(&[4], 1.0)), None);
+}
+
+#[test]
+fn inv_the_trial_that_leaves_most_over_is_named() {
+    let mut fit = estimate();
+    fit.trials[1].excess = 300.0;
+    fit.trials[0].excess = -50.0;
+    fit.trials[2].excess = 200.0;
+    assert_eq!(report_of(fit.clone()).most_of_the_misfit(), Some("b"));
+    fit.trials[0].excess = 150.0;
+    assert_eq!(report_of(fit).most_of_the_misfit(), None);
 }
 
 #[test]

@@ -46,7 +46,7 @@ pub enum Error {
     },
     /// Its name says nothing that is known, nor do its first bytes.
     #[error(
-        "{}: unknown kind of file; known are .csv, .txt, .tsv (also .gz), .tdms, .parquet, .npy, .npz, .h5 and .mat",
+        "{}: unknown kind of file; known are .csv, .txt, .tsv, .dat, .lvm (also .gz), .tdms, .parquet, .npy, .npz, .h5, .hdf5 and .mat, the binary ones by how they begin",
         path.display()
     )]
     UnknownFormat {
@@ -114,6 +114,20 @@ pub enum Error {
         channel: String,
         /// What is wrong, and what would be right.
         cause: String,
+    },
+    /// A channel in one unit by its file and in another by what was stated.
+    #[error(
+        "{file}: channel {channel:?}: the file says {own:?}, and stated is {stated:?} (in [channels], or by --unit)"
+    )]
+    UnitContradicted {
+        /// The recording.
+        file: String,
+        /// The channel.
+        channel: String,
+        /// The file's unit.
+        own: String,
+        /// The other one.
+        stated: String,
     },
     /// A sample that nothing can be computed from: a value that is not finite, a time stamp that is no clock's.
     #[error(

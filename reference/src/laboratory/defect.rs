@@ -134,7 +134,7 @@ kinds! {
     TurnedFlange "turned_flange" "deg" 1e-3..90.0 true Everywhere
         "Angle by which the sensor is turned on its flange on all wedges: dowel pins, up to the next bolt hole but one."
     CentreOffset "centre_offset" "mm" 1e-3..10.0 false Everywhere
-        "Distance of the sensor's centre from the pinion's axis: a dial gauge's, up to one that nobody looked for."
+        "From a point of the pinion's axis to the sensor's centre, in a direction drawn at random: a dial gauge's error, up to one that nobody looked for."
     ConnectingRod "connecting_rod" "crank/rod" 1e-3..0.5 false Everywhere
         "Crank over connecting rod: far longer than any rig's, up to a rod of two cranks."
     WrongLimbLength "wrong_limb_length" "ln" 1e-4..0.3 true Everywhere
@@ -172,7 +172,7 @@ kinds! {
     Hysteresis "hysteresis" "share" 1e-5..0.2 false Everywhere
         "Share of every channel that lags as friction does, with a play of half the trial's largest force: quartz, up to soft ceramics."
     MainsHum "mains_hum" "V" 1e-5..1.0 false Everywhere
-        "Amplitude of 50 Hz on all channels: a sixth of a converter's step, up to a tenth of its range."
+        "Amplitude of 50 Hz on all channels: a thirtieth of a 16-bit converter's step, up to a tenth of its range."
 }
 
 impl Kind {

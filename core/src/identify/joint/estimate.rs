@@ -17,6 +17,8 @@ use crate::model::Parameters;
 pub struct TrialEstimate {
     /// Its wedge.
     pub wedge: usize,
+    /// Squares of its residuals, each over its noise, that are left more than noise leaves: residuals less unknowns of its own.
+    pub excess: f64,
     /// Zeros against those of the static record, V.
     pub zero_v: [Known; LIMBS],
     /// Sensitivities against the usual ones, relative.

@@ -354,21 +354,11 @@ fn finish(at: &Point, campaign: &Campaign<'_>, iterations: usize) -> Result<Join
     let own = trials
         .iter()
         .zip(&normal.contributions)
-        .map(|(trial, part)| trial.estimate(&part.own_variances(&full)))
+        .map(|(trial, part)| trial.estimate(&part.own_variances(&full), part.squares))
         .collect();
-    let measured: usize = trials
-        .iter()
-        .map(|t| {
-            let known = t.own.iter().filter(|own| own.deviation.is_finite());
-            10 * t.grid.coordinates() - 1 + known.count()
-        })
-        .sum::<usize>()
+    let measured: usize = trials.iter().map(Trial::measured).sum::<usize>()
         + priors.iter().filter(|p| p.1.deviation > 0.0).count();
-    let fitted: usize = normal.free.len()
-        + trials
-            .iter()
-            .map(|t| t.latent.len() + t.own.len())
-            .sum::<usize>();
+    let fitted: usize = normal.free.len() + trials.iter().map(Trial::fitted).sum::<usize>();
     Ok(JointEstimate {
         compliance_from_elsewhere: priors.iter().any(|p| p.0 == COMPLIANCE),
         by_accelerometer_gain: normal.whole(&by_gain),

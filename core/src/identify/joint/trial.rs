@@ -95,8 +95,19 @@ impl Trial {
         self.own.iter().position(|own| own.kind == kind)
     }
 
-    /// What became of the own unknowns, of which these are the variances.
-    pub fn estimate(&self, variances: &[f64]) -> TrialEstimate {
+    /// What is measured of it: nine channels and the standard, and what is known of its own unknowns beforehand.
+    pub fn measured(&self) -> usize {
+        let known = self.own.iter().filter(|own| own.deviation.is_finite());
+        10 * self.grid.coordinates() - 1 + known.count()
+    }
+
+    /// What is fitted to that alone.
+    pub fn fitted(&self) -> usize {
+        self.latent.len() + self.own.len()
+    }
+
+    /// What became of the own unknowns, of which these are the variances, with such squares left.
+    pub fn estimate(&self, variances: &[f64], squares: f64) -> TrialEstimate {
         let known = |kind| {
             self.own_place(kind).map(|at| Known {
                 value: self.own[at].value,
@@ -110,6 +121,7 @@ impl Trial {
         let pair = |[a, b]: [Option<Known>; 2]| Some([a?, b?]);
         TrialEstimate {
             wedge: self.wedge,
+            excess: squares - self.measured().saturating_sub(self.fitted()) as f64,
             zero_v: core::array::from_fn(|limb| known(Kind::Zero(limb)).unwrap_or(held)),
             sensitivity: core::array::from_fn(|limb| {
                 known(Kind::Sensitivity(limb)).unwrap_or(held)

@@ -13,6 +13,7 @@ use crate::conditioning::Conditioned;
 use crate::diagnosis::trial_case::angles;
 use crate::finding::{Cause, Finding};
 use crate::grade::worst;
+use crate::prepare::PreparedSession;
 use crate::report::{TrialReport, ValidationRun};
 use crate::steps::Campaign;
 use crate::trial::Trial;
@@ -20,6 +21,9 @@ use sixaxis_recordings::session::Role;
 
 /// Share of the largest peak that an axis is measured by at least.
 const FLOOR: f64 = 0.1;
+/// Time at either end of a run, s, over which a rest shows, and the share of the gyroscope's peak that it reads in none.
+const END_S: f64 = 0.01;
+const TURNS: f64 = 0.1;
 
 /// Decouples the validation runs and holds them against the standards.
 pub(super) fn validate(
@@ -51,6 +55,48 @@ pub(super) fn validate(
         }
     }
     validation_runs
+}
+
+/// A run that fails and is not whole: what is compared is decoupled as one from rest to rest.
+pub(super) fn explain_cut(failure: &mut Finding, prepared: &PreparedSession) {
+    let [name] = &failure.recordings[..] else {
+        return;
+    };
+    let mut runs = prepared.campaign.of(Role::Validation);
+    let Some((trial, _)) = runs.find(|(trial, _)| trial.name == *name) else {
+        return;
+    };
+    let mut broken_off = prepared.broken_off.iter();
+    let broken_off = broken_off.find(|(_, names)| names.contains(name));
+    let how = match broken_off {
+        Some((how, _)) => Some(how.clone()),
+        None => turns_at_an_end(trial),
+    };
+    if let Some(how) = how {
+        failure.cause = Cause::Unreadable;
+        failure.evidence = format!("{}; {how}", failure.evidence);
+        failure.advice = "record the run whole, from rest to rest".to_owned();
+    }
+}
+
+/// That the gyroscope turns at the first or the last samples of a run.
+fn turns_at_an_end(trial: &Trial) -> Option<String> {
+    let rate = &trial.gyroscope_rad_s;
+    let mean = rate.iter().sum::<f64>() / rate.len().max(1) as f64;
+    let peak = rate.iter().fold(0.0_f64, |peak, r| peak.max(r.abs()));
+    let samples = ((END_S * trial.sample_rate_hz) as usize).clamp(1, rate.len().max(1));
+    let ends = [
+        ("begins", &rate[..samples.min(rate.len())]),
+        ("ends", &rate[rate.len().saturating_sub(samples)..]),
+    ];
+    ends.into_iter().find_map(|(which, end)| {
+        let at_end = end.iter().sum::<f64>() / end.len().max(1) as f64;
+        (at_end.abs().min((at_end - mean).abs()) > TURNS * peak).then(|| {
+            format!(
+                "it {which} in motion, where the gyroscope reads {at_end:.2} rad/s: it is not whole"
+            )
+        })
+    })
 }
 
 fn compare(

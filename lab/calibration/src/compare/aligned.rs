@@ -9,6 +9,17 @@ const RATIO_TOLERANCE: f64 = 1e-6;
 /// Distance of the samples of one motion from those of the other, in samples of the faster, that is put down to rounding.
 const PHASE_TOLERANCE: f64 = 0.01;
 
+/// Instants that were gone through.
+#[derive(Debug, Clone, Copy)]
+pub struct Passed {
+    /// Common ones.
+    pub count: u64,
+    /// Those where the attitude of one of the two is not known, which are passed over.
+    pub unknown: u64,
+    /// Those of the result, and of the truth, after the other's last.
+    pub beyond: [u64; 2],
+}
+
 /// A result beside its truth.
 pub struct Aligned {
     result: Track,
@@ -86,19 +97,20 @@ impl Aligned {
         self.result.has(columns.clone()) && self.truth.has(columns)
     }
 
-    /// Goes through all common instants from the first: time, result, truth. Returns their number, and that of instants where the attitude
-    /// of one of the two is not known, which are passed over.
+    /// Goes through all common instants from the first: time, result, truth.
     ///
     /// # Errors
     /// Those of reading; no instant at all.
-    pub fn each(&mut self, mut see: impl FnMut(f64, &Motion, &Motion)) -> Result<[u64; 2]> {
+    pub fn each(&mut self, mut see: impl FnMut(f64, &Motion, &Motion)) -> Result<Passed> {
         self.result.rewind()?;
         self.truth.rewind()?;
         let (mut count, mut unknown) = (0, 0);
         let mut skip = self.first;
-        while let (Some(result), Some(truth)) =
-            (self.result.next(skip[0])?, self.truth.next(skip[1])?)
-        {
+        let only = loop {
+            let both = (self.result.next(skip[0])?, self.truth.next(skip[1])?);
+            let (Some(result), Some(truth)) = both else {
+                break [both.0.is_some(), both.1.is_some()];
+            };
             let time_s = self.start_s + (count + unknown) as f64 / self.rate_hz;
             if is_unknown(&result) || is_unknown(&truth) {
                 unknown += 1;
@@ -107,6 +119,13 @@ impl Aligned {
                 count += 1;
             }
             skip = self.skip;
+        };
+        let mut beyond = only.map(u64::from);
+        while only[0] && self.result.next(self.skip[0])?.is_some() {
+            beyond[0] += 1;
+        }
+        while only[1] && self.truth.next(self.skip[1])?.is_some() {
+            beyond[1] += 1;
         }
         ensure!(
             count > 0 || unknown == 0,
@@ -123,6 +142,10 @@ impl Aligned {
                 self.truth.start_s
             );
         }
-        Ok([count, unknown])
+        Ok(Passed {
+            count,
+            unknown,
+            beyond,
+        })
     }
 }

@@ -4,7 +4,7 @@ use anyhow::Result;
 use glam::DQuat;
 use serde::Serialize;
 
-use super::aligned::Aligned;
+use super::aligned::{Aligned, Passed};
 use super::quantile::Coarse;
 use super::track::{ACCELERATIONS, Motion};
 use sixaxis_recordings::envelope::Envelope;
@@ -93,6 +93,8 @@ pub struct Comparison {
     pub instants: u64,
     /// Further ones that are left out, since the attitude is not known there: all ground axes are NaN.
     pub unknown_instants: u64,
+    /// Further ones of the result, and of the truth, after the other's last.
+    pub beyond_instants: [u64; 2],
     /// The first of them, s.
     pub start_s: f64,
     /// Common instants per second.
@@ -117,6 +119,18 @@ impl Comparison {
                 written(unknown)
             ),
         }
+    }
+
+    /// That one of the two goes on for more than a hundredth of what they have in common.
+    #[must_use]
+    pub fn of_unequal_length(&self) -> Option<String> {
+        let common = self.instants + self.unknown_instants;
+        let files = [&self.result, &self.truth];
+        let longer = files.into_iter().zip(self.beyond_instants);
+        let (name, beyond) = longer.max_by_key(|(_, beyond)| *beyond)?;
+        (100 * beyond > common).then(|| {
+            format!("{name} goes on for {beyond} more instants after the other's end: see that both are of one run")
+        })
     }
 }
 
@@ -164,7 +178,11 @@ pub fn compare(aligned: &mut Aligned, result: String, truth: String) -> Result<C
     let attitude = aligned.has(ATTITUDE..ATTITUDE + 4);
     let mut all: Vec<Sums> = (0..axes).map(|_| Sums::default()).collect();
     let mut turned = 0.0_f64;
-    let [instants, unknown_instants] = aligned.each(|time_s, result, truth| {
+    let Passed {
+        count: instants,
+        unknown: unknown_instants,
+        beyond: beyond_instants,
+    } = aligned.each(|time_s, result, truth| {
         for (axis, sums) in all.iter_mut().enumerate() {
             let (r, t) = (result[axis], truth[axis]);
             let error = r - t;
@@ -222,6 +240,7 @@ pub fn compare(aligned: &mut Aligned, result: String, truth: String) -> Result<C
         truth,
         instants,
         unknown_instants,
+        beyond_instants,
         start_s: aligned.start_s,
         rate_hz: aligned.rate_hz,
         axes: measured,

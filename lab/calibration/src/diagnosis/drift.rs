@@ -35,7 +35,13 @@ const HIGH: f64 = 20.0;
 
 /// Looks at the course of the static record.
 pub fn examine_static(rest: &Trial, findings: &mut Vec<Finding>) {
-    let bumps = (0..LIMBS).filter_map(|channel| Some((channel, bump(rest, channel)?)));
+    let dead: [bool; LIMBS] = core::array::from_fn(|channel| {
+        findings.iter().any(|finding| {
+            finding.cause == Cause::DeadLimb && finding.concerns(&rest.name, channel + 1)
+        })
+    });
+    let alive = (0..LIMBS).filter(|channel| !dead[*channel]);
+    let bumps = alive.filter_map(|channel| Some((channel, bump(rest, channel)?)));
     let bumps: Vec<(usize, Bump)> = bumps.collect();
     let highest = bumps
         .iter()
@@ -60,10 +66,7 @@ pub fn examine_static(rest: &Trial, findings: &mut Vec<Finding>) {
         return;
     }
     for channel in 0..LIMBS {
-        let dead = findings.iter().any(|finding| {
-            finding.cause == Cause::DeadLimb && finding.concerns(&rest.name, channel + 1)
-        });
-        if let (false, Some(change)) = (dead, course(rest, channel)) {
+        if let (false, Some(change)) = (dead[channel], course(rest, channel)) {
             findings.push(Finding {
                 cause: Cause::DriftDuringRun,
                 recordings: vec![rest.name.clone()],
@@ -91,6 +94,13 @@ pub fn examine(
         .filter(|finding| finding.cause == Cause::DriftDuringRun)
         .flat_map(|finding| finding.channels.clone())
         .collect();
+    // A record at rest that is none, or another sensor's, says nothing of the zeros before a run.
+    let is_of_a_case = |name: &String| cases.iter().any(|case| case.trial.name == *name);
+    let is_of_the_record = |f: &Finding| {
+        let whole = f.cause == Cause::Unreadable && f.channels.is_empty();
+        whole && !f.recordings.is_empty() && !f.recordings.iter().any(is_of_a_case)
+    };
+    let drift = drift.filter(|_| !findings.iter().any(is_of_the_record));
     for case in cases.iter_mut() {
         let Some(response) = &case.response else {
             continue;

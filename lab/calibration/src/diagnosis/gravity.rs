@@ -13,10 +13,12 @@ use crate::steps::rows;
 use sixaxis_recordings::session::Role;
 
 /// Weight, m/s^2, from which it is worth a finding: a mounting askew by three degrees.
-const NOTICED_M_S2: f64 = 0.5;
+pub const NOTICED_M_S2: f64 = 0.5;
 /// Share of the net force that a constant vector in the ground must explain to be gravity.
 const EXPLAINED: f64 = 0.8;
 
+/// Cosine of the angle from which two weights pull in opposite directions.
+const OPPOSITE: f64 = 0.9;
 /// Mean square of the sine and so on of its angles, summed over axes, from which a run turns far enough.
 const TURNS: f64 = 0.1;
 
@@ -44,8 +46,13 @@ pub fn examine(table: &Table, cases: &mut [TrialCase<'_>], findings: &mut Vec<Fi
         recordings: names(seen.iter().map(|(case, ..)| *case)),
         channels: Vec::new(),
         evidence: format!(
-            "during rotation the limbs carry a net force that turns as a weight of {:.2} m/s² would, but by the directions in the session it should be {:.2} m/s²",
+            "during rotation the limbs carry a net force that turns as a weight of {:.2} m/s² would{}, but by the directions in the session it should be {:.2} m/s²",
             found.length(),
+            if found.dot(declared) < -OPPOSITE * found.length() * declared.length() {
+                " that pulls the other way"
+            } else {
+                ""
+            },
             declared.length()
         ),
         advice: "state where down was with `down` of these recordings, or mount the rig with its axis vertical".to_owned(),

@@ -7,6 +7,7 @@ use sixaxis_core::LIMBS;
 use super::table::{Table, weighted_median};
 use super::trial_case::{Facts, TrialCase};
 use crate::finding::{Cause, Finding};
+use sixaxis_recordings::unit::STANDARD_GRAVITY_M_S2;
 
 /// Largest factor by which all scale factors together may differ from the design's.
 const COMMON: f64 = 2.2;
@@ -72,14 +73,26 @@ pub fn of_one_channel(factor: f64) -> (Cause, &'static str) {
 
 /// What a factor of this size usually is.
 pub(super) fn reason(factor: f64) -> &'static str {
+    if is_near(factor, STANDARD_GRAVITY_M_S2) {
+        "g and m/s² are that far apart, or a digit is lost"
+    } else {
+        reason_of_a_rate(factor)
+    }
+}
+
+/// Whether a factor, or one over it, is this one within what standards and sensors differ.
+fn is_near(factor: f64, other: f64) -> bool {
+    let away = |x: f64| x.ln().abs() < 0.08;
+    away(factor.abs() / other) || away(factor.abs() * other)
+}
+
+/// The same where nothing is an acceleration.
+pub(super) fn reason_of_a_rate(factor: f64) -> &'static str {
     if is_thousand(factor) {
         return "volts and millivolts are that far apart";
     }
-    let near =
-        |x: f64| (factor.abs() / x).ln().abs() < 0.08 || (factor.abs() * x).ln().abs() < 0.08;
-    if near(9.80665) {
-        "g and m/s² are that far apart, or a digit is lost"
-    } else if near(57.29578) {
+    let near = |x: f64| is_near(factor, x);
+    if near(57.29578) {
         "degrees and radians are that far apart"
     } else if near(10.0) || near(100.0) {
         "a decade of an amplifier's range, or a lost digit"

@@ -215,8 +215,16 @@ fn beyond_converter(
     if recordings.is_empty() {
         return channels;
     }
-    // By the design, which is right to a factor of two, and by the range alone where no trial moves these channels.
-    let factor = weighted_median(&mut factors).unwrap_or(most.0 / most.1);
+    // By the design, which is right to a factor of two, where a trial moves these channels; else by the zeros of the trials.
+    let by_design =
+        weighted_median(&mut factors).map(|factor| (factor, "what the design makes one expect"));
+    let by_zeros = || {
+        let factor = over_zeros(at_rest?, cases)?;
+        Some((factor, "the zeros of the linear trials"))
+    };
+    let (factor, of_what) = by_design
+        .or_else(by_zeros)
+        .unwrap_or((most.0 / most.1, "the range"));
     // A cell that lost its decimal mark is no unit.
     let wild = first.filter(|_| samples <= WILD);
     let (cause, what, advice) = match &wild {
@@ -227,10 +235,7 @@ fn beyond_converter(
         ),
         None => (
             cause_of(factor),
-            format!(
-                "{} what the design makes one expect",
-                factor_in_words(factor)
-            ),
+            format!("{} {of_what}", factor_in_words(factor)),
             if is_thousand(factor) {
                 "the numbers are millivolts: say so in the file's heading or in [channels] limbs_unit"
             } else {
@@ -257,6 +262,23 @@ fn beyond_converter(
         advice: advice.to_owned(),
     });
     channels
+}
+
+/// Means of a static record's channels over those of the linear trials, which begin and end at rest, in the median channel.
+fn over_zeros(rest: &Trial, cases: &[TrialCase<'_>]) -> Option<f64> {
+    let mean = |trial: &Trial, channel: usize| {
+        let sum: f64 = trial.voltage_v.iter().map(|row| row[channel]).sum();
+        sum / trial.voltage_v.len() as f64
+    };
+    let of_channel = |channel: usize| {
+        let linear = cases.iter().filter(|case| case.trial.role == Role::Linear);
+        let mut zeros: Vec<(f64, f64)> = linear
+            .map(|case| (mean(case.trial, channel), 1.0))
+            .collect();
+        Some((mean(rest, channel) / weighted_median(&mut zeros)?, 1.0))
+    };
+    let mut factors: Vec<(f64, f64)> = (0..LIMBS).filter_map(of_channel).collect();
+    weighted_median(&mut factors).filter(|factor| factor.is_finite())
 }
 
 /// The converter's step, V: the smallest difference that occurs between neighbours; infinite for a channel that never changes.

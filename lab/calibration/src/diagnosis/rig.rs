@@ -5,20 +5,25 @@
 //! by a share m makes the accelerometer read too little by 2 m and the gyroscope by m, and the drive turn faster by it.
 
 use super::fundamental;
-use super::level::{cause_of, factor_in_words, reason};
+use super::level::{cause_of, factor_in_words, reason, reason_of_a_rate};
 use super::table::weighted_median;
 use super::trial_case::{Facts, Standard, TrialCase, names};
 use super::{Found, Word};
 use crate::finding::{Cause, Finding};
 use sixaxis_recordings::session::Role;
+use sixaxis_recordings::unit::STANDARD_GRAVITY_M_S2;
 
 /// Relative tolerance of stroke and rotation amplitude: a workshop's.
 const TOLERANCE: f64 = 3e-3;
 /// Share of the trials from which what they show is said of a standard.
 const MOST: f64 = 0.5;
-/// Units that are mistaken for each other: m/s^2 for g, radians for degrees, metres for centimetres or millimetres. Any other factor in a few
+/// Units of an accelerometer that are mistaken for each other: m/s^2 for g, metres for centimetres or millimetres. Any other factor in a few
 /// trials may be another crank's.
-const UNITS: [f64; 4] = [9.80665, 57.29578, 100.0, 1000.0];
+const ACCELERATIONS: [f64; 3] = [STANDARD_GRAVITY_M_S2, 100.0, 1000.0];
+/// The same of a gyroscope: radians for degrees, volts for millivolts.
+const RATES: [f64; 2] = [57.29578, 1000.0];
+/// A factor that no two cranks of a rig are apart.
+const ANY_CRANK: f64 = 5.0;
 /// How near to one of them a factor is.
 const A_UNIT: f64 = 0.03;
 /// Part of an error by which two errors may differ that have one cause.
@@ -53,13 +58,14 @@ pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], found: &mut Found
         }
         return;
     }
-    for (what, of, key, standard, readings) in [
+    for (what, of, key, standard, readings, units) in [
         (
             "accelerometer",
             "stroke",
             "stroke_mm",
             &facts.accelerometer,
             linear,
+            &ACCELERATIONS[..],
         ),
         (
             "gyroscope",
@@ -67,6 +73,7 @@ pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], found: &mut Found
             "rotation_amplitude_deg",
             &facts.gyroscope,
             angular,
+            &RATES[..],
         ),
     ] {
         let limit = standard.gain_limit + TOLERANCE;
@@ -77,7 +84,8 @@ pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], found: &mut Found
             let in_other_units = odd.into_iter().filter(|r| {
                 let factor = 1.0 + r.excess;
                 let near = |unit: &f64| (factor / unit - 1.0).abs() < A_UNIT;
-                UNITS.iter().any(|unit| near(unit) || near(&unit.recip()))
+                let no_crank = factor > ANY_CRANK || factor < 1.0 / ANY_CRANK;
+                no_crank || units.iter().any(|unit| near(unit) || near(&unit.recip()))
             });
             for reading in in_other_units {
                 let case = &mut cases[reading.case];
@@ -122,6 +130,14 @@ pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], found: &mut Found
     }
 }
 
+/// What the gyroscope reads over what the rig's rotation makes it read, in the median trial; none if the rig's rotation is not stated.
+#[must_use]
+pub fn gyroscope_reads(facts: &Facts<'_>, cases: &[TrialCase<'_>]) -> Option<f64> {
+    let pinion = facts.rig?.rotation_amplitude_deg.map(f64::to_radians);
+    let readings = readings(cases, pinion, &facts.gyroscope, false);
+    median(readings.iter()).map(|excess| 1.0 + excess)
+}
+
 /// A standard that shows so many times what the rig asks for, and what that usually is.
 fn of_a_standard(what: &str, of: &str, factor: f64, limit: f64) -> Finding {
     Finding {
@@ -132,7 +148,11 @@ fn of_a_standard(what: &str, of: &str, factor: f64, limit: f64) -> Finding {
             "the standard {what} shows {} what the rig's {of} and the drive's frequency ask for, where certificate and workshop leave {:.1} %; {}",
             factor_in_words(factor),
             100.0 * limit,
-            reason(factor)
+            if what == "gyroscope" {
+                reason_of_a_rate(factor)
+            } else {
+                reason(factor)
+            }
         ),
         advice: String::new(),
     }

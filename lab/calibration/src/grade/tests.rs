@@ -183,13 +183,13 @@ fn inv_what_is_no_number_is_worst() {
 #[test]
 fn inv_twice_the_limit_fails() {
     assert_eq!(
-        failures(&session(), &reports(), JudgedBy::FourSteps(None)),
+        failures(&session(), &reports(), JudgedBy::FourSteps(None), None),
         []
     );
     let evidence = |change: &dyn Fn(&mut TrialReport)| -> Vec<(Vec<String>, String)> {
         let mut reports = reports();
         change(&mut reports[12]);
-        let found = failures(&session(), &reports, JudgedBy::FourSteps(None));
+        let found = failures(&session(), &reports, JudgedBy::FourSteps(None), None);
         let told = found.into_iter().map(|f| {
             assert_eq!(f.cause, Cause::Unexplained);
             (f.recordings, f.evidence)
@@ -221,7 +221,7 @@ fn inv_twice_the_limit_fails() {
 fn inv_a_gyroscope_beyond_its_class_by_five_deviations_fails() {
     let found = |gain: f64| {
         let steps = steps(Some((gain, 0.01)));
-        failures(&session(), &[], JudgedBy::FourSteps(Some(&steps)))
+        failures(&session(), &[], JudgedBy::FourSteps(Some(&steps)), None)
     };
     for (gain, fails) in [
         (0.93, true),
@@ -242,7 +242,7 @@ fn inv_a_gyroscope_beyond_its_class_by_five_deviations_fails() {
     );
     let by_steps = steps(None);
     let judged_by = JudgedBy::FourSteps(Some(&by_steps));
-    assert_eq!(failures(&session(), &[], judged_by), []);
+    assert_eq!(failures(&session(), &[], judged_by, None), []);
 }
 
 #[test]

@@ -12,7 +12,6 @@ use sixaxis_core::identify::joint::Known;
 use sixaxis_core::identify::joint::estimate::TrialEstimate;
 
 use super::{JointReport, TIME_CONSTANT};
-use crate::diagnosis::level::of_one_channel;
 use crate::finding::{Cause, Finding};
 
 /// Standard deviations from which something is there and not noise.
@@ -23,8 +22,6 @@ const BEYOND_CERTIFICATE: f64 = 4.0;
 const STIFFNESS: f64 = 0.04;
 /// Spread of the shares that channels show of each other.
 const CROSS_TALK: f64 = 5e-3;
-/// Change of one channel's sensitivity in one trial, or along a line from the first to the last, relative.
-const SENSITIVITY: f64 = 0.01;
 /// Angle by which a wedge misses its direction, degrees.
 const WEDGE_DEG: f64 = 0.5;
 /// Share of a rotation of all wedges by which each may be off it.
@@ -37,10 +34,6 @@ const PLUMB_DEG: f64 = 0.5;
 const CENTRE_M: f64 = 5e-3;
 /// Channels of one trial whose zeros may well have drifted together.
 const DRIFT_TOGETHER: usize = 2;
-/// Share of a channel's change that others of the same trial may have beside it.
-const BESIDE: f64 = 0.2;
-/// Share of its sensitivities' scatter that a line over the day explains where a channel fades.
-const ALONG_A_LINE: f64 = 0.9;
 /// Change of a zero since the static record over the converter's range.
 const ZERO: f64 = 5e-3;
 
@@ -55,65 +48,63 @@ impl JointReport {
             && self.odd_channels_are_single()
     }
 
-    /// A sensitivity of its own that one channel has in one trial is that channel's there, and one that goes along with the day is
-    /// fading. Others, several in one trial or in several, are something else's doing: an exchange, a turned polarity.
-    fn odd_channels_are_single(&self) -> bool {
-        let fading: [bool; LIMBS] = core::array::from_fn(|limb| self.fading(limb).is_some());
-        let odd: Vec<[bool; LIMBS]> = self
-            .estimate
-            .trials
-            .iter()
-            .map(|trial| {
-                core::array::from_fn(|limb| !fading[limb] && is_odd(trial.sensitivity[limb]))
-            })
-            .collect();
-        let count = |all: &mut dyn Iterator<Item = bool>| all.filter(|odd| *odd).count();
-        odd.iter()
-            .all(|trial| count(&mut trial.iter().copied()) <= 1)
-            && (0..LIMBS).all(|limb| count(&mut odd.iter().map(|trial| trial[limb])) <= 1)
+    /// The recording of one trial that leaves over more than all others together.
+    #[must_use]
+    pub fn most_of_the_misfit(&self) -> Option<&str> {
+        let excess = |trial: &TrialEstimate| trial.excess.max(0.0);
+        let whole: f64 = self.estimate.trials.iter().map(excess).sum();
+        let mut named = self.estimate.trials.iter().zip(&self.recordings);
+        let most = named.find(|(trial, _)| excess(trial) > 0.5 * whole);
+        most.map(|(_, name)| name.as_str())
     }
 
-    /// By how much a channel's sensitivity changes from the first trial to the last, if it does so along a line and by more than
-    /// an ordinary room's.
-    fn fading(&self, limb: usize) -> Option<f64> {
-        let trials = &self.estimate.trials;
-        let last = trials.len().checked_sub(1).filter(|last| *last > 0)? as f64;
-        let values: Vec<f64> = trials.iter().map(|t| t.sensitivity[limb].value).collect();
-        let mean = values.iter().sum::<f64>() / values.len() as f64;
-        let place = |trial: usize| trial as f64 / last - 0.5;
-        let (mut product, mut squares) = (0.0, 0.0);
-        for (trial, value) in values.iter().enumerate() {
-            product += place(trial) * (value - mean);
-            squares += place(trial) * place(trial);
+    /// Where it accounts for nothing although it does not contradict the trials: what of the sensor it describes is beyond the ordinary.
+    #[must_use]
+    pub fn beyond_the_ordinary(&self) -> String {
+        let spreads = &self.estimate.spreads;
+        let percent = |share: f64| 100.0 * share;
+        let mut all = Vec::new();
+        if spreads.stiffness > STIFFNESS {
+            all.push(format!(
+                "stiffnesses that differ by {:.2} %",
+                percent(spreads.stiffness)
+            ));
         }
-        let change = product / squares;
-        let whole: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
-        let explained = change * product;
-        let certain = trials.iter().any(|t| is_significant(t.sensitivity[limb]));
-        (certain && change.abs() > SENSITIVITY && explained > ALONG_A_LINE * whole)
-            .then_some(change)
+        if spreads.cross_talk > CROSS_TALK {
+            all.push(format!(
+                "cross-talk of {:.2} %",
+                percent(spreads.cross_talk)
+            ));
+        }
+        if let Some((limb, by)) = self.most_odd().filter(|_| !self.odd_channels_are_single()) {
+            all.push(format!(
+                "several sensitivities that are others in single trials, that of channel {} by {:+.2} %",
+                limb + 1,
+                percent(by)
+            ));
+        }
+        all.join(", ")
     }
 
-    /// What is out of the ordinary in a fit that accounts for its trials, whose names these are.
+    /// What is out of the ordinary in a fit that accounts for its trials.
     #[must_use]
     pub fn extraordinary(
         &self,
-        names: &[&str],
         full_scale_v: f64,
         gyroscope_gain_limit: f64,
         gyroscope_bandwidth_hz: Option<f64>,
     ) -> Vec<Finding> {
-        let mut findings = self.wedges(names);
-        findings.extend(self.plumb(names));
-        findings.extend(self.sensitivities(names));
-        findings.extend(self.zeros(names, full_scale_v));
+        let mut findings = self.wedges();
+        findings.extend(self.plumb());
+        findings.extend(self.sensitivities());
+        findings.extend(self.zeros(full_scale_v));
         findings.extend(self.gyroscope(gyroscope_gain_limit));
         findings.extend(self.gyroscope_lag(gyroscope_bandwidth_hz));
         findings
     }
 
     /// Wedges that stand elsewhere, or the sensor on its flange if they all do by one rotation.
-    fn wedges(&self, names: &[&str]) -> Vec<Finding> {
+    fn wedges(&self) -> Vec<Finding> {
         let unknowns = &self.estimate.unknowns;
         let pairs: Vec<(DVec3, DVec3)> = (unknowns.wedges.iter().enumerate())
             .map(|(wedge, stated)| (stated.nominal, unknowns.direction(wedge).0))
@@ -158,14 +149,14 @@ impl JointReport {
                     off_deg(pair)
                 );
                 let advice = "tighten the wedge and repeat its trials, or check the stated direction";
-                finding(self.named(names, |trial| trial == wedge), evidence, advice)
+                finding(self.named(|trial| trial == wedge), evidence, advice)
             })
             .collect()
     }
 
     /// Recordings of wedges.
-    fn named(&self, names: &[&str], wanted: impl Fn(usize) -> bool) -> Vec<String> {
-        let trials = self.estimate.trials.iter().zip(names);
+    fn named(&self, wanted: impl Fn(usize) -> bool) -> Vec<String> {
+        let trials = self.estimate.trials.iter().zip(&self.recordings);
         trials
             .filter(|(trial, _)| wanted(trial.wedge))
             .map(|(_, name)| (*name).to_owned())
@@ -173,10 +164,10 @@ impl JointReport {
     }
 
     /// An axis that is not where the session says, and a centre that is not on it.
-    fn plumb(&self, names: &[&str]) -> Vec<Finding> {
+    fn plumb(&self) -> Vec<Finding> {
         let (mut tilted, mut most_deg) = (Vec::new(), 0.0_f64);
         let (mut off_axis, mut most_m) = (Vec::new(), 0.0_f64);
-        for (trial, name) in self.estimate.trials.iter().zip(names) {
+        for (trial, name) in self.estimate.trials.iter().zip(&self.recordings) {
             let size = |pair: Option<[Known; 2]>| pair.map_or(0.0, |[a, b]| a.value.hypot(b.value));
             let tilt_deg = size(trial.plumb).to_degrees();
             if tilt_deg > PLUMB_DEG {
@@ -216,43 +207,13 @@ impl JointReport {
         findings
     }
 
-    /// Sensitivities that fade, or that are one trial's.
-    fn sensitivities(&self, names: &[&str]) -> Vec<Finding> {
-        let mut findings = Vec::new();
-        for limb in 0..LIMBS {
-            let fading = self.fading(limb);
-            findings.extend(fading.map(|change| Finding {
-                cause: Cause::FadingSensitivity,
-                recordings: Vec::new(),
-                channels: vec![limb + 1],
-                evidence: format!(
-                    "the channel's sensitivity changes by {:+.2} % from the first trial to the last",
-                    100.0 * change
-                ),
-                advice: "let the sensor come to the room's temperature, and look for moisture in its connector"
-                    .to_owned(),
-            }));
-            for (trial, name) in self.estimate.trials.iter().zip(names) {
-                let own = trial.sensitivity[limb];
-                if fading.is_none() && is_odd(own) {
-                    findings.push(if is_alone(limb, &trial.sensitivity) {
-                        one_channel(limb, name, 1.0 + own.value)
-                    } else {
-                        several_channels(limb, name, own.value)
-                    });
-                }
-            }
-        }
-        findings
-    }
-
     /// Zeros that have moved since the static record.
-    fn zeros(&self, names: &[&str], full_scale_v: f64) -> Vec<Finding> {
+    fn zeros(&self, full_scale_v: f64) -> Vec<Finding> {
         let trials: Vec<(&TrialEstimate, &str)> = self
             .estimate
             .trials
             .iter()
-            .zip(names.iter().copied())
+            .zip(self.recordings.iter().map(String::as_str))
             .collect();
         let moved =
             |zero: Known| zero.value.abs() > ZERO * full_scale_v + SIGNIFICANT * zero.deviation;
@@ -353,48 +314,4 @@ fn rotation(pairs: &[(DVec3, DVec3)]) -> Option<DQuat> {
     let turned = u * Matrix3::from_diagonal(&right_handed) * v_t;
     let open = svd.singular_values[1] < OPEN * svd.singular_values[0];
     (!open).then(|| DQuat::from_mat3(&DMat3::from_cols_slice(turned.as_slice())))
-}
-
-/// Whether a sensitivity is none that an ordinary room gives a channel.
-fn is_odd(own: Known) -> bool {
-    own.value.abs() > SENSITIVITY && is_significant(own)
-}
-
-/// Whether a sensitivity is not the usual one.
-fn is_significant(own: Known) -> bool {
-    own.value.abs() > SIGNIFICANT * own.deviation
-}
-
-/// Whether no two other channels of the trial have left their sensitivities as well, by a share of what this one has.
-fn is_alone(limb: usize, sensitivity: &[Known; LIMBS]) -> bool {
-    let least = BESIDE * sensitivity[limb].value.abs();
-    let moved = |own: &Known| own.value.abs() > least.max(SIGNIFICANT * own.deviation);
-    sensitivity.iter().filter(|own| moved(own)).count() <= 2
-}
-
-/// Several channels in one trial show other than in the others, this one most.
-fn several_channels(limb: usize, name: &str, by: f64) -> Finding {
-    Finding {
-        cause: Cause::Unexplained,
-        recordings: vec![name.to_owned()],
-        channels: Vec::new(),
-        evidence: format!(
-            "several channels show more or less than in the other trials, channel {} by {:+.2} %",
-            limb + 1,
-            100.0 * by
-        ),
-        advice: "check that this recording is this sensor's, in this state".to_owned(),
-    }
-}
-
-/// One channel in one trial shows so many times what it shows in the others.
-fn one_channel(limb: usize, name: &str, factor: f64) -> Finding {
-    let (cause, advice) = of_one_channel(factor);
-    Finding {
-        cause,
-        recordings: vec![name.to_owned()],
-        channels: vec![limb + 1],
-        evidence: format!("the channel shows {factor:.4} times what it shows in the other trials"),
-        advice: advice.to_owned(),
-    }
 }

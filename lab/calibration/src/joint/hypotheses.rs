@@ -10,7 +10,7 @@
 //! | [`freedoms`] | the model has one freedom more or less: an amplifier's high-pass, a standard's lag, channels that are late |
 //! | [`clock`] | the standards have a clock of their own |
 //! | [`plugs`] | two channels, or their names, are exchanged, or one is inverted, from one trial on |
-//! | [`stated`] | a standard is the other way round, directions are stated in other axes, gains in V/N |
+//! | [`stated`] | a standard is the other way round, directions are stated in other axes, gains in V/N, down is up |
 //! | [`apart`] | a few trials are wrong and the others are not |
 
 pub mod apart;
@@ -144,12 +144,14 @@ fn gains_apart(day: &Unaccounted<'_>, suspected: &[Finding]) -> Option<Finding> 
 pub(crate) fn contradiction(joint: core::result::Result<&JointReport, &str>) -> String {
     match joint {
         Ok(joint) if !joint.misfit.contradicts() => format!(
-            "the trials agree only as those of a sensor beyond the ordinary (stiffnesses that differ by {:.2} %, cross-talk of {:.2} %, or several channels whose sensitivity is another in single trials)",
-            100.0 * joint.estimate.spreads.stiffness,
-            100.0 * joint.estimate.spreads.cross_talk
+            "the trials agree only as those of a sensor beyond the ordinary: {}",
+            joint.beyond_the_ordinary()
         ),
         Ok(joint) => format!(
-            "the trials contradict each other (misfit {:.2}, noise alone leaves at most {:.2})",
+            "the trials contradict each other{} (misfit {:.2}, noise alone leaves at most {:.2})",
+            joint
+                .most_of_the_misfit()
+                .map_or(String::new(), |name| format!(", {name} most")),
             joint.misfit.per_degree,
             joint.misfit.limit()
         ),

@@ -21,10 +21,12 @@ fn of(path: &Path, channel: &Channel, stated: Option<&str>) -> Result<Unit> {
     let refuse = |cause| Err(refuse(path, channel, cause));
     match (channel.unit.as_deref(), stated) {
         (Some(own), stated) => match (unit::named(own), stated.and_then(unit::named)) {
-            (Some(unit), Some(other)) if unit != other => refuse(format!(
-                "the file says {own:?}, the session, or --unit, says {:?}",
-                stated.unwrap_or_default()
-            )),
+            (Some(unit), Some(other)) if unit != other => Err(Error::UnitContradicted {
+                file: path.display().to_string(),
+                channel: channel.name.clone(),
+                own: own.to_owned(),
+                stated: stated.unwrap_or_default().to_owned(),
+            }),
             (Some(unit), _) | (None, Some(unit)) => Ok(unit),
             (None, None) => refuse(format!(
                 "unit {own:?} is not known; give the session a *_unit for it"
@@ -45,7 +47,7 @@ fn of(path: &Path, channel: &Channel, stated: Option<&str>) -> Result<Unit> {
 /// Volts per unit of a limb's channel.
 ///
 /// # Errors
-/// [`Error::Unit`] for a unit that is no voltage, that is not known, or that file and session state differently.
+/// [`Error::Unit`] for a unit that is no voltage or that is not known, [`Error::UnitContradicted`].
 pub(super) fn volts(path: &Path, channel: &Channel, channels: &Channels) -> Result<f64> {
     match of(path, channel, channels.limbs_unit.as_deref())? {
         Unit::Voltage(volts) => Ok(volts),
@@ -64,7 +66,7 @@ pub(super) fn volts(path: &Path, channel: &Channel, channels: &Channels) -> Resu
 /// session has at `key`.
 ///
 /// # Errors
-/// [`Error::Unit`], as [`volts`], and for a channel in volts without a sensitivity.
+/// Those of [`volts`]; [`Error::Unit`] for a channel in volts without a sensitivity.
 pub(super) fn standard(
     path: &Path,
     channel: &Channel,

@@ -102,6 +102,12 @@ impl Session {
                 format!("{length_mm}: must be from 1 to 1000, in millimetres")
             })?;
         }
+        let full_scale_v = sensor.full_scale_v;
+        require(
+            full_scale_v <= LARGEST_RANGE_V,
+            "sensor.full_scale_v",
+            || format!("{full_scale_v}: in volts, at most {LARGEST_RANGE_V}"),
+        )?;
         accepted("sensor.limb_length_mm", sensor.geometry().validate())?;
         accepted("sensor.design", sensor.design().validate())?;
         check_stages(&self.preprocessing)?;
@@ -115,6 +121,9 @@ impl Session {
         Ok(())
     }
 }
+
+/// Ranges of converters end far below, V: 5000 and 10 000 are millivolts.
+const LARGEST_RANGE_V: f64 = 1000.0;
 
 /// Endings of the keys whose values are sizes.
 const SIZES: [&str; 10] = [

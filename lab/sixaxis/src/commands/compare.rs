@@ -71,6 +71,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         arguments.result.display().to_string(),
         arguments.truth.display().to_string(),
     )?;
+    say("warning", comparison.of_unequal_length().as_slice());
     let html = render(&page::comparison::page(&comparison))?;
     write_atomically(&arguments.out, html.as_bytes())
         .with_context(|| format!("cannot write {}", arguments.out.display()))?;

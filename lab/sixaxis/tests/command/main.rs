@@ -20,6 +20,8 @@ mod mistakes_in_statements;
 mod mistakes_in_the_field;
 #[cfg(all(feature = "harness", target_os = "linux"))]
 mod mistakes_on_the_way;
+#[cfg(all(feature = "harness", target_os = "linux"))]
+mod mistakes_over_the_day;
 mod moved;
 mod noise;
 mod outputs;

@@ -7,6 +7,7 @@ use super::Unaccounted;
 use crate::finding::Finding;
 use crate::joint::{at_rest, record};
 use crate::trial::Trial;
+use sixaxis_recordings::session::Role;
 
 /// Largest share of the trials that may be wrong: of two halves that contradict each other, neither is the measure.
 const AMONG: f64 = 0.5;
@@ -19,9 +20,10 @@ pub fn tried(
     certain: &[Finding],
     suspected: Vec<Finding>,
 ) -> Option<Vec<Finding>> {
+    let told_by_others = |finding: &Finding| !is_of_runs(day, finding) || others_tell(day, certain);
     let of_single_trials: Vec<Finding> = suspected
         .into_iter()
-        .filter(|finding| !finding.recordings.is_empty())
+        .filter(|finding| !finding.recordings.is_empty() && told_by_others(finding))
         .collect();
     if of_single_trials.is_empty() {
         return None;
@@ -53,4 +55,22 @@ fn others_agree(day: &Unaccounted<'_>, certain: &[Finding], suspected: &[Finding
     }
     day.accounting(&others, &at_rest(day.drift), &day.start, day.knowledge)
         .is_some()
+}
+
+/// Whether it is about validation runs only, which no fit sees: they are held against what the trials agree on.
+fn is_of_runs(day: &Unaccounted<'_>, finding: &Finding) -> bool {
+    let fitted = day.campaign.trials.iter().map(|(trial, _)| trial);
+    let mut fitted = fitted.filter(|trial| record(trial).is_some());
+    !fitted.any(|trial| finding.recordings.contains(&trial.name))
+}
+
+/// Whether most trials of either kind are left where those that something `certain` concerns are put aside: fewer agree on little that a run
+/// could be held against.
+fn others_tell(day: &Unaccounted<'_>, certain: &[Finding]) -> bool {
+    [Role::Linear, Role::Angular].into_iter().all(|role| {
+        let concerned = |trial: &Trial| certain.iter().any(|f| f.recordings.contains(&trial.name));
+        let of_kind = || day.campaign.of(role).map(|(trial, _)| trial);
+        let aside = of_kind().filter(|trial| concerned(trial)).count();
+        aside as f64 <= AMONG * of_kind().count() as f64
+    })
 }

@@ -1,5 +1,5 @@
 //! All day alike, a standard the other way round, wedges' directions in other axes than the sensor's (two of them exchanged, or turned, or a
-//! left-handed set), or gains in V/N.
+//! left-handed set), gains in V/N, or down that is up.
 //!
 //! As in [`super::plugs`], responses say which, and the joint fit whether the trials agree to the noise with that put right.
 
@@ -9,6 +9,7 @@ use sixaxis_core::{Gains, LIMBS, Parameters};
 
 use super::Unaccounted;
 use super::plugs::{COST_CAP, start};
+use crate::diagnosis::gravity::NOTICED_M_S2;
 use crate::diagnosis::table::Table;
 use crate::diagnosis::trial_case::TrialCase;
 use crate::finding::{Cause, Finding};
@@ -29,6 +30,8 @@ enum Stated {
     Gyroscope,
     /// Gains are one over the stated ones.
     Gains,
+    /// Up is what is called down.
+    Down,
     /// Directions are these, of the stated ones.
     Directions(DMat3),
 }
@@ -68,6 +71,7 @@ impl Stated {
             Self::Gains => {
                 trial.gains.gain_n_per_v = trial.gains.gain_n_per_v.map(f64::recip);
             }
+            Self::Down => trial.gravity_ground_m_s2 = -trial.gravity_ground_m_s2,
             Self::Directions(axes) => {
                 trial.direction_ground = axes * trial.direction_ground;
                 trial.gravity_ground_m_s2 = axes * trial.gravity_ground_m_s2;
@@ -81,7 +85,7 @@ impl Stated {
             Self::Accelerometer => matches!(role, Role::Linear | Role::HighFrequencyLinear),
             Self::Gyroscope => role == Role::Angular,
             Self::Gains => return stated.gain_n_per_v.map(|gain| 1.0 / (gain * gain)),
-            Self::Directions(_) => false,
+            Self::Down | Self::Directions(_) => false,
         };
         [if turned { -1.0 } else { 1.0 }; LIMBS]
     }
@@ -104,6 +108,11 @@ impl Stated {
                 Cause::WrongScaling,
                 "one over each gain_n_per_v".to_owned(),
                 "state all gains in N/V: they are written in V/N".to_owned(),
+            ),
+            Self::Down => (
+                Cause::GravityNotHandled,
+                "every `down` the other way round".to_owned(),
+                "turn every `down` round: it points where gravity pulls, in the sensor's axes".to_owned(),
             ),
             Self::Directions(axes) => {
                 let rows = axes.transpose();
@@ -135,6 +144,15 @@ impl Stated {
 pub fn tried(day: &Unaccounted<'_>) -> Option<Finding> {
     let shares = StaticLoadSharing::new(&day.campaign.geometry).ok()?;
     let (as_stated, table) = with(&shares, day.cases, None)?;
+    // Scale factors do not depend on gravity; inertias that turned the wrong way are none, and the drawing's are taken.
+    let scales = Table {
+        inertia_m2: None,
+        ..table.clone()
+    };
+    let down = || accounts(day, Stated::Down, &scales);
+    if let Some(down) = turns_in_the_sensor(day).then(down).flatten() {
+        return Some(down);
+    }
     // Of what the channels show it makes no difference which way round a standard is: scale factors and inertias come out negative.
     let enough = if is_a_sensor(&table, &day.campaign.design) {
         WORTH_A_FIT * as_stated
@@ -152,6 +170,18 @@ pub fn tried(day: &Unaccounted<'_>) -> Option<Finding> {
     worth_a_fit.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut best = worth_a_fit.into_iter().take(TRIED);
     best.find_map(|(_, stated, table)| accounts(day, stated, &table))
+}
+
+/// Whether an angular trial's axis is off the stated plumb line, so that it matters which way gravity pulls.
+fn turns_in_the_sensor(day: &Unaccounted<'_>) -> bool {
+    let mut angular = day.campaign.of(Role::Angular).map(|(trial, _)| trial);
+    let square = |trial: &Trial| {
+        trial
+            .gravity_ground_m_s2
+            .cross(trial.direction_ground)
+            .length()
+    };
+    angular.any(|trial| square(trial) > NOTICED_M_S2)
 }
 
 /// Whether the trials agree to the noise with that put right.

@@ -34,6 +34,23 @@ impl Facts {
         }
     }
 
+    /// Of u1 to u9 some and not all.
+    fn of_missing_names(&mut self, inspection: &Inspection) {
+        let channels = || inspection.groups.iter().flat_map(|group| &group.channels);
+        let is_there =
+            |name: &String| channels().any(|c| last_part(&c.name).eq_ignore_ascii_case(name));
+        let names = Channels::default().limbs;
+        let (there, missing): (Vec<String>, Vec<String>) = names.into_iter().partition(is_there);
+        if there.len() > missing.len() {
+            let text = format!(
+                "of the nine limbs, {} are in this file and {} not",
+                list(&there),
+                list(&missing)
+            );
+            self.notice("names", &there, text);
+        }
+    }
+
     pub(super) fn of_sensor(&mut self, inspection: &Inspection, expected: Option<&Expected>) {
         if let Some(session) = expected.and_then(|e| e.foreign_to.as_deref()) {
             self.remark(format!("not among the recordings of {}", session.display()));
@@ -44,6 +61,8 @@ impl Facts {
                     "the nine limbs, {}, are not all in this file",
                     list(&expected.channels.limbs)
                 ));
+            } else {
+                self.of_missing_names(inspection);
             }
             return;
         };

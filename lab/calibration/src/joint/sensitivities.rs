@@ -1,0 +1,216 @@
+//! What the joint fit says of the channels' sensitivities: each trial has its own, and an ordinary room leaves them alike.
+//!
+//! One that goes along with the day is fading. One channel's that is another from some trial on has stepped: a piezo that was knocked, a
+//! plug that was seated anew. Any other that one channel has in one trial is that channel's there. Several in one trial or in several are
+//! something else's doing: an exchange, a turned polarity.
+
+use sixaxis_core::LIMBS;
+use sixaxis_core::identify::joint::Known;
+
+use super::JointReport;
+use crate::diagnosis::level::of_one_channel;
+use crate::finding::{Cause, Finding};
+
+/// Standard deviations from which something is there and not noise.
+const SIGNIFICANT: f64 = 6.0;
+/// Change of one channel's sensitivity in one trial, or over the day, relative, from which it is more than an ordinary room's.
+const SENSITIVITY: f64 = 0.01;
+/// Change beyond which a step is no sensor's but a gain's, relative.
+const GAINS: f64 = 0.2;
+/// Trials on either side of a step.
+const FEWEST: usize = 3;
+/// Share of a channel's change that others of the same trial may have beside it.
+const BESIDE: f64 = 0.2;
+/// Share of its sensitivities' scatter that a line over the day, or a step, explains where a channel fades or steps.
+const EXPLAINED: f64 = 0.9;
+
+/// How one channel's sensitivity changes over the day, relative.
+#[derive(Debug, Clone, Copy)]
+enum Course {
+    /// Along a line, from the first trial to the last.
+    Fading(f64),
+    /// From the trial of this index on.
+    Step(usize, f64),
+}
+
+impl JointReport {
+    /// Whether at most one channel of a trial, and one trial of a channel, has a sensitivity of its own that no course over the day explains.
+    pub(super) fn odd_channels_are_single(&self) -> bool {
+        let courses: [bool; LIMBS] = core::array::from_fn(|limb| self.course(limb).is_some());
+        let odd: Vec<[bool; LIMBS]> = self
+            .estimate
+            .trials
+            .iter()
+            .map(|trial| {
+                core::array::from_fn(|limb| !courses[limb] && is_odd(trial.sensitivity[limb]))
+            })
+            .collect();
+        let count = |all: &mut dyn Iterator<Item = bool>| all.filter(|odd| *odd).count();
+        odd.iter()
+            .all(|trial| count(&mut trial.iter().copied()) <= 1)
+            && (0..LIMBS).all(|limb| count(&mut odd.iter().map(|trial| trial[limb])) <= 1)
+    }
+
+    /// The course of a channel's sensitivity over the day, if it has one that is more than an ordinary room's. Several channels that step
+    /// have not been knocked together.
+    fn course(&self, limb: usize) -> Option<Course> {
+        if let Some(change) = self.fading(limb) {
+            return Some(Course::Fading(change));
+        }
+        let (from, change) = self.step(limb)?;
+        let mut others = (0..LIMBS).filter(|other| *other != limb);
+        let alone = others.all(|other| self.step(other).is_none());
+        alone.then_some(Course::Step(from, change))
+    }
+
+    /// What a channel shows in each trial, and its mean and squares about that.
+    fn values(&self, limb: usize) -> (Vec<f64>, f64, f64) {
+        let trials = self.estimate.trials.iter();
+        let values: Vec<f64> = trials.map(|t| t.sensitivity[limb].value).collect();
+        let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+        let squares = values.iter().map(|value| (value - mean).powi(2)).sum();
+        (values, mean, squares)
+    }
+
+    fn is_certain(&self, limb: usize) -> bool {
+        let mut trials = self.estimate.trials.iter();
+        trials.any(|t| is_significant(t.sensitivity[limb]))
+    }
+
+    fn fading(&self, limb: usize) -> Option<f64> {
+        let (values, mean, whole) = self.values(limb);
+        let last = values.len().checked_sub(1).filter(|last| *last > 0)? as f64;
+        let place = |trial: usize| trial as f64 / last - 0.5;
+        let (mut product, mut squares) = (0.0, 0.0);
+        for (trial, value) in values.iter().enumerate() {
+            product += place(trial) * (value - mean);
+            squares += place(trial) * place(trial);
+        }
+        let change = product / squares;
+        let explained = change * product;
+        (self.is_certain(limb) && change.abs() > SENSITIVITY && explained > EXPLAINED * whole)
+            .then_some(change)
+    }
+
+    /// The trial from which on a channel shows more or less, and by how much.
+    fn step(&self, limb: usize) -> Option<(usize, f64)> {
+        let (values, mean, whole) = self.values(limb);
+        let count = values.len() as f64;
+        let of = |from: usize| {
+            let (before, after) = values.split_at(from);
+            let change = after.iter().sum::<f64>() / after.len() as f64
+                - before.iter().sum::<f64>() / before.len() as f64;
+            let explained = change * change * before.len() as f64 * after.len() as f64 / count;
+            (from, change / (1.0 + mean), explained)
+        };
+        let all = (FEWEST..values.len().saturating_sub(FEWEST - 1)).map(of);
+        let (from, change, explained) = all.max_by(|a, b| a.2.total_cmp(&b.2))?;
+        let size = change.abs();
+        (self.is_certain(limb)
+            && size > SENSITIVITY
+            && size < GAINS
+            && explained > EXPLAINED * whole)
+            .then_some((from, change))
+    }
+
+    /// Sensitivities that change over the day, or that are one trial's.
+    pub(super) fn sensitivities(&self) -> Vec<Finding> {
+        let mut findings = Vec::new();
+        for limb in 0..LIMBS {
+            let course = self.course(limb);
+            findings.extend(course.map(|course| of_a_course(limb, course, &self.recordings)));
+            for (trial, name) in self.estimate.trials.iter().zip(&self.recordings) {
+                let own = trial.sensitivity[limb];
+                if course.is_none() && is_odd(own) {
+                    findings.push(if is_alone(limb, &trial.sensitivity) {
+                        one_channel(limb, name, 1.0 + own.value)
+                    } else {
+                        several_channels(limb, name, own.value)
+                    });
+                }
+            }
+        }
+        findings
+    }
+
+    /// The largest sensitivity that one of several channels, or one channel in several trials, has of its own: channel from 0 and relative change.
+    pub(super) fn most_odd(&self) -> Option<(usize, f64)> {
+        let trials = self.estimate.trials.iter();
+        let odd = trials.flat_map(|trial| (0..LIMBS).map(|limb| (limb, trial.sensitivity[limb])));
+        odd.filter(|(limb, own)| is_odd(*own) && self.course(*limb).is_none())
+            .map(|(limb, own)| (limb, own.value))
+            .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
+    }
+}
+
+/// Whether a sensitivity is none that an ordinary room gives a channel.
+fn is_odd(own: Known) -> bool {
+    own.value.abs() > SENSITIVITY && is_significant(own)
+}
+
+/// Whether a sensitivity is not the usual one.
+fn is_significant(own: Known) -> bool {
+    own.value.abs() > SIGNIFICANT * own.deviation
+}
+
+/// Whether no two other channels of the trial have left their sensitivities as well, by a share of what this one has.
+fn is_alone(limb: usize, sensitivity: &[Known; LIMBS]) -> bool {
+    let least = BESIDE * sensitivity[limb].value.abs();
+    let moved = |own: &Known| own.value.abs() > least.max(SIGNIFICANT * own.deviation);
+    sensitivity.iter().filter(|own| moved(own)).count() <= 2
+}
+
+/// A channel whose sensitivity changes over the day.
+fn of_a_course(limb: usize, course: Course, names: &[String]) -> Finding {
+    let (evidence, advice) = match course {
+        Course::Fading(change) => (
+            format!(
+                "the channel's sensitivity changes by {:+.2} % from the first trial to the last",
+                100.0 * change
+            ),
+            "let the sensor come to the room's temperature, and look for moisture in its connector",
+        ),
+        Course::Step(from, change) => (
+            format!(
+                "the channel's sensitivity steps by {:+.2} % before {}, and stays so",
+                100.0 * change,
+                names.get(from).map_or("", String::as_str)
+            ),
+            "see what happened to the limb, its plug or its amplifier's gain there, and calibrate with the trials of one side",
+        ),
+    };
+    Finding {
+        cause: Cause::FadingSensitivity,
+        recordings: Vec::new(),
+        channels: vec![limb + 1],
+        evidence,
+        advice: advice.to_owned(),
+    }
+}
+
+/// Several channels in one trial show other than in the others, this one most.
+fn several_channels(limb: usize, name: &str, by: f64) -> Finding {
+    Finding {
+        cause: Cause::Unexplained,
+        recordings: vec![name.to_owned()],
+        channels: Vec::new(),
+        evidence: format!(
+            "several channels show more or less than in the other trials, channel {} by {:+.2} %",
+            limb + 1,
+            100.0 * by
+        ),
+        advice: "check that this recording is this sensor's, in this state".to_owned(),
+    }
+}
+
+/// One channel in one trial shows so many times what it shows in the others.
+fn one_channel(limb: usize, name: &str, factor: f64) -> Finding {
+    let (cause, advice) = of_one_channel(factor);
+    Finding {
+        cause,
+        recordings: vec![name.to_owned()],
+        channels: vec![limb + 1],
+        evidence: format!("the channel shows {factor:.4} times what it shows in the other trials"),
+        advice: advice.to_owned(),
+    }
+}

@@ -1,0 +1,241 @@
+//! Days of which one thing is wrong and much looks wrong: the one is named, and no other is accused of it.
+
+use std::fs;
+
+use crate::mistakes::{calibrated, calibrated_in, rewritten, with_entry};
+use crate::program::{Folder, code, run, stderr, stdout, text};
+use crate::self_calibrate::day;
+
+/// Columns of the day's trials.
+const ACCELEROMETER: usize = 9;
+const GYROSCOPE: usize = 10;
+
+/// The day's recordings whose names begin so, other than at its beginning, and under which name they stand in a session then.
+fn of_kind(kind: &str) -> Vec<String> {
+    let session = fs::read_to_string(day().0.join("session.toml")).expect("reads");
+    let files = session.lines().filter_map(|line| {
+        let name = line.strip_prefix("file = \"")?.strip_suffix('"')?;
+        name.starts_with(kind).then(|| name.to_owned())
+    });
+    files.collect()
+}
+
+#[test]
+fn inv_a_sensitivity_that_steps_is_named_with_its_trial() {
+    for kind in ["angular", "fast", "compound"] {
+        for file in of_kind(kind) {
+            rewritten(&file, &format!("stepped-{file}"), |row| row[3] *= 1.03);
+        }
+    }
+    let (code, said) = calibrated("stepped", |s| {
+        let kinds = ["angular", "fast", "compound"].into_iter();
+        kinds.fold(s.to_owned(), |s, kind| {
+            s.replace(
+                &format!("file = \"{kind}"),
+                &format!("file = \"stepped-{kind}"),
+            )
+        })
+    });
+    assert_eq!(code, 4, "{said}");
+    assert!(
+        said.contains("sensitivity changes over the day: all recordings; channel 4")
+            && said.contains("steps by +2.")
+            && said.contains("before stepped-angular-01.csv"),
+        "{said}"
+    );
+    assert!(!said.contains("gyroscope against"), "{said}");
+}
+
+#[test]
+fn neg_a_run_that_is_not_whole_is_told_from_one_that_fails() {
+    let record = fs::read_to_string(day().0.join("compound-01.csv")).expect("reads");
+    let rows: Vec<&str> = record.lines().collect();
+    let two_thirds = rows[..rows.len() * 2 / 3].join("\n");
+    for (name, text, words) in [
+        (
+            "ends-early",
+            two_thirds.clone() + "\n",
+            "it ends in motion, where the gyroscope reads",
+        ),
+        (
+            "breaks-off",
+            two_thirds + "\n3.1,-4.4,-3.",
+            "its last line breaks off after 3 of",
+        ),
+    ] {
+        day().0.write(&format!("{name}.csv"), text);
+        let (code, said) = calibrated(name, |s| s.replace("compound-01", name));
+        assert_eq!(code, 4, "{said}");
+        let wanted = format!("recording cannot be used: {name}.csv decoupled, it departs");
+        assert!(said.contains(&wanted) && said.contains(words), "{said}");
+        assert!(said.contains("record the run whole"), "{said}");
+    }
+}
+
+#[test]
+fn neg_a_clipped_gyroscope_accuses_no_other_recording() {
+    let angular = of_kind("angular");
+    for file in &angular[1..] {
+        rewritten(file, &format!("clipped-{file}"), |row| {
+            row[GYROSCOPE] = row[GYROSCOPE].clamp(-3.0, 3.0);
+        });
+    }
+    let (code, said) = calibrated("clipped-gyroscope", |s| {
+        let files = angular[1..].iter();
+        files.fold(s.to_owned(), |s, file| {
+            s.replace(file, &format!("clipped-{file}"))
+        })
+    });
+    assert_eq!(code, 4, "{said}");
+    assert!(
+        said.contains("the standard gyroscope is cut off") && !said.contains("also:"),
+        "{said}"
+    );
+}
+
+#[test]
+fn neg_a_static_record_in_millivolts_is_told_from_the_zeros() {
+    rewritten("static.csv", "static-mv.csv", |row| {
+        row.iter_mut().for_each(|x| *x *= 1000.0);
+    });
+    let (code, said) = calibrated("static-mv", |s| s.replace("static.csv", "static-mv.csv"));
+    assert_eq!(code, 1, "{said}");
+    assert!(
+        said.contains("volts and millivolts mixed up: static-mv.csv")
+            && said.contains("times the zeros of the linear trials"),
+        "{said}"
+    );
+}
+
+#[test]
+fn neg_another_zero_at_rest_is_no_drift_of_the_runs() {
+    rewritten("static.csv", "static-elsewhere.csv", |row| {
+        row.iter_mut().for_each(|x| *x += 0.05);
+    });
+    let (code, said) = calibrated("static-elsewhere", |s| {
+        s.replace("static.csv", "static-elsewhere.csv")
+    });
+    assert_eq!(code, 4, "{said}");
+    assert!(
+        said.contains("recording cannot be used in static-elsewhere.csv.")
+            && !said.contains("zero drifts"),
+        "{said}"
+    );
+}
+
+#[test]
+fn neg_down_that_is_up_is_told() {
+    let folder = Folder::new("level");
+    let plan = folder.write(
+        "plan.toml",
+        "seed = 640111\nsensor = \"random\"\nengine = \"rigid\"\n[rig]\nmounting = \"axis_level\"\n",
+    );
+    let level = Folder::new("level-day");
+    let simulated = run(&["simulate", "--plan", &plan, "--out", text(&level)]);
+    assert_eq!(code(&simulated), 0, "{}", stderr(&simulated));
+    let (code, said) = calibrated_in(&level, "upside-down", |s| {
+        let lines = s.lines().map(|line| match line.strip_prefix("down = [") {
+            Some(down) => {
+                let down = down.trim_end_matches(']').split(", ");
+                let turned = down.map(|x| format!("{}", -x.parse::<f64>().expect("a number")));
+                format!("down = [{}]", turned.collect::<Vec<_>>().join(", "))
+            }
+            None => line.to_owned(),
+        });
+        lines.map(|line| line + "\n").collect()
+    });
+    assert_eq!(code, 4, "{said}");
+    assert!(
+        said.contains("Not good: gravity not handled.")
+            && said.contains("with every `down` the other way round all trials agree"),
+        "{said}"
+    );
+}
+
+#[test]
+fn neg_an_integrated_gyroscope_is_no_clock() {
+    rewritten("angular-03.csv", "integrated.csv", |row| {
+        row[GYROSCOPE] /= 9.8
+    });
+    let (code, said) = calibrated("integrated", |s| s.replace("angular-03", "integrated"));
+    assert_eq!(code, 4, "{said}");
+    assert!(
+        said.contains("wrong unit or scaling: integrated.csv") && !said.contains("g and m/s²"),
+        "{said}"
+    );
+    rewritten("linear-03.csv", "in-g.csv", |row| {
+        row[ACCELEROMETER] /= 9.80665;
+    });
+    let (_, said) = calibrated("in-g", |s| s.replace("linear-03", "in-g"));
+    assert!(said.contains("g and m/s² are that far apart"), "{said}");
+}
+
+#[test]
+fn neg_what_the_session_says_of_files_is_told_by_its_key() {
+    let (code, said) = calibrated("contradicted", |s| {
+        s.replace("[channels]", "[channels]\nlimbs_unit = \"mV\"")
+    });
+    assert_eq!(code, 1, "{said}");
+    assert!(
+        said.contains("the file says \"V\", and stated is \"mV\"")
+            && said.contains("take the unit out of the session's [channels]"),
+        "{said}"
+    );
+    // Where nothing was read, it is no news that nothing moves.
+    assert!(!said.contains("axis not excited"), "{said}");
+    let (_, said) = calibrated("no-reference", |s| {
+        with_entry(s, "linear-01", |entry| {
+            format!("{entry}\nreference_file = \"none.csv\"\nreference_sample_rate_hz = 1000.0\n")
+        })
+    });
+    assert!(said.contains("correct `reference_file`"), "{said}");
+    let (code, said) = calibrated("range-in-mv", |s| {
+        let lines = s
+            .lines()
+            .map(|line| match line.starts_with("full_scale_v") {
+                true => "full_scale_v = 10000.0\n".to_owned(),
+                false => format!("{line}\n"),
+            });
+        lines.collect()
+    });
+    assert_eq!(code, 1, "{said}");
+    assert!(
+        said.contains("sensor.full_scale_v") && said.contains("in volts"),
+        "{said}"
+    );
+}
+
+#[test]
+fn neg_a_limb_that_is_missing_is_not_looked_for_among_others() {
+    let record = fs::read_to_string(day().0.join("linear-01.csv")).expect("reads");
+    let named = record.replacen("u2", "u1", 1);
+    assert_ne!(named, record);
+    let path = day().0.write("no-u2.csv", named);
+    let said = stdout(&run(&["inspect", &path]));
+    assert!(!said.contains("nine limbs (u1"), "{said}");
+    assert!(said.contains("are in this file and u2 not"), "{said}");
+    let output = run(&["inspect", &path, "--strict"]);
+    assert_ne!(code(&output), 0, "{}", stdout(&output));
+}
+
+#[test]
+fn neg_motions_of_unequal_length_are_told() {
+    let truth = day().0.join("truth").join("linear-01.csv");
+    let record = fs::read_to_string(&truth).expect("reads");
+    let rows: Vec<&str> = record.lines().collect();
+    let half = day()
+        .0
+        .write("half.csv", rows[..rows.len() / 2].join("\n") + "\n");
+    let page = day().0.file("half.html");
+    let compared = |a: &str, b: &str| stderr(&run(&["compare", a, b, "--out", &page]));
+    let whole = text(&truth);
+    for (a, b) in [(half.as_str(), whole), (whole, half.as_str())] {
+        let said = compared(a, b);
+        assert!(
+            said.contains("more instants after the other's end"),
+            "{said}"
+        );
+    }
+    let said = compared(whole, whole);
+    assert!(!said.contains("instants after"), "{said}");
+}
