@@ -1,7 +1,7 @@
 //! Nine voltages in, six accelerations out: section 2 of the paper, at the speed of [`crate::kernel`].
 //!
 //! [`Decoupler`] takes one sample at a time; [`record`] runs it along a recording, [`lanes`] along eight recordings at once, with
-//! the same bits. Each of them works with limbs excluded. [`decouple`] decodes a recording that lies in memory,
+//! the same answers but for rounding. Each of them works with limbs excluded. [`decouple`] decodes a recording that lies in memory,
 //! [`rest_to_rest`] takes the trend off a run that ends as it began, [`uncertainty`] runs beside a stream and says how well each
 //! sample is known.
 

@@ -35,7 +35,7 @@ impl SectionsState {
     }
 
     /// What the filter makes of the next sample, in direct form II transposed. Equals SciPy's `sosfilt` to 1e-14 of the
-    /// peak (test `ref_scipy_causal`). A NaN stays in the memory for good: look at the samples first.
+    /// peak (measured; test `ref_scipy_causal` allows more). A NaN stays in the memory for good: look at the samples first.
     pub fn step(&mut self, input: f64) -> f64 {
         self.cascade
             .iter_mut()

@@ -6,8 +6,8 @@
 use super::{check_answer, check_finite, check_length};
 use crate::error::Result;
 
-/// Takes the mean off and returns it. Equals SciPy's `detrend(type="constant")` to 2e-15 of the peak (test
-/// `ref_scipy_detrend`).
+/// Takes the mean off and returns it. Equals SciPy's `detrend(type="constant")` to 2e-15 of the peak (measured; test
+/// `ref_scipy_detrend` allows more).
 ///
 /// # Errors
 /// [`crate::Error::TooFewSamples`] for an empty series, [`crate::Error::NotFinite`], [`crate::Error::Overflow`].

@@ -33,7 +33,7 @@ pub struct Differentiator {
 
 impl Differentiator {
     /// Computes the weights. They are within 1e-15 of their largest of those in exact fractions, up to order 6 over
-    /// 101 and order 5 over 401 samples (test `ref_exact_slope_weights`).
+    /// 101 and order 5 over 401 samples (measured; test `ref_exact_slope_weights` allows more).
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for an order outside 1..=6, a window not longer than the order, a half width above
@@ -73,7 +73,7 @@ impl Differentiator {
 
     /// First derivative of a series, per second. Interior samples stand in the middle of their window; the ends take
     /// the slope of the first and last window's polynomial (SciPy's `savgol_filter(deriv=1, mode="interp")`, met to
-    /// 2e-13 of the peak, test `ref_scipy_savitzky_golay`).
+    /// 2e-13 of the peak, measured; test `ref_scipy_savitzky_golay` allows more).
     ///
     /// Exact for polynomials up to the order, ends included. In the interior no phase and [`Self::relative_gain`]; at
     /// the ends noise weighs several times as much.

@@ -18,7 +18,7 @@ use crate::float::exp;
 ///
 /// State x follows tau x' = u - x with tau = 1/(2 pi corner); the low-pass shows x, the high-pass u - x. Over a step h
 /// with u linear, x1 = x0 + a (u0 - x0) + b (u1 - x0) with r = h/tau, a = (1 - exp(-r))/r - exp(-r),
-/// b = 1 - (1 - exp(-r))/r. Equals SciPy's `lsim` to 4e-15 of the peak (test `ref_scipy_first_order`).
+/// b = 1 - (1 - exp(-r))/r. Equals SciPy's `lsim` to 4e-15 of the peak (measured; test `ref_scipy_first_order` allows more).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FirstOrder {
     weight_before: f64,

@@ -148,8 +148,8 @@ fn check_segment(segment: usize) -> Result<()> {
 /// [`Welch`] of a whole record.
 ///
 /// Equals SciPy's `welch(series, fs=sample_rate_hz, nperseg=segment)` with its defaults (periodic Hann window, overlap
-/// of half, constant detrend, density, mean) to 1e-15 of the peak and each line to 2e-13 of itself (test
-/// `ref_scipy_welch`). A sine of amplitude A on a line stands there as A^2/2 over 1.5 line distances; a trend stands in
+/// of half, constant detrend, density, mean) to 1e-15 of the peak and each line to 2e-13 of itself (measured; test
+/// `ref_scipy_welch` allows more). A sine of amplitude A on a line stands there as A^2/2 over 1.5 line distances; a trend stands in
 /// the lowest lines, so detrend first.
 ///
 /// # Errors
@@ -214,8 +214,8 @@ impl Fourier {
     /// Replaces x by X, X_k = sum over n of x_n exp(-2 pi i k n/N), for k from 0 to N/2, packed as X_0, X_(N/2) (both
     /// real), Re X_1, Im X_1, Re X_2, ... Not allocating.
     ///
-    /// Within 2e-16 of the root of the sum of all |X|^2 from the definition in 50 digits at N = 256 (test
-    /// `ref_exact_transform`) and of SciPy's at N = 4096 (test `ref_scipy_transform`). Not checked for NaN.
+    /// Within 2e-16 of the root of the sum of all |X|^2 from the definition in 50 digits at N = 256 (measured; test
+    /// `ref_exact_transform` allows more) and of SciPy's at N = 4096 (test `ref_scipy_transform`). Not checked for NaN.
     ///
     /// # Errors
     /// [`Error::LengthMismatch`].

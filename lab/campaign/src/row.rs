@@ -104,7 +104,7 @@ named! {
 /// One of each parameter, where there is one.
 pub type Values = [Option<f64>; PARAMETERS];
 
-/// One case. What took how long is not in it: the same seed gives the same row, bit for bit.
+/// One case. What took how long is not in it: the same seed gives the same row, bit for bit on one kind of processor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
     /// The case.

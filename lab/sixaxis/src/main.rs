@@ -50,9 +50,9 @@ reservations; 4 done, not good; 5 the report is written and a limit that it requ
 enum Task {
     /// Simulate the paper's calibration campaign with MuJoCo and write an offline HTML report
     ///
-    /// Writes report.html, results.json (every number in it; the same seed gives the same file, bit for bit), run.json
+    /// Writes report.html, results.json (every number in it; the same seed gives the same file, bit for bit on one kind of processor), run.json
     /// (machine, duration), figures/*.svg and evidence.csv (random motions and, once the tests have been run, every
-    /// comparison they made) to the output folder.
+    /// comparison of the suites in props) to the output folder.
     #[cfg(feature = "harness")]
     Report(report::Arguments),
     /// Simulate a laboratory's calibration day: recordings, session file and, in a folder apart, the truth

@@ -32,7 +32,8 @@ pub const CORNER: Tolerance = required(
     0.03,
     "a calibration as good as its standards, and a random sensor's weakest limb",
 );
-/// Share of failures of five standard deviations whose class is not named, as far as it is no chance of one in a million.
+/// Share of failures of five standard deviations whose class is not named, as far as it is no chance of one in a million: of the suite's 108
+/// of a kind up to nine may be unnamed.
 pub const NOT_ISOLATED: Tolerance = required(0.01, "one failure in a hundred");
 /// Share of ambiguous pairs of which the wrong limb is named: odds of a thousand to one, and models that do not fit. As far as it is no
 /// chance of one in a million.

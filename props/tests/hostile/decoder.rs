@@ -148,7 +148,7 @@ proptest! {
 
     /// A constant torque, from none to one beyond any f64: the rate runs away until the numbers end.
     #[test]
-    fn prop_a_runaway_ends_in_an_error(
+    fn prop_a_runaway_is_finite_or_ends_in_an_error(
         exponent in -3.0..30.0_f64,
         direction in prop::array::uniform9(-1.0..1.0_f64),
         scheme in prop::sample::select(&Scheme::ALL[..]),

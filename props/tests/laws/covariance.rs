@@ -102,7 +102,7 @@ fn stat_errors_scatter_as_the_covariance_predicts() {
             chi_square_departure(value, freedom),
             tolerance::CHI_SQUARE,
         );
-        // A covariance off by the root of two would be noticed.
+        // A covariance off by two would be noticed.
         assert!(
             chi_square_departure(2.0 * value, freedom) > 1.0,
             "the gate on the {what} lets twice the covariance pass"

@@ -81,7 +81,8 @@ fn every_set() -> Vec<LimbSet> {
     (1..=MOST_EXCLUDED).flat_map(LimbSet::of_size).collect()
 }
 
-/// All 9, 36 and 84 sets. What stands still to the last bit is excluded as far as six axes are left, and named where not.
+/// All 9, 36 and 84 sets. What stands still to the last bit is excluded where six axes are left without all of it; where not, each limb of it is
+/// excluded or named.
 #[test]
 fn law_dead_limbs_and_no_others_are_excluded() {
     for dead in [Dead::Ground, Dead::Zero, Dead::Stuck] {

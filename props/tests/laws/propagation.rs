@@ -24,7 +24,8 @@ use sixaxis_recordings::session::Role;
 
 /// First seed of the draws; the closed form sees the campaign of this one.
 const SEED: u64 = 71;
-/// Campaigns drawn in the short run: a standard deviation is known to 6 % by them, and one off by a third is told.
+/// Campaigns drawn in the short run: a standard deviation is known to 6 % by them. One stated a third too small is told two times in three, one
+/// a third too large one time in three.
 const DRAWS: u64 = 150;
 /// Share of the laboratory's errors at which what first order leaves out is below what the draws can tell.
 const SMALL: f64 = 0.01;

@@ -77,6 +77,7 @@ pub fn section(rows: &[Row], unreadable: Option<&dyn Display>) -> Result<Section
     let mut text = Text::new(include_str!("evidence.md"))
         .value("comparisons", rows.len())
         .value("counted", counted)
+        .value("by_tests", by_suite.len() > 1)
         .value("beyond", beyond)
         .value("failed", failed.len())
         .value("unlisted", failed.len().saturating_sub(LISTED))

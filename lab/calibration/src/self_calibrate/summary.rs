@@ -249,7 +249,7 @@ impl Summary {
         }
         let _ = writeln!(
             out,
-            "  against the limbs that kept their scale; one sensor in {:.0} is wrongly said to have drifted",
+            "  against the limbs that kept their scale; by linear theory one sensor in {:.0} is wrongly said to have drifted",
             1.0 / self.false_alarm
         );
         if self.since.is_none() {

@@ -36,7 +36,7 @@ pub struct Arguments {
     /// Print the complete plan, with comments, and play nothing
     #[arg(long)]
     print_plan: bool,
-    /// Seed of every random number; the same seed gives the same files, bit for bit [default: 1]
+    /// Seed of every random number; the same seed gives the same files, bit for bit on one kind of processor [default: 1]
     #[arg(long, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     seed: Option<u64>,
     /// Format of the recordings; .npy is not among them because it has no channel names

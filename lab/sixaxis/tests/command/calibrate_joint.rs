@@ -89,7 +89,7 @@ fn worst(intervals: &Value, truth: &TrueSensor) -> (f64, String) {
 }
 
 #[test]
-fn ref_parameters_are_within_their_intervals() {
+fn ref_parameters_are_within_two_half_widths() {
     for (name, mounting) in [
         ("vertical", Mounting::AxisVertical),
         ("level", Mounting::AxisLevel),

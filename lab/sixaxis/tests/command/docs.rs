@@ -1,5 +1,5 @@
-//! README and docs say what the program does: every command in them is run, every path and link exists, and figures that were
-//! published are the published ones.
+//! README and docs say what the program does: every `sixaxis` command in a block of `sh` is run, cargo commands name what there is, every path and link
+//! exists, and figures that were published are the published ones.
 
 mod field;
 mod figures;

@@ -74,6 +74,8 @@ fn rows_of_other_code_are_counted_and_not_shown() {
     let rows = [row("s", "of this commit", 1e-12, 1e-9), others];
     let section = section(&rows, None).expect("a section");
     assert!(section.lead.starts_with("One comparison, all within"));
+    // Of one suite, which is the report's own.
+    assert!(section.lead.contains("made for this report alone"));
     let html = html(&section);
     assert!(html.contains("1 rows are of other code (0123456789ab)"));
     assert!(!html.contains("of another commit"));

@@ -26,7 +26,7 @@ Examples:
   sixaxis campaign summary campaign
   sixaxis campaign summary node-1 node-2 node-3 --json | jq '.parameters[] | {name, four_steps}'
 
-The same cases give the same numbers, bit for bit, however they were split and in whatever order the folders are named.
+The same cases give the same numbers, on one kind of processor bit for bit, however they were split and in whatever order the folders are named.
 
 Errors are estimate less truth. `var/stated` is the mean of their squares, each over the variance that its fit states: of the four
 steps noise alone, of the joint fit with the certificate; `noise 95 %` is the share of cases within 1.96 of those; `stated 95 %` the share within

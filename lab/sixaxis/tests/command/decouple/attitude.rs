@@ -203,7 +203,7 @@ fn ref_sensor_axes_stay_true_and_ground_axes_end_where_the_attitude_is_lost() {
 }
 
 #[test]
-fn ref_rests_and_attitudes_keep_ground_axes_within_their_deviations() {
+fn ref_rests_and_attitudes_keep_ground_axes_within_six_deviations() {
     let (open, _) = decoupled("deviates.parquet", &["--uncertainty"]);
     let Held {
         rows: open_rows,

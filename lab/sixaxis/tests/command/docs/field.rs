@@ -199,3 +199,65 @@ fn the_field_in_the_readme_is_the_published_one() {
         assert!(readme.contains(&sentence), "README has not: {sentence}");
     }
 }
+
+#[test]
+fn the_hours_in_the_field_are_the_published_ones() {
+    let field = on_one_line("docs/field.md");
+    let hours = published("hours");
+    let rides = || hours["rides"].as_array().expect("rides").iter();
+    // Squared errors over variances, of rate and of attitude, by the runs that are known at a look.
+    let looks = rides().flat_map(|ride| ride["at"].as_array().expect("looks"));
+    let ratios: Vec<(u64, f64)> = looks
+        .filter_map(|look| Some((look["known"].as_u64()?, look["over_variance"].as_array()?)))
+        .flat_map(|(known, both)| {
+            let numbers = both.iter().filter_map(serde_json::Value::as_f64);
+            numbers.map(move |ratio| (known, ratio))
+        })
+        .collect();
+    let of = |wanted: &dyn Fn(u64) -> bool| {
+        let some = ratios.iter().filter(|(known, _)| wanted(*known));
+        some.fold((f64::INFINITY, 0.0_f64), |(low, high), (_, ratio)| {
+            (low.min(*ratio), high.max(*ratio))
+        })
+    };
+    let runs = hours["runs"].as_u64().expect("runs");
+    let (low, high) = of(&|known| known == runs);
+    let (some, one) = (
+        of(&|known| known > 1 && known < runs),
+        of(&|known| known == 1),
+    );
+    let until = |velocity: bool, rests: bool| -> Vec<f64> {
+        let rides = rides().filter(|ride| {
+            let aids = &ride["aids"];
+            aids["attitude"].is_null()
+                && aids["velocity"].is_null() != velocity
+                && aids["rests"] == rests
+        });
+        rides
+            .filter_map(|ride| ride["unknown_from_s"].as_f64())
+            .collect()
+    };
+    let (open, velocities, rests) = (until(false, false), until(true, false), until(false, true));
+    assert_eq!((open.len(), velocities.len(), rests.len()), (5, 2, 2));
+    let [first_s, last_s] = [f64::min as fn(f64, f64) -> f64, f64::max]
+        .map(|least| open.iter().copied().reduce(least).expect("a ride"));
+    for sentence in [
+        format!(
+            "these ratios are {low:.2} to {high:.2} at the looks at which all {runs} are known; where fewer are, up to {:.2} (three runs) and {:.1} (one run)",
+            some.1, one.1
+        ),
+        format!(
+            "known to 5° for {first_s:.0} to {last_s:.0} s in open loop (medians of the five kinds), {:.0} and {:.0} s with velocities",
+            velocities[0], velocities[1]
+        ),
+        format!(
+            "{:.0} s (tumble) and {:.0} s (pick and place) with rests",
+            rests[0], rests[1]
+        ),
+    ] {
+        assert!(
+            field.contains(&sentence),
+            "docs/field.md has not: {sentence}"
+        );
+    }
+}
