@@ -475,6 +475,18 @@ fn inv_one_channel_that_steps_is_named_and_several_are_not() {
         );
         assert!(found[0].evidence.contains("before e"), "{found:?}");
     }
+    // Trials that turn, every other one here, and those that do not.
+    let turning = |fit: &mut JointEstimate| {
+        fit.trials = vec![quiet(); 8];
+        for trial in fit.trials.iter_mut().step_by(2) {
+            trial.sensitivity[4].value = 0.02;
+        }
+        for trial in fit.trials.iter_mut().skip(1).step_by(2) {
+            (trial.centre_m, trial.plumb) = (None, None);
+        }
+    };
+    let named = vec![(Cause::FadingSensitivity, vec![], vec![5])];
+    assert_eq!(found(turning), Some(named));
     // Less than an ordinary room's is nothing; plugs that are exchanged, and a gain's step, are no sensor's doing.
     assert_eq!(found(stepped(&[4], 0.005)), Some(Vec::new()));
     assert_eq!(found(stepped(&[4, 7], 0.1)), None);

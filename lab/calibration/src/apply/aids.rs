@@ -110,7 +110,7 @@ pub fn fixes(path: &Path, deviation_deg: f64) -> Result<VecDeque<Fix>> {
             let at = fixes.len() + 1;
             ensure!(
                 (attitude.length() - 1.0).abs() < UNIT,
-                "{place}: attitude {at}: a quaternion of length {:.3}",
+                "{place}: attitude {at}: a quaternion of length {:.3}, and rotations have 1",
                 attitude.length()
             );
             ensure!(

@@ -253,7 +253,7 @@ impl AttitudeStream {
         }
         if attitude.unused > 0 {
             self.messages.push(format!(
-                "attitudes that were not used: {}; no sample is at their time, or another one within a hundredth of a second (--aid)",
+                "attitudes that were not used: {}; no sample is at their time, another one is within a hundredth of a second, or the recording ends there: are their times seconds on its clock? (--aid)",
                 attitude.unused
             ));
         }

@@ -79,14 +79,17 @@ impl AttitudeSummary {
             ..
         } = self;
         // Beyond a quarter of a turn nothing is known.
-        let degrees = |sd_deg: f64| {
-            if sd_deg < 90.0 {
-                format!("{sd_deg:.2}°")
-            } else {
-                "more than 90°, so that nothing is known of it,".to_owned()
-            }
+        let is_known = |sd_deg: f64| sd_deg < 90.0;
+        let degrees = |sd_deg: f64| match is_known(sd_deg) {
+            true => format!("{sd_deg:.2}°"),
+            false => "more than 90°".to_owned(),
         };
-        let bound = self.bound_tilt_deg.map_or_else(String::new, |tilt| {
+        if !is_known(*sd_tilt_deg) {
+            return "at the end nothing is known of the attitude: one standard deviation is more than 90°"
+                .to_owned();
+        }
+        let bound = self.bound_tilt_deg.filter(|tilt| is_known(*tilt));
+        let bound = bound.map_or_else(String::new, |tilt| {
             format!(" (a sensor that stands still, under these aids: {tilt:.2}°)")
         });
         format!(

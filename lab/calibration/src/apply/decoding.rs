@@ -28,6 +28,7 @@ pub struct Decoding {
     /// Whether deviations are written.
     deviates: bool,
     said: Vec<String>,
+    finished: bool,
     /// Voltages of the last sample.
     before: Row,
     /// Decodes in the decoupler's place where failures are to be seen.
@@ -62,6 +63,7 @@ impl Decoding {
             uncertainty: None,
             deviates: false,
             said: Vec::new(),
+            finished: false,
             before: [0.0; LIMBS],
             watching: None,
             coordination: None,
@@ -136,7 +138,9 @@ impl Decoding {
         let watching = self.watching.as_mut();
         let mut all = watching.map_or_else(Vec::new, |w| std::mem::take(&mut w.messages));
         all.append(&mut self.said);
-        all.extend(self.ends.as_mut().and_then(Ends::begins_in_motion));
+        // How it begins is told by how it goes on.
+        let ends = self.ends.as_mut().filter(|_| self.finished);
+        all.extend(ends.and_then(Ends::begins_in_motion));
         all.extend(self.attitude.iter_mut().flat_map(AttitudeStream::messages));
         all
     }
@@ -148,6 +152,7 @@ impl Decoding {
 
     /// The recording has ended.
     pub fn finish(&mut self) {
+        self.finished = true;
         self.attitude.iter_mut().for_each(AttitudeStream::finish);
     }
 

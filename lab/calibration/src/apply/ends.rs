@@ -16,6 +16,10 @@ const FEWEST: usize = 8;
 /// hundred of the former.
 const DEVIATIONS: f64 = 10.0;
 const OF_RANGE: f64 = 1e-3;
+/// The same in the channel's largest change later in the recording.
+const OF_THE_RUN: f64 = 0.35;
+/// Of so many places one is looked at.
+const EVERY: usize = 4;
 
 /// The samples at both ends.
 #[derive(Debug, Clone)]
@@ -26,6 +30,8 @@ pub struct Ends {
     least_v: Row,
     first: Vec<Row>,
     last: Vec<Row>,
+    /// The largest change anywhere else, of the places that are looked at.
+    most_v: Row,
     said: bool,
 }
 
@@ -44,6 +50,7 @@ impl Ends {
             }),
             first: Vec::new(),
             last: Vec::new(),
+            most_v: [0.0; LIMBS],
             said: false,
         }
     }
@@ -51,8 +58,18 @@ impl Ends {
     /// Looks at the next samples, nine columns of voltages.
     pub fn look(&mut self, voltage_v: [&[f64]; LIMBS]) {
         let missing = self.kept.saturating_sub(self.first.len());
-        for at in 0..missing.min(voltage_v[0].len()) {
+        let samples = voltage_v[0].len();
+        for at in 0..missing.min(samples) {
             self.first.push(voltage_v.map(|column| column[at]));
+        }
+        let half = self.kept / 2;
+        let places = (missing..(samples + 1).saturating_sub(self.kept)).step_by(EVERY * self.kept);
+        for (limb, column) in voltage_v.into_iter().enumerate() {
+            for at in places.clone() {
+                let sum = |from: usize| column[from..from + half].iter().sum::<f64>();
+                let change_v = (sum(at + half) - sum(at)).abs() / half as f64;
+                self.most_v[limb] = self.most_v[limb].max(change_v);
+            }
         }
     }
 
@@ -97,6 +114,10 @@ impl Ends {
         }
         self.said = true;
         let (limb, change_v) = self.changing(&self.first)?;
+        // A motion that begins gently changes by little at first.
+        if change_v.abs() < OF_THE_RUN * self.most_v[limb] {
+            return None;
+        }
         Some(format!(
             "it begins in motion: limb {} changes by {:.3} V within the first {:.0} ms. At the first sample the rate is taken for zero; if the sensor was turning, \
              rates, attitude and all in ground axes are wrong from there on, by more than any stated deviation: cut the recording at a rest",

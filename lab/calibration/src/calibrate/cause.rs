@@ -10,6 +10,7 @@ use sixaxis_recordings::session::{Role, Session};
 
 use super::choice::Chosen;
 use crate::diagnosis::trial_case::TrialCase;
+use crate::estimate::Estimate;
 use crate::finding::{Cause, Finding};
 use crate::joint::hypotheses::{self, Unaccounted};
 use crate::joint::{self, JointReport, Knowledge};
@@ -31,7 +32,9 @@ impl Day<'_> {
         of_the_table: Vec<Finding>,
         mut suspected: Vec<Finding>,
     ) {
-        if let Some(joint) = chosen.accounting_joint() {
+        // Whose parameters were asked for makes no difference: what a room explains is no fault of a trial.
+        let joint = chosen.estimate.joint.as_ref().ok();
+        if let Some(joint) = joint.filter(|joint| joint.accounts()) {
             findings.extend(of_the_table);
             // Whole runs are judged as they come out; what is odd about one that fails is told then.
             let of_channels = |f: &Finding| !f.channels.is_empty() && self.is_of_validation(f);
@@ -42,16 +45,21 @@ impl Day<'_> {
             let explained = findings.iter().any(scaled);
             let more = self.extraordinary(joint);
             findings.extend(more.into_iter().filter(|f| !(explained && scaled(f))));
+            if findings.is_empty() {
+                let Estimate {
+                    steps, knowledge, ..
+                } = &chosen.estimate;
+                let start = joint::start(&self.prepared.campaign, steps);
+                let day = self.unaccounted(&steps.drift, start, knowledge, Ok(joint));
+                findings.extend(hypotheses::one_kind::tried(&day, Some(joint)));
+            }
             return;
         }
         suspected.extend(of_the_table);
         suspected.sort_by_key(|finding| finding.cause);
         let estimate = &chosen.estimate;
         let joint = estimate.joint.as_ref().map_err(String::as_str);
-        // The four steps' parameters may have been asked for.
-        findings.extend(if joint.is_ok_and(JointReport::accounts) {
-            suspected
-        } else if self.has_no_rest(findings) {
+        findings.extend(if self.has_no_rest(findings) {
             Vec::new()
         } else {
             let start = joint::start(&self.prepared.campaign, &estimate.steps);

@@ -71,36 +71,46 @@ pub fn of_one_channel(factor: f64) -> (Cause, &'static str) {
     }
 }
 
+/// Factors that two ways of writing one thing are apart, and what these are.
+const KNOWN: [(f64, &str); 6] = [
+    (57.29578, "degrees and radians are that far apart"),
+    (10.0, "a decade of an amplifier's range, or a lost digit"),
+    (
+        100.0,
+        "two decades of an amplifier's range, or a unit's prefix",
+    ),
+    (2.0, "a step of an amplifier's range"),
+    (2.5, "a step of an amplifier's range"),
+    (5.0, "a step of an amplifier's range"),
+];
+const OF_ACCELERATIONS: (f64, &str) = (
+    STANDARD_GRAVITY_M_S2,
+    "g and m/s² are that far apart, or a digit is lost",
+);
+const OF_RATES: (f64, &str) = (9.549_297, "rad/s and turns a minute are that far apart");
+
 /// What a factor of this size usually is.
 pub(super) fn reason(factor: f64) -> &'static str {
-    if is_near(factor, STANDARD_GRAVITY_M_S2) {
-        "g and m/s² are that far apart, or a digit is lost"
-    } else {
-        reason_of_a_rate(factor)
-    }
+    nearest(factor, OF_ACCELERATIONS)
 }
 
-/// Whether a factor, or one over it, is this one within what standards and sensors differ.
-fn is_near(factor: f64, other: f64) -> bool {
-    let away = |x: f64| x.ln().abs() < 0.08;
-    away(factor.abs() / other) || away(factor.abs() * other)
-}
-
-/// The same where nothing is an acceleration.
+/// The same of a gyroscope's.
 pub(super) fn reason_of_a_rate(factor: f64) -> &'static str {
+    nearest(factor, OF_RATES)
+}
+
+/// The nearest of what is known, if it is within what standards and sensors differ.
+fn nearest(factor: f64, own: (f64, &'static str)) -> &'static str {
     if is_thousand(factor) {
         return "volts and millivolts are that far apart";
     }
-    let near = |x: f64| is_near(factor, x);
-    if near(57.29578) {
-        "degrees and radians are that far apart"
-    } else if near(10.0) || near(100.0) {
-        "a decade of an amplifier's range, or a lost digit"
-    } else if near(2.0) || near(5.0) || near(2.5) {
-        "a step of an amplifier's range"
-    } else {
-        "check gains, sensitivities and units against the certificates and the amplifier's panel"
-    }
+    let away = |known: f64| (factor.abs().ln().abs() - known.ln()).abs();
+    let all = KNOWN.into_iter().chain([own]);
+    let near = all.filter(|(known, _)| away(*known) < 0.08);
+    near.min_by(|a, b| away(a.0).total_cmp(&away(b.0))).map_or(
+        "check gains, sensitivities and units against the certificates and the amplifier's panel",
+        |(_, words)| words,
+    )
 }
 
 /// What one channel's factor is a sign of. A voltage of the usual size says that the written gain is wrong. A channel of little voltage

@@ -237,7 +237,7 @@ fn beyond_converter(
             cause_of(factor),
             format!("{} {of_what}", factor_in_words(factor)),
             if is_thousand(factor) {
-                "the numbers are millivolts: say so in the file's heading or in [channels] limbs_unit"
+                "the numbers are millivolts: say so in the file's heading, or where it states no unit in [channels] limbs_unit"
             } else {
                 "check the unit of the limbs' channels and sensor.full_scale_v"
             },

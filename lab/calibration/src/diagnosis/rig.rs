@@ -24,6 +24,8 @@ const ACCELERATIONS: [f64; 3] = [STANDARD_GRAVITY_M_S2, 100.0, 1000.0];
 const RATES: [f64; 2] = [57.29578, 1000.0];
 /// A factor that no two cranks of a rig are apart.
 const ANY_CRANK: f64 = 5.0;
+/// Trials of a kind.
+const FEWEST: usize = 3;
 /// How near to one of them a factor is.
 const A_UNIT: f64 = 0.03;
 /// Part of an error by which two errors may differ that have one cause.
@@ -81,6 +83,19 @@ pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], found: &mut Found
         // What a few trials show beside the rig is theirs: a drive that slipped, samples that are missing. The limbs tell whether a
         // standard was at fault there.
         if odd.len() as f64 <= MOST * readings.len() as f64 {
+            let of_one_kind = all_of_a_kind(&odd, &readings, cases);
+            if let Some(usual) = median(of_one_kind.iter().copied()) {
+                found.findings.push(Finding {
+                    recordings: names(of_one_kind.iter().map(|r| &cases[r.case])),
+                    advice: format!("check unit and sensitivity of the {what} in these recordings, and whether the rig's {of} was another"),
+                    ..of_a_standard(what, of, 1.0 + usual, limit)
+                });
+                found.mark(Word::Suspected);
+                for reading in of_one_kind {
+                    cases[reading.case].explained = true;
+                }
+                continue;
+            }
             let in_other_units = odd.into_iter().filter(|r| {
                 let factor = 1.0 + r.excess;
                 let near = |unit: &f64| (factor / unit - 1.0).abs() < A_UNIT;
@@ -115,7 +130,12 @@ pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], found: &mut Found
                 names(odd.iter().map(|r| &cases[r.case]))
             },
             advice: format!(
-                "check unit and sensitivity of the {what} against its certificate, and [rig] {key}"
+                "check unit and sensitivity{} of the {what} against its certificate, and [rig] {key}",
+                if standard.lag_s > 0.0 {
+                    ", and the stated bandwidth_hz,"
+                } else {
+                    ""
+                }
             ),
             ..of_a_standard(what, of, factor, limit)
         });
@@ -128,6 +148,23 @@ pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], found: &mut Found
             cases[reading.case].explained = true;
         }
     }
+}
+
+/// The odd ones, if they are all of a kind of trials, and alike, and no other is.
+fn all_of_a_kind<'a>(
+    odd: &[&'a Reading],
+    readings: &[Reading],
+    cases: &[TrialCase<'_>],
+) -> Vec<&'a Reading> {
+    let role = |reading: &Reading| cases[reading.case].trial.role;
+    let Some(kind) = odd.first().map(|first| role(first)) else {
+        return Vec::new();
+    };
+    let of_kind = readings.iter().filter(|r| role(r) == kind).count();
+    let usual = median(odd.iter().copied()).unwrap_or(0.0);
+    let alike = |r: &&Reading| role(r) == kind && (r.excess - usual).abs() < ALIKE * usual.abs();
+    let all = odd.len() == of_kind && of_kind >= FEWEST && odd.iter().all(alike);
+    if all { odd.to_vec() } else { Vec::new() }
 }
 
 /// What the gyroscope reads over what the rig's rotation makes it read, in the median trial; none if the rig's rotation is not stated.

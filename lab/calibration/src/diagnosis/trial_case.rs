@@ -66,7 +66,7 @@ pub(crate) fn angles(conditioned: &Conditioned, trial: &Trial) -> impl Iterator<
 }
 
 /// The names of some trials.
-pub(super) fn names<'s, 'a: 's>(cases: impl IntoIterator<Item = &'s TrialCase<'a>>) -> Vec<String> {
+pub(crate) fn names<'s, 'a: 's>(cases: impl IntoIterator<Item = &'s TrialCase<'a>>) -> Vec<String> {
     cases
         .into_iter()
         .map(|case| case.trial.name.clone())

@@ -30,6 +30,8 @@ const ALIKE: f64 = 0.2;
 const OPEN: f64 = 1e-3;
 /// Angle of the axis off the plumb line, or of a level axis off the level, degrees.
 const PLUMB_DEG: f64 = 0.5;
+/// Angle up to which it is its sine, degrees.
+const LINEAR_DEG: f64 = 20.0;
 /// From the axis to the sensor's centre, m.
 const CENTRE_M: f64 = 5e-3;
 /// Channels of one trial whose zeros may well have drifted together.
@@ -186,9 +188,16 @@ impl JointReport {
                 cause: Cause::GravityNotHandled,
                 recordings: tilted,
                 channels: Vec::new(),
-                evidence: format!(
-                    "gravity turns in the sensor as if it stood {most_deg:.2}° from where the session says"
-                ),
+                // The fit takes an angle for its sine.
+                evidence: if most_deg < LINEAR_DEG {
+                    format!(
+                        "gravity turns in the sensor as if it stood {most_deg:.2}° from where the session says"
+                    )
+                } else {
+                    format!(
+                        "gravity turns in the sensor as if it stood more than {LINEAR_DEG}° from where the session says"
+                    )
+                },
                 advice: "plumb the axis, or state gravity as it is in the sensor at rest".to_owned(),
             });
         }

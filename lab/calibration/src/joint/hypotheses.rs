@@ -10,12 +10,14 @@
 //! | [`freedoms`] | the model has one freedom more or less: an amplifier's high-pass, a standard's lag, channels that are late |
 //! | [`clock`] | the standards have a clock of their own |
 //! | [`plugs`] | two channels, or their names, are exchanged, or one is inverted, from one trial on |
+//! | [`one_kind`] | a channel or two show more or less in all trials of one kind |
 //! | [`stated`] | a standard is the other way round, directions are stated in other axes, gains in V/N, down is up |
 //! | [`apart`] | a few trials are wrong and the others are not |
 
 pub mod apart;
 pub mod clock;
 pub mod freedoms;
+pub mod one_kind;
 pub mod plugs;
 pub mod stated;
 
@@ -78,6 +80,9 @@ pub fn explain(
         || rayon::join(|| clock::tried(day), || plugs::tried(day)),
     );
     accounting.extend(clock.into_iter().chain(plugs));
+    if accounting.is_empty() {
+        accounting.extend(one_kind::tried(day, None));
+    }
     // The first one of its cause is the narrowest.
     accounting.dedup_by_key(|finding| finding.cause);
     // A sensor looks alike from some sides: many channels in another order may be directions in other axes.

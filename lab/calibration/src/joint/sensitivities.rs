@@ -1,7 +1,7 @@
 //! What the joint fit says of the channels' sensitivities: each trial has its own, and an ordinary room leaves them alike.
 //!
 //! One that goes along with the day is fading. One channel's that is another from some trial on has stepped: a piezo that was knocked, a
-//! plug that was seated anew. Any other that one channel has in one trial is that channel's there. Several in one trial or in several are
+//! plug that was seated anew; or it is another in the trials that turn. Any other that one channel has in one trial is that channel's there. Several in one trial or in several are
 //! something else's doing: an exchange, a turned polarity.
 
 use sixaxis_core::LIMBS;
@@ -31,6 +31,16 @@ enum Course {
     Fading(f64),
     /// From the trial of this index on.
     Step(usize, f64),
+    /// In the trials that turn.
+    Turning(f64),
+}
+
+/// Two groups of trials.
+struct Levels {
+    /// What one shows more than the other, relative.
+    change: f64,
+    /// Share of all trials' scatter that this is.
+    explained: f64,
 }
 
 impl JointReport {
@@ -57,10 +67,14 @@ impl JointReport {
         if let Some(change) = self.fading(limb) {
             return Some(Course::Fading(change));
         }
-        let (from, change) = self.step(limb)?;
+        let course = |limb| {
+            let step = self
+                .step(limb)
+                .map(|(from, change)| Course::Step(from, change));
+            step.or_else(|| self.turning(limb).map(Course::Turning))
+        };
         let mut others = (0..LIMBS).filter(|other| *other != limb);
-        let alone = others.all(|other| self.step(other).is_none());
-        alone.then_some(Course::Step(from, change))
+        course(limb).filter(|_| others.all(|other| course(other).is_none()))
     }
 
     /// What a channel shows in each trial, and its mean and squares about that.
@@ -94,23 +108,45 @@ impl JointReport {
 
     /// The trial from which on a channel shows more or less, and by how much.
     fn step(&self, limb: usize) -> Option<(usize, f64)> {
+        let trials = self.estimate.trials.len();
+        let of = |from: usize| Some((from, self.two_levels(limb, |trial| trial >= from)?));
+        let all = (FEWEST..trials.saturating_sub(FEWEST - 1)).filter_map(of);
+        let (from, levels) = all.max_by(|a, b| a.1.explained.total_cmp(&b.1.explained))?;
+        self.is_named(limb, &levels)
+            .then_some((from, levels.change))
+    }
+
+    /// By how much more a channel shows in the trials that turn.
+    fn turning(&self, limb: usize) -> Option<f64> {
+        let turns = |trial: usize| self.estimate.trials[trial].centre_m.is_some();
+        let levels = self.two_levels(limb, turns)?;
+        self.is_named(limb, &levels).then_some(levels.change)
+    }
+
+    /// What a channel shows in some trials against the others.
+    fn two_levels(&self, limb: usize, wanted: impl Fn(usize) -> bool) -> Option<Levels> {
         let (values, mean, whole) = self.values(limb);
-        let count = values.len() as f64;
-        let of = |from: usize| {
-            let (before, after) = values.split_at(from);
-            let change = after.iter().sum::<f64>() / after.len() as f64
-                - before.iter().sum::<f64>() / before.len() as f64;
-            let explained = change * change * before.len() as f64 * after.len() as f64 / count;
-            (from, change / (1.0 + mean), explained)
-        };
-        let all = (FEWEST..values.len().saturating_sub(FEWEST - 1)).map(of);
-        let (from, change, explained) = all.max_by(|a, b| a.2.total_cmp(&b.2))?;
-        let size = change.abs();
-        (self.is_certain(limb)
-            && size > SENSITIVITY
-            && size < GAINS
-            && explained > EXPLAINED * whole)
-            .then_some((from, change))
+        let (mut some, mut others) = (Vec::new(), Vec::new());
+        for (trial, value) in values.iter().enumerate() {
+            if wanted(trial) {
+                &mut some
+            } else {
+                &mut others
+            }
+            .push(*value);
+        }
+        let counts = [some.len() as f64, others.len() as f64];
+        let change = some.iter().sum::<f64>() / counts[0] - others.iter().sum::<f64>() / counts[1];
+        let explained = change * change * counts[0] * counts[1] / values.len() as f64;
+        (some.len().min(others.len()) >= FEWEST).then(|| Levels {
+            change: change / (1.0 + mean),
+            explained: explained / whole,
+        })
+    }
+
+    fn is_named(&self, limb: usize, levels: &Levels) -> bool {
+        let size = levels.change.abs();
+        self.is_certain(limb) && size > SENSITIVITY && size < GAINS && levels.explained > EXPLAINED
     }
 
     /// Sensitivities that change over the day, or that are one trial's.
@@ -177,6 +213,13 @@ fn of_a_course(limb: usize, course: Course, names: &[String]) -> Finding {
                 names.get(from).map_or("", String::as_str)
             ),
             "see what happened to the limb, its plug or its amplifier's gain there, and calibrate with the trials of one side",
+        ),
+        Course::Turning(change) => (
+            format!(
+                "the channel's sensitivity is another by {:+.2} % in the angular trials",
+                100.0 * change
+            ),
+            "see whether limb, plug or gain was another in the angular trials, and repeat them",
         ),
     };
     Finding {

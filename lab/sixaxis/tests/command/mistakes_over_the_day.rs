@@ -6,7 +6,8 @@ use crate::mistakes::{calibrated, calibrated_in, rewritten, with_entry};
 use crate::program::{Folder, code, run, stderr, stdout, text};
 use crate::self_calibrate::day;
 
-/// Column of the gyroscope in the day's trials.
+/// Columns of the day's trials.
+const ACCELEROMETER: usize = 9;
 const GYROSCOPE: usize = 10;
 
 /// The day's recordings whose names begin so.
@@ -43,6 +44,106 @@ fn inv_a_sensitivity_that_steps_is_named_with_its_trial() {
         "{said}"
     );
     assert!(!said.contains("gyroscope against"), "{said}");
+}
+
+#[test]
+fn inv_a_sensitivity_that_is_another_in_the_angular_trials_is_named() {
+    let angular = of_kind("angular");
+    for (name, channels) in [
+        ("knocked", &[(5, 1.02)][..]),
+        ("two-knocked", &[(2, 1.03), (7, 0.97)]),
+    ] {
+        for file in &angular {
+            rewritten(file, &format!("{name}-{file}"), |row| {
+                channels
+                    .iter()
+                    .for_each(|(channel, by)| row[*channel] *= by);
+            });
+        }
+        let (code, said) = calibrated(name, |s| {
+            s.replace("file = \"angular", &format!("file = \"{name}-angular"))
+        });
+        assert_eq!(code, 4, "{said}");
+        assert!(
+            said.contains(&format!(
+                "sensitivity changes over the day: {name}-angular-01.csv"
+            )),
+            "{said}"
+        );
+        for (channel, by) in channels {
+            let wanted = format!("channel {} {by:.2}", channel + 1);
+            assert!(said.contains(&wanted), "{wanted}: {said}");
+        }
+    }
+}
+
+#[test]
+fn neg_a_standard_that_is_off_in_trials_of_one_kind_is_told_by_the_rig() {
+    let fast = of_kind("fast");
+    for file in &fast {
+        rewritten(file, &format!("off-{file}"), |row| {
+            row[ACCELEROMETER] *= 1.02
+        });
+    }
+    let (code, said) = calibrated("off-fast", |s| {
+        s.replace("file = \"fast", "file = \"off-fast")
+    });
+    assert_eq!(code, 4, "{said}");
+    assert!(
+        said.contains("wrong unit or scaling: off-fast-01.csv")
+            && said.contains("the standard accelerometer shows 1.0")
+            && !said.contains("amplifier's range or not at all"),
+        "{said}"
+    );
+}
+
+#[test]
+fn inv_a_tumble_that_begins_gently_begins_at_rest() {
+    let folder = Folder::new("gentle");
+    let simulated = run(&[
+        "simulate",
+        "--out",
+        text(&folder),
+        "--engine",
+        "rigid",
+        "--seed",
+        "31",
+        "--tumble",
+        "5",
+        "--trials",
+        "3",
+    ]);
+    let said = stdout(&simulated);
+    let gains = said
+        .split("--gain ")
+        .nth(1)
+        .and_then(|s| s.split_whitespace().next());
+    let gains = gains.expect("says how to go on");
+    let session = folder.file("session.toml");
+    let output = run(&["calibrate", &session, "--quiet"]);
+    assert!(matches!(code(&output), 0 | 3), "{}", stderr(&output));
+    let (calibration, tumble, out) = (
+        folder.file("calibration.json"),
+        folder.file("tumble.csv"),
+        folder.file("o.csv"),
+    );
+    let output = run(&[
+        "decouple",
+        &calibration,
+        &tumble,
+        "--gain",
+        gains,
+        "--down",
+        "0,0,-1",
+        "--out",
+        &out,
+    ]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    assert!(
+        !stderr(&output).contains("begins in motion"),
+        "{}",
+        stderr(&output)
+    );
 }
 
 #[test]

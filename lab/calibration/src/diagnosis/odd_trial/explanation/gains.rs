@@ -91,7 +91,8 @@ impl Odd<'_> {
             let rounded = |factor: f64| (1e6 * own[i] / factor).round() / 1e6;
             factors[i].map_or_else(|| "?".to_owned(), |factor| rounded(factor).to_string())
         });
-        (judged >= FEWEST_RANGES).then(|| Finding {
+        let moved = factors.iter().flatten().any(|factor| *factor != 1.0);
+        (judged >= FEWEST_RANGES && moved).then(|| Finding {
             recordings: vec![self.case.trial.name.clone()],
             cause: Cause::WrongScaling,
             channels: Vec::new(),
