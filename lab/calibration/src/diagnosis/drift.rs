@@ -65,8 +65,8 @@ pub fn examine_static(rest: &Trial, findings: &mut Vec<Finding>) {
         });
         return;
     }
-    for channel in 0..LIMBS {
-        if let (false, Some(change)) = (dead[channel], course(rest, channel)) {
+    for channel in (0..LIMBS).filter(|channel| !dead[*channel]) {
+        if let Some(change) = course(rest, channel) {
             findings.push(Finding {
                 cause: Cause::DriftDuringRun,
                 recordings: vec![rest.name.clone()],

@@ -99,7 +99,7 @@ pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], found: &mut Found
             let in_other_units = odd.into_iter().filter(|r| {
                 let factor = 1.0 + r.excess;
                 let near = |unit: &f64| (factor / unit - 1.0).abs() < A_UNIT;
-                let no_crank = factor > ANY_CRANK || factor < 1.0 / ANY_CRANK;
+                let no_crank = !(ANY_CRANK.recip()..=ANY_CRANK).contains(&factor);
                 no_crank || units.iter().any(|unit| near(unit) || near(&unit.recip()))
             });
             for reading in in_other_units {
