@@ -75,10 +75,7 @@ pub fn of_one_channel(factor: f64) -> (Cause, &'static str) {
 const KNOWN: [(f64, &str); 6] = [
     (57.29578, "degrees and radians are that far apart"),
     (10.0, "a decade of an amplifier's range, or a lost digit"),
-    (
-        100.0,
-        "two decades of an amplifier's range, or a unit's prefix",
-    ),
+    (100.0, "a decade of an amplifier's range, or a lost digit"),
     (2.0, "a step of an amplifier's range"),
     (2.5, "a step of an amplifier's range"),
     (5.0, "a step of an amplifier's range"),
