@@ -1,5 +1,6 @@
 //! From evidence to a grade: what fails, what is missing, what is good.
 
+use crate::diagnosis::rig;
 use crate::drive;
 use crate::finding::{Cause, Finding, in_a_sentence};
 use crate::report::{Grade, ParameterReport, TrialReport};
@@ -13,8 +14,6 @@ pub const COORDINATION_LIMIT: f64 = 0.1;
 const BEYOND_DOUBT: f64 = 2.0;
 /// Standard errors by which the gyroscope's gain must leave its class to be called wrong.
 const GAIN_SIGNIFICANT: f64 = 5.0;
-/// Tolerance of the rig's rotation, relative: a workshop's.
-const BY_RIG: f64 = 3e-3;
 /// Trials of a step from which leaving one out proves something.
 const TRIALS_WANTED: usize = 6;
 
@@ -118,7 +117,7 @@ pub(crate) fn failures(
             "by Euler's equation the true rate is {gain:.3} ± {error:.3} times the gyroscope's reading, beyond its class of {:.1} %",
             100.0 * gyroscope_class
         );
-        let certified = |reads: &f64| (reads - 1.0).abs() <= gyroscope_class + BY_RIG;
+        let certified = |reads: &f64| (reads - 1.0).abs() <= gyroscope_class + rig::TOLERANCE;
         let (cause, evidence, advice) = match gyroscope_by_rig.filter(certified) {
             None => (
                 Cause::WrongScaling,

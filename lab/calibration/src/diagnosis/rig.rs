@@ -14,7 +14,7 @@ use sixaxis_recordings::session::Role;
 use sixaxis_recordings::unit::STANDARD_GRAVITY_M_S2;
 
 /// Relative tolerance of stroke and rotation amplitude: a workshop's.
-const TOLERANCE: f64 = 3e-3;
+pub const TOLERANCE: f64 = 3e-3;
 /// Share of the trials from which what they show is said of a standard.
 const MOST: f64 = 0.5;
 /// Units of an accelerometer that are mistaken for each other: m/s^2 for g, metres for centimetres or millimetres. Any other factor in a few

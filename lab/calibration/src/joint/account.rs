@@ -15,7 +15,7 @@ use super::{JointReport, TIME_CONSTANT};
 use crate::finding::{Cause, Finding};
 
 /// Standard deviations from which something is there and not noise.
-const SIGNIFICANT: f64 = 6.0;
+pub(super) const SIGNIFICANT: f64 = 6.0;
 /// Standard deviations by which the gyroscope's gain must leave its certificate.
 const BEYOND_CERTIFICATE: f64 = 4.0;
 /// Most that an ordinary laboratory has: spread of the limbs' stiffnesses, relative.

@@ -8,11 +8,10 @@ use sixaxis_core::LIMBS;
 use sixaxis_core::identify::joint::Known;
 
 use super::JointReport;
+use super::account::SIGNIFICANT;
 use crate::diagnosis::level::of_one_channel;
 use crate::finding::{Cause, Finding};
 
-/// Standard deviations from which something is there and not noise.
-const SIGNIFICANT: f64 = 6.0;
 /// Change of one channel's sensitivity in one trial, or over the day, relative, from which it is more than an ordinary room's.
 const SENSITIVITY: f64 = 0.01;
 /// Change beyond which a step is no sensor's but a gain's, relative.
