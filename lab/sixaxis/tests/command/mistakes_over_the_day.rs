@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::mistakes::{calibrated, calibrated_in, rewritten, with_entry};
+use crate::mistakes::{calibrated, calibrated_in, rewritten, rewritten_in, with_entry};
 use crate::program::{Folder, code, run, stderr, stdout, text};
 use crate::self_calibrate::day;
 
@@ -174,14 +174,28 @@ fn neg_a_run_that_is_not_whole_is_told_from_one_that_fails() {
 
 #[test]
 fn neg_a_clipped_gyroscope_accuses_no_other_recording() {
-    let angular = of_kind("angular");
-    for file in &angular[1..] {
-        rewritten(file, &format!("clipped-{file}"), |row| {
-            row[GYROSCOPE] = row[GYROSCOPE].clamp(-3.0, 3.0);
+    // A sensor whose compound runs depart by a quarter from what its one whole angular trial makes one expect.
+    let folder = Folder::new("clipped-gyroscope");
+    let simulated = run(&[
+        "simulate",
+        "--out",
+        text(&folder),
+        "--engine",
+        "rigid",
+        "--sensor",
+        "random",
+        "--seed",
+        "88005",
+    ]);
+    assert_eq!(code(&simulated), 0, "{}", stderr(&simulated));
+    let angular: Vec<String> = (2..=10).map(|k| format!("angular-{k:02}.csv")).collect();
+    for file in &angular {
+        rewritten_in(&folder, file, &format!("clipped-{file}"), |row| {
+            row[GYROSCOPE] = row[GYROSCOPE].clamp(-11.0, 11.0);
         });
     }
-    let (code, said) = calibrated("clipped-gyroscope", |s| {
-        let files = angular[1..].iter();
+    let (code, said) = calibrated_in(&folder, "clipped-gyroscope", |s| {
+        let files = angular.iter();
         files.fold(s.to_owned(), |s, file| {
             s.replace(file, &format!("clipped-{file}"))
         })
