@@ -8,7 +8,7 @@
 //! | Module | Contents |
 //! |---|---|
 //! | [`geometry`], [`limb_set`], [`model`], [`parameter`], [`scheme`] | the sensor, its 25 parameters, the settings of a run |
-//! | [`paper`] | equations (1) to (11) as printed |
+//! | [`paper`] | equations (1) to (11) as printed, but for the sign of (2) |
 //! | [`decouple`] | decoupling: sample by sample, along a recording, along eight recordings at once; with excluded limbs; with uncertainties |
 //! | [`identify`] | the four steps that find the parameters, and estimators of all or single parameters |
 //! | [`redundancy`] | nine limbs, six accelerations: parity relations, self-calibration, detection and exclusion of failed limbs |

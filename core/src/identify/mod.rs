@@ -73,7 +73,7 @@ impl Verdict {
 }
 
 /// Standard error over size above which an unknown counts as not determined. Required, not derived: the paper's identification changes scale
-/// factors, k/m and the largest inertia by 29 to 41 % of the design's, and a tenth tells such changes.
+/// factors by 5 to 41 %, k/m by 35 % and the largest inertia by 29 % of the design's, and a tenth tells most of such changes.
 const RELATIVE_STANDARD_ERROR_LIMIT: f64 = 0.1;
 
 /// Judges unknowns each against its own size.

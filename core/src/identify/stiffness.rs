@@ -2,7 +2,7 @@
 //!
 //! The search decodes the same trials for each k/m on a grid and takes the one with the smallest mean |w*|. All of
 //! the effect comes from the motion of the mass in the shell, a millionth of the torque balance: scale factors must
-//! be as good before the minimum means anything. [`judge`] says when it does not.
+//! be right against each other to some hundred-thousandths before the minimum means anything. [`judge`] says when it does not.
 
 use super::{Reason, Verdict};
 use crate::decouple::stream::Decoupler;

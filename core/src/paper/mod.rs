@@ -1,4 +1,4 @@
-//! Section 2 of the paper as printed, in the order in which a voltage passes it: equations (1) to (11).
+//! Section 2 of the paper as printed, in the order in which a voltage passes it: equations (1) to (11), but for the sign of (2).
 //!
 //! | module | equation | from | to |
 //! |---|---|---|---|

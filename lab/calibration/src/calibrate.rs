@@ -6,6 +6,7 @@
 //! | [`cause`] | what is wrong with the day, as far as an estimate bears it out |
 //! | [`evidence`] | each trial's fit, its prediction by a fit without it, the coordination equations |
 //! | [`validation`] | runs that were never fitted, decoupled and held against the standards |
+//! | [`failing_run`] | why one of them fails |
 //! | [`choice`] | the parameters of the estimator that was asked for |
 //! | [`covariance`], [`file`](mod@file) | what is written of them |
 //!
@@ -18,6 +19,7 @@ mod cause;
 mod choice;
 mod covariance;
 mod evidence;
+mod failing_run;
 mod file;
 mod validation;
 
@@ -25,6 +27,7 @@ pub use choice::{beyond_certificate, contradiction};
 
 use cause::Day;
 use choice::{Chosen, stiffness};
+use validation::Decoding;
 
 use crate::calibration::Calibration;
 use crate::conditioning::Conditioned;
@@ -183,15 +186,8 @@ pub fn calibrate(
         progress.stage("holding against the standards", 1);
         evidence::hold_out(campaign, steps, &chosen.estimate.left_out, &mut trials);
         evidence::coordination(campaign, &chosen.used, &mut trials);
-        let limbs = chosen.used_joint().map(JointReport::limbs);
-        let cross_talk = limbs.as_ref().map(|limbs| &limbs.cross_talk);
-        validation_runs = validation::validate(
-            campaign,
-            &chosen.used,
-            cross_talk,
-            &mut trials,
-            &mut findings,
-        );
+        validation_runs =
+            validation::validate(campaign, &decoding(chosen), &mut trials, &mut findings);
         progress.part();
         if let Some(criterion) = &options.repeat {
             progress.stage("repeating", 1);
@@ -208,10 +204,16 @@ pub fn calibrate(
     if findings.is_empty() {
         let gyroscope = rig::gyroscope_reads(&facts(session, &prepared), &cases);
         findings = failures(session, &trials, judged_by, gyroscope);
-        findings.iter_mut().for_each(|finding| {
-            explain(finding, &of_validation);
-            validation::explain_cut(finding, &prepared);
-        });
+        let decoding = chosen.as_ref().map(decoding);
+        for finding in &mut findings {
+            failing_run::explain(
+                finding,
+                &of_validation,
+                &prepared,
+                decoding.as_ref(),
+                &trials,
+            );
+        }
     }
     if let Some(chosen) = &chosen {
         if findings.is_empty() {
@@ -286,17 +288,11 @@ fn says_more_of(finding: &Finding, certain: &[Finding]) -> bool {
         && places.all(|name| finding.channels.iter().all(|channel| known(name, *channel)))
 }
 
-/// A run that fails with what is odd about it.
-fn explain(failure: &mut Finding, suspected: &[Finding]) {
-    let same = |finding: &&Finding| finding.recordings.contains(&failure.recordings[0]);
-    if failure.recordings.len() != 1 {
-        return;
-    }
-    if let Some(odd) = suspected.iter().find(same) {
-        failure.cause = odd.cause;
-        failure.channels.clone_from(&odd.channels);
-        failure.evidence = format!("{}; {}", failure.evidence, odd.evidence);
-        failure.advice.clone_from(&odd.advice);
+/// What runs are decoupled with.
+fn decoding(chosen: &Chosen) -> Decoding<'_> {
+    Decoding {
+        parameters: &chosen.used,
+        cross_talk: chosen.used_joint().map(|joint| joint.limbs().cross_talk),
     }
 }
 

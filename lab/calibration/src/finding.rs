@@ -41,6 +41,8 @@ pub enum Cause {
     LooseWedge,
     /// A trial is another sensor's.
     ForeignTrial,
+    /// What the channels' noise and the converter's steps do to a run is as much as what fails.
+    Noisy,
     /// A trial does not agree with the others, and no cause explains it.
     Unexplained,
     /// The joint fit was asked for and cannot be done.
@@ -68,6 +70,7 @@ impl Cause {
             Self::FadingSensitivity => "sensitivity changes over the day",
             Self::LooseWedge => "wedge loose or wrong",
             Self::ForeignTrial => "trial of another sensor",
+            Self::Noisy => "noise or rounding too large",
             Self::Unexplained => "does not fit, cause unknown",
             Self::JointFitRefused => "joint fit refused",
         }

@@ -12,6 +12,7 @@ use sixaxis_core::decouple::uncertainty::Covariance;
 use sixaxis_core::parameter::{INERTIA, Parameter, SCALE};
 use sixaxis_core::significance::NORMAL_95;
 use sixaxis_core::{LIMBS, Parameters};
+use sixaxis_page::number::percent;
 
 use crate::report::ParameterReport;
 use crate::steps::{Campaign, FourSteps, jackknife};
@@ -249,9 +250,9 @@ pub(crate) fn is_determined(parameter: Parameter, estimate: f64, half_width: f64
     !parameter.has_size() || half_width < NOTHING_KNOWN * estimate.abs()
 }
 
-/// Relative error of the scale factors at which step 4's minimum begins to mean something: relative motion changes the torques
-/// by some millionths.
-pub const SCALE_ERROR_FOR_STIFFNESS: f64 = 1e-6;
+/// Error of the scale factors against each other, relative, up to which step 4's minimum is k/m to a thousandth: with twice to six times as much
+/// most searches have none (report, section on identifiability). A factor that all have in common does no harm.
+pub const SCALE_ERROR_FOR_STIFFNESS: f64 = 1e-5;
 
 /// What to do where k/m is not determined.
 pub(crate) const TAP_IT: &str = "k/m cannot be had from this campaign: tap the shell, held by the rig, sample at 50 kHz and enter the recording with role = \"tap\"";
@@ -289,9 +290,16 @@ fn stiffness(
     design: &Parameters,
     known: &[ParameterReport],
 ) -> ParameterReport {
+    let against_each_other = |p: &ParameterReport| {
+        let differs = p
+            .from_noise
+            .unwrap_or(0.0)
+            .max(p.from_trials.unwrap_or(0.0));
+        differs / p.estimate.abs()
+    };
     let worst = known[LIMBS..2 * LIMBS]
         .iter()
-        .filter_map(|p| Some(p.half_width_95? / p.estimate.abs()))
+        .map(against_each_other)
         .fold(0.0, f64::max);
     let determined = steps.stiffness_is_determined() && worst <= SCALE_ERROR_FOR_STIFFNESS;
     let remark = match &steps.stiffness {
@@ -300,13 +308,15 @@ fn stiffness(
         ),
         Some(_) if determined => String::new(),
         Some(found) if steps.stiffness_is_determined() => format!(
-            "not to be relied on: the search has a minimum at {:.2e} 1/s², but that needs scale factors right to one millionth and has them to {:.1} %. {TAP_IT}",
+            "not to be relied on: the search has a minimum at {:.2e} 1/s², but that needs scale factors right to {} against each other and has them to {}. {TAP_IT}",
             found.grid_minimum_per_s2,
-            100.0 * worst
+            percent(SCALE_ERROR_FOR_STIFFNESS, 1),
+            percent(worst, 1)
         ),
         Some(_) => format!(
-            "not determined: needs scale factors right to one millionth, has them to {:.1} %; the design's value is used, which the decoupled accelerations do not notice at the rig's frequencies. {TAP_IT}",
-            100.0 * worst
+            "not determined: needs scale factors right to {} against each other, has them to {}; the design's value is used, which the decoupled accelerations do not notice at the rig's frequencies. {TAP_IT}",
+            percent(SCALE_ERROR_FOR_STIFFNESS, 1),
+            percent(worst, 1)
         ),
     };
     ParameterReport {

@@ -315,7 +315,7 @@ fn copies(trials: &mut Vec<Trial>) -> Vec<Finding> {
 }
 
 /// Validation runs have a low-pass of their own.
-fn for_role(conditioning: &Conditioning, role: Role) -> Conditioning {
+pub(crate) fn for_role(conditioning: &Conditioning, role: Role) -> Conditioning {
     let mut own = conditioning.clone();
     if role == Role::Validation
         && let Stage::On(low_pass) = &mut own.stages.low_pass

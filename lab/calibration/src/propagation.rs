@@ -3,7 +3,7 @@
 //! Noise of the nine channels and of both standards, trial by trial; errors of the standards' gains, the same all day; wedges,
 //! each the same in every trial that it is used in. To first order all of them are linear in what a step's rows lack
 //! ([`sixaxis_core::decouple::uncertainty`]); white noise of raw samples comes to the rows through the transposed conditioning. Held
-//! against tens of thousands of simulated campaigns by `props`' suite `propagation`.
+//! against 20,000 simulated campaigns by `props`' example `propagation`, and against 150 by its suite.
 //!
 //! What is not in it: what the model neglects (limbs that give way, 1e-6 of s/m), clocks, wild samples, and whatever
 //! makes noise not white.

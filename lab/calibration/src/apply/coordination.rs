@@ -16,8 +16,8 @@ use crate::calibration::Calibration;
 use crate::grade::COORDINATION_LIMIT;
 
 /// A sum over four forces of the usual size, from which something else than unequal limbs is at work. Measured on simulated runs
-/// of the rig: 0.004 with equal limbs, 0.05 at worst with stiffnesses that scatter by 1 %, 0.14 with 3 %; 0.1 to 0.7 with
-/// the calibration of another sensor drawn at random.
+/// of the rig: 0.004 with equal limbs, 0.05 at worst with stiffnesses that scatter by 1 %, 0.14 with 3 %; 0.14 to 0.85, in nine of ten,
+/// with the calibration of another sensor drawn at random: one pair in nine is below the limit.
 const BROKEN: f64 = 2.0 * COORDINATION_LIMIT;
 /// One row in so many is looked at: six instructions a sample, 0.1 % of what `decouple` takes from file to file. A prime, so that
 /// no period of the motion is met in step.

@@ -5,8 +5,8 @@ use glam::DVec3;
 
 /// Shortest time that is judged, s: a throw is over by then.
 const SHORTEST_S: f64 = 2.0;
-/// Mean acceleration of no motion, m/s^2. A tumble with the direction of gravity inverted has 13 to 21, and 0.2 with it as it is; 7 where a
-/// limb has drifted by 0.3 %.
+/// Mean acceleration of no motion, m/s^2. A tumble with the direction of gravity inverted has 17 to 23 (three tumbles), and 0.3 to 0.4
+/// with it as it is; 3 to 7 where a limb has drifted by 0.3 %.
 const LARGEST_M_S2: f64 = 5.0;
 /// Velocity that it must end at besides, m/s: 90 km/h.
 const FASTEST_M_S: f64 = 25.0;

@@ -13,7 +13,6 @@ use crate::conditioning::Conditioned;
 use crate::diagnosis::trial_case::angles;
 use crate::finding::{Cause, Finding};
 use crate::grade::worst;
-use crate::prepare::PreparedSession;
 use crate::report::{TrialReport, ValidationRun};
 use crate::steps::Campaign;
 use crate::trial::Trial;
@@ -21,15 +20,17 @@ use sixaxis_recordings::session::Role;
 
 /// Share of the largest peak that an axis is measured by at least.
 const FLOOR: f64 = 0.1;
-/// Time at either end of a run, s, over which a rest shows, and the share of the gyroscope's peak that it reads in none.
-const END_S: f64 = 0.01;
-const TURNS: f64 = 0.1;
+/// What validation runs are decoupled with.
+#[derive(Debug)]
+pub(super) struct Decoding<'a> {
+    pub parameters: &'a Parameters,
+    pub cross_talk: Option<Square>,
+}
 
 /// Decouples the validation runs and holds them against the standards.
 pub(super) fn validate(
     campaign: &Campaign,
-    parameters: &Parameters,
-    cross_talk: Option<&Square>,
+    decoding: &Decoding<'_>,
     reports: &mut [TrialReport],
     findings: &mut Vec<Finding>,
 ) -> Vec<ValidationRun> {
@@ -38,7 +39,7 @@ pub(super) fn validate(
         if trial.role != Role::Validation {
             continue;
         }
-        match compare(campaign, trial, conditioned, parameters, cross_talk) {
+        match compare(campaign, trial, conditioned, decoding) {
             Ok(run) => {
                 report.validation = Some(errors(&run, arm_m(&campaign.design)));
                 validation_runs.push(run);
@@ -57,59 +58,18 @@ pub(super) fn validate(
     validation_runs
 }
 
-/// A run that fails and is not whole: what is compared is decoupled as one from rest to rest.
-pub(super) fn explain_cut(failure: &mut Finding, prepared: &PreparedSession) {
-    let [name] = &failure.recordings[..] else {
-        return;
-    };
-    let mut runs = prepared.campaign.of(Role::Validation);
-    let Some((trial, _)) = runs.find(|(trial, _)| trial.name == *name) else {
-        return;
-    };
-    let mut broken_off = prepared.broken_off.iter();
-    let broken_off = broken_off.find(|(_, names)| names.contains(name));
-    let how = match broken_off {
-        Some((how, _)) => Some(how.clone()),
-        None => turns_at_an_end(trial),
-    };
-    if let Some(how) = how {
-        failure.cause = Cause::Unreadable;
-        failure.evidence = format!("{}; {how}", failure.evidence);
-        failure.advice = "record the run whole, from rest to rest".to_owned();
-    }
-}
-
-/// That the gyroscope turns at the first or the last samples of a run.
-fn turns_at_an_end(trial: &Trial) -> Option<String> {
-    let rate = &trial.gyroscope_rad_s;
-    let mean = rate.iter().sum::<f64>() / rate.len().max(1) as f64;
-    let peak = rate.iter().fold(0.0_f64, |peak, r| peak.max(r.abs()));
-    let samples = ((END_S * trial.sample_rate_hz) as usize).clamp(1, rate.len().max(1));
-    let ends = [
-        ("begins", &rate[..samples.min(rate.len())]),
-        ("ends", &rate[rate.len().saturating_sub(samples)..]),
-    ];
-    ends.into_iter().find_map(|(which, end)| {
-        let at_end = end.iter().sum::<f64>() / end.len().max(1) as f64;
-        (at_end.abs().min((at_end - mean).abs()) > TURNS * peak).then(|| {
-            format!(
-                "it {which} in motion, where the gyroscope reads {at_end:.2} rad/s: it is not whole"
-            )
-        })
-    })
-}
-
-fn compare(
+/// Decouples a run and sets it beside its standards.
+pub(super) fn compare(
     campaign: &Campaign,
     trial: &Trial,
     conditioned: &Conditioned,
-    parameters: &Parameters,
-    cross_talk: Option<&Square>,
+    decoding: &Decoding<'_>,
 ) -> sixaxis_core::Result<ValidationRun> {
+    let parameters = decoding.parameters;
     let sensor = trial.sensor(campaign.geometry);
     let settings = trial.settings(Scheme::HeunSubstepped);
     let mut rows = conditioned.voltage_v.clone();
-    if let Some(shares) = cross_talk {
+    if let Some(shares) = &decoding.cross_talk {
         let cross_talk = CrossTalk::new(&sensor, parameters, shares)?;
         for row in &mut rows {
             *row = cross_talk.undo(row);
@@ -155,14 +115,14 @@ fn compare(
 }
 
 /// Radius of gyration, m: the arm over which an angular acceleration weighs as much as a linear one.
-fn arm_m(design: &Parameters) -> f64 {
+pub(super) fn arm_m(design: &Parameters) -> f64 {
     let inertia = &design.inertia_per_mass;
     ((inertia.xx_m2 + inertia.yy_m2 + inertia.zz_m2) / 3.0).sqrt()
 }
 
 /// Largest error of each axis over its peak, or over a tenth of the largest peak of all: an axis that does not move has nothing
 /// else to be measured by.
-fn errors(run: &ValidationRun, arm_m: f64) -> [f64; 6] {
+pub(super) fn errors(run: &ValidationRun, arm_m: f64) -> [f64; 6] {
     let mut peak = [0.0_f64; 6];
     let mut off = [0.0_f64; 6];
     for (standard, decoupled) in run.standard.iter().zip(&run.decoupled) {

@@ -21,6 +21,9 @@ const BEYOND: f64 = 1.2;
 const WILD: usize = 10;
 /// Converter steps by which a top that was merely rounded has fallen as far out again as it is wide, with room for noise.
 const ROUNDED_TOP: f64 = 12.0;
+/// Samples within a step of a rounded top, on both sides of it, for each sample of the top. A parabola has at least 0.4, and the broad top
+/// of a crank with a short rod, which bends with the fourth power, 0.19; what is cut off has left the top at once.
+const SHOULDERS: f64 = 0.1;
 /// A flat top is expected of a channel that spans no more than so many converter steps.
 const STEPS_SPANNED: f64 = 64.0;
 
@@ -352,8 +355,8 @@ fn flat_top(series: &[f64], step: f64) -> Option<f64> {
 }
 
 /// Whether a run of equal extreme samples was cut off rather than rounded off. The top of a sine that stays within half a
-/// converter step for n samples has fallen by 4.5 steps n samples further out; one that was cut has fallen by many. A run at
-/// either end of the recording is a rest.
+/// converter step for n samples has fallen by 4.5 steps n samples further out, and its shoulders stay for a while within the next step;
+/// one that was cut has fallen by many and has none. A run at either end of the recording is a rest.
 fn is_cut_off(series: &[f64], from: usize, to: usize, step: f64) -> bool {
     let n = to - from;
     if n < FLAT_TOP || from == 0 || to == series.len() {
@@ -364,5 +367,8 @@ fn is_cut_off(series: &[f64], from: usize, to: usize, step: f64) -> bool {
     let fallen = (before - series[from])
         .abs()
         .min((after - series[from]).abs());
-    fallen > ROUNDED_TOP * step
+    let beside = |u: &&f64| (**u - series[from]).abs() <= 1.5 * step;
+    let shoulders = series[..from].iter().rev().take_while(beside).count()
+        + series[to..].iter().take_while(beside).count();
+    fallen > ROUNDED_TOP * step && (shoulders as f64) < SHOULDERS * n as f64
 }

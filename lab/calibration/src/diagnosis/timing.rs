@@ -17,6 +17,9 @@ const LAG_S: f64 = 0.5e-3;
 const GROWTH_S: f64 = 0.5e-3;
 /// Times its standard error that a lag must exceed.
 const SIGNIFICANT: f64 = 6.0;
+/// Share of the largest response that a late channel has in quadrature at least, and that its own has.
+const QUADRATURE: f64 = 0.005;
+const LOUD: f64 = 0.2;
 /// Relative error below which no response is known: noise-free recordings have no error of their own.
 const ROUNDING: f64 = 1e-9;
 /// Departure of the drive's frequency from the session's that is noticed.
@@ -57,8 +60,64 @@ pub fn lag_of(case: &TrialCase<'_>) -> Option<f64> {
     error.is_finite().then_some(lag)
 }
 
+/// A channel that keeps another time than the other eight of its trial by more than their scatter allows, and by how much it is late, s.
+fn late_channel(case: &TrialCase<'_>) -> Option<(usize, f64)> {
+    let response = case.response.as_ref()?;
+    let omega = TAU * case.trial.frequency_hz;
+    let sizes = response.channels.map(|channel| channel.response.abs());
+    let largest = sizes.iter().copied().fold(0.0, f64::max);
+    let lag_alone = |channel: usize| {
+        let others: [bool; LIMBS] = core::array::from_fn(|i| i != channel || case.ignored[i]);
+        lag(case.trial, response, &others)[0]
+    };
+    let found = (0..LIMBS).filter_map(|channel| {
+        let mut without = case.ignored;
+        without[channel] = true;
+        let (others, others_error) = lag(case.trial, response, &without)[0];
+        let (own, own_error) = lag_alone(channel);
+        let late = others - own;
+        let certain = late.abs() > LAG_S + SIGNIFICANT * own_error.hypot(others_error);
+        // Of a channel that hardly moves any quadrature is a neighbour's.
+        let matters = omega * late.abs() * sizes[channel] > QUADRATURE * largest;
+        (certain && matters && sizes[channel] > LOUD * largest).then_some((channel, late))
+    });
+    found.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
+}
+
+/// Channels that are late in one trial alone.
+fn late_channels(cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
+    let late = cases.iter().enumerate().filter(|(_, case)| !case.explained);
+    let late: Vec<(usize, (usize, f64))> = late
+        .filter_map(|(index, case)| Some((index, late_channel(case)?)))
+        .collect();
+    for (index, (channel, late_s)) in &late {
+        // What a channel does all day is the room's, and the joint fit knows of it.
+        let alone = late
+            .iter()
+            .filter(|(_, (other, _))| other == channel)
+            .count()
+            == 1;
+        if !alone {
+            continue;
+        }
+        cases[*index].ignored[*channel] = true;
+        findings.push(Finding {
+            cause: Cause::ClockMismatch,
+            recordings: vec![cases[*index].trial.name.clone()],
+            channels: vec![channel + 1],
+            evidence: format!(
+                "{:.1} ms {} the other channels, in this trial alone",
+                1e3 * late_s.abs(),
+                if *late_s > 0.0 { "behind" } else { "ahead of" }
+            ),
+            advice: "see whether the channel was read by another card or its column shifted; record the trial again".to_owned(),
+        });
+    }
+}
+
 /// Looks at lags and clocks.
 pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
+    late_channels(cases, findings);
     let mut wrong_rate = Vec::new();
     let mut late: Vec<(usize, f64, f64)> = Vec::new();
     let mut angular = 0;

@@ -1,7 +1,8 @@
 //! Whether the joint fit accounts for a session, and what it says is out of the ordinary.
 //!
 //! A fit that leaves nothing over but noise, with every wedge, zero and sensitivity within what an ordinary laboratory is allowed,
-//! leaves nothing for a fault to explain: whatever else looked odd about the recordings was the room. What the fit had to put
+//! leaves nothing for a fault to explain: whatever else looked odd about the recordings was the room. One thing it can take for cross-talk, a channel that
+//! is another in all trials of one kind ([`super::hypotheses::one_kind`]). What the fit had to put
 //! down to a wedge that stands elsewhere, to one channel of one trial or to a standard beyond its certificate is named here,
 //! each by the unknown that took it up.
 

@@ -1,8 +1,8 @@
 //! What accounts for trials that the joint fit does not account for.
 //!
 //! Hypotheses compete. Each is one thing that the session does not state and that the recordings may have; the trials are fitted
-//! again with it, and it is believed if that leaves nothing over but noise, if its unknown is told beyond doubt, and if no other
-//! hypothesis does as much. Where none explains all trials, those that stand out are left aside: what was suspected of them is
+//! again with it, and it is believed if that leaves nothing over but noise, if its unknown, where it has one with a deviation, is told beyond doubt, and if no
+//! other hypothesis does as much. Where none explains all trials, those that stand out are left aside: what was suspected of them is
 //! believed if the others agree to the noise. Where neither succeeds the cause is unknown, and that is what is said.
 //!
 //! | file | hypothesis |
@@ -33,7 +33,7 @@ use crate::finding::{Cause, Finding};
 use crate::steps::Campaign;
 use crate::trial::Trial;
 
-/// A day that the joint fit does not account for.
+/// A day that the joint fit does not account for, or, for [`one_kind`], one of which it may have taken a channel's change for cross-talk.
 #[derive(Debug, Clone, Copy)]
 pub struct Unaccounted<'a> {
     /// Its trials.

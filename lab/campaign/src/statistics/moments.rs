@@ -27,7 +27,7 @@ pub struct Estimator {
     /// well they are known. Of normal errors it scatters by root(2/cases).
     pub variance_over_stated: Option<f64>,
     /// Cases whose error lies within 1.96 standard errors: what the stated errors promise if they are normal. Of
-    /// the four steps and of a fit told the gain that is noise; of the joint fit it has the certificate, whose even spread ends at 1.8
+    /// the four steps and of a fit told the gain that is noise; of the joint fit it has the certificate, whose even spread ends at 1.73
     /// standard deviations.
     pub within_noise_95: Option<Share>,
     /// Cases whose truth lies within the 95 % interval that is stated with the estimate: noise, differences between trials and

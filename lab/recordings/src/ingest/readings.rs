@@ -15,8 +15,8 @@ use crate::open;
 use crate::session::{Channels, Entry, LIMBS, Role, SessionFile};
 use crate::source::Source;
 
-/// Share of its rate up to which a series that was read between its samples has their noise: a spline is flat to half a per cent there, the
-/// polynomial of a delay to two at the end and to a third of one in the mean.
+/// Share of its rate up to which a series that was read between its samples has their noise: halfway between samples a spline is flat to one per cent
+/// there, the polynomial of a delay to one and a half.
 const FLAT: f64 = 0.2;
 /// Samples below which no run of the rig can be.
 const FEWEST_SAMPLES: usize = 32;

@@ -104,7 +104,7 @@ pub struct DifferentiatorSettings {
 }
 
 impl Default for DifferentiatorSettings {
-    /// An error of 2e-9 at 5 Hz and 10 kHz, and no smoothing to speak of below the low-pass.
+    /// An error of 1e-10 at most at 5 Hz and 10 kHz, and no smoothing to speak of below the low-pass.
     fn default() -> Self {
         Self {
             half_width: 3,

@@ -51,7 +51,7 @@ pub struct Arguments {
     /// leaves nothing over but noise, four-steps where it does not]
     #[arg(long, value_enum)]
     estimator: Option<Method>,
-    /// Keep wild samples from bending the joint fit (Huber's loss); takes several times as long
+    /// Keep wild samples from bending the joint fit (Huber's loss); takes about twice as long
     #[arg(long)]
     robust: bool,
     /// Print a summary for scripts instead of the one for people

@@ -1,5 +1,7 @@
 //! Days of which one thing is wrong and much looks wrong: the one is named, and no other is accused of it.
 
+use std::cell::RefCell;
+use std::collections::VecDeque;
 use std::fs;
 
 use crate::mistakes::{calibrated, calibrated_in, rewritten, rewritten_in, with_entry};
@@ -151,7 +153,22 @@ fn neg_a_run_that_is_not_whole_is_told_from_one_that_fails() {
     let record = fs::read_to_string(day().0.join("compound-01.csv")).expect("reads");
     let rows: Vec<&str> = record.lines().collect();
     let two_thirds = rows[..rows.len() * 2 / 3].join("\n");
+    let turns = |row: &str| -> f64 {
+        let cell = row.split(',').nth(GYROSCOPE).expect("a gyroscope");
+        cell.trim().parse().expect("a number")
+    };
+    let middle = rows.len() / 2..rows.len() * 2 / 3;
+    let mut passes_zero = middle.filter(|i| turns(rows[*i]) * turns(rows[*i + 1]) <= 0.0);
+    let turning_back = rows[..passes_zero.next().expect("swings")].join("\n");
+    let mut gap = rows.clone();
+    gap.drain(rows.len() / 3..rows.len() / 3 + 200);
     for (name, text, words) in [
+        ("gap", gap.join("\n") + "\n", "jump at once after sample"),
+        (
+            "turns-back",
+            turning_back + "\n",
+            "it ends in motion, where the gyroscope reads",
+        ),
         (
             "ends-early",
             two_thirds.clone() + "\n",
@@ -168,7 +185,11 @@ fn neg_a_run_that_is_not_whole_is_told_from_one_that_fails() {
         assert_eq!(code, 4, "{said}");
         let wanted = format!("recording cannot be used: {name}.csv decoupled, it departs");
         assert!(said.contains(&wanted) && said.contains(words), "{said}");
-        assert!(said.contains("record the run whole"), "{said}");
+        let advice = [
+            "record the run whole",
+            "record the run again, without a gap",
+        ];
+        assert!(advice.iter().any(|advice| said.contains(advice)), "{said}");
     }
 }
 
@@ -347,4 +368,59 @@ fn neg_motions_of_unequal_length_are_told() {
     }
     let said = compared(whole, whole);
     assert!(!said.contains("instants after"), "{said}");
+}
+
+/// All recordings of the day with voltages in whole steps, V, calibrated.
+fn rounded(step_v: f64) -> (i32, String) {
+    let name = format!("in-steps-of-{step_v}");
+    let kinds = ["static", "linear", "angular", "fast", "compound"];
+    for file in kinds.iter().flat_map(|kind| of_kind(kind)) {
+        rewritten(&file, &format!("{name}-{file}"), |row| {
+            for u in &mut row[..ACCELEROMETER] {
+                *u = (*u / step_v).round() * step_v;
+            }
+        });
+    }
+    calibrated(&name, |s| {
+        s.replace("file = \"", &format!("file = \"{name}-"))
+    })
+}
+
+#[test]
+fn neg_a_coarse_converter_does_not_clip() {
+    // 8 bits: the broad tops of a crank with a short rod stay within a step for many samples.
+    let (_, said) = rounded(10.0 / 128.0);
+    assert!(!said.contains("converter clips"), "{said}");
+    // Rounding drowns what is left of one run.
+    let (code, said) = rounded(10.0 / 200.0);
+    assert_eq!(code, 4, "{said}");
+    assert!(
+        said.contains("Not good: noise or rounding too large in ")
+            && said.contains("in steps of 0.050 V"),
+        "{said}"
+    );
+}
+
+#[test]
+fn inv_a_channel_that_is_late_in_one_trial_is_named_with_it() {
+    const LATE: usize = 10;
+    let queue = RefCell::new(VecDeque::new());
+    rewritten("linear-04.csv", "late-linear-04.csv", |row| {
+        let mut queue = queue.borrow_mut();
+        queue.push_back(row[6]);
+        row[6] = queue[0];
+        if queue.len() > LATE {
+            queue.pop_front();
+        }
+    });
+    let (code, said) = calibrated("late", |s| {
+        s.replace("\"linear-04.csv", "\"late-linear-04.csv")
+    });
+    assert_eq!(code, 4, "{said}");
+    assert!(
+        said.contains("Not good: clocks disagree in late-linear-04.csv.")
+            && said.contains("late-linear-04.csv; channel 7")
+            && said.contains("behind the other channels, in this trial alone"),
+        "{said}"
+    );
 }
