@@ -2,6 +2,7 @@
 
 use sixaxis_core::LIMBS;
 
+use crate::diagnosis::structure::varies_as_noise;
 use crate::finding::{Cause, Finding};
 use crate::report::TrialReport;
 use crate::response::frequency;
@@ -83,8 +84,47 @@ fn of_limbs_hz(trial: &Trial) -> Option<f64> {
     all.get(all.len() / 2).copied()
 }
 
+/// Whether neither the standard that a trial needs nor most channels show more than noise.
+fn nothing_moves(trial: &Trial) -> bool {
+    let linear = || varies_as_noise(&trial.accelerometer_m_s2);
+    let angular = || varies_as_noise(&trial.gyroscope_rad_s);
+    let still = match trial.role {
+        Role::Linear | Role::HighFrequencyLinear => linear(),
+        Role::Angular => angular(),
+        Role::Validation => linear() && angular(),
+        Role::Static | Role::Tap => false,
+    };
+    let of_limbs = (0..LIMBS).filter(|limb| {
+        let series: Vec<f64> = trial.voltage_v.iter().map(|row| row[*limb]).collect();
+        varies_as_noise(&series)
+    });
+    still && of_limbs.count() > LIMBS / 2
+}
+
+/// Takes out the trials in which nothing moves, and says so.
+fn without_motion(trials: &mut Vec<Trial>) -> Option<Finding> {
+    let still: Vec<Trial> = trials
+        .extract_if(.., |trial| nothing_moves(trial))
+        .collect();
+    (!still.is_empty()).then(|| Finding {
+        cause: Cause::Unreadable,
+        recordings: still.into_iter().map(|trial| trial.name).collect(),
+        channels: Vec::new(),
+        evidence: "nothing moves: standard and channels show noise alone".to_owned(),
+        advice: "see whether the drive ran, and whether the file is this trial's; record it again"
+            .to_owned(),
+    })
+}
+
 /// Takes out the trials whose drive is stated to be another's altogether, or whose standard does not show it, and says so.
 pub(crate) fn set_aside(trials: &mut Vec<Trial>) -> Vec<Finding> {
+    let still = without_motion(trials);
+    let mut found: Vec<Finding> = still.into_iter().collect();
+    found.extend(of_other_drives(trials));
+    found
+}
+
+fn of_other_drives(trials: &mut Vec<Trial>) -> Vec<Finding> {
     let another = |trial: &Trial| {
         let seen_hz = seen_hz(trial)?;
         let far = !(1.0 / ANOTHER..=ANOTHER).contains(&(seen_hz / trial.frequency_hz));

@@ -46,7 +46,10 @@ pub fn read(
         rows.extend(ready.rows());
         ready.clear();
     }
+    // What a filter held back is the run's end.
     conditioning.finish(&mut ready)?;
+    batch.times_s.clear();
+    seen(&batch, &ready);
     rows.extend(ready.rows());
     rest_to_rest::detrend(&setup.sensor, &setup.parameters, settings, &rows)
         .map_err(|error| explain(&error, &place, &recording.names))

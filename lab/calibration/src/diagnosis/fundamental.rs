@@ -7,8 +7,11 @@ use core::f64::consts::TAU;
 
 use nalgebra::{DMatrix, DVector};
 
-/// Cycles in the middle of the run that are fitted.
+/// Cycles in the middle of the run that are fitted: of the recording, or, where that does not move as far as the run does in each half, of the
+/// part that moves.
 const CYCLES: f64 = 2.0;
+/// Share of the largest excursion that each half of what is fitted reaches, and from which the drive turns.
+const TURNING: f64 = 0.5;
 /// Harmonics of the fit: a rod of three cranks leaves a thousandth beyond.
 const HARMONICS: usize = 4;
 /// Corrections of the frequency; it settles in three.
@@ -35,7 +38,7 @@ pub fn measure(series: &[f64], sample_rate_hz: f64, frequency_hz: f64) -> Option
         return None;
     }
     let count = wanted as usize;
-    let first = (series.len() - count) / 2;
+    let first = middle_of_the_run(series, count);
     let values = DVector::from_column_slice(&series[first..first + count]);
     // About the middle, so that a change of the frequency does not turn the phase.
     let time_s = |n: usize| (n as f64 - 0.5 * (count - 1) as f64) / sample_rate_hz;
@@ -79,6 +82,25 @@ pub fn measure(series: &[f64], sample_rate_hz: f64, frequency_hz: f64) -> Option
     None
 }
 
+/// First of `count` samples in the middle of the run: a recording may go on at rest, at one end more than at the other.
+fn middle_of_the_run(series: &[f64], count: usize) -> usize {
+    let mean = series.iter().sum::<f64>() / series.len() as f64;
+    let most = |part: &[f64]| {
+        part.iter()
+            .fold(0.0_f64, |most, x| most.max((x - mean).abs()))
+    };
+    let turning = TURNING * most(series);
+    let middle = (series.len() - count) / 2;
+    let (early, late) = series[middle..middle + count].split_at(count / 2);
+    if most(early).min(most(late)) >= turning {
+        return middle;
+    }
+    let turns = |x: &f64| (x - mean).abs() >= turning;
+    let from = series.iter().position(turns).unwrap_or(middle);
+    let to = series.iter().rposition(turns).unwrap_or(middle);
+    (((from + to) / 2).saturating_sub(count / 2)).min(series.len() - count)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -105,6 +127,18 @@ mod tests {
                 (found.rate_rad_s / (TAU * 1.9) - 1.0).abs() < LEFT,
                 "{found:?}"
             );
+        }
+    }
+
+    #[test]
+    fn inv_a_rest_at_one_end_changes_nothing() {
+        let run = crank(5.0, 1.9);
+        for (before, after) in [(0, 6000), (6000, 0), (5000, 9000)] {
+            let rest = |samples: usize, at: f64| vec![at; samples];
+            let ends = [run[0], run[run.len() - 1]];
+            let recording = [rest(before, ends[0]), run.clone(), rest(after, ends[1])].concat();
+            let found = measure(&recording, 1000.0, 1.9).expect("two cycles");
+            assert!((found.amplitude - 1.0).abs() < LEFT, "{found:?}");
         }
     }
 

@@ -10,6 +10,7 @@ use super::table::weighted_median;
 use super::trial_case::{Facts, Standard, TrialCase, names};
 use super::{Found, Word};
 use crate::finding::{Cause, Finding};
+use crate::trial::same_wedge;
 use sixaxis_recordings::session::Role;
 use sixaxis_recordings::unit::STANDARD_GRAVITY_M_S2;
 
@@ -85,12 +86,17 @@ pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], found: &mut Found
         if odd.len() as f64 <= MOST * readings.len() as f64 {
             let of_one_kind = all_of_a_kind(&odd, &readings, cases);
             if let Some(usual) = median(of_one_kind.iter().copied()) {
+                let word = if limbs_say_so(&of_one_kind, usual, cases) {
+                    Word::Certain
+                } else {
+                    Word::Suspected
+                };
                 found.findings.push(Finding {
                     recordings: names(of_one_kind.iter().map(|r| &cases[r.case])),
                     advice: format!("check unit and sensitivity of the {what} in these recordings, and whether the rig's {of} was another"),
                     ..of_a_standard(what, of, 1.0 + usual, limit)
                 });
-                found.mark(Word::Suspected);
+                found.mark(word);
                 for reading in of_one_kind {
                     cases[reading.case].explained = true;
                 }
@@ -165,6 +171,37 @@ fn all_of_a_kind<'a>(
     let alike = |r: &&Reading| role(r) == kind && (r.excess - usual).abs() < ALIKE * usual.abs();
     let all = odd.len() == of_kind && of_kind >= FEWEST && odd.iter().all(alike);
     if all { odd.to_vec() } else { Vec::new() }
+}
+
+/// Whether the limbs show of these trials as much less for the standard's reading as it reads too much, in trials of another kind on the same
+/// wedge: with another crank they would not.
+fn limbs_say_so(odd: &[&Reading], usual: f64, cases: &[TrialCase<'_>]) -> bool {
+    let responses = |case: &TrialCase<'_>| {
+        let response = case.response.as_ref()?;
+        Some(response.channels.map(|channel| channel.response))
+    };
+    let mut over_others: Vec<(f64, f64)> = Vec::new();
+    for reading in odd {
+        let own = &cases[reading.case];
+        let others = cases.iter().filter(|other| {
+            matches!(other.trial.role, Role::Linear | Role::HighFrequencyLinear)
+                && other.trial.role != own.trial.role
+                && same_wedge(other.trial.direction_ground, own.trial.direction_ground)
+        });
+        for other in others {
+            let (Some(own), Some(other)) = (responses(own), responses(other)) else {
+                continue;
+            };
+            let product: f64 = own.iter().zip(other).map(|(a, b)| a * b).sum();
+            let squares: f64 = other.iter().map(|b| b * b).sum();
+            over_others.push((product / squares, 1.0));
+        }
+    }
+    let shown = weighted_median(&mut over_others);
+    shown.is_some_and(|shown| {
+        let too_much = shown.recip() - 1.0;
+        (too_much - usual).abs() < ALIKE * usual.abs()
+    })
 }
 
 /// What the gyroscope reads over what the rig's rotation makes it read, in the median trial; none if the rig's rotation is not stated.

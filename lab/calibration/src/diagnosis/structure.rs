@@ -172,12 +172,14 @@ fn only_noise(case: &TrialCase<'_>, channel: usize) -> bool {
         .iter()
         .map(|row| row[channel])
         .collect();
-    if series.iter().all(|u| *u == series[0]) {
-        return true;
-    }
+    series.iter().all(|u| *u == series[0]) || varies_as_noise(&series)
+}
+
+/// Whether a series varies by no more than its noise from sample to sample; one that never changes has none.
+pub(crate) fn varies_as_noise(series: &[f64]) -> bool {
     let mean = series.iter().sum::<f64>() / series.len() as f64;
     let square = series.iter().map(|u| (u - mean) * (u - mean)).sum::<f64>() / series.len() as f64;
-    noise_floor(&series).is_ok_and(|noise| square.sqrt() <= ONLY_NOISE * noise)
+    noise_floor(series).is_ok_and(|noise| noise > 0.0 && square.sqrt() <= ONLY_NOISE * noise)
 }
 
 /// Channels whose scale factor has the other sign than the design's.

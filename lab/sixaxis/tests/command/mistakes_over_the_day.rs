@@ -424,3 +424,97 @@ fn inv_a_channel_that_is_late_in_one_trial_is_named_with_it() {
         "{said}"
     );
 }
+
+#[test]
+fn neg_a_filtered_run_that_ends_at_rest_does_not_end_in_motion() {
+    let [calibration, session, run_csv, out] = [
+        "calibration.json",
+        "session.toml",
+        "compound-01.csv",
+        "filtered.csv",
+    ]
+    .map(|name| day().0.file(name));
+    let output = run(&[
+        "decouple",
+        &calibration,
+        &run_csv,
+        "--session",
+        &session,
+        "--low-pass",
+        "30",
+        "--rest-to-rest",
+        "--out",
+        &out,
+    ]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    assert!(
+        !stderr(&output).contains("in motion"),
+        "{}",
+        stderr(&output)
+    );
+}
+
+#[test]
+fn neg_a_drive_that_never_started_is_told() {
+    const RESTS: usize = 50;
+    let [record, rest] = ["linear-03.csv", "static.csv"]
+        .map(|name| fs::read_to_string(day().0.join(name)).expect("reads"));
+    let is_row = |line: &&str| line.split(',').all(|cell| cell.parse::<f64>().is_ok());
+    let head = record.lines().filter(|line| !is_row(line));
+    let standards: Vec<&str> = record
+        .lines()
+        .filter(is_row)
+        .map(|row| {
+            row.splitn(ACCELEROMETER + 1, ',')
+                .last()
+                .expect("standards")
+        })
+        .collect();
+    let rows = rest
+        .lines()
+        .filter(is_row)
+        .zip(standards[..RESTS].iter().cycle())
+        .take(standards.len())
+        .map(|(limbs, standards)| format!("{limbs},{standards}"));
+    let text: Vec<String> = head.map(str::to_owned).chain(rows).collect();
+    day().0.write("never-started.csv", text.join("\n") + "\n");
+    let (code, said) = calibrated("never-started", |s| s.replace("linear-03", "never-started"));
+    assert_eq!(code, 4, "{said}");
+    assert!(
+        said.contains("recording cannot be used: never-started.csv nothing moves")
+            && !said.contains("clocks disagree"),
+        "{said}"
+    );
+}
+
+#[test]
+fn neg_a_standard_that_is_off_in_few_trials_is_told_by_rig_and_limbs() {
+    let folder = Folder::new("few-trials");
+    let simulated = run(&[
+        "simulate",
+        "--out",
+        text(&folder),
+        "--engine",
+        "rigid",
+        "--seed",
+        "734512",
+        "--trials",
+        "6",
+    ]);
+    assert_eq!(code(&simulated), 0, "{}", stderr(&simulated));
+    let fast: Vec<String> = (1..=6).map(|k| format!("fast-{k:02}.csv")).collect();
+    for file in &fast {
+        rewritten_in(&folder, file, &format!("off-{file}"), |row| {
+            row[ACCELEROMETER] *= 1.03;
+        });
+    }
+    let (code, said) = calibrated_in(&folder, "off-fast", |s| {
+        s.replace("file = \"fast", "file = \"off-fast")
+    });
+    assert_eq!(code, 4, "{said}");
+    assert!(
+        said.contains("wrong unit or scaling: off-fast-01.csv")
+            && said.contains("the standard accelerometer shows 1.0"),
+        "{said}"
+    );
+}
