@@ -122,7 +122,8 @@ impl Campaign {
     /// # Errors
     /// [`Error::Step`]: the first step which refuses its data.
     pub fn identify(&self, gyroscope: GyroscopeGain) -> Result<FourSteps> {
-        let drift = zero_drift::identify(&self.static_voltage_v).map_err(at("step 1"))?;
+        let drift = zero_drift::identify(&self.static_voltage_v)
+            .map_err(at("step 1, the static record"))?;
         let scale = self.scale(&drift, |_| true).map_err(at("step 2"))?;
         let mut parameters = Parameters {
             zero_drift_v: drift.drift_v,

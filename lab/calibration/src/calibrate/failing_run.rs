@@ -35,11 +35,13 @@ pub(super) fn explain(
     decoding: Option<&Decoding<'_>>,
     reports: &[TrialReport],
 ) {
+    // Rows that are missing make a run look like anything.
+    gap(failure, prepared);
+    if failure.cause == Cause::Unreadable {
+        return;
+    }
     odd(failure, suspected);
     cut(failure, prepared);
-    if failure.cause == Cause::Unexplained {
-        gap(failure, prepared);
-    }
     if let (Cause::Unexplained, Some(decoding)) = (failure.cause, decoding) {
         noisy(failure, prepared, decoding, reports);
     }

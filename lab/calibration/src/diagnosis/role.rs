@@ -76,11 +76,13 @@ pub fn examine(cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
             cause: Cause::Unreadable,
             recordings: names(other.iter().map(|(index, _)| &cases[*index])),
             channels: Vec::new(),
-            evidence: format!(
-                "by the standards these trials move as the other kind should: {} entered as linear turn, {} entered as angular travel",
-                linear,
-                other.len() - linear
-            ),
+            evidence: match (linear, other.len() - linear) {
+                (_, 0) => "entered as linear, and by the standards the sensor turns".to_owned(),
+                (0, _) => "entered as angular, and by the standards the sensor travels".to_owned(),
+                (linear, angular) => format!(
+                    "by the standards these trials move as the other kind should: {linear} entered as linear turn, {angular} entered as angular travel"
+                ),
+            },
             advice: if other.len() == judged {
                 "accelerometer and gyroscope are exchanged in the session's [channels], or the files or roles of linear and angular trials are"
             } else {

@@ -62,7 +62,11 @@ pub fn lag_of(case: &TrialCase<'_>) -> Option<f64> {
 
 /// A channel that keeps another time than the other eight of its trial by more than their scatter allows, and by how much it is late, s.
 fn late_channel(case: &TrialCase<'_>) -> Option<(usize, f64)> {
-    let response = case.response.as_ref()?;
+    // In a compound run channels follow two motions, each with the lag of its standard.
+    let response = case
+        .response
+        .as_ref()
+        .filter(|_| case.trial.role != Role::Validation)?;
     let omega = TAU * case.trial.frequency_hz;
     let sizes = response.channels.map(|channel| channel.response.abs());
     let largest = sizes.iter().copied().fold(0.0, f64::max);
