@@ -2,7 +2,7 @@
 //! behind `sixaxis decouple`, `calibrate` and `campaign run`, and of `push_record` and `push_lanes`. What the report's section on
 //! speed draws.
 //!
-//! `cargo run --release -p sixaxis-benches --example growth` writes `target/growth/growth.json` in less than ten minutes on
+//! `cargo run --release -p sixaxis-benches -F studies --example growth` writes `target/growth/growth.json` in less than ten minutes on
 //! a quiet machine, `--publish` `benches/results/growth.json`; 19 GB are needed on the disk for a while. `--quick` leaves out the sizes
 //! that take long.
 //!

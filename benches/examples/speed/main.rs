@@ -1,7 +1,7 @@
 //! How the core's time depends on what it is asked: on scheme and sample rate, on the length of a record, on the number of
 //! streams. What the report's section on speed shows.
 //!
-//! `cargo run --release -p sixaxis-benches --example speed` writes `target/speed/speed.json` in a few minutes. With
+//! `cargo run --release -p sixaxis-benches -F studies --example speed` writes `target/speed/speed.json` in a few minutes. With
 //! `--publish` it then merges that with what `benches/peers/run` left in `target/peers` and with the instruction counts
 //! into `benches/results/speed.json`, which the report embeds, and a digest of core's sources, by which a test refuses the
 //! file once the core has changed. Both must have been measured at one commit with nothing changed since. `--quick` shows

@@ -123,14 +123,14 @@ impl Published for Speed {
     const FILE: &'static str = "benches/results/speed.json";
     const TEXT: &'static str = include_str!("../../../benches/results/speed.json");
     const MAKE: &'static str = "benches/peers/run; \
-                                cargo run --release -p sixaxis-benches --example speed -- --publish";
+                                cargo run --release -p sixaxis-benches -F studies --example speed -- --publish";
 }
 
 impl Published for Growth {
     const FILE: &'static str = "benches/results/growth.json";
     const TEXT: &'static str = include_str!("../../../benches/results/growth.json");
     const MAKE: &'static str =
-        "cargo run --release -p sixaxis-benches --example growth -- --publish";
+        "cargo run --release -p sixaxis-benches -F studies --example growth -- --publish";
 }
 
 #[cfg(test)]

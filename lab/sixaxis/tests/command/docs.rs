@@ -111,7 +111,7 @@ fn every_command_of_the_docs_runs() {
     assert!(run >= 12, "{run} commands found");
 }
 
-/// Cargo commands build or run for minutes; here only that what they name exists. `.ci/run` runs the main ones.
+/// Cargo commands build or run for minutes; here only that what they name exists.
 fn assert_cargo_knows(page: &str, line: &str) {
     let words: Vec<&str> = line.split_whitespace().collect();
     let after = |flag: &str| {
