@@ -17,7 +17,7 @@ use crate::trial::Trial;
 
 /// Share of the drive's period at either end of a run over which a rest shows, and the share of the gyroscope's peak that its swing has
 /// in none.
-const END_PERIODS: f64 = 0.1;
+const END_PERIODS: f64 = 0.05;
 const TURNS: f64 = 0.1;
 
 /// Share of a failing run's departure that noise and rounding make at least where they are its cause.
