@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 /// Cycles in the middle of the run that are fitted: of the recording, or, where that does not move as far as the run does in each half, of the
 /// part that moves.
 const CYCLES: f64 = 2.0;
-/// Share of the largest excursion that each half of what is fitted reaches, and from which the drive turns.
+/// Share of the largest span of one cycle that each half of what is fitted has, and from which the drive turns.
 const TURNING: f64 = 0.5;
 /// Harmonics of the fit: a rod of three cranks leaves a thousandth beyond.
 const HARMONICS: usize = 4;
@@ -84,21 +84,24 @@ pub fn measure(series: &[f64], sample_rate_hz: f64, frequency_hz: f64) -> Option
 
 /// First of `count` samples in the middle of the run: a recording may go on at rest, at one end more than at the other.
 fn middle_of_the_run(series: &[f64], count: usize) -> usize {
-    let mean = series.iter().sum::<f64>() / series.len() as f64;
-    let most = |part: &[f64]| {
-        part.iter()
-            .fold(0.0_f64, |most, x| most.max((x - mean).abs()))
+    let cycle = count / 2;
+    let span = |part: &[f64]| {
+        let ends = (f64::INFINITY, f64::NEG_INFINITY);
+        let (low, high) = part.iter().fold(ends, |(l, h), x| (l.min(*x), h.max(*x)));
+        high - low
     };
-    let turning = TURNING * most(series);
+    let spans: Vec<f64> = series.chunks(cycle).map(span).collect();
+    let turning = TURNING * spans.iter().copied().fold(0.0, f64::max);
     let middle = (series.len() - count) / 2;
-    let (early, late) = series[middle..middle + count].split_at(count / 2);
-    if most(early).min(most(late)) >= turning {
+    let (early, late) = series[middle..middle + count].split_at(cycle);
+    if span(early).min(span(late)) >= turning {
         return middle;
     }
-    let turns = |x: &f64| (x - mean).abs() >= turning;
-    let from = series.iter().position(turns).unwrap_or(middle);
-    let to = series.iter().rposition(turns).unwrap_or(middle);
-    (((from + to) / 2).saturating_sub(count / 2)).min(series.len() - count)
+    let turns = |span: &f64| *span >= turning;
+    let from = spans.iter().position(turns).unwrap_or(0);
+    let to = spans.iter().rposition(turns).unwrap_or(0);
+    let centre = (from + to + 1) * cycle / 2;
+    centre.saturating_sub(cycle).min(series.len() - count)
 }
 
 #[cfg(test)]
