@@ -21,7 +21,7 @@ use crate::grade::COORDINATION_LIMIT;
 /// with the calibration of another sensor drawn at random: one pair in nine is below the limit.
 const BROKEN: f64 = 2.0 * COORDINATION_LIMIT;
 /// The same where the joint fit has found the stiffness ratios. Measured on nine simulated runs in rooms with 3 % of unequal stiffness and 1 %
-/// of cross-talk: 0.014 at worst, with cross-talk left in. A gain off by a factor of two in one channel of three runs: 0.016 to 0.7, above the limit in 53 of
+/// of cross-talk: 0.014 at worst, with cross-talk left in. A gain off by a factor of two in one channel of three runs: 0.016 to 0.62, above the limit in 53 of
 /// 54.
 const BROKEN_OWN: f64 = 0.03;
 /// One row in so many is looked at: six instructions a sample, 0.1 % of what `decouple` takes from file to file. A prime, so that
