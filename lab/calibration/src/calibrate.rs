@@ -215,9 +215,12 @@ pub fn calibrate(
             );
         }
     }
+    let mut contradicted = None;
     if let Some(chosen) = &chosen {
         if findings.is_empty() {
+            contradicted = chosen.contradicted(session.limits.interval_percent);
             findings.extend(undetermined(&chosen.parameters));
+            findings.extend(contradicted.clone());
         }
         findings.extend(chosen.refusal().map(choice::refused));
     }
@@ -227,9 +230,12 @@ pub fn calibrate(
         reservations(&prepared.campaign, session, parameters, &trials, judged_by);
     reservations.extend(prepared.reservations());
     let clocks = findings.iter().any(|f| f.cause == Cause::ClockMismatch);
-    reservations.extend(misstated_drives(&trials).filter(|_| !clocks));
+    if !clocks {
+        let of_wrong_clocks = rig::of_wrong_clocks(&facts(session, &prepared), &cases);
+        reservations.extend(misstated_drives(&trials, &of_wrong_clocks));
+    }
     if let Some(chosen) = &chosen {
-        reservations.extend(chosen.reservations());
+        reservations.extend(chosen.reservations(contradicted.is_some()));
     }
     let (grade, sentence) = grade(&findings, &reservations, &trials, chosen.is_some());
     let calibration = chosen

@@ -34,12 +34,25 @@ fn beside(share: f64, limit_percent: f64) -> String {
     format!("{percent:.*}", decimals_apart(percent, limit_percent, 1))
 }
 
-/// What to do about trials whose drive turned at another frequency than stated.
-pub(crate) fn misstated_drives(reports: &[TrialReport]) -> Option<String> {
-    let misstated: Vec<(&TrialReport, f64)> = reports
+/// What to do about trials whose drive turned at another frequency than stated, by clocks that are right, and about those whose clocks are
+/// not, which the rig tells.
+pub(crate) fn misstated_drives(reports: &[TrialReport], of_wrong_clocks: &[String]) -> Vec<String> {
+    let misstated = reports
         .iter()
-        .filter_map(|report| Some((report, drive::misstated_hz(report)?)))
-        .collect();
+        .filter_map(|report| Some((report, drive::misstated_hz(report)?)));
+    let (clocks, drives): (Vec<_>, Vec<_>) =
+        misstated.partition(|(report, _)| of_wrong_clocks.contains(&report.name));
+    let clock_is_off = "their standards show what the rig makes them show at the stated frequency: correct sample_rate_hz, or the rate or the time stamps in the file";
+    [
+        misstated_drive(&clocks, clock_is_off),
+        misstated_drive(&drives, "correct frequency_hz"),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+fn misstated_drive(misstated: &[(&TrialReport, f64)], advice: &str) -> Option<String> {
     let (first, seen_hz) = misstated.first()?;
     let names: Vec<&str> = misstated.iter().map(|(r, _)| r.name.as_str()).collect();
     let names = in_a_sentence(&names)?;
@@ -49,7 +62,7 @@ pub(crate) fn misstated_drives(reports: &[TrialReport]) -> Option<String> {
         ""
     };
     Some(format!(
-        "{names}: {in_the_first}{}: correct frequency_hz",
+        "{names}: {in_the_first}{}: {advice}",
         drive::both_in_words(first.frequency_hz, *seen_hz)
     ))
 }

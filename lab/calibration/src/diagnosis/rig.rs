@@ -31,11 +31,15 @@ const FEWEST: usize = 3;
 const A_UNIT: f64 = 0.03;
 /// Part of an error by which two errors may differ that have one cause.
 const ALIKE: f64 = 0.3;
+/// Times what certificate and workshop allow by which a reading must be off at one of two frequencies to tell them apart.
+const TOLD_APART: f64 = 3.0;
 
 /// What one trial's standard reads over what the rig makes it read, less one.
 struct Reading {
     case: usize,
     excess: f64,
+    /// The same for a drive at the session's frequency.
+    excess_as_stated: f64,
     /// Frequency of the drive over the session's, less one.
     faster: f64,
     /// That frequency.
@@ -45,14 +49,7 @@ struct Reading {
 /// Standards and clock against the rig's stroke and rotation. What they show in all trials is certain, what they show in some is
 /// suspected: `found` keeps them apart.
 pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], found: &mut Found) {
-    let Some(rig) = facts.rig else {
-        return;
-    };
-    let half = |whole: f64| 0.5 * whole;
-    let slider = rig.stroke_mm.map(|stroke| half(stroke * 1e-3));
-    let pinion = rig.rotation_amplitude_deg.map(f64::to_radians);
-    let linear = readings(cases, slider, &facts.accelerometer, true);
-    let angular = readings(cases, pinion, &facts.gyroscope, false);
+    let (linear, angular) = of_both_standards(facts, cases);
     if let Some(finding) = wrong_clock(&linear, &angular, facts) {
         found.findings.push(finding);
         found.mark(Word::Certain);
@@ -204,12 +201,27 @@ fn limbs_say_so(odd: &[&Reading], usual: f64, cases: &[TrialCase<'_>]) -> bool {
     })
 }
 
+/// Recordings in which the drive turned as the session says, for their standard reads what the rig then makes it read, and not what it would
+/// make it read at the frequency that is seen: their clocks are off.
+#[must_use]
+pub fn of_wrong_clocks(facts: &Facts<'_>, cases: &[TrialCase<'_>]) -> Vec<String> {
+    let (linear, angular) = of_both_standards(facts, cases);
+    let wrong = |standard: Standard| {
+        let allowed = standard.gain_limit + TOLERANCE;
+        move |reading: &&Reading| {
+            reading.excess_as_stated.abs() <= allowed && reading.excess.abs() > TOLD_APART * allowed
+        }
+    };
+    let linear = linear.iter().filter(wrong(facts.accelerometer));
+    let angular = angular.iter().filter(wrong(facts.gyroscope));
+    names(linear.chain(angular).map(|r| &cases[r.case]))
+}
+
 /// What the gyroscope reads over what the rig's rotation makes it read, in the median trial; none if the rig's rotation is not stated.
 #[must_use]
 pub fn gyroscope_reads(facts: &Facts<'_>, cases: &[TrialCase<'_>]) -> Option<f64> {
-    let pinion = facts.rig?.rotation_amplitude_deg.map(f64::to_radians);
-    let readings = readings(cases, pinion, &facts.gyroscope, false);
-    median(readings.iter()).map(|excess| 1.0 + excess)
+    let (_, angular) = of_both_standards(facts, cases);
+    median(angular.iter()).map(|excess| 1.0 + excess)
 }
 
 /// A standard that shows so many times what the rig asks for, and what that usually is.
@@ -283,6 +295,18 @@ fn wrong_clock(linear: &[Reading], angular: &[Reading], facts: &Facts<'_>) -> Op
     })
 }
 
+/// The accelerometer's readings and the gyroscope's, as far as the session states the rig.
+fn of_both_standards(facts: &Facts<'_>, cases: &[TrialCase<'_>]) -> (Vec<Reading>, Vec<Reading>) {
+    let slider = facts.rig.and_then(|rig| rig.stroke_mm);
+    let slider = slider.map(|stroke_mm| 0.5 * (stroke_mm * 1e-3));
+    let pinion = facts.rig.and_then(|rig| rig.rotation_amplitude_deg);
+    let pinion = pinion.map(f64::to_radians);
+    (
+        readings(cases, slider, &facts.accelerometer, true),
+        readings(cases, pinion, &facts.gyroscope, false),
+    )
+}
+
 fn readings(
     cases: &[TrialCase<'_>],
     amplitude: Option<f64>,
@@ -305,12 +329,16 @@ fn readings(
             .and_then(|response| response.frequency_hz)
             .unwrap_or(trial.frequency_hz);
         let found = fundamental::measure(series, trial.sample_rate_hz, seen_hz)?;
-        let followed = 1.0_f64.hypot(found.rate_rad_s * standard.lag_s);
-        let expected = amplitude * found.rate_rad_s.powi(whole);
+        let stated_rad_s = core::f64::consts::TAU * trial.frequency_hz;
+        let excess_at = |rate_rad_s: f64| {
+            let followed = 1.0_f64.hypot(rate_rad_s * standard.lag_s);
+            followed * found.amplitude / (amplitude * rate_rad_s.powi(whole)) - 1.0
+        };
         Some(Reading {
             case: index,
-            excess: followed * found.amplitude / expected - 1.0,
-            faster: found.rate_rad_s / (core::f64::consts::TAU * trial.frequency_hz) - 1.0,
+            excess: excess_at(found.rate_rad_s),
+            excess_as_stated: excess_at(stated_rad_s),
+            faster: found.rate_rad_s / stated_rad_s - 1.0,
             rate_rad_s: found.rate_rad_s,
         })
     };

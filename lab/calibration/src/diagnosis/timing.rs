@@ -114,7 +114,7 @@ fn late_channels(cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
                 1e3 * late_s.abs(),
                 if *late_s > 0.0 { "behind" } else { "ahead of" }
             ),
-            advice: "see whether the channel was read by another card or its column shifted; record the trial again".to_owned(),
+            advice: "see whether the channel was read by another card, its column shifted, or filtered (a low-pass is behind, an AC coupling ahead); record the trial again".to_owned(),
         });
     }
 }

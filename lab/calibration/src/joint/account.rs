@@ -12,6 +12,7 @@ use sixaxis_core::LIMBS;
 use sixaxis_core::identify::joint::Known;
 use sixaxis_core::identify::joint::estimate::TrialEstimate;
 
+use super::misfit::Misfit;
 use super::{JointReport, TIME_CONSTANT};
 use crate::finding::{Cause, Finding};
 
@@ -19,6 +20,9 @@ use crate::finding::{Cause, Finding};
 pub(super) const SIGNIFICANT: f64 = 6.0;
 /// Standard deviations by which the gyroscope's gain must leave its certificate.
 const BEYOND_CERTIFICATE: f64 = 4.0;
+/// Squares per degree of freedom that noise of another colour may leave, and their excess over that of trials without the cause.
+const COLOURED: f64 = 1.5;
+const LITTLE: f64 = 0.01;
 /// Most that an ordinary laboratory has: spread of the limbs' stiffnesses, relative.
 const STIFFNESS: f64 = 0.04;
 /// Spread of the shares that channels show of each other.
@@ -44,9 +48,20 @@ impl JointReport {
     /// Whether noise and an ordinary room are all that the trials show: what [`Self::extraordinary`] names apart.
     #[must_use]
     pub fn accounts(&self) -> bool {
+        !self.misfit.contradicts() && self.is_ordinary()
+    }
+
+    /// Whether it leaves next to nothing of what another fit's trials contradict each other by: noise that is not white, as resampling
+    /// and filters leave it, contradicts a little whatever the cause of the rest.
+    #[must_use]
+    pub(super) fn leaves_little_of(&self, contradiction: &Misfit) -> bool {
+        let (left, before) = (self.misfit.per_degree, contradiction.per_degree);
+        left < COLOURED && left - 1.0 < LITTLE * (before - 1.0) && self.is_ordinary()
+    }
+
+    fn is_ordinary(&self) -> bool {
         let spreads = &self.estimate.spreads;
-        !self.misfit.contradicts()
-            && spreads.stiffness <= STIFFNESS
+        spreads.stiffness <= STIFFNESS
             && spreads.cross_talk <= CROSS_TALK
             && self.odd_channels_are_single()
     }

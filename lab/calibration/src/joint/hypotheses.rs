@@ -61,9 +61,19 @@ impl Unaccounted<'_> {
         start: &Parameters,
         knowledge: &Knowledge,
     ) -> Option<JointReport> {
+        let joint = self.fit(trials, rest, start, knowledge);
+        joint.filter(JointReport::accounts)
+    }
+
+    fn fit(
+        &self,
+        trials: &[&Trial],
+        rest: &AtRest,
+        start: &Parameters,
+        knowledge: &Knowledge,
+    ) -> Option<JointReport> {
         let geometry = &self.campaign.geometry;
-        let joint = fit_trials(geometry, trials, rest, start, knowledge, Loss::Squares);
-        joint.ok().filter(JointReport::accounts)
+        fit_trials(geometry, trials, rest, start, knowledge, Loss::Squares).ok()
     }
 }
 
@@ -82,6 +92,9 @@ pub fn explain(
     accounting.extend(clock.into_iter().chain(plugs));
     if accounting.is_empty() {
         accounting.extend(one_kind::tried(day, None));
+    }
+    if accounting.is_empty() {
+        accounting.extend(freedoms::tried_with_coloured_noise(day));
     }
     // The first one of its cause is the narrowest.
     accounting.dedup_by_key(|finding| finding.cause);

@@ -61,6 +61,29 @@ const FREEDOMS: [Freedom; 5] = [
 /// The freedoms that account for all trials.
 #[must_use]
 pub fn tried(day: &Unaccounted<'_>) -> Vec<Finding> {
+    with_fits_that(day, JointReport::accounts)
+}
+
+/// Those that leave next to nothing of what the trials contradict each other by, but more than white noise.
+#[must_use]
+pub fn tried_with_coloured_noise(day: &Unaccounted<'_>) -> Vec<Finding> {
+    let Ok(contradiction) = day.joint.map(|joint| joint.misfit) else {
+        return Vec::new();
+    };
+    let mut found = with_fits_that(day, |joint| joint.leaves_little_of(&contradiction));
+    for finding in &mut found {
+        finding.evidence = finding.evidence.replace(
+            "all trials agree to the noise",
+            "all trials agree but for noise that is not white",
+        );
+    }
+    found
+}
+
+fn with_fits_that(
+    day: &Unaccounted<'_>,
+    will_do: impl Fn(&JointReport) -> bool + Sync,
+) -> Vec<Finding> {
     let trials: Vec<&Trial> = day.campaign.trials.iter().map(|(trial, _)| trial).collect();
     let rest = at_rest(day.drift);
     let drives = || trials.iter().map(|trial| TAU * trial.frequency_hz);
@@ -70,7 +93,8 @@ pub fn tried(day: &Unaccounted<'_>) -> Vec<Finding> {
     ];
     let of = |freedom: &Freedom| {
         let freed = (freedom.freed)(day.knowledge)?;
-        let joint = day.accounting(&trials, &rest, &day.start, &freed)?;
+        let joint = day.fit(&trials, &rest, &day.start, &freed)?;
+        let joint = Some(joint).filter(&will_do)?;
         (freedom.finding)(&joint, &day.knowledge.certificates, drives_rad_s)
     };
     FREEDOMS.par_iter().filter_map(of).collect()
