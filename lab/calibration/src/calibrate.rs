@@ -215,12 +215,9 @@ pub fn calibrate(
             );
         }
     }
-    let mut contradicted = None;
     if let Some(chosen) = &chosen {
         if findings.is_empty() {
-            contradicted = chosen.contradicted(session.limits.interval_percent);
             findings.extend(undetermined(&chosen.parameters));
-            findings.extend(contradicted.clone());
         }
         findings.extend(chosen.refusal().map(choice::refused));
     }
@@ -235,7 +232,7 @@ pub fn calibrate(
         reservations.extend(misstated_drives(&trials, &of_wrong_clocks));
     }
     if let Some(chosen) = &chosen {
-        reservations.extend(chosen.reservations(contradicted.is_some()));
+        reservations.extend(chosen.reservations());
     }
     let (grade, sentence) = grade(&findings, &reservations, &trials, chosen.is_some());
     let calibration = chosen

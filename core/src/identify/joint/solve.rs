@@ -14,15 +14,16 @@ use super::unknowns::{ACCELEROMETER_GAIN, COMPLIANCE, Unknowns};
 use super::{Joint, Known, WHAT};
 use crate::error::{Error, Result};
 use crate::float::sqrt;
-use crate::identify::least_squares::gauss_newton::{Limits, Nonlinear, Outcome, iterate};
+use crate::identify::least_squares::gauss_newton::{End, Limits, Nonlinear, Outcome, iterate};
 
-/// Steps at most for one set of spreads. A campaign takes four for the first and, where wedges or amplifiers are other than stated, up
-/// to ten; what creeps on after that accounts for nothing.
-const STEPS: usize = 12;
+/// Steps at most for one set of spreads; a campaign takes four for the first.
+const STEPS: usize = 30;
+/// Steps after which a fit that is to account for anything is near its end: what creeps on does not get there.
+const PATIENCE: usize = 12;
 /// Sets of spreads at most.
 const ROUNDS: usize = 20;
 /// A step whose square, measured in the estimate's own covariance, is below this changes nothing that could be told: a
-/// thousandth of a standard deviation, as the squares that are left have it.
+/// thousandth of a standard deviation.
 const SETTLED: f64 = 1e-6;
 /// Shares of a step that are tried: a whole one, a half ...
 const SHARES: usize = 7;
@@ -205,11 +206,7 @@ pub(super) fn refit(
     let mut at = campaign.point(start, trials)?;
     let mut steps = 0;
     for round in 0..ROUNDS {
-        let limits = Limits {
-            steps: STEPS,
-            shares: SHARES,
-        };
-        let end = iterate(&campaign, at, limits)?;
+        let end = campaign.iterated(at)?;
         steps += end.steps;
         if end.outcome != Outcome::Converged {
             break;
@@ -258,7 +255,7 @@ pub(super) struct Point {
     pub(super) normal: Normal,
 }
 
-/// A step of the common unknowns, and its square in the estimate's own covariance, which residuals beyond noise make larger.
+/// A step of the common unknowns, and its square in the estimate's own covariance.
 pub(super) struct Step {
     whole: DVector<f64>,
     size: f64,
@@ -290,6 +287,27 @@ impl<'a> Campaign<'a> {
         })
     }
 
+    /// Gauss-Newton from a point. After some patience it goes on only where the next step is within the deviations that the squares that
+    /// are left make of the estimate's own.
+    fn iterated(&self, from: Point) -> Result<End<Self>> {
+        let limits = |steps| Limits {
+            steps,
+            shares: SHARES,
+        };
+        let end = iterate(self, from, limits(PATIENCE))?;
+        let per_degree = end.at.normal.squares / self.degrees_of_freedom(&end.at).max(1) as f64;
+        let creeps = end.step.size > per_degree.max(1.0);
+        if end.outcome != Outcome::OutOfSteps || creeps {
+            return Ok(end);
+        }
+        // The step that was not taken is computed once more.
+        let more = iterate(self, end.at, limits(STEPS - PATIENCE + 1))?;
+        Ok(End {
+            steps: PATIENCE - 1 + more.steps,
+            ..more
+        })
+    }
+
     /// What is measured, and known beforehand, less what is fitted.
     fn degrees_of_freedom(&self, at: &Point) -> usize {
         let known = self.priors.iter().filter(|p| p.1.deviation > 0.0).count();
@@ -306,9 +324,8 @@ impl Nonlinear for Campaign<'_> {
     fn step(&self, from: &Point) -> Result<Step> {
         let toward = from.normal.free_descent();
         let step = from.normal.covariance()? * &toward;
-        let per_degree = from.normal.squares / self.degrees_of_freedom(from).max(1) as f64;
         Ok(Step {
-            size: toward.dot(&step) / per_degree.max(1.0),
+            size: toward.dot(&step),
             whole: from.normal.whole(&step),
         })
     }

@@ -1,7 +1,6 @@
 //! The parameters of the estimator that was asked for.
 
 use sixaxis_core::{Parameter, Parameters};
-use sixaxis_page::number::significant;
 
 use crate::estimate::Estimate;
 use crate::finding::{Cause, Finding};
@@ -87,35 +86,9 @@ impl Chosen {
             .map(String::as_str)
     }
 
-    /// That the trials contradict each other by so much that parameters fitted to all of them may be off by more than that share of their
-    /// values, %: no four steps are surer of them.
-    pub fn contradicted(&self, limit_percent: f64) -> Option<Finding> {
-        let joint = self.estimate.joint.as_ref().ok();
-        let joint = joint.filter(|joint| joint.misfit.contradicts())?;
-        let reports = joint.parameter_reports(&self.estimate.four_steps);
-        let sizes = reports.iter().filter(|p| p.parameter.has_size());
-        let (worst, share) = sizes
-            .filter_map(|p| Some((p.parameter, p.half_width_95? / p.estimate.abs())))
-            .max_by(|a, b| a.1.total_cmp(&b.1))?;
-        let percent = 100.0 * share;
-        let most = joint.most_of_the_misfit();
-        (percent > limit_percent).then(|| Finding {
-            recordings: most.into_iter().map(str::to_owned).collect(),
-            advice: "look at the trial's curves in the report, and repeat it".to_owned(),
-            ..hypotheses::unknown(format!(
-                "{}; by that much parameters may be off by {} % ({worst}), where the session asks for {limit_percent} %",
-                hypotheses::contradiction(Ok(joint)),
-                significant(percent, 2),
-            ))
-        })
-    }
-
-    /// What is to be said against the estimate where nothing is wrong, beside that it is [`contradicted`](Self::contradicted).
-    pub fn reservations(&self, contradicted: bool) -> Vec<String> {
+    /// What is to be said against the estimate where nothing is wrong.
+    pub fn reservations(&self) -> Vec<String> {
         let mut reservations = self.estimate.taps.remarks.clone();
-        if contradicted {
-            return reservations;
-        }
         if let Some(joint) = self.used_joint() {
             reservations.extend(contradiction(&joint.misfit));
             reservations.extend(beyond_certificate(&joint.gain));

@@ -568,29 +568,3 @@ fn inv_a_clock_that_the_rig_contradicts_is_no_other_frequency() {
         "{said}"
     );
 }
-
-#[test]
-fn neg_trials_that_contradict_each_other_by_more_than_the_session_allows_are_no_reservation() {
-    // A channel that gives way as its signal grows, which no cause that is tried has.
-    let kinds = ["linear", "angular", "fast"];
-    for file in kinds.iter().flat_map(|kind| of_kind(kind)) {
-        rewritten(&file, &format!("soft-{file}"), |row| {
-            row[8] = (0.02 * row[8]).tanh() / 0.02;
-        });
-    }
-    let (code, said) = calibrated("soft", |s| {
-        kinds.iter().fold(s.to_owned(), |s, kind| {
-            s.replace(
-                &format!("file = \"{kind}"),
-                &format!("file = \"soft-{kind}"),
-            )
-        })
-    });
-    assert_eq!(code, 4, "{said}");
-    assert!(
-        said.contains("the trials contradict each other")
-            && said.contains("by that much parameters may be off by")
-            && !said.contains("the four steps' parameters are used"),
-        "{said}"
-    );
-}
