@@ -8,6 +8,7 @@ use sixaxis_page::number::significant;
 use sixaxis_recordings::session::Role;
 
 use super::validation::{Decoding, arm_m, compare, errors};
+use crate::conditioning::Conditioned;
 use crate::diagnosis::raw::converter_step_v;
 use crate::finding::{Cause, Finding};
 use crate::grade::worst;
@@ -35,68 +36,43 @@ pub(super) fn explain(
     decoding: Option<&Decoding<'_>>,
     reports: &[TrialReport],
 ) {
+    let [name] = &failure.recordings[..] else {
+        return;
+    };
+    let runs = prepared.campaign.trials.iter().zip(reports);
+    let mut runs = runs.filter(|((trial, _), _)| trial.role == Role::Validation);
+    let run = runs.find(|((trial, _), _)| trial.name == *name);
     // Rows that are missing make a run look like anything.
-    gap(failure, prepared);
-    if failure.cause == Cause::Unreadable {
-        return;
-    }
-    odd(failure, suspected);
-    cut(failure, prepared);
-    if let (Cause::Unexplained, Some(decoding)) = (failure.cause, decoding) {
-        noisy(failure, prepared, decoding, reports);
-    }
-}
-
-/// With what is odd about the run by the other trials.
-fn odd(failure: &mut Finding, suspected: &[Finding]) {
-    let same = |finding: &&Finding| finding.recordings.contains(&failure.recordings[0]);
-    if failure.recordings.len() != 1 {
-        return;
-    }
-    if let Some(odd) = suspected.iter().find(same) {
-        failure.cause = odd.cause;
-        failure.channels.clone_from(&odd.channels);
-        failure.evidence = format!("{}; {}", failure.evidence, odd.evidence);
-        failure.advice.clone_from(&odd.advice);
-    }
-}
-
-/// Where the run is not whole: what is compared is decoupled as one from rest to rest.
-fn cut(failure: &mut Finding, prepared: &PreparedSession) {
-    let [name] = &failure.recordings[..] else {
-        return;
-    };
-    let mut runs = prepared.campaign.of(Role::Validation);
-    let Some((trial, _)) = runs.find(|(trial, _)| trial.name == *name) else {
-        return;
-    };
-    let mut broken_off = prepared.broken_off.iter();
-    let broken_off = broken_off.find(|(_, names)| names.contains(name));
-    let how = match broken_off {
-        Some((how, _)) => Some(how.clone()),
-        None => turns_at_an_end(trial),
-    };
-    if let Some(how) = how {
-        failure.cause = Cause::Unreadable;
-        failure.evidence = format!("{}; {how}", failure.evidence);
-        failure.advice = "record the run whole, from rest to rest".to_owned();
-    }
-}
-
-/// Where rows are missing: most channels jump at once, and go on evenly from where they have jumped to.
-fn gap(failure: &mut Finding, prepared: &PreparedSession) {
-    let [name] = &failure.recordings[..] else {
-        return;
-    };
-    let mut runs = prepared.campaign.of(Role::Validation);
-    let run = runs.find(|(trial, _)| trial.name == *name);
-    if let Some((sample, channels)) = run.and_then(|(trial, _)| rows_missing(trial)) {
+    if let Some((sample, channels)) = run.and_then(|((trial, _), _)| rows_missing(trial)) {
         failure.cause = Cause::Unreadable;
         failure.evidence = format!(
             "{}; {channels} of its channels jump at once after sample {sample} and go on evenly from there: rows are missing",
             failure.evidence
         );
         failure.advice = "record the run again, without a gap".to_owned();
+        return;
+    }
+    if let Some(odd) = suspected.iter().find(|f| f.recordings.contains(name)) {
+        failure.cause = odd.cause;
+        failure.channels.clone_from(&odd.channels);
+        failure.evidence = format!("{}; {}", failure.evidence, odd.evidence);
+        failure.advice.clone_from(&odd.advice);
+    }
+    let Some(((trial, conditioned), report)) = run else {
+        return;
+    };
+    // What is compared is decoupled as one from rest to rest.
+    let mut broken_off = prepared.broken_off.iter();
+    let broken_off = broken_off.find(|(_, names)| names.contains(&trial.name));
+    let how = broken_off.map(|(how, _)| how.clone());
+    if let Some(how) = how.or_else(|| turns_at_an_end(trial)) {
+        failure.cause = Cause::Unreadable;
+        failure.evidence = format!("{}; {how}", failure.evidence);
+        failure.advice = "record the run whole, from rest to rest".to_owned();
+    }
+    let off = report.validation.map(|errors| worst(&errors));
+    if let (Cause::Unexplained, Some(decoding), Some(off)) = (failure.cause, decoding, off) {
+        noisy(failure, prepared, decoding, (trial, conditioned), off);
     }
 }
 
@@ -128,25 +104,18 @@ fn rows_missing(trial: &Trial) -> Option<(usize, usize)> {
     (*channels > LIMBS / 2).then_some((sample, *channels))
 }
 
-/// Where noise and rounding of the run's channels alone make as much: it is decoupled once more with as much of both again.
+/// Where noise and rounding of the run's channels alone make as much as it is off: it is decoupled once more with as much of both again.
 fn noisy(
     failure: &mut Finding,
     prepared: &PreparedSession,
     decoding: &Decoding<'_>,
-    reports: &[TrialReport],
+    (trial, conditioned): (&Trial, &Conditioned),
+    off: f64,
 ) {
-    let ([name], Some(rest)) = (&failure.recordings[..], &prepared.at_rest) else {
+    let Some(rest) = &prepared.at_rest else {
         return;
     };
     let campaign = &prepared.campaign;
-    let mut runs = campaign.trials.iter().zip(reports);
-    let Some(((trial, conditioned), report)) = runs.find(|((trial, _), _)| trial.name == *name)
-    else {
-        return;
-    };
-    let Some(off) = report.validation.map(|errors| worst(&errors)) else {
-        return;
-    };
     let steps_v: [f64; LIMBS] = core::array::from_fn(|i| converter_step_v(trial, i));
     let more = Trial {
         voltage_v: noisier(trial, &deviations_v(&steps_v, rest)),

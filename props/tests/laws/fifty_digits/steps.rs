@@ -191,7 +191,7 @@ pub fn in_fifty_digits(recorded: &Recorded, grid_minimum_per_s2: f64) -> Found<B
             let mut decoder = decoder.with(drift.clone(), scale.clone(), &inertia);
             let (mut sum, mut count) = (big(0.0), 0);
             for answer in voltage_v.iter().filter_map(|row| decoder.push(row)) {
-                sum += answer.rate.length();
+                sum = sum + answer.rate.length();
                 count += 1;
             }
             let mean = sum / big(f64::from(count));
