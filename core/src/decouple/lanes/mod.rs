@@ -37,6 +37,9 @@ const CHUNK: usize = 32;
 /// a then w' in ground axes, m/s^2 and rad/s^2, and w* in shell axes, rad/s: nine numbers, each of eight streams.
 pub type LaneSample = [Row; 9];
 
+/// Not generic: whoever calls has one more call for 32 samples, and does not compile the kernel again for each of his closures.
+type Sink<'a> = &'a mut dyn FnMut(&[LaneSample]);
+
 /// A stream that was refused a sample.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Refused {
@@ -68,17 +71,17 @@ impl core::error::Error for Refused {}
 pub fn push_lanes(
     streams: &mut [Decoupler; LANES],
     voltage_v: [&[[f64; LIMBS]]; LANES],
-    sink: &mut impl FnMut(&[LaneSample]),
+    sink: Sink<'_>,
 ) -> core::result::Result<(), Refused> {
     assert_in_step(streams, &voltage_v);
     if streams.iter().all(|stream| stream.mask.all()) {
-        Arch::new().dispatch(Push::<_, false> {
+        Arch::new().dispatch(Push::<false> {
             streams,
             voltage_v,
             sink,
         })
     } else {
-        Arch::new().dispatch(Push::<_, true> {
+        Arch::new().dispatch(Push::<true> {
             streams,
             voltage_v,
             sink,
@@ -96,18 +99,18 @@ pub fn push_lanes(
 pub fn push_lanes_portable(
     streams: &mut [Decoupler; LANES],
     voltage_v: [&[[f64; LIMBS]]; LANES],
-    sink: &mut impl FnMut(&[LaneSample]),
+    sink: Sink<'_>,
 ) -> core::result::Result<(), Refused> {
     assert_in_step(streams, &voltage_v);
     if streams.iter().all(|stream| stream.mask.all()) {
-        let job = Push::<_, false> {
+        let job = Push::<false> {
             streams,
             voltage_v,
             sink,
         };
         push::<f64x4, false>((), job)
     } else {
-        let job = Push::<_, true> {
+        let job = Push::<true> {
             streams,
             voltage_v,
             sink,
@@ -130,13 +133,13 @@ fn assert_in_step(streams: &[Decoupler; LANES], voltage_v: &[&[[f64; LIMBS]]; LA
 }
 
 /// `EXCLUDING` says whether any of them excludes a limb: each case in functions of its own.
-struct Push<'a, F, const EXCLUDING: bool> {
+struct Push<'a, const EXCLUDING: bool> {
     streams: &'a mut [Decoupler; LANES],
     voltage_v: [&'a [[f64; LIMBS]]; LANES],
-    sink: &'a mut F,
+    sink: Sink<'a>,
 }
 
-impl<F: FnMut(&[LaneSample]), const EXCLUDING: bool> WithSimd for Push<'_, F, EXCLUDING> {
+impl<const EXCLUDING: bool> WithSimd for Push<'_, EXCLUDING> {
     type Output = core::result::Result<(), Refused>;
 
     #[inline(always)]
@@ -152,7 +155,7 @@ impl<F: FnMut(&[LaneSample]), const EXCLUDING: bool> WithSimd for Push<'_, F, EX
 #[inline(always)]
 fn push<R: Register, const EXCLUDING: bool>(
     proof: R::Proof,
-    job: Push<'_, impl FnMut(&[LaneSample]), EXCLUDING>,
+    job: Push<'_, EXCLUDING>,
 ) -> core::result::Result<(), Refused> {
     let Push {
         streams,
@@ -180,7 +183,7 @@ fn push<R: Register, const EXCLUDING: bool>(
 fn push_each(
     streams: &mut [Decoupler; LANES],
     voltage_v: &[&[[f64; LIMBS]]; LANES],
-    sink: &mut impl FnMut(&[LaneSample]),
+    sink: Sink<'_>,
 ) -> core::result::Result<(), Refused> {
     for (i, _) in voltage_v[0].iter().enumerate() {
         let mut out = [Row::ZERO; 9];
@@ -251,7 +254,7 @@ impl<R: Register, const EXCLUDING: bool> Chunk<R, EXCLUDING> {
         &mut self,
         streams: &mut [Decoupler; LANES],
         rows: &[&[[f64; LIMBS]]; LANES],
-        sink: &mut impl FnMut(&[LaneSample]),
+        sink: Sink<'_>,
     ) -> usize {
         let mut taken = 0;
         if rows[0].len() < CHUNK {
