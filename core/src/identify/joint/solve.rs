@@ -25,6 +25,9 @@ const ROUNDS: usize = 20;
 /// A step whose square, measured in the estimate's own covariance, is below this changes nothing that could be told: a
 /// thousandth of a standard deviation.
 const SETTLED: f64 = 1e-6;
+/// Squares per degree of freedom beyond which no one thing more will account for the trials. Deviations are then those that the squares
+/// themselves make of the estimate's own, and steps are measured in them.
+const HOPELESS: f64 = 10.0;
 /// Shares of a step that are tried: a whole one, a half ...
 const SHARES: usize = 7;
 /// Standard deviation of the accelerometer's gain below which the trials have told it.
@@ -255,10 +258,11 @@ pub(super) struct Point {
     pub(super) normal: Normal,
 }
 
-/// A step of the common unknowns, and its square in the estimate's own covariance.
+/// A step of the common unknowns, its square in the estimate's own covariance, and the square below which it is negligible.
 pub(super) struct Step {
     whole: DVector<f64>,
     size: f64,
+    settled: f64,
 }
 
 impl<'a> Campaign<'a> {
@@ -295,8 +299,7 @@ impl<'a> Campaign<'a> {
             shares: SHARES,
         };
         let end = iterate(self, from, limits(PATIENCE))?;
-        let per_degree = end.at.normal.squares / self.degrees_of_freedom(&end.at).max(1) as f64;
-        let creeps = end.step.size > per_degree.max(1.0);
+        let creeps = end.step.size > self.squares_per_degree(&end.at).max(1.0);
         if end.outcome != Outcome::OutOfSteps || creeps {
             return Ok(end);
         }
@@ -306,6 +309,10 @@ impl<'a> Campaign<'a> {
             steps: PATIENCE - 1 + more.steps,
             ..more
         })
+    }
+
+    fn squares_per_degree(&self, at: &Point) -> f64 {
+        at.normal.squares / self.degrees_of_freedom(at).max(1) as f64
     }
 
     /// What is measured, and known beforehand, less what is fitted.
@@ -324,14 +331,17 @@ impl Nonlinear for Campaign<'_> {
     fn step(&self, from: &Point) -> Result<Step> {
         let toward = from.normal.free_descent();
         let step = from.normal.covariance()? * &toward;
+        let per_degree = self.squares_per_degree(from);
+        let hopeless = per_degree > HOPELESS;
         Ok(Step {
             size: toward.dot(&step),
+            settled: SETTLED * if hopeless { per_degree } else { 1.0 },
             whole: from.normal.whole(&step),
         })
     }
 
     fn is_negligible(&self, step: &Step) -> bool {
-        step.size < SETTLED
+        step.size < step.settled
     }
 
     fn moved(&self, from: &Point, step: &Step, share: f64) -> Result<Point> {
