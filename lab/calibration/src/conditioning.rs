@@ -89,7 +89,8 @@ impl Conditioning {
             .map(|line| ((line.rest_s * trial.sample_rate_hz) as usize).max(1))
     }
 
-    fn differentiator(&self, trial: &Trial) -> Result<Differentiator> {
+    /// What takes the rate's derivative of a trial.
+    pub(crate) fn differentiator(&self, trial: &Trial) -> Result<Differentiator> {
         let settings = self.stages.differentiator;
         Differentiator::new(settings.half_width, settings.order, trial.sample_rate_hz)
     }

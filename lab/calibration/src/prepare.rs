@@ -216,26 +216,60 @@ fn missing(trials: &[Trial]) -> impl Iterator<Item = Finding> {
 
 /// Corner of the low-pass over the drive's frequency below which less than a tenth of the motion is left.
 const DRIVE_LOST: f64 = 0.75;
+/// Share of the drive's angular acceleration by which the derivative may be off: as much as a validation run may be.
+const SLOPE_LOST: f64 = 0.05;
 
-/// Trials whose low-pass takes off the motion itself.
-fn without_the_drive(trials: &[Trial], conditioning: &Conditioning) -> Option<Finding> {
-    let corner_hz = |trial: &Trial| {
+/// Trials whose low-pass takes off the motion itself, and those whose derivative does.
+fn without_the_drive<'a>(
+    trials: &'a [Trial],
+    conditioning: &Conditioning,
+) -> impl Iterator<Item = Finding> + use<'a> {
+    let of_low_pass = |trial: &Trial| {
         let corner_hz = for_role(conditioning, trial.role).corner_hz(trial)?;
-        (corner_hz < DRIVE_LOST * trial.frequency_hz).then_some(corner_hz)
+        (corner_hz < DRIVE_LOST * trial.frequency_hz).then(|| format!(
+            "preprocessing.low_pass takes off the motion itself: its corner is {corner_hz:.2} Hz where the drive turns at {:.2} Hz",
+            trial.frequency_hz
+        ))
     };
-    let first = trials.iter().find(|trial| corner_hz(trial).is_some())?;
-    let lost = trials.iter().filter(|trial| corner_hz(trial).is_some());
-    Some(Finding {
-        cause: Cause::Unreadable,
-        recordings: lost.map(|trial| trial.name.clone()).collect(),
-        channels: Vec::new(),
-        evidence: format!(
-            "preprocessing.low_pass takes off the motion itself: its corner is {:.2} Hz where the drive turns at {:.2} Hz",
-            corner_hz(first)?,
-            first.frequency_hz
+    let of_slope = |trial: &Trial| {
+        let turns = matches!(trial.role, Role::Angular | Role::Validation);
+        let differentiator = conditioning.differentiator(trial).ok().filter(|_| turns)?;
+        let gain = differentiator.relative_gain(trial.frequency_hz);
+        ((gain - 1.0).abs() > SLOPE_LOST).then(|| format!(
+            "preprocessing.differentiator shows {gain:.3} of an angular acceleration at the drive's {:.2} Hz: its {} samples are too many for {} Hz",
+            trial.frequency_hz,
+            2 * conditioning.stages.differentiator.half_width + 1,
+            trial.sample_rate_hz
+        ))
+    };
+    let finding = |lost: Vec<(String, &Trial)>, advice: &str| {
+        let (evidence, _) = lost.first()?;
+        Some(Finding {
+            cause: Cause::Unreadable,
+            recordings: lost.iter().map(|(_, trial)| trial.name.clone()).collect(),
+            channels: Vec::new(),
+            evidence: evidence.clone(),
+            advice: advice.to_owned(),
+        })
+    };
+    let each = |of: &dyn Fn(&Trial) -> Option<String>| -> Vec<(String, &'a Trial)> {
+        trials
+            .iter()
+            .filter_map(|trial| Some((of(trial)?, trial)))
+            .collect()
+    };
+    [
+        finding(
+            each(&of_low_pass),
+            "set times_drive and plus_hz so that the corner is some times the drive's frequency; 4 and 8 are taken without",
         ),
-        advice: "set times_drive and plus_hz so that the corner is some times the drive's frequency; 4 and 8 are taken without".to_owned(),
-    })
+        finding(
+            each(&of_slope),
+            "set half_width smaller, or order higher; 3 and 4 are taken without",
+        ),
+    ]
+    .into_iter()
+    .flatten()
 }
 
 /// Standard deviation of a standard within what is taken for rest, over that of the whole run, beyond which it is none.

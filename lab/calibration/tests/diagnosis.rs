@@ -782,6 +782,20 @@ fn inv_zeros_that_move_are_told_by_their_size() {
     }
     assert_eq!(wandering(0.4e-3, 0.0).findings(), []);
     assert_eq!(wandering(16e-3, 8e-3).findings(), []);
+    // A warm-up is no line.
+    for share in [0.2, 0.4] {
+        let mut day = Day::of(&healthy());
+        let samples = day.rest.voltage_v.len() as f64;
+        for (n, row) in day.rest.voltage_v.iter_mut().enumerate() {
+            row[7] = 50e-3 * (-(n as f64) / samples / share).exp();
+        }
+        let found = day.findings();
+        let drifts = |f: &&Finding| f.cause == Cause::DriftDuringRun && f.recordings == ["rest"];
+        assert!(
+            found.iter().any(|f| drifts(&f) && f.channels == [8]),
+            "{share}: {found:#?}"
+        );
+    }
 }
 
 #[test]
@@ -854,6 +868,75 @@ fn inv_odd_trials_are_told_by_what_explains_them() {
             "of the signal follows neither",
         );
     }
+}
+
+/// From one sample to another, what a loose cable leaves of a series.
+const LOOSE: core::ops::Range<usize> = 1500..2000;
+const LEFT: f64 = 0.01;
+
+fn loosened(series: &mut [f64]) {
+    series[LOOSE].iter_mut().for_each(|x| *x *= LEFT);
+}
+
+#[test]
+fn inv_a_part_of_a_run_that_is_another_s_is_told_by_its_time() {
+    for odd in [4, 10, COMPOUND] {
+        let day = with(odd..odd + 1, |i, n, u| match i == 5 && LOOSE.contains(&n) {
+            true => LEFT * u,
+            false => u,
+        });
+        let evidence = "the channel does not follow the motion as it does in the rest of the run";
+        day.shows(Cause::Unreadable, &[odd], &[5], evidence);
+        let said = &day.findings()[0].evidence;
+        let times: Vec<f64> = (said.split(' ').filter_map(|word| word.parse().ok())).collect();
+        let near = |told: f64, sample: usize| (told - sample as f64 / RATE_HZ).abs() < 0.15;
+        assert!(
+            near(times[0], LOOSE.start) && near(times[1], LOOSE.end),
+            "{said}"
+        );
+    }
+    for (odd, standard) in [(4, "accelerometer"), (10, "gyroscope")] {
+        let mut day = Day::of(&healthy());
+        let (trial, conditioned) = &mut day.trials[odd];
+        let (series, motion) = match standard {
+            "accelerometer" => (
+                &mut trial.accelerometer_m_s2,
+                &mut conditioned.linear_ground_m_s2,
+            ),
+            _ => {
+                let rates = &mut conditioned.rate_shell_rad_s[LOOSE];
+                rates.iter_mut().for_each(|w| *w *= LEFT);
+                (
+                    &mut trial.gyroscope_rad_s,
+                    &mut conditioned.angular_shell_rad_s2,
+                )
+            }
+        };
+        loosened(series);
+        motion[LOOSE].iter_mut().for_each(|v| *v *= LEFT);
+        let evidence = format!("the standard {standard} reads nothing while the channels move");
+        day.shows_first(Cause::Unreadable, &[odd], &[], &evidence);
+    }
+    // A wedge that is off is off wherever the run moves, and where it rests nothing can be told.
+    let mut day = where_runs(4..5, |run| {
+        run.moved = DQuat::from_rotation_z(0.09) * run.stated;
+        run.gravity = -run.moved * GRAVITY_M_S2;
+    });
+    let (trial, conditioned) = &mut day.trials[4];
+    let rest = 4 * SAMPLES;
+    let noise: Vec<[f64; LIMBS]> = (0..rest).map(|n| trial.voltage_v[n % 150]).collect();
+    trial.voltage_v.extend(noise);
+    conditioned.voltage_v.clone_from(&trial.voltage_v);
+    trial.accelerometer_m_s2.extend(vec![0.0; rest]);
+    trial.gyroscope_rad_s.extend(vec![0.0; rest]);
+    for vectors in [
+        &mut conditioned.linear_ground_m_s2,
+        &mut conditioned.rate_shell_rad_s,
+        &mut conditioned.angular_shell_rad_s2,
+    ] {
+        vectors.extend(vec![DVec3::ZERO; rest]);
+    }
+    day.shows_first(Cause::LooseWedge, &[4], &[], "from the stated direction");
 }
 
 #[test]

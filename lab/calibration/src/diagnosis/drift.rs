@@ -238,26 +238,24 @@ fn bump(rest: &Trial, channel: usize) -> Option<Bump> {
         })
 }
 
-/// Change of a static channel along the line through its pieces' means, V, if it exceeds the noise.
+/// Change of a static channel along the line through its pieces' means, V, if it exceeds their noise.
 fn course(rest: &Trial, channel: usize) -> Option<f64> {
     let (_, means) = means(rest, channel, PIECES)?;
-    // Line through the pieces' means, judged by what they scatter about it.
+    // Line through the pieces' means, judged by what neighbours differ by: a warm-up is no line, and its bend no noise.
     let n = PIECES as f64;
     let middle = (n - 1.0) / 2.0;
-    let mean = means.iter().sum::<f64>() / n;
     let squares = n * (n * n - 1.0) / 12.0;
     let slope = means
         .iter()
         .enumerate()
-        .map(|(i, m)| (i as f64 - middle) * (m - mean))
+        .map(|(i, m)| (i as f64 - middle) * m)
         .sum::<f64>()
         / squares;
     let scatter = means
-        .iter()
-        .enumerate()
-        .map(|(i, m)| (m - mean - slope * (i as f64 - middle)).powi(2))
+        .windows(2)
+        .map(|pair| (pair[1] - pair[0]).powi(2))
         .sum::<f64>()
-        / (n - 2.0);
+        / (2.0 * (n - 1.0));
     let change = slope * (n - 1.0);
     let error = (scatter / squares).sqrt() * (n - 1.0);
     (change.abs() > SIGNIFICANT * error && change.abs() > NOTICED_AT_REST * rest.full_scale_v)

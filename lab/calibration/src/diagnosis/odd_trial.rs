@@ -1,6 +1,7 @@
 //! Trials that do not fit in with the others, and why.
 
 mod explanation;
+mod interval;
 
 use glam::DVec3;
 use sixaxis_core::LIMBS;
@@ -50,6 +51,8 @@ pub fn examine(
         let Some(finding) = found else {
             continue;
         };
+        // What a part of the run makes of the whole is no factor and no direction.
+        let finding = interval::examine(table, case).unwrap_or(finding);
         let direction = case.trial.direction_ground;
         let known = told.iter_mut().find(|(d, known)| {
             known.cause == finding.cause

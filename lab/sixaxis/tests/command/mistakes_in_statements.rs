@@ -141,6 +141,11 @@ fn neg_statements_that_are_not_so_are_named() {
             "preprocessing.low_pass takes off the motion itself",
         ),
         (
+            "no-acceleration-left",
+            &|s| s.replace("half_width = 3", "half_width = 200"),
+            "of an angular acceleration at the drive's",
+        ),
+        (
             "bandwidth-100",
             &|s| s.replace("bandwidth_hz = 10.0", "bandwidth_hz = 100.0"),
             "correct the gyroscope's bandwidth_hz",

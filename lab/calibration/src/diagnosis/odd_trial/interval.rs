@@ -1,0 +1,139 @@
+//! A part of a trial that is another's than the rest: a cable that was loose, a standard that read nothing for a while, a spike. The rest of
+//! the run agrees with the other trials sample by sample, which no factor, exchange or direction does.
+
+use sixaxis_core::LIMBS;
+
+use crate::diagnosis::table::{Table, weighted_median};
+use crate::diagnosis::trial_case::TrialCase;
+use crate::finding::{Cause, Finding};
+
+/// Parts of a run that are judged by themselves.
+const PARTS: usize = 64;
+/// What is left over in a part, relative to the motion where it is largest, from which the part does not follow it.
+const DEPARTS: f64 = 0.05;
+/// What is left over in all other parts, relative to their motion, within which they follow it.
+const FOLLOWS: f64 = 0.02;
+/// Share of the motion's squares that these others have at least: a rest follows anything.
+const SHOWN: f64 = 0.5;
+/// Share of what is left over in it that is one channel's if the others follow.
+const OF_ONE: f64 = 0.8;
+/// Size of a standard's reading in it, relative to the rest of the run, from which it reads something.
+const READS: f64 = 0.1;
+
+/// What the standards make one expect of a channel, and what it shows beyond that, at each sample, m/s^2.
+struct Course {
+    channel: usize,
+    expected: Vec<f64>,
+    beyond: Vec<f64>,
+}
+
+impl Course {
+    fn of(table: &Table, case: &TrialCase<'_>, channel: usize) -> Option<Self> {
+        let expected = table.force_per_mass_m_s2(channel, case.trial, case.conditioned)?;
+        let scale = table.mass_over_scale_kg[channel];
+        let mut beyond: Vec<f64> = (case.force_n.iter().zip(&expected))
+            .map(|(force_n, expected)| force_n[channel] / scale - expected)
+            .collect();
+        // The zero is that of most of the run.
+        let mut all: Vec<(f64, f64)> = beyond.iter().map(|x| (*x, 1.0)).collect();
+        let zero = weighted_median(&mut all)?;
+        for x in &mut beyond {
+            *x -= zero;
+        }
+        Some(Self {
+            channel,
+            expected,
+            beyond,
+        })
+    }
+}
+
+fn squares(series: &[f64]) -> f64 {
+    series.iter().map(|x| x * x).sum()
+}
+
+/// The part that does not follow the motion, if there is one and all others do.
+pub(super) fn examine(table: &Table, case: &TrialCase<'_>) -> Option<Finding> {
+    let counts = (0..LIMBS).filter(|i| !case.ignored[*i] && !table.silent[*i]);
+    let courses: Vec<Course> = counts
+        .map(|channel| Course::of(table, case, channel))
+        .collect::<Option<_>>()?;
+    let samples = case.force_n.len();
+    let length = samples.div_ceil(PARTS).max(1);
+    // Squares of the motion and of what is left over, of each part, all channels together.
+    let of_parts = |series: fn(&Course) -> &[f64]| -> Vec<f64> {
+        let mut sums = vec![0.0; samples.div_ceil(length)];
+        for course in &courses {
+            let parts = series(course).chunks(length);
+            sums.iter_mut()
+                .zip(parts)
+                .for_each(|(sum, part)| *sum += squares(part));
+        }
+        sums
+    };
+    let motion = of_parts(|course| &course.expected);
+    let left = of_parts(|course| &course.beyond);
+    let most_motion = motion.iter().copied().fold(0.0, f64::max);
+    let departs = |part: &usize| left[*part] > DEPARTS * DEPARTS * most_motion;
+    let first = (0..left.len()).find(departs)?;
+    let last = (0..left.len()).rfind(departs)?;
+    let (from, to) = (first * length, ((last + 1) * length).min(samples));
+    let total = |of: &[f64]| of.iter().sum::<f64>();
+    let inside = total(&left[first..=last]);
+    let motion_outside = total(&motion[..first]) + total(&motion[last + 1..]);
+    let left_outside = total(&left[..first]) + total(&left[last + 1..]);
+    let follow = left_outside < FOLLOWS * FOLLOWS * motion_outside;
+    if !follow || motion_outside < SHOWN * total(&motion) {
+        return None;
+    }
+    let most = courses
+        .iter()
+        .max_by(|a, b| squares(&a.beyond[from..to]).total_cmp(&squares(&b.beyond[from..to])))?;
+    let alone = squares(&most.beyond[from..to]) > OF_ONE * inside;
+    let seconds = |sample: usize| sample as f64 / case.trial.sample_rate_hz;
+    let when = format!("from {:.2} s to {:.2} s", seconds(from), seconds(to));
+    let (channels, evidence, advice) = if alone {
+        (
+            vec![most.channel + 1],
+            format!(
+                "{when} the channel does not follow the motion as it does in the rest of the run; the others do"
+            ),
+            "see to its cable and plug for a loose contact, and record the trial again",
+        )
+    } else {
+        // Both ends lie somewhere within a part.
+        let inner = match last - first {
+            0 | 1 => from..to,
+            _ => from + length..last * length,
+        };
+        let silent = [
+            ("accelerometer", &case.trial.accelerometer_m_s2),
+            ("gyroscope", &case.trial.gyroscope_rad_s),
+        ]
+        .into_iter()
+        .find(|(_, series)| {
+            let outside = squares(&series[..from]) + squares(&series[to..]);
+            let of = (samples - (to - from)) as f64 / inner.len() as f64;
+            of * squares(&series[inner.clone()]) < READS * READS * outside
+        });
+        (
+            Vec::new(),
+            match silent {
+                Some((name, _)) => {
+                    format!("{when} the standard {name} reads nothing while the channels move")
+                }
+                None => format!(
+                    "{when} channels and standards do not agree as they do in the rest of the run"
+                ),
+            },
+            "see to the cables of the standards and of the recorder for a loose contact, and whether samples are missing there; record the trial again",
+        )
+    };
+    Some(Finding {
+        cause: Cause::Unreadable,
+        recordings: vec![case.trial.name.clone()],
+        channels,
+        evidence,
+        advice: advice.to_owned(),
+    })
+}
