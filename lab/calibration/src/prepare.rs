@@ -206,11 +206,9 @@ fn missing(trials: &[Trial]) -> impl Iterator<Item = Finding> {
         .into_iter()
         .filter(|(role, ..)| !trials.iter().any(|trial| trial.role == *role))
         .map(|(_, lacks, advice)| Finding {
-            cause: Cause::Unreadable,
-            recordings: Vec::new(),
-            channels: Vec::new(),
             evidence: format!("the session has {lacks}"),
             advice: advice.to_owned(),
+            ..Finding::of(Cause::Unreadable)
         })
 }
 
@@ -226,15 +224,14 @@ fn without_the_drive(trials: &[Trial], conditioning: &Conditioning) -> Option<Fi
     let first = trials.iter().find(|trial| corner_hz(trial).is_some())?;
     let lost = trials.iter().filter(|trial| corner_hz(trial).is_some());
     Some(Finding {
-        cause: Cause::Unreadable,
         recordings: lost.map(|trial| trial.name.clone()).collect(),
-        channels: Vec::new(),
         evidence: format!(
             "preprocessing.low_pass takes off the motion itself: its corner is {:.2} Hz where the drive turns at {:.2} Hz",
             corner_hz(first)?,
             first.frequency_hz
         ),
         advice: "set times_drive and plus_hz so that the corner is some times the drive's frequency; 4 and 8 are taken without".to_owned(),
+        ..Finding::of(Cause::Unreadable)
     })
 }
 
@@ -263,17 +260,16 @@ fn moves_at_rest(trials: &[Trial], rest_s: f64) -> Option<Finding> {
     };
     let moving: Vec<&Trial> = trials.iter().filter(moves).collect();
     (!moving.is_empty()).then(|| Finding {
-        cause: Cause::Unreadable,
         recordings: if moving.len() == trials.len() {
             Vec::new()
         } else {
             moving.iter().map(|trial| trial.name.clone()).collect()
         },
-        channels: Vec::new(),
         evidence: format!(
             "preprocessing.detrend lays a line through the first and the last {rest_s} s as rests, and the standards move there"
         ),
         advice: "take preprocessing.detrend out of the session, or state the rest_s that the runs have".to_owned(),
+        ..Finding::of(Cause::Unreadable)
     })
 }
 
@@ -366,10 +362,9 @@ fn unreadable(findings: &mut Vec<Finding>, name: &str, evidence: &str, advice: &
         return;
     }
     findings.push(Finding {
-        cause: Cause::Unreadable,
         recordings: vec![name.to_owned()],
-        channels: Vec::new(),
         evidence: evidence.to_owned(),
         advice: advice.to_owned(),
+        ..Finding::of(Cause::Unreadable)
     });
 }

@@ -162,15 +162,13 @@ pub fn examine(
     if !found && !(1.0 / COMMON..=COMMON).contains(&common) {
         found = true;
         findings.push(Finding {
-            cause: cause_of(common),
-            recordings: Vec::new(),
-            channels: Vec::new(),
             evidence: format!(
                 "all scale factors come out at {} the design's; {}",
                 factor_in_words(common),
                 reason(common)
             ),
             advice: "check the unit of the limbs' channels, gain_n_per_v, the accelerometer's sensitivity and scale_per_mass_per_kg in [sensor.design]".to_owned(),
+            ..Finding::of(cause_of(common))
         });
     }
     let over_usual_gain = over_usual_gain(cases);
@@ -181,8 +179,6 @@ pub fn examine(
         }
         found = true;
         findings.push(Finding {
-            cause: of_a_channel(own, over_usual_gain[channel]),
-            recordings: Vec::new(),
             channels: vec![channel + 1],
             evidence: format!(
                 "its scale factor comes out at {} what the other channels make of the design; {}",
@@ -193,6 +189,7 @@ pub fn examine(
                 "check unit, gain, cable and piezo of channel {}",
                 channel + 1
             ),
+            ..Finding::of(of_a_channel(own, over_usual_gain[channel]))
         });
     }
     if let Some(inertia) = table.inertia_m2
@@ -204,26 +201,22 @@ pub fn examine(
         let off = trace / expected;
         if off < 0.0 {
             findings.push(Finding {
-                cause: Cause::InvertedChannel,
-                recordings: Vec::new(),
-                channels: Vec::new(),
                 evidence: "the inertias come out negative: the standard gyroscope turns the other way than the angular trials' directions say"
                     .to_owned(),
                 advice: "turn the gyroscope's channel round, or give its sensitivity a minus sign; if it is right, turn the directions of the angular \
                          trials round"
                     .to_owned(),
+                ..Finding::of(Cause::InvertedChannel)
             });
         } else if (off - 1.0).abs() > INERTIA {
             findings.push(Finding {
-                cause: cause_of(off),
-                recordings: Vec::new(),
-                channels: Vec::new(),
                 evidence: format!(
                     "the inertias come out at {} the design's, which the drawing fixes far better; {}",
                     factor_in_words(off),
                     reason(off)
                 ),
                 advice: "check unit and sensitivity of accelerometer and gyroscope, and of the sensor half_edge_mm and the design's inertia_per_mass_mm2".to_owned(),
+                ..Finding::of(cause_of(off))
             });
         }
     }

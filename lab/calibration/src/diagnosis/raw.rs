@@ -112,13 +112,12 @@ fn standards(cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
         }
         if !recordings.is_empty() {
             findings.push(Finding {
-                cause: Cause::ClippedConverter,
                 recordings,
-                channels: Vec::new(),
                 evidence: format!(
                     "the standard {name} is cut off: it stands at its largest reading, up to {largest:.4} {unit}, for several samples together"
                 ),
                 advice: format!("set the range of the standard {name} or of its channel wider and record again"),
+                ..Finding::of(Cause::ClippedConverter)
             });
         }
     }

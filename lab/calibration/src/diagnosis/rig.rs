@@ -227,9 +227,6 @@ pub fn gyroscope_reads(facts: &Facts<'_>, cases: &[TrialCase<'_>]) -> Option<f64
 /// A standard that shows so many times what the rig asks for, and what that usually is.
 fn of_a_standard(what: &str, of: &str, factor: f64, limit: f64) -> Finding {
     Finding {
-        cause: cause_of(factor),
-        recordings: Vec::new(),
-        channels: Vec::new(),
         evidence: format!(
             "the standard {what} shows {} what the rig's {of} and the drive's frequency ask for, where certificate and workshop leave {:.1} %; {}",
             factor_in_words(factor),
@@ -241,6 +238,7 @@ fn of_a_standard(what: &str, of: &str, factor: f64, limit: f64) -> Finding {
             }
         ),
         advice: String::new(),
+        ..Finding::of(cause_of(factor))
     }
 }
 
@@ -283,15 +281,13 @@ fn wrong_clock(linear: &[Reading], angular: &[Reading], facts: &Facts<'_>) -> Op
     // A drive that turns as the session says is no word for another clock, however small its error.
     let shows = faster * by_reading.signum() > ALIKE * by_reading.abs();
     (shows && near(faster, TOLERANCE) && near(by_gyroscope, facts.gyroscope.gain_limit)).then(|| Finding {
-        cause: Cause::ClockMismatch,
-        recordings: Vec::new(),
-        channels: Vec::new(),
         evidence: format!(
             "by the recordings' clock the drive turns {:+.2} % faster than the session says, and both standards read what a clock that is fast by {:.2} % makes of the rig's stroke and rotation",
             100.0 * faster,
             100.0 * by_reading
         ),
         advice: "check the recordings' clock against the recorder: sample_rate_hz, or the rate or the time stamps in the files".to_owned(),
+        ..Finding::of(Cause::ClockMismatch)
     })
 }
 

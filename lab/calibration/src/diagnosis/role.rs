@@ -73,9 +73,7 @@ pub fn examine(cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
     if !other.is_empty() {
         let linear = other.iter().filter(|(_, linear)| *linear).count();
         findings.push(Finding {
-            cause: Cause::Unreadable,
             recordings: names(other.iter().map(|(index, _)| &cases[*index])),
-            channels: Vec::new(),
             evidence: match (linear, other.len() - linear) {
                 (_, 0) => "entered as linear, and by the standards the sensor turns".to_owned(),
                 (0, _) => "entered as angular, and by the standards the sensor travels".to_owned(),
@@ -89,6 +87,7 @@ pub fn examine(cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
                 "see whether files or roles of linear and angular trials are exchanged in the session"
             }
             .to_owned(),
+            ..Finding::of(Cause::Unreadable)
         });
         for (index, _) in other {
             cases[index].explained = true;
@@ -104,13 +103,12 @@ pub fn examine(cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
         .collect();
     if !both.is_empty() {
         findings.push(Finding {
-            cause: Cause::Unreadable,
             recordings: names(both.iter().map(|index| &cases[*index])),
-            channels: Vec::new(),
             evidence: "the gyroscope turns at the drive's frequency, as in a compound run"
                 .to_owned(),
             advice: "see whether the role is \"validation\", or the file another trial's"
                 .to_owned(),
+            ..Finding::of(Cause::Unreadable)
         });
         for index in both {
             cases[index].explained = true;
@@ -133,11 +131,10 @@ pub fn examine(cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
             continue;
         }
         findings.push(Finding {
-            cause: Cause::Unreadable,
             recordings: names(constant.iter().map(|index| &cases[*index])),
-            channels: Vec::new(),
             evidence: format!("the standard {what} reads one value throughout"),
             advice: format!("check the cable of the standard {what} and record again"),
+            ..Finding::of(Cause::Unreadable)
         });
         for index in constant {
             cases[index].explained = true;

@@ -60,9 +60,6 @@ pub fn excitation(cases: &[TrialCase<'_>], findings: &mut Vec<Finding>) {
         if !(excited || unread) {
             let lost = eigen.eigenvectors.column(worst);
             findings.push(Finding {
-                cause: Cause::UnderExcitedAxis,
-                recordings: Vec::new(),
-                channels: Vec::new(),
                 evidence: if trials.is_empty() {
                     format!("no {what} trial could be used")
                 } else {
@@ -78,6 +75,7 @@ pub fn excitation(cases: &[TrialCase<'_>], findings: &mut Vec<Finding>) {
                     "record {what} trials on a wedge whose direction is near ({:.1}, {:.1}, {:.1})",
                     lost[0], lost[1], lost[2]
                 ),
+                ..Finding::of(Cause::UnderExcitedAxis)
             });
         }
     }
@@ -195,19 +193,15 @@ pub fn inverted(
     let judged = silent.iter().filter(|silent| !**silent).count();
     if (0..LIMBS).filter(|i| !silent[*i] && reversed(*i)).count() == judged {
         findings.push(Finding {
-            cause: Cause::WrongScaling,
-            recordings: Vec::new(),
-            channels: Vec::new(),
             evidence: "all scale factors have the other sign than the design's: the standard accelerometer is reversed".to_owned(),
             advice: "turn the accelerometer's polarity round, or the wedges' directions".to_owned(),
+            ..Finding::of(Cause::WrongScaling)
         });
         return;
     }
     for (channel, silent) in silent.iter().enumerate() {
         if !silent && reversed(channel) {
             findings.push(Finding {
-                cause: Cause::InvertedChannel,
-                recordings: Vec::new(),
                 channels: vec![channel + 1],
                 evidence: format!(
                     "scale factor {:.3} 1/kg, of the other sign than the design's {:.3} 1/kg",
@@ -216,6 +210,7 @@ pub fn inverted(
                 ),
                 advice: "turn the channel's polarity round, or give its gain_n_per_v a minus sign"
                     .to_owned(),
+                ..Finding::of(Cause::InvertedChannel)
             });
         }
     }

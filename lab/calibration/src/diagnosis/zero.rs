@@ -133,11 +133,10 @@ fn in_words((channel, found): &(usize, Elsewhere)) -> String {
 
 fn of_the_record(rest: &Trial, evidence: String) -> Finding {
     Finding {
-        cause: Cause::Unreadable,
         recordings: vec![rest.name.clone()],
-        channels: Vec::new(),
         evidence,
         advice: "see whether the static record is of this sensor, in the trials' unit and at rest; record at rest again".to_owned(),
+        ..Finding::of(Cause::Unreadable)
     }
 }
 

@@ -339,11 +339,8 @@ fn inv_what_is_missing_is_one_point_each() {
 #[test]
 fn inv_findings_come_before_points_and_points_before_praise() {
     let finding = |cause: Cause, recordings: &[&str]| Finding {
-        cause,
         recordings: recordings.iter().map(ToString::to_string).collect(),
-        channels: Vec::new(),
-        evidence: String::new(),
-        advice: String::new(),
+        ..Finding::of(cause)
     };
     let said = |findings: &[Finding], points: usize, identified: bool| {
         grade(
