@@ -6,6 +6,7 @@ use crate::diagnosis::structure::varies_as_noise;
 use crate::finding::{Cause, Finding};
 use crate::report::TrialReport;
 use crate::response::frequency;
+use crate::series::upper_median;
 use crate::trial::Trial;
 use sixaxis_recordings::session::Role;
 
@@ -79,9 +80,7 @@ fn of_limbs_hz(trial: &Trial) -> Option<f64> {
         let series: Vec<f64> = trial.voltage_v.iter().map(|row| row[limb]).collect();
         frequency(&series, trial.sample_rate_hz)
     };
-    let mut all: Vec<f64> = (0..LIMBS).filter_map(of).collect();
-    all.sort_unstable_by(f64::total_cmp);
-    all.get(all.len() / 2).copied()
+    upper_median((0..LIMBS).filter_map(of))
 }
 
 /// Whether neither the standard that a trial needs nor most channels show more than noise.

@@ -47,6 +47,7 @@ pub mod propagation;
 pub mod report;
 pub mod response;
 pub mod self_calibrate;
+mod series;
 pub mod steps;
 pub mod tap;
 pub mod trial;

@@ -14,6 +14,7 @@ use crate::error::{Error, Result};
 use crate::finding::{Cause, Finding, in_a_sentence};
 use crate::load;
 use crate::progress::Progress;
+use crate::series::deviation;
 use crate::steps::Campaign;
 use crate::trial::Trial;
 use sixaxis_recordings::session::{Role, Session, SessionFile, Stage};
@@ -240,22 +241,20 @@ const MOVES: f64 = 0.2;
 
 /// Runs that move where a line is laid through their rests.
 fn moves_at_rest(trials: &[Trial], rest_s: f64) -> Option<Finding> {
-    // About the mean: a standard may have a zero of its own.
-    let size = |series: &[f64]| {
-        let count = series.len().max(1) as f64;
-        let mean = series.iter().sum::<f64>() / count;
-        (series.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / count).sqrt()
-    };
-    // The standard of another motion shows noise, as much in a rest as in the run: it does not clear a trial, nor does it accuse one.
+    // About the mean, for a standard may have a zero of its own. The standard of another motion shows noise, as much in a rest as in
+    // the run: it does not clear a trial, nor does it accuse one.
     let moves = |trial: &&Trial| {
         let samples = (rest_s * trial.sample_rate_hz) as usize;
         let standards = [&trial.accelerometer_m_s2, &trial.gyroscope_rad_s];
-        let mut shown = standards.into_iter().filter(|s| size(s) > 0.0).peekable();
+        let mut shown = standards
+            .into_iter()
+            .filter(|s| deviation(s) > 0.0)
+            .peekable();
         shown.peek().is_some()
             && shown.all(|series| {
                 let samples = samples.min(series.len());
                 let [first, last] = [&series[..samples], &series[series.len() - samples..]];
-                size(first).max(size(last)) > MOVES * size(series)
+                deviation(first).max(deviation(last)) > MOVES * deviation(series)
             })
     };
     let moving: Vec<&Trial> = trials.iter().filter(moves).collect();

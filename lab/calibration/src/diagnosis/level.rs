@@ -4,9 +4,10 @@
 
 use sixaxis_core::LIMBS;
 
-use super::table::{Table, weighted_median};
+use super::table::Table;
 use super::trial_case::{Facts, TrialCase};
 use crate::finding::{Cause, Finding};
+use crate::series::median;
 use sixaxis_recordings::unit::STANDARD_GRAVITY_M_S2;
 
 /// Largest factor by which all scale factors together may differ from the design's.
@@ -124,15 +125,10 @@ fn of_a_channel(factor: f64, over_usual_gain: f64) -> Cause {
 fn over_usual_gain(cases: &[TrialCase<'_>]) -> [f64; LIMBS] {
     let over = |case: &TrialCase<'_>, channel: usize| {
         let gains = case.trial.gains.gain_n_per_v.map(f64::abs);
-        let mut all = gains.map(|gain| (gain, 1.0));
-        gains[channel] / weighted_median(&mut all).unwrap_or(1.0)
+        gains[channel] / median(gains).unwrap_or(1.0)
     };
     core::array::from_fn(|channel| {
-        let mut day: Vec<(f64, f64)> = cases
-            .iter()
-            .map(|case| (over(case, channel), 1.0))
-            .collect();
-        weighted_median(&mut day).unwrap_or(1.0)
+        median(cases.iter().map(|case| over(case, channel))).unwrap_or(1.0)
     })
 }
 
@@ -154,11 +150,8 @@ pub fn examine(
     let design = &facts.design.scale_per_mass_per_kg;
     let ratio: [f64; LIMBS] =
         core::array::from_fn(|channel| 1.0 / (table.mass_over_scale_kg[channel] * design[channel]));
-    let mut sizes: Vec<(f64, f64)> = (0..LIMBS)
-        .filter(|i| !silent[*i])
-        .map(|i| (ratio[i].abs(), 1.0))
-        .collect();
-    let common = weighted_median(&mut sizes).unwrap_or(1.0);
+    let heard = (0..LIMBS).filter(|i| !silent[*i]);
+    let common = median(heard.map(|i| ratio[i].abs())).unwrap_or(1.0);
     if !found && !(1.0 / COMMON..=COMMON).contains(&common) {
         found = true;
         findings.push(Finding {

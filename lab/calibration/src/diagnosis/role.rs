@@ -5,6 +5,7 @@ use core::f64::consts::TAU;
 use super::fundamental;
 use super::trial_case::{TrialCase, names};
 use crate::finding::{Cause, Finding};
+use crate::series::deviation;
 use crate::trial::Trial;
 use sixaxis_recordings::session::Role;
 
@@ -15,20 +16,12 @@ const MOVES: f64 = 0.1;
 /// Share of a rig's turn from which a linear trial is a compound run.
 const TURNS: f64 = 0.3;
 
-/// Root mean square about the mean.
-fn size(series: &[f64]) -> f64 {
-    let count = series.len() as f64;
-    let mean = series.iter().sum::<f64>() / count;
-    let squares: f64 = series.iter().map(|x| (x - mean).powi(2)).sum();
-    (squares / count).sqrt()
-}
-
 /// Travel and turn of a trial over those of a rig.
 fn moved(trial: &Trial) -> (f64, f64) {
     let omega = TAU * trial.frequency_hz;
     (
-        size(&trial.accelerometer_m_s2) / (omega * omega * RIG.0),
-        size(&trial.gyroscope_rad_s) / (omega * RIG.1),
+        deviation(&trial.accelerometer_m_s2) / (omega * omega * RIG.0),
+        deviation(&trial.gyroscope_rad_s) / (omega * RIG.1),
     )
 }
 

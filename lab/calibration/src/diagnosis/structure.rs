@@ -4,9 +4,10 @@ use glam::{DMat3, DVec3};
 use sixaxis_core::LIMBS;
 use sixaxis_core::dsp::spectrum::noise_floor;
 
-use super::table::{Table, norm, weighted_median};
+use super::table::{Table, norm};
 use super::trial_case::{Facts, TrialCase, names};
 use crate::finding::{Cause, Finding};
+use crate::series::{deviation, median};
 use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
 use sixaxis_recordings::session::Role;
 
@@ -122,11 +123,8 @@ pub fn silent(
             let Some(own) = ratio(case, channel) else {
                 continue;
             };
-            let mut others: Vec<(f64, f64)> = (0..LIMBS)
-                .filter(|other| *other != channel)
-                .filter_map(|other| ratio(case, other).map(|r| (r, 1.0)))
-                .collect();
-            let Some(usual) = weighted_median(&mut others) else {
+            let others = (0..LIMBS).filter(|other| *other != channel);
+            let Some(usual) = median(others.filter_map(|other| ratio(case, other))) else {
                 continue;
             };
             judged += 1;
@@ -175,9 +173,7 @@ fn only_noise(case: &TrialCase<'_>, channel: usize) -> bool {
 
 /// Whether a series varies by no more than its noise from sample to sample; one that never changes has none.
 pub(crate) fn varies_as_noise(series: &[f64]) -> bool {
-    let mean = series.iter().sum::<f64>() / series.len() as f64;
-    let square = series.iter().map(|u| (u - mean) * (u - mean)).sum::<f64>() / series.len() as f64;
-    noise_floor(series).is_ok_and(|noise| noise > 0.0 && square.sqrt() <= ONLY_NOISE * noise)
+    noise_floor(series).is_ok_and(|noise| noise > 0.0 && deviation(series) <= ONLY_NOISE * noise)
 }
 
 /// Channels whose scale factor has the other sign than the design's.
