@@ -1,30 +1,13 @@
 //! What a gap is, every command is told by the same rule: `inspect` names it where `calibrate` and `decouple` refuse it.
 
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use sixaxis_recordings::Error;
 use sixaxis_recordings::ingest::columns::stamps;
 use sixaxis_recordings::ingest::{find, readings};
 use sixaxis_recordings::inspect::{Expected, Severity, inspect};
 use sixaxis_recordings::session::SessionFile;
-
-/// A folder that is removed at the end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let folder = std::env::temp_dir().join(format!("sixaxis-{name}-{}", std::process::id()));
-        std::fs::create_dir_all(&folder).expect("creates");
-        Self(folder)
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
 
 const SESSION: &str = r#"
 [sensor]
@@ -113,20 +96,24 @@ fn found(folder: &Path, stamps_s: &[f64]) -> [i64; 3] {
 
 #[test]
 fn a_missing_sample_is_a_gap_to_inspect_calibrate_and_decouple_alike() {
-    let folder = Folder::new("gaps");
+    let folder = tempfile::tempdir().expect("a folder");
     let even: Vec<f64> = (0..400).map(|k| f64::from(k) * 1e-3).collect();
-    assert_eq!(found(&folder.0, &even), [-1; 3]);
+    assert_eq!(found(folder.path(), &even), [-1; 3]);
     // Jitter of a third of a step is resampled, not refused.
     let jitter: Vec<f64> = even
         .iter()
         .enumerate()
         .map(|(k, t)| t + 3e-4 * ((k * 7919) % 13) as f64 / 13.0)
         .collect();
-    assert_eq!(found(&folder.0, &jitter), [-1; 3]);
+    assert_eq!(found(folder.path(), &jitter), [-1; 3]);
     // A single sample is missing, and more of them.
     for missing in [1, 2, 50] {
         let mut stamps_s = jitter.clone();
         stamps_s.drain(200..200 + missing);
-        assert_eq!(found(&folder.0, &stamps_s), [200; 3], "{missing} missing");
+        assert_eq!(
+            found(folder.path(), &stamps_s),
+            [200; 3],
+            "{missing} missing"
+        );
     }
 }
