@@ -9,30 +9,16 @@ use sixaxis_recordings::ingest::{find, readings};
 use sixaxis_recordings::inspect::{Expected, Severity, inspect};
 use sixaxis_recordings::session::SessionFile;
 
-const SESSION: &str = r#"
-[sensor]
-limb_length_mm = 25.5
-half_edge_mm = 21.0
-full_scale_v = 10.0
-gain_n_per_v = 10.0
-
-[sensor.design]
-scale_per_mass_per_kg = 5.3476
-inertia_per_mass_mm2 = [238.76, 250.71, 252.588, 0.0512, -0.0295, 0.5544]
-stiffness_per_mass_per_s2 = 3.1e8
-
-[accelerometer]
-class_percent = 1.0
-
-[gyroscope]
-class_percent = 1.0
-
+const SESSION: &str = concat!(
+    include_str!("card.toml"),
+    r#"
 [[recording]]
 file = "run.csv"
 role = "linear"
 direction = [1, 0, 0]
 frequency_hz = 1.0
-"#;
+"#
+);
 
 /// The sample before which each command finds a hole in a recording with these time stamps; -1 for none.
 fn found(folder: &Path, stamps_s: &[f64]) -> [i64; 3] {
