@@ -7,6 +7,7 @@ use sixaxis_core::identify::stiffness::PAPER_GRID_PER_S2;
 use sixaxis_core::{LIMBS, Parameters, SixAxis};
 use sixaxis_reference::motion::TrueMotion;
 
+use sixaxis_props::compare::worse;
 use sixaxis_props::faults::dying::angle_rad;
 use sixaxis_props::problem::recorded::{candidate, true_parameters};
 use sixaxis_props::tolerance::{self, DecoupledRun, Tolerance};
@@ -92,9 +93,7 @@ fn judge(report: Report) -> Result<Report, Refusal> {
 
 /// Largest of `errors`; NaN if there is one, or if there are none.
 fn largest(errors: impl Iterator<Item = f64>) -> f64 {
-    errors
-        .reduce(|a, b| if a.is_nan() || a > b { a } else { b })
-        .unwrap_or(f64::NAN)
+    errors.reduce(worse).unwrap_or(f64::NAN)
 }
 
 /// Largest difference of vectors over the largest of the second.

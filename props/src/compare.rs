@@ -24,15 +24,19 @@ pub fn fails_clearly(what: impl Into<String>, error: f64, tolerance: Tolerance) 
         .judge();
 }
 
-/// Largest of a set of numbers; NaN if any is.
+/// The larger of two numbers; NaN if either is.
+#[must_use]
+pub fn worse(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() {
+        f64::NAN
+    } else {
+        a.max(b)
+    }
+}
+
+/// Largest magnitude of a set of numbers; 0 of none, NaN if any is.
 pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
-    values.into_iter().fold(0.0, |a: f64, b| {
-        if b.is_nan() || a.is_nan() {
-            f64::NAN
-        } else {
-            a.max(b.abs())
-        }
-    })
+    values.into_iter().map(f64::abs).fold(0.0, worse)
 }
 
 /// True if no number anywhere in `answer` is NaN or infinite. Read from what `Debug` prints, so that no field, private

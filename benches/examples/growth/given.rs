@@ -12,7 +12,7 @@ use sixaxis_core::{LIMBS, Scheme};
 use sixaxis_props::problem::recorded::{self, DECOUPLE_RATE_HZ, Recorded, true_parameters};
 use sixaxis_props::results::Work;
 use sixaxis_recordings::session::SessionFile;
-use sixaxis_recordings::{Block, Channel, Layout, create};
+use sixaxis_recordings::{Block, Layout, create};
 use sixaxis_reference::laboratory::plan::{Engine, SensorChoice, SessionPlan};
 use sixaxis_reference::laboratory::session::simulate_session;
 use sixaxis_reference::laboratory::write::write;
@@ -117,14 +117,7 @@ impl Given {
     /// The run over and over, as a file.
     fn write_recording(&self, samples: usize) -> Result<(), Box<dyn Error>> {
         let rate_hz = self.motion.sample_rate_hz;
-        let channels = (1..=LIMBS).map(|limb| Channel {
-            sample_rate_hz: Some(rate_hz),
-            ..Channel::new(format!("u{limb}"), Some("V"))
-        });
-        let layout = Layout {
-            channels: channels.collect(),
-            ..Layout::default()
-        };
+        let layout = Layout::of_a_sensor(Some(rate_hz), false);
         let mut sink = create(&recording_file(&self.folder), &layout)?;
         let rows = &self.motion.voltage_v;
         let mut left = samples;

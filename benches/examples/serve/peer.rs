@@ -75,20 +75,15 @@ pub struct Input {
 impl Input {
     pub fn read(dir: &Path) -> Result<Self, Box<dyn Error>> {
         let problem: Problem = serde_json::from_slice(&fs::read(dir.join("problem.json"))?)?;
+        let rate_hz = problem.sample_rate_hz;
         let recording = SimulatedRecording {
-            name: String::new(),
-            role: Role::Validation,
-            sample_rate_hz: problem.sample_rate_hz,
             gain_n_per_v: problem.gain_n_per_v,
-            full_scale_v: f64::INFINITY,
             voltage_v: read_rows(&dir.join("voltage.bin"))?,
-            accelerometer_m_s2: Vec::new(),
-            gyroscope_rad_s: Vec::new(),
             direction_ground: compound_5_hz().direction_ground,
             gravity_ground_m_s2: problem.gravity_ground_m_s2.into(),
             frequency_hz: compound_5_hz().frequency_hz,
             true_gravity_ground_m_s2: problem.gravity_ground_m_s2.into(),
-            truth: Vec::new(),
+            ..SimulatedRecording::of_nothing("", Role::Validation, rate_hz, f64::INFINITY)
         };
         Ok(Self {
             problem,

@@ -91,7 +91,3 @@ pub fn judge_record<'a>(
     }
     beside.judge(what, samples)
 }
-
-pub fn largest(values: impl Iterator<Item = f64>) -> f64 {
-    values.fold(0.0, |a: f64, b| if a.is_nan() || a > b { a } else { b })
-}

@@ -6,6 +6,7 @@ use std::hint::black_box;
 use glam::DVec3;
 use sixaxis_benches::validate;
 use sixaxis_core::{Decoupler, Scheme, SixAxis};
+use sixaxis_props::compare::largest;
 use sixaxis_props::problem::recorded as problem;
 use sixaxis_props::problem::recorded::{DECOUPLE_RATE_HZ, Recorded, true_parameters};
 use sixaxis_props::results::{SchemeCurve, WorkPrecision, WorkPrecisionPoint};
@@ -14,7 +15,7 @@ use sixaxis_props::truth;
 use sixaxis_reference::laboratory::Laboratory;
 use sixaxis_reference::motion::{SimulatedRun, TrueMotion};
 
-use crate::comparison::{judge_record, largest};
+use crate::comparison::judge_record;
 use crate::timing::{
     Effort, Job, Progress, Voltages, push_all, record_all, repeated, rounded, spread, time,
 };

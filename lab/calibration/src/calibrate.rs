@@ -343,14 +343,13 @@ fn undetermined(parameters: &[ParameterReport]) -> Option<Finding> {
         _ => (Cause::UnderExcitedAxis, Vec::new()),
     };
     (!names.is_empty()).then(|| Finding {
-        cause,
-        recordings: Vec::new(),
         channels,
         evidence: format!(
             "the trials leave {} open: their 95 % intervals are wider than the values themselves",
             names.join(", ")
         ),
         advice: "record more trials of steps 2 and 3, on more wedges".to_owned(),
+        ..Finding::of(cause)
     })
 }
 

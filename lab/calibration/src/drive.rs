@@ -6,6 +6,7 @@ use crate::diagnosis::structure::varies_as_noise;
 use crate::finding::{Cause, Finding};
 use crate::report::TrialReport;
 use crate::response::frequency;
+use crate::series::upper_median;
 use crate::trial::Trial;
 use sixaxis_recordings::session::Role;
 
@@ -79,9 +80,7 @@ fn of_limbs_hz(trial: &Trial) -> Option<f64> {
         let series: Vec<f64> = trial.voltage_v.iter().map(|row| row[limb]).collect();
         frequency(&series, trial.sample_rate_hz)
     };
-    let mut all: Vec<f64> = (0..LIMBS).filter_map(of).collect();
-    all.sort_unstable_by(f64::total_cmp);
-    all.get(all.len() / 2).copied()
+    upper_median((0..LIMBS).filter_map(of))
 }
 
 /// Whether neither the standard that a trial needs nor most channels show more than noise.
@@ -107,12 +106,11 @@ fn without_motion(trials: &mut Vec<Trial>) -> Option<Finding> {
         .extract_if(.., |trial| nothing_moves(trial))
         .collect();
     (!still.is_empty()).then(|| Finding {
-        cause: Cause::Unreadable,
         recordings: still.into_iter().map(|trial| trial.name).collect(),
-        channels: Vec::new(),
         evidence: "nothing moves: standard and channels show noise alone".to_owned(),
         advice: "see whether the drive ran, and whether the file is this trial's; record it again"
             .to_owned(),
+        ..Finding::of(Cause::Unreadable)
     })
 }
 
@@ -144,11 +142,10 @@ fn of_other_drives(trials: &mut Vec<Trial>) -> Vec<Finding> {
     });
     if let Some(evidence) = exchanged(&each.collect::<Vec<_>>()) {
         return vec![Finding {
-            cause: Cause::ClockMismatch,
             evidence,
             recordings: apart.into_iter().map(|(trial, _)| trial.name).collect(),
-            channels: Vec::new(),
             advice: EXCHANGED.to_owned(),
+            ..Finding::of(Cause::ClockMismatch)
         }];
     }
     let mut found = Vec::new();
@@ -158,13 +155,12 @@ fn of_other_drives(trials: &mut Vec<Trial>) -> Vec<Finding> {
             return true;
         };
         found.push(Finding {
-            cause: Cause::Unreadable,
             recordings: vec![trial.name.clone()],
-            channels: Vec::new(),
             evidence: format!(
                 "the nine channels move at {limbs_hz:.3} Hz, as stated, and the standard does not: by its signal it would be {seen_hz:.3} Hz"
             ),
             advice: "see the plug of the standard that this trial needs, reference_file and reference_start_s, and record the trial again".to_owned(),
+            ..Finding::of(Cause::Unreadable)
         });
         false
     });
@@ -183,7 +179,6 @@ fn of_another_drive(trials: &[(Trial, f64)], all: usize) -> Option<Finding> {
     let least = factors().fold(f64::INFINITY, f64::min);
     let by_the_clock = trials.len() == all && all > 1 && most < ALIKE * least;
     Some(Finding {
-        cause: Cause::ClockMismatch,
         evidence: format!(
             "{}{}",
             if trials.len() > 1 {
@@ -194,8 +189,8 @@ fn of_another_drive(trials: &[(Trial, f64)], all: usize) -> Option<Finding> {
             both_in_words(first.frequency_hz, *seen_hz)
         ),
         recordings: trials.iter().map(|(trial, _)| trial.name.clone()).collect(),
-        channels: Vec::new(),
         advice: what_to_correct((most * least).sqrt(), by_the_clock).to_owned(),
+        ..Finding::of(Cause::ClockMismatch)
     })
 }
 

@@ -93,6 +93,17 @@ pub struct Finding {
 }
 
 impl Finding {
+    /// A cause, with nothing said yet: of all recordings, and of no channel in particular.
+    pub(crate) const fn of(cause: Cause) -> Self {
+        Self {
+            cause,
+            recordings: Vec::new(),
+            channels: Vec::new(),
+            evidence: String::new(),
+            advice: String::new(),
+        }
+    }
+
     /// The evidence with where it was found.
     #[must_use]
     pub fn placed(&self) -> String {

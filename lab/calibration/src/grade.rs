@@ -114,11 +114,10 @@ pub(crate) fn failures(
                 && error > BEYOND_DOUBT * limit / 100.0
             {
                 failures.push(Finding {
-                    cause: Cause::Unexplained,
                     recordings: vec![report.name.clone()],
-                    channels: Vec::new(),
                     evidence: format!("{what} {} %, where the session asks for {limit} %", beside(error, limit)),
                     advice: "check wedges, mounting and preprocessing; with a level axis, or a wedge off by a tenth of a degree, the open loop is no better".to_owned(),
+                    ..Finding::of(Cause::Unexplained)
                 });
             }
         }
@@ -146,11 +145,9 @@ pub(crate) fn failures(
             ),
         };
         failures.push(Finding {
-            cause,
-            recordings: Vec::new(),
-            channels: Vec::new(),
             evidence,
             advice: advice.to_owned(),
+            ..Finding::of(cause)
         });
     }
     failures

@@ -20,6 +20,7 @@
 //! | [`estimate`](mod@estimate) | both estimators on a prepared session |
 //! | [`grade`](mod@grade) | good, good with reservations, not good |
 //! | [`report`], [`calibration`] | the result as plain data and as a file |
+//! | `series` | small statistics of a series |
 //! | [`apply`] | recordings decoupled with that file |
 //! | [`compare`] | a decoupled motion against the truth |
 //! | [`page`] | the pages of a calibration and of a comparison |
@@ -47,6 +48,7 @@ pub mod propagation;
 pub mod report;
 pub mod response;
 pub mod self_calibrate;
+mod series;
 pub mod steps;
 pub mod tap;
 pub mod trial;

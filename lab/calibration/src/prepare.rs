@@ -14,6 +14,7 @@ use crate::error::{Error, Result};
 use crate::finding::{Cause, Finding, in_a_sentence};
 use crate::load;
 use crate::progress::Progress;
+use crate::series::deviation;
 use crate::steps::Campaign;
 use crate::trial::Trial;
 use sixaxis_recordings::session::{Role, Session, SessionFile, Stage};
@@ -137,6 +138,7 @@ impl PreparedSession {
             findings.extend(moves_at_rest(&moving, line.rest_s));
         }
         findings.extend(without_the_drive(&moving, &conditioning));
+        findings.extend(without_the_slope(&moving, &conditioning));
         progress.stage("conditioning", moving.len());
         let conditioned: Vec<(Trial, sixaxis_core::Result<Conditioned>)> = moving
             .into_par_iter()
@@ -206,11 +208,9 @@ fn missing(trials: &[Trial]) -> impl Iterator<Item = Finding> {
         .into_iter()
         .filter(|(role, ..)| !trials.iter().any(|trial| trial.role == *role))
         .map(|(_, lacks, advice)| Finding {
-            cause: Cause::Unreadable,
-            recordings: Vec::new(),
-            channels: Vec::new(),
             evidence: format!("the session has {lacks}"),
             advice: advice.to_owned(),
+            ..Finding::of(Cause::Unreadable)
         })
 }
 
@@ -219,19 +219,22 @@ const DRIVE_LOST: f64 = 0.75;
 /// Share of the drive's angular acceleration by which the derivative may be off: as much as a validation run may be.
 const SLOPE_LOST: f64 = 0.05;
 
-/// Trials whose low-pass takes off the motion itself, and those whose derivative does.
-fn without_the_drive<'a>(
-    trials: &'a [Trial],
-    conditioning: &Conditioning,
-) -> impl Iterator<Item = Finding> + use<'a> {
-    let of_low_pass = |trial: &Trial| {
+/// Trials whose low-pass takes off the motion itself.
+fn without_the_drive(trials: &[Trial], conditioning: &Conditioning) -> Option<Finding> {
+    let evidence = |trial: &Trial| {
         let corner_hz = for_role(conditioning, trial.role).corner_hz(trial)?;
         (corner_hz < DRIVE_LOST * trial.frequency_hz).then(|| format!(
             "preprocessing.low_pass takes off the motion itself: its corner is {corner_hz:.2} Hz where the drive turns at {:.2} Hz",
             trial.frequency_hz
         ))
     };
-    let of_slope = |trial: &Trial| {
+    let advice = "set times_drive and plus_hz so that the corner is some times the drive's frequency; 4 and 8 are taken without";
+    lost(trials, evidence, advice)
+}
+
+/// Trials whose angular acceleration the derivative does not show.
+fn without_the_slope(trials: &[Trial], conditioning: &Conditioning) -> Option<Finding> {
+    let evidence = |trial: &Trial| {
         let turns = matches!(trial.role, Role::Angular | Role::Validation);
         let differentiator = conditioning.differentiator(trial).ok().filter(|_| turns)?;
         let gain = differentiator.relative_gain(trial.frequency_hz);
@@ -242,34 +245,23 @@ fn without_the_drive<'a>(
             trial.sample_rate_hz
         ))
     };
-    let finding = |lost: Vec<(String, &Trial)>, advice: &str| {
-        let (evidence, _) = lost.first()?;
-        Some(Finding {
-            cause: Cause::Unreadable,
-            recordings: lost.iter().map(|(_, trial)| trial.name.clone()).collect(),
-            channels: Vec::new(),
-            evidence: evidence.clone(),
-            advice: advice.to_owned(),
-        })
-    };
-    let each = |of: &dyn Fn(&Trial) -> Option<String>| -> Vec<(String, &'a Trial)> {
-        trials
-            .iter()
-            .filter_map(|trial| Some((of(trial)?, trial)))
-            .collect()
-    };
-    [
-        finding(
-            each(&of_low_pass),
-            "set times_drive and plus_hz so that the corner is some times the drive's frequency; 4 and 8 are taken without",
-        ),
-        finding(
-            each(&of_slope),
-            "set half_width smaller, or order higher; 3 and 4 are taken without",
-        ),
-    ]
-    .into_iter()
-    .flatten()
+    let advice = "set half_width smaller, or order higher; 3 and 4 are taken without";
+    lost(trials, evidence, advice)
+}
+
+/// Trials whose motion a stage takes off, with what is said of the first.
+fn lost(
+    trials: &[Trial],
+    evidence: impl Fn(&Trial) -> Option<String>,
+    advice: &str,
+) -> Option<Finding> {
+    let lost = || trials.iter().filter(|trial| evidence(trial).is_some());
+    Some(Finding {
+        recordings: lost().map(|trial| trial.name.clone()).collect(),
+        evidence: evidence(lost().next()?)?,
+        advice: advice.to_owned(),
+        ..Finding::of(Cause::Unreadable)
+    })
 }
 
 /// Standard deviation of a standard within what is taken for rest, over that of the whole run, beyond which it is none.
@@ -277,37 +269,34 @@ const MOVES: f64 = 0.2;
 
 /// Runs that move where a line is laid through their rests.
 fn moves_at_rest(trials: &[Trial], rest_s: f64) -> Option<Finding> {
-    // About the mean: a standard may have a zero of its own.
-    let size = |series: &[f64]| {
-        let count = series.len().max(1) as f64;
-        let mean = series.iter().sum::<f64>() / count;
-        (series.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / count).sqrt()
-    };
-    // The standard of another motion shows noise, as much in a rest as in the run: it does not clear a trial, nor does it accuse one.
+    // About the mean, for a standard may have a zero of its own. The standard of another motion shows noise, as much in a rest as in
+    // the run: it does not clear a trial, nor does it accuse one.
     let moves = |trial: &&Trial| {
         let samples = (rest_s * trial.sample_rate_hz) as usize;
         let standards = [&trial.accelerometer_m_s2, &trial.gyroscope_rad_s];
-        let mut shown = standards.into_iter().filter(|s| size(s) > 0.0).peekable();
+        let mut shown = standards
+            .into_iter()
+            .filter(|s| deviation(s) > 0.0)
+            .peekable();
         shown.peek().is_some()
             && shown.all(|series| {
                 let samples = samples.min(series.len());
                 let [first, last] = [&series[..samples], &series[series.len() - samples..]];
-                size(first).max(size(last)) > MOVES * size(series)
+                deviation(first).max(deviation(last)) > MOVES * deviation(series)
             })
     };
     let moving: Vec<&Trial> = trials.iter().filter(moves).collect();
     (!moving.is_empty()).then(|| Finding {
-        cause: Cause::Unreadable,
         recordings: if moving.len() == trials.len() {
             Vec::new()
         } else {
             moving.iter().map(|trial| trial.name.clone()).collect()
         },
-        channels: Vec::new(),
         evidence: format!(
             "preprocessing.detrend lays a line through the first and the last {rest_s} s as rests, and the standards move there"
         ),
         advice: "take preprocessing.detrend out of the session, or state the rest_s that the runs have".to_owned(),
+        ..Finding::of(Cause::Unreadable)
     })
 }
 
@@ -400,10 +389,9 @@ fn unreadable(findings: &mut Vec<Finding>, name: &str, evidence: &str, advice: &
         return;
     }
     findings.push(Finding {
-        cause: Cause::Unreadable,
         recordings: vec![name.to_owned()],
-        channels: Vec::new(),
         evidence: evidence.to_owned(),
         advice: advice.to_owned(),
+        ..Finding::of(Cause::Unreadable)
     });
 }

@@ -23,28 +23,14 @@ use sixaxis_recordings::session::{Role, Session, SessionFile};
 
 use waveform::Timing;
 
-const SESSION: &str = r#"
-[sensor]
-limb_length_mm = 25.5
-half_edge_mm = 21.0
-full_scale_v = 10.0
-gain_n_per_v = 1.0
-
-[sensor.design]
-scale_per_mass_per_kg = 5.3476
-inertia_per_mass_mm2 = [238.76, 250.71, 252.588, 0.0512, -0.0295, 0.5544]
-stiffness_per_mass_per_s2 = 3.1e8
-
-[accelerometer]
-class_percent = 1.0
-
-[gyroscope]
-class_percent = 1.0
-
+const SESSION: &str = concat!(
+    include_str!("../../recordings/tests/card.toml"),
+    r#"
 [[recording]]
 file = "static.csv"
 role = "static"
-"#;
+"#
+);
 
 const RATE_HZ: f64 = 500.0;
 /// Of the trials on each wedge: more than one, for a mass that gives way is told from one that does not by how they differ.
@@ -134,7 +120,9 @@ fn followed(series: &mut [f64], lag_s: f64) {
 }
 
 fn session() -> Session {
-    let file = SessionFile::parse(Path::new("session.toml"), SESSION.to_owned());
+    // Trials here are played at a gain of 1 N/V.
+    let text = SESSION.replace("gain_n_per_v = 10.0", "gain_n_per_v = 1.0");
+    let file = SessionFile::parse(Path::new("session.toml"), text);
     file.expect("a session").session
 }
 

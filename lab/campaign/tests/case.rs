@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Folder, small};
+use common::small;
 use sixaxis_calibration::calibrate::{CalibratedSession, Options, calibrate as calibrate_files};
 use sixaxis_calibration::progress::NoProgress;
 use sixaxis_calibration::report::Estimator;
@@ -14,6 +14,7 @@ use sixaxis_reference::laboratory::plan::SessionPlan;
 use sixaxis_reference::laboratory::session::simulate_session;
 use sixaxis_reference::laboratory::write::write;
 use sixaxis_reference::rig::run::Mounting;
+use tempfile::TempDir;
 
 /// Rows of a static record that are more than the loader keeps, so that it averages.
 const LONG_STATIC_S: f64 = 600.0;
@@ -41,13 +42,13 @@ fn plans() -> [SessionPlan; 3] {
 }
 
 /// Through Parquet, which keeps every bit of an f64.
-fn on_disk(plan: &SessionPlan, seed: u64, folder: &Folder) -> CalibratedSession {
+fn on_disk(plan: &SessionPlan, seed: u64, folder: &TempDir) -> CalibratedSession {
     let plan = SessionPlan {
         seed,
         ..plan.clone()
     };
     let played = simulate_session(&plan).expect("it can be played");
-    let session = write(&played, &folder.0, "parquet").expect("it can be written");
+    let session = write(&played, folder.path(), "parquet").expect("it can be written");
     let file = SessionFile::read(&session).expect("it can be read");
     let options = Options {
         estimator: Some(Estimator::FourSteps),
@@ -91,7 +92,7 @@ const FOUND: [Group; 3] = [
 #[test]
 fn inv_a_case_is_what_calibrate_finds_on_disk() {
     for (index, plan) in plans().iter().enumerate() {
-        let folder = Folder::new(&format!("calibrate-{index}"));
+        let folder = tempfile::tempdir().expect("a folder");
         let seed = 7 + index as u64;
         let calibrated = on_disk(plan, seed, &folder);
         let row = calibrate(plan, seed);

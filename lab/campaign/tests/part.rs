@@ -4,7 +4,7 @@ mod common;
 
 use std::fs;
 
-use common::{Folder, made_up, provenance};
+use common::{made_up, provenance};
 use sixaxis_campaign::error::Error;
 use sixaxis_campaign::part::{self, Part};
 
@@ -22,15 +22,17 @@ fn rows() -> Vec<sixaxis_campaign::row::Row> {
 
 #[test]
 fn inv_a_part_is_read_as_it_was_written() {
-    let folder = Folder::new("round-trip");
+    let folder = tempfile::tempdir().expect("a folder");
     let written = Part {
         provenance: provenance(1..101),
         rows: rows(),
     };
-    let path = part::write(&folder.0, &written.provenance, &written.rows).expect("it is written");
+    let path =
+        part::write(folder.path(), &written.provenance, &written.rows).expect("it is written");
     assert_eq!(part::read(&path).expect("it is read"), written);
-    let again = Folder::new("round-trip-again");
-    let second = part::write(&again.0, &written.provenance, &written.rows).expect("it is written");
+    let again = tempfile::tempdir().expect("a folder");
+    let second =
+        part::write(again.path(), &written.provenance, &written.rows).expect("it is written");
     assert_eq!(
         fs::read(&path).expect("it is there"),
         fs::read(second).expect("it is there"),
@@ -40,8 +42,8 @@ fn inv_a_part_is_read_as_it_was_written() {
 
 #[test]
 fn prop_a_damaged_part_is_refused_or_unharmed() {
-    let folder = Folder::new("damage");
-    let path = part::write(&folder.0, &provenance(1..101), &rows()).expect("it is written");
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = part::write(folder.path(), &provenance(1..101), &rows()).expect("it is written");
     let whole = fs::read(&path).expect("it is there");
     let mut refused = 0;
     for at in (0..whole.len()).step_by(STRIDE) {
@@ -73,9 +75,9 @@ fn prop_a_damaged_part_is_refused_or_unharmed() {
 
 #[test]
 fn prop_a_part_under_another_name_is_refused() {
-    let folder = Folder::new("renamed");
-    let path = part::write(&folder.0, &provenance(1..101), &rows()).expect("it is written");
-    let other = folder.join(&part::file_name(&(2..32)));
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = part::write(folder.path(), &provenance(1..101), &rows()).expect("it is written");
+    let other = folder.path().join(part::file_name(&(2..32)));
     fs::rename(&path, &other).expect("it can be renamed");
     assert!(matches!(part::read(&other), Err(Error::Damaged { .. })));
 }

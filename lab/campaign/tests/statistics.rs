@@ -4,11 +4,12 @@ mod common;
 
 use std::path::PathBuf;
 
-use common::{Folder, made_up, provenance};
+use common::{made_up, provenance};
 use sixaxis_campaign::error::Error;
 use sixaxis_campaign::part;
 use sixaxis_campaign::row::{Group, Row};
 use sixaxis_campaign::statistics::{Summary, summarise};
+use tempfile::TempDir;
 
 /// Enough for the coverage of an honest interval to be known to half a per cent.
 const CASES: u64 = 2000;
@@ -21,13 +22,13 @@ const ROUNDING: f64 = 2000.0 * f64::EPSILON;
 
 /// Writes cases into parts of the given length.
 fn write(
-    folder: &Folder,
+    folder: &TempDir,
     name: &str,
     seeds: core::ops::Range<u64>,
     cut: u64,
     honesty: f64,
 ) -> PathBuf {
-    let path = folder.join(name);
+    let path = folder.path().join(name);
     let asked = provenance(1..CASES + 1);
     let mut from = seeds.start;
     while from < seeds.end {
@@ -45,7 +46,7 @@ fn all(folders: &[PathBuf]) -> Summary {
 
 #[test]
 fn prop_honest_intervals_cover_and_dishonest_do_not() {
-    let folder = Folder::new("coverage");
+    let folder = tempfile::tempdir().expect("a folder");
     let honest = all(&[write(&folder, "honest", 1..CASES + 1, 64, 1.0)]);
     let dishonest = all(&[write(&folder, "dishonest", 1..CASES + 1, 64, DISHONEST)]);
     let nominal = 0.95;
@@ -81,7 +82,7 @@ fn prop_honest_intervals_cover_and_dishonest_do_not() {
 
 #[test]
 fn ref_moments_are_those_of_two_passes() {
-    let folder = Folder::new("two-passes");
+    let folder = tempfile::tempdir().expect("a folder");
     let summary = all(&[write(&folder, "parts", 1..CASES + 1, 64, 1.0)]);
     let rows: Vec<Row> = (1..=CASES).map(|seed| made_up(seed, 1.0)).collect();
     for (i, parameter) in summary.parameters.iter().enumerate() {
@@ -103,7 +104,7 @@ fn ref_moments_are_those_of_two_passes() {
 
 #[test]
 fn inv_shards_in_any_order_and_split_give_the_same_bits() {
-    let folder = Folder::new("order");
+    let folder = tempfile::tempdir().expect("a folder");
     let whole = all(&[write(&folder, "whole", 1..CASES + 1, 64, 1.0)]);
     let a = write(&folder, "a", 1..701, 64, 1.0);
     let b = write(&folder, "b", 701..1305, 37, 1.0);
@@ -132,7 +133,7 @@ fn inv_shards_in_any_order_and_split_give_the_same_bits() {
 
 #[test]
 fn prop_missing_cases_are_listed() {
-    let folder = Folder::new("missing");
+    let folder = tempfile::tempdir().expect("a folder");
     let a = write(&folder, "a", 3..101, 64, 1.0);
     let b = write(&folder, "b", 201..CASES, 500, 1.0);
     let summary = all(&[b, a]);
@@ -142,7 +143,7 @@ fn prop_missing_cases_are_listed() {
 
 #[test]
 fn prop_a_case_in_two_parts_is_an_error_that_names_both() {
-    let folder = Folder::new("twice");
+    let folder = tempfile::tempdir().expect("a folder");
     let a = write(&folder, "a", 1..101, 64, 1.0);
     let b = write(&folder, "b", 100..201, 64, 1.0);
     match summarise(&[a, b]) {
@@ -161,7 +162,7 @@ fn prop_a_case_in_two_parts_is_an_error_that_names_both() {
 
 #[test]
 fn prop_parts_of_two_plans_or_versions_are_refused() {
-    let folder = Folder::new("mixed");
+    let folder = tempfile::tempdir().expect("a folder");
     let path = write(&folder, "parts", 1..65, 64, 1.0);
     let rows: Vec<Row> = (65..71).map(|seed| made_up(seed, 1.0)).collect();
     let ours = provenance(1..CASES + 1);

@@ -6,15 +6,15 @@ mod commands;
 mod status;
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender as JobSender, SyncSender};
-use std::sync::{Arc, PoisonError};
 use std::time::{Duration, Instant};
 
 use sixaxis_calibration::calibration::Calibration;
 use sixaxis_core::LIMBS;
 use sixaxis_recordings::session::{Channels, Session};
 
-use crate::board::{Board, Live, Post};
+use crate::board::{Board, Live, Post, locked};
 use crate::chain::{Beside, Chain, Choice};
 use crate::columns::{self, Batch, COLUMNS};
 use crate::control::{Command, LabCommand, Parameters, Stages};
@@ -156,11 +156,7 @@ impl Acquisition {
         self.statistics =
             Statistics::new(self.setup.session.sensor.full_scale_v, start.sample_rate_hz);
         self.conditioned = self.statistics.clone();
-        *self
-            .board
-            .history
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner) = History::new(start.sample_rate_hz);
+        *locked(&self.board.history) = History::new(start.sample_rate_hz);
         self.board.next_source();
         (self.begin, self.last, self.capture) = (None, None, None);
         self.start = start;
@@ -314,20 +310,12 @@ impl Acquisition {
             arrived: Some(Instant::now()),
             ..self.chain.live()
         };
-        let mut history = self
-            .board
-            .history
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner);
+        let mut history = locked(&self.board.history);
         for row in &rows {
             history.push(row);
         }
         drop(history);
-        *self
-            .board
-            .live
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner) = live;
+        *locked(&self.board.live) = live;
         self.rate.1 += rows.len() as u64;
     }
 

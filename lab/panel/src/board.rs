@@ -1,7 +1,7 @@
 //! What the acquisition leaves for browsers: the history, the newest pose, and texts of which each browser reads the newest.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use crate::history::History;
@@ -37,6 +37,11 @@ pub struct Live {
     pub arrived: Option<Instant>,
 }
 
+/// What a lock guards, also after a thread has died with it.
+pub fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// A text with its number.
 type Posted = (u64, Arc<str>);
 
@@ -66,14 +71,14 @@ impl Default for Board {
 impl Board {
     /// Puts up a text.
     pub fn post(&self, kind: Post, text: String) {
-        let mut posts = self.posts.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut posts = locked(&self.posts);
         let posted = &mut posts[kind as usize];
         *posted = (posted.0 + 1, text.into());
     }
 
     /// Texts that are newer than those of these numbers, which are brought up to date.
     pub fn news(&self, seen: &mut [u64; POSTS]) -> Vec<Arc<str>> {
-        let posts = self.posts.lock().unwrap_or_else(PoisonError::into_inner);
+        let posts = locked(&self.posts);
         let newer = posts
             .iter()
             .zip(seen)

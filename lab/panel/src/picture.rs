@@ -10,9 +10,7 @@
 //! | 56 | f32 attitude, true attitude (w, x, y, z), position of the mass, m, rotation, rad |
 //! | 112 | u32 column numbers |
 
-use std::sync::PoisonError;
-
-use crate::board::{Board, Live};
+use crate::board::{Board, Live, locked};
 use crate::control::View;
 use crate::pyramid::Grid;
 
@@ -48,7 +46,7 @@ impl Seen {
     /// Reads a view; the history is locked meanwhile.
     #[must_use]
     pub fn of(board: &Board, view: &View) -> Self {
-        let history = board.history.lock().unwrap_or_else(PoisonError::into_inner);
+        let history = locked(&board.history);
         let (rate, count) = (history.sample_rate_hz, history.count());
         let last = match view.end_s {
             Some(end_s) => (end_s * rate).max(0.0) as u64,
@@ -78,7 +76,7 @@ impl Seen {
 /// Draws a view. Nothing is locked while it is sent.
 #[must_use]
 pub fn draw(board: &Board, view: &View, pace: &Pace) -> (Vec<u8>, Live) {
-    let live = *board.live.lock().unwrap_or_else(PoisonError::into_inner);
+    let live = *locked(&board.live);
     let Seen {
         grid,
         sample_rate_hz: rate,

@@ -8,7 +8,7 @@ use std::fs::{File, OpenOptions};
 use std::io::{BufReader, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -16,6 +16,7 @@ use serde::{Deserialize, Serialize};
 use sixaxis_recordings::{Block, Channel, Layout, create};
 use thiserror::Error;
 
+use crate::board::locked;
 use crate::control::FileFormat;
 
 /// Bytes before the first row of a journal.
@@ -92,10 +93,6 @@ pub struct Recorder {
     rows: Option<SyncSender<Vec<f64>>>,
     progress: Arc<Mutex<Progress>>,
     thread: Option<JoinHandle<()>>,
-}
-
-fn locked<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Recorder {

@@ -1,12 +1,12 @@
 //! Spectra of the nine channels, on a thread of its own.
 
-use std::sync::{Arc, PoisonError};
+use std::sync::Arc;
 use std::time::Duration;
 
 use serde::Serialize;
 use sixaxis_core::dsp::spectrum::welch;
 
-use crate::board::{Board, Post};
+use crate::board::{Board, Post, locked};
 use crate::columns::VOLTAGE;
 
 /// Samples that a spectrum is of, and of a segment.
@@ -38,7 +38,7 @@ pub fn run(board: &Arc<Board>) {
 }
 
 fn of_now(board: &Board) -> Option<Spectra> {
-    let history = board.history.lock().unwrap_or_else(PoisonError::into_inner);
+    let history = locked(&board.history);
     let rate = history.sample_rate_hz;
     let series: Vec<Vec<f64>> = VOLTAGE.map(|k| history.last(k, SAMPLES)).collect();
     drop(history);

@@ -12,7 +12,7 @@ use sixaxis_panel::chain::{Beside, Chain, Choice};
 use sixaxis_panel::columns::{ALONG, COLUMNS, FELT, MOTION};
 use sixaxis_panel::control::Stages;
 use sixaxis_panel::source::settings::Settings;
-use sixaxis_recordings::{Block, Channel, Layout, create, open};
+use sixaxis_recordings::{Block, Layout, create, open};
 use sixaxis_reference::laboratory::plan::Engine;
 
 const RATE_HZ: f64 = 1000.0;
@@ -75,14 +75,7 @@ fn recorded(path: &Path, zero_v: &[f64; LIMBS]) -> Vec<[f64; LIMBS]> {
     let rows: Vec<[f64; LIMBS]> = (0..SAMPLES)
         .map(|k| core::array::from_fn(|limb| voltage(k, limb)))
         .collect();
-    let channel = |i: usize| Channel {
-        sample_rate_hz: Some(RATE_HZ),
-        ..Channel::new(format!("u{i}"), Some("V"))
-    };
-    let layout = Layout {
-        channels: (1..=LIMBS).map(channel).collect(),
-        ..Layout::default()
-    };
+    let layout = Layout::of_a_sensor(Some(RATE_HZ), false);
     let mut sink = create(path, &layout).expect("begins");
     let columns = (0..LIMBS)
         .map(|limb| rows.iter().map(|row| row[limb]).collect())

@@ -16,7 +16,7 @@ use sixaxis_panel::control::Stages;
 use sixaxis_panel::source::settings::Settings;
 use sixaxis_panel::{Options, Panel, SourceChoice, start};
 use sixaxis_recordings::session::{PerLimb, SessionFile};
-use sixaxis_recordings::{Block, Channel, Layout, create, open};
+use sixaxis_recordings::{Block, Layout, create, open};
 use sixaxis_reference::laboratory::plan::Engine;
 
 fn panel(source: SourceChoice, out: &std::path::Path) -> Panel {
@@ -384,14 +384,7 @@ fn stated(day: &std::path::Path, name: &str) -> [f64; 6] {
 
 /// A recording of so many rows in a file.
 fn recorded(path: &std::path::Path, rows: u64) {
-    let channel = |i: usize| Channel {
-        sample_rate_hz: Some(1000.0),
-        ..Channel::new(format!("u{i}"), Some("V"))
-    };
-    let layout = Layout {
-        channels: (1..=9).map(channel).collect(),
-        ..Layout::default()
-    };
+    let layout = Layout::of_a_sensor(Some(1000.0), false);
     let mut sink = create(path, &layout).expect("begins");
     let column: Vec<f64> = (0..rows).map(|k| (k as f64 * 0.01).sin()).collect();
     sink.write(&Block {

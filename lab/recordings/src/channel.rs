@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use crate::error::{Error, Place, Result};
+use crate::session::LIMBS;
 use crate::unit::in_name;
 
 /// Most channels of a table, a matrix or a file; what has more is no recording.
@@ -83,6 +84,24 @@ pub struct Layout {
 }
 
 impl Layout {
+    /// Of a sensor's own recording: `u1` to `u9` in V and, with `standards`, both reference instruments after them, all at one rate.
+    #[must_use]
+    pub fn of_a_sensor(sample_rate_hz: Option<f64>, standards: bool) -> Self {
+        let limbs = (1..=LIMBS).map(|limb| Channel::new(format!("u{limb}"), Some("V")));
+        let mut channels: Vec<Channel> = limbs.collect();
+        if standards {
+            channels.push(Channel::new("accelerometer", Some("m/s^2")));
+            channels.push(Channel::new("gyroscope", Some("rad/s")));
+        }
+        for channel in &mut channels {
+            channel.sample_rate_hz = sample_rate_hz;
+        }
+        Self {
+            channels,
+            ..Self::default()
+        }
+    }
+
     /// Of channels whose names become unique, of which one may hold time stamps.
     pub(crate) fn new(
         format: impl Into<String>,

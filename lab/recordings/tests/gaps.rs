@@ -1,7 +1,7 @@
 //! What a gap is, every command is told by the same rule: `inspect` names it where `calibrate` and `decouple` refuse it.
 
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use sixaxis_recordings::Error;
 use sixaxis_recordings::ingest::columns::stamps;
@@ -9,47 +9,16 @@ use sixaxis_recordings::ingest::{find, readings};
 use sixaxis_recordings::inspect::{Expected, Severity, inspect};
 use sixaxis_recordings::session::SessionFile;
 
-/// A folder that is removed at the end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let folder = std::env::temp_dir().join(format!("sixaxis-{name}-{}", std::process::id()));
-        std::fs::create_dir_all(&folder).expect("creates");
-        Self(folder)
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
-
-const SESSION: &str = r#"
-[sensor]
-limb_length_mm = 25.5
-half_edge_mm = 21.0
-full_scale_v = 10.0
-gain_n_per_v = 10.0
-
-[sensor.design]
-scale_per_mass_per_kg = 5.3476
-inertia_per_mass_mm2 = [238.76, 250.71, 252.588, 0.0512, -0.0295, 0.5544]
-stiffness_per_mass_per_s2 = 3.1e8
-
-[accelerometer]
-class_percent = 1.0
-
-[gyroscope]
-class_percent = 1.0
-
+const SESSION: &str = concat!(
+    include_str!("card.toml"),
+    r#"
 [[recording]]
 file = "run.csv"
 role = "linear"
 direction = [1, 0, 0]
 frequency_hz = 1.0
-"#;
+"#
+);
 
 /// The sample before which each command finds a hole in a recording with these time stamps; -1 for none.
 fn found(folder: &Path, stamps_s: &[f64]) -> [i64; 3] {
@@ -113,20 +82,24 @@ fn found(folder: &Path, stamps_s: &[f64]) -> [i64; 3] {
 
 #[test]
 fn a_missing_sample_is_a_gap_to_inspect_calibrate_and_decouple_alike() {
-    let folder = Folder::new("gaps");
+    let folder = tempfile::tempdir().expect("a folder");
     let even: Vec<f64> = (0..400).map(|k| f64::from(k) * 1e-3).collect();
-    assert_eq!(found(&folder.0, &even), [-1; 3]);
+    assert_eq!(found(folder.path(), &even), [-1; 3]);
     // Jitter of a third of a step is resampled, not refused.
     let jitter: Vec<f64> = even
         .iter()
         .enumerate()
         .map(|(k, t)| t + 3e-4 * ((k * 7919) % 13) as f64 / 13.0)
         .collect();
-    assert_eq!(found(&folder.0, &jitter), [-1; 3]);
+    assert_eq!(found(folder.path(), &jitter), [-1; 3]);
     // A single sample is missing, and more of them.
     for missing in [1, 2, 50] {
         let mut stamps_s = jitter.clone();
         stamps_s.drain(200..200 + missing);
-        assert_eq!(found(&folder.0, &stamps_s), [200; 3], "{missing} missing");
+        assert_eq!(
+            found(folder.path(), &stamps_s),
+            [200; 3],
+            "{missing} missing"
+        );
     }
 }

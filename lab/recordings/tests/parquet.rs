@@ -1,60 +1,21 @@
 //! Parquet: files of pyarrow and pandas, our own, and broken ones.
 
+#[path = "foreign/expected.rs"]
+mod expected;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use ::parquet::file::reader::{FileReader, SerializedFileReader};
+use expected::{bits, corrupted, folder, rows};
 use sixaxis_recordings::channel::{Block, Channel, Layout};
 use sixaxis_recordings::error::{Error, Place};
-use sixaxis_recordings::{Source, create, open, parquet};
-
-fn files() -> PathBuf {
-    match std::env::var_os("SIXAXIS_FOREIGN_FILES") {
-        Some(folder) => PathBuf::from(folder).join("parquet"),
-        None => Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/foreign/files/parquet"),
-    }
-}
+use sixaxis_recordings::{create, open, parquet};
 
 fn own(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("parquet");
     fs::create_dir_all(&folder).unwrap();
     folder.join(name)
-}
-
-fn read_all(source: &mut dyn Source, limit: usize) -> Result<Vec<Vec<f64>>, Error> {
-    let mut block = Block::default();
-    let mut all = Vec::new();
-    loop {
-        let rows = source.read(&mut block, limit)?;
-        assert!(rows <= limit);
-        all.resize(block.columns.len(), Vec::new());
-        for (whole, piece) in all.iter_mut().zip(&block.columns) {
-            assert_eq!(piece.len(), rows);
-            whole.extend_from_slice(piece);
-        }
-        if rows == 0 {
-            return Ok(all);
-        }
-    }
-}
-
-/// Equal, or both no number.
-fn same(a: f64, b: f64) -> bool {
-    a == b || (a.is_nan() && b.is_nan())
-}
-
-#[track_caller]
-fn assert_same(name: &str, read: &[Vec<f64>], expected: &[Vec<f64>]) {
-    assert_eq!(read.len(), expected.len(), "{name}");
-    for (channel, (read, expected)) in read.iter().zip(expected).enumerate() {
-        assert_eq!(read.len(), expected.len(), "{name}, channel {channel}");
-        for (at, (&r, &e)) in read.iter().zip(expected).enumerate() {
-            assert!(
-                same(r, e),
-                "{name}, channel {channel}, sample {at}: {r} for {e}"
-            );
-        }
-    }
 }
 
 fn expected(path: &Path) -> (Vec<String>, Vec<Vec<f64>>) {
@@ -78,7 +39,7 @@ fn expected(path: &Path) -> (Vec<String>, Vec<Vec<f64>>) {
 #[test]
 fn ref_what_pyarrow_reads_is_read() {
     let mut compared = 0;
-    for entry in fs::read_dir(files()).unwrap() {
+    for entry in fs::read_dir(folder("parquet")).unwrap() {
         let table = entry.unwrap().path();
         if table.extension().is_none_or(|e| e != "csv") {
             continue;
@@ -98,19 +59,19 @@ fn ref_what_pyarrow_reads_is_read() {
             assert_eq!(channel.samples, Some(columns[0].len() as u64), "{name}");
         }
         for limit in [1, 7, 1000, usize::MAX] {
-            let read = read_all(&mut *source, limit).unwrap_or_else(|e| panic!("{e}"));
-            assert_same(&name, &read, &columns);
+            let read = rows(source.as_mut(), limit).unwrap_or_else(|e| panic!("{e}"));
+            assert_eq!(bits(&read), bits(&columns), "{name}");
             let all: Vec<_> = (0..columns.len()).collect();
             source.select(&all).unwrap();
         }
         // The last channel alone, then the first twice over.
         let last = columns.len() - 1;
         source.select(&[last]).unwrap();
-        let read = read_all(&mut *source, 13).unwrap();
-        assert_same(&name, &read, &columns[last..]);
+        let read = rows(source.as_mut(), 13).unwrap();
+        assert_eq!(bits(&read), bits(&columns[last..]), "{name}");
         source.select(&[0, last, 0]).unwrap();
-        let read = read_all(&mut *source, 13).unwrap();
-        assert_same(&name, &read[2..], &columns[..1]);
+        let read = rows(source.as_mut(), 13).unwrap();
+        assert_eq!(bits(&read[2..]), bits(&columns[..1]), "{name}");
         compared += 1;
     }
     assert!(compared >= 15, "{compared} files compared");
@@ -118,7 +79,7 @@ fn ref_what_pyarrow_reads_is_read() {
 
 #[test]
 fn what_the_metadata_say_is_in_the_layout() {
-    let source = open(&files().join("described.parquet")).unwrap();
+    let source = open(&folder("parquet").join("described.parquet")).unwrap();
     let layout = source.layout();
     assert_eq!(layout.time, Some(0));
     assert_eq!(layout.channels[1].heading(), "u1 [mV]");
@@ -132,7 +93,7 @@ fn what_the_metadata_say_is_in_the_layout() {
     assert_eq!(layout.properties["title"], "Näherung");
     assert_eq!(layout.properties.len(), 1, "{:?}", layout.properties);
 
-    let source = open(&files().join("stamps.parquet")).unwrap();
+    let source = open(&folder("parquet").join("stamps.parquet")).unwrap();
     assert!(
         source
             .layout()
@@ -141,7 +102,7 @@ fn what_the_metadata_say_is_in_the_layout() {
             .all(|c| c.unit.as_deref() == Some("s"))
     );
 
-    let source = open(&files().join("durations.parquet")).unwrap();
+    let source = open(&folder("parquet").join("durations.parquet")).unwrap();
     let units: Vec<_> = source
         .layout()
         .channels
@@ -160,7 +121,7 @@ fn what_the_metadata_say_is_in_the_layout() {
         ]
     );
 
-    let source = open(&files().join("mixed.parquet")).unwrap();
+    let source = open(&folder("parquet").join("mixed.parquet")).unwrap();
     let left_out = &source.layout().properties[parquet::LEFT_OUT];
     for name in ["list", "point.x", "text", "price", "day"] {
         assert!(left_out.contains(name), "{left_out}");
@@ -169,8 +130,8 @@ fn what_the_metadata_say_is_in_the_layout() {
 
 #[test]
 fn what_is_not_understood_is_refused_with_advice() {
-    let mut source = open(&files().join("holes.parquet")).unwrap();
-    match read_all(&mut *source, 7).unwrap_err() {
+    let mut source = open(&folder("parquet").join("holes.parquet")).unwrap();
+    match rows(source.as_mut(), 7).unwrap_err() {
         Error::Malformed { place, cause, .. } => {
             assert_eq!(place, Place::Sample(73));
             assert!(cause.contains("\"u2\""), "{cause}");
@@ -180,10 +141,10 @@ fn what_is_not_understood_is_refused_with_advice() {
     // What was read of the other channel must not come out against the wrong rows.
     assert!(source.read(&mut Block::default(), 7).is_err());
     source.select(&[0]).unwrap();
-    assert_eq!(read_all(&mut *source, 7).unwrap()[0].len(), 100);
+    assert_eq!(rows(source.as_mut(), 7).unwrap()[0].len(), 100);
 
-    let mut source = open(&files().join("codec_brotli.parquet")).unwrap();
-    match read_all(&mut *source, 7).unwrap_err() {
+    let mut source = open(&folder("parquet").join("codec_brotli.parquet")).unwrap();
+    match rows(source.as_mut(), 7).unwrap_err() {
         Error::Unsupported {
             feature, advice, ..
         } => {
@@ -194,7 +155,9 @@ fn what_is_not_understood_is_refused_with_advice() {
         }
         other => panic!("{other}"),
     }
-    let text_only = open(&files().join("no_numbers.parquet")).err().unwrap();
+    let text_only = open(&folder("parquet").join("no_numbers.parquet"))
+        .err()
+        .unwrap();
     assert!(
         matches!(text_only, Error::Unsupported { .. }),
         "{text_only}"
@@ -256,7 +219,7 @@ fn inv_what_is_written_is_read() {
         let mut source = open(&path).unwrap();
         assert_eq!(source.layout().channels, layout.channels);
         assert_eq!(source.layout().properties, layout.properties);
-        let read = read_all(&mut *source, 10_000).unwrap();
+        let read = rows(source.as_mut(), 10_000).unwrap();
         for (read, written) in read.iter().zip(&columns) {
             assert!(
                 read.iter()
@@ -292,7 +255,7 @@ fn survive(path: &Path, bytes: &[u8]) {
     let Ok(mut source) = open(path) else {
         return;
     };
-    if let Ok(columns) = read_all(&mut *source, 64) {
+    if let Ok(columns) = rows(source.as_mut(), 64) {
         for (column, channel) in columns.iter().zip(&source.layout().channels) {
             assert_eq!(Some(column.len() as u64), channel.samples);
         }
@@ -312,29 +275,8 @@ fn broken_files_are_survived() {
         "encodings",
         "stamps",
     ] {
-        let good = fs::read(files().join(name).with_extension("parquet")).unwrap();
-        for length in (0..good.len()).step_by(1 + good.len() / 200) {
-            survive(&path, &good[..length]);
-        }
-        let mut state = 1u64;
-        let mut random = || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (state >> 33) as usize
-        };
-        for _ in 0..600 {
-            let mut bytes = good.clone();
-            for _ in 0..1 + random() % 3 {
-                let at = random() % bytes.len();
-                bytes[at] = match random() % 3 {
-                    0 => bytes[at] ^ (1 << (random() % 8)),
-                    1 => 0xff,
-                    _ => random() as u8,
-                };
-            }
-            survive(&path, &bytes);
-        }
+        let good = fs::read(folder("parquet").join(name).with_extension("parquet")).unwrap();
+        corrupted(&good, |bytes| survive(&path, bytes));
     }
 }
 

@@ -1,8 +1,12 @@
 //! TDMS: files of other software, hostile files, and the way there and back.
 
+#[path = "foreign/expected.rs"]
+mod expected;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use expected::{folder, rows};
 use sixaxis_recordings::ingest::columns::Columns;
 use sixaxis_recordings::ingest::find::Column;
 use sixaxis_recordings::inspect::inspect;
@@ -13,13 +17,6 @@ const LIMITS: [usize; 4] = [1, 7, 1000, usize::MAX];
 /// npTDMS gives the step, the rate is its reciprocal: two roundings.
 const RATE_TOLERANCE: f64 = 2.0 * f64::EPSILON;
 
-fn folder() -> PathBuf {
-    match std::env::var_os("SIXAXIS_FOREIGN_FILES") {
-        Some(folder) => Path::new(&folder).join("tdms"),
-        None => Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/foreign/files/tdms"),
-    }
-}
-
 fn scratch(name: &str) -> PathBuf {
     let folder = std::env::temp_dir().join(format!("sixaxis_tdms_{}", std::process::id()));
     fs::create_dir_all(&folder).unwrap();
@@ -27,25 +24,14 @@ fn scratch(name: &str) -> PathBuf {
 }
 
 fn foreign(name: &str) -> Box<dyn Source> {
-    open(&folder().join(name)).unwrap()
+    open(&folder("tdms").join(name)).unwrap()
 }
 
 fn read_all(source: &mut dyn Source, channels: &[usize], limit: usize) -> Vec<Vec<f64>> {
     source.select(channels).unwrap();
-    let mut all = vec![Vec::new(); channels.len()];
-    let mut block = Block::default();
-    loop {
-        let rows = source.read(&mut block, limit).unwrap();
-        assert_eq!(block.columns.len(), channels.len());
-        assert!(rows <= limit);
-        for (all, column) in all.iter_mut().zip(&block.columns) {
-            assert_eq!(column.len(), rows);
-            all.extend(column);
-        }
-        if rows == 0 {
-            return all;
-        }
-    }
+    let all = rows(source, limit).unwrap();
+    assert_eq!(all.len(), channels.len());
+    all
 }
 
 /// Bit for bit, any NaN being as good as another.
@@ -91,7 +77,7 @@ fn expected(path: &Path) -> Vec<Expected> {
 #[test]
 fn ref_nptdms_reads_the_same() {
     let mut files = 0;
-    for entry in fs::read_dir(folder()).unwrap() {
+    for entry in fs::read_dir(folder("tdms")).unwrap() {
         let path = entry.unwrap().path();
         if path
             .extension()
@@ -294,7 +280,7 @@ const HOSTILE: [&str; 9] = [
 #[test]
 fn inv_cut_files_never_panic() {
     for name in HOSTILE {
-        let bytes = fs::read(folder().join(name)).unwrap();
+        let bytes = fs::read(folder("tdms").join(name)).unwrap();
         let path = scratch(&format!("cut_{name}"));
         for length in (0..bytes.len()).step_by(bytes.len() / 700 + 1) {
             fs::write(&path, &bytes[..length]).unwrap();
@@ -315,7 +301,7 @@ fn inv_flipped_bytes_never_panic() {
         state
     };
     for name in HOSTILE {
-        let good = fs::read(folder().join(name)).unwrap();
+        let good = fs::read(folder("tdms").join(name)).unwrap();
         let path = scratch(&format!("flipped_{name}"));
         for _ in 0..700 {
             let mut bytes = good.clone();

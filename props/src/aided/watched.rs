@@ -31,13 +31,9 @@ pub struct Checked {
     pub rate: f64,
     /// The same of the scale factors, nine degrees of freedom.
     pub scale: f64,
-    /// Error of the attitude, rad.
-    pub attitude_error_rad: f64,
     /// Error of down, rad.
     pub tilt_error_rad: f64,
-    /// Error of the rate, rad/s.
-    pub rate_error_rad_s: f64,
-    /// Of that, across the plumb line, rad/s.
+    /// Error of the rate across the plumb line, rad/s.
     pub rate_across_error_rad_s: f64,
     /// What the attitude's error makes of a, m/s^2.
     pub linear_error_m_s2: f64,
@@ -297,9 +293,7 @@ impl<'a> State<'a> {
             attitude: normalised(&attitude_covariance, off),
             rate: normalised(&rate_covariance, rate),
             scale: self.scale(&common.scale_per_mass_per_kg),
-            attitude_error_rad: off.length(),
             tilt_error_rad: off.reject_from(gravity).length(),
-            rate_error_rad_s: rate.length(),
             rate_across_error_rad_s: rate.reject_from(down_shell).length(),
             linear_error_m_s2: linear.length(),
             attitude_deviation_rad: self.attitude_deviation_rad,

@@ -16,6 +16,8 @@ use sixaxis_recordings::session::LowPass;
 use sixaxis_reference::laboratory::session::SimulatedSession;
 use sixaxis_reference::motion::TrueMotion;
 
+use crate::compare::worse;
+
 /// The validation run that is decoupled: 3 Hz, the middle one of Tables 4 to 6.
 const RUN: &str = "compound-02";
 /// Interval widths by which a parameter of a good calibration may be off.
@@ -103,14 +105,6 @@ impl Harm {
     #[must_use]
     pub fn breaks_it_at_rest(&self) -> bool {
         self.drift_over_interval.is_none_or(|x| x > WIDTHS)
-    }
-}
-
-fn worse(a: f64, b: f64) -> f64 {
-    if a.is_nan() || b.is_nan() {
-        f64::NAN
-    } else {
-        a.max(b)
     }
 }
 

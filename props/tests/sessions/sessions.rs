@@ -68,27 +68,6 @@ fn exactly(kind: Kind, magnitude: f64) -> Defect {
     }
 }
 
-/// A folder that is gone when the test is over.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("sixaxis-{name}-{}", std::process::id()));
-        std::fs::create_dir_all(&path).expect("a temporary folder can be made");
-        Self(path)
-    }
-
-    fn join(&self, name: &str) -> PathBuf {
-        self.0.join(name)
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
-
 /// Largest difference of forces over the largest force.
 fn departure(ours: &[[f64; LIMBS]], truth: &[[f64; LIMBS]]) -> f64 {
     assert_eq!(ours.len(), truth.len());
@@ -212,7 +191,7 @@ fn controls(
 
 #[test]
 fn inv_a_written_session_reads_back_as_played() {
-    let folder = Folder::new("read-back");
+    let folder = tempfile::tempdir().expect("a folder");
     let mut plan = small(5);
     plan.rig.mounting = Mounting::AxisLevel;
     plan.chain.amplifier_high_pass_hz = 0.02;
@@ -220,7 +199,8 @@ fn inv_a_written_session_reads_back_as_played() {
     plan.defect = DefectChoice::Exactly(exactly(Kind::SampleRate, (1.0_f64 / 0.97).ln()));
     let played = simulate_session(&plan).expect("the plan can be played");
     for extension in ["csv", "csv.gz", "parquet", "tdms", "npz"] {
-        let path = write(&played, &folder.join(extension), extension).expect("it can be written");
+        let path =
+            write(&played, &folder.path().join(extension), extension).expect("it can be written");
         let file = SessionFile::read(&path).expect("a session that was written can be read");
         assert_eq!(
             file.session.preprocessing.amplifier_high_pass_hz,
@@ -276,11 +256,11 @@ fn bytes(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
 
 #[test]
 fn inv_one_seed_makes_one_session_bit_for_bit() {
-    let folder = Folder::new("reproducible");
+    let folder = tempfile::tempdir().expect("a folder");
     for extension in ["csv", "csv.gz", "parquet", "tdms", "npz"] {
         let [a, b, other] = [("a", 6), ("b", 6), ("other", 7)].map(|(name, seed)| {
             let played = simulate_session(&small(seed)).expect("the plan can be played");
-            let path = folder.join(extension).join(name);
+            let path = folder.path().join(extension).join(name);
             write(&played, &path, extension).expect("it can be written");
             bytes(&path)
         });
@@ -295,15 +275,15 @@ fn inv_one_seed_makes_one_session_bit_for_bit() {
 
 #[test]
 fn inv_writing_that_fails_leaves_no_session_file() {
-    let folder = Folder::new("cut-short");
+    let folder = tempfile::tempdir().expect("a folder");
     let played = simulate_session(&small(8)).expect("the plan can be played");
-    let path = write(&played, &folder.0, "npz").expect("it can be written");
+    let path = write(&played, folder.path(), "npz").expect("it can be written");
     assert!(path.exists());
     // A file where the truth's folder has to be.
-    std::fs::remove_dir_all(folder.join(TRUTH_FOLDER)).expect("it can be removed");
-    std::fs::write(folder.join(TRUTH_FOLDER), "in the way").expect("it can be written");
-    assert!(write(&played, &folder.0, "npz").is_err());
-    assert!(!folder.join(SESSION_FILE).exists());
+    std::fs::remove_dir_all(folder.path().join(TRUTH_FOLDER)).expect("it can be removed");
+    std::fs::write(folder.path().join(TRUTH_FOLDER), "in the way").expect("it can be written");
+    assert!(write(&played, folder.path(), "npz").is_err());
+    assert!(!folder.path().join(SESSION_FILE).exists());
 }
 
 #[test]

@@ -43,13 +43,9 @@ pub(super) fn tidy(value: f64) -> f64 {
 }
 
 impl SimulatedRecording {
-    /// A recording of nothing, to be filled in.
-    pub(super) fn of_nothing(
-        name: &str,
-        role: Role,
-        sample_rate_hz: f64,
-        full_scale_v: f64,
-    ) -> Self {
+    /// A recording of nothing, to be filled in: gains of 1, no samples, no motion.
+    #[must_use]
+    pub fn of_nothing(name: &str, role: Role, sample_rate_hz: f64, full_scale_v: f64) -> Self {
         Self {
             name: name.to_owned(),
             role,
@@ -75,17 +71,11 @@ impl SimulatedRecording {
         let turns = gravity.cross(axis).length() > 1e-6 * gravity.length();
         let vector = |v: DVec3| v.to_array().map(tidy);
         Entry {
-            file: self.name.clone().into(),
-            role: self.role,
             direction: on_the_rig.then(|| vector(axis)),
             down: turns.then(|| vector(gravity.normalize())),
             frequency_hz: on_the_rig.then(|| tidy(self.frequency_hz)),
-            sample_rate_hz: None,
             gain_n_per_v: (self.role != Role::Static).then_some(PerLimb::Each(self.gain_n_per_v)),
-            reference_file: None,
-            reference_start_s: None,
-            reference_sample_rate_hz: None,
-            channels: None,
+            ..Entry::new(&self.name, self.role)
         }
     }
 }

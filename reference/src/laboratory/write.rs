@@ -79,30 +79,11 @@ pub fn write_beside(
     Ok(path)
 }
 
-fn layout(channels: Vec<Channel>, sample_rate_hz: f64) -> Layout {
-    Layout {
-        channels: channels
-            .into_iter()
-            .map(|channel| Channel {
-                sample_rate_hz: Some(sample_rate_hz),
-                ..channel
-            })
-            .collect(),
-        ..Layout::default()
-    }
-}
-
 fn write_recording(recording: &SimulatedRecording, path: &Path) -> sixaxis_recordings::Result<()> {
-    let mut channels: Vec<Channel> = (1..=LIMBS)
-        .map(|limb| Channel::new(format!("u{limb}"), Some("V")))
-        .collect();
     let moves = !recording.accelerometer_m_s2.is_empty();
-    if moves {
-        channels.push(Channel::new("accelerometer", Some("m/s^2")));
-        channels.push(Channel::new("gyroscope", Some("rad/s")));
-    }
-    let columns = channels.len();
-    let mut sink = create(path, &layout(channels, recording.sample_rate_hz))?;
+    let layout = Layout::of_a_sensor(Some(recording.sample_rate_hz), moves);
+    let columns = layout.channels.len();
+    let mut sink = create(path, &layout)?;
     let mut block = Block::new(columns);
     for start in (0..recording.voltage_v.len()).step_by(BLOCK) {
         let rows = start..(start + BLOCK).min(recording.voltage_v.len());
@@ -124,11 +105,16 @@ fn write_recording(recording: &SimulatedRecording, path: &Path) -> sixaxis_recor
 }
 
 fn write_truth(recording: &SimulatedRecording, path: &Path) -> sixaxis_recordings::Result<()> {
-    let channels = MOTION_CHANNELS
-        .map(|(name, unit)| Channel::new(name, Some(unit)))
-        .to_vec();
+    let channels = MOTION_CHANNELS.map(|(name, unit)| Channel {
+        sample_rate_hz: Some(recording.sample_rate_hz),
+        ..Channel::new(name, Some(unit))
+    });
     let columns = channels.len();
-    let mut sink = create(path, &layout(channels, recording.sample_rate_hz))?;
+    let layout = Layout {
+        channels: channels.to_vec(),
+        ..Layout::default()
+    };
+    let mut sink = create(path, &layout)?;
     let mut block = Block::new(columns);
     for rows in recording.truth.chunks(BLOCK) {
         block.clear(columns);

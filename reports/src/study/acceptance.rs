@@ -4,6 +4,7 @@
 //! leave, and what instruments of a class do in one laboratory, are findings and not faults of this code: aims.
 
 use sixaxis_core::Scheme;
+use sixaxis_props::compare::worse;
 use sixaxis_reference::rig::run::Mounting;
 
 use super::compound::SCHEMES;
@@ -169,15 +170,8 @@ pub fn judge(r: &Results) -> Vec<AcceptanceLimit> {
 
 /// Largest magnitude; NaN of nothing, and if any value is.
 pub(super) fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
-    let larger = |a: f64, b: f64| {
-        if a.is_nan() || b.is_nan() {
-            f64::NAN
-        } else {
-            a.max(b)
-        }
-    };
     let magnitudes = values.into_iter().map(f64::abs);
-    magnitudes.reduce(larger).unwrap_or(f64::NAN)
+    magnitudes.reduce(worse).unwrap_or(f64::NAN)
 }
 
 /// Noise-free, open loop, against truth.

@@ -46,11 +46,10 @@ pub(super) fn validate(
             }
             // What made it fail has been found before, or else is news.
             Err(error) if findings.is_empty() => findings.push(Finding {
-                cause: Cause::Unexplained,
                 recordings: vec![trial.name.clone()],
-                channels: Vec::new(),
                 evidence: format!("cannot be decoupled with this calibration: {error}"),
                 advice: "look at the trial's curves in the report".to_owned(),
+                ..Finding::of(Cause::Unexplained)
             }),
             Err(_) => {}
         }

@@ -52,11 +52,10 @@ pub fn examine(at_rest: Option<&Trial>, cases: &mut [TrialCase<'_>], findings: &
             case.explained |= found.iter().any(|(name, _)| *name == case.trial.name);
         }
         findings.push(Finding {
-            cause: Cause::Unreadable,
             recordings: found.into_iter().map(|(name, _)| name).collect(),
-            channels: Vec::new(),
             evidence,
             advice: advice.to_owned(),
+            ..Finding::of(Cause::Unreadable)
         });
     }
     for case in cases.iter_mut().filter(|case| !case.explained) {
@@ -90,13 +89,12 @@ fn tared(at_rest: Option<&Trial>, cases: &mut [TrialCase<'_>], findings: &mut Ve
             Taken::Mean => "the mean",
         };
         findings.push(Finding {
-            cause: Cause::Unreadable,
             evidence: format!(
                 "{what} is exactly 0 V in all nine channels: its own zero was taken off each recording, with the noise of that zero"
             ),
             recordings,
-            channels: Vec::new(),
             advice: "export the voltages as they were recorded: zeros are those of the static record, and of it alone".to_owned(),
+            ..Finding::of(Cause::Unreadable)
         });
     }
 }

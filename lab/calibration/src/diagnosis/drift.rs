@@ -5,10 +5,11 @@ use sixaxis_core::identify::zero_drift::ZeroDrift;
 
 use super::odd_trial;
 use super::structure::departure;
-use super::table::{Table, weighted_median};
+use super::table::Table;
 use super::trial_case::TrialCase;
 use crate::finding::{Cause, Finding};
 use crate::response::Response;
+use crate::series::{mean_of, median};
 use crate::trial::Trial;
 
 /// Drift, relative to the largest force of any channel in the trial, that is noticed.
@@ -192,23 +193,18 @@ fn ends_n(case: &TrialCase<'_>, channel: usize) -> Option<(f64, f64)> {
     if first.min(last) < FEWEST_AT_REST || first == samples {
         return None;
     }
-    let mean = |rows: &[[f64; LIMBS]]| {
-        rows.iter().map(|row| row[channel]).sum::<f64>() / rows.len() as f64
-    };
-    let before = mean(&case.force_n[..first]);
-    let after = mean(&case.force_n[samples - last..]);
+    let before = mean_of(&case.force_n[..first], channel);
+    let after = mean_of(&case.force_n[samples - last..], channel);
     Some((before, after - before))
 }
 
 /// Samples of each of so many pieces of a static channel, and the pieces' means, V; none of a record that is too short.
 fn means(rest: &Trial, channel: usize, pieces: usize) -> Option<(usize, Vec<f64>)> {
     let per_piece = rest.voltage_v.len() / pieces;
-    let mean = |piece: &[[f64; LIMBS]]| {
-        piece.iter().map(|row| row[channel]).sum::<f64>() / per_piece as f64
-    };
     (per_piece > 1).then(|| {
         let all = rest.voltage_v.chunks_exact(per_piece).take(pieces);
-        (per_piece, all.map(mean).collect())
+        let means = all.map(|piece| mean_of(piece, channel));
+        (per_piece, means.collect())
     })
 }
 
@@ -221,13 +217,9 @@ struct Bump {
 /// The highest of a channel, if it exceeds what the other parts scatter by.
 fn bump(rest: &Trial, channel: usize) -> Option<Bump> {
     let (per_piece, means) = means(rest, channel, PARTS)?;
-    let median = |values: &[f64]| {
-        let mut all: Vec<(f64, f64)> = values.iter().map(|value| (*value, 1.0)).collect();
-        weighted_median(&mut all)
-    };
-    let middle = median(&means)?;
+    let middle = median(means.iter().copied())?;
     let away: Vec<f64> = means.iter().map(|mean| (mean - middle).abs()).collect();
-    let usual = median(&away)?;
+    let usual = median(away.iter().copied())?;
     let highest = (0..means.len()).max_by(|a, b| away[*a].total_cmp(&away[*b]))?;
     // What is high at an end drifts.
     let inside = (ENDS..means.len().saturating_sub(ENDS)).contains(&highest);

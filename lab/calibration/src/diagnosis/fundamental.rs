@@ -7,6 +7,8 @@ use core::f64::consts::TAU;
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::series::extent;
+
 /// Cycles in the middle of the run that are fitted: of the recording, or, where that does not move as far as the run does in each half, of the
 /// part that moves.
 const CYCLES: f64 = 2.0;
@@ -86,8 +88,7 @@ pub fn measure(series: &[f64], sample_rate_hz: f64, frequency_hz: f64) -> Option
 fn middle_of_the_run(series: &[f64], count: usize) -> usize {
     let cycle = count / 2;
     let span = |part: &[f64]| {
-        let ends = (f64::INFINITY, f64::NEG_INFINITY);
-        let (low, high) = part.iter().fold(ends, |(l, h), x| (l.min(*x), h.max(*x)));
+        let (low, high) = extent(part.iter().copied());
         high - low
     };
     let spans: Vec<f64> = series.chunks(cycle).map(span).collect();

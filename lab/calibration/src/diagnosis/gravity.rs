@@ -42,9 +42,7 @@ pub fn examine(table: &Table, cases: &mut [TrialCase<'_>], findings: &mut Vec<Fi
         return;
     };
     findings.push(Finding {
-        cause: Cause::GravityNotHandled,
         recordings: names(seen.iter().map(|(case, ..)| *case)),
-        channels: Vec::new(),
         evidence: format!(
             "during rotation the limbs carry a net force that turns as a weight of {:.2} m/s² would{}, but by the directions in the session it should be {:.2} m/s²",
             found.length(),
@@ -56,6 +54,7 @@ pub fn examine(table: &Table, cases: &mut [TrialCase<'_>], findings: &mut Vec<Fi
             declared.length()
         ),
         advice: "state where down was with `down` of these recordings, or mount the rig with its axis vertical".to_owned(),
+        ..Finding::of(Cause::GravityNotHandled)
     });
     let of_runs = seen
         .iter()

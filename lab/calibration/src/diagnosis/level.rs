@@ -4,9 +4,10 @@
 
 use sixaxis_core::LIMBS;
 
-use super::table::{Table, weighted_median};
+use super::table::Table;
 use super::trial_case::{Facts, TrialCase};
 use crate::finding::{Cause, Finding};
+use crate::series::median;
 use sixaxis_recordings::unit::STANDARD_GRAVITY_M_S2;
 
 /// Largest factor by which all scale factors together may differ from the design's.
@@ -124,15 +125,10 @@ fn of_a_channel(factor: f64, over_usual_gain: f64) -> Cause {
 fn over_usual_gain(cases: &[TrialCase<'_>]) -> [f64; LIMBS] {
     let over = |case: &TrialCase<'_>, channel: usize| {
         let gains = case.trial.gains.gain_n_per_v.map(f64::abs);
-        let mut all = gains.map(|gain| (gain, 1.0));
-        gains[channel] / weighted_median(&mut all).unwrap_or(1.0)
+        gains[channel] / median(gains).unwrap_or(1.0)
     };
     core::array::from_fn(|channel| {
-        let mut day: Vec<(f64, f64)> = cases
-            .iter()
-            .map(|case| (over(case, channel), 1.0))
-            .collect();
-        weighted_median(&mut day).unwrap_or(1.0)
+        median(cases.iter().map(|case| over(case, channel))).unwrap_or(1.0)
     })
 }
 
@@ -154,23 +150,18 @@ pub fn examine(
     let design = &facts.design.scale_per_mass_per_kg;
     let ratio: [f64; LIMBS] =
         core::array::from_fn(|channel| 1.0 / (table.mass_over_scale_kg[channel] * design[channel]));
-    let mut sizes: Vec<(f64, f64)> = (0..LIMBS)
-        .filter(|i| !silent[*i])
-        .map(|i| (ratio[i].abs(), 1.0))
-        .collect();
-    let common = weighted_median(&mut sizes).unwrap_or(1.0);
+    let heard = (0..LIMBS).filter(|i| !silent[*i]);
+    let common = median(heard.map(|i| ratio[i].abs())).unwrap_or(1.0);
     if !found && !(1.0 / COMMON..=COMMON).contains(&common) {
         found = true;
         findings.push(Finding {
-            cause: cause_of(common),
-            recordings: Vec::new(),
-            channels: Vec::new(),
             evidence: format!(
                 "all scale factors come out at {} the design's; {}",
                 factor_in_words(common),
                 reason(common)
             ),
             advice: "check the unit of the limbs' channels, gain_n_per_v, the accelerometer's sensitivity and scale_per_mass_per_kg in [sensor.design]".to_owned(),
+            ..Finding::of(cause_of(common))
         });
     }
     let over_usual_gain = over_usual_gain(cases);
@@ -181,8 +172,6 @@ pub fn examine(
         }
         found = true;
         findings.push(Finding {
-            cause: of_a_channel(own, over_usual_gain[channel]),
-            recordings: Vec::new(),
             channels: vec![channel + 1],
             evidence: format!(
                 "its scale factor comes out at {} what the other channels make of the design; {}",
@@ -193,6 +182,7 @@ pub fn examine(
                 "check unit, gain, cable and piezo of channel {}",
                 channel + 1
             ),
+            ..Finding::of(of_a_channel(own, over_usual_gain[channel]))
         });
     }
     if let Some(inertia) = table.inertia_m2
@@ -204,26 +194,22 @@ pub fn examine(
         let off = trace / expected;
         if off < 0.0 {
             findings.push(Finding {
-                cause: Cause::InvertedChannel,
-                recordings: Vec::new(),
-                channels: Vec::new(),
                 evidence: "the inertias come out negative: the standard gyroscope turns the other way than the angular trials' directions say"
                     .to_owned(),
                 advice: "turn the gyroscope's channel round, or give its sensitivity a minus sign; if it is right, turn the directions of the angular \
                          trials round"
                     .to_owned(),
+                ..Finding::of(Cause::InvertedChannel)
             });
         } else if (off - 1.0).abs() > INERTIA {
             findings.push(Finding {
-                cause: cause_of(off),
-                recordings: Vec::new(),
-                channels: Vec::new(),
                 evidence: format!(
                     "the inertias come out at {} the design's, which the drawing fixes far better; {}",
                     factor_in_words(off),
                     reason(off)
                 ),
                 advice: "check unit and sensitivity of accelerometer and gyroscope, and of the sensor half_edge_mm and the design's inertia_per_mass_mm2".to_owned(),
+                ..Finding::of(cause_of(off))
             });
         }
     }

@@ -136,12 +136,11 @@ fn unexplained_in_time(
     let share = over(|c| c.residual_n) / (over(|c| c.signal_n) + known);
     (share > RESIDUAL).then(|| Finding {
         recordings: vec![case.trial.name.clone()],
-        cause: Cause::Unexplained,
-        channels: Vec::new(),
         evidence: format!(
             "{:.1} % of the signal follows neither the standards nor any fault that is known",
             100.0 * share
         ),
         advice: "look at the trial's curves in the report, and repeat it".to_owned(),
+        ..Finding::of(Cause::Unexplained)
     })
 }

@@ -6,9 +6,9 @@ use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
 
 use super::level::{cause_of, factor_in_words, is_thousand};
 use super::structure::over_design;
-use super::table::weighted_median;
 use super::trial_case::{Facts, TrialCase};
 use crate::finding::{Cause, Finding};
+use crate::series::{extent, mean_of, median};
 use crate::trial::Trial;
 use sixaxis_recordings::session::Role;
 
@@ -112,13 +112,12 @@ fn standards(cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
         }
         if !recordings.is_empty() {
             findings.push(Finding {
-                cause: Cause::ClippedConverter,
                 recordings,
-                channels: Vec::new(),
                 evidence: format!(
                     "the standard {name} is cut off: it stands at its largest reading, up to {largest:.4} {unit}, for several samples together"
                 ),
                 advice: format!("set the range of the standard {name} or of its channel wider and record again"),
+                ..Finding::of(Cause::ClippedConverter)
             });
         }
     }
@@ -179,7 +178,7 @@ fn beyond_converter(
     let mut samples = 0;
     let mut first: Option<(String, usize)> = None;
     let shares = StaticLoadSharing::new(&facts.geometry).ok();
-    let mut factors: Vec<(f64, f64)> = Vec::new();
+    let mut factors: Vec<f64> = Vec::new();
     let mut look = |trial: &Trial| -> [bool; LIMBS] {
         let peaks: [f64; LIMBS] = core::array::from_fn(|channel| largest(trial, channel));
         let beyond = peaks.map(|peak| peak > BEYOND * trial.full_scale_v);
@@ -210,7 +209,7 @@ fn beyond_converter(
             let over = shares
                 .as_ref()
                 .and_then(|shares| over_design(shares, facts, case, channel));
-            factors.extend(over.map(|over| (over, 1.0)));
+            factors.extend(over);
         }
         // Channels of one recorder share its unit; those that stay within the range by chance are no better.
         case.explained |= beyond.iter().filter(|b| **b).count() > LIMBS / 2;
@@ -219,8 +218,7 @@ fn beyond_converter(
         return channels;
     }
     // By the design, which is right to a factor of two, where a trial moves these channels; else by the zeros of the trials.
-    let by_design =
-        weighted_median(&mut factors).map(|factor| (factor, "what the design makes one expect"));
+    let by_design = median(factors).map(|factor| (factor, "what the design makes one expect"));
     let by_zeros = || {
         let factor = over_zeros(at_rest?, cases)?;
         Some((factor, "the zeros of the linear trials"))
@@ -269,19 +267,12 @@ fn beyond_converter(
 
 /// Means of a static record's channels over those of the linear trials, which begin and end at rest, in the median channel.
 fn over_zeros(rest: &Trial, cases: &[TrialCase<'_>]) -> Option<f64> {
-    let mean = |trial: &Trial, channel: usize| {
-        let sum: f64 = trial.voltage_v.iter().map(|row| row[channel]).sum();
-        sum / trial.voltage_v.len() as f64
-    };
     let of_channel = |channel: usize| {
         let linear = cases.iter().filter(|case| case.trial.role == Role::Linear);
-        let mut zeros: Vec<(f64, f64)> = linear
-            .map(|case| (mean(case.trial, channel), 1.0))
-            .collect();
-        Some((mean(rest, channel) / weighted_median(&mut zeros)?, 1.0))
+        let zero = median(linear.map(|case| mean_of(&case.trial.voltage_v, channel)))?;
+        Some(mean_of(&rest.voltage_v, channel) / zero)
     };
-    let mut factors: Vec<(f64, f64)> = (0..LIMBS).filter_map(of_channel).collect();
-    weighted_median(&mut factors).filter(|factor| factor.is_finite())
+    median((0..LIMBS).filter_map(of_channel)).filter(|factor| factor.is_finite())
 }
 
 /// The converter's step, V: the smallest difference that occurs between neighbours; infinite for a channel that never changes.
@@ -306,13 +297,7 @@ fn smallest(differences: impl Iterator<Item = f64>) -> f64 {
 }
 
 fn clipped(trial: &Trial, channel: usize) -> Option<Clipping> {
-    let (low, high) = trial
-        .voltage_v
-        .iter()
-        .map(|row| row[channel])
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), u| {
-            (l.min(u), h.max(u))
-        });
+    let (low, high) = extent(trial.voltage_v.iter().map(|row| row[channel]));
     let (peak, limit) = (high.max(-low), trial.full_scale_v);
     if peak > BEYOND * limit {
         return None;
@@ -331,8 +316,7 @@ fn clipped(trial: &Trial, channel: usize) -> Option<Clipping> {
 
 /// The value at which readings of such a step are cut off.
 fn flat_top(series: &[f64], step: f64) -> Option<f64> {
-    let ends = (f64::INFINITY, f64::NEG_INFINITY);
-    let (low, high) = series.iter().fold(ends, |(l, h), u| (l.min(*u), h.max(*u)));
+    let (low, high) = extent(series.iter().copied());
     if series.is_empty() || high - low <= STEPS_SPANNED * step {
         return None;
     }

@@ -6,10 +6,10 @@
 
 use super::fundamental;
 use super::level::{cause_of, factor_in_words, reason, reason_of_a_rate};
-use super::table::weighted_median;
 use super::trial_case::{Facts, Standard, TrialCase, names};
 use super::{Found, Word};
 use crate::finding::{Cause, Finding};
+use crate::series::median;
 use crate::trial::same_wedge;
 use sixaxis_recordings::session::Role;
 use sixaxis_recordings::unit::STANDARD_GRAVITY_M_S2;
@@ -82,7 +82,7 @@ pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], found: &mut Found
         // standard was at fault there.
         if odd.len() as f64 <= MOST * readings.len() as f64 {
             let of_one_kind = all_of_a_kind(&odd, &readings, cases);
-            if let Some(usual) = median(of_one_kind.iter().copied()) {
+            if let Some(usual) = median_excess(of_one_kind.iter().copied()) {
                 let word = if limbs_say_so(&of_one_kind, usual, cases) {
                     Word::Certain
                 } else {
@@ -118,7 +118,7 @@ pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], found: &mut Found
             }
             continue;
         }
-        let Some(usual) = median(odd.iter().copied()) else {
+        let Some(usual) = median_excess(odd.iter().copied()) else {
             continue;
         };
         if (what == "gyroscope" || standard.lag_s > 0.0) && shows_a_lag(&readings, standard) {
@@ -164,7 +164,7 @@ fn all_of_a_kind<'a>(
         return Vec::new();
     };
     let of_kind = readings.iter().filter(|r| role(r) == kind).count();
-    let usual = median(odd.iter().copied()).unwrap_or(0.0);
+    let usual = median_excess(odd.iter().copied()).unwrap_or(0.0);
     let alike = |r: &&Reading| role(r) == kind && (r.excess - usual).abs() < ALIKE * usual.abs();
     let all = odd.len() == of_kind && of_kind >= FEWEST && odd.iter().all(alike);
     if all { odd.to_vec() } else { Vec::new() }
@@ -177,7 +177,7 @@ fn limbs_say_so(odd: &[&Reading], usual: f64, cases: &[TrialCase<'_>]) -> bool {
         let response = case.response.as_ref()?;
         Some(response.channels.map(|channel| channel.response))
     };
-    let mut over_others: Vec<(f64, f64)> = Vec::new();
+    let mut over_others: Vec<f64> = Vec::new();
     for reading in odd {
         let own = &cases[reading.case];
         let others = cases.iter().filter(|other| {
@@ -191,10 +191,10 @@ fn limbs_say_so(odd: &[&Reading], usual: f64, cases: &[TrialCase<'_>]) -> bool {
             };
             let product: f64 = own.iter().zip(other).map(|(a, b)| a * b).sum();
             let squares: f64 = other.iter().map(|b| b * b).sum();
-            over_others.push((product / squares, 1.0));
+            over_others.push(product / squares);
         }
     }
-    let shown = weighted_median(&mut over_others);
+    let shown = median(over_others);
     shown.is_some_and(|shown| {
         let too_much = shown.recip() - 1.0;
         (too_much - usual).abs() < ALIKE * usual.abs()
@@ -221,15 +221,12 @@ pub fn of_wrong_clocks(facts: &Facts<'_>, cases: &[TrialCase<'_>]) -> Vec<String
 #[must_use]
 pub fn gyroscope_reads(facts: &Facts<'_>, cases: &[TrialCase<'_>]) -> Option<f64> {
     let (_, angular) = of_both_standards(facts, cases);
-    median(angular.iter()).map(|excess| 1.0 + excess)
+    median_excess(&angular).map(|excess| 1.0 + excess)
 }
 
 /// A standard that shows so many times what the rig asks for, and what that usually is.
 fn of_a_standard(what: &str, of: &str, factor: f64, limit: f64) -> Finding {
     Finding {
-        cause: cause_of(factor),
-        recordings: Vec::new(),
-        channels: Vec::new(),
         evidence: format!(
             "the standard {what} shows {} what the rig's {of} and the drive's frequency ask for, where certificate and workshop leave {:.1} %; {}",
             factor_in_words(factor),
@@ -241,6 +238,7 @@ fn of_a_standard(what: &str, of: &str, factor: f64, limit: f64) -> Finding {
             }
         ),
         advice: String::new(),
+        ..Finding::of(cause_of(factor))
     }
 }
 
@@ -262,14 +260,9 @@ fn shows_a_lag(readings: &[Reading], standard: &Standard) -> bool {
 
 /// One error of the clock that explains what both standards and the drive show.
 fn wrong_clock(linear: &[Reading], angular: &[Reading], facts: &Facts<'_>) -> Option<Finding> {
-    let accelerometer = median(linear.iter())?;
-    let gyroscope = median(angular.iter())?;
-    let mut faster: Vec<(f64, f64)> = linear
-        .iter()
-        .chain(angular)
-        .map(|r| (r.faster, 1.0))
-        .collect();
-    let faster = weighted_median(&mut faster)?;
+    let accelerometer = median_excess(linear)?;
+    let gyroscope = median_excess(angular)?;
+    let faster = median(linear.iter().chain(angular).map(|r| r.faster))?;
     let allowed = TOLERANCE + facts.accelerometer.gain_limit;
     if accelerometer.abs() <= allowed {
         return None;
@@ -283,15 +276,13 @@ fn wrong_clock(linear: &[Reading], angular: &[Reading], facts: &Facts<'_>) -> Op
     // A drive that turns as the session says is no word for another clock, however small its error.
     let shows = faster * by_reading.signum() > ALIKE * by_reading.abs();
     (shows && near(faster, TOLERANCE) && near(by_gyroscope, facts.gyroscope.gain_limit)).then(|| Finding {
-        cause: Cause::ClockMismatch,
-        recordings: Vec::new(),
-        channels: Vec::new(),
         evidence: format!(
             "by the recordings' clock the drive turns {:+.2} % faster than the session says, and both standards read what a clock that is fast by {:.2} % makes of the rig's stroke and rotation",
             100.0 * faster,
             100.0 * by_reading
         ),
         advice: "check the recordings' clock against the recorder: sample_rate_hz, or the rate or the time stamps in the files".to_owned(),
+        ..Finding::of(Cause::ClockMismatch)
     })
 }
 
@@ -345,7 +336,6 @@ fn readings(
     cases.iter().enumerate().filter_map(of).collect()
 }
 
-fn median<'a>(readings: impl Iterator<Item = &'a Reading>) -> Option<f64> {
-    let mut all: Vec<(f64, f64)> = readings.map(|r| (r.excess, 1.0)).collect();
-    weighted_median(&mut all)
+fn median_excess<'a>(readings: impl IntoIterator<Item = &'a Reading>) -> Option<f64> {
+    median(readings.into_iter().map(|r| r.excess))
 }

@@ -5,6 +5,7 @@ use core::f64::consts::TAU;
 use super::fundamental;
 use super::trial_case::{TrialCase, names};
 use crate::finding::{Cause, Finding};
+use crate::series::deviation;
 use crate::trial::Trial;
 use sixaxis_recordings::session::Role;
 
@@ -15,20 +16,12 @@ const MOVES: f64 = 0.1;
 /// Share of a rig's turn from which a linear trial is a compound run.
 const TURNS: f64 = 0.3;
 
-/// Root mean square about the mean.
-fn size(series: &[f64]) -> f64 {
-    let count = series.len() as f64;
-    let mean = series.iter().sum::<f64>() / count;
-    let squares: f64 = series.iter().map(|x| (x - mean).powi(2)).sum();
-    (squares / count).sqrt()
-}
-
 /// Travel and turn of a trial over those of a rig.
 fn moved(trial: &Trial) -> (f64, f64) {
     let omega = TAU * trial.frequency_hz;
     (
-        size(&trial.accelerometer_m_s2) / (omega * omega * RIG.0),
-        size(&trial.gyroscope_rad_s) / (omega * RIG.1),
+        deviation(&trial.accelerometer_m_s2) / (omega * omega * RIG.0),
+        deviation(&trial.gyroscope_rad_s) / (omega * RIG.1),
     )
 }
 
@@ -73,9 +66,7 @@ pub fn examine(cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
     if !other.is_empty() {
         let linear = other.iter().filter(|(_, linear)| *linear).count();
         findings.push(Finding {
-            cause: Cause::Unreadable,
             recordings: names(other.iter().map(|(index, _)| &cases[*index])),
-            channels: Vec::new(),
             evidence: match (linear, other.len() - linear) {
                 (_, 0) => "entered as linear, and by the standards the sensor turns".to_owned(),
                 (0, _) => "entered as angular, and by the standards the sensor travels".to_owned(),
@@ -89,6 +80,7 @@ pub fn examine(cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
                 "see whether files or roles of linear and angular trials are exchanged in the session"
             }
             .to_owned(),
+            ..Finding::of(Cause::Unreadable)
         });
         for (index, _) in other {
             cases[index].explained = true;
@@ -104,13 +96,12 @@ pub fn examine(cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
         .collect();
     if !both.is_empty() {
         findings.push(Finding {
-            cause: Cause::Unreadable,
             recordings: names(both.iter().map(|index| &cases[*index])),
-            channels: Vec::new(),
             evidence: "the gyroscope turns at the drive's frequency, as in a compound run"
                 .to_owned(),
             advice: "see whether the role is \"validation\", or the file another trial's"
                 .to_owned(),
+            ..Finding::of(Cause::Unreadable)
         });
         for index in both {
             cases[index].explained = true;
@@ -133,11 +124,10 @@ pub fn examine(cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
             continue;
         }
         findings.push(Finding {
-            cause: Cause::Unreadable,
             recordings: names(constant.iter().map(|index| &cases[*index])),
-            channels: Vec::new(),
             evidence: format!("the standard {what} reads one value throughout"),
             advice: format!("check the cable of the standard {what} and record again"),
+            ..Finding::of(Cause::Unreadable)
         });
         for index in constant {
             cases[index].explained = true;

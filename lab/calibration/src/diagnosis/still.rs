@@ -8,8 +8,8 @@ use sixaxis_core::LIMBS;
 use sixaxis_core::significance::chi_square_tail;
 
 use super::raw::converter_step_v;
-use super::table::weighted_median;
 use crate::finding::{Cause, Finding};
+use crate::series::{extent, median};
 use crate::trial::Trial;
 
 /// Probability that a record of noise is accused.
@@ -107,11 +107,8 @@ pub fn still(voltage_v: &[[f64; LIMBS]], steps_v: &[f64; LIMBS]) -> [Option<Stil
     let spanned = 2.0 * (2.0 * (samples.max(2) as f64).ln()).sqrt();
     core::array::from_fn(|channel| {
         let others = (0..LIMBS).filter(|other| *other != channel);
-        let median = |of: &dyn Fn(usize) -> f64| {
-            let mut all: Vec<(f64, f64)> = others.clone().map(|i| (of(i), 1.0)).collect();
-            weighted_median(&mut all).unwrap_or(0.0)
-        };
-        let others_v = median(&|i| by_noise_v[i]);
+        let others_v = median(others.clone().map(|i| by_noise_v[i])).unwrap_or(0.0);
+        let others_run = median(others.map(|i| runs[i].1 as f64)).unwrap_or(0.0);
         let finite = steps_v[channel].is_finite();
         let step_v = if finite {
             steps_v[channel]
@@ -122,8 +119,7 @@ pub fn still(voltage_v: &[[f64; LIMBS]], steps_v: &[f64; LIMBS]) -> [Option<Stil
                 .filter(|s| s.is_finite())
                 .fold(0.0, f64::max)
         };
-        let limit = longest_by_chance(samples, step_v, others_v / spanned)
-            .max(LONGER * median(&|i| runs[i].1 as f64));
+        let limit = longest_by_chance(samples, step_v, others_v / spanned).max(LONGER * others_run);
         let (value_v, run) = runs[channel];
         if run as f64 > limit {
             return Some(Still::Run {
@@ -151,11 +147,7 @@ fn longest_by_chance(samples: usize, step_v: f64, noise_v: f64) -> f64 {
 }
 
 fn span_v(voltage_v: &[[f64; LIMBS]], channel: usize) -> f64 {
-    let (low, high) = voltage_v
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), row| {
-            (low.min(row[channel]), high.max(row[channel]))
-        });
+    let (low, high) = extent(voltage_v.iter().map(|row| row[channel]));
     (high - low).max(0.0)
 }
 

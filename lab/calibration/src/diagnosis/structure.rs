@@ -4,9 +4,10 @@ use glam::{DMat3, DVec3};
 use sixaxis_core::LIMBS;
 use sixaxis_core::dsp::spectrum::noise_floor;
 
-use super::table::{Table, norm, weighted_median};
+use super::table::{Table, norm};
 use super::trial_case::{Facts, TrialCase, names};
 use crate::finding::{Cause, Finding};
+use crate::series::{deviation, median};
 use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
 use sixaxis_recordings::session::Role;
 
@@ -60,9 +61,6 @@ pub fn excitation(cases: &[TrialCase<'_>], findings: &mut Vec<Finding>) {
         if !(excited || unread) {
             let lost = eigen.eigenvectors.column(worst);
             findings.push(Finding {
-                cause: Cause::UnderExcitedAxis,
-                recordings: Vec::new(),
-                channels: Vec::new(),
                 evidence: if trials.is_empty() {
                     format!("no {what} trial could be used")
                 } else {
@@ -78,6 +76,7 @@ pub fn excitation(cases: &[TrialCase<'_>], findings: &mut Vec<Finding>) {
                     "record {what} trials on a wedge whose direction is near ({:.1}, {:.1}, {:.1})",
                     lost[0], lost[1], lost[2]
                 ),
+                ..Finding::of(Cause::UnderExcitedAxis)
             });
         }
     }
@@ -124,11 +123,8 @@ pub fn silent(
             let Some(own) = ratio(case, channel) else {
                 continue;
             };
-            let mut others: Vec<(f64, f64)> = (0..LIMBS)
-                .filter(|other| *other != channel)
-                .filter_map(|other| ratio(case, other).map(|r| (r, 1.0)))
-                .collect();
-            let Some(usual) = weighted_median(&mut others) else {
+            let others = (0..LIMBS).filter(|other| *other != channel);
+            let Some(usual) = median(others.filter_map(|other| ratio(case, other))) else {
                 continue;
             };
             judged += 1;
@@ -177,9 +173,7 @@ fn only_noise(case: &TrialCase<'_>, channel: usize) -> bool {
 
 /// Whether a series varies by no more than its noise from sample to sample; one that never changes has none.
 pub(crate) fn varies_as_noise(series: &[f64]) -> bool {
-    let mean = series.iter().sum::<f64>() / series.len() as f64;
-    let square = series.iter().map(|u| (u - mean) * (u - mean)).sum::<f64>() / series.len() as f64;
-    noise_floor(series).is_ok_and(|noise| noise > 0.0 && square.sqrt() <= ONLY_NOISE * noise)
+    noise_floor(series).is_ok_and(|noise| noise > 0.0 && deviation(series) <= ONLY_NOISE * noise)
 }
 
 /// Channels whose scale factor has the other sign than the design's.
@@ -195,19 +189,15 @@ pub fn inverted(
     let judged = silent.iter().filter(|silent| !**silent).count();
     if (0..LIMBS).filter(|i| !silent[*i] && reversed(*i)).count() == judged {
         findings.push(Finding {
-            cause: Cause::WrongScaling,
-            recordings: Vec::new(),
-            channels: Vec::new(),
             evidence: "all scale factors have the other sign than the design's: the standard accelerometer is reversed".to_owned(),
             advice: "turn the accelerometer's polarity round, or the wedges' directions".to_owned(),
+            ..Finding::of(Cause::WrongScaling)
         });
         return;
     }
     for (channel, silent) in silent.iter().enumerate() {
         if !silent && reversed(channel) {
             findings.push(Finding {
-                cause: Cause::InvertedChannel,
-                recordings: Vec::new(),
                 channels: vec![channel + 1],
                 evidence: format!(
                     "scale factor {:.3} 1/kg, of the other sign than the design's {:.3} 1/kg",
@@ -216,6 +206,7 @@ pub fn inverted(
                 ),
                 advice: "turn the channel's polarity round, or give its gain_n_per_v a minus sign"
                     .to_owned(),
+                ..Finding::of(Cause::InvertedChannel)
             });
         }
     }

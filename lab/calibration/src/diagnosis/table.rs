@@ -10,6 +10,7 @@ use super::gravity::turned_gravity_m_s2;
 use super::trial_case::{TrialCase, angles};
 use crate::conditioning::Conditioned;
 use crate::response::Response;
+use crate::series::median;
 use crate::trial::Trial;
 use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
 use sixaxis_recordings::session::Role;
@@ -118,13 +119,7 @@ impl Table {
             return;
         }
         let mut weights = vec![1.0; observations.len()];
-        let size = {
-            let mut sizes: Vec<(f64, f64)> = observations
-                .iter()
-                .map(|(_, _, y)| (y.abs(), 1.0))
-                .collect();
-            weighted_median(&mut sizes).unwrap_or(1.0)
-        };
+        let size = median(observations.iter().map(|(_, _, y)| y.abs())).unwrap_or(1.0);
         for round in 0..ROUNDS {
             let matrix = DMatrix::from_fn(observations.len(), 6, |i, j| {
                 observations[i].1[j] * weights[i]

@@ -164,11 +164,10 @@ pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], findings: &mut Ve
             ),
         };
         findings.push(Finding {
-            cause: Cause::ClockMismatch,
             recordings: names(wrong_rate.iter().map(|(i, _)| &cases[*i])),
-            channels: Vec::new(),
             evidence,
             advice: advice.to_owned(),
+            ..Finding::of(Cause::ClockMismatch)
         });
         for (index, _) in &wrong_rate {
             cases[*index].explained = true;
@@ -201,9 +200,6 @@ pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], findings: &mut Ve
             .collect();
         let middle = constants.iter().sum::<f64>() / constants.len() as f64;
         findings.push(Finding {
-            cause: Cause::GyroscopeLag,
-            recordings: Vec::new(),
-            channels: Vec::new(),
             evidence: format!(
                 "in all {angular} angular trials the gyroscope is {:.1} ms behind the sensor, as a first-order bandwidth of {:.1} Hz would have it{}",
                 1e3 * middle,
@@ -215,6 +211,7 @@ pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], findings: &mut Ve
                 }
             ),
             advice: "state the gyroscope's bandwidth_hz as its certificate has it; its lag is then undone".to_owned(),
+            ..Finding::of(Cause::GyroscopeLag)
         });
         // What turns cannot be compared before the lag is undone.
         for case in cases.iter_mut() {
@@ -228,9 +225,7 @@ pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], findings: &mut Ve
             .unwrap_or(late[0]);
         let duration = cases[worst].response.as_ref().map_or(1.0, |r| r.duration_s);
         findings.push(Finding {
-            cause: Cause::ClockMismatch,
             recordings: names(late.iter().map(|(i, ..)| &cases[*i])),
-            channels: Vec::new(),
             evidence: format!(
                 "the standards are {:.2} ms behind the sensor in the middle of {}, and that changes by {:.2} ms over its {duration:.1} s",
                 1e3 * lag,
@@ -238,6 +233,7 @@ pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], findings: &mut Ve
                 1e3 * growth
             ),
             advice: "record sensor and standards on one clock, or state reference_start_s and both sample rates".to_owned(),
+            ..Finding::of(Cause::ClockMismatch)
         });
     }
     for (index, ..) in late {

@@ -7,6 +7,7 @@ use sixaxis_core::identify::zero_drift::{self, ZeroDrift};
 use super::table::{usable, weighted_median};
 use super::trial_case::TrialCase;
 use crate::finding::{Cause, Finding};
+use crate::series::median;
 use crate::trial::Trial;
 use sixaxis_recordings::session::Role;
 
@@ -41,8 +42,7 @@ pub fn examine(
     let shares = open
         .iter()
         .filter_map(|channel| share_of_a_trial(rest, drift, cases, *channel));
-    let mut shares: Vec<(f64, f64)> = shares.map(|share| (share, 1.0)).collect();
-    if let Some(share) = weighted_median(&mut shares).filter(|share| *share > MOVES) {
+    if let Some(share) = median(shares).filter(|share| *share > MOVES) {
         findings.push(of_the_record(
             rest,
             format!(
@@ -133,11 +133,10 @@ fn in_words((channel, found): &(usize, Elsewhere)) -> String {
 
 fn of_the_record(rest: &Trial, evidence: String) -> Finding {
     Finding {
-        cause: Cause::Unreadable,
         recordings: vec![rest.name.clone()],
-        channels: Vec::new(),
         evidence,
         advice: "see whether the static record is of this sensor, in the trials' unit and at rest; record at rest again".to_owned(),
+        ..Finding::of(Cause::Unreadable)
     }
 }
 
@@ -196,12 +195,11 @@ fn share_of_a_trial(
     let gain = |trial: &Trial| trial.gains.gain_n_per_v[channel].abs();
     let at_rest_n = drift.noise_v[channel] * gain(rest);
     let linear = usable(cases).filter(|(case, _)| case.trial.role == Role::Linear);
-    let mut shares: Vec<(f64, f64)> = linear
+    let shares = linear
         .filter(|(_, response)| response.channels[channel].signal_n > 0.0)
         .map(|(case, response)| {
             let over_signal = at_rest_n / response.channels[channel].signal_n;
-            (over_signal * (gain(case.trial) / gain(rest)).min(1.0), 1.0)
-        })
-        .collect();
-    weighted_median(&mut shares)
+            over_signal * (gain(case.trial) / gain(rest)).min(1.0)
+        });
+    median(shares)
 }

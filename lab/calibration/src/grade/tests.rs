@@ -14,24 +14,9 @@ use super::*;
 use crate::conditioning::Conditioned;
 use crate::trial::Trial;
 
-const SESSION: &str = r#"
-[sensor]
-limb_length_mm = 25.5
-half_edge_mm = 21.0
-full_scale_v = 10.0
-gain_n_per_v = 10.0
-
-[sensor.design]
-scale_per_mass_per_kg = 5.3476
-inertia_per_mass_mm2 = [238.76, 250.71, 252.588, 0.0512, -0.0295, 0.5544]
-stiffness_per_mass_per_s2 = 3.1e8
-
-[accelerometer]
-class_percent = 1.0
-
-[gyroscope]
-class_percent = 1.0
-
+const SESSION: &str = concat!(
+    include_str!("../../../recordings/tests/card.toml"),
+    r#"
 [rig]
 stroke_mm = 186.0
 rotation_amplitude_deg = 30.0
@@ -44,7 +29,8 @@ interval_percent = 5.0
 [[recording]]
 file = "static.csv"
 role = "static"
-"#;
+"#
+);
 
 pub(crate) fn session() -> Session {
     let file = SessionFile::parse(Path::new("session.toml"), SESSION.to_owned());
@@ -339,11 +325,8 @@ fn inv_what_is_missing_is_one_point_each() {
 #[test]
 fn inv_findings_come_before_points_and_points_before_praise() {
     let finding = |cause: Cause, recordings: &[&str]| Finding {
-        cause,
         recordings: recordings.iter().map(ToString::to_string).collect(),
-        channels: Vec::new(),
-        evidence: String::new(),
-        advice: String::new(),
+        ..Finding::of(cause)
     };
     let said = |findings: &[Finding], points: usize, identified: bool| {
         grade(

@@ -5,6 +5,7 @@ use sixaxis_core::{LIMBS, Parameter};
 use super::EVEN_95;
 use crate::diagnosis::still::still;
 use crate::report::ParameterReport;
+use crate::series::deviation;
 use crate::trial::Trial;
 
 /// Noise, in steps of the converter, from which rounding is lost in it and means go on below a step: with half a step the
@@ -37,8 +38,6 @@ pub(crate) fn put_rest(reports: &mut [ParameterReport], rest: &Trial, steps_v: &
 
 /// Standard deviation of a sample, V.
 fn noise_v(rest: &Trial, limb: usize) -> f64 {
-    let series = || rest.voltage_v.iter().map(|row| row[limb]);
-    let n = rest.voltage_v.len() as f64;
-    let mean = series().sum::<f64>() / n;
-    (series().map(|u| (u - mean).powi(2)).sum::<f64>() / n).sqrt()
+    let series: Vec<f64> = rest.voltage_v.iter().map(|row| row[limb]).collect();
+    deviation(&series)
 }

@@ -134,11 +134,10 @@ impl JointReport {
             turned.to_axis_angle().1.to_degrees() > WEDGE_DEG.max(most_deg / ALIKE)
         });
         let finding = |recordings, evidence, advice: &str| Finding {
-            cause: Cause::LooseWedge,
             recordings,
-            channels: Vec::new(),
             evidence,
             advice: advice.to_owned(),
+            ..Finding::of(Cause::LooseWedge)
         };
         if let Some(turned) = flange {
             let (axis, angle_rad) = turned.to_axis_angle();
@@ -201,9 +200,7 @@ impl JointReport {
         let mut findings = Vec::new();
         if !tilted.is_empty() {
             findings.push(Finding {
-                cause: Cause::GravityNotHandled,
                 recordings: tilted,
-                channels: Vec::new(),
                 // The fit takes an angle for its sine.
                 evidence: if most_deg < LINEAR_DEG {
                     format!(
@@ -215,18 +212,18 @@ impl JointReport {
                     )
                 },
                 advice: "plumb the axis, or state gravity as it is in the sensor at rest".to_owned(),
+                ..Finding::of(Cause::GravityNotHandled)
             });
         }
         if !off_axis.is_empty() {
             findings.push(Finding {
-                cause: Cause::Unexplained,
                 recordings: off_axis,
-                channels: Vec::new(),
                 evidence: format!(
                     "the sensor's centre is {:.1} mm off the axis, or moves as if it were",
                     1e3 * most_m
                 ),
                 advice: "centre the sensor on the pinion".to_owned(),
+                ..Finding::of(Cause::Unexplained)
             });
         }
         findings
@@ -255,13 +252,12 @@ impl JointReport {
         let torn_alone = all_torn.len() < trials.len();
         if torn_alone && !all_torn.is_empty() {
             findings.push(Finding {
-                cause: Cause::Unexplained,
                 recordings: all_torn,
-                channels: Vec::new(),
                 evidence: format!(
                     "the means of more than {DRIFT_TOGETHER} channels stand elsewhere than in the other trials, as if samples were missing"
                 ),
                 advice: "look for a gap in the recording, and repeat the trial".to_owned(),
+                ..Finding::of(Cause::Unexplained)
             });
         }
         for limb in 0..LIMBS {
@@ -290,9 +286,6 @@ impl JointReport {
     fn gyroscope(&self, limit: f64) -> Option<Finding> {
         let found = self.nuisances().gyroscope_gain?;
         (found.value.abs() > limit + BEYOND_CERTIFICATE * found.deviation).then(|| Finding {
-            cause: Cause::WrongScaling,
-            recordings: Vec::new(),
-            channels: Vec::new(),
             evidence: format!(
                 "by Euler's equation the gyroscope reads {:+.2} ± {:.2} % too much, and its certificate allows {:.2} %",
                 100.0 * found.value,
@@ -300,6 +293,7 @@ impl JointReport {
                 100.0 * limit
             ),
             advice: "check unit and sensitivity of the gyroscope against its certificate".to_owned(),
+            ..Finding::of(Cause::WrongScaling)
         })
     }
 
@@ -309,15 +303,13 @@ impl JointReport {
         let stated_s = 1.0 / (core::f64::consts::TAU * stated_hz);
         let off_s = (found.value - stated_s).abs();
         (off_s > BEYOND_CERTIFICATE * (TIME_CONSTANT * stated_s).hypot(found.deviation)).then(|| Finding {
-            cause: Cause::GyroscopeLag,
-            recordings: Vec::new(),
-            channels: Vec::new(),
             evidence: format!(
                 "by Euler's equation the gyroscope is {:.2} ms behind, and by the stated bandwidth of {stated_hz} Hz it is {:.2} ms",
                 1e3 * found.value,
                 1e3 * stated_s
             ),
             advice: "correct the gyroscope's bandwidth_hz by its certificate".to_owned(),
+            ..Finding::of(Cause::GyroscopeLag)
         })
     }
 }

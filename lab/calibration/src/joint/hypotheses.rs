@@ -180,10 +180,8 @@ pub(crate) fn contradiction(joint: core::result::Result<&JointReport, &str>) -> 
 /// Something is wrong, and nothing says what.
 pub(crate) fn unknown(evidence: String) -> Finding {
     Finding {
-        cause: Cause::Unexplained,
-        recordings: Vec::new(),
-        channels: Vec::new(),
         evidence,
         advice: "look at the table of trials in the report".to_owned(),
+        ..Finding::of(Cause::Unexplained)
     }
 }

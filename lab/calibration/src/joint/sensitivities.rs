@@ -222,26 +222,24 @@ fn of_a_course(limb: usize, course: Course, names: &[String]) -> Finding {
         ),
     };
     Finding {
-        cause: Cause::FadingSensitivity,
-        recordings: Vec::new(),
         channels: vec![limb + 1],
         evidence,
         advice: advice.to_owned(),
+        ..Finding::of(Cause::FadingSensitivity)
     }
 }
 
 /// Several channels in one trial show other than in the others, this one most.
 fn several_channels(limb: usize, name: &str, by: f64) -> Finding {
     Finding {
-        cause: Cause::Unexplained,
         recordings: vec![name.to_owned()],
-        channels: Vec::new(),
         evidence: format!(
             "several channels show more or less than in the other trials, channel {} by {:+.2} %",
             limb + 1,
             100.0 * by
         ),
         advice: "check that this recording is this sensor's, in this state".to_owned(),
+        ..Finding::of(Cause::Unexplained)
     }
 }
 

@@ -4,7 +4,7 @@
 
 use sixaxis_core::parameter::PARAMETERS;
 use sixaxis_core::significance::NORMAL_95;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -14,28 +14,6 @@ use sixaxis_campaign::plan::CampaignPlan;
 use sixaxis_campaign::row::{Group, Row, Scalar, Status, Text};
 use sixaxis_campaign::run::{VERSION, Watch};
 use sixaxis_reference::laboratory::plan::{Engine, SensorChoice, SessionPlan};
-
-/// A folder that is gone when the test is over.
-pub struct Folder(pub PathBuf);
-
-impl Folder {
-    pub fn new(name: &str) -> Self {
-        let path = Path::new(env!("CARGO_TARGET_TMPDIR"))
-            .join(format!("campaign-{name}-{}", std::process::id()));
-        std::fs::create_dir_all(&path).expect("a temporary folder can be made");
-        Self(path)
-    }
-
-    pub fn join(&self, name: &str) -> PathBuf {
-        self.0.join(name)
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
 
 /// A session that is played in milliseconds.
 pub fn small() -> SessionPlan {

@@ -1,13 +1,12 @@
 //! What all browsers are told of the acquisition.
 
-use std::sync::PoisonError;
 use std::time::Instant;
 
 use serde::Serialize;
 use sixaxis_core::LIMBS;
 
 use super::Acquisition;
-use crate::board::Post;
+use crate::board::{Post, locked};
 use crate::control::{Parameters, Stages};
 use crate::departures::AxisError;
 use crate::recorder::{Progress, Recorder};
@@ -50,11 +49,7 @@ impl Acquisition {
         if elapsed >= 1.0 {
             self.rate = (Instant::now(), 0, samples as f64 / elapsed);
         }
-        let history = self
-            .board
-            .history
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner);
+        let history = locked(&self.board.history);
         let (count, kept_s) = (history.count(), history.kept_s);
         drop(history);
         let run = self

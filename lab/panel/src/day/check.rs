@@ -3,7 +3,7 @@
 //! Directions are read with the design's scale factors and inertias, which a sensor misses by a third: they tell a wrong wedge, not
 //! a wedge that is off by a degree. The calibration tells that.
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use serde::Serialize;
 use sixaxis_core::LIMBS;
 use sixaxis_core::geometry::DIRECTIONS_SHELL;
@@ -280,13 +280,7 @@ fn seen_direction(
         sum += axis * (force_per_v * projected);
     }
     if angular {
-        let m = design.inertia_per_mass.to_paper_order();
-        let inertia = DMat3::from_cols(
-            DVec3::new(m[0], m[3], m[4]),
-            DVec3::new(m[3], m[1], m[5]),
-            DVec3::new(m[4], m[5], m[2]),
-        );
-        sum = inertia.inverse() * sum;
+        sum = design.inertia_per_mass.matrix_mass_m2().inverse() * sum;
     }
     sum.normalize_or_zero()
 }

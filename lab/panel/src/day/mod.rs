@@ -20,10 +20,9 @@ use std::sync::mpsc::Receiver;
 use sixaxis_calibration::calibrate::{Options, calibrate};
 use sixaxis_calibration::progress::NoProgress;
 use sixaxis_calibration::report::ParameterReport;
-use sixaxis_core::LIMBS;
 use sixaxis_recordings::draft::write_atomically;
 use sixaxis_recordings::session::{Entry, Role, Session, SessionFile};
-use sixaxis_recordings::{Block, Channel, Layout, create};
+use sixaxis_recordings::{Block, Layout, create};
 
 use crate::columns::Batch;
 use crate::source::{Begin, Event, Sender};
@@ -236,22 +235,11 @@ fn write(
     rate_hz: f64,
     moves: bool,
 ) -> sixaxis_recordings::Result<()> {
-    let named = |name: String, unit: &str| Channel {
-        sample_rate_hz: Some(rate_hz),
-        ..Channel::new(name, Some(unit))
-    };
-    let mut channels: Vec<Channel> = (1..=LIMBS).map(|i| named(format!("u{i}"), "V")).collect();
     let mut columns = samples.voltage_v.columns.to_vec();
     if moves {
-        channels.push(named("accelerometer".to_owned(), "m/s^2"));
-        channels.push(named("gyroscope".to_owned(), "rad/s"));
         columns.extend(samples.standard.iter().cloned());
     }
-    let layout = Layout {
-        channels,
-        ..Layout::default()
-    };
-    let mut sink = create(path, &layout)?;
+    let mut sink = create(path, &Layout::of_a_sensor(Some(rate_hz), moves))?;
     sink.write(&Block { columns })?;
     sink.finish()
 }

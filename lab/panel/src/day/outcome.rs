@@ -6,6 +6,7 @@ use std::path::Path;
 use serde::Serialize;
 use sixaxis_calibration::calibrate::CalibratedSession;
 use sixaxis_calibration::calibration::Calibration;
+use sixaxis_calibration::report::{Grade, ParameterReport};
 use sixaxis_recordings::session::{Entry, Role};
 
 use super::Plan;
@@ -36,20 +37,9 @@ pub struct Trial {
 /// One of the 25 parameters.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Parameter {
-    /// By its name in the paper.
-    pub name: String,
-    /// Estimate.
-    pub estimate: f64,
-    /// Design value.
-    pub design: f64,
-    /// Half width of the 95 % interval.
-    pub half_width: Option<f64>,
-    /// Unit of all three.
-    pub unit: String,
-    /// Whether the trials determine it.
-    pub determined: bool,
-    /// What limits it.
-    pub limited_by: String,
+    /// As it is known now.
+    #[serde(flatten)]
+    pub report: ParameterReport,
     /// Half widths after each calibration so far.
     pub widths: Vec<Option<f64>>,
 }
@@ -74,8 +64,8 @@ pub struct Outcome {
     pub trials: Vec<Trial>,
     /// What to record next, an index into the list; none when all are there.
     pub next: Option<usize>,
-    /// `good`, `reserved`, `bad`; none before the first calibration.
-    pub grade: Option<&'static str>,
+    /// None before the first calibration.
+    pub grade: Option<Grade>,
     /// The judgement in a sentence.
     pub sentence: String,
     /// What is wrong.
@@ -142,11 +132,7 @@ impl Outcome {
                 report.validation.map(largest).or(report.hold_out)
             });
         }
-        self.grade = Some(match session.grade {
-            sixaxis_calibration::report::Grade::Good => "good",
-            sixaxis_calibration::report::Grade::Reserved => "reserved",
-            sixaxis_calibration::report::Grade::Bad => "bad",
-        });
+        self.grade = Some(session.grade);
         self.sentence.clone_from(&session.sentence);
         self.reservations.clone_from(&session.reservations);
         self.estimator = session.estimator.name();
@@ -161,14 +147,8 @@ impl Outcome {
             .parameters
             .iter()
             .enumerate()
-            .map(|(k, p)| Parameter {
-                name: p.parameter.to_string(),
-                estimate: p.estimate,
-                design: p.design,
-                half_width: p.half_width_95,
-                unit: p.unit.clone(),
-                determined: p.determined,
-                limited_by: p.dominated_by.clone(),
+            .map(|(k, report)| Parameter {
+                report: report.clone(),
                 widths: widths
                     .iter()
                     .map(|row| row.get(k).copied().flatten())

@@ -147,9 +147,9 @@ function parameters() {
     const curve = document.createElement("td");
     curve.append(spark(p.widths));
     const [times, unit] = SHOWN[p.unit] ?? [1, p.unit];
-    row.append(text("th", p.name), text("td", p.determined && p.half_width !== null ? known(times * p.estimate, times * p.half_width) : number(times * p.estimate, 4), "number"),
-      text("td", p.determined && p.half_width !== null ? number(times * p.half_width, 2) : "not determined", `number${p.determined ? "" : " warn"}`),
-      text("td", unit), text("td", plain(times * p.design), "number"), curve, text("td", p.limited_by));
+    row.append(text("th", p.name), text("td", p.determined && p.half_width_95 !== null ? known(times * p.estimate, times * p.half_width_95) : number(times * p.estimate, 4), "number"),
+      text("td", p.determined && p.half_width_95 !== null ? number(times * p.half_width_95, 2) : "not determined", `number${p.determined ? "" : " warn"}`),
+      text("td", unit), text("td", plain(times * p.design), "number"), curve, text("td", p.dominated_by));
     return row;
   }));
   $("parameters").hidden = !outcome.parameters.length;

@@ -16,6 +16,7 @@ pub mod guard;
 pub mod request;
 pub mod seen;
 
+use std::fmt::Display;
 use std::io::{Read, Write};
 use std::net::{Shutdown, TcpListener, TcpStream};
 use std::sync::Arc;
@@ -35,6 +36,9 @@ use request::Request;
 
 /// Connections at a time; more are closed at once.
 pub const MOST: usize = 160;
+/// Statuses that are said more than once.
+const OK: &str = "200 OK";
+const FORBIDDEN: &str = "403 Forbidden";
 /// Time that a browser may take to take a message in.
 const PATIENCE: Duration = Duration::from_secs(2);
 /// Time that a connection is kept after an answer.
@@ -86,7 +90,8 @@ impl Server {
                 .name("browser".to_owned())
                 .stack_size(256 << 10)
                 .spawn(move || {
-                    server.answer(connection);
+                    // A browser that has gone gets no answer.
+                    let _ = server.answer(connection);
                     server.open.fetch_sub(1, Ordering::Relaxed);
                 });
             if spawned.is_err() {
@@ -95,68 +100,32 @@ impl Server {
         }
     }
 
-    fn answer(&self, mut connection: TcpStream) {
+    fn answer(&self, mut connection: TcpStream) -> std::io::Result<()> {
         let _ = connection.set_nodelay(true);
         let _ = connection.set_write_timeout(Some(PATIENCE));
         let request = match request::read(&mut connection) {
             Ok(request) => request,
-            Err(error) => {
-                let _ = respond(
-                    &mut connection,
-                    error.status(),
-                    "text/plain",
-                    error.to_string().as_bytes(),
-                );
-                return;
-            }
+            Err(error) => return refuse(&mut connection, error.status(), &error),
         };
         if let Err(refused) = self.guard.host(&request) {
-            let _ = respond(
-                &mut connection,
-                "403 Forbidden",
-                "text/plain",
-                refused.to_string().as_bytes(),
-            );
-            return;
+            return refuse(&mut connection, FORBIDDEN, &refused);
         }
         if request.path == "/socket" {
-            self.socket(connection, &request);
-            return;
+            return self.socket(connection, &request);
         }
         if request.path == "/seen.parquet" {
-            let _ = match self.admitted(&request) {
-                Err(refused) => respond(
-                    &mut connection,
-                    "403 Forbidden",
-                    "text/plain",
-                    refused.to_string().as_bytes(),
-                ),
-                Ok(()) => match seen::parquet(&self.board, &request) {
-                    Ok(file) => respond(
-                        &mut connection,
-                        "200 OK",
-                        "application/vnd.apache.parquet",
-                        &file,
-                    ),
-                    Err(error) => respond(
-                        &mut connection,
-                        "400 Bad Request",
-                        "text/plain",
-                        error.to_string().as_bytes(),
-                    ),
-                },
+            if let Err(refused) = self.admitted(&request) {
+                return refuse(&mut connection, FORBIDDEN, &refused);
+            }
+            return match seen::parquet(&self.board, &request) {
+                Ok(file) => respond(&mut connection, OK, "application/vnd.apache.parquet", &file),
+                Err(error) => refuse(&mut connection, "400 Bad Request", &error),
             };
-            return;
         }
-        let _ = match assets::find(&request.path) {
-            Some((kind, body)) => respond(&mut connection, "200 OK", kind, body.as_bytes()),
-            None => respond(
-                &mut connection,
-                "404 Not Found",
-                "text/plain",
-                b"no such page",
-            ),
-        };
+        match assets::find(&request.path) {
+            Some((kind, body)) => respond(&mut connection, OK, kind, body.as_bytes()),
+            None => refuse(&mut connection, "404 Not Found", &"no such page"),
+        }
     }
 
     /// Whether a request comes from the page and knows the token.
@@ -165,34 +134,31 @@ impl Server {
         self.guard.token(request)
     }
 
-    fn socket(&self, mut connection: TcpStream, request: &Request) {
+    fn socket(&self, mut connection: TcpStream, request: &Request) -> std::io::Result<()> {
         let key = request.header("sec-websocket-key").ok_or(Refused::NoSocket);
         match self.admitted(request).and(key) {
-            Err(refused) => {
-                let _ = respond(
-                    &mut connection,
-                    "403 Forbidden",
-                    "text/plain",
-                    refused.to_string().as_bytes(),
-                );
-            }
+            Err(refused) => refuse(&mut connection, FORBIDDEN, &refused),
             Ok(key) => {
                 let accept = derive_accept_key(key.as_bytes());
                 let head = format!(
                     "HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Accept: {accept}\r\n\r\n"
                 );
-                if connection.write_all(head.as_bytes()).is_err() {
-                    return;
-                }
+                connection.write_all(head.as_bytes())?;
                 let config = WebSocketConfig::default()
                     .max_message_size(Some(2 * LONGEST_MESSAGE))
                     .max_frame_size(Some(2 * LONGEST_MESSAGE))
                     .max_write_buffer_size(8 << 20);
                 let socket = WebSocket::from_raw_socket(connection, Role::Server, Some(config));
                 client::Client::new(self, socket).run();
+                Ok(())
             }
         }
     }
+}
+
+/// An answer that says why there is no other.
+fn refuse(connection: &mut TcpStream, status: &str, why: &dyn Display) -> std::io::Result<()> {
+    respond(connection, status, "text/plain", why.to_string().as_bytes())
 }
 
 /// A whole answer. The page may load nothing that is not served here, and nobody may show it in a frame.

@@ -53,15 +53,7 @@ impl Follower {
         let mut wanted = limbs.to_vec();
         wanted.extend(standards.iter().flatten().cloned());
         Ok(Self {
-            start: Start {
-                title: format!(
-                    "growing file {}",
-                    path.file_name().unwrap_or_default().to_string_lossy()
-                ),
-                sample_rate_hz,
-                standards: standards.is_some(),
-                truth: false,
-            },
+            start: Start::of_a_file("growing file", path, sample_rate_hz, standards.is_some()),
             wanted,
             channels: layout.channels.len(),
             text,
@@ -85,7 +77,7 @@ impl Follower {
     fn hand_over(&self, rows: &mut Batch, sender: &Sender) -> bool {
         rows.samples() == 0
             || sender
-                .send(Event::Samples(Box::new(super::wire::taken(rows))))
+                .send(Event::Samples(Box::new(std::mem::take(rows))))
                 .is_ok()
     }
 

@@ -274,19 +274,13 @@ impl LiveLaboratory {
         let rows = (0..samples).map(|_| zero.map(|u| self.converter.convert(u, &mut self.rest)));
         let voltage_v: Vec<[f64; LIMBS]> = rows.collect();
         let recording = SimulatedRecording {
-            name: "static".to_owned(),
-            role: Role::Static,
-            sample_rate_hz: self.plan.sample_rate_hz,
-            gain_n_per_v: [1.0; LIMBS],
-            full_scale_v: self.laboratory.chain.full_scale_v,
             voltage_v,
-            accelerometer_m_s2: Vec::new(),
-            gyroscope_rad_s: Vec::new(),
-            direction_ground: DVec3::ZERO,
-            gravity_ground_m_s2: DVec3::ZERO,
-            frequency_hz: 0.0,
-            true_gravity_ground_m_s2: DVec3::ZERO,
-            truth: Vec::new(),
+            ..SimulatedRecording::of_nothing(
+                "static",
+                Role::Static,
+                self.plan.sample_rate_hz,
+                self.laboratory.chain.full_scale_v,
+            )
         };
         self.begin(recording, Some(0), sender)
     }

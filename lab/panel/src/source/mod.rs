@@ -17,6 +17,7 @@ pub mod settings;
 pub mod stream;
 pub mod wire;
 
+use std::path::Path;
 use std::sync::mpsc::SyncSender;
 
 use glam::DVec3;
@@ -44,6 +45,19 @@ pub struct Start {
     pub standards: bool,
     /// Whether the truth stands beside them.
     pub truth: bool,
+}
+
+impl Start {
+    /// A file's, `what` being what kind of file it is, in words.
+    fn of_a_file(what: &str, path: &Path, sample_rate_hz: f64, standards: bool) -> Self {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        Self {
+            title: format!("{what} {name}"),
+            sample_rate_hz,
+            standards,
+            truth: false,
+        }
+    }
 }
 
 /// A run of the rig begins with the next sample, from rest.

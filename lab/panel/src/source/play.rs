@@ -38,15 +38,7 @@ impl Player {
         let mut wanted = limbs.to_vec();
         wanted.extend(standards.iter().flatten().cloned());
         Ok(Self {
-            start: Start {
-                title: format!(
-                    "recording {}",
-                    path.file_name().unwrap_or_default().to_string_lossy()
-                ),
-                sample_rate_hz,
-                standards: standards.is_some(),
-                truth: false,
-            },
+            start: Start::of_a_file("recording", path, sample_rate_hz, standards.is_some()),
             columns: Columns::new(path, source, wanted, None, Some(sample_rate_hz))?,
         })
     }

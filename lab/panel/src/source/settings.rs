@@ -45,31 +45,17 @@ impl Settings {
     #[must_use]
     pub fn day(&self) -> Vec<(Entry, f64)> {
         let plan = self.plan();
-        let at_rest = Entry {
-            file: "static".into(),
-            role: Role::Static,
-            direction: None,
-            down: None,
-            frequency_hz: None,
-            sample_rate_hz: None,
-            gain_n_per_v: None,
-            reference_file: None,
-            reference_start_s: None,
-            reference_sample_rate_hz: None,
-            channels: None,
-        };
+        let at_rest = Entry::new("static", Role::Static);
         let moving = |trial: &PlannedTrial| {
             let entry = Entry {
-                file: trial.name.clone().into(),
-                role: trial.role,
                 direction: Some(trial.run.direction_ground.to_array()),
                 frequency_hz: Some(trial.run.frequency_hz),
-                ..at_rest.clone()
+                ..Entry::new(&trial.name, trial.role)
             };
             (entry, trial.run.duration_s())
         };
         let planned = trials(&plan.rig, plan.trials_per_step, None);
-        let mut all = vec![(at_rest.clone(), STATIC_S)];
+        let mut all = vec![(at_rest, STATIC_S)];
         all.extend(planned.iter().map(moving));
         all
     }

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use sixaxis_recordings::session::Channels;
 
-use super::wire::{Wire, taken};
+use super::wire::Wire;
 use super::{Event, Sender, Start};
 use crate::columns::Batch;
 
@@ -88,7 +88,7 @@ pub fn read(
             sender.send(Event::Note(told)).ok()?;
         }
         if batch.samples() > 0 {
-            let samples = Event::Samples(Box::new(taken(&mut batch)));
+            let samples = Event::Samples(Box::new(std::mem::take(&mut batch)));
             sender.send(samples).ok()?;
         }
         if let Err(error) = taken_in {

@@ -10,7 +10,6 @@
 
 use std::path::Path;
 
-use sixaxis_calibration::apply::voltages::Voltages;
 use sixaxis_core::LIMBS;
 use sixaxis_recordings::ingest::find::{self, Column};
 use sixaxis_recordings::session::Channels;
@@ -324,16 +323,6 @@ fn append(head: &Head, value: impl Fn(usize) -> f64, batch: &mut Batch) {
         for (readings, column) in batch.standard.iter_mut().zip(standards) {
             readings.push(si(column));
         }
-    }
-}
-
-/// Takes the samples out of a batch.
-#[must_use]
-pub fn taken(batch: &mut Batch) -> Batch {
-    Batch {
-        voltage_v: std::mem::take::<Voltages>(&mut batch.voltage_v),
-        standard: std::mem::take(&mut batch.standard),
-        truth: std::mem::take(&mut batch.truth),
     }
 }
 

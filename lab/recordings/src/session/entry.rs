@@ -81,3 +81,23 @@ pub struct Entry {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub channels: Option<Channels>,
 }
+
+impl Entry {
+    /// A recording of which no more is known.
+    #[must_use]
+    pub fn new(file: impl Into<PathBuf>, role: Role) -> Self {
+        Self {
+            file: file.into(),
+            role,
+            direction: None,
+            down: None,
+            frequency_hz: None,
+            sample_rate_hz: None,
+            gain_n_per_v: None,
+            reference_file: None,
+            reference_start_s: None,
+            reference_sample_rate_hz: None,
+            channels: None,
+        }
+    }
+}

@@ -1,5 +1,7 @@
 //! What other software reads from a file, against what is read here.
 
+#![allow(dead_code, reason = "each format uses its own share")]
+
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
@@ -167,6 +169,32 @@ pub fn damage(good: &Path, bad: &Path) -> usize {
     }
     std::fs::remove_file(bad).unwrap();
     accepted
+}
+
+/// Hands out pieces of a file from its beginning, then copies in which one to three bytes are other ones.
+pub fn corrupted(good: &[u8], mut attempt: impl FnMut(&[u8])) {
+    for length in (0..good.len()).step_by(1 + good.len() / 200) {
+        attempt(&good[..length]);
+    }
+    let mut state = 1u64;
+    let mut random = || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as usize
+    };
+    for _ in 0..600 {
+        let mut bytes = good.to_vec();
+        for _ in 0..1 + random() % 3 {
+            let at = random() % bytes.len();
+            bytes[at] = match random() % 3 {
+                0 => bytes[at] ^ (1 << (random() % 8)),
+                1 => 0xff,
+                _ => random() as u8,
+            };
+        }
+        attempt(&bytes);
+    }
 }
 
 /// A folder of its own for a test.

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use serde_json::Value;
-use sixaxis_recordings::{Block, Channel, Layout, create};
+use sixaxis_recordings::{Block, Layout, create};
 
 use crate::program::{Folder, code, run, sixaxis, stdout, text};
 
@@ -301,15 +301,7 @@ fn long_recording_in_bounded_memory() {
     const ALLOWED_KB: u64 = 80 * 1024;
     let folder = Folder::new("long");
     let path = folder.file("long.tdms");
-    let mut layout = Layout {
-        channels: (1..=9)
-            .map(|k| Channel::new(format!("u{k}"), Some("V")))
-            .collect(),
-        ..Layout::default()
-    };
-    for channel in &mut layout.channels {
-        channel.sample_rate_hz = Some(10_000.0);
-    }
+    let layout = Layout::of_a_sensor(Some(10_000.0), false);
     let mut sink = create(Path::new(&path), &layout).expect("creates");
     let step = 20.0 / 65_536.0;
     for start in (0..ROWS).step_by(60_000) {

@@ -8,7 +8,7 @@ use std::sync::OnceLock;
 use serde_json::Value;
 use sixaxis_calibration::calibration::Calibration;
 use sixaxis_core::LIMBS;
-use sixaxis_recordings::{Block, Channel, Layout, create};
+use sixaxis_recordings::{Block, Layout, create};
 use sixaxis_reference::compliant::compliant_forces_m_s2;
 use sixaxis_reference::laboratory::chain::Chain;
 use sixaxis_reference::motion::TrueMotion;
@@ -349,14 +349,7 @@ fn turned_over() -> PathBuf {
         .expect("limbs that hold");
     let chain = Chain::noise_free();
     let voltage_v = chain.record(&forces, &sensor, &gain_n_per_v, 10_000.0, &mut rng);
-    let channels = (1..=LIMBS).map(|i| Channel {
-        sample_rate_hz: Some(10_000.0),
-        ..Channel::new(format!("u{i}"), Some("V"))
-    });
-    let layout = Layout {
-        channels: channels.collect(),
-        ..Layout::default()
-    };
+    let layout = Layout::of_a_sensor(Some(10_000.0), false);
     let path = folder.join("turned.csv");
     let mut sink = create(&path, &layout).expect("writes");
     let mut block = Block::new(LIMBS);

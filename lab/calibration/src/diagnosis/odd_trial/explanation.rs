@@ -98,8 +98,6 @@ impl<'a> Odd<'a> {
         let common = product / squares;
         (self.rest(&|i| common * expected[i]) < self.enough()).then(|| Finding {
             recordings: vec![self.case.trial.name.clone()],
-            cause: cause_of(common),
-            channels: Vec::new(),
             evidence: format!(
                 "all channels are {common:.4} times what the other trials make one expect"
             ),
@@ -109,6 +107,7 @@ impl<'a> Odd<'a> {
                 "check this recording's gains and units, and the sensitivity of the standard"
             }
             .to_owned(),
+            ..Finding::of(cause_of(common))
         })
     }
 
@@ -185,13 +184,12 @@ impl<'a> Odd<'a> {
         })?;
         Some(Finding {
             recordings: vec![self.case.trial.name.clone()],
-            cause: Cause::SwappedChannels,
-            channels: Vec::new(),
             evidence: format!(
                 "what stands in channel 1 of this recording is limb {}'s, and so on: with all nine names moved on they agree with the other trials",
                 by + 1
             ),
             advice: "see whether the headings of this file begin a column too early or too late, or give it its own [recording.channels]".to_owned(),
+            ..Finding::of(Cause::SwappedChannels)
         })
     }
 
@@ -247,13 +245,12 @@ impl<'a> Odd<'a> {
         };
         OtherDirection::Loose(Finding {
             recordings: vec![self.case.trial.name.clone()],
-            cause: Cause::LooseWedge,
-            channels: Vec::new(),
             evidence: format!(
                 "the channels show motion along ({:.3}, {:.3}, {:.3}), {angle:.1}° from the stated direction",
                 v.x, v.y, v.z
             ),
             advice,
+            ..Finding::of(Cause::LooseWedge)
         })
     }
 
@@ -279,10 +276,9 @@ impl<'a> Odd<'a> {
         };
         Finding {
             recordings: vec![self.case.trial.name.clone()],
-            cause,
-            channels: Vec::new(),
             evidence,
             advice: advice.to_owned(),
+            ..Finding::of(cause)
         }
     }
 }

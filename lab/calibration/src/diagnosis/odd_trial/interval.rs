@@ -3,9 +3,10 @@
 
 use sixaxis_core::LIMBS;
 
-use crate::diagnosis::table::{Table, weighted_median};
+use crate::diagnosis::table::Table;
 use crate::diagnosis::trial_case::TrialCase;
 use crate::finding::{Cause, Finding};
+use crate::series::median;
 
 /// Parts of a run that are judged by themselves.
 const PARTS: usize = 64;
@@ -35,8 +36,7 @@ impl Course {
             .map(|(force_n, expected)| force_n[channel] / scale - expected)
             .collect();
         // The zero is that of most of the run.
-        let mut all: Vec<(f64, f64)> = beyond.iter().map(|x| (*x, 1.0)).collect();
-        let zero = weighted_median(&mut all)?;
+        let zero = median(beyond.iter().copied())?;
         for x in &mut beyond {
             *x -= zero;
         }
@@ -130,10 +130,10 @@ pub(super) fn examine(table: &Table, case: &TrialCase<'_>) -> Option<Finding> {
         )
     };
     Some(Finding {
-        cause: Cause::Unreadable,
         recordings: vec![case.trial.name.clone()],
         channels,
         evidence,
         advice: advice.to_owned(),
+        ..Finding::of(Cause::Unreadable)
     })
 }

@@ -55,15 +55,13 @@ pub fn tried(day: &Unaccounted<'_>) -> Option<Finding> {
     let borrowed: Vec<&Trial> = trials.iter().collect();
     day.accounting(&borrowed, &at_rest(day.drift), &day.start, day.knowledge)?;
     Some(Finding {
-        cause: Cause::ClockMismatch,
-        recordings: Vec::new(),
-        channels: Vec::new(),
         evidence: format!(
             "with standards that are {:.3} ms behind the channels at the start of each recording and sampled at {:.6} times their stated rate all trials agree to the noise, and without they do not",
             1e3 * clock.behind_s,
             1.0 + clock.faster
         ),
         advice: "record sensor and standards on one clock, or state reference_start_s and both sample rates".to_owned(),
+        ..Finding::of(Cause::ClockMismatch)
     })
 }
 

@@ -121,11 +121,9 @@ fn about((value, deviation): (f64, f64)) -> Known {
 /// What all recordings have alike.
 fn finding(cause: Cause, evidence: String, advice: &str) -> Option<Finding> {
     Some(Finding {
-        cause,
-        recordings: Vec::new(),
-        channels: Vec::new(),
         evidence,
         advice: advice.to_owned(),
+        ..Finding::of(cause)
     })
 }
 
@@ -272,8 +270,6 @@ fn late_channels(
         ),
     };
     Some(Finding {
-        cause: Cause::ClockMismatch,
-        recordings: Vec::new(),
         channels,
         evidence: format!(
             "with delays all trials agree to the noise, and without they do not: {who} {least:.3} to {most:.3} ms behind the standards"
@@ -281,5 +277,6 @@ fn late_channels(
         advice: "record all channels and the standards on one clock, started at once, or state the delays that there are: [channels] limbs_lag_us of the \
              channels, reference_start_s of standards in a file of their own"
             .to_owned(),
+        ..Finding::of(Cause::ClockMismatch)
     })
 }

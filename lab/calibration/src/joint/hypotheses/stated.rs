@@ -202,14 +202,12 @@ fn accounts(day: &Unaccounted<'_>, stated: Stated, table: &Table) -> Option<Find
     let joint = day.accounting(&borrowed, &rest, &start, day.knowledge)?;
     let (cause, with, advice) = stated.in_words();
     Some(Finding {
-        cause,
-        recordings: Vec::new(),
-        channels: Vec::new(),
         evidence: format!(
             "with {with} all trials agree to the noise (misfit {:.2}), and as they are they do not",
             joint.misfit.per_degree
         ),
         advice,
+        ..Finding::of(cause)
     })
 }
 

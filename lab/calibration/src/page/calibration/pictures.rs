@@ -12,8 +12,9 @@ use crate::conditioning::Conditioned;
 use crate::diagnosis::table::Table;
 use crate::finding::{Cause, Finding};
 use crate::page::labels::largest;
+use crate::series::upper_median;
 use crate::trial::{Trial, same_wedge};
-use curves::{Curves, View, extent, figures};
+use curves::{Curves, View, figures, finite_extent};
 use sixaxis_page::Block;
 use sixaxis_recordings::session::{Role, SessionFile};
 
@@ -190,7 +191,7 @@ impl<'a> Day<'a> {
     /// Largest expected swing of a channel, or recorded swing where nothing can be expected, V.
     fn swing(&self, view: &View<'_>) -> f64 {
         let swing = |series: &[f64]| {
-            let (low, high) = extent(series.iter().copied());
+            let (low, high) = finite_extent(series.iter().copied());
             high - low
         };
         match self.expected_v(view, &view.recorded_v(), false) {
@@ -212,8 +213,7 @@ impl<'a> Day<'a> {
             // Sensors differ from the design by a factor that is much the same for all limbs.
             let usual = (0..LIMBS).filter(|i| !table.silent[*i]);
             let ratio = |i: usize| (table.mass_over_scale_kg[i] / design(i)).abs();
-            let mut usual: Vec<f64> = usual.map(ratio).collect();
-            design(view.channel) * median(&mut usual)?
+            design(view.channel) * upper_median(usual.map(ratio))?
         } else {
             agreed
         };
@@ -221,8 +221,8 @@ impl<'a> Day<'a> {
         let force = table.force_per_mass_m_s2(view.channel, view.trial, view.conditioned?)?;
         let moved: Vec<f64> = force.iter().map(|f| factor * f).collect();
         // The zero, from what the two have in common most of the time.
-        let mut apart: Vec<f64> = recorded_v.iter().zip(&moved).map(|(u, e)| u - e).collect();
-        let zero_v = median(&mut apart)?;
+        let apart = recorded_v.iter().zip(&moved).map(|(u, e)| u - e);
+        let zero_v = upper_median(apart)?;
         Some(moved.into_iter().map(|e| e + zero_v).collect())
     }
 
@@ -282,10 +282,4 @@ const fn seen_in_motion(cause: Cause) -> &'static str {
             "does not follow the dashed curve, which the standards and the other trials ask for: the difference is below"
         }
     }
-}
-
-/// The middle value; reorders its argument.
-fn median(values: &mut [f64]) -> Option<f64> {
-    let middle = values.len() / 2;
-    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }

@@ -3,6 +3,7 @@
 use crate::calibrate::CalibratedSession;
 use crate::conditioning::{Channels, Conditioned, Conditioning, Stage};
 use crate::prepare::VALIDATION_CORNER;
+use crate::series::extent;
 use crate::trial::Trial;
 use sixaxis_core::LIMBS;
 use sixaxis_core::dsp::differentiate::Differentiator;
@@ -144,8 +145,8 @@ fn limb(calibrated: &CalibratedSession, trial: &Trial) -> usize {
         return channel.saturating_sub(1).min(LIMBS - 1);
     }
     let swing = |limb: usize| {
-        let series = trial.voltage_v.iter().map(|row| row[limb]);
-        series.clone().fold(f64::NEG_INFINITY, f64::max) - series.fold(f64::INFINITY, f64::min)
+        let (low, high) = extent(trial.voltage_v.iter().map(|row| row[limb]));
+        high - low
     };
     largest((0..LIMBS).map(|limb| (swing(limb), limb))).map_or(0, |(_, limb)| limb)
 }

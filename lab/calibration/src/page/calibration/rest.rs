@@ -1,6 +1,7 @@
 //! The static record and the noise of the channels.
 
 use crate::calibrate::CalibratedSession;
+use crate::series::mean_of;
 use crate::trial::Trial;
 use sixaxis_core::LIMBS;
 use sixaxis_core::dsp::spectrum::noise_floor;
@@ -40,19 +41,17 @@ pub fn section(calibrated: &CalibratedSession) -> Section {
 /// Means over pieces of the record less the whole mean, for each channel, with the middle of each piece, s.
 fn means(rest: &Trial) -> Vec<(f64, [f64; LIMBS])> {
     let length = rest.voltage_v.len() / PIECES;
-    let mean = |rows: &[[f64; LIMBS]]| -> [f64; LIMBS] {
-        core::array::from_fn(|limb| {
-            rows.iter().map(|row| row[limb]).sum::<f64>() / rows.len() as f64
-        })
+    let of_limbs = |rows: &[[f64; LIMBS]]| -> [f64; LIMBS] {
+        core::array::from_fn(|limb| mean_of(rows, limb))
     };
-    let whole = mean(&rest.voltage_v);
+    let whole = of_limbs(&rest.voltage_v);
     rest.voltage_v
         .chunks_exact(length)
         .enumerate()
         .map(|(piece, rows)| {
             let middle_s = (piece as f64 + 0.5) * length as f64 / rest.sample_rate_hz;
-            let mean = mean(rows);
-            (middle_s, core::array::from_fn(|i| mean[i] - whole[i]))
+            let own = of_limbs(rows);
+            (middle_s, core::array::from_fn(|i| own[i] - whole[i]))
         })
         .collect()
 }
@@ -159,8 +158,7 @@ fn table(calibrated: &CalibratedSession, at_rest: Option<&Trial>) -> Table {
 fn change(rest: &Trial, limb: usize) -> Option<f64> {
     let rows = &rest.voltage_v;
     let part = rows.len() / ENDS;
-    let mean =
-        |rows: &[[f64; LIMBS]]| rows.iter().map(|row| row[limb]).sum::<f64>() / rows.len() as f64;
+    let mean = |rows| mean_of(rows, limb);
     (rows.len() >= 2 * ENDS).then(|| mean(&rows[rows.len() - part..]) - mean(&rows[..part]))
 }
 

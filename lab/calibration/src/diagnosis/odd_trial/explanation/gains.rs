@@ -44,8 +44,6 @@ impl Odd<'_> {
             .filter(|other| left(other) < self.enough().min(LEFT))?;
         Some(Finding {
             recordings: vec![self.case.trial.name.clone()],
-            cause: Cause::WrongScaling,
-            channels: Vec::new(),
             evidence: format!(
                 "with the gains that the session states for {} the channels agree with the other trials",
                 other.name
@@ -54,6 +52,7 @@ impl Odd<'_> {
                 "correct this recording's gain_n_per_v, or see whether its file and that of {} are exchanged",
                 other.name
             ),
+            ..Finding::of(Cause::WrongScaling)
         })
     }
 
@@ -67,12 +66,11 @@ impl Odd<'_> {
         let left = squares.sum::<f64>().sqrt() / self.size;
         (left < self.enough().min(LEFT)).then(|| Finding {
             recordings: vec![self.case.trial.name.clone()],
-            cause: Cause::WrongScaling,
-            channels: Vec::new(),
             evidence:
                 "with one over each of its gain_n_per_v the channels agree with the other trials"
                     .to_owned(),
             advice: "state this recording's gains in N/V: they are written in V/N".to_owned(),
+            ..Finding::of(Cause::WrongScaling)
         })
     }
 
@@ -94,13 +92,12 @@ impl Odd<'_> {
         let moved = factors.iter().flatten().any(|factor| *factor != 1.0);
         (judged >= FEWEST_RANGES && moved).then(|| Finding {
             recordings: vec![self.case.trial.name.clone()],
-            cause: Cause::WrongScaling,
-            channels: Vec::new(),
             evidence: format!(
                 "each channel is off by a step of an amplifier's range or not at all: with gains of {} N/V (?: its signal does not tell) they agree with the other trials",
                 asked.join(", ")
             ),
             advice: OTHER_RANGES.to_owned(),
+            ..Finding::of(Cause::WrongScaling)
         })
     }
 
@@ -111,13 +108,12 @@ impl Odd<'_> {
         let alone = is_one(own) && all.iter().filter(|trial| is_one(trial)).count() == 1;
         (alone && all.len() > 1).then(|| Finding {
             recordings: vec![own.name.clone()],
-            cause: Cause::WrongScaling,
-            channels: Vec::new(),
             evidence: format!(
                 "by the session all nine gains are {} N/V here, and ranges differ in every other recording",
                 own.gains.gain_n_per_v[0]
             ),
             advice: "state this recording's own gain_n_per_v".to_owned(),
+            ..Finding::of(Cause::WrongScaling)
         })
     }
 }

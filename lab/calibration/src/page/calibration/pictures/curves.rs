@@ -5,6 +5,7 @@ use core::ops::Range;
 use crate::conditioning::Conditioned;
 use crate::finding::Cause;
 use crate::page::labels::{file_name, largest};
+use crate::series::extent;
 use crate::trial::Trial;
 use sixaxis_page::figure::NEUTRAL;
 use sixaxis_page::{Axis, Figure};
@@ -111,8 +112,8 @@ pub fn figures(curves: &[Curves<'_>], id: &str, subjects: usize) -> Vec<Figure> 
         let both = both.into_iter().flatten();
         both.flat_map(|series| series[c.shown.clone()].iter().copied())
     });
-    let voltages = within(extent(shown));
-    let differences = within(extent(curves.iter().flat_map(Curves::differences_v)));
+    let voltages = within(finite_extent(shown));
+    let differences = within(finite_extent(curves.iter().flat_map(Curves::differences_v)));
     let axis = |name: &str, range: Option<(f64, f64)>| Axis {
         range,
         ..Axis::linear(name, "V")
@@ -138,9 +139,6 @@ pub fn figures(curves: &[Curves<'_>], id: &str, subjects: usize) -> Vec<Figure> 
 }
 
 /// Smallest and largest of the finite values.
-pub fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let finite = values.filter(|x| x.is_finite());
-    finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
-        (low.min(x), high.max(x))
-    })
+pub fn finite_extent(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    extent(values.filter(|x| x.is_finite()))
 }
