@@ -13,7 +13,7 @@ use glam::DVec3;
 use nalgebra::{Matrix6, SMatrix, SVector, Vector6};
 
 use crate::decouple::stream::Decoupler;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require_samples};
 use crate::geometry::LIMBS;
 use crate::identify::static_load_sharing::StaticLoadSharing;
 use crate::model::Parameters;
@@ -50,13 +50,7 @@ pub fn detrend(
     voltage_v: &[[f64; LIMBS]],
 ) -> Result<(Vec<[f64; LIMBS]>, Trend)> {
     const NEEDED: usize = 5;
-    if voltage_v.len() < NEEDED {
-        return Err(Error::TooFewSamples {
-            what: "rest-to-rest detrending",
-            needed: NEEDED,
-            got: voltage_v.len(),
-        });
-    }
+    require_samples("rest-to-rest detrending", NEEDED, voltage_v.len())?;
     let not_converged = Error::NotConverged {
         what: "rest-to-rest detrending",
         iterations: ITERATIONS,

@@ -36,7 +36,7 @@ use glam::{DMat3, DVec3};
 use nalgebra::{Cholesky, Matrix6, SMatrix, Vector6};
 
 use super::bias::limb_jacobian;
-use crate::error::{Error, Result, require};
+use crate::error::{Error, Result, require, require_samples};
 use crate::float::sqrt;
 use crate::geometry::{Geometry, LIMBS};
 use crate::model::InertiaPerMass;
@@ -249,13 +249,7 @@ impl Information {
     ) -> Result<()> {
         const FEWEST: usize = 5;
         let count = phases.len();
-        if count < FEWEST {
-            return Err(Error::TooFewSamples {
-                what: "phases of a period",
-                needed: FEWEST,
-                got: count,
-            });
-        }
+        require_samples("phases of a period", FEWEST, count)?;
         let weight = samples as f64 / (count as f64 * square(noise_m_s2)?);
         for channel in 0..LIMBS {
             let rows = || phases.iter().map(|phase| self.row(phase, channel));

@@ -91,13 +91,12 @@ impl InertiaPerMass {
             eigen.eigenvalues[2],
         ];
         p.sort_unstable_by(f64::total_cmp);
-        if !p.iter().all(|moment| moment.is_finite()) {
-            return Err(Error::OutOfRange {
-                name: "inertia_per_mass",
-                value: m.iter().fold(0.0, |a, b| a.max(b.abs())),
-                requirement: "of a size whose principal moments are finite",
-            });
-        }
+        require(
+            p.iter().all(|moment| moment.is_finite()),
+            "inertia_per_mass",
+            m.iter().fold(0.0, |a, b| a.max(b.abs())),
+            "of a size whose principal moments are finite",
+        )?;
         Ok(p)
     }
 
@@ -148,13 +147,12 @@ impl Parameters {
         }
         for value in self.scale_per_mass_per_kg {
             // A reversed channel has a negative factor and decouples all the same.
-            if !value.is_finite() || value == 0.0 {
-                return Err(Error::out_of_range(
-                    "scale_per_mass_per_kg",
-                    value,
-                    "finite and not zero",
-                ));
-            }
+            require(
+                value.is_finite() && value != 0.0,
+                "scale_per_mass_per_kg",
+                value,
+                "finite and not zero",
+            )?;
         }
         self.inertia_per_mass.validate()?;
         let (low, high) = STIFFNESS_PER_MASS_RANGE_PER_S2;

@@ -9,7 +9,7 @@
 use glam::DVec3;
 use nalgebra::{Matrix6, Vector6};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require, require_positive};
 use crate::geometry::{DIRECTIONS_SHELL, Geometry, LIMBS, LIMBS_PER_NODE};
 use crate::model::{Model, StaticResponse};
 use crate::paper::pose::Pose;
@@ -121,19 +121,13 @@ fn validate(
     gravity_shell_m_s2: DVec3,
 ) -> Result<()> {
     geometry.validate()?;
-    let out_of_range =
-        |name, value, requirement| Err(Error::out_of_range(name, value, requirement));
-    if !(stiffness_per_mass_per_s2 > 0.0 && stiffness_per_mass_per_s2.is_finite()) {
-        return out_of_range(
-            "stiffness_per_mass_per_s2",
-            stiffness_per_mass_per_s2,
-            "positive and finite",
-        );
-    }
+    require_positive("stiffness_per_mass_per_s2", stiffness_per_mass_per_s2)?;
     // An infinite length would pass for an infinite limit, and any imbalance for an equilibrium.
     let gravity = gravity_shell_m_s2.length();
-    if !gravity.is_finite() {
-        return out_of_range("gravity_shell_m_s2", gravity, "finite, and its square, too");
-    }
-    Ok(())
+    require(
+        gravity.is_finite(),
+        "gravity_shell_m_s2",
+        gravity,
+        "finite, and its square, too",
+    )
 }

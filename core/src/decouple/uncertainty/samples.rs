@@ -24,8 +24,8 @@ use nalgebra::{SMatrix, SVector};
 
 use super::influence::column;
 use super::parameters::Covariance;
-use super::root::{CARRIED, out_of_range, square_root};
-use crate::error::{Error, Result};
+use super::root::{CARRIED, square_root};
+use crate::error::{Error, Result, require, require_finite};
 use crate::float::sqrt;
 use crate::geometry::{DIRECTIONS_SHELL, LIMBS};
 use crate::model::{InertiaPerMass, Model, Parameters, Sensor, Settings};
@@ -148,12 +148,10 @@ impl SampleUncertainty {
         // Every argument that the decoupler has, too, is checked as it checks it.
         let limbs = LimbStream::new(&Model::new(sensor, parameters, settings)?)?;
         for value in noise.white_v.into_iter().chain(noise.correlation) {
-            if !value.is_finite() {
-                return Err(out_of_range("channel noise", value, "finite"));
-            }
+            require_finite("channel noise", value)?;
         }
-        if let Some(negative) = noise.white_v.into_iter().find(|v| *v < 0.0) {
-            return Err(out_of_range("channel noise", negative, "not negative"));
+        for value in noise.white_v {
+            require(value >= 0.0, "channel noise", value, "not negative")?;
         }
         let sensitivity = *limbs.chain().sensitivity_m_s2_per_v();
         let arms_m = sensor.geometry.arms_m();
@@ -271,11 +269,10 @@ impl SampleUncertainty {
             DVec3::new(sqrt(sum.x), sqrt(sum.y), sqrt(sum.z))
         });
         if !total.iter().all(|v| v.is_finite()) {
-            return Err(Error::Overflow {
-                what: "uncertainty of a sample",
-                channel: 0,
-                sample: sample.sample as usize,
-            });
+            return Err(Error::overflow(
+                "uncertainty of a sample",
+                sample.sample as usize,
+            ));
         }
         let [linear, angular, rate, turn] = total;
         Ok(Spread {
