@@ -26,15 +26,13 @@ const ITERATIONS: usize = 3;
 /// 1e-2 rad, far above rounding and far below where the map bends.
 const PROBE_RAD_S2: f64 = 1e-2;
 
-/// What was taken off and how far the run was from closing.
+/// How far the run was from closing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Trend {
     /// Rate at the end before the correction, shell axes, rad/s.
     pub end_rate_before_rad_s: DVec3,
     /// Rotation at the end against the start before the correction, rad.
     pub end_rotation_before_rad: DVec3,
-    /// Angular acceleration taken off at the start and at the end of the run, shell axes, rad/s^2.
-    pub correction_rad_s2: [DVec3; 2],
 }
 
 /// The voltages less the straight line, in the torque-carrying combination of channels, that makes the run end at
@@ -102,10 +100,6 @@ pub fn detrend(
         Trend {
             end_rate_before_rad_s: DVec3::new(before[0], before[1], before[2]),
             end_rotation_before_rad: DVec3::new(before[3], before[4], before[5]),
-            correction_rad_s2: [
-                DVec3::new(line[0], line[1], line[2]),
-                DVec3::new(line[3], line[4], line[5]),
-            ],
         },
     ))
 }

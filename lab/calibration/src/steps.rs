@@ -3,7 +3,7 @@
 mod repeated;
 
 use rayon::prelude::*;
-use sixaxis_core::identify::compliance_fit::{ComplianceFit, CompliancePerMass};
+use sixaxis_core::identify::compliance_fit::ComplianceFit;
 use sixaxis_core::identify::inertia::{InertiaEstimate, InertiaIdentification};
 use sixaxis_core::identify::scale::{ScaleIdentification, ScalePerMass};
 use sixaxis_core::identify::stiffness::{self, StiffnessPerMass};
@@ -252,11 +252,11 @@ impl Campaign {
         Ok(step)
     }
 
-    /// Step 4 by least squares: the compliance that makes the mean square of w* smallest, from two decodes a trial.
+    /// Step 4 by least squares: the compliance m/k, s^2, that makes the mean square of w* smallest, from two decodes a trial.
     ///
     /// # Errors
     /// Those of the decoupler; a motion in which w* does not change with the compliance.
-    pub fn compliance(&self, parameters: &Parameters) -> sixaxis_core::Result<CompliancePerMass> {
+    pub fn compliance(&self, parameters: &Parameters) -> sixaxis_core::Result<f64> {
         let mut fit = ComplianceFit::default();
         for (trial, conditioned) in self.of(Role::HighFrequencyLinear) {
             fit.push_trial(

@@ -106,7 +106,7 @@ impl FourthStep {
                 parameters,
                 &trial.settings(Scheme::Heun),
                 &conditioned.voltage_v,
-                |line| own.push(line.slope_rad_s3),
+                |slope| own.push(slope),
             )?;
             slopes.push((index, own));
         }
