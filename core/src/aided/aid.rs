@@ -103,13 +103,7 @@ mod tests {
                 attitude,
                 deviation_rad: 0.01,
             };
-            let sample = SixAxis {
-                sample: 0,
-                linear_ground_m_s2: DVec3::ZERO,
-                angular_ground_rad_s2: DVec3::ZERO,
-                rate_shell_rad_s: DVec3::ZERO,
-                attitude: DQuat::from_scaled_axis(DVec3::new(1.0, -2.0, 0.5)),
-            };
+            let sample = SixAxis::still(DQuat::from_scaled_axis(DVec3::new(1.0, -2.0, 0.5)));
             let [measured, _] = aid.against(&sample, DVec3::ZERO, DVec3::NEG_Z);
             measured.map(|of| of.decoded_less_measured)
         };
