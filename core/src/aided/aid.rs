@@ -3,7 +3,8 @@
 use glam::{DQuat, DVec3};
 use nalgebra::{Matrix3, Vector3};
 
-use super::model::{ATTITUDE, RATE, VELOCITY, column};
+use super::model::{ATTITUDE, RATE, VELOCITY};
+use crate::columns::column;
 use crate::six_axis::SixAxis;
 
 /// Something known of one sample.

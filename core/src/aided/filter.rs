@@ -11,9 +11,9 @@ use super::block::Block;
 use super::correction::{Correction, Update};
 use super::deviations::{Deviations, TURN_RAD, accelerations, across};
 use super::model::{
-    ATTITUDE, DYNAMIC, Dynamics, ERRORS, ErrorModel, PARAMETRIC, RATE, Transition, VELOCITY,
-    matrix, times,
+    ATTITUDE, DYNAMIC, Dynamics, ERRORS, ErrorModel, PARAMETRIC, RATE, Transition, VELOCITY, times,
 };
+use crate::columns::matrix;
 use crate::decouple::uncertainty::{ChannelNoise, Covariance};
 use crate::error::{Result, require_not_negative};
 use crate::float::sqrt;

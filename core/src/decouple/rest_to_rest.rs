@@ -12,6 +12,7 @@ use alloc::vec::Vec;
 use glam::DVec3;
 use nalgebra::{Matrix6, SMatrix, SVector, Vector6};
 
+use crate::columns::{halves, stacked};
 use crate::decouple::stream::Decoupler;
 use crate::error::{Error, Result, require_samples};
 use crate::geometry::LIMBS;
@@ -70,10 +71,7 @@ pub fn detrend(
             got: voltage_v.len(),
         })?;
         let turned = (settings.initial_attitude.inverse() * last.attitude).to_scaled_axis();
-        let rate = last.rate_shell_rad_s;
-        Ok(Vector6::new(
-            rate.x, rate.y, rate.z, turned.x, turned.y, turned.z,
-        ))
+        Ok(stacked(last.rate_shell_rad_s, turned))
     };
 
     let mut line = Vector6::zeros();
@@ -95,11 +93,12 @@ pub fn detrend(
         .enumerate()
         .map(|(sample, row)| corrected(row, &pattern, &line, sample, voltage_v.len()))
         .collect();
+    let [end_rate_before_rad_s, end_rotation_before_rad] = halves(&before);
     Ok((
         rows,
         Trend {
-            end_rate_before_rad_s: DVec3::new(before[0], before[1], before[2]),
-            end_rotation_before_rad: DVec3::new(before[3], before[4], before[5]),
+            end_rate_before_rad_s,
+            end_rotation_before_rad,
         },
     ))
 }

@@ -9,6 +9,7 @@
 use glam::DVec3;
 use nalgebra::{Matrix6, Vector6};
 
+use crate::columns::{halves, stacked};
 use crate::error::{Error, Result, require, require_positive};
 use crate::geometry::{DIRECTIONS_SHELL, Geometry, LIMBS, LIMBS_PER_NODE};
 use crate::model::{Model, StaticResponse};
@@ -66,7 +67,7 @@ pub fn static_equilibrium(
     let rows: [Vector6<f64>; LIMBS] = core::array::from_fn(|limb| {
         let e = DIRECTIONS_SHELL[limb];
         let m = geometry.node_mass_m(limb / LIMBS_PER_NODE).cross(e) / arm_scale;
-        Vector6::new(e.x, e.y, e.z, m.x, m.y, m.z)
+        stacked(e, m)
     });
     let normal = rows
         .iter()
@@ -97,17 +98,11 @@ pub fn static_equilibrium(
             break;
         }
         previous = size;
-        let step = cholesky.solve(&Vector6::new(
-            imbalance_force.x,
-            imbalance_force.y,
-            imbalance_force.z,
-            imbalance_torque.x,
-            imbalance_torque.y,
-            imbalance_torque.z,
-        )) / stiffness_per_mass_per_s2;
+        let imbalance = stacked(imbalance_force, imbalance_torque);
+        let [moved, turned] = halves(&(cholesky.solve(&imbalance) / stiffness_per_mass_per_s2));
         // Compression pushes along +e, so the mass gives way against it.
-        pose.position_shell_m -= DVec3::new(step[0], step[1], step[2]);
-        pose.rotation_rad -= DVec3::new(step[3], step[4], step[5]) / arm_scale;
+        pose.position_shell_m -= moved;
+        pose.rotation_rad -= turned / arm_scale;
     }
     Err(Error::NotConverged {
         what: "static equilibrium",
