@@ -219,6 +219,15 @@ impl Error {
             requirement,
         }
     }
+
+    /// [`Self::Overflow`] of no single channel.
+    pub(crate) const fn overflow(what: &'static str, sample: usize) -> Self {
+        Self::Overflow {
+            what,
+            channel: 0,
+            sample,
+        }
+    }
 }
 
 /// A channel's number before what is said of it; nothing where it is no single channel's.
@@ -247,7 +256,6 @@ pub(crate) fn require(
 }
 
 /// Refuses a value that is not positive and finite.
-#[cfg(feature = "alloc")]
 pub(crate) fn require_positive(name: &'static str, value: f64) -> Result<()> {
     require(
         value > 0.0 && value.is_finite(),
@@ -270,6 +278,32 @@ pub(crate) fn require_not_negative(name: &'static str, value: f64) -> Result<()>
 /// Refuses a value that is not finite.
 pub(crate) fn require_finite(name: &'static str, value: f64) -> Result<()> {
     require(value.is_finite(), name, value, "finite")
+}
+
+/// Refuses a sample's values unless all are finite, and names the first channel whose value is not.
+#[inline]
+pub(crate) fn require_finite_row<'a>(
+    row: impl IntoIterator<Item = &'a f64>,
+    sample: usize,
+) -> Result<()> {
+    for (channel, &value) in row.into_iter().enumerate() {
+        if !value.is_finite() {
+            return Err(Error::NotFinite {
+                channel: channel + 1,
+                sample,
+                value,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Refuses a series that is shorter than what is done with it needs.
+pub(crate) fn require_samples(what: &'static str, needed: usize, got: usize) -> Result<()> {
+    if got < needed {
+        return Err(Error::TooFewSamples { what, needed, got });
+    }
+    Ok(())
 }
 
 impl From<NotALimb> for Error {

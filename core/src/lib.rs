@@ -25,6 +25,7 @@
 extern crate alloc;
 
 pub mod aided;
+mod columns;
 pub mod decouple;
 #[cfg(feature = "alloc")]
 pub mod dsp;

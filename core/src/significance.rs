@@ -5,7 +5,7 @@
 
 use statrs::function::gamma::checked_gamma_ur;
 
-use crate::error::{Error, Result};
+use crate::error::{Result, require};
 
 /// Two-sided 95 % of a normal distribution, in standard deviations.
 pub const NORMAL_95: f64 = 1.959_963_984_540_054;
@@ -16,18 +16,15 @@ const HALVINGS: usize = 1100;
 /// Probability that a chi-square variable exceeds `value`.
 ///
 /// # Errors
-/// [`Error::OutOfRange`] without a degree of freedom or for a value that is not a number.
+/// [`crate::Error::OutOfRange`] without a degree of freedom or for a value that is not a number.
 pub fn chi_square_tail(value: f64, degrees_of_freedom: usize) -> Result<f64> {
-    if degrees_of_freedom == 0 {
-        return Err(Error::out_of_range(
-            "degrees_of_freedom",
-            0.0,
-            "at least one",
-        ));
-    }
-    if value.is_nan() {
-        return Err(Error::out_of_range("chi square", value, "a number"));
-    }
+    require(
+        degrees_of_freedom > 0,
+        "degrees_of_freedom",
+        0.0,
+        "at least one",
+    )?;
+    require(!value.is_nan(), "chi square", value, "a number")?;
     if value <= 0.0 {
         return Ok(1.0);
     }
@@ -37,7 +34,7 @@ pub fn chi_square_tail(value: f64, degrees_of_freedom: usize) -> Result<f64> {
 /// Limit that a chi-square variable exceeds with probability `tail`.
 ///
 /// # Errors
-/// [`Error::OutOfRange`] unless `tail` is between 0 and 1, and without a degree of freedom.
+/// [`crate::Error::OutOfRange`] unless `tail` is between 0 and 1, and without a degree of freedom.
 pub fn chi_square_limit(tail: f64, degrees_of_freedom: usize) -> Result<f64> {
     check(tail)?;
     let n = degrees_of_freedom as f64;
@@ -62,10 +59,12 @@ pub fn chi_square_limit(tail: f64, degrees_of_freedom: usize) -> Result<f64> {
 }
 
 fn check(tail: f64) -> Result<()> {
-    if tail > 0.0 && tail < 1.0 {
-        return Ok(());
-    }
-    Err(Error::out_of_range("probability", tail, "between 0 and 1"))
+    require(
+        tail > 0.0 && tail < 1.0,
+        "probability",
+        tail,
+        "between 0 and 1",
+    )
 }
 
 #[cfg(test)]

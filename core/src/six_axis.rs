@@ -24,6 +24,18 @@ pub type Accelerations = [f64; 6];
 pub const NUMBERS: usize = 13;
 
 impl SixAxis {
+    /// Sample 0 of a sensor that is at rest in this attitude.
+    #[must_use]
+    pub const fn still(attitude: DQuat) -> Self {
+        Self {
+            sample: 0,
+            linear_ground_m_s2: DVec3::ZERO,
+            angular_ground_rad_s2: DVec3::ZERO,
+            rate_shell_rad_s: DVec3::ZERO,
+            attitude,
+        }
+    }
+
     /// Linear acceleration, m/s^2, then angular acceleration, rad/s^2, both in ground axes.
     #[must_use]
     pub fn accelerations(&self) -> Accelerations {

@@ -345,7 +345,6 @@ pub fn identified(campaign: &Campaign) -> (Parameters, f64) {
         .inertia_per_mass;
     let compliance = campaign
         .compliance(&parameters)
-        .expect("step 4 is possible")
-        .mass_per_stiffness_s2;
+        .expect("step 4 is possible");
     (parameters, compliance)
 }

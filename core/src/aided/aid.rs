@@ -3,7 +3,8 @@
 use glam::{DQuat, DVec3};
 use nalgebra::{Matrix3, Vector3};
 
-use super::model::{ATTITUDE, RATE, VELOCITY, column};
+use super::model::{ATTITUDE, RATE, VELOCITY};
+use crate::columns::column;
 use crate::six_axis::SixAxis;
 
 /// Something known of one sample.
@@ -103,13 +104,7 @@ mod tests {
                 attitude,
                 deviation_rad: 0.01,
             };
-            let sample = SixAxis {
-                sample: 0,
-                linear_ground_m_s2: DVec3::ZERO,
-                angular_ground_rad_s2: DVec3::ZERO,
-                rate_shell_rad_s: DVec3::ZERO,
-                attitude: DQuat::from_scaled_axis(DVec3::new(1.0, -2.0, 0.5)),
-            };
+            let sample = SixAxis::still(DQuat::from_scaled_axis(DVec3::new(1.0, -2.0, 0.5)));
             let [measured, _] = aid.against(&sample, DVec3::ZERO, DVec3::NEG_Z);
             measured.map(|of| of.decoded_less_measured)
         };

@@ -14,7 +14,8 @@
 use glam::{DMat3, DVec3};
 use nalgebra::{Cholesky, SMatrix, SVector};
 
-use super::model::{ATTITUDE, DYNAMIC, Dynamics, ERRORS, RATE, VELOCITY, cross, matrix, times};
+use super::model::{ATTITUDE, DYNAMIC, Dynamics, ERRORS, RATE, VELOCITY, times};
+use crate::columns::{cross, matrix};
 use crate::float::sqrt;
 
 /// Errors that bend: attitude and rate.

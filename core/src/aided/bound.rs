@@ -65,13 +65,7 @@ pub fn steady(
     let exact = Covariance::zeros();
     let mut filter = ErrorFilter::new(sensor, parameters, settings, &exact, noise, BEGIN_RAD)?;
     let step_s = (shortest / BLOCKS).min(LONGEST_S);
-    let still = SixAxis {
-        sample: 0,
-        linear_ground_m_s2: DVec3::ZERO,
-        angular_ground_rad_s2: DVec3::ZERO,
-        rate_shell_rad_s: DVec3::ZERO,
-        attitude: settings.initial_attitude,
-    };
+    let still = SixAxis::still(settings.initial_attitude);
     let block = Block {
         duration_s: step_s,
         voltage_v: parameters.zero_drift_v,

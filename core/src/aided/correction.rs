@@ -3,7 +3,8 @@
 use glam::DVec3;
 use nalgebra::{SMatrix, SVector};
 
-use super::model::{ATTITUDE, DYNAMIC, Dynamics, ERRORS, RATE, VELOCITY, vector};
+use super::model::{ATTITUDE, DYNAMIC, Dynamics, ERRORS, RATE, VELOCITY};
+use crate::columns::vector;
 use crate::geometry::LIMBS;
 use crate::parameter::SCALE;
 

@@ -4,7 +4,8 @@ use glam::DVec3;
 
 use super::block::Block;
 use super::filter::ErrorCovariance;
-use super::model::{ATTITUDE, ErrorModel, RATE, VELOCITY, column, times};
+use super::model::{ATTITUDE, ErrorModel, RATE, VELOCITY, times};
+use crate::columns::column;
 use crate::float::sqrt;
 use crate::geometry::LIMBS;
 use crate::six_axis::SixAxis;

@@ -11,11 +11,11 @@ use super::block::Block;
 use super::correction::{Correction, Update};
 use super::deviations::{Deviations, TURN_RAD, accelerations, across};
 use super::model::{
-    ATTITUDE, DYNAMIC, Dynamics, ERRORS, ErrorModel, PARAMETRIC, RATE, Transition, VELOCITY,
-    matrix, times,
+    ATTITUDE, DYNAMIC, Dynamics, ERRORS, ErrorModel, PARAMETRIC, RATE, Transition, VELOCITY, times,
 };
+use crate::columns::matrix;
 use crate::decouple::uncertainty::{ChannelNoise, Covariance};
-use crate::error::{Error, Result};
+use crate::error::{Result, require_not_negative};
 use crate::float::sqrt;
 use crate::geometry::LIMBS;
 use crate::limb_set::LimbSet;
@@ -68,7 +68,7 @@ impl ErrorFilter {
     /// definition, and down within `down_deviation_rad` in each of two directions.
     ///
     /// # Errors
-    /// Those of [`ErrorModel::new`]; [`Error::OutOfRange`] for variances or deviations that are negative or not finite.
+    /// Those of [`ErrorModel::new`]; [`crate::Error::OutOfRange`] for variances or deviations that are negative or not finite.
     pub fn new(
         sensor: &Sensor,
         parameters: &Parameters,
@@ -79,13 +79,7 @@ impl ErrorFilter {
     ) -> Result<Self> {
         let diagonal = (0..PARAMETRIC).map(|i| covariance[(i, i)]);
         for value in diagonal.chain(noise.white_v).chain([down_deviation_rad]) {
-            if !(value.is_finite() && value >= 0.0) {
-                return Err(Error::out_of_range(
-                    "variance of a parameter or a channel",
-                    value,
-                    "finite and not negative",
-                ));
-            }
+            require_not_negative("variance of a parameter or a channel", value)?;
         }
         let model = ErrorModel::new(sensor, parameters, settings, noise)?;
         let mut all = ErrorCovariance::zeros();

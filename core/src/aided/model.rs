@@ -12,10 +12,11 @@
 //! a series of second order keeps its length over hours.
 
 use glam::{DMat3, DVec3};
-use nalgebra::{SMatrix, Vector3};
+use nalgebra::SMatrix;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::block::Block;
+use crate::columns::{column, cross, matrix};
 use crate::decouple::uncertainty::ChannelNoise;
 use crate::error::Result;
 use crate::float::sqrt;
@@ -75,16 +76,6 @@ pub struct ErrorModel {
     density: SMatrix<f64, 6, 6>,
 }
 
-/// \[v\]x: cross product from the left.
-pub(super) fn cross(v: DVec3) -> DMat3 {
-    DMat3::from_cols(v.cross(DVec3::X), v.cross(DVec3::Y), v.cross(DVec3::Z))
-}
-
-/// As nalgebra has it.
-pub(super) fn matrix(m: DMat3) -> SMatrix<f64, 3, 3> {
-    SMatrix::from_fn(|i, j| m.col(j)[i])
-}
-
 /// a b, column by column, in the widest registers of the processor: the same bits in all.
 pub(super) fn times<const R: usize, const K: usize, const C: usize>(
     a: &SMatrix<f64, R, K>,
@@ -116,14 +107,6 @@ impl<const R: usize, const K: usize, const C: usize> WithSimd for Product<'_, R,
         }
         product
     }
-}
-
-pub(super) fn column(v: DVec3) -> Vector3<f64> {
-    Vector3::new(v.x, v.y, v.z)
-}
-
-pub(super) fn vector(v: Vector3<f64>) -> DVec3 {
-    DVec3::new(v.x, v.y, v.z)
 }
 
 impl ErrorModel {

@@ -42,13 +42,7 @@ impl SmoothedDecoupler {
     pub(super) fn new(history: History, decoupler: Decoupler, settings: &Settings) -> Option<Self> {
         let model = history.model()?.clone();
         let smoother = Smoother::new(history);
-        let begin = SixAxis {
-            sample: 0,
-            linear_ground_m_s2: DVec3::ZERO,
-            angular_ground_rad_s2: DVec3::ZERO,
-            rate_shell_rad_s: DVec3::ZERO,
-            attitude: settings.initial_attitude,
-        };
+        let begin = SixAxis::still(settings.initial_attitude);
         let now = smoother.begin(&begin)?;
         let mut new = Self {
             decoupler,

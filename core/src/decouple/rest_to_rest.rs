@@ -12,8 +12,9 @@ use alloc::vec::Vec;
 use glam::DVec3;
 use nalgebra::{Matrix6, SMatrix, SVector, Vector6};
 
+use crate::columns::{halves, stacked};
 use crate::decouple::stream::Decoupler;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require_samples};
 use crate::geometry::LIMBS;
 use crate::identify::static_load_sharing::StaticLoadSharing;
 use crate::model::Parameters;
@@ -26,15 +27,13 @@ const ITERATIONS: usize = 3;
 /// 1e-2 rad, far above rounding and far below where the map bends.
 const PROBE_RAD_S2: f64 = 1e-2;
 
-/// What was taken off and how far the run was from closing.
+/// How far the run was from closing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Trend {
     /// Rate at the end before the correction, shell axes, rad/s.
     pub end_rate_before_rad_s: DVec3,
     /// Rotation at the end against the start before the correction, rad.
     pub end_rotation_before_rad: DVec3,
-    /// Angular acceleration taken off at the start and at the end of the run, shell axes, rad/s^2.
-    pub correction_rad_s2: [DVec3; 2],
 }
 
 /// The voltages less the straight line, in the torque-carrying combination of channels, that makes the run end at
@@ -50,13 +49,7 @@ pub fn detrend(
     voltage_v: &[[f64; LIMBS]],
 ) -> Result<(Vec<[f64; LIMBS]>, Trend)> {
     const NEEDED: usize = 5;
-    if voltage_v.len() < NEEDED {
-        return Err(Error::TooFewSamples {
-            what: "rest-to-rest detrending",
-            needed: NEEDED,
-            got: voltage_v.len(),
-        });
-    }
+    require_samples("rest-to-rest detrending", NEEDED, voltage_v.len())?;
     let not_converged = Error::NotConverged {
         what: "rest-to-rest detrending",
         iterations: ITERATIONS,
@@ -78,10 +71,7 @@ pub fn detrend(
             got: voltage_v.len(),
         })?;
         let turned = (settings.initial_attitude.inverse() * last.attitude).to_scaled_axis();
-        let rate = last.rate_shell_rad_s;
-        Ok(Vector6::new(
-            rate.x, rate.y, rate.z, turned.x, turned.y, turned.z,
-        ))
+        Ok(stacked(last.rate_shell_rad_s, turned))
     };
 
     let mut line = Vector6::zeros();
@@ -103,15 +93,12 @@ pub fn detrend(
         .enumerate()
         .map(|(sample, row)| corrected(row, &pattern, &line, sample, voltage_v.len()))
         .collect();
+    let [end_rate_before_rad_s, end_rotation_before_rad] = halves(&before);
     Ok((
         rows,
         Trend {
-            end_rate_before_rad_s: DVec3::new(before[0], before[1], before[2]),
-            end_rotation_before_rad: DVec3::new(before[3], before[4], before[5]),
-            correction_rad_s2: [
-                DVec3::new(line[0], line[1], line[2]),
-                DVec3::new(line[3], line[4], line[5]),
-            ],
+            end_rate_before_rad_s,
+            end_rotation_before_rad,
         },
     ))
 }

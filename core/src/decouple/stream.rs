@@ -363,11 +363,7 @@ impl<T: Scalar> Decoupler<T> {
     }
 
     fn overflow(&self) -> Error {
-        Error::Overflow {
-            what: "decoupling",
-            channel: 0,
-            sample: self.state.received as usize,
-        }
+        Error::overflow("decoupling", self.state.received as usize)
     }
 }
 

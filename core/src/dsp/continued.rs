@@ -12,10 +12,10 @@
 use alloc::vec::Vec;
 
 use super::butterworth::Section;
+use super::check_finite;
 use super::stage::{self, Stage};
 use super::zero_phase::{ZeroPhase, padding};
-use super::{check_finite, check_length};
-use crate::error::Result;
+use crate::error::{Result, require_samples};
 
 /// Name of the filter in errors.
 const WHAT: &str = "zero-phase filter";
@@ -103,7 +103,7 @@ impl Continuation {
 /// # Errors
 /// Those of [`super::zero_phase::zero_phase`].
 pub fn zero_phase(sections: &[Section], series: &mut [f64]) -> Result<()> {
-    check_length(WHAT, padding(sections) + 1, series.len())?;
+    require_samples(WHAT, padding(sections) + 1, series.len())?;
     check_finite(series)?;
     let mut stage = ContinuedZeroPhase::around(sections, ZeroPhase::whole(sections));
     stage::whole(WHAT, &mut stage, series)
@@ -190,7 +190,7 @@ impl Stage for ContinuedZeroPhase {
 
     fn finish(&mut self, out: &mut Vec<f64>) -> Result<()> {
         if !self.begun {
-            check_length(WHAT, self.least_samples, self.edge.len())?;
+            require_samples(WHAT, self.least_samples, self.edge.len())?;
             self.continuation = self.continuation.within(self.edge.len());
             self.begin();
         }

@@ -7,10 +7,9 @@
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
-use super::check_length;
 use super::resample::MIN_SAMPLES;
 use super::stage::{self, Stage};
-use crate::error::{Error, Result, require, require_positive};
+use crate::error::{Result, require, require_positive, require_samples};
 
 /// Samples on either side that a value rests on.
 const REACH: usize = 3;
@@ -41,15 +40,14 @@ impl Delay {
     /// A delay in samples, negative to bring a series forward.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for one that is not finite or longer than [`Self::LONGEST`].
+    /// [`crate::Error::OutOfRange`] for one that is not finite or longer than [`Self::LONGEST`].
     pub fn new(samples: f64) -> Result<Self> {
-        if !(-Self::LONGEST..=Self::LONGEST).contains(&samples) {
-            return Err(Error::OutOfRange {
-                name: "delay, samples",
-                value: samples,
-                requirement: "finite and at most 1e9 either way",
-            });
-        }
+        require(
+            (-Self::LONGEST..=Self::LONGEST).contains(&samples),
+            "delay, samples",
+            samples,
+            "finite and at most 1e9 either way",
+        )?;
         let slack = ROUNDINGS * f64::EPSILON * samples.abs().max(1.0);
         let mut whole = (-samples + slack) as i64;
         if whole as f64 > -samples + slack {
@@ -158,11 +156,11 @@ impl Stage for Delay {
 /// number is returned, and a strict caller cuts them off all channels. A whole number of samples changes no bit of them.
 ///
 /// # Errors
-/// [`Error::OutOfRange`] for a sample rate that is not positive and finite or a delay that is not finite or leaves no instant
-/// within the record; [`Error::TooFewSamples`] below [`MIN_SAMPLES`]; [`Error::NotFinite`], [`Error::Overflow`].
+/// [`crate::Error::OutOfRange`] for a sample rate that is not positive and finite or a delay that is not finite or leaves no instant
+/// within the record; [`crate::Error::TooFewSamples`] below [`MIN_SAMPLES`]; [`crate::Error::NotFinite`], [`crate::Error::Overflow`].
 pub fn delayed(series: &[f64], delay_s: f64, sample_rate_hz: f64) -> Result<(Vec<f64>, usize)> {
     require_positive("sample_rate_hz", sample_rate_hz)?;
-    check_length("delay", MIN_SAMPLES, series.len())?;
+    require_samples("delay", MIN_SAMPLES, series.len())?;
     let shift = delay_s * sample_rate_hz;
     // A range, so that NaN is refused, too.
     require(

@@ -3,8 +3,8 @@
 //! Each is a projection: what it leaves, it leaves again. The trend is a line between two rests, because the least-squares line of a
 //! motion is not zero and would be taken for drift.
 
-use super::{check_answer, check_finite, check_length};
-use crate::error::Result;
+use super::{check_answer, check_finite};
+use crate::error::{Result, require_samples};
 
 /// Takes the mean off and returns it. Equals SciPy's `detrend(type="constant")` to 2e-15 of the peak (measured; test
 /// `ref_scipy_detrend` allows more).
@@ -12,7 +12,7 @@ use crate::error::Result;
 /// # Errors
 /// [`crate::Error::TooFewSamples`] for an empty series, [`crate::Error::NotFinite`], [`crate::Error::Overflow`].
 pub fn constant(series: &mut [f64]) -> Result<f64> {
-    check_length("detrending", 1, series.len())?;
+    require_samples("detrending", 1, series.len())?;
     check_finite(series)?;
     let mean = mean(series);
     check_answer("detrending", series.iter().map(|x| x - mean))?;
@@ -29,7 +29,7 @@ pub fn constant(series: &mut [f64]) -> Result<f64> {
 /// # Errors
 /// [`crate::Error::TooFewSamples`] unless two rests fit, [`crate::Error::NotFinite`], [`crate::Error::Overflow`].
 pub fn rest_to_rest_trend(series: &mut [f64], rest: usize) -> Result<(f64, f64)> {
-    check_length(
+    require_samples(
         "detrending between rests",
         rest.max(1).saturating_mul(2),
         series.len(),

@@ -5,8 +5,8 @@
 
 use alloc::vec::Vec;
 
-use super::{check_answer, check_finite, check_length};
-use crate::error::{Error, Result, require};
+use super::{check_answer, check_finite};
+use crate::error::{Result, require, require_samples};
 use crate::float::{sin_cos, sqrt};
 
 /// Highest polynomial order offered.
@@ -36,7 +36,7 @@ impl Differentiator {
     /// 101 and order 5 over 401 samples (measured; test `ref_exact_slope_weights` allows more).
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for an order outside 1..=6, a window not longer than the order, a half width above
+    /// [`crate::Error::OutOfRange`] for an order outside 1..=6, a window not longer than the order, a half width above
     /// [`MAX_HALF_WIDTH`], or a sample rate that is not positive and finite (or too small for all digits).
     pub fn new(half_width: usize, order: usize, sample_rate_hz: f64) -> Result<Self> {
         require(
@@ -45,13 +45,12 @@ impl Differentiator {
             order as f64,
             "from 1 to 6",
         )?;
-        if half_width > MAX_HALF_WIDTH || 2 * half_width < order {
-            return Err(Error::out_of_range(
-                "half_width",
-                half_width as f64,
-                "at least half the order and at most 65536",
-            ));
-        }
+        require(
+            half_width <= MAX_HALF_WIDTH && 2 * half_width >= order,
+            "half_width",
+            half_width as f64,
+            "at least half the order and at most 65536",
+        )?;
         require(
             sample_rate_hz.is_normal() && sample_rate_hz > 0.0,
             "sample_rate_hz",
@@ -79,10 +78,10 @@ impl Differentiator {
     /// the ends noise weighs several times as much.
     ///
     /// # Errors
-    /// [`Error::TooFewSamples`] for a series shorter than the window, [`Error::NotFinite`], [`Error::Overflow`].
+    /// [`crate::Error::TooFewSamples`] for a series shorter than the window, [`crate::Error::NotFinite`], [`crate::Error::Overflow`].
     pub fn derivative(&self, series: &[f64]) -> Result<Vec<f64>> {
         let width = 2 * self.half_width + 1;
-        check_length("differentiator", width, series.len())?;
+        require_samples("differentiator", width, series.len())?;
         check_finite(series)?;
         // Towards the ends the polynomial of the first or the last window is evaluated.
         let first = self.fit(&series[..width]);

@@ -87,17 +87,6 @@ fn check_finite(series: &[f64]) -> Result<()> {
 fn check_answer(what: &'static str, answer: impl IntoIterator<Item = f64>) -> Result<()> {
     match answer.into_iter().position(|x| !x.is_finite()) {
         None => Ok(()),
-        Some(sample) => Err(Error::Overflow {
-            what,
-            channel: 0,
-            sample,
-        }),
+        Some(sample) => Err(Error::overflow(what, sample)),
     }
-}
-
-fn check_length(what: &'static str, needed: usize, got: usize) -> Result<()> {
-    if got < needed {
-        return Err(Error::TooFewSamples { what, needed, got });
-    }
-    Ok(())
 }

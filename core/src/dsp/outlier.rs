@@ -4,9 +4,8 @@
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
-use super::check_length;
 use super::stage::{self, Stage};
-use crate::error::{Error, Result, require_positive};
+use crate::error::{Result, require, require_positive, require_samples};
 
 /// Standard deviation of a normal variable over its median absolute deviation: 1/quantile(3/4).
 pub(crate) const SIGMA_PER_MAD: f64 = 1.482_602_218_505_602;
@@ -28,11 +27,9 @@ impl Hampel {
     /// With `half_width` samples on either side.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a half width of zero or `sigmas` not positive.
+    /// [`crate::Error::OutOfRange`] for a half width of zero or `sigmas` not positive.
     pub fn new(half_width: usize, sigmas: f64) -> Result<Self> {
-        if half_width == 0 {
-            return Err(Error::out_of_range("half_width", 0.0, "at least 1"));
-        }
+        require(half_width > 0, "half_width", 0.0, "at least 1")?;
         require_positive("sigmas", sigmas)?;
         Ok(Self {
             half_width,
@@ -90,7 +87,7 @@ impl Stage for Hampel {
 
     fn finish(&mut self, out: &mut Vec<f64>) -> Result<()> {
         let width = self.half_width.saturating_mul(2).saturating_add(1);
-        check_length(WHAT, width, self.taken())?;
+        require_samples(WHAT, width, self.taken())?;
         while self.next < self.taken() {
             out.push(self.judged());
         }
@@ -113,8 +110,8 @@ const WHAT: &str = "Hampel test";
 /// carries no noise at all, or less than a converter step, should not be tested.
 ///
 /// # Errors
-/// [`Error::OutOfRange`] for a half width of zero or `sigmas` not positive; [`Error::TooFewSamples`] for a series
-/// shorter than one window; [`Error::NotFinite`].
+/// [`crate::Error::OutOfRange`] for a half width of zero or `sigmas` not positive; [`crate::Error::TooFewSamples`] for a series
+/// shorter than one window; [`crate::Error::NotFinite`].
 pub fn hampel(series: &mut [f64], half_width: usize, sigmas: f64) -> Result<Vec<usize>> {
     let mut stage = Hampel::new(half_width, sigmas)?;
     stage::whole(WHAT, &mut stage, series)?;

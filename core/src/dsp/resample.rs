@@ -19,8 +19,8 @@
 
 use alloc::vec::Vec;
 
-use super::{check_answer, check_finite, check_length};
-use crate::error::{Error, Result, require_positive};
+use super::{check_answer, check_finite};
+use crate::error::{Error, Result, require_positive, require_samples};
 
 /// Fewest samples through which a not-a-knot spline is one: below, the conditions at the two ends are the same.
 pub const MIN_SAMPLES: usize = 4;
@@ -82,7 +82,7 @@ impl CubicSpline {
                 got: times_s.len(),
             });
         }
-        check_length("spline", MIN_SAMPLES, values.len())?;
+        require_samples("spline", MIN_SAMPLES, values.len())?;
         let step_s = (times_s[times_s.len() - 1] - times_s[0]) / (times_s.len() - 1) as f64;
         let advances = |pair: &[f64]| pair[1] > pair[0] && (pair[1] - pair[0]).is_finite();
         if let Some(before) = times_s.windows(2).position(|pair| !advances(pair)) {
@@ -119,11 +119,7 @@ impl CubicSpline {
         ))?;
         let value = self.piece(index, share, step);
         if !value.is_finite() {
-            return Err(Error::Overflow {
-                what: "spline",
-                channel: 0,
-                sample: index,
-            });
+            return Err(Error::overflow("spline", index));
         }
         Ok(value)
     }
@@ -184,7 +180,7 @@ impl CubicSpline {
 /// by the straight lines that not-a-knot makes of them. Each row is then dominated by its diagonal, whatever the steps:
 /// elimination without exchange of rows loses nothing.
 fn curvatures(step: impl Fn(usize) -> f64, values: &[f64]) -> Result<Vec<f64>> {
-    check_length("spline", MIN_SAMPLES, values.len())?;
+    require_samples("spline", MIN_SAMPLES, values.len())?;
     check_finite(values)?;
     let last = values.len() - 1;
     let slope = |i: usize| (values[i + 1] - values[i]) / step(i);

@@ -6,8 +6,8 @@
 use alloc::vec::Vec;
 
 use super::outlier::{SIGMA_PER_MAD, median};
-use super::{check_answer, check_finite, check_length, detrend};
-use crate::error::{Error, Result, require_positive};
+use super::{check_answer, check_finite, detrend};
+use crate::error::{Error, Result, require, require_positive, require_samples};
 use crate::float::{sin_cos, sqrt};
 
 /// Shortest segment offered: the window's own line is four wide.
@@ -135,14 +135,12 @@ impl Welch {
 }
 
 fn check_segment(segment: usize) -> Result<()> {
-    if segment < MIN_SEGMENT || !segment.is_power_of_two() {
-        return Err(Error::out_of_range(
-            "segment",
-            segment as f64,
-            "a power of two, at least 8",
-        ));
-    }
-    Ok(())
+    require(
+        segment >= MIN_SEGMENT && segment.is_power_of_two(),
+        "segment",
+        segment as f64,
+        "a power of two, at least 8",
+    )
 }
 
 /// [`Welch`] of a whole record.
@@ -160,18 +158,14 @@ pub fn welch(series: &[f64], segment: usize, sample_rate_hz: f64) -> Result<Spec
     check_segment(segment)?;
     require_positive("sample_rate_hz", sample_rate_hz)?;
     // Before anything of its size is allocated.
-    check_length(WHAT, segment, series.len())?;
+    require_samples(WHAT, segment, series.len())?;
     check_finite(series)?;
     let mut welch = Welch::new(segment)?;
     welch.push(series);
     let spectrum = welch
         .spectrum(sample_rate_hz)
         .filter(|_| welch.left_out == 0)
-        .ok_or(Error::Overflow {
-            what: WHAT,
-            channel: 0,
-            sample: 0,
-        })?;
+        .ok_or(Error::overflow(WHAT, 0))?;
     check_answer(WHAT, spectrum.densities.iter().copied())?;
     Ok(spectrum)
 }
@@ -189,13 +183,12 @@ impl Fourier {
     /// # Errors
     /// [`Error::OutOfRange`] for a length that is not a power of two or below 4.
     pub fn new(length: usize) -> Result<Self> {
-        if length < 4 || !length.is_power_of_two() {
-            return Err(Error::out_of_range(
-                "length",
-                length as f64,
-                "a power of two, at least 4",
-            ));
-        }
+        require(
+            length >= 4 && length.is_power_of_two(),
+            "length",
+            length as f64,
+            "a power of two, at least 4",
+        )?;
         let turns = (0..length / 2)
             .map(|k| {
                 let (sine, cosine) = sin_cos(core::f64::consts::TAU * k as f64 / length as f64);
@@ -299,7 +292,7 @@ impl Fourier {
 /// # Errors
 /// [`Error::TooFewSamples`] below [`MIN_NOISE_SAMPLES`], [`Error::NotFinite`], [`Error::Overflow`].
 pub fn noise_floor(series: &[f64]) -> Result<f64> {
-    check_length("noise floor", MIN_NOISE_SAMPLES, series.len())?;
+    require_samples("noise floor", MIN_NOISE_SAMPLES, series.len())?;
     check_finite(series)?;
     let mut differences: Vec<f64> = series
         .windows(4)

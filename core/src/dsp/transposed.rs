@@ -15,8 +15,8 @@ use super::butterworth::Section;
 use super::continued::Continuation;
 use super::differentiate::Differentiator;
 use super::zero_phase::padding;
-use super::{check_answer, check_finite, check_length};
-use crate::error::{Result, require_positive};
+use super::{check_answer, check_finite};
+use crate::error::{Result, require_positive, require_samples};
 
 /// Transpose of [`super::zero_phase::zero_phase`], in place. Away from the ends it is that filter itself, which has no phase.
 ///
@@ -24,7 +24,7 @@ use crate::error::{Result, require_positive};
 /// Those of `zero_phase`.
 pub fn zero_phase(sections: &[Section], weights: &mut [f64]) -> Result<()> {
     let pad = padding(sections);
-    check_length("zero-phase filter", pad + 1, weights.len())?;
+    require_samples("zero-phase filter", pad + 1, weights.len())?;
     check_finite(weights)?;
     let n = weights.len();
     let mut extended = vec![0.0; n + 2 * pad];
@@ -53,7 +53,7 @@ pub fn zero_phase(sections: &[Section], weights: &mut [f64]) -> Result<()> {
 /// # Errors
 /// Those of `continued::zero_phase`.
 pub fn continued_zero_phase(sections: &[Section], weights: &mut [f64]) -> Result<()> {
-    check_length("zero-phase filter", padding(sections) + 1, weights.len())?;
+    require_samples("zero-phase filter", padding(sections) + 1, weights.len())?;
     let n = weights.len();
     let continuation = Continuation::of_record(sections, n);
     let extent = continuation.extent;
@@ -101,7 +101,7 @@ fn pass(section: &Section, weights: &mut [f64]) {
 pub fn derivative(differentiator: &Differentiator, weights: &[f64]) -> Result<Vec<f64>> {
     let half = differentiator.half_width;
     let width = 2 * half + 1;
-    check_length("differentiator", width, weights.len())?;
+    require_samples("differentiator", width, weights.len())?;
     check_finite(weights)?;
     let n = weights.len();
     let rate = differentiator.sample_rate_hz;
@@ -163,7 +163,7 @@ pub fn undo_high_pass(weights: &[f64], corner_hz: f64, sample_rate_hz: f64) -> R
 /// # Errors
 /// Those of `rest_to_rest_trend`.
 pub fn rest_to_rest_trend(weights: &mut [f64], rest: usize) -> Result<()> {
-    check_length(
+    require_samples(
         "detrending between rests",
         rest.max(1).saturating_mul(2),
         weights.len(),

@@ -7,9 +7,9 @@ use alloc::vec::Vec;
 
 use super::butterworth::Section;
 use super::causal::SectionsState;
+use super::check_finite;
 use super::stage::{self, Stage};
-use super::{check_finite, check_length};
-use crate::error::{Error, Result};
+use crate::error::{Result, require, require_samples};
 use crate::float::{ln, sqrt};
 
 /// What is left of the backward pass's beginning where its answer is used.
@@ -57,10 +57,10 @@ pub fn settling_samples(sections: &[Section]) -> usize {
 /// extension, not on the record: [`super::continued`] has one that is not made of the end sample.
 ///
 /// # Errors
-/// [`Error::TooFewSamples`] unless the series is longer than [`padding`], [`Error::NotFinite`];
-/// [`Error::Overflow`] for samples too large, or sections without a static gain or a stable pole.
+/// [`crate::Error::TooFewSamples`] unless the series is longer than [`padding`], [`crate::Error::NotFinite`];
+/// [`crate::Error::Overflow`] for samples too large, or sections without a static gain or a stable pole.
 pub fn zero_phase(sections: &[Section], series: &mut [f64]) -> Result<()> {
-    check_length(WHAT, padding(sections) + 1, series.len())?;
+    require_samples(WHAT, padding(sections) + 1, series.len())?;
     check_finite(series)?;
     let mut stage = ZeroPhase::whole(sections);
     stage::whole(WHAT, &mut stage, series)
@@ -90,16 +90,15 @@ impl ZeroPhase {
     /// The filter over a stream. It holds up to twice [`settling_samples`] or 4096 samples, whichever is more.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a filter that would have to look ahead further than [`Self::LONGEST_LOOK_AHEAD`].
+    /// [`crate::Error::OutOfRange`] for a filter that would have to look ahead further than [`Self::LONGEST_LOOK_AHEAD`].
     pub fn new(sections: &[Section]) -> Result<Self> {
         let look_ahead = settling_samples(sections);
-        if look_ahead > Self::LONGEST_LOOK_AHEAD {
-            return Err(Error::out_of_range(
-                "samples that the zero-phase filter looks ahead",
-                look_ahead as f64,
-                "at most a million: a corner less far below the sample rate",
-            ));
-        }
+        require(
+            look_ahead <= Self::LONGEST_LOOK_AHEAD,
+            "samples that the zero-phase filter looks ahead",
+            look_ahead as f64,
+            "at most a million: a corner less far below the sample rate",
+        )?;
         Ok(Self::looking_ahead(sections, look_ahead))
     }
 
@@ -178,7 +177,7 @@ impl Stage for ZeroPhase {
         let pad = padding(&self.sections);
         let samples = self.waiting.len();
         let Some(forward) = &mut self.forward else {
-            return check_length(WHAT, pad + 1, self.edge.len());
+            return require_samples(WHAT, pad + 1, self.edge.len());
         };
         let last = self.edge.len() - 1;
         self.waiting

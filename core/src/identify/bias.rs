@@ -27,8 +27,9 @@
 //! a pass.
 
 use glam::DVec3;
-use nalgebra::{Matrix6, SMatrix, Vector6};
+use nalgebra::{Matrix6, SMatrix};
 
+use crate::columns::{halves, stacked};
 use crate::error::{Error, Result};
 use crate::geometry::{DIRECTIONS_SHELL, Geometry, LIMBS, LIMBS_PER_NODE};
 use crate::model::InertiaPerMass;
@@ -98,7 +99,7 @@ impl ComplianceEffect {
     /// Forces over mass of rigid limbs under an acceleration without rotation, J G (a; 0), m/s^2.
     #[must_use]
     pub fn rigid_forces_m_s2(&self, acceleration_m_s2: DVec3) -> [f64; LIMBS] {
-        (self.jacobian * self.inverse * load(acceleration_m_s2)).into()
+        (self.jacobian * self.inverse * stacked(acceleration_m_s2, DVec3::ZERO)).into()
     }
 
     /// N: what (12) neglects, per y, m/s^4. Step 2's rows with it as reference instead of a give the eps_i, 1/s^2.
@@ -131,10 +132,10 @@ impl ComplianceEffect {
 
     /// -G (load; 0): where the mass goes per y.
     fn place(&self, load_m_s2: DVec3) -> Moved {
-        let x = -(self.inverse * load(load_m_s2));
+        let [r, turned] = halves(&-(self.inverse * stacked(load_m_s2, DVec3::ZERO)));
         Moved {
-            r: DVec3::new(x[0], x[1], x[2]),
-            phi: DVec3::new(x[3], x[4], x[5]) / self.geometry.half_edge_m,
+            r,
+            phi: turned / self.geometry.half_edge_m,
         }
     }
 
@@ -158,8 +159,4 @@ impl ComplianceEffect {
             sum + term(arm, turned, e, tilt) * forces[limb]
         })
     }
-}
-
-fn load(force_m_s2: DVec3) -> Vector6<f64> {
-    Vector6::new(force_m_s2.x, force_m_s2.y, force_m_s2.z, 0.0, 0.0, 0.0)
 }

@@ -15,55 +15,14 @@
 
 use glam::DVec3;
 
-use super::{Verdict, noise_verdict};
 use crate::decouple::stream::Decoupler;
 use crate::error::{Error, Result, require};
-use crate::float::sqrt;
 use crate::geometry::LIMBS;
 use crate::model::Parameters;
 use crate::model::{Sensor, Settings};
 
 /// k/m of the two decodes, s^-2: the ends of the paper's grid.
 const NODES_PER_S2: [f64; 2] = [10.0e8, 1.0e8];
-
-/// w* of one sample as a line in the compliance.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RateLine {
-    /// Index of the voltage sample.
-    pub sample: u64,
-    /// w* with limbs that do not give way (m/k = 0), shell axes, rad/s.
-    pub stiff_rad_s: DVec3,
-    /// Its change with m/k, (rad/s)/s^2.
-    pub slope_rad_s3: DVec3,
-}
-
-/// Result of the fit.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CompliancePerMass {
-    /// m/k, s^2. Errors of the scale factors may make it negative.
-    pub mass_per_stiffness_s2: f64,
-    /// Root mean square of what is left of w*, rad/s.
-    pub residual_rad_s: f64,
-    /// Root mean square by which w* changes with m/k, (rad/s)/s^2.
-    pub slope_rad_s3: f64,
-    /// Samples.
-    pub samples: usize,
-}
-
-impl CompliancePerMass {
-    /// k/m, s^-2; none for a compliance that no limb has.
-    #[must_use]
-    pub fn stiffness_per_mass_per_s2(&self) -> Option<f64> {
-        let stiffness = 1.0 / self.mass_per_stiffness_s2;
-        (self.mass_per_stiffness_s2 > 0.0 && stiffness.is_finite()).then_some(stiffness)
-    }
-
-    /// Whether the data determine it, given its standard deviation, s^2.
-    #[must_use]
-    pub fn verdict(&self, standard_deviation_s2: f64) -> Verdict {
-        noise_verdict(&[self.mass_per_stiffness_s2], &[standard_deviation_s2])
-    }
-}
 
 /// Collects trials of pure linear motion above the threshold.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -75,7 +34,8 @@ pub struct ComplianceFit {
 }
 
 impl ComplianceFit {
-    /// Decodes one trial twice and adds it; `each` sees every sample's line, in order.
+    /// Decodes one trial twice and adds it; `each` sees by how much w* changes with m/k, shell axes, (rad/s)/s^2, sample by
+    /// sample in order.
     ///
     /// # Errors
     /// Those of [`Decoupler::new`] and [`Decoupler::push`].
@@ -85,7 +45,7 @@ impl ComplianceFit {
         parameters: &Parameters,
         settings: &Settings,
         voltage_v: &[[f64; LIMBS]],
-        mut each: impl FnMut(&RateLine),
+        mut each: impl FnMut(DVec3),
     ) -> Result<()> {
         let decoupler = |stiffness_per_mass_per_s2: f64| {
             let parameters = Parameters {
@@ -101,26 +61,15 @@ impl ComplianceFit {
                 continue;
             };
             let slope = (b.rate_shell_rad_s - a.rate_shell_rad_s) / (soft - stiff);
-            let line = RateLine {
-                sample: a.sample,
-                stiff_rad_s: a.rate_shell_rad_s - slope * stiff,
-                slope_rad_s3: slope,
-            };
-            self.stiff_squares += line.stiff_rad_s.length_squared();
-            self.products += line.stiff_rad_s.dot(slope);
+            // With limbs that do not give way: m/k = 0.
+            let stiff_rad_s = a.rate_shell_rad_s - slope * stiff;
+            self.stiff_squares += stiff_rad_s.length_squared();
+            self.products += stiff_rad_s.dot(slope);
             self.slope_squares += slope.length_squared();
             self.samples += 1;
-            each(&line);
+            each(slope);
         }
         Ok(())
-    }
-
-    /// Adds all samples of another collection.
-    pub fn append(&mut self, other: &Self) {
-        self.stiff_squares += other.stiff_squares;
-        self.products += other.products;
-        self.slope_squares += other.slope_squares;
-        self.samples += other.samples;
     }
 
     /// Sum of the squares of the slopes, (rad/s)^2/s^4.
@@ -129,12 +78,12 @@ impl ComplianceFit {
         self.slope_squares
     }
 
-    /// The vertex.
+    /// The vertex: m/k, s^2. Errors of the scale factors may make it negative.
     ///
     /// # Errors
     /// [`Error::TooFewSamples`] without a sample; [`Error::OutOfRange`] if w* does not change with the compliance, or by
     /// numbers whose squares no f64 holds.
-    pub fn solve(&self) -> Result<CompliancePerMass> {
+    pub fn solve(&self) -> Result<f64> {
         const WHAT: &str = "compliance per mass (step 4)";
         if self.samples == 0 {
             return Err(Error::TooFewSamples {
@@ -151,12 +100,6 @@ impl ComplianceFit {
             self.slope_squares,
             "found from motion in which the rate changes with it, by numbers whose squares are finite",
         )?;
-        let samples = self.samples as f64;
-        Ok(CompliancePerMass {
-            mass_per_stiffness_s2: vertex,
-            residual_rad_s: sqrt(left.max(0.0) / samples),
-            slope_rad_s3: sqrt(self.slope_squares / samples),
-            samples: self.samples,
-        })
+        Ok(vertex)
     }
 }

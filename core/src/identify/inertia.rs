@@ -175,11 +175,7 @@ impl InertiaIdentification {
             for reference in [rate_rad_s, rate_derivative_rad_s2] {
                 check_reference(reference, self.samples)?;
             }
-            return Err(Error::Overflow {
-                what: WHAT,
-                channel: 0,
-                sample: self.samples,
-            });
+            return Err(Error::overflow(WHAT, self.samples));
         }
         self.rows.push(&terms, &torque_m2_s2.to_array());
         self.samples += 1;

@@ -15,7 +15,7 @@ use nalgebra::allocator::Allocator;
 use nalgebra::{Const, DefaultAllocator, DimDiff, DimMin, DimSub, SMatrix, SVector, U1};
 
 use self::factor::Factor;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require_samples};
 use crate::float::sqrt;
 use crate::geometry::LIMBS;
 
@@ -103,13 +103,7 @@ where
     /// infinity or is of a size that leaves no finite solution, [`Error::RankDeficient`] with the lost direction, [`Error::NotConverged`].
     pub fn solve(&self, what: &'static str) -> Result<Estimate<N>> {
         let rows = self.rows();
-        if rows <= N {
-            return Err(Error::TooFewSamples {
-                what,
-                needed: N + 1,
-                got: rows,
-            });
-        }
+        require_samples(what, N + 1, rows)?;
         let factor = self.0.settled();
         // nalgebra wants columns.
         let triangle = SMatrix::<f64, N, N>::from(*factor.triangle()).transpose();

@@ -8,7 +8,7 @@ use glam::DVec3;
 use super::Verdict;
 use super::least_squares::{Accumulator, Estimate};
 use super::noise_verdict;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require_finite_row};
 use crate::geometry::{DIRECTIONS_SHELL, LIMBS};
 
 /// Result of step 2; values in 1/kg.
@@ -138,15 +138,7 @@ pub(super) fn check_finite(forces: &[f64; LIMBS], reference: DVec3, sample: usiz
 pub(super) fn check_forces(forces: &[f64; LIMBS], sample: usize) -> Result<()> {
     // Which of them it was is asked only if one is not.
     if !all_finite(forces) {
-        for (channel, &value) in forces.iter().enumerate() {
-            if !value.is_finite() {
-                return Err(Error::NotFinite {
-                    channel: channel + 1,
-                    sample,
-                    value,
-                });
-            }
-        }
+        require_finite_row(forces, sample)?;
     }
     Ok(())
 }

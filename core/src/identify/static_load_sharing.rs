@@ -6,8 +6,9 @@
 //! (e_j - P J_j^T) (J_j G W): it takes over what the others lose, and no wrench comes of it.
 
 use glam::DVec3;
-use nalgebra::{Matrix6, SMatrix, Vector6};
+use nalgebra::{Matrix6, SMatrix};
 
+use crate::columns::{halves, stacked};
 use crate::error::{Error, Result};
 use crate::geometry::{Geometry, LIMBS};
 
@@ -55,34 +56,30 @@ impl StaticLoadSharing {
     /// Force per mass of each limb over the acceleration.
     #[must_use]
     pub fn of_acceleration(&self, limb: usize) -> DVec3 {
-        self.row(limb, 0)
+        self.row(limb)[0]
     }
 
     /// Force per mass of each limb over the torque per mass, 1/m.
     #[must_use]
     pub fn of_torque_per_m(&self, limb: usize) -> DVec3 {
-        self.row(limb, 3)
+        self.row(limb)[1]
     }
 
-    fn row(&self, limb: usize, from: usize) -> DVec3 {
-        DVec3::new(
-            self.matrix[(limb, from)],
-            self.matrix[(limb, from + 1)],
-            self.matrix[(limb, from + 2)],
-        )
+    fn row(&self, limb: usize) -> [DVec3; 2] {
+        halves(&self.matrix.row(limb).transpose())
     }
 
     /// Displacement and rotation, negative, under a force and a torque per mass at unit stiffness over mass: G W.
     #[must_use]
     pub fn given_way(&self, force: DVec3, torque: DVec3) -> [DVec3; 2] {
-        halves(&(self.flexibility * wrench(force, torque)))
+        halves(&(self.flexibility * stacked(force, torque)))
     }
 
     /// Derivative of [`Self::given_way`] by a limb's k_i/k.
     #[must_use]
     pub fn given_way_by_stiffness(&self, limb: usize, force: DVec3, torque: DVec3) -> [DVec3; 2] {
         let row = self.jacobian.row(limb);
-        let shortened = (row * self.flexibility * wrench(force, torque))[0];
+        let shortened = (row * self.flexibility * stacked(force, torque))[0];
         halves(&(self.flexibility * row.transpose() * -shortened))
     }
 
@@ -90,7 +87,7 @@ impl StaticLoadSharing {
     #[must_use]
     pub fn of_wrench_by_stiffness(&self, limb: usize, force: DVec3, torque: DVec3) -> [f64; LIMBS] {
         let row = self.jacobian.row(limb);
-        let shortened = (row * self.flexibility * wrench(force, torque))[0];
+        let shortened = (row * self.flexibility * stacked(force, torque))[0];
         let mut forces = -(self.matrix * row.transpose()) * shortened;
         forces[limb] += shortened;
         forces.into()
@@ -99,14 +96,6 @@ impl StaticLoadSharing {
     /// Force per mass of each limb, m/s^2, under a force per mass, m/s^2, and a torque per mass, m^2/s^2, on the mass.
     #[must_use]
     pub fn of_wrench(&self, force: DVec3, torque: DVec3) -> [f64; LIMBS] {
-        (self.matrix * wrench(force, torque)).into()
+        (self.matrix * stacked(force, torque)).into()
     }
-}
-
-fn halves(six: &Vector6<f64>) -> [DVec3; 2] {
-    [0, 3].map(|from| DVec3::new(six[from], six[from + 1], six[from + 2]))
-}
-
-fn wrench(force: DVec3, torque: DVec3) -> Vector6<f64> {
-    Vector6::new(force.x, force.y, force.z, torque.x, torque.y, torque.z)
 }

@@ -6,7 +6,7 @@
 
 use super::{Reason, Verdict};
 use crate::decouple::stream::Decoupler;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require, require_samples};
 use crate::geometry::LIMBS;
 use crate::model::Parameters;
 use crate::model::{Sensor, Settings};
@@ -42,11 +42,10 @@ pub fn rate_norm_sum(
             sum += sample.rate_shell_rad_s.length();
             count += 1;
             if !sum.is_finite() {
-                return Err(Error::Overflow {
-                    what: "mean rate (step 4)",
-                    channel: 0,
-                    sample: sample.sample as usize,
-                });
+                return Err(Error::overflow(
+                    "mean rate (step 4)",
+                    sample.sample as usize,
+                ));
             }
         }
     }
@@ -74,23 +73,17 @@ pub struct StiffnessPerMass {
 /// [`Error::TooFewSamples`] below three points; [`Error::NotFinite`] (channel 0, sample = grid index);
 /// [`Error::OutOfRange`] for a k/m that is not positive, finite and larger than the one before, or a negative |w*|.
 pub fn judge(curve: &[(f64, f64)]) -> Result<StiffnessPerMass> {
-    if curve.len() < 3 {
-        return Err(Error::TooFewSamples {
-            what: "stiffness per mass (step 4)",
-            needed: 3,
-            got: curve.len(),
-        });
-    }
-    let out_of_range =
-        |name, value, requirement| Err(Error::out_of_range(name, value, requirement));
+    require_samples("stiffness per mass (step 4)", 3, curve.len())?;
     let mut best = 0;
     let mut largest = 0.0_f64;
     let mut previous = 0.0;
     for (i, &(k, value)) in curve.iter().enumerate() {
-        if !(k > previous && k.is_finite()) {
-            let requirement = "positive, finite and ascending";
-            return out_of_range("stiffness_per_mass_per_s2", k, requirement);
-        }
+        require(
+            k > previous && k.is_finite(),
+            "stiffness_per_mass_per_s2",
+            k,
+            "positive, finite and ascending",
+        )?;
         previous = k;
         if !value.is_finite() {
             return Err(Error::NotFinite {
@@ -99,9 +92,7 @@ pub fn judge(curve: &[(f64, f64)]) -> Result<StiffnessPerMass> {
                 value,
             });
         }
-        if value < 0.0 {
-            return out_of_range("mean |w*|", value, "not negative");
-        }
+        require(value >= 0.0, "mean |w*|", value, "not negative")?;
         if value < curve[best].1 {
             best = i;
         }

@@ -33,10 +33,11 @@
 mod tilted;
 
 use glam::{DMat3, DVec3};
-use nalgebra::{Cholesky, Matrix6, SMatrix, Vector6};
+use nalgebra::{Cholesky, Matrix6, SMatrix};
 
 use super::bias::limb_jacobian;
-use crate::error::{Error, Result, require};
+use crate::columns::{matrix, stacked};
+use crate::error::{Error, Result, require, require_samples};
 use crate::float::sqrt;
 use crate::geometry::{Geometry, LIMBS};
 use crate::model::InertiaPerMass;
@@ -156,7 +157,7 @@ impl LinearSensor {
                 "not negative and below the sensor's lowest mode",
             ))?;
         let n = self.geometry.half_edge_m;
-        let shell = Vector6::new(a.x, a.y, a.z, alpha.x * n, alpha.y * n, alpha.z * n);
+        let shell = stacked(a, alpha * n);
         let load = dynamic.solve(&(self.mass * shell));
         let moved = dynamic.solve(&(self.mass * load));
         // The mass's own acceleration in ground axes: what its inertia acts on.
@@ -177,11 +178,7 @@ impl LinearSensor {
 fn inertia_part(paper_order: &[f64; INERTIAS]) -> Matrix6<f64> {
     let tensor = InertiaPerMass::from_paper_order(*paper_order).matrix_mass_m2();
     let mut part = Matrix6::zeros();
-    for row in 0..3 {
-        for column in 0..3 {
-            part[(3 + row, 3 + column)] = tensor.col(column)[row];
-        }
-    }
+    part.fixed_view_mut::<3, 3>(3, 3).copy_from(&matrix(tensor));
     part
 }
 
@@ -249,13 +246,7 @@ impl Information {
     ) -> Result<()> {
         const FEWEST: usize = 5;
         let count = phases.len();
-        if count < FEWEST {
-            return Err(Error::TooFewSamples {
-                what: "phases of a period",
-                needed: FEWEST,
-                got: count,
-            });
-        }
+        require_samples("phases of a period", FEWEST, count)?;
         let weight = samples as f64 / (count as f64 * square(noise_m_s2)?);
         for channel in 0..LIMBS {
             let rows = || phases.iter().map(|phase| self.row(phase, channel));

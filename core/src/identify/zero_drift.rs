@@ -1,6 +1,6 @@
 //! Step 1: the nine zero drifts, as the mean voltage at rest.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require_samples};
 use crate::float::sqrt;
 use crate::geometry::LIMBS;
 
@@ -30,13 +30,7 @@ pub struct ZeroDrift {
 /// values are too large to be squared.
 pub fn identify(static_voltage_v: &[[f64; LIMBS]]) -> Result<ZeroDrift> {
     let samples = static_voltage_v.len();
-    if samples < BATCHES {
-        return Err(Error::TooFewSamples {
-            what: "zero drift",
-            needed: BATCHES,
-            got: samples,
-        });
-    }
+    require_samples("zero drift", BATCHES, samples)?;
     let per_batch = samples / BATCHES;
     let mut result = ZeroDrift {
         drift_v: [0.0; LIMBS],

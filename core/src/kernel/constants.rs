@@ -2,7 +2,7 @@
 //!
 //! The unit of length is the limb length L, that of time the sample interval h: most factors of the formulas become one.
 
-use nalgebra::{Matrix3, SymmetricEigen};
+use nalgebra::Matrix3;
 
 use super::number::{Real, Scalar};
 use super::order::{from_kernel_order, to_kernel_order};
@@ -12,11 +12,6 @@ use crate::geometry::{LIMBS, LIMBS_PER_NODE};
 use crate::model::{InertiaPerMass, Model};
 use crate::paper::preload::hidden_preload_m_s2;
 use crate::paper::signal::SignalChain;
-
-/// Largest relative asymmetry of rounding that the eigenvalue iteration is asked to resolve.
-const EIGEN_TOLERANCE: f64 = 1e-15;
-/// A symmetric 3 x 3 matrix settles in a handful of sweeps; the cap only guards against a hang.
-const EIGEN_ITERATIONS: usize = 100;
 
 /// Size above which constants are refused, with room for what samples do to them.
 const LARGEST: f64 = 1e304;
@@ -276,16 +271,7 @@ fn of_columns<T: Real>(columns: &[Vec3<T>; 3], v: Vec3<T>) -> Vec3<T> {
 
 /// Principal moments per mass, m^2, and right-handed principal axes as columns in mass axes.
 fn principal(inertia: &InertiaPerMass) -> Result<([f64; 3], Matrix3<f64>)> {
-    let m = inertia.matrix_mass_m2().to_cols_array();
-    let eigen = SymmetricEigen::try_new(
-        Matrix3::from_column_slice(&m),
-        EIGEN_TOLERANCE,
-        EIGEN_ITERATIONS,
-    )
-    .ok_or(Error::NotConverged {
-        what: "principal axes of inertia",
-        iterations: EIGEN_ITERATIONS,
-    })?;
+    let eigen = inertia.eigen("principal axes of inertia")?;
     let mut axes = eigen.eigenvectors;
     // Euler's equations need a right-handed basis.
     if axes.determinant() < 0.0 {

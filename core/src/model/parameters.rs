@@ -1,9 +1,10 @@
 //! The 25 parameters that the four steps identify.
 
 use glam::{DMat3, DVec3};
-use nalgebra::{Matrix3, SymmetricEigen};
+use nalgebra::{SymmetricEigen, U3};
 use serde::{Deserialize, Serialize};
 
+use crate::columns::matrix;
 use crate::error::{Error, Result, require, require_finite};
 use crate::geometry::LIMBS;
 
@@ -75,30 +76,33 @@ impl InertiaPerMass {
         for (name, value) in NAMES.into_iter().zip(self.to_paper_order()) {
             require_finite(name, value)?;
         }
-        let m = self.matrix_mass_m2().to_cols_array();
-        let eigen = SymmetricEigen::try_new(
-            Matrix3::from_column_slice(&m),
+        let mut p: [f64; 3] = self
+            .eigen("principal moments of inertia")?
+            .eigenvalues
+            .into();
+        p.sort_unstable_by(f64::total_cmp);
+        require(
+            p.iter().all(|moment| moment.is_finite()),
+            "inertia_per_mass",
+            self.to_paper_order()
+                .iter()
+                .fold(0.0, |a, b| a.max(b.abs())),
+            "of a size whose principal moments are finite",
+        )?;
+        Ok(p)
+    }
+
+    /// Principal moments and axes; `what` is for the error.
+    pub(crate) fn eigen(&self, what: &'static str) -> Result<SymmetricEigen<f64, U3>> {
+        SymmetricEigen::try_new(
+            matrix(self.matrix_mass_m2()),
             EIGEN_TOLERANCE,
             EIGEN_ITERATIONS,
         )
         .ok_or(Error::NotConverged {
-            what: "principal moments of inertia",
+            what,
             iterations: EIGEN_ITERATIONS,
-        })?;
-        let mut p = [
-            eigen.eigenvalues[0],
-            eigen.eigenvalues[1],
-            eigen.eigenvalues[2],
-        ];
-        p.sort_unstable_by(f64::total_cmp);
-        if !p.iter().all(|moment| moment.is_finite()) {
-            return Err(Error::OutOfRange {
-                name: "inertia_per_mass",
-                value: m.iter().fold(0.0, |a, b| a.max(b.abs())),
-                requirement: "of a size whose principal moments are finite",
-            });
-        }
-        Ok(p)
+        })
     }
 
     /// Refuses a tensor that no rigid body can have.
@@ -148,13 +152,12 @@ impl Parameters {
         }
         for value in self.scale_per_mass_per_kg {
             // A reversed channel has a negative factor and decouples all the same.
-            if !value.is_finite() || value == 0.0 {
-                return Err(Error::out_of_range(
-                    "scale_per_mass_per_kg",
-                    value,
-                    "finite and not zero",
-                ));
-            }
+            require(
+                value.is_finite() && value != 0.0,
+                "scale_per_mass_per_kg",
+                value,
+                "finite and not zero",
+            )?;
         }
         self.inertia_per_mass.validate()?;
         let (low, high) = STIFFNESS_PER_MASS_RANGE_PER_S2;

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::parameters::Parameters;
-use crate::error::{Error, Result, require};
+use crate::error::{Result, require};
 use crate::geometry::{Geometry, LIMBS};
 
 /// What is known of the sensor without identification.
@@ -36,16 +36,15 @@ impl Gains {
     /// Refuses gains that are not finite or zero.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`].
+    /// [`crate::Error::OutOfRange`].
     pub fn validate(&self) -> Result<()> {
         for value in self.gain_n_per_v {
-            if !value.is_finite() || value == 0.0 {
-                return Err(Error::out_of_range(
-                    "gain_n_per_v",
-                    value,
-                    "finite and not zero",
-                ));
-            }
+            require(
+                value.is_finite() && value != 0.0,
+                "gain_n_per_v",
+                value,
+                "finite and not zero",
+            )?;
         }
         Ok(())
     }
@@ -53,7 +52,7 @@ impl Gains {
     /// Refuses a gain and a scale factor whose product no f64 holds.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`].
+    /// [`crate::Error::OutOfRange`].
     pub fn validate_with(&self, parameters: &Parameters) -> Result<()> {
         let scales = parameters.scale_per_mass_per_kg;
         for (scale, gain) in scales.into_iter().zip(self.gain_n_per_v) {

@@ -3,7 +3,7 @@
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
-use crate::error::{Error, Result};
+use crate::error::{Result, require};
 use crate::scheme::Scheme;
 
 /// How eq. (2) turns a limb force into a length.
@@ -70,32 +70,31 @@ impl Settings {
     }
 
     pub(crate) fn validate(&self) -> Result<()> {
-        let out_of_range =
-            |name, value, requirement| Err(Error::out_of_range(name, value, requirement));
         let rate = self.sample_rate_hz;
         // Differences are divided by the square of the step.
-        if !(rate > 0.0 && (rate * rate).is_normal()) {
-            return out_of_range(
-                "sample_rate_hz",
-                rate,
-                "positive and finite, and its square, too",
-            );
-        }
+        require(
+            rate > 0.0 && (rate * rate).is_normal(),
+            "sample_rate_hz",
+            rate,
+            "positive and finite, and its square, too",
+        )?;
         for (name, vector) in [
             ("gravity_ground_m_s2", self.gravity_ground_m_s2),
             ("initial_rate_shell_rad_s", self.initial_rate_shell_rad_s),
         ] {
-            if !vector.length().is_finite() {
-                return out_of_range(name, vector.length(), "finite, and its square, too");
-            }
+            let length = vector.length();
+            require(
+                length.is_finite(),
+                name,
+                length,
+                "finite, and its square, too",
+            )?;
         }
-        if !self.initial_attitude.is_normalized() {
-            return out_of_range(
-                "initial_attitude",
-                self.initial_attitude.length(),
-                "a unit quaternion",
-            );
-        }
-        Ok(())
+        require(
+            self.initial_attitude.is_normalized(),
+            "initial_attitude",
+            self.initial_attitude.length(),
+            "a unit quaternion",
+        )
     }
 }

@@ -7,7 +7,7 @@ use super::pose::Pose;
 use super::preload::hidden_preload_m_s2;
 use super::relative_motion::RelativeMotion;
 use super::signal::SignalChain;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require_finite_row};
 use crate::geometry::{Geometry, LIMBS};
 use crate::model::{LimbLaw, Model};
 
@@ -91,15 +91,7 @@ impl LimbStream {
     /// What [`Self::push`] would return, and the entry that [`Self::accept`] then takes.
     #[inline]
     pub(crate) fn look(&self, voltage_v: &[f64; LIMBS]) -> Result<(Entry, Option<LimbSample>)> {
-        for (channel, &value) in voltage_v.iter().enumerate() {
-            if !value.is_finite() {
-                return Err(Error::NotFinite {
-                    channel: channel + 1,
-                    sample: self.awaited(),
-                    value,
-                });
-            }
-        }
+        require_finite_row(voltage_v, self.awaited())?;
         let sensed = self.chain.force_per_mass_m_s2(voltage_v);
         let pose = self.pose(&sensed)?;
         let [(before, _), (now, now_sensed)] = self.window;
@@ -109,11 +101,7 @@ impl LimbStream {
         }
         let relative = RelativeMotion::from_poses(&before, &now, &pose, self.step_s);
         if !relative.is_finite() {
-            return Err(Error::Overflow {
-                what: "relative motion",
-                channel: 0,
-                sample: self.awaited(),
-            });
+            return Err(Error::overflow("relative motion", self.awaited()));
         }
         let sample = LimbSample {
             sample: self.received - 1,

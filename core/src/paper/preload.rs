@@ -9,7 +9,8 @@
 use glam::DVec3;
 use nalgebra::{Matrix6, Vector6};
 
-use crate::error::{Error, Result};
+use crate::columns::{halves, stacked};
+use crate::error::{Error, Result, require, require_positive};
 use crate::geometry::{DIRECTIONS_SHELL, Geometry, LIMBS, LIMBS_PER_NODE};
 use crate::model::{Model, StaticResponse};
 use crate::paper::pose::Pose;
@@ -66,7 +67,7 @@ pub fn static_equilibrium(
     let rows: [Vector6<f64>; LIMBS] = core::array::from_fn(|limb| {
         let e = DIRECTIONS_SHELL[limb];
         let m = geometry.node_mass_m(limb / LIMBS_PER_NODE).cross(e) / arm_scale;
-        Vector6::new(e.x, e.y, e.z, m.x, m.y, m.z)
+        stacked(e, m)
     });
     let normal = rows
         .iter()
@@ -97,17 +98,11 @@ pub fn static_equilibrium(
             break;
         }
         previous = size;
-        let step = cholesky.solve(&Vector6::new(
-            imbalance_force.x,
-            imbalance_force.y,
-            imbalance_force.z,
-            imbalance_torque.x,
-            imbalance_torque.y,
-            imbalance_torque.z,
-        )) / stiffness_per_mass_per_s2;
+        let imbalance = stacked(imbalance_force, imbalance_torque);
+        let [moved, turned] = halves(&(cholesky.solve(&imbalance) / stiffness_per_mass_per_s2));
         // Compression pushes along +e, so the mass gives way against it.
-        pose.position_shell_m -= DVec3::new(step[0], step[1], step[2]);
-        pose.rotation_rad -= DVec3::new(step[3], step[4], step[5]) / arm_scale;
+        pose.position_shell_m -= moved;
+        pose.rotation_rad -= turned / arm_scale;
     }
     Err(Error::NotConverged {
         what: "static equilibrium",
@@ -121,19 +116,13 @@ fn validate(
     gravity_shell_m_s2: DVec3,
 ) -> Result<()> {
     geometry.validate()?;
-    let out_of_range =
-        |name, value, requirement| Err(Error::out_of_range(name, value, requirement));
-    if !(stiffness_per_mass_per_s2 > 0.0 && stiffness_per_mass_per_s2.is_finite()) {
-        return out_of_range(
-            "stiffness_per_mass_per_s2",
-            stiffness_per_mass_per_s2,
-            "positive and finite",
-        );
-    }
+    require_positive("stiffness_per_mass_per_s2", stiffness_per_mass_per_s2)?;
     // An infinite length would pass for an infinite limit, and any imbalance for an equilibrium.
     let gravity = gravity_shell_m_s2.length();
-    if !gravity.is_finite() {
-        return out_of_range("gravity_shell_m_s2", gravity, "finite, and its square, too");
-    }
-    Ok(())
+    require(
+        gravity.is_finite(),
+        "gravity_shell_m_s2",
+        gravity,
+        "finite, and its square, too",
+    )
 }

@@ -12,7 +12,7 @@
 use glam::DVec3;
 
 use super::parity::{GRAM_DENOMINATOR, GRAM_INVERSE, ROWS, SIGNATURES};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require};
 use crate::geometry::{DIRECTIONS_SHELL, LIMBS, LIMBS_PER_NODE, NODE_DIRECTIONS_MASS};
 use crate::limb_set::LimbSet;
 use crate::unobservable::LostLoad;
@@ -36,13 +36,12 @@ impl Reconstruction {
     /// [`MOST_EXCLUDED`].
     pub fn new(excluded: LimbSet) -> Result<Self> {
         let mut weights = [[0.0; ROWS]; LIMBS];
-        if excluded.len() > MOST_EXCLUDED {
-            return Err(Error::out_of_range(
-                "excluded limbs",
-                excluded.len() as f64,
-                "at most three: six accelerations want six channels",
-            ));
-        }
+        require(
+            excluded.len() <= MOST_EXCLUDED,
+            "excluded limbs",
+            excluded.len() as f64,
+            "at most three: six accelerations want six channels",
+        )?;
         // Never by index from here on: no panic must be in reach of a decoupler that does without a limb in mid-stream.
         let mut limbs = [None; MOST_EXCLUDED];
         let numbered = SIGNATURES.iter().enumerate();

@@ -11,7 +11,7 @@
 //! ([`crate::redundancy::reconstruction`]). Such answers are decoded from the limbs that are not excluded, failed ones among them.
 
 use crate::decouple::Decoupler;
-use crate::error::{Error, Result};
+use crate::error::{Result, require_samples};
 use crate::geometry::LIMBS;
 use crate::limb_set::LimbSet;
 use crate::model::{CrossTalk, Parameters, Sensor, Settings};
@@ -66,7 +66,7 @@ impl<B: AsRef<[[f64; LIMBS]]> + AsMut<[[f64; LIMBS]]>> FaultTolerant<B> {
     /// Prepares decoupler and monitor. The last rows received are kept in `rows`, whatever is in it: [`ROWS_KEPT`] are good.
     ///
     /// # Errors
-    /// Those of [`Decoupler::new`] and [`Monitor::new`]; [`Error::TooFewSamples`] for room for less than two rows.
+    /// Those of [`Decoupler::new`] and [`Monitor::new`]; [`crate::Error::TooFewSamples`] for room for less than two rows.
     pub fn new(
         sensor: &Sensor,
         parameters: &Parameters,
@@ -75,14 +75,7 @@ impl<B: AsRef<[[f64; LIMBS]]> + AsMut<[[f64; LIMBS]]>> FaultTolerant<B> {
         rows: B,
     ) -> Result<Self> {
         // Half of the rows lie between two states that are kept.
-        let got = rows.as_ref().len();
-        if got < 2 {
-            return Err(Error::TooFewSamples {
-                what: "room for rows",
-                needed: 2,
-                got,
-            });
-        }
+        require_samples("room for rows", 2, rows.as_ref().len())?;
         let decoupler = Decoupler::new(sensor, parameters, settings)?;
         Ok(Self {
             monitor: Monitor::new(sensor, parameters, settings, watch)?,

@@ -7,7 +7,7 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | [`load`], [`trial`] | one recording in SI units on one clock |
+//! | [`trial`] | one recording in SI units on one clock |
 //! | [`conditioning`] | what is done to recordings beforehand, in one order |
 //! | [`drive`] | the frequency that the session states against the one that was recorded |
 //! | [`prepare`] | a session's recordings, sorted and conditioned |
@@ -40,7 +40,6 @@ pub mod grade;
 pub mod interval;
 pub mod iteration;
 pub mod joint;
-pub mod load;
 pub mod page;
 pub mod prepare;
 pub mod progress;

@@ -12,7 +12,6 @@ use crate::conditioning::{Conditioned, Conditioning};
 use crate::drive;
 use crate::error::{Error, Result};
 use crate::finding::{Cause, Finding, in_a_sentence};
-use crate::load;
 use crate::progress::Progress;
 use crate::series::deviation;
 use crate::steps::Campaign;
@@ -53,7 +52,7 @@ impl PreparedSession {
         let loaded: Vec<Result<(Trial, Option<String>)>> = (0..entries.len())
             .into_par_iter()
             .map(|index| {
-                let trial = load::trial_and_cut(file, index);
+                let trial = Trial::read(file, index);
                 progress.part();
                 trial
             })

@@ -2,8 +2,9 @@
 
 mod repeated;
 
+use glam::DVec3;
 use rayon::prelude::*;
-use sixaxis_core::identify::compliance_fit::{ComplianceFit, CompliancePerMass};
+use sixaxis_core::identify::compliance_fit::ComplianceFit;
 use sixaxis_core::identify::inertia::{InertiaEstimate, InertiaIdentification};
 use sixaxis_core::identify::scale::{ScaleIdentification, ScalePerMass};
 use sixaxis_core::identify::stiffness::{self, StiffnessPerMass};
@@ -252,22 +253,34 @@ impl Campaign {
         Ok(step)
     }
 
-    /// Step 4 by least squares: the compliance that makes the mean square of w* smallest, from two decodes a trial.
+    /// Step 4 by least squares: the compliance m/k, s^2, that makes the mean square of w* smallest, from two decodes a trial.
     ///
     /// # Errors
     /// Those of the decoupler; a motion in which w* does not change with the compliance.
-    pub fn compliance(&self, parameters: &Parameters) -> sixaxis_core::Result<CompliancePerMass> {
+    pub fn compliance(&self, parameters: &Parameters) -> sixaxis_core::Result<f64> {
+        self.compliance_fit(parameters, |_, _| ())?.solve()
+    }
+
+    /// All trials of step 4 in its closed form. `each` sees, sample by sample, the trial's place in the campaign and by how much w*
+    /// changes with the compliance, (rad/s)/s^2.
+    pub(crate) fn compliance_fit(
+        &self,
+        parameters: &Parameters,
+        mut each: impl FnMut(usize, DVec3),
+    ) -> sixaxis_core::Result<ComplianceFit> {
         let mut fit = ComplianceFit::default();
-        for (trial, conditioned) in self.of(Role::HighFrequencyLinear) {
-            fit.push_trial(
-                &trial.sensor(self.geometry),
-                parameters,
-                &trial.settings(Scheme::Heun),
-                &conditioned.voltage_v,
-                |_| (),
-            )?;
+        for (index, (trial, conditioned)) in self.trials.iter().enumerate() {
+            if trial.role == Role::HighFrequencyLinear {
+                fit.push_trial(
+                    &trial.sensor(self.geometry),
+                    parameters,
+                    &trial.settings(Scheme::Heun),
+                    &conditioned.voltage_v,
+                    |slope| each(index, slope),
+                )?;
+            }
         }
-        fit.solve()
+        Ok(fit)
     }
 
     /// Step 4's curve over the paper's grid, from every `stride`-th sample.

@@ -3,25 +3,10 @@
 use glam::DVec3;
 use sixaxis_core::{Gains, Geometry, LIMBS, Scheme, Sensor, Settings};
 
-use sixaxis_recordings::session::{Entry, Role, Session};
+use crate::error::Result;
+use sixaxis_recordings::ingest::readings::{self, Readings};
+use sixaxis_recordings::session::{Entry, Role, Session, SessionFile};
 use sixaxis_recordings::unit::STANDARD_GRAVITY_M_S2;
-
-/// What one recording holds, in SI units and on one clock.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Readings {
-    /// Samples per second.
-    pub sample_rate_hz: f64,
-    /// Nine voltages per sample, V.
-    pub voltage_v: Vec<[f64; LIMBS]>,
-    /// Standard accelerometer along the travel, m/s^2; empty for a static record.
-    pub accelerometer_m_s2: Vec<f64>,
-    /// Standard gyroscope about the pinion's axis, rad/s; empty for a static record.
-    pub gyroscope_rad_s: Vec<f64>,
-    /// Frequency up to which noise of the limbs is white, Hz: infinite unless they were read between their samples.
-    pub limbs_band_hz: f64,
-    /// The same of the standards: infinite, too, where they were resampled from a faster clock.
-    pub standards_band_hz: f64,
-}
 
 /// What the analysis sees of one recording.
 #[derive(Debug, Clone, PartialEq)]
@@ -63,10 +48,23 @@ pub(crate) fn same_wedge(a: DVec3, b: DVec3) -> bool {
 }
 
 impl Trial {
+    /// Reads one recording of a session, and says how its file was cut short, if it was.
+    ///
+    /// # Errors
+    /// [`crate::Error::Recording`]: those of [`readings::read`].
+    pub fn read(file: &SessionFile, index: usize) -> Result<(Self, Option<String>)> {
+        let mut readings = readings::read(file, index)?;
+        let cut = readings.cut.take();
+        let session = &file.session;
+        let trial = Self::of(session, &session.recording[index], readings);
+        Ok((trial, cut))
+    }
+
     /// A recording with what its session says of it, wherever its readings came from.
     #[must_use]
     pub fn of(session: &Session, entry: &Entry, readings: Readings) -> Self {
         let gains = entry.gain_n_per_v.unwrap_or(session.sensor.gain_n_per_v);
+        let samples = readings.voltage_v[0].len();
         let (direction_ground, gravity_ground_m_s2, frequency_hz) = match entry.role {
             Role::Static => (DVec3::Z, DVec3::ZERO, 0.0),
             _ => {
@@ -87,7 +85,9 @@ impl Trial {
                 gain_n_per_v: gains.each(),
             },
             full_scale_v: session.sensor.full_scale_v,
-            voltage_v: readings.voltage_v,
+            voltage_v: (0..samples)
+                .map(|sample| core::array::from_fn(|limb| readings.voltage_v[limb][sample]))
+                .collect(),
             accelerometer_m_s2: readings.accelerometer_m_s2,
             gyroscope_rad_s: readings.gyroscope_rad_s,
             limbs_band_hz: readings.limbs_band_hz,

@@ -81,17 +81,13 @@ fn estimate() -> JointEstimate {
 
 /// A trial that has nothing of its own.
 fn quiet() -> TrialEstimate {
-    let still = |deviation| Known {
-        value: 0.0,
-        deviation,
-    };
     TrialEstimate {
         wedge: 0,
         excess: 0.0,
-        zero_v: [still(1e-4); LIMBS],
-        sensitivity: [still(1e-4); LIMBS],
-        centre_m: Some([still(1e-6); 2]),
-        plumb: Some([still(1e-5); 2]),
+        zero_v: [Known::about_zero(1e-4); LIMBS],
+        sensitivity: [Known::about_zero(1e-4); LIMBS],
+        centre_m: Some([Known::about_zero(1e-6); 2]),
+        plumb: Some([Known::about_zero(1e-5); 2]),
     }
 }
 

@@ -2,9 +2,10 @@
 
 use sixaxis_calibration::prepare::PreparedSession;
 use sixaxis_calibration::progress::NoProgress;
-use sixaxis_calibration::trial::{Readings, Trial};
+use sixaxis_calibration::trial::Trial;
 use sixaxis_recordings::ingest::averaged::Averaged;
-use sixaxis_recordings::session::{LIMBS, Role, Session};
+use sixaxis_recordings::ingest::readings::Readings;
+use sixaxis_recordings::session::{Role, Session};
 use sixaxis_reference::laboratory::recording::SimulatedRecording;
 
 /// Sorts and conditions a played session's recordings, all but validation runs: these are held against the standards, never
@@ -21,11 +22,14 @@ pub fn prepare(session: &Session, recordings: Vec<SimulatedRecording>) -> Prepar
 
 fn trial(session: &Session, recording: SimulatedRecording) -> Trial {
     let entry = recording.entry();
-    let voltage_v = if recording.role == Role::Static {
-        averaged(&recording.voltage_v)
-    } else {
-        recording.voltage_v
-    };
+    let voltage_v = core::array::from_fn(|limb| {
+        let column = recording.voltage_v.iter().map(|row| row[limb]);
+        if recording.role == Role::Static {
+            averaged(column)
+        } else {
+            column.collect()
+        }
+    });
     let readings = Readings {
         sample_rate_hz: recording.sample_rate_hz,
         voltage_v,
@@ -33,20 +37,14 @@ fn trial(session: &Session, recording: SimulatedRecording) -> Trial {
         gyroscope_rad_s: recording.gyroscope_rad_s,
         limbs_band_hz: f64::INFINITY,
         standards_band_hz: f64::INFINITY,
+        cut: None,
     };
     Trial::of(session, &entry, readings)
 }
 
 /// A static record of any length in as many rows as a reader of files keeps.
-fn averaged(voltage_v: &[[f64; LIMBS]]) -> Vec<[f64; LIMBS]> {
-    let mut averaged: [Averaged; LIMBS] = Default::default();
-    for row in voltage_v {
-        for (averaged, voltage_v) in averaged.iter_mut().zip(row) {
-            averaged.push(*voltage_v);
-        }
-    }
-    let columns = averaged.map(Averaged::finish);
-    (0..columns[0].len())
-        .map(|row| core::array::from_fn(|limb| columns[limb][row]))
-        .collect()
+fn averaged(voltage_v: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut averaged = Averaged::default();
+    voltage_v.for_each(|voltage_v| averaged.push(voltage_v));
+    averaged.finish()
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
-use sixaxis_calibration::load;
+use sixaxis_calibration::trial::Trial;
 use sixaxis_core::identify::inertia::euler_torque;
 use sixaxis_core::{LIMBS, Parameters};
 use sixaxis_props::compare::{fails_clearly, largest, within};
@@ -208,7 +208,7 @@ fn inv_a_written_session_reads_back_as_played() {
         );
         assert_eq!(file.session.recording.len(), played.recordings.len());
         for (index, recording) in played.recordings.iter().enumerate() {
-            let trial = load::trial(&file, index).expect("a recording that was written loads");
+            let (trial, _) = Trial::read(&file, index).expect("a recording that was written loads");
             let name = &trial.name;
             assert!(trial.voltage_v == recording.voltage_v, "{name}: voltages");
             assert!(

@@ -69,7 +69,9 @@ pub fn run(plan: &Plan, progress: &Progress<'_>) -> Result<Results> {
             let found = steps.step("campaign without errors", || {
                 Ok(exact.identify(GyroscopeGain::Trusted)?)
             })?;
-            let repeated = steps.step("the same, steps repeated", || Ok(exact.repeat(&found)?))?;
+            let repeated = steps.step("the same, steps repeated", || {
+                Ok(exact.repeat_from(&found, found.used().stiffness_per_mass_per_s2)?)
+            })?;
             let coarse = steps.step("the same, doubled step", || coarse(simulations, &perfect))?;
             anyhow::Ok((exact, found, repeated, coarse))
         },

@@ -11,8 +11,6 @@
 mod extent;
 mod reconstruct;
 mod state;
-#[cfg(test)]
-mod tests;
 
 use ::wide::f64x4;
 use pulp::{Arch, Simd, WithSimd};

@@ -24,7 +24,7 @@ mod voltages;
 use pulp::{Arch, Simd, WithSimd};
 
 use crate::decouple::stream::Decoupler;
-use crate::error::{Error, Result};
+use crate::error::{Result, require_samples};
 use crate::geometry::LIMBS;
 use crate::kernel::attitude::HALF_ANGLE_SQUARED_LIMIT;
 use crate::kernel::simd::{Register, Wide};
@@ -76,8 +76,8 @@ impl Decoupler {
     /// [`Decoupler::push_record`] of nine columns, as a file has them: the same bits, and nothing is moved.
     ///
     /// # Errors
-    /// As [`Decoupler::push_record`]; [`Error::TooFewSamples`] for a column that is shorter than the longest, before any sample
-    /// is taken.
+    /// As [`Decoupler::push_record`]; [`crate::Error::TooFewSamples`] for a column that is shorter than the longest, before any
+    /// sample is taken.
     pub fn push_columns(
         &mut self,
         voltage_v: [&[f64]; LIMBS],
@@ -85,12 +85,8 @@ impl Decoupler {
     ) -> Result<()> {
         let longest = voltage_v.iter().map(|column| column.len()).max();
         let needed = longest.unwrap_or(0);
-        if let Some(short) = voltage_v.iter().find(|column| column.len() < needed) {
-            return Err(Error::TooFewSamples {
-                what: "a column of voltages",
-                needed,
-                got: short.len(),
-            });
+        for column in voltage_v {
+            require_samples("a column of voltages", needed, column.len())?;
         }
         self.dispatch(&Columns(voltage_v), sink)
     }

@@ -11,19 +11,15 @@
 //! differ only in the three numbers that they put on that right side: the *discrepancies* here.
 
 use glam::DVec3;
-use nalgebra::{SMatrix, SVector, Vector3};
+use nalgebra::{SMatrix, SVector};
 
+pub use crate::columns::column;
+use crate::columns::matrix;
 use crate::geometry::{DIRECTIONS_SHELL, Geometry, LIMBS};
 use crate::identify::inertia::{InertiaEstimate, euler_torque, regressor};
 use crate::identify::scale::ScalePerMass;
 use crate::model::InertiaPerMass;
 use crate::paper::signal::SignalChain;
-
-/// A vector as nalgebra has it.
-#[must_use]
-pub fn column(v: DVec3) -> Vector3<f64> {
-    Vector3::new(v.x, v.y, v.z)
-}
 
 /// Force on the mass, m/s^2, that one volt of each channel stands for.
 #[must_use]
@@ -203,8 +199,7 @@ impl ComplianceInfluence {
     /// With the sum of |q|^2, (rad/s)^2/s^4, over all trials; none for one that tells nothing, or an inertia without inverse.
     #[must_use]
     pub fn new(inertia: &InertiaPerMass, sample_rate_hz: f64, slope_squares: f64) -> Option<Self> {
-        let tensor = inertia.matrix_mass_m2();
-        let inverse = SMatrix::<f64, 3, 3>::from_fn(|i, j| tensor.col(j)[i]).try_inverse()?;
+        let inverse = matrix(inertia.matrix_mass_m2()).try_inverse()?;
         let precision = 1.0 / slope_squares;
         (slope_squares > 0.0 && precision.is_finite()).then_some(Self {
             inverse_inertia: inverse,

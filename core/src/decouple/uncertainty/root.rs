@@ -3,7 +3,7 @@
 use nalgebra::SMatrix;
 
 use super::parameters::Covariance;
-use crate::error::{Error, Result};
+use crate::error::{Result, require, require_not_negative};
 use crate::float::sqrt;
 use crate::parameter::INERTIA;
 
@@ -19,13 +19,7 @@ pub(super) fn square_root(covariance: &Covariance) -> Result<SMatrix<f64, CARRIE
     let mut deviation = [0.0; CARRIED];
     for (i, d) in deviation.iter_mut().enumerate() {
         let variance = covariance[(i, i)];
-        if !(variance.is_finite() && variance >= 0.0) {
-            return Err(out_of_range(
-                "variance of a parameter",
-                variance,
-                "finite and not negative",
-            ));
-        }
+        require_not_negative("variance of a parameter", variance)?;
         *d = sqrt(variance);
     }
     let correlation = |i: usize, j: usize| {
@@ -41,13 +35,12 @@ pub(super) fn square_root(covariance: &Covariance) -> Result<SMatrix<f64, CARRIE
             let before: f64 = (0..j).map(|k| root[(i, k)] * root[(j, k)]).sum();
             let left = correlation(i, j) - before;
             root[(i, j)] = if i == j {
-                if left < -SINGULAR || !left.is_finite() {
-                    return Err(out_of_range(
-                        "covariance of the parameters",
-                        left,
-                        "one whose correlations are possible together",
-                    ));
-                }
+                require(
+                    left >= -SINGULAR && left.is_finite(),
+                    "covariance of the parameters",
+                    left,
+                    "one whose correlations are possible together",
+                )?;
                 if left > SINGULAR { sqrt(left) } else { 0.0 }
             } else if root[(j, j)] > 0.0 {
                 left / root[(j, j)]
@@ -60,8 +53,4 @@ pub(super) fn square_root(covariance: &Covariance) -> Result<SMatrix<f64, CARRIE
         root.row_mut(i).scale_mut(*d);
     }
     Ok(root)
-}
-
-pub(super) fn out_of_range(name: &'static str, value: f64, requirement: &'static str) -> Error {
-    Error::out_of_range(name, value, requirement)
 }

@@ -20,12 +20,12 @@
 //! `props`' example `propagation`); to 1.5 and 8 % up to three hundredths, to 7 and 25 % up to a tenth, beyond first order.
 
 use glam::{DMat3, DQuat, DVec3};
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SMatrix;
 
-use super::influence::column;
 use super::parameters::Covariance;
-use super::root::{CARRIED, out_of_range, square_root};
-use crate::error::{Error, Result};
+use super::root::{CARRIED, square_root};
+use crate::columns::{column, cross, matrix, stacked};
+use crate::error::{Error, Result, require, require_finite};
 use crate::float::sqrt;
 use crate::geometry::{DIRECTIONS_SHELL, LIMBS};
 use crate::model::{InertiaPerMass, Model, Parameters, Sensor, Settings};
@@ -121,15 +121,6 @@ fn tensor_of(entries: [f64; 6]) -> DMat3 {
     InertiaPerMass::from_paper_order(entries).matrix_mass_m2()
 }
 
-/// \[v\]x: cross product from the left.
-fn cross(v: DVec3) -> DMat3 {
-    DMat3::from_cols(v.cross(DVec3::X), v.cross(DVec3::Y), v.cross(DVec3::Z))
-}
-
-fn to_matrix(m: DMat3) -> SMatrix<f64, 3, 3> {
-    SMatrix::from_fn(|i, j| m.col(j)[i])
-}
-
 impl SampleUncertainty {
     /// Prepares a stream beside a decoupler with the same sensor, parameters and settings.
     ///
@@ -148,12 +139,10 @@ impl SampleUncertainty {
         // Every argument that the decoupler has, too, is checked as it checks it.
         let limbs = LimbStream::new(&Model::new(sensor, parameters, settings)?)?;
         for value in noise.white_v.into_iter().chain(noise.correlation) {
-            if !value.is_finite() {
-                return Err(out_of_range("channel noise", value, "finite"));
-            }
+            require_finite("channel noise", value)?;
         }
-        if let Some(negative) = noise.white_v.into_iter().find(|v| *v < 0.0) {
-            return Err(out_of_range("channel noise", negative, "not negative"));
+        for value in noise.white_v {
+            require(value >= 0.0, "channel noise", value, "not negative")?;
         }
         let sensitivity = *limbs.chain().sensitivity_m_s2_per_v();
         let arms_m = sensor.geometry.arms_m();
@@ -225,11 +214,11 @@ impl SampleUncertainty {
             let turned = self.inverse * (self.arms_m[i] * self.sensitivity[i]);
             let forced = DIRECTIONS_SHELL[i] * self.sensitivity[i];
             // What the mass's acceleration in the shell takes off, at the neighbours and, twice and the other way, here.
-            let moved = stack(
+            let moved = stacked(
                 pose.position_shell_m * (per_volt * per_step2),
                 pose.rotation_rad * (per_volt * per_step2),
             );
-            let slow = stack(forced, turned);
+            let slow = stacked(forced, turned);
             let (here, beside) = (slow + moved * 2.0, -moved);
             let variance = noise.white_v[i] * noise.white_v[i];
             let crossed = here * beside.transpose();
@@ -271,11 +260,10 @@ impl SampleUncertainty {
             DVec3::new(sqrt(sum.x), sqrt(sum.y), sqrt(sum.z))
         });
         if !total.iter().all(|v| v.is_finite()) {
-            return Err(Error::Overflow {
-                what: "uncertainty of a sample",
-                channel: 0,
-                sample: sample.sample as usize,
-            });
+            return Err(Error::overflow(
+                "uncertainty of a sample",
+                sample.sample as usize,
+            ));
         }
         let [linear, angular, rate, turn] = total;
         Ok(Spread {
@@ -344,13 +332,13 @@ impl SampleUncertainty {
         let mut shows = SMatrix::<f64, 6, 6>::zeros();
         shows
             .fixed_view_mut::<3, 3>(0, 3)
-            .copy_from(&to_matrix(-cross(force)));
+            .copy_from(&matrix(-cross(force)));
         shows
             .fixed_view_mut::<3, 3>(3, 0)
-            .copy_from(&to_matrix(*gyroscopic));
+            .copy_from(&matrix(*gyroscopic));
         shows
             .fixed_view_mut::<3, 3>(3, 3)
-            .copy_from(&to_matrix(-cross(derivative)));
+            .copy_from(&matrix(-cross(derivative)));
         // Half a step of a sample's torque lies before it, half behind; none before the first.
         let half = if first { 0.0 } else { 0.5 * h };
         let mut now = self.noise;
@@ -365,18 +353,18 @@ impl SampleUncertainty {
         // Over to the next sample: F = 1 + hA + (hA)^2/2.
         let mut a = SMatrix::<f64, 6, 6>::zeros();
         a.fixed_view_mut::<3, 3>(0, 0)
-            .copy_from(&to_matrix(*gyroscopic));
+            .copy_from(&matrix(*gyroscopic));
         a.fixed_view_mut::<3, 3>(3, 0)
             .copy_from(&SMatrix::identity());
         a.fixed_view_mut::<3, 3>(3, 3)
-            .copy_from(&to_matrix(-cross(rate)));
+            .copy_from(&matrix(-cross(rate)));
         a *= h;
         let step = SMatrix::<f64, 6, 6>::identity() + a + a * a * 0.5;
         let into = SMatrix::<f64, 6, 3>::from_fn(|i, j| if i == j { 1.0 } else { 0.0 });
         let enters = step * into * half + into * (0.5 * h);
         self.noise =
             step * self.noise * step.transpose() + enters * self.torque_noise * enters.transpose();
-        let r = to_matrix(DMat3::from_quat(rotation));
+        let r = matrix(DMat3::from_quat(rotation));
         let ground = |from: usize| {
             let block = r * seen.fixed_view::<3, 3>(from, from) * r.transpose();
             DVec3::new(block[(0, 0)], block[(1, 1)], block[(2, 2)])
@@ -394,7 +382,3 @@ impl SampleUncertainty {
 
 /// Strain at which a pose is linear in it to a hundred-millionth.
 const LINEAR_STRAIN: f64 = 1e-8;
-
-fn stack(upper: DVec3, lower: DVec3) -> SVector<f64, 6> {
-    SVector::from([upper.x, upper.y, upper.z, lower.x, lower.y, lower.z])
-}

@@ -79,7 +79,7 @@ impl Grid {
 }
 
 /// Sine and cosine at every n-th of a turn.
-fn turn(n: usize) -> Vec<(f64, f64)> {
+pub(super) fn turn(n: usize) -> Vec<(f64, f64)> {
     (0..n)
         .map(|i| sin_cos(core::f64::consts::TAU * i as f64 / n as f64))
         .collect()

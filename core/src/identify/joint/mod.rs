@@ -55,6 +55,7 @@ pub mod unknowns;
 use alloc::vec::Vec;
 
 use nalgebra::DVector;
+use serde::Serialize;
 
 pub use self::record::{Prepared, Record};
 pub use self::trial::Drive;
@@ -80,12 +81,26 @@ const WEDGE_WORTH: f64 = 4.0;
 const FIRST_WEDGES_RAD: f64 = 0.1;
 
 /// A value and its standard deviation.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Known {
     /// Best guess.
     pub value: f64,
     /// Standard deviation.
     pub deviation: f64,
+}
+
+impl Known {
+    /// An unknown that is held at zero.
+    pub(crate) const HELD: Self = Self::about_zero(0.0);
+
+    /// Zero, as far as is known.
+    #[must_use]
+    pub const fn about_zero(deviation: f64) -> Self {
+        Self {
+            value: 0.0,
+            deviation,
+        }
+    }
 }
 
 /// Priors from certificates, the workshop and other measurements.
@@ -292,10 +307,6 @@ impl Joint {
     /// Measurements of single unknowns; an unknown with deviation 0 is not free.
     fn priors(&self, spreads: &Spreads) -> Vec<(usize, Known)> {
         let c = &self.certificates;
-        let held = Known {
-            value: 0.0,
-            deviation: 0.0,
-        };
         let mut priors: Vec<(usize, Known)> = (0..LIMBS)
             .map(|limb| {
                 let known = Known {
@@ -305,13 +316,12 @@ impl Joint {
                 (DRIFT + limb, known)
             })
             .collect();
-        let gyroscope_gain = Known {
-            value: 0.0,
-            deviation: c.gyroscope_gain_deviation,
-        };
+        let gyroscope_gain = Known::about_zero(c.gyroscope_gain_deviation);
+        let gyroscope_lag = c.gyroscope_lag_s.unwrap_or(Known::HELD);
+        let corner = c.amplifier_corner_rad_s.unwrap_or(Known::HELD);
         priors.push((GYROSCOPE_GAIN, gyroscope_gain));
-        priors.push((GYROSCOPE_LAG, c.gyroscope_lag_s.unwrap_or(held)));
-        priors.push((AMPLIFIER_CORNER, c.amplifier_corner_rad_s.unwrap_or(held)));
+        priors.push((GYROSCOPE_LAG, gyroscope_lag));
+        priors.push((AMPLIFIER_CORNER, corner));
         priors.extend(c.compliance_s2.map(|known| (COMPLIANCE, known)));
         for (range, deviation) in [
             (STIFFNESS..CROSS_TALK, spreads.stiffness),
@@ -319,11 +329,8 @@ impl Joint {
             (self.wedge_angles(), spreads.wedge_rad),
             (self.delays(), c.channel_delay_s),
         ] {
-            let about_0 = Known {
-                value: 0.0,
-                deviation,
-            };
-            priors.extend(range.map(|unknown| (unknown, about_0)));
+            let known = Known::about_zero(deviation);
+            priors.extend(range.map(|unknown| (unknown, known)));
         }
         priors
     }

@@ -16,7 +16,7 @@ use alloc::vec::Vec;
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::harmonics::{Grid, harmonic};
+use super::harmonics::{Grid, harmonic, turn};
 use crate::float::{sin_cos, sqrt};
 
 /// Linear operator from the latent harmonics (no mean) to the coordinates of a series (with mean).
@@ -185,13 +185,10 @@ struct Fine<'a> {
 impl<'a> Fine<'a> {
     fn new(grid: &'a Grid, per_harmonic: usize) -> Self {
         let points = per_harmonic * (grid.harmonics + 1);
-        let table = (0..points)
-            .map(|i| sin_cos(core::f64::consts::TAU * i as f64 / points as f64))
-            .collect();
         Self {
             grid,
             points,
-            table,
+            table: turn(points),
         }
     }
 

@@ -9,7 +9,7 @@ use super::harmonics::{Grid, mean_square, project};
 use super::own;
 use super::trial::{Drive, Trial};
 use super::{Certificates, WHAT};
-use crate::error::{Error, Result, require, require_positive};
+use crate::error::{Error, Result, require, require_finite_row, require_positive, require_samples};
 use crate::geometry::LIMBS;
 use crate::model::Gains;
 
@@ -70,14 +70,7 @@ impl Record<'_> {
             step_s: 1.0 / self.sample_rate_hz,
             harmonics,
         };
-        let needed = grid.coordinates() + FEWEST_FOR_NOISE;
-        if samples < needed {
-            return Err(Error::TooFewSamples {
-                what: WHAT,
-                needed,
-                got: samples,
-            });
-        }
+        require_samples(WHAT, grid.coordinates() + FEWEST_FOR_NOISE, samples)?;
         check_closed(self.standard)?;
         let mut data = project(&grid, |n| {
             let row = &self.voltage_v[n];
@@ -167,15 +160,7 @@ impl Record<'_> {
         )?;
         self.gains.validate()?;
         for (sample, (row, standard)) in self.voltage_v.iter().zip(self.standard).enumerate() {
-            for (channel, value) in row.iter().chain([standard]).enumerate() {
-                if !value.is_finite() {
-                    return Err(Error::NotFinite {
-                        channel: channel + 1,
-                        sample,
-                        value: *value,
-                    });
-                }
-            }
+            require_finite_row(row.iter().chain([standard]), sample)?;
         }
         Ok(())
     }

@@ -12,7 +12,7 @@ use super::settle::SPREAD_SETTLED;
 use super::trial::Trial;
 use super::unknowns::{ACCELEROMETER_GAIN, COMPLIANCE, Unknowns};
 use super::{Joint, Known, WHAT};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require_samples};
 use crate::float::sqrt;
 use crate::identify::least_squares::gauss_newton::{End, Limits, Nonlinear, Outcome, iterate};
 
@@ -79,11 +79,7 @@ pub(super) fn normal(
         }
     }
     if !squares.is_finite() || !information.iter().all(|x| x.is_finite()) {
-        return Err(Error::Overflow {
-            what: WHAT,
-            channel: 0,
-            sample: 0,
-        });
+        return Err(Error::overflow(WHAT, 0));
     }
     Ok(Normal {
         free: (0..common).filter(|u| !held[*u]).collect(),
@@ -184,13 +180,7 @@ impl Normal {
 }
 
 pub(super) fn fit(joint: &Joint, start: Unknowns) -> Result<(JointEstimate, Vec<Trial>)> {
-    if joint.trials.is_empty() {
-        return Err(Error::TooFewSamples {
-            what: WHAT,
-            needed: 1,
-            got: 0,
-        });
-    }
+    require_samples(WHAT, 1, joint.trials.len())?;
     let mut trials = joint.trials.clone();
     for trial in &mut trials {
         trial.start(&start);

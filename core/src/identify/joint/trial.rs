@@ -114,17 +114,13 @@ impl Trial {
                 deviation: sqrt(variances[at]),
             })
         };
-        let held = Known {
-            value: 0.0,
-            deviation: 0.0,
-        };
         let pair = |[a, b]: [Option<Known>; 2]| Some([a?, b?]);
         TrialEstimate {
             wedge: self.wedge,
             excess: squares - self.measured().saturating_sub(self.fitted()) as f64,
-            zero_v: core::array::from_fn(|limb| known(Kind::Zero(limb)).unwrap_or(held)),
+            zero_v: core::array::from_fn(|limb| known(Kind::Zero(limb)).unwrap_or(Known::HELD)),
             sensitivity: core::array::from_fn(|limb| {
-                known(Kind::Sensitivity(limb)).unwrap_or(held)
+                known(Kind::Sensitivity(limb)).unwrap_or(Known::HELD)
             }),
             centre_m: pair([0, 1].map(|side| known(Kind::Centre(side)))),
             plumb: pair([0, 1].map(|side| known(Kind::Plumb(side)))),

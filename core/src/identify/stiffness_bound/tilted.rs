@@ -17,6 +17,7 @@ use glam::{DMat3, DVec3};
 use nalgebra::{SVector, Vector6};
 
 use super::{Excitation, INERTIAS, LinearSensor, Response, TAU, inertia_part};
+use crate::columns::{halves, stacked};
 use crate::error::{Result, require};
 use crate::float::{sin_cos, sqrt};
 use crate::geometry::{DIRECTIONS_SHELL, LIMBS, LIMBS_PER_NODE};
@@ -29,14 +30,6 @@ struct Instant {
     load: Vector6<f64>,
     load_slope: Vector6<f64>,
     centrifugal_curvature: Vector6<f64>,
-}
-
-fn stacked(force: DVec3, torque: DVec3) -> Vector6<f64> {
-    Vector6::new(force.x, force.y, force.z, torque.x, torque.y, torque.z)
-}
-
-fn parts(v: &Vector6<f64>) -> [DVec3; 2] {
-    [DVec3::new(v[0], v[1], v[2]), DVec3::new(v[3], v[4], v[5])]
 }
 
 impl LinearSensor {
@@ -91,7 +84,7 @@ impl LinearSensor {
                 let mut unit = [0.0; INERTIAS];
                 unit[entry] = 1.0 / (n * n);
                 // E w, as n^2 over n.
-                let [_, product] = parts(&(inertia_part(&unit) * stacked(DVec3::ZERO, now.w * n)));
+                let [_, product] = halves(&(inertia_part(&unit) * stacked(DVec3::ZERO, now.w * n)));
                 let centrifugal = still * stacked(DVec3::ZERO, now.w.cross(product));
                 (SVector::from(linear.by_inertia[entry]) * sin + centrifugal).into()
             }),
@@ -132,7 +125,7 @@ impl LinearSensor {
         let length = self.geometry.limb_length_m;
         let rigid = self.jacobian * (self.inverse * now.load);
         let moved = |load: &Vector6<f64>| {
-            let [r, turned] = parts(&-(self.inverse * load));
+            let [r, turned] = halves(&-(self.inverse * load));
             (r, turned / n)
         };
         let (r, phi) = moved(&now.load);

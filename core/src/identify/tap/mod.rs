@@ -34,7 +34,7 @@ use self::evidence::Evidence;
 use self::fit::{Fitted, Prior, Shared, Unknowns, Window};
 pub use self::model::{MODES, RingDown, SHARED};
 use super::{Reason, Verdict, noise_verdict};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require, require_positive};
 use crate::float::sqrt;
 use crate::geometry::LIMBS;
 use crate::model::Sensor;
@@ -135,30 +135,29 @@ impl Tap {
 
 impl Setup<'_> {
     fn prior(&self) -> Result<Prior> {
-        let out_of_range =
-            |name, value, requirement| Err(Error::out_of_range(name, value, requirement));
         self.parameters.validate()?;
         self.sensor.geometry.validate()?;
         self.sensor.gains.validate()?;
         self.sensor.gains.validate_with(self.parameters)?;
         for value in self.gain_deviation {
-            if !(value > 0.0 && (1.0 / value).is_finite() && value.is_finite()) {
-                return out_of_range("gain_deviation", value, "positive and finite");
-            }
+            require(
+                value > 0.0 && (1.0 / value).is_finite() && value.is_finite(),
+                "gain_deviation",
+                value,
+                "positive and finite",
+            )?;
         }
-        if !(self.sample_rate_hz > 0.0 && self.sample_rate_hz.is_finite()) {
-            let requirement = "positive and finite";
-            return out_of_range("sample_rate_hz", self.sample_rate_hz, requirement);
-        }
+        require_positive("sample_rate_hz", self.sample_rate_hz)?;
         let whitening = self
             .inertia_covariance_m4
             .cholesky()
             .and_then(|root| root.l().solve_lower_triangular(&Matrix6::identity()))
-            .filter(|inverse| inverse.iter().sum::<f64>().is_finite());
-        let Some(whitening) = whitening else {
-            let value = self.inertia_covariance_m4.trace();
-            return out_of_range("inertia_covariance_m4", value, "positive definite");
-        };
+            .filter(|inverse| inverse.iter().sum::<f64>().is_finite())
+            .ok_or(Error::out_of_range(
+                "inertia_covariance_m4",
+                self.inertia_covariance_m4.trace(),
+                "positive definite",
+            ))?;
         Ok(Prior {
             geometry: self.sensor.geometry,
             inertia_m2: self.parameters.inertia_per_mass.to_paper_order(),

@@ -37,6 +37,7 @@
 use glam::DVec3;
 use nalgebra::{Matrix6, SymmetricEigen};
 
+use crate::columns::matrix;
 use crate::error::{Error, Result, require};
 use crate::float::{exp, sin_cos, sqrt};
 use crate::geometry::{Geometry, LIMBS};
@@ -107,11 +108,7 @@ impl RingDown {
         let jacobian = geometry.limb_jacobian();
         let mut mass = Matrix6::identity();
         let tensor = inertia_per_mass.matrix_mass_m2();
-        for column in 0..3 {
-            for row in 0..3 {
-                mass[(3 + row, 3 + column)] = tensor.col(column)[row];
-            }
-        }
+        mass.fixed_view_mut::<3, 3>(3, 3).copy_from(&matrix(tensor));
         // 1 and 1e-4 m^2 on one diagonal: Cholesky is indifferent to scaling.
         let impossible = || {
             Error::out_of_range(

@@ -8,7 +8,7 @@ use glam::DVec3;
 use nalgebra::SVector;
 
 use super::ScaleRatios;
-use crate::error::{Error, Result};
+use crate::error::{Result, require, require_not_negative, require_positive};
 use crate::float::{exp, ln, sqrt};
 use crate::geometry::{DIRECTIONS_SHELL, LIMBS};
 use crate::paper::signal::SignalChain;
@@ -43,18 +43,12 @@ impl KnownChange {
     /// The common factor, and with it all nine; `chain` is the calibration's.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a length that is not positive, deviations that are negative or voltages that did not change.
+    /// [`crate::Error::OutOfRange`] for a length that is not positive, deviations that are negative or voltages that did not change.
     pub fn scales(&self, chain: &SignalChain, ratios: &ScaleRatios) -> Result<Scales> {
-        let out_of_range =
-            |name, value, requirement| Err(Error::out_of_range(name, value, requirement));
-        if !(self.length_m_s2 > 0.0 && self.length_m_s2.is_finite()) {
-            return out_of_range("length_m_s2", self.length_m_s2, "positive and finite");
-        }
+        require_positive("length_m_s2", self.length_m_s2)?;
         let deviations = self.voltage_deviation_v.iter();
         for &value in deviations.chain([&self.length_deviation_m_s2]) {
-            if !(value >= 0.0 && value.is_finite()) {
-                return out_of_range("a standard deviation", value, "finite and not negative");
-            }
+            require_not_negative("a standard deviation", value)?;
         }
         let sensitivity = chain.sensitivity_m_s2_per_v();
         let per_v: [DVec3; LIMBS] = core::array::from_fn(|i| {
@@ -64,9 +58,12 @@ impl KnownChange {
             .map(|i| per_v[i] * self.voltage_change_v[i])
             .sum();
         let length = sum.length();
-        if !(length.is_normal() && length > 0.0) {
-            return out_of_range("voltage_change_v", length, "a change that forces add up to");
-        }
+        require(
+            length.is_normal() && length > 0.0,
+            "voltage_change_v",
+            length,
+            "a change that forces add up to",
+        )?;
         let along = sum / length;
         // d ln(length)/d ln c_i, and what a volt is worth.
         let by_ratio = SVector::<f64, LIMBS>::from_fn(|i, _| {

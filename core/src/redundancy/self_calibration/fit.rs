@@ -17,7 +17,7 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use super::moments::{COLUMNS, Moments};
 use super::ratios::{Limits, LoopMisfit, ScaleRatios};
 use super::{PerLimbs, RATIOS, contrasts, noise};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require_samples};
 use crate::float::{exp, sqrt};
 use crate::geometry::LIMBS;
 use crate::identify::least_squares::gauss_newton::{self, Nonlinear, Outcome, iterate};
@@ -73,14 +73,8 @@ struct Normal {
 type Spectrum = (SVector<f64, RATIOS>, SMatrix<f64, RATIOS, RATIOS>);
 
 pub(super) fn fit(moments: &Moments, limits: &Limits) -> Result<ScaleRatios> {
-    let got = moments.blocks.saturating_sub(moments.records - 1) as usize;
-    if got < FEWEST_BLOCKS {
-        return Err(Error::TooFewSamples {
-            what: "scale ratios, in blocks,",
-            needed: FEWEST_BLOCKS,
-            got,
-        });
-    }
+    let blocks = moments.blocks.saturating_sub(moments.records - 1) as usize;
+    require_samples("scale ratios, in blocks,", FEWEST_BLOCKS, blocks)?;
     let rows = Rows { moments, limits };
     let mut at = rows.point(SVector::zeros(), false)?;
     for step in 1..=PLAIN_STEPS {

@@ -313,11 +313,7 @@ impl Moments {
     pub fn ratios(&self, limits: &Limits) -> Result<ScaleRatios> {
         limits.validate()?;
         if !self.scatter.iter().all(|x| x.is_finite()) {
-            return Err(Error::Overflow {
-                what: "scale ratios",
-                channel: 0,
-                sample: 0,
-            });
+            return Err(Error::overflow("scale ratios", 0));
         }
         super::fit::fit(self, limits)
     }

@@ -17,30 +17,17 @@ const RATE_HZ: f64 = 1e6;
 /// Parameters that are no sensor's.
 pub fn axis_noise_densities(setup: &Setup, channels: &[f64; LIMBS]) -> Result<[f64; 6]> {
     let settings = setup.settings(RATE_HZ, Scheme::default());
-    let rest = setup.parameters.zero_drift_v;
-    let at = |limb: usize, step: f64| -> Result<[f64; 6]> {
-        let mut voltage_v = rest;
-        voltage_v[limb] += step;
+    by_steps(channels, |limb, step_v| {
+        let mut voltage_v = setup.parameters.zero_drift_v;
+        voltage_v[limb] += step_v;
         let mut decoupler = Decoupler::new(&setup.sensor, &setup.parameters, &settings)?;
         let mut answer = None;
         for _ in 0..3 {
             answer = decoupler.push(&voltage_v)?.or(answer);
         }
         let answer = answer.context("three samples have an answer")?;
-        let (linear, angular) = (answer.linear_ground_m_s2, answer.angular_ground_rad_s2);
-        Ok([
-            linear.x, linear.y, linear.z, angular.x, angular.y, angular.z,
-        ])
-    };
-    let mut squares = [0.0; 6];
-    for (limb, density) in channels.iter().enumerate() {
-        let (more, less) = (at(limb, STEP_V)?, at(limb, -STEP_V)?);
-        for (axis, square) in squares.iter_mut().enumerate() {
-            let gradient = (more[axis] - less[axis]) / (2.0 * STEP_V);
-            *square += (gradient * density).powi(2);
-        }
-    }
-    Ok(squares.map(f64::sqrt))
+        Ok(vec![answer.accelerations()])
+    })
 }
 
 /// Standard deviations of a sample's ax to az, m/s^2, and alpha_x to alpha_z, rad/s^2, at rest, that white noise of the channels, V,
@@ -53,20 +40,27 @@ pub fn sample_noise(
     settings: &Settings,
     noise_v: &[f64; LIMBS],
 ) -> Result<[f64; 6]> {
+    // One sample among others that are at rest shows in its own answer and, by differences, in its neighbours'.
+    by_steps(noise_v, |limb, step_v| {
+        let mut decoupler = Decoupler::new(&setup.sensor, &setup.parameters, settings)?;
+        let mut answers = Vec::new();
+        for sample in 0..7 {
+            let mut voltage_v = setup.parameters.zero_drift_v;
+            voltage_v[limb] += if sample == 3 { step_v } else { 0.0 };
+            answers.extend(decoupler.push(&voltage_v)?.map(|a| a.accelerations()));
+        }
+        Ok(answers)
+    })
+}
+
+/// What independent noise of the nine channels adds up to in accelerations, whose answers to a step of one channel, V, are given.
+fn by_steps(
+    noise: &[f64; LIMBS],
+    answers: impl Fn(usize, f64) -> Result<Vec<[f64; 6]>>,
+) -> Result<[f64; 6]> {
     let mut squares = [0.0; 6];
-    for (limb, noise) in noise_v.iter().enumerate() {
-        // One sample among others that are at rest shows in its own answer and, by differences, in its neighbours'.
-        let answers = |step_v: f64| -> Result<Vec<[f64; 6]>> {
-            let mut decoupler = Decoupler::new(&setup.sensor, &setup.parameters, settings)?;
-            let mut answers = Vec::new();
-            for sample in 0..7 {
-                let mut voltage_v = setup.parameters.zero_drift_v;
-                voltage_v[limb] += if sample == 3 { step_v } else { 0.0 };
-                answers.extend(decoupler.push(&voltage_v)?.map(|a| a.accelerations()));
-            }
-            Ok(answers)
-        };
-        for (more, less) in answers(STEP_V)?.iter().zip(answers(-STEP_V)?) {
+    for (limb, noise) in noise.iter().enumerate() {
+        for (more, less) in answers(limb, STEP_V)?.iter().zip(answers(limb, -STEP_V)?) {
             for (axis, square) in squares.iter_mut().enumerate() {
                 let gradient = (more[axis] - less[axis]) / (2.0 * STEP_V);
                 *square += (gradient * noise).powi(2);

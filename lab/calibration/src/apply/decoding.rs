@@ -20,22 +20,26 @@ use super::mean_acceleration::MeanAcceleration;
 pub struct Decoding {
     decoupler: Decoupler,
     columns: Columns,
-    gravity_ground_m_s2: DVec3,
-    /// Follows how well the attitude is known, and decodes in the decoupler's place where there are aids.
-    attitude: Option<AttitudeStream>,
+    /// Specific forces are accelerations less this gravity, ground axes, m/s^2.
+    pub(super) gravity_ground_m_s2: DVec3,
+    /// Follows how well the attitude is known, and decodes in the decoupler's place where there are aids. Ground axes are NaN
+    /// where it is not known.
+    pub(super) attitude: Option<AttitudeStream>,
+    /// Whether each sample's standard deviations are written, too, into [`DEVIATIONS`]: from `uncertainty`, or from the aided
+    /// attitude.
+    pub(super) deviates: bool,
     /// Runs beside the decoupler where it is asked how well each sample is known.
-    uncertainty: Option<Box<SampleUncertainty>>,
-    /// Whether deviations are written.
-    deviates: bool,
+    pub(super) uncertainty: Option<Box<SampleUncertainty>>,
     said: Vec<String>,
     finished: bool,
     /// Voltages of the last sample.
     before: Row,
-    /// Decodes in the decoupler's place where failures are to be seen.
-    watching: Option<FaultWatch>,
-    /// Looks at the voltages before they are decoded.
-    coordination: Option<Coordination>,
-    ends: Option<Ends>,
+    /// Decodes in the decoupler's place where failures are to be seen, and says which limbs go into [`FLAGS`], excluded or suspected.
+    pub(super) watching: Option<FaultWatch>,
+    /// Checks the coordination equations: looks at the voltages before they are decoded.
+    pub(super) coordination: Option<Coordination>,
+    /// Sees whether the recording begins in motion.
+    pub(super) ends: Option<Ends>,
     mean: MeanAcceleration,
     /// Stamps of the samples that have not been answered.
     times_s: Vec<f64>,
@@ -60,8 +64,8 @@ impl Decoding {
             columns,
             gravity_ground_m_s2: DVec3::ZERO,
             attitude: None,
-            uncertainty: None,
             deviates: false,
+            uncertainty: None,
             said: Vec::new(),
             finished: false,
             before: [0.0; LIMBS],
@@ -76,54 +80,6 @@ impl Decoding {
             first_s: None,
             picture: picture.then(Box::default),
         }
-    }
-
-    /// Specific forces are accelerations less this gravity, ground axes, m/s^2.
-    #[must_use]
-    pub const fn under(mut self, gravity_ground_m_s2: DVec3) -> Self {
-        self.gravity_ground_m_s2 = gravity_ground_m_s2;
-        self
-    }
-
-    /// Follows the attitude, too: where it is not known, ground axes are NaN.
-    #[must_use]
-    pub fn with_attitude(mut self, attitude: AttitudeStream) -> Self {
-        self.attitude = Some(attitude.written_to(self.columns));
-        self
-    }
-
-    /// Writes each sample's standard deviations, too, into [`DEVIATIONS`]: from `uncertainty`, or from the aided attitude.
-    #[must_use]
-    pub fn with_deviations(mut self, uncertainty: Option<SampleUncertainty>) -> Self {
-        self.uncertainty = uncertainty.map(Box::new);
-        self.deviates = true;
-        self
-    }
-
-    /// Runs the fault monitor, too, and writes excluded and suspected limbs into [`FLAGS`].
-    #[must_use]
-    pub fn with_watching(mut self, watching: FaultWatch) -> Self {
-        self.watching = Some(watching);
-        self
-    }
-
-    /// Checks the coordination equations on the way.
-    #[must_use]
-    pub fn with_coordination(mut self, coordination: Coordination) -> Self {
-        self.coordination = Some(coordination);
-        self
-    }
-
-    /// Sees whether the recording begins in motion.
-    #[must_use]
-    pub fn with_ends(mut self, ends: Ends) -> Self {
-        self.ends = Some(ends);
-        self
-    }
-
-    /// What the coordination equations say, if they are checked.
-    pub fn coordination(&mut self) -> Option<&mut Coordination> {
-        self.coordination.as_mut()
     }
 
     /// What the accelerations in ground axes are no motion's by, if they are not.

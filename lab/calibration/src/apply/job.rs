@@ -140,16 +140,13 @@ impl Job<'_> {
     fn decoding(&self, settings: &Settings) -> Result<Decoding> {
         let decoupler = self.decoupler(settings)?;
         let gravity = settings.gravity_ground_m_s2;
-        let mut decoding =
-            Decoding::new(decoupler.clone(), self.columns, self.picture).under(gravity);
+        let mut decoding = Decoding::new(decoupler.clone(), self.columns, self.picture);
+        decoding.gravity_ground_m_s2 = gravity;
         if !self.rest_to_rest {
-            decoding = decoding.with_ends(self.ends(settings.sample_rate_hz));
+            decoding.ends = Some(self.ends(settings.sample_rate_hz));
         }
-        let monitor = self.monitor(settings)?;
-        let watches = monitor.is_some();
-        if let Some(monitor) = monitor {
-            decoding = decoding.with_watching(monitor);
-        }
+        decoding.watching = self.monitor(settings)?;
+        let watches = decoding.watching.is_some();
         let aided = !self.aids.is_empty();
         ensure!(
             gravity != DVec3::ZERO || self.aids.iter().all(|aid| aid.file().is_some()),
@@ -179,14 +176,14 @@ impl Job<'_> {
                     let until_deg = self.until_sd_deg;
                     let mut attitude = AttitudeStream::aided(aided, settings, until_deg, noise);
                     attitude.bounded_by(self.setup.bound(self.calibration, settings, &aids)?);
-                    decoding = decoding.with_attitude(attitude);
+                    decoding.attitude = Some(attitude.written_to(self.columns));
                 }
                 Ok((mut filter, _)) => {
                     filter.set_excluded(self.excluded).context("--excluded")?;
                     let aidable = !watches && self.excluded.is_empty();
                     let until_deg = self.until_sd_deg;
                     let beside = AttitudeStream::beside(filter, settings, until_deg, aidable);
-                    decoding = decoding.with_attitude(beside);
+                    decoding.attitude = Some(beside.written_to(self.columns));
                 }
                 Err(error) if aided => return Err(error.context("--aid")),
                 Err(error) => decoding.say(format!(
@@ -196,22 +193,20 @@ impl Job<'_> {
         }
         if self.uncertainty {
             let open_loop = || self.setup.uncertainty(self.calibration, settings);
-            decoding = decoding.with_deviations((!aided).then(open_loop).transpose()?);
+            decoding.deviates = true;
+            decoding.uncertainty = (!aided).then(open_loop).transpose()?.map(Box::new);
         }
         Ok(decoding)
     }
 
     /// The same by a smoothed attitude.
     fn smoothed_decoding(&self, attitude: AttitudeStream, settings: &Settings) -> Result<Decoding> {
-        let decoding = Decoding::new(self.decoupler(settings)?, self.columns, self.picture)
-            .under(settings.gravity_ground_m_s2)
-            .with_ends(self.ends(settings.sample_rate_hz))
-            .with_attitude(attitude);
-        Ok(if self.uncertainty {
-            decoding.with_deviations(None)
-        } else {
-            decoding
-        })
+        let mut decoding = Decoding::new(self.decoupler(settings)?, self.columns, self.picture);
+        decoding.gravity_ground_m_s2 = settings.gravity_ground_m_s2;
+        decoding.ends = Some(self.ends(settings.sample_rate_hz));
+        decoding.attitude = Some(attitude.written_to(self.columns));
+        decoding.deviates = self.uncertainty;
+        Ok(decoding)
     }
 
     fn ends(&self, sample_rate_hz: f64) -> Ends {
@@ -229,11 +224,12 @@ impl Job<'_> {
     pub fn live(&self, sample_rate_hz: f64) -> Result<TextStream> {
         let settings = self.setup.settings(sample_rate_hz, self.scheme);
         let watched = self.false_alarms_per_hour.is_some();
+        let conditioning = self.conditioning(sample_rate_hz)?;
+        let mut decoding = self.decoding(&settings)?;
+        decoding.coordination = Some(self.coordination());
         Ok(TextStream {
-            conditioning: self.conditioning(sample_rate_hz)?,
-            decoding: self
-                .decoding(&settings)?
-                .with_coordination(self.coordination()),
+            conditioning,
+            decoding,
             layout: self.layout(sample_rate_hz),
             excluded: self.excluded,
             watched,
@@ -331,7 +327,7 @@ impl Job<'_> {
                 recording = open()?;
                 conditioning = self.conditioning(rate_hz)?;
             }
-            decoding = decoding.with_coordination(coordination.clone());
+            decoding.coordination = Some(coordination.clone());
             let sink = create(&layout)?;
             let recording = &mut recording;
             let done = pipeline::run(recording, conditioning, &mut decoding, sink, &advance)?;
@@ -344,7 +340,8 @@ impl Job<'_> {
         let no_motion = decoding.no_motion(rate_hz);
         warnings.extend(no_motion.map(|why| format!("{}: {why}", path.display())));
         let broken = decoding
-            .coordination()
+            .coordination
+            .as_mut()
             .unwrap_or(&mut coordination)
             .verdict();
         warnings.extend(broken.map(|broken| format!("{}: {broken}", path.display())));

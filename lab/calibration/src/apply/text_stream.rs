@@ -151,7 +151,7 @@ impl TextStream {
                     explain(&error, &format!("{PLACE}, line {number}"), &places.names())
                 })?;
             self.decoding.messages().into_iter().for_each(warn);
-            let broken = self.decoding.coordination();
+            let broken = self.decoding.coordination.as_mut();
             if let Some(broken) = broken.and_then(Coordination::verdict_so_far) {
                 warn(format!("{PLACE}, line {number}: {broken}"));
             }
@@ -168,7 +168,8 @@ impl TextStream {
         }
         self.decoding.finish();
         self.decoding.messages().into_iter().for_each(warn);
-        if let Some(broken) = self.decoding.coordination().and_then(Coordination::verdict) {
+        let broken = self.decoding.coordination.as_mut();
+        if let Some(broken) = broken.and_then(Coordination::verdict) {
             warn(format!("{PLACE}: {broken}"));
         }
         if clipped > 1 {

@@ -21,17 +21,22 @@ pub mod one_kind;
 pub mod plugs;
 pub mod stated;
 
-use sixaxis_core::Parameters;
 use sixaxis_core::identify::joint::AtRest;
+use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
 use sixaxis_core::identify::zero_drift::ZeroDrift;
+use sixaxis_core::{InertiaPerMass, LIMBS, Parameters};
 
-use super::{JointReport, Knowledge, Loss, fit_trials};
+use super::{JointReport, Knowledge, Loss, at_rest, fit_trials};
 use crate::conditioning::Conditioning;
 use crate::diagnosis::odd_trial::OTHER_RANGES;
+use crate::diagnosis::table::Table;
 use crate::diagnosis::trial_case::TrialCase;
 use crate::finding::{Cause, Finding};
 use crate::steps::Campaign;
 use crate::trial::Trial;
+
+/// Departure of a channel, relative to its trial, beyond which more makes no difference to who belongs where.
+const COST_CAP: f64 = 0.2;
 
 /// A day that the joint fit does not account for, or, for [`one_kind`], one of which it may have taken a channel's change for cross-talk.
 #[derive(Debug, Clone, Copy)]
@@ -75,6 +80,54 @@ impl Unaccounted<'_> {
         let geometry = &self.campaign.geometry;
         fit_trials(geometry, trials, rest, start, knowledge, Loss::Squares).ok()
     }
+
+    /// The fit of all trials, each put right. It starts from what their responses then agree on.
+    fn fit_put_right(&self, table: &Table, put_right: impl Fn(&mut Trial)) -> Option<JointReport> {
+        let trials = self.campaign.trials.iter();
+        let right: Vec<Trial> = trials
+            .map(|(trial, _)| {
+                let mut right = trial.clone();
+                put_right(&mut right);
+                right
+            })
+            .collect();
+        let rest = at_rest(self.drift);
+        let start = start(table, &rest, &self.campaign.design);
+        let borrowed: Vec<&Trial> = right.iter().collect();
+        self.fit(&borrowed, &rest, &start, self.knowledge)
+    }
+}
+
+/// How far trials are from agreeing, and on what.
+fn agreement(shares: &StaticLoadSharing, cases: &[TrialCase<'_>]) -> Option<(f64, Table)> {
+    let table = Table::linear(shares, cases, &[false; LIMBS])?.fitted(cases);
+    Some((table.cost(cases, COST_CAP), table))
+}
+
+/// Where a fit starts: as the responses have it, and as designed where they leave something open.
+fn start(table: &Table, rest: &AtRest, design: &Parameters) -> Parameters {
+    let inertia = table.inertia_m2.map(|i| InertiaPerMass {
+        xx_m2: i.x_axis.x,
+        yy_m2: i.y_axis.y,
+        zz_m2: i.z_axis.z,
+        xy_m2: i.x_axis.y,
+        xz_m2: i.x_axis.z,
+        yz_m2: i.y_axis.z,
+    });
+    Parameters {
+        zero_drift_v: rest.drift_v,
+        scale_per_mass_per_kg: table.mass_over_scale_kg.map(|h| 1.0 / h),
+        inertia_per_mass: inertia.unwrap_or(design.inertia_per_mass),
+        ..*design
+    }
+}
+
+/// That the trials agree with something put right, in words.
+fn agreeing(with: &str, joint: &JointReport) -> String {
+    format!(
+        "with {with} all trials agree to the noise (misfit {:.2}), and as they are they do not",
+        joint.misfit.per_degree
+    )
 }
 
 /// What is wrong with such a day, beside what is `certain`. What was `suspected` by holding its trials against each other is taken up

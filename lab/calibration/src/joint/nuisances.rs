@@ -9,24 +9,6 @@ use sixaxis_core::identify::joint::unknowns::{
 
 use super::JointReport;
 
-/// A value and its standard deviation, in the unit of what it is of.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Found {
-    /// Best guess.
-    pub value: f64,
-    /// Standard deviation, in which the certificate's prior is included.
-    pub deviation: f64,
-}
-
-impl Found {
-    fn times(self, factor: f64) -> Self {
-        Self {
-            value: factor * self.value,
-            deviation: factor * self.deviation,
-        }
-    }
-}
-
 /// A wedge as it was made.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct WedgeFound {
@@ -35,7 +17,7 @@ pub struct WedgeFound {
     /// Unit vector that it sets.
     pub direction: [f64; 3],
     /// Angles by which it misses its direction, degrees; none where the session says that wedges are right.
-    pub angles_deg: Option<[Found; ANGLES]>,
+    pub angles_deg: Option<[Known; ANGLES]>,
 }
 
 /// The room as the trials show it. Spreads are standard deviations.
@@ -55,21 +37,21 @@ pub struct RoomFound {
     pub off_plumb_deg: f64,
 }
 
-/// Everything beside the 25.
+/// Everything beside the 25. The certificates' priors are included in the deviations.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Nuisances {
     /// What nobody states.
     pub room: RoomFound,
     /// Reading over truth of the standard accelerometer, less one.
-    pub accelerometer_gain: Found,
+    pub accelerometer_gain: Known,
     /// Whether the trials say more of that than the certificate.
     pub accelerometer_gain_is_told: bool,
     /// Reading over truth of the standard gyroscope, less one.
-    pub gyroscope_gain: Option<Found>,
+    pub gyroscope_gain: Option<Known>,
     /// Lag of the gyroscope, s; none if it is said to follow at once.
-    pub gyroscope_lag_s: Option<Found>,
+    pub gyroscope_lag_s: Option<Known>,
     /// Corner of the charge amplifiers' high-pass, Hz; none if the session states none.
-    pub amplifier_corner_hz: Option<Found>,
+    pub amplifier_corner_hz: Option<Known>,
     /// The wedges in the order in which the session first uses them.
     pub wedges: Vec<WedgeFound>,
 }
@@ -88,8 +70,9 @@ impl JointReport {
             .enumerate()
             .map(|(index, wedge)| {
                 let at = unknowns.angles(index);
-                let angles: [Option<Found>; ANGLES] =
-                    core::array::from_fn(|j| Some(self.found(at + j)?.times(1.0_f64.to_degrees())));
+                let angles: [Option<Known>; ANGLES] = core::array::from_fn(|j| {
+                    Some(times(1.0_f64.to_degrees(), self.found(at + j)?))
+                });
                 WedgeFound {
                     nominal: wedge.nominal.to_array(),
                     direction: unknowns.direction(index).0.to_array(),
@@ -117,7 +100,7 @@ impl JointReport {
                 centre_off_axis_m: farthest(|trial| trial.centre_m),
                 off_plumb_deg: farthest(|trial| trial.plumb).to_degrees(),
             },
-            accelerometer_gain: Found {
+            accelerometer_gain: Known {
                 value: self.gain.mean(),
                 deviation: self.gain.deviation(),
             },
@@ -126,7 +109,7 @@ impl JointReport {
             gyroscope_lag_s: self.found(GYROSCOPE_LAG),
             amplifier_corner_hz: self
                 .found(AMPLIFIER_CORNER)
-                .map(|found| found.times(1.0 / core::f64::consts::TAU)),
+                .map(|found| times(1.0 / core::f64::consts::TAU, found)),
             wedges,
         }
     }
@@ -139,13 +122,20 @@ impl JointReport {
     }
 
     /// An unknown at the accelerometer's gain as it is known; none if it was held.
-    fn found(&self, unknown: usize) -> Option<Found> {
+    fn found(&self, unknown: usize) -> Option<Known> {
         let variance = self.estimate.covariance[(unknown, unknown)];
         let slope = self.estimate.by_accelerometer_gain[unknown];
         let moved = self.gain.mean() - self.estimate.accelerometer_gain_held();
-        (variance > 0.0).then(|| Found {
+        (variance > 0.0).then(|| Known {
             value: self.estimate.unknowns.values[unknown] + moved * slope,
             deviation: (self.misfit.wider() * variance.sqrt()).hypot(self.gain.deviation() * slope),
         })
+    }
+}
+
+fn times(factor: f64, known: Known) -> Known {
+    Known {
+        value: factor * known.value,
+        deviation: factor * known.deviation,
     }
 }

@@ -6,10 +6,9 @@ use sixaxis_core::decouple::uncertainty::influence::{
     ComplianceInfluence, InertiaInfluence, ScaleInfluence, column, force_per_volt, torque_per_volt,
 };
 use sixaxis_core::decouple::uncertainty::parameters::{Chain, Covariance, Errors};
-use sixaxis_core::identify::compliance_fit::ComplianceFit;
 use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::parameter::{COMPLIANCE, DRIFT, INERTIA, SCALE};
-use sixaxis_core::{Geometry, LIMBS, Parameters, Result, Scheme};
+use sixaxis_core::{Geometry, LIMBS, Parameters, Result};
 
 use super::TrialNoise;
 use crate::conditioning::{Conditioned, Conditioning};
@@ -84,41 +83,22 @@ pub(super) struct Sensitivities<'a> {
     pub fourth: FourthStep,
 }
 
-/// Step 4 at its solution: for each of its trials, by the trial's place in the campaign, the change of w* with the compliance,
-/// (rad/s)/s^2, at each decoupled sample, the first of which is sample 1.
-#[derive(Debug, Default)]
+/// Step 4 at its solution: for each trial of the campaign the change of w* with the compliance, (rad/s)/s^2, at each decoupled
+/// sample, the first of which is sample 1; nothing for trials of other steps.
+#[derive(Debug)]
 pub(super) struct FourthStep {
-    slopes: Vec<(usize, Vec<DVec3>)>,
+    slopes: Vec<Vec<DVec3>>,
     slope_squares: f64,
 }
 
 impl FourthStep {
     pub(super) fn new(campaign: &Campaign, parameters: &Parameters) -> Result<Self> {
-        let mut fit = ComplianceFit::default();
-        let mut slopes = Vec::new();
-        for (index, (trial, conditioned)) in campaign.trials.iter().enumerate() {
-            if trial.role != Role::HighFrequencyLinear {
-                continue;
-            }
-            let mut own = Vec::with_capacity(conditioned.voltage_v.len());
-            fit.push_trial(
-                &trial.sensor(campaign.geometry),
-                parameters,
-                &trial.settings(Scheme::Heun),
-                &conditioned.voltage_v,
-                |line| own.push(line.slope_rad_s3),
-            )?;
-            slopes.push((index, own));
-        }
+        let mut slopes = vec![Vec::new(); campaign.trials.len()];
+        let fit = campaign.compliance_fit(parameters, |index, slope| slopes[index].push(slope))?;
         Ok(Self {
             slopes,
             slope_squares: fit.slope_squares(),
         })
-    }
-
-    fn of(&self, index: usize) -> Option<&[DVec3]> {
-        let (_, slopes) = self.slopes.iter().find(|(i, _)| *i == index)?;
-        Some(slopes)
     }
 }
 
@@ -175,10 +155,13 @@ impl Sensitivities<'_> {
         conditioned: &Conditioned,
         t: usize,
     ) -> SMatrix<f64, LIMBS, 3> {
-        let measured = trial
+        self.scale.of_sample(&self.measured(trial, conditioned, t))
+    }
+
+    fn measured(&self, trial: &Trial, conditioned: &Conditioned, t: usize) -> [f64; LIMBS] {
+        trial
             .gains
-            .measured_force_n(&conditioned.voltage_v[t], &self.parameters.zero_drift_v);
-        self.scale.of_sample(&measured)
+            .measured_force_n(&conditioned.voltage_v[t], &self.parameters.zero_drift_v)
     }
 
     pub(super) fn angular(
@@ -202,9 +185,7 @@ impl Sensitivities<'_> {
                 conditioned.angular_shell_rad_s2[t],
             );
             let answer = self.inertia.of_sample(rate, derivative);
-            let measured = trial
-                .gains
-                .measured_force_n(&conditioned.voltage_v[t], &self.parameters.zero_drift_v);
+            let measured = self.measured(trial, conditioned, t);
             own.add_torques(INERTIA.start, &answer, &torque, &arms, &measured);
             own.add_gain(
                 1,
@@ -257,11 +238,11 @@ impl Sensitivities<'_> {
             trial.sample_rate_hz,
             self.fourth.slope_squares,
         );
-        let (Some(influence), Some(slopes)) = (influence, self.fourth.of(index)) else {
+        let Some(influence) = influence else {
             return Ok(None);
         };
         let mut own = StepError::default();
-        let mut weights = slopes.to_vec();
+        let mut weights = self.fourth.slopes[index].clone();
         influence.of_trial(&mut weights);
         let signal = SignalChain::new(&trial.gains, self.parameters);
         let torque = torque_per_volt(&self.geometry, &signal);
@@ -269,9 +250,7 @@ impl Sensitivities<'_> {
         let mut sensitivities = vec![SMatrix::<f64, 1, 3>::zeros(); trial.voltage_v.len()];
         for (t, weight) in (FIRST..).zip(&weights) {
             let answer = column(*weight).transpose();
-            let measured = trial
-                .gains
-                .measured_force_n(&conditioned.voltage_v[t], &self.parameters.zero_drift_v);
+            let measured = self.measured(trial, conditioned, t);
             own.add_torques(COMPLIANCE, &answer, &torque, &arms, &measured);
             sensitivities[t] = answer;
         }

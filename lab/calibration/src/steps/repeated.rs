@@ -11,18 +11,11 @@ use crate::trial::Trial;
 use sixaxis_recordings::session::Role;
 
 impl Campaign {
-    /// Repeats steps 2 to 4 with the limbs' compliance kept, starting from what the four steps found.
+    /// Repeats steps 2 to 4 with the limbs' compliance kept, starting from what the four steps found and a k/m of the
+    /// caller's, s^-2. The gyroscope's gain stays what `first` has for it.
     ///
     /// # Errors
     /// [`Error::Step`](crate::error::Error::Step): the first step which refuses its data.
-    pub fn repeat(&self, first: &FourSteps) -> Result<FourSteps> {
-        self.repeat_from(first, first.used().stiffness_per_mass_per_s2)
-    }
-
-    /// The same with a k/m of the caller's, s^-2. The gyroscope's gain stays what `first` has for it.
-    ///
-    /// # Errors
-    /// As [`Self::repeat`].
     pub fn repeat_from(
         &self,
         first: &FourSteps,

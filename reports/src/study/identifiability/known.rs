@@ -37,8 +37,7 @@ pub fn study(prepared: &PreparedSession, laboratory: &Laboratory) -> Result<Know
         .map_err(|cause| anyhow!("joint fit: {cause}"))?;
     let compliance_s2 = campaign
         .compliance(&steps.found())
-        .context("step 4 by least squares")?
-        .mass_per_stiffness_s2;
+        .context("step 4 by least squares")?;
     let mut found = steps.found().to_paper_order();
     found[COMPLIANCE] = compliance_s2;
     let four_steps = four_steps(&found, propagated, sources.gyroscope_gain);

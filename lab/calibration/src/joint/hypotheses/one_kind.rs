@@ -9,13 +9,11 @@
 use sixaxis_core::LIMBS;
 use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
 
-use super::Unaccounted;
-use super::plugs::{COST_CAP, start};
+use super::{Unaccounted, agreement};
 use crate::diagnosis::table::{Table, usable, weighted_median};
 use crate::diagnosis::trial_case::{TrialCase, names};
 use crate::finding::{Cause, Finding};
-use crate::joint::{JointReport, Loss, at_rest, fit_trials};
-use crate::trial::Trial;
+use crate::joint::JointReport;
 use sixaxis_recordings::session::Role;
 
 /// Departure of a channel's median response from what the others make one expect that is worth a look, relative.
@@ -247,40 +245,19 @@ fn with(
             right
         })
         .collect();
-    let table = Table::linear(shares, &right, &[false; LIMBS])?.fitted(&right);
-    Some((table.cost(&right, COST_CAP), table))
+    agreement(shares, &right)
 }
 
 /// The fit with those channels put right.
 fn put_right(day: &Unaccounted<'_>, other: &Other, table: &Table) -> Option<JointReport> {
-    let right: Vec<Trial> = day
-        .campaign
-        .trials
-        .iter()
-        .map(|(trial, _)| {
-            let mut right = trial.clone();
-            if trial.role == other.role {
-                for row in &mut right.voltage_v {
-                    for (limb, u) in row.iter_mut().enumerate() {
-                        let zero_v = day.drift.drift_v[limb];
-                        *u = zero_v + (*u - zero_v) / other.factors[limb];
-                    }
+    day.fit_put_right(table, |trial| {
+        if trial.role == other.role {
+            for row in &mut trial.voltage_v {
+                for (limb, u) in row.iter_mut().enumerate() {
+                    let zero_v = day.drift.drift_v[limb];
+                    *u = zero_v + (*u - zero_v) / other.factors[limb];
                 }
             }
-            right
-        })
-        .collect();
-    let rest = at_rest(day.drift);
-    let start = start(table, &rest, &day.campaign.design);
-    let borrowed: Vec<&Trial> = right.iter().collect();
-    let geometry = &day.campaign.geometry;
-    fit_trials(
-        geometry,
-        &borrowed,
-        &rest,
-        &start,
-        day.knowledge,
-        Loss::Squares,
-    )
-    .ok()
+        }
+    })
 }

@@ -7,11 +7,10 @@
 
 use std::borrow::Cow;
 
-use sixaxis_core::identify::joint::AtRest;
 use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
-use sixaxis_core::{Gains, InertiaPerMass, LIMBS, Parameters};
+use sixaxis_core::{Gains, LIMBS};
 
-use super::Unaccounted;
+use super::{Unaccounted, agreeing, agreement, start};
 use crate::diagnosis::table::Table;
 use crate::diagnosis::trial_case::TrialCase;
 use crate::finding::{Cause, Finding};
@@ -19,8 +18,6 @@ use crate::joint::{at_rest, record};
 use crate::response::ChannelResponse;
 use crate::trial::Trial;
 
-/// Departure of a channel, relative to its trial, beyond which more makes no difference to who belongs where.
-pub(super) const COST_CAP: f64 = 0.2;
 /// Share of the squared departures that an exchange may leave to be worth a fit.
 const WORTH_A_FIT: f64 = 0.5;
 /// Share of them that one more exchange may leave to be a part of the matter: a row of names that is out by one is eight exchanges.
@@ -237,10 +234,7 @@ fn accounts(day: &Unaccounted<'_>, found: &Agreeing) -> Option<Finding> {
         cause,
         recordings: if all_day { Vec::new() } else { names.collect() },
         channels,
-        evidence: format!(
-            "with {with} all trials agree to the noise (misfit {:.2}), and as they are they do not",
-            joint.misfit.per_degree
-        ),
+        evidence: agreeing(&with, &joint),
         advice,
     })
 }
@@ -316,12 +310,6 @@ fn with_one_more(
     Some(Agreeing { found, cost, table })
 }
 
-/// How far trials are from agreeing, and on what.
-fn agreement(shares: &StaticLoadSharing, cases: &[TrialCase<'_>]) -> Option<(f64, Table)> {
-    let table = Table::linear(shares, cases, &[false; LIMBS])?.fitted(cases);
-    Some((table.cost(cases, COST_CAP), table))
-}
-
 /// Shows the cases put right in the last one, in the last two ... in all of them.
 fn each_from_the_end(
     cases: &[TrialCase<'_>],
@@ -340,23 +328,5 @@ fn put_right(cases: &mut [TrialCase<'_>], plugs: Plugs) {
         if let Some(response) = &mut case.response {
             plugs.responses_put_right(&mut response.channels, &case.trial.gains);
         }
-    }
-}
-
-/// Where the fit starts: as the responses have it, and as designed where they leave something open.
-pub(super) fn start(table: &Table, rest: &AtRest, design: &Parameters) -> Parameters {
-    let inertia = table.inertia_m2.map(|i| InertiaPerMass {
-        xx_m2: i.x_axis.x,
-        yy_m2: i.y_axis.y,
-        zz_m2: i.z_axis.z,
-        xy_m2: i.x_axis.y,
-        xz_m2: i.x_axis.z,
-        yz_m2: i.y_axis.z,
-    });
-    Parameters {
-        zero_drift_v: rest.drift_v,
-        scale_per_mass_per_kg: table.mass_over_scale_kg.map(|h| 1.0 / h),
-        inertia_per_mass: inertia.unwrap_or(design.inertia_per_mass),
-        ..*design
     }
 }

@@ -7,13 +7,12 @@ use glam::{DMat3, DVec3};
 use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
 use sixaxis_core::{Gains, LIMBS, Parameters};
 
-use super::Unaccounted;
-use super::plugs::{COST_CAP, start};
+use super::{Unaccounted, agreeing, agreement};
 use crate::diagnosis::gravity::NOTICED_M_S2;
 use crate::diagnosis::table::Table;
 use crate::diagnosis::trial_case::TrialCase;
 use crate::finding::{Cause, Finding};
-use crate::joint::at_rest;
+use crate::joint::JointReport;
 use crate::trial::Trial;
 use sixaxis_recordings::session::Role;
 
@@ -186,26 +185,12 @@ fn turns_in_the_sensor(day: &Unaccounted<'_>) -> bool {
 
 /// Whether the trials agree to the noise with that put right.
 fn accounts(day: &Unaccounted<'_>, stated: Stated, table: &Table) -> Option<Finding> {
-    let right: Vec<Trial> = day
-        .campaign
-        .trials
-        .iter()
-        .map(|(trial, _)| {
-            let mut right = trial.clone();
-            stated.put_right(&mut right);
-            right
-        })
-        .collect();
-    let rest = at_rest(day.drift);
-    let start = start(table, &rest, &day.campaign.design);
-    let borrowed: Vec<&Trial> = right.iter().collect();
-    let joint = day.accounting(&borrowed, &rest, &start, day.knowledge)?;
+    let joint = day
+        .fit_put_right(table, |trial| stated.put_right(trial))
+        .filter(JointReport::accounts)?;
     let (cause, with, advice) = stated.in_words();
     Some(Finding {
-        evidence: format!(
-            "with {with} all trials agree to the noise (misfit {:.2}), and as they are they do not",
-            joint.misfit.per_degree
-        ),
+        evidence: agreeing(&with, &joint),
         advice,
         ..Finding::of(cause)
     })
@@ -267,6 +252,5 @@ fn with(
             }
         })
         .collect();
-    let table = Table::linear(shares, &cases, &[false; LIMBS])?.fitted(&cases);
-    Some((table.cost(&cases, COST_CAP), table))
+    agreement(shares, &cases)
 }

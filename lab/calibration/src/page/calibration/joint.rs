@@ -3,12 +3,13 @@
 use crate::calibrate::CalibratedSession;
 use crate::calibrate::contradiction;
 use crate::joint::JointReport;
-use crate::joint::nuisances::{Found, WedgeFound};
+use crate::joint::nuisances::WedgeFound;
 use crate::report::Estimator;
 use crate::report::ParameterReport;
 
 use super::parameters::with_half_width;
 use crate::page::labels::{by_kind, direction, with_interval};
+use sixaxis_core::identify::joint::Known;
 use sixaxis_page::number::{MISSING, fixed, percent, significant};
 use sixaxis_page::{Block, Cell, Section, Table};
 
@@ -89,7 +90,7 @@ fn apart(joint: &ParameterReport, steps: &ParameterReport) -> Cell {
 /// What the fit found of an instrument or a wedge: value, deviation, remark.
 type Told = [String; 3];
 
-fn told(found: Found, factor: f64, unit: &str, remark: impl Into<String>) -> Told {
+fn told(found: Known, factor: f64, unit: &str, remark: impl Into<String>) -> Told {
     let (value, deviation) = with_interval(factor * found.value, factor * found.deviation);
     [
         format!("{value}\u{a0}{unit}"),
