@@ -6,7 +6,7 @@ use nalgebra::Matrix3;
 
 use super::number::{Real, Scalar};
 use super::order::{from_kernel_order, to_kernel_order};
-use super::vec3::{Vec3, vec3};
+use super::vec3::{Vec3, three, vec3, visit_three};
 use crate::error::{Error, Result};
 use crate::geometry::{LIMBS, LIMBS_PER_NODE};
 use crate::model::{InertiaPerMass, Model};
@@ -152,13 +152,13 @@ impl<T: Real> Constants<T> {
     #[inline(always)]
     pub fn map<U: Real>(&self, f: impl Fn(T) -> U) -> Constants<U> {
         Constants {
-            strain_per_v: three(&self.strain_per_v, &f),
-            strain_at_zero: three(&self.strain_at_zero, &f),
+            strain_per_v: three(self.strain_per_v, &f),
+            strain_at_zero: three(self.strain_at_zero, &f),
             nu: f(self.nu),
             inverse_nu: f(self.inverse_nu),
             chi: f(self.chi),
-            torque: three(&self.torque, &f),
-            principal: three(&self.principal, &f),
+            torque: three(self.torque, &f),
+            principal: three(self.principal, &f),
             gyroscopic: self.gyroscopic.map(&f),
             gravity_ground_m_s2: self.gravity_ground_m_s2.map(&f),
             per_s: f(self.per_s),
@@ -190,32 +190,23 @@ impl<T: Real> Constants<T> {
     #[inline(always)]
     pub(crate) fn visit(&mut self, f: &mut impl FnMut(T) -> T) {
         let Self {
-            strain_per_v: [s, t, u],
-            strain_at_zero: [x, y, z],
+            strain_per_v,
+            strain_at_zero,
             nu,
             inverse_nu,
             chi,
-            torque: [a, b, c],
-            principal: [d, e, g],
+            torque,
+            principal,
             gyroscopic,
             gravity_ground_m_s2,
             per_s,
             per_s2,
             m_per_s2,
         } = self;
-        // Without a loop, through which they would go by memory.
-        s.visit(f);
-        t.visit(f);
-        u.visit(f);
-        x.visit(f);
-        y.visit(f);
-        z.visit(f);
-        a.visit(f);
-        b.visit(f);
-        c.visit(f);
-        d.visit(f);
-        e.visit(f);
-        g.visit(f);
+        visit_three(strain_per_v, f);
+        visit_three(strain_at_zero, f);
+        visit_three(torque, f);
+        visit_three(principal, f);
         gyroscopic.visit(f);
         gravity_ground_m_s2.visit(f);
         *nu = f(*nu);
@@ -225,13 +216,6 @@ impl<T: Real> Constants<T> {
         *per_s2 = f(*per_s2);
         *m_per_s2 = f(*m_per_s2);
     }
-}
-
-// Written out: the library's maps of arrays are calls that no vector register survives.
-#[inline(always)]
-fn three<T: Real, U: Real>(columns: &[Vec3<T>; 3], f: impl Fn(T) -> U) -> [Vec3<U>; 3] {
-    let [a, b, c] = *columns;
-    [a.map(&f), b.map(&f), c.map(&f)]
 }
 
 impl<T: Real> Constants<T> {

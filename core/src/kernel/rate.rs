@@ -14,7 +14,7 @@
 //! The unit of time is the sample interval, so the step is one.
 
 use super::number::Real;
-use super::vec3::Vec3;
+use super::vec3::{Vec3, three, visit_three};
 use crate::scheme::{HEUN_SUBSTEPS, Scheme};
 
 /// W' for a rate and a torque over the moments, principal axes.
@@ -82,7 +82,7 @@ impl<T: Real> RateIntegrator<T> {
         let Self {
             rate,
             derivative,
-            history: [k1, k2, k3],
+            history,
             known: _,
             torque: [torque, before],
             end,
@@ -90,9 +90,7 @@ impl<T: Real> RateIntegrator<T> {
         } = self;
         rate.visit(f);
         derivative.visit(f);
-        k1.visit(f);
-        k2.visit(f);
-        k3.visit(f);
+        visit_three(history, f);
         torque.visit(f);
         before.visit(f);
         end.visit(f);
@@ -109,12 +107,11 @@ impl<T: Real> RateIntegrator<T> {
     /// The same in another number.
     #[inline(always)]
     pub fn map<U: Real>(&self, f: impl Fn(T) -> U + Copy) -> RateIntegrator<U> {
-        let [k1, k2, k3] = self.history;
         let [now, before] = self.torque;
         RateIntegrator {
             rate: self.rate.map(f),
             derivative: self.derivative.map(f),
-            history: [k1.map(f), k2.map(f), k3.map(f)],
+            history: three(self.history, f),
             known: self.known,
             torque: [now.map(f), before.map(f)],
             end: self.end.map(f),

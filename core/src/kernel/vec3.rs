@@ -309,6 +309,20 @@ impl<T: Real> Vec3<T> {
     }
 }
 
+/// [`Vec3::map`] of three. Written out: the library's maps of arrays are calls that no vector register survives.
+#[inline(always)]
+pub(super) fn three<T: Real, U: Real>([a, b, c]: [Vec3<T>; 3], f: impl Fn(T) -> U) -> [Vec3<U>; 3] {
+    [a.map(&f), b.map(&f), c.map(&f)]
+}
+
+/// [`Vec3::visit`] of three, in order. Written out: by a loop they would go by memory.
+#[inline(always)]
+pub(super) fn visit_three<T: Real>([a, b, c]: &mut [Vec3<T>; 3], f: &mut impl FnMut(T) -> T) {
+    a.visit(f);
+    b.visit(f);
+    c.visit(f);
+}
+
 impl<T: Scalar> Vec3<T> {
     /// [`Scalar::and`], component by component.
     #[inline(always)]

@@ -5,7 +5,7 @@ use super::number::{Real, Scalar};
 use super::order::{Limbs, to_kernel_order};
 use super::parity::{halves, left, second_order};
 use super::placement::{LimbLoad, by_nodes, nodes, shell_axes};
-use super::vec3::Vec3;
+use super::vec3::{Vec3, three, visit_three};
 use crate::geometry::LIMBS_PER_NODE;
 use crate::redundancy::parity::ROWS;
 use crate::redundancy::reconstruction::Reconstruction;
@@ -81,14 +81,13 @@ impl<T: Real> StrainWeights<T> {
             minus_half: [n, o, p],
             differences,
         } = self;
-        // Without a loop, through which they would go by memory.
-        for_three(k, f);
-        for_three(l, f);
-        for_three(m, f);
-        for_three(n, f);
-        for_three(o, f);
-        for_three(p, f);
-        for_three(differences, f);
+        visit_three(k, f);
+        visit_three(l, f);
+        visit_three(m, f);
+        visit_three(n, f);
+        visit_three(o, f);
+        visit_three(p, f);
+        visit_three(differences, f);
     }
 
     /// Strains to second order from those of the limbs that are used, the others zero.
@@ -148,8 +147,8 @@ impl<T: Real> LoadWeights<T> {
     #[inline(always)]
     pub(crate) fn visit(&mut self, f: &mut impl FnMut(T) -> T) {
         let Self { force, torque } = self;
-        for_three(force, f);
-        for_three(torque, f);
+        visit_three(force, f);
+        visit_three(torque, f);
     }
 
     /// Places the mass by strains that are right to second order, and adds the third order to force and torque.
@@ -167,18 +166,6 @@ impl<T: Real> LoadWeights<T> {
             ..placed
         }
     }
-}
-
-#[inline(always)]
-fn three<T: Real, U: Real>([a, b, c]: [Vec3<T>; 3], f: impl Fn(T) -> U) -> [Vec3<U>; 3] {
-    [a.map(&f), b.map(&f), c.map(&f)]
-}
-
-#[inline(always)]
-fn for_three<T: Real>([a, b, c]: &mut [Vec3<T>; 3], f: &mut impl FnMut(T) -> T) {
-    a.visit(f);
-    b.visit(f);
-    c.visit(f);
 }
 
 /// `to` + a matrix of three columns times the rows.

@@ -7,7 +7,6 @@ use crate::kernel::placement::LimbLoad;
 use crate::kernel::rate::RateIntegrator;
 use crate::kernel::shell::{RelativePose, ShellMotion};
 use crate::kernel::simd::{LANES, Register, Row};
-use crate::kernel::vec3::Vec3;
 
 /// Flags of [`RateIntegrator`], with their padding.
 const FLAGS_BYTES: usize = size_of::<(f32, u8, bool)>() - size_of::<f32>();
@@ -64,29 +63,15 @@ impl LaneState {
 
     #[inline(always)]
     pub fn load<R: Register>(&self, proof: R::Proof, part: usize) -> State<R> {
-        let zero = R::splat(proof, 0.0);
-        let zeros = Vec3::all(zero);
-        let place = RelativePose {
-            position_thrice: zeros,
-            rotation: zeros,
-        };
+        let number = R::splat(proof, 0.0);
+        let zero = |_| number;
         let mut state = State {
             received: self.pattern.received,
-            before: place,
-            now: LimbLoad {
-                position_thrice: zeros,
-                rotation: zeros,
-                force: zeros,
-                torque: zeros,
-                strain_squares: zero,
-            },
-            spin: self.pattern.spin.map(|_| zero),
-            shell: ShellMotion {
-                rate: zeros,
-                rate_derivative: zeros,
-                specific_force: zeros,
-            },
-            attitude: Quaternion { w: zero, v: zeros },
+            before: self.pattern.before.map(zero),
+            now: self.pattern.now.map(zero),
+            spin: self.pattern.spin.map(zero),
+            shell: self.pattern.shell.map(zero),
+            attitude: self.pattern.attitude.map(zero),
         };
         let mut rows = self.rows.iter();
         visit(&mut state, &mut |zero| {
