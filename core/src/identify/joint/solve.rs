@@ -14,22 +14,26 @@ use super::unknowns::{ACCELEROMETER_GAIN, COMPLIANCE, Unknowns};
 use super::{Joint, Known, WHAT};
 use crate::error::{Error, Result, require_samples};
 use crate::float::sqrt;
-use crate::identify::least_squares::gauss_newton::{End, Limits, Nonlinear, Outcome, iterate};
+use crate::identify::least_squares::gauss_newton::{Limits, Nonlinear, Outcome, iterate};
 
-/// Steps at most for one set of spreads; a campaign takes four for the first.
-const STEPS: usize = 30;
+/// For one set of spreads; a campaign takes four steps for the first. Of a step a whole one is tried, a half, ...
+const LIMITS: Limits = Limits {
+    steps: 30,
+    shares: 7,
+};
 /// Steps after which a fit that is to account for anything is near its end: what creeps on does not get there.
 const PATIENCE: usize = 12;
+/// Squares per degree of freedom beyond which a fit accounts for nothing.
+const HOPELESS: f64 = 10.0;
+/// Steps after which a fit is given up that is still beyond it: one that accounts for its trials needs no more altogether.
+const HOPE: usize = 8;
 /// Sets of spreads at most.
 const ROUNDS: usize = 20;
 /// A step whose square, measured in the estimate's own covariance, is below this changes nothing that could be told: a
 /// thousandth of a standard deviation.
 const SETTLED: f64 = 1e-6;
-/// Squares per degree of freedom beyond which no one thing more will account for the trials. Deviations are then those that the squares
-/// themselves make of the estimate's own, and steps are measured in them.
-const HOPELESS: f64 = 10.0;
-/// Shares of a step that are tried: a whole one, a half ...
-const SHARES: usize = 7;
+/// The same where nothing is accounted for: a tenth of the deviations that the squares make of the estimate's own.
+const SETTLED_HOPELESS: f64 = 1e-2;
 /// Standard deviation of the accelerometer's gain below which the trials have told it.
 const GAIN_TOLD: f64 = 0.05;
 /// Condition of the normal matrix, scaled to a unit diagonal, at which a direction is lost to rounding.
@@ -199,7 +203,7 @@ pub(super) fn refit(
     let mut at = campaign.point(start, trials)?;
     let mut steps = 0;
     for round in 0..ROUNDS {
-        let end = campaign.iterated(at)?;
+        let end = iterate(&campaign, at, LIMITS)?;
         steps += end.steps;
         if end.outcome != Outcome::Converged {
             break;
@@ -281,26 +285,6 @@ impl<'a> Campaign<'a> {
         })
     }
 
-    /// Gauss-Newton from a point. After some patience it goes on only where the next step is within the deviations that the squares that
-    /// are left make of the estimate's own.
-    fn iterated(&self, from: Point) -> Result<End<Self>> {
-        let limits = |steps| Limits {
-            steps,
-            shares: SHARES,
-        };
-        let end = iterate(self, from, limits(PATIENCE))?;
-        let creeps = end.step.size > self.squares_per_degree(&end.at).max(1.0);
-        if end.outcome != Outcome::OutOfSteps || creeps {
-            return Ok(end);
-        }
-        // The step that was not taken is computed once more.
-        let more = iterate(self, end.at, limits(STEPS - PATIENCE + 1))?;
-        Ok(End {
-            steps: PATIENCE - 1 + more.steps,
-            ..more
-        })
-    }
-
     fn squares_per_degree(&self, at: &Point) -> f64 {
         at.normal.squares / self.degrees_of_freedom(at).max(1) as f64
     }
@@ -322,16 +306,29 @@ impl Nonlinear for Campaign<'_> {
         let toward = from.normal.free_descent();
         let step = from.normal.covariance()? * &toward;
         let per_degree = self.squares_per_degree(from);
-        let hopeless = per_degree > HOPELESS;
         Ok(Step {
             size: toward.dot(&step),
-            settled: SETTLED * if hopeless { per_degree } else { 1.0 },
+            settled: match per_degree > HOPELESS {
+                true => SETTLED_HOPELESS * per_degree,
+                false => SETTLED,
+            },
             whole: from.normal.whole(&step),
         })
     }
 
     fn is_negligible(&self, step: &Step) -> bool {
         step.size < step.settled
+    }
+
+    /// Where the trials are far from being accounted for, or where the next step is beyond the deviations that their squares make of the
+    /// estimate's own.
+    fn gives_up(&self, steps: usize, at: &Point, step: &Step) -> bool {
+        let per_degree = || self.squares_per_degree(at);
+        match steps {
+            HOPE => per_degree() > HOPELESS,
+            PATIENCE => step.size > per_degree().max(1.0),
+            _ => false,
+        }
     }
 
     fn moved(&self, from: &Point, step: &Step, share: f64) -> Result<Point> {

@@ -18,6 +18,11 @@ pub(crate) trait Nonlinear {
     /// Whether a step is too small for the data to show.
     fn is_negligible(&self, step: &Self::Step) -> bool;
 
+    /// Whether more than so many steps are of no use, with the last of them not yet taken.
+    fn gives_up(&self, _steps: usize, _at: &Self::Point, _step: &Self::Step) -> bool {
+        false
+    }
+
     /// The point after `share` of a step; an error where the model is not defined.
     fn moved(&self, from: &Self::Point, step: &Self::Step, share: f64) -> Result<Self::Point>;
 
@@ -41,7 +46,7 @@ pub(crate) enum Outcome {
     Converged,
     /// No share of the next step leads to a better point.
     NoBetterPoint,
-    /// As many steps as allowed, and the last one is not negligible.
+    /// As many steps as allowed or of use, and the last one is not negligible.
     OutOfSteps,
 }
 
@@ -70,7 +75,7 @@ pub(crate) fn iterate<N: Nonlinear>(fit: &N, start: N::Point, limits: Limits) ->
         steps += 1;
         let outcome = if fit.is_negligible(&step) {
             Outcome::Converged
-        } else if steps >= limits.steps {
+        } else if steps >= limits.steps || fit.gives_up(steps, &at, &step) {
             Outcome::OutOfSteps
         } else {
             // A share that leads out of the model's range is no better; a smaller one may be.
