@@ -24,7 +24,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use sixaxis_core::Scheme;
-use sixaxis_props::results::{CoreSpeed, Instructions, Peers, Published, Speed, of_timed};
+use sixaxis_props::results::{CoreSpeed, Instructions, Peers, Published, Speed};
 
 use length::{LONG_SCHEME, length};
 use precision::{validated, work_precision};
@@ -85,7 +85,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     let core_changed = output("git", &["diff", "--quiet", "HEAD", "--", "core"]).is_none();
     // Before minutes of work, not after them.
     let peers = publish.then(|| peers(&commit, core_changed)).transpose()?;
-    let core_digest = of_timed(&workspace())?;
     let effort = if quick { &QUICK } else { &FULL };
     let progress = Progress {
         shown: std::io::stderr().is_terminal(),
@@ -113,7 +112,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("target/speed/speed.json");
     if let Some(peers) = peers {
         let all = Speed {
-            core_digest,
             speed,
             peers,
             instructions: instructions()?,

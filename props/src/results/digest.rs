@@ -25,46 +25,6 @@ pub fn of_sources(root: &Path, source: &str) -> io::Result<String> {
     Ok(digest(files(&root.join(source))?))
 }
 
-/// What no speed is compared of: words of errors, signal processing, identification, the monitor of failures and the decoder that listens to it, self-calibration,
-/// cross-talk, the names of limbs and of modules, what unit tests share. Instruction counts of `identify/` and of `switch` are published beside
-/// the speeds and may be older than these parts; `.ci/instructions` holds those of today.
-const NOT_TIMED: [&str; 11] = [
-    "lib.rs",
-    "aided/",
-    "dsp/",
-    "error.rs",
-    "fixture.rs",
-    "model/cross_talk.rs",
-    "identify/",
-    "redundancy/fault/",
-    "redundancy/tolerant.rs",
-    "redundancy/self_calibration/",
-    "limb_set.rs",
-];
-
-/// Digest of what is timed: the core without [`NOT_TIMED`], without the unit tests at the end of a file and without lines that only
-/// say which modules there are and what they show.
-///
-/// # Errors
-/// If a source cannot be read.
-pub fn of_timed(root: &Path) -> io::Result<String> {
-    let mut files = files(&root.join("core/src"))?;
-    files.retain(|(name, _)| !NOT_TIMED.iter().any(|part| name.starts_with(part)));
-    for (_, text) in &mut files {
-        if let Some(end) = text.find("\nmod tests {") {
-            text.truncate(end);
-        }
-        let code = text.lines().filter(|line| !names_modules(line));
-        *text = code.map(|line| format!("{line}\n")).collect();
-    }
-    Ok(digest(files))
-}
-
-fn names_modules(line: &str) -> bool {
-    let names = ["mod ", "pub mod ", "pub use "];
-    line.ends_with(';') && names.iter().any(|name| line.starts_with(name))
-}
-
 /// Names, within the folder, and texts of the Rust files below it; of one file, if it is one.
 fn files(folder: &Path) -> io::Result<Vec<(String, String)>> {
     let mut paths = Vec::new();

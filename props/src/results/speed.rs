@@ -8,8 +8,6 @@ use sixaxis_core::Scheme;
 /// All of it.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Speed {
-    /// Digest of the code that was timed, [`of_timed`](super::of_timed).
-    pub core_digest: String,
     /// What the core takes.
     pub speed: CoreSpeed,
     /// What others take.

@@ -40,7 +40,6 @@ pub fn section() -> Result<Section> {
     let snapshot = &Speed::embedded()?;
     let growth = &Growth::embedded()?;
     let Speed {
-        core_digest: _,
         speed,
         peers,
         instructions,

@@ -186,6 +186,23 @@ fn neg_statements_that_are_not_so_are_named() {
             "each direction (x, y, z) read as (-x, -y, -z)",
         ),
         (
+            "mounted-otherwise-on-the-pinion",
+            &|s| {
+                let turned = |d: &[f64]| vec![d[1], -d[0], d[2]];
+                let entries = s.split("[[recording]]").map(|entry| {
+                    match entry.contains("role = \"angular\"") {
+                        true => {
+                            let entry = with_numbers(entry, "direction", turned);
+                            with_numbers(&entry, "down", turned)
+                        }
+                        false => entry.to_owned(),
+                    }
+                });
+                entries.collect::<Vec<_>>().join("[[recording]]")
+            },
+            "each direction (x, y, z) of the angular trials read as (-y, x, z)",
+        ),
+        (
             "gains-in-volts-per-newton",
             &|s| {
                 with_numbers(s, "gain_n_per_v", |gains| {

@@ -1,9 +1,10 @@
 //! All day alike, a standard the other way round, wedges' directions in other axes than the sensor's (two of them exchanged, or turned, or a
-//! left-handed set), gains in V/N, or down that is up.
+//! left-handed set), gains in V/N, or down that is up; or directions in other axes in the trials of one step.
 //!
 //! As in [`super::plugs`], responses say which, and the joint fit whether the trials agree to the noise with that put right.
 
 use glam::{DMat3, DVec3};
+use rayon::prelude::*;
 use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
 use sixaxis_core::{Gains, LIMBS, Parameters};
 
@@ -22,6 +23,28 @@ const WORTH_A_FIT: f64 = 0.5;
 /// The best of them that are fitted.
 const TRIED: usize = 3;
 
+/// Of which trials directions are these, in words and by their roles: a sensor is put back otherwise between two steps.
+type Trials = (&'static str, &'static [Role]);
+
+const ALL: Trials = (
+    "",
+    &[
+        Role::Linear,
+        Role::Angular,
+        Role::HighFrequencyLinear,
+        Role::Validation,
+    ],
+);
+const OF_A_STEP: [Trials; 4] = [
+    (" of the linear trials", &[Role::Linear]),
+    (" of the angular trials", &[Role::Angular]),
+    (" of the fast linear trials", &[Role::HighFrequencyLinear]),
+    (
+        " of all but the linear trials",
+        &[Role::Angular, Role::HighFrequencyLinear, Role::Validation],
+    ),
+];
+
 /// What was stated otherwise than it was.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Stated {
@@ -31,14 +54,21 @@ enum Stated {
     Gains,
     /// Up is what is called down.
     Down,
-    /// Directions are these, of the stated ones.
-    Directions(DMat3),
+    /// Directions of some trials are these, of the stated ones.
+    Directions(DMat3, Trials),
 }
 
 impl Stated {
-    /// Both standards, the gains, and all axes that can be named by exchanging and reversing three, but those that are right.
-    fn all() -> Vec<Self> {
+    /// Both standards, the gains, and the directions of all trials in other axes.
+    fn all_day() -> Vec<Self> {
         let mut all = vec![Self::Accelerometer, Self::Gyroscope, Self::Gains];
+        all.extend(Self::directions(ALL));
+        all
+    }
+
+    /// In all axes that can be named by exchanging and reversing three, but those that are right.
+    fn directions(of: Trials) -> Vec<Self> {
+        let mut all = Vec::new();
         let unit = [DVec3::X, DVec3::Y, DVec3::Z];
         for (a, b, c) in [
             (0, 1, 2),
@@ -54,7 +84,7 @@ impl Stated {
                 let rows = [sign(0) * unit[a], sign(1) * unit[b], sign(2) * unit[c]];
                 let axes = DMat3::from_cols(rows[0], rows[1], rows[2]).transpose();
                 if axes != DMat3::IDENTITY {
-                    all.push(Self::Directions(axes));
+                    all.push(Self::Directions(axes, of));
                 }
             }
         }
@@ -71,10 +101,11 @@ impl Stated {
                 trial.gains.gain_n_per_v = trial.gains.gain_n_per_v.map(f64::recip);
             }
             Self::Down => trial.gravity_ground_m_s2 = -trial.gravity_ground_m_s2,
-            Self::Directions(axes) => {
+            Self::Directions(axes, (_, roles)) if roles.contains(&trial.role) => {
                 trial.direction_ground = axes * trial.direction_ground;
                 trial.gravity_ground_m_s2 = axes * trial.gravity_ground_m_s2;
             }
+            Self::Directions(..) => {}
         }
     }
 
@@ -84,7 +115,7 @@ impl Stated {
             Self::Accelerometer => matches!(role, Role::Linear | Role::HighFrequencyLinear),
             Self::Gyroscope => role == Role::Angular,
             Self::Gains => return stated.gain_n_per_v.map(|gain| 1.0 / (gain * gain)),
-            Self::Down | Self::Directions(_) => false,
+            Self::Down | Self::Directions(..) => false,
         };
         [if turned { -1.0 } else { 1.0 }; LIMBS]
     }
@@ -113,7 +144,7 @@ impl Stated {
                 "every `down` the other way round".to_owned(),
                 "turn every `down` round: it points where gravity pulls, in the sensor's axes".to_owned(),
             ),
-            Self::Directions(axes) => {
+            Self::Directions(axes, (of, _)) => {
                 let rows = axes.transpose();
                 let entry = |row: DVec3| {
                     let at = row.abs().to_array().into_iter().position(|x| x > 0.5);
@@ -130,8 +161,8 @@ impl Stated {
                 };
                 (
                     Cause::LooseWedge,
-                    format!("each direction (x, y, z) read as ({list})"),
-                    format!("state the directions in the sensor's axes: ({list}) of what is written{or}"),
+                    format!("each direction (x, y, z){of} read as ({list})"),
+                    format!("state the directions{of} in the sensor's axes: ({list}) of what is written{or}"),
                 )
             }
         }
@@ -158,17 +189,23 @@ pub fn tried(day: &Unaccounted<'_>) -> Option<Finding> {
     } else {
         as_stated / WORTH_A_FIT
     };
-    let mut worth_a_fit: Vec<(f64, Stated, Table)> = Stated::all()
-        .into_iter()
-        .filter_map(|stated| {
-            let (left, table) = with(&shares, day.cases, Some(stated))?;
-            Some((left, stated, table))
-        })
-        .filter(|(left, _, table)| *left <= enough && is_a_sensor(table, &day.campaign.design))
-        .collect();
-    worth_a_fit.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut best = worth_a_fit.into_iter().take(TRIED);
-    best.find_map(|(_, stated, table)| accounts(day, stated, &table))
+    let first_that_accounts = |all: Vec<Stated>| {
+        let mut worth_a_fit: Vec<(f64, Stated, Table)> = all
+            .into_par_iter()
+            .filter_map(|stated| {
+                let (left, table) = with(&shares, day.cases, Some(stated))?;
+                Some((left, stated, table))
+            })
+            .filter(|(left, _, table)| *left <= enough && is_a_sensor(table, &day.campaign.design))
+            .collect();
+        worth_a_fit.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut best = worth_a_fit.into_iter().take(TRIED);
+        best.find_map(|(_, stated, table)| accounts(day, stated, &table))
+    };
+    first_that_accounts(Stated::all_day()).or_else(|| {
+        let of_a_step = OF_A_STEP.into_iter().flat_map(Stated::directions);
+        first_that_accounts(of_a_step.collect())
+    })
 }
 
 /// Whether an angular trial's axis is off the stated plumb line, so that it matters which way gravity pulls.
@@ -189,7 +226,16 @@ fn accounts(day: &Unaccounted<'_>, stated: Stated, table: &Table) -> Option<Find
         .fit_put_right(table, |trial| stated.put_right(trial))
         .filter(JointReport::accounts)?;
     let (cause, with, advice) = stated.in_words();
+    let of_a_step = |trial: &&Trial| match stated {
+        Stated::Directions(_, of) => of != ALL && of.1.contains(&trial.role),
+        _ => false,
+    };
+    let trials = day.campaign.trials.iter().map(|(trial, _)| trial);
     Some(Finding {
+        recordings: trials
+            .filter(of_a_step)
+            .map(|trial| trial.name.clone())
+            .collect(),
         evidence: agreeing(&with, &joint),
         advice,
         ..Finding::of(cause)
