@@ -174,7 +174,7 @@ impl Table {
     }
 
     /// Force per mass that the standards of a trial make one expect of a channel at each of its samples, m/s^2, with the weight that
-    /// turns; none where something turns and no inertia is known. w x I w is left out.
+    /// turns; none where something turns and no inertia is known.
     #[must_use]
     pub fn force_per_mass_m_s2(
         &self,
@@ -182,24 +182,24 @@ impl Table {
         trial: &Trial,
         conditioned: &Conditioned,
     ) -> Option<Vec<f64>> {
-        let linear = self.shares.of_acceleration(channel);
+        let of_acceleration = self.shares.of_acceleration(channel);
+        let of_torque_per_m = self.shares.of_torque_per_m(channel);
         let turns = matches!(trial.role, Role::Angular | Role::Validation);
-        let turning = match turns {
-            true => self.inertia_m2? * self.shares.of_torque_per_m(channel),
-            false => DVec3::ZERO,
+        let inertia = match turns {
+            true => self.inertia_m2?,
+            false => DMat3::ZERO,
         };
-        let motion = conditioned
-            .linear_ground_m_s2
-            .iter()
-            .zip(&conditioned.angular_shell_rad_s2);
+        let turning = (conditioned.angular_shell_rad_s2.iter()).zip(&conditioned.rate_shell_rad_s);
+        let motion = conditioned.linear_ground_m_s2.iter().zip(turning);
         let force = motion.zip(angles(conditioned, trial));
-        let force = force.map(|((acceleration, angular), angle)| {
+        let force = force.map(|((acceleration, (angular, rate)), angle)| {
             let (gravity, axis) = (trial.gravity_ground_m_s2, trial.direction_ground);
             let weight = match turns {
                 true => turned_gravity_m_s2(gravity, axis, angle),
                 false => DVec3::ZERO,
             };
-            linear.dot(*acceleration + weight) + turning.dot(*angular)
+            let torque = inertia * *angular + rate.cross(inertia * *rate);
+            of_acceleration.dot(*acceleration + weight) + of_torque_per_m.dot(torque)
         });
         Some(force.collect())
     }

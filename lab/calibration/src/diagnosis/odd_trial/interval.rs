@@ -11,15 +11,17 @@ use crate::series::median;
 /// Parts of a run that are judged by themselves.
 const PARTS: usize = 64;
 /// What is left over in a part, relative to the motion where it is largest, from which the part does not follow it.
-const DEPARTS: f64 = 0.05;
+const DEPARTS: f64 = 0.03;
 /// What is left over in all other parts, relative to their motion, within which they follow it.
 const FOLLOWS: f64 = 0.02;
 /// Share of the motion's squares that these others have at least: a rest follows anything.
 const SHOWN: f64 = 0.5;
 /// Share of what is left over in it that is one channel's if the others follow.
 const OF_ONE: f64 = 0.8;
-/// Size of a standard's reading in it, relative to the rest of the run, from which it reads something.
+/// Size of a standard's reading, relative to its root mean square in the rest of the run, from which it reads something.
 const READS: f64 = 0.1;
+/// Share of the part in which it does not, from which it reads nothing: the rest is a filter's tail, or before and after.
+const MOSTLY: f64 = 0.5;
 
 /// What the standards make one expect of a channel, and what it shows beyond that, at each sample, m/s^2.
 struct Course {
@@ -60,19 +62,25 @@ pub(super) fn examine(table: &Table, case: &TrialCase<'_>) -> Option<Finding> {
         .collect::<Option<_>>()?;
     let samples = case.force_n.len();
     let length = samples.div_ceil(PARTS).max(1);
-    // Squares of the motion and of what is left over, of each part, all channels together.
-    let of_parts = |series: fn(&Course) -> &[f64]| -> Vec<f64> {
-        let mut sums = vec![0.0; samples.div_ceil(length)];
-        for course in &courses {
-            let parts = series(course).chunks(length);
-            sums.iter_mut()
-                .zip(parts)
-                .for_each(|(sum, part)| *sum += squares(part));
-        }
-        sums
+    // Squares in each part, all channels together.
+    let of_parts = |value: fn(&Course, usize) -> f64| -> Vec<f64> {
+        let parts = (0..samples).step_by(length);
+        let sum = |from: usize| -> f64 {
+            let to = samples.min(from + length);
+            let all = courses
+                .iter()
+                .flat_map(|course| (from..to).map(move |at| value(course, at)));
+            all.map(|x| x * x).sum()
+        };
+        parts.map(sum).collect()
     };
-    let motion = of_parts(|course| &course.expected);
-    let left = of_parts(|course| &course.beyond);
+    let expected = of_parts(|course, at| course.expected[at]);
+    let shown = of_parts(|course, at| course.expected[at] + course.beyond[at]);
+    let left = of_parts(|course, at| course.beyond[at]);
+    // A jump of the standard or of a channel is no motion: the others do not show it.
+    let motion: Vec<f64> = (expected.iter().zip(&shown))
+        .map(|(a, b)| a.min(*b))
+        .collect();
     let most_motion = motion.iter().copied().fold(0.0, f64::max);
     let departs = |part: &usize| left[*part] > DEPARTS * DEPARTS * most_motion;
     let first = (0..left.len()).find(departs)?;
@@ -101,11 +109,6 @@ pub(super) fn examine(table: &Table, case: &TrialCase<'_>) -> Option<Finding> {
             "see to its cable and plug for a loose contact, and record the trial again",
         )
     } else {
-        // Both ends lie somewhere within a part.
-        let inner = match last - first {
-            0 | 1 => from..to,
-            _ => from + length..last * length,
-        };
         let silent = [
             ("accelerometer", &case.trial.accelerometer_m_s2),
             ("gyroscope", &case.trial.gyroscope_rad_s),
@@ -113,8 +116,9 @@ pub(super) fn examine(table: &Table, case: &TrialCase<'_>) -> Option<Finding> {
         .into_iter()
         .find(|(_, series)| {
             let outside = squares(&series[..from]) + squares(&series[to..]);
-            let of = (samples - (to - from)) as f64 / inner.len() as f64;
-            of * squares(&series[inner.clone()]) < READS * READS * outside
+            let size = (outside / (samples - (to - from)) as f64).sqrt();
+            let nothing = series[from..to].iter().filter(|x| x.abs() < READS * size);
+            nothing.count() as f64 > MOSTLY * (to - from) as f64
         });
         (
             Vec::new(),
