@@ -66,19 +66,24 @@ pub fn examine_static(rest: &Trial, findings: &mut Vec<Finding>) {
         });
         return;
     }
-    for channel in (0..LIMBS).filter(|channel| !dead[*channel]) {
-        if let Some(change) = course(rest, channel) {
-            findings.push(Finding {
-                cause: Cause::DriftDuringRun,
-                recordings: vec![rest.name.clone()],
-                channels: vec![channel + 1],
-                evidence: format!(
-                    "the zero wanders by {:.2} mV during the static record",
-                    1e3 * change
-                ),
-                advice: "let sensor and amplifiers warm up, then record at rest again".to_owned(),
-            });
-        }
+    let alive = (0..LIMBS).filter(|channel| !dead[*channel]);
+    let wanders = alive.filter_map(|channel| Some((channel + 1, course(rest, channel)?)));
+    let (channels, changes_v): (Vec<usize>, Vec<f64>) = wanders.unzip();
+    let most = changes_v
+        .into_iter()
+        .max_by(|a, b| a.abs().total_cmp(&b.abs()));
+    if let Some(most_v) = most {
+        let what = match channels.len() {
+            1 => "the zero wanders by",
+            _ => "the zeros wander by up to",
+        };
+        findings.push(Finding {
+            recordings: vec![rest.name.clone()],
+            channels,
+            evidence: format!("{what} {:.2} mV during the static record", 1e3 * most_v),
+            advice: "let sensor and amplifiers warm up, then record at rest again".to_owned(),
+            ..Finding::of(Cause::DriftDuringRun)
+        });
     }
 }
 

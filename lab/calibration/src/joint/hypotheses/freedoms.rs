@@ -264,15 +264,20 @@ fn late_channels(
     });
     let (channels, who) = match late.len() {
         LIMBS => (Vec::new(), "all nine channels are"),
+        1 => (vec![late[0].0 + 1], "this channel is, beyond doubt,"),
         _ => (
             late.iter().map(|(limb, _)| limb + 1).collect(),
             "these channels are, beyond doubt,",
         ),
     };
+    let by = match late.len() {
+        1 => format!("{most:.3}"),
+        _ => format!("{least:.3} to {most:.3}"),
+    };
     Some(Finding {
         channels,
         evidence: format!(
-            "with delays all trials agree to the noise, and without they do not: {who} {least:.3} to {most:.3} ms behind the standards"
+            "with delays all trials agree to the noise, and without they do not: {who} {by} ms behind the standards"
         ),
         advice: "record all channels and the standards on one clock, started at once, or state the delays that there are: [channels] limbs_lag_us of the \
              channels, reference_start_s of standards in a file of their own"
