@@ -14,8 +14,6 @@ const PARTS: usize = 64;
 const DEPARTS: f64 = 0.03;
 /// What is left over in all other parts, relative to their motion, within which they follow it.
 const FOLLOWS: f64 = 0.02;
-/// Share of the motion's squares that these others have at least: a rest follows anything.
-const SHOWN: f64 = 0.5;
 /// Share of what is left over in it that is one channel's if the others follow.
 const OF_ONE: f64 = 0.8;
 /// Size of a standard's reading, relative to its root mean square in the rest of the run, from which it reads something.
@@ -90,8 +88,8 @@ pub(super) fn examine(table: &Table, case: &TrialCase<'_>) -> Option<Finding> {
     let inside = total(&left[first..=last]);
     let motion_outside = total(&motion[..first]) + total(&motion[last + 1..]);
     let left_outside = total(&left[..first]) + total(&left[last + 1..]);
-    let follow = left_outside < FOLLOWS * FOLLOWS * motion_outside;
-    if !follow || motion_outside < SHOWN * total(&motion) {
+    // Of what moves: a rest follows anything.
+    if left_outside >= FOLLOWS * FOLLOWS * motion_outside {
         return None;
     }
     let most = courses
