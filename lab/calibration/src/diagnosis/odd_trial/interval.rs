@@ -10,9 +10,11 @@ use crate::series::median;
 
 /// Parts of a run that are judged by themselves.
 const PARTS: usize = 64;
-/// What is left over in a part, relative to the motion where it is largest, from which the part does not follow it.
+/// What is left over in a part, relative to the motion where it is largest, from which the part does not follow it: one silent limb of
+/// little load leaves 4 to 7 %.
 const DEPARTS: f64 = 0.03;
-/// What is left over in all other parts, relative to their motion, within which they follow it.
+/// What is left over in all other parts, relative to their motion, within which they follow it: a wedge that is off by a degree leaves as
+/// much everywhere, and is no matter of a part.
 const FOLLOWS: f64 = 0.02;
 /// Share of what is left over in it that is one channel's if the others follow.
 const OF_ONE: f64 = 0.8;
