@@ -44,15 +44,15 @@ impl Reconstruction {
         )?;
         // Never by index from here on: no panic must be in reach of a decoupler that does without a limb in mid-stream.
         let mut limbs = [None; MOST_EXCLUDED];
-        let numbered = SIGNATURES.iter().enumerate();
+        let numbered = SIGNATURES.into_iter().zip(SCALED).enumerate();
         let chosen = numbered.filter(|(index, _)| excluded.contains(*index));
-        for (place, (_, signature)) in limbs.iter_mut().zip(chosen) {
-            *place = Some(*signature);
+        for (place, (_, limb)) in limbs.iter_mut().zip(chosen) {
+            *place = Some(limb);
         }
         // 18 P_FF; ones on the diagonal for places that are not taken.
         let block: [[i32; 3]; 3] = core::array::from_fn(|i| {
             core::array::from_fn(|j| match (limbs[i], limbs[j]) {
-                (Some(a), Some(b)) => dot(scaled(a), b),
+                (Some((_, a)), Some((b, _))) => dot(a, b),
                 _ => i32::from(i == j),
             })
         });
@@ -60,13 +60,16 @@ impl Reconstruction {
         if determinant == 0 {
             return Err(Error::LostLoad {
                 excluded,
-                load: lost_load(excluded, limbs),
+                load: lost_load(
+                    excluded,
+                    limbs.map(|limb| limb.map(|(signature, _)| signature)),
+                ),
             });
         }
         let rows = adjugate.map(|row| {
             let mut sum = [0; ROWS];
             for (share, limb) in row.into_iter().zip(limbs) {
-                let along = limb.map_or([0; ROWS], scaled);
+                let along = limb.map_or([0; ROWS], |(_, scaled)| scaled);
                 for (sum, entry) in sum.iter_mut().zip(along) {
                     *sum += share * entry;
                 }
@@ -94,16 +97,25 @@ impl Reconstruction {
     }
 }
 
-/// A row of 18 W (W^T W)^-1, from that of W.
-// Where limbs are excluded in mid-stream these are a third of it, and inlined by chance if nothing is said.
-#[inline]
-fn scaled(signature: [i32; ROWS]) -> [i32; ROWS] {
-    GRAM_INVERSE.map(|row| dot(row, signature))
+/// 18 W (W^T W)^-1, limb by limb.
+const SCALED: [[i32; ROWS]; LIMBS] = scaled();
+
+const fn scaled() -> [[i32; ROWS]; LIMBS] {
+    let mut of = [[0; ROWS]; LIMBS];
+    let mut limb = 0;
+    while limb < LIMBS {
+        let mut row = 0;
+        while row < ROWS {
+            of[limb][row] = dot(GRAM_INVERSE[row], SIGNATURES[limb]);
+            row += 1;
+        }
+        limb += 1;
+    }
+    of
 }
 
-#[inline]
-fn dot(a: [i32; ROWS], b: [i32; ROWS]) -> i32 {
-    a.into_iter().zip(b).map(|(a, b)| a * b).sum()
+const fn dot([a, b, c]: [i32; ROWS], [x, y, z]: [i32; ROWS]) -> i32 {
+    a * x + b * y + c * z
 }
 
 const _: () = assert!(GRAM_DENOMINATOR == 18);
