@@ -24,6 +24,7 @@ use sixaxis_reference::laboratory::defect::Kind;
 use sixaxis_reference::laboratory::plan::{
     ChainPlan, DefectChoice, Engine, RigPlan, SensorChoice, SessionPlan,
 };
+use sixaxis_reference::laboratory::recording::SimulatedRecording;
 use sixaxis_reference::laboratory::room::Room;
 use sixaxis_reference::laboratory::session::simulate_session;
 use sixaxis_reference::laboratory::write::write;
@@ -35,7 +36,7 @@ use self::harm::Harm;
 pub const TUNING_SEEDS: core::ops::Range<u64> = 1..101_000;
 /// First of the seeds that are reported. Those from each earlier million on were published or read earlier, and what they said has
 /// been read and acted on; seeds that have been read test nothing any more.
-pub const REPORTED_FROM: u64 = 9_000_000;
+pub const REPORTED_FROM: u64 = 10_000_000;
 /// Of so many sessions one is written in another format than npz.
 const OTHER_FORMAT_EVERY: u64 = 50;
 /// Those formats, in turn.
@@ -221,6 +222,8 @@ pub struct Outcome {
     pub cause: Option<Cause>,
     /// What the calibration is worth in truth; none without one.
     pub harm: Option<Harm>,
+    /// Whether a converter stood at its limit: where a defect drives it there, that is a cause, too.
+    pub clips: bool,
 }
 
 /// Whether the recordings of a day could contradict one another: a limb that was always weaker is another scale factor, a gain or a drawing
@@ -240,6 +243,7 @@ impl Outcome {
                 Naming::None
             }
             named if named == self.right_cause() => Naming::Right,
+            Some(Cause::ClippedConverter) if self.clips => Naming::Right,
             Some(_) => Naming::Wrong,
         }
     }
@@ -304,7 +308,14 @@ pub fn try_out(
             .and_then(|j| j.findings.first())
             .map(|finding| finding.cause),
         harm: calibrated.and_then(|j| Harm::of(j, &played)),
+        clips: played.recordings.iter().any(at_the_limit),
     })
+}
+
+fn at_the_limit(recording: &SimulatedRecording) -> bool {
+    let limit = recording.full_scale_v;
+    let mut voltages = recording.voltage_v.iter().flatten();
+    voltages.any(|u| u.abs().total_cmp(&limit).is_eq())
 }
 
 fn judge(session: &Path) -> sixaxis_calibration::Result<CalibratedSession> {

@@ -290,6 +290,7 @@ fn invented(seed: u64) -> Outcome {
             decoupling: (!seed.is_multiple_of(7)).then_some(share / 11.0),
             beyond_gain: (!seed.is_multiple_of(7)).then_some([share / 13.0, share / 17.0]),
         }),
+        clips: seed.is_multiple_of(2),
     }
 }
 

@@ -263,23 +263,51 @@ fn wrong_clock(linear: &[Reading], angular: &[Reading], facts: &Facts<'_>) -> Op
     let accelerometer = median_excess(linear)?;
     let gyroscope = median_excess(angular)?;
     let faster = median(linear.iter().chain(angular).map(|r| r.faster))?;
-    let allowed = TOLERANCE + facts.accelerometer.gain_limit;
-    if accelerometer.abs() <= allowed {
+    let of_accelerometer = TOLERANCE + facts.accelerometer.gain_limit;
+    let of_gyroscope = TOLERANCE + facts.gyroscope.gain_limit;
+    if accelerometer.abs() <= of_accelerometer && gyroscope.abs() <= of_gyroscope {
         return None;
     }
-    // The accelerometer's word counts twice; certificates leave each its own part.
-    let by_reading = 1.0 / (1.0 + accelerometer).sqrt() - 1.0;
-    let near = |other: f64, certificate: f64| {
-        (other - by_reading).abs() < ALIKE * by_reading.abs() + certificate
+    // What it says stands beside what the other two do, each within its own part: of a large error by a share of it, of a small one by what
+    // certificate and workshop leave.
+    let of_all_three = || {
+        // The accelerometer's word counts twice.
+        let by_reading = 1.0 / (1.0 + accelerometer).sqrt() - 1.0;
+        let near = |other: f64, certificate: f64| {
+            (other - by_reading).abs() < ALIKE * by_reading.abs() + certificate
+        };
+        let by_gyroscope = 1.0 / (1.0 + gyroscope) - 1.0;
+        // A drive that turns as the session says is no word for another clock, however small its error.
+        let shows = faster * by_reading.signum() > ALIKE * by_reading.abs();
+        (accelerometer.abs() > of_accelerometer
+            && shows
+            && near(faster, TOLERANCE)
+            && near(by_gyroscope, facts.gyroscope.gain_limit))
+        .then(|| {
+            format!(
+                "both standards read what a clock that is fast by {:.2} % makes of the rig's stroke and rotation",
+                100.0 * by_reading
+            )
+        })
     };
-    let by_gyroscope = 1.0 / (1.0 + gyroscope) - 1.0;
-    // A drive that turns as the session says is no word for another clock, however small its error.
-    let shows = faster * by_reading.signum() > ALIKE * by_reading.abs();
-    (shows && near(faster, TOLERANCE) && near(by_gyroscope, facts.gyroscope.gain_limit)).then(|| Finding {
+    // One standard is beyond its limit, and neither is by a clock that makes the drive turn as the session says.
+    let of_the_drive = || {
+        let left = |excess: f64, power: i32| (1.0 + excess) * (1.0 + faster).powi(power) - 1.0;
+        (faster.abs() > TOLERANCE
+            && left(accelerometer, 2).abs() <= of_accelerometer
+            && left(gyroscope, 1).abs() <= of_gyroscope)
+            .then(|| {
+                format!(
+                    "the standard accelerometer reads {:+.2} % and the gyroscope {:+.2} % over what the rig makes them read at that frequency; at the session's, both read what certificate and workshop leave",
+                    100.0 * accelerometer,
+                    100.0 * gyroscope
+                )
+            })
+    };
+    of_all_three().or_else(of_the_drive).map(|readings| Finding {
         evidence: format!(
-            "by the recordings' clock the drive turns {:+.2} % faster than the session says, and both standards read what a clock that is fast by {:.2} % makes of the rig's stroke and rotation",
-            100.0 * faster,
-            100.0 * by_reading
+            "by the recordings' clock the drive turns {:+.2} % faster than the session says, and {readings}",
+            100.0 * faster
         ),
         advice: "check the recordings' clock against the recorder: sample_rate_hz, or the rate or the time stamps in the files".to_owned(),
         ..Finding::of(Cause::ClockMismatch)
