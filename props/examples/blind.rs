@@ -15,20 +15,21 @@ use sixaxis_reference::laboratory::plan::Engine;
 const COUNT: u64 = 33 * CYCLE;
 
 fn main() -> ExitCode {
-    let arguments = Arguments::given();
+    publication::end(asked())
+}
+
+fn asked() -> Result<(), String> {
+    let arguments = Arguments::given(&rows::OPTIONS)?;
     let (first, count) = (REPORTED_FROM, COUNT);
     if let Some(path) = arguments.text("--rows") {
-        let played = rows::write_shard(&arguments, (first, count), Engine::Rigid, path);
-        return publication::end(played);
+        return rows::write_shard(&arguments, (first, count), Engine::Rigid, path);
     }
-    publication::run(
-        Seeds {
-            first,
-            count,
-            sample: 3,
-        },
-        |first, count| study(first, count, &arguments),
-    )
+    let seeds = Seeds {
+        first,
+        count,
+        sample: 3,
+    };
+    arguments.obey(seeds, |first, count| study(first, count, &arguments))
 }
 
 /// All sessions, or samples of them: from the rows that shards left where these are all of them, played where not.

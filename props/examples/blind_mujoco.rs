@@ -18,17 +18,20 @@ const FIRST: u64 = 9_500_006;
 const COUNT: u64 = CYCLE - Kind::ALL.len() as u64;
 
 fn main() -> ExitCode {
-    let arguments = Arguments::given();
+    publication::end(asked())
+}
+
+fn asked() -> Result<(), String> {
+    let arguments = Arguments::given(&rows::OPTIONS)?;
     if let Some(path) = arguments.text("--rows") {
-        let played = rows::write_shard(&arguments, (FIRST, COUNT), Engine::Mujoco, path);
-        return publication::end(played);
+        return rows::write_shard(&arguments, (FIRST, COUNT), Engine::Mujoco, path);
     }
     let seeds = Seeds {
         first: FIRST,
         count: COUNT,
         sample: 1,
     };
-    publication::run(seeds, |first, count| study(first, count, &arguments))
+    arguments.obey(seeds, |first, count| study(first, count, &arguments))
 }
 
 fn study(first: u64, count: u64, arguments: &Arguments) -> Result<BlindPairs, String> {

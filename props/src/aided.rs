@@ -100,7 +100,8 @@ impl Aids {
             )
         });
         let all: Vec<_> = velocity.into_iter().chain(attitude).collect();
-        bound::steady(sensor, parameters, settings, noise, &all).expect("a sound sensor")
+        let none = LimbSet::EMPTY;
+        bound::steady(sensor, parameters, settings, noise, none, &all).expect("a sound sensor")
     }
 }
 

@@ -14,6 +14,10 @@ use crate::results::{Studied, of_bytes};
 
 /// Samples of a published result.
 const SAMPLES: u64 = 8;
+/// What every study is asked by.
+const SWITCHES: [&str; 3] = ["--publish", "--check", "--all"];
+/// The same with a number behind it.
+const NUMBERS: [&str; 2] = ["--first", "--count"];
 
 /// Seeds of a study.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,9 +30,9 @@ pub struct Seeds {
     pub sample: u64,
 }
 
-/// A program that does one study: `--first` and `--count` give other seeds, `--publish` and `--check` are told above.
+/// A program that does one study and has no options of its own: `--first` and `--count` give other seeds, `--publish` and `--check` are told above.
 pub fn run<S: Studied>(seeds: Seeds, study: impl Fn(u64, u64) -> Result<S, String>) -> ExitCode {
-    end(Arguments::given().obey(seeds, study))
+    end(Arguments::given(&[]).and_then(|arguments| arguments.obey(seeds, study)))
 }
 
 /// The command line.
@@ -36,10 +40,26 @@ pub fn run<S: Studied>(seeds: Seeds, study: impl Fn(u64, u64) -> Result<S, Strin
 pub struct Arguments(Vec<String>);
 
 impl Arguments {
-    /// As given to the running program.
-    #[must_use]
-    pub fn given() -> Self {
-        Self(std::env::args().skip(1).collect())
+    /// As given to the running program, a study that has options of its `own` with something behind them.
+    ///
+    /// # Errors
+    /// A word that is no option: hours of work would answer something else.
+    pub fn given(own: &[&str]) -> Result<Self, String> {
+        Self::checked(std::env::args().skip(1).collect(), own)
+    }
+
+    fn checked(words: Vec<String>, own: &[&str]) -> Result<Self, String> {
+        let takes_a_word = |word: &str| NUMBERS.contains(&word) || own.contains(&word);
+        let mut rest = words.iter().map(String::as_str);
+        while let Some(word) = rest.next() {
+            if takes_a_word(word) {
+                rest.next();
+            } else if !SWITCHES.contains(&word) {
+                let options = [&SWITCHES[..], &NUMBERS, own].concat().join(", ");
+                return Err(format!("no option {word:?}; there are {options}"));
+            }
+        }
+        Ok(Self(words))
     }
 
     /// Whether an option is there.
@@ -68,7 +88,11 @@ impl Arguments {
             .map_err(|_| format!("{name} wants a whole number and has {text:?}"))
     }
 
-    fn obey<S: Studied>(
+    /// Does what is asked of a study.
+    ///
+    /// # Errors
+    /// What went wrong, in words.
+    pub fn obey<S: Studied>(
         &self,
         seeds: Seeds,
         study: impl Fn(u64, u64) -> Result<S, String>,
@@ -205,5 +229,19 @@ mod tests {
         assert_eq!(given("--first 7").number("--count", 1), Ok(1));
         assert!(given("--count seven").number("--count", 1).is_err());
         assert!(given("--count").number("--count", 1).is_err());
+    }
+
+    #[test]
+    fn a_word_that_is_no_option_is_refused() {
+        let given = |text: &str| {
+            let words = text.split(' ').map(str::to_owned).collect();
+            Arguments::checked(words, &["--rows"]).is_ok()
+        };
+        for allowed in ["--publish", "--check --all", "--first 7 --rows --help"] {
+            assert!(given(allowed), "{allowed}");
+        }
+        for refused in ["--help", "--count 7 8", "--merge rows.json"] {
+            assert!(!given(refused), "{refused}");
+        }
     }
 }

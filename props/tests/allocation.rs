@@ -167,8 +167,15 @@ fn inv_uncertainty_of_a_sample_allocates_nothing() {
     let noise = ChannelNoise::white(parameters.zero_drift_v.map(f64::abs));
     let settings = Settings::new(RATE_HZ);
     let mut decoupler = Decoupler::new(&sensor, &parameters, &settings).expect("sound");
-    let mut stream = SampleUncertainty::new(&sensor, &parameters, &settings, &covariance, &noise)
-        .expect("sound");
+    let mut stream = SampleUncertainty::new(
+        &sensor,
+        &parameters,
+        &settings,
+        LimbSet::EMPTY,
+        &covariance,
+        &noise,
+    )
+    .expect("sound");
     let mut before = parameters.zero_drift_v;
     let mut known = 0;
     let allocated = measure(|| {

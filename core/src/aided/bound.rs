@@ -7,6 +7,7 @@ use super::block::Block;
 use super::filter::ErrorFilter;
 use crate::decouple::uncertainty::{ChannelNoise, Covariance};
 use crate::error::Result;
+use crate::limb_set::LimbSet;
 use crate::model::{Parameters, Sensor, Settings};
 use crate::six_axis::SixAxis;
 
@@ -42,16 +43,18 @@ impl Bound {
     }
 }
 
-/// Steady state under aids, each with the time from one to the next, s: the calibration exact, its channels' noise white. Nothing where
+/// Steady state under aids, each with the time from one to the next, s: the calibration exact, its channels' noise white, those of the
+/// excluded limbs not read. Nothing where
 /// the deviations grow for ever: without an aid, without gravity, or with the velocity of a sensor without weight.
 ///
 /// # Errors
-/// Those of [`ErrorFilter::new`].
+/// Those of [`ErrorFilter::new`] and [`ErrorFilter::set_excluded`].
 pub fn steady(
     sensor: &Sensor,
     parameters: &Parameters,
     settings: &Settings,
     noise: &ChannelNoise,
+    excluded: LimbSet,
     aids: &[(Aid, f64)],
 ) -> Result<Option<Bound>> {
     let down = settings.gravity_ground_m_s2.normalize_or_zero();
@@ -64,6 +67,7 @@ pub fn steady(
     }
     let exact = Covariance::zeros();
     let mut filter = ErrorFilter::new(sensor, parameters, settings, &exact, noise, BEGIN_RAD)?;
+    filter.set_excluded(excluded)?;
     let step_s = (shortest / BLOCKS).min(LONGEST_S);
     let still = SixAxis::still(settings.initial_attitude);
     let block = Block {
@@ -123,9 +127,17 @@ mod tests {
         // Fixes close to one another are white noise of this density.
         let (every_s, deviation_m_s) = (0.01, 0.5);
         let aid = Aid::Velocity { deviation_m_s };
-        let found = steady(&sensor, &parameters, &settings, &noise, &[(aid, every_s)])
-            .expect("a sound sensor")
-            .expect("a steady state");
+        let none = LimbSet::EMPTY;
+        let found = steady(
+            &sensor,
+            &parameters,
+            &settings,
+            &noise,
+            none,
+            &[(aid, every_s)],
+        )
+        .expect("a sound sensor")
+        .expect("a steady state");
         let chain = SignalChain::new(&sensor.gains, &parameters);
         let inverse = parameters.inertia_per_mass.matrix_mass_m2().inverse();
         let arms = sensor.geometry.arms_m();
@@ -165,7 +177,8 @@ mod tests {
                 gravity_ground_m_s2: gravity,
                 ..Settings::new(1000.0)
             };
-            steady(&sensor, &parameters, &settings, &noise, aids).expect("a sound sensor")
+            let none = LimbSet::EMPTY;
+            steady(&sensor, &parameters, &settings, &noise, none, aids).expect("a sound sensor")
         };
         assert_eq!(of(DVec3::NEG_Z * 9.81, &[]), None);
         assert_eq!(of(DVec3::ZERO, &[(aid, 1.0)]), None);

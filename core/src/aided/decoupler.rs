@@ -48,7 +48,7 @@ pub struct AidedDecoupler {
 }
 
 impl AidedDecoupler {
-    /// Puts both together; both must be of the same sensor, parameters and settings, and new.
+    /// Puts both together; both must be of the same sensor, parameters and settings, without the same limbs, and new.
     #[must_use]
     pub fn new(
         decoupler: Decoupler,

@@ -27,7 +27,6 @@ use crate::paper::attitude;
 use crate::paper::preload::hidden_preload_m_s2;
 use crate::paper::signal::SignalChain;
 use crate::parameter::{DRIFT, INERTIA, SCALE};
-use crate::redundancy::parity::SIGNATURES;
 use crate::redundancy::reconstruction::Reconstruction;
 
 /// Errors that have dynamics: attitude, rate, velocity.
@@ -146,23 +145,7 @@ impl ErrorModel {
     /// # Errors
     /// Those of [`Reconstruction::new`].
     pub fn set_excluded(&mut self, limbs: LimbSet) -> Result<()> {
-        let reconstruction = Reconstruction::new(limbs)?;
-        let own = |limb: usize| [DIRECTIONS_SHELL[limb], self.arms_m[limb]];
-        self.wrench = core::array::from_fn(|limb| {
-            if limbs.contains(limb) {
-                return [DVec3::ZERO; 2];
-            }
-            let mut all = own(limb);
-            for made in limbs.indices() {
-                let weights = reconstruction.weights()[made].iter();
-                let share: f64 = weights
-                    .zip(SIGNATURES[limb])
-                    .map(|(weight, sign)| weight * f64::from(sign))
-                    .sum();
-                all = core::array::from_fn(|part| all[part] + own(made)[part] * share);
-            }
-            all
-        });
+        self.wrench = Reconstruction::new(limbs)?.wrenches(&self.arms_m);
         self.excluded = limbs;
         self.density = SMatrix::zeros();
         let sensitivities = self.chain.sensitivity_m_s2_per_v();
@@ -180,6 +163,12 @@ impl ErrorModel {
             self.density += both * both.transpose() * noise;
         }
         Ok(())
+    }
+
+    /// Limbs whose channels are not read.
+    #[must_use]
+    pub const fn excluded(&self) -> LimbSet {
+        self.excluded
     }
 
     /// Forces of the limbs over the mass, m/s^2, of those that are excluded none: theirs are in the others' wrench.

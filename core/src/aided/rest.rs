@@ -8,12 +8,13 @@ use super::block::Block;
 use super::model::ErrorModel;
 use crate::float::sqrt;
 use crate::geometry::LIMBS;
+use crate::limb_set::LimbSet;
 
 /// Blocks that must be alike.
 const BLOCKS: usize = 24;
 /// The last of them, where a motion that begins shows first.
 const LAST: usize = 4;
-/// Mean square of the blocks' means about their mean, over that of noise, up to which they are alike: with nine channels of 24 blocks
+/// Mean square of the blocks' means about their mean, over that of noise, up to which they are alike: with nine channels of 24 blocks (or six: some are excluded)
 /// noise leaves that less than once in a million times, and noise whose deviation is a fifth larger than it is said to be in one look of
 /// eight.
 const ALIKE: f64 = 1.6;
@@ -30,18 +31,22 @@ pub struct RestFinder {
     variance_v2: [f64; LIMBS],
     step_s: f64,
     walks_in_1_s: [f64; 2],
+    /// Limbs whose channels are not read.
+    excluded: LimbSet,
     recent: [[f64; LIMBS]; BLOCKS],
     seen: usize,
 }
 
 impl RestFinder {
-    /// For channels with white noise of these standard deviations, V, and what it makes of rate and velocity.
+    /// For channels with white noise of these standard deviations, V, and what it makes of rate and velocity. Those that the model excludes are
+    /// not looked at.
     #[must_use]
     pub fn new(model: &ErrorModel, noise_v: &[f64; LIMBS], sample_rate_hz: f64) -> Self {
         Self {
             variance_v2: noise_v.map(|noise| noise * noise),
             step_s: 1.0 / sample_rate_hz,
             walks_in_1_s: model.walks(1.0),
+            excluded: model.excluded(),
             recent: [[0.0; LIMBS]; BLOCKS],
             seen: 0,
         }
@@ -60,7 +65,8 @@ impl RestFinder {
         let of_mean = self.step_s / block.duration_s;
         let newest = self.seen - 1;
         let (mut squares, mut changes) = (0.0, 0.0);
-        for (limb, variance) in self.variance_v2.iter().enumerate() {
+        let variances = self.variance_v2.iter().enumerate();
+        for (limb, variance) in variances.filter(|(limb, _)| !self.excluded.contains(*limb)) {
             let volts = |age: usize| self.recent[(newest - age) % BLOCKS][limb];
             let mean_of = |ages: core::ops::Range<usize>| {
                 let count = ages.len() as f64;
@@ -75,7 +81,8 @@ impl RestFinder {
             let share = 1.0 / LAST as f64 + 1.0 / (BLOCKS - LAST) as f64;
             changes += change * change / (variance * of_mean * share);
         }
-        let alike = squares < ALIKE * ((BLOCKS - 1) * LIMBS) as f64 && changes < LAST_ALIKE;
+        let read = LIMBS - self.excluded.len();
+        let alike = squares < ALIKE * ((BLOCKS - 1) * read) as f64 && changes < LAST_ALIKE;
         if !alike {
             return None;
         }

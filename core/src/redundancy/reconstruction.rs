@@ -90,6 +90,34 @@ impl Reconstruction {
         self.excluded
     }
 
+    /// Strain of an excluded limb by that of another, all others' being zero.
+    #[must_use]
+    pub fn share(&self, excluded: usize, of: usize) -> f64 {
+        let weights = self.weights[excluded].iter();
+        weights
+            .zip(SIGNATURES[of])
+            .map(|(weight, sign)| weight * f64::from(sign))
+            .sum()
+    }
+
+    /// Force and torque, shell axes, that a force of each limb is: its own and, as those are made of it, that of the excluded ones, whose own
+    /// are none.
+    #[must_use]
+    pub fn wrenches(&self, arms_m: &[DVec3; LIMBS]) -> [[DVec3; 2]; LIMBS] {
+        let own = |limb: usize| [DIRECTIONS_SHELL[limb], arms_m[limb]];
+        core::array::from_fn(|limb| {
+            if self.excluded.contains(limb) {
+                return [DVec3::ZERO; 2];
+            }
+            let mut all = own(limb);
+            for made in self.excluded.indices() {
+                let share = self.share(made, limb);
+                all = core::array::from_fn(|part| all[part] + own(made)[part] * share);
+            }
+            all
+        })
+    }
+
     /// What the three rows' residuals, with zero for the excluded strains, are multiplied with and added up to, limb by limb.
     #[must_use]
     pub const fn weights(&self) -> &[[f64; ROWS]; LIMBS] {

@@ -9,6 +9,7 @@
 //! | [`axis_noise`] | what the channels' noise makes of the accelerations at rest |
 //! | [`voltages`] | nine columns, as they go from file to decoder |
 //! | [`recording`] | nine voltages on one clock from a file, block by block, with what is wrong with them |
+//! | [`frozen`] | whether all of them stand still where they cannot |
 //! | [`conditioning_stream`] | delays, the amplifier's high-pass, a low-pass, as streams |
 //! | [`aids`] | what the user knows of the motion beside the recording |
 //! | [`aided`] | a decoder that uses it, each at its time |
@@ -42,6 +43,7 @@ pub mod curves;
 pub mod decoding;
 pub mod ends;
 pub mod fault_watch;
+mod frozen;
 pub mod job;
 pub mod mean_acceleration;
 pub mod rest_to_rest;

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::error::{Error, Place, Result};
 use crate::session::LIMBS;
-use crate::unit::in_name;
+use crate::unit::{Unit, in_name, named};
 
 /// Most channels of a table, a matrix or a file; what has more is no recording.
 pub(crate) const MOST_CHANNELS: usize = 4096;
@@ -34,6 +34,16 @@ impl Channel {
             name: name.into(),
             unit: unit.map(str::to_owned),
             ..Self::default()
+        }
+    }
+
+    /// Seconds per unit of its numbers, should they be time stamps; 1 where it states no unit. None: its unit is not one of time.
+    #[must_use]
+    pub fn seconds(&self) -> Option<f64> {
+        match self.unit.as_deref().map(named) {
+            None => Some(1.0),
+            Some(Some(Unit::Time(seconds))) => Some(seconds),
+            Some(_) => None,
         }
     }
 
@@ -259,26 +269,29 @@ impl Layout {
 /// converters take their channels one after the other.
 const BETWEEN_SAMPLES: f64 = 0.1;
 
-/// Names by which a time column is known.
+/// Names by which a time column is known; of two such columns the one that comes first here.
 const TIME_NAMES: [&str; 7] = [
     "time",
-    "t",
     "time_s",
     "timestamp",
     "zeit",
     "seconds",
     "elapsed",
+    "t",
 ];
 
 /// Index of the channel that holds time stamps, by its name.
 #[must_use]
 pub fn time_channel(channels: &[Channel]) -> Option<usize> {
-    channels.iter().position(|c| {
+    let is_called = |c: &Channel, name: &str| {
         let last = c.name.rsplit('/').next().unwrap_or(&c.name);
-        TIME_NAMES
-            .iter()
-            .any(|name| last.eq_ignore_ascii_case(name))
-    })
+        // A temperature is a T, too.
+        let stamps = name != "t" || c.unit.is_none() || c.seconds().is_some();
+        stamps && last.eq_ignore_ascii_case(name)
+    };
+    TIME_NAMES
+        .iter()
+        .find_map(|name| channels.iter().position(|c| is_called(c, name)))
 }
 
 /// Whether a property of this name is the sample rate of the whole file, Hz.

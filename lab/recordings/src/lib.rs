@@ -61,3 +61,4 @@ pub use error::{Error, Result};
 pub use open::{create, open};
 pub use sink::Sink;
 pub use source::Source;
+pub use text::calendar_ns;

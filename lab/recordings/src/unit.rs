@@ -47,7 +47,8 @@ pub fn named(name: &str) -> Option<Unit> {
         .filter(|c| !c.is_whitespace())
         .map(|c| match c {
             '²' => '2',
-            'µ' => 'u',
+            // The sign of micro, and the Greek letter.
+            'µ' | 'μ' => 'u',
             other => other,
         })
         .filter(|c| *c != '^')
@@ -63,11 +64,13 @@ pub fn named(name: &str) -> Option<Unit> {
         "rad/s" | "rads-1" | "rad*s-1" => Unit::Rate(1.0),
         "deg/s" | "°/s" | "dps" | "degs-1" => Unit::Rate(PI / 180.0),
         "rpm" => Unit::Rate(2.0 * PI / 60.0),
-        "s" | "sec" | "seconds" => Unit::Time(1.0),
-        "ms" => Unit::Time(1e-3),
-        "us" => Unit::Time(1e-6),
-        "ns" => Unit::Time(1e-9),
-        "min" => Unit::Time(60.0),
+        "s" | "sec" | "second" | "seconds" | "Seconds" => Unit::Time(1.0),
+        "ms" | "msec" | "milliseconds" => Unit::Time(1e-3),
+        "us" | "usec" | "microseconds" => Unit::Time(1e-6),
+        "ns" | "nsec" | "nanoseconds" => Unit::Time(1e-9),
+        "min" | "minutes" => Unit::Time(60.0),
+        "h" | "hr" | "hours" => Unit::Time(3600.0),
+        "d" | "days" => Unit::Time(86_400.0),
         _ => return None,
     };
     Some(unit)
@@ -109,5 +112,7 @@ mod tests {
         // A thousandth of a volt and a million of them are one letter apart.
         assert_eq!(named("MV"), None);
         assert_eq!(named(""), None);
+        assert_eq!(named("\u{3bc}V"), named("\u{b5}V"));
+        assert_eq!(named("hours"), Some(Unit::Time(3600.0)));
     }
 }

@@ -167,7 +167,10 @@ pub(crate) fn arrange(
     let mut layout = Layout::new(format, channels, properties);
     let bare = layout.channels.iter();
     let bare: Vec<_> = bare
-        .map(|channel| Channel::new(fold(&channel.name, separator).1, None))
+        .map(|channel| Channel {
+            unit: channel.unit.clone(),
+            ..Channel::new(fold(&channel.name, separator).1, None)
+        })
         .collect();
     layout.time = time_channel(&bare);
     Ok(reading(path, layout, Variables { variables, places }))

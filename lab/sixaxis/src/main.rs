@@ -44,15 +44,16 @@ const AFTER_HELP: &str = "\
   sixaxis campaign --help                        thousands of calibrations: do the intervals hold?
 
 Exit codes: 0 done, and the verdict is good; 1 it could not be done; 2 the command line is not understood; 3 done, good with
-reservations; 4 done, not good; 5 the report is written and a limit that it requires is broken.";
+reservations; 4 done, not good; 5 the report is written and a limit that it requires is broken. What 3 and 4 are of other commands
+than calibrate stands in docs/exit-codes.md.";
 
 #[derive(Subcommand)]
 enum Task {
     /// Simulate the paper's calibration campaign with MuJoCo and write an offline HTML report
     ///
     /// Writes report.html, results.json (every number in it; the same seed gives the same file, bit for bit on one kind of processor), run.json
-    /// (machine, duration), figures/*.svg and evidence.csv (random motions and, once the tests have been run, every
-    /// comparison of the suites in props) to the output folder.
+    /// (machine, duration), figures/*.svg and evidence.csv (random motions and, once the tests have been run at the same commit, those of their
+    /// comparisons that leave a row) to the output folder.
     #[cfg(feature = "harness")]
     Report(report::Arguments),
     /// Simulate a laboratory's calibration day: recordings, session file and, in a folder apart, the truth

@@ -9,6 +9,8 @@ use sixaxis_reference::laboratory::plan::Engine;
 use super::{Outcome, run};
 use crate::publication::Arguments;
 
+/// Options of a study that is played in shards, each with something behind it.
+pub const OPTIONS: [&str; 3] = ["--rows", "--shard", "--merge"];
 /// Sessions between two lines of progress.
 const PROGRESS: usize = 50;
 

@@ -10,7 +10,7 @@ use sixaxis_core::SixAxis;
 use sixaxis_core::decouple::uncertainty::parameters::Covariance;
 use sixaxis_core::decouple::uncertainty::{ChannelNoise, SampleUncertainty};
 use sixaxis_core::parameter::PARAMETERS;
-use sixaxis_core::{Geometry, LIMBS, Scheme};
+use sixaxis_core::{Geometry, LIMBS, LimbSet, Scheme};
 
 use super::{World, calibrate, identified};
 
@@ -154,6 +154,7 @@ impl ClosedForm {
                     &trial.sensor(Geometry::PAPER),
                     &parameters,
                     &trial.settings(Scheme::Heun),
+                    LimbSet::EMPTY,
                     &propagated.total(),
                     &noise,
                 )

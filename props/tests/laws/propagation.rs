@@ -13,7 +13,7 @@ use sixaxis_calibration::steps::{Campaign, GyroscopeGain};
 use sixaxis_core::decouple::uncertainty::parameters::Covariance;
 use sixaxis_core::decouple::uncertainty::{ChannelNoise, SampleUncertainty};
 use sixaxis_core::identify::compliance_fit::ComplianceFit;
-use sixaxis_core::{Error, Geometry, LIMBS, Scheme};
+use sixaxis_core::{Error, Geometry, LIMBS, LimbSet, Scheme};
 use sixaxis_props::compare::{fails_clearly, largest, within};
 use sixaxis_props::evidence::Row;
 use sixaxis_props::propagation::monte_carlo::{ClosedForm, Tally, departures, of_campaign};
@@ -415,7 +415,14 @@ fn law_impossible_covariances_are_refused() {
     let trial = &WORLD.compound[0];
     let (sensor, settings) = (trial.sensor(Geometry::PAPER), trial.settings(Scheme::Heun));
     let start = |covariance: &Covariance, noise: &ChannelNoise| {
-        SampleUncertainty::new(&sensor, WORLD.truth(), &settings, covariance, noise)
+        SampleUncertainty::new(
+            &sensor,
+            WORLD.truth(),
+            &settings,
+            LimbSet::EMPTY,
+            covariance,
+            noise,
+        )
     };
     let quiet = ChannelNoise::white([0.0; LIMBS]);
     assert!(start(&Covariance::zeros(), &quiet).is_ok());

@@ -28,10 +28,12 @@ use crate::columns::{column, cross, matrix, stacked};
 use crate::error::{Error, Result, require, require_finite};
 use crate::float::sqrt;
 use crate::geometry::{DIRECTIONS_SHELL, LIMBS};
+use crate::limb_set::LimbSet;
 use crate::model::{InertiaPerMass, Model, Parameters, Sensor, Settings};
 use crate::paper::limb_stream::LimbStream;
 use crate::paper::pose::Pose;
 use crate::parameter::{DRIFT, INERTIA, SCALE};
+use crate::redundancy::reconstruction::Reconstruction;
 use crate::six_axis::SixAxis;
 
 /// Noise of the nine voltages as the decoupler sees them.
@@ -99,7 +101,9 @@ struct Cause {
 pub struct SampleUncertainty {
     limbs: LimbStream,
     sensitivity: [f64; LIMBS],
-    arms_m: [DVec3; LIMBS],
+    excluded: LimbSet,
+    /// Force and torque, shell axes, per force of each limb.
+    wrench: [[DVec3; 2]; LIMBS],
     preload_force: DVec3,
     tensor: DMat3,
     inverse: DMat3,
@@ -122,17 +126,18 @@ fn tensor_of(entries: [f64; 6]) -> DMat3 {
 }
 
 impl SampleUncertainty {
-    /// Prepares a stream beside a decoupler with the same sensor, parameters and settings.
+    /// Prepares a stream beside a decoupler with the same sensor, parameters and settings, without the channels of the same limbs.
     ///
     /// `covariance` is that of the parameters, in the order of [`crate::parameter`].
     ///
     /// # Errors
-    /// Those of [`crate::Decoupler::new`]; [`Error::OutOfRange`] for a covariance that none can be, or noise that is negative
+    /// Those of [`crate::Decoupler::new`] and [`Reconstruction::new`]; [`Error::OutOfRange`] for a covariance that none can be, or noise that is negative
     /// or not finite.
     pub fn new(
         sensor: &Sensor,
         parameters: &Parameters,
         settings: &Settings,
+        excluded: LimbSet,
         covariance: &Covariance,
         noise: &ChannelNoise,
     ) -> Result<Self> {
@@ -145,7 +150,8 @@ impl SampleUncertainty {
             require(value >= 0.0, "channel noise", value, "not negative")?;
         }
         let sensitivity = *limbs.chain().sensitivity_m_s2_per_v();
-        let arms_m = sensor.geometry.arms_m();
+        let reconstruction = Reconstruction::new(excluded)?;
+        let wrench = reconstruction.wrenches(&sensor.geometry.arms_m());
         let tensor = parameters.inertia_per_mass.matrix_mass_m2();
         let inverse = tensor.inverse();
         let step_s = 1.0 / settings.sample_rate_hz;
@@ -165,8 +171,8 @@ impl SampleUncertainty {
             };
             for i in 0..LIMBS {
                 let force = -sensitivity[i] * column[DRIFT.start + i];
-                cause.drift_torque += arms_m[i] * force;
-                cause.drift_force += DIRECTIONS_SHELL[i] * force;
+                cause.drift_force += wrench[i][0] * force;
+                cause.drift_torque += wrench[i][1] * force;
             }
             cause
         });
@@ -176,7 +182,8 @@ impl SampleUncertainty {
         }
         let mut stream = Self {
             sensitivity,
-            arms_m,
+            excluded,
+            wrench,
             preload_force,
             tensor,
             inverse,
@@ -189,7 +196,7 @@ impl SampleUncertainty {
             rate_before: None,
             limbs,
         };
-        stream.add_noise(sensor, parameters, noise)?;
+        stream.add_noise(sensor, parameters, &reconstruction, noise)?;
         Ok(stream)
     }
 
@@ -198,21 +205,25 @@ impl SampleUncertainty {
         &mut self,
         sensor: &Sensor,
         parameters: &Parameters,
+        reconstruction: &Reconstruction,
         noise: &ChannelNoise,
     ) -> Result<()> {
         let compliance = 1.0 / parameters.stiffness_per_mass_per_s2;
         let per_step2 = 1.0 / (self.step_s * self.step_s);
         let [own, next, after_next] = noise.correlation;
-        for i in 0..LIMBS {
+        for i in (0..LIMBS).filter(|i| !self.excluded.contains(*i)) {
             // A probe small enough that the pose is linear in it.
             let probe_m = LINEAR_STRAIN * sensor.geometry.limb_length_m;
             let mut elongation = [0.0; LIMBS];
             elongation[i] = probe_m;
+            for made in self.excluded.indices() {
+                elongation[made] = probe_m * reconstruction.share(made, i);
+            }
             let pose = Pose::from_elongations(&sensor.geometry, &elongation)?;
             // A volt more is more compression, a shorter limb.
             let per_volt = -self.sensitivity[i] * compliance / probe_m;
-            let turned = self.inverse * (self.arms_m[i] * self.sensitivity[i]);
-            let forced = DIRECTIONS_SHELL[i] * self.sensitivity[i];
+            let [forced, torque] = self.wrench[i].map(|v| v * self.sensitivity[i]);
+            let turned = self.inverse * torque;
             // What the mass's acceleration in the shell takes off, at the neighbours and, twice and the other way, here.
             let moved = stacked(
                 pose.position_shell_m * (per_volt * per_step2),
@@ -242,10 +253,13 @@ impl SampleUncertainty {
         let rotation = sample.attitude;
         let rate = sample.rate_shell_rad_s;
         let derivative = rotation.inverse() * sample.angular_ground_rad_s2;
-        let sensed = self.limbs.chain().force_per_mass_m_s2(voltage_v);
+        let mut sensed = self.limbs.chain().force_per_mass_m_s2(voltage_v);
         let mut force = self.preload_force;
-        for (e, f) in DIRECTIONS_SHELL.iter().zip(&sensed) {
-            force += *e * *f;
+        for (limb, (sensed, [along, _])) in sensed.iter_mut().zip(&self.wrench).enumerate() {
+            if self.excluded.contains(limb) {
+                *sensed = 0.0;
+            }
+            force += *along * *sensed;
         }
         // (I/m)^-1 ([I w]x - [w]x I): d(dw*')/d(dw*).
         let gyroscopic = self.inverse * (cross(self.tensor * rate) - cross(rate) * self.tensor);
@@ -288,10 +302,11 @@ impl SampleUncertainty {
         let mut sum = [DVec3::ZERO; 4];
         for cause in &mut self.causes {
             let (mut torque, mut more_force) = (cause.drift_torque, cause.drift_force);
-            for i in 0..LIMBS {
-                let more = sensed[i] * cause.scale[i];
-                torque += self.arms_m[i] * more;
-                more_force += DIRECTIONS_SHELL[i] * more;
+            let scaled = sensed.iter().zip(cause.scale);
+            for ((force, error), [along, about]) in scaled.zip(&self.wrench) {
+                let more = force * error;
+                more_force += *along * more;
+                torque += *about * more;
             }
             let lacking = cause.inertia_m2 * derivative + rate.cross(cause.inertia_m2 * rate);
             let drive = self.inverse * (torque - lacking);

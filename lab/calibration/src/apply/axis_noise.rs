@@ -1,7 +1,7 @@
 //! What the channels' noise makes of the six accelerations of a sensor at rest.
 
 use anyhow::{Context, Result};
-use sixaxis_core::{Decoupler, LIMBS, Scheme, Settings};
+use sixaxis_core::{Decoupler, LIMBS, LimbSet, Scheme, Settings};
 
 use super::setup::Setup;
 
@@ -31,18 +31,20 @@ pub fn axis_noise_densities(setup: &Setup, channels: &[f64; LIMBS]) -> Result<[f
 }
 
 /// Standard deviations of a sample's ax to az, m/s^2, and alpha_x to alpha_z, rad/s^2, at rest, that white noise of the channels, V,
-/// gives it by itself: what it adds up to in rate and attitude is not in them.
+/// gives it by itself: what it adds up to in rate and attitude is not in them. Channels of excluded limbs are not read.
 ///
 /// # Errors
-/// Parameters that are no sensor's.
+/// Parameters that are no sensor's; limbs that cannot be excluded.
 pub fn sample_noise(
     setup: &Setup,
     settings: &Settings,
+    excluded: LimbSet,
     noise_v: &[f64; LIMBS],
 ) -> Result<[f64; 6]> {
     // One sample among others that are at rest shows in its own answer and, by differences, in its neighbours'.
     by_steps(noise_v, |limb, step_v| {
-        let mut decoupler = Decoupler::new(&setup.sensor, &setup.parameters, settings)?;
+        let mut decoupler =
+            Decoupler::new(&setup.sensor, &setup.parameters, settings)?.excluding(excluded)?;
         let mut answers = Vec::new();
         for sample in 0..7 {
             let mut voltage_v = setup.parameters.zero_drift_v;

@@ -110,6 +110,7 @@ impl Decoding {
     pub fn finish(&mut self) {
         self.finished = true;
         self.attitude.iter_mut().for_each(AttitudeStream::finish);
+        self.watching.iter_mut().for_each(FaultWatch::finish);
     }
 
     /// The attitude of the recording that has been decoded, for the same recording once more.

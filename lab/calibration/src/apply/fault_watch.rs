@@ -30,6 +30,8 @@ pub struct FaultWatch {
     pub messages: Vec<String>,
     /// Alarms that began an isolation, those among them that were dismissed without a message.
     pub alarms: u64,
+    /// The sample at which the last alarm was raised, as long as limbs are suspected and none has been named.
+    unexplained_since: Option<u64>,
     samples: u64,
 }
 
@@ -81,6 +83,7 @@ impl FaultWatch {
             stream,
             messages: Vec::new(),
             alarms: 0,
+            unexplained_since: None,
             samples: 0,
         })
     }
@@ -103,8 +106,22 @@ impl FaultWatch {
         Ok(watched.answer.map(|answer| (answer, flags)))
     }
 
+    /// The recording has ended: an alarm that nothing has explained by then is said.
+    pub fn finish(&mut self) {
+        if let Some(sample) = self.unexplained_since {
+            self.messages.push(format!(
+                "the recording ends before it can be told what has failed since sample {sample} or before: rows from there on are marked in suspected_limbs and not to be trusted"
+            ));
+        }
+    }
+
     fn tell(&mut self, watched: &Watched) {
         let sample = self.samples;
+        if watched.suspected.is_empty() || matches!(watched.event, Some(Event::Identified(_))) {
+            self.unexplained_since = None;
+        } else if matches!(watched.event, Some(Event::Alarm(_))) {
+            self.unexplained_since = Some(sample);
+        }
         let text = match watched.event {
             Some(Event::Identified(verdict)) => Some(verdict.to_string()),
             Some(Event::Quiet) => Some("all nine have been quiet for long".to_owned()),
@@ -139,7 +156,7 @@ impl FaultWatch {
                     "limbs"
                 };
                 say(format!(
-                    "decoded without {limbs} {} from sample {} on{trace}{last}",
+                    "decoded without {limbs} {} from here on, rate and attitude as if from sample {} on{trace}{last}",
                     watched.excluded, switch.from_sample
                 ));
             }

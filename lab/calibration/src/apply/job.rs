@@ -154,14 +154,14 @@ impl Job<'_> {
         );
         if !self.rest_to_rest {
             let down_rad = DOWN_DEG.to_radians();
-            let filter = self
-                .setup
-                .error_filter(self.calibration, settings, down_rad);
+            let filter =
+                self.setup
+                    .error_filter(self.calibration, settings, self.excluded, down_rad);
             match filter {
                 Ok((filter, noise_v)) if aided => {
                     let noise = self
                         .uncertainty
-                        .then(|| sample_noise(self.setup, settings, &noise_v))
+                        .then(|| sample_noise(self.setup, settings, self.excluded, &noise_v))
                         .transpose()?;
                     let parameters = &self.setup.parameters;
                     let decoder = AidedDecoupler::new(decoupler, filter, parameters, settings);
@@ -175,14 +175,16 @@ impl Job<'_> {
                     let aids = aided.periodic();
                     let until_deg = self.until_sd_deg;
                     let mut attitude = AttitudeStream::aided(aided, settings, until_deg, noise);
-                    attitude.bounded_by(self.setup.bound(self.calibration, settings, &aids)?);
+                    let excluded = self.excluded;
+                    let bound = self
+                        .setup
+                        .bound(self.calibration, settings, excluded, &aids)?;
+                    attitude.bounded_by(bound);
                     decoding.attitude = Some(attitude.written_to(self.columns));
                 }
-                Ok((mut filter, _)) => {
-                    filter.set_excluded(self.excluded).context("--excluded")?;
-                    let aidable = !watches && self.excluded.is_empty();
+                Ok((filter, _)) => {
                     let until_deg = self.until_sd_deg;
-                    let beside = AttitudeStream::beside(filter, settings, until_deg, aidable);
+                    let beside = AttitudeStream::beside(filter, settings, until_deg, !watches);
                     decoding.attitude = Some(beside.written_to(self.columns));
                 }
                 Err(error) if aided => return Err(error.context("--aid")),
@@ -192,7 +194,10 @@ impl Job<'_> {
             }
         }
         if self.uncertainty {
-            let open_loop = || self.setup.uncertainty(self.calibration, settings);
+            let open_loop = || {
+                let setup = self.setup;
+                setup.uncertainty(self.calibration, settings, self.excluded)
+            };
             decoding.deviates = true;
             decoding.uncertainty = (!aided).then(open_loop).transpose()?.map(Box::new);
         }
@@ -269,8 +274,8 @@ impl Job<'_> {
         let setup = self.setup;
         let open = || -> Result<Recording> {
             let stated_hz = setup.rate_hz;
-            let mut new = Recording::open(path, &setup.channels, stated_hz, setup.full_scale_v)?;
-            new.without = self.excluded;
+            let (channels, limit_v) = (&setup.channels, setup.full_scale_v);
+            let mut new = Recording::open(path, channels, self.excluded, stated_hz, limit_v)?;
             new.watched = self.false_alarms_per_hour.is_some();
             Ok(new)
         };

@@ -8,11 +8,15 @@ use sixaxis_recordings::Layout;
 use sixaxis_recordings::ingest::clock::stated_rate_hz;
 use sixaxis_recordings::ingest::columns::{Columns, stamps};
 use sixaxis_recordings::ingest::find::{self, Column};
+use sixaxis_recordings::inspect::listing::brief;
 use sixaxis_recordings::session::Channels;
 
 use super::CHUNK;
+use super::frozen::Frozen;
 use super::voltages::Voltages;
 
+/// Rates of recorders that see a motion: below, no run of a rig has enough samples, beyond, no converter of nine channels.
+const PLAUSIBLE_HZ: core::ops::RangeInclusive<f64> = 20.0..=5e6;
 /// Voltages over the converter's range that did not come from it as volts.
 const BEYOND: f64 = 1.2;
 
@@ -28,11 +32,12 @@ pub struct Recording {
     pub names: [String; LIMBS],
     /// What has been seen of it so far.
     pub seen: Seen,
-    /// Limbs whose channels are not looked at.
-    pub without: LimbSet,
+    /// Where in `columns` each limb is; nowhere if its channel is not looked at.
+    places: [Option<usize>; LIMBS],
     /// Whether NaN is passed on to the fault monitor, to which it is a failed channel, instead of being refused.
     pub watched: bool,
     columns: Columns,
+    frozen: Frozen,
     start_s: f64,
     /// How the file was cut short, if it was.
     cut: Option<String>,
@@ -60,8 +65,8 @@ pub struct Batch {
 }
 
 impl Recording {
-    /// Opens a recording and finds nine limbs and a rate in it. Where only the time stamps say the rate, they are read once
-    /// beforehand.
+    /// Opens a recording and finds in it a rate and nine limbs, but for the excluded ones, whose channels need not be there. Where only
+    /// the time stamps say the rate, they are read once beforehand.
     ///
     /// # Errors
     /// A file that cannot be read, a channel that is missing or no voltage, a rate that nobody says or that is said twice,
@@ -69,12 +74,18 @@ impl Recording {
     pub fn open(
         path: &Path,
         channels: &Channels,
+        excluded: LimbSet,
         stated_hz: Option<f64>,
         full_scale_v: f64,
     ) -> Result<Self> {
         let source = sixaxis_recordings::open(path)?;
         let layout = source.layout();
-        let limbs = find::limbs(path, layout, channels)?;
+        let (mut limbs, mut places) = (Vec::new(), [None; LIMBS]);
+        for limb in (0..LIMBS).filter(|limb| !excluded.contains(*limb)) {
+            places[limb] = Some(limbs.len());
+            limbs.push(find::limb(path, layout, channels, limb)?);
+        }
+        let indices: Vec<usize> = limbs.iter().map(|limb| limb.index).collect();
         // A rate that is stated stands in for stamps that are not there, whatever the calibration's recordings called theirs.
         let named = channels.time.as_deref();
         let is_there = |name: &&str| layout.channels.iter().any(|c| c.name == *name);
@@ -85,13 +96,17 @@ impl Recording {
             path: path.to_owned(),
             sample_rate_hz,
             samples: layout.channels[limbs[0].index].samples,
-            start_s: layout.start_s(&limbs.each_ref().map(|limb| limb.index)),
+            start_s: layout.start_s(&indices),
             cut: layout.cut.clone(),
-            names: limbs.each_ref().map(|limb| limb.name.clone()),
+            names: core::array::from_fn(|limb| match places[limb] {
+                Some(place) => limbs[place].name.clone(),
+                None => channels.limbs[limb].clone(),
+            }),
             seen: Seen::default(),
-            without: LimbSet::EMPTY,
+            places,
             watched: false,
-            columns: Columns::new(path, source, limbs.to_vec(), time, Some(sample_rate_hz))?,
+            columns: Columns::new(path, source, limbs, time, Some(sample_rate_hz))?,
+            frozen: Frozen::default(),
             full_scale_v,
         })
     }
@@ -104,20 +119,20 @@ impl Recording {
     pub fn read(&mut self, batch: &mut Batch) -> Result<bool> {
         let count = self.columns.read(CHUNK)?;
         for (limb, column) in batch.voltage_v.columns.iter_mut().enumerate() {
-            if self.without.contains(limb) {
+            let Some(place) = self.places[limb] else {
                 column.clear();
                 column.resize(count, 0.0);
                 continue;
-            }
+            };
             if !self.watched {
-                self.columns.check_finite(limb)?;
+                self.columns.check_finite(place)?;
             }
             let clipped = |voltage_v: &&f64| voltage_v.abs() >= self.full_scale_v;
-            for voltage_v in self.columns.column(limb).iter().filter(clipped) {
+            for voltage_v in self.columns.column(place).iter().filter(clipped) {
                 self.seen.clipped[limb] += 1;
                 self.seen.largest_v = self.seen.largest_v.max(voltage_v.abs());
             }
-            self.columns.take(limb, column);
+            self.columns.take(place, column);
         }
         batch.times_s.clear();
         match self.columns.stamps_s() {
@@ -130,6 +145,11 @@ impl Recording {
                     .extend((first..first + count as u64).map(time_s));
             }
         }
+        let columns = batch.voltage_v.columns.iter().zip(self.places);
+        let read: Vec<&[f64]> = columns
+            .filter_map(|(column, place)| place.map(|_| &column[..]))
+            .collect();
+        self.frozen.look(&read);
         self.seen.samples += count as u64;
         if count == 0
             && let Some(stamps) = self.columns.stamps()
@@ -178,6 +198,14 @@ impl Recording {
                 clipped.join(", ")
             ));
         }
+        if !PLAUSIBLE_HZ.contains(&self.sample_rate_hz) {
+            warnings.push(format!(
+                "{}: sampled at {} Hz, by what the file or --rate says: is that the unit of its time stamps, or of its rate?",
+                self.path.display(),
+                brief(self.sample_rate_hz, 3)
+            ));
+        }
+        warnings.extend(self.frozen.warning(&self.path, self.sample_rate_hz));
         if let Some(stamps) = self.columns.stamps()
             && stamps.uneven(self.sample_rate_hz)
         {
@@ -211,8 +239,16 @@ pub fn rate_hz(
         rate = stamps(path, time, None)?.and_then(|stamps| stamps.mean_rate_hz);
     }
     rate.with_context(|| {
+        let samples = limbs
+            .first()
+            .and_then(|limb| layout.channels[limb.index].samples);
+        let why = match (samples, time) {
+            (Some(0), _) => "no samples are in it, and it",
+            (_, Some(_)) => "fewer than two samples are in it, and it",
+            (_, None) => "the file",
+        };
         format!(
-            "{}: the file does not say how fast it was sampled; give --rate",
+            "{}: {why} does not say how fast it was sampled; give --rate",
             path.display()
         )
     })

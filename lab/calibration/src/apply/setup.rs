@@ -7,7 +7,7 @@ use anyhow::{Context, Result, bail};
 use glam::DVec3;
 use sixaxis_core::aided::{Aid, Bound, ErrorFilter, bound};
 use sixaxis_core::decouple::uncertainty::{ChannelNoise, Covariance, SampleUncertainty};
-use sixaxis_core::{Gains, LIMBS, Parameters, Scheme, Sensor, Settings};
+use sixaxis_core::{Gains, LIMBS, LimbSet, Parameters, Scheme, Sensor, Settings};
 use sixaxis_recordings::session::{Channels, Entry, Role, SessionFile};
 use sixaxis_recordings::unit::STANDARD_GRAVITY_M_S2;
 
@@ -181,6 +181,7 @@ impl Setup {
         &self,
         calibration: &Calibration,
         settings: &Settings,
+        excluded: LimbSet,
     ) -> Result<SampleUncertainty> {
         let (covariance, noise) = self
             .errors(calibration, settings)
@@ -189,6 +190,7 @@ impl Setup {
             &self.sensor,
             &self.parameters,
             settings,
+            excluded,
             &covariance,
             &noise,
         )
@@ -227,10 +229,11 @@ impl Setup {
         &self,
         calibration: &Calibration,
         settings: &Settings,
+        excluded: LimbSet,
         down_deviation_rad: f64,
     ) -> Result<(ErrorFilter, [f64; LIMBS])> {
         let (covariance, noise) = self.errors(calibration, settings)?;
-        let filter = ErrorFilter::new(
+        let mut filter = ErrorFilter::new(
             &self.sensor,
             &self.parameters,
             settings,
@@ -238,6 +241,7 @@ impl Setup {
             &noise,
             down_deviation_rad,
         )?;
+        filter.set_excluded(excluded).context("--excluded")?;
         Ok((filter, noise.white_v))
     }
 
@@ -249,6 +253,7 @@ impl Setup {
         &self,
         calibration: &Calibration,
         settings: &Settings,
+        excluded: LimbSet,
         aids: &[(Aid, f64)],
     ) -> Result<Option<Bound>> {
         let (_, noise) = self.errors(calibration, settings)?;
@@ -257,6 +262,7 @@ impl Setup {
             &self.parameters,
             settings,
             &noise,
+            excluded,
             aids,
         )?)
     }

@@ -7,7 +7,7 @@ use sixaxis_core::{LIMBS, LimbSet};
 use sixaxis_recordings::channel::{Layout, time_channel};
 use sixaxis_recordings::ingest::find::{self, Column};
 use sixaxis_recordings::session::Channels;
-use sixaxis_recordings::{Block, Channel};
+use sixaxis_recordings::{Block, Channel, calendar_ns};
 
 use super::conditioning_stream::ConditioningStream;
 use super::coordination::Coordination;
@@ -50,11 +50,50 @@ pub struct TextStream {
     pub full_scale_v: f64,
 }
 
-/// Where things stand in a line.
+/// Where things stand in a line: limbs whose channels are not read nowhere.
 struct Places {
-    limbs: [Column; LIMBS],
+    limbs: [Option<Column>; LIMBS],
+    names: [String; LIMBS],
     time: Option<Column>,
     columns: usize,
+}
+
+/// Share of a step by which a time stamp may be beside the rate's.
+const BESIDE: f64 = 0.5;
+
+/// The stamps of a stream, held against its rate.
+#[derive(Default)]
+struct Clock {
+    /// The first stamp of a calendar, ns.
+    first: Option<i128>,
+    before_s: Option<f64>,
+    odd: u64,
+}
+
+impl Clock {
+    /// Takes the next stamp; what is to be said of the first one that is not a step behind the one before it.
+    fn look(&mut self, stamp_s: f64, sample_rate_hz: f64) -> Option<String> {
+        let step_s = stamp_s - self.before_s.replace(stamp_s)?;
+        if (step_s * sample_rate_hz - 1.0).abs() <= BESIDE {
+            return None;
+        }
+        self.odd += 1;
+        (self.odd == 1).then(|| {
+            format!(
+                "the time stamp is {step_s:.6} s behind the one before, and at --rate {sample_rate_hz} it is {:.6} s: are rows missing, or is the rate another? Samples are taken as evenly spaced",
+                1.0 / sample_rate_hz
+            )
+        })
+    }
+
+    /// A stamp as it stands in a line: a number, or a time of a calendar, of which seconds since the first are taken.
+    fn read(&mut self, cell: &str, size_si: f64) -> Option<f64> {
+        if let Ok(number) = cell.parse::<f64>() {
+            return number.is_finite().then_some(number * size_si);
+        }
+        let now = calendar_ns(cell)?;
+        Some((now - *self.first.get_or_insert(now)) as f64 * 1e-9)
+    }
 }
 
 impl TextStream {
@@ -92,6 +131,7 @@ impl TextStream {
     ) -> Result<End> {
         write_headings(output, &self.layout)?;
         let mut places = None;
+        let mut clock = Clock::default();
         let mut line = Vec::new();
         let (mut number, mut samples, mut clipped) = (0_u64, 0_u64, 0_u64);
         let (mut received, mut ready) = (Voltages::default(), Voltages::default());
@@ -127,9 +167,20 @@ impl TextStream {
                     found
                 }
             };
-            let (row, stamp_s) = places
-                .read(&cells, self.excluded, self.watched)
-                .map_err(at_line)?;
+            let row = places.read(&cells, self.watched).map_err(at_line)?;
+            let stamp_s = match &places.time {
+                Some(time) => {
+                    let cell = cells[time.index].trim_matches('"');
+                    let stamp_s = clock.read(cell, time.size_si);
+                    let none = || at_line(format!("{}: {cell:?} is no time", time.name));
+                    Some(stamp_s.ok_or_else(none)?)
+                }
+                None => None,
+            };
+            let odd = stamp_s.and_then(|stamp_s| clock.look(stamp_s, self.sample_rate_hz));
+            if let Some(odd) = odd {
+                warn(format!("{PLACE}, line {number}: {odd}"));
+            }
             if row.iter().any(|u| u.abs() >= self.full_scale_v) {
                 clipped += 1;
                 if clipped == 1 {
@@ -148,7 +199,7 @@ impl TextStream {
             self.decoding
                 .decode(ready.all(), &mut block)
                 .map_err(|error| {
-                    explain(&error, &format!("{PLACE}, line {number}"), &places.names())
+                    explain(&error, &format!("{PLACE}, line {number}"), &places.names)
                 })?;
             self.decoding.messages().into_iter().for_each(warn);
             let broken = self.decoding.coordination.as_mut();
@@ -163,7 +214,7 @@ impl TextStream {
         if let Some(places) = &places {
             self.decoding
                 .decode(ready.all(), &mut block)
-                .map_err(|error| explain(&error, PLACE, &places.names()))?;
+                .map_err(|error| explain(&error, PLACE, &places.names))?;
             write_rows(output, &block)?;
         }
         self.decoding.finish();
@@ -171,6 +222,12 @@ impl TextStream {
         let broken = self.decoding.coordination.as_mut();
         if let Some(broken) = broken.and_then(Coordination::verdict) {
             warn(format!("{PLACE}: {broken}"));
+        }
+        if clock.odd > 1 {
+            warn(format!(
+                "{PLACE}: {} time stamps in all are not a step behind the one before",
+                clock.odd
+            ));
         }
         if clipped > 1 {
             warn(format!(
@@ -196,11 +253,8 @@ impl TextStream {
             time,
             ..Layout::default()
         };
-        Ok(Places {
-            limbs: find::limbs(PLACE.as_ref(), &layout, &self.channels)?,
-            time: find::time(PLACE.as_ref(), &layout, None)?,
-            columns: cells.len(),
-        })
+        let time = find::time(PLACE.as_ref(), &layout, None)?;
+        self.places(&layout, time, cells.len())
     }
 
     fn by_order(&self, columns: usize) -> Result<Places> {
@@ -217,9 +271,20 @@ impl TextStream {
                 .collect(),
             ..Layout::default()
         };
+        self.places(&layout, None, columns)
+    }
+
+    fn places(&self, layout: &Layout, time: Option<Column>, columns: usize) -> Result<Places> {
+        let mut limbs = [const { None }; LIMBS];
+        for (limb, column) in limbs.iter_mut().enumerate() {
+            if !self.excluded.contains(limb) {
+                *column = Some(find::limb(PLACE.as_ref(), layout, &self.channels, limb)?);
+            }
+        }
         Ok(Places {
-            limbs: find::limbs(PLACE.as_ref(), &layout, &self.channels)?,
-            time: None,
+            limbs,
+            names: self.channels.limbs.clone(),
+            time,
             columns,
         })
     }
@@ -234,18 +299,9 @@ impl TextStream {
 }
 
 impl Places {
-    fn names(&self) -> [String; LIMBS] {
-        self.limbs.each_ref().map(|limb| limb.name.clone())
-    }
-
-    /// Voltages and time stamp of a line. Excluded limbs' cells are not parsed and read 0. With `watched`, a cell that is not a
+    /// Voltages of a line. Excluded limbs' cells are not parsed and read 0. With `watched`, a cell that is not a
     /// finite number becomes NaN, which the fault monitor takes for a failure, instead of an error.
-    fn read(
-        &self,
-        cells: &[&str],
-        excluded: LimbSet,
-        watched: bool,
-    ) -> Result<(Row, Option<f64>), String> {
+    fn read(&self, cells: &[&str], watched: bool) -> Result<Row, String> {
         if cells.len() != self.columns {
             return Err(format!(
                 "{} columns, {} were expected",
@@ -264,21 +320,17 @@ impl Places {
             }
         };
         let mut row = [0.0; LIMBS];
-        for (k, (value, limb)) in row.iter_mut().zip(&self.limbs).enumerate() {
-            if excluded.contains(k) {
+        for (value, limb) in row.iter_mut().zip(&self.limbs) {
+            let Some(limb) = limb else {
                 continue;
-            }
+            };
             *value = limb.size_si
                 * match number(&limb.name, limb.index) {
                     Err(_) if watched => f64::NAN,
                     read => read?,
                 };
         }
-        let stamp_s = match &self.time {
-            Some(time) => Some(number("time", time.index)? * time.size_si),
-            None => None,
-        };
-        Ok((row, stamp_s))
+        Ok(row)
     }
 }
 

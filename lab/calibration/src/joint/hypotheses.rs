@@ -2,7 +2,7 @@
 //!
 //! Hypotheses compete. Each is one thing that the session does not state and that the recordings may have; the trials are fitted
 //! again with it, and it is believed if that leaves nothing over but noise, if its unknown, where it has one with a deviation, is told beyond doubt, and if no
-//! other hypothesis does as much. Where none explains all trials, those that stand out are left aside: what was suspected of them is
+//! other hypothesis does as much; a freedom also if noise that is not white is left, and next to none of the contradiction. Where none explains all trials, those that stand out are left aside: what was suspected of them is
 //! believed if the others agree to the noise. Where neither succeeds the cause is unknown, and that is what is said.
 //!
 //! | file | hypothesis |

@@ -9,7 +9,7 @@ use crate::apply::setup::Setup;
 use crate::apply::voltages::Voltages;
 use anyhow::{Result, ensure};
 use sixaxis_core::redundancy::self_calibration::{Accumulator, Moments};
-use sixaxis_core::{LIMBS, Scheme};
+use sixaxis_core::{LIMBS, LimbSet, Scheme};
 
 /// A time of rest, s from the recording's beginning.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -118,8 +118,13 @@ impl Measured {
         rests: Option<[Rest; 2]>,
         advance: &dyn Fn(u64, u64),
     ) -> Result<Self> {
-        let mut recording =
-            Recording::open(path, &setup.channels, setup.rate_hz, setup.full_scale_v)?;
+        let mut recording = Recording::open(
+            path,
+            &setup.channels,
+            LimbSet::EMPTY,
+            setup.rate_hz,
+            setup.full_scale_v,
+        )?;
         let sample_rate_hz = recording.sample_rate_hz;
         let settings = setup.settings(sample_rate_hz, Scheme::Heun);
         let mut conditioning = ConditioningStream::new(&setup.conditioning, sample_rate_hz)?;

@@ -48,15 +48,23 @@ fn position(path: &Path, layout: &Layout, name: &str) -> Result<usize> {
 /// The nine limbs, in V.
 ///
 /// # Errors
-/// [`Error::NoSuchChannel`]; [`Error::Unit`] for a channel that is no voltage or in no unit that is known.
+/// Those of [`limb`].
 pub fn limbs(path: &Path, layout: &Layout, channels: &Channels) -> Result<[Column; LIMBS]> {
     let mut limbs: [Column; LIMBS] = Default::default();
-    for (limb, name) in limbs.iter_mut().zip(&channels.limbs) {
-        let index = position(path, layout, name)?;
-        let volts = units::volts(path, &layout.channels[index], channels)?;
-        *limb = Column::new(layout, index, volts);
+    for (number, column) in limbs.iter_mut().enumerate() {
+        *column = limb(path, layout, channels, number)?;
     }
     Ok(limbs)
+}
+
+/// One of the nine limbs, from 0, in V.
+///
+/// # Errors
+/// [`Error::NoSuchChannel`]; [`Error::Unit`] for a channel that is no voltage or in no unit that is known.
+pub fn limb(path: &Path, layout: &Layout, channels: &Channels, limb: usize) -> Result<Column> {
+    let index = position(path, layout, &channels.limbs[limb])?;
+    let volts = units::volts(path, &layout.channels[index], channels)?;
+    Ok(Column::new(layout, index, volts))
 }
 
 /// Accelerometer, in m/s^2, and gyroscope, in rad/s.
@@ -97,13 +105,18 @@ pub fn standards(
 /// The time stamps, in s: the channel of this name, or else the one that the layout takes for them.
 ///
 /// # Errors
-/// [`Error::NoSuchChannel`] for a name that is not there.
+/// [`Error::NoSuchChannel`] for a name that is not there; [`Error::Unit`] for a unit that is not one of time.
 pub fn time(path: &Path, layout: &Layout, name: Option<&str>) -> Result<Option<Column>> {
     let index = match name {
         Some(name) => Some(position(path, layout, name)?),
         None => layout.time,
     };
-    Ok(index.map(|index| Column::new(layout, index, units::seconds(layout, index))))
+    index
+        .map(|index| {
+            let seconds = units::seconds(path, &layout.channels[index])?;
+            Ok(Column::new(layout, index, seconds))
+        })
+        .transpose()
 }
 
 /// The columns of a motion, in the order and units of [`MOTION_CHANNELS`]. Rates and attitude may be missing.

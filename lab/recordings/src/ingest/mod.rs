@@ -17,4 +17,4 @@ pub mod clock;
 pub mod columns;
 pub mod find;
 pub mod readings;
-pub mod units;
+mod units;

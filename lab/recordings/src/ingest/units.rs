@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::channel::{Channel, Layout};
+use crate::channel::Channel;
 use crate::error::{Error, Result};
 use crate::session::Channels;
 use crate::unit::{self, Unit};
@@ -86,13 +86,18 @@ pub(super) fn standard(
     Err(refuse(path, channel, cause))
 }
 
-/// Seconds per unit of a channel of time stamps; 1 where the unit is missing or no unit of time.
-#[must_use]
-pub fn seconds(layout: &Layout, index: usize) -> f64 {
-    match layout.channels[index].unit.as_deref().and_then(unit::named) {
-        Some(Unit::Time(seconds)) => seconds,
-        _ => 1.0,
-    }
+/// Seconds per unit of a channel of time stamps; 1 where it states none.
+///
+/// # Errors
+/// [`Error::Unit`] for one that is no unit of time.
+pub(super) fn seconds(path: &Path, channel: &Channel) -> Result<f64> {
+    channel.seconds().ok_or_else(|| {
+        let own = channel.unit.as_deref().unwrap_or_default();
+        let cause = format!(
+            "{own:?} is no unit of time stamps (ns, us, ms, s, min, h, d); call the channel otherwise where it has none, and give the rate"
+        );
+        refuse(path, channel, cause)
+    })
 }
 
 /// Size of a motion's column in the SI unit that it is `expected` in; 1 where the file states no unit.

@@ -16,7 +16,6 @@ use crate::error::{Error, Result};
 use crate::ingest::clock::Stamps;
 use crate::ingest::columns::{BLOCK, Columns};
 use crate::ingest::find::Column;
-use crate::ingest::units;
 use crate::open;
 use crate::session::Role;
 
@@ -175,7 +174,8 @@ impl Reader<'_> {
         let fits = selection.first().is_none_or(|first| {
             self.layout.channels[*first].samples == self.layout.channels[time].samples
         });
-        fits.then(|| Column::new(self.layout, time, units::seconds(self.layout, time)))
+        let seconds = self.layout.channels[time].seconds().filter(|_| fits)?;
+        Some(Column::new(self.layout, time, seconds))
     }
 
     /// A group with what tells how its channels go together.

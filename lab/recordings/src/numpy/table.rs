@@ -35,6 +35,9 @@ pub struct Table {
     pub member: Option<String>,
 }
 
+/// Rows up to which an array of far more columns is one of channels by samples, and the times that these must be more.
+const MOST_TURNED: u64 = 64;
+const FAR_MORE: u64 = 8;
 /// Longest row, bytes.
 const RECORD: u64 = 1 << 20;
 
@@ -68,6 +71,23 @@ pub fn arrange(header: &Header, body: Body, member: Option<String>) -> Result<Ta
                 offset: 0,
             });
             (rows, bytes)
+        }
+        // Each row is a channel: the same as a transposed array in the other order.
+        (Element::Number(number), &[channels, samples])
+            if (2..=MOST_TURNED).contains(&channels) && samples > channels * FAR_MORE =>
+        {
+            fortran = !header.fortran;
+            let stride = if fortran {
+                samples.saturating_mul(bytes)
+            } else {
+                bytes
+            };
+            fields.extend((0..channels).map(|channel| Field {
+                name: numbered(channel),
+                number: *number,
+                offset: channel.saturating_mul(stride),
+            }));
+            (samples, if fortran { bytes } else { bytes * channels })
         }
         (Element::Number(number), &[rows, columns]) => {
             if columns > MOST_CHANNELS as u64 {

@@ -90,7 +90,8 @@ fn score(body: &[Numbered], separator: Separator) -> Option<Score> {
         return None;
     }
     let decimal = decimal_sign(body, separator);
-    let (mut hits, mut rows, mut stamps) = (vec![0_usize; columns], 0_usize, 0_usize);
+    let (mut hits, mut rows, mut stamps, mut empty) =
+        (vec![0_usize; columns], 0_usize, 0_usize, 0_usize);
     let mut scratch = String::new();
     for (_, line) in body {
         if split(line, separator, &mut cells).is_err() || cells.len() != columns {
@@ -102,9 +103,21 @@ fn score(body: &[Numbered], separator: Separator) -> Option<Score> {
             let is_number = number(cell, &mut decimal.clone(), &mut scratch).is_some();
             *hits += usize::from(is_number);
             stamps += usize::from(!is_number && is_stamp(cell));
+            empty += usize::from(cell.is_empty());
         }
     }
-    let share = (hits.iter().sum::<usize>() + stamps) as f64 / (columns * body.len()) as f64;
+    // Runs of blanks swallow what tabs leave empty, and would then have the larger share.
+    let of_tabs = if separator == Separator::Tab {
+        empty
+    } else {
+        0
+    };
+    let found = hits.iter().sum::<usize>() + stamps;
+    let share = if found == 0 {
+        0.0
+    } else {
+        (found + of_tabs) as f64 / (columns * body.len()) as f64
+    };
     (share > 0.0).then(|| Score {
         dialect: Dialect { separator, decimal },
         columns,

@@ -45,3 +45,4 @@ mod stamp;
 
 pub(crate) use sink::create;
 pub(crate) use source::open;
+pub use stamp::calendar_ns;

@@ -48,10 +48,10 @@ pub struct Arguments {
     iterate: Option<u16>,
     /// Whose 25 parameters are written: the paper's four steps', or those of all trials at once by maximum likelihood, which
     /// finds wedges, axis, centre, limbs' stiffness, cross-talk and the standards' errors along with them [default: joint where it
-    /// leaves nothing over but noise, four-steps where it does not]
+    /// leaves no more over than noise and finds ordinary limbs, four-steps where it does not]
     #[arg(long, value_enum)]
     estimator: Option<Method>,
-    /// Keep wild samples from bending the joint fit (Huber's loss); takes about twice as long
+    /// Keep wild samples from bending the joint fit (Huber's loss); takes half as long again to twice as long
     #[arg(long)]
     robust: bool,
     /// Print a summary for scripts instead of the one for people

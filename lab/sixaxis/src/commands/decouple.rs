@@ -17,11 +17,11 @@ use sixaxis_calibration::apply::setup::Setup;
 use sixaxis_calibration::apply::text_stream::{End, Printed, is_closed_pipe, refuse};
 use sixaxis_calibration::page;
 use sixaxis_calibration::report::Grade;
-use sixaxis_core::LimbSet;
+use sixaxis_core::{LIMBS, LimbSet};
 use sixaxis_page::render;
 use sixaxis_recordings::draft::write_atomically;
 use sixaxis_recordings::inspect::listing::brief;
-use sixaxis_recordings::{Layout, Sink};
+use sixaxis_recordings::{Channel, Layout, Sink};
 
 use super::choices::{Axes, Integrator};
 use super::common::{Beside, print, print_json, read_calibration, say, tell};
@@ -58,7 +58,7 @@ pub struct Arguments {
     #[arg(long, value_name = "DEGREES", conflicts_with = "rest_to_rest")]
     until_sd: Option<f64>,
     /// What else is known of the motion: rest, velocity=SECONDS,M_PER_S or attitude=FILE,DEGREES; once of each kind
-    #[arg(long, value_name = "WHAT", conflicts_with_all = ["rest_to_rest", "watch", "excluded"])]
+    #[arg(long, value_name = "WHAT", conflicts_with_all = ["rest_to_rest", "watch"])]
     aid: Vec<AidChoice>,
     /// Decouple each sample by all that --aid tells of the whole recording, what comes later with it; reads it twice
     #[arg(long, requires = "aid")]
@@ -81,7 +81,7 @@ pub struct Arguments {
         long,
         value_name = "LIMBS",
         value_parser = limbs,
-        conflicts_with_all = ["rest_to_rest", "uncertainty"]
+        conflicts_with = "rest_to_rest"
     )]
     excluded: Option<LimbSet>,
     /// Picture of the six accelerations: a page that needs no network
@@ -242,16 +242,17 @@ fn file(arguments: &Arguments, job: &Job) -> Result<()> {
     if let Some(picture) = &arguments.picture {
         check_ending("--picture", picture, PAGE)?;
     }
-    // Of results nobody asks; a recording is not to be had again.
+    // Of results nobody asks; a recording is not to be had again, whatever its channels are called.
+    let is_result = |name: &str| ["ax", "fx", "ax_m_s2", "fx_m_s2"].contains(&name);
     let recorded = out.is_file()
         && sixaxis_recordings::open(&out).is_ok_and(|there| {
-            let channels = &job.setup.channels.limbs;
-            let layout = there.layout();
-            channels.iter().all(|name| layout.position(name).is_some())
+            let channels = &there.layout().channels;
+            let last = |c: &Channel| c.name.rsplit('/').next().is_some_and(is_result);
+            channels.len() >= LIMBS && !channels.iter().any(last)
         });
     ensure!(
         !recorded,
-        "--out: {} is a recording of the nine limbs and would be written over; name another file",
+        "--out: {} is a recording and no result of this command, and would be written over; name another file",
         out.display()
     );
     let create = |layout: &Layout| -> Result<Box<dyn Sink>> {

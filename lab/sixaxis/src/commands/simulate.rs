@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use anyhow::{Context, Result, anyhow, ensure};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde::de::DeserializeOwned;
 use serde::de::value::{Error as ValueError, StrDeserializer};
@@ -169,6 +169,17 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         "{} holds a session already; give another folder, or --force to replace it",
         out.display()
     );
+    let recorded = files_in(out)?.into_iter().find(|file| {
+        let written = arguments.format.as_str();
+        file.to_string_lossy().ends_with(&format!(".{written}"))
+    });
+    if let Some(recorded) = recorded.filter(|_| !arguments.force) {
+        bail!(
+            "{} holds recordings already, {} among them; give another folder, or --force to write over those of the same names",
+            out.display(),
+            recorded.display()
+        );
+    }
     let progress = Progress::shown();
     let work = work_ms(&plan)?;
     let played = simulate_session_watched(&plan, &|ms| progress.report("simulating", work, ms))
@@ -189,6 +200,20 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         out.join(TRUTH_FOLDER).display()
     ))?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// Names of the files in a folder.
+fn files_in(folder: &Path) -> Result<Vec<PathBuf>> {
+    let entries = std::fs::read_dir(folder).with_context(|| folder.display().to_string())?;
+    let mut names = Vec::new();
+    for entry in entries {
+        let entry = entry.with_context(|| folder.display().to_string())?;
+        if entry.file_type().is_ok_and(|kind| kind.is_file()) {
+            names.push(PathBuf::from(entry.file_name()));
+        }
+    }
+    names.sort();
+    Ok(names)
 }
 
 /// Writes a tumble beside the session and says how to check the calibration with it.

@@ -150,7 +150,7 @@ fn explanation(calibrated: &CalibratedSession, steps: &FourSteps) -> String {
     format!(
         "{reached} The rate that is left comes from errors of the scale factors, which make a rotation of their own out of linear motion. \
          Compliance of the limbs changes the torques by some millionths, so the scale factors would have to be right against each other to \
-         some hundred-thousandths before the curve says anything about $k$/$m$. No standard instrument is. It does no harm: at the rig's frequencies \
+         some hundred-thousandths before the curve says anything about $k$/$m$. Wedges and noise leave them more. It does no harm: at the rig's frequencies \
          decoupled accelerations change by about as little, and {} is used.",
         if by_taps {
             "the value from the taps"

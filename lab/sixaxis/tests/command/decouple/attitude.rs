@@ -76,13 +76,18 @@ fn recorded() -> &'static Recorded {
 
 /// Decouples it into a file of this name; what `--json` says.
 fn decoupled(name: &str, more: &[&str]) -> (PathBuf, Value) {
+    decoupled_from(&recorded().path(), name, more)
+}
+
+/// The same of another file of the same motion.
+fn decoupled_from(path: &Path, name: &str, more: &[&str]) -> (PathBuf, Value) {
     let recorded = recorded();
     let out = recorded.folder.join(name);
-    let (calibration, path) = (calibration(), recorded.path());
+    let calibration = calibration();
     let first = [
         "decouple",
         &calibration,
-        text(&path),
+        text(path),
         "--gain",
         &recorded.gains,
         "--down",
@@ -328,6 +333,51 @@ fn ref_a_second_pass_knows_what_came_later() {
         sd_rested <= sd_smoothed,
         "{sd_rested} after {sd_smoothed} rad"
     );
+}
+
+#[test]
+fn ref_aids_hold_without_the_channels_of_lost_limbs() {
+    let (mut volts, rate_hz) = columns(&recorded().path(), &LIMBS);
+    // One says nothing, one what is not so.
+    volts[4].fill(f64::NAN);
+    volts[8].iter_mut().step_by(2).for_each(|u| *u = 1.0);
+    let lost = recorded().folder.join("lost.npz");
+    write(&lost, &LIMBS, "V", &volts, rate_hz.unwrap_or(RATE_HZ));
+    let without = ["--excluded", "5,9", "--uncertainty"];
+    let (open, said) = decoupled_from(&lost, "lost-open.parquet", &without);
+    let Held {
+        rows: open_rows,
+        worst,
+    } = held_against_truth(&open);
+    assert!(worst < NEVER, "open loop: {worst}");
+    let warned = said["warnings"].to_string();
+    assert!(
+        warned.contains("--aid tells what else is known"),
+        "{warned}"
+    );
+    // A rest without noise is no recorder that hung.
+    assert!(!warned.contains("stand still"), "{warned}");
+    let rest = [&without[..], &["--aid", "rest"]].concat();
+    let (rests, said) = decoupled_from(&lost, "lost-rests.parquet", &rest);
+    let Held { rows, worst } = held_against_truth(&rests);
+    assert!(worst < NEVER, "rests: {worst}");
+    assert!(rows > 4 * open_rows, "{rows} rows after {open_rows}");
+    let used = |said: &Value| said["attitude"]["rest"]["taken"].as_u64();
+    assert!(used(&said) > Some(20), "{said}");
+    let smooth = [&rest[..], &["--smooth"]].concat();
+    let (smoothed, _) = decoupled_from(&lost, "lost-smoothed.parquet", &smooth);
+    let Held {
+        rows: smoothed_rows,
+        worst,
+    } = held_against_truth(&smoothed);
+    assert!(worst < NEVER, "smoothed: {worst}");
+    assert!(smoothed_rows >= rows, "{smoothed_rows} rows after {rows}");
+    // With all nine it is known better, at each sample.
+    let (nine, _) = decoupled("nine.parquet", &["--uncertainty", "--aid", "rest"]);
+    let deviations = |path: &Path| columns(path, &["sd_ax", "sd_ay", "sd_az"]).0;
+    for (nine, seven) in deviations(&nine).iter().zip(deviations(&rests)) {
+        assert!(nine.iter().zip(seven).all(|(a, b)| *a < b));
+    }
 }
 
 #[test]

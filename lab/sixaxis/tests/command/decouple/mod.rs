@@ -4,6 +4,7 @@ mod attitude;
 mod clocks;
 mod deviations;
 mod excluded_limbs;
+mod forms;
 mod guards;
 mod refusals;
 mod results;
