@@ -4,11 +4,12 @@ use std::path::Path;
 
 /// Samples of one value from which on they are told.
 const FEWEST: u64 = 50;
-/// Steps of a channel, over its smallest one, by which it jumps into or out of such a stretch: a sensor at rest on a coarse converter comes to
-/// stand still by single steps.
+/// Steps of a channel, over its smallest one, by which it jumps into or out of such a stretch: a sensor at rest on a coarse converter
+/// comes to stand still by single steps. Without a converter or noise it does so by ever smaller ones.
 const JUMP: f64 = 8.0;
-
-/// Samples from which a channel's smallest step is taken.
+/// The least that such a jump has of the largest step.
+const OF_LARGEST: f64 = 0.05;
+/// Samples from which a channel's smallest and largest steps are taken.
 const LEARNT_FROM: u64 = 1 << 14;
 
 /// Stretches in which all channels stand still.
@@ -16,8 +17,8 @@ const LEARNT_FROM: u64 = 1 << 14;
 pub struct Frozen {
     /// The last two rows.
     last: [Vec<f64>; 2],
-    /// Smallest step of each channel that is one.
-    smallest: Vec<f64>,
+    /// Smallest step of each channel that is one, and the largest.
+    steps: Vec<[f64; 2]>,
     /// Samples that are like the one before them, up to the last row.
     run: u64,
     /// Whether the stretch began with a jump.
@@ -35,11 +36,15 @@ impl Frozen {
         let [older, newer] = &mut self.last;
         older.resize(columns.len(), f64::NAN);
         newer.resize(columns.len(), f64::NAN);
-        self.smallest.resize(columns.len(), f64::INFINITY);
+        self.steps.resize(columns.len(), [f64::INFINITY, 0.0]);
         if self.samples < LEARNT_FROM {
-            for (column, smallest) in columns.iter().zip(&mut self.smallest) {
+            for (column, extremes) in columns.iter().zip(&mut self.steps) {
                 let steps = column.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-                *smallest = steps.filter(|step| *step > 0.0).fold(*smallest, f64::min);
+                *extremes = steps
+                    .filter(|step| *step > 0.0)
+                    .fold(*extremes, |[low, high], step| {
+                        [low.min(step), high.max(step)]
+                    });
             }
         }
         // Nearly all samples are told by the first channel alone.
@@ -54,9 +59,10 @@ impl Frozen {
                 continue;
             }
             let jumps = |back: usize| {
-                let mut channels = (0..columns.len()).zip(&self.smallest);
-                channels.any(|(channel, smallest)| {
-                    (at(back, channel) - at(back + 1, channel)).abs() > JUMP * smallest
+                let mut channels = (0..columns.len()).zip(&self.steps);
+                channels.any(|(channel, [smallest, largest])| {
+                    let step = (at(back, channel) - at(back + 1, channel)).abs();
+                    step > (JUMP * smallest).max(OF_LARGEST * largest)
                 })
             };
             match (still, self.run) {
