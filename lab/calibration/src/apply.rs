@@ -25,6 +25,7 @@
 //! | [`pipeline`] | the same, with a thread for reading and one for writing |
 //! | [`rest_to_rest`] | a whole run in memory, with the rest-to-rest correction |
 //! | [`job`] | all of this for one recording and one result |
+//! | [`stream_clock`] | the stamps of a stream of text, held against its rate |
 //! | [`text_stream`] | rows of text from standard input to rows on standard output |
 //!
 //! The answer to a recording does not depend on how it was cut into blocks nor on the timing of the threads: blocks are cut
@@ -47,6 +48,7 @@ mod frozen;
 pub mod job;
 pub mod mean_acceleration;
 pub mod rest_to_rest;
+mod stream_clock;
 pub mod text_stream;
 pub mod voltages;
 

@@ -7,11 +7,12 @@ use sixaxis_core::{LIMBS, LimbSet};
 use sixaxis_recordings::channel::{Layout, time_channel};
 use sixaxis_recordings::ingest::find::{self, Column};
 use sixaxis_recordings::session::Channels;
-use sixaxis_recordings::{Block, Channel, calendar_ns};
+use sixaxis_recordings::{Block, Channel};
 
 use super::conditioning_stream::ConditioningStream;
 use super::coordination::Coordination;
 use super::decoding::Decoding;
+use super::stream_clock::StreamClock;
 use super::voltages::Voltages;
 use super::{Row, explain};
 
@@ -58,44 +59,6 @@ struct Places {
     columns: usize,
 }
 
-/// Share of a step by which a time stamp may be beside the rate's.
-const BESIDE: f64 = 0.5;
-
-/// The stamps of a stream, held against its rate.
-#[derive(Default)]
-struct Clock {
-    /// The first stamp of a calendar, ns.
-    first: Option<i128>,
-    before_s: Option<f64>,
-    odd: u64,
-}
-
-impl Clock {
-    /// Takes the next stamp; what is to be said of the first one that is not a step behind the one before it.
-    fn look(&mut self, stamp_s: f64, sample_rate_hz: f64) -> Option<String> {
-        let step_s = stamp_s - self.before_s.replace(stamp_s)?;
-        if (step_s * sample_rate_hz - 1.0).abs() <= BESIDE {
-            return None;
-        }
-        self.odd += 1;
-        (self.odd == 1).then(|| {
-            format!(
-                "the time stamp is {step_s:.6} s behind the one before, and at --rate {sample_rate_hz} it is {:.6} s: are rows missing, or is the rate another? Samples are taken as evenly spaced",
-                1.0 / sample_rate_hz
-            )
-        })
-    }
-
-    /// A stamp as it stands in a line: a number, or a time of a calendar, of which seconds since the first are taken.
-    fn read(&mut self, cell: &str, size_si: f64) -> Option<f64> {
-        if let Ok(number) = cell.parse::<f64>() {
-            return number.is_finite().then_some(number * size_si);
-        }
-        let now = calendar_ns(cell)?;
-        Some((now - *self.first.get_or_insert(now)) as f64 * 1e-9)
-    }
-}
-
 impl TextStream {
     /// Decodes lines until the input ends, a line cannot be read or nobody listens. Each answer is flushed.
     ///
@@ -131,7 +94,7 @@ impl TextStream {
     ) -> Result<End> {
         write_headings(output, &self.layout)?;
         let mut places = None;
-        let mut clock = Clock::default();
+        let mut clock = StreamClock::default();
         let mut line = Vec::new();
         let (mut number, mut samples, mut clipped) = (0_u64, 0_u64, 0_u64);
         let (mut received, mut ready) = (Voltages::default(), Voltages::default());

@@ -72,28 +72,18 @@ pub fn arrange(header: &Header, body: Body, member: Option<String>) -> Result<Ta
             });
             (rows, bytes)
         }
-        // Each row is a channel: the same as a transposed array in the other order.
-        (Element::Number(number), &[channels, samples])
-            if (2..=MOST_TURNED).contains(&channels) && samples > channels * FAR_MORE =>
-        {
-            fortran = !header.fortran;
-            let stride = if fortran {
-                samples.saturating_mul(bytes)
+        (Element::Number(number), &[first, second]) => {
+            // Where each row is a channel: the same as a transposed array in the other order.
+            let turned = (2..=MOST_TURNED).contains(&first) && second > first * FAR_MORE;
+            let (rows, columns) = if turned {
+                (second, first)
             } else {
-                bytes
+                (first, second)
             };
-            fields.extend((0..channels).map(|channel| Field {
-                name: numbered(channel),
-                number: *number,
-                offset: channel.saturating_mul(stride),
-            }));
-            (samples, if fortran { bytes } else { bytes * channels })
-        }
-        (Element::Number(number), &[rows, columns]) => {
             if columns > MOST_CHANNELS as u64 {
                 return Err(several(columns));
             }
-            fortran = header.fortran;
+            fortran = header.fortran != turned;
             let stride = if fortran {
                 rows.saturating_mul(bytes)
             } else {
