@@ -11,8 +11,9 @@ use sixaxis_props::publication::{self, Arguments, Seeds};
 use sixaxis_props::results::{Blind, BlindTally};
 use sixaxis_reference::laboratory::plan::Engine;
 
-/// Sessions that are played unless told otherwise: whole cycles.
-const COUNT: u64 = 33 * CYCLE;
+/// Sessions that are played unless told otherwise: whole cycles, and so many that a share of one in a thousand can be told from one of
+/// three.
+const COUNT: u64 = 45 * CYCLE;
 
 fn main() -> ExitCode {
     publication::end(asked())

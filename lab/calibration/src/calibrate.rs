@@ -129,6 +129,7 @@ pub fn calibrate(
     let prepared = PreparedSession::read(file, progress)?;
     progress.stage("diagnosis", 1);
     let mut findings = prepared.findings.clone();
+    let facts = facts(session, &prepared);
     let Diagnosis {
         findings: certain,
         of_the_table,
@@ -136,11 +137,7 @@ pub fn calibrate(
         cases,
         table,
         departures,
-    } = examine(
-        &facts(session, &prepared),
-        prepared.at_rest.as_ref(),
-        &prepared.campaign.trials,
-    );
+    } = examine(&facts, prepared.at_rest.as_ref(), &prepared.campaign.trials);
     findings.extend(certain);
     if let Some(first) = &prepared.at_rest {
         let further = prepared.further_rests.iter();
@@ -158,6 +155,7 @@ pub fn calibrate(
     let day = Day {
         session,
         prepared: &prepared,
+        facts: &facts,
         cases: &cases,
     };
     let of_validation: Vec<Finding> = suspected
@@ -202,7 +200,7 @@ pub fn calibrate(
         chosen => JudgedBy::FourSteps(chosen.as_ref().map(|c| &c.estimate.steps)),
     };
     if findings.is_empty() {
-        let gyroscope = rig::gyroscope_reads(&facts(session, &prepared), &cases);
+        let gyroscope = rig::gyroscope_reads(&facts, &cases);
         findings = failures(session, &trials, judged_by, gyroscope);
         let decoding = chosen.as_ref().map(decoding);
         for finding in &mut findings {
@@ -228,7 +226,7 @@ pub fn calibrate(
     reservations.extend(prepared.reservations());
     let clocks = findings.iter().any(|f| f.cause == Cause::ClockMismatch);
     if !clocks {
-        let of_wrong_clocks = rig::of_wrong_clocks(&facts(session, &prepared), &cases);
+        let of_wrong_clocks = rig::of_wrong_clocks(&facts, &cases);
         reservations.extend(misstated_drives(&trials, &of_wrong_clocks));
     }
     if let Some(chosen) = &chosen {

@@ -261,6 +261,15 @@ fn prop_a_turned_flange_is_found_and_its_parameters_are_right() {
     }
 }
 
+/// So far from the stated directions no fit arrives, and scale factors that a sensor has go with cross-talk that none has.
+#[test]
+fn prop_a_flange_turned_far_is_told_by_the_linear_trials() {
+    for magnitude in [18.0, 25.0, 55.0] {
+        let outcome = with_defect(Kind::TurnedFlange, magnitude);
+        assert_eq!(outcome.naming(), Naming::Right, "{outcome:?}");
+    }
+}
+
 /// Outcomes that nobody played.
 fn invented(seed: u64) -> Outcome {
     let cell = Cell::of(seed);

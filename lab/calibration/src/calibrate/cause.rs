@@ -9,17 +9,22 @@ use sixaxis_core::identify::zero_drift::{self, ZeroDrift};
 use sixaxis_recordings::session::{Role, Session};
 
 use super::choice::Chosen;
-use crate::diagnosis::trial_case::TrialCase;
+use crate::diagnosis::rig;
+use crate::diagnosis::trial_case::{Facts, TrialCase};
 use crate::estimate::Estimate;
 use crate::finding::{Cause, Finding};
 use crate::joint::hypotheses::{self, Unaccounted};
 use crate::joint::{self, JointReport, Knowledge};
 use crate::prepare::PreparedSession;
 
+/// Share of the recordings up to which those that do not end where they began are the exception.
+const FEW: f64 = 0.25;
+
 /// A session under judgement.
 pub(super) struct Day<'a> {
     pub session: &'a Session,
     pub prepared: &'a PreparedSession,
+    pub facts: &'a Facts<'a>,
     pub cases: &'a [TrialCase<'a>],
 }
 
@@ -59,6 +64,9 @@ impl Day<'_> {
         suspected.sort_by_key(|finding| finding.cause);
         let estimate = &chosen.estimate;
         let joint = estimate.joint.as_ref().map_err(String::as_str);
+        if joint.is_err() {
+            findings.extend(self.cut_off(estimate));
+        }
         findings.extend(if self.has_no_rest(findings) {
             Vec::new()
         } else {
@@ -67,6 +75,22 @@ impl Day<'_> {
             let day = self.unaccounted(drift, start, &estimate.knowledge, joint);
             hypotheses::explain(&day, findings, suspected)
         });
+    }
+
+    /// The few recordings that do not end where they began where all others do. Where many do not, that is how they were recorded.
+    fn cut_off(&self, estimate: &Estimate) -> Option<Finding> {
+        let campaign = &self.prepared.campaign;
+        let open = joint::not_closed(campaign, &estimate.steps, &estimate.knowledge);
+        let few = open.len() as f64 <= FEW * self.cases.len() as f64;
+        let most = open.iter().map(|(_, steps)| *steps).fold(0.0, f64::max);
+        (few && !open.is_empty()).then(|| Finding {
+            evidence: format!(
+                "not whole: from its last sample back to its first the standard jumps by {most:.1} times its largest step, where a trial begins and ends at rest or holds whole turns"
+            ),
+            recordings: open.into_iter().map(|(name, _)| name).collect(),
+            advice: "see whether the file was cut off, and record the trial again".to_owned(),
+            ..Finding::of(Cause::Unreadable)
+        })
     }
 
     /// Adds what is wrong where no estimate can be made to what is certain; never nothing.
@@ -153,6 +177,7 @@ impl Day<'_> {
             self.session.sensor.full_scale_v,
             limit,
             gyroscope.bandwidth_hz,
+            rig::drive_faster(self.facts, self.cases),
         )
     }
 }

@@ -202,14 +202,28 @@ pub fn examine(
                 ..Finding::of(Cause::InvertedChannel)
             });
         } else if (off - 1.0).abs() > INERTIA {
+            // Nothing has been found of either standard: where the rig was there to tell, both are right.
+            let rig = facts.rig;
+            let by_the_rig = rig.and_then(|rig| rig.stroke_mm.zip(rig.rotation_amplitude_deg));
+            let (cause, why, advice) = match by_the_rig {
+                Some(_) => (
+                    Cause::Unexplained,
+                    "by the rig's stroke and rotation both standards are right",
+                    "check half_edge_mm and limb_length_mm of the sensor against its drawing, and the design's inertia_per_mass_mm2",
+                ),
+                None => (
+                    cause_of(off),
+                    reason(off),
+                    "check unit and sensitivity of accelerometer and gyroscope, and of the sensor half_edge_mm and the design's inertia_per_mass_mm2",
+                ),
+            };
             findings.push(Finding {
                 evidence: format!(
-                    "the inertias come out at {} the design's, which the drawing fixes far better; {}",
-                    factor_in_words(off),
-                    reason(off)
+                    "the inertias come out at {} the design's, which the drawing fixes far better; {why}",
+                    factor_in_words(off)
                 ),
-                advice: "check unit and sensitivity of accelerometer and gyroscope, and of the sensor half_edge_mm and the design's inertia_per_mass_mm2".to_owned(),
-                ..Finding::of(cause_of(off))
+                advice: advice.to_owned(),
+                ..Finding::of(cause)
             });
         }
     }

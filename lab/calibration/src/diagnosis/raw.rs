@@ -15,6 +15,9 @@ use sixaxis_recordings::session::Role;
 /// Equal extreme samples in a row that make a flat top: noise does not repeat itself to the last bit, a converter at its end
 /// does.
 const FLAT_TOP: usize = 4;
+/// Equal extreme samples in a row from which they are a flat top even if no other sample of the recording stands there. Noise repeats its
+/// extreme reading three times in a row in one of some million runs of a channel; a converter at its end does so at every crest.
+const FLAT_TOP_ALONE: usize = 6;
 /// Voltages beyond this multiple of the converter's limit did not come from it as volts.
 const BEYOND: f64 = 1.2;
 /// Samples of the day beyond it that are wild ones, each by itself.
@@ -321,12 +324,14 @@ fn flat_top(series: &[f64], step: f64) -> Option<f64> {
         return None;
     }
     for extreme in [low, high] {
+        let there = series.iter().filter(|u| **u == extreme).count();
         let mut start = None;
         for (i, u) in series.iter().enumerate() {
             match (start, *u == extreme) {
                 (None, true) => start = Some(i),
                 (Some(from), false) => {
-                    if is_cut_off(series, from, i, step) {
+                    let is_alone = i - from == there && there < FLAT_TOP_ALONE;
+                    if !is_alone && is_cut_off(series, from, i, step) {
                         return Some(extreme);
                     }
                     start = None;

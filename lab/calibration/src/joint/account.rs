@@ -14,6 +14,7 @@ use sixaxis_core::identify::joint::estimate::TrialEstimate;
 
 use super::misfit::Misfit;
 use super::{JointReport, TIME_CONSTANT};
+use crate::diagnosis::rig;
 use crate::finding::{Cause, Finding};
 
 /// Standard deviations from which something is there and not noise.
@@ -29,6 +30,9 @@ const STIFFNESS: f64 = 0.04;
 const CROSS_TALK: f64 = 5e-3;
 /// Angle by which a wedge misses its direction, degrees.
 const WEDGE_DEG: f64 = 0.5;
+/// What to do about a sensor that is turned on its flange.
+pub(super) const STRAIGHT_ON_ITS_FLANGE: &str =
+    "set the sensor straight on its flange, or state the directions as they are in its axes";
 /// Share of a rotation of all wedges by which each may be off it.
 const ALIKE: f64 = 0.2;
 /// Share of the largest singular value of all directions' products that the second one has at least where they are not one line.
@@ -41,6 +45,8 @@ const LINEAR_DEG: f64 = 20.0;
 const CENTRE_M: f64 = 5e-3;
 /// Channels of one trial whose zeros may well have drifted together.
 const DRIFT_TOGETHER: usize = 2;
+/// Share of the largest change from which a channel's zero has moved along with it.
+const TOGETHER: f64 = 0.3;
 /// Change of a zero since the static record over the converter's range.
 const ZERO: f64 = 5e-3;
 
@@ -111,12 +117,13 @@ impl JointReport {
         full_scale_v: f64,
         gyroscope_gain_limit: f64,
         gyroscope_bandwidth_hz: Option<f64>,
+        drive_faster: Option<f64>,
     ) -> Vec<Finding> {
         let mut findings = self.wedges();
         findings.extend(self.plumb());
         findings.extend(self.sensitivities());
         findings.extend(self.zeros(full_scale_v));
-        findings.extend(self.gyroscope(gyroscope_gain_limit));
+        findings.extend(self.gyroscope(gyroscope_gain_limit, drive_faster));
         findings.extend(self.gyroscope_lag(gyroscope_bandwidth_hz));
         findings
     }
@@ -140,16 +147,8 @@ impl JointReport {
             ..Finding::of(Cause::LooseWedge)
         };
         if let Some(turned) = flange {
-            let (axis, angle_rad) = turned.to_axis_angle();
-            let evidence = format!(
-                "all directions are turned alike, by {:.2}° about ({:.2}, {:.2}, {:.2}), as those of a sensor are that is turned on its flange",
-                angle_rad.to_degrees(),
-                axis.x,
-                axis.y,
-                axis.z
-            );
-            let advice = "set the sensor straight on its flange, or state the directions as they are in its axes";
-            return vec![finding(Vec::new(), evidence, advice)];
+            let evidence = format!("all directions are {}", turned_alike(turned));
+            return vec![finding(Vec::new(), evidence, STRAIGHT_ON_ITS_FLANGE)];
         }
         let loose = pairs
             .iter()
@@ -239,9 +238,14 @@ impl JointReport {
             .collect();
         let moved =
             |zero: Known| zero.value.abs() > ZERO * full_scale_v + SIGNIFICANT * zero.deviation;
-        // Many channels of one trial have not drifted together: the trial is not whole, or does not end where it began.
+        // Many channels of one trial have not drifted together: the trial is not whole, or does not end where it began, and each
+        // channel's mean has its part of the motion then.
         let torn = |trial: &TrialEstimate| {
-            trial.zero_v.into_iter().filter(|zero| moved(*zero)).count() > DRIFT_TOGETHER
+            let moved = trial.zero_v.iter().filter(|zero| moved(**zero));
+            let most_v = moved.map(|zero| zero.value.abs()).fold(0.0, f64::max);
+            let along =
+                |zero: &&Known| zero.value.abs() > TOGETHER * most_v + SIGNIFICANT * zero.deviation;
+            most_v > 0.0 && trial.zero_v.iter().filter(along).count() > DRIFT_TOGETHER
         };
         let names_of = |wanted: &dyn Fn(&TrialEstimate) -> bool| -> Vec<String> {
             let all = trials.iter().filter(|(trial, _)| wanted(trial));
@@ -283,16 +287,33 @@ impl JointReport {
         findings
     }
 
-    fn gyroscope(&self, limit: f64) -> Option<Finding> {
+    /// A gain beyond the certificate; where the drive turns otherwise by the recordings' clock than the session says, and the gyroscope does
+    /// not by a clock by which it does not, that clock.
+    fn gyroscope(&self, limit: f64, drive_faster: Option<f64>) -> Option<Finding> {
         let found = self.nuisances().gyroscope_gain?;
-        (found.value.abs() > limit + BEYOND_CERTIFICATE * found.deviation).then(|| Finding {
-            evidence: format!(
-                "by Euler's equation the gyroscope reads {:+.2} ± {:.2} % too much, and its certificate allows {:.2} %",
-                100.0 * found.value,
-                100.0 * found.deviation,
+        if found.value.abs() <= limit + BEYOND_CERTIFICATE * found.deviation {
+            return None;
+        }
+        let reads = format!(
+            "by Euler's equation the gyroscope reads {:+.2} ± {:.2} % too much",
+            100.0 * found.value,
+            100.0 * found.deviation
+        );
+        let advice = "check unit and sensitivity of the gyroscope against its certificate";
+        // Turning is to angular acceleration as a rate is to its derivative by the clock.
+        let by_its_clock = |faster: f64| (1.0 + found.value) * (1.0 + faster) - 1.0;
+        let explains = |faster: &f64| by_its_clock(*faster).abs() <= limit;
+        if let Some(faster) = drive_faster.filter(explains) {
+            let sign = format!(
+                "{reads}; by a clock by which the drive turns as stated it reads {:+.2} %, and its certificate allows {:.2} %",
+                100.0 * by_its_clock(faster),
                 100.0 * limit
-            ),
-            advice: "check unit and sensitivity of the gyroscope against its certificate".to_owned(),
+            );
+            return Some(rig::of_a_clock(faster, &sign, Some(advice)));
+        }
+        Some(Finding {
+            evidence: format!("{reads}, and its certificate allows {:.2} %", 100.0 * limit),
+            advice: advice.to_owned(),
             ..Finding::of(Cause::WrongScaling)
         })
     }
@@ -314,9 +335,20 @@ impl JointReport {
     }
 }
 
+/// By how much and about what all directions are turned, in words.
+pub(super) fn turned_alike(turned: DQuat) -> String {
+    let (axis, angle_rad) = turned.to_axis_angle();
+    // Zero has no sign in a sentence.
+    let [x, y, z] = axis.to_array().map(|c| (100.0 * c).round() / 100.0 + 0.0);
+    format!(
+        "turned alike, by {:.2}° about ({x:.2}, {y:.2}, {z:.2}), as those of a sensor are that is turned on its flange",
+        angle_rad.to_degrees()
+    )
+}
+
 /// The rotation that takes the first of each pair of unit vectors as near the second as one rotation can; none of fewer than three
 /// pairs, and of such as leave it open.
-fn rotation(pairs: &[(DVec3, DVec3)]) -> Option<DQuat> {
+pub(super) fn rotation(pairs: &[(DVec3, DVec3)]) -> Option<DQuat> {
     if pairs.len() < 3 {
         return None;
     }

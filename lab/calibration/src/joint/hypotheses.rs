@@ -11,7 +11,7 @@
 //! | [`clock`] | the standards have a clock of their own |
 //! | [`plugs`] | two channels, or their names, are exchanged, or one is inverted, from one trial on |
 //! | [`one_kind`] | a channel or two show more or less in all trials of one kind |
-//! | [`stated`] | a standard is the other way round, directions are stated in other axes, gains in V/N, down is up |
+//! | [`stated`] | the sensor is turned on its flange, a standard is the other way round, directions are stated in other axes, gains in V/N, down is up |
 //! | [`apart`] | a few trials are wrong and the others are not |
 
 pub mod apart;
@@ -143,6 +143,9 @@ pub fn explain(
         || rayon::join(|| clock::tried(day), || plugs::tried(day)),
     );
     accounting.extend(clock.into_iter().chain(plugs));
+    if accounting.is_empty() {
+        accounting.extend(stated::turned_on_the_flange(day));
+    }
     if accounting.is_empty() {
         accounting.extend(one_kind::tried(day, None));
     }

@@ -193,6 +193,23 @@ fn neg_a_run_that_is_not_whole_is_told_from_one_that_fails() {
     }
 }
 
+/// Of the trials that are fitted, too: one that is cut off leaves no fit to all of them.
+#[test]
+fn neg_a_trial_that_is_cut_off_is_named() {
+    for file in ["linear-03.csv", "angular-02.csv"] {
+        let record = fs::read_to_string(day().0.join(file)).expect("reads");
+        let rows: Vec<&str> = record.lines().collect();
+        let cut = format!("cut-{file}");
+        day()
+            .0
+            .write(&cut, rows[..rows.len() * 3 / 5].join("\n") + "\n");
+        let (code, said) = calibrated(&format!("cut-{file}"), |s| s.replace(file, &cut));
+        assert_eq!(code, 4, "{said}");
+        let wanted = format!("recording cannot be used: {cut} not whole: from its last sample");
+        assert!(said.contains(&wanted), "{said}");
+    }
+}
+
 #[test]
 fn neg_a_clipped_gyroscope_accuses_no_other_recording() {
     // A sensor whose compound runs depart by a quarter from what its one whole angular trial makes one expect.

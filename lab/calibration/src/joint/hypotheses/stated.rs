@@ -1,9 +1,12 @@
 //! All day alike, a standard the other way round, wedges' directions in other axes than the sensor's (two of them exchanged, or turned, or a
-//! left-handed set), gains in V/N, or down that is up; or directions in other axes in the trials of one step.
+//! left-handed set), a sensor turned on its flange by any angle, gains in V/N, or down that is up; or directions in other axes in the trials
+//! of one step.
 //!
 //! As in [`super::plugs`], responses say which, and the joint fit whether the trials agree to the noise with that put right.
 
-use glam::{DMat3, DVec3};
+mod turned;
+
+use glam::{DMat3, DQuat, DVec3};
 use rayon::prelude::*;
 use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
 use sixaxis_core::{Gains, LIMBS, Parameters};
@@ -14,6 +17,7 @@ use crate::diagnosis::table::Table;
 use crate::diagnosis::trial_case::TrialCase;
 use crate::finding::{Cause, Finding};
 use crate::joint::JointReport;
+use crate::joint::account::{STRAIGHT_ON_ITS_FLANGE, turned_alike};
 use crate::trial::Trial;
 use sixaxis_recordings::session::Role;
 
@@ -56,6 +60,8 @@ enum Stated {
     Down,
     /// Directions of some trials are these, of the stated ones.
     Directions(DMat3, Trials),
+    /// The sensor is turned on its flange: all directions are these, of the stated ones.
+    Turned(DQuat),
 }
 
 impl Stated {
@@ -106,6 +112,10 @@ impl Stated {
                 trial.gravity_ground_m_s2 = axes * trial.gravity_ground_m_s2;
             }
             Self::Directions(..) => {}
+            Self::Turned(turned) => {
+                trial.direction_ground = turned * trial.direction_ground;
+                trial.gravity_ground_m_s2 = turned * trial.gravity_ground_m_s2;
+            }
         }
     }
 
@@ -115,7 +125,7 @@ impl Stated {
             Self::Accelerometer => matches!(role, Role::Linear | Role::HighFrequencyLinear),
             Self::Gyroscope => role == Role::Angular,
             Self::Gains => return stated.gain_n_per_v.map(|gain| 1.0 / (gain * gain)),
-            Self::Down | Self::Directions(..) => false,
+            Self::Down | Self::Directions(..) | Self::Turned(_) => false,
         };
         [if turned { -1.0 } else { 1.0 }; LIMBS]
     }
@@ -143,6 +153,11 @@ impl Stated {
                 Cause::GravityNotHandled,
                 "every `down` the other way round".to_owned(),
                 "turn every `down` round: it points where gravity pulls, in the sensor's axes".to_owned(),
+            ),
+            Self::Turned(turned) => (
+                Cause::LooseWedge,
+                format!("all directions {},", turned_alike(turned)),
+                STRAIGHT_ON_ITS_FLANGE.to_owned(),
             ),
             Self::Directions(axes, (of, _)) => {
                 let rows = axes.transpose();
@@ -206,6 +221,20 @@ pub fn tried(day: &Unaccounted<'_>) -> Option<Finding> {
         let of_a_step = OF_A_STEP.into_iter().flat_map(Stated::directions);
         first_that_accounts(of_a_step.collect())
     })
+}
+
+/// That the sensor is turned on its flange, if that accounts for all trials.
+#[must_use]
+pub fn turned_on_the_flange(day: &Unaccounted<'_>) -> Option<Finding> {
+    let shares = StaticLoadSharing::new(&day.campaign.geometry).ok()?;
+    let (as_stated, _) = with(&shares, day.cases, None)?;
+    let turned = Stated::Turned(turned::shown(&shares, &day.campaign.design, day.cases)?);
+    let (left, table) = with(&shares, day.cases, Some(turned))?;
+    let is_worth_a_fit =
+        left <= WORTH_A_FIT * as_stated && is_a_sensor(&table, &day.campaign.design);
+    is_worth_a_fit
+        .then(|| accounts(day, turned, &table))
+        .flatten()
 }
 
 /// Whether an angular trial's axis is off the stated plumb line, so that it matters which way gravity pulls.
