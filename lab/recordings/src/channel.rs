@@ -118,10 +118,11 @@ impl Layout {
         mut channels: Vec<Channel>,
         properties: BTreeMap<String, String>,
     ) -> Self {
-        make_unique(&mut channels);
+        let time = time_channel(&channels);
+        make_unique(&mut channels, time);
         Self {
             format: format.into(),
-            time: time_channel(&channels),
+            time,
             channels,
             properties,
             cut: None,
@@ -166,12 +167,17 @@ impl Layout {
         if more > 0 {
             available += &format!(" and {more} more");
         }
+        let name = name.into();
+        let numbered = format!("{name}_1");
+        if self.channels.iter().any(|c| c.name == numbered) {
+            available += "; a name that the file has more than once has a number behind it here";
+        }
         if let Some(left_out) = self.properties.get(LEFT_OUT) {
             available += &format!("; not read as numbers: {left_out}");
         }
         Error::NoSuchChannel {
             path: path.to_owned(),
-            name: name.into(),
+            name,
             available,
         }
     }
@@ -313,20 +319,30 @@ pub(crate) fn sample_rate(key: &str, text: &str) -> std::result::Result<f64, Str
     rate.ok_or_else(|| format!("{key} is {text:?}, not a positive number of samples per second"))
 }
 
-/// The second `u` becomes `u_2`, or the next number that is free.
-fn make_unique(channels: &mut [Channel]) {
-    let mut taken: BTreeSet<String> = channels.iter().map(|c| c.name.clone()).collect();
-    let mut seen: BTreeMap<String, usize> = BTreeMap::new();
-    for channel in channels {
-        let count = seen.entry(channel.name.clone()).or_insert(0);
-        *count += 1;
-        while *count > 1 {
+/// Two channels `u` become `u_1` and `u_2`, or the next numbers that are free, so that nobody who asks for `u` is given either. Time
+/// stamps keep their name.
+fn make_unique(channels: &mut [Channel], time: Option<usize>) {
+    let mut taken: BTreeSet<String> = BTreeSet::new();
+    let mut repeated: BTreeMap<String, usize> = BTreeMap::new();
+    for channel in channels.iter() {
+        if !taken.insert(channel.name.clone()) {
+            repeated.insert(channel.name.clone(), 0);
+        }
+    }
+    for (at, channel) in channels.iter_mut().enumerate() {
+        let Some(count) = repeated.get_mut(&channel.name) else {
+            continue;
+        };
+        if time == Some(at) {
+            continue;
+        }
+        loop {
+            *count += 1;
             let name = format!("{}_{count}", channel.name);
             if taken.insert(name.clone()) {
                 channel.name = name;
                 break;
             }
-            *count += 1;
         }
     }
 }

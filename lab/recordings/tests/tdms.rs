@@ -321,6 +321,23 @@ fn inv_flipped_bytes_never_panic() {
     }
 }
 
+/// A program that draws by `wf_start_offset` puts the first row where its time stamp is.
+#[test]
+fn inv_the_first_time_stamp_is_where_channels_begin() {
+    let path = scratch("late.tdms");
+    let mut layout = channels();
+    layout.channels[1].sample_rate_hz = Some(49.0);
+    layout.time = Some(2);
+    let mut sink = create(&path, &layout).unwrap();
+    let columns = vec![vec![1.0, 2.0], vec![3.0, 4.0], vec![12.5, 12.6]];
+    sink.write(&Block { columns }).unwrap();
+    sink.finish().unwrap();
+    let read = open(&path).unwrap().layout().clone();
+    let offsets = read.channels.iter().map(|c| c.start_offset_s);
+    assert_eq!(offsets.collect::<Vec<_>>(), [0.125, 12.5, 0.0]);
+    fs::remove_file(path).unwrap();
+}
+
 /// More rows than one segment takes.
 const ROWS: usize = 150_001;
 

@@ -162,7 +162,14 @@ fn inv_text_may_stand_in_a_channel_that_is_not_selected() {
 fn inv_names_are_unique() {
     let (layout, _) = read("names_twice", b"u,u,,u_2,u\n1,2,3,4,5\n").unwrap();
     let names: Vec<&str> = layout.channels.iter().map(|c| c.name.as_str()).collect();
-    assert_eq!(names, ["u", "u_3", "column_3", "u_2", "u_4"]);
+    assert_eq!(names, ["u_1", "u_3", "column_3", "u_2", "u_4"]);
+    // Which of them would be meant, nobody says.
+    assert_eq!(layout.position("u"), None);
+    let (layout, _) = read("times_twice", b"time,u,time,v\n1,2,3,4\n").unwrap();
+    assert_eq!(
+        (layout.time, &layout.channels[0].name[..]),
+        (Some(0), "time")
+    );
 }
 
 fn awkward() -> (Layout, Block) {

@@ -210,9 +210,13 @@ impl AttitudeStream {
                 (How::Beside(_), false) => ": it is integrated without a reference",
                 (How::Aided(_) | How::Smoothed(_), _) => "",
             };
+            let until_deg = self.until_rad.to_degrees();
+            let until = match until_deg {
+                0.1.. => format!("{until_deg:.1}"),
+                _ => format!("{until_deg:.1e}"),
+            };
             self.messages.push(format!(
-                "from {time_s:.2} s on the attitude is less certain than {:.1}° (--until-sd){why}. Where it is, {lost}",
-                self.until_rad.to_degrees()
+                "from {time_s:.2} s on the attitude is less certain than {until}° (--until-sd){why}. Where it is, {lost}"
             ));
         }
     }

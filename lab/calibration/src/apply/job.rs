@@ -22,7 +22,7 @@ use super::decoding::Decoding;
 use super::ends::Ends;
 use super::fault_watch::{FaultWatch, flags};
 use super::pipeline::{self, Busy};
-use super::recording::Recording;
+use super::recording::{BEGAN, Recording};
 use super::rest_to_rest;
 use super::setup::Setup;
 use super::text_stream::TextStream;
@@ -287,6 +287,8 @@ impl Job<'_> {
         let mut coordination = self.coordination();
         let mut layout = self.layout(rate_hz);
         self.describe(path, &mut layout);
+        let began = recording.began.clone();
+        (layout.properties).extend(began.map(|began| (BEGAN.to_owned(), began)));
         let (mut trend, mut busy, mut of_aids) = (None, None, Vec::new());
         if self.rest_to_rest {
             let (mut stamps, mut ends) = (Vec::new(), self.ends(rate_hz));

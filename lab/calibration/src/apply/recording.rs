@@ -17,6 +17,8 @@ use super::voltages::Voltages;
 
 /// Rates of recorders that see a motion: below, no run of a rig has enough samples, beyond, no converter of nine channels.
 const PLAUSIBLE_HZ: core::ops::RangeInclusive<f64> = 20.0..=5e6;
+/// Property of a file that says when its recording began.
+pub const BEGAN: &str = "wf_start_time";
 /// Voltages over the converter's range that did not come from it as volts.
 const BEYOND: f64 = 1.2;
 
@@ -28,6 +30,8 @@ pub struct Recording {
     pub sample_rate_hz: f64,
     /// Samples, where the file says so before it is read.
     pub samples: Option<u64>,
+    /// When it began, where the file says so: a TDMS file's `wf_start_time`.
+    pub began: Option<String>,
     /// Names of the nine channels in the file.
     pub names: [String; LIMBS],
     /// What has been seen of it so far.
@@ -98,6 +102,7 @@ impl Recording {
             samples: layout.channels[limbs[0].index].samples,
             start_s: layout.start_s(&indices),
             cut: layout.cut.clone(),
+            began: layout.properties.get(BEGAN).cloned(),
             names: core::array::from_fn(|limb| match places[limb] {
                 Some(place) => limbs[place].name.clone(),
                 None => channels.limbs[limb].clone(),

@@ -1,6 +1,6 @@
 //! Two motions, sample beside sample, on the clock of the slower one.
 
-use anyhow::{Result, bail, ensure};
+use anyhow::{Result, anyhow, ensure};
 
 use super::track::{Motion, Track, is_unknown};
 
@@ -8,6 +8,9 @@ use super::track::{Motion, Track, is_unknown};
 const RATIO_TOLERANCE: f64 = 1e-6;
 /// Distance of the samples of one motion from those of the other, in samples of the faster, that is put down to rounding.
 const PHASE_TOLERANCE: f64 = 0.01;
+
+/// What lies further apart, s, has no instant in common, whatever its clocks: eleven days.
+const LONGEST_S: f64 = 1e6;
 
 /// Instants that were gone through.
 #[derive(Debug, Clone, Copy)]
@@ -34,6 +37,16 @@ pub struct Aligned {
     pub rate_hz: f64,
 }
 
+fn nothing_in_common(result: &Track, truth: &Track) -> anyhow::Error {
+    anyhow!(
+        "{} starts at {} s, {} at {} s: they have no instant in common",
+        result.path.display(),
+        result.start_s,
+        truth.path.display(),
+        truth.start_s
+    )
+}
+
 impl Aligned {
     /// Finds the common instants.
     ///
@@ -55,6 +68,10 @@ impl Aligned {
         );
         let stride = whole as i64;
         let slow = usize::from(rates[0] == fastest);
+        let starts_s = [result.start_s, truth.start_s];
+        if (starts_s[0] - starts_s[1]).abs() > LONGEST_S {
+            return Err(nothing_in_common(&result, &truth));
+        }
         // The result's start against the truth's, in samples of the faster.
         let apart = (result.start_s - truth.start_s) * fastest;
         let distance = apart.round();
@@ -134,13 +151,7 @@ impl Aligned {
             self.truth.path.display()
         );
         if count == 0 {
-            bail!(
-                "{} starts at {} s, {} at {} s: they have no instant in common",
-                self.result.path.display(),
-                self.result.start_s,
-                self.truth.path.display(),
-                self.truth.start_s
-            );
+            return Err(nothing_in_common(&self.result, &self.truth));
         }
         Ok(Passed {
             count,

@@ -153,7 +153,7 @@ pub fn find(channels: &[&ChannelFacts], expected: Option<&Expected>) -> Option<S
         limbs.map(|c| c.name.clone()).collect()
     };
     Some(Sensor {
-        dead: names(&|c| c.constant),
+        dead: names(&|c| c.constant && c.finite() > 1),
         silent: names(&silent),
         accelerometer: standard(
             expected.map(|e| &e.channels.accelerometer),

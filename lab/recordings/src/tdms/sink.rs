@@ -46,7 +46,8 @@ struct Writer {
 /// Starts a TDMS file, version 4713: contiguous f64 segments of at most 65,536 rows.
 ///
 /// A channel `group/channel` is written under that group, split at the first slash; one without a group goes into
-/// `recording`. Unit, sample rate and start offset become `unit_string`, `wf_increment` and `wf_start_offset`, a property
+/// `recording`. Unit, sample rate and start offset become `unit_string`, `wf_increment` and `wf_start_offset`, where there are time stamps
+/// the first of them for all that begin at 0 otherwise, a property
 /// `wf_start_time` (as this reader gives it) that of every channel with a rate; all other properties become texts of the file.
 ///
 /// # Errors
@@ -100,7 +101,10 @@ impl Writer {
         let metadata = match self.last {
             // What a segment does not say holds from the one before.
             Some(last) if last == rows => Vec::new(),
-            last => self.metadata(rows, last.is_none())?,
+            last => {
+                let first = self.layout.time.and_then(|time| columns.get(time)?.first());
+                self.metadata(rows, last.is_none(), first.copied().unwrap_or(0.0))?
+            }
         };
         let data = rows as u64 * columns.len() as u64 * 8;
         let mut flags = 0;
@@ -129,8 +133,8 @@ impl Writer {
         Ok(())
     }
 
-    /// All objects; their properties too, if they are new.
-    fn metadata(&self, rows: usize, new: bool) -> io::Result<Vec<u8>> {
+    /// All objects; their properties too, if they are new. The first row is of this time.
+    fn metadata(&self, rows: usize, new: bool, first_s: f64) -> io::Result<Vec<u8>> {
         let mut objects = 0_u32;
         let mut bytes = Vec::new();
         if new {
@@ -155,7 +159,7 @@ impl Writer {
             .and_then(|text| Timestamp::parse(text));
         for ([group, name], channel) in self.names.iter().zip(&self.layout.channels) {
             let properties = if new {
-                self.properties(channel, rows, start)?
+                self.properties(channel, rows, start, first_s)?
             } else {
                 Vec::new()
             };
@@ -172,8 +176,13 @@ impl Writer {
         channel: &Channel,
         rows: usize,
         start: Option<Timestamp>,
+        first_s: f64,
     ) -> io::Result<Vec<Property>> {
         let mut properties = Vec::new();
+        let offset_s = match channel.start_offset_s {
+            0.0 if channel.sample_rate_hz.is_some() => first_s,
+            own_s => own_s,
+        };
         if let Some(unit) = &channel.unit {
             properties.push(Property::text("unit_string", unit)?);
         }
@@ -192,11 +201,11 @@ impl Writer {
                 &(rows as u32).to_le_bytes(),
             ));
         }
-        if channel.sample_rate_hz.is_some() || channel.start_offset_s != 0.0 {
+        if channel.sample_rate_hz.is_some() || offset_s != 0.0 {
             properties.push(Property::new(
                 "wf_start_offset",
                 F64,
-                &channel.start_offset_s.to_le_bytes(),
+                &offset_s.to_le_bytes(),
             ));
         }
         Ok(properties)

@@ -7,9 +7,9 @@
 //!   `# key = value` become properties; `sample_rate_hz` (or `fs`, `fs_hz`) is the rate of all channels.
 //! * One line of headings or none (then `column_1` ...), with units in brackets or in a second line of units (`s;V;V`).
 //!   Without a line of headings, a last comment with as many names as there are columns is one (`numpy.savetxt`).
-//! * Time stamps of a calendar, ISO 8601 or `31.05.2024 14:03:07,25`, in one column or in two for date and time of day, are
-//!   one channel: seconds since the first row, whose stamp is the property `NAME/first_timestamp`. It is the clock if no
-//!   channel has the name of one.
+//! * Time stamps of a calendar, ISO 8601 or `31.05.2024 14:03:07,25`, in one column or in two for date and time of day, and times since a
+//!   start (`00:07.25`, `25:00:00`, `0 days 00:00:07`) are one channel: seconds since the first row, whose stamp is the property
+//!   `NAME/first_timestamp`. It is the clock if no channel has the name of one. A time of day without a date may pass midnight.
 //! * LabVIEW Measurement files (`.lvm`) with one header and at most one X column.
 //! * gzip by content, of any number of members. A damaged or shortened stream is an error.
 //!

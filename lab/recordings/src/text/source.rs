@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::dialect::{Decimal, excerpt, number, split};
 use super::head::{self, Column, Table, is_blank, is_comment};
 use super::lines::{Lines, fragment};
-use super::stamp::seconds;
+use super::stamp::FORMS;
 use crate::channel::Layout;
 use crate::error::{Error, Place, Result};
 use crate::source::{Decoder, Source, reading};
@@ -210,6 +210,9 @@ impl Text {
                         Some(_) => {
                             format!("{} is no time stamp as in the first row", excerpt(cell))
                         }
+                        None if cell.contains(&b':') || cell.contains(&b'/') => {
+                            format!("{} is neither a number nor a time; {FORMS}", excerpt(cell))
+                        }
                         None => not_a_number(cell, rows.decimal),
                     };
                     // A missing value in the last row makes no footer of it.
@@ -245,10 +248,10 @@ fn value(
     let own = cell(line, cells, column.cell);
     match column.stamps {
         None => number(own, decimal, scratch),
-        Some((stamps, first)) => Some(seconds(
-            first,
-            stamps.read(own, |at| cell(line, cells, at))?,
-        )),
+        Some((stamps, first)) => {
+            let now = stamps.read(own, |at| cell(line, cells, at))?;
+            Some(stamps.seconds_since(first, now))
+        }
     }
 }
 

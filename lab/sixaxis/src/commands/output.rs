@@ -117,7 +117,7 @@ pub fn mention_earlier(output: &Path) {
         let output = output.display();
         tell(
             "warning",
-            &format!("{output} is of an earlier run; it stays as it is"),
+            &format!("{output} is from before: this run has left it as it is"),
         );
     }
 }

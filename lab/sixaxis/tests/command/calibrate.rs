@@ -305,7 +305,7 @@ fn unusable_session_is_an_error_and_an_earlier_calibration_is_mentioned() {
     ] {
         std::fs::write(&*session, broken).expect("a session");
         let said = refused();
-        let words = format!("{} is of an earlier run", text(&calibration));
+        let words = format!("{} is from before", text(&calibration));
         assert!(said.contains(&words), "{said}");
     }
     let kept = std::fs::read_to_string(&calibration).expect("it is still there");

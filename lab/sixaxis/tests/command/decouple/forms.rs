@@ -139,6 +139,53 @@ fn ref_a_clock_is_told_by_its_name_and_read_in_its_unit() {
     );
 }
 
+/// Times of day as spreadsheets write them, over midnight, and since a start.
+#[test]
+fn ref_times_are_read_in_the_forms_of_spreadsheets() {
+    let run = the_run();
+    for (name, start_s, days) in [
+        ("morning", 9.0 * 3600.0 + 59.0 * 60.0 + 58.0, ""),
+        ("midnight", 86_398.0, ""),
+        ("day-and-more", 25.0 * 3600.0, ""),
+        ("pandas", 0.0, "0 days "),
+    ] {
+        let wraps = if name == "midnight" {
+            86_400.0
+        } else {
+            f64::MAX
+        };
+        let table = run.table(&headings("time", "none", ","), ",", |sample| {
+            let now = (start_s + run.stamp(sample)) % wraps;
+            let (hours, minutes) = ((now / 3600.0).floor(), (now / 60.0).floor() % 60.0);
+            let seconds = now % 60.0;
+            [
+                format!("{days}{hours}:{minutes:02}:{seconds:09.6}"),
+                "0".to_owned(),
+            ]
+        });
+        run.same(&format!("{name}.csv"), &table, &[]);
+    }
+    let american = run.table(&headings("time", "none", ","), ",", |sample| {
+        [
+            format!("05/31/2024 14:03:{:09.6}", run.stamp(sample)),
+            "0".to_owned(),
+        ]
+    });
+    let said = run.refused("american.csv", &american, &[]);
+    assert!(said.contains("neither a number nor a time"), "{said}");
+    // Raw and scaled, say: nobody says which is meant.
+    let names = headings("time [s]", "u4 [V]", ",");
+    let twice = run.table(&names, ",", |sample| {
+        [run.stamp(sample).to_string(), "0".to_owned()]
+    });
+    let said = run.refused("twice.csv", &twice, &[]);
+    assert!(
+        said.contains("no channel \"u4\"; it has time, u1,"),
+        "{said}"
+    );
+    assert!(said.contains("more than once"), "{said}");
+}
+
 #[test]
 fn ref_tables_are_read_however_they_are_laid_out() {
     let run = the_run();

@@ -304,7 +304,7 @@ fn inv_names_and_units_can_be_stated() {
     let (refused, out) = decouple(&plain, "refused.parquet", &["--unit", "mV"]);
     let said = stderr(&refused);
     assert!(said.contains("the file says \"V\""), "{said}");
-    let words = format!("{} is of an earlier run", text(&out));
+    let words = format!("{} is from before", text(&out));
     assert!(said.contains(&words), "{said}");
     for (option, value) in [
         ("--unit", "g"),
