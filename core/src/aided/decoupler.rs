@@ -18,6 +18,7 @@ use super::second_pass::SmoothedDecoupler;
 use crate::decouple::stream::Decoupler;
 use crate::error::Result;
 use crate::geometry::LIMBS;
+use crate::limb_set::LimbSet;
 use crate::model::{Parameters, Settings};
 use crate::six_axis::SixAxis;
 
@@ -152,6 +153,15 @@ impl AidedDecoupler {
             self.filter.doubt();
         }
         taken
+    }
+
+    /// Goes on without the channels of these limbs, from the next sample on.
+    ///
+    /// # Errors
+    /// Those of [`Decoupler::set_excluded`]; nothing has changed then.
+    pub fn set_excluded(&mut self, limbs: LimbSet) -> Result<()> {
+        self.decoupler.set_excluded(limbs)?;
+        self.filter.set_excluded(limbs)
     }
 
     /// Whether nothing of first order is known of the attitude. A velocity that is only bounded would be held against gravity in any

@@ -52,6 +52,12 @@ impl RestFinder {
         }
     }
 
+    /// Looks at the channels of other limbs from now on, at rests that begin here.
+    pub fn set_excluded(&mut self, limbs: LimbSet) {
+        self.excluded = limbs;
+        self.seen = 0;
+    }
+
     /// Takes the next block; what is known of the sensor if this ends [`BLOCKS`] blocks of rest, none of which has been counted before.
     ///
     /// A motion that has just begun is not seen as long as noise hides it, so that rate and velocity are known as well as noise lets

@@ -43,6 +43,7 @@ pub mod coordination;
 pub mod curves;
 pub mod decoding;
 pub mod ends;
+pub mod exclusions;
 pub mod fault_watch;
 mod frozen;
 pub mod job;

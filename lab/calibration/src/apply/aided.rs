@@ -4,9 +4,9 @@ use std::collections::VecDeque;
 
 use anyhow::{Result, ensure};
 use glam::DQuat;
-use sixaxis_core::SixAxis;
 use sixaxis_core::aided::block::Block;
 use sixaxis_core::aided::{Aid, AidedDecoupler, RestFinder};
+use sixaxis_core::{LimbSet, SixAxis};
 
 use super::Row;
 use super::aids::{AidChoice, Fix, fixes};
@@ -90,6 +90,18 @@ impl Aided {
             }
         }
         Ok(new)
+    }
+
+    /// Goes on without the channels of these limbs.
+    ///
+    /// # Errors
+    /// Those of [`AidedDecoupler::set_excluded`].
+    pub(super) fn set_excluded(&mut self, limbs: LimbSet) -> sixaxis_core::Result<()> {
+        self.decoder.set_excluded(limbs)?;
+        if let Some(rests) = &mut self.rests {
+            rests.set_excluded(limbs);
+        }
+        Ok(())
     }
 
     /// Aids that come again and again, with the time from one to the next, s.

@@ -70,15 +70,21 @@ impl AttitudeStream {
         self
     }
 
-    /// The decoder beside goes on without the channels of these limbs.
+    /// It, or the decoder beside, goes on without the channels of these limbs.
     ///
     /// # Errors
-    /// Those of [`ErrorFilter::set_excluded`].
+    /// Those of [`ErrorFilter::set_excluded`] and [`Decoupler::set_excluded`].
     pub fn set_excluded(&mut self, limbs: LimbSet) -> sixaxis_core::Result<()> {
         match &mut self.how {
             How::Beside(beside) => beside.0.set_excluded(limbs),
-            How::Aided(_) | How::Smoothed(_) => Ok(()),
+            How::Aided(aided) => aided.set_excluded(limbs),
+            How::Smoothed(_) => Ok(()),
         }
+    }
+
+    /// What a sample's own noise gives its accelerations from now on.
+    pub fn set_noise(&mut self, noise: [f64; 6]) {
+        self.noise = Some(noise);
     }
 
     /// In a decoder's place, with aids. `noise` has the standard deviations that a sample's own noise gives its accelerations, where

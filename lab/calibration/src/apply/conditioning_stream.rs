@@ -7,9 +7,10 @@ use sixaxis_core::dsp::continued::ContinuedZeroPhase;
 use sixaxis_core::dsp::delay::Delay;
 use sixaxis_core::dsp::outlier::Hampel;
 use sixaxis_core::dsp::{self, butterworth};
-use sixaxis_core::{CrossTalk, LIMBS, LimbSet};
+use sixaxis_core::{CrossTalk, LIMBS};
 
 use super::Row;
+use super::exclusions::Exclusions;
 use super::voltages::Voltages;
 use crate::conditioning::Stage;
 use crate::conditioning::high_pass::UndoneHighPass;
@@ -42,7 +43,9 @@ pub struct ConditioningConfig {
 pub struct ConditioningStream {
     channels: [Chain; LIMBS],
     cross_talk: Option<CrossTalk>,
-    excluded: LimbSet,
+    excluded: Exclusions,
+    /// Samples handed out.
+    samples: u64,
 }
 
 /// One channel's stages.
@@ -172,13 +175,14 @@ impl ConditioningStream {
         Ok(Self {
             channels,
             cross_talk: config.cross_talk,
-            excluded: LimbSet::EMPTY,
+            excluded: Exclusions::default(),
+            samples: 0,
         })
     }
 
     /// Takes nothing that some channels show for cross-talk of the others.
     #[must_use]
-    pub fn excluding(mut self, limbs: LimbSet) -> Self {
+    pub fn excluding(mut self, limbs: Exclusions) -> Self {
         self.excluded = limbs;
         self
     }
@@ -232,12 +236,15 @@ impl ConditioningStream {
         self.undo_cross_talk(out, before);
     }
 
-    fn undo_cross_talk(&self, voltage_v: &mut Voltages, from: usize) {
+    fn undo_cross_talk(&mut self, voltage_v: &mut Voltages, from: usize) {
+        let first = self.samples;
+        self.samples += (voltage_v.samples() - from) as u64;
         let Some(cross_talk) = &self.cross_talk else {
             return;
         };
         for sample in from..voltage_v.samples() {
-            let row = cross_talk.undo_without(&voltage_v.row(sample), self.excluded);
+            let excluded = self.excluded.at(first + (sample - from) as u64);
+            let row = cross_talk.undo_without(&voltage_v.row(sample), excluded);
             for (column, undone) in voltage_v.columns.iter_mut().zip(row) {
                 column[sample] = undone;
             }

@@ -13,7 +13,8 @@ use super::columns::{Columns, DEVIATIONS};
 use super::coordination::Coordination;
 use super::curves::Curves;
 use super::ends::Ends;
-use super::fault_watch::{FLAGS, FaultWatch};
+use super::exclusions;
+use super::fault_watch::{FLAGS, FaultWatch, digits};
 use super::mean_acceleration::MeanAcceleration;
 
 /// A decoupler with the clock of its recording.
@@ -36,6 +37,8 @@ pub struct Decoding {
     before: Row,
     /// Decodes in the decoupler's place where failures are to be seen, and says which limbs go into [`FLAGS`], excluded or suspected.
     pub(super) watching: Option<FaultWatch>,
+    /// What such a monitor has found in a first pass, for a second one with aids.
+    pub(super) watched: Option<WatchedBefore>,
     /// Checks the coordination equations: looks at the voltages before they are decoded.
     pub(super) coordination: Option<Coordination>,
     /// Sees whether the recording begins in motion.
@@ -55,6 +58,12 @@ pub struct Decoding {
     pub picture: Option<Box<Curves>>,
 }
 
+/// What a first pass has found, and what a sample's own noise gives its accelerations without the limbs excluded from a sample on.
+pub(super) struct WatchedBefore {
+    pub(super) found: exclusions::Watched,
+    pub(super) noise: Vec<(u64, [f64; 6])>,
+}
+
 impl Decoding {
     /// Nothing answered yet.
     #[must_use]
@@ -70,6 +79,7 @@ impl Decoding {
             finished: false,
             before: [0.0; LIMBS],
             watching: None,
+            watched: None,
             coordination: None,
             ends: None,
             mean: MeanAcceleration::default(),
@@ -147,7 +157,8 @@ impl Decoding {
         block: &mut Block,
     ) -> sixaxis_core::Result<()> {
         let deviations = if self.deviates { DEVIATIONS.len() } else { 0 };
-        let flags = self.watching.as_ref().map_or(0, |_| FLAGS.len());
+        let watches = self.watching.is_some() || self.watched.is_some();
+        let flags = if watches { FLAGS.len() } else { 0 };
         block.clear(1 + self.columns.count() + deviations + flags);
         if let Some(coordination) = &mut self.coordination {
             coordination.look(voltage_v);
@@ -270,8 +281,21 @@ impl Decoding {
         let Some(attitude) = &mut self.attitude else {
             return Ok(());
         };
-        let (answers, deviations) = block.columns[1..].split_at_mut(self.columns.count());
+        let (answers, more) = block.columns[1..].split_at_mut(self.columns.count());
+        let deviations = if self.deviates { DEVIATIONS.len() } else { 0 };
+        let (deviations, flags) = more.split_at_mut(deviations);
+        let first = self.samples - voltage_v[0].len() as u64;
         for sample in 0..voltage_v[0].len() {
+            if let Some(watched) = &self.watched {
+                let now = first + sample as u64;
+                if let Some(limbs) = watched.found.excluded.change_at(now) {
+                    attitude.set_excluded(limbs)?;
+                    let noise = watched.noise.iter().find(|(from, _)| *from == now);
+                    noise
+                        .into_iter()
+                        .for_each(|(_, noise)| attitude.set_noise(*noise));
+                }
+            }
             let row = voltage_v.map(|column| column[sample]);
             let Some(motion) = attitude.push(&row)? else {
                 continue;
@@ -281,6 +305,16 @@ impl Decoding {
                 .push(&motion, known, self.gravity_ground_m_s2, answers);
             for (column, value) in deviations.iter_mut().zip(attitude.deviations()) {
                 column.push(*value);
+            }
+            if let Some(WatchedBefore { found, .. }) = &self.watched {
+                // Suspected once the sample after it has been seen.
+                let limbs = [
+                    found.excluded.at(motion.sample),
+                    found.suspected.at(motion.sample + 1),
+                ];
+                for (column, limbs) in flags.iter_mut().zip(limbs) {
+                    column.push(digits(limbs));
+                }
             }
         }
         Ok(())

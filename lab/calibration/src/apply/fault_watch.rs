@@ -10,6 +10,7 @@ use sixaxis_core::{LIMBS, Settings, SixAxis};
 use sixaxis_recordings::Channel;
 
 use super::Row;
+use super::exclusions as found;
 use super::setup::Setup;
 
 /// Columns of the excluded and of the suspected limbs: their numbers as digits of one number, 0 for none.
@@ -30,6 +31,8 @@ pub struct FaultWatch {
     pub messages: Vec<String>,
     /// Alarms that began an isolation, those among them that were dismissed without a message.
     pub alarms: u64,
+    /// What it has found so far, each as of the sample from which it holds.
+    pub found: found::Watched,
     /// The sample at which the last alarm was raised, as long as limbs are suspected and none has been named.
     unexplained_since: Option<u64>,
     samples: u64,
@@ -83,6 +86,7 @@ impl FaultWatch {
             stream,
             messages: Vec::new(),
             alarms: 0,
+            found: found::Watched::default(),
             unexplained_since: None,
             samples: 0,
         })
@@ -101,6 +105,14 @@ impl FaultWatch {
     pub fn push(&mut self, row: &Row) -> sixaxis_core::Result<Option<(SixAxis, [f64; 2])>> {
         let watched = self.stream.push(row)?;
         self.tell(&watched);
+        if let Some(switch) = watched.switched {
+            self.found
+                .excluded
+                .from(switch.from_sample, watched.excluded);
+        }
+        if watched.suspected != self.found.suspected.at(self.samples) {
+            self.found.suspected.from(self.samples, watched.suspected);
+        }
         self.samples += 1;
         let flags = [watched.excluded, watched.suspected].map(digits);
         Ok(watched.answer.map(|answer| (answer, flags)))
@@ -176,7 +188,7 @@ impl FaultWatch {
 }
 
 /// Limb numbers as digits of one number.
-fn digits(limbs: LimbSet) -> f64 {
+pub(super) fn digits(limbs: LimbSet) -> f64 {
     limbs
         .numbers()
         .fold(0.0, |digits, number| 10.0 * digits + number as f64)

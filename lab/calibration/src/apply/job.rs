@@ -18,8 +18,9 @@ use super::columns::{Columns, DEVIATIONS};
 use super::conditioning_stream::ConditioningStream;
 use super::coordination::Coordination;
 use super::curves::Curves;
-use super::decoding::Decoding;
+use super::decoding::{Decoding, WatchedBefore};
 use super::ends::Ends;
+use super::exclusions::{Exclusions, Watched};
 use super::fault_watch::{FaultWatch, flags};
 use super::pipeline::{self, Busy};
 use super::recording::{BEGAN, Recording};
@@ -125,19 +126,61 @@ impl Job<'_> {
             .transpose()
     }
 
-    fn conditioning(&self, sample_rate_hz: f64) -> Result<ConditioningStream> {
+    /// Of a recording without these limbs; none where the monitor looks for them: its decoder undoes cross-talk itself, since it knows
+    /// which channels have failed.
+    fn conditioning(
+        &self,
+        sample_rate_hz: f64,
+        excluded: Option<Exclusions>,
+    ) -> Result<ConditioningStream> {
         let stream = ConditioningStream::new(&self.setup.conditioning, sample_rate_hz)?;
-        // The monitor's decoder undoes cross-talk itself: it knows which channels have failed.
-        Ok(if self.false_alarms_per_hour.is_some() {
-            stream.without_cross_talk()
-        } else {
-            stream.excluding(self.excluded)
+        Ok(match excluded {
+            Some(excluded) => stream.excluding(excluded),
+            None => stream.without_cross_talk(),
+        })
+    }
+
+    /// Where the monitor does not look for them.
+    fn excluded(&self) -> Option<Exclusions> {
+        let watches = self.false_alarms_per_hour.is_some();
+        (!watches).then(|| Exclusions::throughout(self.excluded))
+    }
+
+    /// What the monitor says of a recording, before it is decoded with aids: only then is it known from which sample on a limb has failed.
+    fn watched(
+        &self,
+        recording: &mut Recording,
+        settings: &Settings,
+        advance: &dyn Fn(u64),
+    ) -> Result<(Watched, Vec<String>)> {
+        let mut decoding = Decoding::new(self.decoupler(settings)?, self.columns, false);
+        decoding.watching = self.monitor(settings)?;
+        let conditioning = self.conditioning(settings.sample_rate_hz, None)?;
+        let sink = Box::new(Nowhere);
+        pipeline::run(recording, conditioning, &mut decoding, sink, advance)?;
+        decoding.finish();
+        let messages = decoding.messages();
+        let found = decoding.watching.map(|watch| watch.found);
+        Ok((found.unwrap_or_default(), messages))
+    }
+
+    /// What is said of these limbs, and the noise of each sample without them.
+    fn watched_before(&self, found: Watched, settings: &Settings) -> Result<WatchedBefore> {
+        let noise = |(from, limbs): (u64, LimbSet)| {
+            let (_, noise_v) =
+                (self.setup).error_filter(self.calibration, settings, limbs, DOWN_DEG)?;
+            Ok((from, sample_noise(self.setup, settings, limbs, &noise_v)?))
+        };
+        let changes = found.excluded.changes().filter(|_| self.uncertainty);
+        Ok(WatchedBefore {
+            noise: changes.map(noise).collect::<Result<_>>()?,
+            found,
         })
     }
 
     /// A decoding of the columns, with the attitude followed wherever its deviation is known: not where the run is corrected from rest to
     /// rest.
-    fn decoding(&self, settings: &Settings) -> Result<Decoding> {
+    fn decoding(&self, settings: &Settings, found: Option<Watched>) -> Result<Decoding> {
         let decoupler = self.decoupler(settings)?;
         let gravity = settings.gravity_ground_m_s2;
         let mut decoding = Decoding::new(decoupler.clone(), self.columns, self.picture);
@@ -145,7 +188,11 @@ impl Job<'_> {
         if !self.rest_to_rest {
             decoding.ends = Some(self.ends(settings.sample_rate_hz));
         }
-        decoding.watching = self.monitor(settings)?;
+        let watched = found.map(|found| self.watched_before(found, settings));
+        decoding.watched = watched.transpose()?;
+        if decoding.watched.is_none() {
+            decoding.watching = self.monitor(settings)?;
+        }
         let watches = decoding.watching.is_some();
         let aided = !self.aids.is_empty();
         ensure!(
@@ -176,10 +223,13 @@ impl Job<'_> {
                     let until_deg = self.until_sd_deg;
                     let mut attitude = AttitudeStream::aided(aided, settings, until_deg, noise);
                     let excluded = self.excluded;
-                    let bound = self
-                        .setup
-                        .bound(self.calibration, settings, excluded, &aids)?;
-                    attitude.bounded_by(bound);
+                    let found = decoding.watched.as_ref().map(|watched| &watched.found);
+                    if found.is_none_or(|found| found.excluded.is_empty()) {
+                        let bound =
+                            self.setup
+                                .bound(self.calibration, settings, excluded, &aids)?;
+                        attitude.bounded_by(bound);
+                    }
                     decoding.attitude = Some(attitude.written_to(self.columns));
                 }
                 Ok((filter, _)) => {
@@ -229,8 +279,8 @@ impl Job<'_> {
     pub fn live(&self, sample_rate_hz: f64) -> Result<TextStream> {
         let settings = self.setup.settings(sample_rate_hz, self.scheme);
         let watched = self.false_alarms_per_hour.is_some();
-        let conditioning = self.conditioning(sample_rate_hz)?;
-        let mut decoding = self.decoding(&settings)?;
+        let conditioning = self.conditioning(sample_rate_hz, self.excluded())?;
+        let mut decoding = self.decoding(&settings, None)?;
         decoding.coordination = Some(self.coordination());
         Ok(TextStream {
             conditioning,
@@ -282,8 +332,22 @@ impl Job<'_> {
         let mut recording = open()?;
         let rate_hz = recording.sample_rate_hz;
         let settings = setup.settings(rate_hz, self.scheme);
-        let mut conditioning = self.conditioning(rate_hz)?;
-        let mut decoding = self.decoding(&settings)?;
+        let total = recording.samples.unwrap_or(0);
+        let watches_first = self.false_alarms_per_hour.is_some() && !self.aids.is_empty();
+        let passes = if self.smooth || watches_first { 2 } else { 1 };
+        let advance = |samples| advance(passes * total, samples);
+        let mut of_monitor = Vec::new();
+        let mut excluded = self.excluded();
+        let mut found = None;
+        if watches_first {
+            let (watched, messages) = self.watched(&mut recording, &settings, &advance)?;
+            of_monitor = messages;
+            excluded = Some(watched.excluded.clone());
+            found = Some(watched);
+            recording = open()?;
+        }
+        let mut conditioning = self.conditioning(rate_hz, excluded.clone())?;
+        let mut decoding = self.decoding(&settings, found)?;
         let mut coordination = self.coordination();
         let mut layout = self.layout(rate_hz);
         self.describe(path, &mut layout);
@@ -311,9 +375,6 @@ impl Job<'_> {
             }
             trend = Some(found);
         } else {
-            let total = recording.samples.unwrap_or(0);
-            let passes = if self.smooth { 2 } else { 1 };
-            let advance = |samples| advance(passes * total, samples);
             if self.smooth {
                 // The first pass is remembered, and nothing of it written.
                 let first = &mut decoding;
@@ -332,7 +393,7 @@ impl Job<'_> {
                 let attitude = attitude.context("--smooth without --aid")?;
                 decoding = self.smoothed_decoding(attitude, &settings)?;
                 recording = open()?;
-                conditioning = self.conditioning(rate_hz)?;
+                conditioning = self.conditioning(rate_hz, excluded)?;
             }
             decoding.coordination = Some(coordination.clone());
             let sink = create(&layout)?;
@@ -342,6 +403,7 @@ impl Job<'_> {
         }
         decoding.finish();
         let mut warnings = recording.warnings();
+        warnings.append(&mut of_monitor);
         warnings.extend(decoding.messages());
         warnings.append(&mut of_aids);
         let no_motion = decoding.no_motion(rate_hz);

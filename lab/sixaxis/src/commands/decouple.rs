@@ -58,10 +58,10 @@ pub struct Arguments {
     #[arg(long, value_name = "DEGREES", conflicts_with = "rest_to_rest")]
     until_sd: Option<f64>,
     /// What else is known of the motion: rest, velocity=SECONDS,M_PER_S or attitude=FILE,DEGREES; once of each kind
-    #[arg(long, value_name = "WHAT", conflicts_with_all = ["rest_to_rest", "watch"])]
+    #[arg(long, value_name = "WHAT", conflicts_with = "rest_to_rest")]
     aid: Vec<AidChoice>,
     /// Decouple each sample by all that --aid tells of the whole recording, what comes later with it; reads it twice
-    #[arg(long, requires = "aid")]
+    #[arg(long, requires = "aid", conflicts_with = "watch")]
     smooth: bool,
     /// The accelerations only, without rates and attitude
     #[arg(long)]
@@ -71,7 +71,7 @@ pub struct Arguments {
     #[arg(long, conflicts_with = "rest_to_rest")]
     uncertainty: bool,
     /// Monitor the nine channels for faults: a limb that fails is named and excluded. Two more columns state which
-    #[arg(long, conflicts_with_all = ["rest_to_rest", "uncertainty", "excluded"])]
+    #[arg(long, conflicts_with_all = ["rest_to_rest", "excluded"])]
     watch: bool,
     /// Expected number of false alarms of --watch
     #[arg(long, value_name = "NUMBER", default_value_t = 1.0, requires = "watch")]
@@ -166,6 +166,10 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
             .notes
             .push("--watch sees the channels as they are: outliers are not replaced".to_owned());
     }
+    ensure!(
+        !(arguments.watch && arguments.uncertainty) || !arguments.aid.is_empty(),
+        "--watch with --uncertainty goes with --aid only: without one, deviations are those of nine limbs"
+    );
     let until_sd_deg = arguments.until_sd.unwrap_or(UNTIL_SD_DEG);
     ensure!(
         until_sd_deg > 0.0,
@@ -343,6 +347,10 @@ fn stream(arguments: &Arguments, job: &Job) -> Result<()> {
         (arguments.uncertainty, "--uncertainty"),
         (arguments.smooth, "--smooth, which reads a recording twice,"),
         (arguments.picture.is_some(), "--picture"),
+        (
+            arguments.watch && !arguments.aid.is_empty(),
+            "--watch with --aid, which reads a recording twice,",
+        ),
         (
             arguments
                 .aid

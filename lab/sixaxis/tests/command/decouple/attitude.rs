@@ -387,6 +387,52 @@ fn ref_aids_hold_without_the_channels_of_lost_limbs() {
     );
 }
 
+/// From the sample on at which it dies, of which the monitor learns later.
+#[test]
+fn ref_aids_hold_when_a_limb_dies() {
+    let (mut volts, rate_hz) = columns(&recorded().path(), &LIMBS);
+    let dies_at = volts[4].len() / 3;
+    volts[4][dies_at..].fill(0.7);
+    let dying = recorded().folder.join("dying.npz");
+    write(&dying, &LIMBS, "V", &volts, rate_hz.unwrap_or(RATE_HZ));
+    let rest = ["--aid", "rest", "--uncertainty"];
+    let watched = [&rest[..], &["--watch"]].concat();
+    let (path, said) = decoupled_from(&dying, "dying.parquet", &watched);
+    let Held { rows, worst } = held_against_truth(&path);
+    assert!(worst < NEVER, "{worst}");
+    assert!(
+        said["warnings"]
+            .to_string()
+            .contains("decoded without limb 5")
+    );
+    let (flags, _) = columns(&path, &["excluded_limbs", "suspected_limbs"]);
+    // Rows begin with the second sample.
+    let excluded_from = flags[0].iter().position(|limbs| *limbs == 5.0);
+    assert!(
+        excluded_from.is_some_and(|row| row < dies_at && row + 4096 > dies_at),
+        "{excluded_from:?}, {dies_at}"
+    );
+    assert!(flags[0][dies_at - 1..].iter().all(|limbs| *limbs == 5.0));
+    // As if it had been known that the limb would die: but for what was known of it before.
+    let without = [&rest[..], &["--excluded", "5"]].concat();
+    let (known, _) = decoupled_from(&dying, "dying-known.parquet", &without);
+    let known_rows = held_against_truth(&known).rows;
+    assert!(10 * rows > 9 * known_rows, "{rows} rows of {known_rows}");
+    // A healthy recording is what it is without the monitor.
+    let (healthy, _) = decoupled("healthy-watched.parquet", &watched);
+    let (plain, _) = decoupled("healthy-rests.parquet", &rest);
+    let all = [
+        &SENSOR_AXES[..],
+        &["ax", "ay", "az", "sd_ax", "sd_attitude"],
+    ]
+    .concat();
+    let bits = |path: &Path| -> Vec<u64> {
+        let (found, _) = columns(path, &all);
+        found.into_iter().flatten().map(f64::to_bits).collect()
+    };
+    assert!(bits(&healthy) == bits(&plain));
+}
+
 #[test]
 fn regress_a_rate_that_runs_away_keeps_what_came_before() {
     let recorded = recorded();

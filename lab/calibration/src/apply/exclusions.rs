@@ -1,0 +1,87 @@
+//! Which limbs are excluded from which sample on, and which are suspected.
+
+use sixaxis_core::LimbSet;
+
+/// Limbs that are excluded from certain samples on: none before the first.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Exclusions {
+    /// First samples, ascending.
+    changes: Vec<(u64, LimbSet)>,
+}
+
+impl Exclusions {
+    /// The same limbs throughout.
+    #[must_use]
+    pub fn throughout(limbs: LimbSet) -> Self {
+        Self {
+            changes: vec![(0, limbs)],
+        }
+    }
+
+    /// From this sample on these and no others, whatever was said of later ones.
+    pub fn from(&mut self, sample: u64, limbs: LimbSet) {
+        self.changes.retain(|(first, _)| *first < sample);
+        self.changes.push((sample, limbs));
+    }
+
+    /// Each change, with the sample from which it holds.
+    pub fn changes(&self) -> impl Iterator<Item = (u64, LimbSet)> {
+        self.changes.iter().copied()
+    }
+
+    /// Whether all nine are read throughout.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.changes.iter().all(|(_, limbs)| limbs.is_empty())
+    }
+
+    /// Those of a sample.
+    #[must_use]
+    pub fn at(&self, sample: u64) -> LimbSet {
+        let begun = self.changes.partition_point(|(first, _)| *first <= sample);
+        let last = begun.checked_sub(1).map(|last| self.changes[last].1);
+        last.unwrap_or(LimbSet::EMPTY)
+    }
+
+    /// Those from a sample on, if they are not those of the sample before it.
+    #[must_use]
+    pub fn change_at(&self, sample: u64) -> Option<LimbSet> {
+        let found = self
+            .changes
+            .binary_search_by_key(&sample, |change| change.0);
+        found.ok().map(|at| self.changes[at].1)
+    }
+}
+
+/// What a first pass with the monitor says of a recording.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Watched {
+    /// Limbs that are excluded.
+    pub excluded: Exclusions,
+    /// Limbs that may have failed and are not excluded.
+    pub suspected: Exclusions,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_found_later_counts() {
+        let of = |numbers: &[usize]| LimbSet::from_numbers(numbers.iter().copied()).expect("limbs");
+        let mut found = Exclusions::default();
+        assert!(found.is_empty());
+        found.from(100, of(&[4]));
+        found.from(300, of(&[]));
+        found.from(90, of(&[4, 5]));
+        let at = [0, 89, 90, 100, 300].map(|sample| found.at(sample));
+        assert_eq!(
+            at,
+            [of(&[]), of(&[]), of(&[4, 5]), of(&[4, 5]), of(&[4, 5])]
+        );
+        assert_eq!(found.change_at(90), Some(of(&[4, 5])));
+        assert_eq!(found.change_at(100), None);
+        assert!(!found.is_empty());
+        assert_eq!(Exclusions::throughout(of(&[2])).at(0), of(&[2]));
+    }
+}
