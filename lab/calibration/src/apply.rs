@@ -22,8 +22,11 @@
 //! | [`mean_acceleration`] | whether the accelerations are those of a motion |
 //! | [`coordination`] | whether the limb forces add up to zero where they must |
 //! | [`fault_watch`] | the same with the fault monitor |
+//! | [`exclusions`] | which limbs it excludes and suspects from which sample on |
 //! | [`pipeline`] | the same, with a thread for reading and one for writing |
+//! | [`first_pass`] | a pass of which nothing is written: what the monitor finds |
 //! | [`rest_to_rest`] | a whole run in memory, with the rest-to-rest correction |
+//! | [`decoupled`] | what is known of a recording when it is done |
 //! | [`job`] | all of this for one recording and one result |
 //! | [`stream_clock`] | the stamps of a stream of text, held against its rate |
 //! | [`text_stream`] | rows of text from standard input to rows on standard output |
@@ -42,9 +45,11 @@ pub mod conditioning_stream;
 pub mod coordination;
 pub mod curves;
 pub mod decoding;
+pub mod decoupled;
 pub mod ends;
 pub mod exclusions;
 pub mod fault_watch;
+mod first_pass;
 mod frozen;
 pub mod job;
 pub mod mean_acceleration;

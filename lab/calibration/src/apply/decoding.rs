@@ -13,8 +13,8 @@ use super::columns::{Columns, DEVIATIONS};
 use super::coordination::Coordination;
 use super::curves::Curves;
 use super::ends::Ends;
-use super::exclusions;
-use super::fault_watch::{FLAGS, FaultWatch, digits};
+use super::exclusions::{FLAGS, WatchedBefore};
+use super::fault_watch::FaultWatch;
 use super::mean_acceleration::MeanAcceleration;
 
 /// A decoupler with the clock of its recording.
@@ -56,12 +56,6 @@ pub struct Decoding {
     pub first_s: Option<f64>,
     /// What a picture of the six accelerations needs, if one is wanted.
     pub picture: Option<Box<Curves>>,
-}
-
-/// What a first pass has found, and what a sample's own noise gives its accelerations without the limbs excluded from a sample on.
-pub(super) struct WatchedBefore {
-    pub(super) found: exclusions::Watched,
-    pub(super) noise: Vec<(u64, [f64; 6])>,
 }
 
 impl Decoding {
@@ -123,6 +117,13 @@ impl Decoding {
         self.watching.iter_mut().for_each(FaultWatch::finish);
     }
 
+    /// If limbs fail the recording is decoded once more, without them from where each failed.
+    pub(super) fn is_decoded_once_more(&mut self) {
+        if let Some(watching) = &mut self.watching {
+            watching.once_more = true;
+        }
+    }
+
     /// The attitude of the recording that has been decoded, for the same recording once more.
     #[must_use]
     pub fn smoothed(self, again: Decoupler, settings: &Settings) -> Option<AttitudeStream> {
@@ -175,8 +176,11 @@ impl Decoding {
         } else if aided {
             self.aided(voltage_v, block)
         } else {
-            self.answers(voltage_v, block)
+            self.answers_in_parts(voltage_v, block)
         };
+        if let Some(watched) = &self.watched {
+            watched.flag(self.rows, block);
+        }
         let done = self.without_run_away(done, block);
         let answered = block.columns[1].len();
         if answered > 0 && self.rows == 0 {
@@ -232,13 +236,41 @@ impl Decoding {
         Ok(())
     }
 
+    /// The same, without the limbs that a first pass has found to have failed, from where each did.
+    fn answers_in_parts(
+        &mut self,
+        voltage_v: [&[f64]; LIMBS],
+        block: &mut Block,
+    ) -> sixaxis_core::Result<()> {
+        let (first, samples) = (self.decoupler.received(), voltage_v[0].len());
+        let watched = self.watched.as_ref();
+        let changes: Vec<_> = watched.map_or_else(Vec::new, |watched| {
+            let all = watched.found.excluded.changes();
+            all.filter(|(at, _)| (first..first + samples as u64).contains(at))
+                .collect()
+        });
+        let mut from = 0;
+        for (at, limbs) in changes {
+            let to = (at - first) as usize;
+            self.answers(voltage_v.map(|column| &column[from..to]), block)?;
+            self.decoupler.set_excluded(limbs)?;
+            if let Some(attitude) = &mut self.attitude {
+                attitude.set_excluded(limbs)?;
+            }
+            from = to;
+        }
+        self.answers(voltage_v.map(|column| &column[from..]), block)
+    }
+
     fn answers(
         &mut self,
         voltage_v: [&[f64]; LIMBS],
         block: &mut Block,
     ) -> sixaxis_core::Result<()> {
         let first = self.decoupler.received();
-        let (answers, deviations) = block.columns[1..].split_at_mut(self.columns.count());
+        let (answers, more) = block.columns[1..].split_at_mut(self.columns.count());
+        let deviations = if self.deviates { DEVIATIONS.len() } else { 0 };
+        let deviations = &mut more[..deviations];
         let (uncertainty, attitude) = (&mut self.uncertainty, &mut self.attitude);
         let (before, gravity) = (self.before, self.gravity_ground_m_s2);
         // Voltages of a sample that is answered: of this block, or the last one of the block before.
@@ -283,7 +315,7 @@ impl Decoding {
         };
         let (answers, more) = block.columns[1..].split_at_mut(self.columns.count());
         let deviations = if self.deviates { DEVIATIONS.len() } else { 0 };
-        let (deviations, flags) = more.split_at_mut(deviations);
+        let deviations = &mut more[..deviations];
         let first = self.samples - voltage_v[0].len() as u64;
         for sample in 0..voltage_v[0].len() {
             if let Some(watched) = &self.watched {
@@ -305,16 +337,6 @@ impl Decoding {
                 .push(&motion, known, self.gravity_ground_m_s2, answers);
             for (column, value) in deviations.iter_mut().zip(attitude.deviations()) {
                 column.push(*value);
-            }
-            if let Some(WatchedBefore { found, .. }) = &self.watched {
-                // Suspected once the sample after it has been seen.
-                let limbs = [
-                    found.excluded.at(motion.sample),
-                    found.suspected.at(motion.sample + 1),
-                ];
-                for (column, limbs) in flags.iter_mut().zip(limbs) {
-                    column.push(digits(limbs));
-                }
             }
         }
         Ok(())

@@ -1,6 +1,7 @@
 //! Which limbs are excluded from which sample on, and which are suspected.
 
 use sixaxis_core::LimbSet;
+use sixaxis_recordings::{Block, Channel};
 
 /// Limbs that are excluded from certain samples on: none before the first.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -62,6 +63,47 @@ pub struct Watched {
     pub suspected: Exclusions,
 }
 
+/// What a first pass has found, and what a sample's own noise gives its accelerations without the limbs excluded from a sample on.
+pub(super) struct WatchedBefore {
+    pub(super) found: Watched,
+    pub(super) noise: Vec<(u64, [f64; 6])>,
+}
+
+impl WatchedBefore {
+    /// Appends the flags of the rows in a block that have none yet; so many were answered before it.
+    pub(super) fn flag(&self, rows: u64, block: &mut Block) {
+        let answered = block.columns[1].len() as u64;
+        let flags = block.columns.len() - FLAGS.len();
+        for row in 0..answered {
+            let sample = rows + row + 1;
+            let excluded = self.found.excluded.at(sample);
+            // Suspected once the sample after it has been seen.
+            let suspected = self.found.suspected.at(sample + 1).minus(excluded);
+            for (column, limbs) in block.columns[flags..].iter_mut().zip([excluded, suspected]) {
+                column.push(digits(limbs));
+            }
+        }
+    }
+}
+
+/// Columns of the excluded and of the suspected limbs: their numbers as digits of one number, 0 for none.
+pub const FLAGS: [(&str, &str); 2] = [("excluded_limbs", ""), ("suspected_limbs", "")];
+
+/// The channels of [`FLAGS`].
+pub fn flags(sample_rate_hz: f64) -> impl Iterator<Item = Channel> {
+    FLAGS.into_iter().map(move |(name, unit)| Channel {
+        sample_rate_hz: Some(sample_rate_hz),
+        ..Channel::new(name, Some(unit))
+    })
+}
+
+/// Limb numbers as digits of one number.
+pub(super) fn digits(limbs: LimbSet) -> f64 {
+    limbs
+        .numbers()
+        .fold(0.0, |digits, number| 10.0 * digits + number as f64)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -83,5 +125,13 @@ mod tests {
         assert_eq!(found.change_at(100), None);
         assert!(!found.is_empty());
         assert_eq!(Exclusions::throughout(of(&[2])).at(0), of(&[2]));
+    }
+
+    #[test]
+    fn limbs_are_digits() {
+        let of = |numbers: &[usize]| {
+            digits(LimbSet::from_numbers(numbers.iter().copied()).expect("limbs"))
+        };
+        assert_eq!([of(&[]), of(&[5]), of(&[2, 4])], [0.0, 5.0, 24.0]);
     }
 }

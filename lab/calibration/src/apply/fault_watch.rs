@@ -3,26 +3,14 @@
 use crate::calibration::{CalibratedLimbs, Calibration};
 use anyhow::{Context, Result, ensure};
 use sixaxis_core::limb_set::LimbSet;
-use sixaxis_core::redundancy::fault::{Event, Watch};
+use sixaxis_core::redundancy::fault::{Event, Kind, Watch};
 use sixaxis_core::redundancy::reconstruction::MOST_EXCLUDED;
 use sixaxis_core::redundancy::tolerant::{FaultTolerant, ROWS_KEPT, Watched};
 use sixaxis_core::{LIMBS, Settings, SixAxis};
-use sixaxis_recordings::Channel;
 
 use super::Row;
-use super::exclusions as found;
+use super::exclusions::{self as found, digits};
 use super::setup::Setup;
-
-/// Columns of the excluded and of the suspected limbs: their numbers as digits of one number, 0 for none.
-pub const FLAGS: [(&str, &str); 2] = [("excluded_limbs", ""), ("suspected_limbs", "")];
-
-/// The channels of [`FLAGS`].
-pub fn flags(sample_rate_hz: f64) -> impl Iterator<Item = Channel> {
-    FLAGS.into_iter().map(move |(name, unit)| Channel {
-        sample_rate_hz: Some(sample_rate_hz),
-        ..Channel::new(name, Some(unit))
-    })
-}
 
 /// A fault-tolerant decoder and its messages.
 pub struct FaultWatch {
@@ -33,6 +21,8 @@ pub struct FaultWatch {
     pub alarms: u64,
     /// What it has found so far, each as of the sample from which it holds.
     pub found: found::Watched,
+    /// Whether the recording is decoded once more with what is found: from the failure on, and not from where it is told.
+    pub once_more: bool,
     /// The sample at which the last alarm was raised, as long as limbs are suspected and none has been named.
     unexplained_since: Option<u64>,
     samples: u64,
@@ -87,6 +77,7 @@ impl FaultWatch {
             messages: Vec::new(),
             alarms: 0,
             found: found::Watched::default(),
+            once_more: false,
             unexplained_since: None,
             samples: 0,
         })
@@ -105,10 +96,11 @@ impl FaultWatch {
     pub fn push(&mut self, row: &Row) -> sixaxis_core::Result<Option<(SixAxis, [f64; 2])>> {
         let watched = self.stream.push(row)?;
         self.tell(&watched);
-        if let Some(switch) = watched.switched {
-            self.found
-                .excluded
-                .from(switch.from_sample, watched.excluded);
+        if watched.switched.is_some() {
+            let since = self.since(&watched);
+            self.found.excluded.from(since, watched.excluded);
+            // What was suspected since then is explained.
+            self.found.suspected.from(since, watched.suspected);
         }
         if watched.suspected != self.found.suspected.at(self.samples) {
             self.found.suspected.from(self.samples, watched.suspected);
@@ -124,6 +116,24 @@ impl FaultWatch {
             self.messages.push(format!(
                 "the recording ends before it can be told what has failed since sample {sample} or before: rows from there on are marked in suspected_limbs and not to be trusted"
             ));
+        }
+    }
+
+    /// What it has found in a recording that has ended, and has to say of it.
+    pub fn into_found(mut self) -> (found::Watched, Vec<String>) {
+        self.finish();
+        (self.found, self.messages)
+    }
+
+    /// The sample from which on other limbs are excluded: the first that may have failed, or this one.
+    fn since(&self, watched: &Watched) -> u64 {
+        match watched.event {
+            Some(Event::Isolated(verdict) | Event::Identified(verdict))
+                if verdict.kind != Kind::Passed =>
+            {
+                verdict.since.0.min(self.samples)
+            }
+            _ => self.samples,
         }
     }
 
@@ -144,6 +154,7 @@ impl FaultWatch {
             _ => None,
         };
         let verdict = text.is_some();
+        let (since, once_more) = (self.since(watched), self.once_more);
         let mut say = |text: String| self.messages.push(format!("sample {sample}: {text}"));
         if let Some(text) = text {
             say(text);
@@ -157,6 +168,14 @@ impl FaultWatch {
                 } else {
                     "; the failure is older than that, its trace stays in rate and attitude"
                 };
+                let from = if once_more {
+                    format!("sample {since} on")
+                } else {
+                    format!(
+                        "here on, rate and attitude as if from sample {} on{trace}",
+                        switch.from_sample
+                    )
+                };
                 let last = if watched.excluded.len() == MOST_EXCLUDED {
                     "; no relation is left that could show a further failure"
                 } else {
@@ -168,8 +187,8 @@ impl FaultWatch {
                     "limbs"
                 };
                 say(format!(
-                    "decoded without {limbs} {} from here on, rate and attitude as if from sample {} on{trace}{last}",
-                    watched.excluded, switch.from_sample
+                    "decoded without {limbs} {} from {from}{last}",
+                    watched.excluded
                 ));
             }
         }
@@ -184,25 +203,5 @@ impl FaultWatch {
                 watched.suspected
             ));
         }
-    }
-}
-
-/// Limb numbers as digits of one number.
-pub(super) fn digits(limbs: LimbSet) -> f64 {
-    limbs
-        .numbers()
-        .fold(0.0, |digits, number| 10.0 * digits + number as f64)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn limbs_are_digits() {
-        let of = |numbers: &[usize]| {
-            digits(LimbSet::from_numbers(numbers.iter().copied()).expect("limbs"))
-        };
-        assert_eq!([of(&[]), of(&[5]), of(&[2, 4])], [0.0, 5.0, 24.0]);
     }
 }

@@ -1,28 +1,27 @@
 //! One recording to one result: what is to be done, and what is known when it is done.
 
+use std::cell::Cell;
 use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
 use glam::DVec3;
-use serde::Serialize;
 use sixaxis_core::aided::AidedDecoupler;
 use sixaxis_core::{Decoupler, LimbSet, Scheme, Settings};
-use sixaxis_recordings::{Block, Channel, Layout, Sink};
+use sixaxis_recordings::{Channel, Layout, Sink};
 
 use super::aided::Aided;
 use super::aids::AidChoice;
 use super::attitude::{AttitudeStream, DOWN_DEG};
-use super::attitude_summary::AttitudeSummary;
 use super::axis_noise::sample_noise;
 use super::columns::{Columns, DEVIATIONS};
 use super::conditioning_stream::ConditioningStream;
 use super::coordination::Coordination;
-use super::curves::Curves;
-use super::decoding::{Decoding, WatchedBefore};
+use super::decoding::Decoding;
+use super::decoupled::Decoupled;
 use super::ends::Ends;
-use super::exclusions::{Exclusions, Watched};
-use super::fault_watch::{FaultWatch, flags};
-use super::pipeline::{self, Busy};
+use super::exclusions::{Exclusions, Watched, flags};
+use super::fault_watch::FaultWatch;
+use super::pipeline::{self, Nowhere};
 use super::recording::{BEGAN, Recording};
 use super::rest_to_rest;
 use super::setup::Setup;
@@ -59,68 +58,15 @@ pub struct Job<'a> {
     pub picture: bool,
 }
 
-/// Takes what a first pass decodes and nobody wants.
-struct Nowhere;
-
-impl Sink for Nowhere {
-    fn write(&mut self, _: &Block) -> sixaxis_recordings::Result<()> {
-        Ok(())
-    }
-
-    fn finish(self: Box<Self>) -> sixaxis_recordings::Result<()> {
-        Ok(())
-    }
-}
-
-/// A recording that has been decoupled. Serialized, it is what `sixaxis decouple --json` prints.
-#[derive(Serialize)]
-pub struct Decoupled {
-    /// Samples read.
-    pub samples: u64,
-    /// Rows written.
-    pub rows: u64,
-    /// The sample, from 0, that the first row belongs to.
-    pub first_row_sample: u64,
-    /// Its time, s.
-    pub first_row_time_s: Option<f64>,
-    /// Samples per second.
-    pub sample_rate_hz: f64,
-    /// How the rate was integrated.
-    pub scheme: Scheme,
-    /// Gains of the amplifier ranges, N/V.
-    pub gain_n_per_v: [f64; 9],
-    /// Gravity at the first sample, m/s^2, in the ground's axes.
-    pub gravity_ground_m_s2: [f64; 3],
-    /// Corner of the low-pass on the voltages, Hz.
-    pub low_pass_hz: Option<f64>,
-    /// Limbs whose channels were not read, by number from 1.
-    pub excluded_limbs: Vec<usize>,
-    /// Samples of each channel at the converter's limit.
-    pub clipped_samples: [u64; 9],
-    /// Rate left at the end of the run before the rest-to-rest correction, rad/s.
-    pub end_rate_before_rad_s: Option<[f64; 3]>,
-    /// Rotation left there, a rotation vector, rad.
-    pub end_rotation_before_rad: Option<[f64; 3]>,
-    /// How well the attitude was known, where that was followed.
-    pub attitude: Option<AttitudeSummary>,
-    /// How long each of the three threads worked.
-    pub busy: Option<Busy>,
-    /// What is wrong with the recording or the result.
-    pub warnings: Vec<String>,
-    /// The curves of a picture.
-    #[serde(skip)]
-    pub curves: Option<Box<Curves>>,
-}
-
 impl Job<'_> {
-    fn decoupler(&self, settings: &Settings) -> Result<Decoupler> {
+    pub(super) fn decoupler(&self, settings: &Settings) -> Result<Decoupler> {
         Decoupler::new(&self.setup.sensor, &self.setup.parameters, settings)
             .with_context(|| self.calibration_name.display().to_string())?
             .excluding(self.excluded)
             .context("--excluded")
     }
 
-    fn monitor(&self, settings: &Settings) -> Result<Option<FaultWatch>> {
+    pub(super) fn monitor(&self, settings: &Settings) -> Result<Option<FaultWatch>> {
         self.false_alarms_per_hour
             .map(|alarms| FaultWatch::new(self.setup, self.calibration, settings, alarms))
             .transpose()
@@ -128,7 +74,7 @@ impl Job<'_> {
 
     /// Of a recording without these limbs; none where the monitor looks for them: its decoder undoes cross-talk itself, since it knows
     /// which channels have failed.
-    fn conditioning(
+    pub(super) fn conditioning(
         &self,
         sample_rate_hz: f64,
         excluded: Option<Exclusions>,
@@ -144,38 +90,6 @@ impl Job<'_> {
     fn excluded(&self) -> Option<Exclusions> {
         let watches = self.false_alarms_per_hour.is_some();
         (!watches).then(|| Exclusions::throughout(self.excluded))
-    }
-
-    /// What the monitor says of a recording, before it is decoded with aids: only then is it known from which sample on a limb has failed.
-    fn watched(
-        &self,
-        recording: &mut Recording,
-        settings: &Settings,
-        advance: &dyn Fn(u64),
-    ) -> Result<(Watched, Vec<String>)> {
-        let mut decoding = Decoding::new(self.decoupler(settings)?, self.columns, false);
-        decoding.watching = self.monitor(settings)?;
-        let conditioning = self.conditioning(settings.sample_rate_hz, None)?;
-        let sink = Box::new(Nowhere);
-        pipeline::run(recording, conditioning, &mut decoding, sink, advance)?;
-        decoding.finish();
-        let messages = decoding.messages();
-        let found = decoding.watching.map(|watch| watch.found);
-        Ok((found.unwrap_or_default(), messages))
-    }
-
-    /// What is said of these limbs, and the noise of each sample without them.
-    fn watched_before(&self, found: Watched, settings: &Settings) -> Result<WatchedBefore> {
-        let noise = |(from, limbs): (u64, LimbSet)| {
-            let (_, noise_v) =
-                (self.setup).error_filter(self.calibration, settings, limbs, DOWN_DEG)?;
-            Ok((from, sample_noise(self.setup, settings, limbs, &noise_v)?))
-        };
-        let changes = found.excluded.changes().filter(|_| self.uncertainty);
-        Ok(WatchedBefore {
-            noise: changes.map(noise).collect::<Result<_>>()?,
-            found,
-        })
     }
 
     /// A decoding of the columns, with the attitude followed wherever its deviation is known: not where the run is corrected from rest to
@@ -334,8 +248,8 @@ impl Job<'_> {
         let settings = setup.settings(rate_hz, self.scheme);
         let total = recording.samples.unwrap_or(0);
         let watches_first = self.false_alarms_per_hour.is_some() && !self.aids.is_empty();
-        let passes = if self.smooth || watches_first { 2 } else { 1 };
-        let advance = |samples| advance(passes * total, samples);
+        let passes = Cell::new(if self.smooth || watches_first { 2 } else { 1 });
+        let advance = |samples| advance(passes.get() * total, samples);
         let mut of_monitor = Vec::new();
         let mut excluded = self.excluded();
         let mut found = None;
@@ -377,14 +291,8 @@ impl Job<'_> {
         } else {
             if self.smooth {
                 // The first pass is remembered, and nothing of it written.
-                let first = &mut decoding;
-                pipeline::run(
-                    &mut recording,
-                    conditioning,
-                    first,
-                    Box::new(Nowhere),
-                    &advance,
-                )?;
+                let (first, sink) = (&mut decoding, Box::new(Nowhere));
+                pipeline::pass(&mut recording, conditioning, first, sink, &advance)?;
                 // What the first pass has said the second says again, but for what became of the aids.
                 decoding.messages();
                 decoding.finish();
@@ -396,10 +304,24 @@ impl Job<'_> {
                 conditioning = self.conditioning(rate_hz, excluded)?;
             }
             decoding.coordination = Some(coordination.clone());
-            let sink = create(&layout)?;
-            let recording = &mut recording;
-            let done = pipeline::run(recording, conditioning, &mut decoding, sink, &advance)?;
-            busy = Some(done);
+            decoding.is_decoded_once_more();
+            let (all, sink) = (&mut decoding, create(&layout)?);
+            let mut written = pipeline::pass(&mut recording, conditioning, all, sink, &advance)?;
+            let failed = |watch: &mut FaultWatch| !watch.found.excluded.is_empty();
+            if let Some(watch) = decoding.watching.take_if(failed) {
+                // Rows between a failure and its alarm have the failed limb in them: they are not kept.
+                drop(written);
+                passes.set(2);
+                let (found, messages) = watch.into_found();
+                of_monitor = messages;
+                recording = open()?;
+                conditioning = self.conditioning(rate_hz, Some(found.excluded.clone()))?;
+                decoding = self.decoding(&settings, Some(found))?;
+                decoding.coordination = Some(coordination.clone());
+                let (all, sink) = (&mut decoding, create(&layout)?);
+                written = pipeline::pass(&mut recording, conditioning, all, sink, &advance)?;
+            }
+            busy = Some(pipeline::complete(written)?);
         }
         decoding.finish();
         let mut warnings = recording.warnings();

@@ -30,19 +30,32 @@ pub struct Busy {
     pub finish_s: f64,
 }
 
-/// Decouples a recording into a sink and completes the sink.
+/// Takes what a first pass decodes and nobody wants.
+pub(super) struct Nowhere;
+
+impl Sink for Nowhere {
+    fn write(&mut self, _: &Block) -> sixaxis_recordings::Result<()> {
+        Ok(())
+    }
+
+    fn finish(self: Box<Self>) -> sixaxis_recordings::Result<()> {
+        Ok(())
+    }
+}
+
+/// Decouples a recording into a sink, which is still to be completed.
 ///
 /// `advance` is told of samples that have been decoded.
 ///
 /// # Errors
 /// Those of reading, of a sample that cannot be decoded, and of writing; the sink is then dropped unfinished.
-pub fn run(
+pub fn pass(
     recording: &mut Recording,
     mut conditioning: ConditioningStream,
     decoding: &mut Decoding,
     sink: Box<dyn Sink>,
     advance: &dyn Fn(u64),
-) -> Result<Busy> {
+) -> Result<(Box<dyn Sink>, Busy)> {
     let place = recording.path.display().to_string();
     let names = recording.names.clone();
     let mut busy = Busy::default();
@@ -104,6 +117,14 @@ pub fn run(
         busy.write_s = write_time.as_secs_f64();
         Ok(sink)
     })?;
+    Ok((sink, busy))
+}
+
+/// Completes what a pass has written.
+///
+/// # Errors
+/// Those of writing.
+pub fn complete((sink, mut busy): (Box<dyn Sink>, Busy)) -> Result<Busy> {
     let started = Instant::now();
     sink.finish()?;
     busy.finish_s = started.elapsed().as_secs_f64();

@@ -409,7 +409,7 @@ fn ref_aids_hold_when_a_limb_dies() {
     // Rows begin with the second sample.
     let excluded_from = flags[0].iter().position(|limbs| *limbs == 5.0);
     assert!(
-        excluded_from.is_some_and(|row| row < dies_at && row + 4096 > dies_at),
+        excluded_from.is_some_and(|row| row < dies_at && row + 500 > dies_at),
         "{excluded_from:?}, {dies_at}"
     );
     assert!(flags[0][dies_at - 1..].iter().all(|limbs| *limbs == 5.0));
