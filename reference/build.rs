@@ -2,7 +2,8 @@
 //!
 //! mujoco-rs links against a MuJoCo that is already there. The Python wheel of the same version carries exactly the
 //! library needed; it is unpacked into the target folder, so that neither an environment variable nor a system-wide
-//! installation is asked of anybody. Wheel and library are pinned by hash, and compared with it whenever this runs.
+//! installation is asked of anybody. Wheel and library are pinned by hash: the wheel is compared with it when it is
+//! fetched, the library whenever this runs, but for one that the user names.
 //! Without the feature `mujoco` nothing is looked for.
 
 use std::env;

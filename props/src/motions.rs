@@ -1,6 +1,6 @@
 //! Random six-axis motions of random sensors, simulated and decoupled: the comparison that the project stands on.
 //!
-//! Half of them keep to the rig's travel and speed, half go far beyond, to 200 Hz and 50 g; all turn about axes that
+//! Half of them keep to the rig's travel and speed, half go far beyond, drawn up to 200 Hz and 500 m/s^2; all turn about axes that
 //! turn. Each is simulated twice, with a step and with half of it, and what that changes in the comparison is the
 //! reference's own error. The decoupler is given voltages, the true parameters and how the sensor hangs; truth comes
 //! from the simulator's state.

@@ -1,4 +1,4 @@
-//! The wheel and the library in it, pinned by SHA-256: whatever is linked has been compared with these, every time.
+//! The wheel and the library in it, pinned by SHA-256: what is fetched is compared with these; a library that the user names is not.
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -221,7 +221,7 @@ pub const IDENTIFIED_ULP: [Tolerance; 4] = [
     measured(
         4e5,
         1.08e5,
-        "condition number 2e5: all of k/m is in a millionth of the signals",
+        "condition number 5e3, and twenty times that: all of k/m is in a millionth of the signals",
     ),
 ];
 /// k/m of step 4 with limbs that point where their own nodes put them, as in core's kernel, against limbs that point to the nodes of

@@ -58,7 +58,7 @@ impl Decoupler {
     /// Takes the next samples, as many as there are, and hands the answers that they complete to `sink`, in order and in
     /// pieces of any length.
     ///
-    /// Equals [`Decoupler::push`] on one after the other but for rounding (1.5e-12 of full scale over 1e4 samples in suite `paths`, which allows 1e-11;
+    /// Equals [`Decoupler::push`] on one after the other but for rounding (1.5e-12 of full scale over up to 1,200 samples in suite `paths`, which allows 1e-11;
     /// a wild voltage that is accepted turns the sensor so fast that rounding grows to the size of the answer), and leaves
     /// the decoupler ready for more by either.
     ///

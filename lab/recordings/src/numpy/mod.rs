@@ -7,7 +7,7 @@
 //! | array | channels |
 //! |---|---|
 //! | one dimension | one: `column_1`, in an NPZ its own name |
-//! | two dimensions | rows are samples, always: `column_1` ..., in an NPZ `name_1` ...; at most 4096 columns |
+//! | two dimensions | rows are samples, but of 2 to 64 rows with more than eight times as many columns each is a channel: `column_1` ..., in an NPZ `name_1` ...; at most 4096 columns |
 //! | structured, one dimension | one per numeric field, of its name, in an NPZ `name/field`; fields of text are left out |
 //!
 //! In an NPZ a single number or string is a property; `sample_rate_hz` (or `fs`, `fs_hz`) is the rate of all channels, and

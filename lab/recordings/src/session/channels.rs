@@ -24,7 +24,7 @@ pub struct Channels {
     /// Its unit where the file does not say: rad/s, deg/s, V or mV.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gyroscope_unit: Option<String>,
-    /// Time stamps, if the file has any; left out, a channel called `time` or `t` is taken.
+    /// Time stamps, if the file has any; left out, a channel called `time`, `time_s`, `timestamp`, `zeit`, `seconds`, `elapsed` or `t` is taken.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time: Option<String>,
     /// Lag of each limb's channel, us: a sample filed under a time shows the voltage of so much earlier, as behind a filter.

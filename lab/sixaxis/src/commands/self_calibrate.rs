@@ -21,7 +21,7 @@ use crate::progress::Progress;
 pub struct Arguments {
     /// Calibration, as `sixaxis calibrate` writes it
     calibration: PathBuf,
-    /// Recording of the sensor being tumbled, any format that is read and any length
+    /// Recording of the sensor being tumbled, any format that is read
     recording: PathBuf,
     /// Recording of a tumble at the time of the calibration: changes since then, whatever the limbs' stiffness
     #[arg(long, value_name = "RECORDING")]
