@@ -168,7 +168,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
             .push("--watch sees the channels as they are: outliers are not replaced".to_owned());
     }
     ensure!(
-        !(arguments.watch && arguments.uncertainty) || !arguments.aid.is_empty(),
+        !(arguments.watch && arguments.uncertainty && arguments.aid.is_empty()),
         "--watch with --uncertainty goes with --aid only: without one, deviations are those of nine limbs"
     );
     let until_sd_deg = arguments.until_sd.unwrap_or(UNTIL_SD_DEG);
