@@ -37,8 +37,12 @@ impl Job<'_> {
         settings: &Settings,
     ) -> Result<WatchedBefore> {
         let noise = |(from, limbs): (u64, LimbSet)| {
-            let (_, noise_v) =
-                (self.setup).error_filter(self.calibration, settings, limbs, DOWN_DEG)?;
+            let (_, noise_v) = (self.setup).error_filter(
+                self.calibration,
+                settings,
+                limbs,
+                DOWN_DEG.to_radians(),
+            )?;
             Ok((from, sample_noise(self.setup, settings, limbs, &noise_v)?))
         };
         let changes = found.excluded.changes().filter(|_| self.uncertainty);
