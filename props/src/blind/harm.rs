@@ -4,22 +4,14 @@
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use sixaxis_calibration::calibrate::CalibratedSession;
-use sixaxis_calibration::calibration::Calibration;
-use sixaxis_calibration::prepare::VALIDATION_CORNER;
 use sixaxis_calibration::report::Estimator;
-use sixaxis_core::decouple::rest_to_rest;
-use sixaxis_core::dsp::butterworth::{self, Section};
-use sixaxis_core::dsp::continued::zero_phase;
 use sixaxis_core::parameter::{DRIFT, INERTIA, SCALE};
-use sixaxis_core::{Decoupler, Scheme};
-use sixaxis_recordings::session::LowPass;
 use sixaxis_reference::laboratory::session::SimulatedSession;
 use sixaxis_reference::motion::TrueMotion;
 
+use super::validation_run::ValidationRun;
 use crate::compare::worse;
 
-/// The validation run that is decoupled: 3 Hz, the middle one of Tables 4 to 6.
-const RUN: &str = "compound-02";
 /// Interval widths by which a parameter of a good calibration may be off.
 pub const WIDTHS: f64 = 2.0;
 /// What "good" states of a decoupled validation run, of the peak: the session's limit as it is left out.
@@ -36,7 +28,7 @@ pub struct Harm {
     pub drift_v: f64,
     /// Largest of them over its interval; none if an interval is missing or 0.
     pub drift_over_interval: Option<f64>,
-    /// Largest error of the accelerations of [`RUN`], corrected from rest to rest as the verdict's own are, in sensor axes, over the
+    /// Largest error of the accelerations of [`super::validation_run::RUN`], corrected from rest to rest as the verdict's own are, in sensor axes, over the
     /// peak of the vector: the change of the specific force, or the angular acceleration. None if it cannot be decoupled.
     pub decoupling: Option<f64>,
     /// The same of the linear and of the angular accelerations, but for what the accelerometer's gain makes of the scale factors, and
@@ -75,11 +67,20 @@ impl Harm {
             _ => 0.0,
         };
         let scaled = (1.0 + played.truth.instruments.accelerometer_gain_error) / (1.0 + assumed);
-        let run = Run::decoupled(judged, calibration, played);
-        let decoupling = run.as_ref().map(|run| run.errors(&run.truth, 1.0));
+        let run = ValidationRun::of(judged, calibration, played);
+        let run = run.as_ref().and_then(|run| {
+            let truth: Vec<_> = run
+                .truth
+                .iter()
+                .map(|truth| felt(truth, run.gravity_m_s2))
+                .collect();
+            Some((run, run.corrected()?, truth))
+        });
+        let run = run.as_ref();
+        let decoupling = run.map(|(_, ours, truth)| errors(ours, truth, truth, 1.0));
         let in_band = || {
-            let run = run.as_ref()?;
-            Some(run.errors(&run.truth_in_band()?, scaled))
+            let (run, ours, truth) = run?;
+            Some(errors(ours, &run.in_band(truth)?, truth, scaled))
         };
         Some(Self {
             parameter: of_fits.clone().map(|i| error(i) / size(i)).fold(0.0, worse),
@@ -108,95 +109,25 @@ impl Harm {
     }
 }
 
-/// [`RUN`], decoupled.
-struct Run {
-    /// Samples with the linear and angular accelerations there.
-    ours: Vec<(usize, [DVec3; 2])>,
-    /// The true ones at every sample.
-    truth: Vec<[DVec3; 2]>,
-    /// The low-pass that its voltages have passed both ways.
-    low_pass: Vec<Section>,
-}
-
-impl Run {
-    fn decoupled(
-        judged: &CalibratedSession,
-        calibration: &Calibration,
-        played: &SimulatedSession,
-    ) -> Option<Self> {
-        let (trial, conditioned) = judged
-            .recordings
-            .iter()
-            .find(|(trial, _)| trial.name.starts_with(RUN))?;
-        let recording = played.recordings.iter().find(|r| r.name == RUN)?;
-        let parameters = calibration.parameters();
-        let sensor = trial.sensor(calibration.sensor().geometry);
-        let settings = trial.settings(Scheme::HeunSubstepped);
-        let mut rows = conditioned.as_ref()?.voltage_v.clone();
-        if let Some(cross_talk) = calibration.cross_talk(&sensor).ok()? {
-            for row in &mut rows {
-                *row = cross_talk.undo(row);
-            }
+/// Largest errors of the linear and angular accelerations over their true peaks, where the linear ones are to be `scaled` times
+/// the expected ones.
+fn errors(
+    ours: &[(usize, [DVec3; 2])],
+    expected: &[[DVec3; 2]],
+    truth: &[[DVec3; 2]],
+    scaled: f64,
+) -> [f64; 2] {
+    let (mut off, mut peak) = ([0.0_f64; 2], [0.0_f64; 2]);
+    for (sample, ours) in ours {
+        let (Some(expected), Some(truth)) = (expected.get(*sample), truth.get(*sample)) else {
+            return [f64::NAN; 2];
+        };
+        for (kind, scaled) in [scaled, 1.0].into_iter().enumerate() {
+            off[kind] = worse(off[kind], (ours[kind] - expected[kind] * scaled).length());
+            peak[kind] = worse(peak[kind], truth[kind].length());
         }
-        let (rows, _) = rest_to_rest::detrend(&sensor, &parameters, &settings, &rows).ok()?;
-        let mut decoupler = Decoupler::new(&sensor, &parameters, &settings).ok()?;
-        let stated_m_s2 = settings.gravity_ground_m_s2;
-        let mut ours = Vec::with_capacity(rows.len());
-        for row in &rows {
-            let Some(out) = decoupler.push(row).ok()? else {
-                continue;
-            };
-            let back = out.attitude.inverse();
-            ours.push((
-                out.sample as usize,
-                [
-                    back * (out.linear_ground_m_s2 - stated_m_s2) + stated_m_s2,
-                    back * out.angular_ground_rad_s2,
-                ],
-            ));
-        }
-        let gravity_m_s2 = recording.true_gravity_ground_m_s2;
-        let truth = recording.truth.iter();
-        let corner_hz = VALIDATION_CORNER * trial.frequency_hz;
-        let order = LowPass::default().order;
-        Some(Self {
-            ours,
-            truth: truth.map(|truth| felt(truth, gravity_m_s2)).collect(),
-            low_pass: butterworth::low_pass(order, corner_hz, trial.sample_rate_hz).ok()?,
-        })
     }
-
-    /// The true accelerations without what the run's low-pass took off the voltages.
-    fn truth_in_band(&self) -> Option<Vec<[DVec3; 2]>> {
-        let mut band = self.truth.clone();
-        for kind in 0..2 {
-            for axis in 0..3 {
-                let mut series: Vec<f64> = band.iter().map(|row| row[kind][axis]).collect();
-                zero_phase(&self.low_pass, &mut series).ok()?;
-                for (row, value) in band.iter_mut().zip(series) {
-                    row[kind][axis] = value;
-                }
-            }
-        }
-        Some(band)
-    }
-
-    /// Largest errors of the linear and angular accelerations over their true peaks, where the linear ones are to be `scaled` times
-    /// the true ones.
-    fn errors(&self, expected: &[[DVec3; 2]], scaled: f64) -> [f64; 2] {
-        let (mut off, mut peak) = ([0.0_f64; 2], [0.0_f64; 2]);
-        for (sample, ours) in &self.ours {
-            let (Some(expected), Some(truth)) = (expected.get(*sample), self.truth.get(*sample))
-            else {
-                return [f64::NAN; 2];
-            };
-            for (kind, scaled) in [scaled, 1.0].into_iter().enumerate() {
-                off[kind] = worse(off[kind], (ours[kind] - expected[kind] * scaled).length());
-                peak[kind] = worse(peak[kind], truth[kind].length());
-            }
-        }
-        [off[0] / peak[0], off[1] / peak[1]]
-    }
+    [off[0] / peak[0], off[1] / peak[1]]
 }
 
 /// What a sensor that keeps its axes feels: the change of the specific force since the rest, m/s^2, and the angular acceleration,

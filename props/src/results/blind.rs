@@ -3,8 +3,10 @@
 use serde::{Deserialize, Serialize};
 use sixaxis_calibration::finding::Cause;
 use sixaxis_calibration::report::Grade;
+use sixaxis_core::Parameter;
 use sixaxis_reference::laboratory::defect::Kind;
 use sixaxis_reference::laboratory::plan::Engine;
+use sixaxis_reference::laboratory::room::Room;
 
 use crate::blind::share::Share;
 use crate::blind::{Cell, could_show};
@@ -172,4 +174,47 @@ pub struct BlindVerdict {
     pub cause: Option<Cause>,
     /// Whether the calibration breaks what good states; none without one.
     pub breaks_the_promise: Option<bool>,
+}
+
+/// What calibrations of the two rooms state of themselves, held against the truth.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Rooms {
+    /// First of the seeds of each room.
+    pub first_seed: u64,
+    /// The rooms.
+    pub rooms: Vec<RoomCoverage>,
+}
+
+/// Healthy sessions of one room.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct RoomCoverage {
+    /// The room.
+    pub room: Room,
+    /// Sessions that were played.
+    pub sessions: usize,
+    /// Of which the joint fit gave the calibration; the others are in none of the shares below.
+    pub by_joint_fit: usize,
+    /// The 25 parameters.
+    pub intervals: Vec<RoomIntervals>,
+    /// Stated standard deviations within which accelerations are looked for.
+    pub deviations: f64,
+    /// 3 Hz runs that were decoupled open loop.
+    pub runs: usize,
+    /// Share of a run's values that keep within them, all six accelerations in ground axes of all samples: mean over the runs. Of normal
+    /// errors 99.73 % are within three.
+    pub values_within: f64,
+    /// Share that it is at least in 95 % of the runs.
+    pub values_within_95: Option<f64>,
+    /// Stated deviations within which all values of a run are in 95 % of the runs.
+    pub largest_95: Option<f64>,
+}
+
+/// One parameter's 95 % intervals.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct RoomIntervals {
+    /// As in the paper: `s1/m`.
+    #[serde(rename = "name")]
+    pub parameter: Parameter,
+    /// Those that hold the truth, of those that are stated.
+    pub held: Share,
 }

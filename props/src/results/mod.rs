@@ -114,6 +114,7 @@ studies!(
     Laboratories = "laboratories" by "reports" from ["reports/src/study"],
     MujocoCampaign = "campaign_mujoco" by "props" from ["lab/campaign/src"],
     Propagation = "propagation" by "props" from [],
+    Rooms = "rooms" by "props" from [],
     SelfCalibration = "self_calibration" by "props" from [],
     Taps = "tap" by "props" from [],
     WatchedLaboratories = "watch" by "props" from [],
