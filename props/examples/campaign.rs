@@ -14,7 +14,7 @@ const PLAN: &str = include_str!("../results/campaign.toml");
 fn main() -> ExitCode {
     let seeds = Seeds {
         first: 1,
-        count: 1_000,
+        count: 2_000,
         sample: 10,
     };
     run(seeds, |first, count| Ok(played(PLAN, first, count)?.1))

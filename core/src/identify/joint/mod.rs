@@ -294,8 +294,7 @@ impl Joint {
         let usual_rad = self.wedge_spread().usual;
         Spreads {
             stiffness: room.stiffness.usual,
-            cross_talk_beside: room.cross_talk.usual,
-            cross_talk_apart: room.cross_talk.usual,
+            cross_talk: room.cross_talk.usual,
             sensitivity: room.sensitivity.usual,
             wedge_rad: if usual_rad > 0.0 {
                 usual_rad.max(FIRST_WEDGES_RAD)
@@ -326,19 +325,12 @@ impl Joint {
         priors.extend(c.compliance_s2.map(|known| (COMPLIANCE, known)));
         for (range, deviation) in [
             (STIFFNESS..CROSS_TALK, spreads.stiffness),
+            (CROSS_TALK..WEDGES, spreads.cross_talk),
             (self.wedge_angles(), spreads.wedge_rad),
             (self.delays(), c.channel_delay_s),
         ] {
             let known = Known::about_zero(deviation);
             priors.extend(range.map(|unknown| (unknown, known)));
-        }
-        for (side_by_side, deviation) in [
-            (true, spreads.cross_talk_beside),
-            (false, spreads.cross_talk_apart),
-        ] {
-            let known = Known::about_zero(deviation);
-            let shares = Unknowns::cross_talk_of(side_by_side);
-            priors.extend(shares.map(|unknown| (unknown, known)));
         }
         priors
     }

@@ -13,7 +13,6 @@
 
 use nalgebra::DVector;
 
-use super::unknowns::OTHERS;
 use crate::float::{exp, ln, sqrt};
 
 /// Power of a spread's change that is taken: above 1 the steps overreach, which from 2 on they would not outlive.
@@ -53,8 +52,7 @@ impl Spread {
 pub struct Room {
     /// Stiffnesses of the limbs about their mean, relative.
     pub stiffness: Spread,
-    /// Share of another limb's force that a channel shows, the same to begin with for channels side by side and apart: where a converter
-    /// or a cable lets one channel into the next, few of the 72 shares are large and tell nothing of the others.
+    /// Share of another limb's force that a channel shows.
     pub cross_talk: Spread,
     /// Sensitivity of a channel in one trial about its usual one, relative.
     pub sensitivity: Spread,
@@ -102,10 +100,8 @@ impl Room {
 pub struct Spreads {
     /// See [`Room::stiffness`].
     pub stiffness: f64,
-    /// See [`Room::cross_talk`]: between channels side by side.
-    pub cross_talk_beside: f64,
-    /// Between all others.
-    pub cross_talk_apart: f64,
+    /// See [`Room::cross_talk`].
+    pub cross_talk: f64,
     /// See [`Room::sensitivity`].
     pub sensitivity: f64,
     /// Of each of a wedge's angles, rad.
@@ -113,16 +109,6 @@ pub struct Spreads {
 }
 
 impl Spreads {
-    /// Root mean square of the deviations of all shares that channels show of each other.
-    #[must_use]
-    pub fn cross_talk(&self) -> f64 {
-        // Each channel has one on either side.
-        let (beside, all) = (2.0, OTHERS as f64);
-        let squares = beside * self.cross_talk_beside * self.cross_talk_beside
-            + (all - beside) * self.cross_talk_apart * self.cross_talk_apart;
-        sqrt(squares / all)
-    }
-
     /// From these past others: each times its ratio to a power. A ratio beyond e is taken as it is: overreached, the first guess of
     /// a spread would leave it so small that other unknowns take up what is this kind's, and none would return from there.
     pub(super) fn toward(&self, next: &Self) -> Self {
@@ -136,8 +122,7 @@ impl Spreads {
         };
         Self {
             stiffness: of(self.stiffness, next.stiffness),
-            cross_talk_beside: of(self.cross_talk_beside, next.cross_talk_beside),
-            cross_talk_apart: of(self.cross_talk_apart, next.cross_talk_apart),
+            cross_talk: of(self.cross_talk, next.cross_talk),
             sensitivity: of(self.sensitivity, next.sensitivity),
             wedge_rad: of(self.wedge_rad, next.wedge_rad),
         }
@@ -147,8 +132,7 @@ impl Spreads {
     pub(super) fn change(&self, other: &Self) -> f64 {
         let pairs = [
             (self.stiffness, other.stiffness),
-            (self.cross_talk_beside, other.cross_talk_beside),
-            (self.cross_talk_apart, other.cross_talk_apart),
+            (self.cross_talk, other.cross_talk),
             (self.sensitivity, other.sensitivity),
             (self.wedge_rad, other.wedge_rad),
         ];
@@ -160,9 +144,9 @@ impl Spreads {
     }
 }
 
-/// Values and variances of some unknowns.
+/// Values and variances of a range of unknowns.
 pub(super) fn found<'a>(
-    range: impl Iterator<Item = usize> + 'a,
+    range: core::ops::Range<usize>,
     values: &'a DVector<f64>,
     variance: &'a DVector<f64>,
 ) -> impl Iterator<Item = (f64, f64)> + 'a {

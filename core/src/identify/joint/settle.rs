@@ -9,7 +9,7 @@ use super::own::Kind;
 use super::room::{Spreads, found};
 use super::solve::{Campaign, Point, UNDETERMINED, normal};
 use super::trial::Trial;
-use super::unknowns::{CROSS_TALK, STIFFNESS, Unknowns};
+use super::unknowns::{CROSS_TALK, STIFFNESS, WEDGES};
 use crate::error::Result;
 
 /// Steps at most.
@@ -70,11 +70,7 @@ impl Campaign<'_> {
         let step = &covariance * &normal.descent;
         let values = &at.unknowns.values + &step;
         let variances = covariance.diagonal();
-        let of = |range: core::ops::Range<usize>| found(range, &values, &variances);
-        let shown = |side_by_side| {
-            let shares = Unknowns::cross_talk_of(side_by_side);
-            found(shares, &values, &variances)
-        };
+        let of = |range| found(range, &values, &variances);
         let mut sensitivities = Vec::new();
         for (trial, part) in at.trials.iter().zip(&normal.contributions) {
             let variances = part.own_variances(&covariance);
@@ -92,8 +88,7 @@ impl Campaign<'_> {
         let room = &self.joint.certificates.room;
         Ok(Spreads {
             stiffness: room.stiffness.next(of(STIFFNESS..CROSS_TALK)),
-            cross_talk_beside: room.cross_talk.next(shown(true)),
-            cross_talk_apart: room.cross_talk.next(shown(false)),
+            cross_talk: room.cross_talk.next(of(CROSS_TALK..WEDGES)),
             sensitivity: room.sensitivity.next(sensitivities.into_iter()),
             wedge_rad: self
                 .joint

@@ -122,15 +122,6 @@ impl Unknowns {
         CROSS_TALK + OTHERS * into + if from < into { from } else { from - 1 }
     }
 
-    /// Places of the shares that channels show of those scanned just before or after them, the ninth being beside the first, or of all others.
-    pub(super) fn cross_talk_of(side_by_side: bool) -> impl Iterator<Item = usize> {
-        let pairs = (0..LIMBS).flat_map(|into| (0..LIMBS).map(move |from| (into, from)));
-        let beside = |(into, from)| (into + 1) % LIMBS == from || (from + 1) % LIMBS == into;
-        pairs
-            .filter(move |pair| pair.0 != pair.1 && beside(*pair) == side_by_side)
-            .map(|(into, from)| Self::cross_talk(into, from))
-    }
-
     /// What the channels show of limb forces: their own and a share of every other one.
     #[must_use]
     pub fn shown(&self, forces: &[f64; LIMBS]) -> [f64; LIMBS] {

@@ -68,7 +68,7 @@ impl JointReport {
     fn is_ordinary(&self) -> bool {
         let spreads = &self.estimate.spreads;
         spreads.stiffness <= STIFFNESS
-            && spreads.cross_talk() <= CROSS_TALK
+            && spreads.cross_talk <= CROSS_TALK
             && self.odd_channels_are_single()
     }
 
@@ -94,10 +94,10 @@ impl JointReport {
                 percent(spreads.stiffness)
             ));
         }
-        if spreads.cross_talk() > CROSS_TALK {
+        if spreads.cross_talk > CROSS_TALK {
             all.push(format!(
                 "cross-talk of {:.2} %",
-                percent(spreads.cross_talk())
+                percent(spreads.cross_talk)
             ));
         }
         if let Some((limb, by)) = self.most_odd().filter(|_| !self.odd_channels_are_single()) {

@@ -43,7 +43,7 @@ impl JointReport {
                     }
                 })
             }),
-            cross_talk_spread: spreads.cross_talk(),
+            cross_talk_spread: spreads.cross_talk,
             strain_covariance: core::array::from_fn(|i| {
                 core::array::from_fn(|j| {
                     let trial = if i == j { spreads.sensitivity } else { 0.0 };

@@ -63,7 +63,7 @@ impl Other {
 /// What accounts for all trials, if this does, and better than `accounting` where that does already.
 #[must_use]
 pub fn tried(day: &Unaccounted<'_>, accounting: Option<&JointReport>) -> Option<Finding> {
-    if accounting.is_some_and(|joint| joint.estimate.spreads.cross_talk() < CROSS_TALK) {
+    if accounting.is_some_and(|joint| joint.estimate.spreads.cross_talk < CROSS_TALK) {
         return None;
     }
     let shares = StaticLoadSharing::new(&day.campaign.geometry).ok()?;
@@ -95,10 +95,10 @@ pub fn tried(day: &Unaccounted<'_>, accounting: Option<&JointReport>) -> Option<
             "the {kind} trials show other than the others, {} as much: with that put right all agree to the noise (misfit {:.2}) with cross-talk of {:.3} %{}",
             shown.collect::<Vec<_>>().join(", "),
             joint.misfit.per_degree,
-            100.0 * joint.estimate.spreads.cross_talk(),
+            100.0 * joint.estimate.spreads.cross_talk,
             accounting.map_or(String::new(), |without| format!(
                 ", as they are with {:.3} %",
-                100.0 * without.estimate.spreads.cross_talk()
+                100.0 * without.estimate.spreads.cross_talk
             ))
         ),
         advice: "see whether limb, plug or gain was another in these trials, and repeat them"
@@ -110,7 +110,7 @@ pub fn tried(day: &Unaccounted<'_>, accounting: Option<&JointReport>) -> Option<
 fn is_better(joint: &JointReport, accounting: Option<&JointReport>) -> bool {
     accounting.is_none_or(|without| {
         let (before, after) = (&without.estimate, &joint.estimate);
-        let less = TIMES * after.spreads.cross_talk() < before.spreads.cross_talk();
+        let less = TIMES * after.spreads.cross_talk < before.spreads.cross_talk;
         less && after.squares < before.squares + BY_CHANCE
     })
 }
