@@ -112,6 +112,11 @@ fn inv_what_is_not_understood_is_refused_with_its_place() {
             "save the file with semicolons",
         ),
         (
+            "preamble",
+            b"Recorder 7\na,b,c,d\n1,2,3,4\n2,3,4,5\n",
+            "are to begin with #",
+        ),
+        (
             "thousands",
             b"a;b\n1.234,5;1\n2.345,5;2\n3,5;1\n",
             "line 2, column 1",

@@ -13,7 +13,7 @@ pub use tolerance::lost_at;
 
 use anyhow::Result;
 use sixaxis_page::{Section, Text};
-use sixaxis_props::results::{Campaign, MujocoCampaign, Propagation, Published, Taps};
+use sixaxis_props::results::{Campaign, MujocoCampaign, Propagation, Published, Rooms, Taps};
 
 use crate::study::results::Results;
 use crate::study::results::identifiability::Records;
@@ -33,7 +33,12 @@ pub fn section(results: &Results) -> Result<Section> {
     let campaign = Campaign::embedded()?;
     let mut text = Text::new(include_str!("identifiability.md"));
     text = parameters::fill(text, &study.known, &campaign);
-    text = coverage::fill(text, &campaign, &MujocoCampaign::embedded()?);
+    text = coverage::fill(
+        text,
+        &campaign,
+        &MujocoCampaign::embedded()?,
+        &Rooms::embedded()?,
+    );
     text = propagation::fill(text, &Propagation::embedded()?);
     text = tap::fill(text, &Taps::embedded()?, &study.known.tap);
     text = tolerance::fill(text, study);

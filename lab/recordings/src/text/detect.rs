@@ -196,7 +196,9 @@ fn arrange(lines: &[Numbered], best: &Score) -> Result<Found, (u64, String)> {
 }
 
 fn differing(names: usize, best: &Score) -> String {
-    let advice = if best.dialect.separator == Separator::Comma {
+    // A comma within each number makes up to two columns of one.
+    let split = (names..=2 * names).contains(&best.columns);
+    let advice = if best.dialect.separator == Separator::Comma && split {
         "; if the comma is also the decimal sign, save the file with semicolons between the columns"
     } else {
         "; lines that are neither headings nor numbers are to begin with #"

@@ -39,7 +39,7 @@ pub struct Arguments {
     /// Format of the calibration
     #[arg(long, value_enum, default_value_t = Format::Json)]
     format: Format,
-    /// Report to write, one HTML file that needs no network [default: calibration.html next to the session file]
+    /// Report to write, one HTML file that needs no network [default: FILE.html beside --out FILE.json; calibration.html next to the session file with --format rust]
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
     /// Repeat steps 2 to 4 with the limbs' compliance kept, up to N times, and say whether k/m stands still. Shown only: the
@@ -136,18 +136,23 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         .as_deref()
         .context("no session file was named")?;
     let beside = |name: &str| path.with_file_name(name);
+    let calibration = arguments
+        .out
+        .clone()
+        .unwrap_or_else(|| match arguments.format {
+            Format::Json => beside("calibration.json"),
+            Format::Rust => beside("calibration.rs"),
+        });
     let targets = Targets {
-        calibration: arguments
-            .out
-            .clone()
-            .unwrap_or_else(|| match arguments.format {
-                Format::Json => beside("calibration.json"),
-                Format::Rust => beside("calibration.rs"),
-            }),
         report: arguments
             .report
             .clone()
-            .unwrap_or_else(|| beside("calibration.html")),
+            .unwrap_or_else(|| match arguments.format {
+                Format::Json => calibration.with_extension("html"),
+                // No page among a firmware's sources.
+                Format::Rust => beside("calibration.html"),
+            }),
+        calibration,
     };
     let earlier = || mention_earlier(&targets.calibration);
     let file = SessionFile::read(path).inspect_err(|_| earlier())?;

@@ -149,11 +149,16 @@ fn recording_that_is_cut_is_a_finding() {
 #[test]
 fn quiet_says_nothing_and_the_code_says_it_all() {
     let session = session("quiet", DefectChoice::None);
-    let output = calibrate(&[text(&session), "--quiet"]);
+    let elsewhere = Folder::new("calibrate-elsewhere");
+    let out = elsewhere.join("day.json");
+    let output = calibrate(&[text(&session), "--quiet", "--out", text(&out)]);
     assert_eq!(
         (code(&output), stdout(&output), stderr(&output)),
         (0, String::new(), String::new())
     );
+    // The page goes where the calibration goes: the session's folder may be anybody's.
+    check_page(&out.with_extension("html"));
+    assert!(!session.with_file_name("calibration.html").exists());
 }
 
 #[test]

@@ -5,15 +5,18 @@ use sixaxis_campaign::statistics::{Estimator, ParameterSummary};
 use sixaxis_page::{Axis, Figure, Text};
 
 use sixaxis_props::blind::share::Share;
-use sixaxis_props::results::{Campaign, MujocoCampaign, Published};
+use sixaxis_props::results::{Campaign, MujocoCampaign, Published, RoomIntervals, Rooms};
+use sixaxis_reference::laboratory::room::Room;
 
 /// What 95 % intervals are wanted to hold.
 pub const BAND: (f64, f64) = (0.94, 0.96);
+/// The same of sessions in ordinary rooms.
+const ROOM_BAND: (f64, f64) = (0.93, 0.97);
 /// Standard deviations of a ratio of variances that are drawn as its scatter.
 const SCATTER: f64 = 2.0;
 
 /// Values and figures.
-pub fn fill(text: Text, campaign: &Campaign, played: &MujocoCampaign) -> Text {
+pub fn fill(text: Text, campaign: &Campaign, played: &MujocoCampaign, rooms: &Rooms) -> Text {
     let all = campaign.parameters.iter();
     let fitted: Vec<&ParameterSummary> = all.filter(|p| p.joint.is_some()).collect();
     let determined = played.summary.step_4.get("determined").copied();
@@ -58,6 +61,13 @@ pub fn fill(text: Text, campaign: &Campaign, played: &MujocoCampaign) -> Text {
         .value("variance_scatter", scatter)
         .value("variance_cases", cases)
         .figure(coverage("coverage-by-parameter", &fitted))
+        .value("rooms", rooms)
+        .value("rooms_make", Rooms::MAKE)
+        .value("room_scatter", {
+            let sessions = rooms.rooms.iter().map(|room| room.by_joint_fit).min();
+            (0.95_f64 * 0.05 / sessions.unwrap_or(0).max(1) as f64).sqrt()
+        })
+        .figure(in_rooms(rooms))
         .figure(variance(&fitted, SCATTER * scatter))
 }
 
@@ -78,6 +88,31 @@ fn coverage(id: &str, fitted: &[&ParameterSummary]) -> Figure {
         .points("four steps", 3, points(|p| Some(&p.four_steps)))
         .vertical(100.0 * BAND.0, "94")
         .vertical(100.0 * BAND.1, "96")
+}
+
+/// The joint fit's intervals of what it determines in each room.
+fn in_rooms(rooms: &Rooms) -> Figure {
+    let stated = |parameter: &&RoomIntervals| parameter.held.of > 0;
+    let names = rooms
+        .rooms
+        .first()
+        .into_iter()
+        .flat_map(|room| &room.intervals);
+    let names = names.filter(stated).map(|p| symbol(p.parameter));
+    let x = Axis::linear("share of sessions", "%");
+    let figure = Figure::new("coverage-in-rooms", "", x, Axis::names("parameter", names));
+    let figure = rooms.rooms.iter().fold(figure, |figure, room| {
+        let (name, hue) = match room.room {
+            Room::Gentle => ("gentle room", 0),
+            Room::Usual => ("usual room", 3),
+        };
+        let shares = room.intervals.iter().filter(stated).enumerate();
+        let points = shares.map(|(i, p)| (100.0 * p.held.value(), i as f64));
+        figure.points(name, hue, points)
+    });
+    figure
+        .vertical(100.0 * ROOM_BAND.0, "93")
+        .vertical(100.0 * ROOM_BAND.1, "97")
 }
 
 fn variance(fitted: &[&ParameterSummary], scatter: f64) -> Figure {

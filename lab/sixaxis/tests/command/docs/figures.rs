@@ -301,6 +301,55 @@ fn the_budget_in_the_readme_is_the_published_one() {
 }
 
 #[test]
+fn the_rooms_in_the_docs_are_the_published_ones() {
+    let docs = on_one_line("docs/session.md");
+    let published = published("rooms");
+    let [gentle, usual] = [0, 1].map(|place| &published["rooms"][place]);
+    assert_eq!(
+        (&gentle["room"], &usual["room"]),
+        (&"gentle".into(), &"usual".into())
+    );
+    let number = |value: &serde_json::Value| value.as_f64().expect("a number");
+    let held = |room: &serde_json::Value, letter: char| {
+        let all = room["intervals"].as_array().expect("parameters").iter();
+        let such = all.filter(|p| p["name"].as_str().expect("a name").starts_with(letter));
+        let shares = such.map(|p| number(&p["held"]["count"]) / number(&p["held"]["of"]));
+        let shares: Vec<serde_json::Value> = shares.map(Into::into).collect();
+        let (low, high) = extremes(&shares);
+        format!("{low:.1} to {high:.1} %")
+    };
+    let of = |room| ['d', 's', 'I'].map(|letter| held(room, letter));
+    let ([drift, scale, inertia], [drift_usual, scale_usual, inertia_usual]) =
+        (of(gentle), of(usual));
+    let sessions = number(&gentle["sessions"]);
+    assert_eq!(gentle["by_joint_fit"], gentle["sessions"]);
+    assert_eq!(usual["by_joint_fit"], gentle["sessions"]);
+    let percent =
+        |room: &serde_json::Value, key: &str| format!("{:.1}", 100.0 * number(&room[key]));
+    let both = |key| format!("{} and {} %", percent(gentle, key), percent(usual, key));
+    for sentence in [
+        format!(
+            "`props/results/rooms.json`, {sessions} healthy sessions of each, calibrated from their files: a share of 95 % has a standard error of {:.1} %",
+            100.0 * (0.95 * 0.05 / sessions).sqrt()
+        ),
+        format!(
+            "hold {drift} of the drifts, {scale} of the scale factors and {inertia} of the inertias in the gentle room, {drift_usual}, {scale_usual} and \
+             {inertia_usual} in the usual one."
+        ),
+        format!(
+            "have {} of all values in ground axes within three stated deviations, in 95 % of the runs at least {}.",
+            both("values_within"),
+            both("values_within_95")
+        ),
+    ] {
+        assert!(
+            docs.contains(&sentence),
+            "docs/session.md has not: {sentence}"
+        );
+    }
+}
+
+#[test]
 fn the_campaigns_in_the_docs_are_the_published_ones() {
     let docs = on_one_line("docs/campaigns.md");
     let campaign = published("campaign");
