@@ -418,6 +418,14 @@ fn ref_aids_hold_when_a_limb_dies() {
     let (known, _) = decoupled_from(&dying, "dying-known.parquet", &without);
     let known_rows = held_against_truth(&known).rows;
     assert!(10 * rows > 9 * known_rows, "{rows} rows of {known_rows}");
+    // The attitude's errors hide a dead limb in ground axes, the forces of one sample do not.
+    let forces = |path: &Path| columns(path, &["fx", "fy", "fz"]).0;
+    for (found, known) in forces(&path).iter().zip(&forces(&known)) {
+        let peak = known.iter().fold(0.0_f64, |peak, f| peak.max(f.abs()));
+        let pairs = found.iter().zip(known).skip(dies_at);
+        let off = pairs.fold(0.0_f64, |off, (a, b)| off.max((a - b).abs()));
+        assert!(off < 1e-3 * peak, "{off} of {peak} m/s^2");
+    }
     // A healthy recording is what it is without the monitor.
     let (healthy, _) = decoupled("healthy-watched.parquet", &watched);
     let (plain, _) = decoupled("healthy-rests.parquet", &rest);
