@@ -42,6 +42,12 @@ fn inv_dialects_are_told_apart() {
             vec![vec![1.5, 3.0], vec![2.0, 4.0]],
         ),
         (
+            "quoted",
+            "\"u1\",\"u2\"\n\"0\",\"0,0042\"\n\"1,5\",\"-2,125\"\n",
+            "CSV (comma, decimal comma)",
+            vec![vec![0.0, 1.5], vec![0.0042, -2.125]],
+        ),
+        (
             "padded",
             "1, 2\n3, 4\n",
             "CSV (comma)",

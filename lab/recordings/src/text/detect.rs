@@ -141,11 +141,11 @@ fn most_common(counts: &[usize]) -> Option<usize> {
 }
 
 fn decimal_sign(body: &[Numbered], separator: Separator) -> Decimal {
-    if matches!(separator, Separator::Comma | Separator::None) {
+    if separator == Separator::None {
         return Decimal::Point;
     }
     let (mut cells, mut scratch) = (Vec::new(), String::new());
-    let (mut points, mut commas) = (0_usize, 0_usize);
+    let (mut points, mut commas, mut fractions) = (0_usize, 0_usize, 0_usize);
     for (_, line) in body {
         let _ = split(line, separator, &mut cells);
         for &(begin, end) in &cells {
@@ -154,14 +154,25 @@ fn decimal_sign(body: &[Numbered], separator: Separator) -> Decimal {
             if number(cell, &mut decimal, &mut scratch).is_some() {
                 points += usize::from(decimal == Decimal::Point);
                 commas += usize::from(decimal == Decimal::Comma);
+                fractions += usize::from(decimal == Decimal::Comma && !in_thousands(cell));
             }
         }
+    }
+    // Between commas a cell with one of its own is quoted; whole numbers with thousands separators are that, too.
+    if separator == Separator::Comma && fractions == 0 {
+        return Decimal::Point;
     }
     match (points, commas) {
         (0, 0) => Decimal::Open,
         _ if commas > points => Decimal::Comma,
         _ => Decimal::Point,
     }
+}
+
+/// Whether what follows a comma may be a group of three digits.
+fn in_thousands(cell: &[u8]) -> bool {
+    let behind = cell.iter().rev().take_while(|byte| **byte != b',').count();
+    behind == 3
 }
 
 /// Tells headings and units from numbers.
