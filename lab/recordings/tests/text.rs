@@ -127,7 +127,11 @@ fn inv_what_is_not_understood_is_refused_with_its_place() {
             b"a;b\n1.234,5;1\n2.345,5;2\n3,5;1\n",
             "line 2, column 1",
         ),
-        ("quoted_comma", b"a,b\n\"1,5\",2\n3,4\n", "line 2, column 1"),
+        (
+            "quoted_thousands",
+            b"a,b\n\"1,500\",2\n3,4\n",
+            "line 2, column 1",
+        ),
         (
             "open_quote",
             b"a,b\n1,2\n1,2\n1,2\n1,\"2\n",

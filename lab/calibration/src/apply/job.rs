@@ -282,7 +282,8 @@ impl Job<'_> {
                     ends.look_to_the_end(rows.all());
                 },
             )?;
-            rest_to_rest::write(&recording, &rows, &stamps, &mut decoding, create(&layout)?)?;
+            rest_to_rest::write(&recording, &rows, &stamps, &mut decoding, create(&layout)?)
+                .map_err(|error| with_verdict(error, &mut coordination))?;
             let moving = ends.begins_in_motion().into_iter();
             for why in moving.chain(ends.ends_in_motion()) {
                 decoding.say(why);
@@ -306,7 +307,11 @@ impl Job<'_> {
             decoding.coordination = Some(coordination.clone());
             decoding.is_decoded_once_more();
             let (all, sink) = (&mut decoding, create(&layout)?);
-            let mut written = pipeline::pass(&mut recording, conditioning, all, sink, &advance)?;
+            let mut written = pipeline::pass(&mut recording, conditioning, all, sink, &advance)
+                .map_err(|error| match &mut decoding.coordination {
+                    Some(coordination) => with_verdict(error, coordination),
+                    None => error,
+                })?;
             let failed = |watch: &mut FaultWatch| !watch.found.excluded.is_empty();
             if let Some(watch) = decoding.watching.take_if(failed) {
                 // Rows between a failure and its alarm have the failed limb in them: they are not kept.
@@ -379,5 +384,16 @@ impl Job<'_> {
         if !self.excluded.is_empty() {
             put("excluded_limbs", self.excluded.to_string());
         }
+    }
+}
+
+/// A recording that cannot be decoded may be one whose limb forces do not add up: then that is the cause.
+fn with_verdict(error: anyhow::Error, coordination: &mut Coordination) -> anyhow::Error {
+    if error.is::<sixaxis_recordings::Error>() {
+        return error;
+    }
+    match coordination.verdict() {
+        Some(broken) => anyhow::anyhow!("{error:#}; {broken}"),
+        None => error,
     }
 }
