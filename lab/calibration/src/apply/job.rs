@@ -281,7 +281,8 @@ impl Job<'_> {
                     coordination.look(rows.all());
                     ends.look_to_the_end(rows.all());
                 },
-            )?;
+            )
+            .map_err(|error| with_verdict(error, &mut coordination))?;
             rest_to_rest::write(&recording, &rows, &stamps, &mut decoding, create(&layout)?)
                 .map_err(|error| with_verdict(error, &mut coordination))?;
             let moving = ends.begins_in_motion().into_iter();

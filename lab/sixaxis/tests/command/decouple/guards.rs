@@ -199,6 +199,12 @@ fn inv_limb_forces_that_do_not_add_up_are_named() {
             assert!(said.contains(BROKEN_SUMS), "{name}: {said}");
         }
     }
+    // Where the rate runs away before a first row, the sums say why.
+    let mut swapped = volts.clone();
+    swapped.swap(0, 1);
+    let away = stderr(&told(&swapped, &healthy, &["--rest-to-rest"]));
+    assert!(away.contains("has run away"), "{away}");
+    assert!(away.contains(BROKEN_SUMS), "{away}");
     // A sum with a limb that is not read says nothing.
     let excluded = said(&dead, &healthy, &["--excluded", "1"]);
     assert!(!excluded.contains(BROKEN_SUMS), "{excluded}");
