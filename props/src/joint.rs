@@ -104,6 +104,15 @@ impl Fitted {
         core::array::from_fn(|p| (found[p] - self.truth[p]) / bound[p])
     }
 
+    /// The same over what is stated, the accelerometer's gain apart: how far sensitivities move is in that as well.
+    #[must_use]
+    pub fn over_stated(&self) -> [f64; PARAMETERS - 1] {
+        let estimate = &self.joint.estimate;
+        let found = estimate.values(self.instruments.accelerometer_gain_error);
+        let stated = self.joint.noise_covariance();
+        core::array::from_fn(|p| (found[p] - self.truth[p]) / stated[(p, p)].sqrt())
+    }
+
     /// e^T C^-1 e of all errors at once, the accelerometer's gain told, C the covariance that the fit states: of normal errors
     /// chi-square with 24 degrees of freedom.
     ///

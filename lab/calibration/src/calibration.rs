@@ -140,12 +140,13 @@ pub struct Covariance {
     pub propagated: Option<PropagatedCovariance>,
 }
 
-/// Covariance of all 25 parameters, propagated through the four steps: rows and columns d_1 to d_9, V; s_1/m to s_9/m, 1/kg;
+/// Covariance of all 25 parameters, as far as a recording of another time than the trials' can find them elsewhere: rows and columns d_1 to d_9, V; s_1/m to s_9/m, 1/kg;
 /// I1 to I6 over m, m^2; and m/k, s^2 (the compliance, which step 4's errors are linear in).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PropagatedCovariance {
-    /// Of the noise of the channels and of the standards.
+    /// Of the noise of the channels and of the standards, propagated through the four steps, or as the joint fit has it. That one contains
+    /// what zeros and sensitivities change by between recordings.
     pub noise: Vec<Vec<f64>>,
     /// Of the standards' gains, each an even spread over its class.
     pub standards: Vec<Vec<f64>>,

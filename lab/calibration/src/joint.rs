@@ -28,7 +28,7 @@ use sixaxis_core::identify::joint::{AtRest, Certificates, Drive, Joint, Known, R
 use sixaxis_core::identify::zero_drift::ZeroDrift;
 use sixaxis_core::parameter::PARAMETERS;
 use sixaxis_core::significance::NORMAL_95;
-use sixaxis_core::{Geometry, Parameters};
+use sixaxis_core::{Geometry, LIMBS, Parameters};
 
 use crate::error::{Error, Result};
 use crate::gain_prior::BoundedGain;
@@ -45,6 +45,11 @@ const TIME_CONSTANT: f64 = 0.1;
 const LEAST_DRIFT_V: f64 = 1e-12;
 /// 1/(k/m) whose standard deviation is below this share of it is known; what is below a tenth is a measurement.
 const COMPLIANCE_KNOWN: f64 = 0.1;
+
+/// Rows and columns of the 25.
+type Square = SMatrix<f64, PARAMETERS, PARAMETERS>;
+/// Those of the scale factors.
+const SCALES: core::ops::Range<usize> = LIMBS..2 * LIMBS;
 
 /// How a residual counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -159,9 +164,8 @@ impl JointReport {
             information: estimate.accelerometer_gain_information / (wider * wider),
         };
         let slopes = estimate.slopes();
-        let widths = widths(&estimate, wider);
-        let own = estimate.deviations();
-        let noise: [f64; PARAMETERS] = core::array::from_fn(|p| widths[p] * own[p]);
+        let covariance = covariance(&estimate, wider);
+        let noise: [f64; PARAMETERS] = core::array::from_fn(|p| covariance[(p, p)].max(0.0).sqrt());
         let (mean, spread) = (gain.mean(), gain.deviation());
         let compliance = estimate.compliance_s2().0;
         Self {
@@ -177,17 +181,26 @@ impl JointReport {
         }
     }
 
-    /// Covariance of the 25 without the accelerometer's gain: noise, and whatever the channels disagree by.
+    /// Covariance of the 25 without the accelerometer's gain: noise, whatever the channels disagree by, and how far sensitivities move.
     #[must_use]
-    pub fn noise_covariance(&self) -> SMatrix<f64, PARAMETERS, PARAMETERS> {
-        let widths = widths(&self.estimate, self.misfit.wider());
-        let own = self.estimate.parameter_covariance();
-        SMatrix::from_fn(|a, b| widths[a] * widths[b] * own[(a, b)])
+    pub fn noise_covariance(&self) -> Square {
+        covariance(&self.estimate, self.misfit.wider())
+    }
+
+    /// The same for a recording of another time, whose zeros are not those of the static record either.
+    #[must_use]
+    pub fn covariance_of_next_recording(&self) -> Square {
+        let mut all = self.noise_covariance();
+        for limb in 0..LIMBS {
+            let zeros = self.estimate.trials.iter().map(|trial| trial.zero_v[limb]);
+            all[(limb, limb)] += spread(zeros).powi(2);
+        }
+        all
     }
 
     /// Covariance of the 25 that the accelerometer's gain alone gives.
     #[must_use]
-    pub fn gain_covariance(&self) -> SMatrix<f64, PARAMETERS, PARAMETERS> {
+    pub fn gain_covariance(&self) -> Square {
         let (slopes, spread) = (self.estimate.slopes(), self.gain.deviation());
         SMatrix::from_fn(|a, b| slopes[a] * slopes[b] * spread * spread)
     }
@@ -212,6 +225,31 @@ fn widths(estimate: &JointEstimate, wider: f64) -> [f64; PARAMETERS] {
         widths[PARAMETERS - 1] = 1.0;
     }
     widths
+}
+
+/// Covariance of the 25 with the accelerometer's gain held, that much wider, as they are before or after the trials.
+fn covariance(estimate: &JointEstimate, wider: f64) -> Square {
+    let widths = widths(estimate, wider);
+    let own = estimate.parameter_covariance();
+    let mut all = Square::from_fn(|a, b| widths[a] * widths[b] * own[(a, b)]);
+    for p in SCALES {
+        let moved = estimate.spreads.next_sensitivity() / estimate.unknowns.values[p];
+        all[(p, p)] += moved * moved;
+    }
+    all
+}
+
+/// Spread about zero of what is known with errors of its own.
+fn spread(of: impl Iterator<Item = Known>) -> f64 {
+    let (sum, count) = of.fold((0.0, 0.0), |(sum, count), known| {
+        let square = known.value * known.value - known.deviation * known.deviation;
+        (sum + square, count + 1.0)
+    });
+    if count > 0.0 {
+        f64::max(sum / count, 0.0).sqrt()
+    } else {
+        0.0
+    }
 }
 
 /// What a static record says of the drift.
@@ -349,4 +387,17 @@ pub(crate) fn fit_trials(
         recordings,
         knowledge.accelerometer_gain_limit,
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_are_no_spread() {
+        let known = |value: f64, deviation: f64| Known { value, deviation };
+        assert_eq!(spread([known(1.0, 1.0), known(-1.0, 1.0)].into_iter()), 0.0);
+        assert_eq!(spread([known(3.0, 0.0), known(-3.0, 0.0)].into_iter()), 3.0);
+        assert_eq!(spread(core::iter::empty()), 0.0);
+    }
 }

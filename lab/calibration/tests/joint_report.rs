@@ -71,7 +71,8 @@ fn estimate() -> JointEstimate {
         iterations: 4,
         spreads: Spreads {
             stiffness: 5e-3,
-            cross_talk: 1e-3,
+            cross_talk_beside: 2e-3,
+            cross_talk_apart: 1e-5,
             sensitivity: 1e-4,
             wedge_rad: 1e-3,
         },
@@ -549,7 +550,7 @@ fn neg_what_no_room_explains_is_not_accounted_for() {
     let changes: [&dyn Fn(&mut JointEstimate); 5] = [
         &|fit| fit.squares *= 1.1,
         &|fit| fit.spreads.stiffness = 0.1,
-        &|fit| fit.spreads.cross_talk = 0.02,
+        &|fit| fit.spreads.cross_talk_beside = 0.02,
         // An exchange of plugs in one trial, a channel that is another in two of three.
         &|fit| {
             fit.trials[1].sensitivity[4].value = 0.5;

@@ -55,7 +55,7 @@ fn calibration(folder: &Path, cross_talk: f64, lag_us: f64) -> Calibration {
         "covariance": { "zero_drift_v2": each(0.0), "scale_per_mass_per_kg2": [], "inertia_per_mass_m4": [] },
         "limbs": {
             "stiffness_ratio": vec![1.0; LIMBS], "cross_talk": shares, "cross_talk_spread": 0.0,
-            "strain_covariance": none, "zero_spread_v": vec![0.0; LIMBS],
+            "strain_covariance": none,
         },
         "channels": { "limbs": limbs, "accelerometer": "a", "gyroscope": "w", "limbs_lag_us": each(lag_us) },
         "provenance": { "sixaxis_version": "0.1.0", "session": "", "recordings": [] },

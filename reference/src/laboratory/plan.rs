@@ -257,12 +257,23 @@ pub enum DefectChoice {
 /// Random streams of a defect's kind, and of all else that is drawn of it.
 const KIND_STREAM: u128 = 8;
 const DEFECT_STREAM: u128 = 11;
+/// Random stream of what holds all day.
+const ROOM_STREAM: u128 = 10;
 /// Random stream of the sensor; the campaign's own streams are in [`super::session`].
 const SENSOR_STREAM: u128 = 3;
 /// Random stream of the limbs' stiffnesses.
 const STIFFNESS_STREAM: u128 = 4;
 /// Random stream of the instruments.
 const INSTRUMENT_STREAM: u128 = 6;
+
+/// What the channels show at an hour of the day.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Channels {
+    /// Sensitivity over that of the truth.
+    pub sensitivity: [f64; LIMBS],
+    /// Share of the next limb's force, and of the first one's in the last channel.
+    pub of_next: [f64; LIMBS],
+}
 
 impl SessionPlan {
     /// The defect, drawn if only its kind is given or not even that.
@@ -320,6 +331,20 @@ impl SessionPlan {
             lateral_stiffness,
             lateral_damping,
             mass,
+        }
+    }
+
+    /// The channels without a defect, at an hour from 0, the first trial's, to 1, the last one's and of what follows.
+    #[must_use]
+    pub fn true_channels(&self, hour: f64) -> Channels {
+        let mut day = Pcg64::new(u128::from(self.seed), ROOM_STREAM);
+        let chain = &self.chain;
+        Channels {
+            sensitivity: core::array::from_fn(|_| {
+                let unit: f64 = StandardNormal.sample(&mut day);
+                1.0 + hour * chain.sensitivity_drift * unit
+            }),
+            of_next: core::array::from_fn(|_| chain.cross_talk * (2.0 * day.random::<f64>() - 1.0)),
         }
     }
 

@@ -13,7 +13,7 @@ use super::Laboratory;
 use super::continuous::{at, on_other_clock};
 use super::defect::{Defect, Kind};
 use super::mount::{Mount, Tilt};
-use super::plan::SessionPlan;
+use super::plan::{Channels, SessionPlan};
 use super::recording::SimulatedRecording;
 use super::schedule::{PlannedTrial, blended, foreign_sensor, trial_count};
 use super::trial::Recorder;
@@ -21,8 +21,7 @@ use crate::geometry::LIMBS;
 use crate::rig::run::WEDGES;
 use crate::sensor::TrueSensor;
 
-/// Random streams: of what holds all day, and of each recording's zeros.
-const ROOM_STREAM: u128 = 10;
+/// Random stream of each recording's zeros, from here on.
 const ZERO_STREAM: u128 = 1 << 21;
 /// Mains, Hz.
 const MAINS_HZ: f64 = 50.0;
@@ -159,17 +158,13 @@ impl Recorder<'_> {
         };
         let defect = self.here(index);
         let size = |kind| size_of(defect, kind);
-        let mut day = Pcg64::new(u128::from(self.plan.seed), ROOM_STREAM);
         let trials = trial_count(self.plan.trials_per_step);
         let hour = index.map_or(1.0, |i| i as f64 / (trials - 1) as f64);
-        let chain = &self.plan.chain;
-        let mut sensitivity: [f64; LIMBS] = core::array::from_fn(|_| {
-            let unit: f64 = StandardNormal.sample(&mut day);
-            1.0 + hour * chain.sensitivity_drift * unit
-        });
-        let cross_talk: [f64; LIMBS] = core::array::from_fn(|_| {
-            chain.cross_talk * (2.0 * day.random::<f64>() - 1.0) + size(Kind::CrossTalk)
-        });
+        let Channels {
+            mut sensitivity,
+            of_next,
+        } = self.plan.true_channels(hour);
+        let cross_talk = of_next.map(|share| share + size(Kind::CrossTalk));
         if let Some(defect) = defect {
             sensitivity[defect.channel] *=
                 (1.0 - size(Kind::DeadLimb)) * (1.0 + hour * size(Kind::FadingSensitivity));

@@ -174,7 +174,14 @@ impl Joint {
             ("accelerometer_lag_s", certificates.accelerometer_lag_s),
             ("channel_delay_s", certificates.channel_delay_s),
             ("room.stiffness", certificates.room.stiffness.usual),
-            ("room.cross_talk", certificates.room.cross_talk.usual),
+            (
+                "room.cross_talk_beside",
+                certificates.room.cross_talk_beside.usual,
+            ),
+            (
+                "room.cross_talk_apart",
+                certificates.room.cross_talk_apart.usual,
+            ),
             ("room.sensitivity", certificates.room.sensitivity.usual),
             ("room.zero_v", certificates.room.zero_v),
             ("room.centre_m", certificates.room.centre_m),
@@ -294,7 +301,12 @@ impl Joint {
         let usual_rad = self.wedge_spread().usual;
         Spreads {
             stiffness: room.stiffness.usual,
-            cross_talk: room.cross_talk.usual,
+            cross_talk_beside: room.cross_talk_beside.usual,
+            // From where it may come down: a spread that begins next to nothing takes long to grow.
+            cross_talk_apart: match room.cross_talk_apart.usual {
+                0.0 => 0.0,
+                usual => usual.max(room.cross_talk_beside.usual),
+            },
             sensitivity: room.sensitivity.usual,
             wedge_rad: if usual_rad > 0.0 {
                 usual_rad.max(FIRST_WEDGES_RAD)
@@ -325,12 +337,18 @@ impl Joint {
         priors.extend(c.compliance_s2.map(|known| (COMPLIANCE, known)));
         for (range, deviation) in [
             (STIFFNESS..CROSS_TALK, spreads.stiffness),
-            (CROSS_TALK..WEDGES, spreads.cross_talk),
             (self.wedge_angles(), spreads.wedge_rad),
             (self.delays(), c.channel_delay_s),
         ] {
             let known = Known::about_zero(deviation);
             priors.extend(range.map(|unknown| (unknown, known)));
+        }
+        for (beside, deviation) in [
+            (true, spreads.cross_talk_beside),
+            (false, spreads.cross_talk_apart),
+        ] {
+            let known = Known::about_zero(deviation);
+            priors.extend(Unknowns::shares_of(beside).map(|unknown| (unknown, known)));
         }
         priors
     }

@@ -1,22 +1,21 @@
 //! What an ordinary laboratory leaves open beside what its certificates say, and how far.
 //!
 //! Nobody measures how unequal nine limbs are, how much of its neighbour a channel shows, or where the sensor's centre is
-//! against the axis. Each of these is an unknown with a spread; and a spread that nobody states is itself estimated, by the
-//! expectation-maximisation step
+//! against the axis. Each of these is an unknown with a spread; and a spread that nobody states is itself estimated: the marginal
+//! likelihood has its maximum where
 //!
 //! ```text
-//! sigma^2 = (sum (x_j^2 + var x_j) + nu sigma_0^2)/(n + nu)
+//! sigma^2 = (sum x_j^2 + nu sigma_0^2)/(sum (1 - var x_j/sigma^2) + nu)
 //! ```
 //!
-//! of the marginal likelihood, x_j and var x_j being what the fit says of the n unknowns of a kind; sigma_0 is what is usual and
-//! counts as much as nu of them. A clean laboratory's intervals stay as narrow as its data make them, and a rough one's grow.
+//! x_j and var x_j being what the fit says of the unknowns of a kind; sigma_0 is what is usual and counts as much as nu of them. The
+//! sum below is how many of them the data determine, and with sigma there taken from the step before, this is the fixed point iteration
+//! (MacKay, 1992) that gets there. A clean laboratory's intervals stay as narrow as its data make them, and a rough one's grow.
 
 use nalgebra::DVector;
 
-use crate::float::{exp, ln, sqrt};
-
-/// Power of a spread's change that is taken: above 1 the steps overreach, which from 2 on they would not outlive.
-const OVERREACH: f64 = 1.6;
+use super::unknowns::{BESIDE, OTHERS};
+use crate::float::sqrt;
 
 /// Standard deviation of unknowns of one kind: the usual one and how many of them it is worth. 0 holds them at 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,16 +33,17 @@ impl Spread {
         worth: 0.0,
     };
 
-    /// The next sigma from what the fit says of the unknowns: values and variances.
-    pub(super) fn next(self, found: impl Iterator<Item = (f64, f64)>) -> f64 {
+    /// The next sigma from the present one and what the fit with that says of the unknowns: values and variances.
+    pub(super) fn next(self, sigma: f64, found: impl Iterator<Item = (f64, f64)>) -> f64 {
         if self.usual == 0.0 {
             return 0.0;
         }
-        let (sum, count) = found.fold((0.0, 0.0), |(sum, count), (x, variance)| {
-            (sum + x * x + variance, count + 1.0)
+        let (sum, determined) = found.fold((0.0, 0.0), |(sum, determined), (x, variance)| {
+            let open = f64::min(variance / (sigma * sigma), 1.0);
+            (sum + x * x, determined + 1.0 - open)
         });
         let squares = sum + self.worth * self.usual * self.usual;
-        sqrt(squares / (count + self.worth))
+        sqrt(squares / (determined + self.worth))
     }
 }
 
@@ -52,8 +52,10 @@ impl Spread {
 pub struct Room {
     /// Stiffnesses of the limbs about their mean, relative.
     pub stiffness: Spread,
-    /// Share of another limb's force that a channel shows.
-    pub cross_talk: Spread,
+    /// Share of a limb's force that the channel beside its own shows: [`Unknowns::are_side_by_side`](super::unknowns::Unknowns::are_side_by_side).
+    pub cross_talk_beside: Spread,
+    /// Share that any other channel shows.
+    pub cross_talk_apart: Spread,
     /// Sensitivity of a channel in one trial about its usual one, relative.
     pub sensitivity: Spread,
     /// Zero of a channel in one trial about that of the static record, V.
@@ -68,7 +70,8 @@ impl Room {
     /// Nothing is open.
     pub const NONE: Self = Self {
         stiffness: Spread::NONE,
-        cross_talk: Spread::NONE,
+        cross_talk_beside: Spread::NONE,
+        cross_talk_apart: Spread::NONE,
         sensitivity: Spread::NONE,
         zero_v: 0.0,
         centre_m: 0.0,
@@ -81,8 +84,12 @@ impl Room {
             usual: 2e-3,
             worth: 1.0,
         },
-        cross_talk: Spread {
+        cross_talk_beside: Spread {
             usual: 1e-4,
+            worth: 1.0,
+        },
+        cross_talk_apart: Spread {
+            usual: 1e-5,
             worth: 1.0,
         },
         sensitivity: Spread {
@@ -100,8 +107,10 @@ impl Room {
 pub struct Spreads {
     /// See [`Room::stiffness`].
     pub stiffness: f64,
-    /// See [`Room::cross_talk`].
-    pub cross_talk: f64,
+    /// See [`Room::cross_talk_beside`].
+    pub cross_talk_beside: f64,
+    /// See [`Room::cross_talk_apart`].
+    pub cross_talk_apart: f64,
     /// See [`Room::sensitivity`].
     pub sensitivity: f64,
     /// Of each of a wedge's angles, rad.
@@ -109,30 +118,27 @@ pub struct Spreads {
 }
 
 impl Spreads {
-    /// From these past others: each times its ratio to a power. A ratio beyond e is taken as it is: overreached, the first guess of
-    /// a spread would leave it so small that other unknowns take up what is this kind's, and none would return from there.
-    pub(super) fn toward(&self, next: &Self) -> Self {
-        let of = |from: f64, to: f64| {
-            if from == 0.0 {
-                return from;
-            }
-            let change = ln(to / from);
-            let power = if change.abs() < 1.0 { OVERREACH } else { 1.0 };
-            from * exp(power * change)
-        };
-        Self {
-            stiffness: of(self.stiffness, next.stiffness),
-            cross_talk: of(self.cross_talk, next.cross_talk),
-            sensitivity: of(self.sensitivity, next.sensitivity),
-            wedge_rad: of(self.wedge_rad, next.wedge_rad),
-        }
+    /// Of all shares of other limbs' forces that channels show, whether side by side or apart: a root mean square.
+    #[must_use]
+    pub fn cross_talk(&self) -> f64 {
+        let of = |sigma: f64, channels: usize| channels as f64 / OTHERS as f64 * sigma * sigma;
+        let apart = of(self.cross_talk_apart, OTHERS - BESIDE);
+        sqrt(of(self.cross_talk_beside, BESIDE) + apart)
+    }
+
+    /// Standard deviation of what a sensitivity is off in a recording before or after all trials, relative: what changes one way all
+    /// day scatters about its mean by its change over the root of twelve, and is half the change away from it at either end.
+    #[must_use]
+    pub fn next_sensitivity(&self) -> f64 {
+        sqrt(3.0) * self.sensitivity
     }
 
     /// Largest relative change.
     pub(super) fn change(&self, other: &Self) -> f64 {
         let pairs = [
             (self.stiffness, other.stiffness),
-            (self.cross_talk, other.cross_talk),
+            (self.cross_talk_beside, other.cross_talk_beside),
+            (self.cross_talk_apart, other.cross_talk_apart),
             (self.sensitivity, other.sensitivity),
             (self.wedge_rad, other.wedge_rad),
         ];
@@ -144,11 +150,11 @@ impl Spreads {
     }
 }
 
-/// Values and variances of a range of unknowns.
-pub(super) fn found<'a>(
-    range: core::ops::Range<usize>,
-    values: &'a DVector<f64>,
-    variance: &'a DVector<f64>,
-) -> impl Iterator<Item = (f64, f64)> + 'a {
-    range.map(|u| (values[u], variance[u]))
+/// Values and variances of some unknowns.
+pub(super) fn found(
+    unknowns: impl Iterator<Item = usize>,
+    values: &DVector<f64>,
+    variance: &DVector<f64>,
+) -> impl Iterator<Item = (f64, f64)> {
+    unknowns.map(|u| (values[u], variance[u]))
 }

@@ -9,7 +9,7 @@ use super::own::Kind;
 use super::room::{Spreads, found};
 use super::solve::{Campaign, Point, UNDETERMINED, normal};
 use super::trial::Trial;
-use super::unknowns::{CROSS_TALK, STIFFNESS, WEDGES};
+use super::unknowns::{CROSS_TALK, STIFFNESS, Unknowns};
 use crate::error::Result;
 
 /// Steps at most.
@@ -57,7 +57,7 @@ impl Campaign<'_> {
             if change < SPREAD_SETTLED {
                 break;
             }
-            self = Self::new(self.joint, self.spreads.toward(&next));
+            self = Self::new(self.joint, next);
             at = self.repriced(at)?;
         }
         Ok((self, at))
@@ -70,7 +70,6 @@ impl Campaign<'_> {
         let step = &covariance * &normal.descent;
         let values = &at.unknowns.values + &step;
         let variances = covariance.diagonal();
-        let of = |range| found(range, &values, &variances);
         let mut sensitivities = Vec::new();
         for (trial, part) in at.trials.iter().zip(&normal.contributions) {
             let variances = part.own_variances(&covariance);
@@ -86,14 +85,26 @@ impl Campaign<'_> {
             }
         }
         let room = &self.joint.certificates.room;
+        let now = &self.spreads;
+        let shares = |beside| Unknowns::shares_of(beside);
         Ok(Spreads {
-            stiffness: room.stiffness.next(of(STIFFNESS..CROSS_TALK)),
-            cross_talk: room.cross_talk.next(of(CROSS_TALK..WEDGES)),
-            sensitivity: room.sensitivity.next(sensitivities.into_iter()),
-            wedge_rad: self
-                .joint
-                .wedge_spread()
-                .next(of(self.joint.wedge_angles())),
+            stiffness: (room.stiffness).next(
+                now.stiffness,
+                found(STIFFNESS..CROSS_TALK, &values, &variances),
+            ),
+            cross_talk_beside: (room.cross_talk_beside).next(
+                now.cross_talk_beside,
+                found(shares(true), &values, &variances),
+            ),
+            cross_talk_apart: (room.cross_talk_apart).next(
+                now.cross_talk_apart,
+                found(shares(false), &values, &variances),
+            ),
+            sensitivity: (room.sensitivity).next(now.sensitivity, sensitivities.into_iter()),
+            wedge_rad: self.joint.wedge_spread().next(
+                now.wedge_rad,
+                found(self.joint.wedge_angles(), &values, &variances),
+            ),
         })
     }
 }

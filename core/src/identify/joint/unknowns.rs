@@ -36,6 +36,8 @@ pub const CROSS_TALK: usize = STIFFNESS + LIMBS;
 pub const WEDGES: usize = CROSS_TALK + LIMBS * OTHERS;
 /// Limbs beside one.
 pub const OTHERS: usize = LIMBS - 1;
+/// Channels beside one: the one before and the one after, the first being beside the last.
+pub const BESIDE: usize = 2;
 /// Angles of a wedge.
 pub const ANGLES: usize = 2;
 
@@ -120,6 +122,22 @@ impl Unknowns {
     #[must_use]
     pub const fn cross_talk(into: usize, from: usize) -> usize {
         CROSS_TALK + OTHERS * into + if from < into { from } else { from - 1 }
+    }
+
+    /// Whether two channels are next to each other in cable and converter, the first and the last as well.
+    #[must_use]
+    pub const fn are_side_by_side(into: usize, from: usize) -> bool {
+        (into + 1) % LIMBS == from || (from + 1) % LIMBS == into
+    }
+
+    /// Places of the shares that channels show of limbs whose channels are beside them, or apart.
+    pub(super) fn shares_of(beside: bool) -> impl Iterator<Item = usize> {
+        let pairs = (0..LIMBS).flat_map(|into| (0..LIMBS).map(move |from| (into, from)));
+        pairs
+            .filter(move |&(into, from)| {
+                into != from && Self::are_side_by_side(into, from) == beside
+            })
+            .map(|(into, from)| Self::cross_talk(into, from))
     }
 
     /// What the channels show of limb forces: their own and a share of every other one.

@@ -58,7 +58,7 @@ impl FaultWatch {
         let watch = Watch {
             false_alarms_per_hour,
             noise_v: propagated.channel_noise_v,
-            zero_drift_sd_v: core::array::from_fn(|i| deviation(i).hypot(limbs.zero_spread_v[i])),
+            zero_drift_sd_v: core::array::from_fn(deviation),
             stiffness_ratio: limbs.stiffness_ratio,
             strain_covariance: limbs.strain_covariance,
             cross_talk_sd: limbs.cross_talk_spread,

@@ -36,6 +36,7 @@ fn of_four_steps(estimate: &Estimate) -> Covariance {
 /// The whole covariance only where the channels' noise is known, too.
 fn of_joint(joint: &JointReport, sources: Option<&Sources>) -> Covariance {
     let noise = joint.noise_covariance();
+    let next = joint.covariance_of_next_recording();
     let standards = joint.gain_covariance();
     let block = |from: usize, size: usize| rows(size, |i, j| noise[(from + i, from + j)]);
     Covariance {
@@ -43,7 +44,7 @@ fn of_joint(joint: &JointReport, sources: Option<&Sources>) -> Covariance {
         scale_per_mass_per_kg2: block(LIMBS, LIMBS),
         inertia_per_mass_m4: block(2 * LIMBS, 6),
         propagated: sources.map(|sources| PropagatedCovariance {
-            noise: rows(PARAMETERS, |i, j| noise[(i, j)]),
+            noise: rows(PARAMETERS, |i, j| next[(i, j)]),
             standards: rows(PARAMETERS, |i, j| standards[(i, j)]),
             channel_noise_v: sources.typical_noise_v(),
         }),

@@ -22,10 +22,8 @@ pub struct CalibratedLimbs {
     /// Spread of these shares, a standard deviation.
     pub cross_talk_spread: f64,
     /// Covariance of the relative errors of the strains per volt, (s_i/m)/(k_i/k), the accelerometer's gain left out, which is
-    /// the same for all; with what a channel's sensitivity changes by from trial to trial.
+    /// the same for all; with what a channel's sensitivity changes by until another time.
     pub strain_covariance: Square,
-    /// What a channel's zero changes by from trial to trial, V, a standard deviation.
-    pub zero_spread_v: [f64; LIMBS],
 }
 
 impl CalibratedLimbs {
@@ -35,7 +33,6 @@ impl CalibratedLimbs {
         cross_talk: [[0.0; LIMBS]; LIMBS],
         cross_talk_spread: 0.0,
         strain_covariance: [[0.0; LIMBS]; LIMBS],
-        zero_spread_v: [0.0; LIMBS],
     };
 
     /// Where nothing is known but the scale factors, to these relative standard deviations: limbs as an ordinary laboratory has them.

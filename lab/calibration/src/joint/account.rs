@@ -26,7 +26,7 @@ const COLOURED: f64 = 1.5;
 const LITTLE: f64 = 0.01;
 /// Most that an ordinary laboratory has: spread of the limbs' stiffnesses, relative.
 const STIFFNESS: f64 = 0.04;
-/// Spread of the shares that channels show of each other.
+/// Root mean square of the shares that channels show of each other.
 const CROSS_TALK: f64 = 5e-3;
 /// Angle by which a wedge misses its direction, degrees.
 const WEDGE_DEG: f64 = 0.5;
@@ -68,7 +68,7 @@ impl JointReport {
     fn is_ordinary(&self) -> bool {
         let spreads = &self.estimate.spreads;
         spreads.stiffness <= STIFFNESS
-            && spreads.cross_talk <= CROSS_TALK
+            && spreads.cross_talk() <= CROSS_TALK
             && self.odd_channels_are_single()
     }
 
@@ -94,10 +94,10 @@ impl JointReport {
                 percent(spreads.stiffness)
             ));
         }
-        if spreads.cross_talk > CROSS_TALK {
+        if spreads.cross_talk() > CROSS_TALK {
             all.push(format!(
                 "cross-talk of {:.2} %",
-                percent(spreads.cross_talk)
+                percent(spreads.cross_talk())
             ));
         }
         if let Some((limb, by)) = self.most_odd().filter(|_| !self.odd_channels_are_single()) {

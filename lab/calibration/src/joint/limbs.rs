@@ -1,6 +1,5 @@
 //! The limbs and channels that the fit found, as a calibration keeps them.
 
-use sixaxis_core::identify::joint::Known;
 use sixaxis_core::identify::joint::unknowns::{MASS_PER_SCALE, STIFFNESS, Unknowns};
 
 use super::JointReport;
@@ -43,42 +42,17 @@ impl JointReport {
                     }
                 })
             }),
-            cross_talk_spread: spreads.cross_talk,
+            cross_talk_spread: spreads.cross_talk(),
             strain_covariance: core::array::from_fn(|i| {
                 core::array::from_fn(|j| {
-                    let trial = if i == j { spreads.sensitivity } else { 0.0 };
-                    covariance(i, j) + trial * trial
+                    let moved = if i == j {
+                        spreads.next_sensitivity()
+                    } else {
+                        0.0
+                    };
+                    covariance(i, j) + moved * moved
                 })
             }),
-            zero_spread_v: core::array::from_fn(|limb: usize| {
-                spread(estimate.trials.iter().map(|trial| trial.zero_v[limb]))
-            }),
         }
-    }
-}
-
-/// Spread about zero of what is known with errors of its own.
-fn spread(of: impl Iterator<Item = Known>) -> f64 {
-    let (sum, count) = of.fold((0.0, 0.0), |(sum, count), known| {
-        let square = known.value * known.value - known.deviation * known.deviation;
-        (sum + square, count + 1.0)
-    });
-    if count > 0.0 {
-        f64::max(sum / count, 0.0).sqrt()
-    } else {
-        0.0
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn errors_are_no_spread() {
-        let known = |value: f64, deviation: f64| Known { value, deviation };
-        assert_eq!(spread([known(1.0, 1.0), known(-1.0, 1.0)].into_iter()), 0.0);
-        assert_eq!(spread([known(3.0, 0.0), known(-3.0, 0.0)].into_iter()), 3.0);
-        assert_eq!(spread(core::iter::empty()), 0.0);
     }
 }

@@ -94,7 +94,7 @@ impl JointReport {
         Nuisances {
             room: RoomFound {
                 stiffness_spread: spreads.stiffness,
-                cross_talk_spread: spreads.cross_talk,
+                cross_talk_spread: spreads.cross_talk(),
                 sensitivity_spread: spreads.sensitivity,
                 wedge_spread_deg: spreads.wedge_rad.to_degrees(),
                 centre_off_axis_m: farthest(|trial| trial.centre_m),

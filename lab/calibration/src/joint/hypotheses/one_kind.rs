@@ -1,12 +1,13 @@
 //! One channel or two show more or less in all trials of one kind than in the others: a limb that was knocked before them and mended after, an
 //! amplifier's range, a plug.
 //!
-//! A fit can take that for cross-talk: what a channel shows of its neighbours adds to linear loads and takes from torques, or the other
+//! A fit can take that for cross-talk: what a channel shows of all others adds to linear loads and takes from torques, or the other
 //! way round. It accounts for such a day, with parameters that are off, so that the trials are fitted once more with the channels put right
-//! in that kind of trial: it is believed where that leaves a fraction of the cross-talk, or, of a day that was not accounted for, nothing
+//! in that kind of trial: it is believed where that leaves a fraction of the cross-talk of channels apart, of which a cable has little, or, of a day that was not accounted for, nothing
 //! but noise.
 
 use sixaxis_core::LIMBS;
+use sixaxis_core::identify::joint::unknowns::Unknowns;
 use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
 
 use super::{Unaccounted, agreement};
@@ -25,10 +26,10 @@ const GAINS: f64 = 0.2;
 const FEWEST: usize = 3;
 /// Channels that are others: of nine six are the inertias' to explain.
 const MOST: usize = 2;
-/// Cross-talk that hides one: beyond this, and so many times what is left where the channel is put right.
-const CROSS_TALK: f64 = 3e-4;
+/// Cross-talk of channels apart that hides one: beyond this, and so many times what is left where the channel is put right.
+const CROSS_TALK: f64 = 1e-4;
 const TIMES: f64 = 2.0;
-/// Share of the squares of all cross-talk that one channel has where it is none: of nine that are alike each has a ninth.
+/// Share of the squares of all cross-talk of channels apart that one channel has where it is none: of nine that are alike each has a ninth.
 const OF_ONE: f64 = 0.6;
 /// Squares by which the fit may be worse with it.
 const BY_CHANCE: f64 = 30.0;
@@ -63,7 +64,7 @@ impl Other {
 /// What accounts for all trials, if this does, and better than `accounting` where that does already.
 #[must_use]
 pub fn tried(day: &Unaccounted<'_>, accounting: Option<&JointReport>) -> Option<Finding> {
-    if accounting.is_some_and(|joint| joint.estimate.spreads.cross_talk < CROSS_TALK) {
+    if accounting.is_some_and(|joint| joint.estimate.spreads.cross_talk_apart < CROSS_TALK) {
         return None;
     }
     let shares = StaticLoadSharing::new(&day.campaign.geometry).ok()?;
@@ -92,13 +93,13 @@ pub fn tried(day: &Unaccounted<'_>, accounting: Option<&JointReport>) -> Option<
         recordings: names(concerned),
         channels: other.channels().map(|limb| limb + 1).collect(),
         evidence: format!(
-            "the {kind} trials show other than the others, {} as much: with that put right all agree to the noise (misfit {:.2}) with cross-talk of {:.3} %{}",
+            "the {kind} trials show other than the others, {} as much: with that put right all agree to the noise (misfit {:.2}) with cross-talk of {:.3} % between channels apart{}",
             shown.collect::<Vec<_>>().join(", "),
             joint.misfit.per_degree,
-            100.0 * joint.estimate.spreads.cross_talk,
+            100.0 * joint.estimate.spreads.cross_talk_apart,
             accounting.map_or(String::new(), |without| format!(
                 ", as they are with {:.3} %",
-                100.0 * without.estimate.spreads.cross_talk
+                100.0 * without.estimate.spreads.cross_talk_apart
             ))
         ),
         advice: "see whether limb, plug or gain was another in these trials, and repeat them"
@@ -110,19 +111,19 @@ pub fn tried(day: &Unaccounted<'_>, accounting: Option<&JointReport>) -> Option<
 fn is_better(joint: &JointReport, accounting: Option<&JointReport>) -> bool {
     accounting.is_none_or(|without| {
         let (before, after) = (&without.estimate, &joint.estimate);
-        let less = TIMES * after.spreads.cross_talk < before.spreads.cross_talk;
+        let less = TIMES * after.spreads.cross_talk_apart < before.spreads.cross_talk_apart;
         less && after.squares < before.squares + BY_CHANCE
     })
 }
 
-/// The channel that has most of the cross-talk, put right in the kind of trials where the responses say so, and the fit with it. Errors of
+/// The channel that has most of the cross-talk of channels apart, put right in the kind of trials where the responses say so, and the fit with it. Errors of
 /// wedges move what the responses say of the factor: of what the first fit leaves in that channel a second factor follows.
 fn of_one_row(
     day: &Unaccounted<'_>,
     shares: &StaticLoadSharing,
     without: &JointReport,
 ) -> Option<(Other, JointReport)> {
-    let rows = without.limbs().cross_talk;
+    let rows = apart(without);
     let product =
         |a: &[f64; LIMBS], b: &[f64; LIMBS]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let squares = rows.map(|row| product(&row, &row));
@@ -141,7 +142,7 @@ fn of_one_row(
     };
     let kinds = KINDS.iter().filter_map(|(role, _)| of_kind(*role));
     let (mut other, table, _) = kinds.min_by(|a, b| a.2.total_cmp(&b.2))?;
-    let first = put_right(day, &other, &table)?.limbs().cross_talk;
+    let first = apart(&put_right(day, &other, &table)?);
     let left = product(&first[limb], &rows[limb]) / squares[limb];
     other.factors[limb] = 1.0 + (other.factors[limb] - 1.0) / (1.0 - left);
     let sensors = other.is_sensors();
@@ -149,6 +150,19 @@ fn of_one_row(
     joint
         .filter(JointReport::accounts)
         .map(|joint| (other, joint))
+}
+
+/// What channels show of others that are not beside them; a channel a row.
+fn apart(joint: &JointReport) -> [[f64; LIMBS]; LIMBS] {
+    let mut shares = joint.limbs().cross_talk;
+    for (into, row) in shares.iter_mut().enumerate() {
+        for (from, share) in row.iter_mut().enumerate() {
+            if Unknowns::are_side_by_side(into, from) {
+                *share = 0.0;
+            }
+        }
+    }
+    shares
 }
 
 /// The factors with which the responses agree best, one channel after the other, what they then agree on, and how far they are from it.
