@@ -73,19 +73,22 @@ fn estimate() -> JointEstimate {
             stiffness: 5e-3,
             cross_talk_beside: 2e-3,
             cross_talk_apart: 1e-5,
-            sensitivity: 1e-4,
+            sensitivity: 0.0,
             wedge_rad: 1e-3,
         },
         trials: vec![quiet(); TRIALS],
     }
 }
 
+/// To what a trial's zeros are known, V.
+const ZERO_DEVIATION_V: f64 = 1e-4;
+
 /// A trial that has nothing of its own.
 fn quiet() -> TrialEstimate {
     TrialEstimate {
         wedge: 0,
         excess: 0.0,
-        zero_v: [Known::about_zero(1e-4); LIMBS],
+        zero_v: [Known::about_zero(ZERO_DEVIATION_V); LIMBS],
         sensitivity: [Known::about_zero(1e-4); LIMBS],
         centre_m: Some([Known::about_zero(1e-6); 2]),
         plumb: Some([Known::about_zero(1e-5); 2]),
@@ -158,6 +161,60 @@ fn inv_noise_and_gain_make_the_deviations() {
             SHARE * report.values[a],
             ROUNDING,
         );
+    }
+}
+
+/// Before and after a day sensitivities are half of what they change by away from its mean, and zeros elsewhere.
+#[test]
+fn inv_what_moves_between_recordings_widens_scale_factors_and_zeros() {
+    const SPREAD: f64 = 1e-4;
+    const ZERO_V: f64 = 2e-3;
+    let still = report_of(estimate());
+    let mut moving = estimate();
+    moving.spreads.sensitivity = SPREAD;
+    for trial in &mut moving.trials {
+        trial.zero_v[4].value = ZERO_V;
+    }
+    let moving = report_of(moving);
+    let (before, after) = (still.noise_covariance(), moving.noise_covariance());
+    let next = moving.covariance_of_next_recording();
+    for a in 0..PARAMETERS {
+        for b in 0..PARAMETERS {
+            let moved = if a == b && (9..18).contains(&a) {
+                3.0 * (SPREAD * moving.values[a]).powi(2)
+            } else {
+                0.0
+            };
+            close(
+                "covariance",
+                after[(a, b)],
+                before[(a, b)] + moved,
+                ROUNDING,
+            );
+            let zero = if (a, b) == (4, 4) {
+                ZERO_V.powi(2) - ZERO_DEVIATION_V.powi(2)
+            } else {
+                0.0
+            };
+            close(
+                "covariance of the next",
+                next[(a, b)],
+                after[(a, b)] + zero,
+                ROUNDING,
+            );
+        }
+    }
+    let strains = [still, moving].map(|report| report.limbs().strain_covariance);
+    for i in 0..LIMBS {
+        for j in 0..LIMBS {
+            let moved = if i == j { 3.0 * SPREAD * SPREAD } else { 0.0 };
+            close(
+                "strains",
+                strains[1][i][j],
+                strains[0][i][j] + moved,
+                ROUNDING,
+            );
+        }
     }
 }
 

@@ -29,8 +29,9 @@ const MOST: usize = 2;
 /// Cross-talk of channels apart that hides one: beyond this, and so many times what is left where the channel is put right.
 const CROSS_TALK: f64 = 1e-4;
 const TIMES: f64 = 2.0;
-/// Share of the squares of all cross-talk of channels apart that one channel has where it is none: of nine that are alike each has a ninth.
-const OF_ONE: f64 = 0.6;
+/// Share of the squares of all cross-talk of channels apart that one channel has where it is none: of nine that are alike each has a ninth, and it
+/// three times that.
+const OF_ONE: f64 = 1.0 / 3.0;
 /// Squares by which the fit may be worse with it.
 const BY_CHANCE: f64 = 30.0;
 /// Steps of the search for the factor: each is a parabola's.
@@ -64,7 +65,7 @@ impl Other {
 /// What accounts for all trials, if this does, and better than `accounting` where that does already.
 #[must_use]
 pub fn tried(day: &Unaccounted<'_>, accounting: Option<&JointReport>) -> Option<Finding> {
-    if accounting.is_some_and(|joint| joint.estimate.spreads.cross_talk_apart < CROSS_TALK) {
+    if accounting.is_some_and(|joint| left_for_others(joint) < CROSS_TALK) {
         return None;
     }
     let shares = StaticLoadSharing::new(&day.campaign.geometry).ok()?;
@@ -79,7 +80,9 @@ pub fn tried(day: &Unaccounted<'_>, accounting: Option<&JointReport>) -> Option<
         let (other, joint) = of_one_row(day, &shares, day.joint.ok()?)?;
         is_better(&joint, accounting).then_some((other, joint))
     };
-    let (other, joint) = by_responses().or_else(by_cross_talk)?;
+    let both = [by_responses(), by_cross_talk()].into_iter().flatten();
+    let (other, joint) =
+        both.min_by(|(_, a), (_, b)| left_for_others(a).total_cmp(&left_for_others(b)))?;
     let (_, kind) = KINDS.iter().find(|(role, _)| *role == other.role)?;
     let concerned = day
         .cases
@@ -96,10 +99,10 @@ pub fn tried(day: &Unaccounted<'_>, accounting: Option<&JointReport>) -> Option<
             "the {kind} trials show other than the others, {} as much: with that put right all agree to the noise (misfit {:.2}) with cross-talk of {:.3} % between channels apart{}",
             shown.collect::<Vec<_>>().join(", "),
             joint.misfit.per_degree,
-            100.0 * joint.estimate.spreads.cross_talk_apart,
+            100.0 * left_for_others(&joint),
             accounting.map_or(String::new(), |without| format!(
                 ", as they are with {:.3} %",
-                100.0 * without.estimate.spreads.cross_talk_apart
+                100.0 * left_for_others(without)
             ))
         ),
         advice: "see whether limb, plug or gain was another in these trials, and repeat them"
@@ -110,9 +113,8 @@ pub fn tried(day: &Unaccounted<'_>, accounting: Option<&JointReport>) -> Option<
 /// Whether less is left for cross-talk than in the fit that accounts for the day as it is, if one does.
 fn is_better(joint: &JointReport, accounting: Option<&JointReport>) -> bool {
     accounting.is_none_or(|without| {
-        let (before, after) = (&without.estimate, &joint.estimate);
-        let less = TIMES * after.spreads.cross_talk_apart < before.spreads.cross_talk_apart;
-        less && after.squares < before.squares + BY_CHANCE
+        let less = TIMES * left_for_others(joint) < left_for_others(without);
+        less && joint.estimate.squares < without.estimate.squares + BY_CHANCE
     })
 }
 
@@ -150,6 +152,11 @@ fn of_one_row(
     joint
         .filter(JointReport::accounts)
         .map(|joint| (other, joint))
+}
+
+/// Spread of the shares that channels show of others that are not beside them.
+fn left_for_others(joint: &JointReport) -> f64 {
+    joint.estimate.spreads.cross_talk_apart
 }
 
 /// What channels show of others that are not beside them; a channel a row.
