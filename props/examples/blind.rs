@@ -13,7 +13,7 @@ use sixaxis_reference::laboratory::plan::Engine;
 
 /// Sessions that are played unless told otherwise: whole cycles, and so many that a share of one in a thousand can be told from one of
 /// three.
-const COUNT: u64 = 33 * CYCLE;
+const COUNT: u64 = 45 * CYCLE;
 
 fn main() -> ExitCode {
     publication::end(asked())
