@@ -14,9 +14,13 @@ use sixaxis_props::blind::{
 };
 use sixaxis_props::compare::{largest, within};
 use sixaxis_props::tolerance;
+use sixaxis_recordings::session::Role;
 use sixaxis_reference::laboratory::defect::{Defect, Kind, Spread, Where};
 use sixaxis_reference::laboratory::plan::{DefectChoice, Engine, SensorChoice, SessionPlan};
+use sixaxis_reference::laboratory::room::Room;
 use sixaxis_reference::laboratory::session::{SimulatedSession, simulate_session};
+
+use crate::judged;
 
 /// Draws of each kind.
 const DRAWS: usize = 2000;
@@ -247,6 +251,31 @@ fn prop_what_the_joint_fit_lacks_is_named() {
     ] {
         let outcome = with_defect(kind, magnitude);
         assert_eq!(outcome.naming(), Naming::Right, "{outcome:?}");
+    }
+}
+
+/// A channel that shows 2 % less in the angular trials alone looks like cross-talk of a cable, of which rooms have some between channels
+/// side by side and none between others.
+#[test]
+fn prop_a_channel_that_is_another_in_angular_trials_is_not_passed_in_a_room() {
+    for room in Room::ALL {
+        for seed in SEED..SEED + 3 {
+            let played = simulate_session(&plan(Cell::Room(room), seed, Engine::Rigid));
+            let mut played = played.expect("it plays");
+            let name = format!("{room:?}-{seed}");
+            let healthy = judged(&played, &name);
+            assert_eq!(healthy.grade, Grade::Good, "{name}: {}", healthy.sentence);
+            for recording in &mut played.recordings {
+                if recording.role == Role::Angular {
+                    let channel = recording.voltage_v.iter_mut().map(|row| &mut row[4]);
+                    channel.for_each(|u| *u *= 0.98);
+                }
+            }
+            let spoilt = judged(&played, &name);
+            let cause = spoilt.findings.first().map(|finding| finding.cause);
+            let told = (spoilt.grade, cause);
+            assert_eq!(told, (Grade::Bad, Some(Cause::FadingSensitivity)), "{name}");
+        }
     }
 }
 

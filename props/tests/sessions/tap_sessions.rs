@@ -1,9 +1,6 @@
 //! Sessions with taps, from their files: k/m within its interval, bad taps as reservations, everything else as without.
 
-use std::path::PathBuf;
-
-use sixaxis_calibration::calibrate::{CalibratedSession, Options, calibrate};
-use sixaxis_calibration::progress::NoProgress;
+use sixaxis_calibration::calibrate::CalibratedSession;
 use sixaxis_calibration::report::Grade;
 use sixaxis_core::LIMBS;
 use sixaxis_core::Parameter;
@@ -11,10 +8,11 @@ use sixaxis_props::compare::within;
 use sixaxis_props::evidence::Row;
 use sixaxis_props::seed::seed;
 use sixaxis_props::tolerance;
-use sixaxis_recordings::session::{Role, SessionFile};
+use sixaxis_recordings::session::Role;
 use sixaxis_reference::laboratory::plan::{Engine, RigPlan, SensorChoice, SessionPlan};
-use sixaxis_reference::laboratory::session::{SimulatedSession, simulate_session};
-use sixaxis_reference::laboratory::write::write;
+use sixaxis_reference::laboratory::session::simulate_session;
+
+use crate::judged;
 
 fn plan(taps: usize) -> SessionPlan {
     SessionPlan {
@@ -30,18 +28,6 @@ fn plan(taps: usize) -> SessionPlan {
         },
         ..SessionPlan::default()
     }
-}
-
-/// Judges a session from its files.
-fn judged(played: &SimulatedSession, name: &str) -> CalibratedSession {
-    let folder: PathBuf =
-        std::env::temp_dir().join(format!("sixaxis-taps-{name}-{}", std::process::id()));
-    let session = write(played, &folder, "npz").expect("it can be written");
-    let judgement = SessionFile::read(&session)
-        .map_err(Into::into)
-        .and_then(|file| calibrate(&file, &Options::default(), &NoProgress));
-    std::fs::remove_dir_all(&folder).expect("it can be cleared away");
-    judgement.expect("the session is sound")
 }
 
 /// Part of its interval that a parameter may move by where it is not concerned: what limbs that give way add to the forces is 10⁻⁶ of
