@@ -1,6 +1,7 @@
 //! Whether calibrations of ordinary rooms keep what they state: `cargo run --release -p sixaxis-props --example rooms`.
 //!
-//! So many healthy sessions of each of the two rooms of the blind trials, written to disk and calibrated from their files. With `--publish`
+//! So many healthy sessions of each of the two rooms of the blind trials, written to disk and calibrated from their files, and every tenth of
+//! them with a channel that is another in the angular trials. With `--publish`
 //! it writes `props/results/rooms.json`.
 
 use std::process::ExitCode;
@@ -56,5 +57,14 @@ fn print(published: &Rooms) {
             100.0 * room.values_within_95.unwrap_or(f64::NAN),
             room.largest_95.unwrap_or(f64::NAN)
         );
+        for one in &room.one_kind {
+            println!(
+                "a channel that shows {:.0} % less in the angular trials: {} of {} called good, the channel named in {}",
+                100.0 * one.less,
+                one.good.count,
+                one.good.of,
+                one.named.count
+            );
+        }
     }
 }

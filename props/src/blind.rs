@@ -7,6 +7,7 @@
 //! [`pairs`] holds the same sessions by two engines side by side.
 
 pub mod harm;
+mod one_kind;
 pub mod pairs;
 pub mod rooms;
 pub mod rows;
@@ -321,11 +322,24 @@ pub fn judged(
     own: &Path,
 ) -> Result<(SimulatedSession, Option<CalibratedSession>), String> {
     let played = simulate_session(plan).map_err(|e| format!("playing: {e}"))?;
-    let session = write(&played, own, format).map_err(|e| format!("writing: {e}"))?;
+    let judged = judged_by_files(&played, format, own)?;
+    Ok((played, judged))
+}
+
+/// What becomes of a session that was played, as [`judged`].
+///
+/// # Errors
+/// What went wrong, in words.
+pub fn judged_by_files(
+    played: &SimulatedSession,
+    format: &str,
+    own: &Path,
+) -> Result<Option<CalibratedSession>, String> {
+    let session = write(played, own, format).map_err(|e| format!("writing: {e}"))?;
     // The judge has the folder and nothing else.
     let judged = judge(&session).ok();
     std::fs::remove_dir_all(own).map_err(|e| format!("clearing: {e}"))?;
-    Ok((played, judged))
+    Ok(judged)
 }
 
 fn at_the_limit(recording: &SimulatedRecording) -> bool {

@@ -14,12 +14,14 @@ use sixaxis_reference::laboratory::room::Room;
 
 use super::share::Share;
 use super::validation_run::ValidationRun;
-use super::{Cell, judged, plan};
+use super::{Cell, judged, one_kind, plan};
 use crate::compare::worse;
 use crate::results::{RoomCoverage, RoomIntervals};
 
 /// Deviations within which ground axes are looked for.
 pub const DEVIATIONS: f64 = 3.0;
+/// Of so many sessions one is played with a channel that is another in one kind of trials, too.
+const EVERY: usize = 10;
 /// Sessions between two lines of progress.
 const PROGRESS: usize = 50;
 
@@ -57,6 +59,8 @@ fn in_room(room: Room, first: u64, count: u64) -> Result<RoomCoverage, String> {
             held
         })
         .collect();
+    let every_tenth: Vec<u64> = seeds.iter().copied().step_by(EVERY).collect();
+    let one_kind = one_kind::played(room, &every_tenth, &folder)?;
     let _ = std::fs::remove_dir(&folder);
     let held: Vec<Held> = held?.into_iter().flatten().collect();
     let intervals = Parameter::all().enumerate().map(|(i, parameter)| {
@@ -88,6 +92,7 @@ fn in_room(room: Room, first: u64, count: u64) -> Result<RoomCoverage, String> {
         values_within: within.iter().sum::<f64>() / within.len() as f64,
         values_within_95: in_95_of_100(within, f64::total_cmp),
         largest_95: in_95_of_100(largest, |a, b| b.total_cmp(a)),
+        one_kind,
     })
 }
 

@@ -207,6 +207,19 @@ pub struct RoomCoverage {
     pub values_within_95: Option<f64>,
     /// Stated deviations within which all values of a run are in 95 % of the runs.
     pub largest_95: Option<f64>,
+    /// Every tenth session again, with a channel that shows less in the angular trials, by size.
+    pub one_kind: Vec<OneKind>,
+}
+
+/// Sessions with one channel that shows less in all angular trials than in the others.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct OneKind {
+    /// So much less, relative.
+    pub less: f64,
+    /// Called good.
+    pub good: Share,
+    /// The first thing that is found is that this channel, and no other, changes.
+    pub named: Share,
 }
 
 /// One parameter's 95 % intervals.

@@ -10,20 +10,14 @@ mod still;
 mod tap_sessions;
 mod unequal_stiffness;
 
-use sixaxis_calibration::calibrate::{CalibratedSession, Options, calibrate};
-use sixaxis_calibration::progress::NoProgress;
-use sixaxis_recordings::session::SessionFile;
+use sixaxis_calibration::calibrate::CalibratedSession;
+use sixaxis_props::blind::judged_by_files;
 use sixaxis_reference::laboratory::session::SimulatedSession;
-use sixaxis_reference::laboratory::write::write;
 
 /// Judges a session from its files.
 fn judged(played: &SimulatedSession, name: &str) -> CalibratedSession {
     let folder =
         std::env::temp_dir().join(format!("sixaxis-session-{name}-{}", std::process::id()));
-    let session = write(played, &folder, "npz").expect("it can be written");
-    let judgement = SessionFile::read(&session)
-        .map_err(Into::into)
-        .and_then(|file| calibrate(&file, &Options::default(), &NoProgress));
-    std::fs::remove_dir_all(&folder).expect("it can be cleared away");
-    judgement.expect("the session is sound")
+    let judged = judged_by_files(played, "npz", &folder).expect("it can be written");
+    judged.expect("the session is sound")
 }
