@@ -24,10 +24,20 @@ use sixaxis_recordings::session::Channels;
 
 /// Name and version of the format; a reader refuses another.
 ///
-/// Version 1 did not say whether the amplifiers have a high-pass. Its files are refused: decoupled without undoing the
-/// high-pass, slow motion would come out too small without a word.
-pub const FORMAT: &str = "sixaxis-calibration-2";
-const FORMAT_1: &str = "sixaxis-calibration-1";
+/// Version 1 did not say whether the amplifiers have a high-pass: decoupled without undoing the high-pass, slow motion would come out
+/// too small without a word. The covariance of version 2 left out what zeros and sensitivities change by until another time.
+pub const FORMAT: &str = "sixaxis-calibration-3";
+/// Earlier versions, and why their files are refused.
+const REFUSED: [(&str, &str); 2] = [
+    (
+        "sixaxis-calibration-1",
+        "does not say whether the amplifiers have a high-pass",
+    ),
+    (
+        "sixaxis-calibration-2",
+        "does not say how far zeros and sensitivities are off at another time than the trials'",
+    ),
+];
 
 /// A calibration.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -190,7 +200,7 @@ impl Calibration {
     ///
     /// # Errors
     /// [`Error::Recording`] if it cannot be read, and with the line if it is no calibration of this format or
-    /// its parameters are no sensor's. A file of version 1 is refused by its version, another of the project's files by its kind.
+    /// its parameters are no sensor's. A file of an earlier version is refused by its version, another of the project's files by its kind.
     pub fn read(path: &Path) -> Result<Self> {
         Self::parse(path).map_err(|error| match Kind::Calibration.refuses(path) {
             Some(other_kind) => Error::Recording(other_kind),
@@ -212,12 +222,11 @@ impl Calibration {
         if let Ok(Version { format }) = serde_json::from_str(&text)
             && format != FORMAT
         {
-            let cause = if format == FORMAT_1 {
-                format!(
-                    "{format:?} does not say whether the amplifiers have a high-pass: calibrate again from the session file"
-                )
-            } else {
-                format!("{format:?} is not {FORMAT:?}")
+            let cause = match REFUSED.iter().find(|(earlier, _)| *earlier == format) {
+                Some((_, lacks)) => {
+                    format!("{format:?} {lacks}: calibrate again from the session file")
+                }
+                None => format!("{format:?} is not {FORMAT:?}"),
             };
             return Err(refuse(None, "format", cause));
         }

@@ -7,7 +7,7 @@ use std::process::Command;
 use serde_json::{Value, json};
 use sixaxis_calibration::Error;
 use sixaxis_calibration::apply::setup::{Overrides, Setup};
-use sixaxis_calibration::calibration::Calibration;
+use sixaxis_calibration::calibration::{Calibration, FORMAT};
 
 /// Corner of a charge amplifier, Hz.
 const CORNER_HZ: f64 = 0.02;
@@ -17,7 +17,7 @@ fn file(corner_hz: Value) -> Value {
     let (zeros, ones) = ([0.0; 9], [1.0; 9]);
     let limbs: Vec<String> = (1..=9).map(|limb| format!("u{limb}")).collect();
     json!({
-        "format": "sixaxis-calibration-2",
+        "format": FORMAT,
         "verdict": "good",
         "findings": [],
         "sensor": {
@@ -76,7 +76,7 @@ fn regress_the_high_pass_needs_no_session_text() {
 }
 
 #[test]
-fn regress_a_file_that_does_not_say_the_high_pass_is_refused() {
+fn regress_a_file_of_an_earlier_version_is_refused_for_what_it_lacks() {
     let mut old = file(json!(CORNER_HZ));
     old["format"] = json!("sixaxis-calibration-1");
     old["sensor"]
@@ -85,11 +85,23 @@ fn regress_a_file_that_does_not_say_the_high_pass_is_refused() {
         .remove("amplifier_high_pass_hz");
     let (key, cause) = refusal("old", &old);
     assert_eq!(key, "format");
-    assert!(cause.contains("calibrate again"), "{cause}");
+    assert!(
+        cause.contains("high-pass") && cause.contains("calibrate again"),
+        "{cause}"
+    );
     // The same without the key, in a file that claims to be of this version.
-    old["format"] = json!("sixaxis-calibration-2");
+    old["format"] = json!(FORMAT);
     let (_, cause) = refusal("without", &old);
     assert!(cause.contains("amplifier_high_pass_hz"), "{cause}");
+    // What was known of zeros and sensitivities is not all that a run is decoupled with.
+    let mut narrower = file(json!(CORNER_HZ));
+    narrower["format"] = json!("sixaxis-calibration-2");
+    let (key, cause) = refusal("narrower", &narrower);
+    assert_eq!(key, "format");
+    assert!(
+        cause.contains("zeros and sensitivities") && cause.contains("calibrate again"),
+        "{cause}"
+    );
     let (key, _) = refusal("negative", &file(json!(-1.0)));
     assert_eq!(key, "sensor.amplifier_high_pass_hz");
 }

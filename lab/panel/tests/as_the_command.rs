@@ -38,7 +38,7 @@ fn calibration(folder: &Path, cross_talk: f64, lag_us: f64) -> Calibration {
     let none: Vec<Vec<f64>> = square(0.0);
     let limbs: Vec<String> = (1..=LIMBS).map(|limb| format!("u{limb}")).collect();
     let file = json!({
-        "format": "sixaxis-calibration-2",
+        "format": "sixaxis-calibration-3",
         "verdict": "good",
         "findings": [],
         "sensor": {

@@ -96,7 +96,7 @@ fn neg_files_in_the_wrong_order_are_told_by_their_kind() {
         );
     }
     // What is wrong within a file of the right kind is still told by its place.
-    let cut = folder.write("cut.json", "{\n  \"format\": \"sixaxis-calibration-2\",\n");
+    let cut = folder.write("cut.json", "{\n  \"format\": \"sixaxis-calibration-3\",\n");
     let said = stderr(&run(&["decouple", &cut, &recording]));
     assert!(said.contains("cut.json, line"), "{said}");
 }
