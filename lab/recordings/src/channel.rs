@@ -129,6 +129,13 @@ impl Layout {
         }
     }
 
+    /// Date and time of a channel's first time stamp, ns since 1970, where its stamps have a date.
+    pub(crate) fn began_ns(&self, channel: usize) -> Option<i128> {
+        let name = &self.channels.get(channel)?.name;
+        let first = self.properties.get(&format!("{name}/first_timestamp"))?;
+        crate::text::date_and_time_ns(first.as_bytes())
+    }
+
     /// The rate of all channels, time stamps aside, if it is the same.
     pub(crate) fn common_rate_hz(&self) -> Option<f64> {
         let channels = self.channels.iter().enumerate();

@@ -14,6 +14,7 @@ use crate::error::{Error, Result};
 use crate::open;
 use crate::session::{Channels, Entry, LIMBS, Role, SessionFile};
 use crate::source::Source;
+use crate::text::seconds;
 
 /// Share of its rate up to which a series that was read between its samples has their noise: halfway between samples a spline is flat to one per cent
 /// there, the polynomial of a delay to one and a half.
@@ -68,6 +69,16 @@ struct Series {
     sample_rate_hz: f64,
     /// Frequency up to which its noise is white, Hz.
     band_hz: f64,
+    /// Date and time of the first sample, ns since 1970, where its time stamps have a date.
+    began_ns: Option<i128>,
+}
+
+/// The clock that a recording's standards are read on.
+struct LimbsClock {
+    rate_hz: f64,
+    samples: usize,
+    /// As [`Series::began_ns`].
+    began_ns: Option<i128>,
 }
 
 impl Reader<'_> {
@@ -97,6 +108,7 @@ impl Reader<'_> {
         let stated_hz = stated_rate_hz(layout, &wanted, stated_hz)
             .map_err(|cause| self.refuse(rate_key, cause))?;
         let time = find::time(path, layout, self.channels().time.as_deref())?;
+        let began_ns = time.as_ref().and_then(|time| layout.began_ns(time.index));
         let mut series = vec![Vec::new(); wanted.len()];
         let mut stamps_s = Vec::new();
         let mut columns = Columns::new(path, source, wanted, time, stated_hz)?;
@@ -134,6 +146,7 @@ impl Reader<'_> {
             columns: series,
             sample_rate_hz,
             band_hz,
+            began_ns,
         })
     }
 
@@ -155,12 +168,17 @@ impl Reader<'_> {
             mut columns,
             sample_rate_hz,
             band_hz: mut limbs_band_hz,
+            began_ns,
         } = self.series(&path, source, wanted, stated_hz, "sample_rate_hz")?;
         let mut standards = columns.split_off(LIMBS);
         let mut standards_band_hz = limbs_band_hz;
         if let Some(reference) = reference {
-            let samples = columns[0].len();
-            let (read, covered) = self.reference(reference, sample_rate_hz, samples, &mut cut)?;
+            let limbs = LimbsClock {
+                rate_hz: sample_rate_hz,
+                samples: columns[0].len(),
+                began_ns,
+            };
+            let (read, covered) = self.reference(reference, &limbs, &mut cut)?;
             standards_band_hz = read.band_hz;
             standards = read.columns;
             for column in &mut columns {
@@ -199,15 +217,17 @@ impl Reader<'_> {
         find::standards(path, layout, self.channels(), &self.file.session)
     }
 
-    /// Standards from a file of their own, of that file's rate, on the clock of so many samples of the limbs, and those samples that they
-    /// cover.
+    /// Standards from a file of their own, of that file's rate, on the clock of the limbs, and those samples that they cover. When they
+    /// begin the session says, or else the dates of both files' time stamps; where neither does they begin together.
     fn reference(
         &self,
         reference: &Path,
-        rate_hz: f64,
-        samples: usize,
+        limbs: &LimbsClock,
         cut: &mut Option<String>,
     ) -> Result<(Series, core::ops::Range<usize>)> {
+        let LimbsClock {
+            rate_hz, samples, ..
+        } = *limbs;
         let path = self.file.resolve(reference);
         let source = open(&path)?;
         if let Some(own) = &source.layout().cut {
@@ -216,7 +236,9 @@ impl Reader<'_> {
         let wanted = self.standards(&path, source.layout())?.to_vec();
         let stated_hz = self.entry.reference_sample_rate_hz;
         let own = self.series(&path, source, wanted, stated_hz, "reference_sample_rate_hz")?;
-        let start_s = self.entry.reference_start_s.unwrap_or(0.0);
+        let by_dates = || Some(seconds(limbs.began_ns?, own.began_ns?));
+        let stated_s = self.entry.reference_start_s;
+        let start_s = stated_s.or_else(by_dates).unwrap_or(0.0);
         let last = own.columns[0].len().saturating_sub(1);
         let end_s = start_s + last as f64 / own.sample_rate_hz;
         let first = (0..samples)
@@ -240,6 +262,7 @@ impl Reader<'_> {
         let faster = own.sample_rate_hz > rate_hz;
         let resampled = Series {
             columns: resampled,
+            began_ns: None,
             sample_rate_hz: own.sample_rate_hz,
             band_hz: if faster {
                 f64::INFINITY

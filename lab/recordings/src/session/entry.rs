@@ -71,7 +71,7 @@ pub struct Entry {
     /// File of the standard instruments where they have one of their own, with a clock of its own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reference_file: Option<PathBuf>,
-    /// Time of its first sample after that of `file`, s.
+    /// Time of its first sample after that of `file`, s; without it by the dates of both files' time stamps, or none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reference_start_s: Option<f64>,
     /// Samples per second of the reference file, where it does not say.

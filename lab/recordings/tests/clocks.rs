@@ -1,4 +1,5 @@
-//! What a gap is, every command is told by the same rule: `inspect` names it where `calibrate` and `decouple` refuse it.
+//! What a gap is, every command is told by the same rule: `inspect` names it where `calibrate` and `decouple` refuse it. Standards of a file of
+//! their own are read on the clock of the limbs.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -100,6 +101,62 @@ fn a_missing_sample_is_a_gap_to_inspect_calibrate_and_decouple_alike() {
             found(folder.path(), &stamps_s),
             [200; 3],
             "{missing} missing"
+        );
+    }
+}
+
+/// Samples per second of limbs and standards, and how much later the standards' file begins, s.
+const RATES_HZ: [f64; 2] = [1000.0, 500.0];
+const LATER_S: f64 = 0.25;
+
+/// What the standard accelerometer shows at a time after the first sample of the limbs.
+fn acceleration(t: f64) -> f64 {
+    t.sin()
+}
+
+/// When the standards begin after the limbs by a session that says so, or does not, and by what the two files have for time stamps.
+fn begins_s(folder: &Path, stamp: &dyn Fn(f64) -> String, stated: &str) -> f64 {
+    let mut limbs = String::from("time");
+    for limb in 1..=9 {
+        let _ = write!(limbs, ",u{limb} [V]");
+    }
+    limbs.push('\n');
+    let mut standards = String::from("time,accelerometer [m/s^2],gyroscope [rad/s]\n");
+    for k in 0..1000 {
+        let t = f64::from(k) / RATES_HZ[0];
+        let _ = writeln!(limbs, "{}{}", stamp(t), format!(",{t}").repeat(9));
+        let t = LATER_S + f64::from(k) / RATES_HZ[1];
+        let _ = writeln!(standards, "{},{},0", stamp(t), acceleration(t));
+    }
+    std::fs::write(folder.join("run.csv"), limbs).expect("writes");
+    std::fs::write(folder.join("standards.csv"), standards).expect("writes");
+    let text = format!("{SESSION}reference_file = \"standards.csv\"\n{stated}\n");
+    let session = SessionFile::parse(&folder.join("session.toml"), text).expect("a session");
+    let read = readings::read(&session, 0).expect("it can be read");
+    // The limbs show the time, and the standards the sine of theirs.
+    let sample = 100;
+    let t = read.voltage_v[0][sample];
+    t + LATER_S - read.accelerometer_m_s2[sample].asin()
+}
+
+#[test]
+fn standards_of_a_file_of_their_own_begin_when_the_dates_say() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let dated = |t: f64| format!("2024-05-31T14:03:{:09.6}", 7.0 + t);
+    let relative = |t: f64| format!("{t:.6}");
+    let close = |begins_s: f64, expected_s: f64| {
+        let off_s = (begins_s - expected_s).abs();
+        assert!(off_s < 1e-6, "{begins_s} s and not {expected_s} s");
+    };
+    // Stamps of seconds may be each recorder's own: files that do not say otherwise begin together.
+    for (stamp, expected_s) in [
+        (&relative as &dyn Fn(f64) -> String, 0.0),
+        (&dated, LATER_S),
+    ] {
+        close(begins_s(folder.path(), stamp, ""), expected_s);
+        close(
+            begins_s(folder.path(), stamp, "reference_start_s = 0.1"),
+            0.1,
         );
     }
 }
