@@ -136,6 +136,19 @@ impl Layout {
         crate::text::date_and_time_ns(first.as_bytes())
     }
 
+    /// What of the file has the name of time stamps and could not be read, to be said where a clock is missing: ` (time is not read: dates)`.
+    #[must_use]
+    pub fn unread_clock(&self) -> String {
+        let unread = self.properties.iter().find_map(|(name, value)| {
+            let is_clock = TIME_NAMES
+                .iter()
+                .any(|clock| name.eq_ignore_ascii_case(clock));
+            let why = value.strip_prefix("not read: ")?;
+            is_clock.then(|| format!(" ({name} is not read: {why})"))
+        });
+        unread.unwrap_or_default()
+    }
+
     /// The rate of all channels, time stamps aside, if it is the same.
     pub(crate) fn common_rate_hz(&self) -> Option<f64> {
         let channels = self.channels.iter().enumerate();

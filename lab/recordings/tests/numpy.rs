@@ -3,6 +3,8 @@
 #[path = "foreign/expected.rs"]
 mod expected;
 
+use std::io::Write;
+
 use expected::{bits, check, damage, folder, rows, scratch};
 use sixaxis_recordings::{Block, Channel, Error, Layout, create, open};
 
@@ -145,4 +147,25 @@ fn inv_lengths_must_agree() {
     assert!(matches!(open(&path), Err(Error::Malformed { .. })));
     std::fs::write(&path, [bytes.as_slice(), b"more"].concat()).unwrap();
     assert!(matches!(open(&path), Err(Error::Malformed { .. })));
+}
+
+/// Where a clock is missing, it is said that there was one and what to do.
+#[test]
+fn neg_a_clock_of_dates_is_told() {
+    let path = scratch("numpy_dates").join("day.npz");
+    let mut file = zip::ZipWriter::new(std::fs::File::create(&path).unwrap());
+    for (member, from) in [("Time.npy", "dates.npy"), ("u1.npy", "vector.npy")] {
+        let options = zip::write::SimpleFileOptions::default();
+        file.start_file(member, options).unwrap();
+        let bytes = std::fs::read(folder("numpy").join(from)).unwrap();
+        file.write_all(&bytes).unwrap();
+    }
+    file.finish().unwrap();
+    let source = open(&path).unwrap();
+    let unread = source.layout().unread_clock();
+    assert!(
+        unread.starts_with(" (Time is not read: dates; save seconds"),
+        "{unread}"
+    );
+    assert_eq!(recording().0.unread_clock(), "");
 }

@@ -253,8 +253,9 @@ pub fn rate_hz(
             (_, None) => "the file",
         };
         format!(
-            "{}: {why} does not say how fast it was sampled; give --rate",
-            path.display()
+            "{}: {why}{} does not say how fast it was sampled; give --rate",
+            path.display(),
+            layout.unread_clock()
         )
     })
 }

@@ -107,6 +107,10 @@ impl Reader<'_> {
         let layout = source.layout();
         let stated_hz = stated_rate_hz(layout, &wanted, stated_hz)
             .map_err(|cause| self.refuse(rate_key, cause))?;
+        let no_rate = format!(
+            "missing: neither the file{} nor the session says how fast it was sampled",
+            layout.unread_clock()
+        );
         let time = find::time(path, layout, self.channels().time.as_deref())?;
         let began_ns = time.as_ref().and_then(|time| layout.began_ns(time.index));
         let mut series = vec![Vec::new(); wanted.len()];
@@ -124,9 +128,7 @@ impl Reader<'_> {
             (Some(rate), _) | (None, Some(Some(rate))) => rate,
             (None, Some(None)) => return Err(too_short(path, 2, stamps_s.len(), "")),
             (None, None) => {
-                let cause =
-                    "missing: neither the file nor the session says how fast it was sampled";
-                return Err(self.refuse(rate_key, cause));
+                return Err(self.refuse(rate_key, no_rate));
             }
         };
         let mut band_hz = f64::INFINITY;
