@@ -110,7 +110,10 @@ impl Fitted {
         let estimate = &self.joint.estimate;
         let found = estimate.values(self.instruments.accelerometer_gain_error);
         let stated = self.joint.noise_covariance();
-        core::array::from_fn(|p| (found[p] - self.truth[p]) / stated[(p, p)].sqrt())
+        core::array::from_fn(|p| {
+            let deviation = stated[(p, p)].sqrt().hypot(self.joint.moved(p));
+            (found[p] - self.truth[p]) / deviation
+        })
     }
 
     /// e^T C^-1 e of all errors at once, the accelerometer's gain told, C the covariance that the fit states: of normal errors

@@ -164,7 +164,7 @@ impl JointReport {
             information: estimate.accelerometer_gain_information / (wider * wider),
         };
         let slopes = estimate.slopes();
-        let covariance = covariance(&estimate, wider);
+        let covariance = with_moved(&estimate, noise_covariance(&estimate, wider));
         let noise: [f64; PARAMETERS] = core::array::from_fn(|p| covariance[(p, p)].max(0.0).sqrt());
         let (mean, spread) = (gain.mean(), gain.deviation());
         let compliance = estimate.compliance_s2().0;
@@ -181,16 +181,22 @@ impl JointReport {
         }
     }
 
-    /// Covariance of the 25 without the accelerometer's gain: noise, whatever the channels disagree by, and how far sensitivities move.
+    /// Covariance of the 25 without the accelerometer's gain: noise, and whatever the channels disagree by.
     #[must_use]
     pub fn noise_covariance(&self) -> Square {
-        covariance(&self.estimate, self.misfit.wider())
+        noise_covariance(&self.estimate, self.misfit.wider())
     }
 
-    /// The same for a recording of another time, whose zeros are not those of the static record either.
+    /// What parameter `p`, from 0, is off before or after the trials, a standard deviation: of a scale factor how far its sensitivity has moved.
+    #[must_use]
+    pub fn moved(&self, p: usize) -> f64 {
+        moved(&self.estimate, p)
+    }
+
+    /// Covariance of the 25 without the accelerometer's gain for a recording of another time, with what sensitivities and zeros are off there.
     #[must_use]
     pub fn covariance_of_next_recording(&self) -> Square {
-        let mut all = self.noise_covariance();
+        let mut all = with_moved(&self.estimate, self.noise_covariance());
         for limb in 0..LIMBS {
             let zeros = self.estimate.trials.iter().map(|trial| trial.zero_v[limb]);
             all[(limb, limb)] += spread(zeros).powi(2);
@@ -227,16 +233,28 @@ fn widths(estimate: &JointEstimate, wider: f64) -> [f64; PARAMETERS] {
     widths
 }
 
-/// Covariance of the 25 with the accelerometer's gain held, that much wider, as they are before or after the trials.
-fn covariance(estimate: &JointEstimate, wider: f64) -> Square {
+/// Covariance of the 25 with the accelerometer's gain held, that much wider.
+fn noise_covariance(estimate: &JointEstimate, wider: f64) -> Square {
     let widths = widths(estimate, wider);
     let own = estimate.parameter_covariance();
-    let mut all = Square::from_fn(|a, b| widths[a] * widths[b] * own[(a, b)]);
-    for p in SCALES {
-        let moved = estimate.spreads.next_sensitivity() / estimate.unknowns.values[p];
-        all[(p, p)] += moved * moved;
+    Square::from_fn(|a, b| widths[a] * widths[b] * own[(a, b)])
+}
+
+/// See [`JointReport::moved`]. In the place of a scale factor stands its reciprocal.
+fn moved(estimate: &JointEstimate, p: usize) -> f64 {
+    if SCALES.contains(&p) {
+        estimate.spreads.next_sensitivity() / estimate.unknowns.values[p]
+    } else {
+        0.0
     }
-    all
+}
+
+/// A covariance with how far sensitivities have moved.
+fn with_moved(estimate: &JointEstimate, mut covariance: Square) -> Square {
+    for p in SCALES {
+        covariance[(p, p)] += moved(estimate, p).powi(2);
+    }
+    covariance
 }
 
 /// Spread about zero of what is known with errors of its own.

@@ -167,7 +167,7 @@ fn inv_noise_and_gain_make_the_deviations() {
 /// Before and after a day sensitivities are half of what they change by away from its mean, and zeros elsewhere.
 #[test]
 fn inv_what_moves_between_recordings_widens_scale_factors_and_zeros() {
-    const SPREAD: f64 = 1e-4;
+    const SPREAD: f64 = 1e-2;
     const ZERO_V: f64 = 2e-3;
     let still = report_of(estimate());
     let mut moving = estimate();
@@ -176,7 +176,8 @@ fn inv_what_moves_between_recordings_widens_scale_factors_and_zeros() {
         trial.zero_v[4].value = ZERO_V;
     }
     let moving = report_of(moving);
-    let (before, after) = (still.noise_covariance(), moving.noise_covariance());
+    let noise = still.noise_covariance();
+    assert_eq!(noise, moving.noise_covariance());
     let next = moving.covariance_of_next_recording();
     for a in 0..PARAMETERS {
         for b in 0..PARAMETERS {
@@ -185,24 +186,36 @@ fn inv_what_moves_between_recordings_widens_scale_factors_and_zeros() {
             } else {
                 0.0
             };
-            close(
-                "covariance",
-                after[(a, b)],
-                before[(a, b)] + moved,
-                ROUNDING,
-            );
             let zero = if (a, b) == (4, 4) {
                 ZERO_V.powi(2) - ZERO_DEVIATION_V.powi(2)
             } else {
                 0.0
             };
+            let expected = noise[(a, b)] + moved + zero;
+            close("covariance of the next", next[(a, b)], expected, ROUNDING);
+            let gain = moving.gain_covariance()[(a, b)];
+            if a == b {
+                let stated = moving.deviations[a].powi(2);
+                close("variance", stated, noise[(a, a)] + moved + gain, ROUNDING);
+            }
+        }
+    }
+    let ours = moving.parameter_reports(&four_steps());
+    for (p, own) in ours.iter().enumerate().skip(MASS_PER_SCALE) {
+        let expected = if p < 18 {
+            let moved = NORMAL_95 * 3.0_f64.sqrt() * SPREAD * own.estimate;
             close(
-                "covariance of the next",
-                next[(a, b)],
-                after[(a, b)] + zero,
+                "moved",
+                own.from_trials.expect("a scale factor"),
+                moved,
                 ROUNDING,
             );
-        }
+            "sensitivities that move over the day"
+        } else {
+            assert_eq!(own.from_trials, None);
+            "noise"
+        };
+        assert_eq!(own.dominated_by, expected);
     }
     let strains = |report: &JointReport| SMatrix::from(report.limbs().strain_covariance);
     let moved = SMatrix::<f64, LIMBS, LIMBS>::identity() * (3.0 * SPREAD * SPREAD);

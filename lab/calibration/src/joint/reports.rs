@@ -10,6 +10,9 @@ use sixaxis_core::significance::NORMAL_95;
 /// Deviation, in that of the gain, of an interval that is the gain's alone: the quadrature needs some.
 const NEXT_TO_NOTHING: f64 = 1e-3;
 
+/// What limits a scale factor that is known better than it stays.
+const SENSITIVITIES: &str = "sensitivities that move over the day";
+
 impl JointReport {
     /// Reports on all 25; `four_steps` has names, units and designs, and k/m where this fit leaves it open.
     #[must_use]
@@ -33,6 +36,7 @@ impl JointReport {
         let estimate = self.values[p];
         let half_width = self.half_width_95(p);
         let (noise, gain) = (self.noise_95(p), self.gain_95(p));
+        let moved = NORMAL_95 * self.moved(p).abs();
         let determined = is_determined(other.parameter, estimate, half_width);
         ParameterReport {
             parameter: other.parameter,
@@ -41,9 +45,13 @@ impl JointReport {
             design: other.design,
             half_width_95: Some(half_width),
             from_noise: Some(noise),
-            from_trials: None,
+            from_trials: (moved > 0.0).then_some(moved),
             from_standards: Some(gain),
-            dominated_by: self.dominant(noise, gain).to_owned(),
+            dominated_by: if moved > noise.max(gain) {
+                SENSITIVITIES.to_owned()
+            } else {
+                self.dominant(noise, gain).to_owned()
+            },
             determined,
             remark: if determined {
                 String::new()
