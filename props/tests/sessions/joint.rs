@@ -160,7 +160,7 @@ fn stat_relations_are_the_sensors_own_in_ordinary_rooms() {
     const SHOWN: usize = LIMBS - 1;
     let first = seed();
     for room in rooms::Room::ALL {
-        let errors: Vec<(f64, f64, f64)> = (first..first + CASES)
+        let errors: Vec<([f64; 2], f64, f64)> = (first..first + CASES)
             .into_par_iter()
             .map(|seed| {
                 let plan = room.holding(small(seed));
@@ -198,20 +198,27 @@ fn stat_relations_are_the_sensors_own_in_ordinary_rooms() {
                         })
                         .sum()
                 };
-                let squares = 0.5 * (squares(0.0) + squares(1.0));
+                let squares = [squares(0.0), squares(1.0)];
                 let size = |trimmed| (across * off(trimmed, 0.0)).norm();
                 (squares, size(true), size(false))
             })
             .collect();
-        let squares: f64 = errors.iter().map(|(squares, ..)| squares).sum();
-        let per_error = squares / (CASES as usize * SHOWN) as f64;
+        let per_error = [0, 1].map(|end| {
+            let squares: f64 = errors.iter().map(|(squares, ..)| squares[end]).sum();
+            squares / (CASES as usize * SHOWN) as f64
+        });
         let better = errors
             .iter()
             .filter(|(_, trimmed, raw)| trimmed < raw)
             .count();
-        eprintln!("{room:?}: {per_error:.2} of the stated variance, better in {better} of {CASES}");
+        eprintln!(
+            "{room:?}: {per_error:.2?} of the stated variance, better in {better} of {CASES}"
+        );
         // The root of twice 1/192 is a tenth; spreads that are estimated add to it.
-        assert!((0.6..1.6).contains(&per_error), "{room:?}: {per_error}");
+        let [before, after] = per_error;
+        // Scale factors are told by the linear trials, which come first: before the day they are nearer than stated.
+        assert!((0.3..1.6).contains(&before), "{room:?}: {before}");
+        assert!((0.6..1.6).contains(&after), "{room:?}: {after}");
         assert!(better as u64 >= CASES - 1, "{room:?}: {better}");
     }
 }

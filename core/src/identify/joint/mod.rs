@@ -189,6 +189,18 @@ impl Joint {
         ] {
             require_not_negative(name, value)?;
         }
+        let room = &certificates.room;
+        for spread in [
+            room.stiffness,
+            room.cross_talk_beside,
+            room.cross_talk_apart,
+            room.sensitivity,
+        ] {
+            // What no trial determines is then the usual one.
+            if spread.usual > 0.0 {
+                require_positive("worth of a room's spread", spread.worth)?;
+            }
+        }
         for limb in 0..LIMBS {
             require_positive("zero drift's deviation", at_rest.deviation_v[limb])?;
             if !at_rest.drift_v[limb].is_finite() {

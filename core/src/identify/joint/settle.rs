@@ -12,10 +12,20 @@ use super::trial::Trial;
 use super::unknowns::{CROSS_TALK, STIFFNESS, Unknowns};
 use crate::error::Result;
 
-/// Steps at most.
+/// Steps at most; what creeps on after them is a spread that the trials say next to nothing of.
 const STEPS: usize = 200;
 /// Relative change of a spread that moves no interval that anybody reads.
 pub(super) const SPREAD_SETTLED: f64 = 0.02;
+
+/// What a sequence has still to go whose last two steps are these: steps that shrink by a constant ratio add up to a geometric series. A
+/// spread that few unknowns determine comes down slowly, and a short step is no sign that it has arrived.
+fn to_come(before: f64, change: f64) -> f64 {
+    match change {
+        0.0 => 0.0,
+        change if change < before => change * before / (before - change),
+        _ => f64::INFINITY,
+    }
+}
 
 impl Campaign<'_> {
     /// Trials take the spread of their sensitivities from here.
@@ -51,12 +61,14 @@ impl Campaign<'_> {
 
     /// The spreads that maximise the marginal likelihood of the problem as it is linearised at a point, and the point with these.
     pub(super) fn settle(mut self, mut at: Point) -> Result<(Self, Point)> {
+        let mut before = None;
         for _ in 0..STEPS {
             let next = self.next_spreads(&at)?;
             let change = self.spreads.change(&next);
-            if change < SPREAD_SETTLED {
+            if before.is_some_and(|before| to_come(before, change) < SPREAD_SETTLED) {
                 break;
             }
+            before = Some(change);
             self = Self::new(self.joint, next);
             at = self.repriced(at)?;
         }
