@@ -17,6 +17,11 @@ use nalgebra::DVector;
 use super::unknowns::{BESIDE, OTHERS};
 use crate::float::sqrt;
 
+/// What changes one way all day scatters about its mean by its change over the root of twelve, and at either end is half the change, the
+/// root of three times that, away from it. The fit is nearer the morning than the mean is, since linear trials come first and tell the scale
+/// factors: the evening, and what follows, is farther off.
+const NEXT: f64 = 2.0;
+
 /// Standard deviation of unknowns of one kind: the usual one and how many of them it is worth. 0 holds them at 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spread {
@@ -126,11 +131,10 @@ impl Spreads {
         sqrt(of(self.cross_talk_beside, BESIDE) + apart)
     }
 
-    /// Standard deviation of what a sensitivity is off in a recording before or after all trials, relative: what changes one way all
-    /// day scatters about its mean by its change over the root of twelve, and is half the change away from it at either end.
+    /// Standard deviation of what a sensitivity is off in a recording before or after all trials, relative: twice its scatter.
     #[must_use]
     pub fn next_sensitivity(&self) -> f64 {
-        sqrt(3.0) * self.sensitivity
+        NEXT * self.sensitivity
     }
 
     /// Largest relative change.
