@@ -75,6 +75,32 @@ impl Channel {
     }
 }
 
+/// Property that says when a file's recording began.
+pub const BEGAN: &str = "wf_start_time";
+
+/// Date and time of a recording's first sample.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Began {
+    /// Since 1970, ns: in universal time, or by the clock on a wall.
+    pub ns: i128,
+    /// Whether that is universal time.
+    pub universal: bool,
+}
+
+impl Began {
+    /// So many seconds later.
+    pub fn later(self, later_s: f64) -> Self {
+        let ns = self.ns + (1e9 * later_s).round() as i128;
+        Self { ns, ..self }
+    }
+
+    /// Seconds from another beginning to this one; none between universal time and a wall's.
+    pub fn after(self, other: Self) -> Option<f64> {
+        let comparable = self.universal == other.universal;
+        comparable.then(|| crate::text::seconds(other.ns, self.ns))
+    }
+}
+
 /// Property that names what of a file is no channel, each with its kind.
 pub const LEFT_OUT: &str = "channels_left_out";
 
@@ -129,11 +155,19 @@ impl Layout {
         }
     }
 
-    /// Date and time of a channel's first time stamp, ns since 1970, where its stamps have a date.
-    pub(crate) fn began_ns(&self, channel: usize) -> Option<i128> {
-        let name = &self.channels.get(channel)?.name;
-        let first = self.properties.get(&format!("{name}/first_timestamp"))?;
-        crate::text::date_and_time_ns(first.as_bytes())
+    /// Date and time of the first time stamp, or of the start that a file states for some channels, where either has a date.
+    pub(crate) fn began(&self, time: Option<usize>, selected: &[usize]) -> Option<Began> {
+        let (said, later_s) = match time {
+            Some(time) => {
+                let name = &self.channels.get(time)?.name;
+                let said = self.properties.get(&format!("{name}/first_timestamp"))?;
+                (said, 0.0)
+            }
+            None => (self.properties.get(BEGAN)?, self.start_s(selected)),
+        };
+        let ns = crate::text::date_and_time_ns(said.as_bytes())?;
+        let universal = crate::text::is_universal(said.as_bytes());
+        Some(Began { ns, universal }.later(later_s))
     }
 
     /// What of the file has the name of time stamps and could not be read, to be said where a clock is missing: ` (time is not read: dates)`.

@@ -56,7 +56,7 @@ pub mod unwinding;
 mod variables;
 pub mod whole;
 
-pub use channel::{Block, Channel, Layout};
+pub use channel::{BEGAN, Block, Channel, Layout};
 pub use error::{Error, Result};
 pub use open::{create, open};
 pub use sink::Sink;

@@ -105,58 +105,106 @@ fn a_missing_sample_is_a_gap_to_inspect_calibrate_and_decouple_alike() {
     }
 }
 
-/// Samples per second of limbs and standards, and how much later the standards' file begins, s.
+/// Samples per second of limbs and standards.
 const RATES_HZ: [f64; 2] = [1000.0, 500.0];
-const LATER_S: f64 = 0.25;
 
-/// What the standard accelerometer shows at a time after the first sample of the limbs.
-fn acceleration(t: f64) -> f64 {
-    t.sin()
+/// What the time stamps of a file look like, s after the limbs begin.
+type Stamp = fn(f64) -> String;
+
+/// So many seconds after 14:03:07.
+fn of_day(t: f64) -> String {
+    format!("14:03:{:09.6}", 7.0 + t)
 }
 
-/// When the standards begin after the limbs by a session that says so, or does not, and by what the two files have for time stamps.
-fn begins_s(folder: &Path, stamp: &dyn Fn(f64) -> String, stated: &str) -> f64 {
-    let mut limbs = String::from("time");
+fn dated(t: f64) -> String {
+    format!("2024-05-31T{}", of_day(t))
+}
+
+/// Two hours ahead of universal time.
+fn summer_time(t: f64) -> String {
+    format!("{}+02:00", dated(t))
+}
+
+fn universal(t: f64) -> String {
+    format!("2024-05-31T12:03:{:09.6}Z", 7.0 + t)
+}
+
+/// The date in a column of its own.
+fn two_columns(t: f64) -> String {
+    format!("31.05.2024,{}", of_day(t))
+}
+
+fn relative(t: f64) -> String {
+    format!("{t:.6}")
+}
+
+/// When the standards are taken to begin after the limbs, who begin so many seconds later, in a session that says so, or does not.
+fn taken_to_begin(
+    folder: &Path,
+    later_s: f64,
+    [limbs, standards]: [Stamp; 2],
+    stated: &str,
+) -> Result<f64, Error> {
+    let heading = |stamp: Stamp| match stamp(0.0).contains(',') {
+        true => "date,time",
+        false => "time",
+    };
+    let mut of_limbs = String::from(heading(limbs));
     for limb in 1..=9 {
-        let _ = write!(limbs, ",u{limb} [V]");
+        let _ = write!(of_limbs, ",u{limb} [V]");
     }
-    limbs.push('\n');
-    let mut standards = String::from("time,accelerometer [m/s^2],gyroscope [rad/s]\n");
+    of_limbs.push('\n');
+    let names = "accelerometer [m/s^2],gyroscope [rad/s]";
+    let mut of_standards = format!("{},{names}\n", heading(standards));
+    // The limbs show the time, and the accelerometer its sine.
     for k in 0..1000 {
         let t = f64::from(k) / RATES_HZ[0];
-        let _ = writeln!(limbs, "{}{}", stamp(t), format!(",{t}").repeat(9));
-        let t = LATER_S + f64::from(k) / RATES_HZ[1];
-        let _ = writeln!(standards, "{},{},0", stamp(t), acceleration(t));
+        let _ = writeln!(of_limbs, "{}{}", limbs(t), format!(",{t}").repeat(9));
+        let t = later_s + f64::from(k) / RATES_HZ[1];
+        let _ = writeln!(of_standards, "{},{},0", standards(t), t.sin());
     }
-    std::fs::write(folder.join("run.csv"), limbs).expect("writes");
-    std::fs::write(folder.join("standards.csv"), standards).expect("writes");
+    std::fs::write(folder.join("run.csv"), of_limbs).expect("writes");
+    std::fs::write(folder.join("standards.csv"), of_standards).expect("writes");
     let text = format!("{SESSION}reference_file = \"standards.csv\"\n{stated}\n");
     let session = SessionFile::parse(&folder.join("session.toml"), text).expect("a session");
-    let read = readings::read(&session, 0).expect("it can be read");
-    // The limbs show the time, and the standards the sine of theirs.
+    let read = readings::read(&session, 0)?;
     let sample = 100;
     let t = read.voltage_v[0][sample];
-    t + LATER_S - read.accelerometer_m_s2[sample].asin()
+    Ok(t + later_s - read.accelerometer_m_s2[sample].asin())
 }
 
 #[test]
 fn standards_of_a_file_of_their_own_begin_when_the_dates_say() {
     let folder = tempfile::tempdir().expect("a folder");
-    let dated = |t: f64| format!("2024-05-31T14:03:{:09.6}", 7.0 + t);
-    let relative = |t: f64| format!("{t:.6}");
-    let close = |begins_s: f64, expected_s: f64| {
-        let off_s = (begins_s - expected_s).abs();
-        assert!(off_s < 1e-6, "{begins_s} s and not {expected_s} s");
-    };
-    // Stamps of seconds may be each recorder's own: files that do not say otherwise begin together.
-    for (stamp, expected_s) in [
-        (&relative as &dyn Fn(f64) -> String, 0.0),
-        (&dated, LATER_S),
-    ] {
-        close(begins_s(folder.path(), stamp, ""), expected_s);
-        close(
-            begins_s(folder.path(), stamp, "reference_start_s = 0.1"),
-            0.1,
-        );
+    for later_s in [0.25, -0.25] {
+        // Seconds may be each recorder's own, and so may be the hour of a wall and universal time: such files begin together.
+        for (stamps, expected_s) in [
+            ([relative, relative], 0.0),
+            ([dated, relative], 0.0),
+            ([dated, universal], 0.0),
+            ([of_day, of_day], 0.0),
+            ([dated, dated], later_s),
+            ([dated, two_columns], later_s),
+            ([summer_time, universal], later_s),
+        ] as [([Stamp; 2], f64); 7]
+        {
+            for (stated, expected_s) in [("", expected_s), ("reference_start_s = 0.1", 0.1)] {
+                let begins_s = taken_to_begin(folder.path(), later_s, stamps, stated);
+                let begins_s = begins_s.expect("it can be read");
+                let off_s = (begins_s - expected_s).abs();
+                let [limbs, standards] = stamps.map(|stamp| stamp(0.0));
+                assert!(
+                    off_s < 1e-6,
+                    "{limbs}, {standards}, {stated:?}: {begins_s} s and not {expected_s} s"
+                );
+            }
+        }
     }
+    let error = taken_to_begin(folder.path(), 30.0, [dated, dated], "");
+    let error = error.expect_err("standards of another run").to_string();
+    assert!(
+        error.contains("reference_start_s")
+            && error.contains("from 30 to 31.998 s after the recording's first sample"),
+        "{error}"
+    );
 }

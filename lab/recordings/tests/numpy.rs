@@ -164,7 +164,7 @@ fn neg_a_clock_of_dates_is_told() {
     let source = open(&path).unwrap();
     let unread = source.layout().unread_clock();
     assert!(
-        unread.starts_with(" (Time is not read: dates; save seconds"),
+        unread.starts_with(" (Time is not read: dates or spans; save seconds"),
         "{unread}"
     );
     assert_eq!(recording().0.unread_clock(), "");

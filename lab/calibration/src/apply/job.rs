@@ -7,7 +7,7 @@ use anyhow::{Context, Result, ensure};
 use glam::DVec3;
 use sixaxis_core::aided::AidedDecoupler;
 use sixaxis_core::{Decoupler, LimbSet, Scheme, Settings};
-use sixaxis_recordings::{Channel, Layout, Sink};
+use sixaxis_recordings::{BEGAN, Channel, Layout, Sink};
 
 use super::aided::Aided;
 use super::aids::AidChoice;
@@ -22,7 +22,7 @@ use super::ends::Ends;
 use super::exclusions::{Exclusions, Watched, flags};
 use super::fault_watch::FaultWatch;
 use super::pipeline::{self, Nowhere};
-use super::recording::{BEGAN, Recording};
+use super::recording::Recording;
 use super::rest_to_rest;
 use super::setup::Setup;
 use super::text_stream::TextStream;

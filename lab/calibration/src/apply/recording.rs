@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow};
 use sixaxis_core::{LIMBS, LimbSet};
-use sixaxis_recordings::Layout;
 use sixaxis_recordings::ingest::clock::stated_rate_hz;
 use sixaxis_recordings::ingest::columns::{Columns, stamps};
 use sixaxis_recordings::ingest::find::{self, Column};
 use sixaxis_recordings::inspect::listing::brief;
 use sixaxis_recordings::session::Channels;
+use sixaxis_recordings::{BEGAN, Layout};
 
 use super::CHUNK;
 use super::frozen::Frozen;
@@ -17,8 +17,6 @@ use super::voltages::Voltages;
 
 /// Rates of recorders that see a motion: below, no run of a rig has enough samples, beyond, no converter of nine channels.
 const PLAUSIBLE_HZ: core::ops::RangeInclusive<f64> = 20.0..=5e6;
-/// Property of a file that says when its recording began.
-pub const BEGAN: &str = "wf_start_time";
 /// Voltages over the converter's range that did not come from it as volts.
 const BEYOND: f64 = 1.2;
 

@@ -9,12 +9,11 @@ use super::averaged::Averaged;
 use super::clock::stated_rate_hz;
 use super::columns::{BLOCK, Columns};
 use super::find::{self, Column};
-use crate::channel::Layout;
+use crate::channel::{Began, Layout};
 use crate::error::{Error, Result};
 use crate::open;
 use crate::session::{Channels, Entry, LIMBS, Role, SessionFile};
 use crate::source::Source;
-use crate::text::seconds;
 
 /// Share of its rate up to which a series that was read between its samples has their noise: halfway between samples a spline is flat to one per cent
 /// there, the polynomial of a delay to one and a half.
@@ -69,16 +68,16 @@ struct Series {
     sample_rate_hz: f64,
     /// Frequency up to which its noise is white, Hz.
     band_hz: f64,
-    /// Date and time of the first sample, ns since 1970, where its time stamps have a date.
-    began_ns: Option<i128>,
+    /// Date and time of the first sample, where the file says so.
+    began: Option<Began>,
 }
 
 /// The clock that a recording's standards are read on.
 struct LimbsClock {
     rate_hz: f64,
     samples: usize,
-    /// As [`Series::began_ns`].
-    began_ns: Option<i128>,
+    /// As [`Series::began`].
+    began: Option<Began>,
 }
 
 impl Reader<'_> {
@@ -112,7 +111,8 @@ impl Reader<'_> {
             layout.unread_clock()
         );
         let time = find::time(path, layout, self.channels().time.as_deref())?;
-        let began_ns = time.as_ref().and_then(|time| layout.began_ns(time.index));
+        let selected: Vec<usize> = wanted.iter().map(|column| column.index).collect();
+        let mut began = layout.began(time.as_ref().map(|time| time.index), &selected);
         let mut series = vec![Vec::new(); wanted.len()];
         let mut stamps_s = Vec::new();
         let mut columns = Columns::new(path, source, wanted, time, stated_hz)?;
@@ -122,6 +122,9 @@ impl Reader<'_> {
                 all.extend_from_slice(columns.column(k));
             }
             stamps_s.extend_from_slice(columns.stamps_s().unwrap_or_default());
+        }
+        if let Some(first_s) = stamps_s.first() {
+            began = began.map(|began| began.later(*first_s));
         }
         let stamps = columns.stamps();
         let sample_rate_hz = match (stated_hz, stamps.as_ref().map(|s| s.mean_rate_hz)) {
@@ -148,7 +151,7 @@ impl Reader<'_> {
             columns: series,
             sample_rate_hz,
             band_hz,
-            began_ns,
+            began,
         })
     }
 
@@ -170,7 +173,7 @@ impl Reader<'_> {
             mut columns,
             sample_rate_hz,
             band_hz: mut limbs_band_hz,
-            began_ns,
+            began,
         } = self.series(&path, source, wanted, stated_hz, "sample_rate_hz")?;
         let mut standards = columns.split_off(LIMBS);
         let mut standards_band_hz = limbs_band_hz;
@@ -178,7 +181,7 @@ impl Reader<'_> {
             let limbs = LimbsClock {
                 rate_hz: sample_rate_hz,
                 samples: columns[0].len(),
-                began_ns,
+                began,
             };
             let (read, covered) = self.reference(reference, &limbs, &mut cut)?;
             standards_band_hz = read.band_hz;
@@ -238,9 +241,9 @@ impl Reader<'_> {
         let wanted = self.standards(&path, source.layout())?.to_vec();
         let stated_hz = self.entry.reference_sample_rate_hz;
         let own = self.series(&path, source, wanted, stated_hz, "reference_sample_rate_hz")?;
-        let by_dates = || Some(seconds(limbs.began_ns?, own.began_ns?));
-        let stated_s = self.entry.reference_start_s;
-        let start_s = stated_s.or_else(by_dates).unwrap_or(0.0);
+        let by_dates_s = (own.began.zip(limbs.began)).and_then(|(own, limbs)| own.after(limbs));
+        let by_dates_s = by_dates_s.filter(|_| self.entry.reference_start_s.is_none());
+        let start_s = by_dates_s.or(self.entry.reference_start_s).unwrap_or(0.0);
         let last = own.columns[0].len().saturating_sub(1);
         let end_s = start_s + last as f64 / own.sample_rate_hz;
         let first = (0..samples)
@@ -249,6 +252,13 @@ impl Reader<'_> {
         let end = (first..samples)
             .find(|i| *i as f64 / rate_hz > end_s)
             .unwrap_or(samples);
+        if by_dates_s.is_some() && end - first < FEWEST_SAMPLES {
+            let cause = format!(
+                "missing: by the dates of both files the standards are recorded from {start_s} to {end_s} s after the recording's first sample, and it ends after {} s",
+                samples as f64 / rate_hz
+            );
+            return Err(self.refuse("reference_start_s", cause));
+        }
         let resampled = own
             .columns
             .iter()
@@ -264,7 +274,7 @@ impl Reader<'_> {
         let faster = own.sample_rate_hz > rate_hz;
         let resampled = Series {
             columns: resampled,
-            began_ns: None,
+            began: None,
             sample_rate_hz: own.sample_rate_hz,
             band_hz: if faster {
                 f64::INFINITY

@@ -82,7 +82,9 @@ fn simple(code: &str) -> Result<Element, String> {
     let refused = || match code.trim_start_matches(['<', '>', '|', '=']).chars().next() {
         Some('O') => "an array of Python objects".to_owned(),
         Some('c') => "an array of complex numbers".to_owned(),
-        Some('M' | 'm') => "dates; save seconds, (t - t[0]) / numpy.timedelta64(1, 's')".to_owned(),
+        Some('M' | 'm') => {
+            "dates or spans; save seconds, (t - t[0]) / numpy.timedelta64(1, 's')".to_owned()
+        }
         _ => format!("an array of type {code:?}"),
     };
     let mut characters = code.chars();

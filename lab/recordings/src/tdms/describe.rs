@@ -7,7 +7,7 @@ use super::kind::Kind;
 use super::object::{Object, join_path};
 use super::scaling::Scale;
 use super::value::{Timestamp, Value};
-use crate::channel::{Channel, LEFT_OUT, Layout, time_channel};
+use crate::channel::{BEGAN, Channel, LEFT_OUT, Layout, time_channel};
 
 /// How to read a channel of the layout.
 #[derive(Debug)]
@@ -90,7 +90,7 @@ pub fn describe(index: &Index) -> (Layout, Vec<Reading>) {
         note("channels_not_readable", not_readable.join(", "));
     }
     if let Some(time) = earliest {
-        note("wf_start_time", time.to_string());
+        note(BEGAN, time.to_string());
     }
     if index.incomplete {
         note("incomplete_last_segment", "true".into());
@@ -174,7 +174,7 @@ fn rate(step: f64) -> f64 {
 }
 
 fn start_time(object: &Object) -> Option<Timestamp> {
-    match object.properties.get("wf_start_time") {
+    match object.properties.get(BEGAN) {
         // LabVIEW writes zero for "none".
         Some(Value::Time(time)) if object.names.len() == 2 && time.0 != 0 => Some(*time),
         _ => None,

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use super::object::{join_path, split_path};
 use super::value::Timestamp;
-use crate::channel::{Channel, Layout};
+use crate::channel::{BEGAN, Channel, Layout};
 use crate::error::{Error, Result};
 use crate::sink::{self, Encoder, Sink};
 
@@ -155,7 +155,7 @@ impl Writer {
         let start = self
             .layout
             .properties
-            .get("wf_start_time")
+            .get(BEGAN)
             .and_then(|text| Timestamp::parse(text));
         for ([group, name], channel) in self.names.iter().zip(&self.layout.channels) {
             let properties = if new {
@@ -188,7 +188,7 @@ impl Writer {
         }
         if let Some(rate) = channel.sample_rate_hz {
             if let Some(start) = start {
-                properties.push(Property::new("wf_start_time", TIME, &start.0.to_le_bytes()));
+                properties.push(Property::new(BEGAN, TIME, &start.0.to_le_bytes()));
             }
             properties.push(Property::new(
                 "wf_increment",

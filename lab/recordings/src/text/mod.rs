@@ -46,4 +46,4 @@ mod stamp;
 pub(crate) use sink::create;
 pub(crate) use source::open;
 pub use stamp::calendar_ns;
-pub(crate) use stamp::{seconds, whole as date_and_time_ns};
+pub(crate) use stamp::{is_universal, seconds, whole as date_and_time_ns};

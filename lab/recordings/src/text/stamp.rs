@@ -62,6 +62,13 @@ pub fn whole(cell: &[u8]) -> Option<i128> {
     Some(date(day)? + time)
 }
 
+/// Whether date and time say how far they are from universal time.
+pub fn is_universal(cell: &[u8]) -> bool {
+    let time = cell.iter().position(|byte| *byte == b':');
+    let time = time.and_then(|at| cell.get(at..)).unwrap_or_default();
+    time.iter().any(|byte| matches!(byte, b'Z' | b'+' | b'-'))
+}
+
 /// A date, ns since 1970.
 pub fn date(cell: &[u8]) -> Option<i128> {
     let separator = *cell.iter().find(|byte| !byte.is_ascii_digit())?;
