@@ -25,7 +25,7 @@ use sixaxis_recordings::session::Channels;
 /// Name and version of the format; a reader refuses another.
 ///
 /// Version 1 did not say whether the amplifiers have a high-pass: decoupled without undoing the high-pass, slow motion would come out
-/// too small without a word. The covariance of version 2 left out what zeros and sensitivities change by until another time.
+/// too small without a word. The joint fit's covariance of version 2 left out what zeros and sensitivities are off before and after the trials.
 pub const FORMAT: &str = "sixaxis-calibration-3";
 /// Earlier versions, and why their files are refused.
 const REFUSED: [(&str, &str); 2] = [
@@ -35,7 +35,7 @@ const REFUSED: [(&str, &str); 2] = [
     ),
     (
         "sixaxis-calibration-2",
-        "does not say how far zeros and sensitivities are off at another time than the trials'",
+        "leaves out how far zeros and sensitivities are off before and after the trials",
     ),
 ];
 
@@ -150,13 +150,13 @@ pub struct Covariance {
     pub propagated: Option<PropagatedCovariance>,
 }
 
-/// Covariance of all 25 parameters, as far as a recording of another time than the trials' can find them elsewhere: rows and columns d_1 to d_9, V; s_1/m to s_9/m, 1/kg;
+/// Covariance of all 25 parameters: rows and columns d_1 to d_9, V; s_1/m to s_9/m, 1/kg;
 /// I1 to I6 over m, m^2; and m/k, s^2 (the compliance, which step 4's errors are linear in).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PropagatedCovariance {
     /// Of the noise of the channels and of the standards, propagated through the four steps, or as the joint fit has it. That one contains
-    /// what zeros and sensitivities change by between recordings.
+    /// what zeros and sensitivities are off before and after the trials.
     pub noise: Vec<Vec<f64>>,
     /// Of the standards' gains, each an even spread over its class.
     pub standards: Vec<Vec<f64>>,

@@ -6,7 +6,8 @@ use std::path::PathBuf;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use sixaxis_calibration::finding::Cause;
-use sixaxis_calibration::report::Grade;
+use sixaxis_calibration::report::{Estimator, Grade};
+use sixaxis_core::LIMBS;
 use sixaxis_props::blind::harm::Harm;
 use sixaxis_props::blind::share::Share;
 use sixaxis_props::blind::{
@@ -275,6 +276,39 @@ fn prop_a_channel_that_is_another_in_angular_trials_is_not_passed_in_a_room() {
             let cause = spoilt.findings.first().map(|finding| finding.cause);
             let told = (spoilt.grade, cause);
             assert_eq!(told, (Grade::Bad, Some(Cause::FadingSensitivity)), "{name}");
+        }
+    }
+}
+
+/// Cross-talk as large as a room's, but of channels whose numbers do not follow each other.
+#[test]
+fn prop_cross_talk_of_other_channels_is_no_fault() {
+    for room in Room::ALL {
+        for seed in SEED..SEED + 3 {
+            let mut plan = plan(Cell::Room(room), seed, Engine::Rigid);
+            let share = plan.chain.cross_talk;
+            plan.chain.cross_talk = 0.0;
+            let mut played = simulate_session(&plan).expect("it plays");
+            for recording in &mut played.recordings {
+                let gain = recording.gain_n_per_v;
+                for row in &mut recording.voltage_v {
+                    let own = *row;
+                    for (into, u) in row.iter_mut().enumerate() {
+                        let from = (into + 4) % LIMBS;
+                        let shown = share * (1.0 + into as f64).cos();
+                        *u += shown * own[from] * gain[from] / gain[into];
+                    }
+                }
+            }
+            let name = format!("wired-otherwise-{room:?}-{seed}");
+            let calibrated = judged(&played, &name);
+            assert_eq!(
+                calibrated.grade,
+                Grade::Good,
+                "{name}: {}",
+                calibrated.sentence
+            );
+            assert_eq!(calibrated.estimator, Estimator::Joint, "{name}");
         }
     }
 }

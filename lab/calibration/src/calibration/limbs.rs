@@ -11,7 +11,7 @@ pub(crate) const STIFFNESS_SD: f64 = 0.005;
 /// Nine rows of nine numbers.
 pub type Square = [[f64; LIMBS]; LIMBS];
 
-/// What the 25 leave out: the limbs' stiffnesses, cross-talk, and how steady the channels are from trial to trial.
+/// What the 25 leave out: the limbs' stiffnesses, cross-talk, and how well strains are known.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CalibratedLimbs {
@@ -19,10 +19,10 @@ pub struct CalibratedLimbs {
     pub stiffness_ratio: [f64; LIMBS],
     /// Share of each limb's force (column) that each channel (row) shows beside its own.
     pub cross_talk: Square,
-    /// Spread of these shares, a standard deviation.
+    /// Root mean square of their standard deviations, of channels side by side and apart.
     pub cross_talk_spread: f64,
     /// Covariance of the relative errors of the strains per volt, (s_i/m)/(k_i/k), the accelerometer's gain left out, which is
-    /// the same for all; with what a channel's sensitivity changes by until another time.
+    /// the same for all; with what a channel's sensitivity changes by over the day.
     pub strain_covariance: Square,
 }
 

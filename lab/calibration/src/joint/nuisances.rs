@@ -25,8 +25,10 @@ pub struct WedgeFound {
 pub struct RoomFound {
     /// Of the limbs' stiffnesses, relative.
     pub stiffness_spread: f64,
-    /// Of the shares that channels show of each other.
-    pub cross_talk_spread: f64,
+    /// Of the shares that channels side by side show of each other.
+    pub cross_talk_beside_spread: f64,
+    /// Of those that other channels show.
+    pub cross_talk_apart_spread: f64,
     /// Of a channel's sensitivity from trial to trial, relative.
     pub sensitivity_spread: f64,
     /// Of each of a wedge's angles, degrees.
@@ -94,7 +96,8 @@ impl JointReport {
         Nuisances {
             room: RoomFound {
                 stiffness_spread: spreads.stiffness,
-                cross_talk_spread: spreads.cross_talk(),
+                cross_talk_beside_spread: spreads.cross_talk_beside,
+                cross_talk_apart_spread: spreads.cross_talk_apart,
                 sensitivity_spread: spreads.sensitivity,
                 wedge_spread_deg: spreads.wedge_rad.to_degrees(),
                 centre_off_axis_m: farthest(|trial| trial.centre_m),

@@ -136,10 +136,16 @@ fn nuisances(joint: &JointReport) -> Table {
             "standard deviation",
         ),
         (
-            "channels show of each other",
-            100.0 * found.room.cross_talk_spread,
+            "channels side by side show of each other",
+            100.0 * found.room.cross_talk_beside_spread,
             "%",
             "standard deviation; undone before decoupling",
+        ),
+        (
+            "channels apart show of each other",
+            100.0 * found.room.cross_talk_apart_spread,
+            "%",
+            "the same",
         ),
         (
             "sensitivities move by",

@@ -1,7 +1,7 @@
 //! The 25 parameters: what they are, how well they are known, and what limits that.
 
 use crate::calibrate::CalibratedSession;
-use crate::report::ParameterReport;
+use crate::report::{Estimator, ParameterReport};
 use sixaxis_recordings::session::SessionFile;
 
 use crate::page::labels::{by_kind, share, share_beside, stated, symbol, with_interval};
@@ -15,7 +15,7 @@ pub fn section(file: &SessionFile, calibrated: &CalibratedSession) -> Section {
     let mut section = Section::new(
         "parameters",
         "The 25 parameters",
-        "Estimate and half width of the 95 % interval: noise, differences between trials, and the class of the standard \
+        "Estimate and half width of the 95 % interval: noise, what differs between trials, and the class of the standard \
          instruments together. Digits that the interval does not support are not printed.",
     );
     let parameters = &calibrated.parameters;
@@ -39,7 +39,7 @@ pub fn section(file: &SessionFile, calibrated: &CalibratedSession) -> Section {
     }
     section.block(Block::FigureGrid(vec![
         differences(parameters),
-        limits(parameters, limit),
+        limits(parameters, limit, calibrated.estimator),
     ]))
 }
 
@@ -176,7 +176,11 @@ fn differences(parameters: &[ParameterReport]) -> Figure {
     .caption("Products of inertia ($I$₄ to $I$₆) relative to the largest moment. A sensor differs from its design by tens of percent; an interval that is wide beside the others is what to work on.")
 }
 
-fn limits(parameters: &[ParameterReport], limit: f64) -> Figure {
+fn limits(parameters: &[ParameterReport], limit: f64, estimator: Estimator) -> Figure {
+    let between_trials = match estimator {
+        Estimator::FourSteps => "differences between trials",
+        Estimator::Joint | Estimator::JointRobust => "sensitivities that move over the day",
+    };
     let scaled = scaled(parameters);
     let series = |get: fn(&ParameterReport) -> Option<f64>| -> Vec<(f64, f64)> {
         scaled
@@ -192,16 +196,12 @@ fn limits(parameters: &[ParameterReport], limit: f64) -> Figure {
         Axis::names("parameter", scaled.iter().map(|(p, _)| symbol(p.parameter))),
     )
     .points("noise", 5, series(|p| p.from_noise))
-    .points(
-        "differences between trials",
-        1,
-        series(|p| p.from_trials),
-    )
+    .points(between_trials, 1, series(|p| p.from_trials))
     .points(
         "class of the standards",
         2,
         series(|p| p.from_standards),
     )
     .vertical(100.0 * limit, "acceptance limit")
-    .caption("Over the design, products of inertia over the largest moment. More trials help against noise and differences between trials; against the standards' class only better standards do.")
+    .caption("Over the design, products of inertia over the largest moment. More trials help against noise and what differs between trials at random; against the standards' class only better standards do.")
 }
