@@ -100,7 +100,7 @@ impl Check<'_> {
                     .push(format!("{place}: {error}: {NO_MODEL}"));
                 return Ok((summary, None));
             }
-            Err(error) => return Err(error).with_context(|| self.recording.display().to_string()),
+            Err(error) => return Err(measured.explained(self.recording, error)),
         };
         let (ln_stiffness, stated) = correction::strains_per_v(self.calibration)?;
         let stated = if self.calibration_exact {
@@ -123,7 +123,7 @@ impl Check<'_> {
                     .moments
                     .ratios(&Limits::default())
                     .map(with_stiffness)
-                    .with_context(|| path.display().to_string())?;
+                    .map_err(|error| then.explained(path, error))?;
                 ScaleRatios {
                     ln_ratio: core::array::from_fn(|i| now.ln_ratio[i] - then.ln_ratio[i]),
                     covariance: now.covariance + then.covariance,

@@ -201,7 +201,10 @@ impl Layout {
             .iter()
             .position(|c| c.name == name)
             .or_else(|| self.only(|own| own.eq_ignore_ascii_case(name)))
-            .or_else(|| self.only(|own| own.rsplit('/').next() == Some(name)))
+            .or_else(|| {
+                let in_a_group = |own: &str| own.strip_suffix(name)?.strip_suffix('/').map(drop);
+                self.only(|own| in_a_group(own).is_some())
+            })
             .or_else(|| self.only(|own| in_name(own).is_some_and(|(own, _)| own == name)))
     }
 
@@ -347,7 +350,8 @@ pub fn time_channel(channels: &[Channel]) -> Option<usize> {
         let last = c.name.rsplit('/').next().unwrap_or(&c.name);
         // A temperature is a T, too.
         let stamps = name != "t" || c.unit.is_none() || c.seconds().is_some();
-        stamps && last.eq_ignore_ascii_case(name)
+        let alone = in_name(last).map_or(last, |(alone, _)| alone);
+        stamps && (last.eq_ignore_ascii_case(name) || alone.eq_ignore_ascii_case(name))
     };
     TIME_NAMES
         .iter()

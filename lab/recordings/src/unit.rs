@@ -77,7 +77,7 @@ pub fn named(name: &str) -> Option<Unit> {
 }
 
 /// Units at the end of a column's name, as they can be written without signs, and as they are.
-const IN_NAMES: [(&str, &str); 10] = [
+const IN_NAMES: [(&str, &str); 13] = [
     ("m_s2", "m/s^2"),
     ("rad_s2", "rad/s^2"),
     ("deg_s2", "deg/s^2"),
@@ -88,6 +88,9 @@ const IN_NAMES: [(&str, &str); 10] = [
     ("uV", "uV"),
     ("g", "g"),
     ("s", "s"),
+    ("ms", "ms"),
+    ("us", "us"),
+    ("ns", "ns"),
 ];
 
 /// Parts `ax_m_s2` into `ax` and `m/s^2`. None: no unit stands at its end.

@@ -65,7 +65,7 @@ pub struct Coordination {
     /// Stiffness of each limb over the mean one's, and what breaks sums of forces over these.
     stiffness_ratio: Row,
     limit: f64,
-    /// Sums of which no limb is excluded.
+    /// Sums of which no limb is excluded, or has been.
     whole: [bool; ROWS],
     /// Variance of each sum that noise alone gives, m^2/s^4.
     noise: [f64; ROWS],
@@ -86,7 +86,7 @@ pub struct Coordination {
 impl Coordination {
     /// Nothing seen yet.
     #[must_use]
-    pub fn new(setup: &Setup, calibration: &Calibration, excluded: LimbSet) -> Self {
+    pub fn new(setup: &Setup, calibration: &Calibration) -> Self {
         let chain = SignalChain::new(&setup.sensor.gains, &setup.parameters);
         let stated_v = calibration.covariance.propagated.as_ref();
         let noise = COORDINATION.map(|limbs| {
@@ -105,7 +105,7 @@ impl Coordination {
             chain,
             stiffness_ratio,
             limit,
-            whole: COORDINATION.map(|limbs| !limbs.iter().any(|limb| excluded.contains(*limb))),
+            whole: [true; ROWS],
             noise,
             samples: 0,
             rows: 0.0,
@@ -153,6 +153,13 @@ impl Coordination {
             }
         }
         self.samples += samples as u64;
+    }
+
+    /// Takes note that limbs are excluded: sums of theirs say nothing any more.
+    pub fn exclude(&mut self, excluded: LimbSet) {
+        for (whole, limbs) in self.whole.iter_mut().zip(COORDINATION) {
+            *whole &= !limbs.iter().any(|limb| excluded.contains(*limb));
+        }
     }
 
     /// Each sum over four forces of the usual size, were they independent; none where noise alone explains it.

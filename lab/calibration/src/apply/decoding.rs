@@ -181,6 +181,16 @@ impl Decoding {
         if let Some(watched) = &self.watched {
             watched.flag(self.rows, block);
         }
+        let watched = self
+            .watched
+            .as_ref()
+            .map(|watched| watched.found.excluded.ever());
+        let watching = self.watching.as_ref().map(FaultWatch::excluded);
+        if let Some(coordination) = &mut self.coordination
+            && let Some(excluded) = watched.or(watching)
+        {
+            coordination.exclude(excluded);
+        }
         let done = self.without_run_away(done, block);
         let answered = block.columns[1].len();
         if answered > 0 && self.rows == 0 {

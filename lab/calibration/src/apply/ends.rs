@@ -32,6 +32,9 @@ pub struct Ends {
     last: Vec<Row>,
     /// The largest change anywhere else, of the places that are looked at.
     most_v: Row,
+    /// Samples since the beginning of the present place, and sums over its two halves, V.
+    phase: usize,
+    sums_v: [Row; 2],
     said: bool,
 }
 
@@ -51,6 +54,8 @@ impl Ends {
             first: Vec::new(),
             last: Vec::new(),
             most_v: [0.0; LIMBS],
+            phase: 0,
+            sums_v: Default::default(),
             said: false,
         }
     }
@@ -63,12 +68,30 @@ impl Ends {
             self.first.push(voltage_v.map(|column| column[at]));
         }
         let half = self.kept / 2;
-        let places = (missing..(samples + 1).saturating_sub(self.kept)).step_by(EVERY * self.kept);
-        for (limb, column) in voltage_v.into_iter().enumerate() {
-            for at in places.clone() {
-                let sum = |from: usize| column[from..from + half].iter().sum::<f64>();
-                let change_v = (sum(at + half) - sum(at)).abs() / half as f64;
-                self.most_v[limb] = self.most_v[limb].max(change_v);
+        let mut at = missing.min(samples);
+        // A stream hands over a few samples at a time, of which a place has many.
+        while at < samples {
+            let (end, which) = match self.phase {
+                phase if phase < half => (half, Some(0)),
+                phase if phase < self.kept => (self.kept, Some(1)),
+                _ => (EVERY * self.kept, None),
+            };
+            let until = samples.min(at + end - self.phase);
+            if let Some(sums_v) = which.map(|which| &mut self.sums_v[which]) {
+                for (sum_v, column) in sums_v.iter_mut().zip(voltage_v) {
+                    *sum_v += column[at..until].iter().sum::<f64>();
+                }
+            }
+            self.phase += until - at;
+            at = until;
+            if self.phase == self.kept {
+                let [first_v, second_v] = core::mem::take(&mut self.sums_v);
+                for (limb, most_v) in self.most_v.iter_mut().enumerate() {
+                    *most_v = most_v.max((second_v[limb] - first_v[limb]).abs() / half as f64);
+                }
+            }
+            if self.phase == EVERY * self.kept {
+                self.phase = 0;
             }
         }
     }

@@ -36,6 +36,13 @@ impl Exclusions {
         self.changes.iter().all(|(_, limbs)| limbs.is_empty())
     }
 
+    /// All that are excluded at some sample.
+    #[must_use]
+    pub fn ever(&self) -> LimbSet {
+        let all = self.changes.iter().map(|(_, limbs)| *limbs);
+        all.fold(LimbSet::EMPTY, LimbSet::union)
+    }
+
     /// Those of a sample.
     #[must_use]
     pub fn at(&self, sample: u64) -> LimbSet {

@@ -183,7 +183,9 @@ impl Job<'_> {
     }
 
     fn coordination(&self) -> Coordination {
-        Coordination::new(self.setup, self.calibration, self.excluded)
+        let mut coordination = Coordination::new(self.setup, self.calibration);
+        coordination.exclude(self.excluded);
+        coordination
     }
 
     /// Decouples a stream of rows of text at a known rate.
@@ -333,6 +335,8 @@ impl Job<'_> {
         let mut warnings = recording.warnings();
         warnings.append(&mut of_monitor);
         warnings.extend(decoding.messages());
+        // What both passes have come to is said once.
+        of_aids.retain(|said| !warnings.contains(said));
         warnings.append(&mut of_aids);
         let no_motion = decoding.no_motion(rate_hz);
         warnings.extend(no_motion.map(|why| format!("{}: {why}", path.display())));

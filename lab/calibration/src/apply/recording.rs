@@ -18,7 +18,7 @@ use super::voltages::Voltages;
 /// Rates of recorders that see a motion: below, no run of a rig has enough samples, beyond, no converter of nine channels.
 const PLAUSIBLE_HZ: core::ops::RangeInclusive<f64> = 20.0..=5e6;
 /// Voltages over the converter's range that did not come from it as volts.
-const BEYOND: f64 = 1.2;
+pub(super) const BEYOND: f64 = 1.2;
 
 /// An open recording of nine limbs.
 pub struct Recording {

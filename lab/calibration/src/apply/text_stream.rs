@@ -12,6 +12,7 @@ use sixaxis_recordings::{Block, Channel};
 use super::conditioning_stream::ConditioningStream;
 use super::coordination::Coordination;
 use super::decoding::Decoding;
+use super::recording::BEYOND;
 use super::stream_clock::StreamClock;
 use super::voltages::Voltages;
 use super::{Row, explain};
@@ -121,7 +122,7 @@ impl TextStream {
                     let found = if headings {
                         self.by_name(&cells)
                     } else {
-                        self.by_order(cells.len())
+                        self.by_order(&cells)
                     };
                     let found = none.insert(found.map_err(|e| at_line(format!("{e:#}")))?);
                     if headings {
@@ -147,10 +148,17 @@ impl TextStream {
             if row.iter().any(|u| u.abs() >= self.full_scale_v) {
                 clipped += 1;
                 if clipped == 1 {
-                    warn(format!(
-                        "{PLACE}, line {number}: a sample at the converter's limit of {} V; the accelerations are wrong there",
-                        self.full_scale_v
-                    ));
+                    let most_v = row.iter().fold(0.0_f64, |most, u| most.max(u.abs()));
+                    let limit_v = self.full_scale_v;
+                    warn(if most_v > BEYOND * limit_v {
+                        format!(
+                            "{PLACE}, line {number}: {most_v:.1} V, which a converter of {limit_v} V does not give; are the numbers millivolts (--unit mV)?"
+                        )
+                    } else {
+                        format!(
+                            "{PLACE}, line {number}: a sample at the converter's limit of {limit_v} V; the accelerations are wrong there"
+                        )
+                    });
                 }
             }
             self.decoding
@@ -220,7 +228,12 @@ impl TextStream {
         self.places(&layout, time, cells.len())
     }
 
-    fn by_order(&self, columns: usize) -> Result<Places> {
+    fn by_order(&self, cells: &[&str]) -> Result<Places> {
+        let columns = cells.len();
+        ensure!(
+            !cells.iter().any(|cell| cell.contains(';')),
+            "numbers have decimal points in a stream, and commas or semicolons between them, not both: is this one with decimal commas?"
+        );
         ensure!(
             columns == LIMBS,
             "{columns} numbers, {LIMBS} were expected; where there are more, begin with a line of headings"

@@ -53,7 +53,12 @@ pub fn examine(table: &Table, cases: &mut [TrialCase<'_>], findings: &mut Vec<Fi
             },
             declared.length()
         ),
-        advice: "state where down was with `down` of these recordings, or mount the rig with its axis vertical".to_owned(),
+        advice: if declared.length() > NOTICED_M_S2 {
+            "correct `down` of these recordings, which says otherwise, or mount the rig as it says"
+        } else {
+            "state where down was with `down` of these recordings, or mount the rig with its axis vertical"
+        }
+        .to_owned(),
         ..Finding::of(Cause::GravityNotHandled)
     });
     let of_runs = seen

@@ -7,7 +7,7 @@ use crate::apply::explain;
 use crate::apply::recording::{Batch, Recording};
 use crate::apply::setup::Setup;
 use crate::apply::voltages::Voltages;
-use anyhow::{Result, ensure};
+use anyhow::{Result, anyhow, ensure};
 use sixaxis_core::redundancy::self_calibration::{Accumulator, Moments};
 use sixaxis_core::{LIMBS, LimbSet, Scheme};
 
@@ -196,5 +196,19 @@ impl Measured {
             change,
             warnings: recording.warnings(),
         })
+    }
+
+    /// What the ratios of these blocks cannot be found for, in samples and seconds.
+    pub fn explained(&self, place: &Path, error: sixaxis_core::Error) -> anyhow::Error {
+        if let sixaxis_core::Error::TooFewSamples { needed, got, .. } = error {
+            let block = self.block as f64;
+            return anyhow!(
+                "{}: {} samples are {got} blocks of {block}, and {needed} are needed: record {:.1} s in motion or more",
+                place.display(),
+                self.samples,
+                needed as f64 * block / self.sample_rate_hz
+            );
+        }
+        anyhow::Error::new(error).context(place.display().to_string())
     }
 }

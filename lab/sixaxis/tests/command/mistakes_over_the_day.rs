@@ -3,9 +3,10 @@
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
 use std::fs;
+use std::process::Output;
 
 use crate::mistakes::{calibrated, calibrated_in, rewritten, rewritten_in, with_entry};
-use crate::program::{Folder, code, run, stderr, stdout, text};
+use crate::program::{Folder, code, fed, run, stderr, stdout, text};
 use crate::self_calibrate::day;
 
 /// Columns of the day's trials.
@@ -141,11 +142,33 @@ fn inv_a_tumble_that_begins_gently_begins_at_rest() {
         &out,
     ]);
     assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let in_motion = |output: &Output| stderr(output).contains("begins in motion");
+    assert!(!in_motion(&output), "{}", stderr(&output));
+    // Nor as a stream of rows, but for one that begins where it moves.
+    let table = fs::read_to_string(&tumble).expect("reads");
+    let rows = table
+        .lines()
+        .filter(|line| line.starts_with(|c: char| !c.is_alphabetic() && c != '#'));
+    let limbs = |row: &str| row.split(',').take(9).collect::<Vec<_>>().join(",") + "\n";
+    let rows: Vec<String> = rows.map(limbs).collect();
+    let stream = [
+        "decouple",
+        &calibration,
+        "-",
+        "--rate",
+        "10000",
+        "--gain",
+        gains,
+    ];
+    let stream = [&stream[..], &["--down", "0,0,-1"]].concat();
+    let output = fed(&stream, &rows.concat());
     assert!(
-        !stderr(&output).contains("begins in motion"),
+        code(&output) == 0 && !in_motion(&output),
         "{}",
         stderr(&output)
     );
+    let output = fed(&stream, &rows[rows.len() / 2..].concat());
+    assert!(in_motion(&output), "{}", stderr(&output));
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! The program under test, and a place for what it writes.
 
+use std::io::Write;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -30,6 +31,23 @@ pub fn done(arguments: &[&str]) -> Output {
         stderr(&output)
     );
     output
+}
+
+/// Runs with a text on standard input.
+pub fn fed(arguments: &[&str], input: &str) -> Output {
+    let mut child = sixaxis()
+        .args(arguments)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    let mut pipe = child.stdin.take().expect("a pipe");
+    std::thread::scope(|scope| {
+        // A program that refuses its input does not read it to the end.
+        scope.spawn(move || drop(pipe.write_all(input.as_bytes())));
+        child.wait_with_output().expect("the program ends")
+    })
 }
 
 pub fn code(output: &Output) -> i32 {

@@ -1,12 +1,11 @@
 //! One run in the forms that recorders and scripts give it: the same answer in all, a refusal that says why, or a warning.
 
 use std::fs;
-use std::io::Write as _;
-use std::process::{Output, Stdio};
+use std::process::Output;
 use std::sync::OnceLock;
 
 use super::session::{ACCELERATIONS, LIMBS, apart, calibration, columns, voltages, write};
-use crate::program::{Folder, code, run, sixaxis, stderr, stdout, text};
+use crate::program::{Folder, code, fed, run, stderr, stdout, text};
 
 /// Largest difference of a column over its peak: text in six digits of a millisecond, or a clock in hours.
 const SAME: f64 = 1e-6;
@@ -279,27 +278,8 @@ fn neg_a_recorder_that_hung_is_told() {
 fn neg_a_streams_stamps_are_held_against_its_rate() {
     let run = the_run();
     let stream = |rows: &str, rate: &str| {
-        let calibration = calibration();
-        let mut child = sixaxis()
-            .args([
-                "decouple",
-                &calibration,
-                "-",
-                "--rate",
-                rate,
-                "--gain",
-                "0.05",
-            ])
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .expect("starts");
-        let mut input = child.stdin.take().expect("a pipe");
-        let rows = rows.to_owned();
-        let fed = std::thread::spawn(move || input.write_all(rows.as_bytes()));
-        let output = child.wait_with_output().expect("ends");
-        fed.join().expect("no panic").expect("takes it");
+        let decouple = ["decouple", &calibration(), "-", "--gain", "0.05"];
+        let output = fed(&[&decouple[..], &["--rate", rate]].concat(), rows);
         assert_eq!(code(&output), 0, "{}", stderr(&output));
         output
     };

@@ -1,14 +1,11 @@
 //! What a session says is honoured or refused, and another sensor's session is no session.
 
-use std::io::Write as _;
-use std::process::Stdio;
-
 use sixaxis_calibration::calibration::Calibration;
 
 use super::session::{
     ACCELERATIONS, LIMBS, apart, calibration, columns, compound, session, voltages, write,
 };
-use crate::program::{Folder, done, run, sixaxis, stderr, text};
+use crate::program::{Folder, done, fed, run, stderr, text};
 
 /// The session's file with something in it replaced, in a folder of its own.
 fn session_with(folder: &Folder, name: &str, from: &str, to: &str) -> String {
@@ -227,15 +224,6 @@ fn inv_limb_forces_that_do_not_add_up_are_named() {
 #[test]
 fn inv_a_stream_is_told_of_broken_sums_before_it_ends() {
     let (volts, rate_hz) = voltages();
-    let mut child = sixaxis()
-        .args(["decouple", &calibration(), "-", "--gain", "0.1"])
-        .args(["--rate", &rate_hz.to_string()])
-        .stdin(Stdio::piped())
-        .stdout(Stdio::null())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("starts");
-    let mut input = child.stdin.take().expect("a pipe");
     let mut rows = String::new();
     // Twice the run, to be long enough for a verdict before the end.
     for k in (0..volts[0].len()).chain(0..volts[0].len()) {
@@ -243,10 +231,9 @@ fn inv_a_stream_is_told_of_broken_sums_before_it_ends() {
         row.swap(0, 5);
         rows += &(row.join(",") + "\n");
     }
-    input.write_all(rows.as_bytes()).expect("takes it");
-    drop(input);
-    let ended = child.wait_with_output().expect("ends");
-    let said = stderr(&ended);
+    let (rate, calibration) = (rate_hz.to_string(), calibration());
+    let decouple = ["decouple", &calibration, "-", "--gain", "0.1", "--rate"];
+    let said = stderr(&fed(&[&decouple[..], &[&rate]].concat(), &rows));
     assert!(said.contains(&format!("{BROKEN_SUMS}: limbs")), "{said}");
     assert!(said.contains("warning: standard input, line "), "{said}");
     assert_eq!(said.matches(BROKEN_SUMS).count(), 1, "{said}");

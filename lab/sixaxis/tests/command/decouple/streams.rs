@@ -4,7 +4,7 @@ use std::io::{BufRead, BufReader, Write};
 use std::process::Stdio;
 
 use super::session::calibration;
-use crate::program::{sixaxis, stderr};
+use crate::program::{code, fed, sixaxis, stderr};
 
 #[test]
 fn inv_a_stream_answers_at_once_and_names_a_broken_row() {
@@ -81,4 +81,34 @@ fn inv_a_closed_pipe_ends_quietly() {
     let ended = child.wait_with_output().expect("ends");
     assert_eq!(ended.status.code(), Some(0), "{}", stderr(&ended));
     assert_eq!(stderr(&ended), "");
+}
+
+#[test]
+fn neg_what_a_stream_is_written_in_is_told() {
+    let calibration = calibration();
+    let decouple = [
+        "decouple",
+        &calibration,
+        "-",
+        "--rate",
+        "1000",
+        "--gain",
+        "0.1",
+    ];
+    let said = |row: &str| {
+        let output = fed(&decouple, &row.repeat(5));
+        (code(&output), stderr(&output))
+    };
+    let (code, refused) = said("0,1;0,2;0,3;0,4;0,5;0,6;0,7;0,8;0,9\n");
+    assert!(
+        code == 1 && refused.contains("decimal commas?"),
+        "{refused}"
+    );
+    let (code, told) = said("10,-20,100,700,0,20,30,40,-50\n");
+    assert!(
+        code == 0 && told.contains("700.0 V, which a converter of 10 V does not give; are the numbers millivolts (--unit mV)?"),
+        "{told}"
+    );
+    let (_, told) = said("1,-2,1,7,0,2,3,4,-10\n");
+    assert!(told.contains("at the converter's limit of 10 V"), "{told}");
 }

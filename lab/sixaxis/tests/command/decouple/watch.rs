@@ -61,6 +61,8 @@ fn ref_a_limb_that_dies_is_named_and_done_without() {
         .iter()
         .position(|&limbs| limbs == 5.0)
         .expect("a row without limb 5");
+    // What was done without does not break the sums of what is left.
+    assert!(!said.contains("add up to zero"), "{said}");
     // The recording is decoded once more: no row has the failed limb in it, and none is doubted.
     assert!(switched <= onset && flags[1].iter().all(|&limbs| limbs == 0.0));
     // A channel that delivers no numbers is as good as dead, at once.

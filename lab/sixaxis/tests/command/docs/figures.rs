@@ -331,7 +331,25 @@ fn the_rooms_in_the_docs_are_the_published_ones() {
     let percent =
         |room: &serde_json::Value, key: &str| format!("{:.1}", 100.0 * number(&room[key]));
     let both = |key| format!("{} and {} %", percent(gentle, key), percent(usual, key));
+    let of_kind = |room: &serde_json::Value, less: f64, what: &str| {
+        let sizes = room["one_kind"].as_array().expect("sizes");
+        let of_size = sizes.iter().find(|one| number(&one["less"]) == less);
+        number(&of_size.expect("this size")[what]["count"])
+    };
+    let days = number(&gentle["one_kind"][0]["good"]["of"]);
+    let of_both = |less, what| {
+        let [gentle, usual] = [gentle, usual].map(|room| of_kind(room, less, what));
+        format!("{gentle} and {usual}")
+    };
     for sentence in [
+        format!(
+            "Of {days} days in each room on which one channel shows 2 % less in the angular trials alone, {} are called good, and of {} the channel is named; \
+             with 1 % less {} and {} (`props/results/rooms.json`).",
+            of_both(0.02, "good"),
+            of_both(0.02, "named"),
+            of_both(0.01, "good"),
+            of_both(0.01, "named")
+        ),
         format!(
             "`props/results/rooms.json`, {sessions} healthy sessions of each, calibrated from their files: a share of 95 % has a standard error of {:.1} %",
             100.0 * (0.95 * 0.05 / sessions).sqrt()
