@@ -223,10 +223,7 @@ fn beyond_converter(
     // By the design, which is right to a factor of two, where a trial moves these channels; else by the zeros of the trials.
     let by_design = median(factors).map(|factor| (factor, "what the design makes one expect"));
     let by_zeros = || {
-        let mut all = at_rest
-            .into_iter()
-            .chain(cases.iter().map(|case| case.trial));
-        let factor = over_zeros(all.find(|trial| recordings.contains(&trial.name))?, cases)?;
+        let factor = over_zeros(at_rest?, cases)?;
         Some((factor, "the zeros of the linear trials"))
     };
     let (factor, of_what) = by_design
@@ -271,7 +268,7 @@ fn beyond_converter(
     channels
 }
 
-/// Means of a recording's channels over those of the linear trials, in the median channel: of what begins and ends at rest, its zeros.
+/// Means of a static record's channels over those of the linear trials, which begin and end at rest, in the median channel.
 fn over_zeros(rest: &Trial, cases: &[TrialCase<'_>]) -> Option<f64> {
     let of_channel = |channel: usize| {
         let linear = cases.iter().filter(|case| case.trial.role == Role::Linear);
