@@ -35,19 +35,15 @@ fn the_grades_in_the_docs_are_the_published_ones() {
                 .as_f64()
                 .expect("a median")
     };
-    let kinds = published["kinds"].as_array().expect("kinds");
-    let wrong = |kind: &str| {
-        let kind = kinds
-            .iter()
-            .find(|found| found["kind"] == kind)
-            .expect("a kind");
+    let wrong = published["kinds"].as_array().expect("kinds").iter();
+    let wrong = wrong.filter_map(|kind| {
         let bins = kind["bins"].as_array().expect("bins").iter();
         let counts = bins.map(|bin| bin["tally"]["wrong_cause"]["count"].as_u64());
-        counts.map(|count| count.expect("a count")).sum::<u64>()
-    };
-    let all_wrong = published["wrong_cause_of_named"]["count"].as_u64();
-    let told = wrong("inverted_small") + wrong("turned_flange");
-    assert_eq!(Some(told), all_wrong);
+        let count = counts.map(|count| count.expect("a count")).sum::<u64>();
+        let name = kind["kind"].as_str().expect("a name");
+        (count > 0).then(|| format!("{count} of `{name}`"))
+    });
+    let wrong = wrong.collect::<Vec<_>>().join(", ");
     let pairs = super::published("blind_mujoco");
     let of_pairs = |what: &str| share(&pairs[what]);
     let same_grade = of_pairs("same_grade");
@@ -74,11 +70,7 @@ fn the_grades_in_the_docs_are_the_published_ones() {
             "wrong cause: {} sessions that name one.",
             share(&published["wrong_cause_of_named"])
         ),
-        format!(
-            "Of the wrong ones {} have a channel inverted that shows little, and {} a flange that was turned;",
-            wrong("inverted_small"),
-            wrong("turned_flange"),
-        ),
+        format!("The wrong ones by kind of defect, as `simulate --defect` calls it: {wrong};"),
         format!(
             "only medians are published: {:.2} % in the gentle room, {:.2} % in the usual one.",
             decoupled_median("gentle"),
