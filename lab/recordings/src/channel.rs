@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
+use crate::began::{BEGAN, Began};
 use crate::error::{Error, Place, Result};
 use crate::session::LIMBS;
 use crate::unit::{Unit, in_name, named};
@@ -72,32 +73,6 @@ impl Channel {
             None if Self::from_heading(&self.name).name != self.name => format!("{} []", self.name),
             None => self.name.clone(),
         }
-    }
-}
-
-/// Property that says when a file's recording began.
-pub const BEGAN: &str = "wf_start_time";
-
-/// Date and time of a recording's first sample.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Began {
-    /// Since 1970, ns: in universal time, or by the clock on a wall.
-    pub ns: i128,
-    /// Whether that is universal time.
-    pub universal: bool,
-}
-
-impl Began {
-    /// So many seconds later.
-    pub fn later(self, later_s: f64) -> Self {
-        let ns = self.ns + (1e9 * later_s).round() as i128;
-        Self { ns, ..self }
-    }
-
-    /// Seconds from another beginning to this one; none between universal time and a wall's.
-    pub fn after(self, other: Self) -> Option<f64> {
-        let comparable = self.universal == other.universal;
-        comparable.then(|| crate::text::seconds(other.ns, self.ns))
     }
 }
 

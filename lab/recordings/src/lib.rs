@@ -30,6 +30,7 @@
 //! | [`whole`] | files that are read whole, up to a limit |
 //! | [`session`] | the session file: which recordings belong together, and what they do not say themselves |
 
+mod began;
 pub mod channel;
 pub mod draft;
 pub mod envelope;
@@ -56,7 +57,8 @@ pub mod unwinding;
 mod variables;
 pub mod whole;
 
-pub use channel::{BEGAN, Block, Channel, Layout};
+pub use began::BEGAN;
+pub use channel::{Block, Channel, Layout};
 pub use error::{Error, Result};
 pub use open::{create, open};
 pub use sink::Sink;

@@ -2,7 +2,7 @@
 //!
 //! Nobody measures how unequal nine limbs are, how much of its neighbour a channel shows, or where the sensor's centre is
 //! against the axis. Each of these is an unknown with a spread; and a spread that nobody states is itself estimated: the marginal
-//! likelihood has its maximum where
+//! likelihood is stationary where
 //!
 //! ```text
 //! sigma^2 = (sum x_j^2 + nu sigma_0^2)/(sum (1 - var x_j/sigma^2) + nu)

@@ -7,7 +7,8 @@ use super::kind::Kind;
 use super::object::{Object, join_path};
 use super::scaling::Scale;
 use super::value::{Timestamp, Value};
-use crate::channel::{BEGAN, Channel, LEFT_OUT, Layout, time_channel};
+use crate::began::BEGAN;
+use crate::channel::{Channel, LEFT_OUT, Layout, time_channel};
 
 /// How to read a channel of the layout.
 #[derive(Debug)]

@@ -7,7 +7,8 @@ use std::path::Path;
 
 use super::object::{join_path, split_path};
 use super::value::Timestamp;
-use crate::channel::{BEGAN, Channel, Layout};
+use crate::began::BEGAN;
+use crate::channel::{Channel, Layout};
 use crate::error::{Error, Result};
 use crate::sink::{self, Encoder, Sink};
 

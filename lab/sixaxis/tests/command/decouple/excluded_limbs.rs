@@ -1,12 +1,9 @@
 //! `--excluded`: what a lost channel says is not looked at, and sets that cannot be done without are refused.
 
-use std::io::Write;
-use std::process::Stdio;
-
 use super::session::{
     ACCELERATIONS, LIMBS, calibration, columns, compound, session, voltages, write,
 };
-use crate::program::{Folder, code, done, run, sixaxis, stderr, stdout, text};
+use crate::program::{Folder, code, done, fed, run, stderr, stdout, text};
 
 /// Largest difference from the healthy answer over its peak: the parameters are a laboratory's, which the rows of the healthy
 /// limbs do not fit exactly.
@@ -118,20 +115,14 @@ fn neg_limbs_are_numbers_that_stand_there_once() {
 
 #[test]
 fn inv_a_stream_does_not_read_a_lost_channel() {
-    let mut child = sixaxis()
-        .args(["decouple", &calibration(), "-", "--rate", "1000"])
-        .args(["--gain", "0.01", "--excluded", "5 , 9"])
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("starts");
-    let mut input = child.stdin.take().expect("a pipe");
-    for lost in ["0", "nan", "broken", "-inf"] {
-        writeln!(input, "0,0.1,0,0,{lost},0.1,0,0,{lost}").expect("takes it");
-    }
-    drop(input);
-    let ended = child.wait_with_output().expect("ends");
+    let lost = ["0", "nan", "broken", "-inf"];
+    let rows = lost.map(|lost| format!("0,0.1,0,0,{lost},0.1,0,0,{lost}\n"));
+    let (calibration, gain) = (calibration(), ["--gain", "0.01"]);
+    let decouple = ["decouple", &calibration, "-", "--rate", "1000"];
+    let ended = fed(
+        &[&decouple[..], &gain, &["--excluded", "5 , 9"]].concat(),
+        &rows.concat(),
+    );
     assert_eq!(code(&ended), 0, "{}", stderr(&ended));
     assert_eq!(stdout(&ended).lines().count(), 3);
     assert!(stderr(&ended).contains("note: without limbs 5 and 9"));
