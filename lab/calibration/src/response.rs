@@ -82,6 +82,8 @@ pub struct Response {
     pub peak_linear_m_s2: f64,
     /// Largest rate, rad/s.
     pub peak_rate_rad_s: f64,
+    /// Linear acceleration over the waveform: 1 where the waveform is the linear acceleration, 0 in a trial that only turns.
+    pub linear_over_waveform: f64,
     /// Angular acceleration over the waveform: 1 where the waveform is the angular acceleration.
     pub angular_over_waveform: f64,
     /// Whether the waveform is the linear acceleration.
@@ -190,13 +192,21 @@ pub fn measure(
         }
     });
     let squares: f64 = waveform.iter().map(|w| w * w).sum();
-    let product: f64 = waveform.iter().zip(&angular).map(|(w, a)| w * a).sum();
+    let over_waveform = |series: &[f64]| -> f64 {
+        let product = waveform.iter().zip(series).map(|(w, a)| w * a);
+        product.sum::<f64>() / squares
+    };
     Some(Response {
         channels,
         peak: peak_of(waveform),
         peak_linear_m_s2: peak_of(&linear),
         peak_rate_rad_s: peak_of(&rate),
-        angular_over_waveform: if turns { product / squares } else { 0.0 },
+        linear_over_waveform: match trial.role {
+            Role::Angular => 0.0,
+            _ if travels => 1.0,
+            _ => over_waveform(&linear),
+        },
+        angular_over_waveform: if turns { over_waveform(&angular) } else { 0.0 },
         travels,
         duration_s: samples as f64 / trial.sample_rate_hz,
         frequency_hz: frequency(waveform, trial.sample_rate_hz),

@@ -926,6 +926,73 @@ fn inv_odd_trials_are_told_by_what_explains_them() {
     }
 }
 
+/// In a run that travels and turns one standard's factor changes a part of what is expected, and of every channel another share.
+#[test]
+fn inv_one_standard_s_factor_in_a_compound_run_is_named() {
+    let of = |standard: &str, factor: f64| {
+        let mut day = Day::of(&healthy());
+        let (trial, conditioned) = &mut day.trials[COMPOUND];
+        let scaled = |v: &mut DVec3| *v *= factor;
+        if standard == "accelerometer" {
+            trial
+                .accelerometer_m_s2
+                .iter_mut()
+                .for_each(|a| *a *= factor);
+            conditioned.linear_ground_m_s2.iter_mut().for_each(scaled);
+        } else {
+            trial.gyroscope_rad_s.iter_mut().for_each(|w| *w *= factor);
+            conditioned.rate_shell_rad_s.iter_mut().for_each(scaled);
+            conditioned.angular_shell_rad_s2.iter_mut().for_each(scaled);
+        }
+        day
+    };
+    for (standard, factor, cause, said) in [
+        ("accelerometer", 1.0 / 9.80665, Cause::WrongScaling, "9.8"),
+        ("accelerometer", 1000.0, Cause::MillivoltMixUp, "1/1000"),
+        (
+            "accelerometer",
+            -1.0,
+            Cause::InvertedChannel,
+            "the other way round",
+        ),
+        ("accelerometer", 1.1, Cause::WrongScaling, "1/1.10"),
+        (
+            "gyroscope",
+            57.29578,
+            Cause::WrongScaling,
+            "degrees and radians",
+        ),
+        (
+            "gyroscope",
+            -1.0,
+            Cause::InvertedChannel,
+            "the other way round",
+        ),
+        ("gyroscope", 1e-6, Cause::Unreadable, "reads nothing"),
+        ("gyroscope", 0.9, Cause::WrongScaling, "1.11"),
+    ] {
+        let found = of(standard, factor).findings();
+        assert_eq!(found.len(), 1, "{standard} {factor}: {found:#?}");
+        let told = |words: &str| found[0].evidence.contains(words);
+        assert!(
+            found[0].cause == cause && told(standard) && told(said),
+            "{standard} {factor}: {found:#?}"
+        );
+    }
+}
+
+/// In a compound run two motions' shares may cancel in a channel, and never in all of them.
+#[test]
+fn inv_the_unit_of_a_compound_run_is_told() {
+    let day = with(COMPOUND..COMPOUND + 1, |_, _, u| 1000.0 * (u + 0.1));
+    day.shows(
+        Cause::MillivoltMixUp,
+        &[COMPOUND],
+        &[],
+        "times what the design makes one expect",
+    );
+}
+
 /// From one sample to another, what a loose cable leaves of a series.
 const LOOSE: core::ops::Range<usize> = 1500..2000;
 const LEFT: f64 = 0.01;

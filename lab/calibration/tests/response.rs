@@ -110,6 +110,8 @@ fn inv_terms_of_the_fit_come_out_again() {
             DERIVATIVE * ratio,
         );
         assert_eq!(found.travels, linear > 0.0);
+        let of_travel = if linear > 0.0 { 1.0 } else { 0.0 };
+        close("travel", found.linear_over_waveform, of_travel, 0.0);
         close("duration", found.duration_s, 4.001, DERIVATIVE);
         let frequency_hz = found.frequency_hz.expect("twenty cycles");
         close("frequency", frequency_hz, FREQUENCY_HZ, DERIVATIVE);

@@ -88,7 +88,8 @@ fn explain(
     // A factor on all channels leaves nothing over of their course.
     let course = unexplained_in_time(table, case, response);
     let explained = odd
-        .one_factor()
+        .one_standard()
+        .or_else(|| odd.one_factor())
         .map(|factor| course.unwrap_or(factor))
         .or_else(|| odd.one_channel())
         .or_else(|| odd.exchanged())

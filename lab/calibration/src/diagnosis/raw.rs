@@ -5,7 +5,7 @@ use sixaxis_core::LIMBS;
 use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
 
 use super::level::{cause_of, factor_in_words, is_thousand};
-use super::structure::over_design;
+use super::structure::{all_over_design, over_design};
 use super::trial_case::{Facts, TrialCase};
 use crate::finding::{Cause, Finding};
 use crate::series::{extent, mean_of, median};
@@ -215,7 +215,14 @@ fn beyond_converter(
             factors.extend(over);
         }
         // Channels of one recorder share its unit; those that stay within the range by chance are no better.
-        case.explained |= beyond.iter().filter(|b| **b).count() > LIMBS / 2;
+        let all = beyond.iter().filter(|b| **b).count() > LIMBS / 2;
+        if all && case.trial.role == Role::Validation {
+            let over = shares
+                .as_ref()
+                .and_then(|shares| all_over_design(shares, facts, case));
+            factors.extend(over);
+        }
+        case.explained |= all;
     }
     if recordings.is_empty() {
         return channels;
@@ -223,7 +230,8 @@ fn beyond_converter(
     // By the design, which is right to a factor of two, where a trial moves these channels; else by the zeros of the trials.
     let by_design = median(factors).map(|factor| (factor, "what the design makes one expect"));
     let by_zeros = || {
-        let factor = over_zeros(at_rest?, cases)?;
+        let at_rest = at_rest.filter(|rest| recordings.contains(&rest.name))?;
+        let factor = over_zeros(at_rest, cases)?;
         Some((factor, "the zeros of the linear trials"))
     };
     let (factor, of_what) = by_design

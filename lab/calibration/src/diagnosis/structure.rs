@@ -107,6 +107,25 @@ pub fn over_design(
     (case.trial.role != Role::Validation && expected > 0.15 * largest).then_some(seen / expected)
 }
 
+/// Size of all channels' responses together over what the design makes one expect, which no cancelling of two motions' shares in one
+/// of them spoils.
+#[must_use]
+pub fn all_over_design(
+    shares: &StaticLoadSharing,
+    facts: &Facts<'_>,
+    case: &TrialCase<'_>,
+) -> Option<f64> {
+    let design = Table {
+        shares: *shares,
+        mass_over_scale_kg: facts.design.scale_per_mass_per_kg.map(f64::recip),
+        inertia_m2: Some(facts.design.inertia_per_mass.matrix_mass_m2()),
+        angle_error: 0.0,
+        silent: [false; LIMBS],
+    };
+    let (seen, expected) = design.compare(case, case.response.as_ref()?);
+    Some(norm(&seen) / norm(&expected))
+}
+
 /// Channels that show no signal in any trial, or none in some.
 pub fn silent(
     shares: &StaticLoadSharing,

@@ -80,9 +80,8 @@ impl Table {
             }
             let share_of = |d: DVec3| self.shares.of_acceleration(channel).dot(d);
             let mut ratios: Vec<(f64, f64)> = usable(cases)
-                .filter(|(case, response)| {
-                    response.travels
-                        && response.angular_over_waveform == 0.0
+                .filter(|(case, _)| {
+                    !matches!(case.trial.role, Role::Angular | Role::Validation)
                         && !case.ignored[channel]
                 })
                 .filter_map(|(case, response)| {
@@ -99,7 +98,7 @@ impl Table {
     fn fit_inertia(&mut self, cases: &[TrialCase<'_>]) {
         let observations: Vec<(usize, [f64; 6], f64)> = usable(cases)
             .enumerate()
-            .filter(|(_, (_, response))| !response.travels)
+            .filter(|(_, (case, _))| case.trial.role == Role::Angular)
             .flat_map(|(index, (case, response))| {
                 let n = case.trial.direction_ground;
                 (0..LIMBS)
@@ -158,11 +157,7 @@ impl Table {
     /// its m/s: m/s^2 over m/s^2, or m^2 over 1.
     #[must_use]
     pub fn share(&self, channel: usize, response: &Response) -> DVec3 {
-        let linear = if response.travels {
-            self.shares.of_acceleration(channel)
-        } else {
-            DVec3::ZERO
-        };
+        let linear = response.linear_over_waveform * self.shares.of_acceleration(channel);
         let turning = response.angular_over_waveform;
         match self.inertia_m2 {
             // I is symmetric: t . I n = (I t) . n.
@@ -261,9 +256,10 @@ impl Table {
     #[must_use]
     pub fn cost(&self, cases: &[TrialCase<'_>], cap: f64) -> f64 {
         usable(cases)
-            .filter(|(_, response)| {
-                response.travels && response.angular_over_waveform == 0.0
-                    || !response.travels && self.inertia_m2.is_some()
+            .filter(|(case, _)| match case.trial.role {
+                Role::Validation => false,
+                Role::Angular => self.inertia_m2.is_some(),
+                _ => true,
             })
             .map(|(case, response)| {
                 let (seen, expected) = self.compare(case, response);

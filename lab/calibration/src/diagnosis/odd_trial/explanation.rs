@@ -10,15 +10,22 @@ use sixaxis_core::LIMBS;
 pub(crate) use gains::OTHER_RANGES;
 
 use super::NOTICED;
-use crate::diagnosis::level::{cause_of, of_one_channel};
+use crate::diagnosis::level::{
+    cause_of, factor_in_words, of_one_channel, reason, reason_of_a_rate,
+};
 use crate::diagnosis::table::Table;
 use crate::diagnosis::trial_case::TrialCase;
 use crate::finding::{Cause, Finding};
 use crate::response::Response;
 use crate::trial::Trial;
+use sixaxis_recordings::session::Role;
 
 /// How near to -1 a factor on all channels is of a motion the other way.
 const OPPOSITE: f64 = 0.1;
+/// Times what a standard reads from which it reads nothing: beyond any unit and any sensitivity.
+const NOTHING: f64 = 1e4;
+/// Share of what one explanation leaves that another one leaves where it is the better of two.
+const CLEARLY: f64 = 0.5;
 /// Share of the departure that may be left once a cause is taken into account.
 const LEFT: f64 = 0.1;
 /// Angle from which a wedge is called loose, degrees; what is below is its workshop's tolerance.
@@ -86,17 +93,17 @@ impl<'a> Odd<'a> {
         (LEFT * self.departure).max(0.5 * NOTICED)
     }
 
+    /// How much of `own` explains what `other` does not, by least squares, and what both leave.
+    fn amount(&self, own: &[f64; LIMBS], other: &[f64; LIMBS]) -> (f64, f64) {
+        let sum = |of: &dyn Fn(usize) -> f64| self.counts.iter().map(|i| of(*i)).sum::<f64>();
+        let amount = sum(&|i| (self.seen[i] - other[i]) * own[i]) / sum(&|i| own[i] * own[i]);
+        (amount, self.rest(&|i| amount * own[i] + other[i]))
+    }
+
     /// One factor on all channels.
     pub(super) fn one_factor(&self) -> Option<Finding> {
-        let (seen, expected) = (&self.seen, &self.expected);
-        let product: f64 = self.counts.iter().map(|i| seen[*i] * expected[*i]).sum();
-        let squares: f64 = self
-            .counts
-            .iter()
-            .map(|i| expected[*i] * expected[*i])
-            .sum();
-        let common = product / squares;
-        (self.rest(&|i| common * expected[i]) < self.enough()).then(|| Finding {
+        let (common, left) = self.amount(&self.expected, &[0.0; LIMBS]);
+        (left < self.enough()).then(|| Finding {
             recordings: vec![self.case.trial.name.clone()],
             evidence: format!(
                 "all channels are {common:.4} times what the other trials make one expect"
@@ -108,6 +115,71 @@ impl<'a> Odd<'a> {
             }
             .to_owned(),
             ..Finding::of(cause_of(common))
+        })
+    }
+
+    /// One standard's factor, where a run travels and turns: the channels have their shares of what the other standard reads, and of this
+    /// one's motion another amount.
+    pub(super) fn one_standard(&self) -> Option<Finding> {
+        if self.case.trial.role != Role::Validation {
+            return None;
+        }
+        let share = |linear: f64, angular: f64| -> [f64; LIMBS] {
+            let of = Response {
+                linear_over_waveform: linear,
+                angular_over_waveform: angular,
+                ..self.response.clone()
+            };
+            self.table.compare(self.case, &of).1
+        };
+        let read = (
+            self.response.linear_over_waveform,
+            self.response.angular_over_waveform,
+        );
+        // Where hardly anything but one of both moves the channels, its factor is next to one on all of them.
+        let (_, by_one_factor) = self.amount(&self.expected, &[0.0; LIMBS]);
+        let limit = self.enough().min(CLEARLY * by_one_factor);
+        let amount = |own: [f64; LIMBS], other: [f64; LIMBS]| {
+            let (amount, left) = self.amount(&own, &other);
+            (left < limit).then_some(amount)
+        };
+        let (standard, factor, why) = amount(share(1.0, 0.0), share(0.0, read.1))
+            .map(|amount| amount / read.0)
+            .map(|factor| ("accelerometer", factor, reason(factor)))
+            .or_else(|| {
+                let factor = amount(share(0.0, 1.0), share(read.0, 0.0))? / read.1;
+                Some(("gyroscope", factor, reason_of_a_rate(factor)))
+            })?;
+        let found = |cause: Cause, evidence: String| Finding {
+            recordings: vec![self.case.trial.name.clone()],
+            evidence,
+            advice: format!(
+                "check unit, sensitivity, polarity and cable of the standard {standard} in this recording"
+            ),
+            ..Finding::of(cause)
+        };
+        Some(if factor.abs() > NOTHING {
+            found(
+                Cause::Unreadable,
+                format!(
+                    "the standard {standard} reads nothing of the motion that the channels show"
+                ),
+            )
+        } else if (factor + 1.0).abs() < OPPOSITE {
+            found(
+                Cause::InvertedChannel,
+                format!(
+                    "the standard {standard} reads the other way round than in the other trials"
+                ),
+            )
+        } else {
+            found(
+                cause_of(factor),
+                format!(
+                    "by the channels the true motion is {} what the standard {standard} reads; {why}",
+                    factor_in_words(factor)
+                ),
+            )
         })
     }
 
