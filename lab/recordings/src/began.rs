@@ -1,5 +1,7 @@
 //! When a recording began, by a date.
 
+use chrono::DateTime;
+
 /// Property that says when a file's recording began.
 pub const BEGAN: &str = "wf_start_time";
 
@@ -13,6 +15,13 @@ pub(crate) struct Began {
 }
 
 impl Began {
+    /// Date and time after ISO 8601; none of a year that no calendar has.
+    pub fn text(self) -> Option<String> {
+        let time = DateTime::from_timestamp_nanos(i64::try_from(self.ns).ok()?);
+        let zone = if self.universal { "Z" } else { "" };
+        Some(format!("{}{zone}", time.format("%Y-%m-%dT%H:%M:%S%.9f")))
+    }
+
     /// So many seconds later.
     pub fn later(self, later_s: f64) -> Self {
         let ns = self.ns + (1e9 * later_s).round() as i128;

@@ -8,9 +8,8 @@ use std::path::{Path, PathBuf};
 
 use ::parquet::file::reader::{FileReader, SerializedFileReader};
 use expected::{bits, corrupted, folder, rows};
-use sixaxis_recordings::channel::{Block, Channel, Layout};
 use sixaxis_recordings::error::{Error, Place};
-use sixaxis_recordings::{create, open, parquet};
+use sixaxis_recordings::{Block, Channel, Layout, create, open, parquet};
 
 fn own(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("parquet");
@@ -101,6 +100,12 @@ fn what_the_metadata_say_is_in_the_layout() {
             .iter()
             .all(|c| c.unit.as_deref() == Some("s"))
     );
+    let began = |name: &str| &source.layout().properties[&format!("{name}/first_timestamp")];
+    for name in ["stamp_ms", "stamp_us", "stamp_ns"] {
+        assert_eq!(began(name), "2026-03-01T12:00:00.000000000");
+    }
+    assert_eq!(began("stamp_utc"), "2026-03-01T12:00:00.000000000Z");
+    assert_eq!(source.layout().properties.len(), 4);
 
     let source = open(&folder("parquet").join("durations.parquet")).unwrap();
     let units: Vec<_> = source

@@ -15,8 +15,8 @@ pub(super) enum Meaning {
     Unsigned,
     /// IEEE binary16 in two bytes.
     Half,
-    /// Points in time, so many per second.
-    Stamp(f64),
+    /// Points in time since 1970, so many per second, by universal time or by the clock on a wall.
+    Stamp { per_second: f64, universal: bool },
     /// Durations or times of day, so many per second.
     Span(f64),
 }
@@ -24,7 +24,7 @@ pub(super) enum Meaning {
 impl Meaning {
     /// The unit that follows from it.
     pub(super) fn unit(self) -> Option<&'static str> {
-        matches!(self, Self::Stamp(_) | Self::Span(_)).then_some("s")
+        matches!(self, Self::Stamp { .. } | Self::Span(_)).then_some("s")
     }
 }
 
@@ -50,9 +50,10 @@ pub(super) fn meaning(column: &ColumnDescriptor) -> Result<Meaning, String> {
             } else {
                 Meaning::Unsigned
             }),
-            (LogicalType::Timestamp(kind), Type::INT64) => {
-                Ok(Meaning::Stamp(per_second(&kind.unit)))
-            }
+            (LogicalType::Timestamp(kind), Type::INT64) => Ok(Meaning::Stamp {
+                per_second: per_second(&kind.unit),
+                universal: kind.is_adjusted_to_u_t_c,
+            }),
             (LogicalType::Time(kind), Type::INT32 | Type::INT64) => {
                 Ok(Meaning::Span(per_second(&kind.unit)))
             }
@@ -62,6 +63,10 @@ pub(super) fn meaning(column: &ColumnDescriptor) -> Result<Meaning, String> {
             _ => strange(logical),
         };
     }
+    let stamp = |per_second, universal| Meaning::Stamp {
+        per_second,
+        universal,
+    };
     match (column.converted_type(), physical) {
         (
             ConvertedType::NONE,
@@ -71,12 +76,12 @@ pub(super) fn meaning(column: &ColumnDescriptor) -> Result<Meaning, String> {
         | (ConvertedType::INT_64, Type::INT64) => Ok(Meaning::Plain),
         (ConvertedType::UINT_8 | ConvertedType::UINT_16 | ConvertedType::UINT_32, Type::INT32)
         | (ConvertedType::UINT_64, Type::INT64) => Ok(Meaning::Unsigned),
-        (ConvertedType::TIMESTAMP_MILLIS, Type::INT64) => Ok(Meaning::Stamp(1e3)),
-        (ConvertedType::TIMESTAMP_MICROS, Type::INT64) => Ok(Meaning::Stamp(1e6)),
+        (ConvertedType::TIMESTAMP_MILLIS, Type::INT64) => Ok(stamp(1e3, true)),
+        (ConvertedType::TIMESTAMP_MICROS, Type::INT64) => Ok(stamp(1e6, true)),
         (ConvertedType::TIME_MILLIS, Type::INT32) => Ok(Meaning::Span(1e3)),
         (ConvertedType::TIME_MICROS, Type::INT64) => Ok(Meaning::Span(1e6)),
         // Twelve bytes, only ever used for time stamps in nanoseconds.
-        (ConvertedType::NONE, Type::INT96) => Ok(Meaning::Stamp(1e9)),
+        (ConvertedType::NONE, Type::INT96) => Ok(stamp(1e9, false)),
         (ConvertedType::NONE, _) => strange(&physical),
         (converted, _) => strange(&converted),
     }
@@ -129,7 +134,9 @@ pub(super) fn append(
                 u64::from_ne_bytes(v.to_ne_bytes()) as f64
             }),
             Meaning::Span(rate) => convert(reader, rows, out, |v| *v as f64 / rate),
-            Meaning::Stamp(rate) => convert(reader, rows, out, |v| since(first, *v, rate)),
+            Meaning::Stamp { per_second, .. } => {
+                convert(reader, rows, out, |v| since(first, *v, per_second))
+            }
             _ => convert(reader, rows, out, |v| *v as f64),
         },
         ColumnReader::Int96ColumnReader(reader) => {

@@ -24,7 +24,7 @@ mod pages;
 mod sink;
 mod source;
 
-pub use crate::channel::LEFT_OUT;
+pub use crate::layout::LEFT_OUT;
 pub(crate) use sink::create;
 pub(crate) use source::open;
 

@@ -15,7 +15,8 @@ use ::parquet::file::writer::SerializedFileWriter;
 use ::parquet::schema::types::Type;
 
 use super::{HEADING_KEY, LEFT_OUT, OFFSET_KEY, RATE_KEY};
-use crate::channel::{Channel, Layout};
+use crate::channel::Channel;
+use crate::layout::Layout;
 use crate::sink::{self, Encoder, Sink};
 
 /// Rows of a row group: what is held in memory, and what a reader may fetch by itself.

@@ -13,8 +13,10 @@ use super::arrow;
 use super::column::{Meaning, Trouble, append, meaning};
 use super::pages::page_reader;
 use super::{HEADING_KEY, LEFT_OUT, OFFSET_KEY, RATE_KEY};
-use crate::channel::{Channel, Layout, is_sample_rate};
+use crate::began::Began;
+use crate::channel::{Channel, is_sample_rate};
 use crate::error::{Error, Place, Result};
+use crate::layout::Layout;
 use crate::source::{Decoder, Source, reading};
 use crate::unit::in_name;
 use crate::unwinding::caught;
@@ -84,17 +86,41 @@ pub(crate) fn open(path: &Path) -> Result<Box<dyn Source>> {
         ParquetMetaDataReader::new().parse_and_finish(&file)
     })?
     .map_err(|error| refused(path, Place::Byte(length), "footer", &error))?;
-    let (layout, columns) = arrange(path, &metadata)?;
-    let parquet = Parquet {
+    let (mut layout, columns) = arrange(path, &metadata)?;
+    let mut parquet = Parquet {
         path: path.to_owned(),
         file,
         metadata,
         columns,
     };
+    for channel in 0..layout.channels.len() {
+        if let Some(began) = parquet.began(&layout, channel) {
+            let name = format!("{}/first_timestamp", layout.channels[channel].name);
+            layout.properties.insert(name, began);
+        }
+    }
     Ok(reading(path, layout, parquet))
 }
 
 impl Parquet {
+    /// Date and time of the first sample of a channel of time stamps; none where it cannot be read, which who reads it is told.
+    fn began(&mut self, layout: &Layout, channel: usize) -> Option<String> {
+        let (
+            _,
+            Meaning::Stamp {
+                per_second,
+                universal,
+            },
+        ) = self.columns[channel]
+        else {
+            return None;
+        };
+        let mut at = self.start(layout, &[channel], 0).ok()?;
+        self.next(&mut at, layout, &mut [Vec::new()], 1).ok()?;
+        let ns = (1e9 / per_second) as i128 * i128::from(at.selected[0].first_stamp?);
+        Began { ns, universal }.text()
+    }
+
     /// Opens the selected channels' chunks of the current row group.
     fn open_group(&self, at: &mut Position, layout: &Layout) -> Result<()> {
         let group = self.metadata.row_group(at.group);
