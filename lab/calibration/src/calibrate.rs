@@ -337,17 +337,16 @@ fn undetermined(parameters: &[ParameterReport]) -> Option<Finding> {
     let names: Vec<String> = open.iter().map(Parameter::to_string).collect();
     // No direction loads one limb alone: where one scale factor is open, it is the channel that shows nothing.
     let (cause, channels) = match open[..] {
-        [Parameter::Scale(limb)] => (Cause::Unexplained, vec![limb + 1]),
+        [Parameter::Scale(limb)] => (Cause::Unexplained, vec![limb]),
         _ => (Cause::UnderExcitedAxis, Vec::new()),
     };
-    (!names.is_empty()).then(|| Finding {
-        channels,
-        evidence: format!(
+    (!names.is_empty()).then(|| {
+        let evidence = format!(
             "the trials leave {} open: their 95 % intervals are wider than the values themselves",
             names.join(", ")
-        ),
-        advice: "record more trials of steps 2 and 3, on more wedges".to_owned(),
-        ..Finding::of(cause)
+        );
+        let advice = "record more trials of steps 2 and 3, on more wedges";
+        Finding::new(cause, evidence, advice).on_channels(channels)
     })
 }
 

@@ -105,13 +105,10 @@ fn without_motion(trials: &mut Vec<Trial>) -> Option<Finding> {
     let still: Vec<Trial> = trials
         .extract_if(.., |trial| nothing_moves(trial))
         .collect();
-    (!still.is_empty()).then(|| Finding {
-        recordings: still.into_iter().map(|trial| trial.name).collect(),
-        evidence: "nothing moves: standard and channels show noise alone".to_owned(),
-        advice: "see whether the drive ran, and whether the file is this trial's; record it again"
-            .to_owned(),
-        ..Finding::of(Cause::Unreadable)
-    })
+    let evidence = "nothing moves: standard and channels show noise alone";
+    let advice = "see whether the drive ran, and whether the file is this trial's; record it again";
+    let finding = Finding::new(Cause::Unreadable, evidence, advice);
+    (!still.is_empty()).then(|| finding.in_recordings(still.into_iter().map(|trial| trial.name)))
 }
 
 /// Takes out the trials whose drive is stated to be another's altogether, or whose standard does not show it, and says so.
@@ -141,12 +138,8 @@ fn of_other_drives(trials: &mut Vec<Trial>) -> Vec<Finding> {
         (name, trial.frequency_hz, *seen_hz)
     });
     if let Some(evidence) = exchanged(&each.collect::<Vec<_>>()) {
-        return vec![Finding {
-            evidence,
-            recordings: apart.into_iter().map(|(trial, _)| trial.name).collect(),
-            advice: EXCHANGED.to_owned(),
-            ..Finding::of(Cause::ClockMismatch)
-        }];
+        let finding = Finding::new(Cause::ClockMismatch, evidence, EXCHANGED);
+        return vec![finding.in_recordings(apart.into_iter().map(|(trial, _)| trial.name))];
     }
     let mut found = Vec::new();
     apart.retain(|(trial, seen_hz)| {
@@ -154,14 +147,11 @@ fn of_other_drives(trials: &mut Vec<Trial>) -> Vec<Finding> {
         let Some(limbs_hz) = of_limbs_hz(trial).filter(as_stated) else {
             return true;
         };
-        found.push(Finding {
-            recordings: vec![trial.name.clone()],
-            evidence: format!(
-                "the nine channels move at {limbs_hz:.3} Hz, as stated, and the standard does not: by its signal it would be {seen_hz:.3} Hz"
-            ),
-            advice: "see the plug of the standard that this trial needs, reference_file and reference_start_s, and record the trial again".to_owned(),
-            ..Finding::of(Cause::Unreadable)
-        });
+        let evidence = format!(
+            "the nine channels move at {limbs_hz:.3} Hz, as stated, and the standard does not: by its signal it would be {seen_hz:.3} Hz"
+        );
+        let advice = "see the plug of the standard that this trial needs, reference_file and reference_start_s, and record the trial again";
+        found.push(Finding::new(Cause::Unreadable, evidence, advice).in_trial(trial));
         false
     });
     found.extend(of_another_drive(&apart, all));
@@ -178,20 +168,14 @@ fn of_another_drive(trials: &[(Trial, f64)], all: usize) -> Option<Finding> {
     let most = factors().fold(0.0, f64::max);
     let least = factors().fold(f64::INFINITY, f64::min);
     let by_the_clock = trials.len() == all && all > 1 && most < ALIKE * least;
-    Some(Finding {
-        evidence: format!(
-            "{}{}",
-            if trials.len() > 1 {
-                "in the first of them "
-            } else {
-                ""
-            },
-            both_in_words(first.frequency_hz, *seen_hz)
-        ),
-        recordings: trials.iter().map(|(trial, _)| trial.name.clone()).collect(),
-        advice: what_to_correct((most * least).sqrt(), by_the_clock).to_owned(),
-        ..Finding::of(Cause::ClockMismatch)
-    })
+    let both = both_in_words(first.frequency_hz, *seen_hz);
+    let evidence = match trials.len() {
+        1 => both,
+        _ => format!("in the first of them {both}"),
+    };
+    let advice = what_to_correct((most * least).sqrt(), by_the_clock);
+    let finding = Finding::new(Cause::ClockMismatch, evidence, advice);
+    Some(finding.in_recordings(trials.iter().map(|(trial, _)| &trial.name)))
 }
 
 /// Frequencies that were seen, over the stated ones, of one or of all recordings: what to correct.

@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::trial::Trial;
+
 /// What can be wrong.
 #[derive(
     Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
@@ -93,15 +95,39 @@ pub struct Finding {
 }
 
 impl Finding {
-    /// A cause, with nothing said yet: of all recordings, and of no channel in particular.
-    pub(crate) const fn of(cause: Cause) -> Self {
+    /// A cause, what was seen and what to do: of all recordings, and of no channel in particular.
+    pub(crate) fn new(
+        cause: Cause,
+        evidence: impl Into<String>,
+        advice: impl Into<String>,
+    ) -> Self {
         Self {
             cause,
             recordings: Vec::new(),
             channels: Vec::new(),
-            evidence: String::new(),
-            advice: String::new(),
+            evidence: evidence.into(),
+            advice: advice.into(),
         }
+    }
+
+    /// The same of these recordings alone; of all if there are none.
+    pub(crate) fn in_recordings(
+        mut self,
+        recordings: impl IntoIterator<Item = impl Into<String>>,
+    ) -> Self {
+        self.recordings = recordings.into_iter().map(Into::into).collect();
+        self
+    }
+
+    /// The same of one trial's recording alone.
+    pub(crate) fn in_trial(self, trial: &Trial) -> Self {
+        self.in_recordings([&trial.name])
+    }
+
+    /// The same of these limbs' channels, counted from 0; of none in particular if there are none.
+    pub(crate) fn on_channels(mut self, limbs: impl IntoIterator<Item = usize>) -> Self {
+        self.channels = limbs.into_iter().map(|limb| limb + 1).collect();
+        self
     }
 
     /// The evidence with where it was found.

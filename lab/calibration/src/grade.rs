@@ -113,12 +113,13 @@ pub(crate) fn failures(
             if let Some(error) = error
                 && error > BEYOND_DOUBT * limit / 100.0
             {
-                failures.push(Finding {
-                    recordings: vec![report.name.clone()],
-                    evidence: format!("{what} {} %, where the session asks for {limit} %", beside(error, limit)),
-                    advice: "check wedges, mounting and preprocessing; with a level axis, or a wedge off by a tenth of a degree, the open loop is no better".to_owned(),
-                    ..Finding::of(Cause::Unexplained)
-                });
+                let evidence = format!(
+                    "{what} {} %, where the session asks for {limit} %",
+                    beside(error, limit)
+                );
+                let advice = "check wedges, mounting and preprocessing; with a level axis, or a wedge off by a tenth of a degree, the open loop is no better";
+                let finding = Finding::new(Cause::Unexplained, evidence, advice);
+                failures.push(finding.in_recordings([&report.name]));
             }
         }
     }
@@ -144,11 +145,7 @@ pub(crate) fn failures(
                 "see whether a channel's gain, plug or sensitivity changed between the linear and the angular trials",
             ),
         };
-        failures.push(Finding {
-            evidence,
-            advice: advice.to_owned(),
-            ..Finding::of(cause)
-        });
+        failures.push(Finding::new(cause, evidence, advice));
     }
     failures
 }

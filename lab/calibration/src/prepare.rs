@@ -206,10 +206,9 @@ fn missing(trials: &[Trial]) -> impl Iterator<Item = Finding> {
     wanted
         .into_iter()
         .filter(|(role, ..)| !trials.iter().any(|trial| trial.role == *role))
-        .map(|(_, lacks, advice)| Finding {
-            evidence: format!("the session has {lacks}"),
-            advice: advice.to_owned(),
-            ..Finding::of(Cause::Unreadable)
+        .map(|(_, lacks, advice)| {
+            let evidence = format!("the session has {lacks}");
+            Finding::new(Cause::Unreadable, evidence, advice)
         })
 }
 
@@ -255,12 +254,8 @@ fn lost(
     advice: &str,
 ) -> Option<Finding> {
     let lost = || trials.iter().filter(|trial| evidence(trial).is_some());
-    Some(Finding {
-        recordings: lost().map(|trial| trial.name.clone()).collect(),
-        evidence: evidence(lost().next()?)?,
-        advice: advice.to_owned(),
-        ..Finding::of(Cause::Unreadable)
-    })
+    let finding = Finding::new(Cause::Unreadable, evidence(lost().next()?)?, advice);
+    Some(finding.in_recordings(lost().map(|trial| &trial.name)))
 }
 
 /// Standard deviation of a standard within what is taken for rest, over that of the whole run, beyond which it is none.
@@ -285,18 +280,17 @@ fn moves_at_rest(trials: &[Trial], rest_s: f64) -> Option<Finding> {
             })
     };
     let moving: Vec<&Trial> = trials.iter().filter(moves).collect();
-    (!moving.is_empty()).then(|| Finding {
-        recordings: if moving.len() == trials.len() {
-            Vec::new()
-        } else {
-            moving.iter().map(|trial| trial.name.clone()).collect()
-        },
-        evidence: format!(
-            "preprocessing.detrend lays a line through the first and the last {rest_s} s as rests, and the standards move there"
-        ),
-        advice: "take preprocessing.detrend out of the session, or state the rest_s that the runs have".to_owned(),
-        ..Finding::of(Cause::Unreadable)
-    })
+    let evidence = format!(
+        "preprocessing.detrend lays a line through the first and the last {rest_s} s as rests, and the standards move there"
+    );
+    let advice =
+        "take preprocessing.detrend out of the session, or state the rest_s that the runs have";
+    let finding = Finding::new(Cause::Unreadable, evidence, advice);
+    match moving.len() {
+        0 => None,
+        all if all == trials.len() => Some(finding),
+        _ => Some(finding.in_recordings(moving.iter().map(|trial| &trial.name))),
+    }
 }
 
 /// Takes out trials that are another one's copy, sample by sample: they would count as evidence of their own.
@@ -387,10 +381,5 @@ fn unreadable(findings: &mut Vec<Finding>, name: &str, evidence: &str, advice: &
         known.recordings.push(name.to_owned());
         return;
     }
-    findings.push(Finding {
-        recordings: vec![name.to_owned()],
-        evidence: evidence.to_owned(),
-        advice: advice.to_owned(),
-        ..Finding::of(Cause::Unreadable)
-    });
+    findings.push(Finding::new(Cause::Unreadable, evidence, advice).in_recordings([name]));
 }

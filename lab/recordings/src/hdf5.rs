@@ -26,9 +26,9 @@ use hdf5_reader::error::Error as Hdf5Error;
 use hdf5_reader::group::Group;
 use hdf5_reader::{Attribute, Hdf5File, OpenOptions};
 
-pub use crate::channel::LEFT_OUT;
 use crate::channel::is_sample_rate;
 use crate::error::{Error, Place, Result};
+pub use crate::layout::LEFT_OUT;
 use crate::source::Source;
 use crate::variables::{Content, Elements, Variable, arrange};
 

@@ -7,7 +7,9 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | [`channel`] | what a file says of its channels |
+//! | [`channel`] | one channel: its name and unit |
+//! | `layout` | what a file says before its samples are read |
+//! | `block` | samples of some channels |
 //! | `source`, `sink` | the traits [`Source`] and [`Sink`], and what all formats have in common of them |
 //! | [`kind`] | what a file is that was named where another was expected |
 //! | `open` | [`open()`] and [`create`]: which format a file has |
@@ -31,6 +33,7 @@
 //! | [`session`] | the session file: which recordings belong together, and what they do not say themselves |
 
 mod began;
+mod block;
 pub mod channel;
 pub mod draft;
 pub mod envelope;
@@ -39,6 +42,7 @@ pub mod hdf5;
 pub mod ingest;
 pub mod inspect;
 pub mod kind;
+mod layout;
 pub mod matlab;
 pub mod motion;
 mod numbers;
@@ -58,8 +62,10 @@ mod variables;
 pub mod whole;
 
 pub use began::BEGAN;
-pub use channel::{Block, Channel, Layout};
+pub use block::Block;
+pub use channel::Channel;
 pub use error::{Error, Result};
+pub use layout::Layout;
 pub use open::{create, open};
 pub use sink::Sink;
 pub use source::Source;

@@ -4,9 +4,9 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use crate::channel::Layout;
 use crate::error::{Error, Result};
 use crate::kind::Kind;
+use crate::layout::Layout;
 use crate::sink::Sink;
 use crate::source::Source;
 use crate::whole::check_regular;

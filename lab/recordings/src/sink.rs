@@ -4,9 +4,11 @@ use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::channel::{Block, Layout, MOST_CHANNELS};
+use crate::block::Block;
+use crate::channel::MOST_CHANNELS;
 use crate::draft::Draft;
 use crate::error::{Error, Place, Result};
+use crate::layout::Layout;
 
 /// A recording being written. Dropped before [`Sink::finish`], it leaves no trace.
 pub trait Sink: Send {

@@ -3,8 +3,9 @@
 use std::mem::replace;
 use std::path::{Path, PathBuf};
 
-use crate::channel::{Block, Layout};
+use crate::block::Block;
 use crate::error::{Error, Place, Result};
+use crate::layout::Layout;
 
 /// An open recording.
 pub trait Source: Send {

@@ -3,10 +3,9 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use crate::channel::{
-    Channel, LEFT_OUT, Layout, MOST_CHANNELS, is_rate, is_sample_rate, time_channel,
-};
+use crate::channel::{Channel, MOST_CHANNELS, is_rate, is_sample_rate, time_channel};
 use crate::error::{Error, Result};
+use crate::layout::{LEFT_OUT, Layout};
 use crate::source::{Decoder, Source, reading};
 
 /// The numbers of a variable, column by column as MATLAB has them.

@@ -7,9 +7,8 @@ use std::fs;
 use std::path::Path;
 
 use expected::{bits, corrupted, folder, rows};
-use sixaxis_recordings::channel::Block;
 use sixaxis_recordings::error::Error;
-use sixaxis_recordings::{matlab, open};
+use sixaxis_recordings::{Block, matlab, open};
 
 /// Channels and properties that a file is to have.
 type Expected = (Vec<(String, Vec<f64>)>, Vec<(String, String)>);

@@ -1,25 +1,24 @@
 //! One recording to one result: what is to be done, and what is known when it is done.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `assembly` | decoupler, stages and watchers that a job is put together from |
+//! | `layout` | the result's columns, and where it is from |
+
+mod assembly;
+mod layout;
 
 use std::cell::Cell;
 use std::path::Path;
 
-use anyhow::{Context, Result, ensure};
-use glam::DVec3;
-use sixaxis_core::aided::AidedDecoupler;
-use sixaxis_core::{Decoupler, LimbSet, Scheme, Settings};
-use sixaxis_recordings::{BEGAN, Channel, Layout, Sink};
+use anyhow::{Context, Result};
+use sixaxis_core::{LimbSet, Scheme};
+use sixaxis_recordings::{BEGAN, Layout, Sink};
 
-use super::aided::Aided;
 use super::aids::AidChoice;
-use super::attitude::{AttitudeStream, DOWN_DEG};
-use super::axis_noise::sample_noise;
-use super::columns::{Columns, DEVIATIONS};
-use super::conditioning_stream::ConditioningStream;
+use super::columns::Columns;
 use super::coordination::Coordination;
-use super::decoding::Decoding;
 use super::decoupled::Decoupled;
-use super::ends::Ends;
-use super::exclusions::{Exclusions, Watched, flags};
 use super::fault_watch::FaultWatch;
 use super::pipeline::{self, Nowhere};
 use super::recording::Recording;
@@ -59,135 +58,6 @@ pub struct Job<'a> {
 }
 
 impl Job<'_> {
-    pub(super) fn decoupler(&self, settings: &Settings) -> Result<Decoupler> {
-        Decoupler::new(&self.setup.sensor, &self.setup.parameters, settings)
-            .with_context(|| self.calibration_name.display().to_string())?
-            .excluding(self.excluded)
-            .context("--excluded")
-    }
-
-    pub(super) fn monitor(&self, settings: &Settings) -> Result<Option<FaultWatch>> {
-        self.false_alarms_per_hour
-            .map(|alarms| FaultWatch::new(self.setup, self.calibration, settings, alarms))
-            .transpose()
-    }
-
-    /// Of a recording without these limbs; none where the monitor looks for them: its decoder undoes cross-talk itself, since it knows
-    /// which channels have failed.
-    pub(super) fn conditioning(
-        &self,
-        sample_rate_hz: f64,
-        excluded: Option<Exclusions>,
-    ) -> Result<ConditioningStream> {
-        let stream = ConditioningStream::new(&self.setup.conditioning, sample_rate_hz)?;
-        Ok(match excluded {
-            Some(excluded) => stream.excluding(excluded),
-            None => stream.without_cross_talk(),
-        })
-    }
-
-    /// Where the monitor does not look for them.
-    fn excluded(&self) -> Option<Exclusions> {
-        let watches = self.false_alarms_per_hour.is_some();
-        (!watches).then(|| Exclusions::throughout(self.excluded))
-    }
-
-    /// A decoding of the columns, with the attitude followed wherever its deviation is known: not where the run is corrected from rest to
-    /// rest.
-    fn decoding(&self, settings: &Settings, found: Option<Watched>) -> Result<Decoding> {
-        let decoupler = self.decoupler(settings)?;
-        let gravity = settings.gravity_ground_m_s2;
-        let mut decoding = Decoding::new(decoupler.clone(), self.columns, self.picture);
-        decoding.gravity_ground_m_s2 = gravity;
-        if !self.rest_to_rest {
-            decoding.ends = Some(self.ends(settings.sample_rate_hz));
-        }
-        let watched = found.map(|found| self.watched_before(found, settings));
-        decoding.watched = watched.transpose()?;
-        if decoding.watched.is_none() {
-            decoding.watching = self.monitor(settings)?;
-        }
-        let watches = decoding.watching.is_some();
-        let aided = !self.aids.is_empty();
-        ensure!(
-            gravity != DVec3::ZERO || self.aids.iter().all(|aid| aid.file().is_some()),
-            "--aid rest and velocity are held against gravity, and nobody says where down is: give --down or --session"
-        );
-        if !self.rest_to_rest {
-            let down_rad = DOWN_DEG.to_radians();
-            let filter =
-                self.setup
-                    .error_filter(self.calibration, settings, self.excluded, down_rad);
-            match filter {
-                Ok((filter, noise_v)) if aided => {
-                    let noise = self
-                        .uncertainty
-                        .then(|| sample_noise(self.setup, settings, self.excluded, &noise_v))
-                        .transpose()?;
-                    let parameters = &self.setup.parameters;
-                    let decoder = AidedDecoupler::new(decoupler, filter, parameters, settings);
-                    let decoder = if self.smooth {
-                        decoder.remembering()
-                    } else {
-                        decoder
-                    };
-                    let rate_hz = settings.sample_rate_hz;
-                    let aided = Aided::new(decoder, self.aids, &noise_v, rate_hz)?;
-                    let aids = aided.periodic();
-                    let until_deg = self.until_sd_deg;
-                    let mut attitude = AttitudeStream::aided(aided, settings, until_deg, noise);
-                    let excluded = self.excluded;
-                    let found = decoding.watched.as_ref().map(|watched| &watched.found);
-                    if found.is_none_or(|found| found.excluded.is_empty()) {
-                        let bound =
-                            self.setup
-                                .bound(self.calibration, settings, excluded, &aids)?;
-                        attitude.bounded_by(bound);
-                    }
-                    decoding.attitude = Some(attitude.written_to(self.columns));
-                }
-                Ok((filter, _)) => {
-                    let until_deg = self.until_sd_deg;
-                    let beside = AttitudeStream::beside(filter, settings, until_deg, !watches);
-                    decoding.attitude = Some(beside.written_to(self.columns));
-                }
-                Err(error) if aided => return Err(error.context("--aid")),
-                Err(error) => decoding.say(format!(
-                    "how long the attitude is known to --until-sd is not followed: {error:#}"
-                )),
-            }
-        }
-        if self.uncertainty {
-            let open_loop = || {
-                let setup = self.setup;
-                setup.uncertainty(self.calibration, settings, self.excluded)
-            };
-            decoding.deviates = true;
-            decoding.uncertainty = (!aided).then(open_loop).transpose()?.map(Box::new);
-        }
-        Ok(decoding)
-    }
-
-    /// The same by a smoothed attitude.
-    fn smoothed_decoding(&self, attitude: AttitudeStream, settings: &Settings) -> Result<Decoding> {
-        let mut decoding = Decoding::new(self.decoupler(settings)?, self.columns, self.picture);
-        decoding.gravity_ground_m_s2 = settings.gravity_ground_m_s2;
-        decoding.ends = Some(self.ends(settings.sample_rate_hz));
-        decoding.attitude = Some(attitude.written_to(self.columns));
-        decoding.deviates = self.uncertainty;
-        Ok(decoding)
-    }
-
-    fn ends(&self, sample_rate_hz: f64) -> Ends {
-        Ends::new(self.setup, self.calibration, sample_rate_hz)
-    }
-
-    fn coordination(&self) -> Coordination {
-        let mut coordination = Coordination::new(self.setup, self.calibration);
-        coordination.exclude(self.excluded);
-        coordination
-    }
-
     /// Decouples a stream of rows of text at a known rate.
     ///
     /// # Errors
@@ -208,21 +78,6 @@ impl Job<'_> {
             channels: self.setup.channels.clone(),
             full_scale_v: self.setup.full_scale_v,
         })
-    }
-
-    fn layout(&self, sample_rate_hz: f64) -> Layout {
-        let mut layout = self.columns.layout(sample_rate_hz);
-        if self.uncertainty {
-            let deviations = DEVIATIONS.map(|(name, unit)| Channel {
-                sample_rate_hz: Some(sample_rate_hz),
-                ..Channel::new(name, Some(unit))
-            });
-            layout.channels.extend(deviations);
-        }
-        if self.false_alarms_per_hour.is_some() {
-            layout.channels.extend(flags(sample_rate_hz));
-        }
-        layout
     }
 
     /// Decouples a file into a sink, of which `create` is told the columns; `advance` is told of the
@@ -372,23 +227,6 @@ impl Job<'_> {
             warnings,
             curves: decoding.picture,
         })
-    }
-
-    /// The result's properties: where it is from.
-    fn describe(&self, recording: &Path, layout: &mut Layout) {
-        let name = |path: &Path| {
-            let name = path.file_name().unwrap_or_default();
-            name.to_string_lossy().into_owned()
-        };
-        let mut put = |key: &str, value: String| layout.properties.insert(key.to_owned(), value);
-        put("sixaxis_version", env!("CARGO_PKG_VERSION").to_owned());
-        put("recording", name(recording));
-        put("calibration", name(self.calibration_name));
-        put("verdict", self.calibration.verdict.word().to_owned());
-        put("first_row_sample", "1".to_owned());
-        if !self.excluded.is_empty() {
-            put("excluded_limbs", self.excluded.to_string());
-        }
     }
 }
 

@@ -1,24 +1,31 @@
 //! Rows of text to rows of accelerations: each sample is answered as soon as its successor has been read.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `places` | where a line has its columns, and what it has there |
+//! | `printed` | rows of answers as text on standard output |
+
+mod places;
+mod printed;
+
+pub use printed::{Printed, is_closed_pipe};
 
 use std::io::{self, BufRead, Write};
 
-use anyhow::{Result, anyhow, bail, ensure};
-use sixaxis_core::{LIMBS, LimbSet};
-use sixaxis_recordings::channel::{Layout, time_channel};
-use sixaxis_recordings::ingest::find::{self, Column};
+use anyhow::{Result, anyhow, bail};
+use places::{PLACE, Places, split};
+use printed::{write_headings, write_rows};
+use sixaxis_core::LimbSet;
 use sixaxis_recordings::session::Channels;
-use sixaxis_recordings::{Block, Channel};
+use sixaxis_recordings::{Block, Layout};
 
 use super::conditioning_stream::ConditioningStream;
 use super::coordination::Coordination;
 use super::decoding::Decoding;
+use super::explain;
 use super::recording::BEYOND;
 use super::stream_clock::StreamClock;
 use super::voltages::Voltages;
-use super::{Row, explain};
-
-/// Name of the stream in messages.
-const PLACE: &str = "standard input";
 
 /// How a stream ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,14 +57,6 @@ pub struct TextStream {
     pub channels: Channels,
     /// Limit of the converter, V.
     pub full_scale_v: f64,
-}
-
-/// Where things stand in a line: limbs whose channels are not read nowhere.
-struct Places {
-    limbs: [Option<Column>; LIMBS],
-    names: [String; LIMBS],
-    time: Option<Column>,
-    columns: usize,
 }
 
 impl TextStream {
@@ -120,9 +119,9 @@ impl TextStream {
                 none => {
                     let headings = cells.iter().all(|cell| cell.parse::<f64>().is_err());
                     let found = if headings {
-                        self.by_name(&cells)
+                        Places::by_name(&cells, &self.channels, self.excluded)
                     } else {
-                        self.by_order(&cells)
+                        Places::by_order(&cells, &self.channels, self.excluded)
                     };
                     let found = none.insert(found.map_err(|e| at_line(format!("{e:#}")))?);
                     if headings {
@@ -208,188 +207,6 @@ impl TextStream {
         Ok(End::Input {
             rows: self.decoding.rows,
         })
-    }
-
-    fn by_name(&self, cells: &[&str]) -> Result<Places> {
-        let channels: Vec<Channel> = cells
-            .iter()
-            .map(|cell| self.in_volts(Channel::from_heading(cell.trim_matches('"'))))
-            .collect();
-        let time = match &self.channels.time {
-            Some(name) => channels.iter().position(|c| c.name == *name),
-            None => time_channel(&channels),
-        };
-        let layout = Layout {
-            channels,
-            time,
-            ..Layout::default()
-        };
-        let time = find::time(PLACE.as_ref(), &layout, None)?;
-        self.places(&layout, time, cells.len())
-    }
-
-    fn by_order(&self, cells: &[&str]) -> Result<Places> {
-        let columns = cells.len();
-        ensure!(
-            !cells.iter().any(|cell| cell.contains(';')),
-            "numbers have decimal points in a stream, and commas or semicolons between them, not both: is this one with decimal commas?"
-        );
-        ensure!(
-            columns == LIMBS,
-            "{columns} numbers, {LIMBS} were expected; where there are more, begin with a line of headings"
-        );
-        let layout = Layout {
-            channels: self
-                .channels
-                .limbs
-                .iter()
-                .map(|name| self.in_volts(Channel::new(name.clone(), None)))
-                .collect(),
-            ..Layout::default()
-        };
-        self.places(&layout, None, columns)
-    }
-
-    fn places(&self, layout: &Layout, time: Option<Column>, columns: usize) -> Result<Places> {
-        let mut limbs = [const { None }; LIMBS];
-        for (limb, column) in limbs.iter_mut().enumerate() {
-            if !self.excluded.contains(limb) {
-                *column = Some(find::limb(PLACE.as_ref(), layout, &self.channels, limb)?);
-            }
-        }
-        Ok(Places {
-            limbs,
-            names: self.channels.limbs.clone(),
-            time,
-            columns,
-        })
-    }
-
-    /// Volts, where neither heading nor calibration says a limb's unit.
-    fn in_volts(&self, mut channel: Channel) -> Channel {
-        if self.channels.limbs_unit.is_none() && self.channels.limbs.contains(&channel.name) {
-            channel.unit.get_or_insert_with(|| "V".to_owned());
-        }
-        channel
-    }
-}
-
-impl Places {
-    /// Voltages of a line. Excluded limbs' cells are not parsed and read 0. With `watched`, a cell that is not a
-    /// finite number becomes NaN, which the fault monitor takes for a failure, instead of an error.
-    fn read(&self, cells: &[&str], watched: bool) -> Result<Row, String> {
-        if cells.len() != self.columns {
-            return Err(format!(
-                "{} columns, {} were expected",
-                cells.len(),
-                self.columns
-            ));
-        }
-        let number = |name: &str, index: usize| -> Result<f64, String> {
-            match cells[index].parse::<f64>() {
-                Ok(value) if value.is_finite() => Ok(value),
-                Ok(value) => Err(format!("{name}: {value} is not a finite number")),
-                Err(_) => {
-                    let shown: String = cells[index].chars().take(40).collect();
-                    Err(format!("{name}: {shown:?} is not a number"))
-                }
-            }
-        };
-        let mut row = [0.0; LIMBS];
-        for (value, limb) in row.iter_mut().zip(&self.limbs) {
-            let Some(limb) = limb else {
-                continue;
-            };
-            *value = limb.size_si
-                * match number(&limb.name, limb.index) {
-                    Err(_) if watched => f64::NAN,
-                    read => read?,
-                };
-        }
-        Ok(row)
-    }
-}
-
-fn split(text: &str) -> Vec<&str> {
-    for separator in [',', ';', '\t'] {
-        if text.contains(separator) {
-            return text.split(separator).map(str::trim).collect();
-        }
-    }
-    text.split_whitespace().collect()
-}
-
-/// Writes the headings of a table and flushes.
-///
-/// # Errors
-/// Those of the output.
-pub fn write_headings(output: &mut dyn Write, layout: &Layout) -> io::Result<()> {
-    let headings: Vec<String> = layout.channels.iter().map(Channel::heading).collect();
-    writeln!(output, "{}", headings.join(","))?;
-    output.flush()
-}
-
-/// Writes the rows of a block, each flushed by itself where there is one only.
-///
-/// # Errors
-/// Those of the output.
-pub fn write_rows(output: &mut dyn Write, block: &Block) -> io::Result<()> {
-    use std::fmt::Write as _;
-    let rows = block.rows();
-    let mut text = String::new();
-    for row in 0..rows {
-        for (index, column) in block.columns.iter().enumerate() {
-            if index > 0 {
-                text.push(',');
-            }
-            // The shortest digits that read back the same, with a power of ten where zeros would be many.
-            let _ = write!(text, "{:?}", column[row]);
-        }
-        text.push('\n');
-    }
-    if rows > 0 {
-        output.write_all(text.as_bytes())?;
-        output.flush()?;
-    }
-    Ok(())
-}
-
-/// Standard output as a sink: rows of comma-separated values.
-pub struct Printed<W: Write + Send> {
-    output: W,
-}
-
-impl<W: Write + Send> Printed<W> {
-    /// Writes the headings.
-    ///
-    /// # Errors
-    /// Those of the output.
-    pub fn create(mut output: W, layout: &Layout) -> Result<Self> {
-        write_headings(&mut output, layout)?;
-        Ok(Self { output })
-    }
-}
-
-impl<W: Write + Send> sixaxis_recordings::Sink for Printed<W> {
-    fn write(&mut self, block: &Block) -> sixaxis_recordings::Result<()> {
-        write_rows(&mut self.output, block)
-            .map_err(|source| sixaxis_recordings::Error::io("standard output".as_ref(), source))
-    }
-
-    fn finish(mut self: Box<Self>) -> sixaxis_recordings::Result<()> {
-        self.output
-            .flush()
-            .map_err(|source| sixaxis_recordings::Error::io("standard output".as_ref(), source))
-    }
-}
-
-/// Whether an error says that nobody reads the output any more.
-#[must_use]
-pub fn is_closed_pipe(error: &anyhow::Error) -> bool {
-    let broken = |e: &io::Error| e.kind() == io::ErrorKind::BrokenPipe;
-    match error.downcast_ref::<sixaxis_recordings::Error>() {
-        Some(sixaxis_recordings::Error::Io { source, .. }) => broken(source),
-        _ => error.downcast_ref::<io::Error>().is_some_and(broken),
     }
 }
 

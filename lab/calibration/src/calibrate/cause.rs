@@ -83,13 +83,13 @@ impl Day<'_> {
         let open = joint::not_closed(campaign, &estimate.steps, &estimate.knowledge);
         let few = open.len() as f64 <= FEW * self.cases.len() as f64;
         let most = open.iter().map(|(_, steps)| *steps).fold(0.0, f64::max);
-        (few && !open.is_empty()).then(|| Finding {
-            evidence: format!(
+        (few && !open.is_empty()).then(|| {
+            let evidence = format!(
                 "not whole: from its last sample back to its first the standard jumps by {most:.1} times its largest step, where a trial begins and ends at rest or holds whole turns"
-            ),
-            recordings: open.into_iter().map(|(name, _)| name).collect(),
-            advice: "see whether the file was cut off, and record the trial again".to_owned(),
-            ..Finding::of(Cause::Unreadable)
+            );
+            let advice = "see whether the file was cut off, and record the trial again";
+            Finding::new(Cause::Unreadable, evidence, advice)
+                .in_recordings(open.into_iter().map(|(name, _)| name))
         })
     }
 

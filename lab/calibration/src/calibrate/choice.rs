@@ -113,11 +113,9 @@ pub(super) fn stiffness(parameters: &[ParameterReport]) -> Option<&ParameterRepo
 
 /// The finding for a joint fit that was asked for and refuses; no calibration is written then.
 pub(super) fn refused(cause: &str) -> Finding {
-    Finding {
-        evidence: format!("the joint fit was asked for and refuses: {cause}"),
-        advice: "calibrate with the four steps, which need less of the recordings".to_owned(),
-        ..Finding::of(Cause::JointFitRefused)
-    }
+    let evidence = format!("the joint fit was asked for and refuses: {cause}");
+    let advice = "calibrate with the four steps, which need less of the recordings";
+    Finding::new(Cause::JointFitRefused, evidence, advice)
 }
 
 /// What is to be said against joint parameters whose channels contradict the model.

@@ -45,12 +45,11 @@ pub(super) fn validate(
                 validation_runs.push(run);
             }
             // What made it fail has been found before, or else is news.
-            Err(error) if findings.is_empty() => findings.push(Finding {
-                recordings: vec![trial.name.clone()],
-                evidence: format!("cannot be decoupled with this calibration: {error}"),
-                advice: "look at the trial's curves in the report".to_owned(),
-                ..Finding::of(Cause::Unexplained)
-            }),
+            Err(error) if findings.is_empty() => {
+                let evidence = format!("cannot be decoupled with this calibration: {error}");
+                let advice = "look at the trial's curves in the report";
+                findings.push(Finding::new(Cause::Unexplained, evidence, advice).in_trial(trial));
+            }
             Err(_) => {}
         }
     }

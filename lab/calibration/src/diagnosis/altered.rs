@@ -51,12 +51,8 @@ pub fn examine(at_rest: Option<&Trial>, cases: &mut [TrialCase<'_>], findings: &
         for case in cases.iter_mut() {
             case.explained |= found.iter().any(|(name, _)| *name == case.trial.name);
         }
-        findings.push(Finding {
-            recordings: found.into_iter().map(|(name, _)| name).collect(),
-            evidence,
-            advice: advice.to_owned(),
-            ..Finding::of(Cause::Unreadable)
-        });
+        let finding = Finding::new(Cause::Unreadable, evidence, advice);
+        findings.push(finding.in_recordings(found.into_iter().map(|(name, _)| name)));
     }
     for case in cases.iter_mut().filter(|case| !case.explained) {
         lost(case, findings);
@@ -83,19 +79,16 @@ fn tared(at_rest: Option<&Trial>, cases: &mut [TrialCase<'_>], findings: &mut Ve
         if such.iter().map(|(_, chance)| chance).product::<f64>() > CHANCE {
             continue;
         }
-        let recordings: Vec<String> = such.iter().map(|(name, _)| (*name).to_owned()).collect();
         let what = match taken {
             Taken::First => "the first sample",
             Taken::Mean => "the mean",
         };
-        findings.push(Finding {
-            evidence: format!(
-                "{what} is exactly 0 V in all nine channels: its own zero was taken off each recording, with the noise of that zero"
-            ),
-            recordings,
-            advice: "export the voltages as they were recorded: zeros are those of the static record, and of it alone".to_owned(),
-            ..Finding::of(Cause::Unreadable)
-        });
+        let evidence = format!(
+            "{what} is exactly 0 V in all nine channels: its own zero was taken off each recording, with the noise of that zero"
+        );
+        let advice = "export the voltages as they were recorded: zeros are those of the static record, and of it alone";
+        let finding = Finding::new(Cause::Unreadable, evidence, advice);
+        findings.push(finding.in_recordings(such.into_iter().map(|(name, _)| name)));
     }
 }
 
@@ -218,22 +211,19 @@ fn stuck(case: &mut TrialCase<'_>, findings: &mut Vec<Finding>) {
             continue;
         };
         case.ignored[channel] = true;
-        findings.push(Finding {
-            cause: Cause::DeadLimb,
-            recordings: vec![trial.name.clone()],
-            channels: vec![channel + 1],
-            evidence: format!(
-                "it stands at {:.4} V to the last bit for {} of {} samples, from sample {} on, while the other channels move",
-                trial.voltage_v[run.first as usize][channel],
-                run.samples,
-                trial.voltage_v.len(),
-                run.first
-            ),
-            advice: format!(
-                "see plugs, cable and amplifier of limb {}, and record the trial again",
-                channel + 1
-            ),
-        });
+        let evidence = format!(
+            "it stands at {:.4} V to the last bit for {} of {} samples, from sample {} on, while the other channels move",
+            trial.voltage_v[run.first as usize][channel],
+            run.samples,
+            trial.voltage_v.len(),
+            run.first
+        );
+        let advice = format!(
+            "see plugs, cable and amplifier of limb {}, and record the trial again",
+            channel + 1
+        );
+        let finding = Finding::new(Cause::DeadLimb, evidence, advice);
+        findings.push(finding.in_trial(trial).on_channels([channel]));
     }
 }
 
@@ -244,13 +234,9 @@ fn lost(case: &mut TrialCase<'_>, findings: &mut Vec<Finding>) {
         return;
     }
     let mut finding = |channels: Vec<usize>, evidence: String| {
-        findings.push(Finding {
-            cause: Cause::Unreadable,
-            recordings: vec![trial.name.clone()],
-            channels,
-            evidence,
-            advice: "samples were lost there: record the trial again, or leave it out".to_owned(),
-        });
+        let advice = "samples were lost there: record the trial again, or leave it out";
+        let finding = Finding::new(Cause::Unreadable, evidence, advice);
+        findings.push(finding.in_trial(trial).on_channels(channels));
     };
     let of_channels: Vec<(usize, Lost)> = (0..LIMBS)
         .filter_map(|channel| {
@@ -262,10 +248,10 @@ fn lost(case: &mut TrialCase<'_>, findings: &mut Vec<Finding>) {
         for (channel, _) in &of_channels {
             case.ignored[*channel] = true;
         }
-        let numbers: Vec<usize> = of_channels.iter().map(|(channel, _)| channel + 1).collect();
-        let all = numbers.len() > LIMBS / 2;
+        let channels: Vec<usize> = of_channels.iter().map(|(channel, _)| *channel).collect();
+        let all = channels.len() > LIMBS / 2;
         case.explained |= all;
-        finding(if all { Vec::new() } else { numbers }, lost.in_words("V"));
+        finding(if all { Vec::new() } else { channels }, lost.in_words("V"));
     }
     for (name, unit, series) in [
         ("accelerometer", "m/s²", &trial.accelerometer_m_s2),

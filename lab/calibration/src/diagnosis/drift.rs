@@ -48,26 +48,22 @@ pub fn examine_static(rest: &Trial, findings: &mut Vec<Finding>) {
         .iter()
         .max_by(|(_, a), (_, b)| a.height_v.abs().total_cmp(&b.height_v.abs()));
     if let Some((_, highest)) = highest {
-        let channels = bumps.iter().map(|(channel, _)| channel + 1);
-        findings.push(Finding {
-            cause: Cause::Unreadable,
-            recordings: vec![rest.name.clone()],
-            channels: if bumps.len() > LIMBS / 2 {
-                Vec::new()
-            } else {
-                channels.collect()
-            },
-            evidence: format!(
-                "about {:.0} s after its beginning the static record stands {:+.1} mV off the rest of it for a while",
-                highest.from_s,
-                1e3 * highest.height_v
-            ),
-            advice: "nobody must touch the sensor while it is at rest: record at rest again".to_owned(),
+        let evidence = format!(
+            "about {:.0} s after its beginning the static record stands {:+.1} mV off the rest of it for a while",
+            highest.from_s,
+            1e3 * highest.height_v
+        );
+        let advice = "nobody must touch the sensor while it is at rest: record at rest again";
+        let finding = Finding::new(Cause::Unreadable, evidence, advice).in_trial(rest);
+        findings.push(if bumps.len() > LIMBS / 2 {
+            finding
+        } else {
+            finding.on_channels(bumps.iter().map(|(channel, _)| *channel))
         });
         return;
     }
     let alive = (0..LIMBS).filter(|channel| !dead[*channel]);
-    let wanders = alive.filter_map(|channel| Some((channel + 1, course(rest, channel)?)));
+    let wanders = alive.filter_map(|channel| Some((channel, course(rest, channel)?)));
     let (channels, changes_v): (Vec<usize>, Vec<f64>) = wanders.unzip();
     let most = changes_v
         .into_iter()
@@ -77,13 +73,10 @@ pub fn examine_static(rest: &Trial, findings: &mut Vec<Finding>) {
             1 => "the zero wanders by",
             _ => "the zeros wander by up to",
         };
-        findings.push(Finding {
-            recordings: vec![rest.name.clone()],
-            channels,
-            evidence: format!("{what} {:.2} mV during the static record", 1e3 * most_v),
-            advice: "let sensor and amplifiers warm up, then record at rest again".to_owned(),
-            ..Finding::of(Cause::DriftDuringRun)
-        });
+        let evidence = format!("{what} {:.2} mV during the static record", 1e3 * most_v);
+        let advice = "let sensor and amplifiers warm up, then record at rest again";
+        let finding = Finding::new(Cause::DriftDuringRun, evidence, advice);
+        findings.push(finding.in_trial(rest).on_channels(channels));
     }
 }
 
@@ -151,18 +144,14 @@ pub fn examine(
                 } else {
                     ("between the static record and the run", level)
                 };
-                findings.push(Finding {
-                    cause: Cause::DriftDuringRun,
-                    recordings: vec![case.trial.name.clone()],
-                    channels: vec![channel + 1],
-                    evidence: format!(
-                        "the zero moves by {:.1} mV {what}, {:.1} % of the largest signal",
-                        1e3 * size / gain,
-                        100.0 * size.abs() / largest
-                    ),
-                    advice: "warm up and repeat the trial, and record at rest right before it"
-                        .to_owned(),
-                });
+                let evidence = format!(
+                    "the zero moves by {:.1} mV {what}, {:.1} % of the largest signal",
+                    1e3 * size / gain,
+                    100.0 * size.abs() / largest
+                );
+                let advice = "warm up and repeat the trial, and record at rest right before it";
+                let finding = Finding::new(Cause::DriftDuringRun, evidence, advice);
+                findings.push(finding.in_trial(case.trial).on_channels([channel]));
                 case.ignored[channel] = true;
             }
         }

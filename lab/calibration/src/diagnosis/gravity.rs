@@ -41,26 +41,23 @@ pub fn examine(table: &Table, cases: &mut [TrialCase<'_>], findings: &mut Vec<Fi
     let Some((_, found, declared)) = seen.first().copied() else {
         return;
     };
-    findings.push(Finding {
-        recordings: names(seen.iter().map(|(case, ..)| *case)),
-        evidence: format!(
-            "during rotation the limbs carry a net force that turns as a weight of {:.2} m/s² would{}, but by the directions in the session it should be {:.2} m/s²",
-            found.length(),
-            if found.dot(declared) < -OPPOSITE * found.length() * declared.length() {
-                " that pulls the other way"
-            } else {
-                ""
-            },
-            declared.length()
-        ),
-        advice: if declared.length() > NOTICED_M_S2 {
-            "correct `down` of these recordings, which says otherwise, or mount the rig as it says"
+    let evidence = format!(
+        "during rotation the limbs carry a net force that turns as a weight of {:.2} m/s² would{}, but by the directions in the session it should be {:.2} m/s²",
+        found.length(),
+        if found.dot(declared) < -OPPOSITE * found.length() * declared.length() {
+            " that pulls the other way"
         } else {
-            "state where down was with `down` of these recordings, or mount the rig with its axis vertical"
-        }
-        .to_owned(),
-        ..Finding::of(Cause::GravityNotHandled)
-    });
+            ""
+        },
+        declared.length()
+    );
+    let advice = if declared.length() > NOTICED_M_S2 {
+        "correct `down` of these recordings, which says otherwise, or mount the rig as it says"
+    } else {
+        "state where down was with `down` of these recordings, or mount the rig with its axis vertical"
+    };
+    let finding = Finding::new(Cause::GravityNotHandled, evidence, advice);
+    findings.push(finding.in_recordings(names(seen.iter().map(|(case, ..)| *case))));
     let of_runs = seen
         .iter()
         .all(|(case, ..)| case.trial.role == Role::Validation);

@@ -154,15 +154,13 @@ pub fn examine(
     let common = median(heard.map(|i| ratio[i].abs())).unwrap_or(1.0);
     if !found && !(1.0 / COMMON..=COMMON).contains(&common) {
         found = true;
-        findings.push(Finding {
-            evidence: format!(
-                "all scale factors come out at {} the design's; {}",
-                factor_in_words(common),
-                reason(common)
-            ),
-            advice: "check the unit of the limbs' channels, gain_n_per_v, the accelerometer's sensitivity and scale_per_mass_per_kg in [sensor.design]".to_owned(),
-            ..Finding::of(cause_of(common))
-        });
+        let evidence = format!(
+            "all scale factors come out at {} the design's; {}",
+            factor_in_words(common),
+            reason(common)
+        );
+        let advice = "check the unit of the limbs' channels, gain_n_per_v, the accelerometer's sensitivity and scale_per_mass_per_kg in [sensor.design]";
+        findings.push(Finding::new(cause_of(common), evidence, advice));
     }
     let over_usual_gain = over_usual_gain(cases);
     for channel in 0..LIMBS {
@@ -171,19 +169,17 @@ pub fn examine(
             continue;
         }
         found = true;
-        findings.push(Finding {
-            channels: vec![channel + 1],
-            evidence: format!(
-                "its scale factor comes out at {} what the other channels make of the design; {}",
-                factor_in_words(own),
-                reason(own)
-            ),
-            advice: format!(
-                "check unit, gain, cable and piezo of channel {}",
-                channel + 1
-            ),
-            ..Finding::of(of_a_channel(own, over_usual_gain[channel]))
-        });
+        let cause = of_a_channel(own, over_usual_gain[channel]);
+        let evidence = format!(
+            "its scale factor comes out at {} what the other channels make of the design; {}",
+            factor_in_words(own),
+            reason(own)
+        );
+        let advice = format!(
+            "check unit, gain, cable and piezo of channel {}",
+            channel + 1
+        );
+        findings.push(Finding::new(cause, evidence, advice).on_channels([channel]));
     }
     if let Some(inertia) = table.inertia_m2
         && !found
@@ -193,14 +189,12 @@ pub fn examine(
         let expected = design.xx_m2 + design.yy_m2 + design.zz_m2;
         let off = trace / expected;
         if off < 0.0 {
-            findings.push(Finding {
-                evidence: "the inertias come out negative: the standard gyroscope turns the other way than the angular trials' directions say"
-                    .to_owned(),
-                advice: "turn the gyroscope's channel round, or give its sensitivity a minus sign; if it is right, turn the directions of the angular \
-                         trials round"
-                    .to_owned(),
-                ..Finding::of(Cause::InvertedChannel)
-            });
+            findings.push(Finding::new(
+                Cause::InvertedChannel,
+                "the inertias come out negative: the standard gyroscope turns the other way than the angular trials' directions say",
+                "turn the gyroscope's channel round, or give its sensitivity a minus sign; if it is right, turn the directions of the angular \
+                 trials round",
+            ));
         } else if (off - 1.0).abs() > INERTIA {
             // Nothing has been found of either standard: where the rig was there to tell, both are right.
             let rig = facts.rig;
@@ -217,14 +211,11 @@ pub fn examine(
                     "check unit and sensitivity of accelerometer and gyroscope, and of the sensor half_edge_mm and the design's inertia_per_mass_mm2",
                 ),
             };
-            findings.push(Finding {
-                evidence: format!(
-                    "the inertias come out at {} the design's, which the drawing fixes far better; {why}",
-                    factor_in_words(off)
-                ),
-                advice: advice.to_owned(),
-                ..Finding::of(cause)
-            });
+            let evidence = format!(
+                "the inertias come out at {} the design's, which the drawing fixes far better; {why}",
+                factor_in_words(off)
+            );
+            findings.push(Finding::new(cause, evidence, advice));
         }
     }
 }

@@ -135,13 +135,12 @@ fn unexplained_in_time(
     // Weight was taken off by an angle that is as good as the gyroscope; what is left of it is expected.
     let known = table.weight_left_m_s2(case, response) / RESIDUAL;
     let share = over(|c| c.residual_n) / (over(|c| c.signal_n) + known);
-    (share > RESIDUAL).then(|| Finding {
-        recordings: vec![case.trial.name.clone()],
-        evidence: format!(
+    (share > RESIDUAL).then(|| {
+        let evidence = format!(
             "{:.1} % of the signal follows neither the standards nor any fault that is known",
             100.0 * share
-        ),
-        advice: "look at the trial's curves in the report, and repeat it".to_owned(),
-        ..Finding::of(Cause::Unexplained)
+        );
+        let advice = "look at the trial's curves in the report, and repeat it";
+        Finding::new(Cause::Unexplained, evidence, advice).in_trial(case.trial)
     })
 }

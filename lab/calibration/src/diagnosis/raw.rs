@@ -86,13 +86,15 @@ fn twins(cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
         if recordings.len() == cases.len() {
             recordings.clear();
         }
-        findings.push(Finding {
-            cause: Cause::Unreadable,
-            recordings,
-            channels: vec![a + 1, b + 1],
-            evidence: format!("channels {} and {} are the same, sample by sample", a + 1, b + 1),
-            advice: "see whether a column was copied, or one name stands twice in [channels]; export again".to_owned(),
-        });
+        let evidence = format!(
+            "channels {} and {} are the same, sample by sample",
+            a + 1,
+            b + 1
+        );
+        let advice =
+            "see whether a column was copied, or one name stands twice in [channels]; export again";
+        let finding = Finding::new(Cause::Unreadable, evidence, advice);
+        findings.push(finding.in_recordings(recordings).on_channels([a, b]));
     }
 }
 
@@ -114,14 +116,14 @@ fn standards(cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
             }
         }
         if !recordings.is_empty() {
-            findings.push(Finding {
-                recordings,
-                evidence: format!(
-                    "the standard {name} is cut off: it stands at its largest reading, up to {largest:.4} {unit}, for several samples together"
-                ),
-                advice: format!("set the range of the standard {name} or of its channel wider and record again"),
-                ..Finding::of(Cause::ClippedConverter)
-            });
+            let evidence = format!(
+                "the standard {name} is cut off: it stands at its largest reading, up to {largest:.4} {unit}, for several samples together"
+            );
+            let advice = format!(
+                "set the range of the standard {name} or of its channel wider and record again"
+            );
+            let finding = Finding::new(Cause::ClippedConverter, evidence, advice);
+            findings.push(finding.in_recordings(recordings));
         }
     }
 }
@@ -142,23 +144,18 @@ fn clipping(trial: &Trial, channel: usize, how: Clipping) -> Finding {
             Clipping::FlatTop(top) => row[channel] == top,
         })
         .count();
-    Finding {
-        cause: Cause::ClippedConverter,
-        recordings: vec![trial.name.clone()],
-        channels: vec![channel + 1],
-        evidence: match how {
-            Clipping::AtLimit => format!(
-                "{beyond} of {} samples stand at the converter's limit of {limit} V",
-                trial.voltage_v.len()
-            ),
-            Clipping::FlatTop(top) => {
-                format!(
-                    "flat at {top:.4} V in {beyond} samples, below the limit of {limit} V that the session states"
-                )
-            }
-        },
-        advice: "set the amplifier to its next coarser range and record the trial again".to_owned(),
-    }
+    let evidence = match how {
+        Clipping::AtLimit => format!(
+            "{beyond} of {} samples stand at the converter's limit of {limit} V",
+            trial.voltage_v.len()
+        ),
+        Clipping::FlatTop(top) => format!(
+            "flat at {top:.4} V in {beyond} samples, below the limit of {limit} V that the session states"
+        ),
+    };
+    let advice = "set the amplifier to its next coarser range and record the trial again";
+    let finding = Finding::new(Cause::ClippedConverter, evidence, advice);
+    finding.in_trial(trial).on_channels([channel])
 }
 
 /// Values that no converter of the stated range delivers: they are in another unit than the file or the session says, or times a
@@ -255,24 +252,18 @@ fn beyond_converter(
             },
         ),
     };
-    findings.push(Finding {
-        cause,
-        recordings: if recordings.len() > cases.len() / 2 {
-            Vec::new()
-        } else {
-            recordings
-        },
-        channels: if channels.iter().filter(|b| **b).count() > LIMBS / 2 {
-            Vec::new()
-        } else {
-            (1..=LIMBS).filter(|i| channels[i - 1]).collect()
-        },
-        evidence: format!(
-            "voltages up to {:.1} V from a converter that ends at {} V, {what}",
-            most.0, most.1
-        ),
-        advice: advice.to_owned(),
-    });
+    let evidence = format!(
+        "voltages up to {:.1} V from a converter that ends at {} V, {what}",
+        most.0, most.1
+    );
+    let mut finding = Finding::new(cause, evidence, advice);
+    if recordings.len() <= cases.len() / 2 {
+        finding = finding.in_recordings(recordings);
+    }
+    if channels.iter().filter(|b| **b).count() <= LIMBS / 2 {
+        finding = finding.on_channels((0..LIMBS).filter(|channel| channels[*channel]));
+    }
+    findings.push(finding);
     channels
 }
 

@@ -6,7 +6,7 @@
 
 use super::fundamental;
 use super::level::{cause_of, factor_in_words, reason, reason_of_a_rate};
-use super::trial_case::{Facts, Standard, TrialCase, names};
+use super::trial_case::{Facts, Standard, TrialCase, mark_explained, names};
 use super::{Found, Word};
 use crate::finding::{Cause, Finding};
 use crate::series::median;
@@ -89,15 +89,13 @@ pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], found: &mut Found
                 } else {
                     Word::Suspected
                 };
-                found.findings.push(Finding {
-                    recordings: names(of_one_kind.iter().map(|r| &cases[r.case])),
-                    advice: format!("check unit and sensitivity of the {what} in these recordings, and whether the rig's {of} was another"),
-                    ..of_a_standard(what, of, 1.0 + usual, limit)
-                });
+                let advice = format!(
+                    "check unit and sensitivity of the {what} in these recordings, and whether the rig's {of} was another"
+                );
+                let finding = of_a_standard(what, of, 1.0 + usual, limit, advice);
+                let recordings = mark_explained(cases, of_one_kind.iter().map(|r| r.case));
+                found.findings.push(finding.in_recordings(recordings));
                 found.mark(word);
-                for reading in of_one_kind {
-                    cases[reading.case].explained = true;
-                }
                 continue;
             }
             let in_other_units = odd.into_iter().filter(|r| {
@@ -107,15 +105,13 @@ pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], found: &mut Found
                 no_crank || units.iter().any(|unit| near(unit) || near(&unit.recip()))
             });
             for reading in in_other_units {
-                let case = &mut cases[reading.case];
-                let factor = 1.0 + reading.excess;
-                found.findings.push(Finding {
-                    recordings: names([&*case]),
-                    advice: format!("check this recording's unit of the {what}, and whether its direction and role are its own"),
-                    ..of_a_standard(what, of, factor, limit)
-                });
+                let advice = format!(
+                    "check this recording's unit of the {what}, and whether its direction and role are its own"
+                );
+                let finding = of_a_standard(what, of, 1.0 + reading.excess, limit, advice);
+                let recordings = mark_explained(cases, [reading.case]);
+                found.findings.push(finding.in_recordings(recordings));
                 found.mark(Word::Certain);
-                case.explained = true;
             }
             continue;
         }
@@ -125,32 +121,23 @@ pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], found: &mut Found
         if (what == "gyroscope" || standard.lag_s > 0.0) && shows_a_lag(&readings, standard) {
             continue;
         }
-        let factor = 1.0 + usual;
-        let everywhere = odd.len() == readings.len();
-        found.findings.push(Finding {
-            recordings: if everywhere {
-                Vec::new()
+        let advice = format!(
+            "check unit and sensitivity{} of the {what} against its certificate, and [rig] {key}",
+            if standard.lag_s > 0.0 {
+                ", and the stated bandwidth_hz,"
             } else {
-                names(odd.iter().map(|r| &cases[r.case]))
-            },
-            advice: format!(
-                "check unit and sensitivity{} of the {what} against its certificate, and [rig] {key}",
-                if standard.lag_s > 0.0 {
-                    ", and the stated bandwidth_hz,"
-                } else {
-                    ""
-                }
-            ),
-            ..of_a_standard(what, of, factor, limit)
-        });
-        found.mark(if everywhere {
-            Word::Certain
+                ""
+            }
+        );
+        let finding = of_a_standard(what, of, 1.0 + usual, limit, advice);
+        let recordings = mark_explained(cases, odd.iter().map(|r| r.case));
+        let (finding, word) = if odd.len() == readings.len() {
+            (finding, Word::Certain)
         } else {
-            Word::Suspected
-        });
-        for reading in odd {
-            cases[reading.case].explained = true;
-        }
+            (finding.in_recordings(recordings), Word::Suspected)
+        };
+        found.findings.push(finding);
+        found.mark(word);
     }
 }
 
@@ -226,21 +213,18 @@ pub fn gyroscope_reads(facts: &Facts<'_>, cases: &[TrialCase<'_>]) -> Option<f64
 }
 
 /// A standard that shows so many times what the rig asks for, and what that usually is.
-fn of_a_standard(what: &str, of: &str, factor: f64, limit: f64) -> Finding {
-    Finding {
-        evidence: format!(
-            "the standard {what} shows {} what the rig's {of} and the drive's frequency ask for, where certificate and workshop leave {:.1} %; {}",
-            factor_in_words(factor),
-            100.0 * limit,
-            if what == "gyroscope" {
-                reason_of_a_rate(factor)
-            } else {
-                reason(factor)
-            }
-        ),
-        advice: String::new(),
-        ..Finding::of(cause_of(factor))
-    }
+fn of_a_standard(what: &str, of: &str, factor: f64, limit: f64, advice: String) -> Finding {
+    let evidence = format!(
+        "the standard {what} shows {} what the rig's {of} and the drive's frequency ask for, where certificate and workshop leave {:.1} %; {}",
+        factor_in_words(factor),
+        100.0 * limit,
+        if what == "gyroscope" {
+            reason_of_a_rate(factor)
+        } else {
+            reason(factor)
+        }
+    );
+    Finding::new(cause_of(factor), evidence, advice)
 }
 
 /// Whether a first-order lag that nobody stated, or one that was and is not there, explains the readings better than a factor does: what
@@ -312,21 +296,20 @@ fn wrong_clock(linear: &[Reading], angular: &[Reading], facts: &Facts<'_>) -> Op
 /// as a motor may have of itself leaves open whether it is the clock; `or` says what to look at then.
 pub(crate) fn of_a_clock(faster: f64, other_sign: &str, or: Option<&str>) -> Finding {
     let or = or.filter(|_| faster.abs() <= TOLERANCE);
-    let mut finding = Finding {
-        evidence: format!(
-            "by the recordings' clock the drive turns {:.2} % {} than the session says{}, and {other_sign}",
-            100.0 * faster.abs(),
-            if faster < 0.0 { "slower" } else { "faster" },
-            or.map_or("", |_| ", as a motor may")
-        ),
-        advice: "check the recordings' clock against the recorder: sample_rate_hz, or the rate or the time stamps in the files".to_owned(),
-        ..Finding::of(or.map_or(Cause::ClockMismatch, |_| Cause::Unexplained))
-    };
-    if let Some(or) = or {
-        finding.advice += "; if it is right, ";
-        finding.advice += or;
+    let evidence = format!(
+        "by the recordings' clock the drive turns {:.2} % {} than the session says{}, and {other_sign}",
+        100.0 * faster.abs(),
+        if faster < 0.0 { "slower" } else { "faster" },
+        or.map_or("", |_| ", as a motor may")
+    );
+    let advice = "check the recordings' clock against the recorder: sample_rate_hz, or the rate or the time stamps in the files";
+    match or {
+        None => Finding::new(Cause::ClockMismatch, evidence, advice),
+        Some(or) => {
+            let advice = format!("{advice}; if it is right, {or}");
+            Finding::new(Cause::Unexplained, evidence, advice)
+        }
     }
-    finding
 }
 
 /// By how much the drive turns faster by the recordings' clocks than the session says, relative; none if the rig's stroke and rotation are

@@ -3,7 +3,7 @@
 use core::f64::consts::TAU;
 
 use super::fundamental;
-use super::trial_case::{TrialCase, names};
+use super::trial_case::{TrialCase, mark_explained};
 use crate::finding::{Cause, Finding};
 use crate::series::deviation;
 use crate::trial::Trial;
@@ -65,26 +65,21 @@ pub fn examine(cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
     }
     if !other.is_empty() {
         let linear = other.iter().filter(|(_, linear)| *linear).count();
-        findings.push(Finding {
-            recordings: names(other.iter().map(|(index, _)| &cases[*index])),
-            evidence: match (linear, other.len() - linear) {
-                (_, 0) => "entered as linear, and by the standards the sensor turns".to_owned(),
-                (0, _) => "entered as angular, and by the standards the sensor travels".to_owned(),
-                (linear, angular) => format!(
-                    "by the standards these trials move as the other kind should: {linear} entered as linear turn, {angular} entered as angular travel"
-                ),
-            },
-            advice: if other.len() == judged {
-                "accelerometer and gyroscope are exchanged in the session's [channels], or the files or roles of linear and angular trials are"
-            } else {
-                "see whether files or roles of linear and angular trials are exchanged in the session"
-            }
-            .to_owned(),
-            ..Finding::of(Cause::Unreadable)
-        });
-        for (index, _) in other {
-            cases[index].explained = true;
-        }
+        let evidence = match (linear, other.len() - linear) {
+            (_, 0) => "entered as linear, and by the standards the sensor turns".to_owned(),
+            (0, _) => "entered as angular, and by the standards the sensor travels".to_owned(),
+            (linear, angular) => format!(
+                "by the standards these trials move as the other kind should: {linear} entered as linear turn, {angular} entered as angular travel"
+            ),
+        };
+        let advice = if other.len() == judged {
+            "accelerometer and gyroscope are exchanged in the session's [channels], or the files or roles of linear and angular trials are"
+        } else {
+            "see whether files or roles of linear and angular trials are exchanged in the session"
+        };
+        let recordings = mark_explained(cases, other.into_iter().map(|(index, _)| index));
+        let finding = Finding::new(Cause::Unreadable, evidence, advice);
+        findings.push(finding.in_recordings(recordings));
     }
     let both: Vec<usize> = (0..cases.len())
         .filter(|index| {
@@ -95,17 +90,10 @@ pub fn examine(cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
         })
         .collect();
     if !both.is_empty() {
-        findings.push(Finding {
-            recordings: names(both.iter().map(|index| &cases[*index])),
-            evidence: "the gyroscope turns at the drive's frequency, as in a compound run"
-                .to_owned(),
-            advice: "see whether the role is \"validation\", or the file another trial's"
-                .to_owned(),
-            ..Finding::of(Cause::Unreadable)
-        });
-        for index in both {
-            cases[index].explained = true;
-        }
+        let evidence = "the gyroscope turns at the drive's frequency, as in a compound run";
+        let advice = "see whether the role is \"validation\", or the file another trial's";
+        let finding = Finding::new(Cause::Unreadable, evidence, advice);
+        findings.push(finding.in_recordings(mark_explained(cases, both)));
     }
     for (linear, what) in [(true, "accelerometer"), (false, "gyroscope")] {
         let constant: Vec<usize> = (0..cases.len())
@@ -123,14 +111,9 @@ pub fn examine(cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
         if constant.is_empty() {
             continue;
         }
-        findings.push(Finding {
-            recordings: names(constant.iter().map(|index| &cases[*index])),
-            evidence: format!("the standard {what} reads one value throughout"),
-            advice: format!("check the cable of the standard {what} and record again"),
-            ..Finding::of(Cause::Unreadable)
-        });
-        for index in constant {
-            cases[index].explained = true;
-        }
+        let evidence = format!("the standard {what} reads one value throughout");
+        let advice = format!("check the cable of the standard {what} and record again");
+        let finding = Finding::new(Cause::Unreadable, evidence, advice);
+        findings.push(finding.in_recordings(mark_explained(cases, constant)));
     }
 }

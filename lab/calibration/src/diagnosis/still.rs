@@ -75,16 +75,12 @@ pub fn examine(rest: &Trial, steps_v: &[f64; LIMBS], findings: &mut Vec<Finding>
             ),
             _ => continue,
         };
-        findings.push(Finding {
-            cause: Cause::DeadLimb,
-            recordings: vec![rest.name.clone()],
-            channels: vec![channel + 1],
-            evidence,
-            advice: format!(
-                "seat the plugs of limb {}, then record at rest again",
-                channel + 1
-            ),
-        });
+        let advice = format!(
+            "seat the plugs of limb {}, then record at rest again",
+            channel + 1
+        );
+        let finding = Finding::new(Cause::DeadLimb, evidence, advice);
+        findings.push(finding.in_trial(rest).on_channels([channel]));
     }
 }
 

@@ -60,24 +60,22 @@ pub fn excitation(cases: &[TrialCase<'_>], findings: &mut Vec<Finding>) {
         let unread = trials.is_empty() && findings.iter().any(|f| f.cause == Cause::Unreadable);
         if !(excited || unread) {
             let lost = eigen.eigenvectors.column(worst);
-            findings.push(Finding {
-                evidence: if trials.is_empty() {
-                    format!("no {what} trial could be used")
-                } else {
-                    format!(
-                        "the {what} trials together move {:.1} % as much along ({:.2}, {:.2}, {:.2}) as along their best direction; the {step} rest on all three",
-                        100.0 * share,
-                        lost[0],
-                        lost[1],
-                        lost[2]
-                    )
-                },
-                advice: format!(
-                    "record {what} trials on a wedge whose direction is near ({:.1}, {:.1}, {:.1})",
-                    lost[0], lost[1], lost[2]
-                ),
-                ..Finding::of(Cause::UnderExcitedAxis)
-            });
+            let evidence = if trials.is_empty() {
+                format!("no {what} trial could be used")
+            } else {
+                format!(
+                    "the {what} trials together move {:.1} % as much along ({:.2}, {:.2}, {:.2}) as along their best direction; the {step} rest on all three",
+                    100.0 * share,
+                    lost[0],
+                    lost[1],
+                    lost[2]
+                )
+            };
+            let advice = format!(
+                "record {what} trials on a wedge whose direction is near ({:.1}, {:.1}, {:.1})",
+                lost[0], lost[1], lost[2]
+            );
+            findings.push(Finding::new(Cause::UnderExcitedAxis, evidence, advice));
         }
     }
 }
@@ -158,23 +156,19 @@ pub fn silent(
         for index in &quiet {
             cases[*index].ignored[channel] = true;
         }
-        let recordings = if *silent {
-            Vec::new()
+        let evidence = format!(
+            "no response to the motion in {} of {judged} trials that should move it",
+            quiet.len()
+        );
+        let advice = format!(
+            "check piezo, cable and amplifier of limb {}, then repeat all trials",
+            channel + 1
+        );
+        let finding = Finding::new(Cause::DeadLimb, evidence, advice).on_channels([channel]);
+        findings.push(if *silent {
+            finding
         } else {
-            names(quiet.iter().map(|i| &cases[*i]))
-        };
-        findings.push(Finding {
-            cause: Cause::DeadLimb,
-            recordings,
-            channels: vec![channel + 1],
-            evidence: format!(
-                "no response to the motion in {} of {judged} trials that should move it",
-                quiet.len()
-            ),
-            advice: format!(
-                "check piezo, cable and amplifier of limb {}, then repeat all trials",
-                channel + 1
-            ),
+            finding.in_recordings(names(quiet.iter().map(|i| &cases[*i])))
         });
     }
     silent
@@ -207,26 +201,23 @@ pub fn inverted(
     };
     let judged = silent.iter().filter(|silent| !**silent).count();
     if (0..LIMBS).filter(|i| !silent[*i] && reversed(*i)).count() == judged {
-        findings.push(Finding {
-            evidence: "all scale factors have the other sign than the design's: the standard accelerometer is reversed".to_owned(),
-            advice: "turn the accelerometer's polarity round, or the wedges' directions".to_owned(),
-            ..Finding::of(Cause::WrongScaling)
-        });
+        findings.push(Finding::new(
+            Cause::WrongScaling,
+            "all scale factors have the other sign than the design's: the standard accelerometer is reversed",
+            "turn the accelerometer's polarity round, or the wedges' directions",
+        ));
         return;
     }
     for (channel, silent) in silent.iter().enumerate() {
         if !silent && reversed(channel) {
-            findings.push(Finding {
-                channels: vec![channel + 1],
-                evidence: format!(
-                    "scale factor {:.3} 1/kg, of the other sign than the design's {:.3} 1/kg",
-                    1.0 / table.mass_over_scale_kg[channel],
-                    facts.design.scale_per_mass_per_kg[channel]
-                ),
-                advice: "turn the channel's polarity round, or give its gain_n_per_v a minus sign"
-                    .to_owned(),
-                ..Finding::of(Cause::InvertedChannel)
-            });
+            let evidence = format!(
+                "scale factor {:.3} 1/kg, of the other sign than the design's {:.3} 1/kg",
+                1.0 / table.mass_over_scale_kg[channel],
+                facts.design.scale_per_mass_per_kg[channel]
+            );
+            let advice = "turn the channel's polarity round, or give its gain_n_per_v a minus sign";
+            let finding = Finding::new(Cause::InvertedChannel, evidence, advice);
+            findings.push(finding.on_channels([channel]));
         }
     }
 }

@@ -4,7 +4,7 @@ use core::f64::consts::TAU;
 
 use sixaxis_core::LIMBS;
 
-use super::trial_case::{Facts, TrialCase, names};
+use super::trial_case::{Facts, TrialCase, mark_explained, names};
 use crate::drive;
 use crate::finding::{Cause, Finding};
 use crate::response::Response;
@@ -105,17 +105,15 @@ fn late_channels(cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
             continue;
         }
         cases[*index].ignored[*channel] = true;
-        findings.push(Finding {
-            cause: Cause::ClockMismatch,
-            recordings: vec![cases[*index].trial.name.clone()],
-            channels: vec![channel + 1],
-            evidence: format!(
-                "{:.1} ms {} the other channels, in this trial alone",
-                1e3 * late_s.abs(),
-                if *late_s > 0.0 { "behind" } else { "ahead of" }
-            ),
-            advice: "see whether the channel was read by another card, its column shifted, or filtered (a low-pass is behind, an AC coupling ahead); record the trial again".to_owned(),
-        });
+        let evidence = format!(
+            "{:.1} ms {} the other channels, in this trial alone",
+            1e3 * late_s.abs(),
+            if *late_s > 0.0 { "behind" } else { "ahead of" }
+        );
+        let advice = "see whether the channel was read by another card, its column shifted, or filtered (a low-pass is behind, an AC coupling ahead); record the trial again";
+        let finding = Finding::new(Cause::ClockMismatch, evidence, advice);
+        let trial = cases[*index].trial;
+        findings.push(finding.in_trial(trial).on_channels([*channel]));
     }
 }
 
@@ -163,15 +161,9 @@ pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], findings: &mut Ve
                  against the recorder",
             ),
         };
-        findings.push(Finding {
-            recordings: names(wrong_rate.iter().map(|(i, _)| &cases[*i])),
-            evidence,
-            advice: advice.to_owned(),
-            ..Finding::of(Cause::ClockMismatch)
-        });
-        for (index, _) in &wrong_rate {
-            cases[*index].explained = true;
-        }
+        let recordings = mark_explained(cases, wrong_rate.into_iter().map(|(index, _)| index));
+        let finding = Finding::new(Cause::ClockMismatch, evidence, advice);
+        findings.push(finding.in_recordings(recordings));
     }
     if late.is_empty() {
         return;
@@ -199,20 +191,19 @@ pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], findings: &mut Ve
             })
             .collect();
         let middle = constants.iter().sum::<f64>() / constants.len() as f64;
-        findings.push(Finding {
-            evidence: format!(
-                "in all {angular} angular trials the gyroscope is {:.1} ms behind the sensor, as a first-order bandwidth of {:.1} Hz would have it{}",
-                1e3 * middle,
-                1.0 / (TAU * middle),
-                if facts.gyroscope_lag_undone {
-                    ", on top of the bandwidth that is being undone"
-                } else {
-                    ""
-                }
-            ),
-            advice: "state the gyroscope's bandwidth_hz as its certificate has it; its lag is then undone".to_owned(),
-            ..Finding::of(Cause::GyroscopeLag)
-        });
+        let evidence = format!(
+            "in all {angular} angular trials the gyroscope is {:.1} ms behind the sensor, as a first-order bandwidth of {:.1} Hz would have it{}",
+            1e3 * middle,
+            1.0 / (TAU * middle),
+            if facts.gyroscope_lag_undone {
+                ", on top of the bandwidth that is being undone"
+            } else {
+                ""
+            }
+        );
+        let advice =
+            "state the gyroscope's bandwidth_hz as its certificate has it; its lag is then undone";
+        findings.push(Finding::new(Cause::GyroscopeLag, evidence, advice));
         // What turns cannot be compared before the lag is undone.
         for case in cases.iter_mut() {
             case.explained |= case.trial.role == Role::Validation;
@@ -224,19 +215,15 @@ pub fn examine(facts: &Facts<'_>, cases: &mut [TrialCase<'_>], findings: &mut Ve
             .max_by(|a, b| (a.1.abs() + a.2.abs()).total_cmp(&(b.1.abs() + b.2.abs())))
             .unwrap_or(late[0]);
         let duration = cases[worst].response.as_ref().map_or(1.0, |r| r.duration_s);
-        findings.push(Finding {
-            recordings: names(late.iter().map(|(i, ..)| &cases[*i])),
-            evidence: format!(
-                "the standards are {:.2} ms behind the sensor in the middle of {}, and that changes by {:.2} ms over its {duration:.1} s",
-                1e3 * lag,
-                cases[worst].trial.name,
-                1e3 * growth
-            ),
-            advice: "record sensor and standards on one clock, or state reference_start_s and both sample rates".to_owned(),
-            ..Finding::of(Cause::ClockMismatch)
-        });
+        let evidence = format!(
+            "the standards are {:.2} ms behind the sensor in the middle of {}, and that changes by {:.2} ms over its {duration:.1} s",
+            1e3 * lag,
+            cases[worst].trial.name,
+            1e3 * growth
+        );
+        let advice = "record sensor and standards on one clock, or state reference_start_s and both sample rates";
+        let finding = Finding::new(Cause::ClockMismatch, evidence, advice);
+        findings.push(finding.in_recordings(names(late.iter().map(|(i, ..)| &cases[*i]))));
     }
-    for (index, ..) in late {
-        cases[index].explained = true;
-    }
+    mark_explained(cases, late.into_iter().map(|(index, ..)| index));
 }

@@ -65,6 +65,18 @@ pub(crate) fn angles(conditioned: &Conditioned, trial: &Trial) -> impl Iterator<
     })
 }
 
+/// Marks these cases as explained by a finding, and returns the names of their recordings.
+pub(crate) fn mark_explained(
+    cases: &mut [TrialCase<'_>],
+    indices: impl IntoIterator<Item = usize>,
+) -> Vec<String> {
+    let mark = |index: usize| {
+        cases[index].explained = true;
+        cases[index].trial.name.clone()
+    };
+    indices.into_iter().map(mark).collect()
+}
+
 /// The names of some trials.
 pub(crate) fn names<'s, 'a: 's>(cases: impl IntoIterator<Item = &'s TrialCase<'a>>) -> Vec<String> {
     cases

@@ -113,12 +113,11 @@ fn judged(
         .iter()
         .filter(|(_, found)| beyond(found, of_one))
         .collect();
-    (!moved.is_empty()).then(|| Finding {
-        cause: Cause::DriftDuringRun,
-        recordings: vec![rest.name.clone()],
-        channels: moved.iter().map(|(channel, _)| channel + 1).collect(),
-        evidence: furthest_of(&moved),
-        advice: "record at rest again, right before the trials".to_owned(),
+    (!moved.is_empty()).then(|| {
+        let advice = "record at rest again, right before the trials";
+        Finding::new(Cause::DriftDuringRun, furthest_of(&moved), advice)
+            .in_trial(rest)
+            .on_channels(moved.iter().map(|(channel, _)| *channel))
     })
 }
 
@@ -132,12 +131,8 @@ fn in_words((channel, found): &(usize, Elsewhere)) -> String {
 }
 
 fn of_the_record(rest: &Trial, evidence: String) -> Finding {
-    Finding {
-        recordings: vec![rest.name.clone()],
-        evidence,
-        advice: "see whether the static record is of this sensor, in the trials' unit and at rest; record at rest again".to_owned(),
-        ..Finding::of(Cause::Unreadable)
-    }
+    let advice = "see whether the static record is of this sensor, in the trials' unit and at rest; record at rest again";
+    Finding::new(Cause::Unreadable, evidence, advice).in_trial(rest)
 }
 
 /// A channel's zero by the trials.

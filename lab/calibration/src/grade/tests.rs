@@ -324,9 +324,8 @@ fn inv_what_is_missing_is_one_point_each() {
 
 #[test]
 fn inv_findings_come_before_points_and_points_before_praise() {
-    let finding = |cause: Cause, recordings: &[&str]| Finding {
-        recordings: recordings.iter().map(ToString::to_string).collect(),
-        ..Finding::of(cause)
+    let finding = |cause: Cause, recordings: &[&str]| {
+        Finding::new(cause, "", "").in_recordings(recordings.iter().copied())
     };
     let said = |findings: &[Finding], points: usize, identified: bool| {
         grade(

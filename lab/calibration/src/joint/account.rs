@@ -12,8 +12,9 @@ use sixaxis_core::LIMBS;
 use sixaxis_core::identify::joint::Known;
 use sixaxis_core::identify::joint::estimate::TrialEstimate;
 
+use super::JointReport;
+use super::knowledge::TIME_CONSTANT;
 use super::misfit::Misfit;
-use super::{JointReport, TIME_CONSTANT};
 use crate::diagnosis::rig;
 use crate::finding::{Cause, Finding};
 
@@ -140,15 +141,10 @@ impl JointReport {
             let most_deg = pairs.iter().map(left_over).fold(0.0, f64::max);
             turned.to_axis_angle().1.to_degrees() > WEDGE_DEG.max(most_deg / ALIKE)
         });
-        let finding = |recordings, evidence, advice: &str| Finding {
-            recordings,
-            evidence,
-            advice: advice.to_owned(),
-            ..Finding::of(Cause::LooseWedge)
-        };
         if let Some(turned) = flange {
             let evidence = format!("all directions are {}", turned_alike(turned));
-            return vec![finding(Vec::new(), evidence, STRAIGHT_ON_ITS_FLANGE)];
+            let finding = Finding::new(Cause::LooseWedge, evidence, STRAIGHT_ON_ITS_FLANGE);
+            return vec![finding];
         }
         let loose = pairs
             .iter()
@@ -165,7 +161,8 @@ impl JointReport {
                     off_deg(pair)
                 );
                 let advice = "tighten the wedge and repeat its trials, or check the stated direction";
-                finding(self.named(|trial| trial == wedge), evidence, advice)
+                let finding = Finding::new(Cause::LooseWedge, evidence, advice);
+                finding.in_recordings(self.named(|trial| trial == wedge))
             })
             .collect()
     }
@@ -198,32 +195,28 @@ impl JointReport {
         }
         let mut findings = Vec::new();
         if !tilted.is_empty() {
-            findings.push(Finding {
-                recordings: tilted,
-                // The fit takes an angle for its sine.
-                evidence: if most_deg < LINEAR_DEG {
-                    format!(
-                        "gravity turns in the sensor as if it stood {most_deg:.2}° from where the session says"
-                    )
-                } else {
-                    format!(
-                        "gravity turns in the sensor as if it stood more than {LINEAR_DEG}° from where the session says"
-                    )
-                },
-                advice: "plumb the axis, or state gravity as it is in the sensor at rest".to_owned(),
-                ..Finding::of(Cause::GravityNotHandled)
-            });
+            // The fit takes an angle for its sine.
+            let evidence = if most_deg < LINEAR_DEG {
+                format!(
+                    "gravity turns in the sensor as if it stood {most_deg:.2}° from where the session says"
+                )
+            } else {
+                format!(
+                    "gravity turns in the sensor as if it stood more than {LINEAR_DEG}° from where the session says"
+                )
+            };
+            let advice = "plumb the axis, or state gravity as it is in the sensor at rest";
+            let finding = Finding::new(Cause::GravityNotHandled, evidence, advice);
+            findings.push(finding.in_recordings(tilted));
         }
         if !off_axis.is_empty() {
-            findings.push(Finding {
-                recordings: off_axis,
-                evidence: format!(
-                    "the sensor's centre is {:.1} mm off the axis, or moves as if it were",
-                    1e3 * most_m
-                ),
-                advice: "centre the sensor on the pinion".to_owned(),
-                ..Finding::of(Cause::Unexplained)
-            });
+            let evidence = format!(
+                "the sensor's centre is {:.1} mm off the axis, or moves as if it were",
+                1e3 * most_m
+            );
+            let advice = "centre the sensor on the pinion";
+            let finding = Finding::new(Cause::Unexplained, evidence, advice);
+            findings.push(finding.in_recordings(off_axis));
         }
         findings
     }
@@ -255,14 +248,12 @@ impl JointReport {
         let all_torn = names_of(&torn);
         let torn_alone = all_torn.len() < trials.len();
         if torn_alone && !all_torn.is_empty() {
-            findings.push(Finding {
-                recordings: all_torn,
-                evidence: format!(
-                    "the means of more than {DRIFT_TOGETHER} channels stand elsewhere than in the other trials, as if samples were missing"
-                ),
-                advice: "look for a gap in the recording, and repeat the trial".to_owned(),
-                ..Finding::of(Cause::Unexplained)
-            });
+            let evidence = format!(
+                "the means of more than {DRIFT_TOGETHER} channels stand elsewhere than in the other trials, as if samples were missing"
+            );
+            let advice = "look for a gap in the recording, and repeat the trial";
+            let finding = Finding::new(Cause::Unexplained, evidence, advice);
+            findings.push(finding.in_recordings(all_torn));
         }
         for limb in 0..LIMBS {
             let drifted =
@@ -273,15 +264,14 @@ impl JointReport {
                 .filter(|(trial, _)| drifted(trial))
                 .map(|(trial, _)| trial.zero_v[limb].value)
                 .max_by(|a, b| a.abs().total_cmp(&b.abs()));
-            findings.extend(most_v.map(|volts| Finding {
-                cause: Cause::DriftDuringRun,
-                recordings,
-                channels: vec![limb + 1],
-                evidence: format!(
+            findings.extend(most_v.map(|volts| {
+                let evidence = format!(
                     "the zero is {:+.1} mV from that of the static record",
                     1e3 * volts
-                ),
-                advice: "warm up, and record at rest right before the trials".to_owned(),
+                );
+                let advice = "warm up, and record at rest right before the trials";
+                let finding = Finding::new(Cause::DriftDuringRun, evidence, advice);
+                finding.in_recordings(recordings).on_channels([limb])
             }));
         }
         findings
@@ -311,11 +301,8 @@ impl JointReport {
             );
             return Some(rig::of_a_clock(faster, &sign, Some(advice)));
         }
-        Some(Finding {
-            evidence: format!("{reads}, and its certificate allows {:.2} %", 100.0 * limit),
-            advice: advice.to_owned(),
-            ..Finding::of(Cause::WrongScaling)
-        })
+        let evidence = format!("{reads}, and its certificate allows {:.2} %", 100.0 * limit);
+        Some(Finding::new(Cause::WrongScaling, evidence, advice))
     }
 
     /// A lag that is not the stated bandwidth's: the fit finds its own.
@@ -323,15 +310,14 @@ impl JointReport {
         let (found, stated_hz) = (self.nuisances().gyroscope_lag_s?, stated_hz?);
         let stated_s = 1.0 / (core::f64::consts::TAU * stated_hz);
         let off_s = (found.value - stated_s).abs();
-        (off_s > BEYOND_CERTIFICATE * (TIME_CONSTANT * stated_s).hypot(found.deviation)).then(|| Finding {
-            evidence: format!(
-                "by Euler's equation the gyroscope is {:.2} ms behind, and by the stated bandwidth of {stated_hz} Hz it is {:.2} ms",
-                1e3 * found.value,
-                1e3 * stated_s
-            ),
-            advice: "correct the gyroscope's bandwidth_hz by its certificate".to_owned(),
-            ..Finding::of(Cause::GyroscopeLag)
-        })
+        let evidence = format!(
+            "by Euler's equation the gyroscope is {:.2} ms behind, and by the stated bandwidth of {stated_hz} Hz it is {:.2} ms",
+            1e3 * found.value,
+            1e3 * stated_s
+        );
+        let advice = "correct the gyroscope's bandwidth_hz by its certificate";
+        (off_s > BEYOND_CERTIFICATE * (TIME_CONSTANT * stated_s).hypot(found.deviation))
+            .then(|| Finding::new(Cause::GyroscopeLag, evidence, advice))
     }
 }
 

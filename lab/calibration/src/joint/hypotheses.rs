@@ -166,10 +166,8 @@ pub fn explain(
                 "either of two things accounts for all trials: {}; or {}",
                 first.evidence, second.evidence
             );
-            return vec![Finding {
-                advice: format!("either {}; or {}", first.advice, second.advice),
-                ..unknown(evidence)
-            }];
+            let advice = format!("either {}; or {}", first.advice, second.advice);
+            return vec![Finding::new(Cause::Unexplained, evidence, advice)];
         }
         [] => {}
     }
@@ -235,9 +233,6 @@ pub(crate) fn contradiction(joint: core::result::Result<&JointReport, &str>) -> 
 
 /// Something is wrong, and nothing says what.
 pub(crate) fn unknown(evidence: String) -> Finding {
-    Finding {
-        evidence,
-        advice: "look at the table of trials in the report".to_owned(),
-        ..Finding::of(Cause::Unexplained)
-    }
+    let advice = "look at the table of trials in the report";
+    Finding::new(Cause::Unexplained, evidence, advice)
 }

@@ -221,36 +221,24 @@ fn of_a_course(limb: usize, course: Course, names: &[String]) -> Finding {
             "see whether limb, plug or gain was another in the angular trials, and repeat them",
         ),
     };
-    Finding {
-        channels: vec![limb + 1],
-        evidence,
-        advice: advice.to_owned(),
-        ..Finding::of(Cause::FadingSensitivity)
-    }
+    Finding::new(Cause::FadingSensitivity, evidence, advice).on_channels([limb])
 }
 
 /// Several channels in one trial show other than in the others, this one most.
 fn several_channels(limb: usize, name: &str, by: f64) -> Finding {
-    Finding {
-        recordings: vec![name.to_owned()],
-        evidence: format!(
-            "several channels show more or less than in the other trials, channel {} by {:+.2} %",
-            limb + 1,
-            100.0 * by
-        ),
-        advice: "check that this recording is this sensor's, in this state".to_owned(),
-        ..Finding::of(Cause::Unexplained)
-    }
+    let evidence = format!(
+        "several channels show more or less than in the other trials, channel {} by {:+.2} %",
+        limb + 1,
+        100.0 * by
+    );
+    let advice = "check that this recording is this sensor's, in this state";
+    Finding::new(Cause::Unexplained, evidence, advice).in_recordings([name])
 }
 
 /// One channel in one trial shows so many times what it shows in the others.
 fn one_channel(limb: usize, name: &str, factor: f64) -> Finding {
     let (cause, advice) = of_one_channel(factor);
-    Finding {
-        cause,
-        recordings: vec![name.to_owned()],
-        channels: vec![limb + 1],
-        evidence: format!("the channel shows {factor:.4} times what it shows in the other trials"),
-        advice: advice.to_owned(),
-    }
+    let evidence = format!("the channel shows {factor:.4} times what it shows in the other trials");
+    let finding = Finding::new(cause, evidence, advice);
+    finding.in_recordings([name]).on_channels([limb])
 }

@@ -114,13 +114,7 @@ impl Head {
         if names.len() > MOST_COLUMNS {
             return Err(refuse("more than 256 columns"));
         }
-        let channel = |name: &&str| {
-            let mut channel = Channel::from_heading(name);
-            if channels.limbs_unit.is_none() && channels.limbs.contains(&channel.name) {
-                channel.unit.get_or_insert_with(|| "V".to_owned());
-            }
-            channel
-        };
+        let channel = |name: &&str| channels.in_volts(Channel::from_heading(name));
         let layout = Layout {
             channels: names.iter().map(channel).collect(),
             ..Layout::default()

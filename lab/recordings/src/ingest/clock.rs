@@ -9,7 +9,7 @@
 use serde::Serialize;
 
 use super::find::Column;
-use crate::channel::Layout;
+use crate::layout::Layout;
 
 /// A step of more usual steps than this is a gap.
 const GAP_STEPS: f64 = 1.5;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::clock::{Clock, Stamps};
 use super::find::Column;
-use crate::channel::Block;
+use crate::block::Block;
 use crate::error::{Error, Result};
 use crate::source::Source;
 

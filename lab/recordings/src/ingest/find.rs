@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use super::units;
-use crate::channel::Layout;
 use crate::error::{Error, Result};
+use crate::layout::Layout;
 use crate::motion::MOTION_CHANNELS;
 use crate::session::{Channels, LIMBS, Session};
 use crate::unit::{STANDARD_GRAVITY_M_S2, Unit};

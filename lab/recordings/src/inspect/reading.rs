@@ -11,11 +11,11 @@ use super::pairs::{Pairs, twins};
 use super::sensor::{Expected, find};
 use super::series::Series;
 use super::spectrum::segment;
-use crate::channel::Layout;
 use crate::error::{Error, Result};
 use crate::ingest::clock::Stamps;
 use crate::ingest::columns::{BLOCK, Columns};
 use crate::ingest::find::Column;
+use crate::layout::Layout;
 use crate::open;
 use crate::session::Role;
 

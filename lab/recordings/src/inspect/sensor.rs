@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::facts::{ChannelFacts, Sensor};
-use crate::channel::Layout;
+use crate::layout::Layout;
 use crate::session::{Channels, LIMBS, Role, SessionFile};
 use crate::unit::{self, Unit};
 

@@ -12,8 +12,8 @@
 
 use std::path::Path;
 
-pub use crate::channel::LEFT_OUT;
 use crate::error::Result;
+pub use crate::layout::LEFT_OUT;
 use crate::source::Source;
 
 mod v5;

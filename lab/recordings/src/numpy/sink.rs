@@ -8,9 +8,10 @@ use zip::CompressionMethod;
 use zip::write::{SimpleFileOptions, ZipWriter};
 
 use super::header;
-use crate::channel::{Layout, is_sample_rate};
+use crate::channel::is_sample_rate;
 use crate::draft::folder_of;
 use crate::error::Result;
+use crate::layout::Layout;
 use crate::sink::{self, Encoder, Sink};
 
 /// Bytes of an f64.

@@ -9,8 +9,9 @@ use std::sync::{Arc, Mutex};
 use super::header::{self, Refusal};
 use super::stream::{Body, Shared, Stream};
 use super::table::{Table, arrange};
-use crate::channel::{Channel, Layout};
+use crate::channel::Channel;
 use crate::error::{Error, Place, Result};
+use crate::layout::Layout;
 use crate::numbers::Number;
 use crate::source::{Decoder, Source, reading};
 

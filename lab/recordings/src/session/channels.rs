@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::sensor::{LIMBS, PerLimb};
+use crate::channel::Channel;
 
 /// Names and units of the channels in the files.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -42,6 +43,15 @@ impl Channels {
         if let Some(unit) = unit {
             self.limbs_unit = Some(unit.clone());
         }
+    }
+
+    /// A channel of a stream, which is in volts if it is a limb's and neither its heading nor the session says its unit.
+    #[must_use]
+    pub fn in_volts(&self, mut channel: Channel) -> Channel {
+        if self.limbs_unit.is_none() && self.limbs.contains(&channel.name) {
+            channel.unit.get_or_insert_with(|| "V".to_owned());
+        }
+        channel
     }
 }
 

@@ -8,7 +8,8 @@ use super::object::{Object, join_path};
 use super::scaling::Scale;
 use super::value::{Timestamp, Value};
 use crate::began::BEGAN;
-use crate::channel::{Channel, LEFT_OUT, Layout, time_channel};
+use crate::channel::{Channel, time_channel};
+use crate::layout::{LEFT_OUT, Layout};
 
 /// How to read a channel of the layout.
 #[derive(Debug)]

@@ -8,8 +8,9 @@ use std::path::Path;
 use super::object::{join_path, split_path};
 use super::value::Timestamp;
 use crate::began::BEGAN;
-use crate::channel::{Channel, Layout};
+use crate::channel::Channel;
 use crate::error::{Error, Result};
+use crate::layout::Layout;
 use crate::sink::{self, Encoder, Sink};
 
 /// Rows in a segment, at most.

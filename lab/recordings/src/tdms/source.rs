@@ -8,8 +8,8 @@ use super::index::{Index, Run};
 use super::kind::Kind;
 use super::value::Timestamp;
 use super::window::{WINDOW, Window};
-use crate::channel::Layout;
 use crate::error::{Error, Result};
+use crate::layout::Layout;
 use crate::source::{Decoder, Source, reading};
 
 /// Samples that follow each other in the file are read on their own from this many bytes on; shorter pieces together with

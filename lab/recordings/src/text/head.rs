@@ -9,8 +9,9 @@ use super::dialect::{Dialect, Separator, split, text, texts};
 use super::lines::{LINE, Lines};
 use super::lvm;
 use super::stamp::{Stamps, date, time_of_day, whole};
-use crate::channel::{Channel, Layout, MOST_CHANNELS, is_sample_rate, sample_rate};
+use crate::channel::{Channel, MOST_CHANNELS, is_sample_rate, sample_rate};
 use crate::error::{Error, Place, Result};
+use crate::layout::Layout;
 
 /// Lines other than comments that decide the dialect.
 const SAMPLE: usize = 100;

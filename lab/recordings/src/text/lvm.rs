@@ -6,8 +6,9 @@ use std::path::Path;
 use super::dialect::{Decimal, Dialect, Separator, number, texts};
 use super::head::{Column, Table, is_blank};
 use super::lines::Lines;
-use crate::channel::{Channel, Layout, MOST_CHANNELS};
+use crate::channel::{Channel, MOST_CHANNELS};
 use crate::error::{Error, Place, Result};
+use crate::layout::Layout;
 
 const END: &str = "***End_of_Header***";
 /// Lines that a header may have.

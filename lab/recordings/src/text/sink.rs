@@ -6,8 +6,9 @@ use std::path::Path;
 
 use super::detect::is_missing;
 use super::gzip::Gzip;
-use crate::channel::{Channel, Layout, is_sample_rate};
+use crate::channel::{Channel, is_sample_rate};
 use crate::error::Result;
+use crate::layout::Layout;
 use crate::sink::{self, Encoder, Sink};
 
 /// Rows that are turned into text at once.

@@ -6,8 +6,8 @@ use super::dialect::{Decimal, excerpt, number, split};
 use super::head::{self, Column, Table, is_blank, is_comment};
 use super::lines::{Lines, fragment};
 use super::stamp::FORMS;
-use crate::channel::Layout;
 use crate::error::{Error, Place, Result};
+use crate::layout::Layout;
 use crate::source::{Decoder, Source, reading};
 
 /// Opens a file of text, gzip or not.

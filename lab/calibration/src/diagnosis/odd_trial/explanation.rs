@@ -78,6 +78,16 @@ impl<'a> Odd<'a> {
         }
     }
 
+    /// A finding of this trial alone.
+    fn finding(
+        &self,
+        cause: Cause,
+        evidence: impl Into<String>,
+        advice: impl Into<String>,
+    ) -> Finding {
+        Finding::new(cause, evidence, advice).in_trial(self.case.trial)
+    }
+
     /// What a hypothesis leaves of the departure, over the trial's size.
     fn rest(&self, of: &dyn Fn(usize) -> f64) -> f64 {
         self.counts
@@ -103,19 +113,14 @@ impl<'a> Odd<'a> {
     /// One factor on all channels.
     pub(super) fn one_factor(&self) -> Option<Finding> {
         let (common, left) = self.amount(&self.expected, &[0.0; LIMBS]);
-        (left < self.enough()).then(|| Finding {
-            recordings: vec![self.case.trial.name.clone()],
-            evidence: format!(
-                "all channels are {common:.4} times what the other trials make one expect"
-            ),
-            advice: if (common + 1.0).abs() < OPPOSITE {
-                "turn the sign of this recording's direction in the session, or see to the polarity of the standard"
-            } else {
-                "check this recording's gains and units, and the sensitivity of the standard"
-            }
-            .to_owned(),
-            ..Finding::of(cause_of(common))
-        })
+        let evidence =
+            format!("all channels are {common:.4} times what the other trials make one expect");
+        let advice = if (common + 1.0).abs() < OPPOSITE {
+            "turn the sign of this recording's direction in the session, or see to the polarity of the standard"
+        } else {
+            "check this recording's gains and units, and the sensitivity of the standard"
+        };
+        (left < self.enough()).then(|| self.finding(cause_of(common), evidence, advice))
     }
 
     /// One standard's factor, where a run travels and turns: the channels have their shares of what the other standard reads, and of this
@@ -150,37 +155,33 @@ impl<'a> Odd<'a> {
                 let factor = amount(share(0.0, 1.0), share(read.0, 0.0))? / read.1;
                 Some(("gyroscope", factor, reason_of_a_rate(factor)))
             })?;
-        let found = |cause: Cause, evidence: String| Finding {
-            recordings: vec![self.case.trial.name.clone()],
-            evidence,
-            advice: format!(
-                "check unit, sensitivity, polarity and cable of the standard {standard} in this recording"
-            ),
-            ..Finding::of(cause)
-        };
-        Some(if factor.abs() > NOTHING {
-            found(
+        let (cause, evidence) = if factor.abs() > NOTHING {
+            (
                 Cause::Unreadable,
                 format!(
                     "the standard {standard} reads nothing of the motion that the channels show"
                 ),
             )
         } else if (factor + 1.0).abs() < OPPOSITE {
-            found(
+            (
                 Cause::InvertedChannel,
                 format!(
                     "the standard {standard} reads the other way round than in the other trials"
                 ),
             )
         } else {
-            found(
+            (
                 cause_of(factor),
                 format!(
                     "by the channels the true motion is {} what the standard {standard} reads; {why}",
                     factor_in_words(factor)
                 ),
             )
-        })
+        };
+        let advice = format!(
+            "check unit, sensitivity, polarity and cable of the standard {standard} in this recording"
+        );
+        Some(self.finding(cause, evidence, advice))
     }
 
     /// One channel.
@@ -199,15 +200,10 @@ impl<'a> Odd<'a> {
         }
         let factor = seen[worst] / expected[worst];
         let (cause, advice) = of_one_channel(factor);
-        Some(Finding {
-            recordings: vec![self.case.trial.name.clone()],
-            cause,
-            channels: vec![worst + 1],
-            evidence: format!(
-                "the channel shows {factor:.4} times what the other trials make one expect, the others agree"
-            ),
-            advice: advice.to_owned(),
-        })
+        let evidence = format!(
+            "the channel shows {factor:.4} times what the other trials make one expect, the others agree"
+        );
+        Some(self.finding(cause, evidence, advice).on_channels([worst]))
     }
 
     /// Two channels exchanged in this recording alone: the gain stays with the amplifier and the limb comes along, or two columns have
@@ -234,13 +230,8 @@ impl<'a> Odd<'a> {
             })
         };
         let ((a, b), evidence, advice) = of_plugs.or_else(of_names)?;
-        Some(Finding {
-            recordings: vec![self.case.trial.name.clone()],
-            cause: Cause::SwappedChannels,
-            channels: vec![a + 1, b + 1],
-            evidence: evidence.to_owned(),
-            advice: advice.to_owned(),
-        })
+        let finding = self.finding(Cause::SwappedChannels, evidence, advice);
+        Some(finding.on_channels([a, b]))
     }
 
     /// All nine names moved on by some places, as by a heading that begins a column too early.
@@ -254,15 +245,12 @@ impl<'a> Odd<'a> {
             };
             self.rest(&with) < self.enough()
         })?;
-        Some(Finding {
-            recordings: vec![self.case.trial.name.clone()],
-            evidence: format!(
-                "what stands in channel 1 of this recording is limb {}'s, and so on: with all nine names moved on they agree with the other trials",
-                by + 1
-            ),
-            advice: "see whether the headings of this file begin a column too early or too late, or give it its own [recording.channels]".to_owned(),
-            ..Finding::of(Cause::SwappedChannels)
-        })
+        let evidence = format!(
+            "what stands in channel 1 of this recording is limb {}'s, and so on: with all nine names moved on they agree with the other trials",
+            by + 1
+        );
+        let advice = "see whether the headings of this file begin a column too early or too late, or give it its own [recording.channels]";
+        Some(self.finding(Cause::SwappedChannels, evidence, advice))
     }
 
     /// The pair whose exchange explains the trial, where a channel then shows so many times what is expected of the other.
@@ -315,15 +303,11 @@ impl<'a> Odd<'a> {
             ),
             None => "tighten the wedge and repeat, or check the stated direction".to_owned(),
         };
-        OtherDirection::Loose(Finding {
-            recordings: vec![self.case.trial.name.clone()],
-            evidence: format!(
-                "the channels show motion along ({:.3}, {:.3}, {:.3}), {angle:.1}° from the stated direction",
-                v.x, v.y, v.z
-            ),
-            advice,
-            ..Finding::of(Cause::LooseWedge)
-        })
+        let evidence = format!(
+            "the channels show motion along ({:.3}, {:.3}, {:.3}), {angle:.1}° from the stated direction",
+            v.x, v.y, v.z
+        );
+        OtherDirection::Loose(self.finding(Cause::LooseWedge, evidence, advice))
     }
 
     /// Another sensor's where many channels depart; otherwise unexplained.
@@ -346,12 +330,7 @@ impl<'a> Odd<'a> {
                 "look at the trial's curves in the report, and repeat it",
             )
         };
-        Finding {
-            recordings: vec![self.case.trial.name.clone()],
-            evidence,
-            advice: advice.to_owned(),
-            ..Finding::of(cause)
-        }
+        self.finding(cause, evidence, advice)
     }
 }
 

@@ -102,7 +102,7 @@ pub(super) fn examine(table: &Table, case: &TrialCase<'_>) -> Option<Finding> {
     let when = format!("from {:.2} s to {:.2} s", seconds(from), seconds(to));
     let (channels, evidence, advice) = if alone {
         (
-            vec![most.channel + 1],
+            vec![most.channel],
             format!(
                 "{when} the channel does not follow the motion as it does in the rest of the run; the others do"
             ),
@@ -133,11 +133,6 @@ pub(super) fn examine(table: &Table, case: &TrialCase<'_>) -> Option<Finding> {
             "see to the cables of the standards and of the recorder for a loose contact, and whether samples are missing there; record the trial again",
         )
     };
-    Some(Finding {
-        recordings: vec![case.trial.name.clone()],
-        channels,
-        evidence,
-        advice: advice.to_owned(),
-        ..Finding::of(Cause::Unreadable)
-    })
+    let finding = Finding::new(Cause::Unreadable, evidence, advice);
+    Some(finding.in_trial(case.trial).on_channels(channels))
 }

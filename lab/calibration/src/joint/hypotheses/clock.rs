@@ -54,15 +54,13 @@ pub fn tried(day: &Unaccounted<'_>) -> Option<Finding> {
         .collect::<Option<_>>()?;
     let borrowed: Vec<&Trial> = trials.iter().collect();
     day.accounting(&borrowed, &at_rest(day.drift), &day.start, day.knowledge)?;
-    Some(Finding {
-        evidence: format!(
-            "with standards that are {:.3} ms behind the channels at the start of each recording and sampled at {:.6} times their stated rate all trials agree to the noise, and without they do not",
-            1e3 * clock.behind_s,
-            1.0 + clock.faster
-        ),
-        advice: "record sensor and standards on one clock, or state reference_start_s and both sample rates".to_owned(),
-        ..Finding::of(Cause::ClockMismatch)
-    })
+    let evidence = format!(
+        "with standards that are {:.3} ms behind the channels at the start of each recording and sampled at {:.6} times their stated rate all trials agree to the noise, and without they do not",
+        1e3 * clock.behind_s,
+        1.0 + clock.faster
+    );
+    let advice = "record sensor and standards on one clock, or state reference_start_s and both sample rates";
+    Some(Finding::new(Cause::ClockMismatch, evidence, advice))
 }
 
 /// How much faster the standards' clock runs, by the drive's frequency on both.

@@ -118,15 +118,6 @@ fn about((value, deviation): (f64, f64)) -> Known {
     Known { value, deviation }
 }
 
-/// What all recordings have alike.
-fn finding(cause: Cause, evidence: String, advice: &str) -> Option<Finding> {
-    Some(Finding {
-        evidence,
-        advice: advice.to_owned(),
-        ..Finding::of(cause)
-    })
-}
-
 fn high_pass(knowledge: &Knowledge) -> Option<Knowledge> {
     let mut freed = *knowledge;
     let stated = &mut freed.certificates.amplifier_corner_rad_s;
@@ -144,14 +135,14 @@ fn amplifier(
     if corner_rad_s <= WORTH_A_WORD * slowest_rad_s {
         return None;
     }
-    finding(
+    Some(Finding::new(
         Cause::HighPassMisstated,
         format!(
             "with a high-pass of {:.4} Hz on every channel all trials agree to the noise, and without one they do not",
             corner_rad_s / TAU
         ),
         "state preprocessing.amplifier_high_pass_hz as the amplifier's manual has it",
-    )
+    ))
 }
 
 fn no_high_pass(knowledge: &Knowledge) -> Option<Knowledge> {
@@ -162,13 +153,13 @@ fn no_high_pass(knowledge: &Knowledge) -> Option<Knowledge> {
 
 fn no_amplifier(_: &JointReport, stated: &Certificates, _: [f64; 2]) -> Option<Finding> {
     let corner_hz = stated.amplifier_corner_rad_s?.value / TAU;
-    finding(
+    Some(Finding::new(
         Cause::HighPassMisstated,
         format!(
             "without the stated high-pass of {corner_hz} Hz all trials agree to the noise, and with it they do not"
         ),
         "take preprocessing.amplifier_high_pass_hz out of the session, if the amplifiers have none",
-    )
+    ))
 }
 
 fn lag(knowledge: &Knowledge) -> Option<Knowledge> {
@@ -181,14 +172,14 @@ fn gyroscope(joint: &JointReport, stated: &Certificates, _: [f64; 2]) -> Option<
     let found = known(joint, GYROSCOPE_LAG);
     let Some(stated) = stated.gyroscope_lag_s else {
         let lag_s = told(joint, GYROSCOPE_LAG)?;
-        return finding(
+        return Some(Finding::new(
             Cause::GyroscopeLag,
             format!(
                 "with a gyroscope that is {}, all trials agree to the noise, and without that they do not",
                 behind(lag_s)
             ),
             "state the gyroscope's bandwidth_hz as its certificate has it; its lag is then undone",
-        );
+        ));
     };
     let other = (found.value - stated.value).abs() > BEYOND_DOUBT * found.deviation;
     let stated_hz = 1.0 / (TAU * stated.value);
@@ -199,13 +190,13 @@ fn gyroscope(joint: &JointReport, stated: &Certificates, _: [f64; 2]) -> Option<
     if !other {
         return None;
     }
-    finding(
+    Some(Finding::new(
         Cause::GyroscopeLag,
         format!(
             "with a gyroscope that is {is}, all trials agree to the noise, and with the stated bandwidth of {stated_hz:.1} Hz they do not"
         ),
         "correct the gyroscope's bandwidth_hz by its certificate, or take it out",
-    )
+    ))
 }
 
 fn behind(lag_s: f64) -> String {
@@ -223,14 +214,14 @@ fn no_accelerometer_lag(knowledge: &Knowledge) -> Option<Knowledge> {
 }
 
 fn accelerometer(_: &JointReport, stated: &Certificates, _: [f64; 2]) -> Option<Finding> {
-    finding(
+    Some(Finding::new(
         Cause::ClockMismatch,
         format!(
             "with an accelerometer that follows at once all trials agree to the noise, and with the stated bandwidth of {:.1} Hz they do not",
             1.0 / (TAU * stated.accelerometer_lag_s)
         ),
         "take the accelerometer's bandwidth_hz out of the session, or correct it by its certificate",
-    )
+    ))
 }
 
 fn delays(knowledge: &Knowledge) -> Option<Knowledge> {
@@ -262,26 +253,23 @@ fn late_channels(
     let (least, most) = times.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), t| {
         (least.min(t), most.max(t))
     });
-    let (channels, who) = match late.len() {
-        LIMBS => (Vec::new(), "all nine channels are"),
-        1 => (vec![late[0].0 + 1], "this channel is, beyond doubt,"),
-        _ => (
-            late.iter().map(|(limb, _)| limb + 1).collect(),
-            "these channels are, beyond doubt,",
-        ),
+    let who = match late.len() {
+        LIMBS => "all nine channels are",
+        1 => "this channel is, beyond doubt,",
+        _ => "these channels are, beyond doubt,",
     };
     let by = match late.len() {
         1 => format!("{most:.3}"),
         _ => format!("{least:.3} to {most:.3}"),
     };
-    Some(Finding {
-        channels,
-        evidence: format!(
-            "with delays all trials agree to the noise, and without they do not: {who} {by} ms behind the standards"
-        ),
-        advice: "record all channels and the standards on one clock, started at once, or state the delays that there are: [channels] limbs_lag_us of the \
-             channels, reference_start_s of standards in a file of their own"
-            .to_owned(),
-        ..Finding::of(Cause::ClockMismatch)
+    let evidence = format!(
+        "with delays all trials agree to the noise, and without they do not: {who} {by} ms behind the standards"
+    );
+    let advice = "record all channels and the standards on one clock, started at once, or state the delays that there are: [channels] limbs_lag_us of the \
+         channels, reference_start_s of standards in a file of their own";
+    let finding = Finding::new(Cause::ClockMismatch, evidence, advice);
+    Some(match late.len() {
+        LIMBS => finding,
+        _ => finding.on_channels(late.iter().map(|(limb, _)| *limb)),
     })
 }

@@ -91,23 +91,20 @@ pub fn tried(day: &Unaccounted<'_>, accounting: Option<&JointReport>) -> Option<
     let shown = other
         .channels()
         .map(|limb| format!("channel {} {:.3} times", limb + 1, other.factors[limb]));
-    Some(Finding {
-        cause: Cause::FadingSensitivity,
-        recordings: names(concerned),
-        channels: other.channels().map(|limb| limb + 1).collect(),
-        evidence: format!(
-            "the {kind} trials show other than the others, {} as much: with that put right all agree to the noise (misfit {:.2}) with cross-talk of {:.3} % between channels apart{}",
-            shown.collect::<Vec<_>>().join(", "),
-            joint.misfit.per_degree,
-            100.0 * left_for_others(&joint),
-            accounting.map_or(String::new(), |without| format!(
-                ", as they are with {:.3} %",
-                100.0 * left_for_others(without)
-            ))
-        ),
-        advice: "see whether limb, plug or gain was another in these trials, and repeat them"
-            .to_owned(),
-    })
+    let evidence = format!(
+        "the {kind} trials show other than the others, {} as much: with that put right all agree to the noise (misfit {:.2}) with cross-talk of {:.3} % between channels apart{}",
+        shown.collect::<Vec<_>>().join(", "),
+        joint.misfit.per_degree,
+        100.0 * left_for_others(&joint),
+        accounting.map_or(String::new(), |without| format!(
+            ", as they are with {:.3} %",
+            100.0 * left_for_others(without)
+        ))
+    );
+    let advice = "see whether limb, plug or gain was another in these trials, and repeat them";
+    let finding = Finding::new(Cause::FadingSensitivity, evidence, advice);
+    let finding = finding.in_recordings(names(concerned));
+    Some(finding.on_channels(other.channels()))
 }
 
 /// Whether less is left for cross-talk than in the fit that accounts for the day as it is, if one does.

@@ -260,15 +260,8 @@ fn accounts(day: &Unaccounted<'_>, stated: Stated, table: &Table) -> Option<Find
         _ => false,
     };
     let trials = day.campaign.trials.iter().map(|(trial, _)| trial);
-    Some(Finding {
-        recordings: trials
-            .filter(of_a_step)
-            .map(|trial| trial.name.clone())
-            .collect(),
-        evidence: agreeing(&with, &joint),
-        advice,
-        ..Finding::of(cause)
-    })
+    let finding = Finding::new(cause, agreeing(&with, &joint), advice);
+    Some(finding.in_recordings(trials.filter(of_a_step).map(|trial| &trial.name)))
 }
 
 /// Whether the factors have the design's signs, and the inertias are a body's as far as their sum says.

@@ -42,18 +42,15 @@ impl Odd<'_> {
         let other = others
             .min_by(|a, b| left(a).total_cmp(&left(b)))
             .filter(|other| left(other) < self.enough().min(LEFT))?;
-        Some(Finding {
-            recordings: vec![self.case.trial.name.clone()],
-            evidence: format!(
-                "with the gains that the session states for {} the channels agree with the other trials",
-                other.name
-            ),
-            advice: format!(
-                "correct this recording's gain_n_per_v, or see whether its file and that of {} are exchanged",
-                other.name
-            ),
-            ..Finding::of(Cause::WrongScaling)
-        })
+        let evidence = format!(
+            "with the gains that the session states for {} the channels agree with the other trials",
+            other.name
+        );
+        let advice = format!(
+            "correct this recording's gain_n_per_v, or see whether its file and that of {} are exchanged",
+            other.name
+        );
+        Some(self.finding(Cause::WrongScaling, evidence, advice))
     }
 
     /// Gains written as volts per newton.
@@ -64,14 +61,11 @@ impl Odd<'_> {
             .iter()
             .map(|i| (self.seen[*i] / own[*i].powi(2) - self.expected[*i]).powi(2));
         let left = squares.sum::<f64>().sqrt() / self.size;
-        (left < self.enough().min(LEFT)).then(|| Finding {
-            recordings: vec![self.case.trial.name.clone()],
-            evidence:
-                "with one over each of its gain_n_per_v the channels agree with the other trials"
-                    .to_owned(),
-            advice: "state this recording's gains in N/V: they are written in V/N".to_owned(),
-            ..Finding::of(Cause::WrongScaling)
-        })
+        let evidence =
+            "with one over each of its gain_n_per_v the channels agree with the other trials";
+        let advice = "state this recording's gains in N/V: they are written in V/N";
+        (left < self.enough().min(LEFT))
+            .then(|| self.finding(Cause::WrongScaling, evidence, advice))
     }
 
     /// Other gains: each channel is off by a step of an amplifier's range, or not at all.
@@ -90,14 +84,12 @@ impl Odd<'_> {
             factors[i].map_or_else(|| "?".to_owned(), |factor| rounded(factor).to_string())
         });
         let moved = factors.iter().flatten().any(|factor| *factor != 1.0);
-        (judged >= FEWEST_RANGES && moved).then(|| Finding {
-            recordings: vec![self.case.trial.name.clone()],
-            evidence: format!(
+        (judged >= FEWEST_RANGES && moved).then(|| {
+            let evidence = format!(
                 "each channel is off by a step of an amplifier's range or not at all: with gains of {} N/V (?: its signal does not tell) they agree with the other trials",
                 asked.join(", ")
-            ),
-            advice: OTHER_RANGES.to_owned(),
-            ..Finding::of(Cause::WrongScaling)
+            );
+            self.finding(Cause::WrongScaling, evidence, OTHER_RANGES)
         })
     }
 
@@ -106,14 +98,13 @@ impl Odd<'_> {
         let is_one = |trial: &Trial| trial.gains.gain_n_per_v.windows(2).all(|g| g[0] == g[1]);
         let own = self.case.trial;
         let alone = is_one(own) && all.iter().filter(|trial| is_one(trial)).count() == 1;
-        (alone && all.len() > 1).then(|| Finding {
-            recordings: vec![own.name.clone()],
-            evidence: format!(
+        (alone && all.len() > 1).then(|| {
+            let evidence = format!(
                 "by the session all nine gains are {} N/V here, and ranges differ in every other recording",
                 own.gains.gain_n_per_v[0]
-            ),
-            advice: "state this recording's own gain_n_per_v".to_owned(),
-            ..Finding::of(Cause::WrongScaling)
+            );
+            let advice = "state this recording's own gain_n_per_v";
+            self.finding(Cause::WrongScaling, evidence, advice)
         })
     }
 }
