@@ -3,6 +3,7 @@
 //! A calibration's errors are drawn anew for every run from the covariance that the decoupler is told, and so is the noise. What a
 //! deviation is worth is asked of squared errors over variances: their mean is 1 where it is right.
 
+pub mod hours;
 mod watched;
 
 use glam::{DQuat, DVec3};
@@ -19,7 +20,10 @@ use sixaxis_core::{
 };
 use sixaxis_reference::compliant::compliant_forces_m_s2;
 use sixaxis_reference::motion::TrueMotion;
-use sixaxis_reference::rig::journey::{Instant, Journey, Kind};
+use sixaxis_reference::mujoco::Playing;
+use sixaxis_reference::mujoco::model::SensorModel;
+use sixaxis_reference::rig::journey::{Journey, Kind};
+use sixaxis_reference::sensor::TrueSensor;
 
 pub use self::watched::{Checked, Judged, KNOWN_RAD, OPEN_S, Outcome};
 use self::watched::{Common, Run};
@@ -105,9 +109,23 @@ impl Aids {
     }
 }
 
+/// Who plays a motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Played {
+    /// Closed form, with a mass that is in equilibrium in its limbs at each instant.
+    InEquilibrium,
+    /// MuJoCo, with a step of so many seconds.
+    ByMujoco {
+        /// The step, s.
+        step_s: f64,
+    },
+}
+
 /// What is played.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ride {
+    /// Who plays it.
+    pub played: Played,
     /// Kind of the motion.
     pub kind: Kind,
     /// Its length, s.
@@ -129,6 +147,7 @@ pub struct Ride {
 #[must_use]
 pub fn run(ride: &Ride, aids: &[Aids], times_s: &[f64], seed: u64) -> Vec<Outcome> {
     let Ride {
+        played: by,
         kind,
         duration_s,
         rate_hz,
@@ -144,10 +163,8 @@ pub fn run(ride: &Ride, aids: &[Aids], times_s: &[f64], seed: u64) -> Vec<Outcom
     let off = crate::statistics::normal(rng) * quality.down_rad;
     let said = DQuat::from_scaled_axis(off.reject_from(DVec3::Z));
     let g = journey.gravity_ground_m_s2();
-    let mut instants = journey.play(rate_hz);
-    let forces = |instants: &[Instant]| {
-        let motion: Vec<_> = instants.iter().map(|i| i.truth).collect();
-        compliant_forces_m_s2(&sensor, g, &motion).expect("limbs that hold the mass")
+    let forces = |motion: &[TrueMotion]| {
+        compliant_forces_m_s2(&sensor, g, motion).expect("limbs that hold the mass")
     };
     let ranging = ranging_forces(kind, &journey, rate_hz, &forces);
     let rest = forces(&journey.play(rate_hz).take(1).collect::<Vec<_>>())[0];
@@ -232,22 +249,21 @@ pub fn run(ride: &Ride, aids: &[Aids], times_s: &[f64], seed: u64) -> Vec<Outcom
     };
     let samples = (duration_s * rate_hz) as usize;
     let mut played = Vec::new();
-    let (mut before, mut sample): (Option<Instant>, usize) = (None, 0);
+    let mut play = player(by, &journey, &sensor, rate_hz);
+    let (mut before, mut sample): (Option<TrueMotion>, usize) = (None, 0);
     while sample < samples && !runs.iter().all(|run| run.ended) {
-        let piece: Vec<Instant> = instants
-            .by_ref()
-            .take(PIECE.min(samples - sample))
-            .collect();
-        for (instant, force) in piece.iter().zip(forces(&piece)) {
+        let piece = play(PIECE.min(samples - sample));
+        sample += piece.len();
+        for (motion, force) in piece {
             let mut volts = signal(&force);
             for v in &mut volts {
                 let unit: f64 = StandardNormal.sample(rng);
                 *v += noise_v * unit;
             }
             let truth = before.map(|before| TrueMotion {
-                linear_ground_m_s2: said * before.truth.linear_ground_m_s2,
-                attitude: said * before.truth.attitude,
-                ..before.truth
+                linear_ground_m_s2: said * before.linear_ground_m_s2,
+                attitude: said * before.attitude,
+                ..before
             });
             if smooth {
                 played.push(volts);
@@ -255,9 +271,8 @@ pub fn run(ride: &Ride, aids: &[Aids], times_s: &[f64], seed: u64) -> Vec<Outcom
             for run in &mut runs {
                 run.push(&volts, truth.as_ref(), &common);
             }
-            before = Some(*instant);
+            before = Some(motion);
         }
-        sample += piece.len();
     }
     runs.into_iter()
         .map(|run| {
@@ -270,12 +285,54 @@ pub fn run(ride: &Ride, aids: &[Aids], times_s: &[f64], seed: u64) -> Vec<Outcom
         .collect()
 }
 
+/// What a motion is at one instant, and what the limbs carry then, over the mass, m/s^2.
+type Sample = (TrueMotion, [f64; LIMBS]);
+/// The next samples, as many as asked for.
+type Player<'a> = Box<dyn FnMut(usize) -> Vec<Sample> + 'a>;
+
+/// The motion of a kind that belongs to a seed.
+fn journey(kind: Kind, seed: u64) -> Journey {
+    Journey::random(kind, &mut Pcg64::new(u128::from(seed), STREAM))
+}
+
+fn player<'a>(
+    by: Played,
+    journey: &'a Journey,
+    sensor: &'a TrueSensor,
+    rate_hz: f64,
+) -> Player<'a> {
+    let g = journey.gravity_ground_m_s2();
+    match by {
+        Played::InEquilibrium => {
+            let mut motions = journey.play(rate_hz);
+            Box::new(move |samples| {
+                let piece: Vec<_> = motions.by_ref().take(samples).collect();
+                let forces = compliant_forces_m_s2(sensor, g, &piece);
+                let forces = forces.expect("limbs that hold the mass");
+                piece.into_iter().zip(forces).collect()
+            })
+        }
+        Played::ByMujoco { step_s } => {
+            let steps = (1.0 / (rate_hz * step_s)).round() as usize;
+            let model = SensorModel::new(sensor, g);
+            let mut playing = Playing::new(&model, journey, rate_hz, steps).expect("a stable step");
+            Box::new(move |samples| {
+                let next = |_| {
+                    let now = playing.next_sample().expect("a sensor in one piece");
+                    (now.true_motion(), now.limb_force_per_mass_m_s2)
+                };
+                (0..samples).map(next).collect()
+            })
+        }
+    }
+}
+
 /// Forces by which amplifier ranges are chosen: those of the motion's beginning, or of a shake where it does not move at all.
 fn ranging_forces(
     kind: Kind,
     journey: &Journey,
     rate_hz: f64,
-    forces: &impl Fn(&[Instant]) -> Vec<[f64; LIMBS]>,
+    forces: &impl Fn(&[TrueMotion]) -> Vec<[f64; LIMBS]>,
 ) -> Vec<[f64; LIMBS]> {
     let rate_hz = rate_hz / RANGING_BY;
     let samples = (RANGING_S * rate_hz) as usize;

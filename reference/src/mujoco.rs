@@ -12,12 +12,62 @@ pub mod threshold;
 use crate::motion::{Motion, SimulatedMotion, SimulatedRun};
 use crate::rig::run::Run;
 use model::SensorModel;
-use simulation::{Simulation, SimulationError};
+use simulation::{Simulation, SimulationError, Snapshot};
 
 /// Version of the MuJoCo library in use, as it reports itself.
 #[must_use]
 pub fn version() -> &'static str {
     mujoco_rs::mujoco_version()
+}
+
+/// A motion as it is simulated, sample after sample and without an end; nothing is kept of what has gone by.
+pub struct Playing<'a, M> {
+    simulation: Simulation,
+    motion: &'a M,
+    step_s: f64,
+    steps_per_sample: usize,
+    samples: usize,
+}
+
+impl<'a, M: Motion> Playing<'a, M> {
+    /// With `steps_per_sample` Runge-Kutta steps from sample to sample.
+    ///
+    /// # Errors
+    /// Those of [`Simulation::new`].
+    pub fn new(
+        model: &SensorModel,
+        motion: &'a M,
+        sample_rate_hz: f64,
+        steps_per_sample: usize,
+    ) -> Result<Self, SimulationError> {
+        let step_s = 1.0 / (sample_rate_hz * steps_per_sample as f64);
+        Ok(Self {
+            simulation: Simulation::new(model, step_s)?,
+            motion,
+            step_s,
+            steps_per_sample,
+            samples: 0,
+        })
+    }
+
+    /// The state at the next sample.
+    ///
+    /// # Errors
+    /// Those of [`Simulation::step`].
+    pub fn next_sample(&mut self) -> Result<Snapshot, SimulationError> {
+        let first = self.samples * self.steps_per_sample;
+        self.samples += 1;
+        let mut take = |step: usize| {
+            // Counting steps keeps time exact; adding steps up would not.
+            self.simulation.set_time_s(step as f64 * self.step_s);
+            self.simulation.step(self.motion)
+        };
+        let now = take(first)?;
+        for step in first + 1..first + self.steps_per_sample {
+            take(step)?;
+        }
+        Ok(now)
+    }
 }
 
 /// Simulates `duration_s` of a motion with `steps_per_sample` Runge-Kutta steps from sample to sample.
@@ -31,9 +81,8 @@ pub fn simulate<M: Motion + Clone>(
     sample_rate_hz: f64,
     steps_per_sample: usize,
 ) -> Result<SimulatedMotion<M>, SimulationError> {
-    let step_s = 1.0 / (sample_rate_hz * steps_per_sample as f64);
     let samples = (duration_s * sample_rate_hz).floor() as usize + 1;
-    let mut simulation = Simulation::new(model, step_s)?;
+    let mut playing = Playing::new(model, motion, sample_rate_hz, steps_per_sample)?;
     let mut result = SimulatedMotion {
         motion: motion.clone(),
         gravity_ground_m_s2: model.gravity_ground_m_s2,
@@ -41,18 +90,11 @@ pub fn simulate<M: Motion + Clone>(
         limb_force_per_mass_m_s2: Vec::with_capacity(samples),
         truth: Vec::with_capacity(samples),
     };
-    for sample in 0..samples {
-        for substep in 0..steps_per_sample {
-            let step = sample * steps_per_sample + substep;
-            // Counting steps keeps time exact; adding steps up would not.
-            simulation.set_time_s(step as f64 * step_s);
-            let now = simulation.step(motion)?;
-            if substep == 0 {
-                let forces = &mut result.limb_force_per_mass_m_s2;
-                forces.push(now.limb_force_per_mass_m_s2);
-                result.truth.push(now.true_motion());
-            }
-        }
+    for _ in 0..samples {
+        let now = playing.next_sample()?;
+        let forces = &mut result.limb_force_per_mass_m_s2;
+        forces.push(now.limb_force_per_mass_m_s2);
+        result.truth.push(now.true_motion());
     }
     Ok(result)
 }

@@ -27,6 +27,28 @@ pub struct Hours {
     pub rides: Vec<AidedRide>,
 }
 
+/// The same of motions that MuJoCo played, with what its own step leaves open.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct MujocoHours {
+    /// MuJoCo's step, s.
+    pub step_s: f64,
+    /// What half of it changes.
+    pub halved: Vec<Halved>,
+    /// Errors and deviations.
+    pub hours: Hours,
+}
+
+/// Largest difference that half the step makes in the first seconds of a motion.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+pub struct Halved {
+    /// The motion.
+    pub kind: Kind,
+    /// Of a limb's force over the mass, m/s^2.
+    pub force_m_s2: f64,
+    /// Of the attitude, rad.
+    pub attitude_rad: f64,
+}
+
 /// One kind of motion with one set of aids, over all runs.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct AidedRide {

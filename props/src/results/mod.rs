@@ -113,6 +113,7 @@ studies!(
     Joint = "joint" by "props" from [],
     Laboratories = "laboratories" by "reports" from ["reports/src/study"],
     MujocoCampaign = "campaign_mujoco" by "props" from ["lab/campaign/src"],
+    MujocoHours = "hours_mujoco" by "props" from [],
     Propagation = "propagation" by "props" from [],
     Rooms = "rooms" by "props" from [],
     SelfCalibration = "self_calibration" by "props" from [],

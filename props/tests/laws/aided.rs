@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 use sixaxis_core::LimbSet;
-use sixaxis_props::aided::{Aids, Checked, Judged, KNOWN_RAD, Outcome, Quality, Ride, run};
+use sixaxis_props::aided::{Aids, Checked, Judged, KNOWN_RAD, Outcome, Played, Quality, Ride, run};
 use sixaxis_props::compare::within;
 use sixaxis_props::statistics::chi_square_departure;
 use sixaxis_props::tolerance;
@@ -14,6 +14,7 @@ const RUNS: u64 = 24;
 
 fn ride(kind: Kind, duration_s: f64, aids: Aids) -> (Ride, Aids) {
     let ride = Ride {
+        played: Played::InEquilibrium,
         kind,
         duration_s,
         rate_hz: 1000.0,

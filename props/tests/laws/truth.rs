@@ -148,8 +148,7 @@ fn inv_a_compliant_truth_is_decoded_for_a_minute() {
     let sensor = TrueSensor::identified();
     let journey = Journey::random(Kind::Vehicle, &mut Pcg64::new(u128::from(seed()), 1));
     let gravity_ground_m_s2 = journey.gravity_ground_m_s2();
-    let instants = journey.play(RATE_HZ).take(60_000);
-    let motion: Vec<_> = instants.map(|instant| instant.truth).collect();
+    let motion: Vec<_> = journey.play(RATE_HZ).take(60_000).collect();
     let settings = Settings {
         gravity_ground_m_s2,
         ..Settings::new(RATE_HZ)

@@ -9,7 +9,7 @@ use glam::{DQuat, DVec3};
 use rand::{Rng, RngExt};
 
 use super::tumble::{SINES, Sine, sum};
-use crate::motion::TrueMotion;
+use crate::motion::{Motion, TrueMotion};
 use crate::smooth_step::smooth_step;
 
 /// Gauss' two points in an interval, from its middle, over its length.
@@ -79,17 +79,6 @@ pub struct Journey {
     gravity_ground_m_s2: DVec3,
 }
 
-/// One instant.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Instant {
-    /// The motion.
-    pub truth: TrueMotion,
-    /// Velocity, ground axes, m/s.
-    pub velocity_ground_m_s: DVec3,
-    /// Whether it is at rest.
-    pub at_rest: bool,
-}
-
 impl Journey {
     /// Drawn.
     #[must_use]
@@ -149,8 +138,14 @@ impl Journey {
         [w * r, dw * r + w * dr]
     }
 
-    /// All instants from the start on, without an end.
-    pub fn play(&self, sample_rate_hz: f64) -> impl Iterator<Item = Instant> + '_ {
+    fn linear_m_s2(&self, time_s: f64) -> DVec3 {
+        let [w, dw, ddw] = self.window(time_s);
+        let [p, dp, ddp] = sum(&self.position_ground_m, time_s);
+        ddw * p + 2.0 * dw * dp + w * ddp
+    }
+
+    /// All samples from the start on, without an end.
+    pub fn play(&self, sample_rate_hz: f64) -> impl Iterator<Item = TrueMotion> + '_ {
         let step_s = 1.0 / sample_rate_hz;
         let mut attitude = DQuat::IDENTITY;
         (0_u64..).map(move |sample| {
@@ -159,20 +154,19 @@ impl Journey {
             let [a, b] = [-GAUSS, GAUSS].map(|x| self.rate(time_s + (0.5 + x) * step_s)[0]);
             let turn = 0.5 * step_s * (a + b) + GAUSS * 0.5 * step_s * step_s * a.cross(b);
             attitude = (attitude * DQuat::from_scaled_axis(turn)).normalize();
-            let [w, dw, ddw] = self.window(time_s);
-            let [p, dp, ddp] = sum(&self.position_ground_m, time_s);
-            let linear = ddw * p + 2.0 * dw * dp + w * ddp;
             let [rate, angular] = self.rate(time_s);
-            Instant {
-                truth: TrueMotion {
-                    linear_ground_m_s2: linear,
-                    angular_ground_rad_s2: here * angular,
-                    rate_shell_rad_s: rate,
-                    attitude: here,
-                },
-                velocity_ground_m_s: dw * p + w * dp,
-                at_rest: w == 0.0,
+            TrueMotion {
+                linear_ground_m_s2: self.linear_m_s2(time_s),
+                angular_ground_rad_s2: here * angular,
+                rate_shell_rad_s: rate,
+                attitude: here,
             }
         })
+    }
+}
+
+impl Motion for Journey {
+    fn acceleration(&self, time_s: f64) -> (DVec3, DVec3) {
+        (self.linear_m_s2(time_s), self.rate(time_s)[1])
     }
 }

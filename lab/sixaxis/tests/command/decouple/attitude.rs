@@ -9,8 +9,9 @@ use rand_pcg::Pcg64;
 use serde_json::Value;
 use sixaxis_reference::compliant::compliant_forces_m_s2;
 use sixaxis_reference::laboratory::chain::Chain;
+use sixaxis_reference::motion::TrueMotion;
 use sixaxis_reference::paper::GRAVITY_M_S2;
-use sixaxis_reference::rig::journey::{Instant, Journey, Kind};
+use sixaxis_reference::rig::journey::{Journey, Kind};
 use sixaxis_reference::sensor::TrueSensor;
 
 use super::session::{ACCELERATIONS, LIMBS, calibration, columns, write};
@@ -37,7 +38,7 @@ const NEVER: f64 = 6.0;
 struct Recorded {
     folder: Folder,
     gains: String,
-    truth: Vec<Instant>,
+    truth: Vec<TrueMotion>,
 }
 
 impl Recorded {
@@ -54,10 +55,9 @@ fn recorded() -> &'static Recorded {
         let rng = &mut Pcg64::seed_from_u64(5);
         let journey = Journey::random(Kind::PickAndPlace, rng);
         let samples = (DURATION_S * RATE_HZ) as usize;
-        let truth: Vec<Instant> = journey.play(RATE_HZ).take(samples).collect();
-        let motion: Vec<_> = truth.iter().map(|instant| instant.truth).collect();
+        let truth: Vec<TrueMotion> = journey.play(RATE_HZ).take(samples).collect();
         let gravity = journey.gravity_ground_m_s2();
-        let forces = compliant_forces_m_s2(&sensor, gravity, &motion).expect("limbs that hold");
+        let forces = compliant_forces_m_s2(&sensor, gravity, &truth).expect("limbs that hold");
         let chain = Chain::noise_free();
         let gains = chain.amplifier_ranges(&forces, &sensor);
         let volts = chain.record(&forces, &sensor, &gains, RATE_HZ, rng);
@@ -124,7 +124,7 @@ fn held_against_truth(path: &Path) -> Held {
             continue;
         }
         rows += 1;
-        let truth = instant.truth.linear_ground_m_s2.to_array();
+        let truth = instant.linear_ground_m_s2.to_array();
         for axis in 0..3 {
             let error = found[axis][row] - truth[axis];
             worst = worst.max(error.abs() / deviations[axis][row]);
@@ -139,7 +139,7 @@ fn camera(name: &str, every: usize, off_rad: f64) -> (PathBuf, u64) {
     let (mut lines, mut seen) = ("time [s],qw,qx,qy,qz\n".to_owned(), 0);
     let seen_at = recorded().truth.iter().enumerate().skip(1).step_by(every);
     for (sample, instant) in seen_at {
-        let q = instant.truth.attitude * DQuat::from_rotation_x(off_rad);
+        let q = instant.attitude * DQuat::from_rotation_x(off_rad);
         // A quaternion and its negative are one attitude, and cameras give either.
         let q = if seen % 2 == 1 { -q } else { q };
         let time_s = sample as f64 / RATE_HZ;
@@ -186,11 +186,9 @@ fn ref_sensor_axes_stay_true_and_ground_axes_end_where_the_attitude_is_lost() {
     assert!(said["attitude"]["unknown_rows"].as_u64() > Some(0));
     let truth = &recorded().truth[1..=sensor[0].len()];
     for (part, limit) in OF_PEAK.into_iter().enumerate() {
-        let true_value = |instant: &Instant| match part {
-            0 => instant
-                .truth
-                .specific_force_shell_m_s2(DVec3::NEG_Z * GRAVITY_M_S2),
-            _ => instant.truth.attitude.inverse() * instant.truth.angular_ground_rad_s2,
+        let true_value = |instant: &TrueMotion| match part {
+            0 => instant.specific_force_shell_m_s2(DVec3::NEG_Z * GRAVITY_M_S2),
+            _ => instant.attitude.inverse() * instant.angular_ground_rad_s2,
         };
         let peak = truth
             .iter()
@@ -262,7 +260,7 @@ fn ref_rests_and_attitudes_keep_ground_axes_within_six_deviations() {
     // Between samples, before and after the recording, and with rests beside.
     let mut lines = "time [s],qw,qx,qy,qz\n-3,1,0,0,0\n".to_owned();
     for pair in recorded().truth.windows(2).skip(1).step_by(1000) {
-        let between = pair[0].truth.attitude.slerp(pair[1].truth.attitude, 0.5);
+        let between = pair[0].attitude.slerp(pair[1].attitude, 0.5);
         let sample = recorded()
             .truth
             .iter()
@@ -292,7 +290,7 @@ fn attitudes_against_truth(path: &Path) -> (f64, f64) {
     let rows = found[0].len();
     for (row, instant) in recorded().truth[1..].iter().take(rows).enumerate() {
         let [w, x, y, z, sd] = core::array::from_fn(|k| found[k][row]);
-        let off = DQuat::from_xyzw(x, y, z, w) * instant.truth.attitude.inverse();
+        let off = DQuat::from_xyzw(x, y, z, w) * instant.attitude.inverse();
         worst = worst.max(off.normalize().to_scaled_axis().length() / sd);
         sum += sd;
     }
