@@ -63,6 +63,7 @@ pub struct ErrorModel {
     chain: SignalChain,
     scale_per_mass_per_kg: [f64; LIMBS],
     arms_m: [DVec3; LIMBS],
+    stiffness_ratio: [f64; LIMBS],
     excluded: LimbSet,
     /// Force and torque, shell axes, per force of each limb: its own and, as those are made of it, that of the excluded ones.
     wrench: [[DVec3; 2]; LIMBS],
@@ -127,6 +128,7 @@ impl ErrorModel {
         let mut model = Self {
             scale_per_mass_per_kg: parameters.scale_per_mass_per_kg,
             arms_m,
+            stiffness_ratio: settings.stiffness_ratio,
             excluded: LimbSet::EMPTY,
             wrench: [[DVec3::ZERO; 2]; LIMBS],
             preload_force: (0..LIMBS).map(|i| DIRECTIONS_SHELL[i] * preload[i]).sum(),
@@ -145,7 +147,8 @@ impl ErrorModel {
     /// # Errors
     /// Those of [`Reconstruction::new`].
     pub fn set_excluded(&mut self, limbs: LimbSet) -> Result<()> {
-        self.wrench = Reconstruction::new(limbs)?.wrenches(&self.arms_m);
+        let reconstruction = Reconstruction::new(limbs)?.with_stiffness(&self.stiffness_ratio);
+        self.wrench = reconstruction.wrenches(&self.arms_m);
         self.excluded = limbs;
         self.density = SMatrix::zeros();
         let sensitivities = self.chain.sensitivity_m_s2_per_v();

@@ -93,7 +93,7 @@ impl<T: Scalar> Decoupler<T> {
         let exact = Constants::new(&Model::new(sensor, parameters, settings)?)?;
         let constants = exact.rounded();
         let start = Start::new(settings);
-        let mask = ChannelMask::excluding(LimbSet::EMPTY, &exact)?;
+        let mask = ChannelMask::excluding(LimbSet::EMPTY, &settings.stiffness_ratio, &exact)?;
         Ok(Self {
             wider: T::Wider::new(&constants, &mask.strains),
             constants,

@@ -36,8 +36,12 @@ impl<T: Scalar> PartialEq for ChannelMask<T> {
 impl<T: Scalar> ChannelMask<T> {
     /// # Errors
     /// Those of [`Reconstruction::new`].
-    pub fn excluding(excluded: LimbSet, constants: &Constants<f64>) -> Result<Self> {
-        let reconstruction = Reconstruction::new(excluded)?;
+    pub fn excluding(
+        excluded: LimbSet,
+        stiffness_ratio: &[f64; LIMBS],
+        constants: &Constants<f64>,
+    ) -> Result<Self> {
+        let reconstruction = Reconstruction::new(excluded)?.with_stiffness(stiffness_ratio);
         Ok(Self {
             // Of no limb the weights are zero: a decoupler is built without multiplying them out.
             strains: if excluded.is_empty() {

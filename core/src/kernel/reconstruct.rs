@@ -117,12 +117,15 @@ pub fn exactly(
     };
     let mut x = placement::strains(constants, voltage_v);
     for _ in 0..ITERATIONS {
-        let fitted = Pose::from_elongations(&geometry, &x)?.elongations_m(&geometry);
-        let beyond = core::array::from_fn(|limb| x[limb] - fitted[limb]);
+        let own = core::array::from_fn(|limb| x[limb] / reconstruction.stiffness_ratio()[limb]);
+        let fitted = Pose::from_elongations(&geometry, &own)?.elongations_m(&geometry);
+        let beyond = core::array::from_fn(|limb| own[limb] - fitted[limb]);
         let rows = sums(to_kernel_order(beyond)).components();
         let (mut moved, mut size) = (0.0_f64, 0.0_f64);
-        for (strain, weights) in x.iter_mut().zip(reconstruction.weights()) {
+        let ratios = reconstruction.stiffness_ratio();
+        for ((strain, weights), ratio) in x.iter_mut().zip(reconstruction.weights()).zip(ratios) {
             let step: f64 = weights.iter().zip(&rows).map(|(k, rho)| k * rho).sum();
+            let step = step * ratio;
             *strain += step;
             moved = moved.max(step.abs());
             size = size.max(strain.abs());

@@ -6,7 +6,7 @@ use super::order::{Limbs, to_kernel_order};
 use super::parity::{halves, left, second_order};
 use super::placement::{LimbLoad, by_nodes, nodes, shell_axes};
 use super::vec3::{Vec3, three, visit_three};
-use crate::geometry::LIMBS_PER_NODE;
+use crate::geometry::{LIMBS, LIMBS_PER_NODE};
 use crate::redundancy::parity::ROWS;
 use crate::redundancy::reconstruction::Reconstruction;
 
@@ -22,6 +22,9 @@ pub struct StrainWeights<T: Real> {
     minus_half: [Limbs<T>; ROWS],
     /// What they add to the difference of the relations' halves.
     differences: [Vec3<T>; ROWS],
+    /// One over each limb's stiffness ratio, and the ratio: the kernel's strains are those that limbs of the mean stiffness would have under
+    /// the same forces, and the relations are between the limbs' own.
+    own: [Limbs<T>; 2],
 }
 
 /// What strains K rho of limbs at rest add to force and torque.
@@ -47,6 +50,9 @@ impl<T: Scalar> StrainWeights<T> {
                 let [a, b] = halves(column);
                 a - b
             }),
+            own: [f64::recip, core::convert::identity].map(|of| {
+                to_kernel_order(reconstruction.stiffness_ratio().map(|r| T::from_f64(of(r))))
+            }),
         }
     }
 }
@@ -60,6 +66,7 @@ impl<T: Real> StrainWeights<T> {
             weights: nine(self.weights),
             minus_half: nine(self.minus_half),
             differences: three(self.differences, &f),
+            own: self.own.map(|limbs| three(limbs, &f)),
         }
     }
 
@@ -67,6 +74,7 @@ impl<T: Real> StrainWeights<T> {
     #[inline(always)]
     pub(crate) fn splat(number: T) -> Self {
         Self {
+            own: [[Vec3::all(number); LIMBS_PER_NODE]; 2],
             weights: [[Vec3::all(number); LIMBS_PER_NODE]; ROWS],
             minus_half: [[Vec3::all(number); LIMBS_PER_NODE]; ROWS],
             differences: [Vec3::all(number); ROWS],
@@ -80,6 +88,7 @@ impl<T: Real> StrainWeights<T> {
             weights: [k, l, m],
             minus_half: [n, o, p],
             differences,
+            own: [to_own, from_own],
         } = self;
         visit_three(k, f);
         visit_three(l, f);
@@ -88,22 +97,23 @@ impl<T: Real> StrainWeights<T> {
         visit_three(o, f);
         visit_three(p, f);
         visit_three(differences, f);
+        visit_three(to_own, f);
+        visit_three(from_own, f);
     }
 
     /// Strains to second order from those of the limbs that are used, the others zero.
     #[inline(always)]
     pub fn to_second_order(&self, used: Limbs<T>, inverse_nu: T) -> Limbs<T> {
+        let [to_own, from_own] = self.own;
+        let used = each(used, to_own);
         let [a, b] = halves(used);
         let sums = a + b;
         let [k, l, m] = self.differences;
         let [s, t, u] = sums.components();
         let difference = m.times_plus(u, l.times_plus(t, k.times_plus(s, a - b)));
         let first = onto(used, &self.weights, sums);
-        onto(
-            first,
-            &self.minus_half,
-            second_order(first, difference, inverse_nu),
-        )
+        let second = second_order(first, difference, inverse_nu);
+        each(onto(first, &self.minus_half, second), from_own)
     }
 }
 
@@ -111,7 +121,11 @@ impl<T: Scalar> LoadWeights<T> {
     /// Rounded.
     #[must_use]
     pub(super) fn new(reconstruction: &Reconstruction, constants: &Constants<f64>) -> Self {
-        let of = reconstruction.weights();
+        // Third order is less than what is known of ratios other than 1, of which sums of forces have more left.
+        let equal = *reconstruction.stiffness_ratio() == [1.0; LIMBS];
+        let of = reconstruction
+            .weights()
+            .map(|limb| if equal { limb } else { [0.0; ROWS] });
         let row = |row: usize| to_kernel_order(core::array::from_fn(|limb| of[limb][row]));
         let at_rest = ORDER.map(|r| shell_axes(row(r)));
         Self {
@@ -174,6 +188,12 @@ fn along<T: Real>(to: Vec3<T>, columns: &[Vec3<T>; ROWS], rows: Vec3<T>) -> Vec3
     let [k, l, m] = *columns;
     let [a, b, c] = rows.components();
     m.times_plus(c, l.times_plus(b, k.times_plus(a, to)))
+}
+
+/// Limb by limb.
+#[inline(always)]
+fn each<T: Real>([a, b, c]: Limbs<T>, [x, y, z]: Limbs<T>) -> Limbs<T> {
+    [a.mul_elem(x), b.mul_elem(y), c.mul_elem(z)]
 }
 
 /// `to` + K rows.

@@ -4,6 +4,7 @@ use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Result, require};
+use crate::geometry::LIMBS;
 use crate::scheme::Scheme;
 
 /// How eq. (2) turns a limb force into a length.
@@ -40,6 +41,9 @@ pub struct Settings {
     pub limb_law: LimbLaw,
     /// What the channels say of a constant load.
     pub static_response: StaticResponse,
+    /// Stiffness of each limb over the mean one's. By it the limbs share what statics leave open: the forces of excluded limbs, and those
+    /// at rest that a tared signal hides. Nine forces add up whatever it is.
+    pub stiffness_ratio: [f64; LIMBS],
     /// g in ground axes, m/s^2, pointing down. Zero neglects gravity, as eq. (12) does.
     pub gravity_ground_m_s2: DVec3,
     /// R at the first decoupled sample: shell axes to ground axes. A tared signal counts from this attitude.
@@ -57,6 +61,7 @@ impl Settings {
             scheme: Scheme::Heun,
             limb_law: LimbLaw::CompressionShortens,
             static_response: StaticResponse::Tared,
+            stiffness_ratio: [1.0; LIMBS],
             gravity_ground_m_s2: DVec3::ZERO,
             initial_attitude: DQuat::IDENTITY,
             initial_rate_shell_rad_s: DVec3::ZERO,
@@ -78,6 +83,10 @@ impl Settings {
             rate,
             "positive and finite, and its square, too",
         )?;
+        for ratio in self.stiffness_ratio {
+            let sound = ratio.is_finite() && ratio > 0.0;
+            require(sound, "stiffness ratio", ratio, "positive and finite")?;
+        }
         for (name, vector) in [
             ("gravity_ground_m_s2", self.gravity_ground_m_s2),
             ("initial_rate_shell_rad_s", self.initial_rate_shell_rad_s),

@@ -44,21 +44,41 @@ pub fn hidden_preload_m_s2(model: &Model) -> Result<[f64; LIMBS]> {
     let settings = model.settings();
     match settings.static_response {
         StaticResponse::Full => Ok([0.0; LIMBS]),
-        StaticResponse::Tared => static_preload_m_s2(
-            &model.sensor().geometry,
-            model.parameters().stiffness_per_mass_per_s2,
-            settings.gravity_shell_m_s2(),
-        ),
+        StaticResponse::Tared => {
+            let equilibrium = equilibrium(
+                &model.sensor().geometry,
+                model.parameters().stiffness_per_mass_per_s2,
+                &settings.stiffness_ratio,
+                settings.gravity_shell_m_s2(),
+            )?;
+            Ok(equilibrium.1)
+        }
     }
 }
 
-/// Pose and static limb forces per mass at rest; the sag is in the pose.
+/// Pose and static limb forces per mass at rest, of limbs of one stiffness; the sag is in the pose.
 ///
 /// # Errors
 /// As [`static_preload_m_s2`].
 pub fn static_equilibrium(
     geometry: &Geometry,
     stiffness_per_mass_per_s2: f64,
+    gravity_shell_m_s2: DVec3,
+) -> Result<(Pose, [f64; LIMBS])> {
+    let equal = [1.0; LIMBS];
+    equilibrium(
+        geometry,
+        stiffness_per_mass_per_s2,
+        &equal,
+        gravity_shell_m_s2,
+    )
+}
+
+/// [`static_equilibrium`] of limbs of these stiffnesses over their mean.
+fn equilibrium(
+    geometry: &Geometry,
+    stiffness_per_mass_per_s2: f64,
+    stiffness_ratio: &[f64; LIMBS],
     gravity_shell_m_s2: DVec3,
 ) -> Result<(Pose, [f64; LIMBS])> {
     validate(geometry, stiffness_per_mass_per_s2, gravity_shell_m_s2)?;
@@ -71,8 +91,9 @@ pub fn static_equilibrium(
     });
     let normal = rows
         .iter()
-        .fold(Matrix6::zeros(), |sum: Matrix6<f64>, row| {
-            sum + row * row.transpose()
+        .zip(stiffness_ratio)
+        .fold(Matrix6::zeros(), |sum: Matrix6<f64>, (row, ratio)| {
+            sum + row * row.transpose() * *ratio
         });
     let cholesky = normal.cholesky().ok_or(Error::NotConverged {
         what: "static equilibrium (singular stiffness)",
@@ -82,9 +103,10 @@ pub fn static_equilibrium(
     let mut pose = Pose::default();
     let mut previous = f64::INFINITY;
     for _ in 0..ITERATIONS {
-        let force = pose
-            .elongations_m(geometry)
-            .map(|dl| -stiffness_per_mass_per_s2 * dl);
+        let elongation = pose.elongations_m(geometry);
+        let force: [f64; LIMBS] = core::array::from_fn(|limb| {
+            -stiffness_per_mass_per_s2 * stiffness_ratio[limb] * elongation[limb]
+        });
         let wrench = LimbWrench::at_pose(geometry, &pose, &force);
         let imbalance_force = -(gravity_shell_m_s2 + wrench.force_shell_m_s2);
         let imbalance_torque = -wrench.torque_shell_m2_s2 / arm_scale;

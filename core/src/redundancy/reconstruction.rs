@@ -24,6 +24,8 @@ pub const MOST_EXCLUDED: usize = 3;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reconstruction {
     excluded: LimbSet,
+    /// Stiffness of each limb over the mean one's.
+    stiffness_ratio: [f64; LIMBS],
     /// Rows of -P_FF^-1 W_F (W^T W)^-1; zero for limbs that are not excluded.
     weights: [[f64; ROWS]; LIMBS],
 }
@@ -81,7 +83,26 @@ impl Reconstruction {
         for ((_, weights), row) in chosen.zip(rows) {
             *weights = row;
         }
-        Ok(Self { excluded, weights })
+        Ok(Self {
+            excluded,
+            stiffness_ratio: [1.0; LIMBS],
+            weights,
+        })
+    }
+
+    /// The same of limbs of these stiffnesses over their mean: strains are forces over them.
+    #[must_use]
+    pub const fn with_stiffness(self, ratio: &[f64; LIMBS]) -> Self {
+        Self {
+            stiffness_ratio: *ratio,
+            ..self
+        }
+    }
+
+    /// Stiffness of each limb over the mean one's.
+    #[must_use]
+    pub const fn stiffness_ratio(&self) -> &[f64; LIMBS] {
+        &self.stiffness_ratio
     }
 
     /// The excluded limbs.
@@ -90,14 +111,15 @@ impl Reconstruction {
         self.excluded
     }
 
-    /// Strain of an excluded limb by that of another, all others' being zero.
+    /// Force of an excluded limb by that of another, all others' being zero.
     #[must_use]
     pub fn share(&self, excluded: usize, of: usize) -> f64 {
         let weights = self.weights[excluded].iter();
         weights
             .zip(SIGNATURES[of])
             .map(|(weight, sign)| weight * f64::from(sign))
-            .sum()
+            .sum::<f64>()
+            * (self.stiffness_ratio[excluded] / self.stiffness_ratio[of])
     }
 
     /// Force and torque, shell axes, that a force of each limb is: its own and, as those are made of it, that of the excluded ones, whose own

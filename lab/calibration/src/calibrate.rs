@@ -210,6 +210,7 @@ pub fn calibrate(
                 &prepared,
                 decoding.as_ref(),
                 &trials,
+                &session.limits,
             );
         }
     }

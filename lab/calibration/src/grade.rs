@@ -28,6 +28,11 @@ pub(crate) fn worst(errors: &[f64]) -> f64 {
     })
 }
 
+/// Whether an error misses its limit so far that no reservation will do.
+pub(crate) fn fails(error: f64, limit_percent: f64) -> bool {
+    error > BEYOND_DOUBT * limit_percent / 100.0
+}
+
 /// A share as percent, with as many decimals as tell it from the limit that it misses.
 fn beside(share: f64, limit_percent: f64) -> String {
     let percent = 100.0 * share;
@@ -111,7 +116,7 @@ pub(crate) fn failures(
             ),
         ] {
             if let Some(error) = error
-                && error > BEYOND_DOUBT * limit / 100.0
+                && fails(error, limit)
             {
                 let evidence = format!(
                     "{what} {} %, where the session asks for {limit} %",

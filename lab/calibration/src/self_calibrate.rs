@@ -1,5 +1,7 @@
 //! A calibration is checked with a recording from the field, without any standard.
 
+mod cause;
+mod common;
 mod correction;
 mod measured;
 mod summary;
@@ -17,6 +19,8 @@ use sixaxis_core::{Error, LIMBS, LimbSet};
 use crate::apply::setup::Setup;
 use crate::calibration::Calibration;
 
+use cause::{Expected, Judged};
+use common::Common;
 use measured::Measured;
 pub use measured::Rest;
 pub use summary::{Finding, Summary};
@@ -72,7 +76,7 @@ impl Check<'_> {
     /// found; `advance` is told of the samples that there are and of those that have been read since.
     ///
     /// # Errors
-    /// A recording that cannot be read, a known change that contradicts it, a correction that is not determined. A motion
+    /// A recording that cannot be read, a known change that contradicts it, a correction that is not determined. A recording
     /// that leaves ratios unobservable is no error but a [`Finding`].
     pub fn run(
         &self,
@@ -84,12 +88,13 @@ impl Check<'_> {
         let measured = Measured::of(self.recording, &own, rests, advance)?;
         let mut summary = Summary::new(self, &measured);
         summary.notes.extend(own.notes.iter().cloned());
+        let (ln_stiffness, stated) = correction::strains_per_v(self.calibration)?;
+        let judged = self.judged(&measured, &ln_stiffness);
         let now = match measured.moments.ratios(&Limits::default()) {
             Ok(ratios) => ratios,
             Err(Error::UnobservableScaleRatios { directions }) => {
-                summary.finding = Finding::TooPoor;
                 summary.open = directions.pairs().map(Into::into).collect();
-                summary.open_in_words = Some(directions.to_string());
+                summary.put_open(directions.to_string(), judged);
                 return Ok((summary, None));
             }
             Err(error @ Error::NotConverged { .. }) => {
@@ -102,7 +107,6 @@ impl Check<'_> {
             }
             Err(error) => return Err(measured.explained(self.recording, error)),
         };
-        let (ln_stiffness, stated) = correction::strains_per_v(self.calibration)?;
         let stated = if self.calibration_exact {
             PerLimbs::zeros()
         } else {
@@ -135,10 +139,12 @@ impl Check<'_> {
             None => stated,
             Some(_) => PerLimbs::zeros(),
         };
-        note_misfit(&mut summary, &now);
+        note_misfit(&mut summary, &now, judged);
         let found = drifted(&ratios, &calibrated, self.false_alarm).context("--false-alarm")?;
         summary.put(&found);
-        summary.put_unknown(&found, NO_DRIFT);
+        let own_share = drifted(&ratios, &PerLimbs::zeros(), self.false_alarm);
+        let own_share = own_share.context("--false-alarm")?;
+        summary.put_unknown(&found, &own_share, NO_DRIFT, judged);
         let scales = match (self.known_change, &measured.change) {
             (Some(known), Some(change)) => {
                 let chain = SignalChain::new(&own.sensor.gains, &own.parameters);
@@ -160,7 +166,14 @@ impl Check<'_> {
                     known.length_m_s2 * (-scales.ln_common).exp(),
                     known.length_m_s2
                 );
-                summary.put_scales(&scales);
+                let calibrated = if self.calibration_exact {
+                    0.0
+                } else {
+                    correction::common_deviation(self.calibration)
+                };
+                let common = Common::of(&scales, found.limbs, calibrated, self.false_alarm)
+                    .context("--false-alarm")?;
+                summary.put_scales(&scales, &common);
                 Some(scales)
             }
             _ => None,
@@ -177,6 +190,17 @@ impl Check<'_> {
             .then(|| corrected(self.calibration, &summary, &found, scales.as_ref()))
             .transpose()?;
         Ok((summary, corrected))
+    }
+
+    /// What the channels say of themselves; none where the calibration does not state their noise.
+    fn judged(&self, measured: &Measured, ln_stiffness: &[f64; LIMBS]) -> Option<Judged> {
+        let noise = self.calibration.covariance.propagated.as_ref()?;
+        let limbs = self.calibration.limbs.as_ref();
+        measured.scatter.judge(&Expected {
+            noise_v: &noise.channel_noise_v,
+            ln_stiffness,
+            cross_talk_sd: limbs.map_or(0.0, |limbs| limbs.cross_talk_spread),
+        })
     }
 }
 
@@ -230,7 +254,10 @@ fn plugs_exchanged(found: &Drifted, setup: &Setup, ln_stiffness: &[f64; LIMBS]) 
 }
 
 /// Warns of what contradicts the equations or the model of the noise.
-fn note_misfit(summary: &mut Summary, ratios: &ScaleRatios) {
+fn note_misfit(summary: &mut Summary, ratios: &ScaleRatios, judged: Option<Judged>) {
+    summary
+        .warnings
+        .extend(judged.and_then(summary::contradiction));
     if ratios.misfit.chance() < MISFIT {
         summary.finding = Finding::Misfit;
         summary.warnings.push(format!(

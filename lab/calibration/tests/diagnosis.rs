@@ -11,6 +11,7 @@ use std::path::Path;
 
 use glam::{DQuat, DVec3};
 use sixaxis_calibration::conditioning::Conditioned;
+use sixaxis_calibration::diagnosis::rig::accelerometer_changes;
 use sixaxis_calibration::diagnosis::trial_case::{Facts, Standard};
 use sixaxis_calibration::diagnosis::{Diagnosis, examine};
 use sixaxis_calibration::finding::{Cause, Finding};
@@ -258,8 +259,8 @@ impl Day {
         }
     }
 
-    fn examined<T>(&self, read: impl Fn(&Diagnosis<'_>) -> T) -> T {
-        let facts = Facts {
+    fn facts(&self) -> Facts<'_> {
+        Facts {
             geometry: Geometry::PAPER,
             design: &self.design,
             rig: self.rig.as_ref(),
@@ -267,8 +268,11 @@ impl Day {
             gyroscope: EXACT,
             gyroscope_class: 0.0,
             gyroscope_lag_undone: false,
-        };
-        read(&examine(&facts, Some(&self.rest), &self.trials))
+        }
+    }
+
+    fn examined<T>(&self, read: impl Fn(&Diagnosis<'_>) -> T) -> T {
+        read(&examine(&self.facts(), Some(&self.rest), &self.trials))
     }
 
     fn findings(&self) -> Vec<Finding> {
@@ -982,6 +986,27 @@ fn inv_one_standard_s_factor_in_a_compound_run_is_named() {
 }
 
 /// In a compound run two motions' shares may cancel in a channel, and never in all of them.
+/// The accelerometer reads more from trial to trial, of which the first six are linear and six more are angular: along a line through all it
+/// changes by the whole of that.
+#[test]
+fn inv_an_accelerometer_that_changes_over_the_day_is_told_by_the_rig() {
+    let changes =
+        |day: &Day| day.examined(|diagnosis| accelerometer_changes(&day.facts(), &diagnosis.cases));
+    let mut day = Day::of(&healthy());
+    assert!(changes(&day).is_some_and(|by| by.abs() < 1e-3));
+    for (index, (trial, _)) in day.trials.iter_mut().enumerate() {
+        let grown = 1.0 + 0.02 * index as f64 / 11.0;
+        trial
+            .accelerometer_m_s2
+            .iter_mut()
+            .for_each(|a| *a *= grown);
+    }
+    let by = changes(&day).expect("the rig is known");
+    assert!((by - 0.02).abs() < 1e-3, "{by}");
+    day.rig = None;
+    assert_eq!(changes(&day), None);
+}
+
 #[test]
 fn inv_the_unit_of_a_compound_run_is_told() {
     let day = with(COMPOUND..COMPOUND + 1, |_, _, u| 1000.0 * (u + 0.1));

@@ -429,7 +429,7 @@ fn found(change: impl FnOnce(&mut JointEstimate)) -> Option<Vec<Short>> {
     change(&mut fit);
     let report = report_of(fit);
     report.accounts().then(|| {
-        let findings = report.extraordinary(10.0, LIMIT, None, None);
+        let findings = report.extraordinary(10.0, LIMIT, None, None, None);
         let short = findings.into_iter();
         short.map(|f| (f.cause, f.recordings, f.channels)).collect()
     })
@@ -542,7 +542,7 @@ fn inv_one_channel_that_steps_is_named_and_several_are_not() {
         stepped(&[4], by)(&mut fit);
         let report = report_of(fit);
         assert!(report.accounts(), "{by}");
-        let found = report.extraordinary(10.0, LIMIT, None, None);
+        let found = report.extraordinary(10.0, LIMIT, None, None, None);
         assert_eq!(found.len(), 1, "{found:?}");
         assert_eq!(
             (found[0].cause, &found[0].channels[..]),
@@ -568,6 +568,65 @@ fn inv_one_channel_that_steps_is_named_and_several_are_not() {
     assert_eq!(found(stepped(&[4], 1.0)), None);
 }
 
+/// Eight trials over which these channels' sensitivities fall by so much along a line, with a scatter of their own, and channel 2's by twice
+/// as much where it is not among them.
+fn falling(channels: core::ops::Range<usize>, by: f64) -> JointEstimate {
+    let mut fit = estimate();
+    fit.unknowns.values.rows_mut(WEDGES, ANGLES).fill(0.0);
+    fit.trials = vec![quiet(); 8];
+    for (index, trial) in fit.trials.iter_mut().enumerate() {
+        let place = index as f64 / 7.0 - 0.5;
+        for (limb, own) in trial.sensitivity.iter_mut().enumerate() {
+            let scatter = 0.2 * by * ((3 * index + 5 * limb) as f64).sin();
+            if channels.contains(&limb) {
+                own.value = scatter - by * place;
+            } else if limb == 1 {
+                own.value = -2.0 * by * place;
+            }
+        }
+    }
+    fit
+}
+
+#[test]
+fn inv_what_most_channels_do_alike_over_the_day_is_one_finding() {
+    let found = |channels, by, accelerometer_changes| {
+        let report = report_of(falling(channels, by));
+        assert!(report.accounts());
+        report.extraordinary(10.0, LIMIT, None, None, accelerometer_changes)
+    };
+    for (accelerometer_changes, words) in [
+        (None, "as they do where the standard accelerometer's"),
+        (
+            Some(0.018),
+            "it is the standard accelerometer, which changes by +1.80 %",
+        ),
+        (Some(0.001), "as the sensor's do with its temperature"),
+        (
+            Some(-0.018),
+            "as they do where the standard accelerometer's",
+        ),
+    ] {
+        let all = found(0..9, 0.016, accelerometer_changes);
+        let [one] = &all[..] else { panic!("{all:#?}") };
+        assert_eq!(one.cause, Cause::FadingSensitivity);
+        assert!(
+            one.channels.is_empty() && one.recordings.is_empty(),
+            "{one:?}"
+        );
+        assert!(one.evidence.contains("all channels"), "{one:?}");
+        assert!(one.evidence.contains(words), "{one:?}");
+    }
+    // One that changes otherwise is named beside it.
+    let beside = found(2..9, 0.016, None);
+    let channels: Vec<&[usize]> = beside.iter().map(|f| &f.channels[..]).collect();
+    assert_eq!(channels, [&[][..], &[2]], "{beside:#?}");
+    // Few are not all, and less than an ordinary room's is nothing.
+    let few = report_of(falling(4..9, 0.016));
+    assert_eq!(few.common_change(), None);
+    assert!(found(0..9, 0.008, None).is_empty());
+}
+
 /// A gain that the certificate does not allow, and that a clock makes of one that it allows: by as much as no motor is off it is the clock, by
 /// less it is one of two things, and where the clock does not make it, or nothing is known of it, it is the gain.
 #[test]
@@ -576,7 +635,7 @@ fn inv_a_clock_that_makes_the_gyroscopes_gain_is_named() {
         let mut fit = estimate();
         fit.unknowns.values.rows_mut(WEDGES, ANGLES).fill(0.0);
         fit.unknowns.values[GYROSCOPE_GAIN] = gain;
-        let found = report_of(fit).extraordinary(10.0, LIMIT, None, drive_faster);
+        let found = report_of(fit).extraordinary(10.0, LIMIT, None, drive_faster, None);
         found.into_iter().map(|f| f.cause).collect::<Vec<_>>()
     };
     for (gain, drive_faster, cause) in [

@@ -45,7 +45,7 @@ pub struct Halved {
     pub kind: Kind,
     /// Of a limb's force over the mass, m/s^2.
     pub force_m_s2: f64,
-    /// Of the attitude, rad.
+    /// Of the attitude, rad, by an arc cosine, whose rounding is 4e-8.
     pub attitude_rad: f64,
 }
 

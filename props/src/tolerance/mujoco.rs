@@ -33,6 +33,14 @@ pub const WITHOUT_LIMBS_RIG: Tolerance = reference_limited(
     5.0e-9,
     "MuJoCo's strains leave 5.5e-10 of the largest in the parity rows, and that is amplified",
 );
+/// The same of limbs that are unequal by a tenth, with their ratios told, and without damping.
+pub const WITHOUT_UNEQUAL_LIMBS: Tolerance = measured(3e-8, 6.8e-9, "");
+/// With the damping of the design.
+pub const WITHOUT_UNEQUAL_DAMPED_LIMBS: Tolerance = measured(
+    4e-4,
+    1.2e-4,
+    "limbs are damped alike, whatever their stiffness, and no relation knows of it",
+);
 /// Error in single precision with limbs excluded over that with all.
 pub const WITHOUT_LIMBS_F32: Tolerance = measured(3.0, 1.2, "");
 /// Error of random motions, over full scale.

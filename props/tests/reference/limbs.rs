@@ -4,12 +4,19 @@ use core::f64::consts::TAU;
 
 use glam::DVec3;
 use nalgebra::{Matrix3x6, Matrix6, SMatrix, SymmetricEigen, Vector3, Vector6};
-use sixaxis_core::LIMBS;
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64;
+use sixaxis_core::redundancy::fault::Watch;
+use sixaxis_core::redundancy::reconstruction::MOST_EXCLUDED;
+use sixaxis_core::redundancy::tolerant::{FaultTolerant, ROWS_KEPT};
+use sixaxis_core::{Decoupler, LIMBS, LimbSet, Parameters, Scheme, Settings, SixAxis};
 use sixaxis_props::compare::{fails_clearly, largest, within};
 use sixaxis_props::problem::rig::{RATE_HZ, STEPS, model, short_run};
-use sixaxis_props::tolerance;
-use sixaxis_props::truth;
+use sixaxis_props::tolerance::{self, Tolerance};
+use sixaxis_props::truth::{self, InCore};
 use sixaxis_reference::geometry::Geometry;
+use sixaxis_reference::laboratory::Laboratory;
+use sixaxis_reference::laboratory::recording::SimulatedRecording;
 use sixaxis_reference::limbs::Limbs;
 use sixaxis_reference::motion::SimulatedRun;
 use sixaxis_reference::mujoco::model::SensorModel;
@@ -51,9 +58,12 @@ fn departure(ours: &[[f64; LIMBS]], truth: &[[f64; LIMBS]]) -> f64 {
     largest(apart) / largest(truth.iter().flatten().copied())
 }
 
+/// Over their mean.
+const UNEQUAL: [f64; LIMBS] = [1.05, 0.93, 1.0, 0.98, 1.1, 0.9, 1.02, 0.97, 1.05];
+
 #[test]
 fn ref_unequal_limbs_share_loads_by_their_stiffness() {
-    let stiffness_ratio = [1.05, 0.93, 1.0, 0.98, 1.1, 0.9, 1.02, 0.97, 1.05];
+    let stiffness_ratio = UNEQUAL;
     let limbs = Limbs {
         stiffness_ratio,
         ..Limbs::IDEAL
@@ -72,6 +82,127 @@ fn ref_unequal_limbs_share_loads_by_their_stiffness() {
         within("forces of unequal limbs", off(&stiffness_ratio), limit);
         fails_clearly("as if they were equal", off(&[1.0; LIMBS]), limit);
     }
+}
+
+/// Every set that can be excluded, of limbs a tenth apart, and as if they were equal.
+#[test]
+fn ref_excluded_limbs_bear_what_their_stiffness_says() {
+    let limbs = Limbs {
+        stiffness_ratio: UNEQUAL,
+        ..Limbs::IDEAL
+    };
+    let parameters = truth::identified_parameters();
+    let run = short_run(Mode::Compound, DIRECTION);
+    let play = |model: &SensorModel| {
+        let played = simulate_run(model, &run, RATE_HZ, STEPS).expect("the step is stable");
+        Laboratory::noise_free(truth::sensor(&parameters)).record(&played, 0)
+    };
+    let damped = sensor(limbs);
+    let undamped = SensorModel {
+        damping_ratio: 0.0,
+        ..damped
+    };
+    for (recording, limit) in [
+        (play(&undamped), tolerance::WITHOUT_UNEQUAL_LIMBS),
+        (play(&damped), tolerance::WITHOUT_UNEQUAL_DAMPED_LIMBS),
+    ] {
+        without_unequal_limbs(&recording, &parameters, limit);
+    }
+}
+
+fn without_unequal_limbs(
+    recording: &SimulatedRecording,
+    parameters: &Parameters,
+    limit: Tolerance,
+) {
+    let decoupler = |set: LimbSet, stiffness_ratio| {
+        let settings = Settings {
+            stiffness_ratio,
+            ..recording.settings(Scheme::Heun)
+        };
+        let decoupler = Decoupler::new(&recording.sensor(), parameters, &settings);
+        decoupler.and_then(|decoupler| decoupler.excluding(set))
+    };
+    let decoupled = |mut decoupler: Decoupler| -> Vec<SixAxis> {
+        let rows = recording.voltage_v.iter();
+        let push = |row| decoupler.push(row).expect("a sound sample");
+        rows.filter_map(push).collect()
+    };
+    let all = decoupled(decoupler(LimbSet::EMPTY, UNEQUAL).expect("nine limbs"));
+    let beyond = |ours: &[SixAxis]| {
+        let off = |of: fn(&SixAxis) -> DVec3| {
+            let pairs = ours.iter().zip(&all);
+            largest(pairs.map(|(a, b)| (of(a) - of(b)).length()))
+                / largest(all.iter().map(|b| of(b).length()))
+        };
+        let linear = off(|six| six.linear_ground_m_s2);
+        linear.max(off(|six| six.angular_ground_rad_s2))
+    };
+    let sets = || (1..=MOST_EXCLUDED).flat_map(LimbSet::of_size);
+    let worst = |ratio: [f64; LIMBS]| {
+        let without = sets().filter_map(|set| decoupler(set, ratio).ok());
+        largest(without.map(|decoupler| beyond(&decoupled(decoupler))))
+    };
+    within(
+        "accelerations without limbs, unequal ones",
+        worst(UNEQUAL),
+        limit,
+    );
+    fails_clearly("as if they were equal", worst([1.0; LIMBS]), limit);
+    // The block's way is another code.
+    let set = LimbSet::from_numbers([3, 8]).expect("limbs");
+    let mut by_record = decoupler(set, UNEQUAL).expect("a survivable set");
+    let mut found = Vec::new();
+    by_record
+        .push_record(&recording.voltage_v, &mut |done| {
+            found.extend(done.iter().map(|six| six.accelerations()))
+        })
+        .expect("sound samples");
+    let one_by_one = decoupled(decoupler(set, UNEQUAL).expect("a survivable set"));
+    assert_eq!(found.len(), one_by_one.len());
+    let one_by_one: Vec<[f64; 6]> = one_by_one.iter().map(SixAxis::accelerations).collect();
+    let columns = (0..6).map(|i| {
+        let apart = largest(found.iter().zip(&one_by_one).map(|(a, b)| a[i] - b[i]));
+        apart / largest(one_by_one.iter().map(|b| b[i]))
+    });
+    let apart = largest(columns);
+    within("by record and sample by sample", apart, tolerance::PATHS);
+}
+
+/// Unequal limbs that are known to be so fail no more than equal ones, weight and all.
+#[test]
+fn neg_unequal_limbs_are_no_failed_ones() {
+    let limbs = Limbs {
+        stiffness_ratio: UNEQUAL,
+        ..Limbs::IDEAL
+    };
+    let parameters = truth::identified_parameters();
+    let recording = Laboratory::noise_free(truth::sensor(&parameters))
+        .record(&played(limbs, Mode::Compound), 0);
+    let noise_v = 1e-3 * largest(recording.voltage_v.iter().flatten().copied());
+    let failed = |stiffness_ratio| {
+        let settings = Settings {
+            stiffness_ratio,
+            ..recording.settings(Scheme::Heun)
+        };
+        let watch = Watch::exact(1.0, [noise_v; LIMBS]);
+        let rows = vec![[0.0; LIMBS]; ROWS_KEPT];
+        let mut stream =
+            FaultTolerant::new(&recording.sensor(), &parameters, &settings, &watch, rows)
+                .expect("a sound sensor");
+        let rng = &mut Pcg64::new(1, 1);
+        let mut events = 0;
+        for row in &recording.voltage_v {
+            let noisy = row.map(|u| {
+                let unit: f64 = StandardNormal.sample(rng);
+                u + noise_v * unit
+            });
+            events += usize::from(stream.push(&noisy).expect("finite").event.is_some());
+        }
+        events
+    };
+    assert_eq!(failed(UNEQUAL), 0);
+    assert!(failed([1.0; LIMBS]) > 0, "as if they were equal");
 }
 
 /// The rotation vectors of both hinges of a limb, rad, for each unit of the mass's displacement and rotation, m and rad.

@@ -1,6 +1,6 @@
 //! The defects that a session may have: a kind, one magnitude, a place. [`KINDS`](Kind::ALL) is the one table of kinds.
 //!
-//! A magnitude is drawn log-uniformly over its kind's range, which runs from where nothing could notice it to where a careless
+//! A magnitude is drawn log-uniformly over its kind's range, which for most runs from where nothing could notice it to where a careless
 //! laboratory ends up, whatever a judge makes of it. A magnitude of 0 is no defect. What a defect does to parameters and to
 //! decoupled accelerations is measured afterwards and never asked beforehand. How each kind acts is in `spoil`.
 

@@ -4,7 +4,7 @@ use anyhow::Result;
 use sixaxis_core::significance::chi_square_limit;
 use sixaxis_page::number::{count, fixed, significant};
 use sixaxis_page::{Axis, Figure, Section, Table, Text};
-use sixaxis_props::results::{AidedRide, Aids, Hours, Published, Steady};
+use sixaxis_props::results::{AidedRide, Aids, Halved, Hours, MujocoHours, Published, Steady};
 use sixaxis_reference::rig::journey::Kind;
 
 use super::DEG_PER_RAD;
@@ -15,6 +15,8 @@ use super::DEG_PER_RAD;
 /// If the published result cannot be read or the text does not fit it.
 pub fn section() -> Result<Section> {
     let p = &Hours::embedded()?;
+    let m = &MujocoHours::embedded()?;
+    let halved = |of: fn(&Halved) -> f64| m.halved.iter().map(of).fold(0.0, f64::max);
     let freedom = 3 * p.runs as usize;
     let limit = |tail| chi_square_limit(tail, freedom).map(|limit| limit / freedom as f64);
     let text = Text::new(include_str!("hours.md"))
@@ -22,12 +24,17 @@ pub fn section() -> Result<Section> {
         .value("known_deg", p.known_rad * DEG_PER_RAD)
         .value("chance", [limit(0.975)?, limit(0.025)?])
         .value("last_seed", p.first_seed + p.runs - 1)
-        .value("lost", lost(p));
+        .value("lost", lost(p))
+        .value("m", m)
+        .value("m_last_seed", m.hours.first_seed + m.hours.runs - 1)
+        .value("force", halved(|kind| kind.force_m_s2))
+        .value("attitude", halved(|kind| kind.attitude_rad));
     let kinds = p.rides.chunk_by(|a, b| a.kind == b.kind);
     kinds
         .fold(text, |text, rides| text.figure(errors(rides, p.runs)))
         .table("hours-deviations", deviations(p))
         .table("hours-bounds", bounds(p))
+        .table("hours-mujoco", deviations(&m.hours))
         .section("hours")
 }
 

@@ -33,8 +33,9 @@ impl<T: Scalar> Decoupler<T> {
     #[inline(never)]
     pub fn set_excluded(&mut self, excluded: LimbSet) -> Result<()> {
         let received = self.state.received;
+        let stiffness_ratio = self.mask.reconstruction.stiffness_ratio();
         let mut switched = Self {
-            mask: ChannelMask::excluding(excluded, &self.exact)?,
+            mask: ChannelMask::excluding(excluded, stiffness_ratio, &self.exact)?,
             constants: self.exact.excluding(excluded).rounded(),
             fast: excluded.is_empty() && received >= 3,
             ..self.clone()

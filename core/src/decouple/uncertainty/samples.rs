@@ -150,7 +150,8 @@ impl SampleUncertainty {
             require(value >= 0.0, "channel noise", value, "not negative")?;
         }
         let sensitivity = *limbs.chain().sensitivity_m_s2_per_v();
-        let reconstruction = Reconstruction::new(excluded)?;
+        let reconstruction =
+            Reconstruction::new(excluded)?.with_stiffness(&settings.stiffness_ratio);
         let wrench = reconstruction.wrenches(&sensor.geometry.arms_m());
         let tensor = parameters.inertia_per_mass.matrix_mass_m2();
         let inverse = tensor.inverse();

@@ -77,7 +77,11 @@ impl Monitor {
         watch: &Watch,
     ) -> Result<Self> {
         let constants = Constants::new(&Model::new(sensor, parameters, settings)?)?;
-        let strains = Strains::new(&constants, &parameters.zero_drift_v, &watch.stiffness_ratio);
+        let strains = Strains::new(
+            &constants,
+            &parameters.zero_drift_v,
+            &settings.stiffness_ratio,
+        );
         let errors = watch.errors(&strains.per_v)?;
         let noise = watch.row_noise(&strains.per_v)?;
         let per_sample = watch.false_alarms_per_hour / 3600.0 / settings.sample_rate_hz;

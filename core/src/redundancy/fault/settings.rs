@@ -2,7 +2,7 @@
 
 use super::calibration_errors::{CalibrationErrors, alone};
 use super::noise::RowNoise;
-use crate::error::{Result, require, require_not_negative};
+use crate::error::{Result, require_not_negative};
 use crate::geometry::LIMBS;
 
 /// Settings of a monitor.
@@ -14,8 +14,6 @@ pub struct Watch {
     pub noise_v: [f64; LIMBS],
     /// Standard deviation of each zero drift after calibration, V.
     pub zero_drift_sd_v: [f64; LIMBS],
-    /// Stiffness of each limb over the mean of the nine.
-    pub stiffness_ratio: [f64; LIMBS],
     /// Covariance of the limbs' relative errors of strain per volt, those of scale factor and stiffness together. An error that all
     /// limbs share leaves the relations as they are.
     pub strain_covariance: [[f64; LIMBS]; LIMBS],
@@ -31,7 +29,6 @@ impl Watch {
             false_alarms_per_hour,
             noise_v,
             zero_drift_sd_v: [0.0; LIMBS],
-            stiffness_ratio: [1.0; LIMBS],
             strain_covariance: [[0.0; LIMBS]; LIMBS],
             cross_talk_sd: 0.0,
         }
@@ -49,10 +46,6 @@ impl Watch {
         require_not_negative("standard deviation of cross-talk", self.cross_talk_sd)?;
         for (limb, row) in self.strain_covariance.iter().enumerate() {
             require_not_negative("variance of a strain per volt", row[limb])?;
-        }
-        for ratio in self.stiffness_ratio {
-            let sound = ratio > 0.0 && ratio.is_finite();
-            require(sound, "stiffness ratio", ratio, "positive and finite")?;
         }
         let errors = CalibrationErrors {
             strain: self.strain_covariance,

@@ -9,7 +9,7 @@ use crate::kernel::order::from_kernel_order;
 pub(super) struct Strains {
     pub per_v: [f64; LIMBS],
     at_zero: [f64; LIMBS],
-    /// At rest. A scale factor's error is one of what is counted from there, and so is what unequal stiffness makes of the rows.
+    /// At rest. A scale factor's error is one of what is counted from there.
     pub at_rest: [f64; LIMBS],
 }
 
@@ -22,7 +22,8 @@ impl Strains {
     ) -> Self {
         let slope = from_kernel_order(constants.strain_per_v);
         let zero = from_kernel_order(constants.strain_at_zero);
-        let at_rest: [f64; LIMBS] = core::array::from_fn(|i| slope[i] * zero_drift_v[i] + zero[i]);
+        let at_rest: [f64; LIMBS] =
+            core::array::from_fn(|i| (slope[i] * zero_drift_v[i] + zero[i]) / stiffness_ratio[i]);
         let per_v: [f64; LIMBS] = core::array::from_fn(|i| slope[i] / stiffness_ratio[i]);
         Self {
             per_v,

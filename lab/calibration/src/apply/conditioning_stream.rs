@@ -22,6 +22,9 @@ const LONGEST_LAG: f64 = 10_000.0;
 /// Order of the low-pass, as a session's default.
 pub const LOW_PASS_ORDER: usize = 4;
 
+/// Periods of its corner after which the low-pass has forgotten a sample: its slowest pole is down to six millionths.
+const REMEMBERED: f64 = 5.0;
+
 /// What is to be done to the voltages of one recording.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ConditioningConfig {
@@ -39,13 +42,60 @@ pub struct ConditioningConfig {
     pub causal: bool,
 }
 
+impl ConditioningConfig {
+    /// What comes before the low-pass, for a monitor: it holds single samples to the channels' noise, and a filter would spread a
+    /// channel's failure over samples before and after it.
+    #[must_use]
+    pub fn unfiltered(&self) -> Self {
+        Self {
+            low_pass_hz: None,
+            ..*self
+        }
+    }
+
+    /// Samples on either side from which the low-pass makes one.
+    #[must_use]
+    pub fn reach(&self, sample_rate_hz: f64) -> u64 {
+        self.low_pass_hz.map_or(0, |corner_hz| {
+            (REMEMBERED * sample_rate_hz / corner_hz).ceil() as u64
+        })
+    }
+}
+
 /// The stages of nine channels, each in [`Stage::ORDER`], and what undoes their cross-talk after them.
 pub struct ConditioningStream {
     channels: [Chain; LIMBS],
     cross_talk: Option<CrossTalk>,
     excluded: Exclusions,
+    /// Whether the last stage is a low-pass.
+    low_passes: bool,
     /// Samples handed out.
     samples: u64,
+}
+
+/// A channel that stays at its last value for as long as its limb is excluded: what a failed channel shows, which need not be
+/// a number, is not to pass through a filter with a memory.
+struct Held {
+    limb: usize,
+    excluded: Exclusions,
+    sample: u64,
+    last: f64,
+}
+
+impl dsp::stage::Stage for Held {
+    fn push(&mut self, samples: &[f64], out: &mut Vec<f64>) {
+        for value in samples {
+            if !self.excluded.at(self.sample).contains(self.limb) {
+                self.last = *value;
+            }
+            out.push(self.last);
+            self.sample += 1;
+        }
+    }
+
+    fn finish(&mut self, _: &mut Vec<f64>) -> sixaxis_core::Result<()> {
+        Ok(())
+    }
 }
 
 /// One channel's stages.
@@ -176,8 +226,27 @@ impl ConditioningStream {
             channels,
             cross_talk: config.cross_talk,
             excluded: Exclusions::default(),
+            low_passes: config.low_pass_hz.is_some(),
             samples: 0,
         })
+    }
+
+    /// Passes nothing through the low-pass that a channel shows while its limb is excluded.
+    #[must_use]
+    pub fn holding(mut self, excluded: &Exclusions) -> Self {
+        if self.low_passes {
+            for limb in excluded.ever().indices() {
+                let stages = &mut self.channels[limb].stages;
+                let held = Held {
+                    limb,
+                    excluded: excluded.clone(),
+                    sample: 0,
+                    last: 0.0,
+                };
+                stages.insert(stages.len() - 1, Box::new(held));
+            }
+        }
+        self
     }
 
     /// Takes nothing that some channels show for cross-talk of the others.
@@ -262,6 +331,7 @@ pub fn causal_delay_s(corner_hz: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use sixaxis_core::LimbSet;
     use sixaxis_core::dsp::delay::delayed;
     use sixaxis_core::dsp::lag::undo_high_pass;
 
@@ -329,6 +399,50 @@ mod tests {
             let whole = undo_high_pass(&change, 0.16, RATE_HZ).expect("undoes");
             let expected: Vec<f64> = whole.iter().map(|change| change + rest).collect();
             assert_eq!(column(&out, limb), expected, "limb {limb}");
+        }
+    }
+
+    #[test]
+    fn neg_what_a_failed_channel_shows_does_not_pass_through_the_low_pass() {
+        const LIMB: usize = 3;
+        let sound = rows(4000);
+        let mut failed = sound.clone();
+        for row in &mut failed[2000..] {
+            row[LIMB] = f64::NAN;
+        }
+        let config = ConditioningConfig {
+            low_pass_hz: Some(60.0),
+            ..ConditioningConfig::default()
+        };
+        let mut excluded = Exclusions::default();
+        excluded.from(2000, LimbSet::EMPTY.with(LIMB));
+        let through = [&sound, &failed].map(|rows| {
+            let stream = ConditioningStream::new(&config, RATE_HZ).expect("stages");
+            let mut stream = stream.holding(&excluded);
+            let mut out = Voltages::default();
+            stream.push(&mut rows.iter().collect(), &mut out);
+            stream.finish(&mut out).expect("long enough");
+            out.rows().collect::<Vec<Row>>()
+        });
+        assert_eq!(through[0], through[1]);
+        // Beyond the filter's reach it is the sound channel's, to what the filter has forgotten.
+        let expected = conditioned(&config, &sound, 64);
+        let reach = config.reach(RATE_HZ) as usize;
+        let peak = column(&sound, LIMB)
+            .iter()
+            .fold(0.0_f64, |a, u| a.max(u.abs()));
+        let off = |k: usize| (through[1][k][LIMB] - expected[k][LIMB]).abs() / peak;
+        let before = (0..2000 - reach).map(off).fold(0.0, f64::max);
+        assert!(
+            before < 2e-5 && off(1999) > 1e-3,
+            "{before:e} {}",
+            off(1999)
+        );
+        for (found, expected) in through[1].iter().zip(&expected) {
+            let others = (0..LIMBS).filter(|limb| *limb != LIMB);
+            for limb in others {
+                assert!((found[limb] - expected[limb]).abs() < 1e-12 * peak.max(1.0));
+            }
         }
     }
 

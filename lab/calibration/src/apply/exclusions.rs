@@ -1,6 +1,7 @@
 //! Which limbs are excluded from which sample on, and which are suspected.
 
 use sixaxis_core::LimbSet;
+use sixaxis_core::redundancy::reconstruction::Reconstruction;
 use sixaxis_recordings::{Block, Channel};
 
 /// Limbs that are excluded from certain samples on: none before the first.
@@ -51,6 +52,21 @@ impl Exclusions {
         last.unwrap_or(LimbSet::EMPTY)
     }
 
+    /// All that are excluded at some sample no farther than `reach` from this one.
+    fn within(&self, sample: u64, reach: u64) -> LimbSet {
+        let (first, last) = (sample.saturating_sub(reach), sample.saturating_add(reach));
+        let begin = self.changes.iter();
+        let begin = begin.filter(|(at, _)| (first..=last).contains(at));
+        begin.fold(self.at(first), |all, (_, limbs)| all.union(*limbs))
+    }
+
+    /// As [`Self::from`], where that is a change.
+    fn change_from(&mut self, sample: u64, limbs: LimbSet) {
+        if limbs != self.at(sample) {
+            self.from(sample, limbs);
+        }
+    }
+
     /// Those from a sample on, if they are not those of the sample before it.
     #[must_use]
     pub fn change_at(&self, sample: u64) -> Option<LimbSet> {
@@ -68,6 +84,31 @@ pub struct Watched {
     pub excluded: Exclusions,
     /// Limbs that may have failed and are not excluded.
     pub suspected: Exclusions,
+}
+
+impl Watched {
+    /// The same for rows that a filter has made of `reach` samples on either side: what a channel shows while its limb is excluded is in
+    /// all of them. Where the limbs of such rows cannot be excluded together, those that are not are suspected.
+    #[must_use]
+    pub fn reaching(&self, reach: u64) -> Self {
+        let changes = self.excluded.changes().chain(self.suspected.changes());
+        let mut edges: Vec<u64> = changes
+            .flat_map(|(at, _)| [at.saturating_sub(reach), at, at.saturating_add(reach)])
+            .collect();
+        edges.sort_unstable();
+        let mut reaching = Self::default();
+        for at in edges {
+            let wanted = self.excluded.within(at, reach);
+            let excluded = match Reconstruction::new(wanted) {
+                Ok(_) => wanted,
+                Err(_) => self.excluded.at(at),
+            };
+            let suspected = self.suspected.within(at, reach).union(wanted);
+            reaching.excluded.change_from(at, excluded);
+            (reaching.suspected).change_from(at, suspected.minus(excluded));
+        }
+        reaching
+    }
 }
 
 /// What a first pass has found, and what a sample's own noise gives its accelerations without the limbs excluded from a sample on.
@@ -132,6 +173,32 @@ mod tests {
         assert_eq!(found.change_at(100), None);
         assert!(!found.is_empty());
         assert_eq!(Exclusions::throughout(of(&[2])).at(0), of(&[2]));
+    }
+
+    #[test]
+    fn a_filter_carries_a_failure_to_rows_on_both_sides() {
+        let of = |numbers: &[usize]| LimbSet::from_numbers(numbers.iter().copied()).expect("limbs");
+        let mut found = Watched::default();
+        found.excluded.from(100, of(&[5]));
+        found.excluded.from(300, of(&[]));
+        found.suspected.from(500, of(&[2, 4]));
+        found.suspected.from(600, of(&[]));
+        assert_eq!(found.reaching(0), found);
+        let reaching = found.reaching(30);
+        let excluded = [69, 70, 329, 330].map(|sample| reaching.excluded.at(sample));
+        assert_eq!(excluded, [of(&[]), of(&[5]), of(&[5]), of(&[])]);
+        let suspected = [469, 470, 629, 630].map(|sample| reaching.suspected.at(sample));
+        assert_eq!(suspected, [of(&[]), of(&[2, 4]), of(&[2, 4]), of(&[])]);
+        // Limbs of an ambiguous pair and a third of their relation cannot be excluded together.
+        let mut found = Watched::default();
+        found.excluded.from(100, of(&[1, 2]));
+        found.excluded.from(200, of(&[4]));
+        let reaching = found.reaching(30);
+        let at = |sample| [&reaching.excluded, &reaching.suspected].map(|limbs| limbs.at(sample));
+        assert_eq!(at(150), [of(&[1, 2]), of(&[])]);
+        assert_eq!(at(190), [of(&[1, 2]), of(&[4])]);
+        assert_eq!(at(210), [of(&[4]), of(&[1, 2])]);
+        assert_eq!(at(230), [of(&[4]), of(&[])]);
     }
 
     #[test]

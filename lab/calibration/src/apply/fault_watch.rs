@@ -23,6 +23,8 @@ pub struct FaultWatch {
     pub found: found::Watched,
     /// Whether the recording is decoded once more with what is found: from the failure on, and not from where it is told.
     pub once_more: bool,
+    /// Samples before a failure from which a limb is left out then: a filter spreads the failure over them.
+    pub reach: u64,
     /// The sample at which the last alarm was raised, as long as limbs are suspected and none has been named.
     unexplained_since: Option<u64>,
     samples: u64,
@@ -59,7 +61,6 @@ impl FaultWatch {
             false_alarms_per_hour,
             noise_v: propagated.channel_noise_v,
             zero_drift_sd_v: core::array::from_fn(deviation),
-            stiffness_ratio: limbs.stiffness_ratio,
             strain_covariance: limbs.strain_covariance,
             cross_talk_sd: limbs.cross_talk_spread,
         };
@@ -78,6 +79,7 @@ impl FaultWatch {
             alarms: 0,
             found: found::Watched::default(),
             once_more: false,
+            reach: 0,
             unexplained_since: None,
             samples: 0,
         })
@@ -155,6 +157,7 @@ impl FaultWatch {
         };
         let verdict = text.is_some();
         let (since, once_more) = (self.since(watched), self.once_more);
+        let filtered_since = since.saturating_sub(self.reach);
         let mut say = |text: String| self.messages.push(format!("sample {sample}: {text}"));
         if let Some(text) = text {
             say(text);
@@ -169,7 +172,7 @@ impl FaultWatch {
                     "; the failure is older than that, its trace stays in rate and attitude"
                 };
                 let from = if once_more {
-                    format!("sample {since} on")
+                    format!("sample {filtered_since} on")
                 } else {
                     format!(
                         "here on, rate and attitude as if from sample {} on{trace}",

@@ -5,6 +5,7 @@ use sixaxis_core::{LimbSet, Settings};
 
 use super::attitude::DOWN_DEG;
 use super::axis_noise::sample_noise;
+use super::conditioning_stream::ConditioningStream;
 use super::decoding::Decoding;
 use super::exclusions::{Watched, WatchedBefore};
 use super::fault_watch::FaultWatch;
@@ -13,7 +14,8 @@ use super::pipeline::{self, Nowhere};
 use super::recording::Recording;
 
 impl Job<'_> {
-    /// What the monitor says of a recording, before it is decoded with aids: only then is it known from which sample on a limb has failed.
+    /// What the monitor says of a recording, before it is decoded with aids or filtered: only then is it known from which sample on a
+    /// limb has failed. The rows that it sees are not filtered.
     pub(super) fn watched(
         &self,
         recording: &mut Recording,
@@ -23,7 +25,12 @@ impl Job<'_> {
         let mut decoding = Decoding::new(self.decoupler(settings)?, self.columns, false);
         decoding.watching = self.monitor(settings)?;
         decoding.is_decoded_once_more();
-        let conditioning = self.conditioning(settings.sample_rate_hz, None)?;
+        let (config, rate_hz) = (&self.setup.conditioning, settings.sample_rate_hz);
+        if let Some(watching) = &mut decoding.watching {
+            watching.reach = config.reach(rate_hz);
+        }
+        let unfiltered = ConditioningStream::new(&config.unfiltered(), rate_hz)?;
+        let conditioning = unfiltered.without_cross_talk();
         let sink = Box::new(Nowhere);
         pipeline::pass(recording, conditioning, &mut decoding, sink, advance)?;
         let watch = decoding.watching.map(FaultWatch::into_found);

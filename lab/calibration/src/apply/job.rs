@@ -19,6 +19,7 @@ use super::aids::AidChoice;
 use super::columns::Columns;
 use super::coordination::Coordination;
 use super::decoupled::Decoupled;
+use super::exclusions::Exclusions;
 use super::fault_watch::FaultWatch;
 use super::pipeline::{self, Nowhere};
 use super::recording::Recording;
@@ -104,20 +105,26 @@ impl Job<'_> {
         let rate_hz = recording.sample_rate_hz;
         let settings = setup.settings(rate_hz, self.scheme);
         let total = recording.samples.unwrap_or(0);
-        let watches_first = self.false_alarms_per_hour.is_some() && !self.aids.is_empty();
+        let filters = setup.conditioning.low_pass_hz.is_some();
+        let watches_first =
+            self.false_alarms_per_hour.is_some() && (filters || !self.aids.is_empty());
         let passes = Cell::new(if self.smooth || watches_first { 2 } else { 1 });
         let advance = |samples| advance(passes.get() * total, samples);
         let mut of_monitor = Vec::new();
         let mut excluded = self.excluded();
         let mut found = None;
+        let mut held = Exclusions::default();
         if watches_first {
             let (watched, messages) = self.watched(&mut recording, &settings, &advance)?;
             of_monitor = messages;
-            excluded = Some(watched.excluded.clone());
-            found = Some(watched);
+            let filtered = watched.reaching(setup.conditioning.reach(rate_hz));
+            held = watched.excluded;
+            excluded = Some(filtered.excluded.clone());
+            found = Some(filtered);
             recording = open()?;
         }
-        let mut conditioning = self.conditioning(rate_hz, excluded.clone())?;
+        let conditioning = self.conditioning(rate_hz, excluded.clone())?;
+        let mut conditioning = conditioning.holding(&held);
         let mut decoding = self.decoding(&settings, found)?;
         let mut coordination = self.coordination();
         let mut layout = self.layout(rate_hz);

@@ -38,6 +38,8 @@ pub struct Setup {
     pub sensor: Sensor,
     /// The 25 parameters.
     pub parameters: Parameters,
+    /// Stiffness of each limb over the mean one's, where the calibration knows it.
+    pub stiffness_ratio: [f64; LIMBS],
     /// g in ground axes, m/s^2.
     pub gravity_ground_m_s2: DVec3,
     /// Names and units of the channels.
@@ -151,6 +153,8 @@ impl Setup {
         Ok(Self {
             sensor,
             parameters: calibration.parameters(),
+            stiffness_ratio: (calibration.limbs.as_ref())
+                .map_or([1.0; LIMBS], |limbs| limbs.stiffness_ratio),
             gravity_ground_m_s2,
             rate_hz: overrides
                 .rate_hz
@@ -272,6 +276,7 @@ impl Setup {
     pub fn settings(&self, sample_rate_hz: f64, scheme: Scheme) -> Settings {
         Settings {
             scheme,
+            stiffness_ratio: self.stiffness_ratio,
             gravity_ground_m_s2: self.gravity_ground_m_s2,
             ..Settings::new(sample_rate_hz)
         }

@@ -47,8 +47,15 @@ impl Day<'_> {
             // A standard or a clock that the rig contradicts makes the other standard look wrong, too.
             let scaled =
                 |f: &Finding| matches!(f.cause, Cause::WrongScaling | Cause::ClockMismatch);
-            let explained = findings.iter().any(scaled);
             let more = self.extraordinary(joint);
+            // One standard that changes over the day is off in its last trials, too.
+            if self
+                .accelerometer_changes()
+                .is_some_and(|by| joint.is_the_accelerometers(by))
+            {
+                findings.retain(|f| !(scaled(f) && self.is_of_the_slider(f)));
+            }
+            let explained = findings.iter().any(scaled);
             findings.extend(more.into_iter().filter(|f| !(explained && scaled(f))));
             if findings.is_empty() {
                 let Estimate {
@@ -169,6 +176,20 @@ impl Day<'_> {
         !finding.recordings.is_empty() && finding.recordings.iter().all(is_one)
     }
 
+    fn accelerometer_changes(&self) -> Option<f64> {
+        rig::accelerometer_changes(self.facts, self.cases)
+    }
+
+    /// Whether it is about some linear trials as a whole.
+    fn is_of_the_slider(&self, finding: &Finding) -> bool {
+        let is_linear = |name: &String| {
+            let mut cases = self.cases.iter().filter(|case| case.trial.name == *name);
+            cases.any(|case| matches!(case.trial.role, Role::Linear | Role::HighFrequencyLinear))
+        };
+        let (channels, recordings) = (&finding.channels, &finding.recordings);
+        channels.is_empty() && !recordings.is_empty() && recordings.iter().all(is_linear)
+    }
+
     /// What is out of the ordinary by a joint fit that accounts for the trials.
     fn extraordinary(&self, joint: &JointReport) -> Vec<Finding> {
         let gyroscope = &self.session.gyroscope;
@@ -178,6 +199,7 @@ impl Day<'_> {
             limit,
             gyroscope.bandwidth_hz,
             rig::drive_faster(self.facts, self.cases),
+            self.accelerometer_changes(),
         )
     }
 }

@@ -1,19 +1,28 @@
 //! Why a run that was not fitted fails: what is odd about it by the other trials, that it is not whole, that rows of it are missing, that
-//! its channels are noisy or its converter coarse.
+//! its channels are noisy or its converter coarse, that its zeros are others than those of the static record.
+
+#[cfg(test)]
+mod tests;
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
-use sixaxis_core::LIMBS;
+use sixaxis_core::identify::inertia::euler_torque;
+use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
+use sixaxis_core::paper::signal::SignalChain;
+use sixaxis_core::{LIMBS, Parameters};
 use sixaxis_page::number::significant;
-use sixaxis_recordings::session::Role;
+use sixaxis_recordings::session::{Limits, Role};
 
-use super::validation::{Decoding, arm_m, compare, errors};
+use super::validation::{Decoding, arm_m, compare, errors, in_sensor_axes};
 use crate::conditioning::Conditioned;
+use crate::diagnosis::drift::rests;
 use crate::diagnosis::raw::converter_step_v;
 use crate::finding::{Cause, Finding};
-use crate::grade::worst;
+use crate::grade::{fails, worst};
 use crate::prepare::{PreparedSession, for_role};
 use crate::report::{TrialReport, ValidationRun};
+use crate::series::mean_of;
+use crate::steps::Campaign;
 use crate::trial::Trial;
 
 /// Share of the drive's period at either end of a run over which a rest shows, and the share of the gyroscope's peak that its swing has
@@ -23,6 +32,13 @@ const TURNS: f64 = 0.1;
 
 /// Share of a failing run's departure that noise and rounding make at least where they are its cause.
 const MOST: f64 = 0.5;
+
+/// Departure of a run, relative, from which the open loop has lost it, and its size says nothing.
+const LOST: f64 = 1.0;
+/// Times the converter's largest step from which a channel's noise is none of its rounding.
+const NO_ROUNDING: f64 = 3.0;
+/// Share of the zero that has moved most from which others have moved along with it.
+const ALONG: f64 = 0.3;
 
 /// Times the usual bend of a channel's course that a jump has, and the share of bends that are usual.
 const JUMP: f64 = 4.0;
@@ -35,6 +51,7 @@ pub(super) fn explain(
     prepared: &PreparedSession,
     decoding: Option<&Decoding<'_>>,
     reports: &[TrialReport],
+    limits: &Limits,
 ) {
     let [name] = &failure.recordings[..] else {
         return;
@@ -72,7 +89,15 @@ pub(super) fn explain(
     }
     let off = report.validation.map(|errors| worst(&errors));
     if let (Cause::Unexplained, Some(decoding), Some(off)) = (failure.cause, decoding, off) {
-        noisy(failure, prepared, decoding, (trial, conditioned), off);
+        let run = (trial, conditioned);
+        let found = noisy(prepared, decoding, run, off)
+            .or_else(|| moved_zeros(&prepared.campaign, decoding, run, limits));
+        if let Some(found) = found {
+            failure.cause = found.cause;
+            failure.channels = found.channels;
+            failure.evidence = format!("{}; {}", failure.evidence, found.evidence);
+            failure.advice = found.advice;
+        }
     }
 }
 
@@ -104,54 +129,158 @@ fn rows_missing(trial: &Trial) -> Option<(usize, usize)> {
     (*channels > LIMBS / 2).then_some((sample, *channels))
 }
 
-/// Where noise and rounding of the run's channels alone make as much as it is off: it is decoupled once more with as much of both again.
+/// Where noise and rounding of the run's channels alone make as much as it is off. They are put on channels that follow the standards: a run
+/// that departs for another reason magnifies whatever is put on it, and so would seem noisy.
 fn noisy(
-    failure: &mut Finding,
     prepared: &PreparedSession,
     decoding: &Decoding<'_>,
     (trial, conditioned): (&Trial, &Conditioned),
     off: f64,
-) {
-    let Some(rest) = &prepared.at_rest else {
-        return;
-    };
+) -> Option<Finding> {
+    let rest = prepared.at_rest.as_ref()?;
     let campaign = &prepared.campaign;
     let steps_v: [f64; LIMBS] = core::array::from_fn(|i| converter_step_v(trial, i));
-    let more = Trial {
-        voltage_v: noisier(trial, &deviations_v(&steps_v, rest)),
-        ..trial.clone()
-    };
+    let deviations_v = deviations_v(&steps_v, rest);
+    let quiet = following(campaign, decoding, trial, conditioned)?;
     let conditioning = for_role(&prepared.conditioning, trial.role);
-    let Ok(more) = conditioning.condition(&more) else {
-        return;
+    let conditioned_of = |voltage_v: Vec<[f64; LIMBS]>| {
+        let trial = Trial {
+            voltage_v,
+            ..trial.clone()
+        };
+        conditioning.condition(&trial).ok()
     };
-    let [run, more] = [conditioned, &more].map(|of| compare(campaign, trial, of, decoding));
-    let (Ok(run), Ok(more)) = (run, more) else {
-        return;
+    let less = conditioned_of(quiet.voltage_v.clone())?;
+    let more = conditioned_of(noisier(&quiet.voltage_v, &deviations_v, &steps_v))?;
+    let noise = more.voltage_v.iter().zip(&less.voltage_v);
+    let noisy = quiet.voltage_v.iter().zip(noise);
+    let noisy = noisy.map(|(u, (more, less))| core::array::from_fn(|i| u[i] + more[i] - less[i]));
+    let noisy = Conditioned {
+        voltage_v: noisy.collect(),
+        ..quiet.clone()
     };
-    let moved = run.decoupled.iter().zip(&more.decoupled).zip(&run.standard);
-    let decoupled = moved
-        .map(|((a, b), standard)| core::array::from_fn(|i| standard[i] + b[i] - a[i]))
-        .collect();
-    let by_noise = worst(&errors(
-        &ValidationRun { decoupled, ..run },
-        arm_m(&campaign.design),
-    ));
-    if by_noise > MOST * off {
-        let step_v = steps_v.iter().copied().filter(|v| v.is_finite());
-        failure.cause = Cause::Noisy;
-        failure.evidence = format!(
-            "{}; as much noise and rounding again as its channels have, in steps of {} V, moves it by {:.1} %",
-            failure.evidence,
-            significant(step_v.fold(0.0, f64::max), 2),
-            100.0 * by_noise
-        );
-        failure.advice = "record the run in ranges that it fills, with a converter of more bits or less noise, or state the validation_percent in [limits] that this one can meet".to_owned();
+    let plain = Decoding {
+        cross_talk: None,
+        ..*decoding
+    };
+    let run = compare(campaign, trial, &quiet, &plain).ok()?;
+    // One that cannot be decoupled any more is lost.
+    let by_noise = compare(campaign, trial, &noisy, &plain).map_or(f64::INFINITY, |more| {
+        let moved = run.decoupled.iter().zip(&more.decoupled).zip(&run.standard);
+        let decoupled = moved
+            .map(|((a, b), standard)| core::array::from_fn(|i| standard[i] + b[i] - a[i]))
+            .collect();
+        let run = ValidationRun {
+            decoupled,
+            ..run.clone()
+        };
+        worst(&errors(&run, arm_m(&campaign.design)))
+    });
+    if by_noise <= MOST * off {
+        return None;
     }
+    let finite = steps_v.iter().copied().filter(|v| v.is_finite());
+    let step_v = finite.fold(0.0, f64::max);
+    let noisiest = (0..LIMBS).max_by(|a, b| deviations_v[*a].total_cmp(&deviations_v[*b]))?;
+    let noise_v = deviations_v[noisiest];
+    let is_rounding = noise_v < NO_ROUNDING * step_v;
+    let most = if is_rounding {
+        String::new()
+    } else {
+        format!(
+            " (channel {} has most, {} V)",
+            noisiest + 1,
+            significant(noise_v, 2)
+        )
+    };
+    let effect = if by_noise > LOST {
+        "take a run that follows the standards somewhere else altogether".to_owned()
+    } else {
+        format!(
+            "move a run that follows the standards by {:.1} %",
+            100.0 * by_noise
+        )
+    };
+    let evidence = format!(
+        "noise and rounding as its channels have them{most}, in steps of {} V, {effect}",
+        significant(step_v, 2),
+    );
+    let source = if is_rounding {
+        ""
+    } else {
+        "find where the noise comes from, of which sixaxis inspect tells hum; "
+    };
+    let advice = format!(
+        "{source}record the run in ranges that it fills, with a converter of more bits or less noise, or state the validation_percent in [limits] that this one can meet"
+    );
+    Some(Finding::new(Cause::Noisy, evidence, advice))
 }
 
-/// Deviation of each channel's noise and rounding, V: as the static record's samples differ from their neighbours, and no less than a
-/// step's.
+/// A run whose channels show what these standards ask of nine limbs that are alike, without noise.
+fn following(
+    campaign: &Campaign,
+    decoding: &Decoding<'_>,
+    trial: &Trial,
+    conditioned: &Conditioned,
+) -> Option<Conditioned> {
+    let parameters: &Parameters = decoding.parameters;
+    let shares = StaticLoadSharing::new(&campaign.geometry).ok()?;
+    let chain = SignalChain::new(&trial.gains, parameters);
+    let rates = conditioned.rate_shell_rad_s.iter();
+    let moves =
+        in_sensor_axes(trial, conditioned).zip(rates.zip(&conditioned.angular_shell_rad_s2));
+    let voltage_v = moves.map(|(felt, (rate, derivative))| {
+        let torque = euler_torque(&parameters.inertia_per_mass, *rate, *derivative);
+        chain.voltage_v(&shares.of_wrench(felt, torque))
+    });
+    Some(Conditioned {
+        voltage_v: voltage_v.collect(),
+        ..conditioned.clone()
+    })
+}
+
+/// Where the zeros that the run itself shows at rest, before and after its motion, make it come out as the session asks for.
+fn moved_zeros(
+    campaign: &Campaign,
+    decoding: &Decoding<'_>,
+    (trial, conditioned): (&Trial, &Conditioned),
+    limits: &Limits,
+) -> Option<Finding> {
+    let rows = &conditioned.voltage_v;
+    let (before, after) = rests(conditioned)?;
+    let [first, last] = [&rows[..before], &rows[rows.len() - after..]];
+    let moved_v: [f64; LIMBS] = core::array::from_fn(|i| {
+        0.5 * (mean_of(first, i) + mean_of(last, i)) - decoding.parameters.zero_drift_v[i]
+    });
+    let put_right = Conditioned {
+        voltage_v: rows
+            .iter()
+            .map(|row| core::array::from_fn(|i| row[i] - moved_v[i]))
+            .collect(),
+        ..conditioned.clone()
+    };
+    let run = compare(campaign, trial, &put_right, decoding).ok()?;
+    let left = worst(&errors(&run, arm_m(&campaign.design)));
+    if fails(left, limits.validation_percent) {
+        return None;
+    }
+    let most = (0..LIMBS).max_by(|a, b| moved_v[*a].abs().total_cmp(&moved_v[*b].abs()))?;
+    let along = (0..LIMBS).filter(|i| moved_v[*i].abs() > ALONG * moved_v[most].abs());
+    let channels: Vec<usize> = along.collect();
+    let evidence = format!(
+        "{} by {:+.1} mV since the static record, and with the zeros that the run shows at rest it departs by {:.1} %",
+        match channels.len() {
+            1 => "the zero has moved".to_owned(),
+            _ => format!("zeros have moved, that of channel {} most,", most + 1),
+        },
+        1e3 * moved_v[most],
+        100.0 * left
+    );
+    let advice = "warm up and repeat the run, and record at rest right before it";
+    Some(Finding::new(Cause::DriftDuringRun, evidence, advice).on_channels(channels))
+}
+
+/// Deviation of each channel's noise, V, as the static record's samples differ from their neighbours, and no less than that of rounding.
 fn deviations_v(steps_v: &[f64; LIMBS], rest: &Trial) -> [f64; LIMBS] {
     core::array::from_fn(|i| {
         let pairs = rest.voltage_v.windows(2);
@@ -162,13 +291,25 @@ fn deviations_v(steps_v: &[f64; LIMBS], rest: &Trial) -> [f64; LIMBS] {
     })
 }
 
-/// A trial's voltages with evenly distributed white noise of such deviations: the same for the same trial.
-fn noisier(trial: &Trial, deviations_v: &[f64; LIMBS]) -> Vec<[f64; LIMBS]> {
+/// Voltages with evenly distributed white noise of such deviations; where a step is coarser than that, rounded to it instead, with a zero
+/// anywhere within a step: the same for the same voltages.
+fn noisier(
+    voltage_v: &[[f64; LIMBS]],
+    deviations_v: &[f64; LIMBS],
+    steps_v: &[f64; LIMBS],
+) -> Vec<[f64; LIMBS]> {
     let mut numbers = Pcg64::seed_from_u64(1);
-    let mut noisy = trial.voltage_v.clone();
+    let mut even = || numbers.random::<f64>() - 0.5;
+    let zeros: [f64; LIMBS] = core::array::from_fn(|_| even());
+    let mut noisy = voltage_v.to_vec();
     for row in &mut noisy {
-        for (u, deviation) in row.iter_mut().zip(deviations_v) {
-            *u += deviation * 12f64.sqrt() * (numbers.random::<f64>() - 0.5);
+        for (i, u) in row.iter_mut().enumerate() {
+            let (noise, step_v) = (even(), steps_v[i]);
+            if step_v.is_finite() && deviations_v[i] < step_v {
+                *u = (*u / step_v + zeros[i]).round() * step_v;
+            } else {
+                *u += deviations_v[i] * 12f64.sqrt() * noise;
+            }
         }
     }
     noisy

@@ -84,25 +84,16 @@ pub(super) fn compare(
         decoupled: Vec::new(),
     };
     let gravity = settings.gravity_ground_m_s2;
-    // Of such a run the mean of the acceleration is none: what the standard shows of one is its own zero, or gravity on the rig's axis.
-    let readings = &conditioned.linear_ground_m_s2;
-    let zero = readings.iter().sum::<DVec3>() / readings.len().max(1) as f64;
-    // The sensor begins in its own axes and turns about one that keeps its direction: what the gyroscope has turned is its attitude.
-    let turned: Vec<f64> = angles(conditioned, trial).collect();
+    let by_standards: Vec<DVec3> = in_sensor_axes(trial, conditioned).collect();
     for row in &rows {
         let Some(out) = decoupler.push(row)? else {
             continue;
         };
         let index = out.sample as usize;
-        let attitude = DQuat::from_axis_angle(trial.direction_ground, turned[index]);
-        let felt = |back: DQuat, linear: DVec3| back * (linear - gravity) + gravity;
         let back = out.attitude.inverse();
-        let standard = [
-            felt(attitude.inverse(), readings[index] - zero),
-            conditioned.angular_shell_rad_s2[index],
-        ];
+        let standard = [by_standards[index], conditioned.angular_shell_rad_s2[index]];
         let decoupled = [
-            felt(back, out.linear_ground_m_s2),
+            felt(back, out.linear_ground_m_s2, gravity),
             back * out.angular_ground_rad_s2,
         ];
         let six = |pair: [DVec3; 2]| -> [f64; 6] { core::array::from_fn(|i| pair[i / 3][i % 3]) };
@@ -110,6 +101,31 @@ pub(super) fn compare(
         run.decoupled.push(six(decoupled));
     }
     Ok(run)
+}
+
+/// Change of the specific force since the rest in sensor axes, m/s^2, of an acceleration in ground axes.
+fn felt(back: DQuat, linear_ground_m_s2: DVec3, gravity_ground_m_s2: DVec3) -> DVec3 {
+    back * (linear_ground_m_s2 - gravity_ground_m_s2) + gravity_ground_m_s2
+}
+
+/// The change of the specific force since the rest by a run's standards, sensor axes, m/s^2.
+pub(super) fn in_sensor_axes<'a>(
+    trial: &'a Trial,
+    conditioned: &'a Conditioned,
+) -> impl Iterator<Item = DVec3> + 'a {
+    // Of such a run the mean of the acceleration is none: what the standard shows of one is its own zero, or gravity on the rig's axis.
+    let readings = &conditioned.linear_ground_m_s2;
+    let zero = readings.iter().sum::<DVec3>() / readings.len().max(1) as f64;
+    // The sensor begins in its own axes and turns about one that keeps its direction: what the gyroscope has turned is its attitude.
+    let turned = angles(conditioned, trial);
+    readings.iter().zip(turned).map(move |(reading, turned)| {
+        let attitude = DQuat::from_axis_angle(trial.direction_ground, turned);
+        felt(
+            attitude.inverse(),
+            reading - zero,
+            trial.gravity_ground_m_s2,
+        )
+    })
 }
 
 /// Radius of gyration, m: the arm over which an angular acceleration weighs as much as a linear one.

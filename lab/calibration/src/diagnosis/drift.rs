@@ -7,6 +7,7 @@ use super::odd_trial;
 use super::structure::departure;
 use super::table::Table;
 use super::trial_case::TrialCase;
+use crate::conditioning::Conditioned;
 use crate::finding::{Cause, Finding};
 use crate::response::Response;
 use crate::series::{mean_of, median};
@@ -171,7 +172,15 @@ fn weight_left_n(case: &TrialCase<'_>, response: &Response, table: Option<&Table
 
 /// Level at the beginning of the run and its change until the end, N; none for a recording that does not begin and end at rest.
 fn ends_n(case: &TrialCase<'_>, channel: usize) -> Option<(f64, f64)> {
-    let conditioned = case.conditioned;
+    let (first, last) = rests(case.conditioned)?;
+    let before = mean_of(&case.force_n[..first], channel);
+    let after = mean_of(&case.force_n[case.force_n.len() - last..], channel);
+    Some((before, after - before))
+}
+
+/// Samples at the beginning and at the end of a run in which the standards say that nothing moves; none for a recording that does not begin
+/// and end at rest.
+pub(crate) fn rests(conditioned: &Conditioned) -> Option<(usize, usize)> {
     let peak = |series: &[glam::DVec3]| series.iter().map(|v| v.length()).fold(0.0, f64::max);
     let limits = [
         AT_REST * peak(&conditioned.linear_ground_m_s2),
@@ -181,15 +190,10 @@ fn ends_n(case: &TrialCase<'_>, channel: usize) -> Option<(f64, f64)> {
         conditioned.linear_ground_m_s2[*row].length() <= limits[0]
             && conditioned.rate_shell_rad_s[*row].length() <= limits[1]
     };
-    let samples = case.force_n.len();
+    let samples = conditioned.voltage_v.len();
     let first = (0..samples).take_while(rests).count();
     let last = (0..samples).rev().take_while(rests).count();
-    if first.min(last) < FEWEST_AT_REST || first == samples {
-        return None;
-    }
-    let before = mean_of(&case.force_n[..first], channel);
-    let after = mean_of(&case.force_n[samples - last..], channel);
-    Some((before, after - before))
+    (first.min(last) >= FEWEST_AT_REST && first < samples).then_some((first, last))
 }
 
 /// Samples of each of so many pieces of a static channel, and the pieces' means, V; none of a record that is too short.

@@ -320,6 +320,26 @@ pub fn drive_faster(facts: &Facts<'_>, cases: &[TrialCase<'_>]) -> Option<f64> {
     median_faster(&linear, &angular)
 }
 
+/// By how much the accelerometer's reading over what the rig makes it read changes from the first trial to the last, relative, along a line;
+/// none if the rig's stroke is not stated, or of too few trials.
+#[must_use]
+pub fn accelerometer_changes(facts: &Facts<'_>, cases: &[TrialCase<'_>]) -> Option<f64> {
+    let (linear, _) = of_both_standards(facts, cases);
+    let fitted = |cases: &[TrialCase<'_>]| {
+        let runs = cases
+            .iter()
+            .filter(|case| case.trial.role != Role::Validation);
+        runs.count() as f64
+    };
+    let last = fitted(cases) - 1.0;
+    let count = linear.len() as f64;
+    let place = |reading: &Reading| fitted(&cases[..reading.case]) / last;
+    let middle = linear.iter().map(place).sum::<f64>() / count;
+    let product: f64 = linear.iter().map(|r| (place(r) - middle) * r.excess).sum();
+    let squares: f64 = linear.iter().map(|r| (place(r) - middle).powi(2)).sum();
+    (linear.len() >= FEWEST).then(|| product / squares)
+}
+
 fn median_faster(linear: &[Reading], angular: &[Reading]) -> Option<f64> {
     median(linear.iter().chain(angular).map(|r| r.faster))
 }

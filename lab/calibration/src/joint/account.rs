@@ -111,7 +111,8 @@ impl JointReport {
         all.join(", ")
     }
 
-    /// What is out of the ordinary in a fit that accounts for its trials.
+    /// What is out of the ordinary in a fit that accounts for its trials. By the rig's rotation the drive turns so much faster than stated,
+    /// and by its stroke the standard accelerometer changes by so much over the day, relative, where the session states the rig.
     #[must_use]
     pub fn extraordinary(
         &self,
@@ -119,10 +120,11 @@ impl JointReport {
         gyroscope_gain_limit: f64,
         gyroscope_bandwidth_hz: Option<f64>,
         drive_faster: Option<f64>,
+        accelerometer_changes: Option<f64>,
     ) -> Vec<Finding> {
         let mut findings = self.wedges();
         findings.extend(self.plumb());
-        findings.extend(self.sensitivities());
+        findings.extend(self.sensitivities(accelerometer_changes));
         findings.extend(self.zeros(full_scale_v));
         findings.extend(self.gyroscope(gyroscope_gain_limit, drive_faster));
         findings.extend(self.gyroscope_lag(gyroscope_bandwidth_hz));

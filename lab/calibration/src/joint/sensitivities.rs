@@ -1,6 +1,7 @@
 //! What the joint fit says of the channels' sensitivities: each trial has its own, and an ordinary room leaves them alike.
 //!
-//! One that goes along with the day is fading. One channel's that is another from some trial on has stepped: a piezo that was knocked, a
+//! One that goes along with the day is fading. Where most of the nine do so alike, it is one thing that all channels share: the standard
+//! that they are held against, or the temperature of the sensor. One channel's that is another from some trial on has stepped: a piezo that was knocked, a
 //! plug that was seated anew; or it is another in the trials that turn. Any other that one channel has in one trial is that channel's there. Several in one trial or in several are
 //! something else's doing: an exchange, a turned polarity.
 
@@ -11,6 +12,7 @@ use super::JointReport;
 use super::account::SIGNIFICANT;
 use crate::diagnosis::level::of_one_channel;
 use crate::finding::{Cause, Finding};
+use crate::series::median;
 
 /// Change of one channel's sensitivity in one trial, or over the day, relative, from which it is more than an ordinary room's.
 const SENSITIVITY: f64 = 0.01;
@@ -20,18 +22,66 @@ const GAINS: f64 = 0.2;
 const FEWEST: usize = 3;
 /// Share of a channel's change that others of the same trial may have beside it.
 const BESIDE: f64 = 0.2;
+/// Channels from which on a change is all channels'.
+const MOST: usize = 2 * LIMBS / 3;
+/// Share of a change by which another one may differ that has the same cause.
+const ALIKE: f64 = 0.3;
 /// Share of its sensitivities' scatter that a line over the day, or a step, explains where a channel fades or steps.
 const EXPLAINED: f64 = 0.9;
 
 /// How one channel's sensitivity changes over the day, relative.
 #[derive(Debug, Clone, Copy)]
 enum Course {
+    /// Along the line that most channels share.
+    WithTheOthers,
     /// Along a line, from the first trial to the last.
     Fading(f64),
     /// From the trial of this index on.
     Step(usize, f64),
     /// In the trials that turn.
     Turning(f64),
+}
+
+/// Line through the values of all trials.
+struct Line {
+    /// From the first trial to the last.
+    change: f64,
+    /// Squares about the mean that it explains, and all of them.
+    explained: f64,
+    whole: f64,
+}
+
+impl Line {
+    /// None through fewer than two values.
+    fn through(values: &[f64]) -> Option<Self> {
+        let last = values.len().checked_sub(1).filter(|last| *last > 0)? as f64;
+        let (mean, whole) = mean_and_squares(values);
+        let place = |trial: usize| trial as f64 / last - 0.5;
+        let (mut product, mut squares) = (0.0, 0.0);
+        for (trial, value) in values.iter().enumerate() {
+            product += place(trial) * (value - mean);
+            squares += place(trial) * place(trial);
+        }
+        let change = product / squares;
+        Some(Self {
+            change,
+            explained: change * product,
+            whole,
+        })
+    }
+
+    /// Whether it is more than an ordinary room's, and what the values do.
+    fn is_named(&self) -> bool {
+        self.change.abs() > SENSITIVITY && self.explained > EXPLAINED * self.whole
+    }
+}
+
+/// What most channels' sensitivities change by alike.
+struct Common {
+    /// From the first trial to the last, relative.
+    change: f64,
+    /// The channels that do.
+    alike: [bool; LIMBS],
 }
 
 /// Two groups of trials.
@@ -63,6 +113,9 @@ impl JointReport {
     /// The course of a channel's sensitivity over the day, if it has one that is more than an ordinary room's. Several channels that step
     /// have not been knocked together.
     fn course(&self, limb: usize) -> Option<Course> {
+        if self.common().is_some_and(|common| common.alike[limb]) {
+            return Some(Course::WithTheOthers);
+        }
         if let Some(change) = self.fading(limb) {
             return Some(Course::Fading(change));
         }
@@ -80,8 +133,7 @@ impl JointReport {
     fn values(&self, limb: usize) -> (Vec<f64>, f64, f64) {
         let trials = self.estimate.trials.iter();
         let values: Vec<f64> = trials.map(|t| t.sensitivity[limb].value).collect();
-        let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
-        let squares = values.iter().map(|value| (value - mean).powi(2)).sum();
+        let (mean, squares) = mean_and_squares(&values);
         (values, mean, squares)
     }
 
@@ -91,18 +143,45 @@ impl JointReport {
     }
 
     fn fading(&self, limb: usize) -> Option<f64> {
-        let (values, mean, whole) = self.values(limb);
-        let last = values.len().checked_sub(1).filter(|last| *last > 0)? as f64;
-        let place = |trial: usize| trial as f64 / last - 0.5;
-        let (mut product, mut squares) = (0.0, 0.0);
-        for (trial, value) in values.iter().enumerate() {
-            product += place(trial) * (value - mean);
-            squares += place(trial) * place(trial);
-        }
-        let change = product / squares;
-        let explained = change * product;
-        (self.is_certain(limb) && change.abs() > SENSITIVITY && explained > EXPLAINED * whole)
-            .then_some(change)
+        let line = Line::through(&self.values(limb).0)?;
+        (self.is_certain(limb) && line.is_named()).then_some(line.change)
+    }
+
+    /// The change over the day that most channels share. Each channel's own scatter hides it more than that of their mean does: where one of
+    /// them is certain, the others need not be.
+    fn common(&self) -> Option<Common> {
+        let changes: Vec<f64> = (0..LIMBS)
+            .map(|limb| Some(Line::through(&self.values(limb).0)?.change))
+            .collect::<Option<_>>()?;
+        let usual = median(changes.iter().copied())?;
+        let alike: [bool; LIMBS] = core::array::from_fn(|limb| is_alike(changes[limb], usual));
+        let count = alike.iter().filter(|alike| **alike).count();
+        let is_certain = (0..LIMBS).any(|limb| alike[limb] && self.is_certain(limb));
+        let trials = self.estimate.trials.iter();
+        let means = trials.map(|trial| {
+            let of_all = trial.sensitivity.iter().zip(alike);
+            let of_those = of_all.filter(|(_, alike)| *alike).map(|(own, _)| own.value);
+            of_those.sum::<f64>() / count as f64
+        });
+        let line = Line::through(&means.collect::<Vec<f64>>())?;
+        (count >= MOST && is_certain && line.is_named()).then_some(Common {
+            change: line.change,
+            alike,
+        })
+    }
+
+    /// By how much the sensitivities of most channels change alike from the first trial to the last, relative, where that is more than an
+    /// ordinary room's.
+    #[must_use]
+    pub fn common_change(&self) -> Option<f64> {
+        self.common().map(|common| common.change)
+    }
+
+    /// Whether they change as they seem to where the standard that they are held against changes by so much over the day.
+    #[must_use]
+    pub fn is_the_accelerometers(&self, accelerometer_changes: f64) -> bool {
+        self.common_change()
+            .is_some_and(|change| is_alike(-accelerometer_changes, change))
     }
 
     /// The trial from which on a channel shows more or less, and by how much.
@@ -148,12 +227,14 @@ impl JointReport {
         self.is_certain(limb) && size > SENSITIVITY && size < GAINS && levels.explained > EXPLAINED
     }
 
-    /// Sensitivities that change over the day, or that are one trial's.
-    pub(super) fn sensitivities(&self) -> Vec<Finding> {
-        let mut findings = Vec::new();
+    /// Sensitivities that change over the day, or that are one trial's. By the rig the standard accelerometer changes by so much.
+    pub(super) fn sensitivities(&self, accelerometer_changes: Option<f64>) -> Vec<Finding> {
+        let common = self.common_change();
+        let mut findings: Vec<Finding> =
+            Vec::from_iter(common.map(|change| of_all(change, accelerometer_changes)));
         for limb in 0..LIMBS {
             let course = self.course(limb);
-            findings.extend(course.map(|course| of_a_course(limb, course, &self.recordings)));
+            findings.extend(course.and_then(|course| of_a_course(limb, course, &self.recordings)));
             for (trial, name) in self.estimate.trials.iter().zip(&self.recordings) {
                 let own = trial.sensitivity[limb];
                 if course.is_none() && is_odd(own) {
@@ -178,6 +259,18 @@ impl JointReport {
     }
 }
 
+fn mean_and_squares(values: &[f64]) -> (f64, f64) {
+    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+    (
+        mean,
+        values.iter().map(|value| (value - mean).powi(2)).sum(),
+    )
+}
+
+fn is_alike(change: f64, other: f64) -> bool {
+    (change - other).abs() < ALIKE * other.abs()
+}
+
 /// Whether a sensitivity is none that an ordinary room gives a channel.
 fn is_odd(own: Known) -> bool {
     own.value.abs() > SENSITIVITY && is_significant(own)
@@ -195,9 +288,44 @@ fn is_alone(limb: usize, sensitivity: &[Known; LIMBS]) -> bool {
     sensitivity.iter().filter(|own| moved(own)).count() <= 2
 }
 
-/// A channel whose sensitivity changes over the day.
-fn of_a_course(limb: usize, course: Course, names: &[String]) -> Finding {
+/// What most channels share over the day. Of trials held against a standard that comes to read more, all channels show less; what the rig
+/// says of that standard tells which of the two it is.
+fn of_all(change: f64, accelerometer_changes: Option<f64>) -> Finding {
+    let evidence = format!(
+        "all channels' sensitivities change alike, by {:+.2} % from the first trial to the last",
+        100.0 * change
+    );
+    let (which, advice) = match accelerometer_changes {
+        Some(by) if is_alike(-by, change) => (
+            format!(
+                "by the rig's stroke it is the standard accelerometer, which changes by {:+.2} %",
+                100.0 * by
+            ),
+            "check the standard accelerometer's sensitivity at the beginning and at the end of a day, and let it come to the room's temperature",
+        ),
+        Some(by) if by.abs() < ALIKE * change.abs() => (
+            format!(
+                "as the sensor's do with its temperature: by the rig's stroke the standard accelerometer changes by {:.2} %",
+                100.0 * by.abs()
+            ),
+            "let the sensor come to the room's temperature before the first trial, and keep the room's",
+        ),
+        _ => (
+            "as they do where the standard accelerometer's sensitivity changes the other way, or the sensor's temperature".to_owned(),
+            "check the standard accelerometer's sensitivity at the beginning and at the end of a day, and let the sensor come to the room's temperature",
+        ),
+    };
+    Finding::new(
+        Cause::FadingSensitivity,
+        format!("{evidence}; {which}"),
+        advice,
+    )
+}
+
+/// A channel whose sensitivity changes over the day by itself.
+fn of_a_course(limb: usize, course: Course, names: &[String]) -> Option<Finding> {
     let (evidence, advice) = match course {
+        Course::WithTheOthers => return None,
         Course::Fading(change) => (
             format!(
                 "the channel's sensitivity changes by {:+.2} % from the first trial to the last",
@@ -221,7 +349,7 @@ fn of_a_course(limb: usize, course: Course, names: &[String]) -> Finding {
             "see whether limb, plug or gain was another in the angular trials, and repeat them",
         ),
     };
-    Finding::new(Cause::FadingSensitivity, evidence, advice).on_channels([limb])
+    Some(Finding::new(Cause::FadingSensitivity, evidence, advice).on_channels([limb]))
 }
 
 /// Several channels in one trial show other than in the others, this one most.

@@ -24,6 +24,19 @@ pub fn strains_per_v(calibration: &Calibration) -> Result<([f64; LIMBS], PerLimb
     ))
 }
 
+/// Standard deviation of the error that all ln s_i/m have in common: the accelerometer's gain, of which no ratio says anything.
+#[must_use]
+pub fn common_deviation(calibration: &Calibration) -> f64 {
+    let scale = &calibration.parameters.scale_per_mass_per_kg;
+    let standards = calibration.covariance.propagated.as_ref();
+    let total = standards.and_then(|all| all.total());
+    total.map_or(0.0, |total| {
+        let relative =
+            PerLimbs::from_fn(|i, j| total[(LIMBS + i, LIMBS + j)] / (scale[i] * scale[j]));
+        relative.mean().max(0.0).sqrt()
+    })
+}
+
 /// Covariance of ln s_i/m by noise and by what differs between trials; the standards' gain, which all nine share, drops out.
 ///
 /// # Errors

@@ -8,8 +8,11 @@ use crate::apply::recording::{Batch, Recording};
 use crate::apply::setup::Setup;
 use crate::apply::voltages::Voltages;
 use anyhow::{Result, anyhow, ensure};
+use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::redundancy::self_calibration::{Accumulator, Moments};
-use sixaxis_core::{LIMBS, LimbSet, Scheme};
+use sixaxis_core::{LIMBS, LimbSet, Scheme, Settings};
+
+use super::cause::Scatter;
 
 /// A time of rest, s from the recording's beginning.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,6 +58,8 @@ pub struct Change {
 pub struct Measured {
     /// Its moments.
     pub moments: Moments,
+    /// Scatter of its blocks, forces by the calibration's scale factors.
+    pub scatter: Scatter,
     /// Samples.
     pub samples: u64,
     /// Samples per second.
@@ -126,9 +131,15 @@ impl Measured {
             setup.full_scale_v,
         )?;
         let sample_rate_hz = recording.sample_rate_hz;
-        let settings = setup.settings(sample_rate_hz, Scheme::Heun);
+        // How limbs share a load at rest is part of what is asked: of any ratios the calibration says nothing here.
+        let settings = Settings {
+            stiffness_ratio: [1.0; LIMBS],
+            ..setup.settings(sample_rate_hz, Scheme::Heun)
+        };
         let mut conditioning = ConditioningStream::new(&setup.conditioning, sample_rate_hz)?;
         let mut taken = Accumulator::of_usual_blocks(&setup.sensor, &setup.parameters, &settings)?;
+        let chain = SignalChain::new(&setup.sensor.gains, &setup.parameters);
+        let mut scatter = Scatter::new(*chain.sensitivity_m_s2_per_v(), taken.block());
         let (place, names) = (path.display().to_string(), recording.names.clone());
         let mut means = [Means::default(), Means::default()];
         let mut take = |ready: &Voltages| -> Result<()> {
@@ -137,6 +148,7 @@ impl Measured {
                 taken
                     .push(&row)
                     .map_err(|error| explain(&error, &place, &names))?;
+                scatter.push(&row);
                 for (rest, means) in rests.iter().flatten().zip(&mut means) {
                     if (rest.from_s..rest.to_s).contains(&time_s) {
                         means.push(&row, taken.block());
@@ -190,6 +202,7 @@ impl Measured {
         );
         Ok(Self {
             moments,
+            scatter,
             samples: recording.seen.samples,
             sample_rate_hz,
             block: taken.block(),

@@ -8,6 +8,8 @@ use sixaxis_core::significance::NORMAL_95;
 use sixaxis_core::{LIMBS, LimbSet};
 
 use super::Check;
+use super::cause::{Cause, Judged};
+use super::common::Common;
 use super::measured::Measured;
 
 /// What it comes to.
@@ -20,7 +22,7 @@ pub enum Finding {
     Drifted,
     /// More than can be named have.
     TooMany,
-    /// The motion leaves ratios open.
+    /// The motion, or the calibration, leaves ratios open.
     TooPoor,
     /// The equations do not fit.
     Misfit,
@@ -77,16 +79,37 @@ pub struct Summary {
     rival: Option<Vec<usize>>,
     chi_square_of_none: Option<f64>,
     limit_of_none: Option<f64>,
+    /// With a known change of acceleration: change of the limbs that kept their ratios against the calibration, whose own error is in the
+    /// interval, and whether that is a drift.
     common_percent: Option<f64>,
     common_half_width_95_percent: Option<f64>,
+    common_drifted: Option<bool>,
     pub(super) open: Vec<Open>,
     pub(super) open_in_words: Option<String>,
+    /// Why they are open.
+    open_because_of: Option<Cause>,
+    /// What the equations leave over the noise that the calibration states, root mean squares.
+    residual_over_noise: Option<f64>,
     /// The corrected calibration, where one was written.
     pub written: Option<String>,
     /// Where gains, rate and direction of gravity are from.
     pub notes: Vec<String>,
     /// What is wrong with the recording or contradicts the equations.
     pub warnings: Vec<String>,
+}
+
+/// What a channel may be that contradicts the others.
+const WRONG: &str = "dead, inverted, clipped, fading, slow or plugged in elsewhere, or hums, or its zero moves (inspect; decouple --watch)";
+
+/// Ratios that are found in spite of channels that contradict each other may be those of the wrong limbs.
+pub(super) fn contradiction(judged: Judged) -> Option<String> {
+    judged.contradicts().then(|| {
+        format!(
+            "the equations leave {:.0} times the noise that the calibration states, and limbs may be named wrongly: a channel is {WRONG}, or all are \
+             noisier than in the laboratory",
+            judged.over_noise
+        )
+    })
 }
 
 /// A change of a logarithm in per cent.
@@ -115,8 +138,11 @@ impl Summary {
             limit_of_none: None,
             common_percent: None,
             common_half_width_95_percent: None,
+            common_drifted: None,
             open: Vec::new(),
             open_in_words: None,
+            open_because_of: None,
+            residual_over_noise: None,
             written: None,
             notes: Vec::new(),
             warnings: measured.warnings.clone(),
@@ -149,29 +175,58 @@ impl Summary {
         self.limit_of_none = Some(said.limit_of_none);
     }
 
-    /// Of no limb is it said that it has not drifted where a change as large as this, of its logarithm, would not show.
-    pub(super) fn put_unknown(&mut self, said: &Drifted, largest: f64) {
-        let unknown = (0..LIMBS).filter(|i| NORMAL_95 * said.deviation[*i] > largest);
-        let unknown = unknown.fold(LimbSet::EMPTY, LimbSet::with);
-        if self.finding == Finding::Nothing && !unknown.is_empty() {
-            self.finding = Finding::TooPoor;
-            self.open_in_words = Some(format!(
-                "what {} {unknown} would have changed by, to more than {:.0} %",
-                if unknown.len() == 1 { "limb" } else { "limbs" },
+    /// What is open, and why. Channels that contradict each other in a motion that would do are a misfit.
+    pub(super) fn put_open(&mut self, open: String, judged: Option<Judged>) {
+        let cause = judged.map(Judged::cause);
+        self.finding = match cause {
+            Some(Cause::Channels) => Finding::Misfit,
+            _ => Finding::TooPoor,
+        };
+        self.open_in_words = Some(open);
+        self.open_because_of = cause;
+        self.residual_over_noise = judged.map(|judged| judged.over_noise);
+    }
+
+    /// Of no limb is it said that it has not drifted where a change as large as this, of its logarithm, would not show. `own` is
+    /// the same as `said` with a calibration that is taken for exact.
+    pub(super) fn put_unknown(
+        &mut self,
+        said: &Drifted,
+        own: &Drifted,
+        largest: f64,
+        judged: Option<Judged>,
+    ) {
+        let unknown = |said: &Drifted| {
+            let limbs = (0..LIMBS).filter(|i| NORMAL_95 * said.deviation[*i] > largest);
+            limbs.fold(LimbSet::EMPTY, LimbSet::with)
+        };
+        let (all, by_itself) = (unknown(said), unknown(own));
+        if self.finding == Finding::Nothing && !all.is_empty() {
+            let open = format!(
+                "what {} {all} would have changed by, to more than {:.0} %",
+                if all.len() == 1 { "limb" } else { "limbs" },
                 1e2 * largest
-            ));
+            );
+            self.put_open(open, judged);
+            if by_itself.is_empty() && self.finding == Finding::TooPoor {
+                self.open_because_of = Some(Cause::Calibration);
+            }
         }
     }
 
-    /// All nine.
-    pub(super) fn put_scales(&mut self, scales: &Scales) {
+    /// All nine. A misfit stays one, and so does what is open.
+    pub(super) fn put_scales(&mut self, scales: &Scales, common: &Common) {
         let z = NORMAL_95;
         for (i, limb) in self.limbs.iter_mut().enumerate() {
             limb.absolute_percent = Some(percent(scales.ln_scale[i]));
             limb.absolute_half_width_95_percent = Some(1e2 * z * scales.deviation[i]);
         }
-        self.common_percent = Some(percent(scales.ln_common));
-        self.common_half_width_95_percent = Some(1e2 * z * scales.common_deviation);
+        self.common_percent = Some(percent(common.ln_change));
+        self.common_half_width_95_percent = Some(1e2 * z * common.deviation);
+        self.common_drifted = Some(common.drifted);
+        if common.drifted && self.finding == Finding::Nothing {
+            self.finding = Finding::Drifted;
+        }
     }
 
     /// For people.
@@ -184,30 +239,32 @@ impl Summary {
         let drifted: Vec<&Limb> = self.limbs.iter().filter(|l| l.drifted).collect();
         let _ = match self.finding {
             Finding::Nothing => writeln!(out, "No limb has drifted {when}."),
-            Finding::Drifted => drifted.iter().try_for_each(|l| {
-                writeln!(
-                    out,
-                    "Limb {} has drifted by {:+.3} % {when} (interval {:+.3} to {:+.3} %).",
-                    l.limb,
-                    l.change_percent,
-                    l.change_percent - l.half_width_95_percent,
-                    l.change_percent + l.half_width_95_percent
-                )
-            }),
+            Finding::Drifted => drifted
+                .iter()
+                .try_for_each(|l| {
+                    writeln!(
+                        out,
+                        "Limb {} has drifted by {:+.3} % {when} (interval {:+.3} to {:+.3} %).",
+                        l.limb,
+                        l.change_percent,
+                        l.change_percent - l.half_width_95_percent,
+                        l.change_percent + l.half_width_95_percent
+                    )
+                })
+                .and_then(|()| self.common_text(&mut out, drifted.is_empty())),
             Finding::TooMany => writeln!(
                 out,
                 "More than four limbs have changed against each other {when}, or limbs are not equally stiff: nobody can be named. So it looks, too, where \
                  gains or the calibration are another recording's or another sensor's."
             ),
-            Finding::TooPoor => writeln!(
-                out,
-                "The motion is too poor: it leaves open {}. Turn the sensor about more axes, faster or longer; if it did turn so, a channel is dead, inverted, \
-                 clipped, fading or plugged in elsewhere, or hums (inspect; decouple --watch), or the calibration is a poor one.",
-                self.open_in_words.as_deref().unwrap_or("ratios")
-            ),
+            Finding::TooPoor => writeln!(out, "{}", self.open_text()),
             Finding::Misfit => writeln!(
                 out,
-                "The coordination equations do not fit this recording; nothing is said of limbs."
+                "The coordination equations do not fit this recording; nothing is said of limbs.{}",
+                match self.open_because_of {
+                    Some(Cause::Channels) => format!(" {}", self.channels_text()),
+                    _ => String::new(),
+                }
             ),
         };
         if let Some(rival) = &self.rival {
@@ -225,6 +282,59 @@ impl Summary {
             let _ = writeln!(out, "\nWritten\n  {path}");
         }
         out
+    }
+
+    /// What all limbs, or all others, have drifted by together, if they have.
+    fn common_text(&self, out: &mut String, all: bool) -> std::fmt::Result {
+        let (Some(change), Some(half), Some(true)) = (
+            self.common_percent,
+            self.common_half_width_95_percent,
+            self.common_drifted,
+        ) else {
+            return Ok(());
+        };
+        writeln!(
+            out,
+            "{} have drifted together by {change:+.3} % since calibration (interval {:+.3} to {:+.3} %).",
+            if all {
+                "All nine limbs"
+            } else {
+                "The other limbs"
+            },
+            change - half,
+            change + half
+        )
+    }
+
+    /// Why nothing is said where ratios are open and no channel is known to be wrong.
+    fn open_text(&self) -> String {
+        let open = self.open_in_words.as_deref().unwrap_or("ratios");
+        match self.open_because_of {
+            Some(Cause::Motion) => format!(
+                "The motion is too poor: it leaves open {open}. Turn the sensor about more axes, faster or longer."
+            ),
+            Some(Cause::Calibration) => format!(
+                "The calibration is too poor: the errors that it states leave open {open}. Calibrate again; --since does without it."
+            ),
+            Some(Cause::Channels | Cause::Either) | None => format!(
+                "Either the motion is too poor or a channel is wrong, which leaves open {open}. The sensor has to be turned about all axes, fast and long; \
+                 a channel may be {WRONG}{}.",
+                match self.residual_over_noise {
+                    Some(times) =>
+                        format!(": the coordination equations leave {times:.0} times their noise"),
+                    None => String::new(),
+                }
+            ),
+        }
+    }
+
+    /// What channels that contradict each other may be.
+    fn channels_text(&self) -> String {
+        format!(
+            "They leave {:.0} times the noise that the calibration states, in a motion that is rich enough: a channel is {WRONG}, or \
+             gains or the calibration are another sensor's.",
+            self.residual_over_noise.unwrap_or(f64::NAN)
+        )
     }
 
     fn table(&self, out: &mut String) {
@@ -266,7 +376,10 @@ impl Summary {
         }
         if let (Some(common), Some(half)) = (self.common_percent, self.common_half_width_95_percent)
         {
-            let _ = writeln!(out, "  common factor {common:+.4} % +- {half:.4}");
+            let _ = writeln!(
+                out,
+                "  common factor {common:+.4} % +- {half:.4}, with the error that all scale factors of the calibration share"
+            );
         }
     }
 }

@@ -353,6 +353,10 @@ fn stream(arguments: &Arguments, job: &Job) -> Result<()> {
             "--watch with --aid, which reads a recording twice,",
         ),
         (
+            arguments.watch && arguments.low_pass.is_some(),
+            "--watch with --low-pass, which reads a recording twice,",
+        ),
+        (
             arguments
                 .aid
                 .iter()

@@ -104,6 +104,17 @@ fn every_command_of_the_docs_runs() {
                 let quoted = on_one_line(&page).contains(first.trim_end_matches('.'));
                 assert!(quoted && !first.is_empty(), "{page} has not: {first}");
             }
+            if line.ends_with("--out open.csv") {
+                let said = stderr(&output);
+                let (before, _) = said.split_once(" s on the attitude").expect(&said);
+                let (_, end_s) = before.rsplit_once("from ").expect(&said);
+                let end_s: f64 = end_s.parse().expect("a time");
+                let sentence = format!("Ground axes end at {end_s:.1} s without aids");
+                assert!(
+                    on_one_line(&page).contains(&sentence),
+                    "{page} has not: {sentence}"
+                );
+            }
             run += 1;
         }
     }

@@ -1,5 +1,6 @@
 //! `sixaxis self-calibrate` as a user meets it: a recording from the field, a calibration, a sentence.
 
+use std::cell::Cell;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Output;
@@ -14,6 +15,7 @@ use sixaxis_reference::laboratory::chain::Chain;
 use sixaxis_reference::motion::TrueMotion;
 use sixaxis_reference::sensor::TrueSensor;
 
+use crate::mistakes::rewritten;
 use crate::program::{Folder, run, stderr, stdout, text};
 
 /// A day in the laboratory and a tumble after it, limb 4 off by 0.3 %: the folder, and the gains of the tumble.
@@ -320,14 +322,54 @@ fn a_motion_too_poor_is_refused_by_name() {
         assert!(open.contains(twins), "{open}");
     }
     assert!(said["limbs"].as_array().is_some_and(Vec::is_empty));
+    assert_eq!(said["open_because_of"], "motion");
 }
 
-/// The tumble with a second of rest before it and a second turned over after it, all scale factors 1 % larger than calibrated.
-fn turned_over() -> PathBuf {
+#[test]
+fn neg_a_channel_that_is_wrong_is_no_poor_motion() {
+    let folder = &day().0;
+    let sample = Cell::new(0);
+    rewritten("tumble.csv", "inverted.csv", |readings| readings[4] *= -1.0);
+    rewritten("tumble.csv", "cable-off.csv", |readings| {
+        sample.set(sample.get() + 1);
+        if sample.get() > 100_000 {
+            readings[6] = 0.0;
+        }
+    });
+    for name in ["inverted.csv", "cable-off.csv"] {
+        let path = folder.join(name);
+        let output = checked(&path, &["--json"]);
+        assert_eq!(output.status.code(), Some(4), "{name}: {output:?}");
+        let said: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        assert_eq!(said["finding"], "misfit", "{name}");
+        assert_eq!(said["open_because_of"], "channels", "{name}");
+        let people = stdout(&checked(&path, &[]));
+        let leads = "The coordination equations do not fit this recording";
+        assert!(people.starts_with(leads), "{name}: {people}");
+        assert!(
+            people.contains("a channel is dead, inverted") && !people.contains("more axes"),
+            "{name}: {people}"
+        );
+    }
+    // In a motion that is too poor as well neither is put first.
+    rewritten("linear-01.csv", "poor-and-inverted.csv", |readings| {
+        readings[4] *= -1.0;
+    });
+    let output = checked(&folder.join("poor-and-inverted.csv"), &[]);
+    assert_eq!(output.status.code(), Some(4), "{output:?}");
+    let said = stdout(&output);
+    assert!(
+        said.starts_with("Either the motion is too poor or a channel is wrong"),
+        "{said}"
+    );
+}
+
+/// The tumble with a second of rest before it and a second turned over after it, all scale factors so many times what was calibrated.
+fn turned_over(name: &str, factor: f64, chain: &Chain) -> PathBuf {
     let (folder, gains) = day();
     let mut sensor = TrueSensor::identified();
     for scale in &mut sensor.scale_per_mass_per_kg {
-        *scale *= 1.01;
+        *scale *= factor;
     }
     let numbers: Vec<f64> = gains
         .split(',')
@@ -347,10 +389,9 @@ fn turned_over() -> PathBuf {
     motion.extend(vec![turned_over; 10_000]);
     let forces = compliant_forces_m_s2(&sensor, field.gravity_ground_m_s2, &motion)
         .expect("limbs that hold");
-    let chain = Chain::noise_free();
     let voltage_v = chain.record(&forces, &sensor, &gain_n_per_v, 10_000.0, &mut rng);
     let layout = Layout::of_a_sensor(Some(10_000.0), false);
-    let path = folder.join("turned.csv");
+    let path = folder.join(name);
     let mut sink = create(&path, &layout).expect("writes");
     let mut block = Block::new(LIMBS);
     block.clear(LIMBS);
@@ -366,7 +407,7 @@ fn turned_over() -> PathBuf {
 
 #[test]
 fn a_known_turn_tells_all_nine() {
-    let path = turned_over();
+    let path = turned_over("turned.csv", 1.01, &Chain::noise_free());
     let known = [
         "--known-change",
         "19.6133",
@@ -407,6 +448,38 @@ fn a_known_turn_tells_all_nine() {
         let refused = checked(&path, &["--known-change", "19.6", "--rests", rests]);
         assert_eq!(refused.status.code(), Some(status), "{rests}: {refused:?}");
     }
+}
+
+#[test]
+fn neg_limbs_that_have_drifted_together_are_not_said_to_have_kept_their_scale() {
+    let known = ["--known-change", "19.6133", "--rests", "0-0.9,11.1-12"];
+    let drifted = turned_over("together.csv", 1.05, &Chain::laboratory());
+    let new = day().0.join("of-all-nine.json");
+    let json = ["--json", "--write-calibration", text(&new)];
+    let output = checked(&drifted, &[&known[..], &json].concat());
+    assert_eq!(output.status.code(), Some(3), "{output:?}");
+    let said: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(said["finding"], "drifted");
+    assert_eq!(said["common_drifted"], true);
+    // Against each other they have not.
+    let limbs = said["limbs"].as_array().expect("nine limbs");
+    assert!(limbs.iter().all(|limb| limb["drifted"] == false));
+    let people = stdout(&checked(&drifted, &known));
+    assert!(
+        people.starts_with("All nine limbs have drifted together by +")
+            && !people.contains("No limb"),
+        "{people}"
+    );
+    // Nothing shows that without a known change, nor once it is corrected.
+    assert!(stdout(&checked(&drifted, &[])).starts_with("No limb has drifted"));
+    let gains = ["--gain", &day().1, "--down", "0,0,-1"];
+    let first = ["self-calibrate", text(&new), text(&drifted)];
+    let again = run(&[&first[..], &gains, &known].concat());
+    assert_eq!(again.status.code(), Some(0), "{again:?}");
+    // What the standard accelerometer may be off by is no drift.
+    let healthy = checked(&turned_over("kept.csv", 1.0, &Chain::laboratory()), &known);
+    assert_eq!(healthy.status.code(), Some(0), "{healthy:?}");
+    assert!(stdout(&healthy).starts_with("No limb has drifted"));
 }
 
 #[test]

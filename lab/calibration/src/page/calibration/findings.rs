@@ -52,7 +52,7 @@ pub fn section(file: &SessionFile, calibrated: &CalibratedSession) -> Section {
              directions left out, gravity that turns in the sensor, wrong units and gains, clocks that disagree, lags, drift, loose \
              wedges, trials of another sensor. What no recording of the day can show: one channel's gain that is stated wrongly in all of them, but for a \
              scale factor that stands out of the others by more than 3.5 times, a limb that was weaker all day, likewise, a wrong limb length or half \
-             edge, but for inertias that are off by more than 35 %, and without the rig's stroke the accelerometer's scale."
+             edge, but for inertias that are off the design's by more than 35 %, and without the rig's stroke the accelerometer's scale."
                 .to_owned(),
         )
     } else {

@@ -97,8 +97,78 @@ fn ref_a_limb_that_dies_is_named_and_done_without() {
     assert!(with < 0.1 * without, "{with} {without}");
 }
 
+/// The monitor saw what the low-pass made of a channel: it took limb 4's death for another sensitivity of limb 2, and decoded on with limb 4.
+#[test]
+fn neg_a_low_pass_does_not_hide_which_limb_has_died() {
+    const DEAD: usize = 3;
+    let folder = Folder::new("decouple-watch-filtered");
+    let (toml, json) = (session().join("session.toml"), calibration());
+    let known = Calibration::read(json.as_ref()).expect("a calibration");
+    let sound = compound();
+    let name = sound.file_name().expect("a name");
+    let (mut volts, rate_hz) = voltages();
+    let samples = volts[0].len();
+    let onset = (SHARE * samples as f64) as usize;
+    let decouple = |recording: &Path, out: &Path, more: &[&str]| {
+        let first = ["decouple", &json, text(recording), "--session", text(&toml)];
+        let filtered = ["--low-pass", "30", "--out", text(out)];
+        stderr(&done(&[&first[..], &filtered, more].concat()))
+    };
+    let names = [
+        "ax", "ay", "az", "alpha_x", "alpha_y", "alpha_z", "wx", "wy", "wz",
+    ];
+    let plain = folder.join("plain.csv");
+    decouple(&sound, &plain, &[]);
+    let (expected, _) = columns(&plain, &names);
+    // Nothing is said of a sound run, and every row is that without a monitor.
+    let watched = folder.join("watched.csv");
+    let said = decouple(&sound, &watched, &["--watch"]);
+    assert!(!said.contains("limb"), "{said}");
+    assert!(apart(&columns(&watched, &names).0, &expected) <= BLOCKS_AND_SAMPLES);
+    for (kind, value) in [
+        ("dead", known.parameters.zero_drift_v[DEAD]),
+        ("unreadable", f64::NAN),
+    ] {
+        volts[DEAD][onset..].fill(value);
+        let dying = Folder::new(&format!("decouple-watch-filtered-{kind}"));
+        let failed = dying.join(name);
+        write(&failed, &LIMBS, "V", &volts, rate_hz);
+        let out = dying.join("out.csv");
+        let said = decouple(&failed, &out, &["--watch"]);
+        assert!(
+            said.contains("limb 4: ") && said.contains("decoded without limb 4 from sample"),
+            "{said}"
+        );
+        let (flags, _) = columns(&out, &["excluded_limbs", "suspected_limbs"]);
+        // From as far before the failure as the filter carries it.
+        let carried = (5.0 * rate_hz / 30.0).ceil() as usize;
+        let without = |row: usize| flags[0][row] == 4.0;
+        let first = (0..flags[0].len()).position(without).expect("a row");
+        let expected_first = onset - carried - 1;
+        assert!(first.abs_diff(expected_first) <= 8, "{kind}: {first}");
+        assert!((first..flags[0].len()).all(without));
+        assert!(flags[1].iter().all(|&limbs| limbs == 0.0));
+        let (found, _) = columns(&out, &names);
+        for (axis, (found, expected)) in found.iter().zip(&expected).enumerate() {
+            let peak = expected.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
+            let off = found.iter().zip(expected).map(|(x, y)| (x - y).abs());
+            let off = off.fold(0.0, f64::max) / peak;
+            assert!(off < 0.1, "{kind}: {} by {off}", names[axis]);
+        }
+    }
+}
+
 #[test]
 fn prop_watch_is_refused_where_it_has_no_meaning() {
+    let json = calibration();
+    let stream = ["decouple", &json, "-", "--rate", "1000", "--gain", "0.01"];
+    let refused = run(&[&stream[..], &["--watch", "--low-pass", "30"]].concat());
+    assert_eq!(refused.status.code(), Some(1));
+    assert!(
+        stderr(&refused).contains("--watch with --low-pass, which reads a recording twice"),
+        "{}",
+        stderr(&refused)
+    );
     let refused = run(&["decouple", "a.json", "b.csv", "--watch", "--rest-to-rest"]);
     assert!(!refused.status.success());
     assert!(
