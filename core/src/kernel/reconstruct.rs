@@ -37,11 +37,11 @@ pub struct StrainReconstruction<T: Real> {
 }
 
 impl<T: Scalar> StrainReconstruction<T> {
-    /// Of no limb: all zero.
+    /// Of no limb.
     #[must_use]
     pub fn none() -> Self {
         Self {
-            strain: StrainWeights::splat(T::default()),
+            strain: StrainWeights::none(),
             load: LoadWeights::splat(T::default()),
         }
     }

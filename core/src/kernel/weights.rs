@@ -37,6 +37,15 @@ pub struct LoadWeights<T: Real> {
 }
 
 impl<T: Scalar> StrainWeights<T> {
+    /// Of no limb: strains stay as they are.
+    #[must_use]
+    pub(super) fn none() -> Self {
+        Self {
+            own: [[Vec3::all(T::from_f64(1.0)); LIMBS_PER_NODE]; 2],
+            ..Self::splat(T::default())
+        }
+    }
+
     /// Rounded.
     #[must_use]
     pub(super) fn new(reconstruction: &Reconstruction) -> Self {
