@@ -6,6 +6,7 @@
 //! | [`cause`] | what is wrong with the day, as far as an estimate bears it out |
 //! | [`evidence`] | each trial's fit, its prediction by a fit without it, the coordination equations |
 //! | [`validation`] | runs that were never fitted, decoupled and held against the standards |
+//! | [`compound_runs`] | what they show of travelling and of turning: whether linear and angular trials were scaled alike |
 //! | [`failing_run`] | why one of them fails |
 //! | [`choice`] | the parameters of the estimator that was asked for |
 //! | [`covariance`], [`file`](mod@file) | what is written of them |
@@ -17,6 +18,7 @@
 
 mod cause;
 mod choice;
+mod compound_runs;
 mod covariance;
 mod evidence;
 mod failing_run;
@@ -212,6 +214,15 @@ pub fn calibrate(
                 &trials,
                 &session.limits,
             );
+        }
+        let joint = chosen.as_ref().and_then(Chosen::accounting_joint);
+        let scaled = joint
+            .and_then(|joint| compound_runs::examine(&prepared.campaign, &validation_runs, joint));
+        // What is wrong with trials makes every run fail that they are held against.
+        if let Some(scaled) = scaled
+            && (findings.is_empty() || scaled.recordings.is_empty())
+        {
+            findings = vec![scaled];
         }
     }
     if let Some(chosen) = &chosen {

@@ -985,7 +985,6 @@ fn inv_one_standard_s_factor_in_a_compound_run_is_named() {
     }
 }
 
-/// In a compound run two motions' shares may cancel in a channel, and never in all of them.
 /// The accelerometer reads more from trial to trial, of which the first six are linear and six more are angular: along a line through all it
 /// changes by the whole of that.
 #[test]
@@ -1007,6 +1006,7 @@ fn inv_an_accelerometer_that_changes_over_the_day_is_told_by_the_rig() {
     assert_eq!(changes(&day), None);
 }
 
+/// In a compound run two motions' shares may cancel in a channel, and never in all of them.
 #[test]
 fn inv_the_unit_of_a_compound_run_is_told() {
     let day = with(COMPOUND..COMPOUND + 1, |_, _, u| 1000.0 * (u + 0.1));

@@ -8,6 +8,7 @@ use std::process::Output;
 use crate::mistakes::{calibrated, calibrated_in, rewritten, rewritten_in, with_entry};
 use crate::program::{Folder, code, fed, run, stderr, stdout, text};
 use crate::self_calibrate::day;
+use sixaxis_core::LIMBS;
 
 /// Columns of the day's trials.
 const ACCELEROMETER: usize = 9;
@@ -47,6 +48,48 @@ fn inv_a_sensitivity_that_steps_is_named_with_its_trial() {
         "{said}"
     );
     assert!(!said.contains("gyroscope against"), "{said}");
+}
+
+/// A gain of all channels in one kind of trials is taken for the sensor's: only a run that was not fitted and does both tells.
+#[test]
+fn inv_a_gain_of_all_channels_that_is_another_in_one_kind_of_trials_is_named() {
+    for (name, kinds, by, said_of) in [
+        (
+            "turned-up",
+            &["angular"][..],
+            1.02,
+            "the angular trials were scaled otherwise than all others",
+        ),
+        (
+            "both-turned-up",
+            &["angular", "compound"],
+            1.02,
+            "the linear trials were scaled otherwise than all others",
+        ),
+        (
+            "compound-turned-up",
+            &["compound"],
+            0.98,
+            "scaled otherwise there than in the trials",
+        ),
+    ] {
+        let files: Vec<String> = kinds.iter().flat_map(|kind| of_kind(kind)).collect();
+        for file in &files {
+            rewritten(file, &format!("{name}-{file}"), |row| {
+                row[..LIMBS].iter_mut().for_each(|u| *u *= by);
+            });
+        }
+        let (code, said) = calibrated(name, |s| {
+            files.iter().fold(s.to_owned(), |s, file| {
+                s.replace(
+                    &format!("file = \"{file}"),
+                    &format!("file = \"{name}-{file}"),
+                )
+            })
+        });
+        assert_eq!(code, 4, "{said}");
+        assert!(said.contains(said_of), "{said_of}: {said}");
+    }
 }
 
 #[test]
