@@ -37,6 +37,16 @@ pub fn seen_hz(trial: &Trial) -> Option<f64> {
     }
 }
 
+/// The same by the standard that trials of its kind do not need.
+fn seen_hz_of_the_other(trial: &Trial) -> Option<f64> {
+    let series = match trial.role {
+        Role::Linear | Role::HighFrequencyLinear => &trial.gyroscope_rad_s,
+        Role::Angular => &trial.accelerometer_m_s2,
+        Role::Static | Role::Tap | Role::Validation => return None,
+    };
+    frequency(series, trial.sample_rate_hz)
+}
+
 /// The frequency as seen, where the session states another.
 pub(crate) fn misstated_hz(report: &TrialReport) -> Option<f64> {
     let off = |seen_hz: &f64| (seen_hz / report.frequency_hz - 1.0).abs() > OFF;
@@ -123,7 +133,11 @@ fn of_other_drives(trials: &mut Vec<Trial>) -> Vec<Finding> {
     let another = |trial: &Trial| {
         let seen_hz = seen_hz(trial)?;
         let far = !(1.0 / ANOTHER..=ANOTHER).contains(&(seen_hz / trial.frequency_hz));
-        far.then_some(seen_hz)
+        // What is not far off is another motion's where the channels move as stated.
+        let off = || (seen_hz / trial.frequency_hz - 1.0).abs() > OFF;
+        let limbs_as_stated =
+            || of_limbs_hz(trial).is_some_and(|hz| (hz / trial.frequency_hz - 1.0).abs() < SAME);
+        (far || off() && limbs_as_stated()).then_some(seen_hz)
     };
     let all = trials.len();
     let mut apart: Vec<(Trial, f64)> = Vec::new();
@@ -141,7 +155,7 @@ fn of_other_drives(trials: &mut Vec<Trial>) -> Vec<Finding> {
         let finding = Finding::new(Cause::ClockMismatch, evidence, EXCHANGED);
         return vec![finding.in_recordings(apart.into_iter().map(|(trial, _)| trial.name))];
     }
-    let mut found = Vec::new();
+    let (mut found, mut other_kind) = (Vec::new(), Vec::new());
     apart.retain(|(trial, seen_hz)| {
         let as_stated = |hz: &f64| (hz / trial.frequency_hz - 1.0).abs() < OFF;
         let Some(limbs_hz) = of_limbs_hz(trial).filter(as_stated) else {
@@ -150,10 +164,21 @@ fn of_other_drives(trials: &mut Vec<Trial>) -> Vec<Finding> {
         let evidence = format!(
             "the nine channels move at {limbs_hz:.3} Hz, as stated, and the standard does not: by its signal it would be {seen_hz:.3} Hz"
         );
+        if seen_hz_of_the_other(trial).is_some_and(|hz| as_stated(&hz)) {
+            other_kind.push(trial.name.clone());
+            return false;
+        }
         let advice = "see the plug of the standard that this trial needs, reference_file and reference_start_s, and record the trial again";
         found.push(Finding::new(Cause::Unreadable, evidence, advice).in_trial(trial));
         false
     });
+    if !other_kind.is_empty() {
+        let evidence = "the nine channels move as stated, and of the standards only the one that trials of the other kind need";
+        let advice =
+            "see whether files or roles of linear and angular trials are exchanged in the session";
+        let finding = Finding::new(Cause::Unreadable, evidence, advice);
+        found.push(finding.in_recordings(other_kind));
+    }
     found.extend(of_another_drive(&apart, all));
     found
 }

@@ -151,6 +151,16 @@ impl Finding {
     }
 }
 
+/// Adds a recording that cannot be used to the finding of its cause.
+pub(crate) fn unreadable(findings: &mut Vec<Finding>, name: &str, evidence: &str, advice: &str) {
+    let known = |other: &&mut Finding| other.evidence == evidence && other.advice == advice;
+    if let Some(known) = findings.iter_mut().find(known) {
+        known.recordings.push(name.to_owned());
+        return;
+    }
+    findings.push(Finding::new(Cause::Unreadable, evidence, advice).in_recordings([name]));
+}
+
 /// Recordings in a sentence: of more than two, the first and how many more; none for none.
 pub(crate) fn in_a_sentence(recordings: &[impl AsRef<str>]) -> Option<String> {
     Some(match recordings {

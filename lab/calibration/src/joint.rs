@@ -106,27 +106,6 @@ pub fn fit(
     )
 }
 
-/// Trials that do not end where they began, which no fit takes, and by how many of its largest steps each one's standard jumps.
-#[must_use]
-pub fn not_closed(
-    campaign: &Campaign,
-    steps: &FourSteps,
-    knowledge: &Knowledge,
-) -> Vec<(String, f64)> {
-    let at_rest = at_rest(&steps.drift);
-    let Ok(joint) = Joint::new(&campaign.geometry, knowledge.certificates, at_rest) else {
-        return Vec::new();
-    };
-    let all = campaign.trials.par_iter();
-    all.filter_map(|(trial, _)| match joint.prepare(&record(trial)?).err()? {
-        sixaxis_core::Error::NotClosed { jump_over_step, .. } => {
-            Some((trial.name.clone(), jump_over_step))
-        }
-        _ => None,
-    })
-    .collect()
-}
-
 /// Where a fit starts: from the four steps' answer, with the design's k/m where theirs is none.
 #[must_use]
 pub fn start(campaign: &Campaign, steps: &FourSteps) -> Parameters {

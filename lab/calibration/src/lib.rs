@@ -10,6 +10,7 @@
 //! | [`trial`] | one recording in SI units on one clock |
 //! | [`conditioning`] | what is done to recordings beforehand, in one order |
 //! | [`drive`] | the frequency that the session states against the one that was recorded |
+//! | `set_aside` | copies of other trials, and trials that are not whole |
 //! | [`prepare`] | a session's recordings, sorted and conditioned |
 //! | [`response`] | what each channel shows of a known motion |
 //! | [`diagnosis`] | what is wrong, named as [`finding`]s |
@@ -48,6 +49,7 @@ pub mod report;
 pub mod response;
 pub mod self_calibrate;
 mod series;
+mod set_aside;
 pub mod steps;
 pub mod tap;
 pub mod trial;

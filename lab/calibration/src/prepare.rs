@@ -11,9 +11,10 @@ use sixaxis_core::{Geometry, Parameters};
 use crate::conditioning::{Conditioned, Conditioning};
 use crate::drive;
 use crate::error::{Error, Result};
-use crate::finding::{Cause, Finding, in_a_sentence};
+use crate::finding::{self, Cause, Finding, in_a_sentence};
 use crate::progress::Progress;
 use crate::series::deviation;
+use crate::set_aside;
 use crate::steps::Campaign;
 use crate::trial::Trial;
 use sixaxis_recordings::session::{Role, Session, SessionFile, Stage};
@@ -83,7 +84,7 @@ impl PreparedSession {
                     // The finding names the recording; without it, one cause is one sentence.
                     let cause = error.strip_prefix(&path).unwrap_or(&error);
                     let cause = cause.trim_start_matches([':', ',', ' ']);
-                    unreadable(&mut findings, &name, cause, advice);
+                    finding::unreadable(&mut findings, &name, cause, advice);
                 }
             }
         }
@@ -131,8 +132,9 @@ impl PreparedSession {
                 _ => moving.push(trial),
             }
         }
-        let mut findings = copies(&mut moving);
+        let mut findings = set_aside::copies(&mut moving);
         findings.extend(drive::set_aside(&mut moving));
+        findings.extend(set_aside::not_whole(&mut moving));
         if let Some(line) = conditioning.stages.detrend.settings() {
             findings.extend(moves_at_rest(&moving, line.rest_s));
         }
@@ -152,7 +154,7 @@ impl PreparedSession {
             match conditioned {
                 Ok(conditioned) => trials.push((trial, conditioned)),
                 Err(error) => {
-                    unreadable(&mut findings, &trial.name, &error.to_string(), MEND);
+                    finding::unreadable(&mut findings, &trial.name, &error.to_string(), MEND);
                 }
             }
         }
@@ -293,43 +295,6 @@ fn moves_at_rest(trials: &[Trial], rest_s: f64) -> Option<Finding> {
     }
 }
 
-/// Takes out trials that are another one's copy, sample by sample: they would count as evidence of their own.
-fn copies(trials: &mut Vec<Trial>) -> Vec<Finding> {
-    let mut findings = Vec::new();
-    let mut at = 0;
-    while at < trials.len() {
-        let copied = |other: &Trial| other.voltage_v == trials[at].voltage_v;
-        let Some(first) = trials[..at].iter().position(copied) else {
-            at += 1;
-            continue;
-        };
-        // The copy is the one that does not turn as the session says.
-        let far = |trial: &Trial| {
-            let seen_hz = drive::seen_hz(trial);
-            seen_hz.map_or(0.0, |seen_hz| (seen_hz / trial.frequency_hz).ln().abs())
-        };
-        if far(&trials[first]) > far(&trials[at]) {
-            trials.swap(first, at);
-        }
-        let original = &trials[first];
-        let twice = original.name == trials[at].name;
-        let (evidence, advice) = if twice {
-            (
-                "it stands in the session twice".to_owned(),
-                "see which file the second entry is meant to name: each trial is a recording of its own",
-            )
-        } else {
-            (
-                format!("the same samples as {}", original.name),
-                "take the copy out of the session: each trial is a recording of its own",
-            )
-        };
-        let copy = trials.remove(at).name;
-        unreadable(&mut findings, &copy, &evidence, advice);
-    }
-    findings
-}
-
 /// Validation runs have a low-pass of their own.
 pub(crate) fn for_role(conditioning: &Conditioning, role: Role) -> Conditioning {
     let mut own = conditioning.clone();
@@ -372,14 +337,4 @@ fn advice(error: &Error, recording: &Path) -> &'static str {
         }
         _ => MEND,
     }
-}
-
-/// Adds a recording to the finding of its cause.
-fn unreadable(findings: &mut Vec<Finding>, name: &str, evidence: &str, advice: &str) {
-    let known = |other: &&mut Finding| other.evidence == evidence && other.advice == advice;
-    if let Some(known) = findings.iter_mut().find(known) {
-        known.recordings.push(name.to_owned());
-        return;
-    }
-    findings.push(Finding::new(Cause::Unreadable, evidence, advice).in_recordings([name]));
 }

@@ -71,7 +71,7 @@ impl Record<'_> {
             harmonics,
         };
         require_samples(WHAT, grid.coordinates() + FEWEST_FOR_NOISE, samples)?;
-        check_closed(self.standard)?;
+        self.closes()?;
         let mut data = project(&grid, |n| {
             let row = &self.voltage_v[n];
             core::array::from_fn(|c| if c < LIMBS { row[c] } else { self.standard[n] })
@@ -164,23 +164,26 @@ impl Record<'_> {
         }
         Ok(())
     }
-}
 
-/// Refuses a record that does not close: from its last sample to its first it may step as from any other to the next, with the
-/// noise of two samples more.
-fn check_closed(standard: &[f64]) -> Result<()> {
-    let steps = standard.windows(2).map(|w| (w[1] - w[0]).abs());
-    let largest = steps.fold(f64::MIN_POSITIVE, f64::max);
-    let (Some(first), Some(last)) = (standard.first(), standard.last()) else {
-        return Ok(());
-    };
-    let jump_over_step = (last - first).abs() / largest;
-    if jump_over_step <= LARGEST_JUMP {
-        Ok(())
-    } else {
-        Err(Error::NotClosed {
-            what: WHAT,
-            jump_over_step,
-        })
+    /// Refuses a record that does not close: from its last sample to its first the standard may step as from any other to the next, with
+    /// the noise of two samples more.
+    ///
+    /// # Errors
+    /// [`Error::NotClosed`].
+    pub fn closes(&self) -> Result<()> {
+        let steps = self.standard.windows(2).map(|w| (w[1] - w[0]).abs());
+        let largest = steps.fold(f64::MIN_POSITIVE, f64::max);
+        let (Some(first), Some(last)) = (self.standard.first(), self.standard.last()) else {
+            return Ok(());
+        };
+        let jump_over_step = (last - first).abs() / largest;
+        if jump_over_step <= LARGEST_JUMP {
+            Ok(())
+        } else {
+            Err(Error::NotClosed {
+                what: WHAT,
+                jump_over_step,
+            })
+        }
     }
 }

@@ -17,9 +17,6 @@ use crate::joint::hypotheses::{self, Unaccounted};
 use crate::joint::{self, JointReport, Knowledge};
 use crate::prepare::PreparedSession;
 
-/// Share of the recordings up to which those that do not end where they began are the exception.
-const FEW: f64 = 0.25;
-
 /// A session under judgement.
 pub(super) struct Day<'a> {
     pub session: &'a Session,
@@ -71,9 +68,6 @@ impl Day<'_> {
         suspected.sort_by_key(|finding| finding.cause);
         let estimate = &chosen.estimate;
         let joint = estimate.joint.as_ref().map_err(String::as_str);
-        if joint.is_err() {
-            findings.extend(self.cut_off(estimate));
-        }
         findings.extend(if self.has_no_rest(findings) {
             Vec::new()
         } else {
@@ -82,22 +76,6 @@ impl Day<'_> {
             let day = self.unaccounted(drift, start, &estimate.knowledge, joint);
             hypotheses::explain(&day, findings, suspected)
         });
-    }
-
-    /// The few recordings that do not end where they began where all others do. Where many do not, that is how they were recorded.
-    fn cut_off(&self, estimate: &Estimate) -> Option<Finding> {
-        let campaign = &self.prepared.campaign;
-        let open = joint::not_closed(campaign, &estimate.steps, &estimate.knowledge);
-        let few = open.len() as f64 <= FEW * self.cases.len() as f64;
-        let most = open.iter().map(|(_, steps)| *steps).fold(0.0, f64::max);
-        (few && !open.is_empty()).then(|| {
-            let evidence = format!(
-                "not whole: from its last sample back to its first the standard jumps by {most:.1} times its largest step, where a trial begins and ends at rest or holds whole turns"
-            );
-            let advice = "see whether the file was cut off, and record the trial again";
-            Finding::new(Cause::Unreadable, evidence, advice)
-                .in_recordings(open.into_iter().map(|(name, _)| name))
-        })
     }
 
     /// Adds what is wrong where no estimate can be made to what is certain; never nothing.

@@ -2,6 +2,7 @@
 //! were lost. Noise of a converter does none of these.
 
 use sixaxis_core::LIMBS;
+use sixaxis_page::number::significant;
 use sixaxis_recordings::runs::{Runs, stands_still};
 use sixaxis_recordings::session::Role;
 
@@ -18,6 +19,9 @@ const AT_REST: usize = 16;
 const EXACTLY: f64 = 1e-2;
 /// Rows from which one says that all of them are repeated.
 const FEWEST: usize = 64;
+/// Times that a standard's readings are held from which its trial is no longer taken: what is held less is a delay, which the joint fit
+/// finds.
+const FEWEST_HELD: usize = 4;
 /// Significant digits that a converter's values have more of.
 const DIGITS: i32 = 3;
 /// Steps that a channel must span for its digits to be told from its steps.
@@ -38,21 +42,30 @@ pub fn examine(at_rest: Option<&Trial>, cases: &mut [TrialCase<'_>], findings: &
             "export the recording at the rate at which it was recorded",
         ),
         (rounded, "export with all digits: %.9g or more"),
+        (
+            standard_held,
+            "read the standard at the channels' rate, or give its own recording as reference_file: between its readings it is then interpolated",
+        ),
     ] {
         let recordings = at_rest
             .into_iter()
             .chain(cases.iter().map(|case| case.trial));
-        let found: Vec<(String, String)> = recordings
-            .filter_map(|trial| Some((trial.name.clone(), how(trial)?)))
-            .collect();
-        let Some((_, evidence)) = found.first().cloned() else {
-            continue;
-        };
-        for case in cases.iter_mut() {
-            case.explained |= found.iter().any(|(name, _)| *name == case.trial.name);
+        let mut found: Vec<(String, Vec<String>)> = Vec::new();
+        for trial in recordings {
+            let Some(evidence) = how(trial) else {
+                continue;
+            };
+            match found.iter_mut().find(|(known, _)| *known == evidence) {
+                Some((_, names)) => names.push(trial.name.clone()),
+                None => found.push((evidence, vec![trial.name.clone()])),
+            }
         }
-        let finding = Finding::new(Cause::Unreadable, evidence, advice);
-        findings.push(finding.in_recordings(found.into_iter().map(|(name, _)| name)));
+        for (evidence, names) in found {
+            for case in cases.iter_mut() {
+                case.explained |= names.contains(&case.trial.name);
+            }
+            findings.push(Finding::new(Cause::Unreadable, evidence, advice).in_recordings(names));
+        }
     }
     for case in cases.iter_mut().filter(|case| !case.explained) {
         lost(case, findings);
@@ -119,16 +132,33 @@ fn by_chance(trial: &Trial, taken: Taken) -> Option<f64> {
 
 /// Each row stands there several times.
 fn repeated(trial: &Trial) -> Option<String> {
-    let rows = &trial.voltage_v;
-    let runs: Vec<usize> = rows.chunk_by(|a, b| a == b).map(<[_]>::len).collect();
+    let times = times_held(&trial.voltage_v)?;
+    Some(format!(
+        "each row stands there {times} times: values were held, or repeated to a higher rate"
+    ))
+}
+
+/// Each reading of the standard that a trial needs stands there so many times that it lags and has steps.
+fn standard_held(trial: &Trial) -> Option<String> {
+    let (name, series) = match trial.role {
+        Role::Angular => ("gyroscope", &trial.gyroscope_rad_s),
+        Role::Static | Role::Tap => return None,
+        _ => ("accelerometer", &trial.accelerometer_m_s2),
+    };
+    let times = times_held(series).filter(|times| *times >= FEWEST_HELD)?;
+    Some(format!(
+        "each reading of the standard {name} stands there {times} times: it was read at {} Hz, and is late by half a period of that",
+        significant(trial.sample_rate_hz / times as f64, 4)
+    ))
+}
+
+/// How many times each of some values stands there, where it is more than once.
+fn times_held<T: PartialEq>(values: &[T]) -> Option<usize> {
+    let runs: Vec<usize> = values.chunk_by(|a, b| a == b).map(<[_]>::len).collect();
     // Cut anywhere, the first and the last may be shorter.
     let inner = runs.get(1..runs.len().checked_sub(1)?)?;
     let times = inner.iter().min().filter(|_| inner.len() >= FEWEST)?;
-    (*times > 1).then(|| {
-        format!(
-            "each row stands there {times} times: values were held, or repeated to a higher rate"
-        )
-    })
+    (*times > 1).then_some(*times)
 }
 
 /// No value has more digits than a hand would write.

@@ -203,7 +203,7 @@ pub fn examine(
                 Some(_) => (
                     Cause::Unexplained,
                     "by the rig's stroke and rotation both standards are right",
-                    "check half_edge_mm and limb_length_mm of the sensor against its drawing, and the design's inertia_per_mass_mm2",
+                    "compare all channels' gain_n_per_v in the angular trials with those in the linear ones and with the amplifier's ranges, then half_edge_mm, limb_length_mm and the design's inertia_per_mass_mm2 with the sensor's drawing",
                 ),
                 None => (
                     cause_of(off),

@@ -69,13 +69,19 @@ impl JointReport {
             if other.determined && other.half_width_95.is_some() {
                 return other.clone();
             }
+            // Twice the interval is beyond what noise does.
+            let less_than_nothing = if compliance < -2.0 * self.half_width_95(p) {
+                ", less than any limb yields: something else moves with the acceleration, as a frame that rocks does"
+            } else {
+                ""
+            };
             return ParameterReport {
                 estimate: other.design,
                 half_width_95: None,
                 dominated_by: "trials too slow to load it".to_owned(),
                 determined: false,
                 remark: format!(
-                    "not determined: all trials together tell m/k as {compliance:.1e} ± {:.1e} s²; the design's value is used, which the decoupled accelerations do not notice at the rig's frequencies. {TAP_IT}",
+                    "not determined: all trials together tell m/k as {compliance:.1e} ± {:.1e} s²{less_than_nothing}; the design's value is used, which the decoupled accelerations do not notice at the rig's frequencies. {TAP_IT}",
                     self.half_width_95(p)
                 ),
                 ..other.clone()

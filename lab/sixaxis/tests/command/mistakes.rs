@@ -220,6 +220,24 @@ fn neg_a_copy_is_no_trial_of_its_own() {
         said.contains("again.csv the same samples as linear-02.csv"),
         "{said}"
     );
+    // Trimmed, it is none either.
+    let record = fs::read_to_string(folder.join("linear-03.csv")).expect("reads");
+    let rows: Vec<&str> = record.lines().collect();
+    let is_sample = |row: &&str| row.split(',').all(|cell| cell.parse::<f64>().is_ok());
+    let first = rows.iter().position(is_sample).expect("a sample");
+    let trimmed = [&rows[..first], &rows[200..rows.len() - 100]].concat();
+    folder.write("trimmed.csv", trimmed.join("\n") + "\n");
+    let (code, said) = calibrated("trimmed", |s| {
+        let mut entries = s.split("[[recording]]");
+        let third = entries.find(|entry| entry.contains("linear-03"));
+        let third = third.expect("an entry").replace("linear-03", "trimmed");
+        format!("{s}\n[[recording]]{third}")
+    });
+    assert_eq!(code, 4, "{said}");
+    assert!(
+        said.contains("trimmed.csv the same samples as a part of linear-03.csv"),
+        "{said}"
+    );
 }
 
 #[test]

@@ -259,7 +259,7 @@ fn neg_a_run_that_is_not_whole_is_told_from_one_that_fails() {
     }
 }
 
-/// Of the trials that are fitted, too: one that is cut off leaves no fit to all of them.
+/// Of the trials that are fitted, too: all others are fitted without it, and none is accused.
 #[test]
 fn neg_a_trial_that_is_cut_off_is_named() {
     for file in ["linear-03.csv", "angular-02.csv"] {
@@ -272,8 +272,84 @@ fn neg_a_trial_that_is_cut_off_is_named() {
         let (code, said) = calibrated(&format!("cut-{file}"), |s| s.replace(file, &cut));
         assert_eq!(code, 4, "{said}");
         let wanted = format!("recording cannot be used: {cut} not whole: from its last sample");
-        assert!(said.contains(&wanted), "{said}");
+        assert!(
+            said.contains(&wanted)
+                && said.contains("determined by the joint fit")
+                && !said.contains("also:"),
+            "{said}"
+        );
     }
+}
+
+#[test]
+fn neg_standards_of_another_run_are_told_by_their_frequency() {
+    let read = |file: &str| fs::read_to_string(day().0.join(file)).expect("reads");
+    let files = ["linear-03.csv", "linear-04.csv"];
+    for [own, other] in [files, [files[1], files[0]]] {
+        let (own_rows, other_rows) = (read(own), read(other));
+        let rows = own_rows
+            .lines()
+            .zip(other_rows.lines())
+            .map(|(own, other)| {
+                let own = own.split(',').take(ACCELEROMETER);
+                let cells: Vec<&str> = own.chain(other.split(',').skip(ACCELEROMETER)).collect();
+                cells.join(",")
+            });
+        let rows: Vec<String> = rows.collect();
+        day()
+            .0
+            .write(&format!("crossed-{own}"), rows.join("\n") + "\n");
+    }
+    let (code, said) = calibrated("crossed", |s| {
+        files.iter().fold(s.to_owned(), |s, file| {
+            s.replace(
+                &format!("file = \"{file}"),
+                &format!("file = \"crossed-{file}"),
+            )
+        })
+    });
+    assert_eq!(code, 4, "{said}");
+    assert!(
+        said.contains("each turns as another of them should") && !said.contains("also:"),
+        "{said}"
+    );
+}
+
+#[test]
+fn neg_standards_that_are_held_are_not_cut_off() {
+    for file in of_kind("linear") {
+        let (count, held) = (Cell::new(0_usize), Cell::new(0.0));
+        rewritten(&file, &format!("held-{file}"), |row| {
+            if count.get().is_multiple_of(20) {
+                held.set(row[ACCELEROMETER]);
+            }
+            count.set(count.get() + 1);
+            row[ACCELEROMETER] = held.get();
+        });
+    }
+    let (code, said) = calibrated("held", |s| {
+        s.replace("file = \"linear", "file = \"held-linear")
+    });
+    assert_ne!(code, 0, "{said}");
+    assert!(
+        said.contains("each reading of the standard accelerometer stands there 20 times")
+            && !said.contains("cut off"),
+        "{said}"
+    );
+}
+
+#[test]
+fn neg_trials_of_the_other_kind_are_told_by_their_standards() {
+    let (code, said) = calibrated("other-kind", |s| {
+        s.replace("role = \"linear\"", "role = \"~\"")
+            .replace("role = \"angular\"", "role = \"linear\"")
+            .replace("role = \"~\"", "role = \"angular\"")
+    });
+    assert_ne!(code, 0, "{said}");
+    assert!(
+        said.contains("files or roles of linear and angular trials are"),
+        "{said}"
+    );
 }
 
 #[test]
