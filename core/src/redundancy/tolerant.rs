@@ -112,9 +112,24 @@ impl<B: AsRef<[[f64; LIMBS]]> + AsMut<[[f64; LIMBS]]>> FaultTolerant<B> {
     /// # Errors
     /// Those of [`Decoupler::push`] for a row that cannot be decoded with the failed limbs excluded either: NaN in more limbs than can
     /// be excluded. The row is then not received.
+    #[inline]
     pub fn push(&mut self, voltage_v: &[f64; LIMBS]) -> Result<Watched> {
+        self.push_filtered(voltage_v, voltage_v)
+    }
+
+    /// The same where a filter that runs forwards only has made another row for the decoupler: the monitor, which holds single rows to the
+    /// channels' white noise, sees `voltage_v`, and `filtered_v` is decoded. A failure is in no filtered row before it, so that decoding is
+    /// repeated from the same row.
+    ///
+    /// # Errors
+    /// Those of [`Self::push`].
+    pub fn push_filtered(
+        &mut self,
+        voltage_v: &[f64; LIMBS],
+        filtered_v: &[f64; LIMBS],
+    ) -> Result<Watched> {
         let sample = self.decoupler.received();
-        self.keep(sample, voltage_v);
+        self.keep(sample, filtered_v);
         let event = self.monitor.push(voltage_v);
         let mut switched = None;
         let answer = match event.and_then(|event| self.wanted(&event, sample)) {
@@ -126,10 +141,10 @@ impl<B: AsRef<[[f64; LIMBS]]> + AsMut<[[f64; LIMBS]]>> FaultTolerant<B> {
                 }
                 Err(_) => {
                     self.refused = limbs.minus(self.excluded());
-                    self.decode(voltage_v)?
+                    self.decode(filtered_v)?
                 }
             },
-            None => self.decode(voltage_v)?,
+            None => self.decode(filtered_v)?,
         };
         let excluded = self.excluded();
         Ok(Watched {

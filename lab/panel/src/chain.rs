@@ -7,16 +7,13 @@
 use std::collections::VecDeque;
 
 use glam::{DQuat, DVec3};
-use sixaxis_calibration::apply::conditioning_stream::{
-    ConditioningConfig, ConditioningStream, LOW_PASS_ORDER, causal_delay_s,
-};
-use sixaxis_calibration::apply::voltages::Voltages;
+use sixaxis_calibration::apply::conditioning_stream::{LOW_PASS_ORDER, causal_delay_s};
 use sixaxis_calibration::calibration::Calibration;
 use sixaxis_core::dsp::butterworth;
 use sixaxis_core::dsp::causal::SectionsState;
 use sixaxis_core::dsp::lag::FirstOrder;
 use sixaxis_core::{LIMBS, SixAxis};
-use sixaxis_recordings::session::{Outliers, Session};
+use sixaxis_recordings::session::Session;
 
 use crate::board::Live;
 use crate::columns::{
@@ -26,12 +23,8 @@ use crate::columns::{
 use crate::control::Stages;
 use crate::decoding::{Config, LiveDecoder, sensor};
 use crate::departures::{AxisError, Departures};
+use crate::stages::{Conditioning, Ready};
 
-/// Hampel's test of the outlier stage: samples on either side, standard deviations.
-const OUTLIERS: Outliers = Outliers {
-    half_width: 5,
-    sigmas: 5.0,
-};
 /// Time that the shown size of the parity rows is about, s.
 const PARITY_S: f64 = 0.25;
 
@@ -89,12 +82,10 @@ fn file(cells: &mut [f32], numbers: &[f64]) {
 
 /// Stages and decoder.
 pub struct Chain {
-    conditioning: Option<ConditioningStream>,
+    conditioning: Option<Conditioning>,
     /// Delay of the low-pass, s.
     delay_s: f64,
     sample_rate_hz: f64,
-    received: Voltages,
-    ready: Voltages,
     beside: VecDeque<Beside>,
     /// The low-pass of what stands beside the samples.
     filter: Option<Vec<SectionsState>>,
@@ -129,8 +120,6 @@ impl Chain {
             conditioning: None,
             delay_s: 0.0,
             sample_rate_hz: 1.0,
-            received: Voltages::default(),
-            ready: Voltages::default(),
             beside: VecDeque::new(),
             filter: None,
             decoder: None,
@@ -167,16 +156,7 @@ impl Chain {
         self.sample_rate_hz = sample_rate_hz;
         self.delay_s = 0.0;
         self.beside.clear();
-        self.ready.clear();
-        let config = ConditioningConfig {
-            delays_s,
-            outliers: stages.outliers.then_some(OUTLIERS),
-            amplifier_high_pass_hz: stages.high_pass_hz,
-            low_pass_hz: stages.low_pass_hz,
-            causal: true,
-            ..ConditioningConfig::default()
-        };
-        self.conditioning = Some(ConditioningStream::new(&config, sample_rate_hz)?);
+        self.conditioning = Some(Conditioning::new(stages, delays_s, sample_rate_hz)?);
         if let Some(corner_hz) = stages.low_pass_hz {
             let sections = butterworth::low_pass(LOW_PASS_ORDER, corner_hz, sample_rate_hz)?;
             self.filter = Some(vec![SectionsState::at_rest(&sections); BEHIND]);
@@ -223,21 +203,18 @@ impl Chain {
 
     /// Takes a sample and fills in what comes out of the stages with it.
     pub fn push(&mut self, voltage_v: &[f64; LIMBS], beside: Beside, row: &mut [f32; COLUMNS]) {
-        let Some(conditioning) = &mut self.conditioning else {
-            return;
-        };
-        self.received.push(voltage_v);
-        self.beside.push_back(beside);
-        conditioning.push(&mut self.received, &mut self.ready);
-        for sample in 0..self.ready.samples() {
-            let conditioned = self.ready.row(sample);
-            let beside = self.beside.pop_front().unwrap_or_default();
-            self.sample(&conditioned, beside, row);
+        if let Some(conditioning) = &mut self.conditioning {
+            conditioning.push(voltage_v);
+            self.beside.push_back(beside);
         }
-        self.ready.clear();
+        while let Some(ready) = self.conditioning.as_mut().and_then(Conditioning::pop) {
+            let beside = self.beside.pop_front().unwrap_or_default();
+            self.sample(&ready, beside, row);
+        }
     }
 
-    fn sample(&mut self, conditioned: &[f64; LIMBS], beside: Beside, row: &mut [f32; COLUMNS]) {
+    fn sample(&mut self, ready: &Ready, beside: Beside, row: &mut [f32; COLUMNS]) {
+        let conditioned = &ready.row;
         self.conditioned = *conditioned;
         file(&mut row[CONDITIONED], conditioned);
         // The decoder answers the sample before.
@@ -262,7 +239,7 @@ impl Chain {
                 *squares += share * (value * value - *squares);
             }
         }
-        self.answer = decoder.push(conditioned);
+        self.answer = decoder.push(ready);
         self.messages.append(&mut decoder.messages);
         if let Some(answer) = &self.answer {
             let numbers = answer.numbers();

@@ -12,6 +12,8 @@ use sixaxis_core::{
     SixAxis,
 };
 
+use crate::stages::Ready;
+
 /// False alarms of the monitor, per hour.
 const FALSE_ALARMS_PER_HOUR: f64 = 1.0;
 
@@ -113,13 +115,19 @@ impl LiveDecoder {
     }
 
     /// Takes a row; the answer to the row before.
-    pub fn push(&mut self, row: &[f64; LIMBS]) -> Option<SixAxis> {
+    pub fn push(&mut self, ready: &Ready) -> Option<SixAxis> {
+        let row = &ready.row;
         let undone = self.undone(row);
         let answer = match &mut self.decoder {
             Decoder::Plain(decoupler) => decoupler.push(&undone),
-            // It undoes cross-talk itself: it knows which channels have failed.
+            // It undoes cross-talk itself: it knows which channels have failed. What is no number stays in a low-pass for ever, and the
+            // channel with it.
             Decoder::Watched(watch) => {
-                let answered = watch.push(row);
+                let seen = core::array::from_fn(|limb| match row[limb].is_finite() {
+                    true => ready.before_low_pass[limb],
+                    false => row[limb],
+                });
+                let answered = watch.push_filtered(&seen, row);
                 self.messages.append(&mut watch.messages);
                 answered.map(|answered| {
                     answered.map(|(answer, flags)| {

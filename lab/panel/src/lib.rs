@@ -9,7 +9,7 @@
 //! | [`columns`] | what is kept of a sample |
 //! | [`acquisition`] | the one thread that takes every sample |
 //! | [`statistics`] | range, noise, clipping, rest |
-//! | [`chain`], [`decoding`], [`departures`] | stages and decoder, the truth beside them |
+//! | [`chain`], [`stages`], [`decoding`], [`departures`] | stages and decoder, the truth beside them |
 //! | [`recorder`] | recordings that survive the program's death |
 //! | [`pyramid`], [`history`] | ten minutes of all columns, at any zoom |
 //! | [`day`] | trials collected, checked and calibrated |
@@ -35,6 +35,7 @@ pub mod recorder;
 pub mod server;
 pub mod source;
 pub mod spectrum;
+pub mod stages;
 pub mod statistics;
 
 use std::net::{SocketAddr, TcpListener};

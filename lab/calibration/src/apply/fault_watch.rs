@@ -96,7 +96,19 @@ impl FaultWatch {
     /// # Errors
     /// Those of [`FaultTolerant::push`].
     pub fn push(&mut self, row: &Row) -> sixaxis_core::Result<Option<(SixAxis, [f64; 2])>> {
-        let watched = self.stream.push(row)?;
+        self.push_filtered(row, row)
+    }
+
+    /// The same where the row that is decoded comes out of a filter that runs forwards only.
+    ///
+    /// # Errors
+    /// Those of [`FaultTolerant::push_filtered`].
+    pub fn push_filtered(
+        &mut self,
+        row: &Row,
+        filtered: &Row,
+    ) -> sixaxis_core::Result<Option<(SixAxis, [f64; 2])>> {
+        let watched = self.stream.push_filtered(row, filtered)?;
         self.tell(&watched);
         if watched.switched.is_some() {
             let since = self.since(&watched);

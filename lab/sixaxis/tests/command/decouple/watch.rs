@@ -3,6 +3,10 @@
 use std::path::Path;
 
 use sixaxis_calibration::calibration::Calibration;
+use sixaxis_panel::chain::{Beside, Chain, Choice};
+use sixaxis_panel::columns::{COLUMNS, MOTION};
+use sixaxis_panel::control::Stages;
+use sixaxis_recordings::session::SessionFile;
 
 use super::session::{
     BLOCKS_AND_SAMPLES, LIMBS, apart, calibration, columns, compound, session, voltages, write,
@@ -12,6 +16,8 @@ use crate::program::{Folder, done, run, stderr, text};
 /// The limb that dies, from 0, and where in the run.
 const LIMB: usize = 4;
 const SHARE: f64 = 0.4;
+/// Rounding to the 32 bits of the panel's charts.
+const SHOWN: f64 = 1e-6;
 
 #[test]
 fn ref_a_limb_that_dies_is_named_and_done_without() {
@@ -154,6 +160,73 @@ fn neg_a_low_pass_does_not_hide_which_limb_has_died() {
             let off = found.iter().zip(expected).map(|(x, y)| (x - y).abs());
             let off = off.fold(0.0, f64::max) / peak;
             assert!(off < 0.1, "{kind}: {} by {off}", names[axis]);
+        }
+    }
+}
+
+/// In the panel a low-pass of 100 Hz is on unless it is switched off, and the monitor saw what it made of a channel.
+#[test]
+fn neg_the_panel_s_low_pass_does_not_hide_which_limb_has_died() {
+    let (toml, json) = (session().join("session.toml"), calibration());
+    let known = Calibration::read(json.as_ref()).expect("a calibration");
+    let file = SessionFile::read(&toml).expect("a session");
+    let entry = file.entry(&compound()).expect("an entry");
+    let of_all = file.session.sensor.gain_n_per_v;
+    let (volts, rate_hz) = voltages();
+    let onset = (SHARE * volts[0].len() as f64) as usize;
+    // What is shown of the motion, and what is said of the limbs.
+    let shown = |watch: bool, failing: Option<(usize, f64)>| {
+        let mut chain = Chain::idle();
+        chain
+            .condition(&Stages::default(), None, rate_hz)
+            .expect("conditions");
+        let choice = Choice {
+            session: &file.session,
+            calibration: Some(&known),
+            gain_n_per_v: entry.gain_n_per_v.unwrap_or(of_all).each(),
+            gravity_ground_m_s2: glam::DVec3::ZERO,
+            direction: None,
+            watch,
+        };
+        chain.restart(&choice).expect("begins");
+        let mut motion = Vec::new();
+        for sample in 0..volts[0].len() {
+            let mut row = core::array::from_fn(|limb| volts[limb][sample]);
+            if let Some((limb, value)) = failing
+                && sample >= onset
+            {
+                row[limb] = value;
+            }
+            let mut cells = [f32::NAN; COLUMNS];
+            chain.push(&row, Beside::default(), &mut cells);
+            motion.extend(cells[MOTION].iter().map(|x| f64::from(*x)));
+        }
+        let flags = chain.flags();
+        (
+            motion,
+            chain.messages().join("\n"),
+            flags,
+            chain.has_stopped(),
+        )
+    };
+    let (plain, _, _, _) = shown(false, None);
+    let (watched, said, flags, _) = shown(true, None);
+    assert!(said.is_empty() && flags == [0.0; 2], "{said}");
+    // Behind the low-pass, as without the monitor, but for the first sample, which has no motion.
+    let given =
+        |motion: &[f64]| -> Vec<f64> { motion.iter().copied().filter(|x| x.is_finite()).collect() };
+    let apart = apart(&[given(&watched)], &[given(&plain)]);
+    assert!(apart < SHOWN, "{apart:e}");
+    for limb in 0..LIMBS.len() {
+        for value in [known.parameters.zero_drift_v[limb], f64::NAN] {
+            let (_, said, flags, has_stopped) = shown(true, Some((limb, value)));
+            let named = said.contains(&format!("decoded without limb {} from", limb + 1));
+            assert!(
+                named && flags == [(limb + 1) as f64, 0.0],
+                "limb {}, {value}: {flags:?}, {said}",
+                limb + 1
+            );
+            assert!(!has_stopped, "{said}");
         }
     }
 }
