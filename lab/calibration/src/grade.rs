@@ -185,6 +185,7 @@ pub(crate) fn reservations(
             ));
         }
     }
+    reservations.extend(session.sensor.odd_lengths());
     if !rig_is_known {
         reservations.push(
             "state the rig's stroke_mm and rotation_amplitude_deg in [rig]: nothing else checks the scaling of the standards"

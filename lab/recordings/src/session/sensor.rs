@@ -7,6 +7,11 @@ use sixaxis_core::{Geometry, InertiaPerMass, Parameters};
 /// Limbs of the sensor, each with a channel.
 pub const LIMBS: usize = 9;
 
+/// Largest factor, either way, between limbs and half edges of a sensor. Limbs lie along the mass's faces, from their middles to the shell beyond
+/// their edges, so that one is about as long as the other: 25.5 and 21 mm in the paper. Beyond the root of ten they are nearer to each other with
+/// one decimal point moved.
+const LIKELY: f64 = 3.0;
+
 /// What is known of the sensor without identification.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -67,6 +72,22 @@ impl SensorCard {
             limb_length_m: self.limb_length_mm * 1e-3,
             half_edge_m: self.half_edge_mm * 1e-3,
         }
+    }
+
+    /// What is odd about the lengths, if they are not those of one sensor. Of trials only the second order shows how long limbs are.
+    #[must_use]
+    pub fn odd_lengths(&self) -> Option<String> {
+        let Self {
+            limb_length_mm,
+            half_edge_mm,
+            ..
+        } = self;
+        let ratio = limb_length_mm / half_edge_mm;
+        (!(1.0 / LIKELY..=LIKELY).contains(&ratio)).then(|| {
+            format!(
+                "limb_length_mm is {limb_length_mm} and half_edge_mm {half_edge_mm}, which are about the same in this kind of sensor, and no trial shows a wrong limb_length_mm: check both against the drawing"
+            )
+        })
     }
 
     /// The sensor's design values as parameters, with a zero drift of 0 V.

@@ -394,3 +394,29 @@ fn inv_delays_that_are_stated_and_there_leave_a_good_day() {
     assert_eq!(code, 0, "{said}");
     assert!(said.contains("by the joint fit"), "{said}");
 }
+
+/// No trial shows how long limbs are but in second order: the day was called good.
+#[test]
+fn neg_a_lost_decimal_point_in_a_length_is_a_reservation() {
+    for (name, key, slipped) in [
+        (
+            "short-limbs",
+            "limb_length_mm = 25.5",
+            "limb_length_mm = 2.55",
+        ),
+        (
+            "long-limbs",
+            "limb_length_mm = 25.5",
+            "limb_length_mm = 255.0",
+        ),
+    ] {
+        let (code, said) = calibrated(name, |s| s.replace(key, slipped));
+        assert_eq!(code, 3, "{name}: {said}");
+        assert!(said.contains("check both against the drawing"), "{said}");
+    }
+    let (code, said) = calibrated("other-limbs", |s| {
+        s.replace("limb_length_mm = 25.5", "limb_length_mm = 20.0")
+    });
+    assert_eq!(code, 0, "{said}");
+    assert!(!said.contains("against the drawing"), "{said}");
+}
