@@ -155,6 +155,14 @@ impl AidedDecoupler {
         taken
     }
 
+    /// How far what is known of an earlier sample of the block is from what was decoded, before it is used:
+    /// [`ErrorFilter::departure`] of its first measurement.
+    #[must_use]
+    pub fn departure(&self, aid: &Aid, sample: &SixAxis) -> Option<f64> {
+        let [measurement, _] = aid.against(sample, self.velocity, self.down);
+        self.filter.departure(&measurement?)
+    }
+
     /// Goes on without the channels of these limbs, from the next sample on.
     ///
     /// # Errors

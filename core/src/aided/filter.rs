@@ -3,7 +3,7 @@
 use core::ops::Range;
 
 use glam::{DMat3, DVec3};
-use nalgebra::SMatrix;
+use nalgebra::{Matrix3, SMatrix};
 
 use super::aid::Measurement;
 use super::bending::{self, BENT_BY, Bending};
@@ -49,6 +49,12 @@ pub(super) fn change(covariance: &mut ErrorCovariance, by: &Dynamics) {
     covariance
         .fixed_columns_mut::<DYNAMIC>(0)
         .copy_from(&columns);
+}
+
+/// The square of an innovation, by the inverse of its covariance.
+fn size(measurement: &Measurement, weight: &Matrix3<f64>) -> f64 {
+    let innovation = measurement.decoded_less_measured;
+    (innovation.transpose() * weight * innovation)[(0, 0)]
 }
 
 /// An error-state Kalman filter without the errors themselves: they are taken off the decoupler as soon as they are known.
@@ -198,6 +204,28 @@ impl ErrorFilter {
             .copy_from(&columns);
     }
 
+    /// The square of a measurement's innovation over its covariance: chi square with three degrees of freedom where all is as stated. None
+    /// where nothing that the covariance says of the attitude is to be believed, or the innovation has no covariance.
+    #[must_use]
+    pub fn departure(&self, measurement: &Measurement) -> Option<f64> {
+        let (_, scatter) = self.scatter(measurement);
+        let weight = scatter.try_inverse().filter(|_| !self.lost)?;
+        Some(size(measurement, &weight))
+    }
+
+    /// Covariance of a measurement, with what errors have bent, and that of its innovation.
+    fn scatter(&self, measurement: &Measurement) -> (Matrix3<f64>, Matrix3<f64>) {
+        let p = &self.covariance;
+        let mut measured = measurement.covariance;
+        if measurement.place == VELOCITY {
+            let bent = self.bending.variance_m2_s2(&bending::covariance(p));
+            measured += Matrix3::identity() * bent;
+        }
+        let place = measurement.place;
+        let known = p.fixed_view::<3, 3>(place, place).into_owned();
+        (measured, known + measured)
+    }
+
     /// Takes a measurement, or none: one whose innovation happens once in a thousand times or less contradicts what was known. Unless it
     /// insists it is not used; if it does, it counts as if it were so much less certain that it would just not contradict.
     pub fn take(&mut self, measurement: &Measurement) -> Option<Correction> {
@@ -211,15 +239,10 @@ impl ErrorFilter {
         }
         let p = &self.covariance;
         let shows = p.fixed_rows::<3>(measurement.place).into_owned();
-        let mut measured = measurement.covariance;
-        if measurement.place == VELOCITY {
-            let bent = self.bending.variance_m2_s2(&bending::covariance(p));
-            measured += SMatrix::<f64, 3, 3>::identity() * bent;
-        }
-        let scatter = shows.fixed_columns::<3>(measurement.place).into_owned() + measured;
+        let (mut measured, scatter) = self.scatter(measurement);
         let mut weight = scatter.try_inverse()?;
         let innovation = measurement.decoded_less_measured;
-        let size = (innovation.transpose() * weight * innovation)[(0, 0)];
+        let size = size(measurement, &weight);
         let contradicts = size > ONE_OF_A_THOUSAND;
         if !size.is_finite() || (contradicts && !measurement.insists) {
             return None;

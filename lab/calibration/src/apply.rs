@@ -13,6 +13,7 @@
 //! | [`conditioning_stream`] | delays, the amplifier's high-pass, a low-pass, as streams |
 //! | [`aids`] | what the user knows of the motion beside the recording |
 //! | [`aided`] | a decoder that uses it, each at its time |
+//! | `attitude_agreement` | whether a file's attitudes are those that the channels show |
 //! | [`attitude`] | how well the attitude is known |
 //! | [`attitude_summary`] | what became of it |
 //! | [`columns`] | which columns are written, in which axes |
@@ -37,6 +38,7 @@
 pub mod aided;
 pub mod aids;
 pub mod attitude;
+pub mod attitude_agreement;
 pub mod attitude_summary;
 pub mod axis_noise;
 pub mod check_grade;

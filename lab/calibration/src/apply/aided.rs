@@ -10,6 +10,7 @@ use sixaxis_core::{LimbSet, SixAxis};
 
 use super::Row;
 use super::aids::{AidChoice, Fix, fixes};
+use super::attitude_agreement::{Agreement, Contradiction};
 use super::attitude_summary::{AttitudeSummary, Used};
 
 /// From one measurement of the velocity to the next are 0.5 to 1.5 of the stated time, each time this share of it further on, so that
@@ -32,7 +33,8 @@ pub struct Aided {
     velocity: Option<Velocity>,
     fixes: VecDeque<Fix>,
     /// A fix of this block, with what was decoded at its time.
-    pending: Option<(SixAxis, Aid)>,
+    pending: Option<(SixAxis, Fix)>,
+    agreement: Option<Agreement>,
 }
 
 impl Aided {
@@ -56,6 +58,7 @@ impl Aided {
             velocity: None,
             fixes: VecDeque::new(),
             pending: None,
+            agreement: None,
         };
         for (place, choice) in aids.iter().enumerate() {
             let same =
@@ -86,7 +89,10 @@ impl Aided {
                 AidChoice::Attitude {
                     file,
                     deviation_deg,
-                } => new.fixes = fixes(file, *deviation_deg)?,
+                } => {
+                    new.fixes = fixes(file, *deviation_deg)?;
+                    new.agreement = Some(Agreement::new(file, new.decoder.clone()));
+                }
             }
         }
         Ok(new)
@@ -98,6 +104,9 @@ impl Aided {
     /// Those of [`AidedDecoupler::set_excluded`].
     pub(super) fn set_excluded(&mut self, limbs: LimbSet) -> sixaxis_core::Result<()> {
         self.decoder.set_excluded(limbs)?;
+        if let Some(agreement) = &mut self.agreement {
+            agreement.set_excluded(limbs)?;
+        }
         if let Some(rests) = &mut self.rests {
             rests.set_excluded(limbs);
         }
@@ -121,6 +130,22 @@ impl Aided {
     /// Attitudes whose time no sample has reached, or behind which the recording ended before they were used.
     pub(super) fn unused(&self) -> u64 {
         self.fixes.len() as u64 + u64::from(self.pending.is_some())
+    }
+
+    /// Takes the next nine voltages and returns the sample before them, once there are three.
+    ///
+    /// # Errors
+    /// Those of [`AidedDecoupler::push`].
+    pub(super) fn push(&mut self, voltage_v: &Row) -> sixaxis_core::Result<Option<SixAxis>> {
+        if let Some(agreement) = &mut self.agreement {
+            agreement.push(voltage_v);
+        }
+        self.decoder.push(voltage_v)
+    }
+
+    /// What is wrong with the attitudes of its file so far, or when the recording has ended.
+    pub(super) fn contradiction(&self, ended: bool) -> Option<Contradiction> {
+        self.agreement.as_ref()?.contradiction(ended)
     }
 
     /// Uses what is known of a decoded sample; whether a block ends there.
@@ -148,19 +173,20 @@ impl Aided {
                 continue;
             }
             used.unused += u64::from(self.pending.is_some());
-            let back = DQuat::from_scaled_axis(-late_s * sample.rate_shell_rad_s);
-            let then = SixAxis {
-                attitude: sample.attitude * back,
-                ..*sample
-            };
-            self.pending = Some((then, fix.aid));
+            if let Some(agreement) = &mut self.agreement {
+                agreement.look_alone(&fix, late_s);
+            }
+            self.pending = Some((turned_back(sample, late_s), fix));
         }
     }
 
     /// Uses what is known at the end of a block, if anything: an attitude first, since what was decoded at its time is not corrected since.
     fn use_all(&mut self, block: &Block, time_s: f64, summary: &mut AttitudeSummary) {
-        if let Some((then, aid)) = self.pending.take() {
-            summary.attitude.count(self.decoder.aid_of(&aid, &then));
+        if let Some((then, fix)) = self.pending.take() {
+            if let Some(agreement) = &mut self.agreement {
+                agreement.look_aided(&self.decoder, &fix, &then);
+            }
+            summary.attitude.count(self.decoder.aid_of(&fix.aid, &then));
         }
         if let Some(rest) = self.rests.as_mut().and_then(|rests| rests.push(block)) {
             summary.rest.count(self.decoder.aid(&rest));
@@ -177,5 +203,14 @@ impl Aided {
                 summary.velocity.count(self.decoder.aid(&velocity.aid));
             }
         }
+    }
+}
+
+/// A sample as it was this much earlier, s, by its rate.
+pub(super) fn turned_back(sample: &SixAxis, earlier_s: f64) -> SixAxis {
+    let back = DQuat::from_scaled_axis(-earlier_s * sample.rate_shell_rad_s);
+    SixAxis {
+        attitude: sample.attitude * back,
+        ..*sample
     }
 }

@@ -82,6 +82,8 @@ impl FromStr for AidChoice {
 /// An attitude at a time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fix {
+    /// Its place in the file, from 1.
+    pub number: usize,
     /// On the recording's clock, s.
     pub time_s: f64,
     /// What is known then.
@@ -107,22 +109,26 @@ pub fn fixes(path: &Path, deviation_deg: f64) -> Result<VecDeque<Fix>> {
         for row in 0..columns.column(0).len() {
             let [time_s, w, x, y, z] = core::array::from_fn(|k| columns.column(k)[row]);
             let attitude = DQuat::from_xyzw(x, y, z, w);
-            let at = fixes.len() + 1;
+            let number = fixes.len() + 1;
             ensure!(
                 (attitude.length() - 1.0).abs() < UNIT,
-                "{place}: attitude {at}: a quaternion of length {:.3}, and rotations have 1",
+                "{place}: attitude {number}: a quaternion of length {:.3}, and rotations have 1",
                 attitude.length()
             );
             ensure!(
                 time_s > last_s,
-                "{place}: attitude {at}: its time, {time_s} s, is not after the one before"
+                "{place}: attitude {number}: its time, {time_s} s, is not after the one before"
             );
             last_s = time_s;
             let aid = Aid::Attitude {
                 attitude: attitude.normalize(),
                 deviation_rad: deviation_deg.to_radians(),
             };
-            fixes.push_back(Fix { time_s, aid });
+            fixes.push_back(Fix {
+                number,
+                time_s,
+                aid,
+            });
         }
     }
     ensure!(!fixes.is_empty(), "{place}: no attitudes in it");

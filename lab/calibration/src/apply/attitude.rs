@@ -10,6 +10,7 @@ use sixaxis_core::{Decoupler, LimbSet, Settings, SixAxis};
 
 use super::Row;
 use super::aided::Aided;
+use super::attitude_agreement::Contradiction;
 use super::attitude_summary::AttitudeSummary;
 use super::columns::Columns;
 
@@ -269,6 +270,14 @@ impl AttitudeStream {
         }
     }
 
+    /// What is wrong with the attitudes that it is told so far, or when the recording has ended.
+    pub(super) fn contradiction(&self, ended: bool) -> Option<Contradiction> {
+        match &self.how {
+            How::Aided(aided) => aided.contradiction(ended),
+            How::Beside(_) | How::Smoothed(_) => None,
+        }
+    }
+
     fn looks_for_rests(&self) -> bool {
         matches!(&self.how, How::Aided(aided) if aided.looks_for_rests())
     }
@@ -313,7 +322,7 @@ impl How {
     fn push(&mut self, voltage_v: &Row) -> sixaxis_core::Result<Option<SixAxis>> {
         match self {
             Self::Beside(_) => Ok(None),
-            Self::Aided(aided) => aided.decoder.push(voltage_v),
+            Self::Aided(aided) => aided.push(voltage_v),
             Self::Smoothed(second) => second.push(voltage_v),
         }
     }

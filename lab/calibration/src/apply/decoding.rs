@@ -9,6 +9,7 @@ use sixaxis_recordings::Block;
 
 use super::Row;
 use super::attitude::AttitudeStream;
+use super::attitude_agreement::Contradiction;
 use super::attitude_summary::AttitudeSummary;
 use super::columns::{Columns, DEVIATIONS};
 use super::coordination::Coordination;
@@ -135,6 +136,13 @@ impl Decoding {
     #[must_use]
     pub fn attitude(&self) -> Option<&AttitudeSummary> {
         self.attitude.as_ref().map(AttitudeStream::summary)
+    }
+
+    /// Refuses attitudes from a file that contradict the channels so far, or when the recording has ended.
+    pub(super) fn check_attitudes(&self, ended: bool) -> Result<(), Contradiction> {
+        let attitude = self.attitude.as_ref();
+        let found = attitude.and_then(|attitude| attitude.contradiction(ended));
+        found.map_or(Ok(()), Err)
     }
 
     /// Queues the stamps of the next samples, which may be known before these are ready to be decoded.

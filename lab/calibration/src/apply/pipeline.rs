@@ -75,9 +75,10 @@ pub fn pass(
             // A filter may hold samples back; their stamps wait with the decoder.
             decoding.stamps(stamps);
             stamps.clear();
-            decoding
-                .decode(voltage_v, &mut block)
-                .map_err(|error| explain(&error, &place, &names))?;
+            let decoded = decoding.decode(voltage_v, &mut block);
+            // Wrong attitudes may be what nothing can be decoded with.
+            decoding.check_attitudes(decoded.is_err())?;
+            decoded.map_err(|error| explain(&error, &place, &names))?;
             decode_time += started.elapsed();
             advance(voltage_v[0].len() as u64);
             Ok(to_write.send(block).is_ok())
@@ -110,6 +111,7 @@ pub fn pass(
                 decode(part, &mut stamps)?;
             }
         }
+        decoding.check_attitudes(true)?;
         drop(to_write);
         let (sink, write_time) = join(writer)?;
         busy.read_s = read_time.as_secs_f64();

@@ -230,7 +230,7 @@ fn ref_rests_and_attitudes_keep_ground_axes_within_six_deviations() {
     assert_eq!(rows, recorded().truth.len() - 2, "every row is given");
     assert_eq!(used(&said, "attitude"), seen);
 
-    // Attitudes of another motion contradict everything: they are counted, not believed in silence.
+    // Attitudes of another motion contradict everything: nobody knows the ground's axes.
     let turned = std::fs::read_to_string(&fixes).expect("reads");
     let backwards: Vec<&str> = turned.lines().skip(1).collect();
     let times = backwards
@@ -249,13 +249,17 @@ fn ref_rests_and_attitudes_keep_ground_axes_within_six_deviations() {
         format!("time [s],qw,qx,qy,qz\n{}\n", lines.join("\n")),
     )
     .expect("writes");
-    let (_, said) = decoupled("wrong.parquet", &["--aid", &aid]);
-    let refused = said["attitude"]["attitude"]["refused"]
-        .as_u64()
-        .expect("a number");
-    assert!(refused > 5, "{refused}");
-    let warned = said["warnings"].to_string();
-    assert!(warned.contains("attitudes contradict"), "{warned}");
+    let (calibration, path) = (calibration(), recorded().path());
+    let out = recorded().folder.join("wrong.parquet");
+    let first = ["decouple", &calibration, text(&path), "--down", "0,0,-1"];
+    let last = ["--gain", &recorded().gains, "--aid", &aid];
+    let output = run(&[&first[..], &last, &["--out", text(&out)]].concat());
+    assert!(
+        !output.status.success() && stderr(&output).contains("camera.csv: attitude 1, at "),
+        "{}",
+        stderr(&output)
+    );
+    assert!(!out.exists());
 
     // Between samples, before and after the recording, and with rests beside.
     let mut lines = "time [s],qw,qx,qy,qz\n-3,1,0,0,0\n".to_owned();

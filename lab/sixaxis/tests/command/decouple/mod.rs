@@ -2,6 +2,7 @@
 
 mod attitude;
 mod clocks;
+mod conventions;
 mod deviations;
 mod excluded_limbs;
 mod forms;
