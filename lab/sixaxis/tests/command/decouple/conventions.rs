@@ -1,6 +1,6 @@
 //! `--aid attitude`: attitudes in another convention than the one that is asked for, and good ones with noise.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use glam::{DQuat, DVec3};
 use rand::{RngExt, SeedableRng};
@@ -77,7 +77,7 @@ impl Recorded {
     }
 
     /// Decouples it with these attitudes; whether it is done, and what is said.
-    fn decoupled(&self, camera: &PathBuf, deviation_deg: f64, more: &[&str]) -> (bool, String) {
+    fn decoupled(&self, camera: &Path, deviation_deg: f64, more: &[&str]) -> (bool, String) {
         let (path, out) = (self.folder.join("ride.csv"), self.folder.join("out.csv"));
         let calibration = calibration();
         let aid = format!("attitude={},{deviation_deg}", text(camera));

@@ -173,6 +173,7 @@ fn neg_the_panel_s_low_pass_does_not_hide_which_limb_has_died() {
     let entry = file.entry(&compound()).expect("an entry");
     let of_all = file.session.sensor.gain_n_per_v;
     let (volts, rate_hz) = voltages();
+    let samples = 0..volts[0].len();
     let onset = (SHARE * volts[0].len() as f64) as usize;
     // What is shown of the motion, and what is said of the limbs.
     let shown = |watch: bool, failing: Option<(usize, f64)>| {
@@ -190,7 +191,7 @@ fn neg_the_panel_s_low_pass_does_not_hide_which_limb_has_died() {
         };
         chain.restart(&choice).expect("begins");
         let mut motion = Vec::new();
-        for sample in 0..volts[0].len() {
+        for sample in samples.clone() {
             let mut row = core::array::from_fn(|limb| volts[limb][sample]);
             if let Some((limb, value)) = failing
                 && sample >= onset
