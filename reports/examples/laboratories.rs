@@ -32,7 +32,7 @@ fn study(first: u64, count: u64) -> Result<Laboratories, String> {
     };
     let silent = |_: &str, _, _| {};
     let say = |error: anyhow::Error| format!("{error:#}");
-    let simulations = simulations::simulate(&plan, &silent).map_err(say)?;
+    let simulations = simulations::simulate_recorded(&plan, &silent).map_err(say)?;
     let result = laboratories::study(&simulations, first, count, &silent).map_err(say)?;
     println!(
         "largest of 18 cells, seeds {first} to {}",

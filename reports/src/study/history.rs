@@ -44,7 +44,7 @@ pub fn study(
         };
         let case = Case {
             run: run.clone(),
-            halved: run.clone(),
+            halved: None,
             index,
             mounting: Mounting::AxisVertical,
             laboratory,

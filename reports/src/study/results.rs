@@ -143,7 +143,7 @@ pub struct Compound {
     pub amplitude: [f64; 6],
     /// Comparisons; errors are the largest over the whole run, over that axis' peak.
     pub comparisons: Vec<Comparison>,
-    /// Change of the truth-to-decoupled difference when the simulator's step is halved, over the peak.
+    /// Change of the truth-to-decoupled difference when the simulator's step is halved, over the peak; NaN where that was not simulated.
     pub reference_error: [f64; 6],
 }
 

@@ -27,7 +27,7 @@ pub struct Simulations {
     pub campaign_coarse: Vec<(PlannedTrial, SimulatedRun)>,
     /// Tables 4 to 6 at the compound step.
     pub compound: Vec<SimulatedRun>,
-    /// The same at half the step.
+    /// The same at half the step; empty if not asked for.
     pub compound_halved: Vec<SimulatedRun>,
     /// Tables 4 to 6 with the axis level.
     pub axis_level: Vec<SimulatedRun>,
@@ -212,7 +212,23 @@ fn tasks(plan: &Plan) -> Vec<Task> {
 /// # Errors
 /// The first simulation that fails, by name.
 pub fn simulate(plan: &Plan, progress: &Progress<'_>) -> Result<Simulations> {
-    let mut tasks = tasks(plan);
+    run_all(tasks(plan), progress)
+}
+
+/// Simulates only what a laboratory records: the trials of the steps, and the compound runs of Tables 4 to 6 at the usual step.
+///
+/// # Errors
+/// Those of [`simulate`].
+pub fn simulate_recorded(plan: &Plan, progress: &Progress<'_>) -> Result<Simulations> {
+    let recorded = |task: &Task| match task {
+        Task::Run { list, .. } => matches!(list, List::Campaign | List::Compound),
+        Task::Sweep { .. } | Task::RingDown { .. } => false,
+    };
+    let tasks = tasks(plan).into_iter().filter(recorded).collect();
+    run_all(tasks, progress)
+}
+
+fn run_all(mut tasks: Vec<Task>, progress: &Progress<'_>) -> Result<Simulations> {
     // Longest first, each to the thread that is free next, so that none is left alone with a long run at the end.
     tasks.sort_by_key(|task| core::cmp::Reverse(task.steps()));
     let total = tasks.iter().map(Task::steps).sum();
