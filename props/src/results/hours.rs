@@ -32,7 +32,7 @@ pub struct Hours {
 pub struct MujocoHours {
     /// MuJoCo's step, s.
     pub step_s: f64,
-    /// What half of it changes.
+    /// What half of it changes; nothing in a sample, as it would take as long as all else.
     pub halved: Vec<Halved>,
     /// Errors and deviations.
     pub hours: Hours,
