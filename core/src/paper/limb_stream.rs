@@ -60,10 +60,6 @@ impl LimbStream {
         })
     }
 
-    pub(crate) fn chain(&self) -> &SignalChain {
-        &self.chain
-    }
-
     /// The drawing that the stream works with.
     #[must_use]
     pub fn geometry(&self) -> &Geometry {

@@ -7,6 +7,7 @@
 //! |---|---|
 //! | [`influence`] | how an estimate answers to a change of one of its rows: steps 2, 3 and 4 |
 //! | [`parameters`] | the chain: each step uses the earlier ones, and their errors with them |
+//! | [`error_model`] | what errors of parameters and rate do to force and torque at once |
 //! | [`samples`] | the stream: the accelerations' standard deviations, sample by sample |
 //!
 //! The preprocessing between raw samples and rows is linear, too; its transposes are in `dsp::transposed`.
@@ -15,10 +16,12 @@
 //! 60 dB. Compliance enters where noise is differentiated twice, and not in the sensitivities, which below 5 Hz it changes
 //! by a millionth.
 
+pub mod error_model;
 pub mod influence;
 pub mod parameters;
 mod root;
 pub mod samples;
 
+pub use error_model::{ChannelNoise, ErrorModel};
 pub use parameters::{Chain, Covariance};
-pub use samples::{ChannelNoise, SampleUncertainty, Spread};
+pub use samples::{SampleUncertainty, Spread};

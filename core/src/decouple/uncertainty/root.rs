@@ -2,21 +2,18 @@
 
 use nalgebra::SMatrix;
 
+use super::error_model::PARAMETRIC;
 use super::parameters::Covariance;
 use crate::error::{Result, require, require_not_negative};
 use crate::float::sqrt;
-use crate::parameter::INERTIA;
-
-/// Parameters whose errors are carried to samples: all but the compliance.
-pub(super) const CARRIED: usize = INERTIA.end;
 
 /// Correlation that rounding may leave of a direction that is not there.
 const SINGULAR: f64 = 1e-12;
 
-/// A square root L L^T of the covariance of the parameters that are carried: Cholesky on the correlations, in which
+/// A square root L L^T of the covariance of the parameters whose errors matter: Cholesky on the correlations, in which
 /// directions without variance are left out, so that parameters known exactly or bound together do no harm.
-pub(super) fn square_root(covariance: &Covariance) -> Result<SMatrix<f64, CARRIED, CARRIED>> {
-    let mut deviation = [0.0; CARRIED];
+pub(super) fn square_root(covariance: &Covariance) -> Result<SMatrix<f64, PARAMETRIC, PARAMETRIC>> {
+    let mut deviation = [0.0; PARAMETRIC];
     for (i, d) in deviation.iter_mut().enumerate() {
         let variance = covariance[(i, i)];
         require_not_negative("variance of a parameter", variance)?;
@@ -29,9 +26,9 @@ pub(super) fn square_root(covariance: &Covariance) -> Result<SMatrix<f64, CARRIE
             0.0
         }
     };
-    let mut root = SMatrix::<f64, CARRIED, CARRIED>::zeros();
-    for j in 0..CARRIED {
-        for i in j..CARRIED {
+    let mut root = SMatrix::<f64, PARAMETRIC, PARAMETRIC>::zeros();
+    for j in 0..PARAMETRIC {
+        for i in j..PARAMETRIC {
             let before: f64 = (0..j).map(|k| root[(i, k)] * root[(j, k)]).sum();
             let left = correlation(i, j) - before;
             root[(i, j)] = if i == j {

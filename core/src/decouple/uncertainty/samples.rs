@@ -22,40 +22,19 @@
 use glam::{DMat3, DQuat, DVec3};
 use nalgebra::SMatrix;
 
+use super::error_model::{ChannelNoise, ErrorModel, PARAMETRIC};
 use super::parameters::Covariance;
-use super::root::{CARRIED, square_root};
+use super::root::square_root;
 use crate::columns::{column, cross, matrix, stacked};
 use crate::error::{Error, Result, require, require_finite};
 use crate::float::sqrt;
-use crate::geometry::{DIRECTIONS_SHELL, LIMBS};
+use crate::geometry::LIMBS;
 use crate::limb_set::LimbSet;
-use crate::model::{InertiaPerMass, Model, Parameters, Sensor, Settings};
-use crate::paper::limb_stream::LimbStream;
+use crate::model::{InertiaPerMass, Parameters, Sensor, Settings};
 use crate::paper::pose::Pose;
 use crate::parameter::{DRIFT, INERTIA, SCALE};
 use crate::redundancy::reconstruction::Reconstruction;
 use crate::six_axis::SixAxis;
-
-/// Noise of the nine voltages as the decoupler sees them.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ChannelNoise {
-    /// Standard deviation of the white noise of one sample, before any filter, V.
-    pub white_v: [f64; LIMBS],
-    /// Correlation, over the white variance, of a sample with itself, its neighbour and the one after it: what a filter
-    /// without gain at zero frequency makes of white noise. 1, 0, 0 without one.
-    pub correlation: [f64; 3],
-}
-
-impl ChannelNoise {
-    /// Noise that no filter has changed.
-    #[must_use]
-    pub const fn white(white_v: [f64; LIMBS]) -> Self {
-        Self {
-            white_v,
-            correlation: [1.0, 0.0, 0.0],
-        }
-    }
-}
 
 /// Standard deviations of one decoupled sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -99,16 +78,9 @@ struct Cause {
 /// No allocation, no panic, constant work per sample.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SampleUncertainty {
-    limbs: LimbStream,
-    sensitivity: [f64; LIMBS],
-    excluded: LimbSet,
-    /// Force and torque, shell axes, per force of each limb.
-    wrench: [[DVec3; 2]; LIMBS],
-    preload_force: DVec3,
-    tensor: DMat3,
-    inverse: DMat3,
+    model: ErrorModel,
     step_s: f64,
-    causes: [Cause; CARRIED],
+    causes: [Cause; PARAMETRIC],
     /// Covariance that the voltages' noise has left in (dw*, dphi) up to the sample before.
     noise: SMatrix<f64, 6, 6>,
     /// Of the torque's noise, over I/m: what integrates.
@@ -119,10 +91,6 @@ pub struct SampleUncertainty {
     shared: SMatrix<f64, 3, 6>,
     /// w* at the sample before.
     rate_before: Option<DVec3>,
-}
-
-fn tensor_of(entries: [f64; 6]) -> DMat3 {
-    InertiaPerMass::from_paper_order(entries).matrix_mass_m2()
 }
 
 impl SampleUncertainty {
@@ -142,62 +110,47 @@ impl SampleUncertainty {
         noise: &ChannelNoise,
     ) -> Result<Self> {
         // Every argument that the decoupler has, too, is checked as it checks it.
-        let limbs = LimbStream::new(&Model::new(sensor, parameters, settings)?)?;
+        let mut model = ErrorModel::new(sensor, parameters, settings, noise)?;
         for value in noise.white_v.into_iter().chain(noise.correlation) {
             require_finite("channel noise", value)?;
         }
         for value in noise.white_v {
             require(value >= 0.0, "channel noise", value, "not negative")?;
         }
-        let sensitivity = *limbs.chain().sensitivity_m_s2_per_v();
-        let reconstruction =
-            Reconstruction::new(excluded)?.with_stiffness(&settings.stiffness_ratio);
-        let wrench = reconstruction.wrenches(&sensor.geometry.arms_m());
-        let tensor = parameters.inertia_per_mass.matrix_mass_m2();
-        let inverse = tensor.inverse();
-        let step_s = 1.0 / settings.sample_rate_hz;
+        model.set_excluded(excluded)?;
         let root = square_root(covariance)?;
         let causes = core::array::from_fn(|j| {
             let column = root.column(j);
+            let inertia = core::array::from_fn(|i| column[INERTIA.start + i]);
             let mut cause = Cause {
                 drift_torque: DVec3::ZERO,
                 drift_force: DVec3::ZERO,
                 scale: core::array::from_fn(|i| {
                     column[SCALE.start + i] / parameters.scale_per_mass_per_kg[i]
                 }),
-                inertia_m2: tensor_of(core::array::from_fn(|i| column[INERTIA.start + i])),
+                inertia_m2: InertiaPerMass::from_paper_order(inertia).matrix_mass_m2(),
                 rate: DVec3::ZERO,
                 derivative: DVec3::ZERO,
                 turn: DVec3::ZERO,
             };
-            for i in 0..LIMBS {
-                let force = -sensitivity[i] * column[DRIFT.start + i];
-                cause.drift_force += wrench[i][0] * force;
-                cause.drift_torque += wrench[i][1] * force;
+            for (i, [along, about]) in model.wrench.into_iter().enumerate() {
+                let force = -model.chain.sensitivity_m_s2_per_v()[i] * column[DRIFT.start + i];
+                cause.drift_force += along * force;
+                cause.drift_torque += about * force;
             }
             cause
         });
-        let mut preload_force = DVec3::ZERO;
-        for (e, f) in DIRECTIONS_SHELL.iter().zip(limbs.preload_m_s2()) {
-            preload_force += *e * *f;
-        }
         let mut stream = Self {
-            sensitivity,
-            excluded,
-            wrench,
-            preload_force,
-            tensor,
-            inverse,
-            step_s,
+            model,
+            step_s: 1.0 / settings.sample_rate_hz,
             causes,
             noise: SMatrix::zeros(),
             torque_noise: SMatrix::zeros(),
             direct: SMatrix::zeros(),
             shared: SMatrix::zeros(),
             rate_before: None,
-            limbs,
         };
-        stream.add_noise(sensor, parameters, &reconstruction, noise)?;
+        stream.add_noise(sensor, parameters, settings, noise)?;
         Ok(stream)
     }
 
@@ -206,25 +159,29 @@ impl SampleUncertainty {
         &mut self,
         sensor: &Sensor,
         parameters: &Parameters,
-        reconstruction: &Reconstruction,
+        settings: &Settings,
         noise: &ChannelNoise,
     ) -> Result<()> {
         let compliance = 1.0 / parameters.stiffness_per_mass_per_s2;
         let per_step2 = 1.0 / (self.step_s * self.step_s);
         let [own, next, after_next] = noise.correlation;
-        for i in (0..LIMBS).filter(|i| !self.excluded.contains(*i)) {
+        let excluded = self.model.excluded();
+        let reconstruction =
+            Reconstruction::new(excluded)?.with_stiffness(&settings.stiffness_ratio);
+        for i in (0..LIMBS).filter(|i| !excluded.contains(*i)) {
             // A probe small enough that the pose is linear in it.
             let probe_m = LINEAR_STRAIN * sensor.geometry.limb_length_m;
             let mut elongation = [0.0; LIMBS];
             elongation[i] = probe_m;
-            for made in self.excluded.indices() {
+            for made in excluded.indices() {
                 elongation[made] = probe_m * reconstruction.share(made, i);
             }
             let pose = Pose::from_elongations(&sensor.geometry, &elongation)?;
             // A volt more is more compression, a shorter limb.
-            let per_volt = -self.sensitivity[i] * compliance / probe_m;
-            let [forced, torque] = self.wrench[i].map(|v| v * self.sensitivity[i]);
-            let turned = self.inverse * torque;
+            let sensitivity = self.model.chain.sensitivity_m_s2_per_v()[i];
+            let per_volt = -sensitivity * compliance / probe_m;
+            let [forced, torque] = self.model.wrench[i].map(|v| v * sensitivity);
+            let turned = self.model.inverse * torque;
             // What the mass's acceleration in the shell takes off, at the neighbours and, twice and the other way, here.
             let moved = stacked(
                 pose.position_shell_m * (per_volt * per_step2),
@@ -254,16 +211,13 @@ impl SampleUncertainty {
         let rotation = sample.attitude;
         let rate = sample.rate_shell_rad_s;
         let derivative = rotation.inverse() * sample.angular_ground_rad_s2;
-        let mut sensed = self.limbs.chain().force_per_mass_m_s2(voltage_v);
-        let mut force = self.preload_force;
-        for (limb, (sensed, [along, _])) in sensed.iter_mut().zip(&self.wrench).enumerate() {
-            if self.excluded.contains(limb) {
-                *sensed = 0.0;
-            }
-            force += *along * *sensed;
-        }
-        // (I/m)^-1 ([I w]x - [w]x I): d(dw*')/d(dw*).
-        let gyroscopic = self.inverse * (cross(self.tensor * rate) - cross(rate) * self.tensor);
+        let sensed = self.model.sensed(voltage_v);
+        // In this order, unlike the model's own sum: published results have its rounding.
+        let limbs = self.model.wrench.iter().zip(&sensed);
+        let force = limbs.fold(self.model.preload_force, |sum, ([along, _], sensed)| {
+            sum + *along * *sensed
+        });
+        let gyroscopic = self.model.gyroscopic(rate);
         let first = self.rate_before.is_none();
         let spread = [
             self.carry(rate, derivative, force, &sensed, &gyroscopic, rotation),
@@ -304,13 +258,13 @@ impl SampleUncertainty {
         for cause in &mut self.causes {
             let (mut torque, mut more_force) = (cause.drift_torque, cause.drift_force);
             let scaled = sensed.iter().zip(cause.scale);
-            for ((force, error), [along, about]) in scaled.zip(&self.wrench) {
+            for ((force, error), [along, about]) in scaled.zip(&self.model.wrench) {
                 let more = force * error;
                 more_force += *along * more;
                 torque += *about * more;
             }
             let lacking = cause.inertia_m2 * derivative + rate.cross(cause.inertia_m2 * rate);
-            let drive = self.inverse * (torque - lacking);
+            let drive = self.model.inverse * (torque - lacking);
             // Heun, as the decoupler itself; the first sample's rate and attitude are given.
             if let Some(before) = self.rate_before {
                 let expected = cause.rate + cause.derivative * h;
