@@ -3,11 +3,12 @@
 use sixaxis_core::identify::compliance::CompliantRows;
 use sixaxis_core::identify::inertia::InertiaIdentification;
 use sixaxis_core::identify::scale::{ScaleIdentification, ScalePerMass};
+use sixaxis_core::paper::limb_stream::LimbSample;
 use sixaxis_core::{Parameters, Scheme};
 
 use super::{Campaign, FourSteps, at, stride};
+use crate::conditioning::Conditioned;
 use crate::error::Result;
-use crate::trial::Trial;
 use sixaxis_recordings::session::Role;
 
 impl Campaign {
@@ -53,18 +54,10 @@ impl Campaign {
 
     fn compliant_scale(&self, parameters: &Parameters) -> sixaxis_core::Result<ScalePerMass> {
         let mut scale = ScaleIdentification::default();
-        for (trial, conditioned) in self.of(Role::Linear) {
-            let mut compliant = self.compliant(trial, parameters)?;
-            let stride = stride(trial) as u64;
-            for voltage in &conditioned.voltage_v {
-                if let Some(now) = compliant.push(voltage)?
-                    && now.sample.is_multiple_of(stride)
-                {
-                    let a = conditioned.linear_ground_m_s2[now.sample as usize];
-                    compliant.push_scale(&mut scale, &now, a)?;
-                }
-            }
-        }
+        self.each_compliant(Role::Linear, parameters, |compliant, now, conditioned| {
+            let a = conditioned.linear_ground_m_s2[now.sample as usize];
+            compliant.push_scale(&mut scale, now, a)
+        })?;
         scale.solve()
     }
 
@@ -73,34 +66,36 @@ impl Campaign {
         parameters: &Parameters,
     ) -> sixaxis_core::Result<InertiaIdentification> {
         let mut inertia = InertiaIdentification::new(self.geometry);
-        for (trial, conditioned) in self.of(Role::Angular) {
-            let mut compliant = self.compliant(trial, parameters)?;
+        self.each_compliant(Role::Angular, parameters, |compliant, now, conditioned| {
+            let t = now.sample as usize;
+            let rate = conditioned.rate_shell_rad_s[t];
+            compliant.push_inertia(&mut inertia, now, rate, conditioned.angular_shell_rad_s2[t])
+        })?;
+        Ok(inertia)
+    }
+
+    /// Hands out the samples of this role's trials that the steps read, with the rows of their recording.
+    fn each_compliant(
+        &self,
+        role: Role,
+        parameters: &Parameters,
+        mut push: impl FnMut(&CompliantRows, &LimbSample, &Conditioned) -> sixaxis_core::Result<()>,
+    ) -> sixaxis_core::Result<()> {
+        for (trial, conditioned) in self.of(role) {
+            let mut compliant = CompliantRows::new(
+                &trial.sensor(self.geometry),
+                parameters,
+                &trial.settings(Scheme::Heun),
+            )?;
             let stride = stride(trial) as u64;
             for voltage in &conditioned.voltage_v {
                 if let Some(now) = compliant.push(voltage)?
                     && now.sample.is_multiple_of(stride)
                 {
-                    compliant.push_inertia(
-                        &mut inertia,
-                        &now,
-                        conditioned.rate_shell_rad_s[now.sample as usize],
-                        conditioned.angular_shell_rad_s2[now.sample as usize],
-                    )?;
+                    push(&compliant, &now, conditioned)?;
                 }
             }
         }
-        Ok(inertia)
-    }
-
-    fn compliant(
-        &self,
-        trial: &Trial,
-        parameters: &Parameters,
-    ) -> sixaxis_core::Result<CompliantRows> {
-        CompliantRows::new(
-            &trial.sensor(self.geometry),
-            parameters,
-            &trial.settings(Scheme::Heun),
-        )
+        Ok(())
     }
 }
