@@ -283,13 +283,15 @@ pub(crate) fn grade(
             }
             _ => String::new(),
         };
-        let mut places: Vec<&str> = findings
-            .iter()
-            .filter(|f| f.cause == first.cause)
-            .flat_map(|f| f.recordings.iter().map(String::as_str))
-            .collect();
-        places.sort_unstable();
-        places.dedup();
+        // In the findings' order, as they stand below.
+        let mut places: Vec<&str> = Vec::new();
+        for finding in findings.iter().filter(|f| f.cause == first.cause) {
+            for name in &finding.recordings {
+                if !places.contains(&name.as_str()) {
+                    places.push(name);
+                }
+            }
+        }
         let place = in_a_sentence(&places).map_or(String::new(), |place| format!(" in {place}"));
         return (
             Grade::Bad,

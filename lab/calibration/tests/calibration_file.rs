@@ -135,6 +135,7 @@ fn main() {
         .chain(&PARAMETERS.zero_drift_v)
         .chain(&PARAMETERS.scale_per_mass_per_kg)
         .chain(&PARAMETERS.inertia_per_mass.0)
+        .chain(&STIFFNESS_RATIO)
         .chain(AMPLIFIER_HIGH_PASS_HZ.as_slice())
         .chain(LIMBS_LAG_US.as_slice().as_flattened());
     for number in all {
@@ -195,6 +196,11 @@ fn inv_as_a_rust_source_it_compiles_to_the_same_bits() {
         sensor.full_scale_v,
         p.stiffness_per_mass_per_s2,
     ];
+    let ratios = calibration
+        .limbs
+        .as_ref()
+        .map(|limbs| limbs.stiffness_ratio);
+    let ratios = ratios.unwrap_or([1.0; 9]);
     let lags_us = calibration.channels.limbs_lag_us.map(|lags| lags.each());
     let all = numbers
         .iter()
@@ -202,6 +208,7 @@ fn inv_as_a_rust_source_it_compiles_to_the_same_bits() {
         .chain(&p.zero_drift_v)
         .chain(&p.scale_per_mass_per_kg)
         .chain(&p.inertia_per_mass_m2)
+        .chain(&ratios)
         .chain(sensor.amplifier_high_pass_hz.as_slice())
         .chain(lags_us.as_slice().as_flattened());
     let bits: String = all

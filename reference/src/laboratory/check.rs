@@ -101,7 +101,10 @@ fn corner(key: &str, corner_hz: f64, sample_rate_hz: f64) -> Result<(), SessionE
     }
     Err(SessionError::plan(
         key,
-        format!("{corner_hz} is not between 0 and half the sample rate, {sample_rate_hz} Hz"),
+        format!(
+            "{corner_hz} is not between 0 and {}, half the sample rate of {sample_rate_hz} Hz",
+            0.5 * sample_rate_hz
+        ),
     ))
 }
 

@@ -103,17 +103,18 @@ pub(super) fn examine(
     let (_, first) = noticed.first()?;
     let is_alike = noticed.iter().all(|(_, e)| e.motion() == first.motion());
     let is_of_all = noticed.len() == runs.len() && runs.len() > 1;
+    let of_all = (is_alike && is_of_all).then(|| first.motion());
     let times = |of: fn(&Excess) -> f64| {
         let excesses = noticed.iter().map(|(_, excess)| of(excess));
         significant(1.0 + excesses.sum::<f64>() / noticed.len() as f64, 4)
     };
     let (travelling, turning) = (times(|e| e.travelling), times(|e| e.turning));
-    let (why, advice) = match first.motion() {
-        Motion::Turning if is_alike && is_of_all => (
+    let (why, advice) = match of_all {
+        Some(Motion::Turning) => (
             "the angular trials were scaled otherwise than all others, or the gyroscope in compound runs",
             "compare all channels' gain_n_per_v in the angular trials with the amplifier's ranges and with the other recordings, and the gyroscope's sensitivity in compound runs",
         ),
-        Motion::Travelling if is_alike && is_of_all => (
+        Some(Motion::Travelling) => (
             "the linear trials were scaled otherwise than all others, or the accelerometer in compound runs",
             "compare all channels' gain_n_per_v in the linear trials with the amplifier's ranges and with the other recordings, and the accelerometer's sensitivity in compound runs",
         ),
@@ -123,14 +124,11 @@ pub(super) fn examine(
         ),
     };
     let evidence = format!(
-        "decoupled, the channels show {travelling} times what the accelerometer reads of compound runs, and {turning} times what the gyroscope reads: {why}"
+        "decoupled, the channels show {travelling} times the travel and {turning} times the turn of compound runs by accelerometer and gyroscope, with their gains as found: {why}"
     );
     let finding = Finding::new(Cause::WrongScaling, evidence, advice);
-    let is_of_the_trials =
-        is_alike && is_of_all && matches!(first.motion(), Motion::Travelling | Motion::Turning);
-    Some(if is_of_the_trials {
-        finding
-    } else {
-        finding.in_recordings(noticed.into_iter().map(|(name, _)| name))
+    Some(match of_all {
+        Some(Motion::Turning | Motion::Travelling) => finding,
+        _ => finding.in_recordings(noticed.into_iter().map(|(name, _)| name)),
     })
 }

@@ -69,6 +69,9 @@ pub const PARAMETERS: sixaxis_core::Parameters = sixaxis_core::Parameters {{
 /// Share of each limb's force (column) that each channel (row) shows: what `sixaxis_core::CrossTalk` undoes before the decoupler.
 pub const CROSS_TALK: [[f64; {LIMBS}]; {LIMBS}] = {cross_talk:?};
 
+/// Stiffness of each limb over their mean: `sixaxis_core::Settings::stiffness_ratio`, by which limbs that are excluded bear their share.
+pub const STIFFNESS_RATIO: [f64; {LIMBS}] = {stiffness_ratio:?};
+
 /// Limit of the converter, V.
 pub const FULL_SCALE_V: f64 = {full_scale_v:?};
 
@@ -92,6 +95,10 @@ pub const LIMBS_LAG_US: Option<[f64; {LIMBS}]> = {limbs_lag_us:?};
                 .limbs
                 .as_ref()
                 .map_or([[0.0; LIMBS]; LIMBS], |limbs| limbs.cross_talk),
+            stiffness_ratio = self
+                .limbs
+                .as_ref()
+                .map_or([1.0; LIMBS], |limbs| limbs.stiffness_ratio),
             full_scale_v = self.sensor.full_scale_v,
             amplifier_high_pass_hz = self.sensor.amplifier_high_pass_hz,
             limbs_lag_us = self.channels.limbs_lag_us.map(|lag| lag.each()),

@@ -196,7 +196,7 @@ impl Clock {
         let standing = self
             .stamps
             .first_not_advancing
-            .map(|sample| fault(sample, "the time stamp does not come after the one before; if stamps are rounded too far, leave them out and state the sample rate"));
+            .map(|sample| fault(sample, "the time stamp does not come after the one before; if stamps are rounded too far, delete their column and state the sample rate, which does not overrule them"));
         let gap = self.stamps.first_gaps.first().map(|gap| StampFault {
             sample: gap.sample,
             cause: format!(

@@ -102,6 +102,17 @@ impl Session {
                 format!("{length_mm}: must be from 1 to 1000, in millimetres")
             })?;
         }
+        // Of a body of 1 to 300 mm; square metres are a million times less.
+        let moments = &sensor.design.inertia_per_mass_mm2[..3];
+        require(
+            moments.iter().all(|i| (1.0..=1e5).contains(i)),
+            "sensor.design.inertia_per_mass_mm2",
+            || {
+                format!(
+                    "{moments:?}: xx, yy and zz must be from 1 to 100000, in square millimetres"
+                )
+            },
+        )?;
         let full_scale_v = sensor.full_scale_v;
         require(
             full_scale_v <= LARGEST_RANGE_V,

@@ -3,7 +3,9 @@
 //! What was suspected of single trials by holding them against the others is worth something only if the others agree. That
 //! they do is for the joint fit to say, to which the trials in question are not shown.
 
-use super::Unaccounted;
+use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
+
+use super::{Unaccounted, agreement, start};
 use crate::finding::Finding;
 use crate::joint::{at_rest, record};
 use crate::trial::Trial;
@@ -53,7 +55,14 @@ fn others_agree(day: &Unaccounted<'_>, certain: &[Finding], suspected: &[Finding
     if aside.is_empty() || aside.len() as f64 > AMONG * (aside.len() + others.len()) as f64 {
         return false;
     }
-    day.accounting(&others, &at_rest(day.drift), &day.start, day.knowledge)
+    // From what most trials agree on: the four steps' answer has the wrong ones in it.
+    let rest = at_rest(day.drift);
+    let agreed = StaticLoadSharing::new(&day.campaign.geometry).ok();
+    let agreed = agreed.and_then(|shares| agreement(&shares, day.cases));
+    let from = agreed.map_or(day.start, |(_, table)| {
+        start(&table, &rest, &day.campaign.design)
+    });
+    day.accounting(&others, &rest, &from, day.knowledge)
         .is_some()
 }
 

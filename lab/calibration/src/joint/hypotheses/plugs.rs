@@ -1,14 +1,15 @@
-//! Plugs that were put in otherwise from one trial on, or all day: two channels exchanged, where limb and piezo come along and the
+//! Plugs that were put in otherwise from one trial on, up to one, or all day: two channels exchanged, where limb and piezo come along and the
 //! amplifier stays, or one with its polarity turned; and two names exchanged in writing, where gains stay with the limbs. Several of these
 //! one after the other put right whatever order they are in.
 //!
 //! Which, and from which trial on, is looked for among the channels' responses, where a pair and a trial cost less than a millisecond; the
 //! joint fit then says whether the trials agree to the noise with these put right.
 
+use core::ops::Range;
 use std::borrow::Cow;
 
 use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
-use sixaxis_core::{Gains, LIMBS};
+use sixaxis_core::{Gains, LIMBS, Parameters};
 
 use super::{Unaccounted, agreeing, agreement, start};
 use crate::diagnosis::table::Table;
@@ -125,11 +126,11 @@ impl Plugs {
     }
 }
 
-/// That, one after the other, in the trials from this one on. Several are exchanges of one kind, all day.
+/// That, one after the other, in the trials from one on or up to one. Several are exchanges of one kind, all day.
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct Replugged {
     plugs: Vec<Plugs>,
-    from: usize,
+    trials: Range<usize>,
 }
 
 impl Replugged {
@@ -189,7 +190,7 @@ pub fn tried(day: &Unaccounted<'_>) -> Option<Finding> {
     let (as_they_are, _) = agreement(&shares, &cases)?;
     let worth_a_fit = |found: &Agreeing| found.cost < WORTH_A_FIT * as_they_are;
     let accounting = |found: Agreeing| accounts(day, &found);
-    one(&shares, &cases)
+    one(&shares, &cases, &day.campaign.design)
         .filter(worth_a_fit)
         .and_then(accounting)
         .or_else(|| {
@@ -208,15 +209,16 @@ fn accounts(day: &Unaccounted<'_>, found: &Agreeing) -> Option<Finding> {
         .iter()
         .enumerate()
         .map(|(index, (trial, _))| {
-            if index < found.from {
-                Cow::Borrowed(trial)
-            } else {
+            if found.trials.contains(&index) {
                 Cow::Owned(found.trial_put_right(trial))
+            } else {
+                Cow::Borrowed(trial)
             }
         })
         .collect();
     let fitted = |trial: &&Cow<'_, Trial>| record(trial).is_some();
-    let all_day = !trials[..found.from].iter().any(|trial| fitted(&trial));
+    let (before, after) = (&trials[..found.trials.start], &trials[found.trials.end..]);
+    let all_day = !before.iter().chain(after).any(|trial| fitted(&trial));
     let mut rest = at_rest(day.drift);
     if all_day {
         for plugs in &found.plugs {
@@ -228,7 +230,8 @@ fn accounts(day: &Unaccounted<'_>, found: &Agreeing) -> Option<Finding> {
     let start = start(table, &rest, &day.campaign.design);
     let borrowed: Vec<&Trial> = trials.iter().map(AsRef::as_ref).collect();
     let joint = day.accounting(&borrowed, &rest, &start, day.knowledge)?;
-    let names = trials[found.from..].iter().map(|trial| trial.name.clone());
+    let names = trials[found.trials.clone()].iter();
+    let names = names.map(|trial| trial.name.clone());
     let (cause, channels, with, advice) = found.in_words();
     Some(Finding {
         cause,
@@ -248,16 +251,27 @@ struct Agreeing {
 }
 
 /// The one thing with which the trials' responses agree best.
-fn one(shares: &StaticLoadSharing, cases: &[TrialCase<'_>]) -> Option<Agreeing> {
+fn one(
+    shares: &StaticLoadSharing,
+    cases: &[TrialCase<'_>],
+    design: &Parameters,
+) -> Option<Agreeing> {
     let mut best: Option<Agreeing> = None;
     for plugs in Plugs::all(cases) {
-        each_from_the_end(cases, plugs, |from, cases| {
+        each_end(cases, plugs, |trials, cases| {
             let Some((cost, table)) = agreement(shares, cases) else {
                 return;
             };
-            if best.as_ref().is_none_or(|best| cost < best.cost) {
+            // Inverted in some trials and in all others fit alike: a scale factor has its design's sign.
+            let has_its_sign = match plugs {
+                Plugs::Inverted(a) => {
+                    table.mass_over_scale_kg[a] * design.scale_per_mass_per_kg[a] > 0.0
+                }
+                Plugs::Exchanged(..) | Plugs::Misnamed(..) => true,
+            };
+            if has_its_sign && best.as_ref().is_none_or(|best| cost < best.cost) {
                 let plugs = vec![plugs];
-                let found = Replugged { plugs, from };
+                let found = Replugged { plugs, trials };
                 best = Some(Agreeing { found, cost, table });
             }
         });
@@ -306,20 +320,27 @@ fn with_one_more(
         put_right(&mut cases, *plugs);
     }
     let (cost, table) = agreement(shares, &cases)?;
-    let found = Replugged { plugs, from: 0 };
+    let trials = 0..cases.len();
+    let found = Replugged { plugs, trials };
     Some(Agreeing { found, cost, table })
 }
 
-/// Shows the cases put right in the last one, in the last two ... in all of them.
-fn each_from_the_end(
+/// Shows the cases put right in the last one, in the last two ... in all of them, and in the first one, in the first two ...
+fn each_end(
     cases: &[TrialCase<'_>],
     plugs: Plugs,
-    mut show: impl FnMut(usize, &[TrialCase<'_>]),
+    mut show: impl FnMut(Range<usize>, &[TrialCase<'_>]),
 ) {
-    let mut cases = cases.to_vec();
-    for from in (0..cases.len()).rev() {
-        put_right(&mut cases[from..=from], plugs);
-        show(from, &cases);
+    let count = cases.len();
+    let mut right = cases.to_vec();
+    for from in (0..count).rev() {
+        put_right(&mut right[from..=from], plugs);
+        show(from..count, &right);
+    }
+    right.clone_from_slice(cases);
+    for last in 0..count.saturating_sub(1) {
+        put_right(&mut right[last..=last], plugs);
+        show(0..last + 1, &right);
     }
 }
 
