@@ -367,7 +367,7 @@ fn inv_findings_come_before_points_and_points_before_praise() {
     expect(
         said(&[dead(&["b"]), dead(&["a", "b"])], 0, false),
         Grade::Bad,
-        "Not good: dead limb in a and b.",
+        "Not good: dead limb in b and a.",
     );
     let late = finding(Cause::ClockMismatch, &["c"]);
     let loose = finding(Cause::LooseWedge, &["d"]);
