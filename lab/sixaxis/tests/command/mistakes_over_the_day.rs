@@ -24,6 +24,15 @@ fn of_kind(kind: &str) -> Vec<String> {
     files.collect()
 }
 
+/// The session with these files' rewritten ones, of this name, in their place.
+fn in_place(session: &str, files: impl Iterator<Item = impl AsRef<str>>, name: &str) -> String {
+    files.fold(session.to_owned(), |session, file| {
+        let file = file.as_ref();
+        let rewritten = format!("file = \"{name}-{file}");
+        session.replace(&format!("file = \"{file}"), &rewritten)
+    })
+}
+
 #[test]
 fn inv_a_sensitivity_that_steps_is_named_with_its_trial() {
     for kind in ["angular", "fast", "compound"] {
@@ -65,14 +74,7 @@ fn inv_a_channel_that_is_inverted_in_some_trials_is_named_there() {
                 row[channel - 1] *= -1.0;
             });
         }
-        let (code, said) = calibrated(name, |s| {
-            files.iter().fold(s.to_owned(), |s, file| {
-                s.replace(
-                    &format!("file = \"{file}"),
-                    &format!("file = \"{name}-{file}"),
-                )
-            })
-        });
+        let (code, said) = calibrated(name, |s| in_place(s, files.iter(), name));
         assert_eq!(code, 4, "{said}");
         let named = said.split("Found - ").nth(1).expect("a finding");
         let place = named.split_once(&format!("; channel {channel}"));
@@ -112,14 +114,7 @@ fn inv_a_gain_of_all_channels_that_is_another_in_one_kind_of_trials_is_named() {
                 row[..LIMBS].iter_mut().for_each(|u| *u *= by);
             });
         }
-        let (code, said) = calibrated(name, |s| {
-            files.iter().fold(s.to_owned(), |s, file| {
-                s.replace(
-                    &format!("file = \"{file}"),
-                    &format!("file = \"{name}-{file}"),
-                )
-            })
-        });
+        let (code, said) = calibrated(name, |s| in_place(s, files.iter(), name));
         assert_eq!(code, 4, "{said}");
         assert!(said.contains(said_of), "{said_of}: {said}");
     }
@@ -333,14 +328,7 @@ fn neg_standards_of_another_run_are_told_by_their_frequency() {
             .0
             .write(&format!("crossed-{own}"), rows.join("\n") + "\n");
     }
-    let (code, said) = calibrated("crossed", |s| {
-        files.iter().fold(s.to_owned(), |s, file| {
-            s.replace(
-                &format!("file = \"{file}"),
-                &format!("file = \"crossed-{file}"),
-            )
-        })
-    });
+    let (code, said) = calibrated("crossed", |s| in_place(s, files.iter(), "crossed"));
     assert_eq!(code, 4, "{said}");
     assert!(
         said.contains("each turns as another of them should") && !said.contains("also:"),
