@@ -331,7 +331,9 @@ fn neg_standards_of_another_run_are_told_by_their_frequency() {
     let (code, said) = calibrated("crossed", |s| in_place(s, files.iter(), "crossed"));
     assert_eq!(code, 4, "{said}");
     assert!(
-        said.contains("each turns as another of them should") && !said.contains("also:"),
+        said.contains("each turns as another of them should")
+            && said.contains("determined by the joint fit")
+            && !said.contains("also:"),
         "{said}"
     );
 }
@@ -369,6 +371,24 @@ fn neg_trials_of_the_other_kind_are_told_by_their_standards() {
     assert_ne!(code, 0, "{said}");
     assert!(
         said.contains("files or roles of linear and angular trials are"),
+        "{said}"
+    );
+    // A standard that is not needed may show a hum, which is no motion of the drive's.
+    let count = Cell::new(0_usize);
+    rewritten("linear-01.csv", "humming.csv", |row| {
+        count.set(count.get() + 1);
+        row[GYROSCOPE] = if count.get() % 9 < 4 { 0.2 } else { -0.2 };
+    });
+    let (code, said) = calibrated("humming", |s| {
+        with_entry(s, "linear-01", |entry| {
+            entry
+                .replace("linear-01.csv", "humming.csv")
+                .replace("role = \"linear\"", "role = \"angular\"")
+        })
+    });
+    assert_eq!(code, 4, "{said}");
+    assert!(
+        said.contains("humming.csv the nine channels move as stated, and of the standards only"),
         "{said}"
     );
 }
