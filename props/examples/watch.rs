@@ -15,8 +15,8 @@ use sixaxis_props::faults::watched::Watched;
 use sixaxis_props::publication::{Seeds, run};
 use sixaxis_props::results::{WatchedCorner, WatchedLaboratories};
 
-/// Seeds below were looked at while the study was written.
-const REPORTED_FROM: u64 = 20_000_000;
+/// Seeds below were looked at while the study was written, or are those of an earlier publication.
+const REPORTED_FROM: u64 = 30_000_000;
 /// Laboratories: 14 minutes each, 45 hours for each corner.
 const LABORATORIES: u64 = 192;
 
