@@ -219,14 +219,20 @@ fn no_drift(found: &Drifted, scales: Option<&Scales>) -> Option<String> {
             1e2 * scales.ln_common.exp_m1()
         ));
     }
-    let worst = (0..LIMBS).max_by(|a, b| ln(*a).abs().total_cmp(&ln(*b).abs()))?;
-    (ln(worst).abs() > NO_DRIFT).then(|| {
-        format!(
-            "limb {} would have changed by {:+.1} %, and limbs rarely drift that far: is its gain (--gain or --session) the range that this recording was made with?",
-            worst + 1,
-            1e2 * ln(worst).exp_m1()
-        )
-    })
+    let far: Vec<usize> = (0..LIMBS)
+        .filter(|limb| ln(*limb).abs() > NO_DRIFT)
+        .collect();
+    let change = |limb: &usize| format!("limb {} by {:+.1} %", limb + 1, 1e2 * ln(*limb).exp_m1());
+    let changes: Vec<String> = far.iter().map(change).collect();
+    let whose = match far.len() {
+        0 => return None,
+        1 => "is its gain (--gain or --session) the range",
+        _ => "are their gains (--gain or --session) the ranges",
+    };
+    Some(format!(
+        "limbs rarely drift as far as it would have been ({}): {whose} that this recording was made with?",
+        changes.join(", ")
+    ))
 }
 
 /// Why two changes are hardly drift: limbs of a pair stand in the same equations, so that each limb's signal in the other's

@@ -42,6 +42,9 @@ pub struct Summary {
     pub missing: u64,
     /// Their seeds, first and last of each run of them.
     pub missing_seeds: Vec<(u64, u64)>,
+    /// Seeds between the first and the last that nobody asked for, first and last of each run of them.
+    #[serde(default)]
+    pub unasked_seeds: Vec<(u64, u64)>,
     /// How many cases got how far: [`crate::row::Status`].
     pub status: BTreeMap<String, u64>,
     /// How often step 4 said what.
@@ -98,21 +101,20 @@ pub fn summarise(folders: &[PathBuf]) -> Result<Summary> {
             folders: folders.to_vec(),
         });
     };
-    let missing = missing(asked.clone(), &parts);
+    asked.sort_by_key(|seeds| (seeds.start, seeds.end));
+    let there: Vec<Range<u64>> = parts.iter().map(|part| part.first..part.end).collect();
+    let missing = without(&asked, &there);
+    let first = asked.iter().map(|seeds| seeds.start).min().unwrap_or(0);
+    let end = asked.iter().map(|seeds| seeds.end).max().unwrap_or(0);
+    let all = first..end;
     Ok(Summary {
         version: campaign.version,
-        first_seed: asked.iter().map(|seeds| seeds.start).min().unwrap_or(0),
-        last_seed: asked
-            .iter()
-            .map(|seeds| seeds.end.saturating_sub(1))
-            .max()
-            .unwrap_or(0),
+        first_seed: first,
+        last_seed: end.saturating_sub(1),
         cases: sums.cases,
         missing: missing.iter().map(|seeds| seeds.end - seeds.start).sum(),
-        missing_seeds: missing
-            .into_iter()
-            .map(|seeds| (seeds.start, seeds.end - 1))
-            .collect(),
+        missing_seeds: firsts_and_lasts(missing),
+        unasked_seeds: firsts_and_lasts(without(&[all], &asked)),
         parameters: Parameter::all().map(|p| sums.parameter(p)).collect(),
         status: sums.status,
         step_4: sums.step_4,
@@ -147,21 +149,26 @@ fn in_order(folders: &[PathBuf]) -> Result<Vec<Named>> {
     Ok(all)
 }
 
-/// Seeds that were asked for and that no part has.
-fn missing(mut asked: Vec<Range<u64>>, parts: &[Named]) -> Vec<Range<u64>> {
-    asked.sort_by_key(|seeds| (seeds.start, seeds.end));
+/// First and last seed of each run.
+fn firsts_and_lasts(runs: Vec<Range<u64>>) -> Vec<(u64, u64)> {
+    let ends = runs.into_iter().map(|seeds| (seeds.start, seeds.end - 1));
+    ends.collect()
+}
+
+/// Seeds of some runs that are in none of the others; both ascend.
+fn without(wanted: &[Range<u64>], there: &[Range<u64>]) -> Vec<Range<u64>> {
     let mut gaps: Vec<Range<u64>> = Vec::new();
     let mut from = 0;
-    let mut parts = parts.iter().peekable();
-    for wanted in asked {
+    let mut there = there.iter().peekable();
+    for wanted in wanted {
         from = from.max(wanted.start);
         while from < wanted.end {
-            // Parts do not overlap and ascend, and `from` only grows.
-            while parts.next_if(|part| part.end <= from).is_some() {}
-            match parts.peek() {
-                Some(part) if part.first <= from => from = part.end,
+            // `from` only grows, and what begins later is not skipped for it.
+            while there.next_if(|run| run.end <= from).is_some() {}
+            match there.peek() {
+                Some(run) if run.start <= from => from = run.end,
                 next => {
-                    let to = next.map_or(wanted.end, |part| part.first.min(wanted.end));
+                    let to = next.map_or(wanted.end, |run| run.start.min(wanted.end));
                     match gaps.last_mut() {
                         Some(last) if last.end == from => last.end = to,
                         _ => gaps.push(from..to),

@@ -11,7 +11,7 @@ mod layout;
 use std::cell::Cell;
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use sixaxis_core::{LimbSet, Scheme};
 use sixaxis_recordings::{BEGAN, Layout, Sink};
 
@@ -134,7 +134,7 @@ impl Job<'_> {
         let (mut trend, mut busy, mut of_aids) = (None, None, Vec::new());
         if self.rest_to_rest {
             let (mut stamps, mut ends) = (Vec::new(), self.ends(rate_hz));
-            let (rows, found) = rest_to_rest::read(
+            let read = rest_to_rest::read(
                 &mut recording,
                 conditioning,
                 setup,
@@ -146,13 +146,17 @@ impl Job<'_> {
                     ends.look_to_the_end(rows.all());
                 },
             )
-            .map_err(|error| with_verdict(error, &mut coordination))?;
-            rest_to_rest::write(&recording, &rows, &stamps, &mut decoding, create(&layout)?)
-                .map_err(|error| with_verdict(error, &mut coordination))?;
+            .map_err(|error| with_verdict(error, &mut coordination));
             let moving = ends.begins_in_motion().into_iter();
-            for why in moving.chain(ends.ends_in_motion()) {
-                decoding.say(why);
-            }
+            let moving: Vec<String> = moving.chain(ends.ends_in_motion()).collect();
+            let because = |error: anyhow::Error| match moving.as_slice() {
+                [] => error,
+                why => anyhow::anyhow!("{error:#}; {}", why.join("; ")),
+            };
+            let (rows, found) = read.map_err(because)?;
+            rest_to_rest::write(&recording, &rows, &stamps, &mut decoding, create(&layout)?)
+                .map_err(|error| because(with_verdict(error, &mut coordination)))?;
+            moving.into_iter().for_each(|why| decoding.say(why));
             trend = Some(found);
         } else {
             if self.smooth {
@@ -191,6 +195,12 @@ impl Job<'_> {
                 let (all, sink) = (&mut decoding, create(&layout)?);
                 written = pipeline::pass(&mut recording, conditioning, all, sink, &advance)?;
             }
+            ensure!(
+                decoding.rows > 0,
+                "{}: samples: {}; a row of the result needs three",
+                path.display(),
+                recording.seen.samples
+            );
             busy = Some(pipeline::complete(written)?);
         }
         decoding.finish();
@@ -208,13 +218,6 @@ impl Job<'_> {
             .unwrap_or(&mut coordination)
             .verdict();
         warnings.extend(broken.map(|broken| format!("{}: {broken}", path.display())));
-        if decoding.rows == 0 {
-            warnings.push(format!(
-                "{}: samples: {}; a row needs three, the result is empty",
-                path.display(),
-                recording.seen.samples
-            ));
-        }
         Ok(Decoupled {
             samples: recording.seen.samples,
             rows: decoding.rows,

@@ -46,6 +46,14 @@ pub struct Recording {
     full_scale_v: f64,
 }
 
+/// Names are the session's or the calibration's, and the file may have others.
+fn with_option(mut error: sixaxis_recordings::Error) -> sixaxis_recordings::Error {
+    if let sixaxis_recordings::Error::NoSuchChannel { available, .. } = &mut error {
+        *available += "; --channels states what its nine limbs are called";
+    }
+    error
+}
+
 /// What a recording has shown.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Seen {
@@ -85,7 +93,7 @@ impl Recording {
         let (mut limbs, mut places) = (Vec::new(), [None; LIMBS]);
         for limb in (0..LIMBS).filter(|limb| !excluded.contains(*limb)) {
             places[limb] = Some(limbs.len());
-            limbs.push(find::limb(path, layout, channels, limb)?);
+            limbs.push(find::limb(path, layout, channels, limb).map_err(with_option)?);
         }
         let indices: Vec<usize> = limbs.iter().map(|limb| limb.index).collect();
         // A rate that is stated stands in for stamps that are not there, whatever the calibration's recordings called theirs.

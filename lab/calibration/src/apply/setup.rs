@@ -115,6 +115,7 @@ impl Setup {
             },
         }
         sensor.gains.validate().context("--gain")?;
+        notes.extend(other_signs(&calibration.sensor().gains, &sensor.gains));
         let down = match overrides.down {
             Some(down) => Some(("--down", down)),
             None => entry.and_then(stated_down),
@@ -344,6 +345,25 @@ fn overruled(file: &SessionFile, entry: &Entry, overrides: &Overrides) -> Vec<St
             .then(|| format!("{path} states {stated}; {option} overrules it: {used} used"))
     });
     differ.collect()
+}
+
+/// Gains of another sign than at the calibration. Where all nine have it, nothing in the voltages contradicts it.
+fn other_signs(calibrated: &Gains, used: &Gains) -> Option<String> {
+    let limbs = (0..LIMBS)
+        .filter(|&limb| calibrated.gain_n_per_v[limb] * used.gain_n_per_v[limb] < 0.0)
+        .fold(LimbSet::EMPTY, LimbSet::with);
+    let (have, what) = match limbs.len() {
+        0 => return None,
+        1 => (format!("the gain of limb {limbs} has"), "its signal is"),
+        LIMBS => ("all nine gains have".to_owned(), "accelerations are"),
+        _ => (
+            format!("the gains of limbs {limbs} have"),
+            "their signals are",
+        ),
+    };
+    Some(format!(
+        "{have} another sign than at the calibration: unless plugs were turned since, {what} of the wrong sign"
+    ))
 }
 
 /// Refuses a session whose sensor is not the one that was calibrated.

@@ -9,7 +9,7 @@
 //! |---|---|
 //! | [`freedoms`] | the model has one freedom more or less: an amplifier's high-pass, a standard's lag, channels that are late |
 //! | [`clock`] | the standards have a clock of their own |
-//! | [`plugs`] | two channels, or their names, are exchanged, or one is inverted, from one trial on or up to one |
+//! | [`plugs`] | two channels, or their names, are exchanged, or one is inverted, from one trial on or up to one; inverted in a single one |
 //! | [`one_kind`] | a channel or two show more or less in all trials of one kind |
 //! | [`stated`] | the sensor is turned on its flange, a standard is the other way round, directions are stated in other axes, gains in V/N, down is up |
 //! | [`apart`] | a few trials are wrong and the others are not |

@@ -1,5 +1,6 @@
 //! `sixaxis decouple`: a recording to six accelerations.
 
+use std::cell::RefCell;
 use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -267,6 +268,17 @@ fn file(arguments: &Arguments, job: &Job) -> Result<()> {
         }
         Ok(sixaxis_recordings::create(&out, layout)?)
     };
+    let nameless = out
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("npy"));
+    let columns = RefCell::new(Vec::new());
+    let create = |layout: &Layout| {
+        if nameless {
+            let names = layout.channels.iter().map(|c| c.name.clone());
+            *columns.borrow_mut() = names.collect();
+        }
+        create(layout)
+    };
     let progress = Progress::shown();
     let decoupled = job
         .run(path, &create, &progress.callback("decoupling"))
@@ -286,6 +298,13 @@ fn file(arguments: &Arguments, job: &Job) -> Result<()> {
         write_atomically(picture, render(&page)?.as_bytes())?;
     }
     say("warning", &decoupled.warnings);
+    if nameless {
+        let columns = columns.borrow().join(", ");
+        tell(
+            "note",
+            &format!("a .npy file has no names of its columns: {columns}"),
+        );
+    }
     let aided = decoupled.attitude.filter(|_| !arguments.aid.is_empty());
     if let Some(attitude) = aided {
         tell("note", &attitude.sentence());

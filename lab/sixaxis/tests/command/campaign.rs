@@ -304,6 +304,18 @@ fn prop_the_table_has_all_parameters() {
 }
 
 #[test]
+fn prop_seeds_that_nobody_asked_for_are_told() {
+    let folder = prepared("campaign-gap");
+    folder.run("first", 3, &[]);
+    folder.run("second", 2, &["--first-seed", "10"]);
+    let said = stdout(&folder.campaign(&["summary", "second", "first"]));
+    assert!(
+        said.starts_with("5 cases of seeds 1 to 11, without 4 to 9, which nobody asked for: 5"),
+        "{said}"
+    );
+}
+
+#[test]
 fn neg_more_threads_than_can_be_started_are_refused() {
     for command in [
         &["campaign", "run", "--count", "1", "--out", "c"][..],

@@ -347,6 +347,10 @@ fn regress_names_and_unit_that_are_not_the_files_are_noticed() {
         let row: Vec<String> = (0..9).map(|limb| noise(k, limb).to_string()).collect();
         write!(text, "\n{}", row.join(",")).expect("text");
     }
+    let nameless = folder.write("other.csv", text.replace(" [V]", "").replace('u', "ch"));
+    let strict = run(&["inspect", "--strict", &nameless]);
+    assert_eq!(strict.status.code(), Some(4));
+    assert!(stdout(&strict).contains("--channels names them"));
     let path = folder.write("run.csv", text);
     let noticed = |options: &[&str]| {
         let mut all = vec![&path[..], "--at-rest"];

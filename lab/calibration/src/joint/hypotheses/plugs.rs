@@ -1,5 +1,5 @@
 //! Plugs that were put in otherwise from one trial on, up to one, or all day: two channels exchanged, where limb and piezo come along and the
-//! amplifier stays, or one with its polarity turned; and two names exchanged in writing, where gains stay with the limbs. Several of these
+//! amplifier stays, or one with its polarity turned, which may be in a single trial, too; and two names exchanged in writing, where gains stay with the limbs. Several of these
 //! one after the other put right whatever order they are in.
 //!
 //! Which, and from which trial on, is looked for among the channels' responses, where a pair and a trial cost less than a millisecond; the
@@ -258,7 +258,7 @@ fn one(
 ) -> Option<Agreeing> {
     let mut best: Option<Agreeing> = None;
     for plugs in Plugs::all(cases) {
-        each_end(cases, plugs, |trials, cases| {
+        let mut look = |trials: Range<usize>, cases: &[TrialCase<'_>]| {
             let Some((cost, table)) = agreement(shares, cases) else {
                 return;
             };
@@ -274,7 +274,11 @@ fn one(
                 let found = Replugged { plugs, trials };
                 best = Some(Agreeing { found, cost, table });
             }
-        });
+        };
+        each_end(cases, plugs, &mut look);
+        if matches!(plugs, Plugs::Inverted(_)) {
+            each_alone(cases, plugs, &mut look);
+        }
     }
     best
 }
@@ -341,6 +345,20 @@ fn each_end(
     for last in 0..count.saturating_sub(1) {
         put_right(&mut right[last..=last], plugs);
         show(0..last + 1, &right);
+    }
+}
+
+/// Shows the cases with a single one put right: a channel that shows little of a motion is not suspected of anything there.
+fn each_alone(
+    cases: &[TrialCase<'_>],
+    plugs: Plugs,
+    mut show: impl FnMut(Range<usize>, &[TrialCase<'_>]),
+) {
+    let mut right = cases.to_vec();
+    for at in 0..cases.len() {
+        put_right(&mut right[at..=at], plugs);
+        show(at..at + 1, &right);
+        right[at].clone_from(&cases[at]);
     }
 }
 

@@ -3,7 +3,7 @@
 use super::{Facts, list};
 use crate::inspect::facts::{Inspection, Sensor};
 use crate::inspect::sensor::{Expected, last_part};
-use crate::session::Channels;
+use crate::session::{Channels, LIMBS};
 use crate::unit;
 
 impl Facts {
@@ -51,18 +51,46 @@ impl Facts {
         }
     }
 
+    /// None of u1 to u9, where nine channels and more may be limbs.
+    fn of_unknown_names(&mut self, inspection: &Inspection) {
+        let limbs = Channels::default().limbs;
+        let channels = inspection.groups.iter().flat_map(|group| &group.channels);
+        let may_be = channels.filter(|c| c.unit.is_none() || c.measures("voltage"));
+        let names: Vec<String> = may_be.map(|c| c.name.clone()).collect();
+        let is_limb = |name: &String| {
+            let is = |limb: &String| last_part(name).eq_ignore_ascii_case(limb);
+            limbs.iter().any(is)
+        };
+        if names.len() >= LIMBS && !names.iter().any(is_limb) {
+            let text = format!(
+                "which of {} channels are the nine limbs is not known, as none is called {} to {}: --channels names them, or a session does",
+                names.len(),
+                limbs[0],
+                limbs[LIMBS - 1]
+            );
+            self.notice("names", &names, text);
+        }
+    }
+
     pub(super) fn of_sensor(&mut self, inspection: &Inspection, expected: Option<&Expected>) {
         if let Some(session) = expected.and_then(|e| e.foreign_to.as_deref()) {
             self.remark(format!("not among the recordings of {}", session.display()));
         }
         let Some(sensor) = &inspection.sensor else {
-            if let Some(expected) = expected {
-                self.remark(format!(
-                    "the nine limbs, {}, are not all in this file",
-                    list(&expected.channels.limbs)
-                ));
-            } else {
-                self.of_missing_names(inspection);
+            match expected {
+                Some(expected) => {
+                    let limbs = &expected.channels.limbs;
+                    let text = format!("the nine limbs, {}, are not all in this file", list(limbs));
+                    // One of the session's recordings must have them; of another file nothing is known.
+                    match expected.role {
+                        Some(_) => self.notice("names", limbs, text),
+                        None => self.remark(text),
+                    }
+                }
+                None => {
+                    self.of_missing_names(inspection);
+                    self.of_unknown_names(inspection);
+                }
             }
             return;
         };

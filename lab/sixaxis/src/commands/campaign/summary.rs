@@ -37,8 +37,8 @@ the accelerometer, which no trial can know: `var/stated` there is the attained v
 Exit codes: 0 all cases that were asked for are there; 3 some are missing, which are listed; 1 it could not be done: damaged
 parts, parts of two campaigns, a case that is there twice; 2 the command line is not understood.";
 
-/// Runs of missing seeds that the table lists.
-const MISSING_SHOWN: usize = 10;
+/// Runs of seeds that the table lists.
+const RUNS_SHOWN: usize = 10;
 
 /// Sums up.
 pub fn run(arguments: &Arguments) -> Result<ExitCode> {
@@ -59,42 +59,28 @@ fn table(summary: &Summary) -> String {
     };
     let _ = writeln!(
         out,
-        "{} cases of seeds {} to {}: {}",
+        "{} cases of seeds {} to {}{}: {}",
         summary.cases,
         summary.first_seed,
         summary.last_seed,
+        match summary.unasked_seeds.as_slice() {
+            [] => String::new(),
+            unasked => format!(", without {}, which nobody asked for", runs(unasked)),
+        },
         counts(&summary.status)
     );
     if !summary.step_4.is_empty() {
         let _ = writeln!(out, "step 4: {}", counts(&summary.step_4));
     }
     if summary.missing > 0 {
-        let shown: Vec<String> = summary
-            .missing_seeds
-            .iter()
-            .take(MISSING_SHOWN)
-            .map(|(first, last)| {
-                if first == last {
-                    first.to_string()
-                } else {
-                    format!("{first} to {last}")
-                }
-            })
-            .collect();
-        let more = summary.missing_seeds.len().saturating_sub(MISSING_SHOWN);
-        let more = if more > 0 {
-            format!(" and {more} more runs of them")
-        } else {
-            String::new()
-        };
         let _ = writeln!(
             out,
-            "{} missing, seeds {}{more}",
+            "{} missing, seeds {}",
             match summary.missing {
                 1 => "1 case is".to_owned(),
                 missing => format!("{missing} cases are"),
             },
-            shown.join(", ")
+            runs(&summary.missing_seeds)
         );
     }
     estimators(&mut out, "four steps", summary, |p| Some(&p.four_steps));
@@ -105,6 +91,20 @@ fn table(summary: &Summary) -> String {
         });
     }
     out
+}
+
+/// The first runs of seeds, and how many more there are.
+fn runs(of_seeds: &[(u64, u64)]) -> String {
+    let run = |(first, last): &(u64, u64)| match first == last {
+        true => first.to_string(),
+        false => format!("{first} to {last}"),
+    };
+    let shown: Vec<String> = of_seeds.iter().take(RUNS_SHOWN).map(run).collect();
+    let more = match of_seeds.len().saturating_sub(RUNS_SHOWN) {
+        0 => String::new(),
+        more => format!(" and {more} more runs of them"),
+    };
+    shown.join(", ") + &more
 }
 
 fn estimators<'a>(

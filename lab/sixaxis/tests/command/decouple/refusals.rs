@@ -72,6 +72,49 @@ fn inv_what_is_wrong_is_named() {
     ]);
     assert_eq!(itself.status.code(), Some(1));
     assert_eq!(decouple(&["--rate", "123"]).status.code(), Some(1));
+    // Headings without rows leave the earlier result as it is.
+    let before = std::fs::read(&out).expect("the result");
+    write(&recording, &LIMBS, "V", &vec![Vec::new(); 9], rate_hz);
+    for more in [&[][..], &["--watch"], &["--rest-to-rest"]] {
+        let refused = decouple(more);
+        assert_eq!(refused.status.code(), Some(1), "{more:?}");
+        assert!(stderr(&refused).contains("run.npz"), "{}", stderr(&refused));
+        assert!(std::fs::read(&out).expect("the result") == before);
+    }
+    // Names that are not the calibration's.
+    let others: Vec<String> = (1..=9).map(|k| format!("ch{k}")).collect();
+    let others: Vec<&str> = others.iter().map(String::as_str).collect();
+    write(&recording, &others, "V", &volts, rate_hz);
+    let refused = decouple(&[]);
+    assert_eq!(refused.status.code(), Some(1));
+    assert!(
+        stderr(&refused).contains("--channels"),
+        "{}",
+        stderr(&refused)
+    );
+    assert!(
+        decouple(&["--channels", &others.join(",")])
+            .status
+            .success()
+    );
+    // Nothing in the voltages says that all gains are of the wrong sign; the calibration does.
+    write(&recording, &LIMBS, "V", &volts, rate_hz);
+    assert!(!stderr(&decouple(&[])).contains("another sign"));
+    let negative = run(&[
+        "decouple",
+        &calibration,
+        text(&recording),
+        "--gain=-0.1",
+        "--out",
+        text(&folder.join("negative.npy")),
+    ]);
+    let said = stderr(&negative);
+    assert!(said.contains("all nine gains have another sign"), "{said}");
+    // Of columns without names the command says them.
+    assert!(
+        said.contains("no names of its columns: time, ax, ay"),
+        "{said}"
+    );
     // A bad calibration.
     let bad = folder.join("bad.json");
     let mut judged = Calibration::read(calibration.as_ref()).expect("reads");
