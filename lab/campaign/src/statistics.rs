@@ -43,7 +43,7 @@ pub struct Summary {
     /// Their seeds, first and last of each run of them.
     pub missing_seeds: Vec<(u64, u64)>,
     /// Seeds between the first and the last that nobody asked for, first and last of each run of them.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub unasked_seeds: Vec<(u64, u64)>,
     /// How many cases got how far: [`crate::row::Status`].
     pub status: BTreeMap<String, u64>,

@@ -246,6 +246,42 @@ fn law_a_failure_that_is_over_is_dropped_after_quiet_samples() {
     assert!(*when >= to + QUIET - 1, "{when}");
 }
 
+/// A contact that is lost for some samples, while the other limb of the pair may happen to rest: no sound limb is named.
+#[test]
+fn neg_a_contact_that_fails_for_moments_is_not_the_other_limb_s() {
+    use rand_distr::{Distribution, StandardUniform};
+    use rand_pcg::Pcg64;
+    use sixaxis_props::faults::noisy;
+    const SEEDS: u64 = 200;
+    let (mut named, mut pairs, mut wrong) = (0, 0, Vec::new());
+    for k in 0..SEEDS {
+        let scene = Scene::random(seed() + k, 1.0);
+        for limb in (0..LIMBS).filter(|limb| members(CLASS_OF[*limb]).len() == 2) {
+            let mut rng = Pcg64::new(u128::from(seed() + k), 76 + limb as u128);
+            let mut uniform = || -> f64 { StandardUniform.sample(&mut rng) };
+            let from = 3000 + (1000.0 * uniform()) as u64;
+            let gone = 8 + (100.0 * uniform()) as u64;
+            let mut monitor = scene.monitor(FALSE_ALARMS_PER_HOUR);
+            for sample in 0..from + 4000 {
+                let mut u = noisy(&scene, scene.voltage_v(sample), &mut rng);
+                if (from..from + gone).contains(&sample) {
+                    u[limb] = 0.0;
+                }
+                if let Some(Event::Identified(verdict)) = monitor.push(&u) {
+                    match verdict.limb() {
+                        Some(found) if found == limb => named += 1,
+                        Some(_) => wrong.push((k, limb, gone, verdict)),
+                        None => pairs += 1,
+                    }
+                    break;
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:?}");
+    assert!(named > 100 * pairs, "{named} named, {pairs} pairs");
+}
+
 /// Noncentral chi-square of no noncentrality is central, and grows with it.
 #[test]
 fn inv_noncentral_is_central_at_zero() {

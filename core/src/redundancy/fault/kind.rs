@@ -13,7 +13,7 @@
 //!
 //! * the course is in proportion to one channel's signal and not to the other's (sensitivity);
 //! * one channel is constant (stuck, or dead while the load that the other limbs imply moves as no drift does);
-//! * one channel is rough where the motion is smooth (noise), or steps (zero).
+//! * one channel is rough where the motion is smooth (noise), or steps (zero, a contact that fails for moments).
 //!
 //! A slow drift has none of these; the result is then the pair. Without limbs that have failed before, more limbs than two share a
 //! signature, and are distinguished, or not, likewise.
@@ -98,6 +98,20 @@ pub fn judge(
     // The load of a dead limb in motion: neither a zero that jumps or drifts nor noise.
     let moves = energy - mean * mean - slope * slope > n + MORE * spread
         && history.lagged_along(direction) > SMOOTH_COURSE * energy;
+    let step = |limb: usize| steps.get(limb).copied().unwrap_or(0.0);
+    let rough = lead(
+        limbs,
+        |limb| history.roughness(limb),
+        contrast(ROUGH, SMOOTH),
+    );
+    let stepped = lead(limbs, step, contrast(STEPS, NO_STEP));
+    let abrupt = if rough.1 > LIMB_OF_PAIR {
+        rough
+    } else {
+        stepped
+    };
+    let other_is_abrupt =
+        |limb: usize| limbs.len() > 1 && abrupt.1 > LIMB_OF_PAIR && abrupt.0 != limb;
     let mut scale = [f64::NEG_INFINITY; LIMBS];
     let mut fell = [None; LIMBS];
     let mut open = false;
@@ -113,9 +127,15 @@ pub fn judge(
         let resolved = moves || limbs.len() == 1;
         fell[limb] = if !fails {
             None
+        } else if history.own(limb) < NOISELESS * n {
+            let dead = history.is_at_zero(limb) && resolved;
+            Some(if dead { Kind::Dead } else { Kind::Stuck })
+        } else if other_is_abrupt(limb) {
+            // A contact that fails for moments: what it misses is no load of a partner that happens to rest.
+            None
         } else if history.is_at_zero(limb) && resolved {
             Some(Kind::Dead)
-        } else if history.own(limb) < NOISELESS * n || (history.is_flat(limb) && moves) {
+        } else if history.is_flat(limb) && moves {
             Some(Kind::Stuck)
         } else {
             open |= history.is_flat(limb);
@@ -127,7 +147,6 @@ pub fn judge(
         }
     }
     let kind = best.kind;
-    let step = |limb: usize| steps.get(limb).copied().unwrap_or(0.0);
     let (named, partner_ln_odds) = match kind {
         Kind::Dead | Kind::Stuck => {
             let mut fallen = limbs.indices().filter(|&limb| fell[limb].is_some());
@@ -140,12 +159,8 @@ pub fn judge(
         Kind::ScaleJump if limbs.minus(history.flat()) == limbs => {
             lead(limbs, |limb| scale[limb], |best, next| best - next)
         }
-        Kind::NoiseBurst => lead(
-            limbs,
-            |limb| history.roughness(limb),
-            contrast(ROUGH, SMOOTH),
-        ),
-        Kind::Offset => lead(limbs, step, contrast(STEPS, NO_STEP)),
+        Kind::NoiseBurst => abrupt,
+        Kind::Offset => stepped,
         _ => (0, 0.0),
     };
     let (limbs, partner_ln_odds) = if limbs.len() == 1 {

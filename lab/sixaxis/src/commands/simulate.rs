@@ -48,8 +48,8 @@ pub struct Arguments {
     sensor: Option<SensorChoice>,
     #[arg(long, help = ENGINE_HELP, value_parser = choice::<Engine>(ENGINES))]
     engine: Option<Engine>,
-    /// What is wrong with the session; `random`: one of these or nothing, and only the truth folder tells. Its size is drawn, from where
-    /// nothing could notice it, a share of the day from where it holds no recording [default: none]
+    /// What is wrong with the session; `random`: one of these or nothing, and only the truth folder tells. Its size is drawn, for most kinds from
+    /// where nothing could notice it, a share of the day from where it holds no recording [default: none]
     #[arg(long, value_name = "KIND", value_parser = defect_choice())]
     defect: Option<DefectChoice>,
     /// Trials for each of steps 2 to 4 [default: 10]

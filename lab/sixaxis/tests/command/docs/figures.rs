@@ -336,7 +336,9 @@ fn the_rooms_in_the_docs_are_the_published_ones() {
     let of_kind = |room: &serde_json::Value, less: f64, what: &str| {
         let sizes = room["one_kind"].as_array().expect("sizes");
         let of_size = sizes.iter().find(|one| number(&one["less"]) == less);
-        number(&of_size.expect("this size")[what]["count"])
+        let of_size = &of_size.expect("this size")[what];
+        let [low, high] = ["low_95", "high_95"].map(|end| 100.0 * number(&of_size[end]));
+        format!("{} ({low:.0} to {high:.0} %)", of_size["count"])
     };
     let days = number(&gentle["one_kind"][0]["good"]["of"]);
     let of_both = |less, what| {
