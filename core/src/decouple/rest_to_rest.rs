@@ -6,8 +6,12 @@
 //! torque the least change that makes a doubly integrated quantity end right is linear in time, so this line is the
 //! maximum-likelihood correction, not a convenience. Expressed in channels it is the trend that the paper's
 //! preprocessing removes.
+//!
+//! Rests before and after the motion are closed by lines of their own, a second each: what the torque channels hold is integrated over
+//! the motion alone, however long the recorder ran before and after it.
 
 use alloc::vec::Vec;
+use core::ops::Range;
 
 use glam::DVec3;
 use nalgebra::{Matrix6, SMatrix, SVector, Vector6};
@@ -21,6 +25,26 @@ use crate::model::Parameters;
 use crate::model::{Sensor, Settings};
 use crate::paper::signal::SignalChain;
 
+/// Samples of a piece at least.
+const NEEDED: usize = 5;
+/// What is said where the end state does not respond to the torque.
+const NOT_CONVERGED: Error = Error::NotConverged {
+    what: "rest-to-rest detrending",
+    iterations: ITERATIONS,
+};
+/// Length of a piece of rest, s.
+const PIECE_S: f64 = 1.0;
+/// Time of which a mean is looked at, s: a period of mains.
+const BLOCK_S: f64 = 0.02;
+/// Such means that say where a channel stands at an end.
+const STAND: usize = 5;
+/// Share of the largest range of a channel, V, from which another one moves much.
+const MUCH: f64 = 0.3;
+/// Share of its range by which such a channel is away from where it stood.
+const AWAY: f64 = 0.01;
+/// Time before and after that which is the motion's, s; at least this share of it.
+const MARGIN_S: f64 = 0.5;
+const MARGIN_OF_SPAN: usize = 10;
 /// Newton steps; the map is close to linear and each gains about three digits.
 const ITERATIONS: usize = 3;
 /// Angular acceleration by which the derivative of the end state is probed, rad/s^2: moves the end of a run of 1 s by
@@ -37,7 +61,7 @@ pub struct Trend {
 }
 
 /// The voltages less the straight line, in the torque-carrying combination of channels, that makes the run end at
-/// rest where it began.
+/// rest where it began; less such lines for each second of rest before and after the motion.
 ///
 /// # Errors
 /// [`Error::TooFewSamples`] below five samples; the errors of [`Decoupler::new`] and [`Decoupler::push`];
@@ -48,19 +72,67 @@ pub fn detrend(
     settings: &Settings,
     voltage_v: &[[f64; LIMBS]],
 ) -> Result<(Vec<[f64; LIMBS]>, Trend)> {
-    const NEEDED: usize = 5;
     require_samples("rest-to-rest detrending", NEEDED, voltage_v.len())?;
-    let not_converged = Error::NotConverged {
-        what: "rest-to-rest detrending",
-        iterations: ITERATIONS,
+    let mut decoupler = Decoupler::new(sensor, parameters, settings)?;
+    let pattern = torque_pattern(sensor, parameters).ok_or(NOT_CONVERGED)?;
+    let moving = motion(voltage_v, settings.sample_rate_hz);
+    let piece = (PIECE_S * settings.sample_rate_hz) as usize;
+    let mut rows = Vec::with_capacity(voltage_v.len());
+    let mut trend = None;
+    for part in parts(&moving, voltage_v.len(), piece.max(NEEDED)) {
+        let run = &voltage_v[part.clone()];
+        let (line, before) = closing(&decoupler, settings, &pattern, run)?;
+        if part.start <= moving.start && moving.start < part.end {
+            trend = Some(before);
+        }
+        for (sample, row) in run.iter().enumerate() {
+            let row = corrected(row, &pattern, &line, sample, run.len());
+            decoupler.push(&row)?;
+            rows.push(row);
+        }
+    }
+    Ok((rows, trend.ok_or(NOT_CONVERGED)?))
+}
+
+/// Where each line begins and ends: rests in pieces, the motion in one.
+fn parts(
+    moving: &Range<usize>,
+    samples: usize,
+    piece: usize,
+) -> impl Iterator<Item = Range<usize>> {
+    let rest = move |from: usize, to: usize| {
+        let count = (to - from) / piece;
+        (0..count).map(move |i| {
+            let end = if i + 1 == count {
+                to
+            } else {
+                from + (i + 1) * piece
+            };
+            from + i * piece..end
+        })
     };
-    let start = Decoupler::new(sensor, parameters, settings)?;
-    let pattern = torque_pattern(sensor, parameters).ok_or(not_converged.clone())?;
+    let (start, end) = (moving.start, moving.end);
+    // Less than a piece is the motion's.
+    let start = if start < piece { 0 } else { start };
+    let end = if samples - end < piece { samples } else { end };
+    rest(0, start)
+        .chain(core::iter::once(start..end))
+        .chain(rest(end, samples))
+}
+
+/// The line that ends this piece of a run, which begins with the decoupler as it is, at rest in the initial attitude; and where the piece
+/// ends without it.
+fn closing(
+    start: &Decoupler,
+    settings: &Settings,
+    pattern: &SMatrix<f64, LIMBS, 3>,
+    run: &[[f64; LIMBS]],
+) -> Result<(Vector6<f64>, Trend)> {
     let end_state = |line: &Vector6<f64>| -> Result<Vector6<f64>> {
         let mut decoupler = start.clone();
         let mut last = None;
-        for (sample, row) in voltage_v.iter().enumerate() {
-            let corrected = corrected(row, &pattern, line, sample, voltage_v.len());
+        for (sample, row) in run.iter().enumerate() {
+            let corrected = corrected(row, pattern, line, sample, run.len());
             if let Some(output) = decoupler.push(&corrected)? {
                 last = Some(output);
             }
@@ -68,12 +140,11 @@ pub fn detrend(
         let last = last.ok_or(Error::TooFewSamples {
             what: "rest-to-rest detrending",
             needed: NEEDED,
-            got: voltage_v.len(),
+            got: run.len(),
         })?;
         let turned = (settings.initial_attitude.inverse() * last.attitude).to_scaled_axis();
         Ok(stacked(last.rate_shell_rad_s, turned))
     };
-
     let mut line = Vector6::zeros();
     let before = end_state(&line)?;
     let mut end = before;
@@ -84,23 +155,66 @@ pub fn detrend(
             probe[column] += PROBE_RAD_S2;
             derivative.set_column(column, &((end_state(&probe)? - end) / PROBE_RAD_S2));
         }
-        let step = derivative.lu().solve(&end).ok_or(not_converged.clone())?;
+        let step = derivative.lu().solve(&end).ok_or(NOT_CONVERGED)?;
         line -= step;
         end = end_state(&line)?;
     }
-    let rows = voltage_v
-        .iter()
-        .enumerate()
-        .map(|(sample, row)| corrected(row, &pattern, &line, sample, voltage_v.len()))
-        .collect();
     let [end_rate_before_rad_s, end_rotation_before_rad] = halves(&before);
     Ok((
-        rows,
+        line,
         Trend {
             end_rate_before_rad_s,
             end_rotation_before_rad,
         },
     ))
+}
+
+/// The samples between the first and the last at which a channel that moves much is away from where it stands at that end, with a margin; all
+/// of them where it does not stand there.
+fn motion(voltage_v: &[[f64; LIMBS]], sample_rate_hz: f64) -> Range<usize> {
+    let samples = voltage_v.len();
+    let block = ((BLOCK_S * sample_rate_hz) as usize).max(1);
+    let means: Vec<[f64; LIMBS]> = voltage_v
+        .chunks_exact(block)
+        .map(|rows| {
+            core::array::from_fn(|limb| {
+                rows.iter().map(|row| row[limb]).sum::<f64>() / block as f64
+            })
+        })
+        .collect();
+    if means.len() < 2 * STAND {
+        return 0..samples;
+    }
+    let range_v: [f64; LIMBS] = core::array::from_fn(|limb| {
+        let (low, high) = means
+            .iter()
+            .map(|row| row[limb])
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+                (f64::min(low, v), f64::max(high, v))
+            });
+        high - low
+    });
+    let largest = range_v.iter().copied().fold(0.0, f64::max);
+    let level = |blocks: &[[f64; LIMBS]]| -> [f64; LIMBS] {
+        core::array::from_fn(|limb| {
+            blocks.iter().map(|row| row[limb]).sum::<f64>() / blocks.len() as f64
+        })
+    };
+    let away = |row: &[f64; LIMBS], level: &[f64; LIMBS]| {
+        (0..LIMBS).any(|limb| {
+            range_v[limb] > MUCH * largest && (row[limb] - level[limb]).abs() > AWAY * range_v[limb]
+        })
+    };
+    let (first, last) = (level(&means[..STAND]), level(&means[means.len() - STAND..]));
+    let begins = means.iter().position(|row| away(row, &first));
+    let ends = means.iter().rposition(|row| away(row, &last));
+    let (Some(begins), Some(ends)) = (begins, ends) else {
+        return 0..samples;
+    };
+    let (begins, ends) = (begins * block, (ends + 1) * block);
+    let span = ends.saturating_sub(begins);
+    let margin = ((MARGIN_S * sample_rate_hz) as usize).max(span / MARGIN_OF_SPAN);
+    begins.saturating_sub(margin)..(ends + margin).min(samples)
 }
 
 /// One row of voltages with the line added: `line` holds the angular acceleration at the first and the last sample.

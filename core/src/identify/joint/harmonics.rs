@@ -99,64 +99,89 @@ pub struct Projection<const C: usize> {
     pub variance: [f64; C],
 }
 
-/// Projects the series whose samples `row` gives.
-///
-/// Samples n and N - n have the same cosine and opposite sines: they are added and subtracted first, which halves the work.
-#[must_use]
-pub fn project<const C: usize>(grid: &Grid, row: impl Fn(usize) -> [f64; C]) -> Projection<C> {
-    let n = grid.samples;
-    let half = n / 2;
-    let mut even: Vec<[f64; C]> = Vec::with_capacity(half + 1);
-    let mut odd: Vec<[f64; C]> = Vec::with_capacity(half + 1);
-    // About the first sample, so that a large offset does not swallow the digits of the rest.
-    let origin = row(0);
-    let mut squares = [0.0; C];
-    let mut sums = [0.0; C];
-    for i in 0..=half {
-        let a = change(row(i), &origin);
-        let mirror = (n - i) % n;
-        let (plus, minus) = if mirror == i {
-            (a, [0.0; C])
-        } else {
-            let b = change(row(mirror), &origin);
+/// Samples n and N - n, which have the same cosine and opposite sines, added and subtracted: half the work for each harmonic.
+struct Folded<const C: usize> {
+    samples: usize,
+    even: Vec<[f64; C]>,
+    odd: Vec<[f64; C]>,
+    /// The first sample, which the others are counted from, so that a large offset does not swallow the digits of the rest.
+    origin: [f64; C],
+    squares: [f64; C],
+    sums: [f64; C],
+    table: Vec<(f64, f64)>,
+}
+
+impl<const C: usize> Folded<C> {
+    fn new(n: usize, row: impl Fn(usize) -> [f64; C]) -> Self {
+        let half = n / 2;
+        let mut even: Vec<[f64; C]> = Vec::with_capacity(half + 1);
+        let mut odd: Vec<[f64; C]> = Vec::with_capacity(half + 1);
+        let origin = row(0);
+        let mut squares = [0.0; C];
+        let mut sums = [0.0; C];
+        for i in 0..=half {
+            let a = change(row(i), &origin);
+            let mirror = (n - i) % n;
+            let (plus, minus) = if mirror == i {
+                (a, [0.0; C])
+            } else {
+                let b = change(row(mirror), &origin);
+                for c in 0..C {
+                    squares[c] += b[c] * b[c];
+                    sums[c] += b[c];
+                }
+                (
+                    core::array::from_fn(|c| a[c] + b[c]),
+                    core::array::from_fn(|c| a[c] - b[c]),
+                )
+            };
             for c in 0..C {
-                squares[c] += b[c] * b[c];
-                sums[c] += b[c];
+                squares[c] += a[c] * a[c];
+                sums[c] += a[c];
             }
-            (
-                core::array::from_fn(|c| a[c] + b[c]),
-                core::array::from_fn(|c| a[c] - b[c]),
-            )
-        };
-        for c in 0..C {
-            squares[c] += a[c] * a[c];
-            sums[c] += a[c];
+            even.push(plus);
+            odd.push(minus);
         }
-        even.push(plus);
-        odd.push(minus);
+        Self {
+            samples: n,
+            even,
+            odd,
+            origin,
+            squares,
+            sums,
+            table: turn(n),
+        }
     }
-    let table = turn(n);
-    let root_n = sqrt(n as f64);
-    let scale = sqrt(2.0 / n as f64);
-    let mut z = vec![[Complex::new(0.0, 0.0); C]; grid.harmonics];
-    for (k, z) in z.iter_mut().enumerate() {
+
+    /// z_k of each series.
+    fn harmonic(&self, k: usize) -> [Complex<f64>; C] {
+        let n = self.samples;
+        let scale = sqrt(2.0 / n as f64);
         let (mut re, mut im) = ([0.0; C], [0.0; C]);
         let mut phase = 0;
-        for (plus, minus) in even.iter().zip(&odd) {
-            let (sin, cos) = table[phase];
+        for (plus, minus) in self.even.iter().zip(&self.odd) {
+            let (sin, cos) = self.table[phase];
             for c in 0..C {
                 re[c] += plus[c] * cos;
                 im[c] -= minus[c] * sin;
             }
-            phase += k + 1;
+            phase += k;
             if phase >= n {
                 phase -= n;
             }
         }
-        for c in 0..C {
-            z[c] = Complex::new(scale * re[c], scale * im[c]);
-        }
+        core::array::from_fn(|c| Complex::new(scale * re[c], scale * im[c]))
     }
+}
+
+/// Projects the series whose samples `row` gives.
+#[must_use]
+pub fn project<const C: usize>(grid: &Grid, row: impl Fn(usize) -> [f64; C]) -> Projection<C> {
+    let n = grid.samples;
+    let folded = Folded::new(n, row);
+    let root_n = sqrt(n as f64);
+    let z: Vec<[Complex<f64>; C]> = (1..=grid.harmonics).map(|k| folded.harmonic(k)).collect();
+    let (squares, sums) = (&folded.squares, &folded.sums);
     let left = (n - grid.coordinates()) as f64;
     let variance = core::array::from_fn(|c| {
         let inside = sums[c] * sums[c] / n as f64 + z.iter().map(|z| z[c].norm_sqr()).sum::<f64>();
@@ -164,12 +189,25 @@ pub fn project<const C: usize>(grid: &Grid, row: impl Fn(usize) -> [f64; C]) -> 
     });
     let coordinates = core::array::from_fn(|c| {
         let own: Vec<Complex<f64>> = z.iter().map(|z| z[c]).collect();
-        grid.vector(sums[c] / root_n + origin[c] * root_n, &own)
+        grid.vector(sums[c] / root_n + folded.origin[c] * root_n, &own)
     });
     Projection {
         coordinates,
         variance,
     }
+}
+
+/// Squares of some harmonics, from 1, of each series: of noise of unit variance 1 in the mean.
+pub(super) fn squares<const C: usize>(
+    grid: &Grid,
+    row: impl Fn(usize) -> [f64; C],
+    harmonics: core::ops::RangeInclusive<usize>,
+) -> [Vec<f64>; C] {
+    let folded = Folded::new(grid.samples, row);
+    let of: Vec<[f64; C]> = harmonics
+        .map(|k| folded.harmonic(k).map(|z| 0.5 * z.norm_sqr()))
+        .collect();
+    core::array::from_fn(|c| of.iter().map(|squares| squares[c]).collect())
 }
 
 /// Mean square of the coordinates of some harmonics of a series, from 1.

@@ -12,6 +12,7 @@
 //! | file | holds |
 //! |---|---|
 //! | [`harmonics`] | a record in orthonormal coordinates |
+//! | `colour` | noise that is not white |
 //! | `motion` | the latent motion and the series that limbs feel |
 //! | [`super::static_load_sharing`] | how nine limbs share a load |
 //! | [`unknowns`] | what is estimated |
@@ -26,7 +27,8 @@
 //! | [`estimate`] | the result |
 //!
 //! # The likelihood
-//! Noise is white and normal, of a variance that each record itself shows above the last harmonic used. The logarithm of the
+//! Noise is normal and, in the band of the fit, white, of a variance that each record itself shows above the last harmonic used, and more
+//! where all records together show more beside the harmonics (`colour`). The logarithm of the
 //! likelihood is then minus half a sum of squares, minimised by Gauss-Newton from the four steps' answer; the inverse of its
 //! normal matrix, the latent motions eliminated, is the covariance of the estimate and the Cramer-Rao bound, with what certificates
 //! say counted as measurements.
@@ -38,6 +40,7 @@
 //! # What is neglected
 //! Relative motion enters linear trials to first order in 1/(k/m) and angular ones not at all: 2e-7 to 7e-7 of a force at 2 Hz.
 //! Limbs that tilt add 5e-6 of a force at twice the drive's frequency at 5 Hz.
+mod colour;
 pub mod estimate;
 pub mod harmonics;
 mod load;

@@ -172,7 +172,7 @@ impl Arrow {
         let series = parts.by_latent.len();
         let mut pairs = DMatrix::<f64>::zeros(series, series);
         for limb in 0..LIMBS {
-            let weight = 1.0 / trial.data.variance[limb];
+            let weight = 1.0 / trial.noise_variance(limb);
             let gain = trial.volts_per_force(unknowns, limb);
             let columns = trial.columns(unknowns, parts, limb);
             let residual =
@@ -230,7 +230,7 @@ impl Arrow {
             gain,
         } = trial.standard(unknowns);
         let reading = 1.0 + unknowns.values[gain];
-        let weight = 1.0 / trial.data.variance[LIMBS];
+        let weight = 1.0 / trial.noise_variance(LIMBS);
         let shown = &trial.data.coordinates[LIMBS];
         for k in 0..trial.grid.harmonics {
             let q = Complex::new(trial.latent[2 * k], trial.latent[2 * k + 1]);

@@ -6,9 +6,9 @@ use glam::DVec3;
 use nalgebra::DVector;
 
 use super::harmonics::{Grid, mean_square, project};
-use super::own;
 use super::trial::{Drive, Trial};
 use super::{Certificates, WHAT};
+use super::{colour, own};
 use crate::error::{Error, Result, require, require_finite_row, require_positive, require_samples};
 use crate::geometry::LIMBS;
 use crate::model::Gains;
@@ -72,10 +72,11 @@ impl Record<'_> {
         };
         require_samples(WHAT, grid.coordinates() + FEWEST_FOR_NOISE, samples)?;
         self.closes()?;
-        let mut data = project(&grid, |n| {
+        let row = |n: usize| {
             let row = &self.voltage_v[n];
             core::array::from_fn(|c| if c < LIMBS { row[c] } else { self.standard[n] })
-        });
+        };
+        let mut data = project(&grid, row);
         // What was read between its samples has less noise at high frequencies, and more below than its samples show.
         let duration_s = samples as f64 / self.sample_rate_hz;
         // A short run has too few coordinates below: those next to them are the nearest to white.
@@ -112,6 +113,9 @@ impl Record<'_> {
             }
             *variance = variance.max(floor);
         }
+        let band_hz = self.limbs_band_hz.min(self.standard_band_hz);
+        let last = (band_hz * duration_s).min((samples / 2) as f64) as usize;
+        let near = colour::look(&grid, row, &data.variance, last);
         let nominal = self.direction_ground.normalize();
         let amplifier = certificates.amplifier_corner_rad_s.is_some();
         let room = &certificates.room;
@@ -124,6 +128,8 @@ impl Record<'_> {
                 grid,
                 gains: *self.gains,
                 data,
+                near,
+                louder: [1.0; LIMBS + 1],
                 wedge: 0,
                 gravity_m_s2: g,
                 gravity_turns: self.drive == Drive::Angular

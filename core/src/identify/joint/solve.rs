@@ -11,7 +11,7 @@ use super::room::Spreads;
 use super::settle::SPREAD_SETTLED;
 use super::trial::Trial;
 use super::unknowns::{ACCELEROMETER_GAIN, COMPLIANCE, Unknowns};
-use super::{Joint, Known, WHAT};
+use super::{Joint, Known, WHAT, colour};
 use crate::error::{Error, Result, require_samples};
 use crate::float::sqrt;
 use crate::identify::least_squares::gauss_newton::{Limits, Nonlinear, Outcome, iterate};
@@ -186,6 +186,7 @@ impl Normal {
 pub(super) fn fit(joint: &Joint, start: Unknowns) -> Result<(JointEstimate, Vec<Trial>)> {
     require_samples(WHAT, 1, joint.trials.len())?;
     let mut trials = joint.trials.clone();
+    colour::settle(&mut trials);
     for trial in &mut trials {
         trial.start(&start);
     }

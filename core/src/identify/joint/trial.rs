@@ -18,6 +18,7 @@ use glam::DVec3;
 use nalgebra::{Complex, DVector};
 
 use super::Known;
+use super::colour::Near;
 use super::estimate::TrialEstimate;
 use super::harmonics::{Grid, Projection, harmonic};
 use super::load::Share;
@@ -49,6 +50,10 @@ pub(super) struct Trial {
     pub gains: Gains,
     /// Nine channels, then the standard.
     pub data: Projection<{ LIMBS + 1 }>,
+    /// Noise beside the fitted harmonics, where there is enough to tell.
+    pub near: Option<Near>,
+    /// Variance of the noise in the fit over [`Self::data`]'s.
+    pub louder: [f64; LIMBS + 1],
     pub wedge: usize,
     /// Gravity with the wedge as it is meant to be, m/s^2.
     pub gravity_m_s2: DVec3,
@@ -90,6 +95,11 @@ pub(super) struct Standard {
 }
 
 impl Trial {
+    /// Variance of a channel's noise in the fit; behind the limbs the standard's.
+    pub fn noise_variance(&self, channel: usize) -> f64 {
+        self.data.variance[channel] * self.louder[channel]
+    }
+
     /// Place of an own unknown; none if the trial does not have it.
     pub fn own_place(&self, kind: Kind) -> Option<usize> {
         self.own.iter().position(|own| own.kind == kind)

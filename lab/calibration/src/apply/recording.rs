@@ -17,6 +17,10 @@ use super::voltages::Voltages;
 
 /// Rates of recorders that see a motion: below, no run of a rig has enough samples, beyond, no converter of nine channels.
 const PLAUSIBLE_HZ: core::ops::RangeInclusive<f64> = 20.0..=5e6;
+/// Voltages over the converter's range from which it is at its end: with twelve bits and more the last step below it is none.
+pub(super) const AT_LIMIT: f64 = 1.0 - 1.0 / 2048.0;
+/// Channels of a sample that stand at the end of the range together and are failed ones for the fault monitor; more of them leave it nothing.
+const BLINDED: usize = 2;
 /// Voltages over the converter's range that did not come from it as volts.
 pub(super) const BEYOND: f64 = 1.2;
 
@@ -44,6 +48,18 @@ pub struct Recording {
     /// How the file was cut short, if it was.
     cut: Option<String>,
     full_scale_v: f64,
+}
+
+/// Voltages at the end of the converter's range, which the fault monitor could take for the others' failure, become what is no number.
+fn blind(columns: &mut [Vec<f64>; LIMBS], limit_v: f64) {
+    for sample in 0..columns[0].len() {
+        let at_limit = |column: &Vec<f64>| column[sample].abs() >= limit_v;
+        let clipped = columns.iter().filter(|column| at_limit(column)).count();
+        if (1..=BLINDED).contains(&clipped) {
+            let clipped = columns.iter_mut().filter(|column| at_limit(column));
+            clipped.for_each(|column| column[sample] = f64::NAN);
+        }
+    }
 }
 
 /// Names are the session's or the calibration's, and the file may have others.
@@ -138,12 +154,15 @@ impl Recording {
             if !self.watched {
                 self.columns.check_finite(place)?;
             }
-            let clipped = |voltage_v: &&f64| voltage_v.abs() >= self.full_scale_v;
+            let clipped = |voltage_v: &&f64| voltage_v.abs() >= AT_LIMIT * self.full_scale_v;
             for voltage_v in self.columns.column(place).iter().filter(clipped) {
                 self.seen.clipped[limb] += 1;
                 self.seen.largest_v = self.seen.largest_v.max(voltage_v.abs());
             }
             self.columns.take(place, column);
+        }
+        if self.watched && self.seen.clipped.iter().any(|clipped| *clipped > 0) {
+            blind(&mut batch.voltage_v.columns, AT_LIMIT * self.full_scale_v);
         }
         batch.times_s.clear();
         match self.columns.stamps_s() {

@@ -23,7 +23,7 @@ use super::conditioning_stream::ConditioningStream;
 use super::coordination::Coordination;
 use super::decoding::Decoding;
 use super::explain;
-use super::recording::BEYOND;
+use super::recording::{AT_LIMIT, BEYOND};
 use super::stream_clock::StreamClock;
 use super::voltages::Voltages;
 
@@ -144,7 +144,7 @@ impl TextStream {
             if let Some(odd) = odd {
                 warn(format!("{PLACE}, line {number}: {odd}"));
             }
-            if row.iter().any(|u| u.abs() >= self.full_scale_v) {
+            if row.iter().any(|u| u.abs() >= AT_LIMIT * self.full_scale_v) {
                 clipped += 1;
                 if clipped == 1 {
                     let most_v = row.iter().fold(0.0_f64, |most, u| most.max(u.abs()));

@@ -94,6 +94,8 @@ fn trial((drive, gravity_turns, amplifier, late): (Drive, bool, bool, bool)) -> 
         drive,
         latent: DVector::zeros(2 * grid.harmonics),
         data,
+        near: None,
+        louder: [1.0; LIMBS + 1],
         gains: Gains::uniform(0.5),
         wedge: 0,
         gravity_m_s2: GRAVITY_M_S2,

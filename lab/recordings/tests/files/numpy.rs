@@ -1,11 +1,8 @@
 //! NPY and NPZ: those of NumPy, our own, damaged ones.
 
-#[path = "foreign/expected.rs"]
-mod expected;
-
 use std::io::Write;
 
-use expected::{bits, check, damage, folder, rows, scratch};
+use crate::expected::{bits, check, damage, folder, rows, scratch};
 use sixaxis_recordings::{Block, Channel, Error, Layout, create, open};
 
 #[test]

@@ -1,13 +1,10 @@
 //! Parquet: files of pyarrow and pandas, our own, and broken ones.
 
-#[path = "foreign/expected.rs"]
-mod expected;
-
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use crate::expected::{bits, corrupted, folder, rows};
 use ::parquet::file::reader::{FileReader, SerializedFileReader};
-use expected::{bits, corrupted, folder, rows};
 use sixaxis_recordings::error::{Error, Place};
 use sixaxis_recordings::{Block, Channel, Layout, create, open, parquet};
 

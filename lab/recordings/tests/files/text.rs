@@ -1,9 +1,6 @@
 //! Files of text: those of other software, our own, ambiguous ones, damaged ones.
 
-#[path = "foreign/expected.rs"]
-mod expected;
-
-use expected::{bits, check, damage, folder, rows, scratch};
+use crate::expected::{bits, check, damage, folder, rows, scratch};
 use sixaxis_recordings::{Block, Channel, Error, Layout, create, open};
 
 #[test]

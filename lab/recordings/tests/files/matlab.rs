@@ -1,12 +1,9 @@
 //! MATLAB: files of SciPy, hdf5storage and h5py, and broken ones.
 
-#[path = "foreign/expected.rs"]
-mod expected;
-
 use std::fs;
 use std::path::Path;
 
-use expected::{bits, corrupted, folder, rows};
+use crate::expected::{bits, corrupted, folder, rows};
 use sixaxis_recordings::error::Error;
 use sixaxis_recordings::{Block, matlab, open};
 

@@ -1,9 +1,6 @@
 //! HDF5: files of h5py, and damaged ones.
 
-#[path = "foreign/expected.rs"]
-mod expected;
-
-use expected::{check, damage, folder, rows, scratch};
+use crate::expected::{check, damage, folder, rows, scratch};
 use sixaxis_recordings::open;
 
 #[test]

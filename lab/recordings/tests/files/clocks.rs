@@ -11,7 +11,7 @@ use sixaxis_recordings::inspect::{Expected, Severity, inspect};
 use sixaxis_recordings::session::SessionFile;
 
 const SESSION: &str = concat!(
-    include_str!("card.toml"),
+    include_str!("../card.toml"),
     r#"
 [[recording]]
 file = "run.csv"

@@ -1,12 +1,9 @@
 //! TDMS: files of other software, hostile files, and the way there and back.
 
-#[path = "foreign/expected.rs"]
-mod expected;
-
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use expected::{folder, rows};
+use crate::expected::{folder, rows};
 use sixaxis_recordings::ingest::columns::Columns;
 use sixaxis_recordings::ingest::find::Column;
 use sixaxis_recordings::inspect::inspect;
