@@ -111,13 +111,9 @@ fn parts(
             from + i * piece..end
         })
     };
-    let (start, end) = (moving.start, moving.end);
-    // Less than a piece is the motion's.
-    let start = if start < piece { 0 } else { start };
-    let end = if samples - end < piece { samples } else { end };
-    rest(0, start)
-        .chain(core::iter::once(start..end))
-        .chain(rest(end, samples))
+    rest(0, moving.start)
+        .chain(core::iter::once(moving.clone()))
+        .chain(rest(moving.end, samples))
 }
 
 /// The line that ends this piece of a run, which begins with the decoupler as it is, at rest in the initial attitude; and where the piece
@@ -169,9 +165,11 @@ fn closing(
     ))
 }
 
-/// The samples between the first and the last at which a channel that moves much is away from where it stands at that end, with a margin; all
-/// of them where it does not stand there.
-fn motion(voltage_v: &[[f64; LIMBS]], sample_rate_hz: f64) -> Range<usize> {
+/// The samples of a run that are its motion: those between the first and the last at which a channel that moves much is away from where it stands
+/// at that end, with half a second and more on either side. All samples where the run does not stand at an end, and of an end that would be
+/// left a second of rest or less.
+#[must_use]
+pub fn motion(voltage_v: &[[f64; LIMBS]], sample_rate_hz: f64) -> Range<usize> {
     let samples = voltage_v.len();
     let block = ((BLOCK_S * sample_rate_hz) as usize).max(1);
     let means: Vec<[f64; LIMBS]> = voltage_v
@@ -214,7 +212,15 @@ fn motion(voltage_v: &[[f64; LIMBS]], sample_rate_hz: f64) -> Range<usize> {
     let (begins, ends) = (begins * block, (ends + 1) * block);
     let span = ends.saturating_sub(begins);
     let margin = ((MARGIN_S * sample_rate_hz) as usize).max(span / MARGIN_OF_SPAN);
-    begins.saturating_sub(margin)..(ends + margin).min(samples)
+    let (begins, ends) = (begins.saturating_sub(margin), (ends + margin).min(samples));
+    let piece = ((PIECE_S * sample_rate_hz) as usize).max(NEEDED);
+    let begins = if begins < piece { 0 } else { begins };
+    let ends = if samples - ends < piece {
+        samples
+    } else {
+        ends
+    };
+    begins..ends
 }
 
 /// One row of voltages with the line added: `line` holds the angular acceleration at the first and the last sample.

@@ -27,6 +27,7 @@ pub use knowledge::{Knowledge, WEDGE_DEG};
 pub use report::JointReport;
 
 use rayon::prelude::*;
+use sixaxis_core::decouple::rest_to_rest;
 use sixaxis_core::identify::joint::robust::USUAL_LIMIT;
 use sixaxis_core::identify::joint::{AtRest, Drive, Joint, Record};
 use sixaxis_core::identify::zero_drift::ZeroDrift;
@@ -70,12 +71,15 @@ pub fn record(trial: &Trial) -> Option<Record<'_>> {
         Role::Angular => (Drive::Angular, &trial.gyroscope_rad_s),
         Role::Static | Role::Tap | Role::Validation => return None,
     };
+    // What the recorder took before and after the motion tells nothing of it, and costs time.
+    let moving = rest_to_rest::motion(&trial.voltage_v, trial.sample_rate_hz);
+    let standard = standard.get(moving.clone())?;
     Some(Record {
         drive,
         sample_rate_hz: trial.sample_rate_hz,
         frequency_hz: trial.frequency_hz,
         gains: &trial.gains,
-        voltage_v: &trial.voltage_v,
+        voltage_v: &trial.voltage_v[moving],
         standard,
         limbs_band_hz: trial.limbs_band_hz,
         standard_band_hz: trial.standards_band_hz,

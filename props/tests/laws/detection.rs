@@ -282,6 +282,30 @@ fn neg_a_contact_that_fails_for_moments_is_not_the_other_limb_s() {
     assert!(named > 100 * pairs, "{named} named, {pairs} pairs");
 }
 
+/// Zeros of all channels that have moved since the calibration are no exchanged channels.
+#[test]
+fn neg_zeros_that_have_moved_are_no_exchange() {
+    use rand_distr::{Distribution, StandardNormal};
+    use rand_pcg::Pcg64;
+    use sixaxis_props::faults::noisy;
+    for k in 0..60 {
+        let scene = Scene::random(seed() + k, 1.0);
+        let mut rng = Pcg64::new(u128::from(seed() + k), 77);
+        let moved: [f64; LIMBS] = core::array::from_fn(|limb| {
+            let unit: f64 = StandardNormal.sample(&mut rng);
+            0.5 * scene.noise_v[limb] * unit
+        });
+        let mut monitor = scene.monitor(FALSE_ALARMS_PER_HOUR);
+        for sample in 0..20_000 {
+            let u = noisy(&scene, scene.voltage_v(sample), &mut rng);
+            let event = monitor.push(&core::array::from_fn(|limb| u[limb] + moved[limb]));
+            if let Some(Event::Identified(verdict)) = event {
+                assert_ne!(verdict.kind, Kind::Swapped, "seed {k}: {verdict}");
+            }
+        }
+    }
+}
+
 /// Noncentral chi-square of no noncentrality is central, and grows with it.
 #[test]
 fn inv_noncentral_is_central_at_zero() {

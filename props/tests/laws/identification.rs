@@ -48,6 +48,39 @@ fn stat_a_zero_drifts_interval_has_normal_tails() {
     assert!(beyond_two <= 6, "{beyond_two} of {of}");
 }
 
+/// The same where noise goes on growing towards low frequencies, as an amplifier's does: as much in each octave as in the next, down to the
+/// record's length.
+#[test]
+fn stat_a_zero_drifts_interval_holds_with_noise_of_low_frequency() {
+    const OCTAVES: usize = 11;
+    let mut rng = Pcg64::seed_from_u64(0x7a12);
+    let mut beyond = [0_u32; 2];
+    for _ in 0..RECORDS / 10 {
+        let mut held = [[0.0; LIMBS]; OCTAVES];
+        let rows: Vec<[f64; LIMBS]> = (0..1 << OCTAVES)
+            .map(|sample: usize| {
+                let mut row = core::array::from_fn(|_| StandardNormal.sample(&mut rng));
+                for (octave, held) in held.iter_mut().enumerate() {
+                    if sample.is_multiple_of(2 << octave) {
+                        *held = core::array::from_fn(|_| StandardNormal.sample(&mut rng));
+                    }
+                    (row.iter_mut().zip(held)).for_each(|(u, held): (&mut f64, _)| *u += *held);
+                }
+                row
+            })
+            .collect();
+        let found = zero_drift::identify(&rows).expect("the record is long enough");
+        for limb in 0..LIMBS {
+            let widths = (found.drift_v[limb] / found.standard_error_v[limb]).abs() / NORMAL_95;
+            beyond[0] += u32::from(widths > 1.0);
+            beyond[1] += u32::from(widths > 2.0);
+        }
+    }
+    let of = (RECORDS / 10 * LIMBS) as f64;
+    let [one, two] = beyond.map(|count| f64::from(count) / of);
+    assert!(one < 0.08 && two < 0.01, "{one}, {two}");
+}
+
 proptest! {
     #![proptest_config(config(64))]
 

@@ -1,6 +1,7 @@
 //! What is done with whole runs: steps 2 and 3 with the compliance kept, and closing a run from rest to rest.
 
 use glam::DVec3;
+use rand_distr::{Distribution, StandardNormal};
 use sixaxis_core::decouple::rest_to_rest;
 use sixaxis_core::decouple::stream::Decoupler;
 use sixaxis_core::identify::compliance::CompliantRows;
@@ -189,4 +190,42 @@ fn ref_a_drifting_run_is_closed_from_rest_to_rest() {
         tolerance::NEGATIVE_CONTROL * after < before,
         "closing a drifting run brought the rate's error from {before:.3e} to {after:.3e} rad/s"
     );
+}
+
+/// What a recorder took before and after the motion is no part of what is integrated.
+#[test]
+fn law_a_long_rest_costs_a_closed_run_nothing() {
+    let truth = truth::identified_parameters();
+    let (run, recording) = simulate(Mode::Compound, DVec3::new(1.0, 1.0, 2.0));
+    let (sensor, settings) = set_up(&recording);
+    let mut rng = rand_pcg::Pcg64::new(7, 91);
+    let rest = (10.0 * settings.sample_rate_hz) as usize;
+    let samples = recording.voltage_v.len();
+    let mut rate_error = |rest: usize| {
+        let rows: Vec<[f64; LIMBS]> = (0..samples + 2 * rest)
+            .map(|sample| {
+                let row = &recording.voltage_v[sample.saturating_sub(rest).min(samples - 1)];
+                row.map(|u| {
+                    let unit: f64 = StandardNormal.sample(&mut rng);
+                    u + 1e-2 * unit
+                })
+            })
+            .collect();
+        let (rows, _) = rest_to_rest::detrend(&sensor, &truth, &settings, &rows).expect("closes");
+        let mut decoupler = Decoupler::new(&sensor, &truth, &settings).expect("sound");
+        let mut error = 0.0_f64;
+        for row in &rows {
+            let Some(out) = decoupler.push(row).expect("finite") else {
+                continue;
+            };
+            if let Some(at) = (out.sample as usize).checked_sub(rest)
+                && let Some(truth) = run.truth.get(at)
+            {
+                error = error.max((out.rate_shell_rad_s - truth.rate_shell_rad_s).length());
+            }
+        }
+        error
+    };
+    let [none, long] = [0, rest].map(&mut rate_error);
+    assert!(long < 3.0 * none, "{none} rad/s without rests, {long} with");
 }

@@ -195,15 +195,17 @@ impl Isolation {
         let scores: [f64; CLASSES] = core::array::from_fn(|i| self.before[i] + since[i]);
         let one = OneLimb::new(noise, &misfit, &scores, gone);
         let dead = sets(noise, &misfit, &self.history, &self.origin.before, gone);
-        let lead = self.swaps.lead(gone);
-        let swap = lead.ln_ratio;
+        let (pair, swap, swap_lead) = self.swaps.lead(gone);
         let energy = self.window.rows.energy();
         // The window that alarmed holds no strains, so that a pair cannot be scored by it: it is given the best class's score.
         let swap_score = swap + self.before.iter().copied().fold(0.0, f64::max);
         let swap_leaves_noise = swap > ACCEPTED && misfit.is_noise(energy - 2.0 * swap);
+        // Zeros that have moved, several at once, stand or creep: exchanged channels must explain what moves beside.
+        let [mean, slope] = self.window.rows.mean_and_slope();
+        let standing = 0.5 * (dot(&mean, &mean) + dot(&slope, &slope));
         let swapped = swap_leaves_noise
-            && lead.by > ACCEPTED
-            && lead.by_motion > ACCEPTED
+            && swap - standing > ACCEPTED
+            && swap_lead > ACCEPTED
             && n >= SWAP_LOOK
             && self.anew
             && noise.relations() == ROWS
@@ -212,8 +214,8 @@ impl Isolation {
             && (!one.explains || swap_score > one.score + ACCEPTED)
             && !one.limbs.indices().any(|limb| self.history.is_flat(limb));
         if swapped {
-            let limbs = lead.pair.into_iter().fold(LimbSet::EMPTY, LimbSet::with);
-            return Some(self.decided(sample, limbs, Kind::Swapped, lead.by));
+            let limbs = pair.into_iter().fold(LimbSet::EMPTY, LimbSet::with);
+            return Some(self.decided(sample, limbs, Kind::Swapped, swap_lead));
         }
         let swap_competes = swap_leaves_noise && swap_score > one.score - ACCEPTED;
         // A set with a limb that explains the rows by itself is more than is needed.

@@ -31,38 +31,14 @@ const fn pairs() -> [[usize; 2]; PAIRS] {
     of
 }
 
-/// ln of the likelihood ratio of each pair, half of the energy that exchanging it back removes from the whitened rows, and how much of it
-/// is of where the rows stand and not of how they move.
+/// ln of the likelihood ratio of each pair: half of the energy that exchanging it back removes from the whitened rows.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Swaps {
-    ln_ratio: [f64; PAIRS],
-    samples: f64,
-    rows: [f64; ROWS],
-    changes: [[f64; ROWS]; PAIRS],
-}
+pub struct Swaps([f64; PAIRS]);
 
 impl Default for Swaps {
     fn default() -> Self {
-        Self {
-            ln_ratio: [0.0; PAIRS],
-            samples: 0.0,
-            rows: [0.0; ROWS],
-            changes: [[0.0; ROWS]; PAIRS],
-        }
+        Self([0.0; PAIRS])
     }
-}
-
-/// The pair that leads.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Lead {
-    /// Its channels, from 0.
-    pub pair: [usize; 2],
-    /// ln of its likelihood ratio against no failure.
-    pub ln_ratio: f64,
-    /// The same by the rows' motion about their means alone: zeros that have moved may look exchanged, and stand.
-    pub by_motion: f64,
-    /// By how much it leads the next one.
-    pub by: f64,
 }
 
 impl Swaps {
@@ -75,55 +51,31 @@ impl Swaps {
         strain_of: impl Fn(usize, usize) -> f64,
     ) {
         let before = dot(z, z);
-        self.samples += 1.0;
-        for (sum, z) in self.rows.iter_mut().zip(z) {
-            *sum += z;
-        }
-        for (place, [i, j]) in PAIRED.into_iter().enumerate() {
+        for (likelihood, [i, j]) in self.0.iter_mut().zip(PAIRED) {
             let (di, dj) = (strain_of(i, j) - strain[i], strain_of(j, i) - strain[j]);
             let rows: [f64; ROWS] = core::array::from_fn(|k| {
                 f64::from(SIGNATURES[i][k]) * di + f64::from(SIGNATURES[j][k]) * dj
             });
             let change = noise.whiten(&rows);
             let after: [f64; ROWS] = core::array::from_fn(|k| z[k] + change[k]);
-            if let (Some(ratio), Some(sum)) =
-                (self.ln_ratio.get_mut(place), self.changes.get_mut(place))
-            {
-                *ratio += 0.5 * (before - dot(&after, &after));
-                for (sum, change) in sum.iter_mut().zip(&change) {
-                    *sum += change;
-                }
-            }
+            *likelihood += 0.5 * (before - dot(&after, &after));
         }
     }
 
-    /// The pair that leads, of channels not in `gone`.
+    /// The pair that leads, of channels not in `gone`: its ln of the likelihood ratio against no failure, and by how much it leads.
     #[must_use]
-    pub fn lead(&self, gone: LimbSet) -> Lead {
-        let mut lead = Lead {
-            pair: [0; 2],
-            ln_ratio: f64::NEG_INFINITY,
-            by_motion: f64::NEG_INFINITY,
-            by: 0.0,
-        };
-        let mut second = f64::NEG_INFINITY;
-        for ((pair, &ln_ratio), change) in PAIRED.into_iter().zip(&self.ln_ratio).zip(&self.changes)
-        {
+    pub fn lead(&self, gone: LimbSet) -> ([usize; 2], f64, f64) {
+        let (mut best, mut first, mut second) = ([0; 2], f64::NEG_INFINITY, f64::NEG_INFINITY);
+        for (pair, &score) in PAIRED.into_iter().zip(&self.0) {
             if pair.into_iter().any(|limb| gone.contains(limb)) {
                 continue;
             }
-            if ln_ratio > lead.ln_ratio {
-                second = lead.ln_ratio;
-                let after: [f64; ROWS] = core::array::from_fn(|k| self.rows[k] + change[k]);
-                let standing = dot(&self.rows, &self.rows) - dot(&after, &after);
-                lead.pair = pair;
-                lead.ln_ratio = ln_ratio;
-                lead.by_motion = ln_ratio - 0.5 * standing / self.samples.max(1.0);
-            } else if ln_ratio > second {
-                second = ln_ratio;
+            if score > first {
+                (best, second, first) = (pair, first, score);
+            } else if score > second {
+                second = score;
             }
         }
-        lead.by = lead.ln_ratio - second;
-        lead
+        (best, first, first - second)
     }
 }

@@ -74,7 +74,13 @@ impl Day<'_> {
             let start = joint::start(&self.prepared.campaign, &estimate.steps);
             let drift = &estimate.steps.drift;
             let day = self.unaccounted(drift, start, &estimate.knowledge, joint);
-            hypotheses::explain(&day, findings, suspected)
+            let found = hypotheses::explain(&day, findings, suspected);
+            // Of a contradiction that hardly matters it is enough that there is one.
+            let nearly = chosen
+                .used_joint()
+                .is_some_and(JointReport::nearly_accounts);
+            let known = |f: &Finding| !(nearly && hypotheses::is_unknown(f));
+            found.into_iter().filter(known).collect()
         });
     }
 

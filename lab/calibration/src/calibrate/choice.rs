@@ -34,7 +34,7 @@ pub(super) struct Chosen {
 impl Chosen {
     pub fn of(estimate: Estimate, asked_for: Option<Estimator>, design: &Parameters) -> Self {
         let estimator = asked_for.unwrap_or(match &estimate.joint {
-            Ok(joint) if joint.accounts() => Estimator::Joint,
+            Ok(joint) if joint.accounts() || joint.nearly_accounts() => Estimator::Joint,
             _ => Estimator::FourSteps,
         });
         let fell_back = asked_for.is_none() && estimator == Estimator::FourSteps;
@@ -90,7 +90,12 @@ impl Chosen {
     pub fn reservations(&self) -> Vec<String> {
         let mut reservations = self.estimate.taps.remarks.clone();
         if let Some(joint) = self.used_joint() {
-            reservations.extend(contradiction(&joint.misfit));
+            let advice = if joint.nearly_accounts() {
+                ""
+            } else {
+                "; use the four steps"
+            };
+            reservations.extend(contradiction(&joint.misfit).map(|said| said + advice));
             reservations.extend(beyond_certificate(&joint.gain));
         }
         if self.fell_back {
@@ -123,7 +128,7 @@ pub(super) fn refused(cause: &str) -> Finding {
 pub fn contradiction(misfit: &Misfit) -> Option<String> {
     misfit.contradicts().then(|| {
         format!(
-            "the channels contradict straight and unhurried sensors, an ordinary room and white noise (misfit {:.2}, noise alone leaves at most {:.2}): the joint fit's own intervals would be too narrow and have been made {:.0} times as wide; use the four steps",
+            "the channels contradict straight and unhurried sensors, an ordinary room and white noise (misfit {:.2}, noise alone leaves at most {:.2}): the joint fit's own intervals would be too narrow and have been made {:.0} times as wide",
             misfit.per_degree,
             misfit.limit(),
             misfit.wider()

@@ -66,6 +66,13 @@ impl JointReport {
         left < COLOURED && left - 1.0 < LITTLE * (before - 1.0) && self.is_ordinary()
     }
 
+    /// Whether it contradicts the trials by so little that noise of another colour, or an effect of a few hundredths of a percent, may be all:
+    /// its parameters are nearer to the truth than the four steps', with intervals that are made as wide as the contradiction asks.
+    #[must_use]
+    pub fn nearly_accounts(&self) -> bool {
+        self.misfit.per_degree < COLOURED && self.is_ordinary()
+    }
+
     fn is_ordinary(&self) -> bool {
         let spreads = &self.estimate.spreads;
         spreads.stiffness <= STIFFNESS

@@ -231,8 +231,15 @@ pub(crate) fn contradiction(joint: core::result::Result<&JointReport, &str>) -> 
     }
 }
 
+/// What is advised where nothing says what is wrong.
+const LOOK: &str = "look at the table of trials in the report";
+
 /// Something is wrong, and nothing says what.
 pub(crate) fn unknown(evidence: String) -> Finding {
-    let advice = "look at the table of trials in the report";
-    Finding::new(Cause::Unexplained, evidence, advice)
+    Finding::new(Cause::Unexplained, evidence, LOOK)
+}
+
+/// Whether it is [`unknown`] what is wrong.
+pub(crate) fn is_unknown(finding: &Finding) -> bool {
+    finding.cause == Cause::Unexplained && finding.advice == LOOK
 }

@@ -751,6 +751,60 @@ fn inv_a_late_channel_is_named_although_its_noise_is_not_white() {
     );
 }
 
+/// The day's recordings with something added to the channels, calibrated; `noise` is white.
+fn with_added(name: &str, add: impl Fn(&mut [f64], &mut dyn FnMut() -> f64)) -> (i32, String) {
+    let mut state = 7_u64;
+    let mut noise = || {
+        let twelve = (0..12).map(|_| {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+        });
+        twelve.sum::<f64>()
+    };
+    let kinds = ["static", "linear", "angular", "fast", "compound"];
+    for file in kinds.iter().flat_map(|kind| of_kind(kind)) {
+        let noise = RefCell::new(&mut noise);
+        rewritten(&file, &format!("{name}-{file}"), |row| {
+            add(row, &mut || noise.borrow_mut()());
+        });
+    }
+    calibrated(name, |s| {
+        s.replace("file = \"", &format!("file = \"{name}-"))
+    })
+}
+
+/// As a converter that oversamples leaves it, or an amplifier's filter: less at high frequencies, from which noise is told.
+#[test]
+fn neg_noise_that_is_not_white_is_no_contradiction() {
+    let held = RefCell::new([0.0; LIMBS]);
+    let (code, said) = with_added("coloured", |row, noise| {
+        for (u, held) in row.iter_mut().zip(held.borrow_mut().iter_mut()) {
+            *held += 0.5 * (noise() - *held);
+            *u += 0.02 * *held;
+        }
+    });
+    assert_eq!(code, 0, "{said}");
+}
+
+/// A cable that gives a little voltage as it turns along is in no model, and hardly matters: that is a reservation.
+#[test]
+fn inv_a_contradiction_that_hardly_matters_is_a_reservation() {
+    let (code, said) = with_added("cable", |row, _| {
+        if let Some(rate) = row.get(GYROSCOPE).copied() {
+            for (limb, u) in row[..ACCELEROMETER].iter_mut().enumerate() {
+                *u += 3e-5 * rate * (limb as f64 - 4.0);
+            }
+        }
+    });
+    assert_eq!(code, 3, "{said}");
+    assert!(
+        said.contains("have been made") && !said.contains("use the four steps"),
+        "{said}"
+    );
+}
+
 #[test]
 fn inv_a_clock_that_the_rig_contradicts_is_no_other_frequency() {
     let original = day().0.join("linear-05.csv");

@@ -259,3 +259,31 @@ fn prop_watch_is_refused_where_it_has_no_meaning() {
     ]);
     assert!(!alone.status.success());
 }
+
+/// A converter of sixteen bits ends a step below its range's end. What stands there is its own channel's fault, however few samples.
+#[test]
+fn neg_samples_at_the_converter_s_end_are_no_other_limb_s() {
+    let folder = Folder::new("decouple-clipped");
+    let (toml, json) = (session().join("session.toml"), calibration());
+    let (mut volts, rate_hz) = voltages();
+    let at = volts[0].len() / 2;
+    for limb in [2, 3] {
+        volts[limb][at..at + 10].fill(9.9997);
+    }
+    let clipped = folder.join(compound().file_name().expect("a name"));
+    write(&clipped, &LIMBS, "V", &volts, rate_hz);
+    let out = folder.join("out.csv");
+    let arguments = ["decouple", &json, text(&clipped), "--session", text(&toml)];
+    let arguments = [&arguments[..], &["--out", text(&out)]].concat();
+    let said = stderr(&done(&arguments));
+    assert!(said.contains("10 of u3, 10 of u4"), "{said}");
+    let said = stderr(&done(&[&arguments[..], &["--watch"]].concat()));
+    assert!(
+        said.contains("limbs 3 and 4: no readable value since"),
+        "{said}"
+    );
+    let named = said
+        .lines()
+        .filter(|line| line.contains(": no readable") || line.contains("limb "));
+    assert_eq!(named.count(), 1, "{said}");
+}
