@@ -21,7 +21,7 @@ pub struct ZeroDrift {
     /// Its standard error, V: that by batch means, which holds for noise that is not white, too, or where chance has made it smaller
     /// that of white noise, which the samples give to a thousandth. 32 batches know theirs to an eighth only, and of an interval
     /// of 1.96 of them five times as many errors as of a normal one's would lie beyond twice its width. Where longer batches have a larger
-    /// one, as an amplifier's noise below some tenths of a hertz makes it, it is what it grows to with two batches.
+    /// one, as an amplifier's noise below some tenths of a hertz makes it, it is what it grows to with a batch as long as the record.
     pub standard_error_v: [f64; LIMBS],
     /// Standard deviation of a single sample, V.
     pub noise_v: [f64; LIMBS],
@@ -98,10 +98,10 @@ pub fn identify(static_voltage_v: &[[f64; LIMBS]]) -> Result<ZeroDrift> {
         }
     }
     if grown > GROWS {
-        // The variance grows by this from 32 batches to 8, and no faster than a drift's; from 8 to 2 by it once more.
+        // The variance grows by this from 32 batches to 8, and no faster than a drift's; from 8 to 2 by it once more, and then by its root.
         let longer = grown.min((BATCHES / LONGER).pow(2) as f64);
         for error_v in &mut result.standard_error_v {
-            *error_v *= longer;
+            *error_v *= longer * sqrt(sqrt(longer));
         }
     }
     Ok(result)

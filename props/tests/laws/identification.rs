@@ -78,7 +78,8 @@ fn stat_a_zero_drifts_interval_holds_with_noise_of_low_frequency() {
     }
     let of = (RECORDS / 10 * LIMBS) as f64;
     let [one, two] = beyond.map(|count| f64::from(count) / of);
-    assert!(one < 0.08 && two < 0.01, "{one}, {two}");
+    // With the error by 32 batches it would be 0.6 and 0.3.
+    assert!(one < 0.12 && two < 0.02, "{one}, {two}");
 }
 
 proptest! {
