@@ -63,8 +63,10 @@ fn inv_a_sensitivity_that_steps_is_named_with_its_trial() {
 /// four steps make of the others.
 #[test]
 fn inv_a_channel_that_is_inverted_in_some_trials_is_named_there() {
-    let linear = of_kind("linear");
+    let (linear, angular) = (of_kind("linear"), of_kind("angular"));
     for (name, files, channel) in [
+        // It shows little there, and nothing else about the trial is odd.
+        ("upside-alone", &angular[..1], 9),
         ("upside-first", &linear[..1], 3),
         ("upside-second", &linear[..2], 3),
         ("upside-last", &linear[linear.len() - 1..], 1),
