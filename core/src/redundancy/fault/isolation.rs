@@ -200,11 +200,12 @@ impl Isolation {
         // The window that alarmed holds no strains, so that a pair cannot be scored by it: it is given the best class's score.
         let swap_score = swap + self.before.iter().copied().fold(0.0, f64::max);
         let swap_leaves_noise = swap > ACCEPTED && misfit.is_noise(energy - 2.0 * swap);
-        // Zeros that have moved, several at once, stand or creep: exchanged channels must explain what moves beside.
+        // Zeros that have moved, several at once, stand or creep: something must move beside, and exchanged channels explain it.
         let [mean, slope] = self.window.rows.mean_and_slope();
         let standing = 0.5 * (dot(&mean, &mean) + dot(&slope, &slope));
         let swapped = swap_leaves_noise
             && swap - standing > ACCEPTED
+            && !misfit.is_noise(energy - 2.0 * standing)
             && swap_lead > ACCEPTED
             && n >= SWAP_LOOK
             && self.anew

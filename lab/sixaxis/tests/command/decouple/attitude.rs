@@ -4,18 +4,14 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use glam::{DQuat, DVec3};
-use rand::SeedableRng;
-use rand_pcg::Pcg64;
 use serde_json::Value;
-use sixaxis_reference::compliant::compliant_forces_m_s2;
-use sixaxis_reference::laboratory::chain::Chain;
 use sixaxis_reference::motion::TrueMotion;
 use sixaxis_reference::paper::GRAVITY_M_S2;
-use sixaxis_reference::rig::journey::{Journey, Kind};
-use sixaxis_reference::sensor::TrueSensor;
+use sixaxis_reference::rig::journey::Kind;
 
+use super::ride::Ride;
 use super::session::{ACCELERATIONS, LIMBS, calibration, columns, write};
-use crate::program::{Folder, done, run, stderr, stdout, text};
+use crate::program::{done, run, stderr, stdout, text};
 
 const RATE_HZ: f64 = 500.0;
 const DURATION_S: f64 = 90.0;
@@ -34,43 +30,17 @@ const SMOOTHED_AT_LEAST: f64 = 1.2;
 /// Deviations that no ground axis may be off by.
 const NEVER: f64 = 6.0;
 
-/// A recording of a sensor that is picked up and put down, its gains and the motion.
-struct Recorded {
-    folder: Folder,
-    gains: String,
-    truth: Vec<TrueMotion>,
-}
-
-impl Recorded {
-    fn path(&self) -> PathBuf {
-        self.folder.join("ride.csv")
-    }
-}
-
-fn recorded() -> &'static Recorded {
-    static RECORDED: OnceLock<Recorded> = OnceLock::new();
+/// A recording of a sensor that is picked up and put down.
+fn recorded() -> &'static Ride {
+    static RECORDED: OnceLock<Ride> = OnceLock::new();
     RECORDED.get_or_init(|| {
-        let folder = Folder::new("decouple-attitude");
-        let sensor = TrueSensor::identified();
-        let rng = &mut Pcg64::seed_from_u64(5);
-        let journey = Journey::random(Kind::PickAndPlace, rng);
-        let samples = (DURATION_S * RATE_HZ) as usize;
-        let truth: Vec<TrueMotion> = journey.play(RATE_HZ).take(samples).collect();
-        let gravity = journey.gravity_ground_m_s2();
-        let forces = compliant_forces_m_s2(&sensor, gravity, &truth).expect("limbs that hold");
-        let chain = Chain::noise_free();
-        let gains = chain.amplifier_ranges(&forces, &sensor);
-        let volts = chain.record(&forces, &sensor, &gains, RATE_HZ, rng);
-        let columns: Vec<Vec<f64>> = (0..LIMBS.len())
-            .map(|limb| volts.iter().map(|row| row[limb]).collect())
-            .collect();
-        write(&folder.join("ride.csv"), &LIMBS, "V", &columns, RATE_HZ);
-        let gains: Vec<String> = gains.iter().map(f64::to_string).collect();
-        Recorded {
-            gains: gains.join(","),
-            folder,
-            truth,
-        }
+        Ride::recorded(
+            "decouple-attitude",
+            Kind::PickAndPlace,
+            5,
+            RATE_HZ,
+            DURATION_S,
+        )
     })
 }
 

@@ -6,48 +6,19 @@ use glam::{DQuat, DVec3};
 use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
 use rand_pcg::Pcg64;
-use sixaxis_reference::compliant::compliant_forces_m_s2;
-use sixaxis_reference::laboratory::chain::Chain;
-use sixaxis_reference::motion::TrueMotion;
-use sixaxis_reference::rig::journey::{Journey, Kind};
-use sixaxis_reference::sensor::TrueSensor;
+use sixaxis_reference::rig::journey::Kind;
 
-use super::session::{LIMBS, calibration, write};
-use crate::program::{Folder, run, stderr, text};
+use super::ride::Ride;
+use super::session::calibration;
+use crate::program::{run, stderr, text};
 
 const RATE_HZ: f64 = 500.0;
 const DURATION_S: f64 = 20.0;
 
-/// A recording of a kind of motion, its gains and the truth.
-struct Recorded {
-    folder: Folder,
-    gains: String,
-    truth: Vec<TrueMotion>,
-}
-
-impl Recorded {
-    fn new(kind: Kind, test: &str) -> Self {
-        let folder = Folder::new(&format!("conventions-{test}-{kind:?}"));
-        let sensor = TrueSensor::identified();
-        let rng = &mut Pcg64::seed_from_u64(7);
-        let journey = Journey::random(kind, rng);
-        let samples = (DURATION_S * RATE_HZ) as usize;
-        let truth: Vec<TrueMotion> = journey.play(RATE_HZ).take(samples).collect();
-        let gravity = journey.gravity_ground_m_s2();
-        let forces = compliant_forces_m_s2(&sensor, gravity, &truth).expect("limbs that hold");
-        let chain = Chain::noise_free();
-        let gains = chain.amplifier_ranges(&forces, &sensor);
-        let volts = chain.record(&forces, &sensor, &gains, RATE_HZ, rng);
-        let columns: Vec<Vec<f64>> = (0..LIMBS.len())
-            .map(|limb| volts.iter().map(|row| row[limb]).collect())
-            .collect();
-        write(&folder.join("ride.csv"), &LIMBS, "V", &columns, RATE_HZ);
-        let gains: Vec<String> = gains.iter().map(f64::to_string).collect();
-        Self {
-            gains: gains.join(","),
-            folder,
-            truth,
-        }
+impl Ride {
+    fn of(kind: Kind, test: &str) -> Self {
+        let name = format!("conventions-{test}-{kind:?}");
+        Self::recorded(&name, kind, 7, RATE_HZ, DURATION_S)
     }
 
     /// What a camera writes of it that sees it every so often, s, first at a time, s, off by noise in degrees about each axis; and each
@@ -131,7 +102,7 @@ fn neg_attitudes_in_another_convention_are_refused_with_the_one_they_are_in() {
             ["attitude 1, at 0 s: 3", NONE],
         ),
     ];
-    let recorded = Recorded::new(Kind::TumbleWithRests, "other");
+    let recorded = Ride::of(Kind::TumbleWithRests, "other");
     for (name, given, words) in cases {
         for more in [&[][..], &["--smooth"]] {
             let camera = recorded.camera(0.0, 1.0, 0.5, 1, given);
@@ -147,7 +118,7 @@ fn neg_attitudes_in_another_convention_are_refused_with_the_one_they_are_in() {
 #[test]
 fn prop_noise_as_stated_refuses_no_attitudes() {
     for kind in [Kind::TumbleWithRests, Kind::Vehicle] {
-        let recorded = Recorded::new(kind, "noise");
+        let recorded = Ride::of(kind, "noise");
         for seed in 0..20 {
             let camera = recorded.camera(0.0, 1.0, 0.5, seed, |q| q);
             let (done, said) = recorded.decoupled(&camera, 0.5, &[]);
@@ -160,7 +131,7 @@ fn prop_noise_as_stated_refuses_no_attitudes() {
 #[test]
 fn neg_conjugates_of_a_slow_turn_are_refused() {
     const DEVIATION_DEG: f64 = 0.2;
-    let recorded = Recorded::new(Kind::Vehicle, "slow");
+    let recorded = Ride::of(Kind::Vehicle, "slow");
     let camera = recorded.camera(0.0, 1.0, DEVIATION_DEG, 1, |q| q.conjugate());
     let (done, said) = recorded.decoupled(&camera, DEVIATION_DEG, &[]);
     assert!(
@@ -172,7 +143,7 @@ fn neg_conjugates_of_a_slow_turn_are_refused() {
 /// A camera that once takes one marker for another.
 #[test]
 fn prop_one_wrong_attitude_of_many_is_counted_and_no_more() {
-    let recorded = Recorded::new(Kind::TumbleWithRests, "slip");
+    let recorded = Ride::of(Kind::TumbleWithRests, "slip");
     let at = std::cell::Cell::new(0);
     let camera = recorded.camera(0.0, 1.0, 0.5, 1, |q| match at.replace(at.get() + 1) {
         7 => q * DQuat::from_rotation_z(2.0),

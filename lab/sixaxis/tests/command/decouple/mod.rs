@@ -9,6 +9,7 @@ mod forms;
 mod guards;
 mod refusals;
 mod results;
+mod ride;
 mod session;
 mod streams;
 mod watch;
