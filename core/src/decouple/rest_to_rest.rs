@@ -220,7 +220,12 @@ pub fn motion(voltage_v: &[[f64; LIMBS]], sample_rate_hz: f64) -> Range<usize> {
     } else {
         ends
     };
-    begins..ends
+    // A channel that creeps may be near where it stands at both ends.
+    if begins < ends {
+        begins..ends
+    } else {
+        0..samples
+    }
 }
 
 /// One row of voltages with the line added: `line` holds the angular acceleration at the first and the last sample.

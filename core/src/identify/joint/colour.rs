@@ -53,15 +53,14 @@ pub(super) fn look(
         each += 1.0 / (count - i) as f64;
         expected += each;
     }
-    let mut channel = 0;
-    let over_variance = all.each_mut().map(|squares| {
+    for squares in &mut all {
         squares.sort_by(f64::total_cmp);
-        let sum: f64 = squares.iter().take(kept).sum();
-        channel += 1;
-        sum / expected / variance[channel - 1]
-    });
+    }
     Some(Near {
-        over_variance,
+        over_variance: core::array::from_fn(|channel| {
+            let smallest: f64 = all[channel].iter().take(kept).sum();
+            smallest / expected / variance[channel]
+        }),
         harmonics: count,
     })
 }
