@@ -63,6 +63,7 @@ pub mod voltages;
 pub mod pipeline;
 pub mod recording;
 pub mod setup;
+pub mod statements;
 
 use sixaxis_core::LIMBS;
 

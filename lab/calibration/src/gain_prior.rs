@@ -15,6 +15,9 @@ pub struct BoundedGain {
     pub information: f64,
 }
 
+/// Standard deviations by which the data must contradict a certificate before they are not believed, and it is said: what else they
+/// contain than the accelerometer's gain, nobody knows then, and the certificate alone holds.
+pub const BEYOND_CERTIFICATE: f64 = 4.0;
 /// Nodes of the quadrature over the gain. The integrand is smooth on the scale of its width over this many nodes.
 const NODES: usize = 256;
 /// Standard deviations of the data's word beyond which there is nothing to integrate.
@@ -26,14 +29,14 @@ impl BoundedGain {
     /// Gains and how likely each is, adding up to 1: an even spread within the limit, weighed by the data.
     fn nodes(&self) -> Vec<(f64, f64)> {
         let (mut low, mut high) = (-self.limit, self.limit);
-        if self.information > 0.0 {
-            let reach = REACH / self.information.sqrt();
-            // Data that contradict the certificate altogether leave its nearer end.
+        let information = self.believed();
+        if information > 0.0 {
+            let reach = REACH / information.sqrt();
             low = (self.seen - reach).clamp(-self.limit, self.limit);
             high = (self.seen + reach).clamp(-self.limit, self.limit);
         }
         let width = (high - low) / NODES as f64;
-        let log = |gain: f64| -0.5 * self.information * (gain - self.seen).powi(2);
+        let log = |gain: f64| -0.5 * information * (gain - self.seen).powi(2);
         let best = log(self.seen.clamp(low, high));
         let mut nodes: Vec<(f64, f64)> = (0..NODES)
             .map(|i| {
@@ -61,6 +64,21 @@ impl BoundedGain {
             .map(|(gain, share)| share * (gain - mean).powi(2))
             .sum::<f64>()
             .sqrt()
+    }
+
+    /// Information of the data that is used.
+    fn believed(&self) -> f64 {
+        if self.is_beyond_certificate() {
+            0.0
+        } else {
+            self.information
+        }
+    }
+
+    /// Whether the data contradict the certificate.
+    #[must_use]
+    pub fn is_beyond_certificate(&self) -> bool {
+        self.contradiction() > BEYOND_CERTIFICATE
     }
 
     /// Standard deviations by which the data contradict the certificate; 0 where the one allows what the other says.
@@ -180,5 +198,14 @@ mod tests {
             ..gain
         };
         assert!((contradicted.contradiction() - 10.0).abs() < 1e-9);
+        // What contradicts it has no say: neither its end nor less than its width.
+        assert!(contradicted.mean().abs() < 1e-12);
+        let ends = |gain: BoundedGain| gain.intervals_95(|g| [g], &[1e-9])[0];
+        assert_eq!(ends(contradicted), ends(gain));
+        let doubtful = BoundedGain {
+            seen: 0.1 + 0.9 * BEYOND_CERTIFICATE / 1e2,
+            ..contradicted
+        };
+        assert!(doubtful.mean() > 0.09);
     }
 }

@@ -136,17 +136,22 @@ pub fn contradiction(misfit: &Misfit) -> Option<String> {
     })
 }
 
-/// Standard deviations by which the trials must contradict a certificate before it is said.
-const BEYOND_CERTIFICATE: f64 = 4.0;
+/// Relative deviation that a standard accelerometer has at most: what departs by more is none of its gain.
+const NO_GAIN: f64 = 0.2;
 
 /// What is to be said where gravity, turning in the sensor, contradicts the accelerometer's certificate.
 #[must_use]
 pub fn beyond_certificate(gain: &BoundedGain) -> Option<String> {
-    (gain.contradiction() > BEYOND_CERTIFICATE).then(|| {
+    gain.is_beyond_certificate().then(|| {
+        let (seen, limit) = (100.0 * gain.seen, 100.0 * gain.limit);
+        if gain.seen.abs() > NO_GAIN {
+            return format!(
+                "what turns in the sensor with the motion is not gravity alone, or the accelerometer's gain depends on frequency: gravity would have it off by {seen:+.0} %. \
+                 Its certificate of {limit:.2} % alone is used"
+            );
+        }
         format!(
-            "by gravity, which turns in the sensor, the accelerometer reads {:+.2} % of its reading too much, and its certificate allows {:.2} %: one of the two is wrong, or the axis is not level",
-            100.0 * gain.seen,
-            100.0 * gain.limit
+            "by gravity, which turns in the sensor, the accelerometer reads {seen:+.2} % of its reading too much, and its certificate allows {limit:.2} %: one of the two is wrong, or the axis is not level. The certificate alone is used"
         )
     })
 }

@@ -192,7 +192,7 @@ pub fn examine(
             findings.push(Finding::new(
                 Cause::InvertedChannel,
                 "the inertias come out negative: the standard gyroscope turns the other way than the angular trials' directions say",
-                "turn the gyroscope's channel round, or give its sensitivity a minus sign; if it is right, turn the directions of the angular \
+                "turn the gyroscope round, or the sign of its column in the files; if it is right, turn the directions of the angular \
                  trials round",
             ));
         } else if (off - 1.0).abs() > INERTIA {

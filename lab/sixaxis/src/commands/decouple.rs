@@ -1,5 +1,7 @@
 //! `sixaxis decouple`: a recording to six accelerations.
 
+mod summary;
+
 use std::cell::RefCell;
 use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
@@ -7,24 +9,21 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
-use serde::Serialize;
 use sixaxis_calibration::apply::aids::AidChoice;
 use sixaxis_calibration::apply::attitude::UNTIL_SD_DEG;
 use sixaxis_calibration::apply::check_grade::check_grade;
 use sixaxis_calibration::apply::columns::Columns;
 use sixaxis_calibration::apply::conditioning_stream::{LOW_PASS_ORDER, causal_delay_s};
-use sixaxis_calibration::apply::decoupled::Decoupled;
 use sixaxis_calibration::apply::job::Job;
 use sixaxis_calibration::apply::setup::Setup;
 use sixaxis_calibration::apply::text_stream::{End, Printed, is_closed_pipe, refuse};
 use sixaxis_calibration::page;
-use sixaxis_calibration::report::Grade;
 use sixaxis_core::{LIMBS, LimbSet};
 use sixaxis_page::render;
 use sixaxis_recordings::draft::write_atomically;
-use sixaxis_recordings::inspect::listing::brief;
 use sixaxis_recordings::{Channel, Layout, Sink};
 
+use self::summary::{Summary, facts};
 use super::choices::{Axes, Integrator};
 use super::common::{Beside, print, print_json, read_calibration, say, tell};
 use super::output::{PAGE, check_ending, check_outputs, mention_earlier};
@@ -101,19 +100,6 @@ const AFTER_HELP: &str = include_str!("decouple.txt");
 
 /// Share of the motion that a low-pass takes off from which it is said.
 const WORTH_A_WARNING: f64 = 0.01;
-
-/// What `--json` prints.
-#[derive(Serialize)]
-struct Summary<'a> {
-    recording: String,
-    calibration: String,
-    verdict: Grade,
-    out: String,
-    #[serde(flatten)]
-    decoupled: &'a Decoupled,
-    duration_s: f64,
-    notes: &'a [String],
-}
 
 /// Limbs by number, with commas.
 fn limbs(text: &str) -> core::result::Result<LimbSet, String> {
@@ -314,44 +300,6 @@ fn file(arguments: &Arguments, job: &Job) -> Result<()> {
         (false, true) => Ok(()),
         (false, false) => print(summary.out + "\n"),
     }
-}
-
-/// What the picture's page states of its origin.
-fn facts(summary: &Summary) -> Vec<(String, String)> {
-    let decoupled = summary.decoupled;
-    let mut facts = vec![
-        ("sixaxis", env!("CARGO_PKG_VERSION").to_owned()),
-        ("recording", summary.recording.clone()),
-        ("calibration", summary.calibration.clone()),
-        ("verdict", summary.verdict.word().to_owned()),
-        ("samples", decoupled.samples.to_string()),
-        ("sample rate", format!("{} Hz", decoupled.sample_rate_hz)),
-        ("scheme", decoupled.scheme.name().to_owned()),
-        ("gains of limbs 1 to 9, N/V", list(&decoupled.gain_n_per_v)),
-        (
-            "gravity, ground axes, m/s²",
-            list(&decoupled.gravity_ground_m_s2),
-        ),
-    ];
-    if let Some(corner_hz) = decoupled.low_pass_hz {
-        facts.push(("low-pass", format!("{corner_hz} Hz, without phase")));
-    }
-    if !decoupled.excluded_limbs.is_empty() {
-        let numbers = decoupled.excluded_limbs.iter().map(usize::to_string);
-        facts.push(("excluded limbs", numbers.collect::<Vec<_>>().join(", ")));
-    }
-    if decoupled.end_rate_before_rad_s.is_some() {
-        facts.push(("correction", "from rest to rest".to_owned()));
-    }
-    let owned = facts
-        .into_iter()
-        .map(|(name, value)| (name.to_owned(), value));
-    owned.collect()
-}
-
-fn list(numbers: &[f64]) -> String {
-    let texts: Vec<String> = numbers.iter().map(|number| brief(*number, 6)).collect();
-    texts.join(", ")
 }
 
 fn stream(arguments: &Arguments, job: &Job) -> Result<()> {

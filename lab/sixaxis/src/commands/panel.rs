@@ -6,7 +6,7 @@ use std::process::{Command, ExitCode, Stdio};
 
 use anyhow::Result;
 use sixaxis_calibration::apply::check_grade::check_grade;
-use sixaxis_calibration::apply::setup::same_sensor;
+use sixaxis_calibration::apply::statements::same_sensor;
 use sixaxis_calibration::calibration::Calibration;
 use sixaxis_panel::source::settings::Settings;
 use sixaxis_panel::{Options, SourceChoice, start};

@@ -140,7 +140,7 @@ impl Stated {
             Self::Gyroscope => (
                 Cause::WrongScaling,
                 "the standard gyroscope reversed".to_owned(),
-                "turn the gyroscope's channel round, or give its sensitivity a minus sign; if it is right, turn the directions of the angular \
+                "turn the gyroscope round, or the sign of its column in the files; if it is right, turn the directions of the angular \
                  trials round"
                     .to_owned(),
             ),
