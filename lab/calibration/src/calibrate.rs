@@ -148,8 +148,8 @@ pub fn calibrate(
     let certain = findings.clone();
     let mut trials: Vec<TrialReport> = cases
         .iter()
-        .zip(departures)
-        .map(|(case, departure)| evidence::trial_report(case, departure))
+        .zip(&departures)
+        .map(|(case, departure)| evidence::trial_report(case, *departure))
         .collect();
     progress.part();
 
@@ -159,6 +159,7 @@ pub fn calibrate(
         prepared: &prepared,
         facts: &facts,
         cases: &cases,
+        departures: &departures,
     };
     let of_validation: Vec<Finding> = suspected
         .iter()

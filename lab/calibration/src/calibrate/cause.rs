@@ -23,7 +23,12 @@ pub(super) struct Day<'a> {
     pub prepared: &'a PreparedSession,
     pub facts: &'a Facts<'a>,
     pub cases: &'a [TrialCase<'a>],
+    /// By how much each of them departs from the others, relative to its own size.
+    pub departures: &'a [Option<f64>],
 }
+
+/// Times the spread of the limbs' stiffnesses by which a run may depart from trials that were held against it as those of equal limbs.
+const UNEQUAL: f64 = 3.0;
 
 impl Day<'_> {
     /// Adds what is wrong by an estimate to what is certain.
@@ -39,7 +44,12 @@ impl Day<'_> {
         if let Some(joint) = joint.filter(|joint| joint.accounts()) {
             findings.extend(of_the_table);
             // Whole runs are judged as they come out; what is odd about one that fails is told then.
-            let of_channels = |f: &Finding| !f.channels.is_empty() && self.is_of_validation(f);
+            let unequal = UNEQUAL * joint.estimate.spreads.stiffness;
+            let of_channels = |f: &Finding| {
+                !f.channels.is_empty()
+                    && self.is_of_validation(f)
+                    && self.largest_departure(f).is_none_or(|by| by > unequal)
+            };
             findings.extend(suspected.into_iter().filter(of_channels));
             // A standard or a clock that the rig contradicts makes the other standard look wrong, too.
             let scaled =
@@ -158,6 +168,14 @@ impl Day<'_> {
             runs.any(|(trial, _)| trial.name == *name)
         };
         !finding.recordings.is_empty() && finding.recordings.iter().all(is_one)
+    }
+
+    /// Of the trials that a finding is about, where they are known.
+    fn largest_departure(&self, finding: &Finding) -> Option<f64> {
+        let of_these = |case: &TrialCase<'_>| finding.recordings.contains(&case.trial.name);
+        let cases = self.cases.iter().zip(self.departures);
+        let all = cases.filter_map(|(case, by)| by.filter(|_| of_these(case)));
+        all.reduce(f64::max)
     }
 
     fn accelerometer_changes(&self) -> Option<f64> {

@@ -120,13 +120,13 @@ fn the_grades_of_all_healthy_sessions_are_the_published_ones() {
         tallies().map(|tally| tally.false_good.count).sum(),
         sessions,
     );
-    // The one that is not is of the usual room and clips, as the page says.
+    // Those that are not have limbs of this spread, as the page says.
     let mut missed = blind.healthy.iter();
     let missed = missed.find(|row| row.tally.good.count < row.tally.sessions);
     let missed = missed.map(|row| format!("{:?}", row.cell));
     assert_eq!(
         (missed.as_deref(), good.of - good.count),
-        (Some("Room(Usual)"), 1)
+        (Some("StiffnessSpread(0.02)"), 2)
     );
     let worst = tallies().max_by_key(|tally| tally.false_good.count);
     let worst = worst.expect("a kind").false_good;
