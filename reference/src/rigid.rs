@@ -1,7 +1,7 @@
 //! The sensor with limbs that do not give way: closed form, a thousand times faster than MuJoCo.
 //!
-//! Up to 5 Hz the mass moves against the shell by a millionth of what the shell moves by; where instruments are good to 1 %,
-//! that is nothing. Campaigns by the hundred, to try a verdict on, are made this way; the test `ref_rigid_runs_are_mujocos`
+//! At 5 Hz the mass moves against the shell by some five millionths of what the shell moves by (omega^2 over k/m); where instruments are good to
+//! 1 %, that is nothing. Campaigns by the hundred, to try a verdict on, are made this way; the test `ref_rigid_runs_are_mujocos`
 //! holds it against MuJoCo. The stiffness of the limbs has no effect here but for its ratios, which say how a load is shared.
 
 use glam::{DMat3, DQuat, DVec3};

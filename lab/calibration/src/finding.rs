@@ -52,6 +52,15 @@ pub enum Cause {
 }
 
 impl Cause {
+    /// Whether it is a channel that shows another share of what is expected than the whole.
+    #[must_use]
+    pub(crate) const fn is_a_factor(self) -> bool {
+        matches!(
+            self,
+            Self::DeadLimb | Self::InvertedChannel | Self::MillivoltMixUp | Self::WrongScaling
+        )
+    }
+
     /// The name in headings and messages.
     #[must_use]
     pub const fn name(self) -> &'static str {

@@ -47,7 +47,8 @@ pub struct Watched {
 }
 
 impl Watched {
-    /// Hours during which an alarm can be raised: while a limb is excluded or suspected none can.
+    /// Hours during which all nine limbs can raise an alarm: while one is excluded or suspected only the relations that are left can, and that is
+    /// not counted.
     #[must_use]
     pub fn alarm_hours(&self) -> f64 {
         self.hours * (1.0 - self.flagged_share)

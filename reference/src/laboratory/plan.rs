@@ -275,6 +275,24 @@ pub struct Channels {
     pub of_next: [f64; LIMBS],
 }
 
+impl Channels {
+    /// What they show of limb forces beyond those at rest, with each channel's share of the next one's charge.
+    #[must_use]
+    pub(super) fn shown(
+        &self,
+        force: &[f64; LIMBS],
+        rest: &[f64; LIMBS],
+        sensor: &TrueSensor,
+    ) -> [f64; LIMBS] {
+        let scale = &sensor.scale_per_mass_per_kg;
+        let change = |i: usize| self.sensitivity[i] * (force[i] - rest[i]);
+        core::array::from_fn(|i| {
+            let next = (i + 1) % LIMBS;
+            change(i) + self.of_next[i] * change(next) * scale[i] / scale[next]
+        })
+    }
+}
+
 impl SessionPlan {
     /// The defect, drawn if only its kind is given or not even that.
     #[must_use]

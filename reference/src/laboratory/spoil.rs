@@ -13,7 +13,7 @@ use super::Laboratory;
 use super::continuous::{at, on_other_clock};
 use super::defect::{Defect, Kind};
 use super::mount::{Mount, Tilt};
-use super::plan::{Channels, SessionPlan};
+use super::plan::SessionPlan;
 use super::recording::SimulatedRecording;
 use super::schedule::{PlannedTrial, blended, foreign_sensor, trial_count};
 use super::trial::Recorder;
@@ -160,25 +160,17 @@ impl Recorder<'_> {
         let size = |kind| size_of(defect, kind);
         let trials = trial_count(self.plan.trials_per_step);
         let hour = index.map_or(1.0, |i| i as f64 / (trials - 1) as f64);
-        let Channels {
-            mut sensitivity,
-            of_next,
-        } = self.plan.true_channels(hour);
-        let cross_talk = of_next.map(|share| share + size(Kind::CrossTalk));
+        let mut channels = self.plan.true_channels(hour);
+        for share in &mut channels.of_next {
+            *share += size(Kind::CrossTalk);
+        }
         if let Some(defect) = defect {
-            sensitivity[defect.channel] *=
+            channels.sensitivity[defect.channel] *=
                 (1.0 - size(Kind::DeadLimb)) * (1.0 + hour * size(Kind::FadingSensitivity));
         }
-        let scale = &sensor.scale_per_mass_per_kg;
         let mut sensed: Vec<[f64; LIMBS]> = forces
             .iter()
-            .map(|force| {
-                let change = |i: usize| sensitivity[i] * (force[i] - rest[i]);
-                core::array::from_fn(|i| {
-                    let next = (i + 1) % LIMBS;
-                    change(i) + cross_talk[i] * change(next) * scale[i] / scale[next]
-                })
-            })
+            .map(|force| channels.shown(force, &rest, sensor))
             .collect();
         let largest = sensed.iter().flatten().fold(0.0_f64, |a, f| a.max(f.abs()));
         let cubic = size(Kind::CubicNonlinearity);

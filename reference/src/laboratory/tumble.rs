@@ -45,6 +45,18 @@ pub fn record_tumble(
     for (scale, drift) in sensor.scale_per_mass_per_kg.iter_mut().zip(drift) {
         *scale *= 1.0 + drift;
     }
+    // As at the end of the day, from the tumble's first sample on.
+    let channels = plan.true_channels(1.0);
+    let forces: Vec<[f64; LIMBS]> = match forces.first().copied() {
+        Some(rest) => forces
+            .iter()
+            .map(|force| {
+                let change = channels.shown(force, &rest, &sensor);
+                core::array::from_fn(|i| rest[i] + change[i])
+            })
+            .collect(),
+        None => forces,
+    };
     Ok(SimulatedRecording {
         gain_n_per_v,
         voltage_v: chain.record(&forces, &sensor, &gain_n_per_v, SAMPLE_RATE_HZ, &mut rng),

@@ -48,7 +48,8 @@ impl Day<'_> {
             let of_channels = |f: &Finding| {
                 !f.channels.is_empty()
                     && self.is_of_validation(f)
-                    && self.largest_departure(f).is_none_or(|by| by > unequal)
+                    && (!f.cause.is_a_factor()
+                        || self.largest_departure(f).is_none_or(|by| by > unequal))
             };
             findings.extend(suspected.into_iter().filter(of_channels));
             // A standard or a clock that the rig contradicts makes the other standard look wrong, too.

@@ -6,6 +6,7 @@ use serde::Serialize;
 use sixaxis_core::redundancy::self_calibration::{Drifted, Scales};
 use sixaxis_core::significance::NORMAL_95;
 use sixaxis_core::{LIMBS, LimbSet};
+use sixaxis_recordings::inspect::listing::brief;
 
 use super::Check;
 use super::cause::{Cause, Judged};
@@ -238,7 +239,14 @@ impl Summary {
         };
         let drifted: Vec<&Limb> = self.limbs.iter().filter(|l| l.drifted).collect();
         let _ = match self.finding {
-            Finding::Nothing => writeln!(out, "No limb has drifted {when}."),
+            Finding::Nothing => match self.would_show_percent() {
+                Some(least) => writeln!(
+                    out,
+                    "No limb has drifted {when}; of one limb {} % would show.",
+                    brief(least, 2)
+                ),
+                None => writeln!(out, "No limb has drifted {when}."),
+            },
             Finding::Drifted => drifted
                 .iter()
                 .try_for_each(|l| {
@@ -282,6 +290,13 @@ impl Summary {
             let _ = writeln!(out, "\nWritten\n  {path}");
         }
         out
+    }
+
+    /// Change of a single limb's scale that chance does not reach but as often as false alarms are allowed: of the limb that is told worst.
+    fn would_show_percent(&self) -> Option<f64> {
+        let halves = self.limbs.iter().map(|limb| limb.half_width_95_percent);
+        let limit = self.limit_of_none?;
+        Some(halves.reduce(f64::max)? / NORMAL_95 * limit.sqrt())
     }
 
     /// What all limbs, or all others, have drifted by together, if they have.
@@ -369,7 +384,7 @@ impl Summary {
                     "the calibration knows no stiffnesses: they are taken to be equal, and where they are not, limbs seem to have drifted; --since does without"
                 }
                 (false, false) => {
-                    "the calibration knows no stiffnesses: they are taken to differ by 0.5 %, and smaller drifts do not show; --since does without"
+                    "the calibration knows no stiffnesses: they are taken to differ by 0.5 % (one standard deviation), which hides drifts of several times that; --since does without"
                 }
             };
             let _ = writeln!(out, "  {stiffnesses}");

@@ -108,7 +108,10 @@ fn the_figures_from_the_field_are_the_published_ones() {
         format!("each group was isolated in at least {group} of {group_of} cases"),
         format!("a burst of noise, in {kind} of {kind_of} ("),
         format!("At two standard deviations such a burst is isolated in {burst} of {burst_of} ("),
-        format!("the other kinds in at least {other:.1} %"),
+        format!(
+            "the other kinds in at least {:.1} %",
+            (10.0 * other).floor() / 10.0
+        ),
         format!("{fewest} to {most} alarms differ from those asked for by at most {off:.1} %"),
         format!("an exclusion adds at most {adds:.0} × 10⁻¹² of full scale"),
     ] {
