@@ -314,6 +314,19 @@ fn prop_cross_talk_of_other_channels_is_no_fault() {
 }
 
 /// To limbs that it makes of 0.4 % a turned flange looks like cross-talk, with which all trials agree as well and the parameters do not.
+/// Of these days a small channel of a compound run departs from what trials of equal limbs make one expect.
+#[test]
+fn regress_unequal_limbs_make_no_channel_of_a_run_wrongly_scaled() {
+    for seed in [20_003_006, 20_003_750] {
+        let cell = Cell::of(seed);
+        assert_eq!(cell, Cell::StiffnessSpread(0.02));
+        let plan = plan(cell, seed, Engine::Rigid);
+        let outcome = tried(cell, &plan, &format!("unequal-{seed}"));
+        let answer = (outcome.grade, outcome.cause);
+        assert_eq!(answer, (Some(Grade::Good), None), "{seed}");
+    }
+}
+
 #[test]
 fn prop_a_turned_flange_is_found_and_its_parameters_are_right() {
     for magnitude in [0.75, 2.0, 12.0] {
