@@ -11,7 +11,7 @@ use crate::diagnosis::trial_case::TrialCase;
 use crate::grade::tests::session;
 use crate::progress::NoProgress;
 
-#[path = "../../../tests/waveform/mod.rs"]
+#[path = "../../../tests/judgement/waveform.rs"]
 mod waveform;
 
 use waveform::Timing;

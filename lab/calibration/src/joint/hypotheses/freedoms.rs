@@ -9,14 +9,20 @@ use sixaxis_core::identify::joint::unknowns::{AMPLIFIER_CORNER, GYROSCOPE_LAG};
 use sixaxis_core::identify::joint::{Certificates, Known};
 
 use super::Unaccounted;
+use crate::diagnosis::timing;
 use crate::finding::{Cause, Finding};
 use crate::joint::{JointReport, Knowledge, at_rest};
+use crate::series::median;
 use crate::trial::Trial;
+use sixaxis_recordings::session::Role;
 
 /// Corner of an amplifier that nobody stated, or that is not the stated one, Hz: where it is looked for first, and how far about.
 const CORNER_HZ: (f64, f64) = (0.05, 1.0);
 /// Lag of a gyroscope, s: the same.
 const LAG_S: (f64, f64) = (2e-3, 0.05);
+/// Lag of an accelerometer, s, that is looked for at least, and the share of it that the gyroscope shows at most: where both are late, a file is.
+const SHORTEST_LAG_S: f64 = 1e-4;
+const OTHER_STANDARD: f64 = 0.2;
 /// Delay of a channel that nobody stated, s: how far about none it is looked for.
 const DELAY_S: f64 = 0.02;
 
@@ -32,13 +38,13 @@ const WORTH_A_WORD: f64 = 1e-3;
 /// A freedom.
 struct Freedom {
     /// With it, if the session leaves room for it.
-    freed: fn(&Knowledge) -> Option<Knowledge>,
-    /// What is said of it, by the fit, what the session says and the slowest and the fastest drive, rad/s; none if its unknown is not
-    /// told beyond doubt.
-    finding: fn(&JointReport, &Certificates, [f64; 2]) -> Option<Finding>,
+    freed: fn(&Unaccounted<'_>) -> Option<Knowledge>,
+    /// What is said of it, by the fit, what the session says, what is taken instead, and the slowest and the fastest drive, rad/s; none if
+    /// its unknown is not told beyond doubt.
+    finding: fn(&JointReport, [&Certificates; 2], [f64; 2]) -> Option<Finding>,
 }
 
-const FREEDOMS: [Freedom; 5] = [
+const FREEDOMS: [Freedom; 6] = [
     Freedom {
         freed: high_pass,
         finding: amplifier,
@@ -54,6 +60,10 @@ const FREEDOMS: [Freedom; 5] = [
     Freedom {
         freed: no_accelerometer_lag,
         finding: accelerometer,
+    },
+    Freedom {
+        freed: accelerometer_lag,
+        finding: late_accelerometer,
     },
     Freedom {
         freed: delays,
@@ -95,10 +105,11 @@ fn with_fits_that(
         drives().fold(0.0, f64::max),
     ];
     let of = |freedom: &Freedom| {
-        let freed = (freedom.freed)(day.knowledge)?;
+        let freed = (freedom.freed)(day)?;
         let joint = day.fit(&trials, &rest, &day.start, &freed)?;
         let joint = Some(joint).filter(&will_do)?;
-        (freedom.finding)(&joint, &day.knowledge.certificates, drives_rad_s)
+        let certificates = [&day.knowledge.certificates, &freed.certificates];
+        (freedom.finding)(&joint, certificates, drives_rad_s)
     };
     FREEDOMS.par_iter().filter_map(of).collect()
 }
@@ -121,7 +132,8 @@ fn about((value, deviation): (f64, f64)) -> Known {
     Known { value, deviation }
 }
 
-fn high_pass(knowledge: &Knowledge) -> Option<Knowledge> {
+fn high_pass(day: &Unaccounted<'_>) -> Option<Knowledge> {
+    let knowledge = day.knowledge;
     let mut freed = *knowledge;
     let stated = &mut freed.certificates.amplifier_corner_rad_s;
     let free = about((TAU * CORNER_HZ.0, TAU * CORNER_HZ.1));
@@ -131,7 +143,7 @@ fn high_pass(knowledge: &Knowledge) -> Option<Knowledge> {
 /// A corner too low for its lead to show lends each channel a straight line of its own, which other things have as well.
 fn amplifier(
     joint: &JointReport,
-    _: &Certificates,
+    _: [&Certificates; 2],
     [slowest_rad_s, _]: [f64; 2],
 ) -> Option<Finding> {
     let corner_rad_s = told(joint, AMPLIFIER_CORNER)?;
@@ -148,13 +160,14 @@ fn amplifier(
     ))
 }
 
-fn no_high_pass(knowledge: &Knowledge) -> Option<Knowledge> {
+fn no_high_pass(day: &Unaccounted<'_>) -> Option<Knowledge> {
+    let knowledge = day.knowledge;
     let mut freed = *knowledge;
     let stated = freed.certificates.amplifier_corner_rad_s.take();
     stated.map(|_| freed)
 }
 
-fn no_amplifier(_: &JointReport, stated: &Certificates, _: [f64; 2]) -> Option<Finding> {
+fn no_amplifier(_: &JointReport, [stated, _]: [&Certificates; 2], _: [f64; 2]) -> Option<Finding> {
     let corner_hz = stated.amplifier_corner_rad_s?.value / TAU;
     Some(Finding::new(
         Cause::HighPassMisstated,
@@ -165,13 +178,14 @@ fn no_amplifier(_: &JointReport, stated: &Certificates, _: [f64; 2]) -> Option<F
     ))
 }
 
-fn lag(knowledge: &Knowledge) -> Option<Knowledge> {
+fn lag(day: &Unaccounted<'_>) -> Option<Knowledge> {
+    let knowledge = day.knowledge;
     let mut freed = *knowledge;
     freed.certificates.gyroscope_lag_s = Some(about(LAG_S));
     Some(freed)
 }
 
-fn gyroscope(joint: &JointReport, stated: &Certificates, _: [f64; 2]) -> Option<Finding> {
+fn gyroscope(joint: &JointReport, [stated, _]: [&Certificates; 2], _: [f64; 2]) -> Option<Finding> {
     let found = known(joint, GYROSCOPE_LAG);
     let Some(stated) = stated.gyroscope_lag_s else {
         let lag_s = told(joint, GYROSCOPE_LAG)?;
@@ -211,13 +225,14 @@ fn behind(lag_s: f64) -> String {
     )
 }
 
-fn no_accelerometer_lag(knowledge: &Knowledge) -> Option<Knowledge> {
+fn no_accelerometer_lag(day: &Unaccounted<'_>) -> Option<Knowledge> {
+    let knowledge = day.knowledge;
     let mut freed = *knowledge;
     let stated = core::mem::take(&mut freed.certificates.accelerometer_lag_s);
     (stated > 0.0).then_some(freed)
 }
 
-fn accelerometer(_: &JointReport, stated: &Certificates, _: [f64; 2]) -> Option<Finding> {
+fn accelerometer(_: &JointReport, [stated, _]: [&Certificates; 2], _: [f64; 2]) -> Option<Finding> {
     Some(Finding::new(
         Cause::ClockMismatch,
         format!(
@@ -228,7 +243,42 @@ fn accelerometer(_: &JointReport, stated: &Certificates, _: [f64; 2]) -> Option<
     ))
 }
 
-fn delays(knowledge: &Knowledge) -> Option<Knowledge> {
+/// The accelerometer behind, by what the linear trials show, where the gyroscope is not.
+fn accelerometer_lag(day: &Unaccounted<'_>) -> Option<Knowledge> {
+    let mut freed = *day.knowledge;
+    let lag_s = |of: fn(Role) -> bool| {
+        let cases = day.cases.iter().filter(|case| of(case.trial.role));
+        // The time constant of a first-order lag, which a sine shows as a smaller delay.
+        let constants = cases.filter_map(|case| {
+            let omega = TAU * case.trial.frequency_hz;
+            Some((omega * timing::lag_of(case)?).tan() / omega)
+        });
+        median(constants)
+    };
+    let linear_s = lag_s(|role| matches!(role, Role::Linear | Role::HighFrequencyLinear))?;
+    let angular_s = lag_s(|role| role == Role::Angular)?;
+    let stated = core::mem::replace(&mut freed.certificates.accelerometer_lag_s, linear_s);
+    let alone = angular_s.abs() < OTHER_STANDARD * linear_s;
+    (stated == 0.0 && alone && linear_s > SHORTEST_LAG_S).then_some(freed)
+}
+
+fn late_accelerometer(
+    _: &JointReport,
+    [_, taken]: [&Certificates; 2],
+    _: [f64; 2],
+) -> Option<Finding> {
+    Some(Finding::new(
+        Cause::ClockMismatch,
+        format!(
+            "with an accelerometer that is {}, all trials agree to the noise, and without that they do not",
+            behind(taken.accelerometer_lag_s)
+        ),
+        "state the accelerometer's bandwidth_hz as its certificate has it, or see what filters its channel alone",
+    ))
+}
+
+fn delays(day: &Unaccounted<'_>) -> Option<Knowledge> {
+    let knowledge = day.knowledge;
     let mut freed = *knowledge;
     freed.certificates.channel_delay_s = DELAY_S;
     Some(freed)
@@ -237,7 +287,7 @@ fn delays(knowledge: &Knowledge) -> Option<Knowledge> {
 /// Channels that are behind the standards or ahead of them. One clock for all nine is the standards' to be late.
 fn late_channels(
     joint: &JointReport,
-    _: &Certificates,
+    _: [&Certificates; 2],
     [_, fastest_rad_s]: [f64; 2],
 ) -> Option<Finding> {
     let mut late: Vec<(usize, f64)> = Vec::new();

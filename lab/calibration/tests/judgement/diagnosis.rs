@@ -3,9 +3,6 @@
 //! Limbs share the load by statics, standards read the motion itself, channels have next to no noise: whatever a finding says beside
 //! the one thing is an invention of the judge's.
 
-mod bare;
-mod waveform;
-
 use core::f64::consts::{PI, TAU};
 use std::path::Path;
 
@@ -23,7 +20,7 @@ use sixaxis_core::{Gains, Geometry, InertiaPerMass, LIMBS, Parameters};
 use sixaxis_page::{Block, Figure};
 use sixaxis_recordings::session::{Rig, Role, SessionFile};
 
-use waveform::Timing;
+use crate::waveform::Timing;
 
 const RATE_HZ: f64 = 1000.0;
 const FREQUENCY_HZ: f64 = 5.0;
@@ -309,7 +306,7 @@ impl Day {
     fn is_drawn(&self, finding: &Finding, trials: &[usize], channels: &[usize]) {
         let recordings = self.trials.iter().cloned();
         let recordings = recordings.map(|(trial, conditioned)| (trial, Some(conditioned)));
-        let mut calibrated = bare::calibrated(recordings.collect());
+        let mut calibrated = crate::bare::calibrated(recordings.collect());
         calibrated.recordings.push((self.rest.clone(), None));
         calibrated.findings = vec![finding.clone()];
         calibrated.table = self.examined(|diagnosis| diagnosis.table.clone());

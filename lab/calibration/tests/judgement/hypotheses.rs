@@ -1,8 +1,6 @@
 //! Days in closed form, with noise, that the joint fit does not account for: the one hypothesis that does is named with its unknown,
 //! and where none does nothing is.
 
-mod waveform;
-
 use core::f64::consts::TAU;
 use std::path::Path;
 
@@ -21,10 +19,10 @@ use sixaxis_core::identify::zero_drift;
 use sixaxis_core::{Gains, Geometry, LIMBS};
 use sixaxis_recordings::session::{Role, Session, SessionFile};
 
-use waveform::Timing;
+use crate::waveform::Timing;
 
 const SESSION: &str = concat!(
-    include_str!("../../recordings/tests/card.toml"),
+    include_str!("../../../recordings/tests/card.toml"),
     r#"
 [[recording]]
 file = "static.csv"
@@ -67,6 +65,8 @@ struct Wrong {
     late_s: f64,
     /// Time constant of the gyroscope, s.
     lag_s: f64,
+    /// That of the accelerometer, s.
+    accelerometer_lag_s: f64,
     /// Corner of the amplifiers, Hz.
     corner_hz: f64,
     /// Time by which the standards are late, s, and how much faster than stated they are sampled.
@@ -215,6 +215,9 @@ fn played(index: usize, wrong: &Wrong, noise: &mut Noise) -> (Trial, Conditioned
     if wrong.lag_s > 0.0 {
         followed(&mut rate, wrong.lag_s);
         followed(&mut angular, wrong.lag_s);
+    }
+    if wrong.accelerometer_lag_s > 0.0 {
+        followed(&mut linear, wrong.accelerometer_lag_s);
     }
     if turns {
         linear.fill(0.0);
@@ -365,6 +368,17 @@ fn inv_a_freedom_that_is_lacking_is_named_by_its_unknown() {
         0,
     );
     assert!((number(&lag, "ms behind, as") - 5.0).abs() < 0.05);
+    let behind = one(
+        Wrong {
+            accelerometer_lag_s: 2e-3,
+            ..Wrong::default()
+        },
+        Cause::ClockMismatch,
+        &[],
+        0,
+    );
+    assert!(behind.evidence.contains("an accelerometer that is"));
+    assert!((number(&behind, "ms behind, as") - 2.0).abs() < 0.02);
     let late = one(
         Wrong {
             late_s: 3e-3,

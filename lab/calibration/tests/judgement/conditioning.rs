@@ -1,7 +1,5 @@
 //! One list of conditioning stages: the code runs them in its order, and the page says what the code runs.
 
-mod bare;
-
 use std::path::Path;
 
 use glam::DVec3;
@@ -163,11 +161,14 @@ fn section() -> Section {
     let conditioned = Conditioning::of(&file.session)
         .condition(&trial)
         .expect("it is conditioned");
-    page(&file, &bare::calibrated(vec![(trial, Some(conditioned))]))
-        .sections
-        .into_iter()
-        .find(|section| section.id == "preprocessing")
-        .expect("the page has it")
+    page(
+        &file,
+        &crate::bare::calibrated(vec![(trial, Some(conditioned))]),
+    )
+    .sections
+    .into_iter()
+    .find(|section| section.id == "preprocessing")
+    .expect("the page has it")
 }
 
 #[test]
