@@ -92,30 +92,33 @@ fn cell_words(cell: Corner) -> String {
 }
 
 fn healthy(p: &Blind) -> Table {
-    Table::of("laboratory", &p.healthy, |row| cell_words(row.cell))
-        .col("sessions", |row| count(row.tally.sessions))
-        .col(("good", "%, 95 %"), |row| range(row.tally.good))
-        .col(("with reservations", "%, 95 %"), |row| {
-            range(row.tally.reserved)
-        })
-        .col(("not good or refused", "%, 95 %"), |row| {
-            let [bad, refused] = [row.tally.not_good, row.tally.refused];
-            range(Share::new(bad.count + refused.count, bad.of))
-        })
-        .col(("wrong cause", "%, 95 %"), |row| {
-            range(row.tally.wrong_cause)
-        })
-        .col(("false good", "%, 95 %"), |row| range(row.tally.false_good))
-        .col(("s/m, I/m off by", "%"), |row| {
-            percent(row.tally.median_parameter_error)
-        })
-        .col(("decoupled to", "%, of 95 %"), |row| {
-            Cell::or_dash(row.tally.beyond_gain_95.map(|errors| {
-                let [linear, angular] = errors.map(|error| significant(100.0 * error, 2));
-                format!("{linear}, {angular}")
-            }))
-        })
-        .into()
+    // A kind and its size stay in one line.
+    Table::of("laboratory", &p.healthy, |row| {
+        cell_words(row.cell).replace(' ', "\u{a0}")
+    })
+    .col("sessions", |row| count(row.tally.sessions))
+    .col(("good", "%, 95 %"), |row| range(row.tally.good))
+    .col(("with reservations", "%, 95 %"), |row| {
+        range(row.tally.reserved)
+    })
+    .col(("not good or refused", "%, 95 %"), |row| {
+        let [bad, refused] = [row.tally.not_good, row.tally.refused];
+        range(Share::new(bad.count + refused.count, bad.of))
+    })
+    .col(("wrong cause", "%, 95 %"), |row| {
+        range(row.tally.wrong_cause)
+    })
+    .col(("false good", "%, 95 %"), |row| range(row.tally.false_good))
+    .col(("s/m, I/m off by", "%"), |row| {
+        percent(row.tally.median_parameter_error)
+    })
+    .col(("decoupled to", "%, of 95 %"), |row| {
+        Cell::or_dash(row.tally.beyond_gain_95.map(|errors| {
+            let [linear, angular] = errors.map(|error| significant(100.0 * error, 2));
+            format!("{linear}, {angular}")
+        }))
+    })
+    .into()
 }
 
 fn kinds(p: &Blind) -> Table {
