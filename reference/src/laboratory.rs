@@ -11,6 +11,7 @@
 //! | [`check`] | the plans that are refused |
 //! | [`schedule`] | the trials that a plan asks for |
 //! | `mount` | how the sensor truly stands on each wedge |
+//! | [`channels`] | what the channels show of the limb forces at an hour of the day |
 //! | [`defect`] | what may be wrong with a session, and `spoil`, how it acts |
 //! | [`room`] | the gentle and the usual room |
 //! | `trial`, `tap`, [`mod@tumble`] | one trial of the rig, one tap, one tumble from the field |
@@ -19,6 +20,7 @@
 //! | [`mod@write`] | all of it on disk |
 
 pub mod chain;
+pub mod channels;
 pub mod check;
 mod continuous;
 pub mod defect;

@@ -7,6 +7,7 @@ use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 
 use super::chain::{Chain, Coupling};
+use super::channels::Channels;
 use super::defect::{Defect, Kind};
 use super::instruments::{GYROSCOPE_BANDWIDTH_HZ, Instruments};
 use crate::geometry::LIMBS;
@@ -265,33 +266,6 @@ const SENSOR_STREAM: u128 = 3;
 const STIFFNESS_STREAM: u128 = 4;
 /// Random stream of the instruments.
 const INSTRUMENT_STREAM: u128 = 6;
-
-/// What the channels show at an hour of the day.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Channels {
-    /// Sensitivity over that of the truth.
-    pub sensitivity: [f64; LIMBS],
-    /// Share of the next limb's force, and of the first one's in the last channel.
-    pub of_next: [f64; LIMBS],
-}
-
-impl Channels {
-    /// What they show of limb forces beyond those at rest, with each channel's share of the next one's charge.
-    #[must_use]
-    pub(super) fn shown(
-        &self,
-        force: &[f64; LIMBS],
-        rest: &[f64; LIMBS],
-        sensor: &TrueSensor,
-    ) -> [f64; LIMBS] {
-        let scale = &sensor.scale_per_mass_per_kg;
-        let change = |i: usize| self.sensitivity[i] * (force[i] - rest[i]);
-        core::array::from_fn(|i| {
-            let next = (i + 1) % LIMBS;
-            change(i) + self.of_next[i] * change(next) * scale[i] / scale[next]
-        })
-    }
-}
 
 impl SessionPlan {
     /// The defect, drawn if only its kind is given or not even that.
