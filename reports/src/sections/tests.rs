@@ -38,7 +38,7 @@ fn sections_of_published_results_are_drawn() {
         "Eigen (C++)",
         "not on this machine",
         "brisk, 2 s",
-        "usual room",
+        "usual\u{a0}room",
         &dies,
     ] {
         assert!(html.contains(words), "{words}");
