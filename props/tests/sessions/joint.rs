@@ -318,6 +318,7 @@ const CERTIFICATES: Certificates = Certificates {
     gyroscope_lag_s: None,
     channel_delay_s: 0.0,
     accelerometer_lag_s: 0.0,
+    standard_delay_s: [0.0; 2],
     amplifier_corner_rad_s: None,
     wedge_deviation_rad: 1e-3,
     compliance_s2: None,

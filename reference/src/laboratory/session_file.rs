@@ -48,12 +48,14 @@ pub fn session(
             class_percent: plan.instruments.class_percent,
             gain_percent: Some(tidy(GAIN_SHARE * plan.instruments.class_percent)),
             bandwidth_hz: None,
+            delay_ms: None,
         },
         gyroscope: Gyroscope {
             sensitivity_mv_per_deg_s: None,
             class_percent: plan.instruments.class_percent,
             gain_percent: Some(tidy(GAIN_SHARE * plan.instruments.class_percent)),
             bandwidth_hz: stated_bandwidth,
+            delay_ms: None,
         },
         rig: Some(Rig {
             stroke_mm: Some(tidy(2e3 * plan.rig.slider_amplitude_m)),

@@ -71,7 +71,7 @@ use self::unknowns::{
     INERTIA, MASS_PER_SCALE, STIFFNESS, Unknowns, WEDGES, Wedge,
 };
 use super::static_load_sharing::StaticLoadSharing;
-use crate::error::{Error, Result, require_not_negative, require_positive};
+use crate::error::{Error, Result, require_finite, require_not_negative, require_positive};
 use crate::geometry::{Geometry, LIMBS};
 use crate::model::Parameters;
 
@@ -115,6 +115,8 @@ pub struct Certificates {
     pub gyroscope_lag_s: Option<Known>,
     /// First-order lag of the accelerometer, s, taken as it is.
     pub accelerometer_lag_s: f64,
+    /// Pure delays of the accelerometer and the gyroscope, s, taken as they are, beside their lags; negative where more was undone.
+    pub standard_delay_s: [f64; 2],
     /// Corner of the charge amplifiers' high-pass, rad/s; none if the channels are tared instead.
     pub amplifier_corner_rad_s: Option<Known>,
     /// Standard deviation of the time by which each channel is behind the standards, s; 0 for channels on their clock.
@@ -191,6 +193,9 @@ impl Joint {
             ("room.plumb_rad", certificates.room.plumb_rad),
         ] {
             require_not_negative(name, value)?;
+        }
+        for delay_s in certificates.standard_delay_s {
+            require_finite("standard_delay_s", delay_s)?;
         }
         let room = &certificates.room;
         for spread in [

@@ -136,6 +136,7 @@ impl Record<'_> {
                     && (room.plumb_rad > 0.0 || g.cross(nominal).length() > TURNS * g.length()),
                 amplifier,
                 accelerometer_lag_s: certificates.accelerometer_lag_s,
+                standard_delay_s: certificates.standard_delay_s,
                 own: own::of(self.drive, amplifier, room, nominal, g),
             },
         })

@@ -62,6 +62,8 @@ pub(super) struct Trial {
     pub amplifier: bool,
     /// First-order lag of the standard accelerometer, s: known.
     pub accelerometer_lag_s: f64,
+    /// Delays of the standard accelerometer and gyroscope, s: known.
+    pub standard_delay_s: [f64; 2],
     /// Harmonics of the motion, the unknowns of this trial alone.
     pub latent: DVector<f64>,
     /// The other unknowns of this trial alone.
@@ -191,15 +193,22 @@ impl Trial {
 
     /// The standard's answer to the motion.
     pub fn standard(&self, unknowns: &Unknowns) -> Standard {
-        let (lag, gain) = match self.drive {
-            Drive::Linear => (self.accelerometer_lag_s, ACCELEROMETER_GAIN),
-            Drive::Angular => (unknowns.values[GYROSCOPE_LAG], GYROSCOPE_GAIN),
+        let [accelerometer_s, gyroscope_s] = self.standard_delay_s;
+        let (lag, delay_s, gain) = match self.drive {
+            Drive::Linear => (
+                self.accelerometer_lag_s,
+                accelerometer_s,
+                ACCELEROMETER_GAIN,
+            ),
+            Drive::Angular => (unknowns.values[GYROSCOPE_LAG], gyroscope_s, GYROSCOPE_GAIN),
         };
         let (response, by_lag) = (1..=self.grid.harmonics)
             .map(|k| {
                 let iw = Complex::new(0.0, self.grid.rate_rad_s(k));
+                let (sin, cos) = sin_cos(self.grid.rate_rad_s(k) * delay_s);
+                let late = Complex::new(cos, -sin);
                 let follows = Complex::new(1.0, 0.0) / (Complex::new(1.0, 0.0) + iw * lag);
-                (follows, -iw * follows * follows)
+                (late * follows, -iw * late * follows * follows)
             })
             .unzip();
         Standard {

@@ -4,7 +4,7 @@
 /// One thing that is done to the channels of a recording before anything is computed from them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
-    /// Limbs' channels that were sampled late or early are brought onto one clock.
+    /// Limbs' channels that were sampled late or early, and standards with a delay, are brought onto one clock.
     Delays,
     /// Wild samples are replaced.
     Outliers,
@@ -64,8 +64,8 @@ impl Stage {
     #[must_use]
     pub const fn channels(self) -> &'static str {
         match self {
-            Self::Delays | Self::HighPass => "limbs",
-            Self::Outliers | Self::Trend | Self::LowPass => "limbs and standards",
+            Self::HighPass => "limbs",
+            Self::Delays | Self::Outliers | Self::Trend | Self::LowPass => "limbs and standards",
             Self::AccelerometerLag => "accelerometer",
             Self::GyroscopeLag | Self::Derivative => "gyroscope",
         }

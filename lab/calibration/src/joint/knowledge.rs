@@ -17,6 +17,8 @@ pub(super) const TIME_CONSTANT: f64 = 0.1;
 pub struct Knowledge {
     /// Largest relative gain error of the accelerometer.
     pub accelerometer_gain_limit: f64,
+    /// Delays of accelerometer and gyroscope that were undone as the recordings were read, s.
+    pub undone_delay_s: [f64; 2],
     /// The mathematics' part.
     pub certificates: Certificates,
 }
@@ -44,6 +46,8 @@ impl Knowledge {
                     .gain_percent
                     .unwrap_or(accelerometer.class_percent),
             ),
+            undone_delay_s: [accelerometer.delay_ms, gyroscope.delay_ms]
+                .map(|delay_ms| 1e-3 * delay_ms.unwrap_or(0.0)),
             certificates: Certificates {
                 // The standard deviation of an even spread; the trials know this gain far better as a rule.
                 gyroscope_gain_deviation: share(
@@ -51,6 +55,7 @@ impl Knowledge {
                 ) / 3.0_f64.sqrt(),
                 gyroscope_lag_s: gyroscope.bandwidth_hz.map(|hz| known(first_order(hz))),
                 accelerometer_lag_s: accelerometer.bandwidth_hz.map_or(0.0, first_order),
+                standard_delay_s: [0.0; 2],
                 amplifier_corner_rad_s: session
                     .preprocessing
                     .amplifier_high_pass_hz

@@ -67,6 +67,8 @@ struct Wrong {
     lag_s: f64,
     /// That of the accelerometer, s.
     accelerometer_lag_s: f64,
+    /// Delays of accelerometer and gyroscope, s.
+    delay_s: [f64; 2],
     /// Corner of the amplifiers, Hz.
     corner_hz: f64,
     /// Time by which the standards are late, s, and how much faster than stated they are sampled.
@@ -209,9 +211,11 @@ fn played(index: usize, wrong: &Wrong, noise: &mut Noise) -> (Trial, Conditioned
         channels[channel].iter_mut().for_each(|u| *u = -*u);
     }
     let standard = |t: f64| TIMING.course((t - wrong.clock.0) / (1.0 + wrong.clock.1), omega);
-    let mut linear = each(&|t| standard(t)[2] * omega * omega * TRAVEL_M);
-    let mut rate = each(&|t| standard(t)[1] * omega * TURN_RAD);
-    let mut angular = each(&|t| standard(t)[2] * omega * omega * TURN_RAD);
+    let [acceleration_late_s, rate_late_s] = wrong.delay_s;
+    let turned = |t: f64| standard(t - rate_late_s);
+    let mut linear = each(&|t| standard(t - acceleration_late_s)[2] * omega * omega * TRAVEL_M);
+    let mut rate = each(&|t| turned(t)[1] * omega * TURN_RAD);
+    let mut angular = each(&|t| turned(t)[2] * omega * omega * TURN_RAD);
     if wrong.lag_s > 0.0 {
         followed(&mut rate, wrong.lag_s);
         followed(&mut angular, wrong.lag_s);
@@ -379,6 +383,18 @@ fn inv_a_freedom_that_is_lacking_is_named_by_its_unknown() {
     );
     assert!(behind.evidence.contains("an accelerometer that is"));
     assert!((number(&behind, "ms behind, as") - 2.0).abs() < 0.02);
+    for (delay_s, cause, whose) in [
+        ([20e-3, 0.0], Cause::ClockMismatch, "with the accelerometer"),
+        ([0.0, 20e-3], Cause::GyroscopeLag, "with the gyroscope"),
+    ] {
+        let wrong = Wrong {
+            delay_s,
+            ..Wrong::default()
+        };
+        let delayed = one(wrong, cause, &[], 0);
+        assert!(delayed.evidence.contains(whose), "{}", delayed.evidence);
+        assert!((number(&delayed, "ms behind at every") - 20.0).abs() < 0.1);
+    }
     let late = one(
         Wrong {
             late_s: 3e-3,

@@ -201,6 +201,12 @@ impl Reader<'_> {
                 *column = moved;
             }
         }
+        if self.undo_delays(&path, &mut standards, sample_rate_hz)? {
+            standards_band_hz = standards_band_hz.min(FLAT * sample_rate_hz);
+            for column in &mut columns {
+                column.truncate(standards[0].len());
+            }
+        }
         let samples = columns[0].len();
         if samples < FEWEST_SAMPLES {
             let covered = reference.map_or("", |_| " that the reference file covers");
@@ -217,6 +223,26 @@ impl Reader<'_> {
             standards_band_hz,
             cut,
         })
+    }
+
+    /// Brings standards with a stated delay forward, and drops the samples that would then lie beyond the record. Whether there are any.
+    fn undo_delays(&self, path: &Path, standards: &mut [Vec<f64>], rate_hz: f64) -> Result<bool> {
+        let session = &self.file.session;
+        let delays_ms = [session.accelerometer.delay_ms, session.gyroscope.delay_ms];
+        let mut covered = usize::MAX;
+        for (standard, delay_ms) in standards.iter_mut().zip(delays_ms) {
+            let Some(delay_ms) = delay_ms else {
+                continue;
+            };
+            let (moved, held) =
+                delayed(standard, -1e-3 * delay_ms, rate_hz).map_err(resampling(path))?;
+            covered = covered.min(moved.len() - held);
+            *standard = moved;
+        }
+        for standard in standards.iter_mut() {
+            standard.truncate(covered);
+        }
+        Ok(covered < usize::MAX)
     }
 
     fn standards(&self, path: &Path, layout: &Layout) -> Result<[Column; 2]> {

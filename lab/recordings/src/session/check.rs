@@ -137,7 +137,7 @@ impl Session {
 const LARGEST_RANGE_V: f64 = 1000.0;
 
 /// Endings of the keys whose values are sizes.
-const SIZES: [&str; 10] = [
+const SIZES: [&str; 11] = [
     "_mm",
     "_percent",
     "full_scale_v",
@@ -145,6 +145,7 @@ const SIZES: [&str; 10] = [
     "_mv_per_deg_s",
     "rotation_amplitude_deg",
     "bandwidth_hz",
+    "delay_ms",
     "frequency_hz",
     "rate_hz",
     "high_pass_hz",

@@ -19,6 +19,10 @@ pub struct Accelerometer {
     /// First-order bandwidth, Hz, whose lag is undone. Left out: it follows at once.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bandwidth_hz: Option<f64>,
+    /// Delay, ms, the same at every frequency, that is undone: of a digital filter, or what a filter of higher order does far below its
+    /// corner. Left out: none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub delay_ms: Option<f64>,
 }
 
 /// Standard gyroscope.
@@ -37,6 +41,10 @@ pub struct Gyroscope {
     /// First-order bandwidth, Hz, whose lag is undone. Left out: it follows at once.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bandwidth_hz: Option<f64>,
+    /// Delay, ms, the same at every frequency, that is undone: of a digital filter, or what a filter of higher order does far below its
+    /// corner. Left out: none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub delay_ms: Option<f64>,
 }
 
 /// What is known of the rig.

@@ -208,3 +208,61 @@ fn standards_of_a_file_of_their_own_begin_when_the_dates_say() {
         "{error}"
     );
 }
+
+/// What a session of a sine on every channel, a millisecond a sample, has of sample 100 when it says so.
+fn with_delays(folder: &Path, accelerometer: &str, gyroscope: &str) -> Result<[f64; 4], Error> {
+    let mut text = String::from(
+        "u1 [V],u2 [V],u3 [V],u4 [V],u5 [V],u6 [V],u7 [V],u8 [V],u9 [V],accelerometer [m/s^2],gyroscope [rad/s]\n",
+    );
+    for k in 0..1000 {
+        let x = (0.02 * f64::from(k)).sin();
+        let _ = writeln!(text, "{x}{}", format!(",{x}").repeat(10));
+    }
+    std::fs::write(folder.join("run.csv"), text).expect("writes");
+    let text = format!("{SESSION}sample_rate_hz = 1000.0\n")
+        .replace(
+            "[accelerometer]\n",
+            &format!("[accelerometer]\n{accelerometer}\n"),
+        )
+        .replace("[gyroscope]\n", &format!("[gyroscope]\n{gyroscope}\n"));
+    let session = SessionFile::parse(&folder.join("session.toml"), text).expect("a session");
+    let read = readings::read(&session, 0)?;
+    let samples = read.voltage_v[8].len();
+    assert_eq!(samples, read.accelerometer_m_s2.len());
+    assert_eq!(samples, read.gyroscope_rad_s.len());
+    let shown = [
+        read.voltage_v[0][100],
+        read.accelerometer_m_s2[100],
+        read.gyroscope_rad_s[100],
+    ];
+    let [u, a, w] = shown.map(|x| x.asin() / 0.02);
+    Ok([samples as f64, u, a, w])
+}
+
+#[test]
+fn a_delay_of_a_standard_is_undone_as_it_is_read() {
+    let folder = tempfile::tempdir().expect("a folder");
+    // Sample 100 is the sine's at 2 rad, whose arc sine is pi less that.
+    let at = |late: f64| (core::f64::consts::PI - 0.02 * (100.0 + late)) / 0.02;
+    for (accelerometer, gyroscope, samples, late) in [
+        ("", "", 1000.0, [0.0, 0.0]),
+        ("delay_ms = 2.5", "", 997.0, [2.5, 0.0]),
+        ("", "delay_ms = 4", 996.0, [0.0, 4.0]),
+        ("delay_ms = 1.25", "delay_ms = 7.75", 992.0, [1.25, 7.75]),
+    ] {
+        let [read, u, a, w] = with_delays(folder.path(), accelerometer, gyroscope).expect("reads");
+        assert_eq!(read, samples, "{accelerometer} {gyroscope}");
+        for (found, late) in [(u, 0.0), (a, late[0]), (w, late[1])] {
+            assert!(
+                (found - at(late)).abs() < 1e-6,
+                "{accelerometer} {gyroscope}: {found}"
+            );
+        }
+    }
+    let beyond = with_delays(folder.path(), "delay_ms = 2000.0", "");
+    let beyond = beyond.expect_err("longer than the record").to_string();
+    assert!(
+        beyond.contains("run.csv") && beyond.contains("delay"),
+        "{beyond}"
+    );
+}

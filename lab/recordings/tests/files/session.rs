@@ -127,6 +127,12 @@ fn refusals_name_line_and_key() {
             "class_percent = 1.0\nbandwidth_hz",
         ),
         (
+            "class_percent = 1.0\nbandwidth_hz",
+            "delay_ms = -3.0\nclass_percent = 1.0\nbandwidth_hz",
+            "gyroscope.delay_ms",
+            "class_percent = 1.0\nbandwidth_hz",
+        ),
+        (
             "sensitivity_mv_per_g = 200.0",
             "gain_percent = 1.1",
             "accelerometer.gain_percent",

@@ -166,6 +166,16 @@ fn neg_statements_that_are_not_so_are_named() {
             "an accelerometer that follows at once",
         ),
         (
+            "gyroscope-delay-not-there",
+            &|s| s.replace("[gyroscope]\n", "[gyroscope]\ndelay_ms = 5.0\n"),
+            "take delay_ms of the gyroscope out",
+        ),
+        (
+            "accelerometer-delay-not-there",
+            &|s| s.replace("[accelerometer]\n", "[accelerometer]\ndelay_ms = 5.0\n"),
+            "take delay_ms of the accelerometer out",
+        ),
+        (
             "delay-not-there",
             &|s| s.replace("[channels]\n", "[channels]\nlimbs_lag_us = 100.0\n"),
             "[channels] limbs_lag_us",

@@ -102,6 +102,7 @@ fn trial((drive, gravity_turns, amplifier, late): (Drive, bool, bool, bool)) -> 
         gravity_turns,
         amplifier,
         accelerometer_lag_s: 1e-3,
+        standard_delay_s: [2e-3, 3e-3],
         own: own::of(
             drive,
             amplifier,

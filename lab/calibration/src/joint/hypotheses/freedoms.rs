@@ -1,36 +1,27 @@
 //! One freedom more: something that the session does not state and that all recordings may have, or that it states and they have not,
 //! with an unknown of its own.
 
+mod standards;
+
 use core::f64::consts::TAU;
 
 use rayon::prelude::*;
 use sixaxis_core::LIMBS;
-use sixaxis_core::identify::joint::unknowns::{AMPLIFIER_CORNER, GYROSCOPE_LAG};
-use sixaxis_core::identify::joint::{Certificates, Known};
+use sixaxis_core::identify::joint::Known;
+use sixaxis_core::identify::joint::unknowns::AMPLIFIER_CORNER;
 
 use super::Unaccounted;
-use crate::diagnosis::timing;
 use crate::finding::{Cause, Finding};
 use crate::joint::{JointReport, Knowledge, at_rest};
-use crate::series::median;
 use crate::trial::Trial;
-use sixaxis_recordings::session::Role;
 
 /// Corner of an amplifier that nobody stated, or that is not the stated one, Hz: where it is looked for first, and how far about.
 const CORNER_HZ: (f64, f64) = (0.05, 1.0);
-/// Lag of a gyroscope, s: the same.
-const LAG_S: (f64, f64) = (2e-3, 0.05);
-/// Lag of an accelerometer, s, that is looked for at least, and the share of it that the gyroscope shows at most: where both are late, a file is.
-const SHORTEST_LAG_S: f64 = 1e-4;
-const OTHER_STANDARD: f64 = 0.2;
 /// Delay of a channel that nobody stated, s: how far about none it is looked for.
 const DELAY_S: f64 = 0.02;
 
 /// Standard deviations of its unknown from which a freedom is needed: one that is not takes up what is left of anything, but little.
 const BEYOND_DOUBT: f64 = 30.0;
-/// Share of a stated lag by which the found one may be another: a first-order corner at twice the drive's frequency that is off by as
-/// much changes what is read by 0.4 %, less than a certificate allows.
-const AS_STATED: f64 = 0.02;
 /// Share of a channel's signal that its delay puts into quadrature at the fastest drive, or a high-pass at the slowest, from which it is
 /// worth a word. Converters that take their channels in turn do less.
 const WORTH_A_WORD: f64 = 1e-3;
@@ -41,10 +32,10 @@ struct Freedom {
     freed: fn(&Unaccounted<'_>) -> Option<Knowledge>,
     /// What is said of it, by the fit, what the session says, what is taken instead, and the slowest and the fastest drive, rad/s; none if
     /// its unknown is not told beyond doubt.
-    finding: fn(&JointReport, [&Certificates; 2], [f64; 2]) -> Option<Finding>,
+    finding: fn(&JointReport, [&Knowledge; 2], [f64; 2]) -> Option<Finding>,
 }
 
-const FREEDOMS: [Freedom; 6] = [
+const FREEDOMS: [Freedom; 10] = [
     Freedom {
         freed: high_pass,
         finding: amplifier,
@@ -54,16 +45,32 @@ const FREEDOMS: [Freedom; 6] = [
         finding: no_amplifier,
     },
     Freedom {
-        freed: lag,
-        finding: gyroscope,
+        freed: standards::lag,
+        finding: standards::gyroscope,
     },
     Freedom {
-        freed: no_accelerometer_lag,
-        finding: accelerometer,
+        freed: standards::gyroscope_delay,
+        finding: standards::delayed_gyroscope,
     },
     Freedom {
-        freed: accelerometer_lag,
-        finding: late_accelerometer,
+        freed: standards::gyroscope_delay_alone,
+        finding: standards::delayed_gyroscope,
+    },
+    Freedom {
+        freed: standards::no_accelerometer_lag,
+        finding: standards::accelerometer,
+    },
+    Freedom {
+        freed: standards::accelerometer_lag,
+        finding: standards::late_accelerometer,
+    },
+    Freedom {
+        freed: standards::accelerometer_delay,
+        finding: standards::delayed_accelerometer,
+    },
+    Freedom {
+        freed: standards::accelerometer_delay_alone,
+        finding: standards::delayed_accelerometer,
     },
     Freedom {
         freed: delays,
@@ -80,10 +87,11 @@ pub fn tried(day: &Unaccounted<'_>) -> Vec<Finding> {
 /// Those that leave next to nothing of what the trials contradict each other by, but more than white noise.
 #[must_use]
 pub fn tried_with_coloured_noise(day: &Unaccounted<'_>) -> Vec<Finding> {
-    let Ok(contradiction) = day.joint.map(|joint| joint.misfit) else {
-        return Vec::new();
-    };
-    let mut found = with_fits_that(day, |joint| joint.leaves_little_of(&contradiction));
+    // Where no fit was possible the trials contradict each other by more than any that is.
+    let mut found = with_fits_that(day, |joint| match day.joint {
+        Ok(before) => joint.leaves_little_of(&before.misfit),
+        Err(_) => joint.nearly_accounts(),
+    });
     for finding in &mut found {
         finding.evidence = finding.evidence.replace(
             "all trials agree to the noise",
@@ -108,8 +116,7 @@ fn with_fits_that(
         let freed = (freedom.freed)(day)?;
         let joint = day.fit(&trials, &rest, &day.start, &freed)?;
         let joint = Some(joint).filter(&will_do)?;
-        let certificates = [&day.knowledge.certificates, &freed.certificates];
-        (freedom.finding)(&joint, certificates, drives_rad_s)
+        (freedom.finding)(&joint, [day.knowledge, &freed], drives_rad_s)
     };
     FREEDOMS.par_iter().filter_map(of).collect()
 }
@@ -143,7 +150,7 @@ fn high_pass(day: &Unaccounted<'_>) -> Option<Knowledge> {
 /// A corner too low for its lead to show lends each channel a straight line of its own, which other things have as well.
 fn amplifier(
     joint: &JointReport,
-    _: [&Certificates; 2],
+    _: [&Knowledge; 2],
     [slowest_rad_s, _]: [f64; 2],
 ) -> Option<Finding> {
     let corner_rad_s = told(joint, AMPLIFIER_CORNER)?;
@@ -167,113 +174,14 @@ fn no_high_pass(day: &Unaccounted<'_>) -> Option<Knowledge> {
     stated.map(|_| freed)
 }
 
-fn no_amplifier(_: &JointReport, [stated, _]: [&Certificates; 2], _: [f64; 2]) -> Option<Finding> {
-    let corner_hz = stated.amplifier_corner_rad_s?.value / TAU;
+fn no_amplifier(_: &JointReport, [stated, _]: [&Knowledge; 2], _: [f64; 2]) -> Option<Finding> {
+    let corner_hz = stated.certificates.amplifier_corner_rad_s?.value / TAU;
     Some(Finding::new(
         Cause::HighPassMisstated,
         format!(
             "without the stated high-pass of {corner_hz} Hz all trials agree to the noise, and with it they do not"
         ),
         "take preprocessing.amplifier_high_pass_hz out of the session, if the amplifiers have none",
-    ))
-}
-
-fn lag(day: &Unaccounted<'_>) -> Option<Knowledge> {
-    let knowledge = day.knowledge;
-    let mut freed = *knowledge;
-    freed.certificates.gyroscope_lag_s = Some(about(LAG_S));
-    Some(freed)
-}
-
-fn gyroscope(joint: &JointReport, [stated, _]: [&Certificates; 2], _: [f64; 2]) -> Option<Finding> {
-    let found = known(joint, GYROSCOPE_LAG);
-    let Some(stated) = stated.gyroscope_lag_s else {
-        let lag_s = told(joint, GYROSCOPE_LAG)?;
-        return Some(Finding::new(
-            Cause::GyroscopeLag,
-            format!(
-                "with a gyroscope that is {}, all trials agree to the noise, and without that they do not",
-                behind(lag_s)
-            ),
-            "state the gyroscope's bandwidth_hz as its certificate has it; its lag is then undone",
-        ));
-    };
-    let apart_s = (found.value - stated.value).abs();
-    let other = apart_s > (BEYOND_DOUBT * found.deviation).max(AS_STATED * stated.value);
-    let stated_hz = 1.0 / (TAU * stated.value);
-    let is = match told(joint, GYROSCOPE_LAG) {
-        Some(lag_s) => behind(lag_s),
-        None => "not behind at all".to_owned(),
-    };
-    if !other {
-        return None;
-    }
-    Some(Finding::new(
-        Cause::GyroscopeLag,
-        format!(
-            "with a gyroscope that is {is}, all trials agree to the noise, and with the stated bandwidth of {stated_hz:.1} Hz they do not"
-        ),
-        "correct the gyroscope's bandwidth_hz by its certificate, or take it out",
-    ))
-}
-
-fn behind(lag_s: f64) -> String {
-    format!(
-        "{:.2} ms behind, as a first-order bandwidth of {:.1} Hz has it",
-        1e3 * lag_s,
-        1.0 / (TAU * lag_s)
-    )
-}
-
-fn no_accelerometer_lag(day: &Unaccounted<'_>) -> Option<Knowledge> {
-    let knowledge = day.knowledge;
-    let mut freed = *knowledge;
-    let stated = core::mem::take(&mut freed.certificates.accelerometer_lag_s);
-    (stated > 0.0).then_some(freed)
-}
-
-fn accelerometer(_: &JointReport, [stated, _]: [&Certificates; 2], _: [f64; 2]) -> Option<Finding> {
-    Some(Finding::new(
-        Cause::ClockMismatch,
-        format!(
-            "with an accelerometer that follows at once all trials agree to the noise, and with the stated bandwidth of {:.1} Hz they do not",
-            1.0 / (TAU * stated.accelerometer_lag_s)
-        ),
-        "take the accelerometer's bandwidth_hz out of the session, or correct it by its certificate",
-    ))
-}
-
-/// The accelerometer behind, by what the linear trials show, where the gyroscope is not.
-fn accelerometer_lag(day: &Unaccounted<'_>) -> Option<Knowledge> {
-    let mut freed = *day.knowledge;
-    let lag_s = |of: fn(Role) -> bool| {
-        let cases = day.cases.iter().filter(|case| of(case.trial.role));
-        // The time constant of a first-order lag, which a sine shows as a smaller delay.
-        let constants = cases.filter_map(|case| {
-            let omega = TAU * case.trial.frequency_hz;
-            Some((omega * timing::lag_of(case)?).tan() / omega)
-        });
-        median(constants)
-    };
-    let linear_s = lag_s(|role| matches!(role, Role::Linear | Role::HighFrequencyLinear))?;
-    let angular_s = lag_s(|role| role == Role::Angular)?;
-    let stated = core::mem::replace(&mut freed.certificates.accelerometer_lag_s, linear_s);
-    let alone = angular_s.abs() < OTHER_STANDARD * linear_s;
-    (stated == 0.0 && alone && linear_s > SHORTEST_LAG_S).then_some(freed)
-}
-
-fn late_accelerometer(
-    _: &JointReport,
-    [_, taken]: [&Certificates; 2],
-    _: [f64; 2],
-) -> Option<Finding> {
-    Some(Finding::new(
-        Cause::ClockMismatch,
-        format!(
-            "with an accelerometer that is {}, all trials agree to the noise, and without that they do not",
-            behind(taken.accelerometer_lag_s)
-        ),
-        "state the accelerometer's bandwidth_hz as its certificate has it, or see what filters its channel alone",
     ))
 }
 
@@ -287,7 +195,7 @@ fn delays(day: &Unaccounted<'_>) -> Option<Knowledge> {
 /// Channels that are behind the standards or ahead of them. One clock for all nine is the standards' to be late.
 fn late_channels(
     joint: &JointReport,
-    _: [&Certificates; 2],
+    _: [&Knowledge; 2],
     [_, fastest_rad_s]: [f64; 2],
 ) -> Option<Finding> {
     let mut late: Vec<(usize, f64)> = Vec::new();

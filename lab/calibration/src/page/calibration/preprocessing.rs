@@ -7,7 +7,7 @@ use crate::series::extent;
 use crate::trial::Trial;
 use sixaxis_core::LIMBS;
 use sixaxis_core::dsp::differentiate::Differentiator;
-use sixaxis_recordings::session::{Role, SessionFile};
+use sixaxis_recordings::session::{Role, Session, SessionFile};
 
 use crate::page::labels::{file_name, largest};
 use sixaxis_page::figure::NEUTRAL;
@@ -217,9 +217,9 @@ fn settings_and_effect(
         )
     };
     match stage {
-        Stage::Delays => file.session.channels.limbs_lag_us.map(|_| {
+        Stage::Delays => delays(&file.session).map(|whose| {
             (
-                "each limb by its own, as the session says".to_owned(),
+                format!("{whose}, as the session says"),
                 "all channels on one clock".to_owned(),
             )
         }),
@@ -275,6 +275,19 @@ fn settings_and_effect(
         Stage::AccelerometerLag => conditioning.accelerometer_bandwidth_hz.map(lag),
         Stage::GyroscopeLag => conditioning.gyroscope_bandwidth_hz.map(lag),
         Stage::Derivative => Some(differentiator(conditioning, trial)),
+    }
+}
+
+/// Whose delays are undone as recordings are read.
+fn delays(session: &Session) -> Option<&'static str> {
+    let limbs = session.channels.limbs_lag_us.is_some();
+    let standards =
+        session.accelerometer.delay_ms.is_some() || session.gyroscope.delay_ms.is_some();
+    match (limbs, standards) {
+        (true, true) => Some("each limb and each standard by its own"),
+        (true, false) => Some("each limb by its own"),
+        (false, true) => Some("each standard by its own"),
+        (false, false) => None,
     }
 }
 
