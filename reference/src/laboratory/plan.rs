@@ -182,7 +182,7 @@ pub struct ChainPlan {
     pub stiffness_spread: f64,
     /// Share of its neighbour's charge that a channel shows at most, either sign, evenly drawn for each.
     pub cross_talk: f64,
-    /// Amplitude of 50 Hz hum on every channel, V.
+    /// Amplitude of 50 Hz hum on every channel of the trials, V; the static record and a tumble have none.
     pub hum_v: f64,
     /// Standard deviation of a channel's zero in each trial about that of the static record, V.
     pub zero_spread_v: f64,

@@ -130,7 +130,7 @@ amplifier_high_pass_hz
 stiffness_spread
 # Share of its neighbour's charge that a channel shows at most; evenly drawn for each channel.
 cross_talk
-# Amplitude of 50 Hz on every channel, V.
+# Amplitude of 50 Hz on every channel of the trials, V.
 hum_v
 # Standard deviation of each channel's zero in each trial about the static record's, V.
 zero_spread_v

@@ -1,9 +1,9 @@
-//! The joint fit with Huber's loss, which outliers cannot bend.
+//! The joint fit with Huber's loss, which outliers bend little.
 //!
 //! A residual r of deviation sigma counts as r^2 up to `limit` sigma and as a straight line beyond. Its minimum is found with
 //! least squares alone (Huber's pseudo-values): every sample is replaced by the model's value plus its residual, cut off at
 //! `limit` sigma, and the fit repeated until it stands still. Sigma is the residuals' median absolute deviation, which only
-//! outliers in half of the samples would move. Of a cut-off sample only the sign counts: where a share w of the samples is left whole, the estimate's variance is that of the cut residuals over w^2. The squares of cut residuals over that are w^2 for
+//! outliers in half of the samples would carry away. Of a cut-off sample only the sign counts: where a share w of the samples is left whole, the estimate's variance is that of the cut residuals over w^2. The squares of cut residuals over that are w^2 for
 //! each degree of freedom; they are returned over w^2, so that a misfit of 1 is a fit here, too.
 
 use alloc::vec::Vec;

@@ -121,7 +121,12 @@ impl Day<'_> {
             }
             // Where no trial was read, it is no news that none moves along an axis.
             Err(_) if campaign.trials.is_empty() && !findings.is_empty() => Vec::new(),
-            Err(_) => suspected,
+            // Without zeros no fit can clear a trial that departs from the others: in an ordinary room some do, for nothing of their own.
+            Err(_) => {
+                let departs = |cause| matches!(cause, Cause::ForeignTrial | Cause::Unexplained);
+                suspected.retain(|finding| !departs(finding.cause));
+                suspected
+            }
         });
         if findings.is_empty() {
             findings.push(hypotheses::unknown(obstacle.to_owned()));

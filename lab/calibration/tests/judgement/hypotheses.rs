@@ -82,6 +82,8 @@ struct Wrong {
     inverted: Option<(usize, usize)>,
     /// A trial of another sensor.
     foreign: Option<usize>,
+    /// A trial whose standard is the other way round.
+    reversed: Option<usize>,
     /// Share of its peak by which every channel bends.
     bent: f64,
 }
@@ -231,6 +233,9 @@ fn played(index: usize, wrong: &Wrong, noise: &mut Noise) -> (Trial, Conditioned
     }
     for standard in [&mut linear, &mut rate, &mut angular] {
         *standard = thinned(standard);
+        if wrong.reversed == Some(index) {
+            standard.iter_mut().for_each(|x| *x = -*x);
+        }
     }
     for standard in [&mut linear, &mut rate] {
         let peak = peak(standard);
@@ -424,6 +429,20 @@ fn inv_an_exchange_is_named() {
         &[2, 7],
         TRIALS - LINEAR,
     );
+}
+
+#[test]
+fn inv_a_standard_reversed_in_one_trial_is_named() {
+    for reversed in [LINEAR, TRIALS - 1] {
+        let wrong = Wrong {
+            reversed: Some(reversed),
+            ..Wrong::default()
+        };
+        let said = one(wrong, Cause::WrongScaling, &[], 1);
+        assert_eq!(said.recordings, [format!("run {}", reversed + 1)]);
+        let words = "with the standard of this trial reversed all trials agree";
+        assert!(said.evidence.contains(words), "{}", said.evidence);
+    }
 }
 
 #[test]

@@ -48,7 +48,7 @@ pub struct Arguments {
     iterate: Option<u16>,
     /// Whose 25 parameters are written: the paper's four steps', or those of all trials at once by maximum likelihood, which
     /// finds wedges, axis, centre, limbs' stiffness, cross-talk and the standards' errors along with them [default: joint where it
-    /// leaves no more over than noise and finds ordinary limbs, four-steps where it does not]
+    /// leaves no more over than noise, or with a reservation half as much again, and finds ordinary limbs; four-steps where it does not]
     #[arg(long, value_enum)]
     estimator: Option<Method>,
     /// Keep wild samples from bending the joint fit (Huber's loss); takes half as long again to twice as long

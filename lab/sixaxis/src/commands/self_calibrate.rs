@@ -66,7 +66,7 @@ pub struct Arguments {
 const AFTER_HELP: &str = "\
 The strains of nine limbs obey three coordination equations in any motion, and a motion rich enough tells the ratios of all nine
 scale factors over stiffnesses from them. The stiffnesses are those of the calibration's joint fit; to a calibration by the four steps,
-which knows none, limbs that differ by 0.5 % (one standard deviation) are ordinary, and drifts below five times that do not show without --since. Turn the sensor about all axes, as fast as you can, for a minute: translation alone, or turning about one
+which knows none, limbs that differ by 0.5 % (one standard deviation) are ordinary, and drifts below five times that show for themselves only with --since. Turn the sensor about all axes, as fast as you can, for a minute: translation alone, or turning about one
 axis, leaves ratios open, and which is said. Zero drifts need not be known, but must stand still.
 
 A common change of all nine shows with --known-change only, beyond the error of the calibration's accelerometer. Limbs are named as

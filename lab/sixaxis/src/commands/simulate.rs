@@ -89,9 +89,9 @@ pub const USUAL_ENGINE: Engine = if cfg!(feature = "harness") {
 
 const ENGINE_HELP: &str = if cfg!(feature = "harness") {
     "What computes the motions: MuJoCo, which takes some 40 to 70 s of processor time for the paper's campaign, shared by all cores, or a \
-     closed form with rigid limbs, which takes 0.3 s and agrees to some 3e-5 of the largest force up to 5 Hz [default: mujoco]"
+     closed form with rigid limbs, which takes 0.3 s and agrees to some 1e-5 of the largest force up to 5 Hz [default: mujoco]"
 } else {
-    "What computes the motions: a closed form with rigid limbs, which agrees with MuJoCo to some 3e-5 of the largest force up to 5 Hz; MuJoCo itself is \
+    "What computes the motions: a closed form with rigid limbs, which agrees with MuJoCo to some 1e-5 of the largest force up to 5 Hz; MuJoCo itself is \
      not compiled in [default: rigid]"
 };
 

@@ -250,6 +250,32 @@ fn neg_statements_that_are_not_so_are_named() {
     ]);
 }
 
+/// In a room with unequal limbs some trials depart from the others; without zeros no fit can say that they do for nothing of their own.
+#[test]
+fn neg_without_a_static_record_no_trial_is_accused() {
+    let [folder, plans] = ["no-static", "no-static-plan"].map(Folder::new);
+    let plan = plans.join("plan.toml");
+    fs::write(&plan, "[chain]\nstiffness_spread = 0.02\n").expect("written");
+    let how = ["--rate", "500", "--trials", "6", "--seed", "3"];
+    let where_to = [
+        "--engine",
+        "rigid",
+        "--plan",
+        text(&plan),
+        "--out",
+        text(&folder),
+    ];
+    let simulated = run(&[&["simulate"], &where_to[..], &how[..]].concat());
+    assert!(simulated.status.success(), "{simulated:?}");
+    let (code, said) = calibrated_in(&folder, "no-static", |s| without_role(s, "static"));
+    assert_eq!(code, 1, "{said}");
+    assert!(said.contains("the session has no static record"), "{said}");
+    assert!(
+        !said.contains("from what the other trials agree on"),
+        "{said}"
+    );
+}
+
 /// A third of a turn about the diagonal takes the limbs' layout to itself: directions so turned are told beside channels in another order.
 #[test]
 fn neg_directions_that_look_like_another_order_are_told_as_either() {

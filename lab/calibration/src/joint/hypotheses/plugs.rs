@@ -1,5 +1,5 @@
 //! Plugs that were put in otherwise from one trial on, up to one, or all day: two channels exchanged, where limb and piezo come along and the
-//! amplifier stays, or one with its polarity turned, which may be in a single trial, too; and two names exchanged in writing, where gains stay with the limbs. Several of these
+//! amplifier stays, or one with its polarity turned, which may be in a single trial, too, as a standard's may; and two names exchanged in writing, where gains stay with the limbs. Several of these
 //! one after the other put right whatever order they are in.
 //!
 //! Which, and from which trial on, is looked for among the channels' responses, where a pair and a trial cost less than a millisecond; the
@@ -33,6 +33,8 @@ enum Plugs {
     /// In writing only: what stands in one channel came through the other's amplifier.
     Misnamed(usize, usize),
     Inverted(usize),
+    /// A standard's, which is the same as a direction that is stated the other way round.
+    OfTheStandard,
 }
 
 /// Two limbs.
@@ -41,7 +43,7 @@ fn pairs() -> impl Iterator<Item = (usize, usize)> {
 }
 
 impl Plugs {
-    /// All that can be done to one or two. Of equal ranges names and plugs are the same.
+    /// All that can be done to one, two or a standard. Of equal ranges names and plugs are the same.
     fn all(cases: &[TrialCase<'_>]) -> impl Iterator<Item = Self> {
         let of_equal_ranges = |(a, b): (usize, usize)| {
             let mut gains = cases.iter().map(|case| &case.trial.gains.gain_n_per_v);
@@ -52,6 +54,7 @@ impl Plugs {
         exchanged
             .chain(misnamed.map(|(a, b)| Self::Misnamed(a, b)))
             .chain((0..LIMBS).map(Self::Inverted))
+            .chain([Self::OfTheStandard])
     }
 
     /// Voltages.
@@ -59,6 +62,7 @@ impl Plugs {
         match self {
             Self::Exchanged(a, b) | Self::Misnamed(a, b) => channels_v.swap(a, b),
             Self::Inverted(a) => channels_v[a] = -channels_v[a],
+            Self::OfTheStandard => {}
         }
     }
 
@@ -71,6 +75,8 @@ impl Plugs {
                 (channels[a], channels[b]) = (channels[b] * over, channels[a] * (1.0 / over));
             }
             Self::Inverted(a) => channels[a] = channels[a] * -1.0,
+            // What the channels show of a standard the other way round.
+            Self::OfTheStandard => channels.iter_mut().for_each(|c| *c = *c * -1.0),
         }
     }
 
@@ -83,6 +89,12 @@ impl Plugs {
             .for_each(|row| self.put_right(row));
         if let Self::Exchanged(a, b) = self {
             right.gains.gain_n_per_v.swap(a, b);
+        }
+        if self == Self::OfTheStandard {
+            let series = [&mut right.accelerometer_m_s2, &mut right.gyroscope_rad_s];
+            for x in series.into_iter().flatten() {
+                *x = -*x;
+            }
         }
         right
     }
@@ -121,6 +133,13 @@ impl Plugs {
                 vec![a + 1],
                 format!("channel {} inverted", a + 1),
                 format!("turn channel {} in these recordings, or its plug", a + 1),
+            ),
+            Self::OfTheStandard => (
+                Cause::WrongScaling,
+                Vec::new(),
+                "the standard of this trial reversed".to_owned(),
+                "turn the sign of this recording's direction in the session, or see to the polarity of the standard"
+                    .to_owned(),
             ),
         }
     }
@@ -267,7 +286,7 @@ fn one(
                 Plugs::Inverted(a) => {
                     table.mass_over_scale_kg[a] * design.scale_per_mass_per_kg[a] > 0.0
                 }
-                Plugs::Exchanged(..) | Plugs::Misnamed(..) => true,
+                _ => true,
             };
             if has_its_sign && best.as_ref().is_none_or(|best| cost < best.cost) {
                 let plugs = vec![plugs];
@@ -275,8 +294,10 @@ fn one(
                 best = Some(Agreeing { found, cost, table });
             }
         };
-        each_end(cases, plugs, &mut look);
-        if matches!(plugs, Plugs::Inverted(_)) {
+        if plugs != Plugs::OfTheStandard {
+            each_end(cases, plugs, &mut look);
+        }
+        if matches!(plugs, Plugs::Inverted(_) | Plugs::OfTheStandard) {
             each_alone(cases, plugs, &mut look);
         }
     }

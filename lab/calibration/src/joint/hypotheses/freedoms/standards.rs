@@ -15,7 +15,7 @@ use sixaxis_recordings::session::Role;
 /// Lag of a gyroscope, s: where it is looked for first, and how far about.
 const LAG_S: (f64, f64) = (2e-3, 0.05);
 /// Lag of an accelerometer, s, that is looked for at least, and the share of it that the gyroscope shows at most: where both are late, a file is.
-const SHORTEST_LAG_S: f64 = 1e-4;
+const SHORTEST_LAG_S: f64 = 2e-5;
 const OTHER_STANDARD: f64 = 0.2;
 /// Share of a stated lag by which the found one may be another: a first-order corner at twice the drive's frequency that is off by as
 /// much changes what is read by 0.4 %, less than a certificate allows.
@@ -241,13 +241,12 @@ fn delayed(
         true => format!("with the stated delay of {:.2} ms", 1e3 * stated_s),
         false => "without that".to_owned(),
     };
+    let is = match none_left {
+        true => "not behind at all".to_owned(),
+        false => format!("{delay_ms:.2} ms behind at every frequency"),
+    };
     let evidence = format!(
-        "with the {standard} {} behind at every frequency{beside} all trials agree to the noise, and {otherwise} they do not",
-        if none_left {
-            "not".to_owned()
-        } else {
-            format!("{delay_ms:.2} ms")
-        }
+        "with the {standard} {is}{beside} all trials agree to the noise, and {otherwise} they do not"
     );
     let advice = format!(
         "state delay_ms of the {standard} by its manual, as a digital filter or one of higher order has it{in_place}"
