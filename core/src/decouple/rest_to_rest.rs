@@ -30,7 +30,7 @@ const NEEDED: usize = 5;
 /// What is said where the end state does not respond to the torque.
 const NOT_CONVERGED: Error = Error::NotConverged {
     what: "rest-to-rest detrending",
-    iterations: ITERATIONS,
+    iterations: MOST_ITERATIONS,
 };
 /// Length of a piece of rest, s.
 const PIECE_S: f64 = 1.0;
@@ -45,8 +45,15 @@ const AWAY: f64 = 0.01;
 /// Time before and after that which is the motion's, s; at least this share of it.
 const MARGIN_S: f64 = 0.5;
 const MARGIN_OF_SPAN: usize = 10;
-/// Newton steps; the map is close to linear and each gains about three digits.
+/// Newton steps; the map is close to linear and each gains about three digits. More of them where a run is still this far from closing,
+/// rad/s and rad.
 const ITERATIONS: usize = 3;
+const MOST_ITERATIONS: usize = 12;
+const CLOSED: f64 = 1e-4;
+/// Rate at the end times the run's duration, rad, from which its rotation may be some turns more than its attitude shows.
+const TURNS_RAD: f64 = 3.0;
+/// Time at the beginning that is rest, s: what turns the shell there, turns it throughout.
+const AT_REST_S: f64 = 0.1;
 /// Angular acceleration by which the derivative of the end state is probed, rad/s^2: moves the end of a run of 1 s by
 /// 1e-2 rad, far above rounding and far below where the map bends.
 const PROBE_RAD_S2: f64 = 1e-2;
@@ -144,7 +151,20 @@ fn closing(
     let mut line = Vector6::zeros();
     let before = end_state(&line)?;
     let mut end = before;
-    for _ in 0..ITERATIONS {
+    let duration_s = run.len() as f64 / settings.sample_rate_hz;
+    if before.fixed_rows::<3>(0).norm() * duration_s > TURNS_RAD {
+        // Newton's steps from here may close the run with a turn too many. Its own zeros bring it near.
+        let still = turning_at_rest(start, settings, run)?;
+        let by_zeros = stacked(-still, -still);
+        let near = end_state(&by_zeros)?;
+        if near.fixed_rows::<3>(0).norm() < end.fixed_rows::<3>(0).norm() {
+            (line, end) = (by_zeros, near);
+        }
+    }
+    for iteration in 0..MOST_ITERATIONS {
+        if iteration >= ITERATIONS && end.norm() < CLOSED {
+            break;
+        }
         let mut derivative = Matrix6::zeros();
         for column in 0..6 {
             let mut probe = line;
@@ -155,6 +175,10 @@ fn closing(
         line -= step;
         end = end_state(&line)?;
     }
+    let off = end.norm();
+    if off.is_nan() || off >= CLOSED {
+        return Err(NOT_CONVERGED);
+    }
     let [end_rate_before_rad_s, end_rotation_before_rad] = halves(&before);
     Ok((
         line,
@@ -163,6 +187,20 @@ fn closing(
             end_rotation_before_rad,
         },
     ))
+}
+
+/// Mean angular acceleration that the channels show at the beginning of a run, shell axes, rad/s^2.
+fn turning_at_rest(start: &Decoupler, settings: &Settings, run: &[[f64; LIMBS]]) -> Result<DVec3> {
+    let samples = ((AT_REST_S * settings.sample_rate_hz) as usize).clamp(NEEDED, run.len());
+    let mut decoupler = start.clone();
+    let (mut sum, mut count) = (DVec3::ZERO, 0.0);
+    for row in &run[..samples] {
+        if let Some(shown) = decoupler.push(row)? {
+            sum += shown.attitude.inverse() * shown.angular_ground_rad_s2;
+            count += 1.0;
+        }
+    }
+    Ok(sum / count)
 }
 
 /// The samples of a run that are its motion: those between the first and the last at which a channel that moves much is away from where it stands

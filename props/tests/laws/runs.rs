@@ -28,16 +28,20 @@ const DIRECTIONS: [DVec3; 3] = [
 ];
 
 fn simulate(mode: Mode, direction: DVec3) -> (SimulatedRun, SimulatedRecording) {
-    let parameters = truth::identified_parameters();
     let run = Run {
         rest_s: 0.01,
         ramp_periods: 0.5,
         steady_periods: 0.5,
         ..Run::new(mode, 5.0, direction)
     };
+    simulated(&run, direction)
+}
+
+fn simulated(run: &Run, direction: DVec3) -> (SimulatedRun, SimulatedRecording) {
+    let parameters = truth::identified_parameters();
     let model = rig::model(&parameters, direction, Mounting::AxisVertical);
-    let run = simulate_run(&model, &run, RATE_HZ, STEPS)
-        .expect("a run within the rig's limits simulates");
+    let run =
+        simulate_run(&model, run, RATE_HZ, STEPS).expect("a run within the rig's limits simulates");
     let recording = Laboratory::noise_free(truth::sensor(&parameters)).record(&run, 0);
     (run, recording)
 }
@@ -190,6 +194,42 @@ fn ref_a_drifting_run_is_closed_from_rest_to_rest() {
         tolerance::NEGATIVE_CONTROL * after < before,
         "closing a drifting run brought the rate's error from {before:.3e} to {after:.3e} rad/s"
     );
+}
+
+/// Zeros that moved by so much that the open loop ends some turns away: a line that closes the run with a turn too many is none of theirs.
+#[test]
+fn law_zeros_that_moved_far_are_closed_without_a_turn_too_many() {
+    let truth = truth::identified_parameters();
+    let direction = DVec3::new(1.0, 1.0, 2.0);
+    let run = Run {
+        rest_s: 0.5,
+        steady_periods: 8.0,
+        ..Run::new(Mode::Compound, 5.0, direction)
+    };
+    let (run, recording) = simulated(&run, direction);
+    let (sensor, settings) = set_up(&recording);
+    let rate = run.truth.iter().map(|s| s.rate_shell_rad_s.length());
+    let peak = largest(rate);
+    for moved_v in [1e-3, 4e-3, 1e-2] {
+        let mut rows = recording.voltage_v.clone();
+        for u in rows.iter_mut().flat_map(|row| row.iter_mut().enumerate()) {
+            *u.1 += moved_v * (2.0 + u.0 as f64).sin();
+        }
+        let (closed, trend) =
+            rest_to_rest::detrend(&sensor, &truth, &settings, &rows).expect("it closes");
+        let mut decoupler = Decoupler::new(&sensor, &truth, &settings).expect("sound");
+        let off = closed.iter().filter_map(|row| {
+            let shown = decoupler.push(row).expect("finite")?;
+            let right = &run.truth[shown.sample as usize];
+            Some((shown.rate_shell_rad_s - right.rate_shell_rad_s).length())
+        });
+        let off = largest(off.collect::<Vec<_>>().into_iter());
+        let before = trend.end_rate_before_rad_s.length();
+        assert!(
+            off < 0.01 * peak,
+            "{moved_v} V: rates up to {off:.3} rad/s off, of {peak:.1}; before {before:.1} rad/s at the end"
+        );
+    }
 }
 
 /// What a recorder took before and after the motion is no part of what is integrated.

@@ -172,7 +172,7 @@ kinds! {
     Hysteresis "hysteresis" "share" 1e-5..0.2 false Everywhere
         "Share of every channel that lags as friction does, with a play of half the trial's largest force: quartz, up to soft ceramics."
     MainsHum "mains_hum" "V" 1e-5..1.0 false Everywhere
-        "Amplitude of 50 Hz on all channels of the trials: a thirtieth of a 16-bit converter's step, up to a tenth of its range."
+        "Amplitude of 50 Hz on all channels: a thirtieth of a 16-bit converter's step, up to a tenth of its range."
 }
 
 impl Kind {

@@ -12,6 +12,7 @@ use super::Row;
 use super::aided::Aided;
 use super::attitude_agreement::Contradiction;
 use super::attitude_summary::AttitudeSummary;
+use super::axis_noise::SampleNoise;
 use super::columns::Columns;
 
 /// Deviation of the attitude up to which ground axes are given unless told otherwise, degrees.
@@ -40,8 +41,8 @@ pub struct AttitudeStream {
     start_s: f64,
     down: DVec3,
     until_rad: f64,
-    /// Standard deviations of a single sample's accelerations by its own noise, where theirs are asked for.
-    noise: Option<[f64; 6]>,
+    /// What a single sample's own noise gives its accelerations, where their deviations are asked for.
+    noise: Option<SampleNoise>,
     /// Of accelerations and attitude of the last sample.
     deviations: [f64; 7],
     /// Whether it could have been aided.
@@ -84,18 +85,17 @@ impl AttitudeStream {
     }
 
     /// What a sample's own noise gives its accelerations from now on.
-    pub fn set_noise(&mut self, noise: [f64; 6]) {
+    pub fn set_noise(&mut self, noise: SampleNoise) {
         self.noise = Some(noise);
     }
 
-    /// In a decoder's place, with aids. `noise` has the standard deviations that a sample's own noise gives its accelerations, where
-    /// theirs are asked for.
+    /// In a decoder's place, with aids. `noise` is what a sample's own noise gives its accelerations, where their deviations are asked for.
     #[must_use]
     pub fn aided(
         aided: Aided,
         settings: &Settings,
         until_deg: f64,
-        noise: Option<[f64; 6]>,
+        noise: Option<SampleNoise>,
     ) -> Self {
         Self {
             noise,
@@ -168,10 +168,11 @@ impl AttitudeStream {
         // This sample was decoded before what is known of it is used.
         if let Some(noise) = &self.noise {
             let by_errors = self.how.accelerations(&sample);
-            for (deviation, (by_errors, noise)) in
-                self.deviations.iter_mut().zip(by_errors.iter().zip(noise))
+            let by_noise = noise.in_ground_axes(sample.attitude);
+            for (deviation, (by_errors, by_noise)) in
+                (self.deviations.iter_mut()).zip(by_errors.into_iter().zip(by_noise))
             {
-                *deviation = by_errors.hypot(*noise);
+                *deviation = by_errors.hypot(by_noise);
             }
         }
         self.deviations[6] = self.how.deviations().attitude_rad();

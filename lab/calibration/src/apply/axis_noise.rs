@@ -1,6 +1,7 @@
 //! What the channels' noise makes of the six accelerations of a sensor at rest.
 
 use anyhow::{Context, Result};
+use glam::{DMat3, DQuat, DVec3};
 use sixaxis_core::{Decoupler, LIMBS, LimbSet, Scheme, Settings};
 
 use super::setup::Setup;
@@ -17,7 +18,7 @@ const RATE_HZ: f64 = 1e6;
 /// Parameters that are no sensor's.
 pub fn axis_noise_densities(setup: &Setup, channels: &[f64; LIMBS]) -> Result<[f64; 6]> {
     let settings = setup.settings(RATE_HZ, Scheme::default());
-    by_steps(channels, |limb, step_v| {
+    let densities = by_steps(channels, |limb, step_v| {
         let mut voltage_v = setup.parameters.zero_drift_v;
         voltage_v[limb] += step_v;
         let mut decoupler = Decoupler::new(&setup.sensor, &setup.parameters, &settings)?;
@@ -27,47 +28,74 @@ pub fn axis_noise_densities(setup: &Setup, channels: &[f64; LIMBS]) -> Result<[f
         }
         let answer = answer.context("three samples have an answer")?;
         Ok(vec![answer.accelerations()])
+    })?;
+    Ok(deviations(&densities))
+}
+
+/// What white noise of the channels gives a single sample's accelerations by itself: what it adds up to in rate and attitude is not in it.
+#[derive(Debug, Clone, Copy)]
+pub struct SampleNoise {
+    /// Covariances of a, m^2/s^4, and of w', rad^2/s^4, in the shell's axes.
+    shell: [DMat3; 2],
+}
+
+impl SampleNoise {
+    /// For channels with this noise, V, at rest. Channels of excluded limbs are not read.
+    ///
+    /// # Errors
+    /// Parameters that are no sensor's; limbs that cannot be excluded.
+    pub fn new(
+        setup: &Setup,
+        settings: &Settings,
+        excluded: LimbSet,
+        noise_v: &[f64; LIMBS],
+    ) -> Result<Self> {
+        // One sample among others that are at rest shows in its own answer and, by differences, in its neighbours'.
+        let shell = by_steps(noise_v, |limb, step_v| {
+            let mut decoupler =
+                Decoupler::new(&setup.sensor, &setup.parameters, settings)?.excluding(excluded)?;
+            let mut answers = Vec::new();
+            for sample in 0..7 {
+                let mut voltage_v = setup.parameters.zero_drift_v;
+                voltage_v[limb] += if sample == 3 { step_v } else { 0.0 };
+                answers.extend(decoupler.push(&voltage_v)?.map(|a| a.accelerations()));
+            }
+            Ok(answers)
+        })?;
+        Ok(Self { shell })
+    }
+
+    /// Standard deviations of a, m/s^2, and w', rad/s^2, in ground axes, of a sensor with this attitude.
+    #[must_use]
+    pub fn in_ground_axes(&self, attitude: DQuat) -> [f64; 6] {
+        let turned = DMat3::from_quat(attitude);
+        deviations(&self.shell.map(|shell| turned * shell * turned.transpose()))
+    }
+}
+
+/// Roots of the diagonals of two covariances.
+fn deviations(covariances: &[DMat3; 2]) -> [f64; 6] {
+    core::array::from_fn(|axis| {
+        let covariance = covariances[axis / 3];
+        covariance.col(axis % 3)[axis % 3].max(0.0).sqrt()
     })
 }
 
-/// Standard deviations of a sample's ax to az, m/s^2, and alpha_x to alpha_z, rad/s^2, at rest, that white noise of the channels, V,
-/// gives it by itself: what it adds up to in rate and attitude is not in them. Channels of excluded limbs are not read.
-///
-/// # Errors
-/// Parameters that are no sensor's; limbs that cannot be excluded.
-pub fn sample_noise(
-    setup: &Setup,
-    settings: &Settings,
-    excluded: LimbSet,
-    noise_v: &[f64; LIMBS],
-) -> Result<[f64; 6]> {
-    // One sample among others that are at rest shows in its own answer and, by differences, in its neighbours'.
-    by_steps(noise_v, |limb, step_v| {
-        let mut decoupler =
-            Decoupler::new(&setup.sensor, &setup.parameters, settings)?.excluding(excluded)?;
-        let mut answers = Vec::new();
-        for sample in 0..7 {
-            let mut voltage_v = setup.parameters.zero_drift_v;
-            voltage_v[limb] += if sample == 3 { step_v } else { 0.0 };
-            answers.extend(decoupler.push(&voltage_v)?.map(|a| a.accelerations()));
-        }
-        Ok(answers)
-    })
-}
-
-/// What independent noise of the nine channels adds up to in accelerations, whose answers to a step of one channel, V, are given.
+/// Covariances of a and w' that independent noise of the nine channels adds up to, whose answers to a step of one channel, V, are given.
 fn by_steps(
     noise: &[f64; LIMBS],
     answers: impl Fn(usize, f64) -> Result<Vec<[f64; 6]>>,
-) -> Result<[f64; 6]> {
-    let mut squares = [0.0; 6];
+) -> Result<[DMat3; 2]> {
+    let mut covariances = [DMat3::ZERO; 2];
     for (limb, noise) in noise.iter().enumerate() {
         for (more, less) in answers(limb, STEP_V)?.iter().zip(answers(limb, -STEP_V)?) {
-            for (axis, square) in squares.iter_mut().enumerate() {
-                let gradient = (more[axis] - less[axis]) / (2.0 * STEP_V);
-                *square += (gradient * noise).powi(2);
+            let shown: [f64; 6] =
+                core::array::from_fn(|axis| (more[axis] - less[axis]) / (2.0 * STEP_V) * noise);
+            for (covariance, shown) in covariances.iter_mut().zip(shown.as_chunks::<3>().0) {
+                let v = DVec3::from_array(*shown);
+                *covariance += DMat3::from_cols(v * v.x, v * v.y, v * v.z);
             }
         }
     }
-    Ok(squares.map(f64::sqrt))
+    Ok(covariances)
 }

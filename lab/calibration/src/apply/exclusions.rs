@@ -4,6 +4,8 @@ use sixaxis_core::LimbSet;
 use sixaxis_core::redundancy::reconstruction::Reconstruction;
 use sixaxis_recordings::{Block, Channel};
 
+use super::axis_noise::SampleNoise;
+
 /// Limbs that are excluded from certain samples on: none before the first.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Exclusions {
@@ -114,7 +116,7 @@ impl Watched {
 /// What a first pass has found, and what a sample's own noise gives its accelerations without the limbs excluded from a sample on.
 pub(super) struct WatchedBefore {
     pub(super) found: Watched,
-    pub(super) noise: Vec<(u64, [f64; 6])>,
+    pub(super) noise: Vec<(u64, SampleNoise)>,
 }
 
 impl WatchedBefore {

@@ -4,7 +4,7 @@ use anyhow::Result;
 use sixaxis_core::{LimbSet, Settings};
 
 use super::attitude::DOWN_DEG;
-use super::axis_noise::sample_noise;
+use super::axis_noise::SampleNoise;
 use super::conditioning_stream::ConditioningStream;
 use super::decoding::Decoding;
 use super::exclusions::{Watched, WatchedBefore};
@@ -50,7 +50,10 @@ impl Job<'_> {
                 limbs,
                 DOWN_DEG.to_radians(),
             )?;
-            Ok((from, sample_noise(self.setup, settings, limbs, &noise_v)?))
+            Ok((
+                from,
+                SampleNoise::new(self.setup, settings, limbs, &noise_v)?,
+            ))
         };
         let changes = found.excluded.changes().filter(|_| self.uncertainty);
         Ok(WatchedBefore {

@@ -8,7 +8,7 @@ use sixaxis_core::{Decoupler, Settings};
 use super::Job;
 use crate::apply::aided::Aided;
 use crate::apply::attitude::{AttitudeStream, DOWN_DEG};
-use crate::apply::axis_noise::sample_noise;
+use crate::apply::axis_noise::SampleNoise;
 use crate::apply::conditioning_stream::ConditioningStream;
 use crate::apply::coordination::Coordination;
 use crate::apply::decoding::Decoding;
@@ -80,7 +80,7 @@ impl Job<'_> {
                 Ok((filter, noise_v)) if aided => {
                     let noise = self
                         .uncertainty
-                        .then(|| sample_noise(self.setup, settings, self.excluded, &noise_v))
+                        .then(|| SampleNoise::new(self.setup, settings, self.excluded, &noise_v))
                         .transpose()?;
                     let parameters = &self.setup.parameters;
                     let decoder = AidedDecoupler::new(decoupler, filter, parameters, settings);
