@@ -333,7 +333,13 @@ impl Acquisition {
         if self.rested >= 2 {
             self.chain.zero_v = Some(self.statistics.channels.map(|c| c.mean_v));
         }
-        if self.held() {
+        if self.held() && self.chain.has_stopped() {
+            // What is no number stays in a filter, and would stop decoding again.
+            if let Some(why) = self.chain.messages().pop() {
+                self.note(why);
+            }
+            self.rebuild();
+        } else if self.held() {
             self.restart();
         }
     }

@@ -243,6 +243,31 @@ fn law_a_broken_stream_is_told_and_the_next_one_taken() {
     });
 }
 
+/// A cell that is no number, while the sensor rests.
+#[test]
+fn law_a_cell_that_is_no_number_stops_decoding_until_the_next_rest() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let panel = panel(port(), folder.path());
+    let mut browser = Browser::open(&panel.link);
+    let mut text = "sixaxis rate=1000 format=text\n".to_owned();
+    for row in 0..20_000 {
+        let u = 1e-5 * f64::from(row % 7);
+        let cell = if row == 9_000 {
+            "NaN".to_owned()
+        } else {
+            u.to_string()
+        };
+        text += &format!("{u},{u},{u},{cell},{u},{u},{u},{u},{u}\n");
+    }
+    TcpStream::connect(panel.input.expect("a port"))
+        .expect("connects")
+        .write_all(text.as_bytes())
+        .expect("writes");
+    browser.wait("20000 samples", 20, |b| samples(b) == Some(20_000));
+    let notes = browser.status("notes").expect("notes").to_string();
+    assert_eq!(notes.matches("decoding has stopped").count(), 1, "{notes}");
+}
+
 #[test]
 fn law_a_day_by_hand_ends_good_and_names_a_defect() {
     let folder = tempfile::tempdir().expect("a folder");

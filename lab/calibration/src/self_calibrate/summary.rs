@@ -275,7 +275,11 @@ impl Summary {
                 }
             ),
         };
-        if let Some(rival) = &self.rival {
+        if let Some(rival) = self
+            .rival
+            .as_ref()
+            .filter(|_| self.finding == Finding::Drifted)
+        {
             let rival: Vec<String> = rival.iter().map(usize::to_string).collect();
             let _ = writeln!(
                 out,

@@ -13,6 +13,8 @@ use crate::layout::Layout;
 
 /// A step of more usual steps than this is a gap.
 const GAP_STEPS: f64 = 1.5;
+/// Usual step, s, below which stamps are no seconds: no converter of nine channels takes ten million samples a second.
+pub const CLOSEST_S: f64 = 1e-7;
 /// Gaps of which the place is kept.
 pub const GAPS_KEPT: usize = 20;
 /// Steps of which the median is the usual one.
@@ -204,7 +206,14 @@ impl Clock {
                 gap.length_s, gap.time_s, gap.missing
             ),
         });
-        [not_finite, standing, gap]
+        let too_close = self.usual_s.filter(|step| *step > 0.0 && *step < CLOSEST_S);
+        let too_close = too_close.map(|step| StampFault {
+            sample: 1,
+            cause: format!(
+                "the time stamps are {step:.1e} s apart: if they are days, as spreadsheets have them, or hours, say so in the heading, as in time [h], or delete their column and state the sample rate"
+            ),
+        });
+        [not_finite, standing, gap, too_close]
             .into_iter()
             .flatten()
             .min_by_key(|fault| fault.sample)
@@ -332,6 +341,21 @@ mod tests {
 
     fn fault(stamps_s: &[f64]) -> Option<StampFault> {
         clock(stamps_s, None).fault()
+    }
+
+    #[test]
+    fn stamps_in_days_are_no_seconds() {
+        let days: Vec<f64> = (0..50)
+            .map(|k| 45_443.5 + f64::from(k) / 86_400e3)
+            .collect();
+        let refused = fault(&days).expect("no converter is as fast");
+        assert!(
+            refused.cause.contains("if they are days"),
+            "{}",
+            refused.cause
+        );
+        let fast: Vec<f64> = (0..50).map(|k| f64::from(k) * 1e-6).collect();
+        assert_eq!(fault(&fast), None);
     }
 
     #[test]

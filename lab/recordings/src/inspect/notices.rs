@@ -5,7 +5,7 @@ mod limbs;
 use super::facts::{ChannelFacts, Fact, FlatTop, Group, Inspection, RateOrigin, Severity, Twins};
 use super::listing::{brief, plural, seconds, with_unit};
 use super::sensor::Expected;
-use crate::ingest::clock::Stamps;
+use crate::ingest::clock::{CLOSEST_S, Stamps};
 use crate::runs::stands_still;
 
 /// Jitter beyond this share of a step is noticed.
@@ -136,6 +136,12 @@ impl Facts {
             self.remark(
                 "spectra and noise floors take the samples on either side of a gap for neighbours",
             );
+        }
+        if let Some(step) = stamps.mean_step_s.filter(|step| *step < CLOSEST_S) {
+            let text = format!(
+                "time stamps are {step:.1e} s apart, as those in days or hours without a unit in the heading"
+            );
+            self.notice("rate", time, text);
         }
         if let Some((rms, step)) = stamps.jitter_rms_s.zip(stamps.mean_step_s)
             && rms > JITTER * step

@@ -51,7 +51,7 @@ pub struct Arguments {
     /// leaves no more over than noise, or with a reservation half as much again, and finds ordinary limbs; four-steps where it does not]
     #[arg(long, value_enum)]
     estimator: Option<Method>,
-    /// Keep wild samples from bending the joint fit (Huber's loss); takes half as long again to twice as long
+    /// Keep wild samples from bending the joint fit (Huber's loss); takes up to twice as long, more with many of them
     #[arg(long)]
     robust: bool,
     /// Print a summary for scripts instead of the one for people

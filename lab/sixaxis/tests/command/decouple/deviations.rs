@@ -10,6 +10,39 @@ use crate::program::{Folder, done, run, stderr, text};
 /// Rounding of a few thousand steps.
 const TWICE: f64 = 1e-9;
 
+/// What a sample's own noise gives it is turned into ground axes with and without aids alike; the attitude's part grows without.
+#[test]
+fn inv_a_samples_noise_is_of_the_grounds_axes_with_aids_too() {
+    let folder = Folder::new("decouple-deviations-aided");
+    let recording = compound();
+    let toml = session().join("session.toml");
+    let deviations = |name: &str, more: &[&str]| {
+        let out = folder.join(name);
+        let arguments = [
+            "decouple",
+            &calibration(),
+            text(&recording),
+            "--session",
+            text(&toml),
+            "--uncertainty",
+            "--until-sd",
+            "60",
+            "--out",
+            text(&out),
+        ];
+        done(&[&arguments[..], more].concat());
+        columns(&out, &["sd_alpha_x", "sd_alpha_y", "sd_alpha_z"]).0
+    };
+    let open = deviations("open.parquet", &[]);
+    let aided = deviations("aided.parquet", &["--aid", "rest"]);
+    let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
+    for (open, aided) in open.iter().flatten().zip(aided.iter().flatten()) {
+        least = least.min(aided / open);
+        most = most.max(aided / open);
+    }
+    assert!(least > 0.9 && most < 1.2, "{least} to {most} times");
+}
+
 #[test]
 fn inv_deviations_stand_beside_the_accelerations() {
     const DEVIATIONS: [&str; 6] = [
