@@ -20,6 +20,7 @@
 //! | [`curves`] | the accelerations over time, for a picture |
 //! | [`decoding`] | voltages to rows of the answer |
 //! | [`ends`] | whether a recording begins, or a run from rest to rest ends, in motion |
+//! | `noise_level` | whether its channels are noisier than those that were calibrated with |
 //! | [`mean_acceleration`] | whether the accelerations are those of a motion |
 //! | [`coordination`] | whether the limb forces add up to zero where they must |
 //! | [`fault_watch`] | the same with the fault monitor |
@@ -55,6 +56,7 @@ mod first_pass;
 mod frozen;
 pub mod job;
 pub mod mean_acceleration;
+mod noise_level;
 pub mod rest_to_rest;
 mod stream_clock;
 pub mod text_stream;

@@ -18,6 +18,7 @@ use super::ends::Ends;
 use super::exclusions::{FLAGS, WatchedBefore};
 use super::fault_watch::FaultWatch;
 use super::mean_acceleration::MeanAcceleration;
+use super::noise_level::NoiseLevel;
 
 /// A decoupler with the clock of its recording.
 pub struct Decoding {
@@ -45,6 +46,8 @@ pub struct Decoding {
     pub(super) coordination: Option<Coordination>,
     /// Sees whether the recording begins in motion.
     pub(super) ends: Option<Ends>,
+    /// Sees whether its channels are noisier than the attitude's deviations take them for.
+    pub(super) noise_level: Option<NoiseLevel>,
     mean: MeanAcceleration,
     /// Stamps of the samples that have not been answered.
     times_s: Vec<f64>,
@@ -78,6 +81,7 @@ impl Decoding {
             watched: None,
             coordination: None,
             ends: None,
+            noise_level: None,
             mean: MeanAcceleration::default(),
             times_s: Vec::new(),
             samples: 0,
@@ -115,6 +119,8 @@ impl Decoding {
     /// The recording has ended.
     pub fn finish(&mut self) {
         self.finished = true;
+        self.said
+            .extend(self.noise_level.as_ref().and_then(NoiseLevel::verdict));
         self.attitude.iter_mut().for_each(AttitudeStream::finish);
         self.watching.iter_mut().for_each(FaultWatch::finish);
     }
@@ -175,6 +181,9 @@ impl Decoding {
         }
         if let Some(ends) = &mut self.ends {
             ends.look(voltage_v);
+        }
+        if let Some(noise_level) = &mut self.noise_level {
+            noise_level.look(voltage_v);
         }
         let aided = self.attitude.as_ref().is_some_and(AttitudeStream::decodes);
         self.samples += voltage_v[0].len() as u64;

@@ -6,8 +6,8 @@ use std::path::Path;
 
 use glam::DVec3;
 use sixaxis_calibration::conditioning::{Conditioned, Conditioning};
-use sixaxis_calibration::diagnosis::examine;
 use sixaxis_calibration::diagnosis::trial_case::{Facts, Standard};
+use sixaxis_calibration::diagnosis::{Diagnosis, examine};
 use sixaxis_calibration::finding::{Cause, Finding};
 use sixaxis_calibration::joint::hypotheses::{Unaccounted, explain};
 use sixaxis_calibration::joint::{Knowledge, Loss, fit, start};
@@ -272,6 +272,17 @@ fn played(index: usize, wrong: &Wrong, noise: &mut Noise) -> (Trial, Conditioned
 
 /// What is said of a day, and whether the joint fit accounts for it as it is.
 fn said(wrong: &Wrong) -> (Vec<Finding>, bool) {
+    said_of(wrong, |diagnosis| {
+        let suspected = [diagnosis.of_the_table.clone(), diagnosis.suspected.clone()];
+        (diagnosis.findings.clone(), suspected.concat())
+    })
+}
+
+/// The same, where the diagnosis has left these findings as certain and those as suspected.
+fn said_of(
+    wrong: &Wrong,
+    left: impl Fn(&Diagnosis<'_>) -> (Vec<Finding>, Vec<Finding>),
+) -> (Vec<Finding>, bool) {
     let session = session();
     let mut noise = Noise(20_261_123);
     let static_voltage_v: Vec<[f64; LIMBS]> = (0..2000)
@@ -324,8 +335,8 @@ fn said(wrong: &Wrong) -> (Vec<Finding>, bool) {
         cases: &diagnosis.cases,
         joint: joint.as_ref().map_err(String::as_str),
     };
-    let suspected = [diagnosis.of_the_table.clone(), diagnosis.suspected.clone()].concat();
-    (explain(&day, &diagnosis.findings, suspected), accounts)
+    let (certain, suspected) = left(&diagnosis);
+    (explain(&day, &certain, suspected), accounts)
 }
 
 /// The one finding about a day that the fit does not account for.
@@ -493,6 +504,24 @@ fn inv_a_trial_apart_is_named_where_the_others_agree() {
         Some(&["run 5".to_owned()][..]),
         "{said:#?}"
     );
+}
+
+/// Where a trial is known to be wrong and the others agree, nothing is left to suspect another one of.
+#[test]
+fn neg_a_sound_trial_is_not_accused_beside_a_wrong_one() {
+    let wrong = Wrong {
+        foreign: Some(LINEAR),
+        ..Wrong::default()
+    };
+    let of = |run: usize| Finding {
+        cause: Cause::ForeignTrial,
+        recordings: vec![format!("run {}", run + 1)],
+        channels: Vec::new(),
+        evidence: String::new(),
+        advice: String::new(),
+    };
+    let (said, _) = said_of(&wrong, |_| (vec![of(LINEAR)], vec![of(LINEAR + 2)]));
+    assert!(said.is_empty(), "{said:#?}");
 }
 
 #[test]

@@ -15,6 +15,7 @@ use crate::apply::decoding::Decoding;
 use crate::apply::ends::Ends;
 use crate::apply::exclusions::{Exclusions, Watched};
 use crate::apply::fault_watch::FaultWatch;
+use crate::apply::noise_level::NoiseLevel;
 
 impl Job<'_> {
     pub(in crate::apply) fn decoupler(&self, settings: &Settings) -> Result<Decoupler> {
@@ -66,6 +67,9 @@ impl Job<'_> {
             decoding.watching = self.monitor(settings)?;
         }
         let watches = decoding.watching.is_some();
+        if !watches && decoding.watched.is_none() && !self.rest_to_rest {
+            decoding.noise_level = NoiseLevel::new(self.setup, self.calibration, self.excluded);
+        }
         let aided = !self.aids.is_empty();
         ensure!(
             gravity != DVec3::ZERO || self.aids.iter().all(|aid| aid.file().is_some()),

@@ -15,7 +15,7 @@ use sixaxis_recordings::session::Role;
 const AMONG: f64 = 0.5;
 
 /// What was suspected of single trials, if a fit accounts for all others. Trials that something `certain` concerns are left
-/// aside as well.
+/// aside as well, and where that is enough, nothing is left to suspect trials of.
 #[must_use]
 pub fn tried(
     day: &Unaccounted<'_>,
@@ -29,6 +29,10 @@ pub fn tried(
         .collect();
     if of_single_trials.is_empty() {
         return None;
+    }
+    if others_agree(day, certain, &[]) {
+        let of_runs = |finding: &Finding| is_of_runs(day, finding);
+        return Some(of_single_trials.into_iter().filter(of_runs).collect());
     }
     // The one thing that is wrong, if there is one; all that was suspected only if it takes all of it.
     let borne_out: Vec<&Finding> = of_single_trials

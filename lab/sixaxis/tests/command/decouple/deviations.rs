@@ -4,7 +4,7 @@ use std::path::Path;
 
 use sixaxis_calibration::calibration::Calibration;
 
-use super::session::{ACCELERATIONS, calibration, columns, compound, session};
+use super::session::{ACCELERATIONS, calibration, columns, compound, session, write};
 use crate::program::{Folder, done, run, stderr, text};
 
 /// Rounding of a few thousand steps.
@@ -41,6 +41,65 @@ fn inv_a_samples_noise_is_of_the_grounds_axes_with_aids_too() {
         most = most.max(aided / open);
     }
     assert!(least > 0.9 && most < 1.2, "{least} to {most} times");
+}
+
+/// Deviations know the calibration's noise: a recording of more of it is told, one of as much is not.
+#[test]
+fn neg_a_noisier_recording_is_told() {
+    let folder = Folder::new("decouple-noisier");
+    let names: Vec<String> = (1..=9).map(|limb| format!("u{limb}")).collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let (still, rate_hz) = columns(&compound(), &names);
+    let path = folder.join("compound-03.parquet");
+    let session = std::fs::read_to_string(session().join("session.toml")).expect("reads");
+    let (own, other) = (compound(), path.file_name().expect("a name"));
+    let own = own.file_name().expect("a name").to_string_lossy();
+    let toml = folder.write(
+        "session.toml",
+        session.replace(&*own, &other.to_string_lossy()),
+    );
+    let noise_v = Calibration::read(Path::new(&calibration())).expect("a calibration");
+    let noise_v = noise_v.covariance.propagated.expect("it is there");
+    let mut random = 1_u64;
+    let mut unit = || {
+        random = random
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        12.0_f64.sqrt() * ((random >> 11) as f64 / (1_u64 << 53) as f64 - 0.5)
+    };
+    for (times, channels, told) in [
+        (0.0, 0..9, None),
+        (1.0, 0..9, None),
+        (5.0, 2..4, Some("channels 3, 4 have up to 5.")),
+        (
+            5.0,
+            0..9,
+            Some("channels 1, 2, 3, 4, 5, 6, 7, 8, 9 have up to 5."),
+        ),
+    ] {
+        let mut louder = still.clone();
+        for limb in channels {
+            let size_v = times * noise_v.channel_noise_v[limb];
+            louder[limb].iter_mut().for_each(|u| *u += size_v * unit());
+        }
+        write(&path, &names, "V", &louder, rate_hz.expect("a rate"));
+        let out = folder.join("out.parquet");
+        let said = run(&[
+            "decouple",
+            &calibration(),
+            text(&path),
+            "--session",
+            &toml,
+            "--out",
+            text(&out),
+        ]);
+        let said = stderr(&said);
+        let words = "times the white noise";
+        match told {
+            Some(told) => assert!(said.contains(told) && said.contains(words), "{said}"),
+            None => assert!(!said.contains(words), "{said}"),
+        }
+    }
 }
 
 #[test]
