@@ -212,8 +212,8 @@ fn law_zeros_that_moved_far_are_closed_without_a_turn_too_many() {
     let peak = largest(rate);
     for moved_v in [1e-3, 4e-3, 1e-2] {
         let mut rows = recording.voltage_v.clone();
-        for u in rows.iter_mut().flat_map(|row| row.iter_mut().enumerate()) {
-            *u.1 += moved_v * (2.0 + u.0 as f64).sin();
+        for (limb, u) in rows.iter_mut().flat_map(|row| row.iter_mut().enumerate()) {
+            *u += moved_v * (2.0 + limb as f64).sin();
         }
         let (closed, trend) =
             rest_to_rest::detrend(&sensor, &truth, &settings, &rows).expect("it closes");
@@ -223,7 +223,7 @@ fn law_zeros_that_moved_far_are_closed_without_a_turn_too_many() {
             let right = &run.truth[shown.sample as usize];
             Some((shown.rate_shell_rad_s - right.rate_shell_rad_s).length())
         });
-        let off = largest(off.collect::<Vec<_>>().into_iter());
+        let off = largest(off);
         let before = trend.end_rate_before_rad_s.length();
         assert!(
             off < 0.01 * peak,
