@@ -30,7 +30,7 @@ const NEEDED: usize = 5;
 /// What is said where the end state does not respond to the torque.
 const NOT_CONVERGED: Error = Error::NotConverged {
     what: "rest-to-rest detrending",
-    iterations: MOST_ITERATIONS,
+    iterations: ITERATIONS,
 };
 /// Length of a piece of rest, s.
 const PIECE_S: f64 = 1.0;
@@ -45,10 +45,9 @@ const AWAY: f64 = 0.01;
 /// Time before and after that which is the motion's, s; at least this share of it.
 const MARGIN_S: f64 = 0.5;
 const MARGIN_OF_SPAN: usize = 10;
-/// Newton steps; the map is close to linear and each gains about three digits. More of them where a run is still this far from closing,
+/// Newton steps; the map is close to linear and each gains about three digits. As many again where a run is still this far from closing,
 /// rad/s and rad.
 const ITERATIONS: usize = 3;
-const MOST_ITERATIONS: usize = 12;
 const CLOSED: f64 = 1e-4;
 /// Rate at the end times the run's duration, rad, from which its rotation may be some turns more than its attitude shows.
 const TURNS_RAD: f64 = 3.0;
@@ -65,6 +64,8 @@ pub struct Trend {
     pub end_rate_before_rad_s: DVec3,
     /// Rotation at the end against the start before the correction, rad.
     pub end_rotation_before_rad: DVec3,
+    /// Whether the correction brings it there: no line does where a run begins or ends in motion.
+    pub closes: bool,
 }
 
 /// The voltages less the straight line, in the torque-carrying combination of channels, that makes the run end at
@@ -148,53 +149,64 @@ fn closing(
         let turned = (settings.initial_attitude.inverse() * last.attitude).to_scaled_axis();
         Ok(stacked(last.rate_shell_rad_s, turned))
     };
-    let mut line = Vector6::zeros();
-    let before = end_state(&line)?;
-    let mut end = before;
+    let newton = |(mut line, mut end): (Vector6<f64>, Vector6<f64>), steps: usize| {
+        for _ in 0..steps {
+            let mut derivative = Matrix6::zeros();
+            for column in 0..6 {
+                let mut probe = line;
+                probe[column] += PROBE_RAD_S2;
+                derivative.set_column(column, &((end_state(&probe)? - end) / PROBE_RAD_S2));
+            }
+            line -= derivative.lu().solve(&end).ok_or(NOT_CONVERGED)?;
+            end = end_state(&line)?;
+        }
+        Ok((line, end))
+    };
+    let closes = |(_, end): &(Vector6<f64>, Vector6<f64>)| end.norm() < CLOSED;
+    let before = end_state(&Vector6::zeros())?;
     let duration_s = run.len() as f64 / settings.sample_rate_hz;
-    if before.fixed_rows::<3>(0).norm() * duration_s > TURNS_RAD {
-        // Newton's steps from here may close the run with a turn too many. Its own zeros bring it near.
+    let turned_far = before.fixed_rows::<3>(0).norm() * duration_s > TURNS_RAD;
+    // Newton's steps from there may close the run with a turn too many. Its own zeros bring it near.
+    let by_zeros = || -> Result<_> {
         let still = turning_at_rest(start, settings, run)?;
-        let by_zeros = stacked(-still, -still);
-        let near = end_state(&by_zeros)?;
-        if near.fixed_rows::<3>(0).norm() < end.fixed_rows::<3>(0).norm() {
-            (line, end) = (by_zeros, near);
+        let line = stacked(-still, -still);
+        newton((line, end_state(&line)?), 2 * ITERATIONS)
+    };
+    let near = turned_far
+        .then(by_zeros)
+        .and_then(Result::ok)
+        .filter(closes);
+    let found = match near {
+        Some(near) => near,
+        None => {
+            let found = newton((Vector6::zeros(), before), ITERATIONS)?;
+            // A run that no line closes is left as it is, and said to be.
+            let more = || newton(found, ITERATIONS).ok().filter(closes);
+            if closes(&found) {
+                found
+            } else {
+                more().unwrap_or(found)
+            }
         }
-    }
-    for iteration in 0..MOST_ITERATIONS {
-        if iteration >= ITERATIONS && end.norm() < CLOSED {
-            break;
-        }
-        let mut derivative = Matrix6::zeros();
-        for column in 0..6 {
-            let mut probe = line;
-            probe[column] += PROBE_RAD_S2;
-            derivative.set_column(column, &((end_state(&probe)? - end) / PROBE_RAD_S2));
-        }
-        let step = derivative.lu().solve(&end).ok_or(NOT_CONVERGED)?;
-        line -= step;
-        end = end_state(&line)?;
-    }
-    let off = end.norm();
-    if off.is_nan() || off >= CLOSED {
-        return Err(NOT_CONVERGED);
-    }
+    };
     let [end_rate_before_rad_s, end_rotation_before_rad] = halves(&before);
     Ok((
-        line,
+        found.0,
         Trend {
             end_rate_before_rad_s,
             end_rotation_before_rad,
+            closes: closes(&found),
         },
     ))
 }
 
 /// Mean angular acceleration that the channels show at the beginning of a run, shell axes, rad/s^2.
 fn turning_at_rest(start: &Decoupler, settings: &Settings, run: &[[f64; LIMBS]]) -> Result<DVec3> {
-    let samples = ((AT_REST_S * settings.sample_rate_hz) as usize).clamp(NEEDED, run.len());
+    // A piece may be shorter than what is needed of a run.
+    let samples = ((AT_REST_S * settings.sample_rate_hz) as usize).max(NEEDED);
     let mut decoupler = start.clone();
     let (mut sum, mut count) = (DVec3::ZERO, 0.0);
-    for row in &run[..samples] {
+    for row in run.iter().take(samples) {
         if let Some(shown) = decoupler.push(row)? {
             sum += shown.attitude.inverse() * shown.angular_ground_rad_s2;
             count += 1.0;

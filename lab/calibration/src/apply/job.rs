@@ -156,6 +156,9 @@ impl Job<'_> {
             let (rows, found) = read.map_err(because)?;
             rest_to_rest::write(&recording, &rows, &stamps, &mut decoding, create(&layout)?)
                 .map_err(|error| because(with_verdict(error, &mut coordination)))?;
+            if !found.closes && moving.is_empty() {
+                decoding.say("no straight line in its torques brings this run back to rest where it began (--rest-to-rest): the result is wrong".to_owned());
+            }
             moving.into_iter().for_each(|why| decoding.say(why));
             trend = Some(found);
         } else {
