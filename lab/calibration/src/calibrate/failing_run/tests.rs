@@ -24,7 +24,9 @@ const TIMING: Timing = Timing {
     run_s: 2.0,
 };
 const SAMPLES: usize = 2000;
-/// Amplitudes of travel and rotation: with these the open loop loses a run whose zeros are off by a hundredth of its signal.
+/// Rest before the motion that is not recorded, s: with all of it the zeros that it shows close the run.
+const LATE_S: f64 = 0.27;
+/// Amplitudes of travel and rotation: with these the open loop loses a run that hardly rests and whose zeros are off by a hundredth of its signal.
 const TRAVEL_M: f64 = 0.09;
 const TURN_RAD: f64 = 1.7;
 const GAIN_N_PER_V: f64 = 10.0;
@@ -38,7 +40,7 @@ fn said(noise_v: f64, wrong: impl Fn(usize, usize, f64) -> f64) -> Option<Findin
     let parameters = session.sensor.design();
     let n = DVec3::new(2.0, 1.0, 1.0).normalize();
     let omega = TAU * FREQUENCY_HZ;
-    let course = |sample: usize| TIMING.course(sample as f64 / RATE_HZ, omega);
+    let course = |sample: usize| TIMING.course(LATE_S + sample as f64 / RATE_HZ, omega);
     let each = |of: &dyn Fn([f64; 3]) -> f64| -> Vec<f64> {
         (0..SAMPLES).map(|sample| of(course(sample))).collect()
     };
