@@ -20,6 +20,7 @@
 //! | `own` | what one trial has for itself |
 //! | `load` | what the motion asks of the limbs, and what the channels show of it |
 //! | `trial` | one trial's data and what the model makes of its motion |
+//! | `standard` | what the standard shows of it |
 //! | `normal` | its part in the normal equations, the motion eliminated |
 //! | `solve` | Gauss-Newton over all trials |
 //! | `settle` | the spreads at one linearisation |
@@ -52,6 +53,7 @@ pub mod robust;
 pub mod room;
 mod settle;
 mod solve;
+mod standard;
 mod trial;
 pub mod unknowns;
 

@@ -10,7 +10,8 @@ use nalgebra::{Cholesky, Complex, DMatrix, DVector, Dyn};
 
 use super::motion::Operator;
 use super::own::Own;
-use super::trial::{Drive, Parts, Standard, Trial};
+use super::standard::Standard;
+use super::trial::{Drive, Parts, Trial};
 use super::unknowns::{GYROSCOPE_LAG, Unknowns};
 use crate::geometry::LIMBS;
 use crate::identify::static_load_sharing::StaticLoadSharing;

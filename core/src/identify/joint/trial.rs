@@ -24,10 +24,8 @@ use super::harmonics::{Grid, Projection, harmonic};
 use super::load::Share;
 use super::motion::{self, Operator, Series};
 use super::own::{Kind, Own};
-use super::unknowns::{
-    ACCELEROMETER_GAIN, AMPLIFIER_CORNER, DRIFT, GYROSCOPE_GAIN, GYROSCOPE_LAG, MASS_PER_SCALE,
-    Unknowns,
-};
+use super::standard::Standard;
+use super::unknowns::{AMPLIFIER_CORNER, DRIFT, MASS_PER_SCALE, Unknowns};
 use crate::float::{exp, sin_cos, sqrt};
 use crate::geometry::LIMBS;
 use crate::identify::static_load_sharing::StaticLoadSharing;
@@ -84,16 +82,6 @@ pub(super) struct Parts {
     pub by_latent: Vec<Operator>,
     /// Shares of the series in the channels.
     pub shares: Vec<Share>,
-}
-
-/// The standard's answer to the motion.
-pub(super) struct Standard {
-    /// Response at each harmonic.
-    pub response: Vec<Complex<f64>>,
-    /// Its derivative by the gyroscope's lag.
-    pub by_lag: Vec<Complex<f64>>,
-    /// Place of the gain.
-    pub gain: usize,
 }
 
 impl Trial {
@@ -188,33 +176,6 @@ impl Trial {
         match self.drive {
             Drive::Linear => motion::linear(&self.grid, &self.latent).into(),
             Drive::Angular => motion::angular(&self.grid, &self.latent, self.gravity_turns),
-        }
-    }
-
-    /// The standard's answer to the motion.
-    pub fn standard(&self, unknowns: &Unknowns) -> Standard {
-        let [accelerometer_s, gyroscope_s] = self.standard_delay_s;
-        let (lag, delay_s, gain) = match self.drive {
-            Drive::Linear => (
-                self.accelerometer_lag_s,
-                accelerometer_s,
-                ACCELEROMETER_GAIN,
-            ),
-            Drive::Angular => (unknowns.values[GYROSCOPE_LAG], gyroscope_s, GYROSCOPE_GAIN),
-        };
-        let (response, by_lag) = (1..=self.grid.harmonics)
-            .map(|k| {
-                let iw = Complex::new(0.0, self.grid.rate_rad_s(k));
-                let (sin, cos) = sin_cos(self.grid.rate_rad_s(k) * delay_s);
-                let late = Complex::new(cos, -sin);
-                let follows = Complex::new(1.0, 0.0) / (Complex::new(1.0, 0.0) + iw * lag);
-                (late * follows, -iw * late * follows * follows)
-            })
-            .unzip();
-        Standard {
-            response,
-            by_lag,
-            gain,
         }
     }
 

@@ -183,7 +183,7 @@ impl Summary {
             Some(Cause::Channels) => Finding::Misfit,
             _ => Finding::TooPoor,
         };
-        self.open_in_words = Some(open);
+        (self.open_in_words, self.rival) = (Some(open), None);
         self.open_because_of = cause;
         self.residual_over_noise = judged.map(|judged| judged.over_noise);
     }
@@ -275,11 +275,7 @@ impl Summary {
                 }
             ),
         };
-        if let Some(rival) = self
-            .rival
-            .as_ref()
-            .filter(|_| self.finding == Finding::Drifted)
-        {
+        if let Some(rival) = &self.rival {
             let rival: Vec<String> = rival.iter().map(usize::to_string).collect();
             let _ = writeln!(
                 out,

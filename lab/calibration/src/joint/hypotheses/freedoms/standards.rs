@@ -230,7 +230,7 @@ fn delayed(
     instead: bool,
 ) -> Option<Finding> {
     let delay_ms = 1e3 * (stated_s + found_s);
-    let none_left = (stated_s + found_s).abs() < SHORTEST_LAG_S.max(AS_STATED * stated_s);
+    let none_left = (stated_s + found_s).abs() < AS_STATED * stated_s;
     let bandwidth = lag_s.map(|lag_s| format!("bandwidth of {:.1} Hz", 1.0 / (TAU * lag_s)));
     let (beside, in_place) = match &bandwidth {
         Some(bandwidth) if instead => (String::new(), format!(", in place of its {bandwidth}")),
